@@ -99,10 +99,10 @@ const ARRAYS: Parameter = Parameter {
     help: "",
 };
 
-/// What can be asked for by `arrays`.
+/// Names valid for `arrays`.
 const WORDS: [&str; 5] = ["scalar", "gradient-magnitude", "gradient", "culled", "cell-values"];
 
-/// What `arrays` names; `None`: all that there is.
+/// Arrays named by `arrays`; `None`: all that there are.
 fn wanted(p: &Parameters) -> Result<Option<Vec<String>>> {
     if p.optional("arrays").is_none() {
         return Ok(None);
@@ -193,7 +193,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     Ok(Vec::new())
 }
 
-/// What the file will hold.
+/// Contents of the file.
 fn contents(call: &mut RunContext, volume: &Volume) -> Result<Contents> {
     let p = call.parameters;
     let wanted = wanted(p)?;

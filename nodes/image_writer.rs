@@ -63,7 +63,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     Ok(Vec::new())
 }
 
-/// What the picture is to carry.
+/// Provenance to embed in the picture.
 fn carried(call: &mut RunContext, path: &Path) -> Result<Option<Provenance>> {
     if !call.parameters.flag("provenance")? {
         return Ok(None);

@@ -53,7 +53,7 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-/// What the parameters state.
+/// Options set by the parameters.
 struct Wish {
     fields: Vec<String>,
     /// One a field.

@@ -174,7 +174,7 @@ fn leave_out(notes: &mut NodeDiagnostics, leave: MayLeaveOut, arrays: &[String],
     notes.record_skipped(leave, format!("arrays {}", arrays.join(", ")), "nothing looks at them", saving);
 }
 
-/// What parameters and demand ask of the file.
+/// Request to the file from parameters and demand.
 fn asked(
     p: &Parameters,
     demand: &Demand,
@@ -192,7 +192,7 @@ fn asked(
     Ok(request)
 }
 
-/// What the parameters ask of the file.
+/// Request to the file from the parameters.
 pub(crate) fn request(p: &Parameters, chosen: Option<SelectedArrays>) -> Result<Request> {
     let association = match p.text("association")? {
         "point" => Association::Point,

@@ -92,7 +92,7 @@ fn one_texel(_path: &str) -> Result<(usize, usize, Vec<[f32; 4]>)> {
     Ok((1, 1, vec![[0.0; 4]]))
 }
 
-/// The same from what stands for the widgets of others, where that is known.
+/// Stub of the output while planning, from the stubs of its inputs.
 fn outline(parameters: &Parameters, inputs: &[NamedStub]) -> Result<Outputs> {
     let mut look = look(parameters, &relative::stood_in(parameters)?, &one_texel)?;
     for (_, input) in inputs.iter().filter(|(port, _)| *port == "widgets") {

@@ -56,7 +56,7 @@ pub const NODE: Node = Node {
 /// Half a side of the box, world units.
 const HALF: f64 = 10.0;
 
-/// Of the formula in `vtkRTAnalyticSource` (VTK 9), with its standard parameters and x in sides of the box:
+/// Formula of `vtkRTAnalyticSource` (VTK 9), with its default parameters and x in sides of the box:
 /// 255 e^(−x²/2σ²) + 10 sin 60 x + 18 sin 30 y + 5 cos 40 z, σ = ½.
 fn field(p: glam::DVec3) -> f64 {
     let x = -p / (2.0 * HALF);

@@ -17,7 +17,7 @@ pub struct Spans<'a> {
 pub(crate) struct Stretch<'a> {
     pub transfer_function: &'a TransferFunction,
     pub spans: &'a Spans<'a>,
-    /// Whether widgets are walked together, in their order.
+    /// True if widgets are walked together, in their order.
     pub is_in_order: bool,
 }
 

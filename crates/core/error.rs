@@ -8,7 +8,7 @@ use std::fmt;
 /// Result of the library.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Whose mistake an error is; decides the exit code of the program.
+/// Category of an error: the user's mistake or a failed run; decides the exit code of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorKind {
     /// The command line or the pipeline file is wrong: exit code 2.
@@ -19,7 +19,7 @@ pub enum ErrorKind {
     Cancelled,
 }
 
-/// Where an error happened, from the outermost to the innermost place known.
+/// Location of an error, from the outermost to the innermost place known.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Location {
     /// The file, as the user wrote its path.
@@ -34,18 +34,18 @@ pub struct Location {
     pub item: Option<String>,
 }
 
-/// What went wrong, what was found, what would be right, where.
+/// Error with its cause, the offending value, the expected value and its location.
 #[derive(Debug, Clone, thiserror::Error)]
 pub struct Error {
-    /// Whose mistake it is.
+    /// Category.
     pub kind: ErrorKind,
-    /// What is wrong, in one clause without a full stop.
+    /// Statement of the mistake, one clause without a full stop.
     pub what: String,
-    /// What was found, if there is something to show.
+    /// Offending value, if there is one to show.
     pub got: Option<String>,
-    /// What would be right.
+    /// Valid values.
     pub expected: Option<String>,
-    /// Where.
+    /// Location.
     pub location: Box<Location>,
 }
 

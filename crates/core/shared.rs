@@ -39,12 +39,12 @@ impl<T> SharedSlice<T> {
         Arc::make_mut(&mut self.owned)
     }
 
-    /// Whether the memory is somebody else's.
+    /// True if the memory is somebody else's.
     pub fn is_lent(&self) -> bool {
         self.lent.is_some()
     }
 
-    /// Whether both are the same memory.
+    /// True if both are the same memory.
     pub fn is(&self, other: &SharedSlice<T>) -> bool {
         std::ptr::eq(self.as_slice(), other.as_slice())
     }

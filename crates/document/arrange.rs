@@ -3,11 +3,11 @@
 use crate::links;
 use voltet_graph::NodeEntry;
 
-/// What is left between two layers, and between two nodes of one, in points.
+/// Gap between two layers, and between two nodes of one (points).
 const GAP: [f64; 2] = [70.0, 40.0];
 /// The size of a node that nobody has drawn yet.
 pub const USUAL: [f64; 2] = [170.0, 100.0];
-/// How often the layers are ordered by their neighbours.
+/// Number of passes that order the layers by their neighbours.
 const SWEEPS: usize = 4;
 
 /// A node as it is drawn.
@@ -21,7 +21,7 @@ pub struct PlacedNode {
     pub size: [f64; 2],
 }
 
-/// How nodes are brought in line.
+/// Alignment of nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Align {
     /// Left sides.
@@ -170,7 +170,7 @@ fn rows(layers: &[Vec<usize>], count: usize) -> Vec<f64> {
     rows
 }
 
-/// How many pairs of wires between the same layers cross.
+/// Number of crossings between wires of the same layers.
 fn crossings(layers: &[Vec<usize>], feeding: &[Vec<usize>], row: &[f64]) -> usize {
     let mut layer = vec![0; feeding.len()];
     for (l, nodes) in layers.iter().enumerate() {

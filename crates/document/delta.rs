@@ -1,4 +1,4 @@
-//! How one text becomes another: ranges of bytes with what stood and what stands there.
+//! Difference of two texts: ranges of bytes with their old and new contents.
 //!
 //! Every edit and every step of the history is a [`Delta`]. What lies outside its hunks is not touched, and turning it round
 //! gives back the former text to the byte.
@@ -11,9 +11,9 @@ use voltet_core::{Error, Result};
 pub struct Hunk {
     /// The byte of the former text at which it begins.
     pub offset: usize,
-    /// What stood there.
+    /// Old text.
     pub old: String,
-    /// What stands there instead.
+    /// New text.
     pub new: String,
 }
 
@@ -29,7 +29,7 @@ impl Hunk {
         self.offset..self.offset + self.old.len()
     }
 
-    /// The same without what stays at both ends.
+    /// Hunk without equal text at both ends.
     fn trimmed(self) -> Hunk {
         let Hunk { offset: mut at, old, new } = self;
         let (mut from, mut old_to, mut new_to) = (0, old.len(), new.len());
@@ -81,7 +81,7 @@ impl Delta {
         Delta { hunks: hunks.collect() }
     }
 
-    /// Whether the texts are the same.
+    /// True if the texts are the same.
     pub fn is_empty(&self) -> bool {
         self.hunks.is_empty()
     }

@@ -25,7 +25,7 @@ pub struct Document {
     /// The file as it was when it was read or written here.
     pub(crate) stamp: Stamp,
     revision: u64,
-    /// Where nodes are shown that the file gives no place, once they were.
+    /// Positions of nodes that the file gives none, once shown.
     shown: BTreeMap<String, [f64; 2]>,
 }
 
@@ -74,12 +74,12 @@ impl Document {
         self.path.as_deref().and_then(Path::parent).unwrap_or(Path::new("")).to_path_buf()
     }
 
-    /// What the text states, as far as it can be read.
+    /// Pipeline that the text states, as far as it can be read.
     pub fn pipeline(&self) -> &Pipeline {
         &self.survey.pipeline
     }
 
-    /// What the table `[editor]` says.
+    /// Contents of the table `[editor]`.
     pub fn view(&self) -> &View {
         &self.view
     }
@@ -89,7 +89,7 @@ impl Document {
         self.revision
     }
 
-    /// Whether the text is TOML. If it is not, [`Edit::Text`] alone can be done.
+    /// True if the text is TOML. If it is not, [`Edit::Text`] alone can be done.
     pub fn is_toml(&self) -> bool {
         self.survey.is_toml
     }
@@ -99,7 +99,7 @@ impl Document {
         self.edit_all(edit.label(), std::slice::from_ref(edit), None)
     }
 
-    /// The same as a part of a gesture, such as a drag: all edits of one are one step.
+    /// Edits as a part of a gesture, such as a drag: all edits of one gesture are one undo step.
     pub fn edit_in(&mut self, gesture: Gesture, edit: &Edit) -> Result<()> {
         self.edit_all(edit.label(), std::slice::from_ref(edit), Some(gesture))
     }
@@ -174,7 +174,7 @@ impl Document {
         &self.history
     }
 
-    /// Whether the text is as its file.
+    /// True if the text is as its file.
     pub fn is_saved(&self) -> bool {
         self.history.is_saved()
     }

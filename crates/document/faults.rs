@@ -1,4 +1,4 @@
-//! What is wrong with a document, each mistake at the node, the parameter or the input that it is about.
+//! Mistakes of a document, each at the node, the parameter or the input concerned.
 
 use crate::links;
 use crate::path::{Path, Step};
@@ -11,13 +11,13 @@ use voltet_graph::{DiagnosticTarget as Stated, Graph, NodeEntry, Registry};
 pub struct Fault {
     /// The node; none where it is about the file as a whole.
     pub node: Option<String>,
-    /// What of the node is wrong.
+    /// Part of the node concerned.
     pub target: FaultTarget,
-    /// What is wrong, with line and column.
+    /// Error, with line and column.
     pub error: Error,
 }
 
-/// What a mistake is about.
+/// Part of a node that a mistake concerns.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FaultTarget {
     /// The file, or a node as a whole: its name, its type, how its parameters go together.
@@ -34,7 +34,7 @@ impl Document {
         self.faults_among(&self.survey.pipeline.nodes, registry)
     }
 
-    /// The same of these nodes by themselves, whose wires then lead nowhere, and of the text.
+    /// Mistakes of these nodes by themselves, with their wires cut, and of the text.
     pub fn faults_of(&self, names: &[&str], registry: &Registry) -> Vec<Fault> {
         let nodes = self.survey.pipeline.nodes.iter().filter(|node| names.contains(&node.name.as_str()));
         self.faults_among(&nodes.cloned().collect::<Vec<_>>(), registry)
@@ -71,7 +71,7 @@ impl Document {
         faults
     }
 
-    /// Of these faults, those for which a node cannot run: its own, and those of what feeds it. Empty: what feeds the node, and it,
+    /// Faults, among these, that prevent a node from running: its own, and those of its sources. Empty: the node and its sources
     /// can be built into a graph and run, whatever is wrong elsewhere.
     pub fn faults_before<'a>(&self, node: &str, faults: &'a [Fault]) -> Vec<&'a Fault> {
         let needed = links::upstream(&self.survey.pipeline.nodes, node);
@@ -99,7 +99,7 @@ impl Document {
     }
 }
 
-/// Whether two mistakes are of the very same bytes.
+/// True if two mistakes are of the very same bytes.
 fn is_same(one: &Error, other: &Error) -> bool {
     one.location.span.is_some() && one.location.span == other.location.span
 }

@@ -2,7 +2,7 @@
 
 use crate::delta::Delta;
 
-/// What belongs together as one step: all edits of one drag have one gesture.
+/// Gesture: all edits of one drag are one undo step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Gesture(pub u64);
 
@@ -18,14 +18,14 @@ struct EditStep {
 #[derive(Debug, Clone, Default)]
 pub struct History {
     steps: Vec<EditStep>,
-    /// How many of the steps are done; those after are undone.
+    /// Number of steps done; later ones are undone.
     cursor: usize,
     /// The cursor at which the text is as its file; none where no cursor leads there.
     saved: Option<usize>,
 }
 
 impl History {
-    /// Of a text that is as its file.
+    /// History of a text that equals its file.
     pub fn of_saved() -> History {
         History { saved: Some(0), ..History::default() }
     }
@@ -65,12 +65,12 @@ impl History {
         Some(step.delta.clone())
     }
 
-    /// What undoing would undo, in words.
+    /// Description of the step that undo would revert.
     pub fn undo_label(&self) -> Option<&str> {
         Some(&self.steps.get(self.cursor.checked_sub(1)?)?.label)
     }
 
-    /// What redoing would do again, in words.
+    /// Description of the step that redo would repeat.
     pub fn redo_label(&self) -> Option<&str> {
         Some(&self.steps.get(self.cursor)?.label)
     }
@@ -80,12 +80,12 @@ impl History {
         self.saved = Some(self.cursor);
     }
 
-    /// Whether the text is as its file.
+    /// True if the text is as its file.
     pub fn is_saved(&self) -> bool {
         self.saved == Some(self.cursor)
     }
 
-    /// How many steps are done, and how many there are.
+    /// Number of steps done, and number of steps.
     pub fn position(&self) -> (usize, usize) {
         (self.cursor, self.steps.len())
     }

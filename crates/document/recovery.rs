@@ -18,10 +18,10 @@ const LOCK: &str = "lock";
 const SLOTS: usize = 64;
 /// The first words of a kept text; the file's path follows.
 const OF: &str = "# unsaved work of ";
-/// Where the document has no file.
+/// First line of a draft without a file.
 const NEW: &str = "# unsaved work, not in a file yet";
 
-/// Where unsaved work is kept.
+/// Folder of drafts of unsaved work.
 #[derive(Debug, Clone)]
 pub struct Recovery {
     folder: PathBuf,
@@ -46,7 +46,7 @@ pub struct OrphanedDraft {
     pub path: Option<PathBuf>,
     /// The text.
     pub text: String,
-    /// When it was kept.
+    /// Time of the draft.
     pub written: SystemTime,
     place: PathBuf,
     lock: File,
@@ -89,7 +89,7 @@ impl Recovery {
         Err(Error::run("unsaved work cannot be kept").got(format!("{SLOTS} works of the same file")))
     }
 
-    /// What was left behind, the newest first.
+    /// Orphaned drafts, the newest first.
     pub fn left_behind(&self) -> Vec<OrphanedDraft> {
         let entries =
             std::fs::read_dir(&self.folder).into_iter().flatten().flatten().map(|entry| entry.path());

@@ -1,4 +1,4 @@
-//! What only the editor knows of a pipeline, kept in the table `[editor]` of its file: places, frames, notes, sets of widgets.
+//! View of a pipeline in the editor, kept in the table `[editor]` of its file: positions, frames, notes, sets of widgets.
 //!
 //! ```toml
 //! [editor]
@@ -23,12 +23,12 @@
 use std::collections::BTreeMap;
 use voltet_graph::{Field, LocatedValue, ParameterValue};
 
-/// How a node is shown.
+/// View of a node.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct NodeView {
     /// Its place; none where the file gives none.
     pub position: Option<[f64; 2]>,
-    /// Whether its head alone is shown.
+    /// True if its head alone is shown.
     pub folded: bool,
     /// Words that stand with it.
     pub remark: Option<String>,

@@ -48,7 +48,7 @@ pub fn display_path(path: &Path) -> String {
     }
 }
 
-/// Whether a path by its words alone is the standard output or a device, which have no endings.
+/// True if a path by its words alone is the standard output or a device, which have no endings.
 pub fn is_stream(path: &str) -> bool {
     path == STANDARD_OUTPUT || path.starts_with("/dev/")
 }

@@ -1,4 +1,4 @@
-//! Which file a path means, however it is spelled.
+//! Identity of the file behind a path, however the path is spelled.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ pub const STANDARD_OUTPUT: &str = "-";
 /// More links than this from one to the next are a ring: what Linux allows.
 const MAX_LINKS: usize = 40;
 
-/// What a path means: equal for two paths where what is written to one shows at the other.
+/// Identity of a file: equal for two paths where data written to one shows at the other.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FileIdentity {
     /// The standard output, where that is a terminal or another device.
@@ -21,7 +21,7 @@ pub enum FileIdentity {
 }
 
 impl FileIdentity {
-    /// What a path means; `None` for devices (`/dev/null`), which keep nothing that could be lost.
+    /// Identity of the file at a path; `None` for devices (`/dev/null`), which keep nothing that could be lost.
     pub fn from_path(path: &Path) -> Option<FileIdentity> {
         if path == Path::new(STANDARD_OUTPUT) {
             let there = standard_output().and_then(|metadata| Self::there(&metadata, path));
@@ -46,7 +46,7 @@ impl FileIdentity {
     }
 }
 
-/// Whether a path is the standard output, by its own name or another.
+/// True if a path is the standard output, by its own name or another.
 pub fn is_standard_output(path: &Path) -> bool {
     let named = [STANDARD_OUTPUT, "/dev/stdout"].iter().any(|name| path == Path::new(name));
     named
@@ -54,7 +54,7 @@ pub fn is_standard_output(path: &Path) -> bool {
             .is_some_and(|meant| FileIdentity::from_path(Path::new(STANDARD_OUTPUT)) == Some(meant))
 }
 
-/// What the standard output leads to, where the system tells.
+/// Metadata of the standard output's target, where the system reports it.
 fn standard_output() -> Option<std::fs::Metadata> {
     cfg!(unix).then(|| std::fs::metadata("/dev/stdout").ok())?
 }
@@ -80,7 +80,7 @@ fn without_links(path: &Path) -> PathBuf {
 pub struct Use {
     /// The path.
     pub path: PathBuf,
-    /// Whether it is written; it is read otherwise.
+    /// True if it is written; it is read otherwise.
     pub written: bool,
 }
 
@@ -104,7 +104,7 @@ pub fn folder(path: &Path) -> &Path {
     }
 }
 
-/// How a file in `folder` names the file at `path`, which need not be there yet: by a relative path where both lie in a folder
+/// Path from `folder` to the file at `path`, which need not exist: a relative path where both lie in a folder
 /// other than the root, else by the whole path; as it is where its folder is not there.
 pub fn relative_to(path: &Path, folder: &Path) -> PathBuf {
     let own = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };

@@ -1,4 +1,4 @@
-//! Whether the program waits for whoever reads what it writes: then only its end stops it.
+//! Guard of blocking writes: while a reader of the output is slow, only the program's end stops it.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -19,7 +19,7 @@ impl Drop for WriteGuard {
     }
 }
 
-/// Whether a write to a pipe or a terminal is on its way.
+/// True if a write to a pipe or a terminal is on its way.
 pub fn is_waiting() -> bool {
     WAITS.load(Ordering::Relaxed)
 }

@@ -9,7 +9,7 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use voltet_core::{Error, Result};
 
-/// What a path to write leads to.
+/// Target of a path to write.
 enum Target {
     /// The standard output.
     StandardOutput,

@@ -1,4 +1,4 @@
-//! What 32 bits do not hold, for every engine that computes in them: the native one leaves such segments to 64 bits, a
+//! Limits of 32-bit arithmetic, for every engine that computes in it: the CPU engine integrates such segments in 64 bits, a
 //! device's shaders refuse such scenes before anything is drawn.
 
 /// Widths of a Gaussian that a segment may span: the rounding of its ends (6e-8 of the span) moves the path by a share of a
@@ -20,7 +20,7 @@ pub const MAX_WALKED_BANDS: f64 = 1000.0;
 /// 1e-4 of depth.
 pub const MAX_RATE: f32 = 200.0;
 
-/// The same for Gaussians and uniform widgets whose walk begins each panel at 0: beyond, what lies outside of where a Gaussian is
+/// Largest rate of Gaussians and uniform widgets whose walk begins each panel at 0: beyond, errors outside of where a Gaussian is
 /// resolved may be seen.
 pub const MAX_DENSE_RATE: f32 = 1e7;
 

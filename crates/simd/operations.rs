@@ -1,9 +1,9 @@
-//! What vector lanes can do.
+//! Operations of vector lanes.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 pub(super) mod sealed {
-    /// What only this crate's lanes are.
+    /// Seal: only this crate implements lanes.
     pub trait Sealed {}
 }
 
@@ -33,7 +33,7 @@ pub trait Double:
     /// Booleans.
     type Mask: Mask;
 
-    /// The same value in every lane.
+    /// Broadcasts a value to every lane.
     fn splat(value: f64) -> Self;
     /// The first `COUNT` values of the slice, which must hold as many.
     fn load(values: &[f64]) -> Self;
@@ -66,7 +66,7 @@ pub trait Float:
     /// The lane set.
     type Lanes: Lanes<F = Self>;
 
-    /// The same value in every lane.
+    /// Broadcasts a value to every lane.
     fn splat(value: f32) -> Self;
     /// The first `WIDTH` values of the slice, which must hold as many.
     fn load(values: &[f32]) -> Self;
@@ -124,7 +124,7 @@ pub trait Unsigned: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output 
     /// The lane set.
     type Lanes: Lanes<U = Self>;
 
-    /// The same value in every lane.
+    /// Broadcasts a value to every lane.
     fn splat(value: u32) -> Self;
     /// 0, 1, 2, …
     fn iota() -> Self;
@@ -146,7 +146,7 @@ pub trait Unsigned: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output 
     fn min(self, other: Self) -> Self;
     /// The larger lane.
     fn max(self, other: Self) -> Self;
-    /// Whether any bit of `bits` is set.
+    /// Mask of the lanes in which any bit of `bits` is set.
     fn test(self, bits: Self) -> <Self::Lanes as Lanes>::M;
     /// self == other.
     fn equal(self, other: Self) -> <Self::Lanes as Lanes>::M;
@@ -199,7 +199,7 @@ fn last_of_parts(values: &[[f32; 4]]) -> u32 {
     (values.len() - 1) as u32
 }
 
-/// What is to be gathered later ([`Float::gather_awaited`]), and comes near meanwhile.
+/// Prefetched gather: an index whose data are fetched now and read later ([`Float::gather_awaited`]).
 #[repr(align(64))]
 pub struct Awaited<'a> {
     /// Places in bytes, each of a value.
@@ -228,7 +228,7 @@ impl<'a> Awaited<'a> {
         }
     }
 
-    /// What is asked for.
+    /// Index of the gather.
     #[inline(always)]
     pub fn index<L: Lanes>(&self) -> L::U {
         L::U::load(&self.bytes).shr::<4>()

@@ -12,7 +12,7 @@ use voltet_optics::engine::{Compositor, EngineInfo};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Integrator, Shading};
 
-/// Whether an engine is asked where a pipeline says this.
+/// True if an engine is asked where a pipeline says this.
 pub fn is_asked_by(engine: &EngineInfo, wanted: &str) -> bool {
     match wanted {
         AUTO => engine.taken.is_some(),

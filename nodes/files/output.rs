@@ -8,7 +8,7 @@ use voltet_graph::{DefaultValue, Parameter, ParameterType, Parameters, Preparati
 /// The word for a format that the path decides.
 pub const BY_ENDING: &str = "auto";
 
-/// Where it is written.
+/// Path of the output file.
 pub const PATH: Parameter = Parameter {
     name: "path",
     parameter_type: ParameterType::OutputPath,
@@ -17,7 +17,7 @@ pub const PATH: Parameter = Parameter {
     help: "the file; \"-\": the standard output",
 };
 
-/// How it is written; the words of formats stand in place of none.
+/// Format of the output file; names of formats stand in place of none.
 pub const FORMAT: Parameter = Parameter {
     name: "format",
     parameter_type: ParameterType::Choice(&[]),

@@ -215,10 +215,10 @@ pub fn region(p: &Parameters) -> Result<Region> {
     }
 }
 
-/// Whether a tetrahedron counts.
+/// True if a tetrahedron counts.
 pub type Holds<'a> = Box<dyn Fn(usize) -> bool + Sync + 'a>;
 
-/// Which tetrahedra count.
+/// Selection of tetrahedra by the parameters.
 pub fn mask<'a>(p: &Parameters, volume: &'a Volume) -> Result<Option<Holds<'a>>> {
     let Some(table) = p.table("mask")? else { return Ok(None) };
     let name = table.text("array")?;

@@ -15,7 +15,7 @@ pub fn stood_in(p: &Parameters) -> Result<Widgets> {
     p.kinds("widgets")?.into_iter().map(|(kind, keys)| Ok((kind, with_placeholders(&keys)?))).collect()
 }
 
-/// What the widgets' numbers are relative to.
+/// Statistics that the widgets' numbers refer to.
 fn wanted_of(widgets: &Widgets) -> StatisticsRequest {
     let mut all = StatisticsRequest::default();
     for (_, keys) in widgets {

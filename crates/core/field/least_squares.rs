@@ -122,7 +122,7 @@ impl Fit {
         self.careful(grid, s, scale, p, neighbours)
     }
 
-    /// The same through singular values, for neighbourhoods that are flat or nearly so.
+    /// Solves by singular values, for neighbourhoods that are flat or nearly so.
     #[cold]
     fn careful(
         &mut self,
@@ -177,12 +177,12 @@ impl CoincidenceTest {
         CoincidenceTest { size: x.abs().max_element() }
     }
 
-    /// What the coordinates of the two points can resolve.
+    /// Smallest difference that the coordinates of the two points resolve.
     fn resolution(&self, y: DVec3) -> f64 {
         f64::EPSILON * self.size.max(y.abs().max_element())
     }
 
-    /// Whether the difference d (times `scale`, with this square) is more than rounding of the coordinates.
+    /// True if the difference d (times `scale`, with this square) is more than rounding of the coordinates.
     #[inline]
     pub fn holds(&self, y: DVec3, d: DVec3, scale: f64, square: f64) -> bool {
         d.abs().max_element() > 2.0 * self.resolution(y) * scale && square >= f64::MIN_POSITIVE

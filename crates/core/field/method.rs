@@ -44,7 +44,7 @@ impl Method {
         self.filter.declaration().name
     }
 
-    /// What the filter declares.
+    /// Parameter schema of the filter.
     pub fn declaration(&self) -> VariantSchema {
         self.filter.declaration()
     }
@@ -81,7 +81,7 @@ impl Method {
         Ok(found)
     }
 
-    /// The same at some points alone, a vector each, in their order; `None` where that takes as long as all of them.
+    /// Gradient at some points alone, a vector each, in their order; `None` where that takes as long as all of them.
     ///
     /// Errors: those of [`Method::gradient`].
     pub fn gradient_at(

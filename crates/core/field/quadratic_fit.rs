@@ -25,7 +25,7 @@ const UNKNOWNS: usize = 9;
 /// at most about its inverse.
 const SMALL_PIVOT: f64 = 1e-2;
 
-/// The same for the larger surroundings, the last resort before a linear fit.
+/// Smallest pivot for the larger neighbourhood, the last resort before a linear fit.
 const SMALL_PIVOT_SECOND_RING: f64 = 1e-3;
 
 /// Fewest neighbours for a fit without the second ring: three more than unknowns, so that single values do not

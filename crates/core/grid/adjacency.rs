@@ -1,4 +1,4 @@
-//! Which tetrahedra use a point, and which points it shares an edge with: made on demand, in parallel, always in
+//! Adjacency tables: the tetrahedra around a point, and the points that share an edge with it; made on demand, in parallel, always in
 //! the same order.
 
 use super::Grid;
@@ -230,7 +230,7 @@ impl Neighbours {
         &self.found[1..]
     }
 
-    /// The same with the neighbours of these neighbours.
+    /// Neighbours of a point, and their neighbours.
     pub fn second_ring(&mut self, neighbours_of_points: &Csr, point: usize) -> &[u32] {
         self.clear();
         let first = neighbours_of_points.row(point);

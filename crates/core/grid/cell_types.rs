@@ -31,7 +31,7 @@ pub mod code {
     pub const BEZIER_PYRAMID: u8 = 81;
 }
 
-/// What is known of a cell type.
+/// VTK cell type: code, name, dimension, corner count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CellType {
     /// VTK's type code.

@@ -16,7 +16,7 @@ pub(crate) type Face = [u32; 4];
 pub(crate) struct CoincidentPoints(Option<Vec<u32>>);
 
 impl CoincidentPoints {
-    /// Those of these points.
+    /// Coincident points among these.
     pub fn find(points: &[DVec3]) -> CoincidentPoints {
         CoincidentPoints(points_at_one_place(points))
     }
@@ -89,7 +89,7 @@ fn faces_at(p: u32, around: &[u32], corners: &impl Fn(u32) -> [u32; 4], faces: &
     faces.sort_unstable();
 }
 
-/// Where each point's cells begin; one more entry than points.
+/// Start of each point's cells; one more entry than points.
 fn starts(point_count: usize, cell_count: usize, corners: &(impl Fn(u32) -> [u32; 4] + Sync)) -> Vec<u64> {
     let counts: Vec<AtomicU32> = (0..point_count).map(|_| AtomicU32::new(0)).collect();
     (0..cell_count as u32).into_par_iter().with_min_len(CHUNK).for_each(|cell| {

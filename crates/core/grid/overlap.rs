@@ -12,7 +12,7 @@ use rayon::prelude::*;
 /// rounding could not turn.
 const FLATNESS_TOLERANCE: f64 = 1e-9;
 
-/// What the faces of a grid say.
+/// Boundary faces of a grid, and counts of faces that show overlapping cells.
 #[derive(Debug, PartialEq)]
 pub(super) struct BoundaryFaces {
     /// The tetrahedra that lie on the same side of a face as another one does, ascending.

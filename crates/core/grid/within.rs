@@ -24,7 +24,7 @@ const CHUNK: usize = 1 << 13;
 pub(super) struct BoundaryOverlap {
     /// Places that were tried.
     pub tried: usize,
-    /// Those that lie in another cell.
+    /// Places that lie in another cell.
     pub inside: usize,
     /// The first of them, by its cell: the place, its cell, and a cell that it lies in.
     pub first: Option<(DVec3, [u32; 2])>,
@@ -63,7 +63,7 @@ pub(super) fn within(points: &[DVec3], tetrahedra: &[[u32; 4]], boundary: &[[u32
     BoundaryOverlap { tried: places.len(), inside: found.len(), first }
 }
 
-/// Whether a place lies deep in a tetrahedron.
+/// True if a place lies deep in a tetrahedron.
 fn holds([a, b, c, d]: [DVec3; 4], place: DVec3) -> bool {
     let [u, v, w] = [b - a, c - a, d - a];
     let volume = u.dot(v.cross(w));
@@ -79,7 +79,7 @@ struct PointBins {
     high: DVec3,
     /// Bins a unit of length.
     scale: DVec3,
-    /// Where each bin's places begin in `places`; one more entry than bins.
+    /// Start of each bin's places in `places`; one more entry than bins.
     starts: Vec<usize>,
     places: Vec<usize>,
 }

@@ -12,9 +12,9 @@ pub struct Parameters {
     pub(super) declared: Cow<'static, [Parameter]>,
     /// One for each declaration; `None` where the file is silent and there is no standard value.
     pub(super) settings: Vec<Option<LocatedValue>>,
-    /// Which of them the file gave.
+    /// Flags of the parameters that the file sets.
     pub(super) is_set: Vec<bool>,
-    /// Where the table they stand in was written.
+    /// Location of the table in the file.
     pub(super) origin: SourceSpan,
 }
 
@@ -23,11 +23,11 @@ pub struct Parameters {
 pub struct ParameterFault {
     /// The parameter, or the unknown key.
     pub parameter: String,
-    /// What is wrong, at its place.
+    /// Error, with its location.
     pub error: Error,
 }
 
-/// Of one node type: the declarations are not compared.
+/// Compares values; the declarations are assumed equal (one node type).
 impl PartialEq for Parameters {
     fn eq(&self, other: &Self) -> bool {
         self.settings == other.settings
@@ -71,7 +71,7 @@ impl Parameters {
         changed
     }
 
-    /// Whether the file (or the command line) gave the parameter.
+    /// True if the file (or the command line) gave the parameter.
     pub fn is_set(&self, name: &str) -> bool {
         self.declared.iter().position(|p| p.name == name).is_some_and(|i| self.is_set[i])
     }

@@ -1,4 +1,4 @@
-//! Whether settings fit their declarations: tables, what stands in them, and each by its type.
+//! Checks of settings against their declarations: tables, their entries, and each value by its type.
 
 use super::check::{ParameterFault, Parameters};
 use super::declaration::{DefaultValue, Parameter, ParameterType, VariantSchema};
@@ -22,8 +22,8 @@ impl Parameters {
         faults.into_iter().next().map_or(Ok(parameters), |fault| Err(fault.error))
     }
 
-    /// The same with every mistake, in the order in which [`Parameters::check`] finds them. What is wrong is set nevertheless: what
-    /// has faults is not to be used.
+    /// Checks like [`Parameters::check`] and returns every mistake, in the order found. A wrong setting is set nevertheless: parameters
+    /// with mistakes are not to be used.
     pub fn survey(
         declared: impl Into<Cow<'static, [Parameter]>>,
         fields: &[Field],
@@ -139,7 +139,7 @@ pub(super) fn check_type(
     first.map_or(Ok(()), Err)
 }
 
-/// The same with every mistake: a table, or a list of tables, may have several.
+/// Checks one value by its type and returns every mistake: a table, or a list of tables, may have several.
 fn survey_type(
     parameter_type: &ParameterType,
     name: &str,

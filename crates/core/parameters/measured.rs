@@ -10,21 +10,21 @@ use crate::{Error, Result};
 pub struct RelativeNumber {
     /// The number.
     pub relative: Relative,
-    /// What it is.
+    /// Statistic that the number refers to.
     pub is: StatisticKind,
-    /// Of what.
+    /// Array that the number refers to.
     pub quantity: ArrayRef,
     /// As it was written.
     pub setting: LocatedValue,
 }
 
 impl RelativeNumberType {
-    /// Whether the number at a place of the list or row may be relative.
+    /// True if the number at a place of the list or row may be relative.
     pub fn may_be_relative(&self, place: usize) -> bool {
         !matches!(self.axis, AxisRef::Places(names) if place >= names.len())
     }
 
-    /// How many numbers of a setting may be relative.
+    /// Count of the numbers of a setting that may be relative.
     pub fn number_count(&self, setting: &LocatedValue) -> usize {
         let Some(list) = setting.list() else { return 1 };
         let of = |(place, part): (usize, &LocatedValue)| match part.list() {
@@ -34,7 +34,7 @@ impl RelativeNumberType {
         list.iter().enumerate().map(of).sum()
     }
 
-    /// Of what the number at a place is; `None` where it cannot be relative.
+    /// Array that the number at a position refers to; `None` where it cannot be relative.
     pub(super) fn quantity(
         &self,
         place: usize,

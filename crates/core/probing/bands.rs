@@ -1,4 +1,4 @@
-//! How many bands of a wave widget the cells cross: whether a picture is finer than the grid.
+//! Bands of a wave widget crossed by each cell: shows where a picture is finer than the grid.
 //!
 //! A wave's phase φ is linear in s and g (docs/optics.md, section 5), so within a cell it runs from its smallest
 //! to its largest corner value; the difference is the number of bands, each one period of φ. Song et al. 2009, section

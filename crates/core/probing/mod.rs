@@ -1,4 +1,4 @@
-//! What the data hold, cell by cell and exactly: moments within a region, the distribution over (s, g), and how many
+//! Exact integrals over cells: moments within a region, the distribution over (s, g), and the count of
 //! bands of a wave the cells cross.
 //!
 //! Inside a tetrahedron every field is linear (docs/optics.md, section 3), so all of these are integrals of

@@ -24,7 +24,7 @@ impl Moments {
         scatter: [[0.0; MAX_DIMENSIONS]; MAX_DIMENSIONS],
     };
 
-    /// Those of a tetrahedron of volume `weight`, `values[field][corner]`.
+    /// Moments of a tetrahedron of volume `weight`, `values[field][corner]`.
     pub fn of_tetrahedron(weight: f64, values: &[[f64; 4]]) -> Moments {
         let mut moments = Moments { weight, ..Moments::NONE };
         let mut centred = [[0.0; 4]; MAX_DIMENSIONS];
@@ -42,7 +42,7 @@ impl Moments {
         moments
     }
 
-    /// Those of one point.
+    /// Moments of one point.
     pub fn of_point(values: &[f64]) -> Moments {
         let mut moments = Moments { weight: 1.0, ..Moments::NONE };
         moments.mean[..values.len()].copy_from_slice(values);

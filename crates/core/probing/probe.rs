@@ -15,10 +15,10 @@ use crate::{Error, Result};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Which tetrahedra count, by their number.
+/// Selection of tetrahedra, by their number.
 pub type Mask<'a> = &'a (dyn Fn(usize) -> bool + Sync);
 
-/// What was found.
+/// Result of a probe: weight, mean, deviations and correlation of the fields.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProbeResult {
     /// Mean of each field.
@@ -186,7 +186,7 @@ fn nothing(grid: &Grid, what: &str) -> Error {
     }
 }
 
-/// How far below 0 a barycentric coordinate may be by rounding for a point on a face, which must belong to a cell.
+/// Tolerance of a barycentric coordinate below 0 by rounding, for a point on a face, which must belong to a cell.
 const ON_FACE: f64 = 1e-9;
 
 /// The interpolated values at points; each in the cell that holds it best, so that one on a face counts once.

@@ -9,7 +9,7 @@
 use super::sub_tetrahedron::SubTetrahedron;
 use glam::DVec3;
 
-/// Where the data are probed.
+/// Region of space that a probe reads.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Region {
     /// Whole cells: those that the mask leaves.

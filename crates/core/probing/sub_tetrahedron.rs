@@ -11,7 +11,7 @@
 pub(super) struct SubTetrahedron<const N: usize> {
     /// Its volume, as a share of the whole's.
     pub volume_fraction: f64,
-    /// What its corners carry.
+    /// Values at the corners.
     pub corners: [[f64; N]; 4],
 }
 

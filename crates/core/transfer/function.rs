@@ -8,7 +8,7 @@ use crate::{Error, Result};
 /// A transfer function: an optical model and a list of widgets, ρ = Σ ρ_i.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransferFunction {
-    /// How absorption and glow are related.
+    /// Relation of absorption and emission.
     pub model: OpticalModel,
     /// U: the length over which `extinction` is stated, world units, > 0.
     pub unit_distance: f64,
@@ -39,7 +39,7 @@ impl OpticalModel {
 }
 
 impl TransferFunction {
-    /// Whether any widget looks at the gradient magnitude.
+    /// True if any widget looks at the gradient magnitude.
     pub fn uses_gradient_magnitude(&self) -> bool {
         self.widgets.iter().any(Widget::uses_gradient_magnitude)
     }

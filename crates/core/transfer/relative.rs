@@ -9,7 +9,7 @@ use crate::{Error, Result};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What is asked of the data: ranges, and percentiles (as the bits of a percentage) of quantities.
+/// Statistics required of the data: ranges, and percentiles (as the bits of a percentage) of arrays.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct StatisticsRequest {
     /// Quantities whose range is wanted.
@@ -19,7 +19,7 @@ pub struct StatisticsRequest {
 }
 
 impl StatisticsRequest {
-    /// Whether nothing is.
+    /// True if nothing is.
     pub fn is_empty(&self) -> bool {
         self.ranges.is_empty() && self.percentiles.is_empty()
     }
@@ -30,7 +30,7 @@ impl StatisticsRequest {
     }
 }
 
-/// What the data say.
+/// Provider of data statistics.
 pub trait DataStatistics {
     /// The least and the largest value of a quantity, both finite.
     fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]>;
@@ -65,7 +65,7 @@ pub fn resolved(p: &Parameters, scales: &dyn DataStatistics) -> Result<Parameter
     })
 }
 
-/// What [`resolved`] will ask of the data.
+/// Statistics that [`resolved`] will require.
 pub fn statistics_request(p: &Parameters) -> StatisticsRequest {
     let recorder = Recorder::default();
     // Its answers make no errors that those of the data would not.

@@ -3,7 +3,7 @@
 /// The points v = (s, g) with low ≤ normal · v ≤ high.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slab {
-    /// Of any length, not 0.
+    /// Normal, of any length but 0.
     pub normal: [f64; 2],
     /// −∞ where there is no limit.
     pub low: f64,
@@ -15,7 +15,7 @@ pub struct Slab {
 const SLACK: f64 = 1e-6;
 
 impl Slab {
-    /// The same over values stored in 32 bits, value = offset + scale × stored: [a, b, low, high] with the larger of |a| and
+    /// Slab over values stored in 32 bits, value = offset + scale × stored: [a, b, low, high] with the larger of |a| and
     /// |b| 1, widened by what rounding can do. `axes`: offset and scale of s and g.
     pub fn stored(&self, axes: [[f64; 2]; 2]) -> [f32; 4] {
         let Slab { normal, low, high } = self;

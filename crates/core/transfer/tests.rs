@@ -1,4 +1,4 @@
-//! What is asked of a whole transfer function.
+//! Properties of whole transfer functions.
 
 use super::*;
 

@@ -22,7 +22,7 @@ impl Widget {
         self.profile.properties().own_peak.unwrap_or(self.extinction)
     }
 
-    /// Whether it absorbs or glows anywhere: a widget of extinction 0 does neither, under either model.
+    /// True if it absorbs or glows anywhere: a widget of extinction 0 does neither, under either model.
     pub fn is_drawn(&self) -> bool {
         self.peak() > 0.0
     }
@@ -38,7 +38,7 @@ impl Widget {
         }
     }
 
-    /// Whether its colour is a function of s and g.
+    /// True if its colour is a function of s and g.
     pub fn has_colors_of_its_own(&self) -> bool {
         match self.profile.properties().color {
             ColorSource::Widget => false,
@@ -66,18 +66,18 @@ impl Widget {
         }
     }
 
-    /// The same widget with its extinction, or those of its control points, multiplied.
+    /// Widget with its extinction, or those of its control points, multiplied.
     pub fn with_extinction_times(&self, factor: f64) -> Widget {
         let profile = self.profile.with_extinction_times(factor);
         Widget { profile, extinction: self.extinction * factor, ..self.clone() }
     }
 
-    /// The same widget in one colour.
+    /// Widget in one colour.
     pub fn in_color(&self, color: [f64; 3]) -> Widget {
         Widget { profile: self.profile.in_color(color), color, ..self.clone() }
     }
 
-    /// Whether the widget's profile or region depends on the gradient magnitude.
+    /// True if the widget's profile or region depends on the gradient magnitude.
     pub fn uses_gradient_magnitude(&self) -> bool {
         self.profile.properties().depends_on_g || self.region.as_ref().is_some_and(Region::depends_on_g)
     }

@@ -1,4 +1,4 @@
-//! Whether a grid is convex: no ray that leaves it meets it again.
+//! Convexity of a grid: no ray that leaves it meets it again.
 //!
 //! A closed connected surface that does not cross itself and is convex at each of its places bounds a convex body (van
 //! Heijenoort, On locally convex manifolds, 1952; checked likewise by Mehlhorn et al., Checking geometric programs or
@@ -13,7 +13,7 @@ use glam::DVec3;
 /// leaves gaps of this width between a grid and its hull.
 const PLANE: f64 = 1e-12;
 
-/// Whether the boundary is one convex surface.
+/// True if the boundary is one convex surface.
 pub(super) fn is_convex(
     faces: &Faces,
     points: &[DVec3],
@@ -45,7 +45,7 @@ pub(super) fn is_convex(
     is_one && seen.len() + faces.outer.len() == edge_count + 2
 }
 
-/// Whether the third corner of one face lies behind the plane of the other, or in it.
+/// True if the third corner of one face lies behind the plane of the other, or in it.
 fn is_convex_edge(
     faces: &Faces,
     points: &[DVec3],
@@ -65,7 +65,7 @@ fn is_convex_edge(
     })
 }
 
-/// Which faces hang together.
+/// Connected components of faces (union-find).
 struct Groups(Vec<usize>);
 
 impl Groups {

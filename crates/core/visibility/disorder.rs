@@ -16,12 +16,12 @@ const ROWS: u32 = 16;
 /// Cells that hide each other by less than this share of the grid's diagonal may stand in either order: rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// What was found of an order.
+/// Result of the check of an order.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Disorder {
     /// Pixels that were looked at, over all their samples.
     pub pixels_tested: u64,
-    /// Those of them, over all their samples, at which a cell comes before one that its ray enters sooner.
+    /// Pixels among these at which a cell comes before one that its ray enters sooner.
     pub disordered: u64,
 }
 

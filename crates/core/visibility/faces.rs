@@ -1,4 +1,4 @@
-//! Which cells meet at which faces, and on which side of them they lie: found once a grid, whatever it is seen from.
+//! Neighbours of each cell across its faces, and the cell's side of each face: found once a grid, whatever the camera.
 
 use super::convex;
 use crate::grid::Grid;
@@ -20,7 +20,7 @@ pub struct Faces {
     pub(super) neighbours: Vec<[u32; 4]>,
     /// For each corner, two bits: which corner of that neighbour is opposite the same face.
     theirs: Vec<u8>,
-    /// Whether the last corner lies on the side of the others that their normal, by the rule of the right hand, points to. Of
+    /// True if the last corner lies on the side of the others that their normal, by the rule of the right hand, points to. Of
     /// a cell without volume: as its neighbours would have it.
     is_right_handed: Vec<bool>,
     /// The faces of one cell alone: the cell, and which of its corners is opposite.
@@ -29,13 +29,13 @@ pub struct Faces {
     pub(super) crowded: u64,
     /// Faces with both cells on one side.
     pub(super) folded: u64,
-    /// Whether no ray that leaves the grid meets it again.
+    /// True if no ray that leaves the grid meets it again.
     pub(super) is_convex: bool,
     /// The grid's diagonal.
     pub(super) diagonal: f64,
 }
 
-/// What is found of a range of points.
+/// Faces matched in a range of points.
 #[derive(Default)]
 struct FaceMatches {
     /// A face of two cells, as each of them has it.
@@ -45,7 +45,7 @@ struct FaceMatches {
 }
 
 impl Faces {
-    /// Those of a grid.
+    /// Finds the faces of a grid.
     pub fn new(grid: &Grid) -> Faces {
         let (points, cells) = (&grid.points[..], &grid.tetrahedra[..]);
         let places = CoincidentPoints::find(points);
@@ -91,12 +91,12 @@ impl Faces {
         faces
     }
 
-    /// Which corner of the neighbour beyond the face opposite corner `k` is opposite the same face.
+    /// Corner of the neighbour beyond the face opposite corner `k` that is opposite the same face.
     pub(super) fn theirs(&self, cell: u32, k: usize) -> usize {
         usize::from(self.theirs[cell as usize] >> (2 * k)) & 3
     }
 
-    /// Whether the cell lies on the side of its face opposite corner `k` to which the normal of [`face_of`] points.
+    /// True if the cell lies on the side of its face opposite corner `k` to which the normal of [`face_of`] points.
     pub(super) fn is_at_normal(&self, cell: u32, k: usize) -> bool {
         // Each corner on takes the others once more out of their turn.
         self.is_right_handed[cell as usize] == (k % 2 == 1)

@@ -1,4 +1,4 @@
-//! Which cells follow each other across a gap along the rays of the pixels.
+//! Order of cells across gaps of the grid, along the rays of the pixels.
 //!
 //! A ray that leaves a grid that is not convex may meet it again, and no chain of faces says which cell comes first. Silva,
 //! Mitchell and Williams (An exact interactive time visibility ordering algorithm for polyhedral cell complexes, 1998) sort the
@@ -19,7 +19,7 @@ const ROWS: u32 = 16;
 /// Faces that meet within this share of the grid's diagonal touch: parts that lie against each other without sharing faces.
 const TOUCH: f64 = 1e-9;
 
-/// What is found across gaps.
+/// Relations found across gaps.
 #[derive(Debug, Default)]
 pub(super) struct Gaps {
     /// The first cell before the second, each pair once, ascending.
@@ -31,7 +31,7 @@ pub(super) struct Gaps {
 /// A face of the boundary as the rays cross it.
 struct BoundaryFace {
     cell: u32,
-    /// Whether the cell lies on the side that the plane's normal points to.
+    /// True if the cell lies on the side that the plane's normal points to.
     is_at_normal: bool,
     triangle: Triangle,
 }

@@ -29,16 +29,16 @@ pub struct FaceOrder {
     pub taken_out: usize,
 }
 
-/// Why a grid has no order of its cells that is known to be exact.
+/// Reason why a grid has no exact order of its cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OrderError {
-    /// So many faces have three cells or more.
+    /// Number of faces with three cells or more.
     Crowded(u64),
-    /// So many faces have both cells on one side.
+    /// Number of faces with both cells on one side.
     Folded(u64),
-    /// So many pixels' rays meet parts of the grid that lie in each other, or a boundary that is not closed.
+    /// Number of pixels whose rays meet parts of the grid that lie in each other, or a boundary that is not closed.
     Unclear(u64),
-    /// So many cells hide each other in circles, or lie between such.
+    /// Number of cells that hide each other in circles, or lie between such.
     Cyclic(usize),
 }
 
@@ -53,12 +53,12 @@ impl fmt::Display for OrderError {
     }
 }
 
-/// What the eye says of a face, two bits: nothing where it sees it as a line.
+/// Order of the two cells of a face as seen from the eye, two bits: none where the face is seen edge-on.
 const THIS_CELL_FIRST: u8 = 1;
 const OTHER_CELL_FIRST: u8 = 2;
 
 impl Faces {
-    /// Whether an order of which no relation was taken out serves every picture from the same eye: so it is without gaps.
+    /// True if an order of which no relation was taken out serves every picture from the same eye: so it is without gaps.
     pub fn is_independent_of_direction(&self) -> bool {
         self.is_convex
     }
@@ -121,7 +121,7 @@ impl Faces {
     }
 }
 
-/// What rays come from.
+/// Origin of the rays.
 #[derive(Clone, Copy)]
 enum Eye {
     At(DVec3),
@@ -144,7 +144,7 @@ impl Eye {
     }
 }
 
-/// Which cells come before which.
+/// Relations "comes before" between cells.
 struct Relations<'a> {
     faces: &'a Faces,
     /// See [`Faces::along`].
@@ -154,7 +154,7 @@ struct Relations<'a> {
 }
 
 impl Relations<'_> {
-    /// What is known of a face: 1 if this cell comes first, 2 if the other does.
+    /// Order across a face: 1 if this cell comes first, 2 if the other does, 0 if unknown.
     #[inline]
     fn face_order(&self, cell: u32, k: usize) -> u8 {
         let other = self.faces.neighbours[cell as usize][k];
@@ -197,7 +197,7 @@ impl Relations<'_> {
         (0..count).filter(|&cell| before[cell as usize] > 0).collect()
     }
 
-    /// The same for those that could not be placed before.
+    /// Sorts the cells that could not be placed before.
     fn sort_rest(&self, rest: &[u32], order: &mut Vec<u32>) -> Vec<u32> {
         let mut before = vec![0; self.along.len()];
         rest.iter().for_each(|&cell| self.each_behind(cell, |other| before[other as usize] += 1));
@@ -219,8 +219,7 @@ impl Relations<'_> {
         }
     }
 
-    /// Of cells of which each has one before it, those that have one behind them, too, and so on: the circles, and what is
-    /// between them.
+    /// Cells in circles and between them: cells with one before and one behind them, repeatedly.
     fn in_circles(&self, left: &[u32]) -> Vec<u32> {
         let mut is_in = vec![false; self.along.len()];
         left.iter().for_each(|&cell| is_in[cell as usize] = true);

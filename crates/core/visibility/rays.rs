@@ -25,14 +25,14 @@ pub(super) struct Rays {
     pixel: f64,
     /// The pixel that the view axis passes through.
     axis: DVec2,
-    /// What is nearer is cut off.
+    /// Depth of the near plane.
     near: f64,
     /// Width and height of the picture.
     pub size: [u32; 2],
 }
 
 impl Rays {
-    /// Those of each sample of a camera's pixels. Errors: a camera out of range.
+    /// Rays of each sample of a camera's pixels. Errors: a camera out of range.
     pub fn per_sample(camera: &Camera) -> Result<Vec<Rays>> {
         camera.check_picture()?;
         let frame = camera.frame()?;
@@ -58,7 +58,7 @@ impl Rays {
         (across + w * self.axis).extend(w)
     }
 
-    /// Where the rays meet the plane of a triangle.
+    /// Intersections of the rays with the plane of a triangle.
     pub fn plane(&self, [a, b, c]: [DVec3; 3]) -> Plane {
         let normal = (b - a).cross(c - a);
         let [right, down] = [self.right, self.down].map(|v| normal.dot(v) * self.pixel);
@@ -80,7 +80,7 @@ impl Rays {
         self.near
     }
 
-    /// Whether something at this depth is seen.
+    /// True if something at this depth is seen.
     pub fn is_visible_depth(&self, depth: f64) -> bool {
         depth > 0.0 && depth >= self.near
     }
@@ -117,7 +117,7 @@ impl Rays {
         Some([range(low.x, high.x, self.size[0])?, range(low.y, high.y, self.size[1])?])
     }
 
-    /// Whether any ray crosses a triangle that is seen.
+    /// True if any ray crosses a triangle that is seen.
     pub fn meet(&self, corners: [DVec3; 3]) -> bool {
         let Some(triangle) = self.triangle(corners) else { return false };
         let mut is_met = false;

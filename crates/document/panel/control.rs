@@ -1,4 +1,4 @@
-//! How a parameter is changed, by what its declaration says.
+//! Controls: the widget that edits a parameter, by its declaration.
 
 use voltet_graph::{
     AxisRef, Parameter, ParameterType, Range, Registry, RelativeNumberType, StatisticKind, VariantSchema,
@@ -7,7 +7,7 @@ use voltet_graph::{
 /// The least factor between the ends of a range for which a slider goes by factors.
 const LOGARITHMIC: f64 = 1e3;
 
-/// How a slider divides its range.
+/// Scale of a slider.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
     /// Equal steps.
@@ -19,13 +19,13 @@ pub enum Scale {
 /// Numbers that may be given relative to data, as texts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Relative {
-    /// What they are: whether percentiles ("p90") may stand there, or shares ("25 %") alone.
+    /// Statistic: percentiles ("p90") as well as fractions ("25 %"), or fractions alone.
     pub is: StatisticKind,
-    /// How many places of a row may be relative; all where it is none.
+    /// Number of values of a row that may be relative; all where `None`.
     pub places: Option<usize>,
 }
 
-/// How a parameter is changed.
+/// Control that edits a parameter.
 #[derive(Debug, Clone)]
 pub enum Control {
     /// On or off.
@@ -36,11 +36,11 @@ pub enum Control {
     Number {
         /// Its range.
         range: Range,
-        /// How a slider divides it.
+        /// Scale of the slider.
         scale: Scale,
         /// The word that may stand in its place.
         word: Option<&'static str>,
-        /// Whether it may be relative to data.
+        /// Relative forms, if valid here.
         relative: Option<Relative>,
     },
     /// One of some words, each with its meaning.
@@ -64,20 +64,20 @@ pub enum Control {
     },
     /// Several numbers.
     Vector {
-        /// How many; any number where it is none.
+        /// Number of values; any where `None`.
         count: Option<usize>,
         /// The range of each.
         range: Range,
-        /// Whether they are whole.
+        /// True if they are whole.
         whole: bool,
-        /// Whether they may be relative to data.
+        /// Relative forms, if valid here.
         relative: Option<Relative>,
     },
     /// Rows of numbers, each of so many.
     Rows {
         /// Numbers in a row.
         width: Option<usize>,
-        /// Whether they may be relative to data.
+        /// Relative forms, if valid here.
         relative: Option<Relative>,
     },
     /// A table; its rows are in [`Row::rows`](super::Row::rows).
@@ -151,13 +151,13 @@ impl Relative {
     }
 }
 
-/// Whether a text of this name is that of an array: declarations say that it is a text.
+/// True if a text of this name is that of an array: declarations say that it is a text.
 fn names_array(name: &str) -> bool {
     ["scalar", "array", "arrays", "field", "fields", "magnitude", "cell_arrays", "point_arrays"]
         .contains(&name)
 }
 
-/// Whether three numbers of this name are a colour.
+/// True if three numbers of this name are a colour.
 fn is_colour(name: &str) -> bool {
     ["color", "background"].contains(&name)
 }

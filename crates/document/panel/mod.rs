@@ -18,15 +18,15 @@ use voltet_graph::{
 /// A parameter as a row.
 #[derive(Debug, Clone)]
 pub struct Row {
-    /// What leads to it from the node's table, for [`Edit::Set`](crate::Edit::Set) and [`Edit::Unset`](crate::Edit::Unset).
+    /// Path from the node's table, for [`Edit::Set`](crate::Edit::Set) and [`Edit::Unset`](crate::Edit::Unset).
     pub path: Path,
     /// Its declaration: name, unit, help, range, standard value.
     pub parameter: &'static Parameter,
-    /// How it is changed.
+    /// Control that edits it.
     pub control: Control,
-    /// What the file states.
+    /// Value that the file sets.
     pub set_value: Option<ParameterValue>,
-    /// What holds where the file states nothing, or why that is nothing.
+    /// Default value, or the reason why there is none.
     pub default: Option<ParameterValue>,
     /// The rows within it: of a table.
     pub rows: Vec<Row>,
@@ -37,7 +37,7 @@ pub struct Row {
 /// An entry of a list of tables, such as a widget.
 #[derive(Debug, Clone)]
 pub struct Entry {
-    /// What leads to it from the node's table.
+    /// Path from the node's table.
     pub path: Path,
     /// Its kind; none where the file names none that is known.
     pub kind: Option<&'static VariantSchema>,
@@ -51,7 +51,7 @@ impl Row {
         self.set_value.as_ref().or(self.default.as_ref())
     }
 
-    /// Whether the value is given relative to data: texts in place of numbers.
+    /// True if the value is given relative to data: texts in place of numbers.
     pub fn is_relative(&self) -> bool {
         fn has_text(datum: &ParameterValue) -> bool {
             match datum {
@@ -75,12 +75,12 @@ impl Row {
         }
     }
 
-    /// Whether the file must state it, and does not.
+    /// True if the file must state it, and does not.
     pub fn is_missing(&self) -> bool {
         self.set_value.is_none() && matches!(self.parameter.default, DefaultValue::Required)
     }
 
-    /// What holds where nothing is stated, in words: "0.5", "no widgets: an empty picture", "required".
+    /// Default value as text: "0.5", "no widgets: an empty picture", "required".
     pub fn standard_in_words(&self) -> String {
         self.parameter.default.to_string()
     }

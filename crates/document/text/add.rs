@@ -166,7 +166,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Where the sections end before the first that is the editor's own, which stands last.
+    /// End of the sections before the first that belongs to the editor, which stands last.
     fn foreign_end(&self) -> Option<usize> {
         let own = |step: &Step| step.key() == EDITOR;
         let first =

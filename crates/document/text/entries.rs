@@ -9,7 +9,7 @@ use voltet_core::parameters::key_text;
 use voltet_core::{Error, Result};
 use voltet_graph::{LocatedValue, ParameterValue};
 
-/// Where the entries of a list stand.
+/// Location of a list's entries.
 enum Entries<'a> {
     /// In place.
     Inline(&'a Value),

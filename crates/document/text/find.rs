@@ -1,4 +1,4 @@
-//! What a path leads to in a text.
+//! Search of a path in a text.
 
 use super::lines;
 use super::syntax::{Element, Section, Syntax, Value, ValueKind};
@@ -6,7 +6,7 @@ use crate::path::{Path, Step};
 use std::ops::Range;
 use voltet_core::{Error, Result};
 
-/// What a path leads to.
+/// Result of a search.
 #[derive(Debug)]
 pub enum Match<'a> {
     /// A value that is written in one place.
@@ -39,7 +39,7 @@ pub enum Piece {
     Assignment(usize, usize),
 }
 
-/// How two paths go together.
+/// Relation of two paths.
 enum PathMatch {
     /// The path ends within or at the longer one.
     Within,
@@ -48,7 +48,7 @@ enum PathMatch {
     Elsewhere,
 }
 
-/// How `path` lies to what begins with `start`.
+/// Relation of `path` to paths that begin with `start`.
 fn match_path(path: &[Step], start: &[Step]) -> PathMatch {
     let shared = path.iter().zip(start).take_while(|(a, b)| a == b || a.key() == b.key()).count();
     match (shared == path.len(), shared == start.len()) {
@@ -59,7 +59,7 @@ fn match_path(path: &[Step], start: &[Step]) -> PathMatch {
 }
 
 impl Syntax {
-    /// What a path leads to. Errors: a table that keys with points make within a value, which nothing here changes.
+    /// Finds the part at a path. Errors: a table made by dotted keys within a value, which no edit changes.
     pub fn find(&self, path: &[Step]) -> Result<Match<'_>> {
         let mut pieces = Vec::new();
         for (i, section) in self.sections.iter().enumerate() {
@@ -142,7 +142,7 @@ impl Syntax {
         Some(blocks.join("\n"))
     }
 
-    /// Where the line begins after all that comes before a section.
+    /// Start of the line after everything that comes before a section.
     pub fn floor(&self, text: &str, section: usize) -> usize {
         match section.checked_sub(1).map(|before| self.sections[before].end()) {
             Some(end) if end > 0 => lines::end(text, end),
@@ -168,7 +168,7 @@ impl Syntax {
     }
 }
 
-/// What a path leads to in a value, and what holds it there.
+/// Finds the part at a path within a value, and its container.
 fn within<'a>(value: &'a Value, path: &[Step]) -> Result<Option<(&'a Element, (&'a Value, usize))>> {
     let Some(first) = path.first() else { return Ok(None) };
     for (i, element) in value.elements().iter().enumerate() {

@@ -49,7 +49,7 @@ struct Reader<'a> {
     text: &'a str,
     events: &'a [Event],
     next: usize,
-    /// How many entries each list of tables has so far.
+    /// Number of entries of each list of tables so far.
     counts: HashMap<Path, usize>,
 }
 

@@ -114,7 +114,7 @@ impl Draft {
         }
     }
 
-    /// Whether a value says this already, in whatever words.
+    /// True if a value says this already, in whatever words.
     fn is(&self, value: &Value, datum: &ParameterValue) -> bool {
         match (&value.kind, datum) {
             (ValueKind::List(elements), ParameterValue::List(list)) => {

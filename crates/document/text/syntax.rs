@@ -1,4 +1,4 @@
-//! Where everything stands in a TOML text: headers, assignments, keys, values, commas, each with its bytes.
+//! Syntax tree of a TOML text: headers, assignments, keys, values, commas, each with its bytes.
 
 use crate::path::{Path, Step};
 use std::ops::Range;
@@ -13,11 +13,11 @@ pub struct Syntax {
 /// A header and the assignments below it.
 #[derive(Debug, Clone, Default)]
 pub struct Section {
-    /// What it is the table of; entries of lists of tables have their numbers.
+    /// Path of the table; entries of lists of tables have their numbers.
     pub path: Path,
     /// `[a.b]` or `[[a.b]]`; none for the first section.
     pub header: Option<Header>,
-    /// What it assigns.
+    /// Assignments of the table.
     pub assignments: Vec<Element>,
 }
 
@@ -33,9 +33,9 @@ pub struct Header {
 /// A key.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Key {
-    /// What it says, without quotes.
+    /// Name without quotes.
     pub name: String,
-    /// Where, with quotes.
+    /// Bytes, with quotes.
     pub span: Range<usize>,
 }
 
@@ -53,13 +53,13 @@ pub struct Element {
 /// A value.
 #[derive(Debug, Clone)]
 pub struct Value {
-    /// Where it stands.
+    /// Bytes.
     pub span: Range<usize>,
-    /// What it is made of.
+    /// Kind of value.
     pub kind: ValueKind,
 }
 
-/// What a value is made of.
+/// Kind of a value.
 #[derive(Debug, Clone)]
 pub enum ValueKind {
     /// A text, a number, a word.
@@ -71,12 +71,12 @@ pub enum ValueKind {
 }
 
 impl Section {
-    /// Where the header or, of the first section, the text begins.
+    /// Start of the header or, of the first section, of the text.
     pub fn start(&self) -> usize {
         self.header.as_ref().map_or(0, |header| header.span.start)
     }
 
-    /// Where its last word ends.
+    /// End of its last token.
     pub fn end(&self) -> usize {
         let header = self.header.as_ref().map_or(0, |header| header.span.end);
         self.assignments.last().map_or(header, |last| last.value.span.end)
@@ -96,7 +96,7 @@ impl Element {
 }
 
 impl Value {
-    /// Whether its elements have numbers.
+    /// True if its elements have numbers.
     pub fn is_list(&self) -> bool {
         matches!(self.kind, ValueKind::List(_))
     }

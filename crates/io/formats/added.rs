@@ -31,7 +31,7 @@ impl std::fmt::Debug for ExternalFormat {
 }
 
 impl ExternalFormat {
-    /// Of an open file, of which nothing was read yet.
+    /// Wraps an open file of which nothing was read yet.
     pub fn new(open: Box<dyn OpenGrid>) -> ExternalFormat {
         let ready = ParsedHead { arrays: vec![None; open.head().arrays.len()], ..ParsedHead::default() };
         ExternalFormat { open, ready: Mutex::new(ready) }
@@ -125,7 +125,7 @@ impl ExternalFormat {
         take(&mut self.ready()).ok_or_else(gone)
     }
 
-    /// What the reader warns of.
+    /// Warnings of the reader.
     pub fn warnings(&self) -> Vec<String> {
         self.ready().warnings.clone()
     }

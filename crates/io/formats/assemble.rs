@@ -105,7 +105,7 @@ fn fetch(
     added.fetch(|name, per_cell| chosen(name, per_cell) || is_part_of_cells(name), progress)
 }
 
-/// Whether an array is read with every grid.
+/// True if an array is read with every grid.
 fn is_part_of_cells(name: &str) -> bool {
     [GHOST_TYPE, GHOST_LEVELS, DEGREES].contains(&name)
 }
@@ -185,7 +185,7 @@ pub struct SkippedArray {
     pub value_count: u64,
 }
 
-/// What the choices leave.
+/// Arrays that the selection skips.
 pub(super) fn unread(dataset: &Dataset, choices: &[ArraySelection]) -> Result<SkippedArray> {
     let (mut arrays, mut value_count) = (Vec::new(), 0u64);
     for array in dataset.pieces.iter().flat_map(|piece| &piece.arrays) {

@@ -6,15 +6,15 @@ use voltet_core::{Error, Result};
 
 /// A format that is not read.
 struct UnsupportedFormat {
-    /// What its files are, with an article.
+    /// Name of the format, with an article.
     what: &'static str,
-    /// What to do, a clause that can follow "expected".
+    /// Remedy, a clause that can follow "expected".
     remedy: &'static str,
-    /// Whether a file is one.
+    /// True if a file is one.
     is_meant: fn(&FileStart) -> bool,
 }
 
-/// What is looked at of a file.
+/// First bytes of a file.
 struct FileStart<'a> {
     /// Its first bytes; of containers, with names somewhere within, more of them.
     bytes: &'a [u8],
@@ -263,7 +263,7 @@ pub(super) fn refuse_by_words(source: &Source) -> Result<()> {
     refuse(source, BY_WORDS)
 }
 
-/// Of text the head is looked at; names in HDF5 and netCDF stand anywhere, for the most part early.
+/// Bytes searched of a text; names in HDF5 and netCDF stand anywhere, for the most part early.
 const HEAD: u64 = 4096;
 const CONTAINER_HEAD: u64 = 4 << 20;
 
@@ -290,7 +290,7 @@ impl FileStart<'_> {
         self.bytes.starts_with(magic)
     }
 
-    /// Whether the text begins so, after a byte order mark.
+    /// True if the text begins so, after a byte order mark.
     fn starts_with(&self, word: &str) -> bool {
         self.text().starts_with(word.as_bytes())
     }
@@ -303,18 +303,18 @@ impl FileStart<'_> {
         self.bytes.get(place..).is_some_and(|rest| rest.starts_with(magic))
     }
 
-    /// Whether the word stands anywhere.
+    /// True if the word stands anywhere.
     fn holds(&self, word: &str) -> bool {
         self.bytes.windows(word.len()).any(|window| window == word.as_bytes())
     }
 
-    /// Whether some line of text is one of those; bytes that are no text have none.
+    /// True if some line of text is one of those; bytes that are no text have none.
     fn has_line(&self, is_one: impl Fn(&str) -> bool) -> bool {
         let head = &self.text()[..self.text().len().min(HEAD as usize)];
         !head.contains(&0) && String::from_utf8_lossy(head).lines().any(is_one)
     }
 
-    /// Whether it is XML with this element at its root.
+    /// True if it is XML with this element at its root.
     fn has_tag(&self, tag: &str) -> bool {
         self.text().trim_ascii_start().starts_with(b"<") && self.holds(&format!("<{tag}"))
     }

@@ -108,7 +108,7 @@ pub fn files_beside(path: &Path) -> Vec<PathBuf> {
     xml::files_named(path, None).into_iter().chain(solution).collect()
 }
 
-/// Those that reading it for this request opens: of a series the files of one step.
+/// Further files that reading for this request opens: of a series the files of one step.
 pub fn files_read_beside(path: &Path, request: &Request) -> Vec<PathBuf> {
     let solution = plot3d::solution_beside(path, request);
     xml::files_named(path, Some(request)).into_iter().chain(solution).collect()

@@ -9,7 +9,7 @@ use std::sync::Arc;
 /// Everything that one reading may decode.
 #[derive(Debug, Default)]
 pub(super) struct Dataset {
-    /// How the file is written, for people: "VTK XML UnstructuredGrid, appended raw, zlib, little-endian".
+    /// Format and encoding, for people: "VTK XML UnstructuredGrid, appended raw, zlib, little-endian".
     pub format: String,
     /// The parts, whose cells are put together.
     pub pieces: Vec<Piece>,
@@ -45,7 +45,7 @@ pub(super) enum Geometry {
     Unstructured { points: Stored, cells: Box<StoredCells> },
     /// A box of hexahedra; `dimensions` counts points. `points`: first coordinate fastest.
     Curvilinear { dimensions: [u64; 3], points: Stored },
-    /// What a reader of a format from outside gives, from that file.
+    /// Grid of a reader from outside, from that file.
     Added(Arc<ExternalFormat>, Arc<Source>),
     /// Axis-parallel boxes between coordinates.
     Rectilinear { dimensions: [u64; 3], axes: Box<[Stored; 3]> },

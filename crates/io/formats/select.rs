@@ -1,4 +1,4 @@
-//! Which arrays a request means.
+//! Arrays that a request selects.
 
 use super::piece::{Dataset, Piece};
 use super::request::Association;
@@ -10,7 +10,7 @@ pub(super) const GHOST_TYPE: &str = "vtkGhostType";
 /// The flag's older form: the number of layers from the piece's own cells.
 pub(super) const GHOST_LEVELS: &str = "vtkGhostLevels";
 
-/// Which value of a tuple is meant.
+/// Component of a tuple.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Component {
     /// All of them.
@@ -22,7 +22,7 @@ pub enum Component {
 }
 
 impl Component {
-    /// What `NAME:suffix` means of an array of so many components.
+    /// Parses the suffix of `NAME:suffix` for an array of so many components.
     pub fn parse(name: &str, suffix: &str, component_count: usize) -> Result<Component> {
         match suffix.parse::<usize>() {
             _ if suffix == "magnitude" => Ok(Component::Magnitude),

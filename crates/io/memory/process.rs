@@ -6,12 +6,12 @@ pub fn available() -> Option<u64> {
     [system_available(), group(), address_space()].into_iter().flatten().min()
 }
 
-/// What Linux has for new work without swapping.
+/// Memory that Linux has for new work without swapping.
 fn system_available() -> Option<u64> {
     kibibytes(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")
 }
 
-/// What the control groups of the process leave (version 2: every group up to the root; version 1: the one that is mounted).
+/// Memory that the process's control groups leave (version 2: every group up to the root; version 1: the mounted one).
 fn group() -> Option<u64> {
     let of_process = std::fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
     let own = of_process.lines().find_map(|line| line.strip_prefix("0::/")).unwrap_or_default();
@@ -29,7 +29,7 @@ fn group() -> Option<u64> {
     second.chain(first).min()
 }
 
-/// What one group leaves; files kept in memory that nobody uses give way.
+/// Memory that one group leaves; idle cached files give way.
 fn cgroup_available(folder: &std::path::Path, limit: &str, used: &str, idle: &str) -> Option<u64> {
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).ok();
     let limit: u64 = read(limit)?.trim().parse().ok()?;

@@ -1,4 +1,4 @@
-//! What pictures or figures were made from.
+//! Provenance of pictures and figures.
 
 use super::date;
 use serde::{Deserialize, Serialize};
@@ -17,7 +17,7 @@ pub const PROVENANCE: &str = "voltet:provenance";
 /// No text longer than this is written into a picture, or read from one: bytes.
 pub const MAX_TEXT: usize = 1 << 20;
 
-/// What pictures or figures were made from.
+/// Provenance of a picture or of figures: program, pipeline, data files, camera.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Provenance {
@@ -51,9 +51,9 @@ pub struct DataFile {
     pub path: String,
     /// Its size.
     pub bytes: Option<u64>,
-    /// When it was last written: UTC, RFC 3339.
+    /// Modification time: UTC, RFC 3339.
     pub modified: Option<String>,
-    /// What was read beside it: pieces, the files of a series' step.
+    /// Files read beside it: pieces, the files of a series' step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sidecars: Option<SidecarFiles>,
 }
@@ -74,7 +74,7 @@ pub struct PluginRecord {
     pub bytes: u64,
     /// A number made of all its bytes, hexadecimal: what was damaged or compiled again has another.
     pub fingerprint: String,
-    /// When it was last written: UTC, RFC 3339.
+    /// Modification time: UTC, RFC 3339.
     pub modified: Option<String>,
 }
 
@@ -82,11 +82,11 @@ pub struct PluginRecord {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct SidecarFiles {
-    /// How many.
+    /// Number of files.
     pub files: u64,
     /// Their size together.
     pub bytes: u64,
-    /// When the last of them was written: UTC, RFC 3339.
+    /// Modification time of the last of them: UTC, RFC 3339.
     pub modified: Option<String>,
     /// The first of them, at most [`NAMED_MOST`], relative to the folder of the file that names them.
     pub names: Vec<String>,
@@ -125,17 +125,17 @@ pub struct CameraRecord {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Units {
-    /// Of positions and distances.
+    /// Unit of positions and distances.
     pub length: String,
-    /// Of g.
+    /// Unit of g.
     pub gradient_magnitude: String,
-    /// Of extinctions.
+    /// Unit of extinctions.
     pub extinction: String,
     /// The unit distance of each transfer function.
     pub unit_distances: Vec<UnitDistance>,
-    /// Of angles.
+    /// Unit of angles.
     pub angle: String,
-    /// Of colours in the pipeline.
+    /// Colour space of the pipeline's colours.
     pub color: String,
 }
 
@@ -150,12 +150,12 @@ pub struct UnitDistance {
 }
 
 impl Provenance {
-    /// Of a whole run. The pipeline is as stated, its paths relative to its own folder.
+    /// Provenance of a whole run. The pipeline is as stated, its paths relative to its own folder.
     pub fn of_run(origins: &Origins, stated: &ResolvedPipeline) -> Provenance {
         Self::new(origins, stated.title.clone(), stated.text.clone())
     }
 
-    /// Of a picture that a node writes to `path`. `given`: the path as the pipeline has it.
+    /// Provenance of a picture that a node writes to `path`. `given`: the path as the pipeline has it.
     pub fn of_picture(call: &RunContext, given: &str, path: &Path) -> Provenance {
         let (stated, folder) = call.stated();
         Self::new(&call.origins(), stated.title.clone(), path_from_folder(stated, folder, given, path))

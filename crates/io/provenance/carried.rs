@@ -6,18 +6,18 @@ use exr::meta::attribute::AttributeValue;
 use std::io::{BufRead, Seek};
 use voltet_core::{Error, Result};
 
-/// What PNG files begin with (PNG, third edition, section 5.2).
+/// Signature of PNG files (PNG, third edition, section 5.2).
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// What OpenEXR files begin with.
+/// Signature of OpenEXR files.
 const EXR: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
 
-/// Whether a file that begins like this is a picture that could carry a pipeline.
+/// True if a file that begins like this is a picture that could carry a pipeline.
 pub fn is_picture(head: &[u8]) -> bool {
     head.starts_with(PNG) || head.starts_with(EXR)
 }
 
-/// What a picture says of itself; `head`: its first bytes. Errors: it carries no pipeline, or is damaged.
+/// Reads the provenance of a picture; `head`: its first bytes. Errors: it carries no pipeline, or is damaged.
 pub fn read(head: &[u8], file: impl BufRead + Seek) -> Result<Provenance> {
     let texts = if head.starts_with(PNG) { of_png(file)? } else { of_exr(file)? };
     let text = |name: &str| texts.iter().find(|(known, _)| known == name).map(|(_, text)| text.as_str());
@@ -120,7 +120,7 @@ mod tests {
         assert!(pipeline(&other).unwrap_err().to_string().contains("carries no pipeline"));
     }
 
-    /// How long a compressed text is shows only while it is read.
+    /// A compressed text reveals its length only while it is read.
     #[test]
     fn what_is_too_long_or_damaged_is_no_pipeline() {
         let mut bomb = ITXtChunk::new(PIPELINE, " ".repeat(64 * MAX_TEXT));

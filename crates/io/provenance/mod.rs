@@ -1,4 +1,4 @@
-//! What was drawn from what, by which program: written into pictures and reports, and read again (docs/provenance.md).
+//! Provenance: program, pipeline and data files, written into pictures and reports, and read again (docs/provenance.md).
 //!
 //! | file | what |
 //! | --- | --- |

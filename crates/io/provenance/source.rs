@@ -12,7 +12,7 @@ use voltet_graph::suggest;
 pub struct Source {
     /// The text.
     pub text: String,
-    /// What the picture that it comes from says of itself.
+    /// Provenance of the picture that the pipeline comes from.
     pub embedded: Option<Provenance>,
 }
 

@@ -1,4 +1,4 @@
-//! What a file will hold.
+//! Contents of a file to write.
 
 use glam::DVec3;
 use voltet_core::SharedSlice;
@@ -22,7 +22,7 @@ pub struct Contents {
 pub struct Column {
     /// Its name.
     pub name: String,
-    /// What programs take it for.
+    /// Role of the array for other programs.
     pub role: Role,
     /// Components of a tuple.
     pub component_count: usize,
@@ -41,7 +41,7 @@ pub enum Values {
     Numbers(Vec<u32>),
 }
 
-/// What programs take an array for.
+/// Role of an array for other programs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     /// The scalar to show first.
@@ -52,7 +52,7 @@ pub enum Role {
     Plain,
 }
 
-/// How many bits a quantity is written with.
+/// Bits of a written quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Precision {
     /// 32 where that keeps every value of the array, else 64.
@@ -68,7 +68,7 @@ pub enum Precision {
 pub struct Topology {
     /// Point numbers of all cells, one after the other.
     pub connectivity: Vec<u32>,
-    /// Where each cell's part ends.
+    /// End of each cell's part.
     pub offsets: Vec<u64>,
     /// VTK type codes.
     pub types: Vec<u8>,
@@ -129,7 +129,7 @@ impl Values {
         }
     }
 
-    /// Whether there are none.
+    /// True if there are none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

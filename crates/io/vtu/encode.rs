@@ -22,7 +22,7 @@ const LEVEL: u32 = 6;
 pub struct Encoded {
     /// All of it.
     pub bytes: Vec<u8>,
-    /// Whether it is compressed.
+    /// True if it is compressed.
     pub compressed: bool,
 }
 
@@ -109,7 +109,7 @@ pub fn encoding_bytes(contents: &Contents) -> u64 {
     (24 * contents.points.len() as u64 + arrays + cells).saturating_mul(8) / 3
 }
 
-/// Whether 32 bits hold all numbers of points and offsets: half of most files.
+/// True if 32 bits hold all numbers of points and offsets: half of most files.
 fn is_narrow(connectivity: &[u32], point_count: usize) -> bool {
     point_count.max(connectivity.len()) <= i32::MAX as usize
 }

@@ -1,11 +1,11 @@
-//! What a volume holds, as values of the file's own points and cells, or of its tetrahedra.
+//! Values of a volume at the file's own points and cells, or at those of its tetrahedra.
 
 use super::contents::{Column, Contents, Role, Topology, Values};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use voltet_core::grid::{Array, FileCells, Grid};
 
-/// Which cells are written.
+/// Cells to write.
 #[derive(Debug, Clone, Copy)]
 pub enum Form<'a> {
     /// The file's own.

@@ -10,7 +10,7 @@ use super::overlap::{AnyLaneTrack, LaneMember};
 use super::quadrature::{PANEL, POINTS, over_panel, to_nodes};
 use crate::{Float, Lanes, Mask, array};
 
-/// Where the depth in front exceeds this, nothing behind is seen (e^(−18) = 1.5e-8).
+/// Optical depth beyond which nothing behind is visible (e^(−18) = 1.5e-8).
 const OPAQUE_DEPTH: f32 = 18.0;
 
 /// Depth that a panel holds at most: 8 points then leave 1e-7 of e^(−T).
@@ -25,7 +25,7 @@ const PASSED: f32 = 1e-7;
 /// Most rate beside an end of a range: t finds it to 6e-8, so to 6e-5 of depth.
 const MAX_RATE_AT_END: f32 = 1e3;
 
-/// How far 8 points resolve e^(−x²), as in [`super::gaussian`].
+/// Widest panel on which 8 points resolve e^(−x²), as in [`super::gaussian`].
 const STEP: f32 = 1.2;
 /// e^(−32.5) = 8e-15: what is further out is left out, under 1e-7 of depth.
 const FAR: f32 = 5.7;
@@ -133,7 +133,7 @@ struct Track<L: Lanes> {
 }
 
 impl<L: Lanes> Track<L> {
-    /// How far a panel resolves it; more than 1 where nothing of it comes.
+    /// Panel length that resolves it; more than 1 where it contributes nothing.
     #[inline(always)]
     fn step(&self) -> L::F {
         let splat = L::F::splat;
@@ -242,7 +242,7 @@ mod tests {
         found.color.map(|c| c / found.opacity)
     }
 
-    /// What is seen of four widgets as dense as can be, from the thin side and from the thick one, is shared out as 64 bits do it.
+    /// Visible parts of four widgets as dense as can be, from the thin side and from the thick one, equal those of 64 bits.
     #[test]
     fn colours_of_dense_segments_are_those_of_64_bits() {
         let mut random = 1u64;

@@ -99,7 +99,7 @@ impl<L: Lanes> LaneGaussianPath<L> {
     }
 }
 
-/// What the mean over a short path looks at: no root and no quotient.
+/// Inputs of the mean over a short path: no root and no quotient.
 #[derive(Clone, Copy)]
 pub struct Near<L: Lanes> {
     /// |q̄|² = x̄² + h², q̄ the middle.
@@ -282,7 +282,7 @@ impl<L: Lanes> LaneGaussianTrack<L> {
     }
 }
 
-/// How far 8 points resolve e^(−x²) from x on: over 1.2 about the centre, and where x² changes by 3 further out.
+/// Widest panel on which 8 points resolve e^(−x²) from x on: 1.2 about the centre, and a change of x² by 3 further out.
 const STEP: f32 = 1.2;
 /// e^(−49) = 5e-22: beyond it nothing is resolved.
 const FAR: f32 = 7.0;

@@ -19,7 +19,7 @@ const MAX_PANELS: usize = 1 << 14;
 /// A widget's rate along the segment.
 #[derive(Clone, Copy)]
 pub enum AnyLaneTrack<'a, L: Lanes> {
-    /// The same rate everywhere.
+    /// Constant rate.
     Uniform(L::F),
     /// A Gaussian.
     Gaussian(LaneGaussianTrack<L>),

@@ -91,7 +91,7 @@ impl LaneVolume {
     }
 }
 
-/// What a stretch emits, by D, and what it lets through.
+/// Emission (divided by D) and transmittance of a slice.
 #[derive(Clone, Copy)]
 struct Light<L: Lanes> {
     emission: [L::F; 3],
@@ -156,7 +156,7 @@ pub struct LaneRamp {
 }
 
 impl LaneRamp {
-    /// Of a ramp.
+    /// Converts a ramp.
     pub fn new(ramp: &Ramp) -> LaneRamp {
         LaneRamp {
             nodes: ramp.nodes().iter().map(Narrow::new).collect(),

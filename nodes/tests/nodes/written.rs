@@ -1,4 +1,4 @@
-//! What `grid-writer` writes, read back by this program's own reader, by vtkio and by VTK: every bit.
+//! Files of `grid-writer` read back by this program's own reader, by vtkio and by VTK: every bit.
 
 use super::graph;
 use std::path::Path;
@@ -29,7 +29,7 @@ fn run(graph: &Graph) -> RunReport {
     session().run(graph, &NoObserver).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// What the writer is given.
+/// Volume at the writer's input.
 fn volume(graph: &Graph) -> Arc<Volume> {
     let place = graph.nodes.iter().position(|node| node.node.name == "grid-writer").unwrap();
     let inputs = session().inputs(graph, place, &Demand::default(), &NoObserver).unwrap();

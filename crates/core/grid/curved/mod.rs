@@ -41,7 +41,7 @@ struct AddedPoint {
     surface: Vec<(usize, u64)>,
 }
 
-/// How cells of one kind are cut.
+/// Subdivision of the curved cells of one kind.
 #[derive(Debug, Clone)]
 struct Template {
     points: Vec<LatticePoint>,
@@ -49,7 +49,7 @@ struct Template {
     pieces: Vec<LatticeCell>,
 }
 
-/// What decides a template: type, number of points, degrees.
+/// Key of a template: cell type, number of points, degrees.
 type Kind = (u8, usize, Option<[u8; 3]>);
 
 /// The templates of all kinds of curved cells in a file, and the points they add.
@@ -58,13 +58,13 @@ pub(super) struct Curved {
     templates: HashMap<Kind, Template>,
     /// Numbers of the added points, cell after cell.
     numbers: Vec<u32>,
-    /// Where each cell's numbers start; empty where no cell adds points.
+    /// First added point of each cell; empty where no cell adds points.
     starts: Vec<usize>,
-    /// Where each added point comes from: cell, and number among the cell's added points.
+    /// Source of each added point: cell, and index among the cell's added points.
     pub origins: Vec<(u32, u32)>,
 }
 
-/// Whether cells of this type are curved.
+/// True if cells of this type are curved.
 pub(super) fn is_curved(code: u8) -> bool {
     nodes::is_curved(code) || code == code::TRIQUADRATIC_PYRAMID
 }
@@ -101,7 +101,7 @@ impl Curved {
         Ok(())
     }
 
-    /// What gives the added points of `count` cells their numbers, counting up from `first_free`; `None` where no cell adds
+    /// Numbers for the added points of `count` cells, counting up from `first_free`; `None` where no cell adds
     /// any.
     pub fn numbering(&mut self, count: usize, first_free: usize) -> Option<Numbering<'_>> {
         if self.templates.values().all(|t| t.added.is_empty()) {
@@ -205,7 +205,7 @@ fn triquadratic_pyramid() -> Template {
     Template { points: (0..19).map(LatticePoint::Node).collect(), added: Vec::new(), pieces }
 }
 
-/// Where an added point lies, the same for all cells that share it.
+/// Key of an added point, equal in all cells that share it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum AddedPointKey {
     /// Inside its cell.

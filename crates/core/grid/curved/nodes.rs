@@ -107,7 +107,7 @@ const PYRAMID: [[usize; 3]; 13] = [
     [0, 1, 1],
 ];
 
-/// Whether the type is one of these.
+/// True if the type is one of these.
 pub(super) fn is_curved(code: u8) -> bool {
     use code::*;
     matches!(

@@ -20,7 +20,7 @@ fn overlapping(points: &[DVec3], tetrahedra: &[[u32; 4]]) -> Vec<u32> {
     faces(points, tetrahedra).overlapping
 }
 
-/// What of the boundary of a box lies in a second one, or the other way round.
+/// Boundary of a box that lies in a second one, or the other way round.
 fn together(counts: [usize; 3], second: [DVec3; 2]) -> BoundaryOverlap {
     let (mut points, mut tetrahedra) = a_box();
     let other = box_of_tetrahedra(counts, second, 0.2);

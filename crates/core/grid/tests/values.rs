@@ -1,4 +1,4 @@
-//! What is left out, what is dropped, values on cells, structured grids, damaged input.
+//! Skipped cells, dropped points, cell values, structured grids, damaged input.
 
 use super::boxes::{Kind, box_of, built, parts_with_scalar};
 use super::generate::box_of_tetrahedra;

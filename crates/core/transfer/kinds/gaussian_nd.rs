@@ -77,7 +77,7 @@ pub(super) fn at(centre: &[f64], matrix: &[Vec<f64>], v: &[f64]) -> f64 {
 /// Bounds over cells.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::transfer) struct GaussianNdBounds {
-    /// Where its fields lie among all; past the end where one is unknown.
+    /// Indices of its fields among all fields; past the end where one is unknown.
     slots: Vec<usize>,
     centre: Vec<f64>,
     matrix: Vec<Vec<f64>>,

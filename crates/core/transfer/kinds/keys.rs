@@ -77,7 +77,7 @@ const LIMITS: RelativeNumberType = RelativeNumberType {
     axis: AxisRef::Every("s"),
 };
 
-/// What a standard deviation may be: an infinite one ignores its axis.
+/// Valid standard deviations: an infinite one ignores its axis.
 pub(super) const POSITIVE_OR_INFINITE: Range = Range { infinite: true, ..Range::above(0.0) };
 
 pub(super) const SIGMA: Parameter = Parameter {

@@ -59,7 +59,7 @@ impl Profile {
         self.properties().name
     }
 
-    /// What is true of it.
+    /// Properties of the profile.
     pub fn properties(&self) -> Properties<'_> {
         match self {
             Profile::Uniform => uniform::properties(),
@@ -76,7 +76,7 @@ impl Profile {
         }
     }
 
-    /// What it is at a place of the plane, 0 to 1 (docs/optics.md, section 5). `fields`: the values of its further fields, in the
+    /// Value at a point of the plane, 0 to 1 (docs/optics.md, section 5). `fields`: values of its further fields, in the
     /// order of [`Properties::fields`]. A table is 0 outside of its range.
     pub fn eval(&self, v: [f64; 2], fields: &[f64]) -> f64 {
         match self {
@@ -110,7 +110,7 @@ impl Profile {
         }
     }
 
-    /// The same profile, its own extinctions multiplied where it holds any.
+    /// Profile with its own extinctions, where it holds any, multiplied by a factor.
     pub(super) fn with_extinction_times(&self, factor: f64) -> Profile {
         let mut profile = self.clone();
         match &mut profile {
@@ -129,7 +129,7 @@ impl Profile {
         profile
     }
 
-    /// The same profile, its own colours, where it holds any, all replaced by one.
+    /// Profile with its own colours, where it holds any, all replaced by one.
     pub(super) fn in_color(&self, color: [f64; 3]) -> Profile {
         match self {
             Profile::PiecewiseLinear { points } => {

@@ -141,7 +141,7 @@ impl PiecewiseLinearBounds {
         self.points_in_range(range).fold(f64::INFINITY, f64::min)
     }
 
-    /// What it is at both ends and at the control points between.
+    /// Values at both ends and at the control points between.
     fn points_in_range(&self, [low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
         let points = &self.points;
         let first = points.partition_point(|p| p.s < low);
@@ -162,7 +162,7 @@ fn extinction_at(points: &[ControlPoint], s: f64) -> f64 {
 }
 
 impl ControlPoint {
-    /// What is between control points (in rising s) at s: linear, constant beyond the ends; `None` of no points.
+    /// Interpolated control point at s (points in rising s): linear, constant beyond the ends; `None` of no points.
     pub fn between(points: &[ControlPoint], s: f64) -> Option<ControlPoint> {
         let after = points.partition_point(|p| p.s <= s);
         match (after.checked_sub(1).map(|i| points[i]), points.get(after)) {

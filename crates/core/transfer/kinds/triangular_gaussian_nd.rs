@@ -117,7 +117,7 @@ pub(super) fn at(centre: &[f64], matrix: &[Vec<f64>], v: &[f64]) -> f64 {
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::transfer) struct TriangularGaussianNdBounds {
     fields: gaussian_nd::GaussianNdBounds,
-    /// Where the magnitude lies among all fields; past the end where it is unknown.
+    /// Index of the magnitude among all fields; past the end where it is unknown.
     magnitude: usize,
 }
 

@@ -23,7 +23,7 @@ pub(super) const SINE: DeclaredKind = DeclaredKind {
     read: |p, _| Ok(Profile::SineWave(read(p)?)),
 };
 
-/// What the bands are counted along: s and g, scaled, in their direction. Its range has the length
+/// Axis across the bands: s and g, scaled, in the wave's direction. Its range has the length
 /// |cos θ·w_s| (range of s) + |sin θ·w_g| (range of g), so that a period of 10 % makes ten bands.
 pub(in crate::transfer) const ACROSS: &str = "s and g across the bands";
 

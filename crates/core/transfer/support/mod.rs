@@ -1,4 +1,4 @@
-//! What a cell can contribute at most: the culling test.
+//! Upper bound of a cell's contribution: the culling test.
 //!
 //! The papers look at the four vertices only, which drops a cell whose vertices straddle a narrow widget.
 //! Here every bound is one over the convex hull of the four (s, g) points, within which the cell's values
@@ -55,9 +55,9 @@ impl Support {
         self.widgets.len()
     }
 
-    /// The same with what each widget adds raised to `least` times a power of two, which is as safe: the answers for `least` stay
-    /// the same while an extinction or a brightness moves between two of these. What adds no more than its share of `least` is
-    /// as nothing.
+    /// Support with each widget's contribution rounded up to `least` times a power of two, which is as safe: results for `least`
+    /// stay equal while an extinction or a brightness moves between two of these. A contribution under the widget's fraction of `least` counts
+    /// as zero.
     pub fn in_steps(mut self, least: f64) -> Support {
         let share = self.relative_extinction(least);
         let raised = |x: f64| if x > share { share * (x / share).log2().ceil().exp2() } else { 0.0 };
@@ -85,7 +85,7 @@ impl Support {
         self.widgets.iter().map(|widget| widget.bound(&corners)).sum()
     }
 
-    /// Whether the cell can contribute more than `least` per world unit. With `least` = 1e-6 divided by the
+    /// True if the cell can contribute more than `least` per world unit. With `least` = 1e-6 divided by the
     /// grid's diameter no pixel changes by more than 1e-6 when all other cells are left out.
     pub fn touches(&self, s: &[f64; 4], g: &[f64; 4], fields: &[[f64; 4]], least: f64) -> bool {
         self.toucher(0, s, g, fields, least).is_some()
@@ -109,7 +109,7 @@ impl Support {
         (first..self.widgets.len()).take(1).chain(others).find(touches)
     }
 
-    /// Whether one widget's share of [`Support::touches`] is exceeded.
+    /// True if one widget's share of [`Support::touches`] is exceeded.
     pub fn widget_touches(
         &self,
         widget: usize,
@@ -169,7 +169,7 @@ impl WidgetSupport {
         }
     }
 
-    /// Whether the bound exceeds `least`; true also for values that are not numbers, which are not this test's
+    /// True if the bound exceeds `least`; true also for values that are not numbers, which are not this test's
     /// business.
     #[inline]
     fn touches(&self, corners: &Corners, least: f64) -> bool {

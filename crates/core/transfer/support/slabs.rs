@@ -1,4 +1,4 @@
-//! Where widgets lie, as slabs low ≤ a s + b g ≤ high: for a device that leaves out the cells that none touches.
+//! Supports of widgets as slabs low ≤ a s + b g ≤ high: for a device that culls the cells that no slab meets.
 //!
 //! A cell may contribute to a widget only if, for one of the widget's lists, its corners reach every slab. That is less
 //! sharp than the hulls of [`super::Support`], and as safe.

@@ -1,4 +1,4 @@
-//! What a document should state, without any text.
+//! Model of a document's contents, without any text.
 
 use std::collections::BTreeMap;
 use voltet_document::{Document, Edit, Step, View, links};
@@ -10,7 +10,7 @@ pub struct Model {
     title: Option<String>,
     pub nodes: BTreeMap<String, Node>,
     pub view: View,
-    /// Where nodes are shown that have no place in the file.
+    /// Positions of nodes that have none in the file.
     pub shown: Unequal,
 }
 
@@ -21,7 +21,7 @@ pub struct Node {
     pub inputs: BTreeMap<String, Vec<String>>,
 }
 
-/// Of no account when models are compared.
+/// Field ignored when models are compared.
 #[derive(Debug, Clone)]
 pub struct Unequal(pub BTreeMap<String, [f64; 2]>);
 
@@ -156,7 +156,7 @@ impl Model {
         self.nodes.keys().cloned().collect()
     }
 
-    /// What feeds nodes, less the wires (node, port, source) that are not kept.
+    /// Keeps the wires (node, port, source) that the predicate selects.
     fn keep_wires(&mut self, keep: impl Fn(&str, &str, &str) -> bool) {
         for (name, node) in &mut self.nodes {
             for (port, wires) in &mut node.inputs {
@@ -186,7 +186,7 @@ impl Model {
     }
 }
 
-/// What a node sets.
+/// Settings of a node.
 fn settings(fields: &[Field]) -> BTreeMap<String, ParameterValue> {
     let all = fields.iter().map(|field| (field.name.clone(), sorted(&field.setting.datum)));
     all.filter(|(_, datum)| holds(datum)).collect()
@@ -212,7 +212,7 @@ fn feeding(text: &str, all: &[String], more: &[String]) -> String {
     }
 }
 
-/// Whether there is something in it: the last entry of `[[…]]`, and the last key with points, leave nothing behind.
+/// True if there is something in it: the last entry of `[[…]]`, and the last key with points, leave nothing behind.
 fn holds(datum: &ParameterValue) -> bool {
     match datum {
         ParameterValue::List(list) => !list.is_empty(),
