@@ -33,8 +33,8 @@ pub(crate) fn drawing_bytes_of(
 ) -> u64 {
     let of = |bytes: usize| bytes as u64;
     let number = of(size_of::<u32>());
-    // The record, its corners, its nearest depth and its rectangle of tiles.
-    let record = of(size_of::<Record>() + size_of::<[u32; 4]>() + size_of::<f32>() + size_of::<[u16; 4]>());
+    // The record, its corners and its rectangle of tiles.
+    let record = of(size_of::<Record>() + size_of::<[u32; 4]>() + size_of::<[u16; 4]>());
     let projected = record
         .saturating_add(attributes.saturating_mul(of(size_of::<AttributeRecord>())))
         .saturating_add(TILES_OF_CELL * number);

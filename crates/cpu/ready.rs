@@ -2,8 +2,7 @@
 
 use crate::attribute::{Attribute, gradient_attributes};
 use crate::cells::Counts;
-use crate::composite::hides::Hides;
-use crate::composite::sinks::{OPAQUE_DEPTH, TilePicture};
+use crate::composite::sinks::TilePicture;
 use crate::composite::worker::{Drawn, Work, Worker};
 use crate::draw::Projection;
 use crate::kept::{Keeping, Kept};
@@ -74,7 +73,7 @@ impl Ready<'_> {
         let keeping = Keeping::new(limit);
         let mut frame = Frame::new(sample, tiles, grid, attributes, attributes.len(), shader, true);
         frame.keeping = Some(&keeping);
-        let results = self.run(&frame, &work, false, progress)?;
+        let results = self.run(&frame, &work, progress)?;
         if keeping.is_given_up() {
             return Ok(None);
         }
@@ -82,18 +81,11 @@ impl Ready<'_> {
         Ok(Some(Kept::new(tiles, width.div_ceil(TILE) * height.div_ceil(TILE), projection.densest)))
     }
 
-    /// Has all workers do the work. `opaque`: whether anything may be hidden.
-    fn run(
-        &self,
-        frame: &Frame<'_>,
-        work: &Work<'_>,
-        opaque: bool,
-        progress: &dyn Progress,
-    ) -> Result<Vec<Drawn>> {
-        let hides = Hides::new(opaque, work.tile_count());
+    /// Runs the work on all threads.
+    fn run(&self, frame: &Frame<'_>, work: &Work<'_>, progress: &dyn Progress) -> Result<Vec<Drawn>> {
         let next = AtomicUsize::new(0);
         let results: Vec<Result<Drawn>> =
-            rayon::broadcast(|_| Worker { frame, work, next: &next, hides: &hides, progress }.run());
+            rayon::broadcast(|_| Worker { frame, work, next: &next, progress }.run());
         let results: Vec<Drawn> = results.into_iter().collect::<Result<_>>()?;
         if progress.cancelled() {
             return Err(Error::cancelled());
@@ -149,10 +141,7 @@ impl Ready<'_> {
             if let Some(kept) = kept {
                 work = Work::Tiles(kept.queue.clone());
             }
-            // Nothing is hidden where no ray through all of the grid is opaque.
-            let opaque = f64::from(OPAQUE_DEPTH) < sample.deepest;
-            let hides = opaque && sorted && !cells.no_leave_out;
-            let mut results = self.run(&frame, &work, hides && frame.cast.is_none(), progress)?;
+            let mut results = self.run(&frame, &work, progress)?;
             let mut lost: Vec<u32> = results.iter().flat_map(|drawn| drawn.lost.iter().copied()).collect();
             lost.sort_unstable();
             let by_cells;
@@ -166,7 +155,7 @@ impl Ready<'_> {
                     Frame::new(&by_cells, tiles, &cells.volume.grid, &all, attributes.len(), shader, sorted);
                 (again.ends, again.only) = (ends, Some(lost.as_slice()));
                 counts.tiles_lost += lost.len() as u64;
-                results.extend(self.run(&again, &work, hides, progress)?);
+                results.extend(self.run(&again, &work, progress)?);
             }
             let mut tiles: Vec<Option<&TilePicture>> = vec![None; frame.tiles_wide * height.div_ceil(TILE)];
             for Drawn { tiles: done, counts: worker, .. } in &results {

@@ -46,8 +46,6 @@ pub(crate) struct Sample {
     densest: f64,
     distance_origin: f64,
     near: Option<[f32; 3]>,
-    /// Most optical depth of a ray through all of the grid.
-    pub deepest: f64,
     pub attribute_count: usize,
 }
 
@@ -165,7 +163,6 @@ impl Sample {
             densest,
             distance_origin,
             near,
-            deepest: densest * f64::sqrt(3.0),
             attribute_count: attributes.len(),
         })
     }
@@ -298,12 +295,6 @@ impl<'a> Frame<'a> {
     pub fn record(&self, entry: u32) -> (&'a Record, &'a [AttributeRecord], [&'a Seen; 4]) {
         let (place, seen) = (self.tiles.at(entry), &self.sample.seen);
         (place.record(), place.attributes(), place.corners().map(|p| &seen[p as usize]))
-    }
-
-    /// Nearest depth of a record's cell, from the distance origin.
-    #[inline(always)]
-    pub fn nearest(&self, entry: u32) -> f32 {
-        self.tiles.at(entry).nearest()
     }
 
     /// Asks for a record's cache lines before they are needed: a tile's cells lie scattered over the parts.

@@ -80,13 +80,8 @@ pub fn picture(scene: &NamedScene, shading: &Shading) -> Picture {
     };
     let [whole, in_windows] = [None, Some(0)].map(by_cells);
     let bits = |picture: &Picture| picture.rgba.iter().flatten().map(|x| x.to_bits()).collect::<Vec<_>>();
-    // Which tiles tell whether cells are best taken from front to back depends on what a queue begins with.
-    if whole.1.tiles_stopped == 0 && in_windows.1.tiles_stopped == 0 {
-        assert_eq!(in_windows.1, whole.1, "{}: in windows", scene.name);
-        assert!(bits(&in_windows.0) == bits(&whole.0), "{}: another picture in windows", scene.name);
-    } else {
-        within(&format!("{} in windows", scene.name), &in_windows.0, &whole.0, 1e-6);
-    }
+    assert_eq!(in_windows.1, whole.1, "{}: in windows", scene.name);
+    assert!(bits(&in_windows.0) == bits(&whole.0), "{}: another picture in windows", scene.name);
     whole.0
 }
 

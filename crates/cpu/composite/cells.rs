@@ -7,22 +7,19 @@ use crate::composite::kernels::{Append, Cover, Evaluate, Illuminate};
 use crate::composite::lists::{Lists, Overflow};
 use crate::composite::scratch::{Bounds, Scratch};
 use crate::composite::sinks::Sink;
-use crate::composite::slabs::Open;
 use crate::fragments::batch::{BATCH, Batch};
 use crate::fragments::ends::cut;
-use crate::fragments::spans::Places;
 use crate::project::cell64::{Cell64, Crossing64};
 use crate::sample::Frame;
 use crate::shade::roads::integrate;
 use std::ops::Range;
 use voltet_simd::dispatch;
 
-/// Appends the segments of a tile's cells to its lists, of pixels that are `open`. Errors: a pixel has too many.
+/// Appends the segments of a tile's cells to its lists. Errors: a pixel has too many.
 pub(crate) fn list(
     frame: &Frame<'_>,
     entries: &[u32],
     Bounds { left, top, size, .. }: Bounds,
-    open: Option<&Open>,
     scratch: &mut Scratch,
     lists: &mut Lists,
 ) -> Result<(), Overflow> {
@@ -31,7 +28,7 @@ pub(crate) fn list(
     for (number, cells) in entries.chunks(width).enumerate() {
         let ahead = &entries[((number + 1) * width).min(entries.len())..];
         let (right, rows) = (left + size[0], 0..size[1]);
-        let places = Some(Places { next: &mut lists.next, open });
+        let next = Some(&mut lists.next);
         let cover = Cover {
             frame,
             cells,
@@ -40,7 +37,7 @@ pub(crate) fn list(
             top,
             right,
             rows,
-            places,
+            next,
             group: &mut *group,
             edges: &mut *edges,
             fragments: &mut *fragments,
@@ -122,7 +119,7 @@ pub(crate) fn walk<S: Sink>(
         let (right, rows) = (left + size[0], rows.clone());
         dispatch(
             frame.lanes,
-            Cover { frame, cells, ahead, left, top, right, rows, places: None, group, edges, fragments },
+            Cover { frame, cells, ahead, left, top, right, rows, next: None, group, edges, fragments },
         );
         let mut from = 0;
         while from < fragments.count {

@@ -2,7 +2,7 @@
 
 use crate::composite::kernels::{Arrange, Fill, Illuminate};
 use crate::composite::layers::Layers;
-use crate::composite::lists::{Limit, Lists};
+use crate::composite::lists::Lists;
 use crate::composite::pool::Pool;
 use crate::composite::rows::{RowSums, Rows};
 use crate::fragments::batch::{BATCH, Batch};
@@ -29,32 +29,26 @@ pub(crate) struct ListSlices<'a> {
     lists: &'a Lists,
     row: usize,
     stretch: &'a [f32; TILE * TILE],
-    limit: Option<&'a mut Limit>,
     /// Slices that were not taken yet.
     left: Range<usize>,
 }
 
 impl<'a> ListSlices<'a> {
     /// Of a row that is arranged.
-    pub fn new(
-        lists: &'a Lists,
-        row: usize,
-        stretch: &'a [f32; TILE * TILE],
-        limit: Option<&'a mut Limit>,
-    ) -> ListSlices<'a> {
-        ListSlices { lists, row, stretch, limit, left: 0..lists.deepest(row) }
+    pub fn new(lists: &'a Lists, row: usize, stretch: &'a [f32; TILE * TILE]) -> ListSlices<'a> {
+        ListSlices { lists, row, stretch, left: 0..lists.deepest(row) }
     }
 
     /// Fills a batch, with `places` if they are wanted; its fragments, none at the end.
     pub fn next(&mut self, lanes: LaneSet, places: bool, batch: &mut Batch) -> usize {
-        let ListSlices { lists, row, stretch, limit, left } = self;
+        let ListSlices { lists, row, stretch, left } = self;
         let slices = left.start..(left.start + BATCH / TILE).min(left.end);
-        if slices.is_empty() || limit.as_ref().is_some_and(|limit| limit.going_on == 0) {
+        if slices.is_empty() {
             return 0;
         }
         left.start = slices.end;
-        let (row, limit, count) = (*row, limit.as_deref_mut(), slices.len() * TILE);
-        dispatch(lanes, Fill { lists, row, slices, stretch, limit, places, batch });
+        let (row, count) = (*row, slices.len() * TILE);
+        dispatch(lanes, Fill { lists, row, slices, stretch, places, batch });
         count
     }
 }
@@ -104,28 +98,18 @@ impl Shading {
         }
     }
 
-    /// Blends a row's segments until nothing of what follows is seen; some may wait for [`Shading::end`]. Returns how many slices that
-    /// took.
-    pub fn blend(
-        &mut self,
-        frame: &Frame<'_>,
-        row: usize,
-        slices: &mut Slices<'_>,
-        rows: &mut Rows,
-    ) -> usize {
-        let mut taken = 0;
+    /// Blends a row's segments until nothing of what follows is seen; some may wait for [`Shading::end`].
+    pub fn blend(&mut self, frame: &Frame<'_>, row: usize, slices: &mut Slices<'_>, rows: &mut Rows) {
         while !self.hides(row, rows) {
             let count = slices.next(frame, &mut self.batch);
             if count == 0 {
                 break;
             }
-            taken += count / TILE;
             self.blend_batch(frame, row, count, rows);
         }
         if self.layers.are_many() {
             self.end(frame, rows);
         }
-        taken
     }
 
     /// Whether nothing that may come is seen of a row.
@@ -205,7 +189,7 @@ pub(crate) fn blend_by_numbers(
     let (mut batch, mut shaded, mut disordered) = (Batch::new(1, 1), Shaded::new(), 0);
     for row in 0..TILE {
         disordered += dispatch(lanes, Arrange { lists, row, sorted });
-        let mut slices = ListSlices::new(lists, row, &[1.0; TILE * TILE], None);
+        let mut slices = ListSlices::new(lists, row, &[1.0; TILE * TILE]);
         while !rows.is_full(row) {
             let count = slices.next(lanes, false, &mut batch);
             if count == 0 {

@@ -1,9 +1,9 @@
 //! The kernels of a tile: each is compiled once a lane set; everything between them is plain code.
 
-use crate::composite::lists::{Limit, Lists, Overflow};
+use crate::composite::lists::{Lists, Next, Overflow};
 use crate::fragments::batch::{Batch, LANES_MOST};
 use crate::fragments::crossing::Group;
-use crate::fragments::spans::{Edges, Fragments, Places};
+use crate::fragments::spans::{Edges, Fragments};
 use crate::project::record::TILE;
 use crate::sample::Frame;
 use crate::shade::light::Rays;
@@ -20,8 +20,8 @@ pub(crate) struct Cover<'a> {
     pub top: usize,
     pub right: usize,
     pub rows: Range<usize>,
-    /// Where fragments take their places, if that is in lists.
-    pub places: Option<Places<'a>>,
+    /// The next free slots of the pixels' lists, where fragments go to lists.
+    pub next: Option<&'a mut Next>,
     pub group: &'a mut Group,
     pub edges: &'a mut Edges,
     pub fragments: &'a mut Fragments,
@@ -45,8 +45,8 @@ impl Kernel for Cover<'_> {
         self.group.turn::<L>(self.left, self.top);
         self.edges.find::<L>(self.left, self.top, &self.rows);
         let width = self.right - self.left;
-        let Cover { cells, edges, fragments, places, .. } = self;
-        fragments.cover::<L>(edges, cells.len(), width, places);
+        let Cover { cells, edges, fragments, next, .. } = self;
+        fragments.cover::<L>(edges, cells.len(), width, next);
     }
 }
 
@@ -134,8 +134,6 @@ pub(crate) struct Fill<'a> {
     pub row: usize,
     pub slices: Range<usize>,
     pub stretch: &'a [f32; TILE * TILE],
-    /// See [`Lists::fill`].
-    pub limit: Option<&'a mut Limit>,
     pub places: bool,
     pub batch: &'a mut Batch,
 }
@@ -144,7 +142,7 @@ impl Kernel for Fill<'_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Fill { lists, row, slices, stretch, limit, places, batch } = self;
-        lists.fill::<L>(row, slices, stretch, limit, places, batch);
+        let Fill { lists, row, slices, stretch, places, batch } = self;
+        lists.fill::<L>(row, slices, stretch, places, batch);
     }
 }

@@ -9,7 +9,6 @@
 
 use crate::fragments::batch::Batch;
 use crate::project::record::TILE;
-use crate::shade::along::lanes_of;
 use voltet_simd::sort::sort_columns;
 use voltet_simd::{Float, Lanes, Mask, Unsigned, inlined};
 
@@ -78,36 +77,6 @@ pub(crate) struct Lists {
     keys: Vec<u32>,
     /// Slots of the row in hand whose level is that of the slot before, with the lanes concerned.
     met: Vec<(u32, u32)>,
-}
-
-/// How far a row's segments may be taken: those that end before a depth, up to the first of each pixel that does not.
-#[derive(Debug, Clone)]
-pub(crate) struct Limit {
-    until: f32,
-    /// Pixels whose first such segment is still to come, a bit a column.
-    pub going_on: u32,
-    /// Segments before it that were taken of each pixel.
-    taken: [u32; TILE],
-}
-
-impl Limit {
-    pub fn new(until: f32) -> Limit {
-        Limit { until, going_on: (1 << TILE) - 1, taken: [0; TILE] }
-    }
-
-    /// Takes segments of the columns from `half` on that are there and end at `exit`; those that may be taken.
-    #[inline(always)]
-    fn take<L: Lanes>(&mut self, half: usize, there: L::M, exit: L::F) -> L::M {
-        // What is no number is not behind it.
-        let behind = L::F::splat(self.until).lt(exit);
-        let mine = (u32::MAX >> (32 - L::WIDTH)) << half;
-        self.going_on &= !mine | (there.and(behind.not()).bits() << half);
-        let taken = lanes_of::<L>(self.going_on >> half);
-        let counts = &mut self.taken[half..];
-        let count = L::U::load(counts);
-        L::U::select(taken, count + L::U::splat(1), count).store(counts);
-        taken
-    }
 }
 
 /// A pixel has more segments than [`DEPTH`].
@@ -199,15 +168,13 @@ impl Lists {
     }
 
     /// Fills a batch with the slices `from..to` of a row that is arranged: each the next segment of all pixels, in those that have no
-    /// further one a fragment of no length. `stretch`: distance by depth, pixel by pixel. Segments that a `limit` does not let
-    /// through have no length. `places`: whether pixels, entries and exits are wanted.
+    /// further one a fragment of no length. `stretch`: distance by depth, pixel by pixel.  `places`: whether pixels, entries and exits are wanted.
     #[inline(always)]
     pub fn fill<L: Lanes>(
         &self,
         row: usize,
         slices: std::ops::Range<usize>,
         stretch: &[f32; PIXELS],
-        mut limit: Option<&mut Limit>,
         places: bool,
         batch: &mut Batch,
     ) {
@@ -227,11 +194,7 @@ impl Lists {
                 let place = first + key.and(L::U::splat(DEPTH as u32 - 1)).min(last);
                 let [entry, length, front, back] = L::F::gather_parts(&self.fours[0], place);
                 let exit = entry + length;
-                let taken = match &mut limit {
-                    Some(limit) => limit.take::<L>(half, live, exit),
-                    None => live,
-                };
-                (L::F::select(taken, length, zero) * stretch).store(&mut batch.length[at..]);
+                (L::F::select(live, length, zero) * stretch).store(&mut batch.length[at..]);
                 if places {
                     pixels.store(&mut batch.pixel[at..]);
                     entry.store(&mut batch.entry[at..]);
@@ -255,31 +218,6 @@ impl Lists {
                     put(a + 1, next_front, next_back);
                     a += 2;
                 }
-            }
-        }
-    }
-
-    /// Lets go of all in those pixels of a row that are not `open`.
-    pub fn close(&mut self, row: usize, open: u16) {
-        for pixel in (0..TILE).filter(|x| open >> x & 1 == 0).map(|x| row * TILE + x) {
-            self.next.0[pixel] = FIRST.0[pixel];
-        }
-    }
-
-    /// Lets go of what a limit let through of the row that is arranged.
-    pub fn let_go(&mut self, row: usize, limit: &Limit) {
-        let counts = self.counts(row);
-        let mut stay = Vec::new();
-        for (x, (&count, &taken)) in counts.iter().zip(&limit.taken).enumerate() {
-            let pixel = row * TILE + x;
-            let first = FIRST.0[pixel] as usize;
-            let left = count.saturating_sub(taken) as usize;
-            self.next.0[pixel] = (first + left) as u32;
-            let slots = self.keys[taken as usize * TILE + x..].iter().step_by(TILE).take(left);
-            for fours in &mut self.fours {
-                stay.clear();
-                stay.extend(slots.clone().map(|key| fours[first + (key & (DEPTH as u32 - 1)) as usize]));
-                fours[first..first + left].copy_from_slice(&stay);
             }
         }
     }

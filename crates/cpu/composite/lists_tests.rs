@@ -3,7 +3,7 @@
 use crate::composite::front_to_back::blend_by_numbers;
 use crate::composite::growing_lists::{GrowingLists, Layer};
 use crate::composite::kernels::{Arrange, Fill};
-use crate::composite::lists::{DEPTH, Limit, Lists};
+use crate::composite::lists::{DEPTH, Lists};
 use crate::composite::rows::Rows;
 use crate::fragments::batch::{BATCH, Batch};
 use crate::project::record::TILE;
@@ -291,10 +291,10 @@ fn a_full_list_refuses_and_keeps_what_it_has() {
     assert!(picture.iter().all(|pixel| *pixel == [0.0; 4]));
 }
 
-/// A limit lets through what ends before it, of each pixel up to the first that does not; the rest stays, in order, and joins what
-/// comes.
+/// A batch gets the next segments of all pixels of a row in order, with every attribute at both ends; pixels that have no further one
+/// get fragments of no length.
 #[test]
-fn what_a_limit_lets_through_goes_and_the_rest_stays() {
+fn a_batch_gets_every_attribute_in_order() {
     for (lanes, attributes) in supported().flat_map(|lanes| [1, 2, 3, 4].map(|count| (lanes, count))) {
         let mut random = Random(attributes as u64);
         let mut lists = Lists::default();
@@ -309,42 +309,24 @@ fn what_a_limit_lets_through_goes_and_the_rest_stays() {
                 assert!(lists.push(row * TILE + x, [k as f32, 1.0], ends(x, k)).is_ok());
             }
         }
-        let mut taken = [0; TILE];
-        for until in [-1.0, 4.5, 20.0, f32::INFINITY] {
-            dispatch(lanes, Arrange { lists: &mut lists, row, sorted: true });
-            let mut limit = Limit::new(until);
-            let mut batch = Batch::new(attributes, attributes);
-            for first in (0..lists.deepest(row)).step_by(BATCH / TILE) {
-                let slices = first..(first + BATCH / TILE).min(lists.deepest(row));
-                let count = slices.len() * TILE;
-                let (stretch, limit) = (&[2.0; PIXELS], Some(&mut limit));
-                dispatch(
-                    lanes,
-                    Fill { lists: &lists, row, slices, stretch, limit, places: true, batch: &mut batch },
-                );
-                for k in (0..count).filter(|&k| batch.length[k] > 0.0) {
-                    let x = k % TILE;
-                    assert_eq!((batch.pixel[k] as usize, batch.length[k]), (row * TILE + x, 2.0));
-                    for (a, end) in ends(x, taken[x]).enumerate() {
-                        assert_eq!(
-                            [batch.front[a][k], batch.back[a][k]],
-                            end,
-                            "attribute {a} on {}",
-                            lanes.name()
-                        );
-                    }
-                    taken[x] += 1;
+        dispatch(lanes, Arrange { lists: &mut lists, row, sorted: true });
+        let (mut counts, mut batch) = ([0; TILE], Batch::new(attributes, attributes));
+        for first in (0..lists.deepest(row)).step_by(BATCH / TILE) {
+            let slices = first..(first + BATCH / TILE).min(lists.deepest(row));
+            let count = slices.len() * TILE;
+            let stretch = &[2.0; PIXELS];
+            dispatch(lanes, Fill { lists: &lists, row, slices, stretch, places: true, batch: &mut batch });
+            for k in (0..count).filter(|&k| batch.length[k] > 0.0) {
+                let x = k % TILE;
+                assert_eq!((batch.pixel[k] as usize, batch.length[k]), (row * TILE + x, 2.0));
+                assert_eq!((batch.entry[k], batch.exit[k]), (counts[x] as f32, counts[x] as f32 + 1.0));
+                for (a, end) in ends(x, counts[x]).enumerate() {
+                    let values = [batch.front[a][k], batch.back[a][k]];
+                    assert_eq!(values, end, "attribute {a} on {}", lanes.name());
                 }
+                counts[x] += 1;
             }
-            for (x, &taken) in taken.iter().enumerate() {
-                assert_eq!(
-                    taken,
-                    (3 * x).min((until.max(0.0) as usize).min(1 << 20)),
-                    "pixel {x} up to {until}"
-                );
-            }
-            lists.let_go(row, &limit);
-            assert_eq!(lists.deepest(row), 45 - taken[15]);
         }
+        assert_eq!(counts, std::array::from_fn(|x| 3 * x));
     }
 }

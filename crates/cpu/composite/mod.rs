@@ -10,15 +10,12 @@
 //! | `front_to_back` | a row's segments in order, shaded and blended as far as they are seen |
 //! | `rows` | pixels that take their segments front to back |
 //! | `layers`, `pool` | segments of a row that wait until there are enough of their kind |
-//! | `hides` | whether much is hidden, told by the first tiles |
-//! | `slabs` | cells from front to back, where much is hidden |
 //! | `sinks` | where segments go that are shaded as they come: sums of optical depth, or |
 //! | `growing_lists` | any number of segments a pixel |
 
 mod cells;
 pub(crate) mod front_to_back;
 pub(crate) mod growing_lists;
-pub(crate) mod hides;
 pub(crate) mod kernels;
 pub(crate) mod layers;
 pub(crate) mod lists;
@@ -28,6 +25,5 @@ pub(crate) mod pool;
 pub(crate) mod rows;
 pub(crate) mod scratch;
 pub(crate) mod sinks;
-pub(crate) mod slabs;
 mod tile;
 pub(crate) mod worker;

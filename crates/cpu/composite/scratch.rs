@@ -3,7 +3,6 @@
 use crate::cast::bundle::WAYS;
 use crate::cast::entered::Entered;
 use crate::composite::front_to_back::Shading;
-use crate::composite::slabs::Slabs;
 use crate::composite::worker::WorkerCounts;
 use crate::fragments::batch::{Batch, LANES_MOST};
 use crate::fragments::crossing::Group;
@@ -19,7 +18,6 @@ pub(crate) struct Scratch {
     pub group: Group,
     pub stretch: [f32; TILE * TILE],
     pub shading: Shading,
-    pub slabs: Slabs,
     /// Where rays go from cell to cell: where they come in, and segments of bundles beside the first.
     pub entered: Entered,
     pub further: [Batch; WAYS - 1],
@@ -34,7 +32,6 @@ impl Scratch {
             group: Group::new(frame.attribute_count),
             stretch: [1.0; TILE * TILE],
             shading: Shading::new(frame),
-            slabs: Slabs::default(),
             entered: Entered::default(),
             further: std::array::from_fn(|_| Batch::new(frame.attribute_count, frame.scalar_count)),
             counts: WorkerCounts::default(),

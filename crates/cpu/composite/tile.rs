@@ -6,30 +6,28 @@ use crate::composite::cells::{list, list64, walk};
 use crate::composite::front_to_back::{ListSlices, Slices};
 use crate::composite::growing_lists::GrowingLists;
 use crate::composite::kernels::Arrange;
-use crate::composite::lists::{Limit, Lists, Overflow, UNSEEN_FOR_SURE};
+use crate::composite::lists::{Lists, Overflow};
 use crate::composite::rows::{RowSums, Rows};
 use crate::composite::scratch::{Bounds, Scratch};
 use crate::composite::sinks::{DepthSink, OPAQUE_DEPTH, TilePicture, of_one_color};
-use crate::composite::slabs::all_open;
 use crate::kept::{Keeper, Keeping, KeptTile};
 use crate::project::record::TILE;
 use crate::sample::Frame;
 use voltet_simd::dispatch;
 
-/// Draws a tile; if its segments are put in order, in so many slabs. Returns its segments in lists, and those of them that are hidden.
+/// Draws a tile from cells or from cached segments.
 pub(crate) fn draw_tile(
     frame: &Frame<'_>,
     tile: usize,
-    slab_count: usize,
     scratch: &mut Scratch,
     lists: &mut Lists,
     picture: &mut TilePicture,
-) -> [usize; 2] {
+) {
     let bounds = Bounds::of(frame, tile);
     scratch.begin(frame, bounds);
     if let Some(color) = frame.shader.one_color {
         draw_in_one_color(frame, bounds, color, scratch, picture);
-        return [0; 2];
+        return;
     }
     if let Some(kept) = frame.kept {
         let mut rows = Rows::new();
@@ -42,24 +40,20 @@ pub(crate) fn draw_tile(
         }
         scratch.shading.end(frame, &mut rows);
         rows.end(picture);
-        return [0; 2];
+        return;
     }
     scratch.counts.tiles_sorted += u64::from(frame.sorted);
     let before = scratch.counts;
-    match draw_in_lists(frame, bounds, slab_count, scratch, lists, picture) {
-        Ok(hidden) => hidden,
-        Err(Overflow) => {
-            // Rows are independent: draw them one at a time with lists that grow.
-            scratch.counts = before;
-            scratch.counts.tiles_deep += 1;
-            let mut growing = GrowingLists::default();
-            for row in 0..bounds.size[1] {
-                growing.clear();
-                walk(frame, bounds, row..row + 1, scratch, &mut growing);
-                scratch.counts.pixels_disordered +=
-                    growing.composite(frame.sorted, &mut picture[row * TILE..][..TILE]);
-            }
-            [0; 2]
+    if draw_in_lists(frame, bounds, scratch, lists, picture).is_err() {
+        // Rows are independent: draw them one at a time with lists that grow.
+        scratch.counts = before;
+        scratch.counts.tiles_deep += 1;
+        let mut growing = GrowingLists::default();
+        for row in 0..bounds.size[1] {
+            growing.clear();
+            walk(frame, bounds, row..row + 1, scratch, &mut growing);
+            scratch.counts.pixels_disordered +=
+                growing.composite(frame.sorted, &mut picture[row * TILE..][..TILE]);
         }
     }
 }
@@ -166,74 +160,27 @@ fn draw_in_one_color(
     }
 }
 
-/// Draws a tile by lists, its cells in so many slabs from front to back; one: as they come. Returns its segments in them, and those of them that are hidden. Errors: a pixel has too many.
+/// Draws a tile by lists. Errors: a pixel has too many segments.
 fn draw_in_lists(
     frame: &Frame<'_>,
     bounds: Bounds,
-    slab_count: usize,
     scratch: &mut Scratch,
     lists: &mut Lists,
     picture: &mut TilePicture,
-) -> Result<[usize; 2], Overflow> {
+) -> Result<(), Overflow> {
     let mut rows = Rows::new();
-    let mut open = all_open(bounds.size);
-    let mut told = [0; 2];
     lists.clear(frame.attribute_count);
-    // Whatever lies in front of what hides the others.
     list64(frame, bounds, scratch, lists)?;
-    if slab_count > 1 {
-        let mut slabs = std::mem::take(&mut scratch.slabs);
-        slabs.begin(frame, bounds.tile);
-        let (entries, mut from) = (slabs.entries(), 0);
-        for (to, nearest) in slabs.ends(slab_count, frame.lanes.width()) {
-            list(frame, &entries[from..to], bounds, Some(&open), scratch, lists)?;
-            from = to;
-            for row in (0..TILE).filter(|&row| open[row] != 0) {
-                let mut limit = Limit::new(nearest);
-                draw_row(frame, row, Some(&mut limit), scratch, lists, &mut rows);
-                lists.let_go(row, &limit);
-            }
-            scratch.shading.end(frame, &mut rows);
-            for (row, open) in open.iter_mut().enumerate() {
-                for (x, through) in rows.through(row).iter().enumerate() {
-                    *open &= !(u16::from(*through <= UNSEEN_FOR_SURE) << x);
-                }
-                lists.close(row, *open);
-            }
-            if to < entries.len() && open == [0; TILE] {
-                scratch.counts.tiles_stopped += 1;
-                scratch.counts.cells_hidden += (entries.len() - to) as u64;
-                break;
-            }
-        }
-        scratch.slabs = slabs;
-    } else {
-        list(frame, frame.entries_of(bounds.tile), bounds, None, scratch, lists)?;
-        for row in 0..bounds.size[1] {
-            let [all, hidden] = draw_row(frame, row, None, scratch, lists, &mut rows);
-            told = [told[0] + all, told[1] + hidden];
-        }
-        scratch.shading.end(frame, &mut rows);
+    list(frame, frame.entries_of(bounds.tile), bounds, scratch, lists)?;
+    for row in 0..bounds.size[1] {
+        scratch.counts.pixels_disordered +=
+            dispatch(frame.lanes, Arrange { lists, row, sorted: frame.sorted });
+        let slices = ListSlices::new(lists, row, &scratch.stretch);
+        scratch.shading.blend(frame, row, &mut Slices::Lists(slices), &mut rows);
     }
+    scratch.shading.end(frame, &mut rows);
     rows.end(picture);
-    Ok(told)
-}
-
-/// Draws what a row's lists hold, as far as a limit lets it through. Returns its segments, and those of them that are hidden.
-fn draw_row(
-    frame: &Frame<'_>,
-    row: usize,
-    limit: Option<&mut Limit>,
-    scratch: &mut Scratch,
-    lists: &mut Lists,
-    rows: &mut Rows,
-) -> [usize; 2] {
-    scratch.counts.pixels_disordered += dispatch(frame.lanes, Arrange { lists, row, sorted: frame.sorted });
-    let slices = ListSlices::new(lists, row, &scratch.stretch, limit);
-    let taken = scratch.shading.blend(frame, row, &mut Slices::Lists(slices), rows);
-    let counts = lists.counts(row);
-    let hidden = counts.iter().map(|&count| (count as usize).saturating_sub(taken)).sum();
-    [counts.iter().sum::<u32>() as usize, hidden]
+    Ok(())
 }
 
 /// Keeps a tile's segments; gives up where they are too many.
@@ -248,7 +195,7 @@ pub(crate) fn keep_tile(
     scratch.begin(frame, bounds);
     lists.clear(frame.attribute_count);
     let listed = list64(frame, bounds, scratch, lists)
-        .and_then(|()| list(frame, frame.entries_of(tile), bounds, None, scratch, lists));
+        .and_then(|()| list(frame, frame.entries_of(tile), bounds, scratch, lists));
     if listed.is_err() {
         keeping.give_up();
         return None;
@@ -256,7 +203,7 @@ pub(crate) fn keep_tile(
     let mut keeper = Keeper::new(frame.scalar_count);
     for row in 0..bounds.size[1] {
         dispatch(frame.lanes, Arrange { lists, row, sorted: true });
-        let mut slices = ListSlices::new(lists, row, &scratch.stretch, None);
+        let mut slices = ListSlices::new(lists, row, &scratch.stretch);
         let batch = &mut scratch.shading.batch;
         loop {
             let count = slices.next(frame.lanes, false, batch);

@@ -3,7 +3,6 @@
 
 use crate::cells::Counts;
 use crate::composite::front_to_back::Shading;
-use crate::composite::hides::Hides;
 use crate::composite::lists::Lists;
 use crate::composite::scratch::Scratch;
 use crate::composite::sinks::TilePicture;
@@ -15,6 +14,9 @@ use crate::sample::Frame;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use voltet_core::Result as Fallible;
 use voltet_core::progress::Progress;
+
+/// Reports of progress for a picture, about.
+const REPORTS: usize = 64;
 
 /// What one worker drew, with tiles' numbers, and its counts.
 pub(crate) struct Drawn {
@@ -74,23 +76,11 @@ pub(crate) enum Work<'a> {
     Windows(&'a [Window]),
 }
 
-impl Work<'_> {
-    /// Tiles in all, empty ones of windows among them.
-    pub fn tile_count(&self) -> usize {
-        match self {
-            Work::Tiles(queue) => queue.len(),
-            Work::Windows(windows) => windows.iter().map(|window| window.area.tile_count()).sum(),
-        }
-    }
-}
-
 /// One worker: takes tiles or windows until none is left.
 pub(crate) struct Worker<'a> {
     pub frame: &'a Frame<'a>,
     pub work: &'a Work<'a>,
     pub next: &'a AtomicUsize,
-    /// Whether cells are taken from front to back.
-    pub hides: &'a Hides,
     pub progress: &'a dyn Progress,
 }
 
@@ -119,8 +109,8 @@ impl Worker<'_> {
         };
         match self.work {
             Work::Tiles(queue) => {
-                while let Some((place, &tile)) = self.take(queue)
-                    && self.draw(frame, tile, place, &mut desk)
+                while let Some(&tile) = self.take(queue)
+                    && self.draw(frame, tile, &mut desk)
                 {}
             }
             Work::Windows(windows) => self.draw_windows(windows, &mut desk)?,
@@ -134,38 +124,33 @@ impl Worker<'_> {
         Ok(Drawn { tiles: done, kept, lost, counts: scratch.counts })
     }
 
-    /// The next of a list, and its place there.
-    fn take<'t, T>(&self, list: &'t [T]) -> Option<(usize, &'t T)> {
-        let place = self.next.fetch_add(1, Ordering::Relaxed);
-        list.get(place).map(|item| (place, item))
+    /// The next item of a list.
+    fn take<'t, T>(&self, list: &'t [T]) -> Option<&'t T> {
+        let number = self.next.fetch_add(1, Ordering::Relaxed);
+        let item = list.get(number)?;
+        if number.is_multiple_of((list.len() / REPORTS).max(1)) {
+            self.progress.report("composite", number as f64 / list.len() as f64);
+        }
+        Some(item)
     }
 
     fn draw_windows(&self, windows: &[Window], desk: &mut Desk) -> Fallible<()> {
         let mut tiles = self.frame.spare().tiles.take();
-        while let Some((_, window)) = self.take(windows) {
-            let mut places = window.tiles_before..window.tiles_before + window.area.tile_count();
-            let projected = self.frame.project(window, &mut tiles);
-            if projected.is_ok() {
-                let frame = self.frame.within(&tiles);
-                for tile in tiles.queue(frame.tiles_wide).into_iter().filter(|&tile| frame.draws(tile)) {
-                    if !places.next().is_some_and(|place| self.draw(&frame, tile, place, desk)) {
-                        return Ok(());
-                    }
+        while let Some(window) = self.take(windows) {
+            self.frame.project(window, &mut tiles)?;
+            let frame = self.frame.within(&tiles);
+            for tile in tiles.queue(frame.tiles_wide).into_iter().filter(|&tile| frame.draws(tile)) {
+                if !self.draw(&frame, tile, desk) {
+                    return Ok(());
                 }
             }
-            // The others may wait for what empty tiles, and those that are not drawn, tell: nothing.
-            places.for_each(|place| drop(self.hides.sample(place)));
-            projected?;
         }
         self.frame.spare().tiles.put(tiles);
         Ok(())
     }
 
-    /// Draws a tile; whether the run goes on.
-    fn draw(&self, frame: &Frame<'_>, tile: u32, place: usize, desk: &mut Desk) -> bool {
-        if place.is_multiple_of(16) {
-            self.progress.report("composite", place as f64 / self.work.tile_count() as f64);
-        }
+    /// Draws a tile. Returns true if the run goes on.
+    fn draw(&self, frame: &Frame<'_>, tile: u32, desk: &mut Desk) -> bool {
         if self.progress.cancelled() {
             return false;
         }
@@ -184,12 +169,7 @@ impl Worker<'_> {
             }
             return true;
         }
-        let sampled = self.hides.sample(place);
-        let Some(slabs) = self.hides.answer(place, || self.progress.cancelled()) else { return false };
-        let hidden = draw_tile(frame, tile as usize, slabs, scratch, lists, &mut picture);
-        if let Some(sampled) = sampled {
-            sampled.tell(hidden);
-        }
+        draw_tile(frame, tile as usize, scratch, lists, &mut picture);
         done.push((tile, picture));
         true
     }

@@ -192,10 +192,10 @@ impl Fragments {
         Fragments { codes: vec![0; room], places: vec![0; room], count: 0, spans: Cells([[0; MOST]; TILE]) }
     }
 
-    /// Finds the pixels, of a tile `width` pixels wide, that each of the first `cells` cells covers. Where there are `lists`, each takes
-    /// a place there; then of their pixels only those that are `open` are covered.
+    /// Finds the pixels, of a tile `width` pixels wide, that each of the first `cells` cells covers. Each takes the
+    /// `next` slot of its pixel's list, where there are lists.
     #[inline(always)]
-    pub fn cover<L: Lanes>(&mut self, edges: &Edges, cells: usize, width: usize, lists: Option<Places<'_>>) {
+    pub fn cover<L: Lanes>(&mut self, edges: &Edges, cells: usize, width: usize, next: Option<&mut Next>) {
         let (mut starts, mut ends) = ([0u32; MOST], [0u32; MOST]);
         L::F::load(&edges.bounds.0[0]).to_unsigned().store(&mut starts);
         L::F::load(&edges.bounds.0[1]).to_unsigned().store(&mut ends);
@@ -205,21 +205,16 @@ impl Fragments {
         edges.spans::<L>(first..last, width, &mut self.spans);
 
         let rows = [starts, ends];
-        match lists {
-            None => self.list::<L, false>(rows, cells, None, &[0; TILE]),
-            Some(Places { next, open: None }) => self.list::<L, false>(rows, cells, Some(next), &[0; TILE]),
-            Some(Places { next, open: Some(open) }) => self.list::<L, true>(rows, cells, Some(next), open),
-        }
+        self.list::<L>(rows, cells, next);
     }
 
-    /// Codes from spans, cell by cell, and places in lists; if `MASKED` of pixels that are open.
+    /// Codes from spans, cell by cell, and places in lists.
     #[inline(always)]
-    fn list<L: Lanes, const MASKED: bool>(
+    fn list<L: Lanes>(
         &mut self,
         [starts, ends]: [[u32; MOST]; 2],
         cells: usize,
         mut next: Option<&mut Next>,
-        open: &[u16; TILE],
     ) {
         let Fragments { codes, places, spans, .. } = self;
         let (codes, places) = (codes.as_mut_slice(), places.as_mut_slice());
@@ -229,21 +224,6 @@ impl Fragments {
                 let span = spans.0[row][lane];
                 let (code, length) = (span as u16, (span >> LENGTH) as usize);
                 let from = usize::from(code) % TILE;
-                if MASKED {
-                    let mut open = u32::from(open[row]) & (((1 << length) - 1) << from);
-                    while open != 0 {
-                        let column = open.trailing_zeros() as usize;
-                        codes[count] = code - from as u16 + column as u16;
-                        if let Some(next) = &mut next {
-                            let next = &mut next.0[row * TILE + column];
-                            places[count] = *next;
-                            *next += 1;
-                        }
-                        count += 1;
-                        open &= open - 1;
-                    }
-                    continue;
-                }
                 let out = &mut codes[count..count + TILE];
                 for (k, out) in out.iter_mut().enumerate() {
                     *out = code.wrapping_add(k as u16);
@@ -260,13 +240,6 @@ impl Fragments {
             places[count..count + MOST].fill(NOBODY);
         }
     }
-}
-
-/// Where fragments go in the lists of their pixels.
-pub(crate) struct Places<'a> {
-    pub next: &'a mut Next,
-    /// Pixels that take fragments, a bit a column, where some do not.
-    pub open: Option<&'a [u16; TILE]>,
 }
 
 /// A place for each column of a span, in the first of `places`; what follows there is of no account.

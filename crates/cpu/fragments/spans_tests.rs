@@ -1,6 +1,6 @@
 //! Spans of single cells, against the crossings that cells in 64 bits ask for.
 
-use super::spans::{Edges, Fragments, Places, crossing_of_row};
+use super::spans::{Edges, Fragments, crossing_of_row};
 use crate::composite::lists::{NOBODY, Next};
 use crate::project::record::TILE;
 use crate::view::Seen;
@@ -28,7 +28,6 @@ impl Kernel for Spans<'_> {
 /// The fragments of some cells, one after another, with their places in lists.
 struct Listed<'a> {
     cells: &'a [[Seen; 4]],
-    open: Option<&'a [u16; TILE]>,
 }
 
 impl Kernel for Listed<'_> {
@@ -42,12 +41,7 @@ impl Kernel for Listed<'_> {
                 edges.take(lane, [a, b, c, d]);
             }
             edges.find::<L>(0, 0, &(0..TILE));
-            fragments.cover::<L>(
-                &edges,
-                cells.len(),
-                TILE,
-                Some(Places { next: &mut next, open: self.open }),
-            );
+            fragments.cover::<L>(&edges, cells.len(), TILE, Some(&mut next));
             let codes = fragments.codes.iter().map(|code| code & 255);
             all.extend(codes.zip(fragments.places.iter().copied()).take(fragments.count));
             assert!(fragments.places[fragments.count..][..L::WIDTH].iter().all(|place| *place == NOBODY));
@@ -95,11 +89,10 @@ proptest! {
         }
     }
 
-    /// Each fragment takes the next free place of its pixel, in the order of cells; those of closed pixels are none.
+    /// Each fragment takes the next free place of its pixel, in the order of cells.
     #[test]
     fn fragments_take_the_next_places_of_their_pixels(
         cells in prop::collection::vec(prop::array::uniform4((-5.0..21.0, -5.0..21.0)), 1..20),
-        mask in prop::option::of(prop::array::uniform16(0u16..=u16::MAX)),
     ) {
         let cells: Vec<[Seen; 4]> =
             cells.into_iter().map(|places| places.map(|(x, y)| Seen { x, y, z: 1.0 })).collect();
@@ -107,16 +100,13 @@ proptest! {
         let mut all = Vec::new();
         for [a, b, c, d] in &cells {
             for code in expected([a, b, c, d], [0; 2]) {
-                let (row, column) = (usize::from(code >> 4), code & 15);
-                if mask.is_none_or(|mask| mask[row] >> column & 1 != 0) {
-                    let next = &mut next.0[usize::from(code)];
-                    all.push((code, *next));
-                    *next += 1;
-                }
+                let next = &mut next.0[usize::from(code)];
+                all.push((code, *next));
+                *next += 1;
             }
         }
         for lanes in LaneSet::ALL.into_iter().filter(|lanes| lanes.is_supported()) {
-            let found = dispatch(lanes, Listed { cells: &cells, open: mask.as_ref() });
+            let found = dispatch(lanes, Listed { cells: &cells });
             prop_assert_eq!(found, all.clone(), "{}", lanes.name());
         }
     }

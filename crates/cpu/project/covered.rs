@@ -28,7 +28,6 @@ pub(crate) struct Covered<D: Double> {
     pub columns: [D; 2],
     /// The same of rows.
     pub rows: [D; 2],
-    pub nearest: D,
     /// 32 bits hold its depths.
     pub in_depth: D::Mask,
     /// There are such pixels.
@@ -87,6 +86,6 @@ impl<D: Double> Corners<D> {
             nearest.le(farthest)
         };
         let any = columns[0].lt(columns[1]).and(rows[0].lt(rows[1]));
-        Covered { columns, rows, nearest, in_depth, any }
+        Covered { columns, rows, in_depth, any }
     }
 }

@@ -21,8 +21,6 @@ pub(crate) struct ProjectedPart {
     pub attributes: Vec<AttributeRecord>,
     /// Points of the records' tetrahedra.
     pub corners: Vec<[u32; 4]>,
-    /// Nearest depth of each record, from the distance origin.
-    pub nearest: Vec<f32>,
     /// Tiles of that area that each record touches: x0, y0, x1, y1 (exclusive).
     pub tiles: Vec<[u16; 4]>,
     /// Records that touch each tile of the area that is of interest.
@@ -74,11 +72,10 @@ pub(crate) struct ProjectPart<'a> {
 impl ProjectedPart {
     /// Begins anew, with the memory that it has.
     pub fn begin(&mut self, area: Area) {
-        let ProjectedPart { records, attributes, corners, nearest, tiles, tile_counts, cells64 } = self;
+        let ProjectedPart { records, attributes, corners, tiles, tile_counts, cells64 } = self;
         records.clear();
         attributes.clear();
         corners.clear();
-        nearest.clear();
         tiles.clear();
         tile_counts.clear();
         tile_counts.resize(area.tile_count(), 0);
@@ -95,7 +92,6 @@ impl Kernel for ProjectPart<'_> {
         part.records.reserve(cells.len());
         part.attributes.reserve(cells.len() * input.attributes.len());
         part.corners.reserve(cells.len());
-        part.nearest.reserve(cells.len());
         part.tiles.reserve(cells.len());
         for group in cells.chunks(L::D::COUNT) {
             project_group::<L>(&input, group, part);
@@ -111,8 +107,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
     let (one, zero) = (splat(1.0), splat(0.0));
 
     let corners = Corners::<L::D>::gather(input.seen, input.tetrahedra, group);
-    let Covered { columns: [x0, x1], rows: [y0, y1], nearest, in_depth, any: covered } =
-        corners.covered(view);
+    let Covered { columns: [x0, x1], rows: [y0, y1], in_depth, any: covered } = corners.covered(view);
     let Corners { x, y, z } = corners;
     let (width, height) = (splat(view.size[0] as f64), splat(view.size[1] as f64));
     let live = (1u32 << n) - 1;
@@ -289,8 +284,8 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
     push_cells64(group, in_64_bits, part);
 
     // Store lane by lane.
-    let mut words = [[0f64; MOST]; 9];
-    for (row, value) in words.iter_mut().zip([x0, y0, x1, y1, pixel_x, pixel_y, depth, middle, nearest]) {
+    let mut words = [[0f64; MOST]; 8];
+    for (row, value) in words.iter_mut().zip([x0, y0, x1, y1, pixel_x, pixel_y, depth, middle]) {
         value.store(row);
     }
     for lane in 0..n {
@@ -319,7 +314,6 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
         }
         part.records.push(record);
         part.corners.push(input.tetrahedra[group[lane] as usize]);
-        part.nearest.push((words[8][lane] - input.distance_origin) as f32);
         part.tiles.push(rectangle.map(|tile| tile as u16));
         for stored in stored.iter().take(input.attributes.len()) {
             part.attributes.push(AttributeRecord {

@@ -223,13 +223,7 @@ impl<'a> Place<'a> {
         self.part.corners[self.index]
     }
 
-    /// Nearest depth, from the distance origin.
-    #[inline(always)]
-    pub fn nearest(&self) -> f32 {
-        self.part.nearest[self.index]
-    }
-
-    /// Asks for the cache lines of all but the nearest depth.
+    /// Prefetches its cache lines.
     #[inline(always)]
     pub fn prefetch(&self) {
         let Place { part, index, attribute_count } = *self;

@@ -26,8 +26,6 @@ pub(crate) struct Window {
     pub area: Area,
     /// Their numbers, in their order.
     pub pieces: Vec<Vec<u32>>,
-    /// Tiles of the windows before it.
-    pub tiles_before: usize,
 }
 
 /// Cells that cover a pixel centre, and the windows that they touch.
@@ -65,25 +63,13 @@ impl Windows {
             list.extend(telling.apart(window.area, side, &pieces).0);
         }
         fit.sort_by_key(|window| (Reverse(window.cell_count()), window.area.from));
-        let mut windows = Windows { list: fit, cell_count };
-        windows.number();
-        windows
+        Windows { list: fit, cell_count }
     }
 
-    /// Those alone that some tiles lie in, numbered row by row of `columns`.
+    /// Drops the windows that none of some tiles, numbered row by row of `columns`, lies in.
     pub fn retain(&mut self, tiles: &[u32], columns: usize) {
         let at = |tile: u32| [tile as usize % columns, tile as usize / columns];
         self.list.retain(|window| tiles.iter().any(|&tile| window.area.holds(at(tile))));
-        self.number();
-    }
-
-    /// Counts the tiles before each.
-    fn number(&mut self) {
-        let mut tiles_before = 0;
-        for window in &mut self.list {
-            window.tiles_before = tiles_before;
-            tiles_before += window.area.tile_count();
-        }
     }
 }
 
@@ -127,7 +113,7 @@ impl Telling<'_> {
             .collect();
         let cell_count = lists.iter().map(|(_, count)| count).sum();
         let mut windows: Vec<Window> =
-            areas.into_iter().map(|area| Window { area, pieces: Vec::new(), tiles_before: 0 }).collect();
+            areas.into_iter().map(|area| Window { area, pieces: Vec::new() }).collect();
         for (lists, _) in lists {
             for (window, list) in windows.iter_mut().zip(lists).filter(|(_, list)| !list.is_empty()) {
                 window.pieces.push(list);

@@ -2,7 +2,7 @@
 
 use crate::project::area::{Area, tiles_of};
 use crate::project::part::Input;
-use crate::project::windows::{Window, Windows};
+use crate::project::windows::Windows;
 use crate::view::{Seen, View};
 use glam::DVec3;
 use voltet_core::camera::{Camera, Projection};
@@ -32,10 +32,6 @@ fn told(grid: &Grid, eye: DVec3, wished: usize) -> (Vec<(Area, Vec<u32>)>, View,
         Input { view: &view, seen: &seen, tetrahedra, attributes, distance_origin: 0.0, densest: 0.0, area };
     let cells: Vec<u32> = (0..tetrahedra.len() as u32).collect();
     let windows = Windows::of(&input, LaneSet::detect().unwrap(), &grid.points, &cells, wished);
-    let before = |(k, window): (usize, &Window)| {
-        window.tiles_before == windows.list[..k].iter().map(|window| window.area.tile_count()).sum::<usize>()
-    };
-    assert!(windows.list.iter().enumerate().all(before));
     let list = windows.list.iter().map(|window| (window.area, window.pieces.concat())).collect();
     (list, view, windows.cell_count)
 }
