@@ -5,7 +5,7 @@ use voltet_core::Result;
 use voltet_core::picture::Picture;
 use voltet_core::progress::NoProgress;
 use voltet_core::transfer::TransferFunction;
-use voltet_cpu::{self as engine, Casting, Cells, Counts};
+use voltet_cpu::{self as engine, Cells, Counts, Traversal};
 use voltet_optics::engine::{AdapterRequest, RenderOptions};
 use voltet_optics::integrators;
 use voltet_optics::scene::Scene;
@@ -21,7 +21,7 @@ pub struct ByCells;
 
 impl Engine for Tested {
     fn picture(&self, scene: &NamedScene, shading: &Shading) -> Option<Picture> {
-        let picture = draw(scene, shading, |cells| cells.casting = Casting::Always).0;
+        let picture = draw(scene, shading, |cells| cells.traversal = Traversal::RayCast).0;
         let name = format!("{} from segments kept", scene.name);
         within(&name, &kept(scene, shading), &picture, KEPT);
         Some(picture)
@@ -72,8 +72,8 @@ fn draw(scene: &NamedScene, shading: &Shading, set: impl Fn(&mut Cells)) -> (Pic
 pub fn picture(scene: &NamedScene, shading: &Shading) -> Picture {
     let by_cells = |most_at_once: Option<usize>| {
         let (picture, counts) = draw(scene, shading, |cells| {
-            cells.casting = Casting::Never;
-            cells.most_at_once = most_at_once.unwrap_or(cells.most_at_once);
+            cells.traversal = Traversal::Project;
+            cells.max_resident_cells = most_at_once.unwrap_or(cells.max_resident_cells);
         });
         // Cells without a volume are known when they are projected.
         (picture, Counts { cells_projected: 0, ..counts })

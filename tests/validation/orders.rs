@@ -82,7 +82,7 @@ fn widgets_that_no_cell_touches_are_left_out() {
         let mut more = scene.clone();
         more.look.widgets.insert(1, far);
         let cells = engine::cull(&more.volume, &more.look, &more.camera, &NoProgress).unwrap();
-        assert_eq!(cells.untouched, [1]);
+        assert_eq!(cells.inactive_widgets, [1]);
         assert_eq!(picture(&more, &SHADING).rgba, kept);
     }
 }
@@ -129,7 +129,7 @@ fn opaque_tiles_stop_early() {
         let scene = scene(extinction);
         Tested.ordinary(&scene);
         let mut cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &NoProgress).unwrap();
-        cells.casting = engine::Casting::Never;
+        cells.traversal = engine::Traversal::Project;
         engine::draw(&cells, &scene.look, &scene.camera, &SHADING, &NoProgress).unwrap().1
     };
     let (thin, dense) = (counts(2.0), counts(1e4));
