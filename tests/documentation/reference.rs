@@ -139,7 +139,8 @@ fn name_of(line: &str) -> Option<&str> {
     if let Some(rest) = line.strip_prefix("typedef struct ") {
         return rest.split(|c| !is_word(c)).next();
     }
-    let before = line.split_once("(*").map(|(_, rest)| rest.split(')').next()).unwrap_or(line.split('(').next())?;
+    let before =
+        line.split_once("(*").map(|(_, rest)| rest.split(')').next()).unwrap_or(line.split('(').next())?;
     let is_declared = line.contains('(') && !line.starts_with('#');
     before.rsplit(|c| !is_word(c)).next().filter(|name| is_declared && !name.is_empty())
 }

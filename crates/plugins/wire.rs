@@ -1,14 +1,14 @@
-//! Messages between the program and the process of a plug-in: a tag, a length, and bytes in this machine's own order.
+//! Messages between the program and the process of a plug-in: a tag, a length, and bytes in this machine's order.
 
 use std::io::{self, Read, Write};
 
-/// Numbers that are read at a time.
-const PART: usize = 1 << 22;
+/// Numbers read at a time.
+const CHUNK: usize = 1 << 22;
 
-/// Longest message but for arrays: bytes.
-const MESSAGE_MOST: u64 = 16 << 20;
+/// Longest message without its arrays (bytes).
+const MAX_MESSAGE_BYTES: u64 = 16 << 20;
 
-/// Writes the parts of a message one after the other.
+/// Message under construction.
 #[derive(Default)]
 pub(crate) struct Writer(pub Vec<u8>);
 
@@ -26,25 +26,34 @@ impl Writer {
     }
 
     pub fn bytes(&mut self, bytes: &[u8]) {
-        self.number(bytes.len() as u64);
+        self.count(bytes.len());
         self.0.extend_from_slice(bytes);
     }
 
     pub fn floats(&mut self, xs: &[f64]) {
-        self.number(xs.len() as u64);
-        xs.iter().for_each(|&x| self.float(x));
+        self.list(xs, |to, &x| to.float(x));
     }
 
-    /// Whether there is something, and what.
-    pub fn optional<T>(&mut self, thing: Option<T>, write: impl FnOnce(&mut Writer, T)) {
-        self.number(u64::from(thing.is_some()));
-        if let Some(thing) = thing {
-            write(self, thing);
+    pub fn count(&mut self, count: usize) {
+        self.number(count as u64);
+    }
+
+    /// A count, and the items.
+    pub fn list<T>(&mut self, items: &[T], mut write: impl FnMut(&mut Writer, &T)) {
+        self.count(items.len());
+        items.iter().for_each(|item| write(self, item));
+    }
+
+    /// A flag, and the item if there is one.
+    pub fn optional<T>(&mut self, item: Option<T>, write: impl FnOnce(&mut Writer, T)) {
+        self.number(u64::from(item.is_some()));
+        if let Some(item) = item {
+            write(self, item);
         }
     }
 }
 
-/// Reads them again; `None` where they are not what was written: whoever writes may have been damaged.
+/// Message under reading; each method gives `None` where the bytes are not as written: the writer may have been damaged.
 pub(crate) struct Reader<'a>(pub &'a [u8]);
 
 impl<'a> Reader<'a> {
@@ -54,9 +63,13 @@ impl<'a> Reader<'a> {
         Some(u64::from_ne_bytes(*head))
     }
 
-    /// A number of things, each of at least 8 bytes.
+    pub fn length(&mut self) -> Option<usize> {
+        usize::try_from(self.number()?).ok()
+    }
+
+    /// A count of items of at least 8 bytes each.
     pub fn count(&mut self) -> Option<usize> {
-        let count = usize::try_from(self.number()?).ok()?;
+        let count = self.length()?;
         (count <= self.0.len() / 8).then_some(count)
     }
 
@@ -65,7 +78,7 @@ impl<'a> Reader<'a> {
     }
 
     pub fn bytes(&mut self) -> Option<&'a [u8]> {
-        let length = usize::try_from(self.number()?).ok()?;
+        let length = self.length()?;
         let (bytes, rest) = self.0.split_at_checked(length)?;
         self.0 = rest;
         Some(bytes)
@@ -76,10 +89,10 @@ impl<'a> Reader<'a> {
     }
 
     pub fn floats(&mut self) -> Option<Vec<f64>> {
-        (0..self.count()?).map(|_| self.float()).collect()
+        self.list(Reader::float)
     }
 
-    /// What [`Writer::optional`] wrote.
+    /// Counterpart of [`Writer::optional`].
     pub fn optional<T>(&mut self, read: impl FnOnce(&mut Self) -> Option<T>) -> Option<Option<T>> {
         match self.number()? {
             0 => Some(None),
@@ -88,21 +101,26 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Several things, as many as the count before them says.
+    /// Counterpart of [`Writer::list`].
     pub fn list<T>(&mut self, mut read: impl FnMut(&mut Self) -> Option<T>) -> Option<Vec<T>> {
         (0..self.count()?).map(|_| read(self)).collect()
     }
 }
 
+/// Error of a message that does not follow the format.
+pub(crate) fn garbled() -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, "a message is not as agreed")
+}
+
 /// Sends a message.
-pub(crate) fn send(to: &mut impl Write, tag: u8, bytes: &[u8]) -> io::Result<()> {
+pub(crate) fn send(to: &mut dyn Write, tag: u8, bytes: &[u8]) -> io::Result<()> {
     to.write_all(&[tag])?;
     to.write_all(&(bytes.len() as u64).to_ne_bytes())?;
     to.write_all(bytes)
 }
 
 /// The tag and the length of the next message; `None` at the end.
-pub(crate) fn head(from: &mut impl Read) -> io::Result<Option<(u8, u64)>> {
+pub(crate) fn head(from: &mut dyn Read) -> io::Result<Option<(u8, u64)>> {
     let mut tag = [0];
     if from.read(&mut tag)? == 0 {
         return Ok(None);
@@ -112,9 +130,9 @@ pub(crate) fn head(from: &mut impl Read) -> io::Result<Option<(u8, u64)>> {
     Ok(Some((tag[0], u64::from_ne_bytes(length))))
 }
 
-/// The bytes of a message that is no array.
-pub(crate) fn body(from: &mut impl Read, length: u64) -> io::Result<Vec<u8>> {
-    if length > MESSAGE_MOST {
+/// The bytes of a message without its arrays.
+pub(crate) fn body(from: &mut dyn Read, length: u64) -> io::Result<Vec<u8>> {
+    if length > MAX_MESSAGE_BYTES {
         return Err(io::Error::new(io::ErrorKind::InvalidData, "a message is too long"));
     }
     let mut bytes = vec![0; length as usize];
@@ -122,20 +140,20 @@ pub(crate) fn body(from: &mut impl Read, length: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// An array of numbers, of that many. What was damaged may name any number: memory is touched as numbers come.
-pub(crate) fn array<T: bytemuck::Pod>(from: &mut impl Read, count: usize) -> io::Result<Vec<T>> {
+/// An array of `count` numbers. A damaged message may have any count: memory is touched as numbers come.
+pub(crate) fn array<T: bytemuck::Pod>(from: &mut dyn Read, count: usize) -> io::Result<Vec<T>> {
     let mut items = Vec::new();
     let none = |_| io::Error::new(io::ErrorKind::OutOfMemory, "there is no memory for an array");
     items.try_reserve_exact(count).map_err(none)?;
     while items.len() < count {
         let begin = items.len();
-        items.resize(begin + (count - begin).min(PART), T::zeroed());
+        items.resize(begin + (count - begin).min(CHUNK), T::zeroed());
         from.read_exact(bytemuck::cast_slice_mut(&mut items[begin..]))?;
     }
     Ok(items)
 }
 
-/// The same as bytes.
-pub(crate) fn send_array<T: bytemuck::Pod>(to: &mut impl Write, items: &[T]) -> io::Result<()> {
+/// Counterpart of [`array`].
+pub(crate) fn send_array<T: bytemuck::Pod>(to: &mut dyn Write, items: &[T]) -> io::Result<()> {
     to.write_all(bytemuck::cast_slice(items))
 }

@@ -1,4 +1,4 @@
-//! Reading what a plug-in points to, by bounded amounts, and where the system can say so, without touching what is not there.
+//! Bounded reads of memory that a plug-in points to, checked by the system where it can.
 
 use crate::interface;
 use std::ffi::c_char;
@@ -10,7 +10,7 @@ use std::mem::{MaybeUninit, size_of};
 ///
 /// Every pattern of bits is a value: numbers, raw pointers, and functions that may be absent.
 pub(crate) unsafe trait Sized32: Copy {
-    /// As messages call it.
+    /// Name in messages.
     const NAME: &'static str;
 }
 
@@ -59,14 +59,14 @@ unsafe impl Sized32 for interface::Parameter {
     const NAME: &'static str = "voltet_parameter";
 }
 
-/// No struct is larger, whatever comes after version 1.0: bytes.
-const STRUCT_MOST: u32 = 4096;
+/// Largest struct of any version of the interface (bytes).
+const MAX_STRUCT_BYTES: u32 = 4096;
 
-/// What is wrong with something that a plug-in points to; a clause.
-pub(crate) type Wrong = String;
+/// Fault of something that a plug-in points to; a clause.
+pub(crate) type ValidationError = String;
 
-/// The bytes at an address; `None` where some of them are not there to be read. Where the system cannot say so, what is not there
-/// ends the program, as it would in the plug-in itself.
+/// Copies the bytes at an address; `None` where some of them are not mapped. Where the system cannot check, unmapped memory ends
+/// the program, as it would in the plug-in itself.
 fn bytes(address: usize, into: &mut [MaybeUninit<u8>]) -> Option<()> {
     address.checked_add(into.len())?;
     if into.is_empty() {
@@ -94,7 +94,7 @@ fn bytes(address: usize, into: &mut [MaybeUninit<u8>]) -> Option<()> {
 /// Plain values at an address.
 ///
 /// Errors: null, or not there.
-pub(crate) fn values<T: Copy>(address: *const T, count: usize) -> Result<Vec<T>, Wrong> {
+pub(crate) fn values<T: Copy>(address: *const T, count: usize) -> Result<Vec<T>, ValidationError> {
     if address.is_null() {
         return Err("is a null pointer".into());
     }
@@ -110,24 +110,24 @@ pub(crate) fn values<T: Copy>(address: *const T, count: usize) -> Result<Vec<T>,
     Ok(values)
 }
 
-/// A struct at an address, and the size that it says it has.
+/// A struct at an address, and the size in its first field.
 ///
 /// Errors: null, not there, or smaller than in version 1.0 of the interface.
-pub(crate) fn sized<T: Sized32>(address: *const T) -> Result<(T, usize), Wrong> {
+pub(crate) fn sized<T: Sized32>(address: *const T) -> Result<(T, usize), ValidationError> {
     let wrong = |what| format!("{} {what}", T::NAME);
     let size = values(address.cast::<u32>(), 1).map_err(wrong)?[0];
-    if (size as usize) < size_of::<T>() || size > STRUCT_MOST || size % 8 != 0 {
-        let (name, least) = (T::NAME, size_of::<T>());
-        return Err(format!("{name} says that its size is {size} bytes, in place of {least} (sizeof)"));
+    if (size as usize) < size_of::<T>() || size > MAX_STRUCT_BYTES || size % 8 != 0 {
+        let (name, min) = (T::NAME, size_of::<T>());
+        return Err(format!("{name} says that its size is {size} bytes, in place of {min} (sizeof)"));
     }
     let read = values(address, 1).map_err(wrong)?;
     Ok((read[0], size as usize))
 }
 
-/// Structs one after the other, as far apart as the first says that it is large.
+/// Structs side by side, each of the size that the first has in its first field.
 ///
-/// Errors: as of [`sized`], with the struct's place; one of another size than the first.
-pub(crate) fn several<T: Sized32>(address: *const T, count: usize) -> Result<Vec<T>, Wrong> {
+/// Errors: those of [`sized`], with the struct's index; one of another size than the first.
+pub(crate) fn several<T: Sized32>(address: *const T, count: usize) -> Result<Vec<T>, ValidationError> {
     let (mut found, mut stride) = (Vec::new(), 0);
     for i in 0..count {
         let (read, size) =
@@ -143,9 +143,9 @@ pub(crate) fn several<T: Sized32>(address: *const T, count: usize) -> Result<Vec
 
 /// A text; `None` for a null pointer.
 ///
-/// Errors: longer than `most` bytes, no UTF-8, or not there.
-pub(crate) fn text(address: *const c_char, most: usize) -> Result<Option<String>, Wrong> {
-    let Some(bytes) = bytes_of_text(address, most)? else { return Ok(None) };
+/// Errors: longer than `max` bytes, no UTF-8, or not there.
+pub(crate) fn text(address: *const c_char, max: usize) -> Result<Option<String>, ValidationError> {
+    let Some(bytes) = bytes_of_text(address, max)? else { return Ok(None) };
     match bytes {
         (bytes, true) => String::from_utf8(bytes).map(Some).map_err(|error| {
             let at = error.utf8_error().valid_up_to();
@@ -153,27 +153,27 @@ pub(crate) fn text(address: *const c_char, most: usize) -> Result<Option<String>
         }),
         (bytes, false) => {
             let begin: String = String::from_utf8_lossy(&bytes).chars().take(32).collect();
-            Err(format!("is longer than {most} bytes: \"{begin}…\""))
+            Err(format!("is longer than {max} bytes: \"{begin}…\""))
         }
     }
 }
 
-/// A text for a message: what is there of it.
-pub(crate) fn message(address: *const c_char, most: usize) -> String {
-    match bytes_of_text(address, most) {
+/// The readable part of a text, for a message.
+pub(crate) fn message(address: *const c_char, max: usize) -> String {
+    match bytes_of_text(address, max) {
         Ok(Some((bytes, _))) => String::from_utf8_lossy(&bytes).into_owned(),
         Ok(None) => "(a null pointer in place of a text)".into(),
         Err(wrong) => format!("(a text that {wrong})"),
     }
 }
 
-/// The bytes of a text, and whether it ends within `most` of them.
-fn bytes_of_text(address: *const c_char, most: usize) -> Result<Option<(Vec<u8>, bool)>, Wrong> {
+/// The bytes of a text, and true if it ends within `max` of them.
+fn bytes_of_text(address: *const c_char, max: usize) -> Result<Option<(Vec<u8>, bool)>, ValidationError> {
     if address.is_null() {
         return Ok(None);
     }
     let mut found = Vec::new();
-    while found.len() <= most {
+    while found.len() <= max {
         let begin = (address as usize).wrapping_add(found.len());
         // Within one page of 4096 bytes: the next need not be there.
         let count = (4096 - begin % 4096).min(64);
@@ -181,13 +181,13 @@ fn bytes_of_text(address: *const c_char, most: usize) -> Result<Option<(Vec<u8>,
         match part.iter().position(|&byte| byte == 0) {
             Some(end) => {
                 found.extend_from_slice(&part[..end]);
-                let fits = found.len() <= most;
-                found.truncate(most);
+                let fits = found.len() <= max;
+                found.truncate(max);
                 return Ok(Some((found, fits)));
             }
             None => found.extend_from_slice(&part),
         }
     }
-    found.truncate(most);
+    found.truncate(max);
     Ok(Some((found, false)))
 }

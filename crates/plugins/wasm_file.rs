@@ -1,11 +1,11 @@
-//! WebAssembly modules: whether a file is one, and what loads it, where this program was built with that.
+//! Recognition and loading of WebAssembly modules, where this program was built with a sandbox for them.
 
 use std::path::Path;
 
-/// What such a file begins with.
+/// First bytes of a module.
 const MAGIC: [u8; 4] = *b"\0asm";
 
-/// Whether a file is a module; nothing else of it is looked at.
+/// True if the file begins as a module.
 pub(crate) fn is_module(path: &Path) -> bool {
     use std::io::Read;
     let mut begin = [0; 4];
@@ -20,12 +20,12 @@ pub(crate) use without::load;
 
 #[cfg(not(feature = "wasm"))]
 mod without {
-    use crate::runner::Offered;
+    use crate::runner::PluginItem;
     use std::path::Path;
     use voltet_core::{Error, Result};
 
     /// Errors: always; this build has no sandbox.
-    pub(crate) fn load(path: &Path) -> Result<Vec<Offered>> {
+    pub(crate) fn load(path: &Path) -> Result<Vec<PluginItem>> {
         let error = Error::usage(
             "the plug-in is a WebAssembly module, and this program was built without the sandbox for them",
         );

@@ -1,37 +1,37 @@
-//! One piece of work of the process of a plug-in, as the program sees it.
+//! One request to the process of a plug-in: the program's side.
 
-use super::messages::{Answer, Request};
+use super::messages::{Reply, Request};
 use std::io::{BufReader, BufWriter};
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-/// How often the one who waits looks around.
-const PAUSE: Duration = Duration::from_millis(10);
+/// Interval between two calls of `may_go_on`.
+const INTERVAL: Duration = Duration::from_millis(10);
 
-/// How it ended.
+/// Ends of a request.
 pub(super) enum End {
-    /// With answers, all that were promised or not.
-    Answered(Vec<Answer>),
-    /// It was given up, and ended.
+    /// With replies, complete or not.
+    Replied(Vec<Reply>),
+    /// The process was ended because the request was given up.
     GivenUp,
-    /// It did not end well; a clause such as "crashed with signal 11 (SIGSEGV)".
+    /// The process failed; a clause such as "crashed with signal 11 (SIGSEGV)".
     Broken(String),
 }
 
-/// Has `program` ask the library at `path`, while `waits` says so, which is asked every few milliseconds and told what part is
-/// done.
-pub(super) fn hold(
+/// Sends a request about the library at `path` to a process of `program`. `may_go_on` is called with the completed fraction every
+/// few milliseconds; once it is false the process is ended.
+pub(super) fn exchange(
     program: &Path,
     path: &Path,
     request: &Request,
-    mut waits: impl FnMut(f64) -> bool,
+    mut may_go_on: impl FnMut(f64) -> bool,
 ) -> End {
     let mut command = Command::new(program);
     command.arg("plugin-process").arg(path).stdin(Stdio::piped()).stdout(Stdio::piped());
     #[cfg(unix)]
-    // Ctrl-C at a terminal is the program's to hear.
+    // Ctrl-C at a terminal goes to the program alone.
     std::os::unix::process::CommandExt::process_group(&mut command, 0);
     let mut child = match command.spawn() {
         Ok(child) => child,
@@ -42,9 +42,9 @@ pub(super) fn hold(
     };
     let (sender, receiver) = channel();
     std::thread::scope(|scope| {
-        // Its end of the pipe stays open until all is heard: the process ends when it is closed. What cannot be written shows in
-        // how the process ends.
-        let asking = scope.spawn(move || {
+        // This end of the pipe stays open until all replies are here: the process ends when it is closed. A failed write shows in the
+        // process's end.
+        let sender_thread = scope.spawn(move || {
             let mut input = BufWriter::new(input);
             let _ = request.write(&mut input);
             input
@@ -52,18 +52,18 @@ pub(super) fn hold(
         scope.spawn(move || {
             let mut output = BufReader::new(output);
             loop {
-                let answer = Answer::read(&mut output);
-                let is_last = !matches!(answer, Ok(Some(_)));
-                if sender.send(answer).is_err() || is_last {
+                let reply = Reply::read(&mut output);
+                let is_last = !matches!(reply, Ok(Some(_)));
+                if sender.send(reply).is_err() || is_last {
                     return;
                 }
             }
         });
-        let (mut answers, mut fraction, mut garbled, mut given_up) = (Vec::new(), 0.0, None, false);
+        let (mut replies, mut fraction, mut garbled, mut given_up) = (Vec::new(), 0.0, None, false);
         loop {
-            match receiver.recv_timeout(PAUSE) {
-                Ok(Ok(Some(Answer::Progress(done)))) => fraction = done,
-                Ok(Ok(Some(answer))) => answers.push(answer),
+            match receiver.recv_timeout(INTERVAL) {
+                Ok(Ok(Some(Reply::Progress(done)))) => fraction = done,
+                Ok(Ok(Some(reply))) => replies.push(reply),
                 Ok(Ok(None)) => break,
                 Ok(Err(error)) => {
                     garbled = Some(error);
@@ -71,13 +71,13 @@ pub(super) fn hold(
                 }
                 Err(RecvTimeoutError::Disconnected) => break,
                 Err(RecvTimeoutError::Timeout) => {
-                    // What it began itself may hold the pipes open.
+                    // A process that it started may hold the pipes open.
                     if matches!(child.try_wait(), Ok(Some(_))) {
                         kill(&mut child);
                     }
                 }
             }
-            if !given_up && !waits(fraction) {
+            if !given_up && !may_go_on(fraction) {
                 given_up = true;
                 kill(&mut child);
             }
@@ -85,8 +85,8 @@ pub(super) fn hold(
         if garbled.is_some() {
             kill(&mut child);
         }
-        // It has said all; it may still want to end by itself.
-        drop(asking.join());
+        // All replies are here; the process may still end by itself.
+        drop(sender_thread.join());
         let status = child.wait();
         match (given_up, garbled, status) {
             (true, ..) => End::GivenUp,
@@ -94,8 +94,8 @@ pub(super) fn hold(
             (_, Some(error), Ok(status)) if is_killed(&status) => {
                 End::Broken(format!("answered what was not asked: {error}"))
             }
-            (_, _, Ok(status)) if status.success() => End::Answered(answers),
-            (_, _, Ok(status)) => End::Broken(in_words(status)),
+            (_, _, Ok(status)) if status.success() => End::Replied(replies),
+            (_, _, Ok(status)) => End::Broken(exit_message(status)),
             (_, _, Err(error)) => End::Broken(format!("cannot be waited for: {error}")),
         }
     })
@@ -122,7 +122,7 @@ fn is_killed(_: &ExitStatus) -> bool {
     false
 }
 
-fn in_words(status: ExitStatus) -> String {
+fn exit_message(status: ExitStatus) -> String {
     #[cfg(unix)]
     if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
         let name = match signal {

@@ -1,22 +1,22 @@
-//! Whether a file can be a library of this system, before its loader maps it: what is none, is of another processor or was cut
-//! off would be explained badly, or crash. A file damaged elsewhere can still crash.
+//! Checks of a library's file before the system's loader maps it: for a file of another kind or processor, or a truncated one, the
+//! loader gives a poor message, or crashes. A file damaged elsewhere can still crash.
 
-use crate::foreign::Wrong;
+use crate::ffi::ValidationError;
 
-/// Errors: what speaks against loading the file.
+/// Errors: the file is no library of this system, or truncated.
 #[cfg(not(target_os = "linux"))]
-pub(crate) fn check(_: &[u8]) -> Result<(), Wrong> {
+pub(crate) fn check(_: &[u8]) -> Result<(), ValidationError> {
     Ok(())
 }
 
 /// The ELF header and the program headers (System V ABI, chapters 4 and 5).
 #[cfg(target_os = "linux")]
-pub(crate) fn check(bytes: &[u8]) -> Result<(), Wrong> {
+pub(crate) fn check(bytes: &[u8]) -> Result<(), ValidationError> {
     check_bytes(bytes, &own_head()?)
 }
 
-/// A number made of all bytes. Each step maps the numbers one to one, so that one word of 8 bytes that changes always shows;
-/// several, but for a chance of 2⁻⁶⁴.
+/// Hash of all bytes. Each step is a bijection, so that a change in one word of 8 bytes always shows; a change in several, except
+/// for a chance of 2⁻⁶⁴.
 pub(crate) fn fingerprint(bytes: &[u8]) -> u64 {
     let mix = |sum: u64, word: u64| (sum.rotate_left(29) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let (words, rest) = bytes.as_chunks::<8>();
@@ -28,7 +28,7 @@ pub(crate) fn fingerprint(bytes: &[u8]) -> u64 {
 
 /// The first bytes of this program: class, byte order and processor that a library must share.
 #[cfg(target_os = "linux")]
-fn own_head() -> Result<Vec<u8>, Wrong> {
+fn own_head() -> Result<Vec<u8>, ValidationError> {
     use std::io::Read;
     let mut head = vec![0; HEAD];
     std::fs::File::open("/proc/self/exe")
@@ -41,7 +41,7 @@ fn own_head() -> Result<Vec<u8>, Wrong> {
 const HEAD: usize = 64;
 
 #[cfg(target_os = "linux")]
-fn check_bytes(bytes: &[u8], own: &[u8]) -> Result<(), Wrong> {
+fn check_bytes(bytes: &[u8], own: &[u8]) -> Result<(), ValidationError> {
     if !bytes.starts_with(b"\x7fELF") {
         return Err(match bytes.is_empty() {
             true => "the file is empty".into(),
@@ -73,7 +73,7 @@ fn check_bytes(bytes: &[u8], own: &[u8]) -> Result<(), Wrong> {
         let field = |offset: usize, width| at.checked_add(offset).and_then(|at| number(at, width));
         let (kind, begin, length) = (field(0, 4), field(8, 8), field(32, 8));
         let (Some(kind), Some(begin), Some(length)) = (kind, begin, length) else { return Err(wrong()) };
-        // PT_LOAD: what the loader maps. Beyond the end of the file there is nothing to map.
+        // PT_LOAD: what the loader maps. Overrun the end of the file there is nothing to map.
         if kind == 1 && begin.checked_add(length).is_none_or(|end| end > bytes.len() as u64) {
             return Err("the file is cut off: parts that it names are not there".into());
         }
