@@ -42,5 +42,5 @@ pub fn draw(
     let cells = engine::sort(&cells, &scene.camera, scene.order)?;
     let projection = engine::project(&cells, &scene.transfer_function, &scene.camera, gradient, &progress)?;
     let ready = engine::prepare(&projection, &scene.transfer_function, &scene.shading)?;
-    Ok(ready.composite_until(Some(ends), &progress)?.0)
+    Ok(ready.composite_with_depth(Some(ends), &progress)?.0)
 }

@@ -134,6 +134,6 @@ fn carry_out(command: &Command, registry: &Registry) -> Result<u8> {
         Command::Time(arguments) => time::time(arguments, registry),
         Command::Papers(arguments) => papers::papers(arguments, registry),
         Command::GradientTest(arguments) => gradient_test::gradient_test(arguments, registry),
-        Command::PluginProcess(arguments) => voltet_plugins::serve(&arguments.path),
+        Command::PluginProcess(arguments) => voltet_plugins::run_child(&arguments.path),
     }
 }
