@@ -22,8 +22,8 @@ pub const NODE: Node = Node {
 };
 
 fn demand(asking: &mut DemandContext) -> Result<()> {
-    if let (Some(leave), false) = (asking.may_leave_out(), asking.asked.order) {
-        drawing::leave_out_order(asking.notes, leave, None);
+    if !asking.asked.order {
+        drawing::record_unsorted(asking.notes, None);
     }
     let demand = asking.asked.clone();
     asking.ask("cells", &demand)

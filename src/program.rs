@@ -2,7 +2,7 @@
 
 use crate::core::Result;
 use crate::graph::Registry;
-use crate::{arguments::Arguments, commands, mistake};
+use crate::{arguments::Arguments, commands, mistake, present};
 use clap::Parser;
 use std::panic::AssertUnwindSafe;
 use std::process::ExitCode;
@@ -20,10 +20,25 @@ pub fn run(registry: Result<Registry>) -> ExitCode {
     mistake::show_in_one_line();
     // A panic was shown where it happened.
     std::panic::catch_unwind(AssertUnwindSafe(|| match Arguments::try_parse() {
-        Ok(arguments) => commands::dispatch(&arguments, registry),
+        Ok(arguments) => {
+            note_former_options();
+            commands::dispatch(&arguments, registry)
+        }
         Err(answer) => ExitCode::from(commands::answer(&answer)),
     }))
     .unwrap_or(ExitCode::from(mistake::FAILED))
+}
+
+/// Former names of options, each with the present one; the parser takes both.
+const FORMER_OPTIONS: [(&str, &str); 1] = [("--no-leave-out", "--exhaustive")];
+
+/// Prints a note for each option that was given by its former name.
+fn note_former_options() {
+    for (former, present) in FORMER_OPTIONS {
+        if std::env::args_os().any(|argument| argument == former) {
+            present::say(&format!("note: {former} is now called {present}\n"));
+        }
+    }
 }
 
 /// Keeps Mesa's choice of a device from asking a window system that is not there: it complains on standard error. Where

@@ -40,8 +40,8 @@ pub struct Cells {
     pub not_worth_asking: Option<Sample>,
     /// Widgets that no kept cell touches: left out of the integrals.
     pub untouched: Vec<usize>,
-    /// Nothing is left out for them: they were not culled, and segments are ordered also where one colour needs no order.
-    pub no_leave_out: bool,
+    /// True in exhaustive mode: they were not culled, and segments are ordered also where one colour needs no order.
+    pub exhaustive: bool,
     /// The vector lanes that the further stages run on: the widest that this processor has.
     pub lanes: LaneSet,
     /// When rays go from cell to cell.

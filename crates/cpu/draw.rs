@@ -159,7 +159,7 @@ pub fn prepare<'a>(
     // Lanes leave over no segment of a table over lengths: it is filled once, by them.
     let by_lanes = shading.integrator.has_table_of_lengths();
     let exact = if by_lanes { None } else { Some(integrator(cells, &touched, shading)?) };
-    let whole = cells.no_leave_out;
+    let whole = cells.exhaustive;
     let scene = Scene {
         attributes: &attributes,
         length: cells.length,

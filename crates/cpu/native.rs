@@ -5,11 +5,11 @@ use crate::kept::{Kept, Plan};
 use crate::{Cells, Counts, Known, Projection, Sample, Segments, needs_gradient, prepare, project, sort};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
+use voltet_core::diagnostics::Diagnostics;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_graph::{MayLeaveOut, NodeDiagnostics};
 use voltet_optics::engine::{
     self, AdapterRequest, Engine, EngineInfo, PreparedVolume, RenderOptions, RenderOutput, SegmentEvaluator,
     Stage, StageTiming,
@@ -120,23 +120,22 @@ impl PreparedVolume for OnVolume {
             && elsewhere.is_none()
             && let Some(kept) = self.kept(scene, manner, &mut watch, progress)?
         {
-            return self.draw_kept(&kept, scene, manner, watch, progress);
+            return self.draw_kept(&kept, scene, watch, progress);
         }
         let (known, transfer_function) = match &classified {
             Some(classified) => (&classified.known, &classified.bound),
             None => (elsewhere.as_ref().unwrap_or(&self.known), transfer_function),
         };
-        let mut cells = match manner.may_leave_out {
-            None => known.keep_all(transfer_function, camera)?,
-            Some(_) => known.cull(transfer_function, camera, progress)?,
+        let mut cells = match manner.exhaustive {
+            true => known.keep_all(transfer_function, camera)?,
+            false => known.cull(transfer_function, camera, progress)?,
         };
         cells.lanes = self.lanes;
         watch.end(Stage::Cull);
         let cells = sort(&cells, camera, *order)?;
         watch.end(Stage::Sort);
         // For comparison everything that there is goes along.
-        let gradient =
-            needs_gradient(shading) || (manner.may_leave_out.is_none() && volume.gradient.is_some());
+        let gradient = needs_gradient(shading) || (manner.exhaustive && volume.gradient.is_some());
         let projection = project(&cells, transfer_function, camera, gradient, progress)?;
         watch.end(Stage::Project);
         let ready = prepare(&projection, transfer_function, shading)?;
@@ -144,13 +143,12 @@ impl PreparedVolume for OnVolume {
         let (picture, counts) = ready.composite(progress)?;
         watch.end(Stage::Composite);
         let mut drawn = RenderOutput::new(picture, watch.stages);
+        drawn.notes = Diagnostics::new(manner.exhaustive);
         cells.count(&mut drawn.counts);
-        if let Some(leave) = manner.may_leave_out {
-            cells.note(leave, &mut drawn.notes);
-        }
+        cells.note(&mut drawn.notes);
         cells.note_order(&mut drawn.notes);
         projection.count(&mut drawn.counts);
-        projection.note(manner.may_leave_out, &mut drawn.notes);
+        projection.note(&mut drawn.notes);
         counts.count(&mut drawn.counts);
         counts.note(&mut drawn.notes);
         Ok(drawn)
@@ -168,7 +166,7 @@ impl OnVolume {
         progress: &dyn Progress,
     ) -> Result<Option<Arc<Kept>>> {
         let Scene { transfer_function, camera, shading, order, .. } = scene;
-        let served = manner.may_leave_out.is_some()
+        let served = !manner.exhaustive
             && matches!(order, VisibilityOrder::Exact | VisibilityOrder::Auto)
             && camera.samples == 1
             // Tables reach as far as the longest of the cells that are drawn.
@@ -201,7 +199,6 @@ impl OnVolume {
         &self,
         kept: &Kept,
         scene: &Scene,
-        manner: &RenderOptions,
         mut watch: Watch,
         progress: &dyn Progress,
     ) -> Result<RenderOutput> {
@@ -214,10 +211,8 @@ impl OnVolume {
         let (picture, counts) = ready.composite_kept(kept, progress)?;
         watch.end(Stage::Composite);
         let mut drawn = RenderOutput { is_passing: true, ..RenderOutput::new(picture, watch.stages) };
-        if let Some(leave) = manner.may_leave_out {
-            let why = "the segments of this view were kept when its widgets changed";
-            drawn.notes.record_skipped(leave, "culling, projecting and sorting", why, None);
-        }
+        let why = "the segments of this view were kept when its widgets changed";
+        drawn.notes.record_skipped("culling, projecting and sorting", why, None);
         counts.count(&mut drawn.counts);
         counts.note(&mut drawn.notes);
         Ok(drawn)
@@ -249,20 +244,20 @@ impl Cells {
     }
 
     /// Notes the widgets that are left out, and culling itself where it is.
-    pub fn note(&self, leave: MayLeaveOut, notes: &mut NodeDiagnostics) {
+    pub fn note(&self, notes: &mut Diagnostics) {
         if let Some(Sample { asked, dropped }) = self.not_worth_asking {
             let share = 100.0 * dropped as f64 / asked as f64;
             let why =
                 format!("not worth it: no widget touches {share:.1} % of {asked} cells spread over the grid");
-            notes.record_skipped(leave, "culling by values", why, None);
+            notes.record_skipped("culling by values", why, None);
         }
         for widget in &self.untouched {
-            notes.record_skipped(leave, format!("widget {}", widget + 1), "no visible cell touches it", None);
+            notes.record_skipped(format!("widget {}", widget + 1), "no visible cell touches it", None);
         }
     }
 
     /// Notes the cells that were put in order.
-    pub fn note_order(&self, notes: &mut NodeDiagnostics) {
+    pub fn note_order(&self, notes: &mut Diagnostics) {
         if self.order == VisibilityOrder::Centroid {
             notes.counts.insert("cells_sorted", self.kept.len() as u64);
         }
@@ -279,13 +274,11 @@ impl Projection {
     }
 
     /// Notes the cells that rays go through, and what they leave out.
-    pub fn note(&self, leave: Option<MayLeaveOut>, notes: &mut NodeDiagnostics) {
+    pub fn note(&self, notes: &mut Diagnostics) {
         if self.cells_projected().is_none() {
             notes.counts.insert("cells_cast", self.cells().kept.len() as u64);
-            if let Some(leave) = leave {
-                let why = "rays go from cell to cell through the faces that these share";
-                notes.record_skipped(leave, "projecting and sorting", why, None);
-            }
+            let why = "rays go from cell to cell through the faces that these share";
+            notes.record_skipped("projecting and sorting", why, None);
         }
     }
 }
@@ -304,7 +297,7 @@ impl Counts {
     }
 
     /// Notes what is this engine's own.
-    pub fn note(&self, notes: &mut NodeDiagnostics) {
+    pub fn note(&self, notes: &mut Diagnostics) {
         notes.counts.insert("tiles_sorted", self.tiles_sorted);
         notes.counts.insert("segments_overlapping", self.segments_overlapping);
         notes.counts.insert("tiles_deep", self.tiles_deep);

@@ -145,13 +145,13 @@ impl Ready<'_> {
             let sorted = sorted && kept.is_none();
             let mut frame =
                 Frame::new(sample, tiles, &cells.volume.grid, &all, attributes.len(), shader, sorted);
-            (frame.ends, frame.kept, frame.whole) = (ends, kept, cells.no_leave_out);
+            (frame.ends, frame.kept, frame.whole) = (ends, kept, cells.exhaustive);
             if let Some(kept) = kept {
                 work = Work::Tiles(kept.queue.clone());
             }
             // Nothing is hidden where no ray through all of the grid is opaque.
             let opaque = f64::from(OPAQUE_DEPTH) < sample.deepest;
-            let hides = opaque && sorted && !cells.no_leave_out;
+            let hides = opaque && sorted && !cells.exhaustive;
             let mut results = self.run(&frame, &work, hides && frame.cast.is_none(), progress)?;
             let mut lost: Vec<u32> = results.iter().flat_map(|drawn| drawn.lost.iter().copied()).collect();
             lost.sort_unstable();

@@ -15,10 +15,10 @@ use serde_json::json;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use voltet_core::Result;
+use voltet_core::diagnostics::{Diagnostics, SavedWork};
 use voltet_core::progress::Progress;
 use voltet_core::visibility::FaceOrder;
 use voltet_core::volume::Volume;
-use voltet_graph::{NodeDiagnostics, SavedWork};
 use voltet_optics::engine::{
     AdapterRequest, Compositor, CompositorChoice, Engine, EngineInfo, KeyValueStore, NoStore, Pending,
     PreparedVolume, RenderOptions, RenderOutput, RenderStats, SegmentEvaluator,
@@ -186,8 +186,8 @@ fn of_engine(device: &Device, drawn: drawn::Drawn, manner: &RenderOptions, work:
 }
 
 /// What only this engine counts and leaves out, and what should be known of the device.
-fn notes(device: &Device, drawn: &drawn::Drawn, manner: &RenderOptions) -> NodeDiagnostics {
-    let mut notes = NodeDiagnostics::default();
+fn notes(device: &Device, drawn: &drawn::Drawn, manner: &RenderOptions) -> Diagnostics {
+    let mut notes = Diagnostics::new(manner.exhaustive);
     notes.counts.insert("tile_entries", drawn.counts.tile_entries);
     notes.counts.insert("sweeps_further", drawn.counts.sweeps_further);
     if let Some(along_faces) = &drawn.along_faces {
@@ -201,16 +201,16 @@ fn notes(device: &Device, drawn: &drawn::Drawn, manner: &RenderOptions) -> NodeD
         let off = "what it draws may be off by some thousandths; compositor = \"tiles\" has 32 bits";
         notes.warnings.push(format!("{} blends no 32-bit floats: {off}", device.name));
     }
-    if let (Some(leave), false) = (manner.may_leave_out, drawn.parts_left_out.is_empty()) {
+    if !drawn.parts_left_out.is_empty() {
         let what = format!("shader parts {}", drawn.parts_left_out.join(", "));
         let saving = SavedWork::Bytes(drawn.part_bytes_left_out);
-        notes.record_skipped(leave, what, "the scene asks for nothing of the kind", Some(saving));
+        notes.record_skipped(what, "the scene asks for nothing of the kind", Some(saving));
     }
     notes
 }
 
 /// What is known of an exact order that was blended.
-fn note_order(notes: &mut NodeDiagnostics, drawn::AlongFaces { order, checked }: &drawn::AlongFaces) {
+fn note_order(notes: &mut Diagnostics, drawn::AlongFaces { order, checked }: &drawn::AlongFaces) {
     let FaceOrder { cells, across_gaps, taken_out } = &**order;
     let mut said = format!("{} cells blended in exact order along their faces", cells.len());
     if *across_gaps > 0 {
@@ -240,9 +240,9 @@ impl drawn::Counts {
     /// Those that every engine may have. Where nothing may be left out, cells beside the picture are as those between its
     /// pixels: their place is found, and there is nothing more that could be done for them.
     fn of_engine(&self, manner: &RenderOptions) -> RenderStats {
-        let [culled_by_frustum, under_a_pixel] = match manner.may_leave_out {
-            Some(_) => [self.culled_by_frustum, self.under_a_pixel],
-            None => [0, self.culled_by_frustum + self.under_a_pixel],
+        let [culled_by_frustum, under_a_pixel] = match manner.exhaustive {
+            false => [self.culled_by_frustum, self.under_a_pixel],
+            true => [0, self.culled_by_frustum + self.under_a_pixel],
         };
         RenderStats {
             culled_by_transfer_function: Some(self.culled_by_transfer_function),

@@ -5,7 +5,6 @@ use super::call::Preparation;
 use super::declaration::{Node, Steps};
 use super::demand::Demand;
 use super::given::NodeOverride;
-use super::notes::NodeDiagnostics;
 use super::stated::ResolvedPipeline;
 use super::value::{Revision, Value};
 use std::any::{Any, TypeId};
@@ -13,6 +12,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::Result;
+use voltet_core::diagnostics::Diagnostics;
 use voltet_core::field::{Method, Plugin};
 use voltet_core::parameters::Parameters;
 
@@ -38,7 +38,7 @@ pub(super) struct Entry {
     /// What it was told of the graph that it was part of.
     pub(super) carried: Option<ResolvedPipeline>,
     pub(super) outputs: Vec<(Value, Revision)>,
-    pub(super) notes: NodeDiagnostics,
+    pub(super) notes: Diagnostics,
     /// What the run took.
     pub(super) seconds: f64,
 }

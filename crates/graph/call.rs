@@ -4,8 +4,6 @@ use super::builder::{Graph, GraphNode};
 use super::cache::{FOR_THE_SESSION, FileStamp, Store};
 use super::declaration::PortType;
 use super::demand::{Demand, Done};
-use super::leave_out::MayLeaveOut;
-use super::notes::NodeDiagnostics;
 use super::origins::{Origins, origins, upstream};
 use super::session::Observer;
 use super::stated::ResolvedPipeline;
@@ -16,6 +14,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 use voltet_core::camera::Camera;
+use voltet_core::diagnostics::Diagnostics;
 use voltet_core::field::Method;
 use voltet_core::grid::Grid;
 use voltet_core::parameters::Parameters;
@@ -34,8 +33,7 @@ pub struct DemandContext<'a> {
     /// What is asked of the node's outputs.
     pub asked: &'a Demand,
     /// What the node says about it.
-    pub notes: &'a mut NodeDiagnostics,
-    pub(super) no_leave_out: bool,
+    pub notes: &'a mut Diagnostics,
     pub(super) node: &'a GraphNode,
     /// For each edge its value, or what stands for it, where known.
     pub(super) early: Vec<Option<Value>>,
@@ -48,9 +46,9 @@ pub struct DemandContext<'a> {
 }
 
 impl DemandContext<'_> {
-    /// Leave to leave something out that nobody needs. Without it the node does, and says that it will do, everything.
-    pub fn may_leave_out(&self) -> Option<MayLeaveOut> {
-        MayLeaveOut::unless(self.no_leave_out)
+    /// True in an exhaustive session: the node plans all work, needed or not.
+    pub fn exhaustive(&self) -> bool {
+        self.notes.exhaustive()
     }
 
     /// The transfer function at an input, or what stands for it where it is made from data; `None` where nothing
@@ -108,16 +106,14 @@ impl Preparation<'_> {
     }
 }
 
-/// A node between the demand pass and the run, with leave to leave out what nobody asks for.
+/// Context of a node between the demand pass and the run: it records the work that it will skip.
 pub struct PlanContext<'a> {
     /// The node's parameters.
     pub parameters: &'a Parameters,
     /// What is asked of its outputs.
     pub demand: &'a Demand,
     /// What it says about it.
-    pub notes: &'a mut NodeDiagnostics,
-    /// What is needed to note something as left out.
-    pub leave: MayLeaveOut,
+    pub notes: &'a mut Diagnostics,
     pub(super) folder: &'a Path,
 }
 
@@ -135,8 +131,7 @@ pub struct RunContext<'a> {
     /// What is asked of its outputs.
     pub demand: &'a Demand,
     /// What it says about its work.
-    pub notes: NodeDiagnostics,
-    pub(super) no_leave_out: bool,
+    pub notes: Diagnostics,
     pub(super) node: &'a GraphNode,
     pub(super) inputs: Vec<(Value, Revision)>,
     pub(super) graph: &'a Graph,
@@ -166,9 +161,9 @@ impl RunContext<'_> {
         (&self.graph.stated, self.folder)
     }
 
-    /// Leave to leave something out that nobody needs. Without it the node does everything; the outputs mean the same.
-    pub fn may_leave_out(&self) -> Option<MayLeaveOut> {
-        MayLeaveOut::unless(self.no_leave_out)
+    /// True in an exhaustive session: the node does all work, needed or not; its outputs mean the same.
+    pub fn exhaustive(&self) -> bool {
+        self.notes.exhaustive()
     }
 
     /// Whether the outputs may be passing ones: others of the same graph with other parameters follow at once, and rounding may
@@ -221,7 +216,7 @@ impl RunContext<'_> {
         revision: Revision,
         make: impl FnOnce() -> Result<T>,
     ) -> Result<Arc<T>> {
-        if self.no_leave_out {
+        if self.exhaustive() {
             return Ok(Arc::new(make()?));
         }
         self.store.get_or_make(revision, make)

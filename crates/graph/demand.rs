@@ -3,11 +3,10 @@
 use super::builder::{Graph, GraphNode};
 use super::call::PlanContext;
 use super::declaration::PortType;
-use super::leave_out::MayLeaveOut;
-use super::notes::NodeDiagnostics;
 use super::value::{Revision, TransferFunctionSpec, Value};
 use std::collections::BTreeSet;
 use std::sync::Arc;
+use voltet_core::diagnostics::Diagnostics;
 
 /// What is asked of a node's outputs. Nothing but what stands here is read, computed or sorted.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -179,24 +178,26 @@ pub struct Plan {
     /// What is asked of each node.
     pub demands: Vec<Demand>,
     /// What each node said while planning: what it leaves out, which engine it takes.
-    pub notes: Vec<NodeDiagnostics>,
+    pub notes: Vec<Diagnostics>,
     /// The nodes that ran early.
     pub(super) early: Vec<Option<Done>>,
-    /// See [`Session::no_leave_out`](super::Session::no_leave_out).
-    pub(super) no_leave_out: bool,
+    /// True for a plan of an exhaustive session.
+    pub(super) exhaustive: bool,
 }
 
 impl Plan {
-    /// Notes what nodes will leave out by what the headers of their files tell; reads no data. Gives the places of the nodes
-    /// whose files do not tell.
+    /// Records the work that nodes will skip, from the headers of their files; reads no data. Returns the indices of the nodes
+    /// whose files do not say. An exhaustive session skips nothing.
     pub fn foresee(&mut self, graph: &Graph) -> Vec<usize> {
-        let Some(leave) = MayLeaveOut::unless(self.no_leave_out) else { return Vec::new() };
+        if self.exhaustive {
+            return Vec::new();
+        }
         let mut unknown = Vec::new();
         for &i in &graph.order {
             let node = &graph.nodes[i];
             let (demand, notes) = (&self.demands[i], &mut self.notes[i]);
             let parameters = &node.parameters;
-            let mut foresight = PlanContext { parameters, demand, notes, leave, folder: &graph.folder };
+            let mut foresight = PlanContext { parameters, demand, notes, folder: &graph.folder };
             if (node.node.foresee)(&mut foresight).is_err() {
                 unknown.push(i);
             }
@@ -209,7 +210,7 @@ impl Plan {
 #[derive(Debug, Clone)]
 pub(super) struct Done {
     pub(super) outputs: Vec<(Value, Revision)>,
-    pub(super) notes: NodeDiagnostics,
+    pub(super) notes: Diagnostics,
     pub(super) seconds: f64,
     /// Seconds that the former run took, where its outputs were used.
     pub(super) reused: Option<f64>,

@@ -8,8 +8,8 @@
 //! 2. **Data**, from the sources downward: a node runs when its parameters, its inputs (a [`Revision`] per output)
 //!    or the demand on it changed, and its former outputs are used again otherwise.
 //!
-//! A session of [`Session::no_leave_out`] asks for everything instead, and gives no node leave to leave something out
-//! ([`MayLeaveOut`]), to show what that saves.
+//! An exhaustive session ([`Session::exhaustive`]) requests everything instead, and nodes skip no work, to measure what
+//! skipping saves.
 //!
 //! What lives longer than a run (former outputs, things made from a revision) is held by the [`Session`].
 //! Absent on purpose: files (a [`Session`] is given a function that stamps them), threads (a stage uses all cores
@@ -22,12 +22,11 @@ mod declaration;
 mod demand;
 mod faults;
 mod given;
-mod leave_out;
 mod method;
-mod notes;
 mod origins;
 pub mod pipeline;
 mod registry;
+mod report;
 mod session;
 mod stated;
 mod steps;
@@ -43,13 +42,13 @@ pub use declaration::{NamedStub, Node, PlanningStub, Port, PortType, Steps};
 pub use demand::{Arrays, Demand, Plan};
 pub use faults::{Diagnostic, DiagnosticTarget};
 pub use given::NodeOverride;
-pub use leave_out::MayLeaveOut;
-pub use notes::{DataFinding, NodeDiagnostics, NodeReport, RunReport, SavedWork, SkippedWork};
 pub use origins::{FileRead, Origins};
 pub use registry::Registry;
+pub use report::{NodeReport, RunReport};
 pub use session::{NoObserver, Observer, Session};
 pub use stated::{ResolvedPipeline, relative_path};
 pub use value::{CellValues, Revision, StagePayload, TransferFunctionSpec, Value, diagonal};
+pub use voltet_core::diagnostics::{DataFinding, Diagnostics, SavedWork, SkippedWork};
 pub use voltet_core::parameters::{
     ArrayRef, AxisRef, DefaultValue, Field, LocatedValue, NamedPath, Parameter, ParameterType,
     ParameterValue, Parameters, Range, Relative, RelativeNumber, RelativeNumberType, SourceSpan,

@@ -5,13 +5,13 @@ use super::cache::{Cache, Entry, FileStamp, Store, files_of, stamped};
 use super::call::{DemandContext, NodeProgress, Preparation, RunContext};
 use super::declaration::{NamedStub, PortType, Steps};
 use super::demand::{Demand, Done, Plan};
-use super::leave_out::MayLeaveOut;
-use super::notes::{NodeDiagnostics, RunReport, SavedWork};
 use super::origins::{origins, upstream};
+use super::report::RunReport;
 use super::value::{Revision, Value};
 use std::cell::Cell;
 use std::sync::Arc;
 use std::time::Instant;
+use voltet_core::diagnostics::{Diagnostics, SavedWork};
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 
@@ -44,7 +44,7 @@ pub struct Session {
     store: Store,
     last_revision: u64,
     file_stamp: FileStamp,
-    no_leave_out: bool,
+    exhaustive: bool,
     /// Whether a hand will move the widgets from run to run.
     widgets_move: bool,
     /// Whether outputs may be passing ones in the run that goes on.
@@ -60,7 +60,7 @@ impl Session {
             store,
             last_revision: 0,
             file_stamp,
-            no_leave_out: false,
+            exhaustive: false,
             widgets_move: false,
             may_pass: false,
         }
@@ -72,11 +72,10 @@ impl Session {
         Session { widgets_move: true, ..self }
     }
 
-    /// The session does everything that could be done, needed or not, for comparison: every node is asked for all it can
-    /// give and gets no leave to leave something out ([`Call::may_leave_out`]), and no former output is used. The pictures are
-    /// the same.
+    /// Makes the session exhaustive, for comparison: it does all work, needed or not. Everything that a node can give is requested
+    /// of it, nodes skip nothing ([`RunContext::exhaustive`]), and no former output is used. The pictures are the same.
     pub fn exhaustive(self) -> Self {
-        Session { no_leave_out: true, ..self }
+        Session { exhaustive: true, ..self }
     }
 
     /// Drops all former outputs and what was made from them; what belongs to the session, such as open devices, stays.
@@ -101,9 +100,9 @@ impl Session {
         let count = graph.nodes.len();
         let mut plan = Plan {
             demands: vec![Demand::default(); count],
-            notes: vec![NodeDiagnostics::default(); count],
+            notes: vec![Diagnostics::new(self.exhaustive); count],
             early: vec![None; count],
-            no_leave_out: self.no_leave_out,
+            exhaustive: self.exhaustive,
         };
         for &i in &graph.order {
             let node = &graph.nodes[i];
@@ -119,7 +118,7 @@ impl Session {
             if node.makes_volume() {
                 plan.demands[i].join(of_volumes);
             }
-            if self.no_leave_out {
+            if self.exhaustive {
                 plan.demands[i].join(&Demand::everything_of(node));
             }
             let early = node.inputs.iter().map(|edge| outlines[edge.node].get(edge.output).cloned());
@@ -134,7 +133,6 @@ impl Session {
                 is_known: node.inputs.iter().map(|edge| plan.early[edge.node].is_some()).collect(),
                 fed: node.inputs.iter().map(output_type).collect(),
                 asks: vec![Demand::default(); node.inputs.len()],
-                no_leave_out: self.no_leave_out,
             };
             (node.node.demand)(&mut asking).map_err(|error| node.locate(error))?;
             for (edge, ask) in node.inputs.iter().zip(asking.asks) {
@@ -150,7 +148,7 @@ impl Session {
     /// The same as [`Session::run`] for one of many runs that follow each other while a hand moves something: nodes may keep what
     /// serves the next, and what they give may differ by rounding from what a run by itself gives. No later run takes it.
     pub fn run_preview(&mut self, graph: &Graph, observer: &dyn Observer) -> Result<RunReport> {
-        self.may_pass = !self.no_leave_out;
+        self.may_pass = !self.exhaustive;
         let report = self.run(graph, observer);
         self.may_pass = false;
         report
@@ -224,15 +222,10 @@ impl Session {
                     self.execute(graph, i, inputs, &plan.demands[i], &all_done, observer)?
                 }
             };
-            done.notes.join(&plan.notes[i]);
+            done.notes.add(plan.notes[i].clone());
             if let Some(seconds) = done.reused {
                 let why = "a former output serves: parameters, inputs and files are the same";
-                done.notes.record_skipped(
-                    MayLeaveOut::GIVEN,
-                    "repetition",
-                    why,
-                    Some(SavedWork::Seconds(seconds)),
-                );
+                done.notes.record_skipped("repetition", why, Some(SavedWork::Seconds(seconds)));
             }
             report.add(&node.name, node.node.name, &done);
             observer.finished(&node.name, done.seconds);
@@ -257,7 +250,7 @@ impl Session {
             node.inputs.iter().zip(&inputs).map(|(edge, input)| (edge.port, input.1)).collect();
         let files = files_of((node.node, &node.parameters), Steps::Read, &graph.folder, self.file_stamp);
         let former = self.cache.find(node, &revisions, |former| former.covers(demand), &files, &graph.stated);
-        if let Some(entry) = former.filter(|_| !self.no_leave_out) {
+        if let Some(entry) = former.filter(|_| !self.exhaustive) {
             let (outputs, notes) = (entry.outputs.clone(), entry.notes.clone());
             let (seconds, reused) = (0.0, Some(entry.seconds));
             return Ok(Done { outputs, notes, seconds, reused, is_passing: false });
@@ -269,7 +262,7 @@ impl Session {
         let mut call = RunContext {
             parameters: &node.parameters,
             demand,
-            notes: NodeDiagnostics::default(),
+            notes: Diagnostics::new(self.exhaustive),
             node,
             graph,
             place: i,
@@ -281,7 +274,6 @@ impl Session {
             inputs,
             folder: &graph.folder,
             store: &self.store,
-            no_leave_out: self.no_leave_out,
             progress: NodeProgress { observer, node: &node.name },
         };
         let values = node.run(&mut call)?;

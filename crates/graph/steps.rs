@@ -5,11 +5,11 @@ use super::cache::{Key, Store, files_of};
 use super::call::{DemandContext, NodeProgress, Preparation, RunContext};
 use super::declaration::Steps;
 use super::demand::{Demand, Done};
-use super::notes::NodeDiagnostics;
 use super::session::{inputs_of, refuse_missing_gradient};
 use super::value::{Revision, Value};
 use std::cell::Cell;
 use std::sync::Arc;
+use voltet_core::diagnostics::Diagnostics;
 use voltet_core::parameters::Parameters;
 use voltet_core::{Error, Result};
 
@@ -59,7 +59,7 @@ impl RunContext<'_> {
         demand: &Demand,
         make: impl FnOnce() -> Result<T>,
     ) -> Result<Arc<T>> {
-        if self.no_leave_out {
+        if self.exhaustive() {
             return Ok(Arc::new(make()?));
         }
         let key = self.key(port, &self.feeding(port, demand)?)?;
@@ -137,8 +137,7 @@ impl RunContext<'_> {
             let mut call = RunContext {
                 parameters: parameters.get(step).unwrap_or(&parameters[0]),
                 demand,
-                notes: NodeDiagnostics::default(),
-                no_leave_out: false,
+                notes: Diagnostics::default(),
                 node,
                 graph: self.graph,
                 place: i,
@@ -160,7 +159,7 @@ impl RunContext<'_> {
             let outputs = outputs.collect();
             all_done[i] = Some(Done {
                 outputs,
-                notes: NodeDiagnostics::default(),
+                notes: Diagnostics::default(),
                 seconds: 0.0,
                 reused: None,
                 is_passing: false,
@@ -190,8 +189,7 @@ fn asks_of(graph: &Graph, node: &GraphNode, asked: &Demand) -> Result<Vec<Demand
     let mut asking = DemandContext {
         parameters: &node.parameters,
         asked,
-        notes: &mut NodeDiagnostics::default(),
-        no_leave_out: false,
+        notes: &mut Diagnostics::default(),
         node,
         early: vec![None; node.inputs.len()],
         is_known: vec![false; node.inputs.len()],

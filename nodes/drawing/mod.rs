@@ -23,7 +23,7 @@ pub use bands::note_bands;
 pub use engine::{ask_engine, draw, is_asked_by};
 pub use engines::{DEVICE, ENGINES, NATIVE, REFEREE};
 pub use needs::ask;
-pub use order::{ORDER, leave_out_order, order};
+pub use order::{ORDER, order, record_unsorted};
 pub use prepared::{Culled, Projected};
 pub use scene::scene;
 pub use shading::{PARAMETERS, USUAL, shading};

@@ -1,9 +1,7 @@
 //! The order of a pixel's segments: the parameter, and what becomes of it.
 
 use voltet_core::Result;
-use voltet_graph::{
-    DefaultValue, MayLeaveOut, NodeDiagnostics, Parameter, ParameterType, Parameters, SavedWork,
-};
+use voltet_graph::{DefaultValue, Diagnostics, Parameter, ParameterType, Parameters, SavedWork};
 use voltet_optics::shading::VisibilityOrder;
 
 /// The parameter, for the declarations of `sort` and `renderer`.
@@ -32,8 +30,8 @@ pub fn order(p: &Parameters, needed: bool) -> Result<VisibilityOrder> {
     })
 }
 
-/// Notes that no order is needed; `segment_count`: of the segments that are not sorted, where it is known.
-pub fn leave_out_order(notes: &mut NodeDiagnostics, leave: MayLeaveOut, segment_count: Option<u64>) {
+/// Records that no order is needed; `segment_count`: of the segments that are not sorted, where it is known.
+pub fn record_unsorted(notes: &mut Diagnostics, segment_count: Option<u64>) {
     let why = "one colour and no light: the picture does not depend on the order";
-    notes.record_skipped(leave, "visibility order", why, segment_count.map(SavedWork::Segments));
+    notes.record_skipped("visibility order", why, segment_count.map(SavedWork::Segments));
 }

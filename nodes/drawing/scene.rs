@@ -12,7 +12,7 @@ pub fn scene(call: &mut RunContext) -> Result<Scene> {
     let shading = super::shading(call.parameters)?;
     let transfer_function = super::for_data(call, &look, &volume, call.revision("volume")?)?;
     super::note_bands(call, &volume, &transfer_function)?;
-    let needed = call.may_leave_out().is_none() || needs_order(&transfer_function, &shading);
+    let needed = call.exhaustive() || needs_order(&transfer_function, &shading);
     let order = super::order(call.parameters, needed)?;
     Ok(Scene { volume, transfer_function, camera, shading, order })
 }

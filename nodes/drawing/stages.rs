@@ -42,20 +42,18 @@ pub fn cull(
     transfer_function: &TransferFunction,
     camera: &Camera,
 ) -> Result<Cells> {
-    let (leave, each) = (call.may_leave_out(), call.demand.kept_cells);
+    let (exhaustive, each) = (call.exhaustive(), call.demand.kept_cells);
     let known = call.keep(call.revision("volume")?, || engine::Known::new(volume))?;
-    let cells = call.stage(Stage::Cull.name(), |progress| match leave {
+    let cells = call.stage(Stage::Cull.name(), |progress| match exhaustive {
         // That is what is asked for, and leaves nothing out.
         _ if each => known.cull_each(transfer_function, camera, progress),
-        None => known.keep_all(transfer_function, camera),
-        Some(_) => known.cull(transfer_function, camera, progress),
+        true => known.keep_all(transfer_function, camera),
+        false => known.cull(transfer_function, camera, progress),
     })?;
     call.notes.counts.insert("cells_total", volume.grid.tetrahedra.len() as u64);
     let mut counts = RenderStats::default();
     cells.count(&mut counts);
-    if let Some(leave) = leave {
-        cells.note(leave, &mut call.notes);
-    }
+    cells.note(&mut call.notes);
     note(call, &counts);
     Ok(cells)
 }
@@ -76,7 +74,7 @@ pub fn project(
     gradient: bool,
 ) -> Result<Projection> {
     // For comparison everything that there is goes along.
-    let gradient = gradient || (call.may_leave_out().is_none() && cells.volume.gradient.is_some());
+    let gradient = gradient || (call.exhaustive() && cells.volume.gradient.is_some());
     let project =
         |progress: &dyn Progress| engine::project(cells, transfer_function, camera, gradient, progress);
     let projection = call.stage(Stage::Project.name(), project)?;

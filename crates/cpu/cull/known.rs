@@ -176,7 +176,7 @@ impl Known {
         let count = u32::try_from(self.volume.grid.tetrahedra.len()).map_err(|_| {
             Error::run("the grid has too many tetrahedra").expected(format!("at most {}", u32::MAX))
         })?;
-        (cells.kept, cells.no_leave_out) = (Arc::new((0..count).collect()), true);
+        (cells.kept, cells.exhaustive) = (Arc::new((0..count).collect()), true);
         cells.faces = Some(KnownFaces::none().with(&cells.kept));
         Ok(cells)
     }
@@ -226,7 +226,7 @@ impl Known {
             seen: None,
             ranges: self.ranges,
             untouched: Vec::new(),
-            no_leave_out: false,
+            exhaustive: false,
             lanes: LaneSet::detect()?,
             casting: Casting::IfItPays,
             most_at_once: MOST_AT_ONCE,

@@ -75,9 +75,9 @@ pub(crate) fn inputs<'a>(
     let numbered = values.iter().enumerate();
     let axes: Vec<Axis> = numbered.map(|(k, value)| axis(value, transfer_function, k)).collect();
     let parameters = Parameters::new(transfer_function, shading, &axes, grid.length)?;
-    let (support, support_count) = match manner.may_leave_out {
-        Some(_) => support::supports(transfer_function, &axes, grid.length),
-        None => support::everywhere(),
+    let (support, support_count) = match manner.exhaustive {
+        false => support::supports(transfer_function, &axes, grid.length),
+        true => support::everywhere(),
     };
 
     let first = if choices.reads_gradient_magnitude { 1 } else { 2 };
@@ -125,7 +125,7 @@ pub(crate) fn inputs<'a>(
         numbers: parameters.numbers,
         support,
         in_8_bits: manner.accumulation == Accumulation::Bits8,
-        stops_where_opaque: manner.may_leave_out.is_some(),
+        stops_where_opaque: !manner.exhaustive,
         sorted: !is_free && (sort_key != 2 || compositing == Compositor::Tiles),
         ordered: along_faces.cloned(),
         samples: camera.sample_offsets().iter().map(sample).collect::<Result<_>>()?,
@@ -169,10 +169,10 @@ pub(crate) fn compositing(manner: &RenderOptions) -> Compositor {
 /// The order that is carried out: none is made for blending hardware where none is needed, unless nothing may be left out; it
 /// makes the one that it has then.
 fn order(scene: &Scene, manner: &RenderOptions) -> VisibilityOrder {
-    match (scene.order, manner.may_leave_out) {
+    match (scene.order, manner.exhaustive) {
         (order, _) if compositing(manner) == Compositor::Tiles || scene.needs_order() => order,
         // Rounded after each cell, what is blended depends on their order a little.
-        (_, Some(_)) if manner.accumulation == Accumulation::Float => VisibilityOrder::None,
+        (_, false) if manner.accumulation == Accumulation::Float => VisibilityOrder::None,
         (VisibilityOrder::Exact | VisibilityOrder::Auto, _) => VisibilityOrder::Centroid,
         (order, _) => order,
     }
@@ -255,7 +255,7 @@ fn compositor(
     let known = !choices.method.is_table_of_lengths();
     let needed = !known || !matches!(choices.combine, Combine::OneColor | Combine::Nothing) || lit;
     manner.accumulation.check(compositing)?;
-    let free = !needed && manner.may_leave_out.is_some();
+    let free = !needed && !manner.exhaustive;
     Ok(match (compositing, order) {
         (Compositor::Tiles, _) if free => CompositorProgram::Tiles(TileOrder::Sum),
         (Compositor::Tiles, VisibilityOrder::Exact | VisibilityOrder::Auto) => {

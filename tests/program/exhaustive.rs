@@ -3,7 +3,7 @@
 use super::support::{Folder, SLAB, cube, cube_of};
 use voltet::Document;
 use voltet::graph::{NoObserver, RunReport, Session};
-use voltet::study::{NoLeaveOut, SAME};
+use voltet::study::{ExhaustiveComparison, SAME};
 
 /// A second widget of another colour, which looks at g; the first one's colour is green.
 const TWO: &str = r#"
@@ -31,7 +31,7 @@ fn run(document: &Document) -> RunReport {
     voltet::nodes::session().run(&document.graph, &NoObserver).unwrap()
 }
 
-fn no_leave_out(document: &Document) -> RunReport {
+fn exhaustive(document: &Document) -> RunReport {
     voltet::nodes::session().exhaustive().run(&document.graph, &NoObserver).unwrap()
 }
 
@@ -39,7 +39,7 @@ fn no_leave_out(document: &Document) -> RunReport {
 fn work(report: &RunReport) -> [u64; 5] {
     let count = |name: &str| report.counts.get(name).copied().unwrap_or(0);
     // Rays that go from cell to cell have an order where one is needed, and where it is not say so.
-    let is_left_out = report.left_out.iter().any(|left| left.what == "visibility order");
+    let is_left_out = report.skipped.iter().any(|left| left.what == "visibility order");
     let tiles = if count("cells_cast") > 0 && !is_left_out { 1 } else { count("tiles_sorted") };
     let [arrays, gradients, cells, tables] =
         ["arrays_decoded", "gradients_computed", "cells_sorted", "tables_built"].map(count);
@@ -89,7 +89,7 @@ fn every_node_and_the_session_say_what_was_left_out_why_and_what_that_saves() {
             Some(saving) => serde_json::to_string(&saving).unwrap(),
             None => String::new(),
         };
-        report.left_out.iter().map(|left| format!("{}: {} {}", left.node, left.what, saving(left))).collect()
+        report.skipped.iter().map(|left| format!("{}: {} {}", left.node, left.what, saving(left))).collect()
     };
     let left_out = said(&report);
     let total = |name: &str| report.counts[name];
@@ -106,7 +106,7 @@ fn every_node_and_the_session_say_what_was_left_out_why_and_what_that_saves() {
         assert!(left_out.iter().any(|left| left.starts_with(&wanted)), "'{wanted}' is not in\n{left_out:#?}");
     }
     let cells = |which: &str| {
-        let left = report.left_out.iter().find(|left| left.what == format!("cells {which}")).unwrap();
+        let left = report.skipped.iter().find(|left| left.what == format!("cells {which}")).unwrap();
         match left.saving {
             Some(voltet::graph::SavedWork::Cells(count)) => count,
             other => panic!("{other:?}"),
@@ -131,7 +131,7 @@ fn gradients_are_computed_where_widgets_look_for_them() {
     let pipeline = SLAB.replace("\n[nodes.view]\n", &widgets).replace("[-1.0, 2.0]", "[0.2, 0.35]");
     folder.write("slab.toml", pipeline);
     let points_left = |report: &RunReport| {
-        let left = report.left_out.iter().find(|left| left.what == "gradient at points")?;
+        let left = report.skipped.iter().find(|left| left.what == "gradient at points")?;
         match left.saving {
             Some(voltet::graph::SavedWork::Points(count)) => Some(count),
             other => panic!("{other:?}"),
@@ -146,7 +146,7 @@ fn gradients_are_computed_where_widgets_look_for_them() {
         // 19³ points, of which four to eight layers of 19² are corners of cells in the intervals.
         let left = points_left(&usual).unwrap_or(0);
         assert!((11 * 361..=15 * 361).contains(&left), "{options:?}: {left}");
-        assert_nothing_left_out(&usual, &no_leave_out(&document), &format!("{options:?}"));
+        assert_nothing_left_out(&usual, &exhaustive(&document), &format!("{options:?}"));
         assert!(usual.pictures[0].1.rgba.iter().any(|pixel| pixel[3] > 0.1), "{options:?}");
     }
     // A table spans the range of g; a filter that makes all at once, and widgets that reach all cells, save nothing.
@@ -162,7 +162,7 @@ fn gradients_are_computed_where_widgets_look_for_them() {
     let run_at = |session: &mut Session, s: f64| {
         let moved = format!("look.widgets.1.centre=[{s}, 0.6]");
         let report = session.run(&open(&folder, "slab.toml", &[&moved]).graph, &NoObserver).unwrap();
-        let is_kept = report.left_out.iter().any(|left| left.node == "gradient" && left.what == "repetition");
+        let is_kept = report.skipped.iter().any(|left| left.node == "gradient" && left.what == "repetition");
         (points_left(&report).is_some(), is_kept, report.pictures[0].1.rgba.clone())
     };
     let mut pictures = Vec::new();
@@ -194,15 +194,15 @@ fn tiles_that_stop_early_are_said() {
     let report = run(&open(&folder, "slab.toml", &dense));
     let tiles = report.counts["tiles_stopped"];
     let wanted = format!("cells of {tiles} tiles that stopped early");
-    let left = report.left_out.iter().find(|left| left.what == wanted);
-    assert!(tiles > 0 && left.is_some(), "{:#?}", report.left_out);
+    let left = report.skipped.iter().find(|left| left.what == wanted);
+    assert!(tiles > 0 && left.is_some(), "{:#?}", report.skipped);
 }
 
 /// What must be true of a run that leaves nothing out, beside the usual one.
 fn assert_nothing_left_out(usual: &RunReport, all: &RunReport, what: &str) {
-    let comparison = NoLeaveOut::compare(usual, all);
+    let comparison = ExhaustiveComparison::compare(usual, all);
     assert!(comparison.is_same(), "{what}: {comparison:#?}");
-    assert!(all.left_out.is_empty(), "{what}: {:?}", all.left_out);
+    assert!(all.skipped.is_empty(), "{what}: {:?}", all.skipped);
     assert_eq!(all.findings, usual.findings, "{what}");
     for count in ["cells_culled", "tiles_stopped"] {
         assert_eq!(all.counts.get(count).copied().unwrap_or(0), 0, "{what}: {count}");
@@ -241,7 +241,7 @@ fn doing_everything_changes_no_picture_and_leaves_nothing_out_on_every_engine() 
             }
             let document = open_with(&folder, name, &options);
             let Some(usual) = drawn(&document, voltet::nodes::session()) else { continue };
-            let all = no_leave_out(&document);
+            let all = exhaustive(&document);
             assert_nothing_left_out(&usual, &all, &format!("{name}, {options:?}"));
             assert_eq!(all.engine.as_ref().map(|named| named.0.as_str()), Some(engine.name));
             assert!(all.pictures[0].1.rgba.iter().any(|pixel| pixel[3] > 0.0), "{options:?}");
@@ -283,8 +283,8 @@ fn every_node_that_ships_does_everything_where_nothing_may_be_left_out() {
         folder.write("example.toml", nearer.replace("\"discrete\"", "\"software\""));
         let document = Document::open(&folder.join("example.toml"), &[], &registry).unwrap();
         let Some(usual) = drawn(&document, voltet::nodes::session()) else { continue };
-        assert!(!usual.left_out.is_empty(), "{}", node.name);
-        assert_nothing_left_out(&usual, &no_leave_out(&document), node.name);
+        assert!(!usual.skipped.is_empty(), "{}", node.name);
+        assert_nothing_left_out(&usual, &exhaustive(&document), node.name);
     }
 }
 
@@ -292,13 +292,14 @@ fn every_node_that_ships_does_everything_where_nothing_may_be_left_out() {
 fn a_run_that_leaves_nothing_out_says_what_it_costs() {
     let folder = Folder::new();
     let ran = folder
-        .voltet(&["run", "slab.toml", "--no-leave-out", "--report", "r.json", "--set", "picture.engine=cpu"])
+        .voltet(&["run", "slab.toml", "--exhaustive", "--report", "r.json", "--set", "picture.engine=cpu"])
         .ok();
-    for text in ["leaving nothing out took", "times as long", "the pictures differ by at most"] {
+    for text in ["the exhaustive run took", "times as long", "the pictures differ by at most"] {
         assert!(ran.stdout.contains(text), "'{text}' is not in\n{}", ran.stdout);
     }
     let report = folder.report("r.json");
-    let comparison = &report["no_leave_out"];
+    let comparison = &report["exhaustive"];
+    assert_eq!(comparison, &report["no_leave_out"], "the key of former versions");
     assert!(comparison["largest_difference"].as_f64().unwrap() <= SAME, "{comparison:#}");
     assert!(comparison["times_slower"].as_f64().unwrap() > 0.0);
     assert!(comparison["left_out"].as_array().unwrap().len() >= 4, "{comparison:#}");
@@ -306,7 +307,7 @@ fn a_run_that_leaves_nothing_out_says_what_it_costs() {
     assert_eq!(report["counts"]["arrays_decoded"], 5);
     assert!(folder.names().contains(&"slab.exr".to_string()));
     let plain = folder.voltet(&["run", "slab.toml"]).ok();
-    assert!(!plain.stdout.contains("leaving nothing out"), "{}", plain.stdout);
+    assert!(!plain.stdout.contains("exhaustive"), "{}", plain.stdout);
 }
 
 #[test]
@@ -320,6 +321,7 @@ fn explain_knows_from_headers_which_arrays_are_not_read() {
         assert!(ran.stdout.contains(text), "'{text}' is not in\n{}", ran.stdout);
     }
     let ran = folder.voltet(&["explain", "slab.toml", "--no-leave-out"]).ok();
+    assert!(ran.stderr.contains("note: --no-leave-out is now called --exhaustive"), "{}", ran.stderr);
     assert!(ran.stdout.contains("Nothing is left out, needed or not"), "{}", ran.stdout);
     assert!(ran.stdout.contains("asked for gradient magnitude, gradient vectors"), "{}", ran.stdout);
     std::fs::remove_file(folder.join("cube.vtu")).unwrap();
