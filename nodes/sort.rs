@@ -4,6 +4,7 @@ use crate::drawing;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_graph::{DemandContext, Node, Outputs, Port, PortType, RunContext, Value};
+use voltet_optics::shading::Ordering;
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -30,10 +31,10 @@ fn demand(asking: &mut DemandContext) -> Result<()> {
 }
 
 fn run(call: &mut RunContext) -> Result<Outputs> {
-    let order = drawing::order(call.parameters, call.demand.order)?;
+    let ordering = Ordering::new(drawing::order(call.parameters)?, call.demand.order);
     let culled = call.cells::<drawing::Culled>("cells")?;
     let camera = call.camera("camera")?;
-    let cells = drawing::sort(call, &culled.cells, &camera, order)?;
+    let cells = drawing::sort(call, &culled.cells, &camera, ordering)?;
     let transfer_function = culled.transfer_function.clone();
     Ok(vec![Value::Cells(Arc::new(drawing::Culled { cells, transfer_function }))])
 }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use voltet_core::camera::Camera;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
-use voltet_optics::shading::VisibilityOrder;
+use voltet_optics::shading::Ordering;
 use voltet_simd::LaneSet;
 
 /// When rays go from cell to cell through the faces that these share; else cells are projected one by one. Either shows the same.
@@ -30,8 +30,8 @@ pub struct Cells {
     pub volume: Arc<Volume>,
     /// Numbers of the tetrahedra kept: ascending (grid order), or by centroid if that is the order asked for.
     pub kept: Arc<Vec<u32>>,
-    /// Order that the compositor carries out.
-    pub order: VisibilityOrder,
+    /// Order of a pixel's segments that the compositor makes.
+    pub ordering: Ordering,
     /// Tetrahedra left out because no widget touches their values.
     pub culled_by_transfer_function: u64,
     /// Tetrahedra left out because they are outside the view.

@@ -16,7 +16,7 @@ use voltet_core::progress::{Progress, refuse_beyond_memory};
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_optics::integrators::{self, Extent, SegmentIntegrator};
-use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
+use voltet_optics::shading::{Integrator, Ordering, Shading};
 
 /// Cells prepared for the compositor: one projection for each sample of a pixel. Of more cells than are projected at once
 /// ([`Cells::most_at_once`]) it holds which part of the picture each touches; the compositor projects them part by part.
@@ -117,11 +117,11 @@ pub(crate) fn densest(transfer_function: &TransferFunction, length: f64) -> f64 
 }
 
 /// Gives the cells the order in which the compositor shall take a pixel's segments. The exact order is carried out
-/// at each pixel; [`Order::Centroid`] sorts the cells here ([`voltet_core::visibility::centroid_order`]), and their
+/// at each pixel; [`Ordering::CellCentroid`] sorts the cells here ([`voltet_core::visibility::centroid_order`]), and their
 /// segments are composited as they come.
-pub fn sort(cells: &Cells, camera: &Camera, order: VisibilityOrder) -> Result<Cells> {
-    let mut sorted = Cells { order, ..cells.clone() };
-    if order == VisibilityOrder::Centroid {
+pub fn sort(cells: &Cells, camera: &Camera, ordering: Ordering) -> Result<Cells> {
+    let mut sorted = Cells { ordering, ..cells.clone() };
+    if ordering == Ordering::CellCentroid {
         let grid = &cells.volume.grid;
         let kept =
             voltet_core::visibility::centroid_order(&grid.points, &grid.tetrahedra, &cells.kept, camera)?;

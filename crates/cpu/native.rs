@@ -16,7 +16,7 @@ use voltet_optics::engine::{
 };
 use voltet_optics::integrators;
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Integrator, VisibilityOrder};
+use voltet_optics::shading::{Integrator, Ordering};
 use voltet_simd::LaneSet;
 
 /// The native engine. Its vector units are what is judged one by one.
@@ -109,7 +109,7 @@ impl PreparedVolume for OnVolume {
             Integrator::VertexSampled => Some(self.classified(scene)?),
             _ => None,
         };
-        let Scene { volume, transfer_function, camera, shading, order } = scene;
+        let Scene { volume, transfer_function, camera, shading, .. } = scene;
         let mut watch = Watch { last: Instant::now(), stages: Vec::new() };
         let elsewhere = match Arc::ptr_eq(volume, self.known.volume()) || classified.is_some() {
             true => None,
@@ -132,7 +132,7 @@ impl PreparedVolume for OnVolume {
         };
         cells.lanes = self.lanes;
         watch.end(Stage::Cull);
-        let cells = sort(&cells, camera, *order)?;
+        let cells = sort(&cells, camera, scene.ordering(manner.exhaustive))?;
         watch.end(Stage::Sort);
         // For comparison everything that there is goes along.
         let gradient = needs_gradient(shading) || (manner.exhaustive && volume.gradient.is_some());
@@ -165,9 +165,9 @@ impl OnVolume {
         watch: &mut Watch,
         progress: &dyn Progress,
     ) -> Result<Option<Arc<Kept>>> {
-        let Scene { transfer_function, camera, shading, order, .. } = scene;
+        let Scene { transfer_function, camera, shading, .. } = scene;
         let served = !manner.exhaustive
-            && matches!(order, VisibilityOrder::Exact | VisibilityOrder::Auto)
+            && matches!(scene.ordering(false), Ordering::Independent | Ordering::PerPixel)
             && camera.samples == 1
             // Tables reach as far as the longest of the cells that are drawn.
             && !shading.integrator.has_table_of_lengths()
@@ -258,7 +258,7 @@ impl Cells {
 
     /// Notes the cells that were put in order.
     pub fn note_order(&self, notes: &mut Diagnostics) {
-        if self.order == VisibilityOrder::Centroid {
+        if self.ordering == Ordering::CellCentroid {
             notes.counts.insert("cells_sorted", self.kept.len() as u64);
         }
     }

@@ -16,7 +16,7 @@ use std::sync::atomic::AtomicUsize;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
-use voltet_optics::shading::VisibilityOrder;
+use voltet_optics::shading::Ordering;
 
 /// A projection with all that is made once for drawing it: the integrator's tables, the widgets made ready.
 pub struct Ready<'a> {
@@ -112,10 +112,10 @@ impl Ready<'_> {
     ) -> Result<(Picture, Counts)> {
         let Ready { projection, attributes, shader, table_bytes } = self;
         let cells = &projection.cells;
-        let needs_order = shader.one_color.is_none();
-        let sorted = match cells.order {
-            VisibilityOrder::Exact | VisibilityOrder::Auto => needs_order,
-            VisibilityOrder::Centroid | VisibilityOrder::None => false,
+        // The cells may have been ordered for another shading.
+        let sorted = match cells.ordering {
+            Ordering::Independent | Ordering::PerPixel => shader.one_color.is_none(),
+            Ordering::CellCentroid | Ordering::Submission => false,
         };
         let [width, height] = projection.camera.size.map(|n| n as usize);
         if let Some(ends) = ends {

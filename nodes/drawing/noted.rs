@@ -7,7 +7,7 @@ use voltet_graph::{Diagnostics, RunContext, SavedWork};
 use voltet_optics::engine::RenderStats;
 use voltet_optics::integrators::PartialTable;
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::VisibilityOrder;
+use voltet_optics::shading::Ordering;
 
 /// Notes what was counted: of a whole picture, or of one stage.
 pub(super) fn note(call: &mut RunContext, counts: &RenderStats) {
@@ -50,7 +50,7 @@ fn record_skipped_cells(notes: &mut Diagnostics, counts: &RenderStats) {
 
 /// Notes the order that was not made, and where nothing may be left out makes the table that was not needed.
 pub(super) fn note_whole(call: &mut RunContext, scene: &Scene, counts: &RenderStats) -> Result<()> {
-    if scene.order == VisibilityOrder::Auto && !scene.needs_order() {
+    if scene.ordering(call.exhaustive()) == Ordering::Independent {
         record_unsorted(&mut call.notes, counts.segments);
     }
     if call.exhaustive() && !scene.shading.integrator.has_table() {

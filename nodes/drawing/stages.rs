@@ -15,7 +15,7 @@ use voltet_cpu::{self as engine, Cells, Projection};
 use voltet_graph::{Revision, RunContext, TransferFunctionSpec, diagonal};
 use voltet_optics::engine::{RenderStats, Stage};
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Shading, VisibilityOrder};
+use voltet_optics::shading::{Ordering, Shading};
 use voltet_simd::LaneSet;
 
 /// The diagonal of the data with one revision, kept between runs.
@@ -59,8 +59,8 @@ pub fn cull(
 }
 
 /// Gives the cells their order; the exact one is carried out pixel by pixel, by [`composite`].
-pub fn sort(call: &mut RunContext, cells: &Cells, camera: &Camera, order: VisibilityOrder) -> Result<Cells> {
-    let sorted = call.stage(Stage::Sort.name(), |_| engine::sort(cells, camera, order))?;
+pub fn sort(call: &mut RunContext, cells: &Cells, camera: &Camera, ordering: Ordering) -> Result<Cells> {
+    let sorted = call.stage(Stage::Sort.name(), |_| engine::sort(cells, camera, ordering))?;
     sorted.note_order(&mut call.notes);
     Ok(sorted)
 }
@@ -127,6 +127,6 @@ fn scene_of(projection: &Projection, transfer_function: &Arc<TransferFunction>, 
         transfer_function: transfer_function.clone(),
         camera: *projection.camera(),
         shading: *shading,
-        order: cells.order,
+        order: cells.ordering.requested(),
     }
 }

@@ -39,7 +39,7 @@ pub fn draw(
     let progress = Told { observer, node };
     let gradient = engine::needs_gradient(&scene.shading);
     let cells = engine::cull(&scene.volume, &scene.transfer_function, &scene.camera, &progress)?;
-    let cells = engine::sort(&cells, &scene.camera, scene.order)?;
+    let cells = engine::sort(&cells, &scene.camera, scene.ordering(false))?;
     let projection = engine::project(&cells, &scene.transfer_function, &scene.camera, gradient, &progress)?;
     let ready = engine::prepare(&projection, &scene.transfer_function, &scene.shading)?;
     Ok(ready.composite_until(Some(ends), &progress)?.0)

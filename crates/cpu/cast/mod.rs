@@ -52,7 +52,7 @@ use half_faces::HalfFaces;
 use points::{Points, Reach};
 use std::sync::Arc;
 use voltet_core::transfer::TransferFunction;
-use voltet_optics::shading::VisibilityOrder;
+use voltet_optics::shading::Ordering;
 
 /// Attributes that rays carry along: s, g and the components of ∇s.
 pub(crate) const CARRIED_MOST: usize = 5;
@@ -125,7 +125,7 @@ impl Cast {
         let faces = cells.faces.as_ref()?;
         let drawn = faces.drawn();
         let serves = cells.casting != Casting::Never
-            && matches!(cells.order, VisibilityOrder::Exact | VisibilityOrder::Auto)
+            && matches!(cells.ordering, Ordering::Independent | Ordering::PerPixel)
             && attributes.len() <= CARRIED_MOST
             && !drawn.is_empty()
             && drawn.len() <= CELLS_MOST;

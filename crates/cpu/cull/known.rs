@@ -17,7 +17,7 @@ use voltet_core::progress::Progress;
 use voltet_core::transfer::{Support, TransferFunction};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_optics::shading::VisibilityOrder;
+use voltet_optics::shading::Ordering;
 use voltet_simd::LaneSet;
 
 /// Optical depth that all culled cells together may have along the longest ray: a tenth of the 1e-6 that a
@@ -218,7 +218,7 @@ impl Known {
         Ok(Cells {
             volume: self.volume.clone(),
             kept: Arc::default(),
-            order: VisibilityOrder::Exact,
+            ordering: Ordering::PerPixel,
             culled_by_transfer_function: 0,
             culled_by_frustum: 0,
             not_worth_asking: None,

@@ -18,7 +18,7 @@ use voltet_core::visibility::FaceOrder;
 use voltet_optics::engine::{Accumulation, Compositor, RenderOptions};
 use voltet_optics::integrators::Extent;
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Shading, VisibilityOrder};
+use voltet_optics::shading::{Ordering, Shading};
 use voltet_shaders::{
     Axis, Blend, Choices, Combine, CompositorProgram, Parameters, Places, Shader, TileOrder, ViewRecord,
     compose,
@@ -58,7 +58,7 @@ pub(crate) fn inputs<'a>(
     let grid = &renderer.grid;
     limits::can_serve(transfer_function, shading)?;
     let compositing = compositing(manner);
-    let order = order(scene, manner);
+    let ordering = ordering(scene, manner);
     let (choices, sizes) = choices(renderer, scene, manner)?;
     let compositor = choices.compositor;
 
@@ -90,10 +90,10 @@ pub(crate) fn inputs<'a>(
         }
     }
     let is_free = is_free(compositor);
-    let sort_key = match order {
+    let sort_key = match ordering {
         _ if is_free => 2,
         _ if compositor == CompositorProgram::Tiles(TileOrder::Exact) => 0,
-        VisibilityOrder::Centroid => 1,
+        Ordering::CellCentroid => 1,
         // What comes in its order needs no key.
         _ => 2,
     };
@@ -166,15 +166,17 @@ pub(crate) fn compositing(manner: &RenderOptions) -> Compositor {
     manner.compositing.unwrap_or(Compositor::Tiles)
 }
 
-/// The order that is carried out: none is made for blending hardware where none is needed, unless nothing may be left out; it
-/// makes the one that it has then.
-fn order(scene: &Scene, manner: &RenderOptions) -> VisibilityOrder {
-    match (scene.order, manner.exhaustive) {
-        (order, _) if compositing(manner) == Compositor::Tiles || scene.needs_order() => order,
-        // Rounded after each cell, what is blended depends on their order a little.
-        (_, false) if manner.accumulation == Accumulation::Float => VisibilityOrder::None,
-        (VisibilityOrder::Exact | VisibilityOrder::Auto, _) => VisibilityOrder::Centroid,
-        (order, _) => order,
+/// The order that the compositor makes. Blending hardware makes none where none is needed; in exhaustive mode, and where each
+/// blended cell is rounded and the order shows a little, it makes that of centroids in place of an exact one.
+fn ordering(scene: &Scene, manner: &RenderOptions) -> Ordering {
+    let ordering = scene.ordering(manner.exhaustive);
+    if compositing(manner) == Compositor::Tiles || scene.needs_order() {
+        return ordering;
+    }
+    match ordering {
+        _ if !manner.exhaustive && manner.accumulation == Accumulation::Float => Ordering::Independent,
+        Ordering::Independent | Ordering::PerPixel => Ordering::CellCentroid,
+        ordering => ordering,
     }
 }
 
@@ -186,7 +188,7 @@ pub(crate) fn choices(
 ) -> Result<(Choices, Sizes)> {
     let grid = &renderer.grid;
     let Scene { transfer_function, shading, .. } = scene;
-    let compositor = compositor(transfer_function, shading, order(scene, manner), manner)?;
+    let compositor = compositor(transfer_function, shading, ordering(scene, manner), manner)?;
     if compositing(manner) != Compositor::Tiles {
         grid.device.check_blending(compositing(manner), manner.accumulation, grid.cell_count.into())?;
     }
@@ -246,7 +248,7 @@ fn is_free(compositor: CompositorProgram) -> bool {
 fn compositor(
     transfer_function: &TransferFunction,
     shading: &Shading,
-    order: VisibilityOrder,
+    ordering: Ordering,
     manner: &RenderOptions,
 ) -> Result<CompositorProgram> {
     let compositing = compositing(manner);
@@ -256,12 +258,12 @@ fn compositor(
     let needed = !known || !matches!(choices.combine, Combine::OneColor | Combine::Nothing) || lit;
     manner.accumulation.check(compositing)?;
     let free = !needed && !manner.exhaustive;
-    Ok(match (compositing, order) {
+    Ok(match (compositing, ordering) {
         (Compositor::Tiles, _) if free => CompositorProgram::Tiles(TileOrder::Sum),
-        (Compositor::Tiles, VisibilityOrder::Exact | VisibilityOrder::Auto) => {
+        (Compositor::Tiles, Ordering::Independent | Ordering::PerPixel) => {
             CompositorProgram::Tiles(TileOrder::Exact)
         }
-        (Compositor::Tiles, VisibilityOrder::Centroid | VisibilityOrder::None) => {
+        (Compositor::Tiles, Ordering::CellCentroid | Ordering::Submission) => {
             CompositorProgram::Tiles(TileOrder::Listed)
         }
         (Compositor::Raster, _) => CompositorProgram::Raster(blend(manner.accumulation, free)),

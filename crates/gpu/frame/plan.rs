@@ -12,7 +12,7 @@ use voltet_core::visibility::FaceOrder;
 use voltet_core::{Error, Result};
 use voltet_optics::engine::{Compositor, RenderOptions, Stage, StageTiming};
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::VisibilityOrder;
+use voltet_optics::shading::Ordering;
 
 /// An order, and the seconds that it took to find where it was not there.
 pub(crate) type Ordered = (Arc<FaceOrder>, Option<f64>);
@@ -27,9 +27,8 @@ pub(crate) enum Plan {
 
 /// Finds out how a scene is drawn. Errors: what no device has a shader for; a camera out of range.
 pub(crate) fn plan(renderer: &Renderer, scene: &Scene, manner: &RenderOptions) -> Result<Plan> {
-    let is_exact =
-        matches!(scene.order, VisibilityOrder::Exact | VisibilityOrder::Auto) && scene.needs_order();
-    if compositing(manner) == Compositor::Tiles || !is_exact {
+    // Exhaustive mode makes an order that is not needed by the cells' centroids.
+    if compositing(manner) == Compositor::Tiles || scene.ordering(false) != Ordering::PerPixel {
         return Ok(Plan::AsAsked);
     }
     limits::can_serve(&scene.transfer_function, &scene.shading)?;

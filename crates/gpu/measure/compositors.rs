@@ -18,7 +18,7 @@ use voltet_core::volume::Volume;
 use voltet_optics::WidgetBlend;
 use voltet_optics::engine::{Accumulation, Compositor, CompositorChoice, KeyValueStore, RenderOptions};
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
+use voltet_optics::shading::{Integrator, Ordering, Shading, VisibilityOrder};
 
 /// Seconds of a frame by each compositor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,7 +44,7 @@ pub(crate) fn choose(
 ) -> Result<CompositorChoice> {
     let tiles = |why: String| CompositorChoice { compositing: Compositor::Tiles, why, measured_secs: None };
     let needs_order = scene.needs_order();
-    if needs_order && matches!(scene.order, VisibilityOrder::Exact | VisibilityOrder::Auto) {
+    if scene.ordering(false) == Ordering::PerPixel {
         return Ok(tiles("each pixel needs its exact order".into()));
     }
     if !device.blends_32_bits() {

@@ -62,10 +62,10 @@ fn disordered_pixels_are_counted() {
     };
     let Some(exact) = disordered(VisibilityOrder::Exact, overlapping()) else { return };
     let centroid = disordered(VisibilityOrder::Centroid, overlapping()).unwrap_or(0);
-    let none = disordered(VisibilityOrder::None, overlapping()).unwrap_or(0);
+    let none = disordered(VisibilityOrder::Unsorted, overlapping()).unwrap_or(0);
     assert_eq!(exact, 0);
     assert!(0 < centroid && centroid < none, "centroid {centroid}, none {none}");
-    assert_eq!(disordered(VisibilityOrder::None, one_gaussian()), Some(0));
+    assert_eq!(disordered(VisibilityOrder::Unsorted, one_gaussian()), Some(0));
 }
 
 /// A grid that stays on the device draws the same again, and another look as if it had been uploaded for it.

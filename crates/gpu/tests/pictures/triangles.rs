@@ -87,7 +87,7 @@ fn cells_whose_corners_stay_are_exact() {
             } else {
                 1.0
             };
-            let drawn = draw(&device, &scene, &SHADING, triangles(VisibilityOrder::Auto)).picture;
+            let drawn = draw(&device, &scene, &SHADING, triangles(VisibilityOrder::Exact)).picture;
             let known = -(-2.0 * thickness * stretch).exp_m1();
             let found = f64::from(drawn.pixel(20, 16)[3]);
             assert!((found - known).abs() < 2e-6, "{name} {turn}: {found} for {known}");
@@ -108,7 +108,7 @@ fn every_class_and_place_of_the_eye() {
         for (view, camera) in views() {
             let volume = volume(cell(corners), |p| 0.51 + 0.393 * p.x, |p| 0.8 + 0.117 * p.z);
             let scene = NamedScene { name: format!("{class} {view}"), volume, look: uniform(), camera };
-            nearly(&scene, &draw(&device, &scene, &SHADING, triangles(VisibilityOrder::Auto)).picture);
+            nearly(&scene, &draw(&device, &scene, &SHADING, triangles(VisibilityOrder::Exact)).picture);
         }
     }
     let inside = perspective([0.43, 0.37, 0.52], [0.9, 0.8, 0.45], 90.0, [40, 40]);
@@ -129,7 +129,7 @@ fn every_class_and_place_of_the_eye() {
     for eye in [[0.0, 0.0, 0.0], [0.0, 14.0, 2.0]] {
         let camera = perspective(eye, [0.0, 40.0, 1.0], 30.0, [40, 32]);
         let scene = NamedScene { name: "huge".into(), volume: volume.clone(), look: one_gaussian(), camera };
-        nearly(&scene, &draw(&device, &scene, &SHADING, triangles(VisibilityOrder::Auto)).picture);
+        nearly(&scene, &draw(&device, &scene, &SHADING, triangles(VisibilityOrder::Exact)).picture);
     }
 }
 
@@ -146,7 +146,7 @@ fn smaller_cells_come_nearer_to_a_smooth_field() {
     };
     let finest = referee(&scene(32));
     let errors = [2, 4, 8].map(|n| {
-        let drawn = draw(&device, &scene(n), &SHADING, triangles(VisibilityOrder::Auto)).picture;
+        let drawn = draw(&device, &scene(n), &SHADING, triangles(VisibilityOrder::Exact)).picture;
         let squares = drawn.rgba.iter().zip(&finest.rgba).map(|(a, b)| f64::from(a[3] - b[3]).powi(2));
         (squares.sum::<f64>() / drawn.rgba.len() as f64).sqrt()
     });

@@ -107,7 +107,7 @@ fn every_integrator_has_room_for_all_that_a_scene_may_have() {
                 (Compositor::Tiles, VisibilityOrder::Exact),
                 (Compositor::Tiles, VisibilityOrder::Centroid),
                 (Compositor::Raster, VisibilityOrder::Exact),
-                (Compositor::Raster, VisibilityOrder::None),
+                (Compositor::Raster, VisibilityOrder::Unsorted),
                 (Compositor::Triangles, VisibilityOrder::Exact),
             ] {
                 same_on([&device, &least], &scene, &shading, how, 0.0);
