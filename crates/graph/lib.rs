@@ -15,39 +15,30 @@
 //! Absent on purpose: files (a [`Session`] is given a function that stamps them), threads (a stage uses all cores
 //! itself, so nodes run one after the other), and node state.
 
-mod builder;
-mod cache;
-mod call;
-mod declaration;
-mod demand;
-mod faults;
-mod given;
-mod method;
-mod origins;
+mod api;
+mod build;
 pub mod pipeline;
-mod registry;
-mod report;
-mod session;
-mod stated;
-mod steps;
+mod run;
 #[cfg(test)]
 mod unit_tests;
-mod value;
-mod wire;
 
-pub use builder::{Edge, Graph, GraphNode, LinkEntry, NodeEntry};
-pub use cache::{FileStamp, Stamp};
-pub use call::{DemandContext, Outputs, PlanContext, Preparation, RunContext};
-pub use declaration::{NamedStub, Node, PlanningStub, Port, PortType, Steps};
-pub use demand::{Arrays, Demand, Plan};
-pub use faults::{Diagnostic, DiagnosticTarget};
-pub use given::NodeOverride;
-pub use origins::{FileRead, Origins};
-pub use registry::Registry;
-pub use report::{NodeReport, RunReport};
-pub use session::{NoObserver, Observer, Session};
-pub use stated::{ResolvedPipeline, relative_path};
-pub use value::{CellValues, Revision, StagePayload, TransferFunctionSpec, Value, diagonal};
+pub use api::context::{DemandContext, Outputs, PlanContext, Preparation, RunContext};
+pub use api::demand::{Arrays, Demand};
+pub use api::node::{NamedStub, Node, PlanningStub, Steps};
+pub use api::observer::{NoObserver, Observer};
+pub use api::origins::{FileRead, FileStamp, Origins, Stamp};
+pub use api::port::{Port, PortType};
+pub use api::resolved::{ResolvedPipeline, relative_path};
+pub use api::value::{CellValues, Revision, StagePayload, TransferFunctionSpec, Value, diagonal};
+pub use api::wiring::Edge;
+pub use build::diagnostic::{Diagnostic, DiagnosticTarget};
+pub use build::entry::{LinkEntry, NodeEntry};
+pub use build::graph::{Graph, GraphNode};
+pub use build::node_override::NodeOverride;
+pub use build::registry::Registry;
+pub use run::plan::Plan;
+pub use run::report::{NodeReport, RunReport};
+pub use run::session::Session;
 pub use voltet_core::diagnostics::{DataFinding, Diagnostics, SavedWork, SkippedWork};
 pub use voltet_core::parameters::{
     ArrayRef, AxisRef, DefaultValue, Field, LocatedValue, NamedPath, Parameter, ParameterType,

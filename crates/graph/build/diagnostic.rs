@@ -1,6 +1,6 @@
 //! What is wrong with the nodes that a file states, each mistake at its place.
 
-use super::builder::NodeEntry;
+use super::entry::NodeEntry;
 use voltet_core::Error;
 
 /// A mistake of a node.

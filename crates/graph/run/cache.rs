@@ -1,26 +1,21 @@
 //! Former outputs of nodes, and things made from a revision.
 
-use super::builder::{Graph, GraphNode};
-use super::call::Preparation;
-use super::declaration::{Node, Steps};
-use super::demand::Demand;
-use super::given::NodeOverride;
-use super::stated::ResolvedPipeline;
-use super::value::{Revision, Value};
-use std::any::{Any, TypeId};
+use crate::api::context::{FOR_THE_SESSION, Kept, Preparation};
+use crate::api::demand::Demand;
+use crate::api::node::{Node, Steps};
+use crate::api::origins::{FileStamp, Stamp};
+use crate::api::resolved::ResolvedPipeline;
+use crate::api::value::{Revision, Value};
+use crate::build::graph::{Graph, GraphNode};
+use crate::build::node_override::NodeOverride;
+use std::any::TypeId;
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 use voltet_core::Result;
 use voltet_core::diagnostics::Diagnostics;
-use voltet_core::field::{Method, Plugin};
+use voltet_core::field::Plugin;
 use voltet_core::parameters::Parameters;
-
-/// State of a file: its length and the time it was last written, or nothing where it is not there.
-pub type Stamp = Option<(u64, std::time::SystemTime)>;
-
-/// Finds the state of a file.
-pub type FileStamp = fn(&Path) -> Stamp;
 
 /// One node's former run.
 pub(super) struct Entry {
@@ -107,13 +102,6 @@ impl Cache {
     }
 }
 
-impl GraphNode {
-    /// The plug-in that the node or its gradient filter came from: another one of that name gives something else.
-    pub fn plugin(&self) -> Option<&Plugin> {
-        self.node.plugin.or_else(|| self.method.as_ref().and_then(Method::plugin))
-    }
-}
-
 /// The files that a node's parameters name, those that it reads beside them, and their state.
 pub(super) fn files_of(
     (node, parameters): (&'static Node, &Parameters),
@@ -144,11 +132,6 @@ pub(super) fn stamped(paths: impl IntoIterator<Item = PathBuf>, stamp: FileStamp
     paths.into_iter().map(with_state).collect()
 }
 
-type Kept = Arc<dyn Any + Send + Sync>;
-
-/// The revision of what is made from no output, and stays as long as the session. Outputs count from 1.
-pub(super) const FOR_THE_SESSION: Revision = Revision(0);
-
 /// A node's type, its parameters, what feeds which port, its files, the plug-in of its filter, and what a program does in place
 /// of its work.
 type NodeKey = (
@@ -176,18 +159,16 @@ pub(super) struct Store {
 }
 
 impl Store {
-    /// The thing of type `T` made from this revision; made now if it is not there.
-    pub(super) fn get_or_make<T: Send + Sync + 'static>(
+    /// The value of this type made from this revision; made now if it is not there.
+    pub(super) fn get_or_make(
         &self,
-        revision: Revision,
-        make: impl FnOnce() -> Result<T>,
-    ) -> Result<Arc<T>> {
-        let key = (revision, TypeId::of::<T>());
-        let found = self.lock().get(&key).cloned();
-        if let Some(Ok(there)) = found.map(Arc::downcast::<T>) {
-            return Ok(there);
+        key: (Revision, TypeId),
+        make: &mut dyn FnMut() -> Result<Kept>,
+    ) -> Result<Kept> {
+        if let Some(kept) = self.lock().get(&key) {
+            return Ok(kept.clone());
         }
-        let made = Arc::new(make()?);
+        let made = make()?;
         self.lock().insert(key, made.clone());
         Ok(made)
     }

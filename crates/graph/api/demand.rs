@@ -1,12 +1,8 @@
 //! The demand pass: what is asked of each node, from the sinks upward.
 
-use super::builder::{Graph, GraphNode};
-use super::call::PlanContext;
-use super::declaration::PortType;
-use super::value::{Revision, TransferFunctionSpec, Value};
+use super::value::TransferFunctionSpec;
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use voltet_core::diagnostics::Diagnostics;
 
 /// What is asked of a node's outputs. Nothing but what stands here is read, computed or sorted.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -21,7 +17,7 @@ pub struct Demand {
     pub gradient: bool,
     /// The transfer functions for whose widgets alone g and ∇s are looked at: at points of cells that no widget can touch, whatever
     /// g is there, they may be what they are at another point. `None`: everywhere. Asked by nodes that have a transfer function or
-    /// cells ([`super::Asking::ask`]); of others, which may give another scalar than they get, everything is asked.
+    /// cells ([`super::DemandContext::ask`]); of others, which may give another scalar than they get, everything is asked.
     pub gradient_for: Option<Vec<Arc<TransferFunctionSpec>>>,
     /// An order of the cells.
     pub order: bool,
@@ -42,7 +38,7 @@ pub struct Arrays {
 
 impl Arrays {
     /// All that there are.
-    pub(super) fn all() -> Self {
+    pub(crate) fn all() -> Self {
         Arrays { named: BTreeSet::new(), all: true }
     }
 
@@ -100,23 +96,6 @@ impl Demand {
         Demand { gradient_magnitude: true, gradient: false, order: true, ..Demand::default() }
     }
 
-    /// All that a node can be asked for: an order, of a grid every array and its cells, and where a volume is made of a grid,
-    /// every gradient.
-    pub(super) fn everything_of(node: &GraphNode) -> Self {
-        let (grid, gradient) = (node.gives(PortType::Grid), node.makes_volume());
-        let arrays = if grid { Arrays::all() } else { Arrays::default() };
-        Demand {
-            cell_arrays: arrays.clone(),
-            arrays,
-            gradient_magnitude: gradient,
-            gradient,
-            order: true,
-            file_cells: grid,
-            cell_values: node.gives(PortType::CellValues),
-            ..Demand::default()
-        }
-    }
-
     /// Adds another demand on the same node.
     pub fn join(&mut self, other: &Demand) {
         self.gradient_for = match (self.looks_at_gradient(), other.looks_at_gradient()) {
@@ -170,52 +149,4 @@ impl Demand {
             (Some(_), None) => !other.looks_at_gradient(),
         }
     }
-}
-
-/// What will run: the outcome of the demand pass. One entry a node of the graph.
-#[derive(Debug, Default)]
-pub struct Plan {
-    /// What is asked of each node.
-    pub demands: Vec<Demand>,
-    /// What each node said while planning: what it leaves out, which engine it takes.
-    pub notes: Vec<Diagnostics>,
-    /// The nodes that ran early.
-    pub(super) early: Vec<Option<Done>>,
-    /// True for a plan of an exhaustive session.
-    pub(super) exhaustive: bool,
-}
-
-impl Plan {
-    /// Records the work that nodes will skip, from the headers of their files; reads no data. Returns the indices of the nodes
-    /// whose files do not say. An exhaustive session skips nothing.
-    pub fn foresee(&mut self, graph: &Graph) -> Vec<usize> {
-        if self.exhaustive {
-            return Vec::new();
-        }
-        let mut unknown = Vec::new();
-        for &i in &graph.order {
-            let node = &graph.nodes[i];
-            let (demand, notes) = (&self.demands[i], &mut self.notes[i]);
-            let parameters = &node.parameters;
-            let mut foresight = PlanContext { parameters, demand, notes, folder: &graph.folder };
-            if (node.node.foresee)(&mut foresight).is_err() {
-                unknown.push(i);
-            }
-        }
-        unknown
-    }
-}
-
-/// A node that ran.
-#[derive(Debug, Clone)]
-pub(super) struct Done {
-    pub(super) outputs: Vec<(Value, Revision)>,
-    pub(super) notes: Diagnostics,
-    pub(super) seconds: f64,
-    /// Seconds that the former run took, where its outputs were used.
-    pub(super) reused: Option<f64>,
-    /// Whether the outputs are passing ones ([`Call::passes`]), or made from such.
-    ///
-    /// [`Call::passes`]: super::call::Call::passes
-    pub(super) is_passing: bool,
 }

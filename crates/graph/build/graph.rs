@@ -1,49 +1,20 @@
 //! Building a graph: node types found, parameters checked, ports wired, cycles refused, the order of work.
 
-use super::declaration::{Node, PortType};
-use super::faults::{Diagnostic, DiagnosticTarget};
-use super::given::NodeOverride;
+use super::diagnostic::{Diagnostic, DiagnosticTarget};
+use super::entry::NodeEntry;
 use super::method;
+use super::node_override::NodeOverride;
 use super::registry::Registry;
-use super::stated::ResolvedPipeline;
-use super::wire::wires;
+use super::wiring::wires;
+use crate::api::context::{Outputs, RunContext};
+use crate::api::node::Node;
+use crate::api::port::PortType;
+use crate::api::resolved::ResolvedPipeline;
+use crate::api::wiring::{Edge, Wiring};
 use std::path::PathBuf;
-use voltet_core::field::Method;
-use voltet_core::parameters::{Field, LocatedValue, Parameters, SourceSpan};
+use voltet_core::field::{Method, Plugin};
+use voltet_core::parameters::{Parameters, SourceSpan, suggest};
 use voltet_core::{Error, Result};
-
-/// A node as a pipeline file or a program states it, not checked yet.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NodeEntry {
-    /// Its name.
-    pub name: String,
-    /// Where it was written.
-    pub origin: SourceSpan,
-    /// The name of its type.
-    pub node_type: LocatedValue,
-    /// Its parameters.
-    pub settings: Vec<Field>,
-    /// Its wires.
-    pub inputs: Vec<LinkEntry>,
-}
-
-impl NodeEntry {
-    /// Sets a parameter, or the part of it that `path` leads to.
-    pub fn set(&mut self, name: &str, path: &[&str], setting: LocatedValue) -> Result<()> {
-        voltet_core::parameters::replace_field(&mut self.settings, name, path, setting)
-    }
-}
-
-/// A wire as stated: an input port and the node (or `"node.port"`) that feeds it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LinkEntry {
-    /// The input port.
-    pub port: String,
-    /// Where the port was written.
-    pub origin: SourceSpan,
-    /// What feeds it.
-    pub source: LocatedValue,
-}
 
 /// A checked graph.
 #[derive(Debug, Default)]
@@ -79,62 +50,46 @@ pub struct GraphNode {
     pub given: Option<NodeOverride>,
 }
 
-/// What feeds an input.
-#[derive(Debug, Clone)]
-pub struct Edge {
-    /// The input port, by its place in [`Node::all_inputs`].
-    pub port: usize,
-    /// Its name.
-    pub name: &'static str,
-    /// The node, by its place in [`Graph::nodes`].
-    pub node: usize,
-    /// Its output.
-    pub output: usize,
-    /// Where the wire was written.
-    pub origin: SourceSpan,
-}
-
 impl GraphNode {
-    /// The place of an input port.
-    pub(super) fn input(&self, port: &str) -> Result<usize> {
-        self.node.all_inputs().position(|p| p.name == port).ok_or_else(|| {
-            Error::run(format!(
-                "the node type '{}' asks for an input '{port}' it does not declare",
-                self.node.name
-            ))
-        })
-    }
-
-    /// The gradient filter that one of the node's parameters names.
-    pub(super) fn method(&self) -> Result<&Method> {
-        self.method.as_ref().ok_or_else(|| {
-            Error::run(format!(
-                "the node type '{}' asks for a gradient filter and names none",
-                self.node.name
-            ))
-        })
-    }
-
-    /// The places in [`GraphNode::inputs`] of what feeds a port.
-    pub(super) fn edges(&self, port: &str) -> Result<impl Iterator<Item = usize> + use<'_>> {
-        let port = self.input(port)?;
-        Ok((0..self.inputs.len()).filter(move |&i| self.inputs[i].port == port))
+    /// Its wires and its gradient filter.
+    pub(crate) fn wiring(&self) -> Wiring<'_> {
+        Wiring {
+            node: &self.name,
+            node_type: self.node.name,
+            ports: [self.node.inputs, self.node.optional_inputs],
+            edges: &self.inputs,
+            method: self.method.as_ref(),
+        }
     }
 
     /// Whether the node draws or hands on cells, and so may say where the gradient is looked at.
-    pub(super) fn draws(&self) -> bool {
+    pub(crate) fn draws(&self) -> bool {
         let says = [PortType::TransferFunction, PortType::Cells, PortType::Projection];
         self.node.inputs.iter().any(|port| says.contains(&port.port_type))
     }
 
     /// Whether the node makes a volume of a grid.
-    pub(super) fn makes_volume(&self) -> bool {
+    pub(crate) fn makes_volume(&self) -> bool {
         let takes_grid = self.node.inputs.iter().any(|port| port.port_type == PortType::Grid);
         self.gives(PortType::Volume) && takes_grid
     }
 
-    pub(super) fn gives(&self, wanted: PortType) -> bool {
+    pub(crate) fn gives(&self, wanted: PortType) -> bool {
         self.node.outputs.iter().any(|port| port.port_type == wanted)
+    }
+
+    /// Runs the node, or the work that a program does in its place.
+    pub(crate) fn run(&self, call: &mut RunContext) -> Result<Outputs> {
+        match &self.given {
+            Some(given) => given.run(call),
+            None => (self.node.run)(call),
+        }
+        .map_err(|error| self.locate(error))
+    }
+
+    /// The plug-in that the node or its gradient filter came from: another one of that name gives something else.
+    pub fn plugin(&self) -> Option<&Plugin> {
+        self.node.plugin.or_else(|| self.method.as_ref().and_then(Method::plugin))
     }
 
     /// Adds this node's name and place to an error that has none.
@@ -208,6 +163,17 @@ impl Graph {
     /// The node of that name.
     pub fn node(&self, name: &str) -> Option<&GraphNode> {
         self.nodes.iter().find(|n| n.name == name)
+    }
+
+    /// Lets a program do the work of a node; what the node's type does before a run (files, steps) stays. Errors: there is no
+    /// such node.
+    pub fn give(&mut self, node: &str, given: NodeOverride) -> Result<()> {
+        let Some(place) = self.nodes.iter().position(|known| known.name == node) else {
+            let known = suggest(node, self.nodes.iter().map(|node| node.name.as_str()));
+            return Err(Error::usage(format!("there is no node '{node}'")).expected(known));
+        };
+        self.nodes[place].given = Some(given);
+        Ok(())
     }
 
     /// The order of work, from the sinks; warns of nodes that no sink needs.

@@ -1,46 +1,14 @@
-//! What values were made from: cameras, units and files, for what is written to say.
+//! Collects the origins of values: cameras, units and files.
 
-use super::builder::Graph;
-use super::cache::{FileStamp, Stamp, files_beside};
-use super::declaration::{PortType, Steps};
-use super::demand::Done;
-use super::value::{Value, diagonal};
-use std::path::PathBuf;
-use std::sync::Arc;
-use voltet_core::camera::Camera;
-use voltet_core::field::Plugin;
-use voltet_core::parameters::NamedPath;
+use super::cache::files_beside;
+use super::plan::Done;
+use crate::api::node::Steps;
+use crate::api::origins::{FileRead, FileStamp, Origins};
+use crate::api::port::PortType;
+use crate::api::value::{Value, diagonal};
+use crate::build::graph::Graph;
 
-/// What the work of some nodes went by.
-#[derive(Debug, Clone, Default)]
-pub struct Origins {
-    /// The cameras, each with the node that gives it.
-    pub cameras: Vec<(String, Arc<Camera>)>,
-    /// The unit distances of transfer functions (world units), each with the node that gives it. `None`: one that the data
-    /// decides, of no data.
-    pub unit_distances: Vec<(String, Option<f64>)>,
-    /// The files that parameters name to be read.
-    pub files: Vec<FileRead>,
-    /// The plug-ins that gradient filters came from, each with the node that names the filter.
-    pub plugins: Vec<(String, Plugin)>,
-}
-
-/// A file that was read.
-#[derive(Debug, Clone)]
-pub struct FileRead {
-    /// The node that read it.
-    pub node: String,
-    /// The path as it was given, and by which parameter.
-    pub named: NamedPath,
-    /// The path from where the program runs.
-    pub path: PathBuf,
-    /// Its state.
-    pub stamp: Stamp,
-    /// The files that were read beside it: pieces, the file of a step.
-    pub beside: Vec<(PathBuf, Stamp)>,
-}
-
-/// Of these nodes, which ran.
+/// Origins of the values of these nodes, which ran.
 pub(super) fn origins(graph: &Graph, places: &[usize], done: &[Option<Done>], stamp: FileStamp) -> Origins {
     let mut origins = Origins::default();
     for &place in places {

@@ -1,6 +1,6 @@
 //! The registry of node types and gradient filters: open, the same functions for those that ship and for plug-ins.
 
-use super::declaration::Node;
+use crate::api::node::Node;
 use std::sync::Arc;
 use voltet_core::field::GradientFilter;
 use voltet_core::parameters::{ParameterType, refuse_contradictions, repeated, suggest};

@@ -1,8 +1,8 @@
 //! The report of a run: times, counts, skipped work, warnings and findings of its nodes.
 
-use super::demand::Done;
-use super::origins::Origins;
-use super::value::Value;
+use super::plan::Done;
+use crate::api::origins::Origins;
+use crate::api::value::Value;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -58,7 +58,7 @@ pub struct RunReport {
     pub origins: Origins,
     /// Seconds of the whole run.
     pub seconds: f64,
-    /// Whether outputs are passing ones: the same run by itself would give others by rounding ([`super::Session::run_passing`]).
+    /// True for a preview: the same run by itself would give other outputs by rounding ([`crate::Session::run_preview`]).
     pub is_passing: bool,
 }
 

@@ -1,19 +1,24 @@
-//! The steps of a time series: what an input would carry at each of them.
+//! Services of a session to one running node, among them the steps of the time series that feed it.
 
-use super::builder::{Graph, GraphNode};
 use super::cache::{Key, Store, files_of};
-use super::call::{DemandContext, NodeProgress, Preparation, RunContext};
-use super::declaration::Steps;
-use super::demand::{Demand, Done};
-use super::session::{inputs_of, refuse_missing_gradient};
-use super::value::{Revision, Value};
+use super::origins::{origins, upstream};
+use super::plan::{Done, inputs_of, refuse_missing_gradient};
+use crate::api::context::{DemandContext, Kept, Preparation, RunContext, RunServices};
+use crate::api::demand::Demand;
+use crate::api::node::Steps;
+use crate::api::observer::{NodeProgress, Observer};
+use crate::api::origins::{FileStamp, Origins};
+use crate::api::resolved::ResolvedPipeline;
+use crate::api::value::{Revision, Value};
+use crate::build::graph::{Graph, GraphNode};
+use std::any::TypeId;
 use std::cell::Cell;
-use std::sync::Arc;
 use voltet_core::diagnostics::Diagnostics;
 use voltet_core::parameters::Parameters;
+use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 
-/// What feeds an input: the nodes, with their parameters at each step, and what is asked of them.
+/// Nodes upstream of an input, with their parameters at each step and their demands.
 struct Feeding {
     /// Places in the graph, in the order of work.
     nodes: Vec<usize>,
@@ -23,65 +28,60 @@ struct Feeding {
     step_count: usize,
 }
 
-impl RunContext<'_> {
-    /// The number of steps of the time series that feeds an input; 1 where none does.
-    pub fn step_count(&self, port: &str) -> Result<usize> {
-        Ok(self.feeding(port, &Demand::default())?.step_count)
+/// One run of a node by a session.
+pub(super) struct NodeRun<'a> {
+    pub graph: &'a Graph,
+    /// Index of the node in the graph.
+    pub place: usize,
+    /// Nodes that ran before.
+    pub done: &'a [Option<Done>],
+    pub store: &'a Store,
+    pub file_stamp: FileStamp,
+    pub observer: &'a dyn Observer,
+}
+
+impl<'a> NodeRun<'a> {
+    /// The node.
+    fn node(&self) -> &'a GraphNode {
+        &self.graph.nodes[self.place]
     }
 
-    /// Hands what an input would carry at each step of the time series that feeds it to `of_step`, one after the other: what
-    /// feeds it runs for each step, for this demand alone, and nothing of it is kept.
-    ///
-    /// Errors: those of the nodes, with the step; series of different lengths.
-    pub fn each_step(
-        &self,
-        port: &str,
-        demand: &Demand,
-        of_step: &mut dyn FnMut(usize, Value) -> Result<()>,
-    ) -> Result<()> {
-        let feeding = self.feeding(port, demand)?;
-        let place = self.place_of(port)?;
-        for step in 0..feeding.step_count {
-            let fraction = step as f64 / feeding.step_count as f64;
-            self.progress().report(&format!("step {} of {}", step + 1, feeding.step_count), fraction);
-            let value = self
-                .value_at(&feeding, place, step)
-                .map_err(|error| Error { what: format!("at time step {step}: {}", error.what), ..error })?;
-            of_step(step, value)?;
+    /// The context for the node's own functions.
+    pub fn context<'c>(
+        &'c self,
+        parameters: &'c Parameters,
+        demand: &'c Demand,
+        inputs: Vec<(Value, Revision)>,
+        (exhaustive, allows_preview): (bool, bool),
+    ) -> RunContext<'c> {
+        RunContext {
+            parameters,
+            demand,
+            notes: Diagnostics::new(exhaustive),
+            wiring: self.node().wiring(),
+            inputs,
+            folder: &self.graph.folder,
+            progress: self.progress(),
+            services: self,
+            reads_pipeline: Cell::new(false),
+            allows_preview,
+            is_preview: Cell::new(false),
         }
-        Ok(())
     }
 
-    /// Something made over all steps of what feeds an input, kept by what it was made from as long as the session.
-    pub fn keep_over_steps<T: Send + Sync + 'static>(
-        &self,
-        port: &str,
-        demand: &Demand,
-        make: impl FnOnce() -> Result<T>,
-    ) -> Result<Arc<T>> {
-        if self.exhaustive() {
-            return Ok(Arc::new(make()?));
-        }
-        let key = self.key(port, &self.feeding(port, demand)?)?;
-        if let Some(Ok(kept)) = self.store.over_steps(&key).map(Arc::downcast::<T>) {
-            return Ok(kept);
-        }
-        let made = Arc::new(make()?);
-        self.store.keep_over_steps(key, made.clone());
-        Ok(made)
+    fn progress(&self) -> NodeProgress<'a> {
+        NodeProgress { observer: self.observer, node: &self.node().name }
     }
 
-    /// The node and the output that feed a port.
-    fn place_of(&self, port: &str) -> Result<(usize, usize)> {
-        let none = || Error::run(format!("the node looks at its input '{port}', which is not wired"));
-        let edge = self.node.edges(port)?.next().ok_or_else(none)?;
-        let edge = &self.node.inputs[edge];
-        Ok((edge.node, edge.output))
+    /// The node and the output that feed an edge.
+    fn source(&self, edge: usize) -> (usize, usize) {
+        let edge = &self.node().inputs[edge];
+        (edge.node, edge.output)
     }
 
-    fn feeding(&self, port: &str, demand: &Demand) -> Result<Feeding> {
+    fn feeding(&self, edge: usize, demand: &Demand) -> Result<Feeding> {
         let graph = self.graph;
-        let (last, _) = self.place_of(port)?;
+        let (last, _) = self.source(edge);
         let mut needed = vec![false; graph.nodes.len()];
         needed[last] = true;
         let mut demands = vec![Demand::default(); graph.nodes.len()];
@@ -134,23 +134,9 @@ impl RunContext<'_> {
                 return Err(Error::cancelled());
             }
             let node = &self.graph.nodes[i];
-            let mut call = RunContext {
-                parameters: parameters.get(step).unwrap_or(&parameters[0]),
-                demand,
-                notes: Diagnostics::default(),
-                node,
-                graph: self.graph,
-                place: i,
-                done: &all_done,
-                is_told: Cell::new(false),
-                may_pass: false,
-                is_passing: Cell::new(false),
-                file_stamp: self.file_stamp,
-                inputs: inputs_of(node, &all_done),
-                folder: self.folder,
-                store: &store,
-                progress: NodeProgress { observer: self.progress.observer, node: &node.name },
-            };
+            let run = NodeRun { graph: self.graph, place: i, done: &all_done, store: &store, ..*self };
+            let parameters = parameters.get(step).unwrap_or(&parameters[0]);
+            let mut call = run.context(parameters, demand, inputs_of(node, &all_done), (false, false));
             let values = node.run(&mut call)?;
             let outputs = values.into_iter().map(|value| {
                 revision += 1;
@@ -169,28 +155,80 @@ impl RunContext<'_> {
         value.ok_or_else(|| Error::run("the node that feeds an input gave nothing"))
     }
 
-    fn key(&self, port: &str, feeding: &Feeding) -> Result<Key> {
+    fn key(&self, edge: usize, feeding: &Feeding) -> Result<Key> {
         let place = |node: usize| feeding.nodes.iter().position(|&i| i == node).unwrap_or_default();
         let of = |(&i, parameters): (&usize, &Vec<Parameters>)| {
             let node = &self.graph.nodes[i];
             let edges = node.inputs.iter().map(|edge| (edge.port, place(edge.node), edge.output)).collect();
-            let files = files_of((node.node, &node.parameters), Steps::All, self.folder, self.file_stamp);
+            let files =
+                files_of((node.node, &node.parameters), Steps::All, &self.graph.folder, self.file_stamp);
             (node.node.name, parameters.clone(), edges, files, node.plugin().cloned(), node.given.clone())
         };
         let nodes = feeding.nodes.iter().zip(&feeding.parameters).map(of).collect();
-        let (last, output) = self.place_of(port)?;
+        let (last, output) = self.source(edge);
         Ok(Key { nodes, demands: feeding.demands.clone(), port: (place(last), output) })
     }
 }
 
-/// What a node asks of its inputs for what is asked of it.
+impl RunServices for NodeRun<'_> {
+    fn origins(&self) -> Origins {
+        origins(self.graph, &upstream(self.graph, self.place), self.done, self.file_stamp)
+    }
+
+    fn pipeline(&self) -> &ResolvedPipeline {
+        &self.graph.stated
+    }
+
+    fn get_or_make(&self, key: (Revision, TypeId), make: &mut dyn FnMut() -> Result<Kept>) -> Result<Kept> {
+        self.store.get_or_make(key, make)
+    }
+
+    fn step_count(&self, edge: usize) -> Result<usize> {
+        Ok(self.feeding(edge, &Demand::default())?.step_count)
+    }
+
+    fn each_step(
+        &self,
+        edge: usize,
+        demand: &Demand,
+        of_step: &mut dyn FnMut(usize, Value) -> Result<()>,
+    ) -> Result<()> {
+        let feeding = self.feeding(edge, demand)?;
+        for step in 0..feeding.step_count {
+            let fraction = step as f64 / feeding.step_count as f64;
+            self.progress().report(&format!("step {} of {}", step + 1, feeding.step_count), fraction);
+            let value = self
+                .value_at(&feeding, self.source(edge), step)
+                .map_err(|error| Error { what: format!("at time step {step}: {}", error.what), ..error })?;
+            of_step(step, value)?;
+        }
+        Ok(())
+    }
+
+    fn keep_over_steps(
+        &self,
+        edge: usize,
+        demand: &Demand,
+        make: &mut dyn FnMut() -> Result<Kept>,
+    ) -> Result<Kept> {
+        let key = self.key(edge, &self.feeding(edge, demand)?)?;
+        if let Some(kept) = self.store.over_steps(&key) {
+            return Ok(kept);
+        }
+        let made = make()?;
+        self.store.keep_over_steps(key, made.clone());
+        Ok(made)
+    }
+}
+
+/// Demands of a node on its inputs for a demand on it.
 fn asks_of(graph: &Graph, node: &GraphNode, asked: &Demand) -> Result<Vec<Demand>> {
     let fed = node.inputs.iter().map(|edge| graph.nodes[edge.node].node.outputs[edge.output].port_type);
     let mut asking = DemandContext {
         parameters: &node.parameters,
         asked,
         notes: &mut Diagnostics::default(),
-        node,
+        wiring: node.wiring(),
         early: vec![None; node.inputs.len()],
         is_known: vec![false; node.inputs.len()],
         fed: fed.collect(),

@@ -1,14 +1,13 @@
 //! What a node's functions are given: its side of the two passes.
 
-use super::builder::{Graph, GraphNode};
-use super::cache::{FOR_THE_SESSION, FileStamp, Store};
-use super::declaration::PortType;
-use super::demand::{Demand, Done};
-use super::origins::{Origins, origins, upstream};
-use super::session::Observer;
-use super::stated::ResolvedPipeline;
+use super::demand::Demand;
+use super::observer::NodeProgress;
+use super::origins::Origins;
+use super::port::PortType;
+use super::resolved::ResolvedPipeline;
 use super::value::{CellValues, Revision, StagePayload, TransferFunctionSpec, Value};
-use std::any::Any;
+use super::wiring::Wiring;
+use std::any::{Any, TypeId};
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -34,15 +33,15 @@ pub struct DemandContext<'a> {
     pub asked: &'a Demand,
     /// What the node says about it.
     pub notes: &'a mut Diagnostics,
-    pub(super) node: &'a GraphNode,
+    pub(crate) wiring: Wiring<'a>,
     /// For each edge its value, or what stands for it, where known.
-    pub(super) early: Vec<Option<Value>>,
+    pub(crate) early: Vec<Option<Value>>,
     /// For each edge whether that value is known, and does not only stand for one.
-    pub(super) is_known: Vec<bool>,
+    pub(crate) is_known: Vec<bool>,
     /// For each edge the type of the output that feeds it.
-    pub(super) fed: Vec<PortType>,
+    pub(crate) fed: Vec<PortType>,
     /// For each edge what is asked of it.
-    pub(super) asks: Vec<Demand>,
+    pub(crate) asks: Vec<Demand>,
 }
 
 impl DemandContext<'_> {
@@ -54,7 +53,7 @@ impl DemandContext<'_> {
     /// The transfer function at an input, or what stands for it where it is made from data; `None` where nothing
     /// is known of it.
     pub fn look(&self, port: &str) -> Option<Arc<TransferFunctionSpec>> {
-        let place = self.node.edges(port).ok()?.next()?;
+        let place = self.wiring.edges(port).ok()?.next()?;
         match &self.early[place] {
             Some(Value::TransferFunction(look)) => Some(look.clone()),
             _ => None,
@@ -63,23 +62,23 @@ impl DemandContext<'_> {
 
     /// The transfer function at an input where it is known before any data are.
     pub fn known_look(&self, port: &str) -> Option<Arc<TransferFunctionSpec>> {
-        let place = self.node.edges(port).ok()?.next()?;
+        let place = self.wiring.edges(port).ok()?.next()?;
         self.look(port).filter(|_| self.is_known[place])
     }
 
     /// The type of the output that feeds an input, the first of several; `None` where nothing does.
     pub fn fed_by(&self, port: &str) -> Result<Option<PortType>> {
-        Ok(self.node.edges(port)?.next().map(|edge| self.fed[edge]))
+        Ok(self.wiring.edges(port)?.next().map(|edge| self.fed[edge]))
     }
 
     /// The gradient filter that a parameter names.
     pub fn method(&self) -> Result<&Method> {
-        self.node.method()
+        self.wiring.method()
     }
 
     /// Asks for something at an input.
     pub fn ask(&mut self, port: &str, demand: &Demand) -> Result<()> {
-        for edge in self.node.edges(port)? {
+        for edge in self.wiring.edges(port)? {
             self.asks[edge].join(demand);
         }
         Ok(())
@@ -96,7 +95,7 @@ impl DemandContext<'_> {
 pub struct Preparation<'a> {
     /// The node's parameters.
     pub parameters: &'a Parameters,
-    pub(super) folder: &'a Path,
+    pub(crate) folder: &'a Path,
 }
 
 impl Preparation<'_> {
@@ -114,7 +113,7 @@ pub struct PlanContext<'a> {
     pub demand: &'a Demand,
     /// What it says about it.
     pub notes: &'a mut Diagnostics,
-    pub(super) folder: &'a Path,
+    pub(crate) folder: &'a Path,
 }
 
 impl PlanContext<'_> {
@@ -124,7 +123,56 @@ impl PlanContext<'_> {
     }
 }
 
-/// One run of a node.
+/// A value that a session keeps for its nodes.
+pub(crate) type Kept = Arc<dyn Any + Send + Sync>;
+
+/// The revision of what is made from no output, and stays as long as the session. Outputs count from 1.
+pub(crate) const FOR_THE_SESSION: Revision = Revision(0);
+
+/// Services of a session to a node that it runs.
+pub(crate) trait RunServices {
+    /// Origins of the values at the node's inputs.
+    fn origins(&self) -> Origins;
+    /// The text that states the graph.
+    fn pipeline(&self) -> &ResolvedPipeline;
+    /// The value kept under a key, made if there is none.
+    fn get_or_make(&self, key: (Revision, TypeId), make: &mut dyn FnMut() -> Result<Kept>) -> Result<Kept>;
+    /// See [`RunContext::step_count`].
+    fn step_count(&self, edge: usize) -> Result<usize>;
+    /// See [`RunContext::each_step`].
+    fn each_step(
+        &self,
+        edge: usize,
+        demand: &Demand,
+        of_step: &mut dyn FnMut(usize, Value) -> Result<()>,
+    ) -> Result<()>;
+    /// See [`RunContext::keep_over_steps`].
+    fn keep_over_steps(
+        &self,
+        edge: usize,
+        demand: &Demand,
+        make: &mut dyn FnMut() -> Result<Kept>,
+    ) -> Result<Kept>;
+}
+
+/// Calls a service that keeps values of any type, for one of type `T`; one of another type is made anew.
+fn erased<T: Send + Sync + 'static>(
+    make: impl FnOnce() -> Result<T>,
+    keep: impl FnOnce(&mut dyn FnMut() -> Result<Kept>) -> Result<Kept>,
+) -> Result<Arc<T>> {
+    let mut make = Some(make);
+    let kept = keep(&mut || match make.take() {
+        Some(make) => Ok(Arc::new(make()?)),
+        None => Err(Error::run("a kept value was made twice")),
+    })?;
+    match (kept.downcast(), make) {
+        (Ok(kept), _) => Ok(kept),
+        (Err(_), Some(make)) => Ok(Arc::new(make()?)),
+        (Err(_), None) => Err(Error::run("a kept value is of another type")),
+    }
+}
+
+/// Context of one run of a node.
 pub struct RunContext<'a> {
     /// The node's parameters.
     pub parameters: &'a Parameters,
@@ -132,33 +180,28 @@ pub struct RunContext<'a> {
     pub demand: &'a Demand,
     /// What it says about its work.
     pub notes: Diagnostics,
-    pub(super) node: &'a GraphNode,
-    pub(super) inputs: Vec<(Value, Revision)>,
-    pub(super) graph: &'a Graph,
-    pub(super) file_stamp: FileStamp,
-    pub(super) folder: &'a Path,
-    pub(super) store: &'a Store,
-    pub(super) progress: NodeProgress<'a>,
-    /// The node's place in the graph, and what ran before.
-    pub(super) place: usize,
-    pub(super) done: &'a [Option<Done>],
-    /// Whether the node asked for what led to it: then it runs again where the graph is another.
-    pub(super) is_told: Cell<bool>,
-    pub(super) may_pass: bool,
-    pub(super) is_passing: Cell<bool>,
+    pub(crate) wiring: Wiring<'a>,
+    pub(crate) inputs: Vec<(Value, Revision)>,
+    pub(crate) folder: &'a Path,
+    pub(crate) progress: NodeProgress<'a>,
+    pub(crate) services: &'a dyn RunServices,
+    /// True once the node read its origins or the pipeline: then it runs again where the graph is another.
+    pub(crate) reads_pipeline: Cell<bool>,
+    pub(crate) allows_preview: bool,
+    pub(crate) is_preview: Cell<bool>,
 }
 
 impl RunContext<'_> {
     /// What the values at the inputs were made from.
     pub fn origins(&self) -> Origins {
-        self.is_told.set(true);
-        origins(self.graph, &upstream(self.graph, self.place), self.done, self.file_stamp)
+        self.reads_pipeline.set(true);
+        self.services.origins()
     }
 
     /// The text that states the graph, and the folder that its paths are relative to.
     pub fn stated(&self) -> (&ResolvedPipeline, &Path) {
-        self.is_told.set(true);
-        (&self.graph.stated, self.folder)
+        self.reads_pipeline.set(true);
+        (self.services.pipeline(), self.folder)
     }
 
     /// True in an exhaustive session: the node does all work, needed or not; its outputs mean the same.
@@ -169,12 +212,12 @@ impl RunContext<'_> {
     /// Whether the outputs may be passing ones: others of the same graph with other parameters follow at once, and rounding may
     /// depend on what was made before ([`Session::run_passing`](super::Session::run_passing)).
     pub fn allows_preview(&self) -> bool {
-        self.may_pass
+        self.allows_preview
     }
 
     /// Says that the outputs are passing ones: no later run takes them, nor what is made from them.
     pub fn mark_preview(&self) {
-        self.is_passing.set(true);
+        self.is_preview.set(true);
     }
 
     /// Where progress goes, and whether to stop.
@@ -202,7 +245,7 @@ impl RunContext<'_> {
 
     /// The gradient filter that a parameter names.
     pub fn method(&self) -> Result<&Method> {
-        self.node.method()
+        self.wiring.method()
     }
 
     /// The revision of what an input carries: the key for things to [`Call::keep`].
@@ -219,7 +262,7 @@ impl RunContext<'_> {
         if self.exhaustive() {
             return Ok(Arc::new(make()?));
         }
-        self.store.get_or_make(revision, make)
+        self.get_or_make(revision, make)
     }
 
     /// Something that is made from no input (an open device) and stays as long as the session.
@@ -227,7 +270,53 @@ impl RunContext<'_> {
         &self,
         make: impl FnOnce() -> Result<T>,
     ) -> Result<Arc<T>> {
-        self.store.get_or_make(FOR_THE_SESSION, make)
+        self.get_or_make(FOR_THE_SESSION, make)
+    }
+
+    fn get_or_make<T: Send + Sync + 'static>(
+        &self,
+        revision: Revision,
+        make: impl FnOnce() -> Result<T>,
+    ) -> Result<Arc<T>> {
+        let key = (revision, TypeId::of::<T>());
+        erased(make, |make| self.services.get_or_make(key, make))
+    }
+
+    /// The number of steps of the time series that feeds an input; 1 where none does.
+    pub fn step_count(&self, port: &str) -> Result<usize> {
+        self.services.step_count(self.edge(port)?)
+    }
+
+    /// Gives the value of an input at each step of the time series that feeds it to `of_step`, one after the other. The nodes
+    /// upstream run for each step, for this demand alone, and no output of theirs is kept.
+    ///
+    /// Errors: those of the nodes, with the step; series of different lengths.
+    pub fn each_step(
+        &self,
+        port: &str,
+        demand: &Demand,
+        of_step: &mut dyn FnMut(usize, Value) -> Result<()>,
+    ) -> Result<()> {
+        self.services.each_step(self.edge(port)?, demand, of_step)
+    }
+
+    /// A value made over all steps of the time series that feeds an input; kept as long as the session, by its origins.
+    pub fn keep_over_steps<T: Send + Sync + 'static>(
+        &self,
+        port: &str,
+        demand: &Demand,
+        make: impl FnOnce() -> Result<T>,
+    ) -> Result<Arc<T>> {
+        if self.exhaustive() {
+            return Ok(Arc::new(make()?));
+        }
+        let edge = self.edge(port)?;
+        erased(make, |make| self.services.keep_over_steps(edge, demand, make))
+    }
+
+    fn edge(&self, port: &str) -> Result<usize> {
+        let none = || Error::run(format!("the node looks at its input '{port}', which is not wired"));
+        self.wiring.edges(port)?.next().ok_or_else(none)
     }
 
     /// The grid at an input.
@@ -254,7 +343,7 @@ impl RunContext<'_> {
 
     /// Whether something feeds an input.
     pub fn is_wired(&self, port: &str) -> Result<bool> {
-        Ok(self.node.edges(port)?.next().is_some())
+        Ok(self.wiring.edges(port)?.next().is_some())
     }
 
     /// The transfer functions at an optional input.
@@ -263,7 +352,7 @@ impl RunContext<'_> {
             Value::TransferFunction(look) => Ok(look.clone()),
             other => Err(self.miswired(port, PortType::TransferFunction, other)),
         };
-        self.node.edges(port)?.map(look).collect()
+        self.wiring.edges(port)?.map(look).collect()
     }
 
     /// The camera at an input.
@@ -293,7 +382,7 @@ impl RunContext<'_> {
     fn prepared<T: Any + Send + Sync>(&self, port: &str, value: &StagePayload) -> Result<Arc<T>> {
         value.clone().downcast().map_err(|_| {
             Error::usage("the stages of a picture belong to different engines")
-                .got(format!("port \"{port}\" of {}", self.node.name))
+                .got(format!("port \"{port}\" of {}", self.wiring.node))
                 .expected("cull, sort, project and composite nodes of one engine")
         })
     }
@@ -317,7 +406,7 @@ impl RunContext<'_> {
             Value::CellValues(values) => Ok(values.clone()),
             other => Err(self.miswired(port, PortType::CellValues, other)),
         };
-        self.node.edges(port)?.map(values).collect()
+        self.wiring.edges(port)?.map(values).collect()
     }
 
     /// The figures at an input, JSON text.
@@ -334,42 +423,12 @@ impl RunContext<'_> {
 
     /// What feeds a port, and its revision.
     fn input(&self, port: &str) -> Result<&(Value, Revision)> {
-        let mut edges = self.node.edges(port)?;
-        let none = || Error::run(format!("the node looks at its input '{port}', which is not wired"));
-        edges.next().and_then(|edge| self.inputs.get(edge)).ok_or_else(none)
+        Ok(&self.inputs[self.edge(port)?])
     }
 
     fn miswired(&self, port: &str, wanted: PortType, found: &Value) -> Error {
         Error::usage(format!("the node asks its input '{port}' for another type than it declares"))
             .got(found.port_type().name())
             .expected(wanted.name())
-    }
-}
-
-/// A volume that has no gradient: what a grid is worth on its own.
-pub(super) fn volume_without_gradient(grid: &Arc<Grid>) -> Result<Volume> {
-    let scalar = grid.scalar.clone().ok_or_else(|| {
-        Error::usage("the grid carries no scalar to draw").expected("scalar = \"…\" at the reader")
-    })?;
-    Ok(Volume { grid: grid.clone(), scalar, gradient: None, gradient_magnitude: None })
-}
-
-/// Hands the progress of one node on to the observer of the run.
-pub(super) struct NodeProgress<'a> {
-    pub(super) observer: &'a dyn Observer,
-    pub(super) node: &'a str,
-}
-
-impl Progress for NodeProgress<'_> {
-    fn report(&self, stage: &str, fraction: f64) {
-        self.observer.progress(self.node, stage, fraction);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.observer.cancelled()
-    }
-
-    fn memory_left(&self) -> Option<u64> {
-        self.observer.memory_left()
     }
 }

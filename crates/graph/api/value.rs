@@ -1,22 +1,21 @@
 //! What runs through the ports: shared, never modified.
 
-use super::call::volume_without_gradient;
-use super::declaration::PortType;
+use super::port::PortType;
 use glam::DVec3;
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use voltet_core::Result;
 use voltet_core::camera::Camera;
 use voltet_core::grid::Grid;
 use voltet_core::grid::extent;
 use voltet_core::picture::Picture;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
+use voltet_core::{Error, Result};
 
 /// Number of an output's content: equal revisions mean equal content, within one session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Revision(pub(super) u64);
+pub struct Revision(pub(crate) u64);
 
 /// What an engine prepared for its own next stage: the graph carries it and does not look inside.
 pub type StagePayload = Arc<dyn Any + Send + Sync>;
@@ -68,6 +67,14 @@ impl Value {
             _ => None,
         }
     }
+}
+
+/// The volume of a grid: its scalar, without a gradient.
+fn volume_without_gradient(grid: &Arc<Grid>) -> Result<Volume> {
+    let scalar = grid.scalar.clone().ok_or_else(|| {
+        Error::usage("the grid carries no scalar to draw").expected("scalar = \"…\" at the reader")
+    })?;
+    Ok(Volume { grid: grid.clone(), scalar, gradient: None, gradient_magnitude: None })
 }
 
 /// Numbers of tetrahedra, by name: one a tetrahedron in the order of [`Grid::tetrahedra`]. A cell of the file has the largest

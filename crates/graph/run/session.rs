@@ -1,42 +1,23 @@
-//! Runs graphs: the two passes, the cache between runs, progress and stopping.
+//! Sessions run graphs: the two passes, the cache between runs, progress and stopping.
 
-use super::builder::{Edge, Graph, GraphNode};
-use super::cache::{Cache, Entry, FileStamp, Store, files_of, stamped};
-use super::call::{DemandContext, NodeProgress, Preparation, RunContext};
-use super::declaration::{NamedStub, PortType, Steps};
-use super::demand::{Demand, Done, Plan};
+use super::cache::{Cache, Entry, Store, files_of, stamped};
+use super::node_run::NodeRun;
 use super::origins::{origins, upstream};
+use super::plan::{Done, Plan, everything_of, inputs_of, refuse_missing_gradient};
 use super::report::RunReport;
-use super::value::{Revision, Value};
-use std::cell::Cell;
+use crate::api::context::{DemandContext, Preparation};
+use crate::api::demand::Demand;
+use crate::api::node::{NamedStub, Steps};
+use crate::api::observer::{NoObserver, Observer};
+use crate::api::origins::FileStamp;
+use crate::api::value::{Revision, Value};
+use crate::api::wiring::Edge;
+use crate::build::graph::Graph;
 use std::sync::Arc;
 use std::time::Instant;
 use voltet_core::diagnostics::{Diagnostics, SavedWork};
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
-
-/// Follows a run, and may stop it. Called from any thread.
-pub trait Observer: Sync {
-    /// A node begins: `place` of `count`.
-    fn started(&self, _node: &str, _place: usize, _count: usize) {}
-    /// A stage of a node is `fraction` (0 … 1) done.
-    fn progress(&self, _node: &str, _stage: &str, _fraction: f64) {}
-    /// A node is done.
-    fn finished(&self, _node: &str, _seconds: f64) {}
-    /// True once the run should stop.
-    fn cancelled(&self) -> bool {
-        false
-    }
-    /// Bytes that the run may still take, where somebody knows.
-    fn memory_left(&self) -> Option<u64> {
-        None
-    }
-}
-
-/// Follows nothing and never stops.
-pub struct NoObserver;
-
-impl Observer for NoObserver {}
 
 /// What lives longer than one run: former outputs and things made from them.
 pub struct Session {
@@ -119,7 +100,7 @@ impl Session {
                 plan.demands[i].join(of_volumes);
             }
             if self.exhaustive {
-                plan.demands[i].join(&Demand::everything_of(node));
+                plan.demands[i].join(&everything_of(node));
             }
             let early = node.inputs.iter().map(|edge| outlines[edge.node].get(edge.output).cloned());
             let output_type = |edge: &Edge| graph.nodes[edge.node].node.outputs[edge.output].port_type;
@@ -128,7 +109,7 @@ impl Session {
                 parameters: &node.parameters,
                 asked: &asked,
                 notes: &mut plan.notes[i],
-                node,
+                wiring: node.wiring(),
                 early: early.collect(),
                 is_known: node.inputs.iter().map(|edge| plan.early[edge.node].is_some()).collect(),
                 fed: node.inputs.iter().map(output_type).collect(),
@@ -259,28 +240,14 @@ impl Session {
         let elsewhere = |former: &Demand| former.everywhere().covers(demand);
         let moves = self.cache.find(node, &revisions, elsewhere, &files, &graph.stated).is_some();
         let demand = &if moves { demand.everywhere() } else { demand.clone() };
-        let mut call = RunContext {
-            parameters: &node.parameters,
-            demand,
-            notes: Diagnostics::new(self.exhaustive),
-            node,
-            graph,
-            place: i,
-            done,
-            is_told: Cell::new(false),
-            may_pass: self.may_pass,
-            is_passing: Cell::new(false),
-            file_stamp: self.file_stamp,
-            inputs,
-            folder: &graph.folder,
-            store: &self.store,
-            progress: NodeProgress { observer, node: &node.name },
-        };
+        let (store, file_stamp) = (&self.store, self.file_stamp);
+        let run = NodeRun { graph, place: i, done, store, file_stamp, observer };
+        let mut call = run.context(&node.parameters, demand, inputs, (self.exhaustive, self.may_pass));
         let values = node.run(&mut call)?;
         let notes = std::mem::take(&mut call.notes);
         let of_passing = |edge: &Edge| done[edge.node].as_ref().is_some_and(|done| done.is_passing);
-        let is_passing = call.is_passing.get() || node.inputs.iter().any(of_passing);
-        let carried = call.is_told.get().then(|| graph.stated.clone());
+        let is_passing = call.is_preview.get() || node.inputs.iter().any(of_passing);
+        let carried = call.reads_pipeline.get().then(|| graph.stated.clone());
         let declared = node.node.outputs.iter().map(|port| port.port_type);
         if !values.iter().map(Value::port_type).eq(declared) {
             return Err(node.locate(Error::run("the node gave other outputs than it declares")));
@@ -313,12 +280,6 @@ impl Session {
     }
 }
 
-/// The values at a node's inputs. The order of work puts what feeds a node before it.
-pub(super) fn inputs_of(node: &GraphNode, all_done: &[Option<Done>]) -> Vec<(Value, Revision)> {
-    let made = node.inputs.iter().map(|edge| (all_done[edge.node].as_ref(), edge.output));
-    made.filter_map(|(done, output)| Some(done?.outputs[output].clone())).collect()
-}
-
 /// For each node the values of its outputs, or what stands for them; nothing where they are not known.
 fn outlines(graph: &Graph, early: &[Option<Done>]) -> Result<Vec<Vec<Value>>> {
     let mut outlines: Vec<Vec<Value>> = vec![Vec::new(); graph.nodes.len()];
@@ -335,36 +296,4 @@ fn outlines(graph: &Graph, early: &[Option<Done>]) -> Result<Vec<Vec<Value>>> {
         };
     }
     Ok(outlines)
-}
-
-/// A grid wired straight to a volume input has no gradient to give.
-pub(super) fn refuse_missing_gradient(
-    graph: &Graph,
-    node: &GraphNode,
-    edge: &Edge,
-    ask: &Demand,
-) -> Result<()> {
-    let giving = &graph.nodes[edge.node];
-    let given = giving.node.outputs[edge.output].port_type;
-    let Some(taken) = node.node.all_inputs().nth(edge.port) else { return Ok(()) };
-    if given == PortType::Grid
-        && taken.port_type == PortType::Volume
-        && (ask.gradient_magnitude || ask.gradient)
-    {
-        let draws = node.node.inputs.iter().any(|port| port.port_type == PortType::TransferFunction);
-        let why = match (ask.gradient_magnitude, draws) {
-            (true, true) => "the transfer function looks at the gradient magnitude",
-            (true, false) => "the node looks at the gradient magnitude",
-            (false, true) => "lighting and silhouettes need the gradient",
-            (false, false) => "the node looks at the gradient",
-        };
-        let error = Error::usage(format!("{why}, but '{}' gives a grid without gradient", giving.name))
-            .expected(format!(
-                "a node of type \"gradient-magnitude\" between '{}' and the input '{}'",
-                giving.name, taken.name
-            ))
-            .at_node(&node.name);
-        return Err(edge.origin.locate(error));
-    }
-    Ok(())
 }

@@ -1,8 +1,8 @@
 //! The parameters of a node and, where one of them names a gradient filter, those of the filter beside them.
 
-use super::builder::NodeEntry;
-use super::declaration::Node;
+use super::entry::NodeEntry;
 use super::registry::Registry;
+use crate::api::node::Node;
 use voltet_core::Error;
 use voltet_core::field::Method;
 use voltet_core::parameters::{

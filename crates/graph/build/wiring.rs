@@ -1,8 +1,9 @@
 //! Wires: what the inputs of a node name, found among the outputs of the others.
 
-use super::builder::{Edge, NodeEntry};
-use super::declaration::Node;
-use super::faults::{Diagnostic, DiagnosticTarget};
+use super::diagnostic::{Diagnostic, DiagnosticTarget};
+use super::entry::NodeEntry;
+use crate::api::node::Node;
+use crate::api::wiring::Edge;
 use voltet_core::parameters::{LocatedValue, suggest};
 use voltet_core::{Error, Result};
 
