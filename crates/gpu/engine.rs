@@ -3,10 +3,10 @@
 use crate::device::absent;
 use crate::device::adapter::{Adapters, no_hardware};
 use crate::device::open::{Device, Work};
-use crate::frame::checked::Checked;
-use crate::frame::draw::{self, draw};
-use crate::frame::drawn;
+use crate::frame::draw::draw;
+use crate::frame::drawn::{self, Checked};
 use crate::frame::flight;
+use crate::frame::inputs::choices;
 use crate::frame::limits;
 use crate::frame::renderer::Renderer;
 use crate::measure::segments::Segments;
@@ -141,8 +141,8 @@ impl PreparedVolume for Uploaded {
 
     fn operations(&self, scene: &Scene, manner: &RenderOptions, counts: &RenderStats) -> Result<Option<u64>> {
         let Some(segments) = counts.segments else { return Ok(None) };
-        let (choices, _) = draw::choices(&self.renderer, scene, manner)?;
-        operations::of_compositor(&compose(&choices), segments).map(Some)
+        let (shader_key, _) = choices(&self.renderer, scene, manner)?;
+        operations::of_compositor(&compose(&shader_key), segments).map(Some)
     }
 }
 

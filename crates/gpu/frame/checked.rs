@@ -1,7 +1,7 @@
 //! The check of an exact order that was blended: some of its pixels against those of tiles, and a count over all of them.
 
-use crate::frame::draw::inputs;
-use crate::frame::drawn::Drawn;
+use crate::frame::drawn::{Checked, Drawn};
+use crate::frame::inputs::inputs;
 use crate::frame::renderer::Renderer;
 use voltet_core::Result;
 use voltet_core::error::ErrorKind;
@@ -14,22 +14,6 @@ use voltet_shaders::ViewRecord;
 
 /// Tiles of 64 pixels that are held against those of the other compositor: 256 pixels.
 const TILES: usize = 4;
-
-/// Blended in 32 bits and composited by tiles, pixels in one order differ by a tenth of this after a thousand segments.
-const ROUNDING: f32 = 1e-3;
-
-/// What was found of a picture's order.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Checked {
-    /// Pixels that were held against those of tiles, in the picture.
-    pub pixels: u64,
-    /// The largest difference of a channel between the two. Other than for "raster" in 32 bits it is not the order's alone.
-    pub largest: f32,
-    /// Pixels, over all samples, at which cells come out of order, where these were counted.
-    pub disordered: Option<u64>,
-    /// Why tiles could not be drawn, where they could not.
-    pub without_tiles: Option<String>,
-}
 
 /// Checks as the manner asks for; `None` where it does not. Errors: a lost device; a stopped run.
 pub(crate) fn check(
@@ -58,23 +42,6 @@ pub(crate) fn check(
         Err(error) if error.kind == ErrorKind::Cancelled || renderer.device().is_lost() => return Err(error),
         Err(error) => Checked { pixels: 0, largest: 0.0, disordered, without_tiles: Some(error.to_string()) },
     }))
-}
-
-impl Checked {
-    /// Why the order is not to be trusted, if so.
-    pub(crate) fn is_wrong(&self, manner: &RenderOptions, drawn: &Drawn) -> Option<String> {
-        let is_exact = manner.compositing == Some(Compositor::Raster)
-            && manner.accumulation == Accumulation::Float
-            && !drawn.blended_in_16_bits;
-        match self.disordered {
-            Some(count @ 1..) => Some(format!("cells are out of order at {count} pixels")),
-            _ if is_exact && self.largest > ROUNDING => {
-                let Checked { pixels, largest, .. } = self;
-                Some(format!("of {pixels} pixels one differs by {largest:.1e} from that of tiles"))
-            }
-            _ => None,
-        }
-    }
 }
 
 /// Windows of one tile each, spread evenly among those that show something: the same ones of the same picture.

@@ -1,12 +1,10 @@
 //! A picture of the device and what it took, and what is known of it before it is there.
 
-use crate::frame::checked::Checked;
 use crate::frame::count;
-use crate::frame::windows::Returned;
 use std::sync::Arc;
 use voltet_core::picture::Picture;
 use voltet_core::visibility::FaceOrder;
-use voltet_optics::engine::StageTiming;
+use voltet_optics::engine::{Accumulation, Compositor, RenderOptions, StageTiming};
 
 /// A picture and what it took.
 #[derive(Debug, Clone)]
@@ -38,6 +36,39 @@ pub struct AlongFaces {
     pub checked: Option<Checked>,
 }
 
+/// Blended in 32 bits and composited by tiles, pixels in one order differ by a tenth of this after a thousand segments.
+const ROUNDING: f32 = 1e-3;
+
+/// What was found of a picture's order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Checked {
+    /// Pixels that were held against those of tiles, in the picture.
+    pub pixels: u64,
+    /// The largest difference of a channel between the two. Other than for "raster" in 32 bits it is not the order's alone.
+    pub largest: f32,
+    /// Pixels, over all samples, at which cells come out of order, where these were counted.
+    pub disordered: Option<u64>,
+    /// Why tiles could not be drawn, where they could not.
+    pub without_tiles: Option<String>,
+}
+
+impl Checked {
+    /// Why the order is not to be trusted, if so.
+    pub(crate) fn is_wrong(&self, manner: &RenderOptions, drawn: &Drawn) -> Option<String> {
+        let is_exact = manner.compositing == Some(Compositor::Raster)
+            && manner.accumulation == Accumulation::Float
+            && !drawn.blended_in_16_bits;
+        match self.disordered {
+            Some(count @ 1..) => Some(format!("cells are out of order at {count} pixels")),
+            _ if is_exact && self.largest > ROUNDING => {
+                let Checked { pixels, largest, .. } = self;
+                Some(format!("of {pixels} pixels one differs by {largest:.1e} from that of tiles"))
+            }
+            _ => None,
+        }
+    }
+}
+
 /// Counts of a picture, over all samples.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Counts {
@@ -62,6 +93,13 @@ pub struct Counts {
     pub tiles_stopped: u64,
     /// Cells that such tiles did not look at; a cell counts in each of them.
     pub cells_hidden: u64,
+}
+
+/// What came back.
+pub(crate) struct Returned {
+    pub picture: Picture,
+    pub counts: [u64; count::ALL],
+    pub passes: Vec<StageTiming>,
 }
 
 /// What is known of a picture before it is there.

@@ -1,6 +1,5 @@
 //! The order of a volume's cells along their faces, for compositors that blend: found on the CPU, and kept while it holds.
 
-use crate::frame::renderer::Renderer;
 use std::sync::Arc;
 use std::time::Instant;
 use voltet_core::Result;
@@ -18,14 +17,13 @@ pub(crate) struct Orders {
 /// The order, or why there is none.
 pub(crate) type Found = std::result::Result<Arc<FaceOrder>, OrderError>;
 
-impl Renderer {
+impl Orders {
     /// The order for a scene's camera, and the seconds that it took; none where it was there.
     ///
     /// Errors: a camera out of range.
-    pub(crate) fn along_faces(&self, scene: &Scene) -> Result<(Found, Option<f64>)> {
+    pub fn find(&mut self, scene: &Scene) -> Result<(Found, Option<f64>)> {
         let (grid, camera) = (&scene.volume.grid, &scene.camera);
-        let mut orders = self.orders();
-        let Orders { faces, last } = &mut *orders;
+        let Orders { faces, last } = self;
         let begun = Instant::now();
         let faces = faces.get_or_insert_with(|| Faces::of(grid));
         if let Some((_, found)) = last.as_ref().filter(|(known, found)| serves(faces, known, found, camera)) {

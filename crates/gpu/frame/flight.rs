@@ -3,8 +3,9 @@
 //! A device does what is submitted in turn, so the frames of a grid share all buffers but those that they come back by.
 
 use crate::frame::buffers::Returning;
-use crate::frame::draw::{draw, inputs};
+use crate::frame::draw::draw;
 use crate::frame::drawn::{Drawn, StillEmpty};
+use crate::frame::inputs::inputs;
 use crate::frame::plan::{Ordered, Plan, check, plan};
 use crate::frame::renderer::Renderer;
 use crate::frame::windows::Flying;

@@ -1,8 +1,8 @@
 //! How a scene is drawn: as asked, blended along the faces of its cells, or by tiles in place of that.
 
 use crate::frame::checked;
-use crate::frame::draw::{compositing, inputs};
 use crate::frame::drawn::{AlongFaces, Drawn};
+use crate::frame::inputs::{compositing, inputs};
 use crate::frame::limits;
 use crate::frame::renderer::Renderer;
 use std::sync::Arc;

@@ -2,11 +2,12 @@
 
 use crate::device::open::Device;
 use crate::frame::buffers::FrameBuffers;
-use crate::frame::faces::Orders;
+use crate::frame::faces::{Found, Orders};
 use crate::grid::uploaded::DeviceGrid;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use voltet_core::Result;
 use voltet_core::volume::Volume;
+use voltet_optics::scene::Scene;
 
 /// A volume on a device, ready to be drawn.
 pub struct Renderer {
@@ -42,8 +43,11 @@ impl Renderer {
         &self.grid.device
     }
 
-    pub(crate) fn orders(&self) -> MutexGuard<'_, Orders> {
-        self.orders.lock().unwrap_or_else(PoisonError::into_inner)
+    /// The order of the cells along their faces for a scene's camera, and the seconds that finding it took; none where it was kept.
+    ///
+    /// Errors: a camera out of range.
+    pub(crate) fn along_faces(&self, scene: &Scene) -> Result<(Found, Option<f64>)> {
+        self.orders.lock().unwrap_or_else(PoisonError::into_inner).find(scene)
     }
 
     pub(crate) fn buffers(&self) -> MutexGuard<'_, FrameBuffers> {

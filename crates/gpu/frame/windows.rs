@@ -5,12 +5,14 @@ use crate::device::open::Device;
 use crate::device::timing::Timing;
 use crate::frame::buffers::{FrameBuffers, Returning};
 use crate::frame::count;
+use crate::frame::drawn::{Drawn, Returned};
 use crate::frame::inputs::FrameInputs;
 use crate::frame::passes::{Passes, counts_of};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
-use voltet_optics::engine::StageTiming;
+use voltet_optics::engine::RenderOptions;
+use voltet_optics::scene::Scene;
 use voltet_shaders::ViewRecord;
 
 /// Entries that lists are given room for before their lengths are known.
@@ -33,14 +35,17 @@ const DISPATCHES_MOST: u32 = 100_000;
 /// Cells of one tile that a software driver sorts within those rounds.
 const LONGEST_SOFTWARE: u32 = 20_000;
 
-/// What came back.
-pub(crate) struct Returned {
-    pub picture: Picture,
-    pub counts: [u64; count::ALL],
-    pub passes: Vec<StageTiming>,
-}
-
 impl FrameInputs<'_> {
+    /// Draws the scene that these are inputs of.
+    pub(crate) fn draw(
+        &self,
+        scene: &Scene,
+        manner: &RenderOptions,
+        progress: &dyn Progress,
+    ) -> Result<Drawn> {
+        Ok(self.still_empty(scene, manner).with(self.draw_picture(progress)?))
+    }
+
     /// Draws the whole picture. Errors: memory, a lost device, a stopped run.
     pub fn draw_picture(&self, progress: &dyn Progress) -> Result<Returned> {
         let [width, height] = self.samples[0].size;
