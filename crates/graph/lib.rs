@@ -3,15 +3,15 @@
 //! A node type is a [`Node`]: a constant that declares ports and parameters, and the functions that work for it.
 //! Nodes keep no state. A run has two passes, as in VTK:
 //!
-//! 1. **Demand**, from the sinks upward: each node says what it needs of its inputs for what is asked of it
-//!    ([`Demand`]). What nobody asks for is not read, computed or sorted, and is listed in the report.
+//! 1. **Demand**, from the sinks upward: each node states its demands on its inputs for the demand on it
+//!    ([`Demand`]). Nothing else is read, computed or sorted; skipped work is listed in the report.
 //! 2. **Data**, from the sources downward: a node runs when its parameters, its inputs (a [`Revision`] per output)
 //!    or the demand on it changed, and its former outputs are used again otherwise.
 //!
 //! An exhaustive session ([`Session::exhaustive`]) requests everything instead, and nodes skip no work, to measure what
 //! skipping saves.
 //!
-//! What lives longer than a run (former outputs, things made from a revision) is held by the [`Session`].
+//! The [`Session`] holds all that outlives a run: former outputs, and values made from a revision.
 //! Absent on purpose: files (a [`Session`] is given a function that stamps them), threads (a stage uses all cores
 //! itself, so nodes run one after the other), and node state.
 

@@ -25,7 +25,7 @@ use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 
 thread_local! {
-    /// How often each node type ran on this thread.
+    /// Count of runs of each node type on this thread.
     static RUNS: RefCell<BTreeMap<&'static str, usize>> = const { RefCell::new(BTreeMap::new()) };
     /// The demand on the grid at its last run.
     static ASKED: RefCell<Demand> = RefCell::new(Demand::default());

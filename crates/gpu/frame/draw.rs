@@ -1,7 +1,7 @@
 //! Draws a volume on a device.
 
-use crate::frame::drawn::Drawn;
 use crate::frame::inputs::inputs;
+use crate::frame::output::FrameOutput;
 use crate::frame::plan::{Plan, check, plan, tiles_instead};
 use crate::frame::renderer::Renderer;
 use voltet_core::Result;
@@ -17,15 +17,15 @@ use voltet_optics::scene::Scene;
 pub fn draw(
     renderer: &Renderer,
     scene: &Scene,
-    manner: &RenderOptions,
+    options: &RenderOptions,
     progress: &dyn Progress,
-) -> Result<Drawn> {
-    match plan(renderer, scene, manner)? {
-        Plan::AsAsked => inputs(renderer, scene, manner, None)?.draw(scene, manner, progress),
-        Plan::AlongFaces(order) => {
-            let drawn = inputs(renderer, scene, manner, Some(&order.0))?.draw(scene, manner, progress)?;
-            check(renderer, scene, manner, order, drawn, progress)
+) -> Result<FrameOutput> {
+    match plan(renderer, scene, options)? {
+        Plan::Direct => inputs(renderer, scene, options, None)?.draw(scene, options, progress),
+        Plan::FaceOrder(order) => {
+            let output = inputs(renderer, scene, options, Some(&order.0))?.draw(scene, options, progress)?;
+            check(renderer, scene, options, order, output, progress)
         }
-        Plan::Tiles(why) => tiles_instead(renderer, scene, manner, why, progress),
+        Plan::Tiles(why) => tiles_instead(renderer, scene, options, why, progress),
     }
 }

@@ -1,13 +1,13 @@
 //! Inputs of a frame: everything that a scene puts on the device, but the camera's samples one by one.
 
 use crate::device::bindings::compositor_buffers;
-use crate::device::open::Device;
-use crate::frame::drawn::StillEmpty;
+use crate::device::device_handle::Device;
+use crate::frame::output::PendingStats;
 use crate::frame::renderer::Renderer;
 use crate::frame::{limits, support, view};
 use crate::grid::axes::{axis, offset_parts};
-use crate::grid::parts::Sizes;
-use crate::grid::uploaded::{DeviceGrid, Quantity, Stored};
+use crate::grid::device_grid::{DeviceArray, DeviceGrid, Quantity};
+use crate::grid::split_buffer::BufferSizes;
 use crate::pass::tables::TableKey;
 use std::sync::Arc;
 use voltet_core::Result;
@@ -26,25 +26,25 @@ use voltet_shaders::{
 pub(crate) struct FrameInputs<'a> {
     pub renderer: &'a Renderer,
     pub choices: Choices,
-    pub sizes: Sizes,
+    pub sizes: BufferSizes,
     pub shading: Shading,
     pub tables: TableKey,
     pub compositor: Shader,
     /// Read-only buffers that the compositor reads, with their bindings in group 0.
     pub storage_buffers: Vec<(String, u32)>,
     /// The scalar.
-    pub scalar: Arc<Stored>,
+    pub scalar: Arc<DeviceArray>,
     /// Further values of the points, each with where it is counted from.
-    pub attributes: Vec<(Arc<Stored>, [f32; 2])>,
+    pub attributes: Vec<(Arc<DeviceArray>, [f32; 2])>,
     pub reads_g: bool,
     pub scene: Vec<u8>,
     pub numbers: Vec<f32>,
     pub support: Vec<u32>,
-    /// Whether what is blended stands in 8 bits a channel.
+    /// True if what is blended stands in 8 bits a channel.
     pub in_8_bits: bool,
-    /// Whether pixels that are opaque look at no further cells.
+    /// True if pixels that are opaque look at no further cells.
     pub stops_where_opaque: bool,
-    /// Whether cells are sorted on the device.
+    /// True if cells are sorted on the device.
     pub sorted: bool,
     /// The order of cells along their faces, where they are blended in it.
     pub ordered: Option<Arc<FaceOrder>>,
@@ -60,17 +60,17 @@ impl<'a> FrameInputs<'a> {
         &self.renderer.grid.device
     }
 
-    /// What is known of the picture before it is there.
-    pub(crate) fn still_empty(&self, scene: &Scene, manner: &RenderOptions) -> StillEmpty {
-        let is_counted = compositing(manner) == Compositor::Tiles;
+    /// The output of the frame as far as it is known before readback.
+    pub(crate) fn pending_stats(&self, scene: &Scene, options: &RenderOptions) -> PendingStats {
+        let is_counted = compositing(options) == Compositor::Tiles;
         let (parts_left_out, part_bytes_left_out) = parts_left_out(&self.compositor);
-        StillEmpty {
+        PendingStats {
             is_counted,
             is_order_known: is_counted || is_free(self.choices.compositor) || !scene.needs_order(),
             parts_left_out,
             part_bytes_left_out,
             blended_in_16_bits: !is_counted
-                && manner.accumulation == Accumulation::Float
+                && options.accumulation == Accumulation::Float
                 && !self.device().blends_32_bits,
         }
     }
@@ -82,21 +82,21 @@ impl<'a> FrameInputs<'a> {
     }
 }
 
-/// What a scene is drawn from. `along_faces`: the order of cells in which hardware blends them.
+/// Makes the inputs of a scene's frame. `along_faces`: the order of cells in which hardware blends them.
 ///
 /// Errors: what the device has no shader for, cannot hold in 32 bits, or has more parts than it binds; memory; a lost device.
 pub(crate) fn inputs<'a>(
     renderer: &'a Renderer,
     scene: &Scene,
-    manner: &RenderOptions,
+    options: &RenderOptions,
     along_faces: Option<&Arc<FaceOrder>>,
 ) -> Result<FrameInputs<'a>> {
     let Scene { volume, transfer_function, camera, shading, .. } = scene;
     let grid = &renderer.grid;
     limits::can_serve(transfer_function, shading)?;
-    let compositing = compositing(manner);
-    let ordering = ordering(scene, manner);
-    let (choices, sizes) = choices(renderer, scene, manner)?;
+    let compositing = compositing(options);
+    let ordering = ordering(scene, options);
+    let (choices, sizes) = choices(renderer, scene, options)?;
     let compositor = choices.compositor;
 
     let scalar = grid.stored(volume, Quantity::Scalar)?;
@@ -112,7 +112,7 @@ pub(crate) fn inputs<'a>(
     let numbered = values.iter().enumerate();
     let axes: Vec<Axis> = numbered.map(|(k, value)| axis(value, transfer_function, k)).collect();
     let parameters = Parameters::new(transfer_function, shading, &axes, grid.length)?;
-    let (support, support_count) = match manner.exhaustive {
+    let (support, support_count) = match options.exhaustive {
         false => support::supports(transfer_function, &axes, grid.length),
         true => support::everywhere(),
     };
@@ -161,8 +161,8 @@ pub(crate) fn inputs<'a>(
         scene: parameters.scene_bytes(),
         numbers: parameters.numbers,
         support,
-        in_8_bits: manner.accumulation == Accumulation::Bits8,
-        stops_where_opaque: !manner.exhaustive,
+        in_8_bits: options.accumulation == Accumulation::Bits8,
+        stops_where_opaque: !options.exhaustive,
         sorted: !is_free && (sort_key != 2 || compositing == Compositor::Tiles),
         ordered: along_faces.cloned(),
         samples: camera.sample_offsets().iter().map(sample).collect::<Result<_>>()?,
@@ -171,55 +171,55 @@ pub(crate) fn inputs<'a>(
     })
 }
 
-/// How it is composited.
-pub(crate) fn compositing(manner: &RenderOptions) -> Compositor {
-    manner.compositing.unwrap_or(Compositor::Tiles)
+/// The compositor; tiles where none is requested.
+pub(crate) fn compositing(options: &RenderOptions) -> Compositor {
+    options.compositing.unwrap_or(Compositor::Tiles)
 }
 
 /// The order that the compositor makes. Blending hardware makes none where none is needed; in exhaustive mode, and where each
 /// blended cell is rounded and the order shows a little, it makes that of centroids in place of an exact one.
-fn ordering(scene: &Scene, manner: &RenderOptions) -> Ordering {
-    let ordering = scene.ordering(manner.exhaustive);
-    if compositing(manner) == Compositor::Tiles || scene.needs_order() {
+fn ordering(scene: &Scene, options: &RenderOptions) -> Ordering {
+    let ordering = scene.ordering(options.exhaustive);
+    if compositing(options) == Compositor::Tiles || scene.needs_order() {
         return ordering;
     }
     match ordering {
-        _ if !manner.exhaustive && manner.accumulation == Accumulation::Float => Ordering::Independent,
+        _ if !options.exhaustive && options.accumulation == Accumulation::Float => Ordering::Independent,
         Ordering::Independent | Ordering::PerPixel => Ordering::CellCentroid,
         ordering => ordering,
     }
 }
 
-/// What decides the text of the scene's shader, and what the scene takes on the device.
+/// The choices that decide the text of the scene's shader, and the sizes of the scene's buffers.
 pub(crate) fn choices(
     renderer: &Renderer,
     scene: &Scene,
-    manner: &RenderOptions,
-) -> Result<(Choices, Sizes)> {
+    options: &RenderOptions,
+) -> Result<(Choices, BufferSizes)> {
     let grid = &renderer.grid;
     let Scene { transfer_function, shading, .. } = scene;
-    let compositor = compositor(transfer_function, shading, ordering(scene, manner), manner)?;
-    if compositing(manner) != Compositor::Tiles {
-        grid.device.check_blending(compositing(manner), manner.accumulation, grid.cell_count.into())?;
+    let compositor = compositor(transfer_function, shading, ordering(scene, options), options)?;
+    if compositing(options) != Compositor::Tiles {
+        grid.device.check_blending(compositing(options), options.accumulation, grid.cell_count.into())?;
     }
     let mut choices = Choices::new(transfer_function, shading, compositor)?;
-    let sizes = sizes(grid, &choices, compositing(manner), transfer_function, shading);
+    let sizes = sizes(grid, &choices, compositing(options), transfer_function, shading);
     sizes.check(grid.device.room(), &grid.device.name)?;
     choices.layout = sizes.layout(grid.device.room());
     Ok((choices, sizes))
 }
 
-/// What the scene takes on the device.
+/// Sizes of the scene's buffers.
 fn sizes(
     grid: &DeviceGrid,
     choices: &Choices,
     compositing: Compositor,
     transfer_function: &TransferFunction,
     shading: &Shading,
-) -> Sizes {
+) -> BufferSizes {
     let places = Places::new(transfer_function, shading, choices.number_count());
     let texels = places.in_vectors();
-    Sizes {
+    BufferSizes {
         points: grid.point_count.into(),
         cells: grid.cell_count.into(),
         stride: choices.attribute_stride() as u64,
@@ -245,7 +245,7 @@ fn parts_left_out(shader: &Shader) -> (Vec<&'static str>, u64) {
     (folders, bytes)
 }
 
-/// Whether the compositor needs no order.
+/// True if the compositor needs no order.
 fn is_free(compositor: CompositorProgram) -> bool {
     match compositor {
         CompositorProgram::Tiles(order) => order == TileOrder::Sum,
@@ -259,15 +259,15 @@ fn compositor(
     transfer_function: &TransferFunction,
     shading: &Shading,
     ordering: Ordering,
-    manner: &RenderOptions,
+    options: &RenderOptions,
 ) -> Result<CompositorProgram> {
-    let compositing = compositing(manner);
+    let compositing = compositing(options);
     let choices = Choices::new(transfer_function, shading, CompositorProgram::None)?;
     let lit = shading.light.is_some_and(|light| light.diffuse != 0.0);
     let known = !choices.method.is_table_of_lengths();
     let needed = !known || !matches!(choices.combine, Combine::OneColor | Combine::Nothing) || lit;
-    manner.accumulation.check(compositing)?;
-    let free = !needed && !manner.exhaustive;
+    options.accumulation.check(compositing)?;
+    let free = !needed && !options.exhaustive;
     Ok(match (compositing, ordering) {
         (Compositor::Tiles, _) if free => CompositorProgram::Tiles(TileOrder::Sum),
         (Compositor::Tiles, Ordering::Independent | Ordering::PerPixel) => {
@@ -276,12 +276,12 @@ fn compositor(
         (Compositor::Tiles, Ordering::CellCentroid | Ordering::Submission) => {
             CompositorProgram::Tiles(TileOrder::Listed)
         }
-        (Compositor::Raster, _) => CompositorProgram::Raster(blend(manner.accumulation, free)),
-        (Compositor::Triangles, _) => CompositorProgram::Triangles(blend(manner.accumulation, free)),
+        (Compositor::Raster, _) => CompositorProgram::Raster(blend(options.accumulation, free)),
+        (Compositor::Triangles, _) => CompositorProgram::Triangles(blend(options.accumulation, free)),
     })
 }
 
-/// What a pixel holds: one number where order is of no account, but for frame buffers of few bits, which hold colours.
+/// Content of a pixel: one number where order is of no account, but for frame buffers of few bits, which hold colours.
 fn blend(accumulation: Accumulation, free: bool) -> Blend {
     match accumulation {
         Accumulation::Float if free => Blend::Sum,

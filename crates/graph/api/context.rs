@@ -1,4 +1,4 @@
-//! What a node's functions are given: its side of the two passes.
+//! Contexts of a node's functions in the two passes of a run.
 
 use super::demand::Demand;
 use super::observer::NodeProgress;
@@ -25,22 +25,22 @@ use voltet_core::{Error, Result};
 /// One value for each output, in the order of the declaration.
 pub type Outputs = Vec<Value>;
 
-/// The demand pass as one node sees it.
+/// Context of a node in the demand pass.
 pub struct DemandContext<'a> {
     /// The node's parameters.
     pub parameters: &'a Parameters,
-    /// What is asked of the node's outputs.
+    /// Demand on the node's outputs.
     pub asked: &'a Demand,
-    /// What the node says about it.
+    /// Diagnostics of the node's planning.
     pub notes: &'a mut Diagnostics,
     pub(crate) wiring: Wiring<'a>,
-    /// For each edge its value, or what stands for it, where known.
+    /// Value of each edge, or its stand-in, where known.
     pub(crate) early: Vec<Option<Value>>,
-    /// For each edge whether that value is known, and does not only stand for one.
+    /// True for each edge whose value is known and no stand-in.
     pub(crate) is_known: Vec<bool>,
-    /// For each edge the type of the output that feeds it.
+    /// Type of the output that feeds each edge.
     pub(crate) fed: Vec<PortType>,
-    /// For each edge what is asked of it.
+    /// Demand on each edge.
     pub(crate) asks: Vec<Demand>,
 }
 
@@ -50,7 +50,7 @@ impl DemandContext<'_> {
         self.notes.exhaustive()
     }
 
-    /// The transfer function at an input, or what stands for it where it is made from data; `None` where nothing
+    /// The transfer function at an input, or its stand-in where it is made from data; `None` where nothing
     /// is known of it.
     pub fn look(&self, port: &str) -> Option<Arc<TransferFunctionSpec>> {
         let place = self.wiring.edges(port).ok()?.next()?;
@@ -76,7 +76,7 @@ impl DemandContext<'_> {
         self.wiring.method()
     }
 
-    /// Asks for something at an input.
+    /// Adds a demand on an input.
     pub fn ask(&mut self, port: &str, demand: &Demand) -> Result<()> {
         for edge in self.wiring.edges(port)? {
             self.asks[edge].join(demand);
@@ -84,7 +84,7 @@ impl DemandContext<'_> {
         Ok(())
     }
 
-    /// Asks every input for what is asked of this node.
+    /// Passes the demand on this node on to every input.
     pub fn pass_on(&mut self) -> Result<()> {
         self.asks.iter_mut().for_each(|ask| ask.join(self.asked));
         Ok(())
@@ -109,9 +109,9 @@ impl Preparation<'_> {
 pub struct PlanContext<'a> {
     /// The node's parameters.
     pub parameters: &'a Parameters,
-    /// What is asked of its outputs.
+    /// Demand on its outputs.
     pub demand: &'a Demand,
-    /// What it says about it.
+    /// Diagnostics of its planning.
     pub notes: &'a mut Diagnostics,
     pub(crate) folder: &'a Path,
 }
@@ -176,9 +176,9 @@ fn erased<T: Send + Sync + 'static>(
 pub struct RunContext<'a> {
     /// The node's parameters.
     pub parameters: &'a Parameters,
-    /// What is asked of its outputs.
+    /// Demand on its outputs.
     pub demand: &'a Demand,
-    /// What it says about its work.
+    /// Diagnostics of its work.
     pub notes: Diagnostics,
     pub(crate) wiring: Wiring<'a>,
     pub(crate) inputs: Vec<(Value, Revision)>,
@@ -192,7 +192,7 @@ pub struct RunContext<'a> {
 }
 
 impl RunContext<'_> {
-    /// What the values at the inputs were made from.
+    /// Origins of the values at the inputs.
     pub fn origins(&self) -> Origins {
         self.reads_pipeline.set(true);
         self.services.origins()
@@ -209,18 +209,18 @@ impl RunContext<'_> {
         self.notes.exhaustive()
     }
 
-    /// Whether the outputs may be passing ones: others of the same graph with other parameters follow at once, and rounding may
-    /// depend on what was made before ([`Session::run_passing`](super::Session::run_passing)).
+    /// True if the outputs may be of a preview: others of the same graph with other parameters follow at once, and rounding may
+    /// depend on what was made before ([`Session::run_preview`](crate::Session::run_preview)).
     pub fn allows_preview(&self) -> bool {
         self.allows_preview
     }
 
-    /// Says that the outputs are passing ones: no later run takes them, nor what is made from them.
+    /// Marks the outputs as those of a preview: no later run reuses them, nor outputs made from them.
     pub fn mark_preview(&self) {
         self.is_preview.set(true);
     }
 
-    /// Where progress goes, and whether to stop.
+    /// Receiver of progress; it reports whether the run should stop.
     pub fn progress(&self) -> &dyn Progress {
         &self.progress
     }
@@ -235,7 +235,7 @@ impl RunContext<'_> {
         self.folder.join(path)
     }
 
-    /// Does a part of the work and keeps its seconds under the stage's name.
+    /// Does a part of the work and records its time (seconds) under the stage's name.
     pub fn stage<T>(&mut self, name: &str, work: impl FnOnce(&dyn Progress) -> Result<T>) -> Result<T> {
         let start = Instant::now();
         let outcome = work(&self.progress);
@@ -248,12 +248,12 @@ impl RunContext<'_> {
         self.wiring.method()
     }
 
-    /// The revision of what an input carries: the key for things to [`Call::keep`].
+    /// The revision of what an input carries: the key for values to [`RunContext::keep`].
     pub fn revision(&self, port: &str) -> Result<Revision> {
         Ok(self.input(port)?.1)
     }
 
-    /// Something made from the content with this revision, made again only when it is not there any more.
+    /// A value made from the content with this revision, made again only when it is no longer kept.
     pub fn keep<T: Send + Sync + 'static>(
         &self,
         revision: Revision,
@@ -265,7 +265,7 @@ impl RunContext<'_> {
         self.get_or_make(revision, make)
     }
 
-    /// Something that is made from no input (an open device) and stays as long as the session.
+    /// A value made from no input (an open device), kept as long as the session.
     pub fn keep_for_session<T: Send + Sync + 'static>(
         &self,
         make: impl FnOnce() -> Result<T>,
@@ -341,7 +341,7 @@ impl RunContext<'_> {
         }
     }
 
-    /// Whether something feeds an input.
+    /// True if something feeds an input.
     pub fn is_wired(&self, port: &str) -> Result<bool> {
         Ok(self.wiring.edges(port)?.next().is_some())
     }
@@ -421,7 +421,7 @@ impl RunContext<'_> {
         Ok(&self.input(port)?.0)
     }
 
-    /// What feeds a port, and its revision.
+    /// The value at a port with its revision.
     fn input(&self, port: &str) -> Result<&(Value, Revision)> {
         Ok(&self.inputs[self.edge(port)?])
     }

@@ -1,10 +1,10 @@
-//! The demand pass: what is asked of each node, from the sinks upward.
+//! Demands on nodes, which the demand pass collects from the sinks upward.
 
 use super::value::TransferFunctionSpec;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// What is asked of a node's outputs. Nothing but what stands here is read, computed or sorted.
+/// Demand on a node's outputs. Nothing else is read, computed or sorted.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Demand {
     /// Point arrays beside the scalar.
@@ -25,11 +25,11 @@ pub struct Demand {
     pub file_cells: bool,
     /// Numbers a tetrahedron, at ports of that type.
     pub cell_values: bool,
-    /// Which cells are kept, as a result of its own: each is asked, also where a picture would be drawn sooner without.
+    /// The list of kept cells as a result of its own: every cell is tested, also where a picture would be drawn sooner without.
     pub kept_cells: bool,
 }
 
-/// Arrays that are asked for: some by name, or those and all others that there are.
+/// Requested arrays: some by name, or those and all others of the file.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Arrays {
     named: BTreeSet<String>,
@@ -37,33 +37,33 @@ pub struct Arrays {
 }
 
 impl Arrays {
-    /// All that there are.
+    /// All arrays of the file.
     pub(crate) fn all() -> Self {
         Arrays { named: BTreeSet::new(), all: true }
     }
 
-    /// Those that somebody named, also one of several components or a length (`velocity:0`, `velocity:magnitude`): each must
+    /// Arrays that some node named, also one of several components or a length (`velocity:0`, `velocity:magnitude`): each must
     /// be there.
     pub fn named(&self) -> impl Iterator<Item = &str> {
         self.named.iter().map(String::as_str)
     }
 
-    /// Whether all others that there are shall be there, too.
+    /// True if all other arrays are requested, too.
     pub fn and_all_others(&self) -> bool {
         self.all
     }
 
-    /// Whether somebody named this one, or all are asked for.
+    /// True if this array is requested, by name or with all.
     pub fn contains(&self, name: &str) -> bool {
         self.all || self.named.contains(name)
     }
 
-    /// Asks for one more.
+    /// Adds an array.
     pub fn insert(&mut self, name: String) {
         self.named.insert(name);
     }
 
-    /// Takes one back, which a node makes of others.
+    /// Removes an array that a node makes of others.
     pub fn remove(&mut self, name: &str) {
         self.named.remove(name);
     }
@@ -119,7 +119,7 @@ impl Demand {
         self.kept_cells |= other.kept_cells;
     }
 
-    /// Whether an output made for this demand serves the other one too.
+    /// True if an output made for this demand satisfies the other one.
     pub fn covers(&self, other: &Demand) -> bool {
         self.arrays.covers(&other.arrays)
             && self.cell_arrays.covers(&other.cell_arrays)
@@ -132,7 +132,7 @@ impl Demand {
             && self.covers_places(other)
     }
 
-    /// The same with g and ∇s everywhere, where they are asked for.
+    /// This demand with g and ∇s at all points, where they are requested.
     pub fn everywhere(&self) -> Demand {
         Demand { gradient_for: None, ..self.clone() }
     }
@@ -141,7 +141,7 @@ impl Demand {
         self.gradient_magnitude || self.gradient
     }
 
-    /// Whether g and ∇s are wherever they are looked at.
+    /// True if g and ∇s are computed at all points where the other demand reads them.
     fn covers_places(&self, other: &Demand) -> bool {
         match (&self.gradient_for, &other.gradient_for) {
             (None, _) => true,

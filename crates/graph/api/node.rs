@@ -1,4 +1,4 @@
-//! What a node type declares: ports, parameters, an example. Command-line help, the checker, editor panels and
+//! Declaration of a node type: ports, parameters, an example. Command-line help, the checker, editor panels and
 //! the reference of nodes are made from this alone.
 
 use super::context::{DemandContext, Outputs, PlanContext, Preparation, RunContext};
@@ -10,13 +10,13 @@ use voltet_core::field::Plugin;
 use voltet_core::parameters::{Parameter, ParameterType, Parameters};
 use voltet_core::reading::GridReader;
 
-/// What is known of an input before any data are: the port's name and what stands for its value, `None` where nothing does.
+/// Name of an input port with the stand-in for its value before any data are read; `None` where there is none.
 pub type NamedStub<'a> = (&'a str, Option<Value>);
 
 /// See [`Node::outline`].
 pub type PlanningStub = dyn Fn(&Parameters, &[NamedStub]) -> Result<Outputs> + Send + Sync;
 
-/// Which steps of a time series are meant.
+/// Selection of steps of a time series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Steps {
     /// The one that parameters name.
@@ -30,13 +30,13 @@ pub enum Steps {
 pub struct Node {
     /// The name that a pipeline file gives as `type`.
     pub name: &'static str,
-    /// What it does, one sentence.
+    /// Its purpose, one sentence.
     pub summary: &'static str,
-    /// What it takes; each input is fed by one output.
+    /// Required inputs, each fed by one output.
     pub inputs: &'static [Port],
-    /// What it takes besides: each of these may be left out, or be fed by one output or by a list of them.
+    /// Optional inputs: each may be unwired, or fed by one output or by a list of them.
     pub optional_inputs: &'static [Port],
-    /// What it gives; a node without outputs is a sink, and the run is made for the sinks (see [`Node::finds`], too).
+    /// Outputs; a node without outputs is a sink, and the run is made for the sinks (see [`Node::finds`], too).
     pub outputs: &'static [Port],
     /// Its parameters, in the order in which help lists them.
     pub parameters: &'static [Parameter],
@@ -51,7 +51,7 @@ pub struct Node {
     pub early: bool,
     /// True for nodes that find something out about the data, which is worth a run though nobody uses their outputs.
     pub finds: bool,
-    /// What its outputs will be made of, as far as the demand pass asks for it before any data is known: values that
+    /// Stand-ins for its outputs, for the demand pass, before any data is known: values that
     /// stand for the outputs, given what stands for each wire of the inputs. Nothing at all where it cannot be
     /// said. Must ask for no less than the true outputs will.
     pub outline: &'static PlanningStub,
@@ -103,7 +103,7 @@ impl Node {
         self.inputs.iter().chain(self.optional_inputs)
     }
 
-    /// Whether runs are made for it.
+    /// True if runs are made for it.
     pub fn is_sink(&self) -> bool {
         self.finds || self.outputs.is_empty()
     }

@@ -5,13 +5,13 @@
 pub struct Port {
     /// Its name.
     pub name: &'static str,
-    /// What runs through it.
+    /// Type of its values.
     pub port_type: PortType,
     /// One sentence.
     pub summary: &'static str,
 }
 
-/// What runs through a port.
+/// Type of the values at a port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PortType {
     /// Points, tetrahedra, arrays.
@@ -20,7 +20,7 @@ pub enum PortType {
     Volume,
     /// Widgets and an optical model.
     TransferFunction,
-    /// Where the picture is seen from.
+    /// The view of the picture.
     Camera,
     /// Cells that can contribute.
     Cells,
@@ -56,7 +56,7 @@ impl PortType {
         format!("{article} {}", self.name())
     }
 
-    /// Whether an output of this type can be wired to an input of type `input`. A grid serves as a volume without
+    /// True if an output of this type can be wired to an input of type `input`. A grid serves as a volume without
     /// gradient.
     pub fn serves(self, input: PortType) -> bool {
         self == input || (self == PortType::Grid && input == PortType::Volume)

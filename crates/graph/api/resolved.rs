@@ -1,4 +1,4 @@
-//! The text that a graph was made from, for what is written to carry it.
+//! Text that a graph was made from, to be embedded in the files that it writes.
 
 use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
@@ -61,7 +61,7 @@ fn joined(folder: &Path, path: &Path) -> PathBuf {
     whole
 }
 
-/// How a relative path, with slashes, leads from a folder to what lies at `to`. `None` where there is no way (another drive),
+/// The relative path, with slashes, from a folder to `to`. `None` where there is none (another drive),
 /// or a name is not Unicode.
 pub fn relative_path(from: &Path, to: &Path) -> Option<String> {
     let shared = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();

@@ -1,4 +1,4 @@
-//! What runs through the ports: shared, never modified.
+//! Values at ports: shared, never modified.
 
 use super::port::PortType;
 use glam::DVec3;
@@ -17,7 +17,7 @@ use voltet_core::{Error, Result};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Revision(pub(crate) u64);
 
-/// What an engine prepared for its own next stage: the graph carries it and does not look inside.
+/// Data of an engine for its own next stage; opaque to the graph.
 pub type StagePayload = Arc<dyn Any + Send + Sync>;
 
 /// A value at a port.

@@ -16,7 +16,7 @@ pub struct Edge {
     pub node: usize,
     /// The output of that node.
     pub output: usize,
-    /// Where the wire was written.
+    /// Source span of the wire.
     pub origin: SourceSpan,
 }
 

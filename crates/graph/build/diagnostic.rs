@@ -1,4 +1,4 @@
-//! What is wrong with the nodes that a file states, each mistake at its place.
+//! Diagnostics of the nodes of a pipeline file, each with its source span.
 
 use super::entry::NodeEntry;
 use voltet_core::Error;
@@ -8,16 +8,16 @@ use voltet_core::Error;
 pub struct Diagnostic {
     /// The node.
     pub node: String,
-    /// What of it is wrong.
+    /// The part of it that is wrong.
     pub part: DiagnosticTarget,
-    /// What is wrong, with its place in the file.
+    /// The error, with its source span.
     pub error: Error,
 }
 
-/// What of a node is wrong.
+/// Part of a node that is wrong.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum DiagnosticTarget {
-    /// Its name, its type, or how its parameters go together.
+    /// Its name, its type, or the combination of its parameters.
     Node,
     /// A parameter, or a key that is none.
     Parameter(String),
@@ -26,7 +26,7 @@ pub enum DiagnosticTarget {
 }
 
 impl Diagnostic {
-    /// At the place that the error has already, else at that of the node.
+    /// Makes a diagnostic at the error's own source span, else at the node's.
     pub(super) fn of(entry: &NodeEntry, part: DiagnosticTarget, error: Error) -> Diagnostic {
         let error = entry.origin.locate(error.at_node(&entry.name));
         Diagnostic { node: entry.name.clone(), part, error }

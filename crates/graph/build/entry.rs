@@ -8,7 +8,7 @@ use voltet_core::parameters::{Field, LocatedValue, SourceSpan};
 pub struct NodeEntry {
     /// Its name.
     pub name: String,
-    /// Where it was written.
+    /// Its source span.
     pub origin: SourceSpan,
     /// The name of its type.
     pub node_type: LocatedValue,
@@ -30,8 +30,8 @@ impl NodeEntry {
 pub struct LinkEntry {
     /// The input port.
     pub port: String,
-    /// Where the port was written.
+    /// Source span of the port.
     pub origin: SourceSpan,
-    /// What feeds it.
+    /// The output that feeds it.
     pub source: LocatedValue,
 }

@@ -1,4 +1,4 @@
-//! Building a graph: node types found, parameters checked, ports wired, cycles refused, the order of work.
+//! Builds graphs: finds node types, checks parameters, wires ports, refuses cycles, and finds the order of work.
 
 use super::diagnostic::{Diagnostic, DiagnosticTarget};
 use super::entry::NodeEntry;
@@ -25,7 +25,7 @@ pub struct Graph {
     pub order: Vec<usize>,
     /// The folder that paths are relative to.
     pub folder: PathBuf,
-    /// What is not wrong but hardly meant.
+    /// Warnings: entries that are allowed but hardly intended.
     pub warnings: Vec<Error>,
     /// The text that states it.
     pub stated: ResolvedPipeline,
@@ -42,11 +42,11 @@ pub struct GraphNode {
     pub parameters: Parameters,
     /// The gradient filter that one of its parameters names.
     pub method: Option<Method>,
-    /// What feeds each input port, in the order of [`Node::inputs`]; then the edges of the optional ones.
+    /// Wires into the required input ports, in the order of [`Node::inputs`]; then those into the optional ones.
     pub inputs: Vec<Edge>,
-    /// Where it was written.
+    /// Its source span.
     pub origin: SourceSpan,
-    /// What a program does in place of its work.
+    /// Work that a program does in place of its own.
     pub given: Option<NodeOverride>,
 }
 
@@ -62,13 +62,13 @@ impl GraphNode {
         }
     }
 
-    /// Whether the node draws or hands on cells, and so may say where the gradient is looked at.
+    /// True if the node draws or passes on cells, and so may restrict the points where the gradient is read.
     pub(crate) fn draws(&self) -> bool {
         let says = [PortType::TransferFunction, PortType::Cells, PortType::Projection];
         self.node.inputs.iter().any(|port| says.contains(&port.port_type))
     }
 
-    /// Whether the node makes a volume of a grid.
+    /// True if the node makes a volume of a grid.
     pub(crate) fn makes_volume(&self) -> bool {
         let takes_grid = self.node.inputs.iter().any(|port| port.port_type == PortType::Grid);
         self.gives(PortType::Volume) && takes_grid
@@ -213,7 +213,7 @@ impl Graph {
     }
 }
 
-/// What the entry sets, checked, with what its type says of the whole.
+/// Checks the settings of an entry, each and all together.
 fn check(
     entry: &NodeEntry,
     node: &'static Node,

@@ -7,7 +7,7 @@ use voltet_core::parameters::{ParameterType, refuse_contradictions, repeated, su
 use voltet_core::reading::GridReader;
 use voltet_core::{Error, Result};
 
-/// What belongs to a node in a pipeline file, whatever its type.
+/// Keys of every node in a pipeline file, whatever its type.
 const TAKEN: [&str; 2] = ["type", "inputs"];
 
 /// The node types and the gradient filters that a pipeline may name.
@@ -66,7 +66,7 @@ impl Registry {
         Ok(())
     }
 
-    /// Says which plug-ins were asked, for the error about a filter or a node type that none of them has; a clause.
+    /// Names the plug-ins that were searched, for the error about an unknown filter or node type; a clause.
     pub fn tell_plugins(&mut self, clause: String) {
         self.plugins = Some(clause);
     }
@@ -88,7 +88,7 @@ impl Registry {
         })
     }
 
-    /// What is said behind the names that there are.
+    /// The clause behind the known names in an error.
     fn plugins_in_words(&self) -> String {
         self.plugins.as_ref().map(|clause| format!("; {clause}")).unwrap_or_default()
     }
@@ -114,7 +114,7 @@ impl Registry {
     }
 }
 
-/// What a filter declares stands in one table with what the node declares that names it.
+/// Refuses names that a filter and a node share: their parameters stand in one table.
 fn refuse_shared_names(node: &Node, filter: &dyn GradientFilter) -> Result<()> {
     let kind = filter.declaration();
     let shared = kind.parameters.iter().find(|p| node.method().is_some() && node.parameter(p.name).is_some());

@@ -1,4 +1,4 @@
-//! Wires: what the inputs of a node name, found among the outputs of the others.
+//! Resolves the wires of a node: inputs to outputs of the other nodes.
 
 use super::diagnostic::{Diagnostic, DiagnosticTarget};
 use super::entry::NodeEntry;
@@ -7,7 +7,7 @@ use crate::api::wiring::Edge;
 use voltet_core::parameters::{LocatedValue, suggest};
 use voltet_core::{Error, Result};
 
-/// The nodes by name; a type that nobody knows is `None`.
+/// Nodes by name; an unknown type is `None`.
 type Types<'a> = [(&'a str, Option<&'static Node>)];
 
 /// The wires of one entry: every input of the node type fed once, by an output of a type that serves it; then the

@@ -1,4 +1,4 @@
-//! Former outputs of nodes, and things made from a revision.
+//! Former outputs of nodes, and values made from a revision.
 
 use crate::api::context::{FOR_THE_SESSION, Kept, Preparation};
 use crate::api::demand::Demand;
@@ -23,18 +23,18 @@ pub(super) struct Entry {
     pub(super) parameters: Parameters,
     /// The plug-in that its gradient filter came from.
     pub(super) plugin: Option<Plugin>,
-    /// What a program did in place of its work.
+    /// Work that a program did in place of its own.
     pub(super) given: Option<NodeOverride>,
-    /// What fed each of its ports.
+    /// Revisions at its ports.
     pub(super) inputs: Vec<(usize, Revision)>,
     pub(super) demand: Demand,
     /// The files that its parameters name and those that it reads beside them, as they were after the run.
     pub(super) files: Vec<(PathBuf, Stamp)>,
-    /// What it was told of the graph that it was part of.
+    /// Text of its graph, where the node read it.
     pub(super) carried: Option<ResolvedPipeline>,
     pub(super) outputs: Vec<(Value, Revision)>,
     pub(super) notes: Diagnostics,
-    /// What the run took.
+    /// Seconds of the run.
     pub(super) seconds: f64,
 }
 
@@ -143,7 +143,7 @@ type NodeKey = (
     Option<NodeOverride>,
 );
 
-/// What the results over all steps were made from.
+/// Key of a value made over all steps: everything that it was made from.
 #[derive(PartialEq)]
 pub(super) struct Key {
     pub(super) nodes: Vec<NodeKey>,
@@ -151,7 +151,7 @@ pub(super) struct Key {
     pub(super) port: (usize, usize),
 }
 
-/// Things made from a revision, by the revision and their own type.
+/// Values made from a revision, by the revision and their own type.
 #[derive(Default)]
 pub(super) struct Store {
     over_steps: Mutex<Vec<(Key, Kept)>>,
@@ -173,7 +173,7 @@ impl Store {
         Ok(made)
     }
 
-    /// What was made over all steps of a time series.
+    /// The value made over all steps of a time series.
     pub(super) fn over_steps(&self, key: &Key) -> Option<Kept> {
         let kept = self.over_steps.lock().unwrap_or_else(PoisonError::into_inner);
         kept.iter().find(|(known, _)| known == key).map(|(_, kept)| kept.clone())
@@ -185,7 +185,7 @@ impl Store {
         kept.push((key, made));
     }
 
-    /// Drops what was made from revisions that are gone.
+    /// Drops values made from revisions that are gone.
     pub(super) fn forget_all_but(&self, alive: &BTreeSet<Revision>) {
         self.lock().retain(|(revision, _), _| *revision == FOR_THE_SESSION || alive.contains(revision));
     }

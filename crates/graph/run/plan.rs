@@ -9,12 +9,12 @@ use crate::build::graph::{Graph, GraphNode};
 use voltet_core::diagnostics::Diagnostics;
 use voltet_core::{Error, Result};
 
-/// What will run: the outcome of the demand pass. One entry a node of the graph.
+/// Plan of a run: the outcome of the demand pass, one entry a node of the graph.
 #[derive(Debug, Default)]
 pub struct Plan {
-    /// What is asked of each node.
+    /// Demand on each node.
     pub demands: Vec<Demand>,
-    /// What each node said while planning: what it leaves out, which engine it takes.
+    /// Diagnostics of each node's planning: the work that it skips, its engine.
     pub notes: Vec<Diagnostics>,
     /// The nodes that ran early.
     pub(super) early: Vec<Option<Done>>,

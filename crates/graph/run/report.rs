@@ -20,7 +20,7 @@ pub struct NodeReport {
     pub node_type: String,
     /// Seconds it took in this run; 0 where a former output was used.
     pub seconds: f64,
-    /// Whether a former output was used.
+    /// True if a former output was used.
     pub reused: bool,
     /// Seconds of the stages within.
     pub stages: BTreeMap<String, f64>,
@@ -31,30 +31,30 @@ pub struct NodeReport {
     pub engine: Option<String>,
 }
 
-/// What a run did and left out.
+/// Report of a run.
 #[derive(Debug, Clone, Default)]
 pub struct RunReport {
     /// The nodes in the order in which they ran.
     pub nodes: Vec<NodeReport>,
     /// Counts of all nodes together.
     pub counts: BTreeMap<&'static str, u64>,
-    /// What the scene did not need.
+    /// Skipped work.
     pub skipped: Vec<SkippedWork>,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
-    /// What the nodes found out about the data.
+    /// Facts about the data.
     pub findings: Vec<DataFinding>,
-    /// The engine that drew, and why.
+    /// The engine that drew, and the reason for it.
     pub engine: Option<(String, String)>,
-    /// What it ran on.
+    /// The device, or the vector units and threads, that it ran on.
     pub adapter: Option<String>,
-    /// What composited on a device, and why it was taken.
+    /// The compositor of a device, and the reason for it.
     pub compositor: Option<(String, String)>,
     /// Files written.
     pub files: Vec<String>,
     /// The pictures that were made, each with the name of its node.
     pub pictures: Vec<(String, Arc<Picture>)>,
-    /// What all of it was made from.
+    /// Origins of all values.
     pub origins: Origins,
     /// Seconds of the whole run.
     pub seconds: f64,

@@ -19,16 +19,16 @@ use voltet_core::diagnostics::{Diagnostics, SavedWork};
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 
-/// What lives longer than one run: former outputs and things made from them.
+/// Session: former outputs and values made from them, kept between runs.
 pub struct Session {
     cache: Cache,
     store: Store,
     last_revision: u64,
     file_stamp: FileStamp,
     exhaustive: bool,
-    /// Whether a hand will move the widgets from run to run.
+    /// True if a user will move the widgets from run to run.
     widgets_move: bool,
-    /// Whether outputs may be passing ones in the run that goes on.
+    /// True while outputs may be of a preview.
     may_pass: bool,
 }
 
@@ -47,7 +47,7 @@ impl Session {
         }
     }
 
-    /// The session of an editor, where a hand will move the widgets: what depends on data alone is found everywhere at once, so
+    /// Makes it the session of an editor, where a user will move the widgets: values that depend on data alone are computed at all points at once, so
     /// that no movement waits for the places that no widget looked at before. The pictures are the same.
     pub fn widgets_move(self) -> Self {
         Session { widgets_move: true, ..self }
@@ -59,19 +59,19 @@ impl Session {
         Session { exhaustive: true, ..self }
     }
 
-    /// Drops all former outputs and what was made from them; what belongs to the session, such as open devices, stays.
+    /// Drops all former outputs and values made from them; values of the session, such as open devices, stay.
     pub fn forget(&mut self) {
         self.cache.forget_all_but(&Graph::default());
         self.store.forget_all_but(&self.cache.revisions());
     }
 
-    /// Drops the former runs that gave this picture, which whoever has it may then write.
+    /// Drops the former runs that gave this picture, so that its owner may modify it.
     pub fn release(&mut self, picture: &Arc<Picture>) {
         let is_it = |value: &Value| matches!(value, Value::Image(known) if Arc::ptr_eq(known, picture));
         self.cache.entries.retain(|entry| !entry.outputs.iter().any(|(value, _)| is_it(value)));
     }
 
-    /// The demand pass: what will run for what. Runs the early nodes only.
+    /// Runs the demand pass, and the early nodes only.
     pub fn plan(&mut self, graph: &Graph) -> Result<Plan> {
         self.plan_with(graph, &Demand::default())
     }
@@ -126,7 +126,7 @@ impl Session {
         Ok(plan)
     }
 
-    /// The same as [`Session::run`] for one of many runs that follow each other while a hand moves something: nodes may keep what
+    /// Like [`Session::run`], for one of many runs that follow each other while a user moves something: nodes may keep what
     /// serves the next, and what they give may differ by rounding from what a run by itself gives. No later run takes it.
     pub fn run_preview(&mut self, graph: &Graph, observer: &dyn Observer) -> Result<RunReport> {
         self.may_pass = !self.exhaustive;
@@ -165,7 +165,7 @@ impl Session {
         Ok(self.feed(graph, place, of_volumes, observer)?.0)
     }
 
-    /// The same with the report of what ran.
+    /// Like [`Session::inputs`], with the report of the run.
     pub fn feed(
         &mut self,
         graph: &Graph,
@@ -180,7 +180,7 @@ impl Session {
         Ok((values.into_iter().map(|(value, _)| value).collect(), report))
     }
 
-    /// Runs these nodes, each after what feeds it: what each gave, and the report.
+    /// Runs these nodes, each after those upstream; returns their outputs and the report.
     fn work_through(
         &mut self,
         graph: &Graph,
@@ -280,7 +280,7 @@ impl Session {
     }
 }
 
-/// For each node the values of its outputs, or what stands for them; nothing where they are not known.
+/// Values of each node's outputs, or their stand-ins; empty where they are not known.
 fn outlines(graph: &Graph, early: &[Option<Done>]) -> Result<Vec<Vec<Value>>> {
     let mut outlines: Vec<Vec<Value>> = vec![Vec::new(); graph.nodes.len()];
     for &i in &graph.order {

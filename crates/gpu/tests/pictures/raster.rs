@@ -10,14 +10,14 @@ use voltet_core::picture::Picture;
 use voltet_core::progress::NoProgress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
-use voltet_gpu::{Drawn, Renderer};
+use voltet_gpu::{FrameOutput, Renderer};
 use voltet_optics::engine::{Compositor, RenderOptions};
 use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee_shaded, within};
 use voltet_testing::pictures::grids::*;
 use voltet_testing::pictures::looks::*;
 
-fn draw(scene: &NamedScene, shading: &Shading, order: VisibilityOrder) -> Option<Drawn> {
+fn draw(scene: &NamedScene, shading: &Shading, order: VisibilityOrder) -> Option<FrameOutput> {
     let drawn = draw_on(device()?, scene, shading, raster(order));
     Some(drawn.unwrap_or_else(|e| panic!("{}: {e}", scene.name)))
 }
@@ -53,7 +53,7 @@ pub fn classes() -> [(&'static str, [[f64; 3]; 4]); 7] {
     ]
 }
 
-/// What they are seen from: both sides, by parallel rays and in perspective.
+/// Views of them: both sides, by parallel rays and in perspective.
 pub fn views() -> [(&'static str, Camera); 3] {
     [
         ("ortho", orthographic([0.503, -2.0, 0.507], [0.503, 0.0, 0.507], 1.1, [33, 33])),

@@ -10,7 +10,7 @@ use voltet_core::picture::Picture;
 use voltet_core::progress::NoProgress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
-use voltet_gpu::{Device, Drawn, Renderer};
+use voltet_gpu::{Device, FrameOutput, Renderer};
 use voltet_optics::engine::{Accumulation, Compositor, RenderOptions};
 use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
@@ -21,7 +21,7 @@ fn triangles(order: VisibilityOrder) -> How {
     (Compositor::Triangles, order)
 }
 
-fn draw(device: &Arc<Device>, scene: &NamedScene, shading: &Shading, how: How) -> Drawn {
+fn draw(device: &Arc<Device>, scene: &NamedScene, shading: &Shading, how: How) -> FrameOutput {
     draw_on(device.clone(), scene, shading, how).unwrap_or_else(|e| panic!("{}: {e}", scene.name))
 }
 
@@ -29,7 +29,7 @@ fn uniform() -> TransferFunction {
     look(vec![everywhere(2.0, [1.0, 0.5, 0.2])])
 }
 
-/// What the corners' raster leaves of an ordinary scene: a pixel on the rim of a steep face goes to the wrong side of it. A
+/// Error that the corners' raster leaves of an ordinary scene: a pixel on the rim of a steep face goes to the wrong side of it. A
 /// hundredth part of the pixels at most are seen to change.
 fn nearly(scene: &NamedScene, picture: &Picture) {
     let expected = referee(scene);
@@ -202,11 +202,11 @@ fn runs_and_small_bindings_change_nothing() {
     let Some(device) = device() else { return };
     let scene = jittered(overlapping(), outside([24, 20]));
     let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Centroid);
-    let manner = RenderOptions::by(Compositor::Triangles);
+    let options = RenderOptions::by(Compositor::Triangles);
     let whole = draw(&device, &scene, &SHADING, triangles(VisibilityOrder::Centroid)).picture;
     for length in [300, 1296] {
         let runs = Renderer::new(device.clone(), &scene.volume).expect("fits").with_runs_of(length);
-        let drawn = voltet_gpu::draw(&runs, &wanted, &manner, &NoProgress).expect("draws");
+        let drawn = voltet_gpu::draw(&runs, &wanted, &options, &NoProgress).expect("draws");
         assert_eq!(drawn.picture.rgba, whole.rgba, "{length}");
     }
     let small = further_device().with_bindings_of(24_000).with_buffers_at_a_time(32);
@@ -225,8 +225,8 @@ fn few_bits_a_channel_round_after_each_cell() {
     const CELLS: f64 = 36.0;
     for compositing in [Compositor::Raster, Compositor::Triangles] {
         let picture = |accumulation| {
-            let manner = RenderOptions { accumulation, ..RenderOptions::by(compositing) };
-            voltet_gpu::draw(&renderer, &wanted, &manner, &NoProgress).expect("draws").picture
+            let options = RenderOptions { accumulation, ..RenderOptions::by(compositing) };
+            voltet_gpu::draw(&renderer, &wanted, &options, &NoProgress).expect("draws").picture
         };
         let float = picture(Accumulation::Float);
         let mut before = f64::INFINITY;

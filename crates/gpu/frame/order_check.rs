@@ -1,7 +1,7 @@
 //! The check of an exact order that was blended: some of its pixels against those of tiles, and a count over all of them.
 
-use crate::frame::drawn::{Checked, Drawn};
 use crate::frame::inputs::inputs;
+use crate::frame::output::{FrameOutput, OrderCheckReport};
 use crate::frame::renderer::Renderer;
 use voltet_core::Result;
 use voltet_core::error::ErrorKind;
@@ -12,19 +12,19 @@ use voltet_optics::engine::{Accumulation, Compositor, OrderCheck, RenderOptions}
 use voltet_optics::scene::Scene;
 use voltet_shaders::ViewRecord;
 
-/// Tiles of 64 pixels that are held against those of the other compositor: 256 pixels.
+/// Number of tiles of 64 pixels that are compared with those of the other compositor: 256 pixels.
 const TILES: usize = 4;
 
-/// Checks as the manner asks for; `None` where it does not. Errors: a lost device; a stopped run.
+/// Checks as the options asks for; `None` where it does not. Errors: a lost device; a stopped run.
 pub(crate) fn check(
     renderer: &Renderer,
     scene: &Scene,
-    manner: &RenderOptions,
+    options: &RenderOptions,
     order: &FaceOrder,
-    drawn: &Drawn,
+    output: &FrameOutput,
     progress: &dyn Progress,
-) -> Result<Option<Checked>> {
-    let disordered = match manner.order_check {
+) -> Result<Option<OrderCheckReport>> {
+    let disordered = match options.order_check {
         OrderCheck::None => return Ok(None),
         OrderCheck::Sample => None,
         OrderCheck::Count => {
@@ -32,15 +32,17 @@ pub(crate) fn check(
         }
     };
     let by_tiles =
-        RenderOptions { compositing: Some(Compositor::Tiles), accumulation: Accumulation::Float, ..*manner };
-    let windows = sample(&drawn.picture);
+        RenderOptions { compositing: Some(Compositor::Tiles), accumulation: Accumulation::Float, ..*options };
+    let windows = sample(&output.picture);
     let held = inputs(renderer, scene, &by_tiles, None)
         .and_then(|inputs| inputs.draw_windows(windows.clone(), progress))
-        .map(|tiles| compare(&drawn.picture, &tiles.picture, &windows));
+        .map(|tiles| compare(&output.picture, &tiles.picture, &windows));
     Ok(Some(match held {
-        Ok((pixels, largest)) => Checked { pixels, largest, disordered, without_tiles: None },
+        Ok((pixels, largest)) => OrderCheckReport { pixels, largest, disordered, without_tiles: None },
         Err(error) if error.kind == ErrorKind::Cancelled || renderer.device().is_lost() => return Err(error),
-        Err(error) => Checked { pixels: 0, largest: 0.0, disordered, without_tiles: Some(error.to_string()) },
+        Err(error) => {
+            OrderCheckReport { pixels: 0, largest: 0.0, disordered, without_tiles: Some(error.to_string()) }
+        }
     }))
 }
 
@@ -57,7 +59,7 @@ fn sample(picture: &Picture) -> Vec<[u32; 4]> {
     places.map(|[x, y]| [x as u32, y as u32, 1, 1]).collect()
 }
 
-/// Where a tile's pixels stand in a picture.
+/// Indices of a tile's pixels in a picture.
 fn pixels_of(picture: &Picture, [x, y]: [usize; 2]) -> impl Iterator<Item = usize> {
     let side = ViewRecord::TILE as usize;
     let (width, height) = (picture.width, picture.height);
@@ -65,7 +67,7 @@ fn pixels_of(picture: &Picture, [x, y]: [usize; 2]) -> impl Iterator<Item = usiz
     rows.flat_map(move |row| (x * side..((x + 1) * side).min(width)).map(move |column| row * width + column))
 }
 
-/// How many pixels the windows have, and the largest difference of a channel.
+/// Number of pixels in the windows, and the largest difference of a channel.
 fn compare(a: &Picture, b: &Picture, windows: &[[u32; 4]]) -> (u64, f32) {
     let places = windows.iter().flat_map(|w| pixels_of(a, [w[0] as usize, w[1] as usize]));
     let apart = |at: usize| a.rgba[at].iter().zip(b.rgba[at]).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
@@ -75,7 +77,7 @@ fn compare(a: &Picture, b: &Picture, windows: &[[u32; 4]]) -> (u64, f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device::open::Device;
+    use crate::device::device_handle::Device;
     use std::sync::Arc;
     use voltet_core::progress::NoProgress;
     use voltet_optics::shading::VisibilityOrder;
@@ -104,12 +106,12 @@ mod tests {
             for (order_check, words) in
                 [(OrderCheck::Sample, "from that of tiles"), (OrderCheck::Count, "out of order at")]
             {
-                let manner = RenderOptions { order_check, ..RenderOptions::by(Compositor::Raster) };
-                let drawn = inputs(&renderer, &scene, &manner, Some(&order)).expect("serves");
-                let drawn = drawn.draw(&scene, &manner, &NoProgress).expect("draws");
-                let checked = check(&renderer, &scene, &manner, &order, &drawn, &NoProgress);
+                let options = RenderOptions { order_check, ..RenderOptions::by(Compositor::Raster) };
+                let output = inputs(&renderer, &scene, &options, Some(&order)).expect("serves");
+                let output = output.draw(&scene, &options, &NoProgress).expect("draws");
+                let checked = check(&renderer, &scene, &options, &order, &output, &NoProgress);
                 let checked = checked.expect("draws").expect("is asked for");
-                let why = checked.is_wrong(&manner, &drawn);
+                let why = checked.is_wrong(&options, &output);
                 assert_eq!(why.is_none(), is_right, "{order_check:?}: {checked:?}");
                 assert!(why.is_none_or(|why| why.contains(words)), "{checked:?}");
             }

@@ -7,23 +7,23 @@ use voltet_core::camera::{Camera, Projection};
 use voltet_core::visibility::{FaceOrder, Faces, OrderError};
 use voltet_optics::scene::Scene;
 
-/// What is kept of a grid: its faces, and the order that was found last, with the camera that it is for.
+/// Cache of a grid's faces, and of the last order with its camera.
 #[derive(Default)]
-pub(crate) struct Orders {
+pub(crate) struct FaceOrderCache {
     faces: Option<Faces>,
-    last: Option<(Camera, Found)>,
+    last: Option<(Camera, FaceOrderResult)>,
 }
 
-/// The order, or why there is none.
-pub(crate) type Found = std::result::Result<Arc<FaceOrder>, OrderError>;
+/// The order, or the reason why there is none.
+pub(crate) type FaceOrderResult = std::result::Result<Arc<FaceOrder>, OrderError>;
 
-impl Orders {
+impl FaceOrderCache {
     /// The order for a scene's camera, and the seconds that it took; none where it was there.
     ///
     /// Errors: a camera out of range.
-    pub fn find(&mut self, scene: &Scene) -> Result<(Found, Option<f64>)> {
+    pub fn find(&mut self, scene: &Scene) -> Result<(FaceOrderResult, Option<f64>)> {
         let (grid, camera) = (&scene.volume.grid, &scene.camera);
-        let Orders { faces, last } = self;
+        let FaceOrderCache { faces, last } = self;
         let begun = Instant::now();
         let faces = faces.get_or_insert_with(|| Faces::of(grid));
         if let Some((_, found)) = last.as_ref().filter(|(known, found)| serves(faces, known, found, camera)) {
@@ -35,9 +35,9 @@ impl Orders {
     }
 }
 
-/// Whether what was found for one camera serves another: without gaps, and where nothing was made to fit the pixels, only the eye
+/// True if the order of one camera holds for another: without gaps, and where nothing was made to fit the pixels, only the eye
 /// is of account.
-fn serves(faces: &Faces, known: &Camera, found: &Found, camera: &Camera) -> bool {
+fn serves(faces: &Faces, known: &Camera, found: &FaceOrderResult, camera: &Camera) -> bool {
     let is_same_eye = match (known.projection, camera.projection) {
         (Projection::Perspective { .. }, Projection::Perspective { .. }) => known.eye == camera.eye,
         _ => false,

@@ -1,11 +1,11 @@
-//! What has been compiled for a device, and is kept.
+//! Cache of the pipelines that were compiled for a device.
 
 use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use voltet_core::Result;
 
-/// What a pass was compiled from.
+/// Key of a compute pipeline: its sources.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) struct PassKey {
     pub text: String,
@@ -13,7 +13,7 @@ pub(crate) struct PassKey {
     pub constants: Vec<(&'static str, u64)>,
 }
 
-/// What a pipeline that draws was compiled from: the text, and what it draws into.
+/// Key of a render pipeline: its text, and the formats that it draws into.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) struct DrawingKey {
     pub text: String,
@@ -23,16 +23,16 @@ pub(crate) struct DrawingKey {
 }
 
 /// Pipelines by what they were compiled from.
-pub(crate) struct Compiled<K, P>(Mutex<HashMap<K, Arc<P>>>);
+pub(crate) struct PipelineCache<K, P>(Mutex<HashMap<K, Arc<P>>>);
 
-impl<K, P> Default for Compiled<K, P> {
+impl<K, P> Default for PipelineCache<K, P> {
     fn default() -> Self {
-        Compiled(Mutex::default())
+        PipelineCache(Mutex::default())
     }
 }
 
-impl<K: Eq + Hash, P> Compiled<K, P> {
-    /// The pipeline, compiled if it is not there; nobody waits for another's compiling.
+impl<K: Eq + Hash, P> PipelineCache<K, P> {
+    /// The pipeline, compiled if it is not there; compiling blocks no other thread.
     pub fn of(&self, key: K, compile: impl FnOnce() -> Result<P>) -> Result<Arc<P>> {
         let known = self.locked().get(&key).cloned();
         if let Some(pipeline) = known {

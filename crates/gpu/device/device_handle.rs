@@ -1,7 +1,7 @@
-//! A device: what it can hold, its compiled pipelines, and what it says when something fails.
+//! A device: its limits, its compiled pipelines, and its errors.
 
 use crate::device::adapter::{Adapters, describe, kind};
-use crate::device::compiled::{Compiled, DrawingKey, PassKey};
+use crate::device::pipeline_cache::{DrawingKey, PassKey, PipelineCache};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::{Error, Result};
@@ -14,25 +14,25 @@ pub struct Device {
     pub driver: String,
     /// Why this adapter was taken.
     pub reason: String,
-    /// Whether the device is a program on the CPU.
+    /// True if the device is a program on the CPU.
     pub is_software: bool,
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     pub(crate) limits: wgpu::Limits,
     pub(crate) downlevel: wgpu::DownlevelFlags,
-    /// Whether textures of 32-bit floats can be blended in.
+    /// True if textures of 32-bit floats can be blended in.
     pub(crate) blends_32_bits: bool,
     /// Nanoseconds of a tick, where passes can be timed.
     pub(crate) tick: Option<f32>,
-    pub(crate) passes: Compiled<PassKey, wgpu::ComputePipeline>,
-    pub(crate) drawings: Compiled<DrawingKey, wgpu::RenderPipeline>,
-    pub(crate) work: WorkCounts,
+    pub(crate) passes: PipelineCache<PassKey, wgpu::ComputePipeline>,
+    pub(crate) drawings: PipelineCache<DrawingKey, wgpu::RenderPipeline>,
+    pub(crate) work: AtomicWorkCounts,
     lost: Arc<Mutex<Option<String>>>,
 }
 
-/// What has been done on the device since it was opened.
+/// Counts of the work done on the device since it was opened.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Work {
+pub struct WorkCounts {
     /// Pipelines compiled.
     pub shader_builds: u64,
     /// Arrays of grids uploaded.
@@ -42,7 +42,7 @@ pub struct Work {
 }
 
 #[derive(Default)]
-pub(crate) struct WorkCounts {
+pub(crate) struct AtomicWorkCounts {
     pub shader_builds: AtomicU64,
     pub uploads: AtomicU64,
     pub bytes_uploaded: AtomicU64,
@@ -58,12 +58,12 @@ impl Device {
         Device::open_of(&Adapters::find(), wish, hardware)
     }
 
-    /// The same of adapters that were found.
+    /// Like [`Device::open`], among adapters that were found.
     pub(crate) fn open_of(adapters: &Adapters, wish: Option<&str>, hardware: bool) -> Result<Device> {
         Device::open_within(adapters, wish, hardware, |limits| limits)
     }
 
-    /// The same with no more than every device of WebGPU has: bindings of 128 MiB, 8 storage buffers of a stage, workgroups of
+    /// Like [`Device::open`], with no more than every device of WebGPU has: bindings of 128 MiB, 8 storage buffers of a stage, workgroups of
     /// 256 invocations and 16 KiB. What needs more is an error, as it would be there.
     pub fn open_as_webgpu(wish: Option<&str>) -> Result<Device> {
         Device::open_within(&Adapters::find(), wish, false, |_| wgpu::Limits::defaults())
@@ -116,32 +116,32 @@ impl Device {
             limits,
             downlevel: adapter.get_downlevel_capabilities().flags,
             blends_32_bits: features.contains(wgpu::Features::FLOAT32_BLENDABLE),
-            passes: Compiled::default(),
-            drawings: Compiled::default(),
-            work: WorkCounts::default(),
+            passes: PipelineCache::default(),
+            drawings: PipelineCache::default(),
+            work: AtomicWorkCounts::default(),
             lost,
         })
     }
 
-    /// The same device with buffers of at most so many bytes each, as if its bindings held no more.
+    /// Limits buffers to this many bytes each, as if its bindings held no more.
     pub fn with_bindings_of(mut self, bytes: u64) -> Device {
         self.limits.max_storage_buffer_binding_size = bytes;
         self
     }
 
-    /// The same device with so many storage buffers of a pass at most, as if it bound no more.
+    /// Limits the storage buffers of a pass to this number, as if it bound no more.
     pub fn with_buffers_at_a_time(mut self, count: u32) -> Device {
         self.limits.max_storage_buffers_per_shader_stage = count;
         self
     }
 
-    /// The same device with textures of at most so many pixels a side.
+    /// Limits textures to this many pixels a side.
     pub fn with_textures_of(mut self, side: u32) -> Device {
         self.limits.max_texture_dimension_2d = side;
         self
     }
 
-    /// The same device as if it blended no 32-bit floats.
+    /// Turns off blending of 32-bit floats.
     pub fn blending_16_bits(mut self) -> Device {
         self.blends_32_bits = false;
         self
@@ -180,16 +180,16 @@ impl Device {
         }
     }
 
-    /// What has been done so far.
-    pub fn work(&self) -> Work {
-        Work {
+    /// Counts of the work done so far.
+    pub fn work(&self) -> WorkCounts {
+        WorkCounts {
             shader_builds: self.work.shader_builds.load(Ordering::Relaxed),
             uploads: self.work.uploads.load(Ordering::Relaxed),
             bytes_uploaded: self.work.bytes_uploaded.load(Ordering::Relaxed),
         }
     }
 
-    /// Whether the device has been lost: nothing can be done with it any more.
+    /// True if the device has been lost: nothing can be done with it any more.
     pub fn is_lost(&self) -> bool {
         self.lost.lock().unwrap_or_else(PoisonError::into_inner).is_some()
     }

@@ -1,8 +1,8 @@
 //! A grid on the device: points, tetrahedra and the values that transfer functions look at, uploaded once.
 
-use crate::device::open::Device;
+use crate::device::device_handle::Device;
 use crate::grid::double_single::split;
-use crate::grid::parts::{Parted, Sizes};
+use crate::grid::split_buffer::{BufferSizes, SplitBuffer};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -24,8 +24,8 @@ pub(crate) enum Quantity {
 }
 
 /// A quantity on the device: (value − middle) / span, high and low part.
-pub(crate) struct Stored {
-    pub values: Parted,
+pub(crate) struct DeviceArray {
+    pub values: SplitBuffer,
     pub middle: f64,
     /// > 0.
     pub span: f64,
@@ -33,7 +33,7 @@ pub(crate) struct Stored {
     pub cell_span: f64,
 }
 
-impl Stored {
+impl DeviceArray {
     /// Smallest and largest value.
     pub fn range(&self) -> [f64; 2] {
         [self.middle - 0.5 * self.span, self.middle + 0.5 * self.span]
@@ -43,8 +43,8 @@ impl Stored {
 /// A volume's grid on a device. Values are uploaded as scenes ask for them.
 pub(crate) struct DeviceGrid {
     pub device: Arc<Device>,
-    pub(crate) positions: Parted,
-    pub(crate) tetrahedra: Parted,
+    pub(crate) positions: SplitBuffer,
+    pub(crate) tetrahedra: SplitBuffer,
     pub(crate) point_count: u32,
     pub(crate) cell_count: u32,
     /// World units in the scene length: the diagonal of the grid.
@@ -55,7 +55,7 @@ pub(crate) struct DeviceGrid {
     pub(crate) centre: DVec3,
     /// Half the sides of the box, in lengths.
     pub(crate) half: DVec3,
-    stored: Mutex<HashMap<Quantity, Arc<Stored>>>,
+    stored: Mutex<HashMap<Quantity, Arc<DeviceArray>>>,
 }
 
 impl DeviceGrid {
@@ -104,7 +104,7 @@ impl DeviceGrid {
     }
 
     /// The quantity, uploaded if it is not there. `volume` is the one that the grid was made from.
-    pub(crate) fn stored(&self, volume: &Volume, quantity: Quantity) -> Result<Arc<Stored>> {
+    pub(crate) fn stored(&self, volume: &Volume, quantity: Quantity) -> Result<Arc<DeviceArray>> {
         let known = self.stored.lock().unwrap_or_else(PoisonError::into_inner).get(&quantity).cloned();
         if let Some(stored) = known {
             return Ok(stored);
@@ -147,7 +147,7 @@ impl DeviceGrid {
     }
 
     /// Every `stride`th value from `first` on. Vectors keep their direction: no offset, and one scale for all components.
-    fn store(&self, volume: &Volume, values: &[f64], stride: usize, first: usize) -> Result<Stored> {
+    fn store(&self, volume: &Volume, values: &[f64], stride: usize, first: usize) -> Result<DeviceArray> {
         let [low, high] = extent::range(values).unwrap_or_default();
         let (middle, span) = match stride {
             1 => (low + 0.5 * (high - low), high - low),
@@ -166,14 +166,14 @@ impl DeviceGrid {
         let count = values.len() / stride;
         let values = self.device.upload_parted(GridArray::Quantity, layout.quantity, count, parts)?;
         self.device.work.uploads.fetch_add(1, Ordering::Relaxed);
-        Ok(Stored { values, middle, span, cell_span })
+        Ok(DeviceArray { values, middle, span, cell_span })
     }
 }
 
-/// What a grid takes at least.
-fn sizes(volume: &Volume) -> Sizes {
+/// Sizes of the buffers that a grid takes at least.
+fn sizes(volume: &Volume) -> BufferSizes {
     let (points, cells) = (volume.grid.points.len() as u64, volume.grid.tetrahedra.len() as u64);
-    Sizes { points, cells, ..Sizes::default() }
+    BufferSizes { points, cells, ..BufferSizes::default() }
 }
 
 /// A cell in one place instead of a cell without volume, which no ray crosses: on the device, rounded corners of the latter

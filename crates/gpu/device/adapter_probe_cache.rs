@@ -1,5 +1,5 @@
-//! That there is no hardware adapter, remembered: looking for adapters loads every driver that is installed, which takes as long as a
-//! picture. What is there is looked for each time.
+//! Cache of the probe for hardware adapters that found none: the probe loads every installed driver, which takes as long as a
+//! picture. Adapters that are there are probed each time.
 //!
 //! It is remembered for one boot of one machine, user and environment, device nodes and list of Vulkan drivers, on Linux, where all
 //! of these can be seen without a driver.
@@ -18,40 +18,40 @@ pub(crate) fn keep(memory: &dyn KeyValueStore, listed: &str) {
     }
 }
 
-/// What the answer depends on.
-struct Surroundings {
+/// Fingerprint of everything that the probe depends on: machine, drivers, environment.
+struct SystemFingerprint {
     machine: String,
     everything: String,
 }
 
-impl Surroundings {
+impl SystemFingerprint {
     /// The number changes with what is looked at.
     fn key(&self) -> String {
         format!("voltet adapters 1\n{}\n", self.machine)
     }
 }
 
-/// What stands between the surroundings and the adapters.
+/// Separator between the fingerprint and the adapters.
 const FOUND: &str = "found ";
 
-fn recall_in(surroundings: &Surroundings, memory: &dyn KeyValueStore) -> Option<String> {
+fn recall_in(surroundings: &SystemFingerprint, memory: &dyn KeyValueStore) -> Option<String> {
     let text = memory.recall(&surroundings.key())?;
     let listed = text.strip_prefix(&surroundings.everything)?.strip_prefix(FOUND)?.strip_suffix('\n')?;
     Some(listed.to_string())
 }
 
-fn keep_in(surroundings: &Surroundings, memory: &dyn KeyValueStore, listed: &str) {
+fn keep_in(surroundings: &SystemFingerprint, memory: &dyn KeyValueStore, listed: &str) {
     let text = format!("{}{FOUND}{}\n", surroundings.everything, listed.replace('\n', " "));
     memory.keep(&surroundings.key(), &text);
 }
 
 #[cfg(not(target_os = "linux"))]
-fn surroundings() -> Option<Surroundings> {
+fn surroundings() -> Option<SystemFingerprint> {
     None
 }
 
 #[cfg(target_os = "linux")]
-fn surroundings() -> Option<Surroundings> {
+fn surroundings() -> Option<SystemFingerprint> {
     use std::fmt::Write;
     let kernel = |name: &str| std::fs::read_to_string(format!("/proc/sys/kernel/{name}")).ok();
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
@@ -67,7 +67,7 @@ fn surroundings() -> Option<Surroundings> {
     for folder in linux::folders() {
         everything += &linux::listed(&folder);
     }
-    Some(Surroundings { machine, everything })
+    Some(SystemFingerprint { machine, everything })
 }
 
 #[cfg(target_os = "linux")]
@@ -121,7 +121,7 @@ mod linux {
         found
     }
 
-    /// Where device nodes and the manifests of drivers are.
+    /// Folders of device nodes and of the manifests of drivers.
     pub fn folders() -> Vec<PathBuf> {
         let mut bases: Vec<PathBuf> = ["/etc", "/usr/local/etc"].map(PathBuf::from).into();
         if let Some(home) = std::env::var_os("HOME") {
@@ -185,8 +185,8 @@ mod tests {
         }
     }
 
-    fn surrounded(machine: &str, everything: &str) -> Surroundings {
-        Surroundings { machine: machine.into(), everything: everything.into() }
+    fn surrounded(machine: &str, everything: &str) -> SystemFingerprint {
+        SystemFingerprint { machine: machine.into(), everything: everything.into() }
     }
 
     #[test]

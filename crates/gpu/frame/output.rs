@@ -1,48 +1,48 @@
-//! A picture of the device and what it took, and what is known of it before it is there.
+//! Output of a frame: picture, counts, times, and the check of its order.
 
-use crate::frame::count;
+use crate::frame::counters;
 use std::sync::Arc;
 use voltet_core::picture::Picture;
 use voltet_core::visibility::FaceOrder;
 use voltet_optics::engine::{Accumulation, Compositor, RenderOptions, StageTiming};
 
-/// A picture and what it took.
+/// Output of a frame.
 #[derive(Debug, Clone)]
-pub struct Drawn {
+pub struct FrameOutput {
     /// The picture.
     pub picture: Picture,
     /// Counts.
-    pub counts: Counts,
+    pub counts: FrameCounts,
     /// The passes with their times, where the adapter has timestamps.
     pub passes: Vec<StageTiming>,
-    /// What no part of the scene's shader is about: folders of pieces that are not in it.
+    /// Folders of shader pieces that the scene's shader does not contain.
     pub parts_left_out: Vec<&'static str>,
     /// Bytes of all pieces that are not in it.
     pub part_bytes_left_out: u64,
-    /// Whether pixels were blended in 16-bit floats, since the device blends none of 32 bits.
+    /// True if pixels were blended in 16-bit floats, since the device blends none of 32 bits.
     pub blended_in_16_bits: bool,
-    /// Where cells were blended in exact order: what was found of the order, and of the check.
-    pub along_faces: Option<AlongFaces>,
+    /// Report of the exact order, where cells were blended in one.
+    pub along_faces: Option<FaceOrderReport>,
     /// Why tiles composited in place of what blends, where they did.
     pub tiles_instead: Option<String>,
 }
 
 /// The exact order of a picture that was blended.
 #[derive(Debug, Clone)]
-pub struct AlongFaces {
+pub struct FaceOrderReport {
     /// The order.
     pub order: Arc<FaceOrder>,
-    /// What the check found, where one was asked for.
-    pub checked: Option<Checked>,
+    /// Report of the check, where one was requested.
+    pub checked: Option<OrderCheckReport>,
 }
 
 /// Blended in 32 bits and composited by tiles, pixels in one order differ by a tenth of this after a thousand segments.
 const ROUNDING: f32 = 1e-3;
 
-/// What was found of a picture's order.
+/// Report of the check of a picture's order.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Checked {
-    /// Pixels that were held against those of tiles, in the picture.
+pub struct OrderCheckReport {
+    /// Pixels that were compared with those of tiles.
     pub pixels: u64,
     /// The largest difference of a channel between the two. Other than for "raster" in 32 bits it is not the order's alone.
     pub largest: f32,
@@ -52,16 +52,16 @@ pub struct Checked {
     pub without_tiles: Option<String>,
 }
 
-impl Checked {
-    /// Why the order is not to be trusted, if so.
-    pub(crate) fn is_wrong(&self, manner: &RenderOptions, drawn: &Drawn) -> Option<String> {
-        let is_exact = manner.compositing == Some(Compositor::Raster)
-            && manner.accumulation == Accumulation::Float
-            && !drawn.blended_in_16_bits;
+impl OrderCheckReport {
+    /// The reason why the order is wrong, if it is.
+    pub(crate) fn is_wrong(&self, options: &RenderOptions, output: &FrameOutput) -> Option<String> {
+        let is_exact = options.compositing == Some(Compositor::Raster)
+            && options.accumulation == Accumulation::Float
+            && !output.blended_in_16_bits;
         match self.disordered {
             Some(count @ 1..) => Some(format!("cells are out of order at {count} pixels")),
             _ if is_exact && self.largest > ROUNDING => {
-                let Checked { pixels, largest, .. } = self;
+                let OrderCheckReport { pixels, largest, .. } = self;
                 Some(format!("of {pixels} pixels one differs by {largest:.1e} from that of tiles"))
             }
             _ => None,
@@ -71,7 +71,7 @@ impl Checked {
 
 /// Counts of a picture, over all samples.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Counts {
+pub struct FrameCounts {
     /// Cells left out because no widget touches their values.
     pub culled_by_transfer_function: u64,
     /// Cells left out because they are outside the view.
@@ -95,40 +95,40 @@ pub struct Counts {
     pub cells_hidden: u64,
 }
 
-/// What came back.
-pub(crate) struct Returned {
+/// Content read back from the device.
+pub(crate) struct Readback {
     pub picture: Picture,
-    pub counts: [u64; count::ALL],
+    pub counts: [u64; counters::ALL],
     pub passes: Vec<StageTiming>,
 }
 
-/// What is known of a picture before it is there.
-pub(crate) struct StillEmpty {
-    /// Whether segments are counted.
+/// The output of a frame as far as it is known before readback.
+pub(crate) struct PendingStats {
+    /// True if segments are counted.
     pub is_counted: bool,
-    /// Whether pixels in disorder are counted, or there can be none.
+    /// True if pixels in disorder are counted, or there can be none.
     pub is_order_known: bool,
     pub parts_left_out: Vec<&'static str>,
     pub part_bytes_left_out: u64,
     pub blended_in_16_bits: bool,
 }
 
-impl StillEmpty {
-    /// With what came back.
-    pub fn with(self, Returned { picture, counts: counted, passes }: Returned) -> Drawn {
-        Drawn {
+impl PendingStats {
+    /// Completes the output with the content read back.
+    pub fn with(self, Readback { picture, counts: counted, passes }: Readback) -> FrameOutput {
+        FrameOutput {
             picture,
-            counts: Counts {
-                culled_by_transfer_function: counted[count::BY_FUNCTION],
-                culled_by_frustum: counted[count::BY_FRUSTUM],
-                under_a_pixel: counted[count::UNDER_A_PIXEL],
-                cells_projected: counted[count::PROJECTED],
-                tile_entries: counted[count::ENTRIES],
-                segments: self.is_counted.then_some(counted[count::SEGMENTS]),
-                pixels_disordered: self.is_order_known.then_some(counted[count::DISORDERED]),
-                sweeps_further: counted[count::SWEEPS],
-                tiles_stopped: counted[count::TILES_STOPPED],
-                cells_hidden: counted[count::CELLS_HIDDEN],
+            counts: FrameCounts {
+                culled_by_transfer_function: counted[counters::BY_FUNCTION],
+                culled_by_frustum: counted[counters::BY_FRUSTUM],
+                under_a_pixel: counted[counters::UNDER_A_PIXEL],
+                cells_projected: counted[counters::PROJECTED],
+                tile_entries: counted[counters::ENTRIES],
+                segments: self.is_counted.then_some(counted[counters::SEGMENTS]),
+                pixels_disordered: self.is_order_known.then_some(counted[counters::DISORDERED]),
+                sweeps_further: counted[counters::SWEEPS],
+                tiles_stopped: counted[counters::TILES_STOPPED],
+                cells_hidden: counted[counters::CELLS_HIDDEN],
             },
             passes,
             parts_left_out: self.parts_left_out,

@@ -1,4 +1,4 @@
-//! Numbers that the passes count, by their place in `counts`.
+//! Indices of the numbers that the passes count in `counts`.
 
 pub const ENTRIES: usize = 0;
 pub const BY_FUNCTION: usize = 1;
@@ -20,5 +20,5 @@ pub const CELLS_CUT_SHORT: usize = 12;
 /// Pixels likewise, whose colours are wrong.
 pub const PIXELS_CUT_SHORT: usize = 13;
 pub const ALL: usize = 14;
-/// Those that are the same in every window.
+/// Counts that are the same in every window.
 pub const OF_CELLS: [usize; 4] = [BY_FUNCTION, BY_FRUSTUM, PROJECTED, UNDER_A_PIXEL];

@@ -5,12 +5,12 @@
 //! of one run, whatever the grid's size.
 
 use crate::device::bindings::{Bound, in_order};
-use crate::device::buffers::Growing;
-use crate::device::open::Device;
+use crate::device::buffers::GrowingBuffer;
+use crate::device::device_handle::Device;
 use crate::device::pipelines::Program;
 use crate::device::timing::Timing;
-use crate::grid::uploaded::Stored;
-use crate::pass::steps::{Binder, Step, buffers, folded, kinds, run, scene_kinds};
+use crate::grid::device_grid::DeviceArray;
+use crate::pass::bound_pass::{Binder, BoundPass, buffers, folded, kinds, run, scene_kinds};
 use crate::raster::drawing::{Canvas, Drawing, Target};
 use crate::raster::sort::{Items, ROUNDS, SortBuffers};
 use std::sync::Arc;
@@ -72,46 +72,46 @@ const RUNS_AT_A_TIME: u32 = 64;
 pub(crate) struct RasterBuffers {
     sort: SortBuffers,
     /// An order of cells that was uploaded.
-    ordered: Growing,
+    ordered: GrowingBuffer,
     uploaded: Option<Arc<FaceOrder>>,
-    draws: Growing,
+    draws: GrowingBuffer,
     /// With the form and the run's length that they are for.
     indices: Option<((Form, u32), Buffer)>,
     canvases: [Canvas; 2],
     /// The corners of a run's triangles.
-    split: Growing,
+    split: GrowingBuffer,
     /// Cells of a run, where it is not [`RUN_LENGTH`].
     pub run_length: Option<u32>,
 }
 
-/// What is drawn.
+/// Form that is drawn.
 pub(crate) struct Blending<'a> {
     pub shader: &'a Shader,
     pub form: Form,
     pub blend: Blend,
-    /// Whether pixels hold 8 bits a channel.
+    /// True if pixels hold 8 bits a channel.
     pub in_8_bits: bool,
-    /// Whether optical depths add up; else opacities are composited.
+    /// True if optical depths add up; else opacities are composited.
     pub depths_add_up: bool,
     pub sorted: bool,
     /// The order in which the cells are taken, where it is known.
     pub ordered: Option<&'a Arc<FaceOrder>>,
     /// The window, in tiles.
     pub window: [u32; 4],
-    /// What is read of the grid.
+    /// Arrays of the grid that are read.
     pub cells_read: &'static [(GridArray, Access)],
-    pub scalar: &'a Stored,
+    pub scalar: &'a DeviceArray,
     /// Group 0: the scene and its tables.
     pub scene: &'a [(u32, &'a Buffer)],
-    /// Where the picture goes.
+    /// Buffer of the picture.
     pub pixels: &'a Buffer,
 }
 
 /// The passes over one window.
 pub(crate) struct Raster {
-    sort: Vec<Step>,
+    sort: Vec<BoundPass>,
     /// For each run, where cells are split into triangles.
-    split: Vec<Step>,
+    split: Vec<BoundPass>,
     /// The entry point for pixels.
     name: &'static str,
     pipeline: Arc<wgpu::RenderPipeline>,
@@ -121,7 +121,7 @@ pub(crate) struct Raster {
     indices: Buffer,
     draws: Buffer,
     run_count: u32,
-    take: Step,
+    take: BoundPass,
 }
 
 impl Raster {
@@ -141,7 +141,7 @@ impl Raster {
         let run_count = cell_count.div_ceil(run_length);
         let rounds = if sorted { ROUNDS } else { 1 };
         let ordered = blending.ordered.map(|order| kept.upload(device, order)).transpose()?;
-        let items = ordered.as_ref().map_or(Items::Cells, Items::Ordered);
+        let items = ordered.as_ref().map_or(Items::Cells, Items::TimedFaceOrder);
         let list = kept.sort.sort(binder, cell_count, rounds, items, scalar)?;
         let usage = BufferUsages::STORAGE | BufferUsages::INDIRECT;
         let draws_size = 20 * u64::from(run_count);
@@ -227,7 +227,7 @@ impl Raster {
             indices: kept.indices(device, form, run_length.min(cell_count))?,
             draws,
             run_count,
-            take: Step {
+            take: BoundPass {
                 name: ("take_blended", Stage::Composite),
                 pipeline: take,
                 groups: take_groups,

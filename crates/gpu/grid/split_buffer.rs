@@ -2,8 +2,8 @@
 //! it binds at a time.
 
 use crate::device::bindings::fixed_buffers;
-use crate::device::buffers::Growing;
-use crate::device::open::Device;
+use crate::device::buffers::GrowingBuffer;
+use crate::device::device_handle::Device;
 use voltet_core::{Error, Result};
 use voltet_shaders::{Access, FramePass, GridArray, Layout, Parts, TEXEL_BYTES, cells_read};
 
@@ -13,35 +13,35 @@ const MEBIBYTE: f64 = (1u64 << 20) as f64;
 /// Points, cells or a table's numbers that can be counted, so that no dispatch over them passes the last number of 32 bits.
 const MOST: u64 = 4_000_000_000;
 
-/// What a device binds.
+/// Binding limits of a device.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Room {
+pub(crate) struct BindingLimits {
     /// Bytes of one binding.
     pub bytes: u64,
     /// Storage buffers of a pass.
     pub buffers: u32,
 }
 
-/// What a scene needs room for.
+/// Sizes of the buffers that a scene needs.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Sizes {
+pub(crate) struct BufferSizes {
     pub points: u64,
     pub cells: u64,
     /// Attributes of a point.
     pub stride: u64,
     /// Vectors of what the scene reads beside its uniform, where any are among it.
     pub texels: u64,
-    /// Those of the table that it is made from, if it is made from another.
+    /// Vectors of the table that it is made from, if it is made from another.
     pub source_texels: u64,
     /// Storage buffers of the scene's own that stand in one binding each.
     pub scene_buffers: u32,
-    /// Those of the compositor's own.
+    /// Storage buffers of the compositor's own.
     pub own_buffers: u32,
 }
 
-impl Sizes {
+impl BufferSizes {
     /// Every array in parts that fit a binding.
-    pub fn layout(&self, room: Room) -> Layout {
+    pub fn layout(&self, room: BindingLimits) -> Layout {
         let parts = |array: GridArray| Parts::of(self.count(array), array.bytes(self.stride), room.bytes);
         Layout {
             positions: parts(GridArray::Positions),
@@ -62,7 +62,7 @@ impl Sizes {
     }
 
     /// Storage buffers of the pass that binds most.
-    pub fn buffers(&self, room: Room) -> u32 {
+    pub fn buffers(&self, room: BindingLimits) -> u32 {
         let layout = self.layout(room);
         let of = |arrays: &[(GridArray, Access)]| {
             arrays.iter().map(|(array, _)| layout.parts(*array).count).fold(0, u32::saturating_add)
@@ -76,13 +76,13 @@ impl Sizes {
         FramePass::ALL.iter().map(pass).fold(pixels.max(filling), u32::max)
     }
 
-    fn fits(&self, room: Room) -> bool {
+    fn fits(&self, room: BindingLimits) -> bool {
         let numbers = self.texels.saturating_mul(TEXEL_BYTES / 4);
         self.points.max(self.cells).max(numbers) <= MOST && self.buffers(room) <= room.buffers
     }
 
     /// An error that names the arrays in parts, and how many such cells would do, if a device binds too few buffers.
-    pub fn check(&self, room: Room, device: &str) -> Result<()> {
+    pub fn check(&self, room: BindingLimits, device: &str) -> Result<()> {
         if self.fits(room) {
             return Ok(());
         }
@@ -107,7 +107,8 @@ impl Sizes {
         };
         // The largest grid of this kind that would do, to a thousandth.
         let share = |n: u64, k: u64| (u128::from(n) * u128::from(k) / 1000) as u64;
-        let scaled = |k: u64| Sizes { points: share(self.points, k), cells: share(self.cells, k), ..*self };
+        let scaled =
+            |k: u64| BufferSizes { points: share(self.points, k), cells: share(self.cells, k), ..*self };
         let would = (1..1000).rev().map(scaled).find(|sizes| sizes.fits(room));
         // Where nothing stands in parts, no smaller grid would do.
         let other = if parts.is_empty() { "another compositor or adapter" } else { "a smaller table" };
@@ -121,7 +122,7 @@ impl Sizes {
     }
 }
 
-/// What an array is called in errors.
+/// Name of an array in errors.
 fn name(array: GridArray) -> &'static str {
     match array {
         GridArray::Positions => "the grid's points",
@@ -134,36 +135,36 @@ fn name(array: GridArray) -> &'static str {
 }
 
 /// One of the grid's arrays on a device.
-pub(crate) struct Parted {
+pub(crate) struct SplitBuffer {
     pub buffers: Vec<wgpu::Buffer>,
 }
 
 /// One that grows.
 #[derive(Default)]
-pub(crate) struct GrowingParts(Vec<Growing>);
+pub(crate) struct GrowingSplitBuffer(Vec<GrowingBuffer>);
 
-impl GrowingParts {
+impl GrowingSplitBuffer {
     /// Room for so many elements.
     pub fn at_least(
         &mut self,
         device: &Device,
         array: GridArray,
-        sizes: &Sizes,
+        sizes: &BufferSizes,
         parts: Parts,
-    ) -> Result<Parted> {
-        self.0.resize_with(parts.count as usize, Growing::default);
+    ) -> Result<SplitBuffer> {
+        self.0.resize_with(parts.count as usize, GrowingBuffer::default);
         let bytes = array.bytes(sizes.stride);
         let make = |size: u64| device.storage(name(array), size);
-        let of = |(growing, part): (&mut Growing, u32)| {
+        let of = |(growing, part): (&mut GrowingBuffer, u32)| {
             growing.at_least(parts.length(part, sizes.count(array)) * bytes, make)
         };
-        Ok(Parted { buffers: self.0.iter_mut().zip(0..).map(of).collect::<Result<_>>()? })
+        Ok(SplitBuffer { buffers: self.0.iter_mut().zip(0..).map(of).collect::<Result<_>>()? })
     }
 }
 
 impl Device {
-    pub(crate) fn room(&self) -> Room {
-        Room { bytes: self.most_bytes(), buffers: self.limits.max_storage_buffers_per_shader_stage }
+    pub(crate) fn room(&self) -> BindingLimits {
+        BindingLimits { bytes: self.most_bytes(), buffers: self.limits.max_storage_buffers_per_shader_stage }
     }
 
     /// One of the grid's arrays with its content, element by element.
@@ -173,7 +174,7 @@ impl Device {
         parts: Parts,
         count: usize,
         element: impl Fn(usize) -> U + Sync,
-    ) -> Result<Parted> {
+    ) -> Result<SplitBuffer> {
         let mut buffers = Vec::new();
         let mut first = 0;
         for part in 0..parts.count {
@@ -181,7 +182,7 @@ impl Device {
             buffers.push(self.upload(name(array), length, |i| element(first + i))?);
             first += length;
         }
-        Ok(Parted { buffers })
+        Ok(SplitBuffer { buffers })
     }
 }
 
@@ -192,18 +193,25 @@ mod tests {
     const MIB: u64 = 1 << 20;
 
     /// A cube of points, six cells to a voxel.
-    fn cube(cells: u64) -> Sizes {
-        Sizes { points: cells / 6, cells, stride: 1, scene_buffers: 1, own_buffers: 3, ..Sizes::default() }
+    fn cube(cells: u64) -> BufferSizes {
+        BufferSizes {
+            points: cells / 6,
+            cells,
+            stride: 1,
+            scene_buffers: 1,
+            own_buffers: 3,
+            ..BufferSizes::default()
+        }
     }
 
     #[test]
     fn large_grids_stand_in_so_many_parts() {
-        let small = Room { bytes: 128 * MIB, buffers: 32 };
+        let small = BindingLimits { bytes: 128 * MIB, buffers: 32 };
         let count = |layout: Layout| GridArray::ALL.map(|array| layout.parts(array).count);
         // Positions, a quantity, seen points, attributes, tetrahedra, bounds: 24, 8, 16, 4 bytes a point, 16, 8 a cell.
         assert_eq!(count(cube(16_000_000).layout(small)), [1, 1, 1, 1, 2, 1]);
         assert_eq!(count(cube(100_000_000).layout(small)), [4, 1, 2, 1, 12, 6]);
-        let large = Room { bytes: 2048 * MIB, buffers: 32 };
+        let large = BindingLimits { bytes: 2048 * MIB, buffers: 32 };
         assert_eq!(count(cube(16_000_000).layout(large)), [1; 6]);
         assert_eq!(count(cube(100_000_000).layout(large)), [1; 6]);
         assert_eq!(count(cube(1_000_000_000).layout(large)), [3, 1, 2, 1, 8, 4]);
@@ -215,7 +223,7 @@ mod tests {
 
     #[test]
     fn what_has_too_many_parts_is_named_with_what_would_do() {
-        let room = Room { bytes: 128 * MIB, buffers: 10 };
+        let room = BindingLimits { bytes: 128 * MIB, buffers: 10 };
         cube(8_000_000).check(room, "it").expect("fits");
         let error = cube(100_000_000).check(room, "it").expect_err("does not fit").to_string();
         for word in ["25 buffers", "the grid's cells of 1526 MiB in 12 parts", "10 buffers of 128 MiB", "cpu"]
@@ -224,15 +232,19 @@ mod tests {
         }
         // 2²⁴ cells fill two bindings, and their bounds one.
         assert!(error.contains("about 16700000 such cells"), "{error}");
-        let error =
-            Sizes { texels: 1 << 28, ..cube(100) }.check(room, "it").expect_err("too large").to_string();
+        let error = BufferSizes { texels: 1 << 28, ..cube(100) }
+            .check(room, "it")
+            .expect_err("too large")
+            .to_string();
         assert!(
             error.contains("table of 4096 MiB in 32 parts") && error.contains("a smaller table"),
             "{error}"
         );
-        let vast = Sizes { points: 1 << 40, cells: 1 << 42, ..Sizes::default() };
-        let error =
-            vast.check(Room { bytes: u64::MAX, buffers: 1 << 20 }, "it").expect_err("too many").to_string();
+        let vast = BufferSizes { points: 1 << 40, cells: 1 << 42, ..BufferSizes::default() };
+        let error = vast
+            .check(BindingLimits { bytes: u64::MAX, buffers: 1 << 20 }, "it")
+            .expect_err("too many")
+            .to_string();
         assert!(error.contains("4398046511104 cells"), "{error}");
     }
 }

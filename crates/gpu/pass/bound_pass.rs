@@ -2,11 +2,11 @@
 //! 2.
 
 use crate::device::bindings::{Bound, in_order, own_kinds};
-use crate::device::open::Device;
+use crate::device::device_handle::Device;
 use crate::device::pipelines::Program;
 use crate::device::timing::{PassName, Timing};
-use crate::grid::parts::Parted;
-use crate::grid::uploaded::{DeviceGrid, Stored};
+use crate::grid::device_grid::{DeviceArray, DeviceGrid};
+use crate::grid::split_buffer::SplitBuffer;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_optics::engine::Stage;
@@ -14,7 +14,7 @@ use voltet_shaders::{Access, FramePass, GRID_GROUP, GridArray, Layout};
 use wgpu::{Buffer, CommandEncoder, ComputePipeline};
 
 /// A compiled pass and what is bound to it.
-pub(crate) struct Step {
+pub(crate) struct BoundPass {
     pub name: PassName,
     pub pipeline: Arc<ComputePipeline>,
     pub groups: Vec<(u32, wgpu::BindGroup)>,
@@ -37,17 +37,17 @@ fn stage(pass: FramePass) -> Stage {
 /// The grid's arrays, and those that the first passes make of them.
 pub(crate) struct GridArrays<'a> {
     pub grid: &'a DeviceGrid,
-    pub seen: Parted,
-    pub attributes: Parted,
-    pub bounds: Parted,
+    pub seen: SplitBuffer,
+    pub attributes: SplitBuffer,
+    pub bounds: SplitBuffer,
 }
 
 impl GridArrays<'_> {
-    /// What is bound to the group of the grid, in order. `quantity`: what [`GridArray::Quantity`] stands for.
+    /// Buffers bound to the group of the grid, in order. `quantity`: the array that [`GridArray::Quantity`] stands for.
     pub fn of<'b>(
         &'b self,
         arrays: &[(GridArray, Access)],
-        quantity: &'b Stored,
+        quantity: &'b DeviceArray,
     ) -> Vec<(Bound, &'b Buffer)> {
         let parts = |(array, access): &(GridArray, Access)| {
             let parted = match array {
@@ -71,7 +71,7 @@ pub(crate) fn scene_kinds(scene: &[(u32, &Buffer)]) -> Vec<(u32, Bound)> {
     scene.iter().map(|(binding, _)| (*binding, kind(*binding))).collect()
 }
 
-/// What is bound, by binding.
+/// Bound buffers, by binding.
 pub(crate) fn kinds(bound: &[(Bound, &Buffer)]) -> Vec<(u32, Bound)> {
     in_order(&bound.iter().map(|b| b.0).collect::<Vec<_>>())
 }
@@ -97,8 +97,8 @@ impl Binder<'_> {
         workgroups: [u32; 2],
         constants: Vec<(&'static str, f64)>,
         bindings: &[&Buffer],
-        quantity: &Stored,
-    ) -> Result<Step> {
+        quantity: &DeviceArray,
+    ) -> Result<BoundPass> {
         let in_grid = self.arrays.of(pass.grid_arrays(), quantity);
         let program = Program {
             shader: &pass.shader(self.layout),
@@ -108,7 +108,7 @@ impl Binder<'_> {
         };
         let pipeline = self.device.pipeline(&program)?;
         let groups = self.groups(&pipeline, bindings, &in_grid);
-        Ok(Step { name: (pass.entry_point(), stage(pass)), pipeline, groups, workgroups })
+        Ok(BoundPass { name: (pass.entry_point(), stage(pass)), pipeline, groups, workgroups })
     }
 
     /// Groups 1 and 2 of a pipeline.
@@ -128,7 +128,7 @@ impl Binder<'_> {
 }
 
 /// Runs a pass.
-pub(crate) fn run(encoder: &mut CommandEncoder, step: &Step, timing: &mut Timing) {
+pub(crate) fn run(encoder: &mut CommandEncoder, step: &BoundPass, timing: &mut Timing) {
     let descriptor =
         wgpu::ComputePassDescriptor { label: Some(step.name.0), timestamp_writes: timing.next(step.name) };
     let mut compute = encoder.begin_compute_pass(&descriptor);
@@ -144,7 +144,7 @@ pub(crate) fn folded(count: u32, most: u32) -> [u32; 2] {
     in_rows(count.div_ceil(64), most)
 }
 
-/// So many workgroups, or a few more, folded likewise.
+/// This number of workgroups, or a few more, folded likewise.
 pub(crate) fn in_rows(groups: u32, most: u32) -> [u32; 2] {
     let groups = groups.max(1);
     let rows = groups.div_ceil(most);
