@@ -9,7 +9,7 @@ pub const ORDER: Parameter = Parameter {
     name: "order",
     parameter_type: ParameterType::Choice(&VisibilityOrder::NAMES),
     unit: "",
-    standard: DefaultValue::Text("exact"),
+    default: DefaultValue::Text("exact"),
     help: "the order in which a pixel's ray segments are composited",
 };
 
