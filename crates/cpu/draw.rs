@@ -68,15 +68,14 @@ pub fn project(
         let bounds = (max_optical_depth, policy);
         samples.push(SubpixelView::new(&cells, camera, offset, &attributes, bounds, progress)?);
     }
-    drop(attributes);
     Ok(Projection { cells, camera: *camera, samples, max_optical_depth, policy })
 }
 
 /// Upper bound of the optical depth, or colour, that all widgets together give over a scene length (world units).
 pub(crate) fn max_optical_depth(transfer_function: &TransferFunction, length: f64) -> f64 {
     let max = |widget: &Widget| match transfer_function.model {
-        OpticalModel::DensityEmitter => widget.peak() * widget.brightest().max(1.0),
-        OpticalModel::ConstantEmitter { .. } => widget.peak().max(widget.brightest()),
+        OpticalModel::DensityEmitter => widget.peak() * widget.max_emission().max(1.0),
+        OpticalModel::ConstantEmitter { .. } => widget.peak().max(widget.max_emission()),
     };
     transfer_function.widgets.iter().map(max).sum::<f64>() / transfer_function.unit_distance * length
 }

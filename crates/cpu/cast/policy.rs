@@ -26,7 +26,7 @@ const OPAQUE_SCENE_DEPTH: f64 = 100.0;
 impl RayCastPolicy {
     /// Policy for a scene whose optical depth over the scene length is `max_optical_depth` at the densest place.
     pub fn new(transfer_function: &TransferFunction, max_optical_depth: f64) -> RayCastPolicy {
-        let (gain_of_segment, max_boundary) = match transfer_function.one_color() {
+        let (gain_of_segment, max_boundary) = match transfer_function.uniform_color() {
             None => (0.01, 1.0),
             Some(_) if OPAQUE_SCENE_DEPTH < max_optical_depth => (0.0, 0.2),
             Some(_) => (-0.01, 0.2),
