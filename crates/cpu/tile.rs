@@ -12,7 +12,7 @@ pub(crate) type TilePicture = [[f32; 4]; PIXELS];
 /// A tile's place in the picture.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TileRect {
-    /// Its number, row by row.
+    /// Number of the tile, row by row.
     pub tile: usize,
     /// Column and row of its first pixel.
     pub left: usize,

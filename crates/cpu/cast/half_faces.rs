@@ -1,6 +1,6 @@
 //! Half-faces: each face of a cell that is drawn, as rays come in by it.
 
-use super::mesh::{Mesh, NONE, Side};
+use super::mesh::{Mesh, NO_FACE, Side};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ pub(super) const ROTATION_BITS: u32 = 2;
 /// The half-faces of the cells that are drawn, four a cell by the corner opposite.
 #[derive(Debug)]
 pub(crate) struct HalfFaces {
-    /// Of each half-face the corner opposite, then for each of its three the half-face that a ray enters by which passes it on the
+    /// For each half-face the corner opposite, then for each of its three the half-face that a ray enters by which passes it on the
     /// other side, through the face without it: number << [`ROTATION_BITS`] | rotation, or [`EXIT_FLAG`] with the half-face that it leaves by. Bits in place
     /// of floats. Behind them the sentinel, which leads to itself.
     pub records: Vec<[f32; 4]>,
@@ -81,7 +81,7 @@ impl HalfFaces {
     pub fn new(mesh: &Mesh, tetrahedra: &[[u32; 4]], cells: &Arc<Vec<u32>>) -> HalfFaces {
         // Where all are drawn each has its own number.
         let places = (cells.len() < tetrahedra.len()).then(|| {
-            let mut places = vec![NONE; tetrahedra.len()];
+            let mut places = vec![NO_FACE; tetrahedra.len()];
             for (place, &cell) in cells.iter().enumerate() {
                 places[cell as usize] = place as u32;
             }
@@ -144,8 +144,8 @@ impl CellCorners<'_> {
         let mut behind = [EXIT_FLAG; 4];
         for (face, behind) in behind.iter_mut().enumerate() {
             let there = mesh.neighbours[4 * self.cell + face];
-            let place = if there == NONE { NONE } else { place_of(there / 4) };
-            if place == NONE {
+            let place = if there == NO_FACE { NO_FACE } else { place_of(there / 4) };
+            if place == NO_FACE {
                 let half_face = 4 * self.place + face as u32;
                 *behind = EXIT_FLAG | half_face;
                 boundary.push(BoundaryFace { half_face, corners: order[face].map(|k| self.corners[k]) });

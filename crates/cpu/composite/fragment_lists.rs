@@ -77,7 +77,7 @@ impl FragmentLists {
         self.counts(row).iter().copied().max().unwrap_or(0) as usize
     }
 
-    /// Whether a pixel has more than [`MAX_LIST_LENGTH`].
+    /// True if a list is longer than [`MAX_LIST_LENGTH`].
     pub fn is_over_full(&self) -> bool {
         let over = self.next.0.iter().zip(&FIRST_SLOTS.0).take(PIXELS);
         over.fold(false, |any, (next, first)| any | (first + (MAX_LIST_LENGTH as u32) < *next))

@@ -36,7 +36,7 @@ pub(super) struct ContributingCells {
 }
 
 /// No cell.
-const NONE: u32 = u32::MAX;
+const NO_CELL: u32 = u32::MAX;
 
 impl ContributingCells {
     /// True if the query would find the same.
@@ -47,7 +47,7 @@ impl ContributingCells {
     /// Tests the cells, unless a sample shows that this would not pay; `exact`: always.
     pub fn find(query: &CullQuery, fields: &[&str], exact: bool) -> ContributingCells {
         let examples: Vec<AtomicU32> =
-            (0..query.support.widget_count()).map(|_| AtomicU32::new(NONE)).collect();
+            (0..query.support.widget_count()).map(|_| AtomicU32::new(NO_CELL)).collect();
         let total = query.tetrahedra.len();
         let sample = (total >= MIN_CELLS_TO_SAMPLE && !exact).then(|| sample(query, &examples));
         let culling_skipped =
@@ -57,7 +57,7 @@ impl ContributingCells {
             None => test_all(query, &examples),
         };
         let example = |(widget, example): (usize, AtomicU32)| match example.into_inner() {
-            NONE => query.example(widget, &cells),
+            NO_CELL => query.example(widget, &cells),
             id => Some(id),
         };
         let examples = examples.into_iter().enumerate().map(example).collect();

@@ -1,18 +1,18 @@
-//! Crossings: where each fragment's ray enters and leaves its cell, and the attributes there.
+//! Crossings: entry and exit of each fragment's ray in its cell, and the attributes there.
 
 use crate::fragments::batch::{Batch, MAX_LANES, meant};
 use crate::project::projected_cell::{AttributePlane, CELL_WORDS, ProjectedCell};
 use crate::tile::TILE;
 use voltet_simd::{Float, Lanes, Unsigned, array, inlined};
 
-/// Records of up to `WIDTH` cells, word by word, cells side by side.
+/// SoA packet of up to `WIDTH` projected cells: word by word, cells side by side.
 pub(crate) struct CellPacket {
     words: Words<CELL_WORDS>,
     pixel_x: [f32; MAX_LANES],
     pixel_y: [f32; MAX_LANES],
-    /// Of each attribute, and words that nobody looks at.
+    /// Words of each attribute, then padding.
     attributes: Vec<Words<8>>,
-    /// As they came, cell by cell.
+    /// Planes cell by cell.
     records: [ProjectedCell; MAX_LANES],
     attribute_records: Vec<[[[f32; 4]; 2]; MAX_LANES]>,
 }
@@ -61,7 +61,7 @@ impl CellPacket {
         }
     }
 
-    /// Makes ready what was taken; pixels become relative to the tile at (`left`, `top`).
+    /// Transposes the cells; pixels become relative to the tile at (`left`, `top`).
     #[inline(always)]
     pub fn transpose<L: Lanes>(&mut self, left: usize, top: usize) {
         self.words.transpose::<L>(bytemuck::cast_slice(&self.records), CELL_WORDS as u32 / 4);
@@ -159,10 +159,10 @@ impl CellPacket {
     }
 }
 
-/// Where the near plane cuts cells: its v as scale × distance + offset, and its depth from the distance origin.
+/// Near plane, where it cuts cells: its v as scale × distance + offset, and its depth from the distance origin.
 pub(crate) type Near = Option<[f32; 3]>;
 
-/// What is known of the cells of a group, in registers.
+/// Planes of a packet's cells, in registers.
 struct Planes<L: Lanes> {
     planes: [[L::F; 3]; 4],
     depth: L::F,
@@ -186,7 +186,7 @@ struct Crossing<L: Lanes> {
     q: [L::F; 2],
     depth: L::F,
     distance: L::F,
-    /// Where the near plane cuts, and its depth.
+    /// Lanes that the near plane cuts, and its depth.
     cut: Option<(L::M, f32)>,
 }
 

@@ -1,4 +1,4 @@
-//! Spans of single cells, against the crossings that cells in 64 bits ask for.
+//! Spans of single cells, against the crossings that precise cells use.
 
 use super::spans::{Edges, Fragments};
 use crate::fragments::slots::{DUMMY_SLOT, NextSlots};
@@ -51,7 +51,7 @@ impl Kernel for Listed<'_> {
     }
 }
 
-/// The same from each row's crossings.
+/// Fragments from each row's crossings.
 fn expected(corners: [&ScreenVertex; 4], tile: [usize; 2]) -> Vec<u16> {
     let mut codes = Vec::new();
     for row in 0..TILE {

@@ -33,11 +33,11 @@ struct Face {
     side: f64,
     /// normal · (opposite corner − on).
     height: f64,
-    /// Where it is seen edge-on.
+    /// The face as a line on the screen, where it is seen edge-on.
     outline: Option<EdgeOnFace>,
 }
 
-/// Where a ray crosses such a cell.
+/// Crossing of a ray with a precise cell.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PreciseCrossing {
     /// Depth of entry and exit, scene lengths.
@@ -129,7 +129,7 @@ impl PreciseCell {
     }
 }
 
-/// Whether the corners lie in a plane, as far as 64 bits can say: a ray's way through the cell is then under
+/// True if the corners lie in a plane, as far as 64 bits can say: a ray's length in the cell is then under
 /// 1e-14 of its size.
 fn flat(corners: [DVec3; 4]) -> bool {
     let edges = [1, 2, 3].map(|k| corners[k] - corners[0]);
