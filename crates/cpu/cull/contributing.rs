@@ -79,14 +79,14 @@ fn sample(query: &CullQuery, examples: &[AtomicU32]) -> CullSample {
         // At another position in each interval (multiples of the golden ratio), lest rows of a grid are always sampled at the same.
         let position = (length_per_depth as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32;
         let first = length_per_depth * INTERVAL + (position as usize) % (INTERVAL - RUN);
-        let mut first_overlapping_widget = 0;
+        let mut widget = 0;
         let dropped = (first..first + RUN).filter(|&id| {
-            let found = query.first_overlapping_widget(id, first_overlapping_widget);
-            found.inspect(|&widget| {
-                first_overlapping_widget = widget;
+            let overlapping = query.first_overlapping_widget(id, widget);
+            overlapping.inspect(|&overlapping| {
+                widget = overlapping;
                 examples[widget].store(id as u32, Ordering::Relaxed);
             });
-            found.is_none()
+            overlapping.is_none()
         });
         dropped.count() as u64
     };
@@ -99,7 +99,7 @@ fn test_all(query: &CullQuery, examples: &[AtomicU32]) -> Vec<u32> {
     let total = query.tetrahedra.len();
     let blocks = (query.blocks)();
     let parts = blocks.par_chunks(BLOCKS_AT_ONCE).enumerate().map(|(part, blocks)| {
-        let (mut touched, mut first_overlapping_widget) = (Vec::new(), 0);
+        let (mut cells_met, mut widget) = (Vec::new(), 0);
         for (k, block) in blocks.iter().enumerate() {
             let first = (part * BLOCKS_AT_ONCE + k) * BLOCK;
             let cells = first..(first + BLOCK).min(total);
@@ -107,17 +107,16 @@ fn test_all(query: &CullQuery, examples: &[AtomicU32]) -> Vec<u32> {
                 BlockClass::Outside => {}
                 BlockClass::Inside(widget) => {
                     examples[widget].store(first as u32, Ordering::Relaxed);
-                    touched.extend(cells.map(|id| id as u32));
+                    cells_met.extend(cells.map(|id| id as u32));
                 }
-                BlockClass::Straddling => touched.extend(cells.filter_map(|id| {
-                    first_overlapping_widget =
-                        query.first_overlapping_widget(id, first_overlapping_widget)?;
-                    examples[first_overlapping_widget].store(id as u32, Ordering::Relaxed);
+                BlockClass::Straddling => cells_met.extend(cells.filter_map(|id| {
+                    widget = query.first_overlapping_widget(id, widget)?;
+                    examples[widget].store(id as u32, Ordering::Relaxed);
                     Some(id as u32)
                 })),
             }
         }
-        touched
+        cells_met
     });
     parts.collect::<Vec<_>>().concat()
 }

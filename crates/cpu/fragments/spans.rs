@@ -27,7 +27,7 @@ pub(crate) struct Fragments {
     /// Codes; the first `count` are valid.
     pub codes: Vec<u16>,
     /// Slot of each in the lists, where there are any.
-    pub places: Vec<u32>,
+    pub slots: Vec<u32>,
     /// Number of fragments.
     pub count: usize,
     /// See [`Edges::spans`], row by row.
@@ -168,7 +168,7 @@ impl Fragments {
         let room = lanes * TILE * TILE + PADDING;
         Fragments {
             codes: vec![0; room],
-            places: vec![0; room],
+            slots: vec![0; room],
             count: 0,
             spans: Cells([[0; MAX_LANES]; TILE]),
         }
@@ -196,7 +196,7 @@ impl Fragments {
         self.list::<L>(rows, cells, next);
     }
 
-    /// Codes from spans, cell by cell, and places in lists.
+    /// Codes from spans, cell by cell, and slots of lists.
     #[inline(always)]
     fn list<L: Lanes>(
         &mut self,
@@ -204,8 +204,8 @@ impl Fragments {
         cells: usize,
         mut next: Option<&mut NextSlots>,
     ) {
-        let Fragments { codes, places, spans, .. } = self;
-        let (codes, places) = (codes.as_mut_slice(), places.as_mut_slice());
+        let Fragments { codes, slots, spans, .. } = self;
+        let (codes, slots) = (codes.as_mut_slice(), slots.as_mut_slice());
         let mut count = 0;
         for (lane, (&start, &end)) in starts.iter().zip(&ends).take(cells).enumerate() {
             for row in start as usize..(end as usize).min(TILE) {
@@ -217,7 +217,7 @@ impl Fragments {
                     *out = code.wrapping_add(k as u16);
                 }
                 if let Some(next) = &mut next {
-                    take_places::<L>(next, row, from..from + length, &mut places[count..count + TILE]);
+                    take_slots::<L>(next, row, from..from + length, &mut slots[count..count + TILE]);
                 }
                 count += length;
             }
@@ -225,24 +225,24 @@ impl Fragments {
         self.count = count;
         if next.is_some() {
             // A vector may read past the end.
-            places[count..count + MAX_LANES].fill(DUMMY_SLOT);
+            slots[count..count + MAX_LANES].fill(DUMMY_SLOT);
         }
     }
 }
 
-/// A place for each column of a span, in the first of `places`; what follows there is of no account.
+/// Takes a slot for each column of a span, in the first of `slots`; those that follow are not valid.
 #[inline(always)]
-fn take_places<L: Lanes>(next: &mut NextSlots, row: usize, span: std::ops::Range<usize>, places: &mut [u32]) {
+fn take_slots<L: Lanes>(next: &mut NextSlots, row: usize, span: std::ops::Range<usize>, slots: &mut [u32]) {
     if L::WIDTH == TILE {
         // No load spans what two stores wrote.
         let of_row = &mut next.0[row * TILE..][..TILE];
         let (from, to) = (L::U::splat(span.start as u32), L::U::splat(span.end as u32));
         let value = L::U::load(of_row);
-        value.permute((L::U::iota() + from).and(L::U::splat(TILE as u32 - 1))).store(places);
+        value.permute((L::U::iota() + from).and(L::U::splat(TILE as u32 - 1))).store(slots);
         taken_of::<L>(value, 0, from, to).store(of_row);
         return;
     }
-    places.copy_from_slice(&next.0[row * TILE + span.start..][..TILE]);
+    slots.copy_from_slice(&next.0[row * TILE + span.start..][..TILE]);
     let (from, to) = (L::U::splat(span.start as u32), L::U::splat(span.end as u32));
     for half in (0..TILE).step_by(L::WIDTH) {
         let of_half = &mut next.0[row * TILE + half..];

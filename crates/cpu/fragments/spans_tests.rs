@@ -44,8 +44,8 @@ impl Kernel for Listed<'_> {
             edges.find::<L>(0, 0, &(0..TILE));
             fragments.cover::<L>(&edges, cells.len(), TILE, Some(&mut next));
             let codes = fragments.codes.iter().map(|code| code & 255);
-            all.extend(codes.zip(fragments.places.iter().copied()).take(fragments.count));
-            assert!(fragments.places[fragments.count..][..L::WIDTH].iter().all(|place| *place == DUMMY_SLOT));
+            all.extend(codes.zip(fragments.slots.iter().copied()).take(fragments.count));
+            assert!(fragments.slots[fragments.count..][..L::WIDTH].iter().all(|place| *place == DUMMY_SLOT));
         }
         all
     }

@@ -1,6 +1,6 @@
-//! Project: cells to records, and records to tiles.
+//! Projection kernel: cells to face planes in screen space, and the tiles that they touch.
 //!
-//! One pass over the kept cells in grid order, as many at a time as the processor has 64-bit lanes. Cells that
+//! One pass over the selected cells in grid order, as many at a time as the processor has 64-bit lanes. Cells that
 //! cover no pixel centre go no further. Cells that 32 bits cannot hold (behind or very near the eye, slivers
 //! beyond 1 : 4,000, cells flatter than the pixel coordinates resolve) are set apart and crossed in 64 bits by [`super::cell64`].
 
@@ -183,9 +183,9 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
         let area = normal[2].abs();
         areas = areas + area;
         if may_be_edge_on(area, reach).bits() & ordinary != 0 {
-            let seen = edge_on(face(&x, k), face(&y, k), area);
-            bounded = bounded.and(seen.edge_on.not());
-            ill |= seen.undecided.bits();
+            let class = edge_on(face(&x, k), face(&y, k), area);
+            bounded = bounded.and(class.edge_on.not());
+            ill |= class.undecided.bits();
         }
         let across = a.abs() * (x1 - x0) + b.abs() * (y1 - y0);
         let within = (a.abs() + b.abs()) * narrow;
@@ -198,7 +198,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
         front_bits[k] = faces_eye.bits();
     }
 
-    // The thickest place of a flat cell measures the determinant over the area that it covers, half of the areas' sum.
+    // The greatest thickness of a flat cell is the determinant over the area that it covers, half of the areas' sum.
     let dense = splat(DENSE_CELL_DEPTH).lt(range * depth * splat(input.max_optical_depth)).bits();
     if dense & ordinary != 0 {
         ill |= dense & (splat(FLATNESS) * determinant.abs()).lt(range * areas * splat(0.5)).bits();
@@ -256,7 +256,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
         high.store_f32(&mut stored[5]);
     }
     // A determinant that the rounding of the pixel coordinates could have made says nothing: in 64 bits, without
-    // pixels, a cell whose points lie on a line or a plane is seen to have no volume.
+    // pixels, a cell whose points lie on a line or a plane is found to have no volume.
     let mut across = zero;
     for normal in [&n1, &n2, &n3] {
         across = across + (normal[0].abs() + normal[1].abs());

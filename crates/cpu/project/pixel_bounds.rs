@@ -46,15 +46,15 @@ pub(crate) fn max_of<D: Double>(c: &[D; 4]) -> D {
 impl<D: Double> Corners<D> {
     /// `group`: numbers of the tetrahedra, at least one; the lanes behind them are filled with the last.
     #[inline(always)]
-    pub fn gather(seen: &[ScreenVertex], tetrahedra: &[[u32; 4]], group: &[u32]) -> Corners<D> {
+    pub fn gather(vertices: &[ScreenVertex], tetrahedra: &[[u32; 4]], group: &[u32]) -> Corners<D> {
         let [mut x, mut y, mut z] = [[[0.0; MAX_DOUBLE_LANES]; 4]; 3];
         for lane in 0..D::COUNT {
             let tetrahedron = &tetrahedra[group[lane.min(group.len() - 1)] as usize];
             for (k, &point) in tetrahedron.iter().enumerate() {
-                let seen = &seen[point as usize];
-                x[k][lane] = seen.x;
-                y[k][lane] = seen.y;
-                z[k][lane] = seen.z;
+                let vertex = &vertices[point as usize];
+                x[k][lane] = vertex.x;
+                y[k][lane] = vertex.y;
+                z[k][lane] = vertex.z;
             }
         }
         Corners { x: load(&x), y: load(&y), z: load(&z) }

@@ -87,8 +87,8 @@ impl RegionBinner<'_> {
         let none = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
         let join =
             |a: [f64; 4], b: [f64; 4]| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])];
-        let seen = self.input.screen_vertices.par_iter().with_min_len(1 << 14);
-        let [x0, y0, x1, y1] = seen.map(|s| [s.x, s.y, s.x, s.y]).reduce(|| none, join);
+        let vertices = self.input.screen_vertices.par_iter().with_min_len(1 << 14);
+        let [x0, y0, x1, y1] = vertices.map(|s| [s.x, s.y, s.x, s.y]).reduce(|| none, join);
         let [columns, rows] = self.input.area.size();
         // A cast from float saturates.
         let tiles = |low: f64, high: f64, max: usize| {
