@@ -75,10 +75,10 @@ impl ContributingCells {
 /// Tests one cell in 64.
 fn sample(query: &CullQuery, examples: &[AtomicU32]) -> CullSample {
     let intervals = query.tetrahedra.len() / INTERVAL;
-    let of = |length_per_depth: usize| {
+    let of = |interval: usize| {
         // At another position in each interval (multiples of the golden ratio), lest rows of a grid are always sampled at the same.
-        let position = (length_per_depth as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32;
-        let first = length_per_depth * INTERVAL + (position as usize) % (INTERVAL - RUN);
+        let position = (interval as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32;
+        let first = interval * INTERVAL + (position as usize) % (INTERVAL - RUN);
         let mut widget = 0;
         let dropped = (first..first + RUN).filter(|&id| {
             let overlapping = query.first_overlapping_widget(id, widget);
@@ -99,7 +99,7 @@ fn test_all(query: &CullQuery, examples: &[AtomicU32]) -> Vec<u32> {
     let total = query.tetrahedra.len();
     let blocks = (query.blocks)();
     let parts = blocks.par_chunks(BLOCKS_AT_ONCE).enumerate().map(|(part, blocks)| {
-        let (mut cells_met, mut widget) = (Vec::new(), 0);
+        let (mut contributing, mut widget) = (Vec::new(), 0);
         for (k, block) in blocks.iter().enumerate() {
             let first = (part * BLOCKS_AT_ONCE + k) * BLOCK;
             let cells = first..(first + BLOCK).min(total);
@@ -107,16 +107,16 @@ fn test_all(query: &CullQuery, examples: &[AtomicU32]) -> Vec<u32> {
                 BlockClass::Outside => {}
                 BlockClass::Inside(widget) => {
                     examples[widget].store(first as u32, Ordering::Relaxed);
-                    cells_met.extend(cells.map(|id| id as u32));
+                    contributing.extend(cells.map(|id| id as u32));
                 }
-                BlockClass::Straddling => cells_met.extend(cells.filter_map(|id| {
+                BlockClass::Straddling => contributing.extend(cells.filter_map(|id| {
                     widget = query.first_overlapping_widget(id, widget)?;
                     examples[widget].store(id as u32, Ordering::Relaxed);
                     Some(id as u32)
                 })),
             }
         }
-        cells_met
+        contributing
     });
     parts.collect::<Vec<_>>().concat()
 }
