@@ -158,7 +158,7 @@ pub struct Plugins {
     ///
     /// Pipelines name them as what ships: gradient filters by `method`, the others by `type`; `voltet nodes --plugin PATH` lists
     /// them. The libraries that
-    /// the user's own file plugins.toml names are loaded as well. No pipeline file can load any. See docs/plugins.md.
+    /// the user's own file plugins.toml names are loaded as well. No pipeline file can load any. See docs/src/how-to/plugins.md.
     #[arg(long = "plugin", value_name = "PATH")]
     pub plugin_files: Vec<PathBuf>,
     /// Load and run plug-ins in a process of their own, so that one that crashes does not end this program.
