@@ -12,9 +12,8 @@ const STEP: f32 = 1.0 / 255.0;
 /// The share of the pixels that show something from which on a picture counts as opaque: at outlines rays are short.
 const OPAQUE_SHARE: f64 = 0.999;
 
-/// What is to be said of a picture: that it shows nothing, next to nothing or only what lies in front, and of colours that were
-/// hardly meant.
-pub(super) fn warnings(scene: &Scene, counts: &RenderStats, picture: &Picture) -> Vec<String> {
+/// Warnings about a picture that shows nothing, next to nothing or only the front, and about colours beyond the usual range.
+pub fn warnings(scene: &Scene, counts: &RenderStats, picture: &Picture) -> Vec<String> {
     let mut warnings = too_bright(scene);
     let widgets = &scene.transfer_function.widgets;
     let Some(seen) = Seen::of(picture).filter(|_| !widgets.is_empty()) else { return warnings };
@@ -142,7 +141,8 @@ fn where_to_look(scene: &Scene) -> String {
 /// Widgets whose colours are brighter than white.
 fn too_bright(scene: &Scene) -> Vec<String> {
     let widgets = scene.transfer_function.widgets.iter().enumerate();
-    let bright = widgets.map(|(i, widget)| (i, widget.brightest())).filter(|(_, brightest)| *brightest > 1.0);
+    let bright =
+        widgets.map(|(i, widget)| (i, widget.max_emission())).filter(|(_, brightest)| *brightest > 1.0);
     let said = |(i, brightest): (usize, f64)| {
         let meant = match brightest > 2.0 && brightest <= 255.0 {
             true => "; was 0 to 255 meant? Then (c / 255)^2.2 is about the linear one",

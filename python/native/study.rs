@@ -1,16 +1,16 @@
 //! Error against run time, as `voltet study` measures it.
 
-use crate::until::Told;
+use crate::depth_limit::NodeProgress;
 use std::path::PathBuf;
 use std::time::Duration;
-use voltet::study::work_precision::{
-    Benches, Engines, Frames, Measure, Subject, Wish, cache_folder, json, reference, studied,
-    study as measure, write,
-};
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_graph::{Graph, Observer, suggest};
 use voltet_nodes::drawing::ENGINES;
+use voltet_study::work_precision::{
+    Benches, Engines, Frames, Measure, Subject, Wish, cache_folder, json, reference, studied,
+    study as measure, write,
+};
 
 /// What is asked of a study, as on the command line.
 pub struct Asked {
@@ -83,7 +83,7 @@ pub fn study(
     observer: &dyn Observer,
 ) -> Result<(String, Picture)> {
     let wish = asked.wish()?;
-    let progress = Told { observer, node: "study" };
+    let progress = NodeProgress { observer, node: "study" };
     let mut session = voltet_nodes::session();
     let subject = Subject::gather(graph, asked.node.as_deref(), false, &mut session, observer)?;
     let benches = Benches::open(&subject, &wish)?;
