@@ -51,7 +51,7 @@ pub fn run_report(file: &str, report: &RunReport, stated: &ResolvedPipeline) -> 
         "seconds": report.seconds,
         "nodes": report.nodes,
         "counts": counts,
-        "left_out": report.left_out,
+        "left_out": report.skipped,
         "findings": report.findings,
         "warnings": report.warnings,
         "files": report.files,
