@@ -19,8 +19,8 @@ pub const VECTOR: u32 = 6;
 pub const POINT_ARRAY: u32 = 7;
 
 pub const REQUIRED: u32 = 1;
-pub const ABOVE_LEAST: u32 = 2;
-pub const BELOW_MOST: u32 = 4;
+pub const EXCLUSIVE_MIN: u32 = 2;
+pub const EXCLUSIVE_MAX: u32 = 4;
 
 pub const NEEDS_NEIGHBOURS: u32 = 1;
 pub const NEEDS_CELLS_OF_POINTS: u32 = 2;
@@ -80,8 +80,8 @@ pub struct Parameter {
     pub help: *const c_char,
     pub flags: u32,
     pub length: u32,
-    pub least: f64,
-    pub most: f64,
+    pub min: f64,
+    pub max: f64,
     pub number: f64,
     pub text: *const c_char,
     pub numbers: *const f64,

@@ -29,7 +29,7 @@ pub(crate) fn parameters(
 fn parameter(read: &interface::Parameter, name: &str) -> Result<Parameter, Wrong> {
     let unit = line("the unit", read.unit, NAME_MOST)?.unwrap_or_default();
     let help = required("the help", line("the help", read.help, TEXT_MOST)?)?;
-    let known = interface::REQUIRED | interface::ABOVE_LEAST | interface::BELOW_MOST;
+    let known = interface::REQUIRED | interface::EXCLUSIVE_MIN | interface::EXCLUSIVE_MAX;
     if read.flags & !known != 0 {
         return Err(format!("'flags' has some that this version does not know: {:#x}", read.flags));
     }
@@ -106,12 +106,12 @@ fn unset(read: &interface::Parameter) -> Result<DefaultValue, Wrong> {
 
 /// The range of numbers; both ends 0: none.
 fn range(read: &interface::Parameter) -> Result<Range, Wrong> {
-    let (min, max) = (read.least, read.most);
+    let (min, max) = (read.min, read.max);
     if min == 0.0 && max == 0.0 {
         return Ok(Range::ANY);
     }
-    let above_min = read.flags & interface::ABOVE_LEAST != 0;
-    let below_max = read.flags & interface::BELOW_MOST != 0;
+    let above_min = read.flags & interface::EXCLUSIVE_MIN != 0;
+    let below_max = read.flags & interface::EXCLUSIVE_MAX != 0;
     if min.is_nan() || max.is_nan() || min > max || (min == max && (above_min || below_max)) {
         return Err(format!("no number is in its range, from {min} to {max}"));
     }
