@@ -1,4 +1,4 @@
-//! What a call reads and writes, by the file that is meant: no output may be an input or another output.
+//! Conflicts of inputs and outputs of a call, by file identity: no output may be an input or another output.
 
 use crate::Document;
 use crate::core::Error;
@@ -12,7 +12,7 @@ use std::path::PathBuf;
 pub struct OptionFile {
     /// The path.
     pub path: PathBuf,
-    /// Whether it is written; it is read otherwise.
+    /// True if it is written, false if it is read.
     pub written: bool,
     /// The option as typed.
     pub option: String,
@@ -26,7 +26,7 @@ impl OptionFile {
     }
 }
 
-/// A use of a file, with what is said about it.
+/// A use of a file, with its description for messages.
 struct Entry<'a> {
     one: Use,
     /// "'path' of the node 'file'".
@@ -50,8 +50,8 @@ impl Entry<'_> {
     }
 }
 
-/// Refuses a call that would write over what it reads or has written. `nodes_write`: whether the nodes that write run.
-/// The error comes with the text that it points into.
+/// Refuses a call that would overwrite its inputs or outputs. `nodes_write`: true if the writers run. The error comes with the text
+/// that it points into.
 pub fn refuse<'a>(
     documents: impl IntoIterator<Item = &'a Document>,
     nodes_write: bool,
@@ -93,7 +93,7 @@ pub fn refuse<'a>(
     Err(((writer.blame)(error), writer.document.map(|document| document.text.as_str())))
 }
 
-/// What is read with a file because it names it.
+/// Files that are read with a file because it names them.
 fn beside<'a>(entry: &Entry<'a>) -> Vec<Entry<'a>> {
     let by = format!("the data file '{}'", entry.one.path.display());
     let of = |path| Entry {

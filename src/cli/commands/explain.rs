@@ -1,6 +1,6 @@
 //! `voltet explain`: what will run, on which engine, what is left out and why. Reads headers of data files, no data.
 
-use super::outcome::{DONE, show, warn};
+use super::exit_status::{DONE, show, warn};
 use super::pipelines::open;
 use crate::Document;
 use crate::cli::arguments::Explain;
@@ -33,7 +33,7 @@ pub fn explain(arguments: &Explain, registry: &Registry) -> Result<u8> {
     }
 }
 
-/// The plan in words.
+/// Text of the plan.
 fn explained(document: &Document, plan: &Plan, unknown: &[usize], no_leave_out: bool) -> String {
     let graph = &document.graph;
     let mut text = format!("{}", document.path.display());
@@ -50,7 +50,7 @@ fn explained(document: &Document, plan: &Plan, unknown: &[usize], no_leave_out: 
         let mut parts: Vec<String> = Vec::new();
         let given = node.parameters.iter().filter(|(p, _, given)| *given && p.name != "widgets");
         parts.extend(given.filter_map(|(p, s, _)| Some(format!("{} = {}", p.name, s?.datum))));
-        parts.extend(asked(node, &plan.demands[i]));
+        parts.extend(demand_text(node, &plan.demands[i]));
         let line = format!("  {:names$}  {:types$}  {}", node.name, node.node.name, parts.join("; "));
         text += line.trim_end();
         text += "\n";
@@ -86,27 +86,27 @@ fn explained(document: &Document, plan: &Plan, unknown: &[usize], no_leave_out: 
     text
 }
 
-/// What leaving it out saves, in brackets.
+/// Saving of skipped work, in brackets.
 fn saved(left: &SkippedWork) -> String {
     left.saving.map(|saving| format!(" (saves {saving})")).unwrap_or_default()
 }
 
-/// Whether a node's numbers, or those of its widgets, are relative to data.
+/// True if numbers of a node, or of its widgets, are relative to data.
 fn is_relative(node: &GraphNode) -> bool {
     let widgets = node.parameters.kinds("widgets").unwrap_or_default();
     let tables = std::iter::once(&node.parameters).chain(widgets.iter().map(|(_, keys)| keys));
     tables.into_iter().any(|parameters| !parameters.relative_numbers().is_empty())
 }
 
-/// Whether some transfer function has bands.
+/// True if some transfer function has bands.
 fn waves(graph: &Graph) -> bool {
     let mut kinds =
         graph.order.iter().flat_map(|&i| graph.nodes[i].parameters.kinds("widgets").unwrap_or_default());
     kinds.any(|(kind, _)| kind.ends_with("-wave"))
 }
 
-/// What is asked of a node, where that says more than its type.
-fn asked(node: &GraphNode, demand: &Demand) -> Option<String> {
+/// Demand on a node, where it says more than its type.
+fn demand_text(node: &GraphNode, demand: &Demand) -> Option<String> {
     let first = node.node.outputs.first()?.port_type;
     let mut asked: Vec<String> = Vec::new();
     if first == PortType::Grid || first == PortType::Volume {

@@ -1,6 +1,6 @@
 //! `voltet run`: runs pipeline files headless.
 
-use super::outcome::{DONE, code, show, warn};
+use super::exit_status::{DONE, code, show, warn};
 use super::pipelines::open_all;
 use crate::Document;
 use crate::cli::arguments::Run;
@@ -97,7 +97,7 @@ fn outputs(documents: &[Document]) -> impl Iterator<Item = PathBuf> {
     documents.iter().flat_map(written)
 }
 
-/// How a file is run, whether leaving nothing out, in turn. The first run finds cold caches and counts for neither way.
+/// Order of runs, exhaustive ones true. The first run has cold caches and counts for neither way.
 const TURNS: [bool; 5] = [false, true, false, true, false];
 
 /// The file's run that leaves nothing out, and how it compares with the usual one: the fastest of each, every run from a
