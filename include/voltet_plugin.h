@@ -113,12 +113,13 @@ enum {
 enum {
     VOLTET_REQUIRED = 1,      /* The pipeline file must give it; there is no default. */
     VOLTET_EXCLUSIVE_MIN = 2, /* `min` itself is excluded. */
-    VOLTET_EXCLUSIVE_MAX = 4  /* `max` itself is excluded. */
+    VOLTET_EXCLUSIVE_MAX = 4, /* `max` itself is excluded. */
+    /* Names of these until version 0.2 of voltet. */
+    VOLTET_ABOVE_LEAST = VOLTET_EXCLUSIVE_MIN,
+    VOLTET_BELOW_MOST = VOLTET_EXCLUSIVE_MAX
 };
 
-/* Former names, for one release; those of the fields `min` and `max` with VOLTET_OLD_NAMES defined before this header. */
-#define VOLTET_ABOVE_LEAST VOLTET_EXCLUSIVE_MIN
-#define VOLTET_BELOW_MOST VOLTET_EXCLUSIVE_MAX
+/* Names of the fields `min` and `max` until version 0.2, where VOLTET_OLD_NAMES is defined before this header. */
 #ifdef VOLTET_OLD_NAMES
 #define least min
 #define most max

@@ -45,7 +45,7 @@ pub type GetFactory = unsafe extern "C-unwind" fn(*const c_char) -> *const c_voi
 pub type Count = unsafe extern "C-unwind" fn() -> u32;
 pub type At = unsafe extern "C-unwind" fn(u32) -> *const c_void;
 pub type Check = unsafe extern "C-unwind" fn(*const Values, *const Host) -> i32;
-pub type Gradient = unsafe extern "C-unwind" fn(*const Call, *const Host) -> i32;
+pub type Gradient = unsafe extern "C-unwind" fn(*const GradientCall, *const Host) -> i32;
 pub type Read = unsafe extern "C-unwind" fn(*const Reading, *const Host) -> i32;
 pub type FilterGrid = unsafe extern "C-unwind" fn(*const GridCall, *const Host) -> i32;
 pub type FilterImage = unsafe extern "C-unwind" fn(*const ImageCall, *const Host) -> i32;
@@ -104,7 +104,7 @@ pub struct Values {
 }
 
 #[repr(C)]
-pub struct Call {
+pub struct GradientCall {
     pub size: u32,
     pub reserved: u32,
     pub point_count: u64,

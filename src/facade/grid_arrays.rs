@@ -75,7 +75,7 @@ pub struct NamedArray {
 /// Builds the grid. Its scalar is left open where none is named and several are possible.
 pub fn build_grid(source: BorrowedGrid, progress: &dyn Progress) -> Result<Grid> {
     let cells = raw_cells(source.cells)?;
-    let points = SharedSlice::lent(points_of(source.points)?, source.keep.clone());
+    let points = SharedSlice::from_borrowed(points_of(source.points)?, source.keep.clone());
     let mut parts = RawGrid::new(points, cells);
     if source.arrays.is_empty() {
         return Err(Error::usage("the grid has no arrays").expected("at least the scalar that is drawn"));
@@ -89,7 +89,7 @@ pub fn build_grid(source: BorrowedGrid, progress: &dyn Progress) -> Result<Grid>
     if let Some(borrowed) =
         plain_tetrahedra(source.cells).filter(|cells| grid.tetrahedra.as_slice() == *cells)
     {
-        grid.tetrahedra = SharedSlice::lent(borrowed, source.keep);
+        grid.tetrahedra = SharedSlice::from_borrowed(borrowed, source.keep);
     }
     if let Some(name) = scalar {
         grid.scalar = grid.point_arrays.get(&name).map(|array| array.values.clone());

@@ -289,9 +289,9 @@ impl PipelineSource for Text {
     }
 
     fn locate(&self, error: Error) -> Error {
-        let of_node = error.place.node.as_ref().and_then(|name| self.node_texts.get_key_value(name));
+        let of_node = error.location.node.as_ref().and_then(|name| self.node_texts.get_key_value(name));
         match of_node {
-            Some((name, text)) if error.place.span.is_some() => locate(error, text, Path::new(name)),
+            Some((name, text)) if error.location.span.is_some() => locate(error, text, Path::new(name)),
             _ => locate(error, &self.text, &self.path),
         }
     }

@@ -271,7 +271,7 @@ pub fn render_to_depth(
     let cells = cpu::sort(&cpu::cull(volume, transfer_function, camera, progress)?, camera, *order)?;
     let projection = cpu::project(&cells, transfer_function, camera, cpu::needs_gradient(shading), progress)?;
     let ready = cpu::prepare(&projection, transfer_function, shading)?;
-    Ok(ready.composite_until(Some(depth_limit), progress)?.0)
+    Ok(ready.composite_with_depth(Some(depth_limit), progress)?.0)
 }
 
 /// Progress of the caller, with a limit of memory.
@@ -292,7 +292,7 @@ impl Progress for Limited<'_> {
     }
 
     fn memory_left(&self) -> Option<u64> {
-        let left = self.progress.and_then(Progress::memory_left).or_else(memory::left);
+        let left = self.progress.and_then(Progress::memory_left).or_else(memory::available);
         left.into_iter().chain(self.limit).min()
     }
 }

@@ -4,12 +4,11 @@
 //! widgets' greatest depths, or of 1 where they are denser, by all that is left out here.
 
 use crate::shade::along::Along;
-use crate::shade::kinds::Making;
+use crate::shade::kinds::making::Making;
 use voltet_core::transfer::{Slab, Widget};
 use voltet_simd::{Float, Lanes, Mask};
 
-/// Optical depth along the longest ray that all widgets together may lose. Culling may take ten times as much.
-pub(crate) const LEFT_OUT: f64 = 1e-8;
+pub(crate) use crate::tolerances::NEGLIGIBLE_DEPTH as LEFT_OUT;
 
 /// Where a widget counts.
 pub(crate) struct LaneReach {
@@ -23,7 +22,7 @@ impl LaneReach {
     /// `None` where the widget counts everywhere. `least`: the optical depth along the longest ray that counts.
     pub fn new(widget: &Widget, making: &Making, least: f64) -> Option<LaneReach> {
         // What is thin is held against itself: its picture may be seen magnified.
-        let depth = (widget.peak() * making.density_scale).max(1.0) * widget.brightest().max(1.0);
+        let depth = (widget.peak() * making.density_scale).max(1.0) * widget.max_emission().max(1.0);
         let lists = widget.slabs(depth, least, making.model);
         let axis = |k: usize| making.attributes.get(k).map_or([0.0, 1.0], |a| [a.offset, a.scale]);
         let axes = [axis(0), axis(1)];

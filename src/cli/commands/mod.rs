@@ -44,7 +44,7 @@ pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> ExitCode {
             }
             None => registry,
         };
-        carry_out(&arguments.command, &registry)
+        run_command(&arguments.command, &registry)
     });
     ExitCode::from(outcome.unwrap_or_else(|error| show(&error, None)))
 }
@@ -115,7 +115,7 @@ fn begin_threads() -> Result<()> {
 /// Stack of a thread (bytes), as the standard library reserves it.
 const STACK: u64 = 2 << 20;
 
-fn carry_out(command: &Command, registry: &Registry) -> Result<u8> {
+fn run_command(command: &Command, registry: &Registry) -> Result<u8> {
     // These list, or do what a plug-in does.
     if !matches!(command, Command::Nodes(_) | Command::PluginProcess(_)) {
         begin_threads()?;
@@ -134,6 +134,6 @@ fn carry_out(command: &Command, registry: &Registry) -> Result<u8> {
         Command::Time(arguments) => time::time(arguments, registry),
         Command::Papers(arguments) => papers::papers(arguments, registry),
         Command::GradientTest(arguments) => gradient_test::gradient_test(arguments, registry),
-        Command::PluginProcess(arguments) => voltet_plugins::serve(&arguments.path),
+        Command::PluginProcess(arguments) => voltet_plugins::run_child(&arguments.path),
     }
 }
