@@ -1,6 +1,5 @@
 //! A pipeline file, or a picture that carries one, with its text and its checked graph.
 
-use crate::output_conflicts::refuse;
 use crate::stated_text::stated;
 use std::path::{Path, PathBuf};
 use voltet_core::{Error, Result};
@@ -59,11 +58,6 @@ impl Document {
     /// Completes an error of a run with its location in this file.
     pub fn locate(&self, error: Error) -> Error {
         locate(error, &self.text, &self.path)
-    }
-
-    /// Refuses a run that would write over what it reads, or write one file twice.
-    pub fn refuse_collisions(&self) -> Result<()> {
-        refuse([self], true, &[]).map_err(|(error, _)| error)
     }
 
     /// Checks, before any work, that the data files that a picture names exist.

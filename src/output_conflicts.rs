@@ -1,7 +1,7 @@
 //! Conflicts of inputs and outputs of a call, by file identity: no output may be an input or another output.
 
 use crate::Document;
-use crate::core::Error;
+use crate::core::{Error, Result};
 use crate::graph::SourceSpan;
 use crate::io::formats::files_beside;
 use crate::nodes::files::{Use, collision};
@@ -50,13 +50,23 @@ impl Entry<'_> {
     }
 }
 
+impl Document {
+    /// Refuses a run that would overwrite its inputs, or write one file twice.
+    ///
+    /// # Errors
+    /// - an output that is an input, or another output.
+    pub fn refuse_collisions(&self) -> Result<()> {
+        refuse([self], true, &[]).map_err(|(error, _)| error)
+    }
+}
+
 /// Refuses a call that would overwrite its inputs or outputs. `nodes_write`: true if the writers run. The error comes with the text
 /// that it points into.
 pub fn refuse<'a>(
     documents: impl IntoIterator<Item = &'a Document>,
     nodes_write: bool,
     options: &'a [OptionFile],
-) -> Result<(), (Error, Option<&'a str>)> {
+) -> std::result::Result<(), (Error, Option<&'a str>)> {
     let mut entries: Vec<Entry> = Vec::new();
     for document in documents {
         entries.push(of_pipeline(document));
