@@ -12,7 +12,7 @@ fn kind(parameter: &Parameter) -> String {
     format!("{}{unit}; {standard}", parameter.parameter_type.describe())
 }
 
-/// What the gradient filters declare.
+/// Declarations of the gradient filters.
 fn filters(registry: &Registry) -> Vec<VariantSchema> {
     registry.filters().map(|filter| filter.declaration()).collect()
 }
@@ -62,7 +62,7 @@ pub fn node_text(node: &Node, registry: &Registry) -> String {
     text + &format!("\nExample:\n\n  {example}\n")
 }
 
-/// `filters`: what a parameter that names one may name.
+/// `filters`: those that a parameter of the type of a filter may name.
 fn parameter_text(parameter: &Parameter, indent: &str, filters: &[VariantSchema]) -> String {
     let mut text =
         format!("{indent}{} ({})\n{indent}    {}\n", parameter.name, kind(parameter), parameter.help);

@@ -1,6 +1,6 @@
-//! `voltet info` of a picture: what it carries of how it was drawn.
+//! `voltet info` of a picture: its provenance.
 
-use super::outcome::DONE;
+use super::exit_status::DONE;
 use crate::Source;
 use crate::cli::arguments::Info;
 use crate::cli::present::{number, print};
@@ -12,19 +12,19 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// Whether the file is a picture that could carry a pipeline.
+/// True if the file is of a format that can carry a pipeline.
 pub fn is_picture(path: &Path) -> bool {
     // A pipe can be read once.
     if !std::fs::metadata(path).is_ok_and(|there| there.is_file()) {
         return false;
     }
     let mut head = Vec::new();
-    // Whoever reads all of it says what is wrong with it.
+    // Damage is reported where all of it is read.
     let read = File::open(path).and_then(|file| file.take(8).read_to_end(&mut head));
     read.is_ok() && provenance::is_picture(&head)
 }
 
-pub fn carried(arguments: &Info) -> Result<u8> {
+pub fn picture_info(arguments: &Info) -> Result<u8> {
     let path = &arguments.data;
     let options = [
         (arguments.time_step.is_some(), "--time-step"),
@@ -74,7 +74,7 @@ fn described(path: &Path, carried: &Provenance) -> String {
 
 /// The nodes of the pipeline that write pictures.
 fn writers(carried: &Provenance) -> Vec<String> {
-    // What cannot be read is said where it is run.
+    // A pipeline that cannot be parsed is reported by `voltet run`.
     let nodes = Pipeline::parse(&carried.pipeline).unwrap_or_default().nodes;
     let writes = |node: &NodeEntry| node.node_type.text() == Some("image-writer");
     nodes.into_iter().filter(writes).map(|node| node.name).collect()

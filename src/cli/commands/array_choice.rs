@@ -1,4 +1,4 @@
-//! How a data file is read: which of its arrays is meant, and what a `reader` node says of it.
+//! Choice of an array of a data file, as options state it and as parameters of a `reader` node.
 
 use crate::cli::present::Bar;
 use crate::core::progress::Progress;
@@ -6,39 +6,39 @@ use crate::graph::{Observer, ParameterValue};
 use crate::io::formats::{ArrayHead, ArraySummary, Association, Request, TimeStep};
 use std::path::{Path, PathBuf};
 
-/// What the options ask of the file.
+/// Request that the options state.
 pub(super) fn request(time_step: Option<usize>, solution: Option<&PathBuf>) -> Request {
     Request { time_step: time_step.map(TimeStep::Index), solution: solution.cloned(), ..Request::default() }
 }
 
-/// An array, as a reader's parameters name it.
+/// An array, as parameters of a reader name it.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct ArrayName {
+pub(super) struct ArrayChoice {
     /// `scalar`: of several components the length.
     pub scalar: String,
     /// `association`: said only where an array of the other one has the name too.
     pub association: Association,
 }
 
-impl ArrayName {
-    /// One of a file's arrays.
-    pub fn of(array: &ArrayHead, all: &[ArrayHead]) -> ArrayName {
+impl ArrayChoice {
+    /// The choice of one of a file's arrays.
+    pub fn of(array: &ArrayHead, all: &[ArrayHead]) -> ArrayChoice {
         let shadowed = |other: &ArrayHead| other.name == array.name && other.association != array.association;
         let is_shadowed = array.association == Association::Cell && all.iter().any(shadowed);
-        ArrayName {
+        ArrayChoice {
             scalar: scalar(array),
             association: if is_shadowed { Association::Cell } else { Association::Auto },
         }
     }
 
-    /// The array of a name that somebody asks for; one of several components without more is meant by its length.
-    pub fn by_name(name: &str, all: &[ArrayHead]) -> ArrayName {
+    /// The choice of an array by the name in an option; an array of several components is chosen by its length.
+    pub fn by_name(name: &str, all: &[ArrayHead]) -> ArrayChoice {
         let bare = all.iter().find(|array| array.name == name && array.component_count > 1);
-        let as_it_is = || ArrayName { scalar: name.into(), association: Association::Auto };
-        bare.map_or_else(as_it_is, |array| ArrayName::of(array, all))
+        let as_it_is = || ArrayChoice { scalar: name.into(), association: Association::Auto };
+        bare.map_or_else(as_it_is, |array| ArrayChoice::of(array, all))
     }
 
-    /// The keys of a `reader` node that reads it from the file `data`.
+    /// Keys of a `reader` node that reads it from the file `data`.
     pub fn keys(&self, data: &Path, time_step: Option<usize>, solution: Option<&Path>) -> String {
         let text = |text: &str| ParameterValue::Text(text.into());
         let mut keys = format!("path = {}\nscalar = {}\n", text(&data.to_string_lossy()), text(&self.scalar));
@@ -55,21 +55,21 @@ impl ArrayName {
     }
 }
 
-/// The array as a reader's parameter names it.
+/// Name of the array as a parameter of a reader.
 pub(super) fn scalar(array: &ArrayHead) -> String {
     let magnitude = if array.component_count > 1 { ":magnitude" } else { "" };
     format!("{}{magnitude}", array.name)
 }
 
-/// Whether there is something to tell apart.
+/// True if its values differ.
 pub(super) fn differs(array: &ArraySummary) -> bool {
     array.range.is_some_and(|[low, high]| low < high)
 }
 
-/// The bar of a run, for work without nodes.
-pub(super) struct Inspecting<'a>(pub(super) &'a Bar);
+/// Progress bar for work without nodes.
+pub(super) struct BarProgress<'a>(pub(super) &'a Bar);
 
-impl Progress for Inspecting<'_> {
+impl Progress for BarProgress<'_> {
     fn report(&self, stage: &str, fraction: f64) {
         self.0.progress("", stage, fraction);
     }

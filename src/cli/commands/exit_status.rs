@@ -1,23 +1,23 @@
-//! How a command ends: what is shown of errors and warnings, and the exit code.
+//! Exit codes, and errors and warnings on standard error.
 
 use crate::Document;
 use crate::cli::present;
 use crate::core::Error;
 use crate::core::error::ErrorKind;
 
-/// Nothing went wrong.
+/// Exit code of success.
 pub const DONE: u8 = 0;
 
-/// The command or a pipeline file is wrong.
+/// Exit code of a wrong command line or pipeline file.
 pub const WRONG: u8 = 2;
 
-/// Shows an error, once, and gives its exit code. `text`: the pipeline file that it may point into.
+/// Shows an error, once, and returns its exit code. `text`: the pipeline file that it may point into.
 pub fn show(error: &Error, text: Option<&str>) -> u8 {
     present::say(&present::error(error, text));
     code(error)
 }
 
-/// The exit code that an error means.
+/// Exit code of an error.
 pub fn code(error: &Error) -> u8 {
     match error.kind {
         ErrorKind::Usage => WRONG,
@@ -25,7 +25,7 @@ pub fn code(error: &Error) -> u8 {
     }
 }
 
-/// Shows the graph's own warnings, and what is no longer as a picture says.
+/// Shows the graph's warnings, and those about data and plug-ins that have changed since the picture was drawn.
 pub fn warn(document: &Document) {
     let changed = document.changed_data().into_iter().chain(document.changed_plugins());
     for warning in document.graph.warnings.iter().cloned().chain(changed) {

@@ -1,9 +1,9 @@
-//! `voltet info` of a pipeline file: what it finds out about its data, without drawing.
+//! `voltet info` of a pipeline file: findings about its data, without drawing.
 //!
-//! The nodes that write are left out, and a node of type `bands` stands beside each one that takes a volume and a transfer
-//! function: it asks for what it needs, so nothing else is read or computed.
+//! Writers are left out, and a node of type `bands` is added to each node with a volume and a transfer function as inputs: its demand
+//! is all that is read and computed.
 
-use super::outcome::{DONE, show};
+use super::exit_status::{DONE, show};
 use super::pipelines::open;
 use crate::Document;
 use crate::cli::arguments::Info;
@@ -11,7 +11,7 @@ use crate::cli::present::{self, Bar};
 use crate::core::{Error, Result};
 use crate::graph::{Graph, LinkEntry, NodeEntry, ParameterValue, PortType, Registry};
 
-pub fn findings(arguments: &Info, registry: &Registry) -> Result<u8> {
+pub fn pipeline_info(arguments: &Info, registry: &Registry) -> Result<u8> {
     if arguments.time_step.is_some() || arguments.solution.is_some() {
         let error = Error::usage("--time-step and --solution are for data files, and this is a pipeline");
         return Err(error.expected("the reader's parameters, or --set").in_file(&arguments.data));
@@ -34,7 +34,7 @@ pub fn findings(arguments: &Info, registry: &Registry) -> Result<u8> {
     }
 }
 
-/// The graph that finds out and does not draw.
+/// Graph of the nodes that make findings.
 fn graph(document: &Document, registry: &Registry) -> Result<Graph> {
     let is_sink = |entry: &NodeEntry| document.graph.node(&entry.name).is_some_and(|n| n.node.is_sink());
     let mut entries: Vec<NodeEntry> =
