@@ -1,8 +1,8 @@
 //! Which cells meet at which faces, and on which side of them they lie: found once a grid, whatever it is seen from.
 
-use super::convex;
+use super::convex::{self, BoundaryFace};
 use crate::grid::Grid;
-use crate::grid::faces::{Face, Places, each_face};
+use crate::grid::faces::{Face, Places, each_face, face_of};
 use crate::grid::overlap::side;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -87,7 +87,12 @@ impl Faces {
             diagonal,
         };
         faces.orient(points, cells, &places);
-        faces.is_convex = convex::is_convex(&faces, points, cells, &places);
+        let boundary_face = |&(cell, k): &(u32, usize)| BoundaryFace {
+            corners: face_of(cells[cell as usize], k).map(|p| places.first(p)),
+            is_cell_at_normal: faces.is_at_normal(cell, k),
+        };
+        let boundary: Vec<BoundaryFace> = faces.outer.iter().map(boundary_face).collect();
+        faces.is_convex = convex::is_convex(&boundary, points, diagonal);
         faces
     }
 
@@ -155,16 +160,5 @@ impl Faces {
             })
             .sum();
         self.is_right_handed = hands.into_iter().map(|hand| hand > 0.0).collect();
-    }
-}
-
-/// The corners of the face opposite corner `k`, as the cell counts them.
-#[inline]
-pub(super) fn face_of([a, b, c, d]: [u32; 4], k: usize) -> [u32; 3] {
-    match k {
-        0 => [b, c, d],
-        1 => [a, c, d],
-        2 => [a, b, d],
-        _ => [a, b, c],
     }
 }
