@@ -104,7 +104,10 @@ const TURNS: [bool; 5] = [false, true, false, true, false];
 
 /// The file's exhaustive run, compared with the usual one: the fastest of each, every run from a
 /// fresh start.
-fn compared(document: &Document, observer: &dyn Observer) -> Result<(RunReport, Option<ExhaustiveComparison>)> {
+fn compared(
+    document: &Document,
+    observer: &dyn Observer,
+) -> Result<(RunReport, Option<ExhaustiveComparison>)> {
     let mut runs: [Option<RunReport>; 2] = [None, None];
     for (turn, exhaustive) in TURNS.into_iter().enumerate() {
         let session = crate::nodes::session();
