@@ -18,7 +18,7 @@ use std::path::Path;
 use voltet_core::Error;
 use voltet_document::{Document, Edit};
 use voltet_graph::ParameterValue;
-use voltet_nodes::files::beside;
+use voltet_nodes::files::relative_to;
 
 impl Editor {
     pub(crate) fn apply(&mut self, ctx: &Context, action: Action) {
@@ -46,7 +46,7 @@ impl Editor {
             Action::SaveAs(path) => self.save_as(&path),
             Action::ChooseFile(asked, at) => self.file_dialog = Some(FileDialog::new(asked, at.as_deref())),
             Action::Name { node, path, file } => {
-                let text = beside(&file, &self.document.folder()).to_string_lossy().into_owned();
+                let text = relative_to(&file, &self.document.folder()).to_string_lossy().into_owned();
                 let edit = Edit::Set { node, path, value: ParameterValue::Text(text) };
                 self.edit(edit.label(), &[edit]);
             }
@@ -192,7 +192,7 @@ impl Editor {
         match outcome {
             Ok(report) => {
                 let folder = self.document.folder();
-                let name = |file: &String| beside(Path::new(file), &folder).display().to_string();
+                let name = |file: &String| relative_to(Path::new(file), &folder).display().to_string();
                 let files = match report.files.is_empty() {
                     true => "no files".into(),
                     false => report.files.iter().map(name).collect::<Vec<_>>().join(", "),

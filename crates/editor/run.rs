@@ -31,7 +31,7 @@ impl Observer for Stopped {
     }
 
     fn memory_left(&self) -> Option<u64> {
-        memory::left()
+        memory::available()
     }
 }
 

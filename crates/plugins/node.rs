@@ -26,7 +26,7 @@ pub(crate) fn leak<T>(value: T) -> &'static T {
 /// Example in a pipeline file: behind the node `from` by the input `port`, and before nodes with the input `next`.
 pub(crate) fn example(schema: VariantSchema, from: &str, port: &str, next: &str) -> &'static str {
     let required =
-        schema.parameters.iter().filter(|parameter| matches!(parameter.standard, DefaultValue::Required));
+        schema.parameters.iter().filter(|parameter| matches!(parameter.default, DefaultValue::Required));
     let required: String = required.map(|parameter| format!("{} = …\n", parameter.name)).collect();
     format!(
         "# Between the node '{from}' and those that take what it gives ({next}):\n[nodes.filtered]\ntype = \"{}\"\n\

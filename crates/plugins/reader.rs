@@ -19,7 +19,7 @@ use voltet_core::field::Plugin;
 use voltet_core::grid::Association;
 use voltet_core::parameters::{Parameters, VariantSchema};
 use voltet_core::progress::Progress;
-use voltet_core::reading::{ArrayOfFile, GridHead as FileHead, GridRead, GridReader, OpenGrid};
+use voltet_core::reading::{FileArray, GridHead as FileHead, GridRead, GridReader, OpenGrid};
 use voltet_core::{Error, Result};
 
 /// Description of a file: a step of it.
@@ -199,7 +199,7 @@ impl GridReader for PluginItem {
         Some(self.runner.plugin())
     }
 
-    fn is_meant(&self, head: &[u8], path: &Path) -> bool {
+    fn matches(&self, head: &[u8], path: &Path) -> bool {
         let Family::Reader { extensions, magic } = self.declaration.family else { return false };
         if !magic.is_empty() {
             return head.starts_with(magic);
@@ -240,7 +240,7 @@ impl GridReader for PluginItem {
 }
 
 fn file_head(head: &Head, name: &str) -> FileHead {
-    let array = |array: &ArrayRecord| ArrayOfFile {
+    let array = |array: &ArrayRecord| FileArray {
         name: array.name.clone(),
         association: if array.on_cells { Association::Cell } else { Association::Point },
         component_count: array.component_count,

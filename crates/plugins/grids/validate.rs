@@ -77,7 +77,7 @@ fn validate_cells(mixed: MixedCells, point_count: usize, label: CallLabel) -> Re
     refuse_unset(&types, 1, "the types", label)?;
     refuse_unset(&offsets, 1, "the offsets", label)?;
     refuse_unset(&connectivity, 1, "the connectivity", label)?;
-    let is_wrong = |&cell: &u8| cell == code::POLYHEDRON || CellType::of(cell).is_none();
+    let is_wrong = |&cell: &u8| cell == code::POLYHEDRON || CellType::from_code(cell).is_none();
     if let Some(i) = types.par_iter().with_min_len(CHUNK).position_first(is_wrong) {
         let error = out_of_range(label, &format!("types[{i}]"), types[i]);
         return Err(error.expected("a code of VTK's cells, polyhedra (42) excepted"));
@@ -94,11 +94,11 @@ fn validate_cells(mixed: MixedCells, point_count: usize, label: CallLabel) -> Re
         return Err(out_of_range(label, &format!("offsets[{i}]"), offsets[i]).expected(expected));
     }
     let is_wrong = |i: &usize| {
-        let expected = CellType::of(types[*i]).and_then(|cell| cell.point_count);
+        let expected = CellType::from_code(types[*i]).and_then(|cell| cell.point_count);
         expected.is_some_and(|expected| offsets[i + 1] - offsets[*i] != i64::from(expected))
     };
     if let Some(i) = (0..types.len()).into_par_iter().with_min_len(CHUNK).find_first(is_wrong) {
-        let cell = CellType::of(types[i]).and_then(|cell| Some((cell.name, cell.point_count?)));
+        let cell = CellType::from_code(types[i]).and_then(|cell| Some((cell.name, cell.point_count?)));
         let (name, expected) = cell.unwrap_or_default();
         let error = label.error(&format!("gave cell {i}, a {name}, another number of points than it has"));
         return Err(error.got(offsets[i + 1] - offsets[i]).expected(expected));

@@ -30,7 +30,7 @@ pub(super) fn write_declaration(body: &mut Writer, declaration: &Declaration) {
         [parameter.name, parameter.unit, parameter.help].into_iter().for_each(|text| body.text(text));
         body.number(u64::from(components));
         write_type(body, &parameter.parameter_type);
-        write_default(body, &parameter.standard);
+        write_default(body, &parameter.default);
     }
 }
 
@@ -51,7 +51,13 @@ pub(super) fn read_declaration(reader: &mut Reader) -> Option<Declaration> {
         components.push(reader.number()? as u32);
         let parameter_type = read_type(reader)?;
         let standard = read_default(reader)?;
-        Some(Parameter { name: name.leak(), unit: unit.leak(), help: help.leak(), parameter_type, standard })
+        Some(Parameter {
+            name: name.leak(),
+            unit: unit.leak(),
+            help: help.leak(),
+            parameter_type,
+            default: standard,
+        })
     })?;
     let schema = VariantSchema { name: name.leak(), summary: summary.leak(), parameters: parameters.leak() };
     Some(Declaration { schema, family, checks, components })

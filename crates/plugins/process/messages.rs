@@ -83,7 +83,7 @@ impl Request {
 impl Reply {
     /// Reply to a request that failed.
     pub fn from_error(error: &Error) -> Reply {
-        let [found, expected] = [&error.got, &error.accepted].map(|text| text.clone().unwrap_or_default());
+        let [found, expected] = [&error.got, &error.expected].map(|text| text.clone().unwrap_or_default());
         Reply::Failed([error.what.clone(), found, expected])
     }
 
@@ -142,6 +142,6 @@ impl Reply {
 pub(crate) fn error_from([what, found, expected]: [String; 3]) -> Error {
     let mut error = Error::usage(what);
     error.got = (!found.is_empty()).then_some(found);
-    error.accepted = (!expected.is_empty()).then_some(expected);
+    error.expected = (!expected.is_empty()).then_some(expected);
     error
 }
