@@ -19,7 +19,7 @@ use voltet_core::progress::{Progress, refuse_beyond_memory};
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_optics::integrators::{self, Extent, SegmentIntegrator};
-use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
+use voltet_optics::shading::{Integrator, Ordering, Shading};
 
 /// Projects the selected cells to the screen and bins them by tiles of 16 × 16 pixels.
 ///
@@ -81,12 +81,12 @@ pub(crate) fn max_optical_depth(transfer_function: &TransferFunction, length: f6
 }
 
 /// Sets the order in which the compositor takes a pixel's segments. The exact order is carried out at each pixel;
-/// [`VisibilityOrder::Centroid`] sorts the cells here ([`voltet_core::visibility::centroid_order`]), and their
+/// [`Ordering::CellCentroid`] sorts the cells here ([`voltet_core::visibility::centroid_order`]), and their
 /// segments are composited as they come.
-pub fn sort(cells: &Cells, camera: &Camera, order: VisibilityOrder) -> Result<Cells> {
+pub fn sort(cells: &Cells, camera: &Camera, ordering: Ordering) -> Result<Cells> {
     let mut sorted = cells.clone();
-    sorted.order = order;
-    if order == VisibilityOrder::Centroid {
+    sorted.ordering = ordering;
+    if ordering == Ordering::CellCentroid {
         let grid = &cells.volume.grid;
         let ids =
             voltet_core::visibility::centroid_order(&grid.points, &grid.tetrahedra, &cells.ids, camera)?;

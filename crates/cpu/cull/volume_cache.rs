@@ -20,7 +20,7 @@ use voltet_core::progress::Progress;
 use voltet_core::transfer::{Support, TransferFunction};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_optics::shading::VisibilityOrder;
+use voltet_optics::shading::Ordering;
 use voltet_simd::LaneSet;
 
 /// Cells that one thread takes at a time.
@@ -223,7 +223,7 @@ impl VolumeCache {
         Ok(CellSelection {
             volume: self.volume.clone(),
             ids: Arc::default(),
-            order: VisibilityOrder::Exact,
+            ordering: Ordering::PerPixel,
             culled_by_transfer_function: 0,
             culled_by_frustum: 0,
             culling_skipped: None,

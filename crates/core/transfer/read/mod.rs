@@ -1,4 +1,4 @@
-//! A widget from the keys of a pipeline file (docs/optics.md, section 5).
+//! A widget from the keys of a pipeline file (docs/src/explanation/optics.md, section 5).
 
 use crate::parameters::Parameters;
 use crate::transfer::convex::Convex;
