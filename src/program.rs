@@ -18,6 +18,7 @@ use std::process::ExitCode;
 pub fn run(registry: Result<Registry>) -> ExitCode {
     quieten_drivers();
     mistake::show_in_one_line();
+    voltet_reference::register();
     // A panic was shown where it happened.
     std::panic::catch_unwind(AssertUnwindSafe(|| match Arguments::try_parse() {
         Ok(arguments) => commands::dispatch(&arguments, registry),

@@ -16,7 +16,7 @@
 //! | `ready` | what is ready to be drawn, by all threads |
 //! | `memory`, `spare` | what they take, and what a frame leaves to the next one |
 //! | `native` | the engine as one of the program's |
-//! | `segments` | what becomes of segments alone, for judging |
+//! | `introspect` | single segments through the kernels, for comparison with exact values |
 
 mod attribute;
 mod cast;
@@ -25,13 +25,14 @@ mod composite;
 mod cull;
 mod draw;
 mod fragments;
+#[doc(hidden)]
+pub mod introspect;
 mod kept;
 mod memory;
 mod native;
 mod project;
 mod ready;
 mod sample;
-mod segments;
 mod shade;
 mod spare;
 mod view;
@@ -42,4 +43,3 @@ pub use draw::{Projection, composite, draw, integrator, needs_gradient, prepare,
 pub use memory::drawing_bytes;
 pub use native::ENGINE;
 pub use ready::Ready;
-pub use segments::{Integrated, Segments, segments};

@@ -1,16 +1,15 @@
 //! The device engine as one of the program's engines.
 
+use crate::compositors;
 use crate::device::absent;
 use crate::device::adapter::{Adapters, no_hardware};
 use crate::device::open::{Device, Work};
 use crate::frame::checked::Checked;
-use crate::frame::draw::{self, draw};
+use crate::frame::draw::draw;
 use crate::frame::drawn;
 use crate::frame::flight;
 use crate::frame::limits;
 use crate::frame::renderer::Renderer;
-use crate::measure::segments::Segments;
-use crate::measure::{compositors, operations};
 use serde_json::json;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -20,11 +19,10 @@ use voltet_core::visibility::FaceOrder;
 use voltet_core::volume::Volume;
 use voltet_graph::{NodeDiagnostics, SavedWork};
 use voltet_optics::engine::{
-    AdapterRequest, Compositor, CompositorChoice, Engine, EngineInfo, KeyValueStore, NoStore, Pending,
-    PreparedVolume, RenderOptions, RenderOutput, RenderStats, SegmentEvaluator,
+    AdapterRequest, Compositor, CompositorChoice, Engine, EngineInfo, KeyValueStore, Pending, PreparedVolume,
+    RenderOptions, RenderOutput, RenderStats,
 };
 use voltet_optics::scene::Scene;
-use voltet_shaders::compose;
 
 /// The device engine.
 pub const ENGINE: EngineInfo = EngineInfo {
@@ -33,11 +31,10 @@ pub const ENGINE: EngineInfo = EngineInfo {
     taken: Some("the GPU if a hardware adapter holds the scene"),
     unavailable_reason: None,
     on_device: true,
-    compositing: &Compositor::ALL,
+    compositing: Compositor::ALL,
     can_serve: limits::can_serve,
     adapters: || Adapters::find().described(),
     open: |wish, memory| open(wish, memory).map(|opened| Arc::new(opened) as Arc<dyn Engine>),
-    open_each: |wish| open(wish, &NoStore).map(|opened| vec![Arc::new(opened) as Arc<dyn Engine>]),
 };
 
 fn open(wish: &AdapterRequest, memory: &dyn KeyValueStore) -> Result<OnDevice> {
@@ -55,7 +52,7 @@ fn open(wish: &AdapterRequest, memory: &dyn KeyValueStore) -> Result<OnDevice> {
 
 /// The device engine on an open device.
 pub struct OnDevice {
-    device: Arc<Device>,
+    pub(crate) device: Arc<Device>,
     compositors: compositors::Known,
 }
 
@@ -90,10 +87,6 @@ impl Engine for OnDevice {
         Ok(Arc::new(Uploaded { renderer: Arc::new(renderer), uploads }))
     }
 
-    fn forms(&self) -> Option<Box<dyn SegmentEvaluator>> {
-        Some(Box::new(Segments::new(self.device.clone())))
-    }
-
     fn choose(
         &self,
         scene: &Scene,
@@ -102,19 +95,11 @@ impl Engine for OnDevice {
     ) -> Result<Option<CompositorChoice>> {
         compositors::choose(&self.device, &self.compositors, scene, memory, progress).map(Some)
     }
-
-    fn forget(&self) {
-        self.device.forget_pipelines();
-    }
-
-    fn multiply_adds_per_second(&self) -> Result<Option<f64>> {
-        self.device.multiply_adds_per_second().map(Some)
-    }
 }
 
 /// A volume on the device.
-struct Uploaded {
-    renderer: Arc<Renderer>,
+pub(crate) struct Uploaded {
+    pub renderer: Arc<Renderer>,
     /// Arrays that were uploaded and are not counted with any picture yet.
     uploads: AtomicU64,
 }
@@ -137,12 +122,6 @@ impl PreparedVolume for Uploaded {
         let begun = flight::begin(&self.renderer, scene, manner, progress)?;
         let (device, work) = (self.renderer.device().clone(), self.since(before));
         Ok(Box::new(UnderWay { device, begun, manner: *manner, work }))
-    }
-
-    fn operations(&self, scene: &Scene, manner: &RenderOptions, counts: &RenderStats) -> Result<Option<u64>> {
-        let Some(segments) = counts.segments else { return Ok(None) };
-        let (choices, _) = draw::choices(&self.renderer, scene, manner)?;
-        operations::of_compositor(&compose(&choices), segments).map(Some)
     }
 }
 

@@ -6,8 +6,8 @@
 //! what plain implementations of the stable forms were measured to need.
 
 use super::case::{Case, SegmentCase};
+use crate::{Condition, Precision};
 use voltet_core::transfer::{AxisOrigin, OpticalModel, Profile};
-use voltet_optics::engine::{Condition, Precision};
 
 /// How one value is judged.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,10 +2,10 @@
 
 use super::json::{array, fixed, member, number, numbers, text};
 use super::look::transfer_function;
+use crate::{Conditions, PartialIntegrals};
 use serde_json::Value;
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
-use voltet_optics::engine::{Conditions, PartialIntegrals};
 use voltet_optics::{Contribution, Segment};
 
 /// One case with its exact results.

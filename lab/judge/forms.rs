@@ -1,8 +1,8 @@
 //! The 64-bit formulas as a set of forms: the truth of which engines have twins.
 
+use crate::{Chain, EvalOutcome, PartialIntegrals, Precision, SegmentEvaluator};
 use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
-use voltet_optics::engine::{Chain, EvalOutcome, PartialIntegrals, Precision, SegmentEvaluator};
 use voltet_optics::{CompiledTransferFunction, Contribution, Segment, WidgetBlend, compositing, linear};
 
 /// The 64-bit forms.

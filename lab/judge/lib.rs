@@ -16,6 +16,7 @@
 
 mod bounds;
 mod case;
+mod evaluator;
 mod forms;
 mod json;
 mod look;
@@ -26,13 +27,15 @@ pub mod twin;
 
 pub use bounds::Rule;
 pub use case::{Case, Kind, SegmentCase, parse};
+pub use evaluator::{
+    Chain, Condition, Conditions, EvalOutcome, PartialIntegrals, Precision, SegmentEvaluator,
+};
 pub use forms::Native64;
 pub use report::{Broken, Excuse, Report, Row};
 pub use shipped::{segment_cases, shipped, stiff};
 
 use bounds::{Quantity, rule};
 use voltet_core::Result;
-use voltet_optics::engine::{EvalOutcome, SegmentEvaluator};
 use voltet_optics::{Contribution, WidgetBlend};
 
 /// Judges every case of `text`, the content of a case file, by each set of forms. Errors name the line.

@@ -1,5 +1,5 @@
 use super::*;
-use voltet_optics::engine::{Chain, PartialIntegrals, Precision};
+use crate::{Chain, PartialIntegrals, Precision};
 
 fn fixtures() -> String {
     read("segments.jsonl")

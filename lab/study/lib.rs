@@ -6,12 +6,13 @@
 //! | [`pixel`] | one pixel's ray cell by cell, and what each integrator makes of it |
 //! | [`stability`] | every formula by exact values, hard pictures by the referee, formulas as printed |
 //! | [`gradient_test`] | gradient filters by manufactured fields: orders, exactness, invariance, noise, cost, pictures |
-//! | [`papers`] | the tables and figures of the papers, made anew |
+//! | `papers` | tables and figures of the papers, made anew (feature of that name) |
 //! | [`no_leave_out`] | a run that leaves nothing out, held against the usual one |
 
 mod devices;
 pub mod gradient_test;
 pub mod no_leave_out;
+#[cfg(feature = "papers")]
 pub mod papers;
 pub mod pixel;
 pub mod stability;

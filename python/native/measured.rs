@@ -7,9 +7,9 @@ use crate::until::Told;
 use crate::value::settings;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use voltet::study::gradient_test::{Hold, Wish, gradient_test as measure, methods, page, plot, text};
-use voltet::study::pixel::{self, Pixel};
 use voltet_core::{Error, Result};
+use voltet_study::gradient_test::{Hold, Wish, gradient_test as measure, methods, page, plot, text};
+use voltet_study::pixel::{self, Pixel};
 
 /// JSON, a table for people, and a plot (SVG).
 pub type Shown = (String, String, String);

@@ -17,12 +17,12 @@ use pyo3::types::PyDict;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
-use voltet::study::pixel::pixel as trace;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_document::{Edit, Path as Place};
 use voltet_embed::Scene;
 use voltet_graph::{Demand, Value};
+use voltet_study::pixel::pixel as trace;
 
 /// A pipeline and what its runs left.
 #[pyclass(frozen, module = "voltet._native")]

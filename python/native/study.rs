@@ -3,14 +3,14 @@
 use crate::until::Told;
 use std::path::PathBuf;
 use std::time::Duration;
-use voltet::study::work_precision::{
-    Benches, Engines, Frames, Measure, Subject, Wish, cache_folder, json, reference, studied,
-    study as measure, write,
-};
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_graph::{Graph, Observer, suggest};
 use voltet_nodes::drawing::ENGINES;
+use voltet_study::work_precision::{
+    Benches, Engines, Frames, Measure, Subject, Wish, cache_folder, json, reference, studied,
+    study as measure, write,
+};
 
 /// What is asked of a study, as on the command line.
 pub struct Asked {

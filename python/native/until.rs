@@ -1,11 +1,11 @@
 //! Pictures of rays that end at opaque surfaces that others draw, on the native engine.
 
 use voltet::engine;
-use voltet::study::work_precision::Subject;
 use voltet_core::Result;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_graph::{Graph, Observer, Session};
+use voltet_study::work_precision::Subject;
 
 /// Progress that is told as that of a node.
 pub struct Told<'a> {

@@ -50,7 +50,7 @@ fn open(folder: &Path, file: &str, options: &[String], registry: &Registry) -> R
     if !path.is_file() {
         return Err(Error::usage("the pipelines of the papers are not there")
             .got(path.display())
-            .expected("--pipelines with the folder pipelines/papers of the program's repository"));
+            .expected("--pipelines with the folder lab/pipelines/papers of the program's repository"));
     }
     let document = Document::open(&path, options, registry)?;
     let mut session = crate::nodes::session();

@@ -5,10 +5,10 @@ use crate::arguments::Stability;
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
 use crate::graph::Observer;
+use crate::judge::SegmentEvaluator;
 use crate::judge::{Report, judge_all};
-use crate::optics::engine::SegmentEvaluator;
 use crate::present::{Bar, name, print};
-use crate::stability;
+use crate::study::stability;
 use serde_json::{Value, json};
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 use super::support::{Folder, SLAB, cube, cube_of};
 use voltet::Document;
 use voltet::graph::{NoObserver, RunReport, Session};
-use voltet::study::{NoLeaveOut, SAME};
+use voltet_study::{NoLeaveOut, SAME};
 
 /// A second widget of another colour, which looks at g; the first one's colour is green.
 const TWO: &str = r#"

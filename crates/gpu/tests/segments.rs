@@ -1,7 +1,8 @@
 //! Whole composed shaders on a device against the exact values of single segments, rays, chains and tables.
 
 use std::sync::Arc;
-use voltet_gpu::{Device, Segments};
+use voltet_gpu::Device;
+use voltet_introspect::WgslEvaluator;
 use voltet_judge::{Report, judge_cases, shipped};
 
 fn table(report: &Report) -> String {
@@ -25,7 +26,7 @@ fn composed_shaders_keep_every_bound_of_the_exact_values() {
         }
     };
     let cases = shipped().expect("the cases are well formed");
-    let forms = Segments::new(device.clone());
+    let forms = WgslEvaluator::new(device.clone());
     let report = judge_cases(&cases, &[&forms]).expect("the device draws").remove(0);
     println!("{}{} shaders", table(&report), device.work().shader_builds);
     assert!(report.passed(), "\n{}", table(&report));

@@ -17,7 +17,7 @@ pub enum Compositor {
 
 impl Compositor {
     /// Each of them with its meaning, what serves every order first.
-    pub const WORDS: [(&str, &str); 3] = [
+    pub const WORDS: &[(&str, &str)] = &[
         (
             "tiles",
             "compute passes over tiles of 8 × 8 pixels: every order, and pixels in disorder are counted",
@@ -27,6 +27,7 @@ impl Compositor {
             "cells in order, drawn and blended by the hardware: for scenes that need no order, in exact order where the cells \
              have one along their faces, else by tiles; what order = \"centroid\" or \"none\" gets wrong is not counted",
         ),
+        #[cfg(feature = "triangles")]
         (
             "triangles",
             "cells as triangles round their thick vertex (Shirley and Tuchman 1990), in perspective, else as raster: \
@@ -34,17 +35,26 @@ impl Compositor {
         ),
     ];
 
-    /// Those of [`Compositing::WORDS`], in their order.
-    pub const ALL: [Compositor; 3] = [Compositor::Tiles, Compositor::Raster, Compositor::Triangles];
+    /// Compositors of [`Compositor::WORDS`], in their order.
+    pub const ALL: &[Compositor] = &[
+        Compositor::Tiles,
+        Compositor::Raster,
+        #[cfg(feature = "triangles")]
+        Compositor::Triangles,
+    ];
 
     /// The name in pipeline files.
     pub fn name(self) -> &'static str {
-        Compositor::WORDS[self as usize].0
+        match self {
+            Compositor::Tiles => "tiles",
+            Compositor::Raster => "raster",
+            Compositor::Triangles => "triangles",
+        }
     }
 
     /// The one of that name.
     pub fn named(name: &str) -> Option<Compositor> {
-        Compositor::ALL.into_iter().find(|one| one.name() == name)
+        Compositor::ALL.iter().copied().find(|one| one.name() == name)
     }
 }
 

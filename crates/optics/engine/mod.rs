@@ -1,25 +1,23 @@
 //! Engines: what draws scenes. Each is a [`Declaration`], a constant that says what it is called and what it refuses, and
 //! opens it; an opened [`Engine`] takes in a volume ([`Engine::prepare`]) and draws it ([`Prepared::draw`]).
 //!
-//! The nodes that draw, `voltet study`, `voltet stability` and `voltet time` know engines by these alone, from one list.
+//! The nodes that draw use engines through these types alone, from one list.
 //!
 //! | file | what |
 //! | --- | --- |
 //! | `compositing` | the ways in which a device composites |
 //! | `drawn` | a picture and what it took: counts, stages with their times |
-//! | `forms` | what an engine makes of ray segments alone |
 
 mod compositing;
 mod drawn;
-mod forms;
 
 pub use compositing::{Accumulation, Compositor, CompositorChoice, KeyValueStore, NoStore, OrderCheck};
 pub use drawn::{RenderOutput, RenderStats, Stage, StageTiming};
-pub use forms::{Chain, Condition, Conditions, EvalOutcome, PartialIntegrals, Precision, SegmentEvaluator};
 
 use crate::scene::Scene;
 use crate::shading::Shading;
-use std::sync::Arc;
+use std::any::Any;
+use std::sync::{Arc, PoisonError, RwLock};
 use voltet_core::progress::Progress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
@@ -49,13 +47,7 @@ pub struct EngineInfo {
     pub adapters: fn() -> Vec<String>,
     /// Opens it; what is looked for may be kept in the memory. Errors: no such adapter, or none at all.
     pub open: fn(&AdapterRequest, &dyn KeyValueStore) -> Result<Arc<dyn Engine>>,
-    /// Opens each of its ways to compute that is judged on its own: the same way of drawing on other vector units. Errors:
-    /// those of `open`.
-    pub open_each: fn(&AdapterRequest) -> Result<Engines>,
 }
-
-/// Engines that were opened.
-pub type Engines = Vec<Arc<dyn Engine>>;
 
 /// The adapter that an engine shall be opened on.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]
@@ -64,6 +56,23 @@ pub struct AdapterRequest {
     pub name: Option<String>,
     /// Passes over programs on the CPU that stand in for devices, unless they are named.
     pub hardware: bool,
+}
+
+/// Engines that other crates registered.
+static REGISTERED: RwLock<Vec<&'static EngineInfo>> = RwLock::new(Vec::new());
+
+/// Registers an engine that draws the scenes whose integrator has its name. A second one of the same name is ignored.
+pub fn register(engine: &'static EngineInfo) {
+    let mut engines = REGISTERED.write().unwrap_or_else(PoisonError::into_inner);
+    if !engines.contains(&engine) {
+        engines.push(engine);
+    }
+}
+
+/// Engine registered for the integrator of this name.
+pub fn registered(integrator: &str) -> Option<&'static EngineInfo> {
+    let engines = REGISTERED.read().unwrap_or_else(PoisonError::into_inner);
+    engines.iter().copied().find(|engine| engine.name == integrator)
 }
 
 /// Engines are told apart by their names.
@@ -86,7 +95,6 @@ impl EngineInfo {
             can_serve: |_, _| Ok(()),
             adapters: Vec::new,
             open: |_, _| Err(Error::run("this build is without the engine")),
-            open_each: |_| Err(Error::run("this build is without the engine")),
         }
     }
 
@@ -110,12 +118,6 @@ impl EngineInfo {
     ) -> Result<Arc<dyn Engine>> {
         self.check()?;
         (self.open)(wish, memory)
-    }
-
-    /// Opens each of its ways to compute that is judged on its own. Errors: those of [`Declaration::open`].
-    pub fn open_each(&self, wish: &AdapterRequest) -> Result<Vec<Arc<dyn Engine>>> {
-        self.check()?;
-        (self.open_each)(wish)
     }
 
     fn check(&self) -> Result<()> {
@@ -171,8 +173,8 @@ impl RenderOptions {
     }
 }
 
-/// An engine that is open: what it runs on is there.
-pub trait Engine: Send + Sync {
+/// An engine that is open: what it runs on is there. `Any`: a crate that knows an engine's own type finds it again.
+pub trait Engine: Any + Send + Sync {
     /// What it runs on, for people: a device, or vector units and threads.
     fn adapter(&self) -> String;
 
@@ -209,18 +211,6 @@ pub trait Engine: Send + Sync {
     ) -> Result<Option<CompositorChoice>> {
         Ok(None)
     }
-
-    /// What it makes of ray segments alone, by what it draws with, for exact values to judge; `None` where only its pictures can
-    /// be judged.
-    fn forms(&self) -> Option<Box<dyn SegmentEvaluator>>;
-
-    /// Gives up what is kept for further scenes, so that setting up can be measured from nothing.
-    fn forget(&self) {}
-
-    /// 32-bit multiply-adds a second, measured; `None` where nobody measures them. Errors: a lost device.
-    fn multiply_adds_per_second(&self) -> Result<Option<f64>> {
-        Ok(None)
-    }
 }
 
 /// A picture under way: others can be begun before it is taken.
@@ -237,7 +227,7 @@ impl Pending for RenderOutput {
 }
 
 /// A volume on an engine.
-pub trait PreparedVolume: Send + Sync {
+pub trait PreparedVolume: Any + Send + Sync {
     /// Draws a scene of this volume.
     ///
     /// Errors: what the engine does not serve or its device does not hold; a lost device; a stopped run.
@@ -253,16 +243,5 @@ pub trait PreparedVolume: Send + Sync {
         progress: &dyn Progress,
     ) -> Result<Box<dyn Pending>> {
         Ok(Box::new(self.draw(scene, manner, progress)?))
-    }
-
-    /// Floating-point operations of the compositor in a picture of the scene that had these counts, at least; `None` where they
-    /// are not known. Errors: those of [`Prepared::draw`].
-    fn operations(
-        &self,
-        _scene: &Scene,
-        _manner: &RenderOptions,
-        _counts: &RenderStats,
-    ) -> Result<Option<u64>> {
-        Ok(None)
     }
 }

@@ -1,6 +1,6 @@
 //! What is found out of one pixel.
 
-use voltet_optics::reference::{Step, Walk};
+use voltet_optics::trace::Walk;
 
 /// One pixel.
 #[derive(Debug, Clone)]
@@ -19,6 +19,8 @@ pub struct Pixel {
     pub ray: [[f64; 3]; 2],
     /// The ray.
     pub walk: Walk,
+    /// Optical depth of each widget by itself, for each cell of the ray.
+    pub depths: Vec<Vec<f64>>,
     /// For each of its steps the file's own cell, and what that is.
     pub cells: Vec<(usize, String)>,
     /// The widgets' kinds, in their order.
@@ -66,13 +68,9 @@ impl Pixel {
     }
 
     /// Each widget's share of a step's optical depth, where it has one: its place and the share.
-    pub fn shares(step: &Step) -> impl Iterator<Item = (usize, f64)> {
-        let whole: f64 = step.depths.iter().sum();
-        step.depths
-            .iter()
-            .enumerate()
-            .filter(|(_, depth)| **depth > 0.0)
-            .map(move |(k, depth)| (k, depth / whole))
+    pub fn shares(depths: &[f64]) -> impl Iterator<Item = (usize, f64)> {
+        let whole: f64 = depths.iter().sum();
+        depths.iter().enumerate().filter(|(_, depth)| **depth > 0.0).map(move |(k, depth)| (k, depth / whole))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Why a ray shows nothing.
 
-use voltet_optics::reference::{Ray, Tracer, Walk};
 use voltet_optics::scene::Scene;
+use voltet_optics::trace::{Ray, Tracer, Walk};
 
 /// What is less than this does not show in 8 bits.
 const HALF_STEP: f64 = 0.5 / 255.0;

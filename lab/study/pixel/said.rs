@@ -7,9 +7,9 @@ use voltet_nodes::drawing;
 use voltet_optics::Segment;
 use voltet_optics::compositing::Composite;
 use voltet_optics::integrators::{Integrator, Numbers, SegmentIntegrator};
-use voltet_optics::reference::{Ray, Tracer};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::Shading;
+use voltet_optics::trace::{Ray, Tracer};
 
 /// Entries a side of tables of three dimensions, where the pipeline does not say: such a table is built in a second.
 const CUBE_SIDE: usize = 64;

@@ -2,7 +2,7 @@
 
 use super::found::Pixel;
 use voltet_io::encode::srgb_from_linear;
-use voltet_optics::reference::Step;
+use voltet_optics::trace::CellCrossing;
 
 /// Cells that are shown where a ray crosses more and not all are asked for.
 pub const SHOWN: usize = 24;
@@ -29,7 +29,7 @@ pub fn text(pixel: &Pixel, all: bool) -> String {
 }
 
 /// The places of the steps that add most, in the order of the ray.
-fn shown(steps: &[Step], most: usize) -> Vec<usize> {
+fn shown(steps: &[CellCrossing], most: usize) -> Vec<usize> {
     let mut places: Vec<usize> = (0..steps.len()).collect();
     if places.len() > most {
         places.sort_by(|&a, &b| adds(&steps[b]).total_cmp(&adds(&steps[a])));
@@ -40,7 +40,7 @@ fn shown(steps: &[Step], most: usize) -> Vec<usize> {
 }
 
 /// The most that a step adds to a channel.
-fn adds(step: &Step) -> f64 {
+fn adds(step: &CellCrossing) -> f64 {
     step.contribution().into_iter().fold(0.0, f64::max)
 }
 
@@ -67,7 +67,7 @@ fn left_out(pixel: &Pixel, shown: &[usize]) -> String {
 /// The table of the cells.
 fn cells(pixel: &Pixel, shown: &[usize]) -> String {
     let steps = &pixel.walk.steps;
-    let looks = |of: &dyn Fn(&Step) -> bool| steps.iter().any(of);
+    let looks = |of: &dyn Fn(&CellCrossing) -> bool| steps.iter().any(of);
     let has_g = looks(&|step| step.front[1] != 0.0 || step.back[1] != 0.0);
     let (silhouettes, lit) = (looks(&|step| step.silhouette != 1.0), looks(&|step| step.light != 1.0));
     let mut head: Vec<String> =
@@ -85,7 +85,7 @@ fn cells(pixel: &Pixel, shown: &[usize]) -> String {
         let mut row = vec![k.to_string(), entry, exit, number(step.length), format!("{kind} {cell}")];
         row.push(step.cell.to_string());
         row.extend(values.iter().map(|&q| format!("{} to {}", number(step.front[q]), number(step.back[q]))));
-        row.push(widgets(pixel, step));
+        row.push(widgets(pixel, &pixel.depths[k]));
         row.extend([step.part.optical_depth, step.part.opacity].map(number));
         row.extend(silhouettes.then(|| number(step.silhouette)));
         row.extend(lit.then(|| number(step.light)));
@@ -101,8 +101,8 @@ fn cells(pixel: &Pixel, shown: &[usize]) -> String {
 const NOTABLE: f64 = 1e-3;
 
 /// The widgets met, the most first, each with its share of the optical depth where there are several.
-fn widgets(pixel: &Pixel, step: &Step) -> String {
-    let mut met: Vec<(usize, f64)> = Pixel::shares(step).filter(|(_, share)| *share >= NOTABLE).collect();
+fn widgets(pixel: &Pixel, depths: &[f64]) -> String {
+    let mut met: Vec<(usize, f64)> = Pixel::shares(depths).filter(|(_, share)| *share >= NOTABLE).collect();
     met.sort_by(|a, b| b.1.total_cmp(&a.1));
     let one = met.len() == 1;
     let name = |&(k, share): &(usize, f64)| match one {
@@ -113,7 +113,7 @@ fn widgets(pixel: &Pixel, step: &Step) -> String {
 }
 
 /// The colour of what is in the cell.
-fn own_color(step: &Step) -> String {
+fn own_color(step: &CellCrossing) -> String {
     let opacity = step.part.opacity;
     if opacity > 0.0 { srgb(step.part.color.map(|c| c / opacity)) } else { String::new() }
 }

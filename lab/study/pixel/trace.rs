@@ -8,9 +8,10 @@ use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_graph::{Graph, Observer, Session, Value};
-use voltet_optics::reference::{Seen, Tracer};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::Integrator;
+use voltet_optics::trace::TracedRay;
+use voltet_reference::{tracer, widget_depths};
 
 /// The node that draws, traced.
 ///
@@ -32,13 +33,14 @@ pub fn pixel(
             .got(format!("--sample {sample}"))
             .expected(format!("0 to {}", camera.samples - 1)));
     }
-    let tracer = Tracer::new(&subject.scene)?;
+    let tracer = tracer(&subject.scene)?;
     let rays = tracer.rays(place);
-    let seen = rays.iter().map(|ray| tracer.trace(ray)).collect::<Result<Vec<Seen>>>()?;
-    let of = |seen: &Seen| [seen.color[0], seen.color[1], seen.color[2], seen.opacity];
+    let seen = rays.iter().map(|ray| tracer.trace(ray)).collect::<Result<Vec<TracedRay>>>()?;
+    let of = |seen: &TracedRay| [seen.color[0], seen.color[1], seen.color[2], seen.opacity];
     let referee = mean(seen.iter().map(of));
     let ray = &rays[sample as usize];
-    let walk = tracer.walk(ray, transfer_function)?;
+    let walk = tracer.walk(ray)?;
+    let depths = widget_depths(transfer_function, &walk.steps)?;
     let drawn = match subject.scene.shading.integrator {
         // It would take minutes to draw the rest of the picture.
         Integrator::Reference => {
@@ -62,6 +64,7 @@ pub fn pixel(
         background: subject.background,
         node: subject.node.clone(),
         walk,
+        depths,
         referee,
         drawn,
         nothing,

@@ -68,8 +68,8 @@ pub fn stability(subjects: &Subjects, progress: &dyn Progress) -> Result<Stabili
 mod tests {
     use super::*;
     use voltet_core::transfer::TransferFunction;
+    use voltet_judge::{Chain, EvalOutcome, PartialIntegrals, Precision, SegmentEvaluator};
     use voltet_judge::{Kind, Native64};
-    use voltet_optics::engine::{Chain, EvalOutcome, PartialIntegrals, Precision, SegmentEvaluator};
     use voltet_optics::{Contribution, Segment, WidgetBlend};
 
     /// The 64-bit forms, with optical depths off by a millionth: what a wrong engine would be.

@@ -7,8 +7,8 @@ use voltet_core::picture::Picture;
 use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::{Error, Result};
 use voltet_optics::engine::{Compositor, RenderOptions};
-use voltet_optics::reference;
 use voltet_optics::scene::Scene;
+use voltet_reference as reference;
 
 /// Largest error of a channel of premultiplied linear RGBA, on either engine: what 32-bit segments leave on ordinary scenes,
 /// with room for their condition.

@@ -3,9 +3,11 @@
 use crate::devices;
 use std::sync::Arc;
 use voltet_core::Result;
+use voltet_introspect::MeasuredEngine;
 use voltet_judge::Native64;
+use voltet_judge::SegmentEvaluator;
 use voltet_nodes::drawing::ENGINES;
-use voltet_optics::engine::{Compositor, Engine, EngineInfo, SegmentEvaluator};
+use voltet_optics::engine::{Compositor, Engine, EngineInfo};
 
 /// The sets of forms and the engines that this build and this machine have.
 pub struct Subjects {
@@ -40,9 +42,9 @@ pub fn subjects(adapter: Option<&str>) -> Result<Subjects> {
     let mut subjects =
         Subjects { forms: vec![Box::new(Native64)], left_out: Vec::new(), painters: Vec::new() };
     for declared in ENGINES {
-        match devices::open_each(declared, adapter.filter(|_| declared.on_device)) {
+        match devices::open_variants_of(declared, adapter.filter(|_| declared.on_device)) {
             Ok(each) => {
-                subjects.forms.extend(each.iter().filter_map(|engine| engine.forms()));
+                subjects.forms.extend(each.iter().filter_map(|engine| engine.evaluator()));
                 subjects.painters.extend(each.into_iter().map(|engine| Painter { declared, engine }));
             }
             Err(error) if adapter.is_some() => return Err(error),

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
+use voltet_introspect::MeasuredEngine;
 use voltet_nodes::drawing::{ENGINES, NATIVE, is_asked_by};
 use voltet_optics::engine::{Engine, EngineInfo};
 

@@ -2,7 +2,7 @@
 
 use voltet_core::picture::Picture;
 use voltet_nodes::files::Fnv;
-use voltet_optics::reference::{TILE_PIXELS, Tiles};
+use voltet_optics::trace::{TILE_PIXELS, Tiles};
 
 /// First bytes of a kept picture. The number changes with the format, and with the referee's meaning of a scene.
 const MAGIC: &[u8; 16] = b"voltet picture 1";

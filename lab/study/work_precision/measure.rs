@@ -8,6 +8,7 @@ use voltet_core::camera::Camera;
 use voltet_core::picture::Picture;
 use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::{Error, Result};
+use voltet_introspect::{MeasuredEngine, compositor_operations};
 use voltet_io::memory;
 use voltet_optics::engine::{Engine, PreparedVolume, RenderOptions, RenderOutput, Stage};
 use voltet_optics::scene::Scene;
@@ -124,7 +125,7 @@ pub(super) fn measure(
     };
     let keeps = setting.painter.engine.on_device;
     let fresh = memory::forget_peak();
-    engine.forget();
+    engine.clear_caches();
     let start = Instant::now();
     let volume = engine.prepare(&scene.volume)?;
     let draw = |scene: &Scene| {
@@ -157,7 +158,7 @@ pub(super) fn measure(
         taken.push(first);
     }
     let peak_memory_bytes = memory::peak().filter(|_| fresh);
-    let operations = volume.operations(&scene, &manner, &counts)?;
+    let operations = compositor_operations(volume.as_ref(), &scene, &manner, &counts)?;
     let whole = spread(taken.iter().map(|frame| frame.seconds).collect());
     let (set_up, frame) = match stage(&taken, Stage::SetUp) {
         Some(set_up) => {

@@ -10,9 +10,9 @@ use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_nodes::files::{self, Fnv};
 use voltet_optics::WidgetBlend;
-use voltet_optics::reference;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Shading, VisibilityOrder};
+use voltet_reference as reference;
 
 /// The reference picture and what it cost.
 #[derive(Debug, Clone)]

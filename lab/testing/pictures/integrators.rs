@@ -29,6 +29,7 @@ fn scene(name: &str, look: TransferFunction) -> NamedScene {
 }
 
 fn compare(engine: &dyn Engine, name: &str, look: TransferFunction, wanted: &[&str]) {
+    voltet_reference::register();
     let expected = referee(&scene(name, look.clone()));
     assert!(expected.rgba.iter().any(|p| p[3] > 0.1), "{name}: the scene shows nothing");
     let mut served = Vec::new();

@@ -15,8 +15,8 @@ use voltet_core::grid::Grid;
 use voltet_core::transfer::{OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget};
 use voltet_core::volume::Volume;
 use voltet_optics::WidgetBlend;
-use voltet_optics::reference;
 use voltet_optics::shading::{Light, Shading, VisibilityOrder};
+use voltet_reference as reference;
 
 /// Half of the last decimal, and as much again for what stands on a tie.
 const SIX_DECIMALS: f64 = 1e-6;
@@ -129,7 +129,7 @@ fn assert_pixel(
     expected: [f64; 3],
 ) {
     let wanted = scene.drawn_by(shading, VisibilityOrder::Exact);
-    let made = reference::Tracer::new(&wanted).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let made = reference::tracer(&wanted).unwrap_or_else(|error| panic!("{name}: {error}"));
     let seen = made.trace(&made.ray(at[0] as f64 + 0.5, at[1] as f64 + 0.5)).expect("traces");
     let found = [seen.color[0], seen.color[2], seen.opacity];
     let close = |found: [f64; 3], bound: f64| found.iter().zip(expected).all(|(a, b)| (a - b).abs() <= bound);

@@ -4,9 +4,11 @@ use super::real::Real;
 use serde::Serialize;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
+use voltet_introspect::MeasuredEngine;
 use voltet_judge::Native64;
+use voltet_judge::{EvalOutcome, PartialIntegrals, SegmentEvaluator};
 use voltet_nodes::drawing::NATIVE;
-use voltet_optics::engine::{AdapterRequest, EvalOutcome, PartialIntegrals, SegmentEvaluator};
+use voltet_optics::engine::AdapterRequest;
 use voltet_optics::{Contribution, Segment, WidgetBlend};
 
 /// One printed formula and what was measured.
@@ -45,7 +47,7 @@ pub(super) fn error(found: impl Real, exact: f64) -> f64 {
 
 /// What the native engine draws with on this processor.
 pub(super) fn ours() -> Result<Box<dyn SegmentEvaluator>> {
-    let forms = NATIVE.open(&AdapterRequest::default())?.forms();
+    let forms = NATIVE.open(&AdapterRequest::default())?.evaluator();
     forms.ok_or_else(|| Error::run("the engine has no forms of segments").got(NATIVE.name))
 }
 

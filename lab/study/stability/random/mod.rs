@@ -31,10 +31,11 @@ use std::sync::Arc;
 use voltet_core::grid::extent::bounds;
 use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::{Error, Result};
+use voltet_introspect::MeasuredEngine;
 use voltet_optics::engine::Compositor;
-use voltet_optics::reference;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::VisibilityOrder;
+use voltet_reference as reference;
 
 /// How much larger an error may be than the largest change that was found: only eight neighbours of a scene are looked at.
 const LIKE: f64 = 2.0;
@@ -110,7 +111,7 @@ pub fn random(
         found.drawn += 1;
         found.shown += u64::from(exact.rgba.iter().any(|pixel| pixel[3] > 1.0 / 255.0));
         // Hardly two scenes share compiled shaders.
-        subjects.painters.iter().for_each(|painter| painter.engine.forget());
+        subjects.painters.iter().for_each(|painter| painter.engine.clear_caches());
         let mut explained = None;
         let each = subjects
             .painters

@@ -11,8 +11,8 @@ use voltet_core::grid::extent::range;
 use voltet_core::picture::Picture;
 use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::volume::Volume;
-use voltet_optics::reference;
 use voltet_optics::scene::Scene;
+use voltet_reference as reference;
 
 /// How far the camera moves, pixels.
 const NUDGE: f64 = 1e-3;
