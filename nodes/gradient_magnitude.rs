@@ -21,7 +21,7 @@ pub const NODE: Node = Node {
         name: "method",
         parameter_type: ParameterType::GradientFilter,
         unit: "",
-        standard: DefaultValue::Text("least-squares"),
+        default: DefaultValue::Text("least-squares"),
         help: "the filter; its own parameters stand beside this one",
     }],
     example: include_str!("examples/stages.toml"),

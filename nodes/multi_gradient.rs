@@ -21,28 +21,28 @@ pub const NODE: Node = Node {
             name: "fields",
             parameter_type: ParameterType::Texts,
             unit: "",
-            standard: DefaultValue::Required,
+            default: DefaultValue::Required,
             help: "names of point arrays; \"NAME:0\" and \"NAME:magnitude\" for vectors",
         },
         Parameter {
             name: "scale",
             parameter_type: ParameterType::Numbers(None, Range::above(0.0)),
             unit: "units of the fields",
-            standard: DefaultValue::Unset("1, for one field"),
+            default: DefaultValue::Unset("1, for one field"),
             help: "one number a field, what of it counts as much as 1: rows of D are gradients of field / scale",
         },
         Parameter {
             name: "name",
             parameter_type: ParameterType::Text,
             unit: "",
-            standard: DefaultValue::Text("multi-gradient"),
+            default: DefaultValue::Text("multi-gradient"),
             help: "the array's name; it holds the largest singular value of D, which for one field is |gradient| / scale",
         },
         Parameter {
             name: "method",
             parameter_type: ParameterType::GradientFilter,
             unit: "",
-            standard: DefaultValue::Text("least-squares"),
+            default: DefaultValue::Text("least-squares"),
             help: "the gradient filter; its own parameters stand beside this one",
         },
     ],
@@ -53,7 +53,7 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-/// What the parameters state.
+/// Options set by the parameters.
 struct Wish {
     fields: Vec<String>,
     /// One a field.
@@ -71,7 +71,7 @@ impl Wish {
             let error = p.error("name", "the array needs a name of its own").got(format!("'{name}'"));
             return Err(error.expected("a name that no field has"));
         }
-        let scale = match (p.given("scale"), fields.len()) {
+        let scale = match (p.is_set("scale"), fields.len()) {
             (true, _) => p.numbers("scale")?,
             (false, 1) => vec![1.0],
             (false, count) => {

@@ -40,7 +40,7 @@ struct Entry<'a> {
 impl Entry<'_> {
     /// "'path' of the node 'file' (scene.toml:7:8)".
     fn place(&self) -> String {
-        let place = (self.blame)(Error::usage("")).place;
+        let place = (self.blame)(Error::usage("")).location;
         match (place.file, place.line_column) {
             (Some(file), Some((line, column))) => format!("{} ({file}:{line}:{column})", self.by),
             (Some(file), None) if file != self.by => format!("{} ({file})", self.by),

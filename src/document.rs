@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use voltet_core::{Error, Result};
 use voltet_graph::pipeline::{Pipeline, locate};
 use voltet_graph::{Graph, NamedPath, Registry};
-use voltet_io::provenance::{DataFile, PluginOf, Provenance};
+use voltet_io::provenance::{DataFile, PluginRecord, Provenance};
 
 pub use voltet_io::provenance::Source;
 
@@ -34,7 +34,7 @@ impl Document {
 
     /// The same for a text that was read already; paths in it are relative to the folder of `path`.
     pub fn from_text(path: &Path, text: String, options: &[String], registry: &Registry) -> Result<Document> {
-        Self::from_source(path, Source { text, carried: None }, options, registry)
+        Self::from_source(path, Source { text, embedded: None }, options, registry)
     }
 
     /// The same for what was read already.
@@ -44,7 +44,7 @@ impl Document {
         options: &[String],
         registry: &Registry,
     ) -> Result<Document> {
-        let Source { text, carried } = source;
+        let Source { text, embedded: carried } = source;
         let located = |error| locate(error, &text, path);
         let mut pipeline = Pipeline::parse(&text).map_err(located)?;
         options.iter().try_for_each(|option| pipeline.set(option)).map_err(located)?;
@@ -131,7 +131,7 @@ impl Document {
 /// An error of a picture's pipeline, with the plug-ins that it was drawn with: one may be missing.
 fn with_plugins(error: Error, carried: Option<&Provenance>) -> Error {
     let plugins: Vec<String> = carried.iter().flat_map(|carried| &carried.plugins).map(in_words).collect();
-    match (plugins.is_empty(), error.accepted.clone()) {
+    match (plugins.is_empty(), error.expected.clone()) {
         (false, Some(accepted)) => {
             error.expected(format!("{accepted}; the picture was drawn with the {}", plugins.join(", ")))
         }
@@ -140,8 +140,8 @@ fn with_plugins(error: Error, carried: Option<&Provenance>) -> Error {
 }
 
 /// "plug-in 'name' (path), version 1.0, 16000 bytes, 0123456789abcdef".
-fn in_words(plugin: &PluginOf) -> String {
-    let PluginOf { name, path, version, bytes, fingerprint, .. } = plugin;
+fn in_words(plugin: &PluginRecord) -> String {
+    let PluginRecord { name, path, version, bytes, fingerprint, .. } = plugin;
     format!("plug-in '{name}' ({path}), version {version}, {bytes} bytes, {fingerprint}")
 }
 

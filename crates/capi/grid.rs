@@ -179,7 +179,7 @@ unsafe fn arrays(source: &GridSource, keep: &Arc<dyn Send + Sync>) -> Result<Vec
         let count = product(tuples, components, &format!("array '{name}'"))?;
         // SAFETY: the caller's promise.
         let values = unsafe { lent(array.values, count, &format!("array '{name}'")) }?;
-        let values = SharedSlice::lent(values, keep.clone());
+        let values = SharedSlice::from_borrowed(values, keep.clone());
         arrays.push(ArraySource {
             name: name.into(),
             values,

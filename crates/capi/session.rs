@@ -184,9 +184,9 @@ impl Scene for Stated {
     }
 
     fn locate(&self, error: Error) -> Error {
-        let of_node = error.place.node.as_ref().and_then(|name| self.texts.get_key_value(name));
+        let of_node = error.location.node.as_ref().and_then(|name| self.texts.get_key_value(name));
         match of_node {
-            Some((name, text)) if error.place.span.is_some() => locate(error, text, Path::new(name)),
+            Some((name, text)) if error.location.span.is_some() => locate(error, text, Path::new(name)),
             _ => locate(error, &self.text, &self.path),
         }
     }

@@ -110,8 +110,8 @@ pub fn project(
 /// The largest optical depth, or colour, that all widgets together give over a scene length of so many world units.
 pub(crate) fn densest(transfer_function: &TransferFunction, length: f64) -> f64 {
     let most = |widget: &Widget| match transfer_function.model {
-        OpticalModel::DensityEmitter => widget.peak() * widget.brightest().max(1.0),
-        OpticalModel::ConstantEmitter { .. } => widget.peak().max(widget.brightest()),
+        OpticalModel::DensityEmitter => widget.peak() * widget.max_emission().max(1.0),
+        OpticalModel::ConstantEmitter { .. } => widget.peak().max(widget.max_emission()),
     };
     transfer_function.widgets.iter().map(most).sum::<f64>() / transfer_function.unit_distance * length
 }

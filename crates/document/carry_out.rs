@@ -15,34 +15,34 @@ use voltet_graph::pipeline::{EDITOR, ParsedPipeline, Pipeline};
 use voltet_graph::{Field, LocatedValue, NodeEntry, ParameterValue, suggest};
 
 /// A text that edits are carried out on, and what it states.
-pub(crate) struct Work {
+pub(crate) struct EditContext {
     draft: Draft,
     survey: Arc<ParsedPipeline>,
 }
 
 /// A text that edits made, and the way to it.
-pub(crate) struct Worked {
+pub(crate) struct EditOutcome {
     pub delta: Delta,
     pub text: Arc<str>,
     pub syntax: Arc<Syntax>,
     pub survey: Arc<ParsedPipeline>,
 }
 
-impl Work {
-    pub fn new(text: Arc<str>, syntax: Arc<Syntax>, survey: Arc<ParsedPipeline>) -> Work {
-        Work { draft: Draft::new(text, syntax), survey }
+impl EditContext {
+    pub fn new(text: Arc<str>, syntax: Arc<Syntax>, survey: Arc<ParsedPipeline>) -> EditContext {
+        EditContext { draft: Draft::new(text, syntax), survey }
     }
 
     /// All changes, the text that they make, and what it states.
-    pub fn finish(self) -> Result<Worked> {
-        let (delta, text, syntax) = self.draft.finish()?;
-        Ok(Worked { delta, text, syntax, survey: self.survey })
+    pub fn apply(self) -> Result<EditOutcome> {
+        let (delta, text, syntax) = self.draft.into_delta()?;
+        Ok(EditOutcome { delta, text, syntax, survey: self.survey })
     }
 
     /// Carries one out. `shown`: the places of the nodes in the view, which the file gets where it has none.
     pub fn carry_out(&mut self, edit: &Edit, shown: &dyn Fn(&str) -> Option<[f64; 2]>) -> Result<()> {
         self.change(edit, shown)?;
-        self.draft.settle()?;
+        self.draft.reparse()?;
         self.survey = Arc::new(Pipeline::survey(self.draft.text()));
         if !self.survey.is_toml {
             // A form that this does not know how to change.
@@ -93,7 +93,7 @@ impl Work {
                 let path = Path::from([EDITOR, "sets", &digit.to_string()]);
                 // Written anew: what stood there says nothing of these.
                 self.draft.unset(&path)?;
-                self.draft.settle()?;
+                self.draft.reparse()?;
                 self.draft.add(&path, &ParameterValue::List(widgets.clone()).to_string())
             }
             Edit::Title(Some(title)) => {
@@ -148,7 +148,7 @@ impl Work {
         let fields: Vec<Field> = [type_field].into_iter().chain(settings.iter().cloned()).collect();
         self.draft.add_table(&Path::from(["nodes", name]), &fields)?;
         if let Some(at) = at {
-            self.draft.settle()?;
+            self.draft.reparse()?;
             self.pin(&[(name.to_string(), at)], shown)?;
         }
         Ok(())

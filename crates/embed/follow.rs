@@ -51,7 +51,7 @@ impl Observer for State {
     }
 
     fn memory_left(&self) -> Option<u64> {
-        memory::left()
+        memory::available()
     }
 }
 

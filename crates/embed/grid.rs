@@ -75,7 +75,8 @@ pub struct ArraySource {
 /// Makes the grid. Its scalar is left open where none is named and several could be it.
 pub fn grid(source: Source, progress: &dyn Progress) -> Result<Grid> {
     let (cells, plain) = cells(&source)?;
-    let mut parts = RawGrid::new(SharedSlice::lent(points_of(source.points)?, source.keep.clone()), cells);
+    let mut parts =
+        RawGrid::new(SharedSlice::from_borrowed(points_of(source.points)?, source.keep.clone()), cells);
     arrays(source.arrays, &mut parts)?;
     parts.ghost = source.ghost.map(|flags| flags.iter().map(|&flag| flag != 0).collect());
     parts.degrees = source.degrees.map(|degrees| degrees.as_chunks::<3>().0.to_vec());
@@ -83,7 +84,7 @@ pub fn grid(source: Source, progress: &dyn Progress) -> Result<Grid> {
     let mut grid = grid::build(parts, &source.options, progress)?;
     // Such as were ascending already need not stand twice.
     if let Some(own) = plain.filter(|own| grid.tetrahedra.as_slice() == *own) {
-        grid.tetrahedra = SharedSlice::lent(own, source.keep);
+        grid.tetrahedra = SharedSlice::from_borrowed(own, source.keep);
     }
     if let Some(name) = scalar {
         grid.scalar = grid.point_arrays.get(&name).map(|array| array.values.clone());

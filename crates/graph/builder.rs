@@ -141,12 +141,12 @@ impl GraphNode {
     pub fn locate(&self, error: Error) -> Error {
         let mut error = error.at_node(&self.name);
         // A parameter or an option that an error names is a better place than the node's head.
-        let item = error.place.item.clone();
+        let item = error.location.item.clone();
         let named = item.and_then(|item| self.parameters.optional(&item).map(|s| s.origin.clone()));
         if let Some(origin @ SourceSpan::Span(_)) = named {
             error = origin.locate(error);
         }
-        if error.place.item.is_some() { error } else { self.origin.locate(error) }
+        if error.location.item.is_some() { error } else { self.origin.locate(error) }
     }
 }
 

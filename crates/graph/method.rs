@@ -22,7 +22,7 @@ pub(super) fn survey(
     };
     let Some(parameter) = node.method() else { return Some((own(&entry.settings, faults), None)) };
     let given = entry.settings.iter().find(|field| field.name == parameter.name).map(|field| &field.setting);
-    let standard = parameter.standard.datum().map(Into::into);
+    let standard = parameter.default.datum().map(Into::into);
     let Some(named) = given.or(standard.as_ref()) else { return Some((own(&entry.settings, faults), None)) };
     let wrong = |error| ParameterFault { parameter: parameter.name.to_string(), error };
     let Some(name) = named.text() else {

@@ -49,7 +49,7 @@ const fn number(name: &'static str, standard: DefaultValue) -> Parameter {
         name,
         parameter_type: ParameterType::Number(Range::at_least(0.0)),
         unit: "m",
-        standard,
+        default: standard,
         help: "help",
     }
 }
@@ -164,7 +164,7 @@ const WRITE: Node = Node {
         name: "path",
         parameter_type: ParameterType::OutputPath,
         unit: "",
-        standard: DefaultValue::Required,
+        default: DefaultValue::Required,
         help: "help",
     }],
     prepare: &|preparation| match preparation.path("path")?.ends_with("bad") {

@@ -62,6 +62,6 @@ impl Shading {
     /// is needed. `None` under the constant-emitter, where several colours are drawn, and where light falls at an angle.
     pub fn one_color(&self, transfer_function: &TransferFunction) -> Option<[f64; 3]> {
         let light = self.even_light()?;
-        transfer_function.one_color().map(|color| color.map(|c| c * light))
+        transfer_function.uniform_color().map(|color| color.map(|c| c * light))
     }
 }

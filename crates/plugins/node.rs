@@ -26,7 +26,7 @@ pub(crate) fn leak<T>(thing: T) -> &'static T {
 /// How it stands in a pipeline file: between the node `from`, by its input `port`, and what takes it by `taken`.
 pub(crate) fn example(kind: VariantSchema, from: &str, port: &str, taken: &str) -> &'static str {
     let required =
-        kind.parameters.iter().filter(|parameter| matches!(parameter.standard, DefaultValue::Required));
+        kind.parameters.iter().filter(|parameter| matches!(parameter.default, DefaultValue::Required));
     let required: String = required.map(|parameter| format!("{} = …\n", parameter.name)).collect();
     format!(
         "# Between the node '{from}' and those that take what it gives ({taken}):\n[nodes.filtered]\ntype = \"{}\"\n\

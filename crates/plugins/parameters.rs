@@ -83,7 +83,13 @@ fn parameter(read: &interface::Parameter, name: &str) -> Result<Parameter, Wrong
         }
         other => return Err(format!("its type is {other}, which this version does not know")),
     };
-    Ok(Parameter { name: leak(name.into()), parameter_type, unit: leak(unit), standard, help: leak(help) })
+    Ok(Parameter {
+        name: leak(name.into()),
+        parameter_type,
+        unit: leak(unit),
+        default: standard,
+        help: leak(help),
+    })
 }
 
 /// A default text, or what leaving it out means.

@@ -17,7 +17,7 @@ use voltet_core::field::Plugin;
 use voltet_core::grid::Association;
 use voltet_core::parameters::{Parameters, VariantSchema};
 use voltet_core::progress::Progress;
-use voltet_core::reading::{ArrayOfFile, GridHead as HeadOfFile, GridRead, GridReader, OpenGrid};
+use voltet_core::reading::{FileArray, GridHead as HeadOfFile, GridRead, GridReader, OpenGrid};
 use voltet_core::{Error, Result};
 
 /// A file and a step of it.
@@ -170,7 +170,7 @@ impl GridReader for Offered {
 }
 
 fn head_of_file(head: &Head, name: &str) -> HeadOfFile {
-    let array = |array: &ArrayOf| ArrayOfFile {
+    let array = |array: &ArrayOf| FileArray {
         name: array.name.clone(),
         association: if array.on_cells { Association::Cell } else { Association::Point },
         component_count: array.component_count,

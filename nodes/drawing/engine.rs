@@ -12,7 +12,7 @@ use voltet_optics::engine::{Compositor, EngineInfo, registered};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::Shading;
 
-/// Whether an engine is asked where a pipeline says this.
+/// True if an engine is asked where a pipeline says this.
 pub fn is_asked_by(engine: &EngineInfo, wanted: &str) -> bool {
     match wanted {
         AUTO => engine.taken.is_some(),
@@ -37,7 +37,7 @@ pub fn ask_engine(asking: &mut DemandContext, wanted: &str) -> Result<()> {
     let shading = super::shading(asking.parameters)?;
     let engines = asked(wanted, &shading);
     if let [EngineInfo { unavailable_reason: Some(why), .. }] = engines.as_slice() {
-        let item = if asking.parameters.given(ENGINE.name) { ENGINE.name } else { ADAPTER.name };
+        let item = if asking.parameters.is_set(ENGINE.name) { ENGINE.name } else { ADAPTER.name };
         return Err(asking
             .parameters
             .error(item, *why)

@@ -16,7 +16,7 @@ pub const ORDER: Parameter = Parameter {
         ("auto", "exact where the scene needs an order, none otherwise"),
     ]),
     unit: "",
-    standard: DefaultValue::Text("exact"),
+    default: DefaultValue::Text("exact"),
     help: "the order in which a pixel's ray segments are composited",
 };
 

@@ -142,7 +142,8 @@ fn where_to_look(scene: &Scene) -> String {
 /// Widgets whose colours are brighter than white.
 fn too_bright(scene: &Scene) -> Vec<String> {
     let widgets = scene.transfer_function.widgets.iter().enumerate();
-    let bright = widgets.map(|(i, widget)| (i, widget.brightest())).filter(|(_, brightest)| *brightest > 1.0);
+    let bright =
+        widgets.map(|(i, widget)| (i, widget.max_emission())).filter(|(_, brightest)| *brightest > 1.0);
     let said = |(i, brightest): (usize, f64)| {
         let meant = match brightest > 2.0 && brightest <= 255.0 {
             true => "; was 0 to 255 meant? Then (c / 255)^2.2 is about the linear one",

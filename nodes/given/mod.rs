@@ -79,7 +79,7 @@ fn array(grid: &Grid, wanted: &str) -> Result<Arc<Array>> {
     let Some((name, suffix, array)) = part else { return Err(missing(wanted, grid.point_arrays.keys())) };
     let count = array.component_count;
     let tuples = array.values.par_chunks_exact(count);
-    let values: Vec<f64> = match Component::of(name, suffix, count)? {
+    let values: Vec<f64> = match Component::parse(name, suffix, count)? {
         Component::All => return Ok(array.clone()),
         Component::Index(index) => tuples.map(|tuple| tuple[index]).collect(),
         Component::Magnitude => tuples.map(length).collect(),

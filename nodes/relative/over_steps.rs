@@ -30,7 +30,7 @@ impl Sums {
         self.interval[0] * (1.0 - share) + self.interval[1] * share
     }
 
-    /// Where the volume below reaches so many percent of all.
+    /// Value below which so many percent of the volume lie.
     fn percentile(&self, percent: f64) -> f64 {
         let wanted = percent / 100.0 * self.total;
         let above = self.below.partition_point(|&volume| volume < wanted);

@@ -1,4 +1,4 @@
-//! What relative numbers became, in words that a pipeline file could hold, and as figures.
+//! Resolved relative numbers, as text that a pipeline file could hold and as figures.
 
 use super::found::Found;
 use serde_json::{Map, Value, json};

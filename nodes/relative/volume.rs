@@ -8,7 +8,7 @@ use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_graph::{ArrayRef, Demand};
 
-/// What must be asked of a volume for these.
+/// Demand on a volume for these statistics.
 pub fn demand(wanted: &StatisticsRequest) -> Demand {
     let mut demand = Demand::default();
     for quantity in wanted.quantities() {
@@ -39,7 +39,7 @@ pub fn of(quantity: &ArrayRef, error: Error) -> Error {
     Error { what, ..error }
 }
 
-/// Those of one volume: nothing but what is wanted is computed.
+/// Statistics of one volume: only what is requested is computed.
 pub fn measure(volume: &Volume, wanted: &StatisticsRequest, progress: &dyn Progress) -> Result<Found> {
     let mut found = Found::default();
     for quantity in &wanted.ranges {

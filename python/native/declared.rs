@@ -46,8 +46,8 @@ fn parameter(parameter: &Parameter) -> Value {
         "type": parameter.parameter_type.describe(),
         "form": form(&parameter.parameter_type),
         "unit": parameter.unit,
-        "required": matches!(parameter.standard, DefaultValue::Required),
-        "default": parameter.standard.to_string(),
+        "required": matches!(parameter.default, DefaultValue::Required),
+        "default": parameter.default.to_string(),
         "help": parameter.help,
         "kinds": kinds,
     })

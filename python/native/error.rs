@@ -18,12 +18,12 @@ fn kind(error: &Error) -> &'static str {
 
 /// The exception that stands for an error.
 pub fn exception(py: Python<'_>, error: &Error) -> PyErr {
-    let Location { file, span: _, line_column, node, item } = &*error.place;
+    let Location { file, span: _, line_column, node, item } = &*error.location;
     let fields = PyDict::new(py);
     let filled = || -> PyResult<()> {
         fields.set_item("what", &error.what)?;
         fields.set_item("found", &error.got)?;
-        fields.set_item("expected", &error.accepted)?;
+        fields.set_item("expected", &error.expected)?;
         fields.set_item("file", file)?;
         fields.set_item("line", line_column.map(|place| place.0))?;
         fields.set_item("column", line_column.map(|place| place.1))?;

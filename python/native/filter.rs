@@ -188,7 +188,13 @@ fn parameter(declared: &Bound<'_, PyDict>) -> PyResult<Parameter> {
             return Err(crate::error::exception(declared.py(), &error));
         }
     };
-    Ok(Parameter { name: text("name")?, parameter_type, unit: text("unit")?, standard, help: text("help")? })
+    Ok(Parameter {
+        name: text("name")?,
+        parameter_type,
+        unit: text("unit")?,
+        default: standard,
+        help: text("help")?,
+    })
 }
 
 impl Function {

@@ -55,7 +55,7 @@ impl Grid {
         let mut keep = Keep(vec![points.keep()]);
         let arrays = arrays.into_iter().map(|(name, values, component_count, on_cells)| {
             let lent: Lent<f64> = Lent::of(&format!("array '{name}'"), &values)?;
-            let values = SharedSlice::lent(lent.values(), lent.keep());
+            let values = SharedSlice::from_borrowed(lent.values(), lent.keep());
             Ok(ArraySource { name, values, component_count, on_cells })
         });
         let arrays = arrays.collect::<PyResult<Vec<ArraySource>>>()?;

@@ -3,7 +3,7 @@
 use crate::filter;
 use std::path::{Path, PathBuf};
 use voltet_core::{Error, Result};
-use voltet_document::{Document, Edit, Fault, Part, Path as Place};
+use voltet_document::{Document, Edit, Fault, FaultTarget, Path as Place};
 use voltet_embed::{Account, Scene, Session};
 use voltet_graph::pipeline::Pipeline as Nodes;
 use voltet_graph::{Field, NodeEntry, ParameterValue, SourceSpan};
@@ -57,7 +57,7 @@ impl Held {
         let (document, picture) = match (path, text) {
             (Some(path), None) => {
                 let source = Source::read(&path)?;
-                match source.carried {
+                match source.embedded {
                     Some(carried) => (Document::from_text(source.text, None), Some((path, carried))),
                     None => (Document::open(&path)?, None),
                 }
@@ -115,7 +115,7 @@ impl Held {
         }
         let concerns = |fault: &Fault| fault.node.as_deref().is_some_and(|name| nodes.contains(&name));
         let mut faults = self.stated.document.faults_of(nodes, self.runs.registry());
-        faults.retain(|fault| concerns(fault) && !matches!(fault.part, Part::Input(_)));
+        faults.retain(|fault| concerns(fault) && !matches!(fault.target, FaultTarget::Input(_)));
         faults
     }
 

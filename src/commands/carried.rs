@@ -6,7 +6,7 @@ use crate::arguments::Info;
 use crate::core::{Error, Result};
 use crate::graph::pipeline::Pipeline;
 use crate::graph::{NodeEntry, ParameterValue};
-use crate::io::provenance::{self, Beside, CameraOf, DataFile, PluginOf, Provenance};
+use crate::io::provenance::{self, CameraRecord, DataFile, PluginRecord, Provenance, SidecarFiles};
 use crate::present::{number, print};
 use std::fs::File;
 use std::io::Read;
@@ -35,7 +35,7 @@ pub fn carried(arguments: &Info) -> Result<u8> {
         let error = Error::usage("the option is not for pictures").got(option);
         return Err(error.expected("voltet info PICTURE, or with --json").in_file(path));
     }
-    let Source { carried, .. } = Source::read(path).map_err(|error| {
+    let Source { embedded: carried, .. } = Source::read(path).map_err(|error| {
         error.expected(
             "a picture that an image-writer with provenance = true wrote; slices as data: in one volume (.vti)",
         )
@@ -85,11 +85,11 @@ fn known(text: &str) -> &str {
 }
 
 fn of_data(file: &DataFile) -> String {
-    let DataFile { node, path, bytes, modified, beside, .. } = file;
+    let DataFile { node, path, bytes, modified, sidecars: beside, .. } = file;
     let bytes = bytes.map(|bytes| format!(", {} bytes", number(bytes))).unwrap_or_default();
     let date = modified.as_ref().map(|date| format!(", of {date}")).unwrap_or_default();
     let beside = beside.iter().map(|beside| {
-        let Beside { files, bytes, modified, names } = beside;
+        let SidecarFiles { files, bytes, modified, names } = beside;
         let date = modified.as_ref().map(|date| format!(", the last of {date}")).unwrap_or_default();
         let more = if names.len() as u64 == *files { "" } else { ", …" };
         format!(
@@ -102,14 +102,14 @@ fn of_data(file: &DataFile) -> String {
     format!("data ({node}): {path}{bytes}{date}\n{}", beside.collect::<String>())
 }
 
-fn of_plugin(plugin: &PluginOf) -> String {
-    let PluginOf { node, name, version, path, bytes, fingerprint, modified } = plugin;
+fn of_plugin(plugin: &PluginRecord) -> String {
+    let PluginRecord { node, name, version, path, bytes, fingerprint, modified } = plugin;
     let date = modified.as_ref().map(|date| format!(", of {date}")).unwrap_or_default();
     format!("plug-in ({node}): {name} {version}, {path}, {} bytes{date}, {fingerprint}\n", number(*bytes))
 }
 
-fn of_camera(camera: &CameraOf) -> String {
-    let CameraOf { node, eye, target, up, fov_y, height, near, size: [wide, high], samples } = camera;
+fn of_camera(camera: &CameraRecord) -> String {
+    let CameraRecord { node, eye, target, up, fov_y, height, near, size: [wide, high], samples } = camera;
     let view = fov_y.map(|degrees| format!("field of view {degrees}°"));
     let view = view.or(height.map(|height| format!("height {height}"))).unwrap_or_default();
     let near = if *near > 0.0 { format!(", near {near}") } else { String::new() };

@@ -6,14 +6,14 @@ use crate::arguments::Start;
 use crate::core::field::{LeastSquares, Method, magnitude};
 use crate::core::grid::Grid;
 use crate::core::grid::extent::{bounds, range, scene_length};
-use crate::core::probing::{Axis, Histogram, Proposed, histogram, proposal, quiet};
+use crate::core::probing::{Axis, Histogram, ProposedWidget, histogram, proposal, quiet};
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
 use crate::graph::{ParameterValue, Registry};
 use crate::io::formats::{ArrayHead, ArraySummary, Association, Request, Summary, arrays, inspect, read};
 use crate::nodes::added;
 use crate::nodes::files::{
-    beside, folder, is_standard_output, refuse_unwritable, standard_output, write_whole,
+    folder, is_standard_output, refuse_unwritable, relative_to, standard_output, write_whole,
 };
 use crate::present::{Bar, name, say};
 use glam::DVec3;
@@ -93,9 +93,9 @@ pub fn pipeline(
     let unit = rounded(diagonal / 10.0);
     let text = |text: &str| ParameterValue::Text(text.into()).to_string();
     let own = if is_standard_output(output) { Path::new(".") } else { folder(output) };
-    let solution = arguments.solution.as_ref().map(|solution| beside(solution, own));
+    let solution = arguments.solution.as_ref().map(|solution| relative_to(solution, own));
     let node_type = asked.node_type();
-    let keys = meant.keys(&beside(&arguments.data, own), arguments.time_step, solution.as_deref());
+    let keys = meant.keys(&relative_to(&arguments.data, own), arguments.time_step, solution.as_deref());
     let steepest = g.iter().copied().filter(|g| g.is_finite()).fold(g_axis.high, f64::max);
     let region = format!(
         "region = {{ s = [{}, {}], g = [{}, {}] }}\n",
@@ -106,7 +106,7 @@ pub fn pipeline(
     );
     let widgets: String =
         look.iter().zip(COLORS).map(|(one, color)| widget(one, color, unit) + &region).collect();
-    let haze = Proposed {
+    let haze = ProposedWidget {
         centre: [0.5 * s_axis.low + 0.5 * s_axis.high, 0.0],
         sigma: [s_axis.high - s_axis.low, f64::INFINITY],
         extinction: -(1.0 - HAZE).ln() / diagonal,
@@ -232,8 +232,8 @@ fn histogram_of(grid: &Grid, s: &[f64], g: &[f64], progress: &dyn Progress) -> R
     histogram(grid, [s, g], [s_axis, Axis { low, high, bins: BINS }], progress)
 }
 
-fn widget(one: &Proposed, [red, green, blue]: [f64; 3], unit: f64) -> String {
-    let Proposed { centre: [s, g], sigma: [along_s, along_g], extinction } = one;
+fn widget(one: &ProposedWidget, [red, green, blue]: [f64; 3], unit: f64) -> String {
+    let ProposedWidget { centre: [s, g], sigma: [along_s, along_g], extinction } = one;
     format!(
         "
 [[nodes.look.widgets]]
@@ -260,9 +260,9 @@ struct View {
 
 impl View {
     /// Looks at the middle of what is drawn, mostly along its shortest side, from where 1024 × 768 pixels hold it.
-    fn of(grid: &Grid, s: &[f64], g: &[f64], look: &[Proposed]) -> View {
+    fn of(grid: &Grid, s: &[f64], g: &[f64], look: &[ProposedWidget]) -> View {
         let drawn = |i: usize| {
-            let profile = |one: &Proposed| {
+            let profile = |one: &ProposedWidget| {
                 let q = [(s[i] - one.centre[0]) / one.sigma[0], (g[i] - one.centre[1]) / one.sigma[1]];
                 (-0.5 * (q[0] * q[0] + q[1] * q[1])).exp()
             };

@@ -17,16 +17,16 @@ pub fn warning(warning: &Error, text: Option<&str>) -> String {
 }
 
 fn shown(error: &Error, text: Option<&str>, level: Level) -> String {
-    let pointed = error.place.span.clone().zip(text);
+    let pointed = error.location.span.clone().zip(text);
     let title = title(error, pointed.is_some());
-    let name = streams::name(error.place.file.as_deref().unwrap_or("pipeline"));
+    let name = streams::name(error.location.file.as_deref().unwrap_or("pipeline"));
     let mut report = Group::with_title(level.primary_title(title));
     if let Some((span, text)) = pointed {
         let span = span.start.min(text.len())..span.end.min(text.len());
         let source = Snippet::source(streams::pointed(text)).path(name);
         report = report.element(source.annotation(AnnotationKind::Primary.span(span)));
     }
-    if let Some(accepted) = &error.accepted {
+    if let Some(accepted) = &error.expected {
         report = report.element(Level::HELP.message(format!("expected {}", streams::printable(accepted))));
     }
     let terminal = std::io::stderr().is_terminal();
@@ -39,7 +39,7 @@ fn shown(error: &Error, text: Option<&str>, level: Level) -> String {
 
 /// What is wrong, what was found, and where, but for what a `pointed` text shows.
 fn title(error: &Error, is_pointed: bool) -> String {
-    let Error { what, got: found, place, .. } = error;
+    let Error { what, got: found, location: place, .. } = error;
     let mut title = streams::printable(what);
     if let Some(found) = found {
         title += &format!(": found {}", streams::printable(found));

@@ -117,7 +117,7 @@ impl Observer for Bar {
     }
 
     fn memory_left(&self) -> Option<u64> {
-        memory::left()
+        memory::available()
     }
 }
 

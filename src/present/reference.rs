@@ -5,7 +5,7 @@ use crate::graph::{Node, Parameter, ParameterType, Port, Registry, VariantSchema
 /// Type, unit and standard value of a parameter: "number above 0, degrees; default 30.0".
 fn kind(parameter: &Parameter) -> String {
     let unit = if parameter.unit.is_empty() { String::new() } else { format!(", {}", parameter.unit) };
-    let standard = match parameter.standard {
+    let standard = match parameter.default {
         crate::graph::DefaultValue::Required => "required".to_string(),
         other => format!("default: {other}"),
     };

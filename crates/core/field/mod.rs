@@ -70,7 +70,7 @@ pub fn spectral_norm(rows: &[DVec3]) -> f64 {
     largest * largest_eigenvalue(product.to_cols_array_2d()).sqrt()
 }
 
-/// Of a symmetric matrix, by Jacobi's rotations: the largest keeps all its digits, however near the others are.
+/// Largest eigenvalue of a symmetric matrix, by Jacobi's rotations: it keeps all its digits, however near the others are.
 fn largest_eigenvalue(mut a: [[f64; 3]; 3]) -> f64 {
     // Each sweep squares what is left beside the diagonal; four leave rounding.
     for _ in 0..8 {

@@ -7,7 +7,7 @@
 
 use super::dense::solve_qr;
 use super::frame::for_these;
-use super::least_squares::{Apart, Fit, fallbacks};
+use super::least_squares::{CoincidenceTest, Fit, fallbacks};
 use super::{Fallback, Gradient, GradientFilter, check_scalar};
 use crate::Result;
 use crate::grid::{Grid, Neighbours, cells_of_points, points_of_points};
@@ -25,7 +25,7 @@ const UNKNOWNS: usize = 9;
 /// at most about its inverse.
 const SMALL_PIVOT: f64 = 1e-2;
 
-/// The same for the larger surroundings, the last resort before a linear fit.
+/// Smallest pivot for the larger neighbourhood, the last resort before a linear fit.
 const SMALL_PIVOT_SECOND_RING: f64 = 1e-3;
 
 /// Fewest neighbours for a fit without the second ring: three more than unknowns, so that single values do not
@@ -108,7 +108,7 @@ impl QuadraticPoint {
         small_pivot: f64,
     ) -> Option<DVec3> {
         let x = grid.points[p];
-        let apart = Apart::new(x);
+        let apart = CoincidenceTest::new(x);
         self.differences.clear();
         let mut covariance = [0.0; 6];
         for &q in surroundings {

@@ -58,7 +58,7 @@ impl Convex {
         }
     }
 
-    /// Whether all of a box of s and g lies inside, as far as rounding can say.
+    /// True if all of a box of s and g lies inside, as far as rounding can say.
     pub fn holds(&self, [s, g]: &[[f64; 2]; 2]) -> bool {
         let corners = [[s[0], g[0]], [s[1], g[0]], [s[1], g[1]], [s[0], g[1]]];
         corners.iter().all(|&corner| self.distances(corner, corner, |distance, _, _, _| distance >= 0.0))

@@ -82,7 +82,7 @@ const OPAQUE: f64 = 100.0;
 impl Limits {
     /// Of a scene of this optical depth over the scene length, at the densest place.
     pub fn of(transfer_function: &TransferFunction, densest: f64) -> Limits {
-        match transfer_function.one_color() {
+        match transfer_function.uniform_color() {
             None => Limits { gain_of_segment: 0.01, boundary_most: 1.0 },
             Some(_) if OPAQUE < densest => Limits { gain_of_segment: 0.0, boundary_most: 0.2 },
             Some(_) => Limits { gain_of_segment: -0.01, boundary_most: 0.2 },

@@ -12,7 +12,7 @@ use crate::shade::kinds::{InOrder, LaneWidget, Road, nothing};
 use crate::shade::reach::Spread;
 use crate::shade::shaded::{Left, MIX_PRODUCT, Shaded};
 use voltet_core::transfer::TransferFunction;
-use voltet_simd::limits::{DENSE_RATE_MOST, LENGTH_WALKED_LEAST, RATE_MOST};
+use voltet_simd::limits::{MAX_DENSE_RATE, MAX_RATE, MIN_WALKED_LENGTH};
 use voltet_simd::optics::dense::dense;
 use voltet_simd::optics::elementary::one_minus_exp;
 use voltet_simd::optics::overlap::ordered;
@@ -47,7 +47,7 @@ impl PanelWalk {
         let cutoff = transfer_function.model.cutoff();
         let scale = (length / transfer_function.unit_distance) as f32;
         // A scale beyond 32 bits, or so small that its products leave them.
-        if scale.is_finite() && scale > LENGTH_WALKED_LEAST {
+        if scale.is_finite() && scale > MIN_WALKED_LENGTH {
             Ok(PanelWalk { cutoff, scale, one_color, counts, ordered_from })
         } else {
             Err(Left::Lengths)
@@ -161,7 +161,7 @@ impl PanelWalk {
             None => crossing & (splat(self.ordered_from).lt(product).bits() | varies),
         };
         let delicate = in_order & delicate;
-        let most = if DENSE { DENSE_RATE_MOST } else { RATE_MOST };
+        let most = if DENSE { MAX_DENSE_RATE } else { MAX_RATE };
         let mut too_dense = in_order & splat(most).lt(densest).bits();
         if in_order & !(narrow | overflow | delicate | too_dense) != 0 {
             let scale = along.length * splat(self.scale);

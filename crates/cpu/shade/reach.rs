@@ -23,7 +23,7 @@ impl LaneReach {
     /// `None` where the widget counts everywhere. `least`: the optical depth along the longest ray that counts.
     pub fn new(widget: &Widget, making: &Making, least: f64) -> Option<LaneReach> {
         // What is thin is held against itself: its picture may be seen magnified.
-        let depth = (widget.peak() * making.density_scale).max(1.0) * widget.brightest().max(1.0);
+        let depth = (widget.peak() * making.density_scale).max(1.0) * widget.max_emission().max(1.0);
         let lists = widget.slabs(depth, least, making.model);
         let axis = |k: usize| making.attributes.get(k).map_or([0.0, 1.0], |a| [a.offset, a.scale]);
         let axes = [axis(0), axis(1)];

@@ -321,7 +321,7 @@ impl Shader {
 fn ordered_from(integrator: &Integrator, transfer_function: &TransferFunction) -> f32 {
     match *integrator {
         Integrator::Adaptive { tolerance } => {
-            let brightest = transfer_function.widgets.iter().map(Widget::brightest).fold(0.0, f64::max);
+            let brightest = transfer_function.widgets.iter().map(Widget::max_emission).fold(0.0, f64::max);
             MIX_PRODUCT.max((tolerance / brightest.max(1.0)) as f32)
         }
         _ => MIX_PRODUCT,

@@ -1,13 +1,13 @@
 //! Edits of the table `[editor]`: places, frames, notes.
 
-use super::Work;
+use super::EditContext;
 use crate::path::Path;
-use crate::view::{NodeView, View, place};
+use crate::view::{NodeView, View, position_value};
 use voltet_core::{Error, Result};
 use voltet_graph::pipeline::EDITOR;
 use voltet_graph::{LocatedValue, ParameterValue};
 
-impl Work {
+impl EditContext {
     pub(super) fn move_nodes(
         &mut self,
         moved: &[(String, [f64; 2])],
@@ -24,7 +24,7 @@ impl Work {
         shown: &dyn Fn(&str) -> Option<[f64; 2]>,
     ) -> Result<()> {
         let view = View::read(&self.survey.editor);
-        let has_place = |name: &str| view.nodes.get(name).is_some_and(|node| node.at.is_some());
+        let has_place = |name: &str| view.nodes.get(name).is_some_and(|node| node.position.is_some());
         let others = self.survey.pipeline.nodes.iter().map(|node| &node.name);
         let others = others.filter(|name| !has_place(name) && !given.iter().any(|(known, _)| known == *name));
         let others: Vec<(String, [f64; 2])> =
@@ -32,10 +32,10 @@ impl Work {
         let mut fresh = Vec::new();
         for (name, at) in others.iter().chain(given) {
             let mut node = view.nodes.get(name).cloned().unwrap_or_default();
-            node.at = Some(*at);
+            node.position = Some(*at);
             match view.nodes.contains_key(name) {
                 true => self.put_view(name, &node)?,
-                false => fresh.push((name.as_str(), place(*at))),
+                false => fresh.push((name.as_str(), position_value(*at))),
             }
         }
         self.draft.add_lines(&Path::from([EDITOR, "nodes"]), &fresh)
@@ -49,7 +49,7 @@ impl Work {
     ) -> Result<()> {
         self.node(name)?;
         let mut node = View::read(&self.survey.editor).nodes.remove(name).unwrap_or_default();
-        node.at = node.at.or_else(|| shown(name));
+        node.position = node.position.or_else(|| shown(name));
         change(&mut node);
         self.put_view(name, &node)
     }
@@ -69,7 +69,7 @@ impl Work {
         match count.and_then(|field| field.setting.list()).map_or(0, <[LocatedValue]>::len) {
             0 if number == 0 => {
                 self.draft.unset(&path)?;
-                self.draft.settle()?;
+                self.draft.reparse()?;
                 self.draft.add(&path, &format!("[\n  {datum},\n]"))
             }
             count if number < count => self.draft.set(&path.with(number), datum),

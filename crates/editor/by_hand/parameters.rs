@@ -67,7 +67,7 @@ fn what_a_new_widget_begins_with_is_right() {
     let row = rows.iter().find(|row| row.parameter.name == "widgets").unwrap();
     let voltet_document::panel::Control::Entries(kinds) = row.control else { panic!("a list") };
     for kind in kinds {
-        let entry = voltet_document::panel::begun(kind);
+        let entry = voltet_document::panel::default_value(kind);
         let list = row.path.clone();
         let edit = voltet_document::Edit::Insert { node: "look".into(), list, place: 1, entry };
         hand.editor.edit(edit.label(), &[edit]);

@@ -70,7 +70,7 @@ impl ParameterPanel {
         self.head(ui, scene, entry, actions);
         let rows = self.rows_of(scene, name);
         ScrollArea::vertical().auto_shrink([false, false]).id_salt(("parameters", name)).show(ui, |ui| {
-            for fault in scene.faults.iter().filter(|fault| fault.place.node.as_deref() == Some(name)) {
+            for fault in scene.faults.iter().filter(|fault| fault.location.node.as_deref() == Some(name)) {
                 ui.label(RichText::new(fault.to_string()).color(theme::wrong(dark)));
             }
             self.table(ui, Of { scene, node: name }, &Path::default(), &rows, actions);
@@ -152,7 +152,7 @@ impl ParameterPanel {
     fn line(&mut self, ui: &mut Ui, of: Of, row: &Row, actions: &mut Actions) {
         let dark = ui.visuals().dark_mode;
         let parameter = row.parameter;
-        let color = match (row.is_missing(), &row.stated) {
+        let color = match (row.is_missing(), &row.set_value) {
             (true, _) => theme::wrong(dark),
             (false, None) => theme::weak(dark),
             (false, Some(_)) => ui.visuals().text_color(),
@@ -164,7 +164,7 @@ impl ParameterPanel {
         let _shown = ui.vertical(|ui| {
             ui.horizontal(|ui| {
                 if let (None, Some(first), DefaultValue::Unset(meaning)) =
-                    (&row.stated, row.begin(), parameter.standard)
+                    (&row.set_value, row.begin(), parameter.default)
                 {
                     // A number that is not there is no number.
                     if ui.small_button("set").on_hover_text("states a value to begin with").clicked() {
@@ -184,7 +184,7 @@ impl ParameterPanel {
         });
         #[cfg(test)]
         self.places.insert(of.key(row), _shown.response.rect);
-        if row.stated.is_some() && !matches!(parameter.standard, DefaultValue::Required) {
+        if row.set_value.is_some() && !matches!(parameter.default, DefaultValue::Required) {
             let standard = format!("back to the standard: {}", row.standard_in_words());
             if ui.small_button("↺").on_hover_text(standard).clicked() {
                 actions.edit(of.unset(&row.path));

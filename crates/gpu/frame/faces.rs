@@ -27,7 +27,7 @@ impl Renderer {
         let mut orders = self.orders();
         let Orders { faces, last } = &mut *orders;
         let begun = Instant::now();
-        let faces = faces.get_or_insert_with(|| Faces::of(grid));
+        let faces = faces.get_or_insert_with(|| Faces::new(grid));
         if let Some((_, found)) = last.as_ref().filter(|(known, found)| serves(faces, known, found, camera)) {
             return Ok((found.clone(), None));
         }
@@ -44,6 +44,7 @@ fn serves(faces: &Faces, known: &Camera, found: &Found, camera: &Camera) -> bool
         (Projection::Perspective { .. }, Projection::Perspective { .. }) => known.eye == camera.eye,
         _ => false,
     };
-    let is_of_eye = faces.needs_eye_alone() && found.as_ref().is_ok_and(|order| order.taken_out == 0);
+    let is_of_eye =
+        faces.is_independent_of_direction() && found.as_ref().is_ok_and(|order| order.taken_out == 0);
     known == camera || (is_of_eye && is_same_eye)
 }

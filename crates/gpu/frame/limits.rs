@@ -27,7 +27,7 @@ pub(crate) fn check(
     let spans: Vec<f64> = values.iter().enumerate().map(span).collect();
     let spans = Spans { values: &spans, longest: grid.longest };
     check_32_bits(choices, transfer_function, &spans).map_err(|error: Error| {
-        let accepted = error.accepted.clone().unwrap_or_default();
+        let accepted = error.expected.clone().unwrap_or_default();
         error.expected(format!("{accepted}; engine = \"cpu\" holds it"))
     })
 }

@@ -34,7 +34,7 @@ impl Pipeline {
         let mut survey = read(text);
         for fault in &mut survey.faults {
             // Errors carry the byte range only; line and column follow from the text.
-            if let Some(span) = fault.place.span.take() {
+            if let Some(span) = fault.location.span.take() {
                 *fault = fault.clone().at_span(text, span);
             }
         }
@@ -209,7 +209,7 @@ pub fn parameters(text: &str) -> Result<Vec<Field>> {
     }));
     match faults.into_iter().next() {
         None => Ok(fields),
-        Some(mut fault) => Err(match fault.place.span.take() {
+        Some(mut fault) => Err(match fault.location.span.take() {
             Some(span) => fault.at_span(text, span),
             None => fault,
         }),

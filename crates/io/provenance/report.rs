@@ -1,4 +1,4 @@
-//! What a run did, as JSON (docs/provenance.md).
+//! Report of a run as JSON (docs/provenance.md).
 
 use super::Provenance;
 use crate::memory;
@@ -33,7 +33,7 @@ pub fn whole_report(runs: Vec<Value>) -> Value {
     })
 }
 
-/// What is said of one run. `file`: what the pipeline came from.
+/// Report of one run. `file`: source of the pipeline.
 pub fn run_report(file: &str, report: &RunReport, stated: &ResolvedPipeline) -> Value {
     let mut counts = serde_json::Map::new();
     for name in COUNTS {

@@ -69,7 +69,7 @@ fn judged_cells(mixed: Mixed, point_count: usize, whose: Whose) -> Result<CellSe
     whole(&types, 1, "the types", whose)?;
     whole(&offsets, 1, "the offsets", whose)?;
     whole(&connectivity, 1, "the connectivity", whose)?;
-    let wrong = |&cell: &u8| cell == code::POLYHEDRON || CellType::of(cell).is_none();
+    let wrong = |&cell: &u8| cell == code::POLYHEDRON || CellType::from_code(cell).is_none();
     if let Some(at) = types.par_iter().with_min_len(1 << 14).position_first(wrong) {
         let error = out_of_range(whose, &format!("types[{at}]"), types[at]);
         return Err(error.expected("a code of VTK's cells, polyhedra (42) excepted"));
@@ -86,11 +86,11 @@ fn judged_cells(mixed: Mixed, point_count: usize, whose: Whose) -> Result<CellSe
         return Err(out_of_range(whose, &format!("offsets[{at}]"), offsets[at]).expected(accepted));
     }
     let wrong = |at: &usize| {
-        let wanted = CellType::of(types[*at]).and_then(|cell| cell.point_count);
+        let wanted = CellType::from_code(types[*at]).and_then(|cell| cell.point_count);
         wanted.is_some_and(|wanted| offsets[at + 1] - offsets[*at] != i64::from(wanted))
     };
     if let Some(at) = (0..types.len()).into_par_iter().with_min_len(1 << 14).find_first(wrong) {
-        let wanted = CellType::of(types[at]).and_then(|cell| Some((cell.name, cell.point_count?)));
+        let wanted = CellType::from_code(types[at]).and_then(|cell| Some((cell.name, cell.point_count?)));
         let (name, wanted) = wanted.unwrap_or_default();
         let error = whose.error(&format!("gave cell {at}, a {name}, another number of points than it has"));
         return Err(error.got(offsets[at + 1] - offsets[at]).expected(wanted));

@@ -30,7 +30,7 @@ pub(super) fn write_declared(body: &mut Writer, declared: &Declared) {
         [parameter.name, parameter.unit, parameter.help].into_iter().for_each(|text| body.text(text));
         body.number(u64::from(components));
         write_type(body, &parameter.parameter_type);
-        write_standard(body, &parameter.standard);
+        write_standard(body, &parameter.default);
     }
 }
 
@@ -51,7 +51,13 @@ pub(super) fn read_declared(reader: &mut Reader) -> Option<Declared> {
         components.push(reader.number()? as u32);
         let parameter_type = read_type(reader)?;
         let standard = read_standard(reader)?;
-        Some(Parameter { name: name.leak(), unit: unit.leak(), help: help.leak(), parameter_type, standard })
+        Some(Parameter {
+            name: name.leak(),
+            unit: unit.leak(),
+            help: help.leak(),
+            parameter_type,
+            default: standard,
+        })
     })?;
     let kind = VariantSchema { name: name.leak(), summary: summary.leak(), parameters: parameters.leak() };
     Some(Declared { kind, family, checks, components })

@@ -152,7 +152,7 @@ fn read_said(reader: &mut Reader) -> Option<Said> {
 
 /// An error as texts.
 pub(crate) fn failed(error: &Error) -> Answer {
-    let [found, accepted] = [&error.got, &error.accepted].map(|text| text.clone().unwrap_or_default());
+    let [found, accepted] = [&error.got, &error.expected].map(|text| text.clone().unwrap_or_default());
     Answer::Failed([error.what.clone(), found, accepted])
 }
 
@@ -160,6 +160,6 @@ pub(crate) fn failed(error: &Error) -> Answer {
 pub(crate) fn failure<T>([what, found, accepted]: [String; 3]) -> Result<T> {
     let mut error = Error::usage(what);
     error.got = (!found.is_empty()).then_some(found);
-    error.accepted = (!accepted.is_empty()).then_some(accepted);
+    error.expected = (!accepted.is_empty()).then_some(accepted);
     Err(error)
 }

@@ -202,6 +202,6 @@ fn background(graph: &Graph, place: usize) -> [f64; 3] {
     let shows = |node: &&GraphNode| {
         node.node.name == "image-writer" && node.inputs.iter().any(|edge| edge.node == place)
     };
-    let given = graph.nodes.iter().filter(shows).find(|node| node.parameters.given("background"));
+    let given = graph.nodes.iter().filter(shows).find(|node| node.parameters.is_set("background"));
     given.and_then(|node| node.parameters.vector("background").ok()).unwrap_or([0.0; 3])
 }

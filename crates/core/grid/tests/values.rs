@@ -1,4 +1,4 @@
-//! What is left out, what is dropped, values on cells, structured grids, damaged input.
+//! Skipped cells, dropped points, cell values, structured grids, damaged input.
 
 use super::boxes::{Kind, box_of, built, parts_with_scalar};
 use super::generate::box_of_tetrahedra;
@@ -257,7 +257,7 @@ fn neighbours_and_cells_of_points_are_complete() {
         ring.dedup();
         ring.retain(|&q| q != p as u32);
         let mut found = points.row(p).to_vec();
-        assert_eq!(neighbours.of(&grid, &cells, p), found);
+        assert_eq!(neighbours.around(&grid, &cells, p), found);
         found.sort_unstable();
         assert_eq!(found, ring);
         let mut second: Vec<u32> = ring.iter().flat_map(|&q| points.row(q as usize)).copied().collect();

@@ -54,7 +54,7 @@ fn polygon(p: &Parameters) -> Result<Region> {
     Ok(Region { corners })
 }
 
-/// Whether the corners go once around a convex polygon with an area, in either direction.
+/// True if the corners go once around a convex polygon with an area, in either direction.
 fn is_convex(corners: &[[f64; 2]]) -> bool {
     let n = corners.len();
     // Scaled to the unit square, so that units of s and g do not matter.

@@ -3,7 +3,7 @@
 use crate::attribute::Attribute;
 use crate::shade::shaded::Left;
 use voltet_core::transfer::OpticalModel;
-use voltet_simd::limits::LENGTH_WALKED_LEAST;
+use voltet_simd::limits::MIN_WALKED_LENGTH;
 
 /// The scene that widgets are made ready for.
 #[derive(Clone, Copy)]
@@ -33,7 +33,7 @@ impl<'a> Making<'a> {
         let scale = self.density_scale as f32;
         match self.model.cutoff() {
             None => Ok(None),
-            Some(_) if LENGTH_WALKED_LEAST < scale && scale.is_finite() => Ok(Some(scale)),
+            Some(_) if MIN_WALKED_LENGTH < scale && scale.is_finite() => Ok(Some(scale)),
             Some(_) => Err(Left::Lengths),
         }
     }

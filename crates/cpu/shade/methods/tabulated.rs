@@ -9,7 +9,7 @@ use crate::shade::roads::{Form, Part};
 use crate::shade::shaded::{Left, Shaded};
 use crate::shade::shader::{overlaps, push};
 use voltet_optics::integrators::GaussianTables;
-use voltet_simd::limits::GAUSSIAN_WIDTHS_MOST;
+use voltet_simd::limits::MAX_GAUSSIAN_WIDTHS;
 use voltet_simd::optics::elementary::{exp, mean_transparency, one_minus_exp};
 use voltet_simd::optics::gaussian_table::LaneGaussianTables;
 use voltet_simd::{Float, Lanes, Mask, array};
@@ -61,7 +61,7 @@ impl Tabulated {
         let (mut mean, mut unsure) = (one, 0);
         if let Some(path) = &path {
             mean = self.tables.mean::<L>(path.front, path.back) * exp::<L>(-path.offset_squared);
-            unsure = path.length.le(splat(GAUSSIAN_WIDTHS_MOST as f32)).not().bits() & there.bits();
+            unsure = path.length.le(splat(MAX_GAUSSIAN_WIDTHS as f32)).not().bits() & there.bits();
         }
         let own = L::F::select(there, rate * mean, zero);
         let Some((scale, level)) = self.glow else { return (own, own, unsure) };

@@ -67,7 +67,7 @@ impl SegmentIntegrator for Adaptive {
 /// The largest channel of the widgets whose colour varies.
 fn brightest_of_varying(transfer_function: &TransferFunction) -> f64 {
     let varying = transfer_function.widgets.iter().filter(|widget| widget.has_colors_of_its_own());
-    varying.map(Widget::brightest).fold(0.0, f64::max)
+    varying.map(Widget::max_emission).fold(0.0, f64::max)
 }
 
 /// The quadrature to a tolerance.
