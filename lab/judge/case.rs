@@ -1,7 +1,7 @@
 //! Reads one case: a JSON object on one line.
 
 use super::json::{array, fixed, member, number, numbers, text};
-use super::look::transfer_function;
+use super::transfer_function::transfer_function;
 use crate::{Conditions, PartialIntegrals};
 use serde_json::Value;
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};

@@ -17,12 +17,12 @@
 mod bounds;
 mod case;
 mod evaluator;
-mod forms;
+mod evaluator64;
 mod json;
-mod look;
 mod report;
 pub mod segment_twin;
 mod shipped;
+mod transfer_function;
 pub mod twin;
 
 pub use bounds::Rule;
@@ -30,8 +30,8 @@ pub use case::{Case, Kind, SegmentCase, parse};
 pub use evaluator::{
     Chain, Condition, Conditions, EvalOutcome, PartialIntegrals, Precision, SegmentEvaluator,
 };
-pub use forms::Native64;
-pub use report::{Broken, Excuse, Report, Row};
+pub use evaluator64::Evaluator64;
+pub use report::{Exemption, Report, Row, Violation};
 pub use shipped::{segment_cases, shipped, stiff};
 
 use bounds::{Quantity, rule};
@@ -135,7 +135,7 @@ fn judge_case(case: &Case, forms: &dyn SegmentEvaluator, report: &mut Report) ->
             let (found, wider) = match forms.partial(*a, *b)? {
                 EvalOutcome::Served(found) => (found, false),
                 EvalOutcome::Wider(found, reason) => {
-                    report.excuse(true, reason);
+                    report.exemption(true, reason);
                     (found, true)
                 }
                 EvalOutcome::Skipped(reason) => {
@@ -167,7 +167,7 @@ fn enter_contribution(
     rules: &dyn Fn(Quantity) -> Rule,
 ) {
     if let Some(reason) = wider {
-        report.excuse(true, reason);
+        report.exemption(true, reason);
     }
     let (exact, wider) = (&segment.exact, wider.is_some());
     let mut enter = |quantity, values, rule| report.enter(case, quantity, values, rule, wider);

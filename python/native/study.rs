@@ -8,7 +8,7 @@ use voltet_core::{Error, Result};
 use voltet_graph::{Graph, Observer, suggest};
 use voltet_nodes::drawing::ENGINES;
 use voltet_study::work_precision::{
-    Benches, Engines, Frames, Measure, Subject, Wish, cache_folder, json, reference, studied,
+    Benches, Engines, Frames, Measure, StudyOptions, Subject, cache_folder, json, reference, studied,
     study as measure, write,
 };
 
@@ -28,7 +28,7 @@ pub struct Asked {
 }
 
 impl Asked {
-    fn wish(&self) -> Result<Wish> {
+    fn wish(&self) -> Result<StudyOptions> {
         let known = || studied().map(|integrator| integrator.name());
         if let Some(name) = self.only.iter().find(|name| !known().any(|known| known == name.as_str())) {
             let error = Error::usage("'only' names no integrator that can be studied").got(name);
@@ -57,7 +57,7 @@ impl Asked {
         if self.frames == 0 {
             return Err(Error::usage("'frames' is out of range").got(0).expected("1 or more"));
         }
-        Ok(Wish {
+        Ok(StudyOptions {
             only: self.only.clone(),
             engines,
             adapter: self.adapter.clone(),

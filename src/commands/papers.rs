@@ -9,7 +9,7 @@ use crate::core::{Error, Result};
 use crate::graph::{NoObserver, Registry};
 use crate::nodes::files;
 use crate::present::{Bar, print};
-use crate::study::papers::{self, Paper, Section, Wish};
+use crate::study::papers::{self, Paper, PapersOptions, Section};
 use crate::study::work_precision::{self as study, Frames, Subject};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -26,7 +26,7 @@ pub fn papers(arguments: &arguments::Papers, registry: &Registry) -> Result<u8> 
     }
     let papers = if arguments.only.is_empty() { Paper::ALL.to_vec() } else { arguments.only.clone() };
     refuse_unwritable(&arguments.output)?;
-    let wish = Wish {
+    let options = PapersOptions {
         papers,
         size: arguments.size,
         frames: Frames { count: arguments.frames, patience: PATIENCE, turn: 0.0, in_flight: 1 },
@@ -36,7 +36,7 @@ pub fn papers(arguments: &arguments::Papers, registry: &Registry) -> Result<u8> 
     };
     let open = |file: &str, options: &[String]| open(&arguments.pipelines, file, options, registry);
     let bar = Bar::new(arguments.quiet);
-    let made = papers::papers(&wish, &open, &Inspecting(&bar));
+    let made = papers::papers(&options, &open, &Inspecting(&bar));
     bar.clear();
     let sections = made?;
     let written = write(&sections, &arguments.output)?;

@@ -10,7 +10,7 @@ use crate::core::{Error, Result};
 use crate::graph::{Observer, Registry, nearest};
 use crate::nodes::files;
 use crate::present::{Bar, Estimate, print};
-use crate::study::work_precision::{self as study, Benches, Frames, Measure, Study, Subject, Wish};
+use crate::study::work_precision::{self as study, Benches, Frames, Measure, Study, StudyOptions, Subject};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Duration;
@@ -36,7 +36,7 @@ pub fn study(arguments: &arguments::Study, registry: &Registry) -> Result<u8> {
     outcome.or_else(|error| Ok(show(&document.locate(error), Some(&document.text))))
 }
 
-pub(super) fn wish(arguments: &arguments::Study) -> Result<Wish> {
+pub(super) fn wish(arguments: &arguments::Study) -> Result<StudyOptions> {
     if let Some(name) = arguments.only.iter().find(|name| !integrators().any(|known| known == name.as_str()))
     {
         let known = integrators().collect::<Vec<_>>().join(", ");
@@ -66,7 +66,7 @@ pub(super) fn wish(arguments: &arguments::Study) -> Result<Wish> {
             .got(adapter)
             .expected("--engine gpu or all, or no --adapter"));
     }
-    Ok(Wish {
+    Ok(StudyOptions {
         engines,
         adapter: arguments.adapter.clone(),
         only: arguments.only.clone(),
@@ -85,7 +85,7 @@ pub(super) fn wish(arguments: &arguments::Study) -> Result<Wish> {
 
 fn carry_out(
     arguments: &arguments::Study,
-    wish: Wish,
+    wish: StudyOptions,
     document: &Document,
     registry: &Registry,
 ) -> Result<u8> {
@@ -123,7 +123,7 @@ fn carry_out(
 pub(super) fn make(
     document: &Document,
     node: Option<&str>,
-    wish: Wish,
+    wish: StudyOptions,
     [folder, cache]: [&Path; 2],
     (observer, progress): (&dyn Observer, &dyn Progress),
     begin: &dyn Fn(),

@@ -10,7 +10,8 @@ use crate::graph::{Observer, Registry};
 use crate::optics::shading::VisibilityOrder;
 use crate::present::{Bar, print};
 use crate::study::work_precision::{
-    self as study, Benches, Cost, Frames, Measure, Painter, Setting, Subject, Times, Wish,
+    self as study, Benches, Cost, Frames, Measure, RenderConfig, RendererVariant, StudyOptions, Subject,
+    Times,
 };
 use std::time::Duration;
 
@@ -33,7 +34,7 @@ pub fn time(arguments: &arguments::Time, registry: &Registry) -> Result<u8> {
     Ok(worst)
 }
 
-fn wish(arguments: &arguments::Time) -> Result<Wish> {
+fn wish(arguments: &arguments::Time) -> Result<StudyOptions> {
     if arguments.frames == 0 {
         return Err(Error::usage("--frames is out of range").got(0).expected("1 or more"));
     }
@@ -42,7 +43,7 @@ fn wish(arguments: &arguments::Time) -> Result<Wish> {
             .got(format!("{} s, {}°", arguments.patience, arguments.turn))
             .expected("0 to 3e7 seconds, any angle"));
     }
-    Ok(Wish {
+    Ok(StudyOptions {
         only: Vec::new(),
         engines: arguments.engine,
         adapter: arguments.adapter.clone(),
@@ -79,7 +80,7 @@ composite | GFLOP/s there | set-up, ms | segments | 10⁶ segments/s |
 | --- | --- | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |";
 
 /// Prints the table of one file.
-fn measure(arguments: &arguments::Time, wish: &Wish, document: &Document, bar: &Bar) -> Result<()> {
+fn measure(arguments: &arguments::Time, wish: &StudyOptions, document: &Document, bar: &Bar) -> Result<()> {
     document.refuse_missing_data()?;
     let nodes = study::drawing_nodes(&document.graph);
     if nodes.is_empty() {
@@ -122,7 +123,7 @@ fn devices(benches: &Benches) -> Result<String> {
 /// run; what else goes wrong with a row stands in it.
 fn rows(
     arguments: &arguments::Time,
-    wish: &Wish,
+    wish: &StudyOptions,
     mut subject: Subject,
     benches: &mut Benches,
     bar: &Bar,
@@ -145,13 +146,13 @@ fn rows(
 }
 
 /// What the file draws with, on every engine that is asked for, in both orders where one is needed.
-fn settings(arguments: &arguments::Time, subject: &Subject, benches: &Benches) -> Vec<Setting> {
-    let own = Setting::of_file(subject, Painter::NATIVE);
+fn settings(arguments: &arguments::Time, subject: &Subject, benches: &Benches) -> Vec<RenderConfig> {
+    let own = RenderConfig::of_file(subject, RendererVariant::NATIVE);
     let only = [own.integrator.name().to_string()];
     let mut settings = benches.settings(subject, &only);
     let ways = &arguments.compositor;
-    let is_asked = |setting: &Setting| {
-        let way = setting.painter.compositing;
+    let is_asked = |setting: &RenderConfig| {
+        let way = setting.variant.compositing;
         ways.is_empty() || way.is_none_or(|way| ways.contains(&way))
     };
     settings.retain(|setting| {
@@ -160,7 +161,7 @@ fn settings(arguments: &arguments::Time, subject: &Subject, benches: &Benches) -
     settings
 }
 
-fn head(subject: &Subject, setting: &Setting) -> String {
+fn head(subject: &Subject, setting: &RenderConfig) -> String {
     let order = match setting.order {
         _ if !subject.needs_order => "not needed",
         VisibilityOrder::Exact | VisibilityOrder::Auto => "exact",
@@ -168,10 +169,10 @@ fn head(subject: &Subject, setting: &Setting) -> String {
         VisibilityOrder::None => "none",
     };
     let [width, height] = subject.scene.camera.size;
-    format!("| {} | {width} × {height} | {} | {order} | ", subject.node, setting.painter.label())
+    format!("| {} | {width} × {height} | {} | {order} | ", subject.node, setting.variant.label())
 }
 
-fn row(subject: &Subject, setting: &Setting, cost: &Cost) -> String {
+fn row(subject: &Subject, setting: &RenderConfig, cost: &Cost) -> String {
     let stage = |times: Option<Times>| times.map_or(String::new(), |times| format!("{:.2}", times.median_ms));
     let Times { median_ms, fastest_ms, slowest_ms } = cost.frame;
     let rate_there = |(count, times): (u64, Times)| format!("{:.0}", count as f64 / times.median_ms * 1e-6);

@@ -4,7 +4,7 @@ use super::study::{scene, stages};
 use super::support::{Folder, Ran};
 use serde_json::Value;
 use voltet::nodes::drawing::ENGINES;
-use voltet_study::work_precision::Painter;
+use voltet_study::work_precision::RendererVariant;
 
 const STUDY: [&str; 6] = ["study", "scene.toml", "--frames", "2", "--cache", "cache"];
 
@@ -56,7 +56,7 @@ fn a_device_has_rows_of_its_own_beside_the_native_engine() {
     let exact = device.iter().find(|row| row["setting"]["integrator"] == "analytic").unwrap();
     assert!(error(exact) < 2e-4, "{exact:#}");
     assert_eq!(native.iter().filter(|row| row["of_file"] == true).count(), 1);
-    assert_eq!(json["convergence"].as_array().unwrap().len(), Painter::all().count());
+    assert_eq!(json["convergence"].as_array().unwrap().len(), RendererVariant::all().count());
 
     let csv = std::fs::read_to_string(folder.join("scene.study/study.csv")).unwrap();
     assert!(csv.starts_with("engine,compositor,adapter,integrator,"), "{csv}");

@@ -6,12 +6,13 @@
 //! measures frames of any pipeline, also on a device; `lab/bench/beside_vtk.py` sets them beside VTK's.
 
 mod changes;
+mod options;
 mod peak;
 mod record;
 mod subject;
 mod widgets;
-mod wish;
 
+use options::BenchOptions;
 use record::{Here, Line};
 use std::sync::Arc;
 use std::time::Instant;
@@ -24,13 +25,12 @@ use voltet::engine::{Known, composite, project};
 use voltet::lanes::LaneSet;
 use voltet::optics::WidgetBlend;
 use voltet::optics::shading::{Integrator, Shading};
-use wish::Wish;
 
 const SHADING: Shading =
     Shading { integrator: Integrator::Analytic, overlap: WidgetBlend::Exact, silhouette: None, light: None };
 
 fn main() -> Result<()> {
-    let Some(wish) = Wish::read()? else { return Ok(()) };
+    let Some(wish) = BenchOptions::read()? else { return Ok(()) };
     let lanes = LaneSet::detect()?;
     let all = std::thread::available_parallelism().map_or(1, |n| n.get());
     println!("{all} threads, {}, {} {}", lanes.name(), std::env::consts::OS, std::env::consts::ARCH);
@@ -115,7 +115,7 @@ struct Frame {
 
 /// Draws frames from a camera that turns.
 fn measure(
-    wish: &Wish,
+    wish: &BenchOptions,
     subject: &Subject,
     volume: &Arc<Volume>,
     look: &TransferFunction,

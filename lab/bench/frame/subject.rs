@@ -1,6 +1,6 @@
 //! Grids, where they are seen from, and the transfer functions they are drawn with.
 
-use crate::wish::LOOKS;
+use crate::options::LOOKS;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -2,8 +2,8 @@
 //! numbered, what is added to the scalar, and in which units it is.
 
 use super::fields::SMOOTH;
-use super::found::Invariance;
 use super::meshes::{Mesh, turn};
+use super::report::Invariance;
 use super::subject::{Subject, sizes};
 use glam::DVec3;
 use voltet_core::Result;

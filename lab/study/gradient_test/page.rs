@@ -1,6 +1,6 @@
 //! The test as one HTML page that needs no other file.
 
-use super::found::GradientTest;
+use super::report::GradientTest;
 use super::text::tables;
 use crate::work_precision::canvas::escaped;
 use crate::work_precision::page::{figure, line_to as line};

@@ -1,7 +1,7 @@
 //! Error against fineness: a panel a family of grids, a line a filter.
 
-use super::found::{Found, GradientTest};
 use super::meshes::Mesh;
+use super::report::{FilterReport, GradientTest};
 use crate::work_precision::canvas::{Anchor, Axis, Canvas, Color, Mark, Size, Symbol, WHITE, shown};
 
 const SIZE: [f64; 2] = [960.0, 760.0];
@@ -28,7 +28,7 @@ pub fn plot(test: &GradientTest) -> Canvas {
     let title = format!("{name}: error of the gradient inside against fineness");
     let mut canvas = Canvas::new(SIZE, &title);
     canvas.text([ACROSS[0][0], 26.0], &shown(&title, 90), Size::Large, Anchor::Start, BLACK);
-    let errors = |found: &Found, mesh: Mesh| -> Vec<f64> {
+    let errors = |found: &FilterReport, mesh: Mesh| -> Vec<f64> {
         let one = found.convergence.iter().find(|one| one.mesh == mesh.name());
         one.map_or(Vec::new(), |one| one.inside.root_mean_square.clone())
     };

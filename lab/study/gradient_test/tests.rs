@@ -9,8 +9,8 @@ use voltet_core::grid::Grid;
 use voltet_core::parameters::{Parameters, VariantSchema};
 use voltet_core::progress::NoProgress;
 
-fn quick() -> Wish {
-    Wish { levels: vec![6, 12], timed: 4, rounds: 1, ..Wish::default() }
+fn quick() -> TestOptions {
+    TestOptions { levels: vec![6, 12], timed: 4, rounds: 1, ..TestOptions::default() }
 }
 
 fn test_of(filter: impl GradientFilter + 'static) -> GradientTest {

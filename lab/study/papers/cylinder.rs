@@ -38,7 +38,7 @@ pub(super) fn pictures(bench: &Bench, section: &mut Section) -> Result<()> {
     let (table_size, oversampling) = (64, 2);
     let table = shot(Integrator::PreIntegrated { table_size, oversampling })?;
     let mut rows = Vec::new();
-    let mut add = |what: String, shot: &super::bench::Shot, loss: String| {
+    let mut add = |what: String, shot: &super::bench::TimedRender, loss: String| {
         let [_, rms, most, _] = shot.cells();
         rows.push([what, number(1e3 / shot.ms), rms, most, loss]);
     };

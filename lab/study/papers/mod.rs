@@ -60,7 +60,7 @@ impl Paper {
 
 /// What is asked for.
 #[derive(Debug, Clone)]
-pub struct Wish {
+pub struct PapersOptions {
     /// The papers.
     pub papers: Vec<Paper>,
     /// Pixels of the figures.
@@ -76,10 +76,10 @@ pub struct Wish {
 }
 
 /// Opens one of the pipelines, by the path from the folder of the papers', with options as `--set` takes them.
-pub type Open<'a> = dyn Fn(&str, &[String]) -> Result<Subject> + 'a;
+pub type OpenPipeline<'a> = dyn Fn(&str, &[String]) -> Result<Subject> + 'a;
 
 /// Makes the sections, paper by paper. Errors: a pipeline that is not there or cannot be drawn, a stopped run.
-pub fn papers(wish: &Wish, open: &Open, progress: &dyn Progress) -> Result<Vec<Section>> {
+pub fn papers(wish: &PapersOptions, open: &OpenPipeline, progress: &dyn Progress) -> Result<Vec<Section>> {
     let mut sections = Vec::new();
     for (k, paper) in wish.papers.iter().enumerate() {
         progress.report(paper.name(), k as f64 / wish.papers.len() as f64);

@@ -1,6 +1,6 @@
 //! A pixel's ray drawn: values along it, and underneath what each cell adds.
 
-use super::found::Pixel;
+use super::record::Pixel;
 use super::text::number;
 use crate::work_precision::canvas::{Anchor, Canvas, Color, Mark, Size};
 use voltet_io::encode::srgb_from_linear;

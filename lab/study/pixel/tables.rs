@@ -1,6 +1,6 @@
 //! A pixel for programs: the cells as CSV, everything as JSON.
 
-use super::found::Pixel;
+use super::record::Pixel;
 use serde_json::{Value, json as object};
 use std::fmt::Write;
 
@@ -40,7 +40,7 @@ pub fn csv(pixel: &Pixel) -> String {
 /// Everything.
 pub fn json(pixel: &Pixel) -> Value {
     let cells = (0..pixel.walk.steps.len()).map(|k| cell_value(pixel, k));
-    let said = pixel.said.iter().map(|said| {
+    let said = pixel.integrators.iter().map(|said| {
         let (rgba, why) = (said.rgba.as_ref().ok(), said.rgba.as_ref().err());
         object!({
             "integrator": said.name, "numbers": said.numbers, "pipeline": said.own, "rgba": rgba,

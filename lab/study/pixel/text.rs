@@ -1,6 +1,6 @@
 //! A pixel as a table for a terminal.
 
-use super::found::Pixel;
+use super::record::Pixel;
 use voltet_io::encode::srgb_from_linear;
 use voltet_optics::trace::CellCrossing;
 
@@ -136,7 +136,7 @@ fn sums(pixel: &Pixel) -> String {
     let drawn = &pixel.drawn;
     rows.push(row(format!("as drawn ({})", drawn.engine), drawn.rgba, Some(pixel.difference(drawn.rgba))));
     let mut cannot = String::new();
-    for said in &pixel.said {
+    for said in &pixel.integrators {
         let parts = [said.name, &said.numbers, if said.own { "the pipeline's" } else { "" }];
         let name = parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(", ");
         match &said.rgba {

@@ -11,7 +11,7 @@ use voltet_optics::{CompiledTransferFunction, Contribution, WidgetBlend};
 
 /// One integrator.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Integrated {
+pub struct IntegratorReport {
     /// The name in pipeline files.
     pub integrator: &'static str,
     /// Segments that it serves.
@@ -29,7 +29,7 @@ pub struct Integrated {
     pub impossible: Vec<String>,
 }
 
-impl Integrated {
+impl IntegratorReport {
     /// Whether all that it gave can be, within what it promises.
     pub fn passed(&self) -> bool {
         self.impossible.is_empty() && self.broken.is_empty()
@@ -68,13 +68,13 @@ fn settings(every: Integrator) -> (Integrator, Option<f64>) {
 }
 
 /// Tries every integrator. Errors: a stopped run, a transfer function out of range.
-pub(super) fn integrators(cases: &[Case], progress: &dyn Progress) -> Result<Vec<Integrated>> {
+pub(super) fn integrators(cases: &[Case], progress: &dyn Progress) -> Result<Vec<IntegratorReport>> {
     let stiff = stiff()?;
     let mut all = Vec::new();
     for (k, every) in Integrator::EVERY.into_iter().enumerate() {
         let (integrator, bound) = settings(every);
         progress.report(integrator.name(), k as f64 / Integrator::EVERY.len() as f64);
-        let mut found = Integrated {
+        let mut found = IntegratorReport {
             integrator: integrator.name(),
             cases: 0,
             worst_error: 0.0,
@@ -96,7 +96,7 @@ pub(super) fn integrators(cases: &[Case], progress: &dyn Progress) -> Result<Vec
     Ok(all)
 }
 
-impl Integrated {
+impl IntegratorReport {
     fn add(&mut self, integrator: &Integrator, id: &str, case: &SegmentCase) -> Result<()> {
         let transfer_function = &case.transfer_function;
         if integrators::can_serve(integrator, transfer_function).is_err() {

@@ -7,7 +7,7 @@
 //! not exact. It is taken to be independent of the rest, so that squares add up: p is that of √(e² − floor²). Errors near the
 //! floor tell nothing and are left out.
 
-use super::Painter;
+use super::RendererVariant;
 use serde::Serialize;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 
@@ -76,7 +76,7 @@ pub fn convergence(
         .collect();
     let observed = slope(&telling[telling.len().saturating_sub(LEVELS)..]).map(|slope| -slope);
     let (expected, reason) = expected(transfer_function);
-    let engine = Painter::NATIVE.label();
+    let engine = RendererVariant::NATIVE.label();
     Convergence { integrator, engine, levels, floor, observed, expected, reason }
 }
 

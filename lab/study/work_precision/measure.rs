@@ -1,6 +1,6 @@
 //! One setting, drawn again and again: seconds of every stage, memory, and the picture.
 
-use super::{Setting, Subject};
+use super::{RenderConfig, Subject};
 use serde::Serialize;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -113,17 +113,17 @@ struct Taken {
 pub(super) fn measure(
     engine: &dyn Engine,
     subject: &Subject,
-    setting: &Setting,
+    setting: &RenderConfig,
     frames: &Frames,
     progress: &dyn Progress,
 ) -> Result<(Picture, Cost)> {
     let scene = setting.scene(subject);
     let manner = RenderOptions {
-        compositing: setting.painter.compositing,
+        compositing: setting.variant.compositing,
         accumulation: setting.accumulation,
         ..RenderOptions::default()
     };
-    let keeps = setting.painter.engine.on_device;
+    let keeps = setting.variant.engine.on_device;
     let fresh = memory::forget_peak();
     engine.clear_caches();
     let start = Instant::now();

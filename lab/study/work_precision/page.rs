@@ -98,7 +98,7 @@ pub fn recommendation(study: &Study) -> Option<String> {
             "Cheapest with {name} at most {bound}: {} ({} ms a picture{}, error {:.1e}).",
             row.setting.label(),
             milliseconds(row.cost.picture.median_ms),
-            match row.setting.painter.engine.on_device {
+            match row.setting.variant.engine.on_device {
                 false => String::new(),
                 true => format!(" after a set-up of {} ms", milliseconds(row.cost.set_up.median_ms)),
             },

@@ -1,7 +1,7 @@
 //! The 64-bit reference picture, kept in a folder under a key made of everything that it shows.
 
 use super::Subject;
-use super::kept::{decode, decode_tiles, encode, encode_tiles};
+use super::picture_cache::{decode, decode_tiles, encode, encode_tiles};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use voltet_core::error::ErrorKind;

@@ -1,6 +1,6 @@
 //! What is studied of a pipeline: the scene that its node that draws is given, and how it is asked to draw.
 
-use super::Painter;
+use super::RendererVariant;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 use voltet_graph::{Demand, Graph, GraphNode, Observer, Parameters, Session, Value, diagonal};
@@ -105,8 +105,8 @@ impl Subject {
     }
 
     /// An engine as the file has it. `None`: the compositor is left open, and more than one can serve.
-    pub fn painter_on(&self, engine: &'static EngineInfo) -> Option<Painter> {
-        let mut all = Painter::of(engine);
+    pub fn painter_on(&self, engine: &'static EngineInfo) -> Option<RendererVariant> {
+        let mut all = RendererVariant::of(engine);
         let exact =
             self.needs_order && matches!(self.scene.order, VisibilityOrder::Exact | VisibilityOrder::Auto);
         match self.asked.compositor.as_str() {
@@ -114,7 +114,7 @@ impl Subject {
             // Tiles have it of every grid, and are the first.
             "auto" if exact => all.next(),
             "auto" => all.next().filter(|_| all.next().is_none()),
-            named => all.find(|painter| painter.compositor() == Some(named)),
+            named => all.find(|variant| variant.compositor() == Some(named)),
         }
     }
 }

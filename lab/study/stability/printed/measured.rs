@@ -5,7 +5,7 @@ use serde::Serialize;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
 use voltet_introspect::MeasuredEngine;
-use voltet_judge::Native64;
+use voltet_judge::Evaluator64;
 use voltet_judge::{EvalOutcome, PartialIntegrals, SegmentEvaluator};
 use voltet_nodes::drawing::NATIVE;
 use voltet_optics::engine::AdapterRequest;
@@ -13,7 +13,7 @@ use voltet_optics::{Contribution, Segment, WidgetBlend};
 
 /// One printed formula and what was measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Printed {
+pub struct PrintedFormula {
     /// Where it is printed.
     pub source: &'static str,
     /// The formula, in plain text.
@@ -23,12 +23,12 @@ pub struct Printed {
     /// What stands in its place.
     pub instead: &'static str,
     /// At some inputs.
-    pub rows: Vec<Measured>,
+    pub rows: Vec<FormulaRow>,
 }
 
 /// Errors at one input; not finite where the formula gives no number.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Measured {
+pub struct FormulaRow {
     /// The input.
     pub inputs: String,
     /// The printed formula in 64 bits.
@@ -62,7 +62,7 @@ pub(super) fn segment(
             EvalOutcome::Wider(..) | EvalOutcome::Skipped(_) => None,
         })
     };
-    Ok([found(&Native64)?, found(ours()?.as_ref())?])
+    Ok([found(&Evaluator64)?, found(ours()?.as_ref())?])
 }
 
 /// A number of linear extinction in 64 bits, and in the lanes of the native engine.
@@ -77,7 +77,7 @@ pub(super) fn partial(
             EvalOutcome::Wider(..) | EvalOutcome::Skipped(_) => None,
         })
     };
-    Ok((found(&Native64)?.unwrap_or(f64::NAN), found(ours()?.as_ref())?))
+    Ok((found(&Evaluator64)?.unwrap_or(f64::NAN), found(ours()?.as_ref())?))
 }
 
 /// A segment from one pair (s, g) to another.

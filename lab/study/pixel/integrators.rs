@@ -1,6 +1,6 @@
 //! What each integrator makes of the rays of a pixel.
 
-use super::found::{Said, mean};
+use super::record::{IntegratorPixel, mean};
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_nodes::drawing;
@@ -20,7 +20,7 @@ pub(super) fn all(
     tracer: &Tracer,
     rays: &[Ray],
     progress: &dyn Progress,
-) -> Result<Vec<Said>> {
+) -> Result<Vec<IntegratorPixel>> {
     let own = scene.shading.integrator;
     let segments: Vec<Vec<Traced>> = rays.iter().map(|ray| traced(tracer, ray)).collect();
     let alone = drawing::Alone::new(scene, progress)?;
@@ -33,8 +33,13 @@ pub(super) fn all(
         let is_own = kind.is_kind_of(&own);
         let integrator = if is_own { own } else { kind.with(usual(kind)) };
         let ready = alone.integrator(&Shading { integrator, ..scene.shading });
-        let rgba = ready.and_then(|ready| said(ready.as_ref(), &segments)).map_err(why);
-        all.push(Said { name: integrator.name(), numbers: numbers(&integrator), own: is_own, rgba });
+        let rgba = ready.and_then(|ready| composite_rays(ready.as_ref(), &segments)).map_err(why);
+        all.push(IntegratorPixel {
+            name: integrator.name(),
+            numbers: numbers(&integrator),
+            own: is_own,
+            rgba,
+        });
     }
     Ok(all)
 }
@@ -60,7 +65,7 @@ fn traced(tracer: &Tracer, ray: &Ray) -> Vec<Traced> {
 }
 
 /// The pixel: each ray's segments composited, the mean of all.
-fn said(integrator: &dyn SegmentIntegrator, rays: &[Vec<Traced>]) -> Result<[f64; 4]> {
+fn composite_rays(integrator: &dyn SegmentIntegrator, rays: &[Vec<Traced>]) -> Result<[f64; 4]> {
     let of = |ray: &Vec<Traced>| {
         let mut sum = Composite::default();
         for Traced { length, ends: [front, back], surface: [silhouette, light] } in ray {

@@ -3,16 +3,16 @@
 use glam::DVec3;
 use voltet_core::grid::generate::Random;
 
-pub(super) struct Dice(Random);
+pub(super) struct Rng(Random);
 
-impl Dice {
+impl Rng {
     /// Those of one scene: neighbours' numbers have nothing to do with each other.
-    pub(super) fn new(seed: u64, scene: u64) -> Dice {
+    pub(super) fn new(seed: u64, scene: u64) -> Rng {
         // Steele, Lea & Flood 2014, the finaliser of SplitMix64.
         let mut z = (seed << 32 ^ scene).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-        Dice(Random((z ^ z >> 31) | 1))
+        Rng(Random((z ^ z >> 31) | 1))
     }
 
     /// In [low, high).

@@ -1,31 +1,31 @@
 //! What was found, and whether every bound was kept.
 
-use super::integrators::Integrated;
-use super::pictures::Drawn;
-use super::printed::Printed;
+use super::integrators::IntegratorReport;
+use super::pictures::HardPicture;
+use super::printed::PrintedFormula;
 use voltet_judge::Report;
 
 /// What was found.
 #[derive(Debug, Clone)]
-pub struct Stability {
+pub struct StabilityReport {
     /// One report a set of forms: 64-bit, 32-bit by lane set, further ones.
     pub forms: Vec<Report>,
     /// Every integrator in 64 bits.
-    pub integrators: Vec<Integrated>,
+    pub integrators: Vec<IntegratorReport>,
     /// Pictures of hard scenes, one after the other.
-    pub pictures: Vec<Drawn>,
+    pub pictures: Vec<HardPicture>,
     /// The formulas as printed.
-    pub printed: Vec<Printed>,
+    pub printed: Vec<PrintedFormula>,
     /// What was not judged, why, and how to have it.
     pub left_out: Vec<String>,
 }
 
-impl Stability {
+impl StabilityReport {
     /// Whether every bound was kept.
     pub fn passed(&self) -> bool {
         self.forms.iter().all(Report::passed)
-            && self.integrators.iter().all(Integrated::passed)
-            && self.pictures.iter().all(Drawn::passed)
+            && self.integrators.iter().all(IntegratorReport::passed)
+            && self.pictures.iter().all(HardPicture::passed)
     }
 
     /// What drew the pictures, in their order.

@@ -7,9 +7,9 @@ use voltet_optics::{CompiledTransferFunction, Contribution, Segment, WidgetBlend
 
 /// The 64-bit forms.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Native64;
+pub struct Evaluator64;
 
-impl SegmentEvaluator for Native64 {
+impl SegmentEvaluator for Evaluator64 {
     fn name(&self) -> &str {
         "64-bit"
     }

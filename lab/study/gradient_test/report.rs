@@ -6,7 +6,7 @@ use serde::Serialize;
 #[derive(Debug, Clone, Serialize)]
 pub struct GradientTest {
     /// The filters.
-    pub filters: Vec<Found>,
+    pub filters: Vec<FilterReport>,
     /// What the first is held to.
     pub requirements: Vec<Requirement>,
     /// Boxes along a side of each grid, coarse to fine.
@@ -22,7 +22,7 @@ pub struct GradientTest {
 
 /// What is found of one filter.
 #[derive(Debug, Clone, Serialize)]
-pub struct Found {
+pub struct FilterReport {
     /// Its name in pipeline files.
     pub name: String,
     /// What it does, a sentence.

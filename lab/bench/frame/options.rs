@@ -5,7 +5,7 @@ use std::str::FromStr;
 use voltet::core::{Error, Result};
 
 /// What is measured.
-pub struct Wish {
+pub struct BenchOptions {
     /// Grids.
     pub scenes: Vec<String>,
     /// Looks.
@@ -43,10 +43,10 @@ const HELP: &str = "cargo bench --bench frame -- [OPTIONS]
   --widgets          reading, gradients and what each widget costs, too
   --record FILE      append to a CSV file, and say what took longer than its last line of this machine";
 
-impl Wish {
+impl BenchOptions {
     /// From the command line; `None`: help was asked for and printed. `--bench`, which cargo passes, is of no account.
-    pub fn read() -> Result<Option<Wish>> {
-        let mut wish = Wish {
+    pub fn read() -> Result<Option<BenchOptions>> {
+        let mut wish = BenchOptions {
             scenes: SCENES[..4].iter().map(|name| name.to_string()).collect(),
             looks: LOOKS.map(String::from).to_vec(),
             sizes: vec![512, 1024],

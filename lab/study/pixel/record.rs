@@ -30,9 +30,9 @@ pub struct Pixel {
     /// The pixel by the 64-bit referee: C, A.
     pub referee: [f64; 4],
     /// The pixel as the pipeline draws it.
-    pub drawn: Drawn,
+    pub drawn: EnginePixel,
     /// The pixel by each integrator.
-    pub said: Vec<Said>,
+    pub integrators: Vec<IntegratorPixel>,
     /// What the picture lies over where the pipeline writes it; linear RGB.
     pub background: [f64; 3],
     /// Why the ray shows nothing, where it does.
@@ -41,7 +41,7 @@ pub struct Pixel {
 
 /// A pixel of an engine's picture.
 #[derive(Debug, Clone)]
-pub struct Drawn {
+pub struct EnginePixel {
     /// The engine and what it runs on.
     pub engine: String,
     /// C, A.
@@ -50,7 +50,7 @@ pub struct Drawn {
 
 /// A pixel by one integrator.
 #[derive(Debug, Clone)]
-pub struct Said {
+pub struct IntegratorPixel {
     /// Its name.
     pub name: &'static str,
     /// Its numbers, for people.

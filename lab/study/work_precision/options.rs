@@ -1,7 +1,7 @@
 //! What is asked of a study.
 
 use super::Frames;
-use super::engine::Engines;
+use super::variant::Engines;
 
 /// Which of the errors decides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -43,7 +43,7 @@ impl Measure {
 
 /// What is asked of a study.
 #[derive(Debug, Clone)]
-pub struct Wish {
+pub struct StudyOptions {
     /// Integrators to look at; none for all.
     pub only: Vec<String>,
     /// Engines to look at.

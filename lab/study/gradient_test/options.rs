@@ -4,7 +4,7 @@ use voltet_core::{Error, Result};
 
 /// What is measured, and what the filter is held to.
 #[derive(Debug, Clone)]
-pub struct Wish {
+pub struct TestOptions {
     /// Boxes along a side of each grid, coarse to fine, two at least.
     pub levels: Vec<usize>,
     /// Boxes along a side of the grid that is timed.
@@ -12,7 +12,7 @@ pub struct Wish {
     /// How often each filter is timed, after once that warms up.
     pub rounds: usize,
     /// What the filter is held to.
-    pub hold_to: Vec<Hold>,
+    pub hold_to: Vec<RequirementKind>,
     /// The least order of convergence inside.
     pub order: f64,
     /// The largest error on linear fields, by the largest gradient.
@@ -21,7 +21,7 @@ pub struct Wish {
 
 /// Something that a filter can be held to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Hold {
+pub enum RequirementKind {
     /// A finite vector at every point, on every grid.
     Finite,
     /// Exact on linear fields, on every grid.
@@ -32,7 +32,7 @@ pub enum Hold {
     Invariance,
 }
 
-impl Wish {
+impl TestOptions {
     /// Refuses what cannot be measured. `named`: what a number is called where it was given.
     pub fn check(&self, named: impl Fn(&str) -> String) -> Result<()> {
         let wrong = |what: &str, found: String, accepted: &str| {
@@ -60,13 +60,18 @@ impl Wish {
     }
 }
 
-impl Default for Wish {
-    fn default() -> Wish {
-        Wish {
+impl Default for TestOptions {
+    fn default() -> TestOptions {
+        TestOptions {
             levels: vec![4, 8, 16, 24],
             timed: 40,
             rounds: 5,
-            hold_to: vec![Hold::Finite, Hold::Linear, Hold::Order, Hold::Invariance],
+            hold_to: vec![
+                RequirementKind::Finite,
+                RequirementKind::Linear,
+                RequirementKind::Order,
+                RequirementKind::Invariance,
+            ],
             order: 0.8,
             linear_error: 1e-9,
         }

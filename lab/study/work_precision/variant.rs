@@ -5,7 +5,7 @@ use voltet_optics::engine::{Compositor, EngineInfo};
 
 /// What draws a picture: an engine and, where it has several, its way of compositing.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Painter {
+pub struct RendererVariant {
     /// The engine.
     pub engine: &'static EngineInfo,
     /// How it composites; `None` where it has one way.
@@ -22,20 +22,20 @@ pub enum Engines {
     All,
 }
 
-impl Painter {
+impl RendererVariant {
     /// The engine that draws every scene.
-    pub const NATIVE: Painter = Painter { engine: NATIVE, compositing: None };
+    pub const NATIVE: RendererVariant = RendererVariant { engine: NATIVE, compositing: None };
 
     /// An engine with each of its ways.
-    pub fn of(engine: &'static EngineInfo) -> impl Iterator<Item = Painter> {
+    pub fn of(engine: &'static EngineInfo) -> impl Iterator<Item = RendererVariant> {
         let only = engine.compositing.is_empty().then_some(None);
         let ways = only.into_iter().chain(engine.compositing.iter().copied().map(Some));
-        ways.map(move |compositing| Painter { engine, compositing })
+        ways.map(move |compositing| RendererVariant { engine, compositing })
     }
 
     /// Every engine with each of its ways.
-    pub fn all() -> impl Iterator<Item = Painter> {
-        ENGINES.iter().flat_map(Painter::of)
+    pub fn all() -> impl Iterator<Item = RendererVariant> {
+        ENGINES.iter().flat_map(RendererVariant::of)
     }
 
     /// The compositor's name in pipeline files.
@@ -53,7 +53,7 @@ impl Painter {
 
     /// Its place among all.
     pub fn number(self) -> usize {
-        Painter::all().position(|known| known == self).unwrap_or_default()
+        RendererVariant::all().position(|known| known == self).unwrap_or_default()
     }
 }
 
