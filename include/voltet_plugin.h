@@ -111,9 +111,12 @@ enum {
 
 /* Flags of a parameter. */
 enum {
-    VOLTET_REQUIRED = 1,   /* The pipeline file must give it; there is no default. */
-    VOLTET_ABOVE_LEAST = 2, /* `least` itself is excluded. */
-    VOLTET_BELOW_MOST = 4   /* `most` itself is excluded. */
+    VOLTET_REQUIRED = 1,      /* The pipeline file must give it; there is no default. */
+    VOLTET_EXCLUSIVE_MIN = 2, /* `least` itself is excluded. */
+    VOLTET_EXCLUSIVE_MAX = 4, /* `most` itself is excluded. */
+    /* Names of these until version 0.2 of voltet. */
+    VOLTET_ABOVE_LEAST = VOLTET_EXCLUSIVE_MIN,
+    VOLTET_BELOW_MOST = VOLTET_EXCLUSIVE_MAX
 };
 
 /* A parameter. The elements of an array of these are `size` bytes apart, and all of the same size. What does not belong to its

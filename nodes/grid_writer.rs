@@ -255,7 +255,7 @@ fn contents(call: &mut RunContext, volume: &Volume) -> Result<Contents> {
     if let Some(culled) = call.optional_cells::<Culled>("cells")?.filter(|_| wants("culled")) {
         let mut kept = vec![false; grid.tetrahedra.len()];
         refuse_other(p, "cells", culled.cells.volume.grid.tetrahedra.len(), kept.len())?;
-        culled.cells.kept.iter().for_each(|&tetrahedron| kept[tetrahedron as usize] = true);
+        culled.cells.selection.ids.iter().for_each(|&tetrahedron| kept[tetrahedron as usize] = true);
         contents.add_of_tetrahedra(grid, form, "culled", TetrahedraSource::Kept(&kept));
     }
     for values in call.cell_values("cell_values")?.iter().filter(|_| wants("cell-values")) {

@@ -1,7 +1,7 @@
 //! A pipeline file, or a picture that carries one, with its text and its checked graph.
 
-use crate::collisions::refuse;
-use crate::options::stated;
+use crate::output_conflicts::refuse;
+use crate::stated_text::stated;
 use std::path::{Path, PathBuf};
 use voltet_core::{Error, Result};
 use voltet_graph::pipeline::{Pipeline, locate};

@@ -95,6 +95,18 @@ impl<T> From<Vec<T>> for SharedSlice<T> {
     }
 }
 
+impl From<Vec<[f64; 3]>> for SharedSlice<glam::DVec3> {
+    fn from(points: Vec<[f64; 3]>) -> Self {
+        points.into_iter().map(glam::DVec3::from).collect()
+    }
+}
+
+impl From<&[[f64; 3]]> for SharedSlice<glam::DVec3> {
+    fn from(points: &[[f64; 3]]) -> Self {
+        points.to_vec().into()
+    }
+}
+
 impl<T> From<Arc<Vec<T>>> for SharedSlice<T> {
     fn from(values: Arc<Vec<T>>) -> Self {
         SharedSlice { owned: values, lent: None }

@@ -1,6 +1,6 @@
-//! Attributes: the point arrays that widgets, light and silhouettes look at, scaled for 32 bits.
+//! Attributes: the point arrays that widgets, light and silhouettes read, scaled for 32 bits.
 
-use crate::cells::Cells;
+use crate::selection::CellSelection;
 use voltet_core::grid::extent;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
@@ -39,29 +39,29 @@ impl Attribute<'_> {
     }
 }
 
-/// Most attributes of a picture: s, g, the further fields and the gradient.
+/// Attributes of a picture at most: s, g, the further fields and the gradient.
 pub(crate) const ATTRIBUTES_MOST: usize = 16;
 
-/// Most further fields of a picture.
-const FIELDS_MOST: usize = ATTRIBUTES_MOST - 5;
+/// Further fields of a picture at most.
+const MAX_FIELDS: usize = ATTRIBUTES_MOST - 5;
 
-/// The point arrays that the transfer function looks at, s first, then g, then the further fields, scaled to
+/// Point arrays that the transfer function reads, s first, then g, then the further fields, scaled to
 /// about −½ … ½.
 pub(crate) fn attributes_of<'a>(
-    cells: &'a Cells,
+    cells: &'a CellSelection,
     transfer_function: &TransferFunction,
 ) -> Result<Vec<Attribute<'a>>> {
     let volume = &cells.volume;
     let fields = transfer_function.fields();
-    if fields.len() > FIELDS_MOST {
+    if fields.len() > MAX_FIELDS {
         return Err(Error::usage("the widgets look at more point arrays than a picture is drawn from")
             .got(format!("{} beside s and g", fields.len()))
-            .expected(format!("at most {FIELDS_MOST}")));
+            .expected(format!("at most {MAX_FIELDS}")));
     }
-    let touched = cells.touched(transfer_function);
-    let has_edges = touched.widgets.iter().any(|widget| widget.region.is_some());
+    let active = cells.active_widgets(transfer_function);
+    let has_edges = active.widgets.iter().any(|widget| widget.region.is_some());
     let about = |axis: usize| {
-        let origin = if cells.from_the_middle { None } else { touched.axis_origin(axis) };
+        let origin = if cells.centered_ranges { None } else { active.axis_origin(axis) };
         origin.map(|centre| (centre, has_edges))
     };
     let mut attributes = vec![attribute(&volume.scalar, cells.ranges[0], about(0))];
@@ -94,9 +94,9 @@ pub(crate) fn attributes_of<'a>(
     Ok(attributes)
 }
 
-/// The components of the gradient as attributes, for light and silhouettes: no offset and one scale, so that small
+/// Components of the gradient as attributes, for light and silhouettes: no offset and one scale, so that small
 /// gradients keep their direction.
-pub(crate) fn gradient_attributes(cells: &Cells) -> Result<Vec<Attribute<'_>>> {
+pub(crate) fn gradient_attributes(cells: &CellSelection) -> Result<Vec<Attribute<'_>>> {
     let volume = &cells.volume;
     let gradient = volume.gradient.as_ref().filter(|g| g.len() == volume.grid.points.len());
     let Some(gradient) = gradient else {
@@ -105,7 +105,7 @@ pub(crate) fn gradient_attributes(cells: &Cells) -> Result<Vec<Attribute<'_>>> {
             .got(format!("{count} gradients, {} points", volume.grid.points.len()))
             .expected("a gradient-magnitude node before this one"));
     };
-    let scale = if cells.steepest > 0.0 { cells.steepest } else { 1.0 };
+    let scale = if cells.max_gradient > 0.0 { cells.max_gradient } else { 1.0 };
     let values: &[f64] = bytemuck::cast_slice(gradient);
     Ok((0..3)
         .map(|i| Attribute {
@@ -136,5 +136,5 @@ fn attribute(values: &[f64], [low, high]: [f64; 2], about: Option<(f64, bool)>) 
     Attribute { values, stride: 1, offset, scale, range: [low, high] }
 }
 
-/// Places of an offset among widgets with edges, by the scale.
+/// Steps of an offset by the scale, where widgets have edges.
 const OFFSET_STEPS: f64 = (1 << 20) as f64;

@@ -5,18 +5,19 @@
 //! the batches are the compositor's, and the same kernels integrate and composite them.
 
 use crate::attribute::{Attribute, attributes_of};
-use crate::composite::front_to_back::blend_by_numbers;
-use crate::composite::growing_lists::{GrowingLists, Layer};
-use crate::composite::lists::{Lists, Overflow, UNSEEN};
-use crate::composite::rows::Rows;
-use crate::composite::sinks::of_one_color;
-use crate::cull::Known;
-use crate::fragments::batch::{BATCH, Batch, LANES_MOST};
+use crate::composite::accumulators::TileAccumulator;
+use crate::composite::fragment_lists::{FragmentLists, Overflow};
+use crate::composite::row_shader::blend_by_numbers;
+use crate::composite::sinks::pixel_in_one_color;
+use crate::composite::unbounded_lists::{Fragment, UnboundedFragmentLists};
+use crate::cull::VolumeCache;
+use crate::fragments::batch::{BATCH, Batch, MAX_LANES};
 use crate::native::Native;
-use crate::project::record::TILE;
 use crate::shade::roads;
 use crate::shade::shaded::Shaded;
 use crate::shade::shader::{Scene, Shader};
+use crate::tile::{PIXELS, TILE};
+use crate::tolerances::MIN_TRANSMITTANCE;
 use glam::DVec3;
 use std::any::Any;
 use std::sync::Arc;
@@ -88,7 +89,7 @@ fn integrate(
     ordered: bool,
     list: &[Segment],
 ) -> Result<Vec<IntegratedSegment>> {
-    let cells = Known::new(&Arc::new(volume(transfer_function, list)))?.none_kept()?;
+    let cells = VolumeCache::new(&Arc::new(volume(transfer_function, list)))?.empty()?;
     let attributes = attributes_of(&cells, transfer_function)?;
     let extent = Extent { scalar: cells.ranges[0], longest: cells.length };
     integrators::can_serve(&shading.integrator, transfer_function)?;
@@ -143,7 +144,7 @@ fn integrated_segment(shader: &Shader, shaded: &Shaded, k: usize) -> IntegratedS
     let fallback = shaded.rest.iter().position(|&rest| rest == k);
     let depth = if shader.keeps_depth() { f64::from(shaded.depth[k]) } else { f64::NAN };
     let [r, g, b, opacity] = match shader.one_color {
-        Some(color) => of_one_color(color, shaded.depth[k], false),
+        Some(color) => pixel_in_one_color(color, shaded.depth[k], false),
         None => std::array::from_fn(|c| shaded.rgba[c][k]),
     }
     .map(f64::from);
@@ -162,8 +163,8 @@ fn in_white(transfer_function: &TransferFunction) -> TransferFunction {
 /// Composites segments front to back in the lists of a tile, or in a list that grows where a pixel's is too short: C and A,
 /// and 1 − A with its own relative accuracy, where it is known.
 pub fn composite_chain(lanes: LaneSet, rgba: &[[f32; 4]]) -> ([f32; 4], Option<f64>) {
-    let mut picture = [[0.0; 4]; TILE * TILE];
-    let mut lists = Lists::default();
+    let mut picture = [[0.0; 4]; PIXELS];
+    let mut lists = FragmentLists::default();
     lists.clear(1);
     let listed = (0..rgba.len()).try_for_each(|k| {
         let number = f32::from_bits(k as u32);
@@ -171,18 +172,19 @@ pub fn composite_chain(lanes: LaneSet, rgba: &[[f32; 4]]) -> ([f32; 4], Option<f
     });
     let transparency = match listed {
         Ok(()) => {
-            let mut rows = Rows::new();
-            blend_by_numbers(lanes, &mut lists, true, rgba, &mut rows);
-            rows.end(&mut picture);
-            Some(f64::from(rows.through(0)[0])).filter(|through| *through > f64::from(UNSEEN))
+            let mut pixels = TileAccumulator::new();
+            blend_by_numbers(lanes, &mut lists, true, rgba, &mut pixels);
+            pixels.store(&mut picture);
+            Some(f64::from(pixels.transmittance(0)[0]))
+                .filter(|through| *through > f64::from(MIN_TRANSMITTANCE))
         }
         Err(Overflow) => {
-            let mut lists = GrowingLists::default();
+            let mut lists = UnboundedFragmentLists::default();
             for (k, &rgba) in rgba.iter().enumerate() {
-                lists.push(0, Layer::new(k as f32, k as f32 + 1.0, rgba));
+                lists.push(0, Fragment::new(k as f32, k as f32 + 1.0, rgba));
             }
             lists.composite(true, &mut picture[..TILE]);
-            Some(lists.through[0])
+            Some(lists.transmittance[0])
         }
     };
     (picture[0], transparency)
@@ -199,7 +201,7 @@ impl Kernel for Transmittance {
     type Output = f64;
     #[inline(always)]
     fn run<L: Lanes>(self) -> f64 {
-        let mut lanes = [0.0; LANES_MOST];
+        let mut lanes = [0.0; MAX_LANES];
         exp::<L>(L::F::splat(-self.0 as f32)).store(&mut lanes);
         f64::from(lanes[0])
     }

@@ -280,3 +280,11 @@ pub fn array<T: Copy, const N: usize>(mut element: impl FnMut(usize) -> T) -> [T
     }
     out
 }
+
+/// Mask with the lanes of some bits.
+#[inline(always)]
+pub fn mask_of<L: Lanes>(bits: u32) -> L::M {
+    // 2^lane by its float bits, so that no variable shift is needed.
+    let power = L::F::from_bits((L::U::iota() + L::U::splat(127)).shl::<23>()).to_unsigned();
+    power.test(L::U::splat(bits))
+}

@@ -152,7 +152,7 @@ static const voltet_parameter reader_parameters[] = {{
     .type = VOLTET_NUMBER,
     .name = "scale",
     .help = "the factor on positions",
-    .flags = VOLTET_ABOVE_LEAST,
+    .flags = VOLTET_EXCLUSIVE_MIN,
     .most = INFINITY,
     .number = 1,
 }};

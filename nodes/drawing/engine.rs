@@ -20,9 +20,9 @@ pub fn is_asked_by(engine: &EngineInfo, wanted: &str) -> bool {
     }
 }
 
-/// The engines that may draw, in the order in which they are asked: for `auto` those of the list that it takes, the last first;
-/// else the one that is wanted. An integrator with an engine of its own is no device's: whatever else is requested, that engine draws.
-fn asked(wanted: &str, shading: &Shading) -> Vec<&'static EngineInfo> {
+/// Engines that may draw a scene, in order of preference: for `auto` those of the list that it takes, the last first; else the named
+/// one. An integrator with an engine of its own runs on no device: that engine draws whatever the name.
+pub fn candidate_engines(wanted: &str, shading: &Shading) -> Vec<&'static EngineInfo> {
     let own = registered(shading.integrator.name());
     let drawing = |engine: &'static EngineInfo| own.filter(|_| !engine.on_device).unwrap_or(engine);
     let is_asked = |engine: &&EngineInfo| match wanted {
@@ -35,7 +35,7 @@ fn asked(wanted: &str, shading: &Shading) -> Vec<&'static EngineInfo> {
 /// Notes the engine, as far as it is known before the run, and asks for what the scene needs.
 pub fn ask_engine(asking: &mut DemandContext, wanted: &str) -> Result<()> {
     let shading = super::shading(asking.parameters)?;
-    let engines = asked(wanted, &shading);
+    let engines = candidate_engines(wanted, &shading);
     if let [EngineInfo { unavailable_reason: Some(why), .. }] = engines.as_slice() {
         let item = if asking.parameters.is_set(ENGINE.name) { ENGINE.name } else { ADAPTER.name };
         return Err(asking
@@ -98,7 +98,7 @@ pub fn registered_reason(engine: &EngineInfo) -> String {
 
 /// Draws on the engine that is wanted.
 pub fn draw(call: &mut RunContext, scene: &Scene, wanted: &str) -> Result<Picture> {
-    let engines = asked(wanted, &scene.shading);
+    let engines = candidate_engines(wanted, &scene.shading);
     check_accumulation(call.parameters, &engines)?;
     let mut refused: Option<String> = None;
     for engine in &engines {

@@ -42,11 +42,11 @@ pub fn cull(
     camera: &Camera,
 ) -> Result<Cells> {
     let (leave, each) = (call.may_leave_out(), call.demand.kept_cells);
-    let known = call.keep(call.revision("volume")?, || engine::Known::new(volume))?;
+    let known = call.keep(call.revision("volume")?, || engine::VolumeCache::new(volume))?;
     let cells = call.stage(Stage::Cull.name(), |progress| match leave {
         // That is what is asked for, and leaves nothing out.
-        _ if each => known.cull_each(transfer_function, camera, progress),
-        None => known.keep_all(transfer_function, camera),
+        _ if each => known.cull_exact(transfer_function, camera, progress),
+        None => known.all(transfer_function, camera),
         Some(_) => known.cull(transfer_function, camera, progress),
     })?;
     call.notes.counts.insert("cells_total", volume.grid.tetrahedra.len() as u64);

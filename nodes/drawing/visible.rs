@@ -12,9 +12,8 @@ const STEP: f32 = 1.0 / 255.0;
 /// The share of the pixels that show something from which on a picture counts as opaque: at outlines rays are short.
 const OPAQUE_SHARE: f64 = 0.999;
 
-/// What is to be said of a picture: that it shows nothing, next to nothing or only what lies in front, and of colours that were
-/// hardly meant.
-pub(super) fn warnings(scene: &Scene, counts: &RenderStats, picture: &Picture) -> Vec<String> {
+/// Warnings about a picture that shows nothing, next to nothing or only the front, and about colours beyond the usual range.
+pub fn warnings(scene: &Scene, counts: &RenderStats, picture: &Picture) -> Vec<String> {
     let mut warnings = too_bright(scene);
     let widgets = &scene.transfer_function.widgets;
     let Some(seen) = Seen::of(picture).filter(|_| !widgets.is_empty()) else { return warnings };

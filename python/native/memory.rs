@@ -12,7 +12,7 @@ use voltet_core::Error;
 use voltet_core::picture::Picture;
 use voltet_io::encode as file;
 
-/// Memory of a Python object that stays where it is: the object is held, and told not to move it.
+/// Memory of a Python object that stays where it is: the object is held, and pinned.
 #[derive(Clone)]
 pub struct Lent<T: 'static> {
     values: &'static [T],

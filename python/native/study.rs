@@ -1,6 +1,6 @@
 //! Error against run time, as `voltet study` measures it.
 
-use crate::until::Told;
+use crate::depth_limit::NodeProgress;
 use std::path::PathBuf;
 use std::time::Duration;
 use voltet_core::picture::Picture;
@@ -83,7 +83,7 @@ pub fn study(
     observer: &dyn Observer,
 ) -> Result<(String, Picture)> {
     let wish = asked.wish()?;
-    let progress = Told { observer, node: "study" };
+    let progress = NodeProgress { observer, node: "study" };
     let mut session = voltet_nodes::session();
     let subject = Subject::gather(graph, asked.node.as_deref(), false, &mut session, observer)?;
     let benches = Benches::open(&subject, &wish)?;

@@ -1,8 +1,8 @@
-//! What rays follow, against the cells themselves.
+//! Half-faces against the cells themselves.
 
-use super::half_faces::{HalfFaces, ORDER, OUT, TURN_BITS};
+use super::edge_functions::{edge_function, edges_inside};
+use super::half_faces::{EXIT_FLAG, HalfFaces, ORDER, ROTATION_BITS};
 use super::mesh::{Mesh, NONE, Side};
-use super::sides::{clockwise, turn};
 use proptest::prelude::*;
 use std::sync::Arc;
 use voltet_core::grid::Grid;
@@ -16,7 +16,7 @@ fn corners(grid: &Grid, mesh: &Mesh, cells: &[u32], half_face: u32) -> [u32; 3] 
     if mesh.sides[cell] == Side::Negative { [a, c, b] } else { [a, b, c] }
 }
 
-/// Whatever face a ray goes out by, it comes in by one of the same corners, turned as the record says, or is out.
+/// Whatever face a ray goes out by, it comes in by one of the same corners, rotation as the record says, or is out.
 fn leads_on(grid: &Grid, cells: &Arc<Vec<u32>>) -> usize {
     let mesh = Mesh::new(grid);
     let half_faces = HalfFaces::new(&mesh, &grid.tetrahedra, cells);
@@ -27,18 +27,18 @@ fn leads_on(grid: &Grid, cells: &Arc<Vec<u32>>) -> usize {
         for (slot, next) in nexts.into_iter().enumerate() {
             let mut now = here;
             now[slot] = fourth;
-            if next & OUT != 0 {
-                let mut left = corners(grid, &mesh, cells, next & !OUT);
+            if next & EXIT_FLAG != 0 {
+                let mut left = corners(grid, &mesh, cells, next & !EXIT_FLAG);
                 left.sort_unstable();
                 now.sort_unstable();
                 assert_eq!(now, left, "out of {number}");
                 out += 1;
                 continue;
             }
-            let there = corners(grid, &mesh, cells, next >> TURN_BITS);
-            let turned = next & ((1 << TURN_BITS) - 1);
+            let there = corners(grid, &mesh, cells, next >> ROTATION_BITS);
+            let rotation = next & ((1 << ROTATION_BITS) - 1);
             for (k, corner) in now.into_iter().enumerate() {
-                assert_eq!(corner, there[(k + turned as usize) % 3], "from {number} by {slot}");
+                assert_eq!(corner, there[(k + rotation as usize) % 3], "from {number} by {slot}");
             }
         }
     }
@@ -86,8 +86,8 @@ impl Kernel for Both {
 
     fn run<L: Lanes>(self) -> [bool; 2] {
         let [a, b] = self.0.map(|place| place.map(L::F::splat));
-        let (there, back) = (turn::<L>(a, b), turn::<L>(b, a));
-        let (one, other, _) = clockwise::<L>([there, back, there], [[a, b], [b, a], [a, b]]);
+        let (there, back) = (edge_function::<L>(a, b), edge_function::<L>(b, a));
+        let (one, other, _) = edges_inside::<L>([there, back, there], [[a, b], [b, a], [a, b]]);
         assert_eq!(there.lt(L::F::splat(0.0)).any(), L::F::splat(0.0).lt(back).any());
         [one.any(), other.any()]
     }

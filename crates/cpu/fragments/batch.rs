@@ -4,7 +4,7 @@ use std::ops::{Deref, DerefMut};
 use voltet_simd::{Lanes, Mask};
 
 /// Most lanes of any set.
-pub(crate) const LANES_MOST: usize = 16;
+pub(crate) const MAX_LANES: usize = 16;
 /// Fragments evaluated at a time: their arrays stay in the first-level cache.
 pub(crate) const BATCH: usize = 256;
 

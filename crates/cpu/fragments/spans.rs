@@ -6,20 +6,15 @@
 //! are half-open (a row y belongs to an edge if y₀ ≤ y < y₁, a pixel to a span if ⌈x₀⌉ ≤ x < ⌈x₁⌉): every pixel
 //! centre that lies on a shared silhouette edge is given to exactly one of the cells.
 
-use crate::composite::lists::{NOBODY, Next};
-use crate::project::record::TILE;
-use crate::view::Seen;
+use crate::fragments::batch::MAX_LANES;
+use crate::fragments::slots::{DUMMY_SLOT, NextSlots};
+use crate::project::edge::CROSSING_ROUND;
+use crate::tile::TILE;
+use crate::view::ScreenVertex;
 use voltet_simd::{Double, Float, Lanes, Mask, Unsigned, array, inlined};
 
 /// Pairs of corners: the edges.
 const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
-
-/// Most lanes of any set.
-const MOST: usize = crate::fragments::batch::LANES_MOST;
-
-/// 1.5 · 2²³ · 2⁻¹⁷: adding and taking away this times a power of two rounds to 2⁻¹⁷ of that power (up to 32 times
-/// it, twice a tile; beyond, where spans are cut off, more coarsely).
-const ROUND: f32 = 96.0;
 
 /// Fragments are coded lane << 8 | row << 4 | column.
 const SPARE: usize = 32;
@@ -41,15 +36,15 @@ pub(crate) struct Fragments {
 
 /// The edges of a group of cells on one tile, cells side by side.
 pub(crate) struct Edges {
-    x: [[f64; MOST]; 4],
-    y: [[f64; MOST]; 4],
+    x: [[f64; MAX_LANES]; 4],
+    y: [[f64; MAX_LANES]; 4],
     /// First row of the tile that each edge crosses, and the first that it does not cross any more.
     first: Cells<6>,
     last: Cells<6>,
     /// Where it crosses the tile's first row, columns, and its slope, columns a row.
     crossing: Cells<6>,
     slope: Cells<6>,
-    /// See [`ROUND`].
+    /// See [`CROSSING_ROUND`].
     round: Cells<6>,
     /// First and last row of each cell.
     bounds: Cells<2>,
@@ -58,26 +53,26 @@ pub(crate) struct Edges {
 /// Numbers of cells side by side; begin where a cache line does.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-struct Cells<const N: usize, T = f32>([[T; MOST]; N]);
+struct Cells<const N: usize, T = f32>([[T; MAX_LANES]; N]);
 
 impl Edges {
     pub fn new() -> Self {
-        let rows = Cells([[0.0; MOST]; 6]);
+        let rows = Cells([[0.0; MAX_LANES]; 6]);
         Edges {
-            x: [[0.0; MOST]; 4],
-            y: [[0.0; MOST]; 4],
+            x: [[0.0; MAX_LANES]; 4],
+            y: [[0.0; MAX_LANES]; 4],
             first: rows,
             last: rows,
             crossing: rows,
             slope: rows,
             round: rows,
-            bounds: Cells([[0.0; MOST]; 2]),
+            bounds: Cells([[0.0; MAX_LANES]; 2]),
         }
     }
 
     /// Takes the corners of the cell in a lane.
     #[inline(always)]
-    pub fn take(&mut self, lane: usize, corners: [&Seen; 4]) {
+    pub fn take(&mut self, lane: usize, corners: [&ScreenVertex; 4]) {
         for (k, corner) in corners.iter().enumerate() {
             self.x[k][lane] = corner.x;
             self.y[k][lane] = corner.y;
@@ -92,7 +87,7 @@ impl Edges {
         for half in (0..L::WIDTH).step_by(L::D::COUNT) {
             let load = inlined(
                 #[inline(always)]
-                |rows: &[[f64; MOST]; 4]| {
+                |rows: &[[f64; MAX_LANES]; 4]| {
                     let row = inlined(
                         #[inline(always)]
                         |k: usize| L::D::load(&rows[k][half..]),
@@ -129,7 +124,7 @@ impl Edges {
         for (slope, round) in self.slope.0.iter().zip(&mut self.round.0) {
             let steep = L::F::load(slope).abs().max(L::F::splat(1.0)).min(L::F::splat(1e6));
             let power = L::F::from_bits(steep.to_bits().and(L::U::splat(0x7f80_0000)));
-            (power * L::F::splat(ROUND)).store(round);
+            (power * L::F::splat(CROSSING_ROUND)).store(round);
         }
     }
 
@@ -167,36 +162,29 @@ impl Edges {
     }
 }
 
-/// Where the edge between two points crosses a row of pixel centres, columns from the left edge of the tile that holds the pixel;
-/// `None` where it does not. Bit for bit what [`Edges`] and [`Fragments::cover`] find.
-pub(crate) fn crossing_of_row(ends: [&Seen; 2], [i, j]: [usize; 2]) -> Option<f32> {
-    let [upper, lower] = if ends[0].y <= ends[1].y { ends } else { [ends[1], ends[0]] };
-    let (left, top) = ((i - i % TILE) as f64, (j - j % TILE) as f64);
-    let row = (j % TILE) as f32;
-    let rows = (upper.y.ceil() - top) as f32..(lower.y.ceil() - top) as f32;
-    if !rows.contains(&row) {
-        return None;
-    }
-    let tilt = (lower.x - upper.x) / (lower.y - upper.y);
-    let at_top = (top - upper.y).mul_add(tilt, upper.x - left) as f32;
-    let slope = tilt as f32;
-    let power = f32::from_bits(slope.abs().clamp(1.0, 1e6).to_bits() & 0x7f80_0000);
-    let x = row.mul_add(slope, at_top);
-    Some((x + power * ROUND) - power * ROUND)
-}
-
 impl Fragments {
     /// Room for the fragments of `lanes` cells in one tile.
     pub fn new(lanes: usize) -> Self {
         let room = lanes * TILE * TILE + SPARE;
-        Fragments { codes: vec![0; room], places: vec![0; room], count: 0, spans: Cells([[0; MOST]; TILE]) }
+        Fragments {
+            codes: vec![0; room],
+            places: vec![0; room],
+            count: 0,
+            spans: Cells([[0; MAX_LANES]; TILE]),
+        }
     }
 
-    /// Finds the pixels, of a tile `width` pixels wide, that each of the first `cells` cells covers. Where there are `lists`, each takes
-    /// a place there; then of their pixels only those that are `open` are covered.
+    /// Finds the pixels, of a tile `width` pixels wide, that each of the first `cells` cells covers. Each takes the
+    /// `next` slot of its pixel's list, where there are lists.
     #[inline(always)]
-    pub fn cover<L: Lanes>(&mut self, edges: &Edges, cells: usize, width: usize, lists: Option<Places<'_>>) {
-        let (mut starts, mut ends) = ([0u32; MOST], [0u32; MOST]);
+    pub fn cover<L: Lanes>(
+        &mut self,
+        edges: &Edges,
+        cells: usize,
+        width: usize,
+        next: Option<&mut NextSlots>,
+    ) {
+        let (mut starts, mut ends) = ([0u32; MAX_LANES], [0u32; MAX_LANES]);
         L::F::load(&edges.bounds.0[0]).to_unsigned().store(&mut starts);
         L::F::load(&edges.bounds.0[1]).to_unsigned().store(&mut ends);
         let rows = || starts.iter().zip(&ends).take(cells).filter(|(start, end)| start < end);
@@ -205,21 +193,16 @@ impl Fragments {
         edges.spans::<L>(first..last, width, &mut self.spans);
 
         let rows = [starts, ends];
-        match lists {
-            None => self.list::<L, false>(rows, cells, None, &[0; TILE]),
-            Some(Places { next, open: None }) => self.list::<L, false>(rows, cells, Some(next), &[0; TILE]),
-            Some(Places { next, open: Some(open) }) => self.list::<L, true>(rows, cells, Some(next), open),
-        }
+        self.list::<L>(rows, cells, next);
     }
 
-    /// Codes from spans, cell by cell, and places in lists; if `MASKED` of pixels that are open.
+    /// Codes from spans, cell by cell, and places in lists.
     #[inline(always)]
-    fn list<L: Lanes, const MASKED: bool>(
+    fn list<L: Lanes>(
         &mut self,
-        [starts, ends]: [[u32; MOST]; 2],
+        [starts, ends]: [[u32; MAX_LANES]; 2],
         cells: usize,
-        mut next: Option<&mut Next>,
-        open: &[u16; TILE],
+        mut next: Option<&mut NextSlots>,
     ) {
         let Fragments { codes, places, spans, .. } = self;
         let (codes, places) = (codes.as_mut_slice(), places.as_mut_slice());
@@ -229,21 +212,6 @@ impl Fragments {
                 let span = spans.0[row][lane];
                 let (code, length) = (span as u16, (span >> LENGTH) as usize);
                 let from = usize::from(code) % TILE;
-                if MASKED {
-                    let mut open = u32::from(open[row]) & (((1 << length) - 1) << from);
-                    while open != 0 {
-                        let column = open.trailing_zeros() as usize;
-                        codes[count] = code - from as u16 + column as u16;
-                        if let Some(next) = &mut next {
-                            let next = &mut next.0[row * TILE + column];
-                            places[count] = *next;
-                            *next += 1;
-                        }
-                        count += 1;
-                        open &= open - 1;
-                    }
-                    continue;
-                }
                 let out = &mut codes[count..count + TILE];
                 for (k, out) in out.iter_mut().enumerate() {
                     *out = code.wrapping_add(k as u16);
@@ -257,21 +225,14 @@ impl Fragments {
         self.count = count;
         if next.is_some() {
             // A vector may read past the end.
-            places[count..count + MOST].fill(NOBODY);
+            places[count..count + MAX_LANES].fill(DUMMY_SLOT);
         }
     }
 }
 
-/// Where fragments go in the lists of their pixels.
-pub(crate) struct Places<'a> {
-    pub next: &'a mut Next,
-    /// Pixels that take fragments, a bit a column, where some do not.
-    pub open: Option<&'a [u16; TILE]>,
-}
-
 /// A place for each column of a span, in the first of `places`; what follows there is of no account.
 #[inline(always)]
-fn take_places<L: Lanes>(next: &mut Next, row: usize, span: std::ops::Range<usize>, places: &mut [u32]) {
+fn take_places<L: Lanes>(next: &mut NextSlots, row: usize, span: std::ops::Range<usize>, places: &mut [u32]) {
     if L::WIDTH == TILE {
         // No load spans what two stores wrote.
         let of_row = &mut next.0[row * TILE..][..TILE];

@@ -1,7 +1,7 @@
 //! Segments side by side in lanes: their lengths and what they have at both ends.
 
 use crate::fragments::batch::{Batch, Column};
-use voltet_simd::{Float, Lanes, Unsigned, array, inlined};
+use voltet_simd::{Float, Lanes, array, inlined};
 
 /// One vector of segments of a batch. Lengths in scene lengths, attributes scaled.
 pub(crate) struct Along<L: Lanes> {
@@ -106,11 +106,3 @@ impl<L: Lanes> Fields<L> {
 
 /// Most further fields that lanes look at.
 pub(crate) const FIELDS_MOST: usize = 8;
-
-/// A mask from its bits.
-#[inline(always)]
-pub(crate) fn lanes_of<L: Lanes>(bits: u32) -> L::M {
-    // 2^lane by its float bits, so that no variable shift is needed.
-    let power = L::F::from_bits((L::U::iota() + L::U::splat(127)).shl::<23>()).to_unsigned();
-    power.test(L::U::splat(bits))
-}

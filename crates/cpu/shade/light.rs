@@ -5,7 +5,7 @@
 //! has the mean of both ends. Only directions matter: the components share one scale.
 
 use crate::fragments::batch::Batch;
-use crate::project::record::TILE;
+use crate::tile::TILE;
 use crate::view::View;
 use glam::DVec3;
 use voltet_optics::shading::{Shading, unit_vector};

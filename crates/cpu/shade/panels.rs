@@ -5,8 +5,8 @@
 //! Opacity comes from the widgets' closed forms, not from panels. What 32 bits cannot serve is named again, for the
 //! 64-bit path.
 
-use crate::fragments::batch::{Batch, LANES_MOST};
-use crate::shade::along::{Along, Fields, lanes_of};
+use crate::fragments::batch::{Batch, MAX_LANES};
+use crate::shade::along::{Along, Fields};
 use crate::shade::gathered::Gathered;
 use crate::shade::kinds::{InOrder, LaneWidget, Road, nothing};
 use crate::shade::reach::Spread;
@@ -16,7 +16,7 @@ use voltet_simd::limits::{MAX_DENSE_RATE, MAX_RATE, MIN_WALKED_LENGTH};
 use voltet_simd::optics::dense::dense;
 use voltet_simd::optics::elementary::one_minus_exp;
 use voltet_simd::optics::overlap::ordered;
-use voltet_simd::{Float, Lanes, Mask, array};
+use voltet_simd::{Float, Lanes, Mask, array, mask_of};
 
 /// The slow road in lanes.
 pub(crate) struct PanelWalk {
@@ -73,7 +73,7 @@ impl PanelWalk {
             let (results, left, overlapping) =
                 self.integrate::<L, DENSE>(widgets, &along, &fields, &mut out.evaluation_count);
             let unsure = left.iter().fold(0, |all, (lanes, _)| all | lanes);
-            let mut rows = [[0f32; LANES_MOST]; 5];
+            let mut rows = [[0f32; MAX_LANES]; 5];
             for (row, value) in rows.iter_mut().zip(results) {
                 value.store(row);
             }
@@ -191,7 +191,7 @@ impl PanelWalk {
                 *evaluations += points;
                 color
             };
-            let keep = lanes_of::<L>(in_order);
+            let keep = mask_of::<L>(in_order);
             color = array(
                 #[inline(always)]
                 |i| L::F::select(keep, walked[i], color[i]),

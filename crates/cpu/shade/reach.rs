@@ -4,12 +4,11 @@
 //! widgets' greatest depths, or of 1 where they are denser, by all that is left out here.
 
 use crate::shade::along::Along;
-use crate::shade::kinds::Making;
+use crate::shade::kinds::making::Making;
 use voltet_core::transfer::{Slab, Widget};
 use voltet_simd::{Float, Lanes, Mask};
 
-/// Optical depth along the longest ray that all widgets together may lose. Culling may take ten times as much.
-pub(crate) const LEFT_OUT: f64 = 1e-8;
+pub(crate) use crate::tolerances::NEGLIGIBLE_DEPTH as LEFT_OUT;
 
 /// Where a widget counts.
 pub(crate) struct LaneReach {

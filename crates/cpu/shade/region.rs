@@ -2,11 +2,9 @@
 
 use crate::attribute::Attribute;
 use crate::shade::along::Along;
+use crate::tolerances::REGION_MARGIN;
 use voltet_core::transfer::HalfPlane;
 use voltet_simd::{Float, Lanes, Mask, inlined};
-
-/// Room that values must have inside a half-plane, in their span, so that no rounding of theirs leaves it.
-const INSIDE_LEAST: f64 = 1e-5;
 
 /// A convex region as half-planes: inside where n_s s + n_g g ≤ limit.
 pub(crate) struct LaneRegion {
@@ -31,7 +29,7 @@ impl LaneRegion {
                 let room = range(a).map(|v| outward[a] * ((corner[a] - v) / scale));
                 if outward[a] == 0.0 { 0.0 } else { room[0].min(room[1]) }
             };
-            if inside(0, s[1]) + inside(1, g[1]) > INSIDE_LEAST {
+            if inside(0, s[1]) + inside(1, g[1]) > REGION_MARGIN {
                 continue;
             }
             half_planes.push([outward[0] as f32, outward[1] as f32, (part(0, s) + part(1, g)) as f32]);

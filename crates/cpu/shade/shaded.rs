@@ -1,8 +1,12 @@
 //! What shading a batch of segments gives.
 
-use crate::fragments::batch::{Column, LANES_MOST};
-use crate::shade::stepped::{Met, STEPS};
-use voltet_simd::{Float, Lanes};
+use crate::fragments::batch::{Column, MAX_LANES};
+pub(crate) use crate::tolerances::MIX_PRODUCT;
+use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
+use voltet_simd::{Float, Lanes, inlined};
+
+/// Steps of the fixed quadrature.
+pub(crate) const STEPS: [usize; 3] = [2, 4, 8];
 
 /// Kinds of fragments that quick forms leave over.
 pub(crate) const KINDS: usize = STEPS.len() + 3;
@@ -26,7 +30,7 @@ pub(crate) struct Shaded {
     /// Scratch for the change from the one to the other; empty.
     pub spare: Vec<usize>,
     /// Scratch: the widgets that a vector of segments meets.
-    pub met: Vec<Met>,
+    pub met: Vec<ActiveWidget>,
     /// Segments integrated in 64 bits.
     pub exact_count: u64,
     /// How often the transfer function was asked: see [`voltet_optics::engine::Counts::evaluations`].
@@ -86,7 +90,7 @@ impl Shaded {
     #[inline(always)]
     pub fn put<L: Lanes, const N: usize>(&mut self, group: &[usize], values: [L::F; N]) {
         for (column, value) in self.rgba.iter_mut().zip(values) {
-            let mut row = [0f32; LANES_MOST];
+            let mut row = [0f32; MAX_LANES];
             value.store(&mut row);
             for (&value, &k) in row.iter().zip(group) {
                 column[k] = value;
@@ -161,6 +165,42 @@ impl Left {
 /// Depth from which on a segment whose order takes more than a few steps goes straight to the steps for dense ones.
 pub(crate) const DENSE_LEAST: f32 = 8.0;
 
-/// Overlaps whose pairwise product of optical depths is under this are mixed without regard to order: the
-/// error is at most the product times the colour, 1e-8.
-pub(crate) const MIX_PRODUCT: f32 = 1e-8;
+/// A widget whose support a vector of segments meets.
+pub(crate) struct ActiveWidget {
+    pub(super) number: usize,
+    /// Lanes (bits) that meet it.
+    pub(super) there: u32,
+    /// Densities in the current step, if those of the next step follow from them.
+    pub(super) rows: Option<StepLanes>,
+}
+
+/// A [`LaneGaussianSteps`] lane by lane.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub(crate) struct StepLanes([[f32; MAX_LANES]; 9]);
+
+impl StepLanes {
+    #[inline(always)]
+    pub(super) fn new<L: Lanes>(
+        LaneGaussianSteps { values, ratios, change }: &LaneGaussianSteps<L, 4>,
+    ) -> StepLanes {
+        let mut rows = [[0.0; MAX_LANES]; 9];
+        for (row, value) in rows.iter_mut().zip(values.iter().chain(ratios).chain([change])) {
+            value.store(row);
+        }
+        StepLanes(rows)
+    }
+
+    #[inline(always)]
+    pub(super) fn steps<L: Lanes>(&self) -> LaneGaussianSteps<L, 4> {
+        let row = inlined(
+            #[inline(always)]
+            |j: usize| L::F::load(&self.0[j]),
+        );
+        LaneGaussianSteps {
+            values: [row(0), row(1), row(2), row(3)],
+            ratios: [row(4), row(5), row(6), row(7)],
+            change: row(8),
+        }
+    }
+}

@@ -80,7 +80,7 @@ fn frame_time(
     median(FRAME_COUNT, |k| {
         let camera = scene.camera(k as f64, 512);
         let mut cells = cull(volume, look, &camera, &NoProgress)?;
-        cells.no_leave_out = no_leave_out;
+        cells.exhaustive = no_leave_out;
         let projection = project(&cells, look, &camera, false, &NoProgress)?;
         composite(&projection, look, &SHADING, &NoProgress).map(drop)
     })

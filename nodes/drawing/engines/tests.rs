@@ -1,4 +1,4 @@
-use crate::drawing::opened::Opened;
+use crate::drawing::opened::OpenEngines;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::Result;
@@ -15,7 +15,7 @@ const SOURCE: Node = Node {
     outputs: &[Port { name: "grid", port_type: PortType::Grid, summary: "" }],
     demand: &|_| Ok(()),
     run: &|call| {
-        let opened = call.keep_for_session(|| Ok(Opened::default()))?;
+        let opened = call.keep_for_session(|| Ok(OpenEngines::default()))?;
         let small = |device: Device| device.with_bindings_of(2048).with_buffers_at_a_time(8);
         let engine = Device::open(Some("software"), true)
             .map(|device| Arc::new(OnDevice::new(Arc::new(small(device)))) as Arc<dyn Engine>);

@@ -204,7 +204,7 @@ fn damaged_input_is_one_clear_error() {
     assert_eq!(error.kind, ErrorKind::Run);
     let error = built(RawGrid::new(vec![DVec3::ZERO; 3], Cells::Tetrahedra(vec![[0, 1, 2, 3]]))).unwrap_err();
     assert!(error.to_string().contains("cell 0") && error.to_string().contains("found 3"), "{error}");
-    let empty = built(RawGrid::new(Vec::new(), Cells::Tetrahedra(Vec::new()))).unwrap_err();
+    let empty = built(RawGrid::new(Vec::<DVec3>::new(), Cells::Tetrahedra(Vec::new()))).unwrap_err();
     assert!(empty.to_string().contains("no cells"), "{empty}");
     let mut short = cube();
     short.point_arrays.insert("short".into(), Array { component_count: 3, values: vec![0.0; 35].into() });

@@ -4,7 +4,7 @@
 mod gaussian;
 mod gaussian_nd;
 mod in_order;
-mod making;
+pub(crate) mod making;
 mod path;
 mod piecewise_linear;
 mod sample;

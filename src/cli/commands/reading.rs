@@ -1,0 +1,84 @@
+//! How a data file is read: which of its arrays is meant, and what a `reader` node says of it.
+
+use crate::cli::present::Bar;
+use crate::core::progress::Progress;
+use crate::graph::{Observer, ParameterValue};
+use crate::io::formats::{ArrayHead, ArraySummary, Association, Request, TimeStep};
+use std::path::{Path, PathBuf};
+
+/// What the options ask of the file.
+pub(super) fn request(time_step: Option<usize>, solution: Option<&PathBuf>) -> Request {
+    Request { time_step: time_step.map(TimeStep::Index), solution: solution.cloned(), ..Request::default() }
+}
+
+/// An array, as a reader's parameters name it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Meant {
+    /// `scalar`: of several components the length.
+    pub scalar: String,
+    /// `association`: said only where an array of the other one has the name too.
+    pub association: Association,
+}
+
+impl Meant {
+    /// One of a file's arrays.
+    pub fn of(array: &ArrayHead, all: &[ArrayHead]) -> Meant {
+        let shadowed = |other: &ArrayHead| other.name == array.name && other.association != array.association;
+        let is_shadowed = array.association == Association::Cell && all.iter().any(shadowed);
+        Meant {
+            scalar: scalar(array),
+            association: if is_shadowed { Association::Cell } else { Association::Auto },
+        }
+    }
+
+    /// The array of a name that somebody asks for; one of several components without more is meant by its length.
+    pub fn by_name(name: &str, all: &[ArrayHead]) -> Meant {
+        let bare = all.iter().find(|array| array.name == name && array.component_count > 1);
+        let as_it_is = || Meant { scalar: name.into(), association: Association::Auto };
+        bare.map_or_else(as_it_is, |array| Meant::of(array, all))
+    }
+
+    /// The keys of a `reader` node that reads it from the file `data`.
+    pub fn keys(&self, data: &Path, time_step: Option<usize>, solution: Option<&Path>) -> String {
+        let text = |text: &str| ParameterValue::Text(text.into());
+        let mut keys = format!("path = {}\nscalar = {}\n", text(&data.to_string_lossy()), text(&self.scalar));
+        if self.association == Association::Cell {
+            keys += "association = \"cell\"\n";
+        }
+        if let Some(step) = time_step {
+            keys += &format!("time_step = {step}\n");
+        }
+        if let Some(solution) = solution {
+            keys += &format!("solution = {}\n", text(&solution.to_string_lossy()));
+        }
+        keys
+    }
+}
+
+/// The array as a reader's parameter names it.
+pub(super) fn scalar(array: &ArrayHead) -> String {
+    let magnitude = if array.component_count > 1 { ":magnitude" } else { "" };
+    format!("{}{magnitude}", array.name)
+}
+
+/// Whether there is something to tell apart.
+pub(super) fn differs(array: &ArraySummary) -> bool {
+    array.range.is_some_and(|[low, high]| low < high)
+}
+
+/// The bar of a run, for work without nodes.
+pub(super) struct Inspecting<'a>(pub(super) &'a Bar);
+
+impl Progress for Inspecting<'_> {
+    fn report(&self, stage: &str, fraction: f64) {
+        self.0.progress("", stage, fraction);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+
+    fn memory_left(&self) -> Option<u64> {
+        self.0.memory_left()
+    }
+}
