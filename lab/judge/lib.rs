@@ -50,7 +50,7 @@ pub fn judge_all(text: &str, forms: &[&dyn SegmentEvaluator]) -> Result<Vec<Repo
     Ok(reports)
 }
 
-/// The same for cases that were read already.
+/// Judges cases that were read already; like [`judge_all`].
 pub fn judge_cases(cases: &[Case], forms: &[&dyn SegmentEvaluator]) -> Result<Vec<Report>> {
     let mut reports = begin(forms);
     cases.iter().try_for_each(|case| enter(case, forms, &mut reports))?;

@@ -1,10 +1,10 @@
-//! What was found, per kind, category and quantity.
+//! Results per kind, category and quantity.
 
 use super::bounds::Rule;
 use super::case::{Case, Kind};
 use std::fmt;
 
-/// What was found for one quantity of one kind and category.
+/// Result for one quantity of one kind and category.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
     /// segment, ray, chain or table.
@@ -29,7 +29,7 @@ pub struct Row {
     pub worst: f64,
     /// The case that has it.
     pub worst_id: String,
-    /// What goes into it: see [`Case::inputs`].
+    /// Inputs of that case: see [`Case::inputs`].
     pub worst_inputs: String,
     /// Relative error of that case.
     pub worst_error: f64,
@@ -74,11 +74,11 @@ impl fmt::Display for Row {
 /// Cases that the forms did not serve themselves.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Exemption {
-    /// Whether another precision served them.
+    /// True if another precision served them.
     pub wider: bool,
     /// Why.
     pub reason: &'static str,
-    /// How many cases (rays count once).
+    /// Number of cases (rays count once).
     pub count: usize,
 }
 
@@ -89,9 +89,9 @@ pub struct Violation {
     pub id: String,
     /// T, C, …
     pub quantity: &'static str,
-    /// What was found.
+    /// Value that was computed.
     pub found: f64,
-    /// What is exact.
+    /// Exact value.
     pub exact: f64,
     /// Error by bound; ∞ for what is not finite or not in its physical range.
     pub ratio: f64,
@@ -123,7 +123,7 @@ impl Report {
         }
     }
 
-    /// Whether every value kept its bound.
+    /// True if every value kept its bound.
     pub fn passed(&self) -> bool {
         self.broken.is_empty()
     }

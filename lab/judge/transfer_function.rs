@@ -101,7 +101,7 @@ fn widget(value: &Value) -> Result<Widget> {
 /// Fields, centre and K.
 type OverFields = (Vec<String>, Vec<f64>, Vec<Vec<f64>>);
 
-/// Those of a widget over fields, whose order is that of the case's values.
+/// Fields, centre and matrix of a widget over fields, whose order is that of the case's values.
 fn over_fields(value: &Value) -> Result<OverFields> {
     let centre = numbers(member(value, "center")?)?;
     let rows = array(value, "K")?;

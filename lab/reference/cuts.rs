@@ -1,6 +1,6 @@
-//! Where a segment is cut: every place where a widget changes its character.
+//! Breakpoints of a segment: every place where a widget changes its character.
 
-use crate::along::Place;
+use crate::linear_on_segment::Place;
 use crate::wide::Wide;
 
 /// Two features nearer to each other than this share of their distance from the nearer end are one that was found in
@@ -15,14 +15,14 @@ const TOO_NEAR: f64 = 1e-19;
 #[derive(Debug, Clone, Copy)]
 struct Cut {
     place: Place,
-    /// Whether something begins, ends or breaks there; else the cut only helps the quadrature.
+    /// True if something begins, ends or breaks there; else the cut only helps the quadrature.
     firm: bool,
 }
 
 /// The cuts of one segment.
 pub(crate) struct Cuts {
     list: Vec<Cut>,
-    /// Where the widget that is looked at may be: cuts outside are of no use to it.
+    /// Interval of the widget: cuts outside are of no use to it.
     window: [Place; 2],
 }
 
@@ -85,12 +85,12 @@ impl Cuts {
         let mut last_firm = Place::FRONT;
         let back = Cut { place: Place::BACK, firm: true };
         for cut in self.list.iter().copied().chain([back]) {
-            let apart = apart(last.place, cut.place);
+            let apart = relative_distance(last.place, cut.place);
             if cut.firm {
                 if !last.firm && apart < TOO_NEAR {
                     ends.pop();
                 }
-                let from_firm = self::apart(last_firm, cut.place);
+                let from_firm = relative_distance(last_firm, cut.place);
                 last = Cut { place: last_firm, firm: true };
                 if from_firm < ONE_PLACE {
                     continue;
@@ -108,7 +108,7 @@ impl Cuts {
 }
 
 /// The distance of two places, as a share of their distance from the nearer end.
-fn apart(a: Place, b: Place) -> f64 {
-    let distance: Wide = a.to(b);
+fn relative_distance(a: Place, b: Place) -> f64 {
+    let distance: Wide = a.distance_to(b);
     distance.value() / a.nearer_end().max(b.nearer_end())
 }

@@ -1,14 +1,14 @@
-//! Where along a path a widget has its peaks, kinks and steps, or leaves a width of its centre.
+//! Places along a path of a widget's peaks, kinks and steps, and of a width from its centre.
 
-use crate::along::{Along, Place, quadratic_crossings};
 use crate::cuts::Cuts;
+use crate::linear_on_segment::{LinearOnSegment, Place, quadratic_crossings};
 use crate::term::{Bands, ReadyProfile, Term};
 use crate::wide::Wide;
 use voltet_core::transfer::ControlPoint;
 use voltet_core::{Error, Result};
 
 /// More bands than this in one cell are refused rather than drawn for hours.
-const BANDS_AT_MOST: f64 = 1e6;
+const MAX_BANDS: f64 = 1e6;
 
 /// Bands that are counted from so far away have lost their last digits: a phase is known to 2⁻¹⁰² of itself.
 const FARTHEST_PHASE: f64 = 1e15;
@@ -25,7 +25,12 @@ pub(crate) const NOTHING: f64 = 27.5;
 
 impl Term {
     /// Cuts where the profile changes its character; with a cutoff also where it passes it.
-    pub(crate) fn features(&self, along: &[Along], cutoff: Option<f64>, cuts: &mut Cuts) -> Result<()> {
+    pub(crate) fn features(
+        &self,
+        along: &[LinearOnSegment],
+        cutoff: Option<f64>,
+        cuts: &mut Cuts,
+    ) -> Result<()> {
         match &self.shape {
             ReadyProfile::Uniform => {}
             ReadyProfile::Gaussian { .. } => gaussian(along, cutoff, cuts)?,
@@ -38,8 +43,9 @@ impl Term {
     }
 }
 
-fn gaussian(along: &[Along], cutoff: Option<f64>, cuts: &mut Cuts) -> Result<()> {
-    let squares = |f: &dyn Fn(&Along) -> Wide| along.iter().map(|a| f(a).value().powi(2)).sum::<f64>();
+fn gaussian(along: &[LinearOnSegment], cutoff: Option<f64>, cuts: &mut Cuts) -> Result<()> {
+    let squares =
+        |f: &dyn Fn(&LinearOnSegment) -> Wide| along.iter().map(|a| f(a).value().powi(2)).sum::<f64>();
     let length = squares(&|a| a.step).sqrt();
     // A shorter path is smooth enough as it is.
     let long = length > WIDTHS[0];
@@ -49,7 +55,7 @@ fn gaussian(along: &[Along], cutoff: Option<f64>, cuts: &mut Cuts) -> Result<()>
     if length == 0.0 || length.is_nan() || !long && reach.is_none() {
         return Ok(());
     }
-    let dot = |f: &dyn Fn(&Along) -> Wide| along.iter().fold(Wide::ZERO, |sum, a| sum + f(a));
+    let dot = |f: &dyn Fn(&LinearOnSegment) -> Wide| along.iter().fold(Wide::ZERO, |sum, a| sum + f(a));
     let square = dot(&|a| a.step * a.step);
     let slope = dot(&|a| a.front * a.step);
     let nearest = Place::behind_front(-(slope / square));
@@ -89,7 +95,7 @@ fn widths() -> impl Iterator<Item = f64> {
     [1.0, 2.0].into_iter().chain(WIDTHS)
 }
 
-fn triangular(along: &[Along], cutoff: Option<f64>, cuts: &mut Cuts) {
+fn triangular(along: &[LinearOnSegment], cutoff: Option<f64>, cuts: &mut Cuts) {
     let Some((width, offsets)) = along.split_last() else { return };
     let reach = cutoff.filter(|cutoff| *cutoff > 0.0).map(|cutoff| -cutoff.ln());
     cuts.soft(width.passes(Wide::ZERO));
@@ -99,7 +105,7 @@ fn triangular(along: &[Along], cutoff: Option<f64>, cuts: &mut Cuts) {
     }
 }
 
-fn triangular_line(offset: Along, width: Along, reach: Option<f64>, cuts: &mut Cuts) {
+fn triangular_line(offset: LinearOnSegment, width: LinearOnSegment, reach: Option<f64>, cuts: &mut Cuts) {
     cuts.soft(offset.passes(Wide::ZERO));
     let line = |x: f64| offset.less(width.times(Wide::from(x))).passes(Wide::ZERO);
     let side = |x: f64, o: Wide, w: Wide| o.value() < x * w.value();
@@ -115,8 +121,8 @@ fn triangular_line(offset: Along, width: Along, reach: Option<f64>, cuts: &mut C
 }
 
 /// Over several coordinates |q|²/m² is a ratio of quadratic functions: cut where it is least, and where it passes levels.
-fn triangular_path(offsets: &[Along], width: Along, reach: Option<f64>, cuts: &mut Cuts) {
-    let sum = |f: &dyn Fn(&Along) -> Wide| offsets.iter().fold(Wide::ZERO, |sum, a| sum + f(a));
+fn triangular_path(offsets: &[LinearOnSegment], width: LinearOnSegment, reach: Option<f64>, cuts: &mut Cuts) {
+    let sum = |f: &dyn Fn(&LinearOnSegment) -> Wide| offsets.iter().fold(Wide::ZERO, |sum, a| sum + f(a));
     let square = sum(&|a| a.step * a.step);
     let slope = sum(&|a| a.front * a.step);
     let offset = sum(&|a| a.front * a.front);
@@ -155,7 +161,7 @@ fn triangular_path(offsets: &[Along], width: Along, reach: Option<f64>, cuts: &m
     }
 }
 
-fn bands(bands: &Bands, phase: Along, cutoff: Option<f64>, cuts: &mut Cuts) -> Result<()> {
+fn bands(bands: &Bands, phase: LinearOnSegment, cutoff: Option<f64>, cuts: &mut Cuts) -> Result<()> {
     let [from, to] = cuts.window().map(|place| phase.at(place));
     let (low, high) = if from.order(to).is_le() { (from, to) } else { (to, from) };
     let farthest = low.value().abs().max(high.value().abs());
@@ -165,10 +171,10 @@ fn bands(bands: &Bands, phase: Along, cutoff: Option<f64>, cuts: &mut Cuts) -> R
             .expected(format!("at most {FARTHEST_PHASE:.0e}")));
     }
     let (low, high) = (low.floor(), high.floor());
-    if high - low > BANDS_AT_MOST {
+    if high - low > MAX_BANDS {
         return Err(Error::run("a cell holds more bands of a wave widget than are drawn")
             .got(format!("{:.3e} bands", high - low))
-            .expected(format!("at most {BANDS_AT_MOST:.0e}")));
+            .expected(format!("at most {MAX_BANDS:.0e}")));
     }
     let lit = cutoff.map(|cutoff| bands.half_width(cutoff));
     for band in 0..=(high - low) as u64 {
@@ -186,7 +192,7 @@ fn bands(bands: &Bands, phase: Along, cutoff: Option<f64>, cuts: &mut Cuts) -> R
 }
 
 /// `level`: the extinction that counts as cutoff.
-fn linear(points: &[ControlPoint], scalar: Along, level: Option<f64>, cuts: &mut Cuts) {
+fn linear(points: &[ControlPoint], scalar: LinearOnSegment, level: Option<f64>, cuts: &mut Cuts) {
     for point in points {
         cuts.firm(scalar.passes(Wide::from(point.s)));
     }

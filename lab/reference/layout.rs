@@ -1,7 +1,7 @@
 //! A segment laid out: the stretches between its cuts, and what each widget is on them.
 
-use crate::along::{Along, Place};
 use crate::cuts::{Cuts, End};
+use crate::linear_on_segment::{LinearOnSegment, Place};
 use crate::part::Part;
 use crate::term::Term;
 use crate::wide::Wide;
@@ -10,10 +10,10 @@ use voltet_core::Result;
 
 /// A part of the segment on which every widget is smooth.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Stretch {
+pub(crate) struct Interval {
     /// Share of the segment's length.
     pub(crate) share: f64,
-    /// Where it begins, as a share of the length: for messages.
+    /// Its begin, as a share of the length: for messages.
     pub(crate) begin: f64,
     /// It lies between two features that are too near to each other for its length to be known.
     pub(crate) blurred: bool,
@@ -24,12 +24,12 @@ pub(crate) struct Stretch {
 /// The widgets that a segment meets, stretch by stretch. Buffers that are kept from segment to segment.
 #[derive(Default)]
 pub(crate) struct Layout {
-    pub(crate) stretches: Vec<Stretch>,
+    pub(crate) stretches: Vec<Interval>,
     parts: Vec<Part>,
     numbers: Vec<f64>,
     /// Coordinates of the widgets that the segment meets.
-    along: Vec<Along>,
-    met: Vec<Met>,
+    along: Vec<LinearOnSegment>,
+    met: Vec<ActiveWidget>,
     cuts: Cuts,
     ends: Vec<End>,
     from: Vec<Wide>,
@@ -37,12 +37,12 @@ pub(crate) struct Layout {
 }
 
 /// A widget that the segment meets.
-struct Met {
+struct ActiveWidget {
     term: usize,
     window: [Place; 2],
-    /// Whether the window is all of the segment.
+    /// True if the window is all of the segment.
     everywhere: bool,
-    /// Where its coordinates end.
+    /// End of its coordinates.
     end: usize,
 }
 
@@ -65,7 +65,7 @@ impl Layout {
             self.cuts.begin(window);
             term.features(&self.along[start..], cutoff, &mut self.cuts)?;
             let everywhere = window == [Place::FRONT, Place::BACK];
-            self.met.push(Met { term: number, window, everywhere, end: self.along.len() });
+            self.met.push(ActiveWidget { term: number, window, everywhere, end: self.along.len() });
         }
         self.cuts.ends(&mut self.ends);
         self.stretches.clear();
@@ -88,8 +88,8 @@ impl Layout {
                 }
             }
             if self.parts.len() > parts {
-                self.stretches.push(Stretch {
-                    share: from.to(to).value(),
+                self.stretches.push(Interval {
+                    share: from.distance_to(to).value(),
                     begin: from.share(),
                     blurred: pair[1].blurred,
                     first: parts as u32,
@@ -101,7 +101,7 @@ impl Layout {
     }
 
     /// The widgets on a stretch.
-    pub(crate) fn parts(&self, stretch: &Stretch) -> &[Part] {
+    pub(crate) fn parts(&self, stretch: &Interval) -> &[Part] {
         &self.parts[stretch.first as usize..stretch.last as usize]
     }
 
@@ -112,7 +112,7 @@ impl Layout {
 }
 
 /// The values of all coordinates at a place.
-fn values(along: &[Along], place: Place, out: &mut Vec<Wide>) {
+fn values(along: &[LinearOnSegment], place: Place, out: &mut Vec<Wide>) {
     out.clear();
     out.extend(along.iter().map(|a| a.at(place)));
 }

@@ -1,7 +1,7 @@
 //! voltet-reference: adaptive quadrature of ray segments in 64 bits, slow and simple, sharing no formula with the engines or with
 //! `optics`, so that the engines can be compared with it.
 //!
-//! What a picture means stands in `docs/optics.md`, which this crate follows as directly as it can. [`draw`] makes a picture,
+//! The meaning of a picture stands in the book's page on optics, which this crate follows as directly as it can. [`draw`] makes a picture,
 //! [`tracer`] traces single rays, and [`integrate`] integrates single segments. The integrator of a scene is ignored: it is always
 //! quadrature, to 1e-11 of each segment.
 //!
@@ -10,16 +10,16 @@
 //! | `segment` | integral of a segment |
 //! | `term`, `part`, `texels` | widgets along a segment |
 //! | `layout`, `cuts`, `features`, `side` | places where widgets change |
-//! | `along`, `wide` | numbers with more digits |
+//! | `linear_on_segment`, `wide` | numbers with more digits |
 //! | `quadrature` | the rule |
 //! | `integrator` | quadrature behind the product's traits |
 //! | `renderer` | engine of `integrator = "reference"` |
 
-mod along;
 mod cuts;
 mod features;
 mod integrator;
 mod layout;
+mod linear_on_segment;
 mod part;
 mod quadrature;
 mod renderer;

@@ -13,7 +13,7 @@ use voltet_core::transfer::ControlPoint;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Part {
     pub(crate) term: u32,
-    /// Whether it is above the cutoff of the constant-emitter.
+    /// True if it is above the cutoff of the constant-emitter.
     pub(crate) glows: bool,
     kind: Kind,
     first: u32,
@@ -37,7 +37,7 @@ enum Kind {
 }
 
 impl Term {
-    /// What the widget is between two cuts, where its coordinates are `from` and `to`; `None` if it neither absorbs
+    /// Part of the widget between two cuts, where its coordinates are `from` and `to`; `None` if it neither absorbs
     /// nor glows. `number`: of the term. `cutoff`: the constant-emitter's.
     pub(crate) fn on_stretch(
         &self,
@@ -180,7 +180,7 @@ impl Part {
         }
     }
 
-    /// Whether its colour varies.
+    /// True if its colour varies.
     pub(crate) fn has_colors(&self) -> bool {
         matches!(self.kind, Kind::LinearColors | Kind::Quadratic)
     }

@@ -27,7 +27,7 @@
 //! **What it cannot do** is an error: a piece that does not converge, features nearer to each other than places are
 //! known where light is left, a depth beyond 64 bits.
 
-use crate::layout::{Layout, Stretch};
+use crate::layout::{Interval, Layout};
 use crate::part::Part;
 use crate::quadrature::{NODES, RULE, estimated_error};
 use crate::term::Term;
@@ -36,7 +36,7 @@ use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_optics::{Contribution, WidgetBlend};
 
-/// What is left of the light is of no account where it is less than this share of the colour: e^(−60).
+/// Share of the colour below which the remaining light is neglected: e^(−60).
 const DARK: f64 = 8.7e-27;
 
 /// Depth of the pieces that hold light: −ln [`DARK`].
@@ -49,7 +49,7 @@ const DEPTH_AT_ONCE: f64 = 3.0;
 const SHORTEST: f64 = 1e-15;
 
 /// A stretch that needs more halvings is an error: what is known of its widgets does not describe it.
-const HALVINGS_AT_MOST: u32 = 100_000;
+const MAX_HALVINGS: u32 = 100_000;
 
 /// Channels that are darker than the brightest one by this share are below the rounding of a sum.
 const ROUNDING: f64 = 1e-17;
@@ -63,9 +63,9 @@ const NOTICED: f64 = 1e-11;
 /// When a piece counts as done: estimated error ≤ relative × its value + absolute, and what the module's head says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
-    /// Of optical depth and colour.
+    /// Relative error of optical depth and colour.
     pub relative: f64,
-    /// Of optical depth and colour.
+    /// Absolute error of optical depth and colour.
     pub absolute: f64,
 }
 
@@ -96,12 +96,12 @@ pub struct Workspace {
     pending: Vec<[f64; 2]>,
 }
 
-/// What is known of the segment as a whole.
+/// Properties of the segment as a whole.
 struct Whole {
     length: f64,
     /// A first estimate of its optical depth.
     depth: f64,
-    /// What colour it could give at most.
+    /// Upper bound of its colour.
     brightest: f64,
 }
 
@@ -166,7 +166,7 @@ impl Integrand {
         let Workspace { layout, pending } = work;
         let cutoff = self.model.cutoff();
         layout.lay_out(&self.terms, front, back, cutoff)?;
-        let middle = |stretch: &Stretch| -> f64 {
+        let middle = |stretch: &Interval| -> f64 {
             let extinction = |part: &Part| {
                 let mut value = [0.0];
                 part.extinction(&self.terms[part.term as usize], layout.numbers(), &[0.5], &mut value);
@@ -225,7 +225,7 @@ impl Integrand {
         &self,
         whole: &Whole,
         layout: &Layout,
-        stretch: &Stretch,
+        stretch: &Interval,
         pending: &mut Vec<[f64; 2]>,
         in_front: &mut Wide,
         found: &mut [f64; 3],
@@ -270,7 +270,7 @@ impl Integrand {
             };
             if !(estimated_error(depth, depth_gauss, depth) <= deep && (!seen || lit())) {
                 halvings += 1;
-                if halvings > HALVINGS_AT_MOST || high - low < SHORTEST * high {
+                if halvings > MAX_HALVINGS || high - low < SHORTEST * high {
                     return Err(cannot("the reference did not converge on a segment", stretch, *in_front)
                         .got(format!("{halvings} halvings, the last piece {share:.3e} of the segment"))
                         .expected(
@@ -296,7 +296,7 @@ impl Integrand {
     fn sample(
         &self,
         layout: &Layout,
-        stretch: &Stretch,
+        stretch: &Interval,
         [low, high]: [f64; 2],
         length: f64,
         seen: bool,
@@ -345,8 +345,8 @@ impl Integrand {
 }
 
 /// An error that says where on the segment it is.
-fn cannot(what: &str, stretch: &Stretch, in_front: Wide) -> Error {
-    let Stretch { begin, share, .. } = stretch;
+fn cannot(what: &str, stretch: &Interval, in_front: Wide) -> Error {
+    let Interval { begin, share, .. } = stretch;
     let depth = in_front.value();
     Error::run(format!(
         "{what} (from {begin} of its length on, over {share:.3e} of it, behind a depth of {depth:.3e})"

@@ -1,6 +1,6 @@
 //! A region as an intersection of half planes of the (s, g) plane.
 
-use crate::along::Along;
+use crate::linear_on_segment::LinearOnSegment;
 use crate::wide::Wide;
 use voltet_core::transfer::Region;
 use voltet_core::{Error, Result};
@@ -13,8 +13,8 @@ pub(crate) struct Side {
 
 impl Side {
     /// normal · (v − origin) along a path from `front` to `back`.
-    pub(crate) fn along(&self, front: &[f64], back: &[f64]) -> Along {
-        Along::new(front, back, (0..2).map(|axis| (axis, self.normal[axis], self.origin[axis])))
+    pub(crate) fn on_segment(&self, front: &[f64], back: &[f64]) -> LinearOnSegment {
+        LinearOnSegment::new(front, back, (0..2).map(|axis| (axis, self.normal[axis], self.origin[axis])))
     }
 
     /// The side of the limit on an axis (0: s, 1: g) where values are larger, or smaller.

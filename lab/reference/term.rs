@@ -3,7 +3,7 @@
 //! Every profile is a function of a few coordinates that are linear along the path. Symbols as in docs/optics.md,
 //! section 5.
 
-use crate::along::{Along, Place};
+use crate::linear_on_segment::{LinearOnSegment, Place};
 use crate::side::{Side, sides_of, sides_of_rectangle};
 use crate::texels::Texels;
 use crate::wide::Wide;
@@ -155,7 +155,7 @@ impl Term {
         }
         let [mut from, mut to] = [Place::FRONT, Place::BACK];
         for side in &self.sides {
-            let along = side.along(front, back);
+            let along = side.on_segment(front, back);
             let (f, b) = (along.front.value(), along.back.value());
             // A path along an edge is inside.
             if f.min(b) < 0.0 && f.max(b) <= 0.0 {
@@ -172,32 +172,42 @@ impl Term {
     }
 
     /// Appends the coordinates along the path from `front` to `back` (each [s, g, fields …]).
-    pub(crate) fn coordinates(&self, front: &[f64], back: &[f64], out: &mut Vec<Along>) {
+    pub(crate) fn coordinates(&self, front: &[f64], back: &[f64], out: &mut Vec<LinearOnSegment>) {
         match &self.shape {
             ReadyProfile::Uniform => {}
             ReadyProfile::Gaussian { columns, centre, matrix } => out.extend(matrix.iter().map(|row| {
                 let parts =
                     || row.iter().zip(columns).zip(centre).map(|((k, column), v0)| (*column, *k, *v0));
-                let along = Along::rounded(front, back, parts());
+                let along = LinearOnSegment::rounded(front, back, parts());
                 let farthest = along.front.abs().value().max(along.back.abs().value());
                 if farthest < ROUNDED_WIDTHS {
                     return along;
                 }
-                Along::new(front, back, parts().map(|(column, k, v0)| (column, Wide::from(k), v0)))
+                LinearOnSegment::new(front, back, parts().map(|(column, k, v0)| (column, Wide::from(k), v0)))
             })),
             ReadyProfile::Triangular { columns, centre, matrix, width: (column, factor) } => {
                 out.extend(matrix.iter().map(|row| {
                     let parts = row.iter().zip(columns).zip(centre);
-                    Along::new(front, back, parts.map(|((k, column), v0)| (*column, Wide::from(*k), *v0)))
+                    LinearOnSegment::new(
+                        front,
+                        back,
+                        parts.map(|((k, column), v0)| (*column, Wide::from(*k), *v0)),
+                    )
                 }));
-                out.push(Along::new(front, back, std::iter::once((*column, Wide::from(*factor), 0.0))));
+                out.push(LinearOnSegment::new(
+                    front,
+                    back,
+                    std::iter::once((*column, Wide::from(*factor), 0.0)),
+                ));
             }
             ReadyProfile::Bands(bands) => {
                 let parts = (0..2).map(|axis| (axis, bands.slope[axis], bands.origin[axis]));
-                out.push(Along::new(front, back, parts));
+                out.push(LinearOnSegment::new(front, back, parts));
             }
-            ReadyProfile::Linear { .. } => out.push(Along::column(front, back, 0)),
-            ReadyProfile::Table(_) => out.extend([0, 1].map(|column| Along::column(front, back, column))),
+            ReadyProfile::Linear { .. } => out.push(LinearOnSegment::column(front, back, 0)),
+            ReadyProfile::Table(_) => {
+                out.extend([0, 1].map(|column| LinearOnSegment::column(front, back, column)))
+            }
         }
     }
 }

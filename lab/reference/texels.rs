@@ -1,7 +1,7 @@
 //! A table: which texels a path crosses, and what it is between two lines of their centres.
 
-use crate::along::{Along, Place, quadratic_crossings};
 use crate::cuts::Cuts;
+use crate::linear_on_segment::{LinearOnSegment, Place, quadratic_crossings};
 use crate::wide::Wide;
 use std::sync::Arc;
 use voltet_core::transfer::Table;
@@ -92,7 +92,7 @@ impl Texels {
     }
 
     /// Lines of texel centres, and where alpha passes the cutoff between them.
-    pub(crate) fn features(&self, along: &[Along], cutoff: Option<f64>, cuts: &mut Cuts) {
+    pub(crate) fn features(&self, along: &[LinearOnSegment], cutoff: Option<f64>, cuts: &mut Cuts) {
         let [from, to] = cuts.window();
         let mut places = Vec::new();
         for (axis, along) in [&self.columns, &self.rows].into_iter().zip(along) {
@@ -113,7 +113,7 @@ impl Texels {
             let [p, q, r] = self.patch(values(pair[0]), values(pair[1])).map(|channels| channels[0] - cutoff);
             quadratic_crossings(p - 2.0 * q + r, q - p, p, |u| {
                 if u > 0.0 && u < 1.0 {
-                    cuts.firm(Some(pair[0].moved(pair[0].to(pair[1]) * u)));
+                    cuts.firm(Some(pair[0].moved(pair[0].distance_to(pair[1]) * u)));
                 }
             });
         }

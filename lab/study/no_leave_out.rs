@@ -10,7 +10,7 @@ use voltet_graph::{RunReport, SkippedWork};
 /// where one colour is summed and not composited.
 pub const SAME: f64 = 1e-6;
 
-/// How a run that leaves nothing out compares with the usual one.
+/// Comparison of an exhaustive run with the usual one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NoLeaveOut {
     /// Seconds of the usual run.
@@ -26,11 +26,11 @@ pub struct NoLeaveOut {
     pub engines: Option<[String; 2]>,
     /// Largest difference of a channel of premultiplied linear RGBA between their pictures; `None` without a picture.
     pub largest_difference: Option<f64>,
-    /// What the usual run leaves out.
+    /// Work that the usual run skips.
     pub left_out: Vec<SkippedWork>,
 }
 
-/// What a node took.
+/// Time of a node.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NodeSeconds {
     /// Its name.
@@ -69,7 +69,7 @@ impl NoLeaveOut {
         }
     }
 
-    /// Whether the pictures are the same.
+    /// True if the pictures are the same.
     pub fn is_same(&self) -> bool {
         self.largest_difference.is_none_or(|difference| difference <= SAME)
     }

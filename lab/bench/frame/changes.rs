@@ -19,7 +19,7 @@ const FRAME_COUNT: usize = 31;
 /// Frames that are not timed: the view's segments are kept once its widgets change.
 const UNTIMED: usize = 4;
 
-/// What differs from frame to frame.
+/// Difference from frame to frame.
 const CHANGES: [&str; 5] = ["nothing", "camera turned", "widget moved", "colour", "extinction"];
 
 /// Prints a table: the 1-D picture and each Gaussian of the subject at 512², with every change.

@@ -1,10 +1,10 @@
-//! What is asked for on the command line.
+//! Options of the command line.
 
 use std::path::PathBuf;
 use std::str::FromStr;
 use voltet::core::{Error, Result};
 
-/// What is measured.
+/// Measurements to make.
 pub struct BenchOptions {
     /// Grids.
     pub scenes: Vec<String>,
@@ -20,9 +20,9 @@ pub struct BenchOptions {
     pub frames: usize,
     /// Seconds after which no further frame of a row begins.
     pub patience: f64,
-    /// Whether frames are timed that differ from the one before in one thing.
+    /// True if frames are timed that differ from the one before in one thing.
     pub changes: bool,
-    /// Whether reading, gradients and single widgets are timed, too.
+    /// True if reading, gradients and single widgets are timed, too.
     pub widgets: bool,
     /// The file to append to.
     pub record: Option<PathBuf>,

@@ -7,7 +7,7 @@ use voltet::core::{Error, Result};
 
 /// One measurement.
 pub struct Line {
-    /// What was measured, in columns that tell lines apart.
+    /// Columns of the measurement that tell lines apart.
     pub what: [String; 6],
     /// Milliseconds of culling, projecting, compositing, and the whole frame.
     pub ms: [f64; 4],
@@ -20,10 +20,10 @@ pub struct Line {
 const HEAD: &str = "commit,date,machine,scene,look,extinction,size,threads,lanes,cull_ms,project_ms,composite_ms,frame_ms,segments,\
                     multiply_adds_per_second";
 
-/// What is said to be a loss: quiet machines repeat a median to 3 %.
+/// Relative loss that is reported: quiet machines repeat a median to 3 %.
 const LOSS: f64 = 1.05;
 
-/// Where and at which commit this runs.
+/// Machine and commit of this run.
 pub struct Here {
     commit: String,
     date: String,

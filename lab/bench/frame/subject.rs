@@ -108,7 +108,7 @@ const SIDES: [(&str, u32); 3] = [("1M", 55), ("4M", 88), ("16M", 139)];
 pub struct Volumes {
     pub plain: Arc<Volume>,
     pub bivariate: Arc<Volume>,
-    /// Where it was read from.
+    /// File that it was read from.
     pub path: Option<PathBuf>,
 }
 
@@ -197,7 +197,7 @@ impl Subject {
         }
     }
 
-    /// Of the scalar alone.
+    /// Transfer function of the scalar alone.
     pub fn piecewise_linear(&self) -> TransferFunction {
         let point = |&[s, r, g, b, extinction]: &[f64; 5]| ControlPoint { s, color: [r, g, b], extinction };
         self.look(Profile::PiecewiseLinear { points: self.piecewise.iter().map(point).collect() }, 0.0)

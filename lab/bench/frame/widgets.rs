@@ -35,7 +35,7 @@ pub fn measure(scene: &Subject, volumes: &Volumes) -> Result<()> {
     costs(scene, volumes)
 }
 
-/// What widgets cost: against the one-dimensional picture, and each further one against the first.
+/// Cost of widgets: against the one-dimensional picture, and each further one against the first.
 fn costs(scene: &Subject, Volumes { plain, bivariate, .. }: &Volumes) -> Result<()> {
     println!(
         "\n| widgets, 512² | whole, median ms | to the 1-D picture | more than the row above, of the first |"

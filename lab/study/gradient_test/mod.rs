@@ -87,7 +87,7 @@ pub fn gradient_test(
     })
 }
 
-/// How many steps the work has, for the progress.
+/// Number of steps the work has, for the progress.
 struct Pieces {
     of_each: usize,
     filters: usize,

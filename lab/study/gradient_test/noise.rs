@@ -1,4 +1,4 @@
-//! What becomes of noise: independent, of variance 1 at every point.
+//! Gradients of noise: independent, of variance 1 at every point.
 
 use super::meshes::{Mesh, Meshed};
 use super::report::Noise;

@@ -1,17 +1,17 @@
-//! What is asked of a test of gradient filters.
+//! Options of a test of gradient filters.
 
 use voltet_core::{Error, Result};
 
-/// What is measured, and what the filter is held to.
+/// Measurements to make, and requirements of the filter.
 #[derive(Debug, Clone)]
 pub struct TestOptions {
     /// Boxes along a side of each grid, coarse to fine, two at least.
     pub levels: Vec<usize>,
     /// Boxes along a side of the grid that is timed.
     pub timed: usize,
-    /// How often each filter is timed, after once that warms up.
+    /// Number of times each filter is timed, after once that warms up.
     pub rounds: usize,
-    /// What the filter is held to.
+    /// Requirements of the filter.
     pub hold_to: Vec<RequirementKind>,
     /// The least order of convergence inside.
     pub order: f64,
@@ -28,7 +28,7 @@ pub enum RequirementKind {
     Linear,
     /// Its order of convergence inside, on every family of grids.
     Order,
-    /// The same gradient wherever the grid stands and however it is numbered.
+    /// Equal gradients wherever the grid stands and however it is numbered.
     Invariance,
 }
 

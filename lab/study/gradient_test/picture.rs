@@ -24,7 +24,7 @@ use voltet_optics::engine::{AdapterRequest, Engine, RenderOptions};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 
-/// What the pictures are drawn with: the engine that draws every scene.
+/// Renderer of the pictures: the engine that draws every scene.
 pub(super) struct TestRenderer {
     engine: Arc<dyn Engine>,
     grid: Arc<Grid>,

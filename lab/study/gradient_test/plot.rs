@@ -11,7 +11,7 @@ const FAINT: Color = [225, 225, 225];
 const ACROSS: [[f64; 2]; 2] = [[80.0, 460.0], [560.0, 940.0]];
 const DOWN: [[f64; 2]; 2] = [[70.0, 310.0], [390.0, 630.0]];
 
-/// How a filter's points look (colours of Okabe and Ito 2008, symbols and dashes for those who see none); again from the
+/// Styles of the filters' points (colours of Okabe and Ito 2008, symbols and dashes for those who see none); again from the
 /// first where there are more filters.
 const STYLES: [(Symbol, Color, &[f64]); 6] = [
     (Symbol::Circle, [0, 0, 0], &[]),

@@ -1,4 +1,4 @@
-//! What is found of gradient filters.
+//! Results of gradient filters.
 
 use serde::Serialize;
 
@@ -7,25 +7,25 @@ use serde::Serialize;
 pub struct GradientTest {
     /// The filters.
     pub filters: Vec<FilterReport>,
-    /// What the first is held to.
+    /// Requirements of the first.
     pub requirements: Vec<Requirement>,
     /// Boxes along a side of each grid, coarse to fine.
     pub levels: Vec<usize>,
     /// Threads that filters may use.
     pub threads: usize,
-    /// What draws the pictures.
+    /// Engine of the pictures.
     pub engine: String,
     /// The picture with the exact gradient, PNG.
     #[serde(skip)]
     pub exact_png: Vec<u8>,
 }
 
-/// What is found of one filter.
+/// Results of one filter.
 #[derive(Debug, Clone, Serialize)]
 pub struct FilterReport {
     /// Its name in pipeline files.
     pub name: String,
-    /// What it does, a sentence.
+    /// Its summary, a sentence.
     pub summary: String,
     /// Its parameters with their values, as a pipeline file would write them.
     pub parameters: Vec<(String, String)>,
@@ -35,15 +35,15 @@ pub struct FilterReport {
     pub exactness: Vec<Exactness>,
     /// Two materials that meet in a plane of the grid.
     pub materials: Option<Materials>,
-    /// What should change nothing, and by how much it does.
+    /// Differences by changes that should have no effect.
     pub invariance: Vec<Invariance>,
-    /// What becomes of noise: one entry a family of grids.
+    /// Gradients of noise: one entry a family of grids.
     pub noise: Vec<Noise>,
     /// Time and memory.
     pub cost: Option<Cost>,
     /// A picture drawn with it.
     pub picture: Option<PictureError>,
-    /// Where the filter failed or fell back, with its words.
+    /// Places at which the filter failed or fell back, with its words.
     pub faults: Vec<Fault>,
 }
 
@@ -97,10 +97,10 @@ pub struct Materials {
     pub overshoot: f64,
 }
 
-/// What should change nothing in a gradient but what it changes in space.
+/// Difference by a change that moves a gradient in space alone.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Invariance {
-    /// What was done to the grid or the scalar.
+    /// Change of the grid or the scalar.
     pub under: &'static str,
     /// The largest difference, by the largest gradient.
     pub difference: f64,
@@ -115,11 +115,11 @@ pub struct Noise {
     pub mesh: &'static str,
     /// Root of the mean square of |∇noise| × spacing, inside.
     pub inside: f64,
-    /// The same on the boundary.
+    /// Root of the mean square of |∇noise| × spacing, on the boundary.
     pub boundary: f64,
 }
 
-/// What it costs.
+/// Time and memory of a filter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cost {
     /// Points of the grid.
@@ -157,20 +157,20 @@ pub struct PictureError {
 pub struct Fault {
     /// While what was measured.
     pub at: String,
-    /// What it or the check of its vectors said.
+    /// Message of the filter, or of the check of its vectors.
     pub what: String,
-    /// Whether it gave nothing; else it fell back at some points.
+    /// True if it gave nothing; else it fell back at some points.
     pub failed: bool,
 }
 
-/// What a filter is held to.
+/// Requirement of a filter, with its result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Requirement {
     /// In words, with the bound.
     pub what: String,
-    /// What was found.
+    /// Result.
     pub found: String,
-    /// Whether it holds.
+    /// True if it holds.
     pub holds: bool,
 }
 
@@ -183,7 +183,7 @@ impl Fault {
 }
 
 impl GradientTest {
-    /// Whether the first filter keeps all that it is held to.
+    /// True if the first filter keeps all that it is held to.
     pub fn passed(&self) -> bool {
         self.requirements.iter().all(|requirement| requirement.holds)
     }

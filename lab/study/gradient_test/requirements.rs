@@ -1,9 +1,9 @@
-//! What a filter is held to.
+//! Requirements of a filter.
 
 use super::options::{RequirementKind, TestOptions};
 use super::report::{FilterReport, Requirement};
 
-/// What is asked of the filter, with what was found.
+/// Requirements with their results.
 pub(super) fn requirements(found: &FilterReport, wish: &TestOptions) -> Vec<Requirement> {
     let of = |hold: &RequirementKind| match hold {
         RequirementKind::Finite => finite(found),
@@ -14,7 +14,7 @@ pub(super) fn requirements(found: &FilterReport, wish: &TestOptions) -> Vec<Requ
     wish.hold_to.iter().map(of).collect()
 }
 
-/// What fails gives nothing to judge by the other requirements.
+/// Result of the other requirements for a filter that failed.
 const NOTHING: &str = "nothing: the filter failed";
 
 fn finite(found: &FilterReport) -> Requirement {

@@ -1,6 +1,6 @@
 //! A scene drawn in one way, and two ways in equal time.
 
-use super::{OpenPipeline, PapersOptions};
+use super::options::{OpenPipeline, PapersOptions};
 use crate::work_precision::{
     self as work, Benches, Engines, Errors, Measure, Reference, RenderConfig, RendererVariant, Subject,
 };
@@ -12,7 +12,7 @@ use voltet_optics::WidgetBlend;
 use voltet_optics::engine::Accumulation;
 use voltet_optics::shading::{Integrator, VisibilityOrder};
 
-/// What papers are made anew with.
+/// Renderer of the papers' scenes.
 pub(super) struct Bench<'a> {
     pub wish: &'a PapersOptions,
     open: &'a OpenPipeline<'a>,
@@ -66,7 +66,7 @@ impl<'a> Bench<'a> {
         Ok(TimedRender { picture, ms: cost.frame.median_ms, set_up_ms: cost.set_up.median_ms, errors })
     }
 
-    /// The same without anything to compare with.
+    /// Draws a scene on the CPU without a reference.
     pub fn measured(
         &self,
         subject: &Subject,

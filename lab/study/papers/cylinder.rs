@@ -1,11 +1,10 @@
 //! Roettger and Ertl 2002, section 4: the table as planes about its diagonal, and what is drawn from them.
 
 use super::bench::Bench;
-use super::frame_buffer::Lookup;
+use super::frame_buffer::{Lookup, interleaved};
 use super::moreland::verdict;
 use super::page::{Section, number};
 use super::plane::square;
-use super::roettger_ertl::interleaved;
 use crate::work_precision::errors;
 use voltet_core::Result;
 use voltet_core::picture::Picture;

@@ -1,9 +1,9 @@
 //! J. Kniss, S. Premože, M. Ikits, A. Lefohn, C. Hansen, E. Praun, "Gaussian transfer functions for multi-field volume
 //! visualization", 2003.
 
-use super::Paper;
 use super::bench::{Bench, Scene, TimedRender};
 use super::moreland::verdict;
+use super::options::Paper;
 use super::page::{Section, number};
 use super::plane::{gaussian, square};
 use crate::work_precision::Subject;

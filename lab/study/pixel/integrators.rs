@@ -1,4 +1,4 @@
-//! What each integrator makes of the rays of a pixel.
+//! Pixel by each integrator.
 
 use super::record::{IntegratorPixel, mean};
 use voltet_core::progress::Progress;
@@ -44,7 +44,7 @@ pub(super) fn all(
     Ok(all)
 }
 
-/// What is in the way of an integrator, without what would serve instead.
+/// Reason why an integrator is not supported, without alternatives.
 fn why(error: Error) -> String {
     error.got.unwrap_or(error.what)
 }

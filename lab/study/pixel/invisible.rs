@@ -3,7 +3,7 @@
 use voltet_optics::scene::Scene;
 use voltet_optics::trace::{Ray, Tracer, Walk};
 
-/// What is less than this does not show in 8 bits.
+/// Smallest value that shows in 8 bits.
 const HALF_STEP: f64 = 0.5 / 255.0;
 
 /// A sentence for a ray without opacity and colour that show; `None` for others.

@@ -1,4 +1,4 @@
-//! What is found out of one pixel.
+//! Results of one pixel.
 
 use voltet_optics::trace::Walk;
 
@@ -15,7 +15,7 @@ pub struct Pixel {
     pub samples: u32,
     /// The one of them that is shown cell by cell, from 0.
     pub sample: u32,
-    /// Where the ray begins, and its direction; world units.
+    /// Origin and direction of the ray (world units).
     pub ray: [[f64; 3]; 2],
     /// The ray.
     pub walk: Walk,
@@ -25,7 +25,7 @@ pub struct Pixel {
     pub cells: Vec<(usize, String)>,
     /// The widgets' kinds, in their order.
     pub widgets: Vec<&'static str>,
-    /// What the values at a step's ends are called: s, g, further fields.
+    /// Names of the values at a cell's ends: s, g, further fields.
     pub names: Vec<String>,
     /// The pixel by the 64-bit referee: C, A.
     pub referee: [f64; 4],
@@ -33,7 +33,7 @@ pub struct Pixel {
     pub drawn: EnginePixel,
     /// The pixel by each integrator.
     pub integrators: Vec<IntegratorPixel>,
-    /// What the picture lies over where the pipeline writes it; linear RGB.
+    /// Background of the picture where the pipeline writes it (linear RGB).
     pub background: [f64; 3],
     /// Why the ray shows nothing, where it does.
     pub nothing: Option<String>,
@@ -55,7 +55,7 @@ pub struct IntegratorPixel {
     pub name: &'static str,
     /// Its numbers, for people.
     pub numbers: String,
-    /// Whether it is the one that the pipeline draws with.
+    /// True if it is the one that the pipeline draws with.
     pub own: bool,
     /// C, A; or why it has none.
     pub rgba: Result<[f64; 4], String>,

@@ -20,7 +20,7 @@ pub struct IntegratorReport {
     pub worst_error: f64,
     /// The case that has it.
     pub worst_case: String,
-    /// What it may be off by, if it promises anything: the referee as a share; `adaptive` beside the closed forms, whose
+    /// Bound of its error, if it has any: the referee as a share; `adaptive` beside the closed forms, whose
     /// places along a segment are its own, and twice what those are off by.
     pub bound: Option<f64>,
     /// Cases that broke the bound, and by what they are off.
@@ -30,16 +30,16 @@ pub struct IntegratorReport {
 }
 
 impl IntegratorReport {
-    /// Whether all that it gave can be, within what it promises.
+    /// True if all that it gave can be, within what it promises.
     pub fn passed(&self) -> bool {
         self.impossible.is_empty() && self.broken.is_empty()
     }
 }
 
-/// What a tolerance of `adaptive` allows, as it is judged here.
+/// Tolerance of `adaptive`, as it is judged here.
 const TOLERANCE: f64 = 1e-6;
 
-/// What a result may be over its limit, opaque or as bright as its widgets: a thousandth of a step of 8 bits. Tables that are
+/// Excess of a result over its limit, opaque or as bright as its widgets: a thousandth of a step of 8 bits. Tables that are
 /// interpolated take up to 2e-6 of it.
 const UNSEEN: f64 = 4e-6;
 

@@ -1,4 +1,4 @@
-//! What was found, for programs. JSON has no ∞: such a ratio is written as null.
+//! Results as JSON. JSON has no ∞: such a ratio is written as null.
 
 use super::report::StabilityReport;
 use serde_json::{Value, json as object};

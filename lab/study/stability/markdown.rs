@@ -1,4 +1,4 @@
-//! What was found, as a page of documentation.
+//! Results as a page of documentation.
 
 use super::report::{StabilityReport, category};
 use super::text::number;

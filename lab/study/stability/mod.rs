@@ -1,4 +1,4 @@
-//! How stable the program's formulas are: every formula of every engine and adapter against exact values, pictures of cells
+//! Stability of the program's formulas: every formula of every engine and adapter against exact values, pictures of cells
 //! that are hard to draw against the 64-bit referee, every integrator, and the formulas as papers print them.
 //!
 //! | file | what |

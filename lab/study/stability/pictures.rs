@@ -17,11 +17,11 @@ pub(super) const BOUND: f64 = 2e-4;
 /// One picture.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HardPicture {
-    /// What is hard about it.
+    /// Difficulty.
     pub category: &'static str,
-    /// Which one.
+    /// Name of the scene.
     pub scene: String,
-    /// What drew it.
+    /// Engine that drew it.
     pub engine: String,
     /// Why it was not drawn: what a device refuses, `auto` leaves to the native engine.
     pub refused: Option<String>,
@@ -34,7 +34,7 @@ pub struct HardPicture {
 }
 
 impl HardPicture {
-    /// Whether it kept its bound.
+    /// True if it kept its bound.
     pub fn passed(&self) -> bool {
         self.worst_error <= self.bound
     }
@@ -82,7 +82,7 @@ pub(super) fn picture(
     Ok(volume.draw(scene, &manner, &CancelOnly(progress))?.picture)
 }
 
-/// Whether what went wrong is that a device does not hold the scene.
+/// True if what went wrong is that a device does not hold the scene.
 pub(super) fn may_refuse(renderer: &OpenRenderer, progress: &dyn Progress) -> bool {
     renderer.declared.on_device && !renderer.engine.is_lost() && !progress.cancelled()
 }

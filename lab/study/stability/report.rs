@@ -1,11 +1,11 @@
-//! What was found, and whether every bound was kept.
+//! Results, and the verdict on every bound.
 
 use super::integrators::IntegratorReport;
 use super::pictures::HardPicture;
 use super::printed::PrintedFormula;
 use voltet_judge::Report;
 
-/// What was found.
+/// Results.
 #[derive(Debug, Clone)]
 pub struct StabilityReport {
     /// One report a set of forms: 64-bit, 32-bit by lane set, further ones.
@@ -16,19 +16,19 @@ pub struct StabilityReport {
     pub pictures: Vec<HardPicture>,
     /// The formulas as printed.
     pub printed: Vec<PrintedFormula>,
-    /// What was not judged, why, and how to have it.
+    /// Engines that were not judged, with the reason and the remedy.
     pub left_out: Vec<String>,
 }
 
 impl StabilityReport {
-    /// Whether every bound was kept.
+    /// True if every bound was kept.
     pub fn passed(&self) -> bool {
         self.forms.iter().all(Report::passed)
             && self.integrators.iter().all(IntegratorReport::passed)
             && self.pictures.iter().all(HardPicture::passed)
     }
 
-    /// What drew the pictures, in their order.
+    /// Engines of the pictures, in their order.
     pub(super) fn engines(&self) -> Vec<&str> {
         let mut engines: Vec<&str> = Vec::new();
         for drawn in &self.pictures {

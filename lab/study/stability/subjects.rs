@@ -1,4 +1,4 @@
-//! What is judged: sets of forms, and what draws pictures.
+//! Subjects of judgement: segment evaluators and engines.
 
 use crate::devices;
 use std::sync::Arc;
@@ -13,12 +13,12 @@ use voltet_optics::engine::{Compositor, Engine, EngineInfo};
 pub struct Subjects {
     /// The 64-bit ones, then those of every engine that has any.
     pub forms: Vec<Box<dyn SegmentEvaluator>>,
-    /// What is not judged, why, and how to have it.
+    /// Engines that are not judged, with the reason and the remedy.
     pub left_out: Vec<String>,
     pub(super) renderers: Vec<OpenRenderer>,
 }
 
-/// What draws a picture.
+/// Engine that is open.
 pub(super) struct OpenRenderer {
     pub declared: &'static EngineInfo,
     pub engine: Arc<dyn Engine>,

@@ -1,4 +1,4 @@
-//! What was found, for a terminal.
+//! Results as text for a terminal.
 
 use super::random::{BoundViolation, RandomReport};
 use super::report::{StabilityReport, category};
@@ -106,7 +106,7 @@ fn picture(drawn: &HardPicture) -> String {
     )
 }
 
-/// What scenes drawn by lot showed.
+/// Results of random scenes.
 pub fn random_text(found: &RandomReport) -> String {
     let RandomReport { seed, drawn, shown, without_reference, refused, bound, beyond } = found;
     let mut text = format!(

@@ -12,12 +12,12 @@ use voltet_introspect::MeasuredEngine;
 use voltet_nodes::drawing::{ENGINES, NATIVE, is_asked_by};
 use voltet_optics::engine::{Engine, EngineInfo};
 
-/// What there is to measure on.
+/// Engines to measure on.
 pub struct Benches {
     benches: Vec<Bench>,
     /// The engines that the file may come to here, in the order in which they are asked; `None`: one that is not measured.
     file_takes: Option<Vec<&'static EngineInfo>>,
-    /// What is not measured, why, and how to have it.
+    /// Engines that are not measured, with the reason and the remedy.
     pub left_out: Vec<String>,
 }
 
@@ -35,9 +35,9 @@ pub struct Adapter {
     pub engine: &'static EngineInfo,
     /// Its name and kind, for people.
     pub name: String,
-    /// What it is asked for by, where it is not the one that `auto` takes.
+    /// Name that requests it, where it is not the one that `auto` takes.
     pub wish: Option<String>,
-    /// Whether it is a program on the CPU.
+    /// True if it is a program on the CPU.
     pub is_software: bool,
 }
 
@@ -87,7 +87,7 @@ impl Benches {
         self.benches.iter().filter_map(rate).collect()
     }
 
-    /// What is tried, engine by engine.
+    /// Configurations to measure, engine by engine.
     pub fn settings(&self, subject: &Subject, only: &[String]) -> Vec<RenderConfig> {
         let variants = self.benches.iter().flat_map(|bench| RendererVariant::of(bench.declared));
         variants.flat_map(|variant| settings(subject, only, variant)).collect()
@@ -111,7 +111,7 @@ impl Benches {
         measure(bench.engine.as_ref(), subject, setting, frames, progress)
     }
 
-    /// How the file draws on this machine. `refused`: what an engine does not draw, where `auto` takes another; `None`: on a
+    /// Configuration by which the file draws on this machine. `refused`: configurations that an engine does not draw, where `auto` takes another; `None`: on a
     /// device that is not measured.
     pub(super) fn own(
         &self,

@@ -13,7 +13,7 @@ use voltet_io::memory;
 use voltet_optics::engine::{Engine, PreparedVolume, RenderOptions, RenderOutput, Stage};
 use voltet_optics::scene::Scene;
 
-/// How often a setting is drawn.
+/// Number of times a setting is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frames {
     /// Frames that count, at most, ≥ 1. One before them warms up.
@@ -52,7 +52,7 @@ pub struct Times {
     pub slowest_ms: f64,
 }
 
-/// What drawing with one setting costs.
+/// Cost of drawing with one setting.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cost {
     /// Frames that were measured.
@@ -60,7 +60,7 @@ pub struct Cost {
     /// A picture, with all that a run makes anew for each one: the native engine its set-up and the frame, a device, which
     /// keeps what it has set up, the frame.
     pub picture: Times,
-    /// What is made before a frame and would serve further ones: tables, widgets made ready; on a device also uploads and
+    /// Work before a frame that further ones can use: tables, compiled widgets; on a device also uploads and
     /// pipelines.
     pub set_up: Times,
     /// A frame: the stages below together, on a device also what lies between them and the way back.
@@ -79,7 +79,7 @@ pub struct Cost {
     pub passes: Vec<Pass>,
     /// Ray segments integrated in a frame; blending hardware does not count them.
     pub segments: Option<u64>,
-    /// How often the transfer function was asked in a frame: see [`voltet_optics::engine::Counts::evaluations`]; `None` where an engine
+    /// Number of times the transfer function was asked in a frame: see [`voltet_optics::engine::Counts::evaluations`]; `None` where an engine
     /// does not count.
     pub evaluations: Option<u64>,
     /// Segments of these that the engine left to 64 bits.
@@ -91,7 +91,7 @@ pub struct Cost {
     pub peak_memory_bytes: Option<u64>,
 }
 
-/// What one pass of a device takes in a frame.
+/// Time of one pass of a device in a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Pass {
     /// Its entry point.
@@ -108,7 +108,7 @@ struct Taken {
 
 /// Draws the scene with one setting on its engine.
 ///
-/// What an engine on a device keeps is set up before the first frame, which takes longer by that; the others set up each frame
+/// An engine on a device sets up before the first frame, which takes longer by that; the others set up each frame
 /// anew. Errors: also what the engine does not hold.
 pub(super) fn measure(
     engine: &dyn Engine,

@@ -1,9 +1,9 @@
-//! What is asked of a study.
+//! Options of a study.
 
 use super::Frames;
 use super::variant::Engines;
 
-/// Which of the errors decides.
+/// Measure of error that decides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Measure {
     /// The largest error of a pixel.
@@ -11,7 +11,7 @@ pub enum Measure {
     Maximum,
     /// The root of the mean square.
     RootMeanSquare,
-    /// What 99.9 % of the pixels are under.
+    /// 99.9th percentile of the pixels' errors.
     Percentile,
     /// The mean of FLIP.
     Flip,
@@ -28,7 +28,7 @@ impl Measure {
         }
     }
 
-    /// What it is, as the label of an axis.
+    /// Label of an axis.
     pub fn label(self) -> &'static str {
         match self {
             Measure::Maximum => "largest error of premultiplied linear RGBA (1 = full scale)",
@@ -41,7 +41,7 @@ impl Measure {
     }
 }
 
-/// What is asked of a study.
+/// Options of a study.
 #[derive(Debug, Clone)]
 pub struct StudyOptions {
     /// Integrators to look at; none for all.
@@ -50,12 +50,12 @@ pub struct StudyOptions {
     pub engines: Engines,
     /// The adapter, by a part of its name or its kind; none for the file's, or the fastest that is hardware.
     pub adapter: Option<String>,
-    /// How often each is drawn.
+    /// Number of times each is drawn.
     pub frames: Frames,
-    /// Which error decides about the front and the recommendation.
+    /// Measure of error that decides about the front and the recommendation.
     pub measure: Measure,
     /// The error that is allowed.
     pub max_error: Option<f64>,
-    /// How often the grid is refined, to tell the integration's error from the data model's; 0: not at all.
+    /// Number of times the grid is refined, to tell the integration's error from the data model's; 0: not at all.
     pub refine: u32,
 }

@@ -18,7 +18,7 @@ figcaption{font-size:13px}code{font-size:13px}\
 .scale{height:14px;width:300px;background:linear-gradient(90deg,rgb(68 1 84),rgb(59 82 139),rgb(33 145 140),\
 rgb(94 201 98),rgb(253 231 37))}.ends{width:300px;display:flex;justify-content:space-between;font-size:13px}";
 
-/// How many differences the page shows.
+/// Number of differences the page shows.
 const SHOWN: usize = 12;
 
 /// The page. `plot`: the SVG document; `reference`: the reference picture as PNG.
@@ -84,7 +84,7 @@ pub fn page(study: &Study, title: &str, plot: &str, reference: &[u8]) -> String 
     html + "</body>\n</html>\n"
 }
 
-/// What the study says about the error that is allowed, in a sentence.
+/// Recommendation for the allowed error, in a sentence.
 pub fn recommendation(study: &Study) -> Option<String> {
     let (bound, measure) = (study.wish.max_error?, study.wish.measure);
     let name = match measure {
@@ -207,7 +207,7 @@ pub(crate) fn figure(html: &mut String, png: &[u8], caption: &str) {
     line_to(html, &format!("<figure>{image}<figcaption>{caption}</figcaption></figure>"));
 }
 
-/// What the columns mean.
+/// Explanation of the columns.
 const MEANINGS: &str = "<h2>What is measured</h2>\n<ul>\n\
 <li><b>Time</b>: each picture is drawn anew from culling on, once to warm up and then repeatedly; medians, fastest and \
 slowest. Set-up is what would serve further frames too: tables, widgets made ready. The native engine makes it for each \

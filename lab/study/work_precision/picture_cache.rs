@@ -59,7 +59,7 @@ pub(super) fn encode_tiles(tiles: &Tiles, seconds: f64) -> Vec<u8> {
     checked(bytes)
 }
 
-/// The same read back; `None` for what is damaged.
+/// Tiles read back; `None` for what is damaged.
 pub(super) fn decode_tiles(bytes: &[u8]) -> Option<(Tiles, f64)> {
     let (seconds, tiles) = content(bytes, MAGIC_TILES)?.split_first_chunk::<8>()?;
     let each = tiles.chunks_exact(4 + 16 * TILE_PIXELS);

@@ -20,7 +20,7 @@ const FAINT: Color = [225, 225, 225];
 /// Errors are drawn no lower than this: less is below what 32-bit numbers near 1 can tell apart.
 const LEAST_ERROR: f64 = 1e-8;
 
-/// How an integrator's points look. Symbols and dashes tell them apart without colour; the colours (Okabe and Ito 2008)
+/// Style of an integrator's points. Symbols and dashes tell them apart without colour; the colours (Okabe and Ito 2008)
 /// differ for the colour-blind too.
 struct Style {
     symbol: Symbol,
@@ -105,7 +105,7 @@ pub fn plot(study: &Study, title: &str) -> Canvas {
     canvas
 }
 
-/// What drew the rows.
+/// Variants that drew the rows.
 fn variants(study: &Study) -> Vec<RendererVariant> {
     RendererVariant::all()
         .filter(|variant| study.rows.iter().any(|row| row.setting.variant == *variant))
@@ -120,7 +120,7 @@ fn further(variant: RendererVariant) -> f64 {
     OUTLINE * variant.number() as f64
 }
 
-/// What tells the variants' symbols apart, without colour: each has an outline more than the one before.
+/// Outlines that distinguish the variants' symbols without colour: each has an outline more than the one before.
 fn around(canvas: &mut Canvas, style: &Style, variant: RendererVariant, at: [f64; 2], radius: f64) {
     for outline in 1..=variant.number() {
         let mut corners = style.symbol.corners(at, radius + OUTLINE * outline as f64);
@@ -129,7 +129,7 @@ fn around(canvas: &mut Canvas, style: &Style, variant: RendererVariant, at: [f64
     }
 }
 
-/// Whether a row belongs to its integrator's line: the sweep of one number, everything else as usual.
+/// True if a row belongs to its integrator's line: the sweep of one number, everything else as usual.
 fn is_main(row: &Row) -> bool {
     let usual_table = match row.setting.integrator {
         Integrator::Segments { table_size, .. } => table_size == STANDARD_SIDE,
@@ -142,7 +142,7 @@ fn is_main(row: &Row) -> bool {
     is_swept(&row.setting.integrator) && usual_table && row.setting.order != VisibilityOrder::Centroid
 }
 
-/// Whether the integrator has a number that its line is drawn over.
+/// True if the integrator has a number that its line is drawn over.
 fn is_swept(integrator: &Integrator) -> bool {
     integrator.numbers() != Numbers::default()
 }

@@ -21,11 +21,11 @@ pub struct Reference {
     pub picture: Picture,
     /// Seconds that drawing it took, when it was drawn.
     pub seconds: f64,
-    /// Whether it was found in the folder.
+    /// True if it was found in the folder.
     pub cached: bool,
 }
 
-/// Where pictures are kept when nothing else is said: the user's cache folder.
+/// Default folder of reference pictures: the user's cache folder.
 pub fn cache_folder() -> PathBuf {
     files::cache_folder().join("reference")
 }

@@ -28,7 +28,7 @@ use voltet_optics::shading::VisibilityOrder;
 /// Most cells of the finest grid: some 20 GiB while they are drawn.
 const CELLS_MOST: u64 = 100_000_000;
 
-/// Where values between the points come from.
+/// Source of values between the points.
 pub enum Source<'a> {
     /// From the gradients at the points.
     Gradients,
@@ -36,7 +36,7 @@ pub enum Source<'a> {
     Function(&'a (dyn Fn(DVec3) -> (f64, DVec3) + Sync)),
 }
 
-/// What refinement shows.
+/// Results of refinement.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Refinement {
     /// Cells of each grid, the given one first.

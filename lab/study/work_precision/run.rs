@@ -23,15 +23,15 @@ use voltet_simd::LaneSet;
 pub struct Row {
     /// The setting.
     pub setting: RenderConfig,
-    /// What it costs.
+    /// Its cost.
     pub cost: Cost,
-    /// How wrong it is.
+    /// Its errors.
     pub errors: Errors,
     /// The mean of FLIP against the reference.
     pub flip: f64,
-    /// Whether nothing is both cheaper and better.
+    /// True if nothing is both cheaper and better.
     pub on_front: bool,
-    /// Whether the file draws with it.
+    /// True if the file draws with it.
     pub of_file: bool,
     /// The difference of its picture from the reference, as PNG: see [`difference`].
     pub difference_png: Vec<u8>,
@@ -46,34 +46,34 @@ pub struct Refused {
     pub error: Error,
 }
 
-/// What came of it.
+/// Results of a study.
 #[derive(Debug, Clone)]
 pub struct Study {
-    /// What is studied.
+    /// Scene that is studied.
     pub subject: Subject,
-    /// What was asked for.
+    /// Options of the study.
     pub wish: StudyOptions,
-    /// What the pictures are compared with.
+    /// Reference picture.
     pub reference: Reference,
     /// The settings that were measured.
     pub rows: Vec<Row>,
     /// The settings that the device does not draw.
     pub refused: Vec<Refused>,
-    /// How many settings there are, those refused among them.
+    /// Number of settings there are, those refused among them.
     pub setting_count: usize,
     /// The devices that were looked at.
     pub adapters: Vec<Adapter>,
     /// The vector lanes of the native engine.
     pub vector_units: &'static str,
-    /// How the file draws on this machine; `None`: on a device that was not looked at, or not at all.
+    /// Configuration by which the file draws on this machine; `None`: on a device that was not looked at, or not at all.
     pub own: Option<RenderConfig>,
-    /// What was not measured, why, and how to have it.
+    /// Engines that were not measured, with the reason and the remedy.
     pub left_out: Vec<String>,
     /// The row that costs least under the error allowed.
     pub recommended: Option<usize>,
     /// Orders of convergence of the integrators that were looked at over their numbers of pieces.
     pub convergence: Vec<Convergence>,
-    /// What refining the grid shows, where that was asked for.
+    /// Results of refining the grid, if requested.
     pub refinement: Option<Refinement>,
 }
 
@@ -90,7 +90,7 @@ impl Row {
 }
 
 impl Study {
-    /// Whether it was stopped before all that was asked for was measured.
+    /// True if it was stopped before all that was asked for was measured.
     pub fn stopped(&self) -> bool {
         self.stopped_early() || (self.wish.refine > 0 && self.refinement.is_none())
     }
@@ -172,7 +172,7 @@ pub fn study(
 }
 
 impl Study {
-    /// Whether settings were left.
+    /// True if settings were left.
     fn stopped_early(&self) -> bool {
         self.rows.len() + self.refused.len() < self.setting_count
     }

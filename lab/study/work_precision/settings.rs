@@ -12,15 +12,15 @@ use voltet_optics::shading::{Shading, VisibilityOrder};
 /// One way to draw the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderConfig {
-    /// What draws.
+    /// Engine and compositor.
     pub variant: RendererVariant,
     /// The integrator with its numbers.
     pub integrator: Integrator,
-    /// What the closed forms do where widgets overlap.
+    /// Blending of widgets that overlap, for closed forms.
     pub overlap: WidgetBlend,
     /// The order of a pixel's segments.
     pub order: VisibilityOrder,
-    /// What a variant that blends accumulates in: what the file says.
+    /// Accumulation of a variant that blends, as the file has it.
     pub accumulation: Accumulation,
 }
 
@@ -123,7 +123,7 @@ fn orders(subject: &Subject, integrator: &Integrator, variant: RendererVariant) 
     }
 }
 
-/// What the file asks to accumulate in, where the variant can.
+/// Accumulation of the file, if the variant supports it.
 fn accumulation(subject: &Subject, variant: RendererVariant) -> Accumulation {
     let asked = subject.asked.accumulation;
     let serves = |way: &Compositor| asked.check(*way).is_ok();
@@ -131,7 +131,7 @@ fn accumulation(subject: &Subject, variant: RendererVariant) -> Accumulation {
 }
 
 impl RenderConfig {
-    /// How the file draws the scene, were it drawn by this variant.
+    /// Configuration by which the file would draw the scene with this variant.
     pub fn of_file(subject: &Subject, variant: RendererVariant) -> RenderConfig {
         let Scene { shading, order, .. } = subject.scene;
         let order = if order == VisibilityOrder::Auto { VisibilityOrder::Exact } else { order };
@@ -153,7 +153,7 @@ impl RenderConfig {
         Scene { shading, order, ..subject.scene.clone() }
     }
 
-    /// Whether another setting draws the same picture: overlaps count for the closed forms alone.
+    /// True if another setting draws the same picture: overlaps count for the closed forms alone.
     pub fn draws_as(&self, other: &RenderConfig) -> bool {
         let overlap = self.overlap == other.overlap || self.integrator != Integrator::Analytic;
         let same = self.integrator == other.integrator && self.order == other.order && overlap;
@@ -205,7 +205,7 @@ impl RenderConfig {
         parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(", ")
     }
 
-    /// The same as part of a file's name.
+    /// Label as part of a file's name.
     pub fn file_stem(&self) -> String {
         let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
         let text: String = self.label().chars().map(plain).collect();

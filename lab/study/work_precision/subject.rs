@@ -1,4 +1,4 @@
-//! What is studied of a pipeline: the scene that its node that draws is given, and how it is asked to draw.
+//! Subject of a study: the scene of the pipeline's node that draws, and its options.
 
 use super::RendererVariant;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use voltet_optics::engine::{Accumulation, Compositor, EngineInfo};
 use voltet_optics::scene::{Scene, needs_order};
 use voltet_optics::shading::VisibilityOrder;
 
-/// Which nodes draw, which decides what an engine can be written into.
+/// Kind of nodes that draw, which decides where an engine can be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
     /// A `renderer`, on any engine.
@@ -20,10 +20,10 @@ pub enum Form {
     Stages,
 }
 
-/// What the file says about engines.
+/// Options of engines in the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Asked {
-    /// Which nodes draw.
+    /// Kind of nodes that draw.
     pub form: Form,
     /// "auto", or the engine's name.
     pub engine: String,
@@ -31,11 +31,11 @@ pub struct Asked {
     pub adapter: Option<String>,
     /// The compositor of the device, or "auto".
     pub compositor: String,
-    /// What a device that blends accumulates in.
+    /// Accumulation of a device that blends.
     pub accumulation: Accumulation,
 }
 
-/// What is studied: a scene, by which node it is drawn, and how.
+/// Subject of a study: a scene, the node that draws it, and its options.
 #[derive(Debug, Clone)]
 pub struct Subject {
     /// The name of the node that draws.
@@ -44,11 +44,11 @@ pub struct Subject {
     pub order_node: Option<String>,
     /// The scene; integrator, overlap and order are those of the file.
     pub scene: Scene,
-    /// Whether the order of a pixel's segments changes the picture.
+    /// True if the order of a pixel's segments changes the picture.
     pub needs_order: bool,
-    /// What the file says about engines.
+    /// Options of engines in the file.
     pub asked: Asked,
-    /// What the picture lies over where the pipeline writes it; linear RGB.
+    /// Background of the picture where the pipeline writes it (linear RGB).
     pub background: [f64; 3],
 }
 
@@ -120,7 +120,7 @@ impl Subject {
 }
 
 impl Asked {
-    /// Whether the engine is left open.
+    /// True if the engine is left open.
     pub fn is_auto(&self) -> bool {
         self.engine == drawing::AUTO
     }

@@ -15,7 +15,7 @@ pub(super) fn milliseconds(ms: f64) -> String {
     }
 }
 
-/// What stands above figures of time and work.
+/// Note above figures of time and work.
 pub(super) const COMPARED: &str = "The integrators of an engine share all but the integration of a segment - cells, order, \
      compositing, number of bits and vector units - so that their times compare methods; evaluations are the places a pixel at which \
      the transfer function, its closed form or its table was asked.";
@@ -97,7 +97,7 @@ pub fn text(study: &Study) -> String {
     text
 }
 
-/// What was drawn on which device, what it does not draw, and what was not measured.
+/// Lines on devices, on configurations that they do not draw, and on engines that were not measured.
 pub(super) fn engine_lines(study: &Study) -> Vec<String> {
     let mut lines = Vec::new();
     for adapter in &study.adapters {
@@ -152,7 +152,7 @@ fn convergence_line(found: &Convergence) -> String {
     )
 }
 
-/// What refining the grid shows.
+/// Lines on refining the grid.
 pub(super) fn refinement_lines(study: &Study) -> Vec<String> {
     let Some(found) = &study.refinement else { return Vec::new() };
     let rms = |errors: &Convergence| {

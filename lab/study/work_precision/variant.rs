@@ -1,18 +1,18 @@
-//! What a study draws with: engines and their ways of compositing, and which of them are asked for.
+//! Renderer variants of a study: engines with their compositors, and the choice among them.
 
 use voltet_nodes::drawing::{ENGINES, NATIVE};
 use voltet_optics::engine::{Compositor, EngineInfo};
 
-/// What draws a picture: an engine and, where it has several, its way of compositing.
+/// Engine and, if it has several, its compositor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RendererVariant {
     /// The engine.
     pub engine: &'static EngineInfo,
-    /// How it composites; `None` where it has one way.
+    /// Its compositor; `None` if it has one only.
     pub compositing: Option<Compositor>,
 }
 
-/// Which engines are studied.
+/// Engines that are studied.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Engines {
     /// This one alone.
@@ -58,7 +58,7 @@ impl RendererVariant {
 }
 
 impl Engines {
-    /// Those that are looked at.
+    /// Engines that are studied, one by one.
     pub fn each(self) -> impl Iterator<Item = &'static EngineInfo> {
         ENGINES.iter().filter(move |engine| match self {
             Engines::One(only) => *engine == only,

@@ -58,7 +58,7 @@ pub const NAMES: [&str; 7] = [
     "clipped",
 ];
 
-/// Those that serve any widget.
+/// Integrators that support any widget.
 const ALWAYS: &[&str] = NAMES.split_at(4).0;
 
 pub fn a_function_of_the_scalar_is_served_by_all(engine: &dyn Engine) {

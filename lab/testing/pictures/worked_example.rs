@@ -205,7 +205,7 @@ pub fn another_ray_and_a_near_plane(engine: &dyn Engine) {
     assert_pixel(engine, "near", &cut, &SHADING, MIDDLE, [opacity, 0.25 * opacity, opacity]);
 }
 
-/// What has no extinction has no share of its peak above the cutoff.
+/// A widget without extinction has no share of its peak above the cutoff.
 pub fn nothing_glows_without_extinction(engine: &dyn Engine) {
     let bright = gaussian([1.5, 0.0], [0.25, f64::INFINITY], 0.0, [9.0; 3]);
     let widgets = vec![everywhere(4.0, COLOR), bright];

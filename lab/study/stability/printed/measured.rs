@@ -14,13 +14,13 @@ use voltet_optics::{Contribution, Segment, WidgetBlend};
 /// One printed formula and what was measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PrintedFormula {
-    /// Where it is printed.
+    /// Paper and equation.
     pub source: &'static str,
     /// The formula, in plain text.
     pub formula: &'static str,
-    /// Where and why it fails.
+    /// Failure and its cause.
     pub fails: &'static str,
-    /// What stands in its place.
+    /// Replacement.
     pub instead: &'static str,
     /// At some inputs.
     pub rows: Vec<FormulaRow>,
@@ -35,7 +35,7 @@ pub struct FormulaRow {
     pub printed_64: f64,
     /// The printed formula in 32 bits.
     pub printed_32: f64,
-    /// What stands in its place, in 32 bits; `None` where that is 64-bit alone.
+    /// Error of the replacement in 32 bits; `None` where that is 64-bit alone.
     pub ours_32: Option<f64>,
 }
 
@@ -45,7 +45,7 @@ pub(super) fn error(found: impl Real, exact: f64) -> f64 {
     if found.is_finite() { (found - exact).abs() / exact.abs() } else { f64::INFINITY }
 }
 
-/// What the native engine draws with on this processor.
+/// Formulas of the CPU engine on this processor.
 pub(super) fn ours() -> Result<Box<dyn SegmentEvaluator>> {
     let forms = NATIVE.open(&AdapterRequest::default())?.evaluator();
     forms.ok_or_else(|| Error::run("the engine has no forms of segments").got(NATIVE.name))

@@ -39,7 +39,7 @@ pub(super) fn camera(rng: &mut Rng, [low, high]: [DVec3; 2]) -> Camera {
     }
 }
 
-/// The same camera with its picture moved by a part of a pixel, to the right and up.
+/// Camera with its picture moved by a part of a pixel, to the right and up.
 pub(super) fn nudged(camera: &Camera, by: [f64; 2]) -> Option<Camera> {
     let frame = camera.frame().ok()?;
     let along = |pixel: f64| pixel * (by[0] * frame.right + by[1] * frame.up);

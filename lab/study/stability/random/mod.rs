@@ -37,7 +37,7 @@ use voltet_optics::scene::Scene;
 use voltet_optics::shading::VisibilityOrder;
 use voltet_reference as reference;
 
-/// How much larger an error may be than the largest change that was found: only eight neighbours of a scene are looked at.
+/// Ratio of an explained error to the largest change that was found: only eight neighbours of a scene are looked at.
 const LIKE: f64 = 2.0;
 
 /// A scene on which an engine was beyond its bound.
@@ -45,26 +45,26 @@ const LIKE: f64 = 2.0;
 pub struct BoundViolation {
     /// The scene's number: with the seed all that it takes to draw it again.
     pub scene: u64,
-    /// What drew it.
+    /// Engine that drew it.
     pub engine: String,
     /// Pixels beyond the bound.
     pub pixels: usize,
-    /// Those of them that neither the camera nor the data's rounding explain.
+    /// Pixels beyond the bound that neither the camera nor the data's rounding explain.
     pub wrong: usize,
     /// The largest error of a channel, of those not explained where there are any.
     pub worst_error: f64,
-    /// Where it is.
+    /// Position of that pixel.
     pub worst_pixel: [usize; 2],
 }
 
-/// What was found.
+/// Results.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct RandomReport {
     /// All scenes follow from it.
     pub seed: u64,
     /// Scenes with a picture.
     pub drawn: u64,
-    /// Those of them in which something is seen: an opacity of more than 1/255 somewhere.
+    /// Scenes that show something: an opacity of more than 1/255 somewhere.
     pub shown: u64,
     /// Scenes that the referee cannot integrate: it says so, and nothing can be held against it.
     pub without_reference: u64,
@@ -77,7 +77,7 @@ pub struct RandomReport {
 }
 
 impl RandomReport {
-    /// Whether nothing is beyond its bound without an explanation.
+    /// True if nothing is beyond its bound without an explanation.
     pub fn passed(&self) -> bool {
         self.beyond.iter().all(|scene| scene.wrong == 0)
     }

@@ -1,4 +1,4 @@
-//! What a scene is drawn from by lot: numbers that follow from a seed and a scene's number alone.
+//! Random numbers of a scene: numbers that follow from a seed and a scene's number alone.
 
 use glam::DVec3;
 use voltet_core::grid::generate::Random;
@@ -6,7 +6,7 @@ use voltet_core::grid::generate::Random;
 pub(super) struct Rng(Random);
 
 impl Rng {
-    /// Those of one scene: neighbours' numbers have nothing to do with each other.
+    /// Random numbers of one scene: neighbours' numbers have nothing to do with each other.
     pub(super) fn new(seed: u64, scene: u64) -> Rng {
         // Steele, Lea & Flood 2014, the finaliser of SplitMix64.
         let mut z = (seed << 32 ^ scene).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
@@ -30,7 +30,7 @@ impl Rng {
         ((self.0.next() * n as f64) as usize).min(n - 1)
     }
 
-    /// Whether something of this probability happens.
+    /// True if something of this probability happens.
     pub(super) fn chance(&mut self, probability: f64) -> bool {
         self.0.next() < probability
     }

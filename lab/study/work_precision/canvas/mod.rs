@@ -14,9 +14,9 @@ pub(crate) use svg::escaped;
 pub struct Canvas {
     /// Width and height.
     pub size: [f64; 2],
-    /// What is drawn.
+    /// Marks, the first at the bottom.
     pub marks: Vec<Mark>,
-    /// What it shows, for those who cannot see it.
+    /// Description for screen readers.
     pub title: String,
 }
 
@@ -48,20 +48,20 @@ pub enum Mark {
         fill: Color,
         /// The colour of its outline.
         outline: Color,
-        /// What it stands for, shown by viewers of SVG that can.
+        /// Tooltip in viewers of SVG.
         hint: String,
     },
     /// A line of text, Latin-1.
     Text {
-        /// Where it is anchored: on its middle line.
+        /// Anchor position, on its middle line.
         at: [f64; 2],
         /// The text.
         text: String,
         /// Its size.
         size: Size,
-        /// Which part of it is at that place.
+        /// Part of it at that position.
         anchor: Anchor,
-        /// Whether it runs upward.
+        /// True if it runs upward.
         upward: bool,
         /// Its colour.
         color: Color,
@@ -77,7 +77,7 @@ pub enum Size {
     Large,
 }
 
-/// Which part of a text is at its place.
+/// Part of a text at its anchor position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Anchor {
     /// Its start.
@@ -107,7 +107,7 @@ impl Size {
 }
 
 impl Anchor {
-    /// Where a text of this width starts, from its place.
+    /// Offset of the start of a text of this width from its anchor.
     fn start(self, width: f64) -> f64 {
         match self {
             Anchor::Start => 0.0,

@@ -10,7 +10,7 @@ use std::cmp::Ordering;
 /// A place on the segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Place {
-    /// Whether it is counted from the back: beyond the middle.
+    /// True if it is counted from the back: beyond the middle.
     from_back: bool,
     /// Share of the segment's length from that end; negative towards the front.
     offset: Wide,
@@ -45,7 +45,7 @@ impl Place {
     }
 
     /// Share of the length from here to a place behind it.
-    pub(crate) fn to(self, back: Place) -> Wide {
+    pub(crate) fn distance_to(self, back: Place) -> Wide {
         let difference = back.offset - self.offset;
         match (self.from_back, back.from_back) {
             (false, true) => difference + Wide::from(1.0),
@@ -56,10 +56,10 @@ impl Place {
 
     /// The place half way to another.
     pub(crate) fn middle(self, back: Place) -> Place {
-        self.moved(self.to(back).half())
+        self.moved(self.distance_to(back).half())
     }
 
-    /// Which of two places is in front.
+    /// Compares two places, the one in front first.
     pub(crate) fn order(self, other: Place) -> Ordering {
         self.from_back.cmp(&other.from_back).then(self.offset.order(other.offset))
     }
@@ -81,17 +81,21 @@ impl Place {
 
 /// A number that is linear along the segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Along {
+pub(crate) struct LinearOnSegment {
     pub(crate) front: Wide,
     pub(crate) back: Wide,
     /// back − front, of the differences of the values: not of the two numbers, which may be rounded.
     pub(crate) step: Wide,
 }
 
-impl Along {
+impl LinearOnSegment {
     /// Σ factor · (value − origin) of the given columns of a value.
-    pub(crate) fn new(front: &[f64], back: &[f64], parts: impl Iterator<Item = (usize, Wide, f64)>) -> Along {
-        let mut along = Along { front: Wide::ZERO, back: Wide::ZERO, step: Wide::ZERO };
+    pub(crate) fn new(
+        front: &[f64],
+        back: &[f64],
+        parts: impl Iterator<Item = (usize, Wide, f64)>,
+    ) -> LinearOnSegment {
+        let mut along = LinearOnSegment { front: Wide::ZERO, back: Wide::ZERO, step: Wide::ZERO };
         // A factor of 0 must not multiply another axis into the sum (0 × ∞).
         for (column, factor, origin) in parts.filter(|part| part.1 != Wide::ZERO) {
             let (front, back) = (front[column], back[column]);
@@ -102,36 +106,36 @@ impl Along {
         along
     }
 
-    /// The same in doubles: for what needs no more.
+    /// Value in doubles.
     pub(crate) fn rounded(
         front: &[f64],
         back: &[f64],
         parts: impl Iterator<Item = (usize, f64, f64)>,
-    ) -> Along {
+    ) -> LinearOnSegment {
         let mut ends = [0.0, 0.0];
         for (column, factor, origin) in parts.filter(|part| part.1 != 0.0) {
             ends[0] += factor * (front[column] - origin);
             ends[1] += factor * (back[column] - origin);
         }
         let [front, back] = ends;
-        Along { front: front.into(), back: back.into(), step: Wide::difference(back, front) }
+        LinearOnSegment { front: front.into(), back: back.into(), step: Wide::difference(back, front) }
     }
 
     /// One column of a value, exactly.
-    pub(crate) fn column(front: &[f64], back: &[f64], column: usize) -> Along {
+    pub(crate) fn column(front: &[f64], back: &[f64], column: usize) -> LinearOnSegment {
         let (front, back) = (front[column], back[column]);
-        Along { front: front.into(), back: back.into(), step: Wide::difference(back, front) }
+        LinearOnSegment { front: front.into(), back: back.into(), step: Wide::difference(back, front) }
     }
 
     /// This number times `factor`.
-    pub(crate) fn times(self, factor: Wide) -> Along {
-        Along { front: self.front * factor, back: self.back * factor, step: self.step * factor }
+    pub(crate) fn times(self, factor: Wide) -> LinearOnSegment {
+        LinearOnSegment { front: self.front * factor, back: self.back * factor, step: self.step * factor }
     }
 
     /// This number less another.
-    pub(crate) fn less(self, other: Along) -> Along {
-        let Along { front, back, step } = other;
-        Along { front: self.front - front, back: self.back - back, step: self.step - step }
+    pub(crate) fn less(self, other: LinearOnSegment) -> LinearOnSegment {
+        let LinearOnSegment { front, back, step } = other;
+        LinearOnSegment { front: self.front - front, back: self.back - back, step: self.step - step }
     }
 
     /// Its value at a place; exact at both ends.
@@ -181,7 +185,7 @@ mod tests {
 
     #[test]
     fn levels_lie_strictly_inside() {
-        let rising = Along::column(&[1.0], &[3.0], 0);
+        let rising = LinearOnSegment::column(&[1.0], &[3.0], 0);
         let places = [1.0, 1.5, 3.0, 4.0].map(|value| rising.passes(Wide::from(value)));
         assert_eq!(places, [None, Some(Place::behind_front(Wide::from(0.25))), None, None]);
         assert_eq!(rising.passes(Wide::from(2.5)).map(Place::share), Some(0.75));
@@ -191,13 +195,13 @@ mod tests {
     /// 1e-40 and 1 − 1e-40 there.
     #[test]
     fn places_near_either_end_keep_their_digits() {
-        let rising = Along::column(&[-1e-40], &[1.0], 0);
+        let rising = LinearOnSegment::column(&[-1e-40], &[1.0], 0);
         let place = rising.passes(Wide::ZERO).expect("is passed");
         assert!((place.nearer_end() / 1e-40 - 1.0).abs() < 1e-15 && place.share() < 0.5);
-        let falling = Along::column(&[1.0], &[-1e-40], 0);
+        let falling = LinearOnSegment::column(&[1.0], &[-1e-40], 0);
         let place = falling.passes(Wide::ZERO).expect("is passed");
         assert!((place.nearer_end() / 1e-40 - 1.0).abs() < 1e-15 && place.share() > 0.5);
-        assert!((place.to(Place::BACK).value() / 1e-40 - 1.0).abs() < 1e-15);
+        assert!((place.distance_to(Place::BACK).value() / 1e-40 - 1.0).abs() < 1e-15);
         // The value there is 0 to 2⁻¹⁰⁰ of what it changes by from the end.
         assert!(falling.at(place).value().abs() < 1e-69);
         assert_eq!(falling.at(Place::BACK).value(), -1e-40);
@@ -209,7 +213,7 @@ mod tests {
         let places = [Place::FRONT, at(0.25), at(0.5), at(0.75), Place::BACK];
         for pair in places.windows(2) {
             assert!(pair[0].is_before(pair[1]), "{pair:?}");
-            assert_eq!(pair[0].to(pair[1]).value(), 0.25);
+            assert_eq!(pair[0].distance_to(pair[1]).value(), 0.25);
             assert_eq!(pair[0].moved(Wide::from(0.25)), pair[1]);
             assert_eq!(pair[1].moved(Wide::from(-0.25)).share(), pair[0].share());
         }
