@@ -105,11 +105,11 @@ impl Document {
         let drawn_with = self.carried.iter().flat_map(|carried| &carried.plugins);
         let changed = drawn_with.filter_map(|then| {
             let now = self.graph.node(&then.node)?.plugin()?;
-            let fingerprint = now.fingerprint_in_words();
+            let fingerprint = now.fingerprint_text();
             (fingerprint != then.fingerprint).then(|| {
                 Error::usage("the picture was drawn with another plug-in than is loaded now")
                     .got(format!("{now}, version {}, {} bytes, {fingerprint}", now.version, now.bytes))
-                    .expected(format!("{}, or no such picture as before", in_words(then)))
+                    .expected(format!("{}, or no such picture as before", describe_plugin(then)))
                     .at_node(&then.node)
             })
         });
@@ -130,7 +130,8 @@ impl Document {
 
 /// An error of a picture's pipeline, with the plug-ins that it was drawn with: one may be missing.
 fn with_plugins(error: Error, carried: Option<&Provenance>) -> Error {
-    let plugins: Vec<String> = carried.iter().flat_map(|carried| &carried.plugins).map(in_words).collect();
+    let plugins: Vec<String> =
+        carried.iter().flat_map(|carried| &carried.plugins).map(describe_plugin).collect();
     match (plugins.is_empty(), error.expected.clone()) {
         (false, Some(accepted)) => {
             error.expected(format!("{accepted}; the picture was drawn with the {}", plugins.join(", ")))
@@ -140,7 +141,7 @@ fn with_plugins(error: Error, carried: Option<&Provenance>) -> Error {
 }
 
 /// "plug-in 'name' (path), version 1.0, 16000 bytes, 0123456789abcdef".
-fn in_words(plugin: &PluginRecord) -> String {
+fn describe_plugin(plugin: &PluginRecord) -> String {
     let PluginRecord { name, path, version, bytes, fingerprint, .. } = plugin;
     format!("plug-in '{name}' ({path}), version {version}, {bytes} bytes, {fingerprint}")
 }

@@ -19,7 +19,7 @@ pub trait GridReader: Send + Sync {
     }
 
     /// True if a file is of this format, by its first bytes (at most 256) and its name.
-    fn is_meant(&self, head: &[u8], path: &Path) -> bool;
+    fn matches(&self, head: &[u8], path: &Path) -> bool;
 
     /// File names of the format, for help: ".cells".
     fn files(&self) -> String;

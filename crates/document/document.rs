@@ -1,6 +1,6 @@
 //! The document: a pipeline file with its history.
 
-use crate::carry_out::{EditContext, EditOutcome, blank};
+use crate::apply::{EditContext, EditOutcome, blank};
 use crate::delta::Delta;
 use crate::edit::Edit;
 use crate::history::{Gesture, History};
@@ -133,8 +133,8 @@ impl Document {
         }
         let mut work = EditContext::new(self.text.clone(), self.syntax.clone(), self.survey.clone());
         let shown = |name: &str| self.shown.get(name).copied();
-        edits.iter().try_for_each(|edit| work.carry_out(edit, &shown))?;
-        work.apply()
+        edits.iter().try_for_each(|edit| work.apply(edit, &shown))?;
+        work.finish()
     }
 
     /// Undoes the last step; false where there is none.

@@ -8,7 +8,7 @@ use voltet_graph::{DiagnosticTarget as Stated, Graph, NodeEntry, Registry};
 
 /// A mistake in a document.
 #[derive(Debug, Clone)]
-pub struct Fault {
+pub struct Diagnostic {
     /// The node; none where it is about the file as a whole.
     pub node: Option<String>,
     /// Part of the node concerned.
@@ -30,25 +30,25 @@ pub enum FaultTarget {
 
 impl Document {
     /// Every mistake that can be found without data: of the text, of types, parameters and wires.
-    pub fn faults(&self, registry: &Registry) -> Vec<Fault> {
+    pub fn faults(&self, registry: &Registry) -> Vec<Diagnostic> {
         self.faults_among(&self.survey.pipeline.nodes, registry)
     }
 
     /// Mistakes of these nodes by themselves, with their wires cut, and of the text.
-    pub fn faults_of(&self, names: &[&str], registry: &Registry) -> Vec<Fault> {
+    pub fn faults_of(&self, names: &[&str], registry: &Registry) -> Vec<Diagnostic> {
         let nodes = self.survey.pipeline.nodes.iter().filter(|node| names.contains(&node.name.as_str()));
         self.faults_among(&nodes.cloned().collect::<Vec<_>>(), registry)
     }
 
-    fn faults_among(&self, nodes: &[NodeEntry], registry: &Registry) -> Vec<Fault> {
-        let mut faults: Vec<Fault> = Vec::new();
+    fn faults_among(&self, nodes: &[NodeEntry], registry: &Registry) -> Vec<Diagnostic> {
+        let mut faults: Vec<Diagnostic> = Vec::new();
         for (i, error) in self.survey.faults.iter().enumerate() {
             if self.survey.faults[..i].iter().any(|known| is_same(known, error)) {
                 continue;
             }
             let (place, part) = self.target(error);
             let node = error.location.node.clone().or(place);
-            faults.push(Fault { node, target: part, error: self.locate(error.clone()) });
+            faults.push(Diagnostic { node, target: part, error: self.locate(error.clone()) });
         }
         for fault in Graph::faults(nodes, registry) {
             // What cannot be read at all is said once.
@@ -66,16 +66,16 @@ impl Document {
                 (Stated::Parameter(name), _) => FaultTarget::Parameter(Path(vec![Step::Key(name)])),
                 (Stated::Node, placed) => placed,
             };
-            faults.push(Fault { node: Some(fault.node), target: part, error: self.locate(fault.error) });
+            faults.push(Diagnostic { node: Some(fault.node), target: part, error: self.locate(fault.error) });
         }
         faults
     }
 
     /// Faults, among these, that prevent a node from running: its own, and those of its sources. Empty: the node and its sources
     /// can be built into a graph and run, whatever is wrong elsewhere.
-    pub fn faults_before<'a>(&self, node: &str, faults: &'a [Fault]) -> Vec<&'a Fault> {
+    pub fn faults_before<'a>(&self, node: &str, faults: &'a [Diagnostic]) -> Vec<&'a Diagnostic> {
         let needed = links::upstream(&self.survey.pipeline.nodes, node);
-        let concerns = |fault: &&Fault| fault.node.as_ref().is_none_or(|name| needed.contains(name));
+        let concerns = |fault: &&Diagnostic| fault.node.as_ref().is_none_or(|name| needed.contains(name));
         // A file that says a wrong format, or nothing of one, may still be drawn; one that is no TOML may lack anything.
         faults.iter().filter(concerns).filter(|fault| fault.node.is_some() || !self.is_toml()).collect()
     }

@@ -17,8 +17,8 @@
 //! | [`panel`] | the parameters of a node as rows: values, controls, what is typed |
 //! | [`view`](View) | what only the editor knows: the table `[editor]` |
 
+mod apply;
 pub mod arrange;
-mod carry_out;
 mod clipboard;
 mod delta;
 mod document;
@@ -38,7 +38,7 @@ mod view;
 pub use delta::{Delta, Hunk};
 pub use document::Document;
 pub use edit::Edit;
-pub use faults::{Fault, FaultTarget};
+pub use faults::{Diagnostic, FaultTarget};
 pub use fits::{Fitting, Group, Join, giving, search, taking};
 pub use history::{Gesture, History};
 pub use path::{Path, Step};

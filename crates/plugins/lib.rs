@@ -106,7 +106,7 @@ pub fn load(path: &Path) -> Result<Contents> {
 ///
 /// - The file cannot be read.
 pub fn fingerprint(path: &Path) -> Result<String> {
-    library::read_file(path).map(|(plugin, _)| plugin.fingerprint_in_words())
+    library::read_file(path).map(|(plugin, _)| plugin.fingerprint_text())
 }
 
 /// Like [`load`], in processes of `program`, which must call [`run_child`] where its arguments are `plugin-process PATH`: a crash of

@@ -199,7 +199,7 @@ impl GridReader for PluginItem {
         Some(self.runner.plugin())
     }
 
-    fn is_meant(&self, head: &[u8], path: &Path) -> bool {
+    fn matches(&self, head: &[u8], path: &Path) -> bool {
         let Family::Reader { extensions, magic } = self.declaration.family else { return false };
         if !magic.is_empty() {
             return head.starts_with(magic);

@@ -16,7 +16,9 @@ const OPAQUE_SHARE: f64 = 0.999;
 pub fn warnings(scene: &Scene, counts: &RenderStats, picture: &Picture) -> Vec<String> {
     let mut warnings = too_bright(scene);
     let widgets = &scene.transfer_function.widgets;
-    let Some(seen) = Seen::of(picture).filter(|_| !widgets.is_empty()) else { return warnings };
+    let Some(seen) = PictureStatistics::from_picture(picture).filter(|_| !widgets.is_empty()) else {
+        return warnings;
+    };
     warnings.extend(match seen.most {
         0.0 => Some(format!("the picture is empty: {}", why_empty(scene, counts))),
         most if most < STEP => Some(nearly_empty(most, seen.opacity)),
@@ -31,7 +33,7 @@ pub fn warnings(scene: &Scene, counts: &RenderStats, picture: &Picture) -> Vec<S
 }
 
 /// What the pixels hold.
-struct Seen {
+struct PictureStatistics {
     /// The largest opacity or channel of any pixel.
     most: f32,
     /// The largest opacity.
@@ -42,15 +44,15 @@ struct Seen {
     opaque: usize,
 }
 
-impl Seen {
+impl PictureStatistics {
     /// `None` for a picture without pixels.
-    fn of(picture: &Picture) -> Option<Seen> {
+    fn from_picture(picture: &Picture) -> Option<PictureStatistics> {
         let of_pixel = |pixel: &[f32; 4]| {
             let most = pixel.iter().copied().fold(0.0, f32::max);
             let [shown, opaque] = [most > 0.0, pixel[3] > 1.0 - STEP].map(usize::from);
-            Seen { most, opacity: pixel[3], shown, opaque }
+            PictureStatistics { most, opacity: pixel[3], shown, opaque }
         };
-        picture.rgba.par_iter().map(of_pixel).reduce_with(|a, b| Seen {
+        picture.rgba.par_iter().map(of_pixel).reduce_with(|a, b| PictureStatistics {
             most: a.most.max(b.most),
             opacity: a.opacity.max(b.opacity),
             shown: a.shown + b.shown,

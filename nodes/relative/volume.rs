@@ -34,7 +34,7 @@ pub fn values<'a>(volume: &'a Volume, quantity: &ArrayRef) -> Result<&'a [f64]> 
 }
 
 /// An error with the name of the quantity that it is about.
-pub fn of(quantity: &ArrayRef, error: Error) -> Error {
+pub fn with_array_name(quantity: &ArrayRef, error: Error) -> Error {
     let what = format!("{}, of {quantity}", error.what);
     Error { what, ..error }
 }
@@ -43,12 +43,13 @@ pub fn of(quantity: &ArrayRef, error: Error) -> Error {
 pub fn measure(volume: &Volume, wanted: &StatisticsRequest, progress: &dyn Progress) -> Result<Found> {
     let mut found = Found::default();
     for quantity in &wanted.ranges {
-        let range = value_range(values(volume, quantity)?).map_err(|error| of(quantity, error))?;
+        let range =
+            value_range(values(volume, quantity)?).map_err(|error| with_array_name(quantity, error))?;
         found.ranges.insert(quantity.clone(), range);
     }
     for (quantity, percents) in &wanted.percentiles {
         let volumes = Volumes::new(&volume.grid, values(volume, quantity)?, progress);
-        let volumes = volumes.map_err(|error| of(quantity, error))?;
+        let volumes = volumes.map_err(|error| with_array_name(quantity, error))?;
         for &bits in percents {
             let value = volumes.percentile(f64::from_bits(bits), progress)?;
             found.percentiles.insert((quantity.clone(), bits), value);

@@ -4,7 +4,7 @@ use crate::filter;
 use std::path::{Path, PathBuf};
 use voltet::{PipelineSource, RunRecord, Session};
 use voltet_core::{Error, Result};
-use voltet_document::{Document, Edit, Fault, Part, Path as Place};
+use voltet_document::{Diagnostic, Document, Edit, Part, Path as Place};
 use voltet_graph::pipeline::Pipeline as Nodes;
 use voltet_graph::{Field, NodeEntry, ParameterValue, SourceSpan};
 use voltet_io::provenance::{Provenance, Source};
@@ -98,7 +98,7 @@ impl State {
         let before = self.faults(nodes);
         let document = &mut self.source.document;
         document.edit_all(label, edits, None).map_err(|error| document.locate(error))?;
-        let is_new = |fault: &Fault| !before.iter().any(|known| known.error.what == fault.error.what);
+        let is_new = |fault: &Diagnostic| !before.iter().any(|known| known.error.what == fault.error.what);
         match self.faults(nodes).into_iter().find(is_new) {
             None => Ok(()),
             Some(fault) => {
@@ -109,11 +109,11 @@ impl State {
     }
 
     /// Faults of nodes, but for their wires, which may lead to nodes that are added later.
-    fn faults(&self, nodes: &[&str]) -> Vec<Fault> {
+    fn faults(&self, nodes: &[&str]) -> Vec<Diagnostic> {
         if nodes.is_empty() {
             return Vec::new();
         }
-        let concerns = |fault: &Fault| fault.node.as_deref().is_some_and(|name| nodes.contains(&name));
+        let concerns = |fault: &Diagnostic| fault.node.as_deref().is_some_and(|name| nodes.contains(&name));
         let mut faults = self.source.document.faults_of(nodes, self.runs.registry());
         faults.retain(|fault| concerns(fault) && !matches!(fault.part, Part::Input(_)));
         faults

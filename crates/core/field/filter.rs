@@ -57,7 +57,7 @@ pub struct Plugin {
 
 impl Plugin {
     /// The fingerprint as people are told of it: 16 hexadecimal digits.
-    pub fn fingerprint_in_words(&self) -> String {
+    pub fn fingerprint_text(&self) -> String {
         format!("{:016x}", self.fingerprint)
     }
 }

@@ -45,13 +45,13 @@ impl Histogram {
     /// Along the second axis, over all of the first: below what nearly all of the volume lies, all but a thousandth. What lies beyond
     /// is of few cells, mostly slivers, whose gradients are many times those of the others.
     pub fn nearly_all(&self) -> f64 {
-        const BEYOND: f64 = 1e-3;
+        const RANGE_TOLERANCE: f64 = 1e-3;
         let axis = &self.axes[1];
         let all: f64 = self.volumes.iter().sum();
         let mut below = 0.0;
         let last = self.volumes.chunks(self.axes[0].bins.max(1)).position(|row| {
             row.iter().for_each(|volume| below += volume);
-            below >= (1.0 - BEYOND) * all
+            below >= (1.0 - RANGE_TOLERANCE) * all
         });
         last.map_or(axis.high, |row| axis.edge(row + 1))
     }

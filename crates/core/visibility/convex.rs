@@ -5,7 +5,8 @@
 //! verification of geometric structures, 1999). Looked at are the edges; that the faces at a point form one ring follows from
 //! Euler's formula for one sphere. Cells that overlap, of which a surface that crosses itself is made, are found elsewhere.
 
-use super::faces::{Faces, face_of};
+use super::corners::face_of;
+use super::faces::Faces;
 use crate::grid::faces::CoincidentPoints;
 use glam::DVec3;
 

@@ -2,7 +2,7 @@
 //!
 //! Knows nothing of how the order was found: each ray is cut by the four faces of every cell around it, in 64 bits.
 
-use super::faces::face_of;
+use super::corners::face_of;
 use super::rays::{Plane, Rays};
 use crate::Result;
 use crate::camera::Camera;

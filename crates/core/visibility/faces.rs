@@ -1,6 +1,7 @@
 //! Neighbours of each cell across its faces, and the cell's side of each face: found once a grid, whatever the camera.
 
 use super::convex;
+use super::corners::face_of;
 use crate::grid::Grid;
 use crate::grid::faces::{CoincidentPoints, Face, each_face};
 use crate::grid::overlap::side;
@@ -96,7 +97,7 @@ impl Faces {
         usize::from(self.theirs[cell as usize] >> (2 * k)) & 3
     }
 
-    /// True if the cell lies on the side of its face opposite corner `k` to which the normal of [`face_of`] points.
+    /// True if the cell lies on the side of its face opposite corner `k` to which the normal of [`super::corners::face_of`] points.
     pub(super) fn is_at_normal(&self, cell: u32, k: usize) -> bool {
         // Each corner on takes the others once more out of their turn.
         self.is_right_handed[cell as usize] == (k % 2 == 1)
@@ -155,16 +156,5 @@ impl Faces {
             })
             .sum();
         self.is_right_handed = hands.into_iter().map(|hand| hand > 0.0).collect();
-    }
-}
-
-/// The corners of the face opposite corner `k`, as the cell counts them.
-#[inline]
-pub(super) fn face_of([a, b, c, d]: [u32; 4], k: usize) -> [u32; 3] {
-    match k {
-        0 => [b, c, d],
-        1 => [a, c, d],
-        2 => [a, b, d],
-        _ => [a, b, c],
     }
 }

@@ -38,7 +38,7 @@ impl CullQuery<'_> {
     #[inline]
     pub fn first_overlapping_widget(&self, id: usize, first: usize) -> Option<usize> {
         let values = self.values.of(&self.tetrahedra[id]);
-        self.support.toucher(first, &values.s, &values.g, values.fields(), self.min_density)
+        self.support.first_overlapping_widget(first, &values.s, &values.g, values.fields(), self.min_density)
     }
 
     /// True if a widget's support meets a cell.
@@ -51,7 +51,7 @@ impl CullQuery<'_> {
     pub fn classify(&self, block: &Block) -> BlockClass {
         let [s, g] = self.ranges_read(block.ranges);
         let (corners_s, corners_g) = corners(s, g);
-        if self.support.toucher(0, &corners_s, &corners_g, &[], self.min_density).is_none() {
+        if self.support.first_overlapping_widget(0, &corners_s, &corners_g, &[], self.min_density).is_none() {
             return BlockClass::Outside;
         }
         self.support.cover(&[s, g], self.min_density).map_or(BlockClass::Straddling, BlockClass::Inside)

@@ -81,7 +81,7 @@ impl Row {
     }
 
     /// Default value as text: "0.5", "no widgets: an empty picture", "required".
-    pub fn standard_in_words(&self) -> String {
+    pub fn default_text(&self) -> String {
         self.parameter.default.to_string()
     }
 }

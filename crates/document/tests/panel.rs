@@ -57,7 +57,7 @@ fn a_row_says_what_holds_and_whether_the_file_says_so() {
     let up = row("view", "up");
     assert!(up.set_value.is_none() && up.value().is_some() && !up.is_missing());
     assert!(row("file", "path").is_missing());
-    assert_eq!(row("look", "widgets").standard_in_words(), "no widgets: an empty picture");
+    assert_eq!(row("look", "widgets").default_text(), "no widgets: an empty picture");
     assert!(rows("none").is_empty() && rows("nowhere").is_empty());
     // What the filter declares stands beside the word that names it.
     let names: Vec<&str> = rows("gradient").iter().map(|row| row.parameter.name).collect();

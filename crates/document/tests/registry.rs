@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use voltet_document::{Document, Edit, Fault, FaultTarget, Group, arrange, giving, search, taking};
+use voltet_document::{Diagnostic, Document, Edit, FaultTarget, Group, arrange, giving, search, taking};
 use voltet_graph::{Graph, PortType, Registry};
 
 fn registry() -> Registry {
@@ -15,7 +15,7 @@ fn shipped(name: &str) -> Document {
 }
 
 /// Node, part and message of a fault.
-fn told(fault: &Fault) -> (Option<&str>, String, String) {
+fn told(fault: &Diagnostic) -> (Option<&str>, String, String) {
     let part = match &fault.target {
         FaultTarget::Whole => String::new(),
         FaultTarget::Parameter(path) => path.to_string(),

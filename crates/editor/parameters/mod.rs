@@ -159,7 +159,7 @@ impl ParameterPanel {
         };
         let unit = if parameter.unit.is_empty() { String::new() } else { format!(", {}", parameter.unit) };
         let what = parameter.parameter_type.describe();
-        let help = format!("{}\n{what}{unit}\nstandard: {}", parameter.help, row.standard_in_words());
+        let help = format!("{}\n{what}{unit}\nstandard: {}", parameter.help, row.default_text());
         ui.label(RichText::new(parameter.name).color(color)).on_hover_text(&help);
         let _shown = ui.vertical(|ui| {
             ui.horizontal(|ui| {
@@ -185,7 +185,7 @@ impl ParameterPanel {
         #[cfg(test)]
         self.places.insert(of.key(row), _shown.response.rect);
         if row.set_value.is_some() && !matches!(parameter.default, DefaultValue::Required) {
-            let standard = format!("back to the standard: {}", row.standard_in_words());
+            let standard = format!("back to the standard: {}", row.default_text());
             if ui.small_button("↺").on_hover_text(standard).clicked() {
                 actions.edit(of.unset(&row.path));
             }

@@ -28,7 +28,7 @@ impl SelectedArrays {
             // Not opened for nobody.
             let head = head.get_or_insert_with(|| Source::open(path).and_then(|source| source.head(256)));
             match head {
-                Ok(head) => reader.is_meant(head, path).then_some(Ok(reader)),
+                Ok(head) => reader.matches(head, path).then_some(Ok(reader)),
                 Err(error) => Some(Err(error.clone())),
             }
         });

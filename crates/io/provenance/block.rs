@@ -239,7 +239,7 @@ impl PluginRecord {
             version: plugin.version.clone(),
             path: plugin.path.display().to_string(),
             bytes: plugin.bytes,
-            fingerprint: plugin.fingerprint_in_words(),
+            fingerprint: plugin.fingerprint_text(),
             modified: plugin.modified.map(date::iso_date),
         }
     }

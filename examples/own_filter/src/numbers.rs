@@ -41,7 +41,7 @@ impl GridReader for Numbers {
         DECLARATION
     }
 
-    fn is_meant(&self, head: &[u8], _path: &Path) -> bool {
+    fn matches(&self, head: &[u8], _path: &Path) -> bool {
         head.starts_with(MAGIC.as_bytes())
     }
 

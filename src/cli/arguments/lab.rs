@@ -185,7 +185,7 @@ pub struct Papers {
     pub frames: usize,
     /// Tetrahedra of the largest grid that is generated for Song's Table 1; 1,000,000 leaves out its two largest.
     #[arg(long, value_name = "N", default_value_t = 4_000_000)]
-    pub most_cells: u64,
+    pub max_cells: u64,
     /// A folder with data that do not ship: bluntfin.vtu.
     #[arg(long, value_name = "FOLDER")]
     pub data: Option<PathBuf>,

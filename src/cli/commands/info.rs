@@ -1,9 +1,9 @@
 //! `voltet info`: what a data file holds, and a pipeline to start with; of a pipeline, what it finds out.
 
-use super::carried::{carried, is_picture};
+use super::embedded::{carried, is_picture};
 use super::findings::findings;
 use super::outcome::DONE;
-use super::reading::{Inspecting, Meant, differs, request};
+use super::reading::{ArrayName, Inspecting, differs, request};
 use crate::Document;
 use crate::cli::arguments::Info;
 use crate::cli::present::{Bar, name, number, print};
@@ -186,7 +186,7 @@ fn suggestion(arguments: &Info, wanted: &Request, summary: &Summary, registry: &
     let heads: Vec<ArrayHead> = summary.arrays.iter().map(|array| array.head.clone()).collect();
     let mut refusal = None;
     for array in summary.arrays.iter().filter(|array| differs(array)) {
-        let meant = Meant::of(&array.head, &heads);
+        let meant = ArrayName::of(&array.head, &heads);
         let pipeline =
             pipeline(arguments, wanted.node_type(), &meant, array.range.unwrap_or_default(), bounds);
         match refused(arguments, wanted, meant, &pipeline, registry) {
@@ -202,7 +202,7 @@ fn suggestion(arguments: &Info, wanted: &Request, summary: &Summary, registry: &
 fn refused(
     arguments: &Info,
     wanted: &Request,
-    meant: Meant,
+    meant: ArrayName,
     pipeline: &str,
     registry: &Registry,
 ) -> Option<Error> {
@@ -216,7 +216,7 @@ fn refused(
 fn pipeline(
     arguments: &Info,
     reader: &str,
-    meant: &Meant,
+    meant: &ArrayName,
     [low, high]: [f64; 2],
     [from, to]: [glam::DVec3; 2],
 ) -> String {

@@ -1,8 +1,8 @@
 //! The commands, one file each: a function that gives the exit code, or the error that ends it.
 
-mod carried;
 mod check;
 mod edit;
+mod embedded;
 mod explain;
 mod findings;
 mod gradient_test;
@@ -45,7 +45,7 @@ pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> ExitCode {
             }
             None => registry,
         };
-        carry_out(&arguments.command, &registry)
+        run_command(&arguments.command, &registry)
     });
     ExitCode::from(outcome.unwrap_or_else(|error| show(&error, None)))
 }
@@ -53,7 +53,7 @@ pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> ExitCode {
 /// Whether the command can do with what the registry knows: then the user's own file of plug-ins is not read, and no code of theirs
 /// runs. Pipelines must open, data files be of a format that ships.
 fn is_served(command: &Command, registry: &Registry) -> bool {
-    let is_plain = |data: &Path| carried::is_picture(data) || formats::ships(data);
+    let is_plain = |data: &Path| embedded::is_picture(data) || formats::ships(data);
     let opens = |file: &Path, set: &Set| {
         // What is no file may be read but once.
         file.is_file() && Document::open(file, &set.options, registry).is_ok()
@@ -117,7 +117,7 @@ fn begin_threads() -> Result<()> {
 /// Bytes that the standard library sets aside for a thread's stack.
 const STACK: u64 = 2 << 20;
 
-fn carry_out(command: &Command, registry: &Registry) -> Result<u8> {
+fn run_command(command: &Command, registry: &Registry) -> Result<u8> {
     // These list, or do what a plug-in does.
     if !matches!(command, Command::Nodes(_) | Command::PluginProcess(_)) {
         begin_threads()?;

@@ -30,7 +30,7 @@ pub fn papers(arguments: &arguments::Papers, registry: &Registry) -> Result<u8> 
         papers,
         size: arguments.size,
         frames: Frames { count: arguments.frames, patience: PATIENCE, turn: 0.0, in_flight: 1 },
-        most_cells: arguments.most_cells,
+        most_cells: arguments.max_cells,
         data: arguments.data.clone(),
         cache: arguments.cache.clone().unwrap_or_else(study::cache_folder),
     };

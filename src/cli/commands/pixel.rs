@@ -20,11 +20,11 @@ pub fn pixel(arguments: &arguments::Pixel, registry: &Registry) -> Result<u8> {
         Err((error, text)) => return Ok(show(&error, text.as_deref())),
     };
     warn(&document);
-    let outcome = carry_out(arguments, &document);
+    let outcome = dissect(arguments, &document);
     outcome.or_else(|error| Ok(show(&document.locate(error), Some(&document.text))))
 }
 
-fn carry_out(arguments: &arguments::Pixel, document: &Document) -> Result<u8> {
+fn dissect(arguments: &arguments::Pixel, document: &Document) -> Result<u8> {
     let outputs: Vec<(&str, &Path)> =
         [("--csv", &arguments.csv), ("--json", &arguments.json), ("--plot", &arguments.plot)]
             .into_iter()

@@ -88,7 +88,7 @@ fn add(registry: &Registry, path: &Path, apart: bool) -> Result<(Registry, Strin
     let readers = contents.readers.iter().map(|reader| added::reader(*reader));
     let nodes: Vec<&'static Node> = readers.chain(contents.nodes.iter().copied()).collect();
     nodes.iter().try_for_each(|node| registry.add(node)).map_err(in_file)?;
-    Ok((registry, told(&contents, &nodes)))
+    Ok((registry, describe(&contents, &nodes)))
 }
 
 /// The file of this program.
@@ -99,7 +99,7 @@ fn own_program() -> Result<PathBuf> {
 }
 
 /// "plug-in 'name' (path) with a, b".
-fn told(contents: &Contents, nodes: &[&Node]) -> String {
+fn describe(contents: &Contents, nodes: &[&Node]) -> String {
     let plugin = contents.plugin.as_ref().map(Plugin::to_string).unwrap_or_default();
     let filters = contents.filters.iter().map(|filter| filter.declaration().name);
     let names: Vec<&str> = filters.chain(nodes.iter().map(|node| node.name)).collect();

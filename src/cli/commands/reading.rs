@@ -13,29 +13,29 @@ pub(super) fn request(time_step: Option<usize>, solution: Option<&PathBuf>) -> R
 
 /// An array, as a reader's parameters name it.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Meant {
+pub(super) struct ArrayName {
     /// `scalar`: of several components the length.
     pub scalar: String,
     /// `association`: said only where an array of the other one has the name too.
     pub association: Association,
 }
 
-impl Meant {
+impl ArrayName {
     /// One of a file's arrays.
-    pub fn of(array: &ArrayHead, all: &[ArrayHead]) -> Meant {
+    pub fn of(array: &ArrayHead, all: &[ArrayHead]) -> ArrayName {
         let shadowed = |other: &ArrayHead| other.name == array.name && other.association != array.association;
         let is_shadowed = array.association == Association::Cell && all.iter().any(shadowed);
-        Meant {
+        ArrayName {
             scalar: scalar(array),
             association: if is_shadowed { Association::Cell } else { Association::Auto },
         }
     }
 
     /// The array of a name that somebody asks for; one of several components without more is meant by its length.
-    pub fn by_name(name: &str, all: &[ArrayHead]) -> Meant {
+    pub fn by_name(name: &str, all: &[ArrayHead]) -> ArrayName {
         let bare = all.iter().find(|array| array.name == name && array.component_count > 1);
-        let as_it_is = || Meant { scalar: name.into(), association: Association::Auto };
-        bare.map_or_else(as_it_is, |array| Meant::of(array, all))
+        let as_it_is = || ArrayName { scalar: name.into(), association: Association::Auto };
+        bare.map_or_else(as_it_is, |array| ArrayName::of(array, all))
     }
 
     /// The keys of a `reader` node that reads it from the file `data`.

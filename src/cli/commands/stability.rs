@@ -28,7 +28,7 @@ fn verdict(passed: bool) -> u8 {
 
 /// Everything that the program has to say of itself.
 fn all(arguments: &Stability) -> Result<u8> {
-    let watch = Watch(Bar::new(false));
+    let watch = ProgressBar(Bar::new(false));
     let subjects = stability::subjects(arguments.adapter.as_deref())?;
     let found = stability::stability(&subjects, &watch);
     watch.0.clear();
@@ -43,7 +43,7 @@ fn all(arguments: &Stability) -> Result<u8> {
 
 /// Scenes drawn by lot.
 fn scenes(count: u64, arguments: &Stability) -> Result<u8> {
-    let watch = Watch(Bar::new(false));
+    let watch = ProgressBar(Bar::new(false));
     let subjects = stability::subjects(arguments.adapter.as_deref())?;
     let numbers = arguments.first..arguments.first.saturating_add(count);
     let found = stability::random(&subjects, arguments.seed, numbers, &watch);
@@ -94,9 +94,9 @@ fn judge(path: &Path, arguments: &Stability) -> Result<u8> {
 }
 
 /// Shows progress.
-struct Watch(Bar);
+struct ProgressBar(Bar);
 
-impl Progress for Watch {
+impl Progress for ProgressBar {
     fn report(&self, stage: &str, fraction: f64) {
         self.0.progress("", stage, fraction);
     }

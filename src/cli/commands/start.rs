@@ -1,7 +1,7 @@
 //! `voltet start`: a pipeline file for a data file, with a transfer function over (s, g) found from the data.
 
 use super::outcome::DONE;
-use super::reading::{Inspecting, Meant, differs, request, scalar};
+use super::reading::{ArrayName, Inspecting, differs, request, scalar};
 use crate::cli::arguments::Start;
 use crate::cli::present::{Bar, name, say};
 use crate::core::field::{LeastSquares, Method, magnitude};
@@ -69,10 +69,10 @@ pub fn pipeline(
     let asked = request(arguments.time_step, arguments.solution.as_ref());
     let asked = added::request(asked, &arguments.data, registry)?;
     let meant = match &arguments.scalar {
-        Some(name) => Meant::by_name(name, &arrays(&arguments.data, &asked)?),
+        Some(name) => ArrayName::by_name(name, &arrays(&arguments.data, &asked)?),
         None => first_quantity(arguments, &inspect(&arguments.data, &asked, progress)?)?,
     };
-    let Meant { scalar: named, association } = meant.clone();
+    let ArrayName { scalar: named, association } = meant.clone();
     let wanted = Request { scalar: Some(named.clone()), association, ..asked.clone() };
     let grid = read(&arguments.data, &wanted, progress)?;
     let scalar = grid.scalar.clone().unwrap_or_default();
@@ -88,7 +88,7 @@ pub fn pipeline(
     if look.is_empty() {
         return Err(without_boundary(arguments, &asked, &named, progress));
     }
-    let view = View::of(&grid, &scalar, &g, &look);
+    let view = View::fit(&grid, &scalar, &g, &look);
     let diagonal = scene_length(bounds(&grid.points))?;
     let unit = rounded(diagonal / 10.0);
     let text = |text: &str| ParameterValue::Text(text.into()).to_string();
@@ -170,7 +170,7 @@ fn without_boundary(arguments: &Start, asked: &Request, named: &str, progress: &
 }
 
 /// The file's own scalar, or the first that is a quantity (not a flag, a number of something, or the same everywhere).
-fn first_quantity(arguments: &Start, summary: &Summary) -> Result<Meant> {
+fn first_quantity(arguments: &Start, summary: &Summary) -> Result<ArrayName> {
     if !summary.has_volume() {
         return Err(Error::run("no cell has a volume, so there is nothing to draw").in_file(&arguments.data));
     }
@@ -182,7 +182,7 @@ fn first_quantity(arguments: &Start, summary: &Summary) -> Result<Meant> {
         let own = summary.active_scalars.as_deref() == Some(array.head.name.as_str());
         (!own, array.head.component_count > 1, array.head.association == Association::Cell)
     });
-    arrays.first().map(|array| Meant::of(&array.head, &heads)).ok_or_else(|| {
+    arrays.first().map(|array| ArrayName::of(&array.head, &heads)).ok_or_else(|| {
         let names: Vec<&str> = heads.iter().map(|array| array.name.as_str()).collect();
         let found = if names.is_empty() { "no arrays".into() } else { name(&names.join(", ")) };
         Error::run("no array is a quantity that varies")
@@ -260,7 +260,7 @@ struct View {
 
 impl View {
     /// Looks at the middle of what is drawn, mostly along its shortest side, from where 1024 × 768 pixels hold it.
-    fn of(grid: &Grid, s: &[f64], g: &[f64], look: &[ProposedWidget]) -> View {
+    fn fit(grid: &Grid, s: &[f64], g: &[f64], look: &[ProposedWidget]) -> View {
         let drawn = |i: usize| {
             let profile = |one: &ProposedWidget| {
                 let q = [(s[i] - one.centre[0]) / one.sigma[0], (g[i] - one.centre[1]) / one.sigma[1]];

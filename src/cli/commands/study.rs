@@ -32,7 +32,7 @@ pub fn study(arguments: &arguments::Study, registry: &Registry) -> Result<u8> {
     if !arguments.quiet {
         warn(&document);
     }
-    let outcome = carry_out(arguments, wish, &document, registry);
+    let outcome = measure(arguments, wish, &document, registry);
     outcome.or_else(|error| Ok(show(&document.locate(error), Some(&document.text))))
 }
 
@@ -83,7 +83,7 @@ pub(super) fn wish(arguments: &arguments::Study) -> Result<StudyOptions> {
     })
 }
 
-fn carry_out(
+fn measure(
     arguments: &arguments::Study,
     wish: StudyOptions,
     document: &Document,
@@ -106,7 +106,7 @@ fn carry_out(
     if arguments.apply {
         files::refuse_unwritable(&document.path)?;
     }
-    let watch = Watch { bar: Bar::new(arguments.quiet), estimate: Mutex::new(Estimate::begin()) };
+    let watch = ProgressPrinter { bar: Bar::new(arguments.quiet), estimate: Mutex::new(Estimate::begin()) };
     let cache = arguments.cache.clone().unwrap_or_else(study::cache_folder);
     let node = arguments.node.as_deref();
     let made = make(document, node, wish, [&folder, &cache], (&watch.bar, &watch), &|| watch.begin());
@@ -218,12 +218,12 @@ fn code_of(error: &Error) -> u8 {
 }
 
 /// Shows progress with an estimate of what is left.
-struct Watch {
+struct ProgressPrinter {
     bar: Bar,
     estimate: Mutex<Estimate>,
 }
 
-impl Watch {
+impl ProgressPrinter {
     /// A new piece of work begins, whose fraction counts from 0.
     fn begin(&self) {
         *self.lock() = Estimate::begin();
@@ -234,7 +234,7 @@ impl Watch {
     }
 }
 
-impl Progress for Watch {
+impl Progress for ProgressPrinter {
     fn report(&self, stage: &str, fraction: f64) {
         let left = self.lock().left(fraction);
         self.bar.show(stage, fraction, left);

@@ -10,7 +10,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Work that takes less than this shows no bar.
-const PATIENCE: Duration = Duration::from_secs(1);
+const DELAY: Duration = Duration::from_secs(1);
 
 /// Set by Ctrl-C and by the request to end that a system sends.
 static STOP: AtomicBool = AtomicBool::new(false);
@@ -79,7 +79,7 @@ impl Bar {
 
     /// Shows that `fraction` of `what` is done, and what is left of it.
     pub fn show(&self, what: &str, fraction: f64, left: Option<f64>) {
-        if !self.visible || self.start.elapsed() < PATIENCE {
+        if !self.visible || self.start.elapsed() < DELAY {
             return;
         }
         if !self.shown.swap(true, Ordering::Relaxed) {

@@ -88,13 +88,13 @@ impl Support {
     /// True if the cell can contribute more than `least` per world unit. With `least` = 1e-6 divided by the
     /// grid's diameter no pixel changes by more than 1e-6 when all other cells are left out.
     pub fn touches(&self, s: &[f64; 4], g: &[f64; 4], fields: &[[f64; 4]], least: f64) -> bool {
-        self.toucher(0, s, g, fields, least).is_some()
+        self.first_overlapping_widget(0, s, g, fields, least).is_some()
     }
 
     /// The widget by which the cell can contribute as much ([`Support::touches`]), `first` asked before the others: cells side
     /// by side are often touched by the same.
     #[inline]
-    pub fn toucher(
+    pub fn first_overlapping_widget(
         &self,
         first: usize,
         s: &[f64; 4],

@@ -34,13 +34,13 @@ impl EditContext {
     }
 
     /// All changes, the text that they make, and what it states.
-    pub fn apply(self) -> Result<EditOutcome> {
+    pub fn finish(self) -> Result<EditOutcome> {
         let (delta, text, syntax) = self.draft.into_delta()?;
         Ok(EditOutcome { delta, text, syntax, survey: self.survey })
     }
 
     /// Carries one out. `shown`: the places of the nodes in the view, which the file gets where it has none.
-    pub fn carry_out(&mut self, edit: &Edit, shown: &dyn Fn(&str) -> Option<[f64; 2]>) -> Result<()> {
+    pub fn apply(&mut self, edit: &Edit, shown: &dyn Fn(&str) -> Option<[f64; 2]>) -> Result<()> {
         self.change(edit, shown)?;
         self.draft.reparse()?;
         self.survey = Arc::new(Pipeline::survey(self.draft.text()));
