@@ -222,7 +222,7 @@ fn an_integrator_that_the_named_engine_lacks_is_refused_by_check() {
     let gpu = [&reference[..], &["--set", "picture.engine=gpu"]].concat();
     folder.voltet(&gpu).fails(2, &["no shader", "reference", "analytic"]);
     let explained = folder.voltet(&["explain", "slab.toml", "--set", "picture.integrator=reference"]).ok();
-    let wanted = "reference (the integrator is the 64-bit reference)";
+    let wanted = "reference (the integrator reference has an engine of its own)";
     assert!(explained.stdout.contains(wanted), "{}", explained.stdout);
 }
 

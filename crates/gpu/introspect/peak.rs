@@ -1,4 +1,4 @@
-//! What a device can do at most, for times to be held against.
+//! Peak rate of a device, for comparison with times.
 
 use crate::device::bindings::{Bound, in_order};
 use crate::device::open::Device;
@@ -10,7 +10,7 @@ use voltet_shaders::multiply_adds;
 /// A measurement's shortest time: a thousand times what submitting and waiting take.
 const LONG_ENOUGH: Duration = Duration::from_millis(50);
 
-/// Of each measurement the best counts: what else runs on the device only slows it down.
+/// Number of measurements, of which the best counts: other work on the device only slows it down.
 const TRIES: usize = 3;
 
 impl Device {

@@ -2,7 +2,7 @@
 
 use voltet_core::{Error, Result};
 
-/// What takes a device's cells to the picture.
+/// Way from a device's cells to the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Compositor {
     /// Compute passes over tiles of pixels.
@@ -58,7 +58,7 @@ impl Compositor {
     }
 }
 
-/// How the exact order of what is blended is checked.
+/// Check of the exact order of cells that are blended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum OrderCheck {
     /// Not at all.
@@ -85,7 +85,7 @@ impl OrderCheck {
     }
 }
 
-/// What blending hardware accumulates in. Tiles have 32-bit floats always.
+/// Number format that blending hardware accumulates in. Tiles always have 32-bit floats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Accumulation {
     /// Floats.
@@ -108,7 +108,7 @@ impl Accumulation {
         ("16-bit", "rounded to multiples of 1/65536 after each cell"),
     ];
 
-    /// Those of [`Accumulation::WORDS`], in their order.
+    /// Formats of [`Accumulation::WORDS`], in their order.
     pub const ALL: [Accumulation; 4] =
         [Accumulation::Float, Accumulation::Bits8, Accumulation::Bits12, Accumulation::Bits16];
 
@@ -146,7 +146,7 @@ pub struct CompositorChoice {
 
 /// Short texts that outlast the program, each under the text of its key.
 pub trait KeyValueStore: Sync {
-    /// What was kept under the key; `None` where there is nothing or it is damaged.
+    /// Value stored under the key; `None` where there is nothing or it is damaged.
     fn recall(&self, key: &str) -> Option<String>;
 
     /// Keeps a text, if it can be kept.

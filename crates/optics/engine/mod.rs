@@ -24,23 +24,23 @@ use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_graph::MayLeaveOut;
 
-/// What is known of an engine before it is opened.
+/// Description of an engine before it is opened.
 #[derive(Debug, Clone, Copy)]
 pub struct EngineInfo {
     /// Its name in pipeline files and reports.
     pub name: &'static str,
-    /// What it is, in a few words: the meaning of its name as a value of the parameter `engine`.
+    /// Summary in a few words: the meaning of its name as a value of the parameter `engine`.
     pub summary: &'static str,
-    /// What `auto` takes where it takes this engine, and if what; follows "the run takes". `None`: it takes it only by name.
+    /// Text for `auto` taking this engine, after "the run takes"; `None` for an engine that is taken only by name.
     pub taken: Option<&'static str>,
     /// Why this build does not have it.
     pub unavailable_reason: Option<&'static str>,
-    /// Whether it runs on a device, which `adapter` names: it may not be there, has limits of its own, and keeps from frame to
+    /// True if it runs on a device, which `adapter` names: it may be missing, has limits of its own, and keeps from frame to
     /// frame what was set up on it. Other engines draw every scene and set up each frame anew ([`Stage::SetUp`]).
     pub on_device: bool,
     /// The ways in which it composites; none where it has one only, of every order.
     pub compositing: &'static [Compositor],
-    /// Whether the scene is beyond it on any device, found before data are read. What depends on the data is found when it is
+    /// Refuses a scene that no device of it can draw, before data are read. Limits that depend on the data are checked when it is
     /// drawn.
     pub can_serve: fn(&TransferFunction, &Shading) -> Result<()>,
     /// The adapters that it finds here, in words.
@@ -98,7 +98,7 @@ impl EngineInfo {
         }
     }
 
-    /// Whether the scene is beyond the engine on any device, or the build is without it.
+    /// Refuses a scene that the engine cannot draw on any device, and a build without it.
     pub fn can_serve(&self, transfer_function: &TransferFunction, shading: &Shading) -> Result<()> {
         self.check()?;
         (self.can_serve)(transfer_function, shading)
@@ -109,7 +109,7 @@ impl EngineInfo {
         self.open_remembering(wish, &NoStore)
     }
 
-    /// The same; that there is no hardware adapter is remembered, where that can be known to be so still. Errors: those of
+    /// Opens it; the absence of a hardware adapter is cached while that can be checked to hold still. Errors: those of
     /// [`Declaration::open`].
     pub fn open_remembering(
         &self,
@@ -175,10 +175,10 @@ impl RenderOptions {
 
 /// An engine that is open: what it runs on is there. `Any`: a crate that knows an engine's own type finds it again.
 pub trait Engine: Any + Send + Sync {
-    /// What it runs on, for people: a device, or vector units and threads.
+    /// Name of its device, or of its vector units and threads.
     fn adapter(&self) -> String;
 
-    /// What pages that compare engines call it.
+    /// Name on pages that compare engines.
     fn label(&self) -> String {
         self.adapter()
     }
@@ -188,12 +188,12 @@ pub trait Engine: Any + Send + Sync {
         None
     }
 
-    /// Whether it runs on a program on the CPU that stands in for a device.
+    /// True if it runs on a program on the CPU that stands in for a device.
     fn is_software(&self) -> bool {
         false
     }
 
-    /// Whether the device has been lost: nothing can be done with the engine any more.
+    /// True if the device has been lost: the engine cannot be used any more.
     fn is_lost(&self) -> bool {
         false
     }
@@ -201,7 +201,7 @@ pub trait Engine: Any + Send + Sync {
     /// Takes in a volume: what frames of it share is made once. Errors: what the device cannot hold.
     fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn PreparedVolume>>;
 
-    /// Which way of compositing serves the scene best here, where the engine has several. May measure; what was measured is
+    /// Best compositor for the scene on this device, if the engine has several. It may measure; the result is
     /// kept in `memory`. Errors: a stopped run.
     fn choose(
         &self,

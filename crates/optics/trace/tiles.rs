@@ -141,7 +141,7 @@ impl Tracer<'_> {
         lists
     }
 
-    /// Whether a plane through the eye along a tile's edge has the cell on one side and the tile on the other.
+    /// True if a plane through the eye along a tile's edge has the cell on one side and the tile on the other.
     fn beside(&self, corners: &[[f64; 3]; 4], axis: usize, tile: usize) -> bool {
         let place = |pixel: f64| {
             let ray = self.ray(pixel, pixel);

@@ -143,7 +143,7 @@ pub struct Time {
     /// What draws: the CPU, a graphics device, or both.
     #[arg(long, value_name = "WHICH", value_parser = engines(), default_value = "all")]
     pub engine: Engines,
-    /// How a graphics device composites, separated by commas: tiles, raster, triangles; each of them without it.
+    /// How a graphics device composites, separated by commas: tiles, raster; each of them without it.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = compositors())]
     pub compositor: Vec<Compositor>,
     /// The graphics device to measure: a part of its name, or discrete, integrated, virtual, software.
