@@ -9,6 +9,7 @@
 //! | `papers` | tables and figures of the papers, made anew (feature of that name) |
 //! | [`no_leave_out`] | a run that leaves nothing out, held against the usual one |
 
+mod columns;
 mod devices;
 pub mod gradient_test;
 pub mod no_leave_out;

@@ -2,11 +2,9 @@
 
 use super::meshes::Mesh;
 use super::report::{FilterReport, GradientTest};
-use crate::work_precision::canvas::{Anchor, Axis, Canvas, Color, Mark, Size, Symbol, WHITE, shown};
+use crate::work_precision::canvas::{Anchor, Axis, BLACK, Canvas, Color, Mark, Size, Symbol, WHITE, shown};
 
 const SIZE: [f64; 2] = [960.0, 760.0];
-const BLACK: Color = [20, 20, 20];
-const FAINT: Color = [225, 225, 225];
 /// Left and right ends of the panels in a row, top and bottom of those in a column.
 const ACROSS: [[f64; 2]; 2] = [[80.0, 460.0], [560.0, 940.0]];
 const DOWN: [[f64; 2]; 2] = [[70.0, 310.0], [390.0, 630.0]];
@@ -75,21 +73,7 @@ pub fn plot(test: &GradientTest) -> Canvas {
 const LEAST: f64 = 1e-14;
 
 fn frame(canvas: &mut Canvas, name: &str, [x, y]: [&Axis; 2], [left, top, right, bottom]: [f64; 4]) {
-    for (value, label) in x.ticks() {
-        let place = x.place(value);
-        if let Some(label) = label {
-            canvas.line(&[[place, top], [place, bottom]], 1.0, FAINT, &[]);
-            canvas.text([place, bottom + 14.0], &label, Size::Small, Anchor::Middle, BLACK);
-        }
-    }
-    for (value, label) in y.ticks() {
-        let place = y.place(value);
-        if let Some(label) = label {
-            canvas.line(&[[left, place], [right, place]], 1.0, FAINT, &[]);
-            canvas.text([left - 8.0, place], &label, Size::Small, Anchor::End, BLACK);
-        }
-    }
-    canvas.line(&[[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], 1.0, BLACK, &[]);
+    canvas.plane([x, y], [left, top, right, bottom]);
     canvas.text([left, top - 14.0], &format!("{name} grid"), Size::Small, Anchor::Start, BLACK);
     canvas.text([right, top - 14.0], "relative error, rms", Size::Small, Anchor::End, BLACK);
     let middle = [0.5 * (left + right), bottom + 34.0];

@@ -1,6 +1,7 @@
 //! The test as tables of plain text.
 
 use super::report::{FilterReport, GradientTest, Series};
+use crate::columns::aligned;
 use std::fmt::Write;
 
 /// Everything, filters side by side.
@@ -8,7 +9,10 @@ pub fn text(test: &GradientTest) -> String {
     let mut text = String::new();
     for table in tables(test) {
         line(&mut text, &format!("\n{}", table.title));
-        text += &aligned(&table.heads, &table.rows);
+        // The first column at least is a name; further ones stand before the filters.
+        let is_name = |k: usize| k == 0 || matches!(table.heads[k].as_str(), "field" | "where");
+        let rows = [std::slice::from_ref(&table.heads), &table.rows].concat();
+        aligned(&rows, is_name).lines().for_each(|row| line(&mut text, &format!("  {row}")));
         if !table.note.is_empty() {
             line(&mut text, &format!("  {}", table.note));
         }
@@ -213,26 +217,6 @@ fn picture_rows(filters: &[FilterReport]) -> Vec<Vec<String>> {
         ]
     };
     rows(filters, of, String::clone)
-}
-
-/// Columns of equal width; figures to the right, names to the left.
-fn aligned(heads: &[String], rows: &[Vec<String>]) -> String {
-    let width = |k: usize| {
-        let cells = rows.iter().filter_map(|row| row.get(k)).chain(heads.get(k));
-        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
-    };
-    let widths: Vec<usize> = (0..heads.len()).map(width).collect();
-    // What a row is of stands before the filters; the first column at least is a name.
-    let is_name = |k: usize| k == 0 || matches!(heads[k].as_str(), "field" | "where");
-    let mut text = String::new();
-    for row in std::iter::once(heads).chain(rows.iter().map(Vec::as_slice)) {
-        let cells = row.iter().enumerate().map(|(k, cell)| {
-            let gap = " ".repeat(widths[k].saturating_sub(cell.chars().count()));
-            if is_name(k) { format!("{cell}{gap}") } else { format!("{gap}{cell}") }
-        });
-        line(&mut text, format!("  {}", cells.collect::<Vec<_>>().join("  ")).trim_end());
-    }
-    text
 }
 
 fn line(text: &mut String, of: &str) {

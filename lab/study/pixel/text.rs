@@ -1,6 +1,7 @@
 //! A pixel as a table for a terminal.
 
 use super::record::Pixel;
+use crate::columns::aligned;
 use voltet_io::encode::srgb_from_linear;
 use voltet_optics::trace::CellCrossing;
 
@@ -94,7 +95,7 @@ fn cells(pixel: &Pixel, shown: &[usize]) -> String {
         row.extend(step.contribution().map(number));
         rows.push(row);
     }
-    aligned(&rows)
+    table(&rows)
 }
 
 /// Shares of the optical depth under this are not shown.
@@ -144,7 +145,7 @@ fn sums(pixel: &Pixel) -> String {
             Err(why) => cannot += &format!("{name}: cannot, {why}\n"),
         }
     }
-    aligned(&rows) + &cannot
+    table(&rows) + &cannot
 }
 
 /// Linear colour as an 8-bit sRGB one.
@@ -172,23 +173,10 @@ pub(super) fn number(x: f64) -> String {
     }
 }
 
-/// Rows in columns: numbers to the right, what else there is to the left. The first row is the head.
-fn aligned(rows: &[Vec<String>]) -> String {
-    let columns = rows[0].len();
-    let width = |c: usize| rows.iter().map(|row| row[c].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..columns).map(width).collect();
+/// Rows in columns, those of numbers alone to the right. The first row is the head.
+fn table(rows: &[Vec<String>]) -> String {
     let is_number = |text: &str| text.is_empty() || text.parse::<f64>().is_ok();
-    let right: Vec<bool> = (0..columns).map(|c| rows[1..].iter().all(|row| is_number(&row[c]))).collect();
-    let mut text = String::new();
-    for row in rows {
-        let cell = |c: usize| match right[c] {
-            true => format!("{:>1$}", row[c], widths[c]),
-            false => format!("{:<1$}", row[c], widths[c]),
-        };
-        text += (0..columns).map(cell).collect::<Vec<_>>().join("  ").trim_end();
-        text += "\n";
-    }
-    text
+    aligned(rows, |c| !rows[1..].iter().all(|row| is_number(&row[c])))
 }
 
 #[cfg(test)]
@@ -216,6 +204,6 @@ mod tests {
     #[test]
     fn columns_of_numbers_stand_to_the_right() {
         let rows = [["#", "what"], ["1", "a"], ["23", ""]].map(|row| row.map(String::from).to_vec());
-        assert_eq!(aligned(&rows), " #  what\n 1  a\n23\n");
+        assert_eq!(table(&rows), " #  what\n 1  a\n23\n");
     }
 }

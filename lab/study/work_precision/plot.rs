@@ -1,6 +1,6 @@
 //! The work-precision plot: error over time, both in powers of ten, the Pareto front marked.
 
-use super::canvas::{Anchor, Axis, Canvas, Color, Mark, Size, Symbol, WHITE, shown};
+use super::canvas::{Anchor, Axis, BLACK, Canvas, Color, Mark, Size, Symbol, WHITE, shown};
 use super::{RendererVariant, Row, Study};
 use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::{
@@ -13,9 +13,7 @@ const SIZE: [f64; 2] = [960.0, 600.0];
 /// Left, top, right, bottom of the plane within the axes.
 const PLANE: [f64; 4] = [84.0, 46.0, 716.0, 540.0];
 
-const BLACK: Color = [20, 20, 20];
 const GREY: Color = [110, 110, 110];
-const FAINT: Color = [225, 225, 225];
 
 /// Errors are drawn no lower than this: less is below what 32-bit numbers near 1 can tell apart.
 const LEAST_ERROR: f64 = 1e-8;
@@ -149,23 +147,7 @@ fn is_swept(integrator: &Integrator) -> bool {
 
 fn axes(canvas: &mut Canvas, [x, y]: [&Axis; 2], title: &str, [time, error]: [&str; 2]) {
     let [left, top, right, bottom] = PLANE;
-    for (value, label) in x.ticks() {
-        let place = x.place(value);
-        if let Some(label) = label {
-            canvas.line(&[[place, top], [place, bottom]], 1.0, FAINT, &[]);
-            canvas.text([place, bottom + 16.0], &label, Size::Small, Anchor::Middle, BLACK);
-        }
-        canvas.line(&[[place, bottom], [place, bottom + 4.0]], 1.0, BLACK, &[]);
-    }
-    for (value, label) in y.ticks() {
-        let place = y.place(value);
-        if let Some(label) = label {
-            canvas.line(&[[left, place], [right, place]], 1.0, FAINT, &[]);
-            canvas.text([left - 8.0, place], &label, Size::Small, Anchor::End, BLACK);
-        }
-        canvas.line(&[[left - 4.0, place], [left, place]], 1.0, BLACK, &[]);
-    }
-    canvas.line(&[[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], 1.0, BLACK, &[]);
+    canvas.plane([x, y], PLANE);
     canvas.text([left, 22.0], &shown(title, 72), Size::Large, Anchor::Start, BLACK);
     let middle = [0.5 * (left + right), bottom + 40.0];
     canvas.text(middle, time, Size::Small, Anchor::Middle, BLACK);

@@ -26,6 +26,12 @@ pub type Color = [u8; 3];
 /// White, the paper.
 pub const WHITE: Color = [255; 3];
 
+/// Black, of text and outlines.
+pub const BLACK: Color = [20, 20, 20];
+
+/// Grey of grid lines.
+const FAINT: Color = [225, 225, 225];
+
 /// Something drawn.
 #[derive(Debug, Clone)]
 pub enum Mark {
@@ -199,6 +205,28 @@ impl Canvas {
     /// A line.
     pub fn line(&mut self, points: &[[f64; 2]], width: f64, color: Color, dashes: &'static [f64]) {
         self.marks.push(Mark::Line { points: points.to_vec(), width, color, dashes });
+    }
+
+    /// Draws a plane within two axes: lines and labels at their ticks, and its outline. `plane`: left, top, right, bottom.
+    pub fn plane(&mut self, [x, y]: [&Axis; 2], [left, top, right, bottom]: [f64; 4]) {
+        for (value, label) in x.ticks() {
+            let place = x.place(value);
+            if let Some(label) = label {
+                self.line(&[[place, top], [place, bottom]], 1.0, FAINT, &[]);
+                self.text([place, bottom + 16.0], &label, Size::Small, Anchor::Middle, BLACK);
+            }
+            self.line(&[[place, bottom], [place, bottom + 4.0]], 1.0, BLACK, &[]);
+        }
+        for (value, label) in y.ticks() {
+            let place = y.place(value);
+            if let Some(label) = label {
+                self.line(&[[left, place], [right, place]], 1.0, FAINT, &[]);
+                self.text([left - 8.0, place], &label, Size::Small, Anchor::End, BLACK);
+            }
+            self.line(&[[left - 4.0, place], [left, place]], 1.0, BLACK, &[]);
+        }
+        let ring = [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]];
+        self.line(&ring, 1.0, BLACK, &[]);
     }
 
     /// A line of text.
