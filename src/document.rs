@@ -1,6 +1,5 @@
 //! A pipeline file, or a picture that carries one, with its text and its checked graph.
 
-use crate::output_conflicts::refuse;
 use crate::stated_text::stated;
 use std::path::{Path, PathBuf};
 use voltet_core::{Error, Result};
@@ -17,11 +16,11 @@ pub struct Document {
     pub path: PathBuf,
     /// Its text.
     pub text: String,
-    /// What it states, with the options carried out.
+    /// Parsed pipeline, with the options carried out.
     pub pipeline: Pipeline,
     /// The graph that it makes.
     pub graph: Graph,
-    /// What the picture says of itself, where the pipeline comes from one.
+    /// Provenance of the picture that carries it.
     pub carried: Option<Provenance>,
 }
 
@@ -32,12 +31,12 @@ impl Document {
         Self::from_source(path, Source::read(path)?, options, registry)
     }
 
-    /// The same for a text that was read already; paths in it are relative to the folder of `path`.
+    /// Like [`Document::open`], for a text; paths in it are relative to the folder of `path`.
     pub fn from_text(path: &Path, text: String, options: &[String], registry: &Registry) -> Result<Document> {
         Self::from_source(path, Source { text, embedded: None }, options, registry)
     }
 
-    /// The same for what was read already.
+    /// Like [`Document::open`], for a source that was read before.
     pub fn from_source(
         path: &Path,
         source: Source,
@@ -56,17 +55,12 @@ impl Document {
         Ok(Document { path: path.to_path_buf(), text, pipeline, graph, carried })
     }
 
-    /// Completes an error of a run with the place in this file.
+    /// Completes an error of a run with its location in this file.
     pub fn locate(&self, error: Error) -> Error {
         locate(error, &self.text, &self.path)
     }
 
-    /// Refuses a run that would write over what it reads, or write one file twice.
-    pub fn refuse_collisions(&self) -> Result<()> {
-        refuse([self], true, &[]).map_err(|(error, _)| error)
-    }
-
-    /// Of a picture: finds out, before any work, whether the data files that it names are there.
+    /// Checks, before any work, that the data files that a picture names exist.
     pub fn refuse_missing_data(&self) -> Result<()> {
         for (node, named, former) in self.data() {
             let path = named.from(&self.graph.folder);
@@ -85,7 +79,7 @@ impl Document {
         Ok(())
     }
 
-    /// Of a picture: data files that are not those that it was drawn from, by their sizes.
+    /// Warnings about data files that have changed since a picture was drawn, by their sizes.
     pub fn changed_data(&self) -> Vec<Error> {
         let changed = self.data().filter_map(|(node, named, former)| {
             let path = named.from(&self.graph.folder);
@@ -100,7 +94,7 @@ impl Document {
         changed.collect()
     }
 
-    /// Of a picture: plug-ins that are not those that it was drawn with.
+    /// Warnings about plug-ins that have changed since a picture was drawn.
     pub fn changed_plugins(&self) -> Vec<Error> {
         let drawn_with = self.carried.iter().flat_map(|carried| &carried.plugins);
         let changed = drawn_with.filter_map(|then| {

@@ -1,7 +1,7 @@
-//! What a call reads and writes, by the file that is meant: no output may be an input or another output.
+//! Conflicts of inputs and outputs of a call, by file identity: no output may be an input or another output.
 
 use crate::Document;
-use crate::core::Error;
+use crate::core::{Error, Result};
 use crate::graph::SourceSpan;
 use crate::io::formats::files_beside;
 use crate::nodes::files::{Use, collision};
@@ -12,7 +12,7 @@ use std::path::PathBuf;
 pub struct OptionFile {
     /// The path.
     pub path: PathBuf,
-    /// Whether it is written; it is read otherwise.
+    /// True if it is written, false if it is read.
     pub written: bool,
     /// The option as typed.
     pub option: String,
@@ -26,7 +26,7 @@ impl OptionFile {
     }
 }
 
-/// A use of a file, with what is said about it.
+/// A use of a file, with its description for messages.
 struct Entry<'a> {
     one: Use,
     /// "'path' of the node 'file'".
@@ -50,13 +50,23 @@ impl Entry<'_> {
     }
 }
 
-/// Refuses a call that would write over what it reads or has written. `nodes_write`: whether the nodes that write run.
-/// The error comes with the text that it points into.
+impl Document {
+    /// Refuses a run that would overwrite its inputs, or write one file twice.
+    ///
+    /// # Errors
+    /// - an output that is an input, or another output.
+    pub fn refuse_collisions(&self) -> Result<()> {
+        refuse([self], true, &[]).map_err(|(error, _)| error)
+    }
+}
+
+/// Refuses a call that would overwrite its inputs or outputs. `nodes_write`: true if the writers run. The error comes with the text
+/// that it points into.
 pub fn refuse<'a>(
     documents: impl IntoIterator<Item = &'a Document>,
     nodes_write: bool,
     options: &'a [OptionFile],
-) -> Result<(), (Error, Option<&'a str>)> {
+) -> std::result::Result<(), (Error, Option<&'a str>)> {
     let mut entries: Vec<Entry> = Vec::new();
     for document in documents {
         entries.push(of_pipeline(document));
@@ -93,7 +103,7 @@ pub fn refuse<'a>(
     Err(((writer.blame)(error), writer.document.map(|document| document.text.as_str())))
 }
 
-/// What is read with a file because it names it.
+/// Files that are read with a file because it names them.
 fn beside<'a>(entry: &Entry<'a>) -> Vec<Entry<'a>> {
     let by = format!("the data file '{}'", entry.one.path.display());
     let of = |path| Entry {

@@ -1,4 +1,4 @@
-//! Options of the command line carried out in the text of a pipeline file: comments and what is not asked for stay.
+//! Options of the command line carried out in the text of a pipeline file: comments and all else stay.
 
 use voltet_core::Result;
 use voltet_document::{Document, Edit, Path};

@@ -1,7 +1,7 @@
 //! Functions that the library exports; `include/voltet.h` documents each, with ownership and errors.
 //!
 //! # Safety
-//! Of all of them: addresses are null or as the header says.
+//! Addresses are null or as the header says.
 #![allow(clippy::missing_safety_doc)]
 
 use crate::camera;

@@ -102,10 +102,10 @@ pub struct Follow {
     pub cancelled: Option<unsafe extern "C" fn(*mut c_void) -> c_int>,
 }
 
-/// A struct that a caller may hand over: all its fields are numbers and addresses, for which zero bytes are values.
+/// A struct of a caller: all its fields are numbers and addresses, for which zero bytes are values.
 ///
 /// # Safety
-/// That is so, and the first field is the size.
+/// All bytes are values of the type, and its first field is the size.
 pub(crate) unsafe trait Sized0: Copy {
     /// Its name in the header.
     const NAME: &'static str;

@@ -80,9 +80,7 @@ pub struct Parameter {
     pub help: *const c_char,
     pub flags: u32,
     pub length: u32,
-    /// `least` in C.
     pub min: f64,
-    /// `most` in C.
     pub max: f64,
     pub number: f64,
     pub text: *const c_char,

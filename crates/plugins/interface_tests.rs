@@ -29,7 +29,7 @@ fn the_header_has_the_same_layout() {
     let layout = layout! {
         voltet_host = Host { size, major, minor, patch, thread_count, reserved, program, context, progress, cancelled, error,
                              fallback, parallel_for }
-        voltet_parameter = Parameter { size, parameter_type as type, name, unit, help, flags, length, min as least, max as most, number, text,
+        voltet_parameter = Parameter { size, parameter_type as type, name, unit, help, flags, length, min, max, number, text,
                                        numbers, unset, word_count, reserved, words, meanings }
         voltet_values = Values { size, count, integers, numbers, texts, vectors, lengths }
         voltet_call = GradientCall { size, reserved, point_count, cell_count, points, cells, neighbour_starts, neighbours, cell_starts,

@@ -153,7 +153,7 @@ static const voltet_parameter reader_parameters[] = {{
     .name = "scale",
     .help = "the factor on positions",
     .flags = VOLTET_EXCLUSIVE_MIN,
-    .most = INFINITY,
+    .max = INFINITY,
     .number = 1,
 }};
 static const char *const extensions[] = {"cells"};

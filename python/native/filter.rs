@@ -24,7 +24,7 @@ static FILTERS: Mutex<Vec<Arc<Function>>> = Mutex::new(Vec::new());
 static REGISTERED: AtomicU64 = AtomicU64::new(0);
 
 thread_local! {
-    /// What the last filter on this thread raised.
+    /// Exception of the last filter on this thread.
     static RAISED: RefCell<Option<PyErr>> = const { RefCell::new(None) };
     /// The run that this thread does.
     static RUN: Cell<Option<Run>> = const { Cell::new(None) };
@@ -104,7 +104,7 @@ pub fn epoch() -> u64 {
     REGISTERED.load(Ordering::Acquire)
 }
 
-/// What the last filter on this thread raised, once.
+/// Exception of the last filter on this thread, once.
 pub fn raised() -> Option<PyErr> {
     RAISED.take()
 }

@@ -43,7 +43,7 @@ impl<T: Element + Sync> Lent<T> {
         self.values
     }
 
-    /// What holds the memory.
+    /// Owner of the memory.
     pub fn keep(&self) -> Arc<PyBuffer<T>> {
         self.keep.clone()
     }

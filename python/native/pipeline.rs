@@ -9,7 +9,7 @@ use crate::memory::{Lent, array, handed_over};
 use crate::point_values::in_caller_order;
 use crate::report::Report;
 use crate::state::State;
-use crate::study::{Asked, study};
+use crate::study::{StudyOptions, study};
 use crate::value::{object, settings, table};
 use crate::watch::{Piece, any_changed};
 use pyo3::prelude::*;
@@ -379,11 +379,12 @@ impl Pipeline {
         output: Option<PathBuf>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<(String, Bound<'py, PyAny>)> {
-        let asked = Asked { node, only, engine: engine.into(), adapter, frames, patience, max_error, output };
+        let options =
+            StudyOptions { node, only, engine: engine.into(), adapter, frames, patience, max_error, output };
         let (text, reference) = self.long(py, progress.as_ref(), |state, observer| {
             let document = state.document()?;
             let title = document.pipeline.title.clone().unwrap_or_default();
-            study(&document.graph, &title, &asked, observer).map_err(|error| state.source.locate(error))
+            study(&document.graph, &title, &options, observer).map_err(|error| state.source.locate(error))
         })?;
         Ok((text, handed_over(py, reference)?))
     }

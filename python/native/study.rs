@@ -8,12 +8,12 @@ use voltet_core::{Error, Result};
 use voltet_graph::{Graph, Observer, suggest};
 use voltet_nodes::drawing::ENGINES;
 use voltet_study::work_precision::{
-    Benches, Engines, Frames, Measure, StudyOptions, Subject, cache_folder, json, reference, studied,
-    study as measure, write,
+    Benches, Engines, Frames, Measure, StudyOptions as Options, Subject, cache_folder, json, reference,
+    studied, study as measure, write,
 };
 
-/// What is asked of a study, as on the command line.
-pub struct Asked {
+/// Options of a study, as on the command line.
+pub struct StudyOptions {
     pub node: Option<String>,
     pub only: Vec<String>,
     /// "cpu", "gpu" or "all".
@@ -23,12 +23,12 @@ pub struct Asked {
     /// Seconds.
     pub patience: f64,
     pub max_error: Option<f64>,
-    /// Where its files go; `None`: nowhere.
+    /// Folder of its files; `None`: none are written.
     pub output: Option<PathBuf>,
 }
 
-impl Asked {
-    fn wish(&self) -> Result<StudyOptions> {
+impl StudyOptions {
+    fn request(&self) -> Result<Options> {
         let known = || studied().map(|integrator| integrator.name());
         if let Some(name) = self.only.iter().find(|name| !known().any(|known| known == name.as_str())) {
             let error = Error::usage("'only' names no integrator that can be studied").got(name);
@@ -57,7 +57,7 @@ impl Asked {
         if self.frames == 0 {
             return Err(Error::usage("'frames' is out of range").got(0).expected("1 or more"));
         }
-        Ok(StudyOptions {
+        Ok(Options {
             only: self.only.clone(),
             engines,
             adapter: self.adapter.clone(),
@@ -79,20 +79,20 @@ impl Asked {
 pub fn study(
     graph: &Graph,
     title: &str,
-    asked: &Asked,
+    options: &StudyOptions,
     observer: &dyn Observer,
 ) -> Result<(String, Picture)> {
-    let wish = asked.wish()?;
+    let request = options.request()?;
     let progress = NodeProgress { observer, node: "study" };
     let mut session = voltet_nodes::session();
-    let subject = Subject::gather(graph, asked.node.as_deref(), false, &mut session, observer)?;
-    let benches = Benches::open(&subject, &wish)?;
+    let subject = Subject::gather(graph, options.node.as_deref(), false, &mut session, observer)?;
+    let benches = Benches::open(&subject, &request)?;
     let reference = reference(&subject, &cache_folder(), &progress)?;
-    let study = measure(subject, wish, benches, reference, &progress)?;
+    let study = measure(subject, request, benches, reference, &progress)?;
     if study.stopped() && observer.cancelled() {
         return Err(Error::cancelled());
     }
-    if let Some(folder) = &asked.output {
+    if let Some(folder) = &options.output {
         write(&study, title, folder)?;
     }
     Ok((json(&study, title).to_string(), study.reference.picture))

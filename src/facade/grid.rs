@@ -134,7 +134,7 @@ impl Grid {
     }
 
     fn add(mut self, name: &str, array: Array, on_cells: bool) -> Result<Grid> {
-        let (raw, _) = self.arrays("arrays are added")?;
+        let (raw, _) = self.raw("arrays are added")?;
         let (tuples, kind) =
             if on_cells { (raw.cells.count(), "cells") } else { (raw.points.len(), "points") };
         let Array { component_count, values } = array;
@@ -154,7 +154,7 @@ impl Grid {
     /// - another number of flags than cells;
     /// - a grid that is no program's.
     pub fn ghost_cells(mut self, flags: Vec<bool>) -> Result<Grid> {
-        let (raw, _) = self.arrays("cells are marked as ghosts")?;
+        let (raw, _) = self.raw("cells are marked as ghosts")?;
         if flags.len() != raw.cells.count() {
             let error = Error::usage("the ghost flags have the wrong number").got(flags.len());
             return Err(error.expected(format!("{}, one a cell", raw.cells.count())));
@@ -206,7 +206,22 @@ impl Grid {
         self
     }
 
-    fn arrays(&mut self, action: &str) -> Result<(&mut RawGrid, &mut Options)> {
+    /// Names of its arrays.
+    ///
+    /// # Errors
+    /// - a file that cannot be read.
+    pub fn array_names(&self) -> Result<Vec<String>> {
+        let names = |arrays: &mut dyn Iterator<Item = &String>| arrays.cloned().collect();
+        Ok(match &self.source {
+            Source::Arrays(raw, _) => names(&mut raw.point_arrays.keys().chain(raw.cell_arrays.keys())),
+            Source::File(path, request) => {
+                formats::arrays(path, request)?.into_iter().map(|array| array.name).collect()
+            }
+            Source::Built(grid) => names(&mut grid.point_arrays.keys()),
+        })
+    }
+
+    fn raw(&mut self, action: &str) -> Result<(&mut RawGrid, &mut Options)> {
         match &mut self.source {
             Source::Arrays(raw, options) => Ok((raw, options)),
             Source::File(..) | Source::Built(_) => {

@@ -1,4 +1,4 @@
-//! What is kept of a projected cell: one record of 64 bytes, and 24 bytes for each attribute.
+//! Projected cell: its face planes in 64 bytes, and 24 bytes for each attribute.
 //!
 //! With z the depth of a point and z₀ the depth chosen for the cell, v = z₀/z − 1 (perspective) or v = z₀ − z
 //! (parallel rays) is affine on every plane, in pixel coordinates: nearer points have the larger v, and v is
@@ -50,4 +50,4 @@ pub(crate) struct AttributePlane {
 /// Words of 32 bits in a record.
 pub(crate) const CELL_WORDS: usize = 16;
 /// Coefficients beyond this stand for "no constraint": the face is seen edge-on.
-pub(crate) const STEEP: f64 = 1e30;
+pub(crate) const UNBOUNDED_SLOPE: f64 = 1e30;

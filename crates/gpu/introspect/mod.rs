@@ -6,9 +6,9 @@ mod segments;
 
 pub use segments::SegmentRunner;
 
-use crate::device::open::Device;
-use crate::engine::{OnDevice, Uploaded};
-use crate::frame::draw;
+use crate::device::device_handle::Device;
+use crate::engine::{GpuEngine, GpuVolume};
+use crate::frame::inputs::choices;
 use std::any::Any;
 use std::sync::Arc;
 use voltet_core::Result;
@@ -18,7 +18,7 @@ use voltet_shaders::{Shader, compose};
 
 /// Device of an engine, if it is this crate's.
 pub fn device_of(engine: &dyn Engine) -> Option<&Arc<Device>> {
-    (engine as &dyn Any).downcast_ref().map(|OnDevice { device, .. }| device)
+    (engine as &dyn Any).downcast_ref().map(|GpuEngine { device, .. }| device)
 }
 
 /// Shader that composites a scene of a volume that this crate's engine prepared. Errors: those of drawing the scene.
@@ -27,6 +27,6 @@ pub fn compositor_shader(
     scene: &Scene,
     options: &RenderOptions,
 ) -> Result<Option<Shader>> {
-    let Some(Uploaded { renderer, .. }) = (volume as &dyn Any).downcast_ref() else { return Ok(None) };
-    Ok(Some(compose(&draw::choices(renderer, scene, options)?.0)))
+    let Some(GpuVolume { renderer, .. }) = (volume as &dyn Any).downcast_ref() else { return Ok(None) };
+    Ok(Some(compose(&choices(renderer, scene, options)?.0)))
 }

@@ -1,7 +1,7 @@
 //! Single segments through the composed shaders of a device.
 
 use crate::device::bindings::Bound;
-use crate::device::open::Device;
+use crate::device::device_handle::Device;
 use crate::device::pipelines::Program;
 use std::sync::Arc;
 use voltet_core::Result;

@@ -134,7 +134,6 @@ impl RenderConfig {
     /// Configuration by which the file would draw the scene with this variant.
     pub fn of_file(subject: &Subject, variant: RendererVariant) -> RenderConfig {
         let Scene { shading, order, .. } = subject.scene;
-        let order = if order == VisibilityOrder::Auto { VisibilityOrder::Exact } else { order };
         let accumulation = accumulation(subject, variant);
         RenderConfig {
             variant,
@@ -148,8 +147,8 @@ impl RenderConfig {
     /// The scene as this setting draws it.
     pub fn scene(&self, subject: &Subject) -> Scene {
         let shading = Shading { integrator: self.integrator, overlap: self.overlap, ..subject.scene.shading };
-        // The same picture without the work.
-        let order = if subject.needs_order { self.order } else { VisibilityOrder::Auto };
+        // Exact is no order where none is needed: the same picture without the work.
+        let order = if subject.needs_order { self.order } else { VisibilityOrder::Exact };
         Scene { shading, order, ..subject.scene.clone() }
     }
 
@@ -192,7 +191,7 @@ impl RenderConfig {
             parts.push(self.accumulation.name().into());
         }
         if self.order != VisibilityOrder::Exact {
-            parts.push(format!("order {}", order_name(self.order)));
+            parts.push(format!("order {}", self.order));
         }
         parts.join(", ")
     }
@@ -240,16 +239,6 @@ pub enum Value<'a> {
     Integer(i64),
     /// A number.
     Number(f64),
-}
-
-/// The word for an order in pipeline files.
-pub fn order_name(order: VisibilityOrder) -> &'static str {
-    match order {
-        VisibilityOrder::Exact => "exact",
-        VisibilityOrder::Centroid => "centroid",
-        VisibilityOrder::None => "none",
-        VisibilityOrder::Auto => "auto",
-    }
 }
 
 /// The word for what is done with overlaps in pipeline files.

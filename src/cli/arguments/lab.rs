@@ -39,13 +39,13 @@ pub struct Stability {
     /// The number of the first of them.
     #[arg(long, value_name = "NUMBER", default_value_t = 0, requires = "scenes")]
     pub first: u64,
-    /// What they all follow from.
+    /// Seed that all of them follow from.
     #[arg(long, value_name = "NUMBER", default_value_t = 1, requires = "scenes")]
     pub seed: u64,
     /// Write everything that was found as JSON to the standard output.
     #[arg(long)]
     pub json: bool,
-    /// Write it as Markdown: the page docs/stability.md.
+    /// Write it as Markdown: the page docs/src/explanation/stability.md.
     #[arg(long, conflicts_with_all = ["cases", "json"])]
     pub markdown: bool,
 }
@@ -69,7 +69,7 @@ pub struct Study {
     /// Integrators to look at, separated by commas; all that can serve the scene without it.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub only: Vec<String>,
-    /// What draws: the CPU, a graphics device, or both.
+    /// Engine: the CPU, a graphics device, or all.
     ///
     /// A device is measured where this machine has a graphics device, or the one that --adapter names; else the output says
     /// what is missing.
@@ -118,7 +118,7 @@ pub struct Study {
 
 #[cfg(feature = "editor")]
 impl Study {
-    /// Those of `voltet study FILE` without options.
+    /// Arguments of `voltet study FILE` without options.
     pub fn of(file: &std::path::Path) -> crate::core::Result<Study> {
         use clap::FromArgMatches;
         let command = Study::augment_args(clap::Command::new("study"));
@@ -140,10 +140,10 @@ pub struct Time {
     /// Sizes of the picture in pixels, separated by commas; those of the files without it.
     #[arg(long, value_name = "WIDTHxHEIGHT", value_delimiter = ',', value_parser = size)]
     pub size: Vec<[u32; 2]>,
-    /// What draws: the CPU, a graphics device, or both.
+    /// Engine: the CPU, a graphics device, or all.
     #[arg(long, value_name = "WHICH", value_parser = engines(), default_value = "all")]
     pub engine: Engines,
-    /// How a graphics device composites, separated by commas: tiles, raster; each of them without it.
+    /// Compositors of a graphics device, separated by commas: tiles, raster; all without it.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = compositors())]
     pub compositor: Vec<Compositor>,
     /// The graphics device to measure: a part of its name, or discrete, integrated, virtual, software.
@@ -214,7 +214,7 @@ pub struct GradientTest {
     /// Filters to measure beside it, separated by commas, with their standard values; all others without it.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub beside: Option<Vec<String>>,
-    /// What the filter is held to, separated by commas.
+    /// Requirements on the filter, separated by commas.
     #[arg(
         long,
         value_name = "WHAT",
@@ -235,7 +235,7 @@ pub struct GradientTest {
     /// Boxes along a side of the grid that is timed: 40 are 68,921 points.
     #[arg(long, value_name = "COUNT", default_value_t = 40)]
     pub timed: usize,
-    /// How often each filter is timed, after once that warms up; filters take turns.
+    /// Timed runs of each filter, after one that warms up; filters take turns.
     #[arg(long, value_name = "N", default_value_t = 5)]
     pub rounds: usize,
     /// Write everything to this file, as a page that needs no other file.
@@ -254,7 +254,7 @@ pub struct GradientTest {
     pub plugins: Plugins,
 }
 
-/// What a gradient filter is held to.
+/// Requirements on a gradient filter.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum HoldName {
     /// A finite vector at every point, on every grid.
@@ -263,7 +263,7 @@ pub enum HoldName {
     Linear,
     /// Converges inside on every family of grids: --order.
     Order,
-    /// The same gradient, but for rounding, wherever the grid stands and however it is turned, scaled and numbered.
+    /// Invariance of the gradient, but for rounding, under translation, rotation, scaling and numbering of the grid.
     Invariance,
     /// Nothing: the exit code is 0 whatever is found.
     Nothing,
@@ -306,7 +306,7 @@ pub enum MeasureName {
     Max,
     /// The root of the mean square of these differences.
     Rms,
-    /// What 99.9 % of the pixels are under.
+    /// The 99.9th percentile of these differences.
     #[value(name = "p99.9")]
     P999,
     /// The perceptual difference FLIP, mean over the pixels.

@@ -37,9 +37,9 @@ pub enum Command {
     Nodes(Nodes),
     /// Show what a data file holds, what a pipeline finds out about its data without drawing, or what a picture carries.
     ///
-    /// Of a data file: cells, arrays with ranges, bounds, and a pipeline to start with. Of a pipeline file (.toml): what
-    /// its probes find, and for each transfer function with waves how many bands the cells cross. Of a picture (.png, .exr):
-    /// the data, the camera and the pipeline that drew it.
+    /// For a data file: cells, arrays with ranges, bounds, and a pipeline to start with. For a pipeline file (.toml): findings of its
+    /// probes, and for each transfer function with waves the number of bands that the cells cross. For a picture (.png, .exr): the
+    /// data, the camera and the pipeline that drew it.
     Info(Info),
     /// Write a pipeline file for a data file, with a transfer function found from the data.
     ///
@@ -91,13 +91,13 @@ pub enum Command {
     /// under translation, rotation, scaling, numbering and the scalar's units, amplification of noise, time, memory, and the
     /// error of a picture, beside the other filters.
     GradientTest(GradientTest),
-    /// What --plugin-process starts: loads the library and answers on the standard output.
+    /// Child process of --plugin-process: loads the library and answers on the standard output.
     #[command(hide = true)]
     PluginProcess(PluginProcess),
 }
 
 impl Command {
-    /// The plug-ins that are asked for; `None` of a command that has no use for their filters.
+    /// Requested plug-ins; `None` for a command without filters.
     pub fn plugins(&self) -> Option<&Plugins> {
         match self {
             Command::Run(arguments) => Some(&arguments.plugins),
@@ -119,7 +119,7 @@ impl Command {
 }
 
 impl Info {
-    /// Whether it is of a pipeline file.
+    /// True if the data are a pipeline file.
     pub fn of_pipeline(&self) -> bool {
         self.data.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
     }
@@ -139,8 +139,8 @@ pub struct Run {
     /// Runs each file once to warm up, then in turn twice as usual and twice reading every array, computing the gradient and
     /// its length, culling nothing, keeping widgets that nothing touches, ordering every segment, building a table, using
     /// nothing again. Compares the faster of each: how much longer the whole takes, and by how much the pictures differ.
-    #[arg(long)]
-    pub no_leave_out: bool,
+    #[arg(long, alias = "no-leave-out")]
+    pub exhaustive: bool,
     /// Write times, counts and what was left out to this file, as JSON.
     #[arg(long, value_name = "R.json")]
     pub report: Option<PathBuf>,
@@ -162,7 +162,7 @@ pub struct Plugins {
     ///
     /// Pipelines name them as what ships: gradient filters by `method`, the others by `type`; `voltet nodes --plugin PATH` lists
     /// them. The libraries that
-    /// the user's own file plugins.toml names are loaded as well. No pipeline file can load any. See docs/plugins.md.
+    /// the user's own file plugins.toml names are loaded as well. No pipeline file can load any. See docs/src/how-to/plugins.md.
     #[arg(long = "plugin", value_name = "PATH")]
     pub plugin_files: Vec<PathBuf>,
     /// Load and run plug-ins in a process of their own, so that one that crashes does not end this program.
@@ -203,9 +203,9 @@ pub struct Explain {
     pub set: Set,
     #[command(flatten)]
     pub plugins: Plugins,
-    /// Explain the run of `voltet run --no-leave-out`, which does everything.
-    #[arg(long)]
-    pub no_leave_out: bool,
+    /// Explain the run of `voltet run --exhaustive`, which does everything.
+    #[arg(long, alias = "no-leave-out")]
+    pub exhaustive: bool,
 }
 
 #[derive(Debug, Args)]
@@ -291,7 +291,7 @@ pub struct Pixel {
     /// The node that draws, of type renderer, gpu-renderer or composite, where the pipeline has several.
     #[arg(long, value_name = "NODE")]
     pub node: Option<String>,
-    /// Which ray of the pixel is shown, from 0, where the camera has several samples.
+    /// Number of the pixel's ray, from 0, where the camera has several samples.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub sample: u32,
     /// Show every cell of the ray; without it the 24 that add most where there are more.

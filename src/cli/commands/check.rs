@@ -1,6 +1,6 @@
 //! `voltet check`: parses, type-checks and plans; reads no data.
 
-use super::outcome::{show, warn};
+use super::exit_status::{show, warn};
 use super::pipelines::open_all;
 use crate::cli::arguments::Files;
 use crate::cli::present::{name, print};

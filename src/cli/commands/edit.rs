@@ -15,7 +15,7 @@ pub fn edit(arguments: &Edit, registry: &Registry) -> Result<u8> {
     let study = Arc::new(move |of: &StudyOf, progress: &dyn Progress| study_of(of, &own, progress));
     let start = move |path: &std::path::Path, at: &std::path::Path| pipeline_for(path, at, &of_start);
     voltet_editor::run(arguments.file.as_deref(), registry, Arc::new(start), study)?;
-    Ok(super::outcome::DONE)
+    Ok(super::exit_status::DONE)
 }
 
 /// `voltet study` without options, of a pipeline that need not be saved.
@@ -97,7 +97,7 @@ fn pipeline_for(path: &std::path::Path, at: &std::path::Path, registry: &Registr
         plugins: Plugins::default(),
     };
     let quiet = crate::cli::present::Bar::new(true);
-    super::start::pipeline(&arguments, registry, at, &super::reading::Inspecting(&quiet))
+    super::start::pipeline(&arguments, registry, at, &super::array_choice::BarProgress(&quiet))
         .map(|(text, _)| text)
 }
 

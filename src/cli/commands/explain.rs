@@ -20,13 +20,13 @@ pub fn explain(arguments: &Explain, registry: &Registry) -> Result<u8> {
         return Ok(show(&error, text));
     }
     let mut session = crate::nodes::session();
-    if arguments.no_leave_out {
+    if arguments.exhaustive {
         session = session.exhaustive();
     }
     match session.plan(&document.graph) {
         Ok(mut plan) => {
             let unknown = plan.foresee(&document.graph);
-            print(&explained(&document, &plan, &unknown, arguments.no_leave_out))?;
+            print(&explained(&document, &plan, &unknown, arguments.exhaustive))?;
             Ok(DONE)
         }
         Err(error) => Ok(show(&document.locate(error), Some(&document.text))),
@@ -34,7 +34,7 @@ pub fn explain(arguments: &Explain, registry: &Registry) -> Result<u8> {
 }
 
 /// The plan in words.
-fn explained(document: &Document, plan: &Plan, unknown: &[usize], no_leave_out: bool) -> String {
+fn explained(document: &Document, plan: &Plan, unknown: &[usize], exhaustive: bool) -> String {
     let graph = &document.graph;
     let mut text = format!("{}", document.path.display());
     if let Some(title) = &document.pipeline.title {
@@ -61,10 +61,10 @@ fn explained(document: &Document, plan: &Plan, unknown: &[usize], no_leave_out: 
         text += &format!("\nEngine of '{name}': {engine} ({why})\n");
     }
     let left_out: Vec<String> = (graph.order.iter())
-        .flat_map(|&i| plan.notes[i].left_out.iter().map(move |left| (&graph.nodes[i].name, left)))
+        .flat_map(|&i| plan.notes[i].skipped.iter().map(move |left| (&graph.nodes[i].name, left)))
         .map(|(name, left)| format!("  {name}: no {}: {}{}\n", left.what, left.why, saved(left)))
         .collect();
-    match (left_out.is_empty(), no_leave_out) {
+    match (left_out.is_empty(), exhaustive) {
         (_, true) => text += "\nNothing is left out, needed or not; the picture is the same.\n",
         (true, false) => text += "\nNothing is left out before the data is known.\n",
         (false, false) => text += &format!("\nLeft out:\n{}", left_out.concat()),
@@ -79,9 +79,9 @@ fn explained(document: &Document, plan: &Plan, unknown: &[usize], no_leave_out: 
     if graph.order.iter().any(|&i| is_relative(&graph.nodes[i])) {
         text += "Numbers relative to data are known with the data: `voltet info` of this file says what they become.\n";
     }
-    if !no_leave_out {
+    if !exhaustive {
         text += "Left out once the data is known: cells and widgets that no value touches (or the asking, where a sample says \
-                 that it would not pay), cells out of view or under a pixel's reach. `voltet run --no-leave-out` does everything, and says what that costs.\n";
+                 that it would not pay), cells out of view or under a pixel's reach. `voltet run --exhaustive` does everything, and says what that costs.\n";
     }
     text
 }

@@ -1,7 +1,7 @@
 //! `voltet gradient-test`: how right a gradient filter is and what it costs, beside others.
 
-use super::outcome::{DONE, show};
-use super::reading::Inspecting;
+use super::array_choice::BarProgress;
+use super::exit_status::{DONE, show};
 use crate::cli::arguments;
 use crate::cli::present::{Bar, print, say};
 use crate::core::{Error, Result};
@@ -35,7 +35,7 @@ pub fn gradient_test(arguments: &arguments::GradientTest, registry: &Registry) -
     arguments.plot.as_deref().map_or(Ok(false), super::pixel::is_png)?;
     outputs.iter().try_for_each(|(_, path)| files::refuse_unwritable(path))?;
     let bar = Bar::new(arguments.quiet);
-    let found = measure(&methods, &wish, &Inspecting(&bar));
+    let found = measure(&methods, &wish, &BarProgress(&bar));
     bar.clear();
     let found = found?;
     outputs
@@ -54,7 +54,7 @@ pub fn gradient_test(arguments: &arguments::GradientTest, registry: &Registry) -
     Ok(if found.passed() { DONE } else { BROKEN })
 }
 
-/// What an option writes.
+/// Content of the file of an option.
 fn content(found: &GradientTest, option: &str, path: &Path) -> Result<Vec<u8>> {
     Ok(match option {
         "--html" => page(found, &plot(found).svg()).into_bytes(),

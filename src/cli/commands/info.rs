@@ -1,9 +1,9 @@
 //! `voltet info`: what a data file holds, and a pipeline to start with; of a pipeline, what it finds out.
 
-use super::embedded::{carried, is_picture};
-use super::findings::findings;
-use super::outcome::DONE;
-use super::reading::{ArrayName, Inspecting, differs, request};
+use super::array_choice::{ArrayChoice, BarProgress, differs, request};
+use super::exit_status::DONE;
+use super::picture_info::{is_picture, picture_info};
+use super::pipeline_info::pipeline_info;
 use crate::Document;
 use crate::cli::arguments::Info;
 use crate::cli::present::{Bar, name, number, print};
@@ -17,14 +17,14 @@ use std::path::Path;
 
 pub fn info(arguments: &Info, registry: &Registry) -> Result<u8> {
     if is_picture(&arguments.data) {
-        return carried(arguments);
+        return picture_info(arguments);
     }
     if arguments.of_pipeline() {
         if arguments.json {
             let error = Error::usage("--json is for data files, and this is a pipeline");
             return Err(error.expected("voltet run --report FILE.json").in_file(&arguments.data));
         }
-        return findings(arguments, registry);
+        return pipeline_info(arguments, registry);
     }
     if let Some(option) = arguments.set.options.first() {
         let error = Error::usage("--set changes a pipeline, and this is a data file").got(option);
@@ -33,7 +33,7 @@ pub fn info(arguments: &Info, registry: &Registry) -> Result<u8> {
     let wanted = request(arguments.time_step, arguments.solution.as_ref());
     let wanted = added::request(wanted, &arguments.data, registry)?;
     let bar = Bar::new(false);
-    let summary = inspect(&arguments.data, &wanted, &Inspecting(&bar));
+    let summary = inspect(&arguments.data, &wanted, &BarProgress(&bar));
     bar.clear();
     let summary = summary?;
     if arguments.json {
@@ -45,7 +45,7 @@ pub fn info(arguments: &Info, registry: &Registry) -> Result<u8> {
     Ok(DONE)
 }
 
-/// The same for programs. Memory is in bytes, `null` where there is nothing to draw.
+/// The summary for programs. Memory is in bytes, `null` where there is nothing to draw.
 fn json(summary: &Summary) -> Value {
     let array = |array: &ArraySummary| {
         object!({
@@ -175,7 +175,7 @@ fn array_line(array: &ArraySummary, width: usize) -> String {
     format!("  {association:5}  {name:width$}  {}{components}  {range}{bad}\n", array.number_type)
 }
 
-/// A pipeline to start with, of which it is known that `run` takes it; or why there is none.
+/// A pipeline to start with that `run` accepts, or the reason why there is none.
 fn suggestion(arguments: &Info, wanted: &Request, summary: &Summary, registry: &Registry) -> String {
     if !summary.has_volume() {
         return "\nNo cell has a volume: nothing to draw.\n".into();
@@ -186,10 +186,10 @@ fn suggestion(arguments: &Info, wanted: &Request, summary: &Summary, registry: &
     let heads: Vec<ArrayHead> = summary.arrays.iter().map(|array| array.head.clone()).collect();
     let mut refusal = None;
     for array in summary.arrays.iter().filter(|array| differs(array)) {
-        let meant = ArrayName::of(&array.head, &heads);
+        let choice = ArrayChoice::of(&array.head, &heads);
         let pipeline =
-            pipeline(arguments, wanted.node_type(), &meant, array.range.unwrap_or_default(), bounds);
-        match refused(arguments, wanted, meant, &pipeline, registry) {
+            pipeline(arguments, wanted.node_type(), &choice, array.range.unwrap_or_default(), bounds);
+        match run_error(arguments, wanted, choice, &pipeline, registry) {
             None => return format!("\nA pipeline to start with\n{pipeline}"),
             Some(error) => refusal = refusal.or(Some(error)),
         }
@@ -198,15 +198,15 @@ fn suggestion(arguments: &Info, wanted: &Request, summary: &Summary, registry: &
     format!("\nNo pipeline to start with: {why}\n")
 }
 
-/// What `run` has against a pipeline that draws this array, as far as the headers of its data show.
-fn refused(
+/// Error of `run` for a pipeline that draws this array, as far as the headers of its data show.
+fn run_error(
     arguments: &Info,
     wanted: &Request,
-    meant: ArrayName,
+    choice: ArrayChoice,
     pipeline: &str,
     registry: &Registry,
 ) -> Option<Error> {
-    let request = Request { scalar: Some(meant.scalar), association: meant.association, ..wanted.clone() };
+    let request = Request { scalar: Some(choice.scalar), association: choice.association, ..wanted.clone() };
     let document = Document::from_text(Path::new("suggested.toml"), pipeline.into(), &[], registry);
     let planned = document.and_then(|document| crate::nodes::session().plan(&document.graph).map(drop));
     planned.and_then(|()| unread(&arguments.data, &request).map(drop)).err()
@@ -216,11 +216,11 @@ fn refused(
 fn pipeline(
     arguments: &Info,
     reader: &str,
-    meant: &ArrayName,
+    choice: &ArrayChoice,
     [low, high]: [f64; 2],
     [from, to]: [glam::DVec3; 2],
 ) -> String {
-    let keys = meant.keys(&arguments.data, arguments.time_step, arguments.solution.as_deref());
+    let keys = choice.keys(&arguments.data, arguments.time_step, arguments.solution.as_deref());
     let centre = 0.5 * from + 0.5 * to;
     let eye = centre + (to - from).length() * glam::DVec3::new(-0.8, -1.4, 0.9);
     let middle = 0.5 * low + 0.5 * high;

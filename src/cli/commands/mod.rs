@@ -1,20 +1,20 @@
-//! The commands, one file each: a function that gives the exit code, or the error that ends it.
+//! The commands, one file each: a function that returns the exit code, or an error.
 
+mod array_choice;
 mod check;
 mod edit;
-mod embedded;
+mod exit_status;
 mod explain;
-mod findings;
 mod gradient_test;
 mod info;
 mod nodes;
-mod outcome;
 #[cfg(feature = "papers")]
 mod papers;
+mod picture_info;
+mod pipeline_info;
 mod pipelines;
 mod pixel;
 mod plugins;
-mod reading;
 mod run;
 mod stability;
 mod start;
@@ -28,7 +28,7 @@ use crate::graph::Registry;
 use crate::io::{formats, memory};
 use crate::lanes::LaneSet;
 use crate::nodes::files;
-use outcome::{WRONG, show};
+use exit_status::{WRONG, show};
 use std::error::Error as _;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -40,7 +40,7 @@ pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> ExitCode {
     let outcome = LaneSet::detect().and(registry).and_then(|registry| {
         let registry = match arguments.command.plugins() {
             Some(wanted) => {
-                let serves = |known: &Registry| is_served(&arguments.command, known);
+                let serves = |known: &Registry| is_sufficient(&arguments.command, known);
                 plugins::with(registry, wanted, serves)?
             }
             None => registry,
@@ -50,12 +50,12 @@ pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> ExitCode {
     ExitCode::from(outcome.unwrap_or_else(|error| show(&error, None)))
 }
 
-/// Whether the command can do with what the registry knows: then the user's own file of plug-ins is not read, and no code of theirs
-/// runs. Pipelines must open, data files be of a format that ships.
-fn is_served(command: &Command, registry: &Registry) -> bool {
-    let is_plain = |data: &Path| embedded::is_picture(data) || formats::ships(data);
+/// True if the registry suffices for the command: then the user's file of plug-ins is not read, and none of their code runs.
+/// Pipelines must open, data files be of a format that ships.
+fn is_sufficient(command: &Command, registry: &Registry) -> bool {
+    let is_plain = |data: &Path| picture_info::is_picture(data) || formats::ships(data);
     let opens = |file: &Path, set: &Set| {
-        // What is no file may be read but once.
+        // A pipe can be read once.
         file.is_file() && Document::open(file, &set.options, registry).is_ok()
     };
     let all_open = |files: &[PathBuf], set: &Set| files.iter().all(|file| opens(file, set));
@@ -80,7 +80,7 @@ fn is_served(command: &Command, registry: &Registry) -> bool {
     }
 }
 
-/// Shows what the command line is answered with, be it help or what is wrong with it, and gives the exit code.
+/// Shows clap's answer to the command line, help or an error, and returns the exit code.
 pub fn answer(answer: &clap::Error) -> u8 {
     let wanted = u8::try_from(answer.exit_code()).unwrap_or(WRONG);
     match answer.print() {
@@ -91,8 +91,8 @@ pub fn answer(answer: &clap::Error) -> u8 {
     }
 }
 
-/// Begins the threads that work, while there is memory for them: later their want would look like a mistake of the program. A
-/// program around this one may have begun them.
+/// Starts the worker threads while there is memory for them: later their failure would look like a defect of the program. A
+/// program around this one may have started them.
 fn begin_threads() -> Result<()> {
     let none = |why: &dyn std::fmt::Display| {
         let wish =
@@ -114,7 +114,7 @@ fn begin_threads() -> Result<()> {
     }
 }
 
-/// Bytes that the standard library sets aside for a thread's stack.
+/// Stack of a thread (bytes), as the standard library reserves it.
 const STACK: u64 = 2 << 20;
 
 fn run_command(command: &Command, registry: &Registry) -> Result<u8> {

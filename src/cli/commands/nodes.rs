@@ -1,6 +1,6 @@
 //! `voltet nodes`: the reference of node types and gradient filters, made from their declarations.
 
-use super::outcome::DONE;
+use super::exit_status::DONE;
 use crate::cli::arguments::Nodes;
 use crate::cli::present::{filter_markdown, filter_text, node_markdown, node_text, print};
 use crate::core::{Error, Result};

@@ -1,7 +1,7 @@
 //! `voltet papers`: the tables and figures of the papers, made anew.
 
-use super::outcome::DONE;
-use super::reading::Inspecting;
+use super::array_choice::BarProgress;
+use super::exit_status::DONE;
 use super::study::refuse_unwritable;
 use crate::Document;
 use crate::cli::arguments;
@@ -36,7 +36,7 @@ pub fn papers(arguments: &arguments::Papers, registry: &Registry) -> Result<u8> 
     };
     let open = |file: &str, options: &[String]| open(&arguments.pipelines, file, options, registry);
     let bar = Bar::new(arguments.quiet);
-    let made = papers::papers(&options, &open, &Inspecting(&bar));
+    let made = papers::papers(&options, &open, &BarProgress(&bar));
     bar.clear();
     let sections = made?;
     let written = write(&sections, &arguments.output)?;

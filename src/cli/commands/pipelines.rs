@@ -1,6 +1,6 @@
 //! The pipeline files that a command names, opened.
 
-use super::outcome::{DONE, show};
+use super::exit_status::{DONE, show};
 use crate::core::Error;
 use crate::graph::Registry;
 use crate::{Document, Source};

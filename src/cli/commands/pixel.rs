@@ -1,8 +1,8 @@
 //! `voltet pixel`: what one pixel is made of, cell by cell along its ray.
 
-use super::outcome::{DONE, show, warn};
+use super::array_choice::BarProgress;
+use super::exit_status::{DONE, show, warn};
 use super::pipelines::open;
-use super::reading::Inspecting;
 use crate::Document;
 use crate::cli::arguments;
 use crate::cli::present::{Bar, print, say};
@@ -47,7 +47,7 @@ fn dissect(arguments: &arguments::Pixel, document: &Document) -> Result<u8> {
         place,
         arguments.sample,
         &mut session,
-        (&bar, &Inspecting(&bar)),
+        (&bar, &BarProgress(&bar)),
     );
     bar.clear();
     let found = found?;
@@ -63,7 +63,7 @@ fn dissect(arguments: &arguments::Pixel, document: &Document) -> Result<u8> {
     Ok(DONE)
 }
 
-/// What an option writes.
+/// Content of the file of an option.
 fn content(pixel: &Pixel, option: &str, path: &Path) -> Result<Vec<u8>> {
     Ok(match option {
         "--csv" => csv(pixel).into_bytes(),
@@ -73,7 +73,7 @@ fn content(pixel: &Pixel, option: &str, path: &Path) -> Result<Vec<u8>> {
     })
 }
 
-/// Whether a plot is to be a PNG file; it is SVG otherwise.
+/// True if a plot is written as PNG, false for SVG.
 pub(super) fn is_png(path: &Path) -> Result<bool> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     match ending.as_deref() {

@@ -53,7 +53,7 @@ pub fn with(
     Ok(registry)
 }
 
-/// Whether a library was not loaded yet; it is then.
+/// True if a library was not loaded yet; it counts as loaded from then on.
 fn is_new(loaded: &mut Vec<PathBuf>, path: &Path) -> bool {
     let whole = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
     let is_new = !loaded.contains(&whole);

@@ -1,6 +1,6 @@
 //! `voltet stability`: the formulas against exact values, hard cells against the referee, and what papers print.
 
-use super::outcome::DONE;
+use super::exit_status::DONE;
 use crate::cli::arguments::Stability;
 use crate::cli::present::{Bar, name, print};
 use crate::core::progress::Progress;

@@ -1,7 +1,7 @@
 //! `voltet start`: a pipeline file for a data file, with a transfer function over (s, g) found from the data.
 
-use super::outcome::DONE;
-use super::reading::{ArrayName, Inspecting, differs, request, scalar};
+use super::array_choice::{ArrayChoice, BarProgress, differs, request, scalar};
+use super::exit_status::DONE;
 use crate::cli::arguments::Start;
 use crate::cli::present::{Bar, name, say};
 use crate::core::field::{LeastSquares, Method, magnitude};
@@ -26,7 +26,7 @@ const BINS: usize = 256;
 /// Linear RGB of the boundaries, in rising s.
 const COLORS: [[f64; 3]; 4] = [[0.08, 0.25, 0.9], [0.05, 0.65, 0.45], [0.95, 0.6, 0.08], [0.9, 0.1, 0.06]];
 
-/// What a haze over everything takes of the light along the diagonal, so that the grid's shape is seen.
+/// Opacity along the diagonal of a haze over everything, which shows the grid's shape.
 const HAZE: f64 = 0.1;
 
 /// Vertical angle of view, degrees.
@@ -46,7 +46,7 @@ pub fn start(arguments: &Start, registry: &Registry) -> Result<u8> {
         }
     }
     let bar = Bar::new(false);
-    let text = pipeline(arguments, registry, &output, &Inspecting(&bar));
+    let text = pipeline(arguments, registry, &output, &BarProgress(&bar));
     bar.clear();
     let (text, said) = text?;
     if to_output {
@@ -68,11 +68,11 @@ pub fn pipeline(
 ) -> Result<(String, String)> {
     let asked = request(arguments.time_step, arguments.solution.as_ref());
     let asked = added::request(asked, &arguments.data, registry)?;
-    let meant = match &arguments.scalar {
-        Some(name) => ArrayName::by_name(name, &arrays(&arguments.data, &asked)?),
+    let choice = match &arguments.scalar {
+        Some(name) => ArrayChoice::by_name(name, &arrays(&arguments.data, &asked)?),
         None => first_quantity(arguments, &inspect(&arguments.data, &asked, progress)?)?,
     };
-    let ArrayName { scalar: named, association } = meant.clone();
+    let ArrayChoice { scalar: named, association } = choice.clone();
     let wanted = Request { scalar: Some(named.clone()), association, ..asked.clone() };
     let grid = read(&arguments.data, &wanted, progress)?;
     let scalar = grid.scalar.clone().unwrap_or_default();
@@ -95,7 +95,7 @@ pub fn pipeline(
     let own = if is_standard_output(output) { Path::new(".") } else { folder(output) };
     let solution = arguments.solution.as_ref().map(|solution| relative_to(solution, own));
     let node_type = asked.node_type();
-    let keys = meant.keys(&relative_to(&arguments.data, own), arguments.time_step, solution.as_deref());
+    let keys = choice.keys(&relative_to(&arguments.data, own), arguments.time_step, solution.as_deref());
     let steepest = g.iter().copied().filter(|g| g.is_finite()).fold(g_axis.high, f64::max);
     let region = format!(
         "region = {{ s = [{}, {}], g = [{}, {}] }}\n",
@@ -170,7 +170,7 @@ fn without_boundary(arguments: &Start, asked: &Request, named: &str, progress: &
 }
 
 /// The file's own scalar, or the first that is a quantity (not a flag, a number of something, or the same everywhere).
-fn first_quantity(arguments: &Start, summary: &Summary) -> Result<ArrayName> {
+fn first_quantity(arguments: &Start, summary: &Summary) -> Result<ArrayChoice> {
     if !summary.has_volume() {
         return Err(Error::run("no cell has a volume, so there is nothing to draw").in_file(&arguments.data));
     }
@@ -182,7 +182,7 @@ fn first_quantity(arguments: &Start, summary: &Summary) -> Result<ArrayName> {
         let own = summary.active_scalars.as_deref() == Some(array.head.name.as_str());
         (!own, array.head.component_count > 1, array.head.association == Association::Cell)
     });
-    arrays.first().map(|array| ArrayName::of(&array.head, &heads)).ok_or_else(|| {
+    arrays.first().map(|array| ArrayChoice::of(&array.head, &heads)).ok_or_else(|| {
         let names: Vec<&str> = heads.iter().map(|array| array.name.as_str()).collect();
         let found = if names.is_empty() { "no arrays".into() } else { name(&names.join(", ")) };
         Error::run("no array is a quantity that varies")
@@ -192,7 +192,7 @@ fn first_quantity(arguments: &Start, summary: &Summary) -> Result<ArrayName> {
     })
 }
 
-/// Whether it numbers or marks things.
+/// True if it holds numbers or marks of things, and no quantity.
 fn is_label(array: &ArraySummary) -> bool {
     const LABELS: [&str; 14] = [
         "id",

@@ -1,6 +1,6 @@
 //! `voltet study`: error against time of every integrator on one scene.
 
-use super::outcome::{DONE, code, show, warn};
+use super::exit_status::{DONE, code, show, warn};
 use super::pipelines::open;
 use crate::Document;
 use crate::cli::arguments;
@@ -41,7 +41,7 @@ pub(super) fn wish(arguments: &arguments::Study) -> Result<StudyOptions> {
     {
         let known = integrators().collect::<Vec<_>>().join(", ");
         let accepted = match nearest(name, integrators()) {
-            Some(meant) => format!("\"{meant}\"; there are {known}"),
+            Some(choice) => format!("\"{choice}\"; there are {known}"),
             None => format!("one of {known}"),
         };
         return Err(Error::usage("--only names no integrator that can be studied")
@@ -176,7 +176,7 @@ fn summary(study: &Study, written: &[PathBuf], folder: &Path) -> String {
     text
 }
 
-/// What is written back, and the exit code.
+/// Writes the recommendation back where that is requested, and returns the exit code.
 fn conclude(
     arguments: &arguments::Study,
     document: &Document,
@@ -236,7 +236,7 @@ impl ProgressPrinter {
 
 impl Progress for ProgressPrinter {
     fn report(&self, stage: &str, fraction: f64) {
-        let left = self.lock().left(fraction);
+        let left = self.lock().remaining(fraction);
         self.bar.show(stage, fraction, left);
     }
 

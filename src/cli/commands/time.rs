@@ -1,6 +1,6 @@
 //! `voltet time`: what a frame costs on each engine, with a camera that turns.
 
-use super::outcome::{DONE, show, warn};
+use super::exit_status::{DONE, show, warn};
 use super::pipelines::open_all;
 use crate::Document;
 use crate::cli::arguments;
@@ -8,7 +8,6 @@ use crate::cli::present::{Bar, print};
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
 use crate::graph::{Observer, Registry};
-use crate::optics::shading::VisibilityOrder;
 use std::time::Duration;
 use voltet_study::work_precision::{
     self as study, Benches, Cost, Frames, Measure, RenderConfig, RendererVariant, StudyOptions, Subject,
@@ -59,10 +58,10 @@ fn wish(arguments: &arguments::Time) -> Result<StudyOptions> {
     })
 }
 
-/// Ctrl-C is heard; nothing is shown, since that takes time.
-struct Stops<'a>(&'a Bar);
+/// Progress that is cancelled by Ctrl-C and shows nothing, since that takes time.
+struct Cancellation<'a>(&'a Bar);
 
-impl Progress for Stops<'_> {
+impl Progress for Cancellation<'_> {
     fn report(&self, _stage: &str, _fraction: f64) {}
 
     fn cancelled(&self) -> bool {
@@ -107,7 +106,7 @@ fn measure(arguments: &arguments::Time, wish: &StudyOptions, document: &Document
     Ok(())
 }
 
-/// Says what devices are measured, and what they can do at most.
+/// Names of the measured devices, with their highest rates.
 fn devices(benches: &Benches) -> Result<String> {
     let line = |(name, rate): (_, f64)| {
         let rate = 1e-9 * rate;
@@ -119,8 +118,7 @@ fn devices(benches: &Benches) -> Result<String> {
     Ok(benches.multiply_adds_per_second()?.into_iter().map(line).collect())
 }
 
-/// Prints the rows of one node that draws, while somebody reads them; gives whether that is so to the end. Errors: a stopped
-/// run; what else goes wrong with a row stands in it.
+/// Prints the rows of one node that draws; false if the output was closed. Errors: cancellation; other errors stand in their row.
 fn rows(
     arguments: &arguments::Time,
     wish: &StudyOptions,
@@ -132,7 +130,7 @@ fn rows(
     for &size in if arguments.size.is_empty() { &own[..] } else { &arguments.size } {
         subject.scene.camera.size = size;
         for setting in settings(arguments, &subject, benches) {
-            let line = match benches.measure(&subject, &setting, &wish.frames, &Stops(bar)) {
+            let line = match benches.measure(&subject, &setting, &wish.frames, &Cancellation(bar)) {
                 Ok((_, cost)) => row(&subject, &setting, &cost),
                 Err(error) if bar.cancelled() => return Err(error),
                 Err(error) => format!("{}{error} {}", head(&subject, &setting), "|".repeat(11)),
@@ -145,7 +143,7 @@ fn rows(
     Ok(true)
 }
 
-/// What the file draws with, on every engine that is asked for, in both orders where one is needed.
+/// Settings of the file on every requested engine, in both orders where one is needed.
 fn settings(arguments: &arguments::Time, subject: &Subject, benches: &Benches) -> Vec<RenderConfig> {
     let own = RenderConfig::of_file(subject, RendererVariant::NATIVE);
     let only = [own.integrator.name().to_string()];
@@ -162,12 +160,7 @@ fn settings(arguments: &arguments::Time, subject: &Subject, benches: &Benches) -
 }
 
 fn head(subject: &Subject, setting: &RenderConfig) -> String {
-    let order = match setting.order {
-        _ if !subject.needs_order => "not needed",
-        VisibilityOrder::Exact | VisibilityOrder::Auto => "exact",
-        VisibilityOrder::Centroid => "centroid",
-        VisibilityOrder::None => "none",
-    };
+    let order = setting.scene(subject).ordering(false);
     let [width, height] = subject.scene.camera.size;
     format!("| {} | {width} × {height} | {} | {order} | ", subject.node, setting.variant.label())
 }

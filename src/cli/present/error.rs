@@ -1,4 +1,4 @@
-//! Errors for a person: what, found, the line with a caret, what would be right.
+//! Messages for errors: what is wrong, what was found, the line with a caret, what would be right.
 
 use super::streams;
 use crate::core::Error;
@@ -37,7 +37,7 @@ fn shown(error: &Error, text: Option<&str>, level: Level) -> String {
     renderer.decor_style(decor).term_width(10_000).render(&[report])
 }
 
-/// What is wrong, what was found, and where, but for what a `pointed` text shows.
+/// Title of the message: what is wrong, what was found, and where unless a caret shows it.
 fn title(error: &Error, is_pointed: bool) -> String {
     let Error { what, got: found, location: place, .. } = error;
     let mut title = streams::printable(what);

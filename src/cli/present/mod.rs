@@ -1,4 +1,4 @@
-//! How things are shown to people: errors with their place, progress, reports, the reference of nodes.
+//! Output for people: errors with their location, progress bars, reports, the reference of nodes.
 
 mod error;
 mod progress;

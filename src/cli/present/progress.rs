@@ -9,13 +9,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Work that takes less than this shows no bar.
-const DELAY: Duration = Duration::from_secs(1);
+/// Time before a bar is shown.
+const BAR_DELAY: Duration = Duration::from_secs(1);
 
-/// Set by Ctrl-C and by the request to end that a system sends.
+/// True after Ctrl-C, or after the system's request to end.
 static STOP: AtomicBool = AtomicBool::new(false);
 
-/// What is left of a piece of work, from how long the part that is done took.
+/// Estimate of the remaining time of a piece of work, from the time of the completed part.
 #[derive(Debug, Clone, Copy)]
 pub struct Estimate {
     start: Instant,
@@ -23,14 +23,14 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// The work begins now.
+    /// An estimate for work that begins now.
     pub fn begin() -> Self {
         Estimate { start: Instant::now(), fraction: 0.0 }
     }
 
-    /// Seconds that are left once `fraction` is done; `None` while too little is done to tell. A fraction that falls is the
-    /// beginning of another piece of work.
-    pub fn left(&mut self, fraction: f64) -> Option<f64> {
+    /// Remaining time (seconds) once `fraction` is done; `None` while too little is done. A fraction that falls starts another piece
+    /// of work.
+    pub fn remaining(&mut self, fraction: f64) -> Option<f64> {
         // Threads report in no order, so a little less is no beginning.
         if fraction + 0.1 < self.fraction {
             *self = Estimate::begin();
@@ -41,14 +41,14 @@ impl Estimate {
     }
 }
 
-/// Follows a run.
+/// Progress bar of a run.
 pub struct Bar {
     bar: ProgressBar,
     visible: bool,
     start: Instant,
     shown: AtomicBool,
     place: Mutex<String>,
-    /// The stage in hand.
+    /// The current stage.
     stage: Mutex<(String, Estimate)>,
 }
 
@@ -72,14 +72,14 @@ impl Bar {
         Bar { bar, visible, start, shown, place: Mutex::default(), stage }
     }
 
-    /// Takes the bar off the screen.
+    /// Removes the bar from the screen.
     pub fn clear(&self) {
         self.bar.finish_and_clear();
     }
 
-    /// Shows that `fraction` of `what` is done, and what is left of it.
+    /// Shows that `fraction` of `what` is done, and the remaining time.
     pub fn show(&self, what: &str, fraction: f64, left: Option<f64>) {
-        if !self.visible || self.start.elapsed() < DELAY {
+        if !self.visible || self.start.elapsed() < BAR_DELAY {
             return;
         }
         if !self.shown.swap(true, Ordering::Relaxed) {
@@ -108,7 +108,7 @@ impl Observer for Bar {
         if known.0 != what {
             *known = (what, Estimate::begin());
         }
-        let left = known.1.left(fraction);
+        let left = known.1.remaining(fraction);
         self.show(&known.0, fraction, left);
     }
 
@@ -129,13 +129,13 @@ mod tests {
     fn what_is_left_follows_from_what_is_done_and_begins_anew() {
         let ago = |seconds: u64| Instant::now().checked_sub(Duration::from_secs(seconds)).unwrap();
         let mut estimate = Estimate { start: ago(30), fraction: 0.0 };
-        assert_eq!(estimate.left(0.01), None, "too little to tell");
+        assert_eq!(estimate.remaining(0.01), None, "too little to tell");
         // The test itself takes some of the time, on a busy machine seconds.
         let least = 3.0 * estimate.start.elapsed().as_secs_f64();
-        let left = estimate.left(0.25).unwrap();
+        let left = estimate.remaining(0.25).unwrap();
         assert!((least..=3.0 * estimate.start.elapsed().as_secs_f64()).contains(&left), "{left}");
         assert!(least >= 90.0, "{least}");
-        assert!(estimate.left(1.0).unwrap() < 1.0);
-        assert!(estimate.left(0.5).unwrap() < 25.0, "another piece of work began just now");
+        assert!(estimate.remaining(1.0).unwrap() < 1.0);
+        assert!(estimate.remaining(0.5).unwrap() < 25.0, "another piece of work began just now");
     }
 }

@@ -12,7 +12,7 @@ fn kind(parameter: &Parameter) -> String {
     format!("{}{unit}; {standard}", parameter.parameter_type.describe())
 }
 
-/// What the gradient filters declare.
+/// Declarations of the gradient filters.
 fn filters(registry: &Registry) -> Vec<VariantSchema> {
     registry.filters().map(|filter| filter.declaration()).collect()
 }
@@ -62,7 +62,7 @@ pub fn node_text(node: &Node, registry: &Registry) -> String {
     text + &format!("\nExample:\n\n  {example}\n")
 }
 
-/// `filters`: what a parameter that names one may name.
+/// `filters`: those that a parameter of the type of a filter may name.
 fn parameter_text(parameter: &Parameter, indent: &str, filters: &[VariantSchema]) -> String {
     let mut text =
         format!("{indent}{} ({})\n{indent}    {}\n", parameter.name, kind(parameter), parameter.help);
@@ -133,6 +133,16 @@ pub fn node_markdown(node: &Node, registry: &Registry) -> String {
     text
 }
 
+/// Meaning of each word of a choice, a line of the table's cell each.
+fn meanings(parameter: &Parameter) -> String {
+    match parameter.parameter_type {
+        ParameterType::Choice(words) => {
+            words.iter().map(|(word, meaning)| format!("<br>`{word}`: {meaning}")).collect()
+        }
+        _ => String::new(),
+    }
+}
+
 fn parameters_markdown(title: &str, parameters: &[Parameter]) -> String {
     let mut text = format!("\n| {title} | type; default | |\n| --- | --- | --- |\n");
     for parameter in parameters {
@@ -141,7 +151,7 @@ fn parameters_markdown(title: &str, parameters: &[Parameter]) -> String {
             "| `{}` | {} | {} |\n",
             parameter.name,
             escape(&kind(parameter)),
-            escape(parameter.help)
+            escape(&(parameter.help.to_string() + &meanings(parameter)))
         );
     }
     text

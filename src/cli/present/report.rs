@@ -1,4 +1,4 @@
-//! What a run did, in a few lines for people; for programs the crate of the nodes says it in JSON.
+//! Summary of a run for people; the crate voltet-io writes the JSON for programs.
 
 use super::streams::name;
 use crate::Document;
@@ -6,18 +6,17 @@ use crate::graph::{DataFinding, RunReport};
 use crate::io::provenance::run_report;
 use serde_json::Value;
 
-/// What is said of one run of a pipeline.
+/// JSON record of one run of a pipeline.
 pub fn json(document: &Document, report: &RunReport) -> Value {
     run_report(&document.path.display().to_string(), report, &document.graph.stated)
 }
 
-/// What the user should know, a line each, but for the first `shown` of them: the graph's own warnings are shown with their
-/// place before the run.
+/// Warnings, a line each, but for the first `shown` of them: those of the graph are shown with their location before the run.
 pub fn warnings(report: &RunReport, shown: usize) -> String {
     report.warnings.iter().skip(shown).map(|warning| format!("warning: {}\n", name(warning))).collect()
 }
 
-/// What was found out, and a line for the files written.
+/// Findings, and a line for the written files.
 pub fn summary(report: &RunReport) -> String {
     let text = findings(report);
     let mut figures = Vec::new();
@@ -33,7 +32,7 @@ pub fn summary(report: &RunReport) -> String {
     text + &format!("{}: {}\n", report.files.join(", "), figures.join(", "))
 }
 
-/// What the nodes found out about the data, each under the node's name.
+/// Findings of the nodes about the data, each under the node's name.
 pub fn findings(report: &RunReport) -> String {
     let line = |found: &DataFinding| format!("{}: {}\n", found.node, found.what.replace('\n', "\n  "));
     report.findings.iter().map(line).collect()

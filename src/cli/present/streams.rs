@@ -1,15 +1,15 @@
-//! What the program says, on the standard output and on standard error, safe to show on a terminal.
+//! Text for the standard output and standard error, safe to show on a terminal.
 
 use crate::core::Result;
 use crate::nodes::files;
 use std::io::Write;
 
-/// Writes text to the standard output. Gives whether somebody reads on: a closed pipe is no error.
+/// Writes text to the standard output; false if it was closed, which is no error.
 pub fn print(text: &str) -> Result<bool> {
     files::standard_output(printable(text).as_bytes())
 }
 
-/// Writes lines to standard error. Where that fails there is nobody to tell.
+/// Writes lines to standard error. A failure is ignored.
 pub fn say(lines: &str) {
     let ended = lines.is_empty() || lines.ends_with('\n');
     let _ = write!(std::io::stderr().lock(), "{lines}{}", if ended { "" } else { "\n" });
@@ -20,7 +20,7 @@ pub fn name(text: &str) -> String {
     escaped(text, |_| false)
 }
 
-/// Text of several lines, the same otherwise.
+/// Text of several lines, otherwise like [`name`].
 pub fn printable(text: &str) -> String {
     escaped(text, |c| c == '\n')
 }
