@@ -112,7 +112,7 @@ impl PreparedVolume for NativeVolume {
             && other_volume.is_none()
             && let Some(segments) = self.cached_segments(scene, manner, &mut timer, progress)?
         {
-            return self.draw_cached(&segments, scene, manner, timer, progress);
+            return self.draw_cached(&segments, scene, timer, progress);
         }
         let (cache, transfer_function) = match &classified {
             Some(classified) => (&classified.cache, &classified.bound),
