@@ -101,7 +101,7 @@ impl PreparedVolume for NativeVolume {
             Integrator::VertexSampled => Some(self.classified(scene)?),
             _ => None,
         };
-        let Scene { volume, transfer_function, camera, shading, order } = scene;
+        let Scene { volume, transfer_function, camera, shading, .. } = scene;
         let mut timer = StageTimer { last: Instant::now(), stages: Vec::new() };
         let other_volume = match Arc::ptr_eq(volume, self.cache.volume()) || classified.is_some() {
             true => None,

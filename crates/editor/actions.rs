@@ -1,8 +1,7 @@
 //! What the parts of the window ask for; carried out after all of them were shown, so that each sees the same document.
 
-use crate::asking::Asked;
 use crate::view::View;
-use crate::worker::Probed;
+use crate::worker::PixelProbe;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -23,7 +22,7 @@ pub enum Action {
     /// The values at places of the picture are asked for (heights from its middle, to the right and up).
     Probe(Vec<[f64; 2]>),
     /// Values were found otherwise.
-    Probed(Arc<Probed>),
+    PixelProbe(Arc<PixelProbe>),
     /// What lies at a place of the picture becomes its centre.
     Centre([f64; 2]),
     /// How wrong the picture is, is asked for.
@@ -38,8 +37,8 @@ pub enum Action {
     Begin(PathBuf),
     /// The document is saved in this file.
     SaveAs(PathBuf),
-    /// A file is asked for; where to begin.
-    Ask(Asked, Option<PathBuf>),
+    /// Opens a file dialog, at the path of a file if there is one.
+    ChooseFile(FilePurpose, Option<PathBuf>),
     /// A parameter names this file.
     Name {
         /// The node.
@@ -48,6 +47,24 @@ pub enum Action {
         path: voltet_document::Path,
         /// The file.
         file: PathBuf,
+    },
+}
+
+/// Purposes of a file dialog.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FilePurpose {
+    /// Opens the file.
+    Open,
+    /// Saves the document in it.
+    SaveAs,
+    /// Names it in a parameter of a node.
+    Parameter {
+        /// The node.
+        node: String,
+        /// The parameter.
+        path: voltet_document::Path,
+        /// True if the node writes the file.
+        writes: bool,
     },
 }
 

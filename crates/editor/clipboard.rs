@@ -2,7 +2,7 @@
 
 use crate::actions::Command;
 use crate::editor::Editor;
-use crate::graph::Thing;
+use crate::graph::Annotation;
 use eframe::egui::{Context, Event};
 use voltet_core::Result;
 use voltet_document::arrange::{PlacedNode, align, tidy};
@@ -10,7 +10,7 @@ use voltet_document::{Edit, Frame, Note};
 use voltet_graph::NodeEntry;
 
 /// From a node to what is pasted after it, points.
-const BESIDE: f64 = 40.0;
+const PASTE_OFFSET: f64 = 40.0;
 
 impl Editor {
     fn selected(&self) -> Vec<String> {
@@ -45,7 +45,7 @@ impl Editor {
         });
         let Some(text) = pasted else { return };
         let at = self.selection.iter().next().map_or([0.0; 2], |name| self.document.position(name));
-        let outcome = self.document.paste(&text, at.map(|x| x + BESIDE));
+        let outcome = self.document.paste(&text, at.map(|x| x + PASTE_OFFSET));
         self.take_copies(outcome);
     }
 
@@ -110,8 +110,8 @@ impl Editor {
         };
         self.edit(label.into(), std::slice::from_ref(&edit));
         match &edit {
-            Edit::PutFrame(number, frame) => self.graph.write_on(Thing::Frame(*number), &frame.title),
-            Edit::PutNote(number, note) => self.graph.write_on(Thing::Note(*number), &note.text),
+            Edit::PutFrame(number, frame) => self.graph.write_on(Annotation::Frame(*number), &frame.title),
+            Edit::PutNote(number, note) => self.graph.write_on(Annotation::Note(*number), &note.text),
             _ if command == Command::Tidy => self.graph.fit(),
             _ => {}
         }

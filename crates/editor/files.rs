@@ -1,6 +1,6 @@
 //! Files: what their names say, a document for data, and what another program wrote.
 
-use crate::watch::{BETWEEN, Known, Watch, state};
+use crate::file_watcher::{BETWEEN, FileStamps, FileWatcher, state};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use voltet_core::Result;
@@ -11,18 +11,23 @@ use voltet_document::{Document, Edit};
 pub(crate) struct Disk {
     pub is_changed: bool,
     pub looked: Option<Instant>,
-    data: Known,
+    data: FileStamps,
 }
 
 impl Disk {
     /// Looks now and then; whether data that were known have changed, come or gone since.
-    pub fn look(&mut self, document: &Document, data: impl FnOnce() -> Vec<PathBuf>, watch: &Watch) -> bool {
+    pub fn look(
+        &mut self,
+        document: &Document,
+        data: impl FnOnce() -> Vec<PathBuf>,
+        watch: &FileWatcher,
+    ) -> bool {
         if self.looked.is_some_and(|looked| looked.elapsed() < BETWEEN) {
             return false;
         }
         self.is_changed = document.changed_on_disk();
         self.looked = Some(Instant::now());
-        let now: Known = data().into_iter().map(|path| (path.clone(), state(&path))).collect();
+        let now: FileStamps = data().into_iter().map(|path| (path.clone(), state(&path))).collect();
         let own = document.path().map(|path| (path.to_path_buf(), state(path)));
         watch.knows(now.clone().into_iter().chain(own).collect());
         let before = std::mem::replace(&mut self.data, now);

@@ -23,7 +23,7 @@ const RAYS: usize = 16;
 const NOTCH: f64 = 1.15;
 
 /// A small picture, and what its texture holds.
-struct Small {
+struct Thumbnail {
     holds: Arc<Vec<[u8; 4]>>,
     texture: TextureHandle,
 }
@@ -33,7 +33,7 @@ struct Small {
 pub(crate) struct PicturePanel {
     texture: Option<TextureHandle>,
     /// Small pictures of other nodes, by these.
-    previews: HashMap<String, Small>,
+    previews: HashMap<String, Thumbnail>,
     /// What the texture holds: the request, and whether it is its full picture.
     holds: Option<(u64, bool)>,
     /// Whether a drag is a box to be probed, as it is with Alt, which some window managers keep for themselves.
@@ -138,7 +138,7 @@ impl PicturePanel {
         for (node, pixels) in &scene.previews {
             if self.previews.get(node).is_none_or(|small| !Arc::ptr_eq(&small.holds, &pixels.rgba)) {
                 let texture = ui.ctx().load_texture(node, color_image(pixels), TextureOptions::LINEAR);
-                self.previews.insert(node.clone(), Small { holds: pixels.rgba.clone(), texture });
+                self.previews.insert(node.clone(), Thumbnail { holds: pixels.rgba.clone(), texture });
             }
         }
         let Some(pixels) = &scene.pixels else { return };

@@ -2,7 +2,7 @@
 
 use crate::arrays::Arrays;
 use crate::view::View;
-use crate::worker::{Distributed, NodeStatus, Pixels, Probed, Section, Share};
+use crate::worker::{Distribution, NodeStatus, PixelProbe, Pixels, Section, Share};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
@@ -38,11 +38,11 @@ pub(crate) struct Scene<'a> {
     pub seconds: Option<f64>,
     pub engine: Option<String>,
     /// The distribution of what the selected transfer function is drawn with.
-    pub distribution: Option<Arc<Distributed>>,
+    pub distribution: Option<Arc<Distribution>>,
     /// Why there is none.
     pub distribution_fault: Option<String>,
     /// What was found at a place of the picture.
-    pub probed: Option<Arc<Probed>>,
+    pub probed: Option<Arc<PixelProbe>>,
     /// What the widget in hand adds to the picture; an error in words; none while it is not known.
     pub share: Option<Result<Share, String>>,
     /// What the plane of the section meets.

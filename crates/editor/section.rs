@@ -4,7 +4,7 @@ use crate::actions::{Action, Actions};
 use crate::scene::Scene;
 use crate::theme;
 use crate::view::View;
-use crate::worker::{Probed, Section, grouped, short};
+use crate::worker::{PixelProbe, Section, grouped, short};
 use eframe::egui::{
     Color32, ColorImage, Context, Pos2, Rect, RichText, Sense, Slider, Stroke, TextureHandle, TextureOptions,
     Ui, Window, pos2, vec2,
@@ -59,7 +59,7 @@ impl SectionPanel {
         sound.then(|| (view.target + self.offset * radius * normal, axes, half))
     }
 
-    /// Asked for with so many pixels.
+    /// FilePurpose for with so many pixels.
     pub fn size(&self) -> [usize; 2] {
         SIZE
     }
@@ -203,7 +203,7 @@ fn probe(section: &Section, [x, y]: [[f64; 2]; 2], actions: &mut Actions) {
         pixels.filter_map(|i| section.values[i].map(|value| (value, 1.0))).collect();
     let middle = section.of.point([0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])]);
     let point = Some(middle).filter(|_| !values.is_empty());
-    actions.push(Action::Probed(Arc::new(Probed { key: 0, rays: 0, values, point, opacity: 0.0 })));
+    actions.push(Action::PixelProbe(Arc::new(PixelProbe { key: 0, rays: 0, values, point, opacity: 0.0 })));
 }
 
 #[cfg(test)]

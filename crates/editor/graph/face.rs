@@ -53,7 +53,7 @@ impl Face {
     }
 
     /// Everything about it, for whoever points at it.
-    pub fn in_words(&self) -> String {
+    pub fn description(&self) -> String {
         let state = match (&self.state, &self.idle) {
             (Some(NodeState::Fresh), _) => match self.seconds {
                 Some(seconds) => format!("done; took {}", crate::picture::milliseconds(seconds)),

@@ -12,7 +12,7 @@ const TITLE: f32 = 22.0;
 const NOTE: f32 = 220.0;
 
 /// Least height of a title in the window, points: a hand must find it.
-const LEAST_TITLE: f32 = 12.0;
+const MIN_TITLE_HEIGHT: f32 = 12.0;
 
 impl GraphView {
     pub(super) fn grid(&self, ui: &Ui, rect: Rect) {
@@ -66,7 +66,7 @@ impl GraphView {
     /// Where its title lies.
     pub(super) fn title_place(&self, rect: Rect, frame: &Frame) -> Rect {
         let place = self.frame_place(rect, frame);
-        let height = (TITLE * self.zoom).max(LEAST_TITLE).min(place.height());
+        let height = (TITLE * self.zoom).max(MIN_TITLE_HEIGHT).min(place.height());
         Rect::from_min_size(place.min, vec2(place.width(), height))
     }
 

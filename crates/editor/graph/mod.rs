@@ -3,22 +3,24 @@
 //! One small interface ([`GraphView::show`]) around the package that draws nodes (`package.rs`). Pan and zoom are this
 //! module's, places are the document's; wires, the menu, frames and notes are drawn here.
 
+mod annotations;
+mod dragged_wire;
 mod face;
 mod faces;
 mod frames;
 mod ground;
-mod hand;
-mod joining;
 mod menu;
 mod package;
 mod places;
-mod sight;
-mod things;
+mod pointer;
+mod visible_area;
 mod wires;
 
 use crate::actions::{Action, Actions};
 use crate::scene::Scene;
 use crate::theme;
+pub(crate) use annotations::Annotation;
+use annotations::{AnnotationDrag, Writing};
 use eframe::egui::{
     self, Color32, FontId, PointerButton, Rect, Rounding, Stroke, TextureHandle, Ui, Vec2, pos2, vec2,
 };
@@ -30,9 +32,7 @@ use places::{Places, Port};
 use std::collections::HashMap;
 use std::rc::Rc;
 use std::time::Duration;
-pub(crate) use things::Thing;
-use things::{Carried, Writing};
-use wires::InHand;
+use wires::DraggedWire;
 
 /// Frames until nodes have the sizes that they are fitted by.
 const FRAMES_TO_FIT: u32 = 3;
@@ -41,7 +41,7 @@ const FRAMES_TO_FIT: u32 = 3;
 const NEAR: f32 = 11.0;
 
 /// Height of the letters of names where others are left out, points.
-const LEAST_LETTERS: f32 = 9.0;
+const MIN_LETTER_HEIGHT: f32 = 9.0;
 
 /// How long a pointer rests before it is told what it points at, seconds. Words that come
 /// while it moves would lie under it in their first frame, and take the press.
@@ -67,9 +67,9 @@ pub(crate) struct GraphView {
     ported: Option<u64>,
     places: Places,
     dragged: Option<Dragged>,
-    carried: Option<Carried>,
+    carried: Option<AnnotationDrag>,
     writing: Option<Writing>,
-    wire: Option<InHand>,
+    wire: Option<DraggedWire>,
     menu: Option<Menu>,
     /// The menu is to be opened at the pointer.
     asked: bool,
@@ -185,7 +185,7 @@ impl GraphView {
         let dark = ui.visuals().dark_mode;
         for (name, frame) in &self.places.drawn {
             if is_far {
-                let font = FontId::proportional(LEAST_LETTERS);
+                let font = FontId::proportional(MIN_LETTER_HEIGHT);
                 let painter = ui.painter().with_clip_rect(frame.intersect(ui.clip_rect()));
                 let galley = painter.layout_no_wrap(name.clone(), font, ui.visuals().strong_text_color());
                 let at = frame.center() - 0.5 * galley.size();
@@ -236,10 +236,10 @@ impl GraphView {
         let left = REST - (now - since);
         let still = left <= 0.0 && !is_down;
         let words = match (port, node) {
-            (Some(port), _) => Some(joining::in_words(scene, &port)),
+            (Some(port), _) => Some(wires::port_description(scene, &port)),
             (None, Some(name)) => {
                 let id = self.ids.get(name);
-                id.and_then(|id| self.state.graph.nodes.get(*id)).map(|node| node.user_data.in_words())
+                id.and_then(|id| self.state.graph.nodes.get(*id)).map(|node| node.user_data.description())
             }
             (None, None) => None,
         };

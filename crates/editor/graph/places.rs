@@ -42,7 +42,7 @@ pub(super) struct Port {
 
 /// A node as it was drawn last, at the usual scale.
 #[derive(Debug, Default)]
-struct Known {
+struct NodeGeometry {
     size: Vec2,
     /// Where its ports lie from its corner.
     ports: Vec<(Rc<Port>, Vec2)>,
@@ -52,7 +52,7 @@ struct Known {
 #[derive(Debug, Default)]
 pub(super) struct Places {
     /// Each node that was ever drawn.
-    known: HashMap<String, Known>,
+    known: HashMap<String, NodeGeometry>,
     /// The ports and nodes of this frame, in the window; the upper ones last.
     pub seen: Vec<(Rc<Port>, Pos2)>,
     pub drawn: Vec<(String, Rect)>,
@@ -91,7 +91,7 @@ impl Places {
             let title = written.titled.get(id).map_or(TITLE * zoom, |y| y - low.y);
             bottom = written.bottom.get(id).map_or(bottom, |y| y + zoom + 0.5 * title);
             let frame = Rect::from_min_max(low, pos2(right, bottom));
-            let known = Known { size: frame.size() / zoom, ports };
+            let known = NodeGeometry { size: frame.size() / zoom, ports };
             match self.known.get_mut(name) {
                 Some(there) => *there = known,
                 None => drop(self.known.insert(name.clone(), known)),

@@ -1,10 +1,10 @@
 //! Which quantities the plane is over: s, g, arrays that the data have, and those that widgets name.
 
 use super::TransferPanel;
-use super::drawn;
-use super::look::Look;
+use super::edited_function::Look;
 use super::quantities::{axis_name, volume_of};
 use super::scale::S_AND_G;
+use super::screen_widget;
 use crate::scene::Scene;
 use eframe::egui::{Key, ScrollArea, TextEdit, Ui};
 use std::collections::BTreeMap;
@@ -69,8 +69,10 @@ fn choices(ui: &Ui, scene: &Scene, look: &Look) -> Vec<(ArrayRef, String)> {
     let nodes = &scene.document.pipeline().nodes;
     let source = volume_of(scene, &look.node.name);
     let source = source.as_deref().map(|source| links::source(source, nodes).0);
-    let of_data = source.map(|node| scene.arrays.of(ui.ctx(), scene, node)).unwrap_or_default();
-    let named = look.list.iter().filter_map(LocatedValue::table).flat_map(drawn::arrays);
+    let of_data = source
+        .map(|node| scene.arrays.feeding(ui.ctx(), scene.document, scene.registry, node))
+        .unwrap_or_default();
+    let named = look.list.iter().filter_map(LocatedValue::table).flat_map(screen_widget::arrays);
     let mut arrays: BTreeMap<String, String> = named.map(|name| (name.clone(), name)).collect();
     arrays.extend(of_data.iter().map(|array| (array.name.clone(), array.label.clone())));
     let named = S_AND_G.into_iter().map(|axis| (axis.clone(), axis_name(&axis)));

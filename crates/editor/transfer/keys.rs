@@ -1,8 +1,8 @@
 //! Keys over the plane: nudging, choosing, ordering, points, sets.
 
-use super::hand::FINE;
-use super::look::Look;
+use super::edited_function::Look;
 use super::plane::Plane;
+use super::pointer::FINE;
 use super::{TransferPanel, edit};
 use crate::actions::Actions;
 use eframe::egui::{Key, Modifiers, Ui};

@@ -1,6 +1,6 @@
 //! What is done to the list of widgets: more, fewer, another order, hidden, in hand.
 
-use super::look::Look;
+use super::edited_function::Look;
 use super::{TransferPanel, new};
 use crate::actions::Actions;
 use std::collections::BTreeSet;

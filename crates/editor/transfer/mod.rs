@@ -1,56 +1,57 @@
 //! The transfer function editor: the volume-weighted histogram over s and g, or over two arrays, and every widget on it, edited
 //! where it lies.
 //!
-//! | file | what |
+//! | file | responsibility |
 //! | --- | --- |
-//! | `look` | what is shown and edited |
-//! | `drawn`, `kinds`, `region` | widgets in the plane: one file a kind; where they are not 0 |
-//! | `images` | the pictures of tables |
-//! | `scale`, `numbers` | what the axes measure; numbers of a widget's table, read and written |
-//! | `relative` | numbers relative to data: found for the plane, and kept relative where a hand moves them |
-//! | `handles` | what is taken hold of |
-//! | `hand`, `drag`, `keys`, `sets` | what mouse and keys do |
-//! | `head`, `axes`, `list`, `new` | the lines above the plane; what its axes are; the list of widgets; new ones |
-//! | `plane`, `draw` | axes and histogram; widgets drawn |
+//! | `edited_function` | the transfer function in the panel |
+//! | `screen_widget`, `shape`, `kinds`, `region` | widgets in the plane, one file a kind; their regions |
+//! | `images` | pictures of tables |
+//! | `scale`, `numbers` | measures of the axes; numbers of a widget's table |
+//! | `relative` | numbers relative to data |
+//! | `handles` | handles of widgets |
+//! | `pointer`, `drag`, `keys`, `sets` | mouse and keys |
+//! | `head`, `axes`, `list`, `new` | lines above the plane, choice of axes, list of widgets, new ones |
+//! | `plane`, `draw`, `widget_painter` | axes and histogram; drawing of widgets |
 
 mod axes;
 mod drag;
 mod draw;
-mod drawn;
-mod hand;
+mod edited_function;
 mod handles;
 mod head;
 mod images;
 mod keys;
 mod kinds;
 mod list;
-mod look;
 mod new;
 mod numbers;
-mod pen;
 mod plane;
+mod pointer;
 mod quantities;
 mod region;
 mod relative;
 mod scale;
+mod screen_widget;
 mod sets;
+mod shape;
+mod widget_painter;
 
 use crate::actions::Actions;
 use crate::scene::Scene;
 use crate::theme;
 use crate::worker::short;
 use drag::Drag;
-use drawn::Drawn;
+use edited_function::Look;
 use eframe::egui::{self, Align2, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
 use handles::Handle;
 use images::Images;
-use look::Look;
 use numbers::Change;
 use plane::{Counts, Plane};
 pub(crate) use quantities::volume_of;
 use quantities::{axis_name, axis_title};
 pub(crate) use relative::in_numbers;
 use scale::S_AND_G;
+use screen_widget::ScreenWidget;
 use std::collections::BTreeSet;
 use voltet_document::links::upstream;
 use voltet_document::{Edit, Path};
@@ -119,7 +120,8 @@ pub(crate) fn of<'a>(scene: &Scene<'a>) -> Option<&'a NodeEntry> {
 pub(crate) fn fields_of(look: &NodeEntry) -> Vec<String> {
     let widgets = look.settings.iter().find(|field| field.name == "widgets");
     let list = widgets.and_then(|field| field.setting.list()).unwrap_or_default();
-    let all: BTreeSet<String> = list.iter().filter_map(LocatedValue::table).flat_map(drawn::arrays).collect();
+    let all: BTreeSet<String> =
+        list.iter().filter_map(LocatedValue::table).flat_map(screen_widget::arrays).collect();
     all.into_iter().collect()
 }
 
@@ -290,7 +292,7 @@ impl TransferPanel {
 }
 
 /// The changes of a widget (as it was when they began) as edits of its node, one step.
-fn edit(look: &Look, place: usize, before: &Drawn, changes: Vec<Change>, actions: &mut Actions) {
+fn edit(look: &Look, place: usize, before: &ScreenWidget, changes: Vec<Change>, actions: &mut Actions) {
     let Some(entry) = look.list.get(place).and_then(LocatedValue::table) else { return };
     let is_stated = |key: &str| entry.iter().any(|field| field.name == key);
     let known = look.found.as_ref().map(|found| &found.known);

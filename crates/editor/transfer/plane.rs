@@ -2,7 +2,7 @@
 
 use super::scale::height_of;
 use crate::theme;
-use crate::worker::{Distributed, short};
+use crate::worker::{Distribution, short};
 use eframe::egui::{
     Align2, Color32, ColorImage, FontId, Galley, Pos2, Rect, Stroke, TextureHandle, TextureOptions, Ui, Vec2,
     pos2, vec2,
@@ -147,11 +147,11 @@ pub(super) fn on_ground(ui: &Ui, at: Pos2, words: Arc<Galley>) {
 #[derive(Default)]
 pub(super) struct Counts {
     texture: Option<TextureHandle>,
-    of: Option<(Arc<Distributed>, bool)>,
+    of: Option<(Arc<Distribution>, bool)>,
 }
 
 impl Counts {
-    pub fn draw(&mut self, ui: &Ui, plane: Plane, found: &Arc<Distributed>) {
+    pub fn draw(&mut self, ui: &Ui, plane: Plane, found: &Arc<Distribution>) {
         let histogram = &found.histogram;
         let dark = ui.visuals().dark_mode;
         let same = self.of.as_ref().is_some_and(|(of, of_dark)| Arc::ptr_eq(of, found) && *of_dark == dark);

@@ -2,8 +2,8 @@
 
 use super::handles::{Handle, corners, edges};
 use super::numbers::{Change, array, find, list, rows};
-use super::pen::Pen;
 use super::scale::Scale;
+use super::widget_painter::WidgetPainter;
 use eframe::egui::{Color32, Pos2, Shape, Stroke};
 use voltet_graph::{Field, LocatedValue};
 
@@ -113,7 +113,7 @@ impl Region {
     }
 
     /// `is_all`: of a widget that is its region.
-    pub fn draw(&self, pen: &Pen, is_all: bool) {
+    pub fn draw(&self, pen: &WidgetPainter, is_all: bool) {
         let thin = Stroke::new(pen.stroke.width * 0.6, pen.stroke.color);
         let fill = if is_all { pen.stroke.color.gamma_multiply(0.15) } else { Color32::TRANSPARENT };
         match self {

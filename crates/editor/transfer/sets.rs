@@ -1,7 +1,7 @@
 //! Sets of widgets that digits recall and, with Ctrl, store; kept in the file under `[editor]`, which runs ignore.
 
 use super::TransferPanel;
-use super::look::Look;
+use super::edited_function::Look;
 use crate::actions::{Action, Actions};
 use eframe::egui::{Button, Key, Modifiers, Ui};
 use voltet_document::Edit;

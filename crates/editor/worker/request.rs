@@ -1,6 +1,6 @@
 //! What is asked of the worker: nodes as a document states them, and which of their outputs is looked at.
 
-use super::look_on::{NAME, entry, feeding};
+use super::preview_observer::{NAME, entry, feeding};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use voltet_core::Result;
@@ -14,7 +14,7 @@ const SAMPLES: &str = "samples";
 
 /// A picture that is wanted.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Wanted {
+pub struct RenderRequest {
     /// The nodes of the document; those that do not feed the picture are of no account, even broken.
     pub nodes: Vec<NodeEntry>,
     /// The folder that paths are relative to.
@@ -29,7 +29,7 @@ pub struct Wanted {
     pub coarse_first: bool,
 }
 
-impl Wanted {
+impl RenderRequest {
     /// The names of the nodes that feed the picture, and its own.
     pub fn upstream(&self) -> BTreeSet<String> {
         upstream(&self.nodes, &self.node)

@@ -94,14 +94,14 @@ fn between(from: &[f64], to: &[f64], x: f64) -> f64 {
 
 /// What is known of the data.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Known {
+pub struct DataScales {
     /// Least and largest values.
     pub ranges: BTreeMap<ArrayRef, [f64; 2]>,
     /// Of the quantities of the plane.
     pub spreads: BTreeMap<ArrayRef, Spread>,
 }
 
-impl DataStatistics for Known {
+impl DataStatistics for DataScales {
     fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]> {
         self.ranges.get(quantity).copied().ok_or_else(|| unknown(quantity))
     }

@@ -1,9 +1,9 @@
 //! What there is to show of the worker's work.
 
-use super::asked::{Distributed, Probed, Section, Share};
-use super::look_on::{NAME, Values};
 use super::pixels::Pixels;
-use super::request::Wanted;
+use super::preview_observer::{NAME, Values};
+use super::queries::{Distribution, PixelProbe, Section, Share};
+use super::request::RenderRequest;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -36,7 +36,7 @@ pub struct NodeStatus {
 
 /// What the worker did last.
 #[derive(Default)]
-pub struct Shown {
+pub struct WorkerOutput {
     /// The newest picture.
     pub pixels: Option<Pixels>,
     /// The nodes that feed the picture; the others are not needed for it.
@@ -56,9 +56,9 @@ pub struct Shown {
     /// Least and greatest coordinates of the data.
     pub bounds: Option<[DVec3; 2]>,
     /// The distribution of the data, with the key that it was asked for by.
-    pub distribution: Option<(u64, Result<Arc<Distributed>>)>,
+    pub distribution: Option<(u64, Result<Arc<Distribution>>)>,
     /// What was found at a place of the picture, with the key that it was asked for by.
-    pub probed: Option<(u64, Result<Arc<Probed>>)>,
+    pub probed: Option<(u64, Result<Arc<PixelProbe>>)>,
     /// What a plane through the data meets, with the key that it was asked for by.
     pub section: Option<(u64, Result<Arc<Section>>)>,
     /// What a widget adds to the picture, with the key that it was asked for by.
@@ -66,12 +66,12 @@ pub struct Shown {
     /// Small pictures of nodes that are not shown at large.
     pub previews: BTreeMap<String, Pixels>,
     number: u64,
-    wanted: Option<Wanted>,
+    wanted: Option<RenderRequest>,
 }
 
-impl Shown {
+impl WorkerOutput {
     /// A picture is wanted: what changed, and what follows from it, is stale.
-    pub(super) fn begin(&mut self, number: u64, wanted: &Wanted) {
+    pub(super) fn begin(&mut self, number: u64, wanted: &RenderRequest) {
         (self.number, self.is_busy) = (number, true);
         let former = self.wanted.replace(wanted.clone());
         let before = |name: &str| former.as_ref().and_then(|f| f.nodes.iter().find(|node| node.name == name));

@@ -6,7 +6,7 @@
 //!
 //! A picture that was drawn to its end after another kind of change is not shown.
 
-use super::request::Wanted;
+use super::request::RenderRequest;
 use super::shared::{Shared, lock};
 use std::collections::BTreeSet;
 use std::sync::atomic::Ordering;
@@ -19,7 +19,7 @@ use voltet_graph::NodeEntry;
 pub(super) struct Pass<'a> {
     shared: &'a Shared,
     number: u64,
-    wanted: &'a Wanted,
+    wanted: &'a RenderRequest,
     begun: Instant,
     /// How long it goes on while a hand moves; `None` for a picture that a coarse one came before.
     patience: Option<Duration>,
@@ -37,7 +37,12 @@ pub(super) struct Change {
 }
 
 impl<'a> Pass<'a> {
-    pub fn new(shared: &'a Shared, number: u64, wanted: &'a Wanted, patience: Option<Duration>) -> Self {
+    pub fn new(
+        shared: &'a Shared,
+        number: u64,
+        wanted: &'a RenderRequest,
+        patience: Option<Duration>,
+    ) -> Self {
         Pass { shared, number, wanted, begun: Instant::now(), patience, judged: Mutex::default() }
     }
 
@@ -76,7 +81,7 @@ impl<'a> Pass<'a> {
 }
 
 impl Change {
-    fn between(before: &Wanted, now: &Wanted) -> Change {
+    fn between(before: &RenderRequest, now: &RenderRequest) -> Change {
         let elsewhere = before.folder != now.folder;
         let needed = now.upstream();
         let is_other = |name: &String| elsewhere || find(&before.nodes, name) != find(&now.nodes, name);
@@ -109,9 +114,9 @@ mod tests {
     use voltet_graph::pipeline::Pipeline;
     use voltet_graph::{LocatedValue, ParameterValue};
 
-    fn wanted() -> Wanted {
-        Wanted {
-            nodes: Pipeline::parse(include_str!("../by_hand/scene.toml")).unwrap().nodes,
+    fn wanted() -> RenderRequest {
+        RenderRequest {
+            nodes: Pipeline::parse(include_str!("../ui_tests/scene.toml")).unwrap().nodes,
             folder: PathBuf::new(),
             node: "picture".into(),
             size: None,
@@ -120,14 +125,14 @@ mod tests {
         }
     }
 
-    fn with(node: &str, key: &str, datum: ParameterValue) -> Wanted {
+    fn with(node: &str, key: &str, datum: ParameterValue) -> RenderRequest {
         let mut wanted = wanted();
         let node = wanted.nodes.iter_mut().find(|entry| entry.name == node).unwrap();
         node.set(key, &[], LocatedValue::from(datum)).unwrap();
         wanted
     }
 
-    fn touched(now: &Wanted) -> (Vec<String>, bool) {
+    fn touched(now: &RenderRequest) -> (Vec<String>, bool) {
         let change = Change::between(&wanted(), now);
         (change.touched.into_iter().collect(), change.moves)
     }
@@ -146,9 +151,9 @@ mod tests {
         );
         let other = with("gradient", "method", ParameterValue::Text("cell-average".into()));
         assert_eq!(touched(&other), (of(&["gradient", "picture"]), false));
-        let elsewhere = Wanted { folder: "elsewhere".into(), ..wanted() };
+        let elsewhere = RenderRequest { folder: "elsewhere".into(), ..wanted() };
         assert_eq!(touched(&elsewhere).0.len(), 5);
-        let other_node = Wanted { node: "gradient".into(), ..wanted() };
+        let other_node = RenderRequest { node: "gradient".into(), ..wanted() };
         assert_eq!(touched(&other_node), (of(&["look", "picture", "view"]), false));
     }
 }

@@ -1,8 +1,8 @@
 //! Ellipses: Gaussians in the plane.
 
 use super::super::handles::Handle;
-use super::super::pen::Pen;
 use super::super::scale::Scale;
+use super::super::widget_painter::WidgetPainter;
 use eframe::egui::{Color32, Shape, Stroke};
 use std::f64::consts::TAU;
 
@@ -73,7 +73,7 @@ impl Ellipse {
     }
 
     /// At one and at two standard deviations.
-    pub fn draw(&self, pen: &Pen) {
+    pub fn draw(&self, pen: &WidgetPainter) {
         let Ellipse { centre, axes } = self;
         let stroke = pen.stroke;
         let infinite = axes.iter().position(|axis| axis.iter().any(|x| !x.is_finite()));

@@ -2,17 +2,17 @@
 
 use super::super::handles::Handle;
 use super::super::numbers::{Change, find, list, rounded, rows_of};
-use super::super::pen::Pen;
 use super::super::scale::Scale;
+use super::super::shape::{PlaneContext, Shape};
+use super::super::widget_painter::WidgetPainter;
 use super::ellipse::Ellipse;
 use super::triangle::Triangle;
-use super::{On, Shape};
 use std::sync::Arc;
 use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue};
 
 /// The numbers of such a widget.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct OfFields {
+pub(super) struct FieldShape {
     /// The fields along the plane's axes, by their places in the list.
     at: [Option<usize>; 2],
     centre: Vec<f64>,
@@ -40,14 +40,14 @@ struct Magnitude {
     level: f64,
 }
 
-impl OfFields {
+impl FieldShape {
     /// `None` of one that has no field along either axis, or would lie on its side. `magnitude`: the name of the array, where its
     /// widths are shares of one.
     pub fn shape(
         (names, centre, kernel): (&[String], &[f64], &[Vec<f64>]),
         magnitude: Option<&String>,
         numbers: &[Field],
-        on: &On,
+        on: &PlaneContext,
     ) -> Option<Arc<dyn Shape>> {
         let of = Self::read((names, centre, kernel), magnitude, numbers, on)?;
         Some(Arc::new(of))
@@ -57,8 +57,8 @@ impl OfFields {
         (names, centre, kernel): (&[String], &[f64], &[Vec<f64>]),
         magnitude: Option<&String>,
         numbers: &[Field],
-        on: &On,
-    ) -> Option<OfFields> {
+        on: &PlaneContext,
+    ) -> Option<FieldShape> {
         let place = |axis: &ArrayRef| match axis {
             ArrayRef::Array(name) => names.iter().position(|known| known == name),
             ArrayRef::Named(_) | ArrayRef::Per(..) => None,
@@ -100,7 +100,7 @@ impl OfFields {
                 Figure::Ellipse(ellipse)
             }
         };
-        Some(OfFields { at, centre: centre.to_vec(), sigma, kernel: kernel.to_vec(), magnitude, figure })
+        Some(FieldShape { at, centre: centre.to_vec(), sigma, kernel: kernel.to_vec(), magnitude, figure })
     }
 
     /// The middle elsewhere in the plane.
@@ -166,7 +166,7 @@ impl OfFields {
     }
 }
 
-impl Shape for OfFields {
+impl Shape for FieldShape {
     fn handles(&self, scale: &Scale) -> Vec<(Handle, [f64; 2])> {
         match &self.figure {
             Figure::Ellipse(ellipse) => ellipse.handles(),
@@ -191,7 +191,7 @@ impl Shape for OfFields {
         self.centred([from[0] + by[0], from[1] + by[1]])
     }
 
-    fn draw(&self, pen: &Pen) {
+    fn draw(&self, pen: &WidgetPainter) {
         match &self.figure {
             Figure::Ellipse(ellipse) => ellipse.draw(pen),
             Figure::Triangle(triangle) => triangle.draw(pen),
@@ -239,7 +239,7 @@ mod tests {
     }
 
     /// Over a, b and c about (1, 2, 3).
-    fn of(kernel: &[Vec<f64>], sigma: Option<&[f64]>, magnitude: bool, on: [&str; 2]) -> Option<OfFields> {
+    fn of(kernel: &[Vec<f64>], sigma: Option<&[f64]>, magnitude: bool, on: [&str; 2]) -> Option<FieldShape> {
         let names = ["a", "b", "c"].map(String::from);
         let numbers = sigma.map(|sigma| Field {
             name: "sigma".into(),
@@ -247,9 +247,9 @@ mod tests {
             setting: list(sigma).into(),
         });
         let (images, name) = (Images::default(), "multi-gradient".to_string());
-        let on = On { axes: &axes(on), extent: [1.0, 1.0], known: None, images: &images };
+        let on = PlaneContext { axes: &axes(on), extent: [1.0, 1.0], known: None, images: &images };
         let numbers: Vec<Field> = numbers.into_iter().collect();
-        OfFields::read((&names, &[1.0, 2.0, 3.0], kernel), magnitude.then_some(&name), &numbers, &on)
+        FieldShape::read((&names, &[1.0, 2.0, 3.0], kernel), magnitude.then_some(&name), &numbers, &on)
     }
 
     fn diagonal(numbers: [f64; 3]) -> Vec<Vec<f64>> {

@@ -1,30 +1,34 @@
-//! Carries out what the parts of the window ask for.
+//! Application of the actions that the parts of the window requested.
 
+use crate::actions::FilePurpose;
 use crate::actions::{Action, Command};
-use crate::asking::{Asked, FileAsking};
 use crate::editor::{Editor, camera_size};
+use crate::file_dialog::FileDialog;
 use crate::files::Disk;
 use crate::graph::GraphView;
 use crate::parameters::ParameterPanel;
+use crate::picture::milliseconds;
+use crate::run::Run;
 use crate::transfer::TransferPanel;
 use crate::view::View;
 use eframe::egui::{Context, ThemePreference};
 use glam::DVec3;
 use std::collections::BTreeSet;
+use std::path::Path;
 use voltet_core::Error;
 use voltet_document::{Document, Edit};
 use voltet_graph::ParameterValue;
 use voltet_nodes::files::relative_to;
 
 impl Editor {
-    pub(crate) fn carry_out(&mut self, ctx: &Context, action: Action) {
+    pub(crate) fn apply(&mut self, ctx: &Context, action: Action) {
         match action {
             Action::Edit(label, edits) => self.edit(label, &edits),
             Action::Select(names) => self.selection = names,
             Action::Show(name) => self.shown_node = Some(name),
             Action::Look(view) => self.look(view),
             Action::Probe(places) => self.probe(places, false),
-            Action::Probed(found) => self.show_probed(found),
+            Action::PixelProbe(found) => self.show_probed(found),
             Action::Centre(place) => self.probe(vec![place], true),
             Action::Estimate => {
                 if let Some(asked) = self.asked.clone() {
@@ -40,7 +44,7 @@ impl Editor {
                 self.unless_unsaved(ctx, Command::Open);
             }
             Action::SaveAs(path) => self.save_as(&path),
-            Action::Ask(asked, at) => self.asking = Some(FileAsking::new(asked, at.as_deref())),
+            Action::ChooseFile(asked, at) => self.file_dialog = Some(FileDialog::new(asked, at.as_deref())),
             Action::Name { node, path, file } => {
                 let text = relative_to(&file, &self.document.folder()).to_string_lossy().into_owned();
                 let edit = Edit::Set { node, path, value: ParameterValue::Text(text) };
@@ -111,7 +115,9 @@ impl Editor {
             }
             Command::Run => self.run(ctx),
             Command::Save => self.save(),
-            Command::SaveAs => self.asking = Some(FileAsking::new(Asked::SaveAs, self.document.path())),
+            Command::SaveAs => {
+                self.file_dialog = Some(FileDialog::new(FilePurpose::SaveAs, self.document.path()))
+            }
             Command::Undo | Command::Redo => self.step(command == Command::Undo),
             Command::Copy => self.copy(ctx),
             Command::Cut => {
@@ -164,6 +170,40 @@ impl Editor {
         }
     }
 
+    /// Starts a run of the document as it is shown; cancels the one in progress.
+    fn run(&mut self, ctx: &Context) {
+        if self.run.take().is_some() {
+            self.message = Some(("the run is stopped; nothing of it is half written".into(), false));
+            return;
+        }
+        match Run::start(&self.document, &self.registry, ctx) {
+            Ok(run) => {
+                self.run = Some(run);
+                self.message = Some(("running; Ctrl+R stops it".into(), false));
+            }
+            Err(error) => self.complain(&error),
+        }
+    }
+
+    /// Shows the outcome of a run, once it has ended.
+    pub(crate) fn show_run(&mut self) {
+        let Some(outcome) = self.run.as_ref().and_then(Run::report) else { return };
+        self.run = None;
+        match outcome {
+            Ok(report) => {
+                let folder = self.document.folder();
+                let name = |file: &String| relative_to(Path::new(file), &folder).display().to_string();
+                let files = match report.files.is_empty() {
+                    true => "no files".into(),
+                    false => report.files.iter().map(name).collect::<Vec<_>>().join(", "),
+                };
+                let text = format!("written in {}: {files}", milliseconds(report.seconds));
+                self.message = Some((text, false));
+            }
+            Err(error) => self.complain(&error),
+        }
+    }
+
     fn step(&mut self, back: bool) {
         let label = match back {
             true => self.document.history().undo_label().map(|label| format!("undone: {label}")),
@@ -190,7 +230,9 @@ impl Editor {
         match (command, self.begin_with.take()) {
             (Command::New, _) => self.take(Document::new()),
             (Command::Open, Some(path)) => self.open_any(ctx, &path),
-            (Command::Open, None) => self.asking = Some(FileAsking::new(Asked::Open, self.document.path())),
+            (Command::Open, None) => {
+                self.file_dialog = Some(FileDialog::new(FilePurpose::Open, self.document.path()))
+            }
             _ => self.ends = true,
         }
     }

@@ -1,12 +1,12 @@
 //! What the panel shows and edits.
 
-use super::drawn::Drawn;
 use super::images::Images;
-use super::kinds::On;
 use super::plane::Plane;
 use super::scale::{S_AND_G, Scale};
+use super::screen_widget::ScreenWidget;
+use super::shape::PlaneContext;
 use crate::scene::Scene;
-use crate::worker::{Distributed, Probed, Share};
+use crate::worker::{Distribution, PixelProbe, Share};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use voltet_core::probing::Histogram;
@@ -16,17 +16,17 @@ use voltet_graph::{ArrayRef, LocatedValue, NodeEntry};
 pub(super) struct Look<'a> {
     pub node: &'a NodeEntry,
     pub list: &'a [LocatedValue],
-    pub widgets: Vec<Drawn>,
+    pub widgets: Vec<ScreenWidget>,
     /// What the axes of the plane are.
     pub axes: [ArrayRef; 2],
-    pub found: Option<Arc<Distributed>>,
+    pub found: Option<Arc<Distribution>>,
     /// Lengths of the axes of the data.
     pub extent: [f64; 2],
     /// The same for lengths that are equal on the screen, where ellipses have their axes and are turned.
     metric: [f64; 2],
     /// The extinction at the top of the plot, for curves.
     pub peak: f64,
-    pub probed: Option<Arc<Probed>>,
+    pub probed: Option<Arc<PixelProbe>>,
     pub share: Option<Result<Share, String>>,
     /// Sets of widgets that the file keeps, by their digits.
     pub sets: &'a BTreeMap<u8, Vec<LocatedValue>>,
@@ -49,11 +49,11 @@ impl<'a> Look<'a> {
             found.as_ref().map_or([1.0; 2], |found| found.histogram.axes.map(|axis| axis.high - axis.low));
         let metric = plane.map_or(extent, Plane::metric);
         let known = found.as_ref().map(|found| &found.known);
-        let on = On { axes, extent: metric, known, images };
-        let widget = |entry: &LocatedValue| Drawn::of(entry.table().unwrap_or_default(), &on);
-        let widgets: Vec<Drawn> = list.iter().map(widget).collect();
+        let on = PlaneContext { axes, extent: metric, known, images };
+        let widget = |entry: &LocatedValue| ScreenWidget::of(entry.table().unwrap_or_default(), &on);
+        let widgets: Vec<ScreenWidget> = list.iter().map(widget).collect();
         let peak = former_peak.unwrap_or_else(|| {
-            let most = widgets.iter().filter_map(Drawn::peak_of_curve).fold(0.0, f64::max);
+            let most = widgets.iter().filter_map(ScreenWidget::peak_of_curve).fold(0.0, f64::max);
             if most > 0.0 { 1.1 * most } else { 1.0 }
         });
         let (probed, share) = (scene.probed.clone(), scene.share.clone());

@@ -9,13 +9,13 @@ const PAUSE: Duration = Duration::from_millis(600);
 
 /// Which edits belong together.
 #[derive(Default)]
-pub(crate) struct Hand {
+pub(crate) struct GestureTracker {
     last: u64,
     pressed: Option<u64>,
     at: Option<(Instant, u64)>,
 }
 
-impl Hand {
+impl GestureTracker {
     fn next(&mut self) -> u64 {
         self.last += 1;
         self.last

@@ -1,12 +1,12 @@
 //! What a mouse does in the plane: looking elsewhere, taking hold of widgets, adding and taking away points.
 
 use super::drag::Drag;
-use super::drawn::Drawn;
+use super::edited_function::Look;
 use super::handles::Handle;
-use super::look::Look;
 use super::plane::{self, Plane};
 use super::region::Region;
 use super::scale::{Scale, height_of};
+use super::screen_widget::ScreenWidget;
 use super::{TransferPanel, edit};
 use crate::actions::Actions;
 use eframe::egui::{self, PointerButton, Pos2, Ui, Vec2};
@@ -105,7 +105,7 @@ impl TransferPanel {
 
     /// A double click adds a point to a curve or polygon in hand, else all of the data is shown.
     fn add_point_or_show_all(&mut self, at: [f64; 2], look: &Look, scale: &Scale, actions: &mut Actions) {
-        let has_points = |place: usize| look.widgets.get(place).is_some_and(Drawn::has_points);
+        let has_points = |place: usize| look.widgets.get(place).is_some_and(ScreenWidget::has_points);
         let Some(place) = [self.chosen, self.before_click].into_iter().find(|place| has_points(*place))
         else {
             self.shown = None;
@@ -132,7 +132,7 @@ impl TransferPanel {
     /// What lies under a press: a handle of the widget in hand, another widget, or nothing.
     fn take(&mut self, at: Pos2, plane: Plane, look: &Look, scale: &Scale) {
         let value = plane.to_values(at);
-        let hold = |widget: &Drawn, handle: Option<Handle>| {
+        let hold = |widget: &ScreenWidget, handle: Option<Handle>| {
             let place =
                 |handle: Handle| widget.handles(scale).into_iter().find(|(known, _)| *known == handle);
             let from = handle.and_then(place).map_or(value, |(_, place)| place);
@@ -157,7 +157,7 @@ impl TransferPanel {
             self.drag = hold(&look.widgets[place], Some(handle));
             return;
         }
-        let on_curve = |widget: &&Drawn| is_on_curve(widget, at, plane, scale);
+        let on_curve = |widget: &&ScreenWidget| is_on_curve(widget, at, plane, scale);
         if let Some(place) = look.widgets.iter().position(|widget| on_curve(&widget)) {
             self.chosen = place;
             self.drag = hold(&look.widgets[place], None);
@@ -178,7 +178,7 @@ impl TransferPanel {
 }
 
 /// The handle that a pointer means.
-pub(super) fn nearest(widget: &Drawn, at: Pos2, plane: Plane, scale: &Scale) -> Option<Handle> {
+pub(super) fn nearest(widget: &ScreenWidget, at: Pos2, plane: Plane, scale: &Scale) -> Option<Handle> {
     let handles = widget.handles(scale).into_iter();
     let by_distance = handles.map(|(handle, place)| (plane.to_window(place).distance(at), handle));
     let near = by_distance.filter(|(distance, _)| *distance <= NEAR);
@@ -186,7 +186,7 @@ pub(super) fn nearest(widget: &Drawn, at: Pos2, plane: Plane, scale: &Scale) -> 
 }
 
 /// Whether a pointer is on the line of a curve.
-fn is_on_curve(widget: &Drawn, at: Pos2, plane: Plane, scale: &Scale) -> bool {
+fn is_on_curve(widget: &ScreenWidget, at: Pos2, plane: Plane, scale: &Scale) -> bool {
     let Some(peak) = widget.peak_of_curve() else { return false };
     let value = plane.to_values(at);
     let height = height_of(peak * widget.strength(value), scale.peak) * scale.top();
@@ -194,7 +194,7 @@ fn is_on_curve(widget: &Drawn, at: Pos2, plane: Plane, scale: &Scale) -> bool {
 }
 
 /// Whether it is as strong at all four corners of the data.
-fn is_everywhere(widget: &Drawn, look: &Look) -> bool {
+fn is_everywhere(widget: &ScreenWidget, look: &Look) -> bool {
     let Some(histogram) = look.histogram() else { return false };
     if !matches!(widget.region, Region::Whole) {
         return false;

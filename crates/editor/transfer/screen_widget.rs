@@ -1,12 +1,13 @@
 //! Widgets as they lie in the plane.
 
 use super::handles::Handle;
-use super::kinds::{On, Shape, natural_axes, shape};
+use super::kinds::{natural_axes, shape};
 use super::numbers::{Change, array, find, number};
 use super::plane::middle;
 use super::region::Region;
 use super::relative;
 use super::scale::Scale;
+use super::shape::{PlaneContext, Shape};
 use std::sync::Arc;
 use voltet_core::parameters::Parameters;
 use voltet_core::probing::Histogram;
@@ -16,7 +17,7 @@ use voltet_graph::{ArrayRef, Field, LocatedValue, SourceSpan};
 
 /// A widget in the plane.
 #[derive(Debug, Clone)]
-pub(super) struct Drawn {
+pub(super) struct ScreenWidget {
     /// Its kind's name.
     pub kind: String,
     /// What it is; one that stands for it where its numbers are not known; none where it is none.
@@ -33,16 +34,16 @@ pub(super) struct Drawn {
     pub fault: Option<String>,
 }
 
-impl Drawn {
+impl ScreenWidget {
     /// From what the file states, with numbers relative to data found by what is known of these.
-    pub fn of(fields: &[Field], on: &On) -> Drawn {
+    pub fn of(fields: &[Field], on: &PlaneContext) -> ScreenWidget {
         let read = || -> Result<(Widget, Vec<Field>)> {
             let numbers = relative::resolved(fields, on.known)?;
             let (kind, parameters) = keys(&numbers)?;
             Ok((transfer::read(kind, &parameters, &|path| Ok(on.images.texels(path)))?, numbers))
         };
         let is_flat = on.is_of_s_and_g();
-        let mut drawn = Drawn {
+        let mut drawn = ScreenWidget {
             kind: find(fields, "kind").and_then(LocatedValue::text).unwrap_or_default().to_string(),
             widget: None,
             shape: None,
@@ -64,7 +65,7 @@ impl Drawn {
                 drawn.fault = image.and_then(|path| on.images.fault(path));
             }
             Err(error) => {
-                drawn.widget = standing_in(fields);
+                drawn.widget = with_placeholders(fields);
                 drawn.fault = Some(error.to_string());
             }
         }
@@ -164,7 +165,7 @@ impl Drawn {
 
 /// The arrays that a widget's table names.
 pub(super) fn arrays(fields: &[Field]) -> Vec<String> {
-    let widget = standing_in(fields);
+    let widget = with_placeholders(fields);
     let names = widget.as_ref().map_or(Vec::new(), |widget| widget.profile.properties().fields);
     names.into_iter().map(str::to_string).collect()
 }
@@ -178,7 +179,7 @@ fn keys(fields: &[Field]) -> Result<(&'static str, Parameters)> {
 }
 
 /// A widget that looks at the same quantities, whatever its numbers are; `None` where what is stated makes none.
-fn standing_in(fields: &[Field]) -> Option<Widget> {
+fn with_placeholders(fields: &[Field]) -> Option<Widget> {
     let (kind, parameters) = keys(fields).ok()?;
     let parameters = transfer::with_placeholders(&parameters).ok()?;
     transfer::read(kind, &parameters, &|_| Ok((1, 1, vec![[0.0; 4]]))).ok()
@@ -201,5 +202,5 @@ fn main_color(widget: &Widget) -> [f64; 3] {
 }
 
 #[cfg(test)]
-#[path = "drawn_tests.rs"]
+#[path = "screen_widget_tests.rs"]
 mod tests;

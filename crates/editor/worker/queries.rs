@@ -1,7 +1,7 @@
 //! What is asked of the worker beside pictures, and what it finds.
 
-use super::request::Wanted;
-use super::scales::Known;
+use super::request::RenderRequest;
+use super::scales::DataScales;
 use glam::DVec3;
 use std::path::PathBuf;
 use voltet_core::probing::Histogram;
@@ -9,7 +9,7 @@ use voltet_graph::{ArrayRef, NodeEntry};
 
 /// The distribution of the data that is wanted.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Distribution {
+pub struct DistributionQuery {
     /// As of [`Wanted`](super::Wanted).
     pub nodes: Vec<NodeEntry>,
     /// As of [`Wanted`](super::Wanted).
@@ -28,16 +28,16 @@ pub struct Distribution {
 
 /// What was found.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Distributed {
+pub struct Distribution {
     /// The volume in each bin.
     pub histogram: Histogram,
     /// Ranges, and the volume below each value of the axes: of this volume, or of all steps of its series.
-    pub known: Known,
+    pub known: DataScales,
 }
 
 /// A place of the picture that is asked about.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Probing {
+pub struct ProbeQuery {
     /// As of [`Wanted`](super::Wanted).
     pub nodes: Vec<NodeEntry>,
     /// As of [`Wanted`](super::Wanted).
@@ -52,7 +52,7 @@ pub struct Probing {
 
 /// What was found.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Probed {
+pub struct PixelProbe {
     /// As of [`Probing`].
     pub key: u64,
     /// Rays that were walked; 0 where the values are those of a section.
@@ -67,7 +67,7 @@ pub struct Probed {
 
 /// A section that is wanted.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sectioning {
+pub struct SectionQuery {
     /// As of [`Wanted`](super::Wanted).
     pub nodes: Vec<NodeEntry>,
     /// As of [`Wanted`](super::Wanted).
@@ -90,7 +90,7 @@ pub struct Sectioning {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {
     /// As it was asked for.
-    pub of: Sectioning,
+    pub of: SectionQuery,
     /// [s, g] at the middle of each pixel, rows from the top; none outside of all cells.
     pub values: Vec<Option<[f64; 2]>>,
     /// Cells that the plane cuts.
@@ -99,9 +99,9 @@ pub struct Section {
 
 /// A widget that is asked about.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sharing {
+pub struct ShareQuery {
     /// The picture that is shown.
-    pub wanted: Wanted,
+    pub wanted: RenderRequest,
     /// The transfer function.
     pub look: String,
     /// The widget's place in that picture's list.
