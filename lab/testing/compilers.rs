@@ -13,7 +13,7 @@ pub fn source(path: &str) -> PathBuf {
     Path::new(ROOT).join(path)
 }
 
-/// What a library is made of: the options, and the sources with their texts, as a test may change one.
+/// Sources of a library: the options, and the sources with their texts, as a test may change one.
 type Made = (Vec<String>, Vec<(PathBuf, String)>);
 
 /// Its bytes, once it is compiled; `None` where there is no compiler.
@@ -42,7 +42,7 @@ pub fn library(folder: &Path, name: &str, sources: &[PathBuf], options: &[&str])
     Some(path)
 }
 
-/// The same for a program.
+/// Compiles a program; like [`library`].
 #[track_caller]
 pub fn program(folder: &Path, name: &str, sources: &[PathBuf], options: &[&str]) -> Option<PathBuf> {
     let path = folder.join(name);

@@ -1,6 +1,6 @@
 //! The page: sections with tables as Markdown, and figures.
 
-use super::Paper;
+use super::options::Paper;
 use std::time::SystemTime;
 use voltet_core::Result;
 use voltet_core::picture::Picture;
@@ -17,7 +17,7 @@ pub struct Figure {
     pub png: Vec<u8>,
 }
 
-/// What one paper says, and what is found here.
+/// Claims of a paper, and the results here.
 #[derive(Debug, Clone)]
 pub struct Section {
     /// The paper.
@@ -28,7 +28,7 @@ pub struct Section {
     pub figures: Vec<Figure>,
 }
 
-/// What the figures' links begin with.
+/// Folder of the figures' links.
 pub const FOLDER: &str = "papers";
 
 /// The whole page.
