@@ -10,7 +10,7 @@ cargo build --release
 # Stability
 
 Errors of every formula of every engine against exact values, by category; then cells that are hard to draw, and the formulas as
-papers print them. `docs/stability.sh` makes this page. `voltet stability` prints the same on any machine, with exit code 1 if a
+papers print them. `lab/scripts/stability.sh` makes this page. `voltet stability` prints the same on any machine, with exit code 1 if a
 bound is broken. The column of a device is that of a software Vulkan driver, which runs on the CPU; `--adapter` names another.
 
 The exact values were computed with 60 to 90 digits and are part of the source (`lab/judge/fixtures`). A value passes if its error

@@ -12,7 +12,7 @@ cat > "$page" <<'TEXT'
 # Error against time
 
 Three of the pipelines, drawn with every integrator that supports them and its settings, on the CPU and on a graphics device if
-there is one, against the 64-bit reference. `docs/study.sh` makes this page; `voltet study FILE` does the same for any scene, with
+there is one, against the 64-bit reference. `lab/scripts/study.sh` makes this page; `voltet study FILE` does the same for any scene, with
 more figures.
 
 `total ms` is the median time of a picture from culling on, on the CPU with set-up (tables). Errors are those of premultiplied linear

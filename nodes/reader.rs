@@ -4,9 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 use voltet_graph::{
-    DefaultValue, Demand, MayLeaveOut, Node, NodeDiagnostics, Outputs, Parameter, ParameterType,
-    ParameterValue, Parameters, PlanContext, Port, PortType, Preparation, Range, RunContext, SavedWork,
-    Steps, Value, nearest,
+    DefaultValue, Demand, Diagnostics, Node, Outputs, Parameter, ParameterType, ParameterValue, Parameters,
+    PlanContext, Port, PortType, Preparation, Range, RunContext, SavedWork, Steps, Value, nearest,
 };
 use voltet_io::formats::{self, Association, CellValues, Request, SelectedArrays, TimeStep};
 
@@ -110,8 +109,8 @@ pub(crate) fn run(call: &mut RunContext, chosen: Option<SelectedArrays>) -> Resu
     let grid = formats::read(&path, &request, call.progress())?;
     let origin = &grid.origin;
     call.notes.warnings.extend(origin.warnings.iter().cloned());
-    if let (Some(leave), false) = (call.may_leave_out(), origin.arrays_unread.is_empty()) {
-        leave_out(&mut call.notes, leave, &origin.arrays_unread, origin.values_unread);
+    if !origin.arrays_unread.is_empty() {
+        record_unread(&mut call.notes, &origin.arrays_unread, origin.values_unread);
     }
     call.notes.counts.insert("arrays_decoded", origin.arrays_decoded);
     for (name, count) in [
@@ -163,15 +162,15 @@ pub(crate) fn foresee(foresight: &mut PlanContext, chosen: Option<SelectedArrays
     let request = asked(parameters, foresight.demand, chosen, &|path| foresight.resolve(path))?;
     let unread = formats::unread(&foresight.resolve(parameters.text("path")?), &request)?;
     if !unread.arrays.is_empty() {
-        leave_out(foresight.notes, foresight.leave, &unread.arrays, unread.value_count);
+        record_unread(foresight.notes, &unread.arrays, unread.value_count);
     }
     Ok(())
 }
 
-/// Every number becomes one of 64 bits.
-fn leave_out(notes: &mut NodeDiagnostics, leave: MayLeaveOut, arrays: &[String], value_count: u64) {
+/// Records the arrays that are not read: each number of them would become one of 64 bits.
+fn record_unread(notes: &mut Diagnostics, arrays: &[String], value_count: u64) {
     let saving = (value_count > 0).then(|| SavedWork::Bytes(value_count.saturating_mul(8)));
-    notes.record_skipped(leave, format!("arrays {}", arrays.join(", ")), "nothing looks at them", saving);
+    notes.record_skipped(format!("arrays {}", arrays.join(", ")), "nothing looks at them", saving);
 }
 
 /// Request to the file from parameters and demand.

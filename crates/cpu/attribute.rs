@@ -54,9 +54,9 @@ pub(crate) fn attributes_of<'a>(
     let volume = &cells.volume;
     let fields = transfer_function.fields();
     if fields.len() > MAX_FIELDS {
-        return Err(Error::usage("the widgets look at more point arrays than a picture is drawn from")
+        return Err(Error::usage("the widgets read more point arrays than a picture can be drawn from")
             .got(format!("{} beside s and g", fields.len()))
-            .expected(format!("at most {MAX_FIELDS}")));
+            .expected(format!("at max {MAX_FIELDS}")));
     }
     let active = cells.active_widgets(transfer_function);
     let has_edges = active.widgets.iter().any(|widget| widget.region.is_some());
@@ -70,18 +70,18 @@ pub(crate) fn attributes_of<'a>(
             Some(g) => attributes.push(attribute(g, cells.ranges[1], about(1))),
             None if transfer_function.uses_gradient_magnitude() => {
                 return Err(Error::usage(
-                    "the transfer function looks at the gradient magnitude, and the volume has none",
+                    "the transfer function reads the gradient magnitude, and the volume has none",
                 )
                 .expected("a gradient-magnitude node before this one"));
             }
-            // The further fields stand in their own places, behind g.
+            // The further fields stand behind g.
             None => attributes.push(attribute(&volume.scalar, cells.ranges[0], None)),
         }
     }
     for (i, name) in fields.into_iter().enumerate() {
         let array = volume.grid.point_arrays.get(name).filter(|array| array.component_count == 1);
         let Some(array) = array else {
-            return Err(Error::usage("the transfer function looks at a field that the volume does not have")
+            return Err(Error::usage("the transfer function reads a field that the volume does not have")
                 .got(name)
                 .expected("a point array of one component that the reader was asked for"));
         };
@@ -121,13 +121,13 @@ pub(crate) fn gradient_attributes(cells: &CellSelection) -> Result<Vec<Attribute
 /// `about`: the centre that values are counted from if it is among them, and whether widgets have edges there.
 fn attribute(values: &[f64], [low, high]: [f64; 2], about: Option<(f64, bool)>) -> Attribute<'_> {
     let span = span([low, high]);
-    // A constant field: any scale serves. The largest power of two is 2^1023.
+    // A constant field: any scale will do. The largest power of two is 2^1023.
     let scale = if span > 0.0 { span.log2().ceil().min(1023.0).exp2() } else { 1.0 };
     let middle = low + 0.5 * span;
     // With edges the offset must not add digits to the values; so near the centre 45 bits of the range are left.
     let coarse = |centre: f64| (centre / scale * OFFSET_STEPS).round() / OFFSET_STEPS * scale;
     let offset = match about {
-        // Just beside the values serves, too: widths are counted from 0, however small the least of them.
+        // Just beside the values is near enough: widths are counted from 0, however small the least of them.
         Some((centre, has_edges)) if (low - span..=high + span).contains(&centre) => {
             Some(coarse(centre)).filter(|offset| has_edges && offset.is_finite()).unwrap_or(centre)
         }

@@ -9,7 +9,7 @@ pub struct Counts {
     pub segments: u64,
     /// Pixels (samples, where a pixel has several) whose segments were composited in an order that was not exact.
     pub pixels_disordered: u64,
-    /// Cells that were projected: kept, and covering a pixel centre.
+    /// Cells that were projected: selected, and covering a pixel centre.
     pub cells_projected: u64,
     /// Segments integrated in 64 bits because 32 do not hold them.
     pub segments_exact: u64,

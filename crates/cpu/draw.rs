@@ -19,7 +19,7 @@ use voltet_core::progress::{Progress, refuse_beyond_memory};
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_optics::integrators::{self, Extent, SegmentIntegrator};
-use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
+use voltet_optics::shading::{Integrator, Ordering, Shading};
 
 /// Projects the selected cells to the screen and bins them by tiles of 16 × 16 pixels.
 ///
@@ -68,7 +68,6 @@ pub fn project(
         let bounds = (max_optical_depth, policy);
         samples.push(SubpixelView::new(&cells, camera, offset, &attributes, bounds, progress)?);
     }
-    drop(attributes);
     Ok(Projection { cells, camera: *camera, samples, max_optical_depth, policy })
 }
 
@@ -82,12 +81,12 @@ pub(crate) fn max_optical_depth(transfer_function: &TransferFunction, length: f6
 }
 
 /// Sets the order in which the compositor takes a pixel's segments. The exact order is carried out at each pixel;
-/// [`VisibilityOrder::Centroid`] sorts the cells here ([`voltet_core::visibility::centroid_order`]), and their
+/// [`Ordering::CellCentroid`] sorts the cells here ([`voltet_core::visibility::centroid_order`]), and their
 /// segments are composited as they come.
-pub fn sort(cells: &Cells, camera: &Camera, order: VisibilityOrder) -> Result<Cells> {
+pub fn sort(cells: &Cells, camera: &Camera, ordering: Ordering) -> Result<Cells> {
     let mut sorted = cells.clone();
-    sorted.order = order;
-    if order == VisibilityOrder::Centroid {
+    sorted.ordering = ordering;
+    if ordering == Ordering::CellCentroid {
         let grid = &cells.volume.grid;
         let ids =
             voltet_core::visibility::centroid_order(&grid.points, &grid.tetrahedra, &cells.ids, camera)?;
@@ -98,7 +97,7 @@ pub fn sort(cells: &Cells, camera: &Camera, order: VisibilityOrder) -> Result<Ce
 
 /// Compiles the shader and the integrator that [`FrameRenderer::composite`] draws with.
 ///
-/// Errors: an optical model, widget or integrator that the engine cannot serve, named with what can.
+/// Errors: an optical model, widget or integrator that the engine does not support, named with those that it does.
 pub fn prepare<'a>(
     projection: &'a Projection,
     transfer_function: &TransferFunction,
@@ -140,7 +139,7 @@ pub fn prepare<'a>(
 
 /// Integrates and composites every pixel's segments: [`prepare`] and [`FrameRenderer::composite`].
 ///
-/// Errors: an optical model, widget or integrator that the engine cannot serve, named with what can.
+/// Errors: an optical model, widget or integrator that the engine does not support, named with those that it does.
 pub fn composite(
     projection: &Projection,
     transfer_function: &TransferFunction,
@@ -169,7 +168,7 @@ pub fn draw(
 
 /// The integrator in 64 bits, which [`prepare`] compiles for the segments that lanes do not integrate.
 ///
-/// Errors: an integrator that cannot serve the transfer function; one with a number out of range; `vertex-sampled` where the
+/// Errors: an integrator that does not support the transfer function; one with a number out of range; `vertex-sampled` where the
 /// scene is not classified.
 pub fn integrator(
     cells: &CellSelection,
@@ -178,7 +177,7 @@ pub fn integrator(
 ) -> Result<Box<dyn SegmentIntegrator>> {
     if shading.integrator == Integrator::VertexSampled && !integrators::is_classified(transfer_function) {
         let what =
-            "the integrator 'vertex-sampled' draws scenes as a whole, since it looks at the grid's points";
+            "the integrator 'vertex-sampled' draws scenes as a whole, since it reads the grid's points";
         return Err(Error::usage(what)
             .got("stages or segments of a scene by themselves")
             .expected("a node of type renderer, or another integrator"));
@@ -190,12 +189,12 @@ pub fn integrator(
 /// Extent of the segments, for the integrator's tables: no segment inside a cell is longer than its
 /// longest edge.
 fn extent(cells: &CellSelection, integrator: &Integrator) -> Extent {
-    let whole = Extent { scalar: cells.ranges[0], longest: cells.length };
+    let full = Extent { scalar: cells.ranges[0], longest: cells.length };
     if !integrator.has_table_of_lengths() || cells.ids.is_empty() {
-        return whole;
+        return full;
     }
     let grid = &cells.volume.grid;
     let longest = |&cell: &u32| longest_edge_squared(grid.corners(cell as usize));
     let longest = cells.ids.par_iter().map(longest).reduce(|| 0.0, f64::max).sqrt();
-    Extent { longest, ..whole }
+    Extent { longest, ..full }
 }

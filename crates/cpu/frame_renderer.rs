@@ -14,7 +14,7 @@ use std::sync::atomic::AtomicUsize;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
-use voltet_optics::shading::VisibilityOrder;
+use voltet_optics::shading::Ordering;
 
 /// A projection with the compiled shader and the integrator's tables: all that is made once for drawing it.
 pub struct FrameRenderer<'a> {
@@ -91,11 +91,12 @@ impl FrameRenderer<'_> {
     ) -> FrameContext<'b> {
         let cells = &self.projection.cells;
         let grid = &cells.volume.grid;
-        let sorted = match cells.order {
+        let sorted = match cells.ordering {
             // Cached segments are sorted.
             _ if matches!(source, SegmentSource::Cached(_)) => false,
-            VisibilityOrder::Exact | VisibilityOrder::Auto => self.shader.one_color.is_none(),
-            VisibilityOrder::Centroid | VisibilityOrder::None => false,
+            // The cells may have been ordered for another shading.
+            Ordering::Independent | Ordering::PerPixel => self.shader.one_color.is_none(),
+            Ordering::CellCentroid | Ordering::Submission => false,
         };
         FrameContext {
             view: &sample.view,

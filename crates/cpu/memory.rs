@@ -43,9 +43,9 @@ pub(crate) fn drawing_bytes_of(
     let threads = of(rayon::current_num_threads());
     let by_cell = |max_resident_cells: usize| {
         if cells <= of(max_resident_cells) {
-            // In each part that is projected by itself a place for each tile.
-            let places = tiles.saturating_mul((threads * 4).min(256)).saturating_mul(number);
-            cells.saturating_mul(projected).saturating_add(places)
+            // A count for each tile in each part that is projected by itself.
+            let counts = tiles.saturating_mul((threads * 4).min(256)).saturating_mul(number);
+            cells.saturating_mul(projected).saturating_add(counts)
         } else {
             // A region cannot be less than a tile.
             let region = (2 * of(cells_of_region(max_resident_cells))).max(cells / tiles.max(1)).min(cells);

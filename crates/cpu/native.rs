@@ -10,18 +10,18 @@ use crate::segments::Segments;
 use crate::selection::CullSample;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
+use voltet_core::diagnostics::Diagnostics;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_graph::{MayLeaveOut, NodeDiagnostics};
 use voltet_optics::engine::{
     self, AdapterRequest, Engine, EngineInfo, PreparedVolume, RenderOptions, RenderOutput, SegmentEvaluator,
     Stage, StageTiming,
 };
 use voltet_optics::integrators;
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Integrator, VisibilityOrder};
+use voltet_optics::shading::{Integrator, Ordering};
 use voltet_simd::LaneSet;
 
 /// The native engine. Each of its lane sets can be judged by itself.
@@ -114,7 +114,7 @@ impl PreparedVolume for NativeVolume {
             Integrator::VertexSampled => Some(self.classified(scene)?),
             _ => None,
         };
-        let Scene { volume, transfer_function, camera, shading, order } = scene;
+        let Scene { volume, transfer_function, camera, shading, .. } = scene;
         let mut timer = StageTimer { last: Instant::now(), stages: Vec::new() };
         let other_volume = match Arc::ptr_eq(volume, self.cache.volume()) || classified.is_some() {
             true => None,
@@ -125,23 +125,22 @@ impl PreparedVolume for NativeVolume {
             && other_volume.is_none()
             && let Some(segments) = self.cached_segments(scene, manner, &mut timer, progress)?
         {
-            return self.draw_cached(&segments, scene, manner, timer, progress);
+            return self.draw_cached(&segments, scene, timer, progress);
         }
         let (cache, transfer_function) = match &classified {
             Some(classified) => (&classified.cache, &classified.bound),
             None => (other_volume.as_ref().unwrap_or(&self.cache), transfer_function),
         };
-        let mut cells = match manner.may_leave_out {
-            None => cache.all(transfer_function, camera)?,
-            Some(_) => cache.cull(transfer_function, camera, progress)?,
+        let mut cells = match manner.exhaustive {
+            true => cache.all(transfer_function, camera)?,
+            false => cache.cull(transfer_function, camera, progress)?,
         };
         cells.lanes = self.lanes;
         timer.end(Stage::Cull);
-        let cells = sort(&cells, camera, *order)?;
+        let cells = sort(&cells, camera, scene.ordering(manner.exhaustive))?;
         timer.end(Stage::Sort);
         // For comparison segments carry all attributes.
-        let gradient =
-            needs_gradient(shading) || (manner.may_leave_out.is_none() && volume.gradient.is_some());
+        let gradient = needs_gradient(shading) || (manner.exhaustive && volume.gradient.is_some());
         let projection = project(&cells, transfer_function, camera, gradient, progress)?;
         timer.end(Stage::Project);
         let renderer = prepare(&projection, transfer_function, shading)?;
@@ -149,13 +148,12 @@ impl PreparedVolume for NativeVolume {
         let (picture, counts) = renderer.composite(progress)?;
         timer.end(Stage::Composite);
         let mut drawn = RenderOutput::new(picture, timer.stages);
+        drawn.notes = Diagnostics::new(manner.exhaustive);
         cells.count(&mut drawn.counts);
-        if let Some(leave) = manner.may_leave_out {
-            cells.note(leave, &mut drawn.notes);
-        }
+        cells.note(&mut drawn.notes);
         cells.note_order(&mut drawn.notes);
         projection.count(&mut drawn.counts);
-        projection.note(manner.may_leave_out, &mut drawn.notes);
+        projection.note(&mut drawn.notes);
         counts.count(&mut drawn.counts);
         counts.note(&mut drawn.notes);
         Ok(drawn)
@@ -172,9 +170,9 @@ impl NativeVolume {
         timer: &mut StageTimer,
         progress: &dyn Progress,
     ) -> Result<Option<Arc<SegmentCache>>> {
-        let Scene { transfer_function, camera, shading, order, .. } = scene;
-        let is_cacheable = manner.may_leave_out.is_some()
-            && matches!(order, VisibilityOrder::Exact | VisibilityOrder::Auto)
+        let Scene { transfer_function, camera, shading, .. } = scene;
+        let is_cacheable = !manner.exhaustive
+            && matches!(scene.ordering(false), Ordering::Independent | Ordering::PerPixel)
             && camera.samples == 1
             // Tables extend to the longest of the drawn cells.
             && !shading.integrator.has_table_of_lengths()
@@ -207,7 +205,6 @@ impl NativeVolume {
         &self,
         segments: &SegmentCache,
         scene: &Scene,
-        manner: &RenderOptions,
         mut timer: StageTimer,
         progress: &dyn Progress,
     ) -> Result<RenderOutput> {
@@ -220,10 +217,8 @@ impl NativeVolume {
         let (picture, counts) = renderer.composite_cached(segments, progress)?;
         timer.end(Stage::Composite);
         let mut drawn = RenderOutput { is_passing: true, ..RenderOutput::new(picture, timer.stages) };
-        if let Some(leave) = manner.may_leave_out {
-            let why = "the segments of this view were kept when its widgets changed";
-            drawn.notes.record_skipped(leave, "culling, projecting and sorting", why, None);
-        }
+        let why = "the segments of this view were kept when its widgets changed";
+        drawn.notes.record_skipped("culling, projecting and sorting", why, None);
         counts.count(&mut drawn.counts);
         counts.note(&mut drawn.notes);
         Ok(drawn)
@@ -255,22 +250,22 @@ impl Cells {
     }
 
     /// Notes the widgets that are left out, and culling itself where it was skipped.
-    pub fn note(&self, leave: MayLeaveOut, notes: &mut NodeDiagnostics) {
+    pub fn note(&self, notes: &mut Diagnostics) {
         if let Some(CullSample { tested, dropped }) = self.culling_skipped {
             let percent = 100.0 * dropped as f64 / tested as f64;
             let why = format!(
                 "not worth it: no widget touches {percent:.1} % of {tested} cells spread over the grid"
             );
-            notes.record_skipped(leave, "culling by values", why, None);
+            notes.record_skipped("culling by values", why, None);
         }
         for widget in &self.inactive_widgets {
-            notes.record_skipped(leave, format!("widget {}", widget + 1), "no visible cell touches it", None);
+            notes.record_skipped(format!("widget {}", widget + 1), "no visible cell touches it", None);
         }
     }
 
     /// Notes the cells that were sorted.
-    pub fn note_order(&self, notes: &mut NodeDiagnostics) {
-        if self.order == VisibilityOrder::Centroid {
+    pub fn note_order(&self, notes: &mut Diagnostics) {
+        if self.ordering == Ordering::CellCentroid {
             notes.counts.insert("cells_sorted", self.ids.len() as u64);
         }
     }
@@ -285,13 +280,11 @@ impl Projection {
     }
 
     /// Notes the cells that rays are cast through, and the stages that this skips.
-    pub fn note(&self, leave: Option<MayLeaveOut>, notes: &mut NodeDiagnostics) {
+    pub fn note(&self, notes: &mut Diagnostics) {
         if self.cells_projected().is_none() {
             notes.counts.insert("cells_cast", self.cells().ids.len() as u64);
-            if let Some(leave) = leave {
-                let why = "rays go from cell to cell through the faces that these share";
-                notes.record_skipped(leave, "projecting and sorting", why, None);
-            }
+            let why = "rays go from cell to cell through the faces that these share";
+            notes.record_skipped("projecting and sorting", why, None);
         }
     }
 }
@@ -310,7 +303,7 @@ impl Counts {
     }
 
     /// Notes the counts of this engine alone.
-    pub fn note(&self, notes: &mut NodeDiagnostics) {
+    pub fn note(&self, notes: &mut Diagnostics) {
         notes.counts.insert("tiles_sorted", self.tiles_sorted);
         notes.counts.insert("segments_overlapping", self.segments_overlapping);
         notes.counts.insert("tiles_deep", self.tiles_deep);

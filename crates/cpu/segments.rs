@@ -49,16 +49,16 @@ pub fn segments(
     ordered: bool,
     list: &[Segment],
 ) -> Result<Vec<Integrated>> {
-    let mut found = integrate(lanes, transfer_function, shading, ordered, list)?;
-    if found.iter().any(|found| found.contribution.optical_depth.is_nan()) {
+    let mut results = integrate(lanes, transfer_function, shading, ordered, list)?;
+    if results.iter().any(|result| result.contribution.optical_depth.is_nan()) {
         // Where colours need an order no depth is kept; a scene of one colour draws with it.
         let depths = integrate(lanes, &in_white(transfer_function), shading, false, list)?;
-        for (found, depth) in found.iter_mut().zip(depths) {
-            found.contribution.optical_depth = depth.contribution.optical_depth;
-            found.left = found.left.or(depth.left);
+        for (result, depth) in results.iter_mut().zip(depths) {
+            result.contribution.optical_depth = depth.contribution.optical_depth;
+            result.left = result.left.or(depth.left);
         }
     }
-    Ok(found)
+    Ok(results)
 }
 
 /// Optical depths are NaN where the shader keeps none.
@@ -81,13 +81,13 @@ fn integrate(
     let shader = Shader::new(transfer_function, shading, exact, scene, None)?;
     let mut batch = Batch::new(attributes.len(), attributes.len());
     let mut shaded = Shaded::new();
-    let mut found = Vec::with_capacity(list.len());
+    let mut results = Vec::with_capacity(list.len());
     for (number, part) in list.chunks(BATCH).enumerate() {
         fill(&mut batch, &attributes, number * BATCH, part, cells.length);
         roads::integrate(&shader, lanes, &batch, part.len(), &mut shaded);
-        found.extend((0..part.len()).map(|k| result_of(&shader, &shaded, k)));
+        results.extend((0..part.len()).map(|k| result_of(&shader, &shaded, k)));
     }
-    Ok(found)
+    Ok(results)
 }
 
 /// Volume whose points are the ends of segments, one behind the other along an axis, so that the longest is the diagonal.

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
-use voltet_optics::shading::VisibilityOrder;
+use voltet_optics::shading::Ordering;
 use voltet_simd::LaneSet;
 
 /// Method that generates ray segments: ray casting from cell to cell through shared faces, or projection of single cells. The image is
@@ -38,8 +38,8 @@ pub struct CellSelection {
     pub volume: Arc<Volume>,
     /// Numbers of the selected tetrahedra: ascending (grid order), or by centroid in that visibility order.
     pub ids: Arc<Vec<u32>>,
-    /// Order that the compositor carries out.
-    pub order: VisibilityOrder,
+    /// Order of a pixel's segments that the compositor makes.
+    pub ordering: Ordering,
     /// Tetrahedra left out because their values lie in no widget's support.
     pub culled_by_transfer_function: u64,
     /// Tetrahedra left out because they are outside the view.

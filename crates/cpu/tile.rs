@@ -1,4 +1,4 @@
-//! Tiles of the picture: their pixels, their places, rectangles of them.
+//! Tiles of the picture: their pixels, positions and rectangles.
 
 /// Side of a tile (pixels): records are stored per tile, workers composite one at a time.
 pub(crate) const TILE: usize = 16;
@@ -9,10 +9,10 @@ pub(crate) const PIXELS: usize = TILE * TILE;
 /// Premultiplied colour and opacity of a tile's pixels.
 pub(crate) type TilePicture = [[f32; 4]; PIXELS];
 
-/// A tile's place in the picture.
+/// Rectangle of a tile in the picture.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TileRect {
-    /// Its number, row by row.
+    /// Number of the tile, row by row.
     pub tile: usize,
     /// Column and row of its first pixel.
     pub left: usize,

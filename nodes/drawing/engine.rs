@@ -2,7 +2,7 @@
 
 use super::engines::{ENGINES, NATIVE, REFEREE};
 use super::opened::draw_on;
-use super::order::leave_out_order;
+use super::order::record_unsorted;
 use super::wished::{ACCUMULATION, ADAPTER, AUTO, ENGINE, accumulation, compositor};
 use voltet_core::error::ErrorKind;
 use voltet_core::picture::Picture;
@@ -50,8 +50,8 @@ pub fn ask_engine(asking: &mut DemandContext, wanted: &str) -> Result<()> {
     asking.notes.engine = Some(planned(asking, wanted, &engines, &shading)?);
     let needed = super::ask(asking, "volume", "transfer_function")?;
     check_accumulation(asking.parameters, &engines)?;
-    if let (Some(leave), false) = (asking.may_leave_out(), needed.order) {
-        leave_out_order(asking.notes, leave, None);
+    if !needed.order {
+        record_unsorted(asking.notes, None);
     }
     Ok(())
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use voltet_core::Result;
 use voltet_core::grid::{Grid, extent};
+use voltet_cpu::NEGLIGIBLE_DEPTH;
 use voltet_graph::TransferFunctionSpec;
 
 /// Of smaller grids all gradients take less than a millisecond or two.
@@ -15,9 +16,6 @@ const SAMPLED: usize = 61;
 
 /// Share of those cells that may be touched at most: a cell has points that others have too.
 const MAX_TOUCHED: f64 = 0.6;
-
-/// What widgets may add where they are not asked, as optical depth over the longest ray: a hundredth of what a pixel may change.
-const LEFT_OUT: f64 = 1e-8;
 
 /// Cells of a chunk of work.
 const CHUNK: usize = 1 << 13;
@@ -31,7 +29,8 @@ pub fn points(grid: &Grid, s: &[f64], looks: &[Arc<TransferFunctionSpec>]) -> Re
         return Ok(None);
     }
     let length = extent::scene_length(extent::bounds(&grid.points))?;
-    let of = |look: &Arc<TransferFunctionSpec>| look.for_diagonal(length).intervals_of_s(length, LEFT_OUT);
+    let of =
+        |look: &Arc<TransferFunctionSpec>| look.for_diagonal(length).intervals_of_s(length, NEGLIGIBLE_DEPTH);
     let intervals: Vec<[f64; 2]> = looks.iter().flat_map(of).collect();
     let is_touched = |corners: &[u32; 4]| {
         let values = corners.map(|p| s[p as usize]);

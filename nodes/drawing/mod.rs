@@ -24,7 +24,7 @@ pub use engine::{ask_engine, candidate_engines, draw, is_asked_by};
 pub use engines::{DEVICE, ENGINES, NATIVE, REFEREE};
 pub use needs::ask;
 pub use opened::{OpenEngines, PreparedVolumes};
-pub use order::{ORDER, leave_out_order, order};
+pub use order::{ORDER, order, record_unsorted};
 pub use prepared::{Culled, Projected};
 pub use remembered::CacheFolder;
 pub use scene::scene;

@@ -18,18 +18,13 @@ pub fn ask(asking: &mut DemandContext, port: &str, look_port: &str) -> Result<De
         can_serve(&shading.integrator, &look.transfer_function)
             .map_err(|error| asking.parameters.locate("integrator", error))?;
     }
-    if let (Some(leave), false) = (asking.may_leave_out(), shading.integrator.has_table()) {
+    if !shading.integrator.has_table() {
         let why = format!("the integrator '{}' needs none", shading.integrator.name());
         let side = asking.parameters.integer("table_size")? as usize;
         let density =
             |look: &TransferFunctionSpec| look.transfer_function.model == OpticalModel::DensityEmitter;
         let bytes = PartialTable::bytes_of(look.as_deref().is_none_or(density), side);
-        asking.notes.record_skipped(
-            leave,
-            "pre-integration table",
-            why,
-            Some(SavedWork::Bytes(bytes as u64)),
-        );
+        asking.notes.record_skipped("pre-integration table", why, Some(SavedWork::Bytes(bytes as u64)));
     }
     let mut demand = demand(look.as_deref(), &shading);
     // A table spans the range of g.

@@ -43,7 +43,7 @@ pub(super) fn draw_on(
         .map_err(|error| call.parameters.locate("integrator", error))?;
     let wish = AdapterRequest { name: adapter(call.parameters), hardware };
     let folder = CacheFolder::named("adapters");
-    let memory: &dyn KeyValueStore = if call.may_leave_out().is_some() { &folder } else { &NoStore };
+    let memory: &dyn KeyValueStore = if call.exhaustive() { &NoStore } else { &folder };
     let opened = call.keep_for_session(|| Ok(OpenEngines::default()))?;
     let engine =
         stage(call, declared, "device", |_| opened.open(declared, &wish, memory)).map_err(|error| {
@@ -54,8 +54,8 @@ pub(super) fn draw_on(
     let volume = stage(call, declared, "upload", |_| volumes.prepare(declared, &engine, scene))?;
     let accumulation = accumulation(call.parameters)?;
     let order_check = order_check(call.parameters)?;
-    let (may_leave_out, passing) = (call.may_leave_out(), call.allows_preview());
-    let manner = RenderOptions { compositing, accumulation, order_check, may_leave_out, passing };
+    let (exhaustive, passing) = (call.exhaustive(), call.allows_preview());
+    let manner = RenderOptions { compositing, accumulation, order_check, exhaustive, passing };
     let drawn = stage(call, declared, "draw", |progress| volume.draw(scene, &manner, progress))?;
     if drawn.is_passing {
         call.mark_preview();

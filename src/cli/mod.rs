@@ -34,10 +34,25 @@ pub fn run(registry: Result<Registry>) -> ExitCode {
     panic_hook::install();
     // A panic was shown where it happened.
     std::panic::catch_unwind(AssertUnwindSafe(|| match Arguments::try_parse() {
-        Ok(arguments) => commands::dispatch(&arguments, registry),
+        Ok(arguments) => {
+            note_former_options();
+            commands::dispatch(&arguments, registry)
+        }
         Err(answer) => ExitCode::from(commands::answer(&answer)),
     }))
     .unwrap_or(ExitCode::from(panic_hook::FAILED))
+}
+
+/// Former names of options, each with the present one; the parser takes both.
+const FORMER_OPTIONS: [(&str, &str); 1] = [("--no-leave-out", "--exhaustive")];
+
+/// Prints a note for each option that was given by its former name.
+fn note_former_options() {
+    for (former, present) in FORMER_OPTIONS {
+        if std::env::args_os().any(|argument| argument == former) {
+            present::say(&format!("note: {former} is now called {present}\n"));
+        }
+    }
 }
 
 /// Disables Mesa's device-selection layer where there is no window system: it prints a complaint on standard error. Does

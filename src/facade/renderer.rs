@@ -10,7 +10,6 @@ use voltet_core::progress::Progress;
 use voltet_core::volume::Volume as BuiltVolume;
 use voltet_core::{Error, Result};
 use voltet_cpu as cpu;
-use voltet_graph::MayLeaveOut;
 use voltet_io::memory;
 use voltet_nodes::drawing::{
     AUTO, CacheFolder, DEVICE, NATIVE, OpenEngines, PreparedVolumes, candidate_engines, picture_warnings,
@@ -215,7 +214,7 @@ impl Renderer {
         let volume = self.volumes(&scene.volume).prepare(info, &opened, scene)?;
         let options = engine::RenderOptions {
             compositing,
-            may_leave_out: (!options.exhaustive).then_some(MayLeaveOut::GIVEN),
+            exhaustive: options.exhaustive,
             passing: options.interactive,
             ..engine::RenderOptions::default()
         };
@@ -267,8 +266,9 @@ pub fn render_to_depth(
     depth_limit: &[f32],
     progress: &dyn Progress,
 ) -> Result<Picture> {
-    let CompiledScene { volume, transfer_function, camera, shading, order } = scene;
-    let cells = cpu::sort(&cpu::cull(volume, transfer_function, camera, progress)?, camera, *order)?;
+    let CompiledScene { volume, transfer_function, camera, shading, .. } = scene;
+    let cells =
+        cpu::sort(&cpu::cull(volume, transfer_function, camera, progress)?, camera, scene.ordering(false))?;
     let projection = cpu::project(&cells, transfer_function, camera, cpu::needs_gradient(shading), progress)?;
     let ready = cpu::prepare(&projection, transfer_function, shading)?;
     Ok(ready.composite_with_depth(Some(depth_limit), progress)?.0)

@@ -8,7 +8,7 @@ use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_cpu::needs_gradient;
 use voltet_optics::integrators::can_serve;
-use voltet_optics::scene::{Scene as CompiledScene, needs_order};
+use voltet_optics::scene::Scene as CompiledScene;
 use voltet_optics::shading::{Shading as CompiledShading, VisibilityOrder};
 use voltet_optics::{WidgetBlend, shading};
 
@@ -120,11 +120,6 @@ impl Scene {
         can_serve(&shading.integrator, &transfer_function)?;
         let needs_magnitude = transfer_function.uses_gradient_magnitude();
         let volume = self.volume.built(needs_magnitude, needs_gradient(&shading), progress)?;
-        let order = match self.order {
-            // The same picture without the work.
-            VisibilityOrder::Exact if !needs_order(&transfer_function, &shading) => VisibilityOrder::Auto,
-            order => order,
-        };
-        Ok(CompiledScene { volume, transfer_function, camera, shading, order })
+        Ok(CompiledScene { volume, transfer_function, camera, shading, order: self.order })
     }
 }

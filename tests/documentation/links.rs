@@ -1,6 +1,6 @@
 //! Links of every page, the table of contents of the book, and the lengths of the two first pages.
 
-use crate::{files, root, text};
+use crate::{blocks, files, root, text};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -75,6 +75,17 @@ fn sources_name_pages_that_exist() {
         }
     }
     assert!(broken.is_empty(), "sources name pages that do not exist:\n{}", broken.join("\n"));
+}
+
+/// The first doctest of the library compiles and runs.
+#[test]
+fn the_program_of_the_readme_is_the_first_doctest() {
+    let library = text("src/lib.rs");
+    let tested: BTreeSet<&str> =
+        library.lines().filter_map(|line| line.strip_prefix("//!")).map(str::trim).collect();
+    let program = blocks(&text("README.md"), "rust").concat();
+    let missing: Vec<&str> = program.lines().map(str::trim).filter(|line| !tested.contains(line)).collect();
+    assert!(program.contains("voltet::prelude") && missing.is_empty(), "src/lib.rs has no {missing:#?}");
 }
 
 #[test]

@@ -2,9 +2,8 @@
 //!
 //! `VOLTET_WRITE_DOCS=1 cargo test --test documentation reference` writes them; without the variable the tests compare.
 
-use crate::{printed, report, root, text};
+use crate::{files, printed, report, root, text};
 use std::fmt::Write;
-use std::path::Path;
 
 /// First line of a page below its title.
 const MADE: &str = "<!-- Made by `VOLTET_WRITE_DOCS=1 cargo test --test documentation reference`. -->";
@@ -195,7 +194,7 @@ fn the_reference_for_python_is_what_its_docstrings_say() {
 /// True if a quoted or bare word occurs in the program's sources.
 pub fn is_in_sources(word: &str) -> bool {
     let has = |folder: &str| {
-        crate::files(Path::new(&root().join(folder)), &[".rs"])
+        files(&root().join(folder), &[".rs"])
             .iter()
             .any(|file| std::fs::read_to_string(file).is_ok_and(|text| text.contains(word)))
     };

@@ -1,6 +1,6 @@
 //! Keys of the report of `voltet run`, with their meanings; a run's report must have no other.
 
-use crate::{reference::is_in_sources, root, voltet};
+use crate::{files, reference::is_in_sources, root, voltet};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::Path;
@@ -106,6 +106,7 @@ const COUNTS: &[(&str, &str)] = &[
     ("arrays_decoded", "arrays that were read from the file"),
     ("arrays_written", "arrays of `grid-writer`"),
     ("bytes_uploaded", "bytes sent to the device"),
+    ("cells_cast", "cells that rays go through from face to face"),
     ("cells_culled", "cells that no widget touches, or that lie out of view"),
     ("cells_projected", "cells projected to the screen"),
     ("cells_sorted", "cells put in order on the device"),
@@ -120,7 +121,14 @@ const COUNTS: &[(&str, &str)] = &[
     ("segments_overlapping", "segments on which widgets overlap"),
     ("shader_builds", "shaders compiled"),
     ("steps_read", "time steps read for numbers relative to a series"),
+    (
+        "sweeps_further",
+        "further passes over a tile's list on a device, where a pixel holds more segments than fit",
+    ),
     ("tables_built", "tables of integrators filled"),
+    ("tile_entries", "entries of the tiles' lists on a device"),
+    ("tiles_deep", "tiles with more than 1,024 segments on a pixel"),
+    ("tiles_lost", "tiles that projected cells drew, as a ray from cell to cell left by an unexpected face"),
     ("tiles_sorted", "tiles whose segments were put in order"),
     ("tiles_stopped", "tiles that were opaque before all their cells were visited"),
     ("uploads", "transfers of a grid to the device"),
@@ -145,6 +153,12 @@ pub fn page(made: &str, work: &Path) -> String {
     assert!(unknown.is_empty(), "tests/documentation/report.rs lacks {unknown:?}");
     let names =
         KEYS.iter().map(|(key, ..)| key.trim_end_matches(['*', '.', '[', ']']).rsplit('.').next().unwrap());
+    for name in noted() {
+        assert!(
+            COUNTS.iter().any(|(count, _)| *count == name),
+            "tests/documentation/report.rs lacks '{name}'"
+        );
+    }
     for name in names.chain(COUNTS.iter().map(|(name, _)| *name)).map(|name| name.trim_end_matches("[]")) {
         assert!(is_in_sources(name), "no source names the key '{name}' of the report");
     }
@@ -163,6 +177,19 @@ pub fn page(made: &str, work: &Path) -> String {
         writeln!(page, "| `{name}` | {meaning} |").unwrap();
     }
     page
+}
+
+/// Counts that the sources insert under a literal name, tests left out.
+fn noted() -> BTreeSet<String> {
+    let sources = ["nodes", "crates"].map(|folder| files(&root().join(folder), &[".rs"])).concat();
+    let is_test = |path: &Path| path.to_string_lossy().contains("test");
+    let texts = sources.iter().filter(|path| !is_test(path.strip_prefix(root()).unwrap()));
+    let mut names = BTreeSet::new();
+    for text in texts.map(|path| std::fs::read_to_string(path).unwrap()) {
+        let inserted = text.split("counts.insert(\"").skip(1).filter_map(|rest| rest.split_once('"'));
+        names.extend(inserted.map(|(name, _)| name.to_string()));
+    }
+    names
 }
 
 /// Paths of the keys in the reports of small runs: a picture, numbers relative to data, and a histogram.

@@ -4,7 +4,7 @@ use crate::drawing::{ByCells, Tested, picture};
 use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Wave, Widget};
 use voltet_cpu as engine;
-use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
+use voltet_optics::shading::{Integrator, Ordering, Shading, VisibilityOrder};
 use voltet_testing::pictures::Engine;
 use voltet_testing::pictures::compare::{NamedScene, SHADING};
 use voltet_testing::pictures::grids::*;
@@ -22,14 +22,15 @@ fn disordered_pixels_are_counted() {
     };
     let cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &NoProgress).unwrap();
     let disordered = |order: VisibilityOrder, look: &TransferFunction| {
-        let cells = engine::sort(&cells, &scene.camera, order).unwrap();
+        let cells = engine::sort(&cells, &scene.camera, Ordering::new(order, true)).unwrap();
         engine::draw(&cells, look, &scene.camera, &SHADING, &NoProgress).unwrap().1.pixels_disordered
     };
-    let [exact, centroid, none] = [VisibilityOrder::Exact, VisibilityOrder::Centroid, VisibilityOrder::None]
-        .map(|o| disordered(o, &scene.look));
+    let [exact, centroid, none] =
+        [VisibilityOrder::Exact, VisibilityOrder::Centroid, VisibilityOrder::Unsorted]
+            .map(|o| disordered(o, &scene.look));
     assert_eq!(exact, 0);
     assert!(0 < centroid && centroid < none, "centroid {centroid}, none {none}");
-    assert_eq!(disordered(VisibilityOrder::None, &one_gaussian()), 0);
+    assert_eq!(disordered(VisibilityOrder::Unsorted, &one_gaussian()), 0);
 }
 
 fn widget(profile: Profile) -> Widget {

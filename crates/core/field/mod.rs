@@ -1,7 +1,7 @@
 //! Gradients of a scalar at the points of a grid: the trait that every filter fulfils, and the filters that ship.
 //!
 //! Symbols: s the scalar, ∇s its gradient (units of s per world unit), g = |∇s| the gradient magnitude. What each method
-//! finds: docs/optics.md, section 3.
+//! finds: docs/src/explanation/optics.md, section 3.
 
 mod array;
 mod cell_mean;

@@ -1,6 +1,6 @@
 //! Bands of a wave widget crossed by each cell: shows where a picture is finer than the grid.
 //!
-//! A wave's phase φ is linear in s and g (docs/optics.md, section 5), so within a cell it runs from its smallest
+//! A wave's phase φ is linear in s and g (docs/src/explanation/optics.md, section 5), so within a cell it runs from its smallest
 //! to its largest corner value; the difference is the number of bands, each one period of φ. Song et al. 2009, section
 //! 6.3, allow one peak in a cell. The closed forms here hold for any number, but what lies between two vertices is
 //! interpolation: where cells cross many bands, the bands show the grid's resolution and not the data.

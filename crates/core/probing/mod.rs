@@ -1,7 +1,7 @@
 //! Exact integrals over cells: moments within a region, the distribution over (s, g), and the count of
 //! bands of a wave the cells cross.
 //!
-//! Inside a tetrahedron every field is linear (docs/optics.md, section 3), so all of these are integrals of
+//! Inside a tetrahedron every field is linear (docs/src/explanation/optics.md, section 3), so all of these are integrals of
 //! linear functions over convex pieces of tetrahedra, which have closed forms.
 //!
 //! | file | what |

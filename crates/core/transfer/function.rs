@@ -16,7 +16,7 @@ pub struct TransferFunction {
     pub widgets: Vec<Widget>,
 }
 
-/// The optical model (docs/optics.md, section 6).
+/// The optical model (docs/src/explanation/optics.md, section 6).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum OpticalModel {
     /// C = ∫ Σ c_i ρ_i e^(−T) dl (Williams & Max 1992; Max 1995).

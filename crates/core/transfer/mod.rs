@@ -1,4 +1,4 @@
-//! Transfer functions: widgets over the (s, g) plane (docs/optics.md, section 5).
+//! Transfer functions: widgets over the (s, g) plane (docs/src/explanation/optics.md, section 5).
 //!
 //! Symbols: s the scalar, g the gradient magnitude, v = (s, g); ρ the extinction coefficient (1/L) =
 //! extinction / unit distance × the widget's profile (peak 1); c the widget's linear RGB colour.

@@ -40,14 +40,14 @@ impl<L: Lanes> Barycentric<L> {
         }
         let (nearest, fall) = (L::F::splat(points.nearest), L::F::splat(-points.step));
         let inverse = near.to_float().mul_add(fall, nearest);
-        let seen: [L::F; 3] = array(
+        let perspective: [L::F; 3] = array(
             #[inline(always)]
             |k| weights[k] * higher[k].mul_add(fall, inverse),
         );
         let sum = above.mul_add(fall, total * inverse);
         let by_both = one / (total * sum);
         let by_sum = by_both * total;
-        Barycentric { weights: seen, by_total: by_both * sum, by_sum, above, distance: total * by_sum }
+        Barycentric { weights: perspective, by_total: by_both * sum, by_sum, above, distance: total * by_sum }
     }
 
     /// Interpolates values, counted from one of them: a constant stays what it is.

@@ -59,7 +59,7 @@ impl Boundary {
         &self.faces[self.starts[tile] as usize..self.starts[tile + 1] as usize]
     }
 
-    /// Tiles that are touched, those with most faces first.
+    /// Tiles that boundary faces touch, those with most faces first.
     pub fn queue(&self) -> Vec<u32> {
         let count = |tile: usize| self.starts[tile + 1] - self.starts[tile];
         let mut queue: Vec<u32> =

@@ -133,14 +133,14 @@ impl Kernel for FindHits<'_> {
                         edge_function::<L>(at[2], at[0]),
                     ];
                     let (side_0, side_1, side_2) = edges_inside::<L>(functions, edges);
-                    let meant = u32::MAX >> (32 - L::WIDTH.min(size[0] - half));
-                    let mut in_by = side_0.and(side_1).and(side_2).bits() & meant;
+                    let valid = u32::MAX >> (32 - L::WIDTH.min(size[0] - half));
+                    let mut in_by = side_0.and(side_1).and(side_2).bits() & valid;
                     let out_by = side_0.or(side_1).or(side_2).not();
                     let first = row * TILE + half;
-                    if out_by.bits() & meant != 0 {
+                    if out_by.bits() & valid != 0 {
                         let of_half = &mut exit_checksum[first..];
                         let (sum, more) = (L::U::load(of_half), L::U::splat(EXIT_FLAG | face.half_face));
-                        let out_by = mask_of::<L>(out_by.bits() & meant);
+                        let out_by = mask_of::<L>(out_by.bits() & valid);
                         L::U::select(out_by, sum + more, sum).store(of_half);
                     }
                     if in_by == 0 {

@@ -1,6 +1,6 @@
 //! Half-faces: each face of a cell that is drawn, as rays come in by it.
 
-use super::mesh::{Mesh, NONE, Side};
+use super::mesh::{Mesh, NO_FACE, Side};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ pub(super) const ROTATION_BITS: u32 = 2;
 /// The half-faces of the cells that are drawn, four a cell by the corner opposite.
 #[derive(Debug)]
 pub(crate) struct HalfFaces {
-    /// Of each half-face the corner opposite, then for each of its three the half-face that a ray enters by which passes it on the
+    /// For each half-face the corner opposite, then for each of its three the half-face that a ray enters by which passes it on the
     /// other side, through the face without it: number << [`ROTATION_BITS`] | rotation, or [`EXIT_FLAG`] with the half-face that it leaves by. Bits in place
     /// of floats. Behind them the sentinel, which leads to itself.
     pub records: Vec<[f32; 4]>,
@@ -79,15 +79,15 @@ const ROTATIONS: [[[u32; 3]; 4]; 2] = {
 impl HalfFaces {
     /// Half-faces of some cells of a grid, ascending.
     pub fn new(mesh: &Mesh, tetrahedra: &[[u32; 4]], cells: &Arc<Vec<u32>>) -> HalfFaces {
-        // Where all are drawn each has its own number.
-        let places = (cells.len() < tetrahedra.len()).then(|| {
-            let mut places = vec![NONE; tetrahedra.len()];
-            for (place, &cell) in cells.iter().enumerate() {
-                places[cell as usize] = place as u32;
+        // Where all cells are drawn, indices are their numbers.
+        let indices = (cells.len() < tetrahedra.len()).then(|| {
+            let mut indices = vec![NO_FACE; tetrahedra.len()];
+            for (index, &cell) in cells.iter().enumerate() {
+                indices[cell as usize] = index as u32;
             }
-            places
+            indices
         });
-        let place_of = |cell: u32| places.as_ref().map_or(cell, |places| places[cell as usize]);
+        let index_of = |cell: u32| indices.as_ref().map_or(cell, |indices| indices[cell as usize]);
         let sentinel = 4 * cells.len() as u32;
         let mut records: Vec<[f32; 4]> = bytemuck::zeroed_vec(sentinel as usize + 1);
         let boundaries: Vec<Vec<BoundaryFace>> = records
@@ -99,8 +99,8 @@ impl HalfFaces {
                 for (k, (&cell, records)) in cells.iter().zip(records.chunks_exact_mut(4)).enumerate() {
                     let corners = &tetrahedra[cell as usize];
                     let of_cell =
-                        CellCorners { place: (chunk * CHUNK + k) as u32, cell: cell as usize, corners };
-                    of_cell.add(mesh, place_of, records, &mut boundary);
+                        CellCorners { index: (chunk * CHUNK + k) as u32, cell: cell as usize, corners };
+                    of_cell.add(mesh, index_of, records, &mut boundary);
                 }
                 boundary
             })
@@ -120,7 +120,7 @@ impl HalfFaces {
 
 /// A cell, and its index among the drawn cells.
 struct CellCorners<'a> {
-    place: u32,
+    index: u32,
     cell: usize,
     corners: &'a [u32; 4],
 }
@@ -130,7 +130,7 @@ impl CellCorners<'_> {
     fn add(
         &self,
         mesh: &Mesh,
-        place_of: impl Fn(u32) -> u32,
+        index_of: impl Fn(u32) -> u32,
         records: &mut [[f32; 4]],
         boundary: &mut Vec<BoundaryFace>,
     ) {
@@ -144,13 +144,13 @@ impl CellCorners<'_> {
         let mut behind = [EXIT_FLAG; 4];
         for (face, behind) in behind.iter_mut().enumerate() {
             let there = mesh.neighbours[4 * self.cell + face];
-            let place = if there == NONE { NONE } else { place_of(there / 4) };
-            if place == NONE {
-                let half_face = 4 * self.place + face as u32;
+            let index = if there == NO_FACE { NO_FACE } else { index_of(there / 4) };
+            if index == NO_FACE {
+                let half_face = 4 * self.index + face as u32;
                 *behind = EXIT_FLAG | half_face;
                 boundary.push(BoundaryFace { half_face, corners: order[face].map(|k| self.corners[k]) });
             } else {
-                *behind = (4 * place + there % 4) << ROTATION_BITS;
+                *behind = (4 * index + there % 4) << ROTATION_BITS;
             }
         }
         for (face, record) in records.iter_mut().enumerate() {

@@ -19,7 +19,7 @@ pub(super) enum Side {
 /// Shared faces of a volume, whatever is drawn of it.
 #[derive(Debug)]
 pub(crate) struct Mesh {
-    /// For each face (4 a cell, by the corner opposite) the face of the cell on its other side; [`NONE`] where there is none, or none
+    /// For each face (4 a cell, by the corner opposite) the face of the cell on its other side; [`NO_FACE`] where there is none, or none
     /// that lies on the other side.
     pub neighbours: Vec<u32>,
     pub(super) sides: Vec<Side>,
@@ -28,7 +28,7 @@ pub(crate) struct Mesh {
 }
 
 /// No face.
-pub(super) const NONE: u32 = u32::MAX;
+pub(super) const NO_FACE: u32 = u32::MAX;
 
 impl Mesh {
     pub fn new(grid: &Grid) -> Mesh {
@@ -81,8 +81,8 @@ impl Mesh {
         };
         neighbours.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, faces)| {
             for (k, there) in faces.iter_mut().enumerate() {
-                if *there != NONE && !is_opposite(chunk * CHUNK + k, *there as usize) {
-                    *there = NONE;
+                if *there != NO_FACE && !is_opposite(chunk * CHUNK + k, *there as usize) {
+                    *there = NO_FACE;
                 }
             }
         });

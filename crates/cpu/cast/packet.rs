@@ -14,15 +14,18 @@ pub(super) const MAX_TRAVERSAL_STEPS: usize = 1 << 17;
 pub(crate) const PACKETS_IN_FLIGHT: usize = 4;
 
 /// Side of a packet (pixels).
-const SIDE: usize = 4;
+const PACKET_SIDE: usize = 4;
 
 /// Segments of a ray for each batch.
 pub(super) const SLICES: usize = BATCH / TILE;
 
 /// Pixel of a tile (row << 4 | column) of a packet's ray. There are as many packets as rows.
 pub(crate) fn pixel_of(packet: usize, ray: usize) -> usize {
-    let across = TILE / SIDE;
-    let (row, column) = (packet / across * SIDE + ray / SIDE, packet % across * SIDE + ray % SIDE);
+    let across = TILE / PACKET_SIDE;
+    let (row, column) = (
+        packet / across * PACKET_SIDE + ray / PACKET_SIDE,
+        packet % across * PACKET_SIDE + ray % PACKET_SIDE,
+    );
     row * TILE + column
 }
 

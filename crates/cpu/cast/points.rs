@@ -22,7 +22,7 @@ const STEPS: f64 = (1u32 << 31) as f64 - 1024.0;
 #[derive(Debug)]
 pub(crate) struct Points {
     /// For each point: x and y in steps of 2^−`pixel_bits` pixel, without what 32 bits do not hold, so that differences within a cell are
-    /// exact, and depth in steps from the nearest (bits in place of floats); the first attribute. Then quad further attributes each.
+    /// exact, and depth in steps from the nearest (bits in place of floats); the first attribute. Then four further attributes each.
     pub quads: Vec<Vec<[f32; 4]>>,
     pub pixel_bits: u32,
     /// 1 / depth of step 0 and how much it falls with each step; or with parallel rays depth of step 0 and a step.
@@ -67,10 +67,10 @@ impl Points {
         let per_step = if range > 0.0 { STEPS / range } else { 0.0 };
         let steps_of_pixel = f64::from(1u32 << pixel_bits);
         let of = |point: usize, s: &ScreenVertex| {
-            let place = |x: f64| f32::from_bits((x * steps_of_pixel).round() as i64 as u32);
+            let position = |x: f64| f32::from_bits((x * steps_of_pixel).round() as i64 as u32);
             let behind = if view.perspective { nearest - 1.0 / s.z } else { s.z - nearest };
             let depth = f32::from_bits((behind * per_step).round() as u32);
-            [place(s.x), place(s.y), depth, stored(attributes.first(), point)]
+            [position(s.x), position(s.y), depth, stored(attributes.first(), point)]
         };
         let mut first = vec![[0.0; 4]; vertices.len()];
         first.par_chunks_mut(CHUNK).zip(vertices.par_chunks(CHUNK)).enumerate().for_each(

@@ -10,7 +10,7 @@ use crate::selection::{CellSelection, Traversal};
 use crate::tolerances::MAX_THIN_CELL_DEPTH;
 use crate::view::ScreenVertex;
 use std::sync::Arc;
-use voltet_optics::shading::VisibilityOrder;
+use voltet_optics::shading::Ordering;
 
 /// Attributes that rays interpolate: s, g and the components of ∇s.
 pub(crate) const MAX_RAYCAST_ATTRIBUTES: usize = 5;
@@ -39,7 +39,7 @@ impl RayCaster {
         let Input { view, screen_vertices, tetrahedra, attributes, max_optical_depth, .. } = *input;
         let drawn = faces.drawn();
         let is_possible = cells.traversal != Traversal::Project
-            && matches!(cells.order, VisibilityOrder::Exact | VisibilityOrder::Auto)
+            && matches!(cells.ordering, Ordering::Independent | Ordering::PerPixel)
             && attributes.len() <= MAX_RAYCAST_ATTRIBUTES
             && !drawn.is_empty()
             && drawn.len() <= MAX_CELLS;

@@ -2,7 +2,7 @@
 
 use super::edge_functions::{edge_function, edges_inside};
 use super::half_faces::{EXIT_FLAG, HalfFaces, ORDER, ROTATION_BITS};
-use super::mesh::{Mesh, NONE, Side};
+use super::mesh::{Mesh, NO_FACE, Side};
 use proptest::prelude::*;
 use std::sync::Arc;
 use voltet_core::grid::Grid;
@@ -66,7 +66,7 @@ fn cells_on_one_side_of_a_face_share_none() {
     let folded =
         moved(&cube([2, 1, 1], 0.0), |p| glam::DVec3::new([0.0, 1.0, 0.4][(2.0 * p.x) as usize], p.y, p.z));
     let mesh = Mesh::new(&folded);
-    for (half_face, &there) in mesh.neighbours.iter().enumerate().filter(|(_, there)| **there != NONE) {
+    for (half_face, &there) in mesh.neighbours.iter().enumerate().filter(|(_, there)| **there != NO_FACE) {
         assert_eq!(mesh.neighbours[there as usize], half_face as u32);
         let layer = |half_face: usize| half_face / 4 / (folded.tetrahedra.len() / 2);
         assert_eq!(layer(half_face), layer(there as usize), "across the fold");
@@ -75,7 +75,7 @@ fn cells_on_one_side_of_a_face_share_none() {
     let mesh = Mesh::new(&flat);
     assert!(mesh.sides.contains(&Side::Flat));
     let of_flat = |half_face: usize| mesh.sides[half_face / 4] == Side::Flat;
-    assert!((0..mesh.neighbours.len()).all(|k| !of_flat(k) || mesh.neighbours[k] == NONE));
+    assert!((0..mesh.neighbours.len()).all(|k| !of_flat(k) || mesh.neighbours[k] == NO_FACE));
 }
 
 /// On which side two places pass the ray, and the same places exchanged.
@@ -102,7 +102,7 @@ fn place() -> impl Strategy<Value = [f32; 2]> {
 }
 
 proptest! {
-    /// Also where an edge passes through the ray.
+    /// The same holds where an edge passes through the ray.
     #[test]
     fn a_ray_passes_an_edge_on_one_side(a in place(), b in place()) {
         prop_assume!(a != b);

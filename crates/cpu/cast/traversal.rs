@@ -209,7 +209,7 @@ impl<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize> PacketTraversal<
         let [x, y, depth, value] = L::F::gather_parts(self.first, number);
         let relative = inlined(
             #[inline(always)]
-            |place: L::F, axis: usize| (place.to_bits() - self.of_ray[axis]).to_float() * pixel,
+            |position: L::F, axis: usize| (position.to_bits() - self.of_ray[axis]).to_float() * pixel,
         );
         let mut values = [value; N];
         if N > 1 {
@@ -307,16 +307,16 @@ impl<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize> PacketTraversal<
             a += 1;
         }
 
-        let place = self.slice * TILE + half;
-        L::F::select(active, length, zero).store(&mut batch.length[place..]);
+        let slot = self.slice * TILE + half;
+        L::F::select(active, length, zero).store(&mut batch.length[slot..]);
         let mut a = 0;
         while a < N.min(batch.front.len()) {
-            state.value[a].store(&mut batch.front[a][place..]);
-            out[a].store(&mut batch.back[a][place..]);
+            state.value[a].store(&mut batch.front[a][slot..]);
+            out[a].store(&mut batch.back[a][slot..]);
             a += 1;
         }
         if self.depths {
-            L::U::load(&packet.pixels[half..]).store(&mut batch.pixel[place..]);
+            L::U::load(&packet.pixels[half..]).store(&mut batch.pixel[slot..]);
             let depth_of = inlined(
                 #[inline(always)]
                 |at: L::U, distance: L::F| {
@@ -326,8 +326,8 @@ impl<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize> PacketTraversal<
                     depth - L::F::splat(packet.distance_origin as f32)
                 },
             );
-            depth_of(state.at, state.distance).store(&mut batch.entry[place..]);
-            depth_of(at, distance).store(&mut batch.exit[place..]);
+            depth_of(state.at, state.distance).store(&mut batch.entry[slot..]);
+            depth_of(at, distance).store(&mut batch.exit[slot..]);
         }
         let is_one = zero.lt(length).and(active);
         self.segments = L::U::select(is_one, self.segments + L::U::splat(1), self.segments);
@@ -347,13 +347,13 @@ impl<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize> PacketTraversal<
         let mut by = [0; MAX_LANES];
         next.store(&mut by);
         state.at.store(&mut packet.pending.at[half..]);
-        let mut left = out;
-        while left != 0 {
-            let lane = left.trailing_zeros() as usize;
+        let mut remaining = out;
+        while remaining != 0 {
+            let lane = remaining.trailing_zeros() as usize;
             let checksum = &mut packet.exit_checksum[half + lane];
             *checksum = checksum.wrapping_sub(by[lane]);
             packet.enter_grid(half + lane);
-            left &= left - 1;
+            remaining &= remaining - 1;
         }
         let mine = u32::MAX >> (32 - L::WIDTH);
         self.any_active = !packet.is_mistracked && packet.active >> half & mine != 0;

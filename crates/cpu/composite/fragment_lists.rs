@@ -3,8 +3,8 @@
 //! shaded only then, so that no occluded one is. The order is exact for disjoint cells whatever the cells are: cycles, non-convex and
 //! disconnected grids need no special case.
 //!
-//! Layout: a pixel's segments lie one after another, so that what the pixels of a tile take next stays in the first-level cache
-//! however unevenly they fill. Keys turn that: those of the 16 pixels of a row lie side by side, 16 lanes of the sorting network
+//! Layout: a pixel's segments lie one after another, so that the next slots of a tile's pixels stay in the first-level cache
+//! however unevenly they fill. Keys are transposed: those of the 16 pixels of a row lie side by side, 16 lanes of the sorting network
 //! and of the shader. Numbers stand in quads, so that each four moves by one instruction.
 
 use crate::fragments::batch::Batch;
@@ -77,17 +77,17 @@ impl FragmentLists {
         self.counts(row).iter().copied().max().unwrap_or(0) as usize
     }
 
-    /// Whether a pixel has more than [`MAX_LIST_LENGTH`].
+    /// True if a list is longer than [`MAX_LIST_LENGTH`].
     pub fn is_over_full(&self) -> bool {
         let over = self.next.0.iter().zip(&FIRST_SLOTS.0).take(PIXELS);
         over.fold(false, |any, (next, first)| any | (first + (MAX_LIST_LENGTH as u32) < *next))
     }
 
-    /// Appends to the list of a pixel (row << 4 | column). `place`: entry and length; `ends`: each attribute at both ends.
+    /// Appends to the list of a pixel (row << 4 | column). `depths`: entry and length; `ends`: each attribute at both ends.
     pub fn push(
         &mut self,
         pixel: usize,
-        place: [f32; 2],
+        depths: [f32; 2],
         ends: impl IntoIterator<Item = [f32; 2]>,
     ) -> Result<(), Overflow> {
         let pixel = pixel % PIXELS;
@@ -96,7 +96,7 @@ impl FragmentLists {
             return Err(Overflow);
         }
         self.next.0[pixel] += 1;
-        let [entry, length] = place;
+        let [entry, length] = depths;
         self.quads[0][at as usize][..2].copy_from_slice(&[entry, length]);
         for (a, ends) in ends.into_iter().enumerate() {
             // The first attribute stands behind entry and length.
@@ -123,7 +123,7 @@ impl FragmentLists {
         0
     }
 
-    /// Fills a batch with the slices `from..to` of a row that is arranged: each the next segment of all pixels, in those that have no
+    /// Fills a batch with the slices `from..to` of a row that is sorted: each the next segment of all pixels, in those that have no
     /// further one a fragment of no length. `length_per_depth`: distance by depth, pixel by pixel.  `depths`: true if pixels, entries and exits are needed.
     #[inline(always)]
     pub fn fill<L: Lanes>(
@@ -147,8 +147,8 @@ impl FragmentLists {
                 let key = L::U::load(&self.keys[slice * TILE + half..]);
                 let live = key.equal(L::U::splat(u32::MAX)).not();
                 // Where there is none something is read that does not count.
-                let place = first + key.and(L::U::splat(MAX_LIST_LENGTH as u32 - 1)).min(last);
-                let [entry, length, front, back] = L::F::gather_parts(&self.quads[0], place);
+                let slot = first + key.and(L::U::splat(MAX_LIST_LENGTH as u32 - 1)).min(last);
+                let [entry, length, front, back] = L::F::gather_parts(&self.quads[0], slot);
                 let exit = entry + length;
                 (L::F::select(live, length, zero) * length_per_depth).store(&mut batch.length[at..]);
                 if depths {
@@ -169,7 +169,7 @@ impl FragmentLists {
                 let mut a = 1;
                 while a < attribute_count {
                     let [front, back, next_front, next_back] =
-                        L::F::gather_parts(&self.quads[a.div_ceil(2)], place);
+                        L::F::gather_parts(&self.quads[a.div_ceil(2)], slot);
                     put(a, front, back);
                     put(a + 1, next_front, next_back);
                     a += 2;
@@ -256,7 +256,7 @@ impl FragmentLists {
         }
     }
 
-    /// Moves the segment at place `k` of column `x` forward among those of its level and the next: a step of an
+    /// Moves the segment at index `k` of column `x` forward among those of its level and the next: a step of an
     /// insertion sort. Rounding is monotone, so other levels are in order already.
     fn insertion_step(&mut self, row: usize, x: usize, k: usize) {
         let at = |key: u32| {

@@ -148,9 +148,9 @@ fn assert_near(found: [f32; 4], expected: [f64; 4], what: &str) {
 /// Numbers of segments, a tile's pixels at a time.
 fn tiles() -> impl Iterator<Item = Vec<usize>> {
     // Interpreted, a test has time for short lists.
-    let most = if cfg!(miri) { 20 } else { MAX_LIST_LENGTH };
+    let max = if cfg!(miri) { 20 } else { MAX_LIST_LENGTH };
     let step = if cfg!(miri) { 3 } else { 1 };
-    (0..=most)
+    (0..=max)
         .step_by(step)
         .collect::<Vec<_>>()
         .chunks(PIXELS)
@@ -198,7 +198,7 @@ fn rows_of_any_number_of_segments_are_put_in_order() {
     }
 }
 
-/// What shines through 16 segments that leave 3e-11 is seen; where less than 1e-11 is left the list ends.
+/// A light behind 16 segments that leave 3e-11 is visible; the list ends where less than 1e-11 is left.
 #[test]
 fn lists_end_where_next_to_nothing_is_seen() {
     for (left, seen) in [(3e-11, 0.3), (1e-12, 0.0)] {

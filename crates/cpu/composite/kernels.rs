@@ -111,12 +111,12 @@ impl Kernel for Append<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> Result<u64, Overflow> {
         let Append { frame, packet, fragments, lists } = self;
-        let Fragments { codes, places, count, .. } = fragments;
-        let (places, near, quads) = (&places[..count + MAX_LANES], frame.near, &mut lists.quads);
+        let Fragments { codes, slots, count, .. } = fragments;
+        let (slots, near, quads) = (&slots[..count + MAX_LANES], frame.near, &mut lists.quads);
         let hits = if frame.view.perspective {
-            packet.append::<L, true>(codes, places, near, quads)
+            packet.append::<L, true>(codes, slots, near, quads)
         } else {
-            packet.append::<L, false>(codes, places, near, quads)
+            packet.append::<L, false>(codes, slots, near, quads)
         };
         if lists.is_over_full() { Err(Overflow) } else { Ok(hits) }
     }

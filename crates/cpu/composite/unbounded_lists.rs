@@ -45,7 +45,8 @@ impl UnboundedFragmentLists {
     /// Composites the row; returns the pixels whose segments were not in order.
     pub fn composite(&mut self, sorted: bool, out: &mut [[f32; 4]]) -> u64 {
         let mut disordered = 0;
-        for ((fragments, seen), out) in self.pixels.iter_mut().zip(&mut self.transmittance).zip(out) {
+        for ((fragments, transmittance), out) in self.pixels.iter_mut().zip(&mut self.transmittance).zip(out)
+        {
             if sorted {
                 fragments.sort_by(|a, b| a.entry.total_cmp(&b.entry).then_with(|| a.exit.total_cmp(&b.exit)));
                 for k in 1..fragments.len() {
@@ -66,7 +67,7 @@ impl UnboundedFragmentLists {
                 }
                 through *= 1.0 - f64::from(fragment.rgba[3]);
             }
-            *seen = through;
+            *transmittance = through;
             *out = [color[0] as f32, color[1] as f32, color[2] as f32, (1.0 - through) as f32];
         }
         disordered

@@ -36,7 +36,7 @@ pub(super) struct ContributingCells {
 }
 
 /// No cell.
-const NONE: u32 = u32::MAX;
+const NO_CELL: u32 = u32::MAX;
 
 impl ContributingCells {
     /// True if the query would find the same.
@@ -47,7 +47,7 @@ impl ContributingCells {
     /// Tests the cells, unless a sample shows that this would not pay; `exact`: always.
     pub fn find(query: &CullQuery, fields: &[&str], exact: bool) -> ContributingCells {
         let examples: Vec<AtomicU32> =
-            (0..query.support.widget_count()).map(|_| AtomicU32::new(NONE)).collect();
+            (0..query.support.widget_count()).map(|_| AtomicU32::new(NO_CELL)).collect();
         let total = query.tetrahedra.len();
         let sample = (total >= MIN_CELLS_TO_SAMPLE && !exact).then(|| sample(query, &examples));
         let culling_skipped =
@@ -57,7 +57,7 @@ impl ContributingCells {
             None => test_all(query, &examples),
         };
         let example = |(widget, example): (usize, AtomicU32)| match example.into_inner() {
-            NONE => query.example(widget, &cells),
+            NO_CELL => query.example(widget, &cells),
             id => Some(id),
         };
         let examples = examples.into_iter().enumerate().map(example).collect();
@@ -75,18 +75,18 @@ impl ContributingCells {
 /// Tests one cell in 64.
 fn sample(query: &CullQuery, examples: &[AtomicU32]) -> CullSample {
     let intervals = query.tetrahedra.len() / INTERVAL;
-    let of = |length_per_depth: usize| {
+    let of = |interval: usize| {
         // At another position in each interval (multiples of the golden ratio), lest rows of a grid are always sampled at the same.
-        let position = (length_per_depth as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32;
-        let first = length_per_depth * INTERVAL + (position as usize) % (INTERVAL - RUN);
-        let mut first_overlapping_widget = 0;
+        let position = (interval as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32;
+        let first = interval * INTERVAL + (position as usize) % (INTERVAL - RUN);
+        let mut widget = 0;
         let dropped = (first..first + RUN).filter(|&id| {
-            let found = query.first_overlapping_widget(id, first_overlapping_widget);
-            found.inspect(|&widget| {
-                first_overlapping_widget = widget;
+            let overlapping = query.first_overlapping_widget(id, widget);
+            overlapping.inspect(|&overlapping| {
+                widget = overlapping;
                 examples[widget].store(id as u32, Ordering::Relaxed);
             });
-            found.is_none()
+            overlapping.is_none()
         });
         dropped.count() as u64
     };
@@ -99,7 +99,7 @@ fn test_all(query: &CullQuery, examples: &[AtomicU32]) -> Vec<u32> {
     let total = query.tetrahedra.len();
     let blocks = (query.blocks)();
     let parts = blocks.par_chunks(BLOCKS_AT_ONCE).enumerate().map(|(part, blocks)| {
-        let (mut touched, mut first_overlapping_widget) = (Vec::new(), 0);
+        let (mut contributing, mut widget) = (Vec::new(), 0);
         for (k, block) in blocks.iter().enumerate() {
             let first = (part * BLOCKS_AT_ONCE + k) * BLOCK;
             let cells = first..(first + BLOCK).min(total);
@@ -107,17 +107,16 @@ fn test_all(query: &CullQuery, examples: &[AtomicU32]) -> Vec<u32> {
                 BlockClass::Outside => {}
                 BlockClass::Inside(widget) => {
                     examples[widget].store(first as u32, Ordering::Relaxed);
-                    touched.extend(cells.map(|id| id as u32));
+                    contributing.extend(cells.map(|id| id as u32));
                 }
-                BlockClass::Straddling => touched.extend(cells.filter_map(|id| {
-                    first_overlapping_widget =
-                        query.first_overlapping_widget(id, first_overlapping_widget)?;
-                    examples[first_overlapping_widget].store(id as u32, Ordering::Relaxed);
+                BlockClass::Straddling => contributing.extend(cells.filter_map(|id| {
+                    widget = query.first_overlapping_widget(id, widget)?;
+                    examples[widget].store(id as u32, Ordering::Relaxed);
                     Some(id as u32)
                 })),
             }
         }
-        touched
+        contributing
     });
     parts.collect::<Vec<_>>().concat()
 }

@@ -20,7 +20,7 @@ use voltet_core::progress::Progress;
 use voltet_core::transfer::{Support, TransferFunction};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_optics::shading::VisibilityOrder;
+use voltet_optics::shading::Ordering;
 use voltet_simd::LaneSet;
 
 /// Cells that one thread takes at a time.
@@ -176,7 +176,7 @@ impl VolumeCache {
         View::new(camera, empty.length, [0.0; 2])?;
         attributes_of(&empty, transfer_function)?;
         let count = u32::try_from(self.volume.grid.tetrahedra.len()).map_err(|_| {
-            Error::run("the grid has too many tetrahedra").expected(format!("at most {}", u32::MAX))
+            Error::run("the grid has too many tetrahedra").expected(format!("at max {}", u32::MAX))
         })?;
         let ids = Arc::new((0..count).collect());
         let faces = Some(FaceCache::empty().with(&ids));
@@ -223,7 +223,7 @@ impl VolumeCache {
         Ok(CellSelection {
             volume: self.volume.clone(),
             ids: Arc::default(),
-            order: VisibilityOrder::Exact,
+            ordering: Ordering::PerPixel,
             culled_by_transfer_function: 0,
             culled_by_frustum: 0,
             culling_skipped: None,

@@ -1,18 +1,18 @@
-//! Crossings: where each fragment's ray enters and leaves its cell, and the attributes there.
+//! Crossings: entry and exit of each fragment's ray in its cell, and the attributes there.
 
 use crate::fragments::batch::{Batch, MAX_LANES, meant};
 use crate::project::projected_cell::{AttributePlane, CELL_WORDS, ProjectedCell};
 use crate::tile::TILE;
 use voltet_simd::{Float, Lanes, Unsigned, array, inlined};
 
-/// Records of up to `WIDTH` cells, word by word, cells side by side.
+/// SoA packet of up to `WIDTH` projected cells: word by word, cells side by side.
 pub(crate) struct CellPacket {
     words: Words<CELL_WORDS>,
     pixel_x: [f32; MAX_LANES],
     pixel_y: [f32; MAX_LANES],
-    /// Of each attribute, and words that nobody looks at.
+    /// Words of each attribute, then padding.
     attributes: Vec<Words<8>>,
-    /// As they came, cell by cell.
+    /// Planes cell by cell.
     records: [ProjectedCell; MAX_LANES],
     attribute_records: Vec<[[[f32; 4]; 2]; MAX_LANES]>,
 }
@@ -27,11 +27,11 @@ impl<const N: usize> Words<N> {
     #[inline(always)]
     fn transpose<L: Lanes>(&mut self, cells: &[[f32; 4]], quads: u32) {
         for (quad, rows) in self.0.chunks_exact_mut(4).enumerate() {
-            let mut place = [0; MAX_LANES];
-            for (cell, place) in place.iter_mut().enumerate() {
-                *place = cell as u32 * quads + quad as u32;
+            let mut index = [0; MAX_LANES];
+            for (cell, index) in index.iter_mut().enumerate() {
+                *index = cell as u32 * quads + quad as u32;
             }
-            let parts = L::F::gather_parts(cells, L::U::load(&place));
+            let parts = L::F::gather_parts(cells, L::U::load(&index));
             for (row, part) in rows.iter_mut().zip(parts) {
                 part.store(row);
             }
@@ -61,7 +61,7 @@ impl CellPacket {
         }
     }
 
-    /// Makes ready what was taken; pixels become relative to the tile at (`left`, `top`).
+    /// Transposes the cells; pixels become relative to the tile at (`left`, `top`).
     #[inline(always)]
     pub fn transpose<L: Lanes>(&mut self, left: usize, top: usize) {
         self.words.transpose::<L>(bytemuck::cast_slice(&self.records), CELL_WORDS as u32 / 4);
@@ -111,13 +111,13 @@ impl CellPacket {
         }
     }
 
-    /// Evaluates `codes` (readable up to the next multiple of `WIDTH`) into lists, each at its place there; lengths are depths from
+    /// Evaluates `codes` (readable up to the next multiple of `WIDTH`) into lists, each at its slot there; lengths are depths from
     /// entry to exit. What misses its cell has no length. Returns the fragments that cross theirs.
     #[inline(always)]
     pub fn append<L: Lanes, const PERSPECTIVE: bool>(
         &self,
         codes: &[u16],
-        places: &[u32],
+        slots: &[u32],
         near: Near,
         quads: &mut [Vec<[f32; 4]>],
     ) -> u64 {
@@ -125,31 +125,31 @@ impl CellPacket {
         let mut hits = 0;
         let mut put = inlined(
             #[inline(always)]
-            |quad: usize, values: [L::F; 4], place: L::U| {
-                let slots: &mut [[[f32; 4]; 1]] = bytemuck::cast_slice_mut(quads[quad].as_mut_slice());
-                L::F::scatter_parts([values], slots, place);
+            |quad: usize, values: [L::F; 4], slot: L::U| {
+                let quads: &mut [[[f32; 4]; 1]] = bytemuck::cast_slice_mut(quads[quad].as_mut_slice());
+                L::F::scatter_parts([values], quads, slot);
             },
         );
-        let count = places.len() - MAX_LANES;
+        let count = slots.len() - MAX_LANES;
         let mut at = 0;
         while at < count {
             let ray = crossed.cross::<PERSPECTIVE>(L::U::load_u16(&codes[at..]));
             hits += u64::from(meant::<L>(ray.hit, count - at).count_ones());
-            let place = L::U::load(&places[at..]);
+            let slot = L::U::load(&slots[at..]);
             let entry = L::F::select(ray.hit, ray.entry(), ray.distance);
             let length = L::F::select(ray.hit, ray.length, L::F::splat(0.0));
             match self.attributes.as_slice() {
-                [] => put(0, [entry, length, entry, entry], place),
+                [] => put(0, [entry, length, entry, entry], slot),
                 [first, further @ ..] => {
                     let [front, back] = ray.ends(first);
-                    put(0, [entry, length, front, back], place);
+                    put(0, [entry, length, front, back], slot);
                     for (quad, two) in further.chunks(2).enumerate() {
                         let [front, back] = ray.ends(&two[0]);
                         let [next_front, next_back] = match two.get(1) {
                             Some(next) => ray.ends(next),
                             None => [front, back],
                         };
-                        put(1 + quad, [front, back, next_front, next_back], place);
+                        put(1 + quad, [front, back, next_front, next_back], slot);
                     }
                 }
             }
@@ -159,10 +159,10 @@ impl CellPacket {
     }
 }
 
-/// Where the near plane cuts cells: its v as scale × distance + offset, and its depth from the distance origin.
+/// Near plane, where it cuts cells: its v as scale × distance + offset, and its depth from the distance origin.
 pub(crate) type Near = Option<[f32; 3]>;
 
-/// What is known of the cells of a group, in registers.
+/// Planes of a packet's cells, in registers.
 struct Planes<L: Lanes> {
     planes: [[L::F; 3]; 4],
     depth: L::F,
@@ -186,7 +186,7 @@ struct Crossing<L: Lanes> {
     q: [L::F; 2],
     depth: L::F,
     distance: L::F,
-    /// Where the near plane cuts, and its depth.
+    /// Lanes that the near plane cuts, and its depth.
     cut: Option<(L::M, f32)>,
 }
 
@@ -266,7 +266,7 @@ impl<L: Lanes> Crossing<L> {
     fn entry(&self) -> L::F {
         let entry = self.depth_at(0);
         match self.cut {
-            // What the plane cuts begins where it is, bit for bit in all cells: their exits tell their order.
+            // Segments that the plane cuts begin at it, bit for bit in all cells: their exits decide their order.
             Some((cut, cut_at)) => L::F::select(cut, L::F::splat(cut_at), entry),
             None => entry,
         }

@@ -16,32 +16,32 @@ use voltet_simd::{Double, Float, Lanes, Mask, Unsigned, array, inlined};
 /// Pairs of corners: the edges.
 const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
-/// Fragments are coded lane << 8 | row << 4 | column.
-const SPARE: usize = 32;
+/// Codes behind the last fragment that a vector may read.
+const PADDING: usize = 32;
 
-/// Where the length of a span stands beside its first code.
-const LENGTH: u32 = 16;
+/// Shift of the length of a span beside its first code.
+const LENGTH_SHIFT: u32 = 16;
 
-/// Codes of fragments: (cell lane, row, column).
+/// Fragments of a packet of cells in a tile.
 pub(crate) struct Fragments {
-    /// The codes; the first `count` are meant.
+    /// Codes, lane of the cell << 8 | row << 4 | column; the first `count` are valid.
     pub codes: Vec<u16>,
-    /// Where each goes in lists, where there are any.
-    pub places: Vec<u32>,
-    /// How many.
+    /// Slot of each in the lists, where there are any.
+    pub slots: Vec<u32>,
+    /// Number of fragments.
     pub count: usize,
     /// See [`Edges::spans`], row by row.
     spans: Cells<TILE, u32>,
 }
 
-/// The edges of a group of cells on one tile, cells side by side.
+/// Edges of a packet of cells on one tile, cells side by side.
 pub(crate) struct Edges {
     x: [[f64; MAX_LANES]; 4],
     y: [[f64; MAX_LANES]; 4],
     /// First row of the tile that each edge crosses, and the first that it does not cross any more.
     first: Cells<6>,
     last: Cells<6>,
-    /// Where it crosses the tile's first row, columns, and its slope, columns a row.
+    /// Column at which it crosses the tile's first row, and its slope (columns a row).
     crossing: Cells<6>,
     slope: Cells<6>,
     /// See [`CROSSING_ROUND`].
@@ -50,7 +50,7 @@ pub(crate) struct Edges {
     bounds: Cells<2>,
 }
 
-/// Numbers of cells side by side; begin where a cache line does.
+/// Numbers of cells side by side, aligned to cache lines.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 struct Cells<const N: usize, T = f32>([[T; MAX_LANES]; N]);
@@ -113,11 +113,11 @@ impl Edges {
                 at_top.store_f32(&mut self.crossing.0[k][half..]);
                 tilt.store_f32(&mut self.slope.0[k][half..]);
             }
-            let least = row[0].min(row[1]).min(row[2].min(row[3]));
-            let most = row[0].max(row[1]).max(row[2].max(row[3]));
+            let min = row[0].min(row[1]).min(row[2].min(row[3]));
+            let max = row[0].max(row[1]).max(row[2].max(row[3]));
             let (from, to) = (splat(rows.start as f64), splat(rows.end as f64));
-            least.max(from).min(to).store_f32(&mut self.bounds.0[0][half..]);
-            most.min(to).max(from).store_f32(&mut self.bounds.0[1][half..]);
+            min.max(from).min(to).store_f32(&mut self.bounds.0[0][half..]);
+            max.min(to).max(from).store_f32(&mut self.bounds.0[1][half..]);
         }
         // Crossings are rounded to 2⁻¹⁷ of a pixel (across the edge): several edges of a face that is seen edge-on
         // lie on one line, and must cross a row at one place although each is rounded in its own way.
@@ -137,7 +137,7 @@ impl Edges {
         let lanes = L::U::iota().shl::<8>();
         for row in rows {
             let y = splat(row as f32);
-            let (mut least, mut most) = (splat(f32::INFINITY), splat(f32::NEG_INFINITY));
+            let (mut min, mut max) = (splat(f32::INFINITY), splat(f32::NEG_INFINITY));
             for k in 0..EDGES.len() {
                 let edge = inlined(
                     #[inline(always)]
@@ -146,16 +146,16 @@ impl Edges {
                 let crosses = edge(&self.first).le(y).and(y.lt(edge(&self.last)));
                 let x = y.mul_add(edge(&self.slope), edge(&self.crossing));
                 let x = (x + edge(&self.round)) - edge(&self.round);
-                least = L::F::select(crosses, x.min(least), least);
-                most = L::F::select(crosses, x.max(most), most);
+                min = L::F::select(crosses, x.min(min), min);
+                max = L::F::select(crosses, x.max(max), max);
             }
             // ⌈x⌉ = −⌊−x⌋. A row without crossings has least = +∞, most = −∞: from = width, to = 0, no span.
             let bound = inlined(
                 #[inline(always)]
                 |x: L::F| (-(-x).floor()).max(splat(0.0)).min(width),
             );
-            let (from, to) = (bound(least), bound(most));
-            let length = (to - from).max(splat(0.0)).to_unsigned().shl::<LENGTH>();
+            let (from, to) = (bound(min), bound(max));
+            let length = (to - from).max(splat(0.0)).to_unsigned().shl::<LENGTH_SHIFT>();
             let code = lanes + L::U::splat((row << 4) as u32) + from.to_unsigned();
             length.or(code).store(&mut spans.0[row]);
         }
@@ -165,10 +165,10 @@ impl Edges {
 impl Fragments {
     /// Room for the fragments of `lanes` cells in one tile.
     pub fn new(lanes: usize) -> Self {
-        let room = lanes * TILE * TILE + SPARE;
+        let room = lanes * TILE * TILE + PADDING;
         Fragments {
             codes: vec![0; room],
-            places: vec![0; room],
+            slots: vec![0; room],
             count: 0,
             spans: Cells([[0; MAX_LANES]; TILE]),
         }
@@ -196,7 +196,7 @@ impl Fragments {
         self.list::<L>(rows, cells, next);
     }
 
-    /// Codes from spans, cell by cell, and places in lists.
+    /// Codes from spans, cell by cell, and slots of lists.
     #[inline(always)]
     fn list<L: Lanes>(
         &mut self,
@@ -204,20 +204,20 @@ impl Fragments {
         cells: usize,
         mut next: Option<&mut NextSlots>,
     ) {
-        let Fragments { codes, places, spans, .. } = self;
-        let (codes, places) = (codes.as_mut_slice(), places.as_mut_slice());
+        let Fragments { codes, slots, spans, .. } = self;
+        let (codes, slots) = (codes.as_mut_slice(), slots.as_mut_slice());
         let mut count = 0;
         for (lane, (&start, &end)) in starts.iter().zip(&ends).take(cells).enumerate() {
             for row in start as usize..(end as usize).min(TILE) {
                 let span = spans.0[row][lane];
-                let (code, length) = (span as u16, (span >> LENGTH) as usize);
+                let (code, length) = (span as u16, (span >> LENGTH_SHIFT) as usize);
                 let from = usize::from(code) % TILE;
                 let out = &mut codes[count..count + TILE];
                 for (k, out) in out.iter_mut().enumerate() {
                     *out = code.wrapping_add(k as u16);
                 }
                 if let Some(next) = &mut next {
-                    take_places::<L>(next, row, from..from + length, &mut places[count..count + TILE]);
+                    take_slots::<L>(next, row, from..from + length, &mut slots[count..count + TILE]);
                 }
                 count += length;
             }
@@ -225,24 +225,24 @@ impl Fragments {
         self.count = count;
         if next.is_some() {
             // A vector may read past the end.
-            places[count..count + MAX_LANES].fill(DUMMY_SLOT);
+            slots[count..count + MAX_LANES].fill(DUMMY_SLOT);
         }
     }
 }
 
-/// A place for each column of a span, in the first of `places`; what follows there is of no account.
+/// Takes a slot for each column of a span, in the first of `slots`; those that follow are not valid.
 #[inline(always)]
-fn take_places<L: Lanes>(next: &mut NextSlots, row: usize, span: std::ops::Range<usize>, places: &mut [u32]) {
+fn take_slots<L: Lanes>(next: &mut NextSlots, row: usize, span: std::ops::Range<usize>, slots: &mut [u32]) {
     if L::WIDTH == TILE {
         // No load spans what two stores wrote.
         let of_row = &mut next.0[row * TILE..][..TILE];
         let (from, to) = (L::U::splat(span.start as u32), L::U::splat(span.end as u32));
         let value = L::U::load(of_row);
-        value.permute((L::U::iota() + from).and(L::U::splat(TILE as u32 - 1))).store(places);
+        value.permute((L::U::iota() + from).and(L::U::splat(TILE as u32 - 1))).store(slots);
         taken_of::<L>(value, 0, from, to).store(of_row);
         return;
     }
-    places.copy_from_slice(&next.0[row * TILE + span.start..][..TILE]);
+    slots.copy_from_slice(&next.0[row * TILE + span.start..][..TILE]);
     let (from, to) = (L::U::splat(span.start as u32), L::U::splat(span.end as u32));
     for half in (0..TILE).step_by(L::WIDTH) {
         let of_half = &mut next.0[row * TILE + half..];

@@ -1,4 +1,4 @@
-//! Spans of single cells, against the crossings that cells in 64 bits ask for.
+//! Spans of single cells, against the crossings that precise cells use.
 
 use super::spans::{Edges, Fragments};
 use crate::fragments::slots::{DUMMY_SLOT, NextSlots};
@@ -44,14 +44,14 @@ impl Kernel for Listed<'_> {
             edges.find::<L>(0, 0, &(0..TILE));
             fragments.cover::<L>(&edges, cells.len(), TILE, Some(&mut next));
             let codes = fragments.codes.iter().map(|code| code & 255);
-            all.extend(codes.zip(fragments.places.iter().copied()).take(fragments.count));
-            assert!(fragments.places[fragments.count..][..L::WIDTH].iter().all(|place| *place == DUMMY_SLOT));
+            all.extend(codes.zip(fragments.slots.iter().copied()).take(fragments.count));
+            assert!(fragments.slots[fragments.count..][..L::WIDTH].iter().all(|place| *place == DUMMY_SLOT));
         }
         all
     }
 }
 
-/// The same from each row's crossings.
+/// Fragments from each row's crossings.
 fn expected(corners: [&ScreenVertex; 4], tile: [usize; 2]) -> Vec<u16> {
     let mut codes = Vec::new();
     for row in 0..TILE {

@@ -1,13 +1,13 @@
-//! Project: cells to records, and records to tiles.
+//! Projection kernel: cells to face planes in screen space, and the tiles that they touch.
 //!
-//! One pass over the kept cells in grid order, as many at a time as the processor has 64-bit lanes. Cells that
+//! One pass over the selected cells in grid order, as many at a time as the processor has 64-bit lanes. Cells that
 //! cover no pixel centre go no further. Cells that 32 bits cannot hold (behind or very near the eye, slivers
 //! beyond 1 : 4,000, cells flatter than the pixel coordinates resolve) are set apart and crossed in 64 bits by [`super::cell64`].
 
 use crate::attribute::{ATTRIBUTES_MOST, Attribute};
 use crate::project::edge_on::{edge_on, may_be_edge_on};
-use crate::project::pixel_bounds::{Corners, MOST, PixelBounds, least, load, most};
-use crate::project::projected_cell::{AttributePlane, ProjectedCell, STEEP};
+use crate::project::pixel_bounds::{Corners, MAX_DOUBLE_LANES, PixelBounds, load, max_of, min_of};
+use crate::project::projected_cell::{AttributePlane, ProjectedCell, UNBOUNDED_SLOPE};
 use crate::tile::{Area, tiles_of};
 use crate::tolerances::{
     DENSE_CELL_DEPTH, FLATNESS, MAX_CONDITION, MAX_FACE_SLOPE, MIN_FACE_WIDTH, PIXEL_STEP,
@@ -15,35 +15,35 @@ use crate::tolerances::{
 use crate::view::{ScreenVertex, View};
 use voltet_simd::{Double, Kernel, Lanes, Mask, array, inlined};
 
-/// What a run of cells became.
+/// Projected cells of a run of cells.
 #[derive(Debug, Default)]
 pub(crate) struct ProjectedCells {
-    /// One record a cell that covers a pixel centre.
-    pub records: Vec<ProjectedCell>,
-    /// Attributes of the records: `attribute_count` a record.
+    /// Face planes of each cell that covers a pixel centre.
+    pub planes: Vec<ProjectedCell>,
+    /// Attributes: `attribute_count` a cell.
     pub attributes: Vec<AttributePlane>,
-    /// Points of the records' tetrahedra.
+    /// Points of the cells' tetrahedra.
     pub corners: Vec<[u32; 4]>,
-    /// Tiles of that area that each record touches: x0, y0, x1, y1 (exclusive).
+    /// Tiles of the area that each cell touches: x0, y0, x1, y1 (exclusive).
     pub tiles: Vec<[u16; 4]>,
-    /// Records that touch each tile of the area that is of interest.
+    /// Cells that touch each tile of the area.
     pub tile_counts: Vec<u32>,
-    /// Tetrahedra for the 64-bit path.
+    /// Tetrahedra that are crossed in 64 bits.
     pub precise_cells: Vec<u32>,
 }
 
-/// Input of [`project_part`].
+/// Input of the projection.
 #[derive(Clone, Copy)]
 pub(crate) struct Input<'a> {
     pub view: &'a View,
     pub screen_vertices: &'a [ScreenVertex],
     pub tetrahedra: &'a [[u32; 4]],
     pub attributes: &'a [Attribute<'a>],
-    /// Depth that distances are counted from.
+    /// Depth that distances are counted from (scene lengths).
     pub distance_origin: f64,
-    /// The largest optical depth, or colour, that the widgets give together over a scene length.
+    /// Upper bound of the optical depth, or colour, that the widgets give together over a scene length.
     pub max_optical_depth: f64,
-    /// Tiles that are of interest: what touches others alone goes no further.
+    /// Tiles to project for: cells that touch none of them are dropped.
     pub area: Area,
 }
 
@@ -54,10 +54,10 @@ pub(crate) struct ProjectCells<'a> {
 }
 
 impl ProjectedCells {
-    /// Begins anew, with the memory that it has.
+    /// Empties all lists, and keeps their memory.
     pub fn begin(&mut self, area: Area) {
-        let ProjectedCells { records, attributes, corners, tiles, tile_counts, precise_cells } = self;
-        records.clear();
+        let ProjectedCells { planes, attributes, corners, tiles, tile_counts, precise_cells } = self;
+        planes.clear();
         attributes.clear();
         corners.clear();
         tiles.clear();
@@ -73,7 +73,7 @@ impl Kernel for ProjectCells<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let ProjectCells { input, cells, part } = self;
-        part.records.reserve(cells.len());
+        part.planes.reserve(cells.len());
         part.attributes.reserve(cells.len() * input.attributes.len());
         part.corners.reserve(cells.len());
         part.tiles.reserve(cells.len());
@@ -151,8 +151,8 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
     );
     let n0 = cross(&f[0], &f[1]);
 
-    let reach = (most(&x) - least(&x)) + (most(&y) - least(&y));
-    let range = most(&v) - least(&v);
+    let reach = (max_of(&x) - min_of(&x)) + (max_of(&y) - min_of(&y));
+    let range = max_of(&v) - min_of(&v);
     // What is narrow compares with STEEP_MOST like what is steep.
     let narrow = splat(MIN_FACE_WIDTH * MAX_FACE_SLOPE) / range;
     let face = inlined(
@@ -165,7 +165,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
         },
     );
     let mut front_bits = [0u32; 4];
-    let mut planes = [[[0f32; MOST]; 3]; 4];
+    let mut planes = [[[0f32; MAX_DOUBLE_LANES]; 3]; 4];
     let (mut ill, mut areas) = (0, zero);
     for (k, normal) in [n0, n1, n2, n3].iter().enumerate() {
         // Inside, (normal · (p − corner)) has the sign of the determinant (opposite for face 0); a face is a
@@ -178,19 +178,19 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
         let c = v[from] + (a * (pixel_x - x[from]) + b * (pixel_y - y[from]));
         let largest = a.abs().max(b.abs()).max(c.abs());
         // NaN (0/0 of an edge-on face) fails the comparison too.
-        let mut bounded = largest.lt(splat(STEEP));
+        let mut bounded = largest.lt(splat(UNBOUNDED_SLOPE));
         // Few cells come near.
         let area = normal[2].abs();
         areas = areas + area;
         if may_be_edge_on(area, reach).bits() & ordinary != 0 {
-            let seen = edge_on(face(&x, k), face(&y, k), area);
-            bounded = bounded.and(seen.edge_on.not());
-            ill |= seen.undecided.bits();
+            let class = edge_on(face(&x, k), face(&y, k), area);
+            bounded = bounded.and(class.edge_on.not());
+            ill |= class.undecided.bits();
         }
         let across = a.abs() * (x1 - x0) + b.abs() * (y1 - y0);
         let within = (a.abs() + b.abs()) * narrow;
         ill |= bounded.and(splat(MAX_FACE_SLOPE).lt(across.max(within))).bits();
-        let open = L::D::select(faces_eye, splat(STEEP), splat(-STEEP));
+        let open = L::D::select(faces_eye, splat(UNBOUNDED_SLOPE), splat(-UNBOUNDED_SLOPE));
         // An edge-on face constrains nothing: the silhouette does.
         L::D::select(bounded, a, zero).store_f32(&mut planes[k][0]);
         L::D::select(bounded, b, zero).store_f32(&mut planes[k][1]);
@@ -198,7 +198,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
         front_bits[k] = faces_eye.bits();
     }
 
-    // The thickest place of a flat cell measures the determinant over the area that it covers, half of the areas' sum.
+    // The greatest thickness of a flat cell is the determinant over the area that it covers, half of the areas' sum.
     let dense = splat(DENSE_CELL_DEPTH).lt(range * depth * splat(input.max_optical_depth)).bits();
     if dense & ordinary != 0 {
         ill |= dense & (splat(FLATNESS) * determinant.abs()).lt(range * areas * splat(0.5)).bits();
@@ -207,10 +207,10 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
     // Attributes: (s − base)(1 + v) is affine in (x, y, v).
     let inverse = one / determinant;
     let sound = determinant.abs().lt(splat(f64::MAX));
-    let mut stored = [[[0f32; MOST]; 6]; ATTRIBUTES_MOST];
+    let mut stored = [[[0f32; MAX_DOUBLE_LANES]; 6]; ATTRIBUTES_MOST];
     let extent = [x1 - x0, y1 - y0, range];
     for (attribute, stored) in input.attributes.iter().zip(stored.iter_mut()) {
-        let mut raw = [[0f64; MOST]; 4];
+        let mut raw = [[0f64; MAX_DOUBLE_LANES]; 4];
         for lane in 0..L::D::COUNT {
             let tetrahedron = &input.tetrahedra[group[lane.min(n - 1)] as usize];
             for (k, &point) in tetrahedron.iter().enumerate() {
@@ -222,7 +222,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
             #[inline(always)]
             |k| (raw[k] - splat(attribute.offset)) * splat(1.0 / attribute.scale),
         );
-        let (low, high) = (least(&scaled), most(&scaled));
+        let (low, high) = (min_of(&scaled), max_of(&scaled));
         let mean = (low + high) * splat(0.5);
         let weighted: [L::D; 4] = array(
             #[inline(always)]
@@ -256,7 +256,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
         high.store_f32(&mut stored[5]);
     }
     // A determinant that the rounding of the pixel coordinates could have made says nothing: in 64 bits, without
-    // pixels, a cell whose points lie on a line or a plane is seen to have no volume.
+    // pixels, a cell whose points lie on a line or a plane is found to have no volume.
     let mut across = zero;
     for normal in [&n1, &n2, &n3] {
         across = across + (normal[0].abs() + normal[1].abs());
@@ -268,7 +268,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
     push_cells64(group, in_64_bits, part);
 
     // Store lane by lane.
-    let mut words = [[0f64; MOST]; 8];
+    let mut words = [[0f64; MAX_DOUBLE_LANES]; 8];
     for (row, value) in words.iter_mut().zip([x0, y0, x1, y1, pixel_x, pixel_y, depth, middle]) {
         value.store(row);
     }
@@ -278,17 +278,17 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
         }
         let pixels = [0, 1, 2, 3].map(|k: usize| words[k][lane] as usize);
         let Some(rectangle) = input.area.intersection(tiles_of(pixels)) else { continue };
-        let mut record = ProjectedCell {
+        let mut cell = ProjectedCell {
             depth: words[6][lane] as f32,
             distance: (words[7][lane] - input.distance_origin) as f32,
             pixel: words[4][lane] as u32 | (words[5][lane] as u32) << 16,
             ..ProjectedCell::default()
         };
         for k in 0..4 {
-            record.a[k] = planes[k][0][lane];
-            record.b[k] = planes[k][1][lane];
-            record.c[k] = planes[k][2][lane];
-            record.front |= (front_bits[k] >> lane & 1) << k;
+            cell.a[k] = planes[k][0][lane];
+            cell.b[k] = planes[k][1][lane];
+            cell.c[k] = planes[k][2][lane];
+            cell.front |= (front_bits[k] >> lane & 1) << k;
         }
         for ty in rectangle[1]..rectangle[3] {
             let first = input.area.index([rectangle[0], ty]);
@@ -296,7 +296,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
                 *count += 1;
             }
         }
-        part.records.push(record);
+        part.planes.push(cell);
         part.corners.push(input.tetrahedra[group[lane] as usize]);
         part.tiles.push(rectangle.map(|tile| tile as u16));
         for stored in stored.iter().take(input.attributes.len()) {

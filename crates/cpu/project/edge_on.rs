@@ -1,5 +1,5 @@
 //! Faces seen edge-on: lines on the screen. Which of the two cells beside one gets a ray is decided by the rounded pixel coordinates,
-//! by one rule for records and cells in 64 bits, whichever of them lie beside it. A line that is all but level and crosses a row of
+//! by one rule for projected cells and precise cells, whichever of them lie beside it. A line that is all but level and crosses a row of
 //! pixels is beyond that rule: its corners' rounding alone says where it crosses. Both cells are drawn in 64 bits then, by the plane.
 
 use crate::project::edge::crossing_of_row;
@@ -8,14 +8,14 @@ use crate::tolerances::{EDGE_ON_AREA, EDGE_ON_COLUMN_DISTANCE, LEVEL_RATIO, LEVE
 use crate::view::{ScreenVertex, View};
 use voltet_simd::{Double, Mask};
 
-/// What the corners of faces on the screen say of them.
+/// Classification of faces by their corners on the screen.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct EdgeOn<D: Double> {
-    /// It is seen edge-on.
+    /// True if the face is seen edge-on.
     pub edge_on: D::Mask,
-    /// It is level besides.
+    /// True if it is level besides.
     pub level: D::Mask,
-    /// It is level and crosses a row of pixels: none of its rays is decided by the rule.
+    /// True if it is level and crosses a row of pixels: none of its rays is decided by the rule.
     pub undecided: D::Mask,
 }
 
@@ -30,7 +30,7 @@ pub(crate) fn edge_on<D: Double>(x: [D; 3], y: [D; 3], area: D) -> EdgeOn<D> {
     EdgeOn { edge_on, level, undecided: level.and(top.ceil().lt(bottom.ceil())) }
 }
 
-/// Whether any face of cells may be edge-on whose corners reach so far, in x and y together, on the screen.
+/// True if a face of cells may be edge-on. `reach`: extent of the cells' corners on the screen, in x and y together.
 #[inline(always)]
 pub(crate) fn may_be_edge_on<D: Double>(area: D, reach: D) -> D::Mask {
     area.le(D::splat(EDGE_ON_AREA) * reach)
@@ -45,10 +45,10 @@ fn range<D: Double>([a, b, c]: [D; 3]) -> [D; 2] {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct EdgeOnFace {
     corners: [ScreenVertex; 3],
-    /// Whether its cell lies to the right of the line, and whether below it.
+    /// True if its cell lies to the right of the line; below it.
     right: bool,
     below: bool,
-    /// It is level, and lies between these two rows of pixels.
+    /// Rows of pixels that it lies between, if it is level.
     level: Option<[f64; 2]>,
     /// Columns from a crossing within which rounding decides.
     beside: f32,
@@ -77,7 +77,7 @@ impl EdgeOnFace {
         Some(EdgeOnFace { corners, right: turned[0] > 0.0, below: turned[1] > 0.0, level, beside })
     }
 
-    /// Whether the line leaves a pixel to its cell; `None` where it does not come by there: the plane tells then. A face may be a
+    /// True if the line leaves a pixel to its cell; `None` where the line does not pass there: the plane decides then. A face may be a
     /// line on the screen also since it is narrow, whichever way it looks.
     pub fn admits(&self, [i, j]: [usize; 2]) -> Option<bool> {
         let edges = [[0, 1], [0, 2], [1, 2]].map(|ends| ends.map(|k| &self.corners[k]));

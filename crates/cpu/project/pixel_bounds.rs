@@ -5,7 +5,7 @@ use crate::view::{ScreenVertex, View};
 use voltet_simd::{Double, Mask, inlined};
 
 /// Most 64-bit lanes.
-pub(crate) const MOST: usize = 8;
+pub(crate) const MAX_DOUBLE_LANES: usize = 8;
 
 /// Four corners of each cell.
 #[derive(Clone, Copy)]
@@ -20,47 +20,47 @@ pub(crate) struct Corners<D: Double> {
 pub(crate) struct PixelBounds<D: Double> {
     /// First column, and the one behind the last.
     pub columns: [D; 2],
-    /// The same of rows.
+    /// First row, and the one behind the last.
     pub rows: [D; 2],
-    /// 32 bits hold its depths.
+    /// True if 32 bits hold its depths.
     pub in_depth: D::Mask,
-    /// There are such pixels.
+    /// True if there are such pixels.
     pub any: D::Mask,
 }
 
 #[inline(always)]
-pub(crate) fn load<D: Double>(rows: &[[f64; MOST]; 4]) -> [D; 4] {
+pub(crate) fn load<D: Double>(rows: &[[f64; MAX_DOUBLE_LANES]; 4]) -> [D; 4] {
     [D::load(&rows[0]), D::load(&rows[1]), D::load(&rows[2]), D::load(&rows[3])]
 }
 
 #[inline(always)]
-pub(crate) fn least<D: Double>(c: &[D; 4]) -> D {
+pub(crate) fn min_of<D: Double>(c: &[D; 4]) -> D {
     c[0].min(c[1]).min(c[2].min(c[3]))
 }
 
 #[inline(always)]
-pub(crate) fn most<D: Double>(c: &[D; 4]) -> D {
+pub(crate) fn max_of<D: Double>(c: &[D; 4]) -> D {
     c[0].max(c[1]).max(c[2].max(c[3]))
 }
 
 impl<D: Double> Corners<D> {
     /// `group`: numbers of the tetrahedra, at least one; the lanes behind them are filled with the last.
     #[inline(always)]
-    pub fn gather(seen: &[ScreenVertex], tetrahedra: &[[u32; 4]], group: &[u32]) -> Corners<D> {
-        let [mut x, mut y, mut z] = [[[0.0; MOST]; 4]; 3];
+    pub fn gather(vertices: &[ScreenVertex], tetrahedra: &[[u32; 4]], group: &[u32]) -> Corners<D> {
+        let [mut x, mut y, mut z] = [[[0.0; MAX_DOUBLE_LANES]; 4]; 3];
         for lane in 0..D::COUNT {
             let tetrahedron = &tetrahedra[group[lane.min(group.len() - 1)] as usize];
             for (k, &point) in tetrahedron.iter().enumerate() {
-                let seen = &seen[point as usize];
-                x[k][lane] = seen.x;
-                y[k][lane] = seen.y;
-                z[k][lane] = seen.z;
+                let vertex = &vertices[point as usize];
+                x[k][lane] = vertex.x;
+                y[k][lane] = vertex.y;
+                z[k][lane] = vertex.z;
             }
         }
         Corners { x: load(&x), y: load(&y), z: load(&z) }
     }
 
-    /// What the boxes cover of a picture.
+    /// Pixels of a picture that the boxes cover.
     #[inline(always)]
     pub fn covered(&self, view: &View) -> PixelBounds<D> {
         let splat = D::splat;
@@ -71,9 +71,9 @@ impl<D: Double> Corners<D> {
             |end: D, size: f64| end.ceil().max(zero).min(splat(size)),
         );
         let beside = splat(SPAN_SLACK);
-        let columns = [within(least(&self.x) - beside, size[0]), within(most(&self.x) + beside, size[0])];
-        let rows = [within(least(&self.y), size[1]), within(most(&self.y), size[1])];
-        let (nearest, farthest) = (least(&self.z), most(&self.z));
+        let columns = [within(min_of(&self.x) - beside, size[0]), within(max_of(&self.x) + beside, size[0])];
+        let rows = [within(min_of(&self.y), size[1]), within(max_of(&self.y), size[1])];
+        let (nearest, farthest) = (min_of(&self.z), max_of(&self.z));
         let in_depth = if view.perspective {
             zero.lt(nearest).and(farthest.le(splat(MAX_CELL_DEPTH_RATIO) * nearest))
         } else {

@@ -5,7 +5,7 @@
 //! in a shared face, the eye on a face) lets the ray into the cell on the positive side of its normal only, the
 //! normal being taken from the face's points in ascending order: one of two neighbours gets the ray.
 //!
-//! The neighbour may be a record, for which a face seen edge-on is a line on the screen, and one side of it gets the ray by
+//! The neighbour may be a projected cell, for which a face seen edge-on is a line on the screen, and one side of it gets the ray by
 //! [`crate::fragments::spans`]. So such a face is that line here, too.
 
 use crate::project::edge_on::EdgeOnFace;
@@ -33,11 +33,11 @@ struct Face {
     side: f64,
     /// normal · (opposite corner − on).
     height: f64,
-    /// Where it is seen edge-on.
+    /// The face as a line on the screen, where it is seen edge-on.
     outline: Option<EdgeOnFace>,
 }
 
-/// Where a ray crosses such a cell.
+/// Crossing of a ray with a precise cell.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PreciseCrossing {
     /// Depth of entry and exit, scene lengths.
@@ -129,7 +129,7 @@ impl PreciseCell {
     }
 }
 
-/// Whether the corners lie in a plane, as far as 64 bits can say: a ray's way through the cell is then under
+/// True if the corners lie in a plane, as far as 64 bits can say: a ray's length in the cell is then under
 /// 1e-14 of its size.
 fn flat(corners: [DVec3; 4]) -> bool {
     let edges = [1, 2, 3].map(|k| corners[k] - corners[0]);
@@ -154,8 +154,8 @@ fn bounds(view: &View, e: &[[f64; 3]; 4]) -> Option<[usize; 4]> {
     let mut low = [f64::INFINITY; 2];
     let mut high = [f64::NEG_INFINITY; 2];
     let mut take = |p: [f64; 3]| {
-        let seen = view.pixel_from_eye(p);
-        for (k, x) in [seen.x, seen.y].into_iter().enumerate() {
+        let vertex = view.pixel_from_eye(p);
+        for (k, x) in [vertex.x, vertex.y].into_iter().enumerate() {
             low[k] = low[k].min(x);
             high[k] = high[k].max(x);
         }

@@ -5,7 +5,7 @@
 //! one are more, it is split again, down to a tile.
 
 use crate::project::cells::Input;
-use crate::project::pixel_bounds::{Corners, MOST, least, most};
+use crate::project::pixel_bounds::{Corners, MAX_DOUBLE_LANES, max_of, min_of};
 use crate::project::precise_cell::PreciseCell;
 use crate::tile::TILE;
 use crate::tile::{Area, tiles_of};
@@ -87,12 +87,12 @@ impl RegionBinner<'_> {
         let none = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
         let join =
             |a: [f64; 4], b: [f64; 4]| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])];
-        let seen = self.input.screen_vertices.par_iter().with_min_len(1 << 14);
-        let [x0, y0, x1, y1] = seen.map(|s| [s.x, s.y, s.x, s.y]).reduce(|| none, join);
+        let vertices = self.input.screen_vertices.par_iter().with_min_len(1 << 14);
+        let [x0, y0, x1, y1] = vertices.map(|s| [s.x, s.y, s.x, s.y]).reduce(|| none, join);
         let [columns, rows] = self.input.area.size();
         // A cast from float saturates.
-        let tiles = |low: f64, high: f64, most: usize| {
-            let [low, high] = [low, high].map(|x| ((x / TILE as f64).max(0.0) as usize).min(most));
+        let tiles = |low: f64, high: f64, max: usize| {
+            let [low, high] = [low, high].map(|x| ((x / TILE as f64).max(0.0) as usize).min(max));
             (high - low.min(high)).max(1)
         };
         tiles(x0, x1, columns) * tiles(y0, y1, rows)
@@ -154,13 +154,13 @@ impl Kernel for BinKernel<'_> {
             let corners = Corners::<L::D>::gather(input.screen_vertices, input.tetrahedra, group);
             let covered = corners.covered(view);
             // Precise cells are crossed without the rounding of pixel coordinates: 2⁻²⁴, and far outside what 64 bits leave of them.
-            let mut boxes = [[0.0; MOST]; 4];
+            let mut boxes = [[0.0; MAX_DOUBLE_LANES]; 4];
             for (axis, c) in [&corners.x, &corners.y].into_iter().enumerate() {
-                let (low, high) = (least(c), most(c));
+                let (low, high) = (min_of(c), max_of(c));
                 let slack = splat(SPAN_SLACK) + splat(f64::EPSILON * 16.0) * low.abs().max(high.abs());
-                let most = splat(view.size[axis] as f64);
-                (low - slack).ceil().max(splat(0.0)).min(most).store(&mut boxes[axis]);
-                (high + slack).ceil().max(splat(0.0)).min(most).store(&mut boxes[axis + 2]);
+                let max = splat(view.size[axis] as f64);
+                (low - slack).ceil().max(splat(0.0)).min(max).store(&mut boxes[axis]);
+                (high + slack).ceil().max(splat(0.0)).min(max).store(&mut boxes[axis + 2]);
             }
             let live = (1u32 << group.len()) - 1;
             let in_depth = covered.in_depth.bits();

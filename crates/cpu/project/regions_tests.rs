@@ -68,10 +68,10 @@ fn every_cell_is_in_the_windows_that_it_touches() {
                 if seen.iter().any(|seen| seen.z <= 0.0) {
                     continue;
                 }
-                let range = |of: fn(&ScreenVertex) -> f64, most: usize| {
+                let range = |of: fn(&ScreenVertex) -> f64, max: usize| {
                     let low = seen.iter().map(of).fold(f64::INFINITY, f64::min).ceil().max(0.0) as usize;
                     let high = seen.iter().map(of).fold(f64::NEG_INFINITY, f64::max).ceil() as usize;
-                    low..high.min(most)
+                    low..high.min(max)
                 };
                 let (columns, rows) = (range(|s| s.x, view.size[0]), range(|s| s.y, view.size[1]));
                 if columns.is_empty() || rows.is_empty() {

@@ -1,4 +1,4 @@
-//! Records by tile: what the compositor walks.
+//! Tile bins: projected cells by tiles.
 
 use crate::project::cells::{Input, ProjectCells, ProjectedCells};
 use crate::project::precise_cell::PreciseCell;
@@ -10,10 +10,10 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use voltet_core::{Error, Result};
 use voltet_simd::{LaneSet, prefetch};
 
-/// Bits of a record's number within its part; the part's number stands above.
+/// Bits of a cell's number within its part; the part's number stands above.
 const INDEX_BITS: u32 = 24;
 
-/// Most parts: what the other bits of an entry tell apart.
+/// Parts at most: limited by the other bits of an entry.
 const MAX_PARTS: usize = 1 << (u32::BITS - INDEX_BITS);
 
 /// Projected cells of an area of the picture.
@@ -49,17 +49,17 @@ impl TileBins {
         points: &[DVec3],
         cells: &[u32],
     ) -> Result<()> {
-        let wished = (rayon::current_num_threads() * 4).max(cells.len().div_ceil(1 << INDEX_BITS));
-        let length = cells.len().div_ceil(wished.min(MAX_PARTS)).max(1);
+        let part_count = (rayon::current_num_threads() * 4).max(cells.len().div_ceil(1 << INDEX_BITS));
+        let length = cells.len().div_ceil(part_count.min(MAX_PARTS)).max(1);
         self.begin(input, cells.len().div_ceil(length))?;
         self.parts.par_iter_mut().zip(cells.par_chunks(length)).for_each(|(part, cells)| {
             part.begin(input.area);
             voltet_simd::dispatch(lanes, ProjectCells { input: *input, cells, part });
         });
-        self.place(input, points)
+        self.bin(input, points)
     }
 
-    /// The same on this thread. `pieces`: the cells, in their order.
+    /// Like [`TileBins::fill_on_all`], on this thread. `pieces`: the cells, in their order.
     ///
     /// Errors: those of [`TileBins::fill_on_all`].
     pub fn fill(
@@ -89,13 +89,13 @@ impl TileBins {
                 voltet_simd::dispatch(lanes, ProjectCells { input: *input, cells, part });
             }
         }
-        self.place(input, points)
+        self.bin(input, points)
     }
 
     fn begin(&mut self, input: &Input<'_>, part_count: usize) -> Result<()> {
         if part_count > MAX_PARTS {
             return Err(
-                Error::run("too many cells for one picture").expected("at most 4 thousand million cells")
+                Error::run("too many cells for one picture").expected("at max 4 thousand million cells")
             );
         }
         self.area = input.area;
@@ -104,45 +104,45 @@ impl TileBins {
         Ok(())
     }
 
-    /// Gives the records of all parts their places in tiles: grid order within a tile.
-    fn place(&mut self, input: &Input<'_>, points: &[DVec3]) -> Result<()> {
+    /// Bins the cells of all parts by tiles: grid order within a tile.
+    fn bin(&mut self, input: &Input<'_>, points: &[DVec3]) -> Result<()> {
         let TileBins { area, parts, starts, entries, precise_cells, precise_tiles, .. } = self;
         starts.clear();
         let mut sum = 0u64;
         for tile in 0..area.tile_count() {
             starts.push(sum as u32);
             for part in parts.iter_mut() {
-                // From here on a place, that of the part's next record.
+                // From here on an index, that of the part's next cell.
                 sum += u64::from(std::mem::replace(&mut part.tile_counts[tile], sum as u32));
             }
         }
         if sum > u64::from(u32::MAX) {
             return Err(Error::run("the picture has too many cells in its tiles")
                 .got(sum)
-                .expected("at most 4 thousand million; draw a part of the grid or a smaller picture"));
+                .expected("at max 4 thousand million; draw a part of the grid or a smaller picture"));
         }
         starts.push(sum as u32);
         entries.clear();
         entries.resize(sum as usize, 0);
         let out = shared(entries);
-        let place = |number: usize, part: &mut ProjectedCells| {
+        let bin = |number: usize, part: &mut ProjectedCells| {
             let ProjectedCells { tiles, tile_counts: next, .. } = part;
             for (index, rectangle) in tiles.iter().enumerate() {
                 let entry = (number << INDEX_BITS | index) as u32;
                 let [x0, y0, x1, y1] = rectangle.map(usize::from);
                 for y in y0..y1 {
                     let first = area.index([x0, y]);
-                    for place in &mut next[first..first + (x1 - x0)] {
-                        out[*place as usize].store(entry, Ordering::Relaxed);
-                        *place += 1;
+                    for slot in &mut next[first..first + (x1 - x0)] {
+                        out[*slot as usize].store(entry, Ordering::Relaxed);
+                        *slot += 1;
                     }
                 }
             }
         };
         // One part is one thread's.
         match &mut parts[..] {
-            [part] => place(0, part),
-            parts => parts.par_iter_mut().enumerate().for_each(|(number, part)| place(number, part)),
+            [part] => bin(0, part),
+            parts => parts.par_iter_mut().enumerate().for_each(|(number, part)| bin(number, part)),
         }
 
         precise_cells.clear();
@@ -162,9 +162,9 @@ impl TileBins {
         Ok(())
     }
 
-    /// Records, and cells drawn in 64 bits.
+    /// Projected and precise cells.
     pub fn cell_count(&self) -> u64 {
-        (self.parts.iter().map(|part| part.records.len()).sum::<usize>() + self.precise_cells.len()) as u64
+        (self.parts.iter().map(|part| part.planes.len()).sum::<usize>() + self.precise_cells.len()) as u64
     }
 
     /// Tiles that hold anything, fullest first, numbered row by row in a picture of a width in pixels.
@@ -189,7 +189,7 @@ impl TileBins {
         &self.entries[self.starts[index] as usize..self.starts[index + 1] as usize]
     }
 
-    /// Cells of a tile of the area that are drawn in 64 bits.
+    /// Precise cells of a tile of the area.
     pub fn precise_cells_of(&self, tile: [usize; 2]) -> impl Iterator<Item = &PreciseCell> {
         let numbers = self.precise_tiles.get(self.area.index(tile)).map_or(&[][..], Vec::as_slice);
         numbers.iter().map(|&k| &self.precise_cells[k as usize])
@@ -210,7 +210,7 @@ impl TileBins {
 impl<'a> BinnedCell<'a> {
     #[inline(always)]
     pub fn planes(&self) -> &'a ProjectedCell {
-        &self.part.records[self.index]
+        &self.part.planes[self.index]
     }
 
     #[inline(always)]
@@ -227,14 +227,14 @@ impl<'a> BinnedCell<'a> {
     #[inline(always)]
     pub fn prefetch(&self) {
         let BinnedCell { part, index, attribute_count } = *self;
-        prefetch(part.records.as_ptr().wrapping_add(index));
+        prefetch(part.planes.as_ptr().wrapping_add(index));
         prefetch(part.corners.as_ptr().wrapping_add(index));
         prefetch(part.attributes.as_ptr().wrapping_add(index * attribute_count));
     }
 }
 
-/// Numbers that several threads write, each at places of its own.
+/// Numbers that several threads write, each at other indices.
 fn shared(values: &mut [u32]) -> &[AtomicU32] {
-    // SAFETY: an atomic has the size, the alignment and the bits of its number, and nobody else holds the slice meanwhile.
+    // SAFETY: an atomic has the size, the alignment and the bits of its number, and no other reference to the slice exists meanwhile.
     unsafe { &*(std::ptr::from_mut(values) as *const [AtomicU32]) }
 }

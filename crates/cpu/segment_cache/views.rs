@@ -56,7 +56,7 @@ impl ViewCache {
         max_optical_depth: f64,
     ) -> Plan {
         self.with(|views| {
-            let Some(place) = views.iter().position(|view| view.camera == *camera) else {
+            let Some(index) = views.iter().position(|view| view.camera == *camera) else {
                 if views.len() == MAX_VIEWS {
                     views.remove(0);
                 }
@@ -69,7 +69,7 @@ impl ViewCache {
                 });
                 return Plan::Cells;
             };
-            let mut view = views.remove(place);
+            let mut view = views.remove(index);
             let changed = view.transfer_function != *transfer_function;
             view.changes += usize::from(changed);
             // Of other quantities, or denser than they were projected for.

@@ -1,4 +1,4 @@
-//! Segments of a batch gathered side by side.
+//! Segments of a batch, gathered side by side.
 
 use crate::fragments::batch::{Batch, MAX_LANES};
 use crate::shade::along::{Along, FIELDS_MOST, Fields};

@@ -25,7 +25,7 @@ pub(crate) struct PanelWalk {
     /// D/U per scene length.
     scale: f32,
     one_color: bool,
-    /// Whether overlaps are counted here: the quick forms count what passes through them.
+    /// True if overlaps are counted here: the closed forms count those that pass through them.
     counts: bool,
     /// Pairwise product of depths from which on the order of widgets counts.
     ordered_from: f32,
@@ -161,8 +161,8 @@ impl PanelWalk {
             None => crossing & (splat(self.ordered_from).lt(product).bits() | varies),
         };
         let delicate = in_order & delicate;
-        let most = if DENSE { MAX_DENSE_RATE } else { MAX_RATE };
-        let mut too_dense = in_order & splat(most).lt(densest).bits();
+        let max = if DENSE { MAX_DENSE_RATE } else { MAX_RATE };
+        let mut too_dense = in_order & splat(max).lt(densest).bits();
         if in_order & !(narrow | overflow | delicate | too_dense) != 0 {
             let scale = along.length * splat(self.scale);
             let mut members = Vec::with_capacity(widgets.len());

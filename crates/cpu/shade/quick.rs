@@ -76,7 +76,7 @@ pub(crate) struct Several {
 struct Begun<L: Lanes> {
     near: Near<L>,
     meets: L::M,
-    /// Which widget it is.
+    /// Number of the widget.
     number: usize,
 }
 

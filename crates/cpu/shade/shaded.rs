@@ -1,4 +1,4 @@
-//! What shading a batch of segments gives.
+//! Shaded batch: results of shading a batch of segments, and the segments that still need a slower kernel.
 
 use crate::fragments::batch::{Column, MAX_LANES};
 pub(crate) use crate::tolerances::MIX_PRODUCT;
@@ -8,7 +8,7 @@ use voltet_simd::{Float, Lanes, inlined};
 /// Steps of the fixed quadrature.
 pub(crate) const STEPS: [usize; 3] = [2, 4, 8];
 
-/// Kinds of fragments that quick forms leave over.
+/// Kinds of fragments that the closed forms leave to slower kernels.
 pub(crate) const KINDS: usize = STEPS.len() + 3;
 
 /// Results of a batch.
@@ -17,23 +17,23 @@ pub(crate) struct Shaded {
     pub depth: Box<Column>,
     /// Premultiplied colour and opacity (filled otherwise).
     pub rgba: Colors,
-    /// Fragments that take so many steps each as [`STEPS`] says.
+    /// Fragments queued for fixed quadrature, by their [`STEPS`].
     pub in_order: [Vec<usize>; STEPS.len()],
     /// Fragments of known opacity, of one piecewise-linear widget, with pieces deeper than its quick form takes.
     pub deep: Vec<usize>,
     /// Fragments of known opacity that are dense.
     pub dense: Vec<usize>,
-    /// The other fragments that the quick forms did not serve, then those for the 64-bit path.
+    /// Other fragments that the closed forms did not integrate, then those for the 64-bit path.
     pub rest: Vec<usize>,
-    /// Why the latter go there, one by one.
+    /// Reason of each of the latter.
     pub why: Vec<Left>,
-    /// Scratch for the change from the one to the other; empty.
+    /// Scratch for the change from the former to the latter; empty.
     pub spare: Vec<usize>,
-    /// Scratch: the widgets that a vector of segments meets.
+    /// Scratch: widgets whose support a vector of segments meets.
     pub met: Vec<ActiveWidget>,
     /// Segments integrated in 64 bits.
     pub exact_count: u64,
-    /// How often the transfer function was asked: see [`voltet_optics::engine::Counts::evaluations`].
+    /// Evaluations of the transfer function: see [`voltet_optics::engine::RenderStats::evaluations`].
     pub evaluation_count: u64,
     /// Segments on which widgets overlap by more than [`MIX_PRODUCT`].
     pub overlap_count: u64,
@@ -46,7 +46,7 @@ pub(crate) type Colors = [Box<Column>; 4];
 pub(crate) struct Exact {
     pub depth: f32,
     pub rgba: [f32; 4],
-    /// Whether widgets overlap by more than [`MIX_PRODUCT`].
+    /// True if widgets overlap by more than [`MIX_PRODUCT`].
     pub overlaps: bool,
 }
 
@@ -68,25 +68,25 @@ impl Shaded {
         }
     }
 
-    /// Nothing is left over.
+    /// Empties the queues.
     pub fn clear(&mut self) {
         let Shaded { in_order, deep, dense, rest, .. } = self;
         in_order.iter_mut().chain([deep, dense, rest]).for_each(Vec::clear);
     }
 
-    /// Fragments that the quick forms left over, kind by kind; those of the last have an opacity that is not known.
+    /// Fragments that need slower kernels, kind by kind; those of the last have an unknown opacity.
     pub fn left_over(&self) -> [&Vec<usize>; KINDS] {
         let [few, some, many] = &self.in_order;
         [few, some, many, &self.deep, &self.dense, &self.rest]
     }
 
-    /// The same, to change.
+    /// Mutable form of [`Shaded::left_over`].
     pub fn left_over_mut(&mut self) -> [&mut Vec<usize>; KINDS] {
         let [few, some, many] = &mut self.in_order;
         [few, some, many, &mut self.deep, &mut self.dense, &mut self.rest]
     }
 
-    /// Gives the fragments of a vector, one a lane, their colours, or colours and opacities.
+    /// Stores colours, or colours and opacities, of the fragments of a vector, one a lane.
     #[inline(always)]
     pub fn put<L: Lanes, const N: usize>(&mut self, group: &[usize], values: [L::F; N]) {
         for (column, value) in self.rgba.iter_mut().zip(values) {
@@ -98,7 +98,7 @@ impl Shaded {
         }
     }
 
-    /// Of the rest, what was too dense or too delicate joins the dense ones.
+    /// Moves segments of the rest that were too dense or too delicate to the dense ones.
     pub fn set_dense_apart(&mut self) {
         let Shaded { rest, why, dense, .. } = self;
         let mut reasons = why.iter();
@@ -113,7 +113,7 @@ impl Shaded {
     }
 }
 
-/// Why a segment is left to the 64-bit forms.
+/// Reason why a segment falls back to the 64-bit forms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Left {
     /// The integrator is another than the closed forms.
@@ -137,12 +137,12 @@ pub(crate) enum Left {
 }
 
 impl Left {
-    /// Whether steps that serve dense segments may serve it.
+    /// True if the steps for dense segments may integrate it.
     pub fn is_for_dense_steps(self) -> bool {
         matches!(self, Left::Dense | Left::Delicate)
     }
 
-    /// For people.
+    /// Text for users.
     pub fn text(self) -> &'static str {
         match self {
             Left::Integrator => "the integrator is one of 64 bits",

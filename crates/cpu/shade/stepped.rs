@@ -1,5 +1,5 @@
-//! Widgets that overlap on a segment, in their order along it, by quadrature in equal steps: for profiles that are smooth there and
-//! moderate depths. What it does not serve is walked in panels ([`super::panels`]).
+//! Fixed Gauss–Legendre quadrature of widgets that overlap on a segment, in their order along it, in equal steps: for profiles that are
+//! smooth there and moderate depths. Other segments are integrated in panels ([`super::panels`]).
 
 use crate::fragments::batch::{Batch, MAX_LANES};
 use crate::shade::along::Along;

@@ -8,7 +8,7 @@ use voltet_core::progress::{NoProgress, Progress};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_cpu::{Cells, Counts, Traversal, VolumeCache, composite, cull, keep_all, project};
-use voltet_optics::shading::VisibilityOrder;
+use voltet_optics::shading::Ordering;
 use voltet_simd::LaneSet;
 use voltet_testing::pictures::compare::{NamedScene, SHADING, within};
 use voltet_testing::pictures::grids::{cube, moved, part, smooth, together, two_arms, with_flat_layer};
@@ -166,7 +166,7 @@ fn what_rays_do_not_serve_is_projected() -> Result<()> {
     let scene = scene(outside([40, 30]));
     assert!(!drawn(&scene, always).2);
     let unordered =
-        |cells: &mut Cells| (cells.traversal, cells.order) = (Traversal::RayCast, VisibilityOrder::None);
+        |cells: &mut Cells| (cells.traversal, cells.ordering) = (Traversal::RayCast, Ordering::Submission);
     assert!(drawn(&scene, unordered).2, "without order");
     let mut all = keep_all(&scene.volume, &scene.look, &scene.camera)?;
     always(&mut all);

@@ -41,7 +41,7 @@ fn no_image(_: &str) -> Result<(usize, usize, Vec<[f32; 4]>)> {
     Ok((1, 1, vec![[1.0; 4]]))
 }
 
-/// The same widget with numbers typed by hand.
+/// The widget with plain numbers.
 fn assert_becomes(relative: &str, typed: &str) {
     let (kind, p) = keys(relative).unwrap();
     let found = read(kind, &resolved(&p, &Known).unwrap(), &no_image).unwrap();

@@ -1,4 +1,4 @@
-//! Pictures to files: sRGB PNG over a background, and linear OpenEXR (docs/optics.md, section 8); colours for numbers.
+//! Pictures to files: sRGB PNG over a background, and linear OpenEXR (docs/src/explanation/optics.md, section 8); colours for numbers.
 
 mod colors;
 

@@ -1,4 +1,4 @@
-//! Provenance: program, pipeline and data files, written into pictures and reports, and read again (docs/provenance.md).
+//! Provenance: program, pipeline and data files, written into pictures and reports, and read again (docs/src/reference/provenance.md).
 //!
 //! | file | what |
 //! | --- | --- |

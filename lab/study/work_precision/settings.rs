@@ -134,7 +134,6 @@ impl Setting {
     /// How the file draws the scene, were it drawn by this painter.
     pub fn of_file(subject: &Subject, painter: Painter) -> Setting {
         let Scene { shading, order, .. } = subject.scene;
-        let order = if order == VisibilityOrder::Auto { VisibilityOrder::Exact } else { order };
         let accumulation = accumulation(subject, painter);
         Setting { painter, integrator: shading.integrator, overlap: shading.overlap, order, accumulation }
     }
@@ -142,8 +141,8 @@ impl Setting {
     /// The scene as this setting draws it.
     pub fn scene(&self, subject: &Subject) -> Scene {
         let shading = Shading { integrator: self.integrator, overlap: self.overlap, ..subject.scene.shading };
-        // The same picture without the work.
-        let order = if subject.needs_order { self.order } else { VisibilityOrder::Auto };
+        // Exact is no order where none is needed: the same picture without the work.
+        let order = if subject.needs_order { self.order } else { VisibilityOrder::Exact };
         Scene { shading, order, ..subject.scene.clone() }
     }
 
@@ -186,7 +185,7 @@ impl Setting {
             parts.push(self.accumulation.name().into());
         }
         if self.order != VisibilityOrder::Exact {
-            parts.push(format!("order {}", order_name(self.order)));
+            parts.push(format!("order {}", self.order));
         }
         parts.join(", ")
     }
@@ -233,16 +232,6 @@ pub enum Value<'a> {
     Integer(i64),
     /// A number.
     Number(f64),
-}
-
-/// The word for an order in pipeline files.
-pub fn order_name(order: VisibilityOrder) -> &'static str {
-    match order {
-        VisibilityOrder::Exact => "exact",
-        VisibilityOrder::Centroid => "centroid",
-        VisibilityOrder::None => "none",
-        VisibilityOrder::Auto => "auto",
-    }
 }
 
 /// The word for what is done with overlaps in pipeline files.

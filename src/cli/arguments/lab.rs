@@ -44,7 +44,7 @@ pub struct Stability {
     /// Write everything that was found as JSON to the standard output.
     #[arg(long)]
     pub json: bool,
-    /// Write it as Markdown: the page docs/stability.md.
+    /// Write it as Markdown: the page docs/src/explanation/stability.md.
     #[arg(long, conflicts_with_all = ["cases", "json"])]
     pub markdown: bool,
 }

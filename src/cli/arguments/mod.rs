@@ -135,8 +135,8 @@ pub struct Run {
     /// Runs each file once to warm up, then in turn twice as usual and twice reading every array, computing the gradient and
     /// its length, culling nothing, keeping widgets that nothing touches, ordering every segment, building a table, using
     /// nothing again. Compares the faster of each: how much longer the whole takes, and by how much the pictures differ.
-    #[arg(long)]
-    pub no_leave_out: bool,
+    #[arg(long, alias = "no-leave-out")]
+    pub exhaustive: bool,
     /// Write times, counts and what was left out to this file, as JSON.
     #[arg(long, value_name = "R.json")]
     pub report: Option<PathBuf>,
@@ -158,7 +158,7 @@ pub struct Plugins {
     ///
     /// Pipelines name them as what ships: gradient filters by `method`, the others by `type`; `voltet nodes --plugin PATH` lists
     /// them. The libraries that
-    /// the user's own file plugins.toml names are loaded as well. No pipeline file can load any. See docs/plugins.md.
+    /// the user's own file plugins.toml names are loaded as well. No pipeline file can load any. See docs/src/how-to/plugins.md.
     #[arg(long = "plugin", value_name = "PATH")]
     pub plugin_files: Vec<PathBuf>,
     /// Load and run plug-ins in a process of their own, so that one that crashes does not end this program.
@@ -199,9 +199,9 @@ pub struct Explain {
     pub set: Set,
     #[command(flatten)]
     pub plugins: Plugins,
-    /// Explain the run of `voltet run --no-leave-out`, which does everything.
-    #[arg(long)]
-    pub no_leave_out: bool,
+    /// Explain the run of `voltet run --exhaustive`, which does everything.
+    #[arg(long, alias = "no-leave-out")]
+    pub exhaustive: bool,
 }
 
 #[derive(Debug, Args)]

@@ -20,21 +20,21 @@ pub fn explain(arguments: &Explain, registry: &Registry) -> Result<u8> {
         return Ok(show(&error, text));
     }
     let mut session = crate::nodes::session();
-    if arguments.no_leave_out {
+    if arguments.exhaustive {
         session = session.exhaustive();
     }
     match session.plan(&document.graph) {
         Ok(mut plan) => {
             let unknown = plan.foresee(&document.graph);
-            print(&explained(&document, &plan, &unknown, arguments.no_leave_out))?;
+            print(&explained(&document, &plan, &unknown, arguments.exhaustive))?;
             Ok(DONE)
         }
         Err(error) => Ok(show(&document.locate(error), Some(&document.text))),
     }
 }
 
-/// Text of the plan.
-fn explained(document: &Document, plan: &Plan, unknown: &[usize], no_leave_out: bool) -> String {
+/// The plan in words.
+fn explained(document: &Document, plan: &Plan, unknown: &[usize], exhaustive: bool) -> String {
     let graph = &document.graph;
     let mut text = format!("{}", document.path.display());
     if let Some(title) = &document.pipeline.title {
@@ -50,7 +50,7 @@ fn explained(document: &Document, plan: &Plan, unknown: &[usize], no_leave_out: 
         let mut parts: Vec<String> = Vec::new();
         let given = node.parameters.iter().filter(|(p, _, given)| *given && p.name != "widgets");
         parts.extend(given.filter_map(|(p, s, _)| Some(format!("{} = {}", p.name, s?.datum))));
-        parts.extend(demand_text(node, &plan.demands[i]));
+        parts.extend(asked(node, &plan.demands[i]));
         let line = format!("  {:names$}  {:types$}  {}", node.name, node.node.name, parts.join("; "));
         text += line.trim_end();
         text += "\n";
@@ -61,10 +61,10 @@ fn explained(document: &Document, plan: &Plan, unknown: &[usize], no_leave_out: 
         text += &format!("\nEngine of '{name}': {engine} ({why})\n");
     }
     let left_out: Vec<String> = (graph.order.iter())
-        .flat_map(|&i| plan.notes[i].left_out.iter().map(move |left| (&graph.nodes[i].name, left)))
+        .flat_map(|&i| plan.notes[i].skipped.iter().map(move |left| (&graph.nodes[i].name, left)))
         .map(|(name, left)| format!("  {name}: no {}: {}{}\n", left.what, left.why, saved(left)))
         .collect();
-    match (left_out.is_empty(), no_leave_out) {
+    match (left_out.is_empty(), exhaustive) {
         (_, true) => text += "\nNothing is left out, needed or not; the picture is the same.\n",
         (true, false) => text += "\nNothing is left out before the data is known.\n",
         (false, false) => text += &format!("\nLeft out:\n{}", left_out.concat()),
@@ -79,34 +79,34 @@ fn explained(document: &Document, plan: &Plan, unknown: &[usize], no_leave_out: 
     if graph.order.iter().any(|&i| is_relative(&graph.nodes[i])) {
         text += "Numbers relative to data are known with the data: `voltet info` of this file says what they become.\n";
     }
-    if !no_leave_out {
+    if !exhaustive {
         text += "Left out once the data is known: cells and widgets that no value touches (or the asking, where a sample says \
-                 that it would not pay), cells out of view or under a pixel's reach. `voltet run --no-leave-out` does everything, and says what that costs.\n";
+                 that it would not pay), cells out of view or under a pixel's reach. `voltet run --exhaustive` does everything, and says what that costs.\n";
     }
     text
 }
 
-/// Saving of skipped work, in brackets.
+/// What leaving it out saves, in brackets.
 fn saved(left: &SkippedWork) -> String {
     left.saving.map(|saving| format!(" (saves {saving})")).unwrap_or_default()
 }
 
-/// True if numbers of a node, or of its widgets, are relative to data.
+/// Whether a node's numbers, or those of its widgets, are relative to data.
 fn is_relative(node: &GraphNode) -> bool {
     let widgets = node.parameters.kinds("widgets").unwrap_or_default();
     let tables = std::iter::once(&node.parameters).chain(widgets.iter().map(|(_, keys)| keys));
     tables.into_iter().any(|parameters| !parameters.relative_numbers().is_empty())
 }
 
-/// True if some transfer function has bands.
+/// Whether some transfer function has bands.
 fn waves(graph: &Graph) -> bool {
     let mut kinds =
         graph.order.iter().flat_map(|&i| graph.nodes[i].parameters.kinds("widgets").unwrap_or_default());
     kinds.any(|(kind, _)| kind.ends_with("-wave"))
 }
 
-/// Demand on a node, where it says more than its type.
-fn demand_text(node: &GraphNode, demand: &Demand) -> Option<String> {
+/// What is asked of a node, where that says more than its type.
+fn asked(node: &GraphNode, demand: &Demand) -> Option<String> {
     let first = node.node.outputs.first()?.port_type;
     let mut asked: Vec<String> = Vec::new();
     if first == PortType::Grid || first == PortType::Volume {

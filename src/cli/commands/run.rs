@@ -12,7 +12,7 @@ use crate::io::provenance::whole_report;
 use crate::nodes::files;
 use crate::output_conflicts::{self, OptionFile};
 use std::path::PathBuf;
-use voltet_study::NoLeaveOut;
+use voltet_study::ExhaustiveComparison;
 
 pub fn run(arguments: &Run, registry: &Registry) -> Result<u8> {
     // Every file is checked before the first one runs.
@@ -31,9 +31,9 @@ pub fn run(arguments: &Run, registry: &Registry) -> Result<u8> {
     }
     let streams =
         outputs(&documents).chain(arguments.report.clone()).any(|path| files::is_standard_output(&path));
-    if streams && arguments.no_leave_out {
+    if streams && arguments.exhaustive {
         let error = Error::usage(
-            "--no-leave-out writes every picture several times, and the standard output takes one",
+            "--exhaustive writes every picture several times, and the standard output takes one",
         );
         return Err(error.expected("the path of a file in place of \"-\""));
     }
@@ -53,22 +53,24 @@ pub fn run(arguments: &Run, registry: &Registry) -> Result<u8> {
         if !arguments.quiet {
             warn(document);
         }
-        let outcome = match arguments.no_leave_out {
+        let outcome = match arguments.exhaustive {
             true => compared(document, &bar),
             false => session.run(&document.graph, &bar).map(|report| (report, None)),
         };
         bar.clear();
         match outcome {
-            Ok((report, no_leave_out)) => {
+            Ok((report, exhaustive)) => {
                 if !arguments.quiet {
                     say(&warnings(&report, document.graph.warnings.len()));
                     let mut text = summary(&report);
-                    text.extend(no_leave_out.iter().map(NoLeaveOut::in_words));
+                    text.extend(exhaustive.iter().map(ExhaustiveComparison::in_words));
                     tell(&text)?;
                 }
                 let mut report = json(document, &report);
-                if let Some(no_leave_out) = no_leave_out {
-                    report["no_leave_out"] = no_leave_out.as_json();
+                if let Some(exhaustive) = exhaustive {
+                    report["exhaustive"] = exhaustive.as_json();
+                    // The key of former versions.
+                    report["no_leave_out"] = report["exhaustive"].clone();
                 }
                 reports.push(report);
             }
@@ -97,26 +99,29 @@ fn outputs(documents: &[Document]) -> impl Iterator<Item = PathBuf> {
     documents.iter().flat_map(written)
 }
 
-/// Order of runs, exhaustive ones true. The first run has cold caches and counts for neither way.
+/// Modes in which a file is run in turn, true for exhaustive ones. The first run finds cold caches and is not counted.
 const TURNS: [bool; 5] = [false, true, false, true, false];
 
-/// The file's run that leaves nothing out, and how it compares with the usual one: the fastest of each, every run from a
+/// The file's exhaustive run, compared with the usual one: the fastest of each, every run from a
 /// fresh start.
-fn compared(document: &Document, observer: &dyn Observer) -> Result<(RunReport, Option<NoLeaveOut>)> {
+fn compared(
+    document: &Document,
+    observer: &dyn Observer,
+) -> Result<(RunReport, Option<ExhaustiveComparison>)> {
     let mut runs: [Option<RunReport>; 2] = [None, None];
-    for (turn, no_leave_out) in TURNS.into_iter().enumerate() {
+    for (turn, exhaustive) in TURNS.into_iter().enumerate() {
         let session = crate::nodes::session();
-        let mut session = if no_leave_out { session.exhaustive() } else { session };
+        let mut session = if exhaustive { session.exhaustive() } else { session };
         let report = session.run(&document.graph, observer)?;
-        let fastest = &mut runs[usize::from(no_leave_out)];
+        let fastest = &mut runs[usize::from(exhaustive)];
         if turn > 0 && fastest.as_ref().is_none_or(|fastest| report.seconds < fastest.seconds) {
             *fastest = Some(report);
         }
     }
     match runs {
-        [Some(usual), Some(no_leave_out)] => {
-            let comparison = NoLeaveOut::compare(&usual, &no_leave_out);
-            Ok((no_leave_out, Some(comparison)))
+        [Some(usual), Some(exhaustive)] => {
+            let comparison = ExhaustiveComparison::compare(&usual, &exhaustive);
+            Ok((exhaustive, Some(comparison)))
         }
         _ => Err(Error::run("the file was not run")),
     }

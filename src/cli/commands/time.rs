@@ -8,7 +8,6 @@ use crate::cli::present::{Bar, print};
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
 use crate::graph::{Observer, Registry};
-use crate::optics::shading::VisibilityOrder;
 use std::time::Duration;
 use voltet_study::work_precision::{
     self as study, Benches, Cost, Frames, Measure, Painter, Setting, Subject, Times, Wish,
@@ -160,12 +159,7 @@ fn settings(arguments: &arguments::Time, subject: &Subject, benches: &Benches) -
 }
 
 fn head(subject: &Subject, setting: &Setting) -> String {
-    let order = match setting.order {
-        _ if !subject.needs_order => "not needed",
-        VisibilityOrder::Exact | VisibilityOrder::Auto => "exact",
-        VisibilityOrder::Centroid => "centroid",
-        VisibilityOrder::None => "none",
-    };
+    let order = setting.scene(subject).ordering(false);
     let [width, height] = subject.scene.camera.size;
     format!("| {} | {width} × {height} | {} | {order} | ", subject.node, setting.painter.label())
 }

@@ -133,6 +133,16 @@ pub fn node_markdown(node: &Node, registry: &Registry) -> String {
     text
 }
 
+/// Meaning of each word of a choice, a line of the table's cell each.
+fn meanings(parameter: &Parameter) -> String {
+    match parameter.parameter_type {
+        ParameterType::Choice(words) => {
+            words.iter().map(|(word, meaning)| format!("<br>`{word}`: {meaning}")).collect()
+        }
+        _ => String::new(),
+    }
+}
+
 fn parameters_markdown(title: &str, parameters: &[Parameter]) -> String {
     let mut text = format!("\n| {title} | type; default | |\n| --- | --- | --- |\n");
     for parameter in parameters {
@@ -141,7 +151,7 @@ fn parameters_markdown(title: &str, parameters: &[Parameter]) -> String {
             "| `{}` | {} | {} |\n",
             parameter.name,
             escape(&kind(parameter)),
-            escape(parameter.help)
+            escape(&(parameter.help.to_string() + &meanings(parameter)))
         );
     }
     text

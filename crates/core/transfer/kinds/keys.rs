@@ -1,7 +1,7 @@
 //! Keys that several kinds have, and what is read from them.
 //!
 //! The file gives angles in degrees and widths as σ; the library takes radians and the matrix K with
-//! K = diag(1/(√2 σ)) for the axis-aligned Gaussian (docs/optics.md, section 5).
+//! K = diag(1/(√2 σ)) for the axis-aligned Gaussian (docs/src/explanation/optics.md, section 5).
 
 use super::profile::Profile;
 use crate::Result;

@@ -76,7 +76,7 @@ impl Profile {
         }
     }
 
-    /// Value at a point of the plane, 0 to 1 (docs/optics.md, section 5). `fields`: values of its further fields, in the
+    /// Value at a point of the plane, 0 to 1 (docs/src/explanation/optics.md, section 5). `fields`: values of its further fields, in the
     /// order of [`Properties::fields`]. A table is 0 outside of its range.
     pub fn eval(&self, v: [f64; 2], fields: &[f64]) -> f64 {
         match self {

@@ -15,7 +15,7 @@ pub(crate) struct LaneGaussian {
     centre: [f32; 2],
     /// −K centre where K is diagonal.
     at_zero: Option<[f32; 2]>,
-    /// Whether a segment can span more than [`GAUSSIAN_WIDTHS_MOST`] widths.
+    /// True if a segment can span more than [`GAUSSIAN_WIDTHS_MOST`] widths.
     narrow: bool,
 }
 
@@ -72,7 +72,7 @@ impl LaneGaussian {
         gaussian::shape::<L, 2>(self.point::<L>(front), self.point::<L>(back), peak, wanted)
     }
 
-    /// What the mean over whole segments looks at.
+    /// Input of the mean over whole segments.
     #[inline(always)]
     pub fn near<L: Lanes>(&self, along: &Along<L>) -> Near<L> {
         Near::new(&self.point::<L>(&along.front), &self.point::<L>(&along.back))

@@ -63,7 +63,7 @@ impl LaneFields {
     }
 }
 
-/// Where a stretch of a segment begins and ends, of what is `front` and `back` at the segment's own ends.
+/// Values at both ends of an interval of a segment, from those at the segment's `front` and `back`.
 #[inline(always)]
 pub(super) fn between<L: Lanes, const N: usize>(
     [front, back]: [[L::F; N]; 2],

@@ -1,0 +1,218 @@
+//! Mouse in the plane: panning and zooming, dragging widgets, adding and removing points.
+
+use super::drag::Drag;
+use super::edited_function::EditedFunction;
+use super::handles::Handle;
+use super::plane::{self, Plane};
+use super::region::Region;
+use super::scale::{Scale, height_of};
+use super::screen_widget::ScreenWidget;
+use super::{TransferPanel, edit};
+use crate::actions::Actions;
+use eframe::egui::{self, PointerButton, Pos2, Ui, Vec2};
+
+/// Distance from a handle, or from a curve, within which a pointer hits it (points).
+const NEAR: f32 = 9.0;
+
+/// Factor of a zoom by one notch of the wheel (50 points).
+const NOTCH: f64 = 1.2;
+
+/// With Alt a drag goes so much of the hand's way.
+pub(super) const FINE: f64 = 0.2;
+
+/// Coverage of a position above which a press hits the widget there.
+const COVERS: f64 = 0.13;
+
+impl TransferPanel {
+    /// Wheel and Shift-drag: which part of the plane is shown.
+    pub(super) fn move_plane(&mut self, ui: &Ui, response: &egui::Response, plane: Plane) {
+        if let Some(at) = response.hover_pos() {
+            let (scroll, alt) = ui.input(|input| {
+                let scroll = input.smooth_scroll_delta;
+                // Some systems turn the wheel sideways where Alt is held.
+                (if scroll.y == 0.0 { scroll.x } else { scroll.y }, input.modifiers.alt)
+            });
+            if scroll != 0.0 {
+                let axis = usize::from(alt);
+                let mut shown = plane.shown;
+                let factor = NOTCH.powf(f64::from(scroll) / 50.0);
+                shown[axis] = plane::zoomed(shown[axis], factor, plane.to_values(at)[axis]);
+                self.shown = Some(shown);
+            }
+        }
+        let pans = ui.input(|input| input.modifiers.shift) || response.dragged_by(PointerButton::Middle);
+        let delta = response.drag_delta();
+        if pans && self.drag.is_none() && delta != Vec2::ZERO {
+            let by = plane.drag_in_values(-delta);
+            let [s, g] = plane.shown;
+            self.shown = Some([s.map(|x| x + by[0]), g.map(|x| x + by[1])]);
+        }
+    }
+
+    /// Choosing and dragging widgets, and points of them.
+    pub(super) fn hand(
+        &mut self,
+        ui: &Ui,
+        response: &egui::Response,
+        plane: Plane,
+        look: &EditedFunction,
+        actions: &mut Actions,
+    ) {
+        let modifiers = ui.input(|input| input.modifiers);
+        let press = ui.input(|input| input.pointer.press_origin());
+        let scale = look.scale(plane.shown);
+        let at = response.interact_pointer_pos();
+        if let Some(at) = at.filter(|_| response.double_clicked()) {
+            self.add_point_or_show_all(plane.to_values(at), look, &scale, actions);
+            return;
+        }
+        if let Some(at) = at.filter(|_| response.clicked()) {
+            self.before_click = self.chosen;
+            self.take(at, plane, look, &scale);
+            self.drag = None;
+        }
+        if let Some(at) = at.filter(|_| response.secondary_clicked()) {
+            self.take_point_away(at, plane, look, &scale, actions);
+        }
+        let begins = response.drag_started_by(PointerButton::Primary) && !modifiers.shift;
+        if let Some(at) = press.filter(|_| begins) {
+            self.take(at, plane, look, &scale);
+        }
+        let Some(drag) = &mut self.drag else { return };
+        if response.drag_stopped() || !ui.input(|input| input.pointer.primary_down()) {
+            self.drag = None;
+            return;
+        }
+        let delta = response.drag_delta();
+        if delta == Vec2::ZERO {
+            return;
+        }
+        // From where it was taken hold of the hand may have gone a little before that was a drag.
+        let delta = match at.filter(|_| begins) {
+            Some(at) => at - plane.to_window(drag.from),
+            None => delta,
+        };
+        let way = plane.drag_in_values(delta);
+        let times = if modifiers.alt { FINE } else { 1.0 };
+        (0..2).for_each(|k| drag.at[k] += times * way[k]);
+        let changes = match drag.handle {
+            Some(handle) => drag.widget.moved(handle, drag.at, &scale),
+            None => drag.widget.shifted([0, 1].map(|k: usize| drag.at[k] - drag.from[k])),
+        };
+        let before = drag.widget.clone();
+        edit(look, self.chosen, &before, changes, actions);
+    }
+
+    /// A double click adds a point to a curve or polygon in hand, else all of the data is shown.
+    fn add_point_or_show_all(
+        &mut self,
+        at: [f64; 2],
+        look: &EditedFunction,
+        scale: &Scale,
+        actions: &mut Actions,
+    ) {
+        let has_points = |place: usize| look.widgets.get(place).is_some_and(ScreenWidget::has_points);
+        let Some(place) = [self.chosen, self.before_click].into_iter().find(|place| has_points(*place))
+        else {
+            self.shown = None;
+            return;
+        };
+        self.chosen = place;
+        let widget = &look.widgets[place];
+        if let Some((changes, handle)) = widget.with_point(at, scale) {
+            self.held = Some(handle);
+            edit(look, place, widget, changes, actions);
+        }
+    }
+
+    /// A right click on a point takes it away.
+    fn take_point_away(
+        &mut self,
+        at: Pos2,
+        plane: Plane,
+        look: &EditedFunction,
+        scale: &Scale,
+        actions: &mut Actions,
+    ) {
+        let Some(widget) = look.widgets.get(self.chosen) else { return };
+        let handle = nearest(widget, at, plane, scale);
+        if let Some(changes) = handle.and_then(|handle| widget.without_point(handle)) {
+            self.held = None;
+            edit(look, self.chosen, widget, changes, actions);
+        }
+    }
+
+    /// Starts a drag of the target of a press: a handle of the selected widget, another widget, or nothing.
+    fn take(&mut self, at: Pos2, plane: Plane, look: &EditedFunction, scale: &Scale) {
+        let value = plane.to_values(at);
+        let hold = |widget: &ScreenWidget, handle: Option<Handle>| {
+            let place =
+                |handle: Handle| widget.handles(scale).into_iter().find(|(known, _)| *known == handle);
+            let from = handle.and_then(place).map_or(value, |(_, place)| place);
+            Some(Drag { widget: widget.clone(), handle, from, at: from, peak: look.peak })
+        };
+        self.held = None;
+        if let Some(widget) = look.widgets.get(self.chosen)
+            && let Some(handle) = nearest(widget, at, plane, scale)
+        {
+            self.held = Some(handle);
+            self.drag = hold(widget, Some(handle));
+            return;
+        }
+        // Handles and lines of others come before what others cover; of what covers the place, the strongest.
+        let by_handle = look
+            .widgets
+            .iter()
+            .enumerate()
+            .find_map(|(place, widget)| nearest(widget, at, plane, scale).map(|handle| (place, handle)));
+        if let Some((place, handle)) = by_handle {
+            (self.chosen, self.held) = (place, Some(handle));
+            self.drag = hold(&look.widgets[place], Some(handle));
+            return;
+        }
+        let on_curve = |widget: &&ScreenWidget| is_on_curve(widget, at, plane, scale);
+        if let Some(place) = look.widgets.iter().position(|widget| on_curve(&widget)) {
+            self.chosen = place;
+            self.drag = hold(&look.widgets[place], None);
+            return;
+        }
+        let strengths = look.widgets.iter().enumerate();
+        let strengths = strengths.map(|(place, widget)| (place, widget.strength(value)));
+        // What is everywhere, and lines, are taken by what is drawn of them alone.
+        let local = strengths.filter(|(place, strength)| {
+            let widget = &look.widgets[*place];
+            *strength > COVERS && widget.is_area() && !is_everywhere(widget, look)
+        });
+        if let Some((place, _)) = local.max_by(|a, b| a.1.total_cmp(&b.1)) {
+            self.chosen = place;
+            self.drag = hold(&look.widgets[place], None);
+        }
+    }
+}
+
+/// The handle that a pointer means.
+pub(super) fn nearest(widget: &ScreenWidget, at: Pos2, plane: Plane, scale: &Scale) -> Option<Handle> {
+    let handles = widget.handles(scale).into_iter();
+    let by_distance = handles.map(|(handle, place)| (plane.to_window(place).distance(at), handle));
+    let near = by_distance.filter(|(distance, _)| *distance <= NEAR);
+    near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, handle)| handle)
+}
+
+/// True if a pointer is on the line of a curve.
+fn is_on_curve(widget: &ScreenWidget, at: Pos2, plane: Plane, scale: &Scale) -> bool {
+    let Some(peak) = widget.peak_of_curve() else { return false };
+    let value = plane.to_values(at);
+    let height = height_of(peak * widget.strength(value), scale.peak) * scale.top();
+    (plane.to_window([value[0], height]).y - at.y).abs() <= NEAR
+}
+
+/// True if it is equally strong at all four corners of the data.
+fn is_everywhere(widget: &ScreenWidget, look: &EditedFunction) -> bool {
+    let Some(histogram) = look.histogram() else { return false };
+    if !matches!(widget.region, Region::Whole) {
+        return false;
+    }
+    let [s, g] = histogram.axes;
+    let corners = [[s.low, g.low], [s.high, g.low], [s.low, g.high], [s.high, g.high]];
+    corners.iter().all(|at| widget.strength(*at) > COVERS)
+}

@@ -1,0 +1,321 @@
+use super::super::handles::Handle;
+use super::super::images::Images;
+use super::super::numbers::{Change, list, rows};
+use super::super::scale::{S_AND_G, Scale};
+use super::*;
+use crate::worker::DataScales;
+use voltet_graph::ParameterValue;
+
+fn field(name: &str, datum: ParameterValue) -> Field {
+    Field { name: name.into(), origin: Default::default(), setting: datum.into() }
+}
+
+fn gaussian_widget() -> Vec<Field> {
+    vec![
+        field("kind", ParameterValue::Text("gaussian".into())),
+        field("color", list(&[1.0, 0.5, 0.25])),
+        field("extinction", ParameterValue::Number(7.0)),
+        field("centre", list(&[10.0, 2.0])),
+        field("sigma", list(&[0.5, 0.25])),
+    ]
+}
+
+/// The table with changes carried out, for keys without points.
+fn changed(mut fields: Vec<Field>, changes: Vec<Change>) -> Vec<Field> {
+    for (key, value) in changes {
+        fields.retain(|field| field.name != key);
+        fields.extend(value.map(|value| field(key, value)));
+    }
+    fields
+}
+
+const EXTENT: [f64; 2] = [100.0, 10.0];
+const SCALE: Scale = Scale { extent: EXTENT, shown: [[0.0, 100.0], [0.0, 10.0]], peak: 50.0 };
+
+fn read(fields: &[Field]) -> ScreenWidget {
+    read_with(fields, None)
+}
+
+fn read_with(fields: &[Field], known: Option<&DataScales>) -> ScreenWidget {
+    let images = Images::default();
+    ScreenWidget::new(fields, &PlaneContext { axes: &S_AND_G, extent: EXTENT, known, images: &images })
+}
+
+/// Where its handles lie.
+fn places(drawn: &ScreenWidget) -> Vec<[f64; 2]> {
+    drawn.handles(&SCALE).into_iter().map(|(_, at)| at).collect()
+}
+
+fn assert_near(found: &[[f64; 2]], wanted: &[[f64; 2]]) {
+    assert_eq!(found.len(), wanted.len());
+    for (a, b) in found.iter().zip(wanted) {
+        assert!((0..2).all(|k| (a[k] - b[k]).abs() < 1e-5 * EXTENT[k]), "{found:?}, not {wanted:?}");
+    }
+}
+
+/// What every widget states.
+fn look() -> [Field; 2] {
+    [field("color", list(&[1.0, 0.5, 0.25])), field("extinction", ParameterValue::Number(7.0))]
+}
+
+#[test]
+fn a_handle_goes_where_the_hand_brings_it() {
+    let fields = gaussian_widget();
+    let drawn = read(&fields);
+    let moves =
+        [(Handle::Centre, [12.0, 3.0]), (Handle::Width(0), [13.0, 2.0]), (Handle::Width(1), [10.0, 4.5])];
+    for (handle, to) in moves {
+        let after = read(&changed(fields.clone(), drawn.moved(handle, to, &SCALE)));
+        let (_, at) = after.handles(&SCALE).into_iter().find(|(other, _)| *other == handle).unwrap();
+        assert!((at[0] - to[0]).abs() < 1e-6 && (at[1] - to[1]).abs() < 1e-6, "{handle:?}: {at:?}");
+    }
+}
+
+/// Turned and turned back, the widget is as before, and written with sigma.
+#[test]
+fn a_turned_gaussian_is_a_matrix_and_an_upright_one_is_not() {
+    let fields = gaussian_widget();
+    let drawn = read(&fields);
+    // 30° in the plane where both axes are as long.
+    let (sin, cos) = 30f64.to_radians().sin_cos();
+    let to = [10.0 + 5.0 * cos * EXTENT[0], 2.0 + 5.0 * sin * EXTENT[1]];
+    let turned = changed(fields.clone(), drawn.moved(Handle::Angle, to, &SCALE));
+    assert!(
+        turned.iter().any(|field| field.name == "matrix")
+            && !turned.iter().any(|field| field.name == "sigma")
+    );
+    let again = read(&turned);
+    // At one half axis along 30° the strength is that of one deviation.
+    let length = 0.5 / EXTENT[0];
+    let on_axis = [10.0 + length * cos * EXTENT[0], 2.0 + length * sin * EXTENT[1]];
+    assert!((again.strength(on_axis) - (-0.5f64).exp()).abs() < 1e-4, "{}", again.strength(on_axis));
+    let upright = changed(turned, drawn.moved(Handle::Angle, [60.0, 2.01], &SCALE));
+    assert!(upright.iter().any(|field| field.name == "sigma") && upright.len() == 5);
+    assert_near(&places(&read(&upright)), &places(&drawn));
+}
+
+#[test]
+fn a_matrix_and_its_half_axes_say_the_same() {
+    let k = [[1.3, -0.4], [0.2, 0.9]];
+    let [color, extinction] = look();
+    let fields = [
+        field("kind", ParameterValue::Text("gaussian".into())),
+        field("centre", list(&[0.0, 0.0])),
+        field("matrix", rows(&k)),
+        color,
+        extinction,
+    ];
+    let drawn = read(&fields);
+    // At the ends of its half axes it is at one standard deviation.
+    let ends = drawn.handles(&SCALE).into_iter().filter(|(handle, _)| matches!(handle, Handle::Width(_)));
+    for (_, at) in ends {
+        assert!((drawn.strength(at) - (-0.5f64).exp()).abs() < 1e-12, "{at:?}");
+    }
+    for v in [[0.3, 0.1], [-0.7, 0.4], [0.0, 1.0]] {
+        let kv = [k[0][0] * v[0] + k[0][1] * v[1], k[1][0] * v[0] + k[1][1] * v[1]];
+        let exact = (-(kv[0] * kv[0] + kv[1] * kv[1])).exp();
+        assert!((drawn.strength(v) - exact).abs() < 1e-12, "{v:?}: {} for {exact}", drawn.strength(v));
+    }
+}
+
+#[test]
+fn an_infinite_deviation_has_no_handle_and_stays() {
+    let mut fields = gaussian_widget();
+    fields[4] = field("sigma", list(&[0.5, f64::INFINITY]));
+    let drawn = read(&fields);
+    let handles: Vec<Handle> = drawn.handles(&SCALE).into_iter().map(|(handle, _)| handle).collect();
+    assert_eq!(handles, [Handle::Centre, Handle::Width(0)]);
+    let after = changed(fields, drawn.moved(Handle::Width(0), [11.5, 2.0], &SCALE));
+    let sigma = after.iter().find(|field| field.name == "sigma").unwrap().setting.numbers().unwrap();
+    assert_eq!(sigma, [1.5, f64::INFINITY]);
+}
+
+#[test]
+fn points_of_a_curve_keep_their_order_and_reach_zero() {
+    let points = [[0.0, 1.0, 0.0, 0.0, 0.0], [5.0, 1.0, 1.0, 0.0, 8.0], [9.0, 1.0, 1.0, 1.0, 2.0]];
+    let fields =
+        vec![field("kind", ParameterValue::Text("piecewise-linear".into())), field("points", rows(&points))];
+    let drawn = read(&fields);
+    let (_, at) = drawn.handles(&Scale { peak: 8.0, ..SCALE })[1];
+    assert_eq!(at, [5.0, 10.0]);
+    let after =
+        read(&changed(fields, drawn.moved(Handle::Point(1), [20.0, 0.02], &Scale { peak: 8.0, ..SCALE })));
+    let [s, height] = places(&after)[1];
+    assert!(s < 9.0 && s > 8.9);
+    assert_eq!(height, 0.0);
+}
+
+#[test]
+fn regions_follow_their_corners_and_the_widget() {
+    let region = ParameterValue::Table(vec![field("s", list(&[1.0, 3.0])), field("g", list(&[0.0, 2.0]))]);
+    let mut fields = vec![field("kind", ParameterValue::Text("uniform".into())), field("region", region)];
+    fields.extend(look());
+    let drawn = read(&fields);
+    assert_eq!(drawn.strength([2.0, 1.0]), 1.0);
+    assert_eq!(drawn.strength([3.5, 1.0]), 0.0);
+    // Past the other corner, the ends change places.
+    let changes = drawn.moved(Handle::Corner(2), [0.5, 1.0], &SCALE);
+    assert_eq!(changes[0], ("region.s", Some(list(&[0.5, 1.0]))));
+    assert_eq!(drawn.shifted([1.0, 0.5])[1], ("region.g", Some(list(&[0.5, 2.5]))));
+}
+
+#[test]
+fn sides_move_alone_and_a_polygon_stays_convex() {
+    let region = ParameterValue::Table(vec![field("s", list(&[1.0, 3.0]))]);
+    let mut fields = vec![field("kind", ParameterValue::Text("uniform".into())), field("region", region)];
+    fields.extend(look());
+    let drawn = read(&fields);
+    let handles: Vec<Handle> = drawn.handles(&SCALE).into_iter().map(|(handle, _)| handle).collect();
+    assert_eq!(handles, [Handle::Side(0, false), Handle::Side(0, true)], "there is no limit of g");
+    assert_eq!(
+        drawn.moved(Handle::Side(0, true), [7.0, 4.0], &SCALE),
+        [("region.s", Some(list(&[1.0, 7.0])))]
+    );
+    let corners = [[0.0, 0.0], [10.0, 0.0], [10.0, 5.0], [0.0, 5.0]];
+    let region = ParameterValue::Table(vec![field("polygon", rows(&corners))]);
+    let mut fields = vec![field("kind", ParameterValue::Text("uniform".into())), field("region", region)];
+    fields.extend(look());
+    let drawn = read(&fields);
+    assert!(drawn.moved(Handle::Corner(2), [1.0, 1.0], &SCALE).is_empty(), "it would be dented");
+    // A point near the right side goes there, one outside stays where it is.
+    let (changes, handle) = drawn.with_point([9.0, 2.0], &SCALE).unwrap();
+    assert_eq!(handle, Handle::Corner(2));
+    let Some(ParameterValue::List(polygon)) = changes[0].1.clone() else { panic!("no polygon") };
+    assert_eq!(polygon[2].numbers().unwrap(), [10.0, 2.0]);
+    let (changes, _) = drawn.with_point([11.0, 2.0], &SCALE).unwrap();
+    let Some(ParameterValue::List(polygon)) = changes[0].1.clone() else { panic!("no polygon") };
+    assert_eq!(polygon[2].numbers().unwrap(), [11.0, 2.0]);
+    assert!(drawn.without_point(Handle::Corner(0)).is_some_and(|changes| changes.len() == 1));
+}
+
+#[test]
+fn bands_are_as_wide_as_the_profile_says() {
+    for kind in ["triangle-wave", "sine-wave"] {
+        let mut fields = vec![
+            field("kind", ParameterValue::Text(kind.into())),
+            field("origin", list(&[10.0, 0.0])),
+            field("period", ParameterValue::Number(20.0)),
+        ];
+        fields.extend(look());
+        let drawn = read(&fields);
+        assert!((drawn.strength([20.0, 3.0]) - 1.0).abs() < 1e-12, "{kind}: the peak of the first band");
+        let changes = drawn.moved(Handle::Band, [24.0, 1.0], &SCALE);
+        fields.push(field("band_width", changes[0].1.clone().unwrap()));
+        let narrow = read(&fields);
+        // It ends where the hand is.
+        let place = narrow.handles(&SCALE).into_iter().find(|(handle, _)| *handle == Handle::Band).unwrap().1;
+        assert!((place[0] - 24.0).abs() < 1e-3, "{kind}: {place:?}");
+        assert!(narrow.strength([24.1, 0.0]) == 0.0 && narrow.strength([23.0, 0.0]) > 0.0, "{kind}");
+    }
+}
+
+/// The axis is 0 to 100, half of the volume below 20.
+fn known() -> DataScales {
+    let spread = crate::worker::Spread::from_knots(vec![0.0, 20.0, 100.0], vec![0.0, 0.5, 1.0]);
+    let [s, g] = S_AND_G;
+    DataScales { ranges: [(s.clone(), [0.0, 100.0]), (g, [0.0, 10.0])].into(), spreads: [(s, spread)].into() }
+}
+
+#[test]
+fn relative_numbers_stay_relative_and_others_as_they_are_written() {
+    let text = |text: &str| LocatedValue::from(ParameterValue::Text(text.into()));
+    let mut fields = gaussian_widget();
+    fields[3] = field("centre", ParameterValue::List(vec![text("p50"), text("25 %")]));
+    fields[4] =
+        field("sigma", ParameterValue::List(vec![text("10 %"), ParameterValue::Number(0.123456789).into()]));
+    let known = known();
+    let drawn = read_with(&fields, Some(&known));
+    assert_eq!(places(&drawn)[..3], [[20.0, 2.5], [30.0, 2.5], [20.0, 2.5 + 0.123456789]]);
+    let written = |changes: Vec<Change>, key: &str| {
+        let change = changes.into_iter().find(|(name, _)| *name == key).unwrap();
+        let datum = relative::as_written(&fields, Some(&known), key, change.1.unwrap());
+        datum.to_string()
+    };
+    assert_eq!(written(drawn.moved(Handle::Centre, [60.0, 5.0], &SCALE), "centre"), "[\"p75.0\", \"50 %\"]");
+    assert_eq!(written(drawn.moved(Handle::Centre, [60.0, 2.5], &SCALE), "centre"), "[\"p75.0\", \"25 %\"]");
+    let wider = drawn.moved(Handle::Width(0), [60.0, 2.5], &SCALE);
+    assert_eq!(written(wider, "sigma"), "[\"40 %\", 0.123456789]");
+    // Turned, it is a matrix whose first column stays relative, and the same widget.
+    let turned = drawn.moved(Handle::Angle, [60.0, 7.0], &SCALE);
+    let matrix = written(turned.clone(), "matrix");
+    assert_eq!(matrix.matches('%').count(), 2, "{matrix}");
+    let as_written = |key: &str, change: Option<ParameterValue>| {
+        change.map(|new| relative::as_written(&fields, Some(&known), key, new))
+    };
+    let changes = turned.iter().map(|(key, change)| (*key, as_written(key, change.clone()))).collect();
+    let mut after = changed(fields.clone(), changes);
+    let in_numbers = changed(fields.clone(), turned.clone());
+    assert_near(&places(&read_with(&after, Some(&known))), &places(&read_with(&in_numbers, Some(&known))));
+    // On data of twice the range it is twice as wide.
+    let mut wider = known.clone();
+    wider.ranges.insert(ArrayRef::Named("s"), [0.0, 200.0]);
+    let strength = |of: &DataScales, s: f64| read_with(&after, Some(of)).strength([20.0 + s, 2.5]);
+    assert!(strength(&known, 1.0) < 0.9 && strength(&known, 1.0) > 0.3, "{}", strength(&known, 1.0));
+    assert!((strength(&known, 1.0) / strength(&wider, 2.0) - 1.0).abs() < 1e-9);
+    // Upright again, the deviations are relative as they were.
+    let drawn = read_with(&after, Some(&known));
+    let ring = drawn.handles(&SCALE).into_iter().find(|(handle, _)| *handle == Handle::Angle).unwrap().1;
+    let slope = |at: [f64; 2]| (at[1] - 2.5) / (at[0] - 20.0);
+    assert!(
+        (slope(ring) / slope([60.0, 7.0]) - 1.0).abs() < 1e-3 && ring[0] > 20.0,
+        "the ring is where it was left"
+    );
+    let upright = drawn.moved(Handle::Angle, [60.0, 2.51], &SCALE);
+    let sigma = relative::as_written(&after, Some(&known), "sigma", upright[0].1.clone().unwrap());
+    assert_eq!(sigma.to_string(), "[\"10 %\", 0.123457]");
+    after.retain(|field| field.name != "matrix");
+    assert_eq!(relative::as_written(&after, Some(&known), "sigma", list(&[1.0, 2.0])), list(&[1.0, 2.0]));
+    // Where nothing is known of the data, it is not drawn, and says why.
+    let unknown = read(&fields);
+    assert!(unknown.shape.is_none() && unknown.fault.is_some());
+}
+
+/// A picture of 2 × 1 texels over [2, 6] × [1, 5]: read by a thread of its own.
+#[test]
+fn a_table_is_drawn_as_its_picture_and_moved_and_scaled_by_its_ranges() {
+    let folder = tempfile::tempdir().unwrap();
+    let png = include_bytes!("two_texels.png");
+    std::fs::write(folder.path().join("look.png"), png).unwrap();
+    let images = Images::default().in_folder(&Default::default(), folder.path().to_path_buf());
+    let mut fields = vec![
+        field("kind", ParameterValue::Text("table".into())),
+        field("extinction", ParameterValue::Number(7.0)),
+        field("image", ParameterValue::Text("look.png".into())),
+        field("s", list(&[2.0, 6.0])),
+        field("g", list(&[1.0, 5.0])),
+    ];
+    let read = |fields: &[Field]| {
+        ScreenWidget::new(
+            fields,
+            &PlaneContext { axes: &S_AND_G, extent: EXTENT, known: None, images: &images },
+        )
+    };
+    let begun = std::time::Instant::now();
+    while images.texture("look.png").is_none() {
+        assert!(begun.elapsed().as_secs() < 60, "{:?}", images.fault("look.png"));
+        read(&fields);
+        std::thread::yield_now();
+    }
+    let drawn = read(&fields);
+    assert!(drawn.fault.is_none() && format!("{:?}", drawn.shape).contains("Some("), "{:?}", drawn.shape);
+    // Red at the left, clear green at the right.
+    assert_eq!(drawn.color, [1.0, 0.0, 0.0]);
+    assert_eq!([drawn.strength([2.5, 2.0]), drawn.strength([5.5, 2.0])], [1.0, 0.0]);
+    assert_eq!(drawn.strength([4.0, 3.0]), 0.5, "between the texels");
+    assert_eq!(
+        drawn.moved(Handle::Rim(2), [8.0, 7.0], &SCALE),
+        [("s", Some(list(&[2.0, 8.0]))), ("g", Some(list(&[1.0, 7.0])))]
+    );
+    assert_eq!(drawn.moved(Handle::Edge(0, true), [9.0, 77.0], &SCALE), [("s", Some(list(&[2.0, 9.0])))]);
+    assert_eq!(drawn.moved(Handle::Centre, [5.0, 3.0], &SCALE), [("s", Some(list(&[3.0, 7.0])))]);
+    assert_eq!(drawn.moved(Handle::Edge(0, true), [2.0, 3.0], &SCALE), [], "a range would be empty");
+    // Without its picture it can still be moved, and says what is wrong.
+    fields[2] = field("image", ParameterValue::Text("none.png".into()));
+    while images.fault("none.png").is_none() {
+        assert!(begun.elapsed().as_secs() < 60);
+        std::thread::yield_now();
+    }
+    let drawn = read(&fields);
+    assert!(drawn.fault.as_ref().is_some_and(|fault| fault.contains("none.png")), "{:?}", drawn.fault);
+    assert_eq!(drawn.shifted([1.0, 0.0]), [("s", Some(list(&[3.0, 7.0])))]);
+}
