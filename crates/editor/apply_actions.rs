@@ -26,7 +26,7 @@ impl Editor {
             Action::Edit(label, edits) => self.edit(label, &edits),
             Action::Select(names) => self.selection = names,
             Action::Show(name) => self.shown_node = Some(name),
-            Action::Look(view) => self.look(view),
+            Action::MoveCamera(view) => self.look(view),
             Action::Probe(places) => self.probe(places, false),
             Action::PixelProbe(found) => self.show_probed(found),
             Action::Centre(place) => self.probe(vec![place], true),
@@ -92,7 +92,7 @@ impl Editor {
         let changed = settings
             .filter(|(key, datum)| stated(key).is_none_or(|field| !same(&field.setting.datum, datum)));
         // A standard value that stays needs not be written.
-        let standing = View::of(camera);
+        let standing = View::from_camera(camera);
         let needed = changed.filter(|(key, _)| {
             stated(key).is_some()
                 || standing.is_none_or(|before| match *key {
@@ -136,24 +136,24 @@ impl Editor {
                     self.document.pipeline().nodes.iter().map(|node| node.name.clone()).collect();
             }
             Command::Add => self.graph.open_menu(),
-            Command::Tidy | Command::Align(_) | Command::Frame | Command::Note => self.arrange(command),
+            Command::Tidy | Command::Align(_) | Command::Frame | Command::Note => self.arrange_nodes(command),
             Command::Fold => self.fold(),
             Command::FitGraph => self.graph.fit(),
             Command::Home => {
                 let bounds = self.worker.shown(|shown| shown.bounds);
                 let size = self.camera().and_then(camera_size).unwrap_or([4, 3]);
-                if let (Some(view), Some(bounds)) = (self.camera().and_then(View::of), bounds) {
+                if let (Some(view), Some(bounds)) = (self.camera().and_then(View::from_camera), bounds) {
                     self.look(view.home(bounds, f64::from(size[0]) / f64::from(size[1])));
                 }
             }
             Command::Along(axis, from_positive) => {
-                let Some(view) = self.camera().and_then(View::of) else { return };
+                let Some(view) = self.camera().and_then(View::from_camera) else { return };
                 let towards = DVec3::AXES[axis.min(2)] * if from_positive { 1.0 } else { -1.0 };
                 let up = if axis == 2 { DVec3::Y } else { DVec3::Z };
-                self.look(view.along(towards, up));
+                self.look(view.looking_along(towards, up));
             }
             Command::Roll(left) => {
-                let Some(view) = self.camera().and_then(View::of) else { return };
+                let Some(view) = self.camera().and_then(View::from_camera) else { return };
                 let angle = 15f64.to_radians();
                 self.look(view.rolled(if left { -angle } else { angle }));
             }
@@ -257,7 +257,7 @@ impl Editor {
     }
 }
 
-/// Whether two values are the same; 2 and 2.0 are.
+/// True if two values are equal; 2 and 2.0 are.
 fn same(a: &ParameterValue, b: &ParameterValue) -> bool {
     match (a, b) {
         (ParameterValue::List(a), ParameterValue::List(b)) => {

@@ -21,7 +21,7 @@ pub(crate) struct ArrayChoice {
     pub label: String,
 }
 
-/// Whether a node reads a data file.
+/// True if a node reads a data file.
 pub(crate) fn reads(entry: &NodeEntry, registry: &Registry) -> bool {
     let name = entry.node_type.text();
     let of_others = |name| registry.find(name).is_ok_and(|node| node.reader.is_some());
@@ -33,7 +33,7 @@ pub(crate) fn path_of(entry: &NodeEntry) -> Option<&str> {
     entry.settings.iter().find(|field| field.name == "path").and_then(|field| field.setting.text())
 }
 
-/// What is known of files; nothing as long as they are being read.
+/// Arrays of data files; none while a file is being read.
 #[derive(Default)]
 pub(crate) struct Arrays(Arc<Mutex<HashMap<PathBuf, Arc<Vec<ArrayChoice>>>>>);
 

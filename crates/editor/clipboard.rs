@@ -49,7 +49,7 @@ impl Editor {
         self.take_copies(outcome);
     }
 
-    /// What was added is worked on next.
+    /// Selects the added nodes.
     fn take_copies(&mut self, outcome: Result<Vec<String>>) {
         match outcome {
             Ok(names) => self.selection = names.into_iter().collect(),
@@ -69,8 +69,8 @@ impl Editor {
         }
     }
 
-    /// Where nodes stand, frames and notes.
-    pub(crate) fn arrange(&mut self, command: Command) {
+    /// Moves nodes, and adds frames and notes.
+    pub(crate) fn arrange_nodes(&mut self, command: Command) {
         let all = &self.document.pipeline().nodes;
         let nodes: Vec<NodeEntry> = match self.selection.is_empty() {
             true => all.clone(),

@@ -31,7 +31,7 @@ use voltet_graph::{ArrayRef, NodeEntry, Registry};
 /// Makes the text of a pipeline for a file that is none, such as data; the second path is where it would be saved.
 pub type Start = Arc<dyn Fn(&Path, &Path) -> Result<String> + Send + Sync>;
 
-/// What the wishes follow from: as long as it is the same, so are they.
+/// Inputs of the requests to the worker: as long as they are equal, so are the requests.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct RequestInputs {
     pub revision: u64,
@@ -67,12 +67,12 @@ pub struct Editor {
     pub(crate) costs: bool,
     pub(crate) last_estimate: u64,
     pub(crate) file_dialog: Option<FileDialog>,
-    /// What is opened once unsaved work is settled; a file is asked for where there is none.
+    /// File to open once unsaved work is settled; `None` opens a file dialog.
     pub(crate) begin_with: Option<PathBuf>,
     pub(crate) recent: Recent,
     /// A whole run that is under way.
     pub(crate) run: Option<Run>,
-    /// What waits for an answer about unsaved work.
+    /// Command that waits for a decision about unsaved work.
     pub(crate) unsaved: Option<Command>,
     pub(crate) asked: Option<RenderRequest>,
     /// The distribution that was asked for last.
@@ -86,7 +86,7 @@ pub struct Editor {
     pub(crate) study: StudyPanel,
     pub(crate) faults: (Option<u64>, Vec<Error>),
     pub(crate) gestures: GestureTracker,
-    /// What the edits of this frame belong to.
+    /// Undo step of the edits of this frame.
     pub(crate) gesture: Option<Gesture>,
     pub(crate) ends: bool,
 }
@@ -155,7 +155,7 @@ impl Editor {
         &self.worker
     }
 
-    /// Whether the window is to close.
+    /// True if the window is to close.
     pub fn ends(&self) -> bool {
         self.ends
     }
@@ -183,7 +183,7 @@ impl Editor {
         }
     }
 
-    /// What the parts of the window look at.
+    /// Read-only view of the editor for the window's parts.
     pub(crate) fn scene(&self) -> Scene<'_> {
         let camera = self.camera();
         let key = self.distribution.as_ref().map(|asked| asked.key);
@@ -198,7 +198,7 @@ impl Editor {
                 arrays: &self.arrays,
                 selection: &self.selection,
                 shown_node: self.shown_node.as_deref(),
-                view: camera.and_then(View::of),
+                view: camera.and_then(View::from_camera),
                 picture_size: camera.and_then(camera_size),
                 pixels: shown.pixels.clone().filter(|_| self.shown_node.is_some()),
                 previews: shown.previews.clone(),
@@ -278,7 +278,7 @@ pub(crate) fn camera_size(camera: &NodeEntry) -> Option<[u32; 2]> {
     crate::worker::size_of(camera)
 }
 
-/// What runs, in words.
+/// Description of the work in progress.
 fn running(shown: &WorkerOutput) -> Option<String> {
     if !shown.is_busy {
         return None;
@@ -291,7 +291,7 @@ fn running(shown: &WorkerOutput) -> Option<String> {
     Some(in_hand.unwrap_or_else(|| "drawing …".into()))
 }
 
-/// What is wrong with the document, each mistake at its node.
+/// Errors of the document, each at its node.
 fn faults(document: &Document, registry: &Registry) -> Vec<Error> {
     if document.pipeline().nodes.is_empty() && document.is_toml() {
         return Vec::new();

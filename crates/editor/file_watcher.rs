@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
 
-/// How often files are looked at.
+/// Interval between two checks of the files.
 pub(crate) const BETWEEN: Duration = Duration::from_secs(1);
 
 /// Length and time of a file; nothing of one that is not there.
@@ -44,7 +44,7 @@ impl FileWatcher {
         Ok(FileWatcher { known })
     }
 
-    /// What the files are known to be from now on.
+    /// Sets the stamps that later ones are compared with.
     pub fn knows(&self, known: FileStamps) {
         *self.known.lock().unwrap_or_else(PoisonError::into_inner) = known;
     }

@@ -6,7 +6,7 @@ use std::time::Instant;
 use voltet_core::Result;
 use voltet_document::{Document, Edit};
 
-/// What other programs wrote: the document's file, and the data.
+/// Changes by other programs: the document's file, and the data.
 #[derive(Debug, Default)]
 pub(crate) struct Disk {
     pub is_changed: bool,
@@ -41,12 +41,12 @@ pub(crate) const PIPELINES: [&str; 3] = ["toml", "png", "exr"];
 /// Ends of the names of data files.
 pub(crate) const DATA: [&str; 10] = ["vtu", "vtk", "vts", "vtr", "vti", "pvtu", "pvd", "xyz", "p3d", "x"];
 
-/// Whether a name is that of a pipeline file.
+/// True if a name is that of a pipeline file.
 pub(crate) fn is_pipeline(path: &Path) -> bool {
     path.extension().is_none_or(|end| end == "toml")
 }
 
-/// Where the pipeline of a file that is none would be saved: beside it, under a name that no file has.
+/// Path for the pipeline made for a data file: beside it, under an unused name.
 pub(crate) fn free_path(path: &Path) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let numbered = (2..).map(|number| path.with_file_name(format!("{stem}_{number}.toml")));

@@ -1,4 +1,4 @@
-//! Where the parts of the window stand.
+//! Layout of the window's parts.
 
 use crate::actions::Actions;
 use crate::begin;

@@ -1,4 +1,4 @@
-//! What was asked of the worker beside pictures, and whether its answers are those to the newest question.
+//! Queries to the worker besides pictures, and the test for answers to the newest.
 
 use crate::worker::{RenderRequest, Section, SectionQuery, Share, WorkerOutput};
 use std::collections::BTreeMap;
@@ -26,7 +26,7 @@ impl Lookups {
         (self.previews_of, self.section) = (None, None);
     }
 
-    /// Whether the share of this widget in this picture was asked for.
+    /// True if the share of this widget in this picture was requested.
     pub fn is_shared(&self, of: &(u64, String, usize)) -> bool {
         self.share.as_ref() == Some(of)
     }

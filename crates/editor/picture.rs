@@ -34,13 +34,13 @@ pub(crate) struct PicturePanel {
     texture: Option<TextureHandle>,
     /// Small pictures of other nodes, by these.
     previews: HashMap<String, Thumbnail>,
-    /// What the texture holds: the request, and whether it is its full picture.
+    /// Contents of the texture: the request, and true for its full picture.
     holds: Option<(u64, bool)>,
-    /// Whether a drag is a box to be probed, as it is with Alt, which some window managers keep for themselves.
+    /// True if a drag is a box to be probed, as it is with Alt, which some window managers keep for themselves.
     boxes: bool,
-    /// Where the box of a probe began.
+    /// Start of a probe's box.
     boxed: Option<Pos2>,
-    /// Where the picture lies, in points, for tests.
+    /// Rectangle of the picture (points), for tests.
     #[cfg(test)]
     rect: Option<Rect>,
     /// Pixels that it can show.
@@ -86,13 +86,13 @@ impl PicturePanel {
         self.previews.get(node).map(|small| small.texture.clone())
     }
 
-    /// Where the picture lies in the window.
+    /// Rectangle of the picture in the window.
     #[cfg(test)]
     pub fn rect(&self) -> Option<Rect> {
         self.rect
     }
 
-    /// Which picture is shown, and the ways to look at it.
+    /// Choice of the picture, and of the pointer's mode.
     fn head(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
         ui.horizontal(|ui| {
             let pictures = scene.pictures();
@@ -154,7 +154,7 @@ impl PicturePanel {
         self.holds = Some((pixels.number, pixels.is_full()));
     }
 
-    /// What stands over the picture: why there is none, or that it is being made.
+    /// Text over the picture: the reason for which there is none, or that it is being drawn.
     fn over(&self, ui: &Ui, scene: &Scene, rect: Rect) {
         let dark = true; // The ground is black.
         let say = |text: &str, color: Color32| {
@@ -252,7 +252,7 @@ impl PicturePanel {
             _ => {}
         }
         if to != view {
-            actions.push(Action::Look(to));
+            actions.push(Action::MoveCamera(to));
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use voltet_nodes::files::{state_folder, write_whole};
 
-/// How many are kept.
+/// Length of the list.
 const MAX_COUNT: usize = 8;
 
 /// The list, the last one first; kept nowhere unless it has a file.
@@ -26,7 +26,7 @@ impl Recent {
         Recent { file: Some(file), paths }
     }
 
-    /// Those that are there.
+    /// Files of the list that exist.
     pub fn paths(&self) -> impl Iterator<Item = &Path> {
         self.paths.iter().map(PathBuf::as_path).filter(|path| path.is_file())
     }

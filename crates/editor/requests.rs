@@ -1,4 +1,4 @@
-//! What the worker is asked for, and what becomes of its answers.
+//! Requests to the worker, and handling of its answers.
 
 use crate::arrays::{self, Arrays};
 use crate::editor::{Editor, RequestInputs, camera_size};
@@ -98,7 +98,7 @@ impl Editor {
     fn find_distribution(&mut self) {
         let (source, fields, of_series) = {
             let scene = self.scene();
-            let look = transfer::of(&scene);
+            let look = transfer::edited_node(&scene);
             let fields = look.map(transfer::fields_of).unwrap_or_default();
             let of_series = look.is_some_and(transfer::is_of_series);
             (look.and_then(|look| transfer::volume_of(&scene, &look.name)), fields, of_series)
@@ -178,7 +178,7 @@ impl Editor {
         }
         let found = {
             let scene = self.scene();
-            let look = transfer::of(&scene).map(|look| look.name.clone());
+            let look = transfer::edited_node(&scene).map(|look| look.name.clone());
             let source = look.and_then(|look| transfer::volume_of(&scene, &look));
             let plane =
                 scene.view.zip(scene.bounds).and_then(|(view, bounds)| self.section.wanted(view, bounds));
@@ -200,7 +200,7 @@ impl Editor {
     pub(crate) fn probe(&mut self, places: Vec<[f64; 2]>, centres: bool) {
         let sources = {
             let scene = self.scene();
-            let look = transfer::of(&scene).map(|look| look.name.clone());
+            let look = transfer::edited_node(&scene).map(|look| look.name.clone());
             look.and_then(|look| {
                 Some([transfer::volume_of(&scene, &look)?, look, self.camera()?.name.clone()])
             })
@@ -220,7 +220,7 @@ impl Editor {
         match found {
             Some((_, Err(error))) => self.complain(&error),
             Some((_, Ok(found))) if centres => {
-                if let (Some(point), Some(view)) = (found.point, self.camera().and_then(View::of)) {
+                if let (Some(point), Some(view)) = (found.point, self.camera().and_then(View::from_camera)) {
                     self.look(view.centred(point));
                 }
             }

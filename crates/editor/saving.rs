@@ -21,7 +21,7 @@ impl Editor {
         self.save_as(&path);
     }
 
-    /// What another program wrote is taken over, or written over.
+    /// Takes over another program's changes of the file, or overwrites them.
     pub(crate) fn settle_with_disk(&mut self, takes_over: bool) {
         let outcome = if takes_over { self.document.reload() } else { self.document.save_over() };
         self.disk = Disk::default();

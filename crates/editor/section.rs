@@ -19,7 +19,7 @@ const SIZE: [usize; 2] = [320, 240];
 /// Colours from the least to the largest value: rising in lightness, apart for those too who see few hues (viridis).
 const COLORS: [[u8; 3]; 5] = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
 
-/// How the plane lies.
+/// Orientations of the plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 enum Plane {
     /// As the picture does.
@@ -39,7 +39,7 @@ pub(crate) struct SectionPanel {
     texture: Option<TextureHandle>,
     shown: Option<Arc<Section>>,
     begun: Option<Pos2>,
-    /// Where its picture lies, for tests.
+    /// Rectangle of the section's picture, for tests.
     #[cfg(test)]
     pub rect: Option<Rect>,
 }

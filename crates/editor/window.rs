@@ -81,7 +81,7 @@ fn without_place(message: &str) -> &str {
     }
 }
 
-/// Where a display is named by the environment, one must be. `is_set`: whether a variable is.
+/// Errors: the environment names no display where one is needed. `is_set`: true for a variable that is set.
 fn refuse_without_display(is_set: &dyn Fn(&str) -> bool) -> Result<()> {
     match ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(is_set) {
         true => Ok(()),

@@ -235,7 +235,7 @@ fn opening(file: Option<&Path>) {
 
 fn turn(nodes: &mut [NodeEntry], by: f64) {
     let Some(camera) = nodes.iter_mut().find(|node| node.name == "view") else { return };
-    let Some(view) = View::of(camera) else { return };
+    let Some(view) = View::from_camera(camera) else { return };
     for (key, datum) in view.orbited([by, 0.0]).settings() {
         if key != "fov_y" {
             let _ = camera.set(key, &[], LocatedValue::from(datum));

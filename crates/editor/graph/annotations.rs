@@ -10,7 +10,7 @@ pub(crate) enum Annotation {
     Note(usize),
 }
 
-/// What moves in a hand: where it stood, and how far it went.
+/// Drag of an annotation: its earlier position, and the offset.
 #[derive(Debug, Default)]
 pub(super) struct AnnotationDrag {
     pub frames: Vec<(usize, Frame)>,

@@ -19,8 +19,8 @@ impl GraphView {
         self.writing = Some(Writing { thing, text: text.to_string(), is_new: true });
     }
 
-    /// What a hand does to frames and notes; true where it is at one. FilePurpose after the nodes, which lie above: where one is, it
-    /// is meant.
+    /// Handles drags and clicks of frames and notes; true if the pointer is at one. Called after the nodes, which lie
+    /// above and take precedence.
     pub(super) fn hold_ground(
         &mut self,
         ui: &mut Ui,

@@ -37,14 +37,14 @@ use wires::DraggedWire;
 /// Frames until nodes have the sizes that they are fitted by.
 const FRAMES_TO_FIT: u32 = 3;
 
-/// How near to a port a pointer means it, points.
+/// Distance from a port within which a pointer hits it (points).
 const NEAR: f32 = 11.0;
 
 /// Height of the letters of names where others are left out, points.
 const MIN_LETTER_HEIGHT: f32 = 9.0;
 
-/// How long a pointer rests before it is told what it points at, seconds. Words that come
-/// while it moves would lie under it in their first frame, and take the press.
+/// Time that a pointer rests before a tooltip (seconds). A tooltip that comes while it moves would lie under it in its
+/// first frame, and take the press.
 const REST: f64 = 0.25;
 
 /// The picture of a node, where there is one.
@@ -55,7 +55,7 @@ type Dragged = (Vec<(String, [f64; 2])>, Vec2);
 
 /// The view, with what a hand is doing in it.
 pub(crate) struct GraphView {
-    /// Where the document's origin lies, points from the view's corner.
+    /// Position of the document's origin (points from the view's corner).
     pan: Vec2,
     zoom: f32,
     /// For so many frames more all nodes are brought into view: their sizes are known once they were drawn.
@@ -73,7 +73,7 @@ pub(crate) struct GraphView {
     menu: Option<Menu>,
     /// The menu is to be opened at the pointer.
     asked: bool,
-    /// Where the pointer is, and since when.
+    /// Position of the pointer, and the time since when.
     rests: Option<(egui::Pos2, f64)>,
     /// The style that the package's scaled one was made of.
     styled: Option<(f32, bool)>,
@@ -118,20 +118,20 @@ impl GraphView {
         self.fits = FRAMES_TO_FIT;
     }
 
-    /// Where a port was drawn.
+    /// Position of a port as drawn.
     #[cfg(test)]
     pub fn port_at(&self, node: &str, name: &str, is_input: bool) -> Option<egui::Pos2> {
         let is_it = |port: &Rc<Port>| port.node == node && port.name == name && port.is_input == is_input;
         self.places.seen.iter().find(|(port, _)| is_it(port)).map(|(_, at)| *at)
     }
 
-    /// Whether a port is shown at a place of the window.
+    /// True if a port is shown at a position of the window.
     #[cfg(test)]
     pub fn shows_port_at(&self, at: egui::Pos2) -> bool {
         self.places.port_at(at, 1.0).is_some()
     }
 
-    /// Where a node was drawn.
+    /// Rectangle of a node as drawn.
     #[cfg(test)]
     pub fn frame_of(&self, node: &str) -> Option<Rect> {
         self.places.drawn.iter().find(|(name, _)| name == node).map(|(_, frame)| *frame)

@@ -124,7 +124,7 @@ impl ParameterPanel {
     }
 }
 
-/// Whether all numbers of a value lie in the range.
+/// True if all numbers of a value lie in the range.
 fn holds_all(range: &Range, datum: Option<&ParameterValue>) -> bool {
     match datum {
         Some(ParameterValue::List(list)) => list.iter().all(|part| holds_all(range, Some(&part.datum))),
@@ -148,13 +148,13 @@ fn browse(of: Of, row: &Row) -> Action {
     )
 }
 
-/// Whether a hand changed it: to be shown rounded or within its range is no change.
+/// True if the user changed it; rounding for display, or clamping to its range, is no change.
 fn by_hand(response: &Response) -> bool {
     response.changed()
         && (response.dragged() || response.drag_stopped() || response.lost_focus() || response.has_focus())
 }
 
-/// What a drag came to, with the digits that a step of it means; what was typed stays as it is.
+/// Result of a drag, with the digits that its step resolves; a typed number stays as it is.
 fn meant(response: &Response, x: f64, step: f64) -> f64 {
     if response.dragged() || response.drag_stopped() { rounded(x, step) } else { x }
 }

@@ -1,7 +1,7 @@
-//! Which quantities the plane is over: s, g, arrays that the data have, and those that widgets name.
+//! Choice of the plane's quantities: s, g, arrays of the data, and arrays that widgets name.
 
 use super::TransferPanel;
-use super::edited_function::Look;
+use super::edited_function::EditedFunction;
 use super::quantities::{axis_name, volume_of};
 use super::scale::S_AND_G;
 use super::screen_widget;
@@ -17,7 +17,7 @@ const HEIGHT: f32 = 220.0;
 
 impl TransferPanel {
     /// A list for each axis, side by side.
-    pub(super) fn axes_menu(&mut self, ui: &mut Ui, scene: &Scene, look: &Look) {
+    pub(super) fn axes_menu(&mut self, ui: &mut Ui, scene: &Scene, look: &EditedFunction) {
         let [x, y] = self.axes.each_ref().map(axis_name);
         ui.menu_button(format!("axes {x}, {y}"), |ui| {
             if ui.button("s, g").on_hover_text("the scalar and its gradient magnitude").clicked() {
@@ -64,8 +64,8 @@ impl TransferPanel {
     }
 }
 
-/// What an axis may be, in words: with what it is and its range, where the data have it.
-fn choices(ui: &Ui, scene: &Scene, look: &Look) -> Vec<(ArrayRef, String)> {
+/// Choices for an axis, labelled with kind and range where the data have it.
+fn choices(ui: &Ui, scene: &Scene, look: &EditedFunction) -> Vec<(ArrayRef, String)> {
     let nodes = &scene.document.pipeline().nodes;
     let source = volume_of(scene, &look.node.name);
     let source = source.as_deref().map(|source| links::source(source, nodes).0);

@@ -1,4 +1,4 @@
-//! What is held in the plane.
+//! A drag in the plane.
 
 use super::handles::Handle;
 use super::screen_widget::ScreenWidget;

@@ -10,7 +10,7 @@ use crate::worker::PixelProbe;
 use eframe::egui::{Color32, Painter, Pos2, Rect, Stroke, Ui};
 use std::collections::BTreeMap;
 
-/// So many probed values are told apart.
+/// Largest number of probed values that are drawn one by one.
 const FEW: usize = 300;
 
 /// A dot of a cloud of values, points.

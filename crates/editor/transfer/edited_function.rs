@@ -1,4 +1,4 @@
-//! What the panel shows and edits.
+//! The transfer function that the panel shows and edits.
 
 use super::images::Images;
 use super::plane::Plane;
@@ -12,17 +12,17 @@ use std::sync::Arc;
 use voltet_core::probing::Histogram;
 use voltet_graph::{ArrayRef, LocatedValue, NodeEntry};
 
-/// What is edited.
-pub(super) struct Look<'a> {
+/// The transfer function in the panel, with the data of its plane.
+pub(super) struct EditedFunction<'a> {
     pub node: &'a NodeEntry,
     pub list: &'a [LocatedValue],
     pub widgets: Vec<ScreenWidget>,
-    /// What the axes of the plane are.
+    /// Quantities of the plane's axes.
     pub axes: [ArrayRef; 2],
     pub found: Option<Arc<Distribution>>,
     /// Lengths of the axes of the data.
     pub extent: [f64; 2],
-    /// The same for lengths that are equal on the screen, where ellipses have their axes and are turned.
+    /// Lengths along the axes that are equal on the screen, for the axes and angles of ellipses.
     metric: [f64; 2],
     /// The extinction at the top of the plot, for curves.
     pub peak: f64,
@@ -32,16 +32,16 @@ pub(super) struct Look<'a> {
     pub sets: &'a BTreeMap<u8, Vec<LocatedValue>>,
 }
 
-impl<'a> Look<'a> {
+impl<'a> EditedFunction<'a> {
     /// `plane`: the one of the last frame; `former_peak`: where a point is dragged, the scale stands still.
-    pub fn of(
+    pub fn new(
         scene: &Scene<'a>,
         node: &'a NodeEntry,
         axes: &[ArrayRef; 2],
         plane: Option<Plane>,
         former_peak: Option<f64>,
         images: &Images,
-    ) -> Look<'a> {
+    ) -> EditedFunction<'a> {
         let stated = node.settings.iter().find(|field| field.name == "widgets");
         let list = stated.and_then(|field| field.setting.list()).unwrap_or_default();
         let found = scene.distribution.clone();
@@ -50,14 +50,14 @@ impl<'a> Look<'a> {
         let metric = plane.map_or(extent, Plane::metric);
         let known = found.as_ref().map(|found| &found.known);
         let on = PlaneContext { axes, extent: metric, known, images };
-        let widget = |entry: &LocatedValue| ScreenWidget::of(entry.table().unwrap_or_default(), &on);
+        let widget = |entry: &LocatedValue| ScreenWidget::new(entry.table().unwrap_or_default(), &on);
         let widgets: Vec<ScreenWidget> = list.iter().map(widget).collect();
         let peak = former_peak.unwrap_or_else(|| {
             let most = widgets.iter().filter_map(ScreenWidget::peak_of_curve).fold(0.0, f64::max);
             if most > 0.0 { 1.1 * most } else { 1.0 }
         });
         let (probed, share) = (scene.probed.clone(), scene.share.clone());
-        Look {
+        EditedFunction {
             node,
             list,
             widgets,
@@ -77,7 +77,7 @@ impl<'a> Look<'a> {
         self.found.as_ref().map(|found| &found.histogram)
     }
 
-    /// Whether the plane is that of s and g.
+    /// True if the plane is that of s and g.
     pub fn is_of_s_and_g(&self) -> bool {
         self.axes == S_AND_G
     }

@@ -44,11 +44,11 @@ impl Plane {
     /// Lengths along both axes that are equal on the screen, about as long as the axes.
     pub fn metric(self) -> [f64; 2] {
         let side = self.rect.width().max(1.0);
-        self.way(vec2(side, -side))
+        self.drag_in_values(vec2(side, -side))
     }
 
     /// A way of the pointer, in values.
-    pub fn way(self, by: Vec2) -> [f64; 2] {
+    pub fn drag_in_values(self, by: Vec2) -> [f64; 2] {
         let [s, g] = self.shown;
         let per_point =
             [(s[1] - s[0]) / f64::from(self.rect.width()), (g[1] - g[0]) / f64::from(self.rect.height())];

@@ -27,7 +27,7 @@ fn parameters(fields: &[Field]) -> Option<Parameters> {
     Some(Parameters::survey(kind.parameters, fields, &SourceSpan::Nowhere, &["kind"], &mut Vec::new()))
 }
 
-/// Whether a widget's table has numbers relative to data.
+/// True if a widget's table has numbers relative to data.
 pub(super) fn is_relative(fields: &[Field]) -> bool {
     parameters(fields).is_some_and(|parameters| !parameters.relative_numbers().is_empty())
 }
@@ -59,8 +59,8 @@ pub(crate) fn in_numbers(list: &[LocatedValue], known: &DataScales) -> Option<Ve
     (found != list).then_some(found)
 }
 
-/// What is to be written at a key of the table ("centre", "region.s"), where a hand made numbers of what is there: relative ones
-/// stay relative, and those that did not change stay as they are written.
+/// Value to write at a key of the table ("centre", "region.s") after an edit by the pointer: relative numbers stay
+/// relative, and unchanged ones stay as they are written.
 pub(super) fn as_written(
     fields: &[Field],
     known: Option<&DataScales>,

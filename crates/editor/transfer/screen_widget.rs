@@ -20,7 +20,7 @@ use voltet_graph::{ArrayRef, Field, LocatedValue, SourceSpan};
 pub(super) struct ScreenWidget {
     /// Its kind's name.
     pub kind: String,
-    /// What it is; one that stands for it where its numbers are not known; none where it is none.
+    /// The widget, with placeholders for unknown numbers; `None` if it is invalid.
     widget: Option<Widget>,
     /// `None` where it lies along other axes, or is not known.
     pub shape: Option<Arc<dyn Shape>>,
@@ -30,13 +30,13 @@ pub(super) struct ScreenWidget {
     pub extinction: f64,
     /// Its table as the file states it.
     pub stated: Vec<Field>,
-    /// What is wrong with it, or not known yet.
+    /// Error, or the reason for which it is not known yet.
     pub fault: Option<String>,
 }
 
 impl ScreenWidget {
     /// From what the file states, with numbers relative to data found by what is known of these.
-    pub fn of(fields: &[Field], on: &PlaneContext) -> ScreenWidget {
+    pub fn new(fields: &[Field], on: &PlaneContext) -> ScreenWidget {
         let read = || -> Result<(Widget, Vec<Field>)> {
             let numbers = relative::resolved(fields, on.known)?;
             let (kind, parameters) = keys(&numbers)?;
@@ -57,7 +57,7 @@ impl ScreenWidget {
             Ok((widget, numbers)) => {
                 drawn.color = main_color(&widget);
                 drawn.shape = shape(&widget, &numbers, on);
-                drawn.region = if is_flat { Region::of(&numbers) } else { Region::Whole };
+                drawn.region = if is_flat { Region::parse(&numbers) } else { Region::Whole };
                 // Of other axes its region says nothing.
                 let region = widget.region.clone().filter(|_| is_flat);
                 drawn.widget = Some(Widget { region, ..widget });
@@ -77,7 +77,7 @@ impl ScreenWidget {
         self.widget.as_ref()?.profile.properties().own_peak
     }
 
-    /// Whether it is taken hold of wherever it is strong: not what is drawn as lines alone.
+    /// True if it can be dragged wherever it is strong, unlike widgets drawn as lines alone.
     pub fn is_area(&self) -> bool {
         let is_line = self.widget.as_ref().is_some_and(|widget| {
             let properties = widget.profile.properties();
@@ -86,7 +86,7 @@ impl ScreenWidget {
         !is_line || self.region != Region::Whole
     }
 
-    /// Whether its region is all that there is of it.
+    /// True if it is strong in all of its region.
     pub fn is_its_region(&self) -> bool {
         self.widget.as_ref().is_some_and(|widget| widget.profile.properties().needs_region)
     }
@@ -129,20 +129,20 @@ impl ScreenWidget {
         handles
     }
 
-    /// What becomes of the numbers when a handle is brought to a place.
+    /// Changes of the numbers when a handle moves to a position.
     pub fn moved(&self, handle: Handle, to: [f64; 2], scale: &Scale) -> Vec<Change> {
         let of_shape = || self.shape.as_ref().map_or(Vec::new(), |shape| shape.moved(handle, to, scale));
         self.region.moved(handle, to).unwrap_or_else(of_shape)
     }
 
-    /// What becomes of the numbers when all of it is moved along.
+    /// Changes of the numbers when the whole widget is moved.
     pub fn shifted(&self, by: [f64; 2]) -> Vec<Change> {
         let mut changes = self.shape.as_ref().map_or(Vec::new(), |shape| shape.shifted(by));
         changes.extend(self.region.shifted(by));
         changes
     }
 
-    /// Whether points can be added.
+    /// True if points can be added.
     pub fn has_points(&self) -> bool {
         self.shape.as_ref().is_some_and(|shape| shape.has_points())
             || matches!(self.region, Region::Polygon(_))

@@ -38,7 +38,7 @@ fn read(fields: &[Field]) -> ScreenWidget {
 
 fn read_with(fields: &[Field], known: Option<&DataScales>) -> ScreenWidget {
     let images = Images::default();
-    ScreenWidget::of(fields, &PlaneContext { axes: &S_AND_G, extent: EXTENT, known, images: &images })
+    ScreenWidget::new(fields, &PlaneContext { axes: &S_AND_G, extent: EXTENT, known, images: &images })
 }
 
 /// Where its handles lie.
@@ -276,7 +276,7 @@ fn a_table_is_drawn_as_its_picture_and_moved_and_scaled_by_its_ranges() {
     let folder = tempfile::tempdir().unwrap();
     let png = include_bytes!("two_texels.png");
     std::fs::write(folder.path().join("look.png"), png).unwrap();
-    let images = Images::default().of(&Default::default(), folder.path().to_path_buf());
+    let images = Images::default().in_folder(&Default::default(), folder.path().to_path_buf());
     let mut fields = vec![
         field("kind", ParameterValue::Text("table".into())),
         field("extinction", ParameterValue::Number(7.0)),
@@ -285,7 +285,7 @@ fn a_table_is_drawn_as_its_picture_and_moved_and_scaled_by_its_ranges() {
         field("g", list(&[1.0, 5.0])),
     ];
     let read = |fields: &[Field]| {
-        ScreenWidget::of(
+        ScreenWidget::new(
             fields,
             &PlaneContext { axes: &S_AND_G, extent: EXTENT, known: None, images: &images },
         )

@@ -11,24 +11,24 @@ use voltet_graph::ArrayRef;
 
 /// A widget in the plane, but for its region. Places are values along the plane's axes.
 pub(super) trait Shape: Debug {
-    /// What a hand takes hold of, and where it lies.
+    /// Handles and their positions.
     fn handles(&self, _scale: &Scale) -> Vec<(Handle, [f64; 2])> {
         Vec::new()
     }
 
-    /// What becomes of the numbers when a handle is brought to a place.
+    /// Changes of the numbers when a handle moves to a position.
     fn moved(&self, _handle: Handle, _to: [f64; 2], _scale: &Scale) -> Vec<Change> {
         Vec::new()
     }
 
-    /// What becomes of the numbers when all of it is moved along.
+    /// Changes of the numbers when the whole shape is moved.
     fn shifted(&self, _by: [f64; 2]) -> Vec<Change> {
         Vec::new()
     }
 
     fn draw(&self, _pen: &WidgetPainter) {}
 
-    /// Whether it has points, to which others can be added.
+    /// True if it has points, to which others can be added.
     fn has_points(&self) -> bool {
         false
     }
@@ -48,7 +48,7 @@ pub(super) trait Shape: Debug {
         Vec::new()
     }
 
-    /// Whether the plane says all of it: no field lies outside, and the widths do not depend on what does.
+    /// True if the plane shows all of it: no field lies outside, and the widths do not depend on such a field.
     fn is_in_plane(&self) -> bool {
         true
     }
@@ -69,7 +69,7 @@ pub(super) struct PlaneContext<'a> {
 }
 
 impl PlaneContext<'_> {
-    /// Whether the plane is that of s and g.
+    /// True if the plane is that of s and g.
     pub fn is_of_s_and_g(&self) -> bool {
         *self.axes == S_AND_G
     }

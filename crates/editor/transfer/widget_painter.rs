@@ -1,4 +1,4 @@
-//! What widgets are drawn with.
+//! Drawing of widgets.
 
 use super::plane::Plane;
 use super::scale::Scale;
@@ -10,7 +10,7 @@ pub(super) fn color(linear: [f64; 3]) -> Color32 {
     Color32::from(Rgba::from_rgb(r, g, b))
 }
 
-/// What a widget is drawn with.
+/// Painter of a widget.
 pub(super) struct WidgetPainter<'a> {
     pub painter: Painter,
     pub plane: Plane,

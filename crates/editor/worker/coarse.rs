@@ -1,6 +1,6 @@
-//! How many pixels a coarse picture has: as many as are drawn in the time that a hand does not notice.
+//! Resolution of coarse pictures: as many pixels as are drawn in a time that the user does not notice.
 //!
-//! While widgets change and the view does not, the engine draws from what it keeps of the view ([`Manner::passing`]). It keeps that of
+//! While widgets change and the view does not, the engine draws from its cache of the view ([`Manner::passing`]). It caches
 //! pictures of one size alone, so that another size costs some slow pictures first.
 //!
 //! [`Manner::passing`]: voltet_optics::engine::Manner::passing
@@ -8,7 +8,7 @@
 use std::time::Duration;
 use voltet_graph::NodeEntry;
 
-/// What a coarse picture may take, seconds: twenty-five of them a second, of which the wires take some.
+/// Time of a coarse picture (seconds): 25 a second, of which the wires take some.
 const COARSE_SECONDS: f64 = 0.035;
 
 /// A full picture that takes no longer needs no coarse one before it, seconds.
@@ -20,20 +20,21 @@ const MAX_DIVISOR: u32 = 8;
 /// Before anything was drawn.
 const FIRST_DIVISOR: u32 = 4;
 
-/// How long the first picture of a wish may go on that a hand has moved past, seconds: at least this, so that twenty a second are shown.
+/// Shortest time limit of the first picture of a request that the user has moved on from (seconds), so that 20 a second are
+/// shown.
 const MIN_TIME_LIMIT: f64 = 0.05;
 
-/// The same before any was drawn.
+/// Time limit before any picture was drawn (seconds).
 const FIRST_TIME_LIMIT: f64 = 0.2;
 
-/// What drawing takes, learnt from the pictures drawn: so much a picture, and so much a pixel.
+/// Model of drawing times, fitted to the pictures drawn: a constant a picture, and a constant a pixel.
 #[derive(Debug, Default)]
 pub(super) struct FrameTimeModel {
     full: Option<(f64, f64)>,
     coarse: Option<(f64, f64)>,
-    /// What was drawn from what is kept of the view.
+    /// Drawing from the engine's cache of the view.
     kept: Option<CachedDrawing>,
-    /// Where the pictures are seen from.
+    /// Cameras of the pictures.
     cameras: Vec<NodeEntry>,
 }
 
@@ -72,7 +73,8 @@ impl FrameTimeModel {
         (2..MAX_DIVISOR).find(fits).unwrap_or(MAX_DIVISOR)
     }
 
-    /// How long the first picture of a wish may go on that a hand has moved past: twice what the last such one took.
+    /// Time limit of the first picture of a request that the user has moved on from: twice the time of the last such
+    /// picture.
     pub fn patience(&self, divisor: u32) -> Duration {
         let last = if divisor == 1 { self.full } else { self.coarse };
         let usual = last.map_or(FIRST_TIME_LIMIT, |(_, seconds)| 2.0 * seconds);
@@ -103,7 +105,7 @@ impl FrameTimeModel {
         self.kept = self.kept.filter(|kept| kept.others <= UNTIL_KEPT);
     }
 
-    /// The same of one that was drawn from what is kept of the view.
+    /// Records the time of a picture that was drawn from the cache of the view.
     pub fn learn_of_kept(&mut self, pixels: f64, seconds: f64) {
         let seconds_a_pixel = match self.kept {
             // The first of its size: what is kept was found, too.

@@ -68,7 +68,7 @@ impl DistributionQuery {
         Ok(Distribution { histogram: found, known })
     }
 
-    /// What numbers relative to all steps are found by. `shown`: the axes of the step that is shown.
+    /// Scales of numbers relative to all steps. `shown`: axes of the shown step.
     fn of_series(
         &self,
         session: &mut Session,

@@ -1,4 +1,4 @@
-//! How wrong a picture is: as it is drawn, and by the 64-bit referee, at a few thousand pixels.
+//! Error of a picture: as drawn against the 64-bit reference renderer, at a few thousand pixels.
 
 use super::following::Following;
 use super::request::RenderRequest;
@@ -52,7 +52,7 @@ fn difference(a: &Picture, b: &Picture) -> [f64; 2] {
 }
 
 impl WorkerState<'_> {
-    /// How wrong a picture is; given up for a newer picture.
+    /// Estimates the error of a picture; given up for a newer picture.
     pub(super) fn estimate(&mut self, key: u64, wanted: &RenderRequest) {
         let registry = self.registry;
         let found = self.aside(|session, following: &Following| {

@@ -138,7 +138,7 @@ impl Worker {
         self.shared.changed.notify_one();
     }
 
-    /// What there is to show.
+    /// Calls a function with the worker's output.
     pub fn shown<T>(&self, look: impl FnOnce(&WorkerOutput) -> T) -> T {
         look(&lock(&self.shared.shown))
     }

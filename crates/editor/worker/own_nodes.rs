@@ -4,7 +4,7 @@ use super::{preview_observer, series};
 use voltet_core::Result;
 use voltet_graph::Registry;
 
-/// The same registry with the worker's own nodes.
+/// The registry with the worker's own nodes.
 pub(super) fn with_own(registry: &Registry) -> Result<Registry> {
     let mut own = registry.clone();
     own.add(&preview_observer::NODE)?;

@@ -29,7 +29,7 @@ fn draw(
         Value::Image(picture) if graph.nodes[edge.node].name == wanted.node => Some(picture),
         _ => None,
     });
-    Ok(Pixels::of(pictures.next().ok_or_else(none)?, wanted.background, divisor, 0))
+    Ok(Pixels::new(pictures.next().ok_or_else(none)?, wanted.background, divisor, 0))
 }
 
 impl WorkerState<'_> {

@@ -1,4 +1,4 @@
-//! What lies on rays of the picture: the values there, weighted by what they add to it.
+//! Values on rays of the picture, weighted by their contribution to it.
 
 use super::following::Following;
 use super::preview_observer::{PROBES, entry, feeding};
@@ -99,7 +99,7 @@ impl ProbeQuery {
 }
 
 impl WorkerState<'_> {
-    /// What lies at places of the picture; given up for a newer picture, in which it lies elsewhere.
+    /// Probes positions of the picture; given up for a newer picture, in which the values lie elsewhere.
     pub(super) fn probe(&mut self, wanted: &ProbeQuery) {
         let registry = self.registry;
         let found = self.aside(|session, following: &Following| {

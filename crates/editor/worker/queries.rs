@@ -1,4 +1,4 @@
-//! What is asked of the worker beside pictures, and what it finds.
+//! Queries to the worker besides pictures, and their results.
 
 use super::request::RenderRequest;
 use super::scales::DataScales;
@@ -20,13 +20,13 @@ pub struct DistributionQuery {
     pub axes: [ArrayRef; 2],
     /// Further arrays whose ranges are wanted.
     pub fields: Vec<String>,
-    /// Whether what numbers are relative to is all steps of a time series together.
+    /// True if numbers are relative to all steps of a time series together.
     pub of_series: bool,
-    /// What tells it from others.
+    /// Identity of the query.
     pub key: u64,
 }
 
-/// What was found.
+/// Distribution of the data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Distribution {
     /// The volume in each bin.
@@ -46,11 +46,11 @@ pub struct ProbeQuery {
     pub sources: [String; 3],
     /// Places, in heights of the picture from its middle, to the right and up.
     pub places: Vec<[f64; 2]>,
-    /// What tells it from others.
+    /// Identity of the query.
     pub key: u64,
 }
 
-/// What was found.
+/// Values on the probed rays.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PixelProbe {
     /// As of [`Probing`].
@@ -82,11 +82,11 @@ pub struct SectionQuery {
     pub half: f64,
     /// Pixels of its picture.
     pub size: [usize; 2],
-    /// What tells it from others.
+    /// Identity of the query.
     pub key: u64,
 }
 
-/// What was found.
+/// Section of the data by a plane.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {
     /// As it was asked for.
@@ -106,16 +106,17 @@ pub struct ShareQuery {
     pub look: String,
     /// The widget's place in that picture's list.
     pub widget: usize,
-    /// What tells it from others.
+    /// Identity of the query.
     pub key: u64,
 }
 
-/// What a widget adds.
+/// Contribution of a widget to the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Share {
-    /// Of the picture's opacity, what is gone without the widget, 0 to 1; what it hides comes to light instead.
+    /// Fraction of the picture's opacity that is gone without the widget, 0 to 1; parts that it hides come to light
+    /// instead.
     pub opacity: f64,
-    /// Of the picture's light, what is another without the widget; above 1 where more comes to light than it gave.
+    /// Fraction of the picture's light that changes without the widget; above 1 where more comes to light than it gave.
     pub light: f64,
     /// Pixels that were compared.
     pub pixels: usize,

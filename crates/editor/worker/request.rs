@@ -1,4 +1,4 @@
-//! What is asked of the worker: nodes as a document states them, and which of their outputs is looked at.
+//! Request to the worker: nodes as a document states them, and the output to show.
 
 use super::preview_observer::{NAME, entry, feeding};
 use std::collections::BTreeSet;
@@ -25,7 +25,7 @@ pub struct RenderRequest {
     pub size: Option<[u32; 2]>,
     /// Linear RGB behind it.
     pub background: [f64; 3],
-    /// Whether a picture of fewer pixels is wanted while the full one is drawn.
+    /// True if a picture of fewer pixels is shown while the full one is drawn.
     pub coarse_first: bool,
 }
 
@@ -52,7 +52,7 @@ impl RenderRequest {
         size_of(node)
     }
 
-    /// Whether the node is one that takes no time to speak of: what is left of a run is drawing.
+    /// True if the node takes negligible time: the rest of a run is drawing.
     pub(super) fn is_cheap(&self, name: &str) -> bool {
         const QUICK: [&str; 8] =
             [CAMERA, "transfer-function", "cull", "sort", "project", "composite", "renderer", "gpu-renderer"];

@@ -1,4 +1,4 @@
-//! What a plane through the data meets: s and g at the pixels of a picture of it, linear in each cell.
+//! Section of the data by a plane: s and g at the pixels of a picture of it, linear in each cell.
 
 use super::following::Following;
 use super::preview_observer::volume_with;
@@ -11,7 +11,7 @@ use voltet_core::progress::Progress;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 
-/// How far outside of a cell, in its barycentric coordinates, a place still counts as on its face.
+/// Barycentric distance outside of a cell within which a position still counts as on its face.
 const ON_FACE: f64 = 1e-9;
 
 impl SectionQuery {

@@ -1,4 +1,4 @@
-//! What all steps of a time series say together: a node that looks at each step, one at a time, as the transfer function does.
+//! Statistics of all steps of a time series: a node that reads one step at a time, as the transfer function does.
 
 use super::preview_observer::{NAME, entry, feeding};
 use super::scales::{DataScales, Spread, values};
@@ -42,7 +42,7 @@ const QUANTITIES: &str = "quantities";
 const SHOWN: &str = "shown";
 const GRADIENT: &str = "gradient";
 
-/// What a quantity is called in the parameters, and back.
+/// Name of a quantity in the parameters.
 fn named(quantity: &ArrayRef) -> String {
     match quantity {
         ArrayRef::Array(name) => format!("/{name}"),
@@ -57,7 +57,7 @@ fn quantity(text: &str) -> ArrayRef {
     }
 }
 
-/// What was found of the series, by the quantities and axes that it was found for.
+/// Statistics of the series, by the quantities and axes that they were computed for.
 type SeriesCache = Mutex<Vec<((Vec<String>, Vec<u64>), DataScales)>>;
 
 fn run(call: &mut RunContext) -> Result<Outputs> {
@@ -116,7 +116,8 @@ fn find(call: &RunContext, demand: &Demand, quantities: &[ArrayRef], shown: &[f6
     Ok(known)
 }
 
-/// What all steps of the series that feeds an output say of quantities, the axes of the plane first. `shown`: low and high of these.
+/// Statistics of quantities over all steps of the series that feeds an output, the axes of the plane first. `shown`: low
+/// and high of these.
 pub(super) fn known(
     session: &mut Session,
     registry: &Registry,

@@ -1,4 +1,4 @@
-//! What a widget adds to the picture: a coarse picture with it and without it, and one of it alone for its cells.
+//! Contribution of a widget to the picture: a coarse picture with it and without it, and one of it alone for its cells.
 
 use super::estimate::coarsened;
 use super::following::Following;

@@ -1,4 +1,4 @@
-//! What the window's thread and the worker's both see.
+//! State shared by the window's thread and the worker's.
 
 use super::queries::{DistributionQuery, ProbeQuery, SectionQuery, ShareQuery};
 use super::request::RenderRequest;
@@ -10,7 +10,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 /// Wakes whoever shows what changed; called from any thread.
 pub type RepaintCallback = Arc<dyn Fn() + Send + Sync>;
 
-/// What both threads see.
+/// State shared by both threads.
 pub(super) struct Shared {
     pub wanted: Mutex<Queue>,
     pub changed: Condvar,

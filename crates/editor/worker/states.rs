@@ -1,4 +1,4 @@
-//! What there is to show of the worker's work.
+//! Output of the worker.
 
 use super::pixels::Pixels;
 use super::preview_observer::{NAME, Values};
@@ -12,7 +12,7 @@ use voltet_core::{Error, Result};
 use voltet_document::links::upstream;
 use voltet_graph::RunReport;
 
-/// How a node stands.
+/// States of a node.
 #[derive(Debug, Clone, PartialEq)]
 pub enum NodeState {
     /// It did not run yet for what is wanted now.
@@ -28,13 +28,13 @@ pub enum NodeState {
 /// A node that feeds the picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NodeStatus {
-    /// How it stands.
+    /// Its state.
     pub state: NodeState,
     /// Seconds that its outputs took when they were made last.
     pub seconds: Option<f64>,
 }
 
-/// What the worker did last.
+/// Latest output of the worker.
 #[derive(Default)]
 pub struct WorkerOutput {
     /// The newest picture.
@@ -43,7 +43,7 @@ pub struct WorkerOutput {
     pub nodes: BTreeMap<String, NodeStatus>,
     /// Why there is no newer picture.
     pub failure: Option<Error>,
-    /// Whether something newer than the picture is being made.
+    /// True if something newer than the picture is being drawn.
     pub is_busy: bool,
     /// Seconds of the last full picture, and of the last that was coarse or drawn in passing.
     pub seconds: [Option<f64>; 2],
@@ -57,11 +57,11 @@ pub struct WorkerOutput {
     pub bounds: Option<[DVec3; 2]>,
     /// The distribution of the data, with the key that it was asked for by.
     pub distribution: Option<(u64, Result<Arc<Distribution>>)>,
-    /// What was found at a place of the picture, with the key that it was asked for by.
+    /// Result of the last probe, with the key of its query.
     pub probed: Option<(u64, Result<Arc<PixelProbe>>)>,
-    /// What a plane through the data meets, with the key that it was asked for by.
+    /// The last section, with the key of its query.
     pub section: Option<(u64, Result<Arc<Section>>)>,
-    /// What a widget adds to the picture, with the key that it was asked for by.
+    /// The last widget's contribution, with the key of its query.
     pub share: Option<(u64, Result<Share>)>,
     /// Small pictures of nodes that are not shown at large.
     pub previews: BTreeMap<String, Pixels>,

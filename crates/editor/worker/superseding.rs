@@ -21,18 +21,18 @@ pub(super) struct Pass<'a> {
     number: u64,
     wanted: &'a RenderRequest,
     begun: Instant,
-    /// How long it goes on while a hand moves; `None` for a picture that a coarse one came before.
+    /// Time limit while the user moves on; `None` for a picture after a coarse one.
     patience: Option<Duration>,
-    /// What the newest wish, by its number, changes.
+    /// Changes of the newest request, by its number.
     judged: Mutex<Option<(u64, Arc<Change>)>>,
 }
 
-/// What a wish changes of another.
+/// Changes from one request to another.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Change {
     /// The nodes whose output is another, or is not needed any more.
     touched: BTreeSet<String>,
-    /// Whether it is a hand's movement.
+    /// True if it is a movement by the pointer.
     moves: bool,
 }
 
@@ -46,7 +46,7 @@ impl<'a> Pass<'a> {
         Pass { shared, number, wanted, begun: Instant::now(), patience, judged: Mutex::default() }
     }
 
-    /// Whether it is to stop. `running`: the node that runs; none between two.
+    /// True if the pass is to stop. `running`: the node that runs; none between two.
     pub fn stops(&self, running: &dyn Fn() -> Option<String>) -> bool {
         let newest = self.shared.newest.load(Ordering::SeqCst);
         if newest == self.number {
@@ -59,13 +59,13 @@ impl<'a> Pass<'a> {
         running().is_none_or(|node| change.touched.contains(&node))
     }
 
-    /// Whether its picture is of no use any more, even to a hand that moves.
+    /// True if its picture is useless, even during a movement.
     pub fn is_stale(&self) -> bool {
         let newest = self.shared.newest.load(Ordering::SeqCst);
         newest != self.number && self.change(newest).is_none_or(|change| !change.moves)
     }
 
-    /// What the newest wish changes; none where the worker ends.
+    /// Changes of the newest request; `None` if the worker ends.
     fn change(&self, newest: u64) -> Option<Arc<Change>> {
         let mut judged = lock(&self.judged);
         if let Some((number, change)) = &*judged
@@ -101,7 +101,7 @@ fn find<'a>(nodes: &'a [NodeEntry], name: &str) -> Option<&'a NodeEntry> {
     nodes.iter().find(|node| node.name == name)
 }
 
-/// Whether two states of a node differ in what a hand moves in the picture or over the histogram.
+/// True if two states of a node differ in numbers that the pointer moves in the picture or over the histogram.
 fn is_movement(before: &NodeEntry, now: &NodeEntry) -> bool {
     let is_moved = ["camera", "transfer-function"].iter().any(|name| before.node_type.text() == Some(name));
     is_moved && NodeEntry { settings: now.settings.clone(), ..before.clone() } == *now

@@ -116,7 +116,7 @@ impl<'a> WorkerState<'a> {
         self.shared.show(|shown| shown.settled(number));
     }
 
-    /// What a pass gave; shows the error of one that failed.
+    /// Result of a pass; shows the error of one that failed.
     fn keep<T>(&self, number: u64, outcome: Result<T>) -> Option<T> {
         outcome.map_err(|error| self.shared.show(|shown| shown.failed(number, error))).ok()
     }
@@ -141,7 +141,7 @@ impl<'a> WorkerState<'a> {
         })?;
         let seconds = start.elapsed().as_secs_f64();
         let drew_alone = report.nodes.iter().all(|node| node.reused || wanted.is_cheap(&node.name));
-        let drawn = Pixels::of(picture_of(&report, wanted)?, wanted.background, divisor, number);
+        let drawn = Pixels::new(picture_of(&report, wanted)?, wanted.background, divisor, number);
         let pixels = Pixels { is_passing: report.is_passing, ..drawn };
         match report.is_passing {
             _ if !drew_alone => {}
@@ -157,7 +157,7 @@ impl<'a> WorkerState<'a> {
         Ok(is_full)
     }
 
-    /// What runs through the wires, in words; the session has all of it.
+    /// Descriptions of the values on the wires, from the session's cache.
     fn values(&mut self, graph: &Graph) -> Values {
         let Some(place) = graph.nodes.iter().position(|node| node.node.name == preview_observer::NAME) else {
             return Values::default();

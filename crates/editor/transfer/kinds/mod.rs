@@ -63,7 +63,7 @@ pub(super) fn natural_axes(widget: &Widget) -> [ArrayRef; 2] {
     }
 }
 
-/// What has no shape of its own.
+/// A widget without a shape.
 #[derive(Debug)]
 struct Everywhere;
 

@@ -13,7 +13,7 @@ use voltet_graph::{Field, LocatedValue};
 /// The least length of a side, as a share of what is shown: a range that is empty is refused.
 const MIN_SIDE: f64 = 1e-3;
 
-/// How strongly the picture covers the histogram.
+/// Opacity of the picture over the histogram.
 const COVERS: f32 = 0.85;
 
 #[derive(Debug)]

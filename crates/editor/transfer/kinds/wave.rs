@@ -22,7 +22,7 @@ pub(super) struct Bands {
 }
 
 impl Bands {
-    /// Where a place lies across the bands, in periods from the origin.
+    /// Position across the bands (periods from the origin).
     fn phase(&self, at: [f64; 2]) -> f64 {
         let (step, origin) = (self.wave.step(), self.wave.origin);
         (at[0] - origin[0]) * step[0] + (at[1] - origin[1]) * step[1]
