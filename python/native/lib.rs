@@ -37,6 +37,8 @@ use pyo3::prelude::*;
 
 #[pymodule]
 mod _native {
+    use super::*;
+
     #[pymodule_export]
     use super::declarations::declarations;
     #[pymodule_export]
@@ -51,6 +53,13 @@ mod _native {
     use super::pipeline::Pipeline;
     #[pymodule_export]
     use super::report::Report;
+
+    /// Adds what the product's crates are without.
+    #[pymodule_init]
+    fn init(_module: &Bound<'_, PyModule>) -> PyResult<()> {
+        voltet_reference::register();
+        Ok(())
+    }
 
     /// The version of the program.
     #[pymodule_export]

@@ -32,6 +32,7 @@ use std::process::ExitCode;
 pub fn run(registry: Result<Registry>) -> ExitCode {
     quieten_drivers();
     panic_hook::install();
+    voltet_reference::register();
     // A panic was shown where it happened.
     std::panic::catch_unwind(AssertUnwindSafe(|| match Arguments::try_parse() {
         Ok(arguments) => {

@@ -107,6 +107,7 @@ fn overlaps_are_counted() {
         let shading = Shading { integrator, ..SHADING };
         engine::draw(&cells, look, &scene.camera, &shading, &NoProgress).unwrap().1
     };
+    voltet_reference::register();
     let reference = Integrator::Reference;
     let (lanes, exact) = (count(&scene.look, Integrator::Analytic), count(&scene.look, reference));
     assert_eq!(exact.segments_exact, exact.segments);

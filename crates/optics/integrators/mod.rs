@@ -11,7 +11,6 @@
 //! | [`Clipped`] | a piecewise-linear function cut at its control points |
 //! | [`VertexSampled`] | classified at the grid's points, linear between them |
 //! | [`Tabulated`] | Gaussians' integrals from tables |
-//! | [`Reference`] | adaptive quadrature |
 
 mod adaptive;
 mod analytic;
@@ -42,7 +41,7 @@ pub use gaussian_tables::{GaussianTables, LIT_REACH, P_MOST, REACH};
 pub use partial_table::PartialTable;
 pub use pre_integrated::PreIntegrated;
 pub use pre_integrated_cylindrical::{PreIntegratedCylindrical, from_cylinder, last_tile};
-pub use reference::Reference;
+pub use reference::{ReferenceConstructor, register_reference};
 pub use riemann::Riemann;
 pub use segment_integrator::{Extent, SegmentIntegrator};
 pub use segments::Segments;
@@ -81,6 +80,6 @@ pub fn new(
         Integrator::Clipped => Box::new(Clipped::new(transfer_function)?),
         Integrator::VertexSampled => Box::new(VertexSampled::new(transfer_function)?),
         Integrator::Tabulated { table_size } => Box::new(Tabulated::new(transfer_function, table_size)?),
-        Integrator::Reference => Box::new(Reference::new(transfer_function, overlap)?),
+        Integrator::Reference => reference::reference(transfer_function, overlap)?,
     })
 }

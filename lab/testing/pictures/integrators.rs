@@ -29,6 +29,7 @@ fn scene(name: &str, look: TransferFunction) -> NamedScene {
 }
 
 fn compare(engine: &dyn Engine, name: &str, look: TransferFunction, wanted: &[&str]) {
+    voltet_reference::register();
     let expected = referee(&scene(name, look.clone()));
     assert!(expected.rgba.iter().any(|p| p[3] > 0.1), "{name}: the scene shows nothing");
     let mut served = Vec::new();
@@ -57,7 +58,7 @@ pub const NAMES: [&str; 7] = [
     "clipped",
 ];
 
-/// Those that serve any widget.
+/// Integrators that support any widget.
 const ALWAYS: &[&str] = NAMES.split_at(4).0;
 
 pub fn a_function_of_the_scalar_is_served_by_all(engine: &dyn Engine) {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_gpu::{Device, FrameOutput, GpuEngine, Renderer};
+use voltet_introspect::compositor_operations;
 use voltet_optics::WidgetBlend;
 use voltet_optics::engine::{Engine, RenderOptions};
 use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
@@ -204,8 +205,9 @@ fn operations_of_the_compositor_are_counted() {
         let volume = GpuEngine::new(device.clone()).prepare(&scene.volume).expect("fits");
         let drawn = volume.draw(&scene, &RenderOptions::default(), &NoProgress).expect("draws");
         let segments = drawn.counts.segments.expect("tiles count");
-        let counted = volume.operations(&scene, &RenderOptions::default(), &drawn.counts).expect("is WGSL");
-        let counted = counted.expect("tiles count");
+        let counted =
+            compositor_operations(volume.as_ref(), &scene, &RenderOptions::default(), &drawn.counts);
+        let counted = counted.expect("is WGSL").expect("tiles count");
         println!("{counted} operations in {segments} segments");
         assert!((100 * segments..5000 * segments).contains(&counted), "{counted} in {segments}");
     }
