@@ -1,4 +1,4 @@
-//! The integral of one ray segment by adaptive quadrature (docs/optics.md, section 6).
+//! The integral of one ray segment by adaptive quadrature (docs/src/explanation/optics.md, section 6).
 //!
 //! Symbols: u ∈ [0, 1] along a stretch, ρ the extinction, T the optical depth in front of a point, A = 1 − e^(−T), κ what
 //! glows (Σ c_i ρ_i, or the constant-emitter's).

@@ -1,6 +1,6 @@
 //! One widget, and where along a straight path through the (s, g) plane it changes.
 //!
-//! Every profile is a function of a few coordinates that are linear along the path. Symbols as in docs/optics.md,
+//! Every profile is a function of a few coordinates that are linear along the path. Symbols as in docs/src/explanation/optics.md,
 //! section 5.
 
 use crate::linear_on_segment::{LinearOnSegment, Place};

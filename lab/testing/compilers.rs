@@ -49,7 +49,7 @@ pub fn program(folder: &Path, name: &str, sources: &[PathBuf], options: &[&str])
     compiled(folder, &path, sources, options).then_some(path)
 }
 
-/// The WebAssembly module `path`, made of a C source as docs/plugins.md says, by `clang` and what belongs to it (`wasm-ld`,
+/// The WebAssembly module `path`, made of a C source as docs/src/how-to/plugins.md says, by `clang` and what belongs to it (`wasm-ld`,
 /// `wasi-libc`). `None` where these are not there, said loudly.
 pub fn module(source_file: &Path, path: &Path) -> Option<()> {
     let mut command = Command::new("clang");

@@ -1,4 +1,4 @@
-//! Entry and exit of a ray in a cell (docs/optics.md, section 4).
+//! Entry and exit of a ray in a cell (docs/src/explanation/optics.md, section 4).
 //!
 //! Points are seen from the ray: x and y across it, z along the view direction, by a shear that is linear in
 //! the position, so a face is hit where the origin lies in its projected triangle and the same barycentric

@@ -61,7 +61,7 @@ fn off(found: f64, exact: f64) -> f64 {
     if found == exact { 0.0 } else { (found / exact - 1.0).abs() }
 }
 
-/// T is that of the closed forms (docs/optics.md, section 5; at 30 of depth, where no width is lost) times the extinction, and
+/// T is that of the closed forms (docs/src/explanation/optics.md, section 5; at 30 of depth, where no width is lost) times the extinction, and
 /// C = c (1 − e^(−T)). The tolerance of T is ten times the quadrature's. Closed forms lose digits as 1/width where places
 /// along the segment are doubles; but what lies wholly within the segment is as deep at every width for its extinction.
 #[test]

@@ -38,7 +38,7 @@ pub fn page(sections: &[Section]) -> Result<String> {
     let (system, machine) = (std::env::consts::OS, std::env::consts::ARCH);
     let mut text = format!(
         "# The papers' tables and figures, made anew\n\n\
-         What is printed in the papers that this program follows, beside what is found here. `voltet papers --output docs` writes this \
+         What is printed in the papers that this program follows, beside what is found here. `voltet papers --output docs/src/explanation` writes this \
          page and its figures.\n\n\
          Drawn on the CPU alone ({threads} threads, {lanes}, {system} {machine}), on {}, by version {}. All ways run in the same 32-bit \
          vector lanes. Times are medians of whole pictures, without tables, which the papers make once for many; what tables of \

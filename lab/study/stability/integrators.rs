@@ -143,7 +143,7 @@ fn off(found: &Contribution, exact: &Contribution, most: f64) -> f64 {
     colors.fold((found.opacity - exact.opacity).abs(), f64::max)
 }
 
-/// The brightest that the segment's colour can be: ∫ κ e^(−T) (docs/optics.md, section 5).
+/// The brightest that the segment's colour can be: ∫ κ e^(−T) (docs/src/explanation/optics.md, section 5).
 fn brightest(case: &SegmentCase) -> f64 {
     match case.transfer_function.model {
         OpticalModel::DensityEmitter => case.brightest(),

@@ -1,4 +1,4 @@
-//! The numbers of `docs/optics.md`, section 11 (A worked example): one cell, two rays, each kind of widget under both
+//! The numbers of `docs/src/explanation/optics.md`, section 11 (A worked example): one cell, two rays, each kind of widget under both
 //! models. Tests of all engines.
 //!
 //! The document's numbers were computed apart from this program, by quadrature with 18 digits, and are given to six
