@@ -114,7 +114,7 @@ impl PreparedVolume for NativeVolume {
             Integrator::VertexSampled => Some(self.classified(scene)?),
             _ => None,
         };
-        let Scene { volume, transfer_function, camera, shading, order } = scene;
+        let Scene { volume, transfer_function, camera, shading, .. } = scene;
         let mut timer = StageTimer { last: Instant::now(), stages: Vec::new() };
         let other_volume = match Arc::ptr_eq(volume, self.cache.volume()) || classified.is_some() {
             true => None,
@@ -125,7 +125,7 @@ impl PreparedVolume for NativeVolume {
             && other_volume.is_none()
             && let Some(segments) = self.cached_segments(scene, manner, &mut timer, progress)?
         {
-            return self.draw_cached(&segments, scene, manner, timer, progress);
+            return self.draw_cached(&segments, scene, timer, progress);
         }
         let (cache, transfer_function) = match &classified {
             Some(classified) => (&classified.cache, &classified.bound),
@@ -140,8 +140,7 @@ impl PreparedVolume for NativeVolume {
         let cells = sort(&cells, camera, scene.ordering(manner.exhaustive))?;
         timer.end(Stage::Sort);
         // For comparison segments carry all attributes.
-        let gradient =
-            needs_gradient(shading) || (manner.exhaustive && volume.gradient.is_some());
+        let gradient = needs_gradient(shading) || (manner.exhaustive && volume.gradient.is_some());
         let projection = project(&cells, transfer_function, camera, gradient, progress)?;
         timer.end(Stage::Project);
         let renderer = prepare(&projection, transfer_function, shading)?;

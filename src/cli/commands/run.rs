@@ -1,6 +1,6 @@
 //! `voltet run`: runs pipeline files headless.
 
-use super::outcome::{DONE, code, show, warn};
+use super::exit_status::{DONE, code, show, warn};
 use super::pipelines::open_all;
 use crate::Document;
 use crate::cli::arguments::Run;
@@ -104,7 +104,10 @@ const TURNS: [bool; 5] = [false, true, false, true, false];
 
 /// The file's exhaustive run, compared with the usual one: the fastest of each, every run from a
 /// fresh start.
-fn compared(document: &Document, observer: &dyn Observer) -> Result<(RunReport, Option<ExhaustiveComparison>)> {
+fn compared(
+    document: &Document,
+    observer: &dyn Observer,
+) -> Result<(RunReport, Option<ExhaustiveComparison>)> {
     let mut runs: [Option<RunReport>; 2] = [None, None];
     for (turn, exhaustive) in TURNS.into_iter().enumerate() {
         let session = crate::nodes::session();
