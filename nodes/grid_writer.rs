@@ -12,7 +12,7 @@ use voltet_graph::{
     DefaultValue, Demand, DemandContext, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType,
     RunContext, suggest,
 };
-use voltet_io::vtu::{self, Contents, Form, Precision, Role, TetrahedraSource};
+use voltet_io::vtu::{self, CellSource, Contents, Precision, Role, TetrahedraSource};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -199,8 +199,8 @@ fn contents(call: &mut RunContext, volume: &Volume) -> Result<Contents> {
     let wanted = wanted(p)?;
     let grid = &*volume.grid;
     let form = match (p.text("cells")?, &grid.file_cells) {
-        ("tetrahedra", _) | ("auto", None) => Form::Tetrahedra,
-        (_, Some(file)) => Form::File(file),
+        ("tetrahedra", _) | ("auto", None) => CellSource::Tetrahedra,
+        (_, Some(file)) => CellSource::File(file),
         (_, None) => {
             let why = "the grid does not keep the cells of a file: it was not read from one, a node on the way changed them, or \
                        cells keep constant values";

@@ -89,7 +89,7 @@ impl Benches {
 
     /// Configurations to measure, engine by engine.
     pub fn settings(&self, subject: &Subject, only: &[String]) -> Vec<RenderConfig> {
-        let variants = self.benches.iter().flat_map(|bench| RendererVariant::of(bench.declared));
+        let variants = self.benches.iter().flat_map(|bench| RendererVariant::all_of_engine(bench.declared));
         variants.flat_map(|variant| settings(subject, only, variant)).collect()
     }
 

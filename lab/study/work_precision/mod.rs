@@ -43,7 +43,7 @@ pub use apply::apply;
 pub use bench::{Adapter, Benches};
 pub use convergence::{Convergence, Level, convergence};
 pub use errors::{Errors, difference, errors};
-pub use flip::Seen;
+pub use flip::PreparedPicture;
 pub use measure::{Cost, Frames, Pass, Times};
 pub use options::{Measure, StudyOptions};
 pub use output::{write, written};

@@ -98,14 +98,14 @@ impl Subject {
             order_node,
             needs_order: scene.needs_order(),
             scene,
-            asked: Asked::of(node.node.name, &node.parameters),
+            asked: Asked::from_node(node.node.name, &node.parameters),
             background: background(graph, place),
         })
     }
 
     /// An engine as the file has it. `None`: the compositor is left open, and more than one can serve.
     pub fn painter_on(&self, engine: &'static EngineInfo) -> Option<RendererVariant> {
-        let mut all = RendererVariant::of(engine);
+        let mut all = RendererVariant::all_of_engine(engine);
         let exact = self.scene.ordering(false) == Ordering::PerPixel;
         match self.asked.compositor.as_str() {
             _ if engine.compositing.is_empty() => all.next(),
@@ -123,7 +123,7 @@ impl Asked {
         self.engine == drawing::AUTO
     }
 
-    fn of(node: &str, parameters: &Parameters) -> Asked {
+    fn from_node(node: &str, parameters: &Parameters) -> Asked {
         let form = match node {
             "renderer" => Form::Renderer,
             "gpu-renderer" => Form::GpuRenderer,
