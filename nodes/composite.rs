@@ -31,9 +31,10 @@ pub const NODE: Node = Node {
 };
 
 fn check(parameters: &Parameters) -> Result<()> {
-    if drawing::shading(parameters)?.integrator == Integrator::VertexSampled {
-        let what =
-            "the integrator 'vertex-sampled' looks at the grid's points, which no stage of its own has";
+    let integrator = drawing::shading(parameters)?.integrator;
+    if integrator.kind().scene_preparation().is_some() {
+        let name = integrator.name();
+        let what = format!("the integrator '{name}' reads the grid's points, which no stage of its own has");
         let error = Error::usage(what).expected("a node of type renderer, or another integrator");
         return Err(parameters.locate("integrator", error));
     }
@@ -54,7 +55,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
         );
     }
     drawing::note_bands(call, &cells.volume, &transfer_function)?;
-    let picture = if shading.integrator == Integrator::Reference {
+    let picture = if shading.integrator == Integrator::REFERENCE {
         drawing::referee(call, &projected.projection, &transfer_function, &shading)?
     } else {
         drawing::composite(call, &projected.projection, &transfer_function, &shading)?

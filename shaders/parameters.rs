@@ -70,9 +70,8 @@ impl Parameters {
             (unit_vector(light.direction).to_array(), light.ambient, light.diffuse)
         });
         let per_unit = length / transfer_function.unit_distance;
-        let numbers = shading.integrator.numbers();
-        let tolerance = numbers.tolerance.unwrap_or(0.0) as f32;
-        let piece_count = numbers.count.map_or(Ok(0), pieces)?;
+        let tolerance = shading.integrator.tolerance().unwrap_or(0.0) as f32;
+        let piece_count = shading.integrator.count("segments").map_or(Ok(0), pieces)?;
         let places = Places::new(transfer_function, shading, 0);
         let [first_entry, first_number] = [place(places.first_entry())?, place(places.first_number())?];
         let head = SceneHead {

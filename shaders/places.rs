@@ -3,7 +3,7 @@
 //! within the eight that every device of WebGPU binds.
 
 use voltet_core::transfer::{ColorSource, OpticalModel, TransferFunction};
-use voltet_optics::integrators::{Integrator, PartialTable, last_tile};
+use voltet_optics::research::{PartialTable, last_tile};
 use voltet_optics::shading::Shading;
 
 /// How long its parts are, in their order.
@@ -31,23 +31,22 @@ impl Places {
     pub fn new(transfer_function: &TransferFunction, shading: &Shading, numbers: u64) -> Places {
         let none = Places { vectors: 0, source_vectors: 0, entries: 0, numbers };
         let [square, cube] = [2, 3].map(|power| {
-            let side = shading.integrator.numbers().table_size.unwrap_or(0) as u64;
+            let side = shading.integrator.count("table_size").unwrap_or(0) as u64;
             side.saturating_pow(power)
         });
         let texels = images(transfer_function).map(|texels| texels.len() as u64).sum();
-        match shading.integrator {
-            Integrator::PreIntegrated { .. } => {
-                Places { vectors: cube, entries: square.saturating_add(MEAN_HEAD), ..none }
-            }
-            Integrator::PreIntegratedCylindrical { table_size, planes, .. } => Places {
-                vectors: square.saturating_mul(last_tile(table_size, planes) as u64 + 1),
+        let count = |name: &str| shading.integrator.count(name).unwrap_or(0);
+        match shading.integrator.name() {
+            "pre-integrated" => Places { vectors: cube, entries: square.saturating_add(MEAN_HEAD), ..none },
+            "pre-integrated-cylindrical" => Places {
+                vectors: square.saturating_mul(last_tile(count("table_size"), count("planes")) as u64 + 1),
                 source_vectors: cube,
                 entries: square.saturating_add(MEAN_HEAD),
                 ..none
             },
-            Integrator::Segments { table_size, .. } if !transfer_function.widgets.is_empty() => {
+            "segments" if !transfer_function.widgets.is_empty() => {
                 let density = transfer_function.model == OpticalModel::DensityEmitter;
-                let entries = PartialTable::bytes_of(density, table_size) / size_of::<f32>();
+                let entries = PartialTable::bytes_of(density, count("table_size")) / size_of::<f32>();
                 Places { vectors: texels, entries: 1 + entries as u64, ..none }
             }
             _ => Places { vectors: texels, ..none },

@@ -11,7 +11,8 @@ use crate::text::{Shader, compose_pieces};
 use crate::writer::Axis;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::{Error, Result};
-use voltet_optics::integrators::{Extent, Integrator, PartialTable, Ramp, last_tile};
+use voltet_optics::integrators::{Extent, Integrator};
+use voltet_optics::research::{PartialTable, Ramp, last_tile};
 use voltet_optics::shading::Shading;
 
 /// Buffers, and the passes that fill some of them.
@@ -82,20 +83,20 @@ impl Resources {
     ) -> Result<Resources> {
         let mut resources = Resources::default();
         let places = Places::new(transfer_function, shading, numbers.len() as u64);
-        match shading.integrator {
+        let count = |name: &str| shading.integrator.count(name).unwrap_or(0);
+        match shading.integrator.name() {
             _ if choices.storage_buffers().is_empty() => {}
-            Integrator::PreIntegrated { table_size, oversampling }
-            | Integrator::PreIntegratedCylindrical { table_size, oversampling, .. } => {
-                let ramp = Ramp::new(transfer_function, table_size, oversampling, extent)?;
+            "pre-integrated" | "pre-integrated-cylindrical" => {
+                let ramp = Ramp::new(transfer_function, count("table_size"), count("oversampling"), extent)?;
                 let tiles = last_tile_of(&shading.integrator);
                 let entries = mean_extinctions(&ramp, tiles, axis, length / extent.longest)?;
                 resources.glows(&ramp, tiles, choices, &places, &[&entries, numbers].concat());
             }
-            integrator => {
+            name => {
                 let mut all: Vec<f32> = images(transfer_function).flatten().flatten().copied().collect();
-                if let Integrator::Segments { table_size, .. } = integrator {
+                if name == "segments" {
                     let density = transfer_function.model == OpticalModel::DensityEmitter;
-                    all.extend(partial_table(&PartialTable::new(density, table_size)));
+                    all.extend(partial_table(&PartialTable::new(density, count("table_size"))));
                 }
                 all.extend(numbers);
                 resources.numbers(choices, 0, &all);
@@ -198,12 +199,9 @@ fn partial_table(table: &PartialTable) -> Vec<f32> {
 
 /// The number of tiles less 1, where the integrator has them.
 fn last_tile_of(integrator: &Integrator) -> Option<usize> {
-    match *integrator {
-        Integrator::PreIntegratedCylindrical { table_size, planes, .. } => {
-            Some(last_tile(table_size, planes))
-        }
-        _ => None,
-    }
+    let count = |name: &str| integrator.count(name).unwrap_or(0);
+    (integrator.name() == "pre-integrated-cylindrical")
+        .then(|| last_tile(count("table_size"), count("planes")))
 }
 
 /// The side, tiles less 1, where the first node is stored, nodes a stored unit, longest segments a scene length; then ρ̄.

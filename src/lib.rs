@@ -27,7 +27,7 @@ mod program;
 
 pub use document::{Document, Source};
 pub use mistake::OrEnd;
-pub use program::run;
+pub use program::{registry, run};
 pub use voltet_core as core;
 pub use voltet_cpu as engine;
 #[cfg(feature = "gpu")]

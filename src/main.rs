@@ -4,5 +4,5 @@
 static ALLOCATOR: voltet::OrEnd = voltet::OrEnd;
 
 fn main() -> std::process::ExitCode {
-    voltet::run(voltet::nodes::registry())
+    voltet::run(voltet::registry())
 }

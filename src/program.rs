@@ -12,7 +12,7 @@ use std::process::ExitCode;
 ///
 /// ```no_run
 /// # fn program() -> std::process::ExitCode {
-/// voltet::run(voltet::nodes::registry())
+/// voltet::run(voltet::registry())
 /// # }
 /// ```
 pub fn run(registry: Result<Registry>) -> ExitCode {
@@ -38,4 +38,13 @@ fn quieten_drivers() {
 /// Whether this is the only thread of the process, as Linux lists them.
 fn is_alone() -> bool {
     std::fs::read_dir("/proc/self/task").is_ok_and(|threads| threads.count() == 1)
+}
+
+/// The registry of the program: the nodes, gradient filters and integrators that ship, and the integrators for studies.
+pub fn registry() -> Result<Registry> {
+    let mut registry = crate::nodes::registry()?;
+    for kind in crate::optics::research::KINDS {
+        crate::optics::integrators::register(&mut registry, kind)?;
+    }
+    Ok(registry)
 }

@@ -29,7 +29,7 @@ use voltet::optics::shading::{Integrator, Shading};
 use wish::Wish;
 
 const SHADING: Shading =
-    Shading { integrator: Integrator::Analytic, overlap: WidgetBlend::Exact, silhouette: None, light: None };
+    Shading { integrator: Integrator::ANALYTIC, overlap: WidgetBlend::Exact, silhouette: None, light: None };
 
 fn main() -> Result<()> {
     let Some(wish) = Wish::read()? else { return Ok(()) };

@@ -204,16 +204,18 @@ pub fn draw(
 
 /// The integrator in 64 bits, as [`prepare`] makes it ready: what draws the segments that lanes do not.
 ///
-/// Errors: an integrator that cannot serve the transfer function; one with a number out of range; `vertex-sampled` where the
-/// scene is not classified.
+/// Errors: an integrator that cannot serve the transfer function; one with a number out of range; an integrator that
+/// prepares scenes, where this one is not prepared.
 pub fn integrator(
     cells: &Cells,
     transfer_function: &TransferFunction,
     shading: &Shading,
 ) -> Result<Box<dyn SegmentIntegrator>> {
-    if shading.integrator == Integrator::VertexSampled && !integrators::is_classified(transfer_function) {
+    let kind = shading.integrator.kind();
+    if kind.scene_preparation().is_some_and(|scene| !scene.is_prepared(transfer_function)) {
+        let name = shading.integrator.name();
         let what =
-            "the integrator 'vertex-sampled' draws scenes as a whole, since it looks at the grid's points";
+            format!("the integrator '{name}' draws scenes as a whole, since it reads the grid's points");
         return Err(Error::usage(what)
             .got("stages or segments of a scene by themselves")
             .expected("a node of type renderer, or another integrator"));

@@ -14,9 +14,9 @@ use voltet_optics::engine::{
     self, AdapterRequest, Engine, EngineInfo, PreparedVolume, RenderOptions, RenderOutput, SegmentEvaluator,
     Stage, StageTiming,
 };
-use voltet_optics::integrators;
+use voltet_optics::integrators::{self, PreparedScene, ScenePreparation};
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Integrator, VisibilityOrder};
+use voltet_optics::shading::VisibilityOrder;
 use voltet_simd::LaneSet;
 
 /// The native engine. Its vector units are what is judged one by one.
@@ -60,7 +60,7 @@ impl Engine for Native {
 
     fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn PreparedVolume>> {
         let known = Known::new(volume)?;
-        Ok(Arc::new(OnVolume { lanes: self.lanes, known, classified: Mutex::new(None) }))
+        Ok(Arc::new(OnVolume { lanes: self.lanes, known, prepared: Mutex::new(None) }))
     }
 }
 
@@ -69,34 +69,41 @@ impl Engine for Native {
 struct OnVolume {
     lanes: LaneSet,
     known: Known,
-    /// What was drawn last by `vertex-sampled`: it serves the next picture, as a table does.
-    classified: Mutex<Option<Arc<Classified>>>,
+    /// The scene that an integrator prepared last: it serves the next picture, as a table does.
+    prepared: Mutex<Option<Arc<Prepared>>>,
 }
 
-/// A volume that is classified ([`Scene::classified`]).
+/// A volume and a transfer function that an integrator prepared ([`ScenePreparation`]).
 #[derive(Debug)]
-struct Classified {
-    /// Of this volume, by this transfer function.
-    of: (Arc<Volume>, Arc<TransferFunction>),
+struct Prepared {
+    /// The integrator, the volume and the transfer function that they were prepared from.
+    source: (&'static str, Arc<Volume>, Arc<TransferFunction>),
     known: Known,
-    bound: Arc<TransferFunction>,
+    transfer_function: Arc<TransferFunction>,
 }
 
 impl OnVolume {
-    fn classified(&self, scene: &Scene) -> Result<Arc<Classified>> {
-        let mut kept = self.classified.lock().unwrap_or_else(PoisonError::into_inner);
-        let serves = |classified: &&Arc<Classified>| {
-            let (volume, look) = &classified.of;
-            Arc::ptr_eq(volume, &scene.volume) && *look == scene.transfer_function
+    fn prepared(&self, scene: &Scene, preparation: &dyn ScenePreparation) -> Result<Arc<Prepared>> {
+        let mut last = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
+        let name = scene.shading.integrator.name();
+        let serves = |prepared: &&Arc<Prepared>| {
+            let (integrator, volume, transfer_function) = &prepared.source;
+            *integrator == name
+                && Arc::ptr_eq(volume, &scene.volume)
+                && *transfer_function == scene.transfer_function
         };
-        if let Some(classified) = kept.as_ref().filter(serves) {
-            return Ok(classified.clone());
+        if let Some(prepared) = last.as_ref().filter(serves) {
+            return Ok(prepared.clone());
         }
-        let Scene { volume, transfer_function: bound, .. } = scene.classified()?;
-        let of = (scene.volume.clone(), scene.transfer_function.clone());
-        let classified = Arc::new(Classified { of, known: Known::new(&volume)?, bound });
-        *kept = Some(classified.clone());
-        Ok(classified)
+        let PreparedScene { volume, transfer_function } =
+            preparation.prepare(&scene.volume, &scene.transfer_function)?;
+        let prepared = Arc::new(Prepared {
+            source: (name, scene.volume.clone(), scene.transfer_function.clone()),
+            known: Known::new(&Arc::new(volume))?,
+            transfer_function: Arc::new(transfer_function),
+        });
+        *last = Some(prepared.clone());
+        Ok(prepared)
     }
 }
 
@@ -105,25 +112,23 @@ impl PreparedVolume for OnVolume {
         if progress.cancelled() {
             return Err(Error::cancelled());
         }
-        let classified = match scene.shading.integrator {
-            Integrator::VertexSampled => Some(self.classified(scene)?),
-            _ => None,
-        };
+        let preparation = scene.shading.integrator.kind().scene_preparation();
+        let prepared = preparation.map(|preparation| self.prepared(scene, preparation)).transpose()?;
         let Scene { volume, transfer_function, camera, shading, order } = scene;
         let mut watch = Watch { last: Instant::now(), stages: Vec::new() };
-        let elsewhere = match Arc::ptr_eq(volume, self.known.volume()) || classified.is_some() {
+        let elsewhere = match Arc::ptr_eq(volume, self.known.volume()) || prepared.is_some() {
             true => None,
             false => Some(Known::new(volume)?),
         };
         if manner.passing
-            && classified.is_none()
+            && prepared.is_none()
             && elsewhere.is_none()
             && let Some(kept) = self.kept(scene, manner, &mut watch, progress)?
         {
             return self.draw_kept(&kept, scene, manner, watch, progress);
         }
-        let (known, transfer_function) = match &classified {
-            Some(classified) => (&classified.known, &classified.bound),
+        let (known, transfer_function) = match &prepared {
+            Some(prepared) => (&prepared.known, &prepared.transfer_function),
             None => (elsewhere.as_ref().unwrap_or(&self.known), transfer_function),
         };
         let mut cells = match manner.may_leave_out {

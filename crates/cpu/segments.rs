@@ -161,7 +161,7 @@ impl Segments {
         segment: &Segment,
         overlap: WidgetBlend,
     ) -> Result<Integrated> {
-        let shading = Shading { integrator: Integrator::Analytic, overlap, silhouette: None, light: None };
+        let shading = Shading { integrator: Integrator::ANALYTIC, overlap, silhouette: None, light: None };
         let list = std::slice::from_ref(segment);
         Ok(segments(self.lanes, transfer_function, &shading, self.ordered, list)?.remove(0))
     }

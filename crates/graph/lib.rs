@@ -46,12 +46,12 @@ pub use given::NodeOverride;
 pub use leave_out::MayLeaveOut;
 pub use notes::{DataFinding, NodeDiagnostics, NodeReport, RunReport, SavedWork, SkippedWork};
 pub use origins::{FileRead, Origins};
-pub use registry::Registry;
+pub use registry::{Registry, VariantAlias};
 pub use session::{NoObserver, Observer, Session};
 pub use stated::{ResolvedPipeline, relative_path};
 pub use value::{CellValues, Revision, StagePayload, TransferFunctionSpec, Value, diagonal};
 pub use voltet_core::parameters::{
     ArrayRef, AxisRef, DefaultValue, Field, LocatedValue, NamedPath, Parameter, ParameterType,
     ParameterValue, Parameters, Range, Relative, RelativeNumber, RelativeNumberType, SourceSpan,
-    StatisticKind, VariantSchema, nearest, suggest,
+    StatisticKind, Variant, VariantSchema, nearest, suggest,
 };

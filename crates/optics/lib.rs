@@ -16,6 +16,7 @@ pub mod piecewise_linear;
 mod prepared;
 pub mod quadrature;
 pub mod reference;
+pub mod research;
 pub mod sample;
 pub mod scene;
 pub mod shading;

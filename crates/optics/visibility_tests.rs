@@ -16,7 +16,7 @@ use voltet_core::visibility::*;
 use voltet_core::volume::Volume;
 
 const SHADING: Shading =
-    Shading { integrator: Integrator::Reference, overlap: WidgetBlend::Exact, silhouette: None, light: None };
+    Shading { integrator: Integrator::REFERENCE, overlap: WidgetBlend::Exact, silhouette: None, light: None };
 
 fn cube(counts: [usize; 3], jitter: f64) -> Grid {
     box_of_tetrahedra(counts, [DVec3::ZERO, DVec3::ONE], jitter)

@@ -12,6 +12,7 @@
 mod devices;
 pub mod gradient_test;
 pub mod no_leave_out;
+pub mod numbers;
 pub mod papers;
 pub mod pixel;
 pub mod stability;

@@ -23,7 +23,7 @@ pub fn is_asked_by(engine: &EngineInfo, wanted: &str) -> bool {
 /// The engines that may draw, in the order in which they are asked: for `auto` those of the list that it takes, the last first;
 /// else the one that is wanted. The reference is no device's: whatever else is asked for, it is the referee's picture.
 fn asked(wanted: &str, shading: &Shading) -> Vec<&'static EngineInfo> {
-    let is_reference = shading.integrator == Integrator::Reference;
+    let is_reference = shading.integrator == Integrator::REFERENCE;
     let drawing = |engine: &'static EngineInfo| match engine.on_device {
         false if is_reference => REFEREE,
         _ => engine,

@@ -26,6 +26,6 @@ pub use needs::ask;
 pub use order::{ORDER, leave_out_order, order};
 pub use prepared::{Culled, Projected};
 pub use scene::scene;
-pub use shading::{PARAMETERS, USUAL, shading};
+pub use shading::{PARAMETERS, shading};
 pub use stages::{composite, cull, for_data, project, referee, sort};
 pub use wished::{ACCUMULATION, ADAPTER, AUTO, COMPOSITOR, ENGINE, ORDER_CHECK, accumulation, adapter};

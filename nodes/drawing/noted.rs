@@ -2,10 +2,8 @@
 
 use super::order::leave_out_order;
 use voltet_core::Result;
-use voltet_core::transfer::OpticalModel;
 use voltet_graph::{MayLeaveOut, NodeDiagnostics, RunContext, SavedWork};
 use voltet_optics::engine::RenderStats;
-use voltet_optics::integrators::PartialTable;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::VisibilityOrder;
 
@@ -51,18 +49,12 @@ fn leave_out(notes: &mut NodeDiagnostics, leave: MayLeaveOut, counts: &RenderSta
     }
 }
 
-/// Notes the order that was not made, and where nothing may be left out makes the table that was not needed.
+/// Notes the order that was not made.
 pub(super) fn note_whole(call: &mut RunContext, scene: &Scene, counts: &RenderStats) -> Result<()> {
     if let (Some(leave), VisibilityOrder::Auto, false) =
         (call.may_leave_out(), scene.order, scene.needs_order())
     {
         leave_out_order(&mut call.notes, leave, counts.segments);
-    }
-    if call.may_leave_out().is_none() && !scene.shading.integrator.has_table() {
-        let side = call.parameters.integer("table_size")? as usize;
-        let density = scene.transfer_function.model == OpticalModel::DensityEmitter;
-        let table = call.stage("table", |_| Ok(PartialTable::new(density, side)))?;
-        call.notes.counts.insert("tables_built", u64::from(std::hint::black_box(table).bytes() > 0));
     }
     Ok(())
 }

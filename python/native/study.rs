@@ -4,13 +4,13 @@ use crate::until::Told;
 use std::path::PathBuf;
 use std::time::Duration;
 use voltet::study::work_precision::{
-    Benches, Engines, Frames, Measure, Subject, Wish, cache_folder, json, reference, studied,
-    study as measure, write,
+    Benches, Engines, Frames, Measure, Subject, Wish, cache_folder, json, reference, study as measure, write,
 };
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_graph::{Graph, Observer, suggest};
 use voltet_nodes::drawing::ENGINES;
+use voltet_optics::integrators::Integrator;
 
 /// What is asked of a study, as on the command line.
 pub struct Asked {
@@ -28,8 +28,8 @@ pub struct Asked {
 }
 
 impl Asked {
-    fn wish(&self) -> Result<Wish> {
-        let known = || studied().map(|integrator| integrator.name());
+    fn wish(&self, studied: &[Integrator]) -> Result<Wish> {
+        let known = || studied.iter().map(|integrator| integrator.name());
         if let Some(name) = self.only.iter().find(|name| !known().any(|known| known == name.as_str())) {
             let error = Error::usage("'only' names no integrator that can be studied").got(name);
             return Err(error.expected(suggest(name, known())));
@@ -82,10 +82,10 @@ pub fn study(
     asked: &Asked,
     observer: &dyn Observer,
 ) -> Result<(String, Picture)> {
-    let wish = asked.wish()?;
     let progress = Told { observer, node: "study" };
     let mut session = voltet_nodes::session();
     let subject = Subject::gather(graph, asked.node.as_deref(), false, &mut session, observer)?;
+    let wish = asked.wish(&subject.studied())?;
     let benches = Benches::open(&subject, &wish)?;
     let reference = reference(&subject, &cache_folder(), &progress)?;
     let study = measure(subject, wish, benches, reference, &progress)?;

@@ -24,7 +24,7 @@ fn open(folder: &Folder, name: &str, options: &[&str]) -> Document {
 
 fn open_with(folder: &Folder, name: &str, options: &[&str]) -> Document {
     let options: Vec<String> = options.iter().map(|option| option.to_string()).collect();
-    Document::open(&folder.join(name), &options, &voltet::nodes::registry().unwrap()).unwrap()
+    Document::open(&folder.join(name), &options, &voltet::registry().unwrap()).unwrap()
 }
 
 fn run(document: &Document) -> RunReport {
@@ -276,7 +276,7 @@ fn every_node_that_ships_does_everything_where_nothing_may_be_left_out() {
     let folder = Folder::new();
     let cube = cube_of(4, "temperature", |x| 300.0 + 100.0 * x * x);
     folder.write("data.vtu", cube.replace("\"layer\"", "\"zone\"").replace("\"y\"", "\"humidity\""));
-    let registry = voltet::nodes::registry().unwrap();
+    let registry = voltet::registry().unwrap();
     for node in registry.iter() {
         let smaller = node.example.replace("[1024, 768]", "[32, 24]").replace("[512, 512]", "[32, 32]");
         let nearer = smaller.replace("eye = [0.0, -12.0, 6.0]", "eye = [0.2, -3.0, 1.0]");
@@ -331,7 +331,7 @@ fn explain_knows_from_headers_which_arrays_are_not_read() {
 #[test]
 fn nothing_is_compiled_or_sent_to_a_device_twice() {
     let folder = Folder::new();
-    let registry = voltet::nodes::registry().unwrap();
+    let registry = voltet::registry().unwrap();
     let mut session = voltet::nodes::session();
     let mut draw = |more: &[&str]| {
         let options: Vec<String> =

@@ -94,7 +94,7 @@ impl Shader {
                 .got(length)
                 .expected("points that span a volume"));
         }
-        let in_lanes = shading.integrator != Integrator::Reference;
+        let in_lanes = shading.integrator != Integrator::REFERENCE;
         let density_emitter = transfer_function.model == OpticalModel::DensityEmitter;
         let fields = transfer_function.fields();
         let making = Making {
@@ -124,7 +124,7 @@ impl Shader {
         let quick = closed && density_emitter && widgets.iter().all(|widget| widget.road() == Road::Quick);
         // What mixing leaves is another integrator's choice than the closed forms'.
         let overlap =
-            if shading.integrator == Integrator::Analytic { shading.overlap } else { WidgetBlend::Exact };
+            if shading.integrator == Integrator::ANALYTIC { shading.overlap } else { WidgetBlend::Exact };
         let ordered_from = ordered_from(&shading.integrator, transfer_function);
         let walker = if let Some(why) = missing {
             Err(why)
@@ -319,12 +319,12 @@ impl Shader {
 /// than Tᵢ (T − Tᵢ) from it, whatever the order (see `optics::integrators::Adaptive`), and Σ E = Σ M; so a channel's error is under
 /// the product times the brightest channel.
 fn ordered_from(integrator: &Integrator, transfer_function: &TransferFunction) -> f32 {
-    match *integrator {
-        Integrator::Adaptive { tolerance } => {
+    match integrator.tolerance() {
+        Some(tolerance) => {
             let brightest = transfer_function.widgets.iter().map(Widget::brightest).fold(0.0, f64::max);
             MIX_PRODUCT.max((tolerance / brightest.max(1.0)) as f32)
         }
-        _ => MIX_PRODUCT,
+        None => MIX_PRODUCT,
     }
 }
 

@@ -59,7 +59,7 @@ impl Probing {
             camera,
             // What is seen, as the values count: light and silhouettes change colours.
             shading: Shading {
-                integrator: Integrator::Reference,
+                integrator: Integrator::REFERENCE,
                 overlap: WidgetBlend::Exact,
                 silhouette: None,
                 light: None,

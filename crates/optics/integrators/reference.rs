@@ -1,11 +1,12 @@
 //! 64-bit adaptive quadrature, which knows no closed form: the referee's own segments (module
 //! [`crate::reference`]).
 
-use super::SegmentIntegrator;
+use super::{Extent, Integrator, IntegratorKind, SegmentIntegrator};
 use crate::reference::{Integrand, Tolerance, Workspace};
 use crate::{CompiledTransferFunction, Contribution, Segment, WidgetBlend};
 use std::cell::RefCell;
 use std::sync::OnceLock;
+use voltet_core::parameters::VariantSchema;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
 
@@ -28,6 +29,25 @@ impl Reference {
             overlap,
             failure: OnceLock::new(),
         })
+    }
+}
+
+/// The kind `reference`.
+pub(super) struct ReferenceKind;
+
+impl IntegratorKind for ReferenceKind {
+    fn schema(&self) -> VariantSchema {
+        VariantSchema { name: "reference", summary: "64-bit adaptive quadrature, slow", parameters: &[] }
+    }
+
+    fn compile(
+        &self,
+        _: &Integrator,
+        blend: WidgetBlend,
+        transfer_function: &TransferFunction,
+        _: &Extent,
+    ) -> Result<Box<dyn SegmentIntegrator>> {
+        Ok(Box::new(Reference::new(transfer_function, blend)?))
     }
 }
 

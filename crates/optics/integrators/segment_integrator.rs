@@ -1,6 +1,6 @@
 //! What every integrator gives, and what a table of one spans.
 
-use super::{GaussianTables, PartialTable};
+use crate::research::{GaussianTables, PartialTable};
 use crate::{Contribution, Segment};
 use voltet_core::Error;
 

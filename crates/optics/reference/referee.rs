@@ -20,11 +20,11 @@ pub const ENGINE: EngineInfo = EngineInfo {
     unavailable_reason: None,
     on_device: false,
     compositing: &[],
-    can_serve: |_, shading| match shading.integrator {
-        Integrator::Reference => Ok(()),
-        other => Err(Error::usage("the 64-bit reference has one integrator")
-            .got(other.name())
-            .expected(Integrator::Reference.name())),
+    can_serve: |_, shading| match shading.integrator == Integrator::REFERENCE {
+        true => Ok(()),
+        false => Err(Error::usage("the 64-bit reference has one integrator")
+            .got(shading.integrator.name())
+            .expected(Integrator::REFERENCE.name())),
     },
     adapters: Vec::new,
     open: |_, _| Ok(Arc::new(Referee)),

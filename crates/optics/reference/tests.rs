@@ -12,7 +12,7 @@ use voltet_core::transfer::{OpticalModel, Profile, Region, Widget};
 use voltet_core::volume::Volume;
 
 const PLAIN: Shading =
-    Shading { integrator: Integrator::Reference, overlap: WidgetBlend::Exact, silhouette: None, light: None };
+    Shading { integrator: Integrator::REFERENCE, overlap: WidgetBlend::Exact, silhouette: None, light: None };
 
 fn gaussian(centre: f64, sigma: f64, extinction: f64) -> Widget {
     let k = 1.0 / (std::f64::consts::SQRT_2 * sigma);

@@ -13,7 +13,7 @@ use voltet_core::transfer::{OpticalModel, Profile, Region, Widget};
 use voltet_core::volume::Volume;
 
 const PLAIN: Shading =
-    Shading { integrator: Integrator::Reference, overlap: WidgetBlend::Exact, silhouette: None, light: None };
+    Shading { integrator: Integrator::REFERENCE, overlap: WidgetBlend::Exact, silhouette: None, light: None };
 
 fn uniform(s: [f64; 2], color: [f64; 3], extinction: f64) -> Widget {
     let region = Some(Region::rectangle(s, [f64::NEG_INFINITY, f64::INFINITY]));

@@ -5,7 +5,7 @@ use super::elementary::{HALF_SQRT_PI, exp, mean_transparency};
 use super::gaussian::LaneGaussianPath;
 use super::square::LaneSquare;
 use crate::{Float, Lanes, Mask, array};
-use voltet_optics::integrators::{GaussianTables, LIT_REACH, P_MOST, REACH};
+use voltet_optics::research::{GaussianTables, LIT_REACH, P_MOST, REACH};
 
 /// The tables.
 #[derive(Debug, Clone)]

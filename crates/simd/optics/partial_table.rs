@@ -3,7 +3,7 @@
 
 use super::square::{LaneSquare, Place};
 use crate::{Float, Lanes, inlined};
-use voltet_optics::integrators::PartialTable;
+use voltet_optics::research::PartialTable;
 
 /// The table.
 #[derive(Debug, Clone)]

@@ -7,7 +7,7 @@
 
 use super::elementary::mean_transparency;
 use crate::{Float, Lanes, Unsigned, array, inlined};
-use voltet_optics::integrators::{Material, Ramp};
+use voltet_optics::research::{Material, Ramp};
 
 /// Planes of a group: as many as the widest vector has lanes.
 pub const GROUP: usize = 16;

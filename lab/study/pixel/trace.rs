@@ -39,12 +39,10 @@ pub fn pixel(
     let referee = mean(seen.iter().map(of));
     let ray = &rays[sample as usize];
     let walk = tracer.walk(ray, transfer_function)?;
-    let drawn = match subject.scene.shading.integrator {
+    let drawn = match subject.scene.shading.integrator == Integrator::REFERENCE {
         // It would take minutes to draw the rest of the picture.
-        Integrator::Reference => {
-            Drawn { engine: "reference".into(), rgba: referee.map(|x| f64::from(x as f32)) }
-        }
-        _ => drawn(graph, &subject.node, place, session, observer)?,
+        true => Drawn { engine: "reference".into(), rgba: referee.map(|x| f64::from(x as f32)) },
+        false => drawn(graph, &subject.node, place, session, observer)?,
     };
     let nothing = nothing::why(&tracer, ray, &walk, &subject.scene);
     let names = ["s".to_string(), "g".into()];
@@ -58,7 +56,7 @@ pub fn pixel(
         cells: cells::of(&volume.grid, &walk.steps),
         widgets: transfer_function.widgets.iter().map(|widget| widget.profile.name()).collect(),
         names: names.into_iter().chain(fields.iter().map(|name| name.to_string())).collect(),
-        said: said::all(&subject.scene, &tracer, &rays, progress)?,
+        said: said::all(&subject.scene, &subject.integrators, &tracer, &rays, progress)?,
         background: subject.background,
         node: subject.node.clone(),
         walk,

@@ -23,6 +23,7 @@ use voltet_optics::WidgetBlend;
 use voltet_optics::engine::Accumulation;
 use voltet_optics::engine::{AdapterRequest, RenderOptions};
 use voltet_optics::integrators::Integrator;
+use voltet_optics::research::{riemann, segments};
 use voltet_optics::shading::VisibilityOrder;
 
 /// Most cells of the finest grid: some 20 GiB while they are drawn.
@@ -87,17 +88,14 @@ pub fn refinement(
     let count = subject.scene.volume.grid.tetrahedra.len() as u64;
     let exact = Setting {
         painter: Painter::NATIVE,
-        integrator: Integrator::Analytic,
+        integrator: Integrator::ANALYTIC,
         overlap: WidgetBlend::Exact,
         order: VisibilityOrder::Exact,
         accumulation: Accumulation::Float,
     };
     let tried = [
-        ("riemann, 4 samples", Setting { integrator: Integrator::Riemann { count: 4 }, ..exact }),
-        (
-            "segments, 1 piece",
-            Setting { integrator: Integrator::Segments { count: 1, table_size: 256 }, ..exact },
-        ),
+        ("riemann, 4 samples", Setting { integrator: riemann(4), ..exact }),
+        ("segments, 1 piece", Setting { integrator: segments(1, 256), ..exact }),
         ("closed forms", exact),
     ];
     let mut errors_of: Vec<Vec<(usize, f64)>> = vec![Vec::new(); tried.len()];

@@ -10,12 +10,14 @@ use super::reference::Reference;
 use super::refine::{Refinement, Source, refinement};
 use super::wish::{Measure, Wish};
 use super::{Painter, Setting, Subject};
+use crate::numbers::Numbers;
 use voltet_core::error::ErrorKind;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_io::encode;
 use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::Integrator;
+use voltet_optics::research::DEFAULT_SIDE;
 use voltet_simd::LaneSet;
 
 /// One setting, measured.
@@ -187,19 +189,22 @@ impl Study {
             row.of_file = self.own.is_some_and(|own| row.setting.draws_as(&own));
         }
         self.recommended = wish.max_error.and_then(|bound| pareto::cheapest(&points, bound));
-        let each = Painter::all().flat_map(|painter| ["segments", "riemann"].map(|name| (painter, name)));
+        let counted = |kind: &&Integrator| Numbers::of(kind).count.is_some();
+        let counted: Vec<&Integrator> = self.subject.integrators.iter().filter(counted).collect();
+        let each = Painter::all().flat_map(|painter| counted.iter().map(move |kind| (painter, *kind)));
         self.convergence =
-            each.filter_map(|(painter, name)| converging(name, painter, &self.rows, &self.subject)).collect();
+            each.filter_map(|(painter, kind)| converging(kind, painter, &self.rows, &self.subject)).collect();
     }
 }
 
 /// The convergence of an integrator with one painter over its number of pieces, with its standard table.
-fn converging(name: &'static str, painter: Painter, rows: &[Row], subject: &Subject) -> Option<Convergence> {
+fn converging(kind: &Integrator, painter: Painter, rows: &[Row], subject: &Subject) -> Option<Convergence> {
     let rows = || rows.iter().filter(|row| row.setting.painter == painter);
-    let count = |row: &Row| match row.setting.integrator {
-        Integrator::Segments { count, table_size: 256 } if name == "segments" => Some(count),
-        Integrator::Riemann { count } if name == "riemann" => Some(count),
-        _ => None,
+    let count = |row: &Row| {
+        let integrator = row.setting.integrator;
+        let numbers = Numbers::of(&integrator);
+        let usual = numbers.table_size.is_none_or(|side| side == DEFAULT_SIDE);
+        numbers.count.filter(|_| usual && integrator.is_kind_of(kind))
     };
     let order = rows().find(|row| count(row).is_some())?.setting.order;
     let in_order = || rows().filter(|row| row.setting.order == order);
@@ -212,13 +217,12 @@ fn converging(name: &'static str, painter: Painter, rows: &[Row], subject: &Subj
     // What the closed forms leave is what the order of segments and rounding do, here and in the reference.
     let exact = |row: &&Row| {
         let integrator = row.setting.integrator;
-        let closed =
-            matches!(integrator, Integrator::Analytic | Integrator::Clipped | Integrator::Adaptive { .. });
+        let closed = integrator == Integrator::ANALYTIC || integrator.tolerance().is_some();
         closed && row.setting.overlap == WidgetBlend::Exact
     };
     let floor = in_order().filter(exact).map(|row| row.errors.root_mean_square).fold(f64::INFINITY, f64::min);
     // Where no closed form was looked at, single precision is all that is known.
     let floor = if floor.is_finite() { floor } else { f64::from(f32::EPSILON) };
-    let found = convergence(name, &errors, floor, &subject.scene.transfer_function);
+    let found = convergence(kind.name(), &errors, floor, &subject.scene.transfer_function);
     Some(Convergence { engine: painter.label(), ..found })
 }

@@ -1,11 +1,13 @@
 //! What is studied of a pipeline: the scene that its node that draws is given, and how it is asked to draw.
 
 use super::Painter;
+use super::settings::is_studied;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 use voltet_graph::{Demand, Graph, GraphNode, Observer, Parameters, Session, Value, diagonal};
 use voltet_nodes::drawing;
 use voltet_optics::engine::{Accumulation, Compositor, EngineInfo};
+use voltet_optics::integrators::{Integrator, kinds};
 use voltet_optics::scene::{Scene, needs_order};
 use voltet_optics::shading::VisibilityOrder;
 
@@ -48,6 +50,8 @@ pub struct Subject {
     pub needs_order: bool,
     /// What the file says about engines.
     pub asked: Asked,
+    /// One integrator of each kind that the pipeline may name, with default settings, in the order of registration.
+    pub integrators: Vec<Integrator>,
     /// What the picture lies over where the pipeline writes it; linear RGB.
     pub background: [f64; 3],
 }
@@ -98,10 +102,16 @@ impl Subject {
             node: node.name.clone(),
             order_node,
             needs_order: scene.needs_order(),
+            integrators: kinds(&node.parameters).into_iter().map(Integrator::new).collect(),
             scene,
             asked: Asked::of(node.node.name, &node.parameters),
             background: background(graph, place),
         })
+    }
+
+    /// One integrator of each kind that is studied.
+    pub fn studied(&self) -> Vec<Integrator> {
+        self.integrators.iter().copied().filter(is_studied).collect()
     }
 
     /// An engine as the file has it. `None`: the compositor is left open, and more than one can serve.

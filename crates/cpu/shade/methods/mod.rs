@@ -86,28 +86,29 @@ impl Served {
             let table = Table::new(transfer_function, size, oversampling, planes, making, scene)?;
             Ok(Served::By(LaneMethod::Table(Box::new(table))))
         };
-        Ok(match *integrator {
-            Integrator::Analytic | Integrator::Adaptive { .. } | Integrator::Clipped => Served::InClosedForm,
-            Integrator::Riemann { count } => sampled(count, false).map(LaneMethod::Riemann).into(),
-            Integrator::Segments { count, .. } => match exact.and_then(SegmentIntegrator::partial_table) {
+        let count = |name: &str| integrator.count(name).unwrap_or(0);
+        Ok(match integrator.name() {
+            "analytic" | "adaptive" => Served::InClosedForm,
+            "riemann" => sampled(count("segments"), false).map(LaneMethod::Riemann).into(),
+            "segments" => match exact.and_then(SegmentIntegrator::partial_table) {
                 Some(table) => {
                     let pieces = |ends| Pieces { ends, table: LanePartialTable::new(table) };
-                    sampled(count, true).map(pieces).map(LaneMethod::Pieces).into()
+                    sampled(count("segments"), true).map(pieces).map(LaneMethod::Pieces).into()
                 }
                 None => Served::Not(Left::Integrator),
             },
-            Integrator::PreIntegrated { table_size, oversampling } => table(table_size, oversampling, None)?,
-            Integrator::PreIntegratedCylindrical { table_size, oversampling, planes } => {
-                table(table_size, oversampling, Some(planes))?
+            "pre-integrated" => table(count("table_size"), count("oversampling"), None)?,
+            "pre-integrated-cylindrical" => {
+                table(count("table_size"), count("oversampling"), Some(count("planes")))?
             }
-            Integrator::Tabulated { .. } => match exact.and_then(SegmentIntegrator::gaussian_tables) {
+            "tabulated" => match exact.and_then(SegmentIntegrator::gaussian_tables) {
                 Some(tables) => Tabulated::new(tables, widgets, making).map(LaneMethod::Tabulated).into(),
                 None => Served::Not(Left::Integrator),
             },
-            Integrator::VertexSampled => {
+            "vertex-sampled" => {
                 VertexSampled::new(making, scene.length).map(LaneMethod::VertexSampled).into()
             }
-            Integrator::Reference => Served::Not(Left::Integrator),
+            _ => Served::Not(Left::Integrator),
         })
     }
 }

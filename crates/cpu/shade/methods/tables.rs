@@ -11,7 +11,7 @@ use crate::shade::shader::Scene;
 use rayon::prelude::*;
 use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
-use voltet_optics::integrators::{Material, Ramp, last_tile};
+use voltet_optics::research::{Material, Ramp, last_tile};
 use voltet_simd::optics::elementary::mean_transparency;
 use voltet_simd::optics::slices::{LaneRamp, LaneVolume, fill_tiles, to_cylinder};
 use voltet_simd::optics::square::LaneSquare;

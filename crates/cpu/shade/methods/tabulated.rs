@@ -8,7 +8,7 @@ use crate::shade::reach::Spread;
 use crate::shade::roads::{Form, Part};
 use crate::shade::shaded::{Left, Shaded};
 use crate::shade::shader::{overlaps, push};
-use voltet_optics::integrators::GaussianTables;
+use voltet_optics::research::GaussianTables;
 use voltet_simd::limits::GAUSSIAN_WIDTHS_MOST;
 use voltet_simd::optics::elementary::{exp, mean_transparency, one_minus_exp};
 use voltet_simd::optics::gaussian_table::LaneGaussianTables;

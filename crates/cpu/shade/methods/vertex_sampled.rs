@@ -6,7 +6,7 @@ use crate::shade::kinds::Making;
 use crate::shade::roads::{Form, Part};
 use crate::shade::shaded::{Left, Shaded};
 use crate::shade::shader::push;
-use voltet_optics::integrators::CLASSIFIED;
+use voltet_optics::research::CLASSIFIED;
 use voltet_simd::optics::elementary::one_minus_exp;
 use voltet_simd::optics::linear::{DEEPEST, front_back};
 use voltet_simd::{Float, Lanes, Mask, array, inlined};

@@ -7,8 +7,9 @@ use voltet_core::progress::NoProgress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_optics::engine::{AdapterRequest, PreparedVolume, RenderOptions};
+use voltet_optics::research::VERTEX_SAMPLED;
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Integrator, VisibilityOrder};
+use voltet_optics::shading::VisibilityOrder;
 use voltet_testing::pictures::grids::{cube, smooth};
 use voltet_testing::pictures::looks::outside;
 use voltet_testing::segments::{MODELS, gaussian, look};
@@ -28,7 +29,7 @@ fn drawn(
         volume: volume.clone(),
         transfer_function: Arc::new(look.clone()),
         camera,
-        shading: shading(Integrator::VertexSampled),
+        shading: shading(VERTEX_SAMPLED),
         order: VisibilityOrder::Exact,
     };
     on.draw(&scene, &RenderOptions::default(), &NoProgress).expect("draws").picture.rgba

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet_cpu::{Integrated, Segments, segments};
 use voltet_judge::segment_twin::{Measure, change_of_places, numbers};
-use voltet_optics::integrators::{self, Extent, LIT_REACH, REACH};
+use voltet_optics::integrators::{self, Extent};
+use voltet_optics::research::{LIT_REACH, REACH};
 use voltet_optics::shading::{Integrator, Shading};
 use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
 
@@ -18,9 +19,10 @@ pub fn shading(integrator: Integrator) -> Shading {
 
 /// Places of the samples.
 fn places(integrator: &Integrator) -> Vec<f64> {
-    match *integrator {
-        Integrator::Riemann { count } => (0..count).map(|i| (i as f64 + 0.5) / count as f64).collect(),
-        Integrator::Segments { count, .. } => (0..=count).map(|i| i as f64 / count as f64).collect(),
+    let count = integrator.count("segments").unwrap_or(0);
+    match integrator.name() {
+        "riemann" => (0..count).map(|i| (i as f64 + 0.5) / count as f64).collect(),
+        "segments" => (0..=count).map(|i| i as f64 / count as f64).collect(),
         _ => Vec::new(),
     }
 }
@@ -58,9 +60,9 @@ impl Found {
         let scalar = [scalars().fold(f64::INFINITY, f64::min), scalars().fold(f64::NEG_INFINITY, f64::max)];
         let extent = Extent { scalar, longest };
         // What is subdivided to a tolerance is held to the closed forms themselves.
-        let (truth, tolerance) = match integrator {
-            Integrator::Adaptive { tolerance } => (Integrator::Analytic, tolerance),
-            _ => (integrator, 0.0),
+        let (truth, tolerance) = match integrator.tolerance() {
+            Some(tolerance) => (Integrator::ANALYTIC, tolerance),
+            None => (integrator, 0.0),
         };
         let truth = integrators::new(&truth, WidgetBlend::Exact, look, &extent).expect("serves");
         let prepared = CompiledTransferFunction::new(look).expect("valid");
@@ -78,10 +80,10 @@ impl Found {
                 };
                 if integrator.has_table_of_lengths() {
                     // A place errs by an ε of the table's side, and the entries about it may differ by all that glows.
-                    let side = integrator.numbers().table_size.map_or(0.0, |side| side as f64);
+                    let side = integrator.setting("table_size").unwrap_or(0.0);
                     further[1..4].fill(side * light * brightest / TOLERANCE);
                 }
-                if let Integrator::Tabulated { .. } = integrator {
+                if integrator.name() == "tabulated" {
                     further = of_gaussian_tables(look, segment, light * brightest);
                 }
                 further[1..4]

@@ -9,20 +9,15 @@ use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{ControlPoint, Profile, Widget};
 use voltet_cpu::keep_all;
 use voltet_judge::segment_cases;
+use voltet_optics::research::{self, pre_integrated, pre_integrated_cylindrical, riemann, tabulated};
 use voltet_optics::shading::Integrator;
 use voltet_testing::pictures::grids::{cube, smooth};
 use voltet_testing::pictures::looks::outside;
 use voltet_testing::segments::{MODELS, look, overlapping, segments, widget};
 
 /// Samples alone, in twos, in groups of four with one over, and so many that Gaussians follow from step to step.
-const SAMPLING: [Integrator; 6] = [
-    Integrator::Riemann { count: 1 },
-    Integrator::Riemann { count: 2 },
-    Integrator::Riemann { count: 13 },
-    Integrator::Segments { count: 1, table_size: 33 },
-    Integrator::Segments { count: 6, table_size: 33 },
-    Integrator::Riemann { count: 64 },
-];
+const SAMPLING: [Integrator; 6] =
+    [riemann(1), riemann(2), riemann(13), research::segments(1, 33), research::segments(6, 33), riemann(64)];
 
 #[test]
 fn samples_are_those_of_64_bits_on_the_exact_cases() {
@@ -65,10 +60,10 @@ fn tables_over_lengths_are_those_of_64_bits() {
         for factor in [1e-12, 1e-3, 1.0, 100.0, 1e12] {
             for table_size in [2, 9, 34] {
                 let integrators = [
-                    Integrator::PreIntegrated { table_size, oversampling: 2 },
-                    Integrator::PreIntegrated { table_size, oversampling: 3 },
-                    Integrator::PreIntegratedCylindrical { table_size, oversampling: 2, planes: 1 },
-                    Integrator::PreIntegratedCylindrical { table_size, oversampling: 1, planes: 4 },
+                    pre_integrated(table_size, 2),
+                    pre_integrated(table_size, 3),
+                    pre_integrated_cylindrical(table_size, 2, 1),
+                    pre_integrated_cylindrical(table_size, 1, 4),
                 ];
                 for integrator in integrators {
                     let name = format!("{model:?} × {factor:e}, side {table_size}");
@@ -97,7 +92,7 @@ fn every_kind_of_widget_is_sampled_and_subdivided() {
                 }
                 if extinction < 1e3 {
                     for tolerance in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
-                        subdivided.judge(&name, &look, Integrator::Adaptive { tolerance }, &list);
+                        subdivided.judge(&name, &look, Integrator::adaptive(tolerance), &list);
                     }
                 }
             }
@@ -121,10 +116,10 @@ fn empty_segments_are_left_out_without_a_trace() {
     for model in MODELS {
         let look = look(model, vec![narrow(0.4, [1.0, 0.2, 0.1]), narrow(0.7, [0.1, 0.4, 1.0])]);
         for integrator in SAMPLING.into_iter().chain([
-            Integrator::PreIntegrated { table_size: 128, oversampling: 2 },
-            Integrator::PreIntegratedCylindrical { table_size: 128, oversampling: 2, planes: 1 },
-            Integrator::Adaptive { tolerance: 1e-3 },
-            Integrator::Tabulated { table_size: 128 },
+            pre_integrated(128, 2),
+            pre_integrated_cylindrical(128, 2, 1),
+            Integrator::adaptive(1e-3),
+            tabulated(128),
         ]) {
             // Cells are the same: a table's domain is that of the cells that are drawn.
             let draw = |no_leave_out| {
@@ -141,7 +136,7 @@ fn empty_segments_are_left_out_without_a_trace() {
             // 1e-8 of depth each ray and widget, and their rounding.
             assert!(difference < 1e-6, "{name}: {difference:e}");
             // Walks in panels count every segment.
-            let walks = matches!(integrator, Integrator::Adaptive { .. });
+            let walks = integrator.tolerance().is_some();
             assert!(walks || counts.evaluations < all.evaluations, "{name}: {counts:?} {all:?}");
         }
     }

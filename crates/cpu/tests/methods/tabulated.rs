@@ -3,8 +3,8 @@
 use crate::found::Found;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet_optics::Segment;
-use voltet_optics::integrators::classified;
-use voltet_optics::shading::Integrator;
+use voltet_optics::research::classified;
+use voltet_optics::research::{VERTEX_SAMPLED, tabulated};
 use voltet_testing::segments::{Numbers, gaussian, look, overlapping, segments, triangular, uniform, widget};
 
 const MODELS: [OpticalModel; 4] = [
@@ -47,7 +47,7 @@ fn widgets_from_tables_are_those_of_64_bits() {
                 for table_size in [2, 33, 128] {
                     let name = format!("{model:?} × {extinction:e}, {number}, side {table_size}");
                     let look = look(model, widgets.clone());
-                    found.judge(&name, &look, Integrator::Tabulated { table_size }, &list);
+                    found.judge(&name, &look, tabulated(table_size), &list);
                 }
             }
         }
@@ -83,7 +83,7 @@ fn widgets_over_fields_from_tables_are_those_of_64_bits() {
             let triangular = widget(triangular, [0.2, 1.0, 0.5], 0.5 * extinction);
             for (number, widgets) in [vec![nd.clone(), triangular], vec![cut, nd]].into_iter().enumerate() {
                 let name = format!("{model:?} × {extinction:e}, {number}");
-                found.judge(&name, &look(model, widgets), Integrator::Tabulated { table_size: 128 }, &list);
+                found.judge(&name, &look(model, widgets), tabulated(128), &list);
             }
         }
     }
@@ -97,12 +97,7 @@ fn paths_that_32_bits_do_not_hold_are_left() {
     let matrix = [[1e7, 0.0], [0.0, 0.0]];
     let narrow = widget(Profile::Gaussian { centre: [0.5, 0.0], matrix }, [1.0; 3], 3.0);
     let mut found = Found::default();
-    found.judge(
-        "narrow",
-        &look(MODELS[0], vec![narrow]),
-        Integrator::Tabulated { table_size: 33 },
-        &segments(8, 2.0),
-    );
+    found.judge("narrow", &look(MODELS[0], vec![narrow]), tabulated(33), &segments(8, 2.0));
     found.passed();
     assert!(found.left.values().sum::<usize>() > 0, "nothing was left to 64 bits");
 }
@@ -134,7 +129,7 @@ fn what_is_linear_between_points_is_that_of_64_bits() {
                     })
                     .collect();
                 let name = format!("{model:?} × {extinction:e}, {number}");
-                found.judge(&name, &bound, Integrator::VertexSampled, &list);
+                found.judge(&name, &bound, VERTEX_SAMPLED, &list);
             }
         }
     }

@@ -37,7 +37,7 @@ fn what_32_bits_cannot_hold_is_refused() {
     let mut far = scene(one_gaussian());
     far.camera = perspective([-900.0, -1100.0, 1400.0], [0.5, 0.5, 0.5], 1e-6, [32, 32]);
     refused(&far, &SHADING, &["view is too narrow", "cpu"]);
-    let shading = Shading { integrator: Integrator::Reference, ..SHADING };
+    let shading = Shading { integrator: Integrator::REFERENCE, ..SHADING };
     refused(&scene(one_gaussian()), &shading, &["reference"]);
     let mut without = scene(one_gaussian());
     let mut volume = (*without.volume).clone();

@@ -141,7 +141,7 @@ fn profile(dice: &mut Dice, volume: &Volume, [s, g]: &[Axis; 2], extinction: f64
 /// Closed forms; at times a mix where widgets overlap, light, a silhouette.
 pub(super) fn shading(dice: &mut Dice) -> Shading {
     Shading {
-        integrator: Integrator::Analytic,
+        integrator: Integrator::ANALYTIC,
         overlap: if dice.chance(0.15) { WidgetBlend::Mix } else { WidgetBlend::Exact },
         silhouette: dice.chance(0.15).then(|| dice.between(0.5, 6.0)),
         light: dice.chance(0.15).then(|| Light { direction: dice.direction(), ambient: 0.3, diffuse: 0.7 }),

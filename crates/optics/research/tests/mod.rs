@@ -1,13 +1,15 @@
 //! What every integrator must fulfil, and how fast those that sample approach the closed forms.
 
-mod adaptive;
 mod tables;
 mod tabulated;
 
 use super::*;
+use crate::WidgetBlend;
 use crate::arbitrary::segment;
+use crate::integrators::{self, Analytic, Extent, Integrator, SegmentIntegrator, can_serve_among, new};
 use crate::{Contribution, Segment};
 use proptest::prelude::*;
+use voltet_core::transfer::TransferFunction;
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Widget};
 
 fn smooth(model: OpticalModel) -> TransferFunction {
@@ -29,29 +31,26 @@ fn largest_error(a: &Contribution, b: &Contribution) -> f64 {
 const ACROSS: Segment<'static> =
     Segment { length: 1.3, front: [0.1, 0.2], back: [0.9, 0.7], fields_front: &[], fields_back: &[] };
 
+/// All kinds, those that ship first.
+fn every_kind() -> impl Iterator<Item = &'static dyn integrators::IntegratorKind> {
+    integrators::KINDS.into_iter().chain(KINDS)
+}
+
 #[test]
-fn every_kind_has_a_word_of_its_own_and_keeps_the_numbers_that_it_has() {
-    let given = Numbers {
-        tolerance: Some(0.5),
-        count: Some(7),
-        table_size: Some(9),
-        oversampling: Some(3),
-        planes: Some(4),
-    };
-    for (k, kind) in Integrator::EVERY.iter().enumerate() {
-        assert_eq!(Integrator::WORDS[k].0, kind.name());
-        assert!(Integrator::EVERY[..k].iter().all(|other| other.name() != kind.name()), "{kind:?}");
-        assert_eq!(kind.with(Numbers::default()), *kind);
-        let (with, own) = (kind.with(given), kind.numbers());
-        assert!(with.is_kind_of(kind) && with.check().is_ok(), "{with:?}");
-        let expected = Numbers {
-            tolerance: own.tolerance.and(given.tolerance),
-            count: own.count.and(given.count),
-            table_size: own.table_size.and(given.table_size),
-            oversampling: own.oversampling.and(given.oversampling),
-            planes: own.planes.and(given.planes),
-        };
-        assert_eq!(with.numbers(), expected);
+fn every_kind_has_a_name_and_keeps_the_settings_that_it_has() {
+    let given =
+        [("tolerance", 0.5), ("segments", 7.0), ("table_size", 9.0), ("oversampling", 3.0), ("planes", 4.0)];
+    let mut names = Vec::new();
+    for kind in every_kind() {
+        let default = Integrator::new(kind);
+        assert!(!names.contains(&default.name()), "{default:?}");
+        names.push(default.name());
+        assert!(default.check().is_ok(), "{default:?}");
+        let with = given.iter().fold(default, |with, (name, value)| with.with(name, *value));
+        assert!(with.is_kind_of(&default) && with.check().is_ok(), "{with:?}");
+        for (name, value) in given {
+            assert_eq!(with.setting(name), default.setting(name).and(Some(value)), "{with:?}");
+        }
     }
 }
 
@@ -99,7 +98,7 @@ fn one_piece_of_a_linear_function_is_exact() {
     let transfer_function = piecewise();
     let inside = Segment { front: [0.25, 0.0], back: [0.4, 0.0], ..ACROSS };
     let one = Segments::with_closed_forms(&transfer_function, 1).expect("valid").integrate(&inside);
-    let exact = Clipped::new(&transfer_function).expect("piecewise-linear").integrate(&inside);
+    let exact = Analytic::new(&transfer_function, WidgetBlend::Exact).expect("valid").integrate(&inside);
     // ψ to a few roundings.
     assert!(largest_error(&one, &exact) < 1e-14);
 }
@@ -107,81 +106,68 @@ fn one_piece_of_a_linear_function_is_exact() {
 const EXTENT: Extent = Extent { scalar: [0.0, 1.0], longest: 10.0 };
 
 /// Every integrator, with modest tables.
-fn all() -> [Integrator; 10] {
+fn all() -> [Integrator; 9] {
     [
-        Integrator::Analytic,
-        Integrator::Adaptive { tolerance: 1e-3 },
-        Integrator::Segments { count: 7, table_size: 9 },
-        Integrator::Riemann { count: 5 },
-        Integrator::PreIntegrated { table_size: 9, oversampling: 2 },
-        Integrator::PreIntegratedCylindrical { table_size: 9, oversampling: 2, planes: 1 },
-        Integrator::Clipped,
-        Integrator::VertexSampled,
-        Integrator::Tabulated { table_size: 9 },
-        Integrator::Reference,
+        Integrator::ANALYTIC,
+        Integrator::adaptive(1e-3),
+        segments(7, 9),
+        riemann(5),
+        pre_integrated(9, 2),
+        pre_integrated_cylindrical(9, 2, 1),
+        VERTEX_SAMPLED,
+        tabulated(9),
+        Integrator::REFERENCE,
     ]
 }
 
 #[test]
 fn what_an_integrator_cannot_serve_names_one_that_can() {
     let refusal = |integrator, transfer_function: &TransferFunction| {
-        let here = can_serve(&integrator, transfer_function).expect_err("refused").to_string();
+        let kinds: Vec<_> = every_kind().collect();
+        let here = can_serve_among(&kinds, &integrator, transfer_function).expect_err("refused");
         let made = new(&integrator, WidgetBlend::Exact, transfer_function, &EXTENT).err().expect("refused");
-        assert_eq!(here, made.to_string());
-        here
+        assert_eq!((&here.what, &here.got), (&made.what, &made.got));
+        here.to_string()
     };
     let bivariate = smooth(OpticalModel::DensityEmitter);
-    let message = refusal(Integrator::Clipped, &bivariate);
-    assert!(message.contains("'clipped'") && message.contains("2 widgets"), "{message}");
-    assert!(
-        message.contains("analytic, adaptive, segments, riemann, vertex-sampled, tabulated, reference"),
-        "{message}"
-    );
-    for integrator in [
-        Integrator::PreIntegrated { table_size: 8, oversampling: 2 },
-        Integrator::PreIntegratedCylindrical { table_size: 8, oversampling: 2, planes: 1 },
-    ] {
+    for integrator in [pre_integrated(8, 2), pre_integrated_cylindrical(8, 2, 1)] {
         let message = refusal(integrator, &bivariate);
         assert!(message.contains("widgets[0] (gaussian)"), "{message}");
-        assert!(message.contains("gradient magnitude") && !message.contains("clipped"), "{message}");
-        assert!(can_serve(&integrator, &piecewise()).is_ok());
+        assert!(message.contains("gradient magnitude"), "{message}");
+        let others = "analytic, adaptive, reference, segments, riemann, vertex-sampled, tabulated";
+        assert!(message.contains(others), "{message}");
+        assert!(integrators::can_serve(&integrator, &piecewise()).is_ok());
     }
     let mut banded = piecewise();
     banded.widgets[0].profile =
         Profile::GaussianNd { fields: vec!["p".into()], centre: vec![0.0], matrix: vec![vec![1.0]] };
-    assert!(
-        refusal(Integrator::PreIntegrated { table_size: 8, oversampling: 2 }, &banded)
-            .contains("fields of its own")
-    );
-    assert!(refusal(Integrator::Clipped, &banded).contains("widgets[0] (gaussian-nd)"));
+    assert!(refusal(pre_integrated(8, 2), &banded).contains("fields of its own"));
+    assert!(refusal(tabulated(8), &piecewise()).contains("widgets[0] (piecewise-linear)"));
 }
 
 #[test]
 fn a_setting_out_of_range_is_refused() {
     let refusal = |integrator: Integrator| {
-        let message = can_serve(&integrator, &piecewise()).expect_err("refused").to_string();
+        let message = integrators::can_serve(&integrator, &piecewise()).expect_err("refused").to_string();
         assert!(message.contains(&format!("'{}'", integrator.name())), "{message}");
         message
     };
-    assert!(refusal(Integrator::Riemann { count: 0 }).contains("number of segments"));
-    assert!(refusal(Integrator::Segments { count: 0, table_size: 4 }).contains("number of segments"));
-    assert!(refusal(Integrator::Segments { count: 1, table_size: 1 }).contains("table_size"));
-    assert!(refusal(Integrator::Segments { count: 1, table_size: 4097 }).contains("2 to 4096"));
-    assert!(refusal(Integrator::PreIntegrated { table_size: 513, oversampling: 2 }).contains("2 to 512"));
-    assert!(
-        refusal(Integrator::PreIntegratedCylindrical { table_size: 1, oversampling: 2, planes: 1 })
-            .contains("2 to 512")
-    );
+    assert!(refusal(riemann(0)).contains("number of segments"));
+    assert!(refusal(segments(0, 4)).contains("number of segments"));
+    assert!(refusal(segments(1, 1)).contains("table_size"));
+    assert!(refusal(segments(1, 4097)).contains("2 to 4096"));
+    assert!(refusal(pre_integrated(513, 2)).contains("2 to 512"));
+    assert!(refusal(pre_integrated_cylindrical(1, 2, 1)).contains("2 to 512"));
     let cylindrical = |table_size, oversampling, planes| {
-        refusal(Integrator::PreIntegratedCylindrical { table_size, oversampling, planes })
+        refusal(pre_integrated_cylindrical(table_size, oversampling, planes))
     };
     assert!(cylindrical(64, 2, 9).contains("planes of the integrator"));
     assert!(cylindrical(64, 0, 1).contains("1 to 64"));
     // As much memory as 512 entries a side with one.
     let large = cylindrical(512, 2, 2);
     assert!(large.contains("table_size = 512") && large.contains("1 to 1"), "{large}");
-    assert!(refusal(Integrator::Adaptive { tolerance: 0.0 }).contains("tolerance"));
-    assert!(refusal(Integrator::Adaptive { tolerance: f64::NAN }).contains("tolerance"));
+    assert!(refusal(Integrator::adaptive(0.0)).contains("tolerance"));
+    assert!(refusal(Integrator::adaptive(f64::NAN)).contains("tolerance"));
 }
 
 /// Values that are not numbers draw nothing, whoever integrates.
@@ -189,9 +175,9 @@ fn a_setting_out_of_range_is_refused() {
 fn what_is_not_a_number_contributes_nothing() {
     let broken = Segment { front: [f64::NAN, 0.5], ..ACROSS };
     for integrator in all() {
-        let look = match integrator {
-            Integrator::Tabulated { .. } => smooth(OpticalModel::DensityEmitter),
-            _ => piecewise(),
+        let look = match integrator.is_kind_of(&tabulated(2)) {
+            true => smooth(OpticalModel::DensityEmitter),
+            false => piecewise(),
         };
         let made = new(&integrator, WidgetBlend::Exact, &look, &EXTENT).expect("serves");
         let found = made.integrate(&broken);
@@ -209,7 +195,7 @@ proptest! {
         segment in segment(),
     ) {
         for integrator in all() {
-            if can_serve(&integrator, &transfer_function).is_err() {
+            if integrators::can_serve(&integrator, &transfer_function).is_err() {
                 continue;
             }
             let found = new(&integrator, WidgetBlend::Exact, &transfer_function, &EXTENT)

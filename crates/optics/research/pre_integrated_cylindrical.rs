@@ -8,8 +8,9 @@
 //! segment.
 
 use super::pre_integrated::{Bilinear, PreIntegrated, blend, contribution};
+use super::pre_integrated_cylindrical;
 use super::slice::Ramp;
-use super::{Extent, Integrator, SegmentIntegrator, can_serve};
+use crate::integrators::{Extent, SegmentIntegrator, can_serve};
 use crate::{Contribution, Segment};
 use rayon::prelude::*;
 use voltet_core::Result;
@@ -74,8 +75,8 @@ impl PreIntegratedCylindrical {
         planes: usize,
         extent: &Extent,
     ) -> Result<Self> {
-        let own = Integrator::PreIntegratedCylindrical { table_size, oversampling, planes };
-        can_serve(&own, transfer_function)?;
+        let settings = pre_integrated_cylindrical(table_size, oversampling, planes);
+        can_serve(&settings, transfer_function)?;
         let table = PreIntegrated::new(transfer_function, table_size, oversampling, extent)?;
         let last = last_tile(table_size, planes);
         let mut tiles = vec![[0.0; 3]; table_size * table_size * (last + 1)];

@@ -122,10 +122,7 @@ fn a_constant_function_is_tabulated_exactly() {
     transfer_function.widgets[0].profile = Profile::PiecewiseLinear { points: vec![point] };
     for model in [OpticalModel::DensityEmitter, OpticalModel::ConstantEmitter { cutoff: 0.1 }] {
         transfer_function.model = model;
-        for integrator in [
-            Integrator::PreIntegrated { table_size: 5, oversampling: 2 },
-            Integrator::PreIntegratedCylindrical { table_size: 5, oversampling: 2, planes: 1 },
-        ] {
+        for integrator in [pre_integrated(5, 2), pre_integrated_cylindrical(5, 2, 1)] {
             let made = new(&integrator, WidgetBlend::Exact, &transfer_function, &EXTENT).expect("serves");
             // The entries are 32-bit; longer than the longest still has the right opacity.
             assert!(largest(made.as_ref(), &transfer_function, 10.0) < 1e-6, "{integrator:?} {model:?}");

@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::arbitrary::{segment, transfer_function};
+use crate::integrators::Analytic;
+use proptest::prelude::*;
 
 const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 

@@ -10,8 +10,9 @@
 //!
 //! Uniform widgets are closed forms without a table. What waves would take is refused.
 
-use super::{GaussianTables, Integrator, SegmentIntegrator, can_serve};
+use super::{GaussianTables, tabulated};
 use crate::clip::ClippedSpan;
+use crate::integrators::{SegmentIntegrator, can_serve};
 use crate::special::{HALF_SQRT_PI, mean_transmittance, opacity};
 use crate::{Contribution, Segment};
 use voltet_core::Result;
@@ -50,7 +51,7 @@ struct Path {
 impl Tabulated {
     /// Fills the tables. Serves uniform widgets and Gaussians of all kinds; `table_size` ≥ 2 entries a side.
     pub fn new(transfer_function: &TransferFunction, table_size: usize) -> Result<Self> {
-        can_serve(&Integrator::Tabulated { table_size }, transfer_function)?;
+        can_serve(&tabulated(table_size), transfer_function)?;
         transfer_function.check()?;
         let fields = transfer_function.fields();
         let slot = |name: &str| fields.iter().position(|field| *field == name).unwrap_or(0);

@@ -8,11 +8,15 @@
 //! A segment does not know the points of its cell. So a scene is [`classified`] first: ρ and κ become point arrays, which
 //! the integrator finds at the segment's ends. Where a segment is all that there is, its ends count as points.
 
-use super::{Integrator, SegmentIntegrator, Segments, can_serve};
+use super::{Segments, VERTEX_SAMPLED};
+use crate::integrators::{PreparedScene, ScenePreparation, SegmentIntegrator, can_serve};
 use crate::linear::front_back;
 use crate::special::opacity;
 use crate::{CompiledTransferFunction, Contribution, Segment};
+use std::sync::Arc;
+use voltet_core::grid::{Array, Grid};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
+use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 
 /// The arrays of a classified volume: ρ, then κ by channel; in this order by name.
@@ -30,7 +34,7 @@ pub struct VertexSampled {
 impl VertexSampled {
     /// Serves every transfer function.
     pub fn new(transfer_function: &TransferFunction) -> Result<Self> {
-        can_serve(&Integrator::VertexSampled, transfer_function)?;
+        can_serve(&VERTEX_SAMPLED, transfer_function)?;
         let fields = transfer_function.fields();
         let slot = |name: &&str| fields.iter().position(|field| field == name);
         let slots: Vec<usize> = CLASSIFIED.iter().filter_map(slot).collect();
@@ -59,9 +63,9 @@ impl SegmentIntegrator for VertexSampled {
     }
 }
 
-/// What the transfer function is at points.
+/// The transfer function at points.
 #[derive(Debug, Clone, PartialEq)]
-pub struct AtPoints {
+pub struct ClassifiedPoints {
     /// κ by channel and ρ, in the order of [`CLASSIFIED`], per world unit.
     pub arrays: [Vec<f64>; 4],
     /// A transfer function that looks at these arrays, absorbs and glows nowhere less, and needs an order. It only says
@@ -69,7 +73,36 @@ pub struct AtPoints {
     pub bound: TransferFunction,
 }
 
-/// Whether a transfer function is the bound of a classified volume.
+/// The preparation of scenes: the transfer function at the grid's points becomes point arrays ([`CLASSIFIED`]), and the scene's is
+/// replaced by one that reads them.
+pub(super) struct Classification;
+
+impl ScenePreparation for Classification {
+    fn prepare(&self, volume: &Volume, transfer_function: &TransferFunction) -> Result<PreparedScene> {
+        let names = transfer_function.fields();
+        let arrays = names.iter().map(|name| volume.grid.point_array(name, 1)).collect::<Result<Vec<_>>>()?;
+        let count = volume.grid.points.len();
+        let fields: Vec<f64> =
+            (0..count).flat_map(|p| arrays.iter().map(move |array| array.values[p])).collect();
+        let g = |p: usize| volume.gradient_magnitude.as_ref().map_or(0.0, |g| g[p]);
+        let values =
+            (0..count).map(|p| ([volume.scalar[p], g(p)], &fields[p * names.len()..(p + 1) * names.len()]));
+        let points = classified(transfer_function, values)?;
+        let mut grid = Grid::clone(&volume.grid);
+        for (name, values) in CLASSIFIED.into_iter().zip(points.arrays) {
+            let array = Array { component_count: 1, values: values.into() };
+            grid.point_arrays.insert(name.into(), Arc::new(array));
+        }
+        let volume = Volume { grid: Arc::new(grid), ..Volume::clone(volume) };
+        Ok(PreparedScene { volume, transfer_function: points.bound })
+    }
+
+    fn is_prepared(&self, transfer_function: &TransferFunction) -> bool {
+        is_classified(transfer_function)
+    }
+}
+
+/// True if a transfer function is the bound of a classified volume.
 pub fn is_classified(transfer_function: &TransferFunction) -> bool {
     let fields = transfer_function.fields();
     CLASSIFIED.iter().all(|name| fields.contains(name))
@@ -81,7 +114,7 @@ pub fn is_classified(transfer_function: &TransferFunction) -> bool {
 pub fn classified<'a>(
     transfer_function: &TransferFunction,
     values: impl Iterator<Item = ([f64; 2], &'a [f64])>,
-) -> Result<AtPoints> {
+) -> Result<ClassifiedPoints> {
     let prepared = CompiledTransferFunction::new(transfer_function)?;
     let mut arrays = [const { Vec::new() }; 4];
     for (point, fields) in values {
@@ -116,7 +149,7 @@ pub fn classified<'a>(
         extinction: extinction * transfer_function.unit_distance,
         region: None,
     };
-    Ok(AtPoints {
+    Ok(ClassifiedPoints {
         arrays,
         bound: TransferFunction {
             model: OpticalModel::DensityEmitter,

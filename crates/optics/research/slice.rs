@@ -10,7 +10,7 @@
 //! A step is as many homogeneous pieces as the paper's oversampling factor says, with the mean extinction and glow of the closed forms, so a feature
 //! between two nodes is not missed. Each piece absorbs its own light (E₁), which Eq. 6 leaves out.
 
-use super::Extent;
+use crate::integrators::Extent;
 use crate::special::mean_transmittance;
 use crate::{CompiledTransferFunction, Segment, WidgetBlend};
 use voltet_core::transfer::TransferFunction;

@@ -3,7 +3,8 @@
 //! Song et al. 2009, sections 3.3.2 and 5; Moreland & Angel 2004. The integrals come from the two-dimensional
 //! [`PartialTable`], or, to judge the table, from the closed forms of module `linear`.
 
-use super::{Integrator, PartialTable, SegmentIntegrator, can_serve};
+use super::{PartialTable, segments};
+use crate::integrators::{SegmentIntegrator, can_serve};
 use crate::linear::{emission_weights, front_back};
 use crate::sample::Sample;
 use crate::special::{OPAQUE_DEPTH, opacity};
@@ -24,14 +25,14 @@ pub struct Segments {
 impl Segments {
     /// Serves every transfer function; `count` ≥ 1, `table_size` ≥ 2 entries a side.
     pub fn new(transfer_function: &TransferFunction, count: usize, table_size: usize) -> Result<Self> {
-        can_serve(&Integrator::Segments { count, table_size }, transfer_function)?;
+        can_serve(&segments(count, table_size), transfer_function)?;
         let plain = Segments::with_closed_forms(transfer_function, count)?;
         Ok(Segments { table: Some(PartialTable::new(plain.density, table_size)), ..plain })
     }
 
     /// The same without a table: several times slower, and without the table's error.
     pub fn with_closed_forms(transfer_function: &TransferFunction, count: usize) -> Result<Self> {
-        can_serve(&Integrator::Segments { count, table_size: 2 }, transfer_function)?;
+        can_serve(&segments(count, 2), transfer_function)?;
         let density = transfer_function.model == OpticalModel::DensityEmitter;
         Ok(Segments {
             prepared: CompiledTransferFunction::new(transfer_function)?,

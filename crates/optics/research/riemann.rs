@@ -3,7 +3,8 @@
 //! Samples lie at the middles (i + ½)/N, and each stands for a homogeneous piece with its own absorption,
 //! κ h E₁(ρ h): emission without it is wrong by ρl/2N (Roettger & Ertl 2002, Eq. 6).
 
-use super::{Integrator, SegmentIntegrator, can_serve};
+use super::riemann;
+use crate::integrators::{SegmentIntegrator, can_serve};
 use crate::special::{OPAQUE_DEPTH, mean_transmittance, opacity};
 use crate::{CompiledTransferFunction, Contribution, Segment};
 use voltet_core::Result;
@@ -19,7 +20,7 @@ pub struct Riemann {
 impl Riemann {
     /// Serves every transfer function; `count` ≥ 1.
     pub fn new(transfer_function: &TransferFunction, count: usize) -> Result<Self> {
-        can_serve(&Integrator::Riemann { count }, transfer_function)?;
+        can_serve(&riemann(count), transfer_function)?;
         Ok(Riemann { prepared: CompiledTransferFunction::new(transfer_function)?, count })
     }
 }

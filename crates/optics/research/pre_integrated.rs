@@ -6,8 +6,9 @@
 //! entries, and a colour is never darkened towards where nothing is. Slices lie at D = (k/(n − 1))² of the longest
 //! segment, closer where D is small. Trilinear; the error falls with the side (bench `tables`).
 
+use super::pre_integrated;
 use super::slice::Ramp;
-use super::{Extent, Integrator, SegmentIntegrator, can_serve};
+use crate::integrators::{Extent, SegmentIntegrator, can_serve};
 use crate::special::{mean_transmittance, opacity};
 use crate::{Contribution, Segment};
 use rayon::prelude::*;
@@ -27,7 +28,7 @@ pub struct PreIntegrated {
 
 impl PreIntegrated {
     /// Fills the table on all cores. Serves transfer functions of the scalar alone; `table_size` entries a side,
-    /// 2 … [`super::TABLE_SIDE_MOST`], `oversampling` pieces from one to the next, 1 … [`super::OVERSAMPLING_MOST`].
+    /// 2 … [`super::MAX_TABLE_SIDE`], `oversampling` pieces from one to the next, 1 … [`super::MAX_OVERSAMPLING`].
     /// Segments longer than the extent's longest take the colour of that one.
     pub fn new(
         transfer_function: &TransferFunction,
@@ -35,7 +36,7 @@ impl PreIntegrated {
         oversampling: usize,
         extent: &Extent,
     ) -> Result<Self> {
-        can_serve(&Integrator::PreIntegrated { table_size, oversampling }, transfer_function)?;
+        can_serve(&pre_integrated(table_size, oversampling), transfer_function)?;
         let ramp = Ramp::new(transfer_function, table_size, oversampling, extent)?;
         let slice = table_size * table_size;
         let mut glow = vec![[0.0; 3]; slice * table_size];
