@@ -9,9 +9,9 @@ use voltet::core::Result;
 use voltet::core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
 use voltet::optics::integrators::{Extent, Integrator, SegmentIntegrator, can_serve, new};
 use voltet::optics::linear::{emission_weights, front_back};
-use voltet::optics::research::{PartialTable, PreIntegrated, PreIntegratedCylindrical, Segments};
-use voltet::optics::research::{pre_integrated, pre_integrated_cylindrical, riemann, segments};
 use voltet::optics::{Contribution, Segment, WidgetBlend};
+use voltet_integrators::{PartialTable, PreIntegrated, PreIntegratedCylindrical, Segments};
+use voltet_integrators::{pre_integrated, pre_integrated_cylindrical, riemann, segments};
 
 const SEGMENTS: usize = 20_000;
 const LONGEST: f64 = 2.0;

@@ -43,8 +43,6 @@ fn is_alone() -> bool {
 /// The registry of the program: the nodes, gradient filters and integrators that ship, and the integrators for studies.
 pub fn registry() -> Result<Registry> {
     let mut registry = crate::nodes::registry()?;
-    for kind in crate::optics::research::KINDS {
-        crate::optics::integrators::register(&mut registry, kind)?;
-    }
+    voltet_integrators::register(&mut registry)?;
     Ok(registry)
 }

@@ -3,6 +3,7 @@
 use crate::attribute::{Attribute, attributes_of, gradient_attributes};
 use crate::cast::Limits;
 use crate::cells::{Casting, Cells, Counts};
+use crate::integrator::in_lanes_alone;
 use crate::memory::drawing_bytes_of;
 use crate::ready::Ready;
 use crate::sample::Sample;
@@ -157,7 +158,7 @@ pub fn prepare<'a>(
     let touched = cells.touched(transfer_function);
     let extent = extent(cells, &shading.integrator);
     // Lanes leave over no segment of a table over lengths: it is filled once, by them.
-    let by_lanes = shading.integrator.has_table_of_lengths();
+    let by_lanes = in_lanes_alone(&shading.integrator);
     let exact = if by_lanes { None } else { Some(integrator(cells, &touched, shading)?) };
     let whole = cells.no_leave_out;
     let scene = Scene {

@@ -9,6 +9,7 @@
 //! | `cast` | rays from cell to cell through the faces that these share |
 //! | `fragments` | the pixels that a tile's cells cover, and the rays' segments in them |
 //! | `shade` | a segment's colour and opacity |
+//! | [`integrator`] | integrators from outside, in lanes |
 //! | `sample` | what the compositor reads: the projection and how segments are shaded |
 //! | `composite` | segments in order to pixels |
 //! | `kept` | segments kept between pictures of one view |
@@ -25,6 +26,7 @@ mod composite;
 mod cull;
 mod draw;
 mod fragments;
+pub mod integrator;
 mod kept;
 mod memory;
 mod native;

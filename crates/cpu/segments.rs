@@ -11,6 +11,7 @@ use crate::composite::rows::Rows;
 use crate::composite::sinks::of_one_color;
 use crate::cull::Known;
 use crate::fragments::batch::{BATCH, Batch, LANES_MOST};
+use crate::integrator::in_lanes_alone;
 use crate::project::record::TILE;
 use crate::shade::roads;
 use crate::shade::shaded::Shaded;
@@ -73,7 +74,7 @@ fn integrate(
     let extent = Extent { scalar: cells.ranges[0], longest: cells.length };
     integrators::can_serve(&shading.integrator, transfer_function)?;
     let exact = || integrators::new(&shading.integrator, shading.overlap, transfer_function, &extent);
-    let by_lanes = shading.integrator.has_table_of_lengths();
+    let by_lanes = in_lanes_alone(&shading.integrator);
     let exact = if by_lanes { None } else { Some(exact()?) };
     let length = cells.length;
     let scene = Scene { attributes: &attributes, length, ordered, leave_out: false, extent, lanes };

@@ -16,7 +16,6 @@ pub mod piecewise_linear;
 mod prepared;
 pub mod quadrature;
 pub mod reference;
-pub mod research;
 pub mod sample;
 pub mod scene;
 pub mod shading;
@@ -64,8 +63,8 @@ pub enum WidgetBlend {
     Mix,
 }
 
-#[cfg(test)]
-pub(crate) mod arbitrary;
+#[cfg(any(test, feature = "arbitrary"))]
+pub mod arbitrary;
 #[cfg(test)]
 mod extent_tests;
 #[cfg(test)]

@@ -9,7 +9,7 @@ use voltet_core::transfer::{Slab, Widget};
 use voltet_simd::{Float, Lanes, Mask};
 
 /// Optical depth along the longest ray that all widgets together may lose. Culling may take ten times as much.
-pub(crate) const LEFT_OUT: f64 = 1e-8;
+pub const LEFT_OUT: f64 = 1e-8;
 
 /// Where a widget counts.
 pub(crate) struct LaneReach {

@@ -109,9 +109,10 @@ impl Shaded {
     }
 }
 
-/// Why a segment is left to the 64-bit forms.
+/// The reason why a segment falls back to the 64-bit forms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Left {
+#[non_exhaustive]
+pub enum Left {
     /// The integrator is another than the closed forms.
     Integrator,
     /// Samples that 32 bits do not tell apart, or that leave them.
@@ -134,7 +135,7 @@ pub(crate) enum Left {
 
 impl Left {
     /// Whether steps that serve dense segments may serve it.
-    pub fn is_for_dense_steps(self) -> bool {
+    pub(crate) fn is_for_dense_steps(self) -> bool {
         matches!(self, Left::Dense | Left::Delicate)
     }
 

@@ -9,9 +9,9 @@ use super::roettger_ertl::interleaved;
 use crate::work_precision::errors;
 use voltet_core::Result;
 use voltet_core::picture::Picture;
+use voltet_integrators::from_cylinder;
+use voltet_integrators::{pre_integrated, pre_integrated_cylindrical};
 use voltet_optics::WidgetBlend;
-use voltet_optics::research::from_cylinder;
-use voltet_optics::research::{pre_integrated, pre_integrated_cylindrical};
 use voltet_optics::shading::Integrator;
 
 pub(super) fn pictures(bench: &Bench, section: &mut Section) -> Result<()> {

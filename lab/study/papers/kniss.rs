@@ -11,8 +11,8 @@ use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::picture::Picture;
 use voltet_core::transfer::{Profile, TransferFunction};
+use voltet_integrators::{riemann, tabulated};
 use voltet_optics::WidgetBlend;
-use voltet_optics::research::{riemann, tabulated};
 use voltet_optics::shading::Integrator;
 
 /// Table 5: seconds a frame for one to four primitives.

@@ -4,9 +4,9 @@ use super::Paper;
 use super::bench::Bench;
 use super::page::Section;
 use voltet_core::Result;
+use voltet_integrators::{DEFAULT_OVERSAMPLING, DEFAULT_SIDE};
+use voltet_integrators::{VERTEX_SAMPLED, pre_integrated, segments};
 use voltet_optics::WidgetBlend;
-use voltet_optics::research::{DEFAULT_OVERSAMPLING, DEFAULT_SIDE};
-use voltet_optics::research::{VERTEX_SAMPLED, pre_integrated, segments};
 use voltet_optics::shading::Integrator;
 
 pub(super) fn section(bench: &mut Bench) -> Result<Section> {

@@ -10,9 +10,9 @@ use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::grid::extent;
 use voltet_core::transfer::{ControlPoint, Profile, TransferFunction, Widget};
+use voltet_integrators::DEFAULT_SIDE;
+use voltet_integrators::segments;
 use voltet_optics::WidgetBlend;
-use voltet_optics::research::DEFAULT_SIDE;
-use voltet_optics::research::segments;
 use voltet_optics::shading::Integrator;
 
 /// The paper's approximation: ten samples a ray segment.

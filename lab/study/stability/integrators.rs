@@ -5,11 +5,9 @@ use serde::Serialize;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::{OpticalModel, Widget};
 use voltet_core::{Error, Result};
+use voltet_integrators::{pre_integrated, pre_integrated_cylindrical, riemann, segments, tabulated};
 use voltet_judge::{Case, Kind, SegmentCase, stiff};
 use voltet_optics::integrators::{self, Extent, Integrator, IntegratorKind};
-use voltet_optics::research::{
-    self, pre_integrated, pre_integrated_cylindrical, riemann, segments, tabulated,
-};
 use voltet_optics::{CompiledTransferFunction, Contribution, WidgetBlend};
 
 /// One integrator.
@@ -68,7 +66,7 @@ fn settings(kind: &'static dyn IntegratorKind) -> (Integrator, Option<f64>) {
 
 /// All kinds, those that ship first.
 fn kinds() -> impl Iterator<Item = &'static dyn IntegratorKind> {
-    integrators::KINDS.into_iter().chain(research::KINDS)
+    integrators::KINDS.into_iter().chain(voltet_integrators::KINDS)
 }
 
 /// Tries every integrator. Errors: a stopped run, a transfer function out of range.

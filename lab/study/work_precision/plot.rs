@@ -3,9 +3,9 @@
 use super::canvas::{Anchor, Axis, Canvas, Color, Mark, Size, Symbol, WHITE, shown};
 use super::{Painter, Row, Study};
 use crate::numbers::Numbers;
+use voltet_integrators::{DEFAULT_OVERSAMPLING, DEFAULT_PLANES, DEFAULT_SIDE};
 use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::Integrator;
-use voltet_optics::research::{DEFAULT_OVERSAMPLING, DEFAULT_PLANES, DEFAULT_SIDE};
 use voltet_optics::shading::VisibilityOrder;
 
 const SIZE: [f64; 2] = [960.0, 600.0];

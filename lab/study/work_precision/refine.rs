@@ -19,11 +19,11 @@ use voltet_core::picture::Picture;
 use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
+use voltet_integrators::{riemann, segments};
 use voltet_optics::WidgetBlend;
 use voltet_optics::engine::Accumulation;
 use voltet_optics::engine::{AdapterRequest, RenderOptions};
 use voltet_optics::integrators::Integrator;
-use voltet_optics::research::{riemann, segments};
 use voltet_optics::shading::VisibilityOrder;
 
 /// Most cells of the finest grid: some 20 GiB while they are drawn.

@@ -14,10 +14,10 @@ use crate::numbers::Numbers;
 use voltet_core::error::ErrorKind;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
+use voltet_integrators::DEFAULT_SIDE;
 use voltet_io::encode;
 use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::Integrator;
-use voltet_optics::research::DEFAULT_SIDE;
 use voltet_simd::LaneSet;
 
 /// One setting, measured.

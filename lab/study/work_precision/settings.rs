@@ -3,10 +3,10 @@
 use super::{Painter, Subject};
 use crate::numbers::Numbers;
 use voltet_graph::{ParameterType, Registry};
+use voltet_integrators::{DEFAULT_OVERSAMPLING, DEFAULT_PIECES, DEFAULT_PLANES, DEFAULT_SIDE};
 use voltet_optics::WidgetBlend;
 use voltet_optics::engine::{Accumulation, Compositor};
 use voltet_optics::integrators::{Integrator, can_serve, registered};
-use voltet_optics::research::{DEFAULT_OVERSAMPLING, DEFAULT_PIECES, DEFAULT_PLANES, DEFAULT_SIDE};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Shading, VisibilityOrder};
 

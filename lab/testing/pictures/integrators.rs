@@ -6,7 +6,7 @@ use super::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use super::grids::{cube, smooth};
 use super::looks::*;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
-use voltet_optics::research::{pre_integrated, pre_integrated_cylindrical, riemann, segments};
+use voltet_integrators::{pre_integrated, pre_integrated_cylindrical, riemann, segments};
 use voltet_optics::shading::{Integrator, Shading};
 
 /// Each integrator with the error that it may leave in a picture of [`scene`]. Those that sample are of second order

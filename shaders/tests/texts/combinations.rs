@@ -6,9 +6,9 @@ use std::sync::Arc;
 use voltet_core::transfer::{
     ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
 };
+use voltet_integrators::{pre_integrated, pre_integrated_cylindrical};
 use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::{self, Extent, can_serve};
-use voltet_optics::research::{self, pre_integrated, pre_integrated_cylindrical};
 use voltet_optics::shading::{Integrator, Light, Shading};
 use voltet_shaders::{
     Axis, Buffer, Choices, Combine, CompositorProgram, Method, PIECES, Parameters, Parts, Places, Resources,
@@ -90,7 +90,7 @@ fn shadings() -> Vec<Shading> {
             }
         }
     }
-    let kinds = integrators::KINDS.into_iter().chain(research::KINDS);
+    let kinds = integrators::KINDS.into_iter().chain(voltet_integrators::KINDS);
     let others =
         kinds.map(Integrator::new).filter(|i| *i != Integrator::ANALYTIC && voltet_shaders::has_method(i));
     shadings.extend(others.map(|integrator| Shading { integrator, ..SHADING }));
@@ -142,7 +142,8 @@ fn check_words(
 ) {
     let from_table = choices.method.is_table_of_lengths();
     let adaptive = choices.method == Method::Adaptive;
-    let samples = matches!(choices.method, Method::Riemann | Method::Segments);
+    let named = |name: &str| matches!(choices.method, Method::Registered(text) if text.0.name() == name);
+    let samples = named("riemann") || named("segments");
     for (kind, (name, words)) in WORDS.iter().enumerate() {
         for word in *words {
             let asked_for = kinds.contains(&kind) && !from_table;
@@ -165,10 +166,10 @@ fn check_words(
     holds("fn mix_share", kinds.len() > 1 && !samples && !from_table && !adaptive);
     holds("fn march(", walks && adaptive);
     holds("@compute", choices.compositor == CompositorProgram::Segments);
-    holds("fn riemann(", choices.method == Method::Riemann && !kinds.is_empty());
-    holds("fn partial_place", choices.method == Method::Segments && !kinds.is_empty());
+    holds("fn riemann(", named("riemann") && !kinds.is_empty());
+    holds("fn partial_place", named("segments") && !kinds.is_empty());
     holds("fn glow(", from_table);
-    holds("fn to_cylinder", choices.method == Method::PreIntegratedCylindrical);
+    holds("fn to_cylinder", named("pre-integrated-cylindrical"));
     for (word, when) in [("_glow(", true), ("fn emission_weights", false)] {
         assert!(!text.contains(word) || constant == when, "'{word}' in {kinds:?}, {constant}");
     }

@@ -7,7 +7,6 @@ use voltet_core::transfer::{
     ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
 };
 use voltet_optics::integrators::{self, can_serve};
-use voltet_optics::research;
 use voltet_optics::shading::{Integrator, Light, Shading};
 use voltet_shaders::{
     Access, Blend, Choices, CompositorProgram, FramePass, GRID_GROUP, GridArray, Layout, PIECES, Parts,
@@ -66,7 +65,7 @@ fn shadings() -> Vec<Shading> {
     let mut shadings = vec![SHADING];
     shadings.push(Shading { light: Some(light), ..SHADING });
     shadings.push(Shading { silhouette: Some(2.0), light: Some(light), ..SHADING });
-    let kinds = integrators::KINDS.into_iter().chain(research::KINDS);
+    let kinds = integrators::KINDS.into_iter().chain(voltet_integrators::KINDS);
     let others =
         kinds.map(Integrator::new).filter(|i| *i != Integrator::ANALYTIC && voltet_shaders::has_method(i));
     shadings.extend(others.map(|integrator| Shading { integrator, ..SHADING }));

@@ -4,9 +4,9 @@ use crate::device::Device;
 use crate::integrators::{shading, stored};
 use crate::scene::{Composed, Scenes};
 use voltet_core::transfer::{Profile, Region, Widget};
+use voltet_integrators::riemann;
 use voltet_judge::segment_twin::{Measure, change_of_places, numbers};
 use voltet_optics::integrators::{Extent, Integrator, new};
-use voltet_optics::research::{self, riemann};
 use voltet_optics::{CompiledTransferFunction, WidgetBlend};
 use voltet_shaders::Axis;
 use voltet_testing::segments::{MODELS, image, look, segments, widget};
@@ -41,7 +41,7 @@ fn table_widgets_are_twins_of_their_truth() {
     let integrators = [
         (Integrator::ANALYTIC, vec![], 4.0),
         (riemann(9), (0..9).map(|i| (f64::from(i) + 0.5) / 9.0).collect(), 4.0),
-        (research::segments(5, 17), (0..6).map(|i| f64::from(i) / 5.0).collect(), 16.0),
+        (voltet_integrators::segments(5, 17), (0..6).map(|i| f64::from(i) / 5.0).collect(), 16.0),
     ];
     let mut broken = Vec::new();
     for (model, widgets) in MODELS.iter().flat_map(|model| scenes().into_iter().map(move |w| (*model, w))) {

@@ -3,8 +3,8 @@
 use super::*;
 use voltet_core::transfer::{ControlPoint, OpticalModel, Region};
 use voltet_cpu::ENGINE;
+use voltet_integrators::{VERTEX_SAMPLED, pre_integrated, riemann};
 use voltet_optics::engine::{AdapterRequest, PreparedVolume, RenderOptions, RenderOutput, Stage};
-use voltet_optics::research::{VERTEX_SAMPLED, pre_integrated, riemann};
 use voltet_optics::shading::{Integrator, Shading};
 use voltet_testing::pictures::looks::perspective;
 

@@ -3,7 +3,7 @@
 use crate::drawing::{Tested, device, draw, draw_tiles};
 use glam::DVec3;
 use voltet_gpu::Renderer;
-use voltet_optics::research::{riemann, segments};
+use voltet_integrators::{riemann, segments};
 use voltet_optics::shading::{Shading, VisibilityOrder};
 use voltet_testing::pictures::Engine;
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};

@@ -8,7 +8,7 @@ use voltet_core::grid::generate::box_of_tetrahedra;
 use voltet_core::transfer::{Profile, Table, Widget};
 use voltet_core::volume::Volume;
 use voltet_gpu::{Device, Drawn, Renderer};
-use voltet_optics::research::{pre_integrated, pre_integrated_cylindrical};
+use voltet_integrators::{pre_integrated, pre_integrated_cylindrical};
 use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use voltet_testing::pictures::grids::{cube, smooth, smooth_gradient, volume};

@@ -7,9 +7,9 @@ use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::volume::Volume;
 use voltet_gpu::{Device, Renderer};
+use voltet_integrators::pre_integrated;
 use voltet_optics::engine::{Accumulation, Compositor, RenderOptions};
 use voltet_optics::integrators;
-use voltet_optics::research::{self, pre_integrated};
 use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 use voltet_testing::pictures::compare::{NamedScene, SHADING, within};
 use voltet_testing::pictures::grids::{cube, smooth, smooth_gradient};
@@ -95,7 +95,7 @@ fn every_integrator_has_room_for_all_that_a_scene_may_have() {
     let models = [OpticalModel::DensityEmitter, OpticalModel::ConstantEmitter { cutoff: 1.0 / 255.0 }];
     let full = models.map(|model| TransferFunction { model, ..look(full.map(widget).to_vec()) });
     let mut served = Vec::new();
-    let kinds = integrators::KINDS.into_iter().chain(research::KINDS);
+    let kinds = integrators::KINDS.into_iter().chain(voltet_integrators::KINDS);
     for integrator in kinds.map(Integrator::new) {
         let looks = if integrator.has_table_of_lengths() { vec![ramp()] } else { full.to_vec() };
         for look in looks {
