@@ -173,7 +173,12 @@ fn what_cannot_be_studied_is_said() {
     let folder = folder();
     let whole = scene();
     folder.voltet(&study(&["rieman"])).fails(2, &["--only", "rieman", "riemann"]);
-    folder.voltet(&study(&["clipped"])).fails(2, &["none of the integrators", "clipped"]);
+    let point =
+        "kind = \"piecewise-linear\"\npoints = [[0.2, 1.0, 1.0, 1.0, 1.0], [0.6, 1.0, 1.0, 1.0, 2.0]]\n\n";
+    let (start, end) = (whole.find("kind = \"gaussian\"").unwrap(), whole.find("[nodes.view]").unwrap());
+    folder.write("scene.toml", format!("{}{point}{}", &whole[..start], &whole[end..]));
+    folder.voltet(&study(&["tabulated"])).fails(2, &["none of the integrators", "tabulated"]);
+    folder.write("scene.toml", &whole);
     folder.voltet(&["study", "none.toml"]).fails(2, &["none.toml", "cannot be read"]);
     folder.voltet(&study(&["analytic", "--node", "pictur"])).fails(2, &["pictur", "picture"]);
     folder.voltet(&study(&["analytic", "--max-error", "-1"])).fails(2, &["--max-error"]);
