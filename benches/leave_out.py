@@ -3,7 +3,7 @@
 
     python3 benches/leave_out.py [--voltet PROGRAM] [--runs 9] [PIPELINE ...]
 
-Each run is `voltet run --no-leave-out`, which after a run to warm up draws both ways in turn, twice, and reports the faster of each. Printed
+Each run is `voltet run --exhaustive`, which after a run to warm up draws both ways in turn, twice, and reports the faster of each. Printed
 are the medians of the runs as a Markdown table; what a pipeline writes goes to a folder that is removed. The exit code is 1 where leaving
 nothing out is faster by more than the medians scatter (the middle half of the ratios lies below 1).
 """
@@ -25,9 +25,9 @@ def measured(program, pipeline, runs):
     report = pipeline.parent / "report.json"
     pairs = []
     for _ in range(runs):
-        command = [program, "run", "--quiet", "--no-leave-out", "--report", report, pipeline]
+        command = [program, "run", "--quiet", "--exhaustive", "--report", report, pipeline]
         subprocess.run(command, check=True)
-        found = json.loads(report.read_text())["runs"][0]["no_leave_out"]
+        found = json.loads(report.read_text())["runs"][0]["exhaustive"]
         pairs.append((found["usual_seconds"], found["seconds"]))
     return pairs
 

@@ -8,7 +8,7 @@
 !     subroutine voltet_filters() bind(c)
 !       call voltet_describe_plugin("my filters", "1.0")
 !       call voltet_add_filter("my-filter", "What it does.", c_funloc(my_gradient), needs=VOLTET_NEEDS_NEIGHBOURS)
-!       call voltet_add_number("power", "what it is", default=1.0_c_double, least=0.0_c_double, most=4.0_c_double)
+!       call voltet_add_number("power", "what it is", default=1.0_c_double, min=0.0_c_double, max=4.0_c_double)
 !     end subroutine
 !
 ! and for each filter a function `my_gradient(call, host) result(code) bind(c)`. Numbers of points and cells in `cells`,
@@ -57,7 +57,7 @@ module voltet_plugin
     integer(c_int32_t) :: size = 0, kind = 0
     type(c_ptr) :: name = c_null_ptr, unit = c_null_ptr, help = c_null_ptr
     integer(c_int32_t) :: flags = 0, length = 0
-    real(c_double) :: least = 0, most = 0, number = 0
+    real(c_double) :: min = 0, max = 0, number = 0
     type(c_ptr) :: text = c_null_ptr, numbers = c_null_ptr, unset = c_null_ptr
     integer(c_int32_t) :: word_count = 0, reserved = 0
     type(c_ptr) :: words = c_null_ptr, meanings = c_null_ptr
@@ -179,38 +179,44 @@ contains
     call add(added, name, help)
   end subroutine
 
-  ! Without a default the pipeline file must give it; without `least` and `most` there are no limits.
-  subroutine voltet_add_integer(name, help, default, least, most, unit)
+  ! Without a default the pipeline file must give it; without `min` and `max` there are no limits. `least` and
+  ! `most` are their former names.
+  subroutine voltet_add_integer(name, help, default, min, max, unit, least, most)
     character(*), intent(in) :: name, help
-    integer(c_int64_t), intent(in), optional :: default, least, most
+    integer(c_int64_t), intent(in), optional :: default, min, max, least, most
     character(*), intent(in), optional :: unit
     type(parameter_of) :: added
     added%kind = WHOLE
     if (present(default)) added%number = real(default, c_double)
     if (.not. present(default)) added%flags = REQUIRED
-    if (present(least) .or. present(most)) then
-      added%least = -huge(added%least)
-      added%most = huge(added%most)
-      if (present(least)) added%least = real(least, c_double)
-      if (present(most)) added%most = real(most, c_double)
+    if (present(min) .or. present(max) .or. present(least) .or. present(most)) then
+      added%min = -huge(added%min)
+      added%max = huge(added%max)
+      if (present(min)) added%min = real(min, c_double)
+      if (present(max)) added%max = real(max, c_double)
+      if (present(least)) added%min = real(least, c_double)
+      if (present(most)) added%max = real(most, c_double)
     end if
     call add(added, name, help, unit)
   end subroutine
 
-  ! Without a default the pipeline file must give it; without `least` and `most` there are no limits.
-  subroutine voltet_add_number(name, help, default, least, most, unit)
+  ! Without a default the pipeline file must give it; without `min` and `max` there are no limits. `least` and
+  ! `most` are their former names.
+  subroutine voltet_add_number(name, help, default, min, max, unit, least, most)
     character(*), intent(in) :: name, help
-    real(c_double), intent(in), optional :: default, least, most
+    real(c_double), intent(in), optional :: default, min, max, least, most
     character(*), intent(in), optional :: unit
     type(parameter_of) :: added
     added%kind = NUMBER
     if (present(default)) added%number = default
     if (.not. present(default)) added%flags = REQUIRED
-    if (present(least) .or. present(most)) then
-      added%least = -huge(added%least)
-      added%most = huge(added%most)
-      if (present(least)) added%least = least
-      if (present(most)) added%most = most
+    if (present(min) .or. present(max) .or. present(least) .or. present(most)) then
+      added%min = -huge(added%min)
+      added%max = huge(added%max)
+      if (present(min)) added%min = min
+      if (present(max)) added%max = max
+      if (present(least)) added%min = least
+      if (present(most)) added%max = most
     end if
     call add(added, name, help, unit)
   end subroutine

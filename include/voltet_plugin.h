@@ -111,10 +111,19 @@ enum {
 
 /* Flags of a parameter. */
 enum {
-    VOLTET_REQUIRED = 1,   /* The pipeline file must give it; there is no default. */
-    VOLTET_ABOVE_LEAST = 2, /* `least` itself is excluded. */
-    VOLTET_BELOW_MOST = 4   /* `most` itself is excluded. */
+    VOLTET_REQUIRED = 1,      /* The pipeline file must give it; there is no default. */
+    VOLTET_EXCLUSIVE_MIN = 2, /* `min` itself is excluded. */
+    VOLTET_EXCLUSIVE_MAX = 4, /* `max` itself is excluded. */
+    /* Names of these until version 0.2 of voltet. */
+    VOLTET_ABOVE_LEAST = VOLTET_EXCLUSIVE_MIN,
+    VOLTET_BELOW_MOST = VOLTET_EXCLUSIVE_MAX
 };
+
+/* Names of the fields `min` and `max` until version 0.2, where VOLTET_OLD_NAMES is defined before this header. */
+#ifdef VOLTET_OLD_NAMES
+#define least min
+#define most max
+#endif
 
 /* A parameter. The elements of an array of these are `size` bytes apart, and all of the same size. What does not belong to its
  * type is 0. */
@@ -127,8 +136,8 @@ typedef struct voltet_parameter {
     const char *help; /* One line. */
     uint32_t flags;   /* VOLTET_REQUIRED ... or 0. */
     uint32_t length;  /* VOLTET_VECTOR: how many numbers, 0: any, at most 1024. VOLTET_POINT_ARRAY: components a point, at least 1. */
-    double least;     /* The range of VOLTET_INTEGER, VOLTET_NUMBER and each number of VOLTET_VECTOR: from least to most, */
-    double most;      /* both included unless flags say otherwise. -INFINITY and INFINITY: no limit. Both 0: no limits. */
+    double min;       /* The range of VOLTET_INTEGER, VOLTET_NUMBER and each number of VOLTET_VECTOR: from min to max, */
+    double max;       /* both included unless flags say otherwise. -INFINITY and INFINITY: no limit. Both 0: no limits. */
     double number;    /* The default of VOLTET_BOOLEAN (0 or 1), VOLTET_INTEGER and VOLTET_NUMBER. */
     const char *text; /* The default of VOLTET_CHOICE and VOLTET_TEXT. VOLTET_POINT_ARRAY: NULL, or a default name. */
     const double *numbers; /* The default of VOLTET_VECTOR, `length` of them; NULL: none. */

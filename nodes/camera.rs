@@ -12,7 +12,7 @@ use voltet_graph::{
 const LARGEST_SIDE: f64 = 32768.0;
 
 /// Most pixels of a picture: 4 GiB of floats.
-const MOST_PIXELS: f64 = (1u64 << 28) as f64;
+const MAX_PIXELS: f64 = (1u64 << 28) as f64;
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -24,56 +24,56 @@ pub const NODE: Node = Node {
             name: "eye",
             parameter_type: ParameterType::Numbers(Some(3), Range::ANY),
             unit: "world units",
-            standard: DefaultValue::Required,
+            default: DefaultValue::Required,
             help: "position of the eye; it may lie inside the grid",
         },
         Parameter {
             name: "target",
             parameter_type: ParameterType::Numbers(Some(3), Range::ANY),
             unit: "world units",
-            standard: DefaultValue::Required,
+            default: DefaultValue::Required,
             help: "the point that appears in the middle of the picture",
         },
         Parameter {
             name: "up",
             parameter_type: ParameterType::Numbers(Some(3), Range::ANY),
             unit: "",
-            standard: DefaultValue::Numbers(&[0.0, 0.0, 1.0]),
+            default: DefaultValue::Numbers(&[0.0, 0.0, 1.0]),
             help: "the direction that points up in the picture; any length, not parallel to the view",
         },
         Parameter {
             name: "fov_y",
             parameter_type: ParameterType::Number(Range::between(0.0, 180.0)),
             unit: "degrees",
-            standard: DefaultValue::Unset("30 unless height is given"),
+            default: DefaultValue::Unset("30 unless height is given"),
             help: "vertical field of view of a perspective camera",
         },
         Parameter {
             name: "height",
             parameter_type: ParameterType::Number(Range::above(0.0)),
             unit: "world units",
-            standard: DefaultValue::Unset("a perspective camera"),
+            default: DefaultValue::Unset("a perspective camera"),
             help: "height of the picture of an orthographic camera, in place of fov_y",
         },
         Parameter {
             name: "near",
             parameter_type: ParameterType::Number(Range::at_least(0.0)),
             unit: "world units",
-            standard: DefaultValue::Number(0.0),
+            default: DefaultValue::Number(0.0),
             help: "what is nearer along the view direction is cut off",
         },
         Parameter {
             name: "size",
             parameter_type: ParameterType::Integers(2, Range::within(1.0, LARGEST_SIDE)),
             unit: "pixels",
-            standard: DefaultValue::Integers(&[1024, 768]),
+            default: DefaultValue::Integers(&[1024, 768]),
             help: "width and height of the picture",
         },
         Parameter {
             name: "samples",
             parameter_type: ParameterType::Integer(Range::within(1.0, 256.0)),
             unit: "",
-            standard: DefaultValue::Integer(1),
+            default: DefaultValue::Integer(1),
             help: "rays a pixel",
         },
     ],
@@ -100,9 +100,9 @@ fn camera(p: &Parameters) -> Result<Camera> {
         (fov_y, None) => Projection::Perspective { fov_y: fov_y.unwrap_or(30.0) },
     };
     let [width, height]: [f64; 2] = p.vector("size")?;
-    if width * height > MOST_PIXELS {
+    if width * height > MAX_PIXELS {
         let error = p.error("size", "the picture has too many pixels").got(width * height);
-        return Err(error.expected(format!("width × height of at most {MOST_PIXELS}")));
+        return Err(error.expected(format!("width × height of at most {MAX_PIXELS}")));
     }
     let camera = Camera {
         eye: p.vector("eye")?.into(),

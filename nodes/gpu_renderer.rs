@@ -19,7 +19,7 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-/// Those of `renderer`, but for the engine.
+/// Parameters of `renderer` without the engine.
 const PARAMETERS: &[Parameter] = match renderer::NODE.parameters {
     [_engine, others @ ..] => others,
     [] => &[],

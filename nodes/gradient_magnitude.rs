@@ -7,8 +7,8 @@ use voltet_core::field::{Gradient, magnitude};
 use voltet_core::grid::Grid;
 use voltet_core::volume::Volume;
 use voltet_graph::{
-    DefaultValue, Demand, DemandContext, MayLeaveOut, Node, NodeDiagnostics, Outputs, Parameter,
-    ParameterType, Port, PortType, RunContext, SavedWork, Value,
+    DefaultValue, Demand, DemandContext, Diagnostics, Node, Outputs, Parameter, ParameterType, Port,
+    PortType, RunContext, SavedWork, Value,
 };
 
 /// The declaration.
@@ -21,7 +21,7 @@ pub const NODE: Node = Node {
         name: "method",
         parameter_type: ParameterType::GradientFilter,
         unit: "",
-        standard: DefaultValue::Text("least-squares"),
+        default: DefaultValue::Text("least-squares"),
         help: "the filter; its own parameters stand beside this one",
     }],
     example: include_str!("examples/stages.toml"),
@@ -35,45 +35,37 @@ fn demand(asking: &mut DemandContext) -> Result<()> {
     let (arrays, cell_arrays) = (asked.arrays.clone(), asked.cell_arrays.clone());
     let file_cells = asked.file_cells;
     let mut demand = Demand { arrays, cell_arrays, file_cells, ..Demand::default() };
-    if let Some(leave) = asking.may_leave_out() {
-        leave_out(asking.notes, leave, asked, None);
-    }
+    record_unneeded(asking.notes, asked, None);
     if asked.gradient_magnitude || asked.gradient {
         demand.arrays.extend(asking.method()?.arrays()?);
     }
     asking.ask("grid", &demand)
 }
 
-/// Notes what of the gradient nobody asks for; its memory, where the number of points is known.
-fn leave_out(notes: &mut NodeDiagnostics, leave: MayLeaveOut, asked: &Demand, point_count: Option<usize>) {
+/// Records the part of the gradient that nothing needs; with its memory, where the number of points is known.
+fn record_unneeded(notes: &mut Diagnostics, asked: &Demand, point_count: Option<usize>) {
     let (what, why, numbers) = match (asked.gradient_magnitude, asked.gradient) {
         (false, false) => ("gradient", "no widget looks at the gradient magnitude and nothing is lit", 4),
         (true, false) => ("gradient vectors", "nothing is lit and there is no silhouette", 3),
         (false, true) => ("gradient magnitude", "no widget looks at it", 1),
         (true, true) => return,
     };
-    notes.record_skipped(
-        leave,
-        what,
-        why,
-        point_count.map(|points| SavedWork::Bytes(8 * numbers * points as u64)),
-    );
+    notes.record_skipped(what, why, point_count.map(|points| SavedWork::Bytes(8 * numbers * points as u64)));
 }
 
 /// Where somebody looks at it; elsewhere what it is at one of these points.
 fn gradient(call: &mut RunContext, grid: &Grid, s: &[f64]) -> Result<Gradient> {
-    let (leave, looks) = (call.may_leave_out(), call.demand.gradient_for.as_ref());
-    let points = match leave.zip(looks) {
-        Some((_, looks)) => looked_at::points(grid, s, looks)?,
-        None => None,
+    let points = match &call.demand.gradient_for {
+        Some(looks) if !call.exhaustive() => looked_at::points(grid, s, looks)?,
+        _ => None,
     };
-    if let Some((leave, points)) = leave.zip(points)
+    if let Some(points) = points
         && let Some(found) = call.method()?.gradient_at(grid, s, &points, call.progress())
     {
         let Gradient { vectors, fallbacks } = found?;
         let left_out = (grid.points.len() - points.len()) as u64;
         let why = "the values of their cells are none that a widget looks for";
-        call.notes.record_skipped(leave, "gradient at points", why, Some(SavedWork::Points(left_out)));
+        call.notes.record_skipped("gradient at points", why, Some(SavedWork::Points(left_out)));
         let mut all = vec![vectors.first().copied().unwrap_or_default(); grid.points.len()];
         for (&p, vector) in points.iter().zip(vectors) {
             all[p as usize] = vector;
@@ -87,9 +79,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let grid = call.grid("grid")?;
     let mut volume = Volume::clone(&*call.volume("grid")?);
     let (wants_magnitude, wants_vectors) = (call.demand.gradient_magnitude, call.demand.gradient);
-    if let Some(leave) = call.may_leave_out() {
-        leave_out(&mut call.notes, leave, call.demand, Some(grid.points.len()));
-    }
+    record_unneeded(&mut call.notes, call.demand, Some(grid.points.len()));
     call.notes.counts.insert("gradients_computed", u64::from(wants_magnitude || wants_vectors));
     if wants_magnitude || wants_vectors {
         let gradient = gradient(call, &grid, &volume.scalar)?;

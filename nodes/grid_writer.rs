@@ -12,7 +12,7 @@ use voltet_graph::{
     DefaultValue, Demand, DemandContext, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType,
     RunContext, suggest,
 };
-use voltet_io::vtu::{self, Contents, Form, OfTetrahedra, Precision, Role};
+use voltet_io::vtu::{self, Contents, Form, Precision, Role, TetrahedraSource};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -37,7 +37,7 @@ pub const NODE: Node = Node {
             name: "arrays",
             parameter_type: ParameterType::Texts,
             unit: "",
-            standard: DefaultValue::Unset("all that the inputs give"),
+            default: DefaultValue::Unset("all that the inputs give"),
             help: "of what is computed: \"scalar\", \"gradient-magnitude\", \"gradient\", \"culled\", \"cell-values\"",
         },
         Parameter {
@@ -61,7 +61,7 @@ pub const NODE: Node = Node {
                 ),
             ]),
             unit: "",
-            standard: DefaultValue::Text("auto"),
+            default: DefaultValue::Text("auto"),
             help: "which cells are written",
         },
         Parameter {
@@ -72,14 +72,14 @@ pub const NODE: Node = Node {
                 ("double", "64 bits"),
             ]),
             unit: "",
-            standard: DefaultValue::Text("auto"),
+            default: DefaultValue::Text("auto"),
             help: "of positions and quantities",
         },
         Parameter {
             name: "compression",
             parameter_type: ParameterType::Choice(&[("none", "none"), ("zlib", "zlib, as VTK's own writer")]),
             unit: "",
-            standard: DefaultValue::Text("none"),
+            default: DefaultValue::Text("none"),
             help: "of the arrays",
         },
     ],
@@ -95,14 +95,14 @@ const ARRAYS: Parameter = Parameter {
     name: "",
     parameter_type: ParameterType::Texts,
     unit: "",
-    standard: DefaultValue::Unset("those that other nodes ask for"),
+    default: DefaultValue::Unset("those that other nodes ask for"),
     help: "",
 };
 
-/// What can be asked for by `arrays`.
+/// Names valid for `arrays`.
 const WORDS: [&str; 5] = ["scalar", "gradient-magnitude", "gradient", "culled", "cell-values"];
 
-/// What `arrays` names; `None`: all that there is.
+/// Arrays named by `arrays`; `None`: all that there are.
 fn wanted(p: &Parameters) -> Result<Option<Vec<String>>> {
     if p.optional("arrays").is_none() {
         return Ok(None);
@@ -193,7 +193,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     Ok(Vec::new())
 }
 
-/// What the file will hold.
+/// Contents of the file.
 fn contents(call: &mut RunContext, volume: &Volume) -> Result<Contents> {
     let p = call.parameters;
     let wanted = wanted(p)?;
@@ -255,13 +255,13 @@ fn contents(call: &mut RunContext, volume: &Volume) -> Result<Contents> {
     if let Some(culled) = call.optional_cells::<Culled>("cells")?.filter(|_| wants("culled")) {
         let mut kept = vec![false; grid.tetrahedra.len()];
         refuse_other(p, "cells", culled.cells.volume.grid.tetrahedra.len(), kept.len())?;
-        culled.cells.kept.iter().for_each(|&tetrahedron| kept[tetrahedron as usize] = true);
-        contents.add_of_tetrahedra(grid, form, "culled", OfTetrahedra::Kept(&kept));
+        culled.cells.selection.ids.iter().for_each(|&tetrahedron| kept[tetrahedron as usize] = true);
+        contents.add_of_tetrahedra(grid, form, "culled", TetrahedraSource::Kept(&kept));
     }
     for values in call.cell_values("cell_values")?.iter().filter(|_| wants("cell-values")) {
         for (name, numbers) in &values.arrays {
             refuse_other(p, "cell_values", numbers.len(), grid.tetrahedra.len())?;
-            contents.add_of_tetrahedra(grid, form, name, OfTetrahedra::Largest(numbers));
+            contents.add_of_tetrahedra(grid, form, name, TetrahedraSource::Largest(numbers));
         }
     }
     let without = Contents::points_without_values(form);

@@ -33,14 +33,14 @@ pub const NODE: Node = Node {
             name: "background",
             parameter_type: ParameterType::Numbers(Some(3), Range::within(0.0, 1.0)),
             unit: "linear RGB",
-            standard: DefaultValue::Numbers(&[0.0, 0.0, 0.0]),
+            default: DefaultValue::Numbers(&[0.0, 0.0, 0.0]),
             help: "png: the colour behind the picture",
         },
         Parameter {
             name: "provenance",
             parameter_type: ParameterType::Boolean,
             unit: "",
-            standard: DefaultValue::Boolean(true),
+            default: DefaultValue::Boolean(true),
             help: "whether the picture carries the pipeline that drew it, its camera, and names, sizes and dates of the data",
         },
     ],
@@ -63,7 +63,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     Ok(Vec::new())
 }
 
-/// What the picture is to carry.
+/// Provenance to embed in the picture.
 fn carried(call: &mut RunContext, path: &Path) -> Result<Option<Provenance>> {
     if !call.parameters.flag("provenance")? {
         return Ok(None);
@@ -72,7 +72,7 @@ fn carried(call: &mut RunContext, path: &Path) -> Result<Option<Provenance>> {
     if provenance.texts().is_none() {
         call.notes.warnings.push(format!(
             "the picture does not carry its pipeline, which is longer than {} bytes",
-            provenance::TEXT_MOST
+            provenance::MAX_TEXT
         ));
     }
     Ok(Some(provenance))

@@ -68,12 +68,14 @@ pub static NODES: &[&Node] = &[
 ];
 
 /// A registry with the nodes, gradient filters and integrators that ship; others are added by the same [`Registry::add`],
-/// [`Registry::add_filter`] and [`integrators::register`].
+/// [`Registry::add_filter`] and [`Registry::add_variant`].
 pub fn registry() -> Result<Registry> {
     let mut registry = Registry::new();
     NODES.iter().try_for_each(|node| registry.add(node))?;
     filters().into_iter().try_for_each(|filter| registry.add_filter(filter))?;
-    integrators::KINDS.into_iter().try_for_each(|kind| integrators::register(&mut registry, kind))?;
+    for kind in integrators::KINDS {
+        registry.add_variant(integrators::INTEGRATOR, integrators::variant(kind)?)?;
+    }
     // A piecewise-linear function is cut at its control points by the closed forms.
     registry.add_alias(VariantAlias {
         parameter: integrators::INTEGRATOR,

@@ -3,7 +3,7 @@
 use voltet_cpu::drawing_bytes;
 use voltet_io::memory::GridSize;
 
-/// What the program takes before it has read anything: its code, its threads, and what they set aside.
+/// Bytes of the program before it has read anything: its code, its threads, and their stacks.
 const PROGRAM_BYTES: u64 = 30 << 20;
 /// The neighbours of a point, 14 on average, while `least-squares` solves for its gradient.
 const NEIGHBOURS_BYTES: u64 = 64;
@@ -19,11 +19,11 @@ pub struct Needs {
     pub reading: u64,
     /// Drawing all of its cells by the scalar alone, [`SIDE`] × [`SIDE`] pixels.
     pub drawing: u64,
-    /// The same by the scalar and the gradient magnitude, with light.
+    /// Drawing by the scalar and the gradient magnitude, with light.
     pub lit: u64,
 }
 
-/// What a run takes that reads and draws a grid of this size.
+/// Memory of a run that reads and draws a grid of this size.
 pub fn needs(size: &GridSize) -> Needs {
     let grid = PROGRAM_BYTES.saturating_add(size.bytes());
     let drawn = |attributes| drawing_bytes(size.tetrahedra, size.points, attributes, [SIDE; 2]);

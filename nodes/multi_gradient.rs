@@ -6,8 +6,8 @@ use voltet_core::grid::{Array, Grid};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_graph::{
-    DefaultValue, Demand, DemandContext, MayLeaveOut, Node, NodeDiagnostics, Outputs, Parameter,
-    ParameterType, Parameters, Port, PortType, Range, RunContext, SavedWork, Value,
+    DefaultValue, DemandContext, Diagnostics, Node, Outputs, Parameter, ParameterType, Parameters, Port,
+    PortType, Range, RunContext, SavedWork, Value,
 };
 
 /// The declaration.
@@ -21,28 +21,28 @@ pub const NODE: Node = Node {
             name: "fields",
             parameter_type: ParameterType::Texts,
             unit: "",
-            standard: DefaultValue::Required,
+            default: DefaultValue::Required,
             help: "names of point arrays; \"NAME:0\" and \"NAME:magnitude\" for vectors",
         },
         Parameter {
             name: "scale",
             parameter_type: ParameterType::Numbers(None, Range::above(0.0)),
             unit: "units of the fields",
-            standard: DefaultValue::Unset("1, for one field"),
+            default: DefaultValue::Unset("1, for one field"),
             help: "one number a field, what of it counts as much as 1: rows of D are gradients of field / scale",
         },
         Parameter {
             name: "name",
             parameter_type: ParameterType::Text,
             unit: "",
-            standard: DefaultValue::Text("multi-gradient"),
+            default: DefaultValue::Text("multi-gradient"),
             help: "the array's name; it holds the largest singular value of D, which for one field is |gradient| / scale",
         },
         Parameter {
             name: "method",
             parameter_type: ParameterType::GradientFilter,
             unit: "",
-            standard: DefaultValue::Text("least-squares"),
+            default: DefaultValue::Text("least-squares"),
             help: "the gradient filter; its own parameters stand beside this one",
         },
     ],
@@ -53,7 +53,7 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-/// What the parameters state.
+/// Options set by the parameters.
 struct Wish {
     fields: Vec<String>,
     /// One a field.
@@ -71,7 +71,7 @@ impl Wish {
             let error = p.error("name", "the array needs a name of its own").got(format!("'{name}'"));
             return Err(error.expected("a name that no field has"));
         }
-        let scale = match (p.given("scale"), fields.len()) {
+        let scale = match (p.is_set("scale"), fields.len()) {
             (true, _) => p.numbers("scale")?,
             (false, 1) => vec![1.0],
             (false, count) => {
@@ -95,32 +95,26 @@ fn demand(asking: &mut DemandContext) -> Result<()> {
     let wish = Wish::new(asking.parameters)?;
     let mut demand = asking.asked.clone();
     demand.arrays.remove(&wish.name);
-    match leave_for(&wish, asking.asked, asking.may_leave_out()) {
-        Some(leave) => leave_out(asking.notes, leave, &wish, None),
-        None => {
-            demand.arrays.extend(asking.method()?.arrays()?);
-            demand.arrays.extend(wish.fields);
-        }
+    if asking.exhaustive() || asking.asked.arrays.contains(&wish.name) {
+        demand.arrays.extend(asking.method()?.arrays()?);
+        demand.arrays.extend(wish.fields);
+    } else {
+        record_unneeded(asking.notes, &wish, None);
     }
     asking.ask("volume", &demand)
 }
 
-/// Leave to leave the array out, if nobody looks at it.
-fn leave_for(wish: &Wish, asked: &Demand, leave: Option<MayLeaveOut>) -> Option<MayLeaveOut> {
-    leave.filter(|_| !asked.arrays.contains(&wish.name))
-}
-
-fn leave_out(notes: &mut NodeDiagnostics, leave: MayLeaveOut, wish: &Wish, point_count: Option<usize>) {
+fn record_unneeded(notes: &mut Diagnostics, wish: &Wish, point_count: Option<usize>) {
     let saving = point_count.map(|points| SavedWork::Bytes(8 * points as u64));
-    notes.record_skipped(leave, &wish.name, "no widget looks at it", saving);
+    notes.record_skipped(&wish.name, "no widget looks at it", saving);
 }
 
 fn run(call: &mut RunContext) -> Result<Outputs> {
     let wish = Wish::new(call.parameters)?;
     let mut volume = Volume::clone(&*call.volume("volume")?);
-    if let Some(leave) = leave_for(&wish, call.demand, call.may_leave_out()) {
+    if !(call.exhaustive() || call.demand.arrays.contains(&wish.name)) {
         call.notes.counts.insert("gradients_computed", 0);
-        leave_out(&mut call.notes, leave, &wish, Some(volume.grid.points.len()));
+        record_unneeded(&mut call.notes, &wish, Some(volume.grid.points.len()));
         return Ok(vec![Value::Volume(Arc::new(volume))]);
     }
     call.notes.counts.insert("gradients_computed", wish.fields.len() as u64);

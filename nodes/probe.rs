@@ -83,7 +83,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
 
 /// Adds the place of the parameter that names the region.
 fn blame(p: &Parameters, error: Error) -> Error {
-    match ["box", "sphere", "points", "mask"].into_iter().find(|name| p.given(name)) {
+    match ["box", "sphere", "points", "mask"].into_iter().find(|name| p.is_set(name)) {
         Some(name) if error.kind != ErrorKind::Cancelled => p.locate(name, error),
         _ => error,
     }

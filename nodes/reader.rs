@@ -4,11 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 use voltet_graph::{
-    DefaultValue, Demand, MayLeaveOut, Node, NodeDiagnostics, Outputs, Parameter, ParameterType,
-    ParameterValue, Parameters, PlanContext, Port, PortType, Preparation, Range, RunContext, SavedWork,
-    Steps, Value, nearest,
+    DefaultValue, Demand, Diagnostics, Node, Outputs, Parameter, ParameterType, ParameterValue, Parameters,
+    PlanContext, Port, PortType, Preparation, Range, RunContext, SavedWork, Steps, Value, nearest,
 };
-use voltet_io::formats::{self, Association, CellValues, Chosen, Request, TimeStep};
+use voltet_io::formats::{self, Association, CellValues, Request, SelectedArrays, TimeStep};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -20,7 +19,7 @@ pub const NODE: Node = Node {
             name: "path",
             parameter_type: ParameterType::InputPath,
             unit: "",
-            standard: DefaultValue::Required,
+            default: DefaultValue::Required,
             help: formats::FILES,
         },
         SCALAR,
@@ -32,7 +31,7 @@ pub const NODE: Node = Node {
                 ("cell", "a cell array"),
             ]),
             unit: "",
-            standard: DefaultValue::Text("auto"),
+            default: DefaultValue::Text("auto"),
             help: "where the scalar is looked for",
         },
         Parameter {
@@ -42,35 +41,35 @@ pub const NODE: Node = Node {
                 ("constant", "constant in every cell, with jumps between cells"),
             ]),
             unit: "",
-            standard: DefaultValue::Text("average"),
+            default: DefaultValue::Text("average"),
             help: "what becomes of a scalar that is given per cell",
         },
         Parameter {
             name: "time_step",
             parameter_type: ParameterType::Integer(Range::at_least(0.0)),
             unit: "",
-            standard: DefaultValue::Unset("the first"),
+            default: DefaultValue::Unset("the first"),
             help: "number of the step of a time series, from 0",
         },
         Parameter {
             name: "time",
             parameter_type: ParameterType::Number(Range::ANY),
             unit: "as in the file",
-            standard: DefaultValue::Unset("time_step"),
+            default: DefaultValue::Unset("time_step"),
             help: "time within a time series, in place of time_step: the nearest step is read",
         },
         Parameter {
             name: "subdivision",
             parameter_type: ParameterType::Integer(Range::within(1.0, 64.0)),
             unit: "pieces",
-            standard: DefaultValue::Integer(1),
+            default: DefaultValue::Integer(1),
             help: "pieces between neighbouring nodes of a curved cell's edge; 1 goes straight through the mid-edge nodes",
         },
         Parameter {
             name: "solution",
             parameter_type: ParameterType::InputPath,
             unit: "",
-            standard: DefaultValue::Unset("none"),
+            default: DefaultValue::Unset("none"),
             help: "PLOT3D: the solution (q) file that belongs to the grid",
         },
     ],
@@ -91,7 +90,7 @@ pub const SCALAR: Parameter = Parameter {
     name: "scalar",
     parameter_type: ParameterType::Text,
     unit: "",
-    standard: DefaultValue::Unset("the only array, or the one that the file marks"),
+    default: DefaultValue::Unset("the only array, or the one that the file marks"),
     help: "the array to draw; \"NAME:magnitude\" or \"NAME:0\" for vectors",
 };
 
@@ -104,14 +103,14 @@ fn prepare(preparation: &Preparation) -> Result<()> {
 }
 
 /// Reads; by the reader of a format from outside where there is one.
-pub(crate) fn run(call: &mut RunContext, chosen: Option<Chosen>) -> Result<Outputs> {
+pub(crate) fn run(call: &mut RunContext, chosen: Option<SelectedArrays>) -> Result<Outputs> {
     let request = asked(call.parameters, call.demand, chosen, &|path| call.resolve(path))?;
     let path = call.path("path")?;
     let grid = formats::read(&path, &request, call.progress())?;
     let origin = &grid.origin;
     call.notes.warnings.extend(origin.warnings.iter().cloned());
-    if let (Some(leave), false) = (call.may_leave_out(), origin.arrays_unread.is_empty()) {
-        leave_out(&mut call.notes, leave, &origin.arrays_unread, origin.values_unread);
+    if !origin.arrays_unread.is_empty() {
+        record_unread(&mut call.notes, &origin.arrays_unread, origin.values_unread);
     }
     call.notes.counts.insert("arrays_decoded", origin.arrays_decoded);
     for (name, count) in [
@@ -132,7 +131,7 @@ fn files_beside(preparation: &Preparation, steps: Steps) -> Vec<PathBuf> {
     else {
         return Vec::new();
     };
-    if preparation.parameters.given("solution") {
+    if preparation.parameters.is_set("solution") {
         request.solution = preparation.path("solution").ok();
     }
     match steps {
@@ -142,10 +141,10 @@ fn files_beside(preparation: &Preparation, steps: Steps) -> Vec<PathBuf> {
 }
 
 /// Each step of a series by its number.
-pub(crate) fn steps(preparation: &Preparation, chosen: Option<Chosen>) -> Result<Vec<Parameters>> {
+pub(crate) fn steps(preparation: &Preparation, chosen: Option<SelectedArrays>) -> Result<Vec<Parameters>> {
     let p = preparation.parameters;
     let mut request = request(p, chosen)?;
-    if p.given("solution") {
+    if p.is_set("solution") {
         request.solution = Some(preparation.path("solution")?);
     }
     // A step that is not there is said when it is read.
@@ -158,27 +157,27 @@ pub(crate) fn steps(preparation: &Preparation, chosen: Option<Chosen>) -> Result
 }
 
 /// Notes the arrays that are left out, from the headers of the file alone.
-pub(crate) fn foresee(foresight: &mut PlanContext, chosen: Option<Chosen>) -> Result<()> {
+pub(crate) fn foresee(foresight: &mut PlanContext, chosen: Option<SelectedArrays>) -> Result<()> {
     let parameters = foresight.parameters;
     let request = asked(parameters, foresight.demand, chosen, &|path| foresight.resolve(path))?;
     let unread = formats::unread(&foresight.resolve(parameters.text("path")?), &request)?;
     if !unread.arrays.is_empty() {
-        leave_out(foresight.notes, foresight.leave, &unread.arrays, unread.value_count);
+        record_unread(foresight.notes, &unread.arrays, unread.value_count);
     }
     Ok(())
 }
 
-/// Every number becomes one of 64 bits.
-fn leave_out(notes: &mut NodeDiagnostics, leave: MayLeaveOut, arrays: &[String], value_count: u64) {
+/// Records the arrays that are not read: each number of them would become one of 64 bits.
+fn record_unread(notes: &mut Diagnostics, arrays: &[String], value_count: u64) {
     let saving = (value_count > 0).then(|| SavedWork::Bytes(value_count.saturating_mul(8)));
-    notes.record_skipped(leave, format!("arrays {}", arrays.join(", ")), "nothing looks at them", saving);
+    notes.record_skipped(format!("arrays {}", arrays.join(", ")), "nothing looks at them", saving);
 }
 
-/// What parameters and demand ask of the file.
+/// Request to the file from parameters and demand.
 fn asked(
     p: &Parameters,
     demand: &Demand,
-    chosen: Option<Chosen>,
+    chosen: Option<SelectedArrays>,
     resolve: &dyn Fn(&str) -> PathBuf,
 ) -> Result<Request> {
     let mut request = request(p, chosen)?;
@@ -186,14 +185,14 @@ fn asked(
     request.cell_arrays = demand.cell_arrays.named().map(str::to_string).collect();
     request.keep_cells = demand.file_cells;
     request.every_array = demand.arrays.and_all_others() || demand.cell_arrays.and_all_others();
-    if p.given("solution") {
+    if p.is_set("solution") {
         request.solution = Some(resolve(p.text("solution")?));
     }
     Ok(request)
 }
 
-/// What the parameters ask of the file.
-pub(crate) fn request(p: &Parameters, chosen: Option<Chosen>) -> Result<Request> {
+/// Request to the file from the parameters.
+pub(crate) fn request(p: &Parameters, chosen: Option<SelectedArrays>) -> Result<Request> {
     let association = match p.text("association")? {
         "point" => Association::Point,
         "cell" => Association::Cell,
@@ -203,7 +202,7 @@ pub(crate) fn request(p: &Parameters, chosen: Option<Chosen>) -> Result<Request>
         "constant" => CellValues::Constant,
         _ => CellValues::Average,
     };
-    let time_step = match (p.given("time_step"), p.optional_number("time")) {
+    let time_step = match (p.is_set("time_step"), p.optional_number("time")) {
         (true, Some(_)) => return Err(p.error("time", "'time' and 'time_step' exclude each other")),
         (true, None) => Some(TimeStep::Index(p.integer("time_step")? as usize)),
         (false, time) => time.map(TimeStep::Time),

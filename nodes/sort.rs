@@ -4,6 +4,7 @@ use crate::drawing;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_graph::{DemandContext, Node, Outputs, Port, PortType, RunContext, Value};
+use voltet_optics::shading::Ordering;
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -22,18 +23,18 @@ pub const NODE: Node = Node {
 };
 
 fn demand(asking: &mut DemandContext) -> Result<()> {
-    if let (Some(leave), false) = (asking.may_leave_out(), asking.asked.order) {
-        drawing::leave_out_order(asking.notes, leave, None);
+    if !asking.asked.order {
+        drawing::record_unsorted(asking.notes, None);
     }
     let demand = asking.asked.clone();
     asking.ask("cells", &demand)
 }
 
 fn run(call: &mut RunContext) -> Result<Outputs> {
-    let order = drawing::order(call.parameters, call.demand.order)?;
+    let ordering = Ordering::new(drawing::order(call.parameters)?, call.demand.order);
     let culled = call.cells::<drawing::Culled>("cells")?;
     let camera = call.camera("camera")?;
-    let cells = drawing::sort(call, &culled.cells, &camera, order)?;
+    let cells = drawing::sort(call, &culled.cells, &camera, ordering)?;
     let transfer_function = culled.transfer_function.clone();
     Ok(vec![Value::Cells(Arc::new(drawing::Culled { cells, transfer_function }))])
 }

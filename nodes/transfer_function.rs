@@ -39,21 +39,21 @@ pub const NODE: Node = Node {
                 ("constant-emitter", "a widget glows evenly wherever it is above the cutoff"),
             ]),
             unit: "",
-            standard: DefaultValue::Text("density-emitter"),
+            default: DefaultValue::Text("density-emitter"),
             help: "how absorption and glow are related",
         },
         Parameter {
             name: "cutoff",
             parameter_type: ParameterType::Number(Range { below_max: true, ..Range::within(0.0, 1.0) }),
             unit: "share of the peak",
-            standard: DefaultValue::Number(1.0 / 255.0),
+            default: DefaultValue::Number(1.0 / 255.0),
             help: "constant-emitter: where a widget's extinction is below this share of its peak, it does not glow",
         },
         Parameter {
             name: "unit_distance",
             parameter_type: ParameterType::NumberOr(Range::above(0.0), "auto"),
             unit: "world units",
-            standard: DefaultValue::Text("auto"),
+            default: DefaultValue::Text("auto"),
             help: "the length over which extinction is stated; \"auto\": a hundredth of the data's diagonal",
         },
         Parameter {
@@ -63,14 +63,14 @@ pub const NODE: Node = Node {
                 ("series", "all steps of its time series together, read one after the other"),
             ]),
             unit: "",
-            standard: DefaultValue::Text("step"),
+            default: DefaultValue::Text("step"),
             help: "what percentages are shares of the range of, and percentiles of the volume of",
         },
         Parameter {
             name: "widgets",
             parameter_type: ParameterType::Kinds(WIDGET_KINDS),
             unit: "",
-            standard: DefaultValue::Unset("no widgets: an empty picture"),
+            default: DefaultValue::Unset("no widgets: an empty picture"),
             help: "the widgets, whose extinctions add up",
         },
     ],
@@ -92,7 +92,7 @@ fn one_texel(_path: &str) -> Result<(usize, usize, Vec<[f32; 4]>)> {
     Ok((1, 1, vec![[0.0; 4]]))
 }
 
-/// The same from what stands for the widgets of others, where that is known.
+/// Stub of the output while planning, from the stubs of its inputs.
 fn outline(parameters: &Parameters, inputs: &[NamedStub]) -> Result<Outputs> {
     let mut look = look(parameters, &relative::stood_in(parameters)?, &one_texel)?;
     for (_, input) in inputs.iter().filter(|(port, _)| *port == "widgets") {
@@ -129,7 +129,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
         call.notes.warnings.push("the transfer function has no widgets, so the picture is empty".into());
     }
     for (i, (kind, widget)) in call.parameters.kinds("widgets")?.iter().enumerate() {
-        if *kind == "table" && widget.given("color") {
+        if *kind == "table" && widget.is_set("color") {
             let what =
                 format!("widget {} is a table, which has its own colours: its color is not used", i + 1);
             call.notes.warnings.push(what);

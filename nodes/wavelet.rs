@@ -9,7 +9,7 @@ use voltet_graph::{
 };
 
 /// Hexahedra along an axis, at most: a hundred million tetrahedra in all.
-const MOST_ALONG: f64 = 256.0;
+const MAX_POINTS_PER_AXIS: f64 = 256.0;
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -23,9 +23,9 @@ pub const NODE: Node = Node {
     parameters: &[
         Parameter {
             name: "resolution",
-            parameter_type: ParameterType::Integers(3, Range::within(1.0, MOST_ALONG)),
+            parameter_type: ParameterType::Integers(3, Range::within(1.0, MAX_POINTS_PER_AXIS)),
             unit: "hexahedra",
-            standard: DefaultValue::Integers(&[20, 20, 20]),
+            default: DefaultValue::Integers(&[20, 20, 20]),
             help: "hexahedra along x, y and z, each cut into tetrahedra",
         },
         Parameter {
@@ -35,14 +35,14 @@ pub const NODE: Node = Node {
                 ("distance", "the distance from the middle, 0 to 17.3"),
             ]),
             unit: "",
-            standard: DefaultValue::Text("wavelet"),
+            default: DefaultValue::Text("wavelet"),
             help: "the scalar; the box reaches from -10 to 10 along each axis",
         },
         Parameter {
             name: "jitter",
             parameter_type: ParameterType::Number(Range::within(0.0, 0.25)),
             unit: "spacings",
-            standard: DefaultValue::Number(0.2),
+            default: DefaultValue::Number(0.2),
             help: "how far points inside are moved at random, always alike, so that no two cells are alike",
         },
     ],
@@ -56,7 +56,7 @@ pub const NODE: Node = Node {
 /// Half a side of the box, world units.
 const HALF: f64 = 10.0;
 
-/// Of the formula in `vtkRTAnalyticSource` (VTK 9), with its standard parameters and x in sides of the box:
+/// Formula of `vtkRTAnalyticSource` (VTK 9), with its default parameters and x in sides of the box:
 /// 255 e^(−x²/2σ²) + 10 sin 60 x + 18 sin 30 y + 5 cos 40 z, σ = ½.
 fn field(p: glam::DVec3) -> f64 {
     let x = -p / (2.0 * HALF);

@@ -139,7 +139,7 @@ pub struct Choices {
     pub constant_emitter: bool,
     /// How widgets are combined.
     pub combine: Combine,
-    /// Whether g is among the values.
+    /// True if g is among the values.
     pub reads_gradient_magnitude: bool,
     /// Further fields among the values.
     pub field_count: usize,
@@ -184,7 +184,7 @@ impl Choices {
         let combine = match widgets.len() {
             0 => Combine::Nothing,
             _ if method.samples() => Combine::Ordered,
-            _ if transfer_function.one_color().is_some() => Combine::OneColor,
+            _ if transfer_function.uniform_color().is_some() => Combine::OneColor,
             1 => Combine::Alone,
             _ if mixed => Combine::Mix,
             _ => Combine::Ordered,
@@ -204,17 +204,17 @@ impl Choices {
         kind.calls(self.constant_emitter)
     }
 
-    /// Whether a widget of the kind has no closed form for its light alone.
+    /// True if a widget of the kind has no closed form for its light alone.
     pub(crate) fn is_integrated(&self, kind: &Kind) -> bool {
         kind.is_integrated(self.constant_emitter)
     }
 
-    /// Whether a gradient vector is asked for.
+    /// True if a gradient vector is asked for.
     pub fn reads_gradient(&self) -> bool {
         self.silhouette || self.light
     }
 
-    /// Whether sums of one colour are sums of optical depths: a silhouette gives every segment a factor of its own.
+    /// True if sums of one colour are sums of optical depths: a silhouette gives every segment a factor of its own.
     pub fn depths_add_up(&self) -> bool {
         !self.reads_gradient()
     }
@@ -237,7 +237,7 @@ impl Choices {
         self.widgets.iter().map(|widget| of(widget) as u64).sum()
     }
 
-    /// Whether numbers are read one by one, so that something must be bound to `numbers`.
+    /// True if numbers are read one by one, so that something must be bound to `numbers`.
     pub(crate) fn reads_numbers(&self) -> bool {
         let of_widgets =
             self.widgets.iter().any(|widget| widget.edges.is_some() || widget.kind.number_count() > 0);
@@ -283,7 +283,7 @@ fn method_of(integrator: &Integrator) -> Option<Method> {
     registered(integrator).map(|text| Method::Registered(RegisteredMethod(text)))
 }
 
-/// Whether there is a shader for the integrator.
+/// True if there is a shader for the integrator.
 pub fn has_method(integrator: &Integrator) -> bool {
     method_of(integrator).is_some()
 }

@@ -5,7 +5,7 @@ use crate::kinds;
 use crate::stretch::{Spans, Stretch};
 use voltet_core::transfer::{TransferFunction, Widget};
 use voltet_core::{Error, Result};
-use voltet_simd::limits::{DEPTH_IN_ORDER_MOST, LENGTHS};
+use voltet_simd::limits::{LENGTHS, MAX_ORDERED_DEPTH};
 
 /// Checks that a composed shader holds what the segments of a data set may ask of it; the error names the widget and the
 /// limit.
@@ -34,10 +34,10 @@ fn check(choices: &Choices, widget: &Widget, stretch: &Stretch) -> Result<()> {
         return Ok(());
     }
     let depth = stretch.depth(widget);
-    if stretch.is_in_order && depth > DEPTH_IN_ORDER_MOST {
+    if stretch.is_in_order && depth > MAX_ORDERED_DEPTH {
         return Err(Error::run("widgets that overlap are too dense for 32 bits to tell which is in front")
             .got(format!("{depth:e} as the optical depth of a segment"))
-            .expected(format!("at most {DEPTH_IN_ORDER_MOST:e}, or an engine of 64 bits")));
+            .expected(format!("at most {MAX_ORDERED_DEPTH:e}, or an engine of 64 bits")));
     }
     kinds::check_32_bits(widget, stretch)
 }

@@ -8,7 +8,7 @@ use bytemuck::{Pod, Zeroable};
 use voltet_core::transfer::{TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_optics::shading::{Shading, unit_vector};
-use voltet_simd::limits::PIECES_MOST;
+use voltet_simd::limits::MAX_PIECES;
 
 /// What stands before the widgets in `Scene` of `scene.wgsl`.
 #[repr(C)]
@@ -87,7 +87,7 @@ impl Parameters {
             cutoff: cutoff.unwrap_or(0.0) as f32,
             per_unit: finite("1/unit distance", per_unit)?,
             tolerance,
-            brightest: transfer_function.widgets.iter().map(Widget::brightest).fold(0.0, f64::max) as f32,
+            brightest: transfer_function.widgets.iter().map(Widget::max_emission).fold(0.0, f64::max) as f32,
             piece_count,
             first_entry,
             padding: [0; 3],
@@ -107,7 +107,7 @@ impl Parameters {
         for (i, widget) in transfer_function.widgets.iter().enumerate() {
             widgets.push(record(&mut writer, widget).map_err(|e| e.at_item(format!("widgets[{i}]")))?);
         }
-        if let Some(color) = transfer_function.one_color() {
+        if let Some(color) = transfer_function.uniform_color() {
             // Any of them stands for all; what is not drawn may have another.
             widgets.iter_mut().for_each(|record| record.color = color.map(|c| c as f32));
         }
@@ -150,8 +150,8 @@ fn place(at: u64) -> Result<u32> {
 }
 
 fn pieces(count: usize) -> Result<u32> {
-    u32::try_from(count).ok().filter(|count| *count <= PIECES_MOST).ok_or_else(|| {
-        Error::usage("a segment has more pieces than a shader walks").got(count).expected(PIECES_MOST)
+    u32::try_from(count).ok().filter(|count| *count <= MAX_PIECES).ok_or_else(|| {
+        Error::usage("a segment has more pieces than a shader walks").got(count).expected(MAX_PIECES)
     })
 }
 

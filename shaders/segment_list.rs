@@ -93,7 +93,7 @@ pub fn contributions(found: &[f32]) -> Vec<Contribution> {
     found.chunks_exact(CONTRIBUTION).map(contribution).collect()
 }
 
-/// Whether the values, as 32 bits store them, leave digits of what lies between them: those of several widgets and of
+/// True if the values, as 32 bits store them, leave digits of what lies between them: those of several widgets and of
 /// regions share one axis, which near 1e8 leaves none.
 pub fn keeps_digits(transfer_function: &TransferFunction, of: &Conditions) -> bool {
     let lost = |k: f64| 16.0 * f64::from(f32::EPSILON) * (4.0 + k) > 0.1;

@@ -2,7 +2,7 @@
 
 use voltet_core::transfer::{TransferFunction, Widget};
 use voltet_core::{Error, Result};
-use voltet_simd::limits::GAUSSIAN_WIDTHS_MOST;
+use voltet_simd::limits::MAX_GAUSSIAN_WIDTHS;
 
 /// What one segment of a data set spans at most; the ranges of the values bound it, closer numbers refuse less.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,7 +17,7 @@ pub struct Spans<'a> {
 pub(crate) struct Stretch<'a> {
     pub transfer_function: &'a TransferFunction,
     pub spans: &'a Spans<'a>,
-    /// Whether widgets are walked together, in their order.
+    /// True if widgets are walked together, in their order.
     pub is_in_order: bool,
 }
 
@@ -52,10 +52,10 @@ impl Stretch<'_> {
 /// Checks the widths of a Gaussian, one number a row of K.
 pub(crate) fn check_widths(rows: impl Iterator<Item = f64>) -> Result<()> {
     let widths = rows.map(|x| x * x).sum::<f64>().sqrt();
-    if widths <= GAUSSIAN_WIDTHS_MOST {
+    if widths <= MAX_GAUSSIAN_WIDTHS {
         return Ok(());
     }
     Err(Error::run("a Gaussian is narrower than 32 bits resolve along a segment")
         .got(format!("{widths:e} widths over one segment"))
-        .expected(format!("at most {GAUSSIAN_WIDTHS_MOST:e}, or an engine of 64 bits")))
+        .expected(format!("at most {MAX_GAUSSIAN_WIDTHS:e}, or an engine of 64 bits")))
 }

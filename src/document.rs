@@ -1,12 +1,11 @@
 //! A pipeline file, or a picture that carries one, with its text and its checked graph.
 
-use crate::collisions::refuse;
-use crate::options::stated;
+use crate::stated_text::stated;
 use std::path::{Path, PathBuf};
 use voltet_core::{Error, Result};
 use voltet_graph::pipeline::{Pipeline, locate};
 use voltet_graph::{Graph, NamedPath, Registry};
-use voltet_io::provenance::{DataFile, PluginOf, Provenance};
+use voltet_io::provenance::{DataFile, PluginRecord, Provenance};
 
 pub use voltet_io::provenance::Source;
 
@@ -17,11 +16,11 @@ pub struct Document {
     pub path: PathBuf,
     /// Its text.
     pub text: String,
-    /// What it states, with the options carried out.
+    /// Parsed pipeline, with the options carried out.
     pub pipeline: Pipeline,
     /// The graph that it makes.
     pub graph: Graph,
-    /// What the picture says of itself, where the pipeline comes from one.
+    /// Provenance of the picture that carries it.
     pub carried: Option<Provenance>,
 }
 
@@ -32,19 +31,19 @@ impl Document {
         Self::from_source(path, Source::read(path)?, options, registry)
     }
 
-    /// The same for a text that was read already; paths in it are relative to the folder of `path`.
+    /// Like [`Document::open`], for a text; paths in it are relative to the folder of `path`.
     pub fn from_text(path: &Path, text: String, options: &[String], registry: &Registry) -> Result<Document> {
-        Self::from_source(path, Source { text, carried: None }, options, registry)
+        Self::from_source(path, Source { text, embedded: None }, options, registry)
     }
 
-    /// The same for what was read already.
+    /// Like [`Document::open`], for a source that was read before.
     pub fn from_source(
         path: &Path,
         source: Source,
         options: &[String],
         registry: &Registry,
     ) -> Result<Document> {
-        let Source { text, carried } = source;
+        let Source { text, embedded: carried } = source;
         let located = |error| locate(error, &text, path);
         let mut pipeline = Pipeline::parse(&text).map_err(located)?;
         options.iter().try_for_each(|option| pipeline.set(option)).map_err(located)?;
@@ -56,17 +55,12 @@ impl Document {
         Ok(Document { path: path.to_path_buf(), text, pipeline, graph, carried })
     }
 
-    /// Completes an error of a run with the place in this file.
+    /// Completes an error of a run with its location in this file.
     pub fn locate(&self, error: Error) -> Error {
         locate(error, &self.text, &self.path)
     }
 
-    /// Refuses a run that would write over what it reads, or write one file twice.
-    pub fn refuse_collisions(&self) -> Result<()> {
-        refuse([self], true, &[]).map_err(|(error, _)| error)
-    }
-
-    /// Of a picture: finds out, before any work, whether the data files that it names are there.
+    /// Checks, before any work, that the data files that a picture names exist.
     pub fn refuse_missing_data(&self) -> Result<()> {
         for (node, named, former) in self.data() {
             let path = named.from(&self.graph.folder);
@@ -85,7 +79,7 @@ impl Document {
         Ok(())
     }
 
-    /// Of a picture: data files that are not those that it was drawn from, by their sizes.
+    /// Warnings about data files that have changed since a picture was drawn, by their sizes.
     pub fn changed_data(&self) -> Vec<Error> {
         let changed = self.data().filter_map(|(node, named, former)| {
             let path = named.from(&self.graph.folder);
@@ -100,16 +94,16 @@ impl Document {
         changed.collect()
     }
 
-    /// Of a picture: plug-ins that are not those that it was drawn with.
+    /// Warnings about plug-ins that have changed since a picture was drawn.
     pub fn changed_plugins(&self) -> Vec<Error> {
         let drawn_with = self.carried.iter().flat_map(|carried| &carried.plugins);
         let changed = drawn_with.filter_map(|then| {
             let now = self.graph.node(&then.node)?.plugin()?;
-            let fingerprint = now.fingerprint_in_words();
+            let fingerprint = now.fingerprint_text();
             (fingerprint != then.fingerprint).then(|| {
                 Error::usage("the picture was drawn with another plug-in than is loaded now")
                     .got(format!("{now}, version {}, {} bytes, {fingerprint}", now.version, now.bytes))
-                    .expected(format!("{}, or no such picture as before", in_words(then)))
+                    .expected(format!("{}, or no such picture as before", describe_plugin(then)))
                     .at_node(&then.node)
             })
         });
@@ -130,8 +124,9 @@ impl Document {
 
 /// An error of a picture's pipeline, with the plug-ins that it was drawn with: one may be missing.
 fn with_plugins(error: Error, carried: Option<&Provenance>) -> Error {
-    let plugins: Vec<String> = carried.iter().flat_map(|carried| &carried.plugins).map(in_words).collect();
-    match (plugins.is_empty(), error.accepted.clone()) {
+    let plugins: Vec<String> =
+        carried.iter().flat_map(|carried| &carried.plugins).map(describe_plugin).collect();
+    match (plugins.is_empty(), error.expected.clone()) {
         (false, Some(accepted)) => {
             error.expected(format!("{accepted}; the picture was drawn with the {}", plugins.join(", ")))
         }
@@ -140,8 +135,8 @@ fn with_plugins(error: Error, carried: Option<&Provenance>) -> Error {
 }
 
 /// "plug-in 'name' (path), version 1.0, 16000 bytes, 0123456789abcdef".
-fn in_words(plugin: &PluginOf) -> String {
-    let PluginOf { name, path, version, bytes, fingerprint, .. } = plugin;
+fn describe_plugin(plugin: &PluginRecord) -> String {
+    let PluginRecord { name, path, version, bytes, fingerprint, .. } = plugin;
     format!("plug-in '{name}' ({path}), version {version}, {bytes} bytes, {fingerprint}")
 }
 

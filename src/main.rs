@@ -1,7 +1,7 @@
 //! The program, with the nodes and filters that ship.
 
 #[global_allocator]
-static ALLOCATOR: voltet::OrEnd = voltet::OrEnd;
+static ALLOCATOR: voltet::ExitOnOutOfMemory = voltet::ExitOnOutOfMemory;
 
 fn main() -> std::process::ExitCode {
     voltet::run(voltet::registry())

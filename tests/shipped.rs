@@ -1,4 +1,4 @@
-//! What ships works: every pipeline file checks and draws, and the README's example checks.
+//! What ships works: every pipeline file checks and draws.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -80,15 +80,4 @@ fn the_gradient_for_other_programs_is_written_on_the_cells_of_the_file() {
     for wanted in ["214,020 cells", "Temperature_gradient_magnitude", "Temperature_gradient", "culled"] {
         assert!(info.contains(wanted), "{wanted}: {info}");
     }
-}
-
-#[test]
-fn the_example_of_the_readme_checks() {
-    let readme = std::fs::read_to_string(root().join("README.md")).unwrap();
-    let (_, rest) = readme.split_once("```toml\n").unwrap();
-    let (example, _) = rest.split_once("```").unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("readme.toml");
-    std::fs::write(&path, example).unwrap();
-    assert_done(&voltet(&["check", path.to_str().unwrap()]), "README.md");
 }

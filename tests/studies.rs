@@ -16,7 +16,7 @@ use voltet::optics::WidgetBlend;
 use voltet::optics::engine::Accumulation;
 use voltet::optics::scene::Scene;
 use voltet::optics::shading::{Integrator, Shading, VisibilityOrder};
-use voltet::study::work_precision::{
+use voltet_study::work_precision::{
     Asked, Benches, Engines, Form, Frames, Measure, Source, Subject, Wish, reference, refinement, study,
 };
 

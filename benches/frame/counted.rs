@@ -4,7 +4,7 @@
 use voltet::core::Result;
 use voltet::core::camera::Camera;
 use voltet::core::transfer::TransferFunction;
-use voltet::engine::Known;
+use voltet::engine::VolumeCache;
 
 /// Columns of the shares.
 pub const COLUMNS: usize = if cfg!(feature = "counting") { 4 } else { 0 };
@@ -18,7 +18,7 @@ pub const HEAD: &str = if cfg!(feature = "counting") {
 
 /// Additions, products, quotients, roots and multiply-adds of culling, projecting and compositing, one a lane.
 #[cfg(feature = "counting")]
-pub fn operations(known: &Known, look: &TransferFunction, camera: &Camera) -> Result<Option<[u64; 3]>> {
+pub fn operations(known: &VolumeCache, look: &TransferFunction, camera: &Camera) -> Result<Option<[u64; 3]>> {
     use voltet::core::progress::NoProgress;
     use voltet::engine::{composite, project};
     use voltet::lanes::counting::count;
@@ -33,7 +33,7 @@ pub fn operations(known: &Known, look: &TransferFunction, camera: &Camera) -> Re
 
 /// Nothing is counted.
 #[cfg(not(feature = "counting"))]
-pub fn operations(_: &Known, _: &TransferFunction, _: &Camera) -> Result<Option<[u64; 3]>> {
+pub fn operations(_: &VolumeCache, _: &TransferFunction, _: &Camera) -> Result<Option<[u64; 3]>> {
     Ok(None)
 }
 

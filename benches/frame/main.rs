@@ -22,7 +22,7 @@ use voltet::core::progress::NoProgress;
 use voltet::core::transfer::TransferFunction;
 use voltet::core::volume::Volume;
 use voltet::core::{Error, Result};
-use voltet::engine::{Known, composite, project};
+use voltet::engine::{VolumeCache, composite, project};
 use voltet::lanes::LaneSet;
 use voltet::optics::WidgetBlend;
 use voltet::optics::shading::{Integrator, Shading};
@@ -129,7 +129,7 @@ fn measure(
     let mut stages = [const { Vec::new() }; 4];
     let (mut cells_kept, mut segments) = (0, 0);
     let begun = Instant::now();
-    let known = Known::new(volume)?;
+    let known = VolumeCache::new(volume)?;
     for k in 0..=wish.frames {
         let camera = subject.camera(k as f64, size);
         let start = Instant::now();
@@ -147,7 +147,7 @@ fn measure(
                 stage.push(1e3 * time.as_secs_f64());
             }
         }
-        (cells_kept, segments) = (cells.kept.len() as u64, counts.segments);
+        (cells_kept, segments) = (cells.ids.len() as u64, counts.segments);
         if over {
             break;
         }

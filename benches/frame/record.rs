@@ -42,7 +42,7 @@ impl Here {
         {
             commit.push('+');
         }
-        let date = voltet::io::provenance::date::of(std::time::SystemTime::now());
+        let date = voltet::io::provenance::date::iso_date(std::time::SystemTime::now());
         let processor = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {
             let name = text.lines().find(|line| line.starts_with("model name"))?;
             Some(name.split_once(':')?.1.trim().replace(',', ""))

@@ -14,7 +14,7 @@ use voltet::core::volume::Volume;
 use voltet::core::{Error, Result};
 use voltet::graph::NoObserver;
 use voltet::io::formats::{self, Request};
-use voltet::study::work_precision::Subject as Studied;
+use voltet_study::work_precision::Subject as Studied;
 
 /// A grid, where it is seen from, and the transfer functions it is drawn with.
 pub struct Subject {

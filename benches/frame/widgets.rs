@@ -70,17 +70,17 @@ fn costs(scene: &Subject, Volumes { plain, bivariate, .. }: &Volumes) -> Result<
     Ok(())
 }
 
-/// Median milliseconds of a steady frame at 512²; `no_leave_out`: in order although one colour does not need it.
+/// Median milliseconds of a steady frame at 512²; `exhaustive`: in order although one colour does not need it.
 fn frame_time(
     scene: &Subject,
     volume: &Arc<Volume>,
     look: &TransferFunction,
-    no_leave_out: bool,
+    exhaustive: bool,
 ) -> Result<f64> {
     median(FRAME_COUNT, |k| {
         let camera = scene.camera(k as f64, 512);
         let mut cells = cull(volume, look, &camera, &NoProgress)?;
-        cells.no_leave_out = no_leave_out;
+        cells.exhaustive = exhaustive;
         let projection = project(&cells, look, &camera, false, &NoProgress)?;
         composite(&projection, look, &SHADING, &NoProgress).map(drop)
     })

@@ -1,27 +1,27 @@
-//! A caller's arrays to a grid: by the same steps as a file's, from memory that is lent.
+//! Arrays of a caller to a grid, by the same steps as a file's, from borrowed memory.
 
 use crate::guard::{null, optional_text, text};
 use crate::structs::{Array as GivenArray, GridInfo, GridSource, read, stated_size};
 use std::ffi::{c_int, c_void};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use voltet::{BorrowedGrid, CellArrays, NamedArray, PointNumbers, build_grid, unnamed_scalar};
 use voltet_core::grid::{CellValues, Grid, Options, extent};
 use voltet_core::progress::NoProgress;
 use voltet_core::{Error, Result, SharedSlice};
-use voltet_embed::{ArraySource, CellSource, Numbers, Source, grid, no_scalar};
 
 /// `voltet_grid`.
 pub struct GridHandle {
     pub(crate) grid: Arc<Grid>,
-    /// Memory that was copied is the caller's promise, too, until the handle goes.
+    /// Memory that was copied is bound by the caller's promise, too, until the handle is dropped.
     _lender: Arc<Lender>,
 }
 
-/// Whose memory it is: told when nobody needs it any more.
+/// Owner of the memory, whose function `release` is called after the last use.
 struct Lender {
     release: Option<unsafe extern "C" fn(*mut c_void)>,
     user: *mut c_void,
-    /// Not before there is a grid: what fails has taken nothing.
+    /// True once there is a grid: a call that fails keeps no memory.
     armed: AtomicBool,
 }
 
@@ -39,7 +39,7 @@ impl Drop for Lender {
     }
 }
 
-/// Makes a grid.
+/// Builds a grid.
 ///
 /// # Safety
 /// `source` is null or a struct whose addresses hold as much as its counts say, unchanged until its release.
@@ -51,7 +51,7 @@ pub(crate) unsafe fn make(source: *const GridSource) -> Result<GridHandle> {
     let keep: Arc<dyn Send + Sync> = lender.clone();
     // SAFETY: the caller's promise for all of these.
     let source = unsafe {
-        Source {
+        BorrowedGrid {
             points: lent(source.points, product(source.point_count, 3, "points")?, "points")?,
             cells: cells(&source)?,
             arrays: arrays(&source, &keep)?,
@@ -69,16 +69,16 @@ pub(crate) unsafe fn make(source: *const GridSource) -> Result<GridHandle> {
             keep,
         }
     };
-    let grid = grid(source, &NoProgress)?;
+    let grid = build_grid(source, &NoProgress)?;
     if grid.scalar.is_none() {
-        return Err(no_scalar(&grid));
+        return Err(unnamed_scalar(&grid));
     }
     lender.armed.store(true, Ordering::Relaxed);
     Ok(GridHandle { grid: Arc::new(grid), _lender: lender })
 }
 
 impl GridHandle {
-    /// What is known of it.
+    /// Counts, bounds and bytes.
     pub(crate) fn info(&self, size: usize) -> GridInfo {
         let grid = &self.grid;
         let [low, high] = grid.bounds().unwrap_or_default();
@@ -98,7 +98,7 @@ impl GridHandle {
     }
 }
 
-/// Bytes that are lent, and that are owned.
+/// Borrowed and owned bytes.
 fn bytes<T>(values: &SharedSlice<T>) -> [u64; 2] {
     let bytes = size_of_val(values.as_slice()) as u64;
     if values.is_lent() { [bytes, 0] } else { [0, bytes] }
@@ -113,7 +113,7 @@ fn subdivision(pieces: c_int) -> Result<u32> {
     u32::try_from(pieces).map(|pieces| pieces.max(1)).map_err(wrong)
 }
 
-/// How many numbers a count of tuples means.
+/// Number of values of a count of tuples.
 fn product(count: usize, each: usize, what: &str) -> Result<usize> {
     let numbers = count.checked_mul(each).filter(|&numbers| numbers <= isize::MAX as usize / 8);
     numbers.ok_or_else(|| {
@@ -148,7 +148,7 @@ unsafe fn lent<T>(values: *const T, count: usize, what: &str) -> Result<&'static
 
 /// # Safety
 /// As of [`make`].
-unsafe fn arrays(source: &GridSource, keep: &Arc<dyn Send + Sync>) -> Result<Vec<ArraySource>> {
+unsafe fn arrays(source: &GridSource, keep: &Arc<dyn Send + Sync>) -> Result<Vec<NamedArray>> {
     if source.array_count == 0 {
         return Err(Error::usage("the grid has no arrays").expected("at least the scalar that is drawn"));
     }
@@ -179,8 +179,8 @@ unsafe fn arrays(source: &GridSource, keep: &Arc<dyn Send + Sync>) -> Result<Vec
         let count = product(tuples, components, &format!("array '{name}'"))?;
         // SAFETY: the caller's promise.
         let values = unsafe { lent(array.values, count, &format!("array '{name}'")) }?;
-        let values = SharedSlice::lent(values, keep.clone());
-        arrays.push(ArraySource {
+        let values = SharedSlice::from_borrowed(values, keep.clone());
+        arrays.push(NamedArray {
             name: name.into(),
             values,
             component_count: components,
@@ -192,13 +192,13 @@ unsafe fn arrays(source: &GridSource, keep: &Arc<dyn Send + Sync>) -> Result<Vec
 
 /// # Safety
 /// As of [`make`].
-unsafe fn cells(source: &GridSource) -> Result<CellSource> {
+unsafe fn cells(source: &GridSource) -> Result<CellArrays<'static>> {
     let count = source.cell_count;
     match (source.tetrahedra.is_null(), source.types.is_null()) {
         (false, true) => {
             // SAFETY: the caller's promise.
             let numbers = unsafe { lent(source.tetrahedra, product(count, 4, "tetrahedra")?, "tetrahedra") }?;
-            Ok(CellSource::Tetrahedra(numbers))
+            Ok(CellArrays::Tetrahedra(numbers))
         }
         // SAFETY: the caller's promise.
         (true, false) => unsafe { mixed(source) },
@@ -210,16 +210,16 @@ unsafe fn cells(source: &GridSource) -> Result<CellSource> {
 
 /// # Safety
 /// As of [`make`].
-unsafe fn mixed(source: &GridSource) -> Result<CellSource> {
+unsafe fn mixed(source: &GridSource) -> Result<CellArrays<'static>> {
     let count = source.cell_count;
     let offset_count =
         count.checked_add(1).ok_or_else(|| Error::usage("the count of cells is out of range").got(count))?;
     let total = source.connectivity_count;
     let connectivity = match (source.connectivity.is_null(), source.connectivity_u32.is_null()) {
         // SAFETY: the caller's promise.
-        (true, _) => Numbers::Narrow(unsafe { lent(source.connectivity_u32, total, "connectivity") }?),
+        (true, _) => PointNumbers::U32(unsafe { lent(source.connectivity_u32, total, "connectivity") }?),
         // SAFETY: as before.
-        (false, true) => Numbers::Wide(unsafe { lent(source.connectivity, total, "connectivity") }?),
+        (false, true) => PointNumbers::I64(unsafe { lent(source.connectivity, total, "connectivity") }?),
         (false, false) => {
             let error = Error::usage("the connectivity is stated twice");
             return Err(error.expected("connectivity or connectivity_u32, the other null"));
@@ -227,7 +227,7 @@ unsafe fn mixed(source: &GridSource) -> Result<CellSource> {
     };
     // SAFETY: as before.
     unsafe {
-        Ok(CellSource::Mixed {
+        Ok(CellArrays::Mixed {
             types: lent(source.types, count, "types")?,
             offsets: lent(source.offsets, offset_count, "offsets")?,
             connectivity,

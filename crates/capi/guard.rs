@@ -1,11 +1,12 @@
-//! The border: handles, what is wrong with a call, and panics, none of which leaves the library.
+//! The border of the library: handles, errors as status and message, and panics, none of which leaves it.
 
-use crate::session::Session;
 use std::any::Any;
 use std::cell::{RefCell, UnsafeCell};
 use std::ffi::{CStr, CString, c_char, c_int};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
+use voltet::Pipeline;
 use voltet_core::error::ErrorKind;
 use voltet_core::{Error, Result};
 
@@ -20,32 +21,41 @@ pub const CANCELLED: c_int = 3;
 /// `VOLTET_PANIC`.
 pub const PANIC: c_int = 4;
 
+/// Pipeline of a session that has loaded none.
+const DEFAULT_PIPELINE: &str = include_str!("default.toml");
+
 /// `voltet_session`.
 pub struct Handle {
-    /// Set while a call has it.
+    /// True during a call.
     busy: AtomicBool,
-    held: UnsafeCell<Held>,
+    state: UnsafeCell<State>,
 }
 
-struct Held {
-    session: Session,
+struct State {
+    pipeline: Pipeline,
+    /// Message of the last error.
     error: CString,
 }
 
 thread_local! {
-    /// What was wrong with this thread's last call that failed.
+    /// Message of this thread's last failed call.
     static LAST: RefCell<CString> = RefCell::default();
 }
 
 impl Handle {
-    pub(crate) fn new(session: Session) -> Handle {
-        let held = UnsafeCell::new(Held { session, error: CString::default() });
-        Handle { busy: AtomicBool::new(false), held }
+    /// A session with the default pipeline.
+    pub(crate) fn new() -> Result<Handle> {
+        let mut pipeline = Pipeline::new(voltet_nodes::registry()?)?;
+        pipeline.load(DEFAULT_PIPELINE.into(), Path::new("the standard pipeline"), Path::new(""))?;
+        let state = UnsafeCell::new(State { pipeline, error: CString::default() });
+        Ok(Handle { busy: AtomicBool::new(false), state })
     }
 }
 
-/// The status of a failure, and its text.
-fn told(outcome: std::result::Result<Result<()>, Box<dyn Any + Send>>) -> (c_int, Option<CString>) {
+/// Status of a call, and the message of a failure.
+fn status_and_message(
+    outcome: std::result::Result<Result<()>, Box<dyn Any + Send>>,
+) -> (c_int, Option<CString>) {
     let (status, text) = match outcome {
         Ok(Ok(())) => return (DONE, None),
         Ok(Err(error)) => match error.kind {
@@ -53,37 +63,37 @@ fn told(outcome: std::result::Result<Result<()>, Box<dyn Any + Send>>) -> (c_int
             ErrorKind::Usage => (USAGE, error.to_string()),
             ErrorKind::Cancelled => (CANCELLED, error.to_string()),
         },
-        Err(panic) => (PANIC, voltet_embed::said(panic.as_ref())),
+        Err(panic) => (PANIC, voltet::panic_message(panic.as_ref())),
     };
     let text = CString::new(text.replace('\0', "\u{fffd}")).unwrap_or_default();
     LAST.with(|last| last.replace(text.clone()));
     (status, Some(text))
 }
 
-/// Does what a call without a session asks for.
+/// Runs a call without a session.
 pub(crate) fn guarded(work: impl FnOnce() -> Result<()>) -> c_int {
-    told(catch_unwind(AssertUnwindSafe(work))).0
+    status_and_message(catch_unwind(AssertUnwindSafe(work))).0
 }
 
-/// Does what a call asks for with its session.
+/// Runs a call with the pipeline of its session.
 ///
 /// # Safety
 /// `handle` is null or from `voltet_open` and not closed.
-pub(crate) unsafe fn with(handle: *const Handle, work: impl FnOnce(&mut Session) -> Result<()>) -> c_int {
+pub(crate) unsafe fn with(handle: *const Handle, work: impl FnOnce(&mut Pipeline) -> Result<()>) -> c_int {
     // SAFETY: the caller's promise.
     let Some(handle) = (unsafe { handle.as_ref() }) else { return guarded(|| Err(null("the session"))) };
     if handle.busy.swap(true, Ordering::Acquire) {
         return guarded(in_use);
     }
     // SAFETY: `busy` was not set, so no other call has it, and none can until it is set back.
-    let held = unsafe { &mut *handle.held.get() };
-    let (status, text) = told(catch_unwind(AssertUnwindSafe(|| work(&mut held.session))));
+    let state = unsafe { &mut *handle.state.get() };
+    let (status, text) = status_and_message(catch_unwind(AssertUnwindSafe(|| work(&mut state.pipeline))));
     if status == PANIC {
-        // What it left half done is of no use.
-        let _ = catch_unwind(AssertUnwindSafe(|| held.session.begin_anew()));
+        // Half-done work is dropped.
+        let _ = catch_unwind(AssertUnwindSafe(|| state.pipeline.reset()));
     }
     if let Some(text) = text {
-        held.error = text;
+        state.error = text;
     }
     handle.busy.store(false, Ordering::Release);
     status
@@ -123,14 +133,14 @@ pub(crate) unsafe fn error_text(handle: *const Handle) -> *const c_char {
         && !handle.busy.swap(true, Ordering::Acquire)
     {
         // SAFETY: as in `with`.
-        let text = unsafe { &*handle.held.get() }.error.as_ptr();
+        let text = unsafe { &*handle.state.get() }.error.as_ptr();
         handle.busy.store(false, Ordering::Release);
         return text;
     }
     LAST.with(|last| last.borrow().as_ptr())
 }
 
-/// What a null pointer is answered with.
+/// Error for a null pointer.
 pub(crate) fn null(what: &str) -> Error {
     Error::usage(format!("{what} is missing")).got("a null pointer").expected("an address")
 }
@@ -144,7 +154,7 @@ pub(crate) unsafe fn text<'a>(text: *const c_char, what: &str) -> Result<&'a str
     unsafe { optional_text(text, what) }?.ok_or_else(|| null(what))
 }
 
-/// The same where null means that there is none.
+/// Like [`text`], where null means that there is none.
 ///
 /// # Safety
 /// As of [`text`].
@@ -166,7 +176,7 @@ mod tests {
 
     #[test]
     fn a_panic_becomes_a_status_with_a_text_and_the_session_goes_on() {
-        let handle = Handle::new(Session::new().unwrap());
+        let handle = Handle::new().unwrap();
         let text = |handle: *const Handle| {
             // SAFETY: the handle lives, and its text until the next call.
             unsafe { CStr::from_ptr(error_text(handle)) }.to_str().unwrap().to_string()
@@ -181,7 +191,7 @@ mod tests {
 
     #[test]
     fn a_call_out_of_a_call_is_refused() {
-        let handle = Handle::new(Session::new().unwrap());
+        let handle = Handle::new().unwrap();
         // SAFETY: the handle lives.
         let outer = unsafe {
             with(&handle, |_| {

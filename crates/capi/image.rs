@@ -5,7 +5,7 @@ use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_io::encode::srgb8;
 
-/// Where a picture goes: rows of floats, rows of bytes, or both.
+/// Memory for a picture: rows of floats, rows of bytes, or both.
 pub(crate) struct Target {
     image: Image,
     rgba_stride: usize,
@@ -27,14 +27,14 @@ impl Target {
             let found = format!("{:?}", image.background);
             return Err(Error::usage("the background is not finite").got(found).expected("linear RGB"));
         }
-        let stride = |given: usize, least: usize, unit: usize, name: &str| {
-            let stride = if given == 0 { least } else { given };
+        let stride = |given: usize, min: usize, unit: usize, name: &str| {
+            let stride = if given == 0 { min } else { given };
             let fits = stride.checked_mul(height).is_some_and(|bytes| bytes <= isize::MAX as usize);
-            if stride < least || !stride.is_multiple_of(unit) || !fits {
+            if stride < min || !stride.is_multiple_of(unit) || !fits {
                 let multiple = if unit > 1 { format!(", a multiple of {unit}") } else { String::new() };
                 return Err(Error::usage(format!("{name} is out of range"))
                     .got(format!("{given} bytes"))
-                    .expected(format!("0, or at least {least} bytes from row to row{multiple}")));
+                    .expected(format!("0, or at least {min} bytes from row to row{multiple}")));
             }
             Ok(stride)
         };

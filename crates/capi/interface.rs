@@ -1,18 +1,18 @@
-//! The functions that the library exports: what each means, who owns what, and errors stand in `include/voltet.h`.
+//! Functions that the library exports; `include/voltet.h` documents each, with ownership and errors.
 //!
 //! # Safety
-//! Of all of them: addresses are null or as the header says.
+//! Addresses are null or as the header says.
 #![allow(clippy::missing_safety_doc)]
 
+use crate::camera;
 use crate::follow;
 use crate::grid::{self, GridHandle};
 use crate::guard::{self, Handle, guarded, null, optional_text, text, with};
 use crate::image::Target;
-use crate::session::Session;
 use crate::structs::{Camera, Follow, GridInfo, GridSource, Image, read, stated_size};
 use std::ffi::{c_char, c_int};
 use std::path::Path;
-use voltet_core::Result;
+use voltet::{Error, Pipeline, Result};
 
 /// `VOLTET_INTERFACE` of the header that this library was made with.
 const INTERFACE: u32 = 1;
@@ -38,7 +38,7 @@ pub unsafe extern "C" fn voltet_open(session: *mut *mut Handle) -> c_int {
         }
         // SAFETY: it holds an address.
         unsafe { session.write(std::ptr::null_mut()) };
-        let handle = Box::new(Handle::new(Session::new()?));
+        let handle = Box::new(Handle::new()?);
         // SAFETY: as before.
         unsafe { session.write(Box::into_raw(handle)) };
         Ok(())
@@ -63,7 +63,7 @@ pub unsafe extern "C" fn voltet_error_text(session: *const Handle) -> *const c_c
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn voltet_load(session: *mut Handle, path: *const c_char) -> c_int {
     // SAFETY: as the header says.
-    unsafe { with(session, |session| session.load_file(text(path, "the path")?)) }
+    unsafe { with(session, |pipeline| pipeline.load_file(text(path, "the path")?)) }
 }
 
 /// See the header.
@@ -75,9 +75,9 @@ pub unsafe extern "C" fn voltet_load_text(
 ) -> c_int {
     // SAFETY: as the header says.
     unsafe {
-        with(session, |session| {
+        with(session, |loaded| {
             let folder = Path::new(optional_text(folder, "the folder")?.unwrap_or(""));
-            session.load(text(pipeline, "the pipeline")?.into(), Path::new("the pipeline's text"), folder)
+            loaded.load(text(pipeline, "the pipeline")?.into(), Path::new("the pipeline's text"), folder)
         })
     }
 }
@@ -86,7 +86,7 @@ pub unsafe extern "C" fn voltet_load_text(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn voltet_set(session: *mut Handle, option: *const c_char) -> c_int {
     // SAFETY: as the header says.
-    unsafe { with(session, |session| session.set(text(option, "the option")?)) }
+    unsafe { with(session, |pipeline| pipeline.set(text(option, "the option")?)) }
 }
 
 /// See the header.
@@ -98,8 +98,8 @@ pub unsafe extern "C" fn voltet_set_node(
 ) -> c_int {
     // SAFETY: as the header says.
     unsafe {
-        with(session, |session| {
-            session.set_node(text(node, "the node")?, text(parameters, "the parameters")?)
+        with(session, |pipeline| {
+            pipeline.set_node(text(node, "the node")?, text(parameters, "the parameters")?)
         })
     }
 }
@@ -112,7 +112,9 @@ pub unsafe extern "C" fn voltet_set_camera(
     camera: *const Camera,
 ) -> c_int {
     // SAFETY: as the header says.
-    unsafe { with(session, |session| session.set_camera(optional_text(node, "the node")?, &read(camera)?)) }
+    unsafe {
+        with(session, |pipeline| camera::set(pipeline, optional_text(node, "the node")?, &read(camera)?))
+    }
 }
 
 /// See the header.
@@ -170,8 +172,8 @@ pub unsafe extern "C" fn voltet_set_grid(
 ) -> c_int {
     // SAFETY: as the header says.
     unsafe {
-        with(session, |session| {
-            session.set_grid(optional_text(node, "the node")?, grid.as_ref().map(|handle| &handle.grid))
+        with(session, |pipeline| {
+            pipeline.set_grid(optional_text(node, "the node")?, grid.as_ref().map(|handle| &handle.grid))
         })
     }
 }
@@ -186,11 +188,11 @@ pub unsafe extern "C" fn voltet_picture_size(
 ) -> c_int {
     // SAFETY: as the header says.
     unsafe {
-        with(session, |session| {
+        with(session, |pipeline| {
             if width.is_null() || height.is_null() {
                 return Err(null("the place of the size"));
             }
-            let size = session.size(optional_text(node, "the node")?)?;
+            let size = pipeline.size(optional_text(node, "the node")?)?;
             width.write(size[0]);
             height.write(size[1]);
             Ok(())
@@ -208,11 +210,11 @@ pub unsafe extern "C" fn voltet_render(
 ) -> c_int {
     // SAFETY: as the header says.
     unsafe {
-        with(session, |session| {
+        with(session, |pipeline| {
             let follow = if follow.is_null() { None } else { Some(read(follow)?) };
-            let drawing = session.drawing(optional_text(node, "the node")?)?;
-            let target = Target::check(read(image)?, drawing.size)?;
-            target.write(&*follow::draw(session, &drawing, follow.as_ref())?)
+            let plan = pipeline.render_plan(optional_text(node, "the node")?)?;
+            let target = Target::check(read(image)?, plan.size)?;
+            target.write(&*follow::render(pipeline, &plan, follow.as_ref())?)
         })
     }
 }
@@ -221,37 +223,44 @@ pub unsafe extern "C" fn voltet_render(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn voltet_report(session: *mut Handle, buffer: *mut c_char, size: usize) -> usize {
     // SAFETY: as the header says.
-    unsafe { copied(session, buffer, size, |session| session.report()) }
+    unsafe { copied(session, buffer, size, |pipeline| pipeline.report().ok_or_else(not_rendered)) }
 }
 
 /// See the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn voltet_warnings(session: *mut Handle, buffer: *mut c_char, size: usize) -> usize {
     // SAFETY: as the header says.
-    unsafe { copied(session, buffer, size, |session| session.warnings()) }
+    unsafe {
+        copied(session, buffer, size, |pipeline| Ok(pipeline.warnings().ok_or_else(not_rendered)?.join("\n")))
+    }
 }
 
-/// What a failure is answered with in place of a length.
+/// Length returned by a call that failed.
 const NO_LENGTH: usize = usize::MAX;
 
-/// Copies as much of a text as there is room for, with a 0 byte behind it; gives the whole text's length.
+/// Error where there is no report.
+fn not_rendered() -> Error {
+    Error::usage("nothing has been drawn").expected("voltet_render before it")
+}
+
+/// Copies as much of a text as the buffer holds, with a 0 byte behind it; returns the whole text's length.
 unsafe fn copied(
     session: *mut Handle,
     buffer: *mut c_char,
     size: usize,
-    text: impl FnOnce(&Session) -> Result<String>,
+    text: impl FnOnce(&Pipeline) -> Result<String>,
 ) -> usize {
     let mut length = NO_LENGTH;
     // SAFETY: as the header says.
     unsafe {
-        with(session, |session| {
+        with(session, |pipeline| {
             if buffer.is_null() && size > 0 {
                 return Err(null("the buffer"));
             }
-            let text = text(session)?;
+            let text = text(pipeline)?;
             if size > 0 {
-                let most = text.len().min(size - 1);
-                let fits = (0..=most).rev().find(|&end| text.is_char_boundary(end)).unwrap_or(0);
+                let max = text.len().min(size - 1);
+                let fits = (0..=max).rev().find(|&end| text.is_char_boundary(end)).unwrap_or(0);
                 std::ptr::copy_nonoverlapping(text.as_ptr(), buffer.cast(), fits);
                 buffer.add(fits).write(0);
             }

@@ -1,21 +1,21 @@
-//! voltet-c: the renderer for programs in C, C++ and Fortran. What each function means stands in `include/voltet.h` alone.
+//! voltet-c: the renderer for programs in C, C++ and Fortran. `include/voltet.h` documents its functions.
 //!
-//! | file | what |
+//! | file | responsibility |
 //! | --- | --- |
-//! | `interface` | the functions that the library exports |
-//! | `structs` | the header's structs, and how a caller's are read |
-//! | `guard` | handles, errors and panics at the border |
-//! | `session` | a pipeline, its grids, and what its runs leave |
-//! | `grid` | a caller's arrays to a grid, lent where their layout allows |
-//! | `follow` | a run that a caller follows and may stop |
-//! | `image` | a picture into a caller's memory |
+//! | `interface` | exported functions |
+//! | `structs` | structs of the header |
+//! | `guard` | handles, errors and panics |
+//! | `camera` | camera to parameters |
+//! | `grid` | arrays to a grid |
+//! | `follow` | runs with callbacks |
+//! | `image` | pictures into the caller's memory |
 
+mod camera;
 mod follow;
 mod grid;
 mod guard;
 mod image;
 mod interface;
-mod session;
 mod structs;
 
 pub use grid::GridHandle;

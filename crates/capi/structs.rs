@@ -1,4 +1,4 @@
-//! The structs of `include/voltet.h`, field by field, and how a caller's are read. `tests/c` compares sizes and places.
+//! Structs of `include/voltet.h`, field by field, and reading them from a caller. `tests/c` compares sizes and offsets.
 
 use crate::guard::null;
 use std::ffi::{c_char, c_int, c_void};
@@ -102,10 +102,10 @@ pub struct Follow {
     pub cancelled: Option<unsafe extern "C" fn(*mut c_void) -> c_int>,
 }
 
-/// A struct that a caller may hand over: all its fields are numbers and addresses, for which zero bytes are values.
+/// A struct of a caller: all its fields are numbers and addresses, for which zero bytes are values.
 ///
 /// # Safety
-/// That is so, and the first field is the size.
+/// All bytes are values of the type, and its first field is the size.
 pub(crate) unsafe trait Sized0: Copy {
     /// Its name in the header.
     const NAME: &'static str;
@@ -136,8 +136,8 @@ unsafe impl Sized0 for Follow {
     const NAME: &'static str = "voltet_follow";
 }
 
-/// No struct of any version is larger: what says so was not set.
-const SIZE_MOST: usize = 4096;
+/// Largest size of a struct of any version (bytes): a larger one is memory that was not set.
+const MAX_SIZE: usize = 4096;
 
 /// The size that a caller's struct states, if it can be one.
 ///
@@ -149,7 +149,7 @@ pub(crate) unsafe fn stated_size<T: Sized0>(from: *const T) -> Result<usize> {
     }
     // SAFETY: the caller's promise; structs of C may stand anywhere.
     let size = unsafe { from.cast::<usize>().read_unaligned() };
-    if !(size_of::<T>()..=SIZE_MOST).contains(&size) {
+    if !(size_of::<T>()..=MAX_SIZE).contains(&size) {
         return Err(Error::usage(format!("the size of a {} is wrong", T::NAME)).got(size).expected(format!(
             "size = sizeof({}), {} here",
             T::NAME,

@@ -1,4 +1,4 @@
-//! The camera: where the picture is seen from (docs/optics.md, section 4).
+//! The camera: where the picture is seen from (docs/src/explanation/optics.md, section 4).
 //!
 //! Right-handed. Pixel (i, j) of a W × H picture, row 0 at the top, is seen along the ray through its centre
 //! (i + ½, j + ½). Distances along a ray are Euclidean, not depth.
@@ -6,7 +6,7 @@
 use crate::{Error, Result};
 use glam::DVec3;
 
-/// How rays leave the eye.
+/// Projection of the camera: perspective or parallel rays.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Projection {
     /// Rays meet in the eye; `fov_y` is the vertical field of view in degrees, 0 < fov_y < 180.
@@ -21,7 +21,7 @@ pub enum Projection {
     },
 }
 
-/// Where the picture is seen from.
+/// Camera: position, direction, projection and image size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     /// Position of the eye, world units.
@@ -32,7 +32,7 @@ pub struct Camera {
     pub up: DVec3,
     /// Perspective or orthographic.
     pub projection: Projection,
-    /// What lies before the plane through eye + near × view direction is cut away, world units, ≥ 0.
+    /// Distance of the near plane from the eye along the view direction (world units, ≥ 0); nearer parts are clipped.
     pub near: f64,
     /// Width and height in pixels.
     pub size: [u32; 2],
@@ -54,12 +54,12 @@ pub struct Frame {
 }
 
 /// Most pixels a side that an engine draws: places in the picture are held in 16 bits.
-const SIDE_MOST: u32 = 1 << 15;
+const MAX_IMAGE_SIDE: u32 = 1 << 15;
 
 impl Camera {
-    /// Whether an engine can draw the picture: errors name a size or a number of samples out of range.
+    /// Checks the picture's size and number of samples: errors name one that is out of range.
     pub fn check_picture(&self) -> Result<()> {
-        if self.size.iter().any(|&n| n == 0 || n > SIDE_MOST) {
+        if self.size.iter().any(|&n| n == 0 || n > MAX_IMAGE_SIDE) {
             return Err(Error::usage("the picture's size is out of range")
                 .got(format!("{} × {}", self.size[0], self.size[1]))
                 .expected("1 to 32,768 pixels a side"));

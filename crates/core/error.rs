@@ -8,7 +8,7 @@ use std::fmt;
 /// Result of the library.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Whose mistake an error is; decides the exit code of the program.
+/// Category of an error: the user's mistake or a failed run; decides the exit code of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorKind {
     /// The command line or the pipeline file is wrong: exit code 2.
@@ -19,7 +19,7 @@ pub enum ErrorKind {
     Cancelled,
 }
 
-/// Where an error happened, from the outermost to the innermost place known.
+/// Location of an error, from the outermost to the innermost place known.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Location {
     /// The file, as the user wrote its path.
@@ -34,19 +34,19 @@ pub struct Location {
     pub item: Option<String>,
 }
 
-/// What went wrong, what was found, what would be right, where.
+/// Error with its cause, the offending value, the expected value and its location.
 #[derive(Debug, Clone, thiserror::Error)]
 pub struct Error {
-    /// Whose mistake it is.
+    /// Category.
     pub kind: ErrorKind,
-    /// What is wrong, in one clause without a full stop.
+    /// Statement of the mistake, one clause without a full stop.
     pub what: String,
-    /// What was found, if there is something to show.
+    /// Offending value, if there is one to show.
     pub got: Option<String>,
-    /// What would be right.
-    pub accepted: Option<String>,
-    /// Where.
-    pub place: Box<Location>,
+    /// Valid values.
+    pub expected: Option<String>,
+    /// Location.
+    pub location: Box<Location>,
 }
 
 impl Error {
@@ -66,7 +66,7 @@ impl Error {
     }
 
     fn new(kind: ErrorKind, what: impl Into<String>) -> Self {
-        Error { kind, what: what.into(), got: None, accepted: None, place: Box::default() }
+        Error { kind, what: what.into(), got: None, expected: None, location: Box::default() }
     }
 
     /// Adds what was found.
@@ -77,43 +77,43 @@ impl Error {
 
     /// Adds what would be right: a clause that can follow "expected".
     pub fn expected(mut self, accepted: impl fmt::Display) -> Self {
-        self.accepted = Some(accepted.to_string());
+        self.expected = Some(accepted.to_string());
         self
     }
 
     /// Names the file, unless an inner place named one already.
     pub fn in_file(mut self, file: impl AsRef<std::path::Path>) -> Self {
-        self.place.file.get_or_insert_with(|| file.as_ref().display().to_string());
+        self.location.file.get_or_insert_with(|| file.as_ref().display().to_string());
         self
     }
 
     /// Points at a byte range of `text`, the content of the file, unless something is pointed at already.
     pub fn at_span(mut self, text: &str, span: std::ops::Range<usize>) -> Self {
-        if self.place.span.is_none() {
+        if self.location.span.is_none() {
             let before = &text[..span.start.min(text.len())];
             let line = before.matches('\n').count() + 1;
             let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
-            self.place.line_column = Some((line, column));
-            self.place.span = Some(span);
+            self.location.line_column = Some((line, column));
+            self.location.span = Some(span);
         }
         self
     }
 
     /// Names the line (1-based) of the file.
     pub fn at_line(mut self, line: usize) -> Self {
-        self.place.line_column.get_or_insert((line, 1));
+        self.location.line_column.get_or_insert((line, 1));
         self
     }
 
     /// Names the node of the pipeline.
     pub fn at_node(mut self, node: impl Into<String>) -> Self {
-        self.place.node.get_or_insert_with(|| node.into());
+        self.location.node.get_or_insert_with(|| node.into());
         self
     }
 
     /// Names the port, parameter, array or element.
     pub fn at_item(mut self, item: impl Into<String>) -> Self {
-        self.place.item.get_or_insert_with(|| item.into());
+        self.location.item.get_or_insert_with(|| item.into());
         self
     }
 }
@@ -124,10 +124,10 @@ impl fmt::Display for Error {
         if let Some(found) = &self.got {
             write!(f, ": found {found}")?;
         }
-        if let Some(accepted) = &self.accepted {
+        if let Some(accepted) = &self.expected {
             write!(f, "; expected {accepted}")?;
         }
-        let place = &self.place;
+        let place = &self.location;
         let mut parts = Vec::new();
         if let Some(file) = &place.file {
             parts.push(match place.line_column {

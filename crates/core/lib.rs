@@ -4,6 +4,7 @@
 
 pub mod arithmetic;
 pub mod camera;
+pub mod diagnostics;
 pub mod error;
 pub mod field;
 pub mod grid;

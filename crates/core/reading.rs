@@ -1,4 +1,4 @@
-//! What a reader of a file format is: for formats that come from outside. A node is made of it by `voltet_nodes::added::reader`.
+//! Readers of further file formats: the trait that a format from outside implements. `voltet_nodes::added::reader` makes a node of one.
 
 use crate::Result;
 use crate::field::Plugin;
@@ -18,10 +18,10 @@ pub trait GridReader: Send + Sync {
         None
     }
 
-    /// Whether a file is of this format, by its first bytes (at most 256) and its name.
-    fn is_meant(&self, head: &[u8], path: &Path) -> bool;
+    /// True if a file is of this format, by its first bytes (at most 256) and its name.
+    fn matches(&self, head: &[u8], path: &Path) -> bool;
 
-    /// What files of the format are called by their names, for help: ".cells".
+    /// File names of the format, for help: ".cells".
     fn files(&self) -> String;
 
     /// Checks what single declarations cannot say (parameters that exclude each other). Touches no file.
@@ -44,7 +44,7 @@ pub trait GridReader: Send + Sync {
 
 /// A file whose headers are known.
 pub trait OpenGrid: Send + Sync {
-    /// What it holds.
+    /// Table of contents.
     fn head(&self) -> &GridHead;
 
     /// Reads points and cells where they are wanted, and the arrays with these places in the head, in that order.
@@ -53,10 +53,10 @@ pub trait OpenGrid: Send + Sync {
     fn read(&self, geometry: bool, arrays: &[usize], progress: &dyn Progress) -> Result<GridRead>;
 }
 
-/// What a file holds, but for the numbers.
+/// Table of contents of a file: everything but the numbers.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct GridHead {
-    /// How the file is written, for people.
+    /// Format and encoding of the file, for people.
     pub format: String,
     /// Points.
     pub point_count: u64,
@@ -65,7 +65,7 @@ pub struct GridHead {
     /// Bytes of the cells in memory.
     pub cell_bytes: u64,
     /// The arrays.
-    pub arrays: Vec<ArrayOfFile>,
+    pub arrays: Vec<FileArray>,
     /// The array that the file marks as the one to draw.
     pub scalar: Option<String>,
     /// Times of the steps of a series; empty where the file is none.
@@ -74,21 +74,21 @@ pub struct GridHead {
 
 /// An array of a file.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ArrayOfFile {
+pub struct FileArray {
     /// Its name. No two at points, and no two at cells, share one.
     pub name: String,
-    /// Where its tuples sit.
+    /// Location of the tuples: points or cells.
     pub association: Association,
     /// Numbers of a tuple, at least 1.
     pub component_count: usize,
 }
 
-/// What was read of a file.
+/// Arrays read from a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GridRead {
     /// As many as the head says, where they were wanted.
     pub points: Option<Vec<DVec3>>,
-    /// The same.
+    /// Cells; `None` if not requested.
     pub cells: Option<Cells>,
     /// The arrays that were wanted: as many tuples as there are points or cells.
     pub arrays: Vec<Vec<f64>>,

@@ -15,7 +15,7 @@ impl<T> SharedSlice<T> {
     /// Memory that somebody else owns, shared without being copied. `keep` is dropped with the last owner: what it stands for
     /// (a call-back, a reference count) may then take the memory back. That the memory outlives it is the caller's promise, who
     /// made a slice without end of it.
-    pub fn lent(values: &'static [T], keep: Arc<dyn Send + Sync>) -> SharedSlice<T> {
+    pub fn from_borrowed(values: &'static [T], keep: Arc<dyn Send + Sync>) -> SharedSlice<T> {
         SharedSlice { owned: Arc::default(), lent: Some((values, keep)) }
     }
 
@@ -39,12 +39,12 @@ impl<T> SharedSlice<T> {
         Arc::make_mut(&mut self.owned)
     }
 
-    /// Whether the memory is somebody else's.
+    /// True if the memory is somebody else's.
     pub fn is_lent(&self) -> bool {
         self.lent.is_some()
     }
 
-    /// Whether both are the same memory.
+    /// True if both are the same memory.
     pub fn is(&self, other: &SharedSlice<T>) -> bool {
         std::ptr::eq(self.as_slice(), other.as_slice())
     }
@@ -95,6 +95,18 @@ impl<T> From<Vec<T>> for SharedSlice<T> {
     }
 }
 
+impl From<Vec<[f64; 3]>> for SharedSlice<glam::DVec3> {
+    fn from(points: Vec<[f64; 3]>) -> Self {
+        points.into_iter().map(glam::DVec3::from).collect()
+    }
+}
+
+impl From<&[[f64; 3]]> for SharedSlice<glam::DVec3> {
+    fn from(points: &[[f64; 3]]) -> Self {
+        points.to_vec().into()
+    }
+}
+
 impl<T> From<Arc<Vec<T>>> for SharedSlice<T> {
     fn from(values: Arc<Vec<T>>) -> Self {
         SharedSlice { owned: values, lent: None }
@@ -121,9 +133,9 @@ mod tests {
     use super::*;
     use std::sync::atomic::{AtomicBool, Ordering};
 
-    struct Returned(Arc<AtomicBool>);
+    struct ReturnedBuffer(Arc<AtomicBool>);
 
-    impl Drop for Returned {
+    impl Drop for ReturnedBuffer {
         fn drop(&mut self) {
             self.0.store(true, Ordering::Relaxed);
         }
@@ -133,7 +145,7 @@ mod tests {
     fn lent_memory_is_given_back_by_the_last_owner_and_never_copied() {
         static NUMBERS: [f64; 3] = [1.0, 2.0, 3.0];
         let back = Arc::new(AtomicBool::new(false));
-        let first = SharedSlice::lent(&NUMBERS, Arc::new(Returned(back.clone())));
+        let first = SharedSlice::from_borrowed(&NUMBERS, Arc::new(ReturnedBuffer(back.clone())));
         let second = first.clone();
         assert!(first.is(&second) && std::ptr::eq(first.as_ptr(), NUMBERS.as_ptr()));
         drop(first);
@@ -146,7 +158,7 @@ mod tests {
     #[test]
     fn changing_copies_what_somebody_else_holds() {
         static NUMBERS: [u32; 2] = [7, 8];
-        let mut lent = SharedSlice::lent(&NUMBERS, Arc::new(()));
+        let mut lent = SharedSlice::from_borrowed(&NUMBERS, Arc::new(()));
         lent.make_mut().push(9);
         assert_eq!((&*lent, NUMBERS), (&[7, 8, 9][..], [7, 8]));
         let other = lent.clone();
@@ -160,7 +172,7 @@ mod tests {
     #[test]
     fn equal_numbers_are_equal_whoever_owns_them() {
         static NUMBERS: [u32; 2] = [7, 8];
-        let lent = SharedSlice::lent(&NUMBERS, Arc::new(()));
+        let lent = SharedSlice::from_borrowed(&NUMBERS, Arc::new(()));
         let owned = SharedSlice::from(vec![7, 8]);
         assert_eq!(lent, owned);
         assert!(!lent.is(&owned) && owned.is(&owned.clone()));

@@ -5,7 +5,7 @@ use crate::grid::Grid;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// What is drawn. All arrays are per point; what nobody asked for is `None`.
+/// Volume to draw: a grid with its scalar and gradient. All arrays are per point; `None`: not requested.
 #[derive(Debug, Clone)]
 pub struct Volume {
     /// Points, tetrahedra, further fields.

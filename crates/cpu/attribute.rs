@@ -1,6 +1,6 @@
-//! Attributes: the point arrays that widgets, light and silhouettes look at, scaled for 32 bits.
+//! Attributes: the point arrays that widgets, light and silhouettes read, scaled for 32 bits.
 
-use crate::cells::Cells;
+use crate::selection::CellSelection;
 use voltet_core::grid::extent;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
@@ -39,29 +39,29 @@ impl Attribute<'_> {
     }
 }
 
-/// Most attributes of a picture: s, g, the further fields and the gradient.
+/// Attributes of a picture at most: s, g, the further fields and the gradient.
 pub(crate) const ATTRIBUTES_MOST: usize = 16;
 
-/// Most further fields of a picture.
-const FIELDS_MOST: usize = ATTRIBUTES_MOST - 5;
+/// Further fields of a picture at most.
+const MAX_FIELDS: usize = ATTRIBUTES_MOST - 5;
 
-/// The point arrays that the transfer function looks at, s first, then g, then the further fields, scaled to
+/// Point arrays that the transfer function reads, s first, then g, then the further fields, scaled to
 /// about −½ … ½.
 pub(crate) fn attributes_of<'a>(
-    cells: &'a Cells,
+    cells: &'a CellSelection,
     transfer_function: &TransferFunction,
 ) -> Result<Vec<Attribute<'a>>> {
     let volume = &cells.volume;
     let fields = transfer_function.fields();
-    if fields.len() > FIELDS_MOST {
-        return Err(Error::usage("the widgets look at more point arrays than a picture is drawn from")
+    if fields.len() > MAX_FIELDS {
+        return Err(Error::usage("the widgets read more point arrays than a picture can be drawn from")
             .got(format!("{} beside s and g", fields.len()))
-            .expected(format!("at most {FIELDS_MOST}")));
+            .expected(format!("at max {MAX_FIELDS}")));
     }
-    let touched = cells.touched(transfer_function);
-    let has_edges = touched.widgets.iter().any(|widget| widget.region.is_some());
+    let active = cells.active_widgets(transfer_function);
+    let has_edges = active.widgets.iter().any(|widget| widget.region.is_some());
     let about = |axis: usize| {
-        let origin = if cells.from_the_middle { None } else { touched.axis_origin(axis) };
+        let origin = if cells.centered_ranges { None } else { active.axis_origin(axis) };
         origin.map(|centre| (centre, has_edges))
     };
     let mut attributes = vec![attribute(&volume.scalar, cells.ranges[0], about(0))];
@@ -70,18 +70,18 @@ pub(crate) fn attributes_of<'a>(
             Some(g) => attributes.push(attribute(g, cells.ranges[1], about(1))),
             None if transfer_function.uses_gradient_magnitude() => {
                 return Err(Error::usage(
-                    "the transfer function looks at the gradient magnitude, and the volume has none",
+                    "the transfer function reads the gradient magnitude, and the volume has none",
                 )
                 .expected("a gradient-magnitude node before this one"));
             }
-            // The further fields stand in their own places, behind g.
+            // The further fields stand behind g.
             None => attributes.push(attribute(&volume.scalar, cells.ranges[0], None)),
         }
     }
     for (i, name) in fields.into_iter().enumerate() {
         let array = volume.grid.point_arrays.get(name).filter(|array| array.component_count == 1);
         let Some(array) = array else {
-            return Err(Error::usage("the transfer function looks at a field that the volume does not have")
+            return Err(Error::usage("the transfer function reads a field that the volume does not have")
                 .got(name)
                 .expected("a point array of one component that the reader was asked for"));
         };
@@ -94,9 +94,9 @@ pub(crate) fn attributes_of<'a>(
     Ok(attributes)
 }
 
-/// The components of the gradient as attributes, for light and silhouettes: no offset and one scale, so that small
+/// Components of the gradient as attributes, for light and silhouettes: no offset and one scale, so that small
 /// gradients keep their direction.
-pub(crate) fn gradient_attributes(cells: &Cells) -> Result<Vec<Attribute<'_>>> {
+pub(crate) fn gradient_attributes(cells: &CellSelection) -> Result<Vec<Attribute<'_>>> {
     let volume = &cells.volume;
     let gradient = volume.gradient.as_ref().filter(|g| g.len() == volume.grid.points.len());
     let Some(gradient) = gradient else {
@@ -105,7 +105,7 @@ pub(crate) fn gradient_attributes(cells: &Cells) -> Result<Vec<Attribute<'_>>> {
             .got(format!("{count} gradients, {} points", volume.grid.points.len()))
             .expected("a gradient-magnitude node before this one"));
     };
-    let scale = if cells.steepest > 0.0 { cells.steepest } else { 1.0 };
+    let scale = if cells.max_gradient > 0.0 { cells.max_gradient } else { 1.0 };
     let values: &[f64] = bytemuck::cast_slice(gradient);
     Ok((0..3)
         .map(|i| Attribute {
@@ -121,13 +121,13 @@ pub(crate) fn gradient_attributes(cells: &Cells) -> Result<Vec<Attribute<'_>>> {
 /// `about`: the centre that values are counted from if it is among them, and whether widgets have edges there.
 fn attribute(values: &[f64], [low, high]: [f64; 2], about: Option<(f64, bool)>) -> Attribute<'_> {
     let span = span([low, high]);
-    // A constant field: any scale serves. The largest power of two is 2^1023.
+    // A constant field: any scale will do. The largest power of two is 2^1023.
     let scale = if span > 0.0 { span.log2().ceil().min(1023.0).exp2() } else { 1.0 };
     let middle = low + 0.5 * span;
     // With edges the offset must not add digits to the values; so near the centre 45 bits of the range are left.
     let coarse = |centre: f64| (centre / scale * OFFSET_STEPS).round() / OFFSET_STEPS * scale;
     let offset = match about {
-        // Just beside the values serves, too: widths are counted from 0, however small the least of them.
+        // Just beside the values is near enough: widths are counted from 0, however small the least of them.
         Some((centre, has_edges)) if (low - span..=high + span).contains(&centre) => {
             Some(coarse(centre)).filter(|offset| has_edges && offset.is_finite()).unwrap_or(centre)
         }
@@ -136,5 +136,5 @@ fn attribute(values: &[f64], [low, high]: [f64; 2], about: Option<(f64, bool)>) 
     Attribute { values, stride: 1, offset, scale, range: [low, high] }
 }
 
-/// Places of an offset among widgets with edges, by the scale.
+/// Steps of an offset by the scale, where widgets have edges.
 const OFFSET_STEPS: f64 = (1 << 20) as f64;

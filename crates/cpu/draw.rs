@@ -1,14 +1,17 @@
 //! The stages end to end: project, composite, and the one-call form.
 
-use crate::attribute::{Attribute, attributes_of, gradient_attributes};
-use crate::cast::Limits;
-use crate::cells::{Casting, Cells, Counts};
+use crate::attribute::{attributes_of, gradient_attributes};
+use crate::cast::RayCastPolicy;
+use crate::cells::Cells;
+use crate::counts::Counts;
+use crate::frame_renderer::FrameRenderer;
 use crate::integrator::in_lanes_alone;
 use crate::memory::drawing_bytes_of;
-use crate::ready::Ready;
-use crate::sample::Sample;
+use crate::projection::Projection;
+use crate::selection::{CellSelection, Traversal};
 use crate::shade::light::Surface;
 use crate::shade::shader::{Scene, Shader};
+use crate::subpixel::SubpixelView;
 use rayon::prelude::*;
 use voltet_core::camera::Camera;
 use voltet_core::grid::extent::longest_edge_squared;
@@ -17,54 +20,12 @@ use voltet_core::progress::{Progress, refuse_beyond_memory};
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_optics::integrators::{self, Extent, SegmentIntegrator};
-use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
+use voltet_optics::shading::{Integrator, Ordering, Shading};
 
-/// Cells prepared for the compositor: one projection for each sample of a pixel. Of more cells than are projected at once
-/// ([`Cells::most_at_once`]) it holds which part of the picture each touches; the compositor projects them part by part.
-#[derive(Debug)]
-pub struct Projection {
-    pub(crate) cells: Cells,
-    pub(crate) camera: Camera,
-    /// Of the first samples of a pixel, at least one; further ones are made when they are composited.
-    pub(crate) samples: Vec<Sample>,
-    /// See [`densest`].
-    pub(crate) densest: f64,
-    pub(crate) limits: Limits,
-}
-
-impl Projection {
-    /// The volume's cells that were projected, and their order.
-    pub fn cells(&self) -> &Cells {
-        &self.cells
-    }
-
-    /// The camera.
-    pub fn camera(&self) -> &Camera {
-        &self.camera
-    }
-
-    /// Cells that cover a pixel centre (of the first sample). `None` where none is projected, since rays go from cell to cell.
-    pub fn cells_projected(&self) -> Option<u64> {
-        self.samples.first().map_or(Some(0), Sample::cell_count)
-    }
-
-    /// Projects the cells for one more sample of every pixel. `attributes`: at least those that the first was projected with.
-    pub(crate) fn sample(
-        &self,
-        offset: [f64; 2],
-        attributes: &[Attribute<'_>],
-        progress: &dyn Progress,
-    ) -> Result<Sample> {
-        let count = self.samples.first().map_or(attributes.len(), |first| first.attribute_count);
-        let limits = (self.densest, self.limits);
-        Sample::new(&self.cells, &self.camera, offset, &attributes[..count], limits, progress)
-    }
-}
-
-/// Projects the kept cells onto the screen and sorts them into tiles of 16 × 16 pixels.
+/// Projects the selected cells to the screen and bins them by tiles of 16 × 16 pixels.
 ///
-/// The transfer function says which quantities the segments need: what it does not look at is not projected.
-/// `gradient`: whether light or silhouettes will look at ∇s ([`needs_gradient`]).
+/// Segments carry the quantities that the transfer function reads; others are not projected. `gradient`: true if light or silhouettes will
+/// read ∇s ([`needs_gradient`]).
 ///
 /// Errors: a camera out of range, a picture larger than 32,768 pixels a side, more cells than 32 bits count.
 pub fn project(
@@ -80,65 +41,69 @@ pub fn project(
         attributes.extend(gradient_attributes(cells)?);
     }
     let offsets = camera.sample_offsets();
-    let (kept, points) = (cells.kept.len() as u64, cells.volume.grid.points.len() as u64);
+    let (count, points) = (cells.ids.len() as u64, cells.volume.grid.points.len() as u64);
     // Each sample of a pixel has a projection of its own.
-    let held = (cells.most_at_once / cells.kept.len().max(1)).clamp(1, offsets.len());
+    let resident = (cells.max_resident_cells / cells.ids.len().max(1)).clamp(1, offsets.len());
     let bytes = |faces: Option<u64>| {
         let fields = attributes.len() as u64;
-        let bytes = drawing_bytes_of(kept, points, fields, camera.size, cells.most_at_once, faces);
-        bytes.saturating_mul(held as u64)
+        let bytes = drawing_bytes_of(count, points, fields, camera.size, cells.max_resident_cells, faces);
+        bytes.saturating_mul(resident as u64)
     };
-    // Where there is no room for faces, cells are projected.
-    let there_is_room = || match progress.memory_left() {
+    // Where there is no memory for faces, cells are projected.
+    let fits = || match progress.memory_left() {
         None => true,
-        Some(left) => cells.faces.as_ref().is_some_and(|faces| bytes(Some(faces.bytes_to_find())) <= left),
+        Some(left) => cells.faces.as_ref().is_some_and(|faces| bytes(Some(faces.missing_bytes())) <= left),
     };
-    let casting = if there_is_room() { cells.casting } else { Casting::Never };
-    let cells = &Cells { casting, ..cells.clone() };
-    if casting == Casting::Never {
-        refuse_beyond_memory(progress, || format!("drawing {kept} cells"), bytes(None))?;
+    let mut cells = cells.clone();
+    if !fits() {
+        cells.traversal = Traversal::Project;
     }
-    let densest = densest(transfer_function, cells.length).max(cells.densest_least);
-    let limits = Limits::of(transfer_function, densest);
-    let mut samples = Vec::with_capacity(held);
-    for (k, &offset) in offsets.iter().take(held).enumerate() {
-        progress.report("project", k as f64 / held as f64);
-        samples.push(Sample::new(cells, camera, offset, &attributes, (densest, limits), progress)?);
+    if cells.traversal == Traversal::Project {
+        refuse_beyond_memory(progress, || format!("drawing {count} cells"), bytes(None))?;
     }
-    Ok(Projection { cells: cells.clone(), camera: *camera, samples, densest, limits })
+    let max_optical_depth = max_optical_depth(transfer_function, cells.length).max(cells.optical_depth_floor);
+    let policy = RayCastPolicy::new(transfer_function, max_optical_depth);
+    let mut samples = Vec::with_capacity(resident);
+    for (k, &offset) in offsets.iter().take(resident).enumerate() {
+        progress.report("project", k as f64 / resident as f64);
+        let bounds = (max_optical_depth, policy);
+        samples.push(SubpixelView::new(&cells, camera, offset, &attributes, bounds, progress)?);
+    }
+    Ok(Projection { cells, camera: *camera, samples, max_optical_depth, policy })
 }
 
-/// The largest optical depth, or colour, that all widgets together give over a scene length of so many world units.
-pub(crate) fn densest(transfer_function: &TransferFunction, length: f64) -> f64 {
-    let most = |widget: &Widget| match transfer_function.model {
-        OpticalModel::DensityEmitter => widget.peak() * widget.brightest().max(1.0),
-        OpticalModel::ConstantEmitter { .. } => widget.peak().max(widget.brightest()),
+/// Upper bound of the optical depth, or colour, that all widgets together give over a scene length (world units).
+pub(crate) fn max_optical_depth(transfer_function: &TransferFunction, length: f64) -> f64 {
+    let max = |widget: &Widget| match transfer_function.model {
+        OpticalModel::DensityEmitter => widget.peak() * widget.max_emission().max(1.0),
+        OpticalModel::ConstantEmitter { .. } => widget.peak().max(widget.max_emission()),
     };
-    transfer_function.widgets.iter().map(most).sum::<f64>() / transfer_function.unit_distance * length
+    transfer_function.widgets.iter().map(max).sum::<f64>() / transfer_function.unit_distance * length
 }
 
-/// Gives the cells the order in which the compositor shall take a pixel's segments. The exact order is carried out
-/// at each pixel; [`Order::Centroid`] sorts the cells here ([`voltet_core::visibility::centroid_order`]), and their
+/// Sets the order in which the compositor takes a pixel's segments. The exact order is carried out at each pixel;
+/// [`Ordering::CellCentroid`] sorts the cells here ([`voltet_core::visibility::centroid_order`]), and their
 /// segments are composited as they come.
-pub fn sort(cells: &Cells, camera: &Camera, order: VisibilityOrder) -> Result<Cells> {
-    let mut sorted = Cells { order, ..cells.clone() };
-    if order == VisibilityOrder::Centroid {
+pub fn sort(cells: &Cells, camera: &Camera, ordering: Ordering) -> Result<Cells> {
+    let mut sorted = cells.clone();
+    sorted.ordering = ordering;
+    if ordering == Ordering::CellCentroid {
         let grid = &cells.volume.grid;
-        let kept =
-            voltet_core::visibility::centroid_order(&grid.points, &grid.tetrahedra, &cells.kept, camera)?;
-        sorted.kept = std::sync::Arc::new(kept);
+        let ids =
+            voltet_core::visibility::centroid_order(&grid.points, &grid.tetrahedra, &cells.ids, camera)?;
+        sorted.ids = std::sync::Arc::new(ids);
     }
     Ok(sorted)
 }
 
-/// Makes ready what [`Ready::composite`] draws with.
+/// Compiles the shader and the integrator that [`FrameRenderer::composite`] draws with.
 ///
-/// Errors: an optical model, widget or integrator that the engine cannot serve, named with what can.
+/// Errors: an optical model, widget or integrator that the engine does not support, named with those that it does.
 pub fn prepare<'a>(
     projection: &'a Projection,
     transfer_function: &TransferFunction,
     shading: &Shading,
-) -> Result<Ready<'a>> {
+) -> Result<FrameRenderer<'a>> {
     let cells = &projection.cells;
     let attributes = attributes_of(cells, transfer_function)?;
     let surface = Surface::new(shading, attributes.len());
@@ -155,28 +120,27 @@ pub fn prepare<'a>(
             .expected("the transfer function that the cull stage of the same pipeline has"));
     }
     integrators::can_serve(&shading.integrator, transfer_function)?;
-    let touched = cells.touched(transfer_function);
+    let active = cells.active_widgets(transfer_function);
     let extent = extent(cells, &shading.integrator);
     // Lanes leave over no segment of a table over lengths: it is filled once, by them.
     let by_lanes = in_lanes_alone(&shading.integrator);
-    let exact = if by_lanes { None } else { Some(integrator(cells, &touched, shading)?) };
-    let whole = cells.no_leave_out;
+    let exact = if by_lanes { None } else { Some(integrator(cells, &active, shading)?) };
     let scene = Scene {
         attributes: &attributes,
         length: cells.length,
-        ordered: whole,
-        leave_out: !whole,
+        ordered: cells.exhaustive,
+        leave_out: !cells.exhaustive,
         extent,
         lanes: cells.lanes,
     };
-    let shader = Shader::new(&touched, shading, exact, scene, surface)?;
+    let shader = Shader::new(&active, shading, exact, scene, surface)?;
     let table_bytes = shader.table_bytes() as u64;
-    Ok(Ready { projection, attributes, shader, table_bytes })
+    Ok(FrameRenderer { projection, attributes, shader, table_bytes })
 }
 
-/// Integrates and composites every pixel's segments: [`prepare`] and [`Ready::composite`].
+/// Integrates and composites every pixel's segments: [`prepare`] and [`FrameRenderer::composite`].
 ///
-/// Errors: an optical model, widget or integrator that the engine cannot serve, named with what can.
+/// Errors: an optical model, widget or integrator that the engine does not support, named with those that it does.
 pub fn composite(
     projection: &Projection,
     transfer_function: &TransferFunction,
@@ -186,12 +150,12 @@ pub fn composite(
     prepare(projection, transfer_function, shading)?.composite(progress)
 }
 
-/// Whether light or silhouettes look at ∇s. A silhouette of exponent 0 changes nothing.
+/// True if light or silhouettes read ∇s. A silhouette of exponent 0 changes nothing.
 pub fn needs_gradient(shading: &Shading) -> bool {
     Surface::new(shading, 0).is_some()
 }
 
-/// Draws the kept cells: [`project`] and [`composite`].
+/// Draws the selected cells: [`project`] and [`composite`].
 pub fn draw(
     cells: &Cells,
     transfer_function: &TransferFunction,
@@ -203,12 +167,12 @@ pub fn draw(
     composite(&projection, transfer_function, shading, progress)
 }
 
-/// The integrator in 64 bits, as [`prepare`] makes it ready: what draws the segments that lanes do not.
+/// The integrator in 64 bits, which [`prepare`] compiles for the segments that lanes do not integrate.
 ///
-/// Errors: an integrator that cannot serve the transfer function; one with a number out of range; an integrator that
+/// Errors: an integrator that does not support the transfer function; one with a number out of range; an integrator that
 /// prepares scenes, where this one is not prepared.
 pub fn integrator(
-    cells: &Cells,
+    cells: &CellSelection,
     transfer_function: &TransferFunction,
     shading: &Shading,
 ) -> Result<Box<dyn SegmentIntegrator>> {
@@ -225,15 +189,15 @@ pub fn integrator(
     integrators::new(&shading.integrator, shading.overlap, transfer_function, &extent)
 }
 
-/// What the segments span, as far as the integrator has tables to fill: no segment inside a cell is longer than its
+/// Extent of the segments, for the integrator's tables: no segment inside a cell is longer than its
 /// longest edge.
-fn extent(cells: &Cells, integrator: &Integrator) -> Extent {
-    let whole = Extent { scalar: cells.ranges[0], longest: cells.length };
-    if !integrator.has_table_of_lengths() || cells.kept.is_empty() {
-        return whole;
+fn extent(cells: &CellSelection, integrator: &Integrator) -> Extent {
+    let full = Extent { scalar: cells.ranges[0], longest: cells.length };
+    if !integrator.has_table_of_lengths() || cells.ids.is_empty() {
+        return full;
     }
     let grid = &cells.volume.grid;
     let longest = |&cell: &u32| longest_edge_squared(grid.corners(cell as usize));
-    let longest = cells.kept.par_iter().map(longest).reduce(|| 0.0, f64::max).sqrt();
-    Extent { longest, ..whole }
+    let longest = cells.ids.par_iter().map(longest).reduce(|| 0.0, f64::max).sqrt();
+    Extent { longest, ..full }
 }

@@ -1,47 +1,60 @@
 //! voltet-cpu: the native engine. Cull, sort, project and composite on all cores with vector units.
 //!
-//! | room | what |
+//! | module | responsibility |
 //! | --- | --- |
-//! | `view` | the camera as the stages use it |
-//! | `cells`, `attribute` | the cells that are drawn, and the point arrays that are looked at |
-//! | `cull` | which cells can contribute |
-//! | `project` | cells to records of 32 bits, and the tiles that they touch |
-//! | `cast` | rays from cell to cell through the faces that these share |
-//! | `fragments` | the pixels that a tile's cells cover, and the rays' segments in them |
-//! | `shade` | a segment's colour and opacity |
+//! | `tile`, `tolerances`, `cache`, `counts` | bottom layer: tiles, tolerances, caches, counts |
+//! | `view` | world space to pixel coordinates |
+//! | `selection`, `attribute` | selected cells; scaled point arrays |
+//! | `project` | cells to screen-space planes and bins |
+//! | `fragments` | rays intersected with a tile's cells |
+//! | `cast` | ray casting through shared faces |
+//! | `shade` | segments to colour and opacity |
+//! | `segment_cache` | segments cached between pictures |
 //! | [`integrator`] | integrators from outside, in lanes |
-//! | `sample` | what the compositor reads: the projection and how segments are shaded |
 //! | `composite` | segments in order to pixels |
-//! | `kept` | segments kept between pictures of one view |
-//! | `draw` | the stages end to end |
-//! | `ready` | what is ready to be drawn, by all threads |
-//! | `memory`, `spare` | what they take, and what a frame leaves to the next one |
-//! | `native` | the engine as one of the program's |
-//! | `segments` | what becomes of segments alone, for judging |
+//! | `cells` | selection with its volume's caches |
+//! | `cull` | cells that can contribute |
+//! | `subpixel`, `projection` | cells prepared for the compositor |
+//! | `frame_renderer` | compositing on all threads |
+//! | `draw` | stages end to end |
+//! | `memory` | memory that drawing takes |
+//! | `native` | engine interface |
+//! | `segments` | segments by themselves, for judging |
+//!
+//! Modules import those above them only.
 
 mod attribute;
+mod cache;
 mod cast;
 mod cells;
 mod composite;
+mod counts;
 mod cull;
 mod draw;
 mod fragments;
+mod frame_renderer;
 pub mod integrator;
-mod kept;
 mod memory;
 mod native;
 mod project;
-mod ready;
-mod sample;
+mod projection;
+mod segment_cache;
 mod segments;
+mod selection;
 mod shade;
-mod spare;
+mod subpixel;
+mod tile;
+mod tolerances;
 mod view;
 
-pub use cells::{Casting, Cells, Counts};
-pub use cull::{Known, Sample, cull, keep_all};
-pub use draw::{Projection, composite, draw, integrator, needs_gradient, prepare, project, sort};
+pub use cells::Cells;
+pub use counts::Counts;
+pub use cull::{VolumeCache, cull, keep_all};
+pub use draw::{composite, draw, integrator, needs_gradient, prepare, project, sort};
+pub use frame_renderer::FrameRenderer;
 pub use memory::drawing_bytes;
 pub use native::ENGINE;
-pub use ready::Ready;
+pub use projection::Projection;
 pub use segments::{Integrated, Segments, segments};
+pub use selection::{CellSelection, CullSample, Traversal};
+pub use tolerances::NEGLIGIBLE_DEPTH;

@@ -1,25 +1,30 @@
-//! The native engine as one of the program's engines, and what it counts.
+//! The native engine as one of the program's engines, with its counts.
 
-use crate::draw::densest;
-use crate::kept::{Kept, Plan};
-use crate::{Cells, Counts, Known, Projection, Sample, Segments, needs_gradient, prepare, project, sort};
+use crate::cells::Cells;
+use crate::counts::Counts;
+use crate::cull::VolumeCache;
+use crate::draw::{max_optical_depth, needs_gradient, prepare, project, sort};
+use crate::projection::Projection;
+use crate::segment_cache::{Plan, SegmentCache};
+use crate::segments::Segments;
+use crate::selection::CullSample;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
+use voltet_core::diagnostics::Diagnostics;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_graph::{MayLeaveOut, NodeDiagnostics};
 use voltet_optics::engine::{
     self, AdapterRequest, Engine, EngineInfo, PreparedVolume, RenderOptions, RenderOutput, SegmentEvaluator,
     Stage, StageTiming,
 };
 use voltet_optics::integrators::{self, PreparedScene, ScenePreparation};
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::VisibilityOrder;
+use voltet_optics::shading::Ordering;
 use voltet_simd::LaneSet;
 
-/// The native engine. Its vector units are what is judged one by one.
+/// The native engine. Each of its lane sets can be judged by itself.
 pub const ENGINE: EngineInfo = EngineInfo {
     name: "cpu",
     summary: "native code on all cores",
@@ -59,16 +64,16 @@ impl Engine for Native {
     }
 
     fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn PreparedVolume>> {
-        let known = Known::new(volume)?;
-        Ok(Arc::new(OnVolume { lanes: self.lanes, known, prepared: Mutex::new(None) }))
+        let cache = VolumeCache::new(volume)?;
+        Ok(Arc::new(NativeVolume { lanes: self.lanes, cache, prepared: Mutex::new(None) }))
     }
 }
 
-/// The engine with what it knows of one volume.
+/// The engine with the cache of one volume.
 #[derive(Debug)]
-struct OnVolume {
+struct NativeVolume {
     lanes: LaneSet,
-    known: Known,
+    cache: VolumeCache,
     /// The scene that an integrator prepared last: it serves the next picture, as a table does.
     prepared: Mutex<Option<Arc<Prepared>>>,
 }
@@ -78,11 +83,11 @@ struct OnVolume {
 struct Prepared {
     /// The integrator, the volume and the transfer function that they were prepared from.
     source: (&'static str, Arc<Volume>, Arc<TransferFunction>),
-    known: Known,
+    cache: VolumeCache,
     transfer_function: Arc<TransferFunction>,
 }
 
-impl OnVolume {
+impl NativeVolume {
     fn prepared(&self, scene: &Scene, preparation: &dyn ScenePreparation) -> Result<Arc<Prepared>> {
         let mut last = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
         let name = scene.shading.integrator.name();
@@ -99,7 +104,7 @@ impl OnVolume {
             preparation.prepare(&scene.volume, &scene.transfer_function)?;
         let prepared = Arc::new(Prepared {
             source: (name, scene.volume.clone(), scene.transfer_function.clone()),
-            known: Known::new(&Arc::new(volume))?,
+            cache: VolumeCache::new(&Arc::new(volume))?,
             transfer_function: Arc::new(transfer_function),
         });
         *last = Some(prepared.clone());
@@ -107,138 +112,134 @@ impl OnVolume {
     }
 }
 
-impl PreparedVolume for OnVolume {
+impl PreparedVolume for NativeVolume {
     fn draw(&self, scene: &Scene, manner: &RenderOptions, progress: &dyn Progress) -> Result<RenderOutput> {
         if progress.cancelled() {
             return Err(Error::cancelled());
         }
         let preparation = scene.shading.integrator.kind().scene_preparation();
         let prepared = preparation.map(|preparation| self.prepared(scene, preparation)).transpose()?;
-        let Scene { volume, transfer_function, camera, shading, order } = scene;
-        let mut watch = Watch { last: Instant::now(), stages: Vec::new() };
-        let elsewhere = match Arc::ptr_eq(volume, self.known.volume()) || prepared.is_some() {
+        let Scene { volume, transfer_function, camera, shading, .. } = scene;
+        let mut timer = StageTimer { last: Instant::now(), stages: Vec::new() };
+        let other_volume = match Arc::ptr_eq(volume, self.cache.volume()) || prepared.is_some() {
             true => None,
-            false => Some(Known::new(volume)?),
+            false => Some(VolumeCache::new(volume)?),
         };
         if manner.passing
             && prepared.is_none()
-            && elsewhere.is_none()
-            && let Some(kept) = self.kept(scene, manner, &mut watch, progress)?
+            && other_volume.is_none()
+            && let Some(segments) = self.cached_segments(scene, manner, &mut timer, progress)?
         {
-            return self.draw_kept(&kept, scene, manner, watch, progress);
+            return self.draw_cached(&segments, scene, timer, progress);
         }
-        let (known, transfer_function) = match &prepared {
-            Some(prepared) => (&prepared.known, &prepared.transfer_function),
-            None => (elsewhere.as_ref().unwrap_or(&self.known), transfer_function),
+        let (cache, transfer_function) = match &prepared {
+            Some(prepared) => (&prepared.cache, &prepared.transfer_function),
+            None => (other_volume.as_ref().unwrap_or(&self.cache), transfer_function),
         };
-        let mut cells = match manner.may_leave_out {
-            None => known.keep_all(transfer_function, camera)?,
-            Some(_) => known.cull(transfer_function, camera, progress)?,
+        let mut cells = match manner.exhaustive {
+            true => cache.all(transfer_function, camera)?,
+            false => cache.cull(transfer_function, camera, progress)?,
         };
         cells.lanes = self.lanes;
-        watch.end(Stage::Cull);
-        let cells = sort(&cells, camera, *order)?;
-        watch.end(Stage::Sort);
-        // For comparison everything that there is goes along.
-        let gradient =
-            needs_gradient(shading) || (manner.may_leave_out.is_none() && volume.gradient.is_some());
+        timer.end(Stage::Cull);
+        let cells = sort(&cells, camera, scene.ordering(manner.exhaustive))?;
+        timer.end(Stage::Sort);
+        // For comparison segments carry all attributes.
+        let gradient = needs_gradient(shading) || (manner.exhaustive && volume.gradient.is_some());
         let projection = project(&cells, transfer_function, camera, gradient, progress)?;
-        watch.end(Stage::Project);
-        let ready = prepare(&projection, transfer_function, shading)?;
-        watch.end(Stage::SetUp);
-        let (picture, counts) = ready.composite(progress)?;
-        watch.end(Stage::Composite);
-        let mut drawn = RenderOutput::new(picture, watch.stages);
+        timer.end(Stage::Project);
+        let renderer = prepare(&projection, transfer_function, shading)?;
+        timer.end(Stage::SetUp);
+        let (picture, counts) = renderer.composite(progress)?;
+        timer.end(Stage::Composite);
+        let mut drawn = RenderOutput::new(picture, timer.stages);
+        drawn.notes = Diagnostics::new(manner.exhaustive);
         cells.count(&mut drawn.counts);
-        if let Some(leave) = manner.may_leave_out {
-            cells.note(leave, &mut drawn.notes);
-        }
+        cells.note(&mut drawn.notes);
         cells.note_order(&mut drawn.notes);
         projection.count(&mut drawn.counts);
-        projection.note(manner.may_leave_out, &mut drawn.notes);
+        projection.note(&mut drawn.notes);
         counts.count(&mut drawn.counts);
         counts.note(&mut drawn.notes);
         Ok(drawn)
     }
 }
 
-impl OnVolume {
-    /// The segments to draw a passing picture from, where they were kept or now are: of one sample a pixel in exact order, with values
-    /// alone. They are kept at the second change of widgets at one camera (12 bytes each, 20 with g).
-    fn kept(
+impl NativeVolume {
+    /// Cached segments to draw a preview from: of one sample a pixel in exact order, with values alone. They are recorded at the second
+    /// change of widgets at one camera (12 bytes each, 20 with g).
+    fn cached_segments(
         &self,
         scene: &Scene,
         manner: &RenderOptions,
-        watch: &mut Watch,
+        timer: &mut StageTimer,
         progress: &dyn Progress,
-    ) -> Result<Option<Arc<Kept>>> {
-        let Scene { transfer_function, camera, shading, order, .. } = scene;
-        let served = manner.may_leave_out.is_some()
-            && matches!(order, VisibilityOrder::Exact | VisibilityOrder::Auto)
+    ) -> Result<Option<Arc<SegmentCache>>> {
+        let Scene { transfer_function, camera, shading, .. } = scene;
+        let is_cacheable = !manner.exhaustive
+            && matches!(scene.ordering(false), Ordering::Independent | Ordering::PerPixel)
             && camera.samples == 1
-            // Tables reach as far as the longest of the cells that are drawn.
+            // Tables extend to the longest of the drawn cells.
             && !shading.integrator.has_table_of_lengths()
             && !needs_gradient(shading);
-        if !served {
+        if !is_cacheable {
             return Ok(None);
         }
-        let densest = densest(transfer_function, self.known.length());
-        let views = self.known.views();
-        match views.plan(camera, transfer_function, self.known.ranges(), densest) {
+        let max_optical_depth = max_optical_depth(transfer_function, self.cache.length());
+        let views = self.cache.views();
+        match views.plan(camera, transfer_function, self.cache.ranges(), max_optical_depth) {
             Plan::Cells => Ok(None),
-            Plan::Kept(kept) => Ok(Some(kept)),
-            Plan::Keep(densest) => {
-                let mut cells = self.known.all_in_view(camera)?;
-                (cells.lanes, cells.densest_least) = (self.lanes, densest);
+            Plan::Cached(segments) => Ok(Some(segments)),
+            Plan::Record(max_optical_depth) => {
+                let mut cells = self.cache.all_in_view(camera)?;
+                (cells.lanes, cells.optical_depth_floor) = (self.lanes, max_optical_depth);
                 let projection = project(&cells, transfer_function, camera, false, progress)?;
-                watch.end(Stage::Project);
-                let limit = progress.memory_left().map_or(KEPT_MOST, |left| KEPT_MOST.min(left / 4));
-                let ready = prepare(&projection, transfer_function, shading)?;
-                let kept = ready.keep(limit, progress)?.map(Arc::new);
-                views.keep(camera, kept.clone());
-                watch.end(Stage::Sort);
-                Ok(kept)
+                timer.end(Stage::Project);
+                let limit =
+                    progress.memory_left().map_or(MAX_CACHE_BYTES, |left| MAX_CACHE_BYTES.min(left / 4));
+                let renderer = prepare(&projection, transfer_function, shading)?;
+                let segments = renderer.record(limit, progress)?.map(Arc::new);
+                views.store(camera, segments.clone());
+                timer.end(Stage::Sort);
+                Ok(segments)
             }
         }
     }
 
-    fn draw_kept(
+    fn draw_cached(
         &self,
-        kept: &Kept,
+        segments: &SegmentCache,
         scene: &Scene,
-        manner: &RenderOptions,
-        mut watch: Watch,
+        mut timer: StageTimer,
         progress: &dyn Progress,
     ) -> Result<RenderOutput> {
         let Scene { transfer_function, camera, shading, .. } = scene;
-        let mut cells = self.known.none_in_view(camera)?;
+        let mut cells = self.cache.empty_in_view(camera)?;
         cells.lanes = self.lanes;
         let projection = project(&cells, transfer_function, camera, false, progress)?;
-        let ready = prepare(&projection, transfer_function, shading)?;
-        watch.end(Stage::SetUp);
-        let (picture, counts) = ready.composite_kept(kept, progress)?;
-        watch.end(Stage::Composite);
-        let mut drawn = RenderOutput { is_passing: true, ..RenderOutput::new(picture, watch.stages) };
-        if let Some(leave) = manner.may_leave_out {
-            let why = "the segments of this view were kept when its widgets changed";
-            drawn.notes.record_skipped(leave, "culling, projecting and sorting", why, None);
-        }
+        let renderer = prepare(&projection, transfer_function, shading)?;
+        timer.end(Stage::SetUp);
+        let (picture, counts) = renderer.composite_cached(segments, progress)?;
+        timer.end(Stage::Composite);
+        let mut drawn = RenderOutput { is_passing: true, ..RenderOutput::new(picture, timer.stages) };
+        let why = "the segments of this view were kept when its widgets changed";
+        drawn.notes.record_skipped("culling, projecting and sorting", why, None);
         counts.count(&mut drawn.counts);
         counts.note(&mut drawn.notes);
         Ok(drawn)
     }
 }
 
-/// Bytes that are kept of a view at most.
-const KEPT_MOST: u64 = 1 << 30;
+/// Bytes of a view's cached segments at most.
+const MAX_CACHE_BYTES: u64 = 1 << 30;
 
-/// Times stages that follow each other.
-struct Watch {
+/// Timer of consecutive stages.
+struct StageTimer {
     last: Instant,
     stages: Vec<StageTiming>,
 }
 
-impl Watch {
+impl StageTimer {
     fn end(&mut self, stage: Stage) {
         let now = Instant::now();
         self.stages.push(StageTiming::whole(stage, (now - self.last).as_secs_f64()));
@@ -247,69 +248,67 @@ impl Watch {
 }
 
 impl Cells {
-    /// Fills in what was culled.
+    /// Fills in the counts of culling.
     pub fn count(&self, counts: &mut engine::RenderStats) {
         counts.culled_by_transfer_function = Some(self.culled_by_transfer_function);
         counts.culled_by_frustum = Some(self.culled_by_frustum);
     }
 
-    /// Notes the widgets that are left out, and culling itself where it is.
-    pub fn note(&self, leave: MayLeaveOut, notes: &mut NodeDiagnostics) {
-        if let Some(Sample { asked, dropped }) = self.not_worth_asking {
-            let share = 100.0 * dropped as f64 / asked as f64;
-            let why =
-                format!("not worth it: no widget touches {share:.1} % of {asked} cells spread over the grid");
-            notes.record_skipped(leave, "culling by values", why, None);
+    /// Notes the widgets that are left out, and culling itself where it was skipped.
+    pub fn note(&self, notes: &mut Diagnostics) {
+        if let Some(CullSample { tested, dropped }) = self.culling_skipped {
+            let percent = 100.0 * dropped as f64 / tested as f64;
+            let why = format!(
+                "not worth it: no widget touches {percent:.1} % of {tested} cells spread over the grid"
+            );
+            notes.record_skipped("culling by values", why, None);
         }
-        for widget in &self.untouched {
-            notes.record_skipped(leave, format!("widget {}", widget + 1), "no visible cell touches it", None);
+        for widget in &self.inactive_widgets {
+            notes.record_skipped(format!("widget {}", widget + 1), "no visible cell touches it", None);
         }
     }
 
-    /// Notes the cells that were put in order.
-    pub fn note_order(&self, notes: &mut NodeDiagnostics) {
-        if self.order == VisibilityOrder::Centroid {
-            notes.counts.insert("cells_sorted", self.kept.len() as u64);
+    /// Notes the cells that were sorted.
+    pub fn note_order(&self, notes: &mut Diagnostics) {
+        if self.ordering == Ordering::CellCentroid {
+            notes.counts.insert("cells_sorted", self.ids.len() as u64);
         }
     }
 }
 
 impl Projection {
-    /// Fills in what was projected.
+    /// Fills in the counts of the projection.
     pub fn count(&self, counts: &mut engine::RenderStats) {
         counts.cells_projected = self.cells_projected();
-        counts.under_a_pixel = self
-            .cells_projected()
-            .map(|projected| (self.cells().kept.len() as u64).saturating_sub(projected));
+        counts.under_a_pixel =
+            self.cells_projected().map(|projected| (self.cells().ids.len() as u64).saturating_sub(projected));
     }
 
-    /// Notes the cells that rays go through, and what they leave out.
-    pub fn note(&self, leave: Option<MayLeaveOut>, notes: &mut NodeDiagnostics) {
+    /// Notes the cells that rays are cast through, and the stages that this skips.
+    pub fn note(&self, notes: &mut Diagnostics) {
         if self.cells_projected().is_none() {
-            notes.counts.insert("cells_cast", self.cells().kept.len() as u64);
-            if let Some(leave) = leave {
-                let why = "rays go from cell to cell through the faces that these share";
-                notes.record_skipped(leave, "projecting and sorting", why, None);
-            }
+            notes.counts.insert("cells_cast", self.cells().ids.len() as u64);
+            let why = "rays go from cell to cell through the faces that these share";
+            notes.record_skipped("projecting and sorting", why, None);
         }
     }
 }
 
 impl Counts {
-    /// Fills in what was composited.
+    /// Fills in the counts of the compositor.
     pub fn count(&self, counts: &mut engine::RenderStats) {
         counts.segments = Some(self.segments);
         counts.segments_exact = Some(self.segments_exact);
         counts.evaluations = Some(self.evaluations);
         counts.pixels_disordered = Some(self.pixels_disordered);
         counts.tiles_stopped = Some(self.tiles_stopped);
-        // Nobody counts the cells that rays do not come to.
+        // Cells that no ray comes to are not counted.
         counts.cells_hidden = Some(self.cells_hidden).filter(|hidden| 0 < *hidden || self.tiles_stopped == 0);
         counts.tables_built = Some(u64::from(self.table_bytes > 0));
     }
 
-    /// Notes what is this engine's own.
-    pub fn note(&self, notes: &mut NodeDiagnostics) {
+    /// Notes the counts of this engine alone.
+    pub fn note(&self, notes: &mut Diagnostics) {
         notes.counts.insert("tiles_sorted", self.tiles_sorted);
         notes.counts.insert("segments_overlapping", self.segments_overlapping);
         notes.counts.insert("tiles_deep", self.tiles_deep);

@@ -1,21 +1,22 @@
-//! Segments alone: what the engine makes of each, so that exact values can judge what draws.
+//! Segments by themselves: the engine's result for each, so that exact values can judge the kernels.
 //!
 //! A list of segments stands for a grid: its ends are points, whose values are scaled by their ranges as a volume's are;
 //! the batches are the compositor's, and the same kernels integrate and composite them.
 
 use crate::attribute::{Attribute, attributes_of};
-use crate::composite::front_to_back::blend_by_numbers;
-use crate::composite::growing_lists::{GrowingLists, Layer};
-use crate::composite::lists::{Lists, Overflow, UNSEEN};
-use crate::composite::rows::Rows;
-use crate::composite::sinks::of_one_color;
-use crate::cull::Known;
-use crate::fragments::batch::{BATCH, Batch, LANES_MOST};
+use crate::composite::accumulators::TileAccumulator;
+use crate::composite::fragment_lists::{FragmentLists, Overflow};
+use crate::composite::row_shader::blend_by_numbers;
+use crate::composite::sinks::pixel_in_one_color;
+use crate::composite::unbounded_lists::{Fragment, UnboundedFragmentLists};
+use crate::cull::VolumeCache;
+use crate::fragments::batch::{BATCH, Batch, MAX_LANES};
 use crate::integrator::in_lanes_alone;
-use crate::project::record::TILE;
 use crate::shade::roads;
 use crate::shade::shaded::Shaded;
 use crate::shade::shader::{Scene, Shader};
+use crate::tile::{PIXELS, TILE};
+use crate::tolerances::MIN_TRANSMITTANCE;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::Result;
@@ -29,17 +30,17 @@ use voltet_optics::{Contribution, Segment, WidgetBlend};
 use voltet_simd::optics::elementary::exp;
 use voltet_simd::{Float, Kernel, LaneSet, Lanes, dispatch};
 
-/// What a segment became.
+/// Result of a segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Integrated {
-    /// As 32 bits hold it.
+    /// Contribution, as 32 bits hold it.
     pub contribution: Contribution,
-    /// Why the 64-bit forms integrated it; `None` where lanes did.
+    /// Reason why the 64-bit forms integrated it; `None` where lanes did.
     pub left: Option<&'static str>,
 }
 
-/// What the native engine makes of segments on a lane set, as if they were the cells of one scene of which nothing is left
-/// out. `ordered`: the scene's segments are to be ordered also where one colour needs no order.
+/// Integrates segments on a lane set, as if they were the cells of one scene in exhaustive mode. `ordered`: true if segments are
+/// ordered also where one colour needs no order.
 ///
 /// Errors: those of drawing with this transfer function and shading.
 pub fn segments(
@@ -49,16 +50,16 @@ pub fn segments(
     ordered: bool,
     list: &[Segment],
 ) -> Result<Vec<Integrated>> {
-    let mut found = integrate(lanes, transfer_function, shading, ordered, list)?;
-    if found.iter().any(|found| found.contribution.optical_depth.is_nan()) {
+    let mut results = integrate(lanes, transfer_function, shading, ordered, list)?;
+    if results.iter().any(|result| result.contribution.optical_depth.is_nan()) {
         // Where colours need an order no depth is kept; a scene of one colour draws with it.
         let depths = integrate(lanes, &in_white(transfer_function), shading, false, list)?;
-        for (found, depth) in found.iter_mut().zip(depths) {
-            found.contribution.optical_depth = depth.contribution.optical_depth;
-            found.left = found.left.or(depth.left);
+        for (result, depth) in results.iter_mut().zip(depths) {
+            result.contribution.optical_depth = depth.contribution.optical_depth;
+            result.left = result.left.or(depth.left);
         }
     }
-    Ok(found)
+    Ok(results)
 }
 
 /// Optical depths are NaN where the shader keeps none.
@@ -69,7 +70,7 @@ fn integrate(
     ordered: bool,
     list: &[Segment],
 ) -> Result<Vec<Integrated>> {
-    let cells = Known::new(&Arc::new(volume(transfer_function, list)))?.none_kept()?;
+    let cells = VolumeCache::new(&Arc::new(volume(transfer_function, list)))?.empty()?;
     let attributes = attributes_of(&cells, transfer_function)?;
     let extent = Extent { scalar: cells.ranges[0], longest: cells.length };
     integrators::can_serve(&shading.integrator, transfer_function)?;
@@ -81,16 +82,16 @@ fn integrate(
     let shader = Shader::new(transfer_function, shading, exact, scene, None)?;
     let mut batch = Batch::new(attributes.len(), attributes.len());
     let mut shaded = Shaded::new();
-    let mut found = Vec::with_capacity(list.len());
+    let mut results = Vec::with_capacity(list.len());
     for (number, part) in list.chunks(BATCH).enumerate() {
         fill(&mut batch, &attributes, number * BATCH, part, cells.length);
         roads::integrate(&shader, lanes, &batch, part.len(), &mut shaded);
-        found.extend((0..part.len()).map(|k| taken(&shader, &shaded, k)));
+        results.extend((0..part.len()).map(|k| result_of(&shader, &shaded, k)));
     }
-    Ok(found)
+    Ok(results)
 }
 
-/// The ends of segments as points, one behind the other along an axis, so that the longest is the diagonal.
+/// Volume whose points are the ends of segments, one behind the other along an axis, so that the longest is the diagonal.
 fn volume(transfer_function: &TransferFunction, list: &[Segment]) -> Volume {
     let points = list.iter().flat_map(|segment| [DVec3::ZERO, DVec3::X * segment.length]).collect();
     let ends = |a: usize| list.iter().flat_map(|segment| [segment.front[a], segment.back[a]]).collect();
@@ -119,12 +120,12 @@ fn fill(batch: &mut Batch, attributes: &[Attribute<'_>], first: usize, part: &[S
     }
 }
 
-/// What a batch's segment k became.
-fn taken(shader: &Shader, shaded: &Shaded, k: usize) -> Integrated {
+/// Result of a batch's segment k.
+fn result_of(shader: &Shader, shaded: &Shaded, k: usize) -> Integrated {
     let left = shaded.rest.iter().position(|&rest| rest == k);
     let depth = if shader.keeps_depth() { f64::from(shaded.depth[k]) } else { f64::NAN };
     let [r, g, b, opacity] = match shader.one_color {
-        Some(color) => of_one_color(color, shaded.depth[k], false),
+        Some(color) => pixel_in_one_color(color, shaded.depth[k], false),
         None => std::array::from_fn(|c| shaded.rgba[c][k]),
     }
     .map(f64::from);
@@ -134,7 +135,7 @@ fn taken(shader: &Shader, shaded: &Shaded, k: usize) -> Integrated {
     }
 }
 
-/// The same densities, all white.
+/// The transfer function with all widgets white.
 fn in_white(transfer_function: &TransferFunction) -> TransferFunction {
     let widgets = transfer_function.widgets.iter().map(|widget| widget.in_color([1.0; 3])).collect();
     TransferFunction { widgets, ..*transfer_function }
@@ -143,9 +144,9 @@ fn in_white(transfer_function: &TransferFunction) -> TransferFunction {
 /// The engine on one lane set as a set of forms: each segment is a scene of its own.
 #[derive(Debug, Clone, Copy)]
 pub struct Segments {
-    /// What it runs on.
+    /// Lane set of the kernels.
     pub lanes: LaneSet,
-    /// Whether segments are ordered also where one colour needs no order.
+    /// True if segments are ordered also where one colour needs no order.
     pub ordered: bool,
 }
 
@@ -192,7 +193,7 @@ impl SegmentEvaluator for Segments {
         Ok(left.map_or(EvalOutcome::Served(contribution), |why| EvalOutcome::Wider(contribution, why)))
     }
 
-    /// One behind the other in the lists of a tile, or where a pixel's is too short for them, in one that grows.
+    /// Composites segments one behind the other in the lists of a tile, or where they are too many, in one that grows.
     fn chain(&self, segments: &[Contribution]) -> Chain {
         let rgba: Vec<[f32; 4]> = segments
             .iter()
@@ -201,8 +202,8 @@ impl SegmentEvaluator for Segments {
                 [r, g, b, segment.opacity].map(|x| x as f32)
             })
             .collect();
-        let mut picture = [[0.0; 4]; TILE * TILE];
-        let mut lists = Lists::default();
+        let mut picture = [[0.0; 4]; PIXELS];
+        let mut lists = FragmentLists::default();
         lists.clear(1);
         let listed = (0..rgba.len()).try_for_each(|k| {
             let number = f32::from_bits(k as u32);
@@ -210,25 +211,26 @@ impl SegmentEvaluator for Segments {
         });
         let through = match listed {
             Ok(()) => {
-                let mut rows = Rows::new();
-                blend_by_numbers(self.lanes, &mut lists, true, &rgba, &mut rows);
-                rows.end(&mut picture);
-                Some(f64::from(rows.through(0)[0])).filter(|through| *through > f64::from(UNSEEN))
+                let mut pixels = TileAccumulator::new();
+                blend_by_numbers(self.lanes, &mut lists, true, &rgba, &mut pixels);
+                pixels.store(&mut picture);
+                Some(f64::from(pixels.transmittance(0)[0]))
+                    .filter(|through| *through > f64::from(MIN_TRANSMITTANCE))
             }
             Err(Overflow) => {
-                let mut lists = GrowingLists::default();
+                let mut lists = UnboundedFragmentLists::default();
                 for (k, &rgba) in rgba.iter().enumerate() {
-                    lists.push(0, Layer::new(k as f32, k as f32 + 1.0, rgba));
+                    lists.push(0, Fragment::new(k as f32, k as f32 + 1.0, rgba));
                 }
                 lists.composite(true, &mut picture[..TILE]);
-                Some(lists.through[0])
+                Some(lists.transmittance[0])
             }
         };
         let [r, g, b, opacity] = picture[0].map(f64::from);
         Chain { color: [r, g, b], opacity, transparency: through }
     }
 
-    /// By a constant-emitter whose colour goes from one channel to another along the segment: it draws F, B and ψ.
+    /// Integrates by a constant-emitter whose colour goes from one channel to another along the segment: it draws F, B and ψ.
     fn partial(&self, a: f64, b: f64) -> Result<EvalOutcome<PartialIntegrals>> {
         if a.max(b) < f64::from(f32::MIN_POSITIVE) {
             return Ok(EvalOutcome::Skipped("what does not absorb does not glow"));
@@ -256,7 +258,7 @@ impl Kernel for Transmittance {
     type Output = f64;
     #[inline(always)]
     fn run<L: Lanes>(self) -> f64 {
-        let mut lanes = [0.0; LANES_MOST];
+        let mut lanes = [0.0; MAX_LANES];
         exp::<L>(L::F::splat(-self.0 as f32)).store(&mut lanes);
         f64::from(lanes[0])
     }

@@ -1,4 +1,4 @@
-//! From world space to what the tiles work in: eye space in a scene length, and pixel coordinates.
+//! View: from world space to eye space (scene lengths) and pixel coordinates.
 //!
 //! Lengths are divided by the grid's diagonal first, so a grid 1e-20 or 1e20 wide gives the same numbers, and
 //! positions are taken relative to the eye in 64 bits, so an offset costs nothing.
@@ -8,12 +8,13 @@
 //! coincide exactly, so that a face seen edge-on has an area of exactly zero, and a ray that lies in it is given
 //! to one of the two cells by the fill rule of [`crate::fragments::spans`].
 
+use crate::tolerances::FRUSTUM_SLACK;
 use glam::DVec3;
 use rayon::prelude::*;
 use voltet_core::Result;
 use voltet_core::camera::{Camera, Projection};
 
-/// The camera as the stages use it.
+/// Camera of one sub-pixel view: from world space to eye space and pixel coordinates.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct View {
     /// Perspective, or parallel rays.
@@ -28,7 +29,7 @@ pub(crate) struct View {
     pub pixel: f64,
     /// Pixel coordinates of the view axis.
     pub axis: [f64; 2],
-    /// How far the samples of a pixel reach from its centre, pixels; 0 with one sample.
+    /// Distance of a pixel's samples from its centre at most (pixels); 0 with one sample.
     reach: f64,
     eye: DVec3,
     right: DVec3,
@@ -38,7 +39,7 @@ pub(crate) struct View {
 
 /// A point on the screen.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Seen {
+pub(crate) struct ScreenVertex {
     /// Pixel coordinate to the right.
     pub x: f64,
     /// Pixel coordinate downwards.
@@ -46,9 +47,6 @@ pub(crate) struct Seen {
     /// Depth along the view direction, scene lengths.
     pub z: f64,
 }
-
-/// Spacing of pixel coordinates: 2⁻²⁴.
-pub(crate) const PIXEL_STEP: f64 = 1.0 / (1u64 << 24) as f64;
 
 /// Adding and taking away 1.5 · 2⁵² · 2⁻²⁴ rounds to a multiple of 2⁻²⁴ (|x| < 2²⁷; above, to a multiple of the
 /// spacing of the floats there).
@@ -91,25 +89,25 @@ impl View {
 
     /// Pixel coordinates of a point in eye space; not finite where a perspective depth is 0.
     #[inline(always)]
-    pub fn pixel_from_eye(&self, e: [f64; 3]) -> Seen {
+    pub fn pixel_from_eye(&self, e: [f64; 3]) -> ScreenVertex {
         let scale = if self.perspective { 1.0 / (e[2] * self.pixel) } else { 1.0 / self.pixel };
-        Seen { x: snap(e[0] * scale + self.axis[0]), y: snap(e[1] * scale + self.axis[1]), z: e[2] }
+        ScreenVertex { x: snap(e[0] * scale + self.axis[0]), y: snap(e[1] * scale + self.axis[1]), z: e[2] }
     }
 
-    /// All points of the grid on the screen, and for each the planes of the view that it lies outside of (one
-    /// bit each: left, right, top, bottom, near).
-    pub fn see(&self, points: &[DVec3]) -> (Vec<Seen>, Vec<u8>) {
-        let seen_and_outside = |p: &DVec3| {
+    /// Projects points to the screen, and finds for each the planes of the view that it lies outside of (one bit each: left, right, top,
+    /// bottom, near).
+    pub fn project(&self, points: &[DVec3]) -> (Vec<ScreenVertex>, Vec<u8>) {
+        let vertex_and_outside = |p: &DVec3| {
             let e = self.eye_from_world(*p);
             (self.pixel_from_eye(e), self.outside(e))
         };
-        let (mut seen, mut outside) = (Vec::new(), Vec::new());
+        let (mut vertices, mut outside) = (Vec::new(), Vec::new());
         points
             .par_iter()
             .with_min_len(1 << 12)
-            .map(seen_and_outside)
-            .unzip_into_vecs(&mut seen, &mut outside);
-        (seen, outside)
+            .map(vertex_and_outside)
+            .unzip_into_vecs(&mut vertices, &mut outside);
+        (vertices, outside)
     }
 
     fn outside(&self, e: [f64; 3]) -> u8 {
@@ -118,7 +116,8 @@ impl View {
         let (x, y) = (e[0] / self.pixel + self.axis[0] * depth, e[1] / self.pixel + self.axis[1] * depth);
         let (right, bottom) = ((self.size[0] - 1) as f64 * depth, (self.size[1] - 1) as f64 * depth);
         // A sliver of slack, so that rounding never drops a cell that touches the outermost samples.
-        let slack = 1e-9 * (x.abs() + y.abs() + right.abs() + bottom.abs()) + self.reach * depth.abs();
+        let slack =
+            FRUSTUM_SLACK * (x.abs() + y.abs() + right.abs() + bottom.abs()) + self.reach * depth.abs();
         u8::from(x < -slack)
             | u8::from(x > right + slack) << 1
             | u8::from(y < -slack) << 2
@@ -142,7 +141,7 @@ impl View {
 
     /// Length of the ray's direction: Euclidean distance per depth.
     #[inline(always)]
-    pub fn stretch(&self, i: f64, j: f64) -> f64 {
+    pub fn length_per_depth(&self, i: f64, j: f64) -> f64 {
         let (_, d) = self.ray(i, j);
         (d[0] * d[0] + d[1] * d[1] + 1.0).sqrt()
     }

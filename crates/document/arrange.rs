@@ -3,25 +3,25 @@
 use crate::links;
 use voltet_graph::NodeEntry;
 
-/// What is left between two layers, and between two nodes of one, in points.
+/// Gap between two layers, and between two nodes of one (points).
 const GAP: [f64; 2] = [70.0, 40.0];
 /// The size of a node that nobody has drawn yet.
 pub const USUAL: [f64; 2] = [170.0, 100.0];
-/// How often the layers are ordered by their neighbours.
+/// Number of passes that order the layers by their neighbours.
 const SWEEPS: usize = 4;
 
 /// A node as it is drawn.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Placed {
+pub struct PlacedNode {
     /// The node.
     pub name: String,
     /// Its upper left corner.
-    pub at: [f64; 2],
+    pub position: [f64; 2],
     /// Its width and height.
     pub size: [f64; 2],
 }
 
-/// How nodes are brought in line.
+/// Alignment of nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Align {
     /// Left sides.
@@ -170,7 +170,7 @@ fn rows(layers: &[Vec<usize>], count: usize) -> Vec<f64> {
     rows
 }
 
-/// How many pairs of wires between the same layers cross.
+/// Number of crossings between wires of the same layers.
 fn crossings(layers: &[Vec<usize>], feeding: &[Vec<usize>], row: &[f64]) -> usize {
     let mut layer = vec![0; feeding.len()];
     for (l, nodes) in layers.iter().enumerate() {
@@ -186,15 +186,16 @@ fn crossings(layers: &[Vec<usize>], feeding: &[Vec<usize>], row: &[f64]) -> usiz
 }
 
 /// Other places that bring nodes in line; only those that move.
-pub fn align(nodes: &[Placed], how: Align) -> Vec<(String, [f64; 2])> {
+pub fn align(nodes: &[PlacedNode], how: Align) -> Vec<(String, [f64; 2])> {
     let axis = match how {
         Align::Left | Align::Right | Align::Centre | Align::Across => 0,
         Align::Top | Align::Bottom | Align::Middle | Align::Down => 1,
     };
-    let low = nodes.iter().map(|node| node.at[axis]).fold(f64::INFINITY, f64::min);
-    let high = nodes.iter().map(|node| node.at[axis] + node.size[axis]).fold(f64::NEG_INFINITY, f64::max);
+    let low = nodes.iter().map(|node| node.position[axis]).fold(f64::INFINITY, f64::min);
+    let high =
+        nodes.iter().map(|node| node.position[axis] + node.size[axis]).fold(f64::NEG_INFINITY, f64::max);
     let mut order: Vec<usize> = (0..nodes.len()).collect();
-    order.sort_by(|&a, &b| nodes[a].at[axis].total_cmp(&nodes[b].at[axis]));
+    order.sort_by(|&a, &b| nodes[a].position[axis].total_cmp(&nodes[b].position[axis]));
     let whole: f64 = nodes.iter().map(|node| node.size[axis]).sum();
     let gap = (high - low - whole) / (nodes.len().max(2) - 1) as f64;
     let mut next = low;
@@ -208,9 +209,9 @@ pub fn align(nodes: &[Placed], how: Align) -> Vec<(String, [f64; 2])> {
             Align::Across | Align::Down => next,
         };
         next += node.size[axis] + gap;
-        let mut at = node.at;
+        let mut at = node.position;
         at[axis] = place.round();
-        if at != node.at {
+        if at != node.position {
             moved.push((node.name.clone(), at));
         }
     }

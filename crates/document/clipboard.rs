@@ -113,7 +113,7 @@ impl Document {
         Ok(fresh)
     }
 
-    /// Whether all nodes are one value: `nodes = { … }`.
+    /// True if all nodes are one value: `nodes = { … }`.
     fn has_nodes_in_place(&self) -> bool {
         self.syntax.sections[0].assignments.iter().any(|a| a.keys.len() == 1 && a.keys[0].name == "nodes")
     }

@@ -1,4 +1,4 @@
-//! How one text becomes another: ranges of bytes with what stood and what stands there.
+//! Difference of two texts: ranges of bytes with their old and new contents.
 //!
 //! Every edit and every step of the history is a [`Delta`]. What lies outside its hunks is not touched, and turning it round
 //! gives back the former text to the byte.
@@ -10,10 +10,10 @@ use voltet_core::{Error, Result};
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Hunk {
     /// The byte of the former text at which it begins.
-    pub at: usize,
-    /// What stood there.
+    pub offset: usize,
+    /// Old text.
     pub old: String,
-    /// What stands there instead.
+    /// New text.
     pub new: String,
 }
 
@@ -26,12 +26,12 @@ pub struct Delta {
 impl Hunk {
     /// The range of the former text.
     fn former(&self) -> Range<usize> {
-        self.at..self.at + self.old.len()
+        self.offset..self.offset + self.old.len()
     }
 
-    /// The same without what stays at both ends.
+    /// Hunk without equal text at both ends.
     fn trimmed(self) -> Hunk {
-        let Hunk { mut at, old, new } = self;
+        let Hunk { offset: mut at, old, new } = self;
         let (mut from, mut old_to, mut new_to) = (0, old.len(), new.len());
         let same = |a: &char, b: &char| a == b;
         for (a, _) in old.chars().zip(new.chars()).take_while(|(a, b)| same(a, b)) {
@@ -43,7 +43,7 @@ impl Hunk {
             new_to -= a.len_utf8();
         }
         at += from;
-        Hunk { at, old: old[from..old_to].to_string(), new: new[from..new_to].to_string() }
+        Hunk { offset: at, old: old[from..old_to].to_string(), new: new[from..new_to].to_string() }
     }
 }
 
@@ -65,23 +65,23 @@ impl Delta {
                     last.old += old;
                     last.new += &new;
                 }
-                _ => hunks.push(Hunk { at: range.start, old: old.to_string(), new }),
+                _ => hunks.push(Hunk { offset: range.start, old: old.to_string(), new }),
             }
         }
-        Ok(Delta::of(hunks))
+        Ok(Delta::from_hunks(hunks))
     }
 
     /// The one hunk between two texts.
     pub fn between(old: &str, new: &str) -> Delta {
-        Delta::of(vec![Hunk { at: 0, old: old.to_string(), new: new.to_string() }])
+        Delta::from_hunks(vec![Hunk { offset: 0, old: old.to_string(), new: new.to_string() }])
     }
 
-    fn of(hunks: Vec<Hunk>) -> Delta {
+    fn from_hunks(hunks: Vec<Hunk>) -> Delta {
         let hunks = hunks.into_iter().map(Hunk::trimmed).filter(|hunk| hunk.old != hunk.new);
         Delta { hunks: hunks.collect() }
     }
 
-    /// Whether the texts are the same.
+    /// True if the texts are the same.
     pub fn is_empty(&self) -> bool {
         self.hunks.is_empty()
     }
@@ -118,9 +118,9 @@ impl Delta {
     pub fn inverse(&self) -> Delta {
         let mut shift = 0isize;
         let turned = |hunk: &Hunk| {
-            let at = hunk.at.wrapping_add_signed(shift);
+            let at = hunk.offset.wrapping_add_signed(shift);
             shift += hunk.new.len() as isize - hunk.old.len() as isize;
-            Hunk { at, old: hunk.new.clone(), new: hunk.old.clone() }
+            Hunk { offset: at, old: hunk.new.clone(), new: hunk.old.clone() }
         };
         Delta { hunks: self.hunks.iter().map(turned).collect() }
     }
@@ -134,15 +134,15 @@ impl Delta {
         let mut hunks = Vec::new();
         let mut shift = 0isize;
         loop {
-            let starts = [taken.peek(), given.peek()].map(|next| next.map(|hunk| hunk.at));
+            let starts = [taken.peek(), given.peek()].map(|next| next.map(|hunk| hunk.offset));
             let Some(start) = starts.into_iter().flatten().min() else { break };
             // A cluster: hunks that touch or overlap in the text between.
             let (mut end, mut a, mut b) = (start, Vec::new(), Vec::new());
             loop {
-                if let Some(hunk) = taken.next_if(|hunk| hunk.at <= end) {
+                if let Some(hunk) = taken.next_if(|hunk| hunk.offset <= end) {
                     end = end.max(hunk.former().end);
                     a.push(hunk);
-                } else if let Some(hunk) = given.next_if(|hunk| hunk.at <= end) {
+                } else if let Some(hunk) = given.next_if(|hunk| hunk.offset <= end) {
                     end = end.max(hunk.former().end);
                     b.push(hunk);
                 } else {
@@ -154,9 +154,9 @@ impl Delta {
             let new = laid_over(start..end, &b, &a);
             let at = start.wrapping_add_signed(shift);
             shift += a.iter().map(|hunk| hunk.new.len() as isize - hunk.old.len() as isize).sum::<isize>();
-            hunks.push(Hunk { at, old, new });
+            hunks.push(Hunk { offset: at, old, new });
         }
-        Delta::of(hunks)
+        Delta::from_hunks(hunks)
     }
 }
 
@@ -166,14 +166,14 @@ fn laid_over(range: Range<usize>, over: &[&Hunk], others: &[&Hunk]) -> String {
     let mut copied = range.start;
     let stood = |from: usize, to: usize, text: &mut String| {
         for hunk in others {
-            let (start, end) = (hunk.at.max(from), hunk.former().end.min(to));
+            let (start, end) = (hunk.offset.max(from), hunk.former().end.min(to));
             if start < end {
-                *text += &hunk.old[start - hunk.at..end - hunk.at];
+                *text += &hunk.old[start - hunk.offset..end - hunk.offset];
             }
         }
     };
     for hunk in over {
-        stood(copied, hunk.at, &mut text);
+        stood(copied, hunk.offset, &mut text);
         text += &hunk.new;
         copied = hunk.former().end;
     }

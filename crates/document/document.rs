@@ -1,6 +1,6 @@
 //! The document: a pipeline file with its history.
 
-use crate::carry_out::{Work, Worked, blank};
+use crate::apply::{EditContext, EditOutcome, blank};
 use crate::delta::Delta;
 use crate::edit::Edit;
 use crate::history::{Gesture, History};
@@ -25,7 +25,7 @@ pub struct Document {
     /// The file as it was when it was read or written here.
     pub(crate) stamp: Stamp,
     revision: u64,
-    /// Where nodes are shown that the file gives no place, once they were.
+    /// Positions of nodes that the file gives none, once shown.
     shown: BTreeMap<String, [f64; 2]>,
 }
 
@@ -74,12 +74,12 @@ impl Document {
         self.path.as_deref().and_then(Path::parent).unwrap_or(Path::new("")).to_path_buf()
     }
 
-    /// What the text states, as far as it can be read.
+    /// Pipeline that the text states, as far as it can be read.
     pub fn pipeline(&self) -> &Pipeline {
         &self.survey.pipeline
     }
 
-    /// What the table `[editor]` says.
+    /// Contents of the table `[editor]`.
     pub fn view(&self) -> &View {
         &self.view
     }
@@ -89,7 +89,7 @@ impl Document {
         self.revision
     }
 
-    /// Whether the text is TOML. If it is not, [`Edit::Text`] alone can be done.
+    /// True if the text is TOML. If it is not, [`Edit::Text`] alone can be done.
     pub fn is_toml(&self) -> bool {
         self.survey.is_toml
     }
@@ -99,14 +99,14 @@ impl Document {
         self.edit_all(edit.label(), std::slice::from_ref(edit), None)
     }
 
-    /// The same as a part of a gesture, such as a drag: all edits of one are one step.
+    /// Edits as a part of a gesture, such as a drag: all edits of one gesture are one undo step.
     pub fn edit_in(&mut self, gesture: Gesture, edit: &Edit) -> Result<()> {
         self.edit_all(edit.label(), std::slice::from_ref(edit), Some(gesture))
     }
 
     /// Carries out several edits, one after the other, as one step. Errors: one cannot be done; then nothing has changed.
     pub fn edit_all(&mut self, label: String, edits: &[Edit], gesture: Option<Gesture>) -> Result<()> {
-        let Worked { delta, text, syntax, survey } = self.worked(edits)?;
+        let EditOutcome { delta, text, syntax, survey } = self.worked(edits)?;
         self.history.record(label, delta, gesture);
         for edit in edits {
             if let Edit::Rename { node, to } = edit
@@ -119,21 +119,21 @@ impl Document {
         Ok(())
     }
 
-    fn worked(&self, edits: &[Edit]) -> Result<Worked> {
+    fn worked(&self, edits: &[Edit]) -> Result<EditOutcome> {
         if let Some(Edit::Text(new)) = edits.last() {
             let delta = Delta::between(&self.text, new);
             let text: Arc<str> = new.as_str().into();
             let (syntax, survey) = (Arc::new(Syntax::read(&text)), Arc::new(Pipeline::survey(&text)));
-            return Ok(Worked { delta, text, syntax, survey });
+            return Ok(EditOutcome { delta, text, syntax, survey });
         }
         if !self.survey.is_toml {
             let fault = self.survey.faults.first().cloned();
             let error = fault.unwrap_or_else(|| Error::usage("the text is not valid TOML"));
             return Err(error.expected("the text mended first"));
         }
-        let mut work = Work::new(self.text.clone(), self.syntax.clone(), self.survey.clone());
+        let mut work = EditContext::new(self.text.clone(), self.syntax.clone(), self.survey.clone());
         let shown = |name: &str| self.shown.get(name).copied();
-        edits.iter().try_for_each(|edit| work.carry_out(edit, &shown))?;
+        edits.iter().try_for_each(|edit| work.apply(edit, &shown))?;
         work.finish()
     }
 
@@ -174,14 +174,14 @@ impl Document {
         &self.history
     }
 
-    /// Whether the text is as its file.
+    /// True if the text is as its file.
     pub fn is_saved(&self) -> bool {
         self.history.is_saved()
     }
 
     /// The place of a node in the view: what the file says, else where it was laid out when it was first seen.
     pub fn position(&self, node: &str) -> [f64; 2] {
-        let stated = self.view.nodes.get(node).and_then(|node| node.at);
+        let stated = self.view.nodes.get(node).and_then(|node| node.position);
         stated.or_else(|| self.shown.get(node).copied()).unwrap_or_default()
     }
 
@@ -198,7 +198,7 @@ impl Document {
         let nodes = &self.survey.pipeline.nodes;
         let (shown, view) = (&self.shown, &self.view);
         let has_place = |name: &String| {
-            shown.contains_key(name) || view.nodes.get(name).is_some_and(|node| node.at.is_some())
+            shown.contains_key(name) || view.nodes.get(name).is_some_and(|node| node.position.is_some())
         };
         let new: Vec<usize> = (0..nodes.len()).filter(|&i| !has_place(&nodes[i].name)).collect();
         if new.is_empty() {

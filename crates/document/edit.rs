@@ -1,4 +1,4 @@
-//! What can be done to a document.
+//! Edits of a document.
 
 use crate::path::Path;
 use crate::view::{Frame, Note};
@@ -31,7 +31,7 @@ pub enum Edit {
     Set {
         /// The node.
         node: String,
-        /// What is set.
+        /// Path of the value.
         path: Path,
         /// Its value.
         value: ParameterValue,
@@ -40,7 +40,7 @@ pub enum Edit {
     Unset {
         /// The node.
         node: String,
-        /// What is taken out.
+        /// Path of the value.
         path: Path,
     },
     /// An entry more in a list, such as a widget.
@@ -80,9 +80,9 @@ pub enum Edit {
         node: String,
         /// Its input.
         port: String,
-        /// What feeds it: `node` or `node.port`.
+        /// Source: `node` or `node.port`.
         source: String,
-        /// Whether other wires to the input stay.
+        /// True if other wires to the input stay.
         beside: bool,
     },
     /// A wire less.
@@ -102,7 +102,7 @@ pub enum Edit {
     Fold {
         /// The node.
         node: String,
-        /// Whether it is folded.
+        /// True if it is folded.
         folded: bool,
     },
     /// Words that stand with a node in the graph view; none takes them away.

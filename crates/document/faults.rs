@@ -1,4 +1,4 @@
-//! What is wrong with a document, each mistake at the node, the parameter or the input that it is about.
+//! Mistakes of a document, each at the node, the parameter or the input concerned.
 
 use crate::links;
 use crate::path::{Path, Step};
@@ -8,18 +8,18 @@ use voltet_graph::{DiagnosticTarget as Stated, Graph, NodeEntry, Registry};
 
 /// A mistake in a document.
 #[derive(Debug, Clone)]
-pub struct Fault {
+pub struct Diagnostic {
     /// The node; none where it is about the file as a whole.
     pub node: Option<String>,
-    /// What of the node is wrong.
-    pub part: Part,
-    /// What is wrong, with line and column.
+    /// Part of the node concerned.
+    pub target: FaultTarget,
+    /// Error, with line and column.
     pub error: Error,
 }
 
-/// What a mistake is about.
+/// Part of a node that a mistake concerns.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Part {
+pub enum FaultTarget {
     /// The file, or a node as a whole: its name, its type, how its parameters go together.
     Whole,
     /// A parameter, or a part of one: `widgets.0.centre`.
@@ -30,76 +30,78 @@ pub enum Part {
 
 impl Document {
     /// Every mistake that can be found without data: of the text, of types, parameters and wires.
-    pub fn faults(&self, registry: &Registry) -> Vec<Fault> {
+    pub fn faults(&self, registry: &Registry) -> Vec<Diagnostic> {
         self.faults_among(&self.survey.pipeline.nodes, registry)
     }
 
-    /// The same of these nodes by themselves, whose wires then lead nowhere, and of the text.
-    pub fn faults_of(&self, names: &[&str], registry: &Registry) -> Vec<Fault> {
+    /// Mistakes of these nodes by themselves, with their wires cut, and of the text.
+    pub fn faults_of(&self, names: &[&str], registry: &Registry) -> Vec<Diagnostic> {
         let nodes = self.survey.pipeline.nodes.iter().filter(|node| names.contains(&node.name.as_str()));
         self.faults_among(&nodes.cloned().collect::<Vec<_>>(), registry)
     }
 
-    fn faults_among(&self, nodes: &[NodeEntry], registry: &Registry) -> Vec<Fault> {
-        let mut faults: Vec<Fault> = Vec::new();
+    fn faults_among(&self, nodes: &[NodeEntry], registry: &Registry) -> Vec<Diagnostic> {
+        let mut faults: Vec<Diagnostic> = Vec::new();
         for (i, error) in self.survey.faults.iter().enumerate() {
             if self.survey.faults[..i].iter().any(|known| is_same(known, error)) {
                 continue;
             }
-            let (place, part) = self.part(error);
-            let node = error.place.node.clone().or(place);
-            faults.push(Fault { node, part, error: self.locate(error.clone()) });
+            let (place, part) = self.target(error);
+            let node = error.location.node.clone().or(place);
+            faults.push(Diagnostic { node, target: part, error: self.locate(error.clone()) });
         }
         for fault in Graph::faults(nodes, registry) {
             // What cannot be read at all is said once.
             if self.survey.faults.iter().any(|known| is_same(known, &fault.error)) {
                 continue;
             }
-            let (_, placed) = self.part(&fault.error);
+            let (_, placed) = self.target(&fault.error);
             let part = match (fault.part, placed) {
-                (Stated::Input(port), _) => Part::Input(port),
-                (Stated::Parameter(name), Part::Parameter(path))
+                (Stated::Input(port), _) => FaultTarget::Input(port),
+                (Stated::Parameter(name), FaultTarget::Parameter(path))
                     if path.0.first().is_some_and(|s| s.key() == name) =>
                 {
-                    Part::Parameter(path)
+                    FaultTarget::Parameter(path)
                 }
-                (Stated::Parameter(name), _) => Part::Parameter(Path(vec![Step::Key(name)])),
+                (Stated::Parameter(name), _) => FaultTarget::Parameter(Path(vec![Step::Key(name)])),
                 (Stated::Node, placed) => placed,
             };
-            faults.push(Fault { node: Some(fault.node), part, error: self.locate(fault.error) });
+            faults.push(Diagnostic { node: Some(fault.node), target: part, error: self.locate(fault.error) });
         }
         faults
     }
 
-    /// Of these faults, those for which a node cannot run: its own, and those of what feeds it. Empty: what feeds the node, and it,
+    /// Faults, among these, that prevent a node from running: its own, and those of its sources. Empty: the node and its sources
     /// can be built into a graph and run, whatever is wrong elsewhere.
-    pub fn faults_before<'a>(&self, node: &str, faults: &'a [Fault]) -> Vec<&'a Fault> {
+    pub fn faults_before<'a>(&self, node: &str, faults: &'a [Diagnostic]) -> Vec<&'a Diagnostic> {
         let needed = links::upstream(&self.survey.pipeline.nodes, node);
-        let concerns = |fault: &&Fault| fault.node.as_ref().is_none_or(|name| needed.contains(name));
+        let concerns = |fault: &&Diagnostic| fault.node.as_ref().is_none_or(|name| needed.contains(name));
         // A file that says a wrong format, or nothing of one, may still be drawn; one that is no TOML may lack anything.
         faults.iter().filter(concerns).filter(|fault| fault.node.is_some() || !self.is_toml()).collect()
     }
 
     /// The node and the part that stand where an error points.
-    fn part(&self, error: &Error) -> (Option<String>, Part) {
-        let Some(span) = &error.place.span else { return (None, Part::Whole) };
+    fn target(&self, error: &Error) -> (Option<String>, FaultTarget) {
+        let Some(span) = &error.location.span else { return (None, FaultTarget::Whole) };
         let path = self.syntax.path_at(span.start);
         let keys: Vec<String> = path.0.iter().take(4).map(|step| step.key().into_owned()).collect();
         let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
         match keys[..] {
             ["nodes", node] | ["nodes", node, "type", ..] | ["nodes", node, "inputs"] => {
-                (Some(node.to_string()), Part::Whole)
+                (Some(node.to_string()), FaultTarget::Whole)
             }
-            ["nodes", node, "inputs", port] => (Some(node.to_string()), Part::Input(port.to_string())),
-            ["nodes", node, ..] => (Some(node.to_string()), Part::Parameter(Path(path.0[2..].to_vec()))),
-            _ => (None, Part::Whole),
+            ["nodes", node, "inputs", port] => (Some(node.to_string()), FaultTarget::Input(port.to_string())),
+            ["nodes", node, ..] => {
+                (Some(node.to_string()), FaultTarget::Parameter(Path(path.0[2..].to_vec())))
+            }
+            _ => (None, FaultTarget::Whole),
         }
     }
 }
 
-/// Whether two mistakes are of the very same bytes.
+/// True if two mistakes are of the very same bytes.
 fn is_same(one: &Error, other: &Error) -> bool {
-    one.place.span.is_some() && one.place.span == other.place.span
+    one.location.span.is_some() && one.location.span == other.location.span
 }
 
 impl Syntax {
@@ -110,7 +112,7 @@ impl Syntax {
         let mut path = section.path.0.clone();
         let mut elements = section.assignments.as_slice();
         let mut is_list = false;
-        while let Some(i) = elements.iter().position(|element| element.place().contains(&at)) {
+        while let Some(i) = elements.iter().position(|element| element.span().contains(&at)) {
             match is_list {
                 true => path.push(Step::Entry(i)),
                 false => path.extend(elements[i].path()),

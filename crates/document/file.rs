@@ -50,7 +50,7 @@ impl Document {
         self.save_as(&path)
     }
 
-    /// The same whatever is in the file.
+    /// Saves the document, whatever the file holds now.
     pub fn save_over(&mut self) -> Result<()> {
         self.stamp = self.path.as_deref().and_then(stamp);
         self.save()
@@ -66,7 +66,7 @@ impl Document {
         Ok(())
     }
 
-    /// Whether the file is not as it was when it was read or written here.
+    /// True if the file is not as it was when it was read or written here.
     pub fn changed_on_disk(&self) -> bool {
         self.path.as_deref().is_some_and(|path| stamp(path) != self.stamp)
     }

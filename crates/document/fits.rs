@@ -1,4 +1,4 @@
-//! What fits where: node types by kind and by words, ports that can be joined.
+//! Compatibility: node types by kind and by search text, ports that can be joined.
 
 use crate::Document;
 use crate::edit::Edit;
@@ -41,7 +41,7 @@ impl Group {
     ];
 
     /// The kind of a node type.
-    pub fn of(node: &Node) -> Group {
+    pub fn from_node(node: &Node) -> Group {
         let gives = |wanted: PortType| node.outputs.iter().any(|port| port.port_type == wanted);
         let takes = |wanted: PortType| node.inputs.iter().any(|port| port.port_type == wanted);
         let is_stage = |wanted| gives(wanted) || takes(wanted);
@@ -133,7 +133,7 @@ pub fn giving(registry: &Registry, input: PortType) -> Vec<Fitting> {
 /// A wire that can be drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Join {
-    /// What draws it.
+    /// Edit that draws the wire.
     pub edit: Edit,
     /// The wire that gives way to it, as the file says it.
     pub replaces: Option<String>,
@@ -152,7 +152,7 @@ impl Document {
         Edit::AddNode { name, node_type: node.name.to_string(), settings: Vec::new(), at: Some(at) }
     }
 
-    /// The same, and the edit that joins the new node by its port to a port (node, port) of the document; `is_input` says
+    /// Edit that adds a node and joins it by its port to a port (node, port) of the document; `is_input` says
     /// whether that one is an input. Errors: as of [`Document::join`].
     pub fn adding_joined(
         &self,
@@ -172,7 +172,7 @@ impl Document {
         Ok([add, join.edit])
     }
 
-    /// Whether an output can be wired to an input, and how. Errors say in words why not: the wrong type, a circle, or joined
+    /// Checks whether an output can be wired to an input, and how. Errors say why not: the wrong type, a circle, or joined
     /// already.
     pub fn join(&self, registry: &Registry, from: (&str, &str), to: (&str, &str)) -> Result<Join> {
         let nodes = &self.pipeline().nodes;
@@ -192,7 +192,7 @@ impl Document {
         }
         if links::upstream(nodes, from.0).contains(to.0) {
             let error = Error::usage(format!("'{}' would feed itself", to.0));
-            return Err(error.got(self.way(to.0, from.0).join(" → ")));
+            return Err(error.got(self.node_path(to.0, from.0).join(" → ")));
         }
         let source = match giving.outputs.len() {
             1 => from.0.to_string(),
@@ -220,7 +220,7 @@ impl Document {
     }
 
     /// The nodes on a way along wires from one node to another, and back to the first.
-    fn way(&self, from: &str, to: &str) -> Vec<String> {
+    fn node_path(&self, from: &str, to: &str) -> Vec<String> {
         let nodes = &self.pipeline().nodes;
         let mut names = vec![from.to_string()];
         let mut at = to.to_string();

@@ -2,13 +2,13 @@
 
 use crate::delta::Delta;
 
-/// What belongs together as one step: all edits of one drag have one gesture.
+/// Gesture: all edits of one drag are one undo step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Gesture(pub u64);
 
 /// One step: a change of the text.
 #[derive(Debug, Clone)]
-struct Step {
+struct EditStep {
     label: String,
     delta: Delta,
     gesture: Option<Gesture>,
@@ -17,15 +17,15 @@ struct Step {
 /// The steps of a document, and how many of them hold now.
 #[derive(Debug, Clone, Default)]
 pub struct History {
-    steps: Vec<Step>,
-    /// How many of the steps are done; those after are undone.
+    steps: Vec<EditStep>,
+    /// Number of steps done; later ones are undone.
     cursor: usize,
     /// The cursor at which the text is as its file; none where no cursor leads there.
     saved: Option<usize>,
 }
 
 impl History {
-    /// Of a text that is as its file.
+    /// History of a text that equals its file.
     pub fn of_saved() -> History {
         History { saved: Some(0), ..History::default() }
     }
@@ -45,7 +45,7 @@ impl History {
                     self.steps.pop();
                 }
             }
-            None => self.steps.push(Step { label, delta, gesture }),
+            None => self.steps.push(EditStep { label, delta, gesture }),
         }
         self.cursor = self.steps.len();
     }
@@ -65,12 +65,12 @@ impl History {
         Some(step.delta.clone())
     }
 
-    /// What undoing would undo, in words.
+    /// Description of the step that undo would revert.
     pub fn undo_label(&self) -> Option<&str> {
         Some(&self.steps.get(self.cursor.checked_sub(1)?)?.label)
     }
 
-    /// What redoing would do again, in words.
+    /// Description of the step that redo would repeat.
     pub fn redo_label(&self) -> Option<&str> {
         Some(&self.steps.get(self.cursor)?.label)
     }
@@ -80,13 +80,13 @@ impl History {
         self.saved = Some(self.cursor);
     }
 
-    /// Whether the text is as its file.
+    /// True if the text is as its file.
     pub fn is_saved(&self) -> bool {
         self.saved == Some(self.cursor)
     }
 
-    /// How many steps are done, and how many there are.
-    pub fn place(&self) -> (usize, usize) {
+    /// Number of steps done, and number of steps.
+    pub fn position(&self) -> (usize, usize) {
         (self.cursor, self.steps.len())
     }
 
@@ -113,16 +113,16 @@ mod tests {
         for new in ["b", "c", "d"] {
             typed(&mut history, &mut text, new, drag);
         }
-        assert_eq!(history.place(), (1, 1));
+        assert_eq!(history.position(), (1, 1));
         history.save();
         typed(&mut history, &mut text, "e", drag);
-        assert_eq!(history.place(), (2, 2));
+        assert_eq!(history.position(), (2, 2));
         assert_eq!(history.back().unwrap().applied("e").unwrap(), "d");
         assert!(history.is_saved());
         assert_eq!(history.on().unwrap().applied("d").unwrap(), "e");
         assert!(!history.is_saved());
         typed(&mut history, &mut text, "f", drag);
-        assert_eq!(history.place(), (3, 3), "a gesture ends where it is undone");
+        assert_eq!(history.position(), (3, 3), "a gesture ends where it is undone");
     }
 
     #[test]
@@ -130,7 +130,7 @@ mod tests {
         let (mut history, mut text) = (History::of_saved(), "a".to_string());
         typed(&mut history, &mut text, "b", Some(Gesture(7)));
         typed(&mut history, &mut text, "a", Some(Gesture(7)));
-        assert_eq!(history.place(), (0, 0));
+        assert_eq!(history.position(), (0, 0));
         assert!(history.is_saved());
     }
 

@@ -17,8 +17,8 @@
 //! | [`panel`] | the parameters of a node as rows: values, controls, what is typed |
 //! | [`view`](View) | what only the editor knows: the table `[editor]` |
 
+mod apply;
 pub mod arrange;
-mod carry_out;
 mod clipboard;
 mod delta;
 mod document;
@@ -38,9 +38,9 @@ mod view;
 pub use delta::{Delta, Hunk};
 pub use document::Document;
 pub use edit::Edit;
-pub use faults::{Fault, Part};
+pub use faults::{Diagnostic, FaultTarget};
 pub use fits::{Fitting, Group, Join, giving, search, taking};
 pub use history::{Gesture, History};
 pub use path::{Path, Step};
-pub use recovery::{Keeper, LeftBehind, Recovery};
+pub use recovery::{Autosave, OrphanedDraft, Recovery};
 pub use view::{Frame, NodeView, Note, View};

@@ -5,7 +5,7 @@ use crate::edit::Edit;
 use crate::panel::{Control, Row};
 use crate::path::Path;
 use std::path::Path as FilePath;
-use voltet_files::beside;
+use voltet_files::relative_to;
 use voltet_graph::{ParameterValue, Registry};
 
 impl Document {
@@ -13,7 +13,7 @@ impl Document {
     /// paths, stay as they are. What it writes is written beside it, wherever that is.
     pub fn following_to(&self, registry: &Registry, folder: &FilePath) -> Vec<Edit> {
         let own = self.folder();
-        let same = |a: &FilePath, b: &FilePath| whole(a).is_some_and(|a| whole(b) == Some(a));
+        let same = |a: &FilePath, b: &FilePath| absolute(a).is_some_and(|a| absolute(b) == Some(a));
         if same(&own, folder) {
             return Vec::new();
         }
@@ -22,7 +22,7 @@ impl Document {
             read(&self.rows(registry, &node.name), &mut |path, text| {
                 let there = own.join(text);
                 if FilePath::new(text).is_relative() && there.exists() {
-                    let text = beside(&there, folder).to_string_lossy().into_owned();
+                    let text = relative_to(&there, folder).to_string_lossy().into_owned();
                     edits.push(Edit::set(&node.name, path.clone(), ParameterValue::Text(text)));
                 }
             });
@@ -32,7 +32,7 @@ impl Document {
 }
 
 /// A folder without links; none where it is not there.
-fn whole(folder: &FilePath) -> Option<std::path::PathBuf> {
+fn absolute(folder: &FilePath) -> Option<std::path::PathBuf> {
     let folder = if folder.as_os_str().is_empty() { FilePath::new(".") } else { folder };
     std::fs::canonicalize(folder).ok()
 }
@@ -40,7 +40,7 @@ fn whole(folder: &FilePath) -> Option<std::path::PathBuf> {
 /// The files to read that rows state.
 fn read(rows: &[Row], found: &mut dyn FnMut(&Path, &str)) {
     for row in rows {
-        if let (Control::InputFile, Some(ParameterValue::Text(text))) = (&row.control, &row.stated) {
+        if let (Control::InputFile, Some(ParameterValue::Text(text))) = (&row.control, &row.set_value) {
             found(&row.path, text);
         }
         read(&row.rows, found);

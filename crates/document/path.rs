@@ -12,7 +12,7 @@ pub enum Step {
     Entry(usize),
 }
 
-/// What leads to a part of a file, or of a node: `widgets.0.centre`.
+/// Path to a part of a file, or of a node: `widgets.0.centre`.
 #[derive(Debug, Clone, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Path(pub Vec<Step>);
 

@@ -18,10 +18,10 @@ const LOCK: &str = "lock";
 const SLOTS: usize = 64;
 /// The first words of a kept text; the file's path follows.
 const OF: &str = "# unsaved work of ";
-/// Where the document has no file.
+/// First line of a draft without a file.
 const NEW: &str = "# unsaved work, not in a file yet";
 
-/// Where unsaved work is kept.
+/// Folder of drafts of unsaved work.
 #[derive(Debug, Clone)]
 pub struct Recovery {
     folder: PathBuf,
@@ -29,7 +29,7 @@ pub struct Recovery {
 
 /// Keeps the unsaved work of one window.
 #[derive(Debug)]
-pub struct Keeper {
+pub struct Autosave {
     text: PathBuf,
     /// Held as long as the window lives.
     lock: File,
@@ -41,12 +41,12 @@ pub struct Keeper {
 
 /// Work that was left behind.
 #[derive(Debug)]
-pub struct LeftBehind {
+pub struct OrphanedDraft {
     /// The file that it is of.
     pub path: Option<PathBuf>,
     /// The text.
     pub text: String,
-    /// When it was kept.
+    /// Time of the draft.
     pub written: SystemTime,
     place: PathBuf,
     lock: File,
@@ -65,7 +65,7 @@ impl Recovery {
     }
 
     /// Begins to keep the work of a window. Errors: the folder cannot be made or written.
-    pub fn keeper(&self, document: &Document) -> Result<Keeper> {
+    pub fn keeper(&self, document: &Document) -> Result<Autosave> {
         let unwritable = |error: std::io::Error| {
             Error::run("unsaved work cannot be kept")
                 .got(error)
@@ -80,27 +80,27 @@ impl Recovery {
             let name = format!("{:016x}-{slot}", hash.0 as u64);
             let lock_path = self.folder.join(&name).with_extension(LOCK);
             let text = self.folder.join(&name).with_extension(TEXT);
-            let lock = opened(&lock_path).map_err(unwritable)?;
+            let lock = open_locked(&lock_path).map_err(unwritable)?;
             // What was left behind there is not written over.
             if lock.try_lock().is_ok() && !text.exists() {
-                return Ok(Keeper { text, lock, lock_path, of, kept: None });
+                return Ok(Autosave { text, lock, lock_path, of, kept: None });
             }
         }
         Err(Error::run("unsaved work cannot be kept").got(format!("{SLOTS} works of the same file")))
     }
 
-    /// What was left behind, the newest first.
-    pub fn left_behind(&self) -> Vec<LeftBehind> {
+    /// Orphaned drafts, the newest first.
+    pub fn left_behind(&self) -> Vec<OrphanedDraft> {
         let entries =
             std::fs::read_dir(&self.folder).into_iter().flatten().flatten().map(|entry| entry.path());
         let kept = entries.filter(|path| path.extension().is_some_and(|ending| ending == TEXT));
-        let mut found: Vec<LeftBehind> = kept.filter_map(|path| LeftBehind::at(&path)).collect();
+        let mut found: Vec<OrphanedDraft> = kept.filter_map(|path| OrphanedDraft::load(&path)).collect();
         found.sort_by_key(|one| std::cmp::Reverse(one.written));
         found
     }
 }
 
-impl Keeper {
+impl Autosave {
     /// Keeps the text as it is now, where it is not saved and was not kept already; takes away what was kept where it is saved.
     /// Cheap to call often. Errors: it cannot be written.
     pub fn follow(&mut self, document: &Document) -> Result<()> {
@@ -127,7 +127,7 @@ impl Keeper {
     }
 }
 
-impl Drop for Keeper {
+impl Drop for Autosave {
     fn drop(&mut self) {
         // A lock without a text is of no use; with one it says that nobody holds it.
         if !self.text.exists() {
@@ -137,10 +137,10 @@ impl Drop for Keeper {
     }
 }
 
-impl LeftBehind {
-    fn at(place: &Path) -> Option<LeftBehind> {
+impl OrphanedDraft {
+    fn load(place: &Path) -> Option<OrphanedDraft> {
         let lock_path = place.with_extension(LOCK);
-        let lock = opened(&lock_path).ok()?;
+        let lock = open_locked(&lock_path).ok()?;
         match lock.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => return None,
@@ -155,7 +155,7 @@ impl LeftBehind {
             None => None,
         };
         let (place, text) = (place.to_path_buf(), text.to_string());
-        Some(LeftBehind { path, text, written, place, lock, lock_path })
+        Some(OrphanedDraft { path, text, written, place, lock, lock_path })
     }
 
     /// A document of its file with this text in it, not saved; what was left behind is taken away once the document is kept or
@@ -178,7 +178,7 @@ impl LeftBehind {
     }
 }
 
-fn opened(path: &Path) -> std::io::Result<File> {
+fn open_locked(path: &Path) -> std::io::Result<File> {
     OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path)
 }
 

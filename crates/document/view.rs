@@ -1,4 +1,4 @@
-//! What only the editor knows of a pipeline, kept in the table `[editor]` of its file: places, frames, notes, sets of widgets.
+//! View of a pipeline in the editor, kept in the table `[editor]` of its file: positions, frames, notes, sets of widgets.
 //!
 //! ```toml
 //! [editor]
@@ -23,12 +23,12 @@
 use std::collections::BTreeMap;
 use voltet_graph::{Field, LocatedValue, ParameterValue};
 
-/// How a node is shown.
+/// View of a node.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct NodeView {
     /// Its place; none where the file gives none.
-    pub at: Option<[f64; 2]>,
-    /// Whether its head alone is shown.
+    pub position: Option<[f64; 2]>,
+    /// True if its head alone is shown.
     pub folded: bool,
     /// Words that stand with it.
     pub remark: Option<String>,
@@ -40,7 +40,7 @@ pub struct Frame {
     /// Its title.
     pub title: String,
     /// Its upper left corner.
-    pub at: [f64; 2],
+    pub position: [f64; 2],
     /// Its width and height.
     pub size: [f64; 2],
     /// Red, green and blue, 0 to 1; none for the usual colour.
@@ -53,7 +53,7 @@ pub struct Note {
     /// The words.
     pub text: String,
     /// Their upper left corner.
-    pub at: [f64; 2],
+    pub position: [f64; 2],
 }
 
 /// All that the table `[editor]` says.
@@ -98,19 +98,19 @@ impl NodeView {
     fn read(setting: &LocatedValue) -> NodeView {
         if let Some(fields) = setting.table() {
             return NodeView {
-                at: numbers(fields, "at"),
+                position: numbers(fields, "at"),
                 folded: find(fields, "folded")
                     .is_some_and(|folded| folded.datum == ParameterValue::Boolean(true)),
                 remark: text(fields, "remark"),
             };
         }
         let at = setting.numbers().and_then(|at| at.try_into().ok());
-        NodeView { at, ..NodeView::default() }
+        NodeView { position: at, ..NodeView::default() }
     }
 
     /// As the file has it; none where there is nothing to say.
     pub(crate) fn datum(&self) -> Option<ParameterValue> {
-        let at = self.at.map(place);
+        let at = self.position.map(position_value);
         if !self.folded && self.remark.is_none() {
             return at;
         }
@@ -125,7 +125,7 @@ impl Frame {
         let fields = setting.table().unwrap_or_default();
         Frame {
             title: text(fields, "title").unwrap_or_default(),
-            at: numbers(fields, "at").unwrap_or_default(),
+            position: numbers(fields, "at").unwrap_or_default(),
             size: numbers(fields, "size").unwrap_or([200.0, 100.0]),
             color: numbers(fields, "color"),
         }
@@ -137,8 +137,8 @@ impl Frame {
         let title = Some(ParameterValue::Text(self.title.clone()));
         table([
             ("title", title),
-            ("at", Some(place(self.at))),
-            ("size", Some(place(self.size))),
+            ("at", Some(position_value(self.position))),
+            ("size", Some(position_value(self.size))),
             ("color", color),
         ])
     }
@@ -147,11 +147,17 @@ impl Frame {
 impl Note {
     fn read(setting: &LocatedValue) -> Note {
         let fields = setting.table().unwrap_or_default();
-        Note { text: text(fields, "text").unwrap_or_default(), at: numbers(fields, "at").unwrap_or_default() }
+        Note {
+            text: text(fields, "text").unwrap_or_default(),
+            position: numbers(fields, "at").unwrap_or_default(),
+        }
     }
 
     pub(crate) fn datum(&self) -> ParameterValue {
-        table([("text", Some(ParameterValue::Text(self.text.clone()))), ("at", Some(place(self.at)))])
+        table([
+            ("text", Some(ParameterValue::Text(self.text.clone()))),
+            ("at", Some(position_value(self.position))),
+        ])
     }
 }
 
@@ -168,7 +174,7 @@ fn numbers<const N: usize>(fields: &[Field], name: &str) -> Option<[f64; N]> {
 }
 
 /// A place as whole numbers.
-pub(crate) fn place(at: [f64; 2]) -> ParameterValue {
+pub(crate) fn position_value(at: [f64; 2]) -> ParameterValue {
     // Beyond the range of integers they saturate, which no screen shows.
     ParameterValue::List(at.map(|x| ParameterValue::Integer(x.round() as i64).into()).to_vec())
 }

@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 use voltet_core::Error;
 use voltet_document::{Document, Edit};
 use voltet_graph::ParameterValue;
-use voltet_nodes::files::beside;
+use voltet_nodes::files::relative_to;
 
 impl Editor {
     pub(crate) fn carry_out(&mut self, ctx: &Context, action: Action) {
@@ -42,7 +42,7 @@ impl Editor {
             Action::SaveAs(path) => self.save_as(&path),
             Action::Ask(asked, at) => self.asking = Some(FileAsking::new(asked, at.as_deref())),
             Action::Name { node, path, file } => {
-                let text = beside(&file, &self.document.folder()).to_string_lossy().into_owned();
+                let text = relative_to(&file, &self.document.folder()).to_string_lossy().into_owned();
                 let edit = Edit::Set { node, path, value: ParameterValue::Text(text) };
                 self.edit(edit.label(), &[edit]);
             }

@@ -5,7 +5,7 @@ use crate::editor::Editor;
 use crate::graph::Thing;
 use eframe::egui::{Context, Event};
 use voltet_core::Result;
-use voltet_document::arrange::{Placed, align, tidy};
+use voltet_document::arrange::{PlacedNode, align, tidy};
 use voltet_document::{Edit, Frame, Note};
 use voltet_graph::NodeEntry;
 
@@ -76,15 +76,15 @@ impl Editor {
             true => all.clone(),
             false => all.iter().filter(|node| self.selection.contains(&node.name)).cloned().collect(),
         };
-        let placed = |node: &NodeEntry| Placed {
+        let placed = |node: &NodeEntry| PlacedNode {
             name: node.name.clone(),
-            at: self.document.position(&node.name),
+            position: self.document.position(&node.name),
             size: self.graph.size_of(&node.name),
         };
-        let placed: Vec<Placed> = nodes.iter().map(placed).collect();
-        let least = |axis: usize| placed.iter().map(|node| node.at[axis]).fold(f64::INFINITY, f64::min);
+        let placed: Vec<PlacedNode> = nodes.iter().map(placed).collect();
+        let least = |axis: usize| placed.iter().map(|node| node.position[axis]).fold(f64::INFINITY, f64::min);
         let most = |axis: usize| {
-            placed.iter().map(|node| node.at[axis] + node.size[axis]).fold(f64::NEG_INFINITY, f64::max)
+            placed.iter().map(|node| node.position[axis] + node.size[axis]).fold(f64::NEG_INFINITY, f64::max)
         };
         let (label, edit) = match command {
             Command::Tidy if !nodes.is_empty() => {
@@ -98,13 +98,13 @@ impl Editor {
                 let at = [least(0) - 20.0, least(1) - 36.0];
                 let size = [most(0) + 20.0 - at[0], most(1) + 20.0 - at[1]];
                 let count = self.document.view().frames.len();
-                let frame = Frame { title: "frame".into(), at, size, color: None };
+                let frame = Frame { title: "frame".into(), position: at, size, color: None };
                 ("add a frame", Edit::PutFrame(count, frame))
             }
             Command::Note => {
                 let count = self.document.view().notes.len();
                 let at = if nodes.is_empty() { [0.0, 0.0] } else { [least(0), most(1) + 30.0] };
-                ("add a note", Edit::PutNote(count, Note { text: "a note".into(), at }))
+                ("add a note", Edit::PutNote(count, Note { text: "a note".into(), position: at }))
             }
             _ => return,
         };

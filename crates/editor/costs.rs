@@ -63,7 +63,7 @@ fn stages(ui: &mut Ui, report: &RunReport) {
 fn left_out(ui: &mut Ui, report: &RunReport) {
     let dark = ui.visuals().dark_mode;
     ui.strong("left out");
-    let all: Vec<_> = report.left_out.iter().filter(|left| left.what != "repetition").collect();
+    let all: Vec<_> = report.skipped.iter().filter(|left| left.what != "repetition").collect();
     if all.is_empty() {
         ui.label("nothing");
     }

@@ -296,7 +296,7 @@ fn faults(document: &Document, registry: &Registry) -> Vec<Error> {
     if document.pipeline().nodes.is_empty() && document.is_toml() {
         return Vec::new();
     }
-    let named = |fault: voltet_document::Fault| match fault.node {
+    let named = |fault: voltet_document::Diagnostic| match fault.node {
         Some(node) => fault.error.at_node(node),
         None => fault.error,
     };

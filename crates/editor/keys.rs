@@ -218,7 +218,7 @@ mod tests {
 
     #[test]
     fn the_page_about_the_editor_has_every_key_and_what_the_mouse_does() {
-        let page = include_str!("../../docs/editor.md");
+        let page = include_str!("../../docs/src/reference/editor-keys.md");
         let mut lines = Vec::new();
         lines.extend(rows(&Context::default()).iter().map(|(keys, words)| format!("| {keys} | {words} |")));
         for (place, rows) in MOUSE {
@@ -227,6 +227,6 @@ mod tests {
             );
         }
         let missing: Vec<&String> = lines.iter().filter(|line| !page.contains(line.as_str())).collect();
-        assert!(missing.is_empty(), "docs/editor.md lacks\n{missing:#?}");
+        assert!(missing.is_empty(), "docs/src/reference/editor-keys.md lacks\n{missing:#?}");
     }
 }

@@ -1,14 +1,14 @@
 //! Unsaved work outlives a crash: it is kept while it is unsaved, and what was left behind is offered at the next start.
 
 use std::time::Instant;
-use voltet_document::{Keeper, LeftBehind, Recovery};
+use voltet_document::{Autosave, OrphanedDraft, Recovery};
 
 /// What is kept of this window's work, and what others left behind.
 #[derive(Default)]
 pub(crate) struct Recover {
     pub place: Option<Recovery>,
-    pub keeper: Option<Keeper>,
-    pub left: Vec<LeftBehind>,
+    pub keeper: Option<Autosave>,
+    pub left: Vec<OrphanedDraft>,
     pub kept: Option<Instant>,
 }
 

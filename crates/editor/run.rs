@@ -12,7 +12,7 @@ use voltet_core::{Error, Result};
 use voltet_graph::pipeline::Pipeline;
 use voltet_graph::{Graph, Observer, RunReport};
 use voltet_io::memory;
-use voltet_nodes::files::beside;
+use voltet_nodes::files::relative_to;
 
 /// A run that is under way; dropped, it stops.
 pub(crate) struct Run {
@@ -34,7 +34,7 @@ impl Observer for Stopped {
     }
 
     fn memory_left(&self) -> Option<u64> {
-        memory::left()
+        memory::available()
     }
 }
 
@@ -79,7 +79,7 @@ impl Editor {
 
     /// A file as it is named from the document's folder.
     fn named_here(&self, file: &str) -> String {
-        beside(Path::new(file), &self.document.folder()).display().to_string()
+        relative_to(Path::new(file), &self.document.folder()).display().to_string()
     }
 
     /// Takes over what a run came to.

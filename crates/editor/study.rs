@@ -92,7 +92,7 @@ impl Progress for Watching {
     }
 
     fn memory_left(&self) -> Option<u64> {
-        voltet_io::memory::left()
+        voltet_io::memory::available()
     }
 }
 

@@ -10,7 +10,7 @@ mod waiting;
 mod write;
 
 pub use hash::Fnv;
-pub use meant::{Meant, STANDARD_OUTPUT, Use, beside, collision, folder, is_standard_output};
+pub use meant::{FileIdentity, STANDARD_OUTPUT, Use, collision, folder, is_standard_output, relative_to};
 pub use temporary::end_now;
 pub use waiting::is_waiting;
 pub use write::{refuse_unwritable, standard_output, unwritable_output, write_whole};
@@ -41,14 +41,14 @@ fn user_folder(variable: &str, usual: &str, on_macos: &str) -> PathBuf {
 }
 
 /// A path to write, as people are told of it.
-pub fn shown(path: &Path) -> String {
+pub fn display_path(path: &Path) -> String {
     match path == Path::new(STANDARD_OUTPUT) {
         true => "the standard output".into(),
         false => path.display().to_string(),
     }
 }
 
-/// Whether a path by its words alone is the standard output or a device, which have no endings.
+/// True if a path by its words alone is the standard output or a device, which have no endings.
 pub fn is_stream(path: &str) -> bool {
     path == STANDARD_OUTPUT || path.starts_with("/dev/")
 }

@@ -1,4 +1,4 @@
-//! Which file a path means, however it is spelled.
+//! Identity of the file behind a path, however the path is spelled.
 
 use std::path::{Path, PathBuf};
 
@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 pub const STANDARD_OUTPUT: &str = "-";
 
 /// More links than this from one to the next are a ring: what Linux allows.
-const LINKS_MOST: usize = 40;
+const MAX_LINKS: usize = 40;
 
-/// What a path means: equal for two paths where what is written to one shows at the other.
+/// Identity of a file: equal for two paths where data written to one shows at the other.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Meant {
+pub enum FileIdentity {
     /// The standard output, where that is a terminal or another device.
     StandardOutput,
     /// A file that is there, by the numbers of its device and of itself.
@@ -20,39 +20,41 @@ pub enum Meant {
     Path(PathBuf),
 }
 
-impl Meant {
-    /// What a path means; `None` for devices (`/dev/null`), which keep nothing that could be lost.
-    pub fn by(path: &Path) -> Option<Meant> {
+impl FileIdentity {
+    /// Identity of the file at a path; `None` for devices (`/dev/null`), which keep nothing that could be lost.
+    pub fn from_path(path: &Path) -> Option<FileIdentity> {
         if path == Path::new(STANDARD_OUTPUT) {
             let there = standard_output().and_then(|metadata| Self::there(&metadata, path));
-            return Some(there.unwrap_or(Meant::StandardOutput));
+            return Some(there.unwrap_or(FileIdentity::StandardOutput));
         }
         match std::fs::metadata(path) {
             Ok(metadata) => Self::there(&metadata, path),
-            Err(_) => Some(Meant::Path(without_links(&followed(path)))),
+            Err(_) => Some(FileIdentity::Path(without_links(&followed(path)))),
         }
     }
 
     #[cfg(unix)]
-    fn there(metadata: &std::fs::Metadata, _path: &Path) -> Option<Meant> {
+    fn there(metadata: &std::fs::Metadata, _path: &Path) -> Option<FileIdentity> {
         use std::os::unix::fs::{FileTypeExt, MetadataExt};
         let is_device = metadata.file_type().is_char_device();
-        (!is_device).then(|| Meant::Numbers(metadata.dev(), metadata.ino()))
+        (!is_device).then(|| FileIdentity::Numbers(metadata.dev(), metadata.ino()))
     }
 
     #[cfg(not(unix))]
-    fn there(_metadata: &std::fs::Metadata, path: &Path) -> Option<Meant> {
-        Some(Meant::Path(without_links(path)))
+    fn there(_metadata: &std::fs::Metadata, path: &Path) -> Option<FileIdentity> {
+        Some(FileIdentity::Path(without_links(path)))
     }
 }
 
-/// Whether a path is the standard output, by its own name or another.
+/// True if a path is the standard output, by its own name or another.
 pub fn is_standard_output(path: &Path) -> bool {
     let named = [STANDARD_OUTPUT, "/dev/stdout"].iter().any(|name| path == Path::new(name));
-    named || Meant::by(path).is_some_and(|meant| Meant::by(Path::new(STANDARD_OUTPUT)) == Some(meant))
+    named
+        || FileIdentity::from_path(path)
+            .is_some_and(|meant| FileIdentity::from_path(Path::new(STANDARD_OUTPUT)) == Some(meant))
 }
 
-/// What the standard output leads to, where the system tells.
+/// Metadata of the standard output's target, where the system reports it.
 fn standard_output() -> Option<std::fs::Metadata> {
     cfg!(unix).then(|| std::fs::metadata("/dev/stdout").ok())?
 }
@@ -60,7 +62,7 @@ fn standard_output() -> Option<std::fs::Metadata> {
 /// The path that symbolic links lead to from here, whether or not there is something.
 pub(super) fn followed(path: &Path) -> PathBuf {
     let mut path = path.to_path_buf();
-    for _ in 0..LINKS_MOST {
+    for _ in 0..MAX_LINKS {
         let Ok(link) = std::fs::read_link(&path) else { break };
         path = folder(&path).join(link);
     }
@@ -78,13 +80,14 @@ fn without_links(path: &Path) -> PathBuf {
 pub struct Use {
     /// The path.
     pub path: PathBuf,
-    /// Whether it is written; it is read otherwise.
+    /// True if it is written; it is read otherwise.
     pub written: bool,
 }
 
 /// The first of these that writes a file which another one reads or writes, and that other one, by their places.
 pub fn collision(uses: &[Use]) -> Option<[usize; 2]> {
-    let meant: Vec<Option<Meant>> = uses.iter().map(|one| Meant::by(&one.path)).collect();
+    let meant: Vec<Option<FileIdentity>> =
+        uses.iter().map(|one| FileIdentity::from_path(&one.path)).collect();
     let same = |a: usize, b: usize| a != b && meant[a].is_some() && meant[a] == meant[b];
     let before_others = |a: usize, b: usize| !uses[b].written || b < a;
     (0..uses.len()).filter(|&a| uses[a].written).find_map(|a| {
@@ -101,9 +104,9 @@ pub fn folder(path: &Path) -> &Path {
     }
 }
 
-/// How a file in `folder` names the file at `path`, which need not be there yet: by a relative path where both lie in a folder
+/// Path from `folder` to the file at `path`, which need not exist: a relative path where both lie in a folder
 /// other than the root, else by the whole path; as it is where its folder is not there.
-pub fn beside(path: &Path, folder: &Path) -> PathBuf {
+pub fn relative_to(path: &Path, folder: &Path) -> PathBuf {
     let own = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let there = std::fs::canonicalize(path).unwrap_or_else(|_| without_links(path));
     let Ok(own) = std::fs::canonicalize(own) else { return path.to_path_buf() };
@@ -169,14 +172,14 @@ mod tests {
         let home = whole.path().canonicalize().unwrap();
         fs::create_dir_all(home.join("a/b")).unwrap();
         fs::write(home.join("a/data.vtu"), "").unwrap();
-        let named = |path: &str, folder: &str| beside(&home.join(path), &home.join(folder));
+        let named = |path: &str, folder: &str| relative_to(&home.join(path), &home.join(folder));
         assert_eq!(named("a/data.vtu", "a"), Path::new("data.vtu"));
         assert_eq!(named("a/data.vtu", "a/b"), Path::new("../data.vtu"));
         assert_eq!(named("a/b/../data.vtu", "."), Path::new("a/data.vtu"));
         assert_eq!(named("a/not_yet.png", "a/b"), Path::new("../not_yet.png"));
         // Nothing but the root is shared.
-        assert_eq!(beside(Path::new("/dev/null"), &home), Path::new("/dev/null"));
-        assert_eq!(beside(Path::new("/dev/null"), Path::new("/no/such/folder")), Path::new("/dev/null"));
+        assert_eq!(relative_to(Path::new("/dev/null"), &home), Path::new("/dev/null"));
+        assert_eq!(relative_to(Path::new("/dev/null"), Path::new("/no/such/folder")), Path::new("/dev/null"));
     }
 
     #[test]

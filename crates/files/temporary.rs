@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError, TryLockError};
 use tempfile::NamedTempFile;
 
-/// Those made so far that may be there. A signal ends the program without unwinding, and what it then has to remove can be
+/// Temporary files that may exist now. A signal ends the program without unwinding, and the files to remove then can be
 /// known from here only.
 static MADE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
@@ -16,7 +16,7 @@ pub(super) struct Temporary(NamedTempFile);
 
 impl Temporary {
     /// A file in the folder of `path`.
-    pub fn beside(path: &Path) -> io::Result<Temporary> {
+    pub fn create_for(path: &Path) -> io::Result<Temporary> {
         let mut builder = tempfile::Builder::new();
         builder.prefix(".voltet-").suffix(".tmp");
         #[cfg(unix)]

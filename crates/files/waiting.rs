@@ -1,25 +1,25 @@
-//! Whether the program waits for whoever reads what it writes: then only its end stops it.
+//! Guard of blocking writes: while a reader of the output is slow, only the program's end stops it.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 static WAITS: AtomicBool = AtomicBool::new(false);
 
 /// The program waits until this goes away.
-pub(super) struct Waits;
+pub(super) struct WriteGuard;
 
 /// A write begins that may have to wait for a reader: to a pipe or a terminal.
-pub(super) fn begin() -> Waits {
+pub(super) fn begin() -> WriteGuard {
     WAITS.store(true, Ordering::Relaxed);
-    Waits
+    WriteGuard
 }
 
-impl Drop for Waits {
+impl Drop for WriteGuard {
     fn drop(&mut self) {
         WAITS.store(false, Ordering::Relaxed);
     }
 }
 
-/// Whether a write to a pipe or a terminal is on its way.
+/// True if a write to a pipe or a terminal is on its way.
 pub fn is_waiting() -> bool {
     WAITS.load(Ordering::Relaxed)
 }

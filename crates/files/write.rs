@@ -9,7 +9,7 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use voltet_core::{Error, Result};
 
-/// What a path to write leads to.
+/// Target of a path to write.
 enum Target {
     /// The standard output.
     StandardOutput,
@@ -23,7 +23,7 @@ enum Target {
 pub fn refuse_unwritable(path: &Path) -> Result<()> {
     match target(path)? {
         Target::File(there, _) => {
-            Temporary::beside(&there).map(drop).map_err(|error| unwritable(path, &error))
+            Temporary::create_for(&there).map(drop).map_err(|error| unwritable(path, &error))
         }
         // A pipe is opened only when there is something to write: that waits for its reader.
         Target::StandardOutput | Target::Through => Ok(()),
@@ -36,7 +36,7 @@ pub fn refuse_unwritable(path: &Path) -> Result<()> {
 pub fn write_whole(path: &Path, content: &[u8]) -> Result<()> {
     match target(path)? {
         Target::StandardOutput => standard_output(content).map(drop),
-        Target::Through => through(path, content).map(drop).map_err(|error| unwritable(path, &error)),
+        Target::Through => write_through(path, content).map(drop).map_err(|error| unwritable(path, &error)),
         Target::File(there, former) => {
             replace(&there, former.as_ref(), content).map_err(|error| unwritable(path, &error))
         }
@@ -98,7 +98,7 @@ fn takes_a_stream(_there: &Metadata) -> bool {
 }
 
 /// Writes to a device or a pipe.
-fn through(path: &Path, content: &[u8]) -> io::Result<bool> {
+fn write_through(path: &Path, content: &[u8]) -> io::Result<bool> {
     let _waits = waiting::begin();
     unless_closed(OpenOptions::new().write(true).open(path)?.write_all(content))
 }
@@ -113,7 +113,7 @@ fn unless_closed(written: io::Result<()>) -> io::Result<bool> {
 }
 
 fn replace(path: &Path, former: Option<&Metadata>, content: &[u8]) -> io::Result<()> {
-    let mut file = Temporary::beside(path)?;
+    let mut file = Temporary::create_for(path)?;
     file.file().write_all(content)?;
     if let Some(former) = former {
         take_over(former, file.file())?;

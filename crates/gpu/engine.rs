@@ -1,13 +1,13 @@
 //! The device engine as one of the program's engines.
 
-use crate::device::absent;
 use crate::device::adapter::{Adapters, no_hardware};
-use crate::device::open::{Device, Work};
-use crate::frame::checked::Checked;
-use crate::frame::draw::{self, draw};
-use crate::frame::drawn;
-use crate::frame::flight;
+use crate::device::adapter_probe_cache;
+use crate::device::device_handle::{Device, WorkCounts};
+use crate::frame::draw::draw;
+use crate::frame::in_flight;
+use crate::frame::inputs::choices;
 use crate::frame::limits;
+use crate::frame::output::{self, OrderCheckReport};
 use crate::frame::renderer::Renderer;
 use crate::measure::segments::Segments;
 use crate::measure::{compositors, operations};
@@ -15,10 +15,10 @@ use serde_json::json;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use voltet_core::Result;
+use voltet_core::diagnostics::{Diagnostics, SavedWork};
 use voltet_core::progress::Progress;
 use voltet_core::visibility::FaceOrder;
 use voltet_core::volume::Volume;
-use voltet_graph::{NodeDiagnostics, SavedWork};
 use voltet_optics::engine::{
     AdapterRequest, Compositor, CompositorChoice, Engine, EngineInfo, KeyValueStore, NoStore, Pending,
     PreparedVolume, RenderOptions, RenderOutput, RenderStats, SegmentEvaluator,
@@ -40,33 +40,33 @@ pub const ENGINE: EngineInfo = EngineInfo {
     open_each: |wish| open(wish, &NoStore).map(|opened| vec![Arc::new(opened) as Arc<dyn Engine>]),
 };
 
-fn open(wish: &AdapterRequest, memory: &dyn KeyValueStore) -> Result<OnDevice> {
+fn open(wish: &AdapterRequest, memory: &dyn KeyValueStore) -> Result<GpuEngine> {
     let any_hardware = wish.hardware && wish.name.is_none();
-    if any_hardware && let Some(listed) = absent::recall(memory) {
+    if any_hardware && let Some(listed) = adapter_probe_cache::recall(memory) {
         return Err(no_hardware(&format!("{listed} (remembered)")));
     }
     let adapters = Adapters::find();
     if any_hardware && !adapters.have_hardware() {
-        absent::keep(memory, &adapters.listed());
+        adapter_probe_cache::keep(memory, &adapters.listed());
     }
     let device = Device::open_of(&adapters, wish.name.as_deref(), wish.hardware)?;
-    Ok(OnDevice::new(Arc::new(device)))
+    Ok(GpuEngine::new(Arc::new(device)))
 }
 
 /// The device engine on an open device.
-pub struct OnDevice {
+pub struct GpuEngine {
     device: Arc<Device>,
-    compositors: compositors::Known,
+    compositors: compositors::TimingCache,
 }
 
-impl OnDevice {
+impl GpuEngine {
     /// On this device.
-    pub fn new(device: Arc<Device>) -> OnDevice {
-        OnDevice { device, compositors: compositors::Known::default() }
+    pub fn new(device: Arc<Device>) -> GpuEngine {
+        GpuEngine { device, compositors: compositors::TimingCache::default() }
     }
 }
 
-impl Engine for OnDevice {
+impl Engine for GpuEngine {
     fn adapter(&self) -> String {
         self.device.name.clone()
     }
@@ -87,7 +87,7 @@ impl Engine for OnDevice {
         let before = self.device.work().uploads;
         let renderer = Renderer::new(self.device.clone(), volume)?;
         let uploads = AtomicU64::new(self.device.work().uploads - before);
-        Ok(Arc::new(Uploaded { renderer: Arc::new(renderer), uploads }))
+        Ok(Arc::new(GpuVolume { renderer: Arc::new(renderer), uploads }))
     }
 
     fn forms(&self) -> Option<Box<dyn SegmentEvaluator>> {
@@ -113,44 +113,49 @@ impl Engine for OnDevice {
 }
 
 /// A volume on the device.
-struct Uploaded {
+struct GpuVolume {
     renderer: Arc<Renderer>,
     /// Arrays that were uploaded and are not counted with any picture yet.
     uploads: AtomicU64,
 }
 
-impl PreparedVolume for Uploaded {
-    fn draw(&self, scene: &Scene, manner: &RenderOptions, progress: &dyn Progress) -> Result<RenderOutput> {
+impl PreparedVolume for GpuVolume {
+    fn draw(&self, scene: &Scene, options: &RenderOptions, progress: &dyn Progress) -> Result<RenderOutput> {
         let device = self.renderer.device();
         let before = device.work();
-        let drawn = draw(&self.renderer, scene, manner, progress)?;
-        Ok(of_engine(device, drawn, manner, self.since(before)))
+        let drawn = draw(&self.renderer, scene, options, progress)?;
+        Ok(of_engine(device, drawn, options, self.since(before)))
     }
 
     fn begin(
         &self,
         scene: &Scene,
-        manner: &RenderOptions,
+        options: &RenderOptions,
         progress: &dyn Progress,
     ) -> Result<Box<dyn Pending>> {
         let before = self.renderer.device().work();
-        let begun = flight::begin(&self.renderer, scene, manner, progress)?;
+        let begun = in_flight::begin(&self.renderer, scene, options, progress)?;
         let (device, work) = (self.renderer.device().clone(), self.since(before));
-        Ok(Box::new(UnderWay { device, begun, manner: *manner, work }))
+        Ok(Box::new(PendingFrame { device, begun, options: *options, work }))
     }
 
-    fn operations(&self, scene: &Scene, manner: &RenderOptions, counts: &RenderStats) -> Result<Option<u64>> {
+    fn operations(
+        &self,
+        scene: &Scene,
+        options: &RenderOptions,
+        counts: &RenderStats,
+    ) -> Result<Option<u64>> {
         let Some(segments) = counts.segments else { return Ok(None) };
-        let (choices, _) = draw::choices(&self.renderer, scene, manner)?;
-        operations::of_compositor(&compose(&choices), segments).map(Some)
+        let (shader_key, _) = choices(&self.renderer, scene, options)?;
+        operations::of_compositor(&compose(&shader_key), segments).map(Some)
     }
 }
 
-impl Uploaded {
-    /// What was done since, with the arrays that no picture has counted.
-    fn since(&self, before: Work) -> Work {
+impl GpuVolume {
+    /// Work done since, with the arrays that no picture has counted.
+    fn since(&self, before: WorkCounts) -> WorkCounts {
         let after = self.renderer.device().work();
-        Work {
+        WorkCounts {
             shader_builds: after.shader_builds - before.shader_builds,
             uploads: self.uploads.swap(0, Ordering::Relaxed) + after.uploads - before.uploads,
             bytes_uploaded: after.bytes_uploaded - before.bytes_uploaded,
@@ -158,42 +163,47 @@ impl Uploaded {
     }
 }
 
-/// A frame that was begun, with what was done for it.
-struct UnderWay {
+/// A submitted frame, with the work that was done for it.
+struct PendingFrame {
     device: Arc<Device>,
-    begun: flight::Begun,
-    manner: RenderOptions,
-    work: Work,
+    begun: in_flight::SubmittedFrame,
+    options: RenderOptions,
+    work: WorkCounts,
 }
 
-impl Pending for UnderWay {
+impl Pending for PendingFrame {
     fn collect(self: Box<Self>, progress: &dyn Progress) -> Result<RenderOutput> {
         let drawn = self.begun.collect(progress)?;
-        Ok(of_engine(&self.device, drawn, &self.manner, self.work))
+        Ok(of_engine(&self.device, drawn, &self.options, self.work))
     }
 }
 
-/// A picture of the device as every engine gives it.
-fn of_engine(device: &Device, drawn: drawn::Drawn, manner: &RenderOptions, work: Work) -> RenderOutput {
-    let mut notes = notes(device, &drawn, manner);
+/// The output of a frame as every engine gives it.
+fn of_engine(
+    device: &Device,
+    drawn: output::FrameOutput,
+    options: &RenderOptions,
+    work: WorkCounts,
+) -> RenderOutput {
+    let mut notes = notes(device, &drawn, options);
     notes.counts.insert("shader_builds", work.shader_builds);
     notes.counts.insert("uploads", work.uploads);
     notes.counts.insert("bytes_uploaded", work.bytes_uploaded);
-    let counts = drawn.counts.of_engine(manner);
+    let counts = drawn.counts.of_engine(options);
     let compositing = Compositor::Tiles;
     let instead = drawn.tiles_instead.map(|why| CompositorChoice { compositing, why, measured_secs: None });
     RenderOutput { counts, instead, notes, ..RenderOutput::new(drawn.picture, drawn.passes) }
 }
 
-/// What only this engine counts and leaves out, and what should be known of the device.
-fn notes(device: &Device, drawn: &drawn::Drawn, manner: &RenderOptions) -> NodeDiagnostics {
-    let mut notes = NodeDiagnostics::default();
+/// Diagnostics of this engine alone: its counts, the shader parts that it skips, warnings about the device.
+fn notes(device: &Device, drawn: &output::FrameOutput, options: &RenderOptions) -> Diagnostics {
+    let mut notes = Diagnostics::new(options.exhaustive);
     notes.counts.insert("tile_entries", drawn.counts.tile_entries);
     notes.counts.insert("sweeps_further", drawn.counts.sweeps_further);
     if let Some(along_faces) = &drawn.along_faces {
         note_order(&mut notes, along_faces);
     }
-    if let (Some(why), Some(asked)) = (&drawn.tiles_instead, manner.compositing) {
+    if let (Some(why), Some(asked)) = (&drawn.tiles_instead, options.compositing) {
         let asked = asked.name();
         notes.warnings.push(format!("drawn by tiles, in place of compositor = \"{asked}\": {why}"));
     }
@@ -201,16 +211,16 @@ fn notes(device: &Device, drawn: &drawn::Drawn, manner: &RenderOptions) -> NodeD
         let off = "what it draws may be off by some thousandths; compositor = \"tiles\" has 32 bits";
         notes.warnings.push(format!("{} blends no 32-bit floats: {off}", device.name));
     }
-    if let (Some(leave), false) = (manner.may_leave_out, drawn.parts_left_out.is_empty()) {
+    if !drawn.parts_left_out.is_empty() {
         let what = format!("shader parts {}", drawn.parts_left_out.join(", "));
         let saving = SavedWork::Bytes(drawn.part_bytes_left_out);
-        notes.record_skipped(leave, what, "the scene asks for nothing of the kind", Some(saving));
+        notes.record_skipped(what, "the scene asks for nothing of the kind", Some(saving));
     }
     notes
 }
 
-/// What is known of an exact order that was blended.
-fn note_order(notes: &mut NodeDiagnostics, drawn::AlongFaces { order, checked }: &drawn::AlongFaces) {
+/// Adds the facts about an exact order that was blended.
+fn note_order(notes: &mut Diagnostics, output::FaceOrderReport { order, checked }: &output::FaceOrderReport) {
     let FaceOrder { cells, across_gaps, taken_out } = &**order;
     let mut said = format!("{} cells blended in exact order along their faces", cells.len());
     if *across_gaps > 0 {
@@ -220,7 +230,7 @@ fn note_order(notes: &mut NodeDiagnostics, drawn::AlongFaces { order, checked }:
         said += &format!("; {taken_out} faces in circles are crossed by no pixel's ray");
     }
     let mut figures = json!({ "across_gaps": across_gaps, "taken_out": taken_out });
-    if let Some(Checked { pixels, largest, disordered, without_tiles }) = checked {
+    if let Some(OrderCheckReport { pixels, largest, disordered, without_tiles }) = checked {
         match without_tiles {
             None => {
                 said += &format!("; {pixels} pixels differ by at most {largest:.1e} from those of tiles");
@@ -236,13 +246,13 @@ fn note_order(notes: &mut NodeDiagnostics, drawn::AlongFaces { order, checked }:
     notes.find(said, json!({ "order_along_faces": figures }));
 }
 
-impl drawn::Counts {
-    /// Those that every engine may have. Where nothing may be left out, cells beside the picture are as those between its
+impl output::FrameCounts {
+    /// Counts that every engine may have. In exhaustive mode cells beside the picture count as those between its
     /// pixels: their place is found, and there is nothing more that could be done for them.
-    fn of_engine(&self, manner: &RenderOptions) -> RenderStats {
-        let [culled_by_frustum, under_a_pixel] = match manner.may_leave_out {
-            Some(_) => [self.culled_by_frustum, self.under_a_pixel],
-            None => [0, self.culled_by_frustum + self.under_a_pixel],
+    fn of_engine(&self, options: &RenderOptions) -> RenderStats {
+        let [culled_by_frustum, under_a_pixel] = match options.exhaustive {
+            false => [self.culled_by_frustum, self.under_a_pixel],
+            true => [0, self.culled_by_frustum + self.under_a_pixel],
         };
         RenderStats {
             culled_by_transfer_function: Some(self.culled_by_transfer_function),

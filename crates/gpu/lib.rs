@@ -13,12 +13,11 @@ mod pass;
 mod raster;
 
 pub use device::adapter::{Adapters, KINDS};
-pub use device::open::{Device, Work};
-pub use engine::{ENGINE, OnDevice};
-pub use frame::checked::Checked;
+pub use device::device_handle::{Device, WorkCounts};
+pub use engine::{ENGINE, GpuEngine};
 pub use frame::draw::draw;
-pub use frame::drawn::{AlongFaces, Counts, Drawn};
-pub use frame::flight::{Begun, InFlight, begin};
+pub use frame::in_flight::{InFlight, SubmittedFrame, begin};
 pub use frame::limits::can_serve;
+pub use frame::output::{FaceOrderReport, FrameCounts, FrameOutput, OrderCheckReport};
 pub use frame::renderer::Renderer;
 pub use measure::segments::Segments;

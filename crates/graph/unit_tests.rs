@@ -1,10 +1,10 @@
 //! The passes, the cache and the wiring, on node types that only count.
 
+mod exhaustive;
 mod faults;
 mod feeding;
 mod given;
 mod methods;
-mod no_leave_out;
 mod optional_inputs;
 mod passing;
 mod places;
@@ -25,7 +25,7 @@ use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 
 thread_local! {
-    /// How often each node type ran on this thread.
+    /// Count of runs of each node type on this thread.
     static RUNS: RefCell<BTreeMap<&'static str, usize>> = const { RefCell::new(BTreeMap::new()) };
     /// The demand on the grid at its last run.
     static ASKED: RefCell<Demand> = RefCell::new(Demand::default());
@@ -49,7 +49,7 @@ const fn number(name: &'static str, standard: DefaultValue) -> Parameter {
         name,
         parameter_type: ParameterType::Number(Range::at_least(0.0)),
         unit: "m",
-        standard,
+        default: standard,
         help: "help",
     }
 }
@@ -74,8 +74,8 @@ const GRADIENT: Node = Node {
     inputs: &[port("grid", PortType::Grid)],
     outputs: &[port("volume", PortType::Volume)],
     demand: &|asking| {
-        if let (Some(leave), false) = (asking.may_leave_out(), asking.asked.gradient_magnitude) {
-            asking.notes.record_skipped(leave, "gradient", "nobody asks", None);
+        if !asking.asked.gradient_magnitude {
+            asking.notes.record_skipped("gradient", "nobody asks", None);
         }
         asking.ask("grid", &Demand { arrays: asking.asked.arrays.clone(), ..Demand::default() })
     },
@@ -164,7 +164,7 @@ const WRITE: Node = Node {
         name: "path",
         parameter_type: ParameterType::OutputPath,
         unit: "",
-        standard: DefaultValue::Required,
+        default: DefaultValue::Required,
         help: "help",
     }],
     prepare: &|preparation| match preparation.path("path")?.ends_with("bad") {
@@ -267,16 +267,13 @@ fn what_nobody_asks_for_is_left_out_and_made_once_it_is_asked_for() {
     let mut session = session();
     let without = SCENE.replace("unit = 2.0", "unit = 1.0");
     let report = session.run(&graph(&without).unwrap(), &NoObserver).unwrap();
-    assert_eq!(report.left_out.len(), 1);
-    assert_eq!(
-        (report.left_out[0].node.as_str(), report.left_out[0].what.as_str()),
-        ("gradient", "gradient")
-    );
+    assert_eq!(report.skipped.len(), 1);
+    assert_eq!((report.skipped[0].node.as_str(), report.skipped[0].what.as_str()), ("gradient", "gradient"));
     assert!(ASKED.with_borrow(|asked| asked.arrays.contains("p") && !asked.gradient_magnitude));
     runs();
 
     let report = session.run(&graph(SCENE).unwrap(), &NoObserver).unwrap();
-    let left_out: Vec<[&str; 2]> = report.left_out.iter().map(|left| [&*left.node, &*left.what]).collect();
+    let left_out: Vec<[&str; 2]> = report.skipped.iter().map(|left| [&*left.node, &*left.what]).collect();
     assert_eq!(left_out, [["grid", "repetition"]]);
     let expected = [("draw", 1), ("gradient", 1), ("kept", 1), ("look", 1), ("write", 1)];
     assert_eq!(runs(), expected, "the grid serves again, the volume is new");

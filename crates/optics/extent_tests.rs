@@ -16,7 +16,7 @@ proptest! {
         let value = |name: &str| values[["a", "b", "c"].iter().position(|known| *known == name).unwrap()];
         let peak = widget.peak();
         let own: Vec<f64> = widget.profile.properties().fields.into_iter().map(value).collect();
-        let found = peak * widget.at(v, &own);
+        let found = peak * widget.weight_at(v, &own);
         let look = TransferFunction {
             model: OpticalModel::DensityEmitter,
             unit_distance: 1.0,

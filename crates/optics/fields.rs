@@ -1,36 +1,36 @@
 //! Widgets over a list of fields of their own (Kniss et al. 2003, Eq. 11 and 12): K (v − v₀) along a segment.
 
 use super::Segment;
-use voltet_core::transfer::FIELDS_MOST;
+use voltet_core::transfer::MAX_FIELDS;
 
 /// The fields of a widget, its centre and K.
 #[derive(Debug, Clone)]
 pub(super) struct Fields {
     /// Where its fields lie in the segment's.
-    slots: [usize; FIELDS_MOST],
+    slots: [usize; MAX_FIELDS],
     count: usize,
-    centre: [f64; FIELDS_MOST],
-    matrix: [[f64; FIELDS_MOST]; FIELDS_MOST],
+    centre: [f64; MAX_FIELDS],
+    matrix: [[f64; MAX_FIELDS]; MAX_FIELDS],
 }
 
 /// What they are at the ends of a segment; unused components are 0.
 pub(super) struct Ends {
     /// K (v_f − v₀).
-    pub front: [f64; FIELDS_MOST],
+    pub front: [f64; MAX_FIELDS],
     /// K (v_b − v₀).
-    pub back: [f64; FIELDS_MOST],
+    pub back: [f64; MAX_FIELDS],
     /// K (v_b − v_f), from the raw difference.
-    pub along: [f64; FIELDS_MOST],
+    pub along: [f64; MAX_FIELDS],
 }
 
 impl Fields {
     /// `names` are the widget's fields, `fields` those of the segments.
     pub fn new(names: &[String], centre: &[f64], matrix: &[Vec<f64>], fields: &[&str]) -> Self {
         let mut own = Fields {
-            slots: [0; FIELDS_MOST],
+            slots: [0; MAX_FIELDS],
             count: names.len(),
-            centre: [0.0; FIELDS_MOST],
-            matrix: [[0.0; FIELDS_MOST]; FIELDS_MOST],
+            centre: [0.0; MAX_FIELDS],
+            matrix: [[0.0; MAX_FIELDS]; MAX_FIELDS],
         };
         for (i, name) in names.iter().enumerate() {
             own.slots[i] = slot(name, fields);
@@ -43,7 +43,7 @@ impl Fields {
     /// Along a segment.
     pub fn ends(&self, segment: &Segment) -> Ends {
         let n = self.count;
-        let none = [0.0; FIELDS_MOST];
+        let none = [0.0; MAX_FIELDS];
         let mut ends = Ends { front: none, back: none, along: none };
         for j in 0..n {
             let slot = self.slots[j];

@@ -1,6 +1,6 @@
 //! A scene: what is drawn, from where, and how. The one description that every engine is given.
 
-use crate::shading::{Shading, VisibilityOrder};
+use crate::shading::{Ordering, Shading, VisibilityOrder};
 use std::sync::Arc;
 use voltet_core::camera::Camera;
 use voltet_core::transfer::TransferFunction;
@@ -17,18 +17,24 @@ pub struct Scene {
     pub camera: Camera,
     /// Integrator and light.
     pub shading: Shading,
-    /// The order of a pixel's segments.
+    /// The requested order of a pixel's segments.
     pub order: VisibilityOrder,
 }
 
 impl Scene {
-    /// Whether the order of a pixel's segments changes the picture.
+    /// The order of a pixel's segments that an engine makes for the scene. In exhaustive mode an exact order is made also where
+    /// the picture does not depend on it.
+    pub fn ordering(&self, exhaustive: bool) -> Ordering {
+        Ordering::new(self.order, exhaustive || self.needs_order())
+    }
+
+    /// True if the picture depends on the order of a pixel's segments.
     pub fn needs_order(&self) -> bool {
         needs_order(&self.transfer_function, &self.shading)
     }
 }
 
-/// Whether the order of a pixel's segments changes the picture. With one colour in the density-emitter model and
+/// True if the picture depends on the order of a pixel's segments. With one colour in the density-emitter model and
 /// no light, C = c·A, and A does not depend on the order.
 pub fn needs_order(transfer_function: &TransferFunction, shading: &Shading) -> bool {
     shading.one_color(transfer_function).is_none()

@@ -185,7 +185,7 @@ proptest! {
             prop_assert!(support.bound(&[s_at; 4], &g, fields) <= least * (1.0 + 1e-9));
         }
         for first in 0..3 {
-            let toucher = support.toucher(first, &s, &g, fields, bound * 0.999);
+            let toucher = support.first_overlapping_widget(first, &s, &g, fields, bound * 0.999);
             prop_assert_eq!(toucher.is_some(), bound > 0.0);
         }
         // A path through the inside, and paths that stay at a vertex: there the bound is often reached.

@@ -91,7 +91,7 @@ fn cameras() -> Vec<Camera> {
 }
 
 fn order_of(grid: &Grid, camera: &Camera) -> Result<FaceOrder, OrderError> {
-    Faces::of(grid).order(grid, camera).expect("the camera is in range")
+    Faces::new(grid).order(grid, camera).expect("the camera is in range")
 }
 
 /// Pixels (over all samples) whose segments the reference enters in another order, of those longer than rounding.
@@ -124,7 +124,7 @@ fn disordered_by_reference(grid: &Grid, order: &[u32], camera: &Camera) -> u64 {
 
 /// Holds the order of a grid against the reference and the check, from everywhere; gives how many there were.
 fn holds(name: &str, grid: &Grid) -> usize {
-    let faces = Faces::of(grid);
+    let faces = Faces::new(grid);
     let mut known = 0;
     for (k, camera) in cameras().iter().enumerate() {
         let order = match faces.order(grid, camera).expect("the camera is in range") {
@@ -143,7 +143,7 @@ fn holds(name: &str, grid: &Grid) -> usize {
         assert_eq!(disordered_by_reference(grid, &order.cells, camera), 0, "{name}, camera {k}");
         let found = disorder(grid, &order.cells, camera, |_| true).expect("in range");
         let pixels = u64::from(camera.samples * camera.size[0] * camera.size[1]);
-        assert_eq!(found, Disorder { looked_at: pixels, disordered: 0 }, "{name}, camera {k}");
+        assert_eq!(found, Disorder { pixels_tested: pixels, disordered: 0 }, "{name}, camera {k}");
         known += 1;
     }
     known
@@ -153,7 +153,7 @@ fn holds(name: &str, grid: &Grid) -> usize {
 fn convex_grids_have_an_order_from_everywhere() {
     for (counts, jitter) in [([1, 1, 1], 0.0), ([4, 3, 5], 0.0), ([4, 4, 4], 0.25), ([9, 2, 3], 0.2)] {
         let grid = cube(counts, jitter);
-        assert!(Faces::of(&grid).needs_eye_alone(), "{counts:?}");
+        assert!(Faces::new(&grid).is_independent_of_direction(), "{counts:?}");
         assert_eq!(holds(&format!("{counts:?}"), &grid), cameras().len(), "{counts:?} {jitter}");
     }
 }
@@ -168,14 +168,19 @@ fn convex_grids_are_known() {
     };
     let base = cube([8, 8, 8], 0.0);
     // Its faces follow the sphere as chords, quadrilaterals of two triangles, of which half are dents.
-    assert!(!Faces::of(&moved(&base, ball)).needs_eye_alone());
+    assert!(!Faces::new(&moved(&base, ball)).is_independent_of_direction());
     let corner = grid([DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].to_vec(), vec![[0, 1, 2, 3]]);
-    assert!(Faces::of(&corner).needs_eye_alone());
-    assert!(!Faces::of(&moved(&base, |p| p + 1e-6 * p.x * p.x * DVec3::Z)).needs_eye_alone());
-    assert!(!Faces::of(&together(&[corner.clone(), moved(&corner, |p| p + 2.0)])).needs_eye_alone());
-    assert!(!Faces::of(&part(&base, |p| p.x < 0.3 || p.x > 0.7 || p.y < 0.3 || p.y > 0.7)).needs_eye_alone());
+    assert!(Faces::new(&corner).is_independent_of_direction());
+    assert!(!Faces::new(&moved(&base, |p| p + 1e-6 * p.x * p.x * DVec3::Z)).is_independent_of_direction());
+    assert!(
+        !Faces::new(&together(&[corner.clone(), moved(&corner, |p| p + 2.0)])).is_independent_of_direction()
+    );
+    assert!(
+        !Faces::new(&part(&base, |p| p.x < 0.3 || p.x > 0.7 || p.y < 0.3 || p.y > 0.7))
+            .is_independent_of_direction()
+    );
     // A hollow, whose own boundary is convex the other way round.
-    assert!(!Faces::of(&part(&base, |p| (p - 0.5).abs().max_element() > 0.2)).needs_eye_alone());
+    assert!(!Faces::new(&part(&base, |p| (p - 0.5).abs().max_element() > 0.2)).is_independent_of_direction());
 }
 
 /// Two arms with an opening between them, a hollow cube, parts apart, and a bent slab.
@@ -191,7 +196,7 @@ fn rays_that_leave_a_grid_and_meet_it_again() {
         0.5 + turn * DVec3::new(0.2 + 0.25 * p.y, 0.0, p.z - 0.5)
     });
     for (name, grid) in [("arms", arms), ("hollow", hollow), ("apart", apart), ("bent", bent)] {
-        assert!(!Faces::of(&grid).needs_eye_alone(), "{name}");
+        assert!(!Faces::new(&grid).is_independent_of_direction(), "{name}");
         assert_eq!(holds(name, &grid), cameras().len(), "{name}");
     }
 }
@@ -323,7 +328,7 @@ fn the_check_finds_what_is_wrong() {
     assert_eq!(all.disordered, disordered_by_reference(&grid, &order, &camera));
     assert!(all.disordered > 100, "{all:?}");
     let some = disorder(&grid, &order, &camera, |[x, y]| (x, y) == (15, 13)).unwrap();
-    assert_eq!(some, Disorder { looked_at: 1, disordered: 1 });
+    assert_eq!(some, Disorder { pixels_tested: 1, disordered: 1 });
 }
 
 proptest! {

@@ -1,10 +1,10 @@
-//! A crash in a plug-in ends the program: nobody can go on after one. What can be done is to say whose it was.
+//! A crash in a plug-in ends the program; its message names the plug-in.
 
 use std::sync::atomic::{AtomicPtr, Ordering};
 use voltet_core::field::Plugin;
 
-/// How a program crashes, in the order of the signals.
-const HOW: [&str; 5] = [
+/// Descriptions of crashes, in the order of the signals.
+const CAUSES: [&str; 5] = [
     "SIGSEGV, memory that is not there",
     "SIGBUS, memory that is not there",
     "SIGFPE, a division by zero",
@@ -12,29 +12,30 @@ const HOW: [&str; 5] = [
     "SIGABRT, it gave up, by an exception perhaps",
 ];
 
-/// What is said if the program crashes now, for each signal.
-type Said = [String; HOW.len()];
+/// Message of a crash by each signal.
+type Messages = [String; CAUSES.len()];
 
-/// By each plug-in that runs; null where a place is free.
-static SAID: [AtomicPtr<Said>; 16] = [const { AtomicPtr::new(std::ptr::null_mut()) }; 16];
+/// Messages of the plug-ins that run; null where a slot is free.
+static MESSAGES: [AtomicPtr<Messages>; 16] = [const { AtomicPtr::new(std::ptr::null_mut()) }; 16];
 
-/// Runs a part of the plug-in; a crash meanwhile is announced as its. `when`: a clause such as "in the gradient filter 'x'".
+/// Runs `work` of the plug-in; a crash meanwhile is announced as the plug-in's. `when`: a clause such as "in the gradient filter
+/// 'x'".
 ///
-/// What unwinds out of it, an exception of another language, ends the program a little later: that is announced, too.
-pub(crate) fn during<T>(plugin: &Plugin, when: &str, work: impl FnOnce() -> T) -> T {
+/// An exception of another language that unwinds out of it ends the program a little later, and is announced, too.
+pub(crate) fn attribute<T>(plugin: &Plugin, when: &str, work: impl FnOnce() -> T) -> T {
     install();
-    // Each is written in one piece, and begins a line: another thread may be saying in pieces that it crashed, too.
-    let said: Said = HOW.map(|how| {
+    // Written at once, and beginning with a new line: another thread may be printing its own crash.
+    let messages: Messages = CAUSES.map(|how| {
         format!(
             "\nerror: a crash ({how}) {when} of the {plugin}: the program ends\n |\n = help: expected a plug-in that does not crash; \
              --plugin-process runs it in a process of its own, which may\n"
         )
     });
-    let own = Box::into_raw(Box::new(said));
-    let is_free = |place: &&AtomicPtr<Said>| {
+    let own = Box::into_raw(Box::new(messages));
+    let is_free = |place: &&AtomicPtr<Messages>| {
         place.compare_exchange(std::ptr::null_mut(), own, Ordering::SeqCst, Ordering::SeqCst).is_ok()
     };
-    let place = SAID.iter().find(is_free);
+    let place = MESSAGES.iter().find(is_free);
     let outcome = work();
     if let Some(place) = place {
         place.store(std::ptr::null_mut(), Ordering::SeqCst);
@@ -48,41 +49,41 @@ pub(crate) fn during<T>(plugin: &Plugin, when: &str, work: impl FnOnce() -> T) -
 fn install() {}
 
 #[cfg(not(unix))]
-pub(crate) fn leave() {}
+pub(crate) fn disable() {}
 
 #[cfg(unix)]
-pub(crate) use unix::{install, leave};
+pub(crate) use unix::{disable, install};
 
 #[cfg(unix)]
 mod unix {
-    use super::{HOW, SAID};
+    use super::{CAUSES, MESSAGES};
     use std::sync::OnceLock;
     use std::sync::atomic::{AtomicBool, Ordering};
 
-    const SIGNALS: [libc::c_int; HOW.len()] =
+    const SIGNALS: [libc::c_int; CAUSES.len()] =
         [libc::SIGSEGV, libc::SIGBUS, libc::SIGFPE, libc::SIGILL, libc::SIGABRT];
 
-    /// What was there before, in the order of the signals.
-    static FORMER: OnceLock<[libc::sigaction; HOW.len()]> = OnceLock::new();
+    /// Earlier handlers, in the order of the signals.
+    static FORMER: OnceLock<[libc::sigaction; CAUSES.len()]> = OnceLock::new();
 
-    static LEFT: AtomicBool = AtomicBool::new(false);
+    static DISABLED: AtomicBool = AtomicBool::new(false);
 
-    /// Whether a crash is being announced.
-    static SPOKEN: AtomicBool = AtomicBool::new(false);
+    /// True once a crash is announced.
+    static ANNOUNCED: AtomicBool = AtomicBool::new(false);
 
-    /// Crashes are somebody else's to announce: the process is there for one plug-in.
-    pub(crate) fn leave() {
-        LEFT.store(true, Ordering::Relaxed);
+    /// Leaves crashes to the parent process, which announces them.
+    pub(crate) fn disable() {
+        DISABLED.store(true, Ordering::Relaxed);
     }
 
-    /// Once for the process.
+    /// Installs the handlers, once for the process.
     pub(crate) fn install() {
-        if !LEFT.load(Ordering::Relaxed) {
+        if !DISABLED.load(Ordering::Relaxed) {
             FORMER.get_or_init(|| SIGNALS.map(handle));
         }
     }
 
-    /// Gives what was there before.
+    /// Installs the handler; returns the earlier one.
     fn handle(signal: libc::c_int) -> libc::sigaction {
         // SAFETY: a zeroed sigaction is one without flags; the handler only calls what may be called from one.
         unsafe {
@@ -97,9 +98,10 @@ mod unix {
     }
 
     extern "C" fn on_crash(signal: libc::c_int) {
-        let said = SAID.iter().map(|place| place.load(Ordering::SeqCst)).find(|said| !said.is_null());
+        let messages =
+            MESSAGES.iter().map(|place| place.load(Ordering::SeqCst)).find(|messages| !messages.is_null());
         let place = SIGNALS.iter().position(|known| *known == signal);
-        let (Some(said), Some(place)) = (said, place) else {
+        let (Some(messages), Some(place)) = (messages, place) else {
             // It comes again, and does what it did without us.
             match place.and_then(|place| FORMER.get().map(|former| &former[place])) {
                 // SAFETY: as it was.
@@ -110,14 +112,14 @@ mod unix {
             return;
         };
         // Threads of one plug-in may crash at once: the first speaks, and ends the program for all.
-        if SPOKEN.swap(true, Ordering::SeqCst) {
+        if ANNOUNCED.swap(true, Ordering::SeqCst) {
             loop {
                 // SAFETY: `pause` may be called from a handler.
                 unsafe { libc::pause() };
             }
         }
         // SAFETY: whoever made the texts is in the call that crashed.
-        let text = unsafe { &(*said)[place] };
+        let text = unsafe { &(*messages)[place] };
         // SAFETY: `write` and `_exit` may be called from a handler.
         unsafe {
             libc::write(2, text.as_ptr().cast(), text.len());

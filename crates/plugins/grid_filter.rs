@@ -1,54 +1,59 @@
-//! A grid filter of a plug-in: its call, and the node that it is.
+//! A grid filter of a plug-in: its call, and its node.
 
-use crate::describe::{Declared, Family};
-use crate::foreign::{Wrong, sized};
-use crate::grids::{Buffers, Head};
+use crate::declaration::{EntryPoint, Family, LibraryItem};
+use crate::ffi::{ValidationError, sized};
+use crate::grids::{Buffers, GridContents, Head};
 use crate::host::State;
-use crate::interface::{
-    ERROR, FilterGrid, GivenArray, GridBuffers, GridCall, GridHead, OK, SAME_CELLS, SAME_POINTS,
-};
+use crate::interface::{ERROR, GivenArray, GridBuffers, GridCall, GridHead, OK, SAME_CELLS, SAME_POINTS};
 use crate::node;
-use crate::outcome::Said;
-use crate::resulting::resulting;
-use crate::runner::Offered;
+use crate::runner::PluginItem;
+use crate::status::{CallLabel, CallStatus};
 use crate::task::{Outcome, Task};
-use crate::values::{Owned, array_names, array_pointers, arrays};
+use crate::values::{
+    NamedArrays, ParameterValues, array_names, array_pointers, decode_sizes, encode_sizes, named_arrays,
+    receive_array, receive_geometry, receive_named, send_geometry,
+};
+use crate::wire::{Reader, Writer, garbled, send_array};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::ffi::CString;
+use std::io::{self, Read, Write};
 use std::mem::size_of;
 use std::ptr::{from_ref, null};
 use std::sync::{Arc, Mutex, PoisonError};
-use voltet_core::grid::{Array, Grid};
-use voltet_core::{Error, Result};
-use voltet_graph::{DemandContext, Node, Outputs, Port, PortType, RunContext, Value};
+use voltet_core::glam::DVec3;
+use voltet_core::grid::{self, Array, Association, Cells, Grid, Options, RawGrid, Scalar};
+use voltet_core::progress::Progress;
+use voltet_core::{Error, Result, SharedSlice};
+use voltet_graph::{Demand, DemandContext, Node, Outputs, Port, PortType, RunContext, Value};
 
-/// What a grid filter is given.
-pub(crate) struct GivenGrid {
+/// Filtering of a grid.
+pub(crate) struct GridTask {
     /// Points and tetrahedra.
-    pub grid: Grid,
-    /// The arrays that the grid carries, the scalar first.
-    pub carried: Vec<(CString, Array)>,
-    /// Whether the first of them is the scalar that is drawn.
-    pub has_scalar: bool,
-    /// For each parameter the array that it names.
-    pub arrays: Vec<Option<Arc<Array>>>,
-    pub values: Owned,
-    /// Bytes that it may take, where somebody knows.
-    pub memory_left: Option<u64>,
+    grid: Grid,
+    /// Point arrays of the grid, the scalar first.
+    carried: Vec<(CString, Array)>,
+    /// True if the first of them is the scalar that is drawn.
+    has_scalar: bool,
+    arrays: NamedArrays,
+    values: ParameterValues,
+    /// Memory that it may take (bytes), if known.
+    memory_left: Option<u64>,
 }
 
 /// The host's side of a call.
-struct Inside<'a> {
+struct HostContext<'a> {
     state: &'a State,
-    given: &'a GivenGrid,
-    begun: Mutex<Option<Begun>>,
+    task: &'a GridTask,
+    output: Mutex<Option<OutputGrid>>,
 }
 
-/// What was handed out.
-struct Begun {
+/// Memory handed to the plug-in.
+struct OutputGrid {
     head: Head,
     buffers: Buffers,
-    /// Where the arrays go, for the plug-in to read.
-    places: Vec<*mut f64>,
+    /// Addresses of the arrays, which the plug-in reads.
+    addresses: Vec<*mut f64>,
 }
 
 unsafe extern "C-unwind" fn begin(
@@ -57,32 +62,34 @@ unsafe extern "C-unwind" fn begin(
     buffers: *mut GridBuffers,
 ) -> i32 {
     // SAFETY: the plug-in hands over the call that it was given, while it lasts.
-    let inside = unsafe { call.as_ref().and_then(|call| call.context.cast::<Inside>().as_ref()) };
-    let Some(inside) = inside else { return ERROR };
-    let mut known = inside.begun.lock().unwrap_or_else(PoisonError::into_inner);
-    let begun = match &*known {
+    let host = unsafe { call.as_ref().and_then(|call| call.context.cast::<HostContext>().as_ref()) };
+    let Some(host) = host else { return ERROR };
+    let mut known = host.output.lock().unwrap_or_else(PoisonError::into_inner);
+    let output = match &*known {
         Some(_) => Err("it began its grid twice".to_string()),
-        None => inside.given.begun(head).and_then(|begun| sized(buffers.cast_const()).map(|_| begun)),
+        None => host.task.allocate(head).and_then(|output| sized(buffers.cast_const()).map(|_| output)),
     };
-    match begun {
-        Ok(begun) => {
-            let begun = known.insert(begun);
-            begun.places = begun.buffers.places();
-            let shown = begun.buffers.interface(&begun.head, &begun.places);
-            // SAFETY: the struct is there and as large, as was just looked at; the filter handed it over to be filled.
-            unsafe { buffers.write(shown) };
+    match output {
+        Ok(output) => {
+            let output = known.insert(output);
+            output.addresses = output.buffers.array_addresses();
+            let header_buffers = output.buffers.header_buffers(&output.head, &output.addresses);
+            // SAFETY: the struct is there and as large, as was just checked; the filter handed it over to be filled.
+            unsafe { buffers.write(header_buffers) };
             OK
         }
         Err(wrong) => {
-            inside.state.complain(wrong);
+            host.state.refuse(wrong);
             ERROR
         }
     }
 }
 
-impl GivenGrid {
+impl GridTask {
+    pub const TAG: u64 = 4;
+
     /// Errors: an array that is not there.
-    fn new(declared: &Declared, grid: &Grid, call: &RunContext) -> Result<GivenGrid> {
+    fn new(item: &PluginItem, grid: &Grid, call: &RunContext) -> Result<GridTask> {
         let text = |name: &str| {
             CString::new(name).map_err(|_| Error::run("the name of an array has a character 0").got(name))
         };
@@ -96,54 +103,76 @@ impl GivenGrid {
         {
             carried.push((text(name)?, Array::clone(array)));
         }
-        Ok(GivenGrid {
-            grid: Grid {
-                points: grid.points.clone(),
-                tetrahedra: grid.tetrahedra.clone(),
-                ..Grid::default()
-            },
+        let (points, tetrahedra) = (grid.points.clone(), grid.tetrahedra.clone());
+        Ok(GridTask {
+            grid: Grid { points, tetrahedra, ..Grid::default() },
             carried,
             has_scalar,
-            arrays: arrays(declared, call.parameters, grid)?,
-            values: Owned::new(declared, call.parameters)?,
+            arrays: named_arrays(&item.declaration, call.parameters, grid)?,
+            values: ParameterValues::new(&item.declaration, call.parameters)?,
             memory_left: call.progress().memory_left(),
         })
     }
 
-    /// Memory for the grid of that head, with the counts of what it shares with the input.
-    fn begun(&self, head: *const GridHead) -> std::result::Result<Begun, Wrong> {
+    /// Memory for the grid of that head, with the counts of the parts that it shares with the input.
+    fn allocate(&self, head: *const GridHead) -> std::result::Result<OutputGrid, ValidationError> {
         let mut head = Head::read(head)?;
         let (points, cells) = (self.grid.points.len(), self.grid.tetrahedra.len());
-        if head.is(SAME_POINTS) {
+        if head.has(SAME_POINTS) {
             head.point_count = points;
         }
-        if head.is(SAME_CELLS) {
+        if head.has(SAME_CELLS) {
             head.cell_count = cells;
             if head.point_count != points {
-                let given = head.point_count;
+                let own = head.point_count;
                 return Err(format!(
-                    "its cells are those of the input, but it has {given} points and the input {points}"
+                    "its cells are those of the input, but it has {own} points and the input {points}"
                 ));
             }
         }
-        let wanted = vec![true; head.arrays.len()];
-        let buffers = Buffers::new(&head, true, &wanted, self.memory_left)?;
-        Ok(Begun { head, buffers, places: Vec::new() })
+        let buffers = Buffers::new(&head, true, &vec![true; head.arrays.len()], self.memory_left)?;
+        Ok(OutputGrid { head, buffers, addresses: Vec::new() })
     }
 
-    /// Calls the function that filters.
-    pub fn filter(&self, function: FilterGrid, state: &State) -> (Said, Outcome) {
-        let given = |(name, array): &(CString, Array)| GivenArray {
+    pub fn decode(head: &mut Reader, from: &mut dyn Read) -> io::Result<Box<dyn Task>> {
+        let mut inputs = || {
+            let (values, sizes) = (ParameterValues::decode(head)?, decode_sizes(head)?);
+            let carried = head.list(|head| Some((CString::new(head.bytes()?).ok()?, head.length()?)))?;
+            Some((values, sizes, carried, head.number()? == 1, head.optional(Reader::number)?))
+        };
+        let (values, (points, cells, components), carried, has_scalar, memory_left) =
+            inputs().ok_or_else(garbled)?;
+        let grid = receive_geometry(from, points, cells)?;
+        let carried = carried.into_iter().map(|(name, n)| Ok((name, receive_array(from, points, n)?)));
+        let carried = carried.collect::<io::Result<_>>()?;
+        let arrays = receive_named(from, points, components)?;
+        Ok(Box::new(GridTask { grid, carried, has_scalar, arrays, values, memory_left }))
+    }
+}
+
+impl Task for GridTask {
+    fn tag(&self) -> u64 {
+        GridTask::TAG
+    }
+
+    fn stage(&self) -> &'static str {
+        "filter"
+    }
+
+    fn run(self: Box<Self>, item: &LibraryItem, state: &State) -> (CallStatus, Outcome) {
+        let EntryPoint::GridFilter(function) = item.function else { return Default::default() };
+        let header_array = |(name, array): &(CString, Array)| GivenArray {
             size: size_of::<GivenArray>() as u32,
             component_count: array.component_count as u32,
             name: name.as_ptr(),
             values: array.values.as_ptr(),
         };
-        let carried: Vec<GivenArray> = self.carried.iter().map(given).collect();
+        let carried: Vec<GivenArray> = self.carried.iter().map(header_array).collect();
+        let scalar = self.carried.first().filter(|_| self.has_scalar);
         let arrays = array_pointers(&self.arrays);
         let pointers = self.values.pointers();
-        let values = self.values.by(&pointers);
-        let inside = Inside { state, given: self, begun: Mutex::new(None) };
+        let values = self.values.header_values(&pointers);
+        let host = HostContext { state, task: &self, output: Mutex::new(None) };
         let call = GridCall {
             size: size_of::<GridCall>() as u32,
             array_count: carried.len() as u32,
@@ -153,75 +182,199 @@ impl GivenGrid {
             points: self.grid.points.as_ptr().cast(),
             tetrahedra: self.grid.tetrahedra.as_ptr().cast(),
             carried: carried.as_ptr(),
-            scalar: self
-                .carried
-                .first()
-                .filter(|_| self.has_scalar)
-                .map_or(null(), |(name, _)| name.as_ptr()),
+            scalar: scalar.map_or(null(), |(name, _)| name.as_ptr()),
             arrays: arrays.as_ptr(),
             values: &values,
             begin,
-            context: from_ref(&inside).cast_mut().cast(),
+            context: from_ref(&host).cast_mut().cast(),
         };
         // SAFETY: the plug-in's own function; what it is given lives through the call and has the sizes stated.
         let code = unsafe { function(&call, &state.host()) };
-        match inside.begun.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            Some(Begun { head, mut buffers, .. }) => {
-                let beyond = buffers.close(&head);
-                (Said { beyond, ..Said::new(code, state) }, Outcome::Grid(head, buffers))
+        match host.output.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            Some(OutputGrid { head, mut buffers, .. }) => {
+                let overrun = buffers.close(&head);
+                (CallStatus { overrun, ..CallStatus::new(code, state) }, Outcome::Grid(head, buffers))
             }
             None => {
                 if code == OK {
-                    state.complain("it did not begin one (call->begin)".into());
+                    state.refuse("it did not begin one (call->begin)".into());
                 }
-                (Said::new(code, state), Outcome::Nothing)
+                (CallStatus::new(code, state), Outcome::Nothing)
             }
         }
     }
+
+    fn encode(&self, head: &mut Writer) {
+        self.values.encode(head);
+        encode_sizes(&self.grid, &self.arrays, head);
+        head.list(&self.carried, |head, (name, array)| {
+            head.bytes(name.as_bytes());
+            head.count(array.component_count);
+        });
+        head.number(u64::from(self.has_scalar));
+        head.optional(self.memory_left, Writer::number);
+    }
+
+    fn send_arrays(&self, to: &mut dyn Write) -> io::Result<()> {
+        send_geometry(&self.grid, to)?;
+        self.carried.iter().try_for_each(|(_, array)| send_array(to, &array.values))?;
+        self.arrays.iter().flatten().try_for_each(|array| send_array(to, &array.values))
+    }
 }
 
-/// The node.
-pub(crate) fn node(offered: Offered) -> &'static Node {
+/// The node of a grid filter.
+pub(crate) fn grid_node(item: PluginItem) -> &'static Node {
     let grid = |summary| Port { name: "grid", port_type: PortType::Grid, summary };
     let [inputs, outputs] =
         [grid("points, cells, arrays"), grid("what it makes of them")].map(|port| [port].to_vec().leak());
     let example =
-        node::example(offered.declared.kind, "grid", "grid", "grid = \"filtered\", volume = \"filtered\"");
-    let (of_run, of_demand) = (offered.clone(), offered.clone());
-    node::leaked(&offered, |node| Node {
+        node::example(item.declaration.schema, "grid", "grid", "grid = \"filtered\", volume = \"filtered\"");
+    let (run_item, demand_item) = (item.clone(), item.clone());
+    node::leaked_node(&item, |node| Node {
         inputs,
         outputs,
         example,
-        demand: node::leak(move |asking: &mut DemandContext| demand(&of_demand, asking)),
-        run: node::leak(move |call: &mut RunContext| run(&of_run, call)),
+        demand: node::leak(move |context: &mut DemandContext| demand(&demand_item, context)),
+        run: node::leak(move |call: &mut RunContext| run(&run_item, call)),
         ..node
     })
 }
 
-/// What is asked of its output but for what it makes itself, and the arrays that its parameters name.
-fn demand(offered: &Offered, asking: &mut DemandContext) -> Result<()> {
-    let mut ask = asking.asked.clone();
-    made(offered).iter().for_each(|name| ask.arrays.remove(name));
-    ask.arrays.extend(array_names(&offered.declared, asking.parameters));
-    asking.ask("grid", &ask)
-}
-
-fn made(offered: &Offered) -> &'static [&'static str] {
-    match offered.declared.family {
-        Family::GridFilter { made } => made,
-        Family::GradientFilter { .. } | Family::Reader { .. } | Family::ImageFilter => &[],
+/// Demands of the input: that of the output without the arrays that the filter makes, and the arrays that its parameters name.
+fn demand(item: &PluginItem, context: &mut DemandContext) -> Result<()> {
+    let mut demand = context.asked.clone();
+    if let Family::GridFilter { made } = item.declaration.family {
+        made.iter().for_each(|name| demand.arrays.remove(name));
     }
+    demand.arrays.extend(array_names(&item.declaration, context.parameters));
+    context.ask("grid", &demand)
 }
 
-fn run(offered: &Offered, call: &mut RunContext) -> Result<Outputs> {
+fn run(item: &PluginItem, call: &mut RunContext) -> Result<Outputs> {
     let input = call.grid("grid")?;
-    let given = GivenGrid::new(&offered.declared, &input, call)?;
-    let (said, (head, buffers)) = offered.run(Task::Grid(Box::new(given)), call.progress(), Outcome::grid)?;
-    let made = buffers.judged(&head, head.point_count, offered.whose())?;
-    let grid = resulting(&input, head, made, call.demand, offered.whose(), call.progress())?;
+    let task = GridTask::new(item, &input, call)?;
+    let (status, (head, buffers)) = item.run(Box::new(task), call.progress(), Outcome::grid)?;
+    let contents = buffers.validate(&head, head.point_count, item.label())?;
+    let grid = output_grid(&input, head, contents, call.demand, item.label(), call.progress())?;
     if !Arc::ptr_eq(&grid.origin, &input.origin) {
         call.notes.warnings.extend(grid.origin.warnings.iter().cloned());
     }
-    call.notes.warnings.extend(offered.whose().warnings(&said));
+    call.notes.warnings.extend(item.label().warnings(&status));
     Ok(vec![Value::Grid(Arc::new(grid))])
+}
+
+/// Arrays by name.
+type Arrays = BTreeMap<String, Array>;
+
+/// The grid that the filter gave, with the parts that it shares with its input.
+///
+/// Errors: a position that is not finite; a demanded array that is not there; a scalar of several components.
+fn output_grid(
+    input: &Grid,
+    head: Head,
+    contents: GridContents,
+    demand: &Demand,
+    label: CallLabel,
+    progress: &dyn Progress,
+) -> Result<Grid> {
+    let [mut at_points, mut on_cells] = [Arrays::new(), Arrays::new()];
+    if head.has(SAME_POINTS) {
+        at_points.extend(input.point_arrays.iter().map(|(name, array)| (name.clone(), Array::clone(array))));
+        let scalar = input.scalar.clone().map(|values| Array { component_count: 1, values });
+        at_points.extend(scalar.map(|scalar| (input.scalar_name.clone(), scalar)));
+    }
+    for (array, values) in head.arrays.iter().zip(contents.arrays) {
+        let Some(values) = values else { continue };
+        let to = if array.on_cells { &mut on_cells } else { &mut at_points };
+        to.insert(
+            array.name.clone(),
+            Array { component_count: array.component_count, values: values.into() },
+        );
+    }
+    let missing = |name: &str| {
+        let has: Vec<&str> = at_points.keys().chain(on_cells.keys()).map(String::as_str).collect();
+        let found = if has.is_empty() { "no arrays".into() } else { has.join(", ") };
+        label.error(&format!("did not give the array '{name}', which is asked for")).got(found)
+    };
+    let named = demand.arrays.named();
+    if let Some(name) =
+        named.into_iter().find(|name| !at_points.contains_key(*name) && !on_cells.contains_key(*name))
+    {
+        return Err(missing(name));
+    }
+    let keeps_cells = head.has(SAME_CELLS);
+    if let Some(name) = demand.cell_arrays.named().find(|_| !keeps_cells) {
+        let error = label
+            .error(&format!("gives other cells, and so not the cell array '{name}', which is asked for"));
+        return Err(error.expected("no cell array of the file behind it"));
+    }
+    let scalar = match head.scalar.or_else(|| input.scalar.is_some().then(|| input.scalar_name.clone())) {
+        Some(name) => Some(scalar(name, &at_points, &on_cells, &missing, label)?),
+        None => None,
+    };
+    let points = contents.points.map_or_else(|| input.points.clone(), SharedSlice::from);
+    refuse_not_finite(&points, used_points(&contents.cells, input), label)?;
+    let is_finite = |array: &Array| array.values.par_iter().with_min_len(1 << 14).all(|x| x.is_finite());
+    if keeps_cells && on_cells.is_empty() && at_points.values().all(is_finite) {
+        let same_points = points.is(&input.points);
+        let scalar = scalar.map(|scalar| (scalar.name, scalar.values));
+        let (scalar_name, scalar) =
+            scalar.map_or_else(Default::default, |(name, values)| (name, Some(values)));
+        return Ok(Grid {
+            points,
+            scalar,
+            scalar_name,
+            point_arrays: at_points.into_iter().map(|(name, array)| (name, Arc::new(array))).collect(),
+            file_cells: input.file_cells.clone().filter(|_| same_points),
+            ..input.clone()
+        });
+    }
+    let cells = contents.cells.unwrap_or_else(|| Cells::Tetrahedra(input.tetrahedra.to_vec()));
+    let mut parts = RawGrid::new(points, cells);
+    (parts.scalar, parts.point_arrays, parts.cell_arrays) = (scalar, at_points, on_cells);
+    grid::build(parts, &Options::default(), progress).map_err(|error| Error {
+        what: label.error("gave no grid that can be drawn").what + ": " + &error.what,
+        ..error
+    })
+}
+
+/// The array of that name as the scalar that is drawn.
+fn scalar(
+    name: String,
+    at_points: &Arrays,
+    on_cells: &Arrays,
+    missing: &dyn Fn(&str) -> Error,
+    label: CallLabel,
+) -> Result<Scalar> {
+    let (array, association) = match (at_points.get(&name), on_cells.get(&name)) {
+        (Some(array), _) => (array, Association::Point),
+        (None, Some(array)) => (array, Association::Cell),
+        (None, None) => return Err(missing(&name)),
+    };
+    match array.component_count {
+        1 => Ok(Scalar { name, association, values: array.values.clone() }),
+        n => {
+            let error = label.error("names an array as the scalar that is none");
+            Err(error.got(format!("'{name}' of {n} components")).expected("one of 1 component"))
+        }
+    }
+}
+
+/// Numbers of the points that cells use.
+fn used_points<'a>(cells: &'a Option<Cells>, input: &'a Grid) -> &'a [u32] {
+    match cells {
+        Some(Cells::Tetrahedra(cells)) => cells.as_flattened(),
+        Some(Cells::Mixed(set)) => &set.connectivity,
+        Some(Cells::Structured(_)) => &[],
+        None => input.tetrahedra.as_flattened(),
+    }
+}
+
+/// Errors: a point of a cell without a finite position.
+fn refuse_not_finite(points: &[DVec3], used: &[u32], label: CallLabel) -> Result<()> {
+    let wrong = |&&point: &&u32| !points[point as usize].is_finite();
+    let Some(&point) = used.par_iter().with_min_len(1 << 14).find_first(wrong) else { return Ok(()) };
+    let at = points[point as usize];
+    let found = format!("({}, {}, {}) of point {point}", at.x, at.y, at.z);
+    Err(label.error("gave a cell a position that is not finite").got(found).expected("finite numbers"))
 }

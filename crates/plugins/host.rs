@@ -1,7 +1,7 @@
-//! What the host does for a plug-in during a call.
+//! Functions of the host that a plug-in calls, and their state.
 
-use crate::foreign::{Wrong, message};
-use crate::interface::{CANCELLED, Host, LoopBody, MAJOR, MINOR, OK, PATCH};
+use crate::ffi::{ValidationError, message};
+use crate::interface::{CANCELLED, ERROR, Host, LoopBody, MAJOR, MINOR, OK, PATCH};
 use rayon::prelude::*;
 use std::cell::Cell;
 use std::ffi::{c_char, c_void};
@@ -10,85 +10,85 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use voltet_core::field::Fallback;
 
-/// Longest error or note: bytes.
-const TEXT_MOST: usize = 4096;
+/// Longest error or note (bytes).
+const MAX_TEXT_BYTES: usize = 4096;
 
-/// Most different texts of fall-backs.
-const FALLBACKS_MOST: usize = 32;
+/// Largest number of different texts of fall-backs.
+const MAX_FALLBACKS: usize = 32;
 
-/// What a call says while it lasts, and is told. Shared by the plug-in's threads and the one who waits.
+/// State of one call: reports of the plug-in, and its cancellation. Shared by the plug-in's threads and the host's.
 #[derive(Default)]
 pub(crate) struct State {
-    /// The bits of the fraction that is done.
+    /// Bits of the completed fraction.
     fraction: AtomicU64,
     cancelled: AtomicBool,
     error: Mutex<Option<String>>,
-    /// What the host has against what it was told.
-    wrong: Mutex<Option<Wrong>>,
+    /// Reason for which the host refused what it was handed.
+    refusal: Mutex<Option<ValidationError>>,
     fallbacks: Mutex<Vec<Fallback>>,
 }
 
 impl State {
-    /// The part of the work that is done, 0 to 1.
+    /// Completed fraction of the work, 0 to 1.
     pub fn fraction(&self) -> f64 {
         let fraction = f64::from_bits(self.fraction.load(Ordering::Relaxed));
         if fraction.is_finite() { fraction.clamp(0.0, 1.0) } else { 0.0 }
     }
 
-    /// The user asked to stop.
+    /// Requests the plug-in to stop.
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
     }
 
-    /// Whether the user asked to stop.
+    /// True if the plug-in is to stop.
     pub fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// What the plug-in says went wrong.
+    /// The plug-in's error message.
     pub fn error(&self) -> Option<String> {
         self.error.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Notes what went wrong, unless something did before.
+    /// Records the error message, unless there is one.
     pub fn set_error(&self, text: String) {
         self.error.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(text);
     }
 
-    /// What the host has against what it was told.
-    pub fn wrong(&self) -> Option<Wrong> {
-        self.wrong.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    /// Reason for which the host refused what it was handed.
+    pub fn refusal(&self) -> Option<ValidationError> {
+        self.refusal.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Notes that, unless something was before.
-    pub fn complain(&self, wrong: Wrong) {
-        self.wrong.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(wrong);
+    /// Records a reason to refuse, unless there is one.
+    pub fn refuse(&self, refusal: ValidationError) {
+        self.refusal.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(refusal);
     }
 
-    /// Notes how much is done.
+    /// Records the completed fraction.
     pub fn set_fraction(&self, fraction: f64) {
         self.fraction.store(fraction.to_bits(), Ordering::Relaxed);
     }
 
-    /// Counts points at which the filter fell back; 0 says nothing.
-    pub fn fall_back(&self, what: String, point_count: u64) {
+    /// Counts points at which the filter fell back.
+    pub fn add_fallback(&self, what: String, point_count: u64) {
         if point_count == 0 {
             return;
         }
         let mut fallbacks = self.fallbacks.lock().unwrap_or_else(PoisonError::into_inner);
         match fallbacks.iter().position(|known| known.what == what) {
             Some(i) => fallbacks[i].point_count = fallbacks[i].point_count.saturating_add(point_count),
-            None if fallbacks.len() < FALLBACKS_MOST => fallbacks.push(Fallback { what, point_count }),
+            None if fallbacks.len() < MAX_FALLBACKS => fallbacks.push(Fallback { what, point_count }),
             None => {}
         }
     }
 
-    /// The fall-backs that it counted.
+    /// Counts of the fall-backs by text.
     pub fn fallbacks(&self) -> Vec<Fallback> {
         self.fallbacks.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// The functions for a call; they go by this state, which must outlive them.
+    /// The header's struct for a call; the state must outlive it.
     pub fn host(&self) -> Host {
         Host {
             size: size_of::<Host>() as u32,
@@ -133,22 +133,22 @@ unsafe extern "C-unwind" fn cancelled(host: *const Host) -> i32 {
 unsafe extern "C-unwind" fn error(host: *const Host, text: *const c_char) {
     // SAFETY: as in `progress`.
     if let Some(state) = unsafe { state(host) } {
-        state.set_error(message(text, TEXT_MOST));
+        state.set_error(message(text, MAX_TEXT_BYTES));
     }
 }
 
 unsafe extern "C-unwind" fn fallback(host: *const Host, what: *const c_char, point_count: u64) {
     // SAFETY: as in `progress`.
     let Some(state) = (unsafe { state(host) }) else { return };
-    state.fall_back(message(what, TEXT_MOST), point_count);
+    state.add_fallback(message(what, MAX_TEXT_BYTES), point_count);
 }
 
 thread_local! {
-    /// Whether this thread is within the body of a loop.
+    /// True if this thread is within the body of a loop.
     static IN_BODY: Cell<bool> = const { Cell::new(false) };
 }
 
-/// A pointer of the plug-in's that its own loop body is given on every thread.
+/// Pointer of the plug-in for its own loop body, passed on to every thread.
 #[derive(Clone, Copy)]
 struct User(*mut c_void);
 // SAFETY: the host only hands it on; the interface says that bodies run on several threads.
@@ -170,10 +170,10 @@ unsafe extern "C-unwind" fn parallel_for(
     user: *mut c_void,
 ) -> i32 {
     // SAFETY: as in `progress`.
-    let Some(state) = (unsafe { state(host) }) else { return crate::interface::ERROR };
+    let Some(state) = (unsafe { state(host) }) else { return ERROR };
     let Some(body) = body else {
         state.set_error("parallel_for was called without a body".into());
-        return crate::interface::ERROR;
+        return ERROR;
     };
     let threads = rayon::current_num_threads() as u64;
     let chunk = match chunk {

@@ -1,35 +1,57 @@
-//! An image filter of a plug-in: its call, and the node that it is.
+//! An image filter of a plug-in: its call, and its node.
 
-use crate::grids::{Fresh, fresh, overran};
+use crate::declaration::{EntryPoint, LibraryItem};
 use crate::host::State;
-use crate::interface::{FilterImage, ImageCall};
+use crate::interface::ImageCall;
 use crate::node;
-use crate::outcome::{Beyond, Said, Whose};
-use crate::runner::Offered;
+use crate::runner::PluginItem;
+use crate::sentinel::{Overrun, Sentinel, guarded_vec, remove_guard};
+use crate::status::{CallLabel, CallStatus};
 use crate::task::{Outcome, Task};
-use crate::values::Owned;
+use crate::values::ParameterValues;
+use crate::wire::{self, Reader, Writer, garbled, send_array};
+use std::io::{self, Read, Write};
 use std::mem::size_of;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::picture::Picture;
 use voltet_graph::{Node, Outputs, Port, PortType, RunContext, Value};
 
-/// What an image filter is given.
-pub(crate) struct GivenImage {
-    pub picture: Arc<Picture>,
-    pub values: Owned,
+/// Filtering of a picture.
+pub(crate) struct ImageTask {
+    picture: Arc<Picture>,
+    values: ParameterValues,
 }
 
-impl GivenImage {
-    /// Calls the function that filters.
-    pub fn filter(&self, function: FilterImage, state: &State) -> (Said, Vec<[f32; 4]>) {
+impl ImageTask {
+    pub const TAG: u64 = 5;
+
+    pub fn decode(head: &mut Reader, from: &mut dyn Read) -> io::Result<Box<dyn Task>> {
+        let mut inputs = || Some((ParameterValues::decode(head)?, head.length()?, head.length()?));
+        let (values, width, height) = inputs().ok_or_else(garbled)?;
+        let rgba = wire::array(from, width.checked_mul(height).ok_or_else(garbled)?)?;
+        Ok(Box::new(ImageTask { picture: Arc::new(Picture { width, height, rgba }), values }))
+    }
+}
+
+impl Task for ImageTask {
+    fn tag(&self) -> u64 {
+        ImageTask::TAG
+    }
+
+    fn stage(&self) -> &'static str {
+        "filter"
+    }
+
+    fn run(self: Box<Self>, item: &LibraryItem, state: &State) -> (CallStatus, Outcome) {
+        let EntryPoint::ImageFilter(function) = item.function else { return Default::default() };
         let Picture { width, height, rgba } = &*self.picture;
-        let mut filtered = match fresh::<[f32; 4], f32>(rgba.len()) {
+        let mut filtered = match guarded_vec::<[f32; 4], f32>(rgba.len()) {
             Ok(filtered) => filtered,
-            Err(wrong) => return (Said::not_called(wrong, state), Vec::new()),
+            Err(wrong) => return (CallStatus::not_called(wrong, state), Outcome::Pixels(Vec::new())),
         };
         let pointers = self.values.pointers();
-        let values = self.values.by(&pointers);
+        let values = self.values.header_values(&pointers);
         let call = ImageCall {
             size: size_of::<ImageCall>() as u32,
             reserved: 0,
@@ -41,60 +63,69 @@ impl GivenImage {
         };
         // SAFETY: the plug-in's own function; what it is given lives through the call and has the sizes stated.
         let code = unsafe { function(&call, &state.host()) };
-        let beyond = overran::<_, f32>(&mut filtered, rgba.len()).then(|| Beyond {
-            what: "the picture".into(),
-            accepted: format!("4 numbers for each of the {width} x {height} pixels"),
+        let overrun = remove_guard::<_, f32>(&mut filtered, rgba.len()).then(|| Overrun {
+            buffer: "the picture".into(),
+            capacity: format!("4 numbers for each of the {width} x {height} pixels"),
         });
-        (Said { beyond, ..Said::new(code, state) }, filtered)
+        (CallStatus { overrun, ..CallStatus::new(code, state) }, Outcome::Pixels(filtered))
+    }
+
+    fn encode(&self, head: &mut Writer) {
+        self.values.encode(head);
+        head.count(self.picture.width);
+        head.count(self.picture.height);
+    }
+
+    fn send_arrays(&self, to: &mut dyn Write) -> io::Result<()> {
+        send_array(to, &self.picture.rgba)
     }
 }
 
-/// The node.
-pub(crate) fn node(offered: Offered) -> &'static Node {
+/// The node of an image filter.
+pub(crate) fn image_node(item: PluginItem) -> &'static Node {
     let image = |summary| Port { name: "image", port_type: PortType::Image, summary };
     let [inputs, outputs] =
         [image("the picture"), image("the filtered picture")].map(|port| [port].to_vec().leak());
-    let example = node::example(offered.declared.kind, "picture", "image", "image = \"filtered\"");
-    let of_run = offered.clone();
-    node::leaked(&offered, |node| Node {
+    let example = node::example(item.declaration.schema, "picture", "image", "image = \"filtered\"");
+    let run_item = item.clone();
+    node::leaked_node(&item, |node| Node {
         inputs,
         outputs,
         example,
-        run: node::leak(move |call: &mut RunContext| run(&of_run, call)),
+        run: node::leak(move |call: &mut RunContext| run(&run_item, call)),
         ..node
     })
 }
 
-fn run(offered: &Offered, call: &mut RunContext) -> Result<Outputs> {
+fn run(item: &PluginItem, call: &mut RunContext) -> Result<Outputs> {
     let picture = call.image("image")?;
-    let given =
-        GivenImage { picture: picture.clone(), values: Owned::new(&offered.declared, call.parameters)? };
-    let (said, rgba) = offered.run(Task::Image(Box::new(given)), call.progress(), Outcome::pixels)?;
-    judged(&picture, &rgba, offered.whose())?;
-    call.notes.warnings.extend(offered.whose().warnings(&said));
+    let values = ParameterValues::new(&item.declaration, call.parameters)?;
+    let task = ImageTask { picture: picture.clone(), values };
+    let (status, rgba) = item.run(Box::new(task), call.progress(), Outcome::pixels)?;
+    refuse_invalid(&picture, &rgba, item.label())?;
+    call.notes.warnings.extend(item.label().warnings(&status));
     Ok(vec![Value::Image(Arc::new(Picture { rgba, ..*picture }))])
 }
 
-/// Errors: a pixel that is none.
-fn judged(picture: &Picture, rgba: &[[f32; 4]], whose: Whose) -> Result<()> {
-    let good = |pixel: &[f32; 4]| pixel.iter().all(|x| x.is_finite()) && (0.0..=1.0).contains(&pixel[3]);
-    let at = |place: usize| format!("at column {} of row {}", place % picture.width, place / picture.width);
-    if let Some(place) = rgba.iter().position(|pixel| pixel.iter().any(Fresh::is_unset)) {
-        let missing = rgba.iter().filter(|pixel| pixel.iter().any(Fresh::is_unset)).count();
-        let found = format!("{missing} without, the first {}", at(place));
-        let error = whose.error("did not give every pixel a colour").got(found);
-        return Err(
-            error.expected(format!("one for each of the {} x {} pixels", picture.width, picture.height))
-        );
+/// Errors: a pixel that was not written or is not a colour; another number of pixels.
+fn refuse_invalid(picture: &Picture, rgba: &[[f32; 4]], label: CallLabel) -> Result<()> {
+    let is_valid = |pixel: &[f32; 4]| pixel.iter().all(|x| x.is_finite()) && (0.0..=1.0).contains(&pixel[3]);
+    let is_unset = |pixel: &[f32; 4]| pixel.iter().any(Sentinel::is_unset);
+    let position = |i: usize| format!("at column {} of row {}", i % picture.width, i / picture.width);
+    if let Some(first) = rgba.iter().position(is_unset) {
+        let missing = rgba.iter().filter(|pixel| is_unset(pixel)).count();
+        let found = format!("{missing} without, the first {}", position(first));
+        let expected = format!("one for each of the {} x {} pixels", picture.width, picture.height);
+        return Err(label.error("did not give every pixel a colour").got(found).expected(expected));
     }
-    match rgba.iter().position(|pixel| !good(pixel)) {
+    match rgba.iter().position(|pixel| !is_valid(pixel)) {
         None if rgba.len() == picture.rgba.len() => Ok(()),
         None => {
-            Err(whose.error("gave a picture of another size").got(rgba.len()).expected(picture.rgba.len()))
+            Err(label.error("gave a picture of another size").got(rgba.len()).expected(picture.rgba.len()))
         }
-        Some(place) => {
+        Some(i) => {
             let error =
-                whose.error("gave a pixel that is none").got(format!("{:?} {}", rgba[place], at(place)));
+                label.error("gave a pixel that is none").got(format!("{:?} {}", rgba[i], position(i)));
             Err(error.expected("finite numbers, the last (opacity) from 0 to 1"))
         }
     }

@@ -19,8 +19,8 @@ pub const VECTOR: u32 = 6;
 pub const POINT_ARRAY: u32 = 7;
 
 pub const REQUIRED: u32 = 1;
-pub const ABOVE_LEAST: u32 = 2;
-pub const BELOW_MOST: u32 = 4;
+pub const EXCLUSIVE_MIN: u32 = 2;
+pub const EXCLUSIVE_MAX: u32 = 4;
 
 pub const NEEDS_NEIGHBOURS: u32 = 1;
 pub const NEEDS_CELLS_OF_POINTS: u32 = 2;
@@ -45,7 +45,7 @@ pub type GetFactory = unsafe extern "C-unwind" fn(*const c_char) -> *const c_voi
 pub type Count = unsafe extern "C-unwind" fn() -> u32;
 pub type At = unsafe extern "C-unwind" fn(u32) -> *const c_void;
 pub type Check = unsafe extern "C-unwind" fn(*const Values, *const Host) -> i32;
-pub type Gradient = unsafe extern "C-unwind" fn(*const Call, *const Host) -> i32;
+pub type Gradient = unsafe extern "C-unwind" fn(*const GradientCall, *const Host) -> i32;
 pub type Read = unsafe extern "C-unwind" fn(*const Reading, *const Host) -> i32;
 pub type FilterGrid = unsafe extern "C-unwind" fn(*const GridCall, *const Host) -> i32;
 pub type FilterImage = unsafe extern "C-unwind" fn(*const ImageCall, *const Host) -> i32;
@@ -80,8 +80,8 @@ pub struct Parameter {
     pub help: *const c_char,
     pub flags: u32,
     pub length: u32,
-    pub least: f64,
-    pub most: f64,
+    pub min: f64,
+    pub max: f64,
     pub number: f64,
     pub text: *const c_char,
     pub numbers: *const f64,
@@ -104,7 +104,7 @@ pub struct Values {
 }
 
 #[repr(C)]
-pub struct Call {
+pub struct GradientCall {
     pub size: u32,
     pub reserved: u32,
     pub point_count: u64,

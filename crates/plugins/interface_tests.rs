@@ -29,10 +29,10 @@ fn the_header_has_the_same_layout() {
     let layout = layout! {
         voltet_host = Host { size, major, minor, patch, thread_count, reserved, program, context, progress, cancelled, error,
                              fallback, parallel_for }
-        voltet_parameter = Parameter { size, parameter_type as type, name, unit, help, flags, length, least, most, number, text,
+        voltet_parameter = Parameter { size, parameter_type as type, name, unit, help, flags, length, min, max, number, text,
                                        numbers, unset, word_count, reserved, words, meanings }
         voltet_values = Values { size, count, integers, numbers, texts, vectors, lengths }
-        voltet_call = Call { size, reserved, point_count, cell_count, points, cells, neighbour_starts, neighbours, cell_starts,
+        voltet_call = GradientCall { size, reserved, point_count, cell_count, points, cells, neighbour_starts, neighbours, cell_starts,
                              cells_of_points, scalar, arrays, values, gradient }
         voltet_gradient_filter = GradientFilter { size, needs, name, summary, parameter_count, reserved, parameters, check,
                                                   gradient }
@@ -74,8 +74,10 @@ fn the_header_has_the_same_layout() {
         ("VOLTET_VECTOR", VECTOR),
         ("VOLTET_POINT_ARRAY", POINT_ARRAY),
         ("VOLTET_REQUIRED", REQUIRED),
-        ("VOLTET_ABOVE_LEAST", ABOVE_LEAST),
-        ("VOLTET_BELOW_MOST", BELOW_MOST),
+        ("VOLTET_EXCLUSIVE_MIN", EXCLUSIVE_MIN),
+        ("VOLTET_EXCLUSIVE_MAX", EXCLUSIVE_MAX),
+        ("VOLTET_ABOVE_LEAST", EXCLUSIVE_MIN),
+        ("VOLTET_BELOW_MOST", EXCLUSIVE_MAX),
         ("VOLTET_NEEDS_NEIGHBOURS", NEEDS_NEIGHBOURS),
         ("VOLTET_NEEDS_CELLS_OF_POINTS", NEEDS_CELLS_OF_POINTS),
         ("VOLTET_TETRAHEDRA", TETRAHEDRA),

@@ -1,13 +1,13 @@
-//! A plug-in's functions, run in this process.
+//! Runner of a plug-in's functions in this process.
 
-use crate::apart::{self, Lost};
 use crate::crash;
-use crate::describe::Declared;
+use crate::declaration::{Declaration, LibraryItem};
 use crate::host::State;
-use crate::library::{Library, Piece};
-use crate::outcome::{Said, Whose};
+use crate::library::Library;
 use crate::runner::Runner;
-use crate::task::{Outcome, Task};
+use crate::status::{CallLabel, CallStatus};
+use crate::task::{CheckTask, Outcome, Task};
+use crate::watchdog::{self, CallFailure};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -15,45 +15,45 @@ use voltet_core::Result;
 use voltet_core::field::Plugin;
 use voltet_core::progress::Progress;
 
-/// How long a plug-in may take to stop, and a check to say something.
-const GRACE: Duration = Duration::from_secs(3);
+/// Longest time of a plug-in to stop, and of a check.
+const STOP_TIME_LIMIT: Duration = Duration::from_secs(3);
 
-/// A loaded library with what it offers.
+/// A loaded library with its items.
 pub(crate) struct Native {
     library: Arc<Library>,
-    pieces: Vec<Piece>,
+    items: Vec<LibraryItem>,
 }
 
-/// A function of the library runs, or is about to.
-struct Busy(Arc<Library>);
+/// Guard of a library while one of its functions runs.
+struct BusyGuard(Arc<Library>);
 
-impl Drop for Busy {
+impl Drop for BusyGuard {
     fn drop(&mut self) {
         self.0.busy.store(false, Ordering::Release);
     }
 }
 
 impl Native {
-    pub fn new(library: Library, pieces: Vec<Piece>) -> Native {
-        Native { library: Arc::new(library), pieces }
+    pub fn new(library: Library, items: Vec<LibraryItem>) -> Native {
+        Native { library: Arc::new(library), items }
     }
 
-    /// Runs a function of the plug-in, one at a time, on a thread of its own, while `waits` says so.
+    /// Runs a function of the plug-in, one at a time, on a thread of its own, while `may_go_on` is true.
     fn call<T: Send + 'static>(
         &self,
-        whose: Whose<'_>,
+        label: CallLabel<'_>,
         work: impl FnOnce() -> T + Send + 'static,
-        mut waits: impl FnMut() -> bool,
-    ) -> std::result::Result<T, Lost> {
+        mut may_go_on: impl FnMut() -> bool,
+    ) -> std::result::Result<T, CallFailure> {
         while self.library.busy.swap(true, Ordering::Acquire) {
-            if !waits() {
-                return Err(Lost::GivenUp);
+            if !may_go_on() {
+                return Err(CallFailure::GivenUp);
             }
             std::thread::sleep(Duration::from_millis(5));
         }
-        let (busy, when) = (Busy(self.library.clone()), format!("in the {}", whose.piece()));
-        let work = move || crash::during(&busy.0.plugin, &when, work);
-        apart::run(work, waits)
+        let (busy, when) = (BusyGuard(self.library.clone()), format!("in the {}", label.item()));
+        let work = move || crash::attribute(&busy.0.plugin, &when, work);
+        watchdog::run(work, may_go_on)
     }
 }
 
@@ -62,35 +62,44 @@ impl Runner for Native {
         &self.library.plugin
     }
 
-    fn run(&self, of: &Declared, task: Task, progress: &dyn Progress) -> Result<(Said, Outcome)> {
-        let whose = Whose::new(of, &self.library.plugin);
-        let piece = self.pieces.iter().find(|piece| piece.declared.kind.name == of.kind.name);
-        let Some(piece) = piece.cloned() else { return Err(whose.error("is not there any more")) };
-        let (is_check, stage, start) = (matches!(task, Task::Check(_)), task.stage(), Instant::now());
+    fn run(
+        &self,
+        declaration: &Declaration,
+        task: Box<dyn Task>,
+        progress: &dyn Progress,
+    ) -> Result<(CallStatus, Outcome)> {
+        let label = CallLabel::new(declaration, &self.library.plugin);
+        let item = self.items.iter().find(|item| item.declaration.schema.name == declaration.schema.name);
+        let Some(item) = item.cloned() else { return Err(label.error("is not there any more")) };
+        let (is_check, stage, start) = (task.tag() == CheckTask::TAG, task.stage(), Instant::now());
         let state = Arc::new(State::default());
-        let mut asked: Option<Instant> = None;
-        let waits = || {
+        let mut cancelled: Option<Instant> = None;
+        let may_go_on = || {
             if is_check {
-                return start.elapsed() < GRACE;
+                return start.elapsed() < STOP_TIME_LIMIT;
             }
             progress.report(stage, state.fraction());
             if progress.cancelled() {
                 state.cancel();
-                asked.get_or_insert_with(Instant::now);
+                cancelled.get_or_insert_with(Instant::now);
             }
-            asked.is_none_or(|asked| asked.elapsed() < GRACE)
+            cancelled.is_none_or(|cancelled| cancelled.elapsed() < STOP_TIME_LIMIT)
         };
         let called = {
             let state = state.clone();
-            self.call(whose, move || task.carry_out(&piece, &state), waits)
+            self.call(label, move || task.run(&item, &state), may_go_on)
         };
-        called.map_err(|lost| match lost {
-            Lost::GivenUp if is_check => whose.error("does not come back from checking its parameters"),
-            Lost::GivenUp => whose.error("was asked to stop and goes on").expected(format!(
+        called.map_err(|failure| match failure {
+            CallFailure::GivenUp if is_check => {
+                label.error("does not come back from checking its parameters")
+            }
+            CallFailure::GivenUp => label.error("was asked to stop and goes on").expected(format!(
                 "it to stop within {} s; only the end of the program ends it, or --plugin-process",
-                GRACE.as_secs()
+                STOP_TIME_LIMIT.as_secs()
             )),
-            Lost::NoThread | Lost::Ended => whose.error("cannot be run: the system gives no thread for it"),
+            CallFailure::NoThread | CallFailure::Ended => {
+                label.error("cannot be run: the system gives no thread for it")
+            }
         })
     }
 }

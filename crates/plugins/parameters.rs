@@ -1,19 +1,19 @@
-//! The parameters that a plug-in declares, read and checked, as declarations of the program's own.
+//! Parameters that a plug-in declares, read from the header's structs and checked.
 
-use crate::describe::{NAME_MOST, PARAMETERS_MOST, TEXT_MOST, identifier, leak, line, required};
-use crate::foreign::{Wrong, several, values};
+use crate::ffi::{ValidationError, several, values};
 use crate::interface;
+use crate::text::{MAX_NAME_BYTES, MAX_PARAMETERS, MAX_TEXT_BYTES, identifier, leak, line, required};
 use std::ffi::c_char;
 use voltet_core::parameters::{DefaultValue, Parameter, ParameterType, Range};
 
 /// Longest vector.
-pub(crate) const VECTOR_MOST: u32 = 1024;
+pub(crate) const MAX_VECTOR_LENGTH: u32 = 1024;
 
-/// So many parameters at an address, and for each that names a point array how many components a point has; 0 for the others.
+/// The parameters at an address, and the components of the point array that each names; 0 for parameters that name none.
 pub(crate) fn parameters(
     address: *const interface::Parameter,
     count: usize,
-) -> Result<(Vec<Parameter>, Vec<u32>), Wrong> {
+) -> Result<(Vec<Parameter>, Vec<u32>), ValidationError> {
     let (mut parameters, mut components) = (Vec::new(), Vec::new());
     let all = several(address, count);
     for (i, read) in all.map_err(|wrong| format!("parameter {wrong}"))?.iter().enumerate() {
@@ -26,10 +26,10 @@ pub(crate) fn parameters(
     Ok((parameters, components))
 }
 
-fn parameter(read: &interface::Parameter, name: &str) -> Result<Parameter, Wrong> {
-    let unit = line("the unit", read.unit, NAME_MOST)?.unwrap_or_default();
-    let help = required("the help", line("the help", read.help, TEXT_MOST)?)?;
-    let known = interface::REQUIRED | interface::ABOVE_LEAST | interface::BELOW_MOST;
+fn parameter(read: &interface::Parameter, name: &str) -> Result<Parameter, ValidationError> {
+    let unit = line("the unit", read.unit, MAX_NAME_BYTES)?.unwrap_or_default();
+    let help = required("the help", line("the help", read.help, MAX_TEXT_BYTES)?)?;
+    let known = interface::REQUIRED | interface::EXCLUSIVE_MIN | interface::EXCLUSIVE_MAX;
     if read.flags & !known != 0 {
         return Err(format!("'flags' has some that this version does not know: {:#x}", read.flags));
     }
@@ -52,7 +52,7 @@ fn parameter(read: &interface::Parameter, name: &str) -> Result<Parameter, Wrong
         }
         interface::CHOICE => {
             let words = words(read)?;
-            let given = line("the default", read.text, NAME_MOST)?;
+            let given = line("the default", read.text, MAX_NAME_BYTES)?;
             let standard = match given {
                 _ if required_ => DefaultValue::Required,
                 Some(word) => DefaultValue::Text(leak(word)),
@@ -67,8 +67,8 @@ fn parameter(read: &interface::Parameter, name: &str) -> Result<Parameter, Wrong
         interface::POINT_ARRAY => {
             return Err(format!("'length' is {}, and a point array has 1 to 9 components", read.length));
         }
-        interface::VECTOR if read.length > VECTOR_MOST => {
-            return Err(format!("'length' is {}, at most {VECTOR_MOST}", read.length));
+        interface::VECTOR if read.length > MAX_VECTOR_LENGTH => {
+            return Err(format!("'length' is {}, at most {MAX_VECTOR_LENGTH}", read.length));
         }
         interface::VECTOR => {
             let length = (read.length > 0).then_some(read.length as usize);
@@ -83,35 +83,41 @@ fn parameter(read: &interface::Parameter, name: &str) -> Result<Parameter, Wrong
         }
         other => return Err(format!("its type is {other}, which this version does not know")),
     };
-    Ok(Parameter { name: leak(name.into()), parameter_type, unit: leak(unit), standard, help: leak(help) })
+    Ok(Parameter {
+        name: leak(name.into()),
+        parameter_type,
+        unit: leak(unit),
+        default: standard,
+        help: leak(help),
+    })
 }
 
 /// A default text, or what leaving it out means.
-fn text_or_unset(read: &interface::Parameter) -> Result<DefaultValue, Wrong> {
-    match line("the default", read.text, TEXT_MOST)? {
+fn text_or_unset(read: &interface::Parameter) -> Result<DefaultValue, ValidationError> {
+    match line("the default", read.text, MAX_TEXT_BYTES)? {
         Some(text) => Ok(DefaultValue::Text(leak(text))),
         None => unset(read),
     }
 }
 
-fn unset(read: &interface::Parameter) -> Result<DefaultValue, Wrong> {
+fn unset(read: &interface::Parameter) -> Result<DefaultValue, ValidationError> {
     if read.flags & interface::REQUIRED != 0 {
         return Ok(DefaultValue::Required);
     }
-    match line("'unset'", read.unset, TEXT_MOST)?.filter(|text| !text.is_empty()) {
+    match line("'unset'", read.unset, MAX_TEXT_BYTES)?.filter(|text| !text.is_empty()) {
         Some(meaning) => Ok(DefaultValue::Unset(leak(meaning))),
         None => Err("there is no default, and 'unset' does not say what that means".into()),
     }
 }
 
 /// The range of numbers; both ends 0: none.
-fn range(read: &interface::Parameter) -> Result<Range, Wrong> {
-    let (min, max) = (read.least, read.most);
+fn range(read: &interface::Parameter) -> Result<Range, ValidationError> {
+    let (min, max) = (read.min, read.max);
     if min == 0.0 && max == 0.0 {
         return Ok(Range::ANY);
     }
-    let above_min = read.flags & interface::ABOVE_LEAST != 0;
-    let below_max = read.flags & interface::BELOW_MOST != 0;
+    let above_min = read.flags & interface::EXCLUSIVE_MIN != 0;
+    let below_max = read.flags & interface::EXCLUSIVE_MAX != 0;
     if min.is_nan() || max.is_nan() || min > max || (min == max && (above_min || below_max)) {
         return Err(format!("no number is in its range, from {min} to {max}"));
     }
@@ -119,9 +125,9 @@ fn range(read: &interface::Parameter) -> Result<Range, Wrong> {
 }
 
 /// The words of a choice with their meanings.
-fn words(read: &interface::Parameter) -> Result<Vec<(&'static str, &'static str)>, Wrong> {
-    if !(1..=PARAMETERS_MOST).contains(&read.word_count) {
-        return Err(format!("there are {} words, 1 to {PARAMETERS_MOST} can be", read.word_count));
+fn words(read: &interface::Parameter) -> Result<Vec<(&'static str, &'static str)>, ValidationError> {
+    if !(1..=MAX_PARAMETERS).contains(&read.word_count) {
+        return Err(format!("there are {} words, 1 to {MAX_PARAMETERS} can be", read.word_count));
     }
     let list = |what: &str, address: *const *const c_char| {
         values(address, read.word_count as usize).map_err(|wrong| format!("'{what}' {wrong}"))
@@ -133,7 +139,8 @@ fn words(read: &interface::Parameter) -> Result<Vec<(&'static str, &'static str)
         if found.iter().any(|(known, _)| *known == word) {
             return Err(format!("there are two words '{word}'"));
         }
-        let meaning = required("the meaning of a word", line("the meaning of a word", meaning, TEXT_MOST)?)?;
+        let meaning =
+            required("the meaning of a word", line("the meaning of a word", meaning, MAX_TEXT_BYTES)?)?;
         found.push((leak(word), leak(meaning)));
     }
     Ok(found)

@@ -1,14 +1,16 @@
-//! A reader of a plug-in: its calls, and what it is to the program.
+//! A reader of a plug-in: its calls, and its adapter to the program's [`GridReader`].
 
-use crate::describe::Family;
-use crate::grids::{ArrayOf, Buffers, Head, refuse_flags};
+use crate::declaration::{EntryPoint, Family, LibraryItem};
+use crate::grids::{ArrayRecord, Buffers, Head, refuse_flags};
 use crate::host::State;
-use crate::interface::{ERROR, GridHead, OK, Read, Reading, TETRAHEDRA};
-use crate::outcome::Said;
-use crate::runner::Offered;
+use crate::interface::{ERROR, GridHead, OK, Reading, TETRAHEDRA, Values};
+use crate::runner::PluginItem;
+use crate::status::CallStatus;
 use crate::task::{Outcome, Task};
-use crate::values::Owned;
+use crate::values::ParameterValues;
+use crate::wire::{Reader, Writer, garbled};
 use std::ffi::CString;
+use std::io::{self, Read};
 use std::mem::size_of;
 use std::path::Path;
 use std::ptr::{from_ref, null};
@@ -17,44 +19,45 @@ use voltet_core::field::Plugin;
 use voltet_core::grid::Association;
 use voltet_core::parameters::{Parameters, VariantSchema};
 use voltet_core::progress::Progress;
-use voltet_core::reading::{ArrayOfFile, GridHead as HeadOfFile, GridRead, GridReader, OpenGrid};
+use voltet_core::reading::{FileArray, GridHead as FileHead, GridRead, GridReader, OpenGrid};
 use voltet_core::{Error, Result};
 
-/// A file and a step of it.
+/// Description of a file: a step of it.
 #[derive(Clone)]
-pub(crate) struct OfFile {
-    pub path: CString,
-    pub step: u64,
-    pub values: Owned,
+pub(crate) struct InspectTask {
+    path: CString,
+    step: u64,
+    values: ParameterValues,
 }
 
-/// What is asked of it.
-pub(crate) struct Wanted {
-    /// What the file holds, as it was described.
-    pub head: Head,
-    /// Whether points and cells are asked for.
-    pub geometry: bool,
-    /// For each array of the head whether it is.
-    pub arrays: Vec<bool>,
-    /// Bytes that it may take, where somebody knows.
-    pub memory_left: Option<u64>,
+/// Reading of a file.
+pub(crate) struct ReadTask {
+    file: InspectTask,
+    /// Contents of the file, as described.
+    head: Head,
+    /// True if points and cells are requested.
+    geometry: bool,
+    /// For each array of the head, true if it is requested.
+    arrays: Vec<bool>,
+    /// Memory that it may take (bytes), if known.
+    memory_left: Option<u64>,
 }
 
 /// The host's side of a description.
-struct Inside<'a> {
+struct HostContext<'a> {
     state: &'a State,
     head: Mutex<Option<Head>>,
 }
 
 unsafe extern "C-unwind" fn describe(reading: *const Reading, head: *const GridHead) -> i32 {
     // SAFETY: the plug-in hands over the reading that it was given, during the call.
-    let inside = unsafe { reading.as_ref().and_then(|reading| reading.context.cast::<Inside>().as_ref()) };
-    let Some(inside) = inside else { return ERROR };
+    let host = unsafe { reading.as_ref().and_then(|reading| reading.context.cast::<HostContext>().as_ref()) };
+    let Some(host) = host else { return ERROR };
     let read = Head::read(head).and_then(|head| refuse_flags(head.flags, TETRAHEDRA).map(|()| head));
-    let mut known = inside.head.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut known = host.head.lock().unwrap_or_else(PoisonError::into_inner);
     match read {
-        Ok(_) if known.is_some() => inside.state.complain("it described its file twice".into()),
-        Err(wrong) => inside.state.complain(wrong),
+        Ok(_) if known.is_some() => host.state.refuse("it described its file twice".into()),
+        Err(wrong) => host.state.refuse(wrong),
         Ok(head) => {
             *known = Some(head);
             return OK;
@@ -63,8 +66,10 @@ unsafe extern "C-unwind" fn describe(reading: *const Reading, head: *const GridH
     ERROR
 }
 
-impl OfFile {
-    fn reading(&self, values: &crate::interface::Values) -> Reading {
+impl InspectTask {
+    pub const TAG: u64 = 2;
+
+    fn reading(&self, values: &Values) -> Reading {
         Reading {
             size: size_of::<Reading>() as u32,
             reserved: 0,
@@ -77,60 +82,125 @@ impl OfFile {
         }
     }
 
-    /// Calls the function that says what the file holds.
-    pub fn inspect(&self, function: Read, state: &State) -> (Said, Option<Head>) {
+    fn encode_file(&self, head: &mut Writer) {
+        head.bytes(self.path.as_bytes());
+        head.number(self.step);
+        self.values.encode(head);
+    }
+
+    fn decode_file(head: &mut Reader) -> Option<InspectTask> {
+        let path = CString::new(head.bytes()?).ok()?;
+        Some(InspectTask { path, step: head.number()?, values: ParameterValues::decode(head)? })
+    }
+
+    pub fn decode(head: &mut Reader, _: &mut dyn Read) -> io::Result<Box<dyn Task>> {
+        Ok(Box::new(InspectTask::decode_file(head).ok_or_else(garbled)?))
+    }
+}
+
+impl Task for InspectTask {
+    fn tag(&self) -> u64 {
+        InspectTask::TAG
+    }
+
+    fn stage(&self) -> &'static str {
+        "reading"
+    }
+
+    fn run(self: Box<Self>, item: &LibraryItem, state: &State) -> (CallStatus, Outcome) {
+        let EntryPoint::Reader { inspect, .. } = item.function else { return Default::default() };
         let pointers = self.values.pointers();
-        let values = self.values.by(&pointers);
-        let inside = Inside { state, head: Mutex::new(None) };
-        let context = from_ref(&inside).cast_mut().cast();
+        let values = self.values.header_values(&pointers);
+        let host = HostContext { state, head: Mutex::new(None) };
+        let context = from_ref(&host).cast_mut().cast();
         let reading = Reading { describe: Some(describe), context, ..self.reading(&values) };
         // SAFETY: the plug-in's own function; what it is given lives through the call.
-        let code = unsafe { function(&reading, &state.host()) };
-        let head = inside.head.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let code = unsafe { inspect(&reading, &state.host()) };
+        let head = host.head.into_inner().unwrap_or_else(PoisonError::into_inner);
         if head.is_none() && code == OK {
-            state.complain("it did not say what the file holds (reading->describe)".into());
+            state.refuse("it did not say what the file holds (reading->describe)".into());
         }
-        (Said::new(code, state), head)
+        (CallStatus::new(code, state), head.map(Outcome::Head).unwrap_or_default())
     }
 
-    /// Calls the function that reads.
-    pub fn read(&self, function: Read, wanted: &Wanted, state: &State) -> (Said, Buffers) {
-        let Wanted { head, geometry, arrays, memory_left } = wanted;
-        let mut buffers = match Buffers::new(head, *geometry, arrays, *memory_left) {
-            Ok(buffers) => buffers,
-            Err(wrong) => return (Said::not_called(wrong, state), Buffers::default()),
+    fn encode(&self, head: &mut Writer) {
+        self.encode_file(head);
+    }
+}
+
+impl ReadTask {
+    pub const TAG: u64 = 3;
+
+    pub fn decode(head: &mut Reader, _: &mut dyn Read) -> io::Result<Box<dyn Task>> {
+        let mut task = || {
+            let (file, described) = (InspectTask::decode_file(head)?, Head::decode(head)?);
+            let geometry = head.number()? == 1;
+            let arrays: Vec<bool> = head.list(|head| head.number().map(|flag| flag == 1))?;
+            let memory_left = head.optional(Reader::number)?;
+            let fits = arrays.len() == described.arrays.len();
+            fits.then_some(ReadTask { file, head: described, geometry, arrays, memory_left })
         };
-        let pointers = self.values.pointers();
-        let values = self.values.by(&pointers);
-        let places = buffers.places();
-        let shown = buffers.interface(head, &places);
-        let reading = Reading { buffers: &shown, ..self.reading(&values) };
-        // SAFETY: the plug-in's own function; what it is given lives through the call and has the sizes stated.
-        let code = unsafe { function(&reading, &state.host()) };
-        let beyond = buffers.close(head);
-        (Said { beyond, ..Said::new(code, state) }, buffers)
+        Ok(Box::new(task().ok_or_else(garbled)?))
     }
 }
 
-/// A file that a plug-in described.
-struct Described {
-    offered: Offered,
-    file: OfFile,
-    described: Head,
-    head: HeadOfFile,
+impl Task for ReadTask {
+    fn tag(&self) -> u64 {
+        ReadTask::TAG
+    }
+
+    fn stage(&self) -> &'static str {
+        "reading"
+    }
+
+    fn run(self: Box<Self>, item: &LibraryItem, state: &State) -> (CallStatus, Outcome) {
+        let EntryPoint::Reader { read, .. } = item.function else { return Default::default() };
+        let ReadTask { file, head, geometry, arrays, memory_left } = *self;
+        let mut buffers = match Buffers::new(&head, geometry, &arrays, memory_left) {
+            Ok(buffers) => buffers,
+            Err(wrong) => {
+                return (CallStatus::not_called(wrong, state), Outcome::Grid(head, Buffers::default()));
+            }
+        };
+        let pointers = file.values.pointers();
+        let values = file.values.header_values(&pointers);
+        let addresses = buffers.array_addresses();
+        let header_buffers = buffers.header_buffers(&head, &addresses);
+        let reading = Reading { buffers: &header_buffers, ..file.reading(&values) };
+        // SAFETY: the plug-in's own function; what it is given lives through the call and has the sizes stated.
+        let code = unsafe { read(&reading, &state.host()) };
+        let overrun = buffers.close(&head);
+        (CallStatus { overrun, ..CallStatus::new(code, state) }, Outcome::Grid(head, buffers))
+    }
+
+    fn encode(&self, head: &mut Writer) {
+        self.file.encode_file(head);
+        self.head.encode(head);
+        head.number(u64::from(self.geometry));
+        head.list(&self.arrays, |head, &requested| head.number(u64::from(requested)));
+        head.optional(self.memory_left, Writer::number);
+    }
 }
 
-impl GridReader for Offered {
+/// A file with its description.
+struct DescribedFile {
+    item: PluginItem,
+    file: InspectTask,
+    described: Head,
+    head: FileHead,
+}
+
+impl GridReader for PluginItem {
     fn declaration(&self) -> VariantSchema {
-        self.declared.kind
+        self.declaration.schema
     }
 
     fn plugin(&self) -> Option<&Plugin> {
         Some(self.runner.plugin())
     }
 
-    fn is_meant(&self, head: &[u8], path: &Path) -> bool {
-        let Family::Reader { extensions, magic } = self.declared.family else { return false };
+    fn matches(&self, head: &[u8], path: &Path) -> bool {
+        let Family::Reader { extensions, magic } = self.declaration.family else { return false };
         if !magic.is_empty() {
             return head.starts_with(magic);
         }
@@ -139,15 +209,15 @@ impl GridReader for Offered {
     }
 
     fn files(&self) -> String {
-        let Family::Reader { extensions, .. } = self.declared.family else { return String::new() };
+        let Family::Reader { extensions, .. } = self.declaration.family else { return String::new() };
         match extensions.is_empty() {
-            true => format!("a file for the {}", self.whose().piece()),
+            true => format!("a file for the {}", self.label().item()),
             false => extensions.iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(" "),
         }
     }
 
     fn check(&self, parameters: &Parameters) -> Result<()> {
-        Offered::check(self, parameters)
+        self.check_parameters(parameters)
     }
 
     fn open(
@@ -161,21 +231,21 @@ impl GridReader for Offered {
         let path = text.ok_or_else(|| {
             Error::run("the file's path cannot be handed to a plug-in").expected("a path that is UTF-8")
         })?;
-        let file = OfFile { path, step: step as u64, values: Owned::new(&self.declared, parameters)? };
-        let task = Task::Inspect(Box::new(file.clone()));
-        let (_, described) = self.run(task, progress, Outcome::head)?;
-        let head = head_of_file(&described, self.declared.kind.name);
-        Ok(Box::new(Described { offered: self.clone(), file, described, head }))
+        let values = ParameterValues::new(&self.declaration, parameters)?;
+        let file = InspectTask { path, step: step as u64, values };
+        let (_, described) = self.run(Box::new(file.clone()), progress, Outcome::head)?;
+        let head = file_head(&described, self.declaration.schema.name);
+        Ok(Box::new(DescribedFile { item: self.clone(), file, described, head }))
     }
 }
 
-fn head_of_file(head: &Head, name: &str) -> HeadOfFile {
-    let array = |array: &ArrayOf| ArrayOfFile {
+fn file_head(head: &Head, name: &str) -> FileHead {
+    let array = |array: &ArrayRecord| FileArray {
         name: array.name.clone(),
         association: if array.on_cells { Association::Cell } else { Association::Point },
         component_count: array.component_count,
     };
-    HeadOfFile {
+    FileHead {
         format: head.format.clone().unwrap_or_else(|| name.into()),
         point_count: head.point_count as u64,
         cell_count: head.cell_count as u64,
@@ -186,30 +256,33 @@ fn head_of_file(head: &Head, name: &str) -> HeadOfFile {
     }
 }
 
-impl OpenGrid for Described {
-    fn head(&self) -> &HeadOfFile {
+impl OpenGrid for DescribedFile {
+    fn head(&self) -> &FileHead {
         &self.head
     }
 
     fn read(&self, geometry: bool, arrays: &[usize], progress: &dyn Progress) -> Result<GridRead> {
-        let (head, whose) = (&self.described, self.offered.whose());
-        let mut asked = vec![false; head.arrays.len()];
-        arrays.iter().for_each(|&place| asked[place] = true);
+        let (head, label) = (&self.described, self.item.label());
+        let mut requested = vec![false; head.arrays.len()];
+        arrays.iter().for_each(|&i| requested[i] = true);
         let memory_left = progress.memory_left();
-        let wanted = Wanted { head: head.clone(), geometry, arrays: asked, memory_left };
-        let task = Task::Read(Box::new(self.file.clone()), Box::new(wanted));
-        let (said, (_, buffers)) = self.offered.run(task, progress, Outcome::grid)?;
-        let mut made = buffers.judged(head, head.point_count, whose)?;
-        let missing = || whose.error("answered what was not asked");
-        let taken: Result<Vec<Vec<f64>>> = arrays
-            .iter()
-            .map(|&place| made.arrays.get_mut(place).and_then(Option::take).ok_or_else(missing))
-            .collect();
+        let task = ReadTask {
+            file: self.file.clone(),
+            head: head.clone(),
+            geometry,
+            arrays: requested,
+            memory_left,
+        };
+        let (status, (_, buffers)) = self.item.run(Box::new(task), progress, Outcome::grid)?;
+        let mut contents = buffers.validate(head, head.point_count, label)?;
+        let missing = || label.error("answered what was not asked");
+        let values = |&i: &usize| contents.arrays.get_mut(i).and_then(Option::take).ok_or_else(missing);
+        let arrays = arrays.iter().map(values).collect::<Result<Vec<Vec<f64>>>>()?;
         Ok(GridRead {
-            points: made.points,
-            cells: made.cells,
-            arrays: taken?,
-            warnings: whose.warnings(&said).collect(),
+            points: contents.points,
+            cells: contents.cells,
+            arrays,
+            warnings: label.warnings(&status).collect(),
         })
     }
 }

@@ -1,92 +1,71 @@
-//! Something that a plug-in offers, and what runs it: this process, one of its own, or a sandbox.
+//! An item that a plug-in offers, and the runner of its functions: this process, one of its own, or a sandbox.
 
-use crate::describe::Declared;
-use crate::outcome::{Said, Whose};
-use crate::task::{Outcome, Task};
-use crate::values::{Owned, array_names};
+use crate::declaration::Declaration;
+use crate::status::{CallLabel, CallStatus};
+use crate::task::{CheckTask, Outcome, Task};
+use crate::values::ParameterValues;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::field::{Gradient, GradientFilter, Plugin, check_scalar};
-use voltet_core::grid::Grid;
-use voltet_core::parameters::{Parameters, VariantSchema};
+use voltet_core::field::Plugin;
+use voltet_core::parameters::Parameters;
 use voltet_core::progress::{NoProgress, Progress};
 
-/// Runs the functions of one plug-in.
+/// Runner of the functions of one plug-in.
 pub(crate) trait Runner: Send + Sync {
-    /// Whose functions they are.
     fn plugin(&self) -> &Plugin;
 
-    /// Has the plug-in do it. What it says is not judged; a check must end within seconds.
+    /// Runs a task of an item. A check of parameters is given up after seconds. The status is not judged.
     ///
     /// Errors: nothing came back.
-    fn run(&self, of: &Declared, task: Task, progress: &dyn Progress) -> Result<(Said, Outcome)>;
+    fn run(
+        &self,
+        declaration: &Declaration,
+        task: Box<dyn Task>,
+        progress: &dyn Progress,
+    ) -> Result<(CallStatus, Outcome)>;
 }
 
-/// A filter of a plug-in.
+/// A filter or reader of a plug-in.
 #[derive(Clone)]
-pub(crate) struct Offered {
+pub(crate) struct PluginItem {
     pub runner: Arc<dyn Runner>,
-    pub declared: Declared,
+    pub declaration: Declaration,
 }
 
-impl Offered {
-    /// How messages begin.
-    pub fn whose(&self) -> Whose<'_> {
-        Whose::new(&self.declared, self.runner.plugin())
+impl PluginItem {
+    /// Items of one plug-in.
+    pub fn list(runner: Arc<dyn Runner>, declarations: Vec<Declaration>) -> Vec<PluginItem> {
+        let item = |declaration| PluginItem { runner: runner.clone(), declaration };
+        declarations.into_iter().map(item).collect()
     }
 
-    /// Has the plug-in's own check look at parameters, if it has one.
-    pub fn check(&self, parameters: &Parameters) -> Result<()> {
-        let values = Owned::new(&self.declared, parameters)?;
-        if !self.declared.checks {
+    /// Beginning of messages.
+    pub fn label(&self) -> CallLabel<'_> {
+        CallLabel::new(&self.declaration, self.runner.plugin())
+    }
+
+    /// Errors: the plug-in's own check, if it has one, refuses the parameters.
+    pub fn check_parameters(&self, parameters: &Parameters) -> Result<()> {
+        let values = ParameterValues::new(&self.declaration, parameters)?;
+        if !self.declaration.checks {
             return Ok(());
         }
-        let (said, _) = self.runner.run(&self.declared, Task::Check(values), &NoProgress)?;
-        self.whose().checked(said)
+        let (status, _) = self.runner.run(&self.declaration, Box::new(CheckTask(values)), &NoProgress)?;
+        self.label().check_parameters(status)
     }
 
-    /// Has it do its work; an error where it failed or made something else.
+    /// Runs a task. `output`: takes the output of the right kind.
+    ///
+    /// Errors: the call failed, or gave output of another kind.
     pub fn run<T>(
         &self,
-        task: Task,
+        task: Box<dyn Task>,
         progress: &dyn Progress,
-        made: impl FnOnce(Outcome) -> Option<T>,
-    ) -> Result<(Said, T)> {
-        let (said, outcome) = self.runner.run(&self.declared, task, progress)?;
-        self.whose().worked(&said, progress.cancelled())?;
-        let made = made(outcome).ok_or_else(|| self.whose().error("answered what was not asked"))?;
-        Ok((said, made))
-    }
-}
-
-impl GradientFilter for Offered {
-    fn declaration(&self) -> VariantSchema {
-        self.declared.kind
-    }
-
-    fn plugin(&self) -> Option<&Plugin> {
-        Some(self.runner.plugin())
-    }
-
-    fn check(&self, parameters: &Parameters) -> Result<()> {
-        Offered::check(self, parameters)
-    }
-
-    fn arrays(&self, parameters: &Parameters) -> Result<Vec<String>> {
-        Ok(array_names(&self.declared, parameters))
-    }
-
-    fn gradient(
-        &self,
-        grid: &Grid,
-        scalar: &[f64],
-        parameters: &Parameters,
-        progress: &dyn Progress,
-    ) -> Result<Gradient> {
-        check_scalar(grid, scalar)?;
-        let task = Task::gradient(&self.declared, grid, scalar, parameters)?;
-        let (said, vectors) = self.run(task, progress, Outcome::vectors)?;
-        let vectors = self.whose().every_point(grid, vectors)?;
-        Ok(Gradient { vectors, fallbacks: said.fallbacks })
+        output: impl FnOnce(Outcome) -> Option<T>,
+    ) -> Result<(CallStatus, T)> {
+        let (status, outcome) = self.runner.run(&self.declaration, task, progress)?;
+        self.label().check_call(&status, progress.cancelled())?;
+        let output = output(outcome).ok_or_else(|| self.label().error("answered what was not asked"))?;
+        Ok((status, output))
     }
 }

@@ -1,45 +1,47 @@
-//! What the parameters are set to, as the interface hands it over.
+//! Inputs of a call: values of the parameters, and the arrays that they name.
 
-use crate::describe::Declared;
+use crate::declaration::Declaration;
 use crate::interface;
-use crate::process::wire::{Reader, Writer};
+use crate::wire::{self, Reader, Writer, send_array};
 use std::ffi::{CString, c_char};
+use std::io::{self, Read, Write};
 use std::mem::size_of;
 use std::sync::Arc;
+use voltet_core::glam::DVec3;
 use voltet_core::grid::{Array, Grid};
-use voltet_core::parameters::{LocatedValue, ParameterType, ParameterValue, Parameters};
+use voltet_core::parameters::{LocatedValue, Parameter, ParameterType, ParameterValue, Parameters};
 use voltet_core::{Error, Result};
 
 /// The values of a filter's parameters, in the order of its declarations.
 #[derive(Clone, Default)]
-pub(crate) struct Owned {
+pub(crate) struct ParameterValues {
     integers: Vec<i64>,
     numbers: Vec<f64>,
     texts: Vec<Option<CString>>,
     vectors: Vec<Option<Vec<f64>>>,
 }
 
-/// What they are, one a parameter.
+/// Values by type, one of each type a parameter.
 #[cfg(feature = "wasm")]
-pub(crate) struct Parts<'a> {
+pub(crate) struct ValueSlices<'a> {
     pub integers: &'a [i64],
     pub numbers: &'a [f64],
     pub texts: &'a [Option<CString>],
     pub vectors: &'a [Option<Vec<f64>>],
 }
 
-/// The same as pointers; valid as long as the values.
-pub(crate) struct Pointers {
+/// Pointers of the header's struct to values; valid as long as these.
+pub(crate) struct ValuePointers {
     texts: Vec<*const c_char>,
     vectors: Vec<*const f64>,
     lengths: Vec<u32>,
 }
 
-impl Owned {
+impl ParameterValues {
     /// Errors: a text with a 0 character.
-    pub fn new(declared: &Declared, parameters: &Parameters) -> Result<Owned> {
-        let mut owned = Owned::default();
-        for parameter in declared.kind.parameters {
+    pub fn new(declaration: &Declaration, parameters: &Parameters) -> Result<ParameterValues> {
+        let mut values = ParameterValues::default();
+        for parameter in declaration.schema.parameters {
             let setting = parameters.optional(parameter.name);
             let text = setting.and_then(LocatedValue::text);
             let integer = match (parameter.parameter_type, setting.map(|setting| &setting.datum)) {
@@ -50,27 +52,27 @@ impl Owned {
                 }
                 _ => 0,
             };
-            owned.integers.push(integer);
-            owned.numbers.push(setting.and_then(LocatedValue::number).unwrap_or(0.0));
+            values.integers.push(integer);
+            values.numbers.push(setting.and_then(LocatedValue::number).unwrap_or(0.0));
             let text = text.map(CString::new).transpose().map_err(|_| {
                 let error = Error::usage(format!("'{}' has a character 0", parameter.name));
                 parameters.locate(parameter.name, error.expected("text without it"))
             })?;
-            owned.texts.push(text);
-            owned.vectors.push(setting.and_then(LocatedValue::numbers));
+            values.texts.push(text);
+            values.vectors.push(setting.and_then(LocatedValue::numbers));
         }
-        Ok(owned)
+        Ok(values)
     }
 
     #[cfg(feature = "wasm")]
-    pub fn parts(&self) -> Parts<'_> {
-        let Owned { integers, numbers, texts, vectors } = self;
-        Parts { integers, numbers, texts, vectors }
+    pub fn parts(&self) -> ValueSlices<'_> {
+        let ParameterValues { integers, numbers, texts, vectors } = self;
+        ValueSlices { integers, numbers, texts, vectors }
     }
 
-    /// Into a message.
-    pub fn write(&self, to: &mut Writer) {
-        to.number(self.integers.len() as u64);
+    /// Appends to a message.
+    pub fn encode(&self, to: &mut Writer) {
+        to.count(self.integers.len());
         for (i, (integer, number)) in self.integers.iter().zip(&self.numbers).enumerate() {
             to.number(*integer as u64);
             to.float(*number);
@@ -79,35 +81,28 @@ impl Owned {
         }
     }
 
-    /// From a message; `None` where it is none.
-    pub fn read(from: &mut Reader) -> Option<Owned> {
-        let mut owned = Owned::default();
+    /// Values from a message; `None` where the bytes are none.
+    pub fn decode(from: &mut Reader) -> Option<ParameterValues> {
+        let mut values = ParameterValues::default();
         for _ in 0..from.count()? {
-            owned.integers.push(from.number()? as i64);
-            owned.numbers.push(from.float()?);
-            owned.texts.push(from.optional(|from| CString::new(from.bytes()?).ok())?);
-            owned.vectors.push(from.optional(Reader::floats)?);
+            values.integers.push(from.number()? as i64);
+            values.numbers.push(from.float()?);
+            values.texts.push(from.optional(|from| CString::new(from.bytes()?).ok())?);
+            values.vectors.push(from.optional(Reader::floats)?);
         }
-        Some(owned)
+        Some(values)
     }
 
-    pub fn pointers(&self) -> Pointers {
-        Pointers {
-            texts: self
-                .texts
-                .iter()
-                .map(|text| text.as_ref().map_or(std::ptr::null(), |t| t.as_ptr()))
-                .collect(),
-            vectors: self
-                .vectors
-                .iter()
-                .map(|v| v.as_ref().map_or(std::ptr::null(), |v| v.as_ptr()))
-                .collect(),
-            lengths: self.vectors.iter().map(|v| v.as_ref().map_or(0, |v| v.len() as u32)).collect(),
-        }
+    pub fn pointers(&self) -> ValuePointers {
+        use std::ptr::null;
+        let texts = self.texts.iter().map(|text| text.as_ref().map_or(null(), |text| text.as_ptr()));
+        let vectors = self.vectors.iter().map(|vector| vector.as_ref().map_or(null(), |v| v.as_ptr()));
+        let lengths = self.vectors.iter().map(|vector| vector.as_ref().map_or(0, |v| v.len() as u32));
+        ValuePointers { texts: texts.collect(), vectors: vectors.collect(), lengths: lengths.collect() }
     }
 
-    pub fn by(&self, pointers: &Pointers) -> interface::Values {
+    /// The struct of the header; valid as long as the values and the pointers.
+    pub fn header_values(&self, pointers: &ValuePointers) -> interface::Values {
         interface::Values {
             size: size_of::<interface::Values>() as u32,
             count: self.integers.len() as u32,
@@ -120,42 +115,89 @@ impl Owned {
     }
 }
 
-/// The names of the point arrays that the parameters name.
-pub(crate) fn array_names(declared: &Declared, parameters: &Parameters) -> Vec<String> {
-    named(declared, parameters).into_iter().flatten().map(|(name, ..)| name).collect()
+/// Point arrays that parameters name: one a parameter, `None` for parameters that name none.
+pub(crate) type NamedArrays = Vec<Option<Arc<Array>>>;
+
+/// Names of the point arrays that the parameters name.
+pub(crate) fn array_names(declaration: &Declaration, parameters: &Parameters) -> Vec<String> {
+    let references = array_references(declaration, parameters);
+    references.into_iter().flatten().map(|(name, ..)| name).collect()
 }
 
-/// The point array that each parameter names.
+/// Point arrays that the parameters name.
 ///
 /// Errors: one that is not there, or has another number of components.
-pub(crate) fn arrays(
-    declared: &Declared,
+pub(crate) fn named_arrays(
+    declaration: &Declaration,
     parameters: &Parameters,
     grid: &Grid,
-) -> Result<Vec<Option<Arc<Array>>>> {
-    let found = named(declared, parameters).into_iter().map(|named| {
-        let Some((name, parameter, components)) = named else { return Ok(None) };
-        let there = grid.point_array(&name, components as usize);
-        there.map_err(|error| parameters.locate(parameter, error).at_item(parameter))?;
+) -> Result<NamedArrays> {
+    let find = |reference: Option<(String, &str, u32)>| {
+        let Some((name, parameter, components)) = reference else { return Ok(None) };
+        let array = grid.point_array(&name, components as usize);
+        array.map_err(|error| parameters.locate(parameter, error).at_item(parameter))?;
         Ok(grid.point_arrays.get(&name).cloned())
-    });
-    found.collect()
-}
-
-/// Where the values of each array are, for the plug-in to read; valid as long as the arrays.
-pub(crate) fn array_pointers(arrays: &[Option<Arc<Array>>]) -> Vec<*const f64> {
-    arrays
-        .iter()
-        .map(|array| array.as_ref().map_or(std::ptr::null(), |array| array.values.as_ptr()))
-        .collect()
-}
-
-/// For each parameter the array that it names, its own name, and the number of components.
-fn named<'a>(declared: &'a Declared, parameters: &Parameters) -> Vec<Option<(String, &'a str, u32)>> {
-    let of = |(parameter, &components): (&'a voltet_core::parameters::Parameter, &u32)| {
-        let name =
-            parameters.optional(parameter.name).and_then(LocatedValue::text).filter(|_| components > 0)?;
-        Some((name.to_string(), parameter.name, components))
     };
-    declared.kind.parameters.iter().zip(&declared.components).map(of).collect()
+    array_references(declaration, parameters).into_iter().map(find).collect()
+}
+
+/// Addresses of the values of each array; valid as long as the arrays.
+pub(crate) fn array_pointers(arrays: &[Option<Arc<Array>>]) -> Vec<*const f64> {
+    let address = |array: &Option<Arc<Array>>| array.as_ref().map_or(std::ptr::null(), |a| a.values.as_ptr());
+    arrays.iter().map(address).collect()
+}
+
+/// For each parameter the name of its array, its own name, and the number of components.
+fn array_references<'a>(
+    declaration: &'a Declaration,
+    parameters: &Parameters,
+) -> Vec<Option<(String, &'a str, u32)>> {
+    let reference = |(parameter, &components): (&'a Parameter, &u32)| {
+        let name = parameters.optional(parameter.name).and_then(LocatedValue::text);
+        Some((name.filter(|_| components > 0)?.to_string(), parameter.name, components))
+    };
+    declaration.schema.parameters.iter().zip(&declaration.components).map(reference).collect()
+}
+
+/// Appends the sizes of a grid and of the arrays that parameters name.
+pub(crate) fn encode_sizes(grid: &Grid, arrays: &[Option<Arc<Array>>], head: &mut Writer) {
+    head.count(grid.points.len());
+    head.count(grid.tetrahedra.len());
+    head.list(arrays, |head, array| {
+        head.optional(array.as_ref().map(|array| array.component_count), Writer::count);
+    });
+}
+
+/// Sizes from a message: points, cells, and components of each array.
+pub(crate) fn decode_sizes(head: &mut Reader) -> Option<(usize, usize, Vec<Option<usize>>)> {
+    Some((head.length()?, head.length()?, head.list(|head| head.optional(Reader::length))?))
+}
+
+/// Sends points and cells.
+pub(crate) fn send_geometry(grid: &Grid, to: &mut dyn Write) -> io::Result<()> {
+    send_array(to, &grid.points)?;
+    send_array(to, &grid.tetrahedra)
+}
+
+/// Receives points and cells.
+pub(crate) fn receive_geometry(from: &mut dyn Read, points: usize, cells: usize) -> io::Result<Grid> {
+    let points = wire::array::<DVec3>(from, points)?.into();
+    let tetrahedra = wire::array::<[u32; 4]>(from, cells)?.into();
+    Ok(Grid { points, tetrahedra, ..Grid::default() })
+}
+
+/// Receives a point array.
+pub(crate) fn receive_array(from: &mut dyn Read, points: usize, component_count: usize) -> io::Result<Array> {
+    let values = wire::array::<f64>(from, component_count.saturating_mul(points))?.into();
+    Ok(Array { component_count, values })
+}
+
+/// Receives the arrays that parameters name.
+pub(crate) fn receive_named(
+    from: &mut dyn Read,
+    points: usize,
+    components: Vec<Option<usize>>,
+) -> io::Result<NamedArrays> {
+    let receive = |n: Option<usize>| n.map(|n| receive_array(from, points, n).map(Arc::new)).transpose();
+    components.into_iter().map(receive).collect()
 }

@@ -15,7 +15,7 @@ static IS_ON: AtomicBool = AtomicBool::new(false);
 static COUNTED: AtomicU64 = AtomicU64::new(0);
 
 thread_local! {
-    /// What the kernel in hand has computed.
+    /// Operations of the current kernel.
     static HERE: Cell<u64> = const { Cell::new(0) };
 }
 
@@ -28,7 +28,7 @@ pub fn count<R>(work: impl FnOnce() -> R) -> (R, u64) {
     (done, COUNTED.load(Relaxed))
 }
 
-/// Whether kernels shall count.
+/// True if kernels shall count.
 pub(super) fn is_on() -> bool {
     IS_ON.load(Relaxed)
 }
@@ -100,7 +100,7 @@ macro_rules! integer_operators {
 
 integer_operators!(Add add, Sub sub, Mul mul);
 
-/// What is passed on, and not counted.
+/// Forwards operations that are not counted.
 macro_rules! passed_on {
     ($type:ident: $($method:ident($($other:ident),*)),*) => {$(
         #[inline(always)]

@@ -16,7 +16,7 @@ const VARIABLE: &str = "VOLTET_LANES";
 
 /// Work that can run on any lane set.
 pub trait Kernel {
-    /// What it returns.
+    /// Result type.
     type Output;
     /// Runs on the lanes `L`. Mark the implementation `#[inline(always)]`.
     fn run<L: Lanes>(self) -> Self::Output;
@@ -69,7 +69,7 @@ impl LaneSet {
         }
     }
 
-    /// Whether this processor has the set.
+    /// True if this processor has the set.
     pub fn is_supported(self) -> bool {
         match self {
             #[cfg(target_arch = "x86_64")]
@@ -97,7 +97,7 @@ impl LaneSet {
         }
     }
 
-    /// What [`dispatch`] runs when it is asked for this set: the portable one stands in for one that the processor lacks.
+    /// Lane set that [`dispatch`] runs for this one: the portable set replaces one that the processor lacks.
     fn or_portable(self) -> LaneSet {
         if self.is_supported() { self } else { LaneSet::Portable }
     }

@@ -73,4 +73,4 @@ mod single;
 pub mod sort;
 
 pub use dispatch::{Kernel, LaneSet, dispatch};
-pub use operations::{Awaited, Double, Float, Lanes, Mask, Unsigned, array, inlined, prefetch};
+pub use operations::{Awaited, Double, Float, Lanes, Mask, Unsigned, array, inlined, mask_of, prefetch};

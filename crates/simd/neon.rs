@@ -120,7 +120,7 @@ fn first<T, const N: usize>(values: &[T]) -> &[[T; N]; VECTORS] {
     values[..VECTORS * N].as_chunks().0.try_into().expect("as many values")
 }
 
-/// The same, to be written.
+/// First vectors of a slice, to be written.
 #[inline(always)]
 fn first_mut<T, const N: usize>(values: &mut [T]) -> &mut [[T; N]; VECTORS] {
     values[..VECTORS * N].as_chunks_mut().0.try_into().expect("as many values")

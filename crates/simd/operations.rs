@@ -1,14 +1,14 @@
-//! What vector lanes can do.
+//! Operations of vector lanes.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 pub(super) mod sealed {
-    /// What only this crate's lanes are.
+    /// Seal: only this crate implements lanes.
     pub trait Sealed {}
 }
 
 /// Lanes of the widest set.
-const WIDTH_MOST: usize = 16;
+const MAX_WIDTH: usize = 16;
 
 /// A set of vector lanes.
 pub trait Lanes: sealed::Sealed + Copy + Send + Sync + 'static {
@@ -33,7 +33,7 @@ pub trait Double:
     /// Booleans.
     type Mask: Mask;
 
-    /// The same value in every lane.
+    /// Broadcasts a value to every lane.
     fn splat(value: f64) -> Self;
     /// The first `COUNT` values of the slice, which must hold as many.
     fn load(values: &[f64]) -> Self;
@@ -66,7 +66,7 @@ pub trait Float:
     /// The lane set.
     type Lanes: Lanes<F = Self>;
 
-    /// The same value in every lane.
+    /// Broadcasts a value to every lane.
     fn splat(value: f32) -> Self;
     /// The first `WIDTH` values of the slice, which must hold as many.
     fn load(values: &[f32]) -> Self;
@@ -124,7 +124,7 @@ pub trait Unsigned: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output 
     /// The lane set.
     type Lanes: Lanes<U = Self>;
 
-    /// The same value in every lane.
+    /// Broadcasts a value to every lane.
     fn splat(value: u32) -> Self;
     /// 0, 1, 2, …
     fn iota() -> Self;
@@ -146,7 +146,7 @@ pub trait Unsigned: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output 
     fn min(self, other: Self) -> Self;
     /// The larger lane.
     fn max(self, other: Self) -> Self;
-    /// Whether any bit of `bits` is set.
+    /// Mask of the lanes in which any bit of `bits` is set.
     fn test(self, bits: Self) -> <Self::Lanes as Lanes>::M;
     /// self == other.
     fn equal(self, other: Self) -> <Self::Lanes as Lanes>::M;
@@ -199,11 +199,11 @@ fn last_of_parts(values: &[[f32; 4]]) -> u32 {
     (values.len() - 1) as u32
 }
 
-/// What is to be gathered later ([`Float::gather_awaited`]), and comes near meanwhile.
+/// Prefetched gather: an index whose data are fetched now and read later ([`Float::gather_awaited`]).
 #[repr(align(64))]
 pub struct Awaited<'a> {
     /// Places in bytes, each of a value.
-    bytes: [u32; WIDTH_MOST],
+    bytes: [u32; MAX_WIDTH],
     values: &'a [[f32; 4]],
 }
 
@@ -212,7 +212,7 @@ impl<'a> Awaited<'a> {
     #[inline(always)]
     pub fn first(values: &'a [[f32; 4]]) -> Self {
         last_of_parts(values);
-        Awaited { bytes: [0; WIDTH_MOST], values }
+        Awaited { bytes: [0; MAX_WIDTH], values }
     }
 
     /// Asks for `values[index[i]]` in place of what was asked for before; for the last one where an index is past the end. There are
@@ -228,7 +228,7 @@ impl<'a> Awaited<'a> {
         }
     }
 
-    /// What is asked for.
+    /// Index of the gather.
     #[inline(always)]
     pub fn index<L: Lanes>(&self) -> L::U {
         L::U::load(&self.bytes).shr::<4>()
@@ -279,4 +279,12 @@ pub fn array<T: Copy, const N: usize>(mut element: impl FnMut(usize) -> T) -> [T
         i += 1;
     }
     out
+}
+
+/// Mask with the lanes of some bits.
+#[inline(always)]
+pub fn mask_of<L: Lanes>(bits: u32) -> L::M {
+    // 2^lane by its float bits, so that no variable shift is needed.
+    let power = L::F::from_bits((L::U::iota() + L::U::splat(127)).shl::<23>()).to_unsigned();
+    power.test(L::U::splat(bits))
 }

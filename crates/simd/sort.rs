@@ -114,7 +114,7 @@ fn exchange<L: Lanes>(block: &mut Block<L>, low: usize, high: usize) {
     (block[low], block[high]) = (a.min(b), a.max(b));
 }
 
-/// Of every run of 2 N rows the first with the last, and so inwards.
+/// Compares in every run of 2 N rows the first with the last, and so inwards.
 #[inline(always)]
 fn mirror<L: Lanes, const N: usize>(block: &mut Block<L>) {
     for row in 0..BLOCK {
@@ -124,7 +124,7 @@ fn mirror<L: Lanes, const N: usize>(block: &mut Block<L>) {
     }
 }
 
-/// Of every run of 2 N rows each of the first half with the one N further.
+/// Compares in every run of 2 N rows each of the first half with the one N further.
 #[inline(always)]
 fn halve<L: Lanes, const N: usize>(block: &mut Block<L>) {
     for row in 0..BLOCK {

@@ -127,8 +127,8 @@ static const voltet_parameter tone_parameters[] = {{
     .type = VOLTET_NUMBER,
     .name = "power",
     .help = "each colour becomes its power by this; 1 leaves the picture",
-    .least = 0.1,
-    .most = 10,
+    .min = 0.1,
+    .max = 10,
     .number = 1,
 }};
 

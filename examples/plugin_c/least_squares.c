@@ -94,8 +94,8 @@ static const voltet_parameter parameters[] = {{
     .type = VOLTET_NUMBER,
     .name = "power",
     .help = "the power of the distance that a neighbour's weight is divided by; 1 is least-squares",
-    .least = 0,
-    .most = 4,
+    .min = 0,
+    .max = 4,
     .number = 1,
 }};
 

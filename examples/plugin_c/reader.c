@@ -152,8 +152,8 @@ static const voltet_parameter reader_parameters[] = {{
     .type = VOLTET_NUMBER,
     .name = "scale",
     .help = "the factor on positions",
-    .flags = VOLTET_ABOVE_LEAST,
-    .most = INFINITY,
+    .flags = VOLTET_EXCLUSIVE_MIN,
+    .max = INFINITY,
     .number = 1,
 }};
 static const char *const extensions[] = {"cells"};

@@ -95,7 +95,7 @@ const voltet_parameter *parameters() {
         power.type = VOLTET_NUMBER;
         power.name = "power";
         power.help = "the power of the distance that a neighbour's weight is divided by; 1 is least-squares";
-        power.most = 4;
+        power.max = 4;
         power.number = 1;
         return power;
     }();

@@ -31,7 +31,7 @@ contains
       "Linear fit to the neighbouring points, weighted by a power of their distance, in Fortran.", &
       c_funloc(compute), needs=VOLTET_NEEDS_NEIGHBOURS)
     call voltet_add_number("power", "the power of the distance that a neighbour's weight is divided by; 1 is least-squares", &
-      default=1.0_real64, least=0.0_real64, most=4.0_real64)
+      default=1.0_real64, min=0.0_real64, max=4.0_real64)
   end subroutine
 
   function compute(call, host) result(code) bind(c)

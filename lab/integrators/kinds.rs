@@ -93,7 +93,7 @@ const PIECES_PARAMETER: Parameter = Parameter {
     name: PIECES,
     parameter_type: ParameterType::Integer(Range::within(1.0, 65536.0)),
     unit: "",
-    standard: DefaultValue::Integer(DEFAULT_PIECES as i64),
+    default: DefaultValue::Integer(DEFAULT_PIECES as i64),
     help: "segments and riemann: pieces of each ray segment",
 };
 
@@ -101,7 +101,7 @@ const PARTIAL_SIDE_PARAMETER: Parameter = Parameter {
     name: SIDE,
     parameter_type: ParameterType::Integer(Range::within(2.0, MAX_PARTIAL_SIDE as f64)),
     unit: "entries a side",
-    standard: DefaultValue::Integer(DEFAULT_SIDE as i64),
+    default: DefaultValue::Integer(DEFAULT_SIDE as i64),
     help: "side of the table",
 };
 
@@ -109,7 +109,7 @@ const SIDE_PARAMETER: Parameter = Parameter {
     name: SIDE,
     parameter_type: ParameterType::Integer(Range::within(2.0, MAX_TABLE_SIDE as f64)),
     unit: "entries a side",
-    standard: DefaultValue::Integer(DEFAULT_SIDE as i64),
+    default: DefaultValue::Integer(DEFAULT_SIDE as i64),
     help: "side of the table, which has three dimensions",
 };
 
@@ -117,7 +117,7 @@ const OVERSAMPLING_PARAMETER: Parameter = Parameter {
     name: OVERSAMPLING,
     parameter_type: ParameterType::Integer(Range::within(1.0, MAX_OVERSAMPLING as f64)),
     unit: "pieces",
-    standard: DefaultValue::Integer(DEFAULT_OVERSAMPLING as i64),
+    default: DefaultValue::Integer(DEFAULT_OVERSAMPLING as i64),
     help: "pieces of a path from one entry of the table to the next",
 };
 
@@ -125,7 +125,7 @@ const PLANES_PARAMETER: Parameter = Parameter {
     name: PLANES,
     parameter_type: ParameterType::Integer(Range::within(1.0, MAX_PLANES as f64)),
     unit: "times table_size",
-    standard: DefaultValue::Integer(DEFAULT_PLANES as i64),
+    default: DefaultValue::Integer(DEFAULT_PLANES as i64),
     help: "planes that the table is resampled to; in all no more entries than for 512 once",
 };
 

@@ -43,10 +43,11 @@ pub use vertex_sampled::{CLASSIFIED, ClassifiedPoints, VertexSampled, classified
 
 use voltet_core::Result;
 use voltet_graph::Registry;
+use voltet_optics::integrators::{INTEGRATOR, variant};
 
 /// Adds all kinds to a registry.
 ///
 /// Errors: names that are taken.
 pub fn register(registry: &mut Registry) -> Result<()> {
-    KINDS.into_iter().try_for_each(|kind| voltet_optics::integrators::register(registry, kind))
+    KINDS.into_iter().try_for_each(|kind| registry.add_variant(INTEGRATOR, variant(kind)?))
 }

@@ -155,7 +155,7 @@ impl SegmentCase {
 
     /// The largest colour component of all widgets.
     pub fn brightest(&self) -> f64 {
-        self.transfer_function.widgets.iter().map(Widget::brightest).fold(0.0, f64::max)
+        self.transfer_function.widgets.iter().map(Widget::max_emission).fold(0.0, f64::max)
     }
 }
 

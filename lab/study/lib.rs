@@ -7,15 +7,15 @@
 //! | [`stability`] | every formula by exact values, hard pictures by the referee, formulas as printed |
 //! | [`gradient_test`] | gradient filters by manufactured fields: orders, exactness, invariance, noise, cost, pictures |
 //! | [`papers`] | the tables and figures of the papers, made anew |
-//! | [`no_leave_out`] | a run that leaves nothing out, held against the usual one |
+//! | [`exhaustive`] | an exhaustive run compared with the usual one |
 
 mod devices;
+pub mod exhaustive;
 pub mod gradient_test;
-pub mod no_leave_out;
 pub mod numbers;
 pub mod papers;
 pub mod pixel;
 pub mod stability;
 pub mod work_precision;
 
-pub use no_leave_out::{NoLeaveOut, SAME};
+pub use exhaustive::{ExhaustiveComparison, SAME};

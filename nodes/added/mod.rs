@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use voltet_core::Result;
 use voltet_core::reading::GridReader;
 use voltet_graph::{Node, Outputs, Parameter, Parameters, PlanContext, Preparation, Registry, RunContext};
-use voltet_io::formats::{Chosen, Request};
+use voltet_io::formats::{Request, SelectedArrays};
 
 /// The parameter of the node `reader` that belongs to one of its formats.
 const OF_A_FORMAT: &str = "solution";
@@ -22,7 +22,7 @@ pub fn reader(reader: &'static dyn GridReader) -> &'static Node {
     });
     let parameters: Vec<Parameter> = shared.chain(kind.parameters.iter().copied()).collect();
     let example = format!("[nodes.grid]\ntype = \"{}\"\npath = \"…\"\nscalar = \"…\"\n", kind.name);
-    let chosen = move |p: &Parameters| Some(Chosen { reader, parameters: p.clone() });
+    let chosen = move |p: &Parameters| Some(SelectedArrays { reader, parameters: p.clone() });
     Box::leak(Box::new(Node {
         name: kind.name,
         summary: kind.summary,
@@ -53,6 +53,6 @@ fn leak<T>(thing: T) -> &'static T {
 ///
 /// Errors: the file cannot be read; the reader has a parameter that must be given.
 pub fn request(request: Request, path: &Path, registry: &Registry) -> Result<Request> {
-    let chosen = Chosen::for_file(path, registry.readers().map(|(_, reader)| reader))?;
+    let chosen = SelectedArrays::for_file(path, registry.readers().map(|(_, reader)| reader))?;
     Ok(Request { chosen, ..request })
 }

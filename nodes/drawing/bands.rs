@@ -49,7 +49,7 @@ pub fn note_bands(
 }
 
 fn sentence(bands: &Bands) -> String {
-    let Bands { widget, kind, cell_count, median, percent_99, most, share_above_one } = bands;
+    let Bands { widget, kind, cell_count, median, percent_99, max: most, share_above_one } = bands;
     let finer = match *share_above_one > 0.0 {
         true => format!(
             "{:.2} % cross more than one, where the picture is finer than the grid",
@@ -70,7 +70,7 @@ fn figures(bands: &Bands) -> serde_json::Value {
         "cells": bands.cell_count,
         "median": bands.median,
         "percent_99": bands.percent_99,
-        "most": bands.most,
+        "most": bands.max,
         "share_above_one": bands.share_above_one,
     }})
 }

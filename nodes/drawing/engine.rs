@@ -2,7 +2,7 @@
 
 use super::engines::{ENGINES, NATIVE, REFEREE};
 use super::opened::draw_on;
-use super::order::leave_out_order;
+use super::order::record_unsorted;
 use super::wished::{ACCUMULATION, ADAPTER, AUTO, ENGINE, accumulation, compositor};
 use voltet_core::error::ErrorKind;
 use voltet_core::picture::Picture;
@@ -12,7 +12,7 @@ use voltet_optics::engine::{Compositor, EngineInfo};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Integrator, Shading};
 
-/// Whether an engine is asked where a pipeline says this.
+/// True if an engine is asked where a pipeline says this.
 pub fn is_asked_by(engine: &EngineInfo, wanted: &str) -> bool {
     match wanted {
         AUTO => engine.taken.is_some(),
@@ -20,9 +20,9 @@ pub fn is_asked_by(engine: &EngineInfo, wanted: &str) -> bool {
     }
 }
 
-/// The engines that may draw, in the order in which they are asked: for `auto` those of the list that it takes, the last first;
-/// else the one that is wanted. The reference is no device's: whatever else is asked for, it is the referee's picture.
-fn asked(wanted: &str, shading: &Shading) -> Vec<&'static EngineInfo> {
+/// Engines that may draw a scene, in order of preference: for `auto` those of the list that it takes, the last first; else the named
+/// one. The reference integrator runs on no device: it is the referee's picture whatever the name.
+pub fn candidate_engines(wanted: &str, shading: &Shading) -> Vec<&'static EngineInfo> {
     let is_reference = shading.integrator == Integrator::REFERENCE;
     let drawing = |engine: &'static EngineInfo| match engine.on_device {
         false if is_reference => REFEREE,
@@ -38,9 +38,9 @@ fn asked(wanted: &str, shading: &Shading) -> Vec<&'static EngineInfo> {
 /// Notes the engine, as far as it is known before the run, and asks for what the scene needs.
 pub fn ask_engine(asking: &mut DemandContext, wanted: &str) -> Result<()> {
     let shading = super::shading(asking.parameters)?;
-    let engines = asked(wanted, &shading);
+    let engines = candidate_engines(wanted, &shading);
     if let [EngineInfo { unavailable_reason: Some(why), .. }] = engines.as_slice() {
-        let item = if asking.parameters.given(ENGINE.name) { ENGINE.name } else { ADAPTER.name };
+        let item = if asking.parameters.is_set(ENGINE.name) { ENGINE.name } else { ADAPTER.name };
         return Err(asking
             .parameters
             .error(item, *why)
@@ -50,8 +50,8 @@ pub fn ask_engine(asking: &mut DemandContext, wanted: &str) -> Result<()> {
     asking.notes.engine = Some(planned(asking, wanted, &engines, &shading)?);
     let needed = super::ask(asking, "volume", "transfer_function")?;
     check_accumulation(asking.parameters, &engines)?;
-    if let (Some(leave), false) = (asking.may_leave_out(), needed.order) {
-        leave_out_order(asking.notes, leave, None);
+    if !needed.order {
+        record_unsorted(asking.notes, None);
     }
     Ok(())
 }
@@ -98,7 +98,7 @@ fn planned(
 
 /// Draws on the engine that is wanted.
 pub fn draw(call: &mut RunContext, scene: &Scene, wanted: &str) -> Result<Picture> {
-    let engines = asked(wanted, &scene.shading);
+    let engines = candidate_engines(wanted, &scene.shading);
     check_accumulation(call.parameters, &engines)?;
     let mut refused: Option<String> = None;
     for engine in &engines {

@@ -5,19 +5,17 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use voltet_core::Result;
 use voltet_core::grid::{Grid, extent};
+use voltet_cpu::NEGLIGIBLE_DEPTH;
 use voltet_graph::TransferFunctionSpec;
 
 /// Of smaller grids all gradients take less than a millisecond or two.
-const CELLS_LEAST: usize = 1 << 15;
+const MIN_CELLS: usize = 1 << 15;
 
 /// One cell of so many tells: a prime, so that rows of 2ⁿ cells are met at all their places.
 const SAMPLED: usize = 61;
 
 /// Share of those cells that may be touched at most: a cell has points that others have too.
-const TOUCHED_MOST: f64 = 0.6;
-
-/// What widgets may add where they are not asked, as optical depth over the longest ray: a hundredth of what a pixel may change.
-const LEFT_OUT: f64 = 1e-8;
+const MAX_TOUCHED: f64 = 0.6;
 
 /// Cells of a chunk of work.
 const CHUNK: usize = 1 << 13;
@@ -27,11 +25,12 @@ const CHUNK: usize = 1 << 13;
 ///
 /// Errors: an extent beyond 64-bit floats.
 pub fn points(grid: &Grid, s: &[f64], looks: &[Arc<TransferFunctionSpec>]) -> Result<Option<Vec<u32>>> {
-    if grid.tetrahedra.len() < CELLS_LEAST {
+    if grid.tetrahedra.len() < MIN_CELLS {
         return Ok(None);
     }
     let length = extent::scene_length(extent::bounds(&grid.points))?;
-    let of = |look: &Arc<TransferFunctionSpec>| look.for_diagonal(length).intervals_of_s(length, LEFT_OUT);
+    let of =
+        |look: &Arc<TransferFunctionSpec>| look.for_diagonal(length).intervals_of_s(length, NEGLIGIBLE_DEPTH);
     let intervals: Vec<[f64; 2]> = looks.iter().flat_map(of).collect();
     let is_touched = |corners: &[u32; 4]| {
         let values = corners.map(|p| s[p as usize]);
@@ -41,7 +40,7 @@ pub fn points(grid: &Grid, s: &[f64], looks: &[Arc<TransferFunctionSpec>]) -> Re
     };
     let sample = grid.tetrahedra.par_iter().step_by(SAMPLED).with_min_len(CHUNK);
     let (asked, touched) = (sample.len(), sample.filter(|corners| is_touched(corners)).count());
-    if TOUCHED_MOST * (asked as f64) < touched as f64 {
+    if MAX_TOUCHED * (asked as f64) < touched as f64 {
         return Ok(None);
     }
     let wanted: Vec<AtomicBool> = grid.points.iter().map(|_| AtomicBool::new(false)).collect();

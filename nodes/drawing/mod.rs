@@ -20,12 +20,15 @@ mod wished;
 
 pub use alone::Alone;
 pub use bands::note_bands;
-pub use engine::{ask_engine, draw, is_asked_by};
+pub use engine::{ask_engine, candidate_engines, draw, is_asked_by};
 pub use engines::{DEVICE, ENGINES, NATIVE, REFEREE};
 pub use needs::ask;
-pub use order::{ORDER, leave_out_order, order};
+pub use opened::{OpenEngines, PreparedVolumes};
+pub use order::{ORDER, order, record_unsorted};
 pub use prepared::{Culled, Projected};
+pub use remembered::CacheFolder;
 pub use scene::scene;
 pub use shading::{PARAMETERS, shading};
 pub use stages::{composite, cull, for_data, project, referee, sort};
+pub use visible::warnings as picture_warnings;
 pub use wished::{ACCUMULATION, ADAPTER, AUTO, COMPOSITOR, ENGINE, ORDER_CHECK, accumulation, adapter};

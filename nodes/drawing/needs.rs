@@ -4,7 +4,7 @@ use super::shading::shading;
 use voltet_core::Result;
 use voltet_cpu::needs_gradient;
 use voltet_graph::{Demand, DemandContext, TransferFunctionSpec};
-use voltet_optics::integrators::{can_serve_among, kinds};
+use voltet_optics::integrators::{INTEGRATOR, can_serve_among, kinds};
 use voltet_optics::scene::needs_order;
 use voltet_optics::shading::Shading;
 
@@ -14,8 +14,12 @@ pub fn ask(asking: &mut DemandContext, port: &str, look_port: &str) -> Result<De
     let (look, shading) = (asking.look(look_port), shading(asking.parameters)?);
     if let Some(look) = &look {
         // Refused before any data are read.
-        can_serve_among(&kinds(asking.parameters), &shading.integrator, &look.transfer_function)
-            .map_err(|error| asking.parameters.locate("integrator", error))?;
+        can_serve_among(
+            &kinds(asking.parameters.variants(INTEGRATOR)),
+            &shading.integrator,
+            &look.transfer_function,
+        )
+        .map_err(|error| asking.parameters.locate("integrator", error))?;
     }
     let mut demand = demand(look.as_deref(), &shading);
     // A table spans the range of g.

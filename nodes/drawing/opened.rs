@@ -4,7 +4,6 @@ use super::noted::{note, note_whole};
 use super::remembered::CacheFolder;
 use super::visible;
 use super::wished::{AUTO, COMPOSITOR, accumulation, adapter, compositor, order_check};
-use crate::files::cache_folder;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::Result;
@@ -19,16 +18,16 @@ use voltet_optics::scene::Scene;
 /// An engine by its name and what was wished for.
 type Wished = (&'static str, AdapterRequest);
 
-/// Opened engines. Failures are kept too, since looking for adapters takes a while.
+/// Cache of opened engines by name and adapter. Failures are cached too, since the search for adapters takes a while.
 #[derive(Default)]
-pub(super) struct Opened(Mutex<HashMap<Wished, Result<Arc<dyn Engine>>>>);
+pub struct OpenEngines(Mutex<HashMap<Wished, Result<Arc<dyn Engine>>>>);
 
 /// An engine, and the volume on it.
 type Taken = (Arc<dyn Engine>, Arc<dyn PreparedVolume>);
 
-/// One volume on the engines that took it in, by engine and adapter.
+/// One volume on the engines that hold it, by engine and adapter.
 #[derive(Default)]
-struct Volumes(Mutex<HashMap<(&'static str, String), Taken>>);
+pub struct PreparedVolumes(Mutex<HashMap<(&'static str, String), Taken>>);
 
 /// Draws on one engine, on the adapter that the node's parameters name, or the fastest. `port`: the input that the scene's volume
 /// came by; `hardware`: programs that stand in for devices will not do unless they are named.
@@ -43,20 +42,20 @@ pub(super) fn draw_on(
         .can_serve(&scene.transfer_function, &scene.shading)
         .map_err(|error| call.parameters.locate("integrator", error))?;
     let wish = AdapterRequest { name: adapter(call.parameters), hardware };
-    let folder = CacheFolder(cache_folder().join("adapters"));
-    let memory: &dyn KeyValueStore = if call.may_leave_out().is_some() { &folder } else { &NoStore };
-    let opened = call.keep_for_session(|| Ok(Opened::default()))?;
+    let folder = CacheFolder::named("adapters");
+    let memory: &dyn KeyValueStore = if call.exhaustive() { &NoStore } else { &folder };
+    let opened = call.keep_for_session(|| Ok(OpenEngines::default()))?;
     let engine =
         stage(call, declared, "device", |_| opened.open(declared, &wish, memory)).map_err(|error| {
             if wish.name.is_some() { call.parameters.locate("adapter", error) } else { error }
         })?;
     let (compositing, why) = compositing(call, scene, declared, engine.as_ref())?;
-    let volumes = call.keep(call.revision(port)?, || Ok(Volumes::default()))?;
+    let volumes = call.keep(call.revision(port)?, || Ok(PreparedVolumes::default()))?;
     let volume = stage(call, declared, "upload", |_| volumes.prepare(declared, &engine, scene))?;
     let accumulation = accumulation(call.parameters)?;
     let order_check = order_check(call.parameters)?;
-    let (may_leave_out, passing) = (call.may_leave_out(), call.allows_preview());
-    let manner = RenderOptions { compositing, accumulation, order_check, may_leave_out, passing };
+    let (exhaustive, passing) = (call.exhaustive(), call.allows_preview());
+    let manner = RenderOptions { compositing, accumulation, order_check, exhaustive, passing };
     let drawn = stage(call, declared, "draw", |progress| volume.draw(scene, &manner, progress))?;
     if drawn.is_passing {
         call.mark_preview();
@@ -117,16 +116,19 @@ fn compositing(
         };
         return Ok((Some(asked), Some(why.into())));
     }
-    let memory = CacheFolder(cache_folder().join("compositors"));
+    let memory = CacheFolder::named("compositors");
     let Some(chosen) = engine.choose(scene, &memory, call.progress())? else { return Ok((None, None)) };
     let measured = chosen.measured_secs.map(|seconds| ("measure compositors".to_string(), seconds));
     call.notes.stages.extend(measured);
     Ok((Some(chosen.compositing), Some(chosen.why)))
 }
 
-impl Opened {
+impl OpenEngines {
     /// The engine, opened if it is not there or was lost.
-    fn open(
+    ///
+    /// # Errors
+    /// - no such adapter, or none at all.
+    pub fn open(
         &self,
         declared: &EngineInfo,
         wish: &AdapterRequest,
@@ -150,9 +152,12 @@ impl Opened {
     }
 }
 
-impl Volumes {
-    /// The scene's volume on the engine, taken in if it is not there.
-    fn prepare(
+impl PreparedVolumes {
+    /// The scene's volume on the engine, uploaded if it is not there.
+    ///
+    /// # Errors
+    /// - a volume that the device cannot hold.
+    pub fn prepare(
         &self,
         declared: &EngineInfo,
         engine: &Arc<dyn Engine>,

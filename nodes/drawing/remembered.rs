@@ -1,14 +1,19 @@
-//! What was measured of a device, remembered in the user's cache folder: one small file a key.
+//! Measurements of devices, kept in the user's cache folder: one small file a key.
 
-use crate::files::{Fnv, write_whole};
+use crate::files::{Fnv, cache_folder, write_whole};
 use std::fs;
 use std::path::PathBuf;
 use voltet_optics::engine::KeyValueStore;
 
-/// A folder of such files. A damaged one is as none; what cannot be kept is measured again the next time.
-pub(super) struct CacheFolder(pub PathBuf);
+/// A folder of such files. A damaged file counts as none; a measurement that cannot be kept is made again the next time.
+pub struct CacheFolder(PathBuf);
 
 impl CacheFolder {
+    /// The store of this name within the user's cache folder.
+    pub fn named(name: &str) -> CacheFolder {
+        CacheFolder(cache_folder().join(name))
+    }
+
     fn path(&self, key: &str) -> PathBuf {
         let mut name = Fnv::default();
         name.text(key);

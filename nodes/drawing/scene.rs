@@ -2,7 +2,7 @@
 
 use voltet_core::Result;
 use voltet_graph::RunContext;
-use voltet_optics::scene::{Scene, needs_order};
+use voltet_optics::scene::Scene;
 
 /// The scene at the inputs `volume`, `transfer_function` and `camera`.
 pub fn scene(call: &mut RunContext) -> Result<Scene> {
@@ -12,7 +12,6 @@ pub fn scene(call: &mut RunContext) -> Result<Scene> {
     let shading = super::shading(call.parameters)?;
     let transfer_function = super::for_data(call, &look, &volume, call.revision("volume")?)?;
     super::note_bands(call, &volume, &transfer_function)?;
-    let needed = call.may_leave_out().is_none() || needs_order(&transfer_function, &shading);
-    let order = super::order(call.parameters, needed)?;
+    let order = super::order(call.parameters)?;
     Ok(Scene { volume, transfer_function, camera, shading, order })
 }

@@ -15,7 +15,7 @@ use voltet_cpu::{self as engine, Cells, Projection};
 use voltet_graph::{Revision, RunContext, TransferFunctionSpec, diagonal};
 use voltet_optics::engine::{RenderStats, Stage};
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Shading, VisibilityOrder};
+use voltet_optics::shading::{Ordering, Shading};
 use voltet_simd::LaneSet;
 
 /// The diagonal of the data with one revision, kept between runs.
@@ -42,27 +42,25 @@ pub fn cull(
     transfer_function: &TransferFunction,
     camera: &Camera,
 ) -> Result<Cells> {
-    let (leave, each) = (call.may_leave_out(), call.demand.kept_cells);
-    let known = call.keep(call.revision("volume")?, || engine::Known::new(volume))?;
-    let cells = call.stage(Stage::Cull.name(), |progress| match leave {
+    let (exhaustive, each) = (call.exhaustive(), call.demand.kept_cells);
+    let known = call.keep(call.revision("volume")?, || engine::VolumeCache::new(volume))?;
+    let cells = call.stage(Stage::Cull.name(), |progress| match exhaustive {
         // That is what is asked for, and leaves nothing out.
-        _ if each => known.cull_each(transfer_function, camera, progress),
-        None => known.keep_all(transfer_function, camera),
-        Some(_) => known.cull(transfer_function, camera, progress),
+        _ if each => known.cull_exact(transfer_function, camera, progress),
+        true => known.all(transfer_function, camera),
+        false => known.cull(transfer_function, camera, progress),
     })?;
     call.notes.counts.insert("cells_total", volume.grid.tetrahedra.len() as u64);
     let mut counts = RenderStats::default();
     cells.count(&mut counts);
-    if let Some(leave) = leave {
-        cells.note(leave, &mut call.notes);
-    }
+    cells.note(&mut call.notes);
     note(call, &counts);
     Ok(cells)
 }
 
 /// Gives the cells their order; the exact one is carried out pixel by pixel, by [`composite`].
-pub fn sort(call: &mut RunContext, cells: &Cells, camera: &Camera, order: VisibilityOrder) -> Result<Cells> {
-    let sorted = call.stage(Stage::Sort.name(), |_| engine::sort(cells, camera, order))?;
+pub fn sort(call: &mut RunContext, cells: &Cells, camera: &Camera, ordering: Ordering) -> Result<Cells> {
+    let sorted = call.stage(Stage::Sort.name(), |_| engine::sort(cells, camera, ordering))?;
     sorted.note_order(&mut call.notes);
     Ok(sorted)
 }
@@ -76,7 +74,7 @@ pub fn project(
     gradient: bool,
 ) -> Result<Projection> {
     // For comparison everything that there is goes along.
-    let gradient = gradient || (call.may_leave_out().is_none() && cells.volume.gradient.is_some());
+    let gradient = gradient || (call.exhaustive() && cells.volume.gradient.is_some());
     let project =
         |progress: &dyn Progress| engine::project(cells, transfer_function, camera, gradient, progress);
     let projection = call.stage(Stage::Project.name(), project)?;
@@ -129,6 +127,6 @@ fn scene_of(projection: &Projection, transfer_function: &Arc<TransferFunction>, 
         transfer_function: transfer_function.clone(),
         camera: *projection.camera(),
         shading: *shading,
-        order: cells.order,
+        order: cells.ordering.requested(),
     }
 }

@@ -12,12 +12,13 @@ const STEP: f32 = 1.0 / 255.0;
 /// The share of the pixels that show something from which on a picture counts as opaque: at outlines rays are short.
 const OPAQUE_SHARE: f64 = 0.999;
 
-/// What is to be said of a picture: that it shows nothing, next to nothing or only what lies in front, and of colours that were
-/// hardly meant.
-pub(super) fn warnings(scene: &Scene, counts: &RenderStats, picture: &Picture) -> Vec<String> {
+/// Warnings about a picture that shows nothing, next to nothing or only the front, and about colours beyond the usual range.
+pub fn warnings(scene: &Scene, counts: &RenderStats, picture: &Picture) -> Vec<String> {
     let mut warnings = too_bright(scene);
     let widgets = &scene.transfer_function.widgets;
-    let Some(seen) = Seen::of(picture).filter(|_| !widgets.is_empty()) else { return warnings };
+    let Some(seen) = PictureStatistics::from_picture(picture).filter(|_| !widgets.is_empty()) else {
+        return warnings;
+    };
     warnings.extend(match seen.most {
         0.0 => Some(format!("the picture is empty: {}", why_empty(scene, counts))),
         most if most < STEP => Some(nearly_empty(most, seen.opacity)),
@@ -32,7 +33,7 @@ pub(super) fn warnings(scene: &Scene, counts: &RenderStats, picture: &Picture) -
 }
 
 /// What the pixels hold.
-struct Seen {
+struct PictureStatistics {
     /// The largest opacity or channel of any pixel.
     most: f32,
     /// The largest opacity.
@@ -43,15 +44,15 @@ struct Seen {
     opaque: usize,
 }
 
-impl Seen {
+impl PictureStatistics {
     /// `None` for a picture without pixels.
-    fn of(picture: &Picture) -> Option<Seen> {
+    fn from_picture(picture: &Picture) -> Option<PictureStatistics> {
         let of_pixel = |pixel: &[f32; 4]| {
             let most = pixel.iter().copied().fold(0.0, f32::max);
             let [shown, opaque] = [most > 0.0, pixel[3] > 1.0 - STEP].map(usize::from);
-            Seen { most, opacity: pixel[3], shown, opaque }
+            PictureStatistics { most, opacity: pixel[3], shown, opaque }
         };
-        picture.rgba.par_iter().map(of_pixel).reduce_with(|a, b| Seen {
+        picture.rgba.par_iter().map(of_pixel).reduce_with(|a, b| PictureStatistics {
             most: a.most.max(b.most),
             opacity: a.opacity.max(b.opacity),
             shown: a.shown + b.shown,
@@ -142,7 +143,8 @@ fn where_to_look(scene: &Scene) -> String {
 /// Widgets whose colours are brighter than white.
 fn too_bright(scene: &Scene) -> Vec<String> {
     let widgets = scene.transfer_function.widgets.iter().enumerate();
-    let bright = widgets.map(|(i, widget)| (i, widget.brightest())).filter(|(_, brightest)| *brightest > 1.0);
+    let bright =
+        widgets.map(|(i, widget)| (i, widget.max_emission())).filter(|(_, brightest)| *brightest > 1.0);
     let said = |(i, brightest): (usize, f64)| {
         let meant = match brightest > 2.0 && brightest <= 255.0 {
             true => "; was 0 to 255 meant? Then (c / 255)^2.2 is about the linear one",

@@ -13,7 +13,7 @@ pub const ENGINE: Parameter = Parameter {
     name: "engine",
     parameter_type: ParameterType::Choice(&ENGINE_WORDS),
     unit: "",
-    standard: DefaultValue::Text(AUTO),
+    default: DefaultValue::Text(AUTO),
     help: "what draws",
 };
 
@@ -42,7 +42,7 @@ pub const ADAPTER: Parameter = Parameter {
     name: "adapter",
     parameter_type: ParameterType::Text,
     unit: "",
-    standard: DefaultValue::Unset("the fastest kind"),
+    default: DefaultValue::Unset("the fastest kind"),
     help: "on a device: a part of its name, or discrete, integrated, virtual, software",
 };
 
@@ -51,7 +51,7 @@ pub const COMPOSITOR: Parameter = Parameter {
     name: "compositor",
     parameter_type: ParameterType::Choice(&COMPOSITOR_WORDS),
     unit: "",
-    standard: DefaultValue::Text(AUTO),
+    default: DefaultValue::Text(AUTO),
     help: "on a device: how pixels are composited; other engines have one way",
 };
 
@@ -66,7 +66,7 @@ pub const ACCUMULATION: Parameter = Parameter {
     name: "accumulation",
     parameter_type: ParameterType::Choice(&Accumulation::WORDS),
     unit: "",
-    standard: DefaultValue::Text(Accumulation::WORDS[0].0),
+    default: DefaultValue::Text(Accumulation::WORDS[0].0),
     help: "on a device that blends (raster, triangles): what a pixel accumulates in, to see what few bits cost",
 };
 
@@ -75,7 +75,7 @@ pub const ORDER_CHECK: Parameter = Parameter {
     name: "order_check",
     parameter_type: ParameterType::Choice(&OrderCheck::WORDS),
     unit: "",
-    standard: DefaultValue::Text(OrderCheck::WORDS[0].0),
+    default: DefaultValue::Text(OrderCheck::WORDS[0].0),
     help: "on a device that blends (raster, triangles) in exact order: how the order is checked; where it is wrong, tiles draw",
 };
 

@@ -1,6 +1,6 @@
 //! The file that a node writes: its path, and the format that the path's ending means.
 
-use super::{is_stream, refuse_unwritable, shown, write_whole};
+use super::{display_path, is_stream, refuse_unwritable, write_whole};
 use std::path::Path;
 use voltet_core::{Error, Result};
 use voltet_graph::{DefaultValue, Parameter, ParameterType, Parameters, Preparation, RunContext};
@@ -8,21 +8,21 @@ use voltet_graph::{DefaultValue, Parameter, ParameterType, Parameters, Preparati
 /// The word for a format that the path decides.
 pub const BY_ENDING: &str = "auto";
 
-/// Where it is written.
+/// Path of the output file.
 pub const PATH: Parameter = Parameter {
     name: "path",
     parameter_type: ParameterType::OutputPath,
     unit: "",
-    standard: DefaultValue::Required,
+    default: DefaultValue::Required,
     help: "the file; \"-\": the standard output",
 };
 
-/// How it is written; the words of formats stand in place of none.
+/// Format of the output file; names of formats stand in place of none.
 pub const FORMAT: Parameter = Parameter {
     name: "format",
     parameter_type: ParameterType::Choice(&[]),
     unit: "",
-    standard: DefaultValue::Text(BY_ENDING),
+    default: DefaultValue::Text(BY_ENDING),
     help: "",
 };
 
@@ -56,6 +56,6 @@ pub fn write(call: &mut RunContext, content: &[u8]) -> Result<()> {
     }
     let path = call.path(PATH.name)?;
     write_whole(&path, content).map_err(|error| call.parameters.locate(PATH.name, error))?;
-    call.notes.files.push(shown(&path));
+    call.notes.files.push(display_path(&path));
     Ok(())
 }

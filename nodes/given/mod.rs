@@ -47,7 +47,7 @@ pub fn stand_in(entry: &mut NodeEntry, registry: &Registry) -> Result<()> {
 fn run(call: &mut RunContext, given: &Grid) -> Result<Outputs> {
     let mut grid = given.clone();
     if let Some(name) = call.parameters.optional(SCALAR.name).and_then(|setting| setting.text()) {
-        let array = array(given, name).map_err(|error| call.parameters.locate(SCALAR.name, error))?;
+        let array = point_array(given, name).map_err(|error| call.parameters.locate(SCALAR.name, error))?;
         if array.component_count != 1 {
             let error = call.parameters.error(SCALAR.name, "the array is not a scalar");
             let found = format!("'{name}' of {} components", array.component_count);
@@ -60,7 +60,7 @@ fn run(call: &mut RunContext, given: &Grid) -> Result<Outputs> {
     let asked = &call.demand.arrays;
     grid.point_arrays.retain(|name, _| asked.contains(name));
     for name in asked.named() {
-        grid.point_arrays.insert(name.to_string(), array(given, name)?);
+        grid.point_arrays.insert(name.to_string(), point_array(given, name)?);
     }
     if let Some(name) = call.demand.cell_arrays.named().find(|name| !given.cell_arrays.contains_key(*name)) {
         return Err(missing(name, given.cell_arrays.keys()));
@@ -69,17 +69,20 @@ fn run(call: &mut RunContext, given: &Grid) -> Result<Outputs> {
     Ok(vec![Value::Grid(Arc::new(grid))])
 }
 
-/// The point array that `wanted` (`NAME`, `NAME:magnitude` or `NAME:0`) means.
-fn array(grid: &Grid, wanted: &str) -> Result<Arc<Array>> {
-    if let Some(array) = grid.point_arrays.get(wanted) {
+/// Point array by its name, or a part of one: `NAME`, `NAME:magnitude` or `NAME:0`.
+///
+/// # Errors
+/// - no such array, or no such component.
+pub fn point_array(grid: &Grid, name: &str) -> Result<Arc<Array>> {
+    if let Some(array) = grid.point_arrays.get(name) {
         return Ok(array.clone());
     }
     let part =
-        wanted.rsplit_once(':').and_then(|(stem, suffix)| Some((stem, suffix, grid.point_arrays.get(stem)?)));
-    let Some((name, suffix, array)) = part else { return Err(missing(wanted, grid.point_arrays.keys())) };
+        name.rsplit_once(':').and_then(|(stem, suffix)| Some((stem, suffix, grid.point_arrays.get(stem)?)));
+    let Some((stem, suffix, array)) = part else { return Err(missing(name, grid.point_arrays.keys())) };
     let count = array.component_count;
     let tuples = array.values.par_chunks_exact(count);
-    let values: Vec<f64> = match Component::of(name, suffix, count)? {
+    let values: Vec<f64> = match Component::parse(stem, suffix, count)? {
         Component::All => return Ok(array.clone()),
         Component::Index(index) => tuples.map(|tuple| tuple[index]).collect(),
         Component::Magnitude => tuples.map(length).collect(),

@@ -1,4 +1,4 @@
-//! What a probe found, in words and as figures.
+//! Result of a probe as text and as figures.
 
 use serde_json::json;
 use voltet_core::probing::ProbeResult;
@@ -27,7 +27,7 @@ fn with_deviation(mean: f64, sigma: f64) -> String {
     }
 }
 
-/// What a pipeline file would need to state the widget, and what it was made from.
+/// Figures from which a pipeline file can state the widget, and their source.
 pub fn figures(found: &ProbeResult, names: &[String], matrix: &[Vec<f64>]) -> serde_json::Value {
     let n = names.len();
     let covariance = |i: usize, j: usize| found.covariance[i][j] * found.extent[i] * found.extent[j];

@@ -20,7 +20,7 @@ pub const PARAMETERS: &[Parameter] = &[
             Parameter { name: "high", help: "highest x, y, z", ..POSITION },
         ]),
         unit: "world units",
-        standard: DefaultValue::Unset("another region"),
+        default: DefaultValue::Unset("another region"),
         help: "the region: the parts of cells in a box, cut exactly",
     },
     Parameter {
@@ -31,26 +31,26 @@ pub const PARAMETERS: &[Parameter] = &[
                 name: "radius",
                 parameter_type: ParameterType::Measured(&RelativeNumberType {
                     plain: ParameterType::Number(Range::above(0.0)),
-                    is: StatisticKind::Width,
-                    along: AxisRef::Every("diagonal"),
+                    statistic: StatisticKind::Width,
+                    axis: AxisRef::Every("diagonal"),
                 }),
                 help: "its radius; a percentage: of the diagonal of the bounds",
                 ..POSITION
             },
         ]),
         unit: "world units",
-        standard: DefaultValue::Unset("another region"),
+        default: DefaultValue::Unset("another region"),
         help: "the region: the parts of cells in a ball, whose volume is met to 1e-6",
     },
     Parameter {
         name: "points",
         parameter_type: ParameterType::Measured(&RelativeNumberType {
             plain: ParameterType::Rows(Some(3)),
-            is: StatisticKind::Place,
-            along: AxisRef::Places(&["x", "y", "z"]),
+            statistic: StatisticKind::Place,
+            axis: AxisRef::Places(&["x", "y", "z"]),
         }),
         unit: "world units",
-        standard: DefaultValue::Unset("another region"),
+        default: DefaultValue::Unset("another region"),
         help: "the region: the values at points [x, y, z], each counting the same",
     },
     Parameter {
@@ -67,54 +67,54 @@ pub const PARAMETERS: &[Parameter] = &[
                 name: "equals",
                 parameter_type: ParameterType::Number(Range::ANY),
                 unit: "as in the array",
-                standard: DefaultValue::Unset("any but 0"),
+                default: DefaultValue::Unset("any but 0"),
                 help: "the value of the cells that count",
             },
         ]),
         unit: "",
-        standard: DefaultValue::Unset("all cells"),
+        default: DefaultValue::Unset("all cells"),
         help: "the region, or what counts in it: cells by the value of a cell array",
     },
     Parameter {
         name: "fields",
         parameter_type: ParameterType::Texts,
         unit: "",
-        standard: DefaultValue::Unset("s and g, as a gaussian"),
+        default: DefaultValue::Unset("s and g, as a gaussian"),
         help: "one to eight point arrays to look at instead, as a gaussian-nd",
     },
     Parameter {
         name: "color",
         parameter_type: ParameterType::Numbers(Some(3), Range::at_least(0.0)),
         unit: "linear RGB",
-        standard: DefaultValue::Numbers(&[1.0, 1.0, 1.0]),
+        default: DefaultValue::Numbers(&[1.0, 1.0, 1.0]),
         help: "colour of the widget; components may exceed 1",
     },
     Parameter {
         name: "extinction",
         parameter_type: ParameterType::Number(Range::at_least(0.0)),
         unit: "per unit_distance",
-        standard: DefaultValue::Number(1.0),
+        default: DefaultValue::Number(1.0),
         help: "peak of the extinction, per unit_distance of the transfer-function that it is wired into",
     },
     Parameter {
         name: "sigma_scale",
         parameter_type: ParameterType::Number(Range::above(0.0)),
         unit: "",
-        standard: DefaultValue::Number(1.0),
+        default: DefaultValue::Number(1.0),
         help: "factor on the standard deviations: above 1 the widget reaches beyond what was probed",
     },
     Parameter {
         name: "least_sigma",
         parameter_type: ParameterType::Number(Range::within(1e-6, 1.0)),
         unit: "share of a field's range in the data",
-        standard: DefaultValue::Number(1e-3),
+        default: DefaultValue::Number(1e-3),
         help: "smallest deviation in any direction, before sigma_scale: where the data do not vary, or exactly together",
     },
     Parameter {
         name: "correlated",
         parameter_type: ParameterType::Boolean,
         unit: "",
-        standard: DefaultValue::Boolean(true),
+        default: DefaultValue::Boolean(true),
         help: "true: a full matrix, tilted as the fields vary together; false: along the axes",
     },
 ];
@@ -123,11 +123,11 @@ const POSITION: Parameter = Parameter {
     name: "",
     parameter_type: ParameterType::Measured(&RelativeNumberType {
         plain: ParameterType::Numbers(Some(3), Range::ANY),
-        is: StatisticKind::Place,
-        along: AxisRef::Places(&["x", "y", "z"]),
+        statistic: StatisticKind::Place,
+        axis: AxisRef::Places(&["x", "y", "z"]),
     }),
     unit: "world units",
-    standard: DefaultValue::Required,
+    default: DefaultValue::Required,
     help: "",
 };
 
@@ -215,10 +215,10 @@ pub fn region(p: &Parameters) -> Result<Region> {
     }
 }
 
-/// Whether a tetrahedron counts.
+/// True if a tetrahedron counts.
 pub type Holds<'a> = Box<dyn Fn(usize) -> bool + Sync + 'a>;
 
-/// Which tetrahedra count.
+/// Selection of tetrahedra by the parameters.
 pub fn mask<'a>(p: &Parameters, volume: &'a Volume) -> Result<Option<Holds<'a>>> {
     let Some(table) = p.table("mask")? else { return Ok(None) };
     let name = table.text("array")?;

@@ -1,11 +1,11 @@
-//! What was found of the data.
+//! Statistics found in the data.
 
 use std::collections::{BTreeMap, BTreeSet};
 use voltet_core::transfer::{DataStatistics, StatisticsRequest};
 use voltet_core::{Error, Result};
 use voltet_graph::ArrayRef;
 
-/// What was found of the data.
+/// Statistics found in the data.
 #[derive(Debug, Clone, Default)]
 pub struct Found {
     /// The range of each quantity that was asked for.
@@ -30,7 +30,7 @@ fn not_found(quantity: &ArrayRef) -> Error {
 }
 
 impl Found {
-    /// What of `wanted` is not here.
+    /// Part of `wanted` that is missing here.
     pub fn missing(&self, wanted: &StatisticsRequest) -> StatisticsRequest {
         let mut missing = StatisticsRequest::default();
         missing.ranges.extend(wanted.ranges.iter().filter(|q| !self.ranges.contains_key(q)).cloned());

@@ -5,7 +5,7 @@
 //! is found between two of them by a straight line: off by a 4,096th of the interval at most.
 
 use super::found::Found;
-use super::volume::{measure as measure_one, of, values};
+use super::volume::{measure as measure_one, values, with_array_name};
 use std::collections::BTreeMap;
 use voltet_core::Result;
 use voltet_core::probing::Volumes;
@@ -30,7 +30,7 @@ impl Sums {
         self.interval[0] * (1.0 - share) + self.interval[1] * share
     }
 
-    /// Where the volume below reaches so many percent of all.
+    /// Value below which so many percent of the volume lie.
     fn percentile(&self, percent: f64) -> f64 {
         let wanted = percent / 100.0 * self.total;
         let above = self.below.partition_point(|&volume| volume < wanted);
@@ -79,12 +79,12 @@ pub fn measure(
     if !sums.is_empty() {
         each(call, demand, read, &mut |volume| {
             for quantity in wanted.percentiles.keys() {
-                let mut own = sums.iter_mut().filter(|((of, _), _)| of == quantity).peekable();
+                let mut own = sums.iter_mut().filter(|((array, _), _)| array == quantity).peekable();
                 if own.peek().is_none() {
                     continue;
                 }
                 let volumes = Volumes::new(&volume.grid, values(volume, quantity)?, call.progress());
-                let volumes = volumes.map_err(|error| of(quantity, error))?;
+                let volumes = volumes.map_err(|error| with_array_name(quantity, error))?;
                 for (_, sums) in own {
                     let edges: Vec<f64> = (0..=EDGES).map(|i| sums.edge(i)).collect();
                     sums.below.iter_mut().zip(volumes.below_each(&edges)).for_each(|(sum, own)| *sum += own);

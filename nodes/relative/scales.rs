@@ -1,4 +1,4 @@
-//! What the volume at a node's input says, or all steps of its time series; found once and kept.
+//! Statistics of the volume at a node's input, or of all steps of its time series; computed once and cached.
 
 use super::found::Found;
 use super::over_steps;
@@ -9,12 +9,12 @@ use voltet_core::Result;
 use voltet_core::transfer::StatisticsRequest;
 use voltet_graph::RunContext;
 
-/// What was found so far, of one volume or one series.
+/// Statistics found so far, of one volume or one series.
 #[derive(Default)]
 struct Kept(Mutex<Found>);
 
 impl Kept {
-    /// What is wanted, found now as far as it was not before. Gives how many percentiles were computed.
+    /// Statistics requested, computed as far as they are missing. Returns the count of percentiles computed.
     fn with(
         &self,
         wanted: &StatisticsRequest,
@@ -30,7 +30,7 @@ impl Kept {
     }
 }
 
-/// What the volume at the input `volume` says.
+/// Statistics of the volume at the input `volume`.
 pub fn of_volume(call: &mut RunContext, wanted: &StatisticsRequest) -> Result<Found> {
     let volume = call.volume("volume")?;
     let kept: Arc<Kept> = call.keep(call.revision("volume")?, || Ok(Kept::default()))?;
@@ -40,7 +40,7 @@ pub fn of_volume(call: &mut RunContext, wanted: &StatisticsRequest) -> Result<Fo
     Ok(found)
 }
 
-/// What all steps of the time series that feeds the input `volume` say together; one step is read at a time.
+/// Statistics of all steps of the time series that feeds the input `volume`; one step is read at a time.
 pub fn of_series(call: &mut RunContext, wanted: &StatisticsRequest) -> Result<Found> {
     let demand = demand(wanted);
     let kept: Arc<Kept> = call.keep_over_steps("volume", &demand, || Ok(Kept::default()))?;

@@ -1,8 +1,8 @@
-//! What relative numbers became, in words that a pipeline file could hold, and as figures.
+//! Resolved relative numbers, as text that a pipeline file could hold and as figures.
 
 use super::found::Found;
 use serde_json::{Map, Value, json};
-use voltet_graph::{LocatedValue, NodeDiagnostics, ParameterValue, Parameters};
+use voltet_graph::{Diagnostics, LocatedValue, ParameterValue, Parameters};
 
 /// The parameters that were relative, as a file could hold them now: "centre = [60.8, 0.012], sigma = [0.35, 0.025]".
 fn shown(before: &Parameters, after: &Parameters) -> String {
@@ -32,7 +32,7 @@ fn json_of(datum: &ParameterValue) -> Value {
 
 /// Notes what the relative numbers of a thing ("widget 0 (gaussian)") became. `over`: of what.
 pub fn note_numbers(
-    notes: &mut NodeDiagnostics,
+    notes: &mut Diagnostics,
     thing: &str,
     over: &str,
     before: &Parameters,
@@ -47,7 +47,7 @@ pub fn note_numbers(
 }
 
 /// Notes the ranges and percentiles that relative numbers were found from.
-pub fn note_found(notes: &mut NodeDiagnostics, over: &str, found: &Found) {
+pub fn note_found(notes: &mut Diagnostics, over: &str, found: &Found) {
     let ranges: Map<String, Value> =
         found.ranges.iter().map(|(quantity, range)| (quantity.to_string(), json!(range))).collect();
     let percentiles: Vec<Value> = (found.percentiles.iter())

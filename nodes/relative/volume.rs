@@ -8,7 +8,7 @@ use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_graph::{ArrayRef, Demand};
 
-/// What must be asked of a volume for these.
+/// Demand on a volume for these statistics.
 pub fn demand(wanted: &StatisticsRequest) -> Demand {
     let mut demand = Demand::default();
     for quantity in wanted.quantities() {
@@ -34,21 +34,22 @@ pub fn values<'a>(volume: &'a Volume, quantity: &ArrayRef) -> Result<&'a [f64]> 
 }
 
 /// An error with the name of the quantity that it is about.
-pub fn of(quantity: &ArrayRef, error: Error) -> Error {
+pub fn with_array_name(quantity: &ArrayRef, error: Error) -> Error {
     let what = format!("{}, of {quantity}", error.what);
     Error { what, ..error }
 }
 
-/// Those of one volume: nothing but what is wanted is computed.
+/// Statistics of one volume: only what is requested is computed.
 pub fn measure(volume: &Volume, wanted: &StatisticsRequest, progress: &dyn Progress) -> Result<Found> {
     let mut found = Found::default();
     for quantity in &wanted.ranges {
-        let range = value_range(values(volume, quantity)?).map_err(|error| of(quantity, error))?;
+        let range =
+            value_range(values(volume, quantity)?).map_err(|error| with_array_name(quantity, error))?;
         found.ranges.insert(quantity.clone(), range);
     }
     for (quantity, percents) in &wanted.percentiles {
         let volumes = Volumes::new(&volume.grid, values(volume, quantity)?, progress);
-        let volumes = volumes.map_err(|error| of(quantity, error))?;
+        let volumes = volumes.map_err(|error| with_array_name(quantity, error))?;
         for &bits in percents {
             let value = volumes.percentile(f64::from_bits(bits), progress)?;
             found.percentiles.insert((quantity.clone(), bits), value);

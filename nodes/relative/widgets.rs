@@ -3,7 +3,7 @@
 use super::scales::{of_series, of_volume};
 use super::shown::{note_found, note_numbers};
 use super::volume::demand;
-use voltet_core::transfer::{StatisticsRequest, resolved, wanted, with_placeholders};
+use voltet_core::transfer::{StatisticsRequest, resolved, statistics_request, with_placeholders};
 use voltet_core::{Error, Result};
 use voltet_graph::{Demand, DemandContext, Parameters, RunContext};
 
@@ -15,11 +15,11 @@ pub fn stood_in(p: &Parameters) -> Result<Widgets> {
     p.kinds("widgets")?.into_iter().map(|(kind, keys)| Ok((kind, with_placeholders(&keys)?))).collect()
 }
 
-/// What the widgets' numbers are relative to.
+/// Statistics that the widgets' numbers refer to.
 fn wanted_of(widgets: &Widgets) -> StatisticsRequest {
     let mut all = StatisticsRequest::default();
     for (_, keys) in widgets {
-        let StatisticsRequest { ranges, percentiles } = wanted(keys);
+        let StatisticsRequest { ranges, percentiles } = statistics_request(keys);
         all.ranges.extend(ranges);
         for (quantity, percents) in percentiles {
             all.percentiles.entry(quantity).or_default().extend(percents);
@@ -31,15 +31,15 @@ fn wanted_of(widgets: &Widgets) -> StatisticsRequest {
 /// Asks for what the widgets' numbers are relative to.
 pub fn ask(asking: &mut DemandContext) -> Result<()> {
     let widgets = asking.parameters.kinds("widgets")?;
-    let wanted = wanted_of(&widgets);
-    if wanted.is_empty() {
+    let request = wanted_of(&widgets);
+    if request.is_empty() {
         return Ok(());
     }
     if asking.fed_by("volume")?.is_none() {
         return Err(unwired(&widgets));
     }
     let of_step = asking.parameters.text("relative_to")? == "step";
-    asking.ask("volume", &if of_step { demand(&wanted) } else { Demand::default() })
+    asking.ask("volume", &if of_step { demand(&request) } else { Demand::default() })
 }
 
 /// The error where nothing is wired in that numbers could be relative to.
@@ -55,8 +55,8 @@ fn unwired(widgets: &Widgets) -> Error {
 /// The widgets with numbers for those that were relative to data, each noted.
 pub fn known(call: &mut RunContext) -> Result<Widgets> {
     let widgets = call.parameters.kinds("widgets")?;
-    let wanted = wanted_of(&widgets);
-    if wanted.is_empty() {
+    let request = wanted_of(&widgets);
+    if request.is_empty() {
         return Ok(widgets);
     }
     if !call.is_wired("volume")? {
@@ -64,10 +64,10 @@ pub fn known(call: &mut RunContext) -> Result<Widgets> {
     }
     let (found, over) = match call.parameters.text("relative_to")? {
         "series" => {
-            let found = of_series(call, &wanted)?;
+            let found = of_series(call, &request)?;
             (found, format!("over {} time steps", call.step_count("volume")?))
         }
-        _ => (of_volume(call, &wanted)?, "over the volume".to_string()),
+        _ => (of_volume(call, &request)?, "over the volume".to_string()),
     };
     note_found(&mut call.notes, &over, &found);
     let mut known = Vec::new();

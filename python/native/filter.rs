@@ -24,7 +24,7 @@ static FILTERS: Mutex<Vec<Arc<Function>>> = Mutex::new(Vec::new());
 static REGISTERED: AtomicU64 = AtomicU64::new(0);
 
 thread_local! {
-    /// What the last filter on this thread raised.
+    /// Exception of the last filter on this thread.
     static RAISED: RefCell<Option<PyErr>> = const { RefCell::new(None) };
     /// The run that this thread does.
     static RUN: Cell<Option<Run>> = const { Cell::new(None) };
@@ -92,7 +92,7 @@ struct Function {
 
 /// The node types and filters that ship, and those of Python.
 pub fn registry() -> Result<Registry> {
-    let mut registry = voltet::registry()?;
+    let mut registry = own_registry()?;
     for filter in FILTERS.lock().unwrap_or_else(PoisonError::into_inner).iter() {
         registry.add_filter(filter.clone())?;
     }
@@ -104,7 +104,7 @@ pub fn epoch() -> u64 {
     REGISTERED.load(Ordering::Acquire)
 }
 
-/// What the last filter on this thread raised, once.
+/// Exception of the last filter on this thread, once.
 pub fn raised() -> Option<PyErr> {
     RAISED.take()
 }
@@ -139,7 +139,7 @@ pub fn register_filter(
     let filter = Arc::new(Function { kind, plugin, arrays, call });
     crate::error::guarded(py, || {
         // What contradicts itself, or has the name of one that ships, is refused here.
-        let mut registry = voltet::registry()?;
+        let mut registry = own_registry()?;
         registry.add_filter(filter.clone())?;
         let mut filters = FILTERS.lock().unwrap_or_else(PoisonError::into_inner);
         filters.retain(|known| known.kind.name != filter.kind.name);
@@ -188,7 +188,13 @@ fn parameter(declared: &Bound<'_, PyDict>) -> PyResult<Parameter> {
             return Err(crate::error::exception(declared.py(), &error));
         }
     };
-    Ok(Parameter { name: text("name")?, parameter_type, unit: text("unit")?, standard, help: text("help")? })
+    Ok(Parameter {
+        name: text("name")?,
+        parameter_type,
+        unit: text("unit")?,
+        default: standard,
+        help: text("help")?,
+    })
 }
 
 impl Function {
@@ -266,4 +272,11 @@ impl GradientFilter for Function {
             }
         }
     }
+}
+
+/// The nodes, gradient filters and integrators that ship, and the integrators for studies.
+fn own_registry() -> Result<Registry> {
+    let mut registry = voltet_nodes::registry()?;
+    voltet_integrators::register(&mut registry)?;
+    Ok(registry)
 }

@@ -1,4 +1,4 @@
-//! A grid of lent arrays.
+//! A grid of borrowed arrays.
 
 use crate::error::guarded;
 use crate::memory::Lent;
@@ -6,22 +6,22 @@ use crate::watch::{Piece, Watched, any_changed};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Arc, OnceLock};
+use voltet::{BorrowedGrid, CellArrays, NamedArray, PointNumbers, build_grid};
 use voltet_core::grid::{self, CellValues, Options, extent};
 use voltet_core::progress::NoProgress;
 use voltet_core::{Error, SharedSlice};
-use voltet_embed::{ArraySource, CellSource, Numbers, Source};
 
-/// A grid, and the memory that it was made of.
+/// A grid, and the arrays that it was built from.
 #[pyclass(frozen, module = "voltet._native")]
 pub struct Grid {
     pub grid: Arc<grid::Grid>,
     watched: Vec<Watched>,
-    /// What is known of it, as JSON, once it was asked for.
+    /// Summary (JSON), made at the first request.
     about: OnceLock<String>,
 }
 
 impl Grid {
-    /// The pieces of the arrays that are watched.
+    /// Pieces of the watched arrays.
     pub fn pieces(&self) -> impl Iterator<Item = Piece<'_>> {
         self.watched.iter().flat_map(Watched::pieces)
     }
@@ -47,7 +47,7 @@ impl Grid {
         keep_cells: bool,
         watch: Vec<Bound<'_, PyAny>>,
     ) -> PyResult<Grid> {
-        // Before the grid is made of them: a change in between is found later.
+        // Before the grid is built from them: a change in between is found later.
         let watched: Vec<Lent<u8>> =
             watch.iter().map(|array| Lent::of("an array", array)).collect::<PyResult<_>>()?;
         let watched = py.detach(|| watched.into_iter().map(Watched::new).collect());
@@ -55,10 +55,10 @@ impl Grid {
         let mut keep = Keep(vec![points.keep()]);
         let arrays = arrays.into_iter().map(|(name, values, component_count, on_cells)| {
             let lent: Lent<f64> = Lent::of(&format!("array '{name}'"), &values)?;
-            let values = SharedSlice::lent(lent.values(), lent.keep());
-            Ok(ArraySource { name, values, component_count, on_cells })
+            let values = SharedSlice::from_borrowed(lent.values(), lent.keep());
+            Ok(NamedArray { name, values, component_count, on_cells })
         });
-        let arrays = arrays.collect::<PyResult<Vec<ArraySource>>>()?;
+        let arrays = arrays.collect::<PyResult<Vec<NamedArray>>>()?;
         let cells = cells_of(cells, &mut keep)?;
         let mut bytes = |name: &str, object: Option<Bound<'_, PyAny>>| -> PyResult<Option<&'static [u8]>> {
             let lent: Option<Lent<u8>> = object.map(|object| Lent::of(name, &object)).transpose()?;
@@ -67,7 +67,7 @@ impl Grid {
         let (ghost, degrees) = (bytes("ghost", ghost)?, bytes("degrees", degrees)?);
         let cell_values = if constant_cells { CellValues::Constant } else { CellValues::Average };
         let options = Options { subdivision, cell_values, keep_cells };
-        let source = Source {
+        let source = BorrowedGrid {
             points: points.values(),
             cells,
             arrays,
@@ -77,22 +77,22 @@ impl Grid {
             options,
             keep: Arc::new(keep),
         };
-        let grid = guarded(py, || py.detach(|| voltet_embed::grid(source, &NoProgress)))?;
+        let grid = guarded(py, || py.detach(|| build_grid(source, &NoProgress)))?;
         Ok(Grid { grid: Arc::new(grid), watched, about: OnceLock::new() })
     }
 
-    /// Whether a watched array is not as it was.
+    /// True if a watched array has changed.
     fn changed(&self, py: Python<'_>) -> bool {
         py.detach(|| any_changed(&self.pieces().collect::<Vec<Piece<'_>>>()))
     }
 
-    /// What is known of it, as JSON. Looked for once: ranges read all of the arrays.
+    /// Summary (JSON), made once: ranges read all of the arrays.
     fn about(&self) -> &str {
         self.about.get_or_init(|| about(&self.grid))
     }
 }
 
-/// What is known of a grid, as JSON.
+/// Summary of a grid (JSON).
 fn about(grid: &grid::Grid) -> String {
     let bytes = |lent: bool| {
         let of = |is_lent: bool, bytes: usize| if is_lent == lent { bytes } else { 0 };
@@ -126,7 +126,7 @@ fn about(grid: &grid::Grid) -> String {
     about.to_string()
 }
 
-/// Holds memory whose slices have no end.
+/// Owner of the memory of borrowed slices.
 struct Keep(Vec<Arc<dyn Send + Sync>>);
 
 impl Keep {
@@ -137,10 +137,10 @@ impl Keep {
 }
 
 /// The cells: `tetrahedra`, or `types`, `offsets`, `connectivity`, and for polyhedra `faces` and `face_locations`.
-fn cells_of(cells: &Bound<'_, PyDict>, keep: &mut Keep) -> PyResult<CellSource> {
+fn cells_of(cells: &Bound<'_, PyDict>, keep: &mut Keep) -> PyResult<CellArrays<'static>> {
     let get = |name: &str| cells.get_item(name).map(|found| found.filter(|object| !object.is_none()));
     if let Some(tetrahedra) = get("tetrahedra")? {
-        return Ok(CellSource::Tetrahedra(keep.hold(Lent::of("tetrahedra", &tetrahedra)?)));
+        return Ok(CellArrays::Tetrahedra(keep.hold(Lent::of("tetrahedra", &tetrahedra)?)));
     }
     let must = |name: &str| {
         let none = || Error::usage(format!("{name} is missing")).expected("types, offsets and connectivity");
@@ -154,10 +154,10 @@ fn cells_of(cells: &Bound<'_, PyDict>, keep: &mut Keep) -> PyResult<CellSource> 
     let connectivity = must("connectivity")?;
     let narrow = connectivity.getattr("dtype")?.getattr("itemsize")?.extract::<usize>()? == 4;
     let connectivity = match narrow {
-        true => Numbers::Narrow(keep.hold(Lent::of("connectivity", &connectivity)?)),
-        false => Numbers::Wide(keep.hold(Lent::of("connectivity", &connectivity)?)),
+        true => PointNumbers::U32(keep.hold(Lent::of("connectivity", &connectivity)?)),
+        false => PointNumbers::I64(keep.hold(Lent::of("connectivity", &connectivity)?)),
     };
-    Ok(CellSource::Mixed {
+    Ok(CellArrays::Mixed {
         types: keep.hold(Lent::of("types", &must("types")?)?),
         offsets: keep.hold(Lent::of("offsets", &must("offsets")?)?),
         connectivity,

@@ -1,35 +1,35 @@
-//! voltet._native: what the Python module `voltet` is made of that is not Python.
+//! voltet._native: the native part of the Python module `voltet`.
 //!
-//! | file | what |
+//! | file | responsibility |
 //! | --- | --- |
-//! | `pipeline`, `held` | a pipeline: its text changed, checked, drawn, saved |
-//! | `grid` | a grid of lent arrays |
-//! | `memory`, `watch` | arrays of Python that are lent, whether they are as they were, and arrays for Python |
-//! | `numbers` | what is known at the points of a grid |
-//! | `report` | what was done by a run |
-//! | `filter` | gradient filters that are Python functions |
-//! | `follow` | runs without the interpreter's lock, that Ctrl-C stops |
-//! | `study`, `measured` | error against run time; one pixel; gradient filters |
-//! | `until` | pictures of rays that end at surfaces of others |
-//! | `declared` | what can be stated: node types, filters, widgets |
-//! | `value` | values of parameters, from Python and to it |
+//! | `pipeline`, `state` | pipelines: edit, check, render, save |
+//! | `grid` | grids of borrowed arrays |
+//! | `memory`, `watch` | borrowed arrays, their changes, arrays for Python |
+//! | `point_values` | values at the points of a grid |
+//! | `report` | reports of runs |
+//! | `filter` | gradient filters in Python |
+//! | `background` | runs without the interpreter's lock |
+//! | `study`, `measurements` | studies, pixels, gradient tests |
+//! | `depth_limit` | pictures in front of opaque surfaces |
+//! | `declarations` | node types, filters and widgets |
+//! | `value` | parameter values from and to Python |
 //! | `error` | errors and panics as exceptions |
 //!
-//! What is told to users stands in the Python files of the package: docstrings, and numpy's side of arrays.
+//! The package's Python files hold the documentation for users and the numpy side of arrays.
 
-mod declared;
+mod background;
+mod declarations;
+mod depth_limit;
 mod error;
 mod filter;
-mod follow;
 mod grid;
-mod held;
-mod measured;
+mod measurements;
 mod memory;
-mod numbers;
 mod pipeline;
+mod point_values;
 mod report;
+mod state;
 mod study;
-mod until;
 mod value;
 mod watch;
 
@@ -38,13 +38,13 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _native {
     #[pymodule_export]
-    use super::declared::declarations;
+    use super::declarations::declarations;
     #[pymodule_export]
     use super::filter::register_filter;
     #[pymodule_export]
     use super::grid::Grid;
     #[pymodule_export]
-    use super::measured::gradient_test;
+    use super::measurements::gradient_test;
     #[pymodule_export]
     use super::memory::encode;
     #[pymodule_export]

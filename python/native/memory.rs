@@ -12,7 +12,7 @@ use voltet_core::Error;
 use voltet_core::picture::Picture;
 use voltet_io::encode as file;
 
-/// Memory of a Python object that stays where it is: the object is held, and told not to move it.
+/// Memory of a Python object that stays where it is: the object is held, and pinned.
 #[derive(Clone)]
 pub struct Lent<T: 'static> {
     values: &'static [T],
@@ -43,7 +43,7 @@ impl<T: Element + Sync> Lent<T> {
         self.values
     }
 
-    /// What holds the memory.
+    /// Owner of the memory.
     pub fn keep(&self) -> Arc<PyBuffer<T>> {
         self.keep.clone()
     }

@@ -1,15 +1,15 @@
 //! A pipeline: its text changed, checked, drawn, saved.
 
+use crate::background::{run_long, run_with_side_work};
+use crate::depth_limit;
 use crate::error::{exception, guarded};
-use crate::follow::{followed, followed_beside};
 use crate::grid::Grid;
-use crate::held::Held;
-use crate::measured::{Shown, shown};
+use crate::measurements::{Rendition, rendition};
 use crate::memory::{Lent, array, handed_over};
-use crate::numbers::at_given_points;
+use crate::point_values::in_caller_order;
 use crate::report::Report;
-use crate::study::{Asked, study};
-use crate::until;
+use crate::state::State;
+use crate::study::{StudyOptions, study};
 use crate::value::{object, settings, table};
 use crate::watch::{Piece, any_changed};
 use pyo3::prelude::*;
@@ -17,29 +17,29 @@ use pyo3::types::PyDict;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
-use voltet::study::pixel::pixel as trace;
+use voltet::PipelineSource;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_document::{Edit, Path as Place};
-use voltet_embed::Scene;
 use voltet_graph::{Demand, Value};
+use voltet_study::pixel::pixel as trace;
 
-/// A pipeline and what its runs left.
+/// A pipeline, and the results that its runs left.
 #[pyclass(frozen, module = "voltet._native")]
 pub struct Pipeline {
-    held: Mutex<Held>,
+    state: Mutex<State>,
 }
 
 impl Pipeline {
-    fn held(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, Held>> {
-        match self.held.try_lock() {
-            Ok(held) => Ok(held),
+    fn state(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, State>> {
+        match self.state.try_lock() {
+            Ok(state) => Ok(state),
             Err(TryLockError::Poisoned(poisoned)) => {
-                // What a panic left half done is of no use.
-                let mut held = poisoned.into_inner();
-                held.runs.begin_anew();
-                self.held.clear_poison();
-                Ok(held)
+                // Half-done work is dropped.
+                let mut state = poisoned.into_inner();
+                state.runs.reset();
+                self.state.clear_poison();
+                Ok(state)
             }
             Err(TryLockError::WouldBlock) => {
                 let error =
@@ -49,21 +49,21 @@ impl Pipeline {
         }
     }
 
-    fn with<T>(&self, py: Python<'_>, work: impl FnOnce(&mut Held) -> Result<T>) -> PyResult<T> {
-        let mut held = self.held(py)?;
-        guarded(py, || work(&mut held))
+    fn with<T>(&self, py: Python<'_>, work: impl FnOnce(&mut State) -> Result<T>) -> PyResult<T> {
+        let mut state = self.state(py)?;
+        guarded(py, || work(&mut state))
     }
 
-    /// The same for work that may be long.
+    /// Like [`Pipeline::with`], for long work.
     fn long<T: Send>(
         &self,
         py: Python<'_>,
         progress: Option<&Py<PyAny>>,
-        work: impl FnOnce(&mut Held, &dyn voltet_graph::Observer) -> Result<T> + Send,
+        work: impl FnOnce(&mut State, &dyn voltet_graph::Observer) -> Result<T> + Send,
     ) -> PyResult<T> {
-        let mut held = self.held(py)?;
-        let held = &mut *held;
-        followed(py, progress, |observer| work(held, observer))
+        let mut state = self.state(py)?;
+        let state = &mut *state;
+        run_long(py, progress, |observer| work(state, observer))
     }
 }
 
@@ -78,35 +78,37 @@ impl Pipeline {
     #[new]
     #[pyo3(signature = (path, text))]
     fn new(py: Python<'_>, path: Option<PathBuf>, text: Option<String>) -> PyResult<Pipeline> {
-        let held = guarded(py, || Held::open(path, text));
-        Ok(Pipeline { held: Mutex::new(held?) })
+        let state = guarded(py, || State::open(path, text));
+        Ok(Pipeline { state: Mutex::new(state?) })
     }
 
     /// The text.
     fn text(&self, py: Python<'_>) -> PyResult<String> {
-        self.with(py, |held| Ok(held.stated.document.text().to_string()))
+        self.with(py, |state| Ok(state.source.document.text().to_string()))
     }
 
     /// The file, or the picture that it came from.
     fn path(&self, py: Python<'_>) -> PyResult<Option<PathBuf>> {
-        self.with(py, |held| {
-            let file = held.stated.document.path().map(Path::to_path_buf);
-            Ok(held.stated.picture.as_ref().map(|picture| picture.0.clone()).or(file))
+        self.with(py, |state| {
+            let file = state.source.document.path().map(Path::to_path_buf);
+            Ok(state.source.picture.as_ref().map(|picture| picture.0.clone()).or(file))
         })
     }
 
     fn title(&self, py: Python<'_>) -> PyResult<Option<String>> {
-        self.with(py, |held| Ok(held.stated.pipeline().title.clone()))
+        self.with(py, |state| Ok(state.source.pipeline().title.clone()))
     }
 
     fn set_title(&self, py: Python<'_>, title: Option<String>) -> PyResult<()> {
         let edit = Edit::Title(title);
-        self.with(py, |held| held.edit(&[], edit.label(), std::slice::from_ref(&edit)))
+        self.with(py, |state| state.edit(&[], edit.label(), std::slice::from_ref(&edit)))
     }
 
     /// The names of the nodes.
     fn nodes(&self, py: Python<'_>) -> PyResult<Vec<String>> {
-        self.with(py, |held| Ok(held.stated.pipeline().nodes.iter().map(|node| node.name.clone()).collect()))
+        self.with(py, |state| {
+            Ok(state.source.pipeline().nodes.iter().map(|node| node.name.clone()).collect())
+        })
     }
 
     /// A node's type, parameters and wires as they are stated.
@@ -115,7 +117,7 @@ impl Pipeline {
         py: Python<'py>,
         name: &str,
     ) -> PyResult<(String, Bound<'py, PyDict>, Bound<'py, PyDict>)> {
-        let node = self.with(py, |held| held.node(name).cloned())?;
+        let node = self.with(py, |state| state.node(name).cloned())?;
         let inputs = PyDict::new(py);
         for link in &node.inputs {
             inputs.set_item(&link.port, object(py, &link.source.datum)?)?;
@@ -138,22 +140,22 @@ impl Pipeline {
         let label = add.label();
         let wires = inputs.into_iter().flat_map(|(port, sources)| wires(&name, &port, sources));
         let edits: Vec<Edit> = std::iter::once(add).chain(wires).collect();
-        self.with(py, |held| held.edit(&[&name], label, &edits))
+        self.with(py, |state| state.edit(&[&name], label, &edits))
     }
 
     /// Takes a node out, with its wires.
     fn remove(&self, py: Python<'_>, name: String) -> PyResult<()> {
-        self.with(py, |held| {
-            held.node(&name)?;
+        self.with(py, |state| {
+            state.node(&name)?;
             let edit = Edit::RemoveNodes(vec![name]);
-            held.edit(&[], edit.label(), std::slice::from_ref(&edit))
+            state.edit(&[], edit.label(), std::slice::from_ref(&edit))
         })
     }
 
     /// Gives a node another name; wires follow.
     fn rename(&self, py: Python<'_>, node: String, to: String) -> PyResult<()> {
         let edit = Edit::Rename { node, to };
-        self.with(py, |held| held.edit(&[], edit.label(), std::slice::from_ref(&edit)))
+        self.with(py, |state| state.edit(&[], edit.label(), std::slice::from_ref(&edit)))
     }
 
     /// Sets parameters or parts of them, such as `widgets.0.centre`, in one step; None takes them out.
@@ -166,11 +168,11 @@ impl Pipeline {
                 false => Edit::Set { node: node.clone(), path: place, value: crate::value::datum(value)? },
             });
         }
-        self.with(py, |held| {
+        self.with(py, |state| {
             let Some(first) = edits.first() else { return Ok(()) };
-            values.iter().try_for_each(|(node, ..)| held.node(node).map(drop))?;
+            values.iter().try_for_each(|(node, ..)| state.node(node).map(drop))?;
             let nodes: BTreeSet<&str> = values.iter().map(|(node, ..)| node.as_str()).collect();
-            held.edit(&nodes.into_iter().collect::<Vec<_>>(), first.label(), &edits)
+            state.edit(&nodes.into_iter().collect::<Vec<_>>(), first.label(), &edits)
         })
     }
 
@@ -180,44 +182,44 @@ impl Pipeline {
             true => vec![Edit::Disconnect { node: node.clone(), port, source: None }],
             false => wires(&node, &port, sources).collect(),
         };
-        self.with(py, |held| {
-            held.node(&node)?;
-            held.edit(&[], edits[0].label(), &edits)
+        self.with(py, |state| {
+            state.node(&node)?;
+            state.edit(&[], edits[0].label(), &edits)
         })
     }
 
     /// Takes the last change back; false where there is none.
     fn undo(&self, py: Python<'_>) -> PyResult<bool> {
-        self.with(py, |held| held.stated.document.undo())
+        self.with(py, |state| state.source.document.undo())
     }
 
-    /// Saves the text: see [`Held::save`].
+    /// Saves the text: see [`State::save`].
     fn save(
         &self,
         py: Python<'_>,
         path: Option<PathBuf>,
         readers: Vec<(String, String, String)>,
     ) -> PyResult<PathBuf> {
-        self.with(py, |held| held.save(path, readers))
+        self.with(py, |state| state.save(path, readers))
     }
 
     /// Gives a grid in place of what a node reads, or takes it away: the node's name.
     fn give(&self, py: Python<'_>, node: Option<&str>, grid: Option<&Bound<'_, Grid>>) -> PyResult<String> {
         let grid = grid.map(|grid| grid.get().grid.clone());
-        self.with(py, |held| {
-            held.sound()?;
-            let name = held.runs.grid_node(&held.stated, node)?;
-            held.runs.give(&held.stated, Some(&name), grid.as_ref())?;
+        self.with(py, |state| {
+            state.check_text()?;
+            let name = state.runs.grid_node(&state.source, node)?;
+            state.runs.set_grid(&state.source, Some(&name), grid.as_ref())?;
             Ok(name)
         })
     }
 
     /// Checks names, types, ranges, wires, outputs and integrators, without data: the warnings.
     fn check(&self, py: Python<'_>) -> PyResult<Vec<String>> {
-        self.with(py, |held| {
-            let document = held.as_run()?;
-            let Held { runs, stated, .. } = held;
-            let mut warnings = runs.plan(stated, &document.graph)?;
+        self.with(py, |state| {
+            let document = state.document()?;
+            let State { runs, source, .. } = state;
+            let mut warnings = runs.plan(source, &document.graph)?;
             warnings.extend(document.changed_data().into_iter().chain(document.changed_plugins()));
             Ok(warnings.iter().map(Error::to_string).collect())
         })
@@ -225,14 +227,14 @@ impl Pipeline {
 
     /// Width and height of a node's picture.
     fn size(&self, py: Python<'_>, node: Option<&str>) -> PyResult<[usize; 2]> {
-        self.with(py, |held| {
-            held.sound()?;
-            held.runs.size(&held.stated, node)
+        self.with(py, |state| {
+            state.check_text()?;
+            state.runs.size(&state.source, node)
         })
     }
 
-    /// Draws the picture of a node, and writes nothing: the array and the report. While it draws, the arrays of `watched` are
-    /// looked at, which the grids were made of: None where one is not as it was.
+    /// Renders the picture of a node, and writes nothing: the array and the report. Meanwhile the arrays of `watched`, which the
+    /// grids were built from, are compared with what they were: None where one has changed.
     fn render<'py>(
         &self,
         py: Python<'py>,
@@ -242,27 +244,27 @@ impl Pipeline {
     ) -> PyResult<Option<(Bound<'py, PyAny>, Report)>> {
         let pieces: Vec<Piece<'_>> = watched.iter().flat_map(|grid| grid.get().pieces()).collect();
         let (mut open, mut changed) = (pieces.iter(), false);
-        let mut look = open.by_ref().map(|piece| {
+        let mut side_work = open.by_ref().map(|piece| {
             changed |= piece.is_changed();
             changed
         });
-        let mut held = self.held(py)?;
-        let held = &mut *held;
-        let drawn = followed_beside(py, progress.as_ref(), &mut look, |observer| {
-            held.sound()?;
-            let Held { runs, stated, .. } = held;
-            let drawing = runs.drawing(stated, node)?;
-            let drawn = runs.hand_over(stated, &drawing, observer)?;
-            Ok((drawn, held.account()))
+        let mut state = self.state(py)?;
+        let state = &mut *state;
+        let drawn = run_with_side_work(py, progress.as_ref(), &mut side_work, |observer| {
+            state.check_text()?;
+            let State { runs, source, .. } = state;
+            let plan = runs.render_plan(source, node)?;
+            let drawn = runs.render_owned(source, &plan, observer)?;
+            Ok((drawn, state.record()))
         })?;
         if changed || py.detach(|| any_changed(open.as_slice())) {
             return Ok(None);
         }
-        let (drawn, account) = drawn?;
-        Ok(Some((handed_over(py, drawn)?, Report::new(account))))
+        let (drawn, record) = drawn?;
+        Ok(Some((handed_over(py, drawn)?, Report::new(record))))
     }
 
-    /// Draws the picture of a node with rays that end at these depths (one a pixel, row 0 at the top).
+    /// Renders the picture of a node with rays that end at these depths (one a pixel, row 0 at the top).
     fn render_until<'py>(
         &self,
         py: Python<'py>,
@@ -271,12 +273,14 @@ impl Pipeline {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let ends: Lent<f32> = Lent::of("ends", ends)?;
-        // A copy: whoever lent them may write them meanwhile.
+        // A copy: the owner may write them meanwhile.
         let ends = ends.values().to_vec();
-        let drawn = self.long(py, progress.as_ref(), |held, observer| {
-            held.sound()?;
-            let Held { runs, stated, .. } = held;
-            runs.with_graph(stated, node, |graph, session| until::draw(graph, session, node, &ends, observer))
+        let drawn = self.long(py, progress.as_ref(), |state, observer| {
+            state.check_text()?;
+            let State { runs, source, .. } = state;
+            runs.with_graph(source, node, |graph, session| {
+                depth_limit::render(graph, session, node, &ends, observer)
+            })
         })?;
         handed_over(py, drawn)
     }
@@ -287,35 +291,34 @@ impl Pipeline {
         py: Python<'py>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<(Bound<'py, PyDict>, Report)> {
-        let (pictures, account) = self.long(py, progress.as_ref(), |held, observer| {
-            let document = held.as_run()?;
+        let (pictures, record) = self.long(py, progress.as_ref(), |state, observer| {
+            let document = state.document()?;
             document.refuse_missing_data()?;
-            let Held { runs, stated, .. } = held;
+            let State { runs, source, .. } = state;
             let pictures: Vec<(String, Arc<Picture>)> =
-                runs.run(stated, &document.graph, observer)?.pictures.clone();
-            Ok((pictures, held.account()))
+                runs.run(source, &document.graph, observer)?.pictures.clone();
+            Ok((pictures, state.record()))
         })?;
         let images = PyDict::new(py);
         for (name, drawn) in pictures {
             images.set_item(name, picture(py, &drawn)?)?;
         }
-        Ok((images, Report::new(account)))
+        Ok((images, Report::new(record)))
     }
 
-    /// The figures that a node gives, as JSON.
+    /// Figures of a node (JSON).
     fn figures(&self, py: Python<'_>, node: &str, progress: Option<Py<PyAny>>) -> PyResult<String> {
-        self.long(py, progress.as_ref(), |held, observer| {
-            held.sound()?;
-            let Held { runs, stated, .. } = held;
-            match runs.value(stated, (node, "report"), &Demand::default(), observer)? {
+        self.long(py, progress.as_ref(), |state, observer| {
+            state.check_text()?;
+            let State { runs, source, .. } = state;
+            match runs.value(source, (node, "report"), &Demand::default(), observer)? {
                 Value::Report(text) => Ok(text.to_string()),
                 _ => Err(Error::usage("the node gives no figures").at_node(node)),
             }
         })
     }
 
-    /// What a node computed at the points of the grid as it was given: the scalar, g where asked for, and ∇s where asked for; NaN at
-    /// points of no cell.
+    /// Values at the points of the grid in the caller's order: the scalar, and g and ∇s on request; NaN at points of no cell.
     fn volume<'py>(
         &self,
         py: Python<'py>,
@@ -324,19 +327,19 @@ impl Pipeline {
         gradient: bool,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let found = self.long(py, progress.as_ref(), |held, observer| {
-            held.sound()?;
-            let Held { runs, stated, .. } = held;
+        let found = self.long(py, progress.as_ref(), |state, observer| {
+            state.check_text()?;
+            let State { runs, source, .. } = state;
             let asked =
                 Demand { gradient_magnitude: magnitude, gradient, file_cells: true, ..Demand::default() };
-            let value = runs.value(stated, (node, "volume"), &asked, observer)?;
+            let value = runs.value(source, (node, "volume"), &asked, observer)?;
             let none = || Error::usage("the node gives no volume").at_node(node);
             value.volume().ok_or_else(none)?
         })?;
-        at_given_points(py, &found, magnitude, gradient)
+        in_caller_order(py, &found, magnitude, gradient)
     }
 
-    /// What a pixel is made of.
+    /// Cells along the ray of a pixel.
     #[pyo3(signature = (x, y, node, sample, all, progress))]
     #[allow(clippy::too_many_arguments)]
     fn pixel(
@@ -348,15 +351,15 @@ impl Pipeline {
         sample: u32,
         all: bool,
         progress: Option<Py<PyAny>>,
-    ) -> PyResult<Shown> {
-        self.long(py, progress.as_ref(), |held, observer| {
-            held.sound()?;
-            let Held { runs, stated, .. } = held;
-            let told = until::Told { observer, node: "pixel" };
-            let found = runs.with_whole(stated, |graph, session| {
-                trace(graph, node, [x, y], sample, session, (observer, &told))
+    ) -> PyResult<Rendition> {
+        self.long(py, progress.as_ref(), |state, observer| {
+            state.check_text()?;
+            let State { runs, source, .. } = state;
+            let progress = depth_limit::NodeProgress { observer, node: "pixel" };
+            let found = runs.with_whole_graph(source, |graph, session| {
+                trace(graph, node, [x, y], sample, session, (observer, &progress))
             })?;
-            Ok(shown(&found, all))
+            Ok(rendition(&found, all))
         })
     }
 
@@ -376,11 +379,12 @@ impl Pipeline {
         output: Option<PathBuf>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<(String, Bound<'py, PyAny>)> {
-        let asked = Asked { node, only, engine: engine.into(), adapter, frames, patience, max_error, output };
-        let (text, reference) = self.long(py, progress.as_ref(), |held, observer| {
-            let document = held.as_run()?;
+        let options =
+            StudyOptions { node, only, engine: engine.into(), adapter, frames, patience, max_error, output };
+        let (text, reference) = self.long(py, progress.as_ref(), |state, observer| {
+            let document = state.document()?;
             let title = document.pipeline.title.clone().unwrap_or_default();
-            study(&document.graph, &title, &asked, observer).map_err(|error| held.stated.locate(error))
+            study(&document.graph, &title, &options, observer).map_err(|error| state.source.locate(error))
         })?;
         Ok((text, handed_over(py, reference)?))
     }

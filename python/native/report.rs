@@ -1,23 +1,23 @@
-//! Reports, put into words when they are asked for.
+//! Reports, which are made when they are read.
 
 use pyo3::prelude::*;
-use voltet_embed::Account;
+use voltet::RunRecord;
 use voltet_io::provenance::whole_report;
 
-/// What was done by a run.
+/// Report of a run.
 #[pyclass(frozen, module = "voltet._native")]
-pub struct Report(Option<Account>);
+pub struct Report(Option<RunRecord>);
 
 impl Report {
-    pub fn new(account: Option<Account>) -> Report {
-        Report(account)
+    pub fn new(record: Option<RunRecord>) -> Report {
+        Report(record)
     }
 }
 
 #[pymethods]
 impl Report {
-    /// What `voltet run --report` says, as JSON; the peak of memory is that until now.
+    /// The report of `voltet run --report` (JSON); the peak of memory is that until now.
     fn json(&self) -> String {
-        whole_report(self.0.iter().map(Account::words).collect()).to_string()
+        whole_report(self.0.iter().map(RunRecord::to_json).collect()).to_string()
     }
 }

@@ -1,19 +1,19 @@
 //! Error against run time, as `voltet study` measures it.
 
-use crate::until::Told;
+use crate::depth_limit::NodeProgress;
 use std::path::PathBuf;
 use std::time::Duration;
-use voltet::study::work_precision::{
-    Benches, Engines, Frames, Measure, Subject, Wish, cache_folder, json, reference, study as measure, write,
-};
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_graph::{Graph, Observer, suggest};
 use voltet_nodes::drawing::ENGINES;
 use voltet_optics::integrators::Integrator;
+use voltet_study::work_precision::{
+    Benches, Engines, Frames, Measure, Subject, Wish, cache_folder, json, reference, study as measure, write,
+};
 
-/// What is asked of a study, as on the command line.
-pub struct Asked {
+/// Options of a study, as on the command line.
+pub struct StudyOptions {
     pub node: Option<String>,
     pub only: Vec<String>,
     /// "cpu", "gpu" or "all".
@@ -23,12 +23,12 @@ pub struct Asked {
     /// Seconds.
     pub patience: f64,
     pub max_error: Option<f64>,
-    /// Where its files go; `None`: nowhere.
+    /// Folder of its files; `None`: none are written.
     pub output: Option<PathBuf>,
 }
 
-impl Asked {
-    fn wish(&self, studied: &[Integrator]) -> Result<Wish> {
+impl StudyOptions {
+    fn request(&self, studied: &[Integrator]) -> Result<Wish> {
         let known = || studied.iter().map(|integrator| integrator.name());
         if let Some(name) = self.only.iter().find(|name| !known().any(|known| known == name.as_str())) {
             let error = Error::usage("'only' names no integrator that can be studied").got(name);
@@ -79,20 +79,20 @@ impl Asked {
 pub fn study(
     graph: &Graph,
     title: &str,
-    asked: &Asked,
+    options: &StudyOptions,
     observer: &dyn Observer,
 ) -> Result<(String, Picture)> {
-    let progress = Told { observer, node: "study" };
+    let progress = NodeProgress { observer, node: "study" };
     let mut session = voltet_nodes::session();
-    let subject = Subject::gather(graph, asked.node.as_deref(), false, &mut session, observer)?;
-    let wish = asked.wish(&subject.studied())?;
-    let benches = Benches::open(&subject, &wish)?;
+    let subject = Subject::gather(graph, options.node.as_deref(), false, &mut session, observer)?;
+    let request = options.request(&subject.studied())?;
+    let benches = Benches::open(&subject, &request)?;
     let reference = reference(&subject, &cache_folder(), &progress)?;
-    let study = measure(subject, wish, benches, reference, &progress)?;
+    let study = measure(subject, request, benches, reference, &progress)?;
     if study.stopped() && observer.cancelled() {
         return Err(Error::cancelled());
     }
-    if let Some(folder) = &asked.output {
+    if let Some(folder) = &options.output {
         write(&study, title, folder)?;
     }
     Ok((json(&study, title).to_string(), study.reference.picture))

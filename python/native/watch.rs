@@ -1,4 +1,4 @@
-//! Arrays that are watched: whether their bytes are as they were, piece by piece.
+//! Watched arrays: changes of their bytes, piece by piece.
 
 use crate::memory::Lent;
 use rayon::prelude::*;
@@ -26,20 +26,20 @@ impl Watched {
     }
 }
 
-/// Bytes, and the fingerprint that they had.
+/// Bytes, and their former fingerprint.
 pub struct Piece<'a> {
     bytes: &'a [u8],
     print: u64,
 }
 
 impl Piece<'_> {
-    /// Whether the bytes are others now.
+    /// True if the bytes have changed.
     pub fn is_changed(&self) -> bool {
         fingerprint(self.bytes) != self.print
     }
 }
 
-/// Whether any piece is changed; on all cores.
+/// True if any piece has changed; on all cores.
 pub fn any_changed(pieces: &[Piece<'_>]) -> bool {
     pieces.par_iter().any(Piece::is_changed)
 }
@@ -60,5 +60,5 @@ fn fingerprint(bytes: &[u8]) -> u64 {
     lanes.iter().fold(0, |sum, &lane| (sum ^ lane ^ (lane >> 32)).wrapping_mul(MULTIPLIER))
 }
 
-/// Of Steele and Vigna (2021), for 64 bits.
+/// Multiplier of Steele and Vigna (2021), for 64 bits.
 const MULTIPLIER: u64 = 0xd134_2543_de82_ef95;

@@ -54,7 +54,7 @@ def test_the_page_is_true(cube, tmp_path, monkeypatch):
 
     import numpy as np
 
-    page = (ROOT / "docs/python.md").read_text()
+    page = (ROOT / "docs/src/how-to/python.md").read_text()
     (tmp_path / "scene.toml").write_text((ROOT / "pipelines/quickstart.toml").read_text())
     (tmp_path / "pipelines").mkdir()
     (tmp_path / "data").symlink_to(ROOT / "data")
@@ -74,5 +74,5 @@ def test_the_page_is_true(cube, tmp_path, monkeypatch):
             pv = pytest.importorskip("pyvista")
             names["grid"] = pv.ImageData(dimensions=(5, 5, 5)).cast_to_unstructured_grid()
             names["grid"]["T"] = np.linspace(0, 100, 125)
-        exec(compile(block.replace('0, "T")', '0, "RTData")'), "docs/python.md", "exec"), names)
+        exec(compile(block.replace('0, "T")', '0, "RTData")'), "docs/src/how-to/python.md", "exec"), names)
     assert names["picture"].shape == (600, 800, 4) and (tmp_path / "T.toml").exists()

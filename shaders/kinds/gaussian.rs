@@ -5,7 +5,7 @@ use crate::stretch::{Stretch, check_widths};
 use crate::writer::{WidgetRecord, Writer, all_finite};
 use voltet_core::Result;
 
-/// Whether K looks at s alone.
+/// True if K looks at s alone.
 pub(super) fn is_line(matrix: &[[f64; 2]; 2]) -> bool {
     matrix[0][1] == 0.0 && matrix[1][1] == 0.0
 }

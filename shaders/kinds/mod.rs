@@ -74,7 +74,7 @@ impl Kind {
         }
     }
 
-    /// Whether its light alone has no closed form under the model.
+    /// True if its light alone has no closed form under the model.
     pub(crate) fn is_integrated(&self, constant_emitter: bool) -> bool {
         self.calls(constant_emitter).light == Light::Integrated
     }
@@ -95,7 +95,7 @@ impl Kind {
         }
     }
 
-    /// Whether it reads an image.
+    /// True if it reads an image.
     pub(crate) fn reads_texels(&self) -> bool {
         match self {
             Kind::Table => true,

@@ -5,7 +5,7 @@ use crate::stretch::Stretch;
 use crate::writer::{WidgetRecord, Writer, all_finite, finite};
 use voltet_core::transfer::ControlPoint;
 use voltet_core::{Error, Result};
-use voltet_simd::limits::RAMP_RATE_MOST;
+use voltet_simd::limits::MAX_RAMP_RATE;
 
 pub(super) fn calls(count: usize, constant_emitter: bool) -> Calls {
     let call = |piece, function: &str| Call::new(&[piece], format!("{function}(#u, {count}u, part_#)"));
@@ -55,12 +55,12 @@ pub(super) fn check_32_bits(points: &[ControlPoint], stretch: &Stretch) -> Resul
         let share = ((high.s - low.s) / stretch.span(0)).min(1.0);
         let depth = stretch.length() * low.extinction.max(high.extinction);
         let rate = depth.min((2.0 * depth / share).sqrt());
-        if low.color != high.color && high.s > low.s && rate > RAMP_RATE_MOST {
+        if low.color != high.color && high.s > low.s && rate > MAX_RAMP_RATE {
             return Err(Error::run(
                 "a ramp between two colours is too steep for 32 bits to find what is seen of both",
             )
             .got(format!("{rate:e} as its optical depth per segment where it becomes opaque"))
-            .expected(format!("at most {RAMP_RATE_MOST:e}, or an engine of 64 bits")));
+            .expected(format!("at most {MAX_RAMP_RATE:e}, or an engine of 64 bits")));
         }
     }
     Ok(())

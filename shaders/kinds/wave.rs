@@ -6,7 +6,7 @@ use crate::writer::{WidgetRecord, Writer};
 use voltet_core::transfer::{Wave, Widget};
 use voltet_core::{Error, Result};
 use voltet_optics::wave::{sine_half_area, sine_half_width};
-use voltet_simd::limits::{BANDS_MOST, BANDS_WALKED_MOST, OPAQUE, SUDDEN_BANDS};
+use voltet_simd::limits::{MAX_BANDS, MAX_WALKED_BANDS, OPAQUE, SUDDEN_BANDS};
 
 pub(super) fn calls(constant_emitter: bool) -> Calls {
     Calls {
@@ -36,10 +36,10 @@ pub(super) fn write(wave: &Wave, sine: bool, writer: &mut Writer, record: &mut W
             bands += (per_value * axis.scale).abs();
         }
     }
-    if bands > BANDS_MOST || bands.is_nan() {
+    if bands > MAX_BANDS || bands.is_nan() {
         return Err(Error::run("a wave has more bands than 32 bits tell apart")
             .got(format!("{bands:.3e} over the range of the values"))
-            .expected(format!("at most {BANDS_MOST:.0e}")));
+            .expected(format!("at most {MAX_BANDS:.0e}")));
     }
     record.matrix[2] = (start - start.round()) as f32;
     let half_width = |width: f64| if sine { sine_half_width(width) } else { 0.5 * width };
@@ -59,15 +59,15 @@ pub(super) fn check_32_bits(widget: &Widget, wave: &Wave, stretch: &Stretch) -> 
             .got(format!("{found:e} bands over one segment"))
             .expected(format!("at most {most:e}, or an engine of 64 bits")))
     };
-    if bands > BANDS_MOST {
-        return refuse("a wave has more bands than 32 bits tell apart", bands, BANDS_MOST);
+    if bands > MAX_BANDS {
+        return refuse("a wave has more bands than 32 bits tell apart", bands, MAX_BANDS);
     }
     if !stretch.is_in_order {
         return Ok(());
     }
-    if by_width > BANDS_WALKED_MOST {
+    if by_width > MAX_WALKED_BANDS {
         let why = "a wave among other widgets has more bands, by band width, than are walked one by one";
-        return refuse(why, by_width, BANDS_WALKED_MOST);
+        return refuse(why, by_width, MAX_WALKED_BANDS);
     }
     // On a part of one band the place has all its digits.
     let whole = bands.round() / wave.band_width;

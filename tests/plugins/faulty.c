@@ -100,8 +100,8 @@ static voltet_parameter parameters[] = {
      .type = VOLTET_NUMBER,
      .name = "number",
      .help = "a number",
-     .least = 0,
-     .most = 1,
+     .min = 0,
+     .max = 1,
      .number = 0.5},
 };
 
@@ -176,7 +176,7 @@ __attribute__((unused)) static const voltet_plugin *init(const char *path, const
 #elif FAULT == 17
     parameters[2].number = 7;
 #elif FAULT == 18
-    parameters[2].least = 2;
+    parameters[2].min = 2;
 #elif FAULT == 19
     parameters[1].text = "third";
 #elif FAULT == 21

@@ -45,7 +45,7 @@ static const char *meanings[] = {"nothing", "something else"};
 static const double vector[] = {1, 2, 3};
 
 static voltet_parameter parameters[] = {
-    {.size = sizeof(voltet_parameter), .type = VOLTET_NUMBER, .name = "number", .help = "a number", .most = 1, .number = 0.5},
+    {.size = sizeof(voltet_parameter), .type = VOLTET_NUMBER, .name = "number", .help = "a number", .max = 1, .number = 0.5},
     {.size = sizeof(voltet_parameter), .type = VOLTET_BOOLEAN, .name = "flag", .help = "a flag", .number = 1},
     {.size = sizeof(voltet_parameter), .type = VOLTET_INTEGER, .name = "whole", .unit = "m", .help = "a whole number", .number = 4},
     {.size = sizeof(voltet_parameter),

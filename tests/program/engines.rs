@@ -83,7 +83,7 @@ fn that_there_is_no_hardware_is_remembered() {
         assert_eq!(again.replace(" (remembered)", ""), first);
         assert!(again.contains(" (remembered)"), "{again}");
     }
-    assert_eq!(reason("VK_OF_NO_USE", &["--no-leave-out"]).unwrap(), first);
+    assert_eq!(reason("VK_OF_NO_USE", &["--exhaustive"]).unwrap(), first);
     assert_eq!(reason("VK_OF_NO_USE_EITHER", &[]).unwrap(), first);
 }
 

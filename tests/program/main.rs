@@ -7,11 +7,11 @@ mod collisions;
 mod commands;
 #[cfg(feature = "gpu")]
 mod engines;
+mod exhaustive;
 mod finders;
 mod foreign;
 mod gradient_test;
 mod info;
-mod left_out;
 mod memory;
 mod multi_gradient;
 mod outputs;

@@ -68,7 +68,7 @@ fn what_no_widget_looks_at_is_not_computed() {
         (&0.into(), &1.into()),
         "{counts}"
     );
-    folder.voltet(&["run", "--no-leave-out", "even.toml", "--set", "file.path=all.exr"]).ok();
+    folder.voltet(&["run", "--exhaustive", "even.toml", "--set", "file.path=all.exr"]).ok();
 }
 
 #[test]

@@ -123,7 +123,7 @@ fn the_standard_output_carries_one_thing_alone() {
     folder
         .voltet(&both)
         .fails(2, &["two outputs of this call are one file", "'-', which 'path' of the node 'file'"]);
-    let often = ["run", "slab.toml", "--no-leave-out", "--set", "file.path=-"];
+    let often = ["run", "slab.toml", "--exhaustive", "--set", "file.path=-"];
     folder.voltet(&often).fails(2, &["several times"]);
     folder.voltet(&["run", "slab.toml", "--set", "file.path=./-", "--set", "file.format=png"]).ok();
     assert_eq!(folder.names(), ["-", "cube.vtu", "slab.exr", "slab.toml"]);

@@ -127,7 +127,7 @@ fn a_format_of_ones_own_is_read_as_one_that_ships() {
     fails("grid.scalar=cold", &["the file holds no array 'cold'", "box.cells"]);
     let left = folder.voltet(&[&["explain", "own.toml"], &WITH[..]].concat()).ok().stdout;
     assert!(left.contains("grid: no arrays motion, material: nothing looks at them"), "{left}");
-    folder.voltet(&[&["run", "own.toml", "--no-leave-out"], &WITH[..]].concat()).ok();
+    folder.voltet(&[&["run", "own.toml", "--exhaustive"], &WITH[..]].concat()).ok();
 }
 
 fn without_filters(scene: &str) -> String {

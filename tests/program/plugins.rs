@@ -165,7 +165,7 @@ fn a_picture_says_which_plugin_drew_it_and_when_another_would() {
 #[test]
 fn the_commands_of_the_page_do_what_it_says() {
     let Some(folder) = folder() else { return };
-    let page = std::fs::read_to_string(compilers::source("docs/plugins.md")).unwrap();
+    let page = std::fs::read_to_string(compilers::source("docs/src/how-to/plugins.md")).unwrap();
     let commands = page.split("```sh\n").skip(1).flat_map(|block| block.split("```").next().unwrap().lines());
     for name in ["pipelines", "include", "examples", "data"] {
         std::os::unix::fs::symlink(compilers::source(name), folder.join(name)).unwrap();

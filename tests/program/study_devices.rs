@@ -4,7 +4,7 @@ use super::study::{scene, stages};
 use super::support::{Folder, Ran};
 use serde_json::Value;
 use voltet::nodes::drawing::ENGINES;
-use voltet::study::work_precision::Painter;
+use voltet_study::work_precision::Painter;
 
 const STUDY: [&str; 6] = ["study", "scene.toml", "--frames", "2", "--cache", "cache"];
 

@@ -18,7 +18,7 @@ const DECLARATION: VariantSchema = VariantSchema {
         name: "array",
         parameter_type: ParameterType::Text,
         unit: "",
-        standard: DefaultValue::Required,
+        default: DefaultValue::Required,
         help: "name of the point array that holds ∂s/∂x, ∂s/∂y, ∂s/∂z",
     }],
 };

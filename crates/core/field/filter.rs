@@ -1,4 +1,4 @@
-//! What a gradient filter is, and what it gives.
+//! Gradient filters: the trait, and the gradient that one returns.
 
 use crate::grid::Grid;
 use crate::parameters::{Parameters, VariantSchema};
@@ -21,14 +21,14 @@ pub struct Gradient {
 /// A kind of fall-back, and at how many points it was taken.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fallback {
-    /// What was done and why, a clause that can follow "at 12 points".
+    /// Substitute method and its reason, a clause that can follow "at 12 points".
     pub what: String,
     /// Number of points, > 0.
     pub point_count: u64,
 }
 
 impl Fallback {
-    /// Those that were taken at all.
+    /// Fallbacks with a count above zero.
     pub fn list(taken: impl IntoIterator<Item = (&'static str, u64)>) -> Vec<Fallback> {
         taken
             .into_iter()
@@ -51,13 +51,13 @@ pub struct Plugin {
     pub bytes: u64,
     /// A number made of all its bytes then: what was damaged or compiled again has another.
     pub fingerprint: u64,
-    /// When the file was last written, as it was loaded.
+    /// Modification time of the file when it was loaded.
     pub modified: Option<SystemTime>,
 }
 
 impl Plugin {
     /// The fingerprint as people are told of it: 16 hexadecimal digits.
-    pub fn fingerprint_in_words(&self) -> String {
+    pub fn fingerprint_text(&self) -> String {
         format!("{:016x}", self.fingerprint)
     }
 }
@@ -101,7 +101,7 @@ pub trait GradientFilter: Send + Sync {
         progress: &dyn Progress,
     ) -> Result<Gradient>;
 
-    /// The same at some points alone: a vector each, in their order, the same that [`GradientFilter::gradient`] gives there. `None`
+    /// Gradient at some points alone: a vector each, in their order, equal to [`GradientFilter::gradient`] there. `None`
     /// where this takes as long as all of them.
     fn gradient_at(
         &self,

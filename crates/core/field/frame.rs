@@ -1,4 +1,4 @@
-//! What filters that work point by point share: the loop over the points, with threads, progress and stopping.
+//! Parallel loop over points with progress and cancellation, shared by the filters that work point by point.
 
 use crate::progress::Progress;
 use crate::{Error, Result};
@@ -23,7 +23,7 @@ pub fn for_points<S: Send, const N: usize>(
     for_these((point_count, None), progress, scratch, f)
 }
 
-/// The same for every point, of so many, or those of a list.
+/// Runs the loop for all points, or for those of a list.
 pub(super) fn for_these<S: Send, const N: usize>(
     (point_count, points): (usize, Option<&[u32]>),
     progress: &dyn Progress,

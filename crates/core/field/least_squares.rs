@@ -57,7 +57,7 @@ fn fit(grid: &Grid, s: &[f64], points: Option<&[u32]>, progress: &dyn Progress) 
         (grid.points.len(), points),
         progress,
         || (Neighbours::default(), Fit::default()),
-        |(neighbours, fit), p| fit.at(grid, s, scale, p, neighbours.of(grid, &cells, p)),
+        |(neighbours, fit), p| fit.at(grid, s, scale, p, neighbours.around(grid, &cells, p)),
     )?;
     Ok(Gradient { vectors, fallbacks: fallbacks(flat, none) })
 }
@@ -91,7 +91,7 @@ impl Fit {
         neighbours: &[u32],
     ) -> (DVec3, Option<usize>) {
         let (x, s_p) = (grid.points[p], s[p]);
-        let apart = Apart::new(x);
+        let apart = CoincidenceTest::new(x);
         let mut m = [0.0; 6];
         let mut b = DVec3::ZERO;
         let mut trace = 0.0;
@@ -122,7 +122,7 @@ impl Fit {
         self.careful(grid, s, scale, p, neighbours)
     }
 
-    /// The same through singular values, for neighbourhoods that are flat or nearly so.
+    /// Solves by singular values, for neighbourhoods that are flat or nearly so.
     #[cold]
     fn careful(
         &mut self,
@@ -135,7 +135,7 @@ impl Fit {
         self.columns.iter_mut().for_each(Vec::clear);
         self.right.clear();
         let x = grid.points[p];
-        let apart = Apart::new(x);
+        let apart = CoincidenceTest::new(x);
         let mut noise = 0.0_f64;
         for &q in neighbours {
             let (y, delta) = (grid.points[q as usize], s[q as usize] - s[p]);
@@ -167,22 +167,22 @@ impl Fit {
 }
 
 /// Tells points apart from coincident ones.
-pub(super) struct Apart {
+pub(super) struct CoincidenceTest {
     /// |x| in its largest component.
     size: f64,
 }
 
-impl Apart {
+impl CoincidenceTest {
     pub fn new(x: DVec3) -> Self {
-        Apart { size: x.abs().max_element() }
+        CoincidenceTest { size: x.abs().max_element() }
     }
 
-    /// What the coordinates of the two points can resolve.
+    /// Smallest difference that the coordinates of the two points resolve.
     fn resolution(&self, y: DVec3) -> f64 {
         f64::EPSILON * self.size.max(y.abs().max_element())
     }
 
-    /// Whether the difference d (times `scale`, with this square) is more than rounding of the coordinates.
+    /// True if the difference d (times `scale`, with this square) is more than rounding of the coordinates.
     #[inline]
     pub fn holds(&self, y: DVec3, d: DVec3, scale: f64, square: f64) -> bool {
         d.abs().max_element() > 2.0 * self.resolution(y) * scale && square >= f64::MIN_POSITIVE

@@ -35,7 +35,7 @@ impl Method {
     ///
     /// Errors: a parameter that must be given.
     pub fn with_defaults(filter: Arc<dyn GradientFilter>) -> Result<Method> {
-        let parameters = Parameters::of(filter.declaration().parameters, [])?;
+        let parameters = Parameters::from_values(filter.declaration().parameters, [])?;
         Self::new(filter, parameters)
     }
 
@@ -44,7 +44,7 @@ impl Method {
         self.filter.declaration().name
     }
 
-    /// What the filter declares.
+    /// Parameter schema of the filter.
     pub fn declaration(&self) -> VariantSchema {
         self.filter.declaration()
     }
@@ -60,7 +60,7 @@ impl Method {
     }
 
     /// The filter as messages call it.
-    fn in_words(&self) -> String {
+    fn describe(&self) -> String {
         let of = self.plugin().map(|plugin| format!(" of the {plugin}")).unwrap_or_default();
         format!("the gradient filter '{}'{of}", self.name())
     }
@@ -81,7 +81,7 @@ impl Method {
         Ok(found)
     }
 
-    /// The same at some points alone, a vector each, in their order; `None` where that takes as long as all of them.
+    /// Gradient at some points alone, a vector each, in their order; `None` where that takes as long as all of them.
     ///
     /// Errors: those of [`Method::gradient`].
     pub fn gradient_at(
@@ -104,7 +104,7 @@ impl Method {
         match (found.vectors.len(), wanted) {
             (count, wanted) if count == wanted => Ok(()),
             (count, wanted) => {
-                let what = format!("{} did not give one vector a point", self.in_words());
+                let what = format!("{} did not give one vector a point", self.describe());
                 Err(Error::run(what).got(format!("{count} vectors")).expected(wanted))
             }
         }
@@ -133,7 +133,7 @@ impl Method {
         let Some(place) = places.find_first(is_found) else { return Ok(()) };
         let p = point_of(place);
         let (v, at) = (vectors[place], grid.points[p]);
-        let what = format!("{} gave a vector that is not finite", self.in_words());
+        let what = format!("{} gave a vector that is not finite", self.describe());
         let found = format!(
             "({}, {}, {}) at point {p}, which lies at ({}, {}, {}) and has the value {}",
             v.x, v.y, v.z, at.x, at.y, at.z, scalar[p]

@@ -1,7 +1,7 @@
 //! Gradients of a scalar at the points of a grid: the trait that every filter fulfils, and the filters that ship.
 //!
 //! Symbols: s the scalar, ∇s its gradient (units of s per world unit), g = |∇s| the gradient magnitude. What each method
-//! finds: docs/optics.md, section 3.
+//! finds: docs/src/explanation/optics.md, section 3.
 
 mod array;
 mod cell_mean;
@@ -70,7 +70,7 @@ pub fn spectral_norm(rows: &[DVec3]) -> f64 {
     largest * largest_eigenvalue(product.to_cols_array_2d()).sqrt()
 }
 
-/// Of a symmetric matrix, by Jacobi's rotations: the largest keeps all its digits, however near the others are.
+/// Largest eigenvalue of a symmetric matrix, by Jacobi's rotations: it keeps all its digits, however near the others are.
 fn largest_eigenvalue(mut a: [[f64; 3]; 3]) -> f64 {
     // Each sweep squares what is left beside the diagonal; four leave rounding.
     for _ in 0..8 {

@@ -7,7 +7,7 @@
 
 use super::dense::solve_qr;
 use super::frame::for_these;
-use super::least_squares::{Apart, Fit, fallbacks};
+use super::least_squares::{CoincidenceTest, Fit, fallbacks};
 use super::{Fallback, Gradient, GradientFilter, check_scalar};
 use crate::Result;
 use crate::grid::{Grid, Neighbours, cells_of_points, points_of_points};
@@ -25,7 +25,7 @@ const UNKNOWNS: usize = 9;
 /// at most about its inverse.
 const SMALL_PIVOT: f64 = 1e-2;
 
-/// The same for the larger surroundings, the last resort before a linear fit.
+/// Smallest pivot for the larger neighbourhood, the last resort before a linear fit.
 const SMALL_PIVOT_SECOND_RING: f64 = 1e-3;
 
 /// Fewest neighbours for a fit without the second ring: three more than unknowns, so that single values do not
@@ -108,7 +108,7 @@ impl QuadraticPoint {
         small_pivot: f64,
     ) -> Option<DVec3> {
         let x = grid.points[p];
-        let apart = Apart::new(x);
+        let apart = CoincidenceTest::new(x);
         self.differences.clear();
         let mut covariance = [0.0; 6];
         for &q in surroundings {
@@ -132,7 +132,7 @@ impl QuadraticPoint {
         if rows < UNKNOWNS {
             return None;
         }
-        let stretch = Stretch::of(covariance.map(|v| v / rows as f64))?;
+        let stretch = ShapeFactor::from_covariance(covariance.map(|v| v / rows as f64))?;
         self.matrix.clear();
         self.matrix.resize(rows * UNKNOWNS, 0.0);
         self.right.clear();
@@ -163,14 +163,14 @@ impl QuadraticPoint {
 
 /// L of the covariance L Lᵀ of the surroundings (Cholesky). In the coordinates L⁻¹ d they are as wide in every
 /// direction, so that thin, long and sheared cells are fitted as well as regular ones.
-struct Stretch {
+struct ShapeFactor {
     rows: [f64; 6],
 }
 
-impl Stretch {
-    fn of([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Option<Self> {
+impl ShapeFactor {
+    fn from_covariance([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Option<Self> {
         // Under this share of a variance what remains of it is rounding: the surroundings are flat.
-        const FLAT: f64 = 1e-13;
+        const FLATNESS_TOLERANCE: f64 = 1e-13;
         let l11 = xx.sqrt();
         let (l21, l31) = (xy / l11, xz / l11);
         let rest_y = yy - l21 * l21;
@@ -178,8 +178,8 @@ impl Stretch {
         let l32 = (yz - l21 * l31) / l22;
         let rest_z = zz - l31 * l31 - l32 * l32;
         let l33 = rest_z.sqrt();
-        let spans = xx > 0.0 && rest_y > FLAT * yy && rest_z > FLAT * zz;
-        spans.then_some(Stretch { rows: [l11, l21, l22, l31, l32, l33] })
+        let spans = xx > 0.0 && rest_y > FLATNESS_TOLERANCE * yy && rest_z > FLATNESS_TOLERANCE * zz;
+        spans.then_some(ShapeFactor { rows: [l11, l21, l22, l31, l32, l33] })
     }
 
     /// L⁻¹ d.

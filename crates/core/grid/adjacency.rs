@@ -1,8 +1,8 @@
-//! Which tetrahedra use a point, and which points it shares an edge with: made on demand, in parallel, always in
+//! Adjacency tables: the tetrahedra around a point, and the points that share an edge with it; made on demand, in parallel, always in
 //! the same order.
 
 use super::Grid;
-use super::faces::{Face, Places, each_face};
+use super::faces::{CoincidentPoints, Face, each_face};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -36,7 +36,7 @@ const BLOCK: usize = 4096;
 /// Every task takes a range of points and reads the tetrahedra, skipping blocks of them that lie outside its range;
 /// so no two tasks write to the same place, and the order in which a point meets its tetrahedra (ascending) does not
 /// depend on the number of threads.
-struct ByRange<'a> {
+struct TetrahedraByPointRange<'a> {
     tetrahedra: &'a [[u32; 4]],
     /// Lowest and highest point number of every block of tetrahedra.
     spans: Vec<(u32, u32)>,
@@ -44,8 +44,8 @@ struct ByRange<'a> {
     task_points: usize,
 }
 
-impl<'a> ByRange<'a> {
-    fn of(grid: &'a Grid) -> Self {
+impl<'a> TetrahedraByPointRange<'a> {
+    fn new(grid: &'a Grid) -> Self {
         let tetrahedra = &grid.tetrahedra[..];
         let spans = tetrahedra
             .par_chunks(BLOCK)
@@ -53,7 +53,7 @@ impl<'a> ByRange<'a> {
             .collect();
         // Two tasks a thread even out their loads; more would read the tetrahedra more often.
         let tasks = 2 * rayon::current_num_threads();
-        ByRange { tetrahedra, spans, task_points: grid.points.len().div_ceil(tasks).max(1024) }
+        TetrahedraByPointRange { tetrahedra, spans, task_points: grid.points.len().div_ceil(tasks).max(1024) }
     }
 
     /// Calls `f(tetrahedron, its corners)` for every tetrahedron that may use one of the `count` points from `first`.
@@ -77,7 +77,7 @@ impl<'a> ByRange<'a> {
 /// For every point the tetrahedra that use it, ascending.
 pub fn cells_of_points(grid: &Grid) -> Csr {
     let point_count = grid.points.len();
-    let ranges = ByRange::of(grid);
+    let ranges = TetrahedraByPointRange::new(grid);
     let task_points = ranges.task_points;
     let mut starts = vec![0_usize; point_count + 1];
     starts[1..].par_chunks_mut(task_points).enumerate().for_each(|(task, counts)| {
@@ -127,7 +127,7 @@ pub fn sum_over_cells<S, T>(
 where
     S: Clone + Default + Send,
 {
-    let ranges = ByRange::of(grid);
+    let ranges = TetrahedraByPointRange::new(grid);
     let mut sums = vec![S::default(); grid.points.len()];
     sums.par_chunks_mut(ranges.task_points).enumerate().for_each(|(task, sums)| {
         let first = task * ranges.task_points;
@@ -164,7 +164,7 @@ pub fn cells_of_faces(grid: &Grid) -> Vec<u32> {
                 none[other as usize].store(one, Ordering::Relaxed);
             }
         };
-        each_face(&grid.points, tetrahedra, &Places::each_its_own(), || (), look, |(), ()| ());
+        each_face(&grid.points, tetrahedra, &CoincidentPoints::each_its_own(), || (), look, |(), ()| ());
     }
     none.into_iter().map(AtomicU32::into_inner).collect()
 }
@@ -179,7 +179,7 @@ pub fn points_of_points(grid: &Grid, cells_of_points: &Csr) -> Csr {
             // A point of a tetrahedral grid has some 14 neighbours.
             let (mut counts, mut items) = (Vec::with_capacity(TASK), Vec::with_capacity(16 * TASK));
             for p in task * TASK..((task + 1) * TASK).min(point_count) {
-                let row = neighbours.of(grid, cells_of_points, p);
+                let row = neighbours.around(grid, cells_of_points, p);
                 counts.push(row.len() as u32);
                 items.extend_from_slice(row);
             }
@@ -217,7 +217,7 @@ pub struct Neighbours {
 
 impl Neighbours {
     /// The points that share an edge with `point`, each once, in order of first appearance.
-    pub fn of(&mut self, grid: &Grid, cells_of_points: &Csr, point: usize) -> &[u32] {
+    pub fn around(&mut self, grid: &Grid, cells_of_points: &Csr, point: usize) -> &[u32] {
         self.clear();
         let cells = cells_of_points.row(point);
         self.make_room(3 * cells.len());
@@ -230,7 +230,7 @@ impl Neighbours {
         &self.found[1..]
     }
 
-    /// The same with the neighbours of these neighbours.
+    /// Neighbours of a point, and their neighbours.
     pub fn second_ring(&mut self, neighbours_of_points: &Csr, point: usize) -> &[u32] {
         self.clear();
         let first = neighbours_of_points.row(point);

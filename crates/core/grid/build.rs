@@ -251,7 +251,7 @@ fn nothing_to_draw(tally: &CellCounts) -> Error {
         }
     }
     if let Some((&first, _)) = tally.unsupported.iter().next()
-        && let Some(cell_type) = CellType::of(first)
+        && let Some(cell_type) = CellType::from_code(first)
     {
         found.push_str(&format!(" (a {} cannot be split)", cell_type.name));
     }

@@ -31,7 +31,7 @@ pub mod code {
     pub const BEZIER_PYRAMID: u8 = 81;
 }
 
-/// What is known of a cell type.
+/// VTK cell type: code, name, dimension, corner count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CellType {
     /// VTK's type code.
@@ -118,7 +118,7 @@ const CELL_TYPES: &[CellType] = &[
 
 impl CellType {
     /// The type with this code; `None` where VTK knows none.
-    pub fn of(code: u8) -> Option<&'static CellType> {
+    pub fn from_code(code: u8) -> Option<&'static CellType> {
         CELL_TYPES.binary_search_by_key(&code, |t| t.code).ok().map(|i| &CELL_TYPES[i])
     }
 
@@ -141,7 +141,7 @@ impl CellType {
 pub fn describe_counts<'a>(counts: impl IntoIterator<Item = (&'a u8, &'a u64)>) -> String {
     let parts: Vec<String> = counts
         .into_iter()
-        .map(|(&code, &count)| match CellType::of(code) {
+        .map(|(&code, &count)| match CellType::from_code(code) {
             Some(cell_type) => cell_type.counted(count),
             None => format!("{count} of type {code}"),
         })

@@ -1,4 +1,4 @@
-//! What is not finite, and points that nobody uses.
+//! Removal of unused points, and flags of values that are not finite.
 
 use super::Array;
 use super::file_cells::UNUSED;

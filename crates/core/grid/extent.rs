@@ -1,4 +1,4 @@
-//! How far points and values reach.
+//! Extents of points and values.
 
 use crate::{Error, Result};
 use glam::DVec3;

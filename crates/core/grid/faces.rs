@@ -13,17 +13,17 @@ const CHUNK: usize = 1 << 13;
 pub(crate) type Face = [u32; 4];
 
 /// For each point the first one at its place.
-pub(crate) struct Places(Option<Vec<u32>>);
+pub(crate) struct CoincidentPoints(Option<Vec<u32>>);
 
-impl Places {
-    /// Those of these points.
-    pub fn of(points: &[DVec3]) -> Places {
-        Places(points_at_one_place(points))
+impl CoincidentPoints {
+    /// Coincident points among these.
+    pub fn find(points: &[DVec3]) -> CoincidentPoints {
+        CoincidentPoints(points_at_one_place(points))
     }
 
     /// Points at one place count each for itself.
-    pub fn each_its_own() -> Places {
-        Places(None)
+    pub fn each_its_own() -> CoincidentPoints {
+        CoincidentPoints(None)
     }
 
     /// The first point at the place of this one.
@@ -48,7 +48,7 @@ impl Places {
 pub(crate) fn each_face<T: Send>(
     points: &[DVec3],
     tetrahedra: &[[u32; 4]],
-    places: &Places,
+    places: &CoincidentPoints,
     none: impl Fn() -> T + Sync + Send,
     look: impl Fn(&mut T, u32, &[Face]) + Sync + Send,
     join: impl Fn(T, T) -> T + Sync + Send,
@@ -89,11 +89,11 @@ fn faces_at(p: u32, around: &[u32], corners: &impl Fn(u32) -> [u32; 4], faces: &
     faces.sort_unstable();
 }
 
-/// Where each point's cells begin; one more entry than points.
+/// Start of each point's cells; one more entry than points.
 fn starts(point_count: usize, cell_count: usize, corners: &(impl Fn(u32) -> [u32; 4] + Sync)) -> Vec<u64> {
     let counts: Vec<AtomicU32> = (0..point_count).map(|_| AtomicU32::new(0)).collect();
     (0..cell_count as u32).into_par_iter().with_min_len(CHUNK).for_each(|cell| {
-        for p in at(corners(cell)) {
+        for p in points_of_cell(corners(cell)) {
             counts[p as usize].fetch_add(1, Ordering::Relaxed);
         }
     });
@@ -114,7 +114,7 @@ fn by_point(starts: &[u64], cell_count: usize, corners: &(impl Fn(u32) -> [u32; 
     let total = starts[starts.len() - 1] as usize;
     let cells: Vec<AtomicU32> = (0..total).map(|_| AtomicU32::new(0)).collect();
     (0..cell_count as u32).into_par_iter().with_min_len(CHUNK).for_each(|cell| {
-        for p in at(corners(cell)) {
+        for p in points_of_cell(corners(cell)) {
             let place = starts[p as usize] + u64::from(taken[p as usize].fetch_add(1, Ordering::Relaxed));
             cells[place as usize].store(cell, Ordering::Relaxed);
         }
@@ -123,7 +123,7 @@ fn by_point(starts: &[u64], cell_count: usize, corners: &(impl Fn(u32) -> [u32; 
 }
 
 /// The points at which a cell is looked at; none where it has corners at one place, and so no volume.
-fn at([a, b, c, d]: [u32; 4]) -> impl Iterator<Item = u32> {
+fn points_of_cell([a, b, c, d]: [u32; 4]) -> impl Iterator<Item = u32> {
     let is_cell = a < b && b < c && c < d;
     [a, b].into_iter().filter(move |_| is_cell)
 }

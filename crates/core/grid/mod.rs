@@ -29,7 +29,7 @@ pub use cell_types::{CellType, code, describe_counts};
 pub use cells::{CellSet, Polyhedron};
 pub use file_cells::FileCells;
 pub use parts::{Association, CellValues, Cells, Options, RawGrid, Scalar};
-pub use refine::{Refined, refine};
+pub use refine::{RefinedGrid, refine};
 pub use tetrahedra::{Grid, ImportStats, tetrahedron_volume};
 
 #[cfg(test)]

@@ -4,17 +4,17 @@
 //! that are folded over, or that are joined three to a face are found by that; [`super::within`] finds those that overlap and
 //! share no face. Points at one place count as one, so that pieces that hold the same cells are seen.
 
-use super::faces::{Face, Places, each_face};
+use super::faces::{CoincidentPoints, Face, each_face};
 use glam::DVec3;
 use rayon::prelude::*;
 
 /// A tetrahedron whose height over a face is less than this share of the distance of its fourth corner has no side that
 /// rounding could not turn.
-const FLAT: f64 = 1e-9;
+const FLATNESS_TOLERANCE: f64 = 1e-9;
 
-/// What the faces of a grid say.
+/// Boundary faces of a grid, and counts of faces that show overlapping cells.
 #[derive(Debug, PartialEq)]
-pub(super) struct Faces {
+pub(super) struct BoundaryFaces {
     /// The tetrahedra that lie on the same side of a face as another one does, ascending.
     pub overlapping: Vec<u32>,
     /// The faces of one cell alone, the grid's boundary: the cell and the point opposite (the first at its place),
@@ -23,14 +23,15 @@ pub(super) struct Faces {
 }
 
 /// Looks at all faces of tetrahedra (corners ascending).
-pub(super) fn faces(points: &[DVec3], tetrahedra: &[[u32; 4]]) -> Faces {
-    let none = || Faces { overlapping: Vec::new(), boundary: Vec::new() };
-    let look = |found: &mut Faces, p, shared: &[Face]| look_at(points, p, shared, found);
-    let mut found = each_face(points, tetrahedra, &Places::of(points), none, look, |mut all, mut more| {
-        all.overlapping.append(&mut more.overlapping);
-        all.boundary.append(&mut more.boundary);
-        all
-    });
+pub(super) fn faces(points: &[DVec3], tetrahedra: &[[u32; 4]]) -> BoundaryFaces {
+    let none = || BoundaryFaces { overlapping: Vec::new(), boundary: Vec::new() };
+    let look = |found: &mut BoundaryFaces, p, shared: &[Face]| look_at(points, p, shared, found);
+    let mut found =
+        each_face(points, tetrahedra, &CoincidentPoints::find(points), none, look, |mut all, mut more| {
+            all.overlapping.append(&mut more.overlapping);
+            all.boundary.append(&mut more.boundary);
+            all
+        });
     found.overlapping.par_sort_unstable();
     found.overlapping.dedup();
     found.boundary.par_sort_unstable();
@@ -38,7 +39,7 @@ pub(super) fn faces(points: &[DVec3], tetrahedra: &[[u32; 4]]) -> Faces {
 }
 
 /// Adds the cells of a face that lie on one side of it with another one, and the face of one cell.
-fn look_at(points: &[DVec3], p: u32, shared: &[Face], found: &mut Faces) {
+fn look_at(points: &[DVec3], p: u32, shared: &[Face], found: &mut BoundaryFaces) {
     if let [[_, _, cell, opposite]] = *shared {
         found.boundary.push([cell, opposite]);
         return;
@@ -57,6 +58,6 @@ fn look_at(points: &[DVec3], p: u32, shared: &[Face], found: &mut Faces) {
 /// could turn it.
 pub(crate) fn side(normal: DVec3, apart: DVec3) -> f64 {
     let height = normal.dot(apart);
-    let is_clear = height.abs() > FLAT * normal.length() * apart.length();
+    let is_clear = height.abs() > FLATNESS_TOLERANCE * normal.length() * apart.length();
     if is_clear { height.signum() } else { 0.0 }
 }

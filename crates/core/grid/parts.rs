@@ -1,4 +1,4 @@
-//! What a grid is built from: a file's points, cells and arrays, as a reader hands them over.
+//! Raw grid: a file's points, cells and arrays, as a reader returns them.
 
 use super::Array;
 use super::cells::CellSet;
@@ -6,7 +6,7 @@ use crate::SharedSlice;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// Where the values of an array sit.
+/// Location of an array's values: points or cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Association {
     /// One tuple a point.
@@ -15,7 +15,7 @@ pub enum Association {
     Cell,
 }
 
-/// How values that sit on cells become values of the points.
+/// Conversion of cell values to point values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum CellValues {
     /// Mean over the cells that use the point, weighted by their volume.
@@ -54,13 +54,13 @@ impl Cells {
 pub struct Scalar {
     /// Its name as the user wrote it.
     pub name: String,
-    /// Where it sits.
+    /// Location of the values.
     pub association: Association,
     /// One value a point or cell of the file.
     pub values: SharedSlice<f64>,
 }
 
-/// What a reader hands over. Everything is in the file's own numbering.
+/// Result of a reader, in the file's own numbering.
 #[derive(Debug, Clone)]
 pub struct RawGrid {
     /// Positions, world units. May hold points that no cell uses.
@@ -116,9 +116,9 @@ pub struct Options {
     /// Pieces between two neighbouring nodes of a curved cell's edge, at least 1: 1 goes straight from node to
     /// node (through the mid-edge nodes), n cuts each such stretch into n along the curve.
     pub subdivision: u32,
-    /// How values on cells become values of points.
+    /// Conversion of cell values to point values.
     pub cell_values: CellValues,
-    /// Whether the grid keeps the file's cells, to write them back: [`super::Grid::file_cells`].
+    /// True if the grid keeps the file's cells, to write them back: [`super::Grid::file_cells`].
     pub keep_cells: bool,
 }
 

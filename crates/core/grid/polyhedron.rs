@@ -20,18 +20,18 @@ enum Apex {
     Mean { sees_all: bool },
 }
 
-/// How the polyhedra of a file are split, in the order of [`CellSet::polyhedra`].
+/// Subdivision of the polyhedra of a file, in the order of [`CellSet::polyhedra`].
 #[derive(Debug, Default)]
 pub(super) struct Polyhedra {
     /// By cell number: position in `CellSet::polyhedra`.
     positions: HashMap<u32, usize>,
-    /// How each is split.
-    pub choices: Choices,
+    /// Subdivision of each.
+    pub choices: SplitDecisions,
 }
 
 /// Decisions for all polyhedra.
 #[derive(Debug, Default)]
-pub(super) struct Choices {
+pub(super) struct SplitDecisions {
     /// Point number of every polyhedron's apex; those above the file's points are added.
     apexes: Vec<u32>,
     /// Polyhedra (positions) that have a point in their middle added, in the order of the points' numbers.
@@ -66,7 +66,7 @@ impl Polyhedra {
         points: &[DVec3],
         drawn: impl Fn(u32) -> bool + Sync,
         first_free: usize,
-    ) -> Result<Choices> {
+    ) -> Result<SplitDecisions> {
         let (fans, apexes): (Vec<Vec<u16>>, Vec<Apex>) = set
             .polyhedra
             .par_iter()
@@ -79,7 +79,7 @@ impl Polyhedra {
                 (fans, apex)
             })
             .unzip();
-        let mut choices = Choices { fans, ..Choices::default() };
+        let mut choices = SplitDecisions { fans, ..SplitDecisions::default() };
         for (position, apex) in apexes.into_iter().enumerate() {
             let apex = match apex {
                 Apex::Corner(corner) => corner,
@@ -100,7 +100,7 @@ impl Polyhedra {
     }
 
     /// The faces of a cell.
-    pub fn of<'a>(&self, set: &'a CellSet, cell: usize) -> Option<&'a Polyhedron> {
+    pub fn polyhedron<'a>(&self, set: &'a CellSet, cell: usize) -> Option<&'a Polyhedron> {
         self.positions.get(&(cell as u32)).map(|&position| &set.polyhedra[position])
     }
 
@@ -136,7 +136,7 @@ fn fan(face: &[u32], start: u16, mut f: impl FnMut([u32; 3])) {
     }
 }
 
-/// Where a face's fan starts: its lowest corner; for five or more the lowest whose fan does not fold over.
+/// First corner of a face's fan: the lowest; for five or more corners the lowest whose fan does not fold over.
 fn fan_start(face: &[u32], points: &[DVec3]) -> u16 {
     let lowest = super::split::lowest(face);
     let n = face.len();
@@ -194,7 +194,7 @@ fn apex(polyhedron: &Polyhedron, fans: &[u16], points: &[DVec3]) -> Apex {
     }
 }
 
-/// Which faces run the other way round than the first one's neighbours ask for, so that all turn alike.
+/// Flags of the faces that run the other way round than the first one's neighbours require, so that all turn alike.
 fn inward_faces(polyhedron: &Polyhedron) -> Vec<bool> {
     let faces = &polyhedron.faces;
     // (edge, face, whether the face runs along it from the lower to the higher number)

@@ -12,14 +12,14 @@ use rayon::prelude::*;
 
 /// A refined grid: points and tetrahedra alone, no values.
 #[derive(Debug, Clone)]
-pub struct Refined {
+pub struct RefinedGrid {
     /// The points of the coarse grid, then one in the middle of each edge; eight tetrahedra for each coarse one.
     pub grid: Grid,
     /// The coarse points between which each further point lies.
     pub ends: Vec<[u32; 2]>,
 }
 
-impl Refined {
+impl RefinedGrid {
     /// Values at the points of the refined grid: those of the coarse points, and what `middle` makes of the two ends of
     /// each edge.
     pub fn values<T: Copy + Send + Sync>(
@@ -45,7 +45,7 @@ const DIAGONALS: [([usize; 2], [usize; 4]); 3] =
 /// Cuts every tetrahedron in eight.
 ///
 /// Errors: more points or tetrahedra than 32 bits count.
-pub fn refine(grid: &Grid) -> Result<Refined> {
+pub fn refine(grid: &Grid) -> Result<RefinedGrid> {
     let key = |cell: &[u32; 4], [a, b]: [usize; 2]| {
         let (low, high) = (cell[a].min(cell[b]), cell[a].max(cell[b]));
         u64::from(low) << 32 | u64::from(high)
@@ -81,7 +81,7 @@ pub fn refine(grid: &Grid) -> Result<Refined> {
         tetrahedra: SharedSlice::from(tetrahedra),
         ..Grid::default()
     };
-    Ok(Refined { grid, ends })
+    Ok(RefinedGrid { grid, ends })
 }
 
 /// The parts of a cell.

@@ -8,7 +8,7 @@ use super::polyhedron::Polyhedra;
 use super::split;
 use crate::{Error, Result};
 
-/// What becomes of a cell.
+/// Classification of a cell on import.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum CellStatus {
     /// It is drawn.
@@ -32,13 +32,13 @@ pub(super) struct Source<'a> {
     pub ghost: Option<&'a [bool]>,
     /// True at points whose position or value is not finite; `None`: all are finite.
     pub point_not_finite: Option<Vec<bool>>,
-    /// The same for values on cells.
+    /// Flags of cells with a value that is not finite.
     pub cell_not_finite: Option<Vec<bool>>,
     /// Degrees of the cells.
     pub degrees: Option<&'a [[u8; 3]]>,
-    /// How curved cells are cut.
+    /// Subdivision of curved cells.
     pub curved: Curved,
-    /// How polyhedra are split.
+    /// Subdivision of polyhedra.
     pub polyhedra: Polyhedra,
 }
 
@@ -74,10 +74,10 @@ impl Source<'_> {
         }
     }
 
-    /// What becomes of a cell; an error where it is damaged.
+    /// Classifies a cell; an error where it is damaged.
     pub fn fate(&self, cell: &Cell) -> Result<CellStatus> {
         let number = cell.number;
-        let Some(cell_type) = CellType::of(cell.code) else {
+        let Some(cell_type) = CellType::from_code(cell.code) else {
             return Err(Error::run(format!("cell {number} has an unknown type"))
                 .got(cell.code)
                 .expected("a cell type code of VTK"));
@@ -120,7 +120,7 @@ impl Source<'_> {
 
     fn fate_of_polyhedron(&self, number: usize) -> Result<CellStatus> {
         let Cells::Mixed(set) = self.cells else { return Ok(CellStatus::Unsupported) };
-        let Some(polyhedron) = self.polyhedra.of(set, number) else {
+        let Some(polyhedron) = self.polyhedra.polyhedron(set, number) else {
             return Err(Error::run(format!("cell {number}, a polyhedron, has no faces"))
                 .expected("the faces of every polyhedron"));
         };
@@ -130,7 +130,7 @@ impl Source<'_> {
         Ok(if bad { CellStatus::NotFinite } else { CellStatus::Drawn })
     }
 
-    /// What decides how a curved cell is cut.
+    /// Key of a curved cell's subdivision.
     pub fn kind(&self, cell: &Cell) -> (u8, usize, Option<[u8; 3]>) {
         let degrees = if cell.code >= code::LAGRANGE_TETRAHEDRON { self.degrees } else { None };
         (cell.code, cell.corners.len(), degrees.map(|d| d[cell.number]))
@@ -226,7 +226,7 @@ impl Source<'_> {
     }
 }
 
-/// Whether cells of this type can be split.
+/// True if cells of this type can be split.
 pub(super) fn is_supported(code: u8) -> bool {
     matches!(code, code::TETRA..=code::HEXAGONAL_PRISM | code::POLYHEDRON) || is_curved(code)
 }

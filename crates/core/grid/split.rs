@@ -1,6 +1,6 @@
 //! Linear cells into tetrahedra, so that neighbours share the same triangles.
 //!
-//! The rule (docs/optics.md, section 2; J. Dompierre, P. Labbé, M.-G. Vallet, R. Camarero, "How to subdivide
+//! The rule (docs/src/explanation/optics.md, section 2; J. Dompierre, P. Labbé, M.-G. Vallet, R. Camarero, "How to subdivide
 //! pyramids, prisms and hexahedra into tetrahedra", 8th International Meshing Roundtable, 1999): every face is cut
 //! from its corner of lowest point number, so that two cells which share it cut it alike whatever their own
 //! orientation and vertex order; then the cell is split to match its cut faces:

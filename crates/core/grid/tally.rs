@@ -107,7 +107,7 @@ pub(super) fn tally(source: &Source, progress: &dyn Progress) -> Result<CellCoun
     Ok(sum)
 }
 
-/// The same for tetrahedra all of which are drawn: only the point numbers are checked.
+/// Counts tetrahedra all of which are drawn: only the point numbers are checked.
 pub(super) fn tally_plain(source: &Source) -> Result<CellCounts> {
     let Cells::Tetrahedra(tetrahedra) = source.cells else { return Ok(CellCounts::default()) };
     let point_count = source.point_count;

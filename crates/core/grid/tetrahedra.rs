@@ -31,11 +31,11 @@ pub struct Grid {
     /// The file's own cells and points, where somebody asked for them and every point of the file is one point here
     /// (cells that keep constant values have points of their own).
     pub file_cells: Option<Arc<FileCells>>,
-    /// What the reader counted and left out.
+    /// Counts of the import.
     pub origin: Arc<ImportStats>,
 }
 
-/// What a grid was made from: counts for `info` and the report.
+/// Counts of a grid's import, for `info` and the report.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ImportStats {
     /// Cells of the file by VTK type code.

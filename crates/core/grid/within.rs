@@ -11,7 +11,7 @@ const PLACES: usize = 4096;
 
 /// A place lies in a cell where all of its barycentric coordinates are above this: pieces whose cells meet without sharing faces
 /// may lie in each other by the rounding of their points, or by as much as their flat faces leave of a curved one.
-const DEEP: f64 = 0.05;
+const MIN_INSIDE_WEIGHT: f64 = 0.05;
 
 /// Bins along an axis: about one place a bin.
 const BINS: usize = 16;
@@ -21,17 +21,17 @@ const CHUNK: usize = 1 << 13;
 
 /// Boundary places in other cells.
 #[derive(Debug, Default, PartialEq)]
-pub(super) struct Within {
+pub(super) struct BoundaryOverlap {
     /// Places that were tried.
     pub tried: usize,
-    /// Those that lie in another cell.
+    /// Places that lie in another cell.
     pub inside: usize,
     /// The first of them, by its cell: the place, its cell, and a cell that it lies in.
     pub first: Option<(DVec3, [u32; 2])>,
 }
 
 /// Tries places on the boundary (see [`super::overlap::Faces`]) of tetrahedra.
-pub(super) fn within(points: &[DVec3], tetrahedra: &[[u32; 4]], boundary: &[[u32; 2]]) -> Within {
+pub(super) fn within(points: &[DVec3], tetrahedra: &[[u32; 4]], boundary: &[[u32; 2]]) -> BoundaryOverlap {
     let corner = |p: u32| points[p as usize];
     let middle = |&[cell, opposite]: &[u32; 2]| {
         let corners = tetrahedra[cell as usize];
@@ -42,7 +42,7 @@ pub(super) fn within(points: &[DVec3], tetrahedra: &[[u32; 4]], boundary: &[[u32
     let step = boundary.len().div_ceil(PLACES).max(1);
     let places: Vec<(DVec3, u32)> =
         boundary.iter().step_by(step).map(middle).filter(|(place, _)| place.is_finite()).collect();
-    let Some(bins) = Bins::new(&places) else { return Within::default() };
+    let Some(bins) = PointBins::new(&places) else { return BoundaryOverlap::default() };
     let mut found: Vec<(usize, u32)> = (0..tetrahedra.len() as u32)
         .into_par_iter()
         .with_min_len(CHUNK)
@@ -60,38 +60,38 @@ pub(super) fn within(points: &[DVec3], tetrahedra: &[[u32; 4]], boundary: &[[u32
     found.sort_unstable();
     found.dedup_by_key(|(place, _)| *place);
     let first = found.first().map(|&(k, other)| (places[k].0, [places[k].1, other]));
-    Within { tried: places.len(), inside: found.len(), first }
+    BoundaryOverlap { tried: places.len(), inside: found.len(), first }
 }
 
-/// Whether a place lies deep in a tetrahedron.
+/// True if a place lies deep in a tetrahedron.
 fn holds([a, b, c, d]: [DVec3; 4], place: DVec3) -> bool {
     let [u, v, w] = [b - a, c - a, d - a];
     let volume = u.dot(v.cross(w));
     let p = place - a;
     let [b, c, d] = [p.dot(v.cross(w)), p.dot(w.cross(u)), p.dot(u.cross(v))].map(|x| x / volume);
     // Not so for a cell without volume, whose quotients are no numbers.
-    [1.0 - b - c - d, b, c, d].into_iter().all(|weight| weight > DEEP)
+    [1.0 - b - c - d, b, c, d].into_iter().all(|weight| weight > MIN_INSIDE_WEIGHT)
 }
 
 /// Places by where they lie.
-struct Bins {
+struct PointBins {
     low: DVec3,
     high: DVec3,
     /// Bins a unit of length.
     scale: DVec3,
-    /// Where each bin's places begin in `places`; one more entry than bins.
+    /// Start of each bin's places in `places`; one more entry than bins.
     starts: Vec<usize>,
     places: Vec<usize>,
 }
 
-impl Bins {
+impl PointBins {
     /// `None` without places.
-    fn new(places: &[(DVec3, u32)]) -> Option<Bins> {
+    fn new(places: &[(DVec3, u32)]) -> Option<PointBins> {
         let low = places.iter().map(|place| place.0).reduce(DVec3::min)?;
         let high = places.iter().map(|place| place.0).reduce(DVec3::max)?;
         // A plane of places has one layer of bins.
         let scale = (high - low).to_array().map(|side| if side > 0.0 { BINS as f64 / side } else { 0.0 });
-        let mut bins = Bins { low, high, scale: scale.into(), starts: Vec::new(), places: Vec::new() };
+        let mut bins = PointBins { low, high, scale: scale.into(), starts: Vec::new(), places: Vec::new() };
         let mut keyed: Vec<(usize, usize)> = places
             .iter()
             .enumerate()

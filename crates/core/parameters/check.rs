@@ -13,9 +13,9 @@ pub struct Parameters {
     pub(super) declared: Cow<'static, [Parameter]>,
     /// One for each declaration; `None` where the file is silent and there is no standard value.
     pub(super) settings: Vec<Option<LocatedValue>>,
-    /// Which of them the file gave.
-    pub(super) given: Vec<bool>,
-    /// Where the table they stand in was written.
+    /// Flags of the parameters that the file sets.
+    pub(super) is_set: Vec<bool>,
+    /// Location of the table in the file.
     pub(super) origin: SourceSpan,
     /// The parameter of type [`ParameterType::Registered`], with all variants of it.
     pub(super) variants: Option<(&'static str, Arc<[Variant]>)>,
@@ -26,11 +26,11 @@ pub struct Parameters {
 pub struct ParameterFault {
     /// The parameter, or the unknown key.
     pub parameter: String,
-    /// What is wrong, at its place.
+    /// Error, with its location.
     pub error: Error,
 }
 
-/// Of one node type: the declarations are not compared.
+/// Compares values; the declarations are assumed equal (one node type).
 impl PartialEq for Parameters {
     fn eq(&self, other: &Self) -> bool {
         self.settings == other.settings
@@ -39,7 +39,7 @@ impl PartialEq for Parameters {
 
 impl Parameters {
     /// For a program: some values by name, the standard values for the rest.
-    pub fn of(
+    pub fn from_values(
         declared: impl Into<Cow<'static, [Parameter]>>,
         values: impl IntoIterator<Item = (&'static str, ParameterValue)>,
     ) -> Result<Parameters> {
@@ -55,7 +55,7 @@ impl Parameters {
     pub fn and(mut self, others: Parameters) -> Parameters {
         self.declared.to_mut().extend_from_slice(&others.declared);
         self.settings.extend(others.settings);
-        self.given.extend(others.given);
+        self.is_set.extend(others.is_set);
         self
     }
 
@@ -81,22 +81,22 @@ impl Parameters {
 
     /// The declarations with their values (`None`: not set), and whether the file gave them.
     pub fn iter(&self) -> impl Iterator<Item = (&Parameter, Option<&LocatedValue>, bool)> {
-        self.declared.iter().zip(&self.settings).zip(&self.given).map(|((p, s), g)| (p, s.as_ref(), *g))
+        self.declared.iter().zip(&self.settings).zip(&self.is_set).map(|((p, s), g)| (p, s.as_ref(), *g))
     }
 
     /// These with another value for one, as if the file had given it, or not where it is `None`.
     pub fn with(&self, name: &str, datum: Option<ParameterValue>) -> Parameters {
         let mut changed = self.clone();
         if let Some(i) = self.declared.iter().position(|p| p.name == name) {
-            changed.given[i] = datum.is_some();
+            changed.is_set[i] = datum.is_some();
         }
         changed.put(name, datum.map(LocatedValue::from));
         changed
     }
 
-    /// Whether the file (or the command line) gave the parameter.
-    pub fn given(&self, name: &str) -> bool {
-        self.declared.iter().position(|p| p.name == name).is_some_and(|i| self.given[i])
+    /// True if the file (or the command line) gave the parameter.
+    pub fn is_set(&self, name: &str) -> bool {
+        self.declared.iter().position(|p| p.name == name).is_some_and(|i| self.is_set[i])
     }
 
     /// The setting, if there is one.
@@ -119,7 +119,7 @@ impl Parameters {
 
     /// Adds the place of a parameter to an error or, where it was not given, the place of the table.
     pub fn locate(&self, name: &str, error: Error) -> Error {
-        match self.optional(name).filter(|_| self.given(name)) {
+        match self.optional(name).filter(|_| self.is_set(name)) {
             Some(setting) => setting.origin.locate(error),
             None => self.origin.locate(error),
         }

@@ -23,7 +23,7 @@ pub fn refuse_contradictions(of: &str, parameters: &[Parameter], taken: &[&str])
     if let Some(twice) = repeated(parameters.iter().map(|p| p.name).chain(taken.iter().copied())) {
         return Err(Error::usage(format!("{of} declares '{twice}' twice")));
     }
-    for Parameter { name, parameter_type, unit, standard, help } in parameters {
+    for Parameter { name, parameter_type, unit, default: standard, help } in parameters {
         if name.is_empty() || help.is_empty() {
             return Err(Error::usage(format!("the parameter '{name}' of {of} has no name or no help")));
         }

@@ -1,4 +1,4 @@
-//! What a parameter's declaration says: name, type, unit, standard value, help.
+//! Declaration of a parameter: name, type, unit, default value, help.
 
 use super::range::Range;
 use super::setting::{LocatedValue, ParameterValue};
@@ -10,17 +10,17 @@ use std::sync::Arc;
 pub struct Parameter {
     /// The key in a pipeline file.
     pub name: &'static str,
-    /// What it may be.
+    /// Type of the value.
     pub parameter_type: ParameterType,
     /// Its unit, empty where it has none.
     pub unit: &'static str,
-    /// What holds when the file does not say.
-    pub standard: DefaultValue,
+    /// Value where the file sets none.
+    pub default: DefaultValue,
     /// One line of help.
     pub help: &'static str,
 }
 
-/// What holds when the file does not give a parameter.
+/// Value of a parameter that the file does not set.
 #[derive(Debug, Clone, Copy)]
 pub enum DefaultValue {
     /// The file must give it.
@@ -41,7 +41,7 @@ pub enum DefaultValue {
     Integers(&'static [i64]),
 }
 
-/// What a parameter may be.
+/// Type of a parameter's value.
 #[derive(Debug, Clone, Copy)]
 pub enum ParameterType {
     /// `true` or `false`.
@@ -86,13 +86,13 @@ pub enum ParameterType {
 pub struct RelativeNumberType {
     /// The type without relative numbers.
     pub plain: ParameterType,
-    /// What the numbers are.
-    pub is: StatisticKind,
-    /// Of which quantities.
-    pub along: AxisRef,
+    /// Statistic that a relative number refers to.
+    pub statistic: StatisticKind,
+    /// Arrays that the numbers refer to.
+    pub axis: AxisRef,
 }
 
-/// What a number is that may be relative.
+/// Statistic that a relative number refers to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StatisticKind {
     /// A value of a field: shares and percentiles.
@@ -105,7 +105,7 @@ pub enum StatisticKind {
     Factor,
 }
 
-/// Of which quantities the numbers of a list, or of each row, are.
+/// Arrays that the numbers of a list, or of each row, refer to.
 #[derive(Debug, Clone, Copy)]
 pub enum AxisRef {
     /// All of one.
@@ -126,7 +126,7 @@ pub enum AxisRef {
 pub struct VariantSchema {
     /// The word.
     pub name: &'static str,
-    /// What it is, one sentence.
+    /// Description, one sentence.
     pub summary: &'static str,
     /// Its keys beside the one that holds the word.
     pub parameters: &'static [Parameter],
@@ -202,9 +202,9 @@ impl ParameterType {
 }
 
 impl RelativeNumberType {
-    /// What may stand in place of a number, for help and messages.
+    /// Forms of a relative number, for help and messages.
     pub(super) fn describe(&self) -> &'static str {
-        match self.is {
+        match self.statistic {
             StatisticKind::Value => "or \"25 %\" of the range, \"p90\" by volume",
             StatisticKind::Place => "or \"25 %\" of the bounds",
             StatisticKind::Width => "or \"5 %\" of the range's length",

@@ -1,4 +1,4 @@
-//! Whether settings fit their declarations: tables, what stands in them, and each by its type.
+//! Checks of settings against their declarations: tables, their entries, and each value by its type.
 
 use super::check::{ParameterFault, Parameters};
 use super::declaration::{DefaultValue, Parameter, ParameterType, VariantSchema};
@@ -22,8 +22,8 @@ impl Parameters {
         faults.into_iter().next().map_or(Ok(parameters), |fault| Err(fault.error))
     }
 
-    /// The same with every mistake, in the order in which [`Parameters::check`] finds them. What is wrong is set nevertheless: what
-    /// has faults is not to be used.
+    /// Checks like [`Parameters::check`] and returns every mistake, in the order found. A wrong setting is set nevertheless: parameters
+    /// with mistakes are not to be used.
     pub fn survey(
         declared: impl Into<Cow<'static, [Parameter]>>,
         fields: &[Field],
@@ -59,7 +59,7 @@ impl Parameters {
             if setting.is_some() {
                 continue;
             }
-            if let DefaultValue::Required = parameter.standard {
+            if let DefaultValue::Required = parameter.default {
                 let error =
                     Error::usage(format!("the parameter '{}' is missing", parameter.name)).expected(format!(
                         "{} = … ({}): {}",
@@ -72,9 +72,9 @@ impl Parameters {
                     error: origin.locate(error),
                 });
             }
-            *setting = parameter.standard.datum().map(LocatedValue::from);
+            *setting = parameter.default.datum().map(LocatedValue::from);
         }
-        Parameters { declared, settings, given, origin: origin.clone(), variants: None }
+        Parameters { declared, settings, is_set: given, origin: origin.clone(), variants: None }
     }
 
     /// A list of tables of several kinds: each one's kind and parameters. Empty where not set.
@@ -139,7 +139,7 @@ pub(super) fn check_type(
     first.map_or(Ok(()), Err)
 }
 
-/// The same with every mistake: a table, or a list of tables, may have several.
+/// Checks one value by its type and returns every mistake: a table, or a list of tables, may have several.
 fn survey_type(
     parameter_type: &ParameterType,
     name: &str,
@@ -238,7 +238,7 @@ fn check_plain(parameter_type: &ParameterType, name: &str, unit: &str, setting: 
         (ParameterType::Measured(measured), _) => {
             // 1 is in every range of what may be relative; the others are checked beside it.
             let numbers = measured.replaced(name, setting, &mut |_, _, _| Ok(1.0))?;
-            check_type(&measured.plain, name, unit, &numbers).map_err(|error| match error.accepted.clone() {
+            check_type(&measured.plain, name, unit, &numbers).map_err(|error| match error.expected.clone() {
                 Some(plain) => error.expected(format!("{plain}, {}", measured.describe())),
                 None => error,
             })

@@ -10,21 +10,21 @@ use crate::{Error, Result};
 pub struct RelativeNumber {
     /// The number.
     pub relative: Relative,
-    /// What it is.
+    /// Statistic that the number refers to.
     pub is: StatisticKind,
-    /// Of what.
+    /// Array that the number refers to.
     pub quantity: ArrayRef,
     /// As it was written.
     pub setting: LocatedValue,
 }
 
 impl RelativeNumberType {
-    /// Whether the number at a place of the list or row may be relative.
+    /// True if the number at a place of the list or row may be relative.
     pub fn may_be_relative(&self, place: usize) -> bool {
-        !matches!(self.along, AxisRef::Places(names) if place >= names.len())
+        !matches!(self.axis, AxisRef::Places(names) if place >= names.len())
     }
 
-    /// How many numbers of a setting may be relative.
+    /// Count of the numbers of a setting that may be relative.
     pub fn number_count(&self, setting: &LocatedValue) -> usize {
         let Some(list) = setting.list() else { return 1 };
         let of = |(place, part): (usize, &LocatedValue)| match part.list() {
@@ -34,7 +34,7 @@ impl RelativeNumberType {
         list.iter().enumerate().map(of).sum()
     }
 
-    /// Of what the number at a place is; `None` where it cannot be relative.
+    /// Array that the number at a position refers to; `None` where it cannot be relative.
     pub(super) fn quantity(
         &self,
         place: usize,
@@ -48,7 +48,7 @@ impl RelativeNumberType {
         // Where the list is too short, its length is the error.
         let listed = |name: &str| listed(name).unwrap_or(ArrayRef::Array(String::new()));
         let per = |one, other| ArrayRef::Per(Box::new(one), Box::new(other));
-        match self.along {
+        match self.axis {
             AxisRef::Every(name) => Some(ArrayRef::Named(name)),
             AxisRef::Places(names) => names.get(place).map(|name| ArrayRef::Named(name)),
             AxisRef::Names(parameter) => Some(listed(parameter)),
@@ -67,7 +67,7 @@ impl RelativeNumberType {
             let accepted = format!("a number, {}", self.describe());
             part.error(format!("'{name}' holds a text that is no number relative to data"), accepted)
         })?;
-        match (self.is, relative) {
+        match (self.statistic, relative) {
             (StatisticKind::Width | StatisticKind::Factor, Relative::Percentile(_)) => Err(part.error(
                 format!("'{name}' is a width, and a percentile is a value of the data"),
                 "a number, or a percentage of the range's length such as \"5 %\"",
@@ -107,7 +107,7 @@ impl RelativeNumberType {
         let datum = match &setting.datum {
             // A word that the type knows is none.
             ParameterValue::Text(text) if !matches!(self.plain, ParameterType::NumberOr(_, word) if word == text) => {
-                match self.along {
+                match self.axis {
                     AxisRef::Places(names) if place >= names.len() => return Ok(setting.clone()),
                     _ => ParameterValue::Number(f(place, setting, self.read(name, setting, text)?)?),
                 }

@@ -26,7 +26,7 @@ impl Parameters {
             measured.replaced(name, setting, &mut |place, part, relative| {
                 let quantity = measured.quantity(place, beside);
                 let quantity = quantity.unwrap_or(ArrayRef::Array(String::new()));
-                find(&RelativeNumber { relative, is: measured.is, quantity, setting: part.clone() })
+                find(&RelativeNumber { relative, is: measured.statistic, quantity, setting: part.clone() })
             })
         })
     }
@@ -50,9 +50,9 @@ pub type Change<'a> = &'a mut dyn FnMut(
     &dyn Fn(&str) -> Option<LocatedValue>,
 ) -> Result<LocatedValue>;
 
-type Of<'a> = (&'a Parameter, Option<&'a LocatedValue>, bool);
+type DeclaredSetting<'a> = (&'a Parameter, Option<&'a LocatedValue>, bool);
 
-fn changed_of(parameters: &[Of], change: Change) -> Result<Vec<(&'static str, LocatedValue)>> {
+fn changed_of(parameters: &[DeclaredSetting], change: Change) -> Result<Vec<(&'static str, LocatedValue)>> {
     let beside = |name: &str| -> Option<LocatedValue> {
         parameters.iter().find(|(p, ..)| p.name == name).and_then(|(_, setting, _)| setting.cloned())
     };
@@ -66,7 +66,7 @@ fn changed_of(parameters: &[Of], change: Change) -> Result<Vec<(&'static str, Lo
             ParameterType::Table(declared) => {
                 let Some(fields) = setting.table() else { continue };
                 let find = |p: &Parameter| fields.iter().find(|f| f.name == p.name).map(|f| &f.setting);
-                let own: Vec<Of> = declared.iter().map(|p| (p, find(p), true)).collect();
+                let own: Vec<DeclaredSetting> = declared.iter().map(|p| (p, find(p), true)).collect();
                 let mut fields: Vec<Field> = fields.to_vec();
                 for (name, setting) in changed_of(&own, change)? {
                     fields.iter_mut().filter(|f| f.name == name).for_each(|f| f.setting = setting.clone());

@@ -13,14 +13,14 @@ pub struct NamedPath {
     pub parameter: String,
     /// The path, as it was written.
     pub path: String,
-    /// Whether the file is written; it is read otherwise.
+    /// True if the file is written; it is read otherwise.
     pub written: bool,
-    /// Where the path was written.
+    /// Location of the path in the file.
     pub origin: SourceSpan,
 }
 
 impl NamedPath {
-    /// Whether it depends on the folder of what states it; "-" as an output does not.
+    /// True if it depends on the folder of what states it; "-" as an output does not.
     pub fn is_relative(&self) -> bool {
         !(self.written && self.path == "-") && Path::new(&self.path).is_relative()
     }

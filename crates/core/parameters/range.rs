@@ -7,11 +7,11 @@ pub struct Range {
     pub min: f64,
     /// Largest value.
     pub max: f64,
-    /// Whether `min` itself is excluded.
+    /// True if `min` itself is excluded.
     pub above_min: bool,
-    /// Whether `max` itself is excluded.
+    /// True if `max` itself is excluded.
     pub below_max: bool,
-    /// Whether infinite values are allowed.
+    /// True if infinite values are allowed.
     pub infinite: bool,
 }
 
@@ -47,7 +47,7 @@ impl Range {
         Range { min, max, above_min: true, below_max: true, infinite: false }
     }
 
-    /// Whether `x` lies in the range; NaN never does.
+    /// True if `x` lies in the range; NaN never does.
     pub fn holds(&self, x: f64) -> bool {
         (x.is_finite() || (self.infinite && x.is_infinite()))
             && (x > self.min || (x == self.min && !self.above_min))

@@ -4,7 +4,7 @@ use crate::{Error, Result};
 use std::fmt;
 use std::sync::Arc;
 
-/// Where something was written. Of no account when two settings are compared: all origins are equal.
+/// Location of a setting in its file. Ignored when two settings are compared: all spans are equal.
 #[derive(Debug, Clone, Default)]
 pub enum SourceSpan {
     /// Nowhere that could be shown (a default, a program).
@@ -22,14 +22,14 @@ impl SourceSpan {
         match self {
             SourceSpan::Nowhere => {}
             SourceSpan::Span(span) => {
-                if error.place.span.is_none() && error.place.file.is_none() {
-                    error.place.span = Some(span.clone());
+                if error.location.span.is_none() && error.location.file.is_none() {
+                    error.location.span = Some(span.clone());
                 }
             }
             SourceSpan::Option(option) => {
                 // The option stands in place of the file.
-                if error.place.span.is_none() && error.place.file.is_none() {
-                    error.place.file = Some(option.to_string());
+                if error.location.span.is_none() && error.location.file.is_none() {
+                    error.location.file = Some(option.to_string());
                 }
             }
         }
@@ -42,7 +42,7 @@ impl SourceSpan {
 pub struct LocatedValue {
     /// The value.
     pub datum: ParameterValue,
-    /// Where it was written.
+    /// Location in the file.
     pub origin: SourceSpan,
 }
 
@@ -68,7 +68,7 @@ pub enum ParameterValue {
 pub struct Field {
     /// The key.
     pub name: String,
-    /// Where the key was written.
+    /// Location of the key in the file.
     pub origin: SourceSpan,
     /// Its value.
     pub setting: LocatedValue,

@@ -6,7 +6,7 @@ const POWER: Parameter = Parameter {
     name: "power",
     parameter_type: ParameterType::Number(Range::within(0.0, 4.0)),
     unit: "",
-    standard: DefaultValue::Number(1.0),
+    default: DefaultValue::Number(1.0),
     help: "help",
 };
 
@@ -16,10 +16,10 @@ fn declarations_that_contradict_themselves_are_refused() {
     const INNER: &[VariantSchema] = &[VariantSchema { name: "a", summary: "A.", parameters: NO_HELP }];
     let kinds = Parameter {
         parameter_type: ParameterType::Kinds(INNER),
-        standard: DefaultValue::Unset("none"),
+        default: DefaultValue::Unset("none"),
         ..POWER
     };
-    let of_standard = |standard| Parameter { standard, ..POWER };
+    let of_standard = |standard| Parameter { default: standard, ..POWER };
     assert!(refuse_contradictions("it", &[POWER], &["type"]).is_ok());
     for (parameters, taken, wanted) in [
         (&[POWER, POWER][..], &[][..], "it declares 'power' twice"),
@@ -44,9 +44,10 @@ fn declarations_that_contradict_themselves_are_refused() {
 
 #[test]
 fn a_program_sets_some_values_and_the_others_are_standard() {
-    const SIDE: Parameter = Parameter { name: "side", standard: DefaultValue::Unset("either"), ..POWER };
-    let set = Parameters::of([POWER, SIDE].to_vec(), [("power", ParameterValue::Integer(2))]).unwrap();
+    const SIDE: Parameter = Parameter { name: "side", default: DefaultValue::Unset("either"), ..POWER };
+    let set =
+        Parameters::from_values([POWER, SIDE].to_vec(), [("power", ParameterValue::Integer(2))]).unwrap();
     assert_eq!((set.number("power").unwrap(), set.optional_number("side")), (2.0, None));
-    assert!(set.given("power") && !set.given("side"));
-    assert!(Parameters::of([POWER].to_vec(), [("power", ParameterValue::Number(5.0))]).is_err());
+    assert!(set.is_set("power") && !set.is_set("side"));
+    assert!(Parameters::from_values([POWER].to_vec(), [("power", ParameterValue::Number(5.0))]).is_err());
 }

@@ -1,6 +1,6 @@
-//! How many bands of a wave widget the cells cross: whether a picture is finer than the grid.
+//! Bands of a wave widget crossed by each cell: shows where a picture is finer than the grid.
 //!
-//! A wave's phase φ is linear in s and g (docs/optics.md, section 5), so within a cell it runs from its smallest
+//! A wave's phase φ is linear in s and g (docs/src/explanation/optics.md, section 5), so within a cell it runs from its smallest
 //! to its largest corner value; the difference is the number of bands, each one period of φ. Song et al. 2009, section
 //! 6.3, allow one peak in a cell. The closed forms here hold for any number, but what lies between two vertices is
 //! interpolation: where cells cross many bands, the bands show the grid's resolution and not the data.
@@ -24,7 +24,7 @@ pub struct Bands {
     /// 99 % of them cross at most as many.
     pub percent_99: f64,
     /// None of them crosses more.
-    pub most: f64,
+    pub max: f64,
     /// Share of them that cross more than one.
     pub share_above_one: f64,
 }
@@ -105,7 +105,7 @@ fn summary(crossed: &mut [f32]) -> Option<Bands> {
         cell_count: count as u64,
         median: quantile(0.5)?,
         percent_99: quantile(0.99)?,
-        most: quantile(1.0)?,
+        max: quantile(1.0)?,
         share_above_one: above_one as f64 / count as f64,
     })
 }

@@ -45,13 +45,13 @@ impl Histogram {
     /// Along the second axis, over all of the first: below what nearly all of the volume lies, all but a thousandth. What lies beyond
     /// is of few cells, mostly slivers, whose gradients are many times those of the others.
     pub fn nearly_all(&self) -> f64 {
-        const BEYOND: f64 = 1e-3;
+        const RANGE_TOLERANCE: f64 = 1e-3;
         let axis = &self.axes[1];
         let all: f64 = self.volumes.iter().sum();
         let mut below = 0.0;
         let last = self.volumes.chunks(self.axes[0].bins.max(1)).position(|row| {
             row.iter().for_each(|volume| below += volume);
-            below >= (1.0 - BEYOND) * all
+            below >= (1.0 - RANGE_TOLERANCE) * all
         });
         last.map_or(axis.high, |row| axis.edge(row + 1))
     }
@@ -77,7 +77,7 @@ impl Axis {
     }
 
     /// The value in bins.
-    fn place(&self, value: f64) -> f64 {
+    fn position(&self, value: f64) -> f64 {
         // Halves, since the width may leave the number range.
         (0.5 * value - 0.5 * self.low) / (0.5 * self.high - 0.5 * self.low) * self.bins as f64
     }
@@ -165,8 +165,8 @@ impl Sums {
             self.not_finite += volume;
             return;
         }
-        let places = corners.map(|[s, g]| [self.axes[0].place(s), self.axes[1].place(g)]);
-        let whole = SubTetrahedron { share: volume, corners: places };
+        let places = corners.map(|[s, g]| [self.axes[0].position(s), self.axes[1].position(g)]);
+        let whole = SubTetrahedron { volume_fraction: volume, corners: places };
         let beyond =
             |axis: usize| places.iter().any(|p| p[axis] < 0.0 || p[axis] > self.axes[axis].bins as f64);
         if !beyond(0) && !beyond(1) {
@@ -182,18 +182,18 @@ impl Sums {
                 // A face of the axes' rectangle belongs to it, so what lies in it whole is kept.
                 match f.iter().all(|&f| f >= 0.0) {
                     true => cut.push(*piece),
-                    false => piece.cut(f, |part| cut.push(part)),
+                    false => piece.clip_to_level(f, |part| cut.push(part)),
                 }
             }
             std::mem::swap(&mut pieces, &mut cut);
         }
-        let inside: f64 = pieces.iter().map(|piece| piece.share).sum();
+        let inside: f64 = pieces.iter().map(|piece| piece.volume_fraction).sum();
         self.outside += (volume - inside).max(0.0);
         pieces.iter().for_each(|piece| self.add(piece));
     }
 
     /// First and last bin that a piece touches along an axis.
-    fn touched(&self, corners: &[[f64; 2]; 4], axis: usize) -> (usize, usize) {
+    fn bins_touched(&self, corners: &[[f64; 2]; 4], axis: usize) -> (usize, usize) {
         let at = corners.map(|c| c[axis]);
         let low = at.iter().copied().fold(f64::INFINITY, f64::min);
         let high = at.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -204,7 +204,7 @@ impl Sums {
 
     /// Adds a piece that lies within the axes.
     fn add(&mut self, piece: &SubTetrahedron<2>) {
-        let touched = [self.touched(&piece.corners, 0), self.touched(&piece.corners, 1)];
+        let touched = [self.bins_touched(&piece.corners, 0), self.bins_touched(&piece.corners, 1)];
         let [s, g] = touched.map(|(first, last)| last - first);
         let across = if s <= g { 0 } else { 1 };
         let (first, last) = touched[across];
@@ -218,20 +218,20 @@ impl Sums {
                     return self.add_column(&part, across, column);
                 }
                 let below = part.corners.map(|c| (column + 1) as f64 - c[across]);
-                part.cut(below, |part| self.add_column(&part, across, column));
+                part.clip_to_level(below, |part| self.add_column(&part, across, column));
             };
-            if column == first { part(*piece) } else { piece.cut(above, part) }
+            if column == first { part(*piece) } else { piece.clip_to_level(above, part) }
         }
     }
 
     /// Adds a piece that lies within one column of bins, the column being a bin of the axis `across`.
     fn add_column(&mut self, piece: &SubTetrahedron<2>, across: usize, column: usize) {
         let along = 1 - across;
-        let (first, last) = self.touched(&piece.corners, along);
+        let (first, last) = self.bins_touched(&piece.corners, along);
         let width = self.axes[0].bins;
         let bin = |row: usize| if across == 0 { row * width + column } else { column * width + row };
         if first == last {
-            self.volumes[bin(first)] += piece.share;
+            self.volumes[bin(first)] += piece.volume_fraction;
             return;
         }
         let distribution = Distribution::new(piece.corners.map(|c| c[along]));
@@ -239,7 +239,7 @@ impl Sums {
         for row in first..=last {
             // Rounding must not make a volume negative.
             let next = if row == last { 1.0 } else { distribution.below((row + 1) as f64).max(below) };
-            self.volumes[bin(row)] += piece.share * (next - below);
+            self.volumes[bin(row)] += piece.volume_fraction * (next - below);
             below = next;
         }
     }

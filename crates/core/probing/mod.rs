@@ -1,7 +1,7 @@
-//! What the data hold, cell by cell and exactly: moments within a region, the distribution over (s, g), and how many
+//! Exact integrals over cells: moments within a region, the distribution over (s, g), and the count of
 //! bands of a wave the cells cross.
 //!
-//! Inside a tetrahedron every field is linear (docs/optics.md, section 3), so all of these are integrals of
+//! Inside a tetrahedron every field is linear (docs/src/explanation/optics.md, section 3), so all of these are integrals of
 //! linear functions over convex pieces of tetrahedra, which have closed forms.
 //!
 //! | file | what |
@@ -33,5 +33,5 @@ pub use histogram::{Axis, Histogram, histogram};
 pub use kernel::kernel;
 pub use percentile::{Volumes, value_range};
 pub use probe::{Mask, ProbeResult, probe};
-pub use proposal::{Proposed, proposal, quiet};
+pub use proposal::{ProposedWidget, proposal, quiet};
 pub use region::Region;

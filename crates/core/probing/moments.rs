@@ -6,24 +6,28 @@
 //! keeps its digits.
 
 /// Most fields that are looked at together: as many as a gaussian-nd widget has.
-pub(super) const MOST: usize = 8;
+pub(super) const MAX_DIMENSIONS: usize = 8;
 
 /// Weight, mean and weighted scatter about the mean.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Moments {
     pub weight: f64,
-    pub mean: [f64; MOST],
+    pub mean: [f64; MAX_DIMENSIONS],
     /// Σ w (v − mean)(v − mean)ᵀ.
-    pub scatter: [[f64; MOST]; MOST],
+    pub scatter: [[f64; MAX_DIMENSIONS]; MAX_DIMENSIONS],
 }
 
 impl Moments {
-    pub const NONE: Moments = Moments { weight: 0.0, mean: [0.0; MOST], scatter: [[0.0; MOST]; MOST] };
+    pub const NONE: Moments = Moments {
+        weight: 0.0,
+        mean: [0.0; MAX_DIMENSIONS],
+        scatter: [[0.0; MAX_DIMENSIONS]; MAX_DIMENSIONS],
+    };
 
-    /// Those of a tetrahedron of volume `weight`, `values[field][corner]`.
+    /// Moments of a tetrahedron of volume `weight`, `values[field][corner]`.
     pub fn of_tetrahedron(weight: f64, values: &[[f64; 4]]) -> Moments {
         let mut moments = Moments { weight, ..Moments::NONE };
-        let mut centred = [[0.0; 4]; MOST];
+        let mut centred = [[0.0; 4]; MAX_DIMENSIONS];
         for (k, v) in values.iter().enumerate() {
             let mean = 0.25 * ((v[0] + v[1]) + (v[2] + v[3]));
             moments.mean[k] = mean;
@@ -38,7 +42,7 @@ impl Moments {
         moments
     }
 
-    /// Those of one point.
+    /// Moments of one point.
     pub fn of_point(values: &[f64]) -> Moments {
         let mut moments = Moments { weight: 1.0, ..Moments::NONE };
         moments.mean[..values.len()].copy_from_slice(values);
@@ -53,7 +57,7 @@ impl Moments {
         let weight = self.weight + other.weight;
         // The share of the newcomer; self.weight × share is the weight between the two means.
         let share = other.weight / weight;
-        let mut apart = [0.0; MOST];
+        let mut apart = [0.0; MAX_DIMENSIONS];
         for (apart, (theirs, ours)) in apart[..n].iter_mut().zip(other.mean.iter().zip(&self.mean)) {
             *apart = theirs - ours;
         }

@@ -20,7 +20,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// The volume where a field is below some value, for the cells of a grid.
 pub struct Volumes {
-    /// Those that count.
+    /// Cells with finite values.
     cells: Vec<Cell>,
     /// From the scale to world units cubed.
     world: f64,
@@ -61,7 +61,7 @@ fn sum(cells: &[Cell], of: impl Fn(&Cell) -> f64 + Sync) -> f64 {
 }
 
 impl Volumes {
-    /// Those of a field, one value a point. Cells with a value that is not finite do not count.
+    /// Distribution of a field, one value a point. Cells with a value that is not finite are ignored.
     ///
     /// Errors: no cell with a volume has finite values.
     pub fn new(grid: &Grid, values: &[f64], progress: &dyn Progress) -> Result<Volumes> {
@@ -103,7 +103,7 @@ impl Volumes {
         sum(&self.cells, |cell| cell.below(value)) * self.world
     }
 
-    /// The same for rising values.
+    /// Volume below each of several ascending values.
     pub fn below_each(&self, values: &[f64]) -> Vec<f64> {
         let none = || vec![0.0; values.len()];
         let parts: Vec<Vec<f64>> = (self.cells.par_chunks(self.cells.len().div_ceil(16).max(1)))

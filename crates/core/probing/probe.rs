@@ -5,7 +5,7 @@
 //! middle of their range over the grid and in units of that range, so that neither their units nor a large constant
 //! part costs digits. Sums are made in a fixed order: the same data give the same bits on any number of cores.
 
-use super::moments::{MOST, Moments};
+use super::moments::{MAX_DIMENSIONS, Moments};
 use super::region::Region;
 use super::sub_tetrahedron::scaled_volume;
 use crate::grid::Grid;
@@ -15,10 +15,10 @@ use crate::{Error, Result};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Which tetrahedra count, by their number.
+/// Selection of tetrahedra, by their number.
 pub type Mask<'a> = &'a (dyn Fn(usize) -> bool + Sync);
 
-/// What was found.
+/// Result of a probe: weight, mean, deviations and correlation of the fields.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProbeResult {
     /// Mean of each field.
@@ -50,7 +50,7 @@ struct Field<'a> {
 }
 
 impl Field<'_> {
-    fn at(&self, point: u32) -> f64 {
+    fn value_at(&self, point: u32) -> f64 {
         let value = self.values[point as usize];
         // A constant field is 0 everywhere, but what is not finite stays so.
         if self.extent > 0.0 { 2.0 * ((0.5 * value - 0.5 * self.zero) / self.extent) } else { 0.0 * value }
@@ -71,9 +71,9 @@ pub fn probe(
     mask: Option<Mask>,
     progress: &dyn Progress,
 ) -> Result<ProbeResult> {
-    if !(1..=MOST).contains(&fields.len()) {
+    if !(1..=MAX_DIMENSIONS).contains(&fields.len()) {
         let error = Error::usage("the number of fields to probe is out of range").got(fields.len());
-        return Err(error.expected(format!("1 to {MOST}")));
+        return Err(error.expected(format!("1 to {MAX_DIMENSIONS}")));
     }
     if let Some(values) = fields.iter().find(|values| values.len() != grid.points.len()) {
         let error = Error::run("a field to probe does not have one value a point").got(values.len());
@@ -111,10 +111,10 @@ pub fn probe(
 }
 
 /// The values at the corners of tetrahedron `i`; `None` where one is not finite.
-fn corner_values(grid: &Grid, fields: &[Field], i: usize) -> Option<[[f64; 4]; MOST]> {
-    let mut values = [[0.0; 4]; MOST];
+fn corner_values(grid: &Grid, fields: &[Field], i: usize) -> Option<[[f64; 4]; MAX_DIMENSIONS]> {
+    let mut values = [[0.0; 4]; MAX_DIMENSIONS];
     for (value, field) in values.iter_mut().zip(fields) {
-        *value = grid.tetrahedra[i].map(|p| field.at(p));
+        *value = grid.tetrahedra[i].map(|p| field.value_at(p));
     }
     values.as_flattened().iter().all(|v| v.is_finite()).then_some(values)
 }
@@ -144,9 +144,9 @@ fn in_region(
                 let volume = scaled_volume(grid, i, scale);
                 let before = sum.weight;
                 region.parts(grid.corners(i), &mut |piece| {
-                    let mut own = [[0.0; 4]; MOST];
+                    let mut own = [[0.0; 4]; MAX_DIMENSIONS];
                     own[..n].iter_mut().zip(&values).for_each(|(own, &values)| *own = piece.values(values));
-                    sum.merge(&Moments::of_tetrahedron(volume * piece.share, &own[..n]), n);
+                    sum.merge(&Moments::of_tetrahedron(volume * piece.volume_fraction, &own[..n]), n);
                 });
                 count += u64::from(sum.weight > before);
             }
@@ -186,7 +186,7 @@ fn nothing(grid: &Grid, what: &str) -> Error {
     }
 }
 
-/// How far below 0 a barycentric coordinate may be by rounding for a point on a face, which must belong to a cell.
+/// Tolerance of a barycentric coordinate below 0 by rounding, for a point on a face, which must belong to a cell.
 const ON_FACE: f64 = 1e-9;
 
 /// The interpolated values at points; each in the cell that holds it best, so that one on a face counts once.
@@ -198,8 +198,8 @@ fn at_points(
     progress: &dyn Progress,
 ) -> Result<(Moments, u64, u64)> {
     /// A cell, the point's smallest coordinate in it, and all of them.
-    type Held = Option<(usize, f64, [f64; 4])>;
-    let better = |a: Held, b: Held| match (a, b) {
+    type LocatedPoint = Option<(usize, f64, [f64; 4])>;
+    let better = |a: LocatedPoint, b: LocatedPoint| match (a, b) {
         // The first of equals, whatever the order of work.
         (Some(x), Some(y)) => Some(if (y.1, x.0) > (x.1, y.0) { y } else { x }),
         (a, b) => a.or(b),
@@ -207,7 +207,7 @@ fn at_points(
     let holds = (0..grid.tetrahedra.len().div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
-            let mut held: Vec<Held> = vec![None; points.len()];
+            let mut held: Vec<LocatedPoint> = vec![None; points.len()];
             if progress.cancelled() {
                 return held;
             }

@@ -11,7 +11,7 @@ use super::Histogram;
 
 /// One Gaussian of a proposal.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Proposed {
+pub struct ProposedWidget {
     /// [s, g].
     pub centre: [f64; 2],
     /// Standard deviations along s and g, > 0.
@@ -27,14 +27,14 @@ const QUIET: [f64; 2] = [0.5, 0.2];
 const NARROWER: [f64; 2] = [0.6, 1.0];
 
 /// Least deviation, in bins: what the histogram resolves.
-const BINS_LEAST: f64 = 1.0;
+const MIN_BINS: f64 = 1.0;
 
 /// Optical depth of a ray through what a Gaussian holds: 63 % of the light is taken.
 const DEPTH: f64 = 1.0;
 
 /// The gradient magnitude under which the data are quiet: half of the volume, or a fifth of the boundaries where that is more.
 pub fn quiet(histogram: &Histogram) -> f64 {
-    let bins = Bins::of(histogram);
+    let bins = ColumnSums::new(histogram);
     let row = |j: usize, of: &dyn Fn(usize, usize) -> f64| (0..bins.wide).map(|i| of(i, j)).sum::<f64>();
     let below = |share: f64, of: &dyn Fn(usize, usize) -> f64| {
         let rows: Vec<f64> = (0..bins.middles[1].len()).map(|j| row(j, of)).collect();
@@ -52,14 +52,14 @@ pub fn quiet(histogram: &Histogram) -> f64 {
 
 /// The Gaussians of `count` parts, in rising s; fewer where there are no boundaries. What lies outside the histogram, such as
 /// all that is [`quiet`], is no part of them. World units are those of the histogram's volumes.
-pub fn proposal(histogram: &Histogram, count: usize) -> Vec<Proposed> {
-    let bins = Bins::of(histogram);
+pub fn proposal(histogram: &Histogram, count: usize) -> Vec<ProposedWidget> {
+    let bins = ColumnSums::new(histogram);
     let shares = bins.by_scalar();
     let total: f64 = shares.iter().sum();
     if total.is_nan() || total <= 0.0 {
         return Vec::new();
     }
-    let mut parts: Vec<Proposed> = Vec::new();
+    let mut parts: Vec<ProposedWidget> = Vec::new();
     let (mut from, mut passed) = (0, 0.0);
     for part in 1..=count {
         let mut to = from;
@@ -68,7 +68,7 @@ pub fn proposal(histogram: &Histogram, count: usize) -> Vec<Proposed> {
             to += 1;
         }
         if to > from {
-            parts.extend(bins.part(from..to));
+            parts.extend(bins.widget_of_columns(from..to));
         }
         from = to;
     }
@@ -76,18 +76,18 @@ pub fn proposal(histogram: &Histogram, count: usize) -> Vec<Proposed> {
 }
 
 /// The histogram with the values of its bins' middles.
-struct Bins<'a> {
+struct ColumnSums<'a> {
     histogram: &'a Histogram,
     wide: usize,
     middles: [Vec<f64>; 2],
 }
 
-impl Bins<'_> {
-    fn of(histogram: &Histogram) -> Bins<'_> {
+impl ColumnSums<'_> {
+    fn new(histogram: &Histogram) -> ColumnSums<'_> {
         let middles = histogram
             .axes
             .map(|axis| (0..axis.bins).map(|i| 0.5 * axis.edge(i) + 0.5 * axis.edge(i + 1)).collect());
-        Bins { histogram, wide: histogram.axes[0].bins, middles }
+        ColumnSums { histogram, wide: histogram.axes[0].bins, middles }
     }
 
     fn volume(&self, i: usize, j: usize) -> f64 {
@@ -105,7 +105,7 @@ impl Bins<'_> {
     }
 
     /// The Gaussian of some columns.
-    fn part(&self, columns: std::ops::Range<usize>) -> Option<Proposed> {
+    fn widget_of_columns(&self, columns: std::ops::Range<usize>) -> Option<ProposedWidget> {
         let mut sum = [0.0; 5];
         for i in columns {
             for j in 0..self.middles[1].len() {
@@ -123,12 +123,12 @@ impl Bins<'_> {
         let variance = [ss / area - s * s, gg / area - g * g];
         let sigma = [0, 1].map(|a| {
             let axis = &self.histogram.axes[a];
-            let least = BINS_LEAST * (axis.high - axis.low) / axis.bins as f64;
+            let least = MIN_BINS * (axis.high - axis.low) / axis.bins as f64;
             (NARROWER[a] * variance[a].max(0.0).sqrt()).max(least)
         });
         let centre = [self.middles[0][0] + s, g];
         let extinction = self.extinction(centre, sigma)?;
-        Some(Proposed { centre, sigma, extinction })
+        Some(ProposedWidget { centre, sigma, extinction })
     }
 
     /// The extinction at which a ray through what the Gaussian holds is as deep as [`DEPTH`]. Its path is between what a

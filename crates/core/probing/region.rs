@@ -9,7 +9,7 @@
 use super::sub_tetrahedron::SubTetrahedron;
 use glam::DVec3;
 
-/// Where the data are probed.
+/// Region of space that a probe reads.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Region {
     /// Whole cells: those that the mask leaves.
@@ -77,7 +77,7 @@ fn in_box(corners: [DVec3; 4], low: DVec3, high: DVec3, sink: &mut dyn FnMut(&Su
                 return;
             }
             cut.clear();
-            pieces.iter().for_each(|piece| piece.cut(piece.values(f), |part| cut.push(part)));
+            pieces.iter().for_each(|piece| piece.clip_to_level(piece.values(f), |part| cut.push(part)));
             std::mem::swap(&mut pieces, &mut cut);
         }
     }
@@ -107,10 +107,10 @@ fn in_ball(
     let longest = edges.iter().max_by(|a, b| length(a).total_cmp(&length(b))).unwrap_or(&edges[0]);
     if length(longest) > LONGEST * LONGEST && depth < DEEPEST {
         let &(i, j) = longest;
-        let half = 0.5 * piece.share;
+        let half = 0.5 * piece.volume_fraction;
         let between = std::array::from_fn(|n| 0.5 * (piece.corners[i][n] + piece.corners[j][n]));
         for k in [i, j] {
-            let mut part = SubTetrahedron { share: half, corners: piece.corners };
+            let mut part = SubTetrahedron { volume_fraction: half, corners: piece.corners };
             let mut corners = at;
             part.corners[k] = between;
             corners[k] = at[i].midpoint(at[j]);
@@ -121,5 +121,5 @@ fn in_ball(
     // The interpolant of |x|² is above it, on average by a fifth of the sum of the squares about the middle:
     // mean(Σ λ_i |x_i|²) − mean(|x|²) = Σ |x_i − m|² (1/4 − 1/20).
     let shift = spread.iter().sum::<f64>() / 5.0;
-    piece.cut(squares.map(|square| 1.0 - (square - shift)), |part| sink(&part));
+    piece.clip_to_level(squares.map(|square| 1.0 - (square - shift)), |part| sink(&part));
 }

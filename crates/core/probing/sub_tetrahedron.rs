@@ -10,15 +10,15 @@
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SubTetrahedron<const N: usize> {
     /// Its volume, as a share of the whole's.
-    pub share: f64,
-    /// What its corners carry.
+    pub volume_fraction: f64,
+    /// Values at the corners.
     pub corners: [[f64; N]; 4],
 }
 
 impl SubTetrahedron<4> {
     /// The whole, with barycentric coordinates.
     pub const WHOLE: SubTetrahedron<4> = SubTetrahedron {
-        share: 1.0,
+        volume_fraction: 1.0,
         corners: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]],
     };
 
@@ -31,7 +31,7 @@ impl SubTetrahedron<4> {
 
 impl<const N: usize> SubTetrahedron<N> {
     /// Hands the parts where f > 0 to `sink`; `f` are the values at the corners. A face on which f = 0 is no part.
-    pub fn cut(&self, f: [f64; 4], mut sink: impl FnMut(SubTetrahedron<N>)) {
+    pub fn clip_to_level(&self, f: [f64; 4], mut sink: impl FnMut(SubTetrahedron<N>)) {
         // Inside corners first.
         let mut at = [0, 1, 2, 3];
         let mut inside = 0;
@@ -52,7 +52,7 @@ impl<const N: usize> SubTetrahedron<N> {
         };
         let mut give = |share: f64, corners: [[f64; N]; 4]| {
             if share > 0.0 {
-                sink(SubTetrahedron { share: self.share * share, corners });
+                sink(SubTetrahedron { volume_fraction: self.volume_fraction * share, corners });
             }
         };
         match inside {

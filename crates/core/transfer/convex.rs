@@ -50,6 +50,10 @@ impl Convex {
                 right |= side < -rounding;
             }
         }
+        if (left, right) != (false, false) && !goes_once_around(corners) {
+            return Err(Error::usage("a region's corners go around more than once")
+                .expected("a convex polygon, corners in order"));
+        }
         match (left, right) {
             (true, false) => Ok(Convex::Polygon(corners.clone())),
             (false, true) => Ok(Convex::Polygon(corners.iter().rev().copied().collect())),
@@ -58,7 +62,7 @@ impl Convex {
         }
     }
 
-    /// Whether all of a box of s and g lies inside, as far as rounding can say.
+    /// True if all of a box of s and g lies inside, as far as rounding can say.
     pub fn holds(&self, [s, g]: &[[f64; 2]; 2]) -> bool {
         let corners = [[s[0], g[0]], [s[1], g[0]], [s[1], g[1]], [s[0], g[1]]];
         corners.iter().all(|&corner| self.distances(corner, corner, |distance, _, _, _| distance >= 0.0))
@@ -95,6 +99,18 @@ impl Convex {
     }
 }
 
+/// True if the directions of the edges turn once around: a star, or a polygon taken twice, turns more often.
+fn goes_once_around(corners: &[[f64; 2]]) -> bool {
+    let pairs = corners.iter().zip(corners.iter().cycle().skip(1));
+    let edges: Vec<[f64; 2]> =
+        pairs.map(|(a, b)| [b[0] - a[0], b[1] - a[1]]).filter(|edge| *edge != [0.0; 2]).collect();
+    let turns = edges
+        .iter()
+        .zip(edges.iter().cycle().skip(1))
+        .map(|(a, b)| difference_of_products(a[0], b[1], a[1], b[0]).atan2(a[0] * b[0] + a[1] * b[1]));
+    (turns.sum::<f64>().abs() / std::f64::consts::TAU).round() == 1.0
+}
+
 /// The region as an axis-parallel rectangle, if it is one.
 fn rectangle(corners: &[[f64; 2]]) -> Option<Convex> {
     let &[a, b, c, d] = corners else { return None };
@@ -117,6 +133,13 @@ mod tests {
         assert!(message(vec![[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]).contains("no area"));
         let dart = vec![[0.0, 0.0], [2.0, 1.0], [0.0, 2.0], [1.0, 1.0]];
         assert!(message(dart).contains("not convex"));
+        let triangle = [[0.0, 0.0], [2.0, 0.0], [1.0, 1e-3]];
+        assert!(message([triangle, triangle].concat()).contains("more than once"));
+        // Corners on an edge, or twice, are allowed; to and fro along an edge is not convex.
+        let corners = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 0.0], [1.0, 1e-3]];
+        assert!(Convex::new(&Region { corners }).is_ok());
+        let to_and_fro = vec![[0.0, 0.0], [2.0, 0.0], [1.0, 0.0], [1.0, 1.0]];
+        assert!(message(to_and_fro).contains("not convex"));
         assert!(message(vec![[f64::NAN, 0.0], [1.0, 0.0], [0.0, 1.0]]).contains("not a number"));
     }
 }

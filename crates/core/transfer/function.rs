@@ -8,7 +8,7 @@ use crate::{Error, Result};
 /// A transfer function: an optical model and a list of widgets, ρ = Σ ρ_i.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransferFunction {
-    /// How absorption and glow are related.
+    /// Relation of absorption and emission.
     pub model: OpticalModel,
     /// U: the length over which `extinction` is stated, world units, > 0.
     pub unit_distance: f64,
@@ -16,7 +16,7 @@ pub struct TransferFunction {
     pub widgets: Vec<Widget>,
 }
 
-/// The optical model (docs/optics.md, section 6).
+/// The optical model (docs/src/explanation/optics.md, section 6).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum OpticalModel {
     /// C = ∫ Σ c_i ρ_i e^(−T) dl (Williams & Max 1992; Max 1995).
@@ -39,7 +39,7 @@ impl OpticalModel {
 }
 
 impl TransferFunction {
-    /// Whether any widget looks at the gradient magnitude.
+    /// True if any widget looks at the gradient magnitude.
     pub fn uses_gradient_magnitude(&self) -> bool {
         self.widgets.iter().any(Widget::uses_gradient_magnitude)
     }
@@ -87,12 +87,12 @@ impl TransferFunction {
 
     /// The one colour of all that is drawn, under the density-emitter: then C = c A whatever the order, along a segment and
     /// from segment to segment. Widgets of extinction 0 have no say.
-    pub fn one_color(&self) -> Option<[f64; 3]> {
+    pub fn uniform_color(&self) -> Option<[f64; 3]> {
         match self.model {
             OpticalModel::ConstantEmitter { .. } => None,
             OpticalModel::DensityEmitter => {
                 let mut colors =
-                    self.widgets.iter().filter(|widget| widget.is_drawn()).map(Widget::one_color);
+                    self.widgets.iter().filter(|widget| widget.is_drawn()).map(Widget::uniform_color);
                 let first = colors.next().unwrap_or(Some([0.0; 3]));
                 first.filter(|_| colors.all(|color| color == first))
             }

@@ -92,7 +92,7 @@ fn flat_distance(points: &[[f64; 2]; 4], turn: &[f64; 6]) -> f64 {
     if turn.iter().all(|&t| t == 0.0) { edge_distance(points, turn) } else { 0.0 }
 }
 
-/// Whether the hull of the points (s, g) can meet the region: false only where a line separates them.
+/// True if the hull of the points (s, g) can meet the region: false only where a line separates them.
 pub fn meets(region: &Convex, s: &[f64; 4], g: &[f64; 4]) -> bool {
     match region {
         Convex::Rectangle { low, high } => {
@@ -127,13 +127,13 @@ pub fn meets(region: &Convex, s: &[f64; 4], g: &[f64; 4]) -> bool {
     }
 }
 
-/// What rounding can do to a cross product.
+/// Rounding error bound of a cross product.
 #[inline]
 fn slack(a: [f64; 2], b: [f64; 2]) -> f64 {
     1e-12 * ((a[0] * b[1]).abs() + (a[1] * b[0]).abs())
 }
 
-/// Whether a line through two of the points has the polygon on one side and all points on the other.
+/// True if a line through two of the points has the polygon on one side and all points on the other.
 fn separated(s: &[f64; 4], g: &[f64; 4], corners: &[[f64; 2]]) -> bool {
     PAIRS.iter().any(|&(i, j)| {
         let edge = [s[j] - s[i], g[j] - g[i]];

@@ -1,4 +1,4 @@
-//! Transfer functions: widgets over the (s, g) plane (docs/optics.md, section 5).
+//! Transfer functions: widgets over the (s, g) plane (docs/src/explanation/optics.md, section 5).
 //!
 //! Symbols: s the scalar, g the gradient magnitude, v = (s, g); ρ the extinction coefficient (1/L) =
 //! extinction / unit distance × the widget's profile (peak 1); c the widget's linear RGB colour.
@@ -21,13 +21,13 @@ mod widget;
 pub use convex::Convex;
 pub use function::{OpticalModel, TransferFunction};
 pub use kinds::{
-    AxisOrigin, Bands, ColorSource, ControlPoint, FIELDS_MOST, LoadImage, Profile, Properties, Table,
+    AxisOrigin, Bands, ColorSource, ControlPoint, LoadImage, MAX_FIELDS, Profile, Properties, Table,
     WIDGET_KINDS, Wave,
 };
 pub use read::read;
 pub use region::{HalfPlane, Region};
-pub use relative::{DataStatistics, StatisticsRequest, resolved, wanted, with_placeholders};
-pub use slab::{Reach, Slab};
+pub use relative::{DataStatistics, StatisticsRequest, resolved, statistics_request, with_placeholders};
+pub use slab::{Slab, SupportRadius};
 pub use support::Support;
 pub use widget::Widget;
 

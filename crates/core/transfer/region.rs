@@ -27,7 +27,7 @@ impl Region {
         self.corners.iter().any(|c| c[1].is_finite())
     }
 
-    /// Whether a place lies within; the boundary belongs to it.
+    /// True if a place lies within; the boundary belongs to it.
     pub fn holds(&self, v: [f64; 2]) -> bool {
         self.half_planes().iter().all(|plane| {
             let part = |k: usize| plane.normal[k] * (v[k] - plane.corner[k]);
@@ -64,7 +64,7 @@ impl Region {
         pairs().map(edge).filter(|edge| edge.normal != [0.0; 2]).collect()
     }
 
-    /// Of a rectangle with sides at infinity.
+    /// Half-planes of a rectangle with sides at infinity.
     fn open_half_planes(&self) -> Vec<HalfPlane> {
         let mut found = Vec::new();
         for axis in 0..2 {

@@ -9,7 +9,7 @@ use crate::{Error, Result};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What is asked of the data: ranges, and percentiles (as the bits of a percentage) of quantities.
+/// Statistics required of the data: ranges, and percentiles (as the bits of a percentage) of arrays.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct StatisticsRequest {
     /// Quantities whose range is wanted.
@@ -19,7 +19,7 @@ pub struct StatisticsRequest {
 }
 
 impl StatisticsRequest {
-    /// Whether nothing is.
+    /// True if nothing is.
     pub fn is_empty(&self) -> bool {
         self.ranges.is_empty() && self.percentiles.is_empty()
     }
@@ -30,7 +30,7 @@ impl StatisticsRequest {
     }
 }
 
-/// What the data say.
+/// Provider of data statistics.
 pub trait DataStatistics {
     /// The least and the largest value of a quantity, both finite.
     fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]>;
@@ -65,8 +65,8 @@ pub fn resolved(p: &Parameters, scales: &dyn DataStatistics) -> Result<Parameter
     })
 }
 
-/// What [`resolved`] will ask of the data.
-pub fn wanted(p: &Parameters) -> StatisticsRequest {
+/// Statistics that [`resolved`] will require.
+pub fn statistics_request(p: &Parameters) -> StatisticsRequest {
     let recorder = Recorder::default();
     // Its answers make no errors that those of the data would not.
     let _ = resolved(p, &recorder);
@@ -150,7 +150,7 @@ pub fn with_placeholders(p: &Parameters) -> Result<Parameters> {
                 Relative::Percentile(percent) => percent / 100.0,
             })
         })?;
-        if sorts.is_empty() || matches!(measured.is, StatisticKind::Width | StatisticKind::Factor) {
+        if sorts.is_empty() || matches!(measured.statistic, StatisticKind::Width | StatisticKind::Factor) {
             return Ok(plain);
         }
         let all_shares = sorts.iter().all(|sort| matches!(sort, Relative::Share(_)));
@@ -161,13 +161,13 @@ pub fn with_placeholders(p: &Parameters) -> Result<Parameters> {
                 Ok(plain)
             }
             (true, ParameterType::Rows(Some(2))) => Ok(triangle(setting)),
-            _ => Ok(in_order(&plain, rows, measured)),
+            _ => Ok(ascending(&plain, rows, measured)),
         }
     })
 }
 
 /// The numbers that may be relative by their place in the list, or that of their row.
-fn in_order(plain: &LocatedValue, rows: bool, measured: &RelativeNumberType) -> LocatedValue {
+fn ascending(plain: &LocatedValue, rows: bool, measured: &RelativeNumberType) -> LocatedValue {
     let number = |place: usize| LocatedValue {
         datum: ParameterValue::Number(place as f64),
         origin: plain.origin.clone(),

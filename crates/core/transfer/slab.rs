@@ -3,7 +3,7 @@
 /// The points v = (s, g) with low ≤ normal · v ≤ high.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slab {
-    /// Of any length, not 0.
+    /// Normal, of any length but 0.
     pub normal: [f64; 2],
     /// −∞ where there is no limit.
     pub low: f64,
@@ -15,7 +15,7 @@ pub struct Slab {
 const SLACK: f64 = 1e-6;
 
 impl Slab {
-    /// The same over values stored in 32 bits, value = offset + scale × stored: [a, b, low, high] with the larger of |a| and
+    /// Slab over values stored in 32 bits, value = offset + scale × stored: [a, b, low, high] with the larger of |a| and
     /// |b| 1, widened by what rounding can do. `axes`: offset and scale of s and g.
     pub fn stored(&self, axes: [[f64; 2]; 2]) -> [f32; 4] {
         let Slab { normal, low, high } = self;
@@ -38,7 +38,7 @@ impl Slab {
 
 /// Squared distance from a widget's centre, in widths, at which a profile exp(−r²) no longer counts.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Reach {
+pub enum SupportRadius {
     /// It counts at no distance.
     Nowhere,
     /// This is r².
@@ -47,16 +47,16 @@ pub enum Reach {
     Everywhere,
 }
 
-impl Reach {
+impl SupportRadius {
     /// `ratio`: the depth of the profile's peak by the least depth that counts. `cutoff`: the constant-emitter's.
-    pub(super) fn new(ratio: f64, cutoff: Option<f64>) -> Reach {
+    pub(super) fn new(ratio: f64, cutoff: Option<f64>) -> SupportRadius {
         let absorbs = if ratio > 1.0 { ratio.ln() } else { 0.0 };
         match cutoff {
-            _ if ratio <= 0.0 => Reach::Nowhere,
-            Some(cutoff) if cutoff <= 0.0 => Reach::Everywhere,
-            Some(cutoff) => Reach::Within(absorbs.max(-cutoff.ln())),
-            None if ratio <= 1.0 => Reach::Nowhere,
-            None => Reach::Within(absorbs),
+            _ if ratio <= 0.0 => SupportRadius::Nowhere,
+            Some(cutoff) if cutoff <= 0.0 => SupportRadius::Everywhere,
+            Some(cutoff) => SupportRadius::Within(absorbs.max(-cutoff.ln())),
+            None if ratio <= 1.0 => SupportRadius::Nowhere,
+            None => SupportRadius::Within(absorbs),
         }
     }
 
@@ -68,9 +68,9 @@ impl Reach {
     /// One list, of the slabs that hold what lies within a distance.
     pub(in crate::transfer) fn within(self, slabs: impl Fn(f64) -> Vec<Slab>) -> Vec<Vec<Slab>> {
         match self {
-            Reach::Nowhere => Vec::new(),
-            Reach::Everywhere => vec![Vec::new()],
-            Reach::Within(square) => vec![slabs(square.sqrt())],
+            SupportRadius::Nowhere => Vec::new(),
+            SupportRadius::Everywhere => vec![Vec::new()],
+            SupportRadius::Within(square) => vec![slabs(square.sqrt())],
         }
     }
 }

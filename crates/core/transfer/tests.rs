@@ -1,4 +1,4 @@
-//! What is asked of a whole transfer function.
+//! Properties of whole transfer functions.
 
 use super::*;
 
@@ -22,15 +22,15 @@ fn what_draws_nothing_has_no_say_in_the_one_colour() {
     let point = |s: f64, color, extinction| ControlPoint { s, color, extinction };
     let points = |rows| widget(Profile::PiecewiseLinear { points: rows }, [0.0; 3], 0.0);
     let thin = points(vec![point(0.0, GREEN, 0.0), point(1.0, RED, 0.0)]);
-    assert_eq!(of(vec![]).one_color(), Some([0.0; 3]));
-    assert_eq!(of(vec![gaussian(GREEN, 0.0), thin, gaussian(RED, 1.0)]).one_color(), Some(RED));
-    assert_eq!(of(vec![gaussian(GREEN, 1.0), gaussian(RED, 1.0)]).one_color(), None);
+    assert_eq!(of(vec![]).uniform_color(), Some([0.0; 3]));
+    assert_eq!(of(vec![gaussian(GREEN, 0.0), thin, gaussian(RED, 1.0)]).uniform_color(), Some(RED));
+    assert_eq!(of(vec![gaussian(GREEN, 1.0), gaussian(RED, 1.0)]).uniform_color(), None);
     // Its extinction is that of its points, whatever the widget's own says.
     let ramp = points(vec![point(0.0, RED, 0.0), point(1.0, RED, 2.0)]);
-    assert_eq!(of(vec![ramp.clone(), gaussian(RED, 1.0)]).one_color(), Some(RED));
-    assert_eq!(of(vec![ramp, gaussian(GREEN, 1.0)]).one_color(), None);
+    assert_eq!(of(vec![ramp.clone(), gaussian(RED, 1.0)]).uniform_color(), Some(RED));
+    assert_eq!(of(vec![ramp, gaussian(GREEN, 1.0)]).uniform_color(), None);
     let model = OpticalModel::ConstantEmitter { cutoff: 0.1 };
-    assert_eq!(TransferFunction { model, ..of(vec![gaussian(RED, 1.0)]) }.one_color(), None);
+    assert_eq!(TransferFunction { model, ..of(vec![gaussian(RED, 1.0)]) }.uniform_color(), None);
 }
 
 #[test]

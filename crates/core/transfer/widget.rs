@@ -22,13 +22,13 @@ impl Widget {
         self.profile.properties().own_peak.unwrap_or(self.extinction)
     }
 
-    /// Whether it absorbs or glows anywhere: a widget of extinction 0 does neither, under either model.
+    /// True if it absorbs or glows anywhere: a widget of extinction 0 does neither, under either model.
     pub fn is_drawn(&self) -> bool {
         self.peak() > 0.0
     }
 
     /// The largest channel of any of its colours.
-    pub fn brightest(&self) -> f64 {
+    pub fn max_emission(&self) -> f64 {
         match self.profile.properties().color {
             ColorSource::Widget => self.color.into_iter().fold(0.0, f64::max),
             ColorSource::Points(points) => points.iter().flat_map(|p| p.color).fold(0.0, f64::max),
@@ -38,7 +38,7 @@ impl Widget {
         }
     }
 
-    /// Whether its colour is a function of s and g.
+    /// True if its colour is a function of s and g.
     pub fn has_colors_of_its_own(&self) -> bool {
         match self.profile.properties().color {
             ColorSource::Widget => false,
@@ -47,7 +47,7 @@ impl Widget {
     }
 
     /// Its colour, if it is the same wherever the widget is; an image is taken to have several.
-    pub fn one_color(&self) -> Option<[f64; 3]> {
+    pub fn uniform_color(&self) -> Option<[f64; 3]> {
         match self.profile.properties().color {
             ColorSource::Widget => Some(self.color),
             ColorSource::Points(points) => {
@@ -59,25 +59,25 @@ impl Widget {
     }
 
     /// Its profile at a place of the plane, 0 to 1; 0 outside of its region. `fields`: as of [`Profile::at`].
-    pub fn at(&self, v: [f64; 2], fields: &[f64]) -> f64 {
+    pub fn weight_at(&self, v: [f64; 2], fields: &[f64]) -> f64 {
         match &self.region {
             Some(region) if !region.holds(v) => 0.0,
-            _ => self.profile.at(v, fields),
+            _ => self.profile.eval(v, fields),
         }
     }
 
-    /// The same widget with its extinction, or those of its control points, multiplied.
+    /// Widget with its extinction, or those of its control points, multiplied.
     pub fn with_extinction_times(&self, factor: f64) -> Widget {
         let profile = self.profile.with_extinction_times(factor);
         Widget { profile, extinction: self.extinction * factor, ..self.clone() }
     }
 
-    /// The same widget in one colour.
+    /// Widget in one colour.
     pub fn in_color(&self, color: [f64; 3]) -> Widget {
         Widget { profile: self.profile.in_color(color), color, ..self.clone() }
     }
 
-    /// Whether the widget's profile or region depends on the gradient magnitude.
+    /// True if the widget's profile or region depends on the gradient magnitude.
     pub fn uses_gradient_magnitude(&self) -> bool {
         self.profile.properties().depends_on_g || self.region.as_ref().is_some_and(Region::depends_on_g)
     }

@@ -1,20 +1,26 @@
-//! Whether a grid is convex: no ray that leaves it meets it again.
+//! Convexity of a grid: no ray that leaves it meets it again.
 //!
 //! A closed connected surface that does not cross itself and is convex at each of its places bounds a convex body (van
 //! Heijenoort, On locally convex manifolds, 1952; checked likewise by Mehlhorn et al., Checking geometric programs or
 //! verification of geometric structures, 1999). Looked at are the edges; that the faces at a point form one ring follows from
 //! Euler's formula for one sphere. Cells that overlap, of which a surface that crosses itself is made, are found elsewhere.
 
-use super::faces::{Faces, face_of};
-use crate::grid::faces::Places;
+use super::corners::face_of;
+use super::faces::Faces;
+use crate::grid::faces::CoincidentPoints;
 use glam::DVec3;
 
 /// A corner behind the plane of the face next to it by less than this share of the grid's diagonal lies in it: rounding, which
 /// leaves gaps of this width between a grid and its hull.
 const PLANE: f64 = 1e-12;
 
-/// Whether the boundary is one convex surface.
-pub(super) fn is_convex(faces: &Faces, points: &[DVec3], cells: &[[u32; 4]], places: &Places) -> bool {
+/// True if the boundary is one convex surface.
+pub(super) fn is_convex(
+    faces: &Faces,
+    points: &[DVec3],
+    cells: &[[u32; 4]],
+    places: &CoincidentPoints,
+) -> bool {
     let corners = |(cell, k): (u32, usize)| face_of(cells[cell as usize], k).map(|p| places.first(p));
     // Of each edge of each outer face: its ends, and the face.
     let mut edges: Vec<([u32; 2], usize)> = Vec::with_capacity(3 * faces.outer.len());
@@ -40,7 +46,7 @@ pub(super) fn is_convex(faces: &Faces, points: &[DVec3], cells: &[[u32; 4]], pla
     is_one && seen.len() + faces.outer.len() == edge_count + 2
 }
 
-/// Whether the third corner of one face lies behind the plane of the other, or in it.
+/// True if the third corner of one face lies behind the plane of the other, or in it.
 fn is_convex_edge(
     faces: &Faces,
     points: &[DVec3],
@@ -60,7 +66,7 @@ fn is_convex_edge(
     })
 }
 
-/// Which faces hang together.
+/// Connected components of faces (union-find).
 struct Groups(Vec<usize>);
 
 impl Groups {

@@ -2,7 +2,7 @@
 //!
 //! Knows nothing of how the order was found: each ray is cut by the four faces of every cell around it, in 64 bits.
 
-use super::faces::face_of;
+use super::corners::face_of;
 use super::rays::{Plane, Rays};
 use crate::Result;
 use crate::camera::Camera;
@@ -16,17 +16,17 @@ const ROWS: u32 = 16;
 /// Cells that hide each other by less than this share of the grid's diagonal may stand in either order: rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// What was found of an order.
+/// Result of the check of an order.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Disorder {
     /// Pixels that were looked at, over all their samples.
-    pub looked_at: u64,
-    /// Those of them, over all their samples, at which a cell comes before one that its ray enters sooner.
+    pub pixels_tested: u64,
+    /// Pixels among these at which a cell comes before one that its ray enters sooner.
     pub disordered: u64,
 }
 
 /// A cell as the rays of one sample cross it.
-struct Crossed {
+struct ProjectedCell {
     columns: Range<u32>,
     rows: Range<u32>,
     /// Its faces, each with whether the cell lies on the side that the plane's normal points to.
@@ -44,8 +44,8 @@ pub fn disorder(
 ) -> Result<Disorder> {
     let rounding = ROUNDING * grid.bounds().map_or(0.0, |[low, high]| (high - low).length());
     let mut found = Disorder::default();
-    for rays in Rays::of(camera)? {
-        let crossed: Vec<Crossed> =
+    for rays in Rays::per_sample(camera)? {
+        let crossed: Vec<ProjectedCell> =
             order.par_iter().with_min_len(256).filter_map(|&cell| crossed(grid, cell, &rays)).collect();
         let [width, height] = rays.size;
         let bands: Vec<Range<u32>> =
@@ -68,10 +68,10 @@ pub fn disorder(
                 }
             }
             let disordered = farthest.iter().flatten().filter(|depth| depth.is_infinite()).count() as u64;
-            Disorder { looked_at, disordered }
+            Disorder { pixels_tested: looked_at, disordered }
         };
         for band in bands.into_par_iter().map(in_band).collect::<Vec<_>>() {
-            found.looked_at += band.looked_at;
+            found.pixels_tested += band.pixels_tested;
             found.disordered += band.disordered;
         }
     }
@@ -79,7 +79,7 @@ pub fn disorder(
 }
 
 /// A cell for the rays of a sample; `None` where none of them comes near it, or it has no volume.
-fn crossed(grid: &Grid, cell: u32, rays: &Rays) -> Option<Crossed> {
+fn crossed(grid: &Grid, cell: u32, rays: &Rays) -> Option<ProjectedCell> {
     let corners = grid.corners(cell as usize);
     let [columns, rows] = rays.around(corners)?;
     let [a, b, c, d] = corners;
@@ -88,10 +88,10 @@ fn crossed(grid: &Grid, cell: u32, rays: &Rays) -> Option<Crossed> {
         let face = face_of([0, 1, 2, 3], k).map(|i| corners[i as usize]);
         (rays.plane(face), (hand > 0.0) == (k % 2 == 1))
     });
-    (hand != 0.0).then_some(Crossed { columns, rows, planes })
+    (hand != 0.0).then_some(ProjectedCell { columns, rows, planes })
 }
 
-impl Crossed {
+impl ProjectedCell {
     /// The depth at which a pixel's ray enters the cell; `None` where what it sees of the cell is no longer than `least`.
     fn entry(&self, pixel: [u32; 2], rays: &Rays, least: f64) -> Option<f64> {
         let (mut enters, mut leaves) = (rays.nearest(), f64::INFINITY);

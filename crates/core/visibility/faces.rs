@@ -1,14 +1,15 @@
-//! Which cells meet at which faces, and on which side of them they lie: found once a grid, whatever it is seen from.
+//! Neighbours of each cell across its faces, and the cell's side of each face: found once a grid, whatever the camera.
 
 use super::convex;
+use super::corners::face_of;
 use crate::grid::Grid;
-use crate::grid::faces::{Face, Places, each_face};
+use crate::grid::faces::{CoincidentPoints, Face, each_face};
 use crate::grid::overlap::side;
 use glam::DVec3;
 use rayon::prelude::*;
 
 /// No cell: beyond the face is none.
-pub(super) const NONE: u32 = u32::MAX;
+pub(super) const NO_CELL: u32 = u32::MAX;
 
 /// Cells of a chunk of work.
 pub(super) const CHUNK: usize = 1 << 12;
@@ -20,7 +21,7 @@ pub struct Faces {
     pub(super) neighbours: Vec<[u32; 4]>,
     /// For each corner, two bits: which corner of that neighbour is opposite the same face.
     theirs: Vec<u8>,
-    /// Whether the last corner lies on the side of the others that their normal, by the rule of the right hand, points to. Of
+    /// True if the last corner lies on the side of the others that their normal, by the rule of the right hand, points to. Of
     /// a cell without volume: as its neighbours would have it.
     is_right_handed: Vec<bool>,
     /// The faces of one cell alone: the cell, and which of its corners is opposite.
@@ -29,15 +30,15 @@ pub struct Faces {
     pub(super) crowded: u64,
     /// Faces with both cells on one side.
     pub(super) folded: u64,
-    /// Whether no ray that leaves the grid meets it again.
+    /// True if no ray that leaves the grid meets it again.
     pub(super) is_convex: bool,
     /// The grid's diagonal.
     pub(super) diagonal: f64,
 }
 
-/// What is found of a range of points.
+/// Faces matched in a range of points.
 #[derive(Default)]
-struct Found {
+struct FaceMatches {
     /// A face of two cells, as each of them has it.
     pairs: Vec<[Face; 2]>,
     outer: Vec<Face>,
@@ -45,16 +46,16 @@ struct Found {
 }
 
 impl Faces {
-    /// Those of a grid.
-    pub fn of(grid: &Grid) -> Faces {
+    /// Finds the faces of a grid.
+    pub fn new(grid: &Grid) -> Faces {
         let (points, cells) = (&grid.points[..], &grid.tetrahedra[..]);
-        let places = Places::of(points);
-        let look = |found: &mut Found, _, shared: &[Face]| match *shared {
+        let places = CoincidentPoints::find(points);
+        let look = |found: &mut FaceMatches, _, shared: &[Face]| match *shared {
             [face] => found.outer.push(face),
             [a, b] => found.pairs.push([a, b]),
             _ => found.crowded += 1,
         };
-        let found = each_face(points, cells, &places, Found::default, look, |mut all, mut more| {
+        let found = each_face(points, cells, &places, FaceMatches::default, look, |mut all, mut more| {
             all.pairs.append(&mut more.pairs);
             all.outer.append(&mut more.outer);
             all.crowded += more.crowded;
@@ -64,7 +65,7 @@ impl Faces {
             let corners = cells[face[2] as usize];
             corners.iter().position(|&p| places.first(p) == face[3]).unwrap_or_default()
         };
-        let mut neighbours = vec![[NONE; 4]; cells.len()];
+        let mut neighbours = vec![[NO_CELL; 4]; cells.len()];
         let mut theirs = vec![0u8; cells.len()];
         for [a, b] in &found.pairs {
             for (own, other) in [(a, b), (b, a)] {
@@ -91,19 +92,19 @@ impl Faces {
         faces
     }
 
-    /// Which corner of the neighbour beyond the face opposite corner `k` is opposite the same face.
+    /// Corner of the neighbour beyond the face opposite corner `k` that is opposite the same face.
     pub(super) fn theirs(&self, cell: u32, k: usize) -> usize {
         usize::from(self.theirs[cell as usize] >> (2 * k)) & 3
     }
 
-    /// Whether the cell lies on the side of its face opposite corner `k` to which the normal of [`face_of`] points.
+    /// True if the cell lies on the side of its face opposite corner `k` to which the normal of [`super::corners::face_of`] points.
     pub(super) fn is_at_normal(&self, cell: u32, k: usize) -> bool {
         // Each corner on takes the others once more out of their turn.
         self.is_right_handed[cell as usize] == (k % 2 == 1)
     }
 
     /// Finds the cells' hands, and the faces that are folded.
-    fn orient(&mut self, points: &[DVec3], cells: &[[u32; 4]], places: &Places) {
+    fn orient(&mut self, points: &[DVec3], cells: &[[u32; 4]], places: &CoincidentPoints) {
         let hand = |&cell: &[u32; 4]| {
             let [a, b, c, d] = cell.map(|p| points[p as usize]);
             side((b - a).cross(c - a), d - a)
@@ -127,7 +128,7 @@ impl Faces {
         while !open.is_empty() {
             let before = open.len();
             open.retain(|&cell| {
-                let known = (0..4).filter(|&k| self.neighbours[cell as usize][k] != NONE).find_map(|k| {
+                let known = (0..4).filter(|&k| self.neighbours[cell as usize][k] != NO_CELL).find_map(|k| {
                     let (other, factor) = beyond(self, cell, k);
                     (hands[other as usize] != 0.0).then(|| hands[other as usize] * factor)
                 });
@@ -145,7 +146,7 @@ impl Faces {
             .map(|cell| {
                 let later = |k: &usize| {
                     let other = self.neighbours[cell as usize][*k];
-                    other != NONE && cell < other
+                    other != NO_CELL && cell < other
                 };
                 let is_folded = |k: &usize| {
                     let (other, factor) = beyond(self, cell, *k);
@@ -155,16 +156,5 @@ impl Faces {
             })
             .sum();
         self.is_right_handed = hands.into_iter().map(|hand| hand > 0.0).collect();
-    }
-}
-
-/// The corners of the face opposite corner `k`, as the cell counts them.
-#[inline]
-pub(super) fn face_of([a, b, c, d]: [u32; 4], k: usize) -> [u32; 3] {
-    match k {
-        0 => [b, c, d],
-        1 => [a, c, d],
-        2 => [a, b, d],
-        _ => [a, b, c],
     }
 }

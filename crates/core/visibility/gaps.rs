@@ -1,11 +1,12 @@
-//! Which cells follow each other across a gap along the rays of the pixels.
+//! Order of cells across gaps of the grid, along the rays of the pixels.
 //!
 //! A ray that leaves a grid that is not convex may meet it again, and no chain of faces says which cell comes first. Silva,
 //! Mitchell and Williams (An exact interactive time visibility ordering algorithm for polyhedral cell complexes, 1998) sort the
 //! boundary at each pixel; so it is done here: at each pixel's ray, of the boundary's faces the exits and entries in the order of
 //! their depths, the cell of each exit before that of the entry behind it.
 
-use super::faces::{Faces, face_of};
+use super::corners::face_of;
+use super::faces::Faces;
 use super::rays::{Rays, Triangle};
 use crate::Result;
 use crate::camera::Camera;
@@ -19,7 +20,7 @@ const ROWS: u32 = 16;
 /// Faces that meet within this share of the grid's diagonal touch: parts that lie against each other without sharing faces.
 const TOUCH: f64 = 1e-9;
 
-/// What is found across gaps.
+/// Relations found across gaps.
 #[derive(Debug, Default)]
 pub(super) struct Gaps {
     /// The first cell before the second, each pair once, ascending.
@@ -29,9 +30,9 @@ pub(super) struct Gaps {
 }
 
 /// A face of the boundary as the rays cross it.
-struct Outer {
+struct BoundaryFace {
     cell: u32,
-    /// Whether the cell lies on the side that the plane's normal points to.
+    /// True if the cell lies on the side that the plane's normal points to.
     is_at_normal: bool,
     triangle: Triangle,
 }
@@ -47,13 +48,13 @@ pub(super) struct Crossing {
 /// The gaps along the rays of a camera's pixels. Errors: a camera out of range.
 pub(super) fn gaps(faces: &Faces, points: &[DVec3], cells: &[[u32; 4]], camera: &Camera) -> Result<Gaps> {
     let mut all = Gaps::default();
-    for rays in Rays::of(camera)? {
+    for rays in Rays::per_sample(camera)? {
         let outer = |&(cell, k): &(u32, usize)| {
             let corners = face_of(cells[cell as usize], k).map(|p| points[p as usize]);
             let triangle = rays.triangle(corners)?;
-            Some(Outer { cell, is_at_normal: faces.is_at_normal(cell, k), triangle })
+            Some(BoundaryFace { cell, is_at_normal: faces.is_at_normal(cell, k), triangle })
         };
-        let outer: Vec<Outer> = faces.outer.par_iter().with_min_len(256).filter_map(outer).collect();
+        let outer: Vec<BoundaryFace> = faces.outer.par_iter().with_min_len(256).filter_map(outer).collect();
         let bands: Vec<Range<u32>> =
             (0..rays.size[1]).step_by(ROWS as usize).map(|y| y..(y + ROWS).min(rays.size[1])).collect();
         let touch = TOUCH * faces.diagonal;
@@ -69,7 +70,7 @@ pub(super) fn gaps(faces: &Faces, points: &[DVec3], cells: &[[u32; 4]], camera: 
     Ok(all)
 }
 
-fn in_rows(outer: &[Outer], rays: &Rays, rows: Range<u32>, touch: f64) -> Gaps {
+fn in_rows(outer: &[BoundaryFace], rays: &Rays, rows: Range<u32>, touch: f64) -> Gaps {
     let width = rays.size[0] as usize;
     let place = |[x, y]: [u32; 2]| (y - rows.start) as usize * width + x as usize;
     let mut counts = vec![0u32; width * rows.len()];
@@ -107,7 +108,9 @@ fn in_rows(outer: &[Outer], rays: &Rays, rows: Range<u32>, touch: f64) -> Gaps {
     let mut seen = Vec::new();
     for range in starts.windows(2).filter(|range| range[0] < range[1]) {
         seen.clear();
-        seen.extend(crossings[range[0]..range[1]].iter().filter(|crossing| rays.sees(crossing.depth)));
+        seen.extend(
+            crossings[range[0]..range[1]].iter().filter(|crossing| rays.is_visible_depth(crossing.depth)),
+        );
         found.unclear += u64::from(!follow(&mut seen, touch, &mut found.relations));
     }
     found.relations.sort_unstable();

@@ -5,7 +5,8 @@
 //! grid that is not convex, is exact at every pixel. Relations that lead round in a circle have none; those that no pixel's ray
 //! bears out, since it crosses no such face, are taken out of the circles first.
 
-use super::faces::{CHUNK, Faces, NONE, face_of};
+use super::corners::face_of;
+use super::faces::{CHUNK, Faces, NO_CELL};
 use super::gaps::{Gaps, gaps};
 use super::rays::Rays;
 use crate::Result;
@@ -29,16 +30,16 @@ pub struct FaceOrder {
     pub taken_out: usize,
 }
 
-/// Why a grid has no order of its cells that is known to be exact.
+/// Reason why a grid has no exact order of its cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OrderError {
-    /// So many faces have three cells or more.
+    /// Number of faces with three cells or more.
     Crowded(u64),
-    /// So many faces have both cells on one side.
+    /// Number of faces with both cells on one side.
     Folded(u64),
-    /// So many pixels' rays meet parts of the grid that lie in each other, or a boundary that is not closed.
+    /// Number of pixels whose rays meet parts of the grid that lie in each other, or a boundary that is not closed.
     Unclear(u64),
-    /// So many cells hide each other in circles, or lie between such.
+    /// Number of cells that hide each other in circles, or lie between such.
     Cyclic(usize),
 }
 
@@ -53,13 +54,13 @@ impl fmt::Display for OrderError {
     }
 }
 
-/// What the eye says of a face, two bits: nothing where it sees it as a line.
-const FIRST: u8 = 1;
-const SECOND: u8 = 2;
+/// Order of the two cells of a face as seen from the eye, two bits: none where the face is seen edge-on.
+const THIS_CELL_FIRST: u8 = 1;
+const OTHER_CELL_FIRST: u8 = 2;
 
 impl Faces {
-    /// Whether an order of which no relation was taken out serves every picture from the same eye: so it is without gaps.
-    pub fn needs_eye_alone(&self) -> bool {
+    /// True if an order of which no relation was taken out serves every picture from the same eye: so it is without gaps.
+    pub fn is_independent_of_direction(&self) -> bool {
         self.is_convex
     }
 
@@ -87,12 +88,12 @@ impl Faces {
             Projection::Orthographic { .. } => Eye::Towards(-forward),
         };
         let mut relations =
-            Relations { faces: self, along: self.along(points, cells, eye), across: relations };
+            Relations { faces: self, along: self.order_across_faces(points, cells, eye), across: relations };
         let mut order = Vec::with_capacity(cells.len());
         let mut left = relations.sort(&mut order);
         let mut taken_out = 0;
         if !left.is_empty() {
-            taken_out = relations.take_out(&left, points, cells, &Rays::of(camera)?);
+            taken_out = relations.take_out(&left, points, cells, &Rays::per_sample(camera)?);
             left = relations.sort_rest(&left, &mut order);
         }
         Ok(match left.len() {
@@ -102,17 +103,17 @@ impl Faces {
     }
 
     /// For each cell and its faces to cells of higher numbers, which of the two comes first.
-    fn along(&self, points: &[DVec3], cells: &[[u32; 4]], eye: Eye) -> Vec<u8> {
+    fn order_across_faces(&self, points: &[DVec3], cells: &[[u32; 4]], eye: Eye) -> Vec<u8> {
         let of_cell = |(cell, neighbours): (usize, &[u32; 4])| {
             let mut along = 0;
             for (k, &other) in neighbours.iter().enumerate() {
-                if other == NONE || (other as usize) < cell {
+                if other == NO_CELL || (other as usize) < cell {
                     continue;
                 }
                 let height = eye.height(face_of(cells[cell], k).map(|p| points[p as usize]));
                 if height != 0.0 {
                     let is_first = (height > 0.0) == self.is_at_normal(cell as u32, k);
-                    along |= (if is_first { FIRST } else { SECOND }) << (2 * k);
+                    along |= (if is_first { THIS_CELL_FIRST } else { OTHER_CELL_FIRST }) << (2 * k);
                 }
             }
             along
@@ -121,7 +122,7 @@ impl Faces {
     }
 }
 
-/// What rays come from.
+/// Origin of the rays.
 #[derive(Clone, Copy)]
 enum Eye {
     At(DVec3),
@@ -144,7 +145,7 @@ impl Eye {
     }
 }
 
-/// Which cells come before which.
+/// Relations "comes before" between cells.
 struct Relations<'a> {
     faces: &'a Faces,
     /// See [`Faces::along`].
@@ -154,11 +155,11 @@ struct Relations<'a> {
 }
 
 impl Relations<'_> {
-    /// What is known of a face: 1 if this cell comes first, 2 if the other does.
+    /// Order across a face: 1 if this cell comes first, 2 if the other does, 0 if unknown.
     #[inline]
-    fn known(&self, cell: u32, k: usize) -> u8 {
+    fn face_order(&self, cell: u32, k: usize) -> u8 {
         let other = self.faces.neighbours[cell as usize][k];
-        if other == NONE {
+        if other == NO_CELL {
             return 0;
         }
         match cell < other {
@@ -175,7 +176,7 @@ impl Relations<'_> {
     #[inline]
     fn each_behind(&self, cell: u32, mut take: impl FnMut(u32)) {
         for k in 0..4 {
-            if self.known(cell, k) == FIRST {
+            if self.face_order(cell, k) == THIS_CELL_FIRST {
                 take(self.faces.neighbours[cell as usize][k]);
             }
         }
@@ -189,23 +190,24 @@ impl Relations<'_> {
     /// cannot place: in circles, or behind such.
     fn sort(&self, order: &mut Vec<u32>) -> Vec<u32> {
         let count = self.along.len() as u32;
-        let before = |cell: u32| (0..4).filter(|&k| self.known(cell, k) == SECOND).count() as u32;
+        let before =
+            |cell: u32| (0..4).filter(|&k| self.face_order(cell, k) == OTHER_CELL_FIRST).count() as u32;
         let mut before: Vec<u32> = (0..count).into_par_iter().with_min_len(CHUNK).map(before).collect();
         self.across.iter().for_each(|pair| before[pair[1] as usize] += 1);
-        self.place((0..count).rev(), &mut before, order);
+        self.append_ready((0..count).rev(), &mut before, order);
         (0..count).filter(|&cell| before[cell as usize] > 0).collect()
     }
 
-    /// The same for those that could not be placed before.
+    /// Sorts the cells that could not be placed before.
     fn sort_rest(&self, rest: &[u32], order: &mut Vec<u32>) -> Vec<u32> {
         let mut before = vec![0; self.along.len()];
         rest.iter().for_each(|&cell| self.each_behind(cell, |other| before[other as usize] += 1));
-        self.place(rest.iter().rev().copied(), &mut before, order);
+        self.append_ready(rest.iter().rev().copied(), &mut before, order);
         rest.iter().copied().filter(|&cell| before[cell as usize] > 0).collect()
     }
 
     /// Places these cells and those behind them, as soon as nothing is `before` them that has no place.
-    fn place(&self, cells: impl Iterator<Item = u32>, before: &mut [u32], order: &mut Vec<u32>) {
+    fn append_ready(&self, cells: impl Iterator<Item = u32>, before: &mut [u32], order: &mut Vec<u32>) {
         let mut ready: Vec<u32> = cells.filter(|&cell| before[cell as usize] == 0).collect();
         while let Some(cell) = ready.pop() {
             order.push(cell);
@@ -218,8 +220,7 @@ impl Relations<'_> {
         }
     }
 
-    /// Of cells of which each has one before it, those that have one behind them, too, and so on: the circles, and what is
-    /// between them.
+    /// Cells in circles and between them: cells with one before and one behind them, repeatedly.
     fn in_circles(&self, left: &[u32]) -> Vec<u32> {
         let mut is_in = vec![false; self.along.len()];
         left.iter().for_each(|&cell| is_in[cell as usize] = true);
@@ -257,7 +258,7 @@ impl Relations<'_> {
             let neighbours = self.faces.neighbours[cell as usize];
             let inner = |k: &usize| {
                 let other = neighbours[*k];
-                other != NONE && cell < other && is_in[other as usize] && self.known(cell, *k) != 0
+                other != NO_CELL && cell < other && is_in[other as usize] && self.face_order(cell, *k) != 0
             };
             let is_crossed = |k: usize| {
                 let corners = face_of(cells[cell as usize], k).map(|p| points[p as usize]);

@@ -25,15 +25,15 @@ pub(super) struct Rays {
     pixel: f64,
     /// The pixel that the view axis passes through.
     axis: DVec2,
-    /// What is nearer is cut off.
+    /// Depth of the near plane.
     near: f64,
     /// Width and height of the picture.
     pub size: [u32; 2],
 }
 
 impl Rays {
-    /// Those of each sample of a camera's pixels. Errors: a camera out of range.
-    pub fn of(camera: &Camera) -> Result<Vec<Rays>> {
+    /// Rays of each sample of a camera's pixels. Errors: a camera out of range.
+    pub fn per_sample(camera: &Camera) -> Result<Vec<Rays>> {
         camera.check_picture()?;
         let frame = camera.frame()?;
         let [width, height] = camera.size.map(f64::from);
@@ -51,14 +51,14 @@ impl Rays {
         Ok(camera.sample_offsets().into_iter().map(rays).collect())
     }
 
-    fn place(&self, point: DVec3) -> DVec3 {
+    fn pixel_position(&self, point: DVec3) -> DVec3 {
         let from_eye = point - self.eye;
         let across = DVec2::new(from_eye.dot(self.right), from_eye.dot(self.down)) / self.pixel;
         let w = if self.is_perspective { from_eye.dot(self.forward) } else { 1.0 };
         (across + w * self.axis).extend(w)
     }
 
-    /// Where the rays meet the plane of a triangle.
+    /// Intersections of the rays with the plane of a triangle.
     pub fn plane(&self, [a, b, c]: [DVec3; 3]) -> Plane {
         let normal = (b - a).cross(c - a);
         let [right, down] = [self.right, self.down].map(|v| normal.dot(v) * self.pixel);
@@ -80,15 +80,15 @@ impl Rays {
         self.near
     }
 
-    /// Whether something at this depth is seen.
-    pub fn sees(&self, depth: f64) -> bool {
+    /// True if something at this depth is seen.
+    pub fn is_visible_depth(&self, depth: f64) -> bool {
         depth > 0.0 && depth >= self.near
     }
 
     /// The pixels around corners, as ranges of columns and rows; `None` where none of them lies before the eye, or none in the
     /// picture.
     pub fn around<const N: usize>(&self, corners: [DVec3; N]) -> Option<[Range<u32>; 2]> {
-        let places = corners.map(|corner| self.place(corner));
+        let places = corners.map(|corner| self.pixel_position(corner));
         let most = places.iter().fold(0.0, |most: f64, place| most.max(place.z));
         // Nearer, places leave the numbers' range.
         let least = 1e-9 * most;
@@ -117,11 +117,12 @@ impl Rays {
         Some([range(low.x, high.x, self.size[0])?, range(low.y, high.y, self.size[1])?])
     }
 
-    /// Whether any ray crosses a triangle that is seen.
+    /// True if any ray crosses a triangle that is seen.
     pub fn meet(&self, corners: [DVec3; 3]) -> bool {
         let Some(triangle) = self.triangle(corners) else { return false };
         let mut is_met = false;
-        triangle.each(triangle.rows.clone(), |pixel, _| is_met |= self.sees(triangle.depth(pixel)));
+        triangle
+            .each(triangle.rows.clone(), |pixel, _| is_met |= self.is_visible_depth(triangle.depth(pixel)));
         is_met
     }
 
@@ -129,7 +130,7 @@ impl Rays {
     pub fn triangle(&self, corners: [DVec3; 3]) -> Option<Triangle> {
         let [columns, rows] = self.around(corners)?;
         let depths = corners.map(|corner| (corner - self.eye).dot(self.forward));
-        let places = corners.map(|corner| self.place(corner));
+        let places = corners.map(|corner| self.pixel_position(corner));
         let [width, height] = self.size.map(f64::from);
         let edge = |i: usize| {
             let (a, b) = (places[i], places[(i + 1) % 3]);

@@ -1,17 +1,15 @@
-//! The boundary of what is drawn, by tiles.
+//! Boundary of the drawn cells, by tiles.
 
 use super::half_faces::HalfFaces;
-use crate::project::area::{Area, tiles_of};
-use crate::view::Seen;
+use crate::tile::{Area, tiles_of};
+use crate::tolerances::BOUNDARY_SLACK;
+use crate::view::ScreenVertex;
 use rayon::prelude::*;
 
 /// Faces of a chunk of work.
 const CHUNK: usize = 1 << 12;
 
-/// Pixels by which a box is taken larger: the coarsest step of places.
-const BESIDE: f64 = 1.0 / 4096.0;
-
-/// Faces at the boundary that may cover a pixel's middle, by the tiles that they touch.
+/// Boundary faces that may cover a pixel's centre, by the tiles that they touch.
 #[derive(Debug)]
 pub(super) struct Boundary {
     starts: Vec<u32>,
@@ -19,7 +17,7 @@ pub(super) struct Boundary {
 }
 
 impl Boundary {
-    pub fn new(seen: &[Seen], half_faces: &HalfFaces, size: [usize; 2]) -> Boundary {
+    pub fn new(vertices: &[ScreenVertex], half_faces: &HalfFaces, size: [usize; 2]) -> Boundary {
         let area = Area::of_picture(size);
         let touches: Vec<Vec<(u32, u32)>> = half_faces
             .boundary
@@ -28,10 +26,10 @@ impl Boundary {
             .map(|(chunk, faces)| {
                 let mut touches = Vec::with_capacity(2 * faces.len());
                 for (k, face) in faces.iter().enumerate() {
-                    let Some(pixels) = pixels(seen, face.corners, size) else { continue };
-                    let Some([x0, y0, x1, y1]) = area.shared(tiles_of(pixels)) else { continue };
+                    let Some(pixels) = pixels(vertices, face.corners, size) else { continue };
+                    let Some([x0, y0, x1, y1]) = area.intersection(tiles_of(pixels)) else { continue };
                     for y in y0..y1 {
-                        let first = area.place([x0, y]);
+                        let first = area.index([x0, y]);
                         let tiles = first..first + (x1 - x0);
                         touches.extend(tiles.map(|tile| (tile as u32, (chunk * CHUNK + k) as u32)));
                     }
@@ -49,19 +47,19 @@ impl Boundary {
         let mut next = starts.clone();
         let mut faces = vec![0; starts[area.tile_count()] as usize];
         for &(tile, face) in touches.iter().flatten() {
-            let place = &mut next[tile as usize];
-            faces[*place as usize] = face;
-            *place += 1;
+            let slot = &mut next[tile as usize];
+            faces[*slot as usize] = face;
+            *slot += 1;
         }
         Boundary { starts, faces }
     }
 
     /// Faces that touch a tile.
-    pub fn of(&self, tile: usize) -> &[u32] {
+    pub fn faces_of(&self, tile: usize) -> &[u32] {
         &self.faces[self.starts[tile] as usize..self.starts[tile + 1] as usize]
     }
 
-    /// Tiles that are touched, those with most faces first.
+    /// Tiles that boundary faces touch, those with most faces first.
     pub fn queue(&self) -> Vec<u32> {
         let count = |tile: usize| self.starts[tile + 1] - self.starts[tile];
         let mut queue: Vec<u32> =
@@ -71,15 +69,15 @@ impl Boundary {
     }
 }
 
-/// Pixels whose middles lie in the box of a face: x0, y0, x1, y1 (exclusive).
-fn pixels(seen: &[Seen], corners: [u32; 3], size: [usize; 2]) -> Option<[usize; 4]> {
-    let corners = corners.map(|p| &seen[p as usize]);
-    let within = |places: [f64; 3], size: usize| {
-        let low = places.into_iter().fold(f64::INFINITY, f64::min);
-        let high = places.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        // A cast from float saturates. Places are rounded again: half a step of them more.
-        let from = (low - BESIDE).ceil().max(0.0) as usize;
-        let to = ((high + BESIDE).floor() + 1.0).max(0.0) as usize;
+/// Pixels whose centres lie in the box of a face: x0, y0, x1, y1 (exclusive).
+fn pixels(vertices: &[ScreenVertex], corners: [u32; 3], size: [usize; 2]) -> Option<[usize; 4]> {
+    let corners = corners.map(|p| &vertices[p as usize]);
+    let within = |coordinates: [f64; 3], size: usize| {
+        let low = coordinates.into_iter().fold(f64::INFINITY, f64::min);
+        let high = coordinates.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        // A cast from float saturates. Positions are rounded again: half a step of them more.
+        let from = (low - BOUNDARY_SLACK).ceil().max(0.0) as usize;
+        let to = ((high + BOUNDARY_SLACK).floor() + 1.0).max(0.0) as usize;
         (from < to.min(size)).then_some([from, to.min(size)])
     };
     let [x0, x1] = within(corners.map(|s| s.x), size[0])?;

@@ -1,38 +1,43 @@
 //! Half-faces: each face of a cell that is drawn, as rays come in by it.
 
-use super::CELLS_MOST;
-use super::mesh::{Mesh, NONE, Side};
+use super::mesh::{Mesh, NO_FACE, Side};
 use rayon::prelude::*;
 use std::sync::Arc;
+
+/// Cells at most: limited by the numbers of half-faces.
+pub(crate) const MAX_CELLS: usize = 1 << 27;
+
+/// Bytes of a cell: its half-faces, the faces that it shares, the side of its corners, its index among the drawn cells.
+pub(crate) const BYTES_PER_CELL: u64 = 4 * (16 + 4) + 1 + 4;
 
 /// Cells of a chunk of work.
 const CHUNK: usize = 1 << 12;
 
-/// In place of a further half-face: there a ray leaves the cells; with the number of the half-face that it leaves by.
-pub(super) const OUT: u32 = 1 << 31;
+/// Flag in place of a next half-face: the ray exits the drawn cells, by the half-face whose number stands beside it.
+pub(super) const EXIT_FLAG: u32 = 1 << 31;
 
-// Half-faces are numbered above `TURN_BITS` and below `OUT`.
-const _: () = assert!(CELLS_MOST <= 1 << (31 - TURN_BITS - 2));
+// Half-faces are numbered above `ROTATION_BITS` and below `EXIT_FLAG`.
+const _: () = assert!(MAX_CELLS <= 1 << (31 - ROTATION_BITS - 2));
 
-/// Low bits of a further half-face: how its corners are turned against those of this one.
-pub(super) const TURN_BITS: u32 = 2;
+/// Low bits of a next half-face: the rotation of its corners against those of this one.
+pub(super) const ROTATION_BITS: u32 = 2;
 
 /// The half-faces of the cells that are drawn, four a cell by the corner opposite.
 #[derive(Debug)]
 pub(crate) struct HalfFaces {
-    /// Of each half-face the corner opposite, then for each of its own three what a ray comes to that passes it on the other side,
-    /// through the face without it: number << [`TURN_BITS`] | turn, or [`OUT`] with the half-face that it leaves by. Bits in place
-    /// of floats. Behind the last one that leads to itself.
+    /// For each half-face the corner opposite, then for each of its three the half-face that a ray enters by which passes it on the
+    /// other side, through the face without it: number << [`ROTATION_BITS`] | rotation, or [`EXIT_FLAG`] with the half-face that it leaves by. Bits in place
+    /// of floats. Behind them the sentinel, which leads to itself.
     pub records: Vec<[f32; 4]>,
-    /// Those at the boundary of what is drawn, with their corners: these turn clockwise on the screen where rays come in.
-    pub boundary: Vec<Outer>,
+    /// Boundary faces of the drawn cells, with their corners: these turn clockwise on the screen where rays enter.
+    pub boundary: Vec<BoundaryFace>,
     /// The cells.
     pub cells: Arc<Vec<u32>>,
 }
 
 /// A half-face at the boundary.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Outer {
+pub(crate) struct BoundaryFace {
     pub half_face: u32,
     pub corners: [u32; 3],
 }
@@ -41,9 +46,9 @@ pub(crate) struct Outer {
 /// lies on the positive side of the first three. Of another one the last two are exchanged. The first is the lowest.
 pub(super) const ORDER: [[usize; 3]; 4] = [[1, 3, 2], [0, 2, 3], [0, 3, 1], [0, 1, 2]];
 
-/// For each face and each of its corners, by side, as [`ORDER`] has them: how the corners of the face without it, where the fourth takes
-/// its place, are turned against their order on the other side, which begins with the lowest, too.
-const TURNS: [[[u32; 3]; 4]; 2] = {
+/// For each face and each of its corners, by side, as [`ORDER`] has them: the rotation of the corners of the face without it, where
+/// the fourth takes its place, against their order on the other side, which begins with the lowest, too.
+const ROTATIONS: [[[u32; 3]; 4]; 2] = {
     let mut turns = [[[0; 3]; 4]; 2];
     let mut face = 0;
     while face < 4 {
@@ -72,20 +77,20 @@ const TURNS: [[[u32; 3]; 4]; 2] = {
 };
 
 impl HalfFaces {
-    /// Of some cells of a grid, ascending.
+    /// Half-faces of some cells of a grid, ascending.
     pub fn new(mesh: &Mesh, tetrahedra: &[[u32; 4]], cells: &Arc<Vec<u32>>) -> HalfFaces {
-        // Where all are drawn each has its own number.
-        let places = (cells.len() < tetrahedra.len()).then(|| {
-            let mut places = vec![NONE; tetrahedra.len()];
-            for (place, &cell) in cells.iter().enumerate() {
-                places[cell as usize] = place as u32;
+        // Where all cells are drawn, indices are their numbers.
+        let indices = (cells.len() < tetrahedra.len()).then(|| {
+            let mut indices = vec![NO_FACE; tetrahedra.len()];
+            for (index, &cell) in cells.iter().enumerate() {
+                indices[cell as usize] = index as u32;
             }
-            places
+            indices
         });
-        let place_of = |cell: u32| places.as_ref().map_or(cell, |places| places[cell as usize]);
-        let sink = 4 * cells.len() as u32;
-        let mut records: Vec<[f32; 4]> = bytemuck::zeroed_vec(sink as usize + 1);
-        let boundaries: Vec<Vec<Outer>> = records
+        let index_of = |cell: u32| indices.as_ref().map_or(cell, |indices| indices[cell as usize]);
+        let sentinel = 4 * cells.len() as u32;
+        let mut records: Vec<[f32; 4]> = bytemuck::zeroed_vec(sentinel as usize + 1);
+        let boundaries: Vec<Vec<BoundaryFace>> = records
             .par_chunks_mut(4 * CHUNK)
             .zip(cells.par_chunks(CHUNK))
             .enumerate()
@@ -93,39 +98,41 @@ impl HalfFaces {
                 let mut boundary = Vec::new();
                 for (k, (&cell, records)) in cells.iter().zip(records.chunks_exact_mut(4)).enumerate() {
                     let corners = &tetrahedra[cell as usize];
-                    let of_cell = OfCell { place: (chunk * CHUNK + k) as u32, cell: cell as usize, corners };
-                    of_cell.take(mesh, place_of, records, &mut boundary);
+                    let of_cell =
+                        CellCorners { index: (chunk * CHUNK + k) as u32, cell: cell as usize, corners };
+                    of_cell.add(mesh, index_of, records, &mut boundary);
                 }
                 boundary
             })
             .collect();
-        let to_itself = f32::from_bits(sink << TURN_BITS);
+        let to_itself = f32::from_bits(sentinel << ROTATION_BITS);
         if let Some(last) = records.last_mut() {
             *last = [f32::from_bits(0), to_itself, to_itself, to_itself];
         }
         HalfFaces { records, boundary: boundaries.concat(), cells: cells.clone() }
     }
 
-    /// The number of that which leads to itself.
-    pub fn sink(&self) -> u32 {
+    /// Number of the sentinel.
+    pub fn sentinel(&self) -> u32 {
         self.records.len() as u32 - 1
     }
 }
 
-/// A cell, and its place among those that are drawn.
-struct OfCell<'a> {
-    place: u32,
+/// A cell, and its index among the drawn cells.
+struct CellCorners<'a> {
+    index: u32,
     cell: usize,
     corners: &'a [u32; 4],
 }
 
-impl OfCell<'_> {
-    fn take(
+impl CellCorners<'_> {
+    /// Adds its half-faces to the records and the boundary.
+    fn add(
         &self,
         mesh: &Mesh,
-        place_of: impl Fn(u32) -> u32,
+        index_of: impl Fn(u32) -> u32,
         records: &mut [[f32; 4]],
-        boundary: &mut Vec<Outer>,
+        boundary: &mut Vec<BoundaryFace>,
     ) {
         let side = match mesh.sides[self.cell] {
             Side::Positive => 0,
@@ -134,16 +141,16 @@ impl OfCell<'_> {
             Side::Flat => return,
         };
         let order = ORDER.map(|[a, b, c]| if side == 0 { [a, b, c] } else { [a, c, b] });
-        let mut behind = [OUT; 4];
+        let mut behind = [EXIT_FLAG; 4];
         for (face, behind) in behind.iter_mut().enumerate() {
             let there = mesh.neighbours[4 * self.cell + face];
-            let place = if there == NONE { NONE } else { place_of(there / 4) };
-            if place == NONE {
-                let half_face = 4 * self.place + face as u32;
-                *behind = OUT | half_face;
-                boundary.push(Outer { half_face, corners: order[face].map(|k| self.corners[k]) });
+            let index = if there == NO_FACE { NO_FACE } else { index_of(there / 4) };
+            if index == NO_FACE {
+                let half_face = 4 * self.index + face as u32;
+                *behind = EXIT_FLAG | half_face;
+                boundary.push(BoundaryFace { half_face, corners: order[face].map(|k| self.corners[k]) });
             } else {
-                *behind = (4 * place + there % 4) << TURN_BITS;
+                *behind = (4 * index + there % 4) << ROTATION_BITS;
             }
         }
         for (face, record) in records.iter_mut().enumerate() {
@@ -151,7 +158,7 @@ impl OfCell<'_> {
             for (slot, word) in words[1..].iter_mut().enumerate() {
                 // Out by the face that lacks this corner.
                 let next = behind[order[face][slot]];
-                *word = if next & OUT == 0 { next | TURNS[side][face][slot] } else { next };
+                *word = if next & EXIT_FLAG == 0 { next | ROTATIONS[side][face][slot] } else { next };
             }
             *record = words.map(f32::from_bits);
         }

@@ -1,8 +1,8 @@
-//! What rays follow, against the cells themselves.
+//! Half-faces against the cells themselves.
 
-use super::half_faces::{HalfFaces, ORDER, OUT, TURN_BITS};
-use super::mesh::{Mesh, NONE, Side};
-use super::sides::{clockwise, turn};
+use super::edge_functions::{edge_function, edges_inside};
+use super::half_faces::{EXIT_FLAG, HalfFaces, ORDER, ROTATION_BITS};
+use super::mesh::{Mesh, NO_FACE, Side};
 use proptest::prelude::*;
 use std::sync::Arc;
 use voltet_core::grid::Grid;
@@ -16,7 +16,7 @@ fn corners(grid: &Grid, mesh: &Mesh, cells: &[u32], half_face: u32) -> [u32; 3] 
     if mesh.sides[cell] == Side::Negative { [a, c, b] } else { [a, b, c] }
 }
 
-/// Whatever face a ray goes out by, it comes in by one of the same corners, turned as the record says, or is out.
+/// Whatever face a ray goes out by, it comes in by one of the same corners, rotation as the record says, or is out.
 fn leads_on(grid: &Grid, cells: &Arc<Vec<u32>>) -> usize {
     let mesh = Mesh::new(grid);
     let half_faces = HalfFaces::new(&mesh, &grid.tetrahedra, cells);
@@ -27,18 +27,18 @@ fn leads_on(grid: &Grid, cells: &Arc<Vec<u32>>) -> usize {
         for (slot, next) in nexts.into_iter().enumerate() {
             let mut now = here;
             now[slot] = fourth;
-            if next & OUT != 0 {
-                let mut left = corners(grid, &mesh, cells, next & !OUT);
+            if next & EXIT_FLAG != 0 {
+                let mut left = corners(grid, &mesh, cells, next & !EXIT_FLAG);
                 left.sort_unstable();
                 now.sort_unstable();
                 assert_eq!(now, left, "out of {number}");
                 out += 1;
                 continue;
             }
-            let there = corners(grid, &mesh, cells, next >> TURN_BITS);
-            let turned = next & ((1 << TURN_BITS) - 1);
+            let there = corners(grid, &mesh, cells, next >> ROTATION_BITS);
+            let rotation = next & ((1 << ROTATION_BITS) - 1);
             for (k, corner) in now.into_iter().enumerate() {
-                assert_eq!(corner, there[(k + turned as usize) % 3], "from {number} by {slot}");
+                assert_eq!(corner, there[(k + rotation as usize) % 3], "from {number} by {slot}");
             }
         }
     }
@@ -66,7 +66,7 @@ fn cells_on_one_side_of_a_face_share_none() {
     let folded =
         moved(&cube([2, 1, 1], 0.0), |p| glam::DVec3::new([0.0, 1.0, 0.4][(2.0 * p.x) as usize], p.y, p.z));
     let mesh = Mesh::new(&folded);
-    for (half_face, &there) in mesh.neighbours.iter().enumerate().filter(|(_, there)| **there != NONE) {
+    for (half_face, &there) in mesh.neighbours.iter().enumerate().filter(|(_, there)| **there != NO_FACE) {
         assert_eq!(mesh.neighbours[there as usize], half_face as u32);
         let layer = |half_face: usize| half_face / 4 / (folded.tetrahedra.len() / 2);
         assert_eq!(layer(half_face), layer(there as usize), "across the fold");
@@ -75,7 +75,7 @@ fn cells_on_one_side_of_a_face_share_none() {
     let mesh = Mesh::new(&flat);
     assert!(mesh.sides.contains(&Side::Flat));
     let of_flat = |half_face: usize| mesh.sides[half_face / 4] == Side::Flat;
-    assert!((0..mesh.neighbours.len()).all(|k| !of_flat(k) || mesh.neighbours[k] == NONE));
+    assert!((0..mesh.neighbours.len()).all(|k| !of_flat(k) || mesh.neighbours[k] == NO_FACE));
 }
 
 /// On which side two places pass the ray, and the same places exchanged.
@@ -86,8 +86,8 @@ impl Kernel for Both {
 
     fn run<L: Lanes>(self) -> [bool; 2] {
         let [a, b] = self.0.map(|place| place.map(L::F::splat));
-        let (there, back) = (turn::<L>(a, b), turn::<L>(b, a));
-        let (one, other, _) = clockwise::<L>([there, back, there], [[a, b], [b, a], [a, b]]);
+        let (there, back) = (edge_function::<L>(a, b), edge_function::<L>(b, a));
+        let (one, other, _) = edges_inside::<L>([there, back, there], [[a, b], [b, a], [a, b]]);
         assert_eq!(there.lt(L::F::splat(0.0)).any(), L::F::splat(0.0).lt(back).any());
         [one.any(), other.any()]
     }
@@ -102,7 +102,7 @@ fn place() -> impl Strategy<Value = [f32; 2]> {
 }
 
 proptest! {
-    /// Also where an edge passes through the ray.
+    /// The same holds where an edge passes through the ray.
     #[test]
     fn a_ray_passes_an_edge_on_one_side(a in place(), b in place()) {
         prop_assume!(a != b);

@@ -1,28 +1,31 @@
-//! The kernels of a tile: each is compiled once a lane set; everything between them is plain code.
+//! Kernels of a tile: each is compiled once a lane set; everything between them is plain code.
 
-use crate::composite::lists::{Limit, Lists, Overflow};
-use crate::fragments::batch::{Batch, LANES_MOST};
-use crate::fragments::crossing::Group;
-use crate::fragments::spans::{Edges, Fragments, Places};
-use crate::project::record::TILE;
-use crate::sample::Frame;
+use crate::composite::fragment_lists::{FragmentLists, Overflow};
+use crate::composite::frame::FrameContext;
+use crate::fragments::batch::{Batch, MAX_LANES};
+use crate::fragments::crossing::CellPacket;
+use crate::fragments::slots::NextSlots;
+use crate::fragments::spans::{Edges, Fragments};
+use crate::project::tile_bins::TileBins;
 use crate::shade::light::Rays;
 use crate::shade::shaded::Shaded;
+use crate::tile::{PIXELS, TileRect};
+use crate::view::ScreenVertex;
 use std::ops::Range;
-use voltet_simd::{Kernel, Lanes};
+use voltet_simd::{Kernel, Lanes, prefetch};
 
+/// Finds the pixels that some cells cover.
 pub(crate) struct Cover<'a> {
-    pub frame: &'a Frame<'a>,
+    pub bins: &'a TileBins,
+    pub screen_vertices: &'a [ScreenVertex],
     pub cells: &'a [u32],
-    /// The entries after these: their records are asked for one by one, so that the requests do not queue up.
+    /// Entries after these: their cells are prefetched one by one, so that the requests do not queue up.
     pub ahead: &'a [u32],
-    pub left: usize,
-    pub top: usize,
-    pub right: usize,
+    pub rect: TileRect,
     pub rows: Range<usize>,
-    /// Where fragments take their places, if that is in lists.
-    pub places: Option<Places<'a>>,
-    pub group: &'a mut Group,
+    /// Next free slots of the pixels' lists, where fragments go to lists.
+    pub next: Option<&'a mut NextSlots>,
+    pub packet: &'a mut CellPacket,
     pub edges: &'a mut Edges,
     pub fragments: &'a mut Fragments,
 }
@@ -31,31 +34,34 @@ impl Kernel for Cover<'_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        for (lane, &entry) in self.cells.iter().enumerate() {
-            if let Some(&next) = self.ahead.get(lane) {
-                self.frame.prefetch_corners(next);
+        let Cover { bins, screen_vertices, cells, ahead, rect, rows, next, packet, edges, fragments } = self;
+        let TileRect { left, top, size, .. } = rect;
+        for (lane, &entry) in cells.iter().enumerate() {
+            if let Some(&next) = ahead.get(lane) {
+                for corner in bins.cell(next).corners() {
+                    prefetch(screen_vertices.as_ptr().wrapping_add(corner as usize));
+                }
             }
-            if let Some(&later) = self.ahead.get(L::WIDTH + lane) {
-                self.frame.prefetch(later);
+            if let Some(&later) = ahead.get(L::WIDTH + lane) {
+                bins.cell(later).prefetch();
             }
-            let (record, attributes, corners) = self.frame.record(entry);
-            self.group.take(lane, record, attributes);
-            self.edges.take(lane, corners);
+            let cell = bins.cell(entry);
+            packet.take(lane, cell.planes(), cell.attributes());
+            edges.take(lane, cell.corners().map(|p| &screen_vertices[p as usize]));
         }
-        self.group.turn::<L>(self.left, self.top);
-        self.edges.find::<L>(self.left, self.top, &self.rows);
-        let width = self.right - self.left;
-        let Cover { cells, edges, fragments, places, .. } = self;
-        fragments.cover::<L>(edges, cells.len(), width, places);
+        packet.transpose::<L>(left, top);
+        edges.find::<L>(left, top, &rows);
+        fragments.cover::<L>(edges, cells.len(), size[0], next);
     }
 }
 
+/// Intersects fragments with their cells, into a batch.
 pub(crate) struct Evaluate<'a> {
-    pub frame: &'a Frame<'a>,
-    pub group: &'a Group,
+    pub frame: &'a FrameContext<'a>,
+    pub packet: &'a CellPacket,
     pub codes: &'a [u16],
     pub count: usize,
-    pub stretch: &'a [f32; TILE * TILE],
+    pub length_per_depth: &'a [f32; PIXELS],
     pub batch: &'a mut Batch,
 }
 
@@ -63,19 +69,20 @@ impl Kernel for Evaluate<'_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Evaluate { frame, group, codes, count, stretch, batch } = self;
-        // Rays that end ask for depths, too.
-        let ordered = frame.shader.one_color.is_none() || frame.ends.is_some();
+        let Evaluate { frame, packet, codes, count, length_per_depth, batch } = self;
+        // Rays that end need depths, too.
+        let ordered = frame.shader.one_color.is_none() || frame.depth_limit.is_some();
         if frame.view.perspective {
-            group.evaluate::<L, true>(codes, count, stretch, frame.near, ordered, batch);
+            packet.evaluate::<L, true>(codes, count, length_per_depth, frame.near, ordered, batch);
         } else {
-            group.evaluate::<L, false>(codes, count, stretch, frame.near, ordered, batch);
+            packet.evaluate::<L, false>(codes, count, length_per_depth, frame.near, ordered, batch);
         }
     }
 }
 
+/// Applies silhouettes and light to shaded segments.
 pub(crate) struct Illuminate<'a> {
-    pub frame: &'a Frame<'a>,
+    pub frame: &'a FrameContext<'a>,
     pub batch: &'a Batch,
     pub count: usize,
     pub rays: &'a Rays,
@@ -90,11 +97,12 @@ impl Kernel for Illuminate<'_> {
     }
 }
 
+/// Intersects fragments with their cells, into lists.
 pub(crate) struct Append<'a> {
-    pub frame: &'a Frame<'a>,
-    pub group: &'a Group,
+    pub frame: &'a FrameContext<'a>,
+    pub packet: &'a CellPacket,
     pub fragments: &'a Fragments,
-    pub lists: &'a mut Lists,
+    pub lists: &'a mut FragmentLists,
 }
 
 impl Kernel for Append<'_> {
@@ -102,20 +110,21 @@ impl Kernel for Append<'_> {
     type Output = Result<u64, Overflow>;
     #[inline(always)]
     fn run<L: Lanes>(self) -> Result<u64, Overflow> {
-        let Append { frame, group, fragments, lists } = self;
-        let Fragments { codes, places, count, .. } = fragments;
-        let (places, near, fours) = (&places[..count + LANES_MOST], frame.near, &mut lists.fours);
+        let Append { frame, packet, fragments, lists } = self;
+        let Fragments { codes, slots, count, .. } = fragments;
+        let (slots, near, quads) = (&slots[..count + MAX_LANES], frame.near, &mut lists.quads);
         let hits = if frame.view.perspective {
-            group.append::<L, true>(codes, places, near, fours)
+            packet.append::<L, true>(codes, slots, near, quads)
         } else {
-            group.append::<L, false>(codes, places, near, fours)
+            packet.append::<L, false>(codes, slots, near, quads)
         };
         if lists.is_over_full() { Err(Overflow) } else { Ok(hits) }
     }
 }
 
+/// Sorts a row of lists.
 pub(crate) struct Arrange<'a> {
-    pub lists: &'a mut Lists,
+    pub lists: &'a mut FragmentLists,
     pub row: usize,
     pub sorted: bool,
 }
@@ -125,18 +134,17 @@ impl Kernel for Arrange<'_> {
     type Output = u64;
     #[inline(always)]
     fn run<L: Lanes>(self) -> u64 {
-        self.lists.arrange::<L>(self.row, self.sorted)
+        self.lists.sort_row::<L>(self.row, self.sorted)
     }
 }
 
+/// Fills a batch from a row of lists.
 pub(crate) struct Fill<'a> {
-    pub lists: &'a Lists,
+    pub lists: &'a FragmentLists,
     pub row: usize,
     pub slices: Range<usize>,
-    pub stretch: &'a [f32; TILE * TILE],
-    /// See [`Lists::fill`].
-    pub limit: Option<&'a mut Limit>,
-    pub places: bool,
+    pub length_per_depth: &'a [f32; PIXELS],
+    pub depths: bool,
     pub batch: &'a mut Batch,
 }
 
@@ -144,7 +152,7 @@ impl Kernel for Fill<'_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Fill { lists, row, slices, stretch, limit, places, batch } = self;
-        lists.fill::<L>(row, slices, stretch, limit, places, batch);
+        let Fill { lists, row, slices, length_per_depth, depths, batch } = self;
+        lists.fill::<L>(row, slices, length_per_depth, depths, batch);
     }
 }

@@ -1,33 +1,33 @@
-//! Composite: a tile's segments in their order, or their sum, to its pixels.
+//! Compositor: a tile's segments in visibility order, or their sum, to its pixels.
 //!
-//! | file | what |
+//! | file | responsibility |
 //! | --- | --- |
-//! | `worker` | takes tiles, or windows of a large grid, until none is left |
-//! | `tile`, `scratch` | one tile to pixels, and what it is drawn with |
-//! | `cells` | a tile's cells to segments |
-//! | `kernels` | what runs on vector lanes, once a lane set |
-//! | `lists` | up to 1,024 segments a pixel, put in order in lanes |
-//! | `front_to_back` | a row's segments in order, shaded and blended as far as they are seen |
-//! | `rows` | pixels that take their segments front to back |
-//! | `layers`, `pool` | segments of a row that wait until there are enough of their kind |
-//! | `hides` | whether much is hidden, told by the first tiles |
-//! | `slabs` | cells from front to back, where much is hidden |
-//! | `sinks` | where segments go that are shaded as they come: sums of optical depth, or |
-//! | `growing_lists` | any number of segments a pixel |
+//! | `frame` | read-only inputs of workers |
+//! | `worker` | queue of tiles or regions |
+//! | `tile`, `scratch` | one tile to pixels |
+//! | `projected_cells` | a tile's cells to segments |
+//! | `kernels` | kernels compiled once a lane set |
+//! | `fragment_lists` | A-buffer: sorted segments of pixels |
+//! | `unbounded_lists` | lists of any length |
+//! | `row_shader` | a row shaded front to back |
+//! | `deferred_fragments`, `deferred_shading` | segments that need slower kernels |
+//! | `accumulators` | colour and opacity of pixels |
+//! | `sinks` | segments shaded without lists |
+//! | `buffers` | buffers used again |
 
-mod cells;
-pub(crate) mod front_to_back;
-pub(crate) mod growing_lists;
-pub(crate) mod hides;
-pub(crate) mod kernels;
-pub(crate) mod layers;
-pub(crate) mod lists;
+pub(crate) mod accumulators;
+pub(crate) mod buffers;
+pub(crate) mod deferred_fragments;
+pub(crate) mod deferred_shading;
+pub(crate) mod fragment_lists;
 #[cfg(test)]
-mod lists_tests;
-pub(crate) mod pool;
-pub(crate) mod rows;
+mod fragment_lists_tests;
+pub(crate) mod frame;
+pub(crate) mod kernels;
+pub(crate) mod projected_cells;
+pub(crate) mod row_shader;
 pub(crate) mod scratch;
 pub(crate) mod sinks;
-pub(crate) mod slabs;
 mod tile;
+pub(crate) mod unbounded_lists;
 pub(crate) mod worker;

@@ -1,76 +1,51 @@
-//! What a worker draws a tile with, and where the tile is.
+//! Scratch memory of a worker.
 
-use crate::cast::bundle::WAYS;
-use crate::cast::entered::Entered;
-use crate::composite::front_to_back::Shading;
-use crate::composite::slabs::Slabs;
-use crate::composite::worker::WorkerCounts;
-use crate::fragments::batch::{Batch, LANES_MOST};
-use crate::fragments::crossing::Group;
+use crate::cast::boundary_hits::BoundaryHits;
+use crate::cast::packet::PACKETS_IN_FLIGHT;
+use crate::composite::frame::FrameContext;
+use crate::composite::row_shader::RowShader;
+use crate::counts::Counts;
+use crate::fragments::batch::{Batch, MAX_LANES};
+use crate::fragments::crossing::CellPacket;
 use crate::fragments::spans::{Edges, Fragments};
-use crate::project::record::TILE;
-use crate::sample::Frame;
 use crate::shade::light::rays;
+use crate::tile::{PIXELS, TileRect};
 
-/// Scratch of one worker.
+/// Scratch memory of a worker.
 pub(crate) struct Scratch {
     pub fragments: Fragments,
     pub edges: Edges,
-    pub group: Group,
-    pub stretch: [f32; TILE * TILE],
-    pub shading: Shading,
-    pub slabs: Slabs,
-    /// Where rays go from cell to cell: where they come in, and segments of bundles beside the first.
-    pub entered: Entered,
-    pub further: [Batch; WAYS - 1],
-    pub counts: WorkerCounts,
+    pub packet: CellPacket,
+    pub length_per_depth: [f32; PIXELS],
+    pub row_shader: RowShader,
+    /// Boundary faces that rays enter by, and batches of packets beside the first, where rays are cast.
+    pub hits: BoundaryHits,
+    pub further: [Batch; PACKETS_IN_FLIGHT - 1],
+    pub counts: Counts,
 }
 
 impl Scratch {
-    pub fn new(frame: &Frame<'_>) -> Scratch {
+    pub fn new(frame: &FrameContext<'_>) -> Scratch {
+        let attribute_count = frame.attribute_count();
         Scratch {
-            fragments: Fragments::new(LANES_MOST),
+            fragments: Fragments::new(MAX_LANES),
             edges: Edges::new(),
-            group: Group::new(frame.attribute_count),
-            stretch: [1.0; TILE * TILE],
-            shading: Shading::new(frame),
-            slabs: Slabs::default(),
-            entered: Entered::default(),
-            further: std::array::from_fn(|_| Batch::new(frame.attribute_count, frame.scalar_count)),
-            counts: WorkerCounts::default(),
+            packet: CellPacket::new(attribute_count),
+            length_per_depth: [1.0; PIXELS],
+            row_shader: RowShader::new(frame),
+            hits: BoundaryHits::default(),
+            further: std::array::from_fn(|_| Batch::new(attribute_count, frame.scalar_count)),
+            counts: Counts::default(),
         }
     }
 
-    /// Makes ready what is known of a tile's rays.
-    pub fn begin(&mut self, frame: &Frame<'_>, Bounds { left, top, .. }: Bounds) {
-        if frame.view.perspective {
-            for (pixel, stretch) in self.stretch.iter_mut().enumerate() {
-                *stretch =
-                    frame.view.stretch((left + pixel % TILE) as f64, (top + pixel / TILE) as f64) as f32;
-            }
-        }
-        let Shading { rays: of_tile, ends, .. } = &mut self.shading;
+    /// Finds lengths, directions and depth limits of a tile's rays.
+    pub fn begin(&mut self, frame: &FrameContext<'_>, rect: TileRect) {
+        frame.lengths_per_depth(rect, &mut self.length_per_depth);
+        let RowShader { rays: of_tile, depth_limits, .. } = &mut self.row_shader;
         if frame.shader.surface.is_some_and(|surface| surface.silhouette.is_some()) {
-            rays(&frame.view, left, top, of_tile);
+            rays(frame.view, rect.left, rect.top, of_tile);
         }
-        frame.ends_of(left, top, ends);
-    }
-}
-
-/// A tile's place in the picture.
-#[derive(Clone, Copy)]
-pub(crate) struct Bounds {
-    pub tile: usize,
-    pub left: usize,
-    pub top: usize,
-    /// Columns and rows that are in the picture.
-    pub size: [usize; 2],
-}
-
-impl Bounds {
-    pub fn of(frame: &Frame<'_>, tile: usize) -> Bounds {
-        let (left, top) = (tile % frame.tiles_wide * TILE, tile / frame.tiles_wide * TILE);
-        let [width, height] = frame.view.size;
-        Bounds { tile, left, top, size: [TILE.min(width - left), TILE.min(height - top)] }
+        frame.depth_limits_of(rect, depth_limits);
     }
 }

@@ -1,270 +1,235 @@
-//! One tile: its cells to segments, in lists that are put in order or as they come, and these to pixels.
+//! One tile: segments from its source, in visibility order or as they come, to pixels.
 
-use crate::cast::Cast;
-use crate::cast::bundle::{Bundle, WAYS, next, pixel_of};
-use crate::composite::cells::{list, list64, walk};
-use crate::composite::front_to_back::{ListSlices, Slices};
-use crate::composite::growing_lists::GrowingLists;
+use crate::cast::RayCaster;
+use crate::cast::packet::{PACKETS_IN_FLIGHT, RayPacket, pixel_of};
+use crate::cast::traversal::{PacketConfig, next_segments};
+use crate::composite::accumulators::{OpticalDepthRows, TileAccumulator};
+use crate::composite::fragment_lists::{FragmentLists, Overflow};
+use crate::composite::frame::FrameContext;
 use crate::composite::kernels::Arrange;
-use crate::composite::lists::{Limit, Lists, Overflow, UNSEEN_FOR_SURE};
-use crate::composite::rows::{RowSums, Rows};
-use crate::composite::scratch::{Bounds, Scratch};
-use crate::composite::sinks::{DepthSink, OPAQUE_DEPTH, TilePicture, of_one_color};
-use crate::composite::slabs::all_open;
-use crate::kept::{Keeper, Keeping, KeptTile};
-use crate::project::record::TILE;
-use crate::sample::Frame;
+use crate::composite::projected_cells::{list, list_precise, walk};
+use crate::composite::row_shader::{ListedSlices, Slices};
+use crate::composite::scratch::Scratch;
+use crate::composite::sinks::{OpticalDepthSink, in_one_color};
+use crate::composite::unbounded_lists::UnboundedFragmentLists;
+use crate::project::tile_bins::TileBins;
+use crate::segment_cache::{CacheBudget, CachedTile, SegmentCache, TileRecorder};
+use crate::tile::{PIXELS, TILE, TilePicture, TileRect};
+use crate::tolerances::OPAQUE_OPTICAL_DEPTH;
 use voltet_simd::dispatch;
 
-/// Draws a tile; if its segments are put in order, in so many slabs. Returns its segments in lists, and those of them that are hidden.
-pub(crate) fn draw_tile(
-    frame: &Frame<'_>,
+/// Draws a tile from projected cells.
+pub(crate) fn draw_projected(
+    frame: &FrameContext<'_>,
+    bins: &TileBins,
     tile: usize,
-    slab_count: usize,
     scratch: &mut Scratch,
-    lists: &mut Lists,
+    lists: &mut FragmentLists,
     picture: &mut TilePicture,
-) -> [usize; 2] {
-    let bounds = Bounds::of(frame, tile);
-    scratch.begin(frame, bounds);
+) {
+    let rect = TileRect::new(tile, frame.view.size);
+    scratch.begin(frame, rect);
     if let Some(color) = frame.shader.one_color {
-        draw_in_one_color(frame, bounds, color, scratch, picture);
-        return [0; 2];
-    }
-    if let Some(kept) = frame.kept {
-        let mut rows = Rows::new();
-        if let Some(kept) = kept.tile(tile) {
-            for row in 0..bounds.size[1] {
-                let mut slices = Slices::Kept(kept.slices(row, frame.scalar_count));
-                scratch.shading.blend(frame, row, &mut slices, &mut rows);
-                scratch.counts.segments += slices.segments();
-            }
-        }
-        scratch.shading.end(frame, &mut rows);
-        rows.end(picture);
-        return [0; 2];
+        let mut depth = opaque_outside(rect);
+        let opacities = frame.shader.surface.is_some();
+        let mut sink = OpticalDepthSink { sums: &mut depth, opacities };
+        walk(frame, bins, rect, 0..rect.size[1], scratch, &mut sink);
+        return in_one_color(color, &depth, opacities, picture);
     }
     scratch.counts.tiles_sorted += u64::from(frame.sorted);
     let before = scratch.counts;
-    match draw_in_lists(frame, bounds, slab_count, scratch, lists, picture) {
-        Ok(hidden) => hidden,
-        Err(Overflow) => {
-            // Rows are independent: draw them one at a time with lists that grow.
-            scratch.counts = before;
-            scratch.counts.tiles_deep += 1;
-            let mut growing = GrowingLists::default();
-            for row in 0..bounds.size[1] {
-                growing.clear();
-                walk(frame, bounds, row..row + 1, scratch, &mut growing);
-                scratch.counts.pixels_disordered +=
-                    growing.composite(frame.sorted, &mut picture[row * TILE..][..TILE]);
-            }
-            [0; 2]
+    if draw_in_lists(frame, bins, rect, scratch, lists, picture).is_err() {
+        // Rows are independent: draw them one at a time with lists that grow.
+        scratch.counts = before;
+        scratch.counts.tiles_deep += 1;
+        let mut growing = UnboundedFragmentLists::default();
+        for row in 0..rect.size[1] {
+            growing.clear();
+            walk(frame, bins, rect, row..row + 1, scratch, &mut growing);
+            scratch.counts.pixels_disordered +=
+                growing.composite(frame.sorted, &mut picture[row * TILE..][..TILE]);
         }
     }
 }
 
-/// Draws a tile by rays from cell to cell; whether none was lost on the way.
-pub(crate) fn cast_tile(
-    frame: &Frame<'_>,
-    cast: &Cast,
+/// Draws a tile from cached segments.
+pub(crate) fn draw_cached(
+    frame: &FrameContext<'_>,
+    cache: &SegmentCache,
+    tile: usize,
+    scratch: &mut Scratch,
+    picture: &mut TilePicture,
+) {
+    let rect = TileRect::new(tile, frame.view.size);
+    scratch.begin(frame, rect);
+    let opacities = frame.shader.surface.is_some();
+    let (mut pixels, mut depth) = (TileAccumulator::new(), opaque_outside(rect));
+    let rows = 0..rect.size[1];
+    for (row, cached) in rows.filter_map(|row| cache.tile(tile).map(|cached| (row, cached))) {
+        let mut slices = Slices::Cached(cached.slices(row, frame.scalar_count));
+        if frame.shader.one_color.is_some() {
+            let mut sums = OpticalDepthRows { sums: &mut depth, opacities };
+            scratch.row_shader.sum(frame, row, &mut slices, &mut sums);
+        } else {
+            scratch.row_shader.blend(frame, row, &mut slices, &mut pixels);
+        }
+        scratch.counts.segments += slices.segments();
+    }
+    match frame.shader.one_color {
+        Some(color) => in_one_color(color, &depth, opacities, picture),
+        None => {
+            scratch.row_shader.end(frame, &mut pixels);
+            pixels.store(picture);
+        }
+    }
+}
+
+/// Draws a tile by rays from cell to cell. Returns false if a ray was mistracked on the way.
+pub(crate) fn draw_cast(
+    frame: &FrameContext<'_>,
+    caster: &RayCaster,
     tile: usize,
     scratch: &mut Scratch,
     picture: &mut TilePicture,
 ) -> bool {
-    let bounds @ Bounds { left, top, size, .. } = Bounds::of(frame, tile);
-    scratch.begin(frame, bounds);
-    let Scratch { shading, entered, further, stretch, counts, .. } = scratch;
-    entered.find(cast, frame.lanes, tile, [left, top], size);
+    let rect = TileRect::new(tile, frame.view.size);
+    scratch.begin(frame, rect);
+    let Scratch { row_shader, hits, further, length_per_depth, counts, .. } = scratch;
+    hits.find(caster, frame.lanes, rect);
     let opacities = frame.shader.surface.is_some();
-    let (mut rows, mut depth) = (Rows::new(), [0.0; TILE * TILE]);
-    let (mut on_way, mut stopped) = (0, 0);
-    let mut bundles: [Bundle<'_>; WAYS] = std::array::from_fn(|_| Bundle::new(frame, cast, entered));
-    for first in (0..TILE).step_by(WAYS) {
-        bundles.iter_mut().zip(first..).for_each(|(bundle, number)| bundle.begin(number, bounds, stretch));
-        on_way += bundles.iter().filter(|bundle| bundle.goes_on()).count();
+    let (mut pixels, mut depth) = (TileAccumulator::new(), [0.0; PIXELS]);
+    let (mut entered, mut terminated) = (0, 0);
+    let config = PacketConfig {
+        lanes: frame.lanes,
+        perspective: frame.view.perspective,
+        attribute_count: frame.attribute_count(),
+        depths: frame.needs_depths(),
+    };
+    let distance_origin = frame.input.distance_origin;
+    let mut packets: [RayPacket<'_>; PACKETS_IN_FLIGHT] =
+        std::array::from_fn(|_| RayPacket::new(caster, hits, distance_origin));
+    for first in (0..TILE).step_by(PACKETS_IN_FLIGHT) {
+        for (packet, number) in packets.iter_mut().zip(first..) {
+            packet.begin(number, rect, length_per_depth);
+        }
+        entered += packets.iter().filter(|packet| packet.is_active()).count();
         loop {
             let [batch_1, batch_2, batch_3] = &mut *further;
-            let found = next(frame, &mut bundles, [&mut shading.batch, batch_1, batch_2, batch_3]);
-            if found == [0; WAYS] {
+            let batches = [&mut row_shader.batch, batch_1, batch_2, batch_3];
+            let counts = next_segments(config, &mut packets, batches);
+            if counts == [0; PACKETS_IN_FLIGHT] {
                 break;
             }
-            for ((k, bundle), count) in bundles.iter_mut().enumerate().zip(found) {
+            for ((k, packet), count) in packets.iter_mut().enumerate().zip(counts) {
                 let number = first + k;
                 if k > 0 {
-                    std::mem::swap(&mut shading.batch, &mut further[k - 1]);
+                    std::mem::swap(&mut row_shader.batch, &mut further[k - 1]);
                 }
                 if count > 0 {
-                    let is_full = if frame.shader.one_color.is_some() {
-                        let mut sums = RowSums { sums: &mut depth, opacities };
-                        shading.sum_batch(frame, number, count, &mut sums);
-                        sums.is_full(number)
+                    let is_opaque = if frame.shader.one_color.is_some() {
+                        let mut sums = OpticalDepthRows { sums: &mut depth, opacities };
+                        row_shader.sum_batch(frame, number, count, &mut sums);
+                        sums.is_opaque(number)
                     } else {
-                        shading.blend_batch(frame, number, count, &mut rows);
-                        shading.hides(number, &rows)
+                        row_shader.blend_batch(frame, number, count, &mut pixels);
+                        row_shader.is_opaque(number, &pixels)
                     };
-                    if is_full && !frame.whole && bundle.goes_on() {
-                        bundle.stop();
-                        stopped += 1;
+                    if is_opaque && !frame.exhaustive && packet.is_active() {
+                        packet.stop();
+                        terminated += 1;
                     }
                 }
             }
         }
-        if bundles.iter().any(|bundle| bundle.is_lost) {
-            shading.end(frame, &mut rows);
+        if packets.iter().any(|packet| packet.is_mistracked) {
+            row_shader.end(frame, &mut pixels);
             return false;
         }
-        if shading.layers.are_many() {
-            shading.end(frame, &mut rows);
+        if row_shader.deferred.is_large() {
+            row_shader.end(frame, &mut pixels);
         }
     }
-    shading.end(frame, &mut rows);
-    counts.segments += bundles.iter().map(|bundle| bundle.segments).sum::<u64>();
-    counts.tiles_stopped += u64::from(on_way > 0 && stopped == on_way);
-    for place in 0..TILE * TILE {
-        let pixel = &mut picture[pixel_of(place / TILE, place % TILE)];
-        *pixel = match frame.shader.one_color {
-            Some(color) => of_one_color(color, depth[place], opacities),
-            None => rows.pixel(place),
-        };
+    row_shader.end(frame, &mut pixels);
+    counts.segments += packets.iter().map(|packet| packet.segments).sum::<u64>();
+    counts.tiles_stopped += u64::from(entered > 0 && terminated == entered);
+    let mut by_packet = [[0.0; 4]; PIXELS];
+    match frame.shader.one_color {
+        Some(color) => in_one_color(color, &depth, opacities, &mut by_packet),
+        None => pixels.store(&mut by_packet),
+    }
+    for (slot, pixel) in by_packet.iter().enumerate() {
+        picture[pixel_of(slot / TILE, slot % TILE)] = *pixel;
     }
     true
 }
 
-/// Draws a tile of a scene of one colour, which needs no order.
-fn draw_in_one_color(
-    frame: &Frame<'_>,
-    bounds: Bounds,
-    color: [f32; 3],
-    scratch: &mut Scratch,
-    picture: &mut TilePicture,
-) {
-    let mut depth = [0.0; TILE * TILE];
-    // Pixels beyond the picture's edge wait for nothing.
-    for (pixel, depth) in depth.iter_mut().enumerate() {
-        if bounds.size[0] <= pixel % TILE || bounds.size[1] <= pixel / TILE {
-            *depth = OPAQUE_DEPTH;
-        }
-    }
-    let opacities = frame.shader.surface.is_some();
-    match frame.kept {
-        Some(kept) => {
-            for row in 0..bounds.size[1] {
-                let Some(kept) = kept.tile(bounds.tile) else { break };
-                let mut slices = Slices::Kept(kept.slices(row, frame.scalar_count));
-                let mut sums = RowSums { sums: &mut depth, opacities };
-                scratch.shading.sum(frame, row, &mut slices, &mut sums);
-                scratch.counts.segments += slices.segments();
-            }
-        }
-        None => {
-            walk(frame, bounds, 0..bounds.size[1], scratch, &mut DepthSink { sums: &mut depth, opacities })
-        }
-    }
-    for (pixel, &sum) in picture.iter_mut().zip(&depth) {
-        *pixel = of_one_color(color, sum, opacities);
-    }
+/// Sums of optical depth before any segment: opaque in pixels beyond the picture's edge, which nothing is added to.
+fn opaque_outside(rect: TileRect) -> [f32; PIXELS] {
+    let is_outside = |pixel: usize| rect.size[0] <= pixel % TILE || rect.size[1] <= pixel / TILE;
+    std::array::from_fn(|pixel| if is_outside(pixel) { OPAQUE_OPTICAL_DEPTH } else { 0.0 })
 }
 
-/// Draws a tile by lists, its cells in so many slabs from front to back; one: as they come. Returns its segments in them, and those of them that are hidden. Errors: a pixel has too many.
+/// Draws a tile by lists. Errors: a pixel has too many segments.
 fn draw_in_lists(
-    frame: &Frame<'_>,
-    bounds: Bounds,
-    slab_count: usize,
+    frame: &FrameContext<'_>,
+    bins: &TileBins,
+    rect: TileRect,
     scratch: &mut Scratch,
-    lists: &mut Lists,
+    lists: &mut FragmentLists,
     picture: &mut TilePicture,
-) -> Result<[usize; 2], Overflow> {
-    let mut rows = Rows::new();
-    let mut open = all_open(bounds.size);
-    let mut told = [0; 2];
-    lists.clear(frame.attribute_count);
-    // Whatever lies in front of what hides the others.
-    list64(frame, bounds, scratch, lists)?;
-    if slab_count > 1 {
-        let mut slabs = std::mem::take(&mut scratch.slabs);
-        slabs.begin(frame, bounds.tile);
-        let (entries, mut from) = (slabs.entries(), 0);
-        for (to, nearest) in slabs.ends(slab_count, frame.lanes.width()) {
-            list(frame, &entries[from..to], bounds, Some(&open), scratch, lists)?;
-            from = to;
-            for row in (0..TILE).filter(|&row| open[row] != 0) {
-                let mut limit = Limit::new(nearest);
-                draw_row(frame, row, Some(&mut limit), scratch, lists, &mut rows);
-                lists.let_go(row, &limit);
-            }
-            scratch.shading.end(frame, &mut rows);
-            for (row, open) in open.iter_mut().enumerate() {
-                for (x, through) in rows.through(row).iter().enumerate() {
-                    *open &= !(u16::from(*through <= UNSEEN_FOR_SURE) << x);
-                }
-                lists.close(row, *open);
-            }
-            if to < entries.len() && open == [0; TILE] {
-                scratch.counts.tiles_stopped += 1;
-                scratch.counts.cells_hidden += (entries.len() - to) as u64;
-                break;
-            }
-        }
-        scratch.slabs = slabs;
-    } else {
-        list(frame, frame.entries_of(bounds.tile), bounds, None, scratch, lists)?;
-        for row in 0..bounds.size[1] {
-            let [all, hidden] = draw_row(frame, row, None, scratch, lists, &mut rows);
-            told = [told[0] + all, told[1] + hidden];
-        }
-        scratch.shading.end(frame, &mut rows);
+) -> Result<(), Overflow> {
+    let mut pixels = TileAccumulator::new();
+    fill_lists(frame, bins, rect, scratch, lists)?;
+    for row in 0..rect.size[1] {
+        scratch.counts.pixels_disordered +=
+            dispatch(frame.lanes, Arrange { lists, row, sorted: frame.sorted });
+        let slices = ListedSlices::new(lists, row, &scratch.length_per_depth);
+        scratch.row_shader.blend(frame, row, &mut Slices::Listed(slices), &mut pixels);
     }
-    rows.end(picture);
-    Ok(told)
+    scratch.row_shader.end(frame, &mut pixels);
+    pixels.store(picture);
+    Ok(())
 }
 
-/// Draws what a row's lists hold, as far as a limit lets it through. Returns its segments, and those of them that are hidden.
-fn draw_row(
-    frame: &Frame<'_>,
-    row: usize,
-    limit: Option<&mut Limit>,
+fn fill_lists(
+    frame: &FrameContext<'_>,
+    bins: &TileBins,
+    rect: TileRect,
     scratch: &mut Scratch,
-    lists: &mut Lists,
-    rows: &mut Rows,
-) -> [usize; 2] {
-    scratch.counts.pixels_disordered += dispatch(frame.lanes, Arrange { lists, row, sorted: frame.sorted });
-    let slices = ListSlices::new(lists, row, &scratch.stretch, limit);
-    let taken = scratch.shading.blend(frame, row, &mut Slices::Lists(slices), rows);
-    let counts = lists.counts(row);
-    let hidden = counts.iter().map(|&count| (count as usize).saturating_sub(taken)).sum();
-    [counts.iter().sum::<u32>() as usize, hidden]
+    lists: &mut FragmentLists,
+) -> Result<(), Overflow> {
+    lists.clear(frame.attribute_count());
+    list_precise(frame, bins, rect, scratch, lists)?;
+    list(frame, bins, rect, scratch, lists)
 }
 
-/// Keeps a tile's segments; gives up where they are too many.
-pub(crate) fn keep_tile(
-    frame: &Frame<'_>,
+/// Records a tile's segments; exhausts the budget where they are too many.
+pub(crate) fn record_tile(
+    frame: &FrameContext<'_>,
+    bins: &TileBins,
     tile: usize,
     scratch: &mut Scratch,
-    lists: &mut Lists,
-    keeping: &Keeping,
-) -> Option<KeptTile> {
-    let bounds = Bounds::of(frame, tile);
-    scratch.begin(frame, bounds);
-    lists.clear(frame.attribute_count);
-    let listed = list64(frame, bounds, scratch, lists)
-        .and_then(|()| list(frame, frame.entries_of(tile), bounds, None, scratch, lists));
-    if listed.is_err() {
-        keeping.give_up();
+    lists: &mut FragmentLists,
+    budget: &CacheBudget,
+) -> Option<CachedTile> {
+    let rect = TileRect::new(tile, frame.view.size);
+    scratch.begin(frame, rect);
+    if fill_lists(frame, bins, rect, scratch, lists).is_err() {
+        budget.exhaust();
         return None;
     }
-    let mut keeper = Keeper::new(frame.scalar_count);
-    for row in 0..bounds.size[1] {
+    let mut recorder = TileRecorder::new(frame.scalar_count);
+    for row in 0..rect.size[1] {
         dispatch(frame.lanes, Arrange { lists, row, sorted: true });
-        let mut slices = ListSlices::new(lists, row, &scratch.stretch, None);
-        let batch = &mut scratch.shading.batch;
+        let mut slices = ListedSlices::new(lists, row, &scratch.length_per_depth);
+        let batch = &mut scratch.row_shader.batch;
         loop {
             let count = slices.next(frame.lanes, false, batch);
             if count == 0 {
                 break;
             }
-            keeper.take(row, batch, count);
+            recorder.take(row, batch, count);
         }
     }
-    keeper.end(keeping)
+    recorder.end(budget)
 }

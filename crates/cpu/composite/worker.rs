@@ -1,196 +1,140 @@
-//! One worker: takes tiles, the fullest first, until none is left. Of large grids it takes windows, projects the cells of one and draws
-//! its tiles.
+//! Worker: takes tiles, the fullest first, until none is left. Of large grids it takes regions, projects the cells of one and draws its
+//! tiles.
 
-use crate::cells::Counts;
-use crate::composite::front_to_back::Shading;
-use crate::composite::hides::Hides;
-use crate::composite::lists::Lists;
+use crate::composite::fragment_lists::FragmentLists;
+use crate::composite::frame::{FrameContext, SegmentSource};
+use crate::composite::row_shader::RowShader;
 use crate::composite::scratch::Scratch;
-use crate::composite::sinks::TilePicture;
-use crate::composite::tile::{cast_tile, draw_tile, keep_tile};
-use crate::kept::KeptTile;
-use crate::project::record::TILE;
-use crate::project::windows::Window;
-use crate::sample::Frame;
+use crate::composite::tile::{draw_cached, draw_cast, draw_projected, record_tile};
+use crate::counts::Counts;
+use crate::project::regions::Region;
+use crate::project::tile_bins::TileBins;
+use crate::segment_cache::{CacheBudget, CachedTile};
+use crate::tile::{PIXELS, TilePicture};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use voltet_core::Result as Fallible;
+use voltet_core::Result;
 use voltet_core::progress::Progress;
 
-/// What one worker drew, with tiles' numbers, and its counts.
-pub(crate) struct Drawn {
+/// Reports of progress for a picture, about.
+const REPORTS: usize = 64;
+
+/// Output of one worker: tiles with their numbers, and counts.
+#[derive(Default)]
+pub(crate) struct WorkerOutput {
     pub tiles: Vec<(u32, Box<TilePicture>)>,
-    /// Where segments were kept in place of drawing them.
-    pub kept: Vec<(u32, KeptTile)>,
-    /// Tiles with rays that were lost between cells: to be drawn from the cells.
-    pub lost: Vec<u32>,
-    pub counts: WorkerCounts,
+    /// Tiles whose segments were recorded.
+    pub cached: Vec<(u32, CachedTile)>,
+    /// Tiles in which rays were mistracked: to be drawn from projected cells.
+    pub mistracked: Vec<u32>,
+    pub counts: Counts,
 }
 
-/// Counts of one worker.
-#[derive(Debug, Default, Clone, Copy)]
-pub(crate) struct WorkerCounts {
-    pub segments: u64,
-    pub segments_exact: u64,
-    pub evaluations: u64,
-    pub segments_overlapping: u64,
-    pub tiles_deep: u64,
-    pub tiles_sorted: u64,
-    pub pixels_disordered: u64,
-    pub tiles_stopped: u64,
-    pub cells_hidden: u64,
-}
-
-impl WorkerCounts {
-    /// Adds them to a picture's.
-    pub fn add_to(&self, counts: &mut Counts) {
-        let WorkerCounts {
-            segments,
-            segments_exact,
-            evaluations,
-            segments_overlapping,
-            tiles_deep,
-            tiles_sorted,
-            pixels_disordered,
-            tiles_stopped,
-            cells_hidden,
-        } = *self;
-        counts.segments += segments;
-        counts.segments_exact += segments_exact;
-        counts.evaluations += evaluations;
-        counts.segments_overlapping += segments_overlapping;
-        counts.tiles_deep += tiles_deep;
-        counts.tiles_sorted += tiles_sorted;
-        counts.pixels_disordered += pixels_disordered;
-        counts.tiles_stopped += tiles_stopped;
-        counts.cells_hidden += cells_hidden;
-    }
-}
-
-/// What workers take.
-pub(crate) enum Work<'a> {
-    /// Tiles by their numbers, fullest first.
-    Tiles(Vec<u32>),
-    /// Windows whose cells are not projected yet.
-    Windows(&'a [Window]),
-}
-
-impl Work<'_> {
-    /// Tiles in all, empty ones of windows among them.
-    pub fn tile_count(&self) -> usize {
-        match self {
-            Work::Tiles(queue) => queue.len(),
-            Work::Windows(windows) => windows.iter().map(|window| window.area.tile_count()).sum(),
-        }
-    }
-}
-
-/// One worker: takes tiles or windows until none is left.
+/// Worker: takes tiles or regions until none is left.
 pub(crate) struct Worker<'a> {
-    pub frame: &'a Frame<'a>,
-    pub work: &'a Work<'a>,
+    pub frame: &'a FrameContext<'a>,
+    /// Next item of the queue that all workers share.
     pub next: &'a AtomicUsize,
-    /// Whether cells are taken from front to back.
-    pub hides: &'a Hides,
+    /// Budget of a segment cache: segments of projected cells are recorded in place of drawing them.
+    pub recording: Option<&'a CacheBudget>,
     pub progress: &'a dyn Progress,
 }
 
-/// What a worker draws with, and what it drew.
-struct Desk {
+/// State of a worker.
+struct WorkerState {
     scratch: Scratch,
-    lists: Lists,
-    done: Vec<(u32, Box<TilePicture>)>,
-    kept: Vec<(u32, KeptTile)>,
-    lost: Vec<u32>,
+    lists: FragmentLists,
+    output: WorkerOutput,
 }
 
 impl Worker<'_> {
-    /// Draws until nothing is left. Returns the pictures with their tile numbers.
+    /// Draws until nothing is left.
     ///
-    /// Errors: more cells in a window than can be counted.
-    pub fn run(self) -> Fallible<Drawn> {
+    /// Errors: more cells in a region than can be counted.
+    pub fn run(self) -> Result<WorkerOutput> {
         let frame = self.frame;
-        let lists = frame.spare().lists.take();
-        let mut desk = Desk {
+        let mut state = WorkerState {
             scratch: Scratch::new(frame),
-            lists,
-            done: Vec::new(),
-            kept: Vec::new(),
-            lost: Vec::new(),
+            lists: frame.buffers.lists.take(),
+            output: WorkerOutput::default(),
         };
-        match self.work {
-            Work::Tiles(queue) => {
-                while let Some((place, &tile)) = self.take(queue)
-                    && self.draw(frame, tile, place, &mut desk)
-                {}
+        match frame.source {
+            SegmentSource::RayCast { caster, tiles } => self.each_tile(tiles, |tile| {
+                let WorkerState { scratch, output, .. } = &mut state;
+                let mut picture = Box::new([[0.0; 4]; PIXELS]);
+                match draw_cast(frame, caster, tile as usize, scratch, &mut picture) {
+                    true => output.tiles.push((tile, picture)),
+                    false => output.mistracked.push(tile),
+                }
+                true
+            }),
+            SegmentSource::Tiles { bins, tiles } => {
+                self.each_tile(tiles, |tile| self.draw_projected(bins, tile, &mut state));
             }
-            Work::Windows(windows) => self.draw_windows(windows, &mut desk)?,
+            SegmentSource::Regions { regions, only } => self.draw_regions(regions, only, &mut state)?,
+            SegmentSource::Cached(cache) => self.each_tile(&cache.queue, |tile| {
+                let mut picture = Box::new([[0.0; 4]; PIXELS]);
+                draw_cached(frame, cache, tile as usize, &mut state.scratch, &mut picture);
+                state.output.tiles.push((tile, picture));
+                true
+            }),
         }
-        let Desk { mut scratch, lists, done, kept, lost } = desk;
-        frame.spare().lists.put(lists);
-        let Shading { shaded, pool, .. } = &scratch.shading;
-        scratch.counts.segments_exact = shaded.exact_count + pool.shaded.exact_count;
-        scratch.counts.evaluations = shaded.evaluation_count + pool.shaded.evaluation_count;
-        scratch.counts.segments_overlapping = shaded.overlap_count;
-        Ok(Drawn { tiles: done, kept, lost, counts: scratch.counts })
+        let WorkerState { scratch, lists, mut output } = state;
+        frame.buffers.lists.put(lists);
+        let RowShader { shaded, deferred_shading, .. } = &scratch.row_shader;
+        output.counts = Counts {
+            segments_exact: shaded.exact_count + deferred_shading.shaded.exact_count,
+            evaluations: shaded.evaluation_count + deferred_shading.shaded.evaluation_count,
+            segments_overlapping: shaded.overlap_count,
+            ..scratch.counts
+        };
+        Ok(output)
     }
 
-    /// The next of a list, and its place there.
-    fn take<'t, T>(&self, list: &'t [T]) -> Option<(usize, &'t T)> {
-        let place = self.next.fetch_add(1, Ordering::Relaxed);
-        list.get(place).map(|item| (place, item))
+    /// The next item of a list.
+    fn take<'t, T>(&self, list: &'t [T]) -> Option<&'t T> {
+        let number = self.next.fetch_add(1, Ordering::Relaxed);
+        let item = list.get(number)?;
+        if number.is_multiple_of((list.len() / REPORTS).max(1)) {
+            self.progress.report("composite", number as f64 / list.len() as f64);
+        }
+        Some(item)
     }
 
-    fn draw_windows(&self, windows: &[Window], desk: &mut Desk) -> Fallible<()> {
-        let mut tiles = self.frame.spare().tiles.take();
-        while let Some((_, window)) = self.take(windows) {
-            let mut places = window.tiles_before..window.tiles_before + window.area.tile_count();
-            let projected = self.frame.project(window, &mut tiles);
-            if projected.is_ok() {
-                let frame = self.frame.within(&tiles);
-                for tile in tiles.queue(frame.tiles_wide).into_iter().filter(|&tile| frame.draws(tile)) {
-                    if !places.next().is_some_and(|place| self.draw(&frame, tile, place, desk)) {
-                        return Ok(());
-                    }
+    /// Draws tiles until none is left, the run is cancelled or `draw` returns false.
+    fn each_tile(&self, tiles: &[u32], mut draw: impl FnMut(u32) -> bool) {
+        while let Some(&tile) = self.take(tiles)
+            && !self.progress.cancelled()
+            && draw(tile)
+        {}
+    }
+
+    fn draw_regions(&self, regions: &[Region], only: Option<&[u32]>, state: &mut WorkerState) -> Result<()> {
+        let frame = self.frame;
+        let is_drawn = |tile: &u32| only.is_none_or(|tiles| tiles.binary_search(tile).is_ok());
+        let mut bins = frame.buffers.bins.take();
+        while let Some(region) = self.take(regions) {
+            frame.project(region, &mut bins)?;
+            for tile in bins.queue(frame.view.size[0]).into_iter().filter(is_drawn) {
+                if self.progress.cancelled() || !self.draw_projected(&bins, tile, state) {
+                    return Ok(());
                 }
             }
-            // The others may wait for what empty tiles, and those that are not drawn, tell: nothing.
-            places.for_each(|place| drop(self.hides.sample(place)));
-            projected?;
         }
-        self.frame.spare().tiles.put(tiles);
+        frame.buffers.bins.put(bins);
         Ok(())
     }
 
-    /// Draws a tile; whether the run goes on.
-    fn draw(&self, frame: &Frame<'_>, tile: u32, place: usize, desk: &mut Desk) -> bool {
-        if place.is_multiple_of(16) {
-            self.progress.report("composite", place as f64 / self.work.tile_count() as f64);
+    /// Draws or records a tile from projected cells. Returns false if the budget is exhausted.
+    fn draw_projected(&self, bins: &TileBins, tile: u32, state: &mut WorkerState) -> bool {
+        let WorkerState { scratch, lists, output } = state;
+        if let Some(budget) = self.recording {
+            let cached = record_tile(self.frame, bins, tile as usize, scratch, lists, budget);
+            output.cached.extend(cached.map(|cached| (tile, cached)));
+            return !budget.is_exhausted();
         }
-        if self.progress.cancelled() {
-            return false;
-        }
-        let Desk { scratch, lists, done, kept, lost } = desk;
-        if let Some(keeping) = frame.keeping {
-            kept.extend(
-                keep_tile(frame, tile as usize, scratch, lists, keeping).map(|segments| (tile, segments)),
-            );
-            return !keeping.is_given_up();
-        }
-        let mut picture = Box::new([[0.0; 4]; TILE * TILE]);
-        if let Some(cast) = frame.cast {
-            match cast_tile(frame, cast, tile as usize, scratch, &mut picture) {
-                true => done.push((tile, picture)),
-                false => lost.push(tile),
-            }
-            return true;
-        }
-        let sampled = self.hides.sample(place);
-        let Some(slabs) = self.hides.answer(place, || self.progress.cancelled()) else { return false };
-        let hidden = draw_tile(frame, tile as usize, slabs, scratch, lists, &mut picture);
-        if let Some(sampled) = sampled {
-            sampled.tell(hidden);
-        }
-        done.push((tile, picture));
+        let mut picture = Box::new([[0.0; 4]; PIXELS]);
+        draw_projected(self.frame, bins, tile as usize, scratch, lists, &mut picture);
+        output.tiles.push((tile, picture));
         true
     }
 }

@@ -10,15 +10,15 @@ pub(super) const BLOCK: usize = 32;
 /// Blocks that one thread takes at a time: enough that handing them out costs nothing.
 pub(super) const BLOCKS_AT_ONCE: usize = 256;
 
-/// What the cells of a block hold.
+/// Values of a block's cells.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block {
-    /// The least and the greatest s, and g (0 where the volume has none).
+    /// Minimum and maximum of s, and of g (0 where the volume has none).
     pub ranges: [[f64; 2]; 2],
 }
 
 impl Block {
-    /// Those of a volume: block b of the cells from b times [`BLOCK`] on.
+    /// Blocks of a volume: block b has the cells from b times [`BLOCK`] on.
     pub fn every(volume: &Volume) -> Vec<Block> {
         let (s, g) = (volume.scalar.as_ref(), volume.gradient_magnitude.as_deref());
         let of =

@@ -1,10 +1,10 @@
-//! A batch of fragments: what the crossings find and the shader integrates.
+//! Batch of fragments, from the intersection to the shader.
 
 use std::ops::{Deref, DerefMut};
 use voltet_simd::{Lanes, Mask};
 
-/// Most lanes of any set.
-pub(crate) const LANES_MOST: usize = 16;
+/// Lanes of the widest lane set.
+pub(crate) const MAX_LANES: usize = 16;
 /// Fragments evaluated at a time: their arrays stay in the first-level cache.
 pub(crate) const BATCH: usize = 256;
 
@@ -41,7 +41,7 @@ impl<T> DerefMut for Column<T> {
     }
 }
 
-/// What is known of a batch of fragments. Lengths in scene lengths; attributes scaled.
+/// Batch of fragments. Lengths in scene lengths; attributes scaled.
 pub(crate) struct Batch {
     /// Pixel of the tile, row << 4 | column.
     pub pixel: Box<Column<u32>>,
@@ -57,7 +57,7 @@ pub(crate) struct Batch {
     pub front: Vec<Column>,
     /// Values at the exit.
     pub back: Vec<Column>,
-    /// Attributes that widgets look at; behind them comes the gradient.
+    /// Attributes that widgets read; behind them comes the gradient.
     pub scalar_count: usize,
 }
 
@@ -76,7 +76,7 @@ impl Batch {
     }
 }
 
-/// Those lanes (bits) of a mask that hold the first `count` fragments; what is past the end of the batch are fragments of the next one.
+/// Lanes (bits) of a mask that hold the first `count` fragments; those past the end of the batch are fragments of the next one.
 #[inline(always)]
 pub(crate) fn meant<L: Lanes>(mask: L::M, count: usize) -> u32 {
     mask.bits() & u32::MAX >> (32 - count.min(L::WIDTH))

@@ -1,36 +1,37 @@
-//! Crossings: where each fragment's ray enters and leaves its cell, and the attributes there.
+//! Crossings: entry and exit of each fragment's ray in its cell, and the attributes there.
 
-use crate::fragments::batch::{Batch, LANES_MOST, meant};
-use crate::project::record::{AttributeRecord, RECORD_WORDS, Record, TILE};
+use crate::fragments::batch::{Batch, MAX_LANES, meant};
+use crate::project::projected_cell::{AttributePlane, CELL_WORDS, ProjectedCell};
+use crate::tile::TILE;
 use voltet_simd::{Float, Lanes, Unsigned, array, inlined};
 
-/// Records of up to `WIDTH` cells, word by word, cells side by side.
-pub(crate) struct Group {
-    words: Words<RECORD_WORDS>,
-    pixel_x: [f32; LANES_MOST],
-    pixel_y: [f32; LANES_MOST],
-    /// Of each attribute, and words that nobody looks at.
+/// SoA packet of up to `WIDTH` projected cells: word by word, cells side by side.
+pub(crate) struct CellPacket {
+    words: Words<CELL_WORDS>,
+    pixel_x: [f32; MAX_LANES],
+    pixel_y: [f32; MAX_LANES],
+    /// Words of each attribute, then padding.
     attributes: Vec<Words<8>>,
-    /// As they came, cell by cell.
-    records: [Record; LANES_MOST],
-    attribute_records: Vec<[[[f32; 4]; 2]; LANES_MOST]>,
+    /// Planes cell by cell.
+    records: [ProjectedCell; MAX_LANES],
+    attribute_records: Vec<[[[f32; 4]; 2]; MAX_LANES]>,
 }
 
 /// Words of cells: word by word, cells side by side.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-struct Words<const N: usize>([[f32; LANES_MOST]; N]);
+struct Words<const N: usize>([[f32; MAX_LANES]; N]);
 
 impl<const N: usize> Words<N> {
-    /// From fours of words, `fours` of them a cell.
+    /// From quads of words, `quads` of them a cell.
     #[inline(always)]
-    fn turn<L: Lanes>(&mut self, cells: &[[f32; 4]], fours: u32) {
-        for (four, rows) in self.0.chunks_exact_mut(4).enumerate() {
-            let mut place = [0; LANES_MOST];
-            for (cell, place) in place.iter_mut().enumerate() {
-                *place = cell as u32 * fours + four as u32;
+    fn transpose<L: Lanes>(&mut self, cells: &[[f32; 4]], quads: u32) {
+        for (quad, rows) in self.0.chunks_exact_mut(4).enumerate() {
+            let mut index = [0; MAX_LANES];
+            for (cell, index) in index.iter_mut().enumerate() {
+                *index = cell as u32 * quads + quad as u32;
             }
-            let parts = L::F::gather_parts(cells, L::U::load(&place));
+            let parts = L::F::gather_parts(cells, L::U::load(&index));
             for (row, part) in rows.iter_mut().zip(parts) {
                 part.store(row);
             }
@@ -38,34 +39,34 @@ impl<const N: usize> Words<N> {
     }
 }
 
-impl Group {
+impl CellPacket {
     pub fn new(attribute_count: usize) -> Self {
-        Group {
-            words: Words([[0.0; LANES_MOST]; RECORD_WORDS]),
-            pixel_x: [0.0; LANES_MOST],
-            pixel_y: [0.0; LANES_MOST],
-            attributes: vec![Words([[0.0; LANES_MOST]; 8]); attribute_count],
-            records: [Record::default(); LANES_MOST],
-            attribute_records: vec![[[[0.0; 4]; 2]; LANES_MOST]; attribute_count],
+        CellPacket {
+            words: Words([[0.0; MAX_LANES]; CELL_WORDS]),
+            pixel_x: [0.0; MAX_LANES],
+            pixel_y: [0.0; MAX_LANES],
+            attributes: vec![Words([[0.0; MAX_LANES]; 8]); attribute_count],
+            records: [ProjectedCell::default(); MAX_LANES],
+            attribute_records: vec![[[[0.0; 4]; 2]; MAX_LANES]; attribute_count],
         }
     }
 
     /// Takes a cell into a lane.
     #[inline(always)]
-    pub fn take(&mut self, lane: usize, record: &Record, attributes: &[AttributeRecord]) {
+    pub fn take(&mut self, lane: usize, record: &ProjectedCell, attributes: &[AttributePlane]) {
         self.records[lane] = *record;
         for (cells, attribute) in self.attribute_records.iter_mut().zip(attributes) {
-            let &AttributeRecord { p, q, r, base, low, high } = attribute;
+            let &AttributePlane { p, q, r, base, low, high } = attribute;
             cells[lane] = [[p, q, r, base], [low, high, 0.0, 0.0]];
         }
     }
 
-    /// Makes ready what was taken; pixels become relative to the tile at (`left`, `top`).
+    /// Transposes the cells; pixels become relative to the tile at (`left`, `top`).
     #[inline(always)]
-    pub fn turn<L: Lanes>(&mut self, left: usize, top: usize) {
-        self.words.turn::<L>(bytemuck::cast_slice(&self.records), RECORD_WORDS as u32 / 4);
+    pub fn transpose<L: Lanes>(&mut self, left: usize, top: usize) {
+        self.words.transpose::<L>(bytemuck::cast_slice(&self.records), CELL_WORDS as u32 / 4);
         for (words, cells) in self.attributes.iter_mut().zip(&self.attribute_records) {
-            words.turn::<L>(cells.as_flattened(), 2);
+            words.transpose::<L>(cells.as_flattened(), 2);
         }
         let pixel = L::F::load(&self.words.0[15]).to_bits();
         let relative = inlined(
@@ -76,14 +77,14 @@ impl Group {
         relative(pixel.shr::<16>(), top).store(&mut self.pixel_y);
     }
 
-    /// Evaluates `codes` (at most [`super::batch::BATCH`], readable up to the next multiple of `WIDTH`) into a batch. `stretch` is the
+    /// Evaluates `codes` (at most [`super::batch::BATCH`], readable up to the next multiple of `WIDTH`) into a batch. `length_per_depth` is the
     /// length of each pixel's ray direction. Entry and exit depths are found only if the segments are `ordered`.
     #[inline(always)]
     pub fn evaluate<L: Lanes, const PERSPECTIVE: bool>(
         &self,
         codes: &[u16],
         count: usize,
-        stretch: &[f32; TILE * TILE],
+        length_per_depth: &[f32; TILE * TILE],
         near: Near,
         ordered: bool,
         batch: &mut Batch,
@@ -94,7 +95,7 @@ impl Group {
         while at < count {
             let ray = crossed.cross::<PERSPECTIVE>(L::U::load_u16(&codes[at..]));
             batch.hits += meant::<L>(ray.hit, count - at).count_ones();
-            let length = ray.length * L::F::gather(stretch, ray.pixel);
+            let length = ray.length * L::F::gather(length_per_depth, ray.pixel);
             L::F::select(ray.hit, length, L::F::splat(0.0)).store(&mut batch.length[at..]);
             if ordered {
                 ray.entry().store(&mut batch.entry[at..]);
@@ -110,45 +111,45 @@ impl Group {
         }
     }
 
-    /// Evaluates `codes` (readable up to the next multiple of `WIDTH`) into lists, each at its place there; lengths are depths from
+    /// Evaluates `codes` (readable up to the next multiple of `WIDTH`) into lists, each at its slot there; lengths are depths from
     /// entry to exit. What misses its cell has no length. Returns the fragments that cross theirs.
     #[inline(always)]
     pub fn append<L: Lanes, const PERSPECTIVE: bool>(
         &self,
         codes: &[u16],
-        places: &[u32],
+        slots: &[u32],
         near: Near,
-        fours: &mut [Vec<[f32; 4]>],
+        quads: &mut [Vec<[f32; 4]>],
     ) -> u64 {
         let crossed = Planes::<L>::load(self, near);
         let mut hits = 0;
         let mut put = inlined(
             #[inline(always)]
-            |four: usize, values: [L::F; 4], place: L::U| {
-                let slots: &mut [[[f32; 4]; 1]] = bytemuck::cast_slice_mut(fours[four].as_mut_slice());
-                L::F::scatter_parts([values], slots, place);
+            |quad: usize, values: [L::F; 4], slot: L::U| {
+                let quads: &mut [[[f32; 4]; 1]] = bytemuck::cast_slice_mut(quads[quad].as_mut_slice());
+                L::F::scatter_parts([values], quads, slot);
             },
         );
-        let count = places.len() - LANES_MOST;
+        let count = slots.len() - MAX_LANES;
         let mut at = 0;
         while at < count {
             let ray = crossed.cross::<PERSPECTIVE>(L::U::load_u16(&codes[at..]));
             hits += u64::from(meant::<L>(ray.hit, count - at).count_ones());
-            let place = L::U::load(&places[at..]);
+            let slot = L::U::load(&slots[at..]);
             let entry = L::F::select(ray.hit, ray.entry(), ray.distance);
             let length = L::F::select(ray.hit, ray.length, L::F::splat(0.0));
             match self.attributes.as_slice() {
-                [] => put(0, [entry, length, entry, entry], place),
+                [] => put(0, [entry, length, entry, entry], slot),
                 [first, further @ ..] => {
                     let [front, back] = ray.ends(first);
-                    put(0, [entry, length, front, back], place);
-                    for (four, two) in further.chunks(2).enumerate() {
+                    put(0, [entry, length, front, back], slot);
+                    for (quad, two) in further.chunks(2).enumerate() {
                         let [front, back] = ray.ends(&two[0]);
                         let [next_front, next_back] = match two.get(1) {
                             Some(next) => ray.ends(next),
                             None => [front, back],
                         };
-                        put(1 + four, [front, back, next_front, next_back], place);
+                        put(1 + quad, [front, back, next_front, next_back], slot);
                     }
                 }
             }
@@ -158,10 +159,10 @@ impl Group {
     }
 }
 
-/// Where the near plane cuts cells: its v as scale × distance + offset, and its depth from the distance origin.
+/// Near plane, where it cuts cells: its v as scale × distance + offset, and its depth from the distance origin.
 pub(crate) type Near = Option<[f32; 3]>;
 
-/// What is known of the cells of a group, in registers.
+/// Planes of a packet's cells, in registers.
 struct Planes<L: Lanes> {
     planes: [[L::F; 3]; 4],
     depth: L::F,
@@ -185,13 +186,13 @@ struct Crossing<L: Lanes> {
     q: [L::F; 2],
     depth: L::F,
     distance: L::F,
-    /// Where the near plane cuts, and its depth.
+    /// Lanes that the near plane cuts, and its depth.
     cut: Option<(L::M, f32)>,
 }
 
 impl<L: Lanes> Planes<L> {
     #[inline(always)]
-    fn load(group: &Group, near: Near) -> Planes<L> {
+    fn load(group: &CellPacket, near: Near) -> Planes<L> {
         let word = inlined(
             #[inline(always)]
             |k: usize| L::F::load(&group.words.0[k]),
@@ -265,7 +266,7 @@ impl<L: Lanes> Crossing<L> {
     fn entry(&self) -> L::F {
         let entry = self.depth_at(0);
         match self.cut {
-            // What the plane cuts begins where it is, bit for bit in all cells: their exits tell their order.
+            // Segments that the plane cuts begin at it, bit for bit in all cells: their exits decide their order.
             Some((cut, cut_at)) => L::F::select(cut, L::F::splat(cut_at), entry),
             None => entry,
         }

@@ -6,34 +6,29 @@
 //! are half-open (a row y belongs to an edge if y₀ ≤ y < y₁, a pixel to a span if ⌈x₀⌉ ≤ x < ⌈x₁⌉): every pixel
 //! centre that lies on a shared silhouette edge is given to exactly one of the cells.
 
-use crate::composite::lists::{NOBODY, Next};
-use crate::project::record::TILE;
-use crate::view::Seen;
+use crate::fragments::batch::MAX_LANES;
+use crate::fragments::slots::{DUMMY_SLOT, NextSlots};
+use crate::project::edge::CROSSING_ROUND;
+use crate::tile::TILE;
+use crate::view::ScreenVertex;
 use voltet_simd::{Double, Float, Lanes, Mask, Unsigned, array, inlined};
 
 /// Pairs of corners: the edges.
 const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
-/// Most lanes of any set.
-const MOST: usize = crate::fragments::batch::LANES_MOST;
-
-/// 1.5 · 2²³ · 2⁻¹⁷: adding and taking away this times a power of two rounds to 2⁻¹⁷ of that power (up to 32 times
-/// it, twice a tile; beyond, where spans are cut off, more coarsely).
-const ROUND: f32 = 96.0;
-
 /// Fragments are coded lane << 8 | row << 4 | column.
-const SPARE: usize = 32;
+const PADDING: usize = 32;
 
-/// Where the length of a span stands beside its first code.
-const LENGTH: u32 = 16;
+/// Shift of the length of a span beside its first code.
+const LENGTH_SHIFT: u32 = 16;
 
 /// Codes of fragments: (cell lane, row, column).
 pub(crate) struct Fragments {
-    /// The codes; the first `count` are meant.
+    /// Codes; the first `count` are valid.
     pub codes: Vec<u16>,
-    /// Where each goes in lists, where there are any.
-    pub places: Vec<u32>,
-    /// How many.
+    /// Slot of each in the lists, where there are any.
+    pub slots: Vec<u32>,
+    /// Number of fragments.
     pub count: usize,
     /// See [`Edges::spans`], row by row.
     spans: Cells<TILE, u32>,
@@ -41,15 +36,15 @@ pub(crate) struct Fragments {
 
 /// The edges of a group of cells on one tile, cells side by side.
 pub(crate) struct Edges {
-    x: [[f64; MOST]; 4],
-    y: [[f64; MOST]; 4],
+    x: [[f64; MAX_LANES]; 4],
+    y: [[f64; MAX_LANES]; 4],
     /// First row of the tile that each edge crosses, and the first that it does not cross any more.
     first: Cells<6>,
     last: Cells<6>,
-    /// Where it crosses the tile's first row, columns, and its slope, columns a row.
+    /// Column at which it crosses the tile's first row, and its slope (columns a row).
     crossing: Cells<6>,
     slope: Cells<6>,
-    /// See [`ROUND`].
+    /// See [`CROSSING_ROUND`].
     round: Cells<6>,
     /// First and last row of each cell.
     bounds: Cells<2>,
@@ -58,26 +53,26 @@ pub(crate) struct Edges {
 /// Numbers of cells side by side; begin where a cache line does.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-struct Cells<const N: usize, T = f32>([[T; MOST]; N]);
+struct Cells<const N: usize, T = f32>([[T; MAX_LANES]; N]);
 
 impl Edges {
     pub fn new() -> Self {
-        let rows = Cells([[0.0; MOST]; 6]);
+        let rows = Cells([[0.0; MAX_LANES]; 6]);
         Edges {
-            x: [[0.0; MOST]; 4],
-            y: [[0.0; MOST]; 4],
+            x: [[0.0; MAX_LANES]; 4],
+            y: [[0.0; MAX_LANES]; 4],
             first: rows,
             last: rows,
             crossing: rows,
             slope: rows,
             round: rows,
-            bounds: Cells([[0.0; MOST]; 2]),
+            bounds: Cells([[0.0; MAX_LANES]; 2]),
         }
     }
 
     /// Takes the corners of the cell in a lane.
     #[inline(always)]
-    pub fn take(&mut self, lane: usize, corners: [&Seen; 4]) {
+    pub fn take(&mut self, lane: usize, corners: [&ScreenVertex; 4]) {
         for (k, corner) in corners.iter().enumerate() {
             self.x[k][lane] = corner.x;
             self.y[k][lane] = corner.y;
@@ -92,7 +87,7 @@ impl Edges {
         for half in (0..L::WIDTH).step_by(L::D::COUNT) {
             let load = inlined(
                 #[inline(always)]
-                |rows: &[[f64; MOST]; 4]| {
+                |rows: &[[f64; MAX_LANES]; 4]| {
                     let row = inlined(
                         #[inline(always)]
                         |k: usize| L::D::load(&rows[k][half..]),
@@ -118,18 +113,18 @@ impl Edges {
                 at_top.store_f32(&mut self.crossing.0[k][half..]);
                 tilt.store_f32(&mut self.slope.0[k][half..]);
             }
-            let least = row[0].min(row[1]).min(row[2].min(row[3]));
-            let most = row[0].max(row[1]).max(row[2].max(row[3]));
+            let min = row[0].min(row[1]).min(row[2].min(row[3]));
+            let max = row[0].max(row[1]).max(row[2].max(row[3]));
             let (from, to) = (splat(rows.start as f64), splat(rows.end as f64));
-            least.max(from).min(to).store_f32(&mut self.bounds.0[0][half..]);
-            most.min(to).max(from).store_f32(&mut self.bounds.0[1][half..]);
+            min.max(from).min(to).store_f32(&mut self.bounds.0[0][half..]);
+            max.min(to).max(from).store_f32(&mut self.bounds.0[1][half..]);
         }
         // Crossings are rounded to 2⁻¹⁷ of a pixel (across the edge): several edges of a face that is seen edge-on
         // lie on one line, and must cross a row at one place although each is rounded in its own way.
         for (slope, round) in self.slope.0.iter().zip(&mut self.round.0) {
             let steep = L::F::load(slope).abs().max(L::F::splat(1.0)).min(L::F::splat(1e6));
             let power = L::F::from_bits(steep.to_bits().and(L::U::splat(0x7f80_0000)));
-            (power * L::F::splat(ROUND)).store(round);
+            (power * L::F::splat(CROSSING_ROUND)).store(round);
         }
     }
 
@@ -142,7 +137,7 @@ impl Edges {
         let lanes = L::U::iota().shl::<8>();
         for row in rows {
             let y = splat(row as f32);
-            let (mut least, mut most) = (splat(f32::INFINITY), splat(f32::NEG_INFINITY));
+            let (mut min, mut max) = (splat(f32::INFINITY), splat(f32::NEG_INFINITY));
             for k in 0..EDGES.len() {
                 let edge = inlined(
                     #[inline(always)]
@@ -151,52 +146,45 @@ impl Edges {
                 let crosses = edge(&self.first).le(y).and(y.lt(edge(&self.last)));
                 let x = y.mul_add(edge(&self.slope), edge(&self.crossing));
                 let x = (x + edge(&self.round)) - edge(&self.round);
-                least = L::F::select(crosses, x.min(least), least);
-                most = L::F::select(crosses, x.max(most), most);
+                min = L::F::select(crosses, x.min(min), min);
+                max = L::F::select(crosses, x.max(max), max);
             }
             // ⌈x⌉ = −⌊−x⌋. A row without crossings has least = +∞, most = −∞: from = width, to = 0, no span.
             let bound = inlined(
                 #[inline(always)]
                 |x: L::F| (-(-x).floor()).max(splat(0.0)).min(width),
             );
-            let (from, to) = (bound(least), bound(most));
-            let length = (to - from).max(splat(0.0)).to_unsigned().shl::<LENGTH>();
+            let (from, to) = (bound(min), bound(max));
+            let length = (to - from).max(splat(0.0)).to_unsigned().shl::<LENGTH_SHIFT>();
             let code = lanes + L::U::splat((row << 4) as u32) + from.to_unsigned();
             length.or(code).store(&mut spans.0[row]);
         }
     }
 }
 
-/// Where the edge between two points crosses a row of pixel centres, columns from the left edge of the tile that holds the pixel;
-/// `None` where it does not. Bit for bit what [`Edges`] and [`Fragments::cover`] find.
-pub(crate) fn crossing_of_row(ends: [&Seen; 2], [i, j]: [usize; 2]) -> Option<f32> {
-    let [upper, lower] = if ends[0].y <= ends[1].y { ends } else { [ends[1], ends[0]] };
-    let (left, top) = ((i - i % TILE) as f64, (j - j % TILE) as f64);
-    let row = (j % TILE) as f32;
-    let rows = (upper.y.ceil() - top) as f32..(lower.y.ceil() - top) as f32;
-    if !rows.contains(&row) {
-        return None;
-    }
-    let tilt = (lower.x - upper.x) / (lower.y - upper.y);
-    let at_top = (top - upper.y).mul_add(tilt, upper.x - left) as f32;
-    let slope = tilt as f32;
-    let power = f32::from_bits(slope.abs().clamp(1.0, 1e6).to_bits() & 0x7f80_0000);
-    let x = row.mul_add(slope, at_top);
-    Some((x + power * ROUND) - power * ROUND)
-}
-
 impl Fragments {
     /// Room for the fragments of `lanes` cells in one tile.
     pub fn new(lanes: usize) -> Self {
-        let room = lanes * TILE * TILE + SPARE;
-        Fragments { codes: vec![0; room], places: vec![0; room], count: 0, spans: Cells([[0; MOST]; TILE]) }
+        let room = lanes * TILE * TILE + PADDING;
+        Fragments {
+            codes: vec![0; room],
+            slots: vec![0; room],
+            count: 0,
+            spans: Cells([[0; MAX_LANES]; TILE]),
+        }
     }
 
-    /// Finds the pixels, of a tile `width` pixels wide, that each of the first `cells` cells covers. Where there are `lists`, each takes
-    /// a place there; then of their pixels only those that are `open` are covered.
+    /// Finds the pixels, of a tile `width` pixels wide, that each of the first `cells` cells covers. Each takes the
+    /// `next` slot of its pixel's list, where there are lists.
     #[inline(always)]
-    pub fn cover<L: Lanes>(&mut self, edges: &Edges, cells: usize, width: usize, lists: Option<Places<'_>>) {
-        let (mut starts, mut ends) = ([0u32; MOST], [0u32; MOST]);
+    pub fn cover<L: Lanes>(
+        &mut self,
+        edges: &Edges,
+        cells: usize,
+        width: usize,
+        next: Option<&mut NextSlots>,
+    ) {
+        let (mut starts, mut ends) = ([0u32; MAX_LANES], [0u32; MAX_LANES]);
         L::F::load(&edges.bounds.0[0]).to_unsigned().store(&mut starts);
         L::F::load(&edges.bounds.0[1]).to_unsigned().store(&mut ends);
         let rows = || starts.iter().zip(&ends).take(cells).filter(|(start, end)| start < end);
@@ -205,51 +193,31 @@ impl Fragments {
         edges.spans::<L>(first..last, width, &mut self.spans);
 
         let rows = [starts, ends];
-        match lists {
-            None => self.list::<L, false>(rows, cells, None, &[0; TILE]),
-            Some(Places { next, open: None }) => self.list::<L, false>(rows, cells, Some(next), &[0; TILE]),
-            Some(Places { next, open: Some(open) }) => self.list::<L, true>(rows, cells, Some(next), open),
-        }
+        self.list::<L>(rows, cells, next);
     }
 
-    /// Codes from spans, cell by cell, and places in lists; if `MASKED` of pixels that are open.
+    /// Codes from spans, cell by cell, and slots of lists.
     #[inline(always)]
-    fn list<L: Lanes, const MASKED: bool>(
+    fn list<L: Lanes>(
         &mut self,
-        [starts, ends]: [[u32; MOST]; 2],
+        [starts, ends]: [[u32; MAX_LANES]; 2],
         cells: usize,
-        mut next: Option<&mut Next>,
-        open: &[u16; TILE],
+        mut next: Option<&mut NextSlots>,
     ) {
-        let Fragments { codes, places, spans, .. } = self;
-        let (codes, places) = (codes.as_mut_slice(), places.as_mut_slice());
+        let Fragments { codes, slots, spans, .. } = self;
+        let (codes, slots) = (codes.as_mut_slice(), slots.as_mut_slice());
         let mut count = 0;
         for (lane, (&start, &end)) in starts.iter().zip(&ends).take(cells).enumerate() {
             for row in start as usize..(end as usize).min(TILE) {
                 let span = spans.0[row][lane];
-                let (code, length) = (span as u16, (span >> LENGTH) as usize);
+                let (code, length) = (span as u16, (span >> LENGTH_SHIFT) as usize);
                 let from = usize::from(code) % TILE;
-                if MASKED {
-                    let mut open = u32::from(open[row]) & (((1 << length) - 1) << from);
-                    while open != 0 {
-                        let column = open.trailing_zeros() as usize;
-                        codes[count] = code - from as u16 + column as u16;
-                        if let Some(next) = &mut next {
-                            let next = &mut next.0[row * TILE + column];
-                            places[count] = *next;
-                            *next += 1;
-                        }
-                        count += 1;
-                        open &= open - 1;
-                    }
-                    continue;
-                }
                 let out = &mut codes[count..count + TILE];
                 for (k, out) in out.iter_mut().enumerate() {
                     *out = code.wrapping_add(k as u16);
                 }
                 if let Some(next) = &mut next {
-                    take_places::<L>(next, row, from..from + length, &mut places[count..count + TILE]);
+                    take_slots::<L>(next, row, from..from + length, &mut slots[count..count + TILE]);
                 }
                 count += length;
             }
@@ -257,31 +225,24 @@ impl Fragments {
         self.count = count;
         if next.is_some() {
             // A vector may read past the end.
-            places[count..count + MOST].fill(NOBODY);
+            slots[count..count + MAX_LANES].fill(DUMMY_SLOT);
         }
     }
 }
 
-/// Where fragments go in the lists of their pixels.
-pub(crate) struct Places<'a> {
-    pub next: &'a mut Next,
-    /// Pixels that take fragments, a bit a column, where some do not.
-    pub open: Option<&'a [u16; TILE]>,
-}
-
-/// A place for each column of a span, in the first of `places`; what follows there is of no account.
+/// Takes a slot for each column of a span, in the first of `slots`; those that follow are not valid.
 #[inline(always)]
-fn take_places<L: Lanes>(next: &mut Next, row: usize, span: std::ops::Range<usize>, places: &mut [u32]) {
+fn take_slots<L: Lanes>(next: &mut NextSlots, row: usize, span: std::ops::Range<usize>, slots: &mut [u32]) {
     if L::WIDTH == TILE {
         // No load spans what two stores wrote.
         let of_row = &mut next.0[row * TILE..][..TILE];
         let (from, to) = (L::U::splat(span.start as u32), L::U::splat(span.end as u32));
         let value = L::U::load(of_row);
-        value.permute((L::U::iota() + from).and(L::U::splat(TILE as u32 - 1))).store(places);
+        value.permute((L::U::iota() + from).and(L::U::splat(TILE as u32 - 1))).store(slots);
         taken_of::<L>(value, 0, from, to).store(of_row);
         return;
     }
-    places.copy_from_slice(&next.0[row * TILE + span.start..][..TILE]);
+    slots.copy_from_slice(&next.0[row * TILE + span.start..][..TILE]);
     let (from, to) = (L::U::splat(span.start as u32), L::U::splat(span.end as u32));
     for half in (0..TILE).step_by(L::WIDTH) {
         let of_half = &mut next.0[row * TILE + half..];

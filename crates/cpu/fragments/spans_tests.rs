@@ -1,15 +1,16 @@
-//! Spans of single cells, against the crossings that cells in 64 bits ask for.
+//! Spans of single cells, against the crossings that precise cells use.
 
-use super::spans::{Edges, Fragments, Places, crossing_of_row};
-use crate::composite::lists::{NOBODY, Next};
-use crate::project::record::TILE;
-use crate::view::Seen;
+use super::spans::{Edges, Fragments};
+use crate::fragments::slots::{DUMMY_SLOT, NextSlots};
+use crate::project::edge::crossing_of_row;
+use crate::tile::TILE;
+use crate::view::ScreenVertex;
 use proptest::prelude::*;
 use voltet_simd::{Kernel, LaneSet, Lanes, dispatch};
 
 /// The fragments of one cell on a tile.
 struct Spans<'a> {
-    corners: [&'a Seen; 4],
+    corners: [&'a ScreenVertex; 4],
     tile: [usize; 2],
 }
 
@@ -27,8 +28,7 @@ impl Kernel for Spans<'_> {
 
 /// The fragments of some cells, one after another, with their places in lists.
 struct Listed<'a> {
-    cells: &'a [[Seen; 4]],
-    open: Option<&'a [u16; TILE]>,
+    cells: &'a [[ScreenVertex; 4]],
 }
 
 impl Kernel for Listed<'_> {
@@ -36,28 +36,23 @@ impl Kernel for Listed<'_> {
 
     fn run<L: Lanes>(self) -> Vec<(u16, u32)> {
         let (mut edges, mut fragments) = (Edges::new(), Fragments::new(L::WIDTH));
-        let (mut next, mut all) = (Next::default(), Vec::new());
+        let (mut next, mut all) = (NextSlots::default(), Vec::new());
         for cells in self.cells.chunks(L::WIDTH) {
             for (lane, [a, b, c, d]) in cells.iter().enumerate() {
                 edges.take(lane, [a, b, c, d]);
             }
             edges.find::<L>(0, 0, &(0..TILE));
-            fragments.cover::<L>(
-                &edges,
-                cells.len(),
-                TILE,
-                Some(Places { next: &mut next, open: self.open }),
-            );
+            fragments.cover::<L>(&edges, cells.len(), TILE, Some(&mut next));
             let codes = fragments.codes.iter().map(|code| code & 255);
-            all.extend(codes.zip(fragments.places.iter().copied()).take(fragments.count));
-            assert!(fragments.places[fragments.count..][..L::WIDTH].iter().all(|place| *place == NOBODY));
+            all.extend(codes.zip(fragments.slots.iter().copied()).take(fragments.count));
+            assert!(fragments.slots[fragments.count..][..L::WIDTH].iter().all(|place| *place == DUMMY_SLOT));
         }
         all
     }
 }
 
-/// The same from each row's crossings.
-fn expected(corners: [&Seen; 4], tile: [usize; 2]) -> Vec<u16> {
+/// Fragments from each row's crossings.
+fn expected(corners: [&ScreenVertex; 4], tile: [usize; 2]) -> Vec<u16> {
     let mut codes = Vec::new();
     for row in 0..TILE {
         let pairs = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
@@ -86,7 +81,7 @@ proptest! {
         places in prop::array::uniform4((coordinate(), coordinate())),
         tile in (0..4usize, 0..4usize),
     ) {
-        let seen = places.map(|(x, y)| Seen { x, y, z: 1.0 });
+        let seen = places.map(|(x, y)| ScreenVertex { x, y, z: 1.0 });
         let corners = [&seen[0], &seen[1], &seen[2], &seen[3]];
         let tile = [tile.0 * TILE, tile.1 * TILE];
         let expected = expected(corners, tile);
@@ -95,28 +90,24 @@ proptest! {
         }
     }
 
-    /// Each fragment takes the next free place of its pixel, in the order of cells; those of closed pixels are none.
+    /// Each fragment takes the next free place of its pixel, in the order of cells.
     #[test]
     fn fragments_take_the_next_places_of_their_pixels(
         cells in prop::collection::vec(prop::array::uniform4((-5.0..21.0, -5.0..21.0)), 1..20),
-        mask in prop::option::of(prop::array::uniform16(0u16..=u16::MAX)),
     ) {
-        let cells: Vec<[Seen; 4]> =
-            cells.into_iter().map(|places| places.map(|(x, y)| Seen { x, y, z: 1.0 })).collect();
-        let mut next = Next::default();
+        let cells: Vec<[ScreenVertex; 4]> =
+            cells.into_iter().map(|places| places.map(|(x, y)| ScreenVertex { x, y, z: 1.0 })).collect();
+        let mut next = NextSlots::default();
         let mut all = Vec::new();
         for [a, b, c, d] in &cells {
             for code in expected([a, b, c, d], [0; 2]) {
-                let (row, column) = (usize::from(code >> 4), code & 15);
-                if mask.is_none_or(|mask| mask[row] >> column & 1 != 0) {
-                    let next = &mut next.0[usize::from(code)];
-                    all.push((code, *next));
-                    *next += 1;
-                }
+                let next = &mut next.0[usize::from(code)];
+                all.push((code, *next));
+                *next += 1;
             }
         }
         for lanes in LaneSet::ALL.into_iter().filter(|lanes| lanes.is_supported()) {
-            let found = dispatch(lanes, Listed { cells: &cells, open: mask.as_ref() });
+            let found = dispatch(lanes, Listed { cells: &cells });
             prop_assert_eq!(found, all.clone(), "{}", lanes.name());
         }
     }
@@ -131,7 +122,7 @@ proptest! {
     ) {
         let place = |n: i32| {
             let [x, y] = [step.0, step.1].map(|step| f64::from(n) * f64::from(step) * 2f64.powi(-20));
-            Seen { x: x + pixel.0 as f64, y: y + pixel.1 as f64, z: 1.0 }
+            ScreenVertex { x: x + pixel.0 as f64, y: y + pixel.1 as f64, z: 1.0 }
         };
         let corners = along.map(place);
         for [a, b] in [[0, 1], [0, 2], [1, 2]] {

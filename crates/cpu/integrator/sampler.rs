@@ -10,7 +10,7 @@ use crate::shade::reach::Spread;
 use crate::shade::roads::Part;
 use crate::shade::shaded::Left;
 use crate::shade::shader::{overlaps, push};
-use voltet_simd::limits::PIECES_MOST;
+use voltet_simd::limits::MAX_PIECES;
 use voltet_simd::optics::elementary::one_minus_exp;
 use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
 use voltet_simd::{Float, Lanes, Mask, array};
@@ -86,7 +86,7 @@ impl WidgetSampler {
     /// Errors: why lanes do not sample the scene.
     pub fn new(count: usize, together: bool, scene: &LaneScene<'_>) -> Result<WidgetSampler, Left> {
         let LaneScene { widgets, making, .. } = *scene;
-        if PIECES_MOST < count.try_into().unwrap_or(u32::MAX) {
+        if MAX_PIECES < count.try_into().unwrap_or(u32::MAX) {
             return Err(Left::Samples);
         }
         if !widgets.iter().all(LaneWidget::has_samples) {

@@ -1,12 +1,22 @@
-//! Project: kept cells to what 32 bits draw each with, and the tiles that they touch.
+//! Projection: cells to planes in screen space, binned by tiles.
+//!
+//! | file | responsibility |
+//! | --- | --- |
+//! | `projected_cell` | planes of a cell |
+//! | `pixel_bounds` | pixels that cells may cover |
+//! | `edge`, `edge_on` | edges, and faces seen edge-on |
+//! | `cells` | kernel of the projection |
+//! | `precise_cell` | cells crossed in 64 bits |
+//! | `tile_bins` | projected cells by tiles |
+//! | `regions` | cells by screen regions |
 
-pub(crate) mod area;
-pub(crate) mod cell64;
-pub(crate) mod covered;
-pub(crate) mod outline;
-pub(crate) mod part;
-pub(crate) mod record;
-pub(crate) mod tiles;
-pub(crate) mod windows;
+pub(crate) mod cells;
+pub(crate) mod edge;
+pub(crate) mod edge_on;
+pub(crate) mod pixel_bounds;
+pub(crate) mod precise_cell;
+pub(crate) mod projected_cell;
+pub(crate) mod regions;
 #[cfg(test)]
-mod windows_tests;
+mod regions_tests;
+pub(crate) mod tile_bins;

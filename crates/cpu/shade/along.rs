@@ -1,15 +1,15 @@
-//! Segments side by side in lanes: their lengths and what they have at both ends.
+//! Segments side by side in lanes: their lengths and the values at both ends.
 
 use crate::fragments::batch::{Batch, Column};
-use voltet_simd::{Float, Lanes, Unsigned, array, inlined};
+use voltet_simd::{Float, Lanes, array, inlined};
 
 /// One vector of segments of a batch. Lengths in scene lengths, attributes scaled.
 pub(crate) struct Along<L: Lanes> {
     /// D.
     pub length: L::F,
-    /// Lanes that cross their cell over a positive length, or those of them that are asked for.
+    /// Lanes that cross their cell over a positive length, or a selection of them.
     pub crossing: L::M,
-    /// (s, g) at the entry; g is 0 where it is not asked for.
+    /// (s, g) at the entry; g is 0 where there is none.
     pub front: [L::F; 2],
     /// (s, g) at the exit.
     pub back: [L::F; 2],
@@ -34,13 +34,13 @@ impl<L: Lanes> Along<L> {
         }
     }
 
-    /// The same, with other lanes counted as those that cross.
+    /// The segments with other lanes counted as those that cross.
     #[inline(always)]
     pub fn only(&self, crossing: L::M) -> Self {
         Along { crossing, ..*self }
     }
 
-    /// The same place of every segment, from its nearer end.
+    /// Values at one fraction of every segment, from its nearer end.
     #[inline(always)]
     pub fn at_share(&self, t: f32) -> [L::F; 2] {
         between::<L, 2>(&self.front, &self.back, t)
@@ -79,7 +79,7 @@ impl<L: Lanes> Fields<L> {
         Fields { front: zeros, back: zeros }
     }
 
-    /// Those of a batch; 0 where there are none.
+    /// Fields of a batch; 0 where there are none.
     #[inline(always)]
     pub fn load(batch: &Batch, at: usize) -> Self {
         let rows = inlined(
@@ -97,20 +97,12 @@ impl<L: Lanes> Fields<L> {
         Fields { front: rows(&batch.front), back: rows(&batch.back) }
     }
 
-    /// At the same place of every segment.
+    /// Values at one fraction of every segment.
     #[inline(always)]
     pub fn at(&self, t: f32) -> [L::F; FIELDS_MOST] {
         between::<L, FIELDS_MOST>(&self.front, &self.back, t)
     }
 }
 
-/// Most further fields that lanes look at.
+/// Further fields that lanes read at most.
 pub(crate) const FIELDS_MOST: usize = 8;
-
-/// A mask from its bits.
-#[inline(always)]
-pub(crate) fn lanes_of<L: Lanes>(bits: u32) -> L::M {
-    // 2^lane by its float bits, so that no variable shift is needed.
-    let power = L::F::from_bits((L::U::iota() + L::U::splat(127)).shl::<23>()).to_unsigned();
-    power.test(L::U::splat(bits))
-}

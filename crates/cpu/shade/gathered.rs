@@ -1,28 +1,28 @@
-//! Segments of a batch gathered side by side.
+//! Segments of a batch, gathered side by side.
 
-use crate::fragments::batch::{Batch, LANES_MOST};
+use crate::fragments::batch::{Batch, MAX_LANES};
 use crate::shade::along::{Along, FIELDS_MOST, Fields};
 use voltet_simd::{Float, Lanes, array};
 
 /// Lengths, then the attributes at the entry and at the exit.
 pub(crate) struct Gathered {
-    length: [f32; LANES_MOST],
-    front: [[f32; LANES_MOST]; 2 + FIELDS_MOST],
-    back: [[f32; LANES_MOST]; 2 + FIELDS_MOST],
+    length: [f32; MAX_LANES],
+    front: [[f32; MAX_LANES]; 2 + FIELDS_MOST],
+    back: [[f32; MAX_LANES]; 2 + FIELDS_MOST],
     columns: usize,
 }
 
 impl Gathered {
     pub fn new(columns: usize) -> Gathered {
-        let rows = [[0.0; LANES_MOST]; 2 + FIELDS_MOST];
-        Gathered { length: [0.0; LANES_MOST], front: rows, back: rows, columns: columns.min(rows.len()) }
+        let rows = [[0.0; MAX_LANES]; 2 + FIELDS_MOST];
+        Gathered { length: [0.0; MAX_LANES], front: rows, back: rows, columns: columns.min(rows.len()) }
     }
 
     /// Takes the segments `group` of a batch, one a lane.
     #[inline(always)]
     pub fn take(&mut self, batch: &Batch, group: &[usize]) {
         // Lanes without a segment have no length.
-        self.length = [0.0; LANES_MOST];
+        self.length = [0.0; MAX_LANES];
         for (lane, &k) in group.iter().enumerate() {
             self.length[lane] = batch.length[k];
             for a in 0..self.columns {
@@ -34,7 +34,7 @@ impl Gathered {
 
     #[inline(always)]
     pub fn along<L: Lanes>(&self) -> Along<L> {
-        let row = |rows: &[[f32; LANES_MOST]; 2 + FIELDS_MOST], a: usize| L::F::load(&rows[a]);
+        let row = |rows: &[[f32; MAX_LANES]; 2 + FIELDS_MOST], a: usize| L::F::load(&rows[a]);
         let length = L::F::load(&self.length);
         Along {
             length,

@@ -1,11 +1,11 @@
-//! Silhouettes and light: what the gradient at the middle of a segment makes of its colour and opacity.
+//! Silhouettes and light: factors on a segment's colour and opacity from the gradient at its midpoint.
 //!
 //! Opacity and colour × (1 − |ĝ·view|)^p (Song et al. 2009, section 6.2), colour × (k_a + k_d |ĝ·light|). The
 //! gradient's three components are attributes of their own, the last ones; the interpolant is linear, so the middle
 //! has the mean of both ends. Only directions matter: the components share one scale.
 
 use crate::fragments::batch::Batch;
-use crate::project::record::TILE;
+use crate::tile::TILE;
 use crate::view::View;
 use glam::DVec3;
 use voltet_optics::shading::{Shading, unit_vector};
@@ -15,7 +15,7 @@ use voltet_simd::{Float, Lanes, Mask, Unsigned, array};
 /// Directions of a tile's rays, component by component, unit length, world axes.
 pub(crate) type Rays = [[f32; TILE * TILE]; 3];
 
-/// The factors of a scene.
+/// Silhouette and diffuse factors of a scene.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Surface {
     /// p.
@@ -33,7 +33,7 @@ struct Lit {
 }
 
 impl Surface {
-    /// `None` where the shading asks for neither, or for what changes nothing. `first`: attributes before the
+    /// `None` where the shading has neither, or a silhouette that changes nothing. `first`: attributes before the
     /// gradient.
     pub fn new(shading: &Shading, first: usize) -> Option<Surface> {
         let silhouette = shading.silhouette.filter(|&p| p != 0.0);

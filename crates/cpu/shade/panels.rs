@@ -5,18 +5,18 @@
 //! Opacity comes from the widgets' closed forms, not from panels. What 32 bits cannot serve is named again, for the
 //! 64-bit path.
 
-use crate::fragments::batch::{Batch, LANES_MOST};
-use crate::shade::along::{Along, Fields, lanes_of};
+use crate::fragments::batch::{Batch, MAX_LANES};
+use crate::shade::along::{Along, Fields};
 use crate::shade::gathered::Gathered;
 use crate::shade::kinds::{InOrder, LaneWidget, Road, nothing};
 use crate::shade::reach::Spread;
 use crate::shade::shaded::{Left, MIX_PRODUCT, Shaded};
 use voltet_core::transfer::TransferFunction;
-use voltet_simd::limits::{DENSE_RATE_MOST, LENGTH_WALKED_LEAST, RATE_MOST};
+use voltet_simd::limits::{MAX_DENSE_RATE, MAX_RATE, MIN_WALKED_LENGTH};
 use voltet_simd::optics::dense::dense;
 use voltet_simd::optics::elementary::one_minus_exp;
 use voltet_simd::optics::overlap::ordered;
-use voltet_simd::{Float, Lanes, Mask, array};
+use voltet_simd::{Float, Lanes, Mask, array, mask_of};
 
 /// The slow road in lanes.
 pub(crate) struct PanelWalk {
@@ -25,7 +25,7 @@ pub(crate) struct PanelWalk {
     /// D/U per scene length.
     scale: f32,
     one_color: bool,
-    /// Whether overlaps are counted here: the quick forms count what passes through them.
+    /// True if overlaps are counted here: the closed forms count those that pass through them.
     counts: bool,
     /// Pairwise product of depths from which on the order of widgets counts.
     ordered_from: f32,
@@ -47,7 +47,7 @@ impl PanelWalk {
         let cutoff = transfer_function.model.cutoff();
         let scale = (length / transfer_function.unit_distance) as f32;
         // A scale beyond 32 bits, or so small that its products leave them.
-        if scale.is_finite() && scale > LENGTH_WALKED_LEAST {
+        if scale.is_finite() && scale > MIN_WALKED_LENGTH {
             Ok(PanelWalk { cutoff, scale, one_color, counts, ordered_from })
         } else {
             Err(Left::Lengths)
@@ -73,7 +73,7 @@ impl PanelWalk {
             let (results, left, overlapping) =
                 self.integrate::<L, DENSE>(widgets, &along, &fields, &mut out.evaluation_count);
             let unsure = left.iter().fold(0, |all, (lanes, _)| all | lanes);
-            let mut rows = [[0f32; LANES_MOST]; 5];
+            let mut rows = [[0f32; MAX_LANES]; 5];
             for (row, value) in rows.iter_mut().zip(results) {
                 value.store(row);
             }
@@ -161,8 +161,8 @@ impl PanelWalk {
             None => crossing & (splat(self.ordered_from).lt(product).bits() | varies),
         };
         let delicate = in_order & delicate;
-        let most = if DENSE { DENSE_RATE_MOST } else { RATE_MOST };
-        let mut too_dense = in_order & splat(most).lt(densest).bits();
+        let max = if DENSE { MAX_DENSE_RATE } else { MAX_RATE };
+        let mut too_dense = in_order & splat(max).lt(densest).bits();
         if in_order & !(narrow | overflow | delicate | too_dense) != 0 {
             let scale = along.length * splat(self.scale);
             let mut members = Vec::with_capacity(widgets.len());
@@ -191,7 +191,7 @@ impl PanelWalk {
                 *evaluations += points;
                 color
             };
-            let keep = lanes_of::<L>(in_order);
+            let keep = mask_of::<L>(in_order);
             color = array(
                 #[inline(always)]
                 |i| L::F::select(keep, walked[i], color[i]),

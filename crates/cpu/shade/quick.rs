@@ -1,16 +1,15 @@
 //! The quick forms: what serves the segments of closed forms first.
 
 use crate::fragments::batch::meant;
-use crate::shade::along::{Along, lanes_of};
+use crate::shade::along::Along;
 use crate::shade::kinds::{InOrder, LaneLinear, each_met};
 use crate::shade::roads::{Form, Part};
-use crate::shade::shaded::{DENSE_LEAST, Shaded};
+use crate::shade::shaded::{DENSE_LEAST, STEPS, Shaded};
 use crate::shade::shader::{overlaps, push};
-use crate::shade::stepped::STEPS;
 use voltet_optics::WidgetBlend;
 use voltet_simd::optics::gaussian::Near;
 use voltet_simd::optics::sums::{Sums, Term};
-use voltet_simd::{Float, Lanes, Mask};
+use voltet_simd::{Float, Lanes, Mask, mask_of};
 
 /// One widget of pieces: its integrals give the colour, too.
 impl Form for LaneLinear {
@@ -77,7 +76,7 @@ pub(crate) struct Several {
 struct Begun<L: Lanes> {
     near: Near<L>,
     meets: L::M,
-    /// Which widget it is.
+    /// Number of the widget.
     number: usize,
 }
 
@@ -149,7 +148,7 @@ impl Form for Several {
                 }
             }
             let rgba =
-                if served == 0 { sums.mixed(terms) } else { sums.ordered(terms, lanes_of::<L>(served)) };
+                if served == 0 { sums.mixed(terms) } else { sums.ordered(terms, mask_of::<L>(served)) };
             for (column, value) in out.rgba.iter_mut().zip(rgba) {
                 value.store(&mut column[at..]);
             }

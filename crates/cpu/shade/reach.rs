@@ -1,17 +1,16 @@
-//! Where a widget counts, in lanes: a vector of segments that none reaches is not asked of it.
+//! Support bounds of a widget, in lanes: it is not evaluated on a vector of segments that all lie outside.
 //!
-//! The widget's own slabs ([`Slab`]) in stored values, an axis's as a box. A ray gains or loses less than [`LEFT_OUT`] of the
+//! They are the widget's slabs ([`Slab`]) in stored values, those of an axis as a box. A ray gains or loses less than [`LEFT_OUT`] of the
 //! widgets' greatest depths, or of 1 where they are denser, by all that is left out here.
 
 use crate::shade::along::Along;
-use crate::shade::kinds::Making;
+use crate::shade::kinds::making::Making;
 use voltet_core::transfer::{Slab, Widget};
 use voltet_simd::{Float, Lanes, Mask};
 
-/// Optical depth along the longest ray that all widgets together may lose. Culling may take ten times as much.
-pub const LEFT_OUT: f64 = 1e-8;
+pub use crate::tolerances::NEGLIGIBLE_DEPTH as LEFT_OUT;
 
-/// Where a widget counts.
+/// Support bounds of a widget.
 pub(crate) struct LaneReach {
     /// Limits of stored s and g, each [low, high].
     limits: [[f32; 2]; 2],
@@ -20,11 +19,11 @@ pub(crate) struct LaneReach {
 }
 
 impl LaneReach {
-    /// `None` where the widget counts everywhere. `least`: the optical depth along the longest ray that counts.
-    pub fn new(widget: &Widget, making: &Making, least: f64) -> Option<LaneReach> {
+    /// `None` where the support has no bounds. `min`: the optical depth along the longest ray that counts.
+    pub fn new(widget: &Widget, making: &Making, min: f64) -> Option<LaneReach> {
         // What is thin is held against itself: its picture may be seen magnified.
-        let depth = (widget.peak() * making.density_scale).max(1.0) * widget.brightest().max(1.0);
-        let lists = widget.slabs(depth, least, making.model);
+        let depth = (widget.peak() * making.density_scale).max(1.0) * widget.max_emission().max(1.0);
+        let lists = widget.slabs(depth, min, making.model);
         let axis = |k: usize| making.attributes.get(k).map_or([0.0, 1.0], |a| [a.offset, a.scale]);
         let axes = [axis(0), axis(1)];
         let stored = |list: &Vec<Slab>| list.iter().map(|slab| slab.stored(axes)).collect::<Vec<_>>();
@@ -32,9 +31,9 @@ impl LaneReach {
         // One box round all parts.
         let mut limits = [[f32::INFINITY, f32::NEG_INFINITY]; 2];
         for list in &lists {
-            for (k, [least, most]) in limits.iter_mut().enumerate() {
+            for (k, [min, max]) in limits.iter_mut().enumerate() {
                 let [low, high] = box_of(list, k);
-                (*least, *most) = (least.min(low), most.max(high));
+                (*min, *max) = (min.min(low), max.max(high));
             }
         }
         let is_tilted = |slab: &&[f32; 4]| slab[0] != 0.0 && slab[1] != 0.0;
@@ -46,7 +45,7 @@ impl LaneReach {
         (!everywhere || !tilted.is_empty()).then_some(LaneReach { limits, tilted })
     }
 
-    /// Lanes whose segments may meet the widget.
+    /// Lanes whose segments may meet the support.
     #[inline(always)]
     pub fn meets<L: Lanes>(&self, spread: &Spread<L>) -> L::M {
         let splat = L::F::splat;
@@ -64,20 +63,17 @@ impl LaneReach {
     }
 }
 
-/// Limits along an axis of what a list of slabs holds.
+/// Limits along an axis of the intersection of slabs.
 fn box_of(list: &[[f32; 4]], axis: usize) -> [f32; 2] {
     let whole = [f32::NEG_INFINITY, f32::INFINITY];
-    list.iter().filter(|slab| slab[axis] != 0.0 && slab[1 - axis] == 0.0).fold(
-        whole,
-        |[least, most], slab| {
-            // The normal is 1 or −1.
-            let [low, high] = if slab[axis] < 0.0 { [-slab[3], -slab[2]] } else { [slab[2], slab[3]] };
-            [least.max(low), most.min(high)]
-        },
-    )
+    list.iter().filter(|slab| slab[axis] != 0.0 && slab[1 - axis] == 0.0).fold(whole, |[min, max], slab| {
+        // The normal is 1 or −1.
+        let [low, high] = if slab[axis] < 0.0 { [-slab[3], -slab[2]] } else { [slab[2], slab[3]] };
+        [min.max(low), max.min(high)]
+    })
 }
 
-/// What the values of a vector of segments span.
+/// Value range of a vector of segments.
 pub(crate) struct Spread<'a, L: Lanes> {
     pub along: &'a Along<L>,
     low: [L::F; 2],

@@ -1,4 +1,4 @@
-//! What a widget is not asked of, it hardly changes.
+//! Support bounds: outside them a widget changes a segment by next to nothing.
 
 use crate::attribute::Attribute;
 use crate::shade::along::Along;
@@ -8,7 +8,7 @@ use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, Transfe
 use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
 use voltet_simd::{Float, Kernel, LaneSet, Lanes, Mask, dispatch};
 
-/// Whether a reach meets a segment, by its stored ends.
+/// True if support bounds meet a segment, by its stored ends.
 struct Ask<'a> {
     reach: &'a LaneReach,
     ends: [[f64; 2]; 2],
@@ -71,7 +71,7 @@ fn what_no_widget_is_asked_of_is_less_than_may_be_left_out() {
                 left_out: Some(LEFT_OUT),
             };
             let reach = LaneReach::new(&widget, &making, LEFT_OUT).expect("it is not everywhere");
-            let most = LEFT_OUT * widget.peak().min(1.0);
+            let max = LEFT_OUT * widget.peak().min(1.0);
             let look = TransferFunction {
                 model: OpticalModel::DensityEmitter,
                 unit_distance: 1.0,
@@ -100,7 +100,7 @@ fn what_no_widget_is_asked_of_is_less_than_may_be_left_out() {
                 if !met {
                     passed += 1;
                     let lost = found.color.into_iter().fold(found.optical_depth, f64::max);
-                    assert!(lost <= most, "widget {number}: {lost:e} is left out from {front:?} to {back:?}");
+                    assert!(lost <= max, "widget {number}: {lost:e} is left out from {front:?} to {back:?}");
                 }
             }
             assert!((150..2950).contains(&passed), "widget {number}: not asked of {passed} segments of 3000");

@@ -1,12 +1,10 @@
-//! Regions in lanes: the stretch of a segment inside a convex polygon of the (s, g) plane.
+//! Regions in lanes: the interval of a segment inside a convex polygon of the (s, g) plane.
 
 use crate::attribute::Attribute;
 use crate::shade::along::Along;
+use crate::tolerances::REGION_MARGIN;
 use voltet_core::transfer::HalfPlane;
 use voltet_simd::{Float, Lanes, Mask, inlined};
-
-/// Room that values must have inside a half-plane, in their span, so that no rounding of theirs leaves it.
-const INSIDE_LEAST: f64 = 1e-5;
 
 /// A convex region as half-planes: inside where n_s s + n_g g ≤ limit.
 pub(crate) struct LaneRegion {
@@ -31,7 +29,7 @@ impl LaneRegion {
                 let room = range(a).map(|v| outward[a] * ((corner[a] - v) / scale));
                 if outward[a] == 0.0 { 0.0 } else { room[0].min(room[1]) }
             };
-            if inside(0, s[1]) + inside(1, g[1]) > INSIDE_LEAST {
+            if inside(0, s[1]) + inside(1, g[1]) > REGION_MARGIN {
                 continue;
             }
             half_planes.push([outward[0] as f32, outward[1] as f32, (part(0, s) + part(1, g)) as f32]);
@@ -39,7 +37,7 @@ impl LaneRegion {
         (!half_planes.is_empty()).then_some(LaneRegion { half_planes })
     }
 
-    /// The stretch [t₀, t₁] inside; t₁ ≤ t₀ where there is none. A segment along an edge is inside.
+    /// The interval [t₀, t₁] inside; t₁ ≤ t₀ where there is none. A segment along an edge is inside.
     #[inline(always)]
     pub fn clip<L: Lanes>(&self, along: &Along<L>) -> [L::F; 2] {
         let splat = L::F::splat;
@@ -93,20 +91,20 @@ pub(crate) struct Inside<L: Lanes> {
     pub front: [L::F; 2],
     /// (s, g) where it ends.
     pub back: [L::F; 2],
-    /// Its share of the length.
+    /// Fraction of the length.
     pub share: L::F,
-    /// Whether it is a part only, neither all nor nothing.
+    /// True if it is a part only, neither all nor nothing.
     pub cut: L::M,
 }
 
-/// Whether the stretch [t₀, t₁] is a part of the segment, neither all nor nothing.
+/// True if the interval [t₀, t₁] is a part of the segment, neither all nor nothing.
 #[inline(always)]
 fn cuts<L: Lanes>(t0: L::F, t1: L::F) -> L::M {
     let all = t0.le(L::F::splat(0.0)).and(L::F::splat(1.0).le(t1));
     t0.lt(t1).and(all.not())
 }
 
-/// The stretch inside a region.
+/// The interval inside a region.
 #[inline(always)]
 pub(crate) fn range_of<L: Lanes>(region: Option<&LaneRegion>, along: &Along<L>) -> [L::F; 2] {
     match region {

@@ -1,6 +1,6 @@
 //! The roads of a batch, one after the other; each kernel is compiled once a lane set.
 
-use crate::fragments::batch::{Batch, LANES_MOST};
+use crate::fragments::batch::{Batch, MAX_LANES};
 use crate::integrator::{SegmentBatch, SegmentResults};
 use crate::shade::kinds::LaneWidget;
 use crate::shade::shaded::Shaded;
@@ -29,7 +29,7 @@ pub(crate) fn quick(shader: &Shader, lanes: LaneSet, batch: &Batch, count: usize
 /// Leaves all of a part over.
 fn leave(Part { batch, count, .. }: Part<'_>, out: &mut Shaded) {
     // Fragments of no length are summed, too.
-    out.depth[..count.next_multiple_of(LANES_MOST)].fill(0.0);
+    out.depth[..count.next_multiple_of(MAX_LANES)].fill(0.0);
     out.rest.extend((0..count).filter(|&k| 0.0 < batch.length[k]));
     out.evaluation_count += out.rest.len() as u64;
 }

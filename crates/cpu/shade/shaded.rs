@@ -1,10 +1,14 @@
-//! What shading a batch of segments gives.
+//! Shaded batch: results of shading a batch of segments, and the segments that still need a slower kernel.
 
-use crate::fragments::batch::{Column, LANES_MOST};
-use crate::shade::stepped::{Met, STEPS};
-use voltet_simd::{Float, Lanes};
+use crate::fragments::batch::{Column, MAX_LANES};
+pub(crate) use crate::tolerances::MIX_PRODUCT;
+use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
+use voltet_simd::{Float, Lanes, inlined};
 
-/// Kinds of fragments that quick forms leave over.
+/// Steps of the fixed quadrature.
+pub(crate) const STEPS: [usize; 3] = [2, 4, 8];
+
+/// Kinds of fragments that the closed forms leave to slower kernels.
 pub(crate) const KINDS: usize = STEPS.len() + 3;
 
 /// Results of a batch.
@@ -13,23 +17,23 @@ pub(crate) struct Shaded {
     pub depth: Box<Column>,
     /// Premultiplied colour and opacity (filled otherwise).
     pub rgba: Colors,
-    /// Fragments that take so many steps each as [`STEPS`] says.
+    /// Fragments queued for fixed quadrature, by their [`STEPS`].
     pub in_order: [Vec<usize>; STEPS.len()],
     /// Fragments of known opacity, of one piecewise-linear widget, with pieces deeper than its quick form takes.
     pub deep: Vec<usize>,
     /// Fragments of known opacity that are dense.
     pub dense: Vec<usize>,
-    /// The other fragments that the quick forms did not serve, then those for the 64-bit path.
+    /// Other fragments that the closed forms did not integrate, then those for the 64-bit path.
     pub rest: Vec<usize>,
-    /// Why the latter go there, one by one.
+    /// Reason of each of the latter.
     pub why: Vec<Left>,
-    /// Scratch for the change from the one to the other; empty.
+    /// Scratch for the change from the former to the latter; empty.
     pub spare: Vec<usize>,
-    /// Scratch: the widgets that a vector of segments meets.
-    pub met: Vec<Met>,
+    /// Scratch: widgets whose support a vector of segments meets.
+    pub met: Vec<ActiveWidget>,
     /// Segments integrated in 64 bits.
     pub exact_count: u64,
-    /// How often the transfer function was asked: see [`voltet_optics::engine::Counts::evaluations`].
+    /// Evaluations of the transfer function: see [`voltet_optics::engine::RenderStats::evaluations`].
     pub evaluation_count: u64,
     /// Segments on which widgets overlap by more than [`MIX_PRODUCT`].
     pub overlap_count: u64,
@@ -42,7 +46,7 @@ pub(crate) type Colors = [Box<Column>; 4];
 pub(crate) struct Exact {
     pub depth: f32,
     pub rgba: [f32; 4],
-    /// Whether widgets overlap by more than [`MIX_PRODUCT`].
+    /// True if widgets overlap by more than [`MIX_PRODUCT`].
     pub overlaps: bool,
 }
 
@@ -64,29 +68,29 @@ impl Shaded {
         }
     }
 
-    /// Nothing is left over.
+    /// Empties the queues.
     pub fn clear(&mut self) {
         let Shaded { in_order, deep, dense, rest, .. } = self;
         in_order.iter_mut().chain([deep, dense, rest]).for_each(Vec::clear);
     }
 
-    /// Fragments that the quick forms left over, kind by kind; those of the last have an opacity that is not known.
+    /// Fragments that need slower kernels, kind by kind; those of the last have an unknown opacity.
     pub fn left_over(&self) -> [&Vec<usize>; KINDS] {
         let [few, some, many] = &self.in_order;
         [few, some, many, &self.deep, &self.dense, &self.rest]
     }
 
-    /// The same, to change.
+    /// Mutable form of [`Shaded::left_over`].
     pub fn left_over_mut(&mut self) -> [&mut Vec<usize>; KINDS] {
         let [few, some, many] = &mut self.in_order;
         [few, some, many, &mut self.deep, &mut self.dense, &mut self.rest]
     }
 
-    /// Gives the fragments of a vector, one a lane, their colours, or colours and opacities.
+    /// Stores colours, or colours and opacities, of the fragments of a vector, one a lane.
     #[inline(always)]
     pub fn put<L: Lanes, const N: usize>(&mut self, group: &[usize], values: [L::F; N]) {
         for (column, value) in self.rgba.iter_mut().zip(values) {
-            let mut row = [0f32; LANES_MOST];
+            let mut row = [0f32; MAX_LANES];
             value.store(&mut row);
             for (&value, &k) in row.iter().zip(group) {
                 column[k] = value;
@@ -94,7 +98,7 @@ impl Shaded {
         }
     }
 
-    /// Of the rest, what was too dense or too delicate joins the dense ones.
+    /// Moves segments of the rest that were too dense or too delicate to the dense ones.
     pub fn set_dense_apart(&mut self) {
         let Shaded { rest, why, dense, .. } = self;
         let mut reasons = why.iter();
@@ -109,7 +113,7 @@ impl Shaded {
     }
 }
 
-/// The reason why a segment falls back to the 64-bit forms.
+/// Reason why a segment falls back to the 64-bit forms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Left {
@@ -134,12 +138,12 @@ pub enum Left {
 }
 
 impl Left {
-    /// Whether steps that serve dense segments may serve it.
+    /// True if the steps for dense segments may integrate it.
     pub(crate) fn is_for_dense_steps(self) -> bool {
         matches!(self, Left::Dense | Left::Delicate)
     }
 
-    /// For people.
+    /// Text for users.
     pub fn text(self) -> &'static str {
         match self {
             Left::Integrator => "the integrator is one of 64 bits",
@@ -162,6 +166,42 @@ impl Left {
 /// Depth from which on a segment whose order takes more than a few steps goes straight to the steps for dense ones.
 pub(crate) const DENSE_LEAST: f32 = 8.0;
 
-/// Overlaps whose pairwise product of optical depths is under this are mixed without regard to order: the
-/// error is at most the product times the colour, 1e-8.
-pub(crate) const MIX_PRODUCT: f32 = 1e-8;
+/// A widget whose support a vector of segments meets.
+pub(crate) struct ActiveWidget {
+    pub(super) number: usize,
+    /// Lanes (bits) that meet it.
+    pub(super) there: u32,
+    /// Densities in the current step, if those of the next step follow from them.
+    pub(super) rows: Option<StepLanes>,
+}
+
+/// A [`LaneGaussianSteps`] lane by lane.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub(crate) struct StepLanes([[f32; MAX_LANES]; 9]);
+
+impl StepLanes {
+    #[inline(always)]
+    pub(super) fn new<L: Lanes>(
+        LaneGaussianSteps { values, ratios, change }: &LaneGaussianSteps<L, 4>,
+    ) -> StepLanes {
+        let mut rows = [[0.0; MAX_LANES]; 9];
+        for (row, value) in rows.iter_mut().zip(values.iter().chain(ratios).chain([change])) {
+            value.store(row);
+        }
+        StepLanes(rows)
+    }
+
+    #[inline(always)]
+    pub(super) fn steps<L: Lanes>(&self) -> LaneGaussianSteps<L, 4> {
+        let row = inlined(
+            #[inline(always)]
+            |j: usize| L::F::load(&self.0[j]),
+        );
+        LaneGaussianSteps {
+            values: [row(0), row(1), row(2), row(3)],
+            ratios: [row(4), row(5), row(6), row(7)],
+            change: row(8),
+        }
+    }
+}

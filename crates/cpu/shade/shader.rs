@@ -15,8 +15,8 @@ use crate::shade::light::{Rays, Surface};
 use crate::shade::panels::PanelWalk;
 use crate::shade::quick::{OneColor, Several};
 use crate::shade::reach::LEFT_OUT;
-use crate::shade::shaded::{Exact, Left, MIX_PRODUCT, Shaded};
-use crate::shade::stepped::{STEPS, stepped};
+use crate::shade::shaded::{Exact, Left, MIX_PRODUCT, STEPS, Shaded};
+use crate::shade::stepped::stepped;
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_optics::integrators::{Extent, SegmentIntegrator};
@@ -330,7 +330,7 @@ impl Shader {
 fn ordered_from(integrator: &Integrator, transfer_function: &TransferFunction) -> f32 {
     match integrator.tolerance() {
         Some(tolerance) => {
-            let brightest = transfer_function.widgets.iter().map(Widget::brightest).fold(0.0, f64::max);
+            let brightest = transfer_function.widgets.iter().map(Widget::max_emission).fold(0.0, f64::max);
             MIX_PRODUCT.max((tolerance / brightest.max(1.0)) as f32)
         }
         None => MIX_PRODUCT,

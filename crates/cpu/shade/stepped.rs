@@ -1,22 +1,18 @@
-//! Widgets that overlap on a segment, in their order along it, by quadrature in equal steps: for profiles that are smooth there and
-//! moderate depths. What it does not serve is walked in panels ([`super::panels`]).
+//! Fixed Gauss–Legendre quadrature of widgets that overlap on a segment, in their order along it, in equal steps: for profiles that are
+//! smooth there and moderate depths. Other segments are integrated in panels ([`super::panels`]).
 
-use crate::fragments::batch::{Batch, LANES_MOST};
-use crate::shade::along::{Along, lanes_of};
+use crate::fragments::batch::{Batch, MAX_LANES};
+use crate::shade::along::Along;
 use crate::shade::gathered::Gathered;
 use crate::shade::kinds::{LaneWidget, each_met};
-use crate::shade::shaded::Shaded;
+use crate::shade::shaded::{ActiveWidget, Shaded, StepLanes};
 use voltet_optics::quadrature::{GAUSS_4, UP_TO_4};
 use voltet_simd::optics::elementary::exp;
-use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
 use voltet_simd::optics::quadrature::{nodes, up_to};
-use voltet_simd::{Float, Lanes, Mask, array, inlined};
+use voltet_simd::{Float, Lanes, Mask, array, mask_of};
 
 /// Steps after which densities are found anew.
 const STEPS_ON_END: usize = 4;
-
-/// Steps that segments are put in order by.
-pub(crate) const STEPS: [usize; 3] = [2, 4, 8];
 
 /// Colours the segments `which` of a batch, whose opacities stand in `out`, in so many steps.
 #[inline(always)]
@@ -40,10 +36,10 @@ pub(crate) fn stepped<L: Lanes>(
             #[inline(always)]
             |number, widget, meets| {
                 let rough = splat((steps * steps) as f32 * 1.01).lt(widget.roughness::<L>(&along));
-                out.met.push(Met { number, there: meets.and(rough.not()).bits(), rows: None });
+                out.met.push(ActiveWidget { number, there: meets.and(rough.not()).bits(), rows: None });
             },
         );
-        let mut opacity = [0f32; LANES_MOST];
+        let mut opacity = [0f32; MAX_LANES];
         for (opacity, &k) in opacity.iter_mut().zip(group) {
             *opacity = out.rgba[3][k];
         }
@@ -52,49 +48,11 @@ pub(crate) fn stepped<L: Lanes>(
     }
 }
 
-/// A widget that a vector of segments meets.
-pub(crate) struct Met {
-    number: usize,
-    /// Lanes (bits) in which it is.
-    there: u32,
-    /// Its densities in the step in hand, if the next follow from them.
-    rows: Option<Rows>,
-}
-
-/// A [`LaneGaussianSteps`] lane by lane.
-#[derive(Clone, Copy)]
-#[repr(align(64))]
-struct Rows([[f32; LANES_MOST]; 9]);
-
-impl Rows {
-    #[inline(always)]
-    fn new<L: Lanes>(LaneGaussianSteps { values, ratios, change }: &LaneGaussianSteps<L, 4>) -> Rows {
-        let mut rows = [[0.0; LANES_MOST]; 9];
-        for (row, value) in rows.iter_mut().zip(values.iter().chain(ratios).chain([change])) {
-            value.store(row);
-        }
-        Rows(rows)
-    }
-
-    #[inline(always)]
-    fn steps<L: Lanes>(&self) -> LaneGaussianSteps<L, 4> {
-        let row = inlined(
-            #[inline(always)]
-            |j: usize| L::F::load(&self.0[j]),
-        );
-        LaneGaussianSteps {
-            values: [row(0), row(1), row(2), row(3)],
-            ratios: [row(4), row(5), row(6), row(7)],
-            change: row(8),
-        }
-    }
-}
-
 /// The ordered integral ∫ Σ c_i ρ_i e^(−T) by Gauss-Legendre with 4 points a step.
 #[inline(always)]
 fn step_through<L: Lanes>(
     widgets: &[LaneWidget],
-    met: &mut [Met],
+    met: &mut [ActiveWidget],
     steps: usize,
     along: &Along<L>,
     opacity: L::F,
@@ -106,7 +64,7 @@ fn step_through<L: Lanes>(
     let mut light = splat(0.0);
     for step in 0..steps {
         let (mut density, mut weighted) = ([splat(0.0); 4], [[splat(0.0); 3]; 4]);
-        for Met { number, there, rows } in &mut *met {
+        for ActiveWidget { number, there, rows } in &mut *met {
             let widget = &widgets[*number];
             let found = match rows {
                 Some(rows) if step % STEPS_ON_END != 0 => Some(rows.steps::<L>().next()),
@@ -116,8 +74,8 @@ fn step_through<L: Lanes>(
                 Some(found) => found.values,
                 None => widget.densities::<L, 4>(along, places.map(|place| share * (step as f32 + place))),
             };
-            *rows = found.as_ref().map(Rows::new);
-            let there = lanes_of::<L>(*there);
+            *rows = found.as_ref().map(StepLanes::new);
+            let there = mask_of::<L>(*there);
             for j in 0..4 {
                 let value = L::F::select(there, values[j], splat(0.0));
                 density[j] = density[j] + value;

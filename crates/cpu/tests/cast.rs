@@ -7,8 +7,8 @@ use voltet_core::picture::Picture;
 use voltet_core::progress::{NoProgress, Progress};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
-use voltet_cpu::{Casting, Cells, Counts, Known, composite, cull, keep_all, project};
-use voltet_optics::shading::VisibilityOrder;
+use voltet_cpu::{Cells, Counts, Traversal, VolumeCache, composite, cull, keep_all, project};
+use voltet_optics::shading::Ordering;
 use voltet_simd::LaneSet;
 use voltet_testing::pictures::compare::{NamedScene, SHADING, within};
 use voltet_testing::pictures::grids::{cube, moved, part, smooth, together, two_arms, with_flat_layer};
@@ -36,18 +36,18 @@ fn lost(scene: &NamedScene) -> u64 {
     let mut most = 0;
     for lanes in LaneSet::ALL.into_iter().filter(|lanes| lanes.is_supported()) {
         let (expected, by_cells, was_projected) =
-            drawn(scene, |cells| (cells.lanes, cells.casting) = (lanes, Casting::Never));
+            drawn(scene, |cells| (cells.lanes, cells.traversal) = (lanes, Traversal::Project));
         assert!(was_projected, "{}", scene.name);
         assert!(expected.rgba.iter().any(|p| p[3] > 0.1), "{} shows nothing", scene.name);
         let (picture, counts, was_projected) =
-            drawn(scene, |cells| (cells.lanes, cells.casting) = (lanes, Casting::Always));
+            drawn(scene, |cells| (cells.lanes, cells.traversal) = (lanes, Traversal::RayCast));
         let name = format!("{} on {}", scene.name, lanes.name());
         assert!(!was_projected, "{name}: projected");
         within(&name, &picture, &expected, ROUNDING);
         // Tiles that rays are lost in, from windows of a few cells.
         let (in_windows, again, _) = drawn(scene, |cells| {
-            (cells.lanes, cells.casting) = (lanes, Casting::Always);
-            cells.most_at_once = cells.kept.len() / 5;
+            (cells.lanes, cells.traversal) = (lanes, Traversal::RayCast);
+            cells.max_resident_cells = cells.ids.len() / 5;
         });
         assert_eq!(again.tiles_lost, counts.tiles_lost, "{name}");
         assert!(in_windows.rgba == picture.rgba, "{name}: windows show something else");
@@ -151,7 +151,7 @@ fn cells_that_are_not_drawn_are_a_boundary() -> Result<()> {
         camera: outside([60, 60]),
     };
     assert_eq!(lost(&scene), 0);
-    let kept = cull(&scene.volume, &scene.look, &scene.camera, &NoProgress)?.kept.len();
+    let kept = cull(&scene.volume, &scene.look, &scene.camera, &NoProgress)?.ids.len();
     assert!(kept < scene.volume.grid.tetrahedra.len(), "every cell is drawn");
     Ok(())
 }
@@ -159,14 +159,14 @@ fn cells_that_are_not_drawn_are_a_boundary() -> Result<()> {
 #[test]
 fn what_rays_do_not_serve_is_projected() -> Result<()> {
     let volume = smooth(cube([4, 4, 4], 0.2));
-    let always = |cells: &mut Cells| cells.casting = Casting::Always;
+    let always = |cells: &mut Cells| cells.traversal = Traversal::RayCast;
     let inside = perspective([0.43, 0.37, 0.52], [0.9, 0.8, 0.45], 70.0, [40, 30]);
     let scene = |camera| NamedScene { name: String::new(), volume: volume.clone(), look: ramp(), camera };
     assert!(drawn(&scene(inside), always).2, "the eye inside");
     let scene = scene(outside([40, 30]));
     assert!(!drawn(&scene, always).2);
     let unordered =
-        |cells: &mut Cells| (cells.casting, cells.order) = (Casting::Always, VisibilityOrder::None);
+        |cells: &mut Cells| (cells.traversal, cells.ordering) = (Traversal::RayCast, Ordering::Submission);
     assert!(drawn(&scene, unordered).2, "without order");
     let mut all = keep_all(&scene.volume, &scene.look, &scene.camera)?;
     always(&mut all);
@@ -188,7 +188,7 @@ impl Progress for Left {
 
 /// Whether each of some pictures of a volume, the camera turned a little before each, was projected.
 fn projected(
-    known: &Known,
+    known: &VolumeCache,
     look: &TransferFunction,
     size: [u32; 2],
     left: u64,
@@ -217,7 +217,7 @@ fn rays_go_from_cell_to_cell_where_that_pays() -> Result<()> {
         ("many, of one colour, which need no order", one_color(4.0), many, true),
         ("many, of one colour, most of them hidden", one_color(400.0), many, false),
     ] {
-        let projected = projected(&Known::new(&volume)?, &look, size, u64::MAX, |_| {});
+        let projected = projected(&VolumeCache::new(&volume)?, &look, size, u64::MAX, |_| {});
         assert_eq!(projected, [is_projected; 3], "{name}");
     }
     Ok(())
@@ -227,11 +227,11 @@ fn rays_go_from_cell_to_cell_where_that_pays() -> Result<()> {
 fn where_faces_have_no_room_cells_are_projected() -> Result<()> {
     let volume = smooth(cube([40, 40, 40], 0.2));
     let (cells, size) = (volume.grid.tetrahedra.len() as u64, [512, 512]);
-    let projected = |known: &Known, bytes_of_cell: u64| {
+    let projected = |known: &VolumeCache, bytes_of_cell: u64| {
         let left = bytes_of_cell * cells + 16 * 512 * 512;
-        projected(known, &ramp(), size, left, |cells| cells.most_at_once = 1000)
+        projected(known, &ramp(), size, left, |cells| cells.max_resident_cells = 1000)
     };
-    let known = Known::new(&volume)?;
+    let known = VolumeCache::new(&volume)?;
     assert_eq!(projected(&known, 60), [true; 3]);
     assert_eq!(projected(&known, 200), [false; 3]);
     // Once they are found they take no more.

@@ -5,15 +5,15 @@ use voltet_core::Result;
 use voltet_core::camera::Camera;
 use voltet_core::picture::Picture;
 use voltet_core::progress::NoProgress;
-use voltet_cpu::{Casting, cull, draw};
+use voltet_cpu::{Traversal, cull, draw};
 use voltet_simd::LaneSet;
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use voltet_testing::pictures::grids::{cube, smooth};
 use voltet_testing::pictures::looks::{one_gaussian, orthographic, outside, overlapping, perspective, ramp};
 
-fn picture(scene: &NamedScene, lanes: LaneSet, casting: Casting) -> Result<Picture> {
+fn picture(scene: &NamedScene, lanes: LaneSet, casting: Traversal) -> Result<Picture> {
     let mut cells = cull(&scene.volume, &scene.look, &scene.camera, &NoProgress)?;
-    (cells.lanes, cells.casting) = (lanes, casting);
+    (cells.lanes, cells.traversal) = (lanes, casting);
     Ok(draw(&cells, &scene.look, &scene.camera, &SHADING, &NoProgress)?.0)
 }
 
@@ -31,7 +31,7 @@ fn every_lane_set_draws_what_the_referee_draws() {
             let expected = referee(&scene);
             assert!(expected.rgba.iter().any(|p| p[3] > 0.1), "{place} {kind} shows nothing");
             for lanes in LaneSet::ALL.into_iter().filter(|lanes| lanes.is_supported()) {
-                for casting in [Casting::Never, Casting::Always] {
+                for casting in [Traversal::Project, Traversal::RayCast] {
                     scene.name = format!("{place} {kind} {} {casting:?}", lanes.name());
                     let actual =
                         picture(&scene, lanes, casting).unwrap_or_else(|e| panic!("{}: {e}", scene.name));

@@ -1,4 +1,4 @@
-//! What an edit takes in a file of 200 nodes, part by part: `cargo bench -p voltet-document`.
+//! Times of an edit in a file of 200 nodes, part by part: `cargo bench -p voltet-document`.
 
 #![allow(clippy::unwrap_used, reason = "a timing of what failed is none")]
 
@@ -94,6 +94,6 @@ fn main() {
     println!(
         "kept by the history: {} bytes in {} steps",
         document.history().size(),
-        document.history().place().1
+        document.history().position().1
     );
 }

@@ -40,14 +40,14 @@ impl Row {
 
 /// A new entry of a list of tables, such as a widget: what is required has a value to begin with, in the middle of the data
 /// where it lies in them; but for names of arrays and files.
-pub fn begun(kind: &VariantSchema) -> ParameterValue {
+pub fn default_value(kind: &VariantSchema) -> ParameterValue {
     let field = |name: &str, datum: ParameterValue| Field {
         name: name.into(),
         origin: Default::default(),
         setting: datum.into(),
     };
     let is_needed = |parameter: &&Parameter| {
-        matches!(parameter.standard, DefaultValue::Required) || (parameter.name == "sigma")
+        matches!(parameter.default, DefaultValue::Required) || (parameter.name == "sigma")
     };
     let needed = kind.parameters.iter().filter(is_needed);
     let values = needed.filter_map(|parameter| Some(field(parameter.name, value(parameter)?)));

@@ -1,4 +1,4 @@
-//! How a parameter is changed, by what its declaration says.
+//! Controls: the widget that edits a parameter, by its declaration.
 
 use voltet_graph::{
     AxisRef, Parameter, ParameterType, Range, Registry, RelativeNumberType, StatisticKind, VariantSchema,
@@ -7,7 +7,7 @@ use voltet_graph::{
 /// The least factor between the ends of a range for which a slider goes by factors.
 const LOGARITHMIC: f64 = 1e3;
 
-/// How a slider divides its range.
+/// Scale of a slider.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
     /// Equal steps.
@@ -19,13 +19,13 @@ pub enum Scale {
 /// Numbers that may be given relative to data, as texts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Relative {
-    /// What they are: whether percentiles ("p90") may stand there, or shares ("25 %") alone.
+    /// Statistic: percentiles ("p90") as well as fractions ("25 %"), or fractions alone.
     pub is: StatisticKind,
-    /// How many places of a row may be relative; all where it is none.
+    /// Number of values of a row that may be relative; all where `None`.
     pub places: Option<usize>,
 }
 
-/// How a parameter is changed.
+/// Control that edits a parameter.
 #[derive(Debug, Clone)]
 pub enum Control {
     /// On or off.
@@ -36,11 +36,11 @@ pub enum Control {
     Number {
         /// Its range.
         range: Range,
-        /// How a slider divides it.
+        /// Scale of the slider.
         scale: Scale,
         /// The word that may stand in its place.
         word: Option<&'static str>,
-        /// Whether it may be relative to data.
+        /// Relative forms, if valid here.
         relative: Option<Relative>,
     },
     /// One of some words, each with its meaning.
@@ -64,20 +64,20 @@ pub enum Control {
     },
     /// Several numbers.
     Vector {
-        /// How many; any number where it is none.
+        /// Number of values; any where `None`.
         count: Option<usize>,
         /// The range of each.
         range: Range,
-        /// Whether they are whole.
+        /// True if they are whole.
         whole: bool,
-        /// Whether they may be relative to data.
+        /// Relative forms, if valid here.
         relative: Option<Relative>,
     },
     /// Rows of numbers, each of so many.
     Rows {
         /// Numbers in a row.
         width: Option<usize>,
-        /// Whether they may be relative to data.
+        /// Relative forms, if valid here.
         relative: Option<Relative>,
     },
     /// A table; its rows are in [`Row::rows`](super::Row::rows).
@@ -88,7 +88,7 @@ pub enum Control {
 
 impl Control {
     /// By a declaration.
-    pub(super) fn of(parameter: &Parameter, registry: &Registry) -> Control {
+    pub(super) fn from_parameter(parameter: &Parameter, registry: &Registry) -> Control {
         Self::of_type(&parameter.parameter_type, parameter.name, None, registry)
     }
 
@@ -98,7 +98,8 @@ impl Control {
         relative: Option<Relative>,
         registry: &Registry,
     ) -> Control {
-        let number = |range: Range, word| Control::Number { range, scale: Scale::of(&range), word, relative };
+        let number =
+            |range: Range, word| Control::Number { range, scale: Scale::from_range(&range), word, relative };
         match *parameter_type {
             ParameterType::Boolean => Control::Toggle,
             ParameterType::Integer(range) => Control::Integer(range),
@@ -120,7 +121,7 @@ impl Control {
             ParameterType::Table(_) => Control::Table,
             ParameterType::Kinds(kinds) => Control::Entries(kinds),
             ParameterType::Measured(measured) => {
-                Self::of_type(&measured.plain, name, Some(Relative::of(measured)), registry)
+                Self::of_type(&measured.plain, name, Some(Relative::from_type(measured)), registry)
             }
             ParameterType::Registered(_) => {
                 let schemas = registry.variants(name).map(|variant| variant.schema);
@@ -135,7 +136,7 @@ impl Control {
 }
 
 impl Scale {
-    fn of(range: &Range) -> Scale {
+    fn from_range(range: &Range) -> Scale {
         let is_wide = range.max.is_infinite() || (range.min > 0.0 && range.max / range.min >= LOGARITHMIC);
         match range.min >= 0.0 && is_wide {
             true => Scale::Logarithmic,
@@ -145,22 +146,22 @@ impl Scale {
 }
 
 impl Relative {
-    fn of(measured: &RelativeNumberType) -> Relative {
-        let places = match measured.along {
+    fn from_type(measured: &RelativeNumberType) -> Relative {
+        let places = match measured.axis {
             AxisRef::Places(names) => Some(names.len()),
             AxisRef::Every(_) | AxisRef::Names(_) | AxisRef::EveryPer(..) | AxisRef::NamesPer(..) => None,
         };
-        Relative { is: measured.is, places }
+        Relative { is: measured.statistic, places }
     }
 }
 
-/// Whether a text of this name is that of an array: declarations say that it is a text.
+/// True if a text of this name is that of an array: declarations say that it is a text.
 fn names_array(name: &str) -> bool {
     ["scalar", "array", "arrays", "field", "fields", "magnitude", "cell_arrays", "point_arrays"]
         .contains(&name)
 }
 
-/// Whether three numbers of this name are a colour.
+/// True if three numbers of this name are a colour.
 fn is_colour(name: &str) -> bool {
     ["color", "background"].contains(&name)
 }

@@ -5,9 +5,9 @@ mod begin;
 mod control;
 mod typed;
 
-pub use begin::begun;
+pub use begin::default_value;
 pub use control::{Control, Relative, Scale};
-pub use typed::{rounded, shown, typed};
+pub use typed::{rounded, to_text, typed};
 
 use crate::Document;
 use crate::path::Path;
@@ -18,16 +18,16 @@ use voltet_graph::{
 /// A parameter as a row.
 #[derive(Debug, Clone)]
 pub struct Row {
-    /// What leads to it from the node's table, for [`Edit::Set`](crate::Edit::Set) and [`Edit::Unset`](crate::Edit::Unset).
+    /// Path from the node's table, for [`Edit::Set`](crate::Edit::Set) and [`Edit::Unset`](crate::Edit::Unset).
     pub path: Path,
     /// Its declaration: name, unit, help, range, standard value.
     pub parameter: &'static Parameter,
-    /// How it is changed.
+    /// Control that edits it.
     pub control: Control,
-    /// What the file states.
-    pub stated: Option<ParameterValue>,
-    /// What holds where the file states nothing, or why that is nothing.
-    pub standard: Option<ParameterValue>,
+    /// Value that the file sets.
+    pub set_value: Option<ParameterValue>,
+    /// Default value, or the reason why there is none.
+    pub default: Option<ParameterValue>,
     /// The rows within it: of a table.
     pub rows: Vec<Row>,
     /// The entries of a list of tables.
@@ -37,7 +37,7 @@ pub struct Row {
 /// An entry of a list of tables, such as a widget.
 #[derive(Debug, Clone)]
 pub struct Entry {
-    /// What leads to it from the node's table.
+    /// Path from the node's table.
     pub path: Path,
     /// Its kind; none where the file names none that is known.
     pub kind: Option<&'static VariantSchema>,
@@ -48,10 +48,10 @@ pub struct Entry {
 impl Row {
     /// The value that holds: stated, else the standard one.
     pub fn value(&self) -> Option<&ParameterValue> {
-        self.stated.as_ref().or(self.standard.as_ref())
+        self.set_value.as_ref().or(self.default.as_ref())
     }
 
-    /// Whether the value is given relative to data: texts in place of numbers.
+    /// True if the value is given relative to data: texts in place of numbers.
     pub fn is_relative(&self) -> bool {
         fn has_text(datum: &ParameterValue) -> bool {
             match datum {
@@ -75,14 +75,14 @@ impl Row {
         }
     }
 
-    /// Whether the file must state it, and does not.
+    /// True if the file must state it, and does not.
     pub fn is_missing(&self) -> bool {
-        self.stated.is_none() && matches!(self.parameter.standard, DefaultValue::Required)
+        self.set_value.is_none() && matches!(self.parameter.default, DefaultValue::Required)
     }
 
-    /// What holds where nothing is stated, in words: "0.5", "no widgets: an empty picture", "required".
-    pub fn standard_in_words(&self) -> String {
-        self.parameter.standard.to_string()
+    /// Default value as text: "0.5", "no widgets: an empty picture", "required".
+    pub fn default_text(&self) -> String {
+        self.parameter.default.to_string()
     }
 }
 
@@ -136,9 +136,9 @@ fn rows(registry: &Registry, declared: &'static [Parameter], stated: &[Field], p
         Row {
             path,
             parameter,
-            control: Control::of(parameter, registry),
-            stated: setting.map(|setting| setting.datum.clone()),
-            standard: parameter.standard.datum(),
+            control: Control::from_parameter(parameter, registry),
+            set_value: setting.map(|setting| setting.datum.clone()),
+            default: parameter.default.datum(),
             rows: inner,
             entries,
         }

@@ -6,7 +6,7 @@ use voltet_core::{Error, Result};
 use voltet_graph::pipeline::value;
 use voltet_graph::{Field, LocatedValue, ParameterValue, Parameters, suggest};
 
-/// What a text typed for a row says: a number as it is, "25 %" and "p90" where that may stand, several numbers with commas or
+/// Value of a text typed for a row: a number as it is, "25 %" and "p90" where valid, several numbers with commas or
 /// spaces between, in brackets or not, texts without quotes. Errors say in words what is wrong and what would be right.
 pub fn typed(row: &Row, text: &str) -> Result<ParameterValue> {
     let text = text.trim();
@@ -57,13 +57,13 @@ pub fn typed(row: &Row, text: &str) -> Result<ParameterValue> {
 }
 
 /// A value as it is shown for typing: what [`typed`] reads again.
-pub fn shown(datum: &ParameterValue) -> String {
+pub fn to_text(datum: &ParameterValue) -> String {
     match datum {
         ParameterValue::Text(text) => text.clone(),
         ParameterValue::List(list)
             if list.iter().all(|part| part.list().is_none() && part.table().is_none()) =>
         {
-            list.iter().map(|part| shown(&part.datum)).collect::<Vec<_>>().join(", ")
+            list.iter().map(|part| to_text(&part.datum)).collect::<Vec<_>>().join(", ")
         }
         other => other.to_string(),
     }

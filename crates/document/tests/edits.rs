@@ -238,7 +238,7 @@ fn what_cannot_be_done_says_why_and_changes_nothing() {
     // The first of several that can be done is undone with the second.
     let both = [Edit::Title(Some("a".into())), Edit::RemoveFrame(0)];
     assert!(document.edit_all("both".into(), &both, None).is_err());
-    assert_eq!((document.text(), document.revision(), document.history().place()), (FILE, 0, (0, 0)));
+    assert_eq!((document.text(), document.revision(), document.history().position()), (FILE, 0, (0, 0)));
 }
 
 #[test]

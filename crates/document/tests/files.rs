@@ -147,7 +147,7 @@ fn another_document_of_as_many_edits_is_kept_too() {
     assert_eq!(recovery.left_behind()[0].document().text(), documents[1].text());
 }
 
-/// Where the program that is to be killed keeps its work.
+/// Folder of the program that is to be killed.
 const KILLED: &str = "VOLTET_TEST_KILLED";
 
 #[test]

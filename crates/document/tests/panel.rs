@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use voltet_document::panel::{Control, Row, Scale, rounded, shown, typed};
+use voltet_document::panel::{Control, Row, Scale, rounded, to_text, typed};
 use voltet_document::{Document, Edit};
 use voltet_graph::{LocatedValue, ParameterValue, Registry, StatisticKind};
 
@@ -51,13 +51,13 @@ fn numbers(list: &[f64]) -> ParameterValue {
 fn a_row_says_what_holds_and_whether_the_file_says_so() {
     let fov = row("view", "fov_y");
     assert_eq!(
-        (fov.stated.clone(), fov.value().cloned()),
+        (fov.set_value.clone(), fov.value().cloned()),
         (Some(ParameterValue::Number(30.0)), Some(ParameterValue::Number(30.0)))
     );
     let up = row("view", "up");
-    assert!(up.stated.is_none() && up.value().is_some() && !up.is_missing());
+    assert!(up.set_value.is_none() && up.value().is_some() && !up.is_missing());
     assert!(row("file", "path").is_missing());
-    assert_eq!(row("look", "widgets").standard_in_words(), "no widgets: an empty picture");
+    assert_eq!(row("look", "widgets").default_text(), "no widgets: an empty picture");
     assert!(rows("none").is_empty() && rows("nowhere").is_empty());
     // What the filter declares stands beside the word that names it.
     let names: Vec<&str> = rows("gradient").iter().map(|row| row.parameter.name).collect();
@@ -128,7 +128,7 @@ fn what_is_typed_is_read_as_it_is_meant_or_refused_in_words() {
     assert_eq!(typed(&unit, "auto").unwrap(), ParameterValue::Text("auto".into()));
     let widgets = row("look", "widgets");
     let centre = widgets.entries[0].rows.iter().find(|row| row.parameter.name == "centre").unwrap();
-    assert_eq!(shown(centre.value().unwrap()), "p90, 2.0");
+    assert_eq!(to_text(centre.value().unwrap()), "p90, 2.0");
     let relative = ParameterValue::List(vec![
         ParameterValue::Text("25 %".into()).into(),
         ParameterValue::Number(1e-3).into(),
@@ -162,7 +162,7 @@ fn what_is_typed_is_read_as_it_is_meant_or_refused_in_words() {
     let document = Document::from_text(FILE.into(), None);
     for row in ["grid", "gradient", "view", "look"].iter().flat_map(|node| document.rows(&registry(), node)) {
         if let Some(value) = row.value().filter(|_| row.entries.is_empty()) {
-            assert_eq!(&typed(&row, &shown(value)).unwrap(), value, "{}", row.path);
+            assert_eq!(&typed(&row, &to_text(value)).unwrap(), value, "{}", row.path);
         }
     }
 }

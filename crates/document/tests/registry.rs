@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use voltet_document::{Document, Edit, Fault, Group, Part, arrange, giving, search, taking};
+use voltet_document::{Diagnostic, Document, Edit, FaultTarget, Group, arrange, giving, search, taking};
 use voltet_graph::{Graph, PortType, Registry};
 
 fn registry() -> Registry {
@@ -15,11 +15,11 @@ fn shipped(name: &str) -> Document {
 }
 
 /// Node, part and message of a fault.
-fn told(fault: &Fault) -> (Option<&str>, String, String) {
-    let part = match &fault.part {
-        Part::Whole => String::new(),
-        Part::Parameter(path) => path.to_string(),
-        Part::Input(port) => format!("→{port}"),
+fn told(fault: &Diagnostic) -> (Option<&str>, String, String) {
+    let part = match &fault.target {
+        FaultTarget::Whole => String::new(),
+        FaultTarget::Parameter(path) => path.to_string(),
+        FaultTarget::Input(port) => format!("→{port}"),
     };
     (fault.node.as_deref(), part, fault.error.to_string())
 }
@@ -75,7 +75,7 @@ fn every_mistake_of_a_file_is_at_its_place_and_the_rest_can_be_built() {
 fn every_node_type_has_its_group_and_is_found_by_words() {
     let registry = registry();
     let of = |group: Group| -> Vec<&str> {
-        registry.iter().filter(|node| Group::of(node) == group).map(|node| node.name).collect()
+        registry.iter().filter(|node| Group::from_node(node) == group).map(|node| node.name).collect()
     };
     assert_eq!(of(Group::Sources), ["reader", "wavelet"]);
     assert_eq!(of(Group::Filters), ["gradient-magnitude", "multi-gradient"]);
@@ -222,8 +222,9 @@ fn layers_lead_from_left_to_right_and_do_not_overlap() {
 
 #[test]
 fn nodes_are_brought_in_line() {
-    use arrange::{Align, Placed, align};
-    let node = |name: &str, at: [f64; 2], size: [f64; 2]| Placed { name: name.into(), at, size };
+    use arrange::{Align, PlacedNode, align};
+    let node =
+        |name: &str, at: [f64; 2], size: [f64; 2]| PlacedNode { name: name.into(), position: at, size };
     let nodes = [
         node("a", [0.0, 0.0], [10.0, 10.0]),
         node("b", [50.0, 5.0], [30.0, 20.0]),

@@ -2,7 +2,7 @@
 
 use super::draft::Draft;
 use super::entries::headed;
-use super::find::{Found, Piece};
+use super::find::{Match, Piece};
 use super::lines;
 use super::set::assigned;
 use super::syntax::{Value, ValueKind};
@@ -25,8 +25,8 @@ impl Draft {
         let key = key_text(&last.key());
         let syntax = self.syntax.clone();
         match syntax.find(&parent.0)? {
-            Found::Value(spot) => self.add_within(path, &spot.element.value, last, value),
-            Found::Pieces(pieces) => {
+            Match::Value(spot) => self.add_within(path, &spot.element.value, last, value),
+            Match::Pieces(pieces) => {
                 let below = syntax.below(&pieces, parent.0.len());
                 if below.iter().any(|step| matches!(step, Step::Entry(_))) {
                     let error = Error::usage("there is no such entry in the list").got(path);
@@ -34,12 +34,12 @@ impl Draft {
                 }
                 self.add_line(&parent, &pieces, &last.key(), value)
             }
-            Found::Nothing if parent.0.is_empty() => self.add_at_the_top(&key, value),
-            Found::Nothing if parent.0.len() <= HEADED => {
+            Match::Nothing if parent.0.is_empty() => self.add_at_the_top(&key, value),
+            Match::Nothing if parent.0.len() <= HEADED => {
                 self.add_section(self.end_of_all(), &format!("[{parent}]\n{key} = {value}\n"));
                 Ok(())
             }
-            Found::Nothing => self.add(&parent, &format!("{{ {key} = {value} }}")),
+            Match::Nothing => self.add(&parent, &format!("{{ {key} = {value} }}")),
         }
     }
 
@@ -91,16 +91,15 @@ impl Draft {
             });
             match before {
                 Some(last) => {
-                    let from = lines::start(&self.text, last.place().start);
+                    let from = lines::start(&self.text, last.span().start);
                     let above = &section.assignments[section.assignments.len() - 2];
-                    let floor = lines::end(&self.text, above.place().end);
+                    let floor = lines::end(&self.text, above.span().end);
                     let at = lines::with_comments_above(&self.text, from, floor);
                     let spaces = lines::indent(&self.text, from).to_string();
                     self.add_text(at, &format!("{spaces}{text}\n"));
                 }
                 None => {
-                    let anchor =
-                        section.assignments.last().map_or(section.start(), |last| last.place().start);
+                    let anchor = section.assignments.last().map_or(section.start(), |last| last.span().start);
                     let spaces = lines::indent(&self.text, anchor).to_string();
                     self.add_text(lines::end(&self.text, section.end()), &format!("{spaces}{text}\n"));
                 }
@@ -112,10 +111,10 @@ impl Draft {
             let beside = &section.assignments[k];
             let within = parent.0.len() - section.path.0.len();
             let keys: Vec<&str> =
-                beside.keys[..within].iter().map(|key| &self.text[key.place.clone()]).collect();
-            let spaces = lines::indent(&self.text, beside.place().start);
+                beside.keys[..within].iter().map(|key| &self.text[key.span.clone()]).collect();
+            let spaces = lines::indent(&self.text, beside.span().start);
             let text = format!("{spaces}{}.{} = {value}\n", keys.join("."), key_text(key));
-            self.add_text(lines::end(&self.text, beside.place().end), &text);
+            self.add_text(lines::end(&self.text, beside.span().end), &text);
             return Ok(());
         }
         // Only tables within it are there: its own header goes before them.
@@ -132,7 +131,7 @@ impl Draft {
     pub fn add_table(&mut self, path: &Path, fields: &[Field]) -> Result<()> {
         let syntax = self.syntax.clone();
         let parent = &path.0[..path.0.len().saturating_sub(1)];
-        if let Found::Value(_) = syntax.find(parent)? {
+        if let Match::Value(_) = syntax.find(parent)? {
             return self.add(path, &ParameterValue::Table(fields.to_vec()).to_string());
         }
         let is_tables = |setting: &LocatedValue| {
@@ -158,16 +157,16 @@ impl Draft {
     pub fn add_block(&mut self, after: &Path, text: &str) -> Result<()> {
         let syntax = self.syntax.clone();
         let at = match syntax.find(&after.0)? {
-            Found::Pieces(pieces) => pieces.iter().fold(0, |at, piece| match piece {
+            Match::Pieces(pieces) => pieces.iter().fold(0, |at, piece| match piece {
                 Piece::Section(i) | Piece::Assignment(i, _) => at.max(syntax.block(&self.text, *i).end),
             }),
-            Found::Value(_) | Found::Nothing => self.foreign_end().unwrap_or_else(|| self.end_of_all()),
+            Match::Value(_) | Match::Nothing => self.foreign_end().unwrap_or_else(|| self.end_of_all()),
         };
         self.add_section(at, text);
         Ok(())
     }
 
-    /// Where the sections end before the first that is the editor's own, which stands last.
+    /// End of the sections before the first that belongs to the editor, which stands last.
     fn foreign_end(&self) -> Option<usize> {
         let own = |step: &Step| step.key() == EDITOR;
         let first =
@@ -177,7 +176,7 @@ impl Draft {
 
     /// Adds assignments to a table, which need not be there.
     pub fn add_lines(&mut self, table: &Path, values: &[(&str, ParameterValue)]) -> Result<()> {
-        let is_there = !matches!(self.syntax.find(&table.0)?, Found::Nothing);
+        let is_there = !matches!(self.syntax.find(&table.0)?, Match::Nothing);
         if !is_there && !values.is_empty() {
             let line = |(key, value): &(&str, ParameterValue)| format!("{} = {value}\n", key_text(key));
             let text: String = values.iter().map(line).collect();

@@ -21,7 +21,7 @@ pub struct Draft {
 }
 
 impl Draft {
-    /// Of a text that is valid TOML, with where everything stands in it.
+    /// Draft of a text that is valid TOML, with its syntax tree.
     pub fn new(text: Arc<str>, syntax: Arc<Syntax>) -> Draft {
         Draft { text, syntax, replaced: Vec::new(), so_far: Delta::default() }
     }
@@ -36,7 +36,7 @@ impl Draft {
     }
 
     /// Carries out what was asked for so far, so that what follows sees it.
-    pub fn settle(&mut self) -> Result<()> {
+    pub fn reparse(&mut self) -> Result<()> {
         if self.replaced.is_empty() {
             return Ok(());
         }
@@ -48,8 +48,8 @@ impl Draft {
     }
 
     /// All changes, and the text that they make.
-    pub fn finish(mut self) -> Result<(Delta, Arc<str>, Arc<Syntax>)> {
-        self.settle()?;
+    pub fn into_delta(mut self) -> Result<(Delta, Arc<str>, Arc<Syntax>)> {
+        self.reparse()?;
         Ok((self.so_far, self.text, self.syntax))
     }
 
@@ -58,7 +58,7 @@ impl Draft {
         &self.text
     }
 
-    /// What stands at a range, to be read as one value; none where it spans lines.
+    /// Value at a range; none where it spans lines.
     pub(super) fn datum(&self, place: &Range<usize>) -> Option<ParameterValue> {
         voltet_graph::pipeline::value(&self.text[place.clone()]).map(|setting| setting.datum)
     }

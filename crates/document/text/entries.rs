@@ -1,7 +1,7 @@
 //! Lists of tables, however they are written: `[[…]]` with lines below, or in place.
 
 use super::draft::{Draft, nothing_at};
-use super::find::{Found, Piece};
+use super::find::{Match, Piece};
 use super::syntax::Value;
 use crate::path::{Path, Step};
 use std::ops::Range;
@@ -9,7 +9,7 @@ use voltet_core::parameters::key_text;
 use voltet_core::{Error, Result};
 use voltet_graph::{LocatedValue, ParameterValue};
 
-/// Where the entries of a list stand.
+/// Location of a list's entries.
 enum Entries<'a> {
     /// In place.
     Inline(&'a Value),
@@ -54,7 +54,7 @@ impl Draft {
         match self.entries(&syntax, list)? {
             Entries::Inline(value) => {
                 self.refuse_beyond(list, place, value.elements().len())?;
-                let copy = self.text[value.elements()[place].place()].to_string();
+                let copy = self.text[value.elements()[place].span()].to_string();
                 self.add_elements(value, place + 1, &[copy]);
             }
             Entries::Blocks(blocks) => {
@@ -71,7 +71,7 @@ impl Draft {
     pub fn move_entry(&mut self, list: &Path, from: usize, to: usize) -> Result<()> {
         let syntax = self.syntax.clone();
         let slots: Vec<Range<usize>> = match self.entries(&syntax, list)? {
-            Entries::Inline(value) => value.elements().iter().map(|element| element.place()).collect(),
+            Entries::Inline(value) => value.elements().iter().map(|element| element.span()).collect(),
             Entries::Blocks(blocks) => blocks,
             Entries::Nowhere => return Err(nothing_at(list)),
         };
@@ -103,9 +103,9 @@ impl Draft {
 
     fn entries<'a>(&self, syntax: &'a super::Syntax, list: &Path) -> Result<Entries<'a>> {
         let pieces = match syntax.find(&list.0)? {
-            Found::Value(spot) => return Ok(Entries::Inline(&spot.element.value)),
-            Found::Nothing => return Ok(Entries::Nowhere),
-            Found::Pieces(pieces) => pieces,
+            Match::Value(spot) => return Ok(Entries::Inline(&spot.element.value)),
+            Match::Nothing => return Ok(Entries::Nowhere),
+            Match::Pieces(pieces) => pieces,
         };
         let scattered = || {
             Error::usage("the entries of this list are not written one after the other").got(list).expected(
@@ -133,7 +133,7 @@ impl Draft {
     /// The lines of the table that a list belongs to, with all that is headed below it; none where it has no header.
     fn own_block(&self, list: &Path) -> Option<Range<usize>> {
         let (_, owner) = list.0.split_last()?;
-        let Found::Pieces(pieces) = self.syntax.find(owner).ok()? else { return None };
+        let Match::Pieces(pieces) = self.syntax.find(owner).ok()? else { return None };
         let sections: Vec<usize> = pieces
             .iter()
             .map(|piece| match piece {

@@ -1,4 +1,4 @@
-//! What a path leads to in a text.
+//! Search of a path in a text.
 
 use super::lines;
 use super::syntax::{Element, Section, Syntax, Value, ValueKind};
@@ -6,11 +6,11 @@ use crate::path::{Path, Step};
 use std::ops::Range;
 use voltet_core::{Error, Result};
 
-/// What a path leads to.
+/// Result of a search.
 #[derive(Debug)]
-pub enum Found<'a> {
+pub enum Match<'a> {
     /// A value that is written in one place.
-    Value(Spot<'a>),
+    Value(InsertionPoint<'a>),
     /// A table, or a list of tables, that headers and keys with points make together.
     Pieces(Vec<Piece>),
     /// Nothing.
@@ -19,7 +19,7 @@ pub enum Found<'a> {
 
 /// An element and what holds it.
 #[derive(Debug, Clone, Copy)]
-pub struct Spot<'a> {
+pub struct InsertionPoint<'a> {
     /// The element.
     pub element: &'a Element,
     /// The inline list or table that holds it and its number there; none for an assignment on lines of its own.
@@ -39,8 +39,8 @@ pub enum Piece {
     Assignment(usize, usize),
 }
 
-/// How two paths go together.
-enum Way {
+/// Relation of two paths.
+enum PathMatch {
     /// The path ends within or at the longer one.
     Within,
     /// The path goes on for so many steps.
@@ -48,49 +48,59 @@ enum Way {
     Elsewhere,
 }
 
-/// How `path` lies to what begins with `start`.
-fn way(path: &[Step], start: &[Step]) -> Way {
+/// Relation of `path` to paths that begin with `start`.
+fn match_path(path: &[Step], start: &[Step]) -> PathMatch {
     let shared = path.iter().zip(start).take_while(|(a, b)| a == b || a.key() == b.key()).count();
     match (shared == path.len(), shared == start.len()) {
-        (true, _) => Way::Within,
-        (false, true) => Way::Beyond(path.len() - shared),
-        (false, false) => Way::Elsewhere,
+        (true, _) => PathMatch::Within,
+        (false, true) => PathMatch::Beyond(path.len() - shared),
+        (false, false) => PathMatch::Elsewhere,
     }
 }
 
 impl Syntax {
-    /// What a path leads to. Errors: a table that keys with points make within a value, which nothing here changes.
-    pub fn find(&self, path: &[Step]) -> Result<Found<'_>> {
+    /// Finds the part at a path. Errors: a table made by dotted keys within a value, which no edit changes.
+    pub fn find(&self, path: &[Step]) -> Result<Match<'_>> {
         let mut pieces = Vec::new();
         for (i, section) in self.sections.iter().enumerate() {
-            let rest = match way(path, &section.path.0) {
-                Way::Elsewhere => continue,
-                Way::Within if section.header.is_some() => {
+            let rest = match match_path(path, &section.path.0) {
+                PathMatch::Elsewhere => continue,
+                PathMatch::Within if section.header.is_some() => {
                     pieces.push(Piece::Section(i));
                     continue;
                 }
-                Way::Within => path,
-                Way::Beyond(steps) => &path[path.len() - steps..],
+                PathMatch::Within => path,
+                PathMatch::Beyond(steps) => &path[path.len() - steps..],
             };
             for (k, element) in section.assignments.iter().enumerate() {
                 let keys: Vec<Step> = element.path().collect();
-                match way(rest, &keys) {
-                    Way::Elsewhere => {}
-                    Way::Within if rest.len() < keys.len() => pieces.push(Piece::Assignment(i, k)),
-                    Way::Within => {
-                        return Ok(Found::Value(Spot { element, holder: None, section: i, assignment: k }));
+                match match_path(rest, &keys) {
+                    PathMatch::Elsewhere => {}
+                    PathMatch::Within if rest.len() < keys.len() => pieces.push(Piece::Assignment(i, k)),
+                    PathMatch::Within => {
+                        return Ok(Match::Value(InsertionPoint {
+                            element,
+                            holder: None,
+                            section: i,
+                            assignment: k,
+                        }));
                     }
-                    Way::Beyond(steps) => {
+                    PathMatch::Beyond(steps) => {
                         let rest = &rest[rest.len() - steps..];
                         let found = within(&element.value, rest)?;
-                        return Ok(found.map_or(Found::Nothing, |(element, holder)| {
-                            Found::Value(Spot { element, holder: Some(holder), section: i, assignment: k })
+                        return Ok(found.map_or(Match::Nothing, |(element, holder)| {
+                            Match::Value(InsertionPoint {
+                                element,
+                                holder: Some(holder),
+                                section: i,
+                                assignment: k,
+                            })
                         }));
                     }
                 }
             }
         }
-        Ok(if pieces.is_empty() { Found::Nothing } else { Found::Pieces(pieces) })
+        Ok(if pieces.is_empty() { Match::Nothing } else { Match::Pieces(pieces) })
     }
 
     /// The keys, or numbers of entries, that pieces have directly below a path of so many steps, in their order.
@@ -122,7 +132,7 @@ impl Syntax {
 
     /// The lines of a table with the comments that belong to it; none where it is not headers all.
     pub fn lines_of(&self, text: &str, path: &Path) -> Option<String> {
-        let Found::Pieces(pieces) = self.find(&path.0).ok()? else { return None };
+        let Match::Pieces(pieces) = self.find(&path.0).ok()? else { return None };
         let mut blocks = Vec::new();
         for piece in pieces {
             let Piece::Section(i) = piece else { return None };
@@ -132,7 +142,7 @@ impl Syntax {
         Some(blocks.join("\n"))
     }
 
-    /// Where the line begins after all that comes before a section.
+    /// Start of the line after everything that comes before a section.
     pub fn floor(&self, text: &str, section: usize) -> usize {
         match section.checked_sub(1).map(|before| self.sections[before].end()) {
             Some(end) if end > 0 => lines::end(text, end),
@@ -158,7 +168,7 @@ impl Syntax {
     }
 }
 
-/// What a path leads to in a value, and what holds it there.
+/// Finds the part at a path within a value, and its container.
 fn within<'a>(value: &'a Value, path: &[Step]) -> Result<Option<(&'a Element, (&'a Value, usize))>> {
     let Some(first) = path.first() else { return Ok(None) };
     for (i, element) in value.elements().iter().enumerate() {
@@ -167,16 +177,16 @@ fn within<'a>(value: &'a Value, path: &[Step]) -> Result<Option<(&'a Element, (&
             (ValueKind::List(_) | ValueKind::Scalar, _) => continue,
             (ValueKind::Table(_), _) => {
                 let keys: Vec<Step> = element.path().collect();
-                match way(path, &keys) {
-                    Way::Elsewhere => continue,
-                    Way::Within if path.len() < keys.len() => {
+                match match_path(path, &keys) {
+                    PathMatch::Elsewhere => continue,
+                    PathMatch::Within if path.len() < keys.len() => {
                         let error = Error::usage("a table is written by keys with points within a value");
                         let found = keys.iter().map(|key| key.key()).collect::<Vec<_>>().join(".");
                         return Err(error
                             .got(found)
                             .expected("{ … } in its place, or the change made in the text"));
                     }
-                    Way::Within | Way::Beyond(_) => keys.len(),
+                    PathMatch::Within | PathMatch::Beyond(_) => keys.len(),
                 }
             }
         };

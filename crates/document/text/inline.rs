@@ -11,7 +11,7 @@ impl Draft {
         let text = self.text.clone();
         let elements = holder.elements();
         let Some(beside) = elements.get(place).or(elements.last()) else {
-            let inner = holder.place.start + 1..holder.place.end - 1;
+            let inner = holder.span.start + 1..holder.span.end - 1;
             let joined = texts.join(", ");
             let is_blank = text[inner.clone()].trim().is_empty();
             match (&holder.kind, is_blank) {
@@ -22,8 +22,8 @@ impl Draft {
             }
             return;
         };
-        let start = beside.place().start;
-        let is_own_line = lines::is_first(&text, start) && lines::start(&text, start) > holder.place.start;
+        let start = beside.span().start;
+        let is_own_line = lines::is_first(&text, start) && lines::start(&text, start) > holder.span.start;
         let between = match is_own_line {
             true => format!(",\n{}", lines::indent(&text, start)),
             false => ", ".to_string(),
@@ -33,7 +33,7 @@ impl Draft {
             self.replace(start..start, &format!("{joined}{between}"));
             return;
         }
-        let end = beside.value.place.end;
+        let end = beside.value.span.end;
         match (beside.comma, is_own_line) {
             (Some(comma), true) => {
                 let at = self.end_of_line(comma + 1, holder);
@@ -51,7 +51,7 @@ impl Draft {
 
     /// The end of the words on the line of a byte within a list or table, a comment included.
     fn end_of_line(&self, at: usize, holder: &Value) -> usize {
-        let line = &self.text[at..lines::end(&self.text, at).min(holder.place.end - 1)];
+        let line = &self.text[at..lines::end(&self.text, at).min(holder.span.end - 1)];
         at + line.trim_end().len()
     }
 
@@ -59,7 +59,7 @@ impl Draft {
     pub(super) fn remove_elements(&mut self, holder: &Value, gone: &[usize]) {
         let elements = holder.elements();
         if gone.len() == elements.len() {
-            self.replace(holder.place.start + 1..holder.place.end - 1, "");
+            self.replace(holder.span.start + 1..holder.span.end - 1, "");
             return;
         }
         let mut runs: Vec<Range<usize>> = Vec::new();
@@ -76,12 +76,12 @@ impl Draft {
 
     fn remove_run(&mut self, holder: &Value, elements: &[Element], run: Range<usize>) {
         let text = self.text.clone();
-        let own_line = |at: usize| lines::is_first(&text, at) && lines::start(&text, at) > holder.place.start;
-        let first = elements[run.start].place().start;
+        let own_line = |at: usize| lines::is_first(&text, at) && lines::start(&text, at) > holder.span.start;
+        let first = elements[run.start].span().start;
         let last = &elements[run.end - 1];
-        let after_comma = last.comma.map_or(last.value.place.end, |comma| comma + 1);
+        let after_comma = last.comma.map_or(last.value.span.end, |comma| comma + 1);
         if let Some(next) = elements.get(run.end) {
-            let next = next.place().start;
+            let next = next.span().start;
             match own_line(first) && own_line(next) {
                 true => self.replace(lines::start(&text, first)..lines::end(&text, after_comma), ""),
                 false => self.replace(first..next, ""),
@@ -89,15 +89,15 @@ impl Draft {
             return;
         }
         let kept = &elements[run.start - 1];
-        let comma = kept.comma.unwrap_or(kept.value.place.end);
+        let comma = kept.comma.unwrap_or(kept.value.span.end);
         let after_kept = if kept.comma.is_some() { comma + 1 } else { comma };
         match (own_line(first), last.comma) {
             (true, Some(_)) => self.replace(lines::start(&text, first)..lines::end(&text, after_comma), ""),
             (true, None) => {
                 self.replace(comma..after_kept, "");
                 let from = lines::start(&text, first);
-                let to = lines::end(&text, after_comma).min(holder.place.end - 1);
-                self.replace(from..to.max(last.value.place.end), "");
+                let to = lines::end(&text, after_comma).min(holder.span.end - 1);
+                self.replace(from..to.max(last.value.span.end), "");
             }
             (false, Some(_)) => self.replace(after_kept..after_comma, ""),
             (false, None) => self.replace(comma..after_comma, ""),

@@ -6,12 +6,12 @@
 
 use std::ops::Range;
 
-/// Where the line of a byte begins.
+/// Start of the line of a byte.
 pub fn start(text: &str, at: usize) -> usize {
     text[..at].rfind('\n').map_or(0, |end| end + 1)
 }
 
-/// Where the line of a byte ends, its line end included.
+/// End of the line of a byte, its line end included.
 pub fn end(text: &str, at: usize) -> usize {
     text[at..].find('\n').map_or(text.len(), |end| at + end + 1)
 }
@@ -23,7 +23,7 @@ pub fn indent(text: &str, at: usize) -> &str {
     &line[..spaces]
 }
 
-/// Whether nothing but spaces stands before a byte on its line.
+/// True if nothing but spaces stands before a byte on its line.
 pub fn is_first(text: &str, at: usize) -> bool {
     text[start(text, at)..at].trim().is_empty()
 }
@@ -36,7 +36,7 @@ fn is_blank(line: &str) -> bool {
     line.trim().is_empty()
 }
 
-/// Where the comment lines begin that stand directly above the line which begins at `at`, not before `floor`, which is the
+/// Start of the comment lines directly above the line which begins at `at`, not before `floor`, which is the
 /// beginning of a line.
 pub fn with_comments_above(text: &str, at: usize, floor: usize) -> usize {
     let mut from = at;
@@ -50,7 +50,7 @@ pub fn with_comments_above(text: &str, at: usize, floor: usize) -> usize {
     from
 }
 
-/// Where the comment lines end that stand directly below the line which ends at `at`, where a blank line, or `ceiling`, which
+/// End of the comment lines directly below the line which ends at `at`, where a blank line, or `ceiling`, which
 /// is the beginning of a line, follows them after no other.
 pub fn with_comments_below(text: &str, at: usize, ceiling: usize) -> usize {
     let mut to = at;
@@ -78,12 +78,12 @@ pub fn with_blanks(text: &str, range: Range<usize>, floor: usize) -> Range<usize
     from..to
 }
 
-/// Whether a line begins at `at` that is not blank.
+/// True if a line begins at `at` that is not blank.
 pub fn is_followed(text: &str, at: usize) -> bool {
     at < text.len() && !is_blank(&text[at..end(text, at)])
 }
 
-/// How lines of a text end.
+/// Line end of a text.
 pub fn line_end(text: &str) -> &'static str {
     match text.find('\n') {
         Some(at) if text[..at].ends_with('\r') => "\r\n",

@@ -49,7 +49,7 @@ struct Reader<'a> {
     text: &'a str,
     events: &'a [Event],
     next: usize,
-    /// How many entries each list of tables has so far.
+    /// Number of entries of each list of tables so far.
     counts: HashMap<Path, usize>,
 }
 
@@ -65,11 +65,11 @@ impl Reader<'_> {
     }
 
     fn key(&self, event: Event) -> Key {
-        let place = place(event);
+        let place = span(event);
         let mut name = String::new();
         let raw = self.text.get(place.clone()).unwrap_or_default();
         Raw::new_unchecked(raw, event.encoding(), event.span()).decode_key(&mut name, &mut ());
-        Key { name, place }
+        Key { name, span: place }
     }
 
     /// Keys with points between, from the first on.
@@ -103,7 +103,7 @@ impl Reader<'_> {
                 section.path.0.push(Step::Entry(count - 1));
             }
         }
-        section.header = Some(Header { place: open.span().start()..close.span().end(), keys });
+        section.header = Some(Header { span: open.span().start()..close.span().end(), keys });
         section
     }
 
@@ -119,7 +119,7 @@ impl Reader<'_> {
     fn value(&mut self) -> Option<Value> {
         let open = self.take()?;
         let (close, is_list) = match open.kind() {
-            EventKind::Scalar => return Some(Value { place: place(open), kind: ValueKind::Scalar }),
+            EventKind::Scalar => return Some(Value { span: span(open), kind: ValueKind::Scalar }),
             EventKind::ArrayOpen => (EventKind::ArrayClose, true),
             EventKind::InlineTableOpen => (EventKind::InlineTableClose, false),
             _ => return None,
@@ -128,12 +128,12 @@ impl Reader<'_> {
         loop {
             let kind = self.peek()?;
             if kind == close {
-                let end = place(self.take()?).end;
+                let end = span(self.take()?).end;
                 let kind = if is_list { ValueKind::List(elements) } else { ValueKind::Table(elements) };
-                return Some(Value { place: open.span().start()..end, kind });
+                return Some(Value { span: open.span().start()..end, kind });
             }
             if kind == EventKind::ValueSep {
-                let at = place(self.take()?).start;
+                let at = span(self.take()?).start;
                 if let Some(last) = elements.last_mut() {
                     last.comma = Some(at);
                 }
@@ -147,6 +147,6 @@ impl Reader<'_> {
     }
 }
 
-fn place(event: Event) -> Range<usize> {
+fn span(event: Event) -> Range<usize> {
     event.span().start()..event.span().end()
 }

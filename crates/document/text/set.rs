@@ -1,7 +1,7 @@
 //! Setting what a path leads to.
 
 use super::draft::Draft;
-use super::find::{Found, Piece};
+use super::find::{Match, Piece};
 use super::syntax::{Value, ValueKind};
 use crate::path::{Path, Step};
 use voltet_core::parameters::key_text;
@@ -13,9 +13,9 @@ impl Draft {
     pub fn set(&mut self, path: &Path, datum: &ParameterValue) -> Result<()> {
         let syntax = self.syntax.clone();
         match syntax.find(&path.0)? {
-            Found::Value(spot) => self.change(&spot.element.value, datum),
-            Found::Pieces(pieces) => self.set_pieces(path, &pieces, datum),
-            Found::Nothing => self.add(path, &datum.to_string()),
+            Match::Value(spot) => self.change(&spot.element.value, datum),
+            Match::Pieces(pieces) => self.set_pieces(path, &pieces, datum),
+            Match::Nothing => self.add(path, &datum.to_string()),
         }
     }
 
@@ -45,7 +45,7 @@ impl Draft {
             }
             other => {
                 self.unset(path)?;
-                self.settle()?;
+                self.reparse()?;
                 self.add(path, &other.to_string())
             }
         }
@@ -89,7 +89,7 @@ impl Draft {
                     .map(|f| assigned(&f.name, &f.setting))
                     .collect();
                 if gone.len() == elements.len() || (!gone.is_empty() && !fresh.is_empty()) {
-                    self.replace(value.place.clone(), &datum.to_string());
+                    self.replace(value.span.clone(), &datum.to_string());
                     return Ok(());
                 }
                 for field in fields {
@@ -107,14 +107,14 @@ impl Draft {
             }
             _ => {
                 if !self.is(value, datum) {
-                    self.replace(value.place.clone(), &datum.to_string());
+                    self.replace(value.span.clone(), &datum.to_string());
                 }
                 Ok(())
             }
         }
     }
 
-    /// Whether a value says this already, in whatever words.
+    /// True if a value says this already, in whatever words.
     fn is(&self, value: &Value, datum: &ParameterValue) -> bool {
         match (&value.kind, datum) {
             (ValueKind::List(elements), ParameterValue::List(list)) => {
@@ -129,7 +129,7 @@ impl Draft {
                 elements.len() == fields.len() && elements.iter().zip(fields).all(is)
             }
             (ValueKind::Scalar, ParameterValue::List(_) | ParameterValue::Table(_)) => false,
-            (ValueKind::Scalar, _) => self.datum(&value.place).as_ref() == Some(datum),
+            (ValueKind::Scalar, _) => self.datum(&value.span).as_ref() == Some(datum),
             (ValueKind::List(_) | ValueKind::Table(_), _) => false,
         }
     }

@@ -1,4 +1,4 @@
-//! Where everything stands in a TOML text: headers, assignments, keys, values, commas, each with its bytes.
+//! Syntax tree of a TOML text: headers, assignments, keys, values, commas, each with its bytes.
 
 use crate::path::{Path, Step};
 use std::ops::Range;
@@ -13,11 +13,11 @@ pub struct Syntax {
 /// A header and the assignments below it.
 #[derive(Debug, Clone, Default)]
 pub struct Section {
-    /// What it is the table of; entries of lists of tables have their numbers.
+    /// Path of the table; entries of lists of tables have their numbers.
     pub path: Path,
     /// `[a.b]` or `[[a.b]]`; none for the first section.
     pub header: Option<Header>,
-    /// What it assigns.
+    /// Assignments of the table.
     pub assignments: Vec<Element>,
 }
 
@@ -25,7 +25,7 @@ pub struct Section {
 #[derive(Debug, Clone)]
 pub struct Header {
     /// From the first bracket to after the last.
-    pub place: Range<usize>,
+    pub span: Range<usize>,
     /// The places of its keys.
     pub keys: Vec<Key>,
 }
@@ -33,10 +33,10 @@ pub struct Header {
 /// A key.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Key {
-    /// What it says, without quotes.
+    /// Name without quotes.
     pub name: String,
-    /// Where, with quotes.
-    pub place: Range<usize>,
+    /// Bytes, with quotes.
+    pub span: Range<usize>,
 }
 
 /// An assignment, an entry of an inline table, or one of a list (which has no keys).
@@ -53,13 +53,13 @@ pub struct Element {
 /// A value.
 #[derive(Debug, Clone)]
 pub struct Value {
-    /// Where it stands.
-    pub place: Range<usize>,
-    /// What it is made of.
+    /// Bytes.
+    pub span: Range<usize>,
+    /// Kind of value.
     pub kind: ValueKind,
 }
 
-/// What a value is made of.
+/// Kind of a value.
 #[derive(Debug, Clone)]
 pub enum ValueKind {
     /// A text, a number, a word.
@@ -71,22 +71,22 @@ pub enum ValueKind {
 }
 
 impl Section {
-    /// Where the header or, of the first section, the text begins.
+    /// Start of the header or, of the first section, of the text.
     pub fn start(&self) -> usize {
-        self.header.as_ref().map_or(0, |header| header.place.start)
+        self.header.as_ref().map_or(0, |header| header.span.start)
     }
 
-    /// Where its last word ends.
+    /// End of its last token.
     pub fn end(&self) -> usize {
-        let header = self.header.as_ref().map_or(0, |header| header.place.end);
-        self.assignments.last().map_or(header, |last| last.value.place.end)
+        let header = self.header.as_ref().map_or(0, |header| header.span.end);
+        self.assignments.last().map_or(header, |last| last.value.span.end)
     }
 }
 
 impl Element {
     /// From its first key, or its value, to the end of its value.
-    pub fn place(&self) -> Range<usize> {
-        self.keys.first().map_or(self.value.place.start, |key| key.place.start)..self.value.place.end
+    pub fn span(&self) -> Range<usize> {
+        self.keys.first().map_or(self.value.span.start, |key| key.span.start)..self.value.span.end
     }
 
     /// Its keys as a path.
@@ -96,7 +96,7 @@ impl Element {
 }
 
 impl Value {
-    /// Whether its elements have numbers.
+    /// True if its elements have numbers.
     pub fn is_list(&self) -> bool {
         matches!(self.kind, ValueKind::List(_))
     }

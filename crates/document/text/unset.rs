@@ -1,7 +1,7 @@
 //! Taking out what a path leads to, with the comments that belong to it, and giving it another name.
 
 use super::draft::{Draft, nothing_at};
-use super::find::{Found, Piece, Spot};
+use super::find::{InsertionPoint, Match, Piece};
 use super::lines;
 use crate::path::Path;
 use std::ops::Range;
@@ -13,12 +13,12 @@ impl Draft {
     pub fn unset(&mut self, path: &Path) -> Result<()> {
         let syntax = self.syntax.clone();
         match syntax.find(&path.0)? {
-            Found::Nothing => {}
-            Found::Value(Spot { holder: Some((holder, number)), .. }) => {
+            Match::Nothing => {}
+            Match::Value(InsertionPoint { holder: Some((holder, number)), .. }) => {
                 self.remove_elements(holder, &[number])
             }
-            Found::Value(spot) => self.remove_lines(spot.section, spot.assignment),
-            Found::Pieces(pieces) => {
+            Match::Value(spot) => self.remove_lines(spot.section, spot.assignment),
+            Match::Pieces(pieces) => {
                 // Sections that follow each other go as one, with the blank lines between.
                 let mut blocks: Vec<(usize, Range<usize>)> = Vec::new();
                 for piece in pieces {
@@ -49,15 +49,15 @@ impl Draft {
     fn remove_lines(&mut self, section: usize, assignment: usize) {
         let syntax = self.syntax.clone();
         let this = &syntax.sections[section];
-        let place = this.assignments[assignment].place();
+        let place = this.assignments[assignment].span();
         let (from, to) = (lines::start(&self.text, place.start), lines::end(&self.text, place.end));
         let floor = match assignment.checked_sub(1) {
-            Some(above) => lines::end(&self.text, this.assignments[above].place().end),
+            Some(above) => lines::end(&self.text, this.assignments[above].span().end),
             None if this.header.is_some() => lines::end(&self.text, this.start()),
             None => 0,
         };
         let next = this.assignments.get(assignment + 1);
-        let shares = next.is_some_and(|next| lines::start(&self.text, next.place().start) == to);
+        let shares = next.is_some_and(|next| lines::start(&self.text, next.span().start) == to);
         let from = if shares { from } else { lines::with_comments_above(&self.text, from, floor) };
         self.replace(from..to, "");
     }
@@ -68,12 +68,12 @@ impl Draft {
         let depth = path.0.len().checked_sub(1).ok_or_else(|| Error::usage("a path must name something"))?;
         let new = key_text(name);
         match syntax.find(&path.0)? {
-            Found::Nothing => return Err(nothing_at(path)),
-            Found::Value(spot) => match spot.element.keys.last() {
-                Some(key) => self.replace(key.place.clone(), &new),
+            Match::Nothing => return Err(nothing_at(path)),
+            Match::Value(spot) => match spot.element.keys.last() {
+                Some(key) => self.replace(key.span.clone(), &new),
                 None => return Err(nothing_at(path)),
             },
-            Found::Pieces(pieces) => {
+            Match::Pieces(pieces) => {
                 for piece in pieces {
                     let key = match piece {
                         Piece::Section(i) => {
@@ -90,7 +90,7 @@ impl Draft {
                         }
                     };
                     if let Some(key) = key {
-                        self.replace(key.place.clone(), &new);
+                        self.replace(key.span.clone(), &new);
                     }
                 }
             }

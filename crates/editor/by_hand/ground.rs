@@ -27,7 +27,7 @@ fn a_frame_is_named_moved_with_what_it_holds_and_resized() {
     let title = hand.texts("What is seen")[0];
     hand.drag(title, title + vec2(20.0, 60.0));
     let moved = hand.editor.document().view().frames[0].clone();
-    let by = [moved.at[0] - frame.at[0], moved.at[1] - frame.at[1]];
+    let by = [moved.position[0] - frame.position[0], moved.position[1] - frame.position[1]];
     assert!(by[0] > 15.0 && by[1] > 50.0, "{by:?}");
     for (node, from) in [("look", look), ("grid", grid)] {
         let went = [at(&hand, node)[0] - from[0], at(&hand, node)[1] - from[1]];

@@ -220,7 +220,7 @@ impl Hand {
 
     /// How many steps can be undone.
     fn steps(&self) -> usize {
-        self.editor.document().history().place().0
+        self.editor.document().history().position().0
     }
 
     fn numbers(&self, node: &str, key: &str) -> Vec<f64> {

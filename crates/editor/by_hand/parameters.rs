@@ -67,12 +67,12 @@ fn what_a_new_widget_begins_with_is_right() {
     let row = rows.iter().find(|row| row.parameter.name == "widgets").unwrap();
     let voltet_document::panel::Control::Entries(kinds) = row.control else { panic!("a list") };
     for kind in kinds {
-        let entry = voltet_document::panel::begun(kind);
+        let entry = voltet_document::panel::default_value(kind);
         let list = row.path.clone();
         let edit = voltet_document::Edit::Insert { node: "look".into(), list, place: 1, entry };
         hand.editor.edit(edit.label(), &[edit]);
         let faults = hand.editor.document().faults(&registry);
-        let is_name = |fault: &voltet_document::Fault| {
+        let is_name = |fault: &voltet_document::Diagnostic| {
             ["'fields' is missing", "'image' is missing"].iter().any(|what| fault.error.what.contains(what))
         };
         assert!(faults.iter().all(is_name), "{}: {faults:?}", kind.name);

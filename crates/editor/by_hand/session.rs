@@ -40,7 +40,7 @@ fn a_broken_file_opens_with_its_fault_at_the_node_and_the_rest_is_drawn() {
     let hand = Hand::new(&text);
     let scene = hand.editor.scene();
     assert!(
-        scene.faults.iter().any(|fault| fault.place.node.as_deref() == Some("broken")),
+        scene.faults.iter().any(|fault| fault.location.node.as_deref() == Some("broken")),
         "{:?}",
         scene.faults
     );
@@ -168,7 +168,7 @@ fn a_file_that_is_no_toml_says_where_and_is_taken_over_once_it_is_mended() {
     let said = hand.shown_beginning("Mend it in a text editor");
     assert_eq!(said.len(), 1);
     let fault = &hand.editor.scene().faults[0];
-    assert!(fault.place.line_column.is_some(), "{fault}");
+    assert!(fault.location.line_column.is_some(), "{fault}");
     std::fs::write(hand.path(), TEXT).unwrap();
     // The file is looked at once a second.
     std::thread::sleep(Duration::from_millis(1100));

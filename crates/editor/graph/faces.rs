@@ -124,7 +124,7 @@ fn ports(entry: &NodeEntry, node: Option<&'static Node>) -> Vec<Port> {
 
 fn face(scene: &Scene, entry: &NodeEntry, node: Option<&'static Node>, pictures: &Pictures) -> Face {
     let status = scene.nodes.get(&entry.name);
-    let is_at = |error: &&voltet_core::Error| error.place.node.as_deref() == Some(&entry.name);
+    let is_at = |error: &&voltet_core::Error| error.location.node.as_deref() == Some(&entry.name);
     let fault = scene.faults.iter().find(is_at).or(scene.failure.as_ref().filter(is_at));
     let view = scene.document.view().nodes.get(&entry.name);
     let texture = pictures(&entry.name);

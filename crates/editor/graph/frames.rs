@@ -116,7 +116,7 @@ impl GraphView {
     /// A frame with what stands wholly in it.
     fn held_by(&self, scene: &Scene, number: usize, frame: &Frame) -> Carried {
         let holds = |at: [f64; 2], size: [f64; 2]| {
-            (0..2).all(|i| at[i] >= frame.at[i] && at[i] + size[i] <= frame.at[i] + frame.size[i])
+            (0..2).all(|i| at[i] >= frame.position[i] && at[i] + size[i] <= frame.position[i] + frame.size[i])
         };
         let view = scene.document.view();
         let nodes = scene.document.pipeline().nodes.iter();
@@ -125,8 +125,8 @@ impl GraphView {
         let notes = view.notes.iter().cloned().enumerate();
         Carried {
             nodes: nodes.filter(|(name, at)| holds(*at, self.places.size_of(name))).collect(),
-            frames: frames.filter(|(i, other)| *i == number || holds(other.at, other.size)).collect(),
-            notes: notes.filter(|(_, note)| holds(note.at, [0.0; 2])).collect(),
+            frames: frames.filter(|(i, other)| *i == number || holds(other.position, other.size)).collect(),
+            notes: notes.filter(|(_, note)| holds(note.position, [0.0; 2])).collect(),
             ..Carried::default()
         }
     }
@@ -142,13 +142,14 @@ impl GraphView {
         let moved = |at: [f64; 2]| [at[0] + by[0], at[1] + by[1]];
         let frames = carried.frames.iter().map(|(i, frame)| {
             let (at, size) = match carried.resizes {
-                true => (frame.at, moved(frame.size).map(|side| side.max(LEAST))),
-                false => (moved(frame.at), frame.size),
+                true => (frame.position, moved(frame.size).map(|side| side.max(LEAST))),
+                false => (moved(frame.position), frame.size),
             };
-            Edit::PutFrame(*i, Frame { at, size, ..frame.clone() })
+            Edit::PutFrame(*i, Frame { position: at, size, ..frame.clone() })
         });
         let notes = carried.notes.iter();
-        let notes = notes.map(|(i, note)| Edit::PutNote(*i, Note { at: moved(note.at), ..note.clone() }));
+        let notes =
+            notes.map(|(i, note)| Edit::PutNote(*i, Note { position: moved(note.position), ..note.clone() }));
         let mut edits: Vec<Edit> = frames.chain(notes).collect();
         if !carried.nodes.is_empty() {
             let nodes = carried.nodes.iter().map(|(name, at)| (name.clone(), moved(*at)));

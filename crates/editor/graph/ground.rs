@@ -48,7 +48,7 @@ impl GraphView {
         for note in &scene.document.view().notes {
             let (place, galley) = self.note_place(ui, rect, note);
             ui.painter().rect_filled(place, 3.0, paper);
-            ui.painter().galley(self.to_window(rect)(note.at), galley, theme::weak(dark));
+            ui.painter().galley(self.to_window(rect)(note.position), galley, theme::weak(dark));
         }
     }
 
@@ -60,7 +60,7 @@ impl GraphView {
     /// Where a frame lies in the window.
     pub(super) fn frame_place(&self, rect: Rect, frame: &Frame) -> Rect {
         let size = self.zoom * vec2(frame.size[0] as f32, frame.size[1] as f32);
-        Rect::from_min_size(self.to_window(rect)(frame.at), size)
+        Rect::from_min_size(self.to_window(rect)(frame.position), size)
     }
 
     /// Where its title lies.
@@ -76,7 +76,7 @@ impl GraphView {
         let galley = ui.painter().layout(note.text.clone(), font, color, NOTE * self.zoom.max(0.6));
         // An empty note can be found, too.
         let size = galley.size().max(Vec2::splat(self.letters()));
-        (Rect::from_min_size(self.to_window(rect)(note.at), size).expand(5.0 * self.zoom), galley)
+        (Rect::from_min_size(self.to_window(rect)(note.position), size).expand(5.0 * self.zoom), galley)
     }
 }
 

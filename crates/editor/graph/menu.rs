@@ -75,7 +75,7 @@ impl Menu {
                     ui.set_width(SIZE[0]);
                     let (mut group, by_group) = (None, self.typed.trim().is_empty());
                     for (i, entry) in entries.iter().enumerate() {
-                        let (node, of) = (entry.0, Group::of(entry.0));
+                        let (node, of) = (entry.0, Group::from_node(entry.0));
                         if by_group && group.replace(of) != Some(of) {
                             ui.label(RichText::new(of.name()).small().color(theme::weak(dark)));
                         }
@@ -127,7 +127,7 @@ impl Menu {
         let found = search(scene.registry, &self.typed);
         let mut entries: Vec<Entry> = found.into_iter().filter_map(with_port).collect();
         if self.typed.trim().is_empty() {
-            entries.sort_by_key(|(node, _)| Group::ALL.iter().position(|of| *of == Group::of(node)));
+            entries.sort_by_key(|(node, _)| Group::ALL.iter().position(|of| *of == Group::from_node(node)));
         }
         entries
     }

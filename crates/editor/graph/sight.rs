@@ -75,10 +75,10 @@ impl GraphView {
         let view = scene.document.view();
         for frame in &view.frames {
             let size = vec2(frame.size[0] as f32, frame.size[1] as f32);
-            all = all.union(Rect::from_min_size(corner(frame.at), size));
+            all = all.union(Rect::from_min_size(corner(frame.position), size));
         }
         for note in &view.notes {
-            all.extend_with(corner(note.at));
+            all.extend_with(corner(note.position));
         }
         if !all.is_finite() || all.is_negative() {
             (self.pan, self.zoom) = (vec2(20.0, 20.0), 1.0);

@@ -6,7 +6,7 @@ use crate::actions::Actions;
 use eframe::egui::collapsing_header::CollapsingState;
 use eframe::egui::{CollapsingHeader, Color32, Rgba, Sense, Ui, vec2};
 use voltet_document::Edit;
-use voltet_document::panel::{Row, begun};
+use voltet_document::panel::{Row, default_value};
 use voltet_graph::{DefaultValue, VariantSchema};
 
 impl ParameterPanel {
@@ -26,7 +26,7 @@ impl ParameterPanel {
             ui.menu_button("add", |ui| {
                 for kind in kinds {
                     if ui.button(kind.name).on_hover_text(kind.summary).clicked() {
-                        let (list, entry) = (list.clone(), begun(kind));
+                        let (list, entry) = (list.clone(), default_value(kind));
                         actions.edit(Edit::Insert { node: node(), list, place: count, entry });
                         ui.close_menu();
                     }
@@ -67,10 +67,10 @@ impl ParameterPanel {
         let parameter = row.parameter;
         let header = CollapsingHeader::new(parameter.name)
             .id_salt((of.node, row.path.to_string()))
-            .default_open(row.stated.is_some());
+            .default_open(row.set_value.is_some());
         let shown = header.show(ui, |ui| {
             self.table(ui, of, &row.path, &row.rows, actions);
-            let may_go = row.stated.is_some() && !matches!(parameter.standard, DefaultValue::Required);
+            let may_go = row.set_value.is_some() && !matches!(parameter.default, DefaultValue::Required);
             if may_go && ui.small_button("take out").clicked() {
                 actions.edit(of.unset(&row.path));
             }

@@ -70,7 +70,7 @@ impl ParameterPanel {
         self.head(ui, scene, entry, actions);
         let rows = self.rows_of(scene, name);
         ScrollArea::vertical().auto_shrink([false, false]).id_salt(("parameters", name)).show(ui, |ui| {
-            for fault in scene.faults.iter().filter(|fault| fault.place.node.as_deref() == Some(name)) {
+            for fault in scene.faults.iter().filter(|fault| fault.location.node.as_deref() == Some(name)) {
                 ui.label(RichText::new(fault.to_string()).color(theme::wrong(dark)));
             }
             self.table(ui, Of { scene, node: name }, &Path::default(), &rows, actions);
@@ -152,19 +152,19 @@ impl ParameterPanel {
     fn line(&mut self, ui: &mut Ui, of: Of, row: &Row, actions: &mut Actions) {
         let dark = ui.visuals().dark_mode;
         let parameter = row.parameter;
-        let color = match (row.is_missing(), &row.stated) {
+        let color = match (row.is_missing(), &row.set_value) {
             (true, _) => theme::wrong(dark),
             (false, None) => theme::weak(dark),
             (false, Some(_)) => ui.visuals().text_color(),
         };
         let unit = if parameter.unit.is_empty() { String::new() } else { format!(", {}", parameter.unit) };
         let what = parameter.parameter_type.describe();
-        let help = format!("{}\n{what}{unit}\nstandard: {}", parameter.help, row.standard_in_words());
+        let help = format!("{}\n{what}{unit}\nstandard: {}", parameter.help, row.default_text());
         ui.label(RichText::new(parameter.name).color(color)).on_hover_text(&help);
         let _shown = ui.vertical(|ui| {
             ui.horizontal(|ui| {
                 if let (None, Some(first), DefaultValue::Unset(meaning)) =
-                    (&row.stated, row.begin(), parameter.standard)
+                    (&row.set_value, row.begin(), parameter.default)
                 {
                     // A number that is not there is no number.
                     if ui.small_button("set").on_hover_text("states a value to begin with").clicked() {
@@ -184,8 +184,8 @@ impl ParameterPanel {
         });
         #[cfg(test)]
         self.places.insert(of.key(row), _shown.response.rect);
-        if row.stated.is_some() && !matches!(parameter.standard, DefaultValue::Required) {
-            let standard = format!("back to the standard: {}", row.standard_in_words());
+        if row.set_value.is_some() && !matches!(parameter.default, DefaultValue::Required) {
+            let standard = format!("back to the standard: {}", row.default_text());
             if ui.small_button("↺").on_hover_text(standard).clicked() {
                 actions.edit(of.unset(&row.path));
             }

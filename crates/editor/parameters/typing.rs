@@ -3,7 +3,7 @@
 use crate::theme;
 use eframe::egui::{Label, RichText, TextEdit, Ui};
 use std::collections::HashMap;
-use voltet_document::panel::{Row, shown, typed};
+use voltet_document::panel::{Row, to_text, typed};
 use voltet_graph::ParameterValue;
 
 /// Width of a reason, points.
@@ -63,7 +63,7 @@ impl Typing {
         width: f32,
         hint: &str,
     ) -> Option<ParameterValue> {
-        let now = row.value().map(shown).unwrap_or_default();
+        let now = row.value().map(to_text).unwrap_or_default();
         let had = self.texts.contains_key(key);
         let text = self.line(ui, key, &now, width, hint);
         // A hand came back to it, or has taken back what it typed.

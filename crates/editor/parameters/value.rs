@@ -4,7 +4,7 @@ use super::{Of, ParameterPanel};
 use crate::actions::{Action, Actions};
 use crate::asking::Asked;
 use eframe::egui::{Color32, ComboBox, DragValue, Response, Rgba, Slider, Ui};
-use voltet_document::panel::{Control, Row, Scale, rounded, shown};
+use voltet_document::panel::{Control, Row, Scale, rounded, to_text};
 use voltet_graph::{LocatedValue, ParameterValue, Range};
 
 /// The largest span that a slider of equal steps serves: beyond, a drag of a few points is a large step.
@@ -88,7 +88,7 @@ impl ParameterPanel {
     fn offer_typing(&mut self, ui: &mut Ui, is_offered: bool, key: &str, now: Option<&ParameterValue>) {
         let help = "type it: relative to the data (25 %, p90), or several numbers at once";
         if is_offered && ui.small_button("✏").on_hover_text(help).clicked() {
-            self.typing.begin(key, now.map(shown).unwrap_or_default());
+            self.typing.begin(key, now.map(to_text).unwrap_or_default());
         }
     }
 
@@ -231,11 +231,11 @@ fn color(ui: &mut Ui, now: Option<&ParameterValue>, most: f64) -> Option<Paramet
     let linear = now.and_then(channels).unwrap_or([1.0; 3]);
     let brightest = linear.iter().copied().fold(1.0, f64::max);
     let [r, g, b] = linear.map(|x| (x / brightest) as f32);
-    let mut shown: Color32 = Rgba::from_rgb(r, g, b).into();
-    if !ui.color_edit_button_srgba(&mut shown).changed() {
+    let mut display: Color32 = Rgba::from_rgb(r, g, b).into();
+    if !ui.color_edit_button_srgba(&mut display).changed() {
         return numbers(ui, now, 3, &Range::within(0.0, most), false);
     }
-    let linear = Rgba::from(shown);
+    let linear = Rgba::from(display);
     let channels = [linear.r(), linear.g(), linear.b()];
     // A screen has 256 levels of each.
     let channels = channels.map(|x| ParameterValue::Number(rounded(f64::from(x) * brightest, 1e-4)));
@@ -254,7 +254,7 @@ fn choice(
     now: Option<&ParameterValue>,
     words: &[(&str, &str)],
 ) -> Option<ParameterValue> {
-    let now = now.map(shown).unwrap_or_default();
+    let now = now.map(to_text).unwrap_or_default();
     let mut taken = None;
     ComboBox::from_id_salt(("choice", key)).selected_text(&now).width(150.0).show_ui(ui, |ui| {
         for (word, meaning) in words {

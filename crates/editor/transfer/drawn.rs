@@ -98,7 +98,7 @@ impl Drawn {
     /// Its strength at a place, 0 to 1 of its peak; what it holds is where that is half or more.
     pub fn strength(&self, at: [f64; 2]) -> f64 {
         match (&self.widget, &self.shape) {
-            (Some(widget), Some(shape)) => widget.at(at, &shape.fields(at)),
+            (Some(widget), Some(shape)) => widget.weight_at(at, &shape.fields(at)),
             _ => 0.0,
         }
     }

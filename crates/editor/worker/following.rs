@@ -71,7 +71,7 @@ impl Observer for Following<'_> {
     }
 
     fn memory_left(&self) -> Option<u64> {
-        memory::left()
+        memory::available()
     }
 }
 
@@ -83,6 +83,6 @@ impl Progress for Following<'_> {
     }
 
     fn memory_left(&self) -> Option<u64> {
-        memory::left()
+        memory::available()
     }
 }

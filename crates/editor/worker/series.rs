@@ -15,7 +15,7 @@ use voltet_graph::{
 };
 
 const fn parameter(name: &'static str, parameter_type: ParameterType, help: &'static str) -> Parameter {
-    Parameter { name, parameter_type, unit: "", standard: DefaultValue::Required, help }
+    Parameter { name, parameter_type, unit: "", default: DefaultValue::Required, help }
 }
 
 /// Looks at every step.

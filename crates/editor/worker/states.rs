@@ -146,7 +146,7 @@ impl Shown {
         if error.kind == ErrorKind::Cancelled || number != self.number {
             return;
         }
-        if let Some(node) = &error.place.node {
+        if let Some(node) = &error.location.node {
             self.set(node, NodeState::Failed(error.to_string()));
         }
         self.failure = Some(error);

@@ -202,7 +202,7 @@ fn an_error_stands_at_its_node_and_the_next_picture_comes() {
     settle(&worker);
     worker.shown(|shown| {
         let error = shown.failure.as_ref().unwrap();
-        assert_eq!(error.place.node.as_deref(), Some("grid"));
+        assert_eq!(error.location.node.as_deref(), Some("grid"));
         assert!(matches!(shown.nodes["grid"].state, NodeState::Failed(_)));
     });
     worker.draw(wanted(nodes(&TEXT), &PathBuf::new()));
@@ -228,7 +228,7 @@ fn a_panic_is_the_error_of_its_node() {
     settle(&worker);
     worker.shown(|shown| {
         let error = shown.failure.as_ref().unwrap();
-        assert_eq!(error.place.node.as_deref(), Some("picture"));
+        assert_eq!(error.location.node.as_deref(), Some("picture"));
         assert!(error.to_string().contains("index out of bounds"), "{error}");
     });
     worker.draw(wanted(nodes(&TEXT), &PathBuf::new()));
@@ -289,5 +289,5 @@ fn memory_is_what_the_program_may_take() {
         wake: Arc::new(|| {}),
     };
     let following = Following::new(&shared, &never);
-    assert_eq!(Observer::memory_left(&following).is_some(), voltet_io::memory::left().is_some());
+    assert_eq!(Observer::memory_left(&following).is_some(), voltet_io::memory::available().is_some());
 }

@@ -20,7 +20,7 @@ static SLOW: Node = Node {
         name: "number",
         parameter_type: voltet_graph::ParameterType::Integer(voltet_graph::Range::ANY),
         unit: "",
-        standard: voltet_graph::DefaultValue::Integer(0),
+        default: voltet_graph::DefaultValue::Integer(0),
         help: "tells pictures apart",
     }],
     demand: &|_| Ok(()),

@@ -41,7 +41,7 @@ impl Adapters {
         self.found.iter().map(|adapter| describe(&adapter.get_info())).collect()
     }
 
-    /// Whether one of them is hardware.
+    /// True if one of them is hardware.
     pub(crate) fn have_hardware(&self) -> bool {
         self.found.iter().any(is_hardware)
     }
@@ -72,7 +72,7 @@ impl Adapters {
     }
 }
 
-/// What stands where a device would.
+/// The error in place of a device.
 pub(crate) fn no_hardware(listed: &str) -> Error {
     let error = Error::run("there is no hardware adapter").got(listed);
     error.expected("a graphics device with a Vulkan, Metal or DirectX 12 driver")

@@ -1,9 +1,9 @@
-//! What passes are bound to.
+//! Bindings of the passes.
 
 use voltet_optics::engine::Compositor;
 use voltet_shaders::FramePass;
 
-/// What a binding is, in the order of the bindings of a group.
+/// Kind of a binding, in the order of the bindings of a group.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Bound {
     Uniform,
@@ -18,7 +18,7 @@ pub(crate) fn in_order<T: Copy>(things: &[T]) -> Vec<(u32, T)> {
     things.iter().enumerate().map(|(binding, thing)| (binding as u32, *thing)).collect()
 }
 
-/// What a pass, or without one the tiles' compositor, is bound to in group 1 behind the view.
+/// Bindings of a pass, or without one of the tiles' compositor, in group 1 behind the view.
 fn bound(pass: Option<FramePass>) -> &'static [Bound] {
     use Bound::{Read, Uniform, Write};
     match pass {
@@ -54,7 +54,7 @@ fn storage_buffers(pass: Option<FramePass>) -> u32 {
     bound(pass).iter().filter(|bound| **bound != Bound::Uniform).count() as u32
 }
 
-/// What group 1 of a pass holds, or of the tiles' compositor.
+/// Bindings of group 1 of a pass, or of the tiles' compositor.
 pub(crate) fn own_kinds(pass: Option<FramePass>) -> Vec<(u32, Bound)> {
     in_order(&[&[Bound::Uniform], bound(pass)].concat())
 }

@@ -1,6 +1,6 @@
 //! Buffers: made within the device's limits, kept while they are large enough, read back.
 
-use crate::device::open::Device;
+use crate::device::device_handle::Device;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc;
 use voltet_core::{Error, Result};
@@ -90,18 +90,18 @@ impl Device {
         buffer: &wgpu::Buffer,
         bytes: u64,
         after: Option<SubmissionIndex>,
-    ) -> Sent {
+    ) -> PendingReadback {
         let (sender, outcome) = mpsc::channel();
         buffer.slice(..bytes).map_async(wgpu::MapMode::Read, move |outcome| {
             // Nobody waits for it where the frame is given up.
             let _ = sender.send(outcome);
         });
-        Sent { what, buffer: buffer.clone(), bytes, after, outcome }
+        PendingReadback { what, buffer: buffer.clone(), bytes, after, outcome }
     }
 }
 
 /// The content of a buffer on its way back.
-pub(crate) struct Sent {
+pub(crate) struct PendingReadback {
     what: &'static str,
     buffer: wgpu::Buffer,
     bytes: u64,
@@ -109,10 +109,10 @@ pub(crate) struct Sent {
     outcome: mpsc::Receiver<std::result::Result<(), wgpu::BufferAsyncError>>,
 }
 
-impl Sent {
+impl PendingReadback {
     /// Takes the content, once it is there. Errors: a lost device.
     pub fn take<T>(self, device: &Device, take: impl FnOnce(&[u8]) -> T) -> Result<T> {
-        let Sent { what, buffer, bytes, after, outcome } = self;
+        let PendingReadback { what, buffer, bytes, after, outcome } = self;
         let failed = |why: &dyn std::fmt::Display| {
             Error::run(format!("{} does not give back {what}", device.name)).got(why)
         };
@@ -139,11 +139,11 @@ impl Sent {
 
 /// A buffer that grows with what is asked of it.
 #[derive(Default)]
-pub(crate) struct Growing {
+pub(crate) struct GrowingBuffer {
     buffer: Option<wgpu::Buffer>,
 }
 
-impl Growing {
+impl GrowingBuffer {
     /// The buffer, made anew if it is too small.
     pub fn at_least(
         &mut self,

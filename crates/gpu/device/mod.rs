@@ -1,19 +1,19 @@
-//! A device: which adapter it is, what it holds, what is compiled for it, and what its passes take.
+//! A device: adapter, limits, buffers, and compiled pipelines.
 //!
-//! | file | what |
+//! | file | responsibility |
 //! | --- | --- |
-//! | `adapter` | which there are, and which is taken |
-//! | `open` | the open device, its limits, and what it says when something fails |
-//! | `buffers` | made within those limits, written, read back |
-//! | `bindings` | what each pass is bound to |
-//! | `pipelines`, `compiled` | compiling passes, and keeping them |
+//! | `adapter`, `adapter_probe_cache` | adapters; cached absence of hardware ones |
+//! | `device_handle` | the open device, limits, errors |
+//! | `buffers` | buffers within limits, uploads, readbacks |
+//! | `bindings` | bindings of each pass |
+//! | `pipelines`, `pipeline_cache` | compiles passes, caches them |
 //! | `timing` | seconds of each pass |
 
-pub(crate) mod absent;
 pub(crate) mod adapter;
+pub(crate) mod adapter_probe_cache;
 pub(crate) mod bindings;
 pub(crate) mod buffers;
-pub(crate) mod compiled;
-pub(crate) mod open;
+pub(crate) mod device_handle;
+pub(crate) mod pipeline_cache;
 pub(crate) mod pipelines;
 pub(crate) mod timing;

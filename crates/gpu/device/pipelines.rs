@@ -1,8 +1,8 @@
 //! Pipelines: compiled once for each text, entry point and set of constants, and kept by the device.
 
 use crate::device::bindings::Bound;
-use crate::device::compiled::PassKey;
-use crate::device::open::Device;
+use crate::device::device_handle::Device;
+use crate::device::pipeline_cache::PassKey;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use voltet_core::Result;
@@ -14,7 +14,7 @@ pub(crate) struct Program<'a> {
     pub shader: &'a Shader,
     pub entry_point: &'static str,
     pub constants: Vec<(&'static str, f64)>,
-    /// What is bound, by binding.
+    /// Bindings, in their order.
     pub groups: [&'a [(u32, Bound)]; 3],
 }
 

@@ -1,6 +1,6 @@
 //! Seconds of the passes, where the adapter has timestamps.
 
-use crate::device::open::Device;
+use crate::device::device_handle::Device;
 use voltet_core::Result;
 use voltet_optics::engine::{Stage, StageTiming};
 use wgpu::BufferUsages;
@@ -64,7 +64,7 @@ impl Timing {
         self.begun.clear();
     }
 
-    /// What times the next pass.
+    /// Timestamp writes of the next compute pass.
     pub fn next(&mut self, pass: PassName) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
         let (query_set, at) = self.place(pass)?;
         Some(wgpu::ComputePassTimestampWrites {
@@ -74,7 +74,7 @@ impl Timing {
         })
     }
 
-    /// The same for a pass that draws.
+    /// Timestamp writes of the next render pass.
     pub fn next_drawing(&mut self, pass: PassName) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
         let (query_set, at) = self.place(pass)?;
         Some(wgpu::RenderPassTimestampWrites {
@@ -84,7 +84,7 @@ impl Timing {
         })
     }
 
-    /// Where the next pass writes its begin, and behind it its end.
+    /// Index at which the next pass writes its begin, and behind it its end.
     fn place(&mut self, pass: PassName) -> Option<(&wgpu::QuerySet, u32)> {
         let clock = self.clock.as_ref()?;
         let at = self.begun.len() as u32;

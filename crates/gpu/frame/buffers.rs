@@ -1,30 +1,30 @@
 //! Buffers of a grid's frames, which stay between them.
 
-use crate::device::buffers::Growing;
-use crate::grid::parts::GrowingParts;
+use crate::device::buffers::GrowingBuffer;
+use crate::grid::split_buffer::GrowingSplitBuffer;
 use crate::pass::tables::Tables;
-use crate::raster::blended::RasterBuffers;
+use crate::raster::blending::RasterBuffers;
 
-/// What a frame comes back by.
+/// Buffers that a frame is read back by.
 #[derive(Default)]
-pub(crate) struct Returning {
-    pub picture: Growing,
-    pub counts: Growing,
+pub(crate) struct ReadbackBuffers {
+    pub picture: GrowingBuffer,
+    pub counts: GrowingBuffer,
 }
 
 /// Buffers that stay between frames.
 #[derive(Default)]
 pub(crate) struct FrameBuffers {
-    pub seen: GrowingParts,
-    pub attributes: GrowingParts,
-    pub bounds: GrowingParts,
-    pub entries: Growing,
-    pub picture: Growing,
-    pub counts: Growing,
-    /// What frames come back by that are drawn one at a time.
-    pub returned: Returning,
-    /// The same for frames in flight; those that none flies by.
-    pub landed: Vec<Returning>,
+    pub seen: GrowingSplitBuffer,
+    pub attributes: GrowingSplitBuffer,
+    pub bounds: GrowingSplitBuffer,
+    pub entries: GrowingBuffer,
+    pub picture: GrowingBuffer,
+    pub counts: GrowingBuffer,
+    /// Readback buffers of frames that are drawn one at a time.
+    pub returned: ReadbackBuffers,
+    /// Readback buffers for frames in flight that are not in use.
+    pub idle_readbacks: Vec<ReadbackBuffers>,
     /// Frames in flight.
     pub in_flight: usize,
     pub tables: Tables,
@@ -33,6 +33,6 @@ pub(crate) struct FrameBuffers {
     pub budget: Option<u32>,
     /// Entries of the lists that the last frame needed.
     pub capacity: u32,
-    /// Whether tiles have had more work than one dispatch does, so that their pixels' states are kept.
+    /// True if tiles have had more work than one dispatch does, so that their pixels' states are kept.
     pub keeps_states: bool,
 }

@@ -1,28 +1,13 @@
 //! Draws a volume on a device.
 
-use crate::device::bindings::compositor_buffers;
-use crate::frame::drawn::{Drawn, StillEmpty};
-use crate::frame::inputs::FrameInputs;
+use crate::frame::inputs::inputs;
+use crate::frame::output::FrameOutput;
 use crate::frame::plan::{Plan, check, plan, tiles_instead};
 use crate::frame::renderer::Renderer;
-use crate::frame::{limits, support, view};
-use crate::grid::axes::{axis, offset_parts};
-use crate::grid::parts::Sizes;
-use crate::grid::uploaded::{DeviceGrid, Quantity};
-use crate::pass::tables::TableKey;
-use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::progress::Progress;
-use voltet_core::transfer::TransferFunction;
-use voltet_core::visibility::FaceOrder;
-use voltet_optics::engine::{Accumulation, Compositor, RenderOptions};
-use voltet_optics::integrators::Extent;
+use voltet_optics::engine::RenderOptions;
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Shading, VisibilityOrder};
-use voltet_shaders::{
-    Axis, Blend, Choices, Combine, CompositorProgram, Parameters, Places, Shader, TileOrder, ViewRecord,
-    compose,
-};
 
 /// Draws a scene of the volume that `renderer` was made from. What blends draws an exact order where the cells have one along
 /// their faces, and where the check that is asked for bears it out; else tiles do.
@@ -32,249 +17,15 @@ use voltet_shaders::{
 pub fn draw(
     renderer: &Renderer,
     scene: &Scene,
-    manner: &RenderOptions,
+    options: &RenderOptions,
     progress: &dyn Progress,
-) -> Result<Drawn> {
-    match plan(renderer, scene, manner)? {
-        Plan::AsAsked => inputs(renderer, scene, manner, None)?.draw(scene, manner, progress),
-        Plan::AlongFaces(order) => {
-            let drawn = inputs(renderer, scene, manner, Some(&order.0))?.draw(scene, manner, progress)?;
-            check(renderer, scene, manner, order, drawn, progress)
+) -> Result<FrameOutput> {
+    match plan(renderer, scene, options)? {
+        Plan::Direct => inputs(renderer, scene, options, None)?.draw(scene, options, progress),
+        Plan::FaceOrder(order) => {
+            let output = inputs(renderer, scene, options, Some(&order.0))?.draw(scene, options, progress)?;
+            check(renderer, scene, options, order, output, progress)
         }
-        Plan::Tiles(why) => tiles_instead(renderer, scene, manner, why, progress),
-    }
-}
-
-/// What a scene is drawn from. `along_faces`: the order of cells in which hardware blends them.
-///
-/// Errors: those of [`draw`].
-pub(crate) fn inputs<'a>(
-    renderer: &'a Renderer,
-    scene: &Scene,
-    manner: &RenderOptions,
-    along_faces: Option<&Arc<FaceOrder>>,
-) -> Result<FrameInputs<'a>> {
-    let Scene { volume, transfer_function, camera, shading, .. } = scene;
-    let grid = &renderer.grid;
-    limits::can_serve(transfer_function, shading)?;
-    let compositing = compositing(manner);
-    let order = order(scene, manner);
-    let (choices, sizes) = choices(renderer, scene, manner)?;
-    let compositor = choices.compositor;
-
-    let scalar = grid.stored(volume, Quantity::Scalar)?;
-    // Where g is not read, s stands in its place.
-    let mut values = vec![scalar.clone(), scalar.clone()];
-    if choices.reads_gradient_magnitude {
-        values[1] = grid.stored(volume, Quantity::GradientMagnitude)?;
-    }
-    for name in transfer_function.fields() {
-        values.push(grid.stored(volume, Quantity::Field(name.to_string()))?);
-    }
-    limits::check(grid, &choices, transfer_function, &values)?;
-    let numbered = values.iter().enumerate();
-    let axes: Vec<Axis> = numbered.map(|(k, value)| axis(value, transfer_function, k)).collect();
-    let parameters = Parameters::new(transfer_function, shading, &axes, grid.length)?;
-    let (support, support_count) = match manner.may_leave_out {
-        Some(_) => support::supports(transfer_function, &axes, grid.length),
-        None => support::everywhere(),
-    };
-
-    let first = if choices.reads_gradient_magnitude { 1 } else { 2 };
-    let further = values.iter().zip(&axes).skip(first);
-    let mut attributes: Vec<_> =
-        further.map(|(value, axis)| (value.clone(), offset_parts(value, axis))).collect();
-    if choices.reads_gradient() {
-        for component in 0..3 {
-            attributes.push((grid.stored(volume, Quantity::Gradient(component))?, [0.0; 2]));
-        }
-    }
-    let is_free = is_free(compositor);
-    let sort_key = match order {
-        _ if is_free => 2,
-        _ if compositor == CompositorProgram::Tiles(TileOrder::Exact) => 0,
-        VisibilityOrder::Centroid => 1,
-        // What comes in its order needs no key.
-        _ => 2,
-    };
-    let sample = |offset: &[f64; 2]| {
-        Ok(ViewRecord {
-            sort_key,
-            scalar_offset: offset_parts(&scalar, &axes[0]),
-            widget_count: support_count,
-            ..view::view(grid, camera, *offset)?
-        })
-    };
-    let shader = compose(&choices);
-    Ok(FrameInputs {
-        renderer,
-        compositor: shader,
-        storage_buffers: choices.storage_buffers(),
-        reads_g: choices.reads_gradient_magnitude,
-        tables: TableKey {
-            transfer_function: transfer_function.clone(),
-            integrator: shading.integrator,
-            axis: axes[0],
-            length: grid.length,
-            extent: Extent { scalar: scalar.range(), longest: grid.longest },
-        },
-        shading: *shading,
-        choices,
-        sizes,
-        scene: parameters.scene_bytes(),
-        numbers: parameters.numbers,
-        support,
-        in_8_bits: manner.accumulation == Accumulation::Bits8,
-        stops_where_opaque: manner.may_leave_out.is_some(),
-        sorted: !is_free && (sort_key != 2 || compositing == Compositor::Tiles),
-        ordered: along_faces.cloned(),
-        samples: camera.sample_offsets().iter().map(sample).collect::<Result<_>>()?,
-        scalar: scalar.clone(),
-        attributes,
-    })
-}
-
-impl FrameInputs<'_> {
-    /// Draws the scene that this was made of.
-    pub(crate) fn draw(
-        &self,
-        scene: &Scene,
-        manner: &RenderOptions,
-        progress: &dyn Progress,
-    ) -> Result<Drawn> {
-        Ok(self.still_empty(scene, manner).with(self.draw_picture(progress)?))
-    }
-
-    /// What is known of the picture before it is there.
-    pub(crate) fn still_empty(&self, scene: &Scene, manner: &RenderOptions) -> StillEmpty {
-        let is_counted = compositing(manner) == Compositor::Tiles;
-        let (parts_left_out, part_bytes_left_out) = parts_left_out(&self.compositor);
-        StillEmpty {
-            is_counted,
-            is_order_known: is_counted || is_free(self.choices.compositor) || !scene.needs_order(),
-            parts_left_out,
-            part_bytes_left_out,
-            blended_in_16_bits: !is_counted
-                && manner.accumulation == Accumulation::Float
-                && !self.device().blends_32_bits,
-        }
-    }
-}
-
-/// How it is composited.
-pub(crate) fn compositing(manner: &RenderOptions) -> Compositor {
-    manner.compositing.unwrap_or(Compositor::Tiles)
-}
-
-/// The order that is carried out: none is made for blending hardware where none is needed, unless nothing may be left out; it
-/// makes the one that it has then.
-fn order(scene: &Scene, manner: &RenderOptions) -> VisibilityOrder {
-    match (scene.order, manner.may_leave_out) {
-        (order, _) if compositing(manner) == Compositor::Tiles || scene.needs_order() => order,
-        // Rounded after each cell, what is blended depends on their order a little.
-        (_, Some(_)) if manner.accumulation == Accumulation::Float => VisibilityOrder::None,
-        (VisibilityOrder::Exact | VisibilityOrder::Auto, _) => VisibilityOrder::Centroid,
-        (order, _) => order,
-    }
-}
-
-/// What decides the text of the scene's shader, and what the scene takes on the device.
-pub(crate) fn choices(
-    renderer: &Renderer,
-    scene: &Scene,
-    manner: &RenderOptions,
-) -> Result<(Choices, Sizes)> {
-    let grid = &renderer.grid;
-    let Scene { transfer_function, shading, .. } = scene;
-    let compositor = compositor(transfer_function, shading, order(scene, manner), manner)?;
-    if compositing(manner) != Compositor::Tiles {
-        grid.device.check_blending(compositing(manner), manner.accumulation, grid.cell_count.into())?;
-    }
-    let mut choices = Choices::new(transfer_function, shading, compositor)?;
-    let sizes = sizes(grid, &choices, compositing(manner), transfer_function, shading);
-    sizes.check(grid.device.room(), &grid.device.name)?;
-    choices.layout = sizes.layout(grid.device.room());
-    Ok((choices, sizes))
-}
-
-/// What the scene takes on the device.
-fn sizes(
-    grid: &DeviceGrid,
-    choices: &Choices,
-    compositing: Compositor,
-    transfer_function: &TransferFunction,
-    shading: &Shading,
-) -> Sizes {
-    let places = Places::new(transfer_function, shading, choices.number_count());
-    let texels = places.in_vectors();
-    Sizes {
-        points: grid.point_count.into(),
-        cells: grid.cell_count.into(),
-        stride: choices.attribute_stride() as u64,
-        texels,
-        source_texels: places.source_vectors,
-        own_buffers: compositor_buffers(compositing),
-        // Vectors stand in parts of their own.
-        scene_buffers: if texels > 0 { 0 } else { choices.storage_buffers().len() as u32 },
-    }
-}
-
-/// Folders of which a shader holds no piece, and the bytes of all pieces that it does not hold.
-fn parts_left_out(shader: &Shader) -> (Vec<&'static str>, u64) {
-    let pieces = shader.leaves_out();
-    let bytes = pieces.iter().map(|piece| piece.text.len() as u64).sum();
-    let held = |folder: &str| shader.files().any(|file| file.starts_with(&format!("shaders/wgsl/{folder}/")));
-    let mut folders: Vec<&str> = Vec::new();
-    for (folder, _) in pieces.iter().filter_map(|piece| piece.name.split_once('/')) {
-        if !folders.contains(&folder) && !held(folder) {
-            folders.push(folder);
-        }
-    }
-    (folders, bytes)
-}
-
-/// Whether the compositor needs no order.
-fn is_free(compositor: CompositorProgram) -> bool {
-    match compositor {
-        CompositorProgram::Tiles(order) => order == TileOrder::Sum,
-        CompositorProgram::Raster(blend) | CompositorProgram::Triangles(blend) => blend == Blend::Sum,
-        CompositorProgram::None | CompositorProgram::Segments => false,
-    }
-}
-
-/// With one colour that no light changes, C = c A whatever the order: none is made, unless nothing may be left out.
-fn compositor(
-    transfer_function: &TransferFunction,
-    shading: &Shading,
-    order: VisibilityOrder,
-    manner: &RenderOptions,
-) -> Result<CompositorProgram> {
-    let compositing = compositing(manner);
-    let choices = Choices::new(transfer_function, shading, CompositorProgram::None)?;
-    let lit = shading.light.is_some_and(|light| light.diffuse != 0.0);
-    let known = !choices.method.is_table_of_lengths();
-    let needed = !known || !matches!(choices.combine, Combine::OneColor | Combine::Nothing) || lit;
-    manner.accumulation.check(compositing)?;
-    let free = !needed && manner.may_leave_out.is_some();
-    Ok(match (compositing, order) {
-        (Compositor::Tiles, _) if free => CompositorProgram::Tiles(TileOrder::Sum),
-        (Compositor::Tiles, VisibilityOrder::Exact | VisibilityOrder::Auto) => {
-            CompositorProgram::Tiles(TileOrder::Exact)
-        }
-        (Compositor::Tiles, VisibilityOrder::Centroid | VisibilityOrder::None) => {
-            CompositorProgram::Tiles(TileOrder::Listed)
-        }
-        (Compositor::Raster, _) => CompositorProgram::Raster(blend(manner.accumulation, free)),
-        (Compositor::Triangles, _) => CompositorProgram::Triangles(blend(manner.accumulation, free)),
-    })
-}
-
-/// What a pixel holds: one number where order is of no account, but for frame buffers of few bits, which hold colours.
-fn blend(accumulation: Accumulation, free: bool) -> Blend {
-    match accumulation {
-        Accumulation::Float if free => Blend::Sum,
-        Accumulation::Float | Accumulation::Bits8 => Blend::Over,
-        Accumulation::Bits12 => Blend::Rounded { bits: 12 },
-        Accumulation::Bits16 => Blend::Rounded { bits: 16 },
+        Plan::Tiles(why) => tiles_instead(renderer, scene, options, why, progress),
     }
 }

@@ -1,34 +1,34 @@
 //! The passes of a frame, bound to their buffers, and their order.
 
 use crate::device::bindings::own_kinds;
-use crate::device::buffers::Sent;
-use crate::device::open::Device;
+use crate::device::buffers::PendingReadback;
+use crate::device::device_handle::Device;
 use crate::device::pipelines::Program;
 use crate::device::timing::Timing;
-use crate::frame::buffers::{FrameBuffers, Returning};
-use crate::frame::count;
+use crate::frame::buffers::{FrameBuffers, ReadbackBuffers};
+use crate::frame::counters;
 use crate::frame::inputs::FrameInputs;
-use crate::grid::parts::GrowingParts;
-use crate::pass::steps::{Binder, GridArrays, Step, folded, kinds, run, scene_kinds};
-use crate::raster::blended::{Blending, Form, Raster};
+use crate::grid::split_buffer::GrowingSplitBuffer;
+use crate::pass::bound_pass::{Binder, BoundPass, GridArrays, folded, kinds, run, scene_kinds};
+use crate::raster::blending::{Blending, Form, Raster};
 use voltet_core::Result;
 use voltet_optics::engine::Stage;
 use voltet_shaders::{CompositorProgram, FramePass, GridArray, PlacementRecord, ViewRecord, cells_read};
 use wgpu::{Buffer, BufferUsages, CommandEncoder, SubmissionIndex};
 
-/// What takes the cells to the picture.
+/// Passes of the compositor.
 enum Last {
-    Tiles(Step),
+    Tiles(BoundPass),
     Raster(Box<Raster>),
 }
 
 /// The passes over one window.
 pub(crate) struct Passes<'a> {
     device: &'a Device,
-    points: Step,
-    attributes: Vec<Step>,
+    points: BoundPass,
+    attributes: Vec<BoundPass>,
     /// Cells, and for tiles starts, lists, sort.
-    lists: Vec<Step>,
+    lists: Vec<BoundPass>,
     last: Last,
     view: Buffer,
     counts: Buffer,
@@ -40,14 +40,14 @@ pub(crate) struct Passes<'a> {
 }
 
 /// The counts, from their bytes.
-pub(crate) fn counts_of(bytes: &[u8]) -> [u32; count::ALL] {
+pub(crate) fn counts_of(bytes: &[u8]) -> [u32; counters::ALL] {
     std::array::from_fn(|k| bytemuck::pod_read_unaligned(&bytes[4 * k..4 * k + 4]))
 }
 
 /// Bytes of the counts.
-const COUNTS_BYTES: u64 = count::ALL as u64 * 4;
+const COUNTS_BYTES: u64 = counters::ALL as u64 * 4;
 
-/// Where behind them those of the tiles begin: `COUNTED` of `passes/view.wgsl`.
+/// Index behind them at which those of the tiles begin: `COUNTED` of `passes/view.wgsl`.
 const TILES_COUNTED_AT: u64 = 16 * 4;
 
 impl<'a> Passes<'a> {
@@ -57,7 +57,7 @@ impl<'a> Passes<'a> {
         window: [u32; 4],
         capacity: u32,
         buffers: &mut FrameBuffers,
-        returning: &mut Returning,
+        returning: &mut ReadbackBuffers,
     ) -> Result<Passes<'a>> {
         let (device, grid) = (frame.device(), frame.grid());
         let (sizes, layout) = (&frame.sizes, &frame.choices.layout);
@@ -65,8 +65,9 @@ impl<'a> Passes<'a> {
         let picture_bytes = frame.picture_bytes(window);
 
         let storage = |what: &'static str| move |size: u64| device.storage(what, size);
-        let parted =
-            |growing: &mut GrowingParts, array| growing.at_least(device, array, sizes, layout.parts(array));
+        let parted = |growing: &mut GrowingSplitBuffer, array| {
+            growing.at_least(device, array, sizes, layout.parts(array))
+        };
         let arrays = GridArrays {
             grid,
             seen: parted(&mut buffers.seen, GridArray::Seen)?,
@@ -160,7 +161,7 @@ impl<'a> Passes<'a> {
             let mut groups = binder.groups(&pipeline, &bindings, &in_grid);
             groups.push((0, device.bind(&pipeline, 0, &read)));
             let name = ("composite_tiles", Stage::Composite);
-            Last::Tiles(Step { name, pipeline, groups, workgroups: over_tiles })
+            Last::Tiles(BoundPass { name, pipeline, groups, workgroups: over_tiles })
         };
         Ok(Passes {
             device,
@@ -209,7 +210,7 @@ impl<'a> Passes<'a> {
             before(&mut encoder, timing);
             // Without states to go on from, one unfinished sample is enough for the caller to begin anew.
             if self.keeps_states {
-                encoder.clear_buffer(&self.counts, 4 * count::UNFINISHED as u64, Some(4));
+                encoder.clear_buffer(&self.counts, 4 * counters::UNFINISHED as u64, Some(4));
             }
             match &self.last {
                 Last::Tiles(tiles) => run(&mut encoder, tiles, timing),
@@ -228,12 +229,12 @@ impl<'a> Passes<'a> {
     }
 
     /// The counts up to the last submission.
-    pub fn counts(&self) -> Result<[u32; count::ALL]> {
+    pub fn counts(&self) -> Result<[u32; counters::ALL]> {
         self.device.read("the counts", &self.returned_counts, COUNTS_BYTES, counts_of)
     }
 
-    /// What the last submission writes, on its way: the counts and, where no states are kept, the pixels.
-    pub fn send(&self, last: Option<SubmissionIndex>) -> [Sent; 2] {
+    /// Readbacks of the last submission: the counts and, where no states are kept, the pixels.
+    pub fn send(&self, last: Option<SubmissionIndex>) -> [PendingReadback; 2] {
         let sent = |what, buffer, bytes| self.device.send(what, buffer, bytes, last.clone());
         [
             sent("the counts", &self.returned_counts, COUNTS_BYTES),

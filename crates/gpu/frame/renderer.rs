@@ -1,18 +1,19 @@
-//! What draws a volume: its grid on a device, and the buffers of its frames.
+//! Renderer of a volume: its grid on a device, and the buffers of its frames.
 
-use crate::device::open::Device;
+use crate::device::device_handle::Device;
 use crate::frame::buffers::FrameBuffers;
-use crate::frame::faces::Orders;
-use crate::grid::uploaded::DeviceGrid;
+use crate::frame::face_order::{FaceOrderCache, FaceOrderResult};
+use crate::grid::device_grid::DeviceGrid;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use voltet_core::Result;
 use voltet_core::volume::Volume;
+use voltet_optics::scene::Scene;
 
 /// A volume on a device, ready to be drawn.
 pub struct Renderer {
     pub(crate) grid: DeviceGrid,
     buffers: Mutex<FrameBuffers>,
-    orders: Mutex<Orders>,
+    orders: Mutex<FaceOrderCache>,
 }
 
 impl Renderer {
@@ -25,13 +26,13 @@ impl Renderer {
         })
     }
 
-    /// The same with so much work of a tile in one dispatch at first, in cells tested.
+    /// Sets the initial work of a tile in one dispatch (cells tested).
     pub fn with_budget_of(self, work: u32) -> Renderer {
         self.buffers().budget = Some(work);
         self
     }
 
-    /// The same with so many cells in a draw of the raster compositor.
+    /// Sets the number of cells in a draw of the raster compositor.
     pub fn with_runs_of(self, cells: u32) -> Renderer {
         self.buffers().raster.run_length = Some(cells.max(1));
         self
@@ -42,8 +43,11 @@ impl Renderer {
         &self.grid.device
     }
 
-    pub(crate) fn orders(&self) -> MutexGuard<'_, Orders> {
-        self.orders.lock().unwrap_or_else(PoisonError::into_inner)
+    /// The order of the cells along their faces for a scene's camera, and the seconds that finding it took; none where it was kept.
+    ///
+    /// Errors: a camera out of range.
+    pub(crate) fn along_faces(&self, scene: &Scene) -> Result<(FaceOrderResult, Option<f64>)> {
+        self.orders.lock().unwrap_or_else(PoisonError::into_inner).find(scene)
     }
 
     pub(crate) fn buffers(&self) -> MutexGuard<'_, FrameBuffers> {

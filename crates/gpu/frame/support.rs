@@ -1,4 +1,4 @@
-//! Where widgets lie, in slabs low ≤ a s + b g ≤ high of stored values, for the device to leave out the cells that none
+//! Supports of widgets, in slabs low ≤ a s + b g ≤ high of stored values, for the device to leave out the cells that none
 //! touches.
 //!
 //! A cell is kept if for some support its corners reach every slab. That is less sharp than the native engine's hulls,

@@ -1,13 +1,13 @@
 //! The camera as the device's passes read it.
 
+use crate::grid::device_grid::DeviceGrid;
 use crate::grid::double_single::split;
-use crate::grid::uploaded::DeviceGrid;
 use glam::DVec3;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::{Error, Result};
 use voltet_shaders::ViewRecord;
 
-/// How far a point may be off for rounding, in pixels. An ordinary picture changes by less than a tenth in a pixel's
+/// Rounding error of a point that is allowed (pixels). An ordinary picture changes by less than a tenth in a pixel's
 /// width, so by less than 1e-4 for this.
 const PIXELS_OFF: f64 = 1e-2;
 

@@ -1,16 +1,18 @@
 //! A frame: windows of the picture that fit the device's memory, and the samples of each.
 
-use crate::device::buffers::Sent;
-use crate::device::open::Device;
+use crate::device::buffers::PendingReadback;
+use crate::device::device_handle::Device;
 use crate::device::timing::Timing;
-use crate::frame::buffers::{FrameBuffers, Returning};
-use crate::frame::count;
+use crate::frame::buffers::{FrameBuffers, ReadbackBuffers};
+use crate::frame::counters;
 use crate::frame::inputs::FrameInputs;
+use crate::frame::output::{FrameOutput, Readback};
 use crate::frame::passes::{Passes, counts_of};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
-use voltet_optics::engine::StageTiming;
+use voltet_optics::engine::RenderOptions;
+use voltet_optics::scene::Scene;
 use voltet_shaders::ViewRecord;
 
 /// Entries that lists are given room for before their lengths are known.
@@ -20,7 +22,7 @@ const CAPACITY_AT_FIRST: u32 = 1 << 16;
 /// seconds that a system grants.
 const BUDGET: u32 = 1 << 22;
 
-/// The same on a software driver: Mesa's ends loops after 65,535 rounds in all, of which a segment takes several. Where they
+/// Like `BUDGET`, on a software driver: Mesa's ends loops after 65,535 rounds in all, of which a segment takes several. Where they
 /// were too many, the shader says so, and the frame is drawn again with a quarter of the budget.
 const BUDGET_SOFTWARE: u32 = 1 << 13;
 
@@ -33,26 +35,29 @@ const DISPATCHES_MOST: u32 = 100_000;
 /// Cells of one tile that a software driver sorts within those rounds.
 const LONGEST_SOFTWARE: u32 = 20_000;
 
-/// What came back.
-pub(crate) struct Returned {
-    pub picture: Picture,
-    pub counts: [u64; count::ALL],
-    pub passes: Vec<StageTiming>,
-}
-
 impl FrameInputs<'_> {
+    /// Draws the scene that these are inputs of.
+    pub(crate) fn draw(
+        &self,
+        scene: &Scene,
+        options: &RenderOptions,
+        progress: &dyn Progress,
+    ) -> Result<FrameOutput> {
+        Ok(self.pending_stats(scene, options).with(self.draw_picture(progress)?))
+    }
+
     /// Draws the whole picture. Errors: memory, a lost device, a stopped run.
-    pub fn draw_picture(&self, progress: &dyn Progress) -> Result<Returned> {
+    pub fn draw_picture(&self, progress: &dyn Progress) -> Result<Readback> {
         let [width, height] = self.samples[0].size;
         let tiles = [width, height].map(|n| n.div_ceil(ViewRecord::TILE));
         self.draw_windows(vec![[0, 0, tiles[0], tiles[1]]], progress)
     }
 
     /// Draws parts of the picture: windows, in tiles. Errors: as above.
-    pub fn draw_windows(&self, windows: Vec<[u32; 4]>, progress: &dyn Progress) -> Result<Returned> {
+    pub fn draw_windows(&self, windows: Vec<[u32; 4]>, progress: &dyn Progress) -> Result<Readback> {
         let [width, height] = self.samples[0].size;
         let mut picture = Picture::transparent(width as usize, height as usize);
-        let mut all = [0u64; count::ALL];
+        let mut all = [0u64; counters::ALL];
         let mut timing = Timing::new(self.device())?;
         let mut open = windows;
         let mut is_first = true;
@@ -68,7 +73,7 @@ impl FrameInputs<'_> {
             match counts {
                 Some(counts) => {
                     for (place, (sum, count)) in all.iter_mut().zip(counts).enumerate() {
-                        if is_first || !count::OF_CELLS.contains(&place) {
+                        if is_first || !counters::OF_CELLS.contains(&place) {
                             *sum += u64::from(count);
                         }
                     }
@@ -77,10 +82,10 @@ impl FrameInputs<'_> {
                 None => open.extend(halves(window)?),
             }
         }
-        Ok(Returned { picture, counts: all, passes: timing.passes() })
+        Ok(Readback { picture, counts: all, passes: timing.passes() })
     }
 
-    /// Whether the device can hold a window's pixels.
+    /// True if the device can hold a window's pixels.
     fn fits(&self, window: [u32; 4]) -> bool {
         let limits = &self.device().limits;
         let side = window[2].max(window[3]) * ViewRecord::TILE;
@@ -88,7 +93,7 @@ impl FrameInputs<'_> {
             && side <= limits.max_texture_dimension_2d
     }
 
-    /// Whether tiles stop within their lists and go on, as former frames of the grid found out.
+    /// True if tiles stop within their lists and go on, by former frames of the grid.
     fn keeps_states(&self) -> bool {
         self.renderer.buffers().keeps_states
     }
@@ -105,31 +110,31 @@ impl FrameInputs<'_> {
         window: [u32; 4],
         picture: &mut Picture,
         timing: &mut Timing,
-    ) -> Result<Option<[u32; count::ALL]>> {
+    ) -> Result<Option<[u32; counters::ALL]>> {
         let device = self.device();
         let most = self.most_entries();
         let mut buffers = self.renderer.buffers();
         loop {
             let (capacity, budget) = self.room(&mut buffers);
             let counts = self.run(window, capacity, budget, &mut buffers, picture, timing)?;
-            let needed = counts[count::ENTRIES];
-            if needed > most || counts[count::CELLS_CUT_SHORT] != 0 {
+            let needed = counts[counters::ENTRIES];
+            if needed > most || counts[counters::CELLS_CUT_SHORT] != 0 {
                 return Ok(None);
             }
-            if device.is_software && self.sorted && counts[count::LONGEST] > LONGEST_SOFTWARE {
+            if device.is_software && self.sorted && counts[counters::LONGEST] > LONGEST_SOFTWARE {
                 return Err(Error::run("a software driver does not sort so many cells of one tile")
-                    .got(counts[count::LONGEST])
+                    .got(counts[counters::LONGEST])
                     .expected(format!("at most {LONGEST_SOFTWARE}, or engine = \"cpu\"")));
             }
             if needed > capacity {
                 // Some room for the next frame.
                 buffers.capacity = needed.saturating_add(needed / 4).min(most);
-            } else if counts[count::PIXELS_CUT_SHORT] != 0 {
+            } else if counts[counters::PIXELS_CUT_SHORT] != 0 {
                 if budget <= BUDGET_LEAST {
-                    return Err(self.ends_loops(counts[count::PIXELS_CUT_SHORT]));
+                    return Err(self.ends_loops(counts[counters::PIXELS_CUT_SHORT]));
                 }
                 buffers.budget = Some(budget / 4);
-            } else if counts[count::UNFINISHED] != 0 {
+            } else if counts[counters::UNFINISHED] != 0 {
                 buffers.keeps_states = true;
                 if self.window_bytes(window, true) > device.most_bytes() {
                     return Ok(None);
@@ -161,7 +166,7 @@ impl FrameInputs<'_> {
         (buffers.capacity, *buffers.budget.get_or_insert(budget))
     }
 
-    /// What the passes are told for a sample.
+    /// Uniform of the passes for a sample.
     fn record(
         &self,
         number: usize,
@@ -176,7 +181,7 @@ impl FrameInputs<'_> {
 
     /// Submits the whole picture without waiting for it. `None` where it has to be drawn in parts, whose numbers come back in
     /// between. Errors: memory; a lost device.
-    pub fn submit(&self, returning: &mut Returning) -> Result<Option<Flying>> {
+    pub fn submit(&self, returning: &mut ReadbackBuffers) -> Result<Option<SubmittedPicture>> {
         let [width, height] = self.samples[0].size;
         let [across, down] = [width, height].map(|n| n.div_ceil(ViewRecord::TILE));
         let window = [0, 0, across, down];
@@ -192,7 +197,13 @@ impl FrameInputs<'_> {
             last = Some(passes.submit(&record, &mut Timing::none())?);
         }
         let longest = if self.device().is_software && self.sorted { LONGEST_SOFTWARE } else { u32::MAX };
-        Ok(Some(Flying { sent: passes.send(last), size: [width, height], window, capacity, longest }))
+        Ok(Some(SubmittedPicture {
+            sent: passes.send(last),
+            size: [width, height],
+            window,
+            capacity,
+            longest,
+        }))
     }
 
     /// Runs all passes for all samples over a window, and copies its pixels to the picture.
@@ -204,15 +215,15 @@ impl FrameInputs<'_> {
         buffers: &mut FrameBuffers,
         picture: &mut Picture,
         timing: &mut Timing,
-    ) -> Result<[u32; count::ALL]> {
+    ) -> Result<[u32; counters::ALL]> {
         let device = self.device();
         let goes_on = buffers.keeps_states;
         let mut returning = std::mem::take(&mut buffers.returned);
         let passes = Passes::new(self, window, capacity, buffers, &mut returning);
         buffers.returned = returning;
         let passes = passes?;
-        let mut counted = [0; count::ALL];
-        let is_right = |counted: &[u32; count::ALL]| is_right(counted, capacity);
+        let mut counted = [0; counters::ALL];
+        let is_right = |counted: &[u32; counters::ALL]| is_right(counted, capacity);
         for (number, sample) in self.samples.iter().enumerate() {
             let mut record = self.record(number, sample, window, capacity, budget);
             passes.submit(&record, timing)?;
@@ -221,14 +232,14 @@ impl FrameInputs<'_> {
             if goes_on {
                 counted = passes.counts()?;
                 let mut dispatches = 0;
-                while counted[count::UNFINISHED] != 0 && is_right(&counted) {
+                while counted[counters::UNFINISHED] != 0 && is_right(&counted) {
                     dispatches += 1;
                     if dispatches > DISPATCHES_MOST {
                         return Err(Error::run(format!(
                             "{} does not come to an end with the tiles",
                             device.name
                         ))
-                        .got(format!("{} tiles that go on", counted[count::UNFINISHED]))
+                        .got(format!("{} tiles that go on", counted[counters::UNFINISHED]))
                         .expected("another adapter, or engine = \"cpu\""));
                     }
                     passes.submit_tiles(&record, timing)?;
@@ -242,22 +253,22 @@ impl FrameInputs<'_> {
         if !goes_on {
             counted = passes.counts()?;
         }
-        if is_right(&counted) && counted[count::UNFINISHED] == 0 {
+        if is_right(&counted) && counted[counters::UNFINISHED] == 0 {
             passes.picture(|bytes| put_window(picture, window, bytes))?;
         }
         Ok(counted)
     }
 }
 
-/// Whether a frame came to its end but for tiles that go on: lists that had room, and loops that nothing ended.
-fn is_right(counted: &[u32; count::ALL], capacity: u32) -> bool {
-    let cut_short = counted[count::CELLS_CUT_SHORT] + counted[count::PIXELS_CUT_SHORT];
-    counted[count::ENTRIES] <= capacity && cut_short == 0
+/// True if a frame came to its end but for tiles that go on: lists that had room, and loops that nothing ended.
+fn is_right(counted: &[u32; counters::ALL], capacity: u32) -> bool {
+    let cut_short = counted[counters::CELLS_CUT_SHORT] + counted[counters::PIXELS_CUT_SHORT];
+    counted[counters::ENTRIES] <= capacity && cut_short == 0
 }
 
-/// A whole picture on its way.
-pub(crate) struct Flying {
-    sent: [Sent; 2],
+/// A submitted picture that was not read back yet.
+pub(crate) struct SubmittedPicture {
+    sent: [PendingReadback; 2],
     size: [u32; 2],
     window: [u32; 4],
     capacity: u32,
@@ -265,18 +276,18 @@ pub(crate) struct Flying {
     longest: u32,
 }
 
-impl Flying {
+impl SubmittedPicture {
     /// The picture; `None` where it has to be drawn again, with more room. Errors: a lost device.
-    pub fn land(self, device: &Device) -> Result<Option<Returned>> {
+    pub fn finish(self, device: &Device) -> Result<Option<Readback>> {
         let [counts, pixels] = self.sent;
         let counted = counts.take(device, counts_of)?;
         let mut picture = Picture::transparent(self.size[0] as usize, self.size[1] as usize);
         pixels.take(device, |bytes| put_window(&mut picture, self.window, bytes))?;
         let is_whole = is_right(&counted, self.capacity)
-            && counted[count::UNFINISHED] == 0
-            && counted[count::LONGEST] <= self.longest;
+            && counted[counters::UNFINISHED] == 0
+            && counted[counters::LONGEST] <= self.longest;
         let counts = counted.map(u64::from);
-        Ok(is_whole.then_some(Returned { picture, counts, passes: Vec::new() }))
+        Ok(is_whole.then_some(Readback { picture, counts, passes: Vec::new() }))
     }
 }
 

@@ -1,6 +1,6 @@
-//! Which way of compositing is the faster one on a device: a small grid drawn by both, once, and remembered.
+//! Choice of the faster compositor on a device: a small grid is drawn by both, once, and the times are cached.
 
-use crate::device::open::Device;
+use crate::device::device_handle::Device;
 use crate::frame::draw::draw;
 use crate::frame::renderer::Renderer;
 use glam::DVec3;
@@ -18,33 +18,33 @@ use voltet_core::volume::Volume;
 use voltet_optics::WidgetBlend;
 use voltet_optics::engine::{Accumulation, Compositor, CompositorChoice, KeyValueStore, RenderOptions};
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
+use voltet_optics::shading::{Integrator, Ordering, Shading, VisibilityOrder};
 
 /// Seconds of a frame by each compositor.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Times {
+pub(crate) struct CompositorTimes {
     /// Compute passes over tiles.
     pub tiles: f64,
     /// Blending hardware.
     pub raster: f64,
 }
 
-/// What was measured of a device so far, for scenes that need an order and such that do not; and whether it was remembered.
-pub(crate) type Known = Mutex<HashMap<bool, (Times, bool)>>;
+/// Cache of measured times, for scenes that need an order and those that do not; true where they come from an earlier process.
+pub(crate) type TimingCache = Mutex<HashMap<bool, (CompositorTimes, bool)>>;
 
-/// What composites the scene, and why.
+/// The compositor for a scene, and the reason for it.
 ///
 /// Errors: a stopped run.
 pub(crate) fn choose(
     device: &Arc<Device>,
-    known: &Known,
+    known: &TimingCache,
     scene: &Scene,
     memory: &dyn KeyValueStore,
     progress: &dyn Progress,
 ) -> Result<CompositorChoice> {
     let tiles = |why: String| CompositorChoice { compositing: Compositor::Tiles, why, measured_secs: None };
     let needs_order = scene.needs_order();
-    if needs_order && matches!(scene.order, VisibilityOrder::Exact | VisibilityOrder::Auto) {
+    if scene.ordering(false) == Ordering::PerPixel {
         return Ok(tiles("each pixel needs its exact order".into()));
     }
     if !device.blends_32_bits() {
@@ -84,9 +84,9 @@ fn remembered(
     needs_order: bool,
     memory: &dyn KeyValueStore,
     progress: &dyn Progress,
-) -> Result<(Times, bool)> {
+) -> Result<(CompositorTimes, bool)> {
     let key = key(&device.name, &device.driver, needs_order);
-    if let Some(times) = memory.recall(&key).and_then(|text| Times::read(&text)) {
+    if let Some(times) = memory.recall(&key).and_then(|text| CompositorTimes::read(&text)) {
         return Ok((times, true));
     }
     let times = measure(device, needs_order, progress)?;
@@ -102,7 +102,7 @@ fn key(adapter: &str, driver: &str, needs_order: bool) -> String {
     format!("voltet compositors 1\n{}\n{}\nprogram {version}\n{scene}\n", line(adapter), line(driver))
 }
 
-impl Times {
+impl CompositorTimes {
     /// The faster one.
     fn faster(&self) -> Compositor {
         if self.raster < self.tiles { Compositor::Raster } else { Compositor::Tiles }
@@ -113,14 +113,16 @@ impl Times {
     }
 
     /// `None` for what is something else.
-    fn read(text: &str) -> Option<Times> {
+    fn read(text: &str) -> Option<CompositorTimes> {
         let number = |line: &str, name: &str| -> Option<f64> {
             let seconds: f64 = line.strip_prefix(name)?.strip_suffix(" s")?.trim().parse().ok()?;
             (seconds.is_finite() && seconds > 0.0).then_some(seconds)
         };
         let mut lines = text.lines();
-        let times =
-            Times { tiles: number(lines.next()?, "tiles ")?, raster: number(lines.next()?, "raster ")? };
+        let times = CompositorTimes {
+            tiles: number(lines.next()?, "tiles ")?,
+            raster: number(lines.next()?, "raster ")?,
+        };
         (times.written() == text).then_some(times)
     }
 }
@@ -136,7 +138,7 @@ const FRAME_COUNT: usize = 5;
 /// Draws a scene of one colour, which needs no order, or one of several in the order of centroids, by both compositors.
 ///
 /// Errors: those of [`draw`]; what the raster compositor lacks on this device.
-fn measure(device: &Arc<Device>, needs_order: bool, progress: &dyn Progress) -> Result<Times> {
+fn measure(device: &Arc<Device>, needs_order: bool, progress: &dyn Progress) -> Result<CompositorTimes> {
     let (side, pixels) = if device.is_software { SOFTWARE } else { HARDWARE };
     let box_grid = box_of_tetrahedra([side; 3], [DVec3::ZERO, DVec3::ONE], 0.2);
     let s = |p: &DVec3| 0.5 + 0.25 * (4.0 * p.x + p.y).sin() + 0.25 * (3.0 * p.z - 2.0 * p.y).cos();
@@ -180,7 +182,7 @@ fn measure(device: &Arc<Device>, needs_order: bool, progress: &dyn Progress) -> 
         times.sort_by(f64::total_cmp);
         Ok(times[times.len() / 2])
     };
-    Ok(Times { tiles: seconds(Compositor::Tiles)?, raster: seconds(Compositor::Raster)? })
+    Ok(CompositorTimes { tiles: seconds(Compositor::Tiles)?, raster: seconds(Compositor::Raster)? })
 }
 
 /// A Gaussian, or a ramp of two colours.
@@ -206,16 +208,16 @@ mod tests {
 
     #[test]
     fn times_read_back_as_they_were_written_and_nothing_else_does() {
-        let times = Times { tiles: 1.25e-3, raster: 3.5e-4 };
+        let times = CompositorTimes { tiles: 1.25e-3, raster: 3.5e-4 };
         let text = times.written();
-        assert_eq!(Times::read(&text), Some(times));
+        assert_eq!(CompositorTimes::read(&text), Some(times));
         for place in 0..text.len() {
-            assert_eq!(Times::read(&text[..place]), None, "cut at {place}");
+            assert_eq!(CompositorTimes::read(&text[..place]), None, "cut at {place}");
         }
         for wrong in
             ["tiles 0e0 s\nraster 1e0 s\n", "tiles NaN s\nraster 1e0 s\n", "raster 1e0 s\ntiles 1e0 s\n"]
         {
-            assert_eq!(Times::read(wrong), None, "{wrong}");
+            assert_eq!(CompositorTimes::read(wrong), None, "{wrong}");
         }
     }
 

@@ -1,4 +1,4 @@
-//! What is measured of a device: its peak, its compositors, the operations of a shader, and segments alone for judging.
+//! Measurements of a device: its peak, its compositors, the operations of a shader, and segments alone for judging.
 
 pub(crate) mod compositors;
 pub(crate) mod operations;

@@ -1,7 +1,7 @@
-//! What a device can do at most, for times to be held against.
+//! Peak rate of a device, to compare times with.
 
 use crate::device::bindings::{Bound, in_order};
-use crate::device::open::Device;
+use crate::device::device_handle::Device;
 use crate::device::pipelines::Program;
 use std::time::{Duration, Instant};
 use voltet_core::Result;
@@ -10,7 +10,7 @@ use voltet_shaders::multiply_adds;
 /// A measurement's shortest time: a thousand times what submitting and waiting take.
 const LONG_ENOUGH: Duration = Duration::from_millis(50);
 
-/// Of each measurement the best counts: what else runs on the device only slows it down.
+/// Number of tries of each measurement, of which the best counts: other work on the device only slows it down.
 const TRIES: usize = 3;
 
 impl Device {

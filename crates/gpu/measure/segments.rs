@@ -1,7 +1,7 @@
 //! Segments alone on a device: what composed shaders make of each, so that exact values can judge them.
 
 use crate::device::bindings::Bound;
-use crate::device::open::Device;
+use crate::device::device_handle::Device;
 use crate::device::pipelines::Program;
 use std::sync::Arc;
 use voltet_core::Result;

@@ -1,4 +1,4 @@
 //! One pass: compiled, bound to the grid's arrays, and the tables that it reads.
 
-pub(crate) mod steps;
+pub(crate) mod bound_pass;
 pub(crate) mod tables;

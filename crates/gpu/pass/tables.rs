@@ -1,8 +1,8 @@
-//! What a scene's shader reads beside its uniform: tables, filled on the device and kept while the scene asks for the same ones,
+//! Data that a scene's shader reads beside its uniform: tables, filled on the device and kept while the scene needs the same ones,
 //! and behind them the widgets' numbers, which are written where they change.
 
 use crate::device::bindings::{Bound, in_order};
-use crate::device::open::Device;
+use crate::device::device_handle::Device;
 use crate::device::pipelines::Program;
 use std::sync::Arc;
 use voltet_core::transfer::TransferFunction;
@@ -11,7 +11,7 @@ use voltet_optics::integrators::{Extent, Integrator};
 use voltet_optics::shading::Shading;
 use voltet_shaders::{Axis, Buffer, Choices, Contents, Pass, Places, Resources, TEXEL_BYTES, images};
 
-/// What tables are made from.
+/// Key of tables: everything that they are made from.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct TableKey {
     pub transfer_function: Arc<TransferFunction>,
@@ -22,7 +22,7 @@ pub(crate) struct TableKey {
 }
 
 impl TableKey {
-    /// Whether the tables of another are the same: those of lengths hold all of the scene, others images and what the model says.
+    /// True if the tables of another are the same: those of lengths hold all of the scene, others images and what the model says.
     fn makes_those_of(&self, other: &TableKey) -> bool {
         if self.integrator.has_table_of_lengths() {
             return self == other;
@@ -35,22 +35,22 @@ impl TableKey {
 /// The buffer `numbers` in its parts.
 #[derive(Default)]
 pub(crate) struct Tables {
-    made: Option<Made>,
+    made: Option<BuiltTable>,
     buffers: Vec<(String, wgpu::Buffer)>,
 }
 
-/// What the buffers hold.
-struct Made {
+/// Content of the buffers.
+struct BuiltTable {
     key: TableKey,
-    /// How they stand.
+    /// Their layout.
     buffers: Vec<(String, u32)>,
     places: Places,
-    /// Those of the widgets.
+    /// Numbers of the widgets.
     numbers: Vec<f32>,
 }
 
 impl Tables {
-    /// Those of a scene, made if they are not there; `numbers` of its widgets are written if they are not.
+    /// The tables of a scene, made if they are not there; `numbers` of its widgets are written if they are not.
     pub fn of(
         &mut self,
         device: &Device,
@@ -78,7 +78,7 @@ impl Tables {
             // What only the passes read is given up.
             let mut bound = resources.buffers.iter().map(|buffer| buffer.binding.is_some());
             self.buffers.retain(|_| bound.next().unwrap_or(false));
-            self.made = Some(Made { key: scene.clone(), buffers, places, numbers: numbers.to_vec() });
+            self.made = Some(BuiltTable { key: scene.clone(), buffers, places, numbers: numbers.to_vec() });
         } else if let Some(made) = self.made.as_mut().filter(|made| made.numbers != numbers) {
             made.numbers = numbers.to_vec();
             let part_bytes = TEXEL_BYTES * choices.layout.table.length(0, u64::MAX);

@@ -2,8 +2,8 @@
 //! device.
 
 use crate::device::bindings::Bound;
-use crate::device::compiled::DrawingKey;
-use crate::device::open::Device;
+use crate::device::device_handle::Device;
+use crate::device::pipeline_cache::DrawingKey;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use voltet_core::{Error, Result};
@@ -11,12 +11,12 @@ use voltet_optics::engine::{Accumulation, Compositor};
 use voltet_shaders::{Blend, Shader};
 use wgpu::{BlendComponent, BlendFactor, DownlevelFlags, ShaderStages, TextureFormat};
 
-/// What is blended, and how.
+/// Blending of the compositor: formats, factors, and the initial content.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Target {
-    /// Of each picture that is drawn into.
+    /// Format of each picture that is drawn into.
     pub formats: Vec<TextureFormat>,
-    /// What an unseen pixel holds.
+    /// Content of an unseen pixel.
     pub clear: wgpu::Color,
     factors: [BlendFactor; 2],
 }
@@ -54,17 +54,17 @@ impl Target {
     }
 }
 
-/// What a pipeline that draws is compiled from.
+/// Sources of a render pipeline.
 pub(crate) struct Drawing<'a> {
     pub shader: &'a Shader,
     /// Entry points for vertices and for pixels.
     pub entry_points: [&'static str; 2],
     pub target: Target,
-    /// What is bound, by binding.
+    /// Bound buffers, by binding.
     pub groups: [&'a [(u32, Bound)]; 3],
 }
 
-/// What drawing needs of a device beyond what the tiles' compositor needs.
+/// Device capabilities that drawing needs beyond those of the tiles' compositor.
 const NEEDED: [(DownlevelFlags, &str); 2] = [
     (DownlevelFlags::VERTEX_STORAGE, "storage buffers for vertices"),
     (DownlevelFlags::INDIRECT_EXECUTION, "draws whose counts stand in a buffer"),
@@ -109,7 +109,7 @@ impl Device {
         check_flags(self.downlevel, &self.name, compositing.name())
     }
 
-    /// Whether pixels are blended in 32-bit floats, not in 16 bits.
+    /// True if pixels are blended in 32-bit floats, not in 16 bits.
     pub fn blends_32_bits(&self) -> bool {
         self.blends_32_bits
     }

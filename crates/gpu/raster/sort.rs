@@ -1,8 +1,8 @@
 //! The sort of all cells by distance: a radix sort on the device, which gathers the cells that can be seen on its way.
 
-use crate::device::buffers::Growing;
-use crate::grid::uploaded::Stored;
-use crate::pass::steps::{Binder, Step, in_rows};
+use crate::device::buffers::GrowingBuffer;
+use crate::grid::device_grid::DeviceArray;
+use crate::pass::bound_pass::{Binder, BoundPass, in_rows};
 use crate::raster::drawing::ENTRY_BYTES;
 use voltet_core::Result;
 use voltet_shaders::{FramePass, RoundRecord};
@@ -11,13 +11,13 @@ use wgpu::Buffer;
 /// Rounds that sort every bit of a key; one gathers the cells and leaves them in their order.
 pub(crate) const ROUNDS: u32 = 4;
 
-/// What is sorted.
+/// Items to sort.
 #[derive(Clone, Copy)]
 pub(crate) enum Items<'a> {
     /// The cells of the grid that can be seen.
     Cells,
-    /// The same, in the order of this list, nearest first.
-    Ordered(&'a Buffer),
+    /// All cells, in the order of this list, nearest first.
+    TimedFaceOrder(&'a Buffer),
     /// A list that the first round finds.
     #[cfg(test)]
     Listed,
@@ -26,16 +26,16 @@ pub(crate) enum Items<'a> {
 /// Buffers of the sort that stay between frames.
 #[derive(Default)]
 pub(crate) struct SortBuffers {
-    lists: [Growing; 2],
-    digit_counts: Growing,
+    lists: [GrowingBuffer; 2],
+    digit_counts: GrowingBuffer,
 }
 
 /// The passes, and what they leave.
 pub(crate) struct Sort {
-    pub steps: Vec<Step>,
+    pub steps: Vec<BoundPass>,
     /// Numbers of cells with their keys, in order.
     pub sorted: Buffer,
-    /// How many they are stands behind one number a digit.
+    /// Their count, behind one number a digit.
     pub digit_counts: Buffer,
 }
 
@@ -47,7 +47,7 @@ impl SortBuffers {
         capacity: u32,
         rounds: u32,
         items: Items,
-        quantity: &Stored,
+        quantity: &DeviceArray,
     ) -> Result<Sort> {
         let device = binder.device;
         let blocks = capacity.div_ceil(RoundRecord::ITEMS);
@@ -67,8 +67,8 @@ impl SortBuffers {
                 shift: 8 * number,
                 from_cells: match items {
                     Items::Cells if number == 0 => 1,
-                    Items::Ordered(_) if number == 0 => 2,
-                    Items::Cells | Items::Ordered(_) => 0,
+                    Items::TimedFaceOrder(_) if number == 0 => 2,
+                    Items::Cells | Items::TimedFaceOrder(_) => 0,
                     #[cfg(test)]
                     Items::Listed => 0,
                 },
@@ -79,7 +79,7 @@ impl SortBuffers {
             device.write(&round, 0, bytemuck::bytes_of(&record));
             let sorted = &lists[number as usize % 2];
             let unsorted = match items {
-                Items::Ordered(list) if number == 0 => list,
+                Items::TimedFaceOrder(list) if number == 0 => list,
                 _ => &lists[(number as usize + 1) % 2],
             };
             let bindings = [&round, unsorted, &digit_counts, sorted];
@@ -99,11 +99,11 @@ impl SortBuffers {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device::open::Device;
+    use crate::device::device_handle::Device;
     use crate::device::timing::Timing;
-    use crate::grid::parts::Parted;
-    use crate::grid::uploaded::{DeviceGrid, Quantity};
-    use crate::pass::steps::GridArrays;
+    use crate::grid::device_grid::{DeviceGrid, Quantity};
+    use crate::grid::split_buffer::SplitBuffer;
+    use crate::pass::bound_pass::GridArrays;
     use std::sync::Arc;
     use voltet_core::volume::Volume;
     use voltet_shaders::{Layout, ViewRecord};
@@ -124,7 +124,7 @@ mod tests {
         let device: &Device = &grid.device;
         let mut buffers = SortBuffers::default();
         let view = device.uniform("the view", size_of::<ViewRecord>() as u64).expect("fits");
-        let nothing = || Parted { buffers: vec![device.storage("nothing", 16).expect("fits")] };
+        let nothing = || SplitBuffer { buffers: vec![device.storage("nothing", 16).expect("fits")] };
         let arrays = GridArrays { grid, seen: nothing(), attributes: nothing(), bounds: nothing() };
         let binder = Binder { device, view: &view, arrays: &arrays, layout: &Layout::WHOLE };
         let scalar = grid.stored(volume, Quantity::Scalar).expect("fits");
@@ -135,7 +135,7 @@ mod tests {
         device.queue.write_buffer(&sort.digit_counts, 4 * 256, bytemuck::bytes_of(&count));
         let mut encoder = device.device.create_command_encoder(&Default::default());
         let mut timing = Timing::new(device).expect("has a clock or none");
-        sort.steps.iter().for_each(|step| crate::pass::steps::run(&mut encoder, step, &mut timing));
+        sort.steps.iter().for_each(|step| crate::pass::bound_pass::run(&mut encoder, step, &mut timing));
         let mapped = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
         let bytes = 8 * items.len() as u64;
         let back = device.buffer("the list on its way back", bytes, mapped).expect("fits");

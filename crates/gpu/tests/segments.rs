@@ -1,4 +1,4 @@
-//! Whole composed shaders on a device against the exact values of single segments, rays, chains and tables.
+//! Complete composed shaders on a device against the exact values of single segments, rays, chains and tables.
 
 use std::sync::Arc;
 use voltet_gpu::{Device, Segments};

@@ -7,7 +7,7 @@ use voltet_core::Result;
 /// The format that this program reads and writes.
 pub const FORMAT: i64 = 1;
 
-/// What a pipeline file states.
+/// A pipeline file as written, unchecked.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Pipeline {
     /// Title, for people.

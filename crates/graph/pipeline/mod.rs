@@ -18,11 +18,11 @@ use voltet_core::Error;
 /// Completes an error about a pipeline file: its path, and line and column for the byte range it points at.
 /// Errors about other files are left as they are.
 pub fn locate(mut error: Error, text: &str, path: &std::path::Path) -> Error {
-    if error.place.file.is_some() {
+    if error.location.file.is_some() {
         return error;
     }
-    if error.place.line_column.is_none()
-        && let Some(span) = error.place.span.take()
+    if error.location.line_column.is_none()
+        && let Some(span) = error.location.span.take()
     {
         error = error.at_span(text, span);
     }

@@ -39,7 +39,7 @@ impl Pipeline {
     }
 }
 
-/// What an option `name=value` sets where no node need be named: the value is read as TOML, or taken as text where it is
+/// The setting of an option `name=value` where no node need be named: the value is read as TOML, or taken as text where it is
 /// none.
 pub fn field(option: &str) -> Result<Field> {
     let shown: Arc<str> = format!("--set {option}").into();

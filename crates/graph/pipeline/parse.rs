@@ -12,13 +12,13 @@ pub const EDITOR: &str = "editor";
 /// All that a text states, as far as it can be read, and all that is wrong with its form.
 #[derive(Debug, Clone, Default)]
 pub struct ParsedPipeline {
-    /// What could be read.
+    /// The part that could be read.
     pub pipeline: Pipeline,
     /// The table `[editor]`, where there is one; its own form is checked by the editor alone.
     pub editor: Vec<Field>,
-    /// Whether the text is TOML at all; what follows the place where it is not may be missing.
+    /// True if the text is TOML at all; what follows the place where it is not may be missing.
     pub is_toml: bool,
-    /// What is wrong, in the order in which [`Pipeline::parse`] finds it; with places.
+    /// Mistakes, in the order in which [`Pipeline::parse`] finds it; with places.
     pub faults: Vec<Error>,
 }
 
@@ -29,12 +29,12 @@ impl Pipeline {
         faults.into_iter().next().map_or(Ok(pipeline), Err)
     }
 
-    /// The same of a text that may be wrong: what can be read of it, and every mistake.
+    /// Like [`Pipeline::parse`], for a text with mistakes: its readable part, and every mistake.
     pub fn survey(text: &str) -> ParsedPipeline {
         let mut survey = read(text);
         for fault in &mut survey.faults {
             // Errors carry the byte range only; line and column follow from the text.
-            if let Some(span) = fault.place.span.take() {
+            if let Some(span) = fault.location.span.take() {
                 *fault = fault.clone().at_span(text, span);
             }
         }
@@ -209,7 +209,7 @@ pub fn parameters(text: &str) -> Result<Vec<Field>> {
     }));
     match faults.into_iter().next() {
         None => Ok(fields),
-        Some(mut fault) => Err(match fault.place.span.take() {
+        Some(mut fault) => Err(match fault.location.span.take() {
             Some(span) => fault.at_span(text, span),
             None => fault,
         }),

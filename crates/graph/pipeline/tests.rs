@@ -55,7 +55,7 @@ fn mistakes_in_the_frame_of_the_file_are_placed() {
         let error = Pipeline::parse(&TEXT.replacen(from, to, 1)).unwrap_err();
         let message = error.to_string();
         assert!(message.contains(wanted), "{to}: {message}");
-        assert_eq!(error.place.line_column, Some(place), "{to}: {message}");
+        assert_eq!(error.location.line_column, Some(place), "{to}: {message}");
     }
     assert!(Pipeline::parse("").unwrap_err().what.contains("does not state its format"));
     assert!(Pipeline::parse("[pipeline]\nformat = 1").unwrap_err().what.contains("no nodes"));
@@ -134,11 +134,11 @@ fn every_mistake_is_found_and_the_rest_is_read() {
         assert!(fault.contains(wanted), "{fault}");
     }
     assert_eq!(found.len(), 5, "{found:?}");
-    assert!(survey.faults.iter().all(|fault| fault.place.line_column.is_some()));
+    assert!(survey.faults.iter().all(|fault| fault.location.line_column.is_some()));
     assert_eq!(survey.pipeline.nodes.len(), 3);
     assert_eq!(survey.pipeline.nodes[2].inputs.len(), 2);
     // What is no TOML hides no more than it must.
     let survey = Pipeline::survey(&TEXT.replace("path = \"a.vtu\"", "path = "));
     assert!(!survey.is_toml && survey.pipeline.nodes.len() == 3);
-    assert_eq!(survey.faults[0].place.line_column, Some((8, 8)));
+    assert_eq!(survey.faults[0].location.line_column, Some((8, 8)));
 }

@@ -43,7 +43,7 @@ fn write_node(f: &mut fmt::Formatter<'_>, node: &NodeEntry) -> fmt::Result {
     Ok(())
 }
 
-/// Whether a value is a list of tables.
+/// True if a value is a list of tables.
 fn is_tables(datum: &ParameterValue) -> bool {
     match datum {
         ParameterValue::List(list) => !list.is_empty() && list.iter().all(|part| part.table().is_some()),

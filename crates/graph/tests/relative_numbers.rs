@@ -41,13 +41,13 @@ fn no_image(_: &str) -> Result<(usize, usize, Vec<[f32; 4]>)> {
     Ok((1, 1, vec![[1.0; 4]]))
 }
 
-/// The same widget with numbers typed by hand.
+/// The widget with plain numbers.
 fn assert_becomes(relative: &str, typed: &str) {
     let (kind, p) = keys(relative).unwrap();
     let found = read(kind, &resolved(&p, &Known).unwrap(), &no_image).unwrap();
     let (kind, p) = keys(typed).unwrap();
     assert_eq!(resolved(&p, &Known).unwrap(), p, "numbers stay as they are");
-    assert!(wanted(&p).is_empty());
+    assert!(statistics_request(&p).is_empty());
     assert_eq!(found, read(kind, &p, &no_image).unwrap(), "{relative}");
 }
 
@@ -128,9 +128,9 @@ fn periods_are_shares_of_what_the_bands_run_across() {
 #[test]
 fn only_what_the_numbers_need_is_asked_of_the_data() {
     let asked = |text: &str| {
-        let wanted = wanted(&keys(text).unwrap().1);
-        let ranges: Vec<String> = wanted.ranges.iter().map(ArrayRef::to_string).collect();
-        let percentiles = wanted.percentiles.iter().flat_map(|(quantity, percents)| {
+        let request = statistics_request(&keys(text).unwrap().1);
+        let ranges: Vec<String> = request.ranges.iter().map(ArrayRef::to_string).collect();
+        let percentiles = request.percentiles.iter().flat_map(|(quantity, percents)| {
             percents.iter().map(move |&bits| format!("{quantity} {}", f64::from_bits(bits)))
         });
         (ranges.join(", "), percentiles.collect::<Vec<_>>().join(", "))
@@ -153,7 +153,7 @@ fn a_constant_quantity_has_places_but_no_widths() {
     let error = resolved(&p, &Known).unwrap_err();
     assert!(error.to_string().contains("'c' is the same everywhere"), "{error}");
     assert!(error.to_string().contains("found 'c' = 7.0"), "{error}");
-    assert!(error.place.span.is_some(), "{error}");
+    assert!(error.location.span.is_some(), "{error}");
 }
 
 #[test]
@@ -209,7 +209,7 @@ fn wrong_texts_say_what_would_be_right_and_where() {
         let error = keys(&text).unwrap_err();
         let message = error.to_string();
         assert!(message.contains(wanted) && message.contains(found), "{message}");
-        assert!(error.place.span.is_some(), "{message}");
+        assert!(error.location.span.is_some(), "{message}");
     }
 }
 
@@ -221,5 +221,5 @@ fn numbers_replaced_keep_their_places() {
     let [before, after] = [&p, &known].map(|p| p.optional("centre").unwrap().list().unwrap()[0].clone());
     let LocatedValue { datum: ParameterValue::Number(20.0), origin } = after else { panic!("{after:?}") };
     assert_eq!(format!("{origin:?}"), format!("{:?}", before.origin));
-    assert!(known.given("centre") && !known.given("region"));
+    assert!(known.is_set("centre") && !known.is_set("region"));
 }

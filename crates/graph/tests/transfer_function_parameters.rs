@@ -9,7 +9,7 @@ const LIST: &[Parameter] = &[Parameter {
     name: "widgets",
     parameter_type: ParameterType::Kinds(WIDGET_KINDS),
     unit: "",
-    standard: DefaultValue::Required,
+    default: DefaultValue::Required,
     help: "the widgets",
 }];
 

@@ -31,7 +31,7 @@ fn every_mistake_has_its_place_and_the_first_is_the_one_that_a_build_names() {
     ];
     assert_eq!(found, wanted);
     let placed = |fault: &Diagnostic| {
-        fault.error.place.node.as_deref() == Some(&*fault.node) && fault.error.place.span.is_some()
+        fault.error.location.node.as_deref() == Some(&*fault.node) && fault.error.location.span.is_some()
     };
     assert!(faults.iter().all(placed));
     let first = graph(&text).unwrap_err().to_string();

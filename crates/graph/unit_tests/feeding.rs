@@ -1,4 +1,4 @@
-//! What feeds a node, without the node.
+//! Inputs of a node, without the node.
 
 use super::*;
 

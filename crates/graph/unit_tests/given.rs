@@ -1,4 +1,4 @@
-//! What a program gives in place of a node's work.
+//! Work of a program in place of a node's own.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Where the gradient is asked for.
+//! Points at which the gradient is requested.
 
 use super::*;
 use voltet_core::transfer::{OpticalModel, TransferFunction};

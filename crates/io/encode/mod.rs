@@ -1,4 +1,4 @@
-//! Pictures to files: sRGB PNG over a background, and linear OpenEXR (docs/optics.md, section 8); colours for numbers.
+//! Pictures to files: sRGB PNG over a background, and linear OpenEXR (docs/src/explanation/optics.md, section 8); colours for numbers.
 
 mod colors;
 
@@ -71,7 +71,7 @@ fn png_file(
 /// White, red, green and blue of Rec. 709 and sRGB: x and y of CIE 1931, in ten-thousandths.
 const REC_709: [[u32; 2]; 4] = [[3127, 3290], [6400, 3300], [3000, 6000], [1500, 600]];
 
-/// What the texts of a PNG file are called where its specification has a name (section 11.3.3.2), and those of its own.
+/// Text chunks of a PNG file: names of its specification (section 11.3.3.2) and some of this program's.
 fn texts(carried: Option<&Provenance>) -> Vec<(&'static str, String)> {
     let Some((carried, own)) = carried.and_then(|carried| Some((carried, carried.texts()?))) else {
         return Vec::new();

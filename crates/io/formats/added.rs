@@ -11,33 +11,33 @@ use voltet_core::reading::{GridRead, OpenGrid};
 use voltet_core::{Error, Result};
 
 /// An open file, and what was read of it and not yet taken.
-pub(super) struct Added {
+pub(super) struct ExternalFormat {
     open: Box<dyn OpenGrid>,
-    ready: Mutex<Ready>,
+    ready: Mutex<ParsedHead>,
 }
 
 #[derive(Default)]
-struct Ready {
+struct ParsedHead {
     points: Option<Vec<DVec3>>,
     cells: Option<Cells>,
     arrays: Vec<Option<Vec<f64>>>,
     warnings: Vec<String>,
 }
 
-impl std::fmt::Debug for Added {
+impl std::fmt::Debug for ExternalFormat {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Added").field("head", self.open.head()).finish_non_exhaustive()
     }
 }
 
-impl Added {
-    /// Of an open file, of which nothing was read yet.
-    pub fn new(open: Box<dyn OpenGrid>) -> Added {
-        let ready = Ready { arrays: vec![None; open.head().arrays.len()], ..Ready::default() };
-        Added { open, ready: Mutex::new(ready) }
+impl ExternalFormat {
+    /// Wraps an open file of which nothing was read yet.
+    pub fn new(open: Box<dyn OpenGrid>) -> ExternalFormat {
+        let ready = ParsedHead { arrays: vec![None; open.head().arrays.len()], ..ParsedHead::default() };
+        ExternalFormat { open, ready: Mutex::new(ready) }
     }
 
-    fn ready(&self) -> MutexGuard<'_, Ready> {
+    fn ready(&self) -> MutexGuard<'_, ParsedHead> {
         self.ready.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -97,22 +97,22 @@ impl Added {
 
     /// The points; read now if they are not there.
     pub fn points(&self, progress: &dyn Progress) -> Result<Vec<DVec3>> {
-        self.taken(|ready| ready.points.take(), true, &[], progress)
+        self.checked(|ready| ready.points.take(), true, &[], progress)
     }
 
     /// The cells.
     pub fn cells(&self, progress: &dyn Progress) -> Result<Cells> {
-        self.taken(|ready| ready.cells.take(), true, &[], progress)
+        self.checked(|ready| ready.cells.take(), true, &[], progress)
     }
 
     /// The values of an array.
     pub fn array(&self, place: usize, progress: &dyn Progress) -> Result<Vec<f64>> {
-        self.taken(|ready| ready.arrays[place].take(), false, &[place], progress)
+        self.checked(|ready| ready.arrays[place].take(), false, &[place], progress)
     }
 
-    fn taken<T>(
+    fn checked<T>(
         &self,
-        take: impl Fn(&mut Ready) -> Option<T>,
+        take: impl Fn(&mut ParsedHead) -> Option<T>,
         geometry: bool,
         places: &[usize],
         progress: &dyn Progress,
@@ -125,7 +125,7 @@ impl Added {
         take(&mut self.ready()).ok_or_else(gone)
     }
 
-    /// What the reader warns of.
+    /// Warnings of the reader.
     pub fn warnings(&self) -> Vec<String> {
         self.ready().warnings.clone()
     }

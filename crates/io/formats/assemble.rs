@@ -1,10 +1,10 @@
 //! From the table of contents to the grid: decodes what is asked for, puts pieces together, builds tetrahedra.
 
-use super::added::Added;
+use super::added::ExternalFormat;
 use super::merge::Loaded;
 use super::piece::{Dataset, Geometry, Piece};
 use super::request::{Association, Request};
-use super::select::{self, Choice, Component, GHOST_LEVELS, GHOST_TYPE};
+use super::select::{self, ArraySelection, Component, GHOST_LEVELS, GHOST_TYPE};
 use super::stored::Meter;
 use super::{cells, merge};
 use crate::memory::GridSize;
@@ -92,7 +92,12 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
 }
 
 /// Has a reader from outside read all that is asked for at once.
-fn fetch(added: &Added, dataset: &Dataset, request: &Request, progress: &dyn Progress) -> Result<()> {
+fn fetch(
+    added: &ExternalFormat,
+    dataset: &Dataset,
+    request: &Request,
+    progress: &dyn Progress,
+) -> Result<()> {
     let choices = choices(dataset, request)?;
     let chosen = |name: &str, per_cell: bool| {
         choices.iter().any(|choice| choice.per_cell == per_cell && choice.name == name)
@@ -100,7 +105,7 @@ fn fetch(added: &Added, dataset: &Dataset, request: &Request, progress: &dyn Pro
     added.fetch(|name, per_cell| chosen(name, per_cell) || is_part_of_cells(name), progress)
 }
 
-/// Whether an array is read with every grid.
+/// True if an array is read with every grid.
 fn is_part_of_cells(name: &str) -> bool {
     [GHOST_TYPE, GHOST_LEVELS, DEGREES].contains(&name)
 }
@@ -122,7 +127,7 @@ fn refuse_beyond_memory(
 }
 
 /// The arrays that a request means: the scalar, those beside it on the points, and those that stay on the cells.
-pub(super) fn choices(dataset: &Dataset, request: &Request) -> Result<Vec<Choice>> {
+pub(super) fn choices(dataset: &Dataset, request: &Request) -> Result<Vec<ArraySelection>> {
     let model = select::model(dataset)?;
     let mut choices = vec![select::scalar(dataset, request.scalar.as_deref(), request.association)?];
     for name in point_names(request) {
@@ -152,7 +157,7 @@ fn cell_names(request: &Request) -> Vec<&String> {
 
 /// An early error where no cell is three-dimensional, before anything else is read.
 fn check_dimension(cells: &[Cells]) -> Result<()> {
-    let is_volume = |&code: &u8| CellType::of(code).is_none_or(|cell_type| cell_type.dimension == 3);
+    let is_volume = |&code: &u8| CellType::from_code(code).is_none_or(|cell_type| cell_type.dimension == 3);
     let mut counts = BTreeMap::<u8, u64>::new();
     let mut flat = false;
     for cells in cells {
@@ -173,15 +178,15 @@ fn check_dimension(cells: &[Cells]) -> Result<()> {
 
 /// Arrays that nobody asked for.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Unread {
+pub struct SkippedArray {
     /// Their names, each once.
     pub arrays: Vec<String>,
     /// Numbers that they hold, as far as headers say.
     pub value_count: u64,
 }
 
-/// What the choices leave.
-pub(super) fn unread(dataset: &Dataset, choices: &[Choice]) -> Result<Unread> {
+/// Arrays that the selection skips.
+pub(super) fn unread(dataset: &Dataset, choices: &[ArraySelection]) -> Result<SkippedArray> {
     let (mut arrays, mut value_count) = (Vec::new(), 0u64);
     for array in dataset.pieces.iter().flat_map(|piece| &piece.arrays) {
         let name = &array.stored.name;
@@ -194,10 +199,10 @@ pub(super) fn unread(dataset: &Dataset, choices: &[Choice]) -> Result<Unread> {
             }
         }
     }
-    Ok(Unread { arrays, value_count })
+    Ok(SkippedArray { arrays, value_count })
 }
 
-fn load(piece: &Piece, cells: Cells, choices: &[Choice], meter: &Meter) -> Result<Loaded> {
+fn load(piece: &Piece, cells: Cells, choices: &[ArraySelection], meter: &Meter) -> Result<Loaded> {
     // The values first: their bytes are there to be counted, those of a uniform grid's points are not.
     let columns = choices.iter().map(|choice| column(piece, choice, meter)).collect::<Result<_>>()?;
     let ghost = ghosts(piece, &cells, meter)?;
@@ -206,7 +211,7 @@ fn load(piece: &Piece, cells: Cells, choices: &[Choice], meter: &Meter) -> Resul
 }
 
 /// The values of a choice.
-pub(super) fn column(piece: &Piece, choice: &Choice, meter: &Meter) -> Result<Vec<f64>> {
+pub(super) fn column(piece: &Piece, choice: &ArraySelection, meter: &Meter) -> Result<Vec<f64>> {
     let array = piece.arrays_of(choice.per_cell).find(|array| array.stored.name == choice.name);
     let Some(array) = array else {
         return Err(Error::run(format!("a piece of the file lacks the array '{}'", choice.name))

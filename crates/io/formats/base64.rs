@@ -42,7 +42,7 @@ impl<'a> Base64Text<'a> {
         Ok(bytes)
     }
 
-    /// Whether the text begins with a run of exactly `count` bytes that ends with padding.
+    /// True if the text begins with a run of exactly `count` bytes that ends with padding.
     pub fn begins_with_padded_run(&self, count: u64) -> Result<bool> {
         let character_count = (count.div_ceil(3) * 4) as usize;
         let text = self.clone().characters(character_count)?;

@@ -101,10 +101,10 @@ fn mixed(
                 (point_offsets.load(meter)?, face_offsets.load(meter)?);
             let mut polyhedra = Vec::new();
             for number in polyhedra_of(&types) {
-                let own = part(&faces, &face_ends, number).ok_or_else(|| damaged_faces(number))?;
+                let own = slice_of(&faces, &face_ends, number).ok_or_else(|| damaged_faces(number))?;
                 let own: Option<Vec<Vec<u32>>> = own
                     .iter()
-                    .map(|&face| part(&points, &point_ends, face as usize).map(<[u32]>::to_vec))
+                    .map(|&face| slice_of(&points, &point_ends, face as usize).map(<[u32]>::to_vec))
                     .collect();
                 let own = own.ok_or_else(|| damaged_faces(number))?;
                 polyhedra.push(Polyhedron { cell: number as u32, faces: own });
@@ -146,7 +146,7 @@ fn damaged_faces(number: usize) -> Error {
 }
 
 /// Part `index` of `values` by the ends of the parts.
-fn part<'a>(values: &'a [u32], ends: &[u64], index: usize) -> Option<&'a [u32]> {
+fn slice_of<'a>(values: &'a [u32], ends: &[u64], index: usize) -> Option<&'a [u32]> {
     let begin = if index == 0 { 0 } else { *ends.get(index - 1)? };
     values.get(usize::try_from(begin).ok()?..usize::try_from(*ends.get(index)?).ok()?)
 }

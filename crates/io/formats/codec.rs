@@ -7,7 +7,7 @@ use lzma_rust2::XzReader;
 use std::io::Read;
 use voltet_core::{Error, Result};
 
-/// How the blocks of an array are compressed.
+/// Compression of an array's blocks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Codec {
     Zlib,

@@ -5,7 +5,7 @@
 
 use super::ascii;
 use super::codec::Decompressor;
-use super::found::{Found, Payload};
+use super::found::{Decodable, Payload};
 use super::numbers::{Target, convert};
 use super::stored::{Meter, Stored};
 use rayon::prelude::*;
@@ -44,14 +44,14 @@ impl Stored {
 
     fn load_checked<T: Target>(&self, meter: &Meter) -> Result<Vec<T>> {
         let found = self.find(meter)?;
-        if let Found::Text(text) = &found {
+        if let Decodable::Text(text) = &found {
             let values = ascii::numbers(self.number_type, text)?;
             meter.advance(text.len() as u64)?;
             self.check_count(values.len() as u64)?;
             return Ok(values);
         }
         let count = self.count(&found)?;
-        if let Found::Computed(values) = found {
+        if let Decodable::Computed(values) = found {
             return Ok(T::all_from(values));
         }
         let mut values = vec![T::default(); count];
@@ -60,19 +60,19 @@ impl Stored {
     }
 
     /// Number of values found, which is the number promised.
-    fn count(&self, found: &Found) -> Result<usize> {
+    fn count(&self, found: &Decodable) -> Result<usize> {
         let byte_count = match found {
-            Found::Text(text) => {
+            Decodable::Text(text) => {
                 let count = ascii::words(text).count() as u64;
                 self.check_count(count)?;
                 return Ok(count as usize);
             }
-            Found::Computed(values) => {
+            Decodable::Computed(values) => {
                 self.check_count(values.len() as u64)?;
                 return Ok(values.len());
             }
-            Found::Plain(payload) => payload.len(),
-            Found::Blocks { size, last, places, .. } => match places.len() as u64 {
+            Decodable::Plain(payload) => payload.len(),
+            Decodable::Blocks { size, last, places, .. } => match places.len() as u64 {
                 0 => 0,
                 count => (count - 1) * size + last,
             },
@@ -111,7 +111,7 @@ impl Stored {
     pub fn visit<T: Target>(&self, meter: &Meter, see: &See<T>) -> Result<()> {
         let inner = || -> Result<()> {
             let found = self.find(meter)?;
-            if matches!(found, Found::Text(_) | Found::Computed(_)) {
+            if matches!(found, Decodable::Text(_) | Decodable::Computed(_)) {
                 let values = self.load_checked(meter)?;
                 return see(values.len(), 0, &values);
             }
@@ -123,7 +123,7 @@ impl Stored {
                 |(buffers, values), part| {
                     let first = part * part_len;
                     values.resize((count - first).min(part_len), T::default());
-                    self.part(&found, part, buffers, values, meter)?;
+                    self.decode_range(&found, part, buffers, values, meter)?;
                     see(count, first, values)
                 },
             )
@@ -132,15 +132,15 @@ impl Stored {
     }
 
     /// Decodes what was found into `to`, whose length is the number of values.
-    fn decode<T: Target>(&self, found: Found, to: &mut [T], meter: &Meter) -> Result<()> {
+    fn decode<T: Target>(&self, found: Decodable, to: &mut [T], meter: &Meter) -> Result<()> {
         match found {
-            Found::Computed(values) => {
+            Decodable::Computed(values) => {
                 for (to, value) in to.iter_mut().zip(values) {
                     *to = T::from_f64(value).0;
                 }
                 Ok(())
             }
-            Found::Text(text) => {
+            Decodable::Text(text) => {
                 to.copy_from_slice(&ascii::numbers::<T>(self.number_type, &text)?);
                 meter.advance(text.len() as u64)
             }
@@ -149,15 +149,15 @@ impl Stored {
                 to.par_chunks_mut(self.part_len(&found))
                     .enumerate()
                     .try_for_each_init(Buffers::default, |buffers, (part, to)| {
-                        self.part(&found, part, buffers, to, meter)
+                        self.decode_range(&found, part, buffers, to, meter)
                     })
             }
         }
     }
 
     /// Puts the bytes side by side where values lie across the blocks.
-    fn whole_values(&self, found: Found, meter: &Meter) -> Result<Found> {
-        let Found::Blocks { size, last, places, .. } = &found else { return Ok(found) };
+    fn whole_values(&self, found: Decodable, meter: &Meter) -> Result<Decodable> {
+        let Decodable::Blocks { size, last, places, .. } = &found else { return Ok(found) };
         if self.number_type.size().is_some_and(|value_size| size.is_multiple_of(value_size as u64)) {
             return Ok(found);
         }
@@ -169,21 +169,21 @@ impl Stored {
             .try_for_each_init(Buffers::default, |buffers, (index, to)| {
                 self.block(&found, index, buffers, to, meter)
             })?;
-        Ok(Found::Plain(Payload::Memory(bytes)))
+        Ok(Decodable::Plain(Payload::Memory(bytes)))
     }
 
     /// Values of a part that one task decodes.
-    fn part_len(&self, found: &Found) -> usize {
+    fn part_len(&self, found: &Decodable) -> usize {
         match (found, self.number_type.size()) {
-            (Found::Blocks { size, .. }, Some(value_size)) => (*size as usize / value_size).max(1),
+            (Decodable::Blocks { size, .. }, Some(value_size)) => (*size as usize / value_size).max(1),
             _ => PART,
         }
     }
 
     /// Decodes one part.
-    fn part<T: Target>(
+    fn decode_range<T: Target>(
         &self,
-        found: &Found,
+        found: &Decodable,
         part: usize,
         buffers: &mut Buffers,
         to: &mut [T],
@@ -197,7 +197,7 @@ impl Stored {
             })
         };
         match found {
-            Found::Plain(payload) => {
+            Decodable::Plain(payload) => {
                 // A part is a multiple of 8 values, so parts of bit arrays begin with a byte.
                 let (at, end) = match self.number_type.size() {
                     Some(size) => (first * size, (first + to.len()) * size),
@@ -221,13 +221,13 @@ impl Stored {
     /// Decompresses block `index` into `to`, which has its size.
     fn block(
         &self,
-        found: &Found,
+        found: &Decodable,
         index: usize,
         buffers: &mut Buffers,
         to: &mut [u8],
         meter: &Meter,
     ) -> Result<()> {
-        let Found::Blocks { payload, codec, places, .. } = found else { return Ok(()) };
+        let Decodable::Blocks { payload, codec, places, .. } = found else { return Ok(()) };
         let (at, len) = places[index];
         let decompressor = buffers.decompressor.get_or_insert_with(|| Decompressor::new(*codec));
         let bytes = payload.get(&self.source, at, len as usize, &mut buffers.read)?;

@@ -5,17 +5,17 @@ use std::path::Path;
 use voltet_core::{Error, Result};
 
 /// A format that is not read.
-struct Foreign {
-    /// What its files are, with an article.
+struct UnsupportedFormat {
+    /// Name of the format, with an article.
     what: &'static str,
-    /// What to do, a clause that can follow "expected".
+    /// Remedy, a clause that can follow "expected".
     remedy: &'static str,
-    /// Whether a file is one.
-    is_meant: fn(&Seen) -> bool,
+    /// True if a file is one.
+    is_meant: fn(&FileStart) -> bool,
 }
 
-/// What is looked at of a file.
-struct Seen<'a> {
+/// First bytes of a file.
+struct FileStart<'a> {
     /// Its first bytes; of containers, with names somewhere within, more of them.
     bytes: &'a [u8],
     /// Its length.
@@ -32,56 +32,60 @@ const IMAGE: &str = "a .vti file (VTK image data): ParaView reads it and saves i
 const ARCHIVE: &str = "the file within: unpack it first";
 
 /// Formats that their first bytes tell for sure. Of containers those that are told by what is inside stand first.
-const BY_MAGIC: &[Foreign] = &[
-    Foreign {
+const BY_MAGIC: &[UnsupportedFormat] = &[
+    UnsupportedFormat {
         what: "a VTKHDF file (VTK's data in HDF5)",
         remedy: PARAVIEW,
         is_meant: |seen| seen.is_hdf5() && seen.holds("VTKHDF"),
     },
-    Foreign {
+    UnsupportedFormat {
         what: "a CGNS file",
         remedy: PARAVIEW,
         is_meant: |seen| seen.is_hdf5() && (seen.holds("CGNSLibraryVersion") || seen.holds("CGNSBase_t")),
     },
-    Foreign {
+    UnsupportedFormat {
         what: "an Exodus II file",
         remedy: PARAVIEW,
         is_meant: |seen| {
             (seen.is_hdf5() || seen.is_netcdf()) && (seen.holds("num_el_blk") || seen.holds("eb_prop1"))
         },
     },
-    Foreign {
+    UnsupportedFormat {
         what: "a MED file (Salome)",
         remedy: "a .vtu file: Salome's ParaVis reads it and saves its data as .vtu, and so does `meshio convert`",
         is_meant: |seen| seen.is_hdf5() && (seen.holds("ENS_MAA") || seen.holds("INFOS_GENERALES")),
     },
-    Foreign {
+    UnsupportedFormat {
         what: "an HDF5 file",
         remedy: "a .vtu file: the program that wrote this one, or ParaView with the .xdmf file beside it, can save one",
         is_meant: |seen| seen.is_hdf5(),
     },
-    Foreign {
+    UnsupportedFormat {
         what: "a netCDF file",
         remedy: "a .vtu or .vts file: ParaView reads it and saves its data so",
         is_meant: |seen| seen.is_netcdf(),
     },
-    Foreign { what: "a mesh of Gmsh", remedy: MESHIO, is_meant: |seen| seen.begins("$MeshFormat") },
-    Foreign {
+    UnsupportedFormat {
+        what: "a mesh of Gmsh",
+        remedy: MESHIO,
+        is_meant: |seen| seen.starts_with("$MeshFormat"),
+    },
+    UnsupportedFormat {
         what: "data of Abaqus (.odb)",
         remedy: "a .vtu file: Abaqus/CAE exports field output as text, or as .inp with `meshio convert` after it",
-        is_meant: |seen| seen.begins("HKSRD0"),
+        is_meant: |seen| seen.starts_with("HKSRD0"),
     },
-    Foreign {
+    UnsupportedFormat {
         what: "a file of OpenFOAM",
         remedy: OPENFOAM,
         is_meant: |seen| seen.has_line(|line| line.trim() == "FoamFile"),
     },
-    Foreign {
+    UnsupportedFormat {
         what: "a mesh or case of Ansys Fluent",
         remedy: PARAVIEW,
-        is_meant: |seen| seen.begins("(0 ") || seen.begins("(1 ") || seen.begins("(2 "),
+        is_meant: |seen| seen.starts_with("(0 ") || seen.starts_with("(1 ") || seen.starts_with("(2 "),
     },
-    Foreign {
+    UnsupportedFormat {
         what: "an EnSight case",
         remedy: PARAVIEW,
         is_meant: |seen| {
@@ -89,61 +93,97 @@ const BY_MAGIC: &[Foreign] = &[
                 && seen.has_line(|line| line.to_lowercase().replace(' ', "").starts_with("type:ensight"))
         },
     },
-    Foreign {
+    UnsupportedFormat {
         what: "a geometry file of EnSight",
         remedy: "a .vtu file: open the .case file beside it in ParaView and save its data as .vtu",
-        is_meant: |seen| seen.begins("C Binary") || seen.begins("Fortran Binary"),
+        is_meant: |seen| seen.starts_with("C Binary") || seen.starts_with("Fortran Binary"),
     },
-    Foreign { what: "a Tecplot file", remedy: PARAVIEW, is_meant: |seen| seen.begins("#!TDV") },
-    Foreign { what: "an XDMF file", remedy: PARAVIEW, is_meant: |seen| seen.has_tag("Xdmf") },
-    Foreign { what: "a mesh of FEniCS (XML)", remedy: MESHIO, is_meant: |seen| seen.has_tag("dolfin") },
-    Foreign {
+    UnsupportedFormat {
+        what: "a Tecplot file",
+        remedy: PARAVIEW,
+        is_meant: |seen| seen.starts_with("#!TDV"),
+    },
+    UnsupportedFormat { what: "an XDMF file", remedy: PARAVIEW, is_meant: |seen| seen.has_tag("Xdmf") },
+    UnsupportedFormat {
+        what: "a mesh of FEniCS (XML)",
+        remedy: MESHIO,
+        is_meant: |seen| seen.has_tag("dolfin"),
+    },
+    UnsupportedFormat {
         what: "a surface (PLY)",
         remedy: SURFACE,
-        is_meant: |seen| seen.begins("ply\n") || seen.begins("ply\r"),
+        is_meant: |seen| seen.starts_with("ply\n") || seen.starts_with("ply\r"),
     },
-    Foreign { what: "a surface (STL)", remedy: SURFACE, is_meant: |seen| seen.is_stl() },
-    Foreign {
+    UnsupportedFormat { what: "a surface (STL)", remedy: SURFACE, is_meant: |seen| seen.is_stl() },
+    UnsupportedFormat {
         what: "a surface (OFF)",
         remedy: SURFACE,
-        is_meant: |seen| seen.begins("OFF\n") || seen.begins("OFF\r"),
+        is_meant: |seen| seen.starts_with("OFF\n") || seen.starts_with("OFF\r"),
     },
-    Foreign { what: "a surface (glTF)", remedy: SURFACE, is_meant: |seen| seen.begins("glTF") },
-    Foreign { what: "an image (PNG)", remedy: IMAGE, is_meant: |seen| seen.starts(b"\x89PNG") },
-    Foreign { what: "an image (JPEG)", remedy: IMAGE, is_meant: |seen| seen.starts(b"\xff\xd8\xff") },
-    Foreign {
+    UnsupportedFormat {
+        what: "a surface (glTF)",
+        remedy: SURFACE,
+        is_meant: |seen| seen.starts_with("glTF"),
+    },
+    UnsupportedFormat { what: "an image (PNG)", remedy: IMAGE, is_meant: |seen| seen.starts(b"\x89PNG") },
+    UnsupportedFormat {
+        what: "an image (JPEG)",
+        remedy: IMAGE,
+        is_meant: |seen| seen.starts(b"\xff\xd8\xff"),
+    },
+    UnsupportedFormat {
         what: "an image (TIFF)",
         remedy: IMAGE,
         is_meant: |seen| seen.starts(b"II*\0") || seen.starts(b"MM\0*"),
     },
-    Foreign { what: "an image (NRRD)", remedy: IMAGE, is_meant: |seen| seen.begins("NRRD000") },
-    Foreign { what: "an image (DICOM)", remedy: IMAGE, is_meant: |seen| seen.at(128, b"DICM") },
-    Foreign {
+    UnsupportedFormat {
+        what: "an image (NRRD)",
+        remedy: IMAGE,
+        is_meant: |seen| seen.starts_with("NRRD000"),
+    },
+    UnsupportedFormat {
+        what: "an image (DICOM)",
+        remedy: IMAGE,
+        is_meant: |seen| seen.has_magic_at(128, b"DICM"),
+    },
+    UnsupportedFormat {
         what: "an image (NIfTI)",
         remedy: IMAGE,
-        is_meant: |seen| seen.at(344, b"n+1\0") || seen.at(344, b"ni1\0"),
+        is_meant: |seen| seen.has_magic_at(344, b"n+1\0") || seen.has_magic_at(344, b"ni1\0"),
     },
-    Foreign {
+    UnsupportedFormat {
         what: "an image (MetaImage)",
         remedy: IMAGE,
         is_meant: |seen| seen.has_line(|line| line.starts_with("ObjectType = Image")),
     },
-    Foreign { what: "an OpenVDB file", remedy: IMAGE, is_meant: |seen| seen.starts(b" BDV\0\0\0\0") },
-    Foreign { what: "a gzip archive", remedy: ARCHIVE, is_meant: |seen| seen.starts(b"\x1f\x8b\x08") },
-    Foreign { what: "a zip archive", remedy: ARCHIVE, is_meant: |seen| seen.starts(b"PK\x03\x04") },
-    Foreign { what: "an xz archive", remedy: ARCHIVE, is_meant: |seen| seen.starts(b"\xfd7zXZ\0") },
-    Foreign { what: "a bzip2 archive", remedy: ARCHIVE, is_meant: |seen| seen.begins("BZh") },
-    Foreign { what: "a zstd archive", remedy: ARCHIVE, is_meant: |seen| seen.starts(b"\x28\xb5\x2f\xfd") },
+    UnsupportedFormat {
+        what: "an OpenVDB file",
+        remedy: IMAGE,
+        is_meant: |seen| seen.starts(b" BDV\0\0\0\0"),
+    },
+    UnsupportedFormat {
+        what: "a gzip archive",
+        remedy: ARCHIVE,
+        is_meant: |seen| seen.starts(b"\x1f\x8b\x08"),
+    },
+    UnsupportedFormat { what: "a zip archive", remedy: ARCHIVE, is_meant: |seen| seen.starts(b"PK\x03\x04") },
+    UnsupportedFormat { what: "an xz archive", remedy: ARCHIVE, is_meant: |seen| seen.starts(b"\xfd7zXZ\0") },
+    UnsupportedFormat { what: "a bzip2 archive", remedy: ARCHIVE, is_meant: |seen| seen.starts_with("BZh") },
+    UnsupportedFormat {
+        what: "a zstd archive",
+        remedy: ARCHIVE,
+        is_meant: |seen| seen.starts(b"\x28\xb5\x2f\xfd"),
+    },
 ];
 
 /// Formats of plain text that only words tell; asked where nothing else is meant.
-const BY_WORDS: &[Foreign] = &[
-    Foreign {
+const BY_WORDS: &[UnsupportedFormat] = &[
+    UnsupportedFormat {
         what: "input of LS-DYNA",
         remedy: "a .vtu file: LS-PrePost saves the results (d3plot), and ParaView reads these",
         is_meant: |seen| seen.has_line(|line| line.to_lowercase().starts_with("*keyword")),
     },
-    Foreign {
+    UnsupportedFormat {
         what: "input of Abaqus (.inp)",
         remedy: MESHIO,
         is_meant: |seen| {
@@ -151,19 +191,19 @@ const BY_WORDS: &[Foreign] = &[
             seen.has_line(|line| words.iter().any(|word| line.to_lowercase().starts_with(word)))
         },
     },
-    Foreign {
+    UnsupportedFormat {
         what: "input of Ansys (.cdb)",
         remedy: "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it and saves its grid",
         is_meant: |seen| {
             seen.has_line(|line| ["/COM,", "/PREP7", "NBLOCK,"].iter().any(|word| line.starts_with(word)))
         },
     },
-    Foreign {
+    UnsupportedFormat {
         what: "results of Ansys",
         remedy: "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it and saves it by save_as_vtk",
         is_meant: |seen| ["rst", "rth", "rfl"].contains(&seen.ending.as_str()),
     },
-    Foreign {
+    UnsupportedFormat {
         what: "input of Nastran",
         remedy: MESHIO,
         is_meant: |seen| {
@@ -172,17 +212,17 @@ const BY_WORDS: &[Foreign] = &[
             })
         },
     },
-    Foreign {
+    UnsupportedFormat {
         what: "a Tecplot file",
         remedy: PARAVIEW,
         is_meant: |seen| seen.has_line(|line| line.to_uppercase().replace(' ', "").starts_with("VARIABLES=")),
     },
-    Foreign {
+    UnsupportedFormat {
         what: "data of COMSOL as text",
         remedy: "a .vtu file: COMSOL exports VTK (.vtu) by Export › Data",
-        is_meant: |seen| seen.begins("% Model:") || seen.begins("# Created by COMSOL"),
+        is_meant: |seen| seen.starts_with("% Model:") || seen.starts_with("# Created by COMSOL"),
     },
-    Foreign {
+    UnsupportedFormat {
         what: "a surface (OBJ)",
         remedy: SURFACE,
         is_meant: |seen| {
@@ -190,7 +230,7 @@ const BY_WORDS: &[Foreign] = &[
                 && (seen.ending == "obj" || seen.has_line(|line| line.starts_with("f ")))
         },
     },
-    Foreign {
+    UnsupportedFormat {
         what: "a table as text",
         remedy: "a grid with cells: points alone have no volume; ParaView's Delaunay3D joins them to tetrahedra",
         is_meant: |seen| ["csv", "tsv"].contains(&seen.ending.as_str()),
@@ -223,18 +263,18 @@ pub(super) fn refuse_by_words(source: &Source) -> Result<()> {
     refuse(source, BY_WORDS)
 }
 
-/// Of text the head is looked at; names in HDF5 and netCDF stand anywhere, for the most part early.
+/// Bytes searched of a text; names in HDF5 and netCDF stand anywhere, for the most part early.
 const HEAD: u64 = 4096;
 const CONTAINER_HEAD: u64 = 4 << 20;
 
-fn refuse(source: &Source, formats: &[Foreign]) -> Result<()> {
+fn refuse(source: &Source, formats: &[UnsupportedFormat]) -> Result<()> {
     let ending = source.path().extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let mut bytes = source.head(HEAD)?;
-    let is_container = |seen: &Seen| seen.is_hdf5() || seen.is_netcdf();
-    if is_container(&Seen { bytes: &bytes, len: source.len(), ending: String::new() }) {
+    let is_container = |seen: &FileStart| seen.is_hdf5() || seen.is_netcdf();
+    if is_container(&FileStart { bytes: &bytes, len: source.len(), ending: String::new() }) {
         bytes = source.head(CONTAINER_HEAD)?;
     }
-    let seen = Seen { bytes: &bytes, len: source.len(), ending };
+    let seen = FileStart { bytes: &bytes, len: source.len(), ending };
     match formats.iter().find(|format| (format.is_meant)(&seen)) {
         Some(format) => Err(refusal(format.what, format.remedy)),
         None => Ok(()),
@@ -245,13 +285,13 @@ fn refusal(what: &str, remedy: &str) -> Error {
     Error::run("the format of the file is known, but not read").got(what).expected(remedy)
 }
 
-impl Seen<'_> {
+impl FileStart<'_> {
     fn starts(&self, magic: &[u8]) -> bool {
         self.bytes.starts_with(magic)
     }
 
-    /// Whether the text begins so, after a byte order mark.
-    fn begins(&self, word: &str) -> bool {
+    /// True if the text begins so, after a byte order mark.
+    fn starts_with(&self, word: &str) -> bool {
         self.text().starts_with(word.as_bytes())
     }
 
@@ -259,29 +299,29 @@ impl Seen<'_> {
         self.bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(self.bytes)
     }
 
-    fn at(&self, place: usize, magic: &[u8]) -> bool {
+    fn has_magic_at(&self, place: usize, magic: &[u8]) -> bool {
         self.bytes.get(place..).is_some_and(|rest| rest.starts_with(magic))
     }
 
-    /// Whether the word stands anywhere.
+    /// True if the word stands anywhere.
     fn holds(&self, word: &str) -> bool {
         self.bytes.windows(word.len()).any(|window| window == word.as_bytes())
     }
 
-    /// Whether some line of text is one of those; bytes that are no text have none.
+    /// True if some line of text is one of those; bytes that are no text have none.
     fn has_line(&self, is_one: impl Fn(&str) -> bool) -> bool {
         let head = &self.text()[..self.text().len().min(HEAD as usize)];
         !head.contains(&0) && String::from_utf8_lossy(head).lines().any(is_one)
     }
 
-    /// Whether it is XML with this element at its root.
+    /// True if it is XML with this element at its root.
     fn has_tag(&self, tag: &str) -> bool {
         self.text().trim_ascii_start().starts_with(b"<") && self.holds(&format!("<{tag}"))
     }
 
     fn is_hdf5(&self) -> bool {
         // A block for the user's own may stand before it.
-        [0, 512, 1024, 2048].iter().any(|&place| self.at(place, b"\x89HDF\r\n\x1a\n"))
+        [0, 512, 1024, 2048].iter().any(|&place| self.has_magic_at(place, b"\x89HDF\r\n\x1a\n"))
     }
 
     fn is_netcdf(&self) -> bool {
@@ -291,7 +331,7 @@ impl Seen<'_> {
     /// Text, or 80 bytes of anything, the number of triangles and 50 bytes for each.
     fn is_stl(&self) -> bool {
         let words =
-            self.begins("solid") && self.has_line(|line| line.trim_start().starts_with("facet normal"));
+            self.starts_with("solid") && self.has_line(|line| line.trim_start().starts_with("facet normal"));
         let count = self.bytes.get(80..84).and_then(|bytes| bytes.try_into().ok()).map(u32::from_le_bytes);
         words || count.is_some_and(|count| count > 0 && self.len == 84 + 50 * u64::from(count))
     }

@@ -9,12 +9,12 @@ use voltet_core::Result;
 
 /// A format of files.
 pub(super) struct Format {
-    /// What its files are called in messages.
+    /// Name of the format's files in messages.
     pub files: &'static str,
-    /// Whether a file is one, by its name and how it begins (a byte order mark and white space left out).
+    /// True if a file is one, by its name and how it begins (a byte order mark and white space left out).
     pub is_meant: fn(head: &[u8], path: &Path, request: &Request) -> bool,
     /// Reads the table of contents.
     pub open: fn(Arc<Source>, &Request) -> Result<Dataset>,
-    /// Whether a file may come with a second one, [`Request::solution`].
+    /// True if a file may come with a second one, [`Request::solution`].
     pub has_solution: bool,
 }

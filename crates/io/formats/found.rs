@@ -8,7 +8,7 @@ use super::stored::{Encoding, Meter, Stored};
 use voltet_core::{Error, Result};
 
 /// The bytes of an array, found and counted.
-pub(super) enum Found {
+pub(super) enum Decodable {
     /// Text, not yet parsed.
     Text(Vec<u8>),
     /// Values side by side.
@@ -57,24 +57,24 @@ impl Payload {
 
 impl Stored {
     /// Finds the bytes and checks that they lie in the file.
-    pub(super) fn find(&self, meter: &Meter) -> Result<Found> {
+    pub(super) fn find(&self, meter: &Meter) -> Result<Decodable> {
         let source = &*self.source;
         match &self.encoding {
-            Encoding::Computed(compute) => Ok(Found::Computed(compute(meter)?)),
+            Encoding::Computed(compute) => Ok(Decodable::Computed(compute(meter)?)),
             Encoding::Text(parts) => {
                 let mut text = Vec::new();
                 for part in parts {
                     text.extend(source.read(part.start, part.end - part.start)?);
                     text.push(b' ');
                 }
-                Ok(Found::Text(text))
+                Ok(Decodable::Text(text))
             }
             // An empty array may have no bytes at all, not even a length.
-            _ if self.promised()? == Some(0) => Ok(Found::Plain(Payload::Memory(Vec::new()))),
+            _ if self.promised()? == Some(0) => Ok(Decodable::Plain(Payload::Memory(Vec::new()))),
             Encoding::Bytes(at) => {
                 let len = self.promised()?.and_then(|count| self.number_type.byte_count(count)).unwrap_or(0);
                 source.check(*at, len)?;
-                Ok(Found::Plain(Payload::File { at: *at, len }))
+                Ok(Decodable::Plain(Payload::File { at: *at, len }))
             }
             &Encoding::Xml { at, end, base64, wide, codec } => {
                 let width = if wide { 8 } else { 4 };
@@ -87,11 +87,11 @@ impl Stored {
                         self.check_len(len)?;
                         if separate {
                             text.run(width)?;
-                            return Ok(Found::Plain(Payload::Memory(text.run(len)?)));
+                            return Ok(Decodable::Plain(Payload::Memory(text.run(len)?)));
                         }
                         let mut bytes = text.run(len.saturating_add(width))?;
                         bytes.drain(..width as usize);
-                        return Ok(Found::Plain(Payload::Memory(bytes)));
+                        return Ok(Decodable::Plain(Payload::Memory(bytes)));
                     };
                     let head = text.clone().run(width * 3)?;
                     let block_count = word(&head, 0, wide, self.order);
@@ -99,7 +99,13 @@ impl Stored {
                     let table = text.run(table_len)?;
                     let (size, last, places) = self.places(&table, wide, codec)?;
                     let len = places.last().map_or(0, |&(at, len)| at + u64::from(len));
-                    Ok(Found::Blocks { payload: Payload::Memory(text.run(len)?), codec, size, last, places })
+                    Ok(Decodable::Blocks {
+                        payload: Payload::Memory(text.run(len)?),
+                        codec,
+                        size,
+                        last,
+                        places,
+                    })
                 } else {
                     let head_len = width * if codec.is_some() { 3 } else { 1 };
                     let head = source.read(at, head_len)?;
@@ -107,14 +113,14 @@ impl Stored {
                     let Some(codec) = codec else {
                         self.check_len(first)?;
                         source.check(at + width, first)?;
-                        return Ok(Found::Plain(Payload::File { at: at + width, len: first }));
+                        return Ok(Decodable::Plain(Payload::File { at: at + width, len: first }));
                     };
                     let table_len = first.saturating_add(3).saturating_mul(width);
                     let table = source.read(at, table_len)?;
                     let (size, last, places) = self.places(&table, wide, codec)?;
                     let len = places.last().map_or(0, |&(at, len)| at + u64::from(len));
                     source.check(at + table_len, len)?;
-                    Ok(Found::Blocks {
+                    Ok(Decodable::Blocks {
                         payload: Payload::File { at: at + table_len, len },
                         codec,
                         size,

@@ -1,4 +1,4 @@
-//! What a file holds, for people: cells by type, arrays with ranges, bounds, time steps.
+//! Summary of a file for people: cells by type, arrays with ranges, bounds, time steps.
 
 use super::numbers::NumberType;
 use super::piece::{Dataset, Geometry, Piece};
@@ -13,10 +13,10 @@ use voltet_core::Result;
 use voltet_core::grid::{CellType, Cells, code};
 use voltet_core::progress::Progress;
 
-/// What a file holds.
+/// Contents of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
-    /// How the file is written: "VTK XML UnstructuredGrid, zlib, little-endian, UInt32 headers".
+    /// Format and encoding: "VTK XML UnstructuredGrid, zlib, little-endian, UInt32 headers".
     pub format: String,
     /// Number of pieces.
     pub piece_count: usize,
@@ -45,14 +45,14 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Whether some cell is three-dimensional.
+    /// True if some cell is three-dimensional.
     pub fn has_volume(&self) -> bool {
-        let is_volume = |&code: &u8| CellType::of(code).is_some_and(|cell| cell.dimension == 3);
+        let is_volume = |&code: &u8| CellType::from_code(code).is_some_and(|cell| cell.dimension == 3);
         self.cells_by_type.keys().any(is_volume)
     }
 }
 
-/// What the headers of a file say of one of its arrays.
+/// Header of an array.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ArrayHead {
     /// Its name.
@@ -66,7 +66,7 @@ pub struct ArrayHead {
 /// One array of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArraySummary {
-    /// What the headers say.
+    /// Header.
     pub head: ArrayHead,
     /// Type of the numbers as the XML formats call it: "Float32".
     pub number_type: &'static str,

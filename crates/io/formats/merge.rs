@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use voltet_core::grid::{CellSet, Cells, code};
 use voltet_core::{Error, Result};
 
-/// What one piece holds of what was asked for.
+/// Requested contents of one piece.
 pub(super) struct Loaded {
     pub points: Vec<DVec3>,
     pub cells: Cells,

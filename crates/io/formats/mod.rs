@@ -60,10 +60,10 @@ mod source;
 mod stored;
 mod xml;
 
-pub use assemble::Unread;
+pub use assemble::SkippedArray;
 pub use assemble::length;
 pub use cells::face_stream;
-pub use chosen::Chosen;
+pub use chosen::SelectedArrays;
 pub use inspect::{ArrayHead, ArraySummary, Summary, arrays, inspect};
 use open::open;
 pub use open::{FILES, ships};
@@ -88,7 +88,7 @@ pub fn read(path: &Path, request: &Request, progress: &dyn Progress) -> Result<G
 ///
 /// # Errors
 /// As [`read`], as far as headers show them.
-pub fn unread(path: &Path, request: &Request) -> Result<Unread> {
+pub fn unread(path: &Path, request: &Request) -> Result<SkippedArray> {
     let dataset = open(path, request)?;
     assemble::unread(&dataset, &assemble::choices(&dataset, request)?).map_err(|error| error.in_file(path))
 }
@@ -108,7 +108,7 @@ pub fn files_beside(path: &Path) -> Vec<PathBuf> {
     xml::files_named(path, None).into_iter().chain(solution).collect()
 }
 
-/// Those that reading it for this request opens: of a series the files of one step.
+/// Further files that reading for this request opens: of a series the files of one step.
 pub fn files_read_beside(path: &Path, request: &Request) -> Vec<PathBuf> {
     let solution = plot3d::solution_beside(path, request);
     xml::files_named(path, Some(request)).into_iter().chain(solution).collect()

@@ -41,7 +41,7 @@ impl NumberType {
         if self == Self::Bit { Some(count.div_ceil(8)) } else { count.checked_mul(self.bits() / 8) }
     }
 
-    /// Whether the type holds whole numbers.
+    /// True if the type holds whole numbers.
     pub fn is_integer(self) -> bool {
         !matches!(self, Self::F32 | Self::F64)
     }
@@ -92,7 +92,7 @@ pub(super) enum ByteOrder {
 
 /// A type that grids hold.
 pub(super) trait Target: Copy + Default + Send + Sync + 'static {
-    /// What the type takes, for messages.
+    /// Valid values of the type, for messages.
     const ACCEPTED: &'static str;
     /// The value, and whether it could be represented.
     fn from_f64(value: f64) -> (Self, bool);

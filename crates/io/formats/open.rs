@@ -11,10 +11,10 @@ use voltet_core::{Error, Result};
 /// The formats, in the order in which a file is tried as one of them.
 const FORMATS: &[Format] = &[xml::FORMAT, legacy::FORMAT, plot3d::FORMAT];
 
-/// What the reader's help says of its files.
+/// File types of the reader, for its help.
 pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, legacy .vtk) or a PLOT3D grid";
 
-/// What the formats' files are called, in one phrase.
+/// File types of several formats, in one phrase.
 fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {
     let first = formats.next().map_or(String::new(), |format| format.files.to_string());
     formats.fold(first, |phrase, format| phrase + " or " + format.files)
@@ -35,7 +35,7 @@ pub(super) fn open(path: &Path, request: &Request) -> Result<Dataset> {
     let head = source.head(256).map_err(in_file)?;
     let Some(format) = format_of(&head, path, request) else {
         foreign::refuse_by_words(&source).map_err(in_file)?;
-        let error = Error::run("the format of the file is not known").got(source::shown(&head));
+        let error = Error::run("the format of the file is not known").got(source::printable(&head));
         let formats = files(FORMATS.iter());
         return Err(in_file(
             error.expected(format!("{formats}; formats from outside have nodes of their own")),
@@ -54,7 +54,7 @@ pub(super) fn open(path: &Path, request: &Request) -> Result<Dataset> {
     Ok(dataset)
 }
 
-/// Whether a file is of a format that ships. One that cannot be read is, too: there is nothing to ask others for.
+/// True if a file is of a format that ships. One that cannot be read is, too: there is nothing to ask others for.
 pub fn ships(path: &Path) -> bool {
     let head = Source::open(path).and_then(|source| source.head(256));
     head.is_err() || head.is_ok_and(|head| format_of(&head, path, &Request::default()).is_some())

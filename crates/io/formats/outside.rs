@@ -1,7 +1,7 @@
 //! Files of formats that come from outside: the table of contents of what their reader says.
 
-use super::added::Added;
-use super::chosen::Chosen;
+use super::added::ExternalFormat;
+use super::chosen::SelectedArrays;
 use super::numbers::{ByteOrder, NumberType};
 use super::piece::{Dataset, Geometry, Piece, PieceArray};
 use super::request::{Request, TimeStep};
@@ -9,12 +9,12 @@ use super::source::Source;
 use super::stored::{Compute, Encoding, Stored};
 use std::sync::Arc;
 use voltet_core::grid::Association;
-use voltet_core::reading::ArrayOfFile;
+use voltet_core::reading::FileArray;
 use voltet_core::{Error, Result};
 
 /// Reads the table of contents.
-pub(super) fn open(source: &Arc<Source>, request: &Request, chosen: &Chosen) -> Result<Dataset> {
-    let Chosen { reader, parameters } = chosen;
+pub(super) fn open(source: &Arc<Source>, request: &Request, chosen: &SelectedArrays) -> Result<Dataset> {
+    let SelectedArrays { reader, parameters } = chosen;
     let at = |step: usize| reader.open(source.path(), step, parameters, &voltet_core::progress::NoProgress);
     let mut open = at(0)?;
     let step = chosen_step(&open.head().times, request.time_step)?;
@@ -22,8 +22,8 @@ pub(super) fn open(source: &Arc<Source>, request: &Request, chosen: &Chosen) -> 
         open = at(step)?;
     }
     let head = open.head().clone();
-    let added = Arc::new(Added::new(open));
-    let array = |(place, array): (usize, &ArrayOfFile)| {
+    let added = Arc::new(ExternalFormat::new(open));
+    let array = |(place, array): (usize, &FileArray)| {
         let (per_cell, of) = (array.association == Association::Cell, added.clone());
         let compute: Compute = Arc::new(move |meter| of.array(place, meter.progress()));
         let stored = Stored {

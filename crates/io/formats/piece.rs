@@ -1,6 +1,6 @@
 //! The table of contents of a data set: what lies in which file, before anything is decoded.
 
-use super::added::Added;
+use super::added::ExternalFormat;
 use super::source::Source;
 use super::stored::Stored;
 use glam::{DMat3, DVec3};
@@ -9,7 +9,7 @@ use std::sync::Arc;
 /// Everything that one reading may decode.
 #[derive(Debug, Default)]
 pub(super) struct Dataset {
-    /// How the file is written, for people: "VTK XML UnstructuredGrid, appended raw, zlib, little-endian".
+    /// Format and encoding, for people: "VTK XML UnstructuredGrid, appended raw, zlib, little-endian".
     pub format: String,
     /// The parts, whose cells are put together.
     pub pieces: Vec<Piece>,
@@ -45,8 +45,8 @@ pub(super) enum Geometry {
     Unstructured { points: Stored, cells: Box<StoredCells> },
     /// A box of hexahedra; `dimensions` counts points. `points`: first coordinate fastest.
     Curvilinear { dimensions: [u64; 3], points: Stored },
-    /// What a reader of a format from outside gives, from that file.
-    Added(Arc<Added>, Arc<Source>),
+    /// Grid of a reader from outside, from that file.
+    Added(Arc<ExternalFormat>, Arc<Source>),
     /// Axis-parallel boxes between coordinates.
     Rectilinear { dimensions: [u64; 3], axes: Box<[Stored; 3]> },
     /// Equal boxes: point (i, j, k) lies at `origin + direction · (spacing · (first + (i, j, k)))`.

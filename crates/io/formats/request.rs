@@ -1,10 +1,10 @@
-//! What is asked of a file.
+//! Request to a reader: arrays, time step, conversion of cell values.
 
-use super::chosen::Chosen;
+use super::chosen::SelectedArrays;
 use std::path::PathBuf;
 use voltet_core::grid::CellValues;
 
-/// Whether an array belongs to the points or to the cells.
+/// Location of an array's values: points, cells, or whichever has the array.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Association {
     /// The point array of that name, or, if there is none, the cell array.
@@ -25,21 +25,21 @@ pub enum TimeStep {
     Time(f64),
 }
 
-/// What is asked of a file. [`Request::default`] reads the only array (or the one the file marks as its scalars).
+/// Request to a reader. [`Request::default`] reads the only array (or the one the file marks as its scalars).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
     /// The scalar: an array's name (`density`), or for arrays of several components `NAME:magnitude` or `NAME:0`.
     /// `None`: the only array of the file, or the one that the file marks as its scalars.
     pub scalar: Option<String>,
-    /// Where to look for the scalar.
+    /// Location to search for the scalar.
     pub association: Association,
-    /// What becomes of a scalar per cell.
+    /// Conversion of a scalar per cell.
     pub cell_values: CellValues,
     /// Further arrays, per point (cell arrays are averaged); all components, or one as in `scalar`.
     pub point_arrays: Vec<String>,
     /// Cell arrays that are wanted as they are; all components, or one as in `scalar`.
     pub cell_arrays: Vec<String>,
-    /// Whether the grid keeps the file's cells as they are.
+    /// True if the grid keeps the file's cells as they are.
     pub keep_cells: bool,
     /// The step of a time series (.pvd); `None`: the first.
     pub time_step: Option<TimeStep>,
@@ -50,7 +50,7 @@ pub struct Request {
     /// there is such a file.
     pub solution: Option<PathBuf>,
     /// The reader of a format that comes from outside, if the file is of one.
-    pub chosen: Option<Chosen>,
+    pub chosen: Option<SelectedArrays>,
     /// Every other array is decoded too, though nobody looks at it: to show what not doing so saves.
     pub every_array: bool,
 }

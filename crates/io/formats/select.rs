@@ -1,4 +1,4 @@
-//! Which arrays a request means.
+//! Arrays that a request selects.
 
 use super::piece::{Dataset, Piece};
 use super::request::Association;
@@ -10,7 +10,7 @@ pub(super) const GHOST_TYPE: &str = "vtkGhostType";
 /// The flag's older form: the number of layers from the piece's own cells.
 pub(super) const GHOST_LEVELS: &str = "vtkGhostLevels";
 
-/// Which value of a tuple is meant.
+/// Component of a tuple.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Component {
     /// All of them.
@@ -22,8 +22,8 @@ pub enum Component {
 }
 
 impl Component {
-    /// What `NAME:suffix` means of an array of so many components.
-    pub fn of(name: &str, suffix: &str, component_count: usize) -> Result<Component> {
+    /// Parses the suffix of `NAME:suffix` for an array of so many components.
+    pub fn parse(name: &str, suffix: &str, component_count: usize) -> Result<Component> {
         match suffix.parse::<usize>() {
             _ if suffix == "magnitude" => Ok(Component::Magnitude),
             Ok(index) if index < component_count => Ok(Component::Index(index)),
@@ -36,7 +36,7 @@ impl Component {
 
 /// An array that a request means.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Choice {
+pub(super) struct ArraySelection {
     pub name: String,
     pub per_cell: bool,
     pub component_count: usize,
@@ -66,7 +66,11 @@ fn names(piece: &Piece, association: Association) -> Vec<(&str, bool)> {
 }
 
 /// The scalar of a request: what `wanted` names, or the array that is the obvious one.
-pub(super) fn scalar(dataset: &Dataset, wanted: Option<&str>, association: Association) -> Result<Choice> {
+pub(super) fn scalar(
+    dataset: &Dataset,
+    wanted: Option<&str>,
+    association: Association,
+) -> Result<ArraySelection> {
     let piece = model(dataset)?;
     let all = names(piece, association);
     if all.is_empty() {
@@ -102,7 +106,7 @@ pub(super) fn scalar(dataset: &Dataset, wanted: Option<&str>, association: Assoc
 }
 
 /// The array that `wanted` (`NAME`, `NAME:magnitude` or `NAME:0`) means.
-pub(super) fn array(piece: &Piece, wanted: &str, association: Association) -> Result<Choice> {
+pub(super) fn array(piece: &Piece, wanted: &str, association: Association) -> Result<ArraySelection> {
     let all = names(piece, association);
     let find = |name: &str| all.iter().find(|entry| entry.0 == name).copied();
     let (name, per_cell, suffix) = match (find(wanted), wanted.rsplit_once(':')) {
@@ -120,9 +124,9 @@ pub(super) fn array(piece: &Piece, wanted: &str, association: Association) -> Re
     }
     let component = match suffix {
         None => Component::All,
-        Some(suffix) => Component::of(name, suffix, component_count)?,
+        Some(suffix) => Component::parse(name, suffix, component_count)?,
     };
-    Ok(Choice { name: name.to_owned(), per_cell, component_count, component })
+    Ok(ArraySelection { name: name.to_owned(), per_cell, component_count, component })
 }
 
 /// The error about a name that is not in the file.

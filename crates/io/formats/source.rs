@@ -95,7 +95,7 @@ fn read_exact_at(file: &File, mut offset: u64, mut bytes: &mut [u8]) -> std::io:
 }
 
 /// Bytes as a message can show them: the first few, what cannot be printed as dots.
-pub(super) fn shown(bytes: &[u8]) -> String {
+pub(super) fn printable(bytes: &[u8]) -> String {
     let text: String =
         bytes.iter().take(24).map(|&b| if (0x20..0x7f).contains(&b) { b as char } else { '·' }).collect();
     format!("a file that begins with '{text}'")

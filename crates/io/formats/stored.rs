@@ -22,7 +22,7 @@ impl<'a> Meter<'a> {
         Meter { progress, done: AtomicU64::new(0), total: total.max(1) }
     }
 
-    /// Where progress goes, for who reports it by itself.
+    /// Progress, for code that reports by itself.
     pub fn progress(&self) -> &'a dyn Progress {
         self.progress
     }
@@ -38,7 +38,7 @@ impl<'a> Meter<'a> {
 /// Makes the values of an array that no part of the file holds as such (PLOT3D's derived quantities).
 pub(super) type Compute = Arc<dyn Fn(&Meter) -> Result<Vec<f64>> + Send + Sync>;
 
-/// Where and how the values lie.
+/// Location and encoding of the values.
 #[derive(Clone)]
 pub(super) enum Encoding {
     /// Bytes of the file, without a header.

@@ -5,7 +5,7 @@
 
 mod process;
 
-pub use process::{address_space, forget_peak, left, peak};
+pub use process::{address_space, available, forget_peak, peak};
 
 use voltet_core::grid::{Cells, code};
 
@@ -69,7 +69,7 @@ impl GridSize {
         (self.points.saturating_mul(POINT_BYTES)).saturating_add(self.tetrahedra.saturating_mul(tetrahedron))
     }
 
-    /// What reading takes beside the program itself: the grid, and the cells that it is made from or, after these, the
+    /// Bytes that reading takes beside the program itself: the grid, and the cells that it is made from or, after these, the
     /// look for cells that overlap.
     pub fn reading_bytes(&self) -> u64 {
         let looking = self.points.saturating_mul(POINT_LOOKED_AT_BYTES);

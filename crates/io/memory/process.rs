@@ -1,31 +1,36 @@
-//! What this process may still take, and the most that it took.
+//! Memory of the process: bytes still available, and the peak that was resident.
 
 /// Bytes that this process may still take: what the system has left, and what limits on the process leave of it. `None` where
 /// the system does not tell.
-pub fn left() -> Option<u64> {
-    [available(), group(), address_space()].into_iter().flatten().min()
+pub fn available() -> Option<u64> {
+    [system_available(), group(), address_space()].into_iter().flatten().min()
 }
 
-/// What Linux has for new work without swapping.
-fn available() -> Option<u64> {
+/// Memory that Linux has for new work without swapping.
+fn system_available() -> Option<u64> {
     kibibytes(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")
 }
 
-/// What the control groups of the process leave (version 2: every group up to the root; version 1: the one that is mounted).
+/// Memory that the process's control groups leave (version 2: every group up to the root; version 1: the mounted one).
 fn group() -> Option<u64> {
     let of_process = std::fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
     let own = of_process.lines().find_map(|line| line.strip_prefix("0::/")).unwrap_or_default();
     let root = std::path::Path::new("/sys/fs/cgroup");
     let own = root.join(own);
     let groups = own.ancestors().take_while(|folder| folder.starts_with(root));
-    let second = groups.filter_map(|folder| rest(folder, "memory.max", "memory.current", "inactive_file"));
-    let first =
-        rest(&root.join("memory"), "memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file");
+    let second =
+        groups.filter_map(|folder| cgroup_available(folder, "memory.max", "memory.current", "inactive_file"));
+    let first = cgroup_available(
+        &root.join("memory"),
+        "memory.limit_in_bytes",
+        "memory.usage_in_bytes",
+        "total_inactive_file",
+    );
     second.chain(first).min()
 }
 
-/// What one group leaves; files kept in memory that nobody uses give way.
-fn rest(folder: &std::path::Path, limit: &str, used: &str, idle: &str) -> Option<u64> {
+/// Memory that one group leaves; idle cached files give way.
+fn cgroup_available(folder: &std::path::Path, limit: &str, used: &str, idle: &str) -> Option<u64> {
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).ok();
     let limit: u64 = read(limit)?.trim().parse().ok()?;
     let used: u64 = read(used)?.trim().parse().ok()?;

@@ -1,4 +1,4 @@
-//! What pictures or figures were made from.
+//! Provenance of pictures and figures.
 
 use super::date;
 use serde::{Deserialize, Serialize};
@@ -15,9 +15,9 @@ pub const PIPELINE: &str = "voltet:pipeline";
 pub const PROVENANCE: &str = "voltet:provenance";
 
 /// No text longer than this is written into a picture, or read from one: bytes.
-pub const TEXT_MOST: usize = 1 << 20;
+pub const MAX_TEXT: usize = 1 << 20;
 
-/// What pictures or figures were made from.
+/// Provenance of a picture or of figures: program, pipeline, data files, camera.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Provenance {
@@ -32,9 +32,9 @@ pub struct Provenance {
     pub data: Vec<DataFile>,
     /// The plug-ins that gradient filters came from.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub plugins: Vec<PluginOf>,
+    pub plugins: Vec<PluginRecord>,
     /// The cameras.
-    pub cameras: Vec<CameraOf>,
+    pub cameras: Vec<CameraRecord>,
     /// Units of what stands here and in the pipeline.
     pub units: Units,
 }
@@ -51,17 +51,17 @@ pub struct DataFile {
     pub path: String,
     /// Its size.
     pub bytes: Option<u64>,
-    /// When it was last written: UTC, RFC 3339.
+    /// Modification time: UTC, RFC 3339.
     pub modified: Option<String>,
-    /// What was read beside it: pieces, the files of a series' step.
+    /// Files read beside it: pieces, the files of a series' step.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub beside: Option<Beside>,
+    pub sidecars: Option<SidecarFiles>,
 }
 
 /// A plug-in whose gradient filter was used.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct PluginOf {
+pub struct PluginRecord {
     /// The node that named the filter.
     pub node: String,
     /// The plug-in's own name.
@@ -74,31 +74,31 @@ pub struct PluginOf {
     pub bytes: u64,
     /// A number made of all its bytes, hexadecimal: what was damaged or compiled again has another.
     pub fingerprint: String,
-    /// When it was last written: UTC, RFC 3339.
+    /// Modification time: UTC, RFC 3339.
     pub modified: Option<String>,
 }
 
 /// Files that were read beside one that names them.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Beside {
-    /// How many.
+pub struct SidecarFiles {
+    /// Number of files.
     pub files: u64,
     /// Their size together.
     pub bytes: u64,
-    /// When the last of them was written: UTC, RFC 3339.
+    /// Modification time of the last of them: UTC, RFC 3339.
     pub modified: Option<String>,
     /// The first of them, at most [`NAMED_MOST`], relative to the folder of the file that names them.
     pub names: Vec<String>,
 }
 
 /// Most files that are named of those read beside another.
-pub const NAMED_MOST: usize = 16;
+pub const MAX_NAMED: usize = 16;
 
 /// A camera, with the parameters of the node `camera`; computed ones as they came out.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct CameraOf {
+pub struct CameraRecord {
     /// The node that gave it.
     pub node: String,
     /// World units.
@@ -125,17 +125,17 @@ pub struct CameraOf {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Units {
-    /// Of positions and distances.
+    /// Unit of positions and distances.
     pub length: String,
-    /// Of g.
+    /// Unit of g.
     pub gradient_magnitude: String,
-    /// Of extinctions.
+    /// Unit of extinctions.
     pub extinction: String,
     /// The unit distance of each transfer function.
     pub unit_distances: Vec<UnitDistance>,
-    /// Of angles.
+    /// Unit of angles.
     pub angle: String,
-    /// Of colours in the pipeline.
+    /// Colour space of the pipeline's colours.
     pub color: String,
 }
 
@@ -150,15 +150,15 @@ pub struct UnitDistance {
 }
 
 impl Provenance {
-    /// Of a whole run. The pipeline is as stated, its paths relative to its own folder.
+    /// Provenance of a whole run. The pipeline is as stated, its paths relative to its own folder.
     pub fn of_run(origins: &Origins, stated: &ResolvedPipeline) -> Provenance {
         Self::new(origins, stated.title.clone(), stated.text.clone())
     }
 
-    /// Of a picture that a node writes to `path`. `given`: the path as the pipeline has it.
+    /// Provenance of a picture that a node writes to `path`. `given`: the path as the pipeline has it.
     pub fn of_picture(call: &RunContext, given: &str, path: &Path) -> Provenance {
         let (stated, folder) = call.stated();
-        Self::new(&call.origins(), stated.title.clone(), beside(stated, folder, given, path))
+        Self::new(&call.origins(), stated.title.clone(), path_from_folder(stated, folder, given, path))
     }
 
     fn new(origins: &Origins, title: Option<String>, pipeline: String) -> Provenance {
@@ -167,8 +167,8 @@ impl Provenance {
             title,
             pipeline,
             data: origins.files.iter().map(DataFile::new).collect(),
-            plugins: origins.plugins.iter().map(|(node, plugin)| PluginOf::new(node, plugin)).collect(),
-            cameras: origins.cameras.iter().map(|(node, camera)| CameraOf::new(node, camera)).collect(),
+            plugins: origins.plugins.iter().map(|(node, plugin)| PluginRecord::new(node, plugin)).collect(),
+            cameras: origins.cameras.iter().map(|(node, camera)| CameraRecord::new(node, camera)).collect(),
             units: Units {
                 length: "that of the data".into(),
                 gradient_magnitude: "unit of the scalar per length".into(),
@@ -187,7 +187,7 @@ impl Provenance {
         let rest = Provenance { pipeline: String::new(), ..self.clone() };
         // Names and finite numbers, of which JSON holds all.
         let rest = serde_json::to_string(&rest).unwrap_or_default();
-        let short = self.pipeline.len().max(rest.len()) <= TEXT_MOST;
+        let short = self.pipeline.len().max(rest.len()) <= MAX_TEXT;
         short.then(|| [(PIPELINE, self.pipeline.clone()), (PROVENANCE, rest)])
     }
 
@@ -202,7 +202,7 @@ impl Provenance {
 /// The pipeline's text for a picture at `path`, so that it can be run beside it: its paths are made relative to the
 /// picture's folder. Where that would tell names of folders that nobody gave (the path of the picture was absolute, and
 /// leads out of the pipeline's folder), they stay relative to the pipeline's.
-fn beside(stated: &ResolvedPipeline, folder: &Path, given: &str, path: &Path) -> String {
+fn path_from_folder(stated: &ResolvedPipeline, folder: &Path, given: &str, path: &Path) -> String {
     let there = |folder: &Path| {
         std::fs::canonicalize(if folder.as_os_str().is_empty() { Path::new(".") } else { folder })
     };
@@ -225,47 +225,47 @@ impl DataFile {
             parameter: file.named.parameter.clone(),
             path: file.named.path.clone(),
             bytes: file.stamp.map(|(bytes, _)| bytes),
-            modified: file.stamp.map(|(_, time)| date::of(time)),
-            beside: (!file.beside.is_empty()).then(|| Beside::new(file)),
+            modified: file.stamp.map(|(_, time)| date::iso_date(time)),
+            sidecars: (!file.beside.is_empty()).then(|| SidecarFiles::new(file)),
         }
     }
 }
 
-impl PluginOf {
-    fn new(node: &str, plugin: &Plugin) -> PluginOf {
-        PluginOf {
+impl PluginRecord {
+    fn new(node: &str, plugin: &Plugin) -> PluginRecord {
+        PluginRecord {
             node: node.into(),
             name: plugin.name.clone(),
             version: plugin.version.clone(),
             path: plugin.path.display().to_string(),
             bytes: plugin.bytes,
-            fingerprint: plugin.fingerprint_in_words(),
-            modified: plugin.modified.map(date::of),
+            fingerprint: plugin.fingerprint_text(),
+            modified: plugin.modified.map(date::iso_date),
         }
     }
 }
 
-impl Beside {
-    fn new(file: &FileRead) -> Beside {
+impl SidecarFiles {
+    fn new(file: &FileRead) -> SidecarFiles {
         let folder = files::folder(&file.path);
         let name = |path: &PathBuf| path.strip_prefix(folder).unwrap_or(path).to_string_lossy().into_owned();
         let there = file.beside.iter().filter_map(|(_, stamp)| *stamp);
-        Beside {
+        SidecarFiles {
             files: file.beside.len() as u64,
             bytes: there.clone().map(|(bytes, _)| bytes).sum(),
-            modified: there.map(|(_, time)| time).max().map(date::of),
-            names: file.beside.iter().take(NAMED_MOST).map(|(path, _)| name(path)).collect(),
+            modified: there.map(|(_, time)| time).max().map(date::iso_date),
+            names: file.beside.iter().take(MAX_NAMED).map(|(path, _)| name(path)).collect(),
         }
     }
 }
 
-impl CameraOf {
-    fn new(node: &str, camera: &Camera) -> CameraOf {
+impl CameraRecord {
+    fn new(node: &str, camera: &Camera) -> CameraRecord {
         let (fov_y, height) = match camera.projection {
             Projection::Perspective { fov_y } => (Some(fov_y), None),
             Projection::Orthographic { height } => (None, Some(height)),
         };
-        CameraOf {
+        CameraRecord {
             node: node.into(),
             eye: camera.eye.into(),
             target: camera.target.into(),

@@ -1,23 +1,23 @@
 //! The texts that a picture carries.
 
-use super::block::{PIPELINE, PROVENANCE, Provenance, TEXT_MOST};
+use super::block::{MAX_TEXT, PIPELINE, PROVENANCE, Provenance};
 use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
 use std::io::{BufRead, Seek};
 use voltet_core::{Error, Result};
 
-/// What PNG files begin with (PNG, third edition, section 5.2).
+/// Signature of PNG files (PNG, third edition, section 5.2).
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// What OpenEXR files begin with.
+/// Signature of OpenEXR files.
 const EXR: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
 
-/// Whether a file that begins like this is a picture that could carry a pipeline.
+/// True if a file that begins like this is a picture that could carry a pipeline.
 pub fn is_picture(head: &[u8]) -> bool {
     head.starts_with(PNG) || head.starts_with(EXR)
 }
 
-/// What a picture says of itself; `head`: its first bytes. Errors: it carries no pipeline, or is damaged.
+/// Reads the provenance of a picture; `head`: its first bytes. Errors: it carries no pipeline, or is damaged.
 pub fn read(head: &[u8], file: impl BufRead + Seek) -> Result<Provenance> {
     let texts = if head.starts_with(PNG) { of_png(file)? } else { of_exr(file)? };
     let text = |name: &str| texts.iter().find(|(known, _)| known == name).map(|(_, text)| text.as_str());
@@ -50,16 +50,16 @@ fn texts_of(info: &png::Info) -> Vec<(String, String)> {
     let plain = plain.map(|chunk| (chunk.keyword.clone(), chunk.text.clone()));
     let unicode = info.utf8_text.iter().filter(|chunk| ours(&chunk.keyword)).filter_map(|chunk| {
         let mut chunk = chunk.clone();
-        chunk.decompress_text_with_limit(TEXT_MOST).ok()?;
+        chunk.decompress_text_with_limit(MAX_TEXT).ok()?;
         Some((chunk.keyword.clone(), chunk.get_text().ok()?))
     });
     let compressed =
         info.compressed_latin1_text.iter().filter(|chunk| ours(&chunk.keyword)).filter_map(|chunk| {
             let mut chunk = chunk.clone();
-            chunk.decompress_text_with_limit(TEXT_MOST).ok()?;
+            chunk.decompress_text_with_limit(MAX_TEXT).ok()?;
             Some((chunk.keyword.clone(), chunk.get_text().ok()?))
         });
-    unicode.chain(plain).chain(compressed).filter(|(_, text)| text.len() <= TEXT_MOST).collect()
+    unicode.chain(plain).chain(compressed).filter(|(_, text)| text.len() <= MAX_TEXT).collect()
 }
 
 /// The named texts of an OpenEXR file.
@@ -71,7 +71,7 @@ fn of_exr(file: impl BufRead + Seek) -> Result<Vec<(String, String)>> {
         .iter()
         .flat_map(|header| header.shared_attributes.other.iter().chain(&header.own_attributes.other));
     let text = |(name, value): (&exr::prelude::Text, &AttributeValue)| match value {
-        AttributeValue::Text(text) if text.as_slice().len() <= TEXT_MOST => {
+        AttributeValue::Text(text) if text.as_slice().len() <= MAX_TEXT => {
             Some((name.to_string(), String::from_utf8(text.as_slice().to_vec()).ok()?))
         }
         _ => None,
@@ -120,13 +120,13 @@ mod tests {
         assert!(pipeline(&other).unwrap_err().to_string().contains("carries no pipeline"));
     }
 
-    /// How long a compressed text is shows only while it is read.
+    /// A compressed text reveals its length only while it is read.
     #[test]
     fn what_is_too_long_or_damaged_is_no_pipeline() {
-        let mut bomb = ITXtChunk::new(PIPELINE, " ".repeat(64 * TEXT_MOST));
+        let mut bomb = ITXtChunk::new(PIPELINE, " ".repeat(64 * MAX_TEXT));
         bomb.compressed = true;
         let file = picture(|writer| writer.write_text_chunk(&bomb).unwrap(), false);
-        assert!(file.len() < TEXT_MOST);
+        assert!(file.len() < MAX_TEXT);
         assert!(pipeline(&file).unwrap_err().to_string().contains("carries no pipeline"));
         let whole = picture(|w| w.write_text_chunk(&ITXtChunk::new(PIPELINE, "a = 1")).unwrap(), false);
         for length in 8..whole.len() {

@@ -3,7 +3,7 @@
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// A time in UTC to the second, as RFC 3339 writes it: 2026-11-22T14:51:03Z.
-pub fn of(time: SystemTime) -> String {
+pub fn iso_date(time: SystemTime) -> String {
     let seconds = match time.duration_since(UNIX_EPOCH) {
         Ok(after) => i64::try_from(after.as_secs()).unwrap_or(i64::MAX),
         // Down to the second before.
@@ -43,8 +43,8 @@ mod tests {
             (1_795_359_063, "2026-11-22T14:51:03Z"),
             (4_107_542_400, "2100-03-01T00:00:00Z"),
         ] {
-            assert_eq!(of(UNIX_EPOCH + Duration::from_secs(seconds)), text);
+            assert_eq!(iso_date(UNIX_EPOCH + Duration::from_secs(seconds)), text);
         }
-        assert_eq!(of(UNIX_EPOCH - Duration::from_millis(500)), "1969-12-31T23:59:59Z");
+        assert_eq!(iso_date(UNIX_EPOCH - Duration::from_millis(500)), "1969-12-31T23:59:59Z");
     }
 }

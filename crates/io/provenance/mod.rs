@@ -1,4 +1,4 @@
-//! What was drawn from what, by which program: written into pictures and reports, and read again (docs/provenance.md).
+//! Provenance: program, pipeline and data files, written into pictures and reports, and read again (docs/src/reference/provenance.md).
 //!
 //! | file | what |
 //! | --- | --- |
@@ -15,8 +15,8 @@ mod report;
 mod source;
 
 pub use block::{
-    Beside, CameraOf, DataFile, NAMED_MOST, PIPELINE, PROVENANCE, PluginOf, Provenance, TEXT_MOST,
-    UnitDistance, Units,
+    CameraRecord, DataFile, MAX_NAMED, MAX_TEXT, PIPELINE, PROVENANCE, PluginRecord, Provenance,
+    SidecarFiles, UnitDistance, Units,
 };
 pub use carried::{is_picture, read};
 pub use report::{run_report, whole_report};

@@ -1,4 +1,4 @@
-//! What a run did, as JSON (docs/provenance.md).
+//! Report of a run as JSON (docs/src/reference/report.md).
 
 use super::Provenance;
 use crate::memory;
@@ -24,7 +24,7 @@ const COUNTS: [&str; 11] = [
     "uploads",
 ];
 
-/// The report of a call (docs/provenance.md): what is said of each of its runs.
+/// The report of a call (docs/src/reference/report.md): what is said of each of its runs.
 pub fn whole_report(runs: Vec<Value>) -> Value {
     object!({
         "versions": { "voltet": env!("CARGO_PKG_VERSION"), "report": REPORT_FORMAT, "pipeline_format": FORMAT },
@@ -33,7 +33,7 @@ pub fn whole_report(runs: Vec<Value>) -> Value {
     })
 }
 
-/// What is said of one run. `file`: what the pipeline came from.
+/// Report of one run. `file`: source of the pipeline.
 pub fn run_report(file: &str, report: &RunReport, stated: &ResolvedPipeline) -> Value {
     let mut counts = serde_json::Map::new();
     for name in COUNTS {
@@ -51,7 +51,7 @@ pub fn run_report(file: &str, report: &RunReport, stated: &ResolvedPipeline) -> 
         "seconds": report.seconds,
         "nodes": report.nodes,
         "counts": counts,
-        "left_out": report.left_out,
+        "left_out": report.skipped,
         "findings": report.findings,
         "warnings": report.warnings,
         "files": report.files,

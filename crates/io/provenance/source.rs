@@ -12,8 +12,8 @@ use voltet_graph::suggest;
 pub struct Source {
     /// The text.
     pub text: String,
-    /// What the picture that it comes from says of itself.
-    pub carried: Option<Provenance>,
+    /// Provenance of the picture that the pipeline comes from.
+    pub embedded: Option<Provenance>,
 }
 
 impl Source {
@@ -27,7 +27,7 @@ impl Source {
         if is_picture(&bytes) {
             file.rewind().map_err(unreadable)?;
             let carried = read(&bytes, BufReader::new(file)).map_err(|error| error.in_file(path))?;
-            return Ok(Source { text: carried.pipeline.clone(), carried: Some(carried) });
+            return Ok(Source { text: carried.pipeline.clone(), embedded: Some(carried) });
         }
         file.read_to_end(&mut bytes).map_err(unreadable)?;
         let text = String::from_utf8(bytes).map_err(|error| {
@@ -35,7 +35,7 @@ impl Source {
             let error = Error::usage("the file is no pipeline file").got(found);
             error.expected("TOML text, or a picture (.png, .exr) that carries it").in_file(path)
         })?;
-        Ok(Source { text, carried: None })
+        Ok(Source { text, embedded: None })
     }
 }
 

@@ -1,4 +1,4 @@
-//! What a file will hold.
+//! Contents of a file to write.
 
 use glam::DVec3;
 use voltet_core::SharedSlice;
@@ -22,7 +22,7 @@ pub struct Contents {
 pub struct Column {
     /// Its name.
     pub name: String,
-    /// What programs take it for.
+    /// Role of the array for other programs.
     pub role: Role,
     /// Components of a tuple.
     pub component_count: usize,
@@ -41,7 +41,7 @@ pub enum Values {
     Numbers(Vec<u32>),
 }
 
-/// What programs take an array for.
+/// Role of an array for other programs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     /// The scalar to show first.
@@ -52,7 +52,7 @@ pub enum Role {
     Plain,
 }
 
-/// How many bits a quantity is written with.
+/// Bits of a written quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Precision {
     /// 32 where that keeps every value of the array, else 64.
@@ -68,8 +68,8 @@ pub enum Precision {
 pub struct Topology {
     /// Point numbers of all cells, one after the other.
     pub connectivity: Vec<u32>,
-    /// Where each cell's part ends.
-    pub ends: Vec<u64>,
+    /// End of each cell's part.
+    pub offsets: Vec<u64>,
     /// VTK type codes.
     pub types: Vec<u8>,
     /// Faces of the polyhedra.
@@ -81,7 +81,7 @@ impl Topology {
     pub fn of_tetrahedra(tetrahedra: &[[u32; 4]]) -> Self {
         Topology {
             connectivity: tetrahedra.as_flattened().to_vec(),
-            ends: (1..=tetrahedra.len() as u64).map(|i| 4 * i).collect(),
+            offsets: (1..=tetrahedra.len() as u64).map(|i| 4 * i).collect(),
             types: vec![code::TETRA; tetrahedra.len()],
             polyhedra: Vec::new(),
         }
@@ -94,7 +94,7 @@ impl Topology {
             Cells::Mixed(CellSet { types, offsets, connectivity, polyhedra }) => Topology {
                 // What stands before the first cell and behind the last belongs to none.
                 connectivity: connectivity[offsets[0] as usize..offsets[types.len()] as usize].to_vec(),
-                ends: offsets[1..].iter().map(|end| end - offsets[0]).collect(),
+                offsets: offsets[1..].iter().map(|end| end - offsets[0]).collect(),
                 types: types.clone(),
                 polyhedra: polyhedra.clone(),
             },
@@ -102,7 +102,7 @@ impl Topology {
                 let count = cells.count();
                 Topology {
                     connectivity: (0..count).flat_map(|i| hexahedron(points, i)).collect(),
-                    ends: (1..=count as u64).map(|i| 8 * i).collect(),
+                    offsets: (1..=count as u64).map(|i| 8 * i).collect(),
                     types: vec![code::HEXAHEDRON; count],
                     polyhedra: Vec::new(),
                 }
@@ -129,7 +129,7 @@ impl Values {
         }
     }
 
-    /// Whether there are none.
+    /// True if there are none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -22,7 +22,7 @@ const LEVEL: u32 = 6;
 pub struct Encoded {
     /// All of it.
     pub bytes: Vec<u8>,
-    /// Whether it is compressed.
+    /// True if it is compressed.
     pub compressed: bool,
 }
 
@@ -102,21 +102,21 @@ pub fn encoding_bytes(contents: &Contents) -> u64 {
     };
     let of = |array: &Column| width(&array.values) * array.values.len() as u64;
     let arrays: u64 = contents.point_arrays.iter().chain(&contents.cell_arrays).map(of).sum();
-    let Topology { connectivity, ends, types, .. } = &contents.cells;
+    let Topology { connectivity, offsets: ends, types, .. } = &contents.cells;
     let cells = if is_narrow(connectivity, contents.points.len()) { 4 } else { 8 };
     let cells = cells * (connectivity.len() + ends.len()) as u64 + types.len() as u64;
     // base64 takes four characters for three bytes.
     (24 * contents.points.len() as u64 + arrays + cells).saturating_mul(8) / 3
 }
 
-/// Whether 32 bits hold all numbers of points and offsets: half of most files.
+/// True if 32 bits hold all numbers of points and offsets: half of most files.
 fn is_narrow(connectivity: &[u32], point_count: usize) -> bool {
     point_count.max(connectivity.len()) <= i32::MAX as usize
 }
 
 /// The arrays of the section of the cells, by name.
 fn sections(cells: Topology, point_count: usize) -> Vec<(&'static str, IOBuffer)> {
-    let Topology { connectivity, ends, types, polyhedra } = cells;
+    let Topology { connectivity, offsets: ends, types, polyhedra } = cells;
     let narrow = is_narrow(&connectivity, point_count);
     let whole = |numbers: Box<dyn Iterator<Item = i64>>| match narrow {
         true => IOBuffer::I32(numbers.map(|number| number as i32).collect()),

@@ -1,11 +1,11 @@
-//! What a volume holds, as values of the file's own points and cells, or of its tetrahedra.
+//! Values of a volume at the file's own points and cells, or at those of its tetrahedra.
 
 use super::contents::{Column, Contents, Role, Topology, Values};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use voltet_core::grid::{Array, FileCells, Grid};
 
-/// Which cells are written.
+/// Cells to write.
 #[derive(Debug, Clone, Copy)]
 pub enum Form<'a> {
     /// The file's own.
@@ -15,7 +15,7 @@ pub enum Form<'a> {
 }
 
 /// Numbers of tetrahedra that become arrays over cells.
-pub enum OfTetrahedra<'a> {
+pub enum TetrahedraSource<'a> {
     /// A cell has the largest of its tetrahedra's.
     Largest(&'a [f32]),
     /// True for tetrahedra that are left; a cell is culled (1) where none of its own is.
@@ -108,7 +108,7 @@ impl Contents {
     }
 
     /// Adds numbers of tetrahedra.
-    pub fn add_of_tetrahedra(&mut self, grid: &Grid, form: Form, name: &str, numbers: OfTetrahedra) {
+    pub fn add_of_tetrahedra(&mut self, grid: &Grid, form: Form, name: &str, numbers: TetrahedraSource) {
         // Of each cell the largest of its tetrahedra's.
         let largest = |of: &dyn Fn(usize) -> f64, least: f64| -> Vec<f64> {
             let count = grid.tetrahedra.len();
@@ -121,8 +121,8 @@ impl Contents {
             cells
         };
         let values = match numbers {
-            OfTetrahedra::Largest(numbers) => Values::Floats(largest(&|i| f64::from(numbers[i]), 0.0)),
-            OfTetrahedra::Kept(kept) => {
+            TetrahedraSource::Largest(numbers) => Values::Floats(largest(&|i| f64::from(numbers[i]), 0.0)),
+            TetrahedraSource::Kept(kept) => {
                 let kept = largest(&|i| f64::from(u8::from(kept[i])), 0.0);
                 Values::Bytes(kept.iter().map(|&kept| u8::from(kept == 0.0)).collect())
             }

@@ -1,8 +1,8 @@
 //! A picture and what it took.
 
 use super::compositing::CompositorChoice;
+use voltet_core::diagnostics::Diagnostics;
 use voltet_core::picture::Picture;
-use voltet_graph::NodeDiagnostics;
 
 /// A picture and what it took.
 #[derive(Debug, Clone)]
@@ -18,7 +18,7 @@ pub struct RenderOutput {
     /// Whether it was drawn from what was kept of the view ([`crate::engine::Manner::passing`]): by itself it would differ by rounding.
     pub is_passing: bool,
     /// What else there is to say: counts of this engine alone, what was left out, what the user should know.
-    pub notes: NodeDiagnostics,
+    pub notes: Diagnostics,
 }
 
 impl RenderOutput {
@@ -30,7 +30,7 @@ impl RenderOutput {
             stages,
             instead: None,
             is_passing: false,
-            notes: NodeDiagnostics::default(),
+            notes: Diagnostics::default(),
         }
     }
 }

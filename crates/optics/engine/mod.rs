@@ -24,7 +24,6 @@ use voltet_core::progress::Progress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_graph::MayLeaveOut;
 
 /// What is known of an engine before it is opened.
 #[derive(Debug, Clone, Copy)]
@@ -139,9 +138,8 @@ pub struct RenderOptions {
     pub accumulation: Accumulation,
     /// How the exact order of what hardware blends is checked.
     pub order_check: OrderCheck,
-    /// Leave to leave something out that the picture does not need: without it the engine does everything, for comparison, and
-    /// the picture is the same.
-    pub may_leave_out: Option<MayLeaveOut>,
+    /// True to do all work, needed or not, for comparison; the picture is the same.
+    pub exhaustive: bool,
     /// Whether others of the same view follow at once, with other widgets: then the engine may keep what serves them, and the picture may
     /// differ by rounding, some 1e-5, from one that is drawn by itself ([`Drawn::is_passing`]).
     pub passing: bool,
@@ -153,7 +151,7 @@ impl Default for RenderOptions {
             compositing: None,
             accumulation: Accumulation::Float,
             order_check: OrderCheck::None,
-            may_leave_out: Some(MayLeaveOut::GIVEN),
+            exhaustive: false,
             passing: false,
         }
     }

@@ -64,7 +64,7 @@ impl Integrator {
     pub fn new(kind: &'static dyn IntegratorKind) -> Integrator {
         let mut integrator = Integrator::with_settings(kind, []);
         for (parameter, setting) in kind.schema().parameters.iter().zip(&mut integrator.settings) {
-            let default = parameter.standard.datum().map(voltet_core::parameters::LocatedValue::from);
+            let default = parameter.default.datum().map(voltet_core::parameters::LocatedValue::from);
             *setting = default.and_then(|value| value.number()).unwrap_or(0.0);
         }
         integrator

@@ -8,12 +8,11 @@ use voltet_core::parameters::{Parameters, Variant, VariantSchema};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_graph::Registry;
 
 /// The parameter of a pipeline file that names an integrator.
 pub const INTEGRATOR: &str = "integrator";
 
-/// A kind of integrators. Each is a static; [`register`] makes it known to pipelines.
+/// A kind of integrators. Each is a static; a registry that adds its [`variant`] makes it known to pipelines.
 pub trait IntegratorKind: Send + Sync {
     /// Name in pipeline files, summary and parameters: whole numbers and numbers, at most [`super::MAX_SETTINGS`] of them.
     fn schema(&self) -> VariantSchema;
@@ -115,26 +114,21 @@ impl Integrator {
     }
 }
 
-/// Adds a kind to a registry; pipelines name it by the parameter `integrator`.
+/// A kind as a variant of the parameter [`INTEGRATOR`], which a registry adds.
 ///
-/// Errors: a name that is taken, a declaration that contradicts itself or the nodes.
-pub fn register(registry: &mut Registry, kind: &'static dyn IntegratorKind) -> Result<()> {
+/// Errors: a kind with too many parameters.
+pub fn variant(kind: &'static dyn IntegratorKind) -> Result<Variant> {
     let schema = kind.schema();
     if schema.parameters.len() > super::MAX_SETTINGS {
         let error = Error::usage("an integrator has too many parameters").got(schema.parameters.len());
         return Err(error.expected(format!("at most {}", super::MAX_SETTINGS)).at_item(schema.name));
     }
-    registry.add_variant(INTEGRATOR, Variant { schema, object: Arc::new(kind) })
+    Ok(Variant { schema, object: Arc::new(kind) })
 }
 
-/// The kinds of a registry, in the order of registration.
-pub fn registered(registry: &Registry) -> Vec<&'static dyn IntegratorKind> {
-    registry.variants(INTEGRATOR).filter_map(kind_of).collect()
-}
-
-/// The kinds that a node's pipeline may name, in the order of registration.
-pub fn kinds(parameters: &Parameters) -> Vec<&'static dyn IntegratorKind> {
-    parameters.variants(INTEGRATOR).iter().filter_map(kind_of).collect()
+/// The kinds among variants of a registry, or of a node's parameters.
+pub fn kinds<'a>(variants: impl IntoIterator<Item = &'a Variant>) -> Vec<&'static dyn IntegratorKind> {
+    variants.into_iter().filter_map(kind_of).collect()
 }
 
 /// The integrator that a node's parameters state.

@@ -20,7 +20,7 @@ pub use analytic::Analytic;
 pub use integrator::{Integrator, MAX_SETTINGS};
 pub use kind::{
     INTEGRATOR, IntegratorKind, Obstacle, PreparedScene, ScenePreparation, TableDomain, can_serve,
-    can_serve_among, kinds, register, registered, stated,
+    can_serve_among, kinds, stated, variant,
 };
 pub use reference::Reference;
 pub use segment_integrator::{Extent, SegmentIntegrator};

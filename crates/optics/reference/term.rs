@@ -142,7 +142,7 @@ impl Term {
             peak: extinction / unit_distance,
             densest: widget.peak() / unit_distance,
             color: widget.color,
-            brightest: widget.brightest(),
+            brightest: widget.max_emission(),
             sides,
         })
     }

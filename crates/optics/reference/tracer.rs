@@ -4,7 +4,7 @@ use super::crossing::{Crossing, Ray, cross};
 use super::segment::{Integrand, Tolerance, Workspace};
 use crate::Contribution;
 use crate::scene::Scene;
-use crate::shading::{Light, VisibilityOrder};
+use crate::shading::{Light, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 use voltet_core::camera::{Camera, Frame, Projection};
@@ -37,7 +37,7 @@ pub struct Tracer<'a> {
     frame: Frame,
     silhouette: Option<f64>,
     light: Option<Light>,
-    order: VisibilityOrder,
+    ordering: Ordering,
     /// Internal length unit in world units, a power of two about the size of what is seen.
     unit: f64,
     /// Points in the camera's axes (right, up, forward) from the eye, internal units.
@@ -51,7 +51,7 @@ impl<'a> Tracer<'a> {
     /// Errors: arrays that the scene needs and that are missing or of the wrong length, cells with points that
     /// do not exist or are not finite, a camera or a transfer function out of range.
     pub fn new(scene: &'a Scene) -> Result<Self> {
-        let Scene { volume, transfer_function, camera, shading, order } = scene;
+        let Scene { volume, transfer_function, camera, shading, .. } = scene;
         let frame = camera.frame()?;
         let integrand = Integrand::new(transfer_function, shading.overlap, Tolerance::PICTURE)?;
         let (quantities, stride) = quantities(volume, transfer_function)?;
@@ -92,7 +92,7 @@ impl<'a> Tracer<'a> {
             frame,
             silhouette: shading.silhouette,
             light: shading.light.map(direction),
-            order: *order,
+            ordering: scene.ordering(true),
             unit,
             points,
             quantities,
@@ -161,8 +161,8 @@ impl<'a> Tracer<'a> {
 
     /// Puts the crossings of one ray into the order of the scene.
     pub(super) fn sort(&self, crossings: &mut [Crossing]) {
-        match self.order {
-            VisibilityOrder::Exact | VisibilityOrder::Auto => {
+        match self.ordering {
+            Ordering::Independent | Ordering::PerPixel => {
                 crossings.sort_unstable_by(|a, b| {
                     let by_depth = |k: usize| a.depth[k].total_cmp(&b.depth[k]);
                     by_depth(0).then(by_depth(1)).then(a.cell.cmp(&b.cell))
@@ -180,7 +180,7 @@ impl<'a> Tracer<'a> {
                     }
                 }
             }
-            VisibilityOrder::Centroid => crossings.sort_by_cached_key(|c| {
+            Ordering::CellCentroid => crossings.sort_by_cached_key(|c| {
                 let corners = self.corners(c.cell);
                 let centre: [f64; 3] = std::array::from_fn(|k| corners.iter().map(|p| p[k]).sum());
                 // Distances are positive, so their bits are in their order; a depth may be negative.
@@ -190,7 +190,7 @@ impl<'a> Tracer<'a> {
                 };
                 (ordered_bits(distance), c.cell)
             }),
-            VisibilityOrder::None => crossings.sort_unstable_by_key(|c| c.cell),
+            Ordering::Submission => crossings.sort_unstable_by_key(|c| c.cell),
         }
     }
 

@@ -1,17 +1,17 @@
-//! How large a grid is, and what it holds, as a plug-in says it: copied and checked before anything is allocated.
+//! Sizes and arrays of a grid that a plug-in describes: copied and checked before anything is allocated.
 
-use crate::describe::{line, required};
-use crate::foreign::{Wrong, several, sized, values};
+use crate::ffi::{ValidationError, several, sized, values};
 use crate::interface::{GridHead, SAME_CELLS, SAME_POINTS, TETRAHEDRA};
-use crate::process::wire::{Reader, Writer};
+use crate::text::{line, required};
+use crate::wire::{Reader, Writer};
 
-/// Longest name of an array, format: bytes.
-const TEXT_MOST: usize = 1024;
+/// Longest name of an array or a format (bytes).
+const MAX_TEXT_BYTES: usize = 1024;
 
-/// Most arrays, components and steps.
-const ARRAYS_MOST: u32 = 4096;
-const COMPONENTS_MOST: u32 = 1024;
-const STEPS_MOST: u32 = 1 << 20;
+/// Largest numbers of arrays, components and steps.
+const MAX_ARRAYS: u32 = 4096;
+const MAX_COMPONENTS: u32 = 1024;
+const MAX_STEPS: u32 = 1 << 20;
 
 /// `voltet_grid_head`.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -20,7 +20,7 @@ pub(crate) struct Head {
     pub point_count: usize,
     pub cell_count: usize,
     pub connectivity_count: usize,
-    pub arrays: Vec<ArrayOf>,
+    pub arrays: Vec<ArrayRecord>,
     pub scalar: Option<String>,
     pub times: Vec<f64>,
     pub format: Option<String>,
@@ -28,14 +28,14 @@ pub(crate) struct Head {
 
 /// `voltet_array_head`.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct ArrayOf {
+pub(crate) struct ArrayRecord {
     pub name: String,
     pub component_count: usize,
     pub on_cells: bool,
 }
 
 /// Errors: flags beside these.
-pub(crate) fn refuse_flags(flags: u32, known: u32) -> Result<(), Wrong> {
+pub(crate) fn refuse_flags(flags: u32, known: u32) -> Result<(), ValidationError> {
     match flags & !known {
         0 => Ok(()),
         more => Err(format!("its head has flags that do not belong there: {more:#x}")),
@@ -44,22 +44,22 @@ pub(crate) fn refuse_flags(flags: u32, known: u32) -> Result<(), Wrong> {
 
 impl Head {
     /// The head at an address. Counts that a flag leaves out are 0.
-    pub fn read(address: *const GridHead) -> Result<Head, Wrong> {
+    pub fn read(address: *const GridHead) -> Result<Head, ValidationError> {
         let (read, _) = sized(address)?;
         refuse_flags(read.flags, TETRAHEDRA | SAME_POINTS | SAME_CELLS)?;
         let [same_points, same_cells, tetrahedra] =
             [SAME_POINTS, SAME_CELLS, TETRAHEDRA].map(|flag| read.flags & flag != 0);
-        let count = |what: &str, count: u64, most: u64, must_be_none: bool| match count {
+        let count = |what: &str, count: u64, max: u64, must_be_none: bool| match count {
             0 => Ok(0),
             count if must_be_none => {
                 Err(format!("{what} is {count}, and its flags say that there are none to give"))
             }
-            count if count > most => Err(format!("{what} is {count}, at most {most}")),
+            count if count > max => Err(format!("{what} is {count}, at most {max}")),
             count => Ok(count as usize),
         };
-        let many = u64::from(u32::MAX);
-        let point_count = count("point_count", read.point_count, many, same_points)?;
-        let cell_count = count("cell_count", read.cell_count, many, same_cells)?;
+        let max_number = u64::from(u32::MAX);
+        let point_count = count("point_count", read.point_count, max_number, same_points)?;
+        let cell_count = count("cell_count", read.cell_count, max_number, same_cells)?;
         let connectivity_count = read.connectivity_count;
         let connectivity_count =
             count("connectivity_count", connectivity_count, 1 << 36, same_cells || tetrahedra)?;
@@ -69,9 +69,9 @@ impl Head {
             cell_count,
             connectivity_count,
             arrays: arrays(&read)?,
-            scalar: line("the name of its scalar", read.scalar, TEXT_MOST)?,
+            scalar: line("the name of its scalar", read.scalar, MAX_TEXT_BYTES)?,
             times: times(&read)?,
-            format: line("its format", read.format, TEXT_MOST)?,
+            format: line("its format", read.format, MAX_TEXT_BYTES)?,
         };
         match &head.scalar {
             Some(name) if !head.arrays.iter().any(|array| array.name == *name) => {
@@ -81,58 +81,56 @@ impl Head {
         }
     }
 
-    /// Whether the flag is set.
-    pub fn is(&self, flag: u32) -> bool {
+    /// True if the flag is set.
+    pub fn has(&self, flag: u32) -> bool {
         self.flags & flag != 0
     }
 
-    /// Tuples of an array.
-    pub fn tuples(&self, array: &ArrayOf) -> usize {
+    /// Number of tuples of an array.
+    pub fn tuples(&self, array: &ArrayRecord) -> usize {
         if array.on_cells { self.cell_count } else { self.point_count }
     }
 
-    /// Numbers of an array.
-    pub fn numbers(&self, array: &ArrayOf) -> usize {
+    /// Number of values of an array.
+    pub fn numbers(&self, array: &ArrayRecord) -> usize {
         self.tuples(array) * array.component_count
     }
 
-    /// Bytes of the cells in memory.
+    /// Memory of the cells (bytes).
     pub fn cell_bytes(&self) -> u64 {
         let cells = self.cell_count as u64;
-        match self.is(TETRAHEDRA) {
+        match self.has(TETRAHEDRA) {
             true => 16 * cells,
             false => 9 * cells + 4 * self.connectivity_count as u64,
         }
     }
 
-    /// Into a message.
-    pub fn write(&self, to: &mut Writer) {
+    /// Appends to a message.
+    pub fn encode(&self, to: &mut Writer) {
         to.number(u64::from(self.flags));
-        [self.point_count, self.cell_count, self.connectivity_count]
-            .into_iter()
-            .for_each(|count| to.number(count as u64));
-        to.number(self.arrays.len() as u64);
-        for array in &self.arrays {
-            to.text(&array.name);
-            to.number(array.component_count as u64);
-            to.number(u64::from(array.on_cells));
+        for count in [self.point_count, self.cell_count, self.connectivity_count] {
+            to.count(count);
         }
-        [&self.scalar, &self.format]
-            .into_iter()
-            .for_each(|text| to.optional(text.as_ref(), |to, text| to.text(text)));
+        to.list(&self.arrays, |to, array| {
+            to.text(&array.name);
+            to.count(array.component_count);
+            to.number(u64::from(array.on_cells));
+        });
+        for text in [&self.scalar, &self.format] {
+            to.optional(text.as_ref(), |to, text| to.text(text));
+        }
         to.floats(&self.times);
     }
 
-    /// From a message; `None` where it is none.
-    pub fn read_message(from: &mut Reader) -> Option<Head> {
+    /// Head from a message; `None` where the bytes are none.
+    pub fn decode(from: &mut Reader) -> Option<Head> {
         let flags = u32::try_from(from.number()?).ok()?;
-        let mut count = || usize::try_from(from.number()?).ok().filter(|&count| count <= 1 << 36);
+        let mut count = || from.length().filter(|&count| count <= 1 << 36);
         let [point_count, cell_count, connectivity_count] = [count()?, count()?, count()?];
         let arrays = from.list(|from| {
-            let (name, components) = (from.text()?, from.number()?);
-            let component_count =
-                usize::try_from(components).ok().filter(|&n| n <= COMPONENTS_MOST as usize)?;
-            Some(ArrayOf { name, component_count, on_cells: from.number()? == 1 })
+            let name = from.text()?;
+            let component_count = from.length().filter(|&n| n <= MAX_COMPONENTS as usize)?;
+            Some(ArrayRecord { name, component_count, on_cells: from.number()? == 1 })
         })?;
         let (scalar, format) = (from.optional(Reader::text)?, from.optional(Reader::text)?);
         let times = from.floats()?;
@@ -140,18 +138,19 @@ impl Head {
     }
 }
 
-fn arrays(read: &GridHead) -> Result<Vec<ArrayOf>, Wrong> {
-    if read.array_count > ARRAYS_MOST {
-        return Err(format!("array_count is {}, at most {ARRAYS_MOST}", read.array_count));
+fn arrays(read: &GridHead) -> Result<Vec<ArrayRecord>, ValidationError> {
+    if read.array_count > MAX_ARRAYS {
+        return Err(format!("array_count is {}, at most {MAX_ARRAYS}", read.array_count));
     }
     let heads = several(read.arrays, read.array_count as usize).map_err(|wrong| format!("array {wrong}"))?;
-    let mut arrays: Vec<ArrayOf> = Vec::new();
+    let mut arrays: Vec<ArrayRecord> = Vec::new();
     for (i, head) in heads.iter().enumerate() {
-        let at = |wrong: Wrong| format!("array {i}: {wrong}");
-        let name = required("the name", line("the name", head.name, TEXT_MOST).map_err(at)?).map_err(at)?;
-        if !(1..=COMPONENTS_MOST).contains(&head.component_count) {
+        let at = |wrong: ValidationError| format!("array {i}: {wrong}");
+        let name =
+            required("the name", line("the name", head.name, MAX_TEXT_BYTES).map_err(at)?).map_err(at)?;
+        if !(1..=MAX_COMPONENTS).contains(&head.component_count) {
             return Err(at(format!(
-                "'{name}' has {} components, 1 to {COMPONENTS_MOST} can be",
+                "'{name}' has {} components, 1 to {MAX_COMPONENTS} can be",
                 head.component_count
             )));
         }
@@ -164,14 +163,14 @@ fn arrays(read: &GridHead) -> Result<Vec<ArrayOf>, Wrong> {
             return Err(at(format!("there are two of the name '{name}'")));
         }
         let component_count = head.component_count as usize;
-        arrays.push(ArrayOf { name, component_count, on_cells });
+        arrays.push(ArrayRecord { name, component_count, on_cells });
     }
     Ok(arrays)
 }
 
-fn times(read: &GridHead) -> Result<Vec<f64>, Wrong> {
-    if read.step_count > STEPS_MOST {
-        return Err(format!("step_count is {}, at most {STEPS_MOST}", read.step_count));
+fn times(read: &GridHead) -> Result<Vec<f64>, ValidationError> {
+    if read.step_count > MAX_STEPS {
+        return Err(format!("step_count is {}, at most {MAX_STEPS}", read.step_count));
     }
     if read.step_count == 0 {
         return Ok(Vec::new());

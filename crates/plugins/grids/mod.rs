@@ -1,9 +1,15 @@
-//! Grids that plug-ins give: how large they are, the memory that they are written to, what is wrong with them.
+//! Grids that plug-ins give.
+//!
+//! | file | responsibility |
+//! | --- | --- |
+//! | `head` | sizes and names |
+//! | `buffers` | memory written to |
+//! | `validate` | checks of what was written |
 
 mod buffers;
 mod head;
-mod judge;
+mod validate;
 
-pub(crate) use buffers::{Buffers, Fresh, Mixed, fresh, overran};
-pub(crate) use head::{ArrayOf, Head, refuse_flags};
-pub(crate) use judge::Made;
+pub(crate) use buffers::{Buffers, MixedCells};
+pub(crate) use head::{ArrayRecord, Head, refuse_flags};
+pub(crate) use validate::GridContents;

@@ -1,70 +1,69 @@
-//! The process of a plug-in.
+//! Side of the process that a plug-in runs in.
 
-use super::messages::{Answer, Request, failed};
-use crate::apart;
+use super::messages::{Reply, Request};
 use crate::crash;
-use crate::describe::Declared;
 use crate::host::State;
 use crate::library;
+use crate::watchdog;
 use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Loads the library at `path`, does what the standard input asks for, answers on the standard output, and ends the process.
+/// Loads the library at `path`, runs the request of the standard input, replies on the standard output, and ends the process.
 ///
-/// What the library itself prints goes to the standard error. Where whoever asked goes away, the process ends.
-pub fn serve(path: &Path) -> ! {
-    crash::leave();
-    // Until the end the output stays open: who listens takes its end for ours.
+/// Prints of the library go to the standard error. The process ends when its parent does.
+pub fn run_child(path: &Path) -> ! {
+    crash::disable();
+    // The output stays open until the end: the parent takes its end for that of the process.
     let output = own_output();
-    let answered = output.and_then(|mut output| answer(path, &mut output).map(|()| output));
-    // An error: nobody listens.
-    leave_now(i32::from(answered.is_err()))
+    let replied = output.and_then(|mut output| reply(path, &mut output).map(|()| output));
+    // An error: the parent is gone.
+    exit_now(i32::from(replied.is_err()))
 }
 
-fn answer(path: &Path, mut output: &mut impl Write) -> io::Result<()> {
+fn reply(path: &Path, output: &mut dyn Write) -> io::Result<()> {
     let mut input = io::stdin();
     let request = Request::read(&mut input.lock())?;
     std::thread::spawn(move || {
-        // Nothing more is said, so this comes back when the other end is closed.
+        // No more input comes, so this returns when the other end is closed.
         let _ = io::copy(&mut input.by_ref(), &mut io::sink());
-        leave_now(1)
+        exit_now(1)
     });
-    let (library, filters) = match library::load(path) {
+    let (library, items) = match library::load(path) {
         Ok(loaded) => loaded,
-        Err(error) => return failed(&error).write(&mut output),
+        Err(error) => return Reply::from_error(&error).write(output),
     };
-    let find = |name: &str| filters.iter().find(|filter| filter.declared.kind.name == name).cloned();
+    let find = |name: &str| items.iter().find(|item| item.declaration.schema.name == name).cloned();
     let gone = || io::Error::new(io::ErrorKind::NotFound, "there is no such filter any more");
     match request {
         Request::Describe => {
-            let filters: Vec<Declared> = filters.iter().map(|filter| filter.declared.clone()).collect();
+            let declarations = items.iter().map(|item| item.declaration.clone()).collect();
             let plugin = [library.plugin.name.clone(), library.plugin.version.clone()];
-            Answer::Described(plugin, filters).write(&mut output)
+            Reply::Described(plugin, declarations).write(output)
         }
-        Request::Do(name, task) => {
-            let piece = find(&name).ok_or_else(gone)?;
+        Request::Run(name, task) => {
+            let item = find(&name).ok_or_else(gone)?;
             let state = Arc::new(State::default());
             let work = {
                 let state = state.clone();
-                move || task.carry_out(&piece, &state)
+                move || task.run(&item, &state)
             };
-            let mut told = 0.0;
-            let called = apart::run(work, || {
+            let mut reported = 0.0;
+            let called = watchdog::run(work, || {
                 let fraction = state.fraction();
-                let goes_on = fraction == told || Answer::Progress(fraction).write(&mut output).is_ok();
-                told = fraction;
-                goes_on
+                let may_go_on = fraction == reported || Reply::Progress(fraction).write(output).is_ok();
+                reported = fraction;
+                may_go_on
             });
-            let (said, outcome) = called.map_err(|_| gone())?;
-            Answer::Said(said).write(&mut output)?;
-            Answer::Made(outcome).write(&mut output)
+            let (status, outcome) = called.map_err(|_| gone())?;
+            Reply::Status(status).write(output)?;
+            Reply::Outcome(outcome).write(output)
         }
     }
 }
 
-/// The standard output for answers alone: what else is printed goes to the standard error.
+/// The standard output for replies alone: other prints go to the standard error.
 #[cfg(unix)]
 fn own_output() -> io::Result<impl Write> {
     use std::os::fd::{AsFd, FromRawFd};
@@ -82,14 +81,14 @@ fn own_output() -> io::Result<impl Write> {
     Ok(io::stdout())
 }
 
-/// Ends without what a library wants to do at the end: its functions may still run.
+/// Ends the process without the exit handlers of a library, whose functions may still run.
 #[cfg(unix)]
-fn leave_now(code: i32) -> ! {
+fn exit_now(code: i32) -> ! {
     // SAFETY: ends the process.
     unsafe { libc::_exit(code) }
 }
 
 #[cfg(not(unix))]
-fn leave_now(code: i32) -> ! {
+fn exit_now(code: i32) -> ! {
     std::process::exit(code)
 }

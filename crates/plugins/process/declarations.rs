@@ -1,14 +1,14 @@
-//! What a filter declares, in messages.
+//! Declarations of items in messages.
 
-use super::wire::{Reader, Writer};
-use crate::describe::{Declared, Family};
+use crate::declaration::{Declaration, Family};
+use crate::wire::{Reader, Writer};
 use voltet_core::parameters::{DefaultValue, Parameter, ParameterType, Range, VariantSchema};
 
-/// A filter as it was declared.
-pub(super) fn write_declared(body: &mut Writer, declared: &Declared) {
-    body.text(declared.kind.name);
-    body.text(declared.kind.summary);
-    match declared.family {
+/// Appends a declaration.
+pub(super) fn write_declaration(body: &mut Writer, declaration: &Declaration) {
+    body.text(declaration.schema.name);
+    body.text(declaration.schema.summary);
+    match declaration.family {
         Family::GradientFilter { needs } => {
             body.number(0);
             body.number(u64::from(needs));
@@ -24,18 +24,18 @@ pub(super) fn write_declared(body: &mut Writer, declared: &Declared) {
         }
         Family::ImageFilter => body.number(3),
     }
-    body.number(u64::from(declared.checks));
-    body.number(declared.kind.parameters.len() as u64);
-    for (parameter, &components) in declared.kind.parameters.iter().zip(&declared.components) {
+    body.number(u64::from(declaration.checks));
+    body.count(declaration.schema.parameters.len());
+    for (parameter, &components) in declaration.schema.parameters.iter().zip(&declaration.components) {
         [parameter.name, parameter.unit, parameter.help].into_iter().for_each(|text| body.text(text));
         body.number(u64::from(components));
         write_type(body, &parameter.parameter_type);
-        write_standard(body, &parameter.standard);
+        write_default(body, &parameter.default);
     }
 }
 
-/// The same again; its texts and lists live from now on as long as the program. `None` where it is none.
-pub(super) fn read_declared(reader: &mut Reader) -> Option<Declared> {
+/// A declaration from a message, whose texts and lists live as long as the program; `None` where the bytes are none.
+pub(super) fn read_declaration(reader: &mut Reader) -> Option<Declaration> {
     let (name, summary) = (reader.text()?, reader.text()?);
     let family = match reader.number()? {
         0 => Family::GradientFilter { needs: reader.number()? as u32 },
@@ -50,16 +50,21 @@ pub(super) fn read_declared(reader: &mut Reader) -> Option<Declared> {
         let [name, unit, help] = [reader.text()?, reader.text()?, reader.text()?];
         components.push(reader.number()? as u32);
         let parameter_type = read_type(reader)?;
-        let standard = read_standard(reader)?;
-        Some(Parameter { name: name.leak(), unit: unit.leak(), help: help.leak(), parameter_type, standard })
+        let standard = read_default(reader)?;
+        Some(Parameter {
+            name: name.leak(),
+            unit: unit.leak(),
+            help: help.leak(),
+            parameter_type,
+            default: standard,
+        })
     })?;
-    let kind = VariantSchema { name: name.leak(), summary: summary.leak(), parameters: parameters.leak() };
-    Some(Declared { kind, family, checks, components })
+    let schema = VariantSchema { name: name.leak(), summary: summary.leak(), parameters: parameters.leak() };
+    Some(Declaration { schema, family, checks, components })
 }
 
 fn write_texts(body: &mut Writer, texts: &[&str]) {
-    body.number(texts.len() as u64);
-    texts.iter().for_each(|text| body.text(text));
+    body.list(texts, |body, text| body.text(text));
 }
 
 fn read_texts(reader: &mut Reader) -> Option<&'static [&'static str]> {
@@ -80,7 +85,7 @@ fn read_range(reader: &mut Reader) -> Option<Range> {
     Some(Range { min, max, above_min, below_max, infinite: false })
 }
 
-/// Those that [`crate::describe`] gives.
+/// Appends a type that [`crate::declaration`] gives.
 fn write_type(body: &mut Writer, parameter_type: &ParameterType) {
     match parameter_type {
         ParameterType::Boolean => body.number(0),
@@ -94,12 +99,14 @@ fn write_type(body: &mut Writer, parameter_type: &ParameterType) {
         }
         ParameterType::Choice(words) => {
             body.number(3);
-            body.number(words.len() as u64);
-            words.iter().flat_map(|(word, meaning)| [word, meaning]).for_each(|text| body.text(text));
+            body.list(words, |body, (word, meaning)| {
+                body.text(word);
+                body.text(meaning);
+            });
         }
         ParameterType::Numbers(count, range) => {
             body.number(4);
-            body.optional(*count, |body, n| body.number(n as u64));
+            body.optional(*count, Writer::count);
             write_range(body, range);
         }
         _ => body.number(5),
@@ -118,16 +125,14 @@ fn read_type(reader: &mut Reader) -> Option<ParameterType> {
             });
             ParameterType::Choice(words?.leak())
         }
-        4 => {
-            ParameterType::Numbers(reader.optional(Reader::number)?.map(|n| n as usize), read_range(reader)?)
-        }
+        4 => ParameterType::Numbers(reader.optional(Reader::length)?, read_range(reader)?),
         5 => ParameterType::Text,
         _ => return None,
     })
 }
 
-/// Those that [`crate::describe`] gives.
-fn write_standard(body: &mut Writer, standard: &DefaultValue) {
+/// Appends a default that [`crate::declaration`] gives.
+fn write_default(body: &mut Writer, standard: &DefaultValue) {
     match *standard {
         DefaultValue::Unset(meaning) => {
             body.number(1);
@@ -157,7 +162,7 @@ fn write_standard(body: &mut Writer, standard: &DefaultValue) {
     }
 }
 
-fn read_standard(reader: &mut Reader) -> Option<DefaultValue> {
+fn read_default(reader: &mut Reader) -> Option<DefaultValue> {
     Some(match reader.number()? {
         0 => DefaultValue::Required,
         1 => DefaultValue::Unset(reader.text()?.leak()),

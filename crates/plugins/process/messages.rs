@@ -1,165 +1,147 @@
-//! What the two processes say to each other.
+//! Requests of the program to the process of a plug-in, and its replies.
 
-use super::declarations::{read_declared, write_declared};
-use super::wire::{self, Reader, Writer};
-use crate::describe::Declared;
-use crate::outcome::{Beyond, Said};
-use crate::task::{Outcome, Task};
+use super::declarations::{read_declaration, write_declaration};
+use crate::declaration::Declaration;
+use crate::gradient_filter::GradientTask;
+use crate::grid_filter::GridTask;
+use crate::image_filter::ImageTask;
+use crate::reader::{InspectTask, ReadTask};
+use crate::status::CallStatus;
+use crate::task::{CheckTask, DecodeTask, Outcome, Task};
+use crate::wire::{self, Reader, Writer, garbled};
 use std::io::{self, Read, Write};
-use voltet_core::field::Fallback;
-use voltet_core::{Error, Result};
+use voltet_core::Error;
 
-/// What is asked of the process.
+/// Request to the process.
 pub(crate) enum Request {
     Describe,
-    /// What the piece of that name shall do.
-    Do(String, Task),
+    /// A task of the item of that name.
+    Run(String, Box<dyn Task>),
 }
 
-/// What it answers. `Progress` is followed by more, and `Said` by what was made.
-pub(crate) enum Answer {
+/// Reply of the process. `Progress` is followed by more, and `Status` by `Outcome`.
+pub(crate) enum Reply {
     Progress(f64),
-    /// Name and version of the plug-in, and what it offers.
-    Described([String; 2], Vec<Declared>),
-    /// Why it could not be loaded: what, found, accepted.
+    /// Name and version of the plug-in, and its items.
+    Described([String; 2], Vec<Declaration>),
+    /// Error of loading: what, found, expected.
     Failed([String; 3]),
-    Said(Said),
-    Made(Outcome),
+    Status(CallStatus),
+    Outcome(Outcome),
 }
 
 const DESCRIBE: u8 = b'd';
-const DO: u8 = b't';
+const RUN: u8 = b't';
 const PROGRESS: u8 = b'P';
 const DESCRIBED: u8 = b'D';
 const FAILED: u8 = b'F';
-const SAID: u8 = b'S';
-const MADE: u8 = b'M';
+const STATUS: u8 = b'S';
+const OUTCOME: u8 = b'M';
 
-pub(super) fn garbled() -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidData, "a message is not as agreed")
-}
+/// Kinds of tasks by their tags.
+const TASKS: [(u64, DecodeTask); 6] = [
+    (CheckTask::TAG, CheckTask::decode),
+    (GradientTask::TAG, GradientTask::decode),
+    (InspectTask::TAG, InspectTask::decode),
+    (ReadTask::TAG, ReadTask::decode),
+    (GridTask::TAG, GridTask::decode),
+    (ImageTask::TAG, ImageTask::decode),
+];
 
 impl Request {
-    pub fn write(&self, to: &mut impl Write) -> io::Result<()> {
+    pub fn write(&self, to: &mut dyn Write) -> io::Result<()> {
         match self {
             Request::Describe => wire::send(to, DESCRIBE, &[])?,
-            Request::Do(name, task) => {
+            Request::Run(name, task) => {
                 let mut head = Writer::default();
                 head.text(name);
-                task.write_head(&mut head);
-                wire::send(to, DO, &head.0)?;
-                task.write_arrays(to)?;
+                head.number(task.tag());
+                task.encode(&mut head);
+                wire::send(to, RUN, &head.0)?;
+                task.send_arrays(to)?;
             }
         }
         to.flush()
     }
 
-    pub fn read(from: &mut impl Read) -> io::Result<Request> {
+    pub fn read(from: &mut dyn Read) -> io::Result<Request> {
         let (tag, length) = wire::head(from)?.ok_or_else(garbled)?;
         let bytes = wire::body(from, length)?;
-        let mut reader = Reader(&bytes);
+        let mut head = Reader(&bytes);
         match tag {
             DESCRIBE => Ok(Request::Describe),
-            DO => {
-                let name = reader.text().ok_or_else(garbled)?;
-                Ok(Request::Do(name, Task::read(&mut reader, from)?))
+            RUN => {
+                let (name, kind) = head.text().zip(head.number()).ok_or_else(garbled)?;
+                let decode = TASKS.iter().find(|(tag, _)| *tag == kind).ok_or_else(garbled)?.1;
+                Ok(Request::Run(name, decode(&mut head, from)?))
             }
             _ => Err(garbled()),
         }
     }
 }
 
-impl Answer {
-    pub fn write(&self, to: &mut impl Write) -> io::Result<()> {
+impl Reply {
+    /// Reply to a request that failed.
+    pub fn from_error(error: &Error) -> Reply {
+        let [found, expected] = [&error.got, &error.expected].map(|text| text.clone().unwrap_or_default());
+        Reply::Failed([error.what.clone(), found, expected])
+    }
+
+    pub fn write(&self, to: &mut dyn Write) -> io::Result<()> {
         let mut body = Writer::default();
         let tag = match self {
-            Answer::Made(outcome) => {
-                outcome.write_head(&mut body);
-                wire::send(to, MADE, &body.0)?;
-                outcome.write_arrays(to)?;
-                return to.flush();
-            }
-            Answer::Progress(fraction) => {
+            Reply::Progress(fraction) => {
                 body.float(*fraction);
                 PROGRESS
             }
-            Answer::Described(plugin, filters) => {
+            Reply::Described(plugin, items) => {
                 plugin.iter().for_each(|text| body.text(text));
-                body.number(filters.len() as u64);
-                filters.iter().for_each(|filter| write_declared(&mut body, filter));
+                body.list(items, write_declaration);
                 DESCRIBED
             }
-            Answer::Failed(texts) => {
+            Reply::Failed(texts) => {
                 texts.iter().for_each(|text| body.text(text));
                 FAILED
             }
-            Answer::Said(said) => {
-                write_said(said, &mut body);
-                SAID
+            Reply::Status(status) => {
+                status.encode(&mut body);
+                STATUS
+            }
+            Reply::Outcome(outcome) => {
+                outcome.encode(&mut body);
+                OUTCOME
             }
         };
         wire::send(to, tag, &body.0)?;
+        if let Reply::Outcome(outcome) = self {
+            outcome.send_arrays(to)?;
+        }
         to.flush()
     }
 
-    /// The next; `None` at the end.
-    pub fn read(from: &mut impl Read) -> io::Result<Option<Answer>> {
+    /// The next reply; `None` at the end.
+    pub fn read(from: &mut dyn Read) -> io::Result<Option<Reply>> {
         let Some((tag, length)) = wire::head(from)? else { return Ok(None) };
         let bytes = wire::body(from, length)?;
-        let mut reader = Reader(&bytes);
-        if tag == MADE {
-            return Outcome::read(&mut reader, from).map(|outcome| Some(Answer::Made(outcome)));
+        let mut body = Reader(&bytes);
+        if tag == OUTCOME {
+            return Outcome::decode(&mut body, from).map(|outcome| Some(Reply::Outcome(outcome)));
         }
-        let mut answer = || match tag {
-            PROGRESS => reader.float().map(Answer::Progress),
-            DESCRIBED => {
-                let plugin = [reader.text()?, reader.text()?];
-                Some(Answer::Described(plugin, reader.list(read_declared)?))
-            }
-            FAILED => Some(Answer::Failed([reader.text()?, reader.text()?, reader.text()?])),
-            SAID => read_said(&mut reader).map(Answer::Said),
+        let mut reply = || match tag {
+            PROGRESS => body.float().map(Reply::Progress),
+            DESCRIBED => Some(Reply::Described([body.text()?, body.text()?], body.list(read_declaration)?)),
+            FAILED => Some(Reply::Failed([body.text()?, body.text()?, body.text()?])),
+            STATUS => CallStatus::decode(&mut body).map(Reply::Status),
             _ => None,
         };
-        answer().map(Some).ok_or_else(garbled)
+        reply().map(Some).ok_or_else(garbled)
     }
 }
 
-fn write_said(said: &Said, body: &mut Writer) {
-    body.number(said.code as u64);
-    body.optional(said.beyond.as_ref(), |body, beyond| {
-        body.text(&beyond.what);
-        body.text(&beyond.accepted);
-    });
-    [&said.wrong, &said.error]
-        .into_iter()
-        .for_each(|text| body.optional(text.as_ref(), |body, text| body.text(text)));
-    body.number(said.fallbacks.len() as u64);
-    for fallback in &said.fallbacks {
-        body.text(&fallback.what);
-        body.number(fallback.point_count);
-    }
-}
-
-fn read_said(reader: &mut Reader) -> Option<Said> {
-    let code = reader.number()? as i32;
-    let beyond = |reader: &mut Reader| Some(Beyond { what: reader.text()?, accepted: reader.text()? });
-    let beyond = reader.optional(beyond)?;
-    let (wrong, error) = (reader.optional(Reader::text)?, reader.optional(Reader::text)?);
-    let fallback =
-        |reader: &mut Reader| Some(Fallback { what: reader.text()?, point_count: reader.number()? });
-    Some(Said { code, error, fallbacks: reader.list(fallback)?, beyond, wrong })
-}
-
-/// An error as texts.
-pub(crate) fn failed(error: &Error) -> Answer {
-    let [found, accepted] = [&error.got, &error.accepted].map(|text| text.clone().unwrap_or_default());
-    Answer::Failed([error.what.clone(), found, accepted])
-}
-
-/// The error again.
-pub(crate) fn failure<T>([what, found, accepted]: [String; 3]) -> Result<T> {
+/// The error of [`Reply::from_error`].
+pub(crate) fn error_from([what, found, expected]: [String; 3]) -> Error {
     let mut error = Error::usage(what);
     error.got = (!found.is_empty()).then_some(found);
-    error.accepted = (!accepted.is_empty()).then_some(accepted);
-    Err(error)
+    error.expected = (!expected.is_empty()).then_some(expected);
+    error
 }

@@ -1,27 +1,22 @@
 //! Plug-ins in a process of their own: a crash ends that, and not the program.
 //!
-//! The program starts itself again for each piece of work (`voltet plugin-process PATH`, which help does not list), hands over what
-//! the filter is given through a pipe, and hears progress, what the filter says, and the gradient through another. To stop it ends the
-//! process. The process loads and calls the library as the program would.
+//! The program starts itself again for each piece of work (`voltet plugin-process PATH`, which help does not list), sends the
+//! inputs through a pipe, and receives progress, status and output through another. To cancel the work it ends the process. The
+//! process loads and calls the library as the program would.
 //!
-//! | file | what |
+//! | file | responsibility |
 //! | --- | --- |
-//! | `wire` | bytes |
-//! | `messages` | what is asked and answered |
-//! | `declarations` | what plug-ins declare, in messages |
-//! | `tasks`, `outcomes` | what is given, and what was made, in messages |
-//! | `child` | the process |
-//! | `conversation` | one piece of work, as the program sees it |
-//! | `remote` | what runs a plug-in's functions that way |
+//! | `messages` | requests and replies |
+//! | `declarations` | declarations in messages |
+//! | `child` | side of the process |
+//! | `exchange` | side of the program |
+//! | `remote` | the runner |
 
 mod child;
-mod conversation;
 mod declarations;
+mod exchange;
 mod messages;
-mod outcomes;
 mod remote;
-mod tasks;
-pub(crate) mod wire;
 
-pub use child::serve;
+pub use child::run_child;
 pub(crate) use remote::load;

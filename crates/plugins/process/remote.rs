@@ -1,12 +1,12 @@
 //! A plug-in's functions, run in a process of their own.
 
-use super::conversation::{End, hold};
-use super::messages::{Answer, Request, failure};
-use crate::describe::Declared;
-use crate::library::state_of;
-use crate::outcome::{Said, Whose};
-use crate::runner::{Offered, Runner};
-use crate::task::{Outcome, Task};
+use super::exchange::{End, exchange};
+use super::messages::{Reply, Request, error_from};
+use crate::declaration::Declaration;
+use crate::library::read_file;
+use crate::runner::{PluginItem, Runner};
+use crate::status::{CallLabel, CallStatus};
+use crate::task::{CheckTask, Outcome, Task};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -14,39 +14,37 @@ use voltet_core::field::Plugin;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 
-/// How long describing and checking may take.
-const PATIENCE: Duration = Duration::from_secs(30);
+/// Longest time of a description or a check.
+const START_TIME_LIMIT: Duration = Duration::from_secs(30);
 
-/// A library that other processes load.
+/// Runner of a library in processes of `program`.
 struct Remote {
     program: PathBuf,
     plugin: Plugin,
 }
 
-/// The filters of the library at `path`, which run in processes of `program`.
-pub(crate) fn load(path: &Path, program: PathBuf) -> Result<Vec<Offered>> {
-    let (stated, _) = state_of(path)?;
+/// The items of the library at `path`, which run in processes of `program`.
+pub(crate) fn load(path: &Path, program: PathBuf) -> Result<Vec<PluginItem>> {
+    let (plugin, _) = read_file(path)?;
     let start = Instant::now();
     let broken = |how: String| {
         Error::usage("the plug-in cannot be loaded").got(format!("its process {how}")).in_file(path)
     };
-    let end = hold(&program, path, &Request::Describe, |_| start.elapsed() < PATIENCE);
-    let answers = match end {
-        End::Answered(answers) => answers,
-        End::GivenUp => return Err(broken(format!("did not begin within {} s", PATIENCE.as_secs()))),
+    let end = exchange(&program, path, &Request::Describe, |_| start.elapsed() < START_TIME_LIMIT);
+    let replies = match end {
+        End::Replied(replies) => replies,
+        End::GivenUp => return Err(broken(format!("did not begin within {} s", START_TIME_LIMIT.as_secs()))),
         End::Broken(how) => return Err(broken(how)),
     };
-    let ([name, version], filters) = match answers.into_iter().next() {
-        Some(Answer::Described(plugin, filters)) => (plugin, filters),
-        Some(Answer::Failed(texts)) => return failure(texts).map_err(|error| error.in_file(path)),
-        Some(Answer::Said(_) | Answer::Made(_) | Answer::Progress(_)) | None => {
+    let ([name, version], declarations) = match replies.into_iter().next() {
+        Some(Reply::Described(names, declarations)) => (names, declarations),
+        Some(Reply::Failed(texts)) => return Err(error_from(texts).in_file(path)),
+        Some(Reply::Status(_) | Reply::Outcome(_) | Reply::Progress(_)) | None => {
             return Err(broken("did not describe it".into()));
         }
     };
-    let plugin = Plugin { name, version, ..stated };
-    let runner: Arc<dyn Runner> = Arc::new(Remote { program, plugin });
-    let offered = |declared| Offered { runner: runner.clone(), declared };
-    Ok(filters.into_iter().map(offered).collect())
+    let plugin = Plugin { name, version, ..plugin };
+    Ok(PluginItem::list(Arc::new(Remote { program, plugin }), declarations))
 }
 
 impl Runner for Remote {
@@ -54,37 +52,40 @@ impl Runner for Remote {
         &self.plugin
     }
 
-    fn run(&self, of: &Declared, task: Task, progress: &dyn Progress) -> Result<(Said, Outcome)> {
-        let whose = Whose::new(of, &self.plugin);
-        let (now, _) = state_of(&self.plugin.path)?;
+    fn run(
+        &self,
+        declaration: &Declaration,
+        task: Box<dyn Task>,
+        progress: &dyn Progress,
+    ) -> Result<(CallStatus, Outcome)> {
+        let label = CallLabel::new(declaration, &self.plugin);
+        let (now, _) = read_file(&self.plugin.path)?;
         if now.fingerprint != self.plugin.fingerprint {
-            let error = whose.error("is not the one that was described: its file has changed");
+            let error = label.error("is not the one that was described: its file has changed");
             return Err(error.expected("the program begun again"));
         }
-        let broken = |how: String| whose.error(&how).expected("a plug-in that answers; the program goes on");
-        let (is_check, stage, start) = (matches!(task, Task::Check(_)), task.stage(), Instant::now());
-        let request = Request::Do(of.kind.name.into(), task);
-        let waits = |fraction| {
+        let broken = |how: String| label.error(&how).expected("a plug-in that answers; the program goes on");
+        let (is_check, stage, start) = (task.tag() == CheckTask::TAG, task.stage(), Instant::now());
+        let request = Request::Run(declaration.schema.name.into(), task);
+        let may_go_on = |fraction| {
             if is_check {
-                return start.elapsed() < PATIENCE;
+                return start.elapsed() < START_TIME_LIMIT;
             }
             progress.report(stage, fraction);
             !progress.cancelled()
         };
-        let answers = match hold(&self.program, &self.plugin.path, &request, waits) {
-            End::Answered(answers) => answers,
+        let replies = match exchange(&self.program, &self.plugin.path, &request, may_go_on) {
+            End::Replied(replies) => replies,
             End::GivenUp if is_check => {
-                return Err(whose.error("does not come back from checking its parameters"));
+                return Err(label.error("does not come back from checking its parameters"));
             }
             End::GivenUp => return Err(Error::cancelled()),
             End::Broken(how) => return Err(broken(how)),
         };
-        let mut answers = answers.into_iter();
-        match (answers.next(), answers.next()) {
-            (Some(Answer::Said(said)), Some(Answer::Made(outcome))) => Ok((said, outcome)),
-            (Some(Answer::Failed(texts)), _) => {
-                failure(texts).map_err(|error| error.in_file(&self.plugin.path))
-            }
+        let mut replies = replies.into_iter();
+        match (replies.next(), replies.next()) {
+            (Some(Reply::Status(status)), Some(Reply::Outcome(outcome))) => Ok((status, outcome)),
+            (Some(Reply::Failed(texts)), _) => Err(error_from(texts).in_file(&self.plugin.path)),
             _ => Err(broken("did not answer".into())),
         }
     }

@@ -228,7 +228,7 @@ fn said(error: &Error, place: usize) -> usize {
     place
 }
 
-/// The source of the C example, compiled for the sandbox as docs/plugins.md says.
+/// The source of the C example, compiled for the sandbox as docs/src/how-to/plugins.md says.
 #[test]
 fn the_c_example_runs_in_the_sandbox_as_it_is() {
     let folder = tempfile::tempdir().unwrap();
@@ -250,7 +250,7 @@ fn the_c_example_runs_in_the_sandbox_as_it_is() {
 #[test]
 fn the_commands_of_the_page_make_a_module_that_runs() {
     use std::process::Command;
-    let page = std::fs::read_to_string(compilers::source("docs/plugins.md")).unwrap();
+    let page = std::fs::read_to_string(compilers::source("docs/src/how-to/plugins.md")).unwrap();
     let section = page.split_once("## In a sandbox: WebAssembly").unwrap().1;
     let block = section.split_once("```text\n").unwrap().1.split_once("```").unwrap().0.replace("\\\n", " ");
     let commands: Vec<Vec<&str>> = block.lines().map(|line| line.split_whitespace().collect()).collect();

@@ -1,31 +1,32 @@
-//! What a module declares: copied out of it as the header's structs of this program, which [`crate::describe`] reads and checks.
+//! Declarations of a module: copied to the header's structs of this program, which [`crate::declaration`] reads and checks.
 
-use super::guest::{Guest, Handed};
+use super::guest::{Guest, GuestArgs};
 use super::layout::{entry, factory, filter, parameter, plugin};
-use super::sandbox::{Running, Sandbox, said};
-use crate::describe::{self, Declared, PARAMETERS_MOST};
-use crate::foreign::Wrong;
+use super::sandbox::{RunningModule, Sandbox, message};
+use crate::declaration::{self, Declaration};
+use crate::ffi::ValidationError;
 use crate::host::State;
-use crate::interface::{self, Call, Check, GRADIENT_FILTERS, Gradient, Host, Values};
-use crate::library::{filter_count, refuse_same_names};
-use crate::parameters::VECTOR_MOST;
+use crate::interface::{self, Check, GRADIENT_FILTERS, Gradient, GradientCall, Host, Values};
+use crate::library::{check_filter_count, refuse_same_names};
+use crate::parameters::MAX_VECTOR_LENGTH;
+use crate::text::MAX_PARAMETERS;
 use std::ffi::c_char;
 use std::sync::Arc;
 
 /// Name and version, and the filters in their order.
-pub(super) fn read(sandbox: &Sandbox) -> Result<([String; 2], Vec<Declared>), Wrong> {
+pub(super) fn read(sandbox: &Sandbox) -> Result<([String; 2], Vec<Declaration>), ValidationError> {
     let state = Arc::default();
     let (mut running, _) = sandbox.start(&state, None)?;
-    let begun = begin(&mut running, &state)?;
-    let mut own = Own::default();
-    let named = own.plugin(&running, begun.plugin)?;
-    let names = describe::plugin(&named)?;
-    let mut filters: Vec<Declared> = Vec::new();
-    for place in 0..begun.count {
-        let at = |wrong: Wrong| format!("filter {place}: {wrong}");
-        let address = begun.filter(&mut running, place).map_err(at)?;
-        let described = own.filter(&mut running, address).map_err(at)?;
-        let declared = describe::gradient_filter(&described).map_err(at)?.declared;
+    let plugin_ = initialize(&mut running, &state)?;
+    let mut copies = Copies::default();
+    let named = copies.plugin(&running, plugin_.plugin)?;
+    let names = declaration::plugin(&named)?;
+    let mut filters: Vec<Declaration> = Vec::new();
+    for place in 0..plugin_.count {
+        let at = |wrong: ValidationError| format!("filter {place}: {wrong}");
+        let address = plugin_.filter(&mut running, place).map_err(at)?;
+        let described = copies.filter(&mut running, address).map_err(at)?;
+        let declared = declaration::gradient_filter(&described).map_err(at)?.declaration;
         filters.push(declared);
     }
     refuse_same_names(&filters)?;
@@ -33,45 +34,48 @@ pub(super) fn read(sandbox: &Sandbox) -> Result<([String; 2], Vec<Declared>), Wr
 }
 
 /// A module after init.
-pub(super) struct Begun {
+pub(super) struct InitializedModule {
     plugin: u32,
     count: u32,
     filter: wasmtime::TypedFunc<u32, u32>,
-    /// The address of the host's struct.
+    /// Address of the host's struct.
     pub host: u32,
 }
 
-impl Begun {
-    /// The address of a filter's description.
-    pub fn filter(&self, running: &mut Running, place: u32) -> Result<u32, Wrong> {
-        self.filter.call(&mut running.store, place).map_err(|error| said(&error))
+impl InitializedModule {
+    /// Address of a filter's description.
+    pub fn filter(&self, running: &mut RunningModule, place: u32) -> Result<u32, ValidationError> {
+        self.filter.call(&mut running.store, place).map_err(|error| message(&error))
     }
 }
 
-/// Calls init and asks for the filters.
-pub(super) fn begin(running: &mut Running, state: &State) -> Result<Begun, Wrong> {
+/// Calls init, and requests the factory of filters.
+pub(super) fn initialize(
+    running: &mut RunningModule,
+    state: &State,
+) -> Result<InitializedModule, ValidationError> {
     let missing = |name: &str| format!("the function '{name}' is a null pointer");
     let entry = running.entry()?;
     let init =
         running.function::<(u32, u32), u32>("init", entry + entry::INIT)?.ok_or_else(|| missing("init"))?;
     let get_factory = running.function::<u32, u32>("get_factory", entry + entry::GET_FACTORY)?;
     let get_factory = get_factory.ok_or_else(|| missing("get_factory"))?;
-    let mut handed = Handed::behind(running.memory, &running.store);
-    // Where its file lies is nobody's business in a sandbox.
-    let path = handed.text(b"");
-    let kind = handed.text(GRADIENT_FILTERS.to_bytes());
-    let host = running.host(&mut handed);
-    if !handed.give(running.memory, &mut running.store) {
+    let mut arguments = GuestArgs::behind(running.memory, &running.store);
+    // The path of the file is not disclosed to a sandbox.
+    let path = arguments.text(b"");
+    let kind = arguments.text(GRADIENT_FILTERS.to_bytes());
+    let host = running.host(&mut arguments);
+    if !arguments.write_to(running.memory, &mut running.store) {
         return Err("its memory cannot grow".into());
     }
-    let plugin = init.call(&mut running.store, (path, host)).map_err(|error| said(&error))?;
+    let plugin = init.call(&mut running.store, (path, host)).map_err(|error| message(&error))?;
     if plugin == 0 {
         return Err(match state.error() {
             Some(text) => format!("it says: {text}"),
             None => "its init gave nothing, and no reason".into(),
         });
     }
-    let factory = get_factory.call(&mut running.store, kind).map_err(|error| said(&error))?;
+    let factory = get_factory.call(&mut running.store, kind).map_err(|error| message(&error))?;
     if factory == 0 {
         return Err("it has no gradient filters (get_factory gave nothing), and a sandbox runs these alone: readers, grid filters and image \
                     filters need a shared library".into());
@@ -81,21 +85,21 @@ pub(super) fn begin(running: &mut Running, state: &State) -> Result<Begun, Wrong
     let count = count.ok_or_else(|| missing("filter_count"))?;
     let filter = running.function::<u32, u32>("filter", factory + factory::FILTER)?;
     let filter = filter.ok_or_else(|| missing("filter"))?;
-    let count = count.call(&mut running.store, ()).map_err(|error| said(&error))?;
-    Ok(Begun { plugin, count: filter_count(count)?, filter, host })
+    let count = count.call(&mut running.store, ()).map_err(|error| message(&error))?;
+    Ok(InitializedModule { plugin, count: check_filter_count(count)?, filter, host })
 }
 
-/// What the copied structs point to.
+/// Memory that the copied structs point to.
 #[derive(Default)]
-struct Own {
+struct Copies {
     texts: Vec<Vec<u8>>,
     numbers: Vec<Vec<f64>>,
     lists: Vec<Vec<*const c_char>>,
     parameters: Vec<Vec<interface::Parameter>>,
 }
 
-impl Own {
-    fn text(&mut self, guest: Guest<'_>, address: u32) -> Result<*const c_char, Wrong> {
+impl Copies {
+    fn text(&mut self, guest: Guest<'_>, address: u32) -> Result<*const c_char, ValidationError> {
         let Some(mut text) = guest.text(address)? else { return Ok(std::ptr::null()) };
         text.push(0);
         let pointer = text.as_ptr().cast();
@@ -103,7 +107,11 @@ impl Own {
         Ok(pointer)
     }
 
-    fn plugin(&mut self, running: &Running, address: u32) -> Result<interface::Plugin, Wrong> {
+    fn plugin(
+        &mut self,
+        running: &RunningModule,
+        address: u32,
+    ) -> Result<interface::Plugin, ValidationError> {
         running.sized(address, "voltet_plugin", plugin::SIZE)?;
         let guest = running.guest();
         let name = self.text(guest, guest.read(address + plugin::NAME)?)?;
@@ -111,7 +119,11 @@ impl Own {
         Ok(interface::Plugin { size: size_of::<interface::Plugin>() as u32, reserved: 0, name, version })
     }
 
-    fn filter(&mut self, running: &mut Running, address: u32) -> Result<interface::GradientFilter, Wrong> {
+    fn filter(
+        &mut self,
+        running: &mut RunningModule,
+        address: u32,
+    ) -> Result<interface::GradientFilter, ValidationError> {
         running.sized(address, "voltet_gradient_filter", filter::SIZE)?;
         let guest = running.guest();
         let name = self.text(guest, guest.read(address + filter::NAME)?)?;
@@ -121,8 +133,8 @@ impl Own {
             (guest.read(address + filter::NEEDS)?, guest.read(address + filter::PARAMETERS)?);
         let mut parameters = Vec::new();
         let mut stride: u32 = 0;
-        // More are refused without a look at them.
-        for i in 0..if parameter_count > PARAMETERS_MOST { 0u32 } else { parameter_count } {
+        // More are refused unread.
+        for i in 0..if parameter_count > MAX_PARAMETERS { 0u32 } else { parameter_count } {
             let address = begin.wrapping_add(i.wrapping_mul(stride));
             let size = running.sized(address, "voltet_parameter", parameter::SIZE)?;
             if i > 0 && size != stride {
@@ -155,7 +167,7 @@ impl Own {
         })
     }
 
-    fn parameter(&mut self, guest: Guest<'_>, address: u32) -> Result<interface::Parameter, Wrong> {
+    fn parameter(&mut self, guest: Guest<'_>, address: u32) -> Result<interface::Parameter, ValidationError> {
         let number = |at: u32| guest.read::<u32>(address + at);
         let float = |at: u32| guest.read::<f64>(address + at);
         let mut text = |at: u32| self.text(guest, number(at)?);
@@ -164,27 +176,27 @@ impl Own {
         let (length, word_count) = (number(parameter::LENGTH)?, number(parameter::WORD_COUNT)?);
         let numbers = match number(parameter::NUMBERS)? {
             0 => std::ptr::null(),
-            // A longer one is refused without a look at it.
+            // A longer one is refused unread.
             at => {
-                let numbers = guest.list::<f64>(at, length.min(VECTOR_MOST) as usize)?;
+                let numbers = guest.list::<f64>(at, length.min(MAX_VECTOR_LENGTH) as usize)?;
                 let pointer = numbers.as_ptr();
                 self.numbers.push(numbers);
                 pointer
             }
         };
-        let mut words = |at: u32| -> Result<*const *const c_char, Wrong> {
+        let mut words = |at: u32| -> Result<*const *const c_char, ValidationError> {
             let list = number(at)?;
             if list == 0 {
                 return Ok(std::ptr::null());
             }
-            let words = guest.list::<u32>(list, word_count.min(PARAMETERS_MOST) as usize)?;
+            let words = guest.list::<u32>(list, word_count.min(MAX_PARAMETERS) as usize)?;
             let words =
                 words.into_iter().map(|word| self.text(guest, word)).collect::<Result<Vec<_>, _>>()?;
             let pointer = words.as_ptr();
             self.lists.push(words);
             Ok(pointer)
         };
-        let (words, meanings) = (words(parameter::WORDS)?, words(parameter::MEANINGS)?);
+        let (words, meanings) = (words(parameter::NAMES)?, words(parameter::MEANINGS)?);
         Ok(interface::Parameter {
             size: size_of::<interface::Parameter>() as u32,
             parameter_type: number(parameter::TYPE)?,
@@ -193,8 +205,8 @@ impl Own {
             help,
             flags: number(parameter::FLAGS)?,
             length,
-            least: float(parameter::LEAST)?,
-            most: float(parameter::MOST)?,
+            min: float(parameter::MIN)?,
+            max: float(parameter::MAX)?,
             number: float(parameter::NUMBER)?,
             text: default,
             numbers,
@@ -207,12 +219,12 @@ impl Own {
     }
 }
 
-/// Stands for a function of the module: that there is one.
+/// Placeholder of the module's check.
 unsafe extern "C-unwind" fn no_check(_: *const Values, _: *const Host) -> i32 {
     interface::ERROR
 }
 
-/// The same.
-unsafe extern "C-unwind" fn no_gradient(_: *const Call, _: *const Host) -> i32 {
+/// Placeholder of the module's gradient function.
+unsafe extern "C-unwind" fn no_gradient(_: *const GradientCall, _: *const Host) -> i32 {
     interface::ERROR
 }

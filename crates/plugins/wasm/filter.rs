@@ -1,19 +1,20 @@
-//! The filters of a module: each call starts the module anew, hands everything over, and takes the vectors out.
+//! Runner of a module's filters: each call starts the module afresh, copies the inputs in, and the vectors out.
 
-use super::declared::begin;
-use super::guest::Handed;
+use super::declared::initialize;
+use super::guest::GuestArgs;
 use super::layout::filter;
-use super::sandbox::{Running, Sandbox, said};
-use crate::apart::{self, Lost};
-use crate::describe::{Declared, Family};
-use crate::foreign::Wrong;
-use crate::grids::overran;
+use super::sandbox::{RunningModule, Sandbox, message};
+use crate::declaration::{Declaration, Family};
+use crate::ffi::ValidationError;
+use crate::gradient_filter::GradientTask;
 use crate::host::State;
-use crate::outcome::{Beyond, Said, UNSET, Whose};
 use crate::runner::Runner;
-use crate::task::{Outcome, Task};
-use crate::values::Owned;
-use crate::work::{BEYOND, Given};
+use crate::sentinel::{GUARD_COUNT, Overrun, UNSET, remove_guard};
+use crate::status::{CallLabel, CallStatus};
+use crate::task::{CheckTask, Outcome, Task};
+use crate::values::ParameterValues;
+use crate::watchdog::{self, CallFailure};
+use std::any::Any;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use voltet_core::field::Plugin;
@@ -22,181 +23,194 @@ use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 
 /// Longest call of a filter.
-const TIME_MOST: Duration = Duration::from_secs(600);
+const CALL_TIME_LIMIT: Duration = Duration::from_secs(600);
 
 /// Longest check of parameters.
-const CHECK_MOST: Duration = Duration::from_secs(3);
+const CHECK_TIME_LIMIT: Duration = Duration::from_secs(3);
 
-/// A module with its filters, by their places.
-pub(super) struct Sandboxed {
+/// Runner of a module; the filters by their indices.
+pub(super) struct SandboxRunner {
     sandbox: Sandbox,
     plugin: Plugin,
     names: Vec<&'static str>,
 }
 
-impl Sandboxed {
+impl SandboxRunner {
     /// `filters`: in their order.
-    pub fn new(sandbox: Sandbox, plugin: Plugin, filters: &[Declared]) -> Sandboxed {
-        Sandboxed { sandbox, plugin, names: filters.iter().map(|declared| declared.kind.name).collect() }
+    pub fn new(sandbox: Sandbox, plugin: Plugin, filters: &[Declaration]) -> SandboxRunner {
+        SandboxRunner {
+            sandbox,
+            plugin,
+            names: filters.iter().map(|declaration| declaration.schema.name).collect(),
+        }
     }
 
-    /// Uses the module on a thread of its own; stopped where `ends` says so.
-    fn used<T: Send + 'static>(
+    /// Runs `work` with a fresh module on a thread of its own, and stops it once `is_over` is true.
+    fn use_module<T: Send + 'static>(
         &self,
-        whose: Whose,
+        (label, name): (CallLabel, &str),
         state: &Arc<State>,
-        memory_most: Option<u64>,
-        work: impl FnOnce(&mut Running, u32, u32) -> std::result::Result<T, Wrong> + Send + 'static,
-        mut ends: impl FnMut() -> bool,
+        max_memory_bytes: Option<u64>,
+        work: impl FnOnce(&mut RunningModule, u32, u32) -> std::result::Result<T, ValidationError>
+        + Send
+        + 'static,
+        mut is_over: impl FnMut() -> bool,
     ) -> Result<T> {
-        let failed = |wrong: Wrong| whose.error("failed in its sandbox").got(wrong);
-        let (mut running, stop) = self.sandbox.start(state, memory_most).map_err(failed)?;
-        let place = self.names.iter().position(|name| *name == whose.name()).unwrap_or(0) as u32;
-        let of_use = state.clone();
+        let failed = |wrong: ValidationError| label.error("failed in its sandbox").got(wrong);
+        let (mut running, stop) = self.sandbox.start(state, max_memory_bytes).map_err(failed)?;
+        let index = self.names.iter().position(|known| *known == name).unwrap_or(0) as u32;
+        let work_state = state.clone();
         let work = move || {
-            let begun = begin(&mut running, &of_use)?;
-            let filter = begun.filter(&mut running, place)?;
-            work(&mut running, filter, begun.host)
+            let module = initialize(&mut running, &work_state)?;
+            let filter = module.filter(&mut running, index)?;
+            work(&mut running, filter, module.host)
         };
         let mut stopped = false;
-        let waits = || {
-            stopped |= ends();
+        let may_go_on = || {
+            stopped |= is_over();
             if stopped {
                 stop.stop();
             }
             true
         };
-        match apart::run(work, waits) {
+        match watchdog::run(work, may_go_on) {
             Ok(outcome) => outcome.map_err(failed),
-            Err(Lost::GivenUp | Lost::Ended | Lost::NoThread) => {
-                Err(whose.error("cannot be run: the system gives no thread for it"))
+            Err(CallFailure::GivenUp | CallFailure::Ended | CallFailure::NoThread) => {
+                Err(label.error("cannot be run: the system gives no thread for it"))
             }
         }
     }
 }
 
-impl Runner for Sandboxed {
+impl Runner for SandboxRunner {
     fn plugin(&self) -> &Plugin {
         &self.plugin
     }
 
-    fn run(&self, of: &Declared, task: Task, progress: &dyn Progress) -> Result<(Said, Outcome)> {
-        let whose = Whose::new(of, &self.plugin);
-        match (task, of.family) {
-            (Task::Check(values), _) => self.check(whose, values),
-            (Task::Gradient(given), Family::GradientFilter { needs }) => {
-                self.gradient(whose, *given, needs, progress)
-            }
-            // Nothing else is described, so nothing else is asked.
-            (
-                Task::Gradient(_) | Task::Inspect(_) | Task::Read(..) | Task::Grid(_) | Task::Image(_),
-                Family::GradientFilter { .. }
-                | Family::Reader { .. }
-                | Family::GridFilter { .. }
-                | Family::ImageFilter,
-            ) => Ok((Said::default(), Outcome::Nothing)),
+    fn run(
+        &self,
+        declaration: &Declaration,
+        task: Box<dyn Task>,
+        progress: &dyn Progress,
+    ) -> Result<(CallStatus, Outcome)> {
+        let label = (CallLabel::new(declaration, &self.plugin), declaration.schema.name);
+        let task: Box<dyn Any> = task;
+        let task = match task.downcast::<CheckTask>() {
+            Ok(check) => return self.check(label, check.0),
+            Err(task) => task.downcast::<GradientTask>(),
+        };
+        match (task, declaration.family) {
+            (Ok(task), Family::GradientFilter { needs }) => self.gradient(label, *task, needs, progress),
+            // A module declares gradient filters alone.
+            _ => Ok(Default::default()),
         }
     }
 }
 
-impl Sandboxed {
-    fn check(&self, whose: Whose, values: Owned) -> Result<(Said, Outcome)> {
-        let (state, begun) = (Arc::<State>::default(), Instant::now());
-        let of_call = state.clone();
-        let work = move |running: &mut Running, filter: u32, host: u32| {
+impl SandboxRunner {
+    fn check(&self, label: (CallLabel, &str), values: ParameterValues) -> Result<(CallStatus, Outcome)> {
+        let (state, start) = (Arc::<State>::default(), Instant::now());
+        let call_state = state.clone();
+        let work = move |running: &mut RunningModule, filter: u32, host: u32| {
             let check = running.function::<(u32, u32), i32>("check", filter + filter::CHECK)?;
             let check = check.ok_or("its function 'check' is gone")?;
-            let mut handed = Handed::behind(running.memory, &running.store);
-            let values = put_values(&values, &mut handed);
-            if !handed.give(running.memory, &mut running.store) {
+            let mut arguments = GuestArgs::behind(running.memory, &running.store);
+            let values = put_values(&values, &mut arguments);
+            if !arguments.write_to(running.memory, &mut running.store) {
                 return Err("there is no memory for the parameters".into());
             }
-            let code = check.call(&mut running.store, (values, host)).map_err(|error| said(&error))?;
-            Ok((Said::new(code, &of_call), Outcome::Nothing))
+            let code = check.call(&mut running.store, (values, host)).map_err(|error| message(&error))?;
+            Ok((CallStatus::new(code, &call_state), Outcome::Nothing))
         };
-        self.used(whose, &state, None, work, || begun.elapsed() > CHECK_MOST)
+        self.use_module(label, &state, None, work, || start.elapsed() > CHECK_TIME_LIMIT)
     }
 
     fn gradient(
         &self,
-        whose: Whose,
-        given: Given,
+        label: (CallLabel, &str),
+        task: GradientTask,
         needs: u32,
         progress: &dyn Progress,
-    ) -> Result<(Said, Outcome)> {
-        let (state, begun) = (Arc::<State>::default(), Instant::now());
-        let of_call = state.clone();
-        let work = move |running: &mut Running, filter: u32, host: u32| {
+    ) -> Result<(CallStatus, Outcome)> {
+        let (state, start) = (Arc::<State>::default(), Instant::now());
+        let call_state = state.clone();
+        let work = move |running: &mut RunningModule, filter: u32, host: u32| {
             let gradient = running.function::<(u32, u32), i32>("gradient", filter + filter::GRADIENT)?;
             let gradient = gradient.ok_or("its function 'gradient' is gone")?;
-            let mut handed = Handed::behind(running.memory, &running.store);
-            let (call, out) = put_call(&given, needs, &mut handed);
-            if !handed.give(running.memory, &mut running.store) {
+            let mut arguments = GuestArgs::behind(running.memory, &running.store);
+            let (call, out) = put_call(&task, needs, &mut arguments);
+            if !arguments.write_to(running.memory, &mut running.store) {
                 return Err("there is no memory for the grid: a module has 4 GiB at most".into());
             }
-            let code = gradient.call(&mut running.store, (call, host)).map_err(|error| said(&error))?;
-            let count = given.grid.points.len();
-            let mut vectors: Vec<DVec3> = running.guest().list(out, count + BEYOND)?;
-            let beyond = overran::<_, f64>(&mut vectors, count).then(|| Beyond::gradient(count));
-            Ok((Said { beyond, ..Said::new(code, &of_call) }, Outcome::Vectors(vectors)))
+            let code = gradient.call(&mut running.store, (call, host)).map_err(|error| message(&error))?;
+            let count = task.grid.points.len();
+            let mut vectors: Vec<DVec3> = running.guest().list(out, count + GUARD_COUNT)?;
+            let overrun = remove_guard::<_, f64>(&mut vectors, count).then(|| Overrun::gradient(count));
+            Ok((CallStatus { overrun, ..CallStatus::new(code, &call_state) }, Outcome::Vectors(vectors)))
         };
-        let ends = || {
+        let is_over = || {
             progress.report("gradient", state.fraction());
             if progress.cancelled() {
                 state.cancel();
             }
-            progress.cancelled() || begun.elapsed() > TIME_MOST
+            progress.cancelled() || start.elapsed() > CALL_TIME_LIMIT
         };
-        match self.used(whose, &state, progress.memory_left(), work, ends) {
+        match self.use_module(label, &state, progress.memory_left(), work, is_over) {
             Ok(done) => Ok(done),
             Err(_) if progress.cancelled() => Err(Error::cancelled()),
-            Err(_) if begun.elapsed() > TIME_MOST => {
-                let error = whose.error("was stopped");
-                Err(error.got("no end").expected(format!("an end within {} s", TIME_MOST.as_secs())))
+            Err(_) if start.elapsed() > CALL_TIME_LIMIT => {
+                let error = label.0.error("was stopped");
+                Err(error.got("no end").expected(format!("an end within {} s", CALL_TIME_LIMIT.as_secs())))
             }
             Err(error) => Err(error),
         }
     }
 }
 
-/// voltet_values.
-fn put_values(values: &Owned, handed: &mut Handed) -> u32 {
+/// Appends `voltet_values`; returns its address.
+fn put_values(values: &ParameterValues, arguments: &mut GuestArgs) -> u32 {
     let parts = values.parts();
-    let integers = handed.put(parts.integers);
-    let numbers = handed.put(parts.numbers);
-    let texts: Vec<u32> =
-        parts.texts.iter().map(|text| text.as_ref().map_or(0, |text| handed.text(text.to_bytes()))).collect();
-    let texts = handed.put(&texts);
-    let vectors: Vec<u32> =
-        parts.vectors.iter().map(|vector| vector.as_ref().map_or(0, |vector| handed.put(vector))).collect();
-    let vectors = handed.put(&vectors);
+    let integers = arguments.put(parts.integers);
+    let numbers = arguments.put(parts.numbers);
+    let texts: Vec<u32> = parts
+        .texts
+        .iter()
+        .map(|text| text.as_ref().map_or(0, |text| arguments.text(text.to_bytes())))
+        .collect();
+    let texts = arguments.put(&texts);
+    let vectors: Vec<u32> = parts
+        .vectors
+        .iter()
+        .map(|vector| vector.as_ref().map_or(0, |vector| arguments.put(vector)))
+        .collect();
+    let vectors = arguments.put(&vectors);
     let lengths: Vec<u32> =
         parts.vectors.iter().map(|vector| vector.as_ref().map_or(0, |vector| vector.len() as u32)).collect();
-    let lengths = handed.put(&lengths);
-    handed.put(&[28, parts.integers.len() as u32, integers, numbers, texts, vectors, lengths])
+    let lengths = arguments.put(&lengths);
+    arguments.put(&[28, parts.integers.len() as u32, integers, numbers, texts, vectors, lengths])
 }
 
-/// voltet_call, and where the gradient goes.
-fn put_call(given: &Given, needs: u32, handed: &mut Handed) -> (u32, u32) {
-    let [neighbours, cells_of_points] = given.tables(needs).map(|table| match table {
-        Some(table) => [handed.put(&table.starts), handed.put(&table.items)],
+/// Appends `voltet_call`; returns its address and that of the gradient.
+fn put_call(task: &GradientTask, needs: u32, arguments: &mut GuestArgs) -> (u32, u32) {
+    let [neighbours, cells_of_points] = task.tables(needs).map(|table| match table {
+        Some(table) => [arguments.put(&table.starts), arguments.put(&table.items)],
         None => [0; 2],
     });
-    let (points, cells) = (handed.put(&given.grid.points), handed.put(&given.grid.tetrahedra));
-    let scalar = handed.put(&given.scalar);
-    let arrays: Vec<u32> = given
+    let (points, cells) = (arguments.put(&task.grid.points), arguments.put(&task.grid.tetrahedra));
+    let scalar = arguments.put(&task.scalar);
+    let arrays: Vec<u32> = task
         .arrays
         .iter()
-        .map(|array| array.as_ref().map_or(0, |array| handed.put(&array.values)))
+        .map(|array| array.as_ref().map_or(0, |array| arguments.put(&array.values)))
         .collect();
-    let arrays = handed.put(&arrays);
-    let values = put_values(&given.values, handed);
-    let out = handed.put(&vec![DVec3::splat(UNSET); given.grid.points.len() + BEYOND]);
-    let [points_low, points_high] = halves(given.grid.points.len());
-    let [cells_low, cells_high] = halves(given.grid.tetrahedra.len());
+    let arrays = arguments.put(&arrays);
+    let values = put_values(&task.values, arguments);
+    let out = arguments.put(&vec![DVec3::splat(UNSET); task.grid.points.len() + GUARD_COUNT]);
+    let [points_low, points_high] = halves(task.grid.points.len());
+    let [cells_low, cells_high] = halves(task.grid.tetrahedra.len());
     let [starts, items] = neighbours;
     let [cell_starts, cell_items] = cells_of_points;
-    let call = handed.put(&[
+    let call = arguments.put(&[
         64,
         0,
         points_low,

@@ -1,7 +1,7 @@
-//! Structs of the header as a compiler for 32-bit WebAssembly lays them out: addresses have 4 bytes, numbers of 8 bytes stand at
-//! multiples of 8. A test compares them with what such a compiler says.
+//! Layout of the header's structs in 32-bit WebAssembly: addresses have 4 bytes, numbers of 8 bytes stand at multiples of 8. A test
+//! compares it with that of a compiler.
 
-/// Where a struct's parts stand, in bytes from its begin.
+/// Size of a struct and offsets of its fields (bytes).
 pub(super) mod entry {
     pub const SIZE: u32 = 28;
     pub const INIT: u32 = 16;
@@ -39,13 +39,13 @@ pub(super) mod parameter {
     pub const HELP: u32 = 16;
     pub const FLAGS: u32 = 20;
     pub const LENGTH: u32 = 24;
-    pub const LEAST: u32 = 32;
-    pub const MOST: u32 = 40;
+    pub const MIN: u32 = 32;
+    pub const MAX: u32 = 40;
     pub const NUMBER: u32 = 48;
     pub const TEXT: u32 = 56;
     pub const NUMBERS: u32 = 60;
     pub const UNSET: u32 = 64;
     pub const WORD_COUNT: u32 = 68;
-    pub const WORDS: u32 = 76;
+    pub const NAMES: u32 = 76;
     pub const MEANINGS: u32 = 80;
 }

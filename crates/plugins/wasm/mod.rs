@@ -1,13 +1,13 @@
-//! The interface of `include/voltet_plugin.h` in a sandbox: WebAssembly modules of 32-bit addresses. They see the memory that
-//! they are given and the functions of the host, and nothing else: no files, no network, no clock. Each call is a module anew.
+//! The interface of `include/voltet_plugin.h` in a sandbox: WebAssembly modules of 32-bit addresses. They see
+//! their inputs and the functions of the host, and nothing else: no files, no network, no clock. Each call starts a fresh module.
 //!
-//! | file | what |
+//! | file | responsibility |
 //! | --- | --- |
-//! | `layout` | structs of the header as a module lays them out |
-//! | `guest` | the memory of a module, read and written within its bounds |
-//! | `sandbox` | a module compiled, started, stopped |
-//! | `declared` | what it declares, read for `describe` |
-//! | `filter` | its filters |
+//! | `layout` | structs of the header in a module |
+//! | `guest` | bounded access to a module's memory |
+//! | `sandbox` | compiling, starting, stopping a module |
+//! | `declared` | its declarations |
+//! | `filter` | the runner of its filters |
 
 mod declared;
 mod filter;
@@ -15,9 +15,9 @@ mod guest;
 mod layout;
 mod sandbox;
 
-use crate::library::{failed, file_name, state_of};
-use crate::runner::{Offered, Runner};
-use filter::Sandboxed;
+use crate::library::{file_name, load_error, read_file};
+use crate::runner::PluginItem;
+use filter::SandboxRunner;
 use sandbox::Sandbox;
 use std::path::Path;
 use std::sync::Arc;
@@ -27,12 +27,13 @@ use voltet_core::field::Plugin;
 /// The gradient filters of a module.
 ///
 /// Errors: no module, not of the interface, or what it declares is wrong.
-pub(crate) fn load(path: &Path) -> Result<Vec<Offered>> {
-    let (stated, bytes) = state_of(path)?;
-    let nameless = Plugin { name: file_name(path), ..stated };
-    let sandbox = Sandbox::new(&bytes).map_err(|wrong| failed(path, wrong))?;
-    let ([name, version], filters) = declared::read(&sandbox).map_err(|wrong| failed(path, wrong))?;
+pub(crate) fn load(path: &Path) -> Result<Vec<PluginItem>> {
+    let (plugin, bytes) = read_file(path)?;
+    let nameless = Plugin { name: file_name(path), ..plugin };
+    let sandbox = Sandbox::new(&bytes).map_err(|wrong| load_error(path, wrong))?;
+    let ([name, version], declarations) =
+        declared::read(&sandbox).map_err(|wrong| load_error(path, wrong))?;
     let plugin = Plugin { name, version, ..nameless };
-    let runner: Arc<dyn Runner> = Arc::new(Sandboxed::new(sandbox, plugin, &filters));
-    Ok(filters.into_iter().map(|declared| Offered { runner: runner.clone(), declared }).collect())
+    let runner = Arc::new(SandboxRunner::new(sandbox, plugin, &declarations));
+    Ok(PluginItem::list(runner, declarations))
 }

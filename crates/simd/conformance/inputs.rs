@@ -1,6 +1,6 @@
 //! Rows of awkward numbers, one for each lane.
 
-/// What one lane is given.
+/// Inputs of one lane.
 #[derive(Clone, Copy)]
 pub(super) struct Row {
     pub a: f32,

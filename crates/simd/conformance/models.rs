@@ -1,4 +1,4 @@
-//! What each operation of the traits means for one lane, in plain Rust, and beside it a fault that somebody could make in it.
+//! Model of each lane operation in plain Rust, and beside it a plausible fault.
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "what a comparison is for NaN is what is tested")]
 
@@ -11,14 +11,14 @@ pub(super) type Found = u64;
 /// The meaning of an operation: the whole vector and the number of a lane.
 pub(super) type Model = fn(&[Row], usize) -> Found;
 
-/// What is gathered from.
+/// Length of the table that gathers read.
 pub(super) const TABLE: usize = 1000;
 
 pub(super) fn table() -> Vec<f32> {
     (0..TABLE).map(|k| k as f32 * 1.5 - 7.0).collect()
 }
 
-/// What is gathered from in parts.
+/// Table of vectors that gathers read.
 pub(super) fn table_of_parts() -> Vec<[f32; 4]> {
     table().into_iter().map(|x| [x, x + 0.25, -x, x + 0.5]).collect()
 }
@@ -31,7 +31,7 @@ fn parts_of(row: &Row) -> [u32; 4] {
     [row.a, row.b, row.c, -row.a].map(f32::to_bits)
 }
 
-/// The same, and those from the third on once more.
+/// Pairs of values, and those from the third on once more.
 fn twos_of(row: &Row) -> impl Iterator<Item = u32> {
     let parts = parts_of(row);
     parts.into_iter().chain([2, 3, 0, 1].map(|k| parts[k]))
@@ -129,7 +129,7 @@ pub(super) const OPERATIONS: [(&str, Model, Model); 52] = [
     ("what lies behind a store", |_, _| bits(7.0), |_, _| bits(0.0)),
 ];
 
-/// The same for 64-bit lanes.
+/// Operations of 64-bit lanes.
 #[rustfmt::skip]
 pub(super) const DOUBLES: [(&str, Model, Model); 19] = [
     ("double splat", |_, _| number64(2.5), |_, l| number64(if l == 0 { 2.5 } else { 0.0 })),
@@ -166,7 +166,7 @@ pub(super) const MULTIPLY_ADD: [[(&str, Model, Model); 2]; 2] = {
     ]
 };
 
-/// What a lane set is held to, in the order in which [`All`] answers.
+/// Operations that a lane set is tested with, in the order in which [`All`] answers.
 pub(super) fn operations(lanes: LaneSet) -> impl Iterator<Item = (&'static str, Model, Model)> {
     // The portable set fuses where the whole build may.
     let build = cfg!(any(target_feature = "fma", all(target_arch = "aarch64", target_feature = "neon")));

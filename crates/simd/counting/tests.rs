@@ -1,4 +1,4 @@
-//! What is counted.
+//! Counts of operations.
 
 use super::*;
 use crate::{Kernel, LaneSet, dispatch};

@@ -10,22 +10,22 @@ use super::overlap::{AnyLaneTrack, LaneMember};
 use super::quadrature::{PANEL, POINTS, over_panel, to_nodes};
 use crate::{Float, Lanes, Mask, array};
 
-/// Where the depth in front exceeds this, nothing behind is seen (e^(−18) = 1.5e-8).
+/// Optical depth beyond which nothing behind is visible (e^(−18) = 1.5e-8).
 const OPAQUE_DEPTH: f32 = 18.0;
 
 /// Depth that a panel holds at most: 8 points then leave 1e-7 of e^(−T).
 const PANEL_DEPTH: f32 = 2.5;
 
 /// Panels before a walk is given up.
-const PANELS_MOST: usize = 256;
+const MAX_PANELS: usize = 256;
 
 /// Distance in t within which the end of a range counts as passed.
 const PASSED: f32 = 1e-7;
 
 /// Most rate beside an end of a range: t finds it to 6e-8, so to 6e-5 of depth.
-const RATE_AT_END_MOST: f32 = 1e3;
+const MAX_RATE_AT_END: f32 = 1e3;
 
-/// How far 8 points resolve e^(−x²), as in [`super::gaussian`].
+/// Widest panel on which 8 points resolve e^(−x²), as in [`super::gaussian`].
 const STEP: f32 = 1.2;
 /// e^(−32.5) = 8e-15: what is further out is left out, under 1e-7 of depth.
 const FAR: f32 = 5.7;
@@ -56,16 +56,16 @@ pub fn dense<L: Lanes>(members: &[LaneMember<L>]) -> ([L::F; 3], L::F, L::M) {
                 (Track { x: zero, slope: zero, peak: zero }, zero)
             }
         };
-        unsure = unsure.or(splat(RATE_AT_END_MOST).lt(rate).and(inside).and(ends));
+        unsure = unsure.or(splat(MAX_RATE_AT_END).lt(rate).and(inside).and(ends));
         tracks.push((track, [zero; POINTS]));
     }
     let (mut done, mut rest, mut front, mut limit) = (zero, one, zero, one);
-    for panel in 0..=PANELS_MOST {
+    for panel in 0..=MAX_PANELS {
         let open = zero.lt(rest).and(front.lt(splat(OPAQUE_DEPTH))).and(unsure.not());
         if !open.any() {
             break;
         }
-        if panel == PANELS_MOST {
+        if panel == MAX_PANELS {
             unsure = unsure.or(open);
             break;
         }
@@ -133,7 +133,7 @@ struct Track<L: Lanes> {
 }
 
 impl<L: Lanes> Track<L> {
-    /// How far a panel resolves it; more than 1 where nothing of it comes.
+    /// Panel length that resolves it; more than 1 where it contributes nothing.
     #[inline(always)]
     fn step(&self) -> L::F {
         let splat = L::F::splat;
@@ -242,7 +242,7 @@ mod tests {
         found.color.map(|c| c / found.opacity)
     }
 
-    /// What is seen of four widgets as dense as can be, from the thin side and from the thick one, is shared out as 64 bits do it.
+    /// Visible parts of four widgets as dense as can be, from the thin side and from the thick one, equal those of 64 bits.
     #[test]
     fn colours_of_dense_segments_are_those_of_64_bits() {
         let mut random = 1u64;
@@ -259,7 +259,7 @@ mod tests {
                 for (lane, case) in cases.iter().enumerate().take(width) {
                     if unsure >> lane & 1 != 0 {
                         // The end of the haze may lie in what is seen.
-                        assert!(case.rate * HAZE > RATE_AT_END_MOST, "{case:?} is not served");
+                        assert!(case.rate * HAZE > MAX_RATE_AT_END, "{case:?} is not served");
                         continue;
                     }
                     served += 1;

@@ -99,7 +99,7 @@ impl<L: Lanes> LaneGaussianPath<L> {
     }
 }
 
-/// What the mean over a short path looks at: no root and no quotient.
+/// Inputs of the mean over a short path: no root and no quotient.
 #[derive(Clone, Copy)]
 pub struct Near<L: Lanes> {
     /// |q̄|² = x̄² + h², q̄ the middle.
@@ -112,9 +112,9 @@ pub struct Near<L: Lanes> {
 
 /// The most of |p| + ½ d² for which the terms of [`Near::five_terms`] do, those of [`Near::nine_terms`], and those of
 /// [`Near::all_terms`].
-const FIVE_MOST: f32 = 1.0 / 32.0;
-const NINE_MOST: f32 = 0.25;
-const NEAR_MOST: f32 = 1.0;
+const MAX_DEPTH_FIVE_TERMS: f32 = 1.0 / 32.0;
+const MAX_DEPTH_NINE_TERMS: f32 = 0.25;
+const MAX_DEPTH_NEAR: f32 = 1.0;
 
 impl<L: Lanes> Near<L> {
     /// A path that is a point, the centre.
@@ -152,18 +152,18 @@ impl<L: Lanes> Near<L> {
         );
         // Each lane by the terms that its own path wants, whatever the others are.
         let mut terms = self.five_terms();
-        if !within(FIVE_MOST).not().and(wanted).any() {
+        if !within(MAX_DEPTH_FIVE_TERMS).not().and(wanted).any() {
             return middle * terms;
         }
-        terms = L::F::select(within(FIVE_MOST), terms, self.nine_terms());
-        if !within(NINE_MOST).not().and(wanted).any() {
+        terms = L::F::select(within(MAX_DEPTH_FIVE_TERMS), terms, self.nine_terms());
+        if !within(MAX_DEPTH_NINE_TERMS).not().and(wanted).any() {
             return middle * terms;
         }
-        let near = middle * L::F::select(within(NINE_MOST), terms, self.all_terms());
-        if !within(NEAR_MOST).not().and(wanted).any() {
+        let near = middle * L::F::select(within(MAX_DEPTH_NINE_TERMS), terms, self.all_terms());
+        if !within(MAX_DEPTH_NEAR).not().and(wanted).any() {
             return near;
         }
-        L::F::select(within(NEAR_MOST), near, path().far_mean())
+        L::F::select(within(MAX_DEPTH_NEAR), near, path().far_mean())
     }
 
     /// The mean of e^(r u²) cosh(p u) over u ∈ [0, 1], r = −¼ d², as Σ r^i p^(2j)/(i! (2j)! (2 (i + j) + 1)): with |p| − 2 r ≤ 1
@@ -282,7 +282,7 @@ impl<L: Lanes> LaneGaussianTrack<L> {
     }
 }
 
-/// How far 8 points resolve e^(−x²) from x on: over 1.2 about the centre, and where x² changes by 3 further out.
+/// Widest panel on which 8 points resolve e^(−x²) from x on: 1.2 about the centre, and a change of x² by 3 further out.
 const STEP: f32 = 1.2;
 /// e^(−49) = 5e-22: beyond it nothing is resolved.
 const FAR: f32 = 7.0;
@@ -334,7 +334,7 @@ mod tests {
     #[test]
     fn terms_of_short_paths_are_enough_to_their_ends() {
         let all = F::splat(0.0).le(F::splat(1.0));
-        for most in [FIVE_MOST, NINE_MOST, NEAR_MOST] {
+        for most in [MAX_DEPTH_FIVE_TERMS, MAX_DEPTH_NINE_TERMS, MAX_DEPTH_NEAR] {
             let mut worst = 0.0;
             for i in 0..20_000 {
                 // One in four at the end.

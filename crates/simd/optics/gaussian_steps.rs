@@ -11,7 +11,7 @@ pub struct LaneGaussianSteps<L: Lanes, const N: usize> {
     pub values: [L::F; N],
     /// Each to that in the next step.
     pub ratios: [L::F; N],
-    /// Of every ratio to the next.
+    /// Ratio of every ratio to the next.
     pub change: L::F,
 }
 
@@ -51,7 +51,7 @@ impl<L: Lanes, const N: usize> LaneGaussianSteps<L, N> {
         }
     }
 
-    /// The same in the next step.
+    /// Values at the next step.
     #[inline(always)]
     pub fn next(&self) -> Self {
         let &LaneGaussianSteps { values, ratios, change } = self;

@@ -56,7 +56,7 @@ fn small_front<L: Lanes>(a: L::F, b: L::F) -> L::F {
 /// Depth of a front or back up to which [`middling_piece_weights`] serves.
 pub const MIDDLING: f32 = 4.0;
 
-/// The same for 1 ≤ max(a, b) ≤ [`MIDDLING`], ψ within 3e-7.
+/// Weights of a piece for 1 ≤ max(a, b) ≤ [`MIDDLING`], ψ within 3e-7.
 ///
 /// With m = (a + b)/2 and h = (b − a)/2, w(x) = m x − h x (1 − x), and x (1 − x) is even about the middle:
 /// ψ = (1 − ζ)/m + e^(−m/2) Σ h^k/k! ∫ cosh(m (x − ½)) (x (1 − x))^k dx from k = 1 on, seven terms, since |h| x (1 − x) ≤ ½. Each
@@ -99,7 +99,7 @@ const SEVENTH: f32 = 3.970_723e-9;
 /// Depth of a front or back up to which [`deep_piece_weights`] serves.
 pub const DEEPEST: f32 = 1e12;
 
-/// The same for 1 ≤ max(a, b) ≤ [`DEEPEST`], within 1e-6.
+/// Weights of a piece for 1 ≤ max(a, b) ≤ [`DEEPEST`], within 1e-6.
 ///
 /// With k² = |b − a|/2, ψ k is ½ √π (erfcx(a/2k) − ζ erfcx(b/2k)) where the extinction rises, and F(a/2k) − ζ F(b/2k), F
 /// Dawson's function, where it falls (Moreland & Angel 2004, Eq. 12 to 20, without their differences of large exponentials).
@@ -156,7 +156,7 @@ pub fn front_back<L: Lanes>(a: L::F, b: L::F) -> (L::F, L::F) {
     // Panels up to where the deepest lane has none left.
     let wish = first.max(first + bend + bend) * splat(1.0 / PANEL_DEPTH);
     let mut count = 1;
-    while count < PANELS_MOST && splat(count as f32).lt(wish).any() {
+    while count < MAX_PANELS && splat(count as f32).lt(wish).any() {
         count += 1;
     }
     let step = 1.0 / count as f32;
@@ -179,7 +179,7 @@ const SEEN: f32 = 25.0;
 const PANEL_DEPTH: f32 = 4.0;
 
 /// No rate over the part that is seen exceeds twice its depth.
-const PANELS_MOST: usize = 13;
+const MAX_PANELS: usize = 13;
 
 /// 1 − e^(−w) for 0 ≤ w ≤ 1, within 2e-7.
 ///

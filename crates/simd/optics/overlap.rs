@@ -14,12 +14,12 @@ use super::wave::LaneWaveTrack;
 use crate::{Float, Lanes, Mask};
 
 /// Panels before a walk is given up; only waves of thousands of bands need as many.
-const PANELS_MOST: usize = 1 << 14;
+const MAX_PANELS: usize = 1 << 14;
 
 /// A widget's rate along the segment.
 #[derive(Clone, Copy)]
 pub enum AnyLaneTrack<'a, L: Lanes> {
-    /// The same rate everywhere.
+    /// Constant rate.
     Uniform(L::F),
     /// A Gaussian.
     Gaussian(LaneGaussianTrack<L>),
@@ -106,7 +106,7 @@ pub fn ordered<L: Lanes>(members: &[LaneMember<L>], glow: Option<L::F>) -> ([L::
     let mut walk = Walk::<L>::start();
     let mut rates = vec![[zero; POINTS]; members.len()];
     let mut points = 0;
-    for _ in 0..PANELS_MOST {
+    for _ in 0..MAX_PANELS {
         let open = walk.open().bits();
         if open == 0 {
             break;

@@ -100,7 +100,7 @@ pub struct LanePiecewiseTrack<'a, L: Lanes> {
     pub points: &'a LanePoints,
     /// s − s of the first control point at the front.
     pub front: L::F,
-    /// The same at the back.
+    /// Value at the back.
     pub back: L::F,
     /// D/U.
     pub scale: L::F,

@@ -29,7 +29,7 @@ pub struct DensityShape<L: Lanes> {
 }
 
 impl<L: Lanes> DensityShape<L> {
-    /// The same density everywhere.
+    /// Constant density.
     #[inline(always)]
     pub fn even(depth: L::F) -> Self {
         let zero = L::F::splat(0.0);
@@ -42,7 +42,7 @@ impl<L: Lanes> DensityShape<L> {
         roughness::<L>(self.change_squared, self.extent_squared)
     }
 
-    /// The same, where `cut` on a part of the segment only.
+    /// Density cut to zero on lanes where `cut` covers a part of the segment only.
     #[inline(always)]
     pub fn cut(self, cut: L::M) -> Self {
         let endless = L::F::splat(f32::INFINITY);
@@ -65,9 +65,9 @@ pub fn roughness<L: Lanes>(change_squared: L::F, extent_squared: L::F) -> L::F {
 /// The overlap of several shapes.
 pub struct Smooth<L: Lanes> {
     constant: L::F,
-    /// What a_i adds to it.
+    /// Contribution of a_i.
     of_tilt: L::F,
-    /// What b_i adds to it.
+    /// Contribution of b_i.
     of_bend: L::F,
 }
 
@@ -166,7 +166,7 @@ pub(super) mod tests {
             let total: f64 = depths.iter().sum();
             let product = depths[0] * depths[1] + depths[2] * (depths[0] + depths[1]);
             let change = shapes.iter().map(|shape| lane(shape.change_squared).sqrt()).fold(0.0, f64::max);
-            if change > 1.0 || total > f64::from(Sums::<P>::TOTAL_MOST) {
+            if change > 1.0 || total > f64::from(Sums::<P>::MAX_TOTAL) {
                 continue;
             }
             served += 1;

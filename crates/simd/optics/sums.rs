@@ -15,7 +15,7 @@ const THIN: f32 = 1e-9;
 /// 1e-8, which is all that its order can add.
 const STEEP: f32 = 45.0;
 
-/// What the widgets of a vector of segments come to; symbols as in [`super::smooth`].
+/// Sums over the widgets of a vector of segments; symbols as in [`super::smooth`].
 pub struct Sums<L: Lanes> {
     /// T = Σ T_i.
     pub total: L::F,
@@ -53,7 +53,7 @@ impl<L: Lanes> Term<L> {
 
 impl<L: Lanes> Sums<L> {
     /// Most of T that [`Sums::ordered`] serves.
-    pub const TOTAL_MOST: f32 = 2.0;
+    pub const MAX_TOTAL: f32 = 2.0;
 
     /// No widget.
     #[inline(always)]
@@ -88,7 +88,7 @@ impl<L: Lanes> Sums<L> {
         rgba
     }
 
-    /// The same with what the order adds on the lanes `served`; 1e-8 is left out of widgets that bend much and hardly absorb.
+    /// Result with the contribution of the order on the lanes `served`; 1e-8 is neglected of widgets that bend much and hardly absorb.
     #[inline(always)]
     pub fn ordered(&self, terms: &[Term<L>], served: L::M) -> [L::F; 4] {
         let zero = L::F::splat(0.0);
@@ -119,10 +119,10 @@ impl<L: Lanes> Sums<L> {
             let changed = change * change.mul_add(splat(1.5), of_square) * term.depth;
             left_out = changed.mul_add(self.total - term.depth, left_out);
         }
-        left_out.lt(splat(3e-5)).and(self.total.le(splat(Self::TOTAL_MOST)))
+        left_out.lt(splat(3e-5)).and(self.total.le(splat(Self::MAX_TOTAL)))
     }
 
-    /// How many steps the quadrature wants: a depth of 1 and a [roughness](DensityShape::roughness) of 1 each.
+    /// Number of steps for the quadrature: a depth of 1 and a [roughness](DensityShape::roughness) of 1 each.
     #[inline(always)]
     pub fn steps(&self, terms: &[Term<L>]) -> L::F {
         let mut most = L::F::splat(0.0);

@@ -15,7 +15,7 @@ pub struct LaneTexels {
 }
 
 impl LaneTexels {
-    /// Of a table.
+    /// Converts a table.
     pub fn new(table: &Table) -> LaneTexels {
         let last = [(table.width - 1) as f32, (table.height - 1) as f32];
         LaneTexels { texels: table.texels.clone(), last }
@@ -66,7 +66,7 @@ pub struct LaneTableTrack<'a, L: Lanes> {
     pub texels: &'a LaneTexels,
     /// Column and row at the front.
     pub front: [L::F; 2],
-    /// The same at the back.
+    /// Value at the back.
     pub back: [L::F; 2],
     /// ρ₀ D.
     pub peak: L::F,
@@ -136,7 +136,7 @@ impl<L: Lanes> LaneTableTrack<'_, L> {
         next
     }
 
-    /// Where alpha passes the cutoff between t and `end`; ≥ 1 where it does not.
+    /// Position between t and `end` where alpha crosses the cutoff; ≥ 1 where it does not.
     #[inline(always)]
     fn next_crossing(&self, t: L::F, end: L::F, cutoff: f32) -> L::F {
         let splat = L::F::splat;

@@ -29,11 +29,11 @@ enum Formula {
     Gaussian,
     /// In the fourth of equal steps.
     GaussianSteps,
-    /// Of a piece of linear extinction and colour: the front and back colour's weights, the opacity.
+    /// Piece of linear extinction and colour: the front and back colour's weights, the opacity.
     PieceFront,
     PieceBack,
     PieceOpacity,
-    /// The same of a deep one.
+    /// Deep piece of linear extinction and colour.
     MiddlingPieceFront,
     MiddlingPieceBack,
     DeepPieceFront,
@@ -42,14 +42,14 @@ enum Formula {
     /// Its back, or its front, is deeper by a part.
     LevelPieceBack,
     FallingPieceBack,
-    /// Of a piece of linear extinction and emission: the weights of the emission at its front and at its back.
+    /// Piece of linear extinction and emission: the weights of the emission at its front and at its back.
     EmissionFront,
     EmissionBack,
     Dawson,
     Triangle(f64),
     Sine(f64),
     ClipLength,
-    /// Of a segment that enters, or leaves, a corner of a region by two edges.
+    /// Segment that enters, or leaves, a corner of a region by two edges.
     ClipCorner,
     /// Its σ is 1.
     TriangularGaussian,
@@ -57,7 +57,7 @@ enum Formula {
     TriangularGaussianNd,
     /// Light of one Gaussian alone, walked over many widths.
     GaussianWalked,
-    /// The same of a triangular one.
+    /// Walk through a triangular Gaussian.
     TriangularWalked,
     /// Five widgets at once; of the constant-emitter or not. Sum of the channels.
     Ordered(bool),
@@ -69,7 +69,7 @@ struct Twin {
     formula: Formula,
     inputs: &'static [Range],
     tolerance: f64,
-    /// Why that tolerance.
+    /// Reason of the tolerance.
     reason: &'static str,
 }
 
@@ -137,7 +137,7 @@ const TWINS: [Twin; 42] = [
     Twin { formula: Formula::Ordered(true), inputs: &[SPAN, SPAN], tolerance: 16.0, reason: "the same" },
 ];
 
-/// Where a step is looked at.
+/// Position of the step.
 const PLACE: f64 = 0.3;
 
 /// Rate of what is walked alone, where it is densest.
@@ -342,7 +342,7 @@ macro_rules! twin_on_lanes {
     }};
 }
 
-/// What a kernel is run on.
+/// Inputs of a kernel.
 struct Call<'a> {
     lanes: LaneSet,
     constants: [f64; 2],

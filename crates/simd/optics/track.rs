@@ -8,7 +8,7 @@ use super::elementary::exp;
 use super::quadrature::{PANEL, POINTS, over_panel, to_nodes};
 use crate::{Float, Lanes, Mask, array};
 
-/// Where the depth in front exceeds this, nothing behind is seen (e^(−25) = 1e-11).
+/// Optical depth beyond which nothing behind is visible (e^(−25) = 1e-11).
 pub const OPAQUE_DEPTH: f32 = 25.0;
 
 /// Depth that a panel holds at most: 8 points then leave 1e-7 of e^(−T).
@@ -26,7 +26,7 @@ pub trait LaneTrack<L: Lanes> {
     fn next_break(&self, t: L::F) -> L::F;
 }
 
-/// How far each lane has walked.
+/// Progress of each lane along its track.
 #[derive(Clone, Copy)]
 pub struct Walk<L: Lanes> {
     /// t.

@@ -18,7 +18,7 @@ use crate::{Float, Lanes, Mask, array, inlined};
 const REACH: f32 = 24.0;
 
 /// Panels of a part: 5 by x up to 3, 6 by x², 24 halvings of γ until 32 bits reach the end.
-const PANELS_MOST: usize = 40;
+const MAX_PANELS: usize = 40;
 
 /// A path over fields: exp(−|q|²/m²) = e^(−h²) exp(−(δ/γ)²).
 #[derive(Clone, Copy)]
@@ -140,7 +140,7 @@ fn outward<L: Lanes>(offset: [L::F; 2], width: [L::F; 2]) -> L::F {
         L::F::select(at_foot, offset[1], offset[0]) / L::F::select(at_foot, width[1], width[0]).max(tiny);
     let dark = least.mul_add(least, splat(REACH));
     let (mut t, mut sum, mut x) = (zero, zero, least);
-    for _ in 0..PANELS_MOST {
+    for _ in 0..MAX_PANELS {
         let open = t.lt(one).and((x * x).lt(dark));
         if !open.any() {
             break;

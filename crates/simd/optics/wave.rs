@@ -61,7 +61,7 @@ impl LaneBell {
         }
     }
 
-    /// Whether it is a sine wave.
+    /// True if it is a sine wave.
     pub(super) fn is_sine(&self) -> bool {
         self.sine
     }

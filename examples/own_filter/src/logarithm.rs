@@ -22,7 +22,7 @@ pub const NODE: Node = Node {
         name: "least",
         parameter_type: ParameterType::Number(Range::above(0.0)),
         unit: "units of s",
-        standard: DefaultValue::Number(1e-30),
+        default: DefaultValue::Number(1e-30),
         help: "values below this are taken as this",
     }],
     example: include_str!("../own.toml"),

@@ -5,7 +5,7 @@ use std::path::Path;
 use voltet::core::glam::DVec3;
 use voltet::core::grid::{Association, Cells};
 use voltet::core::progress::Progress;
-use voltet::core::reading::{ArrayOfFile, GridHead, GridRead, GridReader, OpenGrid};
+use voltet::core::reading::{FileArray, GridHead, GridRead, GridReader, OpenGrid};
 use voltet::core::{Error, Result};
 use voltet::graph::{DefaultValue, Parameter, ParameterType, Parameters, Range, VariantSchema};
 
@@ -20,7 +20,7 @@ const DECLARATION: VariantSchema = VariantSchema {
         name: "spacing",
         parameter_type: ParameterType::Number(Range::above(0.0)),
         unit: "world units",
-        standard: DefaultValue::Number(1.0),
+        default: DefaultValue::Number(1.0),
         help: "the distance of neighbouring values",
     }],
 };
@@ -41,7 +41,7 @@ impl GridReader for Numbers {
         DECLARATION
     }
 
-    fn is_meant(&self, head: &[u8], _path: &Path) -> bool {
+    fn matches(&self, head: &[u8], _path: &Path) -> bool {
         head.starts_with(MAGIC.as_bytes())
     }
 
@@ -76,7 +76,7 @@ impl GridReader for Numbers {
             cell_count: ((x - 1) * (y - 1) * (z - 1)) as u64,
             // A box needs no list of its cells.
             cell_bytes: 0,
-            arrays: vec![ArrayOfFile {
+            arrays: vec![FileArray {
                 name: "value".into(),
                 association: Association::Point,
                 component_count: 1,

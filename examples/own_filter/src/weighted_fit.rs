@@ -22,14 +22,14 @@ const DECLARATION: VariantSchema = VariantSchema {
             name: "power",
             parameter_type: ParameterType::Number(Range::within(0.0, 4.0)),
             unit: "",
-            standard: DefaultValue::Number(1.0),
+            default: DefaultValue::Number(1.0),
             help: "the power of the distance that a neighbour's weight is divided by; 1 is least-squares",
         },
         Parameter {
             name: "trust",
             parameter_type: ParameterType::Text,
             unit: "",
-            standard: DefaultValue::Unset("every point alike"),
+            default: DefaultValue::Unset("every point alike"),
             help: "the point array that says how far each point is trusted: 0 not at all",
         },
     ],
@@ -63,7 +63,7 @@ impl GradientFilter for WeightedFit {
         // On all cores, point by point; `neighbours` is the memory of one thread.
         let fit = |neighbours: &mut Neighbours, p: usize| {
             let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
-            for q in neighbours.of(grid, &cells, p).iter().map(|&q| q as usize) {
+            for q in neighbours.around(grid, &cells, p).iter().map(|&q| q as usize) {
                 let d = grid.points[q] - grid.points[p];
                 let weight = trust_of(q) * d.length().powf(-2.0 * power);
                 matrix += DMat3::from_cols(d * d.x, d * d.y, d * d.z) * weight;

@@ -10,7 +10,7 @@ mod midpoint;
 
 use voltet::core::Result;
 use voltet::graph::Registry;
-use voltet::optics::integrators;
+use voltet::optics::integrators::{INTEGRATOR, variant};
 
 fn main() -> std::process::ExitCode {
     voltet::run(registry())
@@ -19,6 +19,6 @@ fn main() -> std::process::ExitCode {
 /// The program's registry, and the integrator.
 fn registry() -> Result<Registry> {
     let mut registry = voltet::registry()?;
-    integrators::register(&mut registry, &midpoint::Midpoint)?;
+    registry.add_variant(INTEGRATOR, variant(&midpoint::Midpoint)?)?;
     Ok(registry)
 }

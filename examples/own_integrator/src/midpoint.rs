@@ -21,7 +21,7 @@ const PARAMETERS: &[Parameter] = &[Parameter {
     name: SAMPLES,
     parameter_type: ParameterType::Integer(Range::within(1.0, 4096.0)),
     unit: "",
-    standard: DefaultValue::Integer(8),
+    default: DefaultValue::Integer(8),
     help: "samples of each ray segment",
 }];
 

@@ -17,7 +17,7 @@ pub struct LaneGaussianTables {
 }
 
 impl LaneGaussianTables {
-    /// Of tables in 64 bits.
+    /// Converts tables in 64 bits.
     pub fn new(tables: &GaussianTables) -> LaneGaussianTables {
         let size = tables.size();
         let means: Vec<f32> = tables.means().iter().map(|x| f32::from(*x) / f32::from(u16::MAX)).collect();

@@ -15,7 +15,7 @@ pub struct LanePartialTable {
 }
 
 impl LanePartialTable {
-    /// Of a table.
+    /// Converts a table in 64 bits.
     pub fn new(table: &PartialTable) -> LanePartialTable {
         let square = |entries: &[f32]| LaneSquare::new(entries, table.size());
         LanePartialTable {

@@ -13,7 +13,7 @@ use voltet_simd::{Float, Lanes, Unsigned, array, inlined};
 pub const GROUP: usize = 16;
 
 /// Depths beyond which a step is opaque whatever they are; their products stay numbers.
-const DEPTH_MOST: f32 = 1e30;
+const MAX_DEPTH: f32 = 1e30;
 
 /// A table of three dimensions.
 #[derive(Debug, Clone)]
@@ -85,7 +85,7 @@ impl LaneVolume {
     }
 }
 
-/// What a stretch emits, by D, and what it lets through.
+/// Emission (divided by D) and transmittance of a slice.
 #[derive(Clone, Copy)]
 struct Light<L: Lanes> {
     emission: [L::F; 3],
@@ -102,7 +102,7 @@ impl<L: Lanes> Light<L> {
     #[inline(always)]
     fn new(matter: &Narrow, length: L::F, share: f32) -> Self {
         let splat = L::F::splat;
-        let depth = (splat(matter.extinction) * (length * splat(share))).min(splat(DEPTH_MOST));
+        let depth = (splat(matter.extinction) * (length * splat(share))).min(splat(MAX_DEPTH));
         let mean = mean_transparency::<L>(depth);
         let emission = array(
             #[inline(always)]
@@ -150,7 +150,7 @@ pub struct LaneRamp {
 }
 
 impl LaneRamp {
-    /// Of a ramp.
+    /// Converts a ramp.
     pub fn new(ramp: &Ramp) -> LaneRamp {
         LaneRamp {
             nodes: ramp.nodes().iter().map(Narrow::new).collect(),
@@ -232,7 +232,7 @@ impl LaneRamp {
                 }
                 // The depth both ways.
                 let depth = L::F::splat(self.means[i * n + i + span]) * length;
-                let mean = mean_transparency::<L>(depth.min(L::F::splat(DEPTH_MOST)));
+                let mean = mean_transparency::<L>(depth.min(L::F::splat(MAX_DEPTH)));
                 let inverse = L::F::splat(1.0) / mean;
                 let glow = inlined(
                     #[inline(always)]

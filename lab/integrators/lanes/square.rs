@@ -11,7 +11,7 @@ pub struct LaneSquare {
 }
 
 impl LaneSquare {
-    /// Of entries row by row, `size` ≥ 2 a side.
+    /// Table of entries row by row, `size` ≥ 2 a side.
     pub fn new(entries: &[f32], size: usize) -> LaneSquare {
         let at = |j: usize, i: usize| entries[j.min(size - 1) * size + i.min(size - 1)];
         let around = |k: usize| {
@@ -32,7 +32,7 @@ impl LaneSquare {
         size_of_val(self.entries.as_slice())
     }
 
-    /// Where a row and a column lie, each from 0 to [`LaneSquare::last`]; it serves every table of that side.
+    /// Position of a row and a column, each from 0 to [`LaneSquare::last`]; valid for every table of that side.
     #[inline(always)]
     pub fn place<L: Lanes>(&self, row: L::F, column: L::F) -> Place<L> {
         let before = L::F::splat(self.last() - 1.0);
@@ -41,7 +41,7 @@ impl LaneSquare {
         Place { first, down: row - i, along: column - j }
     }
 
-    /// What it holds there.
+    /// Interpolated entry at a position.
     #[inline(always)]
     pub fn read<L: Lanes>(&self, place: &Place<L>) -> L::F {
         let around = L::F::gather_parts(&self.entries, place.first);

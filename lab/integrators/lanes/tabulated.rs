@@ -7,7 +7,7 @@ use voltet_cpu::integrator::{
     FallbackReason, FieldLanes, LaneKernel, LaneScene, SegmentBatch, SegmentLanes, SegmentResults,
     WidgetLanes, WidgetPath,
 };
-use voltet_simd::limits::GAUSSIAN_WIDTHS_MOST;
+use voltet_simd::limits::MAX_GAUSSIAN_WIDTHS;
 use voltet_simd::optics::elementary::{exp, mean_transparency};
 use voltet_simd::{Float, Lanes, Mask, array};
 
@@ -53,7 +53,7 @@ impl Tabulated {
         let (mut mean, mut unsure) = (one, 0);
         if let Some(path) = &path {
             mean = self.tables.mean::<L>(path.front, path.back) * exp::<L>(-path.offset_squared);
-            unsure = path.length.le(splat(GAUSSIAN_WIDTHS_MOST as f32)).not().bits() & there.bits();
+            unsure = path.length.le(splat(MAX_GAUSSIAN_WIDTHS as f32)).not().bits() & there.bits();
         }
         let own = L::F::select(there, rate * mean, zero);
         let Some((scale, level)) = self.glow else { return (own, own, unsure) };

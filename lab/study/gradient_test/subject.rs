@@ -21,7 +21,7 @@ impl<'a> Subject<'a> {
         let kind = method.declaration();
         let value = |(parameter, setting): (&Parameter, Option<&LocatedValue>)| {
             let value =
-                setting.map_or_else(|| parameter.standard.to_string(), |setting| setting.datum.to_string());
+                setting.map_or_else(|| parameter.default.to_string(), |setting| setting.datum.to_string());
             (parameter.name.to_string(), value)
         };
         let parameters = method.parameters().iter().map(|(p, setting, _)| value((p, setting))).collect();

@@ -55,7 +55,7 @@ pub fn page(sections: &[Section]) -> Result<String> {
 
 /// The date, in UTC.
 fn today() -> String {
-    date::of(SystemTime::now()).split('T').next().unwrap_or_default().into()
+    date::iso_date(SystemTime::now()).split('T').next().unwrap_or_default().into()
 }
 
 impl Section {

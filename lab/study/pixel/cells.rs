@@ -11,7 +11,7 @@ pub(super) fn of(grid: &Grid, steps: &[Step]) -> Vec<(usize, String)> {
 /// What the cell is that a tetrahedron is a part of. A grid keeps its file's cells by number only: where these are of several
 /// types, the number of points tells which this is, or leaves some to choose from.
 fn kind(grid: &Grid, tetrahedron: usize) -> String {
-    let types = grid.origin.cells_by_type.keys().filter_map(|&code| CellType::of(code));
+    let types = grid.origin.cells_by_type.keys().filter_map(|&code| CellType::from_code(code));
     let solid: Vec<&CellType> = types.filter(|kind| kind.dimension == 3).collect();
     let fitting: Vec<&str> = match solid.as_slice() {
         [one] => vec![one.name],

@@ -150,7 +150,7 @@ fn brightest(case: &SegmentCase) -> f64 {
     match case.transfer_function.model {
         OpticalModel::DensityEmitter => case.brightest(),
         OpticalModel::ConstantEmitter { .. } => {
-            let each = case.transfer_function.widgets.iter().map(Widget::brightest);
+            let each = case.transfer_function.widgets.iter().map(Widget::max_emission);
             each.sum::<f64>() * case.length / case.transfer_function.unit_distance
         }
     }

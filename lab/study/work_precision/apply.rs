@@ -1,6 +1,6 @@
 //! A setting written into a pipeline file; every other byte stays as it is.
 
-use super::settings::{order_name, overlap_name};
+use super::settings::overlap_name;
 use super::{Form, Setting, Study, Value as Key};
 use voltet_core::Result;
 use voltet_document::{Document, Edit};
@@ -27,7 +27,7 @@ pub fn apply(text: &str, study: &Study, setting: &Setting) -> Result<String> {
     if setting.order != own.order
         && let Some(node) = &subject.order_node
     {
-        set(&mut document, node, "order", Key::Text(order_name(setting.order)))?;
+        set(&mut document, node, "order", Key::Text(setting.order.name()))?;
     }
     for (name, value) in engine_keys(study, setting) {
         set(&mut document, &subject.node, name, Key::Text(value))?;

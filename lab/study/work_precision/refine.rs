@@ -14,7 +14,7 @@ use serde::Serialize;
 use std::sync::Arc;
 use voltet_core::SharedSlice;
 use voltet_core::field::{LeastSquares, Method};
-use voltet_core::grid::{Array, Refined, refine};
+use voltet_core::grid::{Array, RefinedGrid, refine};
 use voltet_core::picture::Picture;
 use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::volume::Volume;
@@ -197,7 +197,7 @@ fn refined(volume: &Volume, source: Option<&Source>) -> Result<Volume> {
 /// With e the edge from a to b, the cubic through both values and slopes has at its middle the value
 /// (s_a + s_b)/2 + e·(∇s_a − ∇s_b)/8 and along e the slope 3 (s_b − s_a)/2 − e·(∇s_a + ∇s_b)/4; across it the mean of both
 /// slopes is taken.
-fn between(volume: &Volume, slopes: &[DVec3], refined: &Refined, source: &Source) -> Vec<(f64, DVec3)> {
+fn between(volume: &Volume, slopes: &[DVec3], refined: &RefinedGrid, source: &Source) -> Vec<(f64, DVec3)> {
     let points = &volume.grid.points;
     let s = &volume.scalar;
     let coarse: Vec<(f64, DVec3)> = s.iter().copied().zip(slopes.iter().copied()).collect();

@@ -6,7 +6,7 @@ use voltet_graph::{ParameterType, Registry};
 use voltet_integrators::{DEFAULT_OVERSAMPLING, DEFAULT_PIECES, DEFAULT_PLANES, DEFAULT_SIDE};
 use voltet_optics::WidgetBlend;
 use voltet_optics::engine::{Accumulation, Compositor};
-use voltet_optics::integrators::{Integrator, can_serve, registered};
+use voltet_optics::integrators::{INTEGRATOR, Integrator, can_serve, kinds};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Shading, VisibilityOrder};
 
@@ -67,7 +67,7 @@ const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 
 /// One integrator of each registered kind that is studied.
 pub fn studied(registry: &Registry) -> Vec<Integrator> {
-    registered(registry).into_iter().map(Integrator::new).filter(is_studied).collect()
+    kinds(registry.variants(INTEGRATOR)).into_iter().map(Integrator::new).filter(is_studied).collect()
 }
 
 /// True for all but the referee's, with which the others are compared.
@@ -139,7 +139,6 @@ impl Setting {
     /// How the file draws the scene, were it drawn by this painter.
     pub fn of_file(subject: &Subject, painter: Painter) -> Setting {
         let Scene { shading, order, .. } = subject.scene;
-        let order = if order == VisibilityOrder::Auto { VisibilityOrder::Exact } else { order };
         let accumulation = accumulation(subject, painter);
         Setting { painter, integrator: shading.integrator, overlap: shading.overlap, order, accumulation }
     }
@@ -147,8 +146,8 @@ impl Setting {
     /// The scene as this setting draws it.
     pub fn scene(&self, subject: &Subject) -> Scene {
         let shading = Shading { integrator: self.integrator, overlap: self.overlap, ..subject.scene.shading };
-        // The same picture without the work.
-        let order = if subject.needs_order { self.order } else { VisibilityOrder::Auto };
+        // Exact is no order where none is needed: the same picture without the work.
+        let order = if subject.needs_order { self.order } else { VisibilityOrder::Exact };
         Scene { shading, order, ..subject.scene.clone() }
     }
 
@@ -192,7 +191,7 @@ impl Setting {
             parts.push(self.accumulation.name().into());
         }
         if self.order != VisibilityOrder::Exact {
-            parts.push(format!("order {}", order_name(self.order)));
+            parts.push(format!("order {}", self.order));
         }
         parts.join(", ")
     }
@@ -239,16 +238,6 @@ pub enum Value<'a> {
     Integer(i64),
     /// A number.
     Number(f64),
-}
-
-/// The word for an order in pipeline files.
-pub fn order_name(order: VisibilityOrder) -> &'static str {
-    match order {
-        VisibilityOrder::Exact => "exact",
-        VisibilityOrder::Centroid => "centroid",
-        VisibilityOrder::None => "none",
-        VisibilityOrder::Auto => "auto",
-    }
 }
 
 /// The word for what is done with overlaps in pipeline files.

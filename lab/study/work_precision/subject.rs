@@ -7,9 +7,9 @@ use voltet_core::{Error, Result};
 use voltet_graph::{Demand, Graph, GraphNode, Observer, Parameters, Session, Value, diagonal};
 use voltet_nodes::drawing;
 use voltet_optics::engine::{Accumulation, Compositor, EngineInfo};
-use voltet_optics::integrators::{Integrator, kinds};
-use voltet_optics::scene::{Scene, needs_order};
-use voltet_optics::shading::VisibilityOrder;
+use voltet_optics::integrators::{INTEGRATOR, Integrator, kinds};
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::Ordering;
 
 /// Which nodes draw, which decides what an engine can be written into.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -77,8 +77,7 @@ impl Subject {
                 let volume = volume.volume().ok_or_else(unknown)?.map_err(blame)?;
                 let diagonal = if look.auto_unit_distance { diagonal(&volume.grid.points) } else { 0.0 };
                 let transfer_function = Arc::new(look.for_diagonal(diagonal));
-                let needed = needs_order(&transfer_function, &shading);
-                let order = drawing::order(&node.parameters, needed).map_err(blame)?;
+                let order = drawing::order(&node.parameters).map_err(blame)?;
                 (
                     Scene { volume, transfer_function, camera: **camera, shading, order },
                     Some(node.name.clone()),
@@ -92,7 +91,7 @@ impl Subject {
                     transfer_function: projected.transfer_function.clone(),
                     camera: *projected.projection.camera(),
                     shading,
-                    order: cells.order,
+                    order: cells.ordering.requested(),
                 };
                 (scene, sorting_node(graph, place))
             }
@@ -102,7 +101,10 @@ impl Subject {
             node: node.name.clone(),
             order_node,
             needs_order: scene.needs_order(),
-            integrators: kinds(&node.parameters).into_iter().map(Integrator::new).collect(),
+            integrators: kinds(node.parameters.variants(INTEGRATOR))
+                .into_iter()
+                .map(Integrator::new)
+                .collect(),
             scene,
             asked: Asked::of(node.node.name, &node.parameters),
             background: background(graph, place),
@@ -117,8 +119,7 @@ impl Subject {
     /// An engine as the file has it. `None`: the compositor is left open, and more than one can serve.
     pub fn painter_on(&self, engine: &'static EngineInfo) -> Option<Painter> {
         let mut all = Painter::of(engine);
-        let exact =
-            self.needs_order && matches!(self.scene.order, VisibilityOrder::Exact | VisibilityOrder::Auto);
+        let exact = self.scene.ordering(false) == Ordering::PerPixel;
         match self.asked.compositor.as_str() {
             _ if engine.compositing.is_empty() => all.next(),
             // Tiles have it of every grid, and are the first.
@@ -212,6 +213,6 @@ fn background(graph: &Graph, place: usize) -> [f64; 3] {
     let shows = |node: &&GraphNode| {
         node.node.name == "image-writer" && node.inputs.iter().any(|edge| edge.node == place)
     };
-    let given = graph.nodes.iter().filter(shows).find(|node| node.parameters.given("background"));
+    let given = graph.nodes.iter().filter(shows).find(|node| node.parameters.is_set("background"));
     given.and_then(|node| node.parameters.vector("background").ok()).unwrap_or([0.0; 3])
 }

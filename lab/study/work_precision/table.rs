@@ -1,7 +1,7 @@
 //! The figures of a study as a table for people, CSV and JSON.
 
 use super::measure::Cost;
-use super::settings::{order_name, overlap_name};
+use super::settings::overlap_name;
 use super::{Convergence, Painter, Refused, Row, Setting, Study, Times, Value as Key};
 use serde_json::{Value, json as object};
 use voltet_optics::engine::Accumulation;
@@ -199,7 +199,7 @@ pub fn csv(study: &Study) -> String {
         let numbers = ["integrator", "segments", "tolerance", "table_size", "oversampling", "planes"];
         cells.extend(numbers.map(key));
         cells.push(overlap_name(row.setting.overlap).into());
-        cells.push(order_name(row.setting.order).into());
+        cells.push(row.setting.order.name().into());
         cells.push(cost.frames.to_string());
         let picture = [cost.picture.median_ms, cost.picture.fastest_ms, cost.picture.slowest_ms];
         let times = [cost.set_up.median_ms, cost.frame.median_ms];
@@ -253,7 +253,7 @@ pub fn json(study: &Study, title: &str) -> Value {
             );
         }
         keys.insert("overlap".into(), overlap_name(setting.overlap).into());
-        keys.insert("order".into(), order_name(setting.order).into());
+        keys.insert("order".into(), setting.order.name().into());
         Value::Object(keys)
     };
     let row = |row: &Row| {

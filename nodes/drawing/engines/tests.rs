@@ -1,9 +1,9 @@
-use crate::drawing::opened::Opened;
+use crate::drawing::opened::OpenEngines;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::grid::generate::{box_of_tetrahedra, with_scalar};
-use voltet_gpu::{Device, OnDevice};
+use voltet_gpu::{Device, GpuEngine};
 use voltet_graph::pipeline::Pipeline;
 use voltet_graph::{NoObserver, Node, Outputs, Port, PortType, Registry, RunReport, Value};
 use voltet_optics::engine::{AdapterRequest, Engine};
@@ -15,10 +15,10 @@ const SOURCE: Node = Node {
     outputs: &[Port { name: "grid", port_type: PortType::Grid, summary: "" }],
     demand: &|_| Ok(()),
     run: &|call| {
-        let opened = call.keep_for_session(|| Ok(Opened::default()))?;
+        let opened = call.keep_for_session(|| Ok(OpenEngines::default()))?;
         let small = |device: Device| device.with_bindings_of(2048).with_buffers_at_a_time(8);
         let engine = Device::open(Some("software"), true)
-            .map(|device| Arc::new(OnDevice::new(Arc::new(small(device)))) as Arc<dyn Engine>);
+            .map(|device| Arc::new(GpuEngine::new(Arc::new(small(device)))) as Arc<dyn Engine>);
         for hardware in [true, false] {
             let wish = AdapterRequest { name: Some("software".into()), hardware };
             opened.insert(voltet_gpu::ENGINE.name, wish, engine.clone());

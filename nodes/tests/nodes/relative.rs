@@ -374,8 +374,8 @@ fn mistakes_are_shown_where_they_are() {
         let text = scene("a.vtk", array, volume, &widget(numbers));
         let error = refused(&text, folder.path());
         assert!(error.to_string().contains(wanted), "{error}");
-        let span = error.place.span.clone().or_else(|| {
-            let (line, column) = error.place.line_column?;
+        let span = error.location.span.clone().or_else(|| {
+            let (line, column) = error.location.line_column?;
             let start = text.lines().take(line - 1).map(|line| line.len() + 1).sum::<usize>() + column - 1;
             Some(start..start + part.len())
         });

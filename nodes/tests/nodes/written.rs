@@ -1,4 +1,4 @@
-//! What `grid-writer` writes, read back by this program's own reader, by vtkio and by VTK: every bit.
+//! Files of `grid-writer` read back by this program's own reader, by vtkio and by VTK: every bit.
 
 use super::graph;
 use std::path::Path;
@@ -29,7 +29,7 @@ fn run(graph: &Graph) -> RunReport {
     session().run(graph, &NoObserver).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// What the writer is given.
+/// Volume at the writer's input.
 fn volume(graph: &Graph) -> Arc<Volume> {
     let place = graph.nodes.iter().position(|node| node.node.name == "grid-writer").unwrap();
     let inputs = session().inputs(graph, place, &Demand::default(), &NoObserver).unwrap();
@@ -232,7 +232,7 @@ fn what_cannot_be_written_is_refused_with_its_place() {
         let error =
             graph(text, folder.path()).and_then(|graph| session().run(&graph, &NoObserver)).unwrap_err();
         assert!(error.to_string().contains(wanted), "{error}");
-        assert!(error.place.span.is_some() || error.place.line_column.is_some(), "{error}");
+        assert!(error.location.span.is_some() || error.location.line_column.is_some(), "{error}");
         assert!(!folder.path().join("out.vtu").exists());
     };
     let text = |reader: &str, volume: &str, keys: &str| {

@@ -67,7 +67,7 @@ fn the_commands_of_the_page_do_what_it_says() {
     for name in ["pipelines", "include", "examples", "data", "scripts", "capi", "Cargo.toml"] {
         std::os::unix::fs::symlink(compilers::source(name), installed.path(name)).unwrap();
     }
-    let page = std::fs::read_to_string(compilers::source("docs/c.md")).unwrap();
+    let page = std::fs::read_to_string(compilers::source("docs/src/how-to/c.md")).unwrap();
     let blocks: Vec<&str> =
         page.split("```sh\n").skip(1).filter_map(|block| block.split("```").next()).collect();
     assert_eq!(blocks.len(), 4);

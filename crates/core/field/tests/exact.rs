@@ -135,7 +135,7 @@ fn the_array_filter_takes_three_components_and_names_what_is_wrong() {
         .insert("flat".into(), Arc::new(Array { component_count: 2, values: vec![0.0; 16].into() }));
     let run = |name: &str| {
         let values = [("array", ParameterValue::Text(name.into()))];
-        let parameters = Parameters::of(FromArray.declaration().parameters, values).unwrap();
+        let parameters = Parameters::from_values(FromArray.declaration().parameters, values).unwrap();
         let method = Method::new(Arc::new(FromArray), parameters).unwrap();
         assert_eq!(method.arrays().unwrap(), [name]);
         method.gradient(&grid, &[0.0; 8], &NoProgress)

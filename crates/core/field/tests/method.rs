@@ -1,4 +1,4 @@
-//! What a filter gives is checked, whoever wrote it.
+//! Results of a filter are checked, whoever wrote it.
 
 use super::*;
 
@@ -35,7 +35,7 @@ impl GradientFilter for Constant {
     }
 }
 
-/// What it gives at some points is checked alike, and the point is named, not its place in the list.
+/// Gradients at some points are checked alike, and the point is named, not its index in the list.
 #[test]
 fn what_is_given_at_some_points_is_checked_too() {
     let grid = box_of_tetrahedra([5, 5, 5], UNIT, 0.0);

@@ -35,7 +35,7 @@ pub(super) fn grid_of(points: Vec<DVec3>, tetrahedra: Vec<[u32; 4]>) -> Grid {
     Grid { points: SharedSlice::from(points), tetrahedra: SharedSlice::from(tetrahedra), ..Grid::default() }
 }
 
-/// The same grid with every point moved by `f`.
+/// Grid with every point moved by `f`.
 pub(super) fn moved(grid: &Grid, f: impl Fn(DVec3) -> DVec3) -> Grid {
     Grid { points: SharedSlice::from(sample(grid, f)), ..grid.clone() }
 }

@@ -100,7 +100,7 @@ pub(super) fn corner_weights(shape: ReferenceCell, m: Orders, [i, j, k]: [usize;
     weights.into_iter().enumerate().filter(|&(_, w)| w > 0).map(|(c, w)| (c, w as u64)).collect()
 }
 
-/// Whether a point with these corner weights lies on the surface of the cell.
+/// True if a point with these corner weights lies on the surface of the cell.
 pub(super) fn on_surface(shape: ReferenceCell, corner_weights: &[(usize, u64)]) -> bool {
     corner_weights.len() < 4 || (corner_weights.len() == 4 && shape != ReferenceCell::Tetrahedron)
 }

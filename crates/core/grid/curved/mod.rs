@@ -22,7 +22,7 @@ use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
 /// Pieces along an edge of a curved cell at most: its degree × the subdivision.
-const MOST_PIECES: usize = 64;
+const MAX_PIECES: usize = 64;
 
 /// One point of a cell's lattice.
 #[derive(Debug, Clone)]
@@ -41,7 +41,7 @@ struct AddedPoint {
     surface: Vec<(usize, u64)>,
 }
 
-/// How cells of one kind are cut.
+/// Subdivision of the curved cells of one kind.
 #[derive(Debug, Clone)]
 struct Template {
     points: Vec<LatticePoint>,
@@ -49,7 +49,7 @@ struct Template {
     pieces: Vec<LatticeCell>,
 }
 
-/// What decides a template: type, number of points, degrees.
+/// Key of a template: cell type, number of points, degrees.
 type Kind = (u8, usize, Option<[u8; 3]>);
 
 /// The templates of all kinds of curved cells in a file, and the points they add.
@@ -58,13 +58,13 @@ pub(super) struct Curved {
     templates: HashMap<Kind, Template>,
     /// Numbers of the added points, cell after cell.
     numbers: Vec<u32>,
-    /// Where each cell's numbers start; empty where no cell adds points.
+    /// First added point of each cell; empty where no cell adds points.
     starts: Vec<usize>,
-    /// Where each added point comes from: cell, and number among the cell's added points.
+    /// Source of each added point: cell, and index among the cell's added points.
     pub origins: Vec<(u32, u32)>,
 }
 
-/// Whether cells of this type are curved.
+/// True if cells of this type are curved.
 pub(super) fn is_curved(code: u8) -> bool {
     nodes::is_curved(code) || code == code::TRIQUADRATIC_PYRAMID
 }
@@ -76,7 +76,7 @@ impl Curved {
         if self.templates.contains_key(&kind) {
             return Ok(());
         }
-        let name = CellType::of(cell.code).map_or("curved cell", |t| t.name);
+        let name = CellType::from_code(cell.code).map_or("curved cell", |t| t.name);
         let wrong_count = || {
             let degrees =
                 degrees.map_or(String::new(), |d| format!(" with degrees {} {} {}", d[0], d[1], d[2]));
@@ -89,10 +89,10 @@ impl Curved {
         } else {
             let nodes = nodes::nodes(cell.code, cell.corners.len(), degrees).ok_or_else(wrong_count)?;
             let order = nodes.orders.into_iter().max().unwrap_or(1);
-            if order > 1 && order * subdivision > MOST_PIECES {
+            if order > 1 && order * subdivision > MAX_PIECES {
                 return Err(Error::usage(format!("the subdivision is too fine for cells of degree {order}"))
                     .got(subdivision)
-                    .expected(format!("at most {}", MOST_PIECES / order))
+                    .expected(format!("at most {}", MAX_PIECES / order))
                     .at_item("subdivision"));
             }
             template(&nodes, subdivision).ok_or_else(wrong_count)?
@@ -101,7 +101,7 @@ impl Curved {
         Ok(())
     }
 
-    /// What gives the added points of `count` cells their numbers, counting up from `first_free`; `None` where no cell adds
+    /// Numbers for the added points of `count` cells, counting up from `first_free`; `None` where no cell adds
     /// any.
     pub fn numbering(&mut self, count: usize, first_free: usize) -> Option<Numbering<'_>> {
         if self.templates.values().all(|t| t.added.is_empty()) {
@@ -135,7 +135,7 @@ impl Curved {
 pub(super) struct Numbering<'a> {
     curved: &'a mut Curved,
     first_free: usize,
-    known: HashMap<Place, u32, BuildHasherDefault<PlaceHasher>>,
+    known: HashMap<AddedPointKey, u32, BuildHasherDefault<KeyHasher>>,
 }
 
 impl Numbering<'_> {
@@ -149,9 +149,9 @@ impl Numbering<'_> {
                         .got(*first_free + curved.origins.len())
                         .expected(format!("at most {} (or a lower subdivision)", u32::MAX))
                 })?;
-                let number_of_point = match Place::of(&point.surface, cell.corners) {
-                    Place::Inside => next,
-                    Place::At(corner) => corner,
+                let number_of_point = match AddedPointKey::new(&point.surface, cell.corners) {
+                    AddedPointKey::Inside => next,
+                    AddedPointKey::At(corner) => corner,
                     place => *known.entry(place).or_insert(next),
                 };
                 if number_of_point == next {
@@ -205,9 +205,9 @@ fn triquadratic_pyramid() -> Template {
     Template { points: (0..19).map(LatticePoint::Node).collect(), added: Vec::new(), pieces }
 }
 
-/// Where an added point lies, the same for all cells that share it.
+/// Key of an added point, equal in all cells that share it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-enum Place {
+enum AddedPointKey {
     /// Inside its cell.
     Inside,
     /// At a corner (of a collapsed edge or face).
@@ -217,10 +217,10 @@ enum Place {
     Between([(u32, u64); 4]),
 }
 
-impl Place {
-    fn of(surface: &[(usize, u64)], corners: &[u32]) -> Place {
+impl AddedPointKey {
+    fn new(surface: &[(usize, u64)], corners: &[u32]) -> AddedPointKey {
         if surface.is_empty() {
-            return Place::Inside;
+            return AddedPointKey::Inside;
         }
         let mut between = [(u32::MAX, 0_u64); 4];
         for (slot, &(corner, weight)) in between.iter_mut().zip(surface) {
@@ -236,10 +236,10 @@ impl Place {
         }
         between.sort_unstable();
         if between[1].1 == 0 {
-            return Place::At(between[0].0);
+            return AddedPointKey::At(between[0].0);
         }
         let divisor = between.iter().fold(0, |a, &(_, weight)| common_divisor(a, weight));
-        Place::Between(between.map(|(corner, weight)| (corner, weight / divisor)))
+        AddedPointKey::Between(between.map(|(corner, weight)| (corner, weight / divisor)))
     }
 }
 
@@ -249,9 +249,9 @@ fn common_divisor(a: u64, b: u64) -> u64 {
 
 /// A quick hash of whole numbers, each mixed in by a multiplication (as rustc's own FxHasher).
 #[derive(Default)]
-struct PlaceHasher(u64);
+struct KeyHasher(u64);
 
-impl Hasher for PlaceHasher {
+impl Hasher for KeyHasher {
     fn finish(&self) -> u64 {
         // The table looks at the top and bottom bits; the bottom ones of a product are weak.
         self.0 ^ (self.0 >> 32)

@@ -107,7 +107,7 @@ const PYRAMID: [[usize; 3]; 13] = [
     [0, 1, 1],
 ];
 
-/// Whether the type is one of these.
+/// True if the type is one of these.
 pub(super) fn is_curved(code: u8) -> bool {
     use code::*;
     matches!(
@@ -167,7 +167,7 @@ pub(super) fn nodes(code: u8, point_count: usize, degrees: Option<[u8; 3]>) -> O
 }
 
 /// Highest degree along an axis; VTK itself stops at 10.
-const MOST: usize = 16;
+const MAX_DEGREE: usize = 16;
 
 /// Orders along the axes, from the degrees if given, else alike along all of them.
 fn orders(shape: ReferenceCell, point_count: usize, degrees: Option<[u8; 3]>) -> Option<Orders> {
@@ -184,8 +184,8 @@ fn orders(shape: ReferenceCell, point_count: usize, degrees: Option<[u8; 3]>) ->
     });
     // Degrees of zero stand for "not given".
     tied.into_iter()
-        .chain((1..=MOST).map(|m| [m; 3]))
-        .find(|&m| m.iter().all(|n| (1..=MOST).contains(n)) && count(m) == point_count)
+        .chain((1..=MAX_DEGREE).map(|m| [m; 3]))
+        .find(|&m| m.iter().all(|n| (1..=MAX_DEGREE).contains(n)) && count(m) == point_count)
 }
 
 /// Points strictly between two lattice points, from the first to the second.

@@ -4,7 +4,7 @@ use super::*;
 use crate::grid::generate::{box_of_tetrahedra, lattice};
 use crate::progress::NoProgress;
 
-/// What a box is made of.
+/// Cell type that a box is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     Tetrahedra,

@@ -2,7 +2,7 @@
 
 use crate::grid::generate::box_of_tetrahedra;
 use crate::grid::overlap::faces;
-use crate::grid::within::{Within, within};
+use crate::grid::within::{BoundaryOverlap, within};
 use glam::DVec3;
 
 fn sorted(mut tetrahedra: Vec<[u32; 4]>) -> Vec<[u32; 4]> {
@@ -20,8 +20,8 @@ fn overlapping(points: &[DVec3], tetrahedra: &[[u32; 4]]) -> Vec<u32> {
     faces(points, tetrahedra).overlapping
 }
 
-/// What of the boundary of a box lies in a second one, or the other way round.
-fn together(counts: [usize; 3], second: [DVec3; 2]) -> Within {
+/// Boundary of a box that lies in a second one, or the other way round.
+fn together(counts: [usize; 3], second: [DVec3; 2]) -> BoundaryOverlap {
     let (mut points, mut tetrahedra) = a_box();
     let other = box_of_tetrahedra(counts, second, 0.2);
     let first = points.len() as u32;
@@ -94,5 +94,5 @@ fn pieces_that_meet_without_shared_faces_do_not_overlap() {
         assert_eq!(together(counts, beside.map(|p| p + DVec3::splat(1e-12) * DVec3::NEG_X)).inside, 0);
     }
     let (points, tetrahedra) = a_box();
-    assert_eq!(within(&points, &tetrahedra, &[]), Within::default());
+    assert_eq!(within(&points, &tetrahedra, &[]), BoundaryOverlap::default());
 }

@@ -1,4 +1,4 @@
-//! What is left out, what is dropped, values on cells, structured grids, damaged input.
+//! Skipped cells, dropped points, cell values, structured grids, damaged input.
 
 use super::boxes::{Kind, box_of, built, parts_with_scalar};
 use super::generate::box_of_tetrahedra;
@@ -204,7 +204,7 @@ fn damaged_input_is_one_clear_error() {
     assert_eq!(error.kind, ErrorKind::Run);
     let error = built(RawGrid::new(vec![DVec3::ZERO; 3], Cells::Tetrahedra(vec![[0, 1, 2, 3]]))).unwrap_err();
     assert!(error.to_string().contains("cell 0") && error.to_string().contains("found 3"), "{error}");
-    let empty = built(RawGrid::new(Vec::new(), Cells::Tetrahedra(Vec::new()))).unwrap_err();
+    let empty = built(RawGrid::new(Vec::<DVec3>::new(), Cells::Tetrahedra(Vec::new()))).unwrap_err();
     assert!(empty.to_string().contains("no cells"), "{empty}");
     let mut short = cube();
     short.point_arrays.insert("short".into(), Array { component_count: 3, values: vec![0.0; 35].into() });
@@ -257,7 +257,7 @@ fn neighbours_and_cells_of_points_are_complete() {
         ring.dedup();
         ring.retain(|&q| q != p as u32);
         let mut found = points.row(p).to_vec();
-        assert_eq!(neighbours.of(&grid, &cells, p), found);
+        assert_eq!(neighbours.around(&grid, &cells, p), found);
         found.sort_unstable();
         assert_eq!(found, ring);
         let mut second: Vec<u32> = ring.iter().flat_map(|&q| points.row(q as usize)).copied().collect();

@@ -27,15 +27,15 @@ fn both_sides_of_a_cut_make_the_whole() {
         // Some corners lie in the plane itself.
         let f = [(); 4].map(|()| if number() < 0.1 { 0.0 } else { number() - 0.5 });
         let (mut above, mut below) = (0.0, 0.0);
-        SubTetrahedron::WHOLE.cut(f, |part| {
-            above += part.share;
+        SubTetrahedron::WHOLE.clip_to_level(f, |part| {
+            above += part.volume_fraction;
             // The corners make a tetrahedron of that share: the determinant of their coordinates.
             let matrix = glam::DMat4::from_cols_array_2d(&part.corners);
-            close(matrix.determinant().abs(), part.share, 1e-14);
+            close(matrix.determinant().abs(), part.volume_fraction, 1e-14);
             // Nothing of it lies on the other side, but for rounding.
             assert!(part.values(f).iter().all(|&v| v >= -1e-15), "{f:?}");
         });
-        SubTetrahedron::WHOLE.cut(f.map(|f| -f), |part| below += part.share);
+        SubTetrahedron::WHOLE.clip_to_level(f.map(|f| -f), |part| below += part.volume_fraction);
         close(above + below, 1.0, 1e-14);
         close(Distribution::new(f).below(0.0), below, 1e-14);
         assert!(round > 0 || above > 0.0);
@@ -78,10 +78,10 @@ fn every_bin_is_the_volume_cut_by_four_half_spaces() {
             {
                 let f = corners.map(|p| sign * (values[p as usize] - axes[axis].edge(edge)));
                 let mut parts = Vec::new();
-                pieces.iter().for_each(|piece| piece.cut(piece.values(f), |part| parts.push(part)));
+                pieces.iter().for_each(|piece| piece.clip_to_level(piece.values(f), |part| parts.push(part)));
                 pieces = parts;
             }
-            let share: f64 = pieces.iter().map(|piece| piece.share).sum();
+            let share: f64 = pieces.iter().map(|piece| piece.volume_fraction).sum();
             wanted += share * crate::grid::tetrahedron_volume(grid.corners(cell));
         }
         // Rounding of the edges, in bins: some 1e-15 of the volume that a bin's edge crosses.
@@ -156,7 +156,7 @@ fn bands_are_counted_by_cell() {
         cell_count: cells,
         median: 4.0,
         percent_99: 9.0,
-        most: 9.0,
+        max: 9.0,
         share_above_one: 0.8,
     };
     assert_eq!(found[0], first);

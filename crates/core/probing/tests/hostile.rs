@@ -80,7 +80,7 @@ fn constant_fields_and_empty_regions_are_told_apart() {
         (Region::Points(Vec::new()), "no cell holds any of the points"),
     ] {
         let error = probe(&grid, &[&varying], &region, None, &NoProgress).unwrap_err();
-        assert!(error.what.contains(what) && error.accepted.is_some(), "{error}");
+        assert!(error.what.contains(what) && error.expected.is_some(), "{error}");
     }
 }
 

@@ -1,6 +1,6 @@
 //! `gaussian`: exp(−|K (v − centre)|²) over the (s, g) plane (Song et al. 2009, section 4.2; Kniss et al. 2003, Eq. 12).
 
-use super::keys::{COLOR, Declared, EXTINCTION, MATRIX, POSITIVE_OR_INFINITE, REGION, SIGMA, kernel};
+use super::keys::{COLOR, DeclaredKind, EXTINCTION, MATRIX, POSITIVE_OR_INFINITE, REGION, SIGMA, kernel};
 use super::profile::{AxisOrigin, ColorSource, Profile, Properties};
 use crate::Result;
 use crate::parameters::{
@@ -13,7 +13,7 @@ use crate::transfer::hull::{Corners, gaussian, range};
 use crate::transfer::slab::Slab;
 
 /// The declaration.
-pub(super) const KIND: Declared = Declared {
+pub(super) const KIND: DeclaredKind = DeclaredKind {
     kind: VariantSchema {
         name: "gaussian",
         summary: "A Gaussian over the scalar and its gradient magnitude.",
@@ -24,7 +24,7 @@ pub(super) const KIND: Declared = Declared {
                 name: "centre",
                 parameter_type: VALUES,
                 unit: "(s, g)",
-                standard: DefaultValue::Required,
+                default: DefaultValue::Required,
                 help: "the middle of the widget, [s, g]",
             },
             Parameter {
@@ -43,21 +43,21 @@ pub(super) const KIND: Declared = Declared {
 /// [s, g].
 const VALUES: ParameterType = ParameterType::Measured(&RelativeNumberType {
     plain: ParameterType::Numbers(Some(2), Range::ANY),
-    is: StatisticKind::Value,
-    along: AxisRef::Places(&["s", "g"]),
+    statistic: StatisticKind::Value,
+    axis: AxisRef::Places(&["s", "g"]),
 });
 
 const WIDTHS: ParameterType = ParameterType::Measured(&RelativeNumberType {
     plain: ParameterType::Numbers(Some(2), POSITIVE_OR_INFINITE),
-    is: StatisticKind::Width,
-    along: AxisRef::Places(&["s", "g"]),
+    statistic: StatisticKind::Width,
+    axis: AxisRef::Places(&["s", "g"]),
 });
 
 /// Columns belong to s and g.
 const FACTORS: ParameterType = ParameterType::Measured(&RelativeNumberType {
     plain: ParameterType::Rows(Some(2)),
-    is: StatisticKind::Factor,
-    along: AxisRef::Places(&["s", "g"]),
+    statistic: StatisticKind::Factor,
+    axis: AxisRef::Places(&["s", "g"]),
 });
 
 fn read(p: &Parameters) -> Result<Profile> {
@@ -127,7 +127,7 @@ impl Line {
     }
 
     /// At the farther end.
-    pub fn least(&self, ranges: &[[f64; 2]; 2]) -> f64 {
+    pub fn min_in_box(&self, ranges: &[[f64; 2]; 2]) -> f64 {
         let [low, high] = ranges[self.axis];
         let distance = (self.centre - low).max(high - self.centre) * self.width;
         (-distance * distance).exp()
@@ -157,7 +157,7 @@ impl Plane {
     }
 
     /// At the farthest corner: distances are convex.
-    pub fn least(&self, [s, g]: &[[f64; 2]; 2]) -> f64 {
+    pub fn min_in_box(&self, [s, g]: &[[f64; 2]; 2]) -> f64 {
         let corners = Corners { s: &[s[0], s[1], s[0], s[1]], g: &[g[0], g[0], g[1], g[1]], fields: &[] };
         let farthest = self.scaled(&corners).iter().map(|p| p[0] * p[0] + p[1] * p[1]).fold(0.0, f64::max);
         (-farthest).exp()

@@ -1,17 +1,17 @@
 //! `gaussian-nd`: exp(−|K (v − centre)|²) over a list of fields of its own (Kniss et al. 2003, Eq. 11 and 12).
 
 use super::keys::{
-    CENTRE_OF_FIELDS, COLOR, Declared, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, REGION, SIGMA_OF_FIELDS,
+    CENTRE_OF_FIELDS, COLOR, DeclaredKind, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, REGION, SIGMA_OF_FIELDS,
     fields_and_centre, kernel,
 };
-use super::profile::{AxisOrigin, ColorSource, FIELDS_MOST, Profile, Properties};
+use super::profile::{AxisOrigin, ColorSource, MAX_FIELDS, Profile, Properties};
 use crate::parameters::{Parameters, VariantSchema};
 use crate::transfer::check::finite;
 use crate::transfer::hull::{Corners, gaussian};
 use crate::{Error, Result};
 
 /// The declaration.
-pub(super) const KIND: Declared = Declared {
+pub(super) const KIND: DeclaredKind = DeclaredKind {
     kind: VariantSchema {
         name: "gaussian-nd",
         summary: "A Gaussian over one to eight point arrays.",
@@ -21,7 +21,7 @@ pub(super) const KIND: Declared = Declared {
 };
 
 fn read(p: &Parameters) -> Result<Profile> {
-    let (fields, centre) = fields_and_centre(p, FIELDS_MOST)?;
+    let (fields, centre) = fields_and_centre(p, MAX_FIELDS)?;
     let matrix = kernel(p, fields.len(), std::f64::consts::SQRT_2)?;
     Ok(Profile::GaussianNd { fields, centre, matrix })
 }
@@ -45,10 +45,10 @@ pub(super) fn properties<'a>(fields: &'a [String], centre: &[f64]) -> Properties
 
 pub(super) fn check(fields: &[String], centre: &[f64], matrix: &[Vec<f64>]) -> Result<()> {
     let n = fields.len();
-    if !(1..=FIELDS_MOST).contains(&n) {
+    if !(1..=MAX_FIELDS).contains(&n) {
         return Err(Error::usage("a widget over fields has a wrong number of them")
             .got(n)
-            .expected(format!("1 to {FIELDS_MOST}")));
+            .expected(format!("1 to {MAX_FIELDS}")));
     }
     if centre.len() != n {
         return Err(Error::usage("the centre does not fit the fields")
@@ -76,18 +76,22 @@ pub(super) fn at(centre: &[f64], matrix: &[Vec<f64>], v: &[f64]) -> f64 {
 
 /// Bounds over cells.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::transfer) struct Bounds {
-    /// Where its fields lie among all; past the end where one is unknown.
+pub(in crate::transfer) struct GaussianNdBounds {
+    /// Indices of its fields among all fields; past the end where one is unknown.
     slots: Vec<usize>,
     centre: Vec<f64>,
     matrix: Vec<Vec<f64>>,
 }
 
-impl Bounds {
+impl GaussianNdBounds {
     /// `names`: all further fields in their order.
     pub fn new(fields: &[String], centre: &[f64], matrix: &[Vec<f64>], names: &[&str]) -> Self {
         let slot = |field: &String| names.iter().position(|name| name == field).unwrap_or(usize::MAX);
-        Bounds { slots: fields.iter().map(slot).collect(), centre: centre.to_vec(), matrix: matrix.to_vec() }
+        GaussianNdBounds {
+            slots: fields.iter().map(slot).collect(),
+            centre: centre.to_vec(),
+            matrix: matrix.to_vec(),
+        }
     }
 
     pub fn bound(&self, corners: &Corners) -> f64 {
@@ -97,13 +101,13 @@ impl Bounds {
     /// A direction that separates the four points from the centre bounds the distance from below: by what is made of the
     /// points' places along it, all of which are positive.
     pub fn bound_of(&self, corners: &Corners, distance: impl Fn(&[f64; 4]) -> f64) -> f64 {
-        let Bounds { slots, centre, matrix } = self;
+        let GaussianNdBounds { slots, centre, matrix } = self;
         let fields = corners.fields;
         if slots.iter().any(|&slot| slot >= fields.len()) {
             return 1.0;
         }
         let n = slots.len();
-        let mut q = [[0.0; 4]; FIELDS_MOST];
+        let mut q = [[0.0; 4]; MAX_FIELDS];
         for i in 0..n {
             for j in 0..n {
                 for v in 0..4 {
@@ -111,7 +115,7 @@ impl Bounds {
                 }
             }
         }
-        let mean: [f64; FIELDS_MOST] = std::array::from_fn(|i| q[i].iter().sum::<f64>());
+        let mean: [f64; MAX_FIELDS] = std::array::from_fn(|i| q[i].iter().sum::<f64>());
         let length = mean.iter().map(|x| x * x).sum::<f64>().sqrt();
         if length == 0.0 || length.is_nan() {
             return 1.0;

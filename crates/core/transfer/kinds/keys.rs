@@ -1,7 +1,7 @@
 //! Keys that several kinds have, and what is read from them.
 //!
 //! The file gives angles in degrees and widths as σ; the library takes radians and the matrix K with
-//! K = diag(1/(√2 σ)) for the axis-aligned Gaussian (docs/optics.md, section 5).
+//! K = diag(1/(√2 σ)) for the axis-aligned Gaussian (docs/src/explanation/optics.md, section 5).
 
 use super::profile::Profile;
 use crate::Result;
@@ -14,7 +14,7 @@ use crate::parameters::{
 pub type LoadImage<'a> = &'a dyn Fn(&str) -> Result<(usize, usize, Vec<[f32; 4]>)>;
 
 /// A kind as it is declared, and how its profile is read.
-pub(in crate::transfer) struct Declared {
+pub(in crate::transfer) struct DeclaredKind {
     pub kind: VariantSchema,
     pub read: fn(&Parameters, LoadImage) -> Result<Profile>,
 }
@@ -23,7 +23,7 @@ pub(super) const COLOR: Parameter = Parameter {
     name: "color",
     parameter_type: ParameterType::Numbers(Some(3), Range::at_least(0.0)),
     unit: "linear RGB",
-    standard: DefaultValue::Required,
+    default: DefaultValue::Required,
     help: "colour; components may exceed 1",
 };
 
@@ -31,7 +31,7 @@ pub(super) const EXTINCTION: Parameter = Parameter {
     name: "extinction",
     parameter_type: ParameterType::Number(Range::at_least(0.0)),
     unit: "per unit_distance",
-    standard: DefaultValue::Required,
+    default: DefaultValue::Required,
     help: "peak of the extinction coefficient: light is dimmed by exp(-extinction) over one unit distance",
 };
 
@@ -39,52 +39,52 @@ pub(super) const REGION: Parameter = Parameter {
     name: "region",
     parameter_type: ParameterType::Table(REGION_KEYS),
     unit: "",
-    standard: DefaultValue::Unset("the whole plane"),
+    default: DefaultValue::Unset("the whole plane"),
     help: "the widget is 0 outside this part of the (s, g) plane",
 };
 
 const REGION_KEYS: &[Parameter] = &[
     Parameter {
         name: "s",
-        parameter_type: ParameterType::Measured(&RelativeNumberType { along: AxisRef::Every("s"), ..LIMITS }),
+        parameter_type: ParameterType::Measured(&RelativeNumberType { axis: AxisRef::Every("s"), ..LIMITS }),
         unit: "units of s",
-        standard: DefaultValue::Unset("no limit"),
+        default: DefaultValue::Unset("no limit"),
         help: "range of the scalar, [low, high]",
     },
     Parameter {
         name: "g",
-        parameter_type: ParameterType::Measured(&RelativeNumberType { along: AxisRef::Every("g"), ..LIMITS }),
+        parameter_type: ParameterType::Measured(&RelativeNumberType { axis: AxisRef::Every("g"), ..LIMITS }),
         unit: "units of g",
-        standard: DefaultValue::Unset("no limit"),
+        default: DefaultValue::Unset("no limit"),
         help: "range of the gradient magnitude, [low, high]",
     },
     Parameter {
         name: "polygon",
         parameter_type: ParameterType::Measured(&RelativeNumberType {
             plain: ParameterType::Rows(Some(2)),
-            is: StatisticKind::Value,
-            along: AxisRef::Places(&["s", "g"]),
+            statistic: StatisticKind::Value,
+            axis: AxisRef::Places(&["s", "g"]),
         }),
         unit: "(s, g)",
-        standard: DefaultValue::Unset("the ranges s and g"),
+        default: DefaultValue::Unset("the ranges s and g"),
         help: "corners [s, g] of a convex polygon, in place of the ranges",
     },
 ];
 
 const LIMITS: RelativeNumberType = RelativeNumberType {
     plain: ParameterType::Numbers(Some(2), Range::ANY_OR_INFINITE),
-    is: StatisticKind::Value,
-    along: AxisRef::Every("s"),
+    statistic: StatisticKind::Value,
+    axis: AxisRef::Every("s"),
 };
 
-/// What a standard deviation may be: an infinite one ignores its axis.
+/// Valid standard deviations: an infinite one ignores its axis.
 pub(super) const POSITIVE_OR_INFINITE: Range = Range { infinite: true, ..Range::above(0.0) };
 
 pub(super) const SIGMA: Parameter = Parameter {
     name: "sigma",
     parameter_type: ParameterType::Numbers(None, POSITIVE_OR_INFINITE),
     unit: "",
-    standard: DefaultValue::Unset("matrix is given"),
+    default: DefaultValue::Unset("matrix is given"),
     help: "",
 };
 
@@ -92,7 +92,7 @@ pub(super) const MATRIX: Parameter = Parameter {
     name: "matrix",
     parameter_type: ParameterType::Rows(None),
     unit: "",
-    standard: DefaultValue::Unset("diag(1 / (√2 sigma))"),
+    default: DefaultValue::Unset("diag(1 / (√2 sigma))"),
     help: "K of exp(-|K (v - centre)|²), rows first, in place of sigma",
 };
 
@@ -100,7 +100,7 @@ pub(super) const FIELDS: Parameter = Parameter {
     name: "fields",
     parameter_type: ParameterType::Texts,
     unit: "",
-    standard: DefaultValue::Required,
+    default: DefaultValue::Required,
     help: "names of one to eight point arrays; \"NAME:0\" and \"NAME:magnitude\" for vectors",
 };
 
@@ -108,19 +108,19 @@ pub(super) const CENTRE_OF_FIELDS: Parameter = Parameter {
     name: "centre",
     parameter_type: ParameterType::Measured(&RelativeNumberType {
         plain: ParameterType::Numbers(None, Range::ANY),
-        is: StatisticKind::Value,
-        along: AxisRef::Names("fields"),
+        statistic: StatisticKind::Value,
+        axis: AxisRef::Names("fields"),
     }),
     unit: "units of the fields",
-    standard: DefaultValue::Required,
+    default: DefaultValue::Required,
     help: "the middle of the widget, one number a field",
 };
 
 pub(super) const SIGMA_OF_FIELDS: Parameter = Parameter {
     parameter_type: ParameterType::Measured(&RelativeNumberType {
         plain: ParameterType::Numbers(None, POSITIVE_OR_INFINITE),
-        is: StatisticKind::Width,
-        along: AxisRef::Names("fields"),
+        statistic: StatisticKind::Width,
+        axis: AxisRef::Names("fields"),
     }),
     unit: "units of the fields",
     help: "standard deviations, one a field; inf ignores the field",
@@ -130,8 +130,8 @@ pub(super) const SIGMA_OF_FIELDS: Parameter = Parameter {
 pub(super) const MATRIX_OF_FIELDS: Parameter = Parameter {
     parameter_type: ParameterType::Measured(&RelativeNumberType {
         plain: ParameterType::Rows(None),
-        is: StatisticKind::Factor,
-        along: AxisRef::Names("fields"),
+        statistic: StatisticKind::Factor,
+        axis: AxisRef::Names("fields"),
     }),
     unit: "1 / units of the fields",
     ..MATRIX

@@ -17,20 +17,20 @@ mod wave;
 
 pub use keys::LoadImage;
 pub use profile::{
-    AxisOrigin, Bands, ColorSource, ControlPoint, FIELDS_MOST, Profile, Properties, Table, Wave,
+    AxisOrigin, Bands, ColorSource, ControlPoint, MAX_FIELDS, Profile, Properties, Table, Wave,
 };
 pub(super) use wave::ACROSS;
 
 use super::hull::Corners;
-use super::slab::{Reach, Slab};
+use super::slab::{Slab, SupportRadius};
 use crate::Result;
 use crate::parameters::VariantSchema;
-use keys::Declared;
+use keys::DeclaredKind;
 use maximum_table::MaximumTable;
 use std::sync::Arc;
 
 /// All kinds, in the order in which help lists them.
-pub(super) const DECLARED: [Declared; 9] = [
+pub(super) const DECLARED: [DeclaredKind; 9] = [
     uniform::KIND,
     gaussian::KIND,
     gaussian_nd::KIND,
@@ -59,7 +59,7 @@ impl Profile {
         self.properties().name
     }
 
-    /// What is true of it.
+    /// Properties of the profile.
     pub fn properties(&self) -> Properties<'_> {
         match self {
             Profile::Uniform => uniform::properties(),
@@ -76,9 +76,9 @@ impl Profile {
         }
     }
 
-    /// What it is at a place of the plane, 0 to 1 (docs/optics.md, section 5). `fields`: the values of its further fields, in the
+    /// Value at a point of the plane, 0 to 1 (docs/src/explanation/optics.md, section 5). `fields`: values of its further fields, in the
     /// order of [`Properties::fields`]. A table is 0 outside of its range.
-    pub fn at(&self, v: [f64; 2], fields: &[f64]) -> f64 {
+    pub fn eval(&self, v: [f64; 2], fields: &[f64]) -> f64 {
         match self {
             Profile::Uniform => 1.0,
             Profile::Gaussian { centre, matrix } => gaussian::at(centre, matrix, v),
@@ -110,7 +110,7 @@ impl Profile {
         }
     }
 
-    /// The same profile, its own extinctions multiplied where it holds any.
+    /// Profile with its own extinctions, where it holds any, multiplied by a factor.
     pub(super) fn with_extinction_times(&self, factor: f64) -> Profile {
         let mut profile = self.clone();
         match &mut profile {
@@ -129,7 +129,7 @@ impl Profile {
         profile
     }
 
-    /// The same profile, its own colours, where it holds any, all replaced by one.
+    /// Profile with its own colours, where it holds any, all replaced by one.
     pub(super) fn in_color(&self, color: [f64; 3]) -> Profile {
         match self {
             Profile::PiecewiseLinear { points } => {
@@ -152,35 +152,39 @@ impl Profile {
     }
 
     /// Its bounds over cells; `names`: the further fields in their order.
-    pub(super) fn bounds(&self, names: &[&str]) -> Bounds {
+    pub(super) fn bounds(&self, names: &[&str]) -> ProfileBounds {
         match self {
-            Profile::Uniform => Bounds::Uniform,
+            Profile::Uniform => ProfileBounds::Uniform,
             Profile::Gaussian { centre, matrix } => match gaussian::Line::new(centre, matrix) {
-                Some(line) => Bounds::GaussianLine(line),
-                None => Bounds::GaussianPlane(gaussian::Plane { centre: *centre, matrix: *matrix }),
+                Some(line) => ProfileBounds::GaussianLine(line),
+                None => ProfileBounds::GaussianPlane(gaussian::Plane { centre: *centre, matrix: *matrix }),
             },
             Profile::GaussianNd { fields, centre, matrix } => {
-                Bounds::GaussianNd(gaussian_nd::Bounds::new(fields, centre, matrix, names))
+                ProfileBounds::GaussianNd(gaussian_nd::GaussianNdBounds::new(fields, centre, matrix, names))
             }
             Profile::TriangularGaussian { centre, sigma } => {
-                Bounds::TriangularGaussian(triangular_gaussian::Bounds { centre: *centre, sigma: *sigma })
+                ProfileBounds::TriangularGaussian(triangular_gaussian::TriangularGaussianBounds {
+                    centre: *centre,
+                    sigma: *sigma,
+                })
             }
             Profile::TriangularGaussianNd { fields, magnitude, centre, matrix } => {
-                let fields = gaussian_nd::Bounds::new(fields, centre, matrix, names);
-                let bounds = triangular_gaussian_nd::Bounds::new(fields, magnitude, names);
-                Bounds::TriangularGaussianNd(bounds)
+                let fields = gaussian_nd::GaussianNdBounds::new(fields, centre, matrix, names);
+                let bounds =
+                    triangular_gaussian_nd::TriangularGaussianNdBounds::new(fields, magnitude, names);
+                ProfileBounds::TriangularGaussianNd(bounds)
             }
-            Profile::TriangleWave(wave) => Bounds::Wave(wave::Bounds::new(wave, false)),
-            Profile::SineWave(wave) => Bounds::Wave(wave::Bounds::new(wave, true)),
+            Profile::TriangleWave(wave) => ProfileBounds::Wave(wave::WaveBounds::new(wave, false)),
+            Profile::SineWave(wave) => ProfileBounds::Wave(wave::WaveBounds::new(wave, true)),
             Profile::PiecewiseLinear { points } => {
-                Bounds::PiecewiseLinear(piecewise_linear::Bounds::new(points))
+                ProfileBounds::PiecewiseLinear(piecewise_linear::PiecewiseLinearBounds::new(points))
             }
-            Profile::Table(table) => Bounds::Table(MaximumTable::new(table)),
+            Profile::Table(table) => ProfileBounds::Table(MaximumTable::new(table)),
         }
     }
 
     /// Lists of slabs that hold its support, all that exceeds e^(−r²) within the reach; none at all where it has none.
-    pub(super) fn slabs(&self, reach: Reach) -> Vec<Vec<Slab>> {
+    pub(super) fn slabs(&self, reach: SupportRadius) -> Vec<Vec<Slab>> {
         match self {
             // Limited by its region and range alone.
             Profile::Uniform
@@ -202,48 +206,48 @@ impl Profile {
 
 /// Bounds of a profile over the convex hull of cells' values.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Bounds {
+pub(super) enum ProfileBounds {
     Uniform,
     /// K looks at one axis only.
     GaussianLine(gaussian::Line),
     GaussianPlane(gaussian::Plane),
-    GaussianNd(gaussian_nd::Bounds),
-    TriangularGaussian(triangular_gaussian::Bounds),
-    TriangularGaussianNd(triangular_gaussian_nd::Bounds),
-    Wave(wave::Bounds),
-    PiecewiseLinear(piecewise_linear::Bounds),
+    GaussianNd(gaussian_nd::GaussianNdBounds),
+    TriangularGaussian(triangular_gaussian::TriangularGaussianBounds),
+    TriangularGaussianNd(triangular_gaussian_nd::TriangularGaussianNdBounds),
+    Wave(wave::WaveBounds),
+    PiecewiseLinear(piecewise_linear::PiecewiseLinearBounds),
     Table(MaximumTable),
 }
 
-impl Bounds {
+impl ProfileBounds {
     /// No less than it is anywhere in the hull.
     #[inline]
     pub fn bound(&self, corners: &Corners) -> f64 {
         match self {
-            Bounds::Uniform => 1.0,
-            Bounds::GaussianLine(line) => line.bound(corners),
-            Bounds::GaussianPlane(plane) => plane.bound(corners),
-            Bounds::GaussianNd(fields) => fields.bound(corners),
-            Bounds::TriangularGaussian(triangular) => triangular.bound(corners),
-            Bounds::TriangularGaussianNd(triangular) => triangular.bound(corners),
-            Bounds::Wave(wave) => wave.bound(corners),
-            Bounds::PiecewiseLinear(points) => points.bound(corners),
-            Bounds::Table(table) => table.bound(corners.s_range(), corners.g_range()),
+            ProfileBounds::Uniform => 1.0,
+            ProfileBounds::GaussianLine(line) => line.bound(corners),
+            ProfileBounds::GaussianPlane(plane) => plane.bound(corners),
+            ProfileBounds::GaussianNd(fields) => fields.bound(corners),
+            ProfileBounds::TriangularGaussian(triangular) => triangular.bound(corners),
+            ProfileBounds::TriangularGaussianNd(triangular) => triangular.bound(corners),
+            ProfileBounds::Wave(wave) => wave.bound(corners),
+            ProfileBounds::PiecewiseLinear(points) => points.bound(corners),
+            ProfileBounds::Table(table) => table.bound(corners.s_range(), corners.g_range()),
         }
     }
 
     /// No more than it is anywhere in a box of s and g: 0 of kinds of which no more is known.
-    pub fn least(&self, ranges: &[[f64; 2]; 2]) -> f64 {
+    pub fn min_in_box(&self, ranges: &[[f64; 2]; 2]) -> f64 {
         match self {
-            Bounds::Uniform => 1.0,
-            Bounds::GaussianLine(line) => line.least(ranges),
-            Bounds::GaussianPlane(plane) => plane.least(ranges),
-            Bounds::PiecewiseLinear(points) => points.least(ranges[0]),
-            Bounds::GaussianNd(_)
-            | Bounds::TriangularGaussian(_)
-            | Bounds::TriangularGaussianNd(_)
-            | Bounds::Wave(_)
-            | Bounds::Table(_) => 0.0,
+            ProfileBounds::Uniform => 1.0,
+            ProfileBounds::GaussianLine(line) => line.min_in_box(ranges),
+            ProfileBounds::GaussianPlane(plane) => plane.min_in_box(ranges),
+            ProfileBounds::PiecewiseLinear(points) => points.min_in_range(ranges[0]),
+            ProfileBounds::GaussianNd(_)
+            | ProfileBounds::TriangularGaussian(_)
+            | ProfileBounds::TriangularGaussianNd(_)
+            | ProfileBounds::Wave(_)
+            | ProfileBounds::Table(_) => 0.0,
         }
     }
 }

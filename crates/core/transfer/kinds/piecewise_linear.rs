@@ -1,6 +1,6 @@
 //! `piecewise-linear`: colour and extinction linear between control points in s (Roettger & Ertl 2002; Moreland 2004).
 
-use super::keys::{Declared, REGION};
+use super::keys::{DeclaredKind, REGION};
 use super::profile::{AxisOrigin, ColorSource, ControlPoint, Profile, Properties};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, RelativeNumberType, StatisticKind,
@@ -12,7 +12,7 @@ use crate::transfer::slab::Slab;
 use crate::{Error, Result};
 
 /// The declaration.
-pub(super) const KIND: Declared = Declared {
+pub(super) const KIND: DeclaredKind = DeclaredKind {
     kind: VariantSchema {
         name: "piecewise-linear",
         summary: "Colour and extinction linear between control points in s, constant beyond the ends.",
@@ -21,11 +21,11 @@ pub(super) const KIND: Declared = Declared {
                 name: "points",
                 parameter_type: ParameterType::Measured(&RelativeNumberType {
                     plain: ParameterType::Rows(Some(5)),
-                    is: StatisticKind::Value,
-                    along: AxisRef::Places(&["s"]),
+                    statistic: StatisticKind::Value,
+                    axis: AxisRef::Places(&["s"]),
                 }),
                 unit: "(s, linear RGB, per unit_distance)",
-                standard: DefaultValue::Required,
+                default: DefaultValue::Required,
                 help: "control points [s, r, g, b, extinction], s rising",
             },
             REGION,
@@ -117,32 +117,32 @@ pub(super) fn slabs(points: &[ControlPoint]) -> Vec<Vec<Slab>> {
 
 /// Bounds over cells.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::transfer) struct Bounds {
+pub(in crate::transfer) struct PiecewiseLinearBounds {
     /// Without colours, extinctions by their peak.
     points: Vec<ControlPoint>,
 }
 
-impl Bounds {
+impl PiecewiseLinearBounds {
     pub fn new(points: &[ControlPoint]) -> Self {
         let peak = peak(points);
         let share = |extinction: f64| if peak > 0.0 { extinction / peak } else { 0.0 };
         let shape =
             |p: &ControlPoint| ControlPoint { s: p.s, color: [0.0; 3], extinction: share(p.extinction) };
-        Bounds { points: points.iter().map(shape).collect() }
+        PiecewiseLinearBounds { points: points.iter().map(shape).collect() }
     }
 
     pub fn bound(&self, corners: &Corners) -> f64 {
         let (low, high) = corners.s_range();
-        self.along([low, high]).fold(0.0, f64::max)
+        self.points_in_range([low, high]).fold(0.0, f64::max)
     }
 
     /// The least between two scalars.
-    pub fn least(&self, range: [f64; 2]) -> f64 {
-        self.along(range).fold(f64::INFINITY, f64::min)
+    pub fn min_in_range(&self, range: [f64; 2]) -> f64 {
+        self.points_in_range(range).fold(f64::INFINITY, f64::min)
     }
 
-    /// What it is at both ends and at the control points between.
-    fn along(&self, [low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
+    /// Values at both ends and at the control points between.
+    fn points_in_range(&self, [low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
         let points = &self.points;
         let first = points.partition_point(|p| p.s < low);
         let last = points.partition_point(|p| p.s <= high).max(first);
@@ -162,7 +162,7 @@ fn extinction_at(points: &[ControlPoint], s: f64) -> f64 {
 }
 
 impl ControlPoint {
-    /// What is between control points (in rising s) at s: linear, constant beyond the ends; `None` of no points.
+    /// Interpolated control point at s (points in rising s): linear, constant beyond the ends; `None` of no points.
     pub fn between(points: &[ControlPoint], s: f64) -> Option<ControlPoint> {
         let after = points.partition_point(|p| p.s <= s);
         match (after.checked_sub(1).map(|i| points[i]), points.get(after)) {

@@ -1,10 +1,10 @@
-//! What a profile may be, and the form in which each kind says what is true of it.
+//! Profiles of widgets, and the properties that each kind declares.
 
 use crate::transfer::region::Region;
 use std::sync::Arc;
 
 /// Most fields of a widget that looks at a list of its own.
-pub const FIELDS_MOST: usize = 8;
+pub const MAX_FIELDS: usize = 8;
 
 /// A widget's profile (peak 1). Lengths along s are in units of s, along g in units of g.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,7 +18,7 @@ pub enum Profile {
         /// K, rows first; the axis-aligned form is diag(1/(√2 σ_s), 1/(√2 σ_g)).
         matrix: [[f64; 2]; 2],
     },
-    /// The same over its own list of 1 … [`FIELDS_MOST`] fields. Kniss Eq. 11, 12.
+    /// Gaussian over its own list of 1 … [`MAX_FIELDS`] fields. Kniss Eq. 11, 12.
     GaussianNd {
         /// Names of the point arrays.
         fields: Vec<String>,
@@ -100,30 +100,30 @@ pub struct Table {
     pub g: [f64; 2],
 }
 
-/// What is true of a profile, whatever draws it.
+/// Properties of a profile that hold for every engine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Properties<'a> {
     /// The kind's name in pipeline files.
     pub name: &'static str,
-    /// Where the colour comes from.
+    /// Source of the colour.
     pub color: ColorSource<'a>,
     /// The largest extinction per unit distance, where the profile holds extinctions and not shares of the widget's.
     pub own_peak: Option<f64>,
     /// Names of the further point arrays that it looks at.
     pub fields: Vec<&'a str>,
-    /// Whether it looks at the gradient magnitude.
+    /// True if it looks at the gradient magnitude.
     pub depends_on_g: bool,
-    /// Where s, g and each of the fields are best counted from.
+    /// Best origins of s, g and each of the fields.
     pub axes: Vec<AxisOrigin>,
     /// The bands of a profile that is periodic in s and g.
     pub bands: Option<Bands>,
-    /// Whether it jumps somewhere, so that sampling converges by first order only.
+    /// True if it jumps somewhere, so that sampling converges by first order only.
     pub jumps: bool,
     /// The part of the plane outside which it is 0, beside the widget's region.
     pub range: Option<Region>,
-    /// Whether it is drawn only inside a region, which must be given.
+    /// True if it is drawn only inside a region, which must be given.
     pub needs_region: bool,
-    /// Whether its mean over a segment is an elementary function (with erf and polynomials), so that no quadrature
+    /// True if its mean over a segment is an elementary function (with erf and polynomials), so that no quadrature
     /// has a part in the optical depth.
     pub has_elementary_mean: bool,
 }
@@ -137,7 +137,7 @@ pub struct Bands {
     pub step: [f64; 2],
 }
 
-/// Where a widget's colour comes from.
+/// Source of a widget's colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ColorSource<'a> {
     /// The widget has one.
@@ -148,7 +148,7 @@ pub enum ColorSource<'a> {
     Texels(&'a [[f32; 4]]),
 }
 
-/// Where the values of an axis are best counted from, for a profile to keep its digits in 32 bits.
+/// Best origin of an axis' values, for a profile to keep its digits in 32 bits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AxisOrigin {
     /// From anywhere.

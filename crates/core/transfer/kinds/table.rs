@@ -1,6 +1,6 @@
 //! `table`: a picture over the (s, g) plane (Song et al. 2009, section 3.3.2).
 
-use super::keys::{COLOR, Declared, EXTINCTION, LoadImage, REGION};
+use super::keys::{COLOR, DeclaredKind, EXTINCTION, LoadImage, REGION};
 use super::profile::{AxisOrigin, ColorSource, Profile, Properties, Table};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
@@ -11,13 +11,13 @@ use crate::{Error, Result};
 use std::sync::Arc;
 
 /// The declaration.
-pub(super) const KIND: Declared = Declared {
+pub(super) const KIND: DeclaredKind = DeclaredKind {
     kind: VariantSchema {
         name: "table",
         summary: "A picture over the (s, g) plane: its colour, and its alpha times the extinction.",
         parameters: &[
             Parameter {
-                standard: DefaultValue::Unset("the picture's own"),
+                default: DefaultValue::Unset("the picture's own"),
                 help: "not used: the picture has its own",
                 ..COLOR
             },
@@ -26,21 +26,21 @@ pub(super) const KIND: Declared = Declared {
                 name: "image",
                 parameter_type: ParameterType::InputPath,
                 unit: "",
-                standard: DefaultValue::Required,
+                default: DefaultValue::Required,
                 help: "PNG file, sRGB with alpha; its lowest row is the smallest g",
             },
             Parameter {
                 name: "s",
                 parameter_type: ParameterType::Measured(VALUES_OF_S),
                 unit: "units of s",
-                standard: DefaultValue::Required,
+                default: DefaultValue::Required,
                 help: "range of the scalar across the picture, [left, right]",
             },
             Parameter {
                 name: "g",
                 parameter_type: ParameterType::Measured(VALUES_OF_G),
                 unit: "units of g",
-                standard: DefaultValue::Required,
+                default: DefaultValue::Required,
                 help: "range of the gradient magnitude up the picture, [bottom, top]",
             },
             REGION,
@@ -51,10 +51,10 @@ pub(super) const KIND: Declared = Declared {
 
 const VALUES_OF_S: &RelativeNumberType = &RelativeNumberType {
     plain: ParameterType::Numbers(Some(2), Range::ANY),
-    is: StatisticKind::Value,
-    along: AxisRef::Every("s"),
+    statistic: StatisticKind::Value,
+    axis: AxisRef::Every("s"),
 };
-const VALUES_OF_G: &RelativeNumberType = &RelativeNumberType { along: AxisRef::Every("g"), ..*VALUES_OF_S };
+const VALUES_OF_G: &RelativeNumberType = &RelativeNumberType { axis: AxisRef::Every("g"), ..*VALUES_OF_S };
 
 fn read(p: &Parameters, load_image: LoadImage) -> Result<Profile> {
     let (s, g): ([f64; 2], [f64; 2]) = (p.vector("s")?, p.vector("g")?);

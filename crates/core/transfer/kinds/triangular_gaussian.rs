@@ -1,6 +1,6 @@
 //! `triangular-gaussian`: exp(−((s − centre)/(sigma g))²), 0 where g = 0 (Kniss et al. 2003, section 3.2).
 
-use super::keys::{COLOR, Declared, EXTINCTION, REGION};
+use super::keys::{COLOR, DeclaredKind, EXTINCTION, REGION};
 use super::profile::{AxisOrigin, ColorSource, Profile, Properties};
 use crate::Result;
 use crate::parameters::{
@@ -11,7 +11,7 @@ use crate::transfer::hull::{Corners, gaussian};
 use crate::transfer::slab::Slab;
 
 /// The declaration.
-pub(super) const KIND: Declared = Declared {
+pub(super) const KIND: DeclaredKind = DeclaredKind {
     kind: VariantSchema {
         name: "triangular-gaussian",
         summary: "exp(-((s - centre) / (sigma g))²): a Gaussian in s that widens with the gradient magnitude.",
@@ -22,22 +22,22 @@ pub(super) const KIND: Declared = Declared {
                 name: "centre",
                 parameter_type: ParameterType::Measured(&RelativeNumberType {
                     plain: ParameterType::Number(Range::ANY),
-                    is: StatisticKind::Value,
-                    along: AxisRef::Every("s"),
+                    statistic: StatisticKind::Value,
+                    axis: AxisRef::Every("s"),
                 }),
                 unit: "units of s",
-                standard: DefaultValue::Required,
+                default: DefaultValue::Required,
                 help: "the scalar in the middle",
             },
             Parameter {
                 name: "sigma",
                 parameter_type: ParameterType::Measured(&RelativeNumberType {
                     plain: ParameterType::Number(Range::above(0.0)),
-                    is: StatisticKind::Width,
-                    along: AxisRef::EveryPer("s", "g"),
+                    statistic: StatisticKind::Width,
+                    axis: AxisRef::EveryPer("s", "g"),
                 }),
                 unit: "units of s / units of g",
-                standard: DefaultValue::Required,
+                default: DefaultValue::Required,
                 help: "width in s for each unit of g",
             },
             REGION,
@@ -82,12 +82,12 @@ pub(super) fn slabs(centre: f64, sigma: f64, distance: f64) -> Vec<Slab> {
 
 /// Bounds over cells.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::transfer) struct Bounds {
+pub(in crate::transfer) struct TriangularGaussianBounds {
     pub centre: f64,
     pub sigma: f64,
 }
 
-impl Bounds {
+impl TriangularGaussianBounds {
     /// |s − s₀|/(σ g) is a ratio of linear functions: its least value over the hull is at a vertex unless s − s₀ changes
     /// sign.
     pub fn bound(&self, corners: &Corners) -> f64 {

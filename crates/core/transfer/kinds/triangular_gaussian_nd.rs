@@ -4,10 +4,10 @@
 
 use super::gaussian_nd;
 use super::keys::{
-    CENTRE_OF_FIELDS, COLOR, Declared, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, POSITIVE_OR_INFINITE, REGION,
-    SIGMA_OF_FIELDS, fields_and_centre, kernel,
+    CENTRE_OF_FIELDS, COLOR, DeclaredKind, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, POSITIVE_OR_INFINITE,
+    REGION, SIGMA_OF_FIELDS, fields_and_centre, kernel,
 };
-use super::profile::{AxisOrigin, ColorSource, FIELDS_MOST, Profile, Properties};
+use super::profile::{AxisOrigin, ColorSource, MAX_FIELDS, Profile, Properties};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, RelativeNumberType, StatisticKind,
     VariantSchema,
@@ -16,7 +16,7 @@ use crate::transfer::hull::Corners;
 use crate::{Error, Result};
 
 /// The declaration.
-pub(super) const KIND: Declared = Declared {
+pub(super) const KIND: DeclaredKind = DeclaredKind {
     kind: VariantSchema {
         name: "triangular-gaussian-nd",
         summary: "A Gaussian over one to seven point arrays that widens with the magnitude of all their gradients.",
@@ -31,15 +31,15 @@ pub(super) const KIND: Declared = Declared {
                 name: "magnitude",
                 parameter_type: ParameterType::Text,
                 unit: "",
-                standard: DefaultValue::Text("multi-gradient"),
+                default: DefaultValue::Text("multi-gradient"),
                 help: "the point array that the widths are shares of, such as the node multi-gradient computes",
             },
             CENTRE_OF_FIELDS,
             Parameter {
                 parameter_type: ParameterType::Measured(&RelativeNumberType {
                     plain: ParameterType::Numbers(None, POSITIVE_OR_INFINITE),
-                    is: StatisticKind::Width,
-                    along: AxisRef::NamesPer("fields", "magnitude"),
+                    statistic: StatisticKind::Width,
+                    axis: AxisRef::NamesPer("fields", "magnitude"),
                 }),
                 unit: "units of the fields / units of the magnitude",
                 help: "widths for each unit of the magnitude, one a field; inf ignores the field",
@@ -48,11 +48,11 @@ pub(super) const KIND: Declared = Declared {
             Parameter {
                 parameter_type: ParameterType::Measured(&RelativeNumberType {
                     plain: ParameterType::Rows(None),
-                    is: StatisticKind::Factor,
-                    along: AxisRef::NamesPer("fields", "magnitude"),
+                    statistic: StatisticKind::Factor,
+                    axis: AxisRef::NamesPer("fields", "magnitude"),
                 }),
                 unit: "units of the magnitude / units of the fields",
-                standard: DefaultValue::Unset("diag(1 / sigma)"),
+                default: DefaultValue::Unset("diag(1 / sigma)"),
                 help: "K of exp(-|K (v - centre) / magnitude|²), rows first, in place of sigma",
                 ..MATRIX_OF_FIELDS
             },
@@ -63,10 +63,10 @@ pub(super) const KIND: Declared = Declared {
 };
 
 /// Most fields beside the magnitude.
-const MOST: usize = FIELDS_MOST - 1;
+const MAX_FURTHER_FIELDS: usize = MAX_FIELDS - 1;
 
 fn read(p: &Parameters) -> Result<Profile> {
-    let (fields, centre) = fields_and_centre(p, MOST)?;
+    let (fields, centre) = fields_and_centre(p, MAX_FURTHER_FIELDS)?;
     let matrix = kernel(p, fields.len(), 1.0)?;
     let magnitude = p.text("magnitude")?.to_owned();
     if magnitude.is_empty() {
@@ -94,10 +94,10 @@ pub(super) fn properties<'a>(fields: &'a [String], magnitude: &'a str, centre: &
 
 pub(super) fn check(fields: &[String], magnitude: &str, centre: &[f64], matrix: &[Vec<f64>]) -> Result<()> {
     gaussian_nd::check(fields, centre, matrix)?;
-    if fields.len() > MOST {
+    if fields.len() > MAX_FURTHER_FIELDS {
         return Err(Error::usage("a widget over fields and their magnitude has too many of them")
             .got(fields.len())
-            .expected(format!("1 to {MOST}")));
+            .expected(format!("1 to {MAX_FURTHER_FIELDS}")));
     }
     match magnitude {
         "" => Err(Error::usage("the magnitude has no name").expected("the name of a point array")),
@@ -115,17 +115,17 @@ pub(super) fn at(centre: &[f64], matrix: &[Vec<f64>], v: &[f64]) -> f64 {
 
 /// Bounds over cells.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::transfer) struct Bounds {
-    fields: gaussian_nd::Bounds,
-    /// Where the magnitude lies among all fields; past the end where it is unknown.
+pub(in crate::transfer) struct TriangularGaussianNdBounds {
+    fields: gaussian_nd::GaussianNdBounds,
+    /// Index of the magnitude among all fields; past the end where it is unknown.
     magnitude: usize,
 }
 
-impl Bounds {
+impl TriangularGaussianNdBounds {
     /// `names`: all further fields in their order.
-    pub fn new(fields: gaussian_nd::Bounds, magnitude: &str, names: &[&str]) -> Self {
+    pub fn new(fields: gaussian_nd::GaussianNdBounds, magnitude: &str, names: &[&str]) -> Self {
         let magnitude = names.iter().position(|name| *name == magnitude).unwrap_or(usize::MAX);
-        Bounds { fields, magnitude }
+        TriangularGaussianNdBounds { fields, magnitude }
     }
 
     /// Along a direction e in which the whole hull lies on one side of the centre, |q|/m ≥ (q·e)/m, a ratio of linear

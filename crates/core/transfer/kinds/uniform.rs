@@ -1,15 +1,15 @@
 //! `uniform`: 1 inside its region (Song et al. 2009, section 4.1).
 
-use super::keys::{COLOR, Declared, EXTINCTION, REGION};
+use super::keys::{COLOR, DeclaredKind, EXTINCTION, REGION};
 use super::profile::{AxisOrigin, ColorSource, Profile, Properties};
 use crate::parameters::{DefaultValue, Parameter, VariantSchema};
 
 /// The declaration.
-pub(super) const KIND: Declared = Declared {
+pub(super) const KIND: DeclaredKind = DeclaredKind {
     kind: VariantSchema {
         name: "uniform",
         summary: "The same extinction everywhere in its region.",
-        parameters: &[COLOR, EXTINCTION, Parameter { standard: DefaultValue::Required, ..REGION }],
+        parameters: &[COLOR, EXTINCTION, Parameter { default: DefaultValue::Required, ..REGION }],
     },
     read: |_, _| Ok(Profile::Uniform),
 };

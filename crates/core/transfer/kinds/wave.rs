@@ -1,6 +1,6 @@
 //! `triangle-wave` and `sine-wave`: bands across the (s, g) plane (Song et al. 2009, sections 4.3 and 4.4).
 
-use super::keys::{COLOR, Declared, EXTINCTION, REGION};
+use super::keys::{COLOR, DeclaredKind, EXTINCTION, REGION};
 use super::profile::{AxisOrigin, Bands, ColorSource, Profile, Properties, Wave};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
@@ -12,18 +12,18 @@ use crate::{Error, Result};
 use std::f64::consts::PI;
 
 /// The declaration of the bands with straight flanks.
-pub(super) const TRIANGLE: Declared = Declared {
+pub(super) const TRIANGLE: DeclaredKind = DeclaredKind {
     kind: VariantSchema { name: "triangle-wave", summary: "Bands with straight flanks.", parameters: KEYS },
     read: |p, _| Ok(Profile::TriangleWave(read(p)?)),
 };
 
 /// The declaration of the bands shaped like |sin|.
-pub(super) const SINE: Declared = Declared {
+pub(super) const SINE: DeclaredKind = DeclaredKind {
     kind: VariantSchema { name: "sine-wave", summary: "Bands shaped like |sin|.", parameters: KEYS },
     read: |p, _| Ok(Profile::SineWave(read(p)?)),
 };
 
-/// What the bands are counted along: s and g, scaled, in their direction. Its range has the length
+/// Axis across the bands: s and g, scaled, in the wave's direction. Its range has the length
 /// |cos θ·w_s| (range of s) + |sin θ·w_g| (range of g), so that a period of 10 % makes ten bands.
 pub(in crate::transfer) const ACROSS: &str = "s and g across the bands";
 
@@ -34,47 +34,47 @@ const KEYS: &[Parameter] = &[
         name: "origin",
         parameter_type: ParameterType::Measured(&RelativeNumberType {
             plain: ParameterType::Numbers(Some(2), Range::ANY),
-            is: StatisticKind::Value,
-            along: AxisRef::Places(&["s", "g"]),
+            statistic: StatisticKind::Value,
+            axis: AxisRef::Places(&["s", "g"]),
         }),
         unit: "(s, g)",
-        standard: DefaultValue::Numbers(&[0.0, 0.0]),
+        default: DefaultValue::Numbers(&[0.0, 0.0]),
         help: "a point where the wave is 0",
     },
     Parameter {
         name: "angle",
         parameter_type: ParameterType::Number(Range::ANY),
         unit: "degrees",
-        standard: DefaultValue::Number(0.0),
+        default: DefaultValue::Number(0.0),
         help: "direction across the bands in the (s, g) plane; 0 bands the scalar",
     },
     Parameter {
         name: "scale",
         parameter_type: ParameterType::Measured(&RelativeNumberType {
             plain: ParameterType::Numbers(Some(2), Range::ANY),
-            is: StatisticKind::Factor,
-            along: AxisRef::Places(&["s", "g"]),
+            statistic: StatisticKind::Factor,
+            axis: AxisRef::Places(&["s", "g"]),
         }),
         unit: "",
-        standard: DefaultValue::Numbers(&[1.0, 1.0]),
+        default: DefaultValue::Numbers(&[1.0, 1.0]),
         help: "factors on the two axes, [ws, wg]",
     },
     Parameter {
         name: "period",
         parameter_type: ParameterType::Measured(&RelativeNumberType {
             plain: ParameterType::Number(Range::above(0.0)),
-            is: StatisticKind::Width,
-            along: AxisRef::Every(ACROSS),
+            statistic: StatisticKind::Width,
+            axis: AxisRef::Every(ACROSS),
         }),
         unit: "units of scaled s, g",
-        standard: DefaultValue::Required,
+        default: DefaultValue::Required,
         help: "distance between two bands",
     },
     Parameter {
         name: "band_width",
         parameter_type: ParameterType::Number(Range { above_min: true, ..Range::within(0.0, 1.0) }),
         unit: "",
-        standard: DefaultValue::Number(1.0),
+        default: DefaultValue::Number(1.0),
         help: "share of the profile that is kept around its peaks",
     },
     REGION,
@@ -152,16 +152,16 @@ pub(super) fn check(wave: &Wave) -> Result<()> {
 
 /// Bounds over cells.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::transfer) struct Bounds {
+pub(in crate::transfer) struct WaveBounds {
     origin: [f64; 2],
     step: [f64; 2],
     band_width: f64,
     sine: bool,
 }
 
-impl Bounds {
+impl WaveBounds {
     pub fn new(wave: &Wave, sine: bool) -> Self {
-        Bounds { origin: wave.origin, step: wave.step(), band_width: wave.band_width, sine }
+        WaveBounds { origin: wave.origin, step: wave.step(), band_width: wave.band_width, sine }
     }
 
     pub fn bound(&self, corners: &Corners) -> f64 {

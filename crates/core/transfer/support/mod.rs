@@ -1,4 +1,4 @@
-//! What a cell can contribute at most: the culling test.
+//! Upper bound of a cell's contribution: the culling test.
 //!
 //! The papers look at the four vertices only, which drops a cell whose vertices straddle a narrow widget.
 //! Here every bound is one over the convex hull of the four (s, g) points, within which the cell's values
@@ -11,7 +11,7 @@ mod slabs;
 use super::convex::Convex;
 use super::function::{OpticalModel, TransferFunction};
 use super::hull::{Corners, ROUNDING, distance_squared_from_origin, meets, range};
-use super::kinds::Bounds;
+use super::kinds::ProfileBounds;
 use super::widget::Widget;
 use crate::Result;
 
@@ -23,16 +23,16 @@ pub struct Support {
 
 #[derive(Debug, Clone, PartialEq)]
 struct WidgetSupport {
-    bounds: Bounds,
+    bounds: ProfileBounds,
     clip: Option<Convex>,
     /// The most that a profile of 1 absorbs or emits per world unit.
     strength: f64,
     /// Constant-emitter: where the profile can exceed the cutoff, the widget emits this per world unit.
-    glow: Option<Glow>,
+    glow: Option<EmissionBound>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Glow {
+struct EmissionBound {
     cutoff: f64,
     brightest: f64,
 }
@@ -55,11 +55,11 @@ impl Support {
         self.widgets.len()
     }
 
-    /// The same with what each widget adds raised to `least` times a power of two, which is as safe: the answers for `least` stay
-    /// the same while an extinction or a brightness moves between two of these. What adds no more than its share of `least` is
-    /// as nothing.
+    /// Support with each widget's contribution rounded up to `least` times a power of two, which is as safe: results for `least`
+    /// stay equal while an extinction or a brightness moves between two of these. A contribution under the widget's fraction of `least` counts
+    /// as zero.
     pub fn in_steps(mut self, least: f64) -> Support {
-        let share = self.share(least);
+        let share = self.relative_extinction(least);
         let raised = |x: f64| if x > share { share * (x / share).log2().ceil().exp2() } else { 0.0 };
         for widget in &mut self.widgets {
             widget.strength = raised(widget.strength);
@@ -71,7 +71,7 @@ impl Support {
     }
 
     /// If all widgets together exceed `least`, some widget exceeds its share of it.
-    fn share(&self, least: f64) -> f64 {
+    fn relative_extinction(&self, least: f64) -> f64 {
         least / self.widgets.len() as f64
     }
 
@@ -85,16 +85,16 @@ impl Support {
         self.widgets.iter().map(|widget| widget.bound(&corners)).sum()
     }
 
-    /// Whether the cell can contribute more than `least` per world unit. With `least` = 1e-6 divided by the
+    /// True if the cell can contribute more than `least` per world unit. With `least` = 1e-6 divided by the
     /// grid's diameter no pixel changes by more than 1e-6 when all other cells are left out.
     pub fn touches(&self, s: &[f64; 4], g: &[f64; 4], fields: &[[f64; 4]], least: f64) -> bool {
-        self.toucher(0, s, g, fields, least).is_some()
+        self.first_overlapping_widget(0, s, g, fields, least).is_some()
     }
 
     /// The widget by which the cell can contribute as much ([`Support::touches`]), `first` asked before the others: cells side
     /// by side are often touched by the same.
     #[inline]
-    pub fn toucher(
+    pub fn first_overlapping_widget(
         &self,
         first: usize,
         s: &[f64; 4],
@@ -103,13 +103,13 @@ impl Support {
         least: f64,
     ) -> Option<usize> {
         let corners = Corners { s, g, fields };
-        let share = self.share(least);
+        let share = self.relative_extinction(least);
         let touches = |&number: &usize| self.widgets[number].touches(&corners, share);
         let others = (0..self.widgets.len()).filter(|&number| number != first);
         (first..self.widgets.len()).take(1).chain(others).find(touches)
     }
 
-    /// Whether one widget's share of [`Support::touches`] is exceeded.
+    /// True if one widget's share of [`Support::touches`] is exceeded.
     pub fn widget_touches(
         &self,
         widget: usize,
@@ -119,13 +119,13 @@ impl Support {
         least: f64,
     ) -> bool {
         let corners = Corners { s, g, fields };
-        self.widgets[widget].touches(&corners, self.share(least))
+        self.widgets[widget].touches(&corners, self.relative_extinction(least))
     }
 
     /// A widget whose share of [`Support::touches`] is exceeded all over a box of s and g, so that it touches every cell of values
     /// in there; `None` also where that is not known.
     pub fn cover(&self, ranges: &[[f64; 2]; 2], least: f64) -> Option<usize> {
-        let share = self.share(least);
+        let share = self.relative_extinction(least);
         self.widgets.iter().position(|widget| widget.covers(ranges, share))
     }
 }
@@ -142,12 +142,12 @@ impl Widget {
 
 impl WidgetSupport {
     fn new(widget: &Widget, transfer_function: &TransferFunction, fields: &[&str]) -> Result<Self> {
-        let (peak, brightest) = (widget.peak(), widget.brightest());
+        let (peak, brightest) = (widget.peak(), widget.max_emission());
         let per_length = peak / transfer_function.unit_distance;
         let (strength, glow) = match transfer_function.model {
             OpticalModel::DensityEmitter => (per_length * brightest.max(1.0), None),
             OpticalModel::ConstantEmitter { cutoff } => {
-                let glow = Glow { cutoff, brightest: brightest / transfer_function.unit_distance };
+                let glow = EmissionBound { cutoff, brightest: brightest / transfer_function.unit_distance };
                 (per_length, (peak > 0.0).then_some(glow))
             }
         };
@@ -169,14 +169,14 @@ impl WidgetSupport {
         }
     }
 
-    /// Whether the bound exceeds `least`; true also for values that are not numbers, which are not this test's
+    /// True if the bound exceeds `least`; true also for values that are not numbers, which are not this test's
     /// business.
     #[inline]
     fn touches(&self, corners: &Corners, least: f64) -> bool {
         if self.strength == 0.0 && self.glow.is_none_or(|glow| glow.brightest <= least) {
             return false;
         }
-        let Bounds::GaussianPlane(plane) = &self.bounds else {
+        let ProfileBounds::GaussianPlane(plane) = &self.bounds else {
             let bound = self.bound(corners);
             return bound > least || bound.is_nan();
         };
@@ -202,7 +202,7 @@ impl WidgetSupport {
 
     fn covers(&self, ranges: &[[f64; 2]; 2], least: f64) -> bool {
         let inside = self.clip.as_ref().is_none_or(|clip| clip.holds(ranges));
-        inside && self.strength * self.bounds.least(ranges) > least
+        inside && self.strength * self.bounds.min_in_box(ranges) > least
     }
 
     #[inline]

@@ -1,18 +1,18 @@
-//! Where widgets lie, as slabs low ≤ a s + b g ≤ high: for a device that leaves out the cells that none touches.
+//! Supports of widgets as slabs low ≤ a s + b g ≤ high: for a device that culls the cells that no slab meets.
 //!
 //! A cell may contribute to a widget only if, for one of the widget's lists, its corners reach every slab. That is less
 //! sharp than the hulls of [`super::Support`], and as safe.
 
 use crate::transfer::function::{OpticalModel, TransferFunction};
 use crate::transfer::region::Region;
-use crate::transfer::slab::{Reach, Slab};
+use crate::transfer::slab::{Slab, SupportRadius};
 use crate::transfer::widget::Widget;
 
 impl Widget {
     /// Lists of slabs, each a part of the support; no list where the widget draws nothing. `depth`: its peak times the
     /// longest way, `least`: the optical depth under which it counts as nothing.
     pub fn slabs(&self, depth: f64, least: f64, model: OpticalModel) -> Vec<Vec<Slab>> {
-        let mut lists = self.profile.slabs(Reach::new(depth / least, model.cutoff()));
+        let mut lists = self.profile.slabs(SupportRadius::new(depth / least, model.cutoff()));
         let range = self.profile.properties().range;
         for list in &mut lists {
             list.extend(self.region.iter().chain(&range).flat_map(of_region));
@@ -27,7 +27,7 @@ impl TransferFunction {
     pub fn intervals_of_s(&self, length: f64, least: f64) -> Vec<[f64; 2]> {
         let least = least / self.widgets.len() as f64;
         let of = |widget: &Widget| {
-            let depth = widget.peak() / self.unit_distance * length * widget.brightest().max(1.0);
+            let depth = widget.peak() / self.unit_distance * length * widget.max_emission().max(1.0);
             widget.slabs(depth, least, self.model)
         };
         let mut found: Vec<[f64; 2]> =

@@ -2,7 +2,7 @@
 
 use crate::attribute::Attribute;
 use crate::shade::along::Along;
-use voltet_simd::limits::GAUSSIAN_WIDTHS_MOST;
+use voltet_simd::limits::MAX_GAUSSIAN_WIDTHS;
 use voltet_simd::optics::elementary::{dot, exp};
 use voltet_simd::optics::gaussian::{self, LaneGaussianPath, Near};
 use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
@@ -15,7 +15,7 @@ pub(crate) struct LaneGaussian {
     centre: [f32; 2],
     /// −K centre where K is diagonal.
     at_zero: Option<[f32; 2]>,
-    /// Whether a segment can span more than [`GAUSSIAN_WIDTHS_MOST`] widths.
+    /// True if a segment can span more than [`GAUSSIAN_WIDTHS_MOST`] widths.
     narrow: bool,
 }
 
@@ -33,7 +33,7 @@ impl LaneGaussian {
         let scaled: [f64; 2] = std::array::from_fn(|a| (centre[a] - axes[a][0]) / axes[a][1]);
         let is_diagonal = matrix[0][1] == 0.0 && matrix[1][0] == 0.0;
         let gaussian = LaneGaussian {
-            narrow: widths.map(f64::abs).sum::<f64>() > GAUSSIAN_WIDTHS_MOST,
+            narrow: widths.map(f64::abs).sum::<f64>() > MAX_GAUSSIAN_WIDTHS,
             matrix: matrix.map(|row| [(row[0] * axes[0][1]) as f32, (row[1] * axes[1][1]) as f32]),
             centre: scaled.map(|x| x as f32),
             at_zero: is_diagonal
@@ -72,7 +72,7 @@ impl LaneGaussian {
         gaussian::shape::<L, 2>(self.point::<L>(front), self.point::<L>(back), peak, wanted)
     }
 
-    /// What the mean over whole segments looks at.
+    /// Input of the mean over whole segments.
     #[inline(always)]
     pub fn near<L: Lanes>(&self, along: &Along<L>) -> Near<L> {
         Near::new(&self.point::<L>(&along.front), &self.point::<L>(&along.back))
@@ -112,7 +112,7 @@ impl LaneGaussian {
             return 0;
         }
         let extent = self.extent_squared::<L>(along).sqrt();
-        L::F::splat(GAUSSIAN_WIDTHS_MOST as f32).lt(extent).bits()
+        L::F::splat(MAX_GAUSSIAN_WIDTHS as f32).lt(extent).bits()
     }
 
     /// In equal steps, each a `share` of the segment, from t = `first` × `share` on; `peak`: the value at the centre.

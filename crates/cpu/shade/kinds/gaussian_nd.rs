@@ -2,7 +2,7 @@
 
 use crate::shade::along::{FIELDS_MOST, Fields};
 use crate::shade::kinds::making::Making;
-use voltet_simd::limits::GAUSSIAN_WIDTHS_MOST;
+use voltet_simd::limits::MAX_GAUSSIAN_WIDTHS;
 use voltet_simd::optics::elementary::{dot, exp};
 use voltet_simd::optics::gaussian::{LaneGaussianPath, mean_profile};
 use voltet_simd::{Float, Lanes, array};
@@ -63,7 +63,7 @@ impl LaneFields {
     }
 }
 
-/// Where a stretch of a segment begins and ends, of what is `front` and `back` at the segment's own ends.
+/// Values at both ends of an interval of a segment, from those at the segment's `front` and `back`.
 #[inline(always)]
 pub(super) fn between<L: Lanes, const N: usize>(
     [front, back]: [[L::F; N]; 2],
@@ -120,6 +120,6 @@ impl LaneGaussianNd {
 
     /// All lanes (bits), where a segment may span more widths than 32 bits resolve.
     pub fn unsure(&self) -> u32 {
-        if self.fields.widths > GAUSSIAN_WIDTHS_MOST { u32::MAX } else { 0 }
+        if self.fields.widths > MAX_GAUSSIAN_WIDTHS { u32::MAX } else { 0 }
     }
 }

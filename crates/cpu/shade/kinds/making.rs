@@ -1,39 +1,39 @@
-//! What widgets are made ready for.
+//! Scene that widgets are compiled for.
 
 use crate::attribute::Attribute;
 use crate::shade::shaded::Left;
 use voltet_core::transfer::OpticalModel;
-use voltet_simd::limits::LENGTH_WALKED_LEAST;
+use voltet_simd::limits::MIN_WALKED_LENGTH;
 
-/// The scene that widgets are made ready for.
+/// Scene that widgets are compiled for.
 #[derive(Clone, Copy)]
 pub(crate) struct Making<'a> {
-    /// s, then g where it is at hand, then the further fields.
+    /// s, then g where there is one, then the further fields.
     pub attributes: &'a [Attribute<'a>],
     /// Names of the further fields.
     pub fields: &'a [&'a str],
     /// Turns extinction into optical depth per scene length.
     pub density_scale: f64,
-    /// Whether they glow in step with what they absorb.
+    /// Optical model: emission in proportion to absorption, or constant.
     pub model: OpticalModel,
-    /// Optical depth along the longest ray that each may lose by segments that are not asked of it; `None`: it is asked of all.
+    /// Optical depth along the longest ray that each may lose outside its support bounds; `None`: it has none.
     pub left_out: Option<f64>,
 }
 
 impl<'a> Making<'a> {
-    /// A further field: its place among them, and its attribute.
+    /// A further field: its index among them, and its attribute.
     pub fn field(&self, name: &str) -> Option<(usize, &'a Attribute<'a>)> {
         let place = self.fields.iter().position(|field| *field == name)?;
         self.attributes.get(2 + place).map(|attribute| (place, attribute))
     }
 
-    /// What turns the constant-emitter's glow to that of a scene length; `None` for the density-emitter. Errors: 32 bits do not hold
+    /// Factor that turns the constant-emitter's glow to that of a scene length; `None` for the density-emitter. Errors: 32 bits do not hold
     /// it.
     pub fn glow_scale(&self) -> Result<Option<f32>, Left> {
         let scale = self.density_scale as f32;
         match self.model.cutoff() {
             None => Ok(None),
-            Some(_) if LENGTH_WALKED_LEAST < scale && scale.is_finite() => Ok(Some(scale)),
+            Some(_) if MIN_WALKED_LENGTH < scale && scale.is_finite() => Ok(Some(scale)),
             Some(_) => Err(Left::Lengths),
         }
     }

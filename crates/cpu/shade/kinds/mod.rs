@@ -4,7 +4,7 @@
 mod gaussian;
 mod gaussian_nd;
 mod in_order;
-mod making;
+pub(crate) mod making;
 mod path;
 mod piecewise_linear;
 mod sample;
@@ -32,19 +32,19 @@ use voltet_simd::optics::piecewise_linear::LanePiecewiseTrack;
 use voltet_simd::{Float, Lanes, Mask};
 use wave::LaneWave;
 
-/// A widget made ready for lanes.
+/// A widget compiled for vector lanes.
 pub(crate) struct LaneWidget {
     form: LaneForm,
-    /// Linear RGB; 0 for what has colours of its own.
+    /// Linear RGB; 0 for profiles with colours.
     pub color: [f32; 3],
-    /// Peak optical depth per scene length; 1 for what holds densities of its own.
+    /// Peak optical depth per scene length; 1 for profiles with densities.
     density: f32,
     region: Option<LaneRegion>,
     /// `None`: everywhere.
     reach: Option<LaneReach>,
 }
 
-/// A profile made ready for lanes.
+/// A profile compiled for vector lanes.
 enum LaneForm {
     Uniform,
     Gaussian(LaneGaussian),
@@ -54,34 +54,34 @@ enum LaneForm {
     TriangularGaussian(LaneTriangular),
     GaussianNd(Box<LaneGaussianNd>),
     TriangularGaussianNd(Box<LaneTriangularNd>),
-    /// No twin: 64 bits serve it.
+    /// No vector form: 64 bits integrate it.
     None,
 }
 
-/// Which forms serve a widget first.
+/// Kernel tier that integrates a widget first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Road {
-    /// The quick ones of [`super::shader`].
+    /// Closed forms of [`super::shader`].
     Quick,
-    /// Those of [`super::panels`].
+    /// Panels of [`super::panels`].
     Panels,
-    /// Those of 64 bits.
+    /// 64-bit forms.
     Bits64,
 }
 
-/// What a widget asks of those that it overlaps, or of itself where it glows without absorbing in step.
+/// Requirement of a widget where it overlaps others, or where it glows without absorbing in step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum InOrder {
-    /// Panels in 32 bits serve it.
+    /// Panels in 32 bits are exact.
     Panels,
-    /// The same, also where it is alone: its colour varies along the segment.
+    /// Panels in 32 bits, also where it is alone: its colour varies along the segment.
     Always,
     /// 64 bits: panels in 32 left 7e-4 of the colour.
     Bits64,
 }
 
-/// Hands on the widgets that some segments of a vector may meet, with their numbers and these lanes; the lanes (bits) that meet
-/// any.
+/// Calls for each widget whose support some segments of a vector may meet, with its number and these lanes; returns the lanes (bits) that
+/// meet any.
 #[inline(always)]
 pub(crate) fn each_met<'a, L: Lanes>(
     widgets: &'a [LaneWidget],
@@ -145,7 +145,7 @@ impl LaneWidget {
             color: if own { [0.0; 3] } else { widget.color.map(|c| c as f32) },
             density: if widget.profile.properties().own_peak.is_some() { 1.0 } else { density },
             region: LaneRegion::new(&widget.half_planes(), making.attributes),
-            reach: making.left_out.and_then(|least| LaneReach::new(widget, making, least)),
+            reach: making.left_out.and_then(|min| LaneReach::new(widget, making, min)),
         }
     }
 
@@ -163,7 +163,7 @@ impl LaneWidget {
         }
     }
 
-    /// Which forms serve it first.
+    /// Kernel tier that integrates it first.
     pub fn road(&self) -> Road {
         match self.form {
             LaneForm::Uniform | LaneForm::Gaussian(_) | LaneForm::Wave(_) => Road::Quick,
@@ -178,7 +178,7 @@ impl LaneWidget {
         }
     }
 
-    /// What it asks where order matters.
+    /// Requirement where order matters.
     pub fn in_order(&self) -> InOrder {
         match self.form {
             LaneForm::Uniform | LaneForm::Gaussian(_) | LaneForm::GaussianNd(_) => InOrder::Panels,
@@ -190,7 +190,7 @@ impl LaneWidget {
         }
     }
 
-    /// Its control points, if that is what it is.
+    /// Control points of a piecewise-linear profile.
     pub fn points(&self) -> Option<&LaneLinear> {
         match &self.form {
             LaneForm::PiecewiseLinear(linear) => Some(linear),
@@ -287,7 +287,7 @@ impl LaneWidget {
         }
     }
 
-    /// As a member of an ordered integral; `scale`: D/U.
+    /// Member of an ordered integral; `scale`: D/U.
     #[inline(always)]
     pub fn member<'a, L: Lanes>(
         &'a self,

@@ -7,18 +7,18 @@ use crate::shade::region::{Inside, range_of};
 use voltet_simd::optics::gaussian::LaneGaussianPath;
 use voltet_simd::{Float, Lanes, Mask};
 
-/// What segments have inside a widget's region.
+/// Path of segments inside a widget's region.
 pub(crate) struct Through<L: Lanes> {
     /// `None`: the profile is 1 all along.
     pub path: Option<LaneGaussianPath<L>>,
-    /// Its share of the segment.
+    /// Fraction of the segment.
     pub share: L::F,
     /// Lanes in which there is a path.
     pub there: L::M,
 }
 
 impl LaneWidget {
-    /// Whether it is uniform or a Gaussian of any kind.
+    /// True if it is uniform or a Gaussian of any kind.
     pub fn has_path(&self) -> bool {
         match self.form {
             LaneForm::Uniform

@@ -13,18 +13,18 @@ use voltet_simd::optics::piecewise_linear::LanePoints;
 use voltet_simd::{Float, Lanes, Mask, array, inlined};
 
 /// Most control points a lane table holds; longer functions use the gathers.
-const TABLE_MOST: usize = 1024;
+const MAX_TABLE_SIZE: usize = 1024;
 
 /// Interval k lies below control point k: interval 0 before the first, interval n beyond the last.
 pub(crate) struct LaneLinear {
     count: usize,
     /// Control points, scaled; then +∞ up to a whole vector.
     points: Vec<f32>,
-    /// Where interval k's line is anchored, its value there and its slope: extinction (per scene length), r, g, b.
+    /// Anchor of interval k's line, its value there and its slope: extinction (per scene length), r, g, b.
     anchor: Vec<f32>,
     value: [Vec<f32>; 4],
     slope: [Vec<f32>; 4],
-    /// The same for the walk in panels: s counts from the first point.
+    /// Anchors for the walk in panels: s counts from the first point.
     pub points_from_first: LanePoints,
     /// The first point, scaled.
     pub first: f32,
@@ -41,7 +41,7 @@ impl LaneLinear {
         cutoff: Option<f64>,
     ) -> Option<LaneLinear> {
         let n = points.len();
-        if n == 0 || n > TABLE_MOST {
+        if n == 0 || n > MAX_TABLE_SIZE {
             return None;
         }
         let scaled = |s: f64| (s - axis.offset) / axis.scale;
@@ -137,7 +137,7 @@ impl LaneLinear {
     }
 }
 
-/// What a [`LaneLinear`] holds, in registers where one vector holds each table.
+/// Contents of a [`LaneLinear`], in registers where one vector holds each table.
 pub(crate) struct Tables<'a, L: Lanes> {
     linear: &'a LaneLinear,
     points: L::F,
@@ -229,19 +229,19 @@ impl<L: Lanes> Tables<'_, L> {
                 let length = along.length * share;
                 let a = self.at(0, k, from).max(zero) * length;
                 let b = self.at(0, k, to).max(zero) * length;
-                let most = a.max(b);
-                deepest = deepest.max(most);
-                let deep = one.lt(most);
+                let max = a.max(b);
+                deepest = deepest.max(max);
+                let deep = one.lt(max);
                 let (front, back, opacity) = if !deep.any() {
                     piece_weights::<L>(a, b)
                 } else {
                     // Each lane by the form that is its own, whatever the others are.
                     let mut weights = [zero; 3];
-                    if deep.not().and(zero.lt(most)).any() {
+                    if deep.not().and(zero.lt(max)).any() {
                         let (front, back, opacity) = piece_weights::<L>(a.min(one), b.min(one));
                         weights = [front, back, opacity];
                     }
-                    let deeper = splat(MIDDLING).lt(most);
+                    let deeper = splat(MIDDLING).lt(max);
                     let mut take = inlined(
                         #[inline(always)]
                         |lanes: L::M, (front, back, opacity): (L::F, L::F, L::F)| {
@@ -275,7 +275,7 @@ impl<L: Lanes> Tables<'_, L> {
     }
 }
 
-/// So many of 16 lanes with deep pieces are served where they are.
+/// Lanes of 16 with deep pieces up to which these are integrated in place.
 const FEW_DEEP: u32 = 4;
 
 #[cfg(test)]
@@ -338,7 +338,7 @@ mod tests {
             f64::from(state >> 8) / f64::from(1 << 24)
         };
         let awkward = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN];
-        for count in (1..=40).chain([1023, TABLE_MOST]) {
+        for count in (1..=40).chain([1023, MAX_TABLE_SIZE]) {
             let points: Vec<ControlPoint> = (0..count)
                 .map(|k| ControlPoint {
                     s: (k as f64 + 0.4 * random()) / count as f64 - 0.5,
@@ -354,8 +354,8 @@ mod tests {
                 ends[7 * k + 9][0] = end;
                 ends[5 * k + 2][1] = end;
             }
-            let steepest = points.windows(2).fold(0.0, |most: f64, pair| {
-                most.max((pair[1].extinction - pair[0].extinction).abs() / (pair[1].s - pair[0].s))
+            let steepest = points.windows(2).fold(0.0, |max: f64, pair| {
+                max.max((pair[1].extinction - pair[0].extinction).abs() / (pair[1].s - pair[0].s))
             });
             // The scalars are rounded at 2⁻²⁵ of the axis, the sums at as much of their values for each piece.
             let tolerance = (steepest + count as f64) * 2f64.powi(-23);

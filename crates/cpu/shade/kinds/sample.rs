@@ -1,4 +1,4 @@
-//! A widget at one place of each segment: what absorbs there and its colour, for the methods that sample.
+//! A widget at one point of each segment: density and colour, for the integrators that sample.
 
 use super::{LaneForm, LaneWidget};
 use crate::shade::along::{Along, Fields};
@@ -7,10 +7,10 @@ use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
 use voltet_simd::{Float, Lanes, Mask, array};
 
 /// Widths squared of a step over which a Gaussian follows from step to step.
-const STEP_SQUARED_MOST: f32 = 0.26;
+const MAX_STEP_SQUARED: f32 = 0.26;
 
 impl LaneWidget {
-    /// Whether samples of it can be taken in lanes.
+    /// True if it can be sampled in lanes.
     pub fn has_samples(&self) -> bool {
         !matches!(self.form, LaneForm::None)
     }
@@ -20,12 +20,12 @@ impl LaneWidget {
         self.density
     }
 
-    /// Whether its colour differs from place to place.
+    /// True if its colour varies.
     pub fn has_colors(&self) -> bool {
         matches!(self.form, LaneForm::PiecewiseLinear(_) | LaneForm::Table(_))
     }
 
-    /// Whether its profile is e^(−x²) of something, which 32 bits round to 0 far out.
+    /// True if its profile is e^(−x²) of something, which 32 bits round to 0 far out.
     pub fn is_exponential(&self) -> bool {
         match self.form {
             LaneForm::Gaussian(_)
@@ -40,7 +40,7 @@ impl LaneWidget {
         }
     }
 
-    /// Its value at its peak; `density_scale`: as in [`super::Making`].
+    /// Value at its peak; `density_scale`: as in [`super::Making`].
     pub fn peak_value(&self, density_scale: f64) -> f64 {
         match &self.form {
             LaneForm::PiecewiseLinear(linear) => f64::from(linear.peak) * density_scale,
@@ -71,7 +71,7 @@ impl LaneWidget {
         }
     }
 
-    /// Whether a region or ranges limit it.
+    /// True if a region or ranges limit it.
     pub fn has_region(&self) -> bool {
         self.region.is_some()
     }
@@ -136,14 +136,14 @@ impl LaneWidget {
         }
     }
 
-    /// Whether its values follow from step to step where each is such a share of the segment, on every lane.
+    /// True if its values follow from step to step, on every lane, where each step is a fraction of the segment.
     #[inline(always)]
     pub fn has_steps<L: Lanes>(&self, along: &Along<L>, share: f32) -> bool {
         match &self.form {
             LaneForm::Gaussian(gaussian) => {
                 let step = gaussian.extent_squared::<L>(along) * L::F::splat(share * share);
                 // Also where it is not a number.
-                step.le(L::F::splat(STEP_SQUARED_MOST)).bits() == u32::MAX >> (32 - L::WIDTH)
+                step.le(L::F::splat(MAX_STEP_SQUARED)).bits() == u32::MAX >> (32 - L::WIDTH)
             }
             LaneForm::Uniform
             | LaneForm::Wave(_)
@@ -156,7 +156,7 @@ impl LaneWidget {
         }
     }
 
-    /// Its values in step `first` of such steps; see [`LaneWidget::has_steps`].
+    /// Values in step `first`; see [`LaneWidget::has_steps`].
     #[inline(always)]
     pub fn value_steps<L: Lanes, const N: usize>(
         &self,

@@ -6,7 +6,7 @@ use voltet_simd::optics::table::{LaneTableTrack, LaneTexels};
 use voltet_simd::{Float, Lanes, array};
 
 /// Most texels a side: places of texels are then known to a thousandth of one.
-const SIDE_MOST: usize = 1 << 14;
+const MAX_SIDE: usize = 1 << 14;
 
 /// The texels, and where they lie in scaled attributes.
 pub(crate) struct LaneTable {
@@ -19,7 +19,7 @@ pub(crate) struct LaneTable {
 impl LaneTable {
     /// `None` where 32 bits do not hold the places of texels.
     pub fn new(table: &Table, attributes: &[Attribute<'_>]) -> Option<LaneTable> {
-        if table.width.max(table.height) > SIDE_MOST {
+        if table.width.max(table.height) > MAX_SIDE {
             return None;
         }
         // What is not at hand is 0 everywhere.

@@ -2,7 +2,7 @@
 
 use crate::attribute::Attribute;
 use crate::shade::along::Along;
-use voltet_simd::limits::TRIANGULAR_WIDTHS_MOST;
+use voltet_simd::limits::MAX_TRIANGULAR_WIDTHS;
 use voltet_simd::optics::gaussian::LaneGaussianPath;
 use voltet_simd::optics::triangular_gaussian;
 use voltet_simd::{Float, Lanes, Mask};
@@ -47,7 +47,7 @@ impl LaneTriangular {
     #[inline(always)]
     pub fn mean<L: Lanes>(&self, front: &[L::F; 2], back: &[L::F; 2]) -> (L::F, u32) {
         let (front, back) = (self.point::<L>(front), self.point::<L>(back));
-        let widths = L::F::splat(TRIANGULAR_WIDTHS_MOST as f32) * front[1].abs().max(back[1].abs());
+        let widths = L::F::splat(MAX_TRIANGULAR_WIDTHS as f32) * front[1].abs().max(back[1].abs());
         let unsure = widths.lt((back[0] - front[0]).abs()).bits();
         (triangular_gaussian::mean_profile::<L>([front[0], back[0]], [front[1], back[1]]), unsure)
     }

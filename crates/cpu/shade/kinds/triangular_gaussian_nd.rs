@@ -3,7 +3,7 @@
 use crate::shade::along::{FIELDS_MOST, Fields};
 use crate::shade::kinds::gaussian_nd::{LaneFields, between};
 use crate::shade::kinds::making::Making;
-use voltet_simd::limits::TRIANGULAR_WIDTHS_MOST;
+use voltet_simd::limits::MAX_TRIANGULAR_WIDTHS;
 use voltet_simd::optics::elementary::dot;
 use voltet_simd::optics::gaussian::LaneGaussianPath;
 use voltet_simd::optics::triangular_gaussian::{self, LaneTriangularPath};
@@ -55,8 +55,8 @@ impl LaneTriangularNd {
         for (f, b) in front.into_iter().zip(back) {
             squared = (b - f).mul_add(b - f, squared);
         }
-        let most = splat(TRIANGULAR_WIDTHS_MOST as f32) * near[0].abs().max(far[0].abs());
-        let unsure = (most * most).lt(squared).bits();
+        let max = splat(MAX_TRIANGULAR_WIDTHS as f32) * near[0].abs().max(far[0].abs());
+        let unsure = (max * max).lt(squared).bits();
         let path = LaneTriangularPath::<L>::over_fields::<FIELDS_MOST>(front, back, [near[0], far[0]]);
         (path.mean(), unsure)
     }

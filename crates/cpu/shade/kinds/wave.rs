@@ -2,7 +2,7 @@
 
 use crate::attribute::Attribute;
 use voltet_core::transfer::Wave;
-use voltet_simd::limits::BANDS_MOST;
+use voltet_simd::limits::MAX_BANDS;
 use voltet_simd::optics::smooth::DensityShape;
 use voltet_simd::optics::wave::{LaneBell, LanePhase};
 use voltet_simd::{Float, Lanes, inlined};
@@ -33,7 +33,7 @@ impl LaneWave {
                 bands += (per_value[a] * span).abs();
             }
         }
-        let held = bands < BANDS_MOST && step.iter().all(|step| step.is_finite());
+        let held = bands < MAX_BANDS && step.iter().all(|step| step.is_finite());
         held.then(|| LaneWave { bell, step, start: (start - start.round()) as f32 })
     }
 

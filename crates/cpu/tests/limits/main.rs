@@ -1,9 +1,9 @@
 //! What the engine leaves out or takes as equal, by numbers that its sources state: each is crossed here.
 
-mod kept;
 mod pictures;
 mod segments;
 mod views;
+mod volume_cache;
 
 use glam::DVec3;
 use std::sync::Arc;

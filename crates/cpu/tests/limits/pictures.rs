@@ -4,7 +4,7 @@ use super::*;
 use voltet_core::SharedSlice;
 use voltet_core::camera::Projection;
 use voltet_core::grid::generate::box_of_tetrahedra;
-use voltet_cpu::{Casting, cull, draw, keep_all};
+use voltet_cpu::{Traversal, cull, draw, keep_all};
 use voltet_optics::shading::{Light, Shading};
 use voltet_testing::pictures::looks::perspective;
 
@@ -18,7 +18,7 @@ fn culling_changes_no_pixel_by_more_than_a_millionth() {
         let look = look(vec![uniform([-1.0, 2.0], depth / diagonal, [1.0, 0.5, 0.2])]);
         let culled = cull(&cube, &look, &camera, &NoProgress).expect("culls");
         // All of it together has a depth of 1e-7 at most.
-        assert_eq!(culled.kept.is_empty(), depth < 1e-7, "depth {depth:e}");
+        assert_eq!(culled.ids.is_empty(), depth < 1e-7, "depth {depth:e}");
         let all = keep_all(&cube, &look, &camera).expect("keeps all");
         let pictures =
             [culled, all].map(|cells| draw(&cells, &look, &camera, &SHADING, &NoProgress).expect("draws").0);
@@ -37,7 +37,7 @@ fn cells_out_of_view_are_culled_and_counted() {
     // And two of their four layers lie before 5.01, but for what reaches beyond.
     for (near, seen) in [(0.0, 2 * 2 * 4 * 6), (5.01, 2 * 2 * 2 * 6)] {
         let cells = cull(&cube, &look, &Camera { near, ..narrow }, &NoProgress).expect("culls");
-        assert_eq!((cells.kept.len(), cells.culled_by_frustum), (seen, 384 - seen as u64), "near {near}");
+        assert_eq!((cells.ids.len(), cells.culled_by_frustum), (seen, 384 - seen as u64), "near {near}");
     }
 }
 
@@ -246,7 +246,7 @@ fn what_is_dense_and_hidden_is_not_integrated() {
         let mut cells = cull(&cube, &look, &camera, &NoProgress).expect("culls");
         let lit = Shading { light: Some(light), ..SHADING };
         for (shading, casts) in [(SHADING, false), (lit, false), (SHADING, true), (lit, true)] {
-            cells.casting = if casts { Casting::Always } else { Casting::Never };
+            cells.traversal = if casts { Traversal::RayCast } else { Traversal::Project };
             let (picture, counts) = draw(&cells, &look, &camera, &shading, &NoProgress).expect("draws");
             let referee = Scene { shading, ..scene(cube.clone(), look.clone(), camera) };
             let exact = reference::draw(&referee, &NoProgress).expect("draws");

@@ -70,7 +70,7 @@ fn passing(prepared: &dyn PreparedVolume, scene: &Scene) -> RenderOutput {
 
 /// Whether it was drawn from what was kept.
 fn is_kept(drawn: &RenderOutput) -> bool {
-    let left_out = drawn.notes.left_out.iter().any(|left| left.what == "culling, projecting and sorting");
+    let left_out = drawn.notes.skipped.iter().any(|left| left.what == "culling, projecting and sorting");
     assert_eq!(left_out, drawn.is_passing);
     left_out
 }

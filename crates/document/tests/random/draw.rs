@@ -104,7 +104,8 @@ impl Model {
                 match lot.below(3) {
                     0 if count > 0 => Edit::RemoveFrame(lot.below(count)),
                     _ => {
-                        let frame = Frame { title: "F # \"".into(), at, size: [30.0, 40.0], color: None };
+                        let frame =
+                            Frame { title: "F # \"".into(), position: at, size: [30.0, 40.0], color: None };
                         Edit::PutFrame(lot.below(count + 1), frame)
                     }
                 }
@@ -117,7 +118,7 @@ impl Model {
                 let (count, at) = (self.view.notes.len(), [lot.below(900) as f64, -5.0]);
                 match lot.below(3) {
                     0 if count > 0 => Edit::RemoveNote(lot.below(count)),
-                    _ => Edit::PutNote(lot.below(count + 1), Note { text: "n\nn".into(), at }),
+                    _ => Edit::PutNote(lot.below(count + 1), Note { text: "n\nn".into(), position: at }),
                 }
             }
         }

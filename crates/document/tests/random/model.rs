@@ -1,4 +1,4 @@
-//! What a document should state, without any text.
+//! Model of a document's contents, without any text.
 
 use std::collections::BTreeMap;
 use voltet_document::{Document, Edit, Step, View, links};
@@ -10,7 +10,7 @@ pub struct Model {
     title: Option<String>,
     pub nodes: BTreeMap<String, Node>,
     pub view: View,
-    /// Where nodes are shown that have no place in the file.
+    /// Positions of nodes that have none in the file.
     pub shown: Unequal,
 }
 
@@ -21,7 +21,7 @@ pub struct Node {
     pub inputs: BTreeMap<String, Vec<String>>,
 }
 
-/// Of no account when models are compared.
+/// Field ignored when models are compared.
 #[derive(Debug, Clone)]
 pub struct Unequal(pub BTreeMap<String, [f64; 2]>);
 
@@ -123,13 +123,13 @@ impl Model {
             Edit::Fold { node, folded } => {
                 let at = self.shown.0.get(node).copied();
                 let view = self.view.nodes.entry(node.clone()).or_default();
-                view.at = view.at.or(at.map(|at| at.map(f64::round)));
+                view.position = view.position.or(at.map(|at| at.map(f64::round)));
                 view.folded = *folded;
             }
             Edit::Remark { node, text } => {
                 let at = self.shown.0.get(node).copied();
                 let view = self.view.nodes.entry(node.clone()).or_default();
-                view.at = view.at.or(at.map(|at| at.map(f64::round)));
+                view.position = view.position.or(at.map(|at| at.map(f64::round)));
                 view.remark = text.clone();
             }
             Edit::PutFrame(number, frame) => put(&mut self.view.frames, *number, frame.clone()),
@@ -147,8 +147,8 @@ impl Model {
         for name in self.nodes.keys() {
             let at = moved.iter().find(|(moved, _)| moved == name).map(|(_, at)| *at);
             let view = self.view.nodes.entry(name.clone()).or_default();
-            let at = at.or(view.at).or(self.shown.0.get(name).copied());
-            view.at = at.map(|at| at.map(f64::round));
+            let at = at.or(view.position).or(self.shown.0.get(name).copied());
+            view.position = at.map(|at| at.map(f64::round));
         }
     }
 
@@ -156,7 +156,7 @@ impl Model {
         self.nodes.keys().cloned().collect()
     }
 
-    /// What feeds nodes, less the wires (node, port, source) that are not kept.
+    /// Keeps the wires (node, port, source) that the predicate selects.
     fn keep_wires(&mut self, keep: impl Fn(&str, &str, &str) -> bool) {
         for (name, node) in &mut self.nodes {
             for (port, wires) in &mut node.inputs {
@@ -186,7 +186,7 @@ impl Model {
     }
 }
 
-/// What a node sets.
+/// Settings of a node.
 fn settings(fields: &[Field]) -> BTreeMap<String, ParameterValue> {
     let all = fields.iter().map(|field| (field.name.clone(), sorted(&field.setting.datum)));
     all.filter(|(_, datum)| holds(datum)).collect()
@@ -212,7 +212,7 @@ fn feeding(text: &str, all: &[String], more: &[String]) -> String {
     }
 }
 
-/// Whether there is something in it: the last entry of `[[…]]`, and the last key with points, leave nothing behind.
+/// True if there is something in it: the last entry of `[[…]]`, and the last key with points, leave nothing behind.
 fn holds(datum: &ParameterValue) -> bool {
     match datum {
         ParameterValue::List(list) => !list.is_empty(),

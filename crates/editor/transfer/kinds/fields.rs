@@ -261,7 +261,7 @@ mod tests {
     fn strength(kernel: &[Vec<f64>], v: [f64; 3]) -> f64 {
         let fields = ["a", "b", "c"].map(String::from).to_vec();
         let profile = Profile::GaussianNd { fields, centre: vec![1.0, 2.0, 3.0], matrix: kernel.to_vec() };
-        Widget { profile, color: [1.0; 3], extinction: 1.0, region: None }.at([0.0; 2], &v)
+        Widget { profile, color: [1.0; 3], extinction: 1.0, region: None }.weight_at([0.0; 2], &v)
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use voltet_core::camera::Camera;
 use voltet_core::progress::NoProgress;
 use voltet_core::transfer::TransferFunction;
-use voltet_gpu::{Drawn, Renderer};
+use voltet_gpu::{FrameOutput, Renderer};
 use voltet_optics::engine::{Accumulation, Compositor, OrderCheck, RenderOptions};
 use voltet_optics::shading::VisibilityOrder;
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
@@ -22,9 +22,10 @@ fn jittered(look: TransferFunction, camera: Camera) -> NamedScene {
     NamedScene { name: "jittered".into(), volume: smooth(cube([6, 6, 6], 0.2)), look, camera }
 }
 
-fn draw(renderer: &Renderer, scene: &NamedScene, manner: &RenderOptions) -> Drawn {
+fn draw(renderer: &Renderer, scene: &NamedScene, options: &RenderOptions) -> FrameOutput {
     let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Exact);
-    voltet_gpu::draw(renderer, &wanted, manner, &NoProgress).unwrap_or_else(|e| panic!("{}: {e}", scene.name))
+    voltet_gpu::draw(renderer, &wanted, options, &NoProgress)
+        .unwrap_or_else(|e| panic!("{}: {e}", scene.name))
 }
 
 /// Grids without and with gaps, from everywhere: the order is exact at every pixel, and the picture that of the referee.

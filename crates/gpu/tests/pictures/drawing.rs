@@ -5,7 +5,7 @@ use voltet_core::Result;
 use voltet_core::picture::Picture;
 use voltet_core::progress::NoProgress;
 use voltet_core::transfer::TransferFunction;
-use voltet_gpu::{Device, Drawn, Renderer};
+use voltet_gpu::{Device, FrameOutput, Renderer};
 use voltet_optics::engine::{Compositor, RenderOptions};
 use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
 use voltet_testing::pictures::Engine;
@@ -57,7 +57,7 @@ pub fn draw_tiles(
     scene: &NamedScene,
     shading: &Shading,
     order: VisibilityOrder,
-) -> Result<Drawn> {
+) -> Result<FrameOutput> {
     voltet_gpu::draw(
         renderer,
         &scene.drawn_by(shading, order),
@@ -67,14 +67,18 @@ pub fn draw_tiles(
 }
 
 /// Draws on the device; `None` without one.
-pub fn try_draw(scene: &NamedScene, shading: &Shading, order: VisibilityOrder) -> Option<Result<Drawn>> {
+pub fn try_draw(
+    scene: &NamedScene,
+    shading: &Shading,
+    order: VisibilityOrder,
+) -> Option<Result<FrameOutput>> {
     let device = device()?;
     let renderer = Renderer::new(device, &scene.volume);
     Some(renderer.and_then(|renderer| draw_tiles(&renderer, scene, shading, order)))
 }
 
 /// The device's picture.
-pub fn draw(scene: &NamedScene, shading: &Shading, order: VisibilityOrder) -> Option<Drawn> {
+pub fn draw(scene: &NamedScene, shading: &Shading, order: VisibilityOrder) -> Option<FrameOutput> {
     Some(try_draw(scene, shading, order)?.unwrap_or_else(|e| panic!("{}: {e}", scene.name)))
 }
 
@@ -85,7 +89,7 @@ pub fn picture(scene: &NamedScene, shading: &Shading) -> Option<Picture> {
     Some(drawn.picture)
 }
 
-/// What composites, in which order.
+/// Compositor and order.
 pub type How = (Compositor, VisibilityOrder);
 
 /// Blended by the hardware, in an order.
@@ -99,7 +103,7 @@ pub fn tiles(order: VisibilityOrder) -> How {
 }
 
 /// Draws on a device.
-pub fn draw_on(device: Arc<Device>, scene: &NamedScene, shading: &Shading, how: How) -> Result<Drawn> {
+pub fn draw_on(device: Arc<Device>, scene: &NamedScene, shading: &Shading, how: How) -> Result<FrameOutput> {
     let (compositing, order) = how;
     let renderer = Renderer::new(device, &scene.volume)?;
     voltet_gpu::draw(&renderer, &scene.drawn_by(shading, order), &RenderOptions::by(compositing), &NoProgress)

@@ -4,7 +4,7 @@ use crate::drawing::device;
 use crate::raster::jittered;
 use std::sync::Arc;
 use voltet_core::progress::NoProgress;
-use voltet_gpu::{Begun, Renderer, begin, draw};
+use voltet_gpu::{Renderer, SubmittedFrame, begin, draw};
 use voltet_optics::engine::{Compositor, OrderCheck, RenderOptions};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::VisibilityOrder;
@@ -36,12 +36,14 @@ fn frames_in_flight_are_those_drawn_alone() {
         let scene = NamedScene { volume, ..jittered(overlapping(), outside([40, 32])) };
         let renderer = Arc::new(Renderer::new(device.clone(), &scene.volume).expect("fits"));
         let scenes = scenes(&scene.drawn_by(&SHADING, order));
-        let manner = RenderOptions { order_check: OrderCheck::Sample, ..RenderOptions::by(compositing) };
-        let alone: Vec<_> =
-            scenes.iter().map(|scene| draw(&renderer, scene, &manner, &NoProgress).expect("draws")).collect();
-        let start = |scene: &Scene| begin(&renderer, scene, &manner, &NoProgress).expect("begins");
-        let is_in_flight = |begun: &Begun| matches!(begun, Begun::InFlight(_));
-        let mut before: Option<Begun> = None;
+        let options = RenderOptions { order_check: OrderCheck::Sample, ..RenderOptions::by(compositing) };
+        let alone: Vec<_> = scenes
+            .iter()
+            .map(|scene| draw(&renderer, scene, &options, &NoProgress).expect("draws"))
+            .collect();
+        let start = |scene: &Scene| begin(&renderer, scene, &options, &NoProgress).expect("begins");
+        let is_in_flight = |begun: &SubmittedFrame| matches!(begun, SubmittedFrame::InFlight(_));
+        let mut before: Option<SubmittedFrame> = None;
         let mut taken = Vec::new();
         for scene in &scenes {
             let next = start(scene);
@@ -57,7 +59,7 @@ fn frames_in_flight_are_those_drawn_alone() {
         }
         drop(before);
         // The last first.
-        let all: Vec<Begun> = scenes[..4].iter().map(start).collect();
+        let all: Vec<SubmittedFrame> = scenes[..4].iter().map(start).collect();
         assert!(all.iter().all(is_in_flight));
         for (number, frame) in all.into_iter().enumerate().rev() {
             let drawn = frame.collect(&NoProgress).expect("comes back");
@@ -73,12 +75,12 @@ fn frames_in_flight_are_bounded() {
     let scene = jittered(overlapping(), outside([40, 32]));
     let renderer = Arc::new(Renderer::new(device, &scene.volume).expect("fits"));
     let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Exact);
-    let manner = RenderOptions::by(Compositor::Tiles);
-    let alone = draw(&renderer, &wanted, &manner, &NoProgress).expect("draws");
+    let options = RenderOptions::by(Compositor::Tiles);
+    let alone = draw(&renderer, &wanted, &options, &NoProgress).expect("draws");
     for _ in 0..3 {
-        let all: Vec<Begun> =
-            (0..10).map(|_| begin(&renderer, &wanted, &manner, &NoProgress).expect("begins")).collect();
-        let flying = all.iter().filter(|begun| matches!(begun, Begun::InFlight(_))).count();
+        let all: Vec<SubmittedFrame> =
+            (0..10).map(|_| begin(&renderer, &wanted, &options, &NoProgress).expect("begins")).collect();
+        let flying = all.iter().filter(|begun| matches!(begun, SubmittedFrame::InFlight(_))).count();
         assert_eq!(flying, 4);
         // Half of them are given up.
         for frame in all.into_iter().skip(2) {
@@ -94,16 +96,16 @@ fn a_first_frame_may_be_in_flight() {
     let Some(device) = device() else { return };
     let scene = jittered(overlapping(), outside([160, 120]));
     let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Exact);
-    let manner = RenderOptions::by(Compositor::Tiles);
+    let options = RenderOptions::by(Compositor::Tiles);
     let renderer = || Arc::new(Renderer::new(device.clone(), &scene.volume).expect("fits"));
-    let alone = draw(&renderer(), &wanted, &manner, &NoProgress).expect("draws");
-    let first = begin(&renderer(), &wanted, &manner, &NoProgress).expect("begins");
+    let alone = draw(&renderer(), &wanted, &options, &NoProgress).expect("draws");
+    let first = begin(&renderer(), &wanted, &options, &NoProgress).expect("begins");
     let drawn = first.collect(&NoProgress).expect("comes back");
     assert_eq!(drawn.picture.rgba, alone.picture.rgba);
     // Tiles that stop within their lists and go on.
     let small = Arc::new(Renderer::new(device.clone(), &scene.volume).expect("fits").with_budget_of(64));
     for _ in 0..2 {
-        let frame = begin(&small, &wanted, &manner, &NoProgress).expect("begins");
+        let frame = begin(&small, &wanted, &options, &NoProgress).expect("begins");
         let drawn = frame.collect(&NoProgress).expect("comes back");
         assert_eq!(drawn.picture.rgba, alone.picture.rgba);
     }

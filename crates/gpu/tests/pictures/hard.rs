@@ -1,4 +1,4 @@
-//! What is hard for the device's compositor alone: long lists, more segments than it keeps, surfaces within its limits.
+//! Scenes that are hard for the device's compositor alone: long lists, more segments than it keeps, surfaces within its limits.
 
 use crate::drawing::{Tested, device, draw, draw_tiles};
 use glam::DVec3;

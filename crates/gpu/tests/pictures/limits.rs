@@ -1,10 +1,10 @@
-//! What the device refuses, orders that are not exact, overlaps mixed, and frames after the first.
+//! Scenes that the device refuses, orders that are not exact, overlaps mixed, and frames after the first.
 
 use crate::drawing::{device, draw, draw_tiles, try_draw};
 use std::sync::Arc;
 use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
-use voltet_gpu::{Device, Drawn, OnDevice, Renderer};
+use voltet_gpu::{Device, FrameOutput, GpuEngine, Renderer};
 use voltet_optics::WidgetBlend;
 use voltet_optics::engine::{Engine, RenderOptions};
 use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
@@ -62,10 +62,10 @@ fn disordered_pixels_are_counted() {
     };
     let Some(exact) = disordered(VisibilityOrder::Exact, overlapping()) else { return };
     let centroid = disordered(VisibilityOrder::Centroid, overlapping()).unwrap_or(0);
-    let none = disordered(VisibilityOrder::None, overlapping()).unwrap_or(0);
+    let none = disordered(VisibilityOrder::Unsorted, overlapping()).unwrap_or(0);
     assert_eq!(exact, 0);
     assert!(0 < centroid && centroid < none, "centroid {centroid}, none {none}");
-    assert_eq!(disordered(VisibilityOrder::None, one_gaussian()), Some(0));
+    assert_eq!(disordered(VisibilityOrder::Unsorted, one_gaussian()), Some(0));
 }
 
 /// A grid that stays on the device draws the same again, and another look as if it had been uploaded for it.
@@ -120,7 +120,7 @@ fn small_bindings_draw_in_windows() {
         let windows = small(scene, bytes).expect("draws in windows");
         assert_eq!(windows.counts.segments, whole.counts.segments);
         assert_eq!(windows.picture.rgba, whole.picture.rgba);
-        let cells = |drawn: &Drawn| {
+        let cells = |drawn: &FrameOutput| {
             let counts = drawn.counts;
             [
                 counts.culled_by_transfer_function,
@@ -201,7 +201,7 @@ fn operations_of_the_compositor_are_counted() {
     let Some(device) = device() else { return };
     for order in [VisibilityOrder::Exact, VisibilityOrder::Centroid] {
         let scene = scene(overlapping()).drawn_by(&SHADING, order);
-        let volume = OnDevice::new(device.clone()).prepare(&scene.volume).expect("fits");
+        let volume = GpuEngine::new(device.clone()).prepare(&scene.volume).expect("fits");
         let drawn = volume.draw(&scene, &RenderOptions::default(), &NoProgress).expect("draws");
         let segments = drawn.counts.segments.expect("tiles count");
         let counted = volume.operations(&scene, &RenderOptions::default(), &drawn.counts).expect("is WGSL");

@@ -1,4 +1,4 @@
-//! What is sent to the device after the first frame of a grid: parameters alone, where a camera or a widget moves.
+//! Data sent to the device after the first frame of a grid: parameters alone, where a camera or a widget moves.
 
 use crate::drawing::{device, draw, draw_tiles, further_device};
 use std::sync::Arc;

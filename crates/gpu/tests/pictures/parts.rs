@@ -7,7 +7,7 @@ use voltet_core::Result;
 use voltet_core::grid::generate::box_of_tetrahedra;
 use voltet_core::transfer::{Profile, Table, Widget};
 use voltet_core::volume::Volume;
-use voltet_gpu::{Device, Drawn, Renderer};
+use voltet_gpu::{Device, FrameOutput, Renderer};
 use voltet_integrators::{pre_integrated, pre_integrated_cylindrical};
 use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
@@ -23,7 +23,12 @@ fn small(bytes: u64, count: u32) -> Device {
     device.with_bindings_of(bytes).with_buffers_at_a_time(count)
 }
 
-fn draw_on(device: Device, scene: &NamedScene, shading: &Shading, order: VisibilityOrder) -> Result<Drawn> {
+fn draw_on(
+    device: Device,
+    scene: &NamedScene,
+    shading: &Shading,
+    order: VisibilityOrder,
+) -> Result<FrameOutput> {
     let renderer = Renderer::new(Arc::new(device), &scene.volume)?;
     draw_tiles(&renderer, scene, shading, order)
 }
@@ -90,7 +95,7 @@ fn tables_in_parts_draw_the_same() {
     }
 }
 
-/// What has more parts than are bound at a time is refused before anything is uploaded, and named.
+/// Arrays with more parts than are bound at a time are refused before anything is uploaded, and named.
 #[test]
 fn too_many_parts_are_refused_by_name() {
     if device().is_none() {

@@ -10,7 +10,7 @@ use voltet_core::picture::Picture;
 use voltet_core::progress::NoProgress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
-use voltet_gpu::{Drawn, Renderer};
+use voltet_gpu::{FrameOutput, Renderer};
 use voltet_integrators::{pre_integrated, pre_integrated_cylindrical, riemann, segments};
 use voltet_optics::engine::{Compositor, RenderOptions};
 use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
@@ -18,7 +18,7 @@ use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee_s
 use voltet_testing::pictures::grids::*;
 use voltet_testing::pictures::looks::*;
 
-fn draw(scene: &NamedScene, shading: &Shading, order: VisibilityOrder) -> Option<Drawn> {
+fn draw(scene: &NamedScene, shading: &Shading, order: VisibilityOrder) -> Option<FrameOutput> {
     let drawn = draw_on(device()?, scene, shading, raster(order));
     Some(drawn.unwrap_or_else(|e| panic!("{}: {e}", scene.name)))
 }
@@ -54,7 +54,7 @@ pub fn classes() -> [(&'static str, [[f64; 3]; 4]); 7] {
     ]
 }
 
-/// What they are seen from: both sides, by parallel rays and in perspective.
+/// Views of them: both sides, by parallel rays and in perspective.
 pub fn views() -> [(&'static str, Camera); 3] {
     [
         ("ortho", orthographic([0.503, -2.0, 0.507], [0.503, 0.0, 0.507], 1.1, [33, 33])),
@@ -81,7 +81,7 @@ fn single_cells_of_every_class() {
                 let Some(drawn) = draw(&shown, &SHADING, VisibilityOrder::Centroid) else { return };
                 within(&shown.name, &drawn.picture, &referee_shaded(&shown, &SHADING), ORDINARY);
                 let looked = NamedScene { look: look(vec![everywhere(2.0, [1.0, 0.5, 0.2])]), ..shown };
-                ordinary(&looked, &SHADING, VisibilityOrder::Auto);
+                ordinary(&looked, &SHADING, VisibilityOrder::Exact);
             }
         }
     }
@@ -131,7 +131,7 @@ fn rays_in_shared_faces_and_edges() {
                 look: look(vec![everywhere(2.0, [1.0; 3])]),
                 camera: orthographic([0.5, -2.0, 0.5], [0.5, 0.0, 0.5], 1.0, [pixels, pixels]),
             };
-            let Some(drawn) = draw(&scene, &SHADING, VisibilityOrder::Auto) else { return };
+            let Some(drawn) = draw(&scene, &SHADING, VisibilityOrder::Exact) else { return };
             let n = pixels as usize;
             let known = Picture { width: n, height: n, rgba: vec![[-(-2f64).exp_m1() as f32; 4]; n * n] };
             // Rounding of a dozen 32-bit segments, whose ends round like the grid's diagonal.
@@ -203,7 +203,7 @@ pub fn jittered(look: TransferFunction, camera: Camera) -> NamedScene {
 fn orders_are_those_of_tiles() {
     let Some(device) = device() else { return };
     for camera in [outside([40, 32]), orthographic([3.0, -2.0, 2.5], [0.5, 0.5, 0.5], 1.9, [32, 40])] {
-        for order in [VisibilityOrder::Centroid, VisibilityOrder::None] {
+        for order in [VisibilityOrder::Centroid, VisibilityOrder::Unsorted] {
             // More cells than a block of the sort holds.
             let scene =
                 NamedScene { volume: smooth(cube([10, 9, 9], 0.3)), ..jittered(overlapping(), camera) };
@@ -250,7 +250,8 @@ fn runs_and_windows_change_nothing() {
 fn sixteen_bits_are_near_and_said() {
     let Some(device) = device() else { return };
     let narrow = Arc::new(further_device().blending_16_bits());
-    for (look, order) in [(overlapping(), VisibilityOrder::Centroid), (one_gaussian(), VisibilityOrder::Auto)]
+    for (look, order) in
+        [(overlapping(), VisibilityOrder::Centroid), (one_gaussian(), VisibilityOrder::Exact)]
     {
         let scene = jittered(look, outside([32, 24]));
         let wide = draw_on(device.clone(), &scene, &SHADING, raster(order)).expect("draws");
@@ -274,11 +275,11 @@ fn what_is_not_asked_for_is_not_compiled() {
     triangles.push("split_cells");
     for (look, how, further) in [
         (overlapping(), tiles(VisibilityOrder::Exact), [&lists[..], &["sort_lists"]].concat()),
-        (one_gaussian(), tiles(VisibilityOrder::Auto), lists.to_vec()),
+        (one_gaussian(), tiles(VisibilityOrder::Exact), lists.to_vec()),
         (overlapping(), raster(VisibilityOrder::Centroid), drawn.to_vec()),
         (overlapping(), raster(VisibilityOrder::Exact), drawn.to_vec()),
         (overlapping(), (Compositor::Triangles, VisibilityOrder::Centroid), triangles.to_vec()),
-        (one_gaussian(), raster(VisibilityOrder::Auto), drawn.to_vec()),
+        (one_gaussian(), raster(VisibilityOrder::Exact), drawn.to_vec()),
     ] {
         let device = Arc::new(further_device());
         // No cell is turned over, so that there is an order along faces.

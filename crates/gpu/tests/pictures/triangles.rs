@@ -10,7 +10,7 @@ use voltet_core::picture::Picture;
 use voltet_core::progress::NoProgress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
-use voltet_gpu::{Device, Drawn, Renderer};
+use voltet_gpu::{Device, FrameOutput, Renderer};
 use voltet_integrators::{pre_integrated, pre_integrated_cylindrical, riemann, segments};
 use voltet_optics::engine::{Accumulation, Compositor, RenderOptions};
 use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
@@ -22,7 +22,7 @@ fn triangles(order: VisibilityOrder) -> How {
     (Compositor::Triangles, order)
 }
 
-fn draw(device: &Arc<Device>, scene: &NamedScene, shading: &Shading, how: How) -> Drawn {
+fn draw(device: &Arc<Device>, scene: &NamedScene, shading: &Shading, how: How) -> FrameOutput {
     draw_on(device.clone(), scene, shading, how).unwrap_or_else(|e| panic!("{}: {e}", scene.name))
 }
 
@@ -30,7 +30,7 @@ fn uniform() -> TransferFunction {
     look(vec![everywhere(2.0, [1.0, 0.5, 0.2])])
 }
 
-/// What the corners' raster leaves of an ordinary scene: a pixel on the rim of a steep face goes to the wrong side of it. A
+/// Error that the corners' raster leaves of an ordinary scene: a pixel on the rim of a steep face goes to the wrong side of it. A
 /// hundredth part of the pixels at most are seen to change.
 fn nearly(scene: &NamedScene, picture: &Picture) {
     let expected = referee(scene);
@@ -88,7 +88,7 @@ fn cells_whose_corners_stay_are_exact() {
             } else {
                 1.0
             };
-            let drawn = draw(&device, &scene, &SHADING, triangles(VisibilityOrder::Auto)).picture;
+            let drawn = draw(&device, &scene, &SHADING, triangles(VisibilityOrder::Exact)).picture;
             let known = -(-2.0 * thickness * stretch).exp_m1();
             let found = f64::from(drawn.pixel(20, 16)[3]);
             assert!((found - known).abs() < 2e-6, "{name} {turn}: {found} for {known}");
@@ -109,7 +109,7 @@ fn every_class_and_place_of_the_eye() {
         for (view, camera) in views() {
             let volume = volume(cell(corners), |p| 0.51 + 0.393 * p.x, |p| 0.8 + 0.117 * p.z);
             let scene = NamedScene { name: format!("{class} {view}"), volume, look: uniform(), camera };
-            nearly(&scene, &draw(&device, &scene, &SHADING, triangles(VisibilityOrder::Auto)).picture);
+            nearly(&scene, &draw(&device, &scene, &SHADING, triangles(VisibilityOrder::Exact)).picture);
         }
     }
     let inside = perspective([0.43, 0.37, 0.52], [0.9, 0.8, 0.45], 90.0, [40, 40]);
@@ -130,7 +130,7 @@ fn every_class_and_place_of_the_eye() {
     for eye in [[0.0, 0.0, 0.0], [0.0, 14.0, 2.0]] {
         let camera = perspective(eye, [0.0, 40.0, 1.0], 30.0, [40, 32]);
         let scene = NamedScene { name: "huge".into(), volume: volume.clone(), look: one_gaussian(), camera };
-        nearly(&scene, &draw(&device, &scene, &SHADING, triangles(VisibilityOrder::Auto)).picture);
+        nearly(&scene, &draw(&device, &scene, &SHADING, triangles(VisibilityOrder::Exact)).picture);
     }
 }
 
@@ -147,7 +147,7 @@ fn smaller_cells_come_nearer_to_a_smooth_field() {
     };
     let finest = referee(&scene(32));
     let errors = [2, 4, 8].map(|n| {
-        let drawn = draw(&device, &scene(n), &SHADING, triangles(VisibilityOrder::Auto)).picture;
+        let drawn = draw(&device, &scene(n), &SHADING, triangles(VisibilityOrder::Exact)).picture;
         let squares = drawn.rgba.iter().zip(&finest.rgba).map(|(a, b)| f64::from(a[3] - b[3]).powi(2));
         (squares.sum::<f64>() / drawn.rgba.len() as f64).sqrt()
     });
@@ -203,11 +203,11 @@ fn runs_and_small_bindings_change_nothing() {
     let Some(device) = device() else { return };
     let scene = jittered(overlapping(), outside([24, 20]));
     let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Centroid);
-    let manner = RenderOptions::by(Compositor::Triangles);
+    let options = RenderOptions::by(Compositor::Triangles);
     let whole = draw(&device, &scene, &SHADING, triangles(VisibilityOrder::Centroid)).picture;
     for length in [300, 1296] {
         let runs = Renderer::new(device.clone(), &scene.volume).expect("fits").with_runs_of(length);
-        let drawn = voltet_gpu::draw(&runs, &wanted, &manner, &NoProgress).expect("draws");
+        let drawn = voltet_gpu::draw(&runs, &wanted, &options, &NoProgress).expect("draws");
         assert_eq!(drawn.picture.rgba, whole.rgba, "{length}");
     }
     let small = further_device().with_bindings_of(24_000).with_buffers_at_a_time(32);
@@ -226,8 +226,8 @@ fn few_bits_a_channel_round_after_each_cell() {
     const CELLS: f64 = 36.0;
     for compositing in [Compositor::Raster, Compositor::Triangles] {
         let picture = |accumulation| {
-            let manner = RenderOptions { accumulation, ..RenderOptions::by(compositing) };
-            voltet_gpu::draw(&renderer, &wanted, &manner, &NoProgress).expect("draws").picture
+            let options = RenderOptions { accumulation, ..RenderOptions::by(compositing) };
+            voltet_gpu::draw(&renderer, &wanted, &options, &NoProgress).expect("draws").picture
         };
         let float = picture(Accumulation::Float);
         let mut before = f64::INFINITY;

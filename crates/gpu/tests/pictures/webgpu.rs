@@ -72,11 +72,11 @@ fn every_compositor_draws_within_the_limits_of_webgpu() {
     let scene = scene("few bits", overlapping());
     let renderer = Renderer::new(least, &scene.volume).expect("fits");
     for accumulation in [Accumulation::Bits8, Accumulation::Bits12] {
-        let manner = RenderOptions { accumulation, ..RenderOptions::by(Compositor::Triangles) };
+        let options = RenderOptions { accumulation, ..RenderOptions::by(Compositor::Triangles) };
         voltet_gpu::draw(
             &renderer,
             &scene.drawn_by(&SHADING, VisibilityOrder::Centroid),
-            &manner,
+            &options,
             &NoProgress,
         )
         .expect("draws");
@@ -110,7 +110,7 @@ fn every_integrator_has_room_for_all_that_a_scene_may_have() {
                 (Compositor::Tiles, VisibilityOrder::Exact),
                 (Compositor::Tiles, VisibilityOrder::Centroid),
                 (Compositor::Raster, VisibilityOrder::Exact),
-                (Compositor::Raster, VisibilityOrder::None),
+                (Compositor::Raster, VisibilityOrder::Unsorted),
                 (Compositor::Triangles, VisibilityOrder::Exact),
             ] {
                 same_on([&device, &least], &scene, &shading, how, 0.0);

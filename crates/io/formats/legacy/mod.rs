@@ -18,7 +18,7 @@ use scanner::Scanner;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 
-/// How every legacy file begins.
+/// First words of every legacy file.
 const MAGIC: &str = "# vtk DataFile Version";
 
 /// The kinds of data sets with a volume.
@@ -91,7 +91,7 @@ fn open(source: Arc<Source>, _: &Request) -> Result<Dataset> {
     Ok(dataset)
 }
 
-/// What was found of a data set's geometry, in whatever order it came.
+/// Parts of a data set's geometry, in whatever order the file has them.
 #[derive(Default)]
 struct Contents {
     points: Option<Stored>,
@@ -196,7 +196,7 @@ impl Contents {
         Ok(counts)
     }
 
-    /// What the kind of data set needs, or what it lacks.
+    /// Geometry of the data set, or an error that names the missing part.
     fn geometry(self, kind: &str) -> Result<Geometry> {
         let lacks = |what: &str| Error::run(format!("the {kind} lacks {what}"));
         let dimensions = self.dimensions.ok_or_else(|| lacks("DIMENSIONS"));

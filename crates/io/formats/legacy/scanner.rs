@@ -14,7 +14,7 @@ const LONGEST: usize = 1 << 14;
 /// A position in a legacy file.
 pub(super) struct Scanner {
     pub source: Arc<Source>,
-    /// Whether arrays are bytes; else words.
+    /// True if arrays are bytes; else words.
     pub binary: bool,
     window: Vec<u8>,
     window_at: u64,
@@ -186,7 +186,7 @@ impl Scanner {
         }))
     }
 
-    /// The same for arrays that cannot be text.
+    /// Reads an array that cannot be text.
     pub fn numeric(
         &mut self,
         name: &str,

@@ -1,4 +1,4 @@
-//! How a PLOT3D file is written, found out from its length.
+//! Layout of a PLOT3D file, inferred from its length.
 //!
 //! The format has no magic and no version: a grid count that may be missing, dimensions, then planes of numbers in
 //! single or double precision, of either byte order, with or without the length marks that Fortran puts round each
@@ -35,7 +35,7 @@ impl Plane {
     }
 }
 
-/// What kind of file is read.
+/// Kind of file: grid, solution or function.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
     /// x, y, z and perhaps the blanking flags.

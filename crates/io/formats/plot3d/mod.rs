@@ -23,7 +23,7 @@ const BLANKING: &str = "iblank";
 /// The declaration.
 pub(super) const FORMAT: Format = Format { files: "a PLOT3D grid", is_meant, open, has_solution: true };
 
-/// Whether a file is to be read as PLOT3D: its name says so or a solution was named with it.
+/// True if a file is to be read as PLOT3D: its name says so or a solution was named with it.
 fn is_meant(_: &[u8], path: &Path, request: &Request) -> bool {
     let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
     let extension = extension.as_deref().and_then(|extension| extension.to_str()).unwrap_or("");

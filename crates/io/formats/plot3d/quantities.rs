@@ -15,7 +15,7 @@ pub(super) struct Quantity {
     pub formula: Formula,
 }
 
-/// How a quantity follows from density, momentum and energy.
+/// Formula of a quantity from density, momentum and energy.
 pub(super) enum Formula {
     /// One value a point.
     Scalar(fn(f64, [f64; 3], f64) -> f64),
@@ -94,7 +94,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
 ];
 
 impl Quantity {
-    /// Whether a person means this quantity by `word`, however it is capitalised and joined.
+    /// True if a person means this quantity by `word`, however it is capitalised and joined.
     pub fn is_called(&self, word: &str) -> bool {
         let plain: String = word.chars().filter(char::is_ascii_alphanumeric).collect();
         self.aliases.contains(&plain.to_ascii_lowercase().as_str())

@@ -9,7 +9,7 @@ use crate::formats::stored::{Encoding, Stored};
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 
-/// What the root element says of all arrays of a file.
+/// Encoding of all arrays of a file, from its root element.
 #[derive(Debug, Clone)]
 pub(super) struct Context {
     pub source: Arc<Source>,
@@ -37,7 +37,7 @@ impl Context {
         Ok(Context { source, order, wide, codec, appended })
     }
 
-    /// How the file is written, for people.
+    /// Format and encoding of the file, for people.
     pub fn describe(&self) -> String {
         format!(
             "{}{}, {} headers",
@@ -84,11 +84,11 @@ impl Context {
                     Error::run("an appended array does not say where it lies")
                         .expected("the attribute offset")
                 })?;
-                let at = appended.at.checked_add(offset).filter(|&at| at <= self.source.len());
+                let at = appended.offset.checked_add(offset).filter(|&at| at <= self.source.len());
                 let Some(at) = at else {
                     return Err(Error::run("the array lies beyond the end of the file")
                         .got(format_args!("offset {offset}"))
-                        .expected(format_args!("at most {}", self.source.len() - appended.at)));
+                        .expected(format_args!("at most {}", self.source.len() - appended.offset)));
                 };
                 let end = self.source.len();
                 Encoding::Xml { at, end, base64: appended.base64, wide: self.wide, codec: self.codec }
@@ -116,7 +116,7 @@ impl Context {
             .transpose()
     }
 
-    /// The same where the array must be there.
+    /// Finds an array that must be there.
     pub fn required(&self, section: &Element, name: &str, tuple_count: Option<u64>) -> Result<Stored> {
         self.named(section, name, tuple_count)?
             .ok_or_else(|| Error::run(format!("<{}> lacks its array '{name}'", section.tag)))

@@ -12,7 +12,7 @@ pub(in crate::formats) fn all(path: &Path, request: Option<&Request>) -> Vec<Pat
     by_file(path, &MARKS, request)
 }
 
-/// Those of a file of one of these kinds.
+/// Files that a file of one of these kinds names.
 fn by_file(path: &Path, marks: &[&str], request: Option<&Request>) -> Vec<PathBuf> {
     let Ok(source) = Source::open(path) else { return Vec::new() };
     let head = source.head(HEAD).unwrap_or_default();
@@ -35,7 +35,7 @@ fn by_file(path: &Path, marks: &[&str], request: Option<&Request>) -> Vec<PathBu
     paths.into_iter().chain(further).collect()
 }
 
-/// Where the kind of a file stands.
+/// Bytes of a file within which its kind stands.
 const HEAD: u64 = 1024;
 /// The kinds that name others, as every writer spells them.
 const MARKS: [&str; 2] = ["type=\"Collection\"", "type=\"P"];

@@ -73,7 +73,7 @@ impl Element {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Appended {
     /// The byte after the underscore, from which offsets count.
-    pub at: u64,
+    pub offset: u64,
     pub base64: bool,
 }
 
@@ -187,7 +187,7 @@ fn appended(source: &Source, element: &Element, at: u64) -> Result<Appended> {
     };
     let head = source.read(at, (source.len() - at).min(4096))?;
     match head.iter().position(|b| !b.is_ascii_whitespace()) {
-        Some(index) if head[index] == b'_' => Ok(Appended { at: at + index as u64 + 1, base64 }),
+        Some(index) if head[index] == b'_' => Ok(Appended { offset: at + index as u64 + 1, base64 }),
         _ => Err(Error::run("the appended data does not begin with an underscore")
             .expected("'_' after <AppendedData>")),
     }

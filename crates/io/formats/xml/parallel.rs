@@ -7,7 +7,7 @@ use crate::formats::source::Source;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 
-/// Whether a file of this kind names others.
+/// True if a file of this kind names others.
 pub(super) fn is_meant(kind: &str) -> bool {
     kind.starts_with('P') && kind != "PolyData"
 }

@@ -1,4 +1,4 @@
-//! The same grid in every encoding of the XML formats reads as the same grid.
+//! A grid in every encoding of the XML formats reads as one grid.
 
 use voltet_core::grid::Grid;
 use voltet_core::progress::NoProgress;

@@ -19,7 +19,7 @@ pub fn folder() -> Option<PathBuf> {
     None
 }
 
-/// What is known of a file: name; points; cells by type; arrays with components, type and range; bounds.
+/// Known contents of a file: name; points; cells by type; arrays with components, type and range; bounds.
 struct Known {
     file: &'static str,
     point_count: u64,

@@ -30,7 +30,7 @@ fn try_file(path: &Path, scalar: &str, what: &str) {
     });
     assert!(peak < ALLOWED, "{what}: {peak} bytes");
     for error in results.into_iter().filter_map(Result::err) {
-        assert!(!error.what.is_empty() && error.place.file.is_some(), "{what}: {error}");
+        assert!(!error.what.is_empty() && error.location.file.is_some(), "{what}: {error}");
     }
 }
 

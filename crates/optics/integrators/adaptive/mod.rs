@@ -41,7 +41,7 @@ const TOLERANCE_PARAMETER: Parameter = Parameter {
     name: TOLERANCE,
     parameter_type: ParameterType::Number(Range { above_min: true, ..Range::within(0.0, 1.0) }),
     unit: "",
-    standard: DefaultValue::Number(1e-3),
+    default: DefaultValue::Number(1e-3),
     help: "largest error of colour and opacity of a ray segment",
 };
 
@@ -110,7 +110,7 @@ impl SegmentIntegrator for Adaptive {
 /// The largest channel of the widgets whose colour varies.
 fn brightest_of_varying(transfer_function: &TransferFunction) -> f64 {
     let varying = transfer_function.widgets.iter().filter(|widget| widget.has_colors_of_its_own());
-    varying.map(Widget::brightest).fold(0.0, f64::max)
+    varying.map(Widget::max_emission).fold(0.0, f64::max)
 }
 
 /// The quadrature to a tolerance.

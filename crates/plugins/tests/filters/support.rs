@@ -43,7 +43,7 @@ pub fn method(
     values: impl IntoIterator<Item = (&'static str, ParameterValue)>,
 ) -> Result<Method> {
     let filter = filters.iter().find(|filter| filter.declaration().name == name).unwrap();
-    Method::new(filter.clone(), Parameters::of(filter.declaration().parameters, values)?)
+    Method::new(filter.clone(), Parameters::from_values(filter.declaration().parameters, values)?)
 }
 
 /// What it gives on the grid.

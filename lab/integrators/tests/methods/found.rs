@@ -67,7 +67,7 @@ impl Found {
         let truth = integrators::new(&truth, WidgetBlend::Exact, look, &extent).expect("serves");
         let prepared = CompiledTransferFunction::new(look).expect("valid");
         let spans = spans(list);
-        let brightest = look.widgets.iter().map(Widget::brightest).sum::<f64>();
+        let brightest = look.widgets.iter().map(Widget::max_emission).sum::<f64>();
         let measures: Vec<(Measure, [f64; 5])> = list
             .iter()
             .map(|segment| {

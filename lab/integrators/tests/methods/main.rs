@@ -128,9 +128,9 @@ fn empty_segments_are_left_out_without_a_trace() {
             tabulated(128),
         ]) {
             // Cells are the same: a table's domain is that of the cells that are drawn.
-            let draw = |no_leave_out| {
+            let draw = |exhaustive| {
                 let mut cells = keep_all(&volume, &look, &camera).expect("keeps");
-                cells.no_leave_out = no_leave_out;
+                cells.exhaustive = exhaustive;
                 voltet_cpu::draw(&cells, &look, &camera, &shading(integrator), &NoProgress).expect("draws")
             };
             let (usual, counts) = draw(false);

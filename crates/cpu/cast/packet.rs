@@ -1,0 +1,142 @@
+//! Ray packets of 4 × 4 pixels: neighbours, so that they pass the same cells at about the same time.
+
+use super::boundary_hits::BoundaryHits;
+use super::packet_state::StoredState;
+use super::ray_caster::RayCaster;
+use crate::fragments::batch::{BATCH, MAX_LANES};
+use crate::tile::{PIXELS, TILE, TileRect};
+use crate::tolerances::ENTRY_OVERLAP;
+
+/// Cells that a ray may pass: more are an endless loop.
+pub(super) const MAX_TRAVERSAL_STEPS: usize = 1 << 17;
+
+/// Packets that are advanced in turns: the next cell of a ray depends on a gather, whose latency the other packets hide.
+pub(crate) const PACKETS_IN_FLIGHT: usize = 4;
+
+/// Side of a packet (pixels).
+const PACKET_SIDE: usize = 4;
+
+/// Segments of a ray for each batch.
+pub(super) const SLICES: usize = BATCH / TILE;
+
+/// Pixel of a tile (row << 4 | column) of a packet's ray. There are as many packets as rows.
+pub(crate) fn pixel_of(packet: usize, ray: usize) -> usize {
+    let across = TILE / PACKET_SIDE;
+    let (row, column) = (
+        packet / across * PACKET_SIDE + ray / PACKET_SIDE,
+        packet % across * PACKET_SIDE + ray % PACKET_SIDE,
+    );
+    row * TILE + column
+}
+
+/// Packet of rays side by side.
+pub(crate) struct RayPacket<'a> {
+    pub(super) caster: &'a RayCaster,
+    hits: &'a BoundaryHits,
+    pub(super) pixels: [u32; TILE],
+    /// Positions of the pixels (steps).
+    pub(super) x: [u32; TILE],
+    pub(super) y: [u32; TILE],
+    /// Ray length per unit of depth.
+    pub(super) length_per_depth: [f32; TILE],
+    pub(super) distance_origin: f64,
+    pub(super) state: StoredState,
+    pub(super) pending: PendingEntry,
+    /// Entries that each ray has consumed.
+    consumed: [u32; TILE],
+    /// Rest of [`BoundaryHits::exit_checksum`].
+    pub(super) exit_checksum: [u32; TILE],
+    /// Active rays, a bit each, and those of them that are about to enter.
+    pub(super) active: u32,
+    pub(super) entering: u32,
+    pub(super) slices: usize,
+    /// Segments so far.
+    pub segments: u64,
+    /// True if a ray left by an unexpected face.
+    pub is_mistracked: bool,
+}
+
+/// Next entry of each ray: corners, half-face, depth (steps).
+pub(super) struct PendingEntry {
+    pub corners: [[u32; MAX_LANES]; 3],
+    pub half_face: [u32; MAX_LANES],
+    pub at: [u32; MAX_LANES],
+}
+
+impl<'a> RayPacket<'a> {
+    /// Packet without rays.
+    pub fn new(caster: &'a RayCaster, hits: &'a BoundaryHits, distance_origin: f64) -> RayPacket<'a> {
+        RayPacket {
+            caster,
+            hits,
+            pixels: [0; TILE],
+            x: [0; TILE],
+            y: [0; TILE],
+            length_per_depth: [1.0; TILE],
+            distance_origin,
+            state: StoredState::outside(caster.half_faces.sentinel()),
+            pending: PendingEntry {
+                corners: [[0; MAX_LANES]; 3],
+                half_face: [0; MAX_LANES],
+                at: [0; MAX_LANES],
+            },
+            consumed: [0; TILE],
+            exit_checksum: [0; TILE],
+            active: 0,
+            entering: 0,
+            slices: 0,
+            segments: 0,
+            is_mistracked: false,
+        }
+    }
+
+    /// Replaces the rays by those of a packet of the tile, before they enter.
+    pub fn begin(&mut self, number: usize, rect: TileRect, length_per_depth: &[f32; PIXELS]) {
+        (self.entering, self.slices) = (u32::MAX >> (32 - TILE), 0);
+        (self.consumed, self.pending.at) = ([0; TILE], [0; MAX_LANES]);
+        let steps = |n: usize| (n << self.caster.points.pixel_bits) as u32;
+        for ray in 0..TILE {
+            let pixel = pixel_of(number, ray);
+            self.pixels[ray] = pixel as u32;
+            self.x[ray] = steps(rect.left + pixel % TILE);
+            self.y[ray] = steps(rect.top + pixel / TILE);
+            self.length_per_depth[ray] = length_per_depth[pixel];
+            self.exit_checksum[ray] = self.hits.exit_checksum(pixel);
+        }
+        for ray in 0..TILE {
+            self.enter_grid(ray);
+        }
+    }
+
+    /// True if any ray is active.
+    pub fn is_active(&self) -> bool {
+        self.active != 0
+    }
+
+    /// Ends all rays.
+    pub fn stop(&mut self) {
+        self.active = 0;
+    }
+
+    /// Enters the grid by a ray's next entry; if there is none the ray ends. It is mistracked where it has not exited by all faces that it
+    /// should have, or enters before it exited.
+    pub(super) fn enter_grid(&mut self, ray: usize) {
+        let bit = 1 << ray;
+        let Some(entry) = self.hits.entries_of(self.pixels[ray] as usize).get(self.consumed[ray] as usize)
+        else {
+            self.is_mistracked |= self.exit_checksum[ray] != 0;
+            self.active &= !bit;
+            self.pending.half_face[ray] = self.caster.half_faces.sentinel();
+            return;
+        };
+        self.is_mistracked |= entry.depth.saturating_add(ENTRY_OVERLAP) < self.pending.at[ray];
+        self.consumed[ray] += 1;
+        self.active |= bit;
+        let face = self.caster.half_faces.boundary[entry.face as usize];
+        for (corners, corner) in self.pending.corners.iter_mut().zip(face.corners) {
+            corners[ray] = corner;
+        }
+        self.pending.half_face[ray] = face.half_face;
+        self.pending.at[ray] = entry.depth;
+    }
+}

@@ -1,0 +1,172 @@
+//! Deferred shading: segments of many batches that need a slower kernel are queued until there are enough of a kind to fill vectors, for
+//! they are few among their neighbours. Occluded ones are dropped.
+
+use crate::composite::deferred_fragments::DeferredFragments;
+use crate::composite::frame::FrameContext;
+use crate::fragments::batch::{BATCH, Batch, Column};
+use crate::shade::roads::finish;
+use crate::shade::shaded::{KINDS, Shaded};
+use crate::tile::TILE;
+use crate::tolerances::{MIN_DEFERRED_VISIBILITY, MIN_TRANSMITTANCE_SAFE};
+
+/// Queues of segments that need a slower kernel: one for each kind of [`Shaded::left_over`].
+pub(crate) struct DeferredShading {
+    queues: [Queue; KINDS],
+    /// Opacities of a batch's segments, before and after light.
+    opacity: Box<Column>,
+    opacities: Box<Column>,
+    /// Upper bound of the transmittance in front of a batch's segments.
+    visibility: Box<Column>,
+    /// Upper bound of the transmittance of the pixels of deferred rows.
+    transmittance: Box<[[f32; TILE]; TILE]>,
+    /// Results of the slower kernels.
+    pub shaded: Shaded,
+}
+
+/// Segments of one kind.
+struct Queue {
+    batch: Batch,
+    /// Indices among the deferred fragments.
+    index: Box<Column<u32>>,
+    opacity: Box<Column>,
+    /// Factors of light on colour and opacity.
+    light: [Box<Column>; 2],
+    count: usize,
+}
+
+/// Kind of segments whose opacities are unknown.
+const UNKNOWN: usize = KINDS - 1;
+
+/// Segments of unknown opacity that are queued at most: those behind them may be occluded.
+const MAX_UNKNOWN: usize = 32;
+
+impl DeferredShading {
+    pub fn new(scalar_count: usize) -> DeferredShading {
+        let queue = |_| Queue {
+            batch: Batch::new(scalar_count, scalar_count),
+            index: Column::new(),
+            opacity: Column::new(),
+            light: [Column::new(), Column::new()],
+            count: 0,
+        };
+        DeferredShading {
+            queues: std::array::from_fn(queue),
+            opacity: Column::new(),
+            opacities: Column::new(),
+            visibility: Column::new(),
+            transmittance: Box::new([[1.0; TILE]; TILE]),
+            shaded: Shaded::new(),
+        }
+    }
+
+    /// Begins a row whose pixels have a transmittance.
+    pub fn begin(&mut self, row: usize, transmittance: &[f32; TILE]) {
+        self.transmittance[row] = *transmittance;
+    }
+
+    /// True if no further segment of a deferred row is visible.
+    pub fn is_opaque(&self, row: usize) -> bool {
+        self.transmittance[row].iter().all(|transmittance| *transmittance <= MIN_TRANSMITTANCE_SAFE)
+    }
+
+    /// Makes the segments of a batch that will be deferred white and opaque, so that the factors of light are kept.
+    pub fn mark_deferred(&mut self, shaded: &mut Shaded) {
+        let Shaded { in_order, deep, dense, rest, rgba, .. } = shaded;
+        for &k in in_order.iter().chain([&*deep, &*dense, &*rest]).flatten() {
+            self.opacity[k] = rgba[3][k];
+            rgba.iter_mut().for_each(|column| column[k] = 1.0);
+        }
+    }
+
+    /// Puts the first `count` segments of a batch, slices of a row, among the deferred fragments, and those that may be visible and need a slower kernel in queues.
+    pub fn take(
+        &mut self,
+        frame: &FrameContext<'_>,
+        (row, batch): (usize, &Batch),
+        shaded: &Shaded,
+        count: usize,
+        deferred: &mut DeferredFragments,
+    ) {
+        self.find_visibility(row, batch, shaded, count);
+        let first = deferred.take(row, batch, shaded, count);
+        let rgba = &shaded.rgba;
+        for (number, which) in shaded.left_over().into_iter().enumerate() {
+            for &k in which {
+                let index = first + k;
+                if self.visibility[k] <= MIN_DEFERRED_VISIBILITY {
+                    // The white of a marked segment would show.
+                    deferred.set(index, [0.0, 0.0, 0.0, self.opacities[k]]);
+                    continue;
+                }
+                let queue = &mut self.queues[number];
+                let to = queue.count;
+                queue.batch.length[to] = batch.length[k];
+                for a in 0..queue.batch.scalar_count {
+                    queue.batch.front[a][to] = batch.front[a][k];
+                    queue.batch.back[a][to] = batch.back[a][k];
+                }
+                queue.index[to] = index as u32;
+                queue.opacity[to] = self.opacity[k];
+                queue.light[0][to] = rgba[0][k];
+                queue.light[1][to] = rgba[3][k];
+                queue.count += 1;
+                if queue.count == BATCH {
+                    self.run_queue(number, frame, deferred);
+                }
+            }
+        }
+        if self.queues[UNKNOWN].count > MAX_UNKNOWN {
+            self.run_queue(UNKNOWN, frame, deferred);
+        }
+    }
+
+    /// Finds the visibility of each segment of a batch, and opacities after light; 0 where they are unknown.
+    fn find_visibility(&mut self, row: usize, batch: &Batch, shaded: &Shaded, count: usize) {
+        let opacities = &mut self.opacities;
+        opacities.copy_from_slice(&**shaded.rgba[3]);
+        for (number, which) in shaded.left_over().into_iter().enumerate() {
+            for &k in which {
+                opacities[k] *= if number == UNKNOWN { 0.0 } else { self.opacity[k] };
+            }
+        }
+        let of_row = &mut self.transmittance[row];
+        for at in (0..count).step_by(TILE) {
+            self.visibility[at..][..TILE].copy_from_slice(of_row);
+            let slice = batch.length[at..][..TILE].iter().zip(&opacities[at..][..TILE]);
+            for (transmittance, (length, opacity)) in of_row.iter_mut().zip(slice) {
+                *transmittance *= if *length > 0.0 { 1.0 - opacity } else { 1.0 };
+            }
+        }
+    }
+
+    /// Runs the slower kernels on all queues.
+    pub fn finish(&mut self, frame: &FrameContext<'_>, deferred: &mut DeferredFragments) {
+        for number in 0..self.queues.len() {
+            self.run_queue(number, frame, deferred);
+        }
+    }
+
+    fn run_queue(&mut self, number: usize, frame: &FrameContext<'_>, deferred: &mut DeferredFragments) {
+        let DeferredShading { queues, shaded, transmittance, .. } = self;
+        let queue = &mut queues[number];
+        let count = std::mem::take(&mut queue.count);
+        if count == 0 {
+            return;
+        }
+        shaded.clear();
+        shaded.left_over_mut()[number].extend(0..count);
+        shaded.rgba[3].copy_from_slice(&**queue.opacity);
+        finish(frame.shader, frame.lanes, &queue.batch, shaded);
+        let [color, opacity] = &queue.light;
+        for (column, light) in shaded.rgba.iter_mut().zip([color, color, color, opacity]) {
+            column.iter_mut().zip(light.iter()).take(count).for_each(|(value, light)| *value *= light);
+        }
+        let [r, g, b, a] = &shaded.rgba;
+        for (k, &index) in queue.index.iter().enumerate().take(count) {
+            deferred.set(index as usize, [r[k], g[k], b[k], a[k]]);
+            if number == UNKNOWN {
+                transmittance[deferred.row_of(index as usize)][index as usize % TILE] *= 1.0 - a[k];
+            }
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! A tile's projected cells in grid order, as many at a time as there are lanes: spans of all become one dense list of fragments
+//! ([`crate::fragments::spans`]), these are intersected ([`crate::fragments::crossing`]), and the segments go to per-pixel lists
+//! ([`super::fragment_lists`]) or, shaded as they come, to a sink.
+
+use crate::composite::fragment_lists::{FragmentLists, Overflow};
+use crate::composite::frame::FrameContext;
+use crate::composite::kernels::{Append, Cover, Evaluate, Illuminate};
+use crate::composite::row_shader::RowShader;
+use crate::composite::scratch::Scratch;
+use crate::composite::sinks::Sink;
+use crate::fragments::batch::{BATCH, Batch};
+use crate::fragments::depth_limit::clip_to_depth;
+use crate::project::precise_cell::{PreciseCell, PreciseCrossing};
+use crate::project::tile_bins::TileBins;
+use crate::shade::roads::integrate;
+use crate::tile::TileRect;
+use std::ops::Range;
+use voltet_simd::dispatch;
+
+/// Appends the segments of a tile's cells to its lists. Errors: a pixel has too many.
+pub(crate) fn list(
+    frame: &FrameContext<'_>,
+    bins: &TileBins,
+    rect: TileRect,
+    scratch: &mut Scratch,
+    lists: &mut FragmentLists,
+) -> Result<(), Overflow> {
+    let Scratch { fragments, edges, packet, counts, .. } = scratch;
+    let entries = bins.entries_of(rect.position());
+    let width = frame.lanes.width();
+    for (number, cells) in entries.chunks(width).enumerate() {
+        let ahead = &entries[((number + 1) * width).min(entries.len())..];
+        let cover = Cover {
+            bins,
+            screen_vertices: frame.input.screen_vertices,
+            cells,
+            ahead,
+            rect,
+            rows: 0..rect.size[1],
+            next: Some(&mut lists.next),
+            packet: &mut *packet,
+            edges: &mut *edges,
+            fragments: &mut *fragments,
+        };
+        dispatch(frame.lanes, cover);
+        counts.segments += dispatch(frame.lanes, Append { frame, packet, fragments, lists })?;
+    }
+    Ok(())
+}
+
+/// Appends the segments of a tile's precise cells to its lists. Errors: a pixel has too many.
+pub(crate) fn list_precise(
+    frame: &FrameContext<'_>,
+    bins: &TileBins,
+    rect: TileRect,
+    scratch: &mut Scratch,
+    lists: &mut FragmentLists,
+) -> Result<(), Overflow> {
+    let Scratch { row_shader: RowShader { batch, .. }, counts, .. } = scratch;
+    for_each_precise(frame, bins, rect, 0..rect.size[1], |cell, crossing, pixel| {
+        // Lists hold depths.
+        frame.put_precise(cell, crossing, pixel, 1.0, 0, batch);
+        counts.segments += 1;
+        let ends = batch.front.iter().zip(&batch.back).map(|(front, back)| [front[0], back[0]]);
+        lists.push(batch.pixel[0] as usize, [batch.entry[0], batch.length[0]], ends)
+    })
+}
+
+/// Calls for each pixel of some rows of a tile that meets a precise cell, until an error.
+fn for_each_precise(
+    frame: &FrameContext<'_>,
+    bins: &TileBins,
+    rect @ TileRect { left, top, size: [columns, _], .. }: TileRect,
+    rows: Range<usize>,
+    mut each: impl FnMut(&PreciseCell, &PreciseCrossing, [usize; 2]) -> Result<(), Overflow>,
+) -> Result<(), Overflow> {
+    for cell in bins.precise_cells_of(rect.position()) {
+        let [x0, y0, x1, y1] = cell.bounds;
+        for j in y0.max(top + rows.start)..y1.min(top + rows.end) {
+            for i in x0.max(left)..x1.min(left + columns) {
+                if let Some(crossing) = cell.cross(frame.view, i, j) {
+                    each(cell, &crossing, [i, j])?;
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Sends all segments of some rows of a tile to a sink, as they come.
+pub(crate) fn walk<S: Sink>(
+    frame: &FrameContext<'_>,
+    bins: &TileBins,
+    rect: TileRect,
+    rows: Range<usize>,
+    scratch: &mut Scratch,
+    sink: &mut S,
+) {
+    let Scratch { fragments, edges, packet, length_per_depth, row_shader, counts, .. } = scratch;
+    let RowShader { batch, shaded, rays, depth_limits, .. } = row_shader;
+    let mut send = |sink: &mut S, batch: &mut Batch, count: usize| {
+        if frame.depth_limit.is_some() {
+            clip_to_depth(batch, count, frame.attribute_count(), depth_limits);
+        }
+        integrate(frame.shader, frame.lanes, batch, count, shaded);
+        if frame.shader.surface.is_some() {
+            dispatch(frame.lanes, Illuminate { frame, batch, count, rays, shaded });
+        }
+        sink.take(batch, shaded, count);
+    };
+
+    let width = frame.lanes.width();
+    let entries = bins.entries_of(rect.position());
+    for (number, cells) in entries.chunks(width).enumerate() {
+        if sink.is_opaque() {
+            let precise = bins.precise_cells_of(rect.position()).count();
+            counts.tiles_stopped += 1;
+            counts.cells_hidden += (entries.len() - number * width + precise) as u64;
+            return;
+        }
+        let ahead = &entries[((number + 1) * width).min(entries.len())..];
+        let cover = Cover {
+            bins,
+            screen_vertices: frame.input.screen_vertices,
+            cells,
+            ahead,
+            rect,
+            rows: rows.clone(),
+            next: None,
+            packet: &mut *packet,
+            edges: &mut *edges,
+            fragments: &mut *fragments,
+        };
+        dispatch(frame.lanes, cover);
+        let mut from = 0;
+        while from < fragments.count {
+            let count = (fragments.count - from).min(BATCH);
+            let codes = &fragments.codes[from..];
+            dispatch(frame.lanes, Evaluate { frame, packet, codes, count, length_per_depth, batch });
+            counts.segments += u64::from(batch.hits);
+            send(sink, batch, count);
+            from += count;
+        }
+    }
+
+    // These may lie in front of what hides the others.
+    let mut count = 0;
+    let _ = for_each_precise(frame, bins, rect, rows, |cell, crossing, [i, j]| {
+        let length_per_depth = frame.view.length_per_depth(i as f64, j as f64);
+        frame.put_precise(cell, crossing, [i, j], length_per_depth, count, batch);
+        count += 1;
+        if count == BATCH {
+            counts.segments += count as u64;
+            send(sink, batch, std::mem::take(&mut count));
+        }
+        Ok(())
+    });
+    if count > 0 {
+        counts.segments += count as u64;
+        send(sink, batch, count);
+    }
+}

@@ -1,0 +1,229 @@
+//! Row shader: a row's segments front to back, shaded and blended as far as they are visible (early ray termination).
+
+use crate::composite::accumulators::{OpticalDepthRows, TileAccumulator};
+use crate::composite::deferred_fragments::DeferredFragments;
+use crate::composite::deferred_shading::DeferredShading;
+use crate::composite::fragment_lists::FragmentLists;
+use crate::composite::frame::FrameContext;
+use crate::composite::kernels::{Arrange, Fill, Illuminate};
+use crate::fragments::batch::{BATCH, Batch};
+use crate::fragments::depth_limit::{DepthLimits, clip_to_depth};
+use crate::segment_cache::CachedSlices;
+use crate::shade::light::Rays;
+use crate::shade::roads::{finish, quick};
+use crate::shade::shaded::Shaded;
+use crate::tile::{PIXELS, TILE};
+use std::ops::Range;
+use voltet_simd::{LaneSet, dispatch};
+
+/// A row's segments in order, slice by slice: each the next segment of all pixels.
+pub(crate) enum Slices<'a> {
+    /// From lists that are sorted.
+    Listed(ListedSlices<'a>),
+    /// From cached segments.
+    Cached(CachedSlices<'a>),
+}
+
+/// Slices of a row of sorted lists: see [`FragmentLists::fill`].
+pub(crate) struct ListedSlices<'a> {
+    lists: &'a FragmentLists,
+    row: usize,
+    length_per_depth: &'a [f32; PIXELS],
+    remaining: Range<usize>,
+}
+
+impl<'a> ListedSlices<'a> {
+    /// All slices of a row that is sorted.
+    pub fn new(
+        lists: &'a FragmentLists,
+        row: usize,
+        length_per_depth: &'a [f32; PIXELS],
+    ) -> ListedSlices<'a> {
+        ListedSlices { lists, row, length_per_depth, remaining: 0..lists.max_length(row) }
+    }
+
+    /// Fills a batch, if `depths` with pixels, entries and exits; returns its fragments, none at the end.
+    pub fn next(&mut self, lanes: LaneSet, depths: bool, batch: &mut Batch) -> usize {
+        let ListedSlices { lists, row, length_per_depth, remaining } = self;
+        let slices = remaining.start..(remaining.start + BATCH / TILE).min(remaining.end);
+        if slices.is_empty() {
+            return 0;
+        }
+        remaining.start = slices.end;
+        let (row, count) = (*row, slices.len() * TILE);
+        dispatch(lanes, Fill { lists, row, slices, length_per_depth, depths, batch });
+        count
+    }
+}
+
+impl Slices<'_> {
+    /// Fills a batch; returns its fragments, none at the end.
+    pub fn next(&mut self, frame: &FrameContext<'_>, batch: &mut Batch) -> usize {
+        match self {
+            Slices::Cached(cached) => cached.next(batch),
+            Slices::Listed(listed) => listed.next(frame.lanes, frame.needs_depths(), batch),
+        }
+    }
+
+    /// Segments that were taken from the cache: those in lists were counted before.
+    pub fn segments(&self) -> u64 {
+        match self {
+            Slices::Cached(cached) => cached.segments,
+            Slices::Listed(_) => 0,
+        }
+    }
+}
+
+/// Shader of a tile's rows.
+pub(crate) struct RowShader {
+    pub batch: Batch,
+    pub shaded: Shaded,
+    pub deferred_shading: DeferredShading,
+    pub deferred: DeferredFragments,
+    /// Directions of the tile's rays, where light reads them.
+    pub rays: Rays,
+    pub depth_limits: DepthLimits,
+}
+
+impl RowShader {
+    pub fn new(frame: &FrameContext<'_>) -> RowShader {
+        RowShader {
+            batch: Batch::new(frame.attribute_count(), frame.scalar_count),
+            shaded: Shaded::new(),
+            deferred_shading: DeferredShading::new(frame.scalar_count),
+            deferred: DeferredFragments::default(),
+            rays: [[0.0; PIXELS]; 3],
+            depth_limits: [f32::INFINITY; PIXELS],
+        }
+    }
+
+    /// Blends a row's segments until the row is opaque; some may be deferred to [`RowShader::end`].
+    pub fn blend(
+        &mut self,
+        frame: &FrameContext<'_>,
+        row: usize,
+        slices: &mut Slices<'_>,
+        pixels: &mut TileAccumulator,
+    ) {
+        while !self.is_opaque(row, pixels) {
+            let count = slices.next(frame, &mut self.batch);
+            if count == 0 {
+                break;
+            }
+            self.blend_batch(frame, row, count, pixels);
+        }
+        if self.deferred.is_large() {
+            self.end(frame, pixels);
+        }
+    }
+
+    /// True if no further segment is visible in a row.
+    pub fn is_opaque(&self, row: usize, pixels: &TileAccumulator) -> bool {
+        pixels.is_opaque(row) || (self.deferred.holds(row) && self.deferred_shading.is_opaque(row))
+    }
+
+    /// Blends the first `count` segments of the batch, slices of a row.
+    pub fn blend_batch(
+        &mut self,
+        frame: &FrameContext<'_>,
+        row: usize,
+        count: usize,
+        pixels: &mut TileAccumulator,
+    ) {
+        let RowShader { batch, shaded, deferred_shading, deferred, depth_limits, .. } = self;
+        if frame.depth_limit.is_some() {
+            clip_to_depth(batch, count, frame.attribute_count(), depth_limits);
+        }
+        quick(frame.shader, frame.lanes, batch, count, shaded);
+        let is_deferred = deferred.holds(row);
+        if !frame.shader.pools() {
+            finish(frame.shader, frame.lanes, batch, shaded);
+        } else if is_deferred || shaded.left_over().iter().any(|which| !which.is_empty()) {
+            if !is_deferred {
+                deferred_shading.begin(row, pixels.transmittance(row));
+            }
+            deferred_shading.mark_deferred(shaded);
+            self.light(frame, count);
+            let RowShader { batch, shaded, deferred_shading, deferred, .. } = self;
+            return deferred_shading.take(frame, (row, batch), shaded, count, deferred);
+        }
+        self.light(frame, count);
+        pixels.take(frame.lanes, row, &self.batch, &self.shaded, count);
+    }
+
+    /// Blends the deferred segments.
+    pub fn end(&mut self, frame: &FrameContext<'_>, pixels: &mut TileAccumulator) {
+        self.deferred_shading.finish(frame, &mut self.deferred);
+        self.deferred.end(frame.lanes, pixels);
+    }
+
+    fn light(&mut self, frame: &FrameContext<'_>, count: usize) {
+        if frame.shader.surface.is_some() {
+            let RowShader { batch, shaded, rays, .. } = self;
+            dispatch(frame.lanes, Illuminate { frame, batch, count, rays, shaded });
+        }
+    }
+
+    /// Adds up a row's optical depths until the sums are opaque.
+    pub fn sum(
+        &mut self,
+        frame: &FrameContext<'_>,
+        row: usize,
+        slices: &mut Slices<'_>,
+        sums: &mut OpticalDepthRows<'_>,
+    ) {
+        while !sums.is_opaque(row) {
+            let count = slices.next(frame, &mut self.batch);
+            if count == 0 {
+                return;
+            }
+            self.sum_batch(frame, row, count, sums);
+        }
+    }
+
+    /// Adds up the optical depths of the first `count` segments of the batch, slices of a row.
+    pub fn sum_batch(
+        &mut self,
+        frame: &FrameContext<'_>,
+        row: usize,
+        count: usize,
+        sums: &mut OpticalDepthRows<'_>,
+    ) {
+        let RowShader { batch, shaded, depth_limits, .. } = self;
+        if frame.depth_limit.is_some() {
+            clip_to_depth(batch, count, frame.attribute_count(), depth_limits);
+        }
+        quick(frame.shader, frame.lanes, batch, count, shaded);
+        finish(frame.shader, frame.lanes, batch, shaded);
+        self.light(frame, count);
+        sums.take(frame.lanes, row, &self.shaded, count);
+    }
+}
+
+/// Blends the segments of lists by known colours: `rgba` of the number whose bits each has in place of an attribute. Returns the pixels
+/// whose segments are not in order.
+pub(crate) fn blend_by_numbers(
+    lanes: LaneSet,
+    lists: &mut FragmentLists,
+    sorted: bool,
+    rgba: &[[f32; 4]],
+    pixels: &mut TileAccumulator,
+) -> u64 {
+    let (mut batch, mut shaded, mut disordered) = (Batch::new(1, 1), Shaded::new(), 0);
+    for row in 0..TILE {
+        disordered += dispatch(lanes, Arrange { lists, row, sorted });
+        let mut slices = ListedSlices::new(lists, row, &[1.0; PIXELS]);
+        while !pixels.is_opaque(row) {
+            let count = slices.next(lanes, false, &mut batch);
+            if count == 0 {
+                break;
+            }
+            for k in 0..count {
+                let of_segment = rgba.get(batch.front[0][k].to_bits() as usize).copied().unwrap_or_default();
+                shaded.rgba.iter_mut().zip(of_segment).for_each(|(column, value)| column[k] = value);
+            }
+            pixels.take(lanes, row, &batch, &shaded, count);
+        }
+    }
+    disordered
+}

@@ -1,0 +1,233 @@
+//! Frame renderer: the composite stage on all threads.
+
+use crate::attribute::{Attribute, gradient_attributes};
+use crate::composite::frame::{FrameContext, SegmentSource};
+use crate::composite::worker::{Worker, WorkerOutput};
+use crate::counts::Counts;
+use crate::projection::Projection;
+use crate::segment_cache::{CacheBudget, SegmentCache};
+use crate::shade::shader::Shader;
+use crate::subpixel::{PreparedSource, SubpixelView};
+use crate::tile::{TILE, TilePicture};
+use rayon::prelude::*;
+use std::sync::atomic::AtomicUsize;
+use voltet_core::picture::Picture;
+use voltet_core::progress::Progress;
+use voltet_core::{Error, Result};
+use voltet_optics::shading::Ordering;
+
+/// A projection with the compiled shader and the integrator's tables: all that is made once for drawing it.
+pub struct FrameRenderer<'a> {
+    pub(crate) projection: &'a Projection,
+    pub(crate) attributes: Vec<Attribute<'a>>,
+    pub(crate) shader: Shader,
+    pub(crate) table_bytes: u64,
+}
+
+/// Checks depth limits: one a pixel, each a number.
+fn check_depth_limit(limits: &[f32], [width, height]: [usize; 2]) -> Result<()> {
+    if limits.len() != width * height {
+        let error = Error::usage("the rays' ends are not one a pixel").got(limits.len());
+        return Err(error.expected(format!("{width} × {height}, the camera's")));
+    }
+    match limits.iter().position(|end| end.is_nan()) {
+        None => Ok(()),
+        Some(pixel) => Err(Error::usage("the end of a ray is not a number")
+            .got(format!("pixel {} of row {}", pixel % width, pixel / width))
+            .expected("depths, infinite where nothing limits a ray")),
+    }
+}
+
+impl FrameRenderer<'_> {
+    /// Integrates and composites every pixel's segments. Errors: a cancelled run, a segment that the integrator cannot integrate.
+    pub fn composite(&self, progress: &dyn Progress) -> Result<(Picture, Counts)> {
+        self.composite_with_depth(None, progress)
+    }
+
+    /// Like [`FrameRenderer::composite`], with rays that end, as at opaque surfaces of another renderer. `depth_limit`: for each pixel, row
+    /// by row from the top, the depth of its ray's end along the view direction (world units); infinite where nothing ends it. Errors:
+    /// another number of pixels, a depth that is not a number.
+    pub fn composite_with_depth(
+        &self,
+        depth_limit: Option<&[f32]>,
+        progress: &dyn Progress,
+    ) -> Result<(Picture, Counts)> {
+        self.draw(depth_limit, None, progress)
+    }
+
+    /// Like [`FrameRenderer::composite`], from cached segments of this view: the projection is one of no cell.
+    pub(crate) fn composite_cached(
+        &self,
+        cache: &SegmentCache,
+        progress: &dyn Progress,
+    ) -> Result<(Picture, Counts)> {
+        self.draw(None, Some(cache), progress)
+    }
+
+    /// Records the segments in place of drawing them: of one sample a pixel. `None` where they take more than `limit` bytes, or a
+    /// pixel has too many.
+    pub(crate) fn record(&self, limit: u64, progress: &dyn Progress) -> Result<Option<SegmentCache>> {
+        let Some(sample) = self.projection.samples.first() else { return Ok(None) };
+        let budget = CacheBudget::new(limit);
+        let tiles = sample.queue();
+        let source = sample.source(&tiles, None);
+        let frame = FrameContext { sorted: true, ..self.frame(sample, source, &self.attributes, None) };
+        let outputs = self.run(&frame, Some(&budget), progress)?;
+        if budget.is_exhausted() {
+            return Ok(None);
+        }
+        let tiles = outputs.into_iter().flat_map(|output| output.cached).collect();
+        let [columns, rows] = self.projection.camera.size.map(|n| (n as usize).div_ceil(TILE));
+        Ok(Some(SegmentCache::new(tiles, columns * rows, self.projection.max_optical_depth)))
+    }
+
+    /// Inputs of the workers for a sub-pixel view.
+    fn frame<'b>(
+        &'b self,
+        sample: &'b SubpixelView,
+        source: SegmentSource<'b>,
+        attributes: &'b [Attribute<'b>],
+        depth_limit: Option<&'b [f32]>,
+    ) -> FrameContext<'b> {
+        let cells = &self.projection.cells;
+        let grid = &cells.volume.grid;
+        let sorted = match cells.ordering {
+            // Cached segments are sorted.
+            _ if matches!(source, SegmentSource::Cached(_)) => false,
+            // The cells may have been ordered for another shading.
+            Ordering::Independent | Ordering::PerPixel => self.shader.one_color.is_none(),
+            Ordering::CellCentroid | Ordering::Submission => false,
+        };
+        FrameContext {
+            view: &sample.view,
+            lanes: cells.lanes,
+            shader: &self.shader,
+            source,
+            input: sample.input(grid, attributes),
+            points: &grid.points,
+            near: sample.near,
+            scalar_count: self.attributes.len(),
+            sorted,
+            exhaustive: cells.exhaustive,
+            depth_limit,
+            buffers: &cells.buffers,
+        }
+    }
+
+    /// Runs the workers on all threads.
+    fn run(
+        &self,
+        frame: &FrameContext<'_>,
+        recording: Option<&CacheBudget>,
+        progress: &dyn Progress,
+    ) -> Result<Vec<WorkerOutput>> {
+        let next = AtomicUsize::new(0);
+        let outputs: Vec<Result<WorkerOutput>> =
+            rayon::broadcast(|_| Worker { frame, next: &next, recording, progress }.run());
+        let outputs: Vec<WorkerOutput> = outputs.into_iter().collect::<Result<_>>()?;
+        if progress.cancelled() {
+            return Err(Error::cancelled());
+        }
+        match self.shader.failure() {
+            Some(error) => Err(error.clone()),
+            None => Ok(outputs),
+        }
+    }
+
+    fn draw(
+        &self,
+        depth_limit: Option<&[f32]>,
+        cache: Option<&SegmentCache>,
+        progress: &dyn Progress,
+    ) -> Result<(Picture, Counts)> {
+        let FrameRenderer { projection, attributes, table_bytes, .. } = self;
+        let cells = &projection.cells;
+        let [width, height] = projection.camera.size.map(|n| n as usize);
+        if let Some(limits) = depth_limit {
+            check_depth_limit(limits, [width, height])?;
+        }
+        let mut picture = Picture::transparent(width, height);
+        let (cells_projected, table_bytes) = (projection.cells_projected().unwrap_or(0), *table_bytes);
+        let mut counts = Counts { cells_projected, table_bytes, ..Counts::default() };
+        let offsets = projection.camera.sample_offsets();
+        let weight = 1.0 / offsets.len() as f32;
+        let mut all = attributes.clone();
+        if projection.samples.iter().any(|sample| attributes.len() < sample.attribute_count) {
+            all.extend(gradient_attributes(cells)?);
+        }
+        for (k, &offset) in offsets.iter().enumerate() {
+            let further;
+            let sample = match projection.samples.get(k) {
+                Some(sample) => sample,
+                None => {
+                    further = projection.sample(offset, &all, progress)?;
+                    &further
+                }
+            };
+            let tiles = sample.queue();
+            let source = match cache {
+                Some(cache) => SegmentSource::Cached(cache),
+                None => sample.source(&tiles, None),
+            };
+            let mut outputs = self.run(&self.frame(sample, source, &all, depth_limit), None, progress)?;
+            let mut mistracked: Vec<u32> =
+                outputs.iter().flat_map(|output| output.mistracked.iter().copied()).collect();
+            mistracked.sort_unstable();
+            if !mistracked.is_empty() {
+                let projected = sample.projected(cells, &all, &mistracked)?;
+                let source = projected.source(&mistracked, Some(&mistracked));
+                counts.tiles_lost += mistracked.len() as u64;
+                outputs.extend(self.run(
+                    &self.frame(&projected, source, &all, depth_limit),
+                    None,
+                    progress,
+                )?);
+            }
+            let tiles_wide = width.div_ceil(TILE);
+            let mut pictures: Vec<Option<&TilePicture>> = vec![None; tiles_wide * height.div_ceil(TILE)];
+            for output in &outputs {
+                counts += output.counts;
+                for (tile, pixels) in &output.tiles {
+                    pictures[*tile as usize] = Some(pixels);
+                }
+            }
+            add(&mut picture, &pictures, tiles_wide, weight);
+        }
+        Ok((picture, counts))
+    }
+}
+
+impl SubpixelView {
+    /// Tiles that have work, numbered row by row, those with most work first; none where regions are projected one by one.
+    fn queue(&self) -> Vec<u32> {
+        match &self.source {
+            PreparedSource::Tiles(bins) => bins.queue(self.view.size[0]),
+            PreparedSource::Regions(_) => Vec::new(),
+            PreparedSource::RayCast(caster) => caster.queue(),
+        }
+    }
+
+    /// Source of segments, for `tiles`. `only`: the tiles of regions that are drawn; `None`: all.
+    fn source<'a>(&'a self, tiles: &'a [u32], only: Option<&'a [u32]>) -> SegmentSource<'a> {
+        match &self.source {
+            PreparedSource::Tiles(bins) => SegmentSource::Tiles { bins, tiles },
+            PreparedSource::Regions(regions) => SegmentSource::Regions { regions: &regions.list, only },
+            PreparedSource::RayCast(caster) => SegmentSource::RayCast { caster, tiles },
+        }
+    }
+}
+
+/// Adds the tiles of a sample, by its weight.
+fn add(picture: &mut Picture, tiles: &[Option<&TilePicture>], tiles_wide: usize, weight: f32) {
+    let width = picture.width;
+    picture.rgba.par_chunks_mut(width).enumerate().for_each(|(j, row)| {
+        for (i, pixel) in row.iter_mut().enumerate() {
+            if let Some(tile) = tiles[j / TILE * tiles_wide + i / TILE] {
+                let value = tile[(j % TILE) * TILE + i % TILE];
+                for (sum, value) in pixel.iter_mut().zip(value) {
+                    *sum += weight * value;
+                }
+            }
+        }
+    });
+}

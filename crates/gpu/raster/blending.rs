@@ -1,0 +1,322 @@
+//! The compositors that blend: all cells sorted by distance, drawn farthest first and blended by the hardware.
+//!
+//! The sorted list is drawn in runs. Each is one indirect draw of a fixed number of vertices and triangles a cell, whose
+//! indices are the same for all runs; so what drawing takes is a picture, one list of indices, and for triangles the corners
+//! of one run, whatever the grid's size.
+
+use crate::device::bindings::{Bound, in_order};
+use crate::device::buffers::GrowingBuffer;
+use crate::device::device_handle::Device;
+use crate::device::pipelines::Program;
+use crate::device::timing::Timing;
+use crate::grid::device_grid::DeviceArray;
+use crate::pass::bound_pass::{Binder, BoundPass, buffers, folded, kinds, run, scene_kinds};
+use crate::raster::drawing::{Canvas, Drawing, Target};
+use crate::raster::sort::{Items, ROUNDS, SortBuffers};
+use std::sync::Arc;
+use voltet_core::Result;
+use voltet_core::visibility::FaceOrder;
+use voltet_optics::engine::Stage;
+use voltet_shaders::{Access, Blend, FramePass, GRID_GROUP, GridArray, RunRecord, Shader, ViewRecord};
+use wgpu::{Buffer, BufferUsages, CommandEncoder};
+
+/// As what cells are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Form {
+    /// Outlines of four vertices, which are found while they are drawn.
+    Outlines,
+    /// Triangles round the thick vertex, which a pass splits each run into.
+    Triangles,
+}
+
+impl Form {
+    /// Entry points for vertices and for pixels.
+    fn entry_points(self) -> [&'static str; 2] {
+        match self {
+            Form::Outlines => ["outline_cell", "blend_cell"],
+            Form::Triangles => ["place_corner", "blend_triangle"],
+        }
+    }
+
+    /// The triangles of a cell, by its vertices: of a ring of four, or of four round the first.
+    fn triangles(self) -> &'static [[u32; 3]] {
+        match self {
+            Form::Outlines => &[[0, 1, 2], [0, 2, 3]],
+            Form::Triangles => &[[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]],
+        }
+    }
+
+    /// Vertices of a cell.
+    fn vertices(self) -> u32 {
+        match self {
+            Form::Outlines => 4,
+            Form::Triangles => 5,
+        }
+    }
+
+    /// Indices of a run.
+    fn indices(self, run_length: u32) -> Vec<u32> {
+        let of_cell = |cell| self.triangles().as_flattened().iter().map(move |k| self.vertices() * cell + k);
+        (0..run_length).flat_map(of_cell).collect()
+    }
+}
+
+/// Cells of a run.
+const RUN_LENGTH: u32 = 1 << 16;
+
+/// Runs of one submission, so that no system takes a long frame for a hang: 4 million cells.
+const RUNS_AT_A_TIME: u32 = 64;
+
+/// Buffers of the raster that stay between frames.
+#[derive(Default)]
+pub(crate) struct RasterBuffers {
+    sort: SortBuffers,
+    /// An order of cells that was uploaded.
+    ordered: GrowingBuffer,
+    uploaded: Option<Arc<FaceOrder>>,
+    draws: GrowingBuffer,
+    /// With the form and the run's length that they are for.
+    indices: Option<((Form, u32), Buffer)>,
+    canvases: [Canvas; 2],
+    /// The corners of a run's triangles.
+    split: GrowingBuffer,
+    /// Cells of a run, where it is not [`RUN_LENGTH`].
+    pub run_length: Option<u32>,
+}
+
+/// Form that is drawn.
+pub(crate) struct Blending<'a> {
+    pub shader: &'a Shader,
+    pub form: Form,
+    pub blend: Blend,
+    /// True if pixels hold 8 bits a channel.
+    pub in_8_bits: bool,
+    /// True if optical depths add up; else opacities are composited.
+    pub depths_add_up: bool,
+    pub sorted: bool,
+    /// The order in which the cells are taken, where it is known.
+    pub ordered: Option<&'a Arc<FaceOrder>>,
+    /// The window, in tiles.
+    pub window: [u32; 4],
+    /// Arrays of the grid that are read.
+    pub cells_read: &'static [(GridArray, Access)],
+    pub scalar: &'a DeviceArray,
+    /// Group 0: the scene and its tables.
+    pub scene: &'a [(u32, &'a Buffer)],
+    /// Buffer of the picture.
+    pub pixels: &'a Buffer,
+}
+
+/// The passes over one window.
+pub(crate) struct Raster {
+    sort: Vec<BoundPass>,
+    /// For each run, where cells are split into triangles.
+    split: Vec<BoundPass>,
+    /// The entry point for pixels.
+    name: &'static str,
+    pipeline: Arc<wgpu::RenderPipeline>,
+    groups: [wgpu::BindGroup; 3],
+    canvases: Vec<wgpu::TextureView>,
+    clear: wgpu::Color,
+    indices: Buffer,
+    draws: Buffer,
+    run_count: u32,
+    take: BoundPass,
+}
+
+impl Raster {
+    /// Makes what is missing of the buffers, and binds it.
+    pub fn new(blending: &Blending, kept: &mut RasterBuffers, binder: &Binder) -> Result<Raster> {
+        let &Blending { shader, form, blend, in_8_bits, depths_add_up, sorted, window, scalar, .. } =
+            blending;
+        let &Blending { scene, pixels, .. } = blending;
+        let (device, cell_count) = (binder.device, binder.arrays.grid.cell_count);
+        let scene_kinds = scene_kinds(scene);
+        // A run's corners stand in one binding.
+        let fit = (device.most_bytes() / RunRecord::CELL_BYTES).max(1);
+        let run_length = match form {
+            Form::Outlines => kept.run_length.unwrap_or(RUN_LENGTH),
+            Form::Triangles => kept.run_length.unwrap_or(RUN_LENGTH).min(fit.try_into().unwrap_or(u32::MAX)),
+        };
+        let run_count = cell_count.div_ceil(run_length);
+        let rounds = if sorted { ROUNDS } else { 1 };
+        let ordered = blending.ordered.map(|order| kept.upload(device, order)).transpose()?;
+        let items = ordered.as_ref().map_or(Items::Cells, Items::TimedFaceOrder);
+        let list = kept.sort.sort(binder, cell_count, rounds, items, scalar)?;
+        let usage = BufferUsages::STORAGE | BufferUsages::INDIRECT;
+        let draws_size = 20 * u64::from(run_count);
+        let draws = kept.draws.at_least(draws_size, |size| device.buffer("the draws", size, usage))?;
+        let mut steps = list.steps;
+        let most = device.limits.max_compute_workgroups_per_dimension;
+        // The vertices of triangles are those of a run, others count through the list.
+        let vertices = if form == Form::Outlines { form.vertices() } else { 0 };
+        let constants = vec![
+            ("run_length", f64::from(run_length)),
+            ("cell_indices", 3.0 * form.triangles().len() as f64),
+            ("cell_vertices", f64::from(vertices)),
+        ];
+        let bindings = [&draws, &list.digit_counts];
+        steps.push(binder.step(FramePass::Runs, folded(run_count, most), constants, &bindings, scalar)?);
+        let mut split = Vec::new();
+        // What vertices are read from.
+        let drawn = match form {
+            Form::Outlines => list.sorted.clone(),
+            Form::Triangles => {
+                let size = u64::from(run_length.min(cell_count)) * RunRecord::CELL_BYTES;
+                let corners =
+                    kept.split.at_least(size, |size| device.storage("the corners of a run", size))?;
+                for number in 0..run_count {
+                    let record =
+                        RunRecord { first: number * run_length, length: run_length, padding: [0; 2] };
+                    let this = device.uniform("a run", size_of::<RunRecord>() as u64)?;
+                    device.write(&this, 0, bytemuck::bytes_of(&record));
+                    let bindings = [&this, &list.sorted, &list.digit_counts, &corners];
+                    let over_run = folded(run_length.min(cell_count), most);
+                    split.push(binder.step(FramePass::Split, over_run, vec![], &bindings, scalar)?);
+                }
+                corners
+            }
+        };
+
+        let target = Target::new(blend, depths_add_up, device.blends_32_bits, in_8_bits);
+        let size = [window[2], window[3]].map(|tiles| tiles * ViewRecord::TILE);
+        let made = target.formats.iter().zip(&mut kept.canvases);
+        let canvases: Vec<_> =
+            made.map(|(format, canvas)| canvas.of(device, size, *format)).collect::<Result<_>>()?;
+        let clear = target.clear;
+        let in_grid = binder.arrays.of(blending.cells_read, scalar);
+        let pipeline = device.drawing(&Drawing {
+            shader,
+            entry_points: form.entry_points(),
+            target,
+            groups: [&scene_kinds, &in_order(&[Bound::Uniform, Bound::Read]), &kinds(&in_grid)],
+        })?;
+        let group = |number, list: &[(u32, &Buffer)]| {
+            device.bind_group(&pipeline.get_bind_group_layout(number), whole(list))
+        };
+        let groups = [
+            group(0, scene),
+            group(1, &[(0, binder.view), (1, &drawn)]),
+            group(GRID_GROUP, &buffers(&in_grid)),
+        ];
+
+        // Behind the picture, what is rounded has its opacity in a texture of its own.
+        let texels = [2, 4].into_iter().zip(&canvases);
+        let mut take_kinds = vec![(0, Bound::Uniform), (3, Bound::Write)];
+        take_kinds.extend(texels.clone().map(|(binding, _)| (binding, Bound::Texels)));
+        let take = device.pipeline(&Program {
+            shader,
+            entry_point: "take_blended",
+            constants: vec![],
+            groups: [&scene_kinds, &take_kinds, &[]],
+        })?;
+        let mut resources = whole(&[(0, binder.view), (3, pixels)]);
+        resources.extend(texels.map(|(binding, view)| (binding, wgpu::BindingResource::TextureView(view))));
+        let take_groups = vec![
+            (0, device.bind(&take, 0, scene)),
+            (1, device.bind_group(&take.get_bind_group_layout(1), resources)),
+        ];
+        Ok(Raster {
+            sort: steps,
+            split,
+            name: form.entry_points()[1],
+            pipeline,
+            groups,
+            canvases,
+            clear,
+            indices: kept.indices(device, form, run_length.min(cell_count))?,
+            draws,
+            run_count,
+            take: BoundPass {
+                name: ("take_blended", Stage::Composite),
+                pipeline: take,
+                groups: take_groups,
+                workgroups: [window[2], window[3]],
+            },
+        })
+    }
+
+    /// Sorts, draws all runs and takes the picture. A long list is submitted in parts.
+    pub fn encode(&self, device: &Device, encoder: &mut CommandEncoder, timing: &mut Timing) {
+        self.sort.iter().for_each(|step| run(encoder, step, timing));
+        let mut first = 0;
+        loop {
+            let end = (first + RUNS_AT_A_TIME).min(self.run_count);
+            if self.split.is_empty() {
+                self.draw(encoder, first..end, timing);
+            } else {
+                for (number, split) in (first..end).zip(&self.split[first as usize..]) {
+                    run(encoder, split, timing);
+                    self.draw(encoder, number..number + 1, timing);
+                }
+            }
+            first = end;
+            if first == self.run_count {
+                break;
+            }
+            let next = device.device.create_command_encoder(&Default::default());
+            device.queue.submit([std::mem::replace(encoder, next).finish()]);
+        }
+        run(encoder, &self.take, timing);
+    }
+
+    fn draw(&self, encoder: &mut CommandEncoder, runs: std::ops::Range<u32>, timing: &mut Timing) {
+        let load = match runs.start {
+            0 => wgpu::LoadOp::Clear(self.clear),
+            _ => wgpu::LoadOp::Load,
+        };
+        let attachment = |view| {
+            let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
+            Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
+        };
+        let attachments: Vec<_> = self.canvases.iter().map(attachment).collect();
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(self.name),
+            color_attachments: &attachments,
+            timestamp_writes: timing.next_drawing((self.name, Stage::Composite)),
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.pipeline);
+        for (number, group) in self.groups.iter().enumerate() {
+            pass.set_bind_group(number as u32, group, &[]);
+        }
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
+        for number in runs {
+            pass.draw_indexed_indirect(&self.draws, 20 * u64::from(number));
+        }
+    }
+}
+
+fn whole<'a>(list: &[(u32, &'a Buffer)]) -> Vec<(u32, wgpu::BindingResource<'a>)> {
+    list.iter().map(|(binding, buffer)| (*binding, buffer.as_entire_binding())).collect()
+}
+
+impl RasterBuffers {
+    /// The cells in their order, nearest first, uploaded if they are not there.
+    fn upload(&mut self, device: &Device, order: &Arc<FaceOrder>) -> Result<Buffer> {
+        let what = "the cells in their order";
+        let bytes: &[u8] = bytemuck::cast_slice(&order.cells);
+        let buffer = self.ordered.at_least(bytes.len() as u64, |size| device.storage(what, size))?;
+        if !self.uploaded.as_ref().is_some_and(|known| Arc::ptr_eq(known, order)) {
+            self.uploaded = None;
+            device.guarded(what, || device.write(&buffer, 0, bytes))?;
+            self.uploaded = Some(order.clone());
+        }
+        Ok(buffer)
+    }
+
+    fn indices(&mut self, device: &Device, form: Form, run_length: u32) -> Result<Buffer> {
+        let key = (form, run_length);
+        if let Some((_, known)) = self.indices.as_ref().filter(|(known, _)| *known == key) {
+            return Ok(known.clone());
+        }
+        let indices = form.indices(run_length);
+        let usage = BufferUsages::INDEX | BufferUsages::COPY_DST;
+        let made = device.buffer("the indices of a run", 4 * indices.len() as u64, usage)?;
+        device.guarded("the indices of a run", || {
+            device.write(&made, 0, bytemuck::cast_slice(&indices));
+        })?;
+        self.indices = Some((key, made.clone()));
+        Ok(made)
+    }
+}

@@ -1,0 +1,434 @@
+//! Contexts of a node's functions in the two passes of a run.
+
+use super::demand::Demand;
+use super::observer::NodeProgress;
+use super::origins::Origins;
+use super::port::PortType;
+use super::resolved::ResolvedPipeline;
+use super::value::{CellValues, Revision, StagePayload, TransferFunctionSpec, Value};
+use super::wiring::Wiring;
+use std::any::{Any, TypeId};
+use std::cell::Cell;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+use voltet_core::camera::Camera;
+use voltet_core::diagnostics::Diagnostics;
+use voltet_core::field::Method;
+use voltet_core::grid::Grid;
+use voltet_core::parameters::Parameters;
+use voltet_core::picture::Picture;
+use voltet_core::progress::Progress;
+use voltet_core::volume::Volume;
+use voltet_core::{Error, Result};
+
+/// One value for each output, in the order of the declaration.
+pub type Outputs = Vec<Value>;
+
+/// Context of a node in the demand pass.
+pub struct DemandContext<'a> {
+    /// The node's parameters.
+    pub parameters: &'a Parameters,
+    /// Demand on the node's outputs.
+    pub asked: &'a Demand,
+    /// Diagnostics of the node's planning.
+    pub notes: &'a mut Diagnostics,
+    pub(crate) wiring: Wiring<'a>,
+    /// Value of each edge, or its stand-in, where known.
+    pub(crate) early: Vec<Option<Value>>,
+    /// True for each edge whose value is known and no stand-in.
+    pub(crate) is_known: Vec<bool>,
+    /// Type of the output that feeds each edge.
+    pub(crate) fed: Vec<PortType>,
+    /// Demand on each edge.
+    pub(crate) asks: Vec<Demand>,
+}
+
+impl DemandContext<'_> {
+    /// True in an exhaustive session: the node plans all work, needed or not.
+    pub fn exhaustive(&self) -> bool {
+        self.notes.exhaustive()
+    }
+
+    /// The transfer function at an input, or its stand-in where it is made from data; `None` where nothing
+    /// is known of it.
+    pub fn look(&self, port: &str) -> Option<Arc<TransferFunctionSpec>> {
+        let place = self.wiring.edges(port).ok()?.next()?;
+        match &self.early[place] {
+            Some(Value::TransferFunction(look)) => Some(look.clone()),
+            _ => None,
+        }
+    }
+
+    /// The transfer function at an input where it is known before any data are.
+    pub fn known_look(&self, port: &str) -> Option<Arc<TransferFunctionSpec>> {
+        let place = self.wiring.edges(port).ok()?.next()?;
+        self.look(port).filter(|_| self.is_known[place])
+    }
+
+    /// The type of the output that feeds an input, the first of several; `None` where nothing does.
+    pub fn fed_by(&self, port: &str) -> Result<Option<PortType>> {
+        Ok(self.wiring.edges(port)?.next().map(|edge| self.fed[edge]))
+    }
+
+    /// The gradient filter that a parameter names.
+    pub fn method(&self) -> Result<&Method> {
+        self.wiring.method()
+    }
+
+    /// Adds a demand on an input.
+    pub fn ask(&mut self, port: &str, demand: &Demand) -> Result<()> {
+        for edge in self.wiring.edges(port)? {
+            self.asks[edge].join(demand);
+        }
+        Ok(())
+    }
+
+    /// Passes the demand on this node on to every input.
+    pub fn pass_on(&mut self) -> Result<()> {
+        self.asks.iter_mut().for_each(|ask| ask.join(self.asked));
+        Ok(())
+    }
+}
+
+/// A node before the run.
+pub struct Preparation<'a> {
+    /// The node's parameters.
+    pub parameters: &'a Parameters,
+    pub(crate) folder: &'a Path,
+}
+
+impl Preparation<'_> {
+    /// The path that a parameter gives, resolved against the pipeline file's folder; "-" as an output is the standard output.
+    pub fn path(&self, name: &str) -> Result<PathBuf> {
+        self.parameters.path(name, self.folder)
+    }
+}
+
+/// Context of a node between the demand pass and the run: it records the work that it will skip.
+pub struct PlanContext<'a> {
+    /// The node's parameters.
+    pub parameters: &'a Parameters,
+    /// Demand on its outputs.
+    pub demand: &'a Demand,
+    /// Diagnostics of its planning.
+    pub notes: &'a mut Diagnostics,
+    pub(crate) folder: &'a Path,
+}
+
+impl PlanContext<'_> {
+    /// A path within a parameter, resolved against the pipeline file's folder.
+    pub fn resolve(&self, path: &str) -> PathBuf {
+        self.folder.join(path)
+    }
+}
+
+/// A value that a session keeps for its nodes.
+pub(crate) type Kept = Arc<dyn Any + Send + Sync>;
+
+/// The revision of what is made from no output, and stays as long as the session. Outputs count from 1.
+pub(crate) const FOR_THE_SESSION: Revision = Revision(0);
+
+/// Services of a session to a node that it runs.
+pub(crate) trait RunServices {
+    /// Origins of the values at the node's inputs.
+    fn origins(&self) -> Origins;
+    /// The text that states the graph.
+    fn pipeline(&self) -> &ResolvedPipeline;
+    /// The value kept under a key, made if there is none.
+    fn get_or_make(&self, key: (Revision, TypeId), make: &mut dyn FnMut() -> Result<Kept>) -> Result<Kept>;
+    /// See [`RunContext::step_count`].
+    fn step_count(&self, edge: usize) -> Result<usize>;
+    /// See [`RunContext::each_step`].
+    fn each_step(
+        &self,
+        edge: usize,
+        demand: &Demand,
+        of_step: &mut dyn FnMut(usize, Value) -> Result<()>,
+    ) -> Result<()>;
+    /// See [`RunContext::keep_over_steps`].
+    fn keep_over_steps(
+        &self,
+        edge: usize,
+        demand: &Demand,
+        make: &mut dyn FnMut() -> Result<Kept>,
+    ) -> Result<Kept>;
+}
+
+/// Calls a service that keeps values of any type, for one of type `T`; one of another type is made anew.
+fn erased<T: Send + Sync + 'static>(
+    make: impl FnOnce() -> Result<T>,
+    keep: impl FnOnce(&mut dyn FnMut() -> Result<Kept>) -> Result<Kept>,
+) -> Result<Arc<T>> {
+    let mut make = Some(make);
+    let kept = keep(&mut || match make.take() {
+        Some(make) => Ok(Arc::new(make()?)),
+        None => Err(Error::run("a kept value was made twice")),
+    })?;
+    match (kept.downcast(), make) {
+        (Ok(kept), _) => Ok(kept),
+        (Err(_), Some(make)) => Ok(Arc::new(make()?)),
+        (Err(_), None) => Err(Error::run("a kept value is of another type")),
+    }
+}
+
+/// Context of one run of a node.
+pub struct RunContext<'a> {
+    /// The node's parameters.
+    pub parameters: &'a Parameters,
+    /// Demand on its outputs.
+    pub demand: &'a Demand,
+    /// Diagnostics of its work.
+    pub notes: Diagnostics,
+    pub(crate) wiring: Wiring<'a>,
+    pub(crate) inputs: Vec<(Value, Revision)>,
+    pub(crate) folder: &'a Path,
+    pub(crate) progress: NodeProgress<'a>,
+    pub(crate) services: &'a dyn RunServices,
+    /// True once the node read its origins or the pipeline: then it runs again where the graph is another.
+    pub(crate) reads_pipeline: Cell<bool>,
+    pub(crate) allows_preview: bool,
+    pub(crate) is_preview: Cell<bool>,
+}
+
+impl RunContext<'_> {
+    /// Origins of the values at the inputs.
+    pub fn origins(&self) -> Origins {
+        self.reads_pipeline.set(true);
+        self.services.origins()
+    }
+
+    /// The text that states the graph, and the folder that its paths are relative to.
+    pub fn stated(&self) -> (&ResolvedPipeline, &Path) {
+        self.reads_pipeline.set(true);
+        (self.services.pipeline(), self.folder)
+    }
+
+    /// True in an exhaustive session: the node does all work, needed or not; its outputs mean the same.
+    pub fn exhaustive(&self) -> bool {
+        self.notes.exhaustive()
+    }
+
+    /// True if the outputs may be of a preview: others of the same graph with other parameters follow at once, and rounding may
+    /// depend on what was made before ([`Session::run_preview`](crate::Session::run_preview)).
+    pub fn allows_preview(&self) -> bool {
+        self.allows_preview
+    }
+
+    /// Marks the outputs as those of a preview: no later run reuses them, nor outputs made from them.
+    pub fn mark_preview(&self) {
+        self.is_preview.set(true);
+    }
+
+    /// Receiver of progress; it reports whether the run should stop.
+    pub fn progress(&self) -> &dyn Progress {
+        &self.progress
+    }
+
+    /// The path that a parameter gives, resolved against the pipeline file's folder; "-" as an output is the standard output.
+    pub fn path(&self, name: &str) -> Result<PathBuf> {
+        self.parameters.path(name, self.folder)
+    }
+
+    /// A path within a parameter, resolved against the pipeline file's folder.
+    pub fn resolve(&self, path: &str) -> PathBuf {
+        self.folder.join(path)
+    }
+
+    /// Does a part of the work and records its time (seconds) under the stage's name.
+    pub fn stage<T>(&mut self, name: &str, work: impl FnOnce(&dyn Progress) -> Result<T>) -> Result<T> {
+        let start = Instant::now();
+        let outcome = work(&self.progress);
+        self.notes.stages.push((name.to_string(), start.elapsed().as_secs_f64()));
+        outcome
+    }
+
+    /// The gradient filter that a parameter names.
+    pub fn method(&self) -> Result<&Method> {
+        self.wiring.method()
+    }
+
+    /// The revision of what an input carries: the key for values to [`RunContext::keep`].
+    pub fn revision(&self, port: &str) -> Result<Revision> {
+        Ok(self.input(port)?.1)
+    }
+
+    /// A value made from the content with this revision, made again only when it is no longer kept.
+    pub fn keep<T: Send + Sync + 'static>(
+        &self,
+        revision: Revision,
+        make: impl FnOnce() -> Result<T>,
+    ) -> Result<Arc<T>> {
+        if self.exhaustive() {
+            return Ok(Arc::new(make()?));
+        }
+        self.get_or_make(revision, make)
+    }
+
+    /// A value made from no input (an open device), kept as long as the session.
+    pub fn keep_for_session<T: Send + Sync + 'static>(
+        &self,
+        make: impl FnOnce() -> Result<T>,
+    ) -> Result<Arc<T>> {
+        self.get_or_make(FOR_THE_SESSION, make)
+    }
+
+    fn get_or_make<T: Send + Sync + 'static>(
+        &self,
+        revision: Revision,
+        make: impl FnOnce() -> Result<T>,
+    ) -> Result<Arc<T>> {
+        let key = (revision, TypeId::of::<T>());
+        erased(make, |make| self.services.get_or_make(key, make))
+    }
+
+    /// The number of steps of the time series that feeds an input; 1 where none does.
+    pub fn step_count(&self, port: &str) -> Result<usize> {
+        self.services.step_count(self.edge(port)?)
+    }
+
+    /// Gives the value of an input at each step of the time series that feeds it to `of_step`, one after the other. The nodes
+    /// upstream run for each step, for this demand alone, and no output of theirs is kept.
+    ///
+    /// Errors: those of the nodes, with the step; series of different lengths.
+    pub fn each_step(
+        &self,
+        port: &str,
+        demand: &Demand,
+        of_step: &mut dyn FnMut(usize, Value) -> Result<()>,
+    ) -> Result<()> {
+        self.services.each_step(self.edge(port)?, demand, of_step)
+    }
+
+    /// A value made over all steps of the time series that feeds an input; kept as long as the session, by its origins.
+    pub fn keep_over_steps<T: Send + Sync + 'static>(
+        &self,
+        port: &str,
+        demand: &Demand,
+        make: impl FnOnce() -> Result<T>,
+    ) -> Result<Arc<T>> {
+        if self.exhaustive() {
+            return Ok(Arc::new(make()?));
+        }
+        let edge = self.edge(port)?;
+        erased(make, |make| self.services.keep_over_steps(edge, demand, make))
+    }
+
+    fn edge(&self, port: &str) -> Result<usize> {
+        let none = || Error::run(format!("the node looks at its input '{port}', which is not wired"));
+        self.wiring.edges(port)?.next().ok_or_else(none)
+    }
+
+    /// The grid at an input.
+    pub fn grid(&self, port: &str) -> Result<Arc<Grid>> {
+        match self.value(port)? {
+            Value::Grid(grid) => Ok(grid.clone()),
+            other => Err(self.miswired(port, PortType::Grid, other)),
+        }
+    }
+
+    /// The volume at an input. A grid counts as one without gradient.
+    pub fn volume(&self, port: &str) -> Result<Arc<Volume>> {
+        let value = self.value(port)?;
+        value.volume().unwrap_or_else(|| Err(self.miswired(port, PortType::Volume, value)))
+    }
+
+    /// The transfer function at an input, as the pipeline states it.
+    pub fn look(&self, port: &str) -> Result<Arc<TransferFunctionSpec>> {
+        match self.value(port)? {
+            Value::TransferFunction(look) => Ok(look.clone()),
+            other => Err(self.miswired(port, PortType::TransferFunction, other)),
+        }
+    }
+
+    /// True if something feeds an input.
+    pub fn is_wired(&self, port: &str) -> Result<bool> {
+        Ok(self.wiring.edges(port)?.next().is_some())
+    }
+
+    /// The transfer functions at an optional input.
+    pub fn looks(&self, port: &str) -> Result<Vec<Arc<TransferFunctionSpec>>> {
+        let look = |edge: usize| match &self.inputs[edge].0 {
+            Value::TransferFunction(look) => Ok(look.clone()),
+            other => Err(self.miswired(port, PortType::TransferFunction, other)),
+        };
+        self.wiring.edges(port)?.map(look).collect()
+    }
+
+    /// The camera at an input.
+    pub fn camera(&self, port: &str) -> Result<Arc<Camera>> {
+        match self.value(port)? {
+            Value::Camera(camera) => Ok(camera.clone()),
+            other => Err(self.miswired(port, PortType::Camera, other)),
+        }
+    }
+
+    /// The cells at an input, as the engine of type `T` prepared them.
+    pub fn cells<T: Any + Send + Sync>(&self, port: &str) -> Result<Arc<T>> {
+        match self.value(port)? {
+            Value::Cells(cells) => self.prepared(port, cells),
+            other => Err(self.miswired(port, PortType::Cells, other)),
+        }
+    }
+
+    /// The projection at an input, as the engine of type `T` prepared it.
+    pub fn projection<T: Any + Send + Sync>(&self, port: &str) -> Result<Arc<T>> {
+        match self.value(port)? {
+            Value::Projection(projection) => self.prepared(port, projection),
+            other => Err(self.miswired(port, PortType::Projection, other)),
+        }
+    }
+
+    fn prepared<T: Any + Send + Sync>(&self, port: &str, value: &StagePayload) -> Result<Arc<T>> {
+        value.clone().downcast().map_err(|_| {
+            Error::usage("the stages of a picture belong to different engines")
+                .got(format!("port \"{port}\" of {}", self.wiring.node))
+                .expected("cull, sort, project and composite nodes of one engine")
+        })
+    }
+
+    /// The picture at an input.
+    pub fn image(&self, port: &str) -> Result<Arc<Picture>> {
+        match self.value(port)? {
+            Value::Image(picture) => Ok(picture.clone()),
+            other => Err(self.miswired(port, PortType::Image, other)),
+        }
+    }
+
+    /// The cells at an optional input, as the engine of type `T` prepared them; `None` where it is not wired.
+    pub fn optional_cells<T: Any + Send + Sync>(&self, port: &str) -> Result<Option<Arc<T>>> {
+        self.is_wired(port)?.then(|| self.cells(port)).transpose()
+    }
+
+    /// The numbers of tetrahedra at an optional input.
+    pub fn cell_values(&self, port: &str) -> Result<Vec<Arc<CellValues>>> {
+        let values = |edge: usize| match &self.inputs[edge].0 {
+            Value::CellValues(values) => Ok(values.clone()),
+            other => Err(self.miswired(port, PortType::CellValues, other)),
+        };
+        self.wiring.edges(port)?.map(values).collect()
+    }
+
+    /// The figures at an input, JSON text.
+    pub fn report(&self, port: &str) -> Result<Arc<str>> {
+        match self.value(port)? {
+            Value::Report(report) => Ok(report.clone()),
+            other => Err(self.miswired(port, PortType::Report, other)),
+        }
+    }
+
+    fn value(&self, port: &str) -> Result<&Value> {
+        Ok(&self.input(port)?.0)
+    }
+
+    /// The value at a port with its revision.
+    fn input(&self, port: &str) -> Result<&(Value, Revision)> {
+        Ok(&self.inputs[self.edge(port)?])
+    }
+
+    fn miswired(&self, port: &str, wanted: PortType, found: &Value) -> Error {
+        Error::usage(format!("the node asks its input '{port}' for another type than it declares"))
+            .got(found.port_type().name())
+            .expected(wanted.name())
+    }
+}

@@ -1,0 +1,152 @@
+//! Demands on nodes, which the demand pass collects from the sinks upward.
+
+use super::value::TransferFunctionSpec;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// Demand on a node's outputs. Nothing else is read, computed or sorted.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Demand {
+    /// Point arrays beside the scalar.
+    pub arrays: Arrays,
+    /// Arrays of the file's cells, as they are.
+    pub cell_arrays: Arrays,
+    /// *g* = |∇s| at every point.
+    pub gradient_magnitude: bool,
+    /// ∇s at every point.
+    pub gradient: bool,
+    /// The transfer functions for whose widgets alone g and ∇s are looked at: at points of cells that no widget can touch, whatever
+    /// g is there, they may be what they are at another point. `None`: everywhere. Asked by nodes that have a transfer function or
+    /// cells ([`super::DemandContext::ask`]); of others, which may give another scalar than they get, everything is asked.
+    pub gradient_for: Option<Vec<Arc<TransferFunctionSpec>>>,
+    /// An order of the cells.
+    pub order: bool,
+    /// The file's own cells, to write them back.
+    pub file_cells: bool,
+    /// Numbers a tetrahedron, at ports of that type.
+    pub cell_values: bool,
+    /// The list of kept cells as a result of its own: every cell is tested, also where a picture would be drawn sooner without.
+    pub kept_cells: bool,
+}
+
+/// Requested arrays: some by name, or those and all others of the file.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Arrays {
+    named: BTreeSet<String>,
+    all: bool,
+}
+
+impl Arrays {
+    /// All arrays of the file.
+    pub(crate) fn all() -> Self {
+        Arrays { named: BTreeSet::new(), all: true }
+    }
+
+    /// Arrays that some node named, also one of several components or a length (`velocity:0`, `velocity:magnitude`): each must
+    /// be there.
+    pub fn named(&self) -> impl Iterator<Item = &str> {
+        self.named.iter().map(String::as_str)
+    }
+
+    /// True if all other arrays are requested, too.
+    pub fn and_all_others(&self) -> bool {
+        self.all
+    }
+
+    /// True if this array is requested, by name or with all.
+    pub fn contains(&self, name: &str) -> bool {
+        self.all || self.named.contains(name)
+    }
+
+    /// Adds an array.
+    pub fn insert(&mut self, name: String) {
+        self.named.insert(name);
+    }
+
+    /// Removes an array that a node makes of others.
+    pub fn remove(&mut self, name: &str) {
+        self.named.remove(name);
+    }
+
+    fn join(&mut self, other: &Arrays) {
+        self.named.extend(other.named.iter().cloned());
+        self.all |= other.all;
+    }
+
+    fn covers(&self, other: &Arrays) -> bool {
+        self.named.is_superset(&other.named) && self.all >= other.all
+    }
+}
+
+impl FromIterator<String> for Arrays {
+    fn from_iter<I: IntoIterator<Item = String>>(names: I) -> Self {
+        Arrays { named: names.into_iter().collect(), all: false }
+    }
+}
+
+impl Extend<String> for Arrays {
+    fn extend<I: IntoIterator<Item = String>>(&mut self, names: I) {
+        self.named.extend(names);
+    }
+}
+
+impl Demand {
+    /// Everything that a node downstream could ever ask for: what holds when it cannot be known beforehand.
+    pub fn unknown() -> Self {
+        Demand { gradient_magnitude: true, gradient: false, order: true, ..Demand::default() }
+    }
+
+    /// Adds another demand on the same node.
+    pub fn join(&mut self, other: &Demand) {
+        self.gradient_for = match (self.looks_at_gradient(), other.looks_at_gradient()) {
+            (_, false) => self.gradient_for.take(),
+            (false, true) => other.gradient_for.clone(),
+            (true, true) => {
+                self.gradient_for.take().zip(other.gradient_for.as_ref()).map(|(mut all, more)| {
+                    let new: Vec<_> = more.iter().filter(|look| !all.contains(look)).cloned().collect();
+                    all.extend(new);
+                    all
+                })
+            }
+        };
+        self.arrays.join(&other.arrays);
+        self.cell_arrays.join(&other.cell_arrays);
+        self.gradient_magnitude |= other.gradient_magnitude;
+        self.gradient |= other.gradient;
+        self.order |= other.order;
+        self.file_cells |= other.file_cells;
+        self.cell_values |= other.cell_values;
+        self.kept_cells |= other.kept_cells;
+    }
+
+    /// True if an output made for this demand satisfies the other one.
+    pub fn covers(&self, other: &Demand) -> bool {
+        self.arrays.covers(&other.arrays)
+            && self.cell_arrays.covers(&other.cell_arrays)
+            && self.gradient_magnitude >= other.gradient_magnitude
+            && self.gradient >= other.gradient
+            && self.order >= other.order
+            && self.file_cells >= other.file_cells
+            && self.cell_values >= other.cell_values
+            && self.kept_cells >= other.kept_cells
+            && self.covers_places(other)
+    }
+
+    /// This demand with g and ∇s at all points, where they are requested.
+    pub fn everywhere(&self) -> Demand {
+        Demand { gradient_for: None, ..self.clone() }
+    }
+
+    fn looks_at_gradient(&self) -> bool {
+        self.gradient_magnitude || self.gradient
+    }
+
+    /// True if g and ∇s are computed at all points where the other demand reads them.
+    fn covers_places(&self, other: &Demand) -> bool {
+        match (&self.gradient_for, &other.gradient_for) {
+            (None, _) => true,
+            (Some(ours), Some(theirs)) => theirs.iter().all(|look| ours.contains(look)),
+            (Some(_), None) => !other.looks_at_gradient(),
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! Values at ports: shared, never modified.
+
+use super::port::PortType;
+use glam::DVec3;
+use std::any::Any;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use voltet_core::camera::Camera;
+use voltet_core::grid::Grid;
+use voltet_core::grid::extent;
+use voltet_core::picture::Picture;
+use voltet_core::transfer::TransferFunction;
+use voltet_core::volume::Volume;
+use voltet_core::{Error, Result};
+
+/// Number of an output's content: equal revisions mean equal content, within one session.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Revision(pub(crate) u64);
+
+/// Data of an engine for its own next stage; opaque to the graph.
+pub type StagePayload = Arc<dyn Any + Send + Sync>;
+
+/// A value at a port.
+#[derive(Debug, Clone)]
+pub enum Value {
+    /// See [`PortType::Grid`].
+    Grid(Arc<Grid>),
+    /// See [`PortType::Volume`].
+    Volume(Arc<Volume>),
+    /// See [`PortType::TransferFunction`].
+    TransferFunction(Arc<TransferFunctionSpec>),
+    /// See [`PortType::Camera`].
+    Camera(Arc<Camera>),
+    /// See [`PortType::Cells`].
+    Cells(StagePayload),
+    /// See [`PortType::Projection`].
+    Projection(StagePayload),
+    /// See [`PortType::Image`].
+    Image(Arc<Picture>),
+    /// See [`PortType::Report`]; JSON text.
+    Report(Arc<str>),
+    /// See [`PortType::CellValues`].
+    CellValues(Arc<CellValues>),
+}
+
+impl Value {
+    /// The type of port that it belongs to.
+    pub fn port_type(&self) -> PortType {
+        match self {
+            Value::Grid(_) => PortType::Grid,
+            Value::Volume(_) => PortType::Volume,
+            Value::TransferFunction(_) => PortType::TransferFunction,
+            Value::Camera(_) => PortType::Camera,
+            Value::Cells(_) => PortType::Cells,
+            Value::Projection(_) => PortType::Projection,
+            Value::Image(_) => PortType::Image,
+            Value::Report(_) => PortType::Report,
+            Value::CellValues(_) => PortType::CellValues,
+        }
+    }
+
+    /// The volume; a grid counts as one without gradient. `None` for values of other types.
+    pub fn volume(&self) -> Option<Result<Arc<Volume>>> {
+        match self {
+            Value::Volume(volume) => Some(Ok(volume.clone())),
+            Value::Grid(grid) => Some(volume_without_gradient(grid).map(Arc::new)),
+            _ => None,
+        }
+    }
+}
+
+/// The volume of a grid: its scalar, without a gradient.
+fn volume_without_gradient(grid: &Arc<Grid>) -> Result<Volume> {
+    let scalar = grid.scalar.clone().ok_or_else(|| {
+        Error::usage("the grid carries no scalar to draw").expected("scalar = \"…\" at the reader")
+    })?;
+    Ok(Volume { grid: grid.clone(), scalar, gradient: None, gradient_magnitude: None })
+}
+
+/// Numbers of tetrahedra, by name: one a tetrahedron in the order of [`Grid::tetrahedra`]. A cell of the file has the largest
+/// of its tetrahedra's.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CellValues {
+    /// The arrays; none where nobody asked for them.
+    pub arrays: BTreeMap<String, Vec<f32>>,
+}
+
+/// A transfer function as a pipeline states it: its unit distance may be left to the data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TransferFunctionSpec {
+    /// The transfer function; its unit distance is 1 where `auto_unit_distance` is set.
+    pub transfer_function: TransferFunction,
+    /// `unit_distance = "auto"`: a hundredth of the diagonal of the data's bounding box.
+    pub auto_unit_distance: bool,
+}
+
+impl TransferFunctionSpec {
+    /// The transfer function for data whose bounding box has this [`diagonal`].
+    pub fn for_diagonal(&self, diagonal: f64) -> TransferFunction {
+        let mut transfer_function = self.transfer_function.clone();
+        if self.auto_unit_distance {
+            transfer_function.unit_distance = diagonal / 100.0;
+        }
+        transfer_function
+    }
+}
+
+/// Diagonal of the bounding box of the finite points; 100 where the box has no extent, which no picture shows.
+pub fn diagonal(points: &[DVec3]) -> f64 {
+    let diagonal = extent::bounds(points).map_or(0.0, extent::diagonal);
+    if diagonal > 0.0 && diagonal.is_finite() { diagonal } else { 100.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use voltet_core::transfer::OpticalModel;
+
+    #[test]
+    fn an_automatic_unit_distance_is_a_hundredth_of_the_diagonal_at_any_scale() {
+        let transfer_function =
+            TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets: Vec::new() };
+        let look = TransferFunctionSpec { transfer_function, auto_unit_distance: true };
+        for scale in [1.0, 1e-200, 1e200] {
+            let points = [DVec3::new(1.0, 1.0, 1.0) * scale, DVec3::new(4.0, 5.0, 13.0) * scale];
+            let unit = look.for_diagonal(diagonal(&points)).unit_distance;
+            // Two roundings of the scaling and one of the root.
+            assert!((unit / (0.13 * scale) - 1.0).abs() < 1e-14, "{unit} at {scale}");
+        }
+    }
+}

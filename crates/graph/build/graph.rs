@@ -1,0 +1,292 @@
+//! Builds graphs: finds node types, checks parameters, wires ports, refuses cycles, and finds the order of work.
+
+use super::diagnostic::{Diagnostic, DiagnosticTarget};
+use super::entry::NodeEntry;
+use super::method;
+use super::node_override::NodeOverride;
+use super::registry::Registry;
+use super::wiring::wires;
+use crate::api::context::{Outputs, RunContext};
+use crate::api::node::Node;
+use crate::api::port::PortType;
+use crate::api::resolved::ResolvedPipeline;
+use crate::api::wiring::{Edge, Wiring};
+use std::path::PathBuf;
+use voltet_core::field::{Method, Plugin};
+use voltet_core::parameters::{Parameters, SourceSpan, suggest};
+use voltet_core::{Error, Result};
+
+/// A checked graph.
+#[derive(Debug, Default)]
+pub struct Graph {
+    /// The nodes, in the order in which they were stated.
+    pub nodes: Vec<GraphNode>,
+    /// The nodes that some sink needs, each after everything that feeds it.
+    pub order: Vec<usize>,
+    /// The folder that paths are relative to.
+    pub folder: PathBuf,
+    /// Warnings: entries that are allowed but hardly intended.
+    pub warnings: Vec<Error>,
+    /// The text that states it.
+    pub stated: ResolvedPipeline,
+}
+
+/// A checked node.
+#[derive(Debug)]
+pub struct GraphNode {
+    /// Its name.
+    pub name: String,
+    /// Its type.
+    pub node: &'static Node,
+    /// Its parameters, with those of its gradient filter.
+    pub parameters: Parameters,
+    /// The gradient filter that one of its parameters names.
+    pub method: Option<Method>,
+    /// Wires into the required input ports, in the order of [`Node::inputs`]; then those into the optional ones.
+    pub inputs: Vec<Edge>,
+    /// Its source span.
+    pub origin: SourceSpan,
+    /// Work that a program does in place of its own.
+    pub given: Option<NodeOverride>,
+}
+
+impl GraphNode {
+    /// Its wires and its gradient filter.
+    pub(crate) fn wiring(&self) -> Wiring<'_> {
+        Wiring {
+            node: &self.name,
+            node_type: self.node.name,
+            ports: [self.node.inputs, self.node.optional_inputs],
+            edges: &self.inputs,
+            method: self.method.as_ref(),
+        }
+    }
+
+    /// True if the node draws or passes on cells, and so may restrict the points where the gradient is read.
+    pub(crate) fn draws(&self) -> bool {
+        let says = [PortType::TransferFunction, PortType::Cells, PortType::Projection];
+        self.node.inputs.iter().any(|port| says.contains(&port.port_type))
+    }
+
+    /// True if the node makes a volume of a grid.
+    pub(crate) fn makes_volume(&self) -> bool {
+        let takes_grid = self.node.inputs.iter().any(|port| port.port_type == PortType::Grid);
+        self.gives(PortType::Volume) && takes_grid
+    }
+
+    pub(crate) fn gives(&self, wanted: PortType) -> bool {
+        self.node.outputs.iter().any(|port| port.port_type == wanted)
+    }
+
+    /// Runs the node, or the work that a program does in its place.
+    pub(crate) fn run(&self, call: &mut RunContext) -> Result<Outputs> {
+        match &self.given {
+            Some(given) => given.run(call),
+            None => (self.node.run)(call),
+        }
+        .map_err(|error| self.locate(error))
+    }
+
+    /// The plug-in that the node or its gradient filter came from: another one of that name gives something else.
+    pub fn plugin(&self) -> Option<&Plugin> {
+        self.node.plugin.or_else(|| self.method.as_ref().and_then(Method::plugin))
+    }
+
+    /// Adds this node's name and place to an error that has none.
+    pub fn locate(&self, error: Error) -> Error {
+        let mut error = error.at_node(&self.name);
+        // A parameter or an option that an error names is a better place than the node's head.
+        let item = error.location.item.clone();
+        let named = item.and_then(|item| self.parameters.optional(&item).map(|s| s.origin.clone()));
+        if let Some(origin @ SourceSpan::Span(_)) = named {
+            error = origin.locate(error);
+        }
+        if error.location.item.is_some() { error } else { self.origin.locate(error) }
+    }
+}
+
+impl Graph {
+    /// Checks the entries against the registry and wires them. `folder`: what paths are relative to.
+    pub fn build(entries: &[NodeEntry], registry: &Registry, folder: PathBuf) -> Result<Graph> {
+        let mut faults = Vec::new();
+        let graph = Self::survey(entries, registry, folder, &mut faults);
+        if let Some(fault) = faults.into_iter().next() {
+            return Err(fault.error);
+        }
+        let mut graph = graph.unwrap_or_default();
+        graph.order_work()?;
+        Ok(graph)
+    }
+
+    /// Every mistake of the entries: of types, parameters and wires, in the order in which [`Graph::build`] finds the first. That
+    /// nothing is written is none of them.
+    pub fn faults(entries: &[NodeEntry], registry: &Registry) -> Vec<Diagnostic> {
+        let mut faults = Vec::new();
+        Self::survey(entries, registry, PathBuf::new(), &mut faults);
+        faults
+    }
+
+    /// The graph without its order of work; `None` where there are faults.
+    fn survey(
+        entries: &[NodeEntry],
+        registry: &Registry,
+        folder: PathBuf,
+        faults: &mut Vec<Diagnostic>,
+    ) -> Option<Graph> {
+        let mut types = Vec::with_capacity(entries.len());
+        let mut checked = Vec::with_capacity(entries.len());
+        for (i, entry) in entries.iter().enumerate() {
+            if entries[..i].iter().any(|e| e.name == entry.name) {
+                let error = Error::usage(format!("two nodes are called '{}'", entry.name));
+                faults.push(Diagnostic::of(entry, DiagnosticTarget::Node, error));
+            }
+            let node = find_type(entry, registry)
+                .map_err(|error| faults.push(Diagnostic::of(entry, DiagnosticTarget::Node, error)));
+            types.push((entry.name.as_str(), node.ok()));
+            checked.push(node.ok().and_then(|node| check(entry, node, registry, faults)));
+        }
+        let edges: Vec<Vec<Edge>> =
+            entries.iter().enumerate().map(|(i, entry)| wires(entry, &types, i, faults)).collect();
+        refuse_cycles(entries, &edges, faults);
+        if !faults.is_empty() {
+            return None;
+        }
+        let whole = entries.iter().zip(types).zip(checked.into_iter().zip(edges));
+        let nodes = whole.map(|((entry, (_, node)), (checked, inputs))| {
+            let (parameters, method) = checked?;
+            let (name, origin) = (entry.name.clone(), entry.origin.clone());
+            Some(GraphNode { name, node: node?, parameters, method, inputs, origin, given: None })
+        });
+        let nodes = nodes.collect::<Option<Vec<_>>>()?;
+        Some(Graph { warnings: alias_notes(entries, &nodes, registry), nodes, folder, ..Graph::default() })
+    }
+
+    /// The node of that name.
+    pub fn node(&self, name: &str) -> Option<&GraphNode> {
+        self.nodes.iter().find(|n| n.name == name)
+    }
+
+    /// Lets a program do the work of a node; what the node's type does before a run (files, steps) stays. Errors: there is no
+    /// such node.
+    pub fn give(&mut self, node: &str, given: NodeOverride) -> Result<()> {
+        let Some(place) = self.nodes.iter().position(|known| known.name == node) else {
+            let known = suggest(node, self.nodes.iter().map(|node| node.name.as_str()));
+            return Err(Error::usage(format!("there is no node '{node}'")).expected(known));
+        };
+        self.nodes[place].given = Some(given);
+        Ok(())
+    }
+
+    /// The order of work, from the sinks; warns of nodes that no sink needs.
+    fn order_work(&mut self) -> Result<()> {
+        let sinks = (0..self.nodes.len()).filter(|&i| self.nodes[i].node.is_sink());
+        let mut placed = vec![false; self.nodes.len()];
+        let mut order = Vec::new();
+        for sink in sinks {
+            let mut path = vec![(sink, 0)];
+            while let Some(&mut (i, ref mut next)) = path.last_mut() {
+                if !placed[i] && *next < self.nodes[i].inputs.len() {
+                    let feeding = self.nodes[i].inputs[*next].node;
+                    *next += 1;
+                    path.push((feeding, 0));
+                    continue;
+                }
+                if !std::mem::replace(&mut placed[i], true) {
+                    order.push(i);
+                }
+                path.pop();
+            }
+        }
+        if order.is_empty() {
+            return Err(Error::usage("the pipeline writes nothing")
+                .expected("at least one node that writes a file, such as type = \"image-writer\""));
+        }
+        for (i, node) in self.nodes.iter().enumerate().filter(|(i, _)| !placed[*i]) {
+            debug_assert!(!order.contains(&i));
+            let warning = Error::usage(format!(
+                "the node '{}' is not used: nothing that is written needs it",
+                node.name
+            ));
+            self.warnings.push(node.origin.locate(warning));
+        }
+        self.order = order;
+        Ok(())
+    }
+}
+
+/// Checks the settings of an entry, each and all together.
+fn check(
+    entry: &NodeEntry,
+    node: &'static Node,
+    registry: &Registry,
+    faults: &mut Vec<Diagnostic>,
+) -> Option<(Parameters, Option<Method>)> {
+    let mut wrong = Vec::new();
+    let surveyed = method::survey(entry, node, registry, &mut wrong);
+    let is_right = wrong.is_empty();
+    faults.extend(
+        wrong
+            .into_iter()
+            .map(|wrong| Diagnostic::of(entry, DiagnosticTarget::Parameter(wrong.parameter), wrong.error)),
+    );
+    let checked = surveyed.filter(|_| is_right)?;
+    if let Err(error) = (node.check)(&checked.0) {
+        faults.push(Diagnostic::of(entry, DiagnosticTarget::Node, error));
+    }
+    Some(checked)
+}
+
+/// A note for each former name of a variant.
+fn alias_notes(entries: &[NodeEntry], nodes: &[GraphNode], registry: &Registry) -> Vec<Error> {
+    let note = |(entry, node): (&NodeEntry, &GraphNode)| {
+        let parameter = node.node.registered_parameter()?;
+        let setting = &entry.settings.iter().find(|field| field.name == parameter.name)?.setting;
+        let alias = registry.alias(parameter.name, setting.text()?)?;
+        let what = format!("the {} '{}' is now called '{}'", parameter.name, alias.alias, alias.name);
+        Some(setting.origin.locate(Error::usage(what)))
+    };
+    entries.iter().zip(nodes).filter_map(note).collect()
+}
+
+/// The node type that an entry names.
+fn find_type(entry: &NodeEntry, registry: &Registry) -> Result<&'static Node> {
+    let Some(name) = entry.node_type.text() else {
+        return Err(entry.node_type.error("'type' must be the name of a node type", "a text"));
+    };
+    registry.find(name).map_err(|error| entry.node_type.origin.locate(error))
+}
+
+/// Depth-first from every node; an edge back into the path is a cycle, which is named. Each is found once.
+fn refuse_cycles(entries: &[NodeEntry], edges: &[Vec<Edge>], faults: &mut Vec<Diagnostic>) {
+    let mut done = vec![false; entries.len()];
+    for start in 0..entries.len() {
+        // The path from the start, each node with the next of its inputs to follow.
+        let mut path: Vec<(usize, usize)> = vec![(start, 0)];
+        while let Some(&mut (i, ref mut next)) = path.last_mut() {
+            if done[i] || *next == edges[i].len() {
+                done[i] = true;
+                path.pop();
+                continue;
+            }
+            let edge = &edges[i][*next];
+            *next += 1;
+            if let Some(first) = path.iter().position(|&(n, _)| n == edge.node) {
+                // Data runs against the path: the last node on it feeds the one before.
+                let mut names: Vec<&str> =
+                    path[first..].iter().rev().map(|&(n, _)| entries[n].name.as_str()).collect();
+                names.push(names[0]);
+                let error = Error::usage("the graph has a cycle")
+                    .got(names.join(" → "))
+                    .expected("inputs that lead back to sources");
+                let error = edge.origin.locate(error.at_node(&entries[i].name));
+                faults.push(Diagnostic::of(
+                    &entries[i],
+                    DiagnosticTarget::Input(edge.name.to_string()),
+                    error,
+                ));
+                continue;
+            }
+            path.push((edge.node, 0));
+        }
+    }
+}

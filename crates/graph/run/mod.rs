@@ -1,0 +1,8 @@
+//! Runs graphs: plan, cache, the services to a running node, and the report.
+
+mod cache;
+mod node_run;
+mod origins;
+pub(crate) mod plan;
+pub(crate) mod report;
+pub(crate) mod session;

@@ -1,0 +1,239 @@
+//! Services of a session to one running node, among them the steps of the time series that feed it.
+
+use super::cache::{Key, Store, files_of};
+use super::origins::{origins, upstream};
+use super::plan::{Done, inputs_of, refuse_missing_gradient};
+use crate::api::context::{DemandContext, Kept, Preparation, RunContext, RunServices};
+use crate::api::demand::Demand;
+use crate::api::node::Steps;
+use crate::api::observer::{NodeProgress, Observer};
+use crate::api::origins::{FileStamp, Origins};
+use crate::api::resolved::ResolvedPipeline;
+use crate::api::value::{Revision, Value};
+use crate::build::graph::{Graph, GraphNode};
+use std::any::TypeId;
+use std::cell::Cell;
+use voltet_core::diagnostics::Diagnostics;
+use voltet_core::parameters::Parameters;
+use voltet_core::progress::Progress;
+use voltet_core::{Error, Result};
+
+/// Nodes upstream of an input, with their parameters at each step and their demands.
+struct Feeding {
+    /// Places in the graph, in the order of work.
+    nodes: Vec<usize>,
+    /// The parameters at each step; one for a node that reads no series.
+    parameters: Vec<Vec<Parameters>>,
+    demands: Vec<Demand>,
+    step_count: usize,
+}
+
+/// One run of a node by a session.
+pub(super) struct NodeRun<'a> {
+    pub graph: &'a Graph,
+    /// Index of the node in the graph.
+    pub place: usize,
+    /// Nodes that ran before.
+    pub done: &'a [Option<Done>],
+    pub store: &'a Store,
+    pub file_stamp: FileStamp,
+    pub observer: &'a dyn Observer,
+}
+
+impl<'a> NodeRun<'a> {
+    /// The node.
+    fn node(&self) -> &'a GraphNode {
+        &self.graph.nodes[self.place]
+    }
+
+    /// The context for the node's own functions.
+    pub fn context<'c>(
+        &'c self,
+        parameters: &'c Parameters,
+        demand: &'c Demand,
+        inputs: Vec<(Value, Revision)>,
+        (exhaustive, allows_preview): (bool, bool),
+    ) -> RunContext<'c> {
+        RunContext {
+            parameters,
+            demand,
+            notes: Diagnostics::new(exhaustive),
+            wiring: self.node().wiring(),
+            inputs,
+            folder: &self.graph.folder,
+            progress: self.progress(),
+            services: self,
+            reads_pipeline: Cell::new(false),
+            allows_preview,
+            is_preview: Cell::new(false),
+        }
+    }
+
+    fn progress(&self) -> NodeProgress<'a> {
+        NodeProgress { observer: self.observer, node: &self.node().name }
+    }
+
+    /// The node and the output that feed an edge.
+    fn source(&self, edge: usize) -> (usize, usize) {
+        let edge = &self.node().inputs[edge];
+        (edge.node, edge.output)
+    }
+
+    fn feeding(&self, edge: usize, demand: &Demand) -> Result<Feeding> {
+        let graph = self.graph;
+        let (last, _) = self.source(edge);
+        let mut needed = vec![false; graph.nodes.len()];
+        needed[last] = true;
+        let mut demands = vec![Demand::default(); graph.nodes.len()];
+        demands[last] = demand.clone();
+        let mut nodes = Vec::new();
+        for &i in graph.order.iter().rev() {
+            if !needed[i] {
+                continue;
+            }
+            nodes.push(i);
+            let node = &graph.nodes[i];
+            for (edge, ask) in node.inputs.iter().zip(asks_of(graph, node, &demands[i])?) {
+                refuse_missing_gradient(graph, node, edge, &ask)?;
+                needed[edge.node] = true;
+                demands[edge.node].join(&ask);
+            }
+        }
+        nodes.reverse();
+        let mut parameters = Vec::new();
+        let mut series: Option<(&str, usize)> = None;
+        for &i in &nodes {
+            let node = &graph.nodes[i];
+            let preparation = Preparation { parameters: &node.parameters, folder: &graph.folder };
+            let steps = (node.node.steps)(&preparation).map_err(|error| node.locate(error))?;
+            match (series, steps.len()) {
+                (_, 1) => {}
+                (Some((other, count)), own) if own != count => {
+                    let error = Error::usage("two time series have different numbers of steps");
+                    let found = format!("{count} of '{other}' and {own} of '{}'", node.name);
+                    return Err(node.locate(error.got(found).expected("series of the same length")));
+                }
+                (_, own) => series = Some((&node.name, own)),
+            }
+            parameters.push(steps);
+        }
+        let step_count = series.map_or(1, |(_, count)| count);
+        let demands = nodes.iter().map(|&i| demands[i].clone()).collect();
+        Ok(Feeding { nodes, parameters, demands, step_count })
+    }
+
+    /// Runs what feeds a port, at one step.
+    fn value_at(&self, feeding: &Feeding, (last, output): (usize, usize), step: usize) -> Result<Value> {
+        // Nothing that is kept would serve another step.
+        let store = Store::default();
+        let mut revision = 0;
+        let mut all_done: Vec<Option<Done>> = vec![None; self.graph.nodes.len()];
+        for ((&i, parameters), demand) in feeding.nodes.iter().zip(&feeding.parameters).zip(&feeding.demands)
+        {
+            if self.progress().cancelled() {
+                return Err(Error::cancelled());
+            }
+            let node = &self.graph.nodes[i];
+            let run = NodeRun { graph: self.graph, place: i, done: &all_done, store: &store, ..*self };
+            let parameters = parameters.get(step).unwrap_or(&parameters[0]);
+            let mut call = run.context(parameters, demand, inputs_of(node, &all_done), (false, false));
+            let values = node.run(&mut call)?;
+            let outputs = values.into_iter().map(|value| {
+                revision += 1;
+                (value, Revision(revision))
+            });
+            let outputs = outputs.collect();
+            all_done[i] = Some(Done {
+                outputs,
+                notes: Diagnostics::default(),
+                seconds: 0.0,
+                reused: None,
+                is_passing: false,
+            });
+        }
+        let value = all_done[last].as_ref().and_then(|done| done.outputs.get(output)).map(|o| o.0.clone());
+        value.ok_or_else(|| Error::run("the node that feeds an input gave nothing"))
+    }
+
+    fn key(&self, edge: usize, feeding: &Feeding) -> Result<Key> {
+        let place = |node: usize| feeding.nodes.iter().position(|&i| i == node).unwrap_or_default();
+        let of = |(&i, parameters): (&usize, &Vec<Parameters>)| {
+            let node = &self.graph.nodes[i];
+            let edges = node.inputs.iter().map(|edge| (edge.port, place(edge.node), edge.output)).collect();
+            let files =
+                files_of((node.node, &node.parameters), Steps::All, &self.graph.folder, self.file_stamp);
+            (node.node.name, parameters.clone(), edges, files, node.plugin().cloned(), node.given.clone())
+        };
+        let nodes = feeding.nodes.iter().zip(&feeding.parameters).map(of).collect();
+        let (last, output) = self.source(edge);
+        Ok(Key { nodes, demands: feeding.demands.clone(), port: (place(last), output) })
+    }
+}
+
+impl RunServices for NodeRun<'_> {
+    fn origins(&self) -> Origins {
+        origins(self.graph, &upstream(self.graph, self.place), self.done, self.file_stamp)
+    }
+
+    fn pipeline(&self) -> &ResolvedPipeline {
+        &self.graph.stated
+    }
+
+    fn get_or_make(&self, key: (Revision, TypeId), make: &mut dyn FnMut() -> Result<Kept>) -> Result<Kept> {
+        self.store.get_or_make(key, make)
+    }
+
+    fn step_count(&self, edge: usize) -> Result<usize> {
+        Ok(self.feeding(edge, &Demand::default())?.step_count)
+    }
+
+    fn each_step(
+        &self,
+        edge: usize,
+        demand: &Demand,
+        of_step: &mut dyn FnMut(usize, Value) -> Result<()>,
+    ) -> Result<()> {
+        let feeding = self.feeding(edge, demand)?;
+        for step in 0..feeding.step_count {
+            let fraction = step as f64 / feeding.step_count as f64;
+            self.progress().report(&format!("step {} of {}", step + 1, feeding.step_count), fraction);
+            let value = self
+                .value_at(&feeding, self.source(edge), step)
+                .map_err(|error| Error { what: format!("at time step {step}: {}", error.what), ..error })?;
+            of_step(step, value)?;
+        }
+        Ok(())
+    }
+
+    fn keep_over_steps(
+        &self,
+        edge: usize,
+        demand: &Demand,
+        make: &mut dyn FnMut() -> Result<Kept>,
+    ) -> Result<Kept> {
+        let key = self.key(edge, &self.feeding(edge, demand)?)?;
+        if let Some(kept) = self.store.over_steps(&key) {
+            return Ok(kept);
+        }
+        let made = make()?;
+        self.store.keep_over_steps(key, made.clone());
+        Ok(made)
+    }
+}
+
+/// Demands of a node on its inputs for a demand on it.
+fn asks_of(graph: &Graph, node: &GraphNode, asked: &Demand) -> Result<Vec<Demand>> {
+    let fed = node.inputs.iter().map(|edge| graph.nodes[edge.node].node.outputs[edge.output].port_type);
+    let mut asking = DemandContext {
+        parameters: &node.parameters,
+        asked,
+        notes: &mut Diagnostics::default(),
+        wiring: node.wiring(),
+        early: vec![None; node.inputs.len()],
+        is_known: vec![false; node.inputs.len()],
+        fed: fed.collect(),
+        asks: vec![Demand::default(); node.inputs.len()],
+    };
+    (node.node.demand)(&mut asking).map_err(|error| node.locate(error))?;
+    Ok(asking.asks)
+}

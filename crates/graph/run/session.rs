@@ -1,0 +1,299 @@
+//! Sessions run graphs: the two passes, the cache between runs, progress and stopping.
+
+use super::cache::{Cache, Entry, Store, files_of, stamped};
+use super::node_run::NodeRun;
+use super::origins::{origins, upstream};
+use super::plan::{Done, Plan, everything_of, inputs_of, refuse_missing_gradient};
+use super::report::RunReport;
+use crate::api::context::{DemandContext, Preparation};
+use crate::api::demand::Demand;
+use crate::api::node::{NamedStub, Steps};
+use crate::api::observer::{NoObserver, Observer};
+use crate::api::origins::FileStamp;
+use crate::api::value::{Revision, Value};
+use crate::api::wiring::Edge;
+use crate::build::graph::Graph;
+use std::sync::Arc;
+use std::time::Instant;
+use voltet_core::diagnostics::{Diagnostics, SavedWork};
+use voltet_core::picture::Picture;
+use voltet_core::{Error, Result};
+
+/// Session: former outputs and values made from them, kept between runs.
+pub struct Session {
+    cache: Cache,
+    store: Store,
+    last_revision: u64,
+    file_stamp: FileStamp,
+    exhaustive: bool,
+    /// True if a user will move the widgets from run to run.
+    widgets_move: bool,
+    /// True while outputs may be of a preview.
+    may_pass: bool,
+}
+
+impl Session {
+    /// A session without former runs. `file_stamp` finds the state of the files that parameters name.
+    pub fn new(file_stamp: FileStamp) -> Self {
+        let (cache, store) = (Cache::default(), Store::default());
+        Session {
+            cache,
+            store,
+            last_revision: 0,
+            file_stamp,
+            exhaustive: false,
+            widgets_move: false,
+            may_pass: false,
+        }
+    }
+
+    /// Makes it the session of an editor, where a user will move the widgets: values that depend on data alone are computed at all points at once, so
+    /// that no movement waits for the places that no widget looked at before. The pictures are the same.
+    pub fn widgets_move(self) -> Self {
+        Session { widgets_move: true, ..self }
+    }
+
+    /// Makes the session exhaustive, for comparison: it does all work, needed or not. Everything that a node can give is requested
+    /// of it, nodes skip nothing ([`RunContext::exhaustive`]), and no former output is used. The pictures are the same.
+    pub fn exhaustive(self) -> Self {
+        Session { exhaustive: true, ..self }
+    }
+
+    /// Drops all former outputs and values made from them; values of the session, such as open devices, stay.
+    pub fn forget(&mut self) {
+        self.cache.forget_all_but(&Graph::default());
+        self.store.forget_all_but(&self.cache.revisions());
+    }
+
+    /// Drops the former runs that gave this picture, so that its owner may modify it.
+    pub fn release(&mut self, picture: &Arc<Picture>) {
+        let is_it = |value: &Value| matches!(value, Value::Image(known) if Arc::ptr_eq(known, picture));
+        self.cache.entries.retain(|entry| !entry.outputs.iter().any(|(value, _)| is_it(value)));
+    }
+
+    /// Runs the demand pass, and the early nodes only.
+    pub fn plan(&mut self, graph: &Graph) -> Result<Plan> {
+        self.plan_with(graph, &Demand::default())
+    }
+
+    /// `of_volumes`: what is asked, beside what nodes ask for, of those that make a volume of a grid.
+    fn plan_with(&mut self, graph: &Graph, of_volumes: &Demand) -> Result<Plan> {
+        let count = graph.nodes.len();
+        let mut plan = Plan {
+            demands: vec![Demand::default(); count],
+            notes: vec![Diagnostics::new(self.exhaustive); count],
+            early: vec![None; count],
+            exhaustive: self.exhaustive,
+        };
+        for &i in &graph.order {
+            let node = &graph.nodes[i];
+            if node.node.early && node.inputs.iter().all(|edge| plan.early[edge.node].is_some()) {
+                let inputs = inputs_of(node, &plan.early);
+                let done = self.execute(graph, i, inputs, &Demand::default(), &plan.early, &NoObserver)?;
+                plan.early[i] = Some(done);
+            }
+        }
+        let outlines = outlines(graph, &plan.early)?;
+        for &i in graph.order.iter().rev() {
+            let node = &graph.nodes[i];
+            if node.makes_volume() {
+                plan.demands[i].join(of_volumes);
+            }
+            if self.exhaustive {
+                plan.demands[i].join(&everything_of(node));
+            }
+            let early = node.inputs.iter().map(|edge| outlines[edge.node].get(edge.output).cloned());
+            let output_type = |edge: &Edge| graph.nodes[edge.node].node.outputs[edge.output].port_type;
+            let asked = plan.demands[i].clone();
+            let mut asking = DemandContext {
+                parameters: &node.parameters,
+                asked: &asked,
+                notes: &mut plan.notes[i],
+                wiring: node.wiring(),
+                early: early.collect(),
+                is_known: node.inputs.iter().map(|edge| plan.early[edge.node].is_some()).collect(),
+                fed: node.inputs.iter().map(output_type).collect(),
+                asks: vec![Demand::default(); node.inputs.len()],
+            };
+            (node.node.demand)(&mut asking).map_err(|error| node.locate(error))?;
+            for (edge, ask) in node.inputs.iter().zip(asking.asks) {
+                refuse_missing_gradient(graph, node, edge, &ask)?;
+                let says_where = node.draws() && !self.widgets_move;
+                let ask = if says_where { ask } else { ask.everywhere() };
+                plan.demands[edge.node].join(&ask);
+            }
+        }
+        Ok(plan)
+    }
+
+    /// Like [`Session::run`], for one of many runs that follow each other while a user moves something: nodes may keep what
+    /// serves the next, and what they give may differ by rounding from what a run by itself gives. No later run takes it.
+    pub fn run_preview(&mut self, graph: &Graph, observer: &dyn Observer) -> Result<RunReport> {
+        self.may_pass = !self.exhaustive;
+        let report = self.run(graph, observer);
+        self.may_pass = false;
+        report
+    }
+
+    /// Both passes. Every node finds out first whether it can succeed.
+    pub fn run(&mut self, graph: &Graph, observer: &dyn Observer) -> Result<RunReport> {
+        let start = Instant::now();
+        self.cache.forget_all_but(graph);
+        self.store.forget_all_but(&self.cache.revisions());
+        let plan = self.plan(graph)?;
+        for &i in &graph.order {
+            let node = &graph.nodes[i];
+            let preparation = Preparation { parameters: &node.parameters, folder: &graph.folder };
+            (node.node.prepare)(&preparation).map_err(|error| node.locate(error))?;
+        }
+        let (all_done, mut report) = self.work_through(graph, &plan, &graph.order, observer)?;
+        report.origins = origins(graph, &graph.order, &all_done, self.file_stamp);
+        report.seconds = start.elapsed().as_secs_f64();
+        Ok(report)
+    }
+
+    /// Runs what feeds a node (its place in [`Graph::nodes`]) and gives the values at its inputs, in the order of
+    /// its edges: for programs that do with them what no node does. The node itself and what follows do not run. `of_volumes`:
+    /// what is asked, beside what nodes ask for, of those that make a volume of a grid.
+    pub fn inputs(
+        &mut self,
+        graph: &Graph,
+        place: usize,
+        of_volumes: &Demand,
+        observer: &dyn Observer,
+    ) -> Result<Vec<Value>> {
+        Ok(self.feed(graph, place, of_volumes, observer)?.0)
+    }
+
+    /// Like [`Session::inputs`], with the report of the run.
+    pub fn feed(
+        &mut self,
+        graph: &Graph,
+        place: usize,
+        of_volumes: &Demand,
+        observer: &dyn Observer,
+    ) -> Result<(Vec<Value>, RunReport)> {
+        let plan = self.plan_with(graph, of_volumes)?;
+        let feeding: Vec<usize> = upstream(graph, place).into_iter().filter(|&i| i != place).collect();
+        let (all_done, report) = self.work_through(graph, &plan, &feeding, observer)?;
+        let values = inputs_of(&graph.nodes[place], &all_done);
+        Ok((values.into_iter().map(|(value, _)| value).collect(), report))
+    }
+
+    /// Runs these nodes, each after those upstream; returns their outputs and the report.
+    fn work_through(
+        &mut self,
+        graph: &Graph,
+        plan: &Plan,
+        order: &[usize],
+        observer: &dyn Observer,
+    ) -> Result<(Vec<Option<Done>>, RunReport)> {
+        let mut report = RunReport::begin(&graph.warnings);
+        let mut all_done: Vec<Option<Done>> = vec![None; graph.nodes.len()];
+        for (place, &i) in order.iter().enumerate() {
+            if observer.cancelled() {
+                return Err(Error::cancelled());
+            }
+            let node = &graph.nodes[i];
+            observer.started(&node.name, place, order.len());
+            let mut done = match &plan.early[i] {
+                Some(done) => done.clone(),
+                None => {
+                    let inputs = inputs_of(node, &all_done);
+                    self.execute(graph, i, inputs, &plan.demands[i], &all_done, observer)?
+                }
+            };
+            done.notes.add(plan.notes[i].clone());
+            if let Some(seconds) = done.reused {
+                let why = "a former output serves: parameters, inputs and files are the same";
+                done.notes.record_skipped("repetition", why, Some(SavedWork::Seconds(seconds)));
+            }
+            report.add(&node.name, node.node.name, &done);
+            observer.finished(&node.name, done.seconds);
+            all_done[i] = Some(done);
+        }
+        Ok((all_done, report))
+    }
+
+    /// Runs a node, or finds its former outputs. `done`: what ran so far.
+    fn execute(
+        &mut self,
+        graph: &Graph,
+        i: usize,
+        inputs: Vec<(Value, Revision)>,
+        demand: &Demand,
+        done: &[Option<Done>],
+        observer: &dyn Observer,
+    ) -> Result<Done> {
+        let start = Instant::now();
+        let node = &graph.nodes[i];
+        let revisions: Vec<(usize, Revision)> =
+            node.inputs.iter().zip(&inputs).map(|(edge, input)| (edge.port, input.1)).collect();
+        let files = files_of((node.node, &node.parameters), Steps::Read, &graph.folder, self.file_stamp);
+        let former = self.cache.find(node, &revisions, |former| former.covers(demand), &files, &graph.stated);
+        if let Some(entry) = former.filter(|_| !self.exhaustive) {
+            let (outputs, notes) = (entry.outputs.clone(), entry.notes.clone());
+            let (seconds, reused) = (0.0, Some(entry.seconds));
+            return Ok(Done { outputs, notes, seconds, reused, is_passing: false });
+        }
+        // Who is asked for the gradient in other places than before will be so again: now everywhere.
+        let elsewhere = |former: &Demand| former.everywhere().covers(demand);
+        let moves = self.cache.find(node, &revisions, elsewhere, &files, &graph.stated).is_some();
+        let demand = &if moves { demand.everywhere() } else { demand.clone() };
+        let (store, file_stamp) = (&self.store, self.file_stamp);
+        let run = NodeRun { graph, place: i, done, store, file_stamp, observer };
+        let mut call = run.context(&node.parameters, demand, inputs, (self.exhaustive, self.may_pass));
+        let values = node.run(&mut call)?;
+        let notes = std::mem::take(&mut call.notes);
+        let of_passing = |edge: &Edge| done[edge.node].as_ref().is_some_and(|done| done.is_passing);
+        let is_passing = call.is_preview.get() || node.inputs.iter().any(of_passing);
+        let carried = call.reads_pipeline.get().then(|| graph.stated.clone());
+        let declared = node.node.outputs.iter().map(|port| port.port_type);
+        if !values.iter().map(Value::port_type).eq(declared) {
+            return Err(node.locate(Error::run("the node gave other outputs than it declares")));
+        }
+        let outputs: Vec<(Value, Revision)> =
+            values.into_iter().map(|value| (value, self.next_revision())).collect();
+        let seconds = start.elapsed().as_secs_f64();
+        if is_passing {
+            return Ok(Done { outputs, notes, seconds, reused: None, is_passing });
+        }
+        self.cache.add(Entry {
+            node: node.node,
+            parameters: node.parameters.clone(),
+            plugin: node.plugin().cloned(),
+            given: node.given.clone(),
+            inputs: revisions,
+            demand: demand.clone(),
+            files: stamped(files.into_iter().map(|(path, _)| path), self.file_stamp),
+            carried,
+            outputs: outputs.clone(),
+            notes: notes.clone(),
+            seconds,
+        });
+        Ok(Done { outputs, notes, seconds, reused: None, is_passing })
+    }
+
+    fn next_revision(&mut self) -> Revision {
+        self.last_revision += 1;
+        Revision(self.last_revision)
+    }
+}
+
+/// Values of each node's outputs, or their stand-ins; empty where they are not known.
+fn outlines(graph: &Graph, early: &[Option<Done>]) -> Result<Vec<Vec<Value>>> {
+    let mut outlines: Vec<Vec<Value>> = vec![Vec::new(); graph.nodes.len()];
+    for &i in &graph.order {
+        let node = &graph.nodes[i];
+        outlines[i] = match &early[i] {
+            Some(done) => done.outputs.iter().map(|output| output.0.clone()).collect(),
+            None => {
+                let port = |edge: &Edge| node.node.all_inputs().nth(edge.port).map_or("", |port| port.name);
+                let known = |edge: &Edge| (port(edge), outlines[edge.node].get(edge.output).cloned());
+                let inputs: Vec<NamedStub> = node.inputs.iter().map(known).collect();
+                (node.node.outline)(&node.parameters, &inputs).map_err(|error| node.locate(error))?
+            }
+        };
+    }
+    Ok(outlines)
+}

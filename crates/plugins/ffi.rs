@@ -1,0 +1,193 @@
+//! Bounded reads of memory that a plug-in points to, checked by the system where it can.
+
+use crate::interface;
+use std::ffi::c_char;
+use std::mem::{MaybeUninit, size_of};
+
+/// A struct of the interface that begins with its size.
+///
+/// # Safety
+///
+/// Every pattern of bits is a value: numbers, raw pointers, and functions that may be absent.
+pub(crate) unsafe trait Sized32: Copy {
+    /// Name in messages.
+    const NAME: &'static str;
+}
+
+// SAFETY: numbers, raw pointers, optional functions.
+unsafe impl Sized32 for interface::Entry {
+    const NAME: &'static str = "voltet_entry";
+}
+// SAFETY: the same.
+unsafe impl Sized32 for interface::Plugin {
+    const NAME: &'static str = "voltet_plugin";
+}
+// SAFETY: the same.
+unsafe impl Sized32 for interface::Factory {
+    const NAME: &'static str = "a factory";
+}
+// SAFETY: the same.
+unsafe impl Sized32 for interface::Reader {
+    const NAME: &'static str = "voltet_reader";
+}
+// SAFETY: the same.
+unsafe impl Sized32 for interface::GridFilter {
+    const NAME: &'static str = "voltet_grid_filter";
+}
+// SAFETY: the same.
+unsafe impl Sized32 for interface::ImageFilter {
+    const NAME: &'static str = "voltet_image_filter";
+}
+// SAFETY: the same.
+unsafe impl Sized32 for interface::GridHead {
+    const NAME: &'static str = "voltet_grid_head";
+}
+// SAFETY: the same.
+unsafe impl Sized32 for interface::ArrayHead {
+    const NAME: &'static str = "voltet_array_head";
+}
+// SAFETY: the same.
+unsafe impl Sized32 for interface::GridBuffers {
+    const NAME: &'static str = "voltet_grid_buffers";
+}
+// SAFETY: the same.
+unsafe impl Sized32 for interface::GradientFilter {
+    const NAME: &'static str = "voltet_gradient_filter";
+}
+// SAFETY: the same.
+unsafe impl Sized32 for interface::Parameter {
+    const NAME: &'static str = "voltet_parameter";
+}
+
+/// Largest struct of any version of the interface (bytes).
+const MAX_STRUCT_BYTES: u32 = 4096;
+
+/// Fault of something that a plug-in points to; a clause.
+pub(crate) type ValidationError = String;
+
+/// Copies the bytes at an address; `None` where some of them are not mapped. Where the system cannot check, unmapped memory ends
+/// the program, as it would in the plug-in itself.
+fn bytes(address: usize, into: &mut [MaybeUninit<u8>]) -> Option<()> {
+    address.checked_add(into.len())?;
+    if into.is_empty() {
+        return Some(());
+    }
+    #[cfg(target_os = "linux")]
+    {
+        let own = libc::iovec { iov_base: into.as_mut_ptr().cast(), iov_len: into.len() };
+        let theirs = libc::iovec { iov_base: address as *mut libc::c_void, iov_len: into.len() };
+        // SAFETY: `own` is the buffer; the system checks every address of `theirs`, and copies what is there.
+        let copied = unsafe { libc::process_vm_readv(libc::getpid(), &own, 1, &theirs, 1, 0) };
+        if copied == into.len() as isize {
+            return Some(());
+        }
+        if copied >= 0 || std::io::Error::last_os_error().raw_os_error() == Some(libc::EFAULT) {
+            return None;
+        }
+        // Not allowed here: as on other systems.
+    }
+    // SAFETY: the interface says that the plug-in keeps what it points to until deinit.
+    unsafe { std::ptr::copy_nonoverlapping(address as *const u8, into.as_mut_ptr().cast(), into.len()) };
+    Some(())
+}
+
+/// Plain values at an address.
+///
+/// Errors: null, or not there.
+pub(crate) fn values<T: Copy>(address: *const T, count: usize) -> Result<Vec<T>, ValidationError> {
+    if address.is_null() {
+        return Err("is a null pointer".into());
+    }
+    let mut values = Vec::<T>::with_capacity(count);
+    let spare = &mut values.spare_capacity_mut()[..count];
+    // SAFETY: the same memory as bytes, of which any may be uninitialised.
+    let spare = unsafe {
+        std::slice::from_raw_parts_mut(spare.as_mut_ptr().cast::<MaybeUninit<u8>>(), size_of_val(spare))
+    };
+    bytes(address as usize, spare).ok_or("points to memory that is not there")?;
+    // SAFETY: all bytes were copied, and T is a number or a raw pointer here.
+    unsafe { values.set_len(count) };
+    Ok(values)
+}
+
+/// A struct at an address, and the size in its first field.
+///
+/// Errors: null, not there, or smaller than in version 1.0 of the interface.
+pub(crate) fn sized<T: Sized32>(address: *const T) -> Result<(T, usize), ValidationError> {
+    let wrong = |what| format!("{} {what}", T::NAME);
+    let size = values(address.cast::<u32>(), 1).map_err(wrong)?[0];
+    if (size as usize) < size_of::<T>() || size > MAX_STRUCT_BYTES || size % 8 != 0 {
+        let (name, min) = (T::NAME, size_of::<T>());
+        return Err(format!("{name} says that its size is {size} bytes, in place of {min} (sizeof)"));
+    }
+    let read = values(address, 1).map_err(wrong)?;
+    Ok((read[0], size as usize))
+}
+
+/// Structs side by side, each of the size that the first has in its first field.
+///
+/// Errors: those of [`sized`], with the struct's index; one of another size than the first.
+pub(crate) fn several<T: Sized32>(address: *const T, count: usize) -> Result<Vec<T>, ValidationError> {
+    let (mut found, mut stride) = (Vec::new(), 0);
+    for i in 0..count {
+        let (read, size) =
+            sized(address.wrapping_byte_add(i * stride)).map_err(|wrong| format!("{i}: {wrong}"))?;
+        if i > 0 && size != stride {
+            return Err(format!("{i}: its size is {size} bytes, and that of the first {stride}"));
+        }
+        stride = size;
+        found.push(read);
+    }
+    Ok(found)
+}
+
+/// A text; `None` for a null pointer.
+///
+/// Errors: longer than `max` bytes, no UTF-8, or not there.
+pub(crate) fn text(address: *const c_char, max: usize) -> Result<Option<String>, ValidationError> {
+    let Some(bytes) = bytes_of_text(address, max)? else { return Ok(None) };
+    match bytes {
+        (bytes, true) => String::from_utf8(bytes).map(Some).map_err(|error| {
+            let at = error.utf8_error().valid_up_to();
+            format!("is no UTF-8 at byte {at}: \"{}\"", String::from_utf8_lossy(error.as_bytes()))
+        }),
+        (bytes, false) => {
+            let begin: String = String::from_utf8_lossy(&bytes).chars().take(32).collect();
+            Err(format!("is longer than {max} bytes: \"{begin}…\""))
+        }
+    }
+}
+
+/// The readable part of a text, for a message.
+pub(crate) fn message(address: *const c_char, max: usize) -> String {
+    match bytes_of_text(address, max) {
+        Ok(Some((bytes, _))) => String::from_utf8_lossy(&bytes).into_owned(),
+        Ok(None) => "(a null pointer in place of a text)".into(),
+        Err(wrong) => format!("(a text that {wrong})"),
+    }
+}
+
+/// The bytes of a text, and true if it ends within `max` of them.
+fn bytes_of_text(address: *const c_char, max: usize) -> Result<Option<(Vec<u8>, bool)>, ValidationError> {
+    if address.is_null() {
+        return Ok(None);
+    }
+    let mut found = Vec::new();
+    while found.len() <= max {
+        let begin = (address as usize).wrapping_add(found.len());
+        // Within one page of 4096 bytes: the next need not be there.
+        let count = (4096 - begin % 4096).min(64);
+        let part = values(begin as *const u8, count)?;
+        match part.iter().position(|&byte| byte == 0) {
+            Some(end) => {
+                found.extend_from_slice(&part[..end]);
+                let fits = found.len() <= max;
+                found.truncate(max);
+                return Ok(Some((found, fits)));
+            }
+            None => found.extend_from_slice(&part),
+        }
+    }
+    found.truncate(max);
+    Ok(Some((found, false)))
+}

@@ -1,0 +1,205 @@
+//! State of a pipeline: its text as a document, and the results that its runs left.
+
+use crate::filter;
+use std::path::{Path, PathBuf};
+use voltet::{PipelineSource, RunRecord, Session};
+use voltet_core::{Error, Result};
+use voltet_document::{Diagnostic, Document, Edit, Part, Path as Place};
+use voltet_graph::pipeline::Pipeline as Nodes;
+use voltet_graph::{Field, NodeEntry, ParameterValue, SourceSpan};
+use voltet_io::provenance::{Provenance, Source};
+
+/// Text of a pipeline, and the results that its runs left.
+pub struct State {
+    pub source: PipelineText,
+    pub runs: Session,
+    /// Version of the registered filters.
+    epoch: u64,
+}
+
+/// Text of a pipeline, and its origin.
+pub struct PipelineText {
+    pub document: Document,
+    /// The picture that carries it, in place of a file, with its provenance.
+    pub picture: Option<(PathBuf, Provenance)>,
+}
+
+impl PipelineSource for PipelineText {
+    fn pipeline(&self) -> &Nodes {
+        self.document.pipeline()
+    }
+
+    fn folder(&self) -> PathBuf {
+        match &self.picture {
+            Some((path, _)) => path.parent().unwrap_or(Path::new("")).to_path_buf(),
+            None => self.document.folder(),
+        }
+    }
+
+    fn path(&self) -> PathBuf {
+        let file = self.document.path().map(Path::to_path_buf);
+        let picture = self.picture.as_ref().map(|picture| picture.0.clone());
+        picture.or(file).unwrap_or("a new pipeline".into())
+    }
+
+    fn locate(&self, error: Error) -> Error {
+        match &self.picture {
+            Some((path, _)) => voltet_graph::pipeline::locate(error, self.document.text(), path),
+            None => self.document.locate(error),
+        }
+    }
+}
+
+impl State {
+    /// From a file, or a picture that carries one; from a text; or empty.
+    pub fn open(path: Option<PathBuf>, text: Option<String>) -> Result<State> {
+        let empty = path.is_none() && text.is_none();
+        let (document, picture) = match (path, text) {
+            (Some(path), None) => {
+                let source = Source::read(&path)?;
+                match source.carried {
+                    Some(carried) => (Document::from_text(source.text, None), Some((path, carried))),
+                    None => (Document::open(&path)?, None),
+                }
+            }
+            (path, Some(text)) => (Document::from_text(text, path), None),
+            (None, None) => (Document::new(), None),
+        };
+        let epoch = filter::epoch();
+        let runs = Session::new(filter::registry()?)?;
+        let mut state = State { source: PipelineText { document, picture }, runs, epoch };
+        // Nodes are added later.
+        if !empty {
+            state.check_text()?;
+        }
+        Ok(state)
+    }
+
+    /// Brings the session's filters up to date.
+    fn refresh(&mut self) -> Result<()> {
+        let epoch = filter::epoch();
+        if epoch != self.epoch {
+            self.runs.set_registry(filter::registry()?)?;
+            self.epoch = epoch;
+        }
+        Ok(())
+    }
+
+    /// Checks that the text is a pipeline.
+    pub fn check_text(&mut self) -> Result<()> {
+        self.refresh()?;
+        let faults = self.source.document.faults_of(&[], self.runs.registry());
+        faults.into_iter().find(|fault| fault.node.is_none()).map_or(Ok(()), |fault| Err(fault.error))
+    }
+
+    /// Carries out edits, and undoes them where they leave wrong parameters of these nodes.
+    pub fn edit(&mut self, nodes: &[&str], label: String, edits: &[Edit]) -> Result<()> {
+        self.refresh()?;
+        let before = self.faults(nodes);
+        let document = &mut self.source.document;
+        document.edit_all(label, edits, None).map_err(|error| document.locate(error))?;
+        let is_new = |fault: &Diagnostic| !before.iter().any(|known| known.error.what == fault.error.what);
+        match self.faults(nodes).into_iter().find(is_new) {
+            None => Ok(()),
+            Some(fault) => {
+                self.source.document.undo()?;
+                Err(fault.error)
+            }
+        }
+    }
+
+    /// Faults of nodes, but for their wires, which may lead to nodes that are added later.
+    fn faults(&self, nodes: &[&str]) -> Vec<Diagnostic> {
+        if nodes.is_empty() {
+            return Vec::new();
+        }
+        let concerns = |fault: &Diagnostic| fault.node.as_deref().is_some_and(|name| nodes.contains(&name));
+        let mut faults = self.source.document.faults_of(nodes, self.runs.registry());
+        faults.retain(|fault| concerns(fault) && !matches!(fault.part, Part::Input(_)));
+        faults
+    }
+
+    pub fn node(&self, name: &str) -> Result<&NodeEntry> {
+        let nodes = &self.source.pipeline().nodes;
+        nodes.iter().find(|node| node.name == name).ok_or_else(|| {
+            let error = Error::usage(format!("there is no node '{name}'"));
+            error.expected(voltet_graph::suggest(name, nodes.iter().map(|node| node.name.as_str())))
+        })
+    }
+
+    /// Saves the text; what it reads is found from the new file, too. `readers`: nodes that a program gives grids to, each with the
+    /// file that holds its grid and the scalar: they read it from there. Where nothing is written, what writes the picture is added,
+    /// so that the file can be run.
+    pub fn save(&mut self, path: Option<PathBuf>, readers: Vec<(String, String, String)>) -> Result<PathBuf> {
+        self.check_text()?;
+        let own = self.source.document.path().map(Path::to_path_buf);
+        let nowhere = || Error::usage("the pipeline has no file yet").expected("a path to save it to");
+        let to = path.or(own).ok_or_else(nowhere)?;
+        if let Some((picture, _)) = self.source.picture.take() {
+            // From now on it is a file's, which was in the picture's folder.
+            let text = self.source.document.text().to_string();
+            self.source.document = Document::from_text(text, Some(picture));
+        }
+        let mut edits = Vec::new();
+        for (name, file, scalar) in readers {
+            let stated = &self.node(&name)?.settings;
+            let gone = stated.iter().filter(|field| field.name != "scalar");
+            edits.extend(
+                gone.map(|field| Edit::Unset { node: name.clone(), path: Place::from([&*field.name]) }),
+            );
+            for (key, value) in [("type", "reader".to_string()), ("path", file), ("scalar", scalar)] {
+                edits.push(Edit::set(&name, [key], ParameterValue::Text(value)));
+            }
+        }
+        let folder = to.parent().unwrap_or(Path::new(""));
+        edits.extend(self.source.document.following_to(self.runs.registry(), folder));
+        edits.extend(self.writer(&to));
+        if !edits.is_empty() {
+            let document = &mut self.source.document;
+            document
+                .edit_all("save elsewhere".into(), &edits, None)
+                .map_err(|error| document.locate(error))?;
+        }
+        self.source.document.save_as(&to)?;
+        Ok(to)
+    }
+
+    /// Edits that add a node `file` that writes the only picture beside the file `to`, where no node writes anything.
+    fn writer(&self, to: &Path) -> Vec<Edit> {
+        let nodes = &self.source.pipeline().nodes;
+        let node_type = |entry: &NodeEntry| self.runs.registry().find(entry.node_type.text()?).ok();
+        let writes = nodes.iter().filter_map(node_type).any(|node| node.outputs.is_empty());
+        let (Ok(source), Some(stem)) = (self.runs.picture(&self.source, None), to.file_stem()) else {
+            return Vec::new();
+        };
+        let name = "file".to_string();
+        if writes || nodes.iter().any(|entry| entry.name == name) {
+            return Vec::new();
+        }
+        let picture = ParameterValue::Text(format!("{}.png", stem.to_string_lossy()));
+        let path = Field { name: "path".into(), origin: SourceSpan::Nowhere, setting: picture.into() };
+        let node_type = "image-writer".to_string();
+        let add = Edit::AddNode { name: name.clone(), node_type, settings: vec![path], at: None };
+        vec![add, Edit::Connect { node: name, port: "image".into(), source, beside: false }]
+    }
+
+    /// The pipeline as `voltet run` checks it: outputs that would overwrite inputs are refused.
+    pub fn document(&mut self) -> Result<voltet::Document> {
+        self.check_text()?;
+        let mut graph = self.runs.whole_graph(&self.source)?;
+        let text = self.source.document.text().to_string();
+        if let Ok(stated) = Nodes::stated(text.clone(), self.runs.registry()) {
+            graph.stated = stated;
+        }
+        let pipeline = self.source.pipeline().clone();
+        let carried = self.source.picture.as_ref().map(|picture| picture.1.clone());
+        let document = voltet::Document { path: self.source.path(), text, pipeline, graph, carried };
+        document.refuse_collisions()?;
+        Ok(document)
+    }
+
+    /// Record of the last run.
+    pub fn record(&self) -> Option<RunRecord> {
+        self.runs.record(&self.source, self.source.document.text().to_string())
+    }
+}

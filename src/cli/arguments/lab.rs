@@ -1,0 +1,311 @@
+//! Arguments of the commands that judge and measure: stability, study, time, papers, gradient-test.
+
+use super::{Plugins, Set};
+use crate::nodes::drawing::ENGINES;
+use crate::optics::engine::Compositor;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+use voltet_study::papers::Paper;
+use voltet_study::work_precision::Engines;
+
+#[derive(Debug, Args)]
+#[command(after_help = "Exit codes: 0 every bound is kept, 1 one is broken, 2 the file is wrong.")]
+pub struct Stability {
+    /// Judge these cases instead of those that the program carries: one JSON object a line.
+    ///
+    /// Each value passes when its error is at most bound × exact value + floor; the bound follows from the working
+    /// precision and the condition number that the case states. Counted are the values of the forms themselves
+    /// (judged), those only asked to be finite and physical (finite), those that the 32-bit engine leaves to the
+    /// 64-bit forms, and those of cases that are not served (skipped).
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub cases: Option<PathBuf>,
+    /// The graphics device whose shaders are judged: a part of its name, or discrete, integrated, virtual, software.
+    ///
+    /// Without it the fastest that is hardware; where there is none, the output says so. A driver that is a program on the
+    /// CPU (software) is judged only when it is named. Cases that a device refuses beforehand are counted as skipped.
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+    /// Draw this many scenes by lot instead (grids, fields, transfer functions, cameras), and name those on which an engine is
+    /// beyond its bound.
+    ///
+    /// Each is a picture of up to 32 × 32 pixels, held against the 64-bit referee. A pixel beyond the bound is explained where
+    /// the referee changes by as much when the camera moves by a thousandth of a pixel, or the data are rounded to 32 bits.
+    /// Some 40 scenes a second on two cores. A device draws each in every way of compositing, a software driver in seconds; its
+    /// triangles may be off by what their cells, one by one, change when corners move by 1/256 of a pixel.
+    #[arg(long, value_name = "COUNT", conflicts_with_all = ["cases", "markdown"])]
+    pub scenes: Option<u64>,
+    /// The number of the first of them.
+    #[arg(long, value_name = "NUMBER", default_value_t = 0, requires = "scenes")]
+    pub first: u64,
+    /// Seed that all of them follow from.
+    #[arg(long, value_name = "NUMBER", default_value_t = 1, requires = "scenes")]
+    pub seed: u64,
+    /// Write everything that was found as JSON to the standard output.
+    #[arg(long)]
+    pub json: bool,
+    /// Write it as Markdown: the page docs/src/explanation/stability.md.
+    #[arg(long, conflicts_with_all = ["cases", "json"])]
+    pub markdown: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Exit codes: 0 done, 1 the study failed, was stopped, or nothing keeps --max-error; 2 the command or \
+the pipeline file is wrong."
+)]
+pub struct Study {
+    /// A pipeline file.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub set: Set,
+    #[command(flatten)]
+    pub plugins: Plugins,
+    /// The node to study, of type renderer, gpu-renderer or composite, where the pipeline has several.
+    #[arg(long, value_name = "NODE")]
+    pub node: Option<String>,
+    /// Integrators to look at, separated by commas; all that can serve the scene without it.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub only: Vec<String>,
+    /// Engine: the CPU, a graphics device, or all.
+    ///
+    /// A device is measured where this machine has a graphics device, or the one that --adapter names; else the output says
+    /// what is missing.
+    #[arg(long, value_name = "WHICH", value_parser = engines(), default_value = "all")]
+    pub engine: Engines,
+    /// The graphics device to measure: a part of its name, or discrete, integrated, virtual, software.
+    ///
+    /// Without it the one that the file names, or else the fastest that is hardware. A driver that is a program on the CPU
+    /// (software) is measured only when it is named; its times say nothing of graphics hardware.
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+    /// Recommend the cheapest setting with an error of at most this, 1 being full scale.
+    #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
+    pub max_error: Option<f64>,
+    /// The error that decides about the recommendation and the Pareto front.
+    #[arg(long, value_name = "WHICH", value_enum, default_value = "max")]
+    pub measure: MeasureName,
+    /// Refine the grid this often (2 without a number), to tell the error of integration from that of taking the data as
+    /// linear in each cell.
+    ///
+    /// Each time every tetrahedron is cut in eight. With values linear between the points the field is the same and
+    /// integrators converge to it, at a rate that is printed; with values as the gradients at the points suggest them the
+    /// picture changes by what the linear model leaves out.
+    #[arg(long, value_name = "LEVELS", num_args = 0..=1, default_missing_value = "2", default_value_t = 0,
+          hide_default_value = true)]
+    pub refine: u32,
+    /// Write the recommended setting into the pipeline file; everything else in it stays as it is.
+    #[arg(long, requires = "max_error")]
+    pub apply: bool,
+    /// Frames that are timed for each setting, after one that warms up.
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    pub frames: usize,
+    /// Seconds after which no further frame of a setting begins.
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, allow_negative_numbers = true)]
+    pub patience: f64,
+    /// The folder to write into; FILE with the ending .study without it.
+    #[arg(long, short, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
+    /// The folder that keeps reference pictures; in the user's cache folder without it.
+    #[arg(long, value_name = "FOLDER")]
+    pub cache: Option<PathBuf>,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+#[cfg(feature = "editor")]
+impl Study {
+    /// Arguments of `voltet study FILE` without options.
+    pub fn of(file: &std::path::Path) -> crate::core::Result<Study> {
+        use clap::FromArgMatches;
+        let command = Study::augment_args(clap::Command::new("study"));
+        let given = command.try_get_matches_from(["study".as_ref(), file.as_os_str()]);
+        let study = given.and_then(|matches| Study::from_arg_matches(&matches));
+        study.map_err(|error| crate::core::Error::usage("the study has no such file").got(error))
+    }
+}
+
+#[derive(Debug, Args)]
+pub struct Time {
+    /// Pipeline files.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    #[command(flatten)]
+    pub set: Set,
+    #[command(flatten)]
+    pub plugins: Plugins,
+    /// Sizes of the picture in pixels, separated by commas; those of the files without it.
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_delimiter = ',', value_parser = size)]
+    pub size: Vec<[u32; 2]>,
+    /// Engine: the CPU, a graphics device, or all.
+    #[arg(long, value_name = "WHICH", value_parser = engines(), default_value = "all")]
+    pub engine: Engines,
+    /// Compositors of a graphics device, separated by commas: tiles, raster, triangles; all without it.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = compositors())]
+    pub compositor: Vec<Compositor>,
+    /// The graphics device to measure: a part of its name, or discrete, integrated, virtual, software.
+    ///
+    /// Without it the one that the file names, or else the fastest that is hardware.
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+    /// Frames that are timed, after one that sets up; the median counts.
+    #[arg(long, value_name = "N", default_value_t = 31)]
+    pub frames: usize,
+    /// Seconds after which no further frame of a row begins.
+    #[arg(long, value_name = "SECONDS", default_value_t = 5.0, allow_negative_numbers = true)]
+    pub patience: f64,
+    /// Degrees that the camera turns about its target before each frame.
+    #[arg(long, value_name = "DEGREES", default_value_t = 1.0, allow_negative_numbers = true)]
+    pub turn: f64,
+    /// Frames of a device that are in flight at a time, in the column that says how fast they follow each other; 1 leaves it out.
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    pub in_flight: usize,
+}
+
+#[derive(Debug, Args)]
+pub struct Papers {
+    /// Papers, separated by commas; all without it.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = papers())]
+    pub only: Vec<Paper>,
+    /// The folder of the papers' pipelines.
+    #[arg(long, value_name = "FOLDER", default_value = "pipelines/papers")]
+    pub pipelines: PathBuf,
+    /// The folder to write into, which is made: papers.md, and the figures in papers/.
+    #[arg(long, value_name = "FOLDER")]
+    pub output: PathBuf,
+    /// Size of the figures.
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size, default_value = "400x300")]
+    pub size: [u32; 2],
+    /// Frames that are timed of each picture, after one that warms up; the median counts.
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    pub frames: usize,
+    /// Tetrahedra of the largest grid that is generated for Song's Table 1; 1,000,000 leaves out its two largest.
+    #[arg(long, value_name = "N", default_value_t = 4_000_000)]
+    pub max_cells: u64,
+    /// A folder with data that do not ship: bluntfin.vtu.
+    #[arg(long, value_name = "FOLDER")]
+    pub data: Option<PathBuf>,
+    /// The folder that keeps reference pictures; in the user's cache folder without it.
+    #[arg(long, value_name = "FOLDER")]
+    pub cache: Option<PathBuf>,
+    /// Show nothing while it runs.
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Exit codes: 0 the filter keeps what it is held to, 1 it does not, or the test was stopped; 2 the command \
+is wrong."
+)]
+pub struct GradientTest {
+    /// A gradient filter; `voltet nodes` lists them.
+    #[arg(value_name = "NAME")]
+    pub name: String,
+    /// Set a parameter of the filter; may be given several times.
+    ///
+    /// The value is read as TOML, or taken as text where it is none.
+    #[arg(long = "set", value_name = "name=value")]
+    pub options: Vec<String>,
+    /// Filters to measure beside it, separated by commas, with their standard values; all others without it.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub beside: Option<Vec<String>>,
+    /// Requirements on the filter, separated by commas.
+    #[arg(
+        long,
+        value_name = "WHAT",
+        value_delimiter = ',',
+        value_enum,
+        default_value = "finite,linear,order,invariance"
+    )]
+    pub hold_to: Vec<HoldName>,
+    /// The least order of convergence inside, on every family of grids.
+    #[arg(long, value_name = "ORDER", default_value_t = 0.8, allow_negative_numbers = true)]
+    pub order: f64,
+    /// The largest error on linear fields, by the largest gradient.
+    #[arg(long, value_name = "ERROR", default_value_t = 1e-9, allow_negative_numbers = true)]
+    pub linear_error: f64,
+    /// Boxes along a side of each grid, coarse to fine; orders are those between the two finest.
+    #[arg(long, value_name = "COUNTS", value_delimiter = ',', default_value = "4,8,16,24")]
+    pub levels: Vec<usize>,
+    /// Boxes along a side of the grid that is timed: 40 are 68,921 points.
+    #[arg(long, value_name = "COUNT", default_value_t = 40)]
+    pub timed: usize,
+    /// Timed runs of each filter, after one that warms up; filters take turns.
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    pub rounds: usize,
+    /// Write everything to this file, as a page that needs no other file.
+    #[arg(long, value_name = "FILE.html")]
+    pub html: Option<PathBuf>,
+    /// Write everything to this file, as JSON.
+    #[arg(long, value_name = "FILE.json")]
+    pub json: Option<PathBuf>,
+    /// Plot the error against fineness; .svg or .png.
+    #[arg(long, value_name = "FILE.svg")]
+    pub plot: Option<PathBuf>,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
+    #[command(flatten)]
+    pub plugins: Plugins,
+}
+
+/// Requirements on a gradient filter.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum HoldName {
+    /// A finite vector at every point, on every grid.
+    Finite,
+    /// Exact on linear fields: --linear-error.
+    Linear,
+    /// Converges inside on every family of grids: --order.
+    Order,
+    /// Invariance of the gradient, but for rounding, under translation, rotation, scaling and numbering of the grid.
+    Invariance,
+    /// Nothing: the exit code is 0 whatever is found.
+    Nothing,
+}
+
+/// A picture's size, "1024x768".
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let number = |part: &str| part.trim().parse::<u32>().ok().filter(|n| *n > 0);
+    let parts = text.split_once(['x', '×']);
+    let both = parts.and_then(|(width, height)| Some([number(width)?, number(height)?]));
+    both.ok_or_else(|| "a size is WIDTHxHEIGHT in pixels, such as 1024x768".into())
+}
+
+/// The papers by name.
+fn papers() -> impl TypedValueParser<Value = Paper> {
+    PossibleValuesParser::new(Paper::ALL.map(Paper::name))
+        .map(|name| Paper::ALL.into_iter().find(|paper| paper.name() == name).unwrap_or(Paper::Song))
+}
+
+/// The ways in which a device composites.
+fn compositors() -> impl TypedValueParser<Value = Compositor> {
+    let words = Compositor::WORDS.map(|(name, help)| PossibleValue::new(name).help(help));
+    PossibleValuesParser::new(words).map(|name| Compositor::named(&name).unwrap_or(Compositor::Tiles))
+}
+
+/// The engines by name, or all of them.
+fn engines() -> impl TypedValueParser<Value = Engines> {
+    let all = PossibleValue::new("all").help("the CPU, and the graphics device where there is one");
+    let words = ENGINES.iter().map(|engine| PossibleValue::new(engine.name).help(engine.summary));
+    let named = |name: String| ENGINES.iter().find(|engine| engine.name == name);
+    PossibleValuesParser::new(words.chain([all]))
+        .map(move |name| named(name).map_or(Engines::All, Engines::One))
+}
+
+/// Errors of a picture.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum MeasureName {
+    /// The largest difference of a channel of premultiplied linear RGBA.
+    Max,
+    /// The root of the mean square of these differences.
+    Rms,
+    /// The 99.9th percentile of these differences.
+    #[value(name = "p99.9")]
+    P999,
+    /// The perceptual difference FLIP, mean over the pixels.
+    Flip,
+}

@@ -1,0 +1,122 @@
+//! `voltet explain`: what will run, on which engine, what is left out and why. Reads headers of data files, no data.
+
+use super::outcome::{DONE, show, warn};
+use super::pipelines::open;
+use crate::Document;
+use crate::cli::arguments::Explain;
+use crate::cli::present::print;
+use crate::core::Result;
+use crate::graph::{Demand, Graph, GraphNode, Plan, PortType, Registry, SkippedWork};
+use crate::output_conflicts;
+
+pub fn explain(arguments: &Explain, registry: &Registry) -> Result<u8> {
+    let document = match open(&arguments.file, &arguments.set.options, registry) {
+        Ok(document) => document,
+        Err((error, text)) => return Ok(show(&error, text.as_deref())),
+    };
+    warn(&document);
+    // What is carried in a picture names that picture as its output, and nothing is written here.
+    if let Err((error, text)) = output_conflicts::refuse([&document], document.carried.is_none(), &[]) {
+        return Ok(show(&error, text));
+    }
+    let mut session = crate::nodes::session();
+    if arguments.exhaustive {
+        session = session.exhaustive();
+    }
+    match session.plan(&document.graph) {
+        Ok(mut plan) => {
+            let unknown = plan.foresee(&document.graph);
+            print(&explained(&document, &plan, &unknown, arguments.exhaustive))?;
+            Ok(DONE)
+        }
+        Err(error) => Ok(show(&document.locate(error), Some(&document.text))),
+    }
+}
+
+/// The plan in words.
+fn explained(document: &Document, plan: &Plan, unknown: &[usize], exhaustive: bool) -> String {
+    let graph = &document.graph;
+    let mut text = format!("{}", document.path.display());
+    if let Some(title) = &document.pipeline.title {
+        text += &format!(": {title}");
+    }
+    text += "\n\nRuns, in this order:\n";
+    let width = |part: fn(&GraphNode) -> &str| {
+        graph.order.iter().map(|&i| part(&graph.nodes[i]).chars().count()).max().unwrap_or(0)
+    };
+    let (names, types) = (width(|n| &n.name), width(|n| n.node.name));
+    for &i in &graph.order {
+        let node = &graph.nodes[i];
+        let mut parts: Vec<String> = Vec::new();
+        let given = node.parameters.iter().filter(|(p, _, given)| *given && p.name != "widgets");
+        parts.extend(given.filter_map(|(p, s, _)| Some(format!("{} = {}", p.name, s?.datum))));
+        parts.extend(asked(node, &plan.demands[i]));
+        let line = format!("  {:names$}  {:types$}  {}", node.name, node.node.name, parts.join("; "));
+        text += line.trim_end();
+        text += "\n";
+    }
+    let engines =
+        graph.order.iter().filter_map(|&i| Some((&graph.nodes[i].name, plan.notes[i].engine.as_ref()?)));
+    for (name, (engine, why)) in engines {
+        text += &format!("\nEngine of '{name}': {engine} ({why})\n");
+    }
+    let left_out: Vec<String> = (graph.order.iter())
+        .flat_map(|&i| plan.notes[i].skipped.iter().map(move |left| (&graph.nodes[i].name, left)))
+        .map(|(name, left)| format!("  {name}: no {}: {}{}\n", left.what, left.why, saved(left)))
+        .collect();
+    match (left_out.is_empty(), exhaustive) {
+        (_, true) => text += "\nNothing is left out, needed or not; the picture is the same.\n",
+        (true, false) => text += "\nNothing is left out before the data is known.\n",
+        (false, false) => text += &format!("\nLeft out:\n{}", left_out.concat()),
+    }
+    for name in unknown.iter().map(|&i| &graph.nodes[i].name) {
+        text +=
+            &format!("Which arrays of its file '{name}' does not read is known once the file is there.\n");
+    }
+    if waves(graph) {
+        text += "Whether bands are finer than the cells is known with the data: `voltet info` of this file says it.\n";
+    }
+    if graph.order.iter().any(|&i| is_relative(&graph.nodes[i])) {
+        text += "Numbers relative to data are known with the data: `voltet info` of this file says what they become.\n";
+    }
+    if !exhaustive {
+        text += "Left out once the data is known: cells and widgets that no value touches (or the asking, where a sample says \
+                 that it would not pay), cells out of view or under a pixel's reach. `voltet run --exhaustive` does everything, and says what that costs.\n";
+    }
+    text
+}
+
+/// What leaving it out saves, in brackets.
+fn saved(left: &SkippedWork) -> String {
+    left.saving.map(|saving| format!(" (saves {saving})")).unwrap_or_default()
+}
+
+/// Whether a node's numbers, or those of its widgets, are relative to data.
+fn is_relative(node: &GraphNode) -> bool {
+    let widgets = node.parameters.kinds("widgets").unwrap_or_default();
+    let tables = std::iter::once(&node.parameters).chain(widgets.iter().map(|(_, keys)| keys));
+    tables.into_iter().any(|parameters| !parameters.relative_numbers().is_empty())
+}
+
+/// Whether some transfer function has bands.
+fn waves(graph: &Graph) -> bool {
+    let mut kinds =
+        graph.order.iter().flat_map(|&i| graph.nodes[i].parameters.kinds("widgets").unwrap_or_default());
+    kinds.any(|(kind, _)| kind.ends_with("-wave"))
+}
+
+/// What is asked of a node, where that says more than its type.
+fn asked(node: &GraphNode, demand: &Demand) -> Option<String> {
+    let first = node.node.outputs.first()?.port_type;
+    let mut asked: Vec<String> = Vec::new();
+    if first == PortType::Grid || first == PortType::Volume {
+        asked.extend(demand.arrays.named().map(|name| format!("array \"{name}\"")));
+        asked.extend(demand.cell_arrays.named().map(|name| format!("cell array \"{name}\"")));
+        asked.extend(demand.arrays.and_all_others().then(|| "every array".to_string()));
+    }
+    if first == PortType::Volume {
+        asked.extend(demand.gradient_magnitude.then(|| "gradient magnitude".to_string()));
+        asked.extend(demand.gradient.then(|| "gradient vectors".to_string()));
+    }
+    (!asked.is_empty()).then(|| format!("asked for {}", asked.join(", ")))
+}

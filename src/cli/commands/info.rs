@@ -1,0 +1,261 @@
+//! `voltet info`: what a data file holds, and a pipeline to start with; of a pipeline, what it finds out.
+
+use super::array_choice::{ArrayChoice, BarProgress, differs, request};
+use super::exit_status::DONE;
+use super::picture_info::{is_picture, picture_info};
+use super::pipeline_info::pipeline_info;
+use crate::Document;
+use crate::cli::arguments::Info;
+use crate::cli::present::{Bar, name, number, print};
+use crate::core::{Error, Result};
+use crate::graph::Registry;
+use crate::io::formats::{ArrayHead, ArraySummary, Association, Request, Summary, inspect, unread};
+use crate::nodes::added;
+use crate::nodes::memory::{Needs, SIDE};
+use serde_json::{Value, json as object};
+use std::path::Path;
+
+pub fn info(arguments: &Info, registry: &Registry) -> Result<u8> {
+    if is_picture(&arguments.data) {
+        return picture_info(arguments);
+    }
+    if arguments.of_pipeline() {
+        if arguments.json {
+            let error = Error::usage("--json is for data files, and this is a pipeline");
+            return Err(error.expected("voltet run --report FILE.json").in_file(&arguments.data));
+        }
+        return pipeline_info(arguments, registry);
+    }
+    if let Some(option) = arguments.set.options.first() {
+        let error = Error::usage("--set changes a pipeline, and this is a data file").got(option);
+        return Err(error.expected("a pipeline file (.toml), or no --set").in_file(&arguments.data));
+    }
+    let wanted = request(arguments.time_step, arguments.solution.as_ref());
+    let wanted = added::request(wanted, &arguments.data, registry)?;
+    let bar = Bar::new(false);
+    let summary = inspect(&arguments.data, &wanted, &BarProgress(&bar));
+    bar.clear();
+    let summary = summary?;
+    if arguments.json {
+        print(&format!("{:#}\n", json(&summary)))?;
+        return Ok(DONE);
+    }
+    let first = suggestion(arguments, &wanted, &summary, registry);
+    print(&(described(&arguments.data, &summary) + &first))?;
+    Ok(DONE)
+}
+
+/// The summary for programs. Memory is in bytes, `null` where there is nothing to draw.
+fn json(summary: &Summary) -> Value {
+    let array = |array: &ArraySummary| {
+        object!({
+            "name": array.head.name,
+            "association": if array.head.association == Association::Cell { "cell" } else { "point" },
+            "components": array.head.component_count, "number_type": array.number_type, "tuples": array.tuple_count,
+            "range": array.range, "not_finite": array.not_finite_count,
+        })
+    };
+    let cells =
+        |(&code, &count): (&u8, &u64)| object!({ "vtk_type": code, "name": cell_name(code), "count": count });
+    let bounds = summary.bounds.map(|corners| corners.map(|corner| corner.to_array()));
+    let memory = summary.has_volume().then(|| {
+        let Needs { reading, drawing, lit } = crate::nodes::memory::needs(&summary.size);
+        object!({ "reading": reading, "drawing": drawing, "drawing_with_gradient_and_light": lit })
+    });
+    object!({
+        "format": summary.format, "pieces": summary.piece_count, "file_bytes": summary.file_bytes,
+        "points": summary.point_count, "points_not_finite": summary.points_not_finite,
+        "cells": summary.cell_count, "cells_by_type": summary.cells_by_type.iter().map(cells).collect::<Vec<_>>(),
+        "bounds": bounds, "arrays": summary.arrays.iter().map(array).collect::<Vec<_>>(),
+        "active_scalars": summary.active_scalars, "time_steps": summary.time_steps,
+        "memory_bytes": memory, "warnings": summary.warnings,
+    })
+}
+
+/// The name of a VTK cell type.
+fn cell_name(code: u8) -> String {
+    let name = match code {
+        1 => "vertex",
+        2 => "poly-vertex",
+        3 => "line",
+        4 => "poly-line",
+        5 => "triangle",
+        6 => "triangle strip",
+        7 => "polygon",
+        8 => "pixel",
+        9 => "quadrilateral",
+        10 => "tetrahedron",
+        11 => "voxel",
+        12 => "hexahedron",
+        13 => "wedge",
+        14 => "pyramid",
+        15 => "pentagonal prism",
+        16 => "hexagonal prism",
+        21 => "quadratic edge",
+        22 => "quadratic triangle",
+        23 => "quadratic quadrilateral",
+        24 => "quadratic tetrahedron",
+        25 => "quadratic hexahedron",
+        26 => "quadratic wedge",
+        27 => "quadratic pyramid",
+        28 => "bi-quadratic quadrilateral",
+        29 => "tri-quadratic hexahedron",
+        32 => "bi-quadratic quadratic wedge",
+        33 => "bi-quadratic quadratic hexahedron",
+        37 => "tri-quadratic pyramid",
+        42 => "polyhedron",
+        _ => return format!("VTK cell type {code}"),
+    };
+    name.to_string()
+}
+
+fn described(path: &Path, summary: &Summary) -> String {
+    let mut text = format!("{}\n  {}\n", name(&path.to_string_lossy()), name(&summary.format));
+    let mebibytes = |bytes: u64| format!("{:.0} MiB", bytes as f64 / f64::from(1 << 20));
+    text += &format!(
+        "  {:.1} MiB in {} piece{}\n",
+        summary.file_bytes as f64 / f64::from(1 << 20),
+        summary.piece_count,
+        if summary.piece_count == 1 { "" } else { "s" },
+    );
+    if summary.has_volume() {
+        let Needs { reading, drawing, lit } = crate::nodes::memory::needs(&summary.size);
+        text += &format!(
+            "  a run takes about {} of memory to read it with one array, {} to draw all of it ({SIDE} × {SIDE} \
+             pixels, on the CPU), {} with gradient and light\n",
+            mebibytes(reading),
+            mebibytes(drawing),
+            mebibytes(lit)
+        );
+    }
+    text += &format!("\n{} points, {} cells\n", number(summary.point_count), number(summary.cell_count));
+    for (&code, &count) in &summary.cells_by_type {
+        text += &format!("  {:>12}  {}\n", number(count), cell_name(code));
+    }
+    if let Some([low, high]) = summary.bounds {
+        text += "\nBounds (world units)\n";
+        for (axis, low, high) in [("x", low.x, high.x), ("y", low.y, high.y), ("z", low.z, high.z)] {
+            text += &format!("  {axis}  [{low}, {high}]\n");
+        }
+        text += &format!("  diagonal {}\n", (high - low).length());
+    }
+    text += if summary.arrays.is_empty() { "\nNo arrays\n" } else { "\nArrays\n" };
+    let width = summary.arrays.iter().map(|a| name(&a.head.name).chars().count()).max().unwrap_or(0);
+    for array in &summary.arrays {
+        text += &array_line(array, width);
+    }
+    if !summary.time_steps.is_empty() {
+        let (first, last) = (summary.time_steps.first(), summary.time_steps.last());
+        let ends = first.zip(last).map(|(a, b)| format!(", times {a} to {b}")).unwrap_or_default();
+        text += &format!("\n{} time steps{ends}\n", summary.time_steps.len());
+    }
+    if summary.points_not_finite > 0 {
+        text += &format!("warning: {} points are not finite\n", number(summary.points_not_finite));
+    }
+    text.extend(summary.warnings.iter().map(|warning| format!("warning: {}\n", name(warning))));
+    text
+}
+
+fn array_line(array: &ArraySummary, width: usize) -> String {
+    let association = if array.head.association == Association::Cell { "cell" } else { "point" };
+    let components = match array.head.component_count {
+        1 => String::new(),
+        n => format!(" × {n}"),
+    };
+    let range = match (array.range, array.head.component_count) {
+        (Some([low, high]), 1) => format!("[{low}, {high}]"),
+        (Some([low, high]), _) => format!("length [{low}, {high}]"),
+        (None, _) => "no finite value".into(),
+    };
+    let bad = match array.not_finite_count {
+        0 => String::new(),
+        n => format!(", {} not finite", number(n)),
+    };
+    let name = name(&array.head.name);
+    format!("  {association:5}  {name:width$}  {}{components}  {range}{bad}\n", array.number_type)
+}
+
+/// A pipeline to start with that `run` accepts, or the reason why there is none.
+fn suggestion(arguments: &Info, wanted: &Request, summary: &Summary, registry: &Registry) -> String {
+    if !summary.has_volume() {
+        return "\nNo cell has a volume: nothing to draw.\n".into();
+    }
+    let (Some(bounds), true) = (summary.bounds, summary.arrays.iter().any(differs)) else {
+        return "\nNo array whose values differ: nothing to draw.\n".into();
+    };
+    let heads: Vec<ArrayHead> = summary.arrays.iter().map(|array| array.head.clone()).collect();
+    let mut refusal = None;
+    for array in summary.arrays.iter().filter(|array| differs(array)) {
+        let choice = ArrayChoice::of(&array.head, &heads);
+        let pipeline =
+            pipeline(arguments, wanted.node_type(), &choice, array.range.unwrap_or_default(), bounds);
+        match run_error(arguments, wanted, choice, &pipeline, registry) {
+            None => return format!("\nA pipeline to start with\n{pipeline}"),
+            Some(error) => refusal = refusal.or(Some(error)),
+        }
+    }
+    let why = refusal.map(|error| name(&error.to_string())).unwrap_or_default();
+    format!("\nNo pipeline to start with: {why}\n")
+}
+
+/// Error of `run` for a pipeline that draws this array, as far as the headers of its data show.
+fn run_error(
+    arguments: &Info,
+    wanted: &Request,
+    choice: ArrayChoice,
+    pipeline: &str,
+    registry: &Registry,
+) -> Option<Error> {
+    let request = Request { scalar: Some(choice.scalar), association: choice.association, ..wanted.clone() };
+    let document = Document::from_text(Path::new("suggested.toml"), pipeline.into(), &[], registry);
+    let planned = document.and_then(|document| crate::nodes::session().plan(&document.graph).map(drop));
+    planned.and_then(|()| unread(&arguments.data, &request).map(drop)).err()
+}
+
+/// Bands of colour over an array's range, and a camera that sees all.
+fn pipeline(
+    arguments: &Info,
+    reader: &str,
+    choice: &ArrayChoice,
+    [low, high]: [f64; 2],
+    [from, to]: [glam::DVec3; 2],
+) -> String {
+    let keys = choice.keys(&arguments.data, arguments.time_step, arguments.solution.as_deref());
+    let centre = 0.5 * from + 0.5 * to;
+    let eye = centre + (to - from).length() * glam::DVec3::new(-0.8, -1.4, 0.9);
+    let middle = 0.5 * low + 0.5 * high;
+    let vector = |v: glam::DVec3| format!("[{:?}, {:?}, {:?}]", v.x, v.y, v.z);
+    format!(
+        "
+[pipeline]
+format = 1
+
+[nodes.grid]
+type = \"{reader}\"
+{keys}
+[nodes.look]
+type = \"transfer-function\"
+unit_distance = \"auto\"
+
+[[nodes.look.widgets]]
+kind = \"piecewise-linear\"
+points = [[{low:?}, 0.1, 0.2, 0.9, 0.0], [{middle:?}, 0.2, 0.8, 0.3, 0.02], [{high:?}, 0.9, 0.1, 0.1, 0.2]]
+
+[nodes.view]
+type = \"camera\"
+eye = {}
+target = {}
+
+[nodes.picture]
+type = \"renderer\"
+inputs = {{ volume = \"grid\", transfer_function = \"look\", camera = \"view\" }}
+
+[nodes.file]
+type = \"image-writer\"
+path = \"picture.png\"
+inputs = {{ image = \"picture\" }}
+",
+        vector(eye),
+        vector(centre)
+    )
+}

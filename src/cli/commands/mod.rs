@@ -1,0 +1,139 @@
+//! The commands, one file each: a function that returns the exit code, or an error.
+
+mod array_choice;
+mod check;
+mod edit;
+mod exit_status;
+mod explain;
+mod gradient_test;
+mod info;
+mod nodes;
+mod papers;
+mod picture_info;
+mod pipeline_info;
+mod pipelines;
+mod pixel;
+mod plugins;
+mod run;
+mod stability;
+mod start;
+mod study;
+mod time;
+
+use crate::Document;
+use crate::cli::arguments::{Arguments, Command, Set};
+use crate::core::{Error, Result};
+use crate::graph::Registry;
+use crate::io::{formats, memory};
+use crate::lanes::LaneSet;
+use crate::nodes::files;
+use exit_status::{WRONG, show};
+use std::error::Error as _;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Carries out the command, shows its error if there is one, and gives the exit code. What the environment asks for is looked
+/// at first.
+pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> ExitCode {
+    let outcome = LaneSet::detect().and(registry).and_then(|registry| {
+        let registry = match arguments.command.plugins() {
+            Some(wanted) => {
+                let serves = |known: &Registry| is_sufficient(&arguments.command, known);
+                plugins::with(registry, wanted, serves)?
+            }
+            None => registry,
+        };
+        run_command(&arguments.command, &registry)
+    });
+    ExitCode::from(outcome.unwrap_or_else(|error| show(&error, None)))
+}
+
+/// True if the registry suffices for the command: then the user's file of plug-ins is not read, and none of their code runs.
+/// Pipelines must open, data files be of a format that ships.
+fn is_sufficient(command: &Command, registry: &Registry) -> bool {
+    let is_plain = |data: &Path| picture_info::is_picture(data) || formats::ships(data);
+    let opens = |file: &Path, set: &Set| {
+        // A pipe can be read once.
+        file.is_file() && Document::open(file, &set.options, registry).is_ok()
+    };
+    let all_open = |files: &[PathBuf], set: &Set| files.iter().all(|file| opens(file, set));
+    match command {
+        Command::Run(run) => all_open(&run.files, &run.set),
+        Command::Check(check) => all_open(&check.files, &check.set),
+        Command::Explain(explain) => opens(&explain.file, &explain.set),
+        Command::Pixel(pixel) => opens(&pixel.file, &pixel.set),
+        Command::Study(study) => opens(&study.file, &study.set),
+        Command::Time(time) => all_open(&time.files, &time.set),
+        Command::Info(info) if info.of_pipeline() => opens(&info.data, &info.set),
+        Command::Info(info) => is_plain(&info.data),
+        Command::Start(start) => is_plain(&start.data),
+        // These list what there is.
+        Command::Nodes(_)
+        | Command::Papers(_)
+        | Command::Edit(_)
+        | Command::Stability(_)
+        | Command::GradientTest(_)
+        | Command::PluginProcess(_) => false,
+    }
+}
+
+/// Shows clap's answer to the command line, help or an error, and returns the exit code.
+pub fn answer(answer: &clap::Error) -> u8 {
+    let wanted = u8::try_from(answer.exit_code()).unwrap_or(WRONG);
+    match answer.print() {
+        Err(error) if !answer.use_stderr() && error.kind() != ErrorKind::BrokenPipe => {
+            show(&files::unwritable_output(&error), None)
+        }
+        _ => wanted,
+    }
+}
+
+/// Starts the worker threads while there is memory for them: later their failure would look like a defect of the program. A
+/// program around this one may have started them.
+fn begin_threads() -> Result<()> {
+    let none = |why: &dyn std::fmt::Display| {
+        let wish =
+            "more memory, a higher limit of processes, or fewer threads by the variable RAYON_NUM_THREADS";
+        Err(Error::run("no threads can be had to work with").got(why).expected(wish))
+    };
+    // Not tried where it is known before: those that have begun would meet the end of memory, too, each in its own way.
+    let asked = std::env::var("RAYON_NUM_THREADS").ok().and_then(|count| count.parse::<u64>().ok());
+    if let (Some(count), Some(left)) = (asked, memory::address_space())
+        && left < count.saturating_mul(STACK)
+    {
+        let (stack, left) = (STACK >> 20, left >> 20);
+        return none(&format!("{count} threads with stacks of {stack} MiB each, {left} MiB are left"));
+    }
+    let begun = rayon::ThreadPoolBuilder::new().build_global();
+    match begun.as_ref().err().and_then(|error| error.source()) {
+        Some(why) => none(&why),
+        None => Ok(()),
+    }
+}
+
+/// Stack of a thread (bytes), as the standard library reserves it.
+const STACK: u64 = 2 << 20;
+
+fn run_command(command: &Command, registry: &Registry) -> Result<u8> {
+    // These list, or do what a plug-in does.
+    if !matches!(command, Command::Nodes(_) | Command::PluginProcess(_)) {
+        begin_threads()?;
+    }
+    match command {
+        Command::Run(arguments) => run::run(arguments, registry),
+        Command::Check(arguments) => check::check(arguments, registry),
+        Command::Explain(arguments) => explain::explain(arguments, registry),
+        Command::Nodes(arguments) => nodes::nodes(arguments, registry),
+        Command::Info(arguments) => info::info(arguments, registry),
+        Command::Start(arguments) => start::start(arguments, registry),
+        Command::Edit(arguments) => edit::edit(arguments, registry),
+        Command::Pixel(arguments) => pixel::pixel(arguments, registry),
+        Command::Stability(arguments) => stability::stability(arguments),
+        Command::Study(arguments) => study::study(arguments, registry),
+        Command::Time(arguments) => time::time(arguments, registry),
+        Command::Papers(arguments) => papers::papers(arguments, registry),
+        Command::GradientTest(arguments) => gradient_test::gradient_test(arguments, registry),
+        Command::PluginProcess(arguments) => voltet_plugins::run_child(&arguments.path),
+    }
+}

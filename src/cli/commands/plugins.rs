@@ -1,0 +1,107 @@
+//! The plug-ins that a command loads: those of its options, and those of the user's own file.
+
+use crate::cli::arguments::Plugins;
+use crate::cli::present::{say, warning};
+use crate::core::field::Plugin;
+use crate::core::{Error, Result};
+use crate::graph::{Node, Registry};
+use crate::nodes::{added, files};
+use std::path::{Path, PathBuf};
+use voltet_plugins::Contents;
+
+/// The file in the user's configuration folder.
+const FILE: &str = "plugins.toml";
+
+/// The registry with what the plug-ins offer. Those of the user's own file come where the command asks for more than is known
+/// without them (`serves`); one of these that cannot be loaded is warned of: the pipeline may
+/// have no use for it.
+///
+/// Errors: one that an option names cannot be loaded; the user's file is wrong; two filters of one name.
+pub fn with(
+    mut registry: Registry,
+    wanted: &Plugins,
+    serves: impl FnOnce(&Registry) -> bool,
+) -> Result<Registry> {
+    let (mut told, mut loaded) = (Vec::new(), Vec::new());
+    for path in &wanted.plugin_files {
+        if is_new(&mut loaded, path) {
+            let (more, plugin) = add(&registry, path, wanted.plugin_process)?;
+            registry = more;
+            told.push(plugin);
+        }
+    }
+    let file = files::configuration_folder().join(FILE);
+    let configured = if serves(&registry) { Vec::new() } else { voltet_plugins::configured(&file)? };
+    for own in configured.iter().filter(|own| is_new(&mut loaded, &own.path)) {
+        let kept = kept_to(&own.path, own.fingerprint.as_deref());
+        match kept.and_then(|()| add(&registry, &own.path, wanted.plugin_process)) {
+            Ok((more, plugin)) => {
+                registry = more;
+                told.push(plugin);
+            }
+            Err(error) => {
+                say(&warning(&error, None));
+                let path = own.path.display();
+                told.push(format!("'{path}', named by {}, cannot be loaded", file.display()));
+            }
+        }
+    }
+    registry.tell_plugins(match told.is_empty() {
+        true => format!("no plug-in is loaded: --plugin PATH does, and {}", file.display()),
+        false => format!("of the plug-ins: {}", told.join("; ")),
+    });
+    Ok(registry)
+}
+
+/// True if a library was not loaded yet; it counts as loaded from then on.
+fn is_new(loaded: &mut Vec<PathBuf>, path: &Path) -> bool {
+    let whole = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let is_new = !loaded.contains(&whole);
+    loaded.push(whole);
+    is_new
+}
+
+/// Errors: the library is not the one that the user's file says.
+fn kept_to(path: &Path, fingerprint: Option<&str>) -> Result<()> {
+    let Some(wanted) = fingerprint else { return Ok(()) };
+    let found = voltet_plugins::fingerprint(path)?;
+    match found == wanted {
+        true => Ok(()),
+        false => {
+            let error = Error::usage("the plug-in is not the one that is wanted: its file has changed");
+            Err(error.got(found).expected(wanted).in_file(path))
+        }
+    }
+}
+
+/// The registry with what one more plug-in offers, and what is said of it.
+fn add(registry: &Registry, path: &Path, apart: bool) -> Result<(Registry, String)> {
+    let contents = match apart {
+        true => voltet_plugins::load_apart(path, own_program()?)?,
+        false => voltet_plugins::load(path)?,
+    };
+    let mut registry = registry.clone();
+    let in_file = |error: Error| error.in_file(path);
+    for filter in &contents.filters {
+        registry.add_filter(filter.clone()).map_err(in_file)?;
+    }
+    let readers = contents.readers.iter().map(|reader| added::reader(*reader));
+    let nodes: Vec<&'static Node> = readers.chain(contents.nodes.iter().copied()).collect();
+    nodes.iter().try_for_each(|node| registry.add(node)).map_err(in_file)?;
+    Ok((registry, describe(&contents, &nodes)))
+}
+
+/// The file of this program.
+fn own_program() -> Result<PathBuf> {
+    std::env::current_exe().map_err(|error| {
+        Error::run("the program does not find its own file, which --plugin-process starts").got(error)
+    })
+}
+
+/// "plug-in 'name' (path) with a, b".
+fn describe(contents: &Contents, nodes: &[&Node]) -> String {
+    let plugin = contents.plugin.as_ref().map(Plugin::to_string).unwrap_or_default();
+    let filters = contents.filters.iter().map(|filter| filter.declaration().name);
+    let names: Vec<&str> = filters.chain(nodes.iter().map(|node| node.name)).collect();
+    format!("{plugin} with {}", names.join(", "))
+}

@@ -1,0 +1,128 @@
+//! `voltet run`: runs pipeline files headless.
+
+use super::outcome::{DONE, code, show, warn};
+use super::pipelines::open_all;
+use crate::Document;
+use crate::cli::arguments::Run;
+use crate::cli::present::{Bar, json, print, say, summary, warnings};
+use crate::core::error::ErrorKind;
+use crate::core::{Error, Result};
+use crate::graph::{Observer, Registry, RunReport};
+use crate::io::provenance::whole_report;
+use crate::nodes::files;
+use crate::output_conflicts::{self, OptionFile};
+use std::path::PathBuf;
+use voltet_study::ExhaustiveComparison;
+
+pub fn run(arguments: &Run, registry: &Registry) -> Result<u8> {
+    // Every file is checked before the first one runs.
+    let (documents, wrong) = open_all(&arguments.files, &arguments.set.options, registry);
+    if wrong != DONE {
+        return Ok(wrong);
+    }
+    let report =
+        arguments.report.iter().map(|path| OptionFile::written("--report", path)).collect::<Vec<_>>();
+    if let Err((error, text)) = output_conflicts::refuse(&documents, true, &report) {
+        return Ok(show(&error, text));
+    }
+    documents.iter().try_for_each(Document::refuse_missing_data)?;
+    if let Some(path) = &arguments.report {
+        files::refuse_unwritable(path)?;
+    }
+    let streams =
+        outputs(&documents).chain(arguments.report.clone()).any(|path| files::is_standard_output(&path));
+    if streams && arguments.exhaustive {
+        let error = Error::usage(
+            "--exhaustive writes every picture several times, and the standard output takes one",
+        );
+        return Err(error.expected("the path of a file in place of \"-\""));
+    }
+    // What goes to the standard output stands there alone.
+    let tell = |text: &str| match streams {
+        true => {
+            say(text);
+            Ok(())
+        }
+        false => print(text).map(drop),
+    };
+    let bar = Bar::new(arguments.quiet);
+    let mut session = crate::nodes::session();
+    let mut worst = DONE;
+    let mut reports = Vec::new();
+    for document in &documents {
+        if !arguments.quiet {
+            warn(document);
+        }
+        let outcome = match arguments.exhaustive {
+            true => compared(document, &bar),
+            false => session.run(&document.graph, &bar).map(|report| (report, None)),
+        };
+        bar.clear();
+        match outcome {
+            Ok((report, exhaustive)) => {
+                if !arguments.quiet {
+                    say(&warnings(&report, document.graph.warnings.len()));
+                    let mut text = summary(&report);
+                    text.extend(exhaustive.iter().map(ExhaustiveComparison::in_words));
+                    tell(&text)?;
+                }
+                let mut report = json(document, &report);
+                if let Some(exhaustive) = exhaustive {
+                    report["exhaustive"] = exhaustive.as_json();
+                    // The key of former versions.
+                    report["no_leave_out"] = report["exhaustive"].clone();
+                }
+                reports.push(report);
+            }
+            Err(error) => {
+                let error = document.locate(error);
+                worst = worst.max(show(&error, Some(&document.text)));
+                if error.kind == ErrorKind::Cancelled {
+                    return Ok(code(&error));
+                }
+            }
+        }
+    }
+    if let (Some(path), DONE) = (&arguments.report, worst) {
+        files::write_whole(path, format!("{:#}\n", whole_report(reports)).as_bytes())?;
+    }
+    Ok(worst)
+}
+
+/// The files that the nodes of these pipelines write.
+fn outputs(documents: &[Document]) -> impl Iterator<Item = PathBuf> {
+    let written = |document: &Document| {
+        let named = document.graph.nodes.iter().flat_map(|node| node.parameters.paths());
+        let written = named.filter(|named| named.written).map(|named| named.from(&document.graph.folder));
+        written.collect::<Vec<_>>()
+    };
+    documents.iter().flat_map(written)
+}
+
+/// Modes in which a file is run in turn, true for exhaustive ones. The first run finds cold caches and is not counted.
+const TURNS: [bool; 5] = [false, true, false, true, false];
+
+/// The file's exhaustive run, compared with the usual one: the fastest of each, every run from a
+/// fresh start.
+fn compared(
+    document: &Document,
+    observer: &dyn Observer,
+) -> Result<(RunReport, Option<ExhaustiveComparison>)> {
+    let mut runs: [Option<RunReport>; 2] = [None, None];
+    for (turn, exhaustive) in TURNS.into_iter().enumerate() {
+        let session = crate::nodes::session();
+        let mut session = if exhaustive { session.exhaustive() } else { session };
+        let report = session.run(&document.graph, observer)?;
+        let fastest = &mut runs[usize::from(exhaustive)];
+        if turn > 0 && fastest.as_ref().is_none_or(|fastest| report.seconds < fastest.seconds) {
+            *fastest = Some(report);
+        }
+    }
+    match runs {
+        [Some(usual), Some(exhaustive)] => {
+            let comparison = ExhaustiveComparison::compare(&usual, &exhaustive);
+            Ok((exhaustive, Some(comparison)))
+        }
+        _ => Err(Error::run("the file was not run")),
+    }
+}

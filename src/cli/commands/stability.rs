@@ -1,0 +1,108 @@
+//! `voltet stability`: the formulas against exact values, hard cells against the referee, and what papers print.
+
+use super::exit_status::DONE;
+use crate::cli::arguments::Stability;
+use crate::cli::present::{Bar, name, print};
+use crate::core::progress::Progress;
+use crate::core::{Error, Result};
+use crate::graph::Observer;
+use crate::optics::engine::SegmentEvaluator;
+use serde_json::{Value, json};
+use std::path::Path;
+use voltet_judge::{Report, judge_all};
+use voltet_study::stability;
+
+/// A bound is broken.
+const BROKEN: u8 = 1;
+
+pub fn stability(arguments: &Stability) -> Result<u8> {
+    match (&arguments.cases, arguments.scenes) {
+        (Some(path), _) => judge(path, arguments),
+        (None, Some(count)) => scenes(count, arguments),
+        (None, None) => all(arguments),
+    }
+}
+
+fn verdict(passed: bool) -> u8 {
+    if passed { DONE } else { BROKEN }
+}
+
+/// Everything that the program has to say of itself.
+fn all(arguments: &Stability) -> Result<u8> {
+    let watch = ProgressBar(Bar::new(false));
+    let subjects = stability::subjects(arguments.adapter.as_deref())?;
+    let found = stability::stability(&subjects, &watch);
+    watch.0.clear();
+    let found = found?;
+    print(&match (arguments.json, arguments.markdown) {
+        (true, _) => format!("{:#}\n", stability::json(&found)),
+        (false, true) => stability::markdown(&found),
+        (false, false) => stability::text(&found),
+    })?;
+    Ok(verdict(found.passed()))
+}
+
+/// Scenes drawn by lot.
+fn scenes(count: u64, arguments: &Stability) -> Result<u8> {
+    let watch = ProgressBar(Bar::new(false));
+    let subjects = stability::subjects(arguments.adapter.as_deref())?;
+    let numbers = arguments.first..arguments.first.saturating_add(count);
+    let found = stability::random(&subjects, arguments.seed, numbers, &watch);
+    watch.0.clear();
+    let found = found?;
+    print(&match arguments.json {
+        true => format!("{:#}\n", json!(found)),
+        false => stability::random_text(&found),
+    })?;
+    Ok(verdict(found.passed()))
+}
+
+/// A file of cases.
+fn judge(path: &Path, arguments: &Stability) -> Result<u8> {
+    let read = std::fs::read(path).map_err(|error| {
+        Error::usage("the case file cannot be read").got(error).expected("a file of cases").in_file(path)
+    })?;
+    let text = String::from_utf8(read).map_err(|error| {
+        let found = format!("byte {} is no UTF-8", error.utf8_error().valid_up_to());
+        Error::usage("the file is no case file").got(found).expected("JSON lines").in_file(path)
+    })?;
+    let subjects = stability::subjects(arguments.adapter.as_deref())?;
+    let forms: Vec<&dyn SegmentEvaluator> = subjects.forms.iter().map(Box::as_ref).collect();
+    let reports = judge_all(&text, &forms).map_err(|error| error.in_file(path))?;
+    if reports.iter().all(|report| report.cases == 0) {
+        let error = Error::usage("the file holds no case").expected("one JSON object a line");
+        return Err(error.in_file(path));
+    }
+    let passed = reports.iter().all(Report::passed);
+    if arguments.json {
+        let forms: Vec<Value> = reports.iter().map(stability::forms_json).collect();
+        let all = json!({
+            "file": path.display().to_string(),
+            "passed": passed,
+            "forms": forms,
+            "left_out": subjects.left_out,
+        });
+        print(&format!("{all:#}\n"))?;
+    } else {
+        let cases = reports.first().map_or(0, |report| report.cases);
+        let path = name(&path.to_string_lossy());
+        let mut text = format!("{path}: {cases} case{}\n", if cases == 1 { "" } else { "s" });
+        text.extend(reports.iter().map(|report| format!("\n{}", stability::forms_text(report))));
+        text.extend(subjects.left_out.iter().map(|what| format!("\nnot judged: {what}\n")));
+        print(&text)?;
+    }
+    Ok(verdict(passed))
+}
+
+/// Shows progress.
+struct ProgressBar(Bar);
+
+impl Progress for ProgressBar {
+    fn report(&self, stage: &str, fraction: f64) {
+        self.0.progress("", stage, fraction);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+}

@@ -1,0 +1,257 @@
+//! `voltet study`: error against time of every integrator on one scene.
+
+use super::exit_status::{DONE, code, show, warn};
+use super::pipelines::open;
+use crate::Document;
+use crate::cli::arguments;
+use crate::cli::present::{Bar, Estimate, print};
+use crate::core::progress::Progress;
+use crate::core::{Error, Result};
+use crate::graph::{Observer, Registry, nearest};
+use crate::nodes::files;
+use crate::optics::integrators::Integrator;
+use crate::output_conflicts::{self, OptionFile};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::Duration;
+use voltet_study::work_precision::{self as study, Benches, Frames, Measure, Study, Subject, Wish};
+
+/// Stopped before the end, or nothing keeps the error allowed.
+const SHORT: u8 = 1;
+
+/// Names that `--only` takes.
+fn integrators(registry: &Registry) -> Vec<&'static str> {
+    study::studied(registry).iter().map(Integrator::name).collect()
+}
+
+pub fn study(arguments: &arguments::Study, registry: &Registry) -> Result<u8> {
+    let wish = wish(arguments, registry)?;
+    let document = match open(&arguments.file, &arguments.set.options, registry) {
+        Ok(document) => document,
+        Err((error, text)) => return Ok(show(&error, text.as_deref())),
+    };
+    if !arguments.quiet {
+        warn(&document);
+    }
+    let outcome = measure(arguments, wish, &document, registry);
+    outcome.or_else(|error| Ok(show(&document.locate(error), Some(&document.text))))
+}
+
+pub(super) fn wish(arguments: &arguments::Study, registry: &Registry) -> Result<Wish> {
+    let integrators = integrators(registry);
+    if let Some(name) = arguments.only.iter().find(|name| !integrators.contains(&name.as_str())) {
+        let known = integrators.join(", ");
+        let accepted = match nearest(name, integrators.iter().copied()) {
+            Some(choice) => format!("\"{choice}\"; there are {known}"),
+            None => format!("one of {known}"),
+        };
+        return Err(Error::usage("--only names no integrator that can be studied")
+            .got(name)
+            .expected(accepted));
+    }
+    let in_range = |what: &str, value: f64| match value.is_finite() && value >= 0.0 {
+        true => Ok(()),
+        false => {
+            Err(Error::usage(format!("{what} is out of range")).got(value).expected("a number of at least 0"))
+        }
+    };
+    arguments.max_error.map_or(Ok(()), |bound| in_range("--max-error", bound))?;
+    in_range("--patience", arguments.patience)?;
+    if arguments.frames == 0 {
+        return Err(Error::usage("--frames is out of range").got(0).expected("1 or more"));
+    }
+    let engines = arguments.engine;
+    let no_device = engines.each().all(|engine| !engine.on_device);
+    if let Some(adapter) = arguments.adapter.as_ref().filter(|_| no_device) {
+        return Err(Error::usage("--adapter names a graphics device, and --engine asks for none")
+            .got(adapter)
+            .expected("--engine gpu or all, or no --adapter"));
+    }
+    Ok(Wish {
+        engines,
+        adapter: arguments.adapter.clone(),
+        only: arguments.only.clone(),
+        // A year is longer than any patience, and does not overflow.
+        frames: Frames {
+            count: arguments.frames,
+            patience: Duration::from_secs_f64(arguments.patience.min(3e7)),
+            turn: 0.0,
+            in_flight: 1,
+        },
+        measure: arguments.measure.into(),
+        max_error: arguments.max_error,
+        refine: arguments.refine,
+    })
+}
+
+fn measure(arguments: &arguments::Study, wish: Wish, document: &Document, registry: &Registry) -> Result<u8> {
+    document.refuse_missing_data()?;
+    if arguments.apply && document.carried.is_some() {
+        let error = Error::usage("--apply writes into a pipeline file, and this is a picture");
+        return Err(error
+            .expected("a pipeline file (.toml); `voltet info` of the picture prints it")
+            .in_file(&document.path));
+    }
+    let folder = arguments.output.clone().unwrap_or_else(|| beside(&arguments.file));
+    let outputs: Vec<OptionFile> =
+        study::written(&folder).iter().map(|path| OptionFile::written("--output", path)).collect();
+    if let Err((error, text)) = output_conflicts::refuse([document], false, &outputs) {
+        return Ok(show(&error, text));
+    }
+    refuse_unwritable(&folder)?;
+    if arguments.apply {
+        files::refuse_unwritable(&document.path)?;
+    }
+    let watch = ProgressPrinter { bar: Bar::new(arguments.quiet), estimate: Mutex::new(Estimate::begin()) };
+    let cache = arguments.cache.clone().unwrap_or_else(study::cache_folder);
+    let node = arguments.node.as_deref();
+    let made = make(document, node, wish, [&folder, &cache], (&watch.bar, &watch), &|| watch.begin());
+    watch.bar.clear();
+    let (study, written) = made?;
+    if !arguments.quiet {
+        print(&summary(&study, &written, &folder))?;
+    }
+    conclude(arguments, document, registry, &study)
+}
+
+/// Measures and writes: the study and its files, none where nothing was measured. `folders`: that of the study, and the one that
+/// keeps reference pictures; `begin` is called where a new piece of work begins, whose fraction counts from 0.
+pub(super) fn make(
+    document: &Document,
+    node: Option<&str>,
+    wish: Wish,
+    [folder, cache]: [&Path; 2],
+    (observer, progress): (&dyn Observer, &dyn Progress),
+    begin: &dyn Fn(),
+) -> Result<(Study, Vec<PathBuf>)> {
+    let mut session = crate::nodes::session();
+    let subject = Subject::gather(&document.graph, node, wish.refine > 0, &mut session, observer)?;
+    // Before the reference, which takes longest.
+    if wish.refine > 0 {
+        study::refuse_too_fine(&subject, wish.refine)?;
+    }
+    let benches = Benches::open(&subject, &wish)?;
+    begin();
+    let reference = study::reference(&subject, cache, progress)?;
+    begin();
+    let study = study::study(subject, wish, benches, reference, progress)?;
+    let title = document.pipeline.title.clone().unwrap_or_else(|| document.path.display().to_string());
+    let written = match study.rows.is_empty() {
+        true => Vec::new(),
+        false => study::write(&study, &title, folder)?,
+    };
+    Ok((study, written))
+}
+
+/// Finds out, before the work, whether the folder is there or can be made, and can be written to.
+pub(super) fn refuse_unwritable(folder: &Path) -> Result<()> {
+    let there = folder.ancestors().find(|path| path.exists()).unwrap_or(Path::new("."));
+    if !there.is_dir() {
+        let error = Error::run("the folder for the study cannot be made: a file is in its place");
+        return Err(error.got(there.display()).expected("--output with the path of a folder"));
+    }
+    files::refuse_unwritable(&there.join("study.html"))
+}
+
+/// `scene.toml` is studied in `scene.study`.
+pub(super) fn beside(file: &Path) -> PathBuf {
+    file.with_extension("study")
+}
+
+fn summary(study: &Study, written: &[PathBuf], folder: &Path) -> String {
+    let reference = &study.reference;
+    let origin = if reference.cached { "kept from before" } else { "drawn" };
+    let mut text = format!("reference: {origin} ({:.1} s)\n", reference.seconds);
+    if !study.rows.is_empty() {
+        text += &study::text(study);
+    }
+    text.extend(study::recommendation(study).filter(|_| !study.rows.is_empty()).map(|line| line + "\n"));
+    if !written.is_empty() {
+        text += &format!("{}: {} files\n", folder.display(), written.len());
+    }
+    text
+}
+
+/// Writes the recommendation back where that is requested, and returns the exit code.
+fn conclude(
+    arguments: &arguments::Study,
+    document: &Document,
+    registry: &Registry,
+    study: &Study,
+) -> Result<u8> {
+    if study.stopped() {
+        let error = Error::cancelled();
+        let mut done = format!("{} of {} settings are measured", study.rows.len(), study.setting_count);
+        if study.wish.refine > 0 {
+            done += ", the grid was not refined";
+        }
+        show(&error.got(done), None);
+        return Ok(SHORT);
+    }
+    let Some(bound) = study.wish.max_error else { return Ok(DONE) };
+    let Some(row) = study.recommended.map(|i| &study.rows[i]) else {
+        let least = study.rows.iter().map(|row| row.error(study.wish.measure)).fold(f64::INFINITY, f64::min);
+        let error = Error::run("no setting keeps the error allowed").got(format!("{least:.1e} at best"));
+        return Ok(code_of(&error.expected(format!("at most {bound}"))));
+    };
+    if arguments.apply {
+        let text = study::apply(&document.text, study, &row.setting)?;
+        // What is written must be readable, also without the options of this call.
+        Document::from_text(&document.path, text.clone(), &[], registry)?;
+        if text == document.text {
+            print(&format!("{}: has it already\n", document.path.display()))?;
+        } else {
+            files::write_whole(&document.path, text.as_bytes())?;
+            print(&format!("{}: now draws with {}\n", document.path.display(), row.setting.label()))?;
+        }
+    }
+    Ok(DONE)
+}
+
+fn code_of(error: &Error) -> u8 {
+    show(error, None);
+    code(error)
+}
+
+/// Shows progress with an estimate of what is left.
+struct ProgressPrinter {
+    bar: Bar,
+    estimate: Mutex<Estimate>,
+}
+
+impl ProgressPrinter {
+    /// A new piece of work begins, whose fraction counts from 0.
+    fn begin(&self) {
+        *self.lock() = Estimate::begin();
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, Estimate> {
+        self.estimate.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+}
+
+impl Progress for ProgressPrinter {
+    fn report(&self, stage: &str, fraction: f64) {
+        let left = self.lock().remaining(fraction);
+        self.bar.show(stage, fraction, left);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.bar.cancelled()
+    }
+
+    fn memory_left(&self) -> Option<u64> {
+        self.bar.memory_left()
+    }
+}
+
+impl From<arguments::MeasureName> for Measure {
+    fn from(name: arguments::MeasureName) -> Measure {
+        match name {
+            arguments::MeasureName::Max => Measure::Maximum,
+            arguments::MeasureName::Rms => Measure::RootMeanSquare,
+            arguments::MeasureName::P999 => Measure::Percentile,
+            arguments::MeasureName::Flip => Measure::Flip,
+        }
+    }
+}

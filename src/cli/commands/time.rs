@@ -1,0 +1,186 @@
+//! `voltet time`: what a frame costs on each engine, with a camera that turns.
+
+use super::exit_status::{DONE, show, warn};
+use super::pipelines::open_all;
+use crate::Document;
+use crate::cli::arguments;
+use crate::cli::present::{Bar, print};
+use crate::core::progress::Progress;
+use crate::core::{Error, Result};
+use crate::graph::{Observer, Registry};
+use std::time::Duration;
+use voltet_study::work_precision::{
+    self as study, Benches, Cost, Frames, Measure, Painter, Setting, Subject, Times, Wish,
+};
+
+pub fn time(arguments: &arguments::Time, registry: &Registry) -> Result<u8> {
+    let wish = wish(arguments)?;
+    let (documents, wrong) = open_all(&arguments.files, &arguments.set.options, registry);
+    if wrong != DONE {
+        return Ok(wrong);
+    }
+    let bar = Bar::new(false);
+    let mut worst = DONE;
+    for document in &documents {
+        warn(document);
+        let done = measure(arguments, &wish, document, &bar);
+        bar.clear();
+        if let Err(error) = done {
+            worst = worst.max(show(&document.locate(error), Some(&document.text)));
+        }
+    }
+    Ok(worst)
+}
+
+fn wish(arguments: &arguments::Time) -> Result<Wish> {
+    if arguments.frames == 0 {
+        return Err(Error::usage("--frames is out of range").got(0).expected("1 or more"));
+    }
+    if !(0.0..=3e7).contains(&arguments.patience) || !arguments.turn.is_finite() {
+        return Err(Error::usage("--patience or --turn is out of range")
+            .got(format!("{} s, {}°", arguments.patience, arguments.turn))
+            .expected("0 to 3e7 seconds, any angle"));
+    }
+    Ok(Wish {
+        only: Vec::new(),
+        engines: arguments.engine,
+        adapter: arguments.adapter.clone(),
+        frames: Frames {
+            count: arguments.frames,
+            patience: Duration::from_secs_f64(arguments.patience),
+            turn: arguments.turn,
+            in_flight: arguments.in_flight,
+        },
+        measure: Measure::Maximum,
+        max_error: None,
+        refine: 0,
+    })
+}
+
+/// Progress that is cancelled by Ctrl-C and shows nothing, since that takes time.
+struct Cancellation<'a>(&'a Bar);
+
+impl Progress for Cancellation<'_> {
+    fn report(&self, _stage: &str, _fraction: f64) {}
+
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+
+    fn memory_left(&self) -> Option<u64> {
+        self.0.memory_left()
+    }
+}
+
+const HEAD: &str =
+    "| node | size | engine | order | frame, median ms | fastest to slowest | in flight, ms | cull | sort | project | \
+composite | GFLOP/s there | set-up, ms | segments | 10⁶ segments/s |
+| --- | --- | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |";
+
+/// Prints the table of one file.
+fn measure(arguments: &arguments::Time, wish: &Wish, document: &Document, bar: &Bar) -> Result<()> {
+    document.refuse_missing_data()?;
+    let nodes = study::drawing_nodes(&document.graph);
+    if nodes.is_empty() {
+        return Err(Error::usage("the pipeline draws no volume, so there is nothing to time").expected(
+            "a node of type \"renderer\", \"gpu-renderer\" or \"composite\" that an image-writer needs",
+        ));
+    }
+    let title = document.pipeline.title.clone().unwrap_or_else(|| document.path.display().to_string());
+    let mut session = crate::nodes::session();
+    for (number, node) in nodes.iter().enumerate() {
+        let subject = Subject::gather(&document.graph, Some(node), false, &mut session, bar)?;
+        let mut benches = Benches::open(&subject, wish)?;
+        bar.clear();
+        if number == 0 {
+            let mut head = format!("\n{title}: {} tetrahedra\n", subject.scene.volume.grid.tetrahedra.len());
+            head.extend(benches.left_out.iter().map(|what| format!("\nnot measured: {what}\n")));
+            head += &devices(&benches)?;
+            print(&format!("{head}\n{HEAD}\n"))?;
+        }
+        if !rows(arguments, wish, subject, &mut benches, bar)? {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// Names of the measured devices, with their highest rates.
+fn devices(benches: &Benches) -> Result<String> {
+    let line = |(name, rate): (_, f64)| {
+        let rate = 1e-9 * rate;
+        format!(
+            "\ndevice: {name}; measured: {rate:.0}·10⁹ 32-bit multiply-adds/s, {:.0} GFLOP/s\n",
+            2.0 * rate
+        )
+    };
+    Ok(benches.multiply_adds_per_second()?.into_iter().map(line).collect())
+}
+
+/// Prints the rows of one node that draws; false if the output was closed. Errors: cancellation; other errors stand in their row.
+fn rows(
+    arguments: &arguments::Time,
+    wish: &Wish,
+    mut subject: Subject,
+    benches: &mut Benches,
+    bar: &Bar,
+) -> Result<bool> {
+    let own = [subject.scene.camera.size];
+    for &size in if arguments.size.is_empty() { &own[..] } else { &arguments.size } {
+        subject.scene.camera.size = size;
+        for setting in settings(arguments, &subject, benches) {
+            let line = match benches.measure(&subject, &setting, &wish.frames, &Cancellation(bar)) {
+                Ok((_, cost)) => row(&subject, &setting, &cost),
+                Err(error) if bar.cancelled() => return Err(error),
+                Err(error) => format!("{}{error} {}", head(&subject, &setting), "|".repeat(11)),
+            };
+            if !print(&(line + "\n"))? {
+                return Ok(false);
+            }
+        }
+    }
+    Ok(true)
+}
+
+/// Settings of the file on every requested engine, in both orders where one is needed.
+fn settings(arguments: &arguments::Time, subject: &Subject, benches: &Benches) -> Vec<Setting> {
+    let own = Setting::of_file(subject, Painter::NATIVE);
+    let only = [own.integrator.name().to_string()];
+    let mut settings = benches.settings(subject, &only);
+    let ways = &arguments.compositor;
+    let is_asked = |setting: &Setting| {
+        let way = setting.painter.compositing;
+        ways.is_empty() || way.is_none_or(|way| ways.contains(&way))
+    };
+    settings.retain(|setting| {
+        setting.integrator == own.integrator && setting.overlap == own.overlap && is_asked(setting)
+    });
+    settings
+}
+
+fn head(subject: &Subject, setting: &Setting) -> String {
+    let order = setting.scene(subject).ordering(false);
+    let [width, height] = subject.scene.camera.size;
+    format!("| {} | {width} × {height} | {} | {order} | ", subject.node, setting.painter.label())
+}
+
+fn row(subject: &Subject, setting: &Setting, cost: &Cost) -> String {
+    let stage = |times: Option<Times>| times.map_or(String::new(), |times| format!("{:.2}", times.median_ms));
+    let Times { median_ms, fastest_ms, slowest_ms } = cost.frame;
+    let rate_there = |(count, times): (u64, Times)| format!("{:.0}", count as f64 / times.median_ms * 1e-6);
+    let in_flight = cost.in_flight_ms.map_or(String::new(), |ms| format!("{ms:.2}"));
+    // Blending hardware does not count segments.
+    let count = cost.segments.map(|count| count.to_string()).unwrap_or_default();
+    let rate =
+        cost.segments.map(|count| format!("{:.0}", count as f64 / median_ms * 1e-3)).unwrap_or_default();
+    format!(
+        "{}**{median_ms:.2}** | {fastest_ms:.2} to {slowest_ms:.2} | {in_flight} | {} | {} | {} | {} | {} | {:.1} | {count} | {rate} |",
+        head(subject, setting),
+        stage(cost.cull),
+        stage(cost.sort),
+        stage(cost.project),
+        stage(cost.composite),
+        cost.operations.zip(cost.composite).map(rate_there).unwrap_or_default(),
+        cost.set_up.median_ms,
+    )
+}

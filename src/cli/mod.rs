@@ -1,0 +1,79 @@
+//! The command line: parses it, carries out the command, and gives the exit code.
+//!
+//! | module | responsibility |
+//! | --- | --- |
+//! | `arguments` | options of every command |
+//! | `commands` | one file a command |
+//! | `panic_hook` | panics and the end of memory in one line |
+//! | `present` | messages, progress bars and reports for people |
+
+mod arguments;
+mod commands;
+mod panic_hook;
+mod present;
+
+pub use panic_hook::ExitOnOutOfMemory;
+
+use crate::core::Result;
+use crate::graph::Registry;
+use arguments::Arguments;
+use clap::Parser;
+use std::panic::AssertUnwindSafe;
+use std::process::ExitCode;
+
+/// Runs the program `voltet` with these nodes and filters: carries out the command line of the process, writes the command's
+/// output, and returns the exit code. An error of the registry is shown like those of a command.
+///
+/// ```no_run
+/// # fn program() -> std::process::ExitCode {
+/// voltet::run(voltet::registry())
+/// # }
+/// ```
+pub fn run(registry: Result<Registry>) -> ExitCode {
+    quieten_drivers();
+    panic_hook::install();
+    // A panic was shown where it happened.
+    std::panic::catch_unwind(AssertUnwindSafe(|| match Arguments::try_parse() {
+        Ok(arguments) => {
+            note_former_options();
+            commands::dispatch(&arguments, registry)
+        }
+        Err(answer) => ExitCode::from(commands::answer(&answer)),
+    }))
+    .unwrap_or(ExitCode::from(panic_hook::FAILED))
+}
+
+/// The registry of the program: the nodes, gradient filters and integrators that ship, and the integrators for studies.
+///
+/// Errors: declarations that contradict each other.
+pub fn registry() -> Result<Registry> {
+    let mut registry = crate::nodes::registry()?;
+    voltet_integrators::register(&mut registry)?;
+    Ok(registry)
+}
+
+/// Former names of options, each with the present one; the parser takes both.
+const FORMER_OPTIONS: [(&str, &str); 1] = [("--no-leave-out", "--exhaustive")];
+
+/// Prints a note for each option that was given by its former name.
+fn note_former_options() {
+    for (former, present) in FORMER_OPTIONS {
+        if std::env::args_os().any(|argument| argument == former) {
+            present::say(&format!("note: {former} is now called {present}\n"));
+        }
+    }
+}
+
+/// Disables Mesa's device-selection layer where there is no window system: it prints a complaint on standard error. Does
+/// nothing where other threads run already.
+fn quieten_drivers() {
+    if cfg!(target_os = "linux") && std::env::var_os("XDG_RUNTIME_DIR").is_none() && is_single_threaded() {
+        // Safety: no other thread runs, so none reads the environment meanwhile.
+        unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
+    }
+}
+
+/// True if this is the only thread of the process, as Linux lists them.
+fn is_single_threaded() -> bool {
+    std::fs::read_dir("/proc/self/task").is_ok_and(|threads| threads.count() == 1)
+}
