@@ -142,7 +142,7 @@ def use_paths(tree):
 
 
 USE = re.compile(r"\b(?P<pub>pub(?:\([^)]*\))?\s+)?use\s+(?P<tree>[^;]+);")
-INLINE = re.compile(r"(?<![\w:])(?:crate|super|self)(?:::\w+)+")
+INLINE = re.compile(r"(?<!in )(?<![\w:])(?:crate|super|self)(?:::\w+)+")
 
 
 class Imports:

@@ -17,7 +17,7 @@
 //!     let grid = Grid::from_vtk_arrays(points, &types, &offsets, &connectivity)?.point_data("T", temperature)?;
 //!     let volume = Volume::new(grid, "T")?; // the gradient is computed on demand, by least squares
 //!     let transfer_function = TransferFunction::new()
-//!         .with(Gaussian::at(60.8, 0.0).sigma(0.35, f64::INFINITY).color([1.0, 0.48, 0.06]).extinction(60.0));
+//!         .with(Gaussian::at(60.8, 0.0).sigma(0.35, 0.025).color([1.0, 0.48, 0.06]).extinction(60.0));
 //!     let camera = Camera::framing(volume.bounds()).from([-0.45, -0.85, 0.4]).size(80, 60);
 //!     let image = Renderer::new()?.render(&Scene::new(volume, transfer_function, camera))?;
 //!     image.save("heat_pipes.png")
@@ -66,7 +66,14 @@ pub use facade::{
     Uniform, UnitDistance, Volume, build_grid, panic_message, render_to_depth, run_in_background,
     unnamed_scalar,
 };
+pub use voltet_core::grid::{Array, CellSet, Cells};
+pub use voltet_core::progress::Progress;
+pub use voltet_core::transfer::{ControlPoint, OpticalModel, Region, Widget};
 pub use voltet_core::{Error, Result};
+pub use voltet_io::formats::TimeStep;
+pub use voltet_optics::WidgetBlend;
+pub use voltet_optics::engine::Compositor;
+pub use voltet_optics::shading::VisibilityOrder;
 
 pub use voltet_core as core;
 pub use voltet_cpu as engine;

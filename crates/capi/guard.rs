@@ -59,9 +59,9 @@ fn status_and_message(
     let (status, text) = match outcome {
         Ok(Ok(())) => return (DONE, None),
         Ok(Err(error)) => match error.kind {
-            ErrorKind::Run => (FAILED, error.to_string()),
             ErrorKind::Usage => (USAGE, error.to_string()),
             ErrorKind::Cancelled => (CANCELLED, error.to_string()),
+            _ => (FAILED, error.to_string()),
         },
         Err(panic) => (PANIC, voltet::panic_message(panic.as_ref())),
     };

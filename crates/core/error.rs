@@ -10,6 +10,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 
 /// Category of an error: the user's mistake or a failed run; decides the exit code of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ErrorKind {
     /// The command line or the pipeline file is wrong: exit code 2.
     Usage,

@@ -1,8 +1,7 @@
-//! What the parts of the window ask for; carried out after all of them were shown, so that each sees the same document.
+//! Requests of the window's parts, applied after all of them were shown, so that each shows the same document.
 
-use crate::asking::Asked;
 use crate::view::View;
-use crate::worker::Probed;
+use crate::worker::PixelProbe;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -18,40 +17,58 @@ pub enum Action {
     Select(BTreeSet<String>),
     /// The picture of this node is shown.
     Show(String),
-    /// The picture is seen from elsewhere.
-    Look(View),
+    /// Moves the camera.
+    MoveCamera(View),
     /// The values at places of the picture are asked for (heights from its middle, to the right and up).
     Probe(Vec<[f64; 2]>),
     /// Values were found otherwise.
-    Probed(Arc<Probed>),
-    /// What lies at a place of the picture becomes its centre.
+    PixelProbe(Arc<PixelProbe>),
+    /// Centres the picture on the point at a position.
     Centre([f64; 2]),
-    /// How wrong the picture is, is asked for.
+    /// Estimates the error of the picture.
     Estimate,
-    /// What a key or a menu says.
+    /// Runs a command.
     Do(Command),
     /// A line for the person.
     Say(String),
     /// A pipeline file is opened, or one that is made for a file that is none.
     Open(PathBuf),
-    /// The same, after a question about unsaved work.
+    /// Like [`Action::Open`], after a question about unsaved work.
     Begin(PathBuf),
     /// The document is saved in this file.
     SaveAs(PathBuf),
-    /// A file is asked for; where to begin.
-    Ask(Asked, Option<PathBuf>),
+    /// Opens a file dialog, at the path of a file if there is one.
+    ChooseFile(FilePurpose, Option<PathBuf>),
     /// A parameter names this file.
     Name {
         /// The node.
         node: String,
-        /// What leads to the parameter.
+        /// The parameter.
         path: voltet_document::Path,
         /// The file.
         file: PathBuf,
     },
 }
 
-/// What a key or a menu says.
+/// Purposes of a file dialog.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FilePurpose {
+    /// Opens the file.
+    Open,
+    /// Saves the document in it.
+    SaveAs,
+    /// Names it in a parameter of a node.
+    Parameter {
+        /// The node.
+        node: String,
+        /// The parameter.
+        path: voltet_document::Path,
+        /// True if the node writes the file.
+        writes: bool,
+    },
+}
+
+/// Commands of keys and menus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Command {
     /// An empty document.
@@ -62,7 +79,7 @@ pub enum Command {
     Save,
     /// Ask for a file to save in.
     SaveAs,
-    /// What is read from files is looked at anew.
+    /// Reads all files again.
     ReadAgain,
     /// A whole run, which writes files; stops the one that is under way.
     Run,
@@ -74,7 +91,7 @@ pub enum Command {
     Redo,
     /// The selected nodes to the clipboard.
     Copy,
-    /// The same, and away with them.
+    /// The selected nodes to the clipboard, and out of the document.
     Cut,
     /// Copies of the selected nodes beside them.
     Duplicate,
@@ -104,7 +121,7 @@ pub enum Command {
     Roll(bool),
     /// Light or dark.
     Theme,
-    /// What the picture costs.
+    /// The window of costs.
     Costs,
     /// The keys are for the widgets wherever the pointer is, or not any more.
     Widgets,
@@ -116,7 +133,7 @@ pub enum Command {
     Help,
 }
 
-/// What was asked for while a frame was shown.
+/// Requests collected while a frame is shown.
 #[derive(Debug, Default)]
 pub struct Actions(pub Vec<Action>);
 

@@ -1,12 +1,12 @@
 //! The arrays that the data really has, with their ranges: found on a thread of its own, once a file.
 
-use crate::scene::Scene;
 use crate::worker::short;
 use eframe::egui::Context;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::progress::NoProgress;
+use voltet_document::Document;
 use voltet_document::links::upstream;
 use voltet_graph::{NodeEntry, Registry};
 use voltet_io::formats::{self, Association, Request};
@@ -14,14 +14,14 @@ use voltet_nodes::added;
 
 /// An array that may be chosen.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Choice {
+pub(crate) struct ArrayChoice {
     /// As a file names it.
     pub name: String,
     /// With what it is and its range.
     pub label: String,
 }
 
-/// Whether a node reads a data file.
+/// True if a node reads a data file.
 pub(crate) fn reads(entry: &NodeEntry, registry: &Registry) -> bool {
     let name = entry.node_type.text();
     let of_others = |name| registry.find(name).is_ok_and(|node| node.reader.is_some());
@@ -33,28 +33,32 @@ pub(crate) fn path_of(entry: &NodeEntry) -> Option<&str> {
     entry.settings.iter().find(|field| field.name == "path").and_then(|field| field.setting.text())
 }
 
-/// What is known of files; nothing as long as they are being read.
+/// Arrays of data files; none while a file is being read.
 #[derive(Default)]
-pub(crate) struct Arrays(Arc<Mutex<HashMap<PathBuf, Arc<Vec<Choice>>>>>);
+pub(crate) struct Arrays(Arc<Mutex<HashMap<PathBuf, Arc<Vec<ArrayChoice>>>>>);
 
 impl Arrays {
     /// The arrays of the files that feed a node; empty while they are not known.
-    pub fn of(&self, ctx: &Context, scene: &Scene, node: &str) -> Arc<Vec<Choice>> {
-        let nodes = &scene.document.pipeline().nodes;
+    pub fn feeding(
+        &self,
+        ctx: &Context,
+        document: &Document,
+        registry: &Registry,
+        node: &str,
+    ) -> Arc<Vec<ArrayChoice>> {
+        let nodes = &document.pipeline().nodes;
         let feeding = upstream(nodes, node);
-        let reader = nodes
-            .iter()
-            .filter(|entry| feeding.contains(&entry.name))
-            .find(|entry| reads(entry, scene.registry));
+        let reader =
+            nodes.iter().filter(|entry| feeding.contains(&entry.name)).find(|entry| reads(entry, registry));
         let Some(path) = reader.and_then(path_of) else { return Arc::default() };
-        let path = scene.document.folder().join(path);
-        let registry = scene.registry.clone();
+        let path = document.folder().join(path);
+        let registry = registry.clone();
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let begin = || {
             let (known, ctx, path) = (self.0.clone(), ctx.clone(), path.clone());
             // Without a thread there are no choices, and the name is typed.
             let _ = std::thread::Builder::new().name("arrays".into()).spawn(move || {
-                let tell = |found: Vec<Choice>| {
+                let tell = |found: Vec<ArrayChoice>| {
                     let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
                     known.insert(path.clone(), Arc::new(found));
                     drop(known);
@@ -74,28 +78,31 @@ impl Arrays {
     }
 }
 
-fn heads(path: &std::path::Path, request: &Request) -> Vec<Choice> {
+fn heads(path: &std::path::Path, request: &Request) -> Vec<ArrayChoice> {
     let arrays = formats::arrays(path, request).unwrap_or_default();
     arrays.iter().flat_map(|head| choices(head, None)).collect()
 }
 
-fn ranges(path: &std::path::Path, request: &Request) -> Option<Vec<Choice>> {
+fn ranges(path: &std::path::Path, request: &Request) -> Option<Vec<ArrayChoice>> {
     let summary = formats::inspect(path, request, &NoProgress).ok()?;
     Some(summary.arrays.iter().flat_map(|array| choices(&array.head, array.range)).collect())
 }
 
 /// An array as it is, or its length and components.
-fn choices(head: &formats::ArrayHead, range: Option<[f64; 2]>) -> Vec<Choice> {
+fn choices(head: &formats::ArrayHead, range: Option<[f64; 2]>) -> Vec<ArrayChoice> {
     let place = if head.association == Association::Cell { "cells" } else { "points" };
     let range = range.map_or(String::new(), |[low, high]| format!(", {} to {}", short(low), short(high)));
     if head.component_count == 1 {
-        return vec![Choice { name: head.name.clone(), label: format!("{}  ({place}{range})", head.name) }];
+        return vec![ArrayChoice {
+            name: head.name.clone(),
+            label: format!("{}  ({place}{range})", head.name),
+        }];
     }
     let length = format!("{}:magnitude", head.name);
-    let all = std::iter::once(Choice { label: format!("{length}  ({place}{range})"), name: length });
+    let all = std::iter::once(ArrayChoice { label: format!("{length}  ({place}{range})"), name: length });
     let parts = (0..head.component_count).map(|i| {
         let name = format!("{}:{i}", head.name);
-        Choice { label: format!("{name}  ({place})"), name }
+        ArrayChoice { label: format!("{name}  ({place})"), name }
     });
     all.chain(parts).collect()
 }

@@ -1,4 +1,4 @@
-//! What an empty window invites to, and what one shows whose file cannot be read.
+//! Start screen of an empty window, and the screen of an unreadable file.
 
 use crate::actions::{Action, Actions, Command};
 use crate::theme;
@@ -9,7 +9,7 @@ use voltet_core::Error;
 /// Width of what is offered, points.
 const WIDTH: f32 = 340.0;
 
-/// What a file that is no TOML shows above the rest of its graph.
+/// Message above the graph of a file that is no TOML.
 pub(crate) fn broken(ui: &mut Ui, place: Rect, faults: &[Error]) {
     let dark = ui.visuals().dark_mode;
     // At the top, on a ground of its own: what can be read of the file is shown below.

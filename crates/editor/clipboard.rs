@@ -2,7 +2,7 @@
 
 use crate::actions::Command;
 use crate::editor::Editor;
-use crate::graph::Thing;
+use crate::graph::Annotation;
 use eframe::egui::{Context, Event};
 use voltet_core::Result;
 use voltet_document::arrange::{PlacedNode, align, tidy};
@@ -10,7 +10,7 @@ use voltet_document::{Edit, Frame, Note};
 use voltet_graph::NodeEntry;
 
 /// From a node to what is pasted after it, points.
-const BESIDE: f64 = 40.0;
+const PASTE_OFFSET: f64 = 40.0;
 
 impl Editor {
     fn selected(&self) -> Vec<String> {
@@ -45,11 +45,11 @@ impl Editor {
         });
         let Some(text) = pasted else { return };
         let at = self.selection.iter().next().map_or([0.0; 2], |name| self.document.position(name));
-        let outcome = self.document.paste(&text, at.map(|x| x + BESIDE));
+        let outcome = self.document.paste(&text, at.map(|x| x + PASTE_OFFSET));
         self.take_copies(outcome);
     }
 
-    /// What was added is worked on next.
+    /// Selects the added nodes.
     fn take_copies(&mut self, outcome: Result<Vec<String>>) {
         match outcome {
             Ok(names) => self.selection = names.into_iter().collect(),
@@ -69,8 +69,8 @@ impl Editor {
         }
     }
 
-    /// Where nodes stand, frames and notes.
-    pub(crate) fn arrange(&mut self, command: Command) {
+    /// Moves nodes, and adds frames and notes.
+    pub(crate) fn arrange_nodes(&mut self, command: Command) {
         let all = &self.document.pipeline().nodes;
         let nodes: Vec<NodeEntry> = match self.selection.is_empty() {
             true => all.clone(),
@@ -110,8 +110,8 @@ impl Editor {
         };
         self.edit(label.into(), std::slice::from_ref(&edit));
         match &edit {
-            Edit::PutFrame(number, frame) => self.graph.write_on(Thing::Frame(*number), &frame.title),
-            Edit::PutNote(number, note) => self.graph.write_on(Thing::Note(*number), &note.text),
+            Edit::PutFrame(number, frame) => self.graph.write_on(Annotation::Frame(*number), &frame.title),
+            Edit::PutNote(number, note) => self.graph.write_on(Annotation::Note(*number), &note.text),
             _ if command == Command::Tidy => self.graph.fit(),
             _ => {}
         }

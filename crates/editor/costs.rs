@@ -1,4 +1,4 @@
-//! What the picture costs and what was left out of it: a small window of figures, from the last full run's report.
+//! Costs of the picture and skipped work: a small window, from the last full run's report.
 
 use crate::actions::{Action, Actions};
 use crate::picture::milliseconds;
@@ -59,7 +59,7 @@ fn stages(ui: &mut Ui, report: &RunReport) {
     });
 }
 
-/// What was not done, why, and what that saves; and warnings.
+/// Skipped work, with reasons and savings; and warnings.
 fn left_out(ui: &mut Ui, report: &RunReport) {
     let dark = ui.visuals().dark_mode;
     ui.strong("left out");
@@ -77,7 +77,7 @@ fn left_out(ui: &mut Ui, report: &RunReport) {
     }
 }
 
-/// How wrong the picture is: asked for by a button, since the referee takes its time.
+/// Error of the picture, computed on request, since the reference renderer takes its time.
 fn estimate(ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
     ui.horizontal_wrapped(|ui| {
         let help = "draws a few thousand pixels again by the 64-bit referee, and compares";

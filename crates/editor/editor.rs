@@ -2,10 +2,11 @@
 
 use crate::actions::Command;
 use crate::arrays::Arrays;
-use crate::asking::FileAsking;
+use crate::file_dialog::FileDialog;
+use crate::file_watcher::{BETWEEN, FileWatcher};
 use crate::files::{Disk, begun, free_path, is_pipeline};
+use crate::gestures::GestureTracker;
 use crate::graph::GraphView;
-use crate::hand::Hand;
 use crate::lookups::Lookups;
 use crate::parameters::ParameterPanel;
 use crate::picture::PicturePanel;
@@ -17,8 +18,7 @@ use crate::section::SectionPanel;
 use crate::study::StudyPanel;
 use crate::transfer::TransferPanel;
 use crate::view::View;
-use crate::watch::{BETWEEN, Watch};
-use crate::worker::{Distribution, NodeState, Probed, Shown, Wanted, Worker};
+use crate::worker::{DistributionQuery, NodeState, PixelProbe, RenderRequest, Worker, WorkerOutput};
 use eframe::egui::Context;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -31,9 +31,9 @@ use voltet_graph::{ArrayRef, NodeEntry, Registry};
 /// Makes the text of a pipeline for a file that is none, such as data; the second path is where it would be saved.
 pub type Start = Arc<dyn Fn(&Path, &Path) -> Result<String> + Send + Sync>;
 
-/// What the wishes follow from: as long as it is the same, so are they.
+/// Inputs of the requests to the worker: as long as they are equal, so are the requests.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Ground {
+pub(crate) struct RequestInputs {
     pub revision: u64,
     pub shown: Option<String>,
     pub room: [u32; 2],
@@ -59,34 +59,34 @@ pub struct Editor {
     pub(crate) transfer: TransferPanel,
     pub(crate) arrays: Arrays,
     pub(crate) message: Option<(String, bool)>,
-    pub(crate) ground: Option<Ground>,
+    pub(crate) ground: Option<RequestInputs>,
     pub(crate) recover: Recover,
     pub(crate) disk: Disk,
-    pub(crate) watch: Watch,
+    pub(crate) watch: FileWatcher,
     pub(crate) help: bool,
     pub(crate) costs: bool,
     pub(crate) last_estimate: u64,
-    pub(crate) asking: Option<FileAsking>,
-    /// What is opened once unsaved work is settled; a file is asked for where there is none.
+    pub(crate) file_dialog: Option<FileDialog>,
+    /// File to open once unsaved work is settled; `None` opens a file dialog.
     pub(crate) begin_with: Option<PathBuf>,
     pub(crate) recent: Recent,
     /// A whole run that is under way.
     pub(crate) run: Option<Run>,
-    /// What waits for an answer about unsaved work.
+    /// Command that waits for a decision about unsaved work.
     pub(crate) unsaved: Option<Command>,
-    pub(crate) asked: Option<Wanted>,
+    pub(crate) asked: Option<RenderRequest>,
     /// The distribution that was asked for last.
-    pub(crate) distribution: Option<Distribution>,
+    pub(crate) distribution: Option<DistributionQuery>,
     /// The probe that is waited for, and whether it is for the centre of the picture.
     pub(crate) probing: Option<(u64, bool)>,
     pub(crate) last_probe: u64,
-    pub(crate) probed: Option<Arc<Probed>>,
+    pub(crate) probed: Option<Arc<PixelProbe>>,
     pub(crate) lookups: Lookups,
     pub(crate) section: SectionPanel,
     pub(crate) study: StudyPanel,
     pub(crate) faults: (Option<u64>, Vec<Error>),
-    pub(crate) hand: Hand,
-    /// What the edits of this frame belong to.
+    pub(crate) gestures: GestureTracker,
+    /// Undo step of the edits of this frame.
     pub(crate) gesture: Option<Gesture>,
     pub(crate) ends: bool,
 }
@@ -97,11 +97,11 @@ impl Editor {
         document: Document,
         registry: &Registry,
         start: Start,
-        wake: crate::worker::Wake,
+        wake: crate::worker::RepaintCallback,
     ) -> Result<Editor> {
         let wakes = wake.clone();
         let no_thread = |error| Error::run("no thread can be had to look at files with").got(error);
-        let watch = Watch::start(BETWEEN, move || wakes()).map_err(no_thread)?;
+        let watch = FileWatcher::start(BETWEEN, move || wakes()).map_err(no_thread)?;
         let mut editor = Editor {
             document,
             worker: Worker::start(registry, wake)?,
@@ -123,7 +123,7 @@ impl Editor {
             help: false,
             costs: false,
             last_estimate: 0,
-            asking: None,
+            file_dialog: None,
             begin_with: None,
             recent: Recent::default(),
             run: None,
@@ -137,7 +137,7 @@ impl Editor {
             section: SectionPanel::default(),
             study: StudyPanel::default(),
             faults: (None, Vec::new()),
-            hand: Hand::default(),
+            gestures: GestureTracker::default(),
             gesture: None,
             ends: false,
         };
@@ -155,7 +155,7 @@ impl Editor {
         &self.worker
     }
 
-    /// Whether the window is to close.
+    /// True if the window is to close.
     pub fn ends(&self) -> bool {
         self.ends
     }
@@ -183,7 +183,7 @@ impl Editor {
         }
     }
 
-    /// What the parts of the window look at.
+    /// Read-only view of the editor for the window's parts.
     pub(crate) fn scene(&self) -> Scene<'_> {
         let camera = self.camera();
         let key = self.distribution.as_ref().map(|asked| asked.key);
@@ -198,11 +198,11 @@ impl Editor {
                 arrays: &self.arrays,
                 selection: &self.selection,
                 shown_node: self.shown_node.as_deref(),
-                view: camera.and_then(View::of),
+                view: camera.and_then(View::from_camera),
                 picture_size: camera.and_then(camera_size),
                 pixels: shown.pixels.clone().filter(|_| self.shown_node.is_some()),
                 previews: shown.previews.clone(),
-                asks: self.unsaved.is_some() || self.asking.is_some(),
+                asks: self.unsaved.is_some() || self.file_dialog.is_some(),
                 nodes: shown.nodes.clone(),
                 values: shown.values.clone(),
                 failure: shown.failure.clone(),
@@ -278,8 +278,8 @@ pub(crate) fn camera_size(camera: &NodeEntry) -> Option<[u32; 2]> {
     crate::worker::size_of(camera)
 }
 
-/// What runs, in words.
-fn running(shown: &Shown) -> Option<String> {
+/// Description of the work in progress.
+fn running(shown: &WorkerOutput) -> Option<String> {
     if !shown.is_busy {
         return None;
     }
@@ -291,7 +291,7 @@ fn running(shown: &Shown) -> Option<String> {
     Some(in_hand.unwrap_or_else(|| "drawing …".into()))
 }
 
-/// What is wrong with the document, each mistake at its node.
+/// Errors of the document, each at its node.
 fn faults(document: &Document, registry: &Registry) -> Vec<Error> {
     if document.pipeline().nodes.is_empty() && document.is_toml() {
         return Vec::new();

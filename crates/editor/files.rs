@@ -1,28 +1,33 @@
 //! Files: what their names say, a document for data, and what another program wrote.
 
-use crate::watch::{BETWEEN, Known, Watch, state};
+use crate::file_watcher::{BETWEEN, FileStamps, FileWatcher, state};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use voltet_core::Result;
 use voltet_document::{Document, Edit};
 
-/// What other programs wrote: the document's file, and the data.
+/// Changes by other programs: the document's file, and the data.
 #[derive(Debug, Default)]
 pub(crate) struct Disk {
     pub is_changed: bool,
     pub looked: Option<Instant>,
-    data: Known,
+    data: FileStamps,
 }
 
 impl Disk {
     /// Looks now and then; whether data that were known have changed, come or gone since.
-    pub fn look(&mut self, document: &Document, data: impl FnOnce() -> Vec<PathBuf>, watch: &Watch) -> bool {
+    pub fn look(
+        &mut self,
+        document: &Document,
+        data: impl FnOnce() -> Vec<PathBuf>,
+        watch: &FileWatcher,
+    ) -> bool {
         if self.looked.is_some_and(|looked| looked.elapsed() < BETWEEN) {
             return false;
         }
         self.is_changed = document.changed_on_disk();
         self.looked = Some(Instant::now());
-        let now: Known = data().into_iter().map(|path| (path.clone(), state(&path))).collect();
+        let now: FileStamps = data().into_iter().map(|path| (path.clone(), state(&path))).collect();
         let own = document.path().map(|path| (path.to_path_buf(), state(path)));
         watch.knows(now.clone().into_iter().chain(own).collect());
         let before = std::mem::replace(&mut self.data, now);
@@ -36,12 +41,12 @@ pub(crate) const PIPELINES: [&str; 3] = ["toml", "png", "exr"];
 /// Ends of the names of data files.
 pub(crate) const DATA: [&str; 10] = ["vtu", "vtk", "vts", "vtr", "vti", "pvtu", "pvd", "xyz", "p3d", "x"];
 
-/// Whether a name is that of a pipeline file.
+/// True if a name is that of a pipeline file.
 pub(crate) fn is_pipeline(path: &Path) -> bool {
     path.extension().is_none_or(|end| end == "toml")
 }
 
-/// Where the pipeline of a file that is none would be saved: beside it, under a name that no file has.
+/// Path for the pipeline made for a data file: beside it, under an unused name.
 pub(crate) fn free_path(path: &Path) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let numbered = (2..).map(|number| path.with_file_name(format!("{stem}_{number}.toml")));

@@ -12,9 +12,9 @@ impl Editor {
         self.take_made();
         self.take_probed();
         self.study.take_found();
-        self.take_run();
+        self.show_run();
         self.settle_on_nodes();
-        self.gesture = self.hand.gesture(ctx);
+        self.gesture = self.gestures.gesture(ctx);
         if ctx.input(|input| input.viewport().close_requested()) && !self.ends {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
             self.command(ctx, Command::Quit);
@@ -25,7 +25,7 @@ impl Editor {
         keys::read(ctx, self.transfer.takes_keys(), &mut actions);
         layout::show(self, ctx, &mut actions);
         for action in actions.0 {
-            self.carry_out(ctx, action);
+            self.apply(ctx, action);
         }
         self.paste(ctx);
         self.keep(ctx);

@@ -65,7 +65,7 @@ const KEYS: &[Binding] = &[
     (Command::Help, NONE, Key::F1, "this sheet"),
 ];
 
-/// What the mouse does, for the help sheet.
+/// Actions of the mouse, for the help sheet.
 const MOUSE: &[(&str, &[(&str, &str)])] = &[
     (
         "Picture",

@@ -1,10 +1,10 @@
-//! Where the parts of the window stand.
+//! Layout of the window's parts.
 
 use crate::actions::Actions;
-use crate::asking;
 use crate::begin;
 use crate::costs;
 use crate::editor::Editor;
+use crate::file_dialog;
 use crate::graph::GraphView;
 use crate::keys;
 use crate::menus;
@@ -45,7 +45,7 @@ pub(crate) fn show(editor: &mut Editor, ctx: &Context, actions: &mut Actions) {
     (editor.graph, editor.picture, editor.parameters, editor.transfer) = (graph, panel, parameters, transfer);
     editor.costs = open;
     keys::sheet(ctx, &mut editor.help);
-    asking::show(&mut editor.asking, ctx, actions);
+    file_dialog::show(&mut editor.file_dialog, ctx, actions);
     unsaved(editor, ctx);
     editor.offer_left_behind(ctx);
 }

@@ -1,6 +1,6 @@
-//! What was asked of the worker beside pictures, and whether its answers are those to the newest question.
+//! Queries to the worker besides pictures, and the test for answers to the newest.
 
-use crate::worker::{Section, Sectioning, Share, Shown, Wanted};
+use crate::worker::{RenderRequest, Section, SectionQuery, Share, WorkerOutput};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -13,10 +13,10 @@ pub(crate) struct Lookups {
     share: Option<(u64, String, usize)>,
     last_share: u64,
     /// The small pictures that were asked for last, by their nodes, and for which document and shown node.
-    pub previews: BTreeMap<String, Wanted>,
+    pub previews: BTreeMap<String, RenderRequest>,
     pub previews_of: Option<(u64, Option<String>)>,
     /// The section that was asked for last.
-    pub section: Option<Sectioning>,
+    pub section: Option<SectionQuery>,
 }
 
 impl Lookups {
@@ -26,7 +26,7 @@ impl Lookups {
         (self.previews_of, self.section) = (None, None);
     }
 
-    /// Whether the share of this widget in this picture was asked for.
+    /// True if the share of this widget in this picture was requested.
     pub fn is_shared(&self, of: &(u64, String, usize)) -> bool {
         self.share.as_ref() == Some(of)
     }
@@ -39,7 +39,7 @@ impl Lookups {
     }
 
     /// The share, once it is that of the newest question and picture.
-    pub fn share(&self, shown: &Shown) -> Option<Result<Share, String>> {
+    pub fn share(&self, shown: &WorkerOutput) -> Option<Result<Share, String>> {
         let (picture, ..) = self.share.as_ref()?;
         let (key, found) = shown.share.as_ref()?;
         let is_newest = *key == self.last_share && *picture == self.picture;
@@ -47,7 +47,7 @@ impl Lookups {
     }
 
     /// The section, the newest one that there is.
-    pub fn section(&self, shown: &Shown) -> Option<Result<Arc<Section>, String>> {
+    pub fn section(&self, shown: &WorkerOutput) -> Option<Result<Arc<Section>, String>> {
         self.section.as_ref()?;
         let (_, found) = shown.section.as_ref()?;
         Some(found.clone().map_err(|error| error.to_string()))

@@ -23,7 +23,7 @@ const RAYS: usize = 16;
 const NOTCH: f64 = 1.15;
 
 /// A small picture, and what its texture holds.
-struct Small {
+struct Thumbnail {
     holds: Arc<Vec<[u8; 4]>>,
     texture: TextureHandle,
 }
@@ -33,14 +33,14 @@ struct Small {
 pub(crate) struct PicturePanel {
     texture: Option<TextureHandle>,
     /// Small pictures of other nodes, by these.
-    previews: HashMap<String, Small>,
-    /// What the texture holds: the request, and whether it is its full picture.
+    previews: HashMap<String, Thumbnail>,
+    /// Contents of the texture: the request, and true for its full picture.
     holds: Option<(u64, bool)>,
-    /// Whether a drag is a box to be probed, as it is with Alt, which some window managers keep for themselves.
+    /// True if a drag is a box to be probed, as it is with Alt, which some window managers keep for themselves.
     boxes: bool,
-    /// Where the box of a probe began.
+    /// Start of a probe's box.
     boxed: Option<Pos2>,
-    /// Where the picture lies, in points, for tests.
+    /// Rectangle of the picture (points), for tests.
     #[cfg(test)]
     rect: Option<Rect>,
     /// Pixels that it can show.
@@ -86,13 +86,13 @@ impl PicturePanel {
         self.previews.get(node).map(|small| small.texture.clone())
     }
 
-    /// Where the picture lies in the window.
+    /// Rectangle of the picture in the window.
     #[cfg(test)]
     pub fn rect(&self) -> Option<Rect> {
         self.rect
     }
 
-    /// Which picture is shown, and the ways to look at it.
+    /// Choice of the picture, and of the pointer's mode.
     fn head(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
         ui.horizontal(|ui| {
             let pictures = scene.pictures();
@@ -138,7 +138,7 @@ impl PicturePanel {
         for (node, pixels) in &scene.previews {
             if self.previews.get(node).is_none_or(|small| !Arc::ptr_eq(&small.holds, &pixels.rgba)) {
                 let texture = ui.ctx().load_texture(node, color_image(pixels), TextureOptions::LINEAR);
-                self.previews.insert(node.clone(), Small { holds: pixels.rgba.clone(), texture });
+                self.previews.insert(node.clone(), Thumbnail { holds: pixels.rgba.clone(), texture });
             }
         }
         let Some(pixels) = &scene.pixels else { return };
@@ -154,7 +154,7 @@ impl PicturePanel {
         self.holds = Some((pixels.number, pixels.is_full()));
     }
 
-    /// What stands over the picture: why there is none, or that it is being made.
+    /// Text over the picture: the reason for which there is none, or that it is being drawn.
     fn over(&self, ui: &Ui, scene: &Scene, rect: Rect) {
         let dark = true; // The ground is black.
         let say = |text: &str, color: Color32| {
@@ -252,7 +252,7 @@ impl PicturePanel {
             _ => {}
         }
         if to != view {
-            actions.push(Action::Look(to));
+            actions.push(Action::MoveCamera(to));
         }
     }
 }

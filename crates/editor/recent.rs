@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use voltet_nodes::files::{state_folder, write_whole};
 
-/// How many are kept.
-const MOST: usize = 8;
+/// Length of the list.
+const MAX_COUNT: usize = 8;
 
 /// The list, the last one first; kept nowhere unless it has a file.
 #[derive(Debug, Default)]
@@ -22,11 +22,11 @@ impl Recent {
     /// Kept in a file, a path a line.
     pub fn in_file(file: PathBuf) -> Recent {
         let text = std::fs::read_to_string(&file).unwrap_or_default();
-        let paths = text.lines().filter(|line| !line.is_empty()).map(PathBuf::from).take(MOST).collect();
+        let paths = text.lines().filter(|line| !line.is_empty()).map(PathBuf::from).take(MAX_COUNT).collect();
         Recent { file: Some(file), paths }
     }
 
-    /// Those that are there.
+    /// Files of the list that exist.
     pub fn paths(&self) -> impl Iterator<Item = &Path> {
         self.paths.iter().map(PathBuf::as_path).filter(|path| path.is_file())
     }
@@ -39,7 +39,7 @@ impl Recent {
         }
         self.paths.retain(|other| *other != path);
         self.paths.insert(0, path);
-        self.paths.truncate(MOST);
+        self.paths.truncate(MAX_COUNT);
         let lines: Option<Vec<&str>> = self.paths.iter().map(|path| path.to_str()).collect();
         if let (Some(file), Some(lines)) = (&self.file, lines) {
             // Where it cannot be kept, the next window does without.

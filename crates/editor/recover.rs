@@ -3,7 +3,7 @@
 use std::time::Instant;
 use voltet_document::{Autosave, OrphanedDraft, Recovery};
 
-/// What is kept of this window's work, and what others left behind.
+/// Copy of this window's unsaved work, and copies left by crashed windows.
 #[derive(Default)]
 pub(crate) struct Recover {
     pub place: Option<Recovery>,

@@ -1,20 +1,17 @@
-//! A whole run of the document, as `voltet run` makes it: files are written. On a thread of its own, with a session of its own,
-//! so that the picture in the window goes on.
+//! A full run of the document like `voltet run`, which writes files: on a thread and with a session of its own, beside the one of the
+//! shown picture.
 
-use crate::editor::Editor;
-use crate::picture::milliseconds;
 use eframe::egui::Context;
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use voltet_core::{Error, Result};
+use voltet_document::Document;
 use voltet_graph::pipeline::Pipeline;
-use voltet_graph::{Graph, Observer, RunReport};
+use voltet_graph::{Observer, Registry, RunReport};
 use voltet_io::memory;
-use voltet_nodes::files::relative_to;
 
-/// A run that is under way; dropped, it stops.
+/// A run in progress; cancelled when dropped.
 pub(crate) struct Run {
     outcome: Receiver<Result<RunReport>>,
     stops: Arc<AtomicBool>,
@@ -39,13 +36,17 @@ impl Observer for Stopped {
 }
 
 impl Run {
-    fn start(graph: Graph, ctx: &Context) -> Result<Run> {
+    /// Starts a run of the document as it is shown.
+    pub fn start(document: &Document, registry: &Registry, ctx: &Context) -> Result<Run> {
+        let mut graph = document.pipeline().graph(registry, document.folder())?;
+        // Pictures carry the text with its comments.
+        graph.stated = Pipeline::stated(document.text().to_string(), registry)?;
         let (sender, outcome) = channel();
         let stops = Arc::new(AtomicBool::new(false));
         let (observer, ctx) = (Stopped(stops.clone()), ctx.clone());
         let work = move || {
             let report = voltet_nodes::session().run(&graph, &observer);
-            // Nobody waits for it any more where it was stopped.
+            // The receiver is gone if the run was cancelled.
             let _ = sender.send(report);
             ctx.request_repaint();
         };
@@ -53,56 +54,13 @@ impl Run {
         spawned.map_err(|error| Error::run("no thread can be had").got(error))?;
         Ok(Run { outcome, stops })
     }
-}
 
-impl Editor {
-    /// Begins a run of the document as it is shown; stops the one that is under way.
-    pub(crate) fn run(&mut self, ctx: &Context) {
-        if self.run.take().is_some() {
-            self.message = Some(("the run is stopped; nothing of it is half written".into(), false));
-            return;
-        }
-        let (text, folder) = (self.document.text().to_string(), self.document.folder());
-        let graph = self.document.pipeline().graph(&self.registry, folder).and_then(|mut graph| {
-            // Pictures carry the text with its comments.
-            graph.stated = Pipeline::stated(text, &self.registry)?;
-            Ok(graph)
-        });
-        match graph.and_then(|graph| Run::start(graph, ctx)) {
-            Ok(run) => {
-                self.run = Some(run);
-                self.message = Some(("running; Ctrl+R stops it".into(), false));
-            }
-            Err(error) => self.complain(&error),
-        }
-    }
-
-    /// A file as it is named from the document's folder.
-    fn named_here(&self, file: &str) -> String {
-        relative_to(Path::new(file), &self.document.folder()).display().to_string()
-    }
-
-    /// Takes over what a run came to.
-    pub(crate) fn take_run(&mut self) {
-        let Some(run) = &self.run else { return };
-        let outcome = match run.outcome.try_recv() {
-            Err(TryRecvError::Empty) => return,
-            Ok(outcome) => outcome,
-            Err(TryRecvError::Disconnected) => Err(Error::run("the run ended by a mistake of its own")),
-        };
-        self.run = None;
-        match outcome {
-            Ok(report) => {
-                let files = match report.files.is_empty() {
-                    true => "no files".into(),
-                    false => {
-                        report.files.iter().map(|file| self.named_here(file)).collect::<Vec<_>>().join(", ")
-                    }
-                };
-                let text = format!("written in {}: {files}", milliseconds(report.seconds));
-                self.message = Some((text, false));
-            }
-            Err(error) => self.complain(&error),
+    /// The report, once the run has ended.
+    pub fn report(&self) -> Option<Result<RunReport>> {
+        match self.outcome.try_recv() {
+            Err(TryRecvError::Empty) => None,
+            Ok(report) => Some(report),
+            Err(TryRecvError::Disconnected) => Some(Err(Error::run("the run ended by a mistake of its own"))),
         }
     }
 }

@@ -1,7 +1,8 @@
 //! The document into its file, and what another program wrote there.
 
-use crate::asking::{Asked, FileAsking};
+use crate::actions::FilePurpose;
 use crate::editor::Editor;
+use crate::file_dialog::FileDialog;
 use crate::files::Disk;
 use std::path::Path;
 use voltet_nodes::files::{folder, refuse_unwritable};
@@ -10,7 +11,7 @@ impl Editor {
     /// Saves the document in its own file, or asks for one; and asks where another program wrote it meanwhile.
     pub(crate) fn save(&mut self) {
         let Some(path) = self.document.path().map(Path::to_path_buf) else {
-            self.asking = Some(FileAsking::new(Asked::SaveAs, None));
+            self.file_dialog = Some(FileDialog::new(FilePurpose::SaveAs, None));
             return;
         };
         if self.document.changed_on_disk() {
@@ -20,7 +21,7 @@ impl Editor {
         self.save_as(&path);
     }
 
-    /// What another program wrote is taken over, or written over.
+    /// Takes over another program's changes of the file, or overwrites them.
     pub(crate) fn settle_with_disk(&mut self, takes_over: bool) {
         let outcome = if takes_over { self.document.reload() } else { self.document.save_over() };
         self.disk = Disk::default();

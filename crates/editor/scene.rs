@@ -1,8 +1,8 @@
-//! What the parts of the window look at while a frame is shown; they change none of it.
+//! Read-only view of the editor for the window's parts while a frame is shown.
 
 use crate::arrays::Arrays;
 use crate::view::View;
-use crate::worker::{Distributed, NodeStatus, Pixels, Probed, Section, Share};
+use crate::worker::{Distribution, NodeStatus, PixelProbe, Pixels, Section, Share};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
@@ -19,41 +19,41 @@ pub(crate) struct Scene<'a> {
     pub selection: &'a BTreeSet<String>,
     /// The node whose picture is shown.
     pub shown_node: Option<&'a str>,
-    /// Where that picture is seen from.
+    /// View of that picture.
     pub view: Option<View>,
     /// Its size as the document says.
     pub picture_size: Option<[u32; 2]>,
     pub pixels: Option<Pixels>,
     /// Small pictures of other nodes.
     pub previews: BTreeMap<String, Pixels>,
-    /// Whether a question is to be answered first: nothing else is said meanwhile.
+    /// True if a question must be answered first, and other input is blocked.
     pub asks: bool,
     /// The nodes that feed the picture.
     pub nodes: BTreeMap<String, NodeStatus>,
     /// For each output what runs through it.
     pub values: Arc<BTreeMap<String, String>>,
     pub failure: Option<Error>,
-    /// What runs, in words.
+    /// Description of the work in progress.
     pub running: Option<String>,
     pub seconds: Option<f64>,
     pub engine: Option<String>,
     /// The distribution of what the selected transfer function is drawn with.
-    pub distribution: Option<Arc<Distributed>>,
+    pub distribution: Option<Arc<Distribution>>,
     /// Why there is none.
     pub distribution_fault: Option<String>,
-    /// What was found at a place of the picture.
-    pub probed: Option<Arc<Probed>>,
-    /// What the widget in hand adds to the picture; an error in words; none while it is not known.
+    /// Result of the last probe of the picture.
+    pub probed: Option<Arc<PixelProbe>>,
+    /// Contribution of the selected widget to the picture, or an error message; `None` while unknown.
     pub share: Option<Result<Share, String>>,
-    /// What the plane of the section meets.
+    /// Section of the data by the plane.
     pub section: Option<Result<Arc<Section>, String>>,
     /// Least and greatest coordinates of the data.
     pub bounds: Option<[DVec3; 2]>,
     /// The last full run.
     pub report: Option<Arc<RunReport>>,
-    /// How wrong the picture is, where that was asked for.
+    /// Estimated error of the picture, if requested.
     pub estimate: Option<Result<[f64; 2], String>>,
-    /// Whether that was asked for.
+    /// True while the error is being estimated.
     pub is_estimating: bool,
     /// Faults of the document, each with the node that it concerns.
     pub faults: &'a [Error],
@@ -67,7 +67,7 @@ impl<'a> Scene<'a> {
         self.entries.get(name).copied()
     }
 
-    /// Whether there is nothing yet.
+    /// True if the document has no nodes.
     pub fn is_empty(&self) -> bool {
         self.document.pipeline().nodes.is_empty() && self.document.is_toml()
     }

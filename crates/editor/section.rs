@@ -4,7 +4,7 @@ use crate::actions::{Action, Actions};
 use crate::scene::Scene;
 use crate::theme;
 use crate::view::View;
-use crate::worker::{Probed, Section, grouped, short};
+use crate::worker::{PixelProbe, Section, grouped, short};
 use eframe::egui::{
     Color32, ColorImage, Context, Pos2, Rect, RichText, Sense, Slider, Stroke, TextureHandle, TextureOptions,
     Ui, Window, pos2, vec2,
@@ -19,7 +19,7 @@ const SIZE: [usize; 2] = [320, 240];
 /// Colours from the least to the largest value: rising in lightness, apart for those too who see few hues (viridis).
 const COLORS: [[u8; 3]; 5] = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
 
-/// How the plane lies.
+/// Orientations of the plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 enum Plane {
     /// As the picture does.
@@ -39,7 +39,7 @@ pub(crate) struct SectionPanel {
     texture: Option<TextureHandle>,
     shown: Option<Arc<Section>>,
     begun: Option<Pos2>,
-    /// Where its picture lies, for tests.
+    /// Rectangle of the section's picture, for tests.
     #[cfg(test)]
     pub rect: Option<Rect>,
 }
@@ -59,7 +59,7 @@ impl SectionPanel {
         sound.then(|| (view.target + self.offset * radius * normal, axes, half))
     }
 
-    /// Asked for with so many pixels.
+    /// FilePurpose for with so many pixels.
     pub fn size(&self) -> [usize; 2] {
         SIZE
     }
@@ -203,7 +203,7 @@ fn probe(section: &Section, [x, y]: [[f64; 2]; 2], actions: &mut Actions) {
         pixels.filter_map(|i| section.values[i].map(|value| (value, 1.0))).collect();
     let middle = section.of.point([0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])]);
     let point = Some(middle).filter(|_| !values.is_empty());
-    actions.push(Action::Probed(Arc::new(Probed { key: 0, rays: 0, values, point, opacity: 0.0 })));
+    actions.push(Action::PixelProbe(Arc::new(PixelProbe { key: 0, rays: 0, values, point, opacity: 0.0 })));
 }
 
 #[cfg(test)]

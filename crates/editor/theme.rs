@@ -42,12 +42,12 @@ fn base(dark: bool) -> Visuals {
     visuals
 }
 
-/// What marks the selected.
+/// Colour of selected items.
 pub(crate) fn accent(dark: bool) -> Color32 {
     if dark { Color32::from_rgb(255, 200, 80) } else { Color32::from_rgb(200, 110, 0) }
 }
 
-/// What marks an error.
+/// Colour of errors.
 pub(crate) fn wrong(dark: bool) -> Color32 {
     if dark { Color32::from_rgb(255, 110, 100) } else { Color32::from_rgb(190, 20, 20) }
 }
@@ -64,7 +64,7 @@ pub(crate) fn readable(color: Color32, dark: bool) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
-/// What is of less weight, still read with ease.
+/// Colour of secondary text, still easy to read.
 pub(crate) fn weak(dark: bool) -> Color32 {
     if dark { Color32::from_gray(165) } else { Color32::from_gray(85) }
 }

@@ -12,7 +12,7 @@ const FOV: [f64; 2] = [1e-3, 170.0];
 /// Digits that a moved camera is written with: a picture of 30,000 pixels does not show the rest.
 const DIGITS: usize = 7;
 
-/// Where a picture is seen from.
+/// Position and direction of the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     /// Position of the eye, world units.
@@ -21,7 +21,7 @@ pub struct View {
     pub target: DVec3,
     /// The direction that points up in the picture.
     pub up: DVec3,
-    /// How rays leave the eye.
+    /// Projection of rays.
     pub projection: Projection,
 }
 
@@ -34,7 +34,7 @@ struct Axes {
 
 impl View {
     /// The view that a camera node states; `None` where it is not sound.
-    pub fn of(node: &NodeEntry) -> Option<View> {
+    pub fn from_camera(node: &NodeEntry) -> Option<View> {
         let find =
             |name: &str| node.settings.iter().find(|field| field.name == name).map(|field| &field.setting);
         let vector = |name: &str| -> Option<DVec3> {
@@ -181,7 +181,7 @@ impl View {
     }
 
     /// Along an axis: the eye lies on its side of the target. `up`: what then points up.
-    pub fn along(self, axis: DVec3, up: DVec3) -> View {
+    pub fn looking_along(self, axis: DVec3, up: DVec3) -> View {
         View { eye: self.target + axis.normalize_or_zero() * self.distance(), up, ..self }.or(self)
     }
 

@@ -2,7 +2,7 @@
 
 use crate::editor::{Editor, Start};
 use crate::files::is_pipeline;
-use crate::presses::Presses;
+use crate::input_queue::InputQueue;
 use crate::recent::Recent;
 use crate::study::Study;
 use crate::theme;
@@ -18,7 +18,7 @@ use voltet_graph::Registry;
 const SIZE: [f32; 2] = [1280.0, 720.0];
 
 /// Least width and height, points.
-const LEAST: [f32; 2] = [800.0, 500.0];
+const MIN_SIZE: [f32; 2] = [800.0, 500.0];
 
 /// Opens the window on a file, or on an empty pipeline, and waits for its end. Must be called from the main thread. `start`
 /// makes the text of a pipeline for a file that is none, `study` studies. Errors: the file cannot be read, there is no display, or it has no
@@ -42,7 +42,7 @@ pub fn run(file: Option<&Path>, registry: &Registry, start: Start, study: Study)
             .with_title("voltet")
             .with_app_id("voltet")
             .with_inner_size(SIZE)
-            .with_min_inner_size(LEAST),
+            .with_min_inner_size(MIN_SIZE),
         renderer: Renderer::Glow,
         // Text and textures need no depth, and smooth edges come from feathering.
         multisampling: 0,
@@ -68,7 +68,7 @@ pub fn run(file: Option<&Path>, registry: &Registry, start: Start, study: Study)
         if let Some(data) = data {
             editor.open_any(&context.egui_ctx, &data);
         }
-        Ok(Box::new(Window { editor, title: String::new(), presses: Presses::default() }))
+        Ok(Box::new(Window { editor, title: String::new(), presses: InputQueue::default() }))
     };
     eframe::run_native("voltet", options, Box::new(made)).map_err(|error| failed(&error))
 }
@@ -81,7 +81,7 @@ fn without_place(message: &str) -> &str {
     }
 }
 
-/// Where a display is named by the environment, one must be. `is_set`: whether a variable is.
+/// Errors: the environment names no display where one is needed. `is_set`: true for a variable that is set.
 fn refuse_without_display(is_set: &dyn Fn(&str) -> bool) -> Result<()> {
     match ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(is_set) {
         true => Ok(()),
@@ -94,7 +94,7 @@ fn refuse_without_display(is_set: &dyn Fn(&str) -> bool) -> Result<()> {
 struct Window {
     editor: Editor,
     title: String,
-    presses: Presses,
+    presses: InputQueue,
 }
 
 impl App for Window {

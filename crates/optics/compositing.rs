@@ -1,4 +1,4 @@
-//! Front-to-back compositing of segments: C += τ C_seg, τ ← τ (1 − A_seg) (docs/optics.md, section 7).
+//! Front-to-back compositing of segments: C += τ C_seg, τ ← τ (1 − A_seg) (docs/src/explanation/optics.md, section 7).
 //!
 //! The transparency τ is kept by itself. A formed as A += (1 − A) A_seg and 1 − A taken at the end keep an
 //! absolute rounding only, which is everything once τ is small; τ formed as 1 − A is nothing once A is small.

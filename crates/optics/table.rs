@@ -2,7 +2,7 @@
 //!
 //! Symbols: x, y texel coordinates with texel (i, j) at the integers, row 0 at the largest g; along a straight
 //! path both are linear in t, so between texel lines the extinction is a quadratic in t and the emission of
-//! the density-emitter a quartic. Source: Song et al. 2009, section 3.3.2; docs/optics.md, section 5.
+//! the density-emitter a quartic. Source: Song et al. 2009, section 3.3.2; docs/src/explanation/optics.md, section 5.
 //! The optical depth is exact (Simpson's rule on each quadratic); colours come from the ordered integral of
 //! module `overlap`.
 

@@ -58,13 +58,13 @@ pub(crate) struct LibraryItem {
 /// Function of a library that does an item's work.
 #[derive(Clone, Copy)]
 pub(crate) enum EntryPoint {
-    /// Of a gradient filter.
+    /// Function of a gradient filter.
     Gradient(Gradient),
-    /// Of a reader.
+    /// Functions of a reader.
     Reader { inspect: Read, read: Read },
-    /// Of a grid filter.
+    /// Function of a grid filter.
     GridFilter(FilterGrid),
-    /// Of an image filter.
+    /// Function of an image filter.
     ImageFilter(FilterImage),
 }
 

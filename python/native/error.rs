@@ -11,8 +11,8 @@ use voltet_core::{Error, Result};
 fn kind(error: &Error) -> &'static str {
     match error.kind {
         ErrorKind::Usage => "usage",
-        ErrorKind::Run => "run",
         ErrorKind::Cancelled => "cancelled",
+        _ => "run",
     }
 }
 

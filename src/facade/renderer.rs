@@ -266,8 +266,9 @@ pub fn render_to_depth(
     depth_limit: &[f32],
     progress: &dyn Progress,
 ) -> Result<Picture> {
-    let CompiledScene { volume, transfer_function, camera, shading, order } = scene;
-    let cells = cpu::sort(&cpu::cull(volume, transfer_function, camera, progress)?, camera, *order)?;
+    let CompiledScene { volume, transfer_function, camera, shading, .. } = scene;
+    let cells =
+        cpu::sort(&cpu::cull(volume, transfer_function, camera, progress)?, camera, scene.ordering(false))?;
     let projection = cpu::project(&cells, transfer_function, camera, cpu::needs_gradient(shading), progress)?;
     let ready = cpu::prepare(&projection, transfer_function, shading)?;
     Ok(ready.composite_with_depth(Some(depth_limit), progress)?.0)

@@ -2,11 +2,11 @@
 //!
 //! Knows nothing of how the order was found: each ray is cut by the four faces of every cell around it, in 64 bits.
 
-use super::corners::face_of;
 use super::rays::{Plane, Rays};
 use crate::Result;
 use crate::camera::Camera;
 use crate::grid::Grid;
+use crate::grid::faces::face_of;
 use rayon::prelude::*;
 use std::ops::Range;
 

@@ -1,9 +1,8 @@
 //! Neighbours of each cell across its faces, and the cell's side of each face: found once a grid, whatever the camera.
 
-use super::convex;
-use super::corners::face_of;
+use super::convex::{self, BoundaryFace};
 use crate::grid::Grid;
-use crate::grid::faces::{CoincidentPoints, Face, each_face};
+use crate::grid::faces::{CoincidentPoints, Face, each_face, face_of};
 use crate::grid::overlap::side;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -88,7 +87,12 @@ impl Faces {
             diagonal,
         };
         faces.orient(points, cells, &places);
-        faces.is_convex = convex::is_convex(&faces, points, cells, &places);
+        let boundary_face = |&(cell, k): &(u32, usize)| BoundaryFace {
+            corners: face_of(cells[cell as usize], k).map(|p| places.first(p)),
+            is_cell_at_normal: faces.is_at_normal(cell, k),
+        };
+        let boundary: Vec<BoundaryFace> = faces.outer.iter().map(boundary_face).collect();
+        faces.is_convex = convex::is_convex(&boundary, points, diagonal);
         faces
     }
 

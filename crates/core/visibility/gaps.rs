@@ -5,11 +5,11 @@
 //! boundary at each pixel; so it is done here: at each pixel's ray, of the boundary's faces the exits and entries in the order of
 //! their depths, the cell of each exit before that of the entry behind it.
 
-use super::corners::face_of;
 use super::faces::Faces;
 use super::rays::{Rays, Triangle};
 use crate::Result;
 use crate::camera::Camera;
+use crate::grid::faces::face_of;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;

@@ -7,7 +7,6 @@
 //! | `order` | the order along faces, exact at every pixel where there is one |
 //! | `gaps` | which cells follow each other across a gap along the rays of the pixels |
 //! | `rays` | the rays of a picture, and the triangles that they cross |
-//! | `corners` | corners of a cell's faces |
 //! | `convex` | whether a grid has no gaps whatever it is seen from |
 //! | `disorder` | pixels at which an order of cells is not that of the entries: the check |
 //!
@@ -16,7 +15,6 @@
 
 mod centroid;
 mod convex;
-mod corners;
 mod disorder;
 mod faces;
 mod gaps;

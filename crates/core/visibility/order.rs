@@ -5,13 +5,13 @@
 //! grid that is not convex, is exact at every pixel. Relations that lead round in a circle have none; those that no pixel's ray
 //! bears out, since it crosses no such face, are taken out of the circles first.
 
-use super::corners::face_of;
 use super::faces::{CHUNK, Faces, NO_CELL};
 use super::gaps::{Gaps, gaps};
 use super::rays::Rays;
 use crate::Result;
 use crate::camera::{Camera, Projection};
 use crate::grid::Grid;
+use crate::grid::faces::face_of;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::fmt;

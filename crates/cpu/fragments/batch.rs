@@ -8,7 +8,7 @@ pub(crate) const MAX_LANES: usize = 16;
 /// Fragments evaluated at a time: their arrays stay in the first-level cache.
 pub(crate) const BATCH: usize = 256;
 
-/// A number for each fragment of a batch; begins where a cache line does, so that no vector straddles two.
+/// A number for each fragment of a batch, aligned to cache lines, so that no vector straddles two.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 pub(crate) struct Column<T = f32>([T; BATCH]);

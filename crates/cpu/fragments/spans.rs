@@ -16,15 +16,15 @@ use voltet_simd::{Double, Float, Lanes, Mask, Unsigned, array, inlined};
 /// Pairs of corners: the edges.
 const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
-/// Fragments are coded lane << 8 | row << 4 | column.
+/// Codes behind the last fragment that a vector may read.
 const PADDING: usize = 32;
 
 /// Shift of the length of a span beside its first code.
 const LENGTH_SHIFT: u32 = 16;
 
-/// Codes of fragments: (cell lane, row, column).
+/// Fragments of a packet of cells in a tile.
 pub(crate) struct Fragments {
-    /// Codes; the first `count` are valid.
+    /// Codes, lane of the cell << 8 | row << 4 | column; the first `count` are valid.
     pub codes: Vec<u16>,
     /// Slot of each in the lists, where there are any.
     pub slots: Vec<u32>,
@@ -34,7 +34,7 @@ pub(crate) struct Fragments {
     spans: Cells<TILE, u32>,
 }
 
-/// The edges of a group of cells on one tile, cells side by side.
+/// Edges of a packet of cells on one tile, cells side by side.
 pub(crate) struct Edges {
     x: [[f64; MAX_LANES]; 4],
     y: [[f64; MAX_LANES]; 4],
@@ -50,7 +50,7 @@ pub(crate) struct Edges {
     bounds: Cells<2>,
 }
 
-/// Numbers of cells side by side; begin where a cache line does.
+/// Numbers of cells side by side, aligned to cache lines.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 struct Cells<const N: usize, T = f32>([[T; MAX_LANES]; N]);

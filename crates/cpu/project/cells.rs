@@ -18,32 +18,32 @@ use voltet_simd::{Double, Kernel, Lanes, Mask, array, inlined};
 /// Projected cells of a run of cells.
 #[derive(Debug, Default)]
 pub(crate) struct ProjectedCells {
-    /// One record a cell that covers a pixel centre.
-    pub records: Vec<ProjectedCell>,
-    /// Attributes of the records: `attribute_count` a record.
+    /// Face planes of each cell that covers a pixel centre.
+    pub planes: Vec<ProjectedCell>,
+    /// Attributes: `attribute_count` a cell.
     pub attributes: Vec<AttributePlane>,
-    /// Points of the records' tetrahedra.
+    /// Points of the cells' tetrahedra.
     pub corners: Vec<[u32; 4]>,
-    /// Tiles of that area that each record touches: x0, y0, x1, y1 (exclusive).
+    /// Tiles of the area that each cell touches: x0, y0, x1, y1 (exclusive).
     pub tiles: Vec<[u16; 4]>,
-    /// Records that touch each tile of the area that is of interest.
+    /// Cells that touch each tile of the area.
     pub tile_counts: Vec<u32>,
-    /// Tetrahedra for the 64-bit path.
+    /// Tetrahedra that are crossed in 64 bits.
     pub precise_cells: Vec<u32>,
 }
 
-/// Input of [`project_part`].
+/// Input of the projection.
 #[derive(Clone, Copy)]
 pub(crate) struct Input<'a> {
     pub view: &'a View,
     pub screen_vertices: &'a [ScreenVertex],
     pub tetrahedra: &'a [[u32; 4]],
     pub attributes: &'a [Attribute<'a>],
-    /// Depth that distances are counted from.
+    /// Depth that distances are counted from (scene lengths).
     pub distance_origin: f64,
-    /// The largest optical depth, or colour, that the widgets give together over a scene length.
+    /// Upper bound of the optical depth, or colour, that the widgets give together over a scene length.
     pub max_optical_depth: f64,
-    /// Tiles that are of interest: what touches others alone goes no further.
+    /// Tiles to project for: cells that touch none of them are dropped.
     pub area: Area,
 }
 
@@ -54,10 +54,10 @@ pub(crate) struct ProjectCells<'a> {
 }
 
 impl ProjectedCells {
-    /// Begins anew, with the memory that it has.
+    /// Empties all lists, and keeps their memory.
     pub fn begin(&mut self, area: Area) {
-        let ProjectedCells { records, attributes, corners, tiles, tile_counts, precise_cells } = self;
-        records.clear();
+        let ProjectedCells { planes, attributes, corners, tiles, tile_counts, precise_cells } = self;
+        planes.clear();
         attributes.clear();
         corners.clear();
         tiles.clear();
@@ -73,7 +73,7 @@ impl Kernel for ProjectCells<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let ProjectCells { input, cells, part } = self;
-        part.records.reserve(cells.len());
+        part.planes.reserve(cells.len());
         part.attributes.reserve(cells.len() * input.attributes.len());
         part.corners.reserve(cells.len());
         part.tiles.reserve(cells.len());
@@ -278,17 +278,17 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
         }
         let pixels = [0, 1, 2, 3].map(|k: usize| words[k][lane] as usize);
         let Some(rectangle) = input.area.intersection(tiles_of(pixels)) else { continue };
-        let mut record = ProjectedCell {
+        let mut cell = ProjectedCell {
             depth: words[6][lane] as f32,
             distance: (words[7][lane] - input.distance_origin) as f32,
             pixel: words[4][lane] as u32 | (words[5][lane] as u32) << 16,
             ..ProjectedCell::default()
         };
         for k in 0..4 {
-            record.a[k] = planes[k][0][lane];
-            record.b[k] = planes[k][1][lane];
-            record.c[k] = planes[k][2][lane];
-            record.front |= (front_bits[k] >> lane & 1) << k;
+            cell.a[k] = planes[k][0][lane];
+            cell.b[k] = planes[k][1][lane];
+            cell.c[k] = planes[k][2][lane];
+            cell.front |= (front_bits[k] >> lane & 1) << k;
         }
         for ty in rectangle[1]..rectangle[3] {
             let first = input.area.index([rectangle[0], ty]);
@@ -296,7 +296,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
                 *count += 1;
             }
         }
-        part.records.push(record);
+        part.planes.push(cell);
         part.corners.push(input.tetrahedra[group[lane] as usize]);
         part.tiles.push(rectangle.map(|tile| tile as u16));
         for stored in stored.iter().take(input.attributes.len()) {

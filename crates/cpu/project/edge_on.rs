@@ -1,5 +1,5 @@
 //! Faces seen edge-on: lines on the screen. Which of the two cells beside one gets a ray is decided by the rounded pixel coordinates,
-//! by one rule for records and cells in 64 bits, whichever of them lie beside it. A line that is all but level and crosses a row of
+//! by one rule for projected cells and precise cells, whichever of them lie beside it. A line that is all but level and crosses a row of
 //! pixels is beyond that rule: its corners' rounding alone says where it crosses. Both cells are drawn in 64 bits then, by the plane.
 
 use crate::project::edge::crossing_of_row;

@@ -7,7 +7,7 @@
 //! back faces.
 //!
 //! An attribute s, linear in space, is `base + (p Δx + q Δy + r v) / (1 + v)` (without the quotient for
-//! parallel rays), Δ being taken from the record's pixel: the same affine argument applied to s/z.
+//! parallel rays), Δ being taken from the cell's pixel: the same affine argument applied to s/z.
 
 /// Face planes of a projected cell.
 #[derive(Debug, Clone, Copy, Default, bytemuck::Pod, bytemuck::Zeroable)]
@@ -17,7 +17,7 @@ pub(crate) struct ProjectedCell {
     pub a: [f32; 4],
     /// ∂v/∂y of the four faces.
     pub b: [f32; 4],
-    /// v of the four faces at the record's pixel.
+    /// v of the four faces at the cell's pixel.
     pub c: [f32; 4],
     /// z₀ (perspective), or 1: scene lengths of depth per unit of v near v = 0.
     pub depth: f32,
@@ -25,7 +25,7 @@ pub(crate) struct ProjectedCell {
     pub distance: f32,
     /// Bit i: face i looks towards the eye.
     pub front: u32,
-    /// The record's pixel, x + (y << 16).
+    /// Reference pixel, x + (y << 16).
     pub pixel: u32,
 }
 
@@ -39,7 +39,7 @@ pub(crate) struct AttributePlane {
     pub q: f32,
     /// Coefficient of v.
     pub r: f32,
-    /// Value at the record's pixel and v = 0.
+    /// Value at the cell's pixel and v = 0.
     pub base: f32,
     /// Smallest value of the cell: the linear form is clamped to it, since slivers extrapolate.
     pub low: f32,
@@ -47,7 +47,7 @@ pub(crate) struct AttributePlane {
     pub high: f32,
 }
 
-/// Words of 32 bits in a record.
+/// Words of 32 bits in the planes of a cell.
 pub(crate) const CELL_WORDS: usize = 16;
 /// Coefficients beyond this stand for "no constraint": the face is seen edge-on.
 pub(crate) const UNBOUNDED_SLOPE: f64 = 1e30;

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use voltet_core::{Error, Result};
 use voltet_simd::{LaneSet, prefetch};
 
-/// Bits of a record's number within its part; the part's number stands above.
+/// Bits of a cell's number within its part; the part's number stands above.
 const INDEX_BITS: u32 = 24;
 
 /// Parts at most: limited by the other bits of an entry.
@@ -164,7 +164,7 @@ impl TileBins {
 
     /// Projected and precise cells.
     pub fn cell_count(&self) -> u64 {
-        (self.parts.iter().map(|part| part.records.len()).sum::<usize>() + self.precise_cells.len()) as u64
+        (self.parts.iter().map(|part| part.planes.len()).sum::<usize>() + self.precise_cells.len()) as u64
     }
 
     /// Tiles that hold anything, fullest first, numbered row by row in a picture of a width in pixels.
@@ -210,7 +210,7 @@ impl TileBins {
 impl<'a> BinnedCell<'a> {
     #[inline(always)]
     pub fn planes(&self) -> &'a ProjectedCell {
-        &self.part.records[self.index]
+        &self.part.planes[self.index]
     }
 
     #[inline(always)]
@@ -227,7 +227,7 @@ impl<'a> BinnedCell<'a> {
     #[inline(always)]
     pub fn prefetch(&self) {
         let BinnedCell { part, index, attribute_count } = *self;
-        prefetch(part.records.as_ptr().wrapping_add(index));
+        prefetch(part.planes.as_ptr().wrapping_add(index));
         prefetch(part.corners.as_ptr().wrapping_add(index));
         prefetch(part.attributes.as_ptr().wrapping_add(index * attribute_count));
     }

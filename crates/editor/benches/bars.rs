@@ -12,7 +12,7 @@ use voltet_core::Error;
 use voltet_document::Document;
 use voltet_editor::Editor;
 use voltet_editor::view::View;
-use voltet_editor::worker::{Wanted, Worker};
+use voltet_editor::worker::{RenderRequest, Worker};
 use voltet_graph::pipeline::Pipeline;
 use voltet_graph::{LocatedValue, NodeEntry, ParameterValue};
 
@@ -108,8 +108,8 @@ fn blunt_fin(file: Option<&Path>) -> Vec<NodeEntry> {
     }
 }
 
-fn wanted(nodes: &[NodeEntry]) -> Wanted {
-    Wanted {
+fn wanted(nodes: &[NodeEntry]) -> RenderRequest {
+    RenderRequest {
         nodes: nodes.to_vec(),
         folder: std::env::current_dir().unwrap_or_default(),
         node: "picture".into(),
@@ -235,7 +235,7 @@ fn opening(file: Option<&Path>) {
 
 fn turn(nodes: &mut [NodeEntry], by: f64) {
     let Some(camera) = nodes.iter_mut().find(|node| node.name == "view") else { return };
-    let Some(view) = View::of(camera) else { return };
+    let Some(view) = View::from_camera(camera) else { return };
     for (key, datum) in view.orbited([by, 0.0]).settings() {
         if key != "fov_y" {
             let _ = camera.set(key, &[], LocatedValue::from(datum));

@@ -1,10 +1,10 @@
-//! What a node shows besides its ports: its state, its time, its error, its picture.
+//! Contents of a node besides its ports: its state, its time, its error, its picture.
 
 use crate::theme;
 use crate::worker::NodeState;
 use eframe::egui::{Color32, TextureId};
 
-/// What a node shows besides its ports.
+/// Contents of a node besides its ports.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Face {
     pub name: String,
@@ -35,7 +35,7 @@ impl Face {
         }
     }
 
-    /// What stands at the right of the title.
+    /// Mark at the right of the title.
     pub fn mark(&self, dark: bool) -> (String, Color32) {
         let weak = theme::weak(dark);
         match (&self.fault, &self.state) {
@@ -53,7 +53,7 @@ impl Face {
     }
 
     /// Everything about it, for whoever points at it.
-    pub fn in_words(&self) -> String {
+    pub fn description(&self) -> String {
         let state = match (&self.state, &self.idle) {
             (Some(NodeState::Fresh), _) => match self.seconds {
                 Some(seconds) => format!("done; took {}", crate::picture::milliseconds(seconds)),

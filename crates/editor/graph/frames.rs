@@ -1,7 +1,7 @@
 //! Frames and notes in a hand: moved (a frame with all that it holds), resized, written on, coloured, taken away.
 
 use super::GraphView;
-use super::things::{Carried, Thing, Writing};
+use super::annotations::{Annotation, AnnotationDrag, Writing};
 use crate::actions::Actions;
 use crate::scene::Scene;
 use eframe::egui::{
@@ -11,16 +11,16 @@ use voltet_document::{Edit, Frame, Note};
 
 /// Side of the corner that a frame is resized by, and its least width and height, points.
 const CORNER: f32 = 14.0;
-const LEAST: f64 = 60.0;
+const MIN_SIZE: f64 = 60.0;
 
 impl GraphView {
     /// Has the words of a frame or a note written.
-    pub fn write_on(&mut self, thing: Thing, text: &str) {
+    pub fn write_on(&mut self, thing: Annotation, text: &str) {
         self.writing = Some(Writing { thing, text: text.to_string(), is_new: true });
     }
 
-    /// What a hand does to frames and notes; true where it is at one. Asked after the nodes, which lie above: where one is, it
-    /// is meant.
+    /// Handles drags and clicks of frames and notes; true if the pointer is at one. Called after the nodes, which lie
+    /// above and take precedence.
     pub(super) fn hold_ground(
         &mut self,
         ui: &mut Ui,
@@ -38,7 +38,7 @@ impl GraphView {
             if title.is_positive() {
                 let response = ui.interact(title, ui.id().with(("frame", i)), sense);
                 is_at_one |= response.contains_pointer();
-                self.hold_thing(ui, scene, Thing::Frame(i), &response, actions);
+                self.hold_thing(ui, scene, Annotation::Frame(i), &response, actions);
             }
             let corner = self.frame_place(rect, frame).max;
             let corner = Rect::from_min_max(corner - Vec2::splat(CORNER), corner).intersect(rect);
@@ -46,7 +46,8 @@ impl GraphView {
                 let response = ui.interact(corner, ui.id().with(("corner", i)), sense);
                 if response.drag_started() {
                     let frames = vec![(i, frame.clone())];
-                    self.carried = Some(Carried { frames, resizes: true, ..Carried::default() });
+                    self.carried =
+                        Some(AnnotationDrag { frames, resizes: true, ..AnnotationDrag::default() });
                 }
                 self.carry(&response, actions);
                 response.on_hover_cursor(CursorIcon::ResizeNwSe);
@@ -57,7 +58,7 @@ impl GraphView {
             if place.is_positive() {
                 let response = ui.interact(place, ui.id().with(("note", i)), sense);
                 is_at_one |= response.contains_pointer();
-                self.hold_thing(ui, scene, Thing::Note(i), &response, actions);
+                self.hold_thing(ui, scene, Annotation::Note(i), &response, actions);
             }
         }
         self.write(ui, rect, scene, actions);
@@ -68,21 +69,23 @@ impl GraphView {
         &mut self,
         ui: &Ui,
         scene: &Scene,
-        thing: Thing,
+        thing: Annotation,
         response: &Response,
         actions: &mut Actions,
     ) {
         let view = scene.document.view();
         let words = match thing {
-            Thing::Frame(i) => view.frames[i].title.as_str(),
-            Thing::Note(i) => view.notes[i].text.as_str(),
+            Annotation::Frame(i) => view.frames[i].title.as_str(),
+            Annotation::Note(i) => view.notes[i].text.as_str(),
         };
         // The middle button and Ctrl move the view.
         let moves_view = ui.input(|input| input.modifiers.command || input.pointer.middle_down());
         if response.drag_started() && !moves_view {
             self.carried = Some(match thing {
-                Thing::Frame(i) => self.held_by(scene, i, &view.frames[i]),
-                Thing::Note(i) => Carried { notes: vec![(i, view.notes[i].clone())], ..Carried::default() },
+                Annotation::Frame(i) => self.held_by(scene, i, &view.frames[i]),
+                Annotation::Note(i) => {
+                    AnnotationDrag { notes: vec![(i, view.notes[i].clone())], ..AnnotationDrag::default() }
+                }
             });
         }
         self.carry(response, actions);
@@ -91,14 +94,14 @@ impl GraphView {
         }
         response.context_menu(|ui| {
             let (rename, remove) = match thing {
-                Thing::Frame(i) => ("Rename", Edit::RemoveFrame(i)),
-                Thing::Note(i) => ("Write", Edit::RemoveNote(i)),
+                Annotation::Frame(i) => ("Rename", Edit::RemoveFrame(i)),
+                Annotation::Note(i) => ("Write", Edit::RemoveNote(i)),
             };
             if ui.button(rename).clicked() {
                 self.write_on(thing, words);
                 ui.close_menu();
             }
-            if let Thing::Frame(i) = thing {
+            if let Annotation::Frame(i) = thing {
                 let frame = &view.frames[i];
                 let mut color = frame.color.unwrap_or([0.5; 3]).map(|x| x as f32);
                 if ui.color_edit_button_rgb(&mut color).on_hover_text("colour").changed() {
@@ -114,7 +117,7 @@ impl GraphView {
     }
 
     /// A frame with what stands wholly in it.
-    fn held_by(&self, scene: &Scene, number: usize, frame: &Frame) -> Carried {
+    fn held_by(&self, scene: &Scene, number: usize, frame: &Frame) -> AnnotationDrag {
         let holds = |at: [f64; 2], size: [f64; 2]| {
             (0..2).all(|i| at[i] >= frame.position[i] && at[i] + size[i] <= frame.position[i] + frame.size[i])
         };
@@ -123,11 +126,11 @@ impl GraphView {
         let nodes = nodes.map(|node| (node.name.clone(), scene.document.position(&node.name)));
         let frames = view.frames.iter().cloned().enumerate();
         let notes = view.notes.iter().cloned().enumerate();
-        Carried {
+        AnnotationDrag {
             nodes: nodes.filter(|(name, at)| holds(*at, self.places.size_of(name))).collect(),
             frames: frames.filter(|(i, other)| *i == number || holds(other.position, other.size)).collect(),
             notes: notes.filter(|(_, note)| holds(note.position, [0.0; 2])).collect(),
-            ..Carried::default()
+            ..AnnotationDrag::default()
         }
     }
 
@@ -142,7 +145,7 @@ impl GraphView {
         let moved = |at: [f64; 2]| [at[0] + by[0], at[1] + by[1]];
         let frames = carried.frames.iter().map(|(i, frame)| {
             let (at, size) = match carried.resizes {
-                true => (frame.position, moved(frame.size).map(|side| side.max(LEAST))),
+                true => (frame.position, moved(frame.size).map(|side| side.max(MIN_SIZE))),
                 false => (moved(frame.position), frame.size),
             };
             Edit::PutFrame(*i, Frame { position: at, size, ..frame.clone() })
@@ -168,12 +171,12 @@ impl GraphView {
         let Some(mut writing) = self.writing.take() else { return };
         let view = scene.document.view();
         let (at, edit): (Pos2, Box<dyn Fn(String) -> Edit>) = match writing.thing {
-            Thing::Frame(i) => {
+            Annotation::Frame(i) => {
                 let Some(frame) = view.frames.get(i).cloned() else { return };
                 let at = self.title_place(rect, &frame).min;
                 (at, Box::new(move |title| Edit::PutFrame(i, Frame { title, ..frame.clone() })))
             }
-            Thing::Note(i) => {
+            Annotation::Note(i) => {
                 let Some(note) = view.notes.get(i).cloned() else { return };
                 let at = self.note_place(ui, rect, &note).0.min;
                 (at, Box::new(move |text| Edit::PutNote(i, Note { text, ..note.clone() })))
@@ -183,8 +186,8 @@ impl GraphView {
         let area = Area::new(ui.id().with("writing")).order(Order::Foreground).fixed_pos(at);
         let response = area.show(ui.ctx(), |ui| {
             let field = match writing.thing {
-                Thing::Frame(_) => TextEdit::singleline(&mut writing.text),
-                Thing::Note(_) => TextEdit::multiline(&mut writing.text).desired_rows(3),
+                Annotation::Frame(_) => TextEdit::singleline(&mut writing.text),
+                Annotation::Note(_) => TextEdit::multiline(&mut writing.text).desired_rows(3),
             };
             let shown = field.desired_width(220.0).show(ui);
             let response = shown.response;

@@ -1,4 +1,4 @@
-//! What stands behind the nodes, painted: a grid, frames with their titles, and notes.
+//! Background of the graph: a grid, frames with their titles, and notes.
 
 use super::GraphView;
 use crate::scene::Scene;
@@ -12,7 +12,7 @@ const TITLE: f32 = 22.0;
 const NOTE: f32 = 220.0;
 
 /// Least height of a title in the window, points: a hand must find it.
-const LEAST_TITLE: f32 = 12.0;
+const MIN_TITLE_HEIGHT: f32 = 12.0;
 
 impl GraphView {
     pub(super) fn grid(&self, ui: &Ui, rect: Rect) {
@@ -57,20 +57,20 @@ impl GraphView {
         (12.0 * self.zoom).max(8.0)
     }
 
-    /// Where a frame lies in the window.
+    /// Rectangle of a frame in the window.
     pub(super) fn frame_place(&self, rect: Rect, frame: &Frame) -> Rect {
         let size = self.zoom * vec2(frame.size[0] as f32, frame.size[1] as f32);
         Rect::from_min_size(self.to_window(rect)(frame.position), size)
     }
 
-    /// Where its title lies.
+    /// Rectangle of a frame's title.
     pub(super) fn title_place(&self, rect: Rect, frame: &Frame) -> Rect {
         let place = self.frame_place(rect, frame);
-        let height = (TITLE * self.zoom).max(LEAST_TITLE).min(place.height());
+        let height = (TITLE * self.zoom).max(MIN_TITLE_HEIGHT).min(place.height());
         Rect::from_min_size(place.min, vec2(place.width(), height))
     }
 
-    /// Where a note lies, with its words.
+    /// Rectangle of a note, with its text.
     pub(super) fn note_place(&self, ui: &Ui, rect: Rect, note: &Note) -> (Rect, Arc<Galley>) {
         let (font, color) = (FontId::proportional(self.letters()), theme::weak(ui.visuals().dark_mode));
         let galley = ui.painter().layout(note.text.clone(), font, color, NOTE * self.zoom.max(0.6));

@@ -17,7 +17,7 @@ type Entry = (&'static Node, Option<Fitting>);
 
 /// The menu while it is open.
 pub(super) struct Menu {
-    /// Where in the window.
+    /// Position in the window.
     pub at: Pos2,
     /// The wire that it was opened by.
     wire: Option<Rc<Port>>,

@@ -3,22 +3,24 @@
 //! One small interface ([`GraphView::show`]) around the package that draws nodes (`package.rs`). Pan and zoom are this
 //! module's, places are the document's; wires, the menu, frames and notes are drawn here.
 
+mod annotations;
+mod dragged_wire;
 mod face;
 mod faces;
 mod frames;
 mod ground;
-mod hand;
-mod joining;
 mod menu;
 mod package;
 mod places;
-mod sight;
-mod things;
+mod pointer;
+mod visible_area;
 mod wires;
 
 use crate::actions::{Action, Actions};
 use crate::scene::Scene;
 use crate::theme;
+pub(crate) use annotations::Annotation;
+use annotations::{AnnotationDrag, Writing};
 use eframe::egui::{
     self, Color32, FontId, PointerButton, Rect, Rounding, Stroke, TextureHandle, Ui, Vec2, pos2, vec2,
 };
@@ -30,21 +32,19 @@ use places::{Places, Port};
 use std::collections::HashMap;
 use std::rc::Rc;
 use std::time::Duration;
-pub(crate) use things::Thing;
-use things::{Carried, Writing};
-use wires::InHand;
+use wires::DraggedWire;
 
 /// Frames until nodes have the sizes that they are fitted by.
 const FRAMES_TO_FIT: u32 = 3;
 
-/// How near to a port a pointer means it, points.
+/// Distance from a port within which a pointer hits it (points).
 const NEAR: f32 = 11.0;
 
 /// Height of the letters of names where others are left out, points.
-const LEAST_LETTERS: f32 = 9.0;
+const MIN_LETTER_HEIGHT: f32 = 9.0;
 
-/// How long a pointer rests before it is told what it points at, seconds. Words that come
-/// while it moves would lie under it in their first frame, and take the press.
+/// Time that a pointer rests before a tooltip (seconds). A tooltip that comes while it moves would lie under it in its
+/// first frame, and take the press.
 const REST: f64 = 0.25;
 
 /// The picture of a node, where there is one.
@@ -55,7 +55,7 @@ type Dragged = (Vec<(String, [f64; 2])>, Vec2);
 
 /// The view, with what a hand is doing in it.
 pub(crate) struct GraphView {
-    /// Where the document's origin lies, points from the view's corner.
+    /// Position of the document's origin (points from the view's corner).
     pan: Vec2,
     zoom: f32,
     /// For so many frames more all nodes are brought into view: their sizes are known once they were drawn.
@@ -67,13 +67,13 @@ pub(crate) struct GraphView {
     ported: Option<u64>,
     places: Places,
     dragged: Option<Dragged>,
-    carried: Option<Carried>,
+    carried: Option<AnnotationDrag>,
     writing: Option<Writing>,
-    wire: Option<InHand>,
+    wire: Option<DraggedWire>,
     menu: Option<Menu>,
     /// The menu is to be opened at the pointer.
     asked: bool,
-    /// Where the pointer is, and since when.
+    /// Position of the pointer, and the time since when.
     rests: Option<(egui::Pos2, f64)>,
     /// The style that the package's scaled one was made of.
     styled: Option<(f32, bool)>,
@@ -118,20 +118,20 @@ impl GraphView {
         self.fits = FRAMES_TO_FIT;
     }
 
-    /// Where a port was drawn.
+    /// Position of a port as drawn.
     #[cfg(test)]
     pub fn port_at(&self, node: &str, name: &str, is_input: bool) -> Option<egui::Pos2> {
         let is_it = |port: &Rc<Port>| port.node == node && port.name == name && port.is_input == is_input;
         self.places.seen.iter().find(|(port, _)| is_it(port)).map(|(_, at)| *at)
     }
 
-    /// Whether a port is shown at a place of the window.
+    /// True if a port is shown at a position of the window.
     #[cfg(test)]
     pub fn shows_port_at(&self, at: egui::Pos2) -> bool {
         self.places.port_at(at, 1.0).is_some()
     }
 
-    /// Where a node was drawn.
+    /// Rectangle of a node as drawn.
     #[cfg(test)]
     pub fn frame_of(&self, node: &str) -> Option<Rect> {
         self.places.drawn.iter().find(|(name, _)| name == node).map(|(_, frame)| *frame)
@@ -185,7 +185,7 @@ impl GraphView {
         let dark = ui.visuals().dark_mode;
         for (name, frame) in &self.places.drawn {
             if is_far {
-                let font = FontId::proportional(LEAST_LETTERS);
+                let font = FontId::proportional(MIN_LETTER_HEIGHT);
                 let painter = ui.painter().with_clip_rect(frame.intersect(ui.clip_rect()));
                 let galley = painter.layout_no_wrap(name.clone(), font, ui.visuals().strong_text_color());
                 let at = frame.center() - 0.5 * galley.size();
@@ -236,10 +236,10 @@ impl GraphView {
         let left = REST - (now - since);
         let still = left <= 0.0 && !is_down;
         let words = match (port, node) {
-            (Some(port), _) => Some(joining::in_words(scene, &port)),
+            (Some(port), _) => Some(wires::port_description(scene, &port)),
             (None, Some(name)) => {
                 let id = self.ids.get(name);
-                id.and_then(|id| self.state.graph.nodes.get(*id)).map(|node| node.user_data.in_words())
+                id.and_then(|id| self.state.graph.nodes.get(*id)).map(|node| node.user_data.description())
             }
             (None, None) => None,
         };

@@ -1,6 +1,7 @@
-//! What `egui_node_graph2` needs: our nodes as its types. It draws the nodes that it is given and says what a hand does to
-//! them; it is given the visible ones alone, made from the document each frame, and no wires: those it would look for at both
-//! ends, drawn or not, and join by equal types only. Where its ports lie it does not say, so the callbacks write that down.
+//! Adapter to `egui_node_graph2`: our nodes as its types. The package draws the nodes that it is given and reports the
+//! pointer's actions. It is given the visible nodes alone, made from the document each frame, and no wires: it would look
+//! for both ends of those, drawn or not, and join by equal types only. It does not report positions of ports, so the
+//! callbacks record them.
 
 use super::face::Face;
 use crate::theme;
@@ -42,7 +43,7 @@ impl PartialEq for End {
     }
 }
 
-/// What the callbacks write down: for each port its height in the window, for each node its right edge.
+/// Record of the callbacks: for each port its height in the window, for each node its right edge.
 #[derive(Debug, Default)]
 pub(super) struct Written {
     pub zoom: f32,

@@ -1,4 +1,4 @@
-//! Where nodes and ports lie: as drawn where they are in view, else by what they will be.
+//! Positions of nodes and ports: as drawn where they are in view, else as estimated.
 
 use super::package::{INNER, State, Written};
 use crate::scene::Scene;
@@ -36,23 +36,23 @@ pub(super) struct Port {
     pub name: String,
     pub port_type: PortType,
     pub is_input: bool,
-    /// Whether it takes several wires, or none.
+    /// True if it takes several wires, or none.
     pub is_optional: bool,
 }
 
 /// A node as it was drawn last, at the usual scale.
 #[derive(Debug, Default)]
-struct Known {
+struct NodeGeometry {
     size: Vec2,
-    /// Where its ports lie from its corner.
+    /// Positions of its ports, from its corner.
     ports: Vec<(Rc<Port>, Vec2)>,
 }
 
-/// What was drawn.
+/// Positions of the last frame.
 #[derive(Debug, Default)]
 pub(super) struct Places {
     /// Each node that was ever drawn.
-    known: HashMap<String, Known>,
+    known: HashMap<String, NodeGeometry>,
     /// The ports and nodes of this frame, in the window; the upper ones last.
     pub seen: Vec<(Rc<Port>, Pos2)>,
     pub drawn: Vec<(String, Rect)>,
@@ -91,7 +91,7 @@ impl Places {
             let title = written.titled.get(id).map_or(TITLE * zoom, |y| y - low.y);
             bottom = written.bottom.get(id).map_or(bottom, |y| y + zoom + 0.5 * title);
             let frame = Rect::from_min_max(low, pos2(right, bottom));
-            let known = Known { size: frame.size() / zoom, ports };
+            let known = NodeGeometry { size: frame.size() / zoom, ports };
             match self.known.get_mut(name) {
                 Some(there) => *there = known,
                 None => drop(self.known.insert(name.clone(), known)),
@@ -100,7 +100,7 @@ impl Places {
         }
     }
 
-    /// Whether a place of a node lies under another node.
+    /// True if a position of a node lies under another node.
     pub fn is_under(&self, node: &str, at: Pos2) -> bool {
         let upper = self.drawn.iter().rev().take_while(|(name, _)| name != node);
         upper.into_iter().any(|(_, frame)| frame.contains(at))
@@ -122,7 +122,7 @@ impl Places {
         Rect::from_min_size(pos2(x as f32, y as f32), size)
     }
 
-    /// Where a port lies in the document's points.
+    /// Position of a port (the document's points).
     pub fn port(&self, scene: &Scene, entry: &NodeEntry, name: &str, is_input: bool) -> [f64; 2] {
         let [x, y] = scene.document.position(&entry.name);
         let known = self.known.get(&entry.name).and_then(|known| {

@@ -7,11 +7,13 @@ use eframe::egui::epaint::CubicBezierShape;
 use eframe::egui::layers::ShapeIdx;
 use eframe::egui::{Color32, Pos2, Shape, Stroke, Ui, vec2};
 use std::rc::Rc;
-use voltet_document::links;
+use voltet_core::{Error, Result};
+use voltet_document::{Edit, links};
+use voltet_graph::NodeEntry;
 
 /// A wire in the hand.
 #[derive(Debug, Clone)]
-pub(super) struct InHand {
+pub(super) struct DraggedWire {
     /// The node that it is held by.
     pub node: String,
     pub port: Rc<Port>,
@@ -26,7 +28,7 @@ pub(super) fn draw(
     at: ShapeIdx,
     scene: &Scene,
     places: &Places,
-    in_hand: Option<&InHand>,
+    in_hand: Option<&DraggedWire>,
     to_window: impl Fn([f64; 2]) -> Pos2,
     zoom: f32,
 ) {
@@ -77,4 +79,68 @@ fn curve(from: Pos2, to: Pos2, stroke: Stroke, zoom: f32) -> Shape {
     let bend = ((to.x - from.x).abs() * 0.5).clamp(20.0 * zoom, 160.0 * zoom);
     let points = [from, from + vec2(bend, 0.0), to - vec2(bend, 0.0), to];
     Shape::CubicBezier(CubicBezierShape::from_points_stroke(points, false, Color32::TRANSPARENT, stroke))
+}
+
+/// Edit that connects two ports.
+///
+/// Errors: the ports do not fit.
+pub(super) fn connect_edit(scene: &Scene, held: &Port, target: &Port) -> Result<Edit> {
+    let (from, to) = match (held.is_input, target.is_input) {
+        (false, true) => (held, target),
+        (true, false) => (target, held),
+        (false, false) => {
+            return Err(Error::usage("both are outputs: a wire leads from an output to an input"));
+        }
+        (true, true) => return Err(Error::usage("both are inputs: a wire leads from an output to an input")),
+    };
+    let join = scene.document.join(scene.registry, (&from.node, &from.name), (&to.node, &to.name))?;
+    Ok(join.edit)
+}
+
+/// Type and summary of a port, and the values of its wires.
+pub(super) fn port_description(scene: &Scene, port: &Port) -> String {
+    let entry = scene.entry(&port.node);
+    let node = entry.and_then(|entry| scene.node_type(entry));
+    let declared = node.and_then(|node| {
+        let mut all = node.all_inputs().chain(node.outputs);
+        all.find(|declared| declared.name == port.name && declared.port_type == port.port_type)
+    });
+    let summary = declared.map_or("", |declared| declared.summary);
+    let side = match (port.is_input, port.is_optional) {
+        (true, true) => "optional input",
+        (true, false) => "input",
+        (false, _) => "output",
+    };
+    let nodes = &scene.document.pipeline().nodes;
+    let sources: Vec<String> = match port.is_input {
+        false => vec![format!("{}.{}", port.node, port.name)],
+        true => entry
+            .and_then(|entry| entry.inputs.iter().find(|link| link.port == port.name))
+            .map(|link| links::sources(link).map(|text| full_source(scene, text, nodes)).collect())
+            .unwrap_or_default(),
+    };
+    let runs: Vec<String> = sources
+        .iter()
+        .filter_map(|source| {
+            let value = scene.values.get(source)?;
+            Some(if port.is_input { format!("from {source}: {value}") } else { value.clone() })
+        })
+        .collect();
+    let mut text = format!("{} ({}, {side})\n{summary}", port.name, port.port_type.name());
+    if !runs.is_empty() {
+        text += &format!("\n{}", runs.join("\n"));
+    } else if sources.is_empty() {
+        text += "\nnot wired";
+    }
+    text
+}
+
+/// Source of a wire as "node.port", with the port if the file leaves it out.
+fn full_source(scene: &Scene, text: &str, nodes: &[NodeEntry]) -> String {
+    let (name, output) = links::source(text, nodes);
+    let first = || {
+        let entry = scene.entry(name)?;
+        Some(scene.node_type(entry)?.outputs.first()?.name)
+    };
+    format!("{name}.{}", output.or_else(first).unwrap_or_default())
 }

@@ -20,12 +20,12 @@ pub(crate) struct ParameterPanel {
     typing: Typing,
     /// The rows of a node, as long as the document is the same.
     rows: Option<(u64, String, Rc<Vec<Row>>)>,
-    /// Where the value of each row was drawn, by its key, for tests.
+    /// Positions of the values by the keys of their rows, for tests.
     #[cfg(test)]
     pub places: std::collections::HashMap<String, eframe::egui::Rect>,
 }
 
-/// Whose rows are shown.
+/// The node whose rows are shown.
 #[derive(Clone, Copy)]
 pub(super) struct Of<'a> {
     pub scene: &'a Scene<'a>,
@@ -43,7 +43,7 @@ impl Of<'_> {
         Edit::Unset { node: self.node.to_string(), path: path.clone() }
     }
 
-    /// What tells a row from others.
+    /// Unique key of a row.
     pub fn key(&self, row: &Row) -> String {
         format!("{}.{}", self.node, row.path)
     }

@@ -9,7 +9,7 @@ use voltet_graph::ParameterValue;
 /// Width of a reason, points.
 const REASON: f32 = 280.0;
 
-/// What is being typed, by the keys of what it belongs to.
+/// Texts being typed, by the keys of their fields.
 #[derive(Default)]
 pub(super) struct Typing {
     texts: HashMap<String, String>,
@@ -20,7 +20,7 @@ pub(super) struct Typing {
 }
 
 impl Typing {
-    /// Whether there is a text that is not done, or not right.
+    /// True if a text is unfinished or invalid.
     pub fn holds(&self, key: &str) -> bool {
         self.texts.contains_key(key) || self.refused(key).is_some()
     }
@@ -54,7 +54,7 @@ impl Typing {
         (response.lost_focus() || done.is_some()).then_some(text).filter(|text| text != now)
     }
 
-    /// The same for the value of a row; what is wrong stays in the field, with the reason below it.
+    /// Field for the value of a row; an invalid text stays in it, with the reason below.
     pub fn value(
         &mut self,
         ui: &mut Ui,

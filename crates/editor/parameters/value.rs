@@ -1,8 +1,8 @@
 //! The widget for a value, by its control.
 
 use super::{Of, ParameterPanel};
+use crate::actions::FilePurpose;
 use crate::actions::{Action, Actions};
-use crate::asking::Asked;
 use eframe::egui::{Color32, ComboBox, DragValue, Response, Rgba, Slider, Ui};
 use voltet_document::panel::{Control, Row, Scale, rounded, to_text};
 use voltet_graph::{LocatedValue, ParameterValue, Range};
@@ -12,7 +12,7 @@ const SPAN_OF_SLIDER: f64 = 1000.0;
 
 /// Share of a number that a drag over one point changes, and its least step.
 const SPEED: f64 = 0.01;
-const LEAST_STEP: f64 = 1e-3;
+const MIN_STEP: f64 = 1e-3;
 
 impl ParameterPanel {
     /// Shows a value; gives another one where a hand made it.
@@ -96,7 +96,7 @@ impl ParameterPanel {
     fn arrays(&mut self, ui: &mut Ui, of: Of, row: &Row, key: &str) -> Option<ParameterValue> {
         let several = matches!(row.control, Control::Arrays);
         let mut taken = None;
-        let arrays = of.scene.arrays.of(ui.ctx(), of.scene, of.node);
+        let arrays = of.scene.arrays.feeding(ui.ctx(), of.scene.document, of.scene.registry, of.node);
         if !arrays.is_empty() {
             let names = row.value().map(texts).unwrap_or_default();
             ComboBox::from_id_salt(("arrays", key)).selected_text("data").width(48.0).show_ui(ui, |ui| {
@@ -124,7 +124,7 @@ impl ParameterPanel {
     }
 }
 
-/// Whether all numbers of a value lie in the range.
+/// True if all numbers of a value lie in the range.
 fn holds_all(range: &Range, datum: Option<&ParameterValue>) -> bool {
     match datum {
         Some(ParameterValue::List(list)) => list.iter().all(|part| holds_all(range, Some(&part.datum))),
@@ -142,16 +142,19 @@ fn browse(of: Of, row: &Row) -> Action {
         None => document.path().map(|path| path.with_file_name("")),
     };
     let writes = matches!(row.control, Control::OutputFile);
-    Action::Ask(Asked::Parameter { node: of.node.to_string(), path: row.path.clone(), writes }, at)
+    Action::ChooseFile(
+        FilePurpose::Parameter { node: of.node.to_string(), path: row.path.clone(), writes },
+        at,
+    )
 }
 
-/// Whether a hand changed it: to be shown rounded or within its range is no change.
+/// True if the user changed it; rounding for display, or clamping to its range, is no change.
 fn by_hand(response: &Response) -> bool {
     response.changed()
         && (response.dragged() || response.drag_stopped() || response.lost_focus() || response.has_focus())
 }
 
-/// What a drag came to, with the digits that a step of it means; what was typed stays as it is.
+/// Result of a drag, with the digits that its step resolves; a typed number stays as it is.
 fn meant(response: &Response, x: f64, step: f64) -> f64 {
     if response.dragged() || response.drag_stopped() { rounded(x, step) } else { x }
 }
@@ -170,7 +173,7 @@ fn number_field(ui: &mut Ui, now: Option<f64>, range: &Range, scale: Option<Scal
         slid = (by_hand(&response) && range.holds(x)).then(|| meant(&response, x, step));
     }
     let step = match scale {
-        Some(_) => (SPEED * x.abs()).max(LEAST_STEP),
+        Some(_) => (SPEED * x.abs()).max(MIN_STEP),
         None => 0.2,
     };
     let before = x;
@@ -213,7 +216,7 @@ fn numbers(
     list.resize(list.len().max(count), 0.0);
     let mut changed = false;
     for number in &mut list {
-        let step = if whole { 1.0 } else { (SPEED * number.abs()).max(LEAST_STEP) };
+        let step = if whole { 1.0 } else { (SPEED * number.abs()).max(MIN_STEP) };
         let (response, x) = drag(ui, *number, range, step, whole);
         if by_hand(&response) && x != *number && range.holds(x) {
             (*number, changed) = (x, true);

@@ -1,10 +1,10 @@
-//! Which quantities the plane is over: s, g, arrays that the data have, and those that widgets name.
+//! Choice of the plane's quantities: s, g, arrays of the data, and arrays that widgets name.
 
 use super::TransferPanel;
-use super::drawn;
-use super::look::Look;
+use super::edited_function::EditedFunction;
 use super::quantities::{axis_name, volume_of};
 use super::scale::S_AND_G;
+use super::screen_widget;
 use crate::scene::Scene;
 use eframe::egui::{Key, ScrollArea, TextEdit, Ui};
 use std::collections::BTreeMap;
@@ -17,7 +17,7 @@ const HEIGHT: f32 = 220.0;
 
 impl TransferPanel {
     /// A list for each axis, side by side.
-    pub(super) fn axes_menu(&mut self, ui: &mut Ui, scene: &Scene, look: &Look) {
+    pub(super) fn axes_menu(&mut self, ui: &mut Ui, scene: &Scene, look: &EditedFunction) {
         let [x, y] = self.axes.each_ref().map(axis_name);
         ui.menu_button(format!("axes {x}, {y}"), |ui| {
             if ui.button("s, g").on_hover_text("the scalar and its gradient magnitude").clicked() {
@@ -64,13 +64,15 @@ impl TransferPanel {
     }
 }
 
-/// What an axis may be, in words: with what it is and its range, where the data have it.
-fn choices(ui: &Ui, scene: &Scene, look: &Look) -> Vec<(ArrayRef, String)> {
+/// Choices for an axis, labelled with kind and range where the data have it.
+fn choices(ui: &Ui, scene: &Scene, look: &EditedFunction) -> Vec<(ArrayRef, String)> {
     let nodes = &scene.document.pipeline().nodes;
     let source = volume_of(scene, &look.node.name);
     let source = source.as_deref().map(|source| links::source(source, nodes).0);
-    let of_data = source.map(|node| scene.arrays.of(ui.ctx(), scene, node)).unwrap_or_default();
-    let named = look.list.iter().filter_map(LocatedValue::table).flat_map(drawn::arrays);
+    let of_data = source
+        .map(|node| scene.arrays.feeding(ui.ctx(), scene.document, scene.registry, node))
+        .unwrap_or_default();
+    let named = look.list.iter().filter_map(LocatedValue::table).flat_map(screen_widget::arrays);
     let mut arrays: BTreeMap<String, String> = named.map(|name| (name.clone(), name)).collect();
     arrays.extend(of_data.iter().map(|array| (array.name.clone(), array.label.clone())));
     let named = S_AND_G.into_iter().map(|axis| (axis.clone(), axis_name(&axis)));

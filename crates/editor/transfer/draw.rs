@@ -1,16 +1,16 @@
 //! Widgets drawn in the plane.
 
-use super::drawn::Drawn;
 use super::handles::Handle;
-use super::pen::{Pen, color};
 use super::plane::Plane;
 use super::scale::Scale;
+use super::screen_widget::ScreenWidget;
+use super::widget_painter::{WidgetPainter, color};
 use crate::theme;
-use crate::worker::Probed;
+use crate::worker::PixelProbe;
 use eframe::egui::{Color32, Painter, Pos2, Rect, Stroke, Ui};
 use std::collections::BTreeMap;
 
-/// So many probed values are told apart.
+/// Largest number of probed values that are drawn one by one.
 const FEW: usize = 300;
 
 /// A dot of a cloud of values, points.
@@ -20,7 +20,7 @@ const DOT: f32 = 2.0;
 pub(super) fn widget(
     ui: &Ui,
     plane: Plane,
-    widget: &Drawn,
+    widget: &ScreenWidget,
     scale: &Scale,
     handles: Option<Option<Handle>>,
     is_hidden: bool,
@@ -30,7 +30,7 @@ pub(super) fn widget(
     let base = if is_hidden { base.gamma_multiply(0.35) } else { base };
     let stroke = Stroke::new(if is_chosen { 2.2 } else { 1.4 }, base);
     let painter = ui.painter().with_clip_rect(plane.rect.expand(1.0));
-    let pen = Pen { painter, plane, scale, stroke, is_chosen, is_hidden, dark };
+    let pen = WidgetPainter { painter, plane, scale, stroke, is_chosen, is_hidden, dark };
     if let Some(shape) = &widget.shape {
         shape.draw(&pen);
     }
@@ -43,7 +43,7 @@ pub(super) fn widget(
 }
 
 /// Values that a probe found: few as circles, the larger the more of it they are; many as a cloud.
-pub(super) fn probed(ui: &Ui, plane: Plane, probed: &Probed) {
+pub(super) fn probed(ui: &Ui, plane: Plane, probed: &PixelProbe) {
     let painter = ui.painter().with_clip_rect(plane.rect);
     let color = theme::accent(ui.visuals().dark_mode);
     let most = probed.values.iter().map(|(_, share)| *share).fold(1e-12, f64::max);

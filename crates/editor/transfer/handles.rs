@@ -2,14 +2,14 @@
 
 use super::scale::Scale;
 
-/// What a hand takes hold of.
+/// Handles of a widget.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Handle {
     Centre,
     /// The end of a half axis.
     Width(usize),
     Angle,
-    /// How much of a wave is kept around its peaks.
+    /// Width of the bands around a wave's peaks.
     Band,
     /// A corner of a picture's ranges.
     Rim(usize),

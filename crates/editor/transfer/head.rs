@@ -1,9 +1,9 @@
-//! What stands above the plane: the widgets, and what can be done to the one in hand.
+//! Lines above the plane: the widgets, and commands for the selected one.
 
-use super::drawn::Drawn;
-use super::look::Look;
+use super::edited_function::EditedFunction;
 use super::quantities::axis_name;
-use super::{TransferPanel, new, pen};
+use super::screen_widget::ScreenWidget;
+use super::{TransferPanel, new, widget_painter};
 use crate::actions::Actions;
 use crate::scene::Scene;
 use crate::theme;
@@ -13,7 +13,7 @@ use voltet_document::{Edit, Path};
 use voltet_graph::{ArrayRef, LocatedValue, ParameterValue};
 
 impl TransferPanel {
-    pub(super) fn head(&mut self, ui: &mut Ui, scene: &Scene, look: &Look, actions: &mut Actions) {
+    pub(super) fn head(&mut self, ui: &mut Ui, scene: &Scene, look: &EditedFunction, actions: &mut Actions) {
         let dark = ui.visuals().dark_mode;
         ui.horizontal_wrapped(|ui| {
             ui.strong(look.node.name.as_str());
@@ -57,8 +57,14 @@ impl TransferPanel {
         self.figures(ui, look);
     }
 
-    /// What can be done to the widget in hand.
-    fn of_widget(&mut self, ui: &mut Ui, look: &Look, widget: &Drawn, actions: &mut Actions) {
+    /// Commands for the selected widget.
+    fn of_widget(
+        &mut self,
+        ui: &mut Ui,
+        look: &EditedFunction,
+        widget: &ScreenWidget,
+        actions: &mut Actions,
+    ) {
         let (place, count) = (self.chosen, look.widgets.len());
         ui.label(format!("{} {}", place + 1, widget.kind));
         self.color_and_strength(ui, look, widget, actions);
@@ -91,8 +97,8 @@ impl TransferPanel {
         }
     }
 
-    /// What the widget in hand holds of the data and adds to the picture.
-    fn figures(&self, ui: &mut Ui, look: &Look) {
+    /// Share of the data in the selected widget, and its contribution to the picture.
+    fn figures(&self, ui: &mut Ui, look: &EditedFunction) {
         let Some(widget) = look.widgets.get(self.chosen) else { return };
         let color = theme::weak(ui.visuals().dark_mode);
         let weak = |text: String| RichText::new(text).small().color(color);
@@ -150,10 +156,10 @@ impl TransferPanel {
     }
 
     /// A widget by its colour; the one in hand has a frame.
-    fn chip(&mut self, ui: &mut Ui, place: usize, widget: &Drawn, look: &Look) {
+    fn chip(&mut self, ui: &mut Ui, place: usize, widget: &ScreenWidget, look: &EditedFunction) {
         let dark = ui.visuals().dark_mode;
         let (rect, response) = ui.allocate_exact_size(vec2(18.0, 14.0), Sense::click());
-        let color = pen::color(widget.color);
+        let color = widget_painter::color(widget.color);
         let color = if self.hidden.contains(&place) { color.gamma_multiply(0.3) } else { color };
         ui.painter().rect_filled(rect.shrink(2.0), 2.0, color);
         if place == self.chosen {
@@ -164,7 +170,13 @@ impl TransferPanel {
         }
     }
 
-    fn color_and_strength(&self, ui: &mut Ui, look: &Look, widget: &Drawn, actions: &mut Actions) {
+    fn color_and_strength(
+        &self,
+        ui: &mut Ui,
+        look: &EditedFunction,
+        widget: &ScreenWidget,
+        actions: &mut Actions,
+    ) {
         let fields = look.list.get(self.chosen).and_then(LocatedValue::table).unwrap_or_default();
         let is_stated = |key: &str| fields.iter().any(|field| field.name == key);
         let path = |key: &str| Path::from("widgets").with(self.chosen).with(key);
@@ -173,7 +185,7 @@ impl TransferPanel {
         };
         if is_stated("color") {
             let brightest = widget.color.iter().copied().fold(1.0, f64::max);
-            let mut shown: Color32 = pen::color(widget.color.map(|x| x / brightest));
+            let mut shown: Color32 = widget_painter::color(widget.color.map(|x| x / brightest));
             if ui.color_edit_button_srgba(&mut shown).changed() {
                 let linear = Rgba::from(shown);
                 let channel = |x: f32| (f64::from(x) * brightest * 1e4).round() / 1e4;

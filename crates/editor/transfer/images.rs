@@ -26,18 +26,18 @@ type Key = (PathBuf, Option<SystemTime>);
 #[derive(Clone, Default)]
 pub(super) struct Images {
     ctx: Context,
-    /// What their paths are relative to.
+    /// Folder of relative paths.
     folder: PathBuf,
     known: Arc<Mutex<HashMap<Key, State>>>,
 }
 
 impl Images {
-    /// The same pictures, for widgets of a file in a folder.
-    pub fn of(&self, ctx: &Context, folder: PathBuf) -> Images {
+    /// This cache, for widgets of a file in another folder.
+    pub fn in_folder(&self, ctx: &Context, folder: PathBuf) -> Images {
         Images { ctx: ctx.clone(), folder, known: self.known.clone() }
     }
 
-    /// What is drawn of a picture; one clear texel while it is not known.
+    /// Texels of a picture; one clear texel while it is unknown.
     pub fn texels(&self, path: &str) -> Texels {
         self.look(path, |state| match state {
             State::Here { texels, .. } => texels.clone(),
@@ -45,7 +45,7 @@ impl Images {
         })
     }
 
-    /// The same as a texture.
+    /// Texture of a picture.
     pub fn texture(&self, path: &str) -> Option<TextureId> {
         self.look(path, |state| match state {
             State::Here { texture, .. } => Some(texture.id()),

@@ -1,8 +1,8 @@
 //! Keys over the plane: nudging, choosing, ordering, points, sets.
 
-use super::hand::FINE;
-use super::look::Look;
+use super::edited_function::EditedFunction;
 use super::plane::Plane;
+use super::pointer::FINE;
 use super::{TransferPanel, edit};
 use crate::actions::Actions;
 use eframe::egui::{Key, Modifiers, Ui};
@@ -11,8 +11,8 @@ use eframe::egui::{Key, Modifiers, Ui};
 const NUDGE: f64 = 0.01;
 
 impl TransferPanel {
-    /// What the keys say while the pointer is over the panel.
-    pub(super) fn keys(&mut self, ui: &Ui, plane: Plane, look: &Look, actions: &mut Actions) {
+    /// Handles keys while the pointer is over the panel.
+    pub(super) fn keys(&mut self, ui: &Ui, plane: Plane, look: &EditedFunction, actions: &mut Actions) {
         if ui.ctx().wants_keyboard_input() || !self.takes_keys() {
             return;
         }
@@ -54,7 +54,7 @@ impl TransferPanel {
     }
 
     /// The point in hand, else the widget.
-    fn take_away(&mut self, look: &Look, actions: &mut Actions) {
+    fn take_away(&mut self, look: &EditedFunction, actions: &mut Actions) {
         let Some(widget) = look.widgets.get(self.chosen) else { return };
         match self.held.take().and_then(|handle| widget.without_point(handle)) {
             Some(changes) => edit(look, self.chosen, widget, changes, actions),
@@ -63,7 +63,7 @@ impl TransferPanel {
     }
 
     /// Arrows move the point in hand, else the widget.
-    fn nudge(&mut self, ui: &Ui, plane: Plane, look: &Look, actions: &mut Actions) {
+    fn nudge(&mut self, ui: &Ui, plane: Plane, look: &EditedFunction, actions: &mut Actions) {
         let (modifiers, by) = ui.input(|input| {
             let pressed = |key| f64::from(u8::from(input.key_pressed(key)));
             let by = [

@@ -1,6 +1,6 @@
-//! What is done to the list of widgets: more, fewer, another order, hidden, in hand.
+//! Commands of the list of widgets: adding, removing, ordering, hiding, selecting.
 
-use super::look::Look;
+use super::edited_function::EditedFunction;
 use super::{TransferPanel, new};
 use crate::actions::Actions;
 use std::collections::BTreeSet;
@@ -8,21 +8,21 @@ use voltet_document::{Edit, Path};
 use voltet_graph::{ArrayRef, ParameterValue};
 
 impl TransferPanel {
-    pub(super) fn add_at_peak(&mut self, look: &Look, actions: &mut Actions) {
+    pub(super) fn add_at_peak(&mut self, look: &EditedFunction, actions: &mut Actions) {
         if let Some(entry) = new::at_peak(look) {
             self.add(look, entry, actions);
         }
     }
 
     /// A widget more, which is then in hand.
-    pub(super) fn add(&mut self, look: &Look, entry: ParameterValue, actions: &mut Actions) {
+    pub(super) fn add(&mut self, look: &EditedFunction, entry: ParameterValue, actions: &mut Actions) {
         let (node, place) = (look.node.name.clone(), look.widgets.len());
         actions.edit(Edit::Insert { node, list: "widgets".into(), place, entry });
         (self.chosen, self.held) = (place, None);
     }
 
     /// A copy of the widget in hand, which is then in hand.
-    pub(super) fn duplicate(&mut self, look: &Look, actions: &mut Actions) {
+    pub(super) fn duplicate(&mut self, look: &EditedFunction, actions: &mut Actions) {
         let (node, place) = (look.node.name.clone(), self.chosen);
         actions.edit(Edit::Duplicate { node, list: "widgets".into(), place });
         self.hidden = self.hidden.iter().map(|known| known + usize::from(*known > place)).collect();
@@ -30,7 +30,7 @@ impl TransferPanel {
     }
 
     /// The widget in hand goes.
-    pub(super) fn remove(&mut self, look: &Look, actions: &mut Actions) {
+    pub(super) fn remove(&mut self, look: &EditedFunction, actions: &mut Actions) {
         let place = self.chosen;
         actions.edit(Edit::Unset { node: look.node.name.clone(), path: Path::from("widgets").with(place) });
         let kept = self.hidden.iter().filter(|known| **known != place);
@@ -56,7 +56,7 @@ impl TransferPanel {
     }
 
     /// Takes a widget in hand, on axes where it can be seen.
-    pub(super) fn choose(&mut self, place: usize, look: &Look) {
+    pub(super) fn choose(&mut self, place: usize, look: &EditedFunction) {
         (self.chosen, self.held) = (place, None);
         let Some(widget) = look.widgets.get(place) else { return };
         if widget.shape.is_none()
@@ -74,7 +74,7 @@ impl TransferPanel {
     }
 
     /// The widget in hand gets another number.
-    pub(super) fn reorder(&mut self, look: &Look, to: usize, actions: &mut Actions) {
+    pub(super) fn reorder(&mut self, look: &EditedFunction, to: usize, actions: &mut Actions) {
         let from = self.chosen;
         if from == to || to >= look.widgets.len() {
             return;

@@ -1,56 +1,57 @@
 //! The transfer function editor: the volume-weighted histogram over s and g, or over two arrays, and every widget on it, edited
 //! where it lies.
 //!
-//! | file | what |
+//! | file | responsibility |
 //! | --- | --- |
-//! | `look` | what is shown and edited |
-//! | `drawn`, `kinds`, `region` | widgets in the plane: one file a kind; where they are not 0 |
-//! | `images` | the pictures of tables |
-//! | `scale`, `numbers` | what the axes measure; numbers of a widget's table, read and written |
-//! | `relative` | numbers relative to data: found for the plane, and kept relative where a hand moves them |
-//! | `handles` | what is taken hold of |
-//! | `hand`, `drag`, `keys`, `sets` | what mouse and keys do |
-//! | `head`, `axes`, `list`, `new` | the lines above the plane; what its axes are; the list of widgets; new ones |
-//! | `plane`, `draw` | axes and histogram; widgets drawn |
+//! | `edited_function` | the transfer function in the panel |
+//! | `screen_widget`, `shape`, `kinds`, `region` | widgets in the plane, one file a kind; their regions |
+//! | `images` | pictures of tables |
+//! | `scale`, `numbers` | measures of the axes; numbers of a widget's table |
+//! | `relative` | numbers relative to data |
+//! | `handles` | handles of widgets |
+//! | `pointer`, `drag`, `keys`, `sets` | mouse and keys |
+//! | `head`, `axes`, `list`, `new` | lines above the plane, choice of axes, list of widgets, new ones |
+//! | `plane`, `draw`, `widget_painter` | axes and histogram; drawing of widgets |
 
 mod axes;
 mod drag;
 mod draw;
-mod drawn;
-mod hand;
+mod edited_function;
 mod handles;
 mod head;
 mod images;
 mod keys;
 mod kinds;
 mod list;
-mod look;
 mod new;
 mod numbers;
-mod pen;
 mod plane;
+mod pointer;
 mod quantities;
 mod region;
 mod relative;
 mod scale;
+mod screen_widget;
 mod sets;
+mod shape;
+mod widget_painter;
 
 use crate::actions::Actions;
 use crate::scene::Scene;
 use crate::theme;
 use crate::worker::short;
 use drag::Drag;
-use drawn::Drawn;
+use edited_function::EditedFunction;
 use eframe::egui::{self, Align2, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
 use handles::Handle;
 use images::Images;
-use look::Look;
 use numbers::Change;
 use plane::{Counts, Plane};
 pub(crate) use quantities::volume_of;
 use quantities::{axis_name, axis_title};
 pub(crate) use relative::in_numbers;
 use scale::S_AND_G;
+use screen_widget::ScreenWidget;
 use std::collections::BTreeSet;
 use voltet_document::links::upstream;
 use voltet_document::{Edit, Path};
@@ -61,7 +62,7 @@ const MARGIN: [f32; 3] = [52.0, 18.0, 44.0];
 
 /// The panel, with what a hand is doing in it.
 pub(crate) struct TransferPanel {
-    /// What the plane is over.
+    /// Quantities of the plane's axes.
     axes: [ArrayRef; 2],
     typed_axis: [String; 2],
     /// The shown part of the plane; all of the data until a hand chose another.
@@ -77,9 +78,9 @@ pub(crate) struct TransferPanel {
     /// Widgets that the window's picture leaves out; the file keeps them.
     hidden: BTreeSet<usize>,
     of: Option<String>,
-    /// Whether the pointer was over the panel in the last frame.
+    /// True if the pointer was over the panel in the last frame.
     has_pointer: bool,
-    /// Whether the keys are for the widgets wherever the pointer is.
+    /// True if keys go to the widgets wherever the pointer is.
     pub by_keyboard: bool,
     /// The plane of the last frame.
     plane: Option<Plane>,
@@ -107,7 +108,7 @@ impl Default for TransferPanel {
 }
 
 /// The transfer function that is edited: the selected one, else the first that feeds the picture.
-pub(crate) fn of<'a>(scene: &Scene<'a>) -> Option<&'a NodeEntry> {
+pub(crate) fn edited_node<'a>(scene: &Scene<'a>) -> Option<&'a NodeEntry> {
     let nodes = &scene.document.pipeline().nodes;
     let is_one = |node: &&NodeEntry| node.node_type.text() == Some("transfer-function");
     let selected = nodes.iter().filter(is_one).find(|node| scene.selection.contains(&node.name));
@@ -119,11 +120,12 @@ pub(crate) fn of<'a>(scene: &Scene<'a>) -> Option<&'a NodeEntry> {
 pub(crate) fn fields_of(look: &NodeEntry) -> Vec<String> {
     let widgets = look.settings.iter().find(|field| field.name == "widgets");
     let list = widgets.and_then(|field| field.setting.list()).unwrap_or_default();
-    let all: BTreeSet<String> = list.iter().filter_map(LocatedValue::table).flat_map(drawn::arrays).collect();
+    let all: BTreeSet<String> =
+        list.iter().filter_map(LocatedValue::table).flat_map(screen_widget::arrays).collect();
     all.into_iter().collect()
 }
 
-/// Whether a transfer function has numbers relative to all steps of a time series.
+/// True if a transfer function has numbers relative to all steps of a time series.
 pub(crate) fn is_of_series(look: &NodeEntry) -> bool {
     let says_so = look.settings.iter().any(|f| f.name == "relative_to" && f.setting.text() == Some("series"));
     let widgets = look.settings.iter().find(|field| field.name == "widgets");
@@ -132,12 +134,12 @@ pub(crate) fn is_of_series(look: &NodeEntry) -> bool {
 }
 
 impl TransferPanel {
-    /// Whether there is a transfer function to edit.
+    /// True if there is a transfer function to edit.
     pub fn is_wanted(&self, scene: &Scene) -> bool {
-        of(scene).is_some()
+        edited_node(scene).is_some()
     }
 
-    /// Whether the keys are for the widgets.
+    /// True if keys go to the widgets.
     pub fn takes_keys(&self) -> bool {
         self.has_pointer || self.by_keyboard
     }
@@ -152,7 +154,7 @@ impl TransferPanel {
         self.of.as_deref().filter(|_| self.drag.is_some())
     }
 
-    /// What the plane is over.
+    /// Quantities of the plane's axes.
     pub fn axes(&self) -> [ArrayRef; 2] {
         self.axes.clone()
     }
@@ -162,7 +164,7 @@ impl TransferPanel {
         self.of.as_deref().filter(|_| self.drag.is_none()).map(|of| (of, self.chosen))
     }
 
-    /// Where a value was drawn.
+    /// Position at which a value was drawn.
     #[cfg(test)]
     pub fn place_of(&self, value: [f64; 2]) -> Option<egui::Pos2> {
         self.plane.map(|plane| plane.to_window(value))
@@ -189,7 +191,8 @@ impl TransferPanel {
     /// The widget that a probe would make.
     #[cfg(test)]
     pub fn at_probe_for_tests(&self, scene: &Scene) -> Option<voltet_graph::ParameterValue> {
-        let look = Look::of(scene, of(scene)?, &self.axes, self.plane, None, &self.images);
+        let look =
+            EditedFunction::new(scene, edited_node(scene)?, &self.axes, self.plane, None, &self.images);
         new::at_probe(&look, look.probed.as_ref()?)
     }
 
@@ -198,7 +201,7 @@ impl TransferPanel {
         if self.by_keyboard && ui.input(|input| input.key_pressed(egui::Key::Escape)) {
             self.by_keyboard = false;
         }
-        let Some(node) = of(scene) else { return };
+        let Some(node) = edited_node(scene) else { return };
         let is_another = self.of.as_deref() != Some(&node.name);
         if is_another {
             let before = self.of.replace(node.name.clone());
@@ -207,9 +210,9 @@ impl TransferPanel {
                 self.hidden.clear();
             }
         }
-        let images = self.images.of(ui.ctx(), scene.document.folder());
+        let images = self.images.in_folder(ui.ctx(), scene.document.folder());
         let peak = self.drag.as_ref().map(|drag| drag.peak);
-        let look = Look::of(scene, node, &self.axes, self.plane, peak, &images);
+        let look = EditedFunction::new(scene, node, &self.axes, self.plane, peak, &images);
         self.chosen = self.chosen.min(look.widgets.len().saturating_sub(1));
         if is_another {
             self.choose(0, &look);
@@ -239,7 +242,7 @@ impl TransferPanel {
     }
 
     /// The histogram, its axes, and the widgets on it.
-    fn draw(&mut self, ui: &Ui, scene: &Scene, plane: Plane, look: &Look) {
+    fn draw(&mut self, ui: &Ui, scene: &Scene, plane: Plane, look: &EditedFunction) {
         let (rect, dark) = (plane.rect, ui.visuals().dark_mode);
         ui.painter().rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
         if let Some(found) = &look.found {
@@ -274,7 +277,7 @@ impl TransferPanel {
     }
 
     /// The value and the share of the volume under the pointer.
-    fn readout(&self, ui: &Ui, response: &egui::Response, plane: Plane, look: &Look) {
+    fn readout(&self, ui: &Ui, response: &egui::Response, plane: Plane, look: &EditedFunction) {
         let Some(at) = response.hover_pos().filter(|at| plane.rect.contains(*at)) else { return };
         let value = plane.to_values(at);
         let share = look.histogram().and_then(|histogram| plane::share_at(histogram, value));
@@ -290,7 +293,13 @@ impl TransferPanel {
 }
 
 /// The changes of a widget (as it was when they began) as edits of its node, one step.
-fn edit(look: &Look, place: usize, before: &Drawn, changes: Vec<Change>, actions: &mut Actions) {
+fn edit(
+    look: &EditedFunction,
+    place: usize,
+    before: &ScreenWidget,
+    changes: Vec<Change>,
+    actions: &mut Actions,
+) {
     let Some(entry) = look.list.get(place).and_then(LocatedValue::table) else { return };
     let is_stated = |key: &str| entry.iter().any(|field| field.name == key);
     let known = look.found.as_ref().map(|found| &found.known);

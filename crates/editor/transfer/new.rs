@@ -1,10 +1,10 @@
 //! New widgets: where most of the volume is, and on the values of a probe.
 
+use super::edited_function::EditedFunction;
 use super::kinds::{gaussian, gaussian_over};
-use super::look::Look;
 use super::numbers::{Change, list};
 use super::plane::middle;
-use crate::worker::Probed;
+use crate::worker::PixelProbe;
 use std::f64::consts::FRAC_1_SQRT_2;
 use voltet_core::probing::{ProbeResult, kernel};
 use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue};
@@ -13,7 +13,7 @@ use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue};
 const NEW: [f64; 2] = [0.02, 0.05];
 
 /// Least deviation in any direction of one on probed values, as a share of the axes: what a hand can take hold of.
-const LEAST: f64 = 0.01;
+const MIN_DEVIATION: f64 = 0.01;
 
 /// Correlations that are so small are none.
 const UPRIGHT: f64 = 0.05;
@@ -22,7 +22,7 @@ const UPRIGHT: f64 = 0.05;
 const EXTINCTION: f64 = 10.0;
 
 /// A Gaussian at the bin with the most volume that no widget holds; `None` on axes that no kind of widget is over.
-pub(super) fn at_peak(look: &Look) -> Option<ParameterValue> {
+pub(super) fn at_peak(look: &EditedFunction) -> Option<ParameterValue> {
     let (mut centre, mut sigma) = ([0.5, 0.0], [0.1, 0.1]);
     if let Some(histogram) = look.histogram() {
         let [s, g] = histogram.axes;
@@ -46,7 +46,7 @@ pub(super) fn at_peak(look: &Look) -> Option<ParameterValue> {
 /// A Gaussian by the mean and the covariance of probed values (Kniss et al. 2003, section 6), turned to the covariance's principal
 /// axes. In a direction in which the values hardly vary it is as wide as a hand can take hold of; a quantity that is the same in
 /// all of the data is not looked at. `None` without values.
-pub(super) fn at_probe(look: &Look, probed: &Probed) -> Option<ParameterValue> {
+pub(super) fn at_probe(look: &EditedFunction, probed: &PixelProbe) -> Option<ParameterValue> {
     let (mean, covariance) = probed.moments()?;
     let known = look.found.as_ref().map(|found| &found.known);
     let extent: Vec<f64> = ["s", "g"]
@@ -76,13 +76,13 @@ pub(super) fn at_probe(look: &Look, probed: &Probed) -> Option<ParameterValue> {
     };
     let spread = (covariance[0][0] * covariance[1][1]).sqrt();
     let is_correlated = spread > 0.0 && (covariance[0][1] / spread).abs() > UPRIGHT;
-    let k = kernel(&found, LEAST, 1.0, is_correlated);
+    let k = kernel(&found, MIN_DEVIATION, 1.0, is_correlated);
     let extent = [0, 1].map(|k: usize| if found.extent[k] > 0.0 { found.extent[k] } else { 1.0 });
     Some(widget(look, gaussian(mean, &k, extent)))
 }
 
 /// A new widget in a colour of its own.
-fn widget(look: &Look, (kind, numbers): (&str, Vec<Change>)) -> ParameterValue {
+fn widget(look: &EditedFunction, (kind, numbers): (&str, Vec<Change>)) -> ParameterValue {
     let extinction = look.widgets.iter().map(|widget| widget.extinction).fold(0.0, f64::max);
     let extinction = if extinction > 0.0 { extinction } else { EXTINCTION };
     // Hues far apart, one after the other.

@@ -2,7 +2,7 @@
 
 use super::scale::height_of;
 use crate::theme;
-use crate::worker::{Distributed, short};
+use crate::worker::{Distribution, short};
 use eframe::egui::{
     Align2, Color32, ColorImage, FontId, Galley, Pos2, Rect, Stroke, TextureHandle, TextureOptions, Ui, Vec2,
     pos2, vec2,
@@ -44,11 +44,11 @@ impl Plane {
     /// Lengths along both axes that are equal on the screen, about as long as the axes.
     pub fn metric(self) -> [f64; 2] {
         let side = self.rect.width().max(1.0);
-        self.way(vec2(side, -side))
+        self.drag_in_values(vec2(side, -side))
     }
 
     /// A way of the pointer, in values.
-    pub fn way(self, by: Vec2) -> [f64; 2] {
+    pub fn drag_in_values(self, by: Vec2) -> [f64; 2] {
         let [s, g] = self.shown;
         let per_point =
             [(s[1] - s[0]) / f64::from(self.rect.width()), (g[1] - g[0]) / f64::from(self.rect.height())];
@@ -147,11 +147,11 @@ pub(super) fn on_ground(ui: &Ui, at: Pos2, words: Arc<Galley>) {
 #[derive(Default)]
 pub(super) struct Counts {
     texture: Option<TextureHandle>,
-    of: Option<(Arc<Distributed>, bool)>,
+    of: Option<(Arc<Distribution>, bool)>,
 }
 
 impl Counts {
-    pub fn draw(&mut self, ui: &Ui, plane: Plane, found: &Arc<Distributed>) {
+    pub fn draw(&mut self, ui: &Ui, plane: Plane, found: &Arc<Distribution>) {
         let histogram = &found.histogram;
         let dark = ui.visuals().dark_mode;
         let same = self.of.as_ref().is_some_and(|(of, of_dark)| Arc::ptr_eq(of, found) && *of_dark == dark);

@@ -1,4 +1,4 @@
-//! What the quantities of the plane are called, and the volume that they are of.
+//! Names of the plane's quantities, and the volume that they belong to.
 
 use crate::scene::Scene;
 use voltet_document::links::{self, upstream};

@@ -2,12 +2,12 @@
 
 use super::handles::{Handle, corners, edges};
 use super::numbers::{Change, array, find, list, rows};
-use super::pen::Pen;
 use super::scale::Scale;
+use super::widget_painter::WidgetPainter;
 use eframe::egui::{Color32, Pos2, Shape, Stroke};
 use voltet_graph::{Field, LocatedValue};
 
-/// Where a widget is not 0, as its table states it.
+/// Support of a widget, as its table states it.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Region {
     Whole,
@@ -20,8 +20,8 @@ pub(super) enum Region {
 const RANGES: [&str; 2] = ["region.s", "region.g"];
 
 impl Region {
-    /// Of a widget's table, without numbers relative to data.
-    pub fn of(fields: &[Field]) -> Region {
+    /// Region of a widget's table, without numbers relative to data.
+    pub fn parse(fields: &[Field]) -> Region {
         let Some(region) = find(fields, "region").and_then(LocatedValue::table) else { return Region::Whole };
         let corners: Option<Vec<[f64; 2]>> = find(region, "polygon")
             .and_then(LocatedValue::list)
@@ -45,7 +45,7 @@ impl Region {
         }
     }
 
-    /// What becomes of the numbers when a handle is brought to a place; `None` where it is none of a region.
+    /// Changes of the numbers when a handle moves to a position; `None` if the handle is none of a region.
     pub fn moved(&self, handle: Handle, to: [f64; 2]) -> Option<Vec<Change>> {
         match (handle, self) {
             (Handle::Corner(i), Region::Box(limits)) => {
@@ -71,7 +71,7 @@ impl Region {
         }
     }
 
-    /// What becomes of the numbers when all of it is moved along.
+    /// Changes of the numbers when the whole region is moved.
     pub fn shifted(&self, by: [f64; 2]) -> Vec<Change> {
         match self {
             Region::Whole => Vec::new(),
@@ -113,7 +113,7 @@ impl Region {
     }
 
     /// `is_all`: of a widget that is its region.
-    pub fn draw(&self, pen: &Pen, is_all: bool) {
+    pub fn draw(&self, pen: &WidgetPainter, is_all: bool) {
         let thin = Stroke::new(pen.stroke.width * 0.6, pen.stroke.color);
         let fill = if is_all { pen.stroke.color.gamma_multiply(0.15) } else { Color32::TRANSPARENT };
         match self {
@@ -139,7 +139,7 @@ pub(super) fn with_corner([mut s, mut g]: [[f64; 2]; 2], corner: usize, to: [f64
     [s, g].map(|[a, b]| [a.min(b), a.max(b)])
 }
 
-/// Whether a polygon turns one way at all of its corners.
+/// True if a polygon turns one way at all of its corners.
 fn is_convex(corners: &[[f64; 2]]) -> bool {
     let n = corners.len();
     let turn = |i: usize| {

@@ -1,6 +1,6 @@
 //! Numbers relative to data among those of a widget: what they are, and how a hand's numbers are written in their place.
 
-use crate::worker::Known;
+use crate::worker::DataScales;
 use voltet_core::parameters::{Parameters, Relative, RelativeNumber, StatisticKind};
 use voltet_core::transfer::{self, DataStatistics, WIDGET_KINDS};
 use voltet_core::{Error, Result};
@@ -27,13 +27,13 @@ fn parameters(fields: &[Field]) -> Option<Parameters> {
     Some(Parameters::survey(kind.parameters, fields, &SourceSpan::Nowhere, &["kind"], &mut Vec::new()))
 }
 
-/// Whether a widget's table has numbers relative to data.
+/// True if a widget's table has numbers relative to data.
 pub(super) fn is_relative(fields: &[Field]) -> bool {
     parameters(fields).is_some_and(|parameters| !parameters.relative_numbers().is_empty())
 }
 
 /// The table with numbers in place of those relative to data. Error: they are not known yet.
-pub(super) fn resolved(fields: &[Field], known: Option<&Known>) -> Result<Vec<Field>> {
+pub(super) fn resolved(fields: &[Field], known: Option<&DataScales>) -> Result<Vec<Field>> {
     let Some(parameters) = parameters(fields) else { return Ok(fields.to_vec()) };
     if parameters.relative_numbers().is_empty() {
         return Ok(fields.to_vec());
@@ -50,7 +50,7 @@ pub(super) fn resolved(fields: &[Field], known: Option<&Known>) -> Result<Vec<Fi
 
 /// Widgets with numbers in place of those relative to data: what is drawn while one is dragged, as nothing is to be found anew of
 /// the data for each step. None where all are numbers, or some are not known.
-pub(crate) fn in_numbers(list: &[LocatedValue], known: &Known) -> Option<Vec<LocatedValue>> {
+pub(crate) fn in_numbers(list: &[LocatedValue], known: &DataScales) -> Option<Vec<LocatedValue>> {
     let widget = |entry: &LocatedValue| {
         let fields = resolved(entry.table()?, Some(known)).ok()?;
         Some(LocatedValue { datum: ParameterValue::Table(fields), ..entry.clone() })
@@ -59,11 +59,11 @@ pub(crate) fn in_numbers(list: &[LocatedValue], known: &Known) -> Option<Vec<Loc
     (found != list).then_some(found)
 }
 
-/// What is to be written at a key of the table ("centre", "region.s"), where a hand made numbers of what is there: relative ones
-/// stay relative, and those that did not change stay as they are written.
+/// Value to write at a key of the table ("centre", "region.s") after an edit by the pointer: relative numbers stay
+/// relative, and unchanged ones stay as they are written.
 pub(super) fn as_written(
     fields: &[Field],
-    known: Option<&Known>,
+    known: Option<&DataScales>,
     key: &str,
     new: ParameterValue,
 ) -> ParameterValue {
@@ -138,7 +138,7 @@ fn written(
     now: &LocatedValue,
     marked: Option<&LocatedValue>,
     numbers: &[RelativeNumber],
-    known: Option<&Known>,
+    known: Option<&DataScales>,
     new: ParameterValue,
 ) -> ParameterValue {
     if let (ParameterValue::List(olds), ParameterValue::List(nows), ParameterValue::List(news)) =
@@ -167,7 +167,7 @@ fn written(
 }
 
 /// The number relative to data that says so; `None` where there is none.
-fn relative(number: &RelativeNumber, was: f64, is: f64, known: &Known) -> Option<String> {
+fn relative(number: &RelativeNumber, was: f64, is: f64, known: &DataScales) -> Option<String> {
     let with_digits = |share: f64, digits: usize| {
         let text = format!("{:.digits$}", 100.0 * share);
         let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };

@@ -1,9 +1,9 @@
-//! What the axes of the plane measure.
+//! Scale of the plane's axes.
 
 use super::numbers::rounded;
 use voltet_graph::ArrayRef;
 
-/// What the plane measures where a handle is drawn or moved.
+/// Scale of the plane, for drawing and moving handles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scale {
     /// Lengths along both axes that are equal on the screen.

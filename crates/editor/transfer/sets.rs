@@ -1,7 +1,7 @@
 //! Sets of widgets that digits recall and, with Ctrl, store; kept in the file under `[editor]`, which runs ignore.
 
 use super::TransferPanel;
-use super::look::Look;
+use super::edited_function::EditedFunction;
 use crate::actions::{Action, Actions};
 use eframe::egui::{Button, Key, Modifiers, Ui};
 use voltet_document::Edit;
@@ -21,7 +21,7 @@ const DIGITS: [Key; 10] = [
 ];
 
 impl TransferPanel {
-    pub(super) fn set_keys(&mut self, ui: &Ui, look: &Look, actions: &mut Actions) {
+    pub(super) fn set_keys(&mut self, ui: &Ui, look: &EditedFunction, actions: &mut Actions) {
         for (digit, key) in (0..).zip(DIGITS) {
             let (store, recall) = ui.input_mut(|input| {
                 (input.consume_key(Modifiers::COMMAND, key), input.consume_key(Modifiers::NONE, key))
@@ -34,8 +34,8 @@ impl TransferPanel {
         }
     }
 
-    /// What the keys do, for those who look for it.
-    pub(super) fn set_menu(&mut self, ui: &mut Ui, look: &Look, actions: &mut Actions) {
+    /// Menu of the keys' commands.
+    pub(super) fn set_menu(&mut self, ui: &mut Ui, look: &EditedFunction, actions: &mut Actions) {
         ui.menu_button("sets", |ui| {
             ui.set_min_width(210.0);
             for digit in 0..10 {
@@ -60,12 +60,12 @@ impl TransferPanel {
         .on_hover_text("all widgets, kept in the file under a digit: Ctrl+0 … 9 stores, 0 … 9 recalls");
     }
 
-    fn store(&mut self, digit: u8, look: &Look, actions: &mut Actions) {
+    fn store(&mut self, digit: u8, look: &EditedFunction, actions: &mut Actions) {
         actions.edit(Edit::StoreSet(digit, look.list.to_vec()));
         actions.push(Action::Say(format!("{} stored as {digit}, in the file", widgets(look.list.len()))));
     }
 
-    fn recall(&mut self, digit: u8, look: &Look, actions: &mut Actions) {
+    fn recall(&mut self, digit: u8, look: &EditedFunction, actions: &mut Actions) {
         match look.sets.get(&digit) {
             Some(list) => {
                 let edit = Edit::set(&look.node.name, "widgets", ParameterValue::List(list.clone()));

@@ -101,12 +101,12 @@ fn home_shows_every_corner_and_not_from_too_far() {
 
 #[test]
 fn an_axis_view_looks_along_it() {
-    let view = view().along(DVec3::X, DVec3::Z);
+    let view = view().looking_along(DVec3::X, DVec3::Z);
     assert!(near(view.axes().unwrap().forward, -DVec3::X));
     // From above, "up" along z would be no direction.
-    let above = view.along(DVec3::Z, DVec3::Z);
+    let above = view.looking_along(DVec3::Z, DVec3::Z);
     assert_eq!(above, view);
-    assert!(near(view.along(DVec3::Z, DVec3::Y).axes().unwrap().forward, -DVec3::Z));
+    assert!(near(view.looking_along(DVec3::Z, DVec3::Y).axes().unwrap().forward, -DVec3::Z));
 }
 
 #[test]
@@ -124,7 +124,7 @@ fn a_node_that_states_a_view_states_it_again() {
             settings: view.settings().into_iter().map(field).collect(),
             inputs: Vec::new(),
         };
-        assert_eq!(View::of(&node), Some(view));
+        assert_eq!(View::from_camera(&node), Some(view));
     }
     assert_eq!(written(1.0 / 3.0, 1.0), 0.333333);
     assert_eq!(written(1e-9, 10.0), 0.0);

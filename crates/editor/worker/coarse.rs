@@ -1,6 +1,6 @@
-//! How many pixels a coarse picture has: as many as are drawn in the time that a hand does not notice.
+//! Resolution of coarse pictures: as many pixels as are drawn in a time that the user does not notice.
 //!
-//! While widgets change and the view does not, the engine draws from what it keeps of the view ([`Manner::passing`]). It keeps that of
+//! While widgets change and the view does not, the engine draws from its cache of the view ([`Manner::passing`]). It caches
 //! pictures of one size alone, so that another size costs some slow pictures first.
 //!
 //! [`Manner::passing`]: voltet_optics::engine::Manner::passing
@@ -8,37 +8,38 @@
 use std::time::Duration;
 use voltet_graph::NodeEntry;
 
-/// What a coarse picture may take, seconds: twenty-five of them a second, of which the wires take some.
+/// Time of a coarse picture (seconds): 25 a second, of which the wires take some.
 const COARSE_SECONDS: f64 = 0.035;
 
 /// A full picture that takes no longer needs no coarse one before it, seconds.
 const FULL_SECONDS: f64 = 0.045;
 
 /// Along each side a coarse picture has at least an eighth of the pixels, or a person sees nothing in it.
-const DIVISOR_MOST: u32 = 8;
+const MAX_DIVISOR: u32 = 8;
 
 /// Before anything was drawn.
-const FIRST: u32 = 4;
+const FIRST_DIVISOR: u32 = 4;
 
-/// How long the first picture of a wish may go on that a hand has moved past, seconds: at least this, so that twenty a second are shown.
-const PATIENCE: f64 = 0.05;
+/// Shortest time limit of the first picture of a request that the user has moved on from (seconds), so that 20 a second are
+/// shown.
+const MIN_TIME_LIMIT: f64 = 0.05;
 
-/// The same before any was drawn.
-const FIRST_PATIENCE: f64 = 0.2;
+/// Time limit before any picture was drawn (seconds).
+const FIRST_TIME_LIMIT: f64 = 0.2;
 
-/// What drawing takes, learnt from the pictures drawn: so much a picture, and so much a pixel.
+/// Model of drawing times, fitted to the pictures drawn: a constant a picture, and a constant a pixel.
 #[derive(Debug, Default)]
-pub(super) struct Pace {
+pub(super) struct FrameTimeModel {
     full: Option<(f64, f64)>,
     coarse: Option<(f64, f64)>,
-    /// What was drawn from what is kept of the view.
-    kept: Option<Kept>,
-    /// Where the pictures are seen from.
+    /// Drawing from the engine's cache of the view.
+    kept: Option<CachedDrawing>,
+    /// Cameras of the pictures.
     cameras: Vec<NodeEntry>,
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Kept {
+struct CachedDrawing {
     seconds_a_pixel: f64,
     /// Pictures since then that were not.
     others: u32,
@@ -47,10 +48,10 @@ struct Kept {
 /// Pictures of a new size after which the engine has kept it, or will not.
 const UNTIL_KEPT: u32 = 3;
 
-impl Pace {
+impl FrameTimeModel {
     /// By how much the sides of a coarse picture of so many pixels in full are divided; 1 where the full one is quick enough.
     pub fn divisor(&self, pixels: f64) -> u32 {
-        self.divisor_of_kept(pixels).unwrap_or(DIVISOR_MOST).min(self.divisor_of_cells(pixels))
+        self.divisor_of_kept(pixels).unwrap_or(MAX_DIVISOR).min(self.divisor_of_cells(pixels))
     }
 
     fn divisor_of_kept(&self, pixels: f64) -> Option<u32> {
@@ -58,25 +59,26 @@ impl Pace {
         if whole <= FULL_SECONDS {
             return Some(1);
         }
-        (2..DIVISOR_MOST).find(|divisor| whole / f64::from(divisor * divisor) <= COARSE_SECONDS)
+        (2..MAX_DIVISOR).find(|divisor| whole / f64::from(divisor * divisor) <= COARSE_SECONDS)
     }
 
     fn divisor_of_cells(&self, pixels: f64) -> u32 {
-        let Some([fixed, each]) = self.law() else { return FIRST };
+        let Some([fixed, each]) = self.law() else { return FIRST_DIVISOR };
         // The full picture itself is the better witness.
         let as_measured = self.full.map_or(f64::INFINITY, |(count, seconds)| seconds * pixels / count);
         if as_measured.min(fixed + each * pixels) <= FULL_SECONDS {
             return 1;
         }
         let fits = |divisor: &u32| fixed + each * pixels / f64::from(divisor * divisor) <= COARSE_SECONDS;
-        (2..DIVISOR_MOST).find(fits).unwrap_or(DIVISOR_MOST)
+        (2..MAX_DIVISOR).find(fits).unwrap_or(MAX_DIVISOR)
     }
 
-    /// How long the first picture of a wish may go on that a hand has moved past: twice what the last such one took.
+    /// Time limit of the first picture of a request that the user has moved on from: twice the time of the last such
+    /// picture.
     pub fn patience(&self, divisor: u32) -> Duration {
         let last = if divisor == 1 { self.full } else { self.coarse };
-        let usual = last.map_or(FIRST_PATIENCE, |(_, seconds)| 2.0 * seconds);
-        Duration::from_secs_f64(usual.max(PATIENCE))
+        let usual = last.map_or(FIRST_TIME_LIMIT, |(_, seconds)| 2.0 * seconds);
+        Duration::from_secs_f64(usual.max(MIN_TIME_LIMIT))
     }
 
     /// Seconds of a picture and of a pixel, through what was measured last.
@@ -99,18 +101,18 @@ impl Pace {
         } else {
             self.coarse = measured
         }
-        self.kept = self.kept.map(|kept| Kept { others: kept.others + 1, ..kept });
+        self.kept = self.kept.map(|kept| CachedDrawing { others: kept.others + 1, ..kept });
         self.kept = self.kept.filter(|kept| kept.others <= UNTIL_KEPT);
     }
 
-    /// The same of one that was drawn from what is kept of the view.
+    /// Records the time of a picture that was drawn from the cache of the view.
     pub fn learn_of_kept(&mut self, pixels: f64, seconds: f64) {
         let seconds_a_pixel = match self.kept {
             // The first of its size: what is kept was found, too.
-            Some(Kept { seconds_a_pixel, others: 1.. }) => seconds_a_pixel,
+            Some(CachedDrawing { seconds_a_pixel, others: 1.. }) => seconds_a_pixel,
             _ => seconds / pixels.max(1.0),
         };
-        self.kept = Some(Kept { seconds_a_pixel, others: 0 });
+        self.kept = Some(CachedDrawing { seconds_a_pixel, others: 0 });
     }
 
     /// The next picture is seen from here: nothing is kept of another view.
@@ -127,14 +129,14 @@ mod tests {
 
     #[test]
     fn slow_pictures_are_made_coarser_and_quick_ones_are_not() {
-        let mut pace = Pace::default();
-        assert_eq!(pace.divisor(786_432.0), FIRST, "nothing is known yet");
+        let mut pace = FrameTimeModel::default();
+        assert_eq!(pace.divisor(786_432.0), FIRST_DIVISOR, "nothing is known yet");
         pace.learn(1, 786_432.0, 0.4);
         // 0.4 s / 16 = 0.025 s, / 9 = 0.044 s.
         assert_eq!(pace.divisor(786_432.0), 4);
         pace.learn(4, 49_152.0, 0.1);
         // 0.08 s of each picture do not follow the pixels: nothing is quick enough.
-        assert_eq!(pace.divisor(786_432.0), DIVISOR_MOST);
+        assert_eq!(pace.divisor(786_432.0), MAX_DIVISOR);
         pace.learn(1, 786_432.0, 0.04);
         assert_eq!(pace.divisor(786_432.0), 1);
     }
@@ -145,7 +147,7 @@ mod tests {
             let text = format!("[pipeline]\nformat = 1\n[nodes.view]\ntype = \"camera\"\nfov_y = {angle}");
             voltet_graph::pipeline::Pipeline::parse(&text).unwrap().nodes
         };
-        let mut pace = Pace::default();
+        let mut pace = FrameTimeModel::default();
         pace.look_from(view(30));
         pace.learn(1, 786_432.0, 0.4);
         assert_eq!(pace.divisor(786_432.0), 4);

@@ -1,12 +1,12 @@
 //! The distribution of the data over two quantities, weighted by volume, with what numbers relative to data are found by.
 
-use super::asked::{Distributed, Distribution};
 use super::following::Following;
-use super::look_on::volume_with;
-use super::scales::{Known, Spread, values};
+use super::preview_observer::volume_with;
+use super::queries::{Distribution, DistributionQuery};
+use super::scales::{DataScales, Spread, values};
 use super::series;
 use super::shared::lock;
-use super::work::Work;
+use super::work::WorkerState;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::grid::Grid;
@@ -18,7 +18,7 @@ use voltet_graph::{ArrayRef, Observer, Registry, Session};
 /// Bins along each axis.
 const BINS: usize = 256;
 
-impl Distribution {
+impl DistributionQuery {
     /// The arrays of the axes, and the further ones.
     fn arrays(&self) -> Vec<&String> {
         let of_axes = self.axes.iter().filter_map(|axis| match axis {
@@ -45,7 +45,7 @@ impl Distribution {
 
     /// Exact within every cell. Along *g* it reaches as far as nearly all of the volume does: a few slivers have gradients of
     /// many times that. Where there is no gradient, *g* is 0.
-    fn find(&self, volume: &Volume, progress: &dyn Progress) -> Result<Distributed> {
+    fn find(&self, volume: &Volume, progress: &dyn Progress) -> Result<Distribution> {
         let [x, y] = [values(volume, &self.axes[0])?, values(volume, &self.axes[1])?];
         let grid = &volume.grid;
         let mut axes = [Axis::over(&x, BINS), Axis::over(&y, BINS)];
@@ -53,9 +53,9 @@ impl Distribution {
             axes[axis] = of_nearly_all(grid, if axis == 0 { &x } else { &y }, progress)?;
         }
         let found = histogram(grid, [&x, &y], axes, progress)?;
-        let mut known = Known::default();
+        let mut known = DataScales::default();
         if self.of_series {
-            return Ok(Distributed { histogram: found, known });
+            return Ok(Distribution { histogram: found, known });
         }
         for quantity in self.quantities() {
             known.ranges.insert(quantity.clone(), value_range(&values(volume, &quantity)?)?);
@@ -65,17 +65,17 @@ impl Distribution {
             spread.add(grid, values, progress)?;
             known.spreads.insert(quantity.clone(), spread.finished());
         }
-        Ok(Distributed { histogram: found, known })
+        Ok(Distribution { histogram: found, known })
     }
 
-    /// What numbers relative to all steps are found by. `shown`: the axes of the step that is shown.
+    /// Scales of numbers relative to all steps. `shown`: axes of the shown step.
     fn of_series(
         &self,
         session: &mut Session,
         registry: &Registry,
         shown: [Axis; 2],
         observer: &dyn Observer,
-    ) -> Result<Known> {
+    ) -> Result<DataScales> {
         let of = (self.nodes.as_slice(), self.folder.as_path());
         let shown = shown.map(|axis| [axis.low, axis.high]);
         series::known(session, registry, of, &self.node, &self.quantities(), shown, observer)
@@ -94,9 +94,9 @@ fn of_nearly_all(grid: &Grid, g: &[f64], progress: &dyn Progress) -> Result<Axis
     Ok(Axis { high: coarse.nearly_all(), bins: BINS, ..whole })
 }
 
-impl Work<'_> {
+impl WorkerState<'_> {
     /// The distribution; given up for a picture, and begun again after it.
-    pub(super) fn distribution(&mut self, wanted: Distribution) {
+    pub(super) fn distribution(&mut self, wanted: DistributionQuery) {
         let registry = self.registry;
         let found = self.aside(|session, following: &Following| {
             let of = (wanted.nodes.as_slice(), wanted.folder.as_path());

@@ -1,8 +1,8 @@
-//! How wrong a picture is: as it is drawn, and by the 64-bit referee, at a few thousand pixels.
+//! Error of a picture: as drawn against the 64-bit reference renderer, at a few thousand pixels.
 
 use super::following::Following;
-use super::request::Wanted;
-use super::work::{Work, picture_of};
+use super::request::RenderRequest;
+use super::work::{WorkerState, picture_of};
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_graph::{Graph, ParameterValue, Registry};
@@ -15,12 +15,12 @@ const INTEGRATOR: &str = "integrator";
 const REFEREE: &str = "reference";
 
 /// By how much the sides of a picture are divided where so many pixels are enough.
-pub(super) fn coarsened(wanted: &Wanted) -> u32 {
+pub(super) fn coarsened(wanted: &RenderRequest) -> u32 {
     (wanted.pixels() / PIXELS).sqrt().ceil().max(1.0) as u32
 }
 
 /// The graphs of both pictures.
-fn graphs(wanted: &Wanted, registry: &Registry) -> Result<[Graph; 2]> {
+fn graphs(wanted: &RenderRequest, registry: &Registry) -> Result<[Graph; 2]> {
     let divisor = coarsened(wanted);
     let mut better = wanted.clone();
     let drawing = better.nodes.iter_mut().find(|node| node.name == wanted.node);
@@ -51,9 +51,9 @@ fn difference(a: &Picture, b: &Picture) -> [f64; 2] {
     [most, (sum / (4 * a.rgba.len().max(1)) as f64).sqrt()]
 }
 
-impl Work<'_> {
-    /// How wrong a picture is; given up for a newer picture.
-    pub(super) fn estimate(&mut self, key: u64, wanted: &Wanted) {
+impl WorkerState<'_> {
+    /// Estimates the error of a picture; given up for a newer picture.
+    pub(super) fn estimate(&mut self, key: u64, wanted: &RenderRequest) {
         let registry = self.registry;
         let found = self.aside(|session, following: &Following| {
             let mut pictures = Vec::new();

@@ -27,7 +27,7 @@ impl<'a> Following<'a> {
         Following { shared, stop, told: true, node: Mutex::default(), last: Mutex::new(Instant::now()) }
     }
 
-    /// The same for work that is shown by its outcome alone.
+    /// An observer without progress reports.
     pub fn silent(shared: &'a Shared, stop: Stop<'a>) -> Self {
         Following { told: false, ..Self::new(shared, stop) }
     }

@@ -17,16 +17,16 @@
 //! | `share`, `estimate` | what a widget adds to the picture; how wrong it is |
 //! | `previews` | small pictures of the other nodes that give one |
 
-mod asked;
 mod coarse;
 mod distribution;
 mod estimate;
 mod following;
-mod look_on;
 mod own_nodes;
 mod pixels;
+mod preview_observer;
 mod previews;
 mod probing;
+mod queries;
 mod request;
 mod scales;
 mod section;
@@ -41,14 +41,16 @@ mod tests;
 mod tests_superseding;
 mod work;
 
-pub use asked::{Distributed, Distribution, Probed, Probing, Section, Sectioning, Share, Sharing};
-pub use look_on::{grouped, short};
 pub use pixels::Pixels;
-pub use request::Wanted;
+pub use preview_observer::{grouped, short};
+pub use queries::{
+    Distribution, DistributionQuery, PixelProbe, ProbeQuery, Section, SectionQuery, Share, ShareQuery,
+};
+pub use request::RenderRequest;
 pub(crate) use request::size_of;
-pub use scales::{Known, Spread};
-pub use shared::Wake;
-pub use states::{NodeState, NodeStatus, Shown};
+pub use scales::{DataScales, Spread};
+pub use shared::RepaintCallback;
+pub use states::{NodeState, NodeStatus, WorkerOutput};
 
 use shared::{Shared, lock};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -56,7 +58,7 @@ use std::sync::{Arc, Condvar, Mutex};
 use std::thread::JoinHandle;
 use voltet_core::{Error, Result};
 use voltet_graph::Registry;
-use work::Work;
+use work::WorkerState;
 
 /// The handle of the thread; dropped, it stops what runs and waits for its end.
 pub struct Worker {
@@ -66,7 +68,7 @@ pub struct Worker {
 
 impl Worker {
     /// Begins the thread. `registry`: the node types and filters that graphs may name.
-    pub fn start(registry: &Registry, wake: Wake) -> Result<Worker> {
+    pub fn start(registry: &Registry, wake: RepaintCallback) -> Result<Worker> {
         let registry = own_nodes::with_own(registry)?;
         let shared = Arc::new(Shared {
             wanted: Mutex::default(),
@@ -77,14 +79,14 @@ impl Worker {
         });
         let of_thread = shared.clone();
         let spawned = std::thread::Builder::new().name("worker".into()).spawn(move || {
-            Work::new(&of_thread, &registry).until_the_end();
+            WorkerState::new(&of_thread, &registry).until_the_end();
         });
         let thread = spawned.map_err(|error| Error::run("no thread can be had to draw with").got(error))?;
         Ok(Worker { shared, thread: Some(thread) })
     }
 
     /// Asks for a picture, in place of any that was asked for before; gives the request's number.
-    pub fn draw(&self, wanted: Wanted) -> u64 {
+    pub fn draw(&self, wanted: RenderRequest) -> u64 {
         let mut queue = lock(&self.shared.wanted);
         let number = self.shared.newest.fetch_add(1, Ordering::SeqCst) + 1;
         lock(&self.shared.shown).begin(number, &wanted);
@@ -95,31 +97,31 @@ impl Worker {
     }
 
     /// Asks for the distribution of the data, made when no picture is wanted.
-    pub fn find_distribution(&self, wanted: Distribution) {
+    pub fn find_distribution(&self, wanted: DistributionQuery) {
         lock(&self.shared.wanted).distribution = Some(wanted);
         self.shared.changed.notify_one();
     }
 
     /// Asks what lies at a place of the picture, in place of any that was asked for before.
-    pub fn probe(&self, wanted: Probing) {
+    pub fn probe(&self, wanted: ProbeQuery) {
         lock(&self.shared.wanted).probing = Some(wanted);
         self.shared.changed.notify_one();
     }
 
     /// Asks how wrong a picture is; `key` tells it from others.
-    pub fn estimate(&self, wanted: Wanted, key: u64) {
+    pub fn estimate(&self, wanted: RenderRequest, key: u64) {
         lock(&self.shared.wanted).estimate = Some((key, wanted));
         self.shared.changed.notify_one();
     }
 
     /// Asks what a plane through the data meets, in place of any that was asked for before.
-    pub fn cut(&self, wanted: Sectioning) {
+    pub fn cut(&self, wanted: SectionQuery) {
         lock(&self.shared.wanted).section = Some(wanted);
         self.shared.changed.notify_one();
     }
 
     /// Asks for a small picture of a node, made when nothing else is wanted.
-    pub fn preview(&self, wanted: Wanted) {
+    pub fn preview(&self, wanted: RenderRequest) {
         lock(&self.shared.wanted).previews.insert(wanted.node.clone(), wanted);
         self.shared.changed.notify_one();
     }
@@ -131,13 +133,13 @@ impl Worker {
     }
 
     /// Asks what a widget adds to a picture.
-    pub fn share(&self, wanted: Sharing) {
+    pub fn share(&self, wanted: ShareQuery) {
         lock(&self.shared.wanted).share = Some(wanted);
         self.shared.changed.notify_one();
     }
 
-    /// What there is to show.
-    pub fn shown<T>(&self, look: impl FnOnce(&Shown) -> T) -> T {
+    /// Calls a function with the worker's output.
+    pub fn shown<T>(&self, look: impl FnOnce(&WorkerOutput) -> T) -> T {
         look(&lock(&self.shared.shown))
     }
 }

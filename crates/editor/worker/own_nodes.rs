@@ -1,15 +1,15 @@
 //! The nodes that the worker adds to those that files may name.
 
-use super::{look_on, series};
+use super::{preview_observer, series};
 use voltet_core::Result;
 use voltet_graph::Registry;
 
-/// The same registry with the worker's own nodes.
+/// The registry with the worker's own nodes.
 pub(super) fn with_own(registry: &Registry) -> Result<Registry> {
     let mut own = registry.clone();
-    own.add(&look_on::NODE)?;
-    own.add(&look_on::ASKS_FOR_ARRAYS)?;
-    own.add(&look_on::PROBES)?;
+    own.add(&preview_observer::NODE)?;
+    own.add(&preview_observer::ASKS_FOR_ARRAYS)?;
+    own.add(&preview_observer::PROBES)?;
     own.add(&series::NODE)?;
     Ok(own)
 }

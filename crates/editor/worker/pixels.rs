@@ -20,16 +20,16 @@ pub struct Pixels {
     pub picture: Arc<Picture>,
     /// 8-bit sRGB over the background, opaque.
     pub rgba: Arc<Vec<[u8; 4]>>,
-    /// How many pixels of the full picture a side of one of these covers; 1: it is the full one.
+    /// Side of a pixel in pixels of the full picture; 1 for the full picture.
     pub divisor: u32,
-    /// Whether it was drawn in passing, from what the engine kept of the view: by itself it would differ by rounding.
+    /// True if it is a preview from the engine's cache, which differs from the full picture by rounding.
     pub is_passing: bool,
     /// The number of the request that it was drawn for.
     pub number: u64,
 }
 
 impl Pixels {
-    pub(super) fn of(picture: Arc<Picture>, background: [f64; 3], divisor: u32, number: u64) -> Pixels {
+    pub(super) fn new(picture: Arc<Picture>, background: [f64; 3], divisor: u32, number: u64) -> Pixels {
         let behind = background.map(|channel| channel as f32);
         let srgb = |v: f32| SRGB[(v.clamp(0.0, 1.0) * STEPS as f32 + 0.5) as usize];
         let rgba: Vec<[u8; 4]> = picture
@@ -44,7 +44,7 @@ impl Pixels {
         Pixels { picture, rgba: Arc::new(rgba), divisor, is_passing: false, number }
     }
 
-    /// Whether it is the picture that a run of the document gives.
+    /// True if it is the picture that a run of the document gives.
     pub fn is_full(&self) -> bool {
         self.divisor == 1 && !self.is_passing
     }
@@ -68,7 +68,7 @@ mod tests {
     fn pixels_are_those_of_a_png() {
         let rgba: Vec<[f32; 4]> = (0..=1000).map(|i| [i as f32 / 1000.0, 0.0, 0.0, 1.0]).collect();
         let picture = Arc::new(Picture { width: 1001, height: 1, rgba });
-        for (i, pixel) in Pixels::of(picture, [0.0; 3], 1, 1).rgba.iter().enumerate() {
+        for (i, pixel) in Pixels::new(picture, [0.0; 3], 1, 1).rgba.iter().enumerate() {
             let exact = srgb_from_linear(i as f32 / 1000.0) * 255.0;
             assert!((f32::from(pixel[0]) - exact).abs() <= 0.7, "{i}: {} for {exact}", pixel[0]);
         }
@@ -77,7 +77,7 @@ mod tests {
     #[test]
     fn the_background_shows_where_nothing_is_drawn() {
         let picture = Arc::new(Picture { width: 1, height: 1, rgba: vec![[0.0; 4]] });
-        let pixels = Pixels::of(picture, [1.0, 0.0, 0.5], 1, 1);
+        let pixels = Pixels::new(picture, [1.0, 0.0, 0.5], 1, 1);
         assert_eq!(pixels.rgba[0], [255, 0, 188, 255]);
     }
 }

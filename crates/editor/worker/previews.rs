@@ -1,11 +1,11 @@
 //! Small pictures for the nodes whose pictures are not the one that is shown.
 
 use super::following::Following;
-use super::look_on::NAME;
 use super::pixels::Pixels;
-use super::request::Wanted;
+use super::preview_observer::NAME;
+use super::request::RenderRequest;
 use super::shared::lock;
-use super::work::Work;
+use super::work::WorkerState;
 use voltet_core::{Error, Result};
 use voltet_graph::{Demand, Registry, Session, Value};
 
@@ -14,7 +14,7 @@ const PIXELS: f64 = 160.0 * 120.0;
 
 /// The picture, without the nodes that it does not need being forgotten as a run forgets them.
 fn draw(
-    wanted: &Wanted,
+    wanted: &RenderRequest,
     session: &mut Session,
     registry: &Registry,
     following: &Following,
@@ -29,13 +29,13 @@ fn draw(
         Value::Image(picture) if graph.nodes[edge.node].name == wanted.node => Some(picture),
         _ => None,
     });
-    Ok(Pixels::of(pictures.next().ok_or_else(none)?, wanted.background, divisor, 0))
+    Ok(Pixels::new(pictures.next().ok_or_else(none)?, wanted.background, divisor, 0))
 }
 
-impl Work<'_> {
+impl WorkerState<'_> {
     /// A small picture; given up for the one that is shown, and begun again after it. One that cannot be drawn is none: what is
     /// wrong is said at its node.
-    pub(super) fn preview(&mut self, wanted: Wanted) {
+    pub(super) fn preview(&mut self, wanted: RenderRequest) {
         let registry = self.registry;
         let found = self.aside(|session, following: &Following| draw(&wanted, session, registry, following));
         match found {

@@ -1,9 +1,9 @@
-//! What lies on rays of the picture: the values there, weighted by what they add to it.
+//! Values on rays of the picture, weighted by their contribution to it.
 
-use super::asked::{Probed, Probing};
 use super::following::Following;
-use super::look_on::{PROBES, entry, feeding};
-use super::work::Work;
+use super::preview_observer::{PROBES, entry, feeding};
+use super::queries::{PixelProbe, ProbeQuery};
+use super::work::WorkerState;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
@@ -17,7 +17,7 @@ use voltet_optics::reference::Tracer;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Shading, VisibilityOrder};
 
-impl Probing {
+impl ProbeQuery {
     /// The graph, and the place in it of the node that is fed.
     fn graph(&self, registry: &Registry) -> Result<(Graph, usize)> {
         let mut nodes: Vec<NodeEntry> = Vec::new();
@@ -37,7 +37,7 @@ impl Probing {
     }
 
     /// Walks the rays.
-    fn walk(&self, values: &[Value], progress: &dyn Progress) -> Result<Probed> {
+    fn walk(&self, values: &[Value], progress: &dyn Progress) -> Result<PixelProbe> {
         let mut volume: Option<Arc<Volume>> = None;
         let mut look: Option<Arc<TransferFunctionSpec>> = None;
         let mut camera: Option<Arc<Camera>> = None;
@@ -68,7 +68,7 @@ impl Probing {
         };
         let tracer = Tracer::new(&scene)?;
         let transfer_function = &scene.transfer_function;
-        let mut probed = Probed { key: self.key, rays: self.places.len(), ..Probed::default() };
+        let mut probed = PixelProbe { key: self.key, rays: self.places.len(), ..PixelProbe::default() };
         let (mut seen_most, [width, height]) = (0.0, camera.size.map(f64::from));
         for place in &self.places {
             if progress.cancelled() {
@@ -98,9 +98,9 @@ impl Probing {
     }
 }
 
-impl Work<'_> {
-    /// What lies at places of the picture; given up for a newer picture, in which it lies elsewhere.
-    pub(super) fn probe(&mut self, wanted: &Probing) {
+impl WorkerState<'_> {
+    /// Probes positions of the picture; given up for a newer picture, in which the values lie elsewhere.
+    pub(super) fn probe(&mut self, wanted: &ProbeQuery) {
         let registry = self.registry;
         let found = self.aside(|session, following: &Following| {
             let (graph, place) = wanted.graph(registry)?;
@@ -113,7 +113,7 @@ impl Work<'_> {
     }
 }
 
-impl Probed {
+impl PixelProbe {
     /// Mean and covariance of the values by their shares; `None` where there are none.
     pub fn moments(&self) -> Option<([f64; 2], [[f64; 2]; 2])> {
         let total: f64 = self.values.iter().map(|(_, share)| share).sum();
@@ -136,10 +136,11 @@ mod tests {
     #[test]
     fn moments_are_those_of_the_values_by_their_shares() {
         let values = vec![([1.0, 10.0], 1.0), ([3.0, 30.0], 1.0), ([50.0, 5.0], 0.0)];
-        let (centre, covariance) = Probed { values, ..Probed::default() }.moments().unwrap();
+        let (centre, covariance) = PixelProbe { values, ..PixelProbe::default() }.moments().unwrap();
         assert_eq!((centre, covariance), ([2.0, 20.0], [[1.0, 10.0], [10.0, 100.0]]));
-        let (_, of_one) = Probed { values: vec![([7.0, 2.0], 0.3)], ..Probed::default() }.moments().unwrap();
+        let (_, of_one) =
+            PixelProbe { values: vec![([7.0, 2.0], 0.3)], ..PixelProbe::default() }.moments().unwrap();
         assert!(of_one.as_flattened().iter().all(|x| x.abs() < 1e-20), "{of_one:?}");
-        assert!(Probed::default().moments().is_none());
+        assert!(PixelProbe::default().moments().is_none());
     }
 }

@@ -1,6 +1,6 @@
-//! What is asked of the worker: nodes as a document states them, and which of their outputs is looked at.
+//! Request to the worker: nodes as a document states them, and the output to show.
 
-use super::look_on::{NAME, entry, feeding};
+use super::preview_observer::{NAME, entry, feeding};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use voltet_core::Result;
@@ -14,7 +14,7 @@ const SAMPLES: &str = "samples";
 
 /// A picture that is wanted.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Wanted {
+pub struct RenderRequest {
     /// The nodes of the document; those that do not feed the picture are of no account, even broken.
     pub nodes: Vec<NodeEntry>,
     /// The folder that paths are relative to.
@@ -25,11 +25,11 @@ pub struct Wanted {
     pub size: Option<[u32; 2]>,
     /// Linear RGB behind it.
     pub background: [f64; 3],
-    /// Whether a picture of fewer pixels is wanted while the full one is drawn.
+    /// True if a picture of fewer pixels is shown while the full one is drawn.
     pub coarse_first: bool,
 }
 
-impl Wanted {
+impl RenderRequest {
     /// The names of the nodes that feed the picture, and its own.
     pub fn upstream(&self) -> BTreeSet<String> {
         upstream(&self.nodes, &self.node)
@@ -52,7 +52,7 @@ impl Wanted {
         size_of(node)
     }
 
-    /// Whether the node is one that takes no time to speak of: what is left of a run is drawing.
+    /// True if the node takes negligible time: the rest of a run is drawing.
     pub(super) fn is_cheap(&self, name: &str) -> bool {
         const QUICK: [&str; 8] =
             [CAMERA, "transfer-function", "cull", "sort", "project", "composite", "renderer", "gpu-renderer"];

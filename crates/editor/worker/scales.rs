@@ -1,5 +1,5 @@
-//! What the data say of quantities: their ranges, and the volume below each value. Numbers relative to data are found by it, and
-//! turned back into such where a hand moved them.
+//! Statistics of the data's quantities: their ranges, and the volume below each value. They convert numbers relative to
+//! data to absolute ones and back.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -92,16 +92,16 @@ fn between(from: &[f64], to: &[f64], x: f64) -> f64 {
     }
 }
 
-/// What is known of the data.
+/// Statistics of the data.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Known {
+pub struct DataScales {
     /// Least and largest values.
     pub ranges: BTreeMap<ArrayRef, [f64; 2]>,
-    /// Of the quantities of the plane.
+    /// Spreads of the plane's quantities.
     pub spreads: BTreeMap<ArrayRef, Spread>,
 }
 
-impl DataStatistics for Known {
+impl DataStatistics for DataScales {
     fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]> {
         self.ranges.get(quantity).copied().ok_or_else(|| unknown(quantity))
     }

@@ -1,20 +1,20 @@
-//! What a plane through the data meets: s and g at the pixels of a picture of it, linear in each cell.
+//! Section of the data by a plane: s and g at the pixels of a picture of it, linear in each cell.
 
-use super::asked::{Section, Sectioning};
 use super::following::Following;
-use super::look_on::volume_with;
+use super::preview_observer::volume_with;
+use super::queries::{Section, SectionQuery};
 use super::shared::lock;
-use super::work::Work;
+use super::work::WorkerState;
 use glam::{DMat3, DVec2, DVec3};
 use std::sync::Arc;
 use voltet_core::progress::Progress;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 
-/// How far outside of a cell, in its barycentric coordinates, a place still counts as on its face.
+/// Barycentric distance outside of a cell within which a position still counts as on its face.
 const ON_FACE: f64 = 1e-9;
 
-impl Sectioning {
+impl SectionQuery {
     /// World units a pixel.
     fn step(&self) -> f64 {
         2.0 * self.half / self.size[1].max(1) as f64
@@ -101,9 +101,9 @@ impl Sectioning {
     }
 }
 
-impl Work<'_> {
+impl WorkerState<'_> {
     /// A section; given up for a picture, and begun again after it.
-    pub(super) fn section(&mut self, wanted: Sectioning) {
+    pub(super) fn section(&mut self, wanted: SectionQuery) {
         let registry = self.registry;
         let found = self.aside(|session, following: &Following| {
             let of = (wanted.nodes.as_slice(), wanted.folder.as_path());

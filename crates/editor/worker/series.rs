@@ -1,7 +1,7 @@
-//! What all steps of a time series say together: a node that looks at each step, one at a time, as the transfer function does.
+//! Statistics of all steps of a time series: a node that reads one step at a time, as the transfer function does.
 
-use super::look_on::{NAME, entry, feeding};
-use super::scales::{Known, Spread, values};
+use super::preview_observer::{NAME, entry, feeding};
+use super::scales::{DataScales, Spread, values};
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::error::ErrorKind;
@@ -42,7 +42,7 @@ const QUANTITIES: &str = "quantities";
 const SHOWN: &str = "shown";
 const GRADIENT: &str = "gradient";
 
-/// What a quantity is called in the parameters, and back.
+/// Name of a quantity in the parameters.
 fn named(quantity: &ArrayRef) -> String {
     match quantity {
         ArrayRef::Array(name) => format!("/{name}"),
@@ -57,8 +57,8 @@ fn quantity(text: &str) -> ArrayRef {
     }
 }
 
-/// What was found of the series, by the quantities and axes that it was found for.
-type Kept = Mutex<Vec<((Vec<String>, Vec<u64>), Known)>>;
+/// Statistics of the series, by the quantities and axes that they were computed for.
+type SeriesCache = Mutex<Vec<((Vec<String>, Vec<u64>), DataScales)>>;
 
 fn run(call: &mut RunContext) -> Result<Outputs> {
     let names = call.parameters.texts(QUANTITIES)?;
@@ -70,7 +70,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
             demand.arrays.insert(name.clone());
         }
     }
-    let kept: Arc<Kept> = call.keep_over_steps("volume", &demand, || Ok(Kept::default()))?;
+    let kept: Arc<SeriesCache> = call.keep_over_steps("volume", &demand, || Ok(SeriesCache::default()))?;
     let key = (names, shown.iter().map(|x| x.to_bits()).collect::<Vec<_>>());
     let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
     let known = match kept.iter().find(|(of, _)| *of == key) {
@@ -85,14 +85,14 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
 }
 
 /// Every step is read twice: for the ranges, and for the volumes below values within them.
-fn find(call: &RunContext, demand: &Demand, quantities: &[ArrayRef], shown: &[f64]) -> Result<Known> {
+fn find(call: &RunContext, demand: &Demand, quantities: &[ArrayRef], shown: &[f64]) -> Result<DataScales> {
     let each = |look: &mut dyn FnMut(&Volume) -> Result<()>| {
         call.each_step("volume", demand, &mut |_, value| match value.volume() {
             Some(volume) => look(&*volume?),
             None => Ok(()),
         })
     };
-    let mut known = Known::default();
+    let mut known = DataScales::default();
     each(&mut |volume| {
         for quantity in quantities {
             let [low, high] = value_range(&values(volume, quantity)?)?;
@@ -116,7 +116,8 @@ fn find(call: &RunContext, demand: &Demand, quantities: &[ArrayRef], shown: &[f6
     Ok(known)
 }
 
-/// What all steps of the series that feeds an output say of quantities, the axes of the plane first. `shown`: low and high of these.
+/// Statistics of quantities over all steps of the series that feeds an output, the axes of the plane first. `shown`: low
+/// and high of these.
 pub(super) fn known(
     session: &mut Session,
     registry: &Registry,
@@ -125,9 +126,9 @@ pub(super) fn known(
     quantities: &[ArrayRef],
     shown: [[f64; 2]; 2],
     observer: &dyn Observer,
-) -> Result<Known> {
+) -> Result<DataScales> {
     let (name, _) = voltet_document::links::source(source, nodes);
-    let mut look = |gradient: bool| -> Result<Known> {
+    let mut look = |gradient: bool| -> Result<DataScales> {
         let mut nodes = feeding(nodes, name)?;
         let text = |text: &str| LocatedValue::from(ParameterValue::Text(text.to_string()));
         let number = |x: &f64| LocatedValue::from(ParameterValue::Number(*x));
@@ -156,7 +157,7 @@ pub(super) fn known(
         let graph = Graph::build(&nodes, registry, folder.to_path_buf())?;
         let (values, _) = session.feed(&graph, graph.nodes.len() - 1, &Demand::default(), observer)?;
         let found = values.into_iter().find_map(|value| match value {
-            Value::Cells(found) => found.downcast::<Known>().ok(),
+            Value::Cells(found) => found.downcast::<DataScales>().ok(),
             _ => None,
         });
         found.map(Arc::unwrap_or_clone).ok_or_else(|| Error::run("nothing was found of the series"))

@@ -1,10 +1,10 @@
-//! What a widget adds to the picture: a coarse picture with it and without it, and one of it alone for its cells.
+//! Contribution of a widget to the picture: a coarse picture with it and without it, and one of it alone for its cells.
 
-use super::asked::{Share, Sharing};
 use super::estimate::coarsened;
 use super::following::Following;
-use super::request::Wanted;
-use super::work::{Work, picture_of};
+use super::queries::{Share, ShareQuery};
+use super::request::RenderRequest;
+use super::work::{WorkerState, picture_of};
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::picture::Picture;
@@ -28,9 +28,9 @@ impl Share {
     }
 }
 
-impl Sharing {
+impl ShareQuery {
     /// The nodes with those widgets alone that `keeps` says.
-    fn with(&self, keeps: &dyn Fn(usize) -> bool) -> Wanted {
+    fn with(&self, keeps: &dyn Fn(usize) -> bool) -> RenderRequest {
         let mut wanted = self.wanted.clone();
         let find = |node: &&mut NodeEntry| node.name == self.look;
         let field = wanted.nodes.iter_mut().find(find);
@@ -43,12 +43,12 @@ impl Sharing {
     }
 }
 
-impl Work<'_> {
+impl WorkerState<'_> {
     /// The share of a widget; given up for a newer picture, which will ask again.
-    pub(super) fn share(&mut self, wanted: &Sharing) {
+    pub(super) fn share(&mut self, wanted: &ShareQuery) {
         let registry = self.registry;
         let found = self.aside(|session, following: &Following| {
-            let mut draw = |wanted: &Wanted| -> Result<(Arc<Picture>, RunReport)> {
+            let mut draw = |wanted: &RenderRequest| -> Result<(Arc<Picture>, RunReport)> {
                 let graph = wanted.graph(registry, coarsened(wanted))?;
                 let report = session.run(&graph, following)?;
                 Ok((picture_of(&report, wanted)?, report))

@@ -1,9 +1,9 @@
-//! What there is to show of the worker's work.
+//! Output of the worker.
 
-use super::asked::{Distributed, Probed, Section, Share};
-use super::look_on::{NAME, Values};
 use super::pixels::Pixels;
-use super::request::Wanted;
+use super::preview_observer::{NAME, Values};
+use super::queries::{Distribution, PixelProbe, Section, Share};
+use super::request::RenderRequest;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use voltet_core::{Error, Result};
 use voltet_document::links::upstream;
 use voltet_graph::RunReport;
 
-/// How a node stands.
+/// States of a node.
 #[derive(Debug, Clone, PartialEq)]
 pub enum NodeState {
     /// It did not run yet for what is wanted now.
@@ -28,22 +28,22 @@ pub enum NodeState {
 /// A node that feeds the picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NodeStatus {
-    /// How it stands.
+    /// Its state.
     pub state: NodeState,
     /// Seconds that its outputs took when they were made last.
     pub seconds: Option<f64>,
 }
 
-/// What the worker did last.
+/// Latest output of the worker.
 #[derive(Default)]
-pub struct Shown {
+pub struct WorkerOutput {
     /// The newest picture.
     pub pixels: Option<Pixels>,
     /// The nodes that feed the picture; the others are not needed for it.
     pub nodes: BTreeMap<String, NodeStatus>,
     /// Why there is no newer picture.
     pub failure: Option<Error>,
-    /// Whether something newer than the picture is being made.
+    /// True if something newer than the picture is being drawn.
     pub is_busy: bool,
     /// Seconds of the last full picture, and of the last that was coarse or drawn in passing.
     pub seconds: [Option<f64>; 2],
@@ -56,22 +56,22 @@ pub struct Shown {
     /// Least and greatest coordinates of the data.
     pub bounds: Option<[DVec3; 2]>,
     /// The distribution of the data, with the key that it was asked for by.
-    pub distribution: Option<(u64, Result<Arc<Distributed>>)>,
-    /// What was found at a place of the picture, with the key that it was asked for by.
-    pub probed: Option<(u64, Result<Arc<Probed>>)>,
-    /// What a plane through the data meets, with the key that it was asked for by.
+    pub distribution: Option<(u64, Result<Arc<Distribution>>)>,
+    /// Result of the last probe, with the key of its query.
+    pub probed: Option<(u64, Result<Arc<PixelProbe>>)>,
+    /// The last section, with the key of its query.
     pub section: Option<(u64, Result<Arc<Section>>)>,
-    /// What a widget adds to the picture, with the key that it was asked for by.
+    /// The last widget's contribution, with the key of its query.
     pub share: Option<(u64, Result<Share>)>,
     /// Small pictures of nodes that are not shown at large.
     pub previews: BTreeMap<String, Pixels>,
     number: u64,
-    wanted: Option<Wanted>,
+    wanted: Option<RenderRequest>,
 }
 
-impl Shown {
+impl WorkerOutput {
     /// A picture is wanted: what changed, and what follows from it, is stale.
-    pub(super) fn begin(&mut self, number: u64, wanted: &Wanted) {
+    pub(super) fn begin(&mut self, number: u64, wanted: &RenderRequest) {
         (self.number, self.is_busy) = (number, true);
         let former = self.wanted.replace(wanted.clone());
         let before = |name: &str| former.as_ref().and_then(|f| f.nodes.iter().find(|node| node.name == name));

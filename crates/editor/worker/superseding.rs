@@ -6,7 +6,7 @@
 //!
 //! A picture that was drawn to its end after another kind of change is not shown.
 
-use super::request::Wanted;
+use super::request::RenderRequest;
 use super::shared::{Shared, lock};
 use std::collections::BTreeSet;
 use std::sync::atomic::Ordering;
@@ -19,29 +19,34 @@ use voltet_graph::NodeEntry;
 pub(super) struct Pass<'a> {
     shared: &'a Shared,
     number: u64,
-    wanted: &'a Wanted,
+    wanted: &'a RenderRequest,
     begun: Instant,
-    /// How long it goes on while a hand moves; `None` for a picture that a coarse one came before.
+    /// Time limit while the user moves on; `None` for a picture after a coarse one.
     patience: Option<Duration>,
-    /// What the newest wish, by its number, changes.
+    /// Changes of the newest request, by its number.
     judged: Mutex<Option<(u64, Arc<Change>)>>,
 }
 
-/// What a wish changes of another.
+/// Changes from one request to another.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Change {
     /// The nodes whose output is another, or is not needed any more.
     touched: BTreeSet<String>,
-    /// Whether it is a hand's movement.
+    /// True if it is a movement by the pointer.
     moves: bool,
 }
 
 impl<'a> Pass<'a> {
-    pub fn new(shared: &'a Shared, number: u64, wanted: &'a Wanted, patience: Option<Duration>) -> Self {
+    pub fn new(
+        shared: &'a Shared,
+        number: u64,
+        wanted: &'a RenderRequest,
+        patience: Option<Duration>,
+    ) -> Self {
         Pass { shared, number, wanted, begun: Instant::now(), patience, judged: Mutex::default() }
     }
 
-    /// Whether it is to stop. `running`: the node that runs; none between two.
+    /// True if the pass is to stop. `running`: the node that runs; none between two.
     pub fn stops(&self, running: &dyn Fn() -> Option<String>) -> bool {
         let newest = self.shared.newest.load(Ordering::SeqCst);
         if newest == self.number {
@@ -54,13 +59,13 @@ impl<'a> Pass<'a> {
         running().is_none_or(|node| change.touched.contains(&node))
     }
 
-    /// Whether its picture is of no use any more, even to a hand that moves.
+    /// True if its picture is useless, even during a movement.
     pub fn is_stale(&self) -> bool {
         let newest = self.shared.newest.load(Ordering::SeqCst);
         newest != self.number && self.change(newest).is_none_or(|change| !change.moves)
     }
 
-    /// What the newest wish changes; none where the worker ends.
+    /// Changes of the newest request; `None` if the worker ends.
     fn change(&self, newest: u64) -> Option<Arc<Change>> {
         let mut judged = lock(&self.judged);
         if let Some((number, change)) = &*judged
@@ -76,7 +81,7 @@ impl<'a> Pass<'a> {
 }
 
 impl Change {
-    fn between(before: &Wanted, now: &Wanted) -> Change {
+    fn between(before: &RenderRequest, now: &RenderRequest) -> Change {
         let elsewhere = before.folder != now.folder;
         let needed = now.upstream();
         let is_other = |name: &String| elsewhere || find(&before.nodes, name) != find(&now.nodes, name);
@@ -96,7 +101,7 @@ fn find<'a>(nodes: &'a [NodeEntry], name: &str) -> Option<&'a NodeEntry> {
     nodes.iter().find(|node| node.name == name)
 }
 
-/// Whether two states of a node differ in what a hand moves in the picture or over the histogram.
+/// True if two states of a node differ in numbers that the pointer moves in the picture or over the histogram.
 fn is_movement(before: &NodeEntry, now: &NodeEntry) -> bool {
     let is_moved = ["camera", "transfer-function"].iter().any(|name| before.node_type.text() == Some(name));
     is_moved && NodeEntry { settings: now.settings.clone(), ..before.clone() } == *now
@@ -109,9 +114,9 @@ mod tests {
     use voltet_graph::pipeline::Pipeline;
     use voltet_graph::{LocatedValue, ParameterValue};
 
-    fn wanted() -> Wanted {
-        Wanted {
-            nodes: Pipeline::parse(include_str!("../by_hand/scene.toml")).unwrap().nodes,
+    fn wanted() -> RenderRequest {
+        RenderRequest {
+            nodes: Pipeline::parse(include_str!("../ui_tests/scene.toml")).unwrap().nodes,
             folder: PathBuf::new(),
             node: "picture".into(),
             size: None,
@@ -120,14 +125,14 @@ mod tests {
         }
     }
 
-    fn with(node: &str, key: &str, datum: ParameterValue) -> Wanted {
+    fn with(node: &str, key: &str, datum: ParameterValue) -> RenderRequest {
         let mut wanted = wanted();
         let node = wanted.nodes.iter_mut().find(|entry| entry.name == node).unwrap();
         node.set(key, &[], LocatedValue::from(datum)).unwrap();
         wanted
     }
 
-    fn touched(now: &Wanted) -> (Vec<String>, bool) {
+    fn touched(now: &RenderRequest) -> (Vec<String>, bool) {
         let change = Change::between(&wanted(), now);
         (change.touched.into_iter().collect(), change.moves)
     }
@@ -146,9 +151,9 @@ mod tests {
         );
         let other = with("gradient", "method", ParameterValue::Text("cell-average".into()));
         assert_eq!(touched(&other), (of(&["gradient", "picture"]), false));
-        let elsewhere = Wanted { folder: "elsewhere".into(), ..wanted() };
+        let elsewhere = RenderRequest { folder: "elsewhere".into(), ..wanted() };
         assert_eq!(touched(&elsewhere).0.len(), 5);
-        let other_node = Wanted { node: "gradient".into(), ..wanted() };
+        let other_node = RenderRequest { node: "gradient".into(), ..wanted() };
         assert_eq!(touched(&other_node), (of(&["look", "picture", "view"]), false));
     }
 }

@@ -11,7 +11,7 @@ use voltet_graph::{
 
 /// The scene of the tests by hand, drawn stage by stage.
 static TEXT: LazyLock<String> = LazyLock::new(|| {
-    let scene = include_str!("../by_hand/scene.toml");
+    let scene = include_str!("../ui_tests/scene.toml");
     let (before, after) = scene.split_once("[nodes.picture]").unwrap();
     let (_, after) = after.split_once("[nodes.file]").unwrap();
     format!(
@@ -35,8 +35,8 @@ pub(super) fn nodes(text: &str) -> Vec<NodeEntry> {
     Pipeline::parse(text).unwrap().nodes
 }
 
-pub(super) fn wanted(nodes: Vec<NodeEntry>, folder: &std::path::Path) -> Wanted {
-    Wanted {
+pub(super) fn wanted(nodes: Vec<NodeEntry>, folder: &std::path::Path) -> RenderRequest {
+    RenderRequest {
         nodes,
         folder: folder.to_path_buf(),
         node: "picture".into(),
@@ -78,7 +78,7 @@ fn ran(worker: &Worker) -> Vec<String> {
 fn the_picture_is_that_of_a_run_bit_for_bit_and_nothing_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let worker = worker();
-    let number = worker.draw(Wanted { coarse_first: true, ..wanted(nodes(&TEXT), folder.path()) });
+    let number = worker.draw(RenderRequest { coarse_first: true, ..wanted(nodes(&TEXT), folder.path()) });
     settle(&worker);
     let drawn = worker.shown(|shown| shown.pixels.clone().unwrap());
     assert_eq!((drawn.divisor, drawn.number, drawn.size()), (1, number, [160, 120]));
@@ -94,13 +94,13 @@ fn the_picture_is_that_of_a_run_bit_for_bit_and_nothing_is_written() {
 #[test]
 fn at_last_the_picture_is_that_of_a_run_bit_for_bit() {
     let worker = worker();
-    let mut nodes = nodes(include_str!("../by_hand/scene.toml"));
+    let mut nodes = nodes(include_str!("../ui_tests/scene.toml"));
     let folder = tempfile::tempdir().unwrap();
     let mut passed = 0;
     for step in 0..24 {
         let centre = [140.0 + f64::from(step), 22.0].map(|x| LocatedValue::from(ParameterValue::Number(x)));
         set(&mut nodes, "look", &["widgets", "0", "centre"], ParameterValue::List(centre.to_vec()));
-        let wanted = Wanted { coarse_first: true, ..wanted(nodes.clone(), folder.path()) };
+        let wanted = RenderRequest { coarse_first: true, ..wanted(nodes.clone(), folder.path()) };
         let number = worker.draw(wanted);
         let drawn = || worker.shown(|shown| shown.pixels.clone().filter(|pixels| pixels.number == number));
         while drawn().is_none() {
@@ -163,7 +163,7 @@ fn of_a_moved_widget_the_drawing_alone_is_made_again() {
 
 #[test]
 fn of_what_follows_from_a_change_alone_is_said_that_it_is_stale() {
-    let mut shown = Shown::default();
+    let mut shown = WorkerOutput::default();
     let mut nodes = nodes(&TEXT);
     shown.begin(1, &wanted(nodes.clone(), &PathBuf::new()));
     let names: Vec<String> = shown.nodes.keys().cloned().collect();
@@ -247,7 +247,7 @@ fn the_distribution_comes_late_and_leaves_the_picture_as_it_is() {
     set(&mut one_dimensional, "look", &["widgets", "0", "sigma"], sigma);
     worker.draw(wanted(one_dimensional.clone(), &PathBuf::new()));
     let nodes = one_dimensional.clone();
-    worker.find_distribution(Distribution {
+    worker.find_distribution(DistributionQuery {
         of_series: false,
         nodes,
         folder: PathBuf::new(),

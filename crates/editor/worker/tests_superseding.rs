@@ -130,7 +130,8 @@ fn a_node_that_a_change_does_not_touch_runs_to_its_end_and_serves() {
         std::thread::sleep(Duration::from_millis(2));
     }
     for number in 1..20 {
-        last = worker.draw(Wanted { coarse_first: true, ..wanted(nodes(&text(number)), &PathBuf::new()) });
+        last = worker
+            .draw(RenderRequest { coarse_first: true, ..wanted(nodes(&text(number)), &PathBuf::new()) });
         std::thread::sleep(Duration::from_millis(10));
     }
     settle(&worker);
@@ -144,7 +145,7 @@ fn a_coarse_picture_is_stopped_by_a_change_of_another_kind() {
     let worker = worker_with_own();
     let of = |number: i64| {
         let text = format!("[pipeline]\nformat = 1\n[nodes.picture]\ntype = \"slow\"\nnumber = {number}");
-        Wanted { coarse_first: true, ..wanted(nodes(&text), &PathBuf::new()) }
+        RenderRequest { coarse_first: true, ..wanted(nodes(&text), &PathBuf::new()) }
     };
     let begun = BEGUN.load(Ordering::SeqCst);
     worker.draw(of(-1));
@@ -193,7 +194,7 @@ fn a_steady_drag_shows_pictures() {
              fov_y = {}\n[nodes.picture]\ntype = \"renderer\"\ninputs = {{ camera = \"view\" }}\n",
             25.0 + 0.1 * f64::from(step)
         );
-        worker.draw(Wanted { coarse_first: true, ..wanted(nodes(&text), &PathBuf::new()) })
+        worker.draw(RenderRequest { coarse_first: true, ..wanted(nodes(&text), &PathBuf::new()) })
     };
     (0..2).for_each(|step| {
         draw(1000 + step);

@@ -1,11 +1,11 @@
 //! The thread's own work: the newest wish first, panics caught.
 
-use super::asked::{Distribution, Probing, Sectioning, Sharing};
-use super::coarse::Pace;
+use super::coarse::FrameTimeModel;
 use super::following::Following;
-use super::look_on::{self, Values};
 use super::pixels::Pixels;
-use super::request::Wanted;
+use super::preview_observer::{self, Values};
+use super::queries::{DistributionQuery, ProbeQuery, SectionQuery, ShareQuery};
+use super::request::RenderRequest;
 use super::shared::{Shared, lock};
 use super::superseding::Pass;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -18,21 +18,21 @@ use voltet_core::{Error, Result};
 use voltet_graph::{Demand, Graph, NoObserver, Registry, RunReport, Session};
 
 enum Task {
-    Picture(u64, Wanted),
-    Probing(Probing),
-    Section(Sectioning),
-    Estimate(u64, Wanted),
-    Distribution(Distribution),
-    Share(Sharing),
-    Preview(Wanted),
+    Picture(u64, RenderRequest),
+    ProbeQuery(ProbeQuery),
+    Section(SectionQuery),
+    Estimate(u64, RenderRequest),
+    DistributionQuery(DistributionQuery),
+    Share(ShareQuery),
+    Preview(RenderRequest),
 }
 
 /// The thread's own.
-pub(super) struct Work<'a> {
+pub(super) struct WorkerState<'a> {
     pub shared: &'a Shared,
     pub registry: &'a Registry,
     session: Session,
-    pace: Pace,
+    pace: FrameTimeModel,
 }
 
 /// One whose widgets a hand moves.
@@ -40,19 +40,19 @@ fn session() -> Session {
     voltet_nodes::session().widgets_move()
 }
 
-impl<'a> Work<'a> {
+impl<'a> WorkerState<'a> {
     pub fn new(shared: &'a Shared, registry: &'a Registry) -> Self {
-        Work { shared, registry, session: session(), pace: Pace::default() }
+        WorkerState { shared, registry, session: session(), pace: FrameTimeModel::default() }
     }
 
     pub fn until_the_end(&mut self) {
         while let Some(task) = self.next() {
             match task {
                 Task::Picture(number, wanted) => self.picture(number, &wanted),
-                Task::Probing(wanted) => self.probe(&wanted),
+                Task::ProbeQuery(wanted) => self.probe(&wanted),
                 Task::Section(wanted) => self.section(wanted),
                 Task::Estimate(key, wanted) => self.estimate(key, &wanted),
-                Task::Distribution(wanted) => self.distribution(wanted),
+                Task::DistributionQuery(wanted) => self.distribution(wanted),
                 Task::Share(wanted) => self.share(&wanted),
                 Task::Preview(wanted) => self.preview(wanted),
             }
@@ -69,7 +69,7 @@ impl<'a> Work<'a> {
                 return Some(Task::Picture(self.shared.newest.load(Ordering::SeqCst), wanted));
             }
             if let Some(wanted) = queue.probing.take() {
-                return Some(Task::Probing(wanted));
+                return Some(Task::ProbeQuery(wanted));
             }
             if let Some(wanted) = queue.section.take() {
                 return Some(Task::Section(wanted));
@@ -78,7 +78,7 @@ impl<'a> Work<'a> {
                 return Some(Task::Estimate(key, wanted));
             }
             if let Some(wanted) = queue.distribution.take() {
-                return Some(Task::Distribution(wanted));
+                return Some(Task::DistributionQuery(wanted));
             }
             if let Some(wanted) = queue.share.take() {
                 return Some(Task::Share(wanted));
@@ -92,7 +92,7 @@ impl<'a> Work<'a> {
 
     /// Draws what is wanted: coarse first where the full picture takes longer than a person waits for, and from what the engine kept of
     /// the view where it can; at last the picture that a run gives.
-    fn picture(&mut self, number: u64, wanted: &Wanted) {
+    fn picture(&mut self, number: u64, wanted: &RenderRequest) {
         self.pace.look_from(wanted.cameras());
         let mut is_full = false;
         // The first picture of a wish is for a hand that moves, whether it is coarse or quick enough to have all pixels.
@@ -116,7 +116,7 @@ impl<'a> Work<'a> {
         self.shared.show(|shown| shown.settled(number));
     }
 
-    /// What a pass gave; shows the error of one that failed.
+    /// Result of a pass; shows the error of one that failed.
     fn keep<T>(&self, number: u64, outcome: Result<T>) -> Option<T> {
         outcome.map_err(|error| self.shared.show(|shown| shown.failed(number, error))).ok()
     }
@@ -126,7 +126,7 @@ impl<'a> Work<'a> {
     fn pass(
         &mut self,
         number: u64,
-        wanted: &Wanted,
+        wanted: &RenderRequest,
         divisor: u32,
         patience: Option<Duration>,
     ) -> Result<bool> {
@@ -141,7 +141,7 @@ impl<'a> Work<'a> {
         })?;
         let seconds = start.elapsed().as_secs_f64();
         let drew_alone = report.nodes.iter().all(|node| node.reused || wanted.is_cheap(&node.name));
-        let drawn = Pixels::of(picture_of(&report, wanted)?, wanted.background, divisor, number);
+        let drawn = Pixels::new(picture_of(&report, wanted)?, wanted.background, divisor, number);
         let pixels = Pixels { is_passing: report.is_passing, ..drawn };
         match report.is_passing {
             _ if !drew_alone => {}
@@ -157,14 +157,14 @@ impl<'a> Work<'a> {
         Ok(is_full)
     }
 
-    /// What runs through the wires, in words; the session has all of it.
+    /// Descriptions of the values on the wires, from the session's cache.
     fn values(&mut self, graph: &Graph) -> Values {
-        let Some(place) = graph.nodes.iter().position(|node| node.node.name == look_on::NAME) else {
+        let Some(place) = graph.nodes.iter().position(|node| node.node.name == preview_observer::NAME) else {
             return Values::default();
         };
         let fed = self.session.feed(graph, place, &Demand::default(), &NoObserver);
         let Ok((values, _)) = fed else { return Values::default() };
-        look_on::seen(graph, place, &values)
+        preview_observer::seen(graph, place, &values)
     }
 
     /// Works with the session; a panic is the error of the node that ran, and costs the session's memory.
@@ -200,7 +200,7 @@ impl<'a> Work<'a> {
 }
 
 /// The picture that was wanted of a run.
-pub(super) fn picture_of(report: &RunReport, wanted: &Wanted) -> Result<Arc<Picture>> {
+pub(super) fn picture_of(report: &RunReport, wanted: &RenderRequest) -> Result<Arc<Picture>> {
     let picture = report.pictures.iter().rev().find(|(node, _)| *node == wanted.node);
     let none = || Error::run("the node gives no picture").at_node(&wanted.node);
     picture.map(|(_, picture)| picture.clone()).ok_or_else(none)

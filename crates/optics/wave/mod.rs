@@ -2,7 +2,7 @@
 //!
 //! Symbols: φ the phase, one band a unit of it, feet at the integers, peaks half-way; u the distance from the
 //! nearest peak and z = ½ − u that from the nearest foot, both in [0, ½]; w the band width, u_e the half-width
-//! of what it leaves. Sources: Song et al. 2009, sections 4.3 and 4.4; docs/optics.md, section 5.
+//! of what it leaves. Sources: Song et al. 2009, sections 4.3 and 4.4; docs/src/explanation/optics.md, section 5.
 //!
 //! All areas are sums of positive parts: what is left of the band in front, whole bands, what is begun of the
 //! band at the back. Near a foot the distance from the foot is the measure, near a peak the distance from the

@@ -16,7 +16,7 @@ pub fn half_area(band_width: f64, reach: f64) -> f64 {
 
 /// Mean between two places of one flank.
 ///
-/// Of sin πz over [z₁, z₂]: sin(π z̄) sinc(Δ/2) (docs/optics.md, section 9). With a band width,
+/// Of sin πz over [z₁, z₂]: sin(π z̄) sinc(Δ/2) (docs/src/explanation/optics.md, section 9). With a band width,
 /// 1 − (1 − cos(π ū) sinc(Δ/2))/w with the inner difference written as 2 sin²(π ū/2) sinc + (1 − sinc).
 #[inline]
 pub fn mean(band_width: f64, low: FlankPosition, high: FlankPosition) -> f64 {

@@ -8,6 +8,9 @@ use crate::core::error::ErrorKind;
 /// Exit code of success.
 pub const DONE: u8 = 0;
 
+/// Exit code of a run that failed or was cancelled.
+const FAILED: u8 = 1;
+
 /// Exit code of a wrong command line or pipeline file.
 pub const WRONG: u8 = 2;
 
@@ -21,7 +24,7 @@ pub fn show(error: &Error, text: Option<&str>) -> u8 {
 pub fn code(error: &Error) -> u8 {
     match error.kind {
         ErrorKind::Usage => WRONG,
-        ErrorKind::Run | ErrorKind::Cancelled => 1,
+        _ => FAILED,
     }
 }
 

@@ -1,6 +1,6 @@
 //! `voltet explain`: what will run, on which engine, what is left out and why. Reads headers of data files, no data.
 
-use super::outcome::{DONE, show, warn};
+use super::exit_status::{DONE, show, warn};
 use super::pipelines::open;
 use crate::Document;
 use crate::cli::arguments::Explain;

@@ -1,6 +1,6 @@
 //! `voltet run`: runs pipeline files headless.
 
-use super::outcome::{DONE, code, show, warn};
+use super::exit_status::{DONE, code, show, warn};
 use super::pipelines::open_all;
 use crate::Document;
 use crate::cli::arguments::Run;

@@ -2,9 +2,9 @@
 
 use super::super::handles::Handle;
 use super::super::numbers::{Change, rows};
-use super::super::pen::{Pen, color};
 use super::super::scale::{Scale, extinction_at, height_of};
-use super::Shape;
+use super::super::shape::Shape;
+use super::super::widget_painter::{WidgetPainter, color};
 use crate::theme;
 use eframe::egui::Stroke;
 use voltet_core::transfer::ControlPoint;
@@ -47,7 +47,7 @@ impl Shape for Curve {
     }
 
     /// Each stretch in its colours, level beyond the ends.
-    fn draw(&self, pen: &Pen) {
+    fn draw(&self, pen: &WidgetPainter) {
         let (Some(first), Some(last)) = (self.points.first(), self.points.last()) else { return };
         let [low, high] = pen.plane.shown[0];
         let ends =

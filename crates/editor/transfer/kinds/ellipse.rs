@@ -1,12 +1,12 @@
 //! Ellipses: Gaussians in the plane.
 
 use super::super::handles::Handle;
-use super::super::pen::Pen;
 use super::super::scale::Scale;
+use super::super::widget_painter::WidgetPainter;
 use eframe::egui::{Color32, Shape, Stroke};
 use std::f64::consts::TAU;
 
-/// Where a turned axis is taken hold of, in half axes.
+/// Position of the handle of a turned axis (half axes).
 const ARM: f64 = 1.7;
 
 /// Points that it is drawn with.
@@ -20,9 +20,9 @@ pub(in crate::transfer) struct Ellipse {
 }
 
 impl Ellipse {
-    /// Of exp(−|K v|²) about a centre, along two columns of K. `extent`: lengths along the axes that are equal on the screen, where
-    /// the half axes are at right angles. The first is the one that its own row of K is about, as [`super::gaussian`] writes it: so
-    /// the ring stays where a hand brought it.
+    /// Ellipse of exp(−|K v|²) about a centre, along two columns of K. `extent`: lengths along the axes that are equal
+    /// on the screen, where the half axes are at right angles. The first is the one that its own row of K is about, as
+    /// [`super::gaussian`] writes it: so the ring stays where it was dragged to.
     pub fn new(centre: [f64; 2], k: &[Vec<f64>], columns: [Option<usize>; 2], extent: [f64; 2]) -> Ellipse {
         let [a, b] = half_axes(metric(k, columns), extent);
         let row = k.get(columns[0].unwrap_or(0));
@@ -73,7 +73,7 @@ impl Ellipse {
     }
 
     /// At one and at two standard deviations.
-    pub fn draw(&self, pen: &Pen) {
+    pub fn draw(&self, pen: &WidgetPainter) {
         let Ellipse { centre, axes } = self;
         let stroke = pen.stroke;
         let infinite = axes.iter().position(|axis| axis.iter().any(|x| !x.is_finite()));
@@ -126,8 +126,7 @@ fn turned(axes: [[f64; 2]; 2], towards: [f64; 2], extent: [f64; 2]) -> [[f64; 2]
     [0, 1].map(|i| [0, 1].map(|k: usize| directions[i][k] * lengths[i] * extent[k]))
 }
 
-/// What the metric of a Gaussian, exp(−p x² − 2 r x y − q y²), has for half axes: at right angles in the plane where both extents
-/// are as long.
+/// Half axes of the Gaussian exp(−p x² − 2 r x y − q y²), at right angles in the plane where both extents are equally long.
 fn half_axes([p, r, q]: [f64; 3], extent: [f64; 2]) -> [[f64; 2]; 2] {
     let (p, r, q) = (p * extent[0] * extent[0], r * extent[0] * extent[1], q * extent[1] * extent[1]);
     let (sin, cos) = (0.5 * (2.0 * r).atan2(p - q)).sin_cos();

@@ -2,21 +2,21 @@
 
 use super::super::handles::Handle;
 use super::super::numbers::{Change, find, list, rounded, rows_of};
-use super::super::pen::Pen;
 use super::super::scale::Scale;
+use super::super::shape::{PlaneContext, Shape};
+use super::super::widget_painter::WidgetPainter;
 use super::ellipse::Ellipse;
 use super::triangle::Triangle;
-use super::{On, Shape};
 use std::sync::Arc;
 use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue};
 
 /// The numbers of such a widget.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct OfFields {
+pub(super) struct FieldShape {
     /// The fields along the plane's axes, by their places in the list.
     at: [Option<usize>; 2],
     centre: Vec<f64>,
-    /// Where it is stated by deviations.
+    /// Deviations, if the table has them.
     sigma: Option<Vec<f64>>,
     /// K of exp(−|K (v − centre)|²), or with the magnitude as 1.
     kernel: Vec<Vec<f64>>,
@@ -24,7 +24,7 @@ pub(super) struct OfFields {
     figure: Figure,
 }
 
-/// What it is in the plane.
+/// Figures of a widget in the plane.
 #[derive(Debug, Clone, PartialEq)]
 enum Figure {
     Ellipse(Ellipse),
@@ -40,14 +40,14 @@ struct Magnitude {
     level: f64,
 }
 
-impl OfFields {
+impl FieldShape {
     /// `None` of one that has no field along either axis, or would lie on its side. `magnitude`: the name of the array, where its
     /// widths are shares of one.
     pub fn shape(
         (names, centre, kernel): (&[String], &[f64], &[Vec<f64>]),
         magnitude: Option<&String>,
         numbers: &[Field],
-        on: &On,
+        on: &PlaneContext,
     ) -> Option<Arc<dyn Shape>> {
         let of = Self::read((names, centre, kernel), magnitude, numbers, on)?;
         Some(Arc::new(of))
@@ -57,8 +57,8 @@ impl OfFields {
         (names, centre, kernel): (&[String], &[f64], &[Vec<f64>]),
         magnitude: Option<&String>,
         numbers: &[Field],
-        on: &On,
-    ) -> Option<OfFields> {
+        on: &PlaneContext,
+    ) -> Option<FieldShape> {
         let place = |axis: &ArrayRef| match axis {
             ArrayRef::Array(name) => names.iter().position(|known| known == name),
             ArrayRef::Named(_) | ArrayRef::Per(..) => None,
@@ -100,7 +100,7 @@ impl OfFields {
                 Figure::Ellipse(ellipse)
             }
         };
-        Some(OfFields { at, centre: centre.to_vec(), sigma, kernel: kernel.to_vec(), magnitude, figure })
+        Some(FieldShape { at, centre: centre.to_vec(), sigma, kernel: kernel.to_vec(), magnitude, figure })
     }
 
     /// The middle elsewhere in the plane.
@@ -166,7 +166,7 @@ impl OfFields {
     }
 }
 
-impl Shape for OfFields {
+impl Shape for FieldShape {
     fn handles(&self, scale: &Scale) -> Vec<(Handle, [f64; 2])> {
         match &self.figure {
             Figure::Ellipse(ellipse) => ellipse.handles(),
@@ -191,14 +191,14 @@ impl Shape for OfFields {
         self.centred([from[0] + by[0], from[1] + by[1]])
     }
 
-    fn draw(&self, pen: &Pen) {
+    fn draw(&self, pen: &WidgetPainter) {
         match &self.figure {
             Figure::Ellipse(ellipse) => ellipse.draw(pen),
             Figure::Triangle(triangle) => triangle.draw(pen),
         }
     }
 
-    /// Those of the plane; the others in the middle.
+    /// Values of the plane's fields; those of the others are at their centres.
     fn fields(&self, at: [f64; 2]) -> Vec<f64> {
         let along = |i: usize| (0..2).find(|axis| self.at[*axis] == Some(i)).map(|axis| at[axis]);
         let own = (0..self.centre.len()).map(|i| along(i).unwrap_or(self.centre[i]));
@@ -239,7 +239,12 @@ mod tests {
     }
 
     /// Over a, b and c about (1, 2, 3).
-    fn of(kernel: &[Vec<f64>], sigma: Option<&[f64]>, magnitude: bool, on: [&str; 2]) -> Option<OfFields> {
+    fn field_shape(
+        kernel: &[Vec<f64>],
+        sigma: Option<&[f64]>,
+        magnitude: bool,
+        on: [&str; 2],
+    ) -> Option<FieldShape> {
         let names = ["a", "b", "c"].map(String::from);
         let numbers = sigma.map(|sigma| Field {
             name: "sigma".into(),
@@ -247,9 +252,9 @@ mod tests {
             setting: list(sigma).into(),
         });
         let (images, name) = (Images::default(), "multi-gradient".to_string());
-        let on = On { axes: &axes(on), extent: [1.0, 1.0], known: None, images: &images };
+        let on = PlaneContext { axes: &axes(on), extent: [1.0, 1.0], known: None, images: &images };
         let numbers: Vec<Field> = numbers.into_iter().collect();
-        OfFields::read((&names, &[1.0, 2.0, 3.0], kernel), magnitude.then_some(&name), &numbers, &on)
+        FieldShape::read((&names, &[1.0, 2.0, 3.0], kernel), magnitude.then_some(&name), &numbers, &on)
     }
 
     fn diagonal(numbers: [f64; 3]) -> Vec<Vec<f64>> {
@@ -268,22 +273,22 @@ mod tests {
     fn a_drag_in_the_plane_of_two_fields_leaves_the_others() {
         let sigma = [0.5, 0.25, 4.0];
         let kernel = diagonal(sigma.map(|x| 1.0 / (std::f64::consts::SQRT_2 * x)));
-        let widget = of(&kernel, Some(&sigma), false, ["c", "a"]).unwrap();
+        let widget = field_shape(&kernel, Some(&sigma), false, ["c", "a"]).unwrap();
         let upright = Ellipse { centre: [3.0, 1.0], axes: [[4.0, 0.0], [0.0, 0.5]] };
         assert_eq!(widget.figure, Figure::Ellipse(upright));
         assert_eq!(widget.centred([5.0, 1.5]), [("centre", Some(list(&[1.5, 2.0, 5.0])))]);
         let wider = widget.stretched([[4.0, 0.0], [0.0, 0.5]], [[8.0, 0.0], [0.0, 0.25]]);
         assert_eq!(wider, [("sigma", Some(list(&[0.25, 0.25, 8.0])))]);
         assert_eq!(widget.fields([7.0, 8.0]), [8.0, 2.0, 7.0], "what is no axis is in the middle");
-        assert!(of(&kernel, Some(&sigma), false, ["x", "y"]).is_none());
+        assert!(field_shape(&kernel, Some(&sigma), false, ["x", "y"]).is_none());
     }
 
-    /// Of a widget with correlations: its ellipse in the plane becomes the wanted one, and across the plane, at the centre of the
-    /// two fields, nothing changes.
+    /// A widget with correlations: its ellipse in the plane becomes the requested one, and across the plane, at the
+    /// centre of the two fields, nothing changes.
     #[test]
     fn turned_in_the_plane_it_is_as_before_across_it() {
         let k = vec![vec![1.3, -0.4, 0.2], vec![0.1, 0.9, -0.3], vec![0.0, 0.5, 0.7]];
-        let widget = of(&k, None, false, ["a", "b"]).unwrap();
+        let widget = field_shape(&k, None, false, ["a", "b"]).unwrap();
         let Figure::Ellipse(Ellipse { axes: before, .. }) = widget.figure else { panic!("no ellipse") };
         let (sin, cos) = 0.7f64.sin_cos();
         let after = [[2.0 * cos, 2.0 * sin], [-0.3 * sin, 0.3 * cos]];
@@ -301,7 +306,7 @@ mod tests {
     #[test]
     fn on_the_plane_of_a_field_and_the_magnitude_it_is_a_triangle() {
         let (sigma, kernel) = ([0.5, 0.25, 4.0], diagonal([2.0, 4.0, 0.25]));
-        let widget = of(&kernel, Some(&sigma), true, ["b", "multi-gradient"]).unwrap();
+        let widget = field_shape(&kernel, Some(&sigma), true, ["b", "multi-gradient"]).unwrap();
         assert_eq!(widget.figure, Figure::Triangle(Triangle { centre: 2.0, sigma: 0.25 }));
         assert_eq!(widget.scaled([2.0, 1.0]), [("sigma", Some(list(&[0.5, 0.5, 4.0])))]);
         assert_eq!(widget.fields([7.0, 8.0]), [1.0, 7.0, 3.0, 8.0], "the magnitude is the last");

@@ -2,17 +2,17 @@
 
 use super::super::handles::Handle;
 use super::super::numbers::{Change, array, list, rows};
-use super::super::pen::Pen;
 use super::super::scale::Scale;
+use super::super::shape::{PlaneContext, Shape};
+use super::super::widget_painter::WidgetPainter;
 use super::ellipse::Ellipse;
-use super::{On, Shape};
 use voltet_graph::Field;
 
 #[derive(Debug)]
 pub(super) struct Gaussian(Ellipse);
 
 impl Gaussian {
-    pub fn new(centre: [f64; 2], matrix: &[[f64; 2]; 2], numbers: &[Field], on: &On) -> Gaussian {
+    pub fn new(centre: [f64; 2], matrix: &[[f64; 2]; 2], numbers: &[Field], on: &PlaneContext) -> Gaussian {
         // Deviations that are stated need no inverse.
         if let Some([s, g]) = array(numbers, "sigma") {
             return Gaussian(Ellipse { centre, axes: [[s, 0.0], [0.0, g]] });
@@ -39,7 +39,7 @@ impl Shape for Gaussian {
         vec![("centre", Some(list(&to)))]
     }
 
-    fn draw(&self, pen: &Pen) {
+    fn draw(&self, pen: &WidgetPainter) {
         self.0.draw(pen);
     }
 }

@@ -2,18 +2,18 @@
 
 use super::super::handles::{Handle, corners, edges};
 use super::super::numbers::{Change, find, list};
-use super::super::pen::Pen;
 use super::super::region::with_corner;
 use super::super::scale::Scale;
-use super::{On, Shape};
+use super::super::shape::{PlaneContext, Shape};
+use super::super::widget_painter::WidgetPainter;
 use eframe::egui::{Color32, Rect, TextureId, pos2};
 use voltet_core::transfer::Table;
 use voltet_graph::{Field, LocatedValue};
 
 /// The least length of a side, as a share of what is shown: a range that is empty is refused.
-const LEAST: f64 = 1e-3;
+const MIN_SIDE: f64 = 1e-3;
 
-/// How strongly the picture covers the histogram.
+/// Opacity of the picture over the histogram.
 const COVERS: f32 = 0.85;
 
 #[derive(Debug)]
@@ -24,7 +24,7 @@ pub(super) struct Picture {
 }
 
 impl Picture {
-    pub fn new(table: &Table, numbers: &[Field], on: &On) -> Picture {
+    pub fn new(table: &Table, numbers: &[Field], on: &PlaneContext) -> Picture {
         let path = find(numbers, "image").and_then(LocatedValue::text);
         Picture { ranges: [table.s, table.g], texture: path.and_then(|path| on.images.texture(path)) }
     }
@@ -57,7 +57,7 @@ impl Shape for Picture {
                 return self.shifted(by);
             }
         }
-        let least = |k: usize| LEAST * (scale.shown[k][1] - scale.shown[k][0]);
+        let least = |k: usize| MIN_SIDE * (scale.shown[k][1] - scale.shown[k][0]);
         match (0..2).all(|k| after[k][1] - after[k][0] >= least(k)) {
             true => stated(self.ranges, after),
             false => Vec::new(),
@@ -68,7 +68,7 @@ impl Shape for Picture {
         stated(self.ranges, [0, 1].map(|k: usize| self.ranges[k].map(|x| x + by[k])))
     }
 
-    fn draw(&self, pen: &Pen) {
+    fn draw(&self, pen: &WidgetPainter) {
         let [s, g] = self.ranges;
         if let Some(texture) = self.texture {
             let place =

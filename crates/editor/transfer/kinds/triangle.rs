@@ -2,9 +2,9 @@
 
 use super::super::handles::Handle;
 use super::super::numbers::{Change, rounded};
-use super::super::pen::Pen;
 use super::super::scale::Scale;
-use super::Shape;
+use super::super::shape::Shape;
+use super::super::widget_painter::WidgetPainter;
 use eframe::egui;
 use voltet_graph::ParameterValue;
 
@@ -45,7 +45,7 @@ impl Shape for Triangle {
         vec![("centre", Some(ParameterValue::Number(rounded(self.centre + by[0]))))]
     }
 
-    fn draw(&self, pen: &Pen) {
+    fn draw(&self, pen: &WidgetPainter) {
         let top = pen.scale.top();
         let foot = pen.plane.to_window([self.centre, 0.0]);
         let end = |side: f64| pen.plane.to_window([self.centre + side * self.sigma * top, top]);

@@ -2,18 +2,18 @@
 
 use super::super::handles::Handle;
 use super::super::numbers::{Change, list, rounded};
-use super::super::pen::Pen;
 use super::super::scale::Scale;
-use super::Shape;
+use super::super::shape::Shape;
+use super::super::widget_painter::WidgetPainter;
 use eframe::egui::Stroke;
 use voltet_core::transfer::Wave;
 use voltet_graph::ParameterValue;
 
 /// The band's handle lies beside the wave's line by so much of the axes.
-const BESIDE: f64 = 0.07;
+const HANDLE_OFFSET: f64 = 0.07;
 
 /// Bands that are drawn at most.
-const MOST: usize = 200;
+const MAX_BANDS: usize = 200;
 
 #[derive(Debug)]
 pub(super) struct Bands {
@@ -22,7 +22,7 @@ pub(super) struct Bands {
 }
 
 impl Bands {
-    /// Where a place lies across the bands, in periods from the origin.
+    /// Position across the bands (periods from the origin).
     fn phase(&self, at: [f64; 2]) -> f64 {
         let (step, origin) = (self.wave.step(), self.wave.origin);
         (at[0] - origin[0]) * step[0] + (at[1] - origin[1]) * step[1]
@@ -35,7 +35,7 @@ impl Shape for Bands {
         let (sin, cos) = angle.sin_cos();
         let along = [cos * period / factors[0], sin * period / factors[1]];
         let (end, beside) = (0.5 + self.wave.half_band(self.sine), [-sin, cos]);
-        let place = |k: usize| origin[k] + end * along[k] + BESIDE * beside[k] * scale.extent[k];
+        let place = |k: usize| origin[k] + end * along[k] + HANDLE_OFFSET * beside[k] * scale.extent[k];
         vec![
             (Handle::Centre, origin),
             (Handle::Width(0), [origin[0] + along[0], origin[1] + along[1]]),
@@ -71,7 +71,7 @@ impl Shape for Bands {
     }
 
     /// The peaks as lines across the plane.
-    fn draw(&self, pen: &Pen) {
+    fn draw(&self, pen: &WidgetPainter) {
         let (step, origin) = (self.wave.step(), self.wave.origin);
         let [s, g] = pen.plane.shown;
         let corners = [[s[0], g[0]], [s[1], g[0]], [s[0], g[1]], [s[1], g[1]]].map(|at| self.phase(at));
@@ -81,7 +81,7 @@ impl Shape for Bands {
             return;
         }
         let (first, last) = (low.floor() as i64, high.ceil() as i64);
-        for k in (first..=last).take(MOST) {
+        for k in (first..=last).take(MAX_BANDS) {
             let peak = k as f64 + 0.5;
             // The line phase = peak, from where it meets two sides of what is shown.
             let ends = if step[0].abs() * (s[1] - s[0]) >= step[1].abs() * (g[1] - g[0]) {

@@ -1,4 +1,4 @@
-//! What widgets are drawn with.
+//! Drawing of widgets.
 
 use super::plane::Plane;
 use super::scale::Scale;
@@ -10,8 +10,8 @@ pub(super) fn color(linear: [f64; 3]) -> Color32 {
     Color32::from(Rgba::from_rgb(r, g, b))
 }
 
-/// What a widget is drawn with.
-pub(super) struct Pen<'a> {
+/// Painter of a widget.
+pub(super) struct WidgetPainter<'a> {
     pub painter: Painter,
     pub plane: Plane,
     pub scale: &'a Scale,
@@ -21,7 +21,7 @@ pub(super) struct Pen<'a> {
     pub dark: bool,
 }
 
-impl Pen<'_> {
+impl WidgetPainter<'_> {
     /// Ranges, as far as they are shown.
     pub fn rectangle(&self, [s, g]: [[f64; 2]; 2], stroke: Stroke, fill: Color32) {
         let within = |axis: usize, [low, high]: [f64; 2]| {

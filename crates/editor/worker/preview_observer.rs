@@ -44,7 +44,7 @@ pub(super) static NODE: Node = Node {
     ..Node::BLANK
 };
 
-/// What asks for arrays besides, and for *g*.
+/// Node that requests further arrays, and *g*.
 pub(super) static ASKS_FOR_ARRAYS: Node = Node {
     name: "(asks for arrays)",
     summary: "Looks on, and asks for arrays and for g.",
@@ -76,7 +76,7 @@ pub(super) static ASKS_FOR_ARRAYS: Node = Node {
 const ARRAYS: &str = "arrays";
 const GRADIENT: &str = "gradient";
 
-/// What asks for all that a ray of the picture is made of.
+/// Node that requests all inputs of a ray's picture.
 pub(super) static PROBES: Node = Node {
     name: "(probes)",
     summary: "Looks on, and asks for g.",
@@ -152,7 +152,7 @@ fn asking(source: &str, arrays: &[&String], gradient: bool) -> NodeEntry {
     }
 }
 
-/// What runs through the wires of a run.
+/// Descriptions of the values on the wires of a run.
 #[derive(Default)]
 pub(super) struct Values {
     /// For each output, `"node.port"`, in words.
@@ -161,7 +161,7 @@ pub(super) struct Values {
     pub bounds: Option<[DVec3; 2]>,
 }
 
-/// What runs through the wires.
+/// Descriptions of the values on the wires.
 pub(super) fn seen(graph: &Graph, place: usize, values: &[Value]) -> Values {
     let mut seen = Values::default();
     for (edge, value) in graph.nodes[place].inputs.iter().zip(values) {

@@ -1,4 +1,4 @@
-//! Which edits belong together as one step of the history.
+//! Grouping of edits into steps of the undo history.
 
 use eframe::egui::{Context, Key, Vec2};
 use std::time::{Duration, Instant};
@@ -7,15 +7,15 @@ use voltet_document::Gesture;
 /// Edits by wheel and keys that follow one another within this time are one step.
 const PAUSE: Duration = Duration::from_millis(600);
 
-/// Which edits belong together.
+/// Grouping of edits into undo steps.
 #[derive(Default)]
-pub(crate) struct Hand {
+pub(crate) struct GestureTracker {
     last: u64,
     pressed: Option<u64>,
     at: Option<(Instant, u64)>,
 }
 
-impl Hand {
+impl GestureTracker {
     fn next(&mut self) -> u64 {
         self.last += 1;
         self.last

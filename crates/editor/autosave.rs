@@ -6,7 +6,7 @@ use eframe::egui::{Align2, Context, Window};
 use std::time::{Duration, Instant};
 use voltet_document::Recovery;
 
-/// How often unsaved work is kept at most, while the window is shown anew anyway.
+/// Shortest interval between two copies of unsaved work.
 const BETWEEN: Duration = Duration::from_secs(2);
 
 impl Editor {

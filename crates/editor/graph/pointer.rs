@@ -1,4 +1,4 @@
-//! What a hand does to nodes: moving and selecting them.
+//! Moving and selecting nodes with the pointer.
 
 use super::GraphView;
 use super::face::Face;
@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 use voltet_document::Edit;
 
 impl GraphView {
-    /// What a hand did to nodes.
+    /// Handles the pointer's action on a node.
     pub(super) fn respond(
         &mut self,
         ui: &Ui,

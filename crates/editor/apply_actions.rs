@@ -1,30 +1,34 @@
-//! Carries out what the parts of the window ask for.
+//! Application of the actions that the parts of the window requested.
 
+use crate::actions::FilePurpose;
 use crate::actions::{Action, Command};
-use crate::asking::{Asked, FileAsking};
 use crate::editor::{Editor, camera_size};
+use crate::file_dialog::FileDialog;
 use crate::files::Disk;
 use crate::graph::GraphView;
 use crate::parameters::ParameterPanel;
+use crate::picture::milliseconds;
+use crate::run::Run;
 use crate::transfer::TransferPanel;
 use crate::view::View;
 use eframe::egui::{Context, ThemePreference};
 use glam::DVec3;
 use std::collections::BTreeSet;
+use std::path::Path;
 use voltet_core::Error;
 use voltet_document::{Document, Edit};
 use voltet_graph::ParameterValue;
 use voltet_nodes::files::relative_to;
 
 impl Editor {
-    pub(crate) fn carry_out(&mut self, ctx: &Context, action: Action) {
+    pub(crate) fn apply(&mut self, ctx: &Context, action: Action) {
         match action {
             Action::Edit(label, edits) => self.edit(label, &edits),
             Action::Select(names) => self.selection = names,
             Action::Show(name) => self.shown_node = Some(name),
-            Action::Look(view) => self.look(view),
+            Action::MoveCamera(view) => self.look(view),
             Action::Probe(places) => self.probe(places, false),
-            Action::Probed(found) => self.show_probed(found),
+            Action::PixelProbe(found) => self.show_probed(found),
             Action::Centre(place) => self.probe(vec![place], true),
             Action::Estimate => {
                 if let Some(asked) = self.asked.clone() {
@@ -40,7 +44,7 @@ impl Editor {
                 self.unless_unsaved(ctx, Command::Open);
             }
             Action::SaveAs(path) => self.save_as(&path),
-            Action::Ask(asked, at) => self.asking = Some(FileAsking::new(asked, at.as_deref())),
+            Action::ChooseFile(asked, at) => self.file_dialog = Some(FileDialog::new(asked, at.as_deref())),
             Action::Name { node, path, file } => {
                 let text = relative_to(&file, &self.document.folder()).to_string_lossy().into_owned();
                 let edit = Edit::Set { node, path, value: ParameterValue::Text(text) };
@@ -88,7 +92,7 @@ impl Editor {
         let changed = settings
             .filter(|(key, datum)| stated(key).is_none_or(|field| !same(&field.setting.datum, datum)));
         // A standard value that stays needs not be written.
-        let standing = View::of(camera);
+        let standing = View::from_camera(camera);
         let needed = changed.filter(|(key, _)| {
             stated(key).is_some()
                 || standing.is_none_or(|before| match *key {
@@ -111,7 +115,9 @@ impl Editor {
             }
             Command::Run => self.run(ctx),
             Command::Save => self.save(),
-            Command::SaveAs => self.asking = Some(FileAsking::new(Asked::SaveAs, self.document.path())),
+            Command::SaveAs => {
+                self.file_dialog = Some(FileDialog::new(FilePurpose::SaveAs, self.document.path()))
+            }
             Command::Undo | Command::Redo => self.step(command == Command::Undo),
             Command::Copy => self.copy(ctx),
             Command::Cut => {
@@ -130,24 +136,24 @@ impl Editor {
                     self.document.pipeline().nodes.iter().map(|node| node.name.clone()).collect();
             }
             Command::Add => self.graph.open_menu(),
-            Command::Tidy | Command::Align(_) | Command::Frame | Command::Note => self.arrange(command),
+            Command::Tidy | Command::Align(_) | Command::Frame | Command::Note => self.arrange_nodes(command),
             Command::Fold => self.fold(),
             Command::FitGraph => self.graph.fit(),
             Command::Home => {
                 let bounds = self.worker.shown(|shown| shown.bounds);
                 let size = self.camera().and_then(camera_size).unwrap_or([4, 3]);
-                if let (Some(view), Some(bounds)) = (self.camera().and_then(View::of), bounds) {
+                if let (Some(view), Some(bounds)) = (self.camera().and_then(View::from_camera), bounds) {
                     self.look(view.home(bounds, f64::from(size[0]) / f64::from(size[1])));
                 }
             }
             Command::Along(axis, from_positive) => {
-                let Some(view) = self.camera().and_then(View::of) else { return };
+                let Some(view) = self.camera().and_then(View::from_camera) else { return };
                 let towards = DVec3::AXES[axis.min(2)] * if from_positive { 1.0 } else { -1.0 };
                 let up = if axis == 2 { DVec3::Y } else { DVec3::Z };
-                self.look(view.along(towards, up));
+                self.look(view.looking_along(towards, up));
             }
             Command::Roll(left) => {
-                let Some(view) = self.camera().and_then(View::of) else { return };
+                let Some(view) = self.camera().and_then(View::from_camera) else { return };
                 let angle = 15f64.to_radians();
                 self.look(view.rolled(if left { -angle } else { angle }));
             }
@@ -161,6 +167,40 @@ impl Editor {
             Command::Study => self.study.open = !self.study.open,
             Command::ReadAgain => self.read_again(),
             Command::Help => self.help = !self.help,
+        }
+    }
+
+    /// Starts a run of the document as it is shown; cancels the one in progress.
+    fn run(&mut self, ctx: &Context) {
+        if self.run.take().is_some() {
+            self.message = Some(("the run is stopped; nothing of it is half written".into(), false));
+            return;
+        }
+        match Run::start(&self.document, &self.registry, ctx) {
+            Ok(run) => {
+                self.run = Some(run);
+                self.message = Some(("running; Ctrl+R stops it".into(), false));
+            }
+            Err(error) => self.complain(&error),
+        }
+    }
+
+    /// Shows the outcome of a run, once it has ended.
+    pub(crate) fn show_run(&mut self) {
+        let Some(outcome) = self.run.as_ref().and_then(Run::report) else { return };
+        self.run = None;
+        match outcome {
+            Ok(report) => {
+                let folder = self.document.folder();
+                let name = |file: &String| relative_to(Path::new(file), &folder).display().to_string();
+                let files = match report.files.is_empty() {
+                    true => "no files".into(),
+                    false => report.files.iter().map(name).collect::<Vec<_>>().join(", "),
+                };
+                let text = format!("written in {}: {files}", milliseconds(report.seconds));
+                self.message = Some((text, false));
+            }
+            Err(error) => self.complain(&error),
         }
     }
 
@@ -190,7 +230,9 @@ impl Editor {
         match (command, self.begin_with.take()) {
             (Command::New, _) => self.take(Document::new()),
             (Command::Open, Some(path)) => self.open_any(ctx, &path),
-            (Command::Open, None) => self.asking = Some(FileAsking::new(Asked::Open, self.document.path())),
+            (Command::Open, None) => {
+                self.file_dialog = Some(FileDialog::new(FilePurpose::Open, self.document.path()))
+            }
             _ => self.ends = true,
         }
     }
@@ -215,7 +257,7 @@ impl Editor {
     }
 }
 
-/// Whether two values are the same; 2 and 2.0 are.
+/// True if two values are equal; 2 and 2.0 are.
 fn same(a: &ParameterValue, b: &ParameterValue) -> bool {
     match (a, b) {
         (ParameterValue::List(a), ParameterValue::List(b)) => {

@@ -14,7 +14,7 @@ mod transfer_axes;
 mod transfer_more;
 
 use crate::editor::Editor;
-use crate::presses::Presses;
+use crate::input_queue::InputQueue;
 use eframe::egui::epaint::ClippedShape;
 use eframe::egui::{Context, Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, pos2, vec2};
 use std::path::{Path, PathBuf};
@@ -46,7 +46,7 @@ struct Hand {
     time: f64,
     /// Width and height of the window in points, and the screen's pixels a point.
     screen: ([f32; 2], f32),
-    presses: Presses,
+    presses: InputQueue,
     /// What the last frame shows.
     shapes: Vec<ClippedShape>,
     folder: tempfile::TempDir,
@@ -80,7 +80,7 @@ impl Hand {
             at: pos2(5.0, 400.0),
             time: 0.0,
             screen: ([1280.0, 720.0], 1.0),
-            presses: Presses::default(),
+            presses: InputQueue::default(),
             shapes: Vec::new(),
             folder,
         };

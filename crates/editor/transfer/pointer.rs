@@ -1,17 +1,17 @@
-//! What a mouse does in the plane: looking elsewhere, taking hold of widgets, adding and taking away points.
+//! Mouse in the plane: panning and zooming, dragging widgets, adding and removing points.
 
 use super::drag::Drag;
-use super::drawn::Drawn;
+use super::edited_function::EditedFunction;
 use super::handles::Handle;
-use super::look::Look;
 use super::plane::{self, Plane};
 use super::region::Region;
 use super::scale::{Scale, height_of};
+use super::screen_widget::ScreenWidget;
 use super::{TransferPanel, edit};
 use crate::actions::Actions;
 use eframe::egui::{self, PointerButton, Pos2, Ui, Vec2};
 
-/// How near to a handle, or to a curve, a pointer means it, points.
+/// Distance from a handle, or from a curve, within which a pointer hits it (points).
 const NEAR: f32 = 9.0;
 
 /// Factor of a zoom by one notch of the wheel (50 points).
@@ -20,7 +20,7 @@ const NOTCH: f64 = 1.2;
 /// With Alt a drag goes so much of the hand's way.
 pub(super) const FINE: f64 = 0.2;
 
-/// What covers a place more than this is meant there.
+/// Coverage of a position above which a press hits the widget there.
 const COVERS: f64 = 0.13;
 
 impl TransferPanel {
@@ -43,7 +43,7 @@ impl TransferPanel {
         let pans = ui.input(|input| input.modifiers.shift) || response.dragged_by(PointerButton::Middle);
         let delta = response.drag_delta();
         if pans && self.drag.is_none() && delta != Vec2::ZERO {
-            let by = plane.way(-delta);
+            let by = plane.drag_in_values(-delta);
             let [s, g] = plane.shown;
             self.shown = Some([s.map(|x| x + by[0]), g.map(|x| x + by[1])]);
         }
@@ -55,7 +55,7 @@ impl TransferPanel {
         ui: &Ui,
         response: &egui::Response,
         plane: Plane,
-        look: &Look,
+        look: &EditedFunction,
         actions: &mut Actions,
     ) {
         let modifiers = ui.input(|input| input.modifiers);
@@ -92,7 +92,7 @@ impl TransferPanel {
             Some(at) => at - plane.to_window(drag.from),
             None => delta,
         };
-        let way = plane.way(delta);
+        let way = plane.drag_in_values(delta);
         let times = if modifiers.alt { FINE } else { 1.0 };
         (0..2).for_each(|k| drag.at[k] += times * way[k]);
         let changes = match drag.handle {
@@ -104,8 +104,14 @@ impl TransferPanel {
     }
 
     /// A double click adds a point to a curve or polygon in hand, else all of the data is shown.
-    fn add_point_or_show_all(&mut self, at: [f64; 2], look: &Look, scale: &Scale, actions: &mut Actions) {
-        let has_points = |place: usize| look.widgets.get(place).is_some_and(Drawn::has_points);
+    fn add_point_or_show_all(
+        &mut self,
+        at: [f64; 2],
+        look: &EditedFunction,
+        scale: &Scale,
+        actions: &mut Actions,
+    ) {
+        let has_points = |place: usize| look.widgets.get(place).is_some_and(ScreenWidget::has_points);
         let Some(place) = [self.chosen, self.before_click].into_iter().find(|place| has_points(*place))
         else {
             self.shown = None;
@@ -120,7 +126,14 @@ impl TransferPanel {
     }
 
     /// A right click on a point takes it away.
-    fn take_point_away(&mut self, at: Pos2, plane: Plane, look: &Look, scale: &Scale, actions: &mut Actions) {
+    fn take_point_away(
+        &mut self,
+        at: Pos2,
+        plane: Plane,
+        look: &EditedFunction,
+        scale: &Scale,
+        actions: &mut Actions,
+    ) {
         let Some(widget) = look.widgets.get(self.chosen) else { return };
         let handle = nearest(widget, at, plane, scale);
         if let Some(changes) = handle.and_then(|handle| widget.without_point(handle)) {
@@ -129,10 +142,10 @@ impl TransferPanel {
         }
     }
 
-    /// What lies under a press: a handle of the widget in hand, another widget, or nothing.
-    fn take(&mut self, at: Pos2, plane: Plane, look: &Look, scale: &Scale) {
+    /// Starts a drag of the target of a press: a handle of the selected widget, another widget, or nothing.
+    fn take(&mut self, at: Pos2, plane: Plane, look: &EditedFunction, scale: &Scale) {
         let value = plane.to_values(at);
-        let hold = |widget: &Drawn, handle: Option<Handle>| {
+        let hold = |widget: &ScreenWidget, handle: Option<Handle>| {
             let place =
                 |handle: Handle| widget.handles(scale).into_iter().find(|(known, _)| *known == handle);
             let from = handle.and_then(place).map_or(value, |(_, place)| place);
@@ -157,7 +170,7 @@ impl TransferPanel {
             self.drag = hold(&look.widgets[place], Some(handle));
             return;
         }
-        let on_curve = |widget: &&Drawn| is_on_curve(widget, at, plane, scale);
+        let on_curve = |widget: &&ScreenWidget| is_on_curve(widget, at, plane, scale);
         if let Some(place) = look.widgets.iter().position(|widget| on_curve(&widget)) {
             self.chosen = place;
             self.drag = hold(&look.widgets[place], None);
@@ -178,23 +191,23 @@ impl TransferPanel {
 }
 
 /// The handle that a pointer means.
-pub(super) fn nearest(widget: &Drawn, at: Pos2, plane: Plane, scale: &Scale) -> Option<Handle> {
+pub(super) fn nearest(widget: &ScreenWidget, at: Pos2, plane: Plane, scale: &Scale) -> Option<Handle> {
     let handles = widget.handles(scale).into_iter();
     let by_distance = handles.map(|(handle, place)| (plane.to_window(place).distance(at), handle));
     let near = by_distance.filter(|(distance, _)| *distance <= NEAR);
     near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, handle)| handle)
 }
 
-/// Whether a pointer is on the line of a curve.
-fn is_on_curve(widget: &Drawn, at: Pos2, plane: Plane, scale: &Scale) -> bool {
+/// True if a pointer is on the line of a curve.
+fn is_on_curve(widget: &ScreenWidget, at: Pos2, plane: Plane, scale: &Scale) -> bool {
     let Some(peak) = widget.peak_of_curve() else { return false };
     let value = plane.to_values(at);
     let height = height_of(peak * widget.strength(value), scale.peak) * scale.top();
     (plane.to_window([value[0], height]).y - at.y).abs() <= NEAR
 }
 
-/// Whether it is as strong at all four corners of the data.
-fn is_everywhere(widget: &Drawn, look: &Look) -> bool {
+/// True if it is equally strong at all four corners of the data.
+fn is_everywhere(widget: &ScreenWidget, look: &EditedFunction) -> bool {
     let Some(histogram) = look.histogram() else { return false };
     if !matches!(widget.region, Region::Whole) {
         return false;

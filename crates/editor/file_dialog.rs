@@ -1,98 +1,81 @@
-//! Asking for a file in the window: to open, to save in, or for a parameter that names one.
+//! File dialog: opening, saving, or naming a file in a parameter.
 
-use crate::actions::{Action, Actions};
+use crate::actions::{Action, Actions, FilePurpose};
 use crate::files::{DATA, PIPELINES};
 use eframe::egui::{Align2, Context, Key, ScrollArea, TextEdit, Ui, Window};
 use std::path::{Path, PathBuf};
 
-/// What a file is asked for.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Asked {
-    /// To open.
-    Open,
-    /// To save in.
-    SaveAs,
-    /// For a parameter of a node: one to read, or one to write.
-    Parameter {
-        /// The node.
-        node: String,
-        /// What leads to the parameter.
-        path: voltet_document::Path,
-        /// Whether it is written.
-        writes: bool,
-    },
-}
-
-impl Asked {
+impl FilePurpose {
     fn title(&self) -> String {
         match self {
-            Asked::Open => "Open a pipeline or data".into(),
-            Asked::SaveAs => "Save as".into(),
-            Asked::Parameter { node, path, writes: false } => format!("A file to read: {node}.{path}"),
-            Asked::Parameter { node, path, writes: true } => format!("A file to write: {node}.{path}"),
+            FilePurpose::Open => "Open a pipeline or data".into(),
+            FilePurpose::SaveAs => "Save as".into(),
+            FilePurpose::Parameter { node, path, writes: false } => format!("A file to read: {node}.{path}"),
+            FilePurpose::Parameter { node, path, writes: true } => format!("A file to write: {node}.{path}"),
         }
     }
 
-    /// Whether a file that is there would be written over by the choice alone.
-    fn writes_at_once(&self) -> bool {
-        *self == Asked::SaveAs
+    /// True if the choice alone overwrites an existing file.
+    fn overwrites(&self) -> bool {
+        *self == FilePurpose::SaveAs
     }
 
-    fn could_be(&self, name: &str) -> bool {
+    fn accepts(&self, name: &str) -> bool {
         let end = Path::new(name).extension().map(|end| end.to_string_lossy().to_lowercase());
         let end = end.unwrap_or_default();
         match self {
-            Asked::Open => PIPELINES.contains(&end.as_str()) || DATA.contains(&end.as_str()),
-            Asked::SaveAs => PIPELINES.contains(&end.as_str()),
-            Asked::Parameter { .. } => true,
+            FilePurpose::Open => PIPELINES.contains(&end.as_str()) || DATA.contains(&end.as_str()),
+            FilePurpose::SaveAs => PIPELINES.contains(&end.as_str()),
+            FilePurpose::Parameter { .. } => true,
         }
     }
 
     fn action(self, file: PathBuf) -> Action {
         match self {
-            Asked::Open => Action::Open(file),
-            Asked::SaveAs => Action::SaveAs(file),
-            Asked::Parameter { node, path, .. } => Action::Name { node, path, file },
+            FilePurpose::Open => Action::Open(file),
+            FilePurpose::SaveAs => Action::SaveAs(file),
+            FilePurpose::Parameter { node, path, .. } => Action::Name { node, path, file },
         }
     }
 }
 
-/// A file that is asked for.
+/// An open file dialog.
 #[derive(Debug)]
-pub(crate) struct FileAsking {
-    asked: Asked,
+pub(crate) struct FileDialog {
+    purpose: FilePurpose,
     folder: PathBuf,
     name: String,
     entries: Vec<(String, bool)>,
     is_new: bool,
-    /// The file is there; whether it shall be written over was asked.
+    /// True once the dialog warned that the file exists.
     warned: bool,
 }
 
-impl FileAsking {
-    /// Begins in the folder of a file, with its name where one is to be written.
-    pub fn new(asked: Asked, path: Option<&Path>) -> FileAsking {
+impl FileDialog {
+    /// Starts in the folder of `path`, with its file name where a file is to be written.
+    pub fn new(purpose: FilePurpose, path: Option<&Path>) -> FileDialog {
         let folder = path.and_then(Path::parent).filter(|folder| !folder.as_os_str().is_empty());
         let folder = folder.unwrap_or(Path::new("."));
         let folder =
             std::fs::canonicalize(folder).unwrap_or_else(|_| std::env::current_dir().unwrap_or_default());
         let own = path.and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
-        let name = match &asked {
-            Asked::Open => String::new(),
-            Asked::SaveAs => own.unwrap_or_else(|| "pipeline.toml".into()),
-            Asked::Parameter { .. } => own.unwrap_or_default(),
+        let name = match &purpose {
+            FilePurpose::Open => String::new(),
+            FilePurpose::SaveAs => own.unwrap_or_else(|| "pipeline.toml".into()),
+            FilePurpose::Parameter { .. } => own.unwrap_or_default(),
         };
-        let mut asking = FileAsking { asked, folder, name, entries: Vec::new(), is_new: true, warned: false };
-        asking.read();
-        asking
+        let mut dialog =
+            FileDialog { purpose, folder, name, entries: Vec::new(), is_new: true, warned: false };
+        dialog.read();
+        dialog
     }
 
-    /// What is in the folder that could be meant: folders, then files.
+    /// Lists the folder: folders, then accepted files.
     fn read(&mut self) {
         let entries = std::fs::read_dir(&self.folder).into_iter().flatten().flatten();
         let mut entries: Vec<(String, bool)> = entries
             .map(|entry| (entry.file_name().to_string_lossy().into_owned(), entry.path().is_dir()))
-            .filter(|(name, is_folder)| !name.starts_with('.') && (*is_folder || self.asked.could_be(name)))
+            .filter(|(name, is_folder)| !name.starts_with('.') && (*is_folder || self.purpose.accepts(name)))
             .collect();
         entries.sort_by_key(|(name, is_folder)| (!is_folder, name.to_lowercase()));
         self.entries = entries;
@@ -103,7 +86,7 @@ impl FileAsking {
         self.read();
     }
 
-    /// The file, once it is chosen.
+    /// Shows the dialog; returns the file once it is chosen.
     fn show(&mut self, ui: &mut Ui) -> Option<PathBuf> {
         let mut chosen = None;
         ui.horizontal(|ui| {
@@ -130,7 +113,7 @@ impl FileAsking {
                 }
             }
             if self.entries.is_empty() {
-                ui.label("There is nothing here that could be meant.");
+                ui.label("This folder has no files of an accepted kind.");
             }
             if let Some(into) = into {
                 self.go(into);
@@ -143,11 +126,11 @@ impl FileAsking {
                 field.request_focus();
             }
             let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-            let text = match (&self.asked, self.warned) {
-                (Asked::Open, _) => "Open",
-                (Asked::SaveAs, false) => "Save",
-                (Asked::SaveAs, true) => "Write over it",
-                (Asked::Parameter { .. }, _) => "Choose",
+            let text = match (&self.purpose, self.warned) {
+                (FilePurpose::Open, _) => "Open",
+                (FilePurpose::SaveAs, false) => "Save",
+                (FilePurpose::SaveAs, true) => "Write over it",
+                (FilePurpose::Parameter { .. }, _) => "Choose",
             };
             if (ui.button(text).clicked() || entered) && !self.name.is_empty() {
                 chosen = Some(self.folder.join(&self.name));
@@ -162,7 +145,7 @@ impl FileAsking {
             self.go(path);
             return None;
         }
-        if self.asked.writes_at_once() && path.exists() && !self.warned {
+        if self.purpose.overwrites() && path.exists() && !self.warned {
             self.warned = true;
             return None;
         }
@@ -170,21 +153,21 @@ impl FileAsking {
     }
 }
 
-/// Shows what is asked for.
-pub(crate) fn show(wanted: &mut Option<FileAsking>, ctx: &Context, actions: &mut Actions) {
-    let Some(mut asking) = wanted.take() else { return };
+/// Shows the dialog, if one is open.
+pub(crate) fn show(open_dialog: &mut Option<FileDialog>, ctx: &Context, actions: &mut Actions) {
+    let Some(mut dialog) = open_dialog.take() else { return };
     let mut open = true;
     let mut chosen = None;
-    Window::new(asking.asked.title())
+    Window::new(dialog.purpose.title())
         .id(eframe::egui::Id::new("asking for a file"))
         .open(&mut open)
         .collapsible(false)
         .default_width(460.0)
         .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
-        .show(ctx, |ui| chosen = asking.show(ui));
+        .show(ctx, |ui| chosen = dialog.show(ui));
     match chosen {
-        Some(path) => actions.push(asking.asked.action(path)),
-        None if open && !ctx.input(|input| input.key_pressed(Key::Escape)) => *wanted = Some(asking),
+        Some(path) => actions.push(dialog.purpose.action(path)),
+        None if open && !ctx.input(|input| input.key_pressed(Key::Escape)) => *open_dialog = Some(dialog),
         None => {}
     }
 }

@@ -2,7 +2,7 @@
 
 use super::menu::Menu;
 use super::places::Port;
-use super::wires::InHand;
+use super::wires::{DraggedWire, connect_edit};
 use super::{GraphView, NEAR};
 use crate::actions::{Action, Actions};
 use crate::scene::Scene;
@@ -10,7 +10,6 @@ use crate::theme;
 use eframe::egui::{self, Rect, RichText, Ui};
 use egui_node_graph2::AnyParameterId;
 use std::rc::Rc;
-use voltet_core::{Error, Result};
 use voltet_document::{Edit, links};
 
 impl GraphView {
@@ -19,7 +18,7 @@ impl GraphView {
         let Some(port) = self.ports.get(&end).cloned() else { return };
         let from =
             self.places.seen.iter().find(|(seen, _)| *seen == port).map(|(_, at)| *at).unwrap_or_default();
-        self.wire = Some(InHand { node: port.node.clone(), port: port.clone(), taken_off: None, from });
+        self.wire = Some(DraggedWire { node: port.node.clone(), port: port.clone(), taken_off: None, from });
         if !port.is_input {
             return;
         }
@@ -48,7 +47,7 @@ impl GraphView {
             self.state.connection_in_progress = Some((*id, key));
         }
         let from = self.places.seen.iter().find(|(seen, _)| *seen == held).map(|(_, at)| *at).unwrap_or(from);
-        self.wire = Some(InHand { node: held.node.clone(), port: held, taken_off, from });
+        self.wire = Some(DraggedWire { node: held.node.clone(), port: held, taken_off, from });
     }
 
     /// A wire ends at a port that fits.
@@ -61,7 +60,7 @@ impl GraphView {
             }
             edits.push(Edit::Disconnect { node, port, source: Some(source) });
         }
-        match joined(scene, from, to) {
+        match connect_edit(scene, from, to) {
             Ok(connect) => {
                 let label = connect.label();
                 edits.push(connect);
@@ -83,7 +82,7 @@ impl GraphView {
                 .taken_off
                 .as_ref()
                 .is_some_and(|(node, port, _)| *node == target.node && *port == target.name);
-            joined(scene, &wire.port, target).err().filter(|_| !back).map(|error| error.to_string())
+            connect_edit(scene, &wire.port, target).err().filter(|_| !back).map(|error| error.to_string())
         });
         if is_held {
             let words = match (&target, &reason) {
@@ -121,66 +120,4 @@ impl GraphView {
             },
         }
     }
-}
-
-/// The wire between two ports as an edit, or why there can be none.
-fn joined(scene: &Scene, held: &Port, target: &Port) -> Result<Edit> {
-    let (from, to) = match (held.is_input, target.is_input) {
-        (false, true) => (held, target),
-        (true, false) => (target, held),
-        (false, false) => {
-            return Err(Error::usage("both are outputs: a wire leads from an output to an input"));
-        }
-        (true, true) => return Err(Error::usage("both are inputs: a wire leads from an output to an input")),
-    };
-    let join = scene.document.join(scene.registry, (&from.node, &from.name), (&to.node, &to.name))?;
-    Ok(join.edit)
-}
-
-/// What a port is, and what runs through it.
-pub(super) fn in_words(scene: &Scene, port: &Port) -> String {
-    let entry = scene.entry(&port.node);
-    let node = entry.and_then(|entry| scene.node_type(entry));
-    let declared = node.and_then(|node| {
-        let mut all = node.all_inputs().chain(node.outputs);
-        all.find(|declared| declared.name == port.name && declared.port_type == port.port_type)
-    });
-    let summary = declared.map_or("", |declared| declared.summary);
-    let side = match (port.is_input, port.is_optional) {
-        (true, true) => "optional input",
-        (true, false) => "input",
-        (false, _) => "output",
-    };
-    let nodes = &scene.document.pipeline().nodes;
-    let sources: Vec<String> = match port.is_input {
-        false => vec![format!("{}.{}", port.node, port.name)],
-        true => entry
-            .and_then(|entry| entry.inputs.iter().find(|link| link.port == port.name))
-            .map(|link| links::sources(link).map(|text| whole(scene, text, nodes)).collect())
-            .unwrap_or_default(),
-    };
-    let runs: Vec<String> = sources
-        .iter()
-        .filter_map(|source| {
-            let value = scene.values.get(source)?;
-            Some(if port.is_input { format!("from {source}: {value}") } else { value.clone() })
-        })
-        .collect();
-    let mut text = format!("{} ({}, {side})\n{summary}", port.name, port.port_type.name());
-    if !runs.is_empty() {
-        text += &format!("\n{}", runs.join("\n"));
-    } else if sources.is_empty() {
-        text += "\nnot wired";
-    }
-    text
-}
-
-/// "node.port" of what a file calls "node" or so.
-fn whole(scene: &Scene, text: &str, nodes: &[voltet_graph::NodeEntry]) -> String {
-    let (name, output) = links::source(text, nodes);
-    let first = || {
-        let entry = scene.entry(name)?;
-        Some(scene.node_type(entry)?.outputs.first()?.name)
-    };
-    format!("{name}.{}", output.or_else(first).unwrap_or_default())
 }

@@ -113,7 +113,7 @@ fn a_file_that_another_program_wrote_is_asked_about_and_never_written_over_unask
 #[test]
 fn how_wrong_the_picture_is_can_be_asked() {
     let mut hand = Hand::new(TEXT);
-    hand.editor.carry_out(&hand.ctx.clone(), crate::actions::Action::Estimate);
+    hand.editor.apply(&hand.ctx.clone(), crate::actions::Action::Estimate);
     for _ in 0..4000 {
         hand.frames(1);
         if let Some(found) = hand.editor.scene().estimate {

@@ -5,11 +5,11 @@ use eframe::egui::{Event, RawInput};
 
 /// Events that wait.
 #[derive(Default)]
-pub(crate) struct Presses {
+pub(crate) struct InputQueue {
     waiting: Vec<Event>,
 }
 
-impl Presses {
+impl InputQueue {
     /// Leaves of a frame's events, after those that waited, those up to the first press, or those before a release: what is dragged
     /// is brought there first. Whether some wait now, for a frame that is to follow at once.
     pub fn cut(&mut self, input: &mut RawInput) -> bool {
@@ -43,7 +43,7 @@ mod tests {
             modifiers: Modifiers::NONE,
         };
         let moved = |x: f32| Event::PointerMoved(pos2(x, 0.0));
-        let mut presses = Presses::default();
+        let mut presses = InputQueue::default();
         let mut frame = |events: Vec<Event>| {
             let mut input = RawInput { events, ..RawInput::default() };
             let waits = presses.cut(&mut input);

@@ -5,14 +5,14 @@ use voltet_document::{Frame, Note};
 
 /// A frame or a note, by its number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Thing {
+pub(crate) enum Annotation {
     Frame(usize),
     Note(usize),
 }
 
-/// What moves in a hand: where it stood, and how far it went.
+/// Drag of an annotation: its earlier position, and the offset.
 #[derive(Debug, Default)]
-pub(super) struct Carried {
+pub(super) struct AnnotationDrag {
     pub frames: Vec<(usize, Frame)>,
     pub notes: Vec<(usize, Note)>,
     pub nodes: Vec<(String, [f64; 2])>,
@@ -24,7 +24,7 @@ pub(super) struct Carried {
 /// Words that are being written.
 #[derive(Debug)]
 pub(super) struct Writing {
-    pub thing: Thing,
+    pub thing: Annotation,
     pub text: String,
     pub is_new: bool,
 }

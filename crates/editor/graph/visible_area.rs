@@ -1,4 +1,4 @@
-//! Which part of the document is seen: pan, zoom, all into view; and whether it is too far away for letters.
+//! Visible part of the document: pan, zoom, all into view; and the scale below which letters are left out.
 
 use super::GraphView;
 use crate::scene::Scene;
@@ -57,7 +57,7 @@ impl GraphView {
         }
     }
 
-    /// Whether the letters of nodes are too small to be read; then nodes show their names alone, in letters of one size.
+    /// True if the letters of nodes are too small to read; then nodes show their names alone, in letters of one size.
     pub(super) fn is_far(&self, ui: &Ui) -> bool {
         let body = TextStyle::Body.resolve(ui.style()).size;
         // On screens of a high density smaller letters can be read, down to a limit.

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
 
-/// How often files are looked at.
+/// Interval between two checks of the files.
 pub(crate) const BETWEEN: Duration = Duration::from_secs(1);
 
 /// Length and time of a file; nothing of one that is not there.
 pub(crate) type State = Option<(u64, SystemTime)>;
 
 /// Files, each as it was found last.
-pub(crate) type Known = BTreeMap<PathBuf, State>;
+pub(crate) type FileStamps = BTreeMap<PathBuf, State>;
 
 pub(crate) fn state(path: &Path) -> State {
     let metadata = std::fs::metadata(path).ok()?;
@@ -21,14 +21,14 @@ pub(crate) fn state(path: &Path) -> State {
 
 /// A thread of its own that looks at files; it ends with this.
 #[derive(Debug)]
-pub(crate) struct Watch {
-    known: Arc<Mutex<Known>>,
+pub(crate) struct FileWatcher {
+    known: Arc<Mutex<FileStamps>>,
 }
 
-impl Watch {
+impl FileWatcher {
     /// Looks at the files again and again, and calls `wake` as long as a file differs from what is known of it. Errors: no thread can be started.
-    pub fn start(between: Duration, wake: impl Fn() + Send + 'static) -> std::io::Result<Watch> {
-        let known = Arc::new(Mutex::new(Known::new()));
+    pub fn start(between: Duration, wake: impl Fn() + Send + 'static) -> std::io::Result<FileWatcher> {
+        let known = Arc::new(Mutex::new(FileStamps::new()));
         let watched = Arc::downgrade(&known);
         std::thread::Builder::new().name("files".into()).spawn(move || {
             loop {
@@ -41,11 +41,11 @@ impl Watch {
                 }
             }
         })?;
-        Ok(Watch { known })
+        Ok(FileWatcher { known })
     }
 
-    /// What the files are known to be from now on.
-    pub fn knows(&self, known: Known) {
+    /// Sets the stamps that later ones are compared with.
+    pub fn knows(&self, known: FileStamps) {
         *self.known.lock().unwrap_or_else(PoisonError::into_inner) = known;
     }
 }
@@ -60,8 +60,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("data.vtk");
         let (sender, woken) = mpsc::channel();
-        let watch = Watch::start(BETWEEN / 100, move || _ = sender.send(())).unwrap();
-        let know = || watch.knows(Known::from([(path.clone(), state(&path))]));
+        let watch = FileWatcher::start(BETWEEN / 100, move || _ = sender.send(())).unwrap();
+        let know = || watch.knows(FileStamps::from([(path.clone(), state(&path))]));
         know();
         std::fs::write(&path, "1").unwrap();
         woken.recv_timeout(60 * BETWEEN).expect("a file that came");

@@ -1,7 +1,7 @@
-//! What is asked of the worker beside pictures, and what it finds.
+//! Queries to the worker besides pictures, and their results.
 
-use super::request::Wanted;
-use super::scales::Known;
+use super::request::RenderRequest;
+use super::scales::DataScales;
 use glam::DVec3;
 use std::path::PathBuf;
 use voltet_core::probing::Histogram;
@@ -9,7 +9,7 @@ use voltet_graph::{ArrayRef, NodeEntry};
 
 /// The distribution of the data that is wanted.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Distribution {
+pub struct DistributionQuery {
     /// As of [`Wanted`](super::Wanted).
     pub nodes: Vec<NodeEntry>,
     /// As of [`Wanted`](super::Wanted).
@@ -20,24 +20,24 @@ pub struct Distribution {
     pub axes: [ArrayRef; 2],
     /// Further arrays whose ranges are wanted.
     pub fields: Vec<String>,
-    /// Whether what numbers are relative to is all steps of a time series together.
+    /// True if numbers are relative to all steps of a time series together.
     pub of_series: bool,
-    /// What tells it from others.
+    /// Identity of the query.
     pub key: u64,
 }
 
-/// What was found.
+/// Distribution of the data.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Distributed {
+pub struct Distribution {
     /// The volume in each bin.
     pub histogram: Histogram,
     /// Ranges, and the volume below each value of the axes: of this volume, or of all steps of its series.
-    pub known: Known,
+    pub known: DataScales,
 }
 
 /// A place of the picture that is asked about.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Probing {
+pub struct ProbeQuery {
     /// As of [`Wanted`](super::Wanted).
     pub nodes: Vec<NodeEntry>,
     /// As of [`Wanted`](super::Wanted).
@@ -46,13 +46,13 @@ pub struct Probing {
     pub sources: [String; 3],
     /// Places, in heights of the picture from its middle, to the right and up.
     pub places: Vec<[f64; 2]>,
-    /// What tells it from others.
+    /// Identity of the query.
     pub key: u64,
 }
 
-/// What was found.
+/// Values on the probed rays.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Probed {
+pub struct PixelProbe {
     /// As of [`Probing`].
     pub key: u64,
     /// Rays that were walked; 0 where the values are those of a section.
@@ -67,7 +67,7 @@ pub struct Probed {
 
 /// A section that is wanted.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sectioning {
+pub struct SectionQuery {
     /// As of [`Wanted`](super::Wanted).
     pub nodes: Vec<NodeEntry>,
     /// As of [`Wanted`](super::Wanted).
@@ -82,15 +82,15 @@ pub struct Sectioning {
     pub half: f64,
     /// Pixels of its picture.
     pub size: [usize; 2],
-    /// What tells it from others.
+    /// Identity of the query.
     pub key: u64,
 }
 
-/// What was found.
+/// Section of the data by a plane.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {
     /// As it was asked for.
-    pub of: Sectioning,
+    pub of: SectionQuery,
     /// [s, g] at the middle of each pixel, rows from the top; none outside of all cells.
     pub values: Vec<Option<[f64; 2]>>,
     /// Cells that the plane cuts.
@@ -99,23 +99,24 @@ pub struct Section {
 
 /// A widget that is asked about.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sharing {
+pub struct ShareQuery {
     /// The picture that is shown.
-    pub wanted: Wanted,
+    pub wanted: RenderRequest,
     /// The transfer function.
     pub look: String,
     /// The widget's place in that picture's list.
     pub widget: usize,
-    /// What tells it from others.
+    /// Identity of the query.
     pub key: u64,
 }
 
-/// What a widget adds.
+/// Contribution of a widget to the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Share {
-    /// Of the picture's opacity, what is gone without the widget, 0 to 1; what it hides comes to light instead.
+    /// Fraction of the picture's opacity that is gone without the widget, 0 to 1; parts that it hides come to light
+    /// instead.
     pub opacity: f64,
-    /// Of the picture's light, what is another without the widget; above 1 where more comes to light than it gave.
+    /// Fraction of the picture's light that changes without the widget; above 1 where more comes to light than it gave.
     pub light: f64,
     /// Pixels that were compared.
     pub pixels: usize,

@@ -1,11 +1,13 @@
-//! What the worker is asked for, and what becomes of its answers.
+//! Requests to the worker, and handling of its answers.
 
 use crate::arrays::{self, Arrays};
-use crate::editor::{Editor, Ground, camera_size};
+use crate::editor::{Editor, RequestInputs, camera_size};
 use crate::scene::pictures;
 use crate::transfer;
 use crate::view::View;
-use crate::worker::{Distribution, Known, Probed, Probing, Sectioning, Sharing, Wanted, short};
+use crate::worker::{
+    DataScales, DistributionQuery, PixelProbe, ProbeQuery, RenderRequest, SectionQuery, ShareQuery, short,
+};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use voltet_document::links::{self, upstream};
@@ -15,7 +17,7 @@ impl Editor {
     /// Asks the worker for what is wanted now and was not before.
     pub(crate) fn wish(&mut self) {
         let hidden = self.transfer.hidden().map(|(look, hidden)| (look.to_string(), hidden.clone()));
-        let ground = Ground {
+        let ground = RequestInputs {
             revision: self.document.revision(),
             shown: self.shown_node.clone(),
             room: self.picture.room,
@@ -67,9 +69,9 @@ impl Editor {
             put_in_numbers(&mut nodes, look, &found.known);
         }
         if let Some((look, hidden)) = self.transfer.hidden() {
-            leave_out(&mut nodes, look, hidden);
+            remove_hidden_widgets(&mut nodes, look, hidden);
         }
-        let wanted = Wanted {
+        let wanted = RenderRequest {
             background: background(&nodes, &node),
             nodes,
             folder: self.document.folder(),
@@ -77,8 +79,8 @@ impl Editor {
             size,
             coarse_first: true,
         };
-        let same = |asked: &Wanted| {
-            let feeding = |wanted: &Wanted| {
+        let same = |asked: &RenderRequest| {
+            let feeding = |wanted: &RenderRequest| {
                 let names = wanted.upstream();
                 wanted.nodes.iter().filter(|node| names.contains(&node.name)).cloned().collect::<Vec<_>>()
             };
@@ -96,7 +98,7 @@ impl Editor {
     fn find_distribution(&mut self) {
         let (source, fields, of_series) = {
             let scene = self.scene();
-            let look = transfer::of(&scene);
+            let look = transfer::edited_node(&scene);
             let fields = look.map(transfer::fields_of).unwrap_or_default();
             let of_series = look.is_some_and(transfer::is_of_series);
             (look.and_then(|look| transfer::volume_of(&scene, &look.name)), fields, of_series)
@@ -105,7 +107,7 @@ impl Editor {
         let nodes = self.feeding(&source);
         let (folder, axes) = (self.document.folder(), self.transfer.axes());
         let key = self.distribution.as_ref().map_or(0, |asked| asked.key);
-        let mut wanted = Distribution { nodes, folder, node: source, axes, fields, of_series, key };
+        let mut wanted = DistributionQuery { nodes, folder, node: source, axes, fields, of_series, key };
         if self.distribution.as_ref() != Some(&wanted) {
             wanted.key += 1;
             self.worker.find_distribution(wanted.clone());
@@ -138,7 +140,7 @@ impl Editor {
         }
         let widget = (0..chosen).filter(|place| !is_hidden(place)).count();
         let key = self.lookups.next_share(of.clone());
-        self.worker.share(Sharing { wanted, look: of.1, widget, key });
+        self.worker.share(ShareQuery { wanted, look: of.1, widget, key });
     }
 
     /// Asks for small pictures of the other nodes that give one, once the shown one is there and no hand is at work.
@@ -153,8 +155,14 @@ impl Editor {
         for node in others {
             let background = background(&self.document.pipeline().nodes, &node);
             let (nodes, folder) = (self.feeding(&node), self.document.folder());
-            let wanted =
-                Wanted { nodes, folder, node: node.clone(), size: None, background, coarse_first: false };
+            let wanted = RenderRequest {
+                nodes,
+                folder,
+                node: node.clone(),
+                size: None,
+                background,
+                coarse_first: false,
+            };
             if self.lookups.previews.get(&node) != Some(&wanted) {
                 self.worker.preview(wanted.clone());
                 self.lookups.previews.insert(node, wanted);
@@ -170,7 +178,7 @@ impl Editor {
         }
         let found = {
             let scene = self.scene();
-            let look = transfer::of(&scene).map(|look| look.name.clone());
+            let look = transfer::edited_node(&scene).map(|look| look.name.clone());
             let source = look.and_then(|look| transfer::volume_of(&scene, &look));
             let plane =
                 scene.view.zip(scene.bounds).and_then(|(view, bounds)| self.section.wanted(view, bounds));
@@ -180,7 +188,7 @@ impl Editor {
         let nodes = self.feeding(&node);
         let (folder, size) = (self.document.folder(), self.section.size());
         let key = self.lookups.section.as_ref().map_or(0, |asked| asked.key);
-        let mut wanted = Sectioning { nodes, folder, node, centre, axes, half, size, key };
+        let mut wanted = SectionQuery { nodes, folder, node, centre, axes, half, size, key };
         if self.lookups.section.as_ref() != Some(&wanted) {
             wanted.key += 1;
             self.worker.cut(wanted.clone());
@@ -192,7 +200,7 @@ impl Editor {
     pub(crate) fn probe(&mut self, places: Vec<[f64; 2]>, centres: bool) {
         let sources = {
             let scene = self.scene();
-            let look = transfer::of(&scene).map(|look| look.name.clone());
+            let look = transfer::edited_node(&scene).map(|look| look.name.clone());
             look.and_then(|look| {
                 Some([transfer::volume_of(&scene, &look)?, look, self.camera()?.name.clone()])
             })
@@ -202,7 +210,7 @@ impl Editor {
         let key = self.last_probe;
         self.probing = Some((key, centres));
         let nodes = self.document.pipeline().nodes.clone();
-        self.worker.probe(Probing { nodes, folder: self.document.folder(), sources, places, key });
+        self.worker.probe(ProbeQuery { nodes, folder: self.document.folder(), sources, places, key });
     }
 
     /// Takes over what a probe found: values in a line, or the centre.
@@ -212,7 +220,7 @@ impl Editor {
         match found {
             Some((_, Err(error))) => self.complain(&error),
             Some((_, Ok(found))) if centres => {
-                if let (Some(point), Some(view)) = (found.point, self.camera().and_then(View::of)) {
+                if let (Some(point), Some(view)) = (found.point, self.camera().and_then(View::from_camera)) {
                     self.look(view.centred(point));
                 }
             }
@@ -223,7 +231,7 @@ impl Editor {
     }
 
     /// Shows values that were found.
-    pub(crate) fn show_probed(&mut self, found: Arc<Probed>) {
+    pub(crate) fn show_probed(&mut self, found: Arc<PixelProbe>) {
         let place = match found.rays {
             0 => "in the section".to_string(),
             1 => "on the ray".to_string(),
@@ -253,7 +261,7 @@ impl Editor {
 }
 
 /// Puts numbers in the place of those relative to data, where they are known.
-fn put_in_numbers(nodes: &mut [NodeEntry], look: &str, known: &Known) {
+fn put_in_numbers(nodes: &mut [NodeEntry], look: &str, known: &DataScales) {
     let Some(node) = nodes.iter_mut().find(|node| node.name == look) else { return };
     let widgets = node.settings.iter_mut().find(|field| field.name == "widgets");
     if let Some(setting) = widgets.map(|field| &mut field.setting)
@@ -264,7 +272,7 @@ fn put_in_numbers(nodes: &mut [NodeEntry], look: &str, known: &Known) {
 }
 
 /// Takes widgets out of a transfer function.
-fn leave_out(nodes: &mut [NodeEntry], look: &str, hidden: &BTreeSet<usize>) {
+fn remove_hidden_widgets(nodes: &mut [NodeEntry], look: &str, hidden: &BTreeSet<usize>) {
     let node = nodes.iter_mut().find(|node| node.name == look);
     let field = node.and_then(|node| node.settings.iter_mut().find(|field| field.name == "widgets"));
     if let Some(ParameterValue::List(list)) = field.map(|field| &mut field.setting.datum) {

@@ -1,12 +1,13 @@
 //! Widgets as they lie in the plane.
 
 use super::handles::Handle;
-use super::kinds::{On, Shape, natural_axes, shape};
+use super::kinds::{natural_axes, shape};
 use super::numbers::{Change, array, find, number};
 use super::plane::middle;
 use super::region::Region;
 use super::relative;
 use super::scale::Scale;
+use super::shape::{PlaneContext, Shape};
 use std::sync::Arc;
 use voltet_core::parameters::Parameters;
 use voltet_core::probing::Histogram;
@@ -16,10 +17,10 @@ use voltet_graph::{ArrayRef, Field, LocatedValue, SourceSpan};
 
 /// A widget in the plane.
 #[derive(Debug, Clone)]
-pub(super) struct Drawn {
+pub(super) struct ScreenWidget {
     /// Its kind's name.
     pub kind: String,
-    /// What it is; one that stands for it where its numbers are not known; none where it is none.
+    /// The widget, with placeholders for unknown numbers; `None` if it is invalid.
     widget: Option<Widget>,
     /// `None` where it lies along other axes, or is not known.
     pub shape: Option<Arc<dyn Shape>>,
@@ -29,20 +30,20 @@ pub(super) struct Drawn {
     pub extinction: f64,
     /// Its table as the file states it.
     pub stated: Vec<Field>,
-    /// What is wrong with it, or not known yet.
+    /// Error, or the reason for which it is not known yet.
     pub fault: Option<String>,
 }
 
-impl Drawn {
+impl ScreenWidget {
     /// From what the file states, with numbers relative to data found by what is known of these.
-    pub fn of(fields: &[Field], on: &On) -> Drawn {
+    pub fn new(fields: &[Field], on: &PlaneContext) -> ScreenWidget {
         let read = || -> Result<(Widget, Vec<Field>)> {
             let numbers = relative::resolved(fields, on.known)?;
             let (kind, parameters) = keys(&numbers)?;
             Ok((transfer::read(kind, &parameters, &|path| Ok(on.images.texels(path)))?, numbers))
         };
         let is_flat = on.is_of_s_and_g();
-        let mut drawn = Drawn {
+        let mut drawn = ScreenWidget {
             kind: find(fields, "kind").and_then(LocatedValue::text).unwrap_or_default().to_string(),
             widget: None,
             shape: None,
@@ -56,7 +57,7 @@ impl Drawn {
             Ok((widget, numbers)) => {
                 drawn.color = main_color(&widget);
                 drawn.shape = shape(&widget, &numbers, on);
-                drawn.region = if is_flat { Region::of(&numbers) } else { Region::Whole };
+                drawn.region = if is_flat { Region::parse(&numbers) } else { Region::Whole };
                 // Of other axes its region says nothing.
                 let region = widget.region.clone().filter(|_| is_flat);
                 drawn.widget = Some(Widget { region, ..widget });
@@ -64,7 +65,7 @@ impl Drawn {
                 drawn.fault = image.and_then(|path| on.images.fault(path));
             }
             Err(error) => {
-                drawn.widget = standing_in(fields);
+                drawn.widget = with_placeholders(fields);
                 drawn.fault = Some(error.to_string());
             }
         }
@@ -76,7 +77,7 @@ impl Drawn {
         self.widget.as_ref()?.profile.properties().own_peak
     }
 
-    /// Whether it is taken hold of wherever it is strong: not what is drawn as lines alone.
+    /// True if it can be dragged wherever it is strong, unlike widgets drawn as lines alone.
     pub fn is_area(&self) -> bool {
         let is_line = self.widget.as_ref().is_some_and(|widget| {
             let properties = widget.profile.properties();
@@ -85,7 +86,7 @@ impl Drawn {
         !is_line || self.region != Region::Whole
     }
 
-    /// Whether its region is all that there is of it.
+    /// True if it is strong in all of its region.
     pub fn is_its_region(&self) -> bool {
         self.widget.as_ref().is_some_and(|widget| widget.profile.properties().needs_region)
     }
@@ -128,20 +129,20 @@ impl Drawn {
         handles
     }
 
-    /// What becomes of the numbers when a handle is brought to a place.
+    /// Changes of the numbers when a handle moves to a position.
     pub fn moved(&self, handle: Handle, to: [f64; 2], scale: &Scale) -> Vec<Change> {
         let of_shape = || self.shape.as_ref().map_or(Vec::new(), |shape| shape.moved(handle, to, scale));
         self.region.moved(handle, to).unwrap_or_else(of_shape)
     }
 
-    /// What becomes of the numbers when all of it is moved along.
+    /// Changes of the numbers when the whole widget is moved.
     pub fn shifted(&self, by: [f64; 2]) -> Vec<Change> {
         let mut changes = self.shape.as_ref().map_or(Vec::new(), |shape| shape.shifted(by));
         changes.extend(self.region.shifted(by));
         changes
     }
 
-    /// Whether points can be added.
+    /// True if points can be added.
     pub fn has_points(&self) -> bool {
         self.shape.as_ref().is_some_and(|shape| shape.has_points())
             || matches!(self.region, Region::Polygon(_))
@@ -164,7 +165,7 @@ impl Drawn {
 
 /// The arrays that a widget's table names.
 pub(super) fn arrays(fields: &[Field]) -> Vec<String> {
-    let widget = standing_in(fields);
+    let widget = with_placeholders(fields);
     let names = widget.as_ref().map_or(Vec::new(), |widget| widget.profile.properties().fields);
     names.into_iter().map(str::to_string).collect()
 }
@@ -178,7 +179,7 @@ fn keys(fields: &[Field]) -> Result<(&'static str, Parameters)> {
 }
 
 /// A widget that looks at the same quantities, whatever its numbers are; `None` where what is stated makes none.
-fn standing_in(fields: &[Field]) -> Option<Widget> {
+fn with_placeholders(fields: &[Field]) -> Option<Widget> {
     let (kind, parameters) = keys(fields).ok()?;
     let parameters = transfer::with_placeholders(&parameters).ok()?;
     transfer::read(kind, &parameters, &|_| Ok((1, 1, vec![[0.0; 4]]))).ok()
@@ -201,5 +202,5 @@ fn main_color(widget: &Widget) -> [f64; 3] {
 }
 
 #[cfg(test)]
-#[path = "drawn_tests.rs"]
+#[path = "screen_widget_tests.rs"]
 mod tests;

@@ -3,7 +3,7 @@ use super::super::images::Images;
 use super::super::numbers::{Change, list, rows};
 use super::super::scale::{S_AND_G, Scale};
 use super::*;
-use crate::worker::Known;
+use crate::worker::DataScales;
 use voltet_graph::ParameterValue;
 
 fn field(name: &str, datum: ParameterValue) -> Field {
@@ -32,17 +32,17 @@ fn changed(mut fields: Vec<Field>, changes: Vec<Change>) -> Vec<Field> {
 const EXTENT: [f64; 2] = [100.0, 10.0];
 const SCALE: Scale = Scale { extent: EXTENT, shown: [[0.0, 100.0], [0.0, 10.0]], peak: 50.0 };
 
-fn read(fields: &[Field]) -> Drawn {
+fn read(fields: &[Field]) -> ScreenWidget {
     read_with(fields, None)
 }
 
-fn read_with(fields: &[Field], known: Option<&Known>) -> Drawn {
+fn read_with(fields: &[Field], known: Option<&DataScales>) -> ScreenWidget {
     let images = Images::default();
-    Drawn::of(fields, &On { axes: &S_AND_G, extent: EXTENT, known, images: &images })
+    ScreenWidget::new(fields, &PlaneContext { axes: &S_AND_G, extent: EXTENT, known, images: &images })
 }
 
 /// Where its handles lie.
-fn places(drawn: &Drawn) -> Vec<[f64; 2]> {
+fn places(drawn: &ScreenWidget) -> Vec<[f64; 2]> {
     drawn.handles(&SCALE).into_iter().map(|(_, at)| at).collect()
 }
 
@@ -210,10 +210,10 @@ fn bands_are_as_wide_as_the_profile_says() {
 }
 
 /// The axis is 0 to 100, half of the volume below 20.
-fn known() -> Known {
+fn known() -> DataScales {
     let spread = crate::worker::Spread::from_knots(vec![0.0, 20.0, 100.0], vec![0.0, 0.5, 1.0]);
     let [s, g] = S_AND_G;
-    Known { ranges: [(s.clone(), [0.0, 100.0]), (g, [0.0, 10.0])].into(), spreads: [(s, spread)].into() }
+    DataScales { ranges: [(s.clone(), [0.0, 100.0]), (g, [0.0, 10.0])].into(), spreads: [(s, spread)].into() }
 }
 
 #[test]
@@ -249,7 +249,7 @@ fn relative_numbers_stay_relative_and_others_as_they_are_written() {
     // On data of twice the range it is twice as wide.
     let mut wider = known.clone();
     wider.ranges.insert(ArrayRef::Named("s"), [0.0, 200.0]);
-    let strength = |of: &Known, s: f64| read_with(&after, Some(of)).strength([20.0 + s, 2.5]);
+    let strength = |of: &DataScales, s: f64| read_with(&after, Some(of)).strength([20.0 + s, 2.5]);
     assert!(strength(&known, 1.0) < 0.9 && strength(&known, 1.0) > 0.3, "{}", strength(&known, 1.0));
     assert!((strength(&known, 1.0) / strength(&wider, 2.0) - 1.0).abs() < 1e-9);
     // Upright again, the deviations are relative as they were.
@@ -276,7 +276,7 @@ fn a_table_is_drawn_as_its_picture_and_moved_and_scaled_by_its_ranges() {
     let folder = tempfile::tempdir().unwrap();
     let png = include_bytes!("two_texels.png");
     std::fs::write(folder.path().join("look.png"), png).unwrap();
-    let images = Images::default().of(&Default::default(), folder.path().to_path_buf());
+    let images = Images::default().in_folder(&Default::default(), folder.path().to_path_buf());
     let mut fields = vec![
         field("kind", ParameterValue::Text("table".into())),
         field("extinction", ParameterValue::Number(7.0)),
@@ -285,7 +285,10 @@ fn a_table_is_drawn_as_its_picture_and_moved_and_scaled_by_its_ranges() {
         field("g", list(&[1.0, 5.0])),
     ];
     let read = |fields: &[Field]| {
-        Drawn::of(fields, &On { axes: &S_AND_G, extent: EXTENT, known: None, images: &images })
+        ScreenWidget::new(
+            fields,
+            &PlaneContext { axes: &S_AND_G, extent: EXTENT, known: None, images: &images },
+        )
     };
     let begun = std::time::Instant::now();
     while images.texture("look.png").is_none() {
