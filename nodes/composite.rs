@@ -4,7 +4,7 @@ use crate::drawing;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 use voltet_graph::{DemandContext, Node, Outputs, Parameters, Port, PortType, RunContext, Value};
-use voltet_optics::shading::Integrator;
+use voltet_optics::integrators::stated;
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -19,11 +19,11 @@ pub const NODE: Node = Node {
     example: include_str!("examples/stages.toml"),
     check: &check,
     demand: &|asking: &mut DemandContext| {
-        let (engine, why) = match asking.parameters.text("integrator")? {
-            "reference" => (drawing::REFEREE.name, "the integrator is the 64-bit reference"),
-            _ => (drawing::NATIVE.name, "the stages are nodes of their own, which the CPU runs"),
+        let (engine, why) = match stated(asking.parameters)?.extension() {
+            Some(engine) => (engine, drawing::registered_reason(engine)),
+            None => (drawing::NATIVE, "the stages are nodes of their own, which the CPU runs".into()),
         };
-        asking.notes.engine = Some((engine.into(), why.into()));
+        asking.notes.engine = Some((engine.name.into(), why));
         drawing::ask(asking, "projection", "transfer_function").map(drop)
     },
     run: &run,
@@ -55,10 +55,12 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
         );
     }
     drawing::note_bands(call, &cells.volume, &transfer_function)?;
-    let picture = if shading.integrator == Integrator::REFERENCE {
-        drawing::referee(call, &projected.projection, &transfer_function, &shading)?
-    } else {
-        drawing::composite(call, &projected.projection, &transfer_function, &shading)?
+    let picture = match shading.integrator.extension() {
+        Some(engine) => {
+            let projection = &projected.projection;
+            drawing::composite_registered(call, engine, projection, &transfer_function, &shading)?
+        }
+        None => drawing::composite(call, &projected.projection, &transfer_function, &shading)?,
     };
     Ok(vec![Value::Image(Arc::new(picture))])
 }

@@ -11,7 +11,6 @@ use crate::text::Shader;
 use crate::writer::Axis;
 use voltet_core::Result;
 use voltet_core::transfer::{AxisOrigin, TransferFunction, Widget};
-use voltet_optics::engine::{Condition, Conditions};
 use voltet_optics::{Contribution, Segment};
 
 /// Numbers of a contribution: r, g, b, A, T, and what its alignment adds.
@@ -91,22 +90,4 @@ pub fn contributions(found: &[f32]) -> Vec<Contribution> {
         Contribution { optical_depth, color: [red, green, blue], opacity }
     };
     found.chunks_exact(CONTRIBUTION).map(contribution).collect()
-}
-
-/// True if the values, as 32 bits store them, leave digits of what lies between them: those of several widgets and of
-/// regions share one axis, which near 1e8 leaves none.
-pub fn keeps_digits(transfer_function: &TransferFunction, of: &Conditions) -> bool {
-    let lost = |k: f64| 16.0 * f64::from(f32::EPSILON) * (4.0 + k) > 0.1;
-    origin(&transfer_function.widgets).is_some() || !of.values[0].is_some_and(lost)
-}
-
-/// The condition numbers that the bounds of a case are stated with. Values are stored about one origin, or else as 32-bit
-/// numbers that all widgets share. Where rounding those leaves no digit of T, no linear condition number says what is left
-/// of C and A.
-pub fn condition(transfer_function: &TransferFunction, of: &Conditions) -> Condition {
-    match (origin(&transfer_function.widgets), keeps_digits(transfer_function, of)) {
-        (Some(_), _) => of.differences,
-        (None, true) => of.values,
-        (None, false) => [None; 3],
-    }
 }

@@ -73,7 +73,10 @@ fn a_picture_of_arrays_is_that_of_the_pipeline() -> Result<()> {
         }
         let mut options = RenderOptions::default();
         options.exhaustive = true;
-        assert_eq!(renderer.render_with(&scene, &options)?.image, expected);
+        // Cells that add next to nothing change the last bits of 32.
+        let exhaustive = renderer.render_with(&scene, &options)?.image;
+        let pairs = exhaustive.pixels().as_flattened().iter().zip(expected.pixels().as_flattened());
+        assert!(pairs.fold(0.0, |worst: f32, (a, b)| worst.max((a - b).abs())) < 1e-6);
         options.exhaustive = false;
         let depths = vec![f32::INFINITY; 48 * 36];
         options.depth_limit = Some(&depths);

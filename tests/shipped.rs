@@ -13,7 +13,7 @@ fn root() -> &'static Path {
 
 fn pipelines() -> Vec<PathBuf> {
     let of = |folder: &str| std::fs::read_dir(root().join(folder)).expect("the folder of pipelines");
-    let folders = of("pipelines").chain(of("pipelines/papers"));
+    let folders = of("pipelines").chain(of("lab/pipelines/papers"));
     let mut files: Vec<PathBuf> = folders.map(|entry| entry.expect("a folder entry").path()).collect();
     files.retain(|path| path.extension().is_some_and(|ending| ending == "toml"));
     files.sort();

@@ -17,7 +17,8 @@ use voltet::optics::engine::Accumulation;
 use voltet::optics::scene::Scene;
 use voltet::optics::shading::{Integrator, Shading, VisibilityOrder};
 use voltet_study::work_precision::{
-    Asked, Benches, Engines, Form, Frames, Measure, Source, Subject, Wish, reference, refinement, study,
+    Asked, Benches, Engines, Form, Frames, Measure, Source, StudyOptions, Subject, reference, refinement,
+    study,
 };
 
 /// Stops once this many settings have begun.
@@ -48,7 +49,7 @@ fn a_stopped_study_keeps_the_finished_settings_and_the_reference() {
     let cache = tempfile::tempdir().unwrap();
     let stop = After(3, Mutex::default());
     let drawn = reference(&subject, cache.path(), &stop).unwrap();
-    let wish = Wish {
+    let wish = StudyOptions {
         only: Vec::new(),
         engines: Engines::One(voltet::nodes::drawing::NATIVE),
         adapter: None,

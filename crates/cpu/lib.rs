@@ -19,7 +19,7 @@
 //! | `draw` | stages end to end |
 //! | `memory` | memory that drawing takes |
 //! | `native` | engine interface |
-//! | `segments` | segments by themselves, for judging |
+//! | `introspect` | single segments, for comparison with exact values |
 //!
 //! Modules import those above them only.
 
@@ -34,12 +34,13 @@ mod draw;
 mod fragments;
 mod frame_renderer;
 pub mod integrator;
+#[doc(hidden)]
+pub mod introspect;
 mod memory;
 mod native;
 mod project;
 mod projection;
 mod segment_cache;
-mod segments;
 mod selection;
 mod shade;
 mod subpixel;
@@ -55,6 +56,5 @@ pub use frame_renderer::FrameRenderer;
 pub use memory::drawing_bytes;
 pub use native::ENGINE;
 pub use projection::Projection;
-pub use segments::{Integrated, Segments, segments};
 pub use selection::{CellSelection, CullSample, Traversal};
 pub use tolerances::NEGLIGIBLE_DEPTH;

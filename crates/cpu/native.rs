@@ -6,7 +6,6 @@ use crate::cull::VolumeCache;
 use crate::draw::{max_optical_depth, needs_gradient, prepare, project, sort};
 use crate::projection::Projection;
 use crate::segment_cache::{Plan, SegmentCache};
-use crate::segments::Segments;
 use crate::selection::CullSample;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
@@ -16,15 +15,14 @@ use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_optics::engine::{
-    self, AdapterRequest, Engine, EngineInfo, PreparedVolume, RenderOptions, RenderOutput, SegmentEvaluator,
-    Stage, StageTiming,
+    self, Engine, EngineInfo, PreparedVolume, RenderOptions, RenderOutput, Stage, StageTiming,
 };
 use voltet_optics::integrators::{self, PreparedScene, ScenePreparation};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::Ordering;
 use voltet_simd::LaneSet;
 
-/// The native engine. Each of its lane sets can be judged by itself.
+/// The native engine.
 pub const ENGINE: EngineInfo = EngineInfo {
     name: "cpu",
     summary: "native code on all cores",
@@ -35,19 +33,12 @@ pub const ENGINE: EngineInfo = EngineInfo {
     can_serve: |transfer_function, shading| integrators::can_serve(&shading.integrator, transfer_function),
     adapters: Vec::new,
     open: |_, _| Ok(Arc::new(Native { lanes: LaneSet::detect()? })),
-    open_each,
 };
-
-fn open_each(_wish: &AdapterRequest) -> Result<Vec<Arc<dyn Engine>>> {
-    let sets = LaneSet::ALL.into_iter().rev();
-    let native = |lanes| Arc::new(Native { lanes }) as Arc<dyn Engine>;
-    Ok(sets.filter(|lanes| lanes.is_supported()).map(native).collect())
-}
 
 /// The engine on one lane set.
 #[derive(Debug, Clone, Copy)]
-struct Native {
-    lanes: LaneSet,
+pub(crate) struct Native {
+    pub lanes: LaneSet,
 }
 
 impl Engine for Native {
@@ -57,10 +48,6 @@ impl Engine for Native {
 
     fn label(&self) -> String {
         format!("native engine, {}", self.lanes.name())
-    }
-
-    fn forms(&self) -> Option<Box<dyn SegmentEvaluator>> {
-        Some(Box::new(Segments { lanes: self.lanes, ordered: false }))
     }
 
     fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn PreparedVolume>> {

@@ -1,16 +1,14 @@
 //! The device engine as one of the program's engines.
 
+use crate::compositors;
 use crate::device::adapter::{Adapters, no_hardware};
 use crate::device::adapter_probe_cache;
 use crate::device::device_handle::{Device, WorkCounts};
 use crate::frame::draw::draw;
 use crate::frame::in_flight;
-use crate::frame::inputs::choices;
 use crate::frame::limits;
 use crate::frame::output::{self, OrderCheckReport};
 use crate::frame::renderer::Renderer;
-use crate::measure::segments::Segments;
-use crate::measure::{compositors, operations};
 use serde_json::json;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -20,11 +18,10 @@ use voltet_core::progress::Progress;
 use voltet_core::visibility::FaceOrder;
 use voltet_core::volume::Volume;
 use voltet_optics::engine::{
-    AdapterRequest, Compositor, CompositorChoice, Engine, EngineInfo, KeyValueStore, NoStore, Pending,
-    PreparedVolume, RenderOptions, RenderOutput, RenderStats, SegmentEvaluator,
+    AdapterRequest, Compositor, CompositorChoice, Engine, EngineInfo, KeyValueStore, Pending, PreparedVolume,
+    RenderOptions, RenderOutput, RenderStats,
 };
 use voltet_optics::scene::Scene;
-use voltet_shaders::compose;
 
 /// The device engine.
 pub const ENGINE: EngineInfo = EngineInfo {
@@ -33,11 +30,10 @@ pub const ENGINE: EngineInfo = EngineInfo {
     taken: Some("the GPU if a hardware adapter holds the scene"),
     unavailable_reason: None,
     on_device: true,
-    compositing: &Compositor::ALL,
+    compositing: Compositor::ALL,
     can_serve: limits::can_serve,
     adapters: || Adapters::find().described(),
     open: |wish, memory| open(wish, memory).map(|opened| Arc::new(opened) as Arc<dyn Engine>),
-    open_each: |wish| open(wish, &NoStore).map(|opened| vec![Arc::new(opened) as Arc<dyn Engine>]),
 };
 
 fn open(wish: &AdapterRequest, memory: &dyn KeyValueStore) -> Result<GpuEngine> {
@@ -55,7 +51,7 @@ fn open(wish: &AdapterRequest, memory: &dyn KeyValueStore) -> Result<GpuEngine> 
 
 /// The device engine on an open device.
 pub struct GpuEngine {
-    device: Arc<Device>,
+    pub(crate) device: Arc<Device>,
     compositors: compositors::TimingCache,
 }
 
@@ -90,10 +86,6 @@ impl Engine for GpuEngine {
         Ok(Arc::new(GpuVolume { renderer: Arc::new(renderer), uploads }))
     }
 
-    fn forms(&self) -> Option<Box<dyn SegmentEvaluator>> {
-        Some(Box::new(Segments::new(self.device.clone())))
-    }
-
     fn choose(
         &self,
         scene: &Scene,
@@ -102,19 +94,11 @@ impl Engine for GpuEngine {
     ) -> Result<Option<CompositorChoice>> {
         compositors::choose(&self.device, &self.compositors, scene, memory, progress).map(Some)
     }
-
-    fn forget(&self) {
-        self.device.forget_pipelines();
-    }
-
-    fn multiply_adds_per_second(&self) -> Result<Option<f64>> {
-        self.device.multiply_adds_per_second().map(Some)
-    }
 }
 
 /// A volume on the device.
-struct GpuVolume {
-    renderer: Arc<Renderer>,
+pub(crate) struct GpuVolume {
+    pub renderer: Arc<Renderer>,
     /// Arrays that were uploaded and are not counted with any picture yet.
     uploads: AtomicU64,
 }
@@ -137,17 +121,6 @@ impl PreparedVolume for GpuVolume {
         let begun = in_flight::begin(&self.renderer, scene, options, progress)?;
         let (device, work) = (self.renderer.device().clone(), self.since(before));
         Ok(Box::new(PendingFrame { device, begun, options: *options, work }))
-    }
-
-    fn operations(
-        &self,
-        scene: &Scene,
-        options: &RenderOptions,
-        counts: &RenderStats,
-    ) -> Result<Option<u64>> {
-        let Some(segments) = counts.segments else { return Ok(None) };
-        let (shader_key, _) = choices(&self.renderer, scene, options)?;
-        operations::of_compositor(&compose(&shader_key), segments).map(Some)
     }
 }
 

@@ -1,14 +1,15 @@
 //! voltet-gpu: the device engine. Cull, project, sort and composite as passes on a graphics device, through wgpu.
 //!
 //! The grid is uploaded once ([`Renderer`]); a frame changes uniforms and reads back the picture and a few counts.
-//! [`Segments`] runs the same shaders over segments alone, for judging them.
 //! The shaders come from `voltet-shaders`; this crate knows devices, buffers and the order of the passes.
 
+mod compositors;
 mod device;
 mod engine;
 mod frame;
 mod grid;
-mod measure;
+#[doc(hidden)]
+pub mod introspect;
 mod pass;
 mod raster;
 
@@ -20,4 +21,3 @@ pub use frame::in_flight::{InFlight, SubmittedFrame, begin};
 pub use frame::limits::can_serve;
 pub use frame::output::{FaceOrderReport, FrameCounts, FrameOutput, OrderCheckReport};
 pub use frame::renderer::Renderer;
-pub use measure::segments::Segments;

@@ -1,9 +1,9 @@
-//! Orders along faces, held against the crossings of the 64-bit reference, which knows no faces.
+//! Orders along faces, held against the crossings of the 64-bit ray tracer, which uses no faces.
 
 use crate::WidgetBlend;
-use crate::reference::Tracer;
 use crate::scene::Scene;
 use crate::shading::{Integrator, Shading, VisibilityOrder};
+use crate::trace::{ClosedForms, Tracer};
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -16,7 +16,12 @@ use voltet_core::visibility::*;
 use voltet_core::volume::Volume;
 
 const SHADING: Shading =
-    Shading { integrator: Integrator::REFERENCE, overlap: WidgetBlend::Exact, silhouette: None, light: None };
+    Shading { integrator: Integrator::ANALYTIC, overlap: WidgetBlend::Exact, silhouette: None, light: None };
+
+fn tracer(scene: &Scene) -> Tracer<'_> {
+    let forms = ClosedForms::new(&scene.transfer_function, WidgetBlend::Exact).expect("is in range");
+    Tracer::new(scene, Box::new(forms)).expect("is in range")
+}
 
 fn cube(counts: [usize; 3], jitter: f64) -> Grid {
     box_of_tetrahedra(counts, [DVec3::ZERO, DVec3::ONE], jitter)
@@ -106,7 +111,7 @@ fn disordered_by_reference(grid: &Grid, order: &[u32], camera: &Camera) -> u64 {
         shading: SHADING,
         order: VisibilityOrder::Exact,
     };
-    let tracer = Tracer::new(&scene).expect("is in range");
+    let tracer = tracer(&scene);
     let mut rank = vec![0; order.len()];
     order.iter().enumerate().for_each(|(k, cell)| rank[*cell as usize] = k);
     let mut count = 0;

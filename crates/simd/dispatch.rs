@@ -135,12 +135,12 @@ pub fn dispatch<K: Kernel>(lanes: LaneSet, kernel: K) -> K::Output {
         #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,popcnt,bmi1,bmi2,lzcnt")]
         fn avx512<K: Kernel>(kernel: K) -> K::Output {
             std::hint::black_box(&mut CacheLine(0));
-            run::<Avx512, K>(kernel)
+            kernel.run::<Avx512>()
         }
         #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2,lzcnt")]
         fn avx2<K: Kernel>(kernel: K) -> K::Output {
             std::hint::black_box(&mut CacheLine(0));
-            run::<Avx2, K>(kernel)
+            kernel.run::<Avx2>()
         }
         match lanes.or_portable() {
             // SAFETY: the features were just found on this processor.
@@ -152,22 +152,10 @@ pub fn dispatch<K: Kernel>(lanes: LaneSet, kernel: K) -> K::Output {
     }
     #[cfg(all(target_arch = "aarch64", target_endian = "little"))]
     if lanes.or_portable() == LaneSet::Neon {
-        return run::<Neon, K>(kernel);
+        return kernel.run::<Neon>();
     }
     let _ = lanes;
-    run::<Portable, K>(kernel)
-}
-
-/// Runs a kernel on these lanes, which count what it computes where that is asked for.
-#[inline(always)]
-fn run<L: Lanes, K: Kernel>(kernel: K) -> K::Output {
-    #[cfg(feature = "counting")]
-    if super::counting::is_on() {
-        let output = kernel.run::<super::counting::Counted<L>>();
-        super::counting::end();
-        return output;
-    }
-    kernel.run::<L>()
+    kernel.run::<Portable>()
 }
 
 #[cfg(test)]

@@ -8,7 +8,6 @@
 //! by lane (`conformance` holds each to the same model), except that the portable one rounds a fused multiply-add twice where the
 //! build has no instruction for it.
 //!
-//! With the feature `counting`, which benches ask for, any of them can count the arithmetic that it does (`counting`).
 //!
 //! # Why code cannot run instructions that the processor lacks
 //!
@@ -60,8 +59,6 @@ mod avx2;
 mod avx512;
 #[cfg(test)]
 mod conformance;
-#[cfg(feature = "counting")]
-pub mod counting;
 mod dispatch;
 pub mod limits;
 #[cfg(all(target_arch = "aarch64", target_endian = "little"))]

@@ -1,4 +1,4 @@
-//! What a result may be off by.
+//! Bounds of the error of a result.
 //!
 //! ε is the working precision, k the condition number of the case: the relative change of the result, in
 //! units of ε, when the differences of the inputs change by a relative ε. No program can be expected to do
@@ -6,10 +6,10 @@
 //! what plain implementations of the stable forms were measured to need.
 
 use super::case::{Case, SegmentCase};
+use crate::{Condition, Precision};
 use voltet_core::transfer::{AxisOrigin, OpticalModel, Profile};
-use voltet_optics::engine::{Condition, Precision};
 
-/// How one value is judged.
+/// Rule that judges one value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Rule {
     /// |error| ≤ relative · |exact| + floor.
@@ -183,7 +183,7 @@ fn limit(segment: &SegmentCase, quantity: Quantity) -> f64 {
     }
 }
 
-/// Whether the peak of a narrow widget is found in 32 bits: about one centre, by a function of the segment's ends alone.
+/// True if the peak of a narrow widget is found in 32 bits: about one centre, by a function of the segment's ends alone.
 fn is_gaussian(profile: &Profile) -> bool {
     let properties = profile.properties();
     properties.has_elementary_mean && properties.axes.iter().any(|axis| matches!(axis, AxisOrigin::Centre(_)))

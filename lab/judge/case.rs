@@ -1,11 +1,11 @@
 //! Reads one case: a JSON object on one line.
 
 use super::json::{array, fixed, member, number, numbers, text};
-use super::look::transfer_function;
+use super::transfer_function::transfer_function;
+use crate::{Conditions, PartialIntegrals};
 use serde_json::Value;
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
-use voltet_optics::engine::{Conditions, PartialIntegrals};
 use voltet_optics::{Contribution, Segment};
 
 /// One case with its exact results.
@@ -15,9 +15,9 @@ pub struct Case {
     pub id: String,
     /// The category: ordinary, stiff, narrow, …
     pub category: String,
-    /// What it is about within the category.
+    /// Subject within the category.
     pub subject: String,
-    /// What is computed.
+    /// Computed quantity.
     pub kind: Kind,
 }
 
@@ -86,7 +86,7 @@ impl Case {
         }
     }
 
-    /// What goes in, in short.
+    /// Short description of the inputs.
     pub fn inputs(&self) -> String {
         let list = |values: &[f64]| values.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ");
         match &self.kind {
@@ -126,7 +126,7 @@ pub struct SegmentCase {
     pub exact: Contribution,
     /// Condition numbers of T, C, A; `None` where the result is discontinuous.
     pub condition: [Option<f64>; 3],
-    /// The same where it is the raw numbers, the values at both ends, that are rounded.
+    /// Condition numbers for rounding of the raw numbers, the values at both ends.
     pub raw_condition: [Option<f64>; 3],
 }
 
@@ -148,7 +148,7 @@ impl SegmentCase {
         Conditions { differences: self.condition, values: self.raw_condition }
     }
 
-    /// Whether the density-emitter is meant.
+    /// True if the density-emitter is meant.
     pub fn density(&self) -> bool {
         self.transfer_function.model == OpticalModel::DensityEmitter
     }

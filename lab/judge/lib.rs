@@ -16,23 +16,26 @@
 
 mod bounds;
 mod case;
-mod forms;
+mod evaluator;
+mod evaluator64;
 mod json;
-mod look;
 mod report;
 pub mod segment_twin;
 mod shipped;
+mod transfer_function;
 pub mod twin;
 
 pub use bounds::Rule;
 pub use case::{Case, Kind, SegmentCase, parse};
-pub use forms::Native64;
-pub use report::{Broken, Excuse, Report, Row};
+pub use evaluator::{
+    Chain, Condition, Conditions, EvalOutcome, PartialIntegrals, Precision, SegmentEvaluator,
+};
+pub use evaluator64::Evaluator64;
+pub use report::{Exemption, Report, Row, Violation};
 pub use shipped::{segment_cases, shipped, stiff};
 
 use bounds::{Quantity, rule};
 use voltet_core::Result;
-use voltet_optics::engine::{EvalOutcome, SegmentEvaluator};
 use voltet_optics::{Contribution, WidgetBlend};
 
 /// Judges every case of `text`, the content of a case file, by each set of forms. Errors name the line.
@@ -47,7 +50,7 @@ pub fn judge_all(text: &str, forms: &[&dyn SegmentEvaluator]) -> Result<Vec<Repo
     Ok(reports)
 }
 
-/// The same for cases that were read already.
+/// Judges cases that were read already; like [`judge_all`].
 pub fn judge_cases(cases: &[Case], forms: &[&dyn SegmentEvaluator]) -> Result<Vec<Report>> {
     let mut reports = begin(forms);
     cases.iter().try_for_each(|case| enter(case, forms, &mut reports))?;
@@ -132,7 +135,7 @@ fn judge_case(case: &Case, forms: &dyn SegmentEvaluator, report: &mut Report) ->
             let (found, wider) = match forms.partial(*a, *b)? {
                 EvalOutcome::Served(found) => (found, false),
                 EvalOutcome::Wider(found, reason) => {
-                    report.excuse(true, reason);
+                    report.exemption(true, reason);
                     (found, true)
                 }
                 EvalOutcome::Skipped(reason) => {
@@ -164,7 +167,7 @@ fn enter_contribution(
     rules: &dyn Fn(Quantity) -> Rule,
 ) {
     if let Some(reason) = wider {
-        report.excuse(true, reason);
+        report.exemption(true, reason);
     }
     let (exact, wider) = (&segment.exact, wider.is_some());
     let mut enter = |quantity, values, rule| report.enter(case, quantity, values, rule, wider);

@@ -1,10 +1,10 @@
-//! What was found, per kind, category and quantity.
+//! Results per kind, category and quantity.
 
 use super::bounds::Rule;
 use super::case::{Case, Kind};
 use std::fmt;
 
-/// What was found for one quantity of one kind and category.
+/// Result for one quantity of one kind and category.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
     /// segment, ray, chain or table.
@@ -29,7 +29,7 @@ pub struct Row {
     pub worst: f64,
     /// The case that has it.
     pub worst_id: String,
-    /// What goes into it: see [`Case::inputs`].
+    /// Inputs of that case: see [`Case::inputs`].
     pub worst_inputs: String,
     /// Relative error of that case.
     pub worst_error: f64,
@@ -73,25 +73,25 @@ impl fmt::Display for Row {
 
 /// Cases that the forms did not serve themselves.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Excuse {
-    /// Whether another precision served them.
+pub struct Exemption {
+    /// True if another precision served them.
     pub wider: bool,
     /// Why.
     pub reason: &'static str,
-    /// How many cases (rays count once).
+    /// Number of cases (rays count once).
     pub count: usize,
 }
 
 /// A value that broke its bound.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Broken {
+pub struct Violation {
     /// The case.
     pub id: String,
     /// T, C, …
     pub quantity: &'static str,
-    /// What was found.
+    /// Value that was computed.
     pub found: f64,
-    /// What is exact.
+    /// Exact value.
     pub exact: f64,
     /// Error by bound; ∞ for what is not finite or not in its physical range.
     pub ratio: f64,
@@ -107,9 +107,9 @@ pub struct Report {
     /// One row a kind, category and quantity, in the order of the file.
     pub rows: Vec<Row>,
     /// Why cases were skipped or served by another precision.
-    pub excuses: Vec<Excuse>,
+    pub exemptions: Vec<Exemption>,
     /// Every value that broke its bound, in the order of the file.
-    pub broken: Vec<Broken>,
+    pub broken: Vec<Violation>,
 }
 
 impl Report {
@@ -118,12 +118,12 @@ impl Report {
             forms: forms.to_owned(),
             cases: 0,
             rows: Vec::new(),
-            excuses: Vec::new(),
+            exemptions: Vec::new(),
             broken: Vec::new(),
         }
     }
 
-    /// Whether every value kept its bound.
+    /// True if every value kept its bound.
     pub fn passed(&self) -> bool {
         self.broken.is_empty()
     }
@@ -152,16 +152,16 @@ impl Report {
         self.rows.iter().map(count).sum()
     }
 
-    pub(super) fn excuse(&mut self, wider: bool, reason: &'static str) {
-        match self.excuses.iter_mut().find(|e| e.wider == wider && e.reason == reason) {
-            Some(excuse) => excuse.count += 1,
-            None => self.excuses.push(Excuse { wider, reason, count: 1 }),
+    pub(super) fn exemption(&mut self, wider: bool, reason: &'static str) {
+        match self.exemptions.iter_mut().find(|e| e.wider == wider && e.reason == reason) {
+            Some(exemption) => exemption.count += 1,
+            None => self.exemptions.push(Exemption { wider, reason, count: 1 }),
         }
     }
 
     /// Enters a case that is not served.
     pub(super) fn skip(&mut self, case: &Case, reason: &'static str) {
-        self.excuse(false, reason);
+        self.exemption(false, reason);
         let values: &[(&'static str, usize)] = match case.kind {
             Kind::Table { .. } => &[("psi", 1), ("F", 1), ("B", 1), ("zeta", 1)],
             _ => &[("T", 1), ("C", 3), ("A", 1)],
@@ -228,7 +228,7 @@ impl Report {
         }
         if ratio > 1.0 {
             row.broken += 1;
-            self.broken.push(Broken { id: case.id.clone(), quantity, found, exact, ratio });
+            self.broken.push(Violation { id: case.id.clone(), quantity, found, exact, ratio });
         }
     }
 }

@@ -59,7 +59,7 @@ fn change(truth: &dyn Fn(&Segment) -> Contribution, segment: &Segment, amount: A
     sum
 }
 
-/// What a shift of each sample by itself, by the whole segment, changes at most, added up: shifts of all together may
+/// Largest changes by a shift of each sample by itself, over the whole segment, added up: shifts of all together may
 /// cancel.
 pub fn change_of_places(
     prepared: &CompiledTransferFunction,
@@ -98,7 +98,7 @@ pub struct Measure {
 }
 
 impl Measure {
-    /// Of `truth`; `amount`: see [`Amount`].
+    /// Measures `truth`; `amount`: see [`Amount`].
     pub fn new(truth: &dyn SegmentIntegrator, segment: &Segment, amount: Amount) -> Measure {
         let truth = |segment: &Segment| truth.integrate(segment);
         Measure { exact: truth(segment), change: change(&truth, segment, amount) }

@@ -1,5 +1,5 @@
 use super::*;
-use voltet_optics::engine::{Chain, PartialIntegrals, Precision};
+use crate::{Chain, PartialIntegrals, Precision};
 
 fn fixtures() -> String {
     read("segments.jsonl")
@@ -22,14 +22,14 @@ fn table(report: &Report) -> String {
 
 #[test]
 fn the_64_bit_forms_keep_every_bound() {
-    let report = judge(&fixtures(), &Native64).expect("the case file is well formed");
+    let report = judge(&fixtures(), &Evaluator64).expect("the case file is well formed");
     println!("{}", table(&report));
     assert!(report.passed(), "\n{}", table(&report));
 }
 
 #[test]
 fn random_variations_keep_every_bound() {
-    let report = judge(&variations(), &Native64).expect("the case file is well formed");
+    let report = judge(&variations(), &Evaluator64).expect("the case file is well formed");
     assert!(report.passed(), "{}", table(&report));
 }
 
@@ -37,7 +37,7 @@ fn random_variations_keep_every_bound() {
 #[test]
 fn triangular_gaussians_over_fields_keep_every_bound() {
     let report =
-        judge(&read("triangular_gaussian_nd.jsonl"), &Native64).expect("the case file is well formed");
+        judge(&read("triangular_gaussian_nd.jsonl"), &Evaluator64).expect("the case file is well formed");
     assert!(report.passed(), "{}", table(&report));
 }
 
@@ -58,17 +58,17 @@ fn a_small_error_is_found() {
             segment: &voltet_optics::Segment,
             overlap: WidgetBlend,
         ) -> Result<EvalOutcome> {
-            let EvalOutcome::Served(found) = Native64.segment(transfer_function, segment, overlap)? else {
+            let EvalOutcome::Served(found) = Evaluator64.segment(transfer_function, segment, overlap)? else {
                 return Ok(EvalOutcome::Skipped("not served"));
             };
             let color = found.color.map(|x| x * (1.0 + 1e-6));
             Ok(EvalOutcome::Served(Contribution { color, ..found }))
         }
         fn chain(&self, segments: &[Contribution]) -> Chain {
-            Native64.chain(segments)
+            Evaluator64.chain(segments)
         }
         fn partial(&self, a: f64, b: f64) -> Result<EvalOutcome<PartialIntegrals>> {
-            Native64.partial(a, b)
+            Evaluator64.partial(a, b)
         }
     }
     let report = judge(&fixtures(), &Off).expect("the case file is well formed");
@@ -81,7 +81,7 @@ fn a_small_error_is_found() {
 
 #[test]
 fn a_case_that_is_none_is_refused_with_its_line() {
-    let message = |text: &str| judge(text, &Native64).expect_err("refused").to_string();
+    let message = |text: &str| judge(text, &Evaluator64).expect_err("refused").to_string();
     let first = fixtures().lines().next().expect("has lines").to_owned();
     assert!(message("{").contains("JSON"));
     assert!(message(&first.replace("\"D\":", "\"E\":")).contains("'D'"));

@@ -1,4 +1,4 @@
-//! How a 32-bit twin is tried: inputs spread over its ranges, and the error as a share of what is allowed.
+//! Trial of a 32-bit twin: inputs spread over its ranges, and the error as a share of what is allowed.
 //!
 //! Used by the tests of the vector lanes and of the shaders, so that both languages are held to one measure.
 

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 use voltet_core::{Error, Result};
+use voltet_introspect::open_variants;
 use voltet_optics::engine::{AdapterRequest, Engine, EngineInfo};
 
 /// Opens an engine on the adapter that is named, by its kind or a part of its name, or on the fastest that is hardware.
@@ -11,9 +12,9 @@ pub(crate) fn open(engine: &EngineInfo, adapter: Option<&str>) -> Result<Arc<dyn
     engine.open(&AdapterRequest::hardware(adapter)).map_err(|error| helped(engine, adapter, error))
 }
 
-/// The same for each of its ways to compute that is judged on its own.
-pub(crate) fn open_each(engine: &EngineInfo, adapter: Option<&str>) -> Result<Vec<Arc<dyn Engine>>> {
-    engine.open_each(&AdapterRequest::hardware(adapter)).map_err(|error| helped(engine, adapter, error))
+/// Opens the variants of an engine that are judged one by one. Errors: like [`open`].
+pub(crate) fn open_variants_of(engine: &EngineInfo, adapter: Option<&str>) -> Result<Vec<Arc<dyn Engine>>> {
+    open_variants(engine, &AdapterRequest::hardware(adapter)).map_err(|error| helped(engine, adapter, error))
 }
 
 fn helped(engine: &EngineInfo, adapter: Option<&str>, error: Error) -> Error {

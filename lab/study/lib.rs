@@ -6,13 +6,15 @@
 //! | [`pixel`] | one pixel's ray cell by cell, and what each integrator makes of it |
 //! | [`stability`] | every formula by exact values, hard pictures by the referee, formulas as printed |
 //! | [`gradient_test`] | gradient filters by manufactured fields: orders, exactness, invariance, noise, cost, pictures |
-//! | [`papers`] | the tables and figures of the papers, made anew |
+//! | `papers` | tables and figures of the papers, made anew (feature of that name) |
 //! | [`exhaustive`] | an exhaustive run compared with the usual one |
 
+mod columns;
 mod devices;
 pub mod exhaustive;
 pub mod gradient_test;
 pub mod numbers;
+#[cfg(feature = "papers")]
 pub mod papers;
 pub mod pixel;
 pub mod stability;

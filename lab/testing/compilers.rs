@@ -13,7 +13,7 @@ pub fn source(path: &str) -> PathBuf {
     Path::new(ROOT).join(path)
 }
 
-/// What a library is made of: the options, and the sources with their texts, as a test may change one.
+/// Sources of a library: the options, and the sources with their texts, as a test may change one.
 type Made = (Vec<String>, Vec<(PathBuf, String)>);
 
 /// Its bytes, once it is compiled; `None` where there is no compiler.
@@ -42,14 +42,14 @@ pub fn library(folder: &Path, name: &str, sources: &[PathBuf], options: &[&str])
     Some(path)
 }
 
-/// The same for a program.
+/// Compiles a program; like [`library`].
 #[track_caller]
 pub fn program(folder: &Path, name: &str, sources: &[PathBuf], options: &[&str]) -> Option<PathBuf> {
     let path = folder.join(name);
     compiled(folder, &path, sources, options).then_some(path)
 }
 
-/// The WebAssembly module `path`, made of a C source as docs/plugins.md says, by `clang` and what belongs to it (`wasm-ld`,
+/// The WebAssembly module `path`, made of a C source as docs/src/how-to/plugins.md says, by `clang` and what belongs to it (`wasm-ld`,
 /// `wasi-libc`). `None` where these are not there, said loudly.
 pub fn module(source_file: &Path, path: &Path) -> Option<()> {
     let mut command = Command::new("clang");

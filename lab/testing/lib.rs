@@ -1,4 +1,4 @@
-//! What the tests of several crates share. Nothing of it ships.
+//! Helpers that the tests of several crates share. Nothing of it ships.
 //!
 //! The unit tests of `core` build scenes of their own: to them those here are of another `voltet_core`.
 //!

@@ -1,6 +1,6 @@
 //! Which engine draws: parameters, choice, and what is said about it.
 
-use super::engines::{ENGINES, NATIVE, REFEREE};
+use super::engines::{ENGINES, NATIVE};
 use super::opened::draw_on;
 use super::order::record_unsorted;
 use super::wished::{ACCUMULATION, ADAPTER, AUTO, ENGINE, accumulation, compositor};
@@ -10,7 +10,7 @@ use voltet_core::{Error, Result};
 use voltet_graph::{DemandContext, Parameters, RunContext};
 use voltet_optics::engine::{Compositor, EngineInfo};
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Integrator, Shading};
+use voltet_optics::shading::Shading;
 
 /// True if an engine is asked where a pipeline says this.
 pub fn is_asked_by(engine: &EngineInfo, wanted: &str) -> bool {
@@ -21,15 +21,12 @@ pub fn is_asked_by(engine: &EngineInfo, wanted: &str) -> bool {
 }
 
 /// Engines that may draw a scene, in order of preference: for `auto` those of the list that it takes, the last first; else the named
-/// one. The reference integrator runs on no device: it is the referee's picture whatever the name.
+/// one. An integrator with an engine of its own runs on no device: that engine draws whatever the name.
 pub fn candidate_engines(wanted: &str, shading: &Shading) -> Vec<&'static EngineInfo> {
-    let is_reference = shading.integrator == Integrator::REFERENCE;
-    let drawing = |engine: &'static EngineInfo| match engine.on_device {
-        false if is_reference => REFEREE,
-        _ => engine,
-    };
+    let own = shading.integrator.extension();
+    let drawing = |engine: &'static EngineInfo| own.filter(|_| !engine.on_device).unwrap_or(engine);
     let is_asked = |engine: &&EngineInfo| match wanted {
-        AUTO => is_asked_by(engine, AUTO) && !(engine.on_device && is_reference),
+        AUTO => is_asked_by(engine, AUTO) && !(engine.on_device && own.is_some()),
         named => is_asked_by(engine, named),
     };
     ENGINES.iter().rev().filter(is_asked).map(drawing).collect()
@@ -80,9 +77,7 @@ fn planned(
     for (k, engine) in engines.iter().enumerate() {
         let named = (engine.name.to_string(), why);
         match serves(engine) {
-            _ if *engine == REFEREE => {
-                return Ok((named.0, "the integrator is the 64-bit reference".into()));
-            }
+            _ if engine.taken.is_none() => return Ok((named.0, registered_reason(engine))),
             // The first of the list, asked last, draws every scene that can be drawn: what it says is wrong is wrong.
             Err(error) if k + 1 < engines.len() => why = error.to_string(),
             Err(error) => return Err(asking.parameters.locate("integrator", error)),
@@ -94,6 +89,11 @@ fn planned(
         }
     }
     Err(Error::run("no engine draws the scene").got(wanted))
+}
+
+/// Reason that an engine draws which is registered for an integrator.
+pub fn registered_reason(engine: &EngineInfo) -> String {
+    format!("the integrator {} has an engine of its own", engine.name)
 }
 
 /// Draws on the engine that is wanted.

@@ -1,7 +1,6 @@
 //! The engines that there are: the one list that the nodes that draw, the studies and the commands go by.
 
 use voltet_optics::engine::EngineInfo;
-use voltet_optics::reference;
 
 /// The device engine.
 #[cfg(feature = "gpu")]
@@ -16,9 +15,6 @@ const GPU: EngineInfo = EngineInfo::absent(
 /// The engines. The first draws every scene; `auto` asks those behind it first, the last before all others, but for those that
 /// are taken by name only.
 pub const ENGINES: &[EngineInfo] = &[voltet_cpu::ENGINE, GPU];
-
-/// What the engines are held against. It draws where the integrator is the reference.
-pub const REFEREE: &EngineInfo = &reference::ENGINE;
 
 /// The engine that draws every scene, whatever machine this is.
 pub const NATIVE: &EngineInfo = &ENGINES[0];

@@ -20,8 +20,8 @@ mod wished;
 
 pub use alone::Alone;
 pub use bands::note_bands;
-pub use engine::{ask_engine, candidate_engines, draw, is_asked_by};
-pub use engines::{DEVICE, ENGINES, NATIVE, REFEREE};
+pub use engine::{ask_engine, candidate_engines, draw, is_asked_by, registered_reason};
+pub use engines::{DEVICE, ENGINES, NATIVE};
 pub use needs::ask;
 pub use opened::{OpenEngines, PreparedVolumes};
 pub use order::{ORDER, order, record_unsorted};
@@ -29,6 +29,6 @@ pub use prepared::{Culled, Projected};
 pub use remembered::CacheFolder;
 pub use scene::scene;
 pub use shading::{PARAMETERS, shading};
-pub use stages::{composite, cull, for_data, project, referee, sort};
+pub use stages::{composite, composite_registered, cull, for_data, project, sort};
 pub use visible::warnings as picture_warnings;
 pub use wished::{ACCUMULATION, ADAPTER, AUTO, COMPOSITOR, ENGINE, ORDER_CHECK, accumulation, adapter};

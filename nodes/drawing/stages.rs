@@ -1,6 +1,5 @@
 //! The stages on the native engine, with their notes.
 
-use super::engines::REFEREE;
 use super::noted::{note, note_whole};
 use super::opened::draw_on;
 use super::visible;
@@ -13,7 +12,7 @@ use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_cpu::{self as engine, Cells, Projection};
 use voltet_graph::{Revision, RunContext, TransferFunctionSpec, diagonal};
-use voltet_optics::engine::{RenderStats, Stage};
+use voltet_optics::engine::{EngineInfo, RenderStats, Stage};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Ordering, Shading};
 use voltet_simd::LaneSet;
@@ -109,14 +108,15 @@ pub fn composite(
     Ok(picture)
 }
 
-/// Draws every projected cell by the 64-bit referee.
-pub fn referee(
+/// Draws every projected cell by the engine that is registered for the integrator.
+pub fn composite_registered(
     call: &mut RunContext,
+    engine: &'static EngineInfo,
     projection: &Projection,
     transfer_function: &Arc<TransferFunction>,
     shading: &Shading,
 ) -> Result<Picture> {
-    draw_on(call, &scene_of(projection, transfer_function, shading), "projection", REFEREE, false)
+    draw_on(call, &scene_of(projection, transfer_function, shading), "projection", engine, false)
 }
 
 /// The scene that the stages drew so far.

@@ -274,9 +274,10 @@ impl GradientFilter for Function {
     }
 }
 
-/// The nodes, gradient filters and integrators that ship, and the integrators for studies.
+/// Nodes, gradient filters and integrators that ship, the reference integrator and those for studies.
 fn own_registry() -> Result<Registry> {
     let mut registry = voltet_nodes::registry()?;
+    voltet_reference::register(&mut registry)?;
     voltet_integrators::register(&mut registry)?;
     Ok(registry)
 }

@@ -8,7 +8,9 @@ use crate::value::settings;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use voltet_core::{Error, Result};
-use voltet_study::gradient_test::{Hold, Wish, gradient_test as measure, methods, page, plot, text};
+use voltet_study::gradient_test::{
+    RequirementKind, TestOptions, gradient_test as measure, methods, page, plot, text,
+};
 use voltet_study::pixel::{self, Pixel};
 
 /// Findings as JSON, as a table for people, and as a plot (SVG).
@@ -38,8 +40,8 @@ pub fn gradient_test(
 ) -> PyResult<(Rendition, bool, String)> {
     let set = settings(set)?;
     let (methods, wish) = guarded(py, || {
-        let hold_to = hold_to.iter().map(|what| hold(what)).collect::<Result<Vec<Hold>>>()?;
-        let wish = Wish { levels, timed, rounds, hold_to, order, linear_error };
+        let hold_to = hold_to.iter().map(|what| hold(what)).collect::<Result<Vec<RequirementKind>>>()?;
+        let wish = TestOptions { levels, timed, rounds, hold_to, order, linear_error };
         wish.check(|name| format!("'{name}'"))?;
         Ok((methods(&name, &set, beside.as_deref(), &registry()?)?, wish))
     })?;
@@ -52,12 +54,12 @@ pub fn gradient_test(
     })
 }
 
-fn hold(what: &str) -> Result<Hold> {
+fn hold(what: &str) -> Result<RequirementKind> {
     match what {
-        "finite" => Ok(Hold::Finite),
-        "linear" => Ok(Hold::Linear),
-        "order" => Ok(Hold::Order),
-        "invariance" => Ok(Hold::Invariance),
+        "finite" => Ok(RequirementKind::Finite),
+        "linear" => Ok(RequirementKind::Linear),
+        "order" => Ok(RequirementKind::Order),
+        "invariance" => Ok(RequirementKind::Invariance),
         other => {
             let error = Error::usage("'hold_to' names nothing that a filter can be held to").got(other);
             Err(error.expected("finite, linear, order, invariance"))

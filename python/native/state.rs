@@ -4,7 +4,7 @@ use crate::filter;
 use std::path::{Path, PathBuf};
 use voltet::{PipelineSource, RunRecord, Session};
 use voltet_core::{Error, Result};
-use voltet_document::{Diagnostic, Document, Edit, Part, Path as Place};
+use voltet_document::{Diagnostic, Document, Edit, FaultTarget, Path as Place};
 use voltet_graph::pipeline::Pipeline as Nodes;
 use voltet_graph::{Field, NodeEntry, ParameterValue, SourceSpan};
 use voltet_io::provenance::{Provenance, Source};
@@ -57,7 +57,7 @@ impl State {
         let (document, picture) = match (path, text) {
             (Some(path), None) => {
                 let source = Source::read(&path)?;
-                match source.carried {
+                match source.embedded {
                     Some(carried) => (Document::from_text(source.text, None), Some((path, carried))),
                     None => (Document::open(&path)?, None),
                 }
@@ -115,7 +115,7 @@ impl State {
         }
         let concerns = |fault: &Diagnostic| fault.node.as_deref().is_some_and(|name| nodes.contains(&name));
         let mut faults = self.source.document.faults_of(nodes, self.runs.registry());
-        faults.retain(|fault| concerns(fault) && !matches!(fault.part, Part::Input(_)));
+        faults.retain(|fault| concerns(fault) && !matches!(fault.target, FaultTarget::Input(_)));
         faults
     }
 

@@ -9,7 +9,8 @@ use voltet_graph::{Graph, Observer, suggest};
 use voltet_nodes::drawing::ENGINES;
 use voltet_optics::integrators::Integrator;
 use voltet_study::work_precision::{
-    Benches, Engines, Frames, Measure, Subject, Wish, cache_folder, json, reference, study as measure, write,
+    Benches, Engines, Frames, Measure, StudyOptions as Options, Subject, cache_folder, json, reference,
+    study as measure, write,
 };
 
 /// Options of a study, as on the command line.
@@ -28,7 +29,7 @@ pub struct StudyOptions {
 }
 
 impl StudyOptions {
-    fn request(&self, studied: &[Integrator]) -> Result<Wish> {
+    fn request(&self, studied: &[Integrator]) -> Result<Options> {
         let known = || studied.iter().map(|integrator| integrator.name());
         if let Some(name) = self.only.iter().find(|name| !known().any(|known| known == name.as_str())) {
             let error = Error::usage("'only' names no integrator that can be studied").got(name);
@@ -57,7 +58,7 @@ impl StudyOptions {
         if self.frames == 0 {
             return Err(Error::usage("'frames' is out of range").got(0).expected("1 or more"));
         }
-        Ok(Wish {
+        Ok(Options {
             only: self.only.clone(),
             engines,
             adapter: self.adapter.clone(),

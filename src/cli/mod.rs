@@ -43,11 +43,12 @@ pub fn run(registry: Result<Registry>) -> ExitCode {
     .unwrap_or(ExitCode::from(panic_hook::FAILED))
 }
 
-/// The registry of the program: the nodes, gradient filters and integrators that ship, and the integrators for studies.
+/// The registry of the program: the nodes, gradient filters and integrators that ship, the reference integrator and those for studies.
 ///
 /// Errors: declarations that contradict each other.
 pub fn registry() -> Result<Registry> {
     let mut registry = crate::nodes::registry()?;
+    voltet_reference::register(&mut registry)?;
     voltet_integrators::register(&mut registry)?;
     Ok(registry)
 }

@@ -60,7 +60,7 @@ pub struct RendererOptions {
 pub struct RenderOptions<'a> {
     /// Receiver of progress, which may cancel the render.
     pub progress: Option<&'a dyn Progress>,
-    /// True if no work is skipped that the picture does not need, for comparison; the picture is the same.
+    /// True if no work is skipped that the picture does not need, for comparison; the picture is the same but for rounding.
     pub exhaustive: bool,
     /// True if pictures of the same view with other widgets follow: the engine may reuse ray segments, and the picture may differ
     /// by rounding.

@@ -15,6 +15,7 @@ mod info;
 mod memory;
 mod multi_gradient;
 mod outputs;
+#[cfg(feature = "papers")]
 mod papers;
 mod pictures;
 mod pixel;

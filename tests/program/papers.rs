@@ -2,7 +2,7 @@
 
 use super::support::Folder;
 
-const PIPELINES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/pipelines/papers");
+const PIPELINES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/lab/pipelines/papers");
 
 #[test]
 fn a_paper_is_made_anew_with_its_figures() {

@@ -3,6 +3,7 @@
 use super::support::Folder;
 use voltet::nodes::drawing::ENGINES;
 use voltet::optics::engine::AdapterRequest;
+use voltet_introspect::{MeasuredEngine, open_variants};
 
 /// Cases of every kind, each line with a key that no reader knows.
 fn cases() -> Vec<String> {
@@ -48,10 +49,12 @@ fn without_a_file_the_program_judges_itself() {
     let names: Vec<&str> = forms.iter().map(|forms| forms["forms"].as_str().unwrap()).collect();
     assert!(names.starts_with(&["64-bit", "32-bit portable"]), "{names:?}");
     // Each engine is judged in each of its ways, or said to be missing.
-    let opened: Vec<_> =
-        ENGINES.iter().filter_map(|engine| engine.open_each(&AdapterRequest::hardware(None)).ok()).collect();
+    let opened: Vec<_> = ENGINES
+        .iter()
+        .filter_map(|engine| open_variants(engine, &AdapterRequest::hardware(None)).ok())
+        .collect();
     let ways: Vec<_> = opened.iter().flatten().collect();
-    assert_eq!(names.len(), 1 + ways.iter().filter(|engine| engine.forms().is_some()).count());
+    assert_eq!(names.len(), 1 + ways.iter().filter(|engine| engine.evaluator().is_some()).count());
     assert_eq!(found["left_out"].as_array().unwrap().len() + opened.len(), ENGINES.len(), "{names:?}");
     for forms in forms {
         let rows = forms["rows"].as_array().unwrap();

@@ -3,7 +3,7 @@
 use crate::support::Folder;
 
 /// Two nodes that draw: one colour, which needs no order, and two.
-const SCENE: &str = include_str!("../../benches/scenes/wavelet.toml");
+const SCENE: &str = include_str!("../../lab/bench/scenes/wavelet.toml");
 
 const SMALL: [&str; 6] = ["--set", "grid.resolution=[4,4,4]", "--size", "24x16,8x8", "--frames", "2"];
 

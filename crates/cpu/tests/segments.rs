@@ -1,9 +1,10 @@
 //! What the engine draws with against the exact values of single segments, rays, chains and tables, on every lane set.
 
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Wave, Widget};
-use voltet_cpu::{Segments, segments};
+use voltet_cpu::introspect::{integrate_segments, lane_sets};
+use voltet_introspect::LaneEvaluator;
+use voltet_judge::SegmentEvaluator;
 use voltet_judge::{Case, Report, judge_cases, shipped};
-use voltet_optics::engine::SegmentEvaluator;
 use voltet_optics::shading::{Integrator, Shading};
 use voltet_optics::{Segment, WidgetBlend};
 
@@ -17,18 +18,18 @@ fn shown(report: &Report) -> String {
             broken.id, broken.quantity, broken.found, broken.exact, broken.ratio
         );
     }
-    for excuse in &report.excuses {
+    for exemption in &report.exemptions {
         text += &format!(
             "{} {}: {}\n",
-            excuse.count,
-            if excuse.wider { "wider" } else { "skipped" },
-            excuse.reason
+            exemption.count,
+            if exemption.wider { "wider" } else { "skipped" },
+            exemption.reason
         );
     }
     text
 }
 
-fn reports(cases: &[Case], sets: &[Segments]) -> Vec<Report> {
+fn reports(cases: &[Case], sets: &[LaneEvaluator]) -> Vec<Report> {
     let forms: Vec<&dyn SegmentEvaluator> = sets.iter().map(|set| set as &dyn SegmentEvaluator).collect();
     judge_cases(cases, &forms).expect("the engine draws")
 }
@@ -36,7 +37,7 @@ fn reports(cases: &[Case], sets: &[Segments]) -> Vec<Report> {
 #[test]
 fn every_lane_set_keeps_every_bound_of_the_exact_values() {
     let cases = shipped().expect("the cases are well formed");
-    let sets: Vec<Segments> = Segments::each().collect();
+    let sets: Vec<LaneEvaluator> = LaneEvaluator::all().collect();
     for report in reports(&cases, &sets) {
         println!("{}", shown(&report));
         assert!(report.passed(), "\n{}", shown(&report));
@@ -44,7 +45,7 @@ fn every_lane_set_keeps_every_bound_of_the_exact_values() {
         let judged = report.total(|row| row.judged);
         assert!(judged >= 5000, "only {judged} values were judged\n{}", shown(&report));
         // ψ, F and B of 6 tables without extinction: what does not absorb does not glow.
-        let skipped: usize = report.excuses.iter().filter(|e| !e.wider).map(|e| e.count).sum();
+        let skipped: usize = report.exemptions.iter().filter(|e| !e.wider).map(|e| e.count).sum();
         assert!(skipped <= 6, "{}", shown(&report));
     }
 }
@@ -83,11 +84,13 @@ fn no_segment_depends_on_its_neighbours() {
         .collect();
     for (number, widgets) in scenes.into_iter().enumerate() {
         let look = TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets };
-        for Segments { lanes, .. } in Segments::each() {
-            let draw = |list: &[Segment]| segments(lanes, &look, &shading, false, list).expect("draws");
+        for lanes in lane_sets() {
+            let draw =
+                |list: &[Segment]| integrate_segments(lanes, &look, &shading, false, list).expect("draws");
             let together = draw(&list);
             assert!(
-                together.iter().any(|found| found.left.is_none()) && together[7].contribution.opacity > 0.0
+                together.iter().any(|found| found.fallback.is_none())
+                    && together[7].contribution.opacity > 0.0
             );
             for (i, found) in together.iter().enumerate() {
                 let alone = draw(&[list[0], list[i]])[1];
@@ -101,7 +104,8 @@ fn no_segment_depends_on_its_neighbours() {
 #[test]
 fn widgets_of_one_colour_keep_every_bound_in_order() {
     let cases = shipped().expect("the cases are well formed");
-    let sets: Vec<Segments> = Segments::each().map(|set| Segments { ordered: true, ..set }).collect();
+    let sets: Vec<LaneEvaluator> =
+        LaneEvaluator::all().map(|set| LaneEvaluator { ordered: true, ..set }).collect();
     for report in reports(&cases, &sets) {
         assert!(report.passed(), "\n{}", shown(&report));
     }

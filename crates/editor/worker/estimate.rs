@@ -1,4 +1,4 @@
-//! Error of a picture: as drawn against the 64-bit reference renderer, at a few thousand pixels.
+//! Error of a picture against the 64-bit reference, at a few thousand pixels.
 
 use super::following::Following;
 use super::request::RenderRequest;
@@ -10,9 +10,9 @@ use voltet_graph::{Graph, ParameterValue, Registry};
 /// Pixels that are compared, at most.
 const PIXELS: f64 = 3072.0;
 
-/// A node's integrator, and the one that all others are judged by.
+/// Parameter of a node's integrator, and the integrator that others are compared with.
 const INTEGRATOR: &str = "integrator";
-const REFEREE: &str = "reference";
+const REFERENCE: &str = "reference";
 
 /// By how much the sides of a picture are divided where so many pixels are enough.
 pub(super) fn coarsened(wanted: &RenderRequest) -> u32 {
@@ -30,8 +30,8 @@ fn graphs(wanted: &RenderRequest, registry: &Registry) -> Result<[Graph; 2]> {
         return Err(Error::usage(format!("'{}' does not integrate anything", wanted.node))
             .expected("the picture of a node that draws a volume"));
     };
-    drawing.set(INTEGRATOR, &[], ParameterValue::Text(REFEREE.into()).into())?;
-    // The referee is an engine of its own.
+    drawing.set(INTEGRATOR, &[], ParameterValue::Text(REFERENCE.into()).into())?;
+    // The reference has an engine of its own.
     let has_engine = known.parameter("engine").is_some();
     if has_engine {
         drawing.set("engine", &[], ParameterValue::Text("auto".into()).into())?;

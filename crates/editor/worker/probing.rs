@@ -13,9 +13,9 @@ use voltet_core::{Error, Result};
 use voltet_graph::{Demand, Graph, NodeEntry, Registry, TransferFunctionSpec, Value, diagonal};
 use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::Integrator;
-use voltet_optics::reference::Tracer;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Shading, VisibilityOrder};
+use voltet_optics::trace::{ClosedForms, Tracer};
 
 impl ProbeQuery {
     /// The graph, and the place in it of the node that is fed.
@@ -59,15 +59,15 @@ impl ProbeQuery {
             camera,
             // What is seen, as the values count: light and silhouettes change colours.
             shading: Shading {
-                integrator: Integrator::REFERENCE,
+                integrator: Integrator::ANALYTIC,
                 overlap: WidgetBlend::Exact,
                 silhouette: None,
                 light: None,
             },
             order: VisibilityOrder::Exact,
         };
-        let tracer = Tracer::new(&scene)?;
-        let transfer_function = &scene.transfer_function;
+        let forms = ClosedForms::new(&scene.transfer_function, WidgetBlend::Exact)?;
+        let tracer = Tracer::new(&scene, Box::new(forms))?;
         let mut probed = PixelProbe { key: self.key, rays: self.places.len(), ..PixelProbe::default() };
         let (mut seen_most, [width, height]) = (0.0, camera.size.map(f64::from));
         for place in &self.places {
@@ -75,7 +75,7 @@ impl ProbeQuery {
                 return Err(Error::cancelled());
             }
             let ray = tracer.ray(0.5 * width + place[0] * height, (0.5 - place[1]) * height);
-            let walk = tracer.walk(&ray, transfer_function)?;
+            let walk = tracer.walk(&ray)?;
             probed.opacity += walk.seen.opacity / self.places.len() as f64;
             let all: f64 = walk.steps.iter().map(|step| step.contribution()[3]).sum();
             let way: f64 = walk.steps.iter().map(|step| step.length).sum();

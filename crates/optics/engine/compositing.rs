@@ -2,7 +2,7 @@
 
 use voltet_core::{Error, Result};
 
-/// What takes a device's cells to the picture.
+/// Way from a device's cells to the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Compositor {
     /// Compute passes over tiles of pixels.
@@ -17,7 +17,7 @@ pub enum Compositor {
 
 impl Compositor {
     /// Each of them with its meaning, what serves every order first.
-    pub const WORDS: [(&str, &str); 3] = [
+    pub const WORDS: &[(&str, &str)] = &[
         (
             "tiles",
             "compute passes over tiles of 8 × 8 pixels: every order, and pixels in disorder are counted",
@@ -27,6 +27,7 @@ impl Compositor {
             "cells in order, drawn and blended by the hardware: for scenes that need no order, in exact order where the cells \
              have one along their faces, else by tiles; what order = \"centroid\" or \"none\" gets wrong is not counted",
         ),
+        #[cfg(feature = "triangles")]
         (
             "triangles",
             "cells as triangles round their thick vertex (Shirley and Tuchman 1990), in perspective, else as raster: \
@@ -34,21 +35,30 @@ impl Compositor {
         ),
     ];
 
-    /// Those of [`Compositing::WORDS`], in their order.
-    pub const ALL: [Compositor; 3] = [Compositor::Tiles, Compositor::Raster, Compositor::Triangles];
+    /// Compositors of [`Compositor::WORDS`], in their order.
+    pub const ALL: &[Compositor] = &[
+        Compositor::Tiles,
+        Compositor::Raster,
+        #[cfg(feature = "triangles")]
+        Compositor::Triangles,
+    ];
 
     /// The name in pipeline files.
     pub fn name(self) -> &'static str {
-        Compositor::WORDS[self as usize].0
+        match self {
+            Compositor::Tiles => "tiles",
+            Compositor::Raster => "raster",
+            Compositor::Triangles => "triangles",
+        }
     }
 
     /// The one of that name.
     pub fn named(name: &str) -> Option<Compositor> {
-        Compositor::ALL.into_iter().find(|one| one.name() == name)
+        Compositor::ALL.iter().copied().find(|one| one.name() == name)
     }
 }
 
-/// How the exact order of what is blended is checked.
+/// Check of the exact order of cells that are blended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum OrderCheck {
     /// Not at all.
@@ -75,7 +85,7 @@ impl OrderCheck {
     }
 }
 
-/// What blending hardware accumulates in. Tiles have 32-bit floats always.
+/// Number format that blending hardware accumulates in. Tiles always have 32-bit floats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Accumulation {
     /// Floats.
@@ -98,7 +108,7 @@ impl Accumulation {
         ("16-bit", "rounded to multiples of 1/65536 after each cell"),
     ];
 
-    /// Those of [`Accumulation::WORDS`], in their order.
+    /// Formats of [`Accumulation::WORDS`], in their order.
     pub const ALL: [Accumulation; 4] =
         [Accumulation::Float, Accumulation::Bits8, Accumulation::Bits12, Accumulation::Bits16];
 
@@ -136,7 +146,7 @@ pub struct CompositorChoice {
 
 /// Short texts that outlast the program, each under the text of its key.
 pub trait KeyValueStore: Sync {
-    /// What was kept under the key; `None` where there is nothing or it is damaged.
+    /// Value stored under the key; `None` where there is nothing or it is damaged.
     fn recall(&self, key: &str) -> Option<String>;
 
     /// Keeps a text, if it can be kept.

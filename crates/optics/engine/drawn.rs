@@ -9,15 +9,15 @@ use voltet_core::picture::Picture;
 pub struct RenderOutput {
     /// The picture.
     pub picture: Picture,
-    /// What was counted.
+    /// Counts.
     pub counts: RenderStats,
-    /// What took how long, in the order of work; empty where nothing times it.
+    /// Times of the stages, in the order of work; empty if they are not measured.
     pub stages: Vec<StageTiming>,
     /// The way in which it was composited, where it is not the one that was asked for, and why.
     pub instead: Option<CompositorChoice>,
     /// Whether it was drawn from what was kept of the view ([`crate::engine::Manner::passing`]): by itself it would differ by rounding.
     pub is_passing: bool,
-    /// What else there is to say: counts of this engine alone, what was left out, what the user should know.
+    /// Further diagnostics: counts of this engine alone, skipped work, warnings.
     pub notes: Diagnostics,
 }
 
@@ -50,7 +50,7 @@ pub struct RenderStats {
     pub segments: Option<u64>,
     /// Segments of these that were integrated in 64 bits because 32 do not hold them.
     pub segments_exact: Option<u64>,
-    /// How often the transfer function was asked: places at which samples or points of a quadrature were taken, closed forms of
+    /// Number of evaluations of the transfer function: places at which samples or points of a quadrature were taken, closed forms of
     /// segments, entries between those of a table. Widgets that a place has together count once, segments that meet none not at
     /// all, and a segment in 64 bits as one.
     pub evaluations: Option<u64>,
@@ -67,13 +67,13 @@ pub struct RenderStats {
 /// A stage of drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Stage {
-    /// Which cells can contribute.
+    /// Selection of the cells that can contribute.
     Cull,
     /// The cells' order; sharing them out among tiles.
     Sort,
     /// Points and cells to the screen.
     Project,
-    /// What is made for a frame and would serve further ones: tables, widgets made ready.
+    /// Work for a frame that further ones can use: tables, compiled widgets.
     SetUp,
     /// Integrating and compositing the segments.
     Composite,

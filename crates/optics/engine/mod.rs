@@ -1,60 +1,52 @@
 //! Engines: what draws scenes. Each is a [`Declaration`], a constant that says what it is called and what it refuses, and
 //! opens it; an opened [`Engine`] takes in a volume ([`Engine::prepare`]) and draws it ([`Prepared::draw`]).
 //!
-//! The nodes that draw, `voltet study`, `voltet stability` and `voltet time` know engines by these alone, from one list.
+//! The nodes that draw use engines through these types alone, from one list.
 //!
 //! | file | what |
 //! | --- | --- |
 //! | `compositing` | the ways in which a device composites |
 //! | `drawn` | a picture and what it took: counts, stages with their times |
-//! | `forms` | what an engine makes of ray segments alone |
 
 mod compositing;
 mod drawn;
-mod forms;
 
 pub use compositing::{Accumulation, Compositor, CompositorChoice, KeyValueStore, NoStore, OrderCheck};
 pub use drawn::{RenderOutput, RenderStats, Stage, StageTiming};
-pub use forms::{Chain, Condition, Conditions, EvalOutcome, PartialIntegrals, Precision, SegmentEvaluator};
 
 use crate::scene::Scene;
 use crate::shading::Shading;
+use std::any::Any;
 use std::sync::Arc;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 
-/// What is known of an engine before it is opened.
+/// Description of an engine before it is opened.
 #[derive(Debug, Clone, Copy)]
 pub struct EngineInfo {
     /// Its name in pipeline files and reports.
     pub name: &'static str,
-    /// What it is, in a few words: the meaning of its name as a value of the parameter `engine`.
+    /// Summary in a few words: the meaning of its name as a value of the parameter `engine`.
     pub summary: &'static str,
-    /// What `auto` takes where it takes this engine, and if what; follows "the run takes". `None`: it takes it only by name.
+    /// Text for `auto` taking this engine, after "the run takes"; `None` for an engine that is taken only by name.
     pub taken: Option<&'static str>,
     /// Why this build does not have it.
     pub unavailable_reason: Option<&'static str>,
-    /// Whether it runs on a device, which `adapter` names: it may not be there, has limits of its own, and keeps from frame to
+    /// True if it runs on a device, which `adapter` names: it may be missing, has limits of its own, and keeps from frame to
     /// frame what was set up on it. Other engines draw every scene and set up each frame anew ([`Stage::SetUp`]).
     pub on_device: bool,
     /// The ways in which it composites; none where it has one only, of every order.
     pub compositing: &'static [Compositor],
-    /// Whether the scene is beyond it on any device, found before data are read. What depends on the data is found when it is
+    /// Refuses a scene that no device of it can draw, before data are read. Limits that depend on the data are checked when it is
     /// drawn.
     pub can_serve: fn(&TransferFunction, &Shading) -> Result<()>,
     /// The adapters that it finds here, in words.
     pub adapters: fn() -> Vec<String>,
     /// Opens it; what is looked for may be kept in the memory. Errors: no such adapter, or none at all.
     pub open: fn(&AdapterRequest, &dyn KeyValueStore) -> Result<Arc<dyn Engine>>,
-    /// Opens each of its ways to compute that is judged on its own: the same way of drawing on other vector units. Errors:
-    /// those of `open`.
-    pub open_each: fn(&AdapterRequest) -> Result<Engines>,
 }
-
-/// Engines that were opened.
-pub type Engines = Vec<Arc<dyn Engine>>;
 
 /// The adapter that an engine shall be opened on.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]
@@ -85,11 +77,10 @@ impl EngineInfo {
             can_serve: |_, _| Ok(()),
             adapters: Vec::new,
             open: |_, _| Err(Error::run("this build is without the engine")),
-            open_each: |_| Err(Error::run("this build is without the engine")),
         }
     }
 
-    /// Whether the scene is beyond the engine on any device, or the build is without it.
+    /// Refuses a scene that the engine cannot draw on any device, and a build without it.
     pub fn can_serve(&self, transfer_function: &TransferFunction, shading: &Shading) -> Result<()> {
         self.check()?;
         (self.can_serve)(transfer_function, shading)
@@ -100,7 +91,7 @@ impl EngineInfo {
         self.open_remembering(wish, &NoStore)
     }
 
-    /// The same; that there is no hardware adapter is remembered, where that can be known to be so still. Errors: those of
+    /// Opens it; the absence of a hardware adapter is cached while that can be checked to hold still. Errors: those of
     /// [`Declaration::open`].
     pub fn open_remembering(
         &self,
@@ -109,12 +100,6 @@ impl EngineInfo {
     ) -> Result<Arc<dyn Engine>> {
         self.check()?;
         (self.open)(wish, memory)
-    }
-
-    /// Opens each of its ways to compute that is judged on its own. Errors: those of [`Declaration::open`].
-    pub fn open_each(&self, wish: &AdapterRequest) -> Result<Vec<Arc<dyn Engine>>> {
-        self.check()?;
-        (self.open_each)(wish)
     }
 
     fn check(&self) -> Result<()> {
@@ -169,12 +154,12 @@ impl RenderOptions {
     }
 }
 
-/// An engine that is open: what it runs on is there.
-pub trait Engine: Send + Sync {
-    /// What it runs on, for people: a device, or vector units and threads.
+/// An engine that is open: what it runs on is there. `Any`: a crate that knows an engine's own type finds it again.
+pub trait Engine: Any + Send + Sync {
+    /// Name of its device, or of its vector units and threads.
     fn adapter(&self) -> String;
 
-    /// What pages that compare engines call it.
+    /// Name on pages that compare engines.
     fn label(&self) -> String {
         self.adapter()
     }
@@ -184,12 +169,12 @@ pub trait Engine: Send + Sync {
         None
     }
 
-    /// Whether it runs on a program on the CPU that stands in for a device.
+    /// True if it runs on a program on the CPU that stands in for a device.
     fn is_software(&self) -> bool {
         false
     }
 
-    /// Whether the device has been lost: nothing can be done with the engine any more.
+    /// True if the device has been lost: the engine cannot be used any more.
     fn is_lost(&self) -> bool {
         false
     }
@@ -197,7 +182,7 @@ pub trait Engine: Send + Sync {
     /// Takes in a volume: what frames of it share is made once. Errors: what the device cannot hold.
     fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn PreparedVolume>>;
 
-    /// Which way of compositing serves the scene best here, where the engine has several. May measure; what was measured is
+    /// Best compositor for the scene on this device, if the engine has several. It may measure; the result is
     /// kept in `memory`. Errors: a stopped run.
     fn choose(
         &self,
@@ -205,18 +190,6 @@ pub trait Engine: Send + Sync {
         _memory: &dyn KeyValueStore,
         _progress: &dyn Progress,
     ) -> Result<Option<CompositorChoice>> {
-        Ok(None)
-    }
-
-    /// What it makes of ray segments alone, by what it draws with, for exact values to judge; `None` where only its pictures can
-    /// be judged.
-    fn forms(&self) -> Option<Box<dyn SegmentEvaluator>>;
-
-    /// Gives up what is kept for further scenes, so that setting up can be measured from nothing.
-    fn forget(&self) {}
-
-    /// 32-bit multiply-adds a second, measured; `None` where nobody measures them. Errors: a lost device.
-    fn multiply_adds_per_second(&self) -> Result<Option<f64>> {
         Ok(None)
     }
 }
@@ -235,7 +208,7 @@ impl Pending for RenderOutput {
 }
 
 /// A volume on an engine.
-pub trait PreparedVolume: Send + Sync {
+pub trait PreparedVolume: Any + Send + Sync {
     /// Draws a scene of this volume.
     ///
     /// Errors: what the engine does not serve or its device does not hold; a lost device; a stopped run.
@@ -251,16 +224,5 @@ pub trait PreparedVolume: Send + Sync {
         progress: &dyn Progress,
     ) -> Result<Box<dyn Pending>> {
         Ok(Box::new(self.draw(scene, manner, progress)?))
-    }
-
-    /// Floating-point operations of the compositor in a picture of the scene that had these counts, at least; `None` where they
-    /// are not known. Errors: those of [`Prepared::draw`].
-    fn operations(
-        &self,
-        _scene: &Scene,
-        _manner: &RenderOptions,
-        _counts: &RenderStats,
-    ) -> Result<Option<u64>> {
-        Ok(None)
     }
 }

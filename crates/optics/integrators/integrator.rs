@@ -3,7 +3,6 @@
 use super::adaptive::AdaptiveKind;
 use super::analytic::AnalyticKind;
 use super::kind::IntegratorKind;
-use super::reference::ReferenceKind;
 use voltet_core::parameters::{Parameter, ParameterType, Parameters};
 use voltet_core::{Error, Result};
 
@@ -37,9 +36,6 @@ impl std::fmt::Debug for Integrator {
 impl Integrator {
     /// Closed forms; quadrature with closed-form optical depth where widgets overlap.
     pub const ANALYTIC: Integrator = Integrator::with_settings(&AnalyticKind, []);
-
-    /// 64-bit adaptive quadrature.
-    pub const REFERENCE: Integrator = Integrator::with_settings(&ReferenceKind, []);
 
     /// Closed forms, subdivided until the error of (C, A) is under the tolerance, which is above 0.
     pub const fn adaptive(tolerance: f64) -> Integrator {

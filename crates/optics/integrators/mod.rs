@@ -4,7 +4,6 @@
 //! | --- | --- |
 //! | [`Analytic`] | closed forms; overlaps in order or mixed |
 //! | [`Adaptive`] | closed forms, subdivided until the error is under a tolerance |
-//! | [`Reference`] | adaptive quadrature |
 //!
 //! Others are registered from outside: each implements [`IntegratorKind`].
 
@@ -12,7 +11,6 @@ mod adaptive;
 mod analytic;
 mod integrator;
 mod kind;
-mod reference;
 mod segment_integrator;
 
 pub use adaptive::Adaptive;
@@ -22,7 +20,6 @@ pub use kind::{
     INTEGRATOR, IntegratorKind, Obstacle, PreparedScene, ScenePreparation, TableDomain, can_serve,
     can_serve_among, kinds, stated, variant,
 };
-pub use reference::Reference;
 pub use segment_integrator::{Extent, SegmentIntegrator};
 
 use super::WidgetBlend;
@@ -30,10 +27,9 @@ use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
 
 /// The kinds that ship.
-pub static KINDS: [&dyn IntegratorKind; 3] =
-    [&analytic::AnalyticKind, &adaptive::AdaptiveKind, &reference::ReferenceKind];
+pub static KINDS: [&dyn IntegratorKind; 2] = [&analytic::AnalyticKind, &adaptive::AdaptiveKind];
 
-/// The 64-bit integral of a segment by an integrator. `blend` says what `analytic` and `reference` do where widgets overlap; the
+/// The 64-bit integral of a segment by an integrator. `blend`: the blending of widgets that overlap, for kinds that can mix them; the
 /// others take widgets together in their order.
 ///
 /// Errors: [`can_serve`]'s, and a transfer function with a number out of range.

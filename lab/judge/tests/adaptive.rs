@@ -7,8 +7,8 @@ use voltet_optics::{Contribution, Segment};
 
 const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 
-/// Where a colour is so bright (constant-emitter, long segments) that 1e-10 of it exceeds the tolerance, the
-/// exact integral's own error is asked for.
+/// Relative error that is allowed in place of the tolerance where a colour is so bright (constant-emitter, long segments) that
+/// this is larger.
 const WORKING: f64 = 1e-10;
 
 /// The first tolerance that is not met.

@@ -1,8 +1,8 @@
 //! Errors on finer and finer grids, and where a filter is exact.
 
 use super::fields::{Field, JUMP, LINEAR, MATERIALS, MEETING, QUADRATIC, SMOOTH};
-use super::found::{Convergence, Exactness, Materials, Series};
 use super::meshes::{Mesh, Meshed};
+use super::report::{Convergence, Exactness, Materials, Series};
 use super::subject::{Subject, order, sizes};
 use glam::DVec3;
 use voltet_core::Result;

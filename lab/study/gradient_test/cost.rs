@@ -1,8 +1,8 @@
 //! Time and memory on one large grid, filters taking turns.
 
 use super::fields::SMOOTH;
-use super::found::Cost;
 use super::meshes::Mesh;
+use super::report::Cost;
 use super::subject::Subject;
 use std::time::Instant;
 use voltet_core::Result;

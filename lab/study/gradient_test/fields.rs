@@ -44,7 +44,7 @@ pub(super) const MATERIALS: Field = Field {
     gradient: |p| DVec3::new(if p.x <= MEETING { 1.0 } else { STEEP }, 2.0 * (2.0 * p.y).cos(), -(p.z).sin()),
 };
 
-/// Where the two materials meet.
+/// Plane in which the two materials meet.
 pub(super) const MEETING: f64 = 0.5;
 
 /// By how much ∂s/∂x jumps there.

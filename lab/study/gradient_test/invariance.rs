@@ -1,9 +1,9 @@
-//! What should change nothing: where the grid stands, how it is turned, how large it is, how its points and cells are
+//! Changes without effect on a gradient: position, orientation and size of the grid, and how its points and cells are
 //! numbered, what is added to the scalar, and in which units it is.
 
 use super::fields::SMOOTH;
-use super::found::Invariance;
 use super::meshes::{Mesh, turn};
+use super::report::Invariance;
 use super::subject::{Subject, sizes};
 use glam::DVec3;
 use voltet_core::Result;
@@ -15,13 +15,13 @@ use voltet_core::progress::Progress;
 /// Boxes a side.
 const COUNT: usize = 8;
 
-/// Where the grid is moved to, in its own sides.
+/// Offset of the grid, in its own sides.
 const FAR: DVec3 = DVec3::new(1000.3, -2000.7, 500.1);
 /// By which it grows.
 const LARGER: f64 = 1e4;
-/// What is added to the scalar, in its own ranges.
+/// Offset of the scalar, in its own ranges.
 const ADDED: f64 = 1e4;
-/// What the scalar is multiplied by.
+/// Factor of the scalar.
 const TIMES: f64 = -1e-6;
 
 /// Differences after each change, brought back; all relative to the largest gradient.
@@ -73,7 +73,7 @@ pub(super) fn invariance(
 /// Roundings that a reconstruction may take one after the other, with the condition of its matrices.
 const ROUNDINGS: f64 = 300.0;
 
-/// The same grid with its points and cells in another order, and the corners of cells turned.
+/// Grid with its points and cells in another order, and the corners of cells turned.
 struct Numbering {
     grid: Grid,
     /// The old number of each new point.

@@ -10,7 +10,7 @@ use voltet_core::grid::generate::box_of_tetrahedra;
 pub(super) enum Mesh {
     /// Equal boxes, each cut into tetrahedra.
     Regular,
-    /// The same, points inside moved at random by up to a fifth of the spacing.
+    /// Regular, with the points inside moved at random by up to a fifth of the spacing.
     Distorted,
     /// The distorted one, flattened: cells ten times as long as they are high.
     Stretched,
@@ -64,7 +64,7 @@ pub(super) struct Meshed {
     pub at_boundary: Vec<bool>,
 }
 
-/// Of the spacing; up to a quarter no cell turns over.
+/// Largest move as a fraction of the spacing; up to a quarter no cell turns over.
 const JITTER: f64 = 0.2;
 const FLAT: f64 = 0.1;
 /// The thickest layer by the thinnest, for many layers.
@@ -75,7 +75,7 @@ pub(super) fn turn() -> DMat3 {
     DMat3::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 0.7)
 }
 
-/// Whether point `p` of a box of `count`³ boxes, x fastest, lies on its surface.
+/// True if point `p` of a box of `count`³ boxes, x fastest, lies on its surface.
 fn on_surface(p: usize, count: usize) -> bool {
     let side = count + 1;
     [p % side, p / side % side, p / (side * side)].iter().any(|&k| k == 0 || k == count)

@@ -3,42 +3,42 @@
 //!
 //! | file | what |
 //! | --- | --- |
-//! | `wish`, `chosen`, `requirements` | what is measured, of which filters, and what the first is held to |
+//! | `options`, `filters`, `requirements` | what is measured, of which filters, and what the first is held to |
 //! | `fields`, `meshes` | manufactured fields, and families of grids |
 //! | `convergence` | errors on finer and finer grids, exactness, two materials |
 //! | `invariance`, `noise`, `cost`, `picture` | the other measurements |
 //! | `subject` | a filter that is measured, and what it says meanwhile |
-//! | `found` | what is found |
+//! | `report` | what is found |
 //! | `text`, `plot`, `page` | how it is shown |
 
-mod chosen;
 mod convergence;
 mod cost;
 mod fields;
-mod found;
+mod filters;
 mod invariance;
 mod meshes;
 mod noise;
+mod options;
 mod page;
 mod picture;
 mod plot;
+mod report;
 mod requirements;
 mod subject;
 mod text;
-mod wish;
 
-pub use chosen::methods;
-pub use found::{
-    Convergence, Cost, Exactness, Fault, Found, GradientTest, Invariance, Materials, Noise, PictureError,
-    Requirement, Series,
-};
+pub use filters::methods;
+pub use options::{RequirementKind, TestOptions};
 pub use page::page;
 pub use plot::plot;
+pub use report::{
+    Convergence, Cost, Exactness, Fault, FilterReport, GradientTest, Invariance, Materials, Noise,
+    PictureError, Requirement, Series,
+};
 pub use text::text;
-pub use wish::{Hold, Wish};
 
 use meshes::Mesh;
-use picture::Easel;
+use picture::TestRenderer;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use subject::Subject;
 use voltet_core::Result;
@@ -48,7 +48,11 @@ use voltet_core::progress::Progress;
 /// Measures filters; the first is held to the wish.
 ///
 /// Errors: a stopped run, and what keeps a picture from being drawn. A filter that fails is no error: it is what is found.
-pub fn gradient_test(methods: &[Method], wish: &Wish, progress: &dyn Progress) -> Result<GradientTest> {
+pub fn gradient_test(
+    methods: &[Method],
+    wish: &TestOptions,
+    progress: &dyn Progress,
+) -> Result<GradientTest> {
     let mut subjects: Vec<Subject<'_>> = methods.iter().map(Subject::new).collect();
     let pieces = Pieces::of(wish, subjects.len());
     let done = AtomicUsize::new(0);
@@ -66,31 +70,31 @@ pub fn gradient_test(methods: &[Method], wish: &Wish, progress: &dyn Progress) -
         subject.found.noise = noise::noise(subject, progress, &step)?;
     }
     cost::costs(&mut subjects, wish.timed, wish.rounds, progress, &|| step("time"))?;
-    let easel = Easel::new(progress)?;
+    let renderer = TestRenderer::new(progress)?;
     for subject in &mut subjects {
-        subject.found.picture = easel.draw(subject, progress)?;
+        subject.found.picture = renderer.draw(subject, progress)?;
         step("picture");
     }
-    let filters: Vec<Found> = subjects.into_iter().map(|subject| subject.found).collect();
+    let filters: Vec<FilterReport> = subjects.into_iter().map(|subject| subject.found).collect();
     let requirements = filters.first().map_or(Vec::new(), |first| requirements::requirements(first, wish));
     Ok(GradientTest {
         filters,
         requirements,
         levels: wish.levels.clone(),
         threads: rayon::current_num_threads(),
-        engine: easel.engine(),
-        exact_png: easel.exact_png()?,
+        engine: renderer.engine(),
+        exact_png: renderer.exact_png()?,
     })
 }
 
-/// How many steps the work has, for the progress.
+/// Number of steps the work has, for the progress.
 struct Pieces {
     of_each: usize,
     filters: usize,
 }
 
 impl Pieces {
-    fn of(wish: &Wish, filters: usize) -> Pieces {
+    fn of(wish: &TestOptions, filters: usize) -> Pieces {
         let (levels, meshes) = (wish.levels.len(), Mesh::EVERY.len());
         // Convergence, exactness, materials, six changes, two noises; then times and a picture.
         let of_each = levels * meshes + meshes + levels + 6 + 2 + wish.rounds + 1 + 1;

@@ -1,7 +1,7 @@
-//! What becomes of noise: independent, of variance 1 at every point.
+//! Gradients of noise: independent, of variance 1 at every point.
 
-use super::found::Noise;
 use super::meshes::{Mesh, Meshed};
+use super::report::Noise;
 use super::subject::{Subject, sizes};
 use voltet_core::Result;
 use voltet_core::grid::generate::Random;

@@ -1,9 +1,9 @@
 //! The test as one HTML page that needs no other file.
 
-use super::found::GradientTest;
+use super::report::GradientTest;
 use super::text::tables;
 use crate::work_precision::canvas::escaped;
-use crate::work_precision::page::{figure, line_to as line};
+use crate::work_precision::page::{figure, head, line_to as line};
 
 /// Black on white, figures in columns, nothing that needs colour.
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1100px;margin:2em auto;padding:0 1em;\
@@ -18,11 +18,7 @@ pub fn page(test: &GradientTest, plot: &str) -> String {
     let names: Vec<String> = test.filters.iter().map(|filter| escaped(&filter.name)).collect();
     let title =
         names.first().map_or("Gradient filters".to_string(), |name| format!("Gradient filter {name}"));
-    let mut html = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width\">\n<title>{title}</title>\n<style>{STYLE}</style>\n\
-         </head>\n<body>\n<h1>{title}</h1>\n"
-    );
+    let mut html = head(&title, STYLE);
     for filter in test.filters.iter().take(1) {
         let set: Vec<String> =
             filter.parameters.iter().map(|(name, value)| format!("{name} = {value}")).collect();

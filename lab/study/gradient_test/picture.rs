@@ -1,8 +1,8 @@
 //! The effect on a picture: a scene whose widgets look at the gradient magnitude and whose light looks at the gradient.
 
 use super::fields::{Field, SMOOTH};
-use super::found::PictureError;
 use super::meshes::Mesh;
+use super::report::PictureError;
 use super::subject::Subject;
 use crate::work_precision;
 use glam::DVec3;
@@ -24,8 +24,8 @@ use voltet_optics::engine::{AdapterRequest, Engine, RenderOptions};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 
-/// What the pictures are drawn with: the engine that draws every scene.
-pub(super) struct Easel {
+/// Renderer of the pictures: the engine that draws every scene.
+pub(super) struct TestRenderer {
     engine: Arc<dyn Engine>,
     grid: Arc<Grid>,
     exact: Picture,
@@ -37,13 +37,13 @@ const SIZE: [u32; 2] = [256, 256];
 const FIELD: Field = SMOOTH[1];
 const PAPER: [f64; 3] = [1.0; 3];
 
-impl Easel {
+impl TestRenderer {
     /// Draws with the exact gradient.
-    pub fn new(progress: &dyn Progress) -> Result<Easel> {
+    pub fn new(progress: &dyn Progress) -> Result<TestRenderer> {
         let engine = ENGINES[0].open(&AdapterRequest::hardware(None))?;
         let grid = Arc::new(Mesh::Distorted.grid(COUNT).grid);
         let exact = draw(engine.as_ref(), &grid, sample(&grid, FIELD.gradient), progress)?;
-        Ok(Easel { engine, grid, exact })
+        Ok(TestRenderer { engine, grid, exact })
     }
 
     /// The engine's name.

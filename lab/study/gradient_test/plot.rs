@@ -1,17 +1,15 @@
 //! Error against fineness: a panel a family of grids, a line a filter.
 
-use super::found::{Found, GradientTest};
 use super::meshes::Mesh;
-use crate::work_precision::canvas::{Anchor, Axis, Canvas, Color, Mark, Size, Symbol, WHITE, shown};
+use super::report::{FilterReport, GradientTest};
+use crate::work_precision::canvas::{Anchor, Axis, BLACK, Canvas, Color, Mark, Size, Symbol, WHITE, shown};
 
 const SIZE: [f64; 2] = [960.0, 760.0];
-const BLACK: Color = [20, 20, 20];
-const FAINT: Color = [225, 225, 225];
 /// Left and right ends of the panels in a row, top and bottom of those in a column.
 const ACROSS: [[f64; 2]; 2] = [[80.0, 460.0], [560.0, 940.0]];
 const DOWN: [[f64; 2]; 2] = [[70.0, 310.0], [390.0, 630.0]];
 
-/// How a filter's points look (colours of Okabe and Ito 2008, symbols and dashes for those who see none); again from the
+/// Styles of the filters' points (colours of Okabe and Ito 2008, symbols and dashes for those who see none); again from the
 /// first where there are more filters.
 const STYLES: [(Symbol, Color, &[f64]); 6] = [
     (Symbol::Circle, [0, 0, 0], &[]),
@@ -28,7 +26,7 @@ pub fn plot(test: &GradientTest) -> Canvas {
     let title = format!("{name}: error of the gradient inside against fineness");
     let mut canvas = Canvas::new(SIZE, &title);
     canvas.text([ACROSS[0][0], 26.0], &shown(&title, 90), Size::Large, Anchor::Start, BLACK);
-    let errors = |found: &Found, mesh: Mesh| -> Vec<f64> {
+    let errors = |found: &FilterReport, mesh: Mesh| -> Vec<f64> {
         let one = found.convergence.iter().find(|one| one.mesh == mesh.name());
         one.map_or(Vec::new(), |one| one.inside.root_mean_square.clone())
     };
@@ -75,21 +73,7 @@ pub fn plot(test: &GradientTest) -> Canvas {
 const LEAST: f64 = 1e-14;
 
 fn frame(canvas: &mut Canvas, name: &str, [x, y]: [&Axis; 2], [left, top, right, bottom]: [f64; 4]) {
-    for (value, label) in x.ticks() {
-        let place = x.place(value);
-        if let Some(label) = label {
-            canvas.line(&[[place, top], [place, bottom]], 1.0, FAINT, &[]);
-            canvas.text([place, bottom + 14.0], &label, Size::Small, Anchor::Middle, BLACK);
-        }
-    }
-    for (value, label) in y.ticks() {
-        let place = y.place(value);
-        if let Some(label) = label {
-            canvas.line(&[[left, place], [right, place]], 1.0, FAINT, &[]);
-            canvas.text([left - 8.0, place], &label, Size::Small, Anchor::End, BLACK);
-        }
-    }
-    canvas.line(&[[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], 1.0, BLACK, &[]);
+    canvas.plane([x, y], [left, top, right, bottom]);
     canvas.text([left, top - 14.0], &format!("{name} grid"), Size::Small, Anchor::Start, BLACK);
     canvas.text([right, top - 14.0], "relative error, rms", Size::Small, Anchor::End, BLACK);
     let middle = [0.5 * (left + right), bottom + 34.0];

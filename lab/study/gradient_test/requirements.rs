@@ -1,23 +1,23 @@
-//! What a filter is held to.
+//! Requirements of a filter.
 
-use super::found::{Found, Requirement};
-use super::wish::{Hold, Wish};
+use super::options::{RequirementKind, TestOptions};
+use super::report::{FilterReport, Requirement};
 
-/// What is asked of the filter, with what was found.
-pub(super) fn requirements(found: &Found, wish: &Wish) -> Vec<Requirement> {
-    let of = |hold: &Hold| match hold {
-        Hold::Finite => finite(found),
-        Hold::Linear => linear(found, wish.linear_error),
-        Hold::Order => order(found, wish.order),
-        Hold::Invariance => invariance(found),
+/// Requirements with their results.
+pub(super) fn requirements(found: &FilterReport, wish: &TestOptions) -> Vec<Requirement> {
+    let of = |hold: &RequirementKind| match hold {
+        RequirementKind::Finite => finite(found),
+        RequirementKind::Linear => linear(found, wish.linear_error),
+        RequirementKind::Order => order(found, wish.order),
+        RequirementKind::Invariance => invariance(found),
     };
     wish.hold_to.iter().map(of).collect()
 }
 
-/// What fails gives nothing to judge by the other requirements.
+/// Result of the other requirements for a filter that failed.
 const NOTHING: &str = "nothing: the filter failed";
 
-fn finite(found: &Found) -> Requirement {
+fn finite(found: &FilterReport) -> Requirement {
     let failed: Vec<_> = found.faults.iter().filter(|fault| fault.failed).collect();
     let said = match failed.as_slice() {
         [] => "one wherever it was asked".to_string(),
@@ -26,7 +26,7 @@ fn finite(found: &Found) -> Requirement {
     Requirement { what: "gives a finite vector at every point".into(), found: said, holds: failed.is_empty() }
 }
 
-fn linear(found: &Found, bound: f64) -> Requirement {
+fn linear(found: &FilterReport, bound: f64) -> Requirement {
     let what = format!("is exact on linear fields: errors of at most {bound:e}");
     let worst = found.exactness.iter().max_by(|a, b| a.linear.total_cmp(&b.linear));
     let said = worst.map(|worst| format!("{:.1e} on the {} grid", worst.linear, worst.mesh));
@@ -34,7 +34,7 @@ fn linear(found: &Found, bound: f64) -> Requirement {
     Requirement { what, found: said.unwrap_or_else(|| NOTHING.into()), holds }
 }
 
-fn order(found: &Found, least: f64) -> Requirement {
+fn order(found: &FilterReport, least: f64) -> Requirement {
     let what = format!("converges inside on every family of grids: order {least} or more");
     // Where only rounding is left there is nothing to converge.
     let orders = found.convergence.iter().filter_map(|one| Some((one.inside.order?, one)));
@@ -49,11 +49,11 @@ fn order(found: &Found, least: f64) -> Requirement {
     Requirement { what, found: said, holds }
 }
 
-fn invariance(found: &Found) -> Requirement {
+fn invariance(found: &FilterReport) -> Requirement {
     let what = "changes by rounding alone where the grid is moved, turned, scaled or numbered otherwise, and with the \
                 scalar's units"
         .into();
-    let share = |one: &super::found::Invariance| one.difference / one.rounding;
+    let share = |one: &super::report::Invariance| one.difference / one.rounding;
     let worst = found.invariance.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
     let said = worst.map(|worst| {
         format!(

@@ -1,6 +1,6 @@
 //! A filter that is measured: its gradients, and what it said meanwhile.
 
-use super::found::{Fault, Found};
+use super::report::{Fault, FilterReport};
 use glam::DVec3;
 use voltet_core::Result;
 use voltet_core::error::ErrorKind;
@@ -12,7 +12,7 @@ use voltet_core::progress::{CancelOnly, Progress};
 /// A filter that is measured.
 pub(super) struct Subject<'a> {
     pub method: &'a Method,
-    pub found: Found,
+    pub found: FilterReport,
 }
 
 impl<'a> Subject<'a> {
@@ -25,7 +25,7 @@ impl<'a> Subject<'a> {
             (parameter.name.to_string(), value)
         };
         let parameters = method.parameters().iter().map(|(p, setting, _)| value((p, setting))).collect();
-        let found = Found {
+        let found = FilterReport {
             name: kind.name.into(),
             summary: kind.summary.into(),
             parameters,

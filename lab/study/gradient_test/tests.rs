@@ -9,8 +9,8 @@ use voltet_core::grid::Grid;
 use voltet_core::parameters::{Parameters, VariantSchema};
 use voltet_core::progress::NoProgress;
 
-fn quick() -> Wish {
-    Wish { levels: vec![6, 12], timed: 4, rounds: 1, ..Wish::default() }
+fn quick() -> TestOptions {
+    TestOptions { levels: vec![6, 12], timed: 4, rounds: 1, ..TestOptions::default() }
 }
 
 fn test_of(filter: impl GradientFilter + 'static) -> GradientTest {
@@ -18,12 +18,12 @@ fn test_of(filter: impl GradientFilter + 'static) -> GradientTest {
     gradient_test(&[method], &quick(), &NoProgress).expect("is measured")
 }
 
-/// Which requirements hold: finite, linear, order, invariance.
+/// Requirements that hold: finite, linear, order, invariance.
 fn held(test: &GradientTest) -> Vec<bool> {
     test.requirements.iter().map(|requirement| requirement.holds).collect()
 }
 
-/// What becomes of the vectors of a grid and its scalar.
+/// Change of the vectors of a grid and its scalar.
 type Change = fn(&Grid, &[f64], Vec<DVec3>) -> Result<Vec<DVec3>>;
 
 /// Least squares, its vectors changed.

@@ -1,6 +1,7 @@
 //! The test as tables of plain text.
 
-use super::found::{Found, GradientTest, Series};
+use super::report::{FilterReport, GradientTest, Series};
+use crate::columns::aligned;
 use std::fmt::Write;
 
 /// Everything, filters side by side.
@@ -8,7 +9,10 @@ pub fn text(test: &GradientTest) -> String {
     let mut text = String::new();
     for table in tables(test) {
         line(&mut text, &format!("\n{}", table.title));
-        text += &aligned(&table.heads, &table.rows);
+        // The first column at least is a name; further ones stand before the filters.
+        let is_name = |k: usize| k == 0 || matches!(table.heads[k].as_str(), "field" | "where");
+        let rows = [std::slice::from_ref(&table.heads), &table.rows].concat();
+        aligned(&rows, is_name).lines().for_each(|row| line(&mut text, &format!("  {row}")));
         if !table.note.is_empty() {
             line(&mut text, &format!("  {}", table.note));
         }
@@ -99,8 +103,8 @@ pub(super) fn tables(test: &GradientTest) -> Vec<Table> {
 
 /// Rows with one cell a filter, by what they are of: that of any filter that has it.
 fn rows<T>(
-    filters: &[Found],
-    of: impl Fn(&Found) -> Vec<(Vec<String>, T)>,
+    filters: &[FilterReport],
+    of: impl Fn(&FilterReport) -> Vec<(Vec<String>, T)>,
     cell: impl Fn(&T) -> String,
 ) -> Vec<Vec<String>> {
     let each: Vec<Vec<(Vec<String>, T)>> = filters.iter().map(of).collect();
@@ -123,8 +127,8 @@ fn keys<const N: usize>(names: [&str; N]) -> Vec<String> {
     names.map(str::to_string).to_vec()
 }
 
-fn convergence_rows(filters: &[Found]) -> Vec<Vec<String>> {
-    let of = |found: &Found| {
+fn convergence_rows(filters: &[FilterReport]) -> Vec<Vec<String>> {
+    let of = |found: &FilterReport| {
         let both = |one: &super::Convergence| {
             [("inside", &one.inside), ("boundary", &one.boundary)]
                 .map(|(place, series)| (keys([one.mesh, one.field, place]), series.clone()))
@@ -137,8 +141,8 @@ fn convergence_rows(filters: &[Found]) -> Vec<Vec<String>> {
     })
 }
 
-fn exactness_rows(filters: &[Found]) -> Vec<Vec<String>> {
-    let of = |found: &Found| {
+fn exactness_rows(filters: &[FilterReport]) -> Vec<Vec<String>> {
+    let of = |found: &FilterReport| {
         let each = |one: &super::Exactness| {
             [
                 (keys([one.mesh, "linear", "everywhere"]), one.linear),
@@ -151,8 +155,8 @@ fn exactness_rows(filters: &[Found]) -> Vec<Vec<String>> {
     rows(filters, of, |error: &f64| format!("{error:.1e}"))
 }
 
-fn materials_rows(filters: &[Found]) -> Vec<Vec<String>> {
-    let of = |found: &Found| {
+fn materials_rows(filters: &[FilterReport]) -> Vec<Vec<String>> {
+    let of = |found: &FilterReport| {
         let Some(one) = &found.materials else { return Vec::new() };
         let last = one.beyond.last().copied().unwrap_or(f64::NAN);
         let order = one.order.map_or("–".into(), |order| format!("{order:.2}"));
@@ -165,8 +169,8 @@ fn materials_rows(filters: &[Found]) -> Vec<Vec<String>> {
     rows(filters, of, String::clone)
 }
 
-fn invariance_rows(filters: &[Found]) -> Vec<Vec<String>> {
-    let of = |found: &Found| {
+fn invariance_rows(filters: &[FilterReport]) -> Vec<Vec<String>> {
+    let of = |found: &FilterReport| {
         let each = |one: &super::Invariance| {
             (vec![one.under.to_string(), format!("{:.0e}", one.rounding)], one.difference)
         };
@@ -175,8 +179,8 @@ fn invariance_rows(filters: &[Found]) -> Vec<Vec<String>> {
     rows(filters, of, |difference: &f64| format!("{difference:.1e}"))
 }
 
-fn noise_rows(filters: &[Found]) -> Vec<Vec<String>> {
-    let of = |found: &Found| {
+fn noise_rows(filters: &[FilterReport]) -> Vec<Vec<String>> {
+    let of = |found: &FilterReport| {
         let both = |one: &super::Noise| {
             [(keys([one.mesh, "inside"]), one.inside), (keys([one.mesh, "boundary"]), one.boundary)]
         };
@@ -185,8 +189,8 @@ fn noise_rows(filters: &[Found]) -> Vec<Vec<String>> {
     rows(filters, of, |size: &f64| format!("{size:.2}"))
 }
 
-fn cost_rows(filters: &[Found]) -> Vec<Vec<String>> {
-    let of = |found: &Found| {
+fn cost_rows(filters: &[FilterReport]) -> Vec<Vec<String>> {
+    let of = |found: &FilterReport| {
         let Some(one) = &found.cost else { return Vec::new() };
         let milliseconds = |seconds: f64| format!("{:.1}", 1e3 * seconds);
         let memory = one
@@ -203,8 +207,8 @@ fn cost_rows(filters: &[Found]) -> Vec<Vec<String>> {
     rows(filters, of, String::clone)
 }
 
-fn picture_rows(filters: &[Found]) -> Vec<Vec<String>> {
-    let of = |found: &Found| {
+fn picture_rows(filters: &[FilterReport]) -> Vec<Vec<String>> {
+    let of = |found: &FilterReport| {
         let Some(one) = &found.picture else { return Vec::new() };
         vec![
             (keys(["largest error"]), format!("{:.1e}", one.maximum)),
@@ -213,26 +217,6 @@ fn picture_rows(filters: &[Found]) -> Vec<Vec<String>> {
         ]
     };
     rows(filters, of, String::clone)
-}
-
-/// Columns of equal width; figures to the right, names to the left.
-fn aligned(heads: &[String], rows: &[Vec<String>]) -> String {
-    let width = |k: usize| {
-        let cells = rows.iter().filter_map(|row| row.get(k)).chain(heads.get(k));
-        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
-    };
-    let widths: Vec<usize> = (0..heads.len()).map(width).collect();
-    // What a row is of stands before the filters; the first column at least is a name.
-    let is_name = |k: usize| k == 0 || matches!(heads[k].as_str(), "field" | "where");
-    let mut text = String::new();
-    for row in std::iter::once(heads).chain(rows.iter().map(Vec::as_slice)) {
-        let cells = row.iter().enumerate().map(|(k, cell)| {
-            let gap = " ".repeat(widths[k].saturating_sub(cell.chars().count()));
-            if is_name(k) { format!("{cell}{gap}") } else { format!("{gap}{cell}") }
-        });
-        line(&mut text, format!("  {}", cells.collect::<Vec<_>>().join("  ")).trim_end());
-    }
-    text
 }
 
 fn line(text: &mut String, of: &str) {

@@ -1,8 +1,8 @@
 //! A scene drawn in one way, and two ways in equal time.
 
-use super::{Open, Wish};
+use super::options::{OpenPipeline, PapersOptions};
 use crate::work_precision::{
-    self as work, Benches, Engines, Errors, Measure, Painter, Reference, Setting, Subject,
+    self as work, Benches, Engines, Errors, Measure, Reference, RenderConfig, RendererVariant, Subject,
 };
 use voltet_core::Result;
 use voltet_core::picture::Picture;
@@ -12,16 +12,16 @@ use voltet_optics::WidgetBlend;
 use voltet_optics::engine::Accumulation;
 use voltet_optics::shading::{Integrator, VisibilityOrder};
 
-/// What papers are made anew with.
+/// Renderer of the papers' scenes.
 pub(super) struct Bench<'a> {
-    pub wish: &'a Wish,
-    open: &'a Open<'a>,
+    pub wish: &'a PapersOptions,
+    open: &'a OpenPipeline<'a>,
     pub progress: &'a dyn Progress,
 }
 
 /// A picture with its time and what it is off by.
 #[derive(Debug, Clone)]
-pub(super) struct Shot {
+pub(super) struct TimedRender {
     pub picture: Picture,
     /// Median milliseconds of a picture, without what serves further ones.
     pub ms: f64,
@@ -37,7 +37,7 @@ pub(super) struct Scene {
 }
 
 impl<'a> Bench<'a> {
-    pub fn new(wish: &'a Wish, open: &'a Open<'a>, progress: &'a dyn Progress) -> Self {
+    pub fn new(wish: &'a PapersOptions, open: &'a OpenPipeline<'a>, progress: &'a dyn Progress) -> Self {
         Bench { wish, open, progress }
     }
 
@@ -59,21 +59,21 @@ impl<'a> Bench<'a> {
     }
 
     /// A scene drawn on the CPU.
-    pub fn shot(&self, scene: &Scene, integrator: Integrator, overlap: WidgetBlend) -> Result<Shot> {
+    pub fn shot(&self, scene: &Scene, integrator: Integrator, overlap: WidgetBlend) -> Result<TimedRender> {
         let Scene { subject, reference } = scene;
         let (picture, cost) = self.measured(subject, integrator, overlap)?;
         let errors = work::errors(&picture, reference);
-        Ok(Shot { picture, ms: cost.frame.median_ms, set_up_ms: cost.set_up.median_ms, errors })
+        Ok(TimedRender { picture, ms: cost.frame.median_ms, set_up_ms: cost.set_up.median_ms, errors })
     }
 
-    /// The same without anything to compare with.
+    /// Draws a scene on the CPU without a reference.
     pub fn measured(
         &self,
         subject: &Subject,
         integrator: Integrator,
         overlap: WidgetBlend,
     ) -> Result<(Picture, work::Cost)> {
-        let wish = work::Wish {
+        let wish = work::StudyOptions {
             only: Vec::new(),
             engines: Engines::One(NATIVE),
             adapter: None,
@@ -82,8 +82,9 @@ impl<'a> Bench<'a> {
             max_error: None,
             refine: 0,
         };
-        let (painter, order, accumulation) = (Painter::NATIVE, VisibilityOrder::Exact, Accumulation::Float);
-        let setting = Setting { painter, integrator, overlap, order, accumulation };
+        let (variant, order, accumulation) =
+            (RendererVariant::NATIVE, VisibilityOrder::Exact, Accumulation::Float);
+        let setting = RenderConfig { variant, integrator, overlap, order, accumulation };
         Benches::open(subject, &wish)?.measure(subject, &setting, &wish.frames, self.progress)
     }
 
@@ -93,7 +94,7 @@ impl<'a> Bench<'a> {
         scene: &Scene,
         ms: f64,
         with: impl Fn(usize) -> Integrator,
-    ) -> Result<(usize, Shot)> {
+    ) -> Result<(usize, TimedRender)> {
         let mut best = (1, self.shot(scene, with(1), WidgetBlend::Exact)?);
         let mut last = best.1.ms;
         while best.1.ms < ms && best.0 < 1024 {
@@ -117,7 +118,7 @@ impl<'a> Bench<'a> {
     }
 }
 
-impl Shot {
+impl TimedRender {
     /// Time and errors as cells of a table: ms, with those of tables behind a plus; rms, largest, pixels over a step of 8 bits.
     pub fn cells(&self) -> [String; 4] {
         let Errors { root_mean_square, maximum, pixels_over_step, .. } = self.errors;

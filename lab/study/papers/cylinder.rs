@@ -1,11 +1,10 @@
 //! Roettger and Ertl 2002, section 4: the table as planes about its diagonal, and what is drawn from them.
 
 use super::bench::Bench;
-use super::frame_buffer::Lookup;
+use super::frame_buffer::{Lookup, interleaved};
 use super::moreland::verdict;
 use super::page::{Section, number};
 use super::plane::square;
-use super::roettger_ertl::interleaved;
 use crate::work_precision::errors;
 use voltet_core::Result;
 use voltet_core::picture::Picture;
@@ -39,7 +38,7 @@ pub(super) fn pictures(bench: &Bench, section: &mut Section) -> Result<()> {
     let (table_size, oversampling) = (64, 2);
     let table = shot(pre_integrated(table_size, oversampling))?;
     let mut rows = Vec::new();
-    let mut add = |what: String, shot: &super::bench::Shot, loss: String| {
+    let mut add = |what: String, shot: &super::bench::TimedRender, loss: String| {
         let [_, rms, most, _] = shot.cells();
         rows.push([what, number(1e3 / shot.ms), rms, most, loss]);
     };

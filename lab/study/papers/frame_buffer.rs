@@ -42,7 +42,7 @@ impl Lookup {
         self.blended([front, back, length], [count; 2], bits)
     }
 
-    /// The same after the first of so many; the ends, and the length.
+    /// Value after the first of so many; the ends, and the length.
     pub fn blended(&self, [front, back, length]: [f64; 3], steps: [usize; 2], bits: u32) -> [f64; 4] {
         let most = f64::from((1_u32 << bits) - 1);
         self.composited(front, back, length, steps, &|x: f64| (x.clamp(0.0, 1.0) * most).round() / most)
@@ -72,13 +72,13 @@ impl Lookup {
         rgba
     }
 
-    /// The same of hardware from software, which oversamples twice.
+    /// Difference of hardware from software, which oversamples twice.
     pub fn of_hardware(&self, bits: u32, side: usize) -> [f64; 2] {
         let count = self.entries.len();
         deviation(side, |f, b, l| self.hardware(f, b, l, count, bits), |f, b, l| self.software(f, b, l, 2.0))
     }
 
-    /// The same of software that oversamples so often from one that does 64 times.
+    /// Difference of software that oversamples so often from one that does 64 times.
     pub fn of_oversampling(&self, oversampling: f64, side: usize) -> [f64; 2] {
         deviation(
             side,
@@ -107,11 +107,18 @@ fn deviation(
     [(sum / f64::from(number)).sqrt(), most]
 }
 
+/// κ and ρ of the longest length, which takes half of the light.
+pub(super) fn interleaved(s: f64) -> Matter {
+    let colors = [[0.9, 0.4, 0.05], [0.05, 0.3, 0.9]];
+    let extinction = std::f64::consts::LN_2;
+    (colors[(8.0 * s) as usize % 2].map(|c| c * extinction), extinction)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Where nothing varies, every count of steps gives the same opacity, and in many bits light by Eq. 6 tends to (κ/ρ)(1 − e^(−ρl)).
+    /// Without variation every count of steps gives the same opacity, and in many bits light by Eq. 6 tends to (κ/ρ)(1 − e^(−ρl)).
     #[test]
     fn a_constant_function_tends_to_its_closed_form() {
         let lookup = Lookup::new(256, |_| ([0.5, 0.25, 0.0], 2.0));

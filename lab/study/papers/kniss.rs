@@ -1,9 +1,9 @@
 //! J. Kniss, S. Premože, M. Ikits, A. Lefohn, C. Hansen, E. Praun, "Gaussian transfer functions for multi-field volume
 //! visualization", 2003.
 
-use super::Paper;
-use super::bench::{Bench, Scene, Shot};
+use super::bench::{Bench, Scene, TimedRender};
 use super::moreland::verdict;
+use super::options::Paper;
 use super::page::{Section, number};
 use super::plane::{gaussian, square};
 use crate::work_precision::Subject;
@@ -42,7 +42,7 @@ pub(super) fn section(bench: &mut Bench) -> Result<Section> {
     Ok(section)
 }
 
-fn add(rows: &mut Vec<[String; 6]>, printed: &str, way: &str, shot: &Shot) {
+fn add(rows: &mut Vec<[String; 6]>, printed: &str, way: &str, shot: &TimedRender) {
     let [ms, rms, most, over] = shot.cells();
     rows.push([way.into(), printed.into(), ms, rms, most, over]);
 }
@@ -70,7 +70,7 @@ fn figure_1(bench: &Bench, section: &mut Section) -> Result<()> {
     add(&mut rows, "numerical, 128 slices", "1 sample a segment", &one);
     add(&mut rows, "–", &format!("in equal time with the closed forms: {count} a segment"), &equal);
     section.table(HEAD, &rows);
-    let rms = |shot: &Shot| shot.errors.root_mean_square;
+    let rms = |shot: &TimedRender| shot.errors.root_mean_square;
     section.say(&format!(
         "\"Similar quality using far fewer slices\": that the printed way is at least as right with one stretch as sampling with three \
          {} (rms {:.1e} and {:.1e}); the closed forms leave {:.1e}.",
@@ -246,7 +246,7 @@ fn table_of_gaussians(bench: &Bench, section: &mut Section) -> Result<()> {
             [&scene, &narrow].map(|scene| bench.shot(scene, tabulated(table_size), WidgetBlend::Exact));
         let [wide, thin] = shots;
         let [wide, thin] = [wide?, thin?];
-        let cells = |shot: &Shot| {
+        let cells = |shot: &TimedRender| {
             let [_, rms, most, _] = shot.cells();
             [rms, most]
         };

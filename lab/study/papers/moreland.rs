@@ -1,7 +1,7 @@
 //! K. Moreland, "Fast high accuracy volume rendering", dissertation, 2004: adaptive transfer function sampling.
 
-use super::Paper;
 use super::bench::Bench;
+use super::options::Paper;
 use super::page::Section;
 use voltet_core::Result;
 use voltet_integrators::{DEFAULT_OVERSAMPLING, DEFAULT_SIDE};
@@ -55,7 +55,7 @@ pub(super) fn section(bench: &mut Bench) -> Result<Section> {
     Ok(section)
 }
 
-/// What becomes of a claim.
+/// Verdict on a claim.
 pub(super) fn verdict(holds: bool) -> &'static str {
     if holds { "**holds**" } else { "**does not hold here**" }
 }

@@ -1,6 +1,6 @@
 //! The page: sections with tables as Markdown, and figures.
 
-use super::Paper;
+use super::options::Paper;
 use std::time::SystemTime;
 use voltet_core::Result;
 use voltet_core::picture::Picture;
@@ -17,7 +17,7 @@ pub struct Figure {
     pub png: Vec<u8>,
 }
 
-/// What one paper says, and what is found here.
+/// Claims of a paper, and the results here.
 #[derive(Debug, Clone)]
 pub struct Section {
     /// The paper.
@@ -28,7 +28,7 @@ pub struct Section {
     pub figures: Vec<Figure>,
 }
 
-/// What the figures' links begin with.
+/// Folder of the figures' links.
 pub const FOLDER: &str = "papers";
 
 /// The whole page.
@@ -38,7 +38,7 @@ pub fn page(sections: &[Section]) -> Result<String> {
     let (system, machine) = (std::env::consts::OS, std::env::consts::ARCH);
     let mut text = format!(
         "# The papers' tables and figures, made anew\n\n\
-         What is printed in the papers that this program follows, beside what is found here. `voltet papers --output docs` writes this \
+         What is printed in the papers that this program follows, beside what is found here. `voltet papers --output docs/src/explanation` writes this \
          page and its figures.\n\n\
          Drawn on the CPU alone ({threads} threads, {lanes}, {system} {machine}), on {}, by version {}. All ways run in the same 32-bit \
          vector lanes. Times are medians of whole pictures, without tables, which the papers make once for many; what tables of \

@@ -1,10 +1,10 @@
 //! S. Roettger, T. Ertl, "A two-step approach for interactive pre-integrated volume rendering of unstructured grids", 2002.
 
-use super::Paper;
 use super::bench::Bench;
 use super::cylinder;
-use super::frame_buffer::{Lookup, Matter};
+use super::frame_buffer::{Lookup, interleaved};
 use super::moreland::verdict;
+use super::options::Paper;
 use super::page::{Section, number};
 use super::plane::square;
 use super::song::span;
@@ -46,13 +46,6 @@ pub(super) fn section(bench: &mut Bench) -> Result<Section> {
     table_2(bench, &mut section)?;
     cylinder::pictures(bench, &mut section)?;
     Ok(section)
-}
-
-/// κ and ρ of the longest length, which takes half of the light.
-pub(super) fn interleaved(s: f64) -> Matter {
-    let colors = [[0.9, 0.4, 0.05], [0.05, 0.3, 0.9]];
-    let extinction = std::f64::consts::LN_2;
-    (colors[(8.0 * s) as usize % 2].map(|c| c * extinction), extinction)
 }
 
 fn table_1(section: &mut Section) {

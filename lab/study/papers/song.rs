@@ -1,8 +1,8 @@
 //! Y. Song, W. Chen, R. Maciejewski, K. Gaither, D. Ebert, "Bivariate transfer functions on unstructured grids", 2009.
 
-use super::Paper;
 use super::bench::Bench;
 use super::moreland::verdict;
+use super::options::Paper;
 use super::page::{Section, number};
 use super::plane::{gaussian, square};
 use crate::work_precision::Subject;

@@ -1,14 +1,14 @@
 //! The file's own cells, by name.
 
 use voltet_core::grid::{CellType, Grid};
-use voltet_optics::reference::Step;
+use voltet_optics::trace::CellCrossing;
 
 /// For each step the number of the file's cell, and what it is.
-pub(super) fn of(grid: &Grid, steps: &[Step]) -> Vec<(usize, String)> {
+pub(super) fn of(grid: &Grid, steps: &[CellCrossing]) -> Vec<(usize, String)> {
     steps.iter().map(|step| (grid.source_cell(step.cell as usize), kind(grid, step.cell as usize))).collect()
 }
 
-/// What the cell is that a tetrahedron is a part of. A grid keeps its file's cells by number only: where these are of several
+/// Type of the cell that a tetrahedron is a part of. A grid keeps its file's cells by number only: where these are of several
 /// types, the number of points tells which this is, or leaves some to choose from.
 fn kind(grid: &Grid, tetrahedron: usize) -> String {
     let types = grid.origin.cells_by_type.keys().filter_map(|&code| CellType::from_code(code));

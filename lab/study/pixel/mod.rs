@@ -10,16 +10,16 @@
 //! | `text`, `tables`, `plot` | how it is shown |
 
 mod cells;
-mod found;
-mod nothing;
+mod integrators;
+mod invisible;
 mod plot;
-mod said;
+mod record;
 mod tables;
 mod text;
 mod trace;
 
-pub use found::{Drawn, Pixel, Said};
 pub use plot::plot;
+pub use record::{EnginePixel, IntegratorPixel, Pixel};
 pub use tables::{csv, json};
 pub use text::{SHOWN, text};
 pub use trace::pixel;

@@ -1,10 +1,10 @@
 //! A pixel's ray drawn: values along it, and underneath what each cell adds.
 
-use super::found::Pixel;
+use super::record::Pixel;
 use super::text::number;
 use crate::work_precision::canvas::{Anchor, Canvas, Color, Mark, Size};
 use voltet_io::encode::srgb_from_linear;
-use voltet_optics::reference::Step;
+use voltet_optics::trace::CellCrossing;
 
 const SIZE: [f64; 2] = [900.0, 640.0];
 /// Left and right end of the panels.
@@ -86,11 +86,11 @@ fn frame(canvas: &mut Canvas, [top, bottom]: [f64; 2], name: &str, axis: &Axis) 
 /// A value along the ray, a line for each cell: neighbours meet, and gaps stay gaps.
 fn lines(
     canvas: &mut Canvas,
-    steps: &[Step],
+    steps: &[CellCrossing],
     along: &Axis,
     axis: &Axis,
     color: Color,
-    of: impl Fn(&Step) -> [f64; 2],
+    of: impl Fn(&CellCrossing) -> [f64; 2],
 ) {
     for step in steps {
         let ([entry, exit], [front, back]) = (step.distance, of(step));
@@ -99,9 +99,10 @@ fn lines(
     }
 }
 
-fn contributions(canvas: &mut Canvas, steps: &[Step], along: &Axis) {
+fn contributions(canvas: &mut Canvas, steps: &[CellCrossing], along: &Axis) {
     let [top, bottom] = PANELS[2];
-    let rate = |step: &Step| if step.length > 0.0 { step.contribution()[3] / step.length } else { 0.0 };
+    let rate =
+        |step: &CellCrossing| if step.length > 0.0 { step.contribution()[3] / step.length } else { 0.0 };
     let most = steps.iter().map(rate).fold(0.0, f64::max);
     let axis = Axis::new([0.0, if most > 0.0 { most } else { 1.0 }], [bottom, top]);
     for step in steps.iter().filter(|step| rate(step) > 0.0) {

@@ -1,9 +1,8 @@
 //! A pixel for programs: the cells as CSV, everything as JSON.
 
-use super::found::Pixel;
+use super::record::Pixel;
 use serde_json::{Value, json as object};
 use std::fmt::Write;
-use voltet_optics::reference::Step;
 
 /// The cells of the ray, one a line, all of them. Numbers have all their digits; lengths are in world units.
 pub fn csv(pixel: &Pixel) -> String {
@@ -21,6 +20,7 @@ pub fn csv(pixel: &Pixel) -> String {
     text += ",optical_depth,silhouette,light,red,green,blue,opacity,transmittance";
     text += ",adds_red,adds_green,adds_blue,adds_opacity\n";
     for (k, (step, (cell, kind))) in pixel.walk.steps.iter().zip(&pixel.cells).enumerate() {
+        let depths = &pixel.depths[k];
         let [entry, exit] = step.distance;
         // Writing to a String cannot fail.
         let _ = write!(text, "{k},{entry},{exit},{},{cell},{kind},{}", step.length, step.cell);
@@ -28,8 +28,7 @@ pub fn csv(pixel: &Pixel) -> String {
         let [r, g, b] = step.part.color;
         let rest = [step.part.optical_depth, step.silhouette, step.light, r, g, b, step.part.opacity];
         let adds = step.contribution();
-        let all =
-            values.chain(step.depths.iter().copied()).chain(rest).chain([step.transmittance]).chain(adds);
+        let all = values.chain(depths.iter().copied()).chain(rest).chain([step.transmittance]).chain(adds);
         for value in all {
             let _ = write!(text, ",{value}");
         }
@@ -40,8 +39,8 @@ pub fn csv(pixel: &Pixel) -> String {
 
 /// Everything.
 pub fn json(pixel: &Pixel) -> Value {
-    let cells = pixel.walk.steps.iter().zip(&pixel.cells).map(|(step, cell)| of_step(pixel, step, cell));
-    let said = pixel.said.iter().map(|said| {
+    let cells = (0..pixel.walk.steps.len()).map(|k| cell_value(pixel, k));
+    let said = pixel.integrators.iter().map(|said| {
         let (rgba, why) = (said.rgba.as_ref().ok(), said.rgba.as_ref().err());
         object!({
             "integrator": said.name, "numbers": said.numbers, "pipeline": said.own, "rgba": rgba,
@@ -64,12 +63,13 @@ pub fn json(pixel: &Pixel) -> Value {
     })
 }
 
-fn of_step(pixel: &Pixel, step: &Step, (cell, kind): &(usize, String)) -> Value {
+fn cell_value(pixel: &Pixel, k: usize) -> Value {
+    let (step, depths, (cell, kind)) = (&pixel.walk.steps[k], &pixel.depths[k], &pixel.cells[k]);
     let values = |ends: &[f64]| -> serde_json::Map<String, Value> {
         pixel.names.iter().zip(ends).map(|(name, value)| (name.clone(), (*value).into())).collect()
     };
-    let widgets = Pixel::shares(step).map(|(k, share)| {
-        object!({ "widget": k, "kind": pixel.widgets[k], "optical_depth": step.depths[k], "share": share })
+    let widgets = Pixel::shares(depths).map(|(k, share)| {
+        object!({ "widget": k, "kind": pixel.widgets[k], "optical_depth": depths[k], "share": share })
     });
     object!({
         "cell": cell, "cell_type": kind, "tetrahedron": step.cell,

@@ -1,8 +1,9 @@
 //! A pixel as a table for a terminal.
 
-use super::found::Pixel;
+use super::record::Pixel;
+use crate::columns::aligned;
 use voltet_io::encode::srgb_from_linear;
-use voltet_optics::reference::Step;
+use voltet_optics::trace::CellCrossing;
 
 /// Cells that are shown where a ray crosses more and not all are asked for.
 pub const SHOWN: usize = 24;
@@ -29,7 +30,7 @@ pub fn text(pixel: &Pixel, all: bool) -> String {
 }
 
 /// The places of the steps that add most, in the order of the ray.
-fn shown(steps: &[Step], most: usize) -> Vec<usize> {
+fn shown(steps: &[CellCrossing], most: usize) -> Vec<usize> {
     let mut places: Vec<usize> = (0..steps.len()).collect();
     if places.len() > most {
         places.sort_by(|&a, &b| adds(&steps[b]).total_cmp(&adds(&steps[a])));
@@ -40,7 +41,7 @@ fn shown(steps: &[Step], most: usize) -> Vec<usize> {
 }
 
 /// The most that a step adds to a channel.
-fn adds(step: &Step) -> f64 {
+fn adds(step: &CellCrossing) -> f64 {
     step.contribution().into_iter().fold(0.0, f64::max)
 }
 
@@ -67,7 +68,7 @@ fn left_out(pixel: &Pixel, shown: &[usize]) -> String {
 /// The table of the cells.
 fn cells(pixel: &Pixel, shown: &[usize]) -> String {
     let steps = &pixel.walk.steps;
-    let looks = |of: &dyn Fn(&Step) -> bool| steps.iter().any(of);
+    let looks = |of: &dyn Fn(&CellCrossing) -> bool| steps.iter().any(of);
     let has_g = looks(&|step| step.front[1] != 0.0 || step.back[1] != 0.0);
     let (silhouettes, lit) = (looks(&|step| step.silhouette != 1.0), looks(&|step| step.light != 1.0));
     let mut head: Vec<String> =
@@ -85,7 +86,7 @@ fn cells(pixel: &Pixel, shown: &[usize]) -> String {
         let mut row = vec![k.to_string(), entry, exit, number(step.length), format!("{kind} {cell}")];
         row.push(step.cell.to_string());
         row.extend(values.iter().map(|&q| format!("{} to {}", number(step.front[q]), number(step.back[q]))));
-        row.push(widgets(pixel, step));
+        row.push(widgets(pixel, &pixel.depths[k]));
         row.extend([step.part.optical_depth, step.part.opacity].map(number));
         row.extend(silhouettes.then(|| number(step.silhouette)));
         row.extend(lit.then(|| number(step.light)));
@@ -94,15 +95,15 @@ fn cells(pixel: &Pixel, shown: &[usize]) -> String {
         row.extend(step.contribution().map(number));
         rows.push(row);
     }
-    aligned(&rows)
+    table(&rows)
 }
 
 /// Shares of the optical depth under this are not shown.
 const NOTABLE: f64 = 1e-3;
 
 /// The widgets met, the most first, each with its share of the optical depth where there are several.
-fn widgets(pixel: &Pixel, step: &Step) -> String {
-    let mut met: Vec<(usize, f64)> = Pixel::shares(step).filter(|(_, share)| *share >= NOTABLE).collect();
+fn widgets(pixel: &Pixel, depths: &[f64]) -> String {
+    let mut met: Vec<(usize, f64)> = Pixel::shares(depths).filter(|(_, share)| *share >= NOTABLE).collect();
     met.sort_by(|a, b| b.1.total_cmp(&a.1));
     let one = met.len() == 1;
     let name = |&(k, share): &(usize, f64)| match one {
@@ -113,7 +114,7 @@ fn widgets(pixel: &Pixel, step: &Step) -> String {
 }
 
 /// The colour of what is in the cell.
-fn own_color(step: &Step) -> String {
+fn own_color(step: &CellCrossing) -> String {
     let opacity = step.part.opacity;
     if opacity > 0.0 { srgb(step.part.color.map(|c| c / opacity)) } else { String::new() }
 }
@@ -136,7 +137,7 @@ fn sums(pixel: &Pixel) -> String {
     let drawn = &pixel.drawn;
     rows.push(row(format!("as drawn ({})", drawn.engine), drawn.rgba, Some(pixel.difference(drawn.rgba))));
     let mut cannot = String::new();
-    for said in &pixel.said {
+    for said in &pixel.integrators {
         let parts = [said.name, &said.numbers, if said.own { "the pipeline's" } else { "" }];
         let name = parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(", ");
         match &said.rgba {
@@ -144,7 +145,7 @@ fn sums(pixel: &Pixel) -> String {
             Err(why) => cannot += &format!("{name}: cannot, {why}\n"),
         }
     }
-    aligned(&rows) + &cannot
+    table(&rows) + &cannot
 }
 
 /// Linear colour as an 8-bit sRGB one.
@@ -172,23 +173,10 @@ pub(super) fn number(x: f64) -> String {
     }
 }
 
-/// Rows in columns: numbers to the right, what else there is to the left. The first row is the head.
-fn aligned(rows: &[Vec<String>]) -> String {
-    let columns = rows[0].len();
-    let width = |c: usize| rows.iter().map(|row| row[c].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..columns).map(width).collect();
+/// Rows in columns, those of numbers alone to the right. The first row is the head.
+fn table(rows: &[Vec<String>]) -> String {
     let is_number = |text: &str| text.is_empty() || text.parse::<f64>().is_ok();
-    let right: Vec<bool> = (0..columns).map(|c| rows[1..].iter().all(|row| is_number(&row[c]))).collect();
-    let mut text = String::new();
-    for row in rows {
-        let cell = |c: usize| match right[c] {
-            true => format!("{:>1$}", row[c], widths[c]),
-            false => format!("{:<1$}", row[c], widths[c]),
-        };
-        text += (0..columns).map(cell).collect::<Vec<_>>().join("  ").trim_end();
-        text += "\n";
-    }
-    text
+    aligned(rows, |c| !rows[1..].iter().all(|row| is_number(&row[c])))
 }
 
 #[cfg(test)]
@@ -216,6 +204,6 @@ mod tests {
     #[test]
     fn columns_of_numbers_stand_to_the_right() {
         let rows = [["#", "what"], ["1", "a"], ["23", ""]].map(|row| row.map(String::from).to_vec());
-        assert_eq!(aligned(&rows), " #  what\n 1  a\n23\n");
+        assert_eq!(table(&rows), " #  what\n 1  a\n23\n");
     }
 }

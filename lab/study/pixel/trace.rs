@@ -1,16 +1,16 @@
 //! One pixel traced.
 
-use super::found::{Drawn, Pixel, mean};
-use super::{cells, nothing, said};
+use super::record::{EnginePixel, Pixel, mean};
+use super::{cells, integrators, invisible};
 use crate::work_precision::Subject;
 use std::sync::Arc;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_graph::{Graph, Observer, Session, Value};
-use voltet_optics::reference::{Seen, Tracer};
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::Integrator;
+use voltet_optics::trace::TracedRay;
+use voltet_reference::{REFERENCE, tracer, widget_depths};
 
 /// The node that draws, traced.
 ///
@@ -32,19 +32,20 @@ pub fn pixel(
             .got(format!("--sample {sample}"))
             .expected(format!("0 to {}", camera.samples - 1)));
     }
-    let tracer = Tracer::new(&subject.scene)?;
+    let tracer = tracer(&subject.scene)?;
     let rays = tracer.rays(place);
-    let seen = rays.iter().map(|ray| tracer.trace(ray)).collect::<Result<Vec<Seen>>>()?;
-    let of = |seen: &Seen| [seen.color[0], seen.color[1], seen.color[2], seen.opacity];
+    let seen = rays.iter().map(|ray| tracer.trace(ray)).collect::<Result<Vec<TracedRay>>>()?;
+    let of = |seen: &TracedRay| [seen.color[0], seen.color[1], seen.color[2], seen.opacity];
     let referee = mean(seen.iter().map(of));
     let ray = &rays[sample as usize];
-    let walk = tracer.walk(ray, transfer_function)?;
-    let drawn = match subject.scene.shading.integrator == Integrator::REFERENCE {
+    let walk = tracer.walk(ray)?;
+    let depths = widget_depths(transfer_function, &walk.steps)?;
+    let drawn = match subject.scene.shading.integrator == REFERENCE {
         // It would take minutes to draw the rest of the picture.
-        true => Drawn { engine: "reference".into(), rgba: referee.map(|x| f64::from(x as f32)) },
+        true => EnginePixel { engine: "reference".into(), rgba: referee.map(|x| f64::from(x as f32)) },
         false => drawn(graph, &subject.node, place, session, observer)?,
     };
-    let nothing = nothing::why(&tracer, ray, &walk, &subject.scene);
+    let nothing = invisible::why(&tracer, ray, &walk, &subject.scene);
     let names = ["s".to_string(), "g".into()];
     let fields = transfer_function.fields();
     Ok(Pixel {
@@ -56,10 +57,11 @@ pub fn pixel(
         cells: cells::of(&volume.grid, &walk.steps),
         widgets: transfer_function.widgets.iter().map(|widget| widget.profile.name()).collect(),
         names: names.into_iter().chain(fields.iter().map(|name| name.to_string())).collect(),
-        said: said::all(&subject.scene, &subject.integrators, &tracer, &rays, progress)?,
+        integrators: integrators::all(&subject.scene, &subject.integrators, &tracer, &rays, progress)?,
         background: subject.background,
         node: subject.node.clone(),
         walk,
+        depths,
         referee,
         drawn,
         nothing,
@@ -84,7 +86,7 @@ fn drawn(
     [x, y]: [u32; 2],
     session: &mut Session,
     observer: &dyn Observer,
-) -> Result<Drawn> {
+) -> Result<EnginePixel> {
     let missing = || Error::run("the picture of the node that draws goes nowhere").at_node(node);
     let place = graph.nodes.iter().position(|known| known.name == node).ok_or_else(missing)?;
     let takes = |&&k: &&usize| graph.nodes[k].inputs.iter().any(|edge| edge.node == place);
@@ -95,5 +97,5 @@ fn drawn(
     let picture: &Arc<Picture> = picture;
     let engine = report.engine.map(|(engine, _)| engine).unwrap_or_else(|| "the stages".into());
     let engine = [Some(engine), report.adapter].into_iter().flatten().collect::<Vec<_>>().join(", ");
-    Ok(Drawn { engine, rgba: picture.pixel(x as usize, y as usize).map(f64::from) })
+    Ok(EnginePixel { engine, rgba: picture.pixel(x as usize, y as usize).map(f64::from) })
 }

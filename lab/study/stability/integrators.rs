@@ -9,10 +9,11 @@ use voltet_integrators::{pre_integrated, pre_integrated_cylindrical, riemann, se
 use voltet_judge::{Case, Kind, SegmentCase, stiff};
 use voltet_optics::integrators::{self, Extent, Integrator, IntegratorKind};
 use voltet_optics::{CompiledTransferFunction, Contribution, WidgetBlend};
+use voltet_reference::REFERENCE;
 
 /// One integrator.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Integrated {
+pub struct IntegratorReport {
     /// The name in pipeline files.
     pub integrator: &'static str,
     /// Segments that it serves.
@@ -21,7 +22,7 @@ pub struct Integrated {
     pub worst_error: f64,
     /// The case that has it.
     pub worst_case: String,
-    /// What it may be off by, if it promises anything: the referee as a share; `adaptive` beside the closed forms, whose
+    /// Bound of its error, if it has any: the referee as a share; `adaptive` beside the closed forms, whose
     /// places along a segment are its own, and twice what those are off by.
     pub bound: Option<f64>,
     /// Cases that broke the bound, and by what they are off.
@@ -30,17 +31,17 @@ pub struct Integrated {
     pub impossible: Vec<String>,
 }
 
-impl Integrated {
-    /// Whether all that it gave can be, within what it promises.
+impl IntegratorReport {
+    /// True if all that it gave can be, within what it promises.
     pub fn passed(&self) -> bool {
         self.impossible.is_empty() && self.broken.is_empty()
     }
 }
 
-/// What a tolerance of `adaptive` allows, as it is judged here.
+/// Tolerance of `adaptive`, as it is judged here.
 const TOLERANCE: f64 = 1e-6;
 
-/// What a result may be over its limit, opaque or as bright as its widgets: a thousandth of a step of 8 bits. Tables that are
+/// Excess of a result over its limit, opaque or as bright as its widgets: a thousandth of a step of 8 bits. Tables that are
 /// interpolated take up to 2e-6 of it.
 const UNSEEN: f64 = 4e-6;
 
@@ -57,7 +58,7 @@ fn settings(kind: &'static dyn IntegratorKind) -> (Integrator, Option<f64>) {
         "pre-integrated" => (pre_integrated(5, 2), None),
         "pre-integrated-cylindrical" => (pre_integrated_cylindrical(5, 2, 1), None),
         "tabulated" => (tabulated(128), None),
-        "reference" => (Integrator::REFERENCE, Some(REFEREE)),
+        "reference" => (REFERENCE, Some(REFEREE)),
         // The ends of a segment count as points for `vertex-sampled`; the values of `analytic` are judged as forms, by the condition
         // of each case.
         _ => (default, None),
@@ -66,17 +67,17 @@ fn settings(kind: &'static dyn IntegratorKind) -> (Integrator, Option<f64>) {
 
 /// All kinds, those that ship first.
 fn kinds() -> impl Iterator<Item = &'static dyn IntegratorKind> {
-    integrators::KINDS.into_iter().chain(voltet_integrators::KINDS)
+    integrators::KINDS.into_iter().chain([REFERENCE.kind()]).chain(voltet_integrators::KINDS)
 }
 
 /// Tries every integrator. Errors: a stopped run, a transfer function out of range.
-pub(super) fn integrators(cases: &[Case], progress: &dyn Progress) -> Result<Vec<Integrated>> {
+pub(super) fn integrators(cases: &[Case], progress: &dyn Progress) -> Result<Vec<IntegratorReport>> {
     let stiff = stiff()?;
     let mut all = Vec::new();
     for (k, every) in kinds().enumerate() {
         let (integrator, bound) = settings(every);
         progress.report(integrator.name(), k as f64 / kinds().count() as f64);
-        let mut found = Integrated {
+        let mut found = IntegratorReport {
             integrator: integrator.name(),
             cases: 0,
             worst_error: 0.0,
@@ -98,7 +99,7 @@ pub(super) fn integrators(cases: &[Case], progress: &dyn Progress) -> Result<Vec
     Ok(all)
 }
 
-impl Integrated {
+impl IntegratorReport {
     fn add(&mut self, integrator: &Integrator, id: &str, case: &SegmentCase) -> Result<()> {
         let transfer_function = &case.transfer_function;
         if integrators::can_serve(integrator, transfer_function).is_err() {
@@ -145,7 +146,7 @@ fn off(found: &Contribution, exact: &Contribution, most: f64) -> f64 {
     colors.fold((found.opacity - exact.opacity).abs(), f64::max)
 }
 
-/// The brightest that the segment's colour can be: ∫ κ e^(−T) (docs/optics.md, section 5).
+/// The brightest that the segment's colour can be: ∫ κ e^(−T) (docs/src/explanation/optics.md, section 5).
 fn brightest(case: &SegmentCase) -> f64 {
     match case.transfer_function.model {
         OpticalModel::DensityEmitter => case.brightest(),

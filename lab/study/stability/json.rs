@@ -1,11 +1,11 @@
-//! What was found, for programs. JSON has no ∞: such a ratio is written as null.
+//! Results as JSON. JSON has no ∞: such a ratio is written as null.
 
-use super::found::Stability;
+use super::report::StabilityReport;
 use serde_json::{Value, json as object};
 use voltet_judge::{Report, Row};
 
 /// Everything.
-pub fn json(found: &Stability) -> Value {
+pub fn json(found: &StabilityReport) -> Value {
     object!({
         "passed": found.passed(),
         "forms": found.forms.iter().map(forms).collect::<Vec<_>>(),
@@ -26,16 +26,16 @@ pub fn forms(report: &Report) -> Value {
             "worst_inputs": row.worst_inputs, "worst_relative_error": row.worst_error,
         })
     };
-    let excuses = |wider: bool| -> Vec<Value> {
-        let chosen = report.excuses.iter().filter(|excuse| excuse.wider == wider);
-        chosen.map(|excuse| object!({ "reason": excuse.reason, "cases": excuse.count })).collect()
+    let exemptions = |wider: bool| -> Vec<Value> {
+        let chosen = report.exemptions.iter().filter(|exemption| exemption.wider == wider);
+        chosen.map(|exemption| object!({ "reason": exemption.reason, "cases": exemption.count })).collect()
     };
     let broken = report.broken.iter().map(|b| {
         object!({ "case": b.id, "quantity": b.quantity, "found": b.found, "exact": b.exact, "ratio": b.ratio })
     });
     object!({
         "forms": report.forms, "cases": report.cases, "passed": report.passed(),
-        "skipped": excuses(false), "served_in_64_bits": excuses(true),
+        "skipped": exemptions(false), "served_in_64_bits": exemptions(true),
         "broken": broken.collect::<Vec<_>>(),
         "rows": report.rows.iter().map(row).collect::<Vec<_>>(),
     })

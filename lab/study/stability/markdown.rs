@@ -1,12 +1,12 @@
-//! What was found, as a page of documentation.
+//! Results as a page of documentation.
 
-use super::found::{Stability, category};
+use super::report::{StabilityReport, category};
 use super::text::number;
-use super::{Drawn, Printed};
+use super::{HardPicture, PrintedFormula};
 use voltet_judge::{Report, Row};
 
 /// The page, without a title.
-pub fn markdown(found: &Stability) -> String {
+pub fn markdown(found: &StabilityReport) -> String {
     let mut text = String::from("## Every formula, by category\n\nThe worst error as a share of its bound");
     text += ", and the relative error that this is. A value passes under 1.\n\n";
     text += &matrix(&found.forms, "category", |row| category(&row.category).to_string());
@@ -30,7 +30,7 @@ pub fn markdown(found: &Stability) -> String {
                 row.worst_inputs
             );
         }
-        text += &excuses(report);
+        text += &exemptions(report);
     }
     text += &integrators(found);
     text += &pictures(found);
@@ -41,7 +41,7 @@ pub fn markdown(found: &Stability) -> String {
 }
 
 /// A row for each integrator.
-fn integrators(found: &Stability) -> String {
+fn integrators(found: &StabilityReport) -> String {
     let mut text =
         String::from("\n## Integrators in 64 bits\n\nOn the same segments, those that each serves, and on ");
     text += "stiff ones of up to 1e30 of optical depth: the largest error of C and A, as shares of what is possible at ";
@@ -56,7 +56,7 @@ fn integrators(found: &Stability) -> String {
 }
 
 /// A row for each scene, a column for each engine.
-fn pictures(found: &Stability) -> String {
+fn pictures(found: &StabilityReport) -> String {
     let engines = found.engines();
     let mut text = String::from(
         "\n## Hard scenes, drawn\n\nAgainst the 64-bit referee: the largest error of a channel of ",
@@ -65,9 +65,9 @@ fn pictures(found: &Stability) -> String {
     let columns = " ---: |".repeat(engines.len() + 1);
     text += &format!("| what | scene | {} | bound |\n| --- | --- |{columns}\n", engines.join(" | "));
     for first in found.pictures.iter().filter(|drawn| drawn.engine == engines[0]) {
-        let Drawn { category, scene, bound, .. } = first;
+        let HardPicture { category, scene, bound, .. } = first;
         let cell = |engine: &&str| {
-            let same = |drawn: &&Drawn| drawn.scene == *scene && drawn.engine == **engine;
+            let same = |drawn: &&HardPicture| drawn.scene == *scene && drawn.engine == **engine;
             found.pictures.iter().find(same).map_or(String::new(), |drawn| {
                 let broken = if drawn.passed() { "" } else { " **broken**" };
                 match &drawn.refused {
@@ -103,19 +103,19 @@ fn matrix(reports: &[Report], head: &str, key: impl Fn(&Row) -> String) -> Strin
     text
 }
 
-fn excuses(report: &Report) -> String {
-    if report.excuses.is_empty() {
+fn exemptions(report: &Report) -> String {
+    if report.exemptions.is_empty() {
         return String::new();
     }
-    let line = |excuse: &voltet_judge::Excuse| {
-        let what = if excuse.wider { "left to the 64-bit forms" } else { "skipped" };
-        format!("- {} cases {what}: {}\n", excuse.count, excuse.reason)
+    let line = |exemption: &voltet_judge::Exemption| {
+        let what = if exemption.wider { "left to the 64-bit forms" } else { "skipped" };
+        format!("- {} cases {what}: {}\n", exemption.count, exemption.reason)
     };
-    format!("\n{}", report.excuses.iter().map(line).collect::<String>())
+    format!("\n{}", report.exemptions.iter().map(line).collect::<String>())
 }
 
-fn formula(printed: &Printed) -> String {
-    let Printed { source, formula, fails, instead, rows } = printed;
+fn formula(printed: &PrintedFormula) -> String {
+    let PrintedFormula { source, formula, fails, instead, rows } = printed;
     let mut text = format!("\n### {source}\n\n`{formula}`\n\n{fails}\n\nIn its place: {instead}\n\n");
     text += "| at | printed, 64 bits | printed, 32 bits | in its place, 32 bits |\n| --- | ---: | ---: | ---: |\n";
     for row in rows {

@@ -1,9 +1,9 @@
-//! How stable the program's formulas are: every formula of every engine and adapter against exact values, pictures of cells
+//! Stability of the program's formulas: every formula of every engine and adapter against exact values, pictures of cells
 //! that are hard to draw against the 64-bit referee, every integrator, and the formulas as papers print them.
 //!
 //! | file | what |
 //! | --- | --- |
-//! | `found` | what was found |
+//! | `report` | what was found |
 //! | `subjects` | the sets of forms and the engines that there are |
 //! | `hard` | scenes with hard cells, transfer functions and cameras |
 //! | `pictures` | those, by every engine |
@@ -14,7 +14,6 @@
 //!
 //! The cases of the formulas are `voltet_judge`'s, which the program carries.
 
-mod found;
 mod hard;
 mod integrators;
 mod json;
@@ -22,16 +21,17 @@ mod markdown;
 mod pictures;
 mod printed;
 mod random;
+mod report;
 mod subjects;
 mod text;
 
-pub use found::{Stability, category};
-pub use integrators::Integrated;
+pub use integrators::IntegratorReport;
 pub use json::{forms as forms_json, json};
 pub use markdown::markdown;
-pub use pictures::Drawn;
-pub use printed::{Measured, Printed};
-pub use random::{Beyond, Random, random, scene as random_scene};
+pub use pictures::HardPicture;
+pub use printed::{FormulaRow, PrintedFormula};
+pub use random::{BoundViolation, RandomReport, random, scene as random_scene};
+pub use report::{StabilityReport, category};
 pub use subjects::{Subjects, subjects};
 pub use text::{forms_text, random_text, text};
 
@@ -42,7 +42,7 @@ use voltet_judge::{judge_cases, shipped};
 /// Judges all of the forms by the cases that the program carries, draws the pictures, evaluates what papers print.
 ///
 /// Errors: a stopped run, and those of drawing.
-pub fn stability(subjects: &Subjects, progress: &dyn Progress) -> Result<Stability> {
+pub fn stability(subjects: &Subjects, progress: &dyn Progress) -> Result<StabilityReport> {
     let cases = shipped()?;
     let mut forms = Vec::new();
     for (k, subject) in subjects.forms.iter().enumerate() {
@@ -53,9 +53,9 @@ pub fn stability(subjects: &Subjects, progress: &dyn Progress) -> Result<Stabili
         forms.extend(judge_cases(&cases, &[subject.as_ref()])?);
     }
     let integrators = integrators::integrators(&cases, progress)?;
-    let pictures = pictures::pictures(&subjects.painters, progress)?;
+    let pictures = pictures::pictures(&subjects.renderers, progress)?;
     progress.report("printed formulas", 1.0);
-    Ok(Stability {
+    Ok(StabilityReport {
         forms,
         integrators,
         pictures,
@@ -68,8 +68,8 @@ pub fn stability(subjects: &Subjects, progress: &dyn Progress) -> Result<Stabili
 mod tests {
     use super::*;
     use voltet_core::transfer::TransferFunction;
-    use voltet_judge::{Kind, Native64};
-    use voltet_optics::engine::{Chain, EvalOutcome, PartialIntegrals, Precision, SegmentEvaluator};
+    use voltet_judge::{Chain, EvalOutcome, PartialIntegrals, Precision, SegmentEvaluator};
+    use voltet_judge::{Evaluator64, Kind};
     use voltet_optics::{Contribution, Segment, WidgetBlend};
 
     /// The 64-bit forms, with optical depths off by a millionth: what a wrong engine would be.
@@ -88,7 +88,7 @@ mod tests {
             segment: &Segment,
             overlap: WidgetBlend,
         ) -> Result<EvalOutcome> {
-            Ok(match Native64.segment(look, segment, overlap)? {
+            Ok(match Evaluator64.segment(look, segment, overlap)? {
                 EvalOutcome::Served(found) => {
                     let optical_depth = found.optical_depth * (1.0 + 1e-6);
                     EvalOutcome::Served(Contribution { optical_depth, ..found })
@@ -97,35 +97,35 @@ mod tests {
             })
         }
         fn chain(&self, segments: &[Contribution]) -> Chain {
-            Native64.chain(segments)
+            Evaluator64.chain(segments)
         }
         fn partial(&self, a: f64, b: f64) -> Result<EvalOutcome<PartialIntegrals>> {
-            Native64.partial(a, b)
+            Evaluator64.partial(a, b)
         }
     }
 
-    fn drawn(worst_error: f64) -> Drawn {
+    fn drawn(worst_error: f64) -> HardPicture {
         let (category, scene) = ("degenerate cells", "one".to_string());
         let engine = "an engine".to_string();
-        Drawn { category, scene, engine, refused: None, worst_error, worst_pixel: [0, 0], bound: 1e-4 }
+        HardPicture { category, scene, engine, refused: None, worst_error, worst_pixel: [0, 0], bound: 1e-4 }
     }
 
     #[test]
     fn a_bound_broken_anywhere_is_said() {
         let segments = |case: &voltet_judge::Case| matches!(case.kind, Kind::Segment(_));
         let cases: Vec<_> = shipped().unwrap().into_iter().filter(segments).step_by(40).collect();
-        let found = |forms: &dyn SegmentEvaluator, error: f64| Stability {
+        let found = |forms: &dyn SegmentEvaluator, error: f64| StabilityReport {
             forms: judge_cases(&cases, &[forms]).unwrap(),
             integrators: Vec::new(),
             pictures: vec![drawn(error)],
             printed: Vec::new(),
             left_out: Vec::new(),
         };
-        assert!(found(&Native64, 1e-4).passed());
+        assert!(found(&Evaluator64, 1e-4).passed());
         for (broken, said) in [
             (found(&Off, 0.0), "BROKE ITS BOUND"),
-            (found(&Native64, 1.1e-4), "BROKEN"),
-            (found(&Native64, f64::INFINITY), "BROKEN"),
+            (found(&Evaluator64, 1.1e-4), "BROKEN"),
+            (found(&Evaluator64, f64::INFINITY), "BROKEN"),
         ] {
             assert!(!broken.passed());
             let text = text(&broken);
@@ -135,6 +135,6 @@ mod tests {
         let page = markdown(&found(&Off, 0.0));
         assert!(page.contains("**broken**"), "{page}");
         // A picture that broke its bound stands out on the page, too.
-        assert!(markdown(&found(&Native64, 1.1e-4)).contains("**broken**"));
+        assert!(markdown(&found(&Evaluator64, 1.1e-4)).contains("**broken**"));
     }
 }

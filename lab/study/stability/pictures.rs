@@ -1,14 +1,14 @@
 //! Small pictures of scenes that are hard to draw, by every engine, held against the 64-bit referee.
 
 use super::hard::{self, Hard};
-use super::subjects::Painter;
+use super::subjects::OpenRenderer;
 use serde::Serialize;
 use voltet_core::picture::Picture;
 use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::{Error, Result};
 use voltet_optics::engine::{Compositor, RenderOptions};
-use voltet_optics::reference;
 use voltet_optics::scene::Scene;
+use voltet_reference as reference;
 
 /// Largest error of a channel of premultiplied linear RGBA, on either engine: what 32-bit segments leave on ordinary scenes,
 /// with room for their condition.
@@ -16,12 +16,12 @@ pub(super) const BOUND: f64 = 2e-4;
 
 /// One picture.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Drawn {
-    /// What is hard about it.
+pub struct HardPicture {
+    /// Difficulty.
     pub category: &'static str,
-    /// Which one.
+    /// Name of the scene.
     pub scene: String,
-    /// What drew it.
+    /// Engine that drew it.
     pub engine: String,
     /// Why it was not drawn: what a device refuses, `auto` leaves to the native engine.
     pub refused: Option<String>,
@@ -33,15 +33,15 @@ pub struct Drawn {
     pub bound: f64,
 }
 
-impl Drawn {
-    /// Whether it kept its bound.
+impl HardPicture {
+    /// True if it kept its bound.
     pub fn passed(&self) -> bool {
         self.worst_error <= self.bound
     }
 }
 
 /// Draws every picture with all of them. Errors: a stopped run, and those of drawing.
-pub(super) fn pictures(painters: &[Painter], progress: &dyn Progress) -> Result<Vec<Drawn>> {
+pub(super) fn pictures(renderers: &[OpenRenderer], progress: &dyn Progress) -> Result<Vec<HardPicture>> {
     let scenes = hard::all();
     let mut all = Vec::new();
     for (k, scene) in scenes.iter().enumerate() {
@@ -49,42 +49,42 @@ pub(super) fn pictures(painters: &[Painter], progress: &dyn Progress) -> Result<
         if progress.cancelled() {
             return Err(Error::cancelled());
         }
-        all.extend(drawn(scene, painters, progress)?);
+        all.extend(drawn(scene, renderers, progress)?);
     }
     Ok(all)
 }
 
-fn drawn(hard: &Hard, painters: &[Painter], progress: &dyn Progress) -> Result<Vec<Drawn>> {
+fn drawn(hard: &Hard, renderers: &[OpenRenderer], progress: &dyn Progress) -> Result<Vec<HardPicture>> {
     let scene = hard.scene();
     let exact = reference::draw(&scene, &CancelOnly(progress))?;
-    let draw = |painter: &Painter| {
-        let ((worst_error, worst_pixel), refused) = match picture(painter, None, &scene, progress) {
+    let draw = |renderer: &OpenRenderer| {
+        let ((worst_error, worst_pixel), refused) = match picture(renderer, None, &scene, progress) {
             Ok(found) => (worst(&found, &exact), None),
             // What a device does not hold `auto` leaves to the native engine.
-            Err(error) if may_refuse(painter, progress) => ((0.0, [0; 2]), Some(error.to_string())),
+            Err(error) if may_refuse(renderer, progress) => ((0.0, [0; 2]), Some(error.to_string())),
             Err(error) => return Err(error),
         };
-        let (category, scene, engine) = (hard.category, hard.name.clone(), painter.engine.label());
-        Ok(Drawn { category, scene, engine, refused, worst_error, worst_pixel, bound: BOUND })
+        let (category, scene, engine) = (hard.category, hard.name.clone(), renderer.engine.label());
+        Ok(HardPicture { category, scene, engine, refused, worst_error, worst_pixel, bound: BOUND })
     };
-    painters.iter().map(draw).collect()
+    renderers.iter().map(draw).collect()
 }
 
 /// Draws it. `way`: how a device composites; an order that hardware blends is not held against tiles, so that what is wrong shows.
 pub(super) fn picture(
-    painter: &Painter,
+    renderer: &OpenRenderer,
     way: Option<Compositor>,
     scene: &Scene,
     progress: &dyn Progress,
 ) -> Result<Picture> {
-    let volume = painter.engine.prepare(&scene.volume)?;
+    let volume = renderer.engine.prepare(&scene.volume)?;
     let manner = RenderOptions { compositing: way, ..RenderOptions::default() };
     Ok(volume.draw(scene, &manner, &CancelOnly(progress))?.picture)
 }
 
-/// Whether what went wrong is that a device does not hold the scene.
-pub(super) fn may_refuse(painter: &Painter, progress: &dyn Progress) -> bool {
-    painter.declared.on_device && !painter.engine.is_lost() && !progress.cancelled()
+/// True if what went wrong is that a device does not hold the scene.
+pub(super) fn may_refuse(renderer: &OpenRenderer, progress: &dyn Progress) -> bool {
+    renderer.declared.on_device && !renderer.engine.is_lost() && !progress.cancelled()
 }
 
 /// The largest difference of each pixel's channels; ∞ where one is not finite.
@@ -126,13 +126,13 @@ mod tests {
                 return;
             }
         };
-        let on_device = found.painters.iter().find(|painter| painter.declared == declared);
+        let on_device = found.renderers.iter().find(|renderer| renderer.declared == declared);
         let device = on_device.expect("the device paints").engine.label();
-        let all = pictures(&found.painters, &NoProgress).expect("drawn");
-        let on_device: Vec<&Drawn> = all.iter().filter(|drawn| drawn.engine == device).collect();
+        let all = pictures(&found.renderers, &NoProgress).expect("drawn");
+        let on_device: Vec<&HardPicture> = all.iter().filter(|drawn| drawn.engine == device).collect();
         assert_eq!(
             (on_device.len(), all.len()),
-            (hard::all().len(), hard::all().len() * found.painters.len())
+            (hard::all().len(), hard::all().len() * found.renderers.len())
         );
         // What 32 bits do not hold; `auto` leaves it to the native engine, which refuses nothing.
         let refused: Vec<&str> =
@@ -146,7 +146,7 @@ mod tests {
             "a pixel of 1e-6",
         ];
         assert_eq!(refused, beyond);
-        let wrong: Vec<&Drawn> = all.iter().filter(|drawn| !drawn.passed()).collect();
+        let wrong: Vec<&HardPicture> = all.iter().filter(|drawn| !drawn.passed()).collect();
         assert!(wrong.is_empty(), "{wrong:#?}");
     }
 }

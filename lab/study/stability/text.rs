@@ -1,15 +1,15 @@
-//! What was found, for a terminal.
+//! Results as text for a terminal.
 
-use super::found::{Stability, category};
-use super::random::{Beyond, Random};
-use super::{Drawn, Integrated, Printed};
-use voltet_judge::{Excuse, Report, Row};
+use super::random::{BoundViolation, RandomReport};
+use super::report::{StabilityReport, category};
+use super::{HardPicture, IntegratorReport, PrintedFormula};
+use voltet_judge::{Exemption, Report, Row};
 
-/// Broken values that are named one by one.
+/// Violation values that are named one by one.
 const NAMED: usize = 20;
 
 /// Everything.
-pub fn text(found: &Stability) -> String {
+pub fn text(found: &StabilityReport) -> String {
     let mut text = String::new();
     for report in &found.forms {
         text += &format!("{} forms, {} cases: worst of each category\n", report.forms, report.cases);
@@ -79,8 +79,8 @@ fn rows(rows: &[Row], name: impl Fn(&Row) -> &str, other: impl Fn(&Row) -> Strin
     rows.iter().map(line).collect()
 }
 
-fn integrator(found: &Integrated) -> String {
-    let Integrated { integrator, cases, worst_error, worst_case, bound, broken, impossible } = found;
+fn integrator(found: &IntegratorReport) -> String {
+    let IntegratorReport { integrator, cases, worst_error, worst_case, bound, broken, impossible } = found;
     let bound = bound.map_or(String::new(), |bound| format!(" of {bound:.0e}"));
     let verdict = if found.passed() { "" } else { "  BROKEN" };
     let mut text = format!(
@@ -95,8 +95,8 @@ fn integrator(found: &Integrated) -> String {
     text
 }
 
-fn picture(drawn: &Drawn) -> String {
-    let Drawn { category, scene, worst_error, worst_pixel: [i, j], bound, .. } = drawn;
+fn picture(drawn: &HardPicture) -> String {
+    let HardPicture { category, scene, worst_error, worst_pixel: [i, j], bound, .. } = drawn;
     if let Some(why) = &drawn.refused {
         return format!("    {category:23}  {scene:45}  refused: {why}\n");
     }
@@ -106,9 +106,9 @@ fn picture(drawn: &Drawn) -> String {
     )
 }
 
-/// What scenes drawn by lot showed.
-pub fn random_text(found: &Random) -> String {
-    let Random { seed, drawn, shown, without_reference, refused, bound, beyond } = found;
+/// Results of random scenes.
+pub fn random_text(found: &RandomReport) -> String {
+    let RandomReport { seed, drawn, shown, without_reference, refused, bound, beyond } = found;
     let mut text = format!(
         "{drawn} random scenes of seed {seed} against the 64-bit referee, bound {bound:.0e}; {shown} show something\n"
     );
@@ -116,8 +116,8 @@ pub fn random_text(found: &Random) -> String {
         text += &format!("  {without_reference} more that the referee says it cannot integrate\n");
     }
     refused.iter().for_each(|(engine, scenes)| text += &format!("  {scenes} that {engine} refuses\n"));
-    let line = |scene: &Beyond| {
-        let Beyond { scene, engine, pixels, wrong, worst_error, worst_pixel: [i, j] } = scene;
+    let line = |scene: &BoundViolation| {
+        let BoundViolation { scene, engine, pixels, wrong, worst_error, worst_pixel: [i, j] } = scene;
         let verdict = match wrong {
             0 => "explained".to_string(),
             n => format!("{n} NOT EXPLAINED"),
@@ -132,7 +132,7 @@ pub fn random_text(found: &Random) -> String {
     text + &format!("  beyond the bound: {explained} explained by rounding, {wrong} not\n")
 }
 
-fn formula(printed: &Printed) -> String {
+fn formula(printed: &PrintedFormula) -> String {
     let mut text = format!("  {}: {}\n", printed.source, printed.formula);
     text += &format!("      {}\n      in its place: {}\n", printed.fails, printed.instead);
     for row in &printed.rows {
@@ -156,9 +156,9 @@ fn counted(count: usize, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
-fn described(excuse: &Excuse) -> String {
-    let what = if excuse.wider { "served in 64 bits" } else { "skipped" };
-    format!("{what}: {}, since {}", counted(excuse.count, "case"), excuse.reason)
+fn described(exemption: &Exemption) -> String {
+    let what = if exemption.wider { "served in 64 bits" } else { "skipped" };
+    format!("{what}: {}, since {}", counted(exemption.count, "case"), exemption.reason)
 }
 
 /// One report in every detail: a row for each kind, category and quantity.
@@ -183,7 +183,7 @@ pub fn forms_text(report: &Report) -> String {
     text + &conclusion(report)
 }
 
-/// Sums, excuses, broken values and the verdict.
+/// Sums, exemptions, broken values and the verdict.
 fn conclusion(report: &Report) -> String {
     let mut text = format!(
         "  {} judged, {} only asked to be finite, {} served in 64 bits, {} skipped\n",
@@ -192,7 +192,7 @@ fn conclusion(report: &Report) -> String {
         report.total(|row| row.wider),
         report.total(|row| row.skipped)
     );
-    text.extend(report.excuses.iter().map(|excuse| format!("  {}\n", described(excuse))));
+    text.extend(report.exemptions.iter().map(|exemption| format!("  {}\n", described(exemption))));
     for broken in report.broken.iter().take(NAMED) {
         text += &format!(
             "  broken: {} of {}: {:e}, exact {:e}, {:.3} times the bound\n",

@@ -1,7 +1,7 @@
 //! A setting written into a pipeline file; every other byte stays as it is.
 
 use super::settings::overlap_name;
-use super::{Form, Setting, Study, Value as Key};
+use super::{Form, RenderConfig, Study, Value as Key};
 use voltet_core::Result;
 use voltet_document::{Document, Edit};
 use voltet_graph::ParameterValue;
@@ -11,10 +11,10 @@ use voltet_optics::integrators::Integrator;
 /// The text of the pipeline file with one of the study's settings in it. Overlap, order, engine, adapter and compositor are
 /// written where they differ from what the file says or comes to here; a `gpu-renderer` that is to draw on the native
 /// engine becomes a `renderer`.
-pub fn apply(text: &str, study: &Study, setting: &Setting) -> Result<String> {
+pub fn apply(text: &str, study: &Study, setting: &RenderConfig) -> Result<String> {
     let subject = &study.subject;
     let mut document = Document::from_text(text.to_string(), None);
-    let own = Setting::of_file(subject, setting.painter);
+    let own = RenderConfig::of_file(subject, setting.variant);
     for (name, key) in setting.keys() {
         set(&mut document, &subject.node, name, key)?;
     }
@@ -36,29 +36,29 @@ pub fn apply(text: &str, study: &Study, setting: &Setting) -> Result<String> {
 }
 
 /// The keys that state the setting's engine, where the file comes to another one.
-fn engine_keys<'a>(study: &'a Study, setting: &Setting) -> Vec<(&'static str, &'a str)> {
+fn engine_keys<'a>(study: &'a Study, setting: &RenderConfig) -> Vec<(&'static str, &'a str)> {
     let asked = &study.subject.asked;
-    let painter = setting.painter;
+    let variant = setting.variant;
     let mut keys = Vec::new();
     match asked.form {
         Form::Stages => return keys,
-        Form::GpuRenderer if painter.engine.name != asked.engine => {
-            keys.extend([("type", "renderer"), ("engine", painter.engine.name)]);
+        Form::GpuRenderer if variant.engine.name != asked.engine => {
+            keys.extend([("type", "renderer"), ("engine", variant.engine.name)]);
         }
         Form::GpuRenderer => {}
         Form::Renderer => {
-            let same = study.own.is_some_and(|own| own.painter.engine == painter.engine);
-            keys.extend((!same).then_some(("engine", painter.engine.name)));
+            let same = study.own.is_some_and(|own| own.variant.engine == variant.engine);
+            keys.extend((!same).then_some(("engine", variant.engine.name)));
         }
     }
-    let adapter = study.adapters.iter().find(|adapter| adapter.engine == painter.engine);
+    let adapter = study.adapters.iter().find(|adapter| adapter.engine == variant.engine);
     let wish = adapter.and_then(|adapter| adapter.wish.as_deref());
     keys.extend(wish.filter(|wish| asked.adapter.as_deref() != Some(wish)).map(|wish| ("adapter", wish)));
-    let only = asked.compositor == "auto" && painter.engine.compositing.len() == 1;
-    let compositor = painter.compositor().filter(|name| *name != asked.compositor && !only);
+    let only = asked.compositor == "auto" && variant.engine.compositing.len() == 1;
+    let compositor = variant.compositor().filter(|name| *name != asked.compositor && !only);
     keys.extend(compositor.map(|name| ("compositor", name)));
     // Tiles refuse what the file asks of those that blend.
-    let accumulation = painter.compositing.is_some().then_some(setting.accumulation);
+    let accumulation = variant.compositing.is_some().then_some(setting.accumulation);
     let other = accumulation.filter(|one| *one != asked.accumulation);
     keys.extend(other.map(|one| ("accumulation", one.name())));
     keys

@@ -2,21 +2,22 @@
 
 use super::measure::{Cost, Frames, measure};
 use super::subject::Form;
-use super::{Engines, Painter, Setting, Subject, Wish, settings};
+use super::{Engines, RenderConfig, RendererVariant, StudyOptions, Subject, settings};
 use crate::devices;
 use std::sync::Arc;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
+use voltet_introspect::MeasuredEngine;
 use voltet_nodes::drawing::{ENGINES, NATIVE, is_asked_by};
 use voltet_optics::engine::{Engine, EngineInfo};
 
-/// What there is to measure on.
+/// Engines to measure on.
 pub struct Benches {
     benches: Vec<Bench>,
     /// The engines that the file may come to here, in the order in which they are asked; `None`: one that is not measured.
     file_takes: Option<Vec<&'static EngineInfo>>,
-    /// What is not measured, why, and how to have it.
+    /// Engines that are not measured, with the reason and the remedy.
     pub left_out: Vec<String>,
 }
 
@@ -34,9 +35,9 @@ pub struct Adapter {
     pub engine: &'static EngineInfo,
     /// Its name and kind, for people.
     pub name: String,
-    /// What it is asked for by, where it is not the one that `auto` takes.
+    /// Name that requests it, where it is not the one that `auto` takes.
     pub wish: Option<String>,
-    /// Whether it is a program on the CPU.
+    /// True if it is a program on the CPU.
     pub is_software: bool,
 }
 
@@ -52,7 +53,7 @@ impl Benches {
     /// that is hardware. Where several are to be looked at, a device that is not there is left out.
     ///
     /// Errors: a device that was named or is all that was asked for, and is not there or cannot draw the pipeline.
-    pub fn open(subject: &Subject, wish: &Wish) -> Result<Benches> {
+    pub fn open(subject: &Subject, wish: &StudyOptions) -> Result<Benches> {
         let (mut benches, mut left_out) = (Vec::new(), Vec::new());
         for engine in wish.engines.each() {
             match open(subject, wish, engine) {
@@ -66,7 +67,7 @@ impl Benches {
     }
 
     /// The devices.
-    pub fn adapters(&self, subject: &Subject, wish: &Wish) -> Vec<Adapter> {
+    pub fn adapters(&self, subject: &Subject, wish: &StudyOptions) -> Vec<Adapter> {
         let on_device = self.benches.iter().filter(|bench| bench.declared.on_device);
         let adapter = |bench: &Bench| Adapter {
             engine: bench.declared,
@@ -86,23 +87,23 @@ impl Benches {
         self.benches.iter().filter_map(rate).collect()
     }
 
-    /// What is tried, engine by engine.
-    pub fn settings(&self, subject: &Subject, only: &[String]) -> Vec<Setting> {
-        let painters = self.benches.iter().flat_map(|bench| Painter::of(bench.declared));
-        painters.flat_map(|painter| settings(subject, only, painter)).collect()
+    /// Configurations to measure, engine by engine.
+    pub fn settings(&self, subject: &Subject, only: &[String]) -> Vec<RenderConfig> {
+        let variants = self.benches.iter().flat_map(|bench| RendererVariant::of(bench.declared));
+        variants.flat_map(|variant| settings(subject, only, variant)).collect()
     }
 
     /// Draws the scene with one setting, on its engine.
     pub fn measure(
         &mut self,
         subject: &Subject,
-        setting: &Setting,
+        setting: &RenderConfig,
         frames: &Frames,
         progress: &dyn Progress,
     ) -> Result<(Picture, Cost)> {
-        let found = self.benches.iter_mut().find(|bench| bench.declared == setting.painter.engine);
+        let found = self.benches.iter_mut().find(|bench| bench.declared == setting.variant.engine);
         let Some(bench) = found else {
-            return Err(Error::run("there is no such engine to measure on").got(setting.painter.label()));
+            return Err(Error::run("there is no such engine to measure on").got(setting.variant.label()));
         };
         if bench.engine.is_lost() {
             bench.engine = devices::open(bench.declared, bench.adapter.as_deref())?;
@@ -110,11 +111,15 @@ impl Benches {
         measure(bench.engine.as_ref(), subject, setting, frames, progress)
     }
 
-    /// How the file draws on this machine. `refused`: what an engine does not draw, where `auto` takes another; `None`: on a
+    /// Configuration by which the file draws on this machine. `refused`: configurations that an engine does not draw, where `auto` takes another; `None`: on a
     /// device that is not measured.
-    pub(super) fn own(&self, subject: &Subject, refused: &dyn Fn(&Setting) -> bool) -> Option<Setting> {
+    pub(super) fn own(
+        &self,
+        subject: &Subject,
+        refused: &dyn Fn(&RenderConfig) -> bool,
+    ) -> Option<RenderConfig> {
         for engine in self.file_takes.as_ref()? {
-            let own = Setting::of_file(subject, subject.painter_on(engine)?);
+            let own = RenderConfig::of_file(subject, subject.painter_on(engine)?);
             if !(subject.asked.is_auto() && refused(&own)) {
                 return Some(own);
             }
@@ -124,7 +129,7 @@ impl Benches {
 }
 
 /// The engines that the file may come to here, `benches` being what is measured.
-fn takes(subject: &Subject, wish: &Wish, benches: &[Bench]) -> Option<Vec<&'static EngineInfo>> {
+fn takes(subject: &Subject, wish: &StudyOptions, benches: &[Bench]) -> Option<Vec<&'static EngineInfo>> {
     let asked = &subject.asked;
     let may = |engine: &&EngineInfo| is_asked_by(engine, &asked.engine);
     let mut taken = Vec::new();
@@ -144,7 +149,7 @@ fn takes(subject: &Subject, wish: &Wish, benches: &[Bench]) -> Option<Vec<&'stat
 }
 
 /// An engine to measure.
-fn open(subject: &Subject, wish: &Wish, engine: &'static EngineInfo) -> Result<Bench> {
+fn open(subject: &Subject, wish: &StudyOptions, engine: &'static EngineInfo) -> Result<Bench> {
     let asked = &subject.asked;
     if !engine.on_device {
         return Bench::open(engine, None);

@@ -7,7 +7,7 @@
 //! not exact. It is taken to be independent of the rest, so that squares add up: p is that of √(e² − floor²). Errors near the
 //! floor tell nothing and are left out.
 
-use super::Painter;
+use super::RendererVariant;
 use serde::Serialize;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 
@@ -15,7 +15,7 @@ use voltet_core::transfer::{OpticalModel, TransferFunction};
 /// holds, and what is left after it little more than a guess.
 const ABOVE_FLOOR: f64 = 2.0;
 
-/// How many of the finest levels the observed order is taken over: coarser ones are not yet on the slope.
+/// Number of of the finest levels the observed order is taken over: coarser ones are not yet on the slope.
 const LEVELS: usize = 4;
 
 /// The convergence of one integrator.
@@ -31,7 +31,7 @@ pub struct Convergence {
     pub floor: f64,
     /// The slope of the last four levels above the floor, by least squares; `None` for fewer than two.
     pub observed: Option<f64>,
-    /// What theory says.
+    /// Reason for the expected order.
     pub expected: f64,
     /// Why.
     pub reason: &'static str,
@@ -44,11 +44,11 @@ pub struct Level {
     pub count: usize,
     /// The root-mean-square error.
     pub error: f64,
-    /// The same less the floor; 0 where it is under that.
+    /// Error less the floor; 0 where it is under that.
     pub own_error: f64,
     /// The order between the number before and this one.
     pub order: Option<f64>,
-    /// Whether the error is above the floor, so that it tells something.
+    /// True if the error is above the floor, so that it tells something.
     pub above_floor: bool,
 }
 
@@ -76,7 +76,7 @@ pub fn convergence(
         .collect();
     let observed = slope(&telling[telling.len().saturating_sub(LEVELS)..]).map(|slope| -slope);
     let (expected, reason) = expected(transfer_function);
-    let engine = Painter::NATIVE.label();
+    let engine = RendererVariant::NATIVE.label();
     Convergence { integrator, engine, levels, floor, observed, expected, reason }
 }
 

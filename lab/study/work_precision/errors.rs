@@ -1,4 +1,4 @@
-//! How far a picture is from another: premultiplied linear RGBA, channel by channel.
+//! Differences of pictures: premultiplied linear RGBA, channel by channel.
 
 use serde::Serialize;
 use voltet_core::picture::Picture;

@@ -1,6 +1,6 @@
 //! One setting, drawn again and again: seconds of every stage, memory, and the picture.
 
-use super::{Setting, Subject};
+use super::{RenderConfig, Subject};
 use serde::Serialize;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -8,11 +8,12 @@ use voltet_core::camera::Camera;
 use voltet_core::picture::Picture;
 use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::{Error, Result};
+use voltet_introspect::{MeasuredEngine, compositor_operations};
 use voltet_io::memory;
 use voltet_optics::engine::{Engine, PreparedVolume, RenderOptions, RenderOutput, Stage};
 use voltet_optics::scene::Scene;
 
-/// How often a setting is drawn.
+/// Number of times a setting is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frames {
     /// Frames that count, at most, ≥ 1. One before them warms up.
@@ -51,7 +52,7 @@ pub struct Times {
     pub slowest_ms: f64,
 }
 
-/// What drawing with one setting costs.
+/// Cost of drawing with one setting.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cost {
     /// Frames that were measured.
@@ -59,7 +60,7 @@ pub struct Cost {
     /// A picture, with all that a run makes anew for each one: the native engine its set-up and the frame, a device, which
     /// keeps what it has set up, the frame.
     pub picture: Times,
-    /// What is made before a frame and would serve further ones: tables, widgets made ready; on a device also uploads and
+    /// Work before a frame that further ones can use: tables, compiled widgets; on a device also uploads and
     /// pipelines.
     pub set_up: Times,
     /// A frame: the stages below together, on a device also what lies between them and the way back.
@@ -78,7 +79,7 @@ pub struct Cost {
     pub passes: Vec<Pass>,
     /// Ray segments integrated in a frame; blending hardware does not count them.
     pub segments: Option<u64>,
-    /// How often the transfer function was asked in a frame: see [`voltet_optics::engine::Counts::evaluations`]; `None` where an engine
+    /// Number of times the transfer function was asked in a frame: see [`voltet_optics::engine::Counts::evaluations`]; `None` where an engine
     /// does not count.
     pub evaluations: Option<u64>,
     /// Segments of these that the engine left to 64 bits.
@@ -90,7 +91,7 @@ pub struct Cost {
     pub peak_memory_bytes: Option<u64>,
 }
 
-/// What one pass of a device takes in a frame.
+/// Time of one pass of a device in a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Pass {
     /// Its entry point.
@@ -107,24 +108,24 @@ struct Taken {
 
 /// Draws the scene with one setting on its engine.
 ///
-/// What an engine on a device keeps is set up before the first frame, which takes longer by that; the others set up each frame
+/// An engine on a device sets up before the first frame, which takes longer by that; the others set up each frame
 /// anew. Errors: also what the engine does not hold.
 pub(super) fn measure(
     engine: &dyn Engine,
     subject: &Subject,
-    setting: &Setting,
+    setting: &RenderConfig,
     frames: &Frames,
     progress: &dyn Progress,
 ) -> Result<(Picture, Cost)> {
     let scene = setting.scene(subject);
     let manner = RenderOptions {
-        compositing: setting.painter.compositing,
+        compositing: setting.variant.compositing,
         accumulation: setting.accumulation,
         ..RenderOptions::default()
     };
-    let keeps = setting.painter.engine.on_device;
+    let keeps = setting.variant.engine.on_device;
     let fresh = memory::forget_peak();
-    engine.forget();
+    engine.clear_caches();
     let start = Instant::now();
     let volume = engine.prepare(&scene.volume)?;
     let draw = |scene: &Scene| {
@@ -157,7 +158,7 @@ pub(super) fn measure(
         taken.push(first);
     }
     let peak_memory_bytes = memory::peak().filter(|_| fresh);
-    let operations = volume.operations(&scene, &manner, &counts)?;
+    let operations = compositor_operations(volume.as_ref(), &scene, &manner, &counts)?;
     let whole = spread(taken.iter().map(|frame| frame.seconds).collect());
     let (set_up, frame) = match stage(&taken, Stage::SetUp) {
         Some(set_up) => {

@@ -3,11 +3,11 @@
 //!
 //! | file | what |
 //! | --- | --- |
-//! | `wish` | what is asked of a study |
+//! | `options` | what is asked of a study |
 //! | `subject` | what the pipeline's node that draws is given |
 //! | `settings` | what is tried |
-//! | `reference`, `kept` | the picture to compare with, kept between studies, also where it was stopped |
-//! | `engine`, `bench` | which engines there are to measure on |
+//! | `reference`, `picture_cache` | the picture to compare with, kept between studies, also where it was stopped |
+//! | `variant`, `bench` | which engines there are to measure on |
 //! | `measure` | times and memory on an engine |
 //! | `errors`, `flip` | differences of pictures |
 //! | `convergence` | observed and expected orders |
@@ -22,14 +22,14 @@ mod apply;
 mod bench;
 pub(crate) mod canvas;
 mod convergence;
-mod engine;
 mod errors;
 mod flip;
-mod kept;
 mod measure;
+mod options;
 mod output;
 pub(crate) mod page;
 mod pareto;
+mod picture_cache;
 mod plot;
 mod reference;
 mod refine;
@@ -37,22 +37,22 @@ mod run;
 mod settings;
 mod subject;
 mod table;
-mod wish;
+mod variant;
 
 pub use apply::apply;
 pub use bench::{Adapter, Benches};
 pub use convergence::{Convergence, Level, convergence};
-pub use engine::{Engines, Painter};
 pub use errors::{Errors, difference, errors};
 pub use flip::Seen;
 pub use measure::{Cost, Frames, Pass, Times};
+pub use options::{Measure, StudyOptions};
 pub use output::{write, written};
 pub use page::recommendation;
 pub use pareto::{cheapest, front};
 pub use reference::{Reference, cache_folder, reference};
 pub use refine::{Refinement, Source, refinement, refuse_too_fine};
 pub use run::{Refused, Row, Study, study};
-pub use settings::{Setting, Value, settings, studied};
+pub use settings::{RenderConfig, Value, settings, studied};
 pub use subject::{Asked, Form, Subject, drawing_nodes};
 pub use table::{csv, json, text};
-pub use wish::{Measure, Wish};
+pub use variant::{Engines, RendererVariant};

@@ -15,7 +15,7 @@ pub fn written(folder: &Path) -> Vec<PathBuf> {
 /// The folder of difference pictures, a file a setting.
 const DIFFERENCES: &str = "differences";
 
-/// What stands beside it.
+/// Files beside the page.
 const FILES: [&str; 6] = ["study.html", "study.csv", "study.json", "plot.svg", "plot.png", "reference.png"];
 
 /// Writes everything into `folder`, which is made where it is not there, and gives the paths.

@@ -18,7 +18,16 @@ figcaption{font-size:13px}code{font-size:13px}\
 .scale{height:14px;width:300px;background:linear-gradient(90deg,rgb(68 1 84),rgb(59 82 139),rgb(33 145 140),\
 rgb(94 201 98),rgb(253 231 37))}.ends{width:300px;display:flex;justify-content:space-between;font-size:13px}";
 
-/// How many differences the page shows.
+/// Head of a page, up to its title. `title`: without characters of HTML.
+pub(crate) fn head(title: &str, style: &str) -> String {
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width\">\n<title>{title}</title>\n<style>{style}</style>\n\
+         </head>\n<body>\n<h1>{title}</h1>\n"
+    )
+}
+
+/// Number of differences that the page shows.
 const SHOWN: usize = 12;
 
 /// The page. `plot`: the SVG document; `reference`: the reference picture as PNG.
@@ -26,11 +35,7 @@ pub fn page(study: &Study, title: &str, plot: &str, reference: &[u8]) -> String 
     let subject = &study.subject;
     let [width, height] = subject.scene.camera.size;
     let title = escaped(title);
-    let mut html = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width\">\n<title>{title}</title>\n<style>{STYLE}</style>\n\
-         </head>\n<body>\n<h1>{title}</h1>\n"
-    );
+    let mut html = head(&title, STYLE);
     let drawn = if study.reference.cached { "kept from an earlier study; drawn" } else { "drawn" };
     paragraph(
         &mut html,
@@ -84,7 +89,7 @@ pub fn page(study: &Study, title: &str, plot: &str, reference: &[u8]) -> String 
     html + "</body>\n</html>\n"
 }
 
-/// What the study says about the error that is allowed, in a sentence.
+/// Recommendation for the allowed error, in a sentence.
 pub fn recommendation(study: &Study) -> Option<String> {
     let (bound, measure) = (study.wish.max_error?, study.wish.measure);
     let name = match measure {
@@ -98,7 +103,7 @@ pub fn recommendation(study: &Study) -> Option<String> {
             "Cheapest with {name} at most {bound}: {} ({} ms a picture{}, error {:.1e}).",
             row.setting.label(),
             milliseconds(row.cost.picture.median_ms),
-            match row.setting.painter.engine.on_device {
+            match row.setting.variant.engine.on_device {
                 false => String::new(),
                 true => format!(" after a set-up of {} ms", milliseconds(row.cost.set_up.median_ms)),
             },
@@ -207,7 +212,7 @@ pub(crate) fn figure(html: &mut String, png: &[u8], caption: &str) {
     line_to(html, &format!("<figure>{image}<figcaption>{caption}</figcaption></figure>"));
 }
 
-/// What the columns mean.
+/// Explanation of the columns.
 const MEANINGS: &str = "<h2>What is measured</h2>\n<ul>\n\
 <li><b>Time</b>: each picture is drawn anew from culling on, once to warm up and then repeatedly; medians, fastest and \
 slowest. Set-up is what would serve further frames too: tables, widgets made ready. The native engine makes it for each \

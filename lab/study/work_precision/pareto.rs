@@ -1,4 +1,4 @@
-//! Which settings are worth taking: none is both cheaper and better.
+//! Pareto front: settings that no other one beats in cost and error.
 
 /// For each point (cost, error) whether it is on the Pareto front: no other one is at most as dear and at most as
 /// wrong, and in one of the two less. Numbers that are not finite are never on it.

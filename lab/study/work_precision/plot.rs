@@ -1,26 +1,25 @@
 //! The work-precision plot: error over time, both in powers of ten, the Pareto front marked.
 
-use super::canvas::{Anchor, Axis, Canvas, Color, Mark, Size, Symbol, WHITE, shown};
-use super::{Painter, Row, Study};
+use super::canvas::{Anchor, Axis, BLACK, Canvas, Color, Mark, Size, Symbol, WHITE, shown};
+use super::{RendererVariant, Row, Study};
 use crate::numbers::Numbers;
 use voltet_integrators::{DEFAULT_OVERSAMPLING, DEFAULT_PLANES, DEFAULT_SIDE};
 use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::Integrator;
 use voltet_optics::shading::VisibilityOrder;
+use voltet_reference::REFERENCE;
 
 const SIZE: [f64; 2] = [960.0, 600.0];
 
 /// Left, top, right, bottom of the plane within the axes.
 const PLANE: [f64; 4] = [84.0, 46.0, 716.0, 540.0];
 
-const BLACK: Color = [20, 20, 20];
 const GREY: Color = [110, 110, 110];
-const FAINT: Color = [225, 225, 225];
 
 /// Errors are drawn no lower than this: less is below what 32-bit numbers near 1 can tell apart.
 const LEAST_ERROR: f64 = 1e-8;
 
-/// How an integrator's points look. Symbols and dashes tell them apart without colour; the colours (Okabe and Ito 2008)
+/// Style of an integrator's points. Symbols and dashes tell them apart without colour; the colours (Okabe and Ito 2008)
 /// differ for the colour-blind too.
 struct Style {
     symbol: Symbol,
@@ -48,7 +47,7 @@ fn kinds(study: &Study) -> impl Iterator<Item = (Integrator, &'static Style, Vec
         (kind, style, rows)
     };
     let kinds = study.subject.integrators.iter().copied();
-    kinds.filter(|kind| *kind != Integrator::REFERENCE).zip(STYLES.iter().cycle()).map(of)
+    kinds.filter(|kind| *kind != REFERENCE).zip(STYLES.iter().cycle()).map(of)
 }
 
 /// Draws the plot.
@@ -64,7 +63,7 @@ pub fn plot(study: &Study, title: &str) -> Canvas {
 
     let mut canvas = Canvas::new(SIZE, &format!("{title}: error against time of every integrator"));
     // A device keeps what it has set up.
-    let time_label = match painters(study).iter().any(|painter| painter.engine.on_device) {
+    let time_label = match variants(study).iter().any(|variant| variant.engine.on_device) {
         true => "time of a picture, set-up included on the CPU, not on the device (ms)",
         false => "time of a picture, set-up included (ms)",
     };
@@ -77,8 +76,8 @@ pub fn plot(study: &Study, title: &str) -> Canvas {
     }
     front(&mut canvas, study, &at);
     for (_, style, rows) in kinds(study) {
-        for painter in painters(study) {
-            let main = rows.iter().filter(|row| is_main(row) && row.setting.painter == painter);
+        for variant in variants(study) {
+            let main = rows.iter().filter(|row| is_main(row) && row.setting.variant == variant);
             let main: Vec<[f64; 2]> = main.map(|row| at(row)).collect();
             if main.len() > 1 {
                 canvas.line(&main, 1.4, style.color, style.dashes);
@@ -91,7 +90,7 @@ pub fn plot(study: &Study, title: &str) -> Canvas {
                 format!("{}: {:.3} ms, error {:.2e}", row.setting.label(), time(row), row.error(measure));
             let corners = style.symbol.corners(at(row), radius);
             canvas.marks.push(Mark::Shape { corners, fill, outline: style.color, hint });
-            around(&mut canvas, style, row.setting.painter, at(row), radius);
+            around(&mut canvas, style, row.setting.variant, at(row), radius);
         }
     }
     if let Some(row) = study.recommended.map(|i| &study.rows[i]) {
@@ -104,29 +103,31 @@ pub fn plot(study: &Study, title: &str) -> Canvas {
     canvas
 }
 
-/// What drew the rows.
-fn painters(study: &Study) -> Vec<Painter> {
-    Painter::all().filter(|painter| study.rows.iter().any(|row| row.setting.painter == *painter)).collect()
+/// Variants that drew the rows.
+fn variants(study: &Study) -> Vec<RendererVariant> {
+    RendererVariant::all()
+        .filter(|variant| study.rows.iter().any(|row| row.setting.variant == *variant))
+        .collect()
 }
 
 /// From one outline to the next.
 const OUTLINE: f64 = 3.0;
 
-/// By how much the outlines of a painter reach further than a symbol.
-fn further(painter: Painter) -> f64 {
-    OUTLINE * painter.number() as f64
+/// By how much the outlines of a variant reach further than a symbol.
+fn further(variant: RendererVariant) -> f64 {
+    OUTLINE * variant.number() as f64
 }
 
-/// What tells the painters' symbols apart, without colour: each has an outline more than the one before.
-fn around(canvas: &mut Canvas, style: &Style, painter: Painter, at: [f64; 2], radius: f64) {
-    for outline in 1..=painter.number() {
+/// Outlines that distinguish the variants' symbols without colour: each has an outline more than the one before.
+fn around(canvas: &mut Canvas, style: &Style, variant: RendererVariant, at: [f64; 2], radius: f64) {
+    for outline in 1..=variant.number() {
         let mut corners = style.symbol.corners(at, radius + OUTLINE * outline as f64);
         corners.extend(corners.first().copied());
         canvas.line(&corners, 1.0, style.color, &[]);
     }
 }
 
-/// Whether a row belongs to its integrator's line: the sweep of one number, everything else as usual.
+/// True if a row belongs to its integrator's line: the sweep of one number, everything else as usual.
 fn is_main(row: &Row) -> bool {
     let numbers = Numbers::of(&row.setting.integrator);
     let usual_table = match numbers.count {
@@ -139,30 +140,14 @@ fn is_main(row: &Row) -> bool {
     is_swept(&row.setting.integrator) && usual_table && row.setting.order != VisibilityOrder::Centroid
 }
 
-/// Whether the integrator has a number that its line is drawn over.
+/// True if the integrator has a number that its line is drawn over.
 fn is_swept(integrator: &Integrator) -> bool {
     !integrator.parameters().is_empty()
 }
 
 fn axes(canvas: &mut Canvas, [x, y]: [&Axis; 2], title: &str, [time, error]: [&str; 2]) {
     let [left, top, right, bottom] = PLANE;
-    for (value, label) in x.ticks() {
-        let place = x.place(value);
-        if let Some(label) = label {
-            canvas.line(&[[place, top], [place, bottom]], 1.0, FAINT, &[]);
-            canvas.text([place, bottom + 16.0], &label, Size::Small, Anchor::Middle, BLACK);
-        }
-        canvas.line(&[[place, bottom], [place, bottom + 4.0]], 1.0, BLACK, &[]);
-    }
-    for (value, label) in y.ticks() {
-        let place = y.place(value);
-        if let Some(label) = label {
-            canvas.line(&[[left, place], [right, place]], 1.0, FAINT, &[]);
-            canvas.text([left - 8.0, place], &label, Size::Small, Anchor::End, BLACK);
-        }
-        canvas.line(&[[left - 4.0, place], [left, place]], 1.0, BLACK, &[]);
-    }
-    canvas.line(&[[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], 1.0, BLACK, &[]);
+    canvas.plane([x, y], PLANE);
     canvas.text([left, 22.0], &shown(title, 72), Size::Large, Anchor::Start, BLACK);
     let middle = [0.5 * (left + right), bottom + 40.0];
     canvas.text(middle, time, Size::Small, Anchor::Middle, BLACK);
@@ -219,7 +204,7 @@ fn short(row: &Row) -> String {
 /// Labels where there is room: the recommended row first, then the front, then the others.
 fn labels(canvas: &mut Canvas, study: &Study, at: &dyn Fn(&Row) -> [f64; 2]) {
     let around = |row: &Row| {
-        let ([x, y], reach) = (at(row), 6.0 + further(row.setting.painter));
+        let ([x, y], reach) = (at(row), 6.0 + further(row.setting.variant));
         [x - reach, y - reach, x + reach, y + reach]
     };
     let mut taken: Vec<[f64; 4]> = study.rows.iter().map(around).collect();
@@ -230,7 +215,7 @@ fn labels(canvas: &mut Canvas, study: &Study, at: &dyn Fn(&Row) -> [f64; 2]) {
         let row = &study.rows[i];
         let (text, [x, y]) = (short(row), at(row));
         // Beside the ring around the recommended one.
-        let gap = if study.recommended == Some(i) { 15.0 } else { 9.0 + further(row.setting.painter) };
+        let gap = if study.recommended == Some(i) { 15.0 } else { 9.0 + further(row.setting.variant) };
         let width = Size::Small.advance() * text.len() as f64;
         let half = 0.5 * Size::Small.height();
         let boxes = [
@@ -274,14 +259,14 @@ fn legend(canvas: &mut Canvas, study: &Study) {
             y += 20.0;
         }
     }
-    let painters = painters(study);
-    for painter in painters.iter().filter(|_| painters != [Painter::NATIVE]) {
+    let variants = variants(study);
+    for variant in variants.iter().filter(|_| variants != [RendererVariant::NATIVE]) {
         y += 6.0;
         let style = &STYLES[0];
         let corners = style.symbol.corners([x + 14.0, y], 5.0);
         canvas.marks.push(Mark::Shape { corners, fill: WHITE, outline: BLACK, hint: String::new() });
-        around(canvas, style, *painter, [x + 14.0, y], 5.0);
-        small(canvas, y, &format!("on {}", painter.label()));
+        around(canvas, style, *variant, [x + 14.0, y], 5.0);
+        small(canvas, y, &format!("on {}", variant.label()));
         y += 20.0;
     }
     y += 8.0;

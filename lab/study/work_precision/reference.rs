@@ -1,7 +1,7 @@
 //! The 64-bit reference picture, kept in a folder under a key made of everything that it shows.
 
 use super::Subject;
-use super::kept::{decode, decode_tiles, encode, encode_tiles};
+use super::picture_cache::{decode, decode_tiles, encode, encode_tiles};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use voltet_core::error::ErrorKind;
@@ -10,9 +10,9 @@ use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_nodes::files::{self, Fnv};
 use voltet_optics::WidgetBlend;
-use voltet_optics::reference;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Shading, VisibilityOrder};
+use voltet_reference as reference;
 
 /// The reference picture and what it cost.
 #[derive(Debug, Clone)]
@@ -21,11 +21,11 @@ pub struct Reference {
     pub picture: Picture,
     /// Seconds that drawing it took, when it was drawn.
     pub seconds: f64,
-    /// Whether it was found in the folder.
+    /// True if it was found in the folder.
     pub cached: bool,
 }
 
-/// Where pictures are kept when nothing else is said: the user's cache folder.
+/// Default folder of reference pictures: the user's cache folder.
 pub fn cache_folder() -> PathBuf {
     files::cache_folder().join("reference")
 }

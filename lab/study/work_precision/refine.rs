@@ -8,7 +8,7 @@
 
 use super::convergence::{Convergence, convergence};
 use super::errors::errors;
-use super::{Painter, Reference, Setting, Subject};
+use super::{Reference, RenderConfig, RendererVariant, Subject};
 use glam::DVec3;
 use serde::Serialize;
 use std::sync::Arc;
@@ -29,7 +29,7 @@ use voltet_optics::shading::VisibilityOrder;
 /// Most cells of the finest grid: some 20 GiB while they are drawn.
 const CELLS_MOST: u64 = 100_000_000;
 
-/// Where values between the points come from.
+/// Source of values between the points.
 pub enum Source<'a> {
     /// From the gradients at the points.
     Gradients,
@@ -37,7 +37,7 @@ pub enum Source<'a> {
     Function(&'a (dyn Fn(DVec3) -> (f64, DVec3) + Sync)),
 }
 
-/// What refinement shows.
+/// Results of refinement.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Refinement {
     /// Cells of each grid, the given one first.
@@ -86,16 +86,16 @@ pub fn refinement(
 ) -> Result<Refinement> {
     refuse_too_fine(subject, levels)?;
     let count = subject.scene.volume.grid.tetrahedra.len() as u64;
-    let exact = Setting {
-        painter: Painter::NATIVE,
+    let exact = RenderConfig {
+        variant: RendererVariant::NATIVE,
         integrator: Integrator::ANALYTIC,
         overlap: WidgetBlend::Exact,
         order: VisibilityOrder::Exact,
         accumulation: Accumulation::Float,
     };
     let tried = [
-        ("riemann, 4 samples", Setting { integrator: riemann(4), ..exact }),
-        ("segments, 1 piece", Setting { integrator: segments(1, 256), ..exact }),
+        ("riemann, 4 samples", RenderConfig { integrator: riemann(4), ..exact }),
+        ("segments, 1 piece", RenderConfig { integrator: segments(1, 256), ..exact }),
         ("closed forms", exact),
     ];
     let mut errors_of: Vec<Vec<(usize, f64)>> = vec![Vec::new(); tried.len()];
@@ -134,9 +134,9 @@ pub fn refinement(
 }
 
 /// The subject's picture with one setting.
-fn picture(subject: &Subject, setting: &Setting, progress: &dyn Progress) -> Result<Picture> {
+fn picture(subject: &Subject, setting: &RenderConfig, progress: &dyn Progress) -> Result<Picture> {
     let scene = setting.scene(subject);
-    let volume = setting.painter.engine.open(&AdapterRequest::default())?.prepare(&scene.volume)?;
+    let volume = setting.variant.engine.open(&AdapterRequest::default())?.prepare(&scene.volume)?;
     Ok(volume.draw(&scene, &RenderOptions::default(), &CancelOnly(progress))?.picture)
 }
 

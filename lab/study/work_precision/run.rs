@@ -5,11 +5,11 @@ use super::convergence::{Convergence, convergence};
 use super::errors::{Errors, difference, errors};
 use super::flip::Seen;
 use super::measure::Cost;
+use super::options::{Measure, StudyOptions};
 use super::pareto;
 use super::reference::Reference;
 use super::refine::{Refinement, Source, refinement};
-use super::wish::{Measure, Wish};
-use super::{Painter, Setting, Subject};
+use super::{RenderConfig, RendererVariant, Subject};
 use crate::numbers::Numbers;
 use voltet_core::error::ErrorKind;
 use voltet_core::progress::Progress;
@@ -24,16 +24,16 @@ use voltet_simd::LaneSet;
 #[derive(Debug, Clone)]
 pub struct Row {
     /// The setting.
-    pub setting: Setting,
-    /// What it costs.
+    pub setting: RenderConfig,
+    /// Its cost.
     pub cost: Cost,
-    /// How wrong it is.
+    /// Its errors.
     pub errors: Errors,
     /// The mean of FLIP against the reference.
     pub flip: f64,
-    /// Whether nothing is both cheaper and better.
+    /// True if nothing is both cheaper and better.
     pub on_front: bool,
-    /// Whether the file draws with it.
+    /// True if the file draws with it.
     pub of_file: bool,
     /// The difference of its picture from the reference, as PNG: see [`difference`].
     pub difference_png: Vec<u8>,
@@ -43,39 +43,39 @@ pub struct Row {
 #[derive(Debug, Clone)]
 pub struct Refused {
     /// The setting.
-    pub setting: Setting,
+    pub setting: RenderConfig,
     /// Why.
     pub error: Error,
 }
 
-/// What came of it.
+/// Results of a study.
 #[derive(Debug, Clone)]
 pub struct Study {
-    /// What is studied.
+    /// Scene that is studied.
     pub subject: Subject,
-    /// What was asked for.
-    pub wish: Wish,
-    /// What the pictures are compared with.
+    /// Options of the study.
+    pub wish: StudyOptions,
+    /// Reference picture.
     pub reference: Reference,
     /// The settings that were measured.
     pub rows: Vec<Row>,
     /// The settings that the device does not draw.
     pub refused: Vec<Refused>,
-    /// How many settings there are, those refused among them.
+    /// Number of settings there are, those refused among them.
     pub setting_count: usize,
     /// The devices that were looked at.
     pub adapters: Vec<Adapter>,
     /// The vector lanes of the native engine.
     pub vector_units: &'static str,
-    /// How the file draws on this machine; `None`: on a device that was not looked at, or not at all.
-    pub own: Option<Setting>,
-    /// What was not measured, why, and how to have it.
+    /// Configuration by which the file draws on this machine; `None`: on a device that was not looked at, or not at all.
+    pub own: Option<RenderConfig>,
+    /// Engines that were not measured, with the reason and the remedy.
     pub left_out: Vec<String>,
     /// The row that costs least under the error allowed.
     pub recommended: Option<usize>,
     /// Orders of convergence of the integrators that were looked at over their numbers of pieces.
     pub convergence: Vec<Convergence>,
-    /// What refining the grid shows, where that was asked for.
+    /// Results of refining the grid, if requested.
     pub refinement: Option<Refinement>,
 }
 
@@ -92,7 +92,7 @@ impl Row {
 }
 
 impl Study {
-    /// Whether it was stopped before all that was asked for was measured.
+    /// True if it was stopped before all that was asked for was measured.
     pub fn stopped(&self) -> bool {
         self.stopped_early() || (self.wish.refine > 0 && self.refinement.is_none())
     }
@@ -105,7 +105,7 @@ impl Study {
 /// nothing, where it is all that was asked for.
 pub fn study(
     subject: Subject,
-    wish: Wish,
+    wish: StudyOptions,
     mut benches: Benches,
     reference: Reference,
     progress: &dyn Progress,
@@ -117,7 +117,7 @@ pub fn study(
             .expected("others, or none, for all that can"));
     }
     let seen = Seen::new(&reference.picture, subject.background);
-    let whole: f64 = settings.iter().map(Setting::weight).sum();
+    let whole: f64 = settings.iter().map(RenderConfig::weight).sum();
     let (mut done, mut rows, mut refused) = (0.0, Vec::new(), Vec::new());
     for setting in &settings {
         progress.report(&setting.label(), done / whole);
@@ -133,7 +133,7 @@ pub fn study(
             }),
             Err(error) if error.kind == ErrorKind::Cancelled => break,
             // What a device does not hold another engine may.
-            Err(error) if setting.painter.engine.on_device => {
+            Err(error) if setting.variant.engine.on_device => {
                 refused.push(Refused { setting: *setting, error });
             }
             Err(error) => return Err(error),
@@ -174,7 +174,7 @@ pub fn study(
 }
 
 impl Study {
-    /// Whether settings were left.
+    /// True if settings were left.
     fn stopped_early(&self) -> bool {
         self.rows.len() + self.refused.len() < self.setting_count
     }
@@ -191,15 +191,21 @@ impl Study {
         self.recommended = wish.max_error.and_then(|bound| pareto::cheapest(&points, bound));
         let counted = |kind: &&Integrator| Numbers::of(kind).count.is_some();
         let counted: Vec<&Integrator> = self.subject.integrators.iter().filter(counted).collect();
-        let each = Painter::all().flat_map(|painter| counted.iter().map(move |kind| (painter, *kind)));
+        let each =
+            RendererVariant::all().flat_map(|variant| counted.iter().map(move |kind| (variant, *kind)));
         self.convergence =
-            each.filter_map(|(painter, kind)| converging(kind, painter, &self.rows, &self.subject)).collect();
+            each.filter_map(|(variant, kind)| converging(kind, variant, &self.rows, &self.subject)).collect();
     }
 }
 
-/// The convergence of an integrator with one painter over its number of pieces, with its standard table.
-fn converging(kind: &Integrator, painter: Painter, rows: &[Row], subject: &Subject) -> Option<Convergence> {
-    let rows = || rows.iter().filter(|row| row.setting.painter == painter);
+/// The convergence of an integrator with one variant over its number of pieces, with its default table.
+fn converging(
+    kind: &Integrator,
+    variant: RendererVariant,
+    rows: &[Row],
+    subject: &Subject,
+) -> Option<Convergence> {
+    let rows = || rows.iter().filter(|row| row.setting.variant == variant);
     let count = |row: &Row| {
         let integrator = row.setting.integrator;
         let numbers = Numbers::of(&integrator);
@@ -224,5 +230,5 @@ fn converging(kind: &Integrator, painter: Painter, rows: &[Row], subject: &Subje
     // Where no closed form was looked at, single precision is all that is known.
     let floor = if floor.is_finite() { floor } else { f64::from(f32::EPSILON) };
     let found = convergence(kind.name(), &errors, floor, &subject.scene.transfer_function);
-    Some(Convergence { engine: painter.label(), ..found })
+    Some(Convergence { engine: variant.label(), ..found })
 }

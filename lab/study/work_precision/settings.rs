@@ -1,6 +1,6 @@
 //! The settings that are tried: every integrator that can serve the scene, over its own numbers.
 
-use super::{Painter, Subject};
+use super::{RendererVariant, Subject};
 use crate::numbers::Numbers;
 use voltet_graph::{ParameterType, Registry};
 use voltet_integrators::{DEFAULT_OVERSAMPLING, DEFAULT_PIECES, DEFAULT_PLANES, DEFAULT_SIDE};
@@ -9,19 +9,20 @@ use voltet_optics::engine::{Accumulation, Compositor};
 use voltet_optics::integrators::{INTEGRATOR, Integrator, can_serve, kinds};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Shading, VisibilityOrder};
+use voltet_reference::REFERENCE;
 
 /// One way to draw the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Setting {
-    /// What draws.
-    pub painter: Painter,
+pub struct RenderConfig {
+    /// Engine and compositor.
+    pub variant: RendererVariant,
     /// The integrator with its numbers.
     pub integrator: Integrator,
-    /// What the closed forms do where widgets overlap.
+    /// Blending of widgets that overlap, for closed forms.
     pub overlap: WidgetBlend,
     /// The order of a pixel's segments.
     pub order: VisibilityOrder,
-    /// What a painter that blends accumulates in: what the file says.
+    /// Accumulation of a variant that blends, as the file has it.
     pub accumulation: Accumulation,
 }
 
@@ -36,9 +37,9 @@ const TRIED_SIDE: usize = 64;
 const OVERSAMPLINGS: [usize; 2] = [1, 8];
 const PLANES: [usize; 2] = [2, 4];
 
-/// Every setting for the scene with one painter, each integrator's cheapest first. `only`: names of integrators, none for
+/// Every setting for the scene with one variant, each integrator's cheapest first. `only`: names of integrators, none for
 /// all.
-pub fn settings(subject: &Subject, only: &[String], painter: Painter) -> Vec<Setting> {
+pub fn settings(subject: &Subject, only: &[String], variant: RendererVariant) -> Vec<RenderConfig> {
     let without = |kind: &Integrator| kind.parameters().is_empty();
     let (exact, numbered): (Vec<_>, Vec<_>) = subject.studied().into_iter().partition(without);
     let integrators = exact.into_iter().chain(numbered.iter().flat_map(sweep));
@@ -48,14 +49,14 @@ pub fn settings(subject: &Subject, only: &[String], painter: Painter) -> Vec<Set
     let mut settings = Vec::new();
     for integrator in integrators.filter(|i| serves(i) && wanted(i)) {
         for overlap in overlaps(subject, &integrator) {
-            for order in orders(subject, &integrator, painter) {
-                let accumulation = accumulation(subject, painter);
-                settings.push(Setting { painter, integrator, overlap, order, accumulation });
+            for order in orders(subject, &integrator, variant) {
+                let accumulation = accumulation(subject, variant);
+                settings.push(RenderConfig { variant, integrator, overlap, order, accumulation });
             }
         }
     }
-    let own = Setting::of_file(subject, painter);
-    let drawn = own.integrator != Integrator::REFERENCE && wanted(&own.integrator);
+    let own = RenderConfig::of_file(subject, variant);
+    let drawn = own.integrator != REFERENCE && wanted(&own.integrator);
     if drawn && !settings.iter().any(|setting| setting.draws_as(&own)) {
         settings.push(own);
     }
@@ -72,7 +73,7 @@ pub fn studied(registry: &Registry) -> Vec<Integrator> {
 
 /// True for all but the referee's, with which the others are compared.
 pub(super) fn is_studied(integrator: &Integrator) -> bool {
-    *integrator != Integrator::REFERENCE
+    *integrator != REFERENCE
 }
 
 /// An integrator over its own numbers.
@@ -117,30 +118,36 @@ fn overlaps(subject: &Subject, integrator: &Integrator) -> Vec<WidgetBlend> {
 }
 
 /// The centroid order too for the integrators without an error of their own, so that the order's shows.
-fn orders(subject: &Subject, integrator: &Integrator, painter: Painter) -> Vec<VisibilityOrder> {
+fn orders(subject: &Subject, integrator: &Integrator, variant: RendererVariant) -> Vec<VisibilityOrder> {
     let exact_integrals = *integrator == Integrator::ANALYTIC;
     match exact_integrals && subject.needs_order && subject.order_node.is_some() {
         true => vec![VisibilityOrder::Exact, VisibilityOrder::Centroid],
         false if subject.needs_order && subject.order_node.is_none() => {
-            vec![Setting::of_file(subject, painter).order]
+            vec![RenderConfig::of_file(subject, variant).order]
         }
         false => vec![VisibilityOrder::Exact],
     }
 }
 
-/// What the file asks to accumulate in, where the painter can.
-fn accumulation(subject: &Subject, painter: Painter) -> Accumulation {
+/// Accumulation of the file, if the variant supports it.
+fn accumulation(subject: &Subject, variant: RendererVariant) -> Accumulation {
     let asked = subject.asked.accumulation;
     let serves = |way: &Compositor| asked.check(*way).is_ok();
-    painter.compositing.filter(serves).map_or(Accumulation::Float, |_| asked)
+    variant.compositing.filter(serves).map_or(Accumulation::Float, |_| asked)
 }
 
-impl Setting {
-    /// How the file draws the scene, were it drawn by this painter.
-    pub fn of_file(subject: &Subject, painter: Painter) -> Setting {
+impl RenderConfig {
+    /// Configuration by which the file would draw the scene with this variant.
+    pub fn of_file(subject: &Subject, variant: RendererVariant) -> RenderConfig {
         let Scene { shading, order, .. } = subject.scene;
-        let accumulation = accumulation(subject, painter);
-        Setting { painter, integrator: shading.integrator, overlap: shading.overlap, order, accumulation }
+        let accumulation = accumulation(subject, variant);
+        RenderConfig {
+            variant,
+            integrator: shading.integrator,
+            overlap: shading.overlap,
+            order,
+            accumulation,
+        }
     }
 
     /// The scene as this setting draws it.
@@ -151,11 +158,11 @@ impl Setting {
         Scene { shading, order, ..subject.scene.clone() }
     }
 
-    /// Whether another setting draws the same picture: overlaps count for the closed forms alone.
-    pub fn draws_as(&self, other: &Setting) -> bool {
+    /// True if another setting draws the same picture: overlaps count for the closed forms alone.
+    pub fn draws_as(&self, other: &RenderConfig) -> bool {
         let overlap = self.overlap == other.overlap || self.integrator != Integrator::ANALYTIC;
         let same = self.integrator == other.integrator && self.order == other.order && overlap;
-        self.painter == other.painter && same
+        self.variant == other.variant && same
     }
 
     /// The keys of a pipeline file that state it, with their values; overlap, order and engine apart.
@@ -198,12 +205,13 @@ impl Setting {
 
     /// Integrator, numbers and the device, for people.
     pub fn label(&self) -> String {
-        let painter = if self.painter == Painter::NATIVE { String::new() } else { self.painter.label() };
-        let parts = [self.integrator.name().into(), self.numbers(), painter];
+        let variant =
+            if self.variant == RendererVariant::NATIVE { String::new() } else { self.variant.label() };
+        let parts = [self.integrator.name().into(), self.numbers(), variant];
         parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(", ")
     }
 
-    /// The same as part of a file's name.
+    /// Label as part of a file's name.
     pub fn file_stem(&self) -> String {
         let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
         let text: String = self.label().chars().map(plain).collect();
@@ -218,10 +226,10 @@ impl Setting {
             Numbers { count: Some(count), table_size: Some(_), .. } => 3.0 + count as f64,
             Numbers { count: Some(count), .. } => 3.0 + 0.5 * count as f64,
             Numbers { table_size: Some(side), planes, .. } => 4.0 + cube(side) * planes.unwrap_or(1) as f64,
-            Numbers { .. } if self.integrator == Integrator::REFERENCE => 50.0,
+            Numbers { .. } if self.integrator == REFERENCE => 50.0,
             Numbers { .. } => 1.0,
         };
-        match self.painter.engine.on_device {
+        match self.variant.engine.on_device {
             false => native,
             // Compiling is what most of it takes.
             true => 4.0 + 0.5 * native,

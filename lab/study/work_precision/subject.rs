@@ -1,6 +1,6 @@
-//! What is studied of a pipeline: the scene that its node that draws is given, and how it is asked to draw.
+//! Subject of a study: the scene of the pipeline's node that draws, and its options.
 
-use super::Painter;
+use super::RendererVariant;
 use super::settings::is_studied;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
@@ -11,7 +11,7 @@ use voltet_optics::integrators::{INTEGRATOR, Integrator, kinds};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::Ordering;
 
-/// Which nodes draw, which decides what an engine can be written into.
+/// Kind of nodes that draw, which decides where an engine can be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
     /// A `renderer`, on any engine.
@@ -22,10 +22,10 @@ pub enum Form {
     Stages,
 }
 
-/// What the file says about engines.
+/// Options of engines in the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Asked {
-    /// Which nodes draw.
+    /// Kind of nodes that draw.
     pub form: Form,
     /// "auto", or the engine's name.
     pub engine: String,
@@ -33,11 +33,11 @@ pub struct Asked {
     pub adapter: Option<String>,
     /// The compositor of the device, or "auto".
     pub compositor: String,
-    /// What a device that blends accumulates in.
+    /// Accumulation of a device that blends.
     pub accumulation: Accumulation,
 }
 
-/// What is studied: a scene, by which node it is drawn, and how.
+/// Subject of a study: a scene, the node that draws it, and its options.
 #[derive(Debug, Clone)]
 pub struct Subject {
     /// The name of the node that draws.
@@ -46,13 +46,13 @@ pub struct Subject {
     pub order_node: Option<String>,
     /// The scene; integrator, overlap and order are those of the file.
     pub scene: Scene,
-    /// Whether the order of a pixel's segments changes the picture.
+    /// True if the order of a pixel's segments changes the picture.
     pub needs_order: bool,
-    /// What the file says about engines.
+    /// Options of engines in the file.
     pub asked: Asked,
     /// One integrator of each kind that the pipeline may name, with default settings, in the order of registration.
     pub integrators: Vec<Integrator>,
-    /// What the picture lies over where the pipeline writes it; linear RGB.
+    /// Background of the picture where the pipeline writes it (linear RGB).
     pub background: [f64; 3],
 }
 
@@ -117,21 +117,21 @@ impl Subject {
     }
 
     /// An engine as the file has it. `None`: the compositor is left open, and more than one can serve.
-    pub fn painter_on(&self, engine: &'static EngineInfo) -> Option<Painter> {
-        let mut all = Painter::of(engine);
+    pub fn painter_on(&self, engine: &'static EngineInfo) -> Option<RendererVariant> {
+        let mut all = RendererVariant::of(engine);
         let exact = self.scene.ordering(false) == Ordering::PerPixel;
         match self.asked.compositor.as_str() {
             _ if engine.compositing.is_empty() => all.next(),
             // Tiles have it of every grid, and are the first.
             "auto" if exact => all.next(),
             "auto" => all.next().filter(|_| all.next().is_none()),
-            named => all.find(|painter| painter.compositor() == Some(named)),
+            named => all.find(|variant| variant.compositor() == Some(named)),
         }
     }
 }
 
 impl Asked {
-    /// Whether the engine is left open.
+    /// True if the engine is left open.
     pub fn is_auto(&self) -> bool {
         self.engine == drawing::AUTO
     }

@@ -2,7 +2,7 @@
 
 use super::measure::Cost;
 use super::settings::overlap_name;
-use super::{Convergence, Painter, Refused, Row, Setting, Study, Times, Value as Key};
+use super::{Convergence, Refused, RenderConfig, RendererVariant, Row, Study, Times, Value as Key};
 use serde_json::{Value, json as object};
 use voltet_optics::engine::Accumulation;
 
@@ -15,7 +15,7 @@ pub(super) fn milliseconds(ms: f64) -> String {
     }
 }
 
-/// What stands above figures of time and work.
+/// Note above figures of time and work.
 pub(super) const COMPARED: &str = "The integrators of an engine share all but the integration of a segment - cells, order, \
      compositing, number of bits and vector units - so that their times compare methods; evaluations are the places a pixel at which \
      the transfer function, its closed form or its table was asked.";
@@ -97,7 +97,7 @@ pub fn text(study: &Study) -> String {
     text
 }
 
-/// What was drawn on which device, what it does not draw, and what was not measured.
+/// Lines on devices, on configurations that they do not draw, and on engines that were not measured.
 pub(super) fn engine_lines(study: &Study) -> Vec<String> {
     let mut lines = Vec::new();
     for adapter in &study.adapters {
@@ -141,15 +141,18 @@ fn convergence_line(found: &Convergence) -> String {
         .filter_map(|level| Some(format!("{} to {}: {:.2}", level.count / 2, level.count, level.order?)))
         .collect();
     let steps = if steps.is_empty() { String::new() } else { format!(" ({})", steps.join(", ")) };
-    let engine =
-        if found.engine == Painter::NATIVE.label() { String::new() } else { format!(" on {}", found.engine) };
+    let engine = if found.engine == RendererVariant::NATIVE.label() {
+        String::new()
+    } else {
+        format!(" on {}", found.engine)
+    };
     format!(
         "order of {}{engine}: observed {observed}, expected {:.0} ({}){steps}, less a floor of {:.1e}",
         found.integrator, found.expected, found.reason, found.floor
     )
 }
 
-/// What refining the grid shows.
+/// Lines on refining the grid.
 pub(super) fn refinement_lines(study: &Study) -> Vec<String> {
     let Some(found) = &study.refinement else { return Vec::new() };
     let rms = |errors: &Convergence| {
@@ -192,9 +195,9 @@ pub fn csv(study: &Study) -> String {
             }
         };
         let (cost, errors) = (&row.cost, &row.errors);
-        let painter = row.setting.painter;
+        let variant = row.setting.variant;
         let mut cells: Vec<String> =
-            vec![painter.engine.name.into(), painter.compositor().unwrap_or_default().into()];
+            vec![variant.engine.name.into(), variant.compositor().unwrap_or_default().into()];
         cells.push(adapter(study, &row.setting).map_or(String::new(), quoted));
         let numbers = ["integrator", "segments", "tolerance", "table_size", "oversampling", "planes"];
         cells.extend(numbers.map(key));
@@ -221,8 +224,8 @@ pub fn csv(study: &Study) -> String {
 }
 
 /// The device that a setting was drawn on.
-fn adapter<'a>(study: &'a Study, setting: &Setting) -> Option<&'a str> {
-    let found = study.adapters.iter().find(|adapter| adapter.engine == setting.painter.engine);
+fn adapter<'a>(study: &'a Study, setting: &RenderConfig) -> Option<&'a str> {
+    let found = study.adapters.iter().find(|adapter| adapter.engine == setting.variant.engine);
     found.map(|adapter| adapter.name.as_str())
 }
 
@@ -234,10 +237,10 @@ fn quoted(text: &str) -> String {
 /// Everything for programs. Numbers that JSON cannot hold are null.
 pub fn json(study: &Study, title: &str) -> Value {
     let subject = &study.subject;
-    let setting = |setting: &Setting| {
+    let setting = |setting: &RenderConfig| {
         let mut keys = serde_json::Map::new();
-        keys.insert("engine".into(), setting.painter.engine.name.into());
-        keys.extend(setting.painter.compositor().map(|name| ("compositor".into(), name.into())));
+        keys.insert("engine".into(), setting.variant.engine.name.into());
+        keys.extend(setting.variant.compositor().map(|name| ("compositor".into(), name.into())));
         if setting.accumulation != Accumulation::Float {
             keys.insert("accumulation".into(), setting.accumulation.name().into());
         }

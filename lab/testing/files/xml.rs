@@ -4,7 +4,7 @@ use flate2::write::ZlibEncoder;
 use std::fmt::Write as _;
 use std::io::Write as _;
 
-/// How an XML file writes its arrays.
+/// Encoding of arrays in an XML file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
     /// Words of text within the element.
@@ -17,7 +17,7 @@ pub enum Mode {
     AppendedBase64,
 }
 
-/// How blocks are compressed.
+/// Compression of blocks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Compressor {
     /// Not at all.
@@ -33,9 +33,9 @@ pub enum Compressor {
 /// One way to write an XML file.
 #[derive(Debug, Clone, Copy)]
 pub struct Encoding {
-    /// Where the values stand.
+    /// Position of the values.
     pub mode: Mode,
-    /// What their blocks are compressed by.
+    /// Compression of their blocks.
     pub compressor: Compressor,
     /// Most significant byte first.
     pub big_endian: bool,

@@ -5,10 +5,10 @@ pub use super::scene::{NamedScene, SHADING};
 use std::path::PathBuf;
 use voltet_core::picture::Picture;
 use voltet_core::progress::NoProgress;
-use voltet_optics::reference;
 use voltet_optics::shading::{Shading, VisibilityOrder};
+use voltet_reference as reference;
 
-/// What 32-bit segments may leave on an ordinary scene.
+/// Bound of the error of 32-bit segments on an ordinary scene.
 pub const ORDINARY: f64 = 2e-4;
 
 /// The referee's picture.

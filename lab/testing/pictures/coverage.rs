@@ -95,7 +95,7 @@ pub fn subdividing_cells_leaves_the_picture(engine: &dyn Engine) {
     });
 }
 
-/// What only absorbs is free of the order of its cells: T adds up. Cells in reverse grid order draw the same.
+/// A medium that only absorbs is free of the order of its cells: T adds up. Cells in reverse grid order draw the same.
 pub fn cell_numbering_does_not_matter(engine: &dyn Engine) {
     let base = cube([4, 4, 4], 0.2);
     let mut cells = base.tetrahedra.to_vec();

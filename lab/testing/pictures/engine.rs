@@ -11,13 +11,13 @@ pub trait Engine {
     /// Its picture of a scene in the exact order; `None` where it cannot be tested here, which was said loudly.
     fn picture(&self, scene: &NamedScene, shading: &Shading) -> Option<Picture>;
 
-    /// Whether it has the integrator for a look.
+    /// True if it has the integrator for a look.
     fn serves(&self, integrator: &Integrator, look: &TransferFunction) -> bool;
 
-    /// What it leaves of a depth that is known, on a dozen segments.
+    /// Error of a depth that is known, on a dozen segments.
     fn rounding(&self) -> f64;
 
-    /// What it leaves where rays graze the grid's surface at an angle of 0.002 and the extinction behind it is 9.
+    /// Error where rays graze the grid's surface at an angle of 0.002 and the extinction behind it is 9.
     fn grazing(&self) -> f64;
 
     /// Asserts the bound of ordinary scenes, and that there is something to see.
@@ -25,12 +25,12 @@ pub trait Engine {
         self.ordinary_shaded(scene, &SHADING);
     }
 
-    /// The same with another shading.
+    /// Compares with another shading.
     fn ordinary_shaded(&self, scene: &NamedScene, shading: &Shading) {
         self.close(scene, shading, ORDINARY);
     }
 
-    /// The same with a bound of the scene's own.
+    /// Compares with a bound of the scene's own.
     fn close(&self, scene: &NamedScene, shading: &Shading, bound: f64) {
         if let Some((actual, expected)) = self.beside_referee(scene, shading) {
             within(&scene.name, &actual, &expected, bound);

@@ -8,6 +8,7 @@ use super::looks::*;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_integrators::{pre_integrated, pre_integrated_cylindrical, riemann, segments};
 use voltet_optics::shading::{Integrator, Shading};
+use voltet_reference::REFERENCE;
 
 /// Each integrator with the error that it may leave in a picture of [`scene`]. Those that sample are of second order
 /// where the function is smooth (1e-5 here), but misplace the edge of a region or of a glow by up to half a piece:
@@ -21,7 +22,7 @@ const BOUNDS: [(Integrator, f64); 7] = [
     // Corners of the function between nodes.
     (pre_integrated(128, 2), 2e-3),
     (pre_integrated_cylindrical(128, 2, 1), 4e-3),
-    (Integrator::REFERENCE, ORDINARY),
+    (REFERENCE, ORDINARY),
 ];
 
 fn scene(name: &str, look: TransferFunction) -> NamedScene {
@@ -42,7 +43,7 @@ fn compare(engine: &dyn Engine, name: &str, look: TransferFunction, wanted: &[&s
         served.push(integrator.name());
     }
     let mut wanted = wanted.to_vec();
-    wanted.extend(engine.serves(&Integrator::REFERENCE, &look).then_some("reference"));
+    wanted.extend(engine.serves(&REFERENCE, &look).then_some("reference"));
     assert_eq!(served, wanted, "{name}");
 }
 
@@ -50,7 +51,7 @@ fn compare(engine: &dyn Engine, name: &str, look: TransferFunction, wanted: &[&s
 pub const NAMES: [&str; 6] =
     ["analytic", "adaptive", "segments", "riemann", "pre-integrated", "pre-integrated-cylindrical"];
 
-/// Those that serve any widget.
+/// Integrators that support any widget.
 const ALWAYS: &[&str] = NAMES.split_at(4).0;
 
 pub fn a_function_of_the_scalar_is_served_by_all(engine: &dyn Engine) {

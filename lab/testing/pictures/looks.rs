@@ -24,7 +24,7 @@ pub fn polygon(corners: &[[f64; 2]], extinction: f64, color: [f64; 3]) -> Widget
     Widget { profile: Profile::Uniform, color, extinction, region }
 }
 
-/// The same extinction everywhere.
+/// Widget of equal extinction everywhere.
 pub fn everywhere(extinction: f64, color: [f64; 3]) -> Widget {
     let region = Some(Region::rectangle(INFINITE, INFINITE));
     Widget { profile: Profile::Uniform, color, extinction, region }

@@ -19,7 +19,7 @@ pub struct NamedScene {
 }
 
 impl NamedScene {
-    /// What an engine is given of it.
+    /// Scene as an engine takes it.
     pub fn drawn_by(&self, shading: &Shading, order: VisibilityOrder) -> scene::Scene {
         scene::Scene {
             volume: self.volume.clone(),

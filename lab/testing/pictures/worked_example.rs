@@ -1,4 +1,4 @@
-//! The numbers of `docs/optics.md`, section 11 (A worked example): one cell, two rays, each kind of widget under both
+//! The numbers of `docs/src/explanation/optics.md`, section 11 (A worked example): one cell, two rays, each kind of widget under both
 //! models. Tests of all engines.
 //!
 //! The document's numbers were computed apart from this program, by quadrature with 18 digits, and are given to six
@@ -15,8 +15,8 @@ use voltet_core::grid::Grid;
 use voltet_core::transfer::{OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget};
 use voltet_core::volume::Volume;
 use voltet_optics::WidgetBlend;
-use voltet_optics::reference;
 use voltet_optics::shading::{Light, Shading, VisibilityOrder};
+use voltet_reference as reference;
 
 /// Half of the last decimal, and as much again for what stands on a tie.
 const SIX_DECIMALS: f64 = 1e-6;
@@ -129,7 +129,7 @@ fn assert_pixel(
     expected: [f64; 3],
 ) {
     let wanted = scene.drawn_by(shading, VisibilityOrder::Exact);
-    let made = reference::Tracer::new(&wanted).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let made = reference::tracer(&wanted).unwrap_or_else(|error| panic!("{name}: {error}"));
     let seen = made.trace(&made.ray(at[0] as f64 + 0.5, at[1] as f64 + 0.5)).expect("traces");
     let found = [seen.color[0], seen.color[2], seen.opacity];
     let close = |found: [f64; 3], bound: f64| found.iter().zip(expected).all(|(a, b)| (a - b).abs() <= bound);
@@ -205,7 +205,7 @@ pub fn another_ray_and_a_near_plane(engine: &dyn Engine) {
     assert_pixel(engine, "near", &cut, &SHADING, MIDDLE, [opacity, 0.25 * opacity, opacity]);
 }
 
-/// What has no extinction has no share of its peak above the cutoff.
+/// A widget without extinction has no share of its peak above the cutoff.
 pub fn nothing_glows_without_extinction(engine: &dyn Engine) {
     let bright = gaussian([1.5, 0.0], [0.25, f64::INFINITY], 0.0, [9.0; 3]);
     let widgets = vec![everywhere(4.0, COLOR), bright];

@@ -10,6 +10,7 @@ use voltet_integrators::{pre_integrated, pre_integrated_cylindrical};
 use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::{self, Extent, can_serve};
 use voltet_optics::shading::{Integrator, Light, Shading};
+use voltet_reference::REFERENCE;
 use voltet_shaders::{
     Axis, Buffer, Choices, Combine, CompositorProgram, Method, PIECES, Parameters, Parts, Places, Resources,
     SceneHead, TEXEL_BYTES, WidgetRecord, compose,
@@ -351,7 +352,7 @@ fn what_has_no_shader_is_refused() {
         let transfer_function = scene(CONSTANT, vec![widget(kind, None)]);
         Choices::new(&transfer_function, &shading, CompositorProgram::None).expect_err("refused").to_string()
     };
-    let error = refusal(Integrator::REFERENCE, 1);
+    let error = refusal(REFERENCE, 1);
     assert!(error.contains("'reference'") || error.contains("reference"), "{error}");
     assert!(error.contains("cpu"), "{error}");
     let error = refusal(pre_integrated(8, 2), 2);

@@ -6,6 +6,7 @@ use crate::optics::engine::Compositor;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
+#[cfg(feature = "papers")]
 use voltet_study::papers::Paper;
 use voltet_study::work_precision::Engines;
 
@@ -142,7 +143,7 @@ pub struct Time {
     /// Engine: the CPU, a graphics device, or all.
     #[arg(long, value_name = "WHICH", value_parser = engines(), default_value = "all")]
     pub engine: Engines,
-    /// Compositors of a graphics device, separated by commas: tiles, raster, triangles; all without it.
+    /// Compositors of a graphics device, separated by commas: tiles, raster; all without it.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = compositors())]
     pub compositor: Vec<Compositor>,
     /// The graphics device to measure: a part of its name, or discrete, integrated, virtual, software.
@@ -164,13 +165,14 @@ pub struct Time {
     pub in_flight: usize,
 }
 
+#[cfg(feature = "papers")]
 #[derive(Debug, Args)]
 pub struct Papers {
     /// Papers, separated by commas; all without it.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = papers())]
     pub only: Vec<Paper>,
     /// The folder of the papers' pipelines.
-    #[arg(long, value_name = "FOLDER", default_value = "pipelines/papers")]
+    #[arg(long, value_name = "FOLDER", default_value = "lab/pipelines/papers")]
     pub pipelines: PathBuf,
     /// The folder to write into, which is made: papers.md, and the figures in papers/.
     #[arg(long, value_name = "FOLDER")]
@@ -276,6 +278,7 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 /// The papers by name.
+#[cfg(feature = "papers")]
 fn papers() -> impl TypedValueParser<Value = Paper> {
     PossibleValuesParser::new(Paper::ALL.map(Paper::name))
         .map(|name| Paper::ALL.into_iter().find(|paper| paper.name() == name).unwrap_or(Paper::Song))
@@ -283,7 +286,7 @@ fn papers() -> impl TypedValueParser<Value = Paper> {
 
 /// The ways in which a device composites.
 fn compositors() -> impl TypedValueParser<Value = Compositor> {
-    let words = Compositor::WORDS.map(|(name, help)| PossibleValue::new(name).help(help));
+    let words = Compositor::WORDS.iter().map(|(name, help)| PossibleValue::new(*name).help(*help));
     PossibleValuesParser::new(words).map(|name| Compositor::named(&name).unwrap_or(Compositor::Tiles))
 }
 

@@ -2,7 +2,9 @@
 
 mod lab;
 
-pub use lab::{GradientTest, HoldName, MeasureName, Papers, Stability, Study, Time};
+#[cfg(feature = "papers")]
+pub use lab::Papers;
+pub use lab::{GradientTest, HoldName, MeasureName, Stability, Study, Time};
 
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -78,8 +80,9 @@ pub enum Command {
     Time(Time),
     /// Make the tables and figures of the papers anew that the program follows: what is printed beside what is found here.
     ///
-    /// Song et al. 2009, Moreland 2004, Roettger and Ertl 2002, Kniss et al. 2003, with the pipelines in pipelines/papers of the
+    /// Song et al. 2009, Moreland 2004, Roettger and Ertl 2002, Kniss et al. 2003, with the pipelines in lab/pipelines/papers of the
     /// program's repository. Most of their data cannot be had; the page says what stands in for them. Takes some minutes.
+    #[cfg(feature = "papers")]
     Papers(Papers),
     /// Measure a gradient filter: how right it is, how it scales, what it costs and what it does to a picture.
     ///
@@ -106,6 +109,7 @@ impl Command {
             Command::Pixel(arguments) => Some(&arguments.plugins),
             Command::Study(arguments) => Some(&arguments.plugins),
             Command::Time(arguments) => Some(&arguments.plugins),
+            #[cfg(feature = "papers")]
             Command::Papers(_) => None,
             Command::GradientTest(arguments) => Some(&arguments.plugins),
             Command::Start(arguments) => Some(&arguments.plugins),

@@ -12,7 +12,7 @@ use crate::nodes::files;
 use crate::output_conflicts::{self, OptionFile};
 use std::path::Path;
 use voltet_study::gradient_test::{
-    GradientTest, Hold, Wish, gradient_test as measure, methods, page, plot, text,
+    GradientTest, RequirementKind, TestOptions, gradient_test as measure, methods, page, plot, text,
 };
 
 /// The filter breaks what it is held to.
@@ -68,12 +68,12 @@ fn content(found: &GradientTest, option: &str, path: &Path) -> Result<Vec<u8>> {
     })
 }
 
-fn wish(arguments: &arguments::GradientTest) -> Result<Wish> {
-    let wish = Wish {
+fn wish(arguments: &arguments::GradientTest) -> Result<TestOptions> {
+    let wish = TestOptions {
         levels: arguments.levels.clone(),
         timed: arguments.timed,
         rounds: arguments.rounds,
-        hold_to: arguments.hold_to.iter().filter_map(|name| Option::<Hold>::from(*name)).collect(),
+        hold_to: arguments.hold_to.iter().filter_map(|name| Option::<RequirementKind>::from(*name)).collect(),
         order: arguments.order,
         linear_error: arguments.linear_error,
     };
@@ -81,13 +81,13 @@ fn wish(arguments: &arguments::GradientTest) -> Result<Wish> {
     Ok(wish)
 }
 
-impl From<arguments::HoldName> for Option<Hold> {
-    fn from(name: arguments::HoldName) -> Option<Hold> {
+impl From<arguments::HoldName> for Option<RequirementKind> {
+    fn from(name: arguments::HoldName) -> Option<RequirementKind> {
         match name {
-            arguments::HoldName::Finite => Some(Hold::Finite),
-            arguments::HoldName::Linear => Some(Hold::Linear),
-            arguments::HoldName::Order => Some(Hold::Order),
-            arguments::HoldName::Invariance => Some(Hold::Invariance),
+            arguments::HoldName::Finite => Some(RequirementKind::Finite),
+            arguments::HoldName::Linear => Some(RequirementKind::Linear),
+            arguments::HoldName::Order => Some(RequirementKind::Order),
+            arguments::HoldName::Invariance => Some(RequirementKind::Invariance),
             arguments::HoldName::Nothing => None,
         }
     }

@@ -8,6 +8,7 @@ mod explain;
 mod gradient_test;
 mod info;
 mod nodes;
+#[cfg(feature = "papers")]
 mod papers;
 mod picture_info;
 mod pipeline_info;
@@ -70,11 +71,12 @@ fn is_sufficient(command: &Command, registry: &Registry) -> bool {
         Command::Start(start) => is_plain(&start.data),
         // These list what there is.
         Command::Nodes(_)
-        | Command::Papers(_)
         | Command::Edit(_)
         | Command::Stability(_)
         | Command::GradientTest(_)
         | Command::PluginProcess(_) => false,
+        #[cfg(feature = "papers")]
+        Command::Papers(_) => false,
     }
 }
 
@@ -132,6 +134,7 @@ fn run_command(command: &Command, registry: &Registry) -> Result<u8> {
         Command::Stability(arguments) => stability::stability(arguments),
         Command::Study(arguments) => study::study(arguments, registry),
         Command::Time(arguments) => time::time(arguments, registry),
+        #[cfg(feature = "papers")]
         Command::Papers(arguments) => papers::papers(arguments, registry),
         Command::GradientTest(arguments) => gradient_test::gradient_test(arguments, registry),
         Command::PluginProcess(arguments) => voltet_plugins::run_child(&arguments.path),

@@ -11,7 +11,7 @@ use crate::graph::{NoObserver, Registry};
 use crate::nodes::files;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use voltet_study::papers::{self, Paper, Section, Wish};
+use voltet_study::papers::{self, Paper, PapersOptions, Section};
 use voltet_study::work_precision::{self as study, Frames, Subject};
 
 /// No further frame of a picture begins after so many seconds.
@@ -26,7 +26,7 @@ pub fn papers(arguments: &arguments::Papers, registry: &Registry) -> Result<u8> 
     }
     let papers = if arguments.only.is_empty() { Paper::ALL.to_vec() } else { arguments.only.clone() };
     refuse_unwritable(&arguments.output)?;
-    let wish = Wish {
+    let options = PapersOptions {
         papers,
         size: arguments.size,
         frames: Frames { count: arguments.frames, patience: PATIENCE, turn: 0.0, in_flight: 1 },
@@ -36,7 +36,7 @@ pub fn papers(arguments: &arguments::Papers, registry: &Registry) -> Result<u8> 
     };
     let open = |file: &str, options: &[String]| open(&arguments.pipelines, file, options, registry);
     let bar = Bar::new(arguments.quiet);
-    let made = papers::papers(&wish, &open, &BarProgress(&bar));
+    let made = papers::papers(&options, &open, &BarProgress(&bar));
     bar.clear();
     let sections = made?;
     let written = write(&sections, &arguments.output)?;
@@ -50,7 +50,7 @@ fn open(folder: &Path, file: &str, options: &[String], registry: &Registry) -> R
     if !path.is_file() {
         return Err(Error::usage("the pipelines of the papers are not there")
             .got(path.display())
-            .expected("--pipelines with the folder pipelines/papers of the program's repository"));
+            .expected("--pipelines with the folder lab/pipelines/papers of the program's repository"));
     }
     let document = Document::open(&path, options, registry)?;
     let mut session = crate::nodes::session();

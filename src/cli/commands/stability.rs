@@ -6,10 +6,9 @@ use crate::cli::present::{Bar, name, print};
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
 use crate::graph::Observer;
-use crate::optics::engine::SegmentEvaluator;
 use serde_json::{Value, json};
 use std::path::Path;
-use voltet_judge::{Report, judge_all};
+use voltet_judge::{Report, SegmentEvaluator, judge_all};
 use voltet_study::stability;
 
 /// A bound is broken.

@@ -14,7 +14,7 @@ use crate::output_conflicts::{self, OptionFile};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Duration;
-use voltet_study::work_precision::{self as study, Benches, Frames, Measure, Study, Subject, Wish};
+use voltet_study::work_precision::{self as study, Benches, Frames, Measure, Study, StudyOptions, Subject};
 
 /// Stopped before the end, or nothing keeps the error allowed.
 const SHORT: u8 = 1;
@@ -37,7 +37,7 @@ pub fn study(arguments: &arguments::Study, registry: &Registry) -> Result<u8> {
     outcome.or_else(|error| Ok(show(&document.locate(error), Some(&document.text))))
 }
 
-pub(super) fn wish(arguments: &arguments::Study, registry: &Registry) -> Result<Wish> {
+pub(super) fn wish(arguments: &arguments::Study, registry: &Registry) -> Result<StudyOptions> {
     let integrators = integrators(registry);
     if let Some(name) = arguments.only.iter().find(|name| !integrators.contains(&name.as_str())) {
         let known = integrators.join(", ");
@@ -67,7 +67,7 @@ pub(super) fn wish(arguments: &arguments::Study, registry: &Registry) -> Result<
             .got(adapter)
             .expected("--engine gpu or all, or no --adapter"));
     }
-    Ok(Wish {
+    Ok(StudyOptions {
         engines,
         adapter: arguments.adapter.clone(),
         only: arguments.only.clone(),
@@ -84,7 +84,12 @@ pub(super) fn wish(arguments: &arguments::Study, registry: &Registry) -> Result<
     })
 }
 
-fn measure(arguments: &arguments::Study, wish: Wish, document: &Document, registry: &Registry) -> Result<u8> {
+fn measure(
+    arguments: &arguments::Study,
+    wish: StudyOptions,
+    document: &Document,
+    registry: &Registry,
+) -> Result<u8> {
     document.refuse_missing_data()?;
     if arguments.apply && document.carried.is_some() {
         let error = Error::usage("--apply writes into a pipeline file, and this is a picture");
@@ -119,7 +124,7 @@ fn measure(arguments: &arguments::Study, wish: Wish, document: &Document, regist
 pub(super) fn make(
     document: &Document,
     node: Option<&str>,
-    wish: Wish,
+    wish: StudyOptions,
     [folder, cache]: [&Path; 2],
     (observer, progress): (&dyn Observer, &dyn Progress),
     begin: &dyn Fn(),

@@ -10,7 +10,8 @@ use crate::core::{Error, Result};
 use crate::graph::{Observer, Registry};
 use std::time::Duration;
 use voltet_study::work_precision::{
-    self as study, Benches, Cost, Frames, Measure, Painter, Setting, Subject, Times, Wish,
+    self as study, Benches, Cost, Frames, Measure, RenderConfig, RendererVariant, StudyOptions, Subject,
+    Times,
 };
 
 pub fn time(arguments: &arguments::Time, registry: &Registry) -> Result<u8> {
@@ -32,7 +33,7 @@ pub fn time(arguments: &arguments::Time, registry: &Registry) -> Result<u8> {
     Ok(worst)
 }
 
-fn wish(arguments: &arguments::Time) -> Result<Wish> {
+fn wish(arguments: &arguments::Time) -> Result<StudyOptions> {
     if arguments.frames == 0 {
         return Err(Error::usage("--frames is out of range").got(0).expected("1 or more"));
     }
@@ -41,7 +42,7 @@ fn wish(arguments: &arguments::Time) -> Result<Wish> {
             .got(format!("{} s, {}°", arguments.patience, arguments.turn))
             .expected("0 to 3e7 seconds, any angle"));
     }
-    Ok(Wish {
+    Ok(StudyOptions {
         only: Vec::new(),
         engines: arguments.engine,
         adapter: arguments.adapter.clone(),
@@ -78,7 +79,7 @@ composite | GFLOP/s there | set-up, ms | segments | 10⁶ segments/s |
 | --- | --- | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |";
 
 /// Prints the table of one file.
-fn measure(arguments: &arguments::Time, wish: &Wish, document: &Document, bar: &Bar) -> Result<()> {
+fn measure(arguments: &arguments::Time, wish: &StudyOptions, document: &Document, bar: &Bar) -> Result<()> {
     document.refuse_missing_data()?;
     let nodes = study::drawing_nodes(&document.graph);
     if nodes.is_empty() {
@@ -120,7 +121,7 @@ fn devices(benches: &Benches) -> Result<String> {
 /// Prints the rows of one node that draws; false if the output was closed. Errors: cancellation; other errors stand in their row.
 fn rows(
     arguments: &arguments::Time,
-    wish: &Wish,
+    wish: &StudyOptions,
     mut subject: Subject,
     benches: &mut Benches,
     bar: &Bar,
@@ -143,13 +144,13 @@ fn rows(
 }
 
 /// Settings of the file on every requested engine, in both orders where one is needed.
-fn settings(arguments: &arguments::Time, subject: &Subject, benches: &Benches) -> Vec<Setting> {
-    let own = Setting::of_file(subject, Painter::NATIVE);
+fn settings(arguments: &arguments::Time, subject: &Subject, benches: &Benches) -> Vec<RenderConfig> {
+    let own = RenderConfig::of_file(subject, RendererVariant::NATIVE);
     let only = [own.integrator.name().to_string()];
     let mut settings = benches.settings(subject, &only);
     let ways = &arguments.compositor;
-    let is_asked = |setting: &Setting| {
-        let way = setting.painter.compositing;
+    let is_asked = |setting: &RenderConfig| {
+        let way = setting.variant.compositing;
         ways.is_empty() || way.is_none_or(|way| ways.contains(&way))
     };
     settings.retain(|setting| {
@@ -158,13 +159,13 @@ fn settings(arguments: &arguments::Time, subject: &Subject, benches: &Benches) -
     settings
 }
 
-fn head(subject: &Subject, setting: &Setting) -> String {
+fn head(subject: &Subject, setting: &RenderConfig) -> String {
     let order = setting.scene(subject).ordering(false);
     let [width, height] = subject.scene.camera.size;
-    format!("| {} | {width} × {height} | {} | {order} | ", subject.node, setting.painter.label())
+    format!("| {} | {width} × {height} | {} | {order} | ", subject.node, setting.variant.label())
 }
 
-fn row(subject: &Subject, setting: &Setting, cost: &Cost) -> String {
+fn row(subject: &Subject, setting: &RenderConfig, cost: &Cost) -> String {
     let stage = |times: Option<Times>| times.map_or(String::new(), |times| format!("{:.2}", times.median_ms));
     let Times { median_ms, fastest_ms, slowest_ms } = cost.frame;
     let rate_there = |(count, times): (u64, Times)| format!("{:.0}", count as f64 / times.median_ms * 1e-6);

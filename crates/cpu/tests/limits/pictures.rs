@@ -135,7 +135,7 @@ fn deep_tiles_with_cells_about_the_eye_are_drawn_once() {
     let exact = reference::draw(&scene, &NoProgress).expect("draws");
     let difference = largest_difference(&found, &exact);
     assert!(difference < 2e-4, "off by {difference:e}");
-    let tracer = reference::Tracer::new(&scene).expect("is a scene");
+    let tracer = reference::tracer(&scene).expect("is a scene");
     let on =
         |k: usize| tracer.crossings(&tracer.ray((k % 6) as f64 + 0.5, (k / 6) as f64 + 0.5)).len() as u64;
     let segments: u64 = (0..36).map(on).sum();

@@ -1,7 +1,7 @@
 //! Single segments: what is read of the fields, what is ordered, what goes in 64 bits.
 
 use super::*;
-use voltet_cpu::{Segments, segments};
+use voltet_cpu::introspect::{integrate_segments, lane_sets};
 use voltet_simd::LaneSet;
 
 /// One widget looks at eight fields at most, several together at more: what is drawn is read where it stands, and what a
@@ -23,7 +23,7 @@ fn widgets_look_at_eleven_fields_together() {
         let ends = &values[..count];
         let segment =
             Segment { length: 1.0, front: [0.0; 2], back: [0.0; 2], fields_front: ends, fields_back: ends };
-        segments(LaneSet::detect().unwrap(), &look, &SHADING, false, &[segment])
+        integrate_segments(LaneSet::detect().unwrap(), &look, &SHADING, false, &[segment])
     };
     let depth = draw(11).expect("draws")[0].contribution.optical_depth;
     let exact = 0.5 * at(0..8) + 0.3 * at(8..11);
@@ -42,12 +42,12 @@ fn small_widths_keep_their_digits() {
     let small = segment([0.5, 1e-5], [0.5 + 1e-5, 1.7e-5]);
     let list = [segment([0.0, 1e-5], [1.0, 1.0]), small];
     let exact = exact_of(&look, &small).optical_depth;
-    for Segments { lanes, .. } in Segments::each() {
-        let found = segments(lanes, &look, &SHADING, false, &list).expect("draws")[1];
+    for lanes in lane_sets() {
+        let found = integrate_segments(lanes, &look, &SHADING, false, &list).expect("draws")[1];
         let depth = found.contribution.optical_depth;
         // Some steps of 32 bits in the ends and in the mean; counted from the middle of g they leave 1e-3.
         assert!((depth / exact - 1.0).abs() < 2e-6, "{depth} for {exact} on {}", lanes.name());
-        assert_eq!(found.left, None, "left to 64 bits on {}", lanes.name());
+        assert_eq!(found.fallback, None, "left to 64 bits on {}", lanes.name());
     }
 }
 
@@ -64,9 +64,10 @@ fn edges_keep_their_digits_where_the_data_reach_far() {
     let grazing = segment([0.8, 2.49937], [0.9, 2.50041]);
     let list = [segment([0.0, 0.0], [5.0, 100.0]), grazing];
     let exact = exact_of(&look, &grazing).optical_depth;
-    for Segments { lanes, .. } in Segments::each() {
-        let depth =
-            segments(lanes, &look, &SHADING, false, &list).expect("draws")[1].contribution.optical_depth;
+    for lanes in lane_sets() {
+        let depth = integrate_segments(lanes, &look, &SHADING, false, &list).expect("draws")[1]
+            .contribution
+            .optical_depth;
         // Some steps of 32 bits at a distance of 1 from the middle of the widgets' places, over what g changes by; from the
         // middle of the data they are fifty times as long.
         assert!((depth - exact).abs() < 2e-4, "{depth} for {exact} on {}", lanes.name());
@@ -87,8 +88,8 @@ fn overlap_is_ordered_from_a_product_of_depths_on() {
             let look = look(widgets.to_vec());
             let across = segment([0.0; 2], [1.0, 0.0]);
             let exact = exact_of(&look, &across).color;
-            for Segments { lanes, .. } in Segments::each() {
-                let found = segments(lanes, &look, &SHADING, false, &[across]).expect("draws")[0];
+            for lanes in lane_sets() {
+                let found = integrate_segments(lanes, &look, &SHADING, false, &[across]).expect("draws")[0];
                 for (found, exact) in found.contribution.color.into_iter().zip(exact) {
                     // And some roundings of 32 bits.
                     let bound = 1e-8 + 1e-6 * exact;
@@ -122,8 +123,8 @@ fn overlap_is_integrated_by_as_many_steps_as_it_needs() {
         };
         let look = look(vec![gaussian(0.3, [1.0, 0.0, 0.0]), gaussian(0.6, [0.0, 0.0, 1.0])]);
         let list = some_segments(400);
-        for Segments { lanes, .. } in Segments::each() {
-            let found = segments(lanes, &look, &SHADING, false, &list).expect("draws");
+        for lanes in lane_sets() {
+            let found = integrate_segments(lanes, &look, &SHADING, false, &list).expect("draws");
             let mut worst = 0.0;
             for (found, segment) in found.iter().zip(&list) {
                 let exact = exact_of(&look, segment);
@@ -154,8 +155,8 @@ fn overlap_of_tails_is_integrated_by_as_many_steps_as_it_needs() {
         let look =
             look(vec![gaussian(-away, 1.0, [1.0, 0.0, 0.0]), gaussian(1.0 + away, thinner, [0.0, 0.0, 1.0])]);
         let list = some_segments(100);
-        for Segments { lanes, .. } in Segments::each() {
-            let found = segments(lanes, &look, &SHADING, false, &list).expect("draws");
+        for lanes in lane_sets() {
+            let found = integrate_segments(lanes, &look, &SHADING, false, &list).expect("draws");
             for (found, segment) in found.iter().zip(&list) {
                 let exact = exact_of(&look, segment);
                 for (found, color) in found.contribution.color.into_iter().zip(exact.color) {
@@ -184,8 +185,8 @@ fn what_a_region_cuts_is_ordered_where_it_is() {
         let look = look(vec![smooth(profile.clone(), red, half()), behind.clone()]);
         for across in [segment([0.0; 2], [1.0, 0.0]), segment([1.0, 0.0], [0.0; 2])] {
             let exact = exact_of(&look, &across).color;
-            for Segments { lanes, .. } in Segments::each() {
-                let found = segments(lanes, &look, &SHADING, false, &[across]).expect("draws")[0];
+            for lanes in lane_sets() {
+                let found = integrate_segments(lanes, &look, &SHADING, false, &[across]).expect("draws")[0];
                 for (found, exact) in found.contribution.color.into_iter().zip(exact) {
                     // The panels' 1e-5; taken as if it were everywhere, order is off by a hundredth of the light.
                     assert!(
@@ -219,12 +220,12 @@ fn what_is_far_from_zero_keeps_its_digits() {
             ..segment([0.312, 0.0], [0.377, 0.0])
         };
         let exact = exact_of(&look, &across).optical_depth;
-        for Segments { lanes, .. } in Segments::each() {
-            let found = segments(lanes, &look, &SHADING, false, &[across]).expect("draws")[0];
+        for lanes in lane_sets() {
+            let found = integrate_segments(lanes, &look, &SHADING, false, &[across]).expect("draws")[0];
             let depth = found.contribution.optical_depth;
             // Some steps of 32 bits at the ends; ten thousand bands, or a hundred widths, would leave 1e-4 and more.
             assert!((depth / exact - 1.0).abs() < 4e-6, "{depth} for {exact} on {}", lanes.name());
-            assert_eq!(found.left, None, "left to 64 bits on {}", lanes.name());
+            assert_eq!(found.fallback, None, "left to 64 bits on {}", lanes.name());
         }
     }
 }
@@ -233,9 +234,10 @@ fn what_is_far_from_zero_keeps_its_digits() {
 #[test]
 fn depths_beyond_32_bits_are_finite() {
     let look = look(vec![uniform([-1.0, 2.0], 1e200, [1.0; 3]), uniform([-1.0, 2.0], 1e200, [0.5; 3])]);
-    for Segments { lanes, .. } in Segments::each() {
+    for lanes in lane_sets() {
         let across = segment([0.0; 2], [1.0, 0.0]);
-        let found = segments(lanes, &look, &SHADING, false, &[across]).expect("draws")[0].contribution;
+        let found =
+            integrate_segments(lanes, &look, &SHADING, false, &[across]).expect("draws")[0].contribution;
         assert_eq!((found.optical_depth, found.opacity), (f64::from(f32::MAX), 1.0), "on {}", lanes.name());
     }
 }
@@ -299,15 +301,15 @@ fn what_32_bits_do_not_hold_is_left_to_64() {
                 ..segment([0.0, 1.0], [1.0, 1.0])
             };
             let across = if unit_distance == 1.0 { Segment { length: share, ..across } } else { across };
-            for Segments { lanes, .. } in Segments::each() {
-                let found = segments(lanes, &look, &SHADING, false, &[across]).expect("draws")[0];
+            for lanes in lane_sets() {
+                let found = integrate_segments(lanes, &look, &SHADING, false, &[across]).expect("draws")[0];
                 let expected = is_left.then_some(true);
                 assert_eq!(
-                    found.left.map(|left| left.contains(why)),
+                    found.fallback.map(|fallback| fallback.contains(why)),
                     expected,
                     "{why}, {share} on {}: {:?}",
                     lanes.name(),
-                    found.left
+                    found.fallback
                 );
             }
         }
@@ -327,11 +329,11 @@ fn more_widgets_than_eight_overlap_in_lanes() {
     // Gentle ones that closed forms serve, and one that is walked in panels.
     let list =
         [segment([0.4, 0.5], [0.42, 0.5]), segment([0.3, 0.4], [0.6, 0.5]), segment([0.0, 0.0], [1.0, 1.0])];
-    for Segments { lanes, .. } in Segments::each() {
-        let found = segments(lanes, &look, &SHADING, false, &list).expect("draws");
+    for lanes in lane_sets() {
+        let found = integrate_segments(lanes, &look, &SHADING, false, &list).expect("draws");
         for (found, segment) in found.iter().zip(&list) {
             let exact = exact_of(&look, segment);
-            assert_eq!(found.left, None, "left to 64 bits on {}", lanes.name());
+            assert_eq!(found.fallback, None, "left to 64 bits on {}", lanes.name());
             for (a, b) in found.contribution.color.into_iter().zip(exact.color) {
                 assert!((a - b).abs() < 1e-6, "{a} for {b} on {}", lanes.name());
             }

@@ -5,9 +5,11 @@ use std::sync::Arc;
 use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_gpu::{Device, FrameOutput, GpuEngine, Renderer};
+use voltet_introspect::compositor_operations;
 use voltet_optics::WidgetBlend;
 use voltet_optics::engine::{Engine, RenderOptions};
-use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
+use voltet_optics::shading::{Shading, VisibilityOrder};
+use voltet_reference::REFERENCE;
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use voltet_testing::pictures::grids::{cube, smooth};
 use voltet_testing::pictures::looks::*;
@@ -37,7 +39,7 @@ fn what_32_bits_cannot_hold_is_refused() {
     let mut far = scene(one_gaussian());
     far.camera = perspective([-900.0, -1100.0, 1400.0], [0.5, 0.5, 0.5], 1e-6, [32, 32]);
     refused(&far, &SHADING, &["view is too narrow", "cpu"]);
-    let shading = Shading { integrator: Integrator::REFERENCE, ..SHADING };
+    let shading = Shading { integrator: REFERENCE, ..SHADING };
     refused(&scene(one_gaussian()), &shading, &["reference"]);
     let mut without = scene(one_gaussian());
     let mut volume = (*without.volume).clone();
@@ -204,8 +206,9 @@ fn operations_of_the_compositor_are_counted() {
         let volume = GpuEngine::new(device.clone()).prepare(&scene.volume).expect("fits");
         let drawn = volume.draw(&scene, &RenderOptions::default(), &NoProgress).expect("draws");
         let segments = drawn.counts.segments.expect("tiles count");
-        let counted = volume.operations(&scene, &RenderOptions::default(), &drawn.counts).expect("is WGSL");
-        let counted = counted.expect("tiles count");
+        let counted =
+            compositor_operations(volume.as_ref(), &scene, &RenderOptions::default(), &drawn.counts);
+        let counted = counted.expect("is WGSL").expect("tiles count");
         println!("{counted} operations in {segments} segments");
         assert!((100 * segments..5000 * segments).contains(&counted), "{counted} in {segments}");
     }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
-use voltet_cpu::{Integrated, Segments, segments};
+use voltet_cpu::introspect::{IntegratedSegment, integrate_segments, lane_sets};
 use voltet_integrators::{LIT_REACH, REACH};
 use voltet_judge::segment_twin::{Measure, change_of_places, numbers};
 use voltet_optics::integrators::{self, Extent};
@@ -92,9 +92,9 @@ impl Found {
                 (measure, further)
             })
             .collect();
-        for Segments { lanes, .. } in Segments::each() {
-            let drawn = segments(lanes, look, &shading(integrator), false, list).expect("draws");
-            for ((segment, (measure, further)), Integrated { contribution, left }) in
+        for lanes in lane_sets() {
+            let drawn = integrate_segments(lanes, look, &shading(integrator), false, list).expect("draws");
+            for ((segment, (measure, further)), IntegratedSegment { contribution, fallback: left }) in
                 list.iter().zip(&measures).zip(drawn)
             {
                 if let Some(why) = left {

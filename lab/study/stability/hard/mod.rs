@@ -2,12 +2,12 @@
 
 mod cameras;
 mod cells;
-mod looks;
 mod scene;
+mod transfer_functions;
 
 pub(super) use scene::Hard;
 
 /// Every one.
 pub(super) fn all() -> Vec<Hard> {
-    cells::scenes().into_iter().chain(looks::scenes()).chain(cameras::scenes()).collect()
+    cells::scenes().into_iter().chain(transfer_functions::scenes()).chain(cameras::scenes()).collect()
 }

@@ -13,9 +13,9 @@ use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
 
 /// A scene that is hard to draw.
-pub(in crate::stability) struct Hard {
-    pub(in crate::stability) category: &'static str,
-    pub(in crate::stability) name: String,
+pub(crate) struct Hard {
+    pub(crate) category: &'static str,
+    pub(crate) name: String,
     pub(super) grid: Grid,
     /// Positions in the unit cube, where the fields are taken.
     pub(super) places: Vec<DVec3>,
@@ -26,7 +26,7 @@ pub(in crate::stability) struct Hard {
 
 impl Hard {
     /// As engines take it. Both fields are smooth, of order 1, with gradients of order 1.
-    pub(in crate::stability) fn scene(&self) -> Scene {
+    pub(crate) fn scene(&self) -> Scene {
         let s = |p: &DVec3| 0.5 + 0.25 * (4.0 * p.x + p.y).sin() + 0.25 * (3.0 * p.z - 2.0 * p.y).cos();
         let g = |p: &DVec3| 0.4 + p.x + 0.5 * p.y * p.z;
         let gradient = |p: &DVec3| {

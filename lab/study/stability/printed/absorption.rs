@@ -1,14 +1,14 @@
 //! Optical depth and opacity as printed.
 
 use super::colors::rectangle;
-use super::measured::{Measured, Printed, between, error, ours, segment};
+use super::measured::{FormulaRow, PrintedFormula, between, error, ours, segment};
 use super::real::Real;
 use std::f64::consts::PI;
 use voltet_core::Result;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet_optics::Contribution;
 
-pub(super) fn entries() -> Result<Vec<Printed>> {
+pub(super) fn entries() -> Result<Vec<PrintedFormula>> {
     Ok(vec![gaussian()?, offset()?, mean()?, triangular()?, opacity()?, chain()?])
 }
 
@@ -30,7 +30,7 @@ fn look(centre: [f64; 2], width: f64) -> TransferFunction {
     TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets: vec![widget] }
 }
 
-fn gaussian() -> Result<Printed> {
+fn gaussian() -> Result<PrintedFormula> {
     let mut rows = Vec::new();
     for [a, d, h] in [
         [-0.5, 1.0, 0.3],
@@ -46,14 +46,14 @@ fn gaussian() -> Result<Printed> {
         let [exact, ours] = segment(&look([0.0; 2], 1.0), &between(front, back, 1.0))?;
         let exact = exact.map_or(f64::NAN, |found| found.optical_depth);
         let to_32 = |v: [f64; 2]| v.map(|x| x as f32);
-        rows.push(Measured {
+        rows.push(FormulaRow {
             inputs: format!("a = {a:?}, |d| = {d:?}, h = {h:?}"),
             printed_64: error(gaussian_depth(front, back), exact),
             printed_32: error(gaussian_depth(to_32(front), to_32(back)), exact),
             ours_32: ours.map(|found| error(found.optical_depth, exact)),
         });
     }
-    Ok(Printed {
+    Ok(PrintedFormula {
         source: "Kniss et al. 2003, Eq. 11 and 12",
         formula: "T = (√π/2) S/|d| (erf B − erf A), S = exp(A² − |v₁'|²), A = v₁'·d/|d|, B = A + |d|",
         fails: "Right as mathematics. The difference of erf cancels where both ends are on one side of the centre (every \
@@ -67,7 +67,7 @@ fn gaussian() -> Result<Printed> {
     })
 }
 
-fn offset() -> Result<Printed> {
+fn offset() -> Result<PrintedFormula> {
     let mut rows = Vec::new();
     for (offset, width) in [(0.0, 1e-2), (1e4, 1e-2), (1e8, 1e-2)] {
         let (centre, [front, back]) = (offset + 0.25 * width, [offset, offset + width]);
@@ -77,14 +77,14 @@ fn offset() -> Result<Printed> {
         let printed_64 = gaussian_depth([k * front - k * centre, 0.0], [k * back - k * centre, 0.0]);
         let in_32 = |v: f64| k as f32 * v as f32 - (k as f32 * centre as f32);
         let printed_32 = gaussian_depth([in_32(front), 0.0], [in_32(back), 0.0]);
-        rows.push(Measured {
+        rows.push(FormulaRow {
             inputs: format!("values near {offset:?}, width {width:?}"),
             printed_64: error(printed_64, exact),
             printed_32: error(printed_32, exact),
             ours_32: ours.map(|found| error(found.optical_depth, exact)),
         });
     }
-    Ok(Printed {
+    Ok(PrintedFormula {
         source: "Kniss et al. 2003, Table 2, line 1",
         formula: "v' = K v − c', c' = K c",
         fails: "The difference is taken after the product, of two large numbers.",
@@ -101,19 +101,19 @@ fn igauss<T: Real>(x1: T, x2: T) -> T {
     T::of(PI.sqrt() / 2.0) * (x1.erf() - x2.erf()) / (x1 - x2)
 }
 
-fn mean() -> Result<Printed> {
+fn mean() -> Result<PrintedFormula> {
     let mut rows = Vec::new();
     for [x1, x2] in [[1.0, 0.0], [1.001, 1.0], [1.0 + 1e-8, 1.0], [5.01, 5.0], [8.01, 8.0]] {
         let [exact, ours] = segment(&look([0.0; 2], 1.0), &between([x2, 0.0], [x1, 0.0], 1.0))?;
         let exact = exact.map_or(f64::NAN, |found| found.optical_depth);
-        rows.push(Measured {
+        rows.push(FormulaRow {
             inputs: format!("x₁ = {x1:?}, x₂ = {x2:?}"),
             printed_64: error(igauss(x1, x2), exact),
             printed_32: error(igauss(x1 as f32, x2 as f32), exact),
             ours_32: ours.map(|found| error(found.optical_depth, exact)),
         });
     }
-    Ok(Printed {
+    Ok(PrintedFormula {
         source: "Kniss et al. 2003, Eq. 16",
         formula: "IGauss(x₁, x₂) = (√π/2) (erf x₁ − erf x₂)/(x₁ − x₂)",
         fails: "The same difference, and the test x₁ = x₂ comes too late: near it every digit is lost.",
@@ -122,7 +122,7 @@ fn mean() -> Result<Printed> {
     })
 }
 
-fn triangular() -> Result<Printed> {
+fn triangular() -> Result<PrintedFormula> {
     let mut rows = Vec::new();
     for front in [0.9, 0.5, 0.1] {
         let mut worst = [0.0_f64; 3];
@@ -143,14 +143,14 @@ fn triangular() -> Result<Printed> {
                 *worst = worst.max((found - exact).abs());
             }
         }
-        rows.push(Measured {
+        rows.push(FormulaRow {
             inputs: format!("g from {front} to 1, worst of 61 places, absolute"),
             printed_64: worst[0],
             printed_32: worst[1],
             ours_32: Some(worst[2]),
         });
     }
-    Ok(Printed {
+    Ok(PrintedFormula {
         source: "Kniss et al. 2003, section 5.2.1",
         formula: "triangular Gaussian with g replaced by its mean over the segment",
         fails: "No rounding: g changes along the segment, and the profile with it.",
@@ -160,7 +160,7 @@ fn triangular() -> Result<Printed> {
     })
 }
 
-fn opacity() -> Result<Printed> {
+fn opacity() -> Result<PrintedFormula> {
     let mut rows = Vec::new();
     for depth in [1.0, 1e-3, 1e-5, 1e-8, 1e-16] {
         let profile = Profile::Uniform;
@@ -170,14 +170,14 @@ fn opacity() -> Result<Printed> {
         let function = TransferFunction { model, unit_distance: 1.0, widgets: vec![widget] };
         let [exact, ours] = segment(&function, &between([0.0; 2], [1.0, 0.0], 1.0))?;
         let exact = exact.map_or(f64::NAN, |found| found.opacity);
-        rows.push(Measured {
+        rows.push(FormulaRow {
             inputs: format!("T = {depth:?}"),
             printed_64: error(1.0 - (-depth).exp(), exact),
             printed_32: error(1.0_f32 - Real::exp(-(depth as f32)), exact),
             ours_32: ours.map(|found| error(found.opacity, exact)),
         });
     }
-    Ok(Printed {
+    Ok(PrintedFormula {
         source: "every paper (Max 1995)",
         formula: "A = 1 − e^(−T)",
         fails: "The difference cancels for thin segments, of which a picture has hundreds on a pixel.",
@@ -186,7 +186,7 @@ fn opacity() -> Result<Printed> {
     })
 }
 
-fn chain() -> Result<Printed> {
+fn chain() -> Result<PrintedFormula> {
     let forms = ours()?;
     let row = |(count, depth): (usize, f64)| {
         let opacity = -(-depth).exp_m1();
@@ -195,14 +195,14 @@ fn chain() -> Result<Printed> {
         let printed_32 = (0..count).fold(0.0_f32, |sum, _| sum + (1.0 - sum) * opacity as f32);
         let parts = vec![Contribution { opacity, ..Contribution::default() }; count];
         let ours = forms.chain(&parts).transparency;
-        Measured {
+        FormulaRow {
             inputs: format!("{count} segments of T = {depth:?}"),
             printed_64: error(1.0 - printed_64, exact),
             printed_32: error(1.0 - printed_32, exact),
             ours_32: ours.map(|found| error(found, exact)),
         }
     };
-    Ok(Printed {
+    Ok(PrintedFormula {
         source: "front-to-back compositing (Porter & Duff 1984)",
         formula: "A ← A + (1 − A) a, transparency 1 − A",
         fails: "The transparency keeps an absolute 6e-8 (1e-16) only, so what lies behind a dense part has no digits.",

@@ -1,13 +1,13 @@
 //! Colours as printed: the constant-emitter's closed forms, the integrals of linear extinction, pre-integration, the mix.
 
-use super::measured::{Measured, Printed, between, error, partial, segment};
+use super::measured::{FormulaRow, PrintedFormula, between, error, partial, segment};
 use super::real::{Real, integral};
 use std::f64::consts::PI;
 use voltet_core::Result;
 use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
 use voltet_optics::{CompiledTransferFunction, WidgetBlend, linear};
 
-pub(super) fn entries() -> Result<Vec<Printed>> {
+pub(super) fn entries() -> Result<Vec<PrintedFormula>> {
     Ok(vec![uniform()?, gaussian()?, triangle()?, falling_flank()?, sine()?, psi()?, back()?, mix()?])
 }
 
@@ -25,21 +25,21 @@ pub(super) fn rectangle([low, high]: [f64; 2]) -> Region {
     Region { corners: vec![[low, -1.0], [high, -1.0], [high, 1.0], [low, 1.0]] }
 }
 
-fn uniform() -> Result<Printed> {
+fn uniform() -> Result<PrintedFormula> {
     let printed = |depth: f64| (1.0 - (-depth).exp()) / depth;
     let mut rows = Vec::new();
     for depth in [1.0, 1e-3, 1e-8, 1e-20] {
         let [exact, ours] = segment(&glowing(Profile::Uniform, depth), &between([0.0; 2], [1.0, 0.0], 1.0))?;
         let exact = exact.map_or(f64::NAN, |found| found.color[0]);
         let printed_32 = (1.0_f32 - Real::exp(-(depth as f32))) / depth as f32;
-        rows.push(Measured {
+        rows.push(FormulaRow {
             inputs: format!("a D = {depth:?}"),
             printed_64: error(printed(depth), exact),
             printed_32: error(printed_32, exact),
             ours_32: ours.map(|found| error(found.color[0], exact)),
         });
     }
-    Ok(Printed {
+    Ok(PrintedFormula {
         source: "Song et al. 2009, Eq. 5",
         formula: "C = (c/a) (1 − e^(−a D))",
         fails: "The difference cancels where the segment is thin; 0/0 at a = 0.",
@@ -57,7 +57,7 @@ fn gaussian_glow<T: Real>(peak: T, a: T, b: T) -> T {
     (p * a.erf()).exp() / d * (table(b) - table(a))
 }
 
-fn gaussian() -> Result<Printed> {
+fn gaussian() -> Result<PrintedFormula> {
     let mut rows = Vec::new();
     for (peak, a, b) in
         [(1.0, -0.5, 0.5), (1.0, 0.5, 0.51), (1.0, 0.5, 0.501), (10.0, 0.0, 0.05), (1.0, 1.0, 1.0 + 1e-6)]
@@ -66,14 +66,14 @@ fn gaussian() -> Result<Printed> {
         let function = glowing(Profile::Gaussian { centre: [0.0; 2], matrix }, peak);
         let [exact, ours] = segment(&function, &between([a, 0.0], [b, 0.0], 1.0))?;
         let exact = exact.map_or(f64::NAN, |found| found.color[0]);
-        rows.push(Measured {
+        rows.push(FormulaRow {
             inputs: format!("ρ₀ D = {peak:?}, x from {a:?} to {b:?}"),
             printed_64: error(gaussian_glow(peak, a, b), exact),
             printed_32: error(gaussian_glow(peak as f32, a as f32, b as f32), exact),
             ours_32: ours.map(|found| error(found.color[0], exact)),
         });
     }
-    Ok(Printed {
+    Ok(PrintedFormula {
         source: "Song et al. 2009, section 4.2",
         formula: "C = c e^(P erf B)/A [table(P, A D + B) − table(P, B)], table(P, t) = ∫₀ᵗ e^(−P erf x) dx",
         fails: "Even with an exact table: P = √π ρ₀ D/(2|d|) is huge wherever the data vary slowly, and e^(P erf B) leaves \
@@ -92,18 +92,18 @@ fn rising<T: Real>(k: T, d1: T, d2: T) -> T {
     factor * ((root * d2).erf() - (root * d1).erf())
 }
 
-fn triangle() -> Result<Printed> {
+fn triangle() -> Result<PrintedFormula> {
     let row = |[k, d1, d2]: [f64; 3]| {
         let length = d2 - d1;
         let (exact, ours) = partial(k * d1 * length, k * d2 * length, |found| found.psi * length)?;
-        Ok(Measured {
+        Ok(FormulaRow {
             inputs: format!("α/Δt = {k:?}, from {d1:?} to {d2:?}"),
             printed_64: error(rising(k, d1, d2), exact),
             printed_32: error(rising(k as f32, d1 as f32, d2 as f32), exact),
             ours_32: ours.map(|found| error(found, exact)),
         })
     };
-    Ok(Printed {
+    Ok(PrintedFormula {
         source: "Song et al. 2009, section 4.3, increasing part",
         formula: "C = c √(π/2k) e^(k d₁²/2) [erf(√(k/2) d₂) − erf(√(k/2) d₁)], k = α/Δt",
         fails: "erf − erf cancels past the first few units of √(k/2) d₁, while e^(k d₁²/2) grows: 32 bits overflow at \
@@ -124,7 +124,7 @@ fn falling<T: Real>(front: T, table: T, [u3, u4]: [T; 2]) -> T {
     (-(front * left(u3))).exp() * integral(u3, u4, |u| (table * left(u)).exp())
 }
 
-fn falling_flank() -> Result<Printed> {
+fn falling_flank() -> Result<PrintedFormula> {
     let row = |(depth, made_for, [u3, u4]): (f64, f64, [f64; 2])| {
         let length = u4 - u3;
         let (a, b) = (depth * (1.0 - u3) * length, depth * (1.0 - u4) * length);
@@ -135,7 +135,7 @@ fn falling_flank() -> Result<Printed> {
         } else {
             format!(", the table's entry made at {made_for:?}")
         };
-        Ok(Measured {
+        Ok(FormulaRow {
             inputs: format!("α Δt = {depth:?}, from {u3:?} to {u4:?} of Δt{entry}"),
             printed_64: error(falling(front, table, [u3, u4]), exact),
             printed_32: error(falling(front as f32, table as f32, [u3 as f32, u4 as f32]), exact),
@@ -143,7 +143,7 @@ fn falling_flank() -> Result<Printed> {
         })
     };
     let whole = [0.0, 0.5];
-    Ok(Printed {
+    Ok(PrintedFormula {
         source: "Song et al. 2009, section 4.3, decreasing part",
         formula: "C = c e^(−(α Δt/2) (1 − d₃/Δt)²) ∫ e^((α Δt/2) (1 − l/Δt)²) dl, the integral from a table by (l/Δt, α)",
         fails: "The product of two exponentials: 32 bits overflow at α Δt = 176, 64 bits at 1,419, and the table with them. \
@@ -169,7 +169,7 @@ fn band<T: Real>(alpha_by_k: T, t1: T, t2: T) -> T {
     (-(alpha_by_k * t1.cos())).exp() * inner / (t2 - t1)
 }
 
-fn sine() -> Result<Printed> {
+fn sine() -> Result<PrintedFormula> {
     let mut rows = Vec::new();
     for peak in [1.0, 100.0, 200.0, 2000.0] {
         let (from, to) = (0.05, 0.95);
@@ -180,14 +180,14 @@ fn sine() -> Result<Printed> {
         let exact = exact.map_or(f64::NAN, |found| found.color[0]);
         let alpha_by_k = peak / (PI * (to - from));
         let (t1, t2) = (PI * from, PI * to);
-        rows.push(Measured {
+        rows.push(FormulaRow {
             inputs: format!("α D = {peak:?}, α/k = {alpha_by_k:.1}, 0.05 to 0.95 of a band"),
             printed_64: error(band(alpha_by_k, t1, t2), exact),
             printed_32: error(band(alpha_by_k as f32, t1 as f32, t2 as f32), exact),
             ours_32: ours.map(|found| error(found.color[0], exact)),
         });
     }
-    Ok(Printed {
+    Ok(PrintedFormula {
         source: "Song et al. 2009, Eq. 10",
         formula: "C = c e^(−(α/k) cos t₁) ∫ e^((α/k) cos t) dt/k, k = π/D_p",
         fails: "e^((α/k) cos t) leaves 32 bits at α/k = 88 and 64 bits at 709, and its table with it.",
@@ -205,17 +205,17 @@ fn psi_erf<T: Real>(a: T, b: T) -> T {
     (u * u).exp() * T::of(PI.sqrt() / 2.0) / k * (v.erf() - u.erf())
 }
 
-fn psi() -> Result<Printed> {
+fn psi() -> Result<PrintedFormula> {
     let row = |[a, b]: [f64; 2]| {
         let (exact, ours) = partial(a, b, |found| found.psi)?;
-        Ok(Measured {
+        Ok(FormulaRow {
             inputs: format!("depths {a:?} and {b:?}"),
             printed_64: error(psi_erf(a, b), exact),
             printed_32: error(psi_erf(a as f32, b as f32), exact),
             ours_32: ours.map(|found| error(found, exact)),
         })
     };
-    Ok(Printed {
+    Ok(PrintedFormula {
         source: "Moreland & Angel 2004, ψ by erf (after Williams et al. 1998)",
         formula: "ψ = e^(u²) (√π/2k) (erf v − erf u), u = α_f D/2k, v = α_b D/2k, k = √((α_b − α_f) D/2)",
         fails: "Where the ends are nearly alike u is large: e^(u²) overflows and erf v − erf u is 0.",
@@ -228,7 +228,7 @@ fn psi() -> Result<Printed> {
     })
 }
 
-fn back() -> Result<Printed> {
+fn back() -> Result<PrintedFormula> {
     let row = |[a, b]: [f64; 2]| {
         let (exact, ours) = partial(a, b, |found| found.back)?;
         // ψ and ζ as good as the precision holds them.
@@ -236,14 +236,14 @@ fn back() -> Result<Printed> {
         let printed_64 = (1.0 - (-0.5 * (a + b)).exp() - a * psi) / (b - a);
         let (x, y) = (a as f32, b as f32);
         let printed_32 = (1.0_f32 - Real::exp(-(0.5 * (x + y))) - x * psi as f32) / (y - x);
-        Ok(Measured {
+        Ok(FormulaRow {
             inputs: format!("depths {a:?} and {b:?}"),
             printed_64: error(printed_64, exact),
             printed_32: error(printed_32, exact),
             ours_32: ours.map(|found| error(found, exact)),
         })
     };
-    Ok(Printed {
+    Ok(PrintedFormula {
         source: "linear colour of the constant-emitter, from ψ and ζ (Song et al. 2009, Eq. 3)",
         formula: "B = (1 − ζ − a ψ)/(b − a), F = ψ − B",
         fails: "1 − ζ and a ψ agree ever better as b nears a, or as both grow; 0/0 at b = a.",
@@ -255,7 +255,7 @@ fn back() -> Result<Printed> {
     })
 }
 
-fn mix() -> Result<Printed> {
+fn mix() -> Result<PrintedFormula> {
     let mut rows = Vec::new();
     for (name, peak) in [("thin", 0.01), ("half transparent", 1.0), ("dense", 10.0)] {
         let half = |low: f64, color: [f64; 3]| Widget {
@@ -272,14 +272,14 @@ fn mix() -> Result<Printed> {
         let exact = prepared.integrate(&path, WidgetBlend::Exact).color[2];
         let mixed = prepared.integrate(&path, WidgetBlend::Mix).color[2];
         let [_, ours] = segment(&function, &path)?;
-        rows.push(Measured {
+        rows.push(FormulaRow {
             inputs: format!("blue behind red, {name} (T = {:?} each)", 0.5 * peak),
             printed_64: error(mixed, exact),
             printed_32: error(mixed as f32, exact),
             ours_32: ours.map(|found| error(found.color[2], exact)),
         });
     }
-    Ok(Printed {
+    Ok(PrintedFormula {
         source: "Kniss et al. 2003, Eq. 15",
         formula: "several widgets: depths added, colours averaged by depth",
         fails: "The order of the widgets along the ray is lost, whatever the precision.",

@@ -4,36 +4,38 @@ use super::real::Real;
 use serde::Serialize;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
-use voltet_judge::Native64;
+use voltet_introspect::MeasuredEngine;
+use voltet_judge::Evaluator64;
+use voltet_judge::{EvalOutcome, PartialIntegrals, SegmentEvaluator};
 use voltet_nodes::drawing::NATIVE;
-use voltet_optics::engine::{AdapterRequest, EvalOutcome, PartialIntegrals, SegmentEvaluator};
+use voltet_optics::engine::AdapterRequest;
 use voltet_optics::{Contribution, Segment, WidgetBlend};
 
 /// One printed formula and what was measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Printed {
-    /// Where it is printed.
+pub struct PrintedFormula {
+    /// Paper and equation.
     pub source: &'static str,
     /// The formula, in plain text.
     pub formula: &'static str,
-    /// Where and why it fails.
+    /// Failure and its cause.
     pub fails: &'static str,
-    /// What stands in its place.
+    /// Replacement.
     pub instead: &'static str,
     /// At some inputs.
-    pub rows: Vec<Measured>,
+    pub rows: Vec<FormulaRow>,
 }
 
 /// Errors at one input; not finite where the formula gives no number.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Measured {
+pub struct FormulaRow {
     /// The input.
     pub inputs: String,
     /// The printed formula in 64 bits.
     pub printed_64: f64,
     /// The printed formula in 32 bits.
     pub printed_32: f64,
-    /// What stands in its place, in 32 bits; `None` where that is 64-bit alone.
+    /// Error of the replacement in 32 bits; `None` where that is 64-bit alone.
     pub ours_32: Option<f64>,
 }
 
@@ -43,9 +45,9 @@ pub(super) fn error(found: impl Real, exact: f64) -> f64 {
     if found.is_finite() { (found - exact).abs() / exact.abs() } else { f64::INFINITY }
 }
 
-/// What the native engine draws with on this processor.
+/// Formulas of the CPU engine on this processor.
 pub(super) fn ours() -> Result<Box<dyn SegmentEvaluator>> {
-    let forms = NATIVE.open(&AdapterRequest::default())?.forms();
+    let forms = NATIVE.open(&AdapterRequest::default())?.evaluator();
     forms.ok_or_else(|| Error::run("the engine has no forms of segments").got(NATIVE.name))
 }
 
@@ -60,7 +62,7 @@ pub(super) fn segment(
             EvalOutcome::Wider(..) | EvalOutcome::Skipped(_) => None,
         })
     };
-    Ok([found(&Native64)?, found(ours()?.as_ref())?])
+    Ok([found(&Evaluator64)?, found(ours()?.as_ref())?])
 }
 
 /// A number of linear extinction in 64 bits, and in the lanes of the native engine.
@@ -75,7 +77,7 @@ pub(super) fn partial(
             EvalOutcome::Wider(..) | EvalOutcome::Skipped(_) => None,
         })
     };
-    Ok((found(&Native64)?.unwrap_or(f64::NAN), found(ours()?.as_ref())?))
+    Ok((found(&Evaluator64)?.unwrap_or(f64::NAN), found(ours()?.as_ref())?))
 }
 
 /// A segment from one pair (s, g) to another.

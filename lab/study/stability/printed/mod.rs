@@ -9,12 +9,12 @@ mod measured;
 mod real;
 mod tables;
 
-pub use measured::{Measured, Printed};
+pub use measured::{FormulaRow, PrintedFormula};
 
 use voltet_core::Result;
 
 /// Every formula that was looked at.
-pub fn printed() -> Result<Vec<Printed>> {
+pub fn printed() -> Result<Vec<PrintedFormula>> {
     let mut all = absorption::entries()?;
     all.extend(colors::entries()?);
     all.extend(tables::entries()?);

@@ -1,12 +1,12 @@
 //! Pre-integration as printed: the steps of the numerical integral, and the tiles that stand for the table.
 
-use super::measured::{Measured, Printed, between, error, segment};
+use super::measured::{FormulaRow, PrintedFormula, between, error, segment};
 use super::real::Real;
 use std::f64::consts::PI;
 use voltet_core::Result;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 
-pub(super) fn entries() -> Result<Vec<Printed>> {
+pub(super) fn entries() -> Result<Vec<PrintedFormula>> {
     Ok(vec![steps()?, emission(), tiles()])
 }
 
@@ -18,7 +18,7 @@ fn both_ends<T: Real>(count: u32, [front, back]: [T; 2]) -> T {
     (0..count).fold(T::of(0.0), |sum, i| sum + density(place(i)) / whole(count))
 }
 
-fn steps() -> Result<Printed> {
+fn steps() -> Result<PrintedFormula> {
     let profile = Profile::Gaussian { centre: [0.0; 2], matrix: [[1.0, 0.0], [0.0, 0.0]] };
     let widget = Widget { profile, color: [1.0; 3], extinction: 1.0, region: None };
     let model = OpticalModel::DensityEmitter;
@@ -29,14 +29,14 @@ fn steps() -> Result<Printed> {
     {
         let [exact, ours] = segment(&function, &between([front, 0.0], [back, 0.0], 1.0))?;
         let exact = exact.map_or(f64::NAN, |found| found.optical_depth);
-        rows.push(Measured {
+        rows.push(FormulaRow {
             inputs: format!("a Gaussian of width 1, S from {front:?} to {back:?}, {count} steps"),
             printed_64: error(both_ends(count, [front, back]), exact),
             printed_32: error(both_ends(count, [front as f32, back as f32]), exact),
             ours_32: ours.map(|found| error(found.optical_depth, exact)),
         });
     }
-    Ok(Printed {
+    Ok(PrintedFormula {
         source: "Roettger & Ertl 2002, Eq. 5",
         formula: "w = S_b + i/(n − 1) (S_f − S_b), i = 0 … n − 1, each with the weight l/n",
         fails: "Both ends have the weight of a whole step, which is neither the midpoint nor the trapezoid rule: of first \
@@ -48,7 +48,7 @@ fn steps() -> Result<Printed> {
     })
 }
 
-fn emission() -> Printed {
+fn emission() -> PrintedFormula {
     let row = |(depth, count): (f64, usize)| {
         // Constant κ = ρ: C = 1 − e^(−T).
         let exact = -(-depth).exp_m1();
@@ -56,14 +56,14 @@ fn emission() -> Printed {
         let printed_64: f64 = (0..count).map(|i| h * (-h * i as f64).exp()).sum();
         let printed_32 =
             (0..count).fold(0.0_f32, |sum, i| sum + h as f32 * Real::exp(-(h as f32 * i as f32)));
-        Measured {
+        FormulaRow {
             inputs: format!("ρ l = {depth:?}, {count} steps"),
             printed_64: error(printed_64, exact),
             printed_32: error(printed_32, exact),
             ours_32: None,
         }
     };
-    Printed {
+    PrintedFormula {
         source: "Roettger & Ertl 2002, Eq. 6",
         formula: "C_(i+1) = κ h + C_i e^(−ρ h)",
         fails: "First order: a step's light is not absorbed within the step. The error is ρ l/2n, whatever the precision.",
@@ -109,10 +109,10 @@ fn apart<T: Real, const N: usize>(found: [T; N], exact: [f64; N]) -> f64 {
     all.fold(0.0, |most, x| if x.is_nan() { f64::INFINITY } else { most.max(x) })
 }
 
-fn tiles() -> Printed {
+fn tiles() -> PrintedFormula {
     let there_and_back = |place: [f64; 3]| {
         let [front, back, length] = place;
-        Measured {
+        FormulaRow {
             inputs: format!("S_f = {front:?}, S_b = {back:?}, l = {length:?}, there and back, absolute"),
             printed_64: apart(from_tile(to_tile(place)), place),
             printed_32: apart(from_tile(to_tile(place.map(|x| x as f32))), place),
@@ -125,17 +125,17 @@ fn tiles() -> Printed {
         let [thick, pixel] = [along(45.0), along(45.0 + degrees)];
         let of = |place: [f64; 3]| to_tile(place)[0];
         let of_32 = |place: [f64; 3]| to_tile(place.map(|x| x as f32))[0];
-        Measured {
+        FormulaRow {
             inputs: format!("α of the thick vertex at a pixel whose ray is turned by {degrees:?}°, absolute"),
             printed_64: apart([of(thick)], [of(pixel)]),
             printed_32: apart([of_32(thick)], [of(pixel)]),
             ours_32: Some(apart([of_32(pixel)], [of(pixel)])),
         }
     };
-    let mut rows: Vec<Measured> =
+    let mut rows: Vec<FormulaRow> =
         [[0.7, 0.2, 0.3], [0.2, 0.7, 0.9], [0.500001, 0.5, 1e-7], [0.5, 0.5, 0.0]].map(there_and_back).into();
     rows.extend([0.0, 5.0, 15.0].map(turned));
-    Printed {
+    PrintedFormula {
         source: "Roettger & Ertl 2002, Eq. 9 and 10",
         formula: "f: (α, s, t) → (S_f, S_b, l) fills tiles, f⁻¹ reads them; α the same for all pixels of a cell",
         fails: "Eq. 10 is the inverse of Eq. 9 on all four branches, but 0/0 at S_f = S_b, l = 0. α follows from the angle \

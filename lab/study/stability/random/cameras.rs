@@ -1,29 +1,27 @@
-//! Random cameras that see a grid.
+//! RandomReport cameras that see a grid.
 
-use super::dice::Dice;
+use super::rng::Rng;
 use glam::DVec3;
 use voltet_core::camera::{Camera, Projection};
 
 /// From outside or inside, along an axis or not, at angles from 0.01 to 150 degrees, with near planes and several samples.
-pub(super) fn camera(dice: &mut Dice, [low, high]: [DVec3; 2]) -> Camera {
+pub(super) fn camera(rng: &mut Rng, [low, high]: [DVec3; 2]) -> Camera {
     let (centre, radius) = (low.midpoint(high), 0.5 * low.distance(high));
-    let towards = match dice.chance(0.25) {
-        true => DVec3::AXES[dice.of(3)] * if dice.chance(0.5) { 1.0 } else { -1.0 },
-        false => dice.direction(),
+    let towards = match rng.chance(0.25) {
+        true => DVec3::AXES[rng.of(3)] * if rng.chance(0.5) { 1.0 } else { -1.0 },
+        false => rng.direction(),
     };
-    let target = match dice.chance(0.3) {
+    let target = match rng.chance(0.3) {
         true => centre,
-        false => centre + 0.4 * radius * dice.place(-1.0, 1.0),
+        false => centre + 0.4 * radius * rng.place(-1.0, 1.0),
     };
     // How much of the picture's height the grid fills.
-    let filled = dice.power(-0.3, 0.5);
-    let (projection, distance) = match dice.of(6) {
-        0 | 1 => {
-            (Projection::Orthographic { height: 2.0 * radius / filled }, dice.between(0.0, 4.0) * radius)
-        }
-        2 => (Projection::Perspective { fov_y: dice.between(30.0, 150.0) }, dice.between(0.0, 0.9) * radius),
+    let filled = rng.power(-0.3, 0.5);
+    let (projection, distance) = match rng.of(6) {
+        0 | 1 => (Projection::Orthographic { height: 2.0 * radius / filled }, rng.between(0.0, 4.0) * radius),
+        2 => (Projection::Perspective { fov_y: rng.between(30.0, 150.0) }, rng.between(0.0, 0.9) * radius),
         _ => {
-            let fov_y = if dice.chance(0.25) { dice.power(-2.0, 0.0) } else { dice.between(5.0, 100.0) };
+            let fov_y = if rng.chance(0.25) { rng.power(-2.0, 0.0) } else { rng.between(5.0, 100.0) };
             let half = (0.5 * fov_y).to_radians().tan();
             (Projection::Perspective { fov_y }, radius / (filled * half))
         }
@@ -35,13 +33,13 @@ pub(super) fn camera(dice: &mut Dice, [low, high]: [DVec3; 2]) -> Camera {
         target,
         up,
         projection,
-        near: if dice.chance(0.2) { distance * dice.between(0.2, 1.1) } else { 0.0 },
-        size: [8 + dice.of(24) as u32, 8 + dice.of(24) as u32],
-        samples: if dice.chance(0.1) { 2 + dice.of(3) as u32 } else { 1 },
+        near: if rng.chance(0.2) { distance * rng.between(0.2, 1.1) } else { 0.0 },
+        size: [8 + rng.of(24) as u32, 8 + rng.of(24) as u32],
+        samples: if rng.chance(0.1) { 2 + rng.of(3) as u32 } else { 1 },
     }
 }
 
-/// The same camera with its picture moved by a part of a pixel, to the right and up.
+/// Camera with its picture moved by a part of a pixel, to the right and up.
 pub(super) fn nudged(camera: &Camera, by: [f64; 2]) -> Option<Camera> {
     let frame = camera.frame().ok()?;
     let along = |pixel: f64| pixel * (by[0] * frame.right + by[1] * frame.up);

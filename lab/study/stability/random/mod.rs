@@ -2,9 +2,9 @@
 //!
 //! | file | what |
 //! | --- | --- |
-//! | `dice` | numbers that follow from a seed |
+//! | `rng` | numbers that follow from a seed |
 //! | `volumes` | grids and fields |
-//! | `looks` | transfer functions and shading |
+//! | `transfer_functions` | transfer functions and shading |
 //! | `cameras` | cameras |
 //! | `neighbours` | by how much a picture changes where nothing that anybody could see does |
 //!
@@ -18,52 +18,53 @@
 //! moves by a step of that raster.
 
 mod cameras;
-mod dice;
-mod looks;
 mod neighbours;
+mod rng;
+mod transfer_functions;
 mod volumes;
 
 use super::pictures::{BOUND, errors, may_refuse, picture};
 use super::subjects::Subjects;
-use dice::Dice;
+use rng::Rng;
 use serde::Serialize;
 use std::sync::Arc;
 use voltet_core::grid::extent::bounds;
 use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::{Error, Result};
+use voltet_introspect::MeasuredEngine;
 use voltet_optics::engine::Compositor;
-use voltet_optics::reference;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::VisibilityOrder;
+use voltet_reference as reference;
 
-/// How much larger an error may be than the largest change that was found: only eight neighbours of a scene are looked at.
+/// Ratio of an explained error to the largest change that was found: only eight neighbours of a scene are looked at.
 const LIKE: f64 = 2.0;
 
 /// A scene on which an engine was beyond its bound.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Beyond {
+pub struct BoundViolation {
     /// The scene's number: with the seed all that it takes to draw it again.
     pub scene: u64,
-    /// What drew it.
+    /// Engine that drew it.
     pub engine: String,
     /// Pixels beyond the bound.
     pub pixels: usize,
-    /// Those of them that neither the camera nor the data's rounding explain.
+    /// Pixels beyond the bound that neither the camera nor the data's rounding explain.
     pub wrong: usize,
     /// The largest error of a channel, of those not explained where there are any.
     pub worst_error: f64,
-    /// Where it is.
+    /// Position of that pixel.
     pub worst_pixel: [usize; 2],
 }
 
-/// What was found.
+/// Results.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct Random {
+pub struct RandomReport {
     /// All scenes follow from it.
     pub seed: u64,
     /// Scenes with a picture.
     pub drawn: u64,
-    /// Those of them in which something is seen: an opacity of more than 1/255 somewhere.
+    /// Scenes that show something: an opacity of more than 1/255 somewhere.
     pub shown: u64,
     /// Scenes that the referee cannot integrate: it says so, and nothing can be held against it.
     pub without_reference: u64,
@@ -72,11 +73,11 @@ pub struct Random {
     /// The error of a channel that is allowed.
     pub bound: f64,
     /// Scenes beyond it.
-    pub beyond: Vec<Beyond>,
+    pub beyond: Vec<BoundViolation>,
 }
 
-impl Random {
-    /// Whether nothing is beyond its bound without an explanation.
+impl RandomReport {
+    /// True if nothing is beyond its bound without an explanation.
     pub fn passed(&self) -> bool {
         self.beyond.iter().all(|scene| scene.wrong == 0)
     }
@@ -90,8 +91,8 @@ pub fn random(
     seed: u64,
     scenes: std::ops::Range<u64>,
     progress: &dyn Progress,
-) -> Result<Random> {
-    let mut found = Random { seed, bound: BOUND, ..Random::default() };
+) -> Result<RandomReport> {
+    let mut found = RandomReport { seed, bound: BOUND, ..RandomReport::default() };
     let (first, count) = (scenes.start, scenes.end.saturating_sub(scenes.start));
     for number in scenes {
         progress.report("random scenes", (number - first) as f64 / count as f64);
@@ -110,20 +111,20 @@ pub fn random(
         found.drawn += 1;
         found.shown += u64::from(exact.rgba.iter().any(|pixel| pixel[3] > 1.0 / 255.0));
         // Hardly two scenes share compiled shaders.
-        subjects.painters.iter().for_each(|painter| painter.engine.forget());
+        subjects.renderers.iter().for_each(|renderer| renderer.engine.clear_caches());
         let mut explained = None;
         let each = subjects
-            .painters
+            .renderers
             .iter()
-            .flat_map(|painter| painter.ways().into_iter().map(move |way| (painter, way)));
-        for (painter, way) in each {
+            .flat_map(|renderer| renderer.ways().into_iter().map(move |way| (renderer, way)));
+        for (renderer, way) in each {
             let engine = match way {
-                None => painter.engine.label(),
-                Some(way) => format!("{}, {}", painter.engine.label(), way.name()),
+                None => renderer.engine.label(),
+                Some(way) => format!("{}, {}", renderer.engine.label(), way.name()),
             };
-            let picture = match picture(painter, way, &scene, progress) {
+            let picture = match picture(renderer, way, &scene, progress) {
                 Ok(picture) => picture,
-                Err(_) if may_refuse(painter, progress) => {
+                Err(_) if may_refuse(renderer, progress) => {
                     match found.refused.iter_mut().find(|refused| refused.0 == engine) {
                         Some(refused) => refused.1 += 1,
                         None => found.refused.push((engine, 1)),
@@ -152,22 +153,23 @@ pub fn random(
 
 /// One scene.
 pub fn scene(seed: u64, number: u64) -> Result<Scene> {
-    let mut dice = Dice::new(seed, number);
-    let volume = volumes::volume(&mut dice)?;
+    let mut rng = Rng::new(seed, number);
+    let volume = volumes::volume(&mut rng)?;
     let bounds = bounds(&volume.grid.points).unwrap_or_default();
-    let transfer_function = Arc::new(looks::look(&mut dice, &volume, bounds[0].distance(bounds[1])));
-    let shading = looks::shading(&mut dice);
-    let camera = cameras::camera(&mut dice, bounds);
+    let transfer_function =
+        Arc::new(transfer_functions::look(&mut rng, &volume, bounds[0].distance(bounds[1])));
+    let shading = transfer_functions::shading(&mut rng);
+    let camera = cameras::camera(&mut rng, bounds);
     Ok(Scene { volume: Arc::new(volume), transfer_function, camera, shading, order: VisibilityOrder::Exact })
 }
 
-fn beyond(scene: u64, engine: String, errors: &[f64], changes: &[f64], width: usize) -> Beyond {
+fn beyond(scene: u64, engine: String, errors: &[f64], changes: &[f64], width: usize) -> BoundViolation {
     let pixels = errors.iter().filter(|error| **error > BOUND).count();
     let wrong: Vec<usize> = (0..errors.len()).filter(|&k| errors[k] > BOUND + LIKE * changes[k]).collect();
     let all: Vec<usize> = (0..errors.len()).collect();
     let among = if wrong.is_empty() { &all } else { &wrong };
     let worst = among.iter().copied().max_by(|&a, &b| errors[a].total_cmp(&errors[b])).unwrap_or(0);
-    Beyond {
+    BoundViolation {
         scene,
         engine,
         pixels,
@@ -235,7 +237,7 @@ mod tests {
         let found = beyond(7, "an engine".into(), &errors, &[0.0, 0.6e-4, 0.6e-4, 9.0], 2);
         assert_eq!((found.pixels, found.wrong), (3, 2));
         assert_eq!((found.worst_error, found.worst_pixel), (f64::INFINITY, [1, 1]));
-        let all = Random { beyond: vec![found], ..Random::default() };
+        let all = RandomReport { beyond: vec![found], ..RandomReport::default() };
         assert!(!all.passed());
     }
 

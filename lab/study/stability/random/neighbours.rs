@@ -1,4 +1,4 @@
-//! What a picture may be without being wrong: by how much the referee's own picture changes where something moves that nobody
+//! Tolerance of a picture: by how much the referee's own picture changes where something moves that nobody
 //! can see, or that the data's rounding moves.
 
 use super::super::pictures::errors;
@@ -11,14 +11,14 @@ use voltet_core::grid::extent::range;
 use voltet_core::picture::Picture;
 use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::volume::Volume;
-use voltet_optics::reference;
 use voltet_optics::scene::Scene;
+use voltet_reference as reference;
 
-/// How far the camera moves, pixels.
+/// Move of the camera (pixels).
 const NUDGE: f64 = 1e-3;
 /// The raster that hardware moves the corners of triangles to, pixels.
 const RASTER: f64 = 1.0 / 256.0;
-/// What rounding to 32 bits may change in a number from a half to one.
+/// Change by rounding to 32 bits in a number from a half to one.
 const HALF_STEP: f64 = 1.0 / (1 << 25) as f64;
 
 /// By how much each pixel changes at most when the camera moves by a thousandth of a pixel, or the data are rounded.

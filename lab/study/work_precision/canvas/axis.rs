@@ -4,7 +4,7 @@
 pub struct Axis {
     /// Decadic logarithm of its least value.
     pub low: f64,
-    /// Of its largest.
+    /// Decadic logarithm of its largest value.
     pub high: f64,
     start: f64,
     end: f64,
@@ -24,7 +24,7 @@ impl Axis {
         Axis { low: low - room, high: high + room, start, end }
     }
 
-    /// Where a value is drawn.
+    /// Coordinate of a value.
     pub fn place(&self, value: f64) -> f64 {
         self.start + (value.log10() - self.low) / (self.high - self.low) * (self.end - self.start)
     }
@@ -55,7 +55,7 @@ fn number(digit: i32, power: i32) -> String {
     }
 }
 
-/// What the bitmaps of letters can show (Latin-1), not too long.
+/// Text cut to this length, without characters that the font lacks (beyond Latin-1).
 pub fn shown(text: &str, most: usize) -> String {
     let known = |c: char| matches!(c, ' '..='~' | '\u{a0}'..='\u{ff}');
     text.chars().map(|c| if known(c) { c } else { '?' }).take(most).collect()

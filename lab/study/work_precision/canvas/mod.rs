@@ -14,9 +14,9 @@ pub(crate) use svg::escaped;
 pub struct Canvas {
     /// Width and height.
     pub size: [f64; 2],
-    /// What is drawn.
+    /// Marks, the first at the bottom.
     pub marks: Vec<Mark>,
-    /// What it shows, for those who cannot see it.
+    /// Description for screen readers.
     pub title: String,
 }
 
@@ -25,6 +25,12 @@ pub type Color = [u8; 3];
 
 /// White, the paper.
 pub const WHITE: Color = [255; 3];
+
+/// Black, of text and outlines.
+pub const BLACK: Color = [20, 20, 20];
+
+/// Grey of grid lines.
+const FAINT: Color = [225, 225, 225];
 
 /// Something drawn.
 #[derive(Debug, Clone)]
@@ -48,20 +54,20 @@ pub enum Mark {
         fill: Color,
         /// The colour of its outline.
         outline: Color,
-        /// What it stands for, shown by viewers of SVG that can.
+        /// Tooltip in viewers of SVG.
         hint: String,
     },
     /// A line of text, Latin-1.
     Text {
-        /// Where it is anchored: on its middle line.
+        /// Anchor position, on its middle line.
         at: [f64; 2],
         /// The text.
         text: String,
         /// Its size.
         size: Size,
-        /// Which part of it is at that place.
+        /// Part of it at that position.
         anchor: Anchor,
-        /// Whether it runs upward.
+        /// True if it runs upward.
         upward: bool,
         /// Its colour.
         color: Color,
@@ -77,7 +83,7 @@ pub enum Size {
     Large,
 }
 
-/// Which part of a text is at its place.
+/// Part of a text at its anchor position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Anchor {
     /// Its start.
@@ -107,7 +113,7 @@ impl Size {
 }
 
 impl Anchor {
-    /// Where a text of this width starts, from its place.
+    /// Offset of the start of a text of this width from its anchor.
     fn start(self, width: f64) -> f64 {
         match self {
             Anchor::Start => 0.0,
@@ -199,6 +205,28 @@ impl Canvas {
     /// A line.
     pub fn line(&mut self, points: &[[f64; 2]], width: f64, color: Color, dashes: &'static [f64]) {
         self.marks.push(Mark::Line { points: points.to_vec(), width, color, dashes });
+    }
+
+    /// Draws a plane within two axes: lines and labels at their ticks, and its outline. `plane`: left, top, right, bottom.
+    pub fn plane(&mut self, [x, y]: [&Axis; 2], [left, top, right, bottom]: [f64; 4]) {
+        for (value, label) in x.ticks() {
+            let place = x.place(value);
+            if let Some(label) = label {
+                self.line(&[[place, top], [place, bottom]], 1.0, FAINT, &[]);
+                self.text([place, bottom + 16.0], &label, Size::Small, Anchor::Middle, BLACK);
+            }
+            self.line(&[[place, bottom], [place, bottom + 4.0]], 1.0, BLACK, &[]);
+        }
+        for (value, label) in y.ticks() {
+            let place = y.place(value);
+            if let Some(label) = label {
+                self.line(&[[left, place], [right, place]], 1.0, FAINT, &[]);
+                self.text([left - 8.0, place], &label, Size::Small, Anchor::End, BLACK);
+            }
+            self.line(&[[left - 4.0, place], [left, place]], 1.0, BLACK, &[]);
+        }
+        let ring = [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]];
+        self.line(&ring, 1.0, BLACK, &[]);
     }
 
     /// A line of text.

@@ -89,7 +89,7 @@ fn distance([x, y]: [f64; 2], chain: &[[f64; 2]]) -> f64 {
     chain.windows(2).map(|pair| to(&pair[0], &pair[1])).fold(f64::INFINITY, f64::min)
 }
 
-/// Whether a place is inside a closed chain: an odd number of its lines lies to the right.
+/// True if a place is inside a closed chain: an odd number of its lines lies to the right.
 fn inside([x, y]: [f64; 2], ring: &[[f64; 2]]) -> bool {
     let crosses = |a: &[f64; 2], b: &[f64; 2]| {
         (a[1] > y) != (b[1] > y) && x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0])

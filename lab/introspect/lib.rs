@@ -1,0 +1,99 @@
+//! voltet-introspect: measurements of the engines beyond pictures, which their own traits do not have.
+//!
+//! | file | responsibility |
+//! | --- | --- |
+//! | `lib` | measurements of an engine |
+//! | `lanes` | segment formulas of the CPU engine |
+//! | `wgsl` | segment formulas of the GPU engine |
+//! | `operations` | operations counted in a shader's text |
+
+mod lanes;
+#[cfg(feature = "gpu")]
+mod operations;
+#[cfg(feature = "gpu")]
+mod wgsl;
+
+pub use lanes::LaneEvaluator;
+#[cfg(feature = "gpu")]
+pub use wgsl::WgslEvaluator;
+
+use std::sync::Arc;
+use voltet_core::Result;
+use voltet_cpu::introspect::{engine_on, lane_sets, lanes_of};
+#[cfg(feature = "gpu")]
+use voltet_gpu::introspect::{compositor_shader, device_of};
+use voltet_judge::SegmentEvaluator;
+use voltet_optics::engine::{AdapterRequest, Engine, EngineInfo, PreparedVolume, RenderOptions, RenderStats};
+use voltet_optics::scene::Scene;
+
+/// Variants of an engine that are judged one by one: the CPU engine on each lane set, others as they are.
+///
+/// # Errors
+///
+/// - Those of [`EngineInfo::open`].
+pub fn open_variants(engine: &EngineInfo, request: &AdapterRequest) -> Result<Vec<Arc<dyn Engine>>> {
+    if *engine == voltet_cpu::ENGINE {
+        return Ok(lane_sets().map(engine_on).collect());
+    }
+    Ok(vec![engine.open(request)?])
+}
+
+/// Measurements of an engine. Each has no result for engines that it does not apply to, among them all from outside.
+pub trait MeasuredEngine {
+    /// Formulas that the engine integrates segments with; `None` where only its pictures can be judged.
+    fn evaluator(&self) -> Option<Box<dyn SegmentEvaluator>>;
+
+    /// Drops what is cached for further scenes, so that the next set-up starts from nothing.
+    fn clear_caches(&self);
+
+    /// Rate of 32-bit multiply-adds (1/s), measured. Errors: a lost device.
+    fn multiply_adds_per_second(&self) -> Result<Option<f64>>;
+}
+
+impl MeasuredEngine for dyn Engine {
+    fn evaluator(&self) -> Option<Box<dyn SegmentEvaluator>> {
+        if let Some(lanes) = lanes_of(self) {
+            return Some(Box::new(LaneEvaluator { lanes, ordered: false }));
+        }
+        #[cfg(feature = "gpu")]
+        if let Some(device) = device_of(self) {
+            return Some(Box::new(WgslEvaluator::new(device.clone())));
+        }
+        None
+    }
+
+    fn clear_caches(&self) {
+        #[cfg(feature = "gpu")]
+        if let Some(device) = device_of(self) {
+            device.forget_pipelines();
+        }
+    }
+
+    fn multiply_adds_per_second(&self) -> Result<Option<f64>> {
+        #[cfg(feature = "gpu")]
+        if let Some(device) = device_of(self) {
+            return device.multiply_adds_per_second().map(Some);
+        }
+        Ok(None)
+    }
+}
+
+/// Lower bound of the floating-point operations of the compositor in a picture with these statistics, where it is known.
+///
+/// # Errors
+///
+/// - Those of drawing the scene.
+pub fn compositor_operations(
+    volume: &dyn PreparedVolume,
+    scene: &Scene,
+    options: &RenderOptions,
+    stats: &RenderStats,
+) -> Result<Option<u64>> {
+    #[cfg(feature = "gpu")]
+    if let (Some(segments), Some(shader)) = (stats.segments, compositor_shader(volume, scene, options)?) {
+        return operations::compositor_operations(&shader, segments).map(Some);
+    }
+    #[cfg(not(feature = "gpu"))]
+    let _ = (volume, scene, options, stats);
+    Ok(None)
+}

@@ -1,0 +1,118 @@
+//! Segment formulas of an engine, apart from any picture: the subject that exact values judge.
+
+use voltet_core::Result;
+use voltet_core::transfer::TransferFunction;
+use voltet_optics::{Contribution, Segment, WidgetBlend};
+
+/// A set of formulas.
+pub trait SegmentEvaluator {
+    /// Name for reports.
+    fn name(&self) -> &str;
+
+    /// Precision that its bounds are stated in.
+    fn precision(&self) -> Precision;
+
+    /// Condition numbers of T, C and A that its bounds are stated with: those of differences, unless the formulas round raw
+    /// numbers.
+    fn condition(&self, _transfer_function: &TransferFunction, of: &Conditions) -> Condition {
+        of.differences
+    }
+
+    /// Integrates a segment.
+    fn segment(
+        &self,
+        transfer_function: &TransferFunction,
+        segment: &Segment,
+        overlap: WidgetBlend,
+    ) -> Result<EvalOutcome>;
+
+    /// Composites a chain, front to back.
+    fn chain(&self, segments: &[Contribution]) -> Chain;
+
+    /// ψ, F, B and ζ of linear extinction from a to b.
+    fn partial(&self, a: f64, b: f64) -> Result<EvalOutcome<PartialIntegrals>>;
+}
+
+/// Result of an evaluation: in the evaluator's own precision, in a wider one, or none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum EvalOutcome<T = Contribution> {
+    /// In its own precision.
+    Served(T),
+    /// In a wider precision, to which the engine falls back; with the reason.
+    Wider(T, &'static str),
+    /// None; with the reason.
+    Skipped(&'static str),
+}
+
+/// A composited chain of segments.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Chain {
+    /// C.
+    pub color: [f64; 3],
+    /// A.
+    pub opacity: f64,
+    /// 1 − A, with its own relative accuracy; `None` where compositing ends before that is known.
+    pub transparency: Option<f64>,
+}
+
+/// Integrals of a segment of linear extinction (module `linear` of `voltet_optics`).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PartialIntegrals {
+    /// ψ.
+    pub psi: f64,
+    /// F.
+    pub front: f64,
+    /// B.
+    pub back: f64,
+    /// ζ.
+    pub zeta: f64,
+}
+
+/// Condition numbers of T, C and A; `None` where the result is discontinuous.
+pub type Condition = [Option<f64>; 3];
+
+/// Condition numbers of a segment, by what of its inputs is rounded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Conditions {
+    /// The differences from where widgets lie.
+    pub differences: Condition,
+    /// The raw numbers, the values at both ends.
+    pub values: Condition,
+}
+
+impl Conditions {
+    /// True if values that widgets share as 32-bit numbers keep digits of the differences between them; near 1e8 they keep none.
+    pub fn values_keep_digits(&self) -> bool {
+        let lost = |k: f64| 16.0 * f64::from(f32::EPSILON) * (4.0 + k) > 0.1;
+        !self.values[0].is_some_and(lost)
+    }
+}
+
+/// Precision of a set of formulas.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Precision {
+    /// 64-bit.
+    F64,
+    /// 32-bit, with differences formed in 64 bits.
+    F32,
+    /// 32-bit on a device: WGSL lets a quotient err by 2.5 and e^x by 3 + 2|x| units in the last place.
+    Wgsl,
+}
+
+impl Precision {
+    /// ε: the spacing of numbers at 1.
+    pub fn epsilon(self) -> f64 {
+        match self {
+            Precision::F64 => f64::EPSILON,
+            Precision::F32 | Precision::Wgsl => f64::from(f32::EPSILON),
+        }
+    }
+
+    /// Absolute floor of T and A: below it numbers leave the normal range.
+    pub fn floor(self) -> f64 {
+        match self {
+            Precision::F64 => 1e-290,
+            Precision::F32 | Precision::Wgsl => 1e-30,
+        }
+    }
+}

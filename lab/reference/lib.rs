@@ -1,0 +1,96 @@
+//! voltet-reference: adaptive quadrature of ray segments in 64 bits, slow and simple, sharing no formula with the engines or with
+//! `optics`, so that the engines can be compared with it.
+//!
+//! The meaning of a picture stands in the book's page on optics, which this crate follows as directly as it can. [`draw`] makes a picture,
+//! [`tracer`] traces single rays, and [`integrate`] integrates single segments. The integrator of a scene is ignored: it is always
+//! quadrature, to 1e-11 of each segment.
+//!
+//! | file | responsibility |
+//! | --- | --- |
+//! | `segment` | integral of a segment |
+//! | `term`, `part`, `texels` | widgets along a segment |
+//! | `layout`, `cuts`, `features`, `side` | places where widgets change |
+//! | `linear_on_segment`, `wide` | numbers with more digits |
+//! | `quadrature` | the rule |
+//! | `integrator` | quadrature behind the product's traits |
+//! | `renderer` | engine of `integrator = "reference"` |
+
+mod cuts;
+mod features;
+mod integrator;
+mod layout;
+mod linear_on_segment;
+mod part;
+mod quadrature;
+mod renderer;
+mod segment;
+mod side;
+mod term;
+mod texels;
+mod wide;
+
+pub use integrator::Reference;
+pub use renderer::ENGINE;
+pub use segment::{Integrand, Tolerance, Workspace};
+
+use voltet_core::Result;
+use voltet_core::picture::Picture;
+use voltet_core::progress::Progress;
+use voltet_core::transfer::TransferFunction;
+use voltet_graph::Registry;
+use voltet_optics::integrators::{INTEGRATOR, Integrator, variant};
+use voltet_optics::scene::Scene;
+use voltet_optics::trace::{CellCrossing, Tiles, Tracer};
+use voltet_optics::{Contribution, Segment, WidgetBlend};
+
+/// Integrator `reference`.
+pub const REFERENCE: Integrator = Integrator::with_settings(&integrator::ReferenceKind, []);
+
+/// Adds the integrator `reference` to a registry.
+///
+/// # Errors
+///
+/// - A name that is taken.
+pub fn register(registry: &mut Registry) -> Result<()> {
+    registry.add_variant(INTEGRATOR, variant(REFERENCE.kind())?)
+}
+
+/// Ray tracer of a scene. Errors: arrays that are missing, numbers out of range.
+pub fn tracer(scene: &Scene) -> Result<Tracer<'_>> {
+    let integrand = Integrand::new(&scene.transfer_function, scene.shading.overlap, Tolerance::PICTURE)?;
+    Tracer::new(scene, Box::new(integrand))
+}
+
+/// Draws the scene in 64 bits. Errors: arrays that are missing, numbers out of range, a stopped run.
+pub fn draw(scene: &Scene, progress: &dyn Progress) -> Result<Picture> {
+    tracer(scene)?.draw(progress)
+}
+
+/// Like [`draw`], from the tiles that are there already; where it ends early, `tiles` holds those that are drawn.
+pub fn draw_further(scene: &Scene, tiles: &mut Tiles, progress: &dyn Progress) -> Result<Picture> {
+    tracer(scene)?.draw_further(tiles, progress)
+}
+
+/// Integral of one segment, to a relative 1e-11 of each of its stretches.
+pub fn integrate(
+    segment: &Segment,
+    transfer_function: &TransferFunction,
+    overlap: WidgetBlend,
+) -> Result<Contribution> {
+    let integrand = Integrand::new(transfer_function, overlap, Tolerance::SEGMENT)?;
+    let values = |ends: [f64; 2], fields: &[f64]| [&ends, fields].concat();
+    let front = values(segment.front, segment.fields_front);
+    let back = values(segment.back, segment.fields_back);
+    integrand.integrate(segment.length, &front, &back, &mut Workspace::default())
+}
+
+/// Optical depth of each widget by itself in the cells of a ray. Errors: what cannot be integrated.
+pub fn widget_depths(transfer_function: &TransferFunction, cells: &[CellCrossing]) -> Result<Vec<Vec<f64>>> {
+    let alone = Integrand::new(transfer_function, WidgetBlend::Mix, Tolerance::PICTURE)?;
+    let mut work = Workspace::default();
+    let depths = |cell: &CellCrossing| {
+        let depths = alone.widget_depths(cell.length, &cell.front, &cell.back, &mut work);
+        depths.map_err(|error| error.at_item(format!("cell {}", cell.cell)))
+    };
+    cells.iter().map(depths).collect()
+}

@@ -1,0 +1,60 @@
+//! Engine of `integrator = "reference"`.
+
+use crate::draw;
+use crate::integrator::ReferenceKind;
+use std::sync::Arc;
+use std::time::Instant;
+use voltet_core::progress::Progress;
+use voltet_core::volume::Volume;
+use voltet_core::{Error, Result};
+use voltet_optics::engine::{
+    Engine, EngineInfo, PreparedVolume, RenderOptions, RenderOutput, Stage, StageTiming,
+};
+use voltet_optics::scene::Scene;
+
+/// Reference renderer. It draws every scene by quadrature, whatever the integrator, and serves that of its name.
+pub const ENGINE: EngineInfo = EngineInfo {
+    name: ReferenceKind::NAME,
+    summary: "64-bit adaptive quadrature, slow",
+    taken: None,
+    unavailable_reason: None,
+    on_device: false,
+    compositing: &[],
+    can_serve: |_, shading| match shading.integrator.name() == ReferenceKind::NAME {
+        true => Ok(()),
+        false => Err(Error::usage("the 64-bit reference has one integrator")
+            .got(shading.integrator.name())
+            .expected(ReferenceKind::NAME)),
+    },
+    adapters: Vec::new,
+    open: |_, _| Ok(Arc::new(ReferenceRenderer)),
+};
+
+#[derive(Debug, Clone, Copy)]
+struct ReferenceRenderer;
+
+impl Engine for ReferenceRenderer {
+    fn adapter(&self) -> String {
+        format!("64 bits, {} threads", rayon::current_num_threads())
+    }
+
+    fn reason(&self) -> Option<&str> {
+        Some("the integrator is the 64-bit reference")
+    }
+
+    fn prepare(&self, _volume: &Arc<Volume>) -> Result<Arc<dyn PreparedVolume>> {
+        Ok(Arc::new(ReferenceRenderer))
+    }
+}
+
+impl PreparedVolume for ReferenceRenderer {
+    fn draw(&self, scene: &Scene, _manner: &RenderOptions, progress: &dyn Progress) -> Result<RenderOutput> {
+        let start = Instant::now();
+        let picture = draw(scene, progress)?;
+        let seconds = start.elapsed().as_secs_f64();
+        Ok(RenderOutput::new(
+            picture,
+            vec![StageTiming { stage: Stage::Composite, pass: Some("reference"), seconds }],
+        ))
+    }
+}

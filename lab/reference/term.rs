@@ -1,0 +1,230 @@
+//! One widget, and where along a straight path through the (s, g) plane it changes.
+//!
+//! Every profile is a function of a few coordinates that are linear along the path. Symbols as in docs/src/explanation/optics.md,
+//! section 5.
+
+use crate::linear_on_segment::{LinearOnSegment, Place};
+use crate::side::{Side, sides_of, sides_of_rectangle};
+use crate::texels::Texels;
+use crate::wide::Wide;
+use std::f64::consts::PI;
+use voltet_core::transfer::{ControlPoint, Profile, Wave, Widget};
+use voltet_core::{Error, Result};
+
+/// A path that stays within so many widths of a Gaussian's centre is known to 1e-14 of a width in doubles.
+const ROUNDED_WIDTHS: f64 = 100.0;
+
+/// One widget made ready.
+pub(crate) struct Term {
+    pub(crate) shape: ReadyProfile,
+    /// Extinction / unit distance, 1/L.
+    pub(crate) peak: f64,
+    /// The extinction where it is densest, 1/L.
+    pub(crate) densest: f64,
+    pub(crate) color: [f64; 3],
+    /// The largest component of any of its colours.
+    pub(crate) brightest: f64,
+    /// Half planes whose intersection is the region, and a table's range.
+    sides: Vec<Side>,
+}
+
+/// A profile, and in which coordinates it is simplest.
+pub(crate) enum ReadyProfile {
+    Uniform,
+    /// Coordinates: K (v − v0).
+    Gaussian {
+        columns: Vec<usize>,
+        centre: Vec<f64>,
+        matrix: Vec<Vec<f64>>,
+    },
+    /// Coordinates: K (v − v0), and the width that they are shares of.
+    Triangular {
+        columns: Vec<usize>,
+        centre: Vec<f64>,
+        matrix: Vec<Vec<f64>>,
+        /// Its column and what that is multiplied by.
+        width: (usize, f64),
+    },
+    /// Coordinate: φ.
+    Bands(Bands),
+    /// Coordinate: s.
+    Linear {
+        points: Vec<ControlPoint>,
+        peak: f64,
+    },
+    /// Coordinates: s, g.
+    Table(Texels),
+}
+
+/// A triangle or sine wave; peaks at φ = n + ½.
+pub(crate) struct Bands {
+    pub(crate) sine: bool,
+    pub(crate) band_width: f64,
+    /// Half-width of a band in φ.
+    pub(crate) half: f64,
+    /// ∂φ/∂s and ∂φ/∂g.
+    slope: [Wide; 2],
+    origin: [f64; 2],
+}
+
+impl Bands {
+    fn new(wave: &Wave, sine: bool) -> Self {
+        let (sin, cos) = wave.angle.sin_cos();
+        let slope = [(cos, wave.scale[0]), (sin, wave.scale[1])];
+        let slope = slope.map(|(part, scale)| Wide::from(part) * scale / Wide::from(wave.period));
+        let mut bands = Bands { sine, band_width: wave.band_width, half: 0.5, slope, origin: wave.origin };
+        if wave.band_width < 1.0 {
+            bands.half = bands.half_width(0.0);
+        }
+        bands
+    }
+
+    /// Half-width in φ of what is higher than a share of the peak.
+    pub(crate) fn half_width(&self, height: f64) -> f64 {
+        let below = self.band_width * (1.0 - height);
+        if self.sine { (0.5 * below).sqrt().asin() * 2.0 / PI } else { 0.5 * below }
+    }
+}
+
+impl Term {
+    /// `fields` are the names of the point quantities that follow s and g in a value.
+    pub(crate) fn new(widget: &Widget, unit_distance: f64, fields: &[&str]) -> Result<Self> {
+        let mut sides = match &widget.region {
+            Some(region) => sides_of(region)?,
+            None if matches!(widget.profile, Profile::Uniform) => {
+                return Err(Error::usage("a uniform widget has no region"));
+            }
+            None => Vec::new(),
+        };
+        let mut extinction = widget.extinction;
+        let shape = match &widget.profile {
+            Profile::Uniform => ReadyProfile::Uniform,
+            Profile::Gaussian { centre, matrix } => ReadyProfile::Gaussian {
+                columns: vec![0, 1],
+                centre: centre.to_vec(),
+                matrix: matrix.iter().map(|row| row.to_vec()).collect(),
+            },
+            Profile::GaussianNd { fields: own, centre, matrix } => {
+                let columns = columns(own, centre, matrix, fields)?;
+                ReadyProfile::Gaussian { columns, centre: centre.clone(), matrix: matrix.clone() }
+            }
+            Profile::TriangularGaussian { centre, sigma } => ReadyProfile::Triangular {
+                columns: vec![0],
+                centre: vec![*centre],
+                matrix: vec![vec![1.0]],
+                width: (1, *sigma),
+            },
+            Profile::TriangularGaussianNd { fields: own, magnitude, centre, matrix } => {
+                ReadyProfile::Triangular {
+                    columns: columns(own, centre, matrix, fields)?,
+                    centre: centre.clone(),
+                    matrix: matrix.clone(),
+                    width: (column(magnitude, fields)?, 1.0),
+                }
+            }
+            Profile::TriangleWave(wave) => ReadyProfile::Bands(Bands::new(wave, false)),
+            Profile::SineWave(wave) => ReadyProfile::Bands(Bands::new(wave, true)),
+            Profile::PiecewiseLinear { points } => {
+                if points.is_empty() {
+                    return Err(Error::usage("a piecewise-linear widget has no control points"));
+                }
+                extinction = 1.0;
+                let peak = points.iter().map(|p| p.extinction).fold(0.0, f64::max);
+                ReadyProfile::Linear { points: points.clone(), peak }
+            }
+            Profile::Table(table) => {
+                sides.extend(sides_of_rectangle([table.s, table.g]));
+                ReadyProfile::Table(Texels::new(table.clone()))
+            }
+        };
+        Ok(Term {
+            shape,
+            peak: extinction / unit_distance,
+            densest: widget.peak() / unit_distance,
+            color: widget.color,
+            brightest: widget.max_emission(),
+            sides,
+        })
+    }
+
+    /// Between which places the path is inside the region; `None` where it is nowhere, and for a widget that is
+    /// nowhere dense: it does not glow either.
+    pub(crate) fn window(&self, front: &[f64], back: &[f64]) -> Option<[Place; 2]> {
+        if self.densest == 0.0 {
+            return None;
+        }
+        let [mut from, mut to] = [Place::FRONT, Place::BACK];
+        for side in &self.sides {
+            let along = side.on_segment(front, back);
+            let (f, b) = (along.front.value(), along.back.value());
+            // A path along an edge is inside.
+            if f.min(b) < 0.0 && f.max(b) <= 0.0 {
+                return None;
+            }
+            let Some(place) = along.passes(Wide::ZERO) else { continue };
+            if f < 0.0 && from.is_before(place) {
+                from = place;
+            } else if f > 0.0 && place.is_before(to) {
+                to = place;
+            }
+        }
+        from.is_before(to).then_some([from, to])
+    }
+
+    /// Appends the coordinates along the path from `front` to `back` (each [s, g, fields …]).
+    pub(crate) fn coordinates(&self, front: &[f64], back: &[f64], out: &mut Vec<LinearOnSegment>) {
+        match &self.shape {
+            ReadyProfile::Uniform => {}
+            ReadyProfile::Gaussian { columns, centre, matrix } => out.extend(matrix.iter().map(|row| {
+                let parts =
+                    || row.iter().zip(columns).zip(centre).map(|((k, column), v0)| (*column, *k, *v0));
+                let along = LinearOnSegment::rounded(front, back, parts());
+                let farthest = along.front.abs().value().max(along.back.abs().value());
+                if farthest < ROUNDED_WIDTHS {
+                    return along;
+                }
+                LinearOnSegment::new(front, back, parts().map(|(column, k, v0)| (column, Wide::from(k), v0)))
+            })),
+            ReadyProfile::Triangular { columns, centre, matrix, width: (column, factor) } => {
+                out.extend(matrix.iter().map(|row| {
+                    let parts = row.iter().zip(columns).zip(centre);
+                    LinearOnSegment::new(
+                        front,
+                        back,
+                        parts.map(|((k, column), v0)| (*column, Wide::from(*k), *v0)),
+                    )
+                }));
+                out.push(LinearOnSegment::new(
+                    front,
+                    back,
+                    std::iter::once((*column, Wide::from(*factor), 0.0)),
+                ));
+            }
+            ReadyProfile::Bands(bands) => {
+                let parts = (0..2).map(|axis| (axis, bands.slope[axis], bands.origin[axis]));
+                out.push(LinearOnSegment::new(front, back, parts));
+            }
+            ReadyProfile::Linear { .. } => out.push(LinearOnSegment::column(front, back, 0)),
+            ReadyProfile::Table(_) => {
+                out.extend([0, 1].map(|column| LinearOnSegment::column(front, back, column)))
+            }
+        }
+    }
+}
+
+/// The column of a field in a value.
+fn column(name: &str, fields: &[&str]) -> Result<usize> {
+    fields.iter().position(|f| *f == name).map(|k| k + 2).ok_or_else(|| {
+        Error::usage("a widget names a field that is not at hand").got(name).expected(fields.join(", "))
+    })
+}
+
+/// The columns of a widget's fields, of which its numbers must be as many.
+fn columns(own: &[String], centre: &[f64], matrix: &[Vec<f64>], fields: &[&str]) -> Result<Vec<usize>> {
+    let n = own.len();
+    if centre.len() != n || matrix.len() != n || matrix.iter().any(|row| row.len() != n) {
+        return Err(Error::usage("a widget's centre or matrix has not its fields' number")
+            .expected(format!("{n} numbers and {n} × {n} numbers")));
+    }
+    own.iter().map(|name| column(name, fields)).collect()
+}

@@ -1,0 +1,79 @@
+//! Options of a test of gradient filters.
+
+use voltet_core::{Error, Result};
+
+/// Measurements to make, and requirements of the filter.
+#[derive(Debug, Clone)]
+pub struct TestOptions {
+    /// Boxes along a side of each grid, coarse to fine, two at least.
+    pub levels: Vec<usize>,
+    /// Boxes along a side of the grid that is timed.
+    pub timed: usize,
+    /// Number of times each filter is timed, after once that warms up.
+    pub rounds: usize,
+    /// Requirements of the filter.
+    pub hold_to: Vec<RequirementKind>,
+    /// The least order of convergence inside.
+    pub order: f64,
+    /// The largest error on linear fields, by the largest gradient.
+    pub linear_error: f64,
+}
+
+/// Something that a filter can be held to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RequirementKind {
+    /// A finite vector at every point, on every grid.
+    Finite,
+    /// Exact on linear fields, on every grid.
+    Linear,
+    /// Its order of convergence inside, on every family of grids.
+    Order,
+    /// Equal gradients wherever the grid stands and however it is numbered.
+    Invariance,
+}
+
+impl TestOptions {
+    /// Refuses what cannot be measured. `named`: what a number is called where it was given.
+    pub fn check(&self, named: impl Fn(&str) -> String) -> Result<()> {
+        let wrong = |what: &str, found: String, accepted: &str| {
+            let error = Error::usage(format!("{} is out of range", named(what)));
+            Err(error.got(found).expected(accepted))
+        };
+        let rising = self.levels.windows(2).all(|pair| pair[0] < pair[1]);
+        if self.levels.len() < 2 || !rising || self.levels.iter().any(|n| !(2..=128).contains(n)) {
+            let accepted = "two or more rising numbers from 2 to 128, such as 4,8,16";
+            return wrong("levels", format!("{:?}", self.levels), accepted);
+        }
+        if !(2..=200).contains(&self.timed) {
+            return wrong("timed", self.timed.to_string(), "2 to 200 boxes along a side");
+        }
+        if self.rounds == 0 {
+            return wrong("rounds", "0".into(), "1 or more");
+        }
+        if !self.order.is_finite() {
+            return wrong("order", self.order.to_string(), "a number");
+        }
+        if self.linear_error.is_nan() || self.linear_error < 0.0 {
+            return wrong("linear_error", self.linear_error.to_string(), "a number of at least 0");
+        }
+        Ok(())
+    }
+}
+
+impl Default for TestOptions {
+    fn default() -> TestOptions {
+        TestOptions {
+            levels: vec![4, 8, 16, 24],
+            timed: 40,
+            rounds: 5,
+            hold_to: vec![
+                RequirementKind::Finite,
+                RequirementKind::Linear,
+                RequirementKind::Order,
+                RequirementKind::Invariance,
+            ],
+            order: 0.8,
+            linear_error: 1e-9,
+        }
+    }
+}

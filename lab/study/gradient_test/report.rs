@@ -1,0 +1,190 @@
+//! Results of gradient filters.
+
+use serde::Serialize;
+
+/// Filters measured side by side: the first is the one that was asked about.
+#[derive(Debug, Clone, Serialize)]
+pub struct GradientTest {
+    /// The filters.
+    pub filters: Vec<FilterReport>,
+    /// Requirements of the first.
+    pub requirements: Vec<Requirement>,
+    /// Boxes along a side of each grid, coarse to fine.
+    pub levels: Vec<usize>,
+    /// Threads that filters may use.
+    pub threads: usize,
+    /// Engine of the pictures.
+    pub engine: String,
+    /// The picture with the exact gradient, PNG.
+    #[serde(skip)]
+    pub exact_png: Vec<u8>,
+}
+
+/// Results of one filter.
+#[derive(Debug, Clone, Serialize)]
+pub struct FilterReport {
+    /// Its name in pipeline files.
+    pub name: String,
+    /// Its summary, a sentence.
+    pub summary: String,
+    /// Its parameters with their values, as a pipeline file would write them.
+    pub parameters: Vec<(String, String)>,
+    /// Errors on finer and finer grids: one entry a family of grids and field.
+    pub convergence: Vec<Convergence>,
+    /// Errors where a filter may be exact: one entry a family of grids.
+    pub exactness: Vec<Exactness>,
+    /// Two materials that meet in a plane of the grid.
+    pub materials: Option<Materials>,
+    /// Differences by changes that should have no effect.
+    pub invariance: Vec<Invariance>,
+    /// Gradients of noise: one entry a family of grids.
+    pub noise: Vec<Noise>,
+    /// Time and memory.
+    pub cost: Option<Cost>,
+    /// A picture drawn with it.
+    pub picture: Option<PictureError>,
+    /// Places at which the filter failed or fell back, with its words.
+    pub faults: Vec<Fault>,
+}
+
+/// Errors of one field on one family of grids.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Convergence {
+    /// The family of grids.
+    pub mesh: &'static str,
+    /// The field.
+    pub field: &'static str,
+    /// At points inside.
+    pub inside: Series,
+    /// At points on the boundary.
+    pub boundary: Series,
+}
+
+/// Errors from coarse to fine.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Series {
+    /// Root of the mean square of |found − exact|, by that of |exact| over all points.
+    pub root_mean_square: Vec<f64>,
+    /// The largest |found − exact|, by the same.
+    pub maximum: Vec<f64>,
+    /// log(e₁/e₂) / log(n₂/n₁) of the two finest root mean squares; `None` where there is only rounding left to compare.
+    pub order: Option<f64>,
+}
+
+/// Largest errors on a field that a filter may get exactly, relative to the largest gradient.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Exactness {
+    /// The family of grids.
+    pub mesh: &'static str,
+    /// On a linear field.
+    pub linear: f64,
+    /// On a quadratic field, at points inside.
+    pub quadratic_inside: f64,
+    /// On a quadratic field, at points on the boundary.
+    pub quadratic_boundary: f64,
+}
+
+/// Two materials that meet in a plane of the grid: the slope across jumps there.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Materials {
+    /// The largest error beyond two cells from the plane, by the jump, from coarse to fine.
+    pub beyond: Vec<f64>,
+    /// Its order; `None` where rounding is all that is left.
+    pub order: Option<f64>,
+    /// Cells from the plane, on the finest grid, within which errors are above a hundredth of the jump.
+    pub reach: usize,
+    /// The largest overshoot of ∂s/∂x beyond both of its values, by the jump, on the finest grid.
+    pub overshoot: f64,
+}
+
+/// Difference by a change that moves a gradient in space alone.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Invariance {
+    /// Change of the grid or the scalar.
+    pub under: &'static str,
+    /// The largest difference, by the largest gradient.
+    pub difference: f64,
+    /// Differences that rounding alone may make.
+    pub rounding: f64,
+}
+
+/// Gradients of independent noise of variance 1 at the points.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Noise {
+    /// The family of grids.
+    pub mesh: &'static str,
+    /// Root of the mean square of |∇noise| × spacing, inside.
+    pub inside: f64,
+    /// Root of the mean square of |∇noise| × spacing, on the boundary.
+    pub boundary: f64,
+}
+
+/// Time and memory of a filter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Cost {
+    /// Points of the grid.
+    pub points: usize,
+    /// Tetrahedra of the grid.
+    pub tetrahedra: usize,
+    /// Median of the seconds, filters taking turns.
+    pub median_s: f64,
+    /// The fastest.
+    pub fastest_s: f64,
+    /// The slowest.
+    pub slowest_s: f64,
+    /// Bytes that the process held at most beyond those before; `None` where the system does not tell.
+    pub memory_bytes: Option<u64>,
+}
+
+/// A picture with its gradient magnitude, against the same with the exact one.
+#[derive(Debug, Clone, Serialize)]
+pub struct PictureError {
+    /// Width and height.
+    pub size: [u32; 2],
+    /// The largest difference of a channel.
+    pub maximum: f64,
+    /// Root of the mean square of these differences.
+    pub root_mean_square: f64,
+    /// Pixels that differ by more than 1/255.
+    pub pixels_over_step: u64,
+    /// The picture, PNG.
+    #[serde(skip)]
+    pub png: Vec<u8>,
+}
+
+/// A filter that failed, or did with less than it promises.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Fault {
+    /// While what was measured.
+    pub at: String,
+    /// Message of the filter, or of the check of its vectors.
+    pub what: String,
+    /// True if it gave nothing; else it fell back at some points.
+    pub failed: bool,
+}
+
+/// Requirement of a filter, with its result.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Requirement {
+    /// In words, with the bound.
+    pub what: String,
+    /// Result.
+    pub found: String,
+    /// True if it holds.
+    pub holds: bool,
+}
+
+impl Fault {
+    /// In a sentence about the filter of that name.
+    pub fn said(&self, name: &str) -> String {
+        let did = if self.failed { "failed" } else { "fell back" };
+        format!("{name} {did}, {}: {}", self.at, self.what)
+    }
+}
+
+impl GradientTest {
+    /// True if the first filter keeps all that it is held to.
+    pub fn passed(&self) -> bool {
+        self.requirements.iter().all(|requirement| requirement.holds)
+    }
+}

@@ -1,0 +1,68 @@
+//! Renderer variants of a study: engines with their compositors, and the choice among them.
+
+use voltet_nodes::drawing::{ENGINES, NATIVE};
+use voltet_optics::engine::{Compositor, EngineInfo};
+
+/// Engine and, if it has several, its compositor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RendererVariant {
+    /// The engine.
+    pub engine: &'static EngineInfo,
+    /// Its compositor; `None` if it has one only.
+    pub compositing: Option<Compositor>,
+}
+
+/// Engines that are studied.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Engines {
+    /// This one alone.
+    One(&'static EngineInfo),
+    /// Every engine that is there.
+    #[default]
+    All,
+}
+
+impl RendererVariant {
+    /// The engine that draws every scene.
+    pub const NATIVE: RendererVariant = RendererVariant { engine: NATIVE, compositing: None };
+
+    /// An engine with each of its ways.
+    pub fn of(engine: &'static EngineInfo) -> impl Iterator<Item = RendererVariant> {
+        let only = engine.compositing.is_empty().then_some(None);
+        let ways = only.into_iter().chain(engine.compositing.iter().copied().map(Some));
+        ways.map(move |compositing| RendererVariant { engine, compositing })
+    }
+
+    /// Every engine with each of its ways.
+    pub fn all() -> impl Iterator<Item = RendererVariant> {
+        ENGINES.iter().flat_map(RendererVariant::of)
+    }
+
+    /// The compositor's name in pipeline files.
+    pub fn compositor(self) -> Option<&'static str> {
+        self.compositing.map(Compositor::name)
+    }
+
+    /// Both names, for people: "cpu", "gpu tiles".
+    pub fn label(self) -> String {
+        match self.compositor() {
+            None => self.engine.name.into(),
+            Some(compositor) => format!("{} {compositor}", self.engine.name),
+        }
+    }
+
+    /// Its place among all.
+    pub fn number(self) -> usize {
+        RendererVariant::all().position(|known| known == self).unwrap_or_default()
+    }
+}
+
+impl Engines {
+    /// Engines that are studied, one by one.
+    pub fn each(self) -> impl Iterator<Item = &'static EngineInfo> {
+        ENGINES.iter().filter(move |engine| match self {
+            Engines::One(only) => *engine == only,
+            Engines::All => true,
+        })
+    }
+}
