@@ -4,8 +4,7 @@ use crate::drawing;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 use voltet_graph::{DemandContext, Node, Outputs, Parameters, Port, PortType, RunContext, Value};
-use voltet_optics::engine::registered;
-use voltet_optics::shading::Integrator;
+use voltet_optics::integrators::stated;
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -20,7 +19,7 @@ pub const NODE: Node = Node {
     example: include_str!("examples/stages.toml"),
     check: &check,
     demand: &|asking: &mut DemandContext| {
-        let (engine, why) = match registered(asking.parameters.text("integrator")?) {
+        let (engine, why) = match stated(asking.parameters)?.extension() {
             Some(engine) => (engine, drawing::registered_reason(engine)),
             None => (drawing::NATIVE, "the stages are nodes of their own, which the CPU runs".into()),
         };
@@ -32,9 +31,10 @@ pub const NODE: Node = Node {
 };
 
 fn check(parameters: &Parameters) -> Result<()> {
-    if drawing::shading(parameters)?.integrator == Integrator::VertexSampled {
-        let what =
-            "the integrator 'vertex-sampled' looks at the grid's points, which no stage of its own has";
+    let integrator = drawing::shading(parameters)?.integrator;
+    if integrator.kind().scene_preparation().is_some() {
+        let name = integrator.name();
+        let what = format!("the integrator '{name}' reads the grid's points, which no stage of its own has");
         let error = Error::usage(what).expected("a node of type renderer, or another integrator");
         return Err(parameters.locate("integrator", error));
     }
@@ -55,7 +55,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
         );
     }
     drawing::note_bands(call, &cells.volume, &transfer_function)?;
-    let picture = match registered(shading.integrator.name()) {
+    let picture = match shading.integrator.extension() {
         Some(engine) => {
             let projection = &projected.projection;
             drawing::composite_registered(call, engine, projection, &transfer_function, &shading)?

@@ -42,7 +42,8 @@ pub use transfer_function::load_image as table_image;
 use std::path::Path;
 use voltet_core::Result;
 use voltet_core::field::filters;
-use voltet_graph::{Node, Registry, Session, Stamp};
+use voltet_graph::{Node, Registry, Session, Stamp, VariantAlias};
+use voltet_optics::integrators::{self, Integrator};
 
 /// The nodes that ship, in the order in which data runs through them.
 pub static NODES: &[&Node] = &[
@@ -66,12 +67,21 @@ pub static NODES: &[&Node] = &[
     &report_writer::NODE,
 ];
 
-/// A registry with the nodes and gradient filters that ship; others are added by the same [`Registry::add`] and
-/// [`Registry::add_filter`].
+/// A registry with the nodes, gradient filters and integrators that ship; others are added by the same [`Registry::add`],
+/// [`Registry::add_filter`] and [`Registry::add_variant`].
 pub fn registry() -> Result<Registry> {
     let mut registry = Registry::new();
     NODES.iter().try_for_each(|node| registry.add(node))?;
     filters().into_iter().try_for_each(|filter| registry.add_filter(filter))?;
+    for kind in integrators::KINDS {
+        registry.add_variant(integrators::INTEGRATOR, integrators::variant(kind)?)?;
+    }
+    // A piecewise-linear function is cut at its control points by the closed forms.
+    registry.add_alias(VariantAlias {
+        parameter: integrators::INTEGRATOR,
+        alias: "clipped",
+        name: Integrator::ANALYTIC.name(),
+    });
     Ok(registry)
 }
 

@@ -26,9 +26,8 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-const PARAMETERS: [Parameter; 15] = {
-    let [integrator, overlap, segments, tolerance, table_size, oversampling, planes, silhouette, light] =
-        drawing::PARAMETERS;
+const PARAMETERS: [Parameter; 10] = {
+    let [integrator, overlap, silhouette, light] = drawing::PARAMETERS;
     [
         drawing::ENGINE,
         drawing::ADAPTER,
@@ -38,11 +37,6 @@ const PARAMETERS: [Parameter; 15] = {
         drawing::ORDER_CHECK,
         integrator,
         overlap,
-        segments,
-        tolerance,
-        table_size,
-        oversampling,
-        planes,
         silhouette,
         light,
     ]

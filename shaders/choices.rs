@@ -1,7 +1,9 @@
 //! What a scene asks of its shader: the choices that decide the text.
 
+use crate::integrator::{RegisteredMethod, WgslCall, registered};
 use crate::kinds::{Calls, Kind};
 use crate::parts::{Layout, Parts};
+use crate::pieces::WgslPiece;
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_optics::WidgetBlend;
@@ -66,45 +68,39 @@ pub enum TileOrder {
 /// that the text reads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Method {
-    /// Closed forms; `clipped` is the one of a piecewise-linear widget.
+    /// Closed forms.
     Analytic,
     /// Closed forms, subdivided to a tolerance.
     Adaptive,
-    /// Equal pieces and the partial pre-integration table.
-    Segments,
-    /// Point samples.
-    Riemann,
-    /// A table over (s_f, s_b, D).
-    PreIntegrated,
-    /// The same table as two-dimensional tiles.
-    PreIntegratedCylindrical,
+    /// Text from outside.
+    Registered(RegisteredMethod),
 }
 
 impl Method {
-    /// True if what is drawn stands in a table, so that the text knows no widgets.
-    pub fn is_table_of_lengths(self) -> bool {
-        matches!(self, Method::PreIntegrated | Method::PreIntegratedCylindrical)
+    /// The call of text from outside.
+    pub(crate) fn call(self, constant_emitter: bool) -> Option<WgslCall> {
+        match self {
+            Method::Registered(RegisteredMethod(text)) => Some(text.call(constant_emitter)),
+            Method::Analytic | Method::Adaptive => None,
+        }
     }
 
-    /// What samples the widgets, where the method does: a function of members and a number of pieces, and the pieces of text
-    /// that it is in.
-    pub(crate) fn sampler(self, constant_emitter: bool) -> Option<(&'static str, &'static [&'static str])> {
-        match self {
-            Method::Riemann => Some(("riemann", &["sampled/riemann"])),
-            Method::Segments if constant_emitter => {
-                Some(("linear_pieces", &["sampled/segments", "sampled/partial_constant"]))
-            }
-            Method::Segments => Some(("linear_pieces", &["sampled/segments", "sampled/partial_density"])),
-            Method::Analytic
-            | Method::Adaptive
-            | Method::PreIntegrated
-            | Method::PreIntegratedCylindrical => None,
-        }
+    /// True if all that is drawn stands in a table, so that the text has no widgets.
+    pub fn is_table_of_lengths(self) -> bool {
+        matches!(self.call(false), Some(WgslCall::Table { .. }))
     }
 
     /// True if the widgets are sampled.
     pub(crate) fn samples(self) -> bool {
-        self.sampler(false).is_some()
+        matches!(self.call(false), Some(WgslCall::Samples { .. }))
+    }
+
+    /// The pieces that the text adds to those that ship.
+    pub(crate) fn pieces(self) -> &'static [WgslPiece] {
+        match self {
+            Method::Registered(RegisteredMethod(text)) => text.pieces(),
+            Method::Analytic | Method::Adaptive => &[],
+        }
     }
 }
 
@@ -245,7 +241,9 @@ impl Choices {
     pub(crate) fn reads_numbers(&self) -> bool {
         let of_widgets =
             self.widgets.iter().any(|widget| widget.edges.is_some() || widget.kind.number_count() > 0);
-        of_widgets || (self.method == Method::Segments && !self.widgets.is_empty())
+        let of_method = self.method.call(self.constant_emitter);
+        let of_method = matches!(of_method, Some(WgslCall::Samples { reads_numbers: true, .. }));
+        of_widgets || (of_method && !self.widgets.is_empty())
     }
 
     /// The read-only storage buffers of group 0, by name and binding: what [`crate::Resources`] fills, `numbers` in its parts.
@@ -276,15 +274,13 @@ impl Choices {
 
 /// What draws an integrator on a device; `None`: nothing does.
 fn method_of(integrator: &Integrator) -> Option<Method> {
-    match integrator {
-        Integrator::Analytic | Integrator::Clipped => Some(Method::Analytic),
-        Integrator::Adaptive { .. } => Some(Method::Adaptive),
-        Integrator::Segments { .. } => Some(Method::Segments),
-        Integrator::Riemann { .. } => Some(Method::Riemann),
-        Integrator::PreIntegrated { .. } => Some(Method::PreIntegrated),
-        Integrator::PreIntegratedCylindrical { .. } => Some(Method::PreIntegratedCylindrical),
-        Integrator::VertexSampled | Integrator::Tabulated { .. } | Integrator::Reference => None,
+    if *integrator == Integrator::ANALYTIC {
+        return Some(Method::Analytic);
     }
+    if integrator.tolerance().is_some() {
+        return Some(Method::Adaptive);
+    }
+    registered(integrator).map(|text| Method::Registered(RegisteredMethod(text)))
 }
 
 /// True if there is a shader for the integrator.
@@ -294,11 +290,9 @@ pub fn has_method(integrator: &Integrator) -> bool {
 
 fn method(integrator: &Integrator) -> Result<Method> {
     method_of(integrator).ok_or_else(|| {
-        let others = Integrator::EVERY.iter().filter(|other| method_of(other).is_some());
-        let names: Vec<&str> = others.map(Integrator::name).collect();
-        Error::usage("the integrator has no shader: the CPU runs it, in 64 bits")
+        Error::usage("the integrator has no shader: the CPU draws it")
             .got(integrator.name())
-            .expected(names.join(", "))
+            .expected("an integrator with a shader, or engine = \"cpu\"")
     })
 }
 

@@ -5,22 +5,19 @@ use crate::generate::generate;
 use crate::parts::Layout;
 use crate::passes::FramePass;
 use crate::pieces::{PIECES, WgslPiece};
-use crate::text::{Shader, compose_pieces};
+use crate::text::{Shader, compose_pieces_with};
 
 /// The shader of a scene.
 pub fn compose(choices: &Choices) -> Shader {
     let generated = generate(choices);
-    compose_pieces(&generated.text, &generated.uses)
+    compose_pieces_with(&generated.text, &generated.uses, choices.method.pieces())
 }
 
 impl Shader {
-    /// The pieces that are not in it although some scene asks for them: what makes frames and fills tables is put together
-    /// apart.
+    /// The pieces that are not in it although some scene asks for them: what makes frames is put together apart.
     pub fn leaves_out(&self) -> Vec<&'static WgslPiece> {
         let frames: Vec<Shader> = FramePass::ALL.iter().map(|pass| pass.shader(&Layout::WHOLE)).collect();
-        let apart = |piece: &WgslPiece| {
-            piece.name.contains("/fill_") || frames.iter().any(|frame| frame.files().any(|f| f == piece.file))
-        };
+        let apart = |piece: &WgslPiece| frames.iter().any(|frame| frame.files().any(|f| f == piece.file));
         PIECES.iter().filter(|piece| !apart(piece) && !self.files().any(|file| file == piece.file)).collect()
     }
 }

@@ -11,6 +11,7 @@
 mod choices;
 mod compose;
 mod generate;
+mod integrator;
 mod kinds;
 mod limits32;
 mod parameters;
@@ -26,14 +27,15 @@ mod writer;
 
 pub use choices::{Blend, Choices, Combine, CompositorProgram, Method, TileOrder, WidgetChoice, has_method};
 pub use compose::compose;
+pub use integrator::{RegisteredMethod, TableScene, WgslCall, WgslExtension, WgslIntegrator};
 pub use kinds::Kind;
 pub use limits32::check_32_bits;
 pub use parameters::{Parameters, SceneHead};
-pub use parts::{Access, GRID_GROUP, GridArray, Layout, Parts, cells_read};
+pub use parts::{Access, GRID_GROUP, GridArray, Layout, PartedArray, Parts, cells_read};
 pub use passes::{FramePass, PlacementRecord, RoundRecord, RunRecord, ViewRecord, multiply_adds};
 pub use pieces::{PIECES, WgslPiece, piece};
 pub use places::{Places, TEXEL_BYTES, images};
 pub use resources::{Buffer, Contents, Pass, Resources};
 pub use stretch::Spans;
-pub use text::{Shader, compose_pieces};
+pub use text::{Shader, compose_pieces, compose_pieces_with};
 pub use writer::{Axis, WidgetRecord};

@@ -1,5 +1,6 @@
 //! What may change per frame without another shader: the bytes of the `scene` uniform, and the last ones of the `numbers` buffer.
 
+use crate::integrator::{WgslCall, registered};
 use crate::kinds;
 use crate::places::Places;
 use crate::writer::{Axis, WidgetRecord, Writer, finite};
@@ -70,9 +71,10 @@ impl Parameters {
             (unit_vector(light.direction).to_array(), light.ambient, light.diffuse)
         });
         let per_unit = length / transfer_function.unit_distance;
-        let numbers = shading.integrator.numbers();
-        let tolerance = numbers.tolerance.unwrap_or(0.0) as f32;
-        let piece_count = numbers.count.map_or(Ok(0), pieces)?;
+        let tolerance = shading.integrator.tolerance().unwrap_or(0.0) as f32;
+        let piece_count = registered(&shading.integrator)
+            .and_then(|text| text.piece_count(&shading.integrator))
+            .map_or(Ok(0), pieces)?;
         let places = Places::new(transfer_function, shading, 0);
         let [first_entry, first_number] = [place(places.first_entry())?, place(places.first_number())?];
         let head = SceneHead {
@@ -113,7 +115,9 @@ impl Parameters {
             widgets.push(WidgetRecord::zeroed());
         }
         // A table of lengths stands for all widgets.
-        let numbers = if shading.integrator.has_table_of_lengths() { Vec::new() } else { writer.numbers };
+        let from_table = registered(&shading.integrator)
+            .is_some_and(|text| matches!(text.call(false), WgslCall::Table { .. }));
+        let numbers = if from_table { Vec::new() } else { writer.numbers };
         Ok(Parameters { head, widgets, numbers })
     }
 

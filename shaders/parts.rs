@@ -186,11 +186,14 @@ pub(crate) fn grid_text(arrays: &[(GridArray, Access)], layout: &Layout) -> Stri
 }
 
 /// An array of the text.
-pub(crate) struct PartedArray<'a> {
+pub struct PartedArray<'a> {
+    /// Its name.
     pub name: &'a str,
+    /// The type of its elements.
     pub element: &'a str,
     /// The constant that holds how many elements stand together; `None` for one.
     pub stride: Option<&'a str>,
+    /// Its parts.
     pub parts: Parts,
 }
 

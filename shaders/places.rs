@@ -2,8 +2,8 @@
 //! are vectors of four numbers, then the integrator's further table, then the scene's own numbers. One buffer for all leaves tiles
 //! within the eight that every device of WebGPU binds.
 
-use voltet_core::transfer::{ColorSource, OpticalModel, TransferFunction};
-use voltet_optics::integrators::{Integrator, PartialTable, last_tile};
+use crate::integrator::registered;
+use voltet_core::transfer::{ColorSource, TransferFunction};
 use voltet_optics::shading::Shading;
 
 /// How long its parts are, in their order.
@@ -22,35 +22,14 @@ pub struct Places {
 /// Bytes of a vector.
 pub const TEXEL_BYTES: u64 = 16;
 
-/// Numbers before the entries of mean extinctions: side, tiles less 1, where the first node is stored, nodes a stored unit, longest
-/// segments a scene length.
-pub(crate) const MEAN_HEAD: u64 = 5;
-
 impl Places {
     /// Those of a scene, whose widgets have so many `numbers`.
     pub fn new(transfer_function: &TransferFunction, shading: &Shading, numbers: u64) -> Places {
-        let none = Places { vectors: 0, source_vectors: 0, entries: 0, numbers };
-        let [square, cube] = [2, 3].map(|power| {
-            let side = shading.integrator.numbers().table_size.unwrap_or(0) as u64;
-            side.saturating_pow(power)
-        });
-        let texels = images(transfer_function).map(|texels| texels.len() as u64).sum();
-        match shading.integrator {
-            Integrator::PreIntegrated { .. } => {
-                Places { vectors: cube, entries: square.saturating_add(MEAN_HEAD), ..none }
-            }
-            Integrator::PreIntegratedCylindrical { table_size, planes, .. } => Places {
-                vectors: square.saturating_mul(last_tile(table_size, planes) as u64 + 1),
-                source_vectors: cube,
-                entries: square.saturating_add(MEAN_HEAD),
-                ..none
-            },
-            Integrator::Segments { table_size, .. } if !transfer_function.widgets.is_empty() => {
-                let density = transfer_function.model == OpticalModel::DensityEmitter;
-                let entries = PartialTable::bytes_of(density, table_size) / size_of::<f32>();
-                Places { vectors: texels, entries: 1 + entries as u64, ..none }
-            }
-            _ => Places { vectors: texels, ..none },
+        let vectors = images(transfer_function).map(|texels| texels.len() as u64).sum();
+        let places = Places { vectors, source_vectors: 0, entries: 0, numbers };
+        match registered(&shading.integrator) {
+            Some(text) => text.places(&shading.integrator, transfer_function, places),
+            None => places,
         }
     }
 

@@ -5,13 +5,13 @@
 //! numbers change, which are the last ones, a crate writes those alone.
 
 use crate::choices::Choices;
-use crate::parts::{Access, PartedArray, Parts};
-use crate::places::{MEAN_HEAD, Places, TEXEL_BYTES, images};
-use crate::text::{Shader, compose_pieces};
+use crate::integrator::{TableScene, registered};
+use crate::places::{Places, TEXEL_BYTES, images};
+use crate::text::Shader;
 use crate::writer::Axis;
-use voltet_core::transfer::{OpticalModel, TransferFunction};
-use voltet_core::{Error, Result};
-use voltet_optics::integrators::{Extent, Integrator, PartialTable, Ramp, last_tile};
+use voltet_core::Result;
+use voltet_core::transfer::TransferFunction;
+use voltet_optics::integrators::Extent;
 use voltet_optics::shading::Shading;
 
 /// Buffers, and the passes that fill some of them.
@@ -65,12 +65,9 @@ impl Buffer {
     }
 }
 
-/// Side of a workgroup of the passes, as they state it.
-const GROUP_SIDE: u32 = 8;
-
 impl Resources {
     /// `axis`: how s is stored. `length`: the scene length in world units, in which D is counted. `extent` is looked at
-    /// only where [`Integrator::has_table_of_lengths`] says so. `numbers`: those of [`crate::Parameters`].
+    /// only where [`voltet_optics::integrators::Integrator::has_table_of_lengths`] says so. `numbers`: those of [`crate::Parameters`].
     pub fn new(
         choices: &Choices,
         transfer_function: &TransferFunction,
@@ -82,30 +79,35 @@ impl Resources {
     ) -> Result<Resources> {
         let mut resources = Resources::default();
         let places = Places::new(transfer_function, shading, numbers.len() as u64);
-        match shading.integrator {
+        let integrator = &shading.integrator;
+        let text = registered(integrator);
+        match text {
             _ if choices.storage_buffers().is_empty() => {}
-            Integrator::PreIntegrated { table_size, oversampling }
-            | Integrator::PreIntegratedCylindrical { table_size, oversampling, .. } => {
-                let ramp = Ramp::new(transfer_function, table_size, oversampling, extent)?;
-                let tiles = last_tile_of(&shading.integrator);
-                let entries = mean_extinctions(&ramp, tiles, axis, length / extent.longest)?;
-                resources.glows(&ramp, tiles, choices, &places, &[&entries, numbers].concat());
+            Some(text) if choices.method.is_table_of_lengths() => {
+                let scene = TableScene {
+                    choices,
+                    integrator,
+                    transfer_function,
+                    places,
+                    axis,
+                    length,
+                    extent,
+                    numbers,
+                };
+                text.fill(&mut resources, &scene)?;
             }
-            integrator => {
+            text => {
                 let mut all: Vec<f32> = images(transfer_function).flatten().flatten().copied().collect();
-                if let Integrator::Segments { table_size, .. } = integrator {
-                    let density = transfer_function.model == OpticalModel::DensityEmitter;
-                    all.extend(partial_table(&PartialTable::new(density, table_size)));
-                }
+                all.extend(text.map(|text| text.entries(integrator, transfer_function)).unwrap_or_default());
                 all.extend(numbers);
-                resources.numbers(choices, 0, &all);
+                resources.add_numbers(choices, 0, &all);
             }
         }
         Ok(resources)
     }
 
     /// The buffer that the scene reads, in its parts: so many vectors that passes fill, then numbers. Gives their indices.
-    fn numbers(&mut self, choices: &Choices, filled: u64, behind: &[f32]) -> Vec<usize> {
+    pub fn add_numbers(&mut self, choices: &Choices, filled: u64, behind: &[f32]) -> Vec<usize> {
         let first = self.buffers.len();
         let mut rest = behind;
         for (part, (name, binding)) in (0u32..).zip(choices.storage_buffers()) {
@@ -123,109 +125,9 @@ impl Resources {
         (first..self.buffers.len()).collect()
     }
 
-    /// The passes that fill the table over (D, s_f, s_b), and for tiles the one that resamples it.
-    fn glows(
-        &mut self,
-        ramp: &Ramp,
-        last_tile: Option<usize>,
-        choices: &Choices,
-        places: &Places,
-        behind: &[f32],
-    ) {
-        let side = ramp.size() as u64;
-        let across = (side as u32).div_ceil(GROUP_SIDE);
-        let bytes = bytemuck::cast_slice(&matter(ramp)).to_vec();
-        let ramp_at = self.own("ramp".into(), Contents { filled: 0, bytes });
-        // Where what is read has one part, so has the table that it is made from, which is no larger.
-        let parts = choices.layout.table;
-        let sliced = parts.of_as_many(side.pow(3));
-        let slices = match last_tile {
-            Some(_) => (0..sliced.count)
-                .map(|part| {
-                    let filled = sliced.length(part, side.pow(3)) * TEXEL_BYTES;
-                    self.own(Parts::name("slices", part), Contents { filled, bytes: Vec::new() })
-                })
-                .collect(),
-            None => self.numbers(choices, places.vectors, behind)[..sliced.count as usize].to_vec(),
-        };
-        let array = |name, parts| PartedArray { name, element: "vec4f", stride: None, parts };
-        let written = array("slices", sliced);
-        let mut text = format!("const SIDE = {side}u;\nconst PARTS = {}u;\n", ramp.parts());
-        text += &written.declared(Access::Write, 0, |part| 1 + part);
-        text += &written.written_by("put_slice");
-        self.passes.push(Pass {
-            shader: compose_pieces(&text, &["pre_integrated/fill_slices"]),
-            entry_point: "fill_slices",
-            written: slices.len(),
-            buffers: std::iter::once(ramp_at).chain(slices.iter().copied()).collect(),
-            workgroups: [across, across, side as u32],
-        });
-        if let Some(last) = last_tile {
-            let tiled = parts.of_as_many(places.vectors);
-            let tiles = self.numbers(choices, places.vectors, behind)[..tiled.count as usize].to_vec();
-            let (read, written) = (array("glows", sliced), array("tiles", tiled));
-            let mut text = format!("const SIDE = {side}u;\nconst LAST_TILE = {last}u;\n");
-            text += &read.declared(Access::Read, 0, |part| part);
-            text += &read.read_by("glow");
-            text += &written.declared(Access::Write, 0, |part| sliced.count + part);
-            text += &written.written_by("put_tile");
-            self.passes.push(Pass {
-                shader: compose_pieces(&text, &["pre_integrated/fill_tiles"]),
-                entry_point: "fill_tiles",
-                written: tiles.len(),
-                buffers: slices.into_iter().chain(tiles).collect(),
-                workgroups: [across, across, last as u32 + 1],
-            });
-        }
-    }
-
     /// A buffer that only passes know. Gives its index.
-    fn own(&mut self, name: String, contents: Contents) -> usize {
+    pub fn add_buffer(&mut self, name: String, contents: Contents) -> usize {
         self.buffers.push(Buffer { name, binding: None, contents });
         self.buffers.len() - 1
     }
-}
-
-/// The side; then φ, or F (1 + √T) and B (1 + √T) by turns.
-fn partial_table(table: &PartialTable) -> Vec<f32> {
-    let mut entries = vec![table.size() as f32];
-    for (k, front) in table.front().iter().enumerate() {
-        entries.push(*front);
-        entries.extend(table.back().get(k));
-    }
-    entries
-}
-
-/// The number of tiles less 1, where the integrator has them.
-fn last_tile_of(integrator: &Integrator) -> Option<usize> {
-    match *integrator {
-        Integrator::PreIntegratedCylindrical { table_size, planes, .. } => {
-            Some(last_tile(table_size, planes))
-        }
-        _ => None,
-    }
-}
-
-/// The side, tiles less 1, where the first node is stored, nodes a stored unit, longest segments a scene length; then ρ̄.
-fn mean_extinctions(ramp: &Ramp, last_tile: Option<usize>, axis: Axis, per_length: f64) -> Result<Vec<f32>> {
-    let [low, high] = ramp.range;
-    let steps = (ramp.size() - 1) as f64;
-    let head = [axis.stored(low), steps * axis.scale / (high - low), per_length].map(|x| x as f32);
-    if !head.iter().all(|x| x.is_finite()) {
-        return Err(Error::run("the domain of a pre-integrated table leaves the range of 32 bits")
-            .got(format!("scalars {low} to {high}"))
-            .expected("a range that stored values tell apart"));
-    }
-    let counts = [ramp.size() as f32, last_tile.unwrap_or(0) as f32];
-    let mut entries = [&counts[..], &head[..]].concat();
-    debug_assert_eq!(entries.len() as u64, MEAN_HEAD);
-    entries.extend(ramp.mean_extinctions());
-    Ok(entries)
-}
-
-/// Glow and extinction of the nodes, then of the pieces of each step.
-fn matter(ramp: &Ramp) -> Vec<[f32; 4]> {
-    let all = ramp.nodes().iter().chain(ramp.pieces());
-    let single = |x: f64| x.min(f64::from(f32::MAX)) as f32;
-    all.map(|m| [m.glow[0], m.glow[1], m.glow[2], m.extinction].map(single)).collect()
 }

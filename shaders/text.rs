@@ -20,10 +20,19 @@ const GENERATED: &str = "generated for the scene";
 /// # Panics
 /// On a name that is no piece.
 pub fn compose_pieces(text: &str, names: &[&str]) -> Shader {
+    compose_pieces_with(text, names, &[])
+}
+
+/// Like [`compose_pieces`], with further pieces beside those that ship.
+///
+/// # Panics
+/// On a name that is no piece.
+pub fn compose_pieces_with(text: &str, names: &[&str], further: &'static [WgslPiece]) -> Shader {
+    let find = |name: &str| further.iter().find(|piece| piece.name == name).or_else(|| piece(name));
     let mut pieces: Vec<&WgslPiece> = Vec::new();
     let mut open: Vec<&str> = names.to_vec();
     while let Some(name) = open.pop() {
-        let piece = piece(name).unwrap_or_else(|| panic!("'{name}' is no piece"));
+        let piece = find(name).unwrap_or_else(|| panic!("'{name}' is no piece"));
         if !pieces.contains(&piece) {
             pieces.push(piece);
             open.extend(piece.uses());

@@ -17,7 +17,8 @@ impl Axis {
     /// Values as they are.
     pub const PLAIN: Axis = Axis { offset: 0.0, scale: 1.0 };
 
-    pub(crate) fn stored(&self, value: f64) -> f64 {
+    /// The stored number of a value.
+    pub fn stored(&self, value: f64) -> f64 {
         (value - self.offset) / self.scale
     }
 }

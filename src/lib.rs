@@ -57,7 +57,7 @@ mod output_conflicts;
 mod stated_text;
 
 #[cfg(feature = "cli")]
-pub use cli::{ExitOnOutOfMemory, run};
+pub use cli::{ExitOnOutOfMemory, registry, run};
 pub use document::{Document, Source};
 pub use facade::{
     Band, BorrowedGrid, Camera, CellArrays, Colormap, Engine, Gaussian, Grid, GridIndex, Image, Integrator,

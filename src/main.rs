@@ -4,5 +4,5 @@
 static ALLOCATOR: voltet::ExitOnOutOfMemory = voltet::ExitOnOutOfMemory;
 
 fn main() -> std::process::ExitCode {
-    voltet::run(voltet::nodes::registry())
+    voltet::run(voltet::registry())
 }

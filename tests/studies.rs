@@ -40,7 +40,7 @@ impl Progress for After {
 
 #[test]
 fn a_stopped_study_keeps_the_finished_settings_and_the_reference() {
-    let registry = voltet::nodes::registry().unwrap();
+    let registry = voltet::registry().unwrap();
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("pipelines/isotherms.toml");
     let document = voltet::Document::open(&file, &["view.size=[24,18]".into()], &registry).unwrap();
     let mut session = voltet::nodes::session();
@@ -72,7 +72,7 @@ fn a_stopped_study_keeps_the_finished_settings_and_the_reference() {
 /// ∇s of the scene by the filter that the file names, which the scene itself does not look at.
 #[test]
 fn refinement_goes_by_the_filter_of_the_pipeline() {
-    let registry = voltet::nodes::registry().unwrap();
+    let registry = voltet::registry().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("scene.toml");
     let gradient_of = |drawn: &str, method: &str, wanted: bool| {
@@ -165,7 +165,7 @@ fn smooth_subject() -> Subject {
     let profile = Profile::Gaussian { centre: [0.5, 0.0], matrix: [[3.0, 0.0], [0.0, 0.0]] };
     let widget = Widget { profile, color: [0.4, 0.7, 1.0], extinction: 3.0, region: None };
     let model = OpticalModel::DensityEmitter;
-    let (integrator, overlap) = (Integrator::Analytic, WidgetBlend::Exact);
+    let (integrator, overlap) = (Integrator::ANALYTIC, WidgetBlend::Exact);
     let scene = Scene {
         volume,
         transfer_function: Arc::new(TransferFunction { model, unit_distance: 1.0, widgets: vec![widget] }),
@@ -186,6 +186,7 @@ fn smooth_subject() -> Subject {
         order_node: None,
         scene,
         needs_order: false,
+        integrators: vec![Integrator::ANALYTIC],
         asked: Asked {
             form: Form::Renderer,
             engine: "cpu".into(),

@@ -5,6 +5,7 @@ use crate::cast::RayCastPolicy;
 use crate::cells::Cells;
 use crate::counts::Counts;
 use crate::frame_renderer::FrameRenderer;
+use crate::integrator::in_lanes_alone;
 use crate::memory::drawing_bytes_of;
 use crate::projection::Projection;
 use crate::selection::{CellSelection, Traversal};
@@ -122,7 +123,7 @@ pub fn prepare<'a>(
     let active = cells.active_widgets(transfer_function);
     let extent = extent(cells, &shading.integrator);
     // Lanes leave over no segment of a table over lengths: it is filled once, by them.
-    let by_lanes = shading.integrator.has_table_of_lengths();
+    let by_lanes = in_lanes_alone(&shading.integrator);
     let exact = if by_lanes { None } else { Some(integrator(cells, &active, shading)?) };
     let scene = Scene {
         attributes: &attributes,
@@ -168,16 +169,18 @@ pub fn draw(
 
 /// The integrator in 64 bits, which [`prepare`] compiles for the segments that lanes do not integrate.
 ///
-/// Errors: an integrator that does not support the transfer function; one with a number out of range; `vertex-sampled` where the
-/// scene is not classified.
+/// Errors: an integrator that does not support the transfer function; one with a number out of range; an integrator that
+/// prepares scenes, where this one is not prepared.
 pub fn integrator(
     cells: &CellSelection,
     transfer_function: &TransferFunction,
     shading: &Shading,
 ) -> Result<Box<dyn SegmentIntegrator>> {
-    if shading.integrator == Integrator::VertexSampled && !integrators::is_classified(transfer_function) {
+    let kind = shading.integrator.kind();
+    if kind.scene_preparation().is_some_and(|scene| !scene.is_prepared(transfer_function)) {
+        let name = shading.integrator.name();
         let what =
-            "the integrator 'vertex-sampled' draws scenes as a whole, since it reads the grid's points";
+            format!("the integrator '{name}' draws scenes as a whole, since it reads the grid's points");
         return Err(Error::usage(what)
             .got("stages or segments of a scene by themselves")
             .expected("a node of type renderer, or another integrator"));

@@ -10,6 +10,7 @@
 //! | `cast` | ray casting through shared faces |
 //! | `shade` | segments to colour and opacity |
 //! | `segment_cache` | segments cached between pictures |
+//! | [`integrator`] | integrators from outside, in lanes |
 //! | `composite` | segments in order to pixels |
 //! | `cells` | selection with its volume's caches |
 //! | `cull` | cells that can contribute |
@@ -32,6 +33,7 @@ mod cull;
 mod draw;
 mod fragments;
 mod frame_renderer;
+pub mod integrator;
 #[doc(hidden)]
 pub mod introspect;
 mod memory;

@@ -17,9 +17,9 @@ use voltet_core::{Error, Result};
 use voltet_optics::engine::{
     self, Engine, EngineInfo, PreparedVolume, RenderOptions, RenderOutput, Stage, StageTiming,
 };
-use voltet_optics::integrators;
+use voltet_optics::integrators::{self, PreparedScene, ScenePreparation};
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Integrator, Ordering};
+use voltet_optics::shading::Ordering;
 use voltet_simd::LaneSet;
 
 /// The native engine.
@@ -52,7 +52,7 @@ impl Engine for Native {
 
     fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn PreparedVolume>> {
         let cache = VolumeCache::new(volume)?;
-        Ok(Arc::new(NativeVolume { lanes: self.lanes, cache, classified: Mutex::new(None) }))
+        Ok(Arc::new(NativeVolume { lanes: self.lanes, cache, prepared: Mutex::new(None) }))
     }
 }
 
@@ -61,34 +61,41 @@ impl Engine for Native {
 struct NativeVolume {
     lanes: LaneSet,
     cache: VolumeCache,
-    /// Volume that was classified last, for `vertex-sampled`: the next picture can use it, as a table.
-    classified: Mutex<Option<Arc<Classified>>>,
+    /// The scene that an integrator prepared last: it serves the next picture, as a table does.
+    prepared: Mutex<Option<Arc<Prepared>>>,
 }
 
-/// A volume that is classified ([`Scene::classified`]).
+/// A volume and a transfer function that an integrator prepared ([`ScenePreparation`]).
 #[derive(Debug)]
-struct Classified {
-    /// Key: the volume and the transfer function.
-    key: (Arc<Volume>, Arc<TransferFunction>),
+struct Prepared {
+    /// The integrator, the volume and the transfer function that they were prepared from.
+    source: (&'static str, Arc<Volume>, Arc<TransferFunction>),
     cache: VolumeCache,
-    bound: Arc<TransferFunction>,
+    transfer_function: Arc<TransferFunction>,
 }
 
 impl NativeVolume {
-    fn classified(&self, scene: &Scene) -> Result<Arc<Classified>> {
-        let mut slot = self.classified.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_valid = |classified: &&Arc<Classified>| {
-            let (volume, transfer_function) = &classified.key;
-            Arc::ptr_eq(volume, &scene.volume) && *transfer_function == scene.transfer_function
+    fn prepared(&self, scene: &Scene, preparation: &dyn ScenePreparation) -> Result<Arc<Prepared>> {
+        let mut last = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
+        let name = scene.shading.integrator.name();
+        let serves = |prepared: &&Arc<Prepared>| {
+            let (integrator, volume, transfer_function) = &prepared.source;
+            *integrator == name
+                && Arc::ptr_eq(volume, &scene.volume)
+                && *transfer_function == scene.transfer_function
         };
-        if let Some(classified) = slot.as_ref().filter(is_valid) {
-            return Ok(classified.clone());
+        if let Some(prepared) = last.as_ref().filter(serves) {
+            return Ok(prepared.clone());
         }
-        let Scene { volume, transfer_function: bound, .. } = scene.classified()?;
-        let key = (scene.volume.clone(), scene.transfer_function.clone());
-        let classified = Arc::new(Classified { key, cache: VolumeCache::new(&volume)?, bound });
-        *slot = Some(classified.clone());
-        Ok(classified)
+        let PreparedScene { volume, transfer_function } =
+            preparation.prepare(&scene.volume, &scene.transfer_function)?;
+        let prepared = Arc::new(Prepared {
+            source: (name, scene.volume.clone(), scene.transfer_function.clone()),
+            cache: VolumeCache::new(&Arc::new(volume))?,
+            transfer_function: Arc::new(transfer_function),
+        });
+        *last = Some(prepared.clone());
+        Ok(prepared)
     }
 }
 
@@ -97,25 +104,23 @@ impl PreparedVolume for NativeVolume {
         if progress.cancelled() {
             return Err(Error::cancelled());
         }
-        let classified = match scene.shading.integrator {
-            Integrator::VertexSampled => Some(self.classified(scene)?),
-            _ => None,
-        };
+        let preparation = scene.shading.integrator.kind().scene_preparation();
+        let prepared = preparation.map(|preparation| self.prepared(scene, preparation)).transpose()?;
         let Scene { volume, transfer_function, camera, shading, .. } = scene;
         let mut timer = StageTimer { last: Instant::now(), stages: Vec::new() };
-        let other_volume = match Arc::ptr_eq(volume, self.cache.volume()) || classified.is_some() {
+        let other_volume = match Arc::ptr_eq(volume, self.cache.volume()) || prepared.is_some() {
             true => None,
             false => Some(VolumeCache::new(volume)?),
         };
         if manner.passing
-            && classified.is_none()
+            && prepared.is_none()
             && other_volume.is_none()
             && let Some(segments) = self.cached_segments(scene, manner, &mut timer, progress)?
         {
             return self.draw_cached(&segments, scene, timer, progress);
         }
-        let (cache, transfer_function) = match &classified {
-            Some(classified) => (&classified.cache, &classified.bound),
+        let (cache, transfer_function) = match &prepared {
+            Some(prepared) => (&prepared.cache, &prepared.transfer_function),
             None => (other_volume.as_ref().unwrap_or(&self.cache), transfer_function),
         };
         let mut cells = match manner.exhaustive {

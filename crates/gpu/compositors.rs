@@ -151,7 +151,7 @@ fn measure(device: &Arc<Device>, needs_order: bool, progress: &dyn Progress) -> 
     });
     let renderer = Renderer::new(device.clone(), &volume)?;
     let shading = Shading {
-        integrator: Integrator::Analytic,
+        integrator: Integrator::ANALYTIC,
         overlap: WidgetBlend::Exact,
         silhouette: None,
         light: None,

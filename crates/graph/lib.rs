@@ -35,7 +35,7 @@ pub use build::diagnostic::{Diagnostic, DiagnosticTarget};
 pub use build::entry::{LinkEntry, NodeEntry};
 pub use build::graph::{Graph, GraphNode};
 pub use build::node_override::NodeOverride;
-pub use build::registry::Registry;
+pub use build::registry::{Registry, VariantAlias};
 pub use run::plan::Plan;
 pub use run::report::{NodeReport, RunReport};
 pub use run::session::Session;
@@ -43,5 +43,5 @@ pub use voltet_core::diagnostics::{DataFinding, Diagnostics, SavedWork, SkippedW
 pub use voltet_core::parameters::{
     ArrayRef, AxisRef, DefaultValue, Field, LocatedValue, NamedPath, Parameter, ParameterType,
     ParameterValue, Parameters, Range, Relative, RelativeNumber, RelativeNumberType, SourceSpan,
-    StatisticKind, VariantSchema, nearest, suggest,
+    StatisticKind, Variant, VariantSchema, nearest, suggest,
 };

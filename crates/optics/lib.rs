@@ -63,8 +63,8 @@ pub enum WidgetBlend {
     Mix,
 }
 
-#[cfg(test)]
-pub(crate) mod arbitrary;
+#[cfg(any(test, feature = "arbitrary"))]
+pub mod arbitrary;
 #[cfg(test)]
 mod extent_tests;
 #[cfg(test)]

@@ -1,11 +1,8 @@
 //! A scene: what is drawn, from where, and how. The one description that every engine is given.
 
-use crate::integrators::{self, CLASSIFIED};
 use crate::shading::{Ordering, Shading, VisibilityOrder};
 use std::sync::Arc;
-use voltet_core::Result;
 use voltet_core::camera::Camera;
-use voltet_core::grid::{Array, Grid};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 
@@ -34,30 +31,6 @@ impl Scene {
     /// True if the picture depends on the order of a pixel's segments.
     pub fn needs_order(&self) -> bool {
         needs_order(&self.transfer_function, &self.shading)
-    }
-
-    /// The scene for the integrator `vertex-sampled`: what the transfer function is at the grid's points as point arrays
-    /// ([`CLASSIFIED`]), and a transfer function that says that they are looked at.
-    ///
-    /// Errors: a field that the volume does not have; extinctions that leave the range of numbers.
-    pub fn classified(&self) -> Result<Scene> {
-        let Scene { volume, transfer_function, .. } = self;
-        let names = transfer_function.fields();
-        let arrays = names.iter().map(|name| volume.grid.point_array(name, 1)).collect::<Result<Vec<_>>>()?;
-        let count = volume.grid.points.len();
-        let fields: Vec<f64> =
-            (0..count).flat_map(|p| arrays.iter().map(move |array| array.values[p])).collect();
-        let g = |p: usize| volume.gradient_magnitude.as_ref().map_or(0.0, |g| g[p]);
-        let values =
-            (0..count).map(|p| ([volume.scalar[p], g(p)], &fields[p * names.len()..(p + 1) * names.len()]));
-        let found = integrators::classified(transfer_function, values)?;
-        let mut grid = Grid::clone(&volume.grid);
-        for (name, values) in CLASSIFIED.into_iter().zip(found.arrays) {
-            let array = Array { component_count: 1, values: values.into() };
-            grid.point_arrays.insert(name.into(), Arc::new(array));
-        }
-        let volume = Volume { grid: Arc::new(grid), ..Volume::clone(volume) };
-        Ok(Scene { volume: Arc::new(volume), transfer_function: Arc::new(found.bound), ..self.clone() })
     }
 }
 

@@ -16,7 +16,7 @@ use voltet_core::visibility::*;
 use voltet_core::volume::Volume;
 
 const SHADING: Shading =
-    Shading { integrator: Integrator::Analytic, overlap: WidgetBlend::Exact, silhouette: None, light: None };
+    Shading { integrator: Integrator::ANALYTIC, overlap: WidgetBlend::Exact, silhouette: None, light: None };
 
 fn tracer(scene: &Scene) -> Tracer<'_> {
     let forms = ClosedForms::new(&scene.transfer_function, WidgetBlend::Exact).expect("is in range");

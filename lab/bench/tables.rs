@@ -7,12 +7,12 @@ use std::hint::black_box;
 use std::time::Instant;
 use voltet::core::Result;
 use voltet::core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
-use voltet::optics::integrators::{
-    Extent, Integrator, PartialTable, PreIntegrated, PreIntegratedCylindrical, SegmentIntegrator, Segments,
-    can_serve, new,
-};
+use voltet::optics::integrators::{Extent, Integrator, SegmentIntegrator, can_serve, new};
 use voltet::optics::linear::{emission_weights, front_back};
 use voltet::optics::{Contribution, Segment, WidgetBlend};
+use voltet_integrators::{PartialTable, PreIntegrated, PreIntegratedCylindrical, Segments};
+use voltet_integrators::{pre_integrated, pre_integrated_cylindrical, riemann, segments};
+use voltet_reference::REFERENCE;
 
 const SEGMENTS: usize = 20_000;
 const LONGEST: f64 = 2.0;
@@ -22,7 +22,7 @@ const CONSTANT: OpticalModel = OpticalModel::ConstantEmitter { cutoff: 1.0 / 255
 
 fn main() -> Result<()> {
     partial_table();
-    pre_integrated()?;
+    print_pre_integrated()?;
     for (model, name) in [(DENSITY, "density-emitter"), (CONSTANT, "constant-emitter")] {
         integrators(&format!("piecewise-linear, {name}"), &piecewise_linear(model))?;
         integrators(&format!("two Gaussians, {name}"), &gaussians(model))?;
@@ -44,7 +44,7 @@ impl Numbers {
 }
 
 /// Ends of neighbouring values, as in cells: half of the segments span under a tenth of the range.
-fn segments() -> Vec<Segment<'static>> {
+fn random_segments() -> Vec<Segment<'static>> {
     let mut numbers = Numbers(1);
     let mut segment = || {
         let front: [f64; 2] = std::array::from_fn(|_| numbers.next());
@@ -134,16 +134,16 @@ fn errors(found: &dyn SegmentIntegrator, exact: &[Contribution]) -> (f64, f64) {
         let colors = found.color.iter().zip(exact.color).map(|(a, b)| (a - b).abs());
         colors.fold((found.opacity - exact.opacity).abs(), f64::max)
     };
-    let all: Vec<f64> = segments().iter().zip(exact).map(error).collect();
+    let all: Vec<f64> = random_segments().iter().zip(exact).map(error).collect();
     (all.iter().copied().fold(0.0, f64::max), all.iter().sum::<f64>() / all.len() as f64)
 }
 
 fn exact(transfer_function: &TransferFunction) -> Result<Vec<Contribution>> {
-    let analytic = new(&Integrator::Analytic, WidgetBlend::Exact, transfer_function, &EXTENT)?;
-    Ok(segments().iter().map(|segment| analytic.integrate(segment)).collect())
+    let analytic = new(&Integrator::ANALYTIC, WidgetBlend::Exact, transfer_function, &EXTENT)?;
+    Ok(random_segments().iter().map(|segment| analytic.integrate(segment)).collect())
 }
 
-fn pre_integrated() -> Result<()> {
+fn print_pre_integrated() -> Result<()> {
     println!("\nPre-integration of a piecewise-linear function, density-emitter: largest and mean error\n");
     println!("| side | MiB | fill, ms | table | | tiles, fill, ms | tiles | |");
     println!("| ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |");
@@ -167,41 +167,36 @@ fn pre_integrated() -> Result<()> {
 }
 
 fn integrators(name: &str, transfer_function: &TransferFunction) -> Result<()> {
-    let segments = segments();
+    let list = random_segments();
     let exact = exact(transfer_function)?;
     println!("\n{name}\n\n| integrator | ns a segment | largest error | mean error |");
     println!("| --- | ---: | ---: | ---: |");
     let row = |label: &str, made: &dyn SegmentIntegrator| {
         let (largest, mean) = errors(made, &exact);
-        let time = nanoseconds(segments.len(), || {
-            segments.iter().for_each(|segment| {
+        let time = nanoseconds(list.len(), || {
+            list.iter().for_each(|segment| {
                 black_box(made.integrate(segment));
             });
         });
         println!("| {label} | {time:.0} | {largest:.1e} | {mean:.1e} |");
     };
-    row("analytic", new(&Integrator::Analytic, WidgetBlend::Exact, transfer_function, &EXTENT)?.as_ref());
-    row("analytic, mix", new(&Integrator::Analytic, WidgetBlend::Mix, transfer_function, &EXTENT)?.as_ref());
+    row("analytic", new(&Integrator::ANALYTIC, WidgetBlend::Exact, transfer_function, &EXTENT)?.as_ref());
+    row("analytic, mix", new(&Integrator::ANALYTIC, WidgetBlend::Mix, transfer_function, &EXTENT)?.as_ref());
     for tolerance in [1e-1, 1e-2, 1e-3, 1e-4, 1e-6] {
-        let made = new(&Integrator::Adaptive { tolerance }, WidgetBlend::Exact, transfer_function, &EXTENT)?;
+        let made = new(&Integrator::adaptive(tolerance), WidgetBlend::Exact, transfer_function, &EXTENT)?;
         row(&format!("adaptive, {tolerance:.0e}"), made.as_ref());
     }
     for count in [4, 16, 64] {
-        let integrator = Integrator::Segments { count, table_size: 256 };
+        let integrator = segments(count, 256);
         let made = new(&integrator, WidgetBlend::Exact, transfer_function, &EXTENT)?;
         row(&format!("segments, {count}"), made.as_ref());
     }
     row("segments, 16, closed forms", &Segments::with_closed_forms(transfer_function, 16)?);
     for count in [4, 16, 64] {
-        let made = new(&Integrator::Riemann { count }, WidgetBlend::Exact, transfer_function, &EXTENT)?;
+        let made = new(&riemann(count), WidgetBlend::Exact, transfer_function, &EXTENT)?;
         row(&format!("riemann, {count}"), made.as_ref());
     }
-    for integrator in [
-        Integrator::PreIntegrated { table_size: 128, oversampling: 2 },
-        Integrator::PreIntegratedCylindrical { table_size: 128, oversampling: 2, planes: 1 },
-        Integrator::Clipped,
-        Integrator::Reference,
-    ] {
+    for integrator in [pre_integrated(128, 2), pre_integrated_cylindrical(128, 2, 1), REFERENCE] {
         if can_serve(&integrator, transfer_function).is_ok() {
             row(
                 integrator.name(),

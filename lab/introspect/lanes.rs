@@ -31,7 +31,7 @@ impl LaneEvaluator {
         segment: &Segment,
         overlap: WidgetBlend,
     ) -> Result<IntegratedSegment> {
-        let shading = Shading { integrator: Integrator::Analytic, overlap, silhouette: None, light: None };
+        let shading = Shading { integrator: Integrator::ANALYTIC, overlap, silhouette: None, light: None };
         let list = std::slice::from_ref(segment);
         Ok(integrate_segments(self.lanes, transfer_function, &shading, self.ordered, list)?.remove(0))
     }

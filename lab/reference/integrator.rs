@@ -1,13 +1,43 @@
 //! Quadrature of segments behind the traits of integrators and of the ray tracer.
 
+use crate::renderer::ENGINE;
 use crate::segment::{Integrand, Tolerance, Workspace};
+use std::any::Any;
 use std::cell::RefCell;
 use std::sync::OnceLock;
+use voltet_core::parameters::VariantSchema;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
-use voltet_optics::integrators::SegmentIntegrator;
+use voltet_optics::integrators::{Extent, Integrator, IntegratorKind, SegmentIntegrator};
 use voltet_optics::trace::SegmentIntegral;
 use voltet_optics::{CompiledTransferFunction, Contribution, Segment, WidgetBlend};
+
+/// Kind of the integrator `reference`, which has an engine of its own.
+pub(crate) struct ReferenceKind;
+
+impl ReferenceKind {
+    pub(crate) const NAME: &str = "reference";
+}
+
+impl IntegratorKind for ReferenceKind {
+    fn schema(&self) -> VariantSchema {
+        VariantSchema { name: Self::NAME, summary: "64-bit adaptive quadrature, slow", parameters: &[] }
+    }
+
+    fn compile(
+        &self,
+        _: &Integrator,
+        blend: WidgetBlend,
+        transfer_function: &TransferFunction,
+        _: &Extent,
+    ) -> Result<Box<dyn SegmentIntegrator>> {
+        Ok(Box::new(Reference::new(transfer_function, blend)?))
+    }
+
+    fn extensions(&self) -> &'static [&'static (dyn Any + Send + Sync)] {
+        &[&ENGINE]
+    }
+}
 
 /// Adaptive quadrature to a relative 1e-11.
 pub struct Reference {

@@ -37,16 +37,22 @@ use voltet_core::Result;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::TransferFunction;
+use voltet_graph::Registry;
+use voltet_optics::integrators::{INTEGRATOR, Integrator, variant};
 use voltet_optics::scene::Scene;
 use voltet_optics::trace::{CellCrossing, Tiles, Tracer};
-use voltet_optics::{Contribution, Segment, WidgetBlend, engine, integrators};
+use voltet_optics::{Contribution, Segment, WidgetBlend};
 
-/// Registers the engine and the integrator `reference`. Further calls change nothing.
-pub fn register() {
-    engine::register(&ENGINE);
-    integrators::register_reference(|transfer_function, blend| {
-        Ok(Box::new(Reference::new(transfer_function, blend)?))
-    });
+/// Integrator `reference`.
+pub const REFERENCE: Integrator = Integrator::with_settings(&integrator::ReferenceKind, []);
+
+/// Adds the integrator `reference` to a registry.
+///
+/// # Errors
+///
+/// - A name that is taken.
+pub fn register(registry: &mut Registry) -> Result<()> {
+    registry.add_variant(INTEGRATOR, variant(REFERENCE.kind())?)
 }
 
 /// Ray tracer of a scene. Errors: arrays that are missing, numbers out of range.

@@ -1,6 +1,7 @@
 //! Engine of `integrator = "reference"`.
 
 use crate::draw;
+use crate::integrator::ReferenceKind;
 use std::sync::Arc;
 use std::time::Instant;
 use voltet_core::progress::Progress;
@@ -10,21 +11,20 @@ use voltet_optics::engine::{
     Engine, EngineInfo, PreparedVolume, RenderOptions, RenderOutput, Stage, StageTiming,
 };
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::Integrator;
 
 /// Reference renderer. It draws every scene by quadrature, whatever the integrator, and serves that of its name.
 pub const ENGINE: EngineInfo = EngineInfo {
-    name: "reference",
+    name: ReferenceKind::NAME,
     summary: "64-bit adaptive quadrature, slow",
     taken: None,
     unavailable_reason: None,
     on_device: false,
     compositing: &[],
-    can_serve: |_, shading| match shading.integrator {
-        Integrator::Reference => Ok(()),
-        other => Err(Error::usage("the 64-bit reference has one integrator")
-            .got(other.name())
-            .expected(Integrator::Reference.name())),
+    can_serve: |_, shading| match shading.integrator.name() == ReferenceKind::NAME {
+        true => Ok(()),
+        false => Err(Error::usage("the 64-bit reference has one integrator")
+            .got(shading.integrator.name())
+            .expected(ReferenceKind::NAME)),
     },
     adapters: Vec::new,
     open: |_, _| Ok(Arc::new(ReferenceRenderer)),

@@ -13,6 +13,7 @@ mod columns;
 mod devices;
 pub mod exhaustive;
 pub mod gradient_test;
+pub mod numbers;
 #[cfg(feature = "papers")]
 pub mod papers;
 pub mod pixel;

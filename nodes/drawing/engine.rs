@@ -8,7 +8,7 @@ use voltet_core::error::ErrorKind;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_graph::{DemandContext, Parameters, RunContext};
-use voltet_optics::engine::{Compositor, EngineInfo, registered};
+use voltet_optics::engine::{Compositor, EngineInfo};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::Shading;
 
@@ -23,7 +23,7 @@ pub fn is_asked_by(engine: &EngineInfo, wanted: &str) -> bool {
 /// Engines that may draw a scene, in order of preference: for `auto` those of the list that it takes, the last first; else the named
 /// one. An integrator with an engine of its own runs on no device: that engine draws whatever the name.
 pub fn candidate_engines(wanted: &str, shading: &Shading) -> Vec<&'static EngineInfo> {
-    let own = registered(shading.integrator.name());
+    let own = shading.integrator.extension();
     let drawing = |engine: &'static EngineInfo| own.filter(|_| !engine.on_device).unwrap_or(engine);
     let is_asked = |engine: &&EngineInfo| match wanted {
         AUTO => is_asked_by(engine, AUTO) && !(engine.on_device && own.is_some()),

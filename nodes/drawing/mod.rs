@@ -28,7 +28,7 @@ pub use order::{ORDER, order, record_unsorted};
 pub use prepared::{Culled, Projected};
 pub use remembered::CacheFolder;
 pub use scene::scene;
-pub use shading::{PARAMETERS, USUAL, shading};
+pub use shading::{PARAMETERS, shading};
 pub use stages::{composite, composite_registered, cull, for_data, project, sort};
 pub use visible::warnings as picture_warnings;
 pub use wished::{ACCUMULATION, ADAPTER, AUTO, COMPOSITOR, ENGINE, ORDER_CHECK, accumulation, adapter};

@@ -2,10 +2,9 @@
 
 use super::shading::shading;
 use voltet_core::Result;
-use voltet_core::transfer::OpticalModel;
 use voltet_cpu::needs_gradient;
-use voltet_graph::{Demand, DemandContext, SavedWork, TransferFunctionSpec};
-use voltet_optics::integrators::{PartialTable, can_serve};
+use voltet_graph::{Demand, DemandContext, TransferFunctionSpec};
+use voltet_optics::integrators::{INTEGRATOR, can_serve_among, kinds};
 use voltet_optics::scene::needs_order;
 use voltet_optics::shading::Shading;
 
@@ -15,16 +14,12 @@ pub fn ask(asking: &mut DemandContext, port: &str, look_port: &str) -> Result<De
     let (look, shading) = (asking.look(look_port), shading(asking.parameters)?);
     if let Some(look) = &look {
         // Refused before any data are read.
-        can_serve(&shading.integrator, &look.transfer_function)
-            .map_err(|error| asking.parameters.locate("integrator", error))?;
-    }
-    if !shading.integrator.has_table() {
-        let why = format!("the integrator '{}' needs none", shading.integrator.name());
-        let side = asking.parameters.integer("table_size")? as usize;
-        let density =
-            |look: &TransferFunctionSpec| look.transfer_function.model == OpticalModel::DensityEmitter;
-        let bytes = PartialTable::bytes_of(look.as_deref().is_none_or(density), side);
-        asking.notes.record_skipped("pre-integration table", why, Some(SavedWork::Bytes(bytes as u64)));
+        can_serve_among(
+            &kinds(asking.parameters.variants(INTEGRATOR)),
+            &shading.integrator,
+            &look.transfer_function,
+        )
+        .map_err(|error| asking.parameters.locate("integrator", error))?;
     }
     let mut demand = demand(look.as_deref(), &shading);
     // A table spans the range of g.
@@ -56,6 +51,7 @@ fn demand(look: Option<&TransferFunctionSpec>, shading: &Shading) -> Demand {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use voltet_core::transfer::OpticalModel;
     use voltet_core::transfer::{ControlPoint, Profile, TransferFunction, Widget};
     use voltet_optics::WidgetBlend;
     use voltet_optics::shading::{Integrator, Light};
@@ -74,7 +70,7 @@ mod tests {
     fn shading(diffuse: Option<f64>, silhouette: Option<f64>) -> Shading {
         let direction = glam::DVec3::X;
         let light = diffuse.map(|diffuse| Light { direction, ambient: 0.3, diffuse });
-        Shading { integrator: Integrator::Analytic, overlap: WidgetBlend::Exact, silhouette, light }
+        Shading { integrator: Integrator::ANALYTIC, overlap: WidgetBlend::Exact, silhouette, light }
     }
 
     #[test]

@@ -2,10 +2,8 @@
 
 use super::order::record_unsorted;
 use voltet_core::Result;
-use voltet_core::transfer::OpticalModel;
 use voltet_graph::{Diagnostics, RunContext, SavedWork};
 use voltet_optics::engine::RenderStats;
-use voltet_optics::integrators::PartialTable;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::Ordering;
 
@@ -48,16 +46,10 @@ fn record_skipped_cells(notes: &mut Diagnostics, counts: &RenderStats) {
     }
 }
 
-/// Notes the order that was not made, and where nothing may be left out makes the table that was not needed.
+/// Notes the order that was not made.
 pub(super) fn note_whole(call: &mut RunContext, scene: &Scene, counts: &RenderStats) -> Result<()> {
     if scene.ordering(call.exhaustive()) == Ordering::Independent {
         record_unsorted(&mut call.notes, counts.segments);
-    }
-    if call.exhaustive() && !scene.shading.integrator.has_table() {
-        let side = call.parameters.integer("table_size")? as usize;
-        let density = scene.transfer_function.model == OpticalModel::DensityEmitter;
-        let table = call.stage("table", |_| Ok(PartialTable::new(density, side)))?;
-        call.notes.counts.insert("tables_built", u64::from(std::hint::black_box(table).bytes() > 0));
     }
     Ok(())
 }

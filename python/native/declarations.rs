@@ -5,25 +5,33 @@ use crate::filter::registry;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use voltet_core::parameters::DefaultValue;
-use voltet_graph::{Node, Parameter, ParameterType, Port, VariantSchema};
+use voltet_graph::{Node, Parameter, ParameterType, Port, Registry, VariantSchema};
 
 /// Node types, gradient filters and kinds of widgets with ports and parameters, as JSON.
 #[pyfunction]
 pub fn declarations(py: Python<'_>) -> PyResult<String> {
     let registry = guarded(py, registry)?;
-    let nodes: Vec<Value> = registry.iter().map(node).collect();
+    let nodes: Vec<Value> = registry.iter().map(|of| node(of, &registry)).collect();
     let filters: Vec<Value> = registry.filters().map(|filter| kind(&filter.declaration())).collect();
     Ok(json!({ "nodes": nodes, "filters": filters }).to_string())
 }
 
-fn node(node: &'static Node) -> Value {
+fn node(node: &'static Node, registry: &Registry) -> Value {
+    let declared = registry.parameters(node, None);
+    let parameter = |parameter: &Parameter| match parameter.parameter_type {
+        ParameterType::Registered(_) => {
+            let names = registry.variants(parameter.name).map(|variant| variant.schema.name);
+            described(parameter, literal(names))
+        }
+        _ => self::parameter(parameter),
+    };
     json!({
         "name": node.name,
         "summary": node.summary,
         "inputs": node.inputs.iter().map(port).collect::<Vec<_>>(),
         "optional_inputs": node.optional_inputs.iter().map(port).collect::<Vec<_>>(),
         "outputs": node.outputs.iter().map(port).collect::<Vec<_>>(),
-        "parameters": node.parameters.iter().map(parameter).collect::<Vec<_>>(),
+        "parameters": declared.iter().map(parameter).collect::<Vec<_>>(),
     })
 }
 
@@ -37,6 +45,11 @@ fn kind(kind: &VariantSchema) -> Value {
 }
 
 fn parameter(parameter: &Parameter) -> Value {
+    described(parameter, form(&parameter.parameter_type))
+}
+
+/// A parameter with what Python takes for it.
+fn described(parameter: &Parameter, form: String) -> Value {
     let kinds = match parameter.parameter_type {
         ParameterType::Kinds(kinds) => kinds.iter().map(kind).collect(),
         _ => Vec::new(),
@@ -44,13 +57,18 @@ fn parameter(parameter: &Parameter) -> Value {
     json!({
         "name": parameter.name,
         "type": parameter.parameter_type.describe(),
-        "form": form(&parameter.parameter_type),
+        "form": form,
         "unit": parameter.unit,
         "required": matches!(parameter.default, DefaultValue::Required),
         "default": parameter.default.to_string(),
         "help": parameter.help,
         "kinds": kinds,
     })
+}
+
+/// The annotation of one of some words.
+fn literal(words: impl Iterator<Item = &'static str>) -> String {
+    format!("Literal[{}]", words.map(|word| format!("{word:?}")).collect::<Vec<_>>().join(", "))
 }
 
 /// Python's annotation of a parameter's type.
@@ -60,11 +78,8 @@ fn form(parameter_type: &ParameterType) -> String {
         ParameterType::Integer(_) => "int".into(),
         ParameterType::Number(_) => "float".into(),
         ParameterType::NumberOr(..) => "float | str".into(),
-        ParameterType::Text | ParameterType::GradientFilter => "str".into(),
-        ParameterType::Choice(words) => {
-            let words: Vec<String> = words.iter().map(|(word, _)| format!("{word:?}")).collect();
-            format!("Literal[{}]", words.join(", "))
-        }
+        ParameterType::Text | ParameterType::GradientFilter | ParameterType::Registered(_) => "str".into(),
+        ParameterType::Choice(words) => literal(words.iter().map(|(word, _)| *word)),
         ParameterType::InputPath | ParameterType::OutputPath => "str | PathLike[str]".into(),
         ParameterType::Numbers(..) => "Sequence[float]".into(),
         ParameterType::Integers(..) => "Sequence[int]".into(),

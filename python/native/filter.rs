@@ -92,7 +92,7 @@ struct Function {
 
 /// The node types and filters that ship, and those of Python.
 pub fn registry() -> Result<Registry> {
-    let mut registry = voltet_nodes::registry()?;
+    let mut registry = own_registry()?;
     for filter in FILTERS.lock().unwrap_or_else(PoisonError::into_inner).iter() {
         registry.add_filter(filter.clone())?;
     }
@@ -139,7 +139,7 @@ pub fn register_filter(
     let filter = Arc::new(Function { kind, plugin, arrays, call });
     crate::error::guarded(py, || {
         // What contradicts itself, or has the name of one that ships, is refused here.
-        let mut registry = voltet_nodes::registry()?;
+        let mut registry = own_registry()?;
         registry.add_filter(filter.clone())?;
         let mut filters = FILTERS.lock().unwrap_or_else(PoisonError::into_inner);
         filters.retain(|known| known.kind.name != filter.kind.name);
@@ -272,4 +272,12 @@ impl GradientFilter for Function {
             }
         }
     }
+}
+
+/// Nodes, gradient filters and integrators that ship, the reference integrator and those for studies.
+fn own_registry() -> Result<Registry> {
+    let mut registry = voltet_nodes::registry()?;
+    voltet_reference::register(&mut registry)?;
+    voltet_integrators::register(&mut registry)?;
+    Ok(registry)
 }

@@ -54,13 +54,6 @@ mod _native {
     #[pymodule_export]
     use super::report::Report;
 
-    /// Adds what the product's crates are without.
-    #[pymodule_init]
-    fn init(_module: &Bound<'_, PyModule>) -> PyResult<()> {
-        voltet_reference::register();
-        Ok(())
-    }
-
     /// The version of the program.
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -7,9 +7,10 @@ use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_graph::{Graph, Observer, suggest};
 use voltet_nodes::drawing::ENGINES;
+use voltet_optics::integrators::Integrator;
 use voltet_study::work_precision::{
     Benches, Engines, Frames, Measure, StudyOptions as Options, Subject, cache_folder, json, reference,
-    studied, study as measure, write,
+    study as measure, write,
 };
 
 /// Options of a study, as on the command line.
@@ -28,8 +29,8 @@ pub struct StudyOptions {
 }
 
 impl StudyOptions {
-    fn request(&self) -> Result<Options> {
-        let known = || studied().map(|integrator| integrator.name());
+    fn request(&self, studied: &[Integrator]) -> Result<Options> {
+        let known = || studied.iter().map(|integrator| integrator.name());
         if let Some(name) = self.only.iter().find(|name| !known().any(|known| known == name.as_str())) {
             let error = Error::usage("'only' names no integrator that can be studied").got(name);
             return Err(error.expected(suggest(name, known())));
@@ -82,10 +83,10 @@ pub fn study(
     options: &StudyOptions,
     observer: &dyn Observer,
 ) -> Result<(String, Picture)> {
-    let request = options.request()?;
     let progress = NodeProgress { observer, node: "study" };
     let mut session = voltet_nodes::session();
     let subject = Subject::gather(graph, options.node.as_deref(), false, &mut session, observer)?;
+    let request = options.request(&subject.studied())?;
     let benches = Benches::open(&subject, &request)?;
     let reference = reference(&subject, &cache_folder(), &progress)?;
     let study = measure(subject, request, benches, reference, &progress)?;

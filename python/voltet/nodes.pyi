@@ -163,15 +163,15 @@ def composite(
     *,
     projection: _Source | None = None,
     transfer_function: _Source | None = None,
-    integrator: Literal["analytic", "adaptive", "segments", "riemann", "pre-integrated", "pre-integrated-cylindrical", "clipped", "vertex-sampled", "tabulated", "reference"] | None = None,
+    integrator: Literal["analytic", "adaptive", "reference", "segments", "riemann", "pre-integrated", "pre-integrated-cylindrical", "vertex-sampled", "tabulated"] | None = None,
     overlap: Literal["exact", "mix"] | None = None,
-    segments: int | None = None,
+    silhouette: float | None = None,
+    light: Mapping[str, Any] | None = None,
     tolerance: float | None = None,
+    segments: int | None = None,
     table_size: int | None = None,
     oversampling: int | None = None,
     planes: int | None = None,
-    silhouette: float | None = None,
-    light: Mapping[str, Any] | None = None,
 ) -> Node:
     """Integrates every ray segment and composites each pixel's segments front to back."""
 def renderer(
@@ -188,15 +188,15 @@ def renderer(
     accumulation: Literal["float", "8-bit", "12-bit", "16-bit"] | None = None,
     order: Literal["exact", "centroid", "none", "auto"] | None = None,
     order_check: Literal["sample", "count", "none"] | None = None,
-    integrator: Literal["analytic", "adaptive", "segments", "riemann", "pre-integrated", "pre-integrated-cylindrical", "clipped", "vertex-sampled", "tabulated", "reference"] | None = None,
+    integrator: Literal["analytic", "adaptive", "reference", "segments", "riemann", "pre-integrated", "pre-integrated-cylindrical", "vertex-sampled", "tabulated"] | None = None,
     overlap: Literal["exact", "mix"] | None = None,
-    segments: int | None = None,
+    silhouette: float | None = None,
+    light: Mapping[str, Any] | None = None,
     tolerance: float | None = None,
+    segments: int | None = None,
     table_size: int | None = None,
     oversampling: int | None = None,
     planes: int | None = None,
-    silhouette: float | None = None,
-    light: Mapping[str, Any] | None = None,
 ) -> Node:
     """Draws a volume in one node: culls, sorts, projects and composites."""
 def gpu_renderer(
@@ -212,15 +212,15 @@ def gpu_renderer(
     accumulation: Literal["float", "8-bit", "12-bit", "16-bit"] | None = None,
     order: Literal["exact", "centroid", "none", "auto"] | None = None,
     order_check: Literal["sample", "count", "none"] | None = None,
-    integrator: Literal["analytic", "adaptive", "segments", "riemann", "pre-integrated", "pre-integrated-cylindrical", "clipped", "vertex-sampled", "tabulated", "reference"] | None = None,
+    integrator: Literal["analytic", "adaptive", "reference", "segments", "riemann", "pre-integrated", "pre-integrated-cylindrical", "vertex-sampled", "tabulated"] | None = None,
     overlap: Literal["exact", "mix"] | None = None,
-    segments: int | None = None,
+    silhouette: float | None = None,
+    light: Mapping[str, Any] | None = None,
     tolerance: float | None = None,
+    segments: int | None = None,
     table_size: int | None = None,
     oversampling: int | None = None,
     planes: int | None = None,
-    silhouette: float | None = None,
-    light: Mapping[str, Any] | None = None,
 ) -> Node:
     """Draws a volume on the graphics device, where the grid stays: culls, projects, sorts and composites."""
 def grid_writer(

@@ -4,6 +4,7 @@ mod members;
 mod tiles;
 
 use crate::choices::{Choices, Combine, CompositorProgram, Method};
+use crate::integrator::WgslCall;
 use crate::kinds::{Call, Light};
 use crate::parts::{Access, PartedArray, Parts};
 
@@ -30,8 +31,6 @@ pub(crate) const FILLS: &[&str] = &[
     "bounds",
     "texels",
     "glows",
-    "slices",
-    "tiles",
 ];
 
 struct Block<'a> {
@@ -143,22 +142,20 @@ impl Block<'_> {
             self.lights_alone();
         }
         self.line("fn segment(length: f32, front: Values, back: Values) -> Contribution {");
-        if choices.method.is_table_of_lengths() {
-            self.tabulated();
-        } else if choices.combine == Combine::Nothing {
-            self.line("    return Contribution(vec3f(0.0), 0.0, 0.0);\n}");
-        } else if let Some((function, pieces)) = choices.method.sampler(choices.constant_emitter) {
-            self.sampled(function, pieces);
-        } else {
-            self.closed_forms();
+        match choices.method.call(choices.constant_emitter) {
+            Some(WgslCall::Table { function, pieces }) => self.tabulated(function, pieces),
+            _ if choices.combine == Combine::Nothing => {
+                self.line("    return Contribution(vec3f(0.0), 0.0, 0.0);\n}");
+            }
+            Some(WgslCall::Samples { function, pieces, .. }) => self.sampled(function, pieces),
+            None => self.closed_forms(),
         }
     }
 
-    fn tabulated(&mut self) {
-        let tiled = self.choices.method == Method::PreIntegratedCylindrical;
-        let table = if tiled { "pre_integrated/tiles" } else { "pre_integrated/table" };
-        self.uses(&["elementary/one_minus_exp", "pre_integrated/light", table]);
-        self.line("    let found = pre_integrated_light(length, value_s(front), value_s(back));");
+    fn tabulated(&mut self, function: &str, pieces: &[&'static str]) {
+        self.uses(pieces);
+        self.uses(&["elementary/one_minus_exp"]);
+        self.line(format!("    let found = {function}(length, value_s(front), value_s(back));"));
         self.line("    return Contribution(found.rgb, one_minus_exp(found.a), found.a);\n}");
     }
 

@@ -26,13 +26,12 @@ use std::process::ExitCode;
 ///
 /// ```no_run
 /// # fn program() -> std::process::ExitCode {
-/// voltet::run(voltet::nodes::registry())
+/// voltet::run(voltet::registry())
 /// # }
 /// ```
 pub fn run(registry: Result<Registry>) -> ExitCode {
     quieten_drivers();
     panic_hook::install();
-    voltet_reference::register();
     // A panic was shown where it happened.
     std::panic::catch_unwind(AssertUnwindSafe(|| match Arguments::try_parse() {
         Ok(arguments) => {
@@ -42,6 +41,16 @@ pub fn run(registry: Result<Registry>) -> ExitCode {
         Err(answer) => ExitCode::from(commands::answer(&answer)),
     }))
     .unwrap_or(ExitCode::from(panic_hook::FAILED))
+}
+
+/// The registry of the program: the nodes, gradient filters and integrators that ship, the reference integrator and those for studies.
+///
+/// Errors: declarations that contradict each other.
+pub fn registry() -> Result<Registry> {
+    let mut registry = crate::nodes::registry()?;
+    voltet_reference::register(&mut registry)?;
+    voltet_integrators::register(&mut registry)?;
+    Ok(registry)
 }
 
 /// Former names of options, each with the present one; the parser takes both.

@@ -30,7 +30,7 @@ pub struct Shading {
 
 impl Default for Shading {
     fn default() -> Self {
-        let (integrator, blend) = (Integrator::Analytic, WidgetBlend::Exact);
+        let (integrator, blend) = (Integrator::ANALYTIC, WidgetBlend::Exact);
         Shading { integrator, blend, silhouette: None, light: None }
     }
 }

@@ -104,7 +104,7 @@ fn the_grid_and_the_pipelines_stay_on_the_device() {
     if run_on_device(&folder).is_none() {
         return;
     }
-    let registry = voltet::nodes::registry().unwrap();
+    let registry = voltet::registry().unwrap();
     let mut session = voltet::nodes::session();
     let mut work = |options: &[&str]| {
         let options: Vec<String> = ["picture.engine=\"gpu\"", "picture.compositor=\"tiles\""]

@@ -24,7 +24,7 @@ fn open(folder: &Folder, name: &str, options: &[&str]) -> Document {
 
 fn open_with(folder: &Folder, name: &str, options: &[&str]) -> Document {
     let options: Vec<String> = options.iter().map(|option| option.to_string()).collect();
-    Document::open(&folder.join(name), &options, &voltet::nodes::registry().unwrap()).unwrap()
+    Document::open(&folder.join(name), &options, &voltet::registry().unwrap()).unwrap()
 }
 
 fn run(document: &Document) -> RunReport {
@@ -101,7 +101,6 @@ fn every_node_and_the_session_say_what_was_left_out_why_and_what_that_saves() {
         "picture: cells out of view {\"cells\":".into(),
         "picture: cells under a pixel's reach {\"cells\":".into(),
         format!("picture: visibility order {{\"segments\":{}}}", total("segments")),
-        "picture: pre-integration table {\"bytes\":262144}".into(),
     ] {
         assert!(left_out.iter().any(|left| left.starts_with(&wanted)), "'{wanted}' is not in\n{left_out:#?}");
     }
@@ -276,7 +275,7 @@ fn every_node_that_ships_does_everything_where_nothing_may_be_left_out() {
     let folder = Folder::new();
     let cube = cube_of(4, "temperature", |x| 300.0 + 100.0 * x * x);
     folder.write("data.vtu", cube.replace("\"layer\"", "\"zone\"").replace("\"y\"", "\"humidity\""));
-    let registry = voltet::nodes::registry().unwrap();
+    let registry = voltet::registry().unwrap();
     for node in registry.iter() {
         let smaller = node.example.replace("[1024, 768]", "[32, 24]").replace("[512, 512]", "[32, 32]");
         let nearer = smaller.replace("eye = [0.0, -12.0, 6.0]", "eye = [0.2, -3.0, 1.0]");
@@ -314,12 +313,8 @@ fn a_run_that_leaves_nothing_out_says_what_it_costs() {
 fn explain_knows_from_headers_which_arrays_are_not_read() {
     let folder = Folder::new();
     let ran = folder.voltet(&["explain", "slab.toml"]).ok();
-    for text in [
-        "grid: no arrays y, ones, gradient, layer: nothing looks at them (saves",
-        "picture: no pre-integration table",
-    ] {
-        assert!(ran.stdout.contains(text), "'{text}' is not in\n{}", ran.stdout);
-    }
+    let text = "grid: no arrays y, ones, gradient, layer: nothing looks at them (saves";
+    assert!(ran.stdout.contains(text), "'{text}' is not in\n{}", ran.stdout);
     let ran = folder.voltet(&["explain", "slab.toml", "--no-leave-out"]).ok();
     assert!(ran.stderr.contains("note: --no-leave-out is now called --exhaustive"), "{}", ran.stderr);
     assert!(ran.stdout.contains("Nothing is left out, needed or not"), "{}", ran.stdout);
@@ -333,7 +328,7 @@ fn explain_knows_from_headers_which_arrays_are_not_read() {
 #[test]
 fn nothing_is_compiled_or_sent_to_a_device_twice() {
     let folder = Folder::new();
-    let registry = voltet::nodes::registry().unwrap();
+    let registry = voltet::registry().unwrap();
     let mut session = voltet::nodes::session();
     let mut draw = |more: &[&str]| {
         let options: Vec<String> =

@@ -81,7 +81,7 @@ fn each_integrator_says_what_it_draws() {
     let found = json(&folder, &["ramp.toml", "3", "4"]);
     assert!(said(&found, "reference")["difference"].as_f64().unwrap() < 1e-12);
     let found = json(&folder, &["slab.toml", "3", "4"]);
-    assert!(said(&found, "clipped")["why_not"].as_str().unwrap().contains("not piecewise-linear"));
+    assert!(said(&found, "vertex-sampled")["why_not"].as_str().unwrap().contains("by themselves"));
 }
 
 #[test]

@@ -68,7 +68,7 @@ fn several_files_make_one_report_and_share_what_they_read() {
 #[test]
 fn a_changed_parameter_repeats_only_what_depends_on_it() {
     let folder = Folder::new();
-    let registry = voltet::nodes::registry().unwrap();
+    let registry = voltet::registry().unwrap();
     let mut session = voltet::nodes::session();
     let mut repeated = |options: &[&str]| {
         let options: Vec<String> = options.iter().map(|option| option.to_string()).collect();

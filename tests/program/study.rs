@@ -47,10 +47,9 @@ fn a_study_writes_its_files_and_says_what_is_worth_taking() {
     let rows = json["rows"].as_array().unwrap();
     assert_eq!(rows.len() as u64, json["settings"].as_u64().unwrap());
     let of = |name: &str| rows.iter().filter(|row| row["setting"]["integrator"] == name).collect::<Vec<_>>();
-    // Exact and mix, each in exact and centroid order; the scene's widgets depend on s alone but are not one
-    // piecewise-linear function.
+    // Exact and mix, each in exact and centroid order; the scene's widgets depend on s alone.
     let counts = NAMES.map(|name| of(name).len());
-    assert_eq!(counts, [4, 6, 10, 9, 7, 9, 0]);
+    assert_eq!(counts, [4, 6, 10, 9, 7, 9]);
     let error = |row: &Value| row["errors"]["maximum"].as_f64().unwrap();
     // What the engine's pictures of ordinary scenes are held to elsewhere.
     assert!(error(of("analytic")[0]) < 2e-4, "{}", of("analytic")[0]);
@@ -174,7 +173,12 @@ fn what_cannot_be_studied_is_said() {
     let folder = folder();
     let whole = scene();
     folder.voltet(&study(&["rieman"])).fails(2, &["--only", "rieman", "riemann"]);
-    folder.voltet(&study(&["clipped"])).fails(2, &["none of the integrators", "clipped"]);
+    let point =
+        "kind = \"piecewise-linear\"\npoints = [[0.2, 1.0, 1.0, 1.0, 1.0], [0.6, 1.0, 1.0, 1.0, 2.0]]\n\n";
+    let (start, end) = (whole.find("kind = \"gaussian\"").unwrap(), whole.find("[nodes.view]").unwrap());
+    folder.write("scene.toml", format!("{}{point}{}", &whole[..start], &whole[end..]));
+    folder.voltet(&study(&["tabulated"])).fails(2, &["none of the integrators", "tabulated"]);
+    folder.write("scene.toml", &whole);
     folder.voltet(&["study", "none.toml"]).fails(2, &["none.toml", "cannot be read"]);
     folder.voltet(&study(&["analytic", "--node", "pictur"])).fails(2, &["pictur", "picture"]);
     folder.voltet(&study(&["analytic", "--max-error", "-1"])).fails(2, &["--max-error"]);

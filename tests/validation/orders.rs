@@ -5,6 +5,7 @@ use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Wave, Widget};
 use voltet_cpu as engine;
 use voltet_optics::shading::{Integrator, Ordering, Shading, VisibilityOrder};
+use voltet_reference::REFERENCE;
 use voltet_testing::pictures::Engine;
 use voltet_testing::pictures::compare::{NamedScene, SHADING};
 use voltet_testing::pictures::grids::*;
@@ -107,13 +108,11 @@ fn overlaps_are_counted() {
         let shading = Shading { integrator, ..SHADING };
         engine::draw(&cells, look, &scene.camera, &shading, &NoProgress).unwrap().1
     };
-    voltet_reference::register();
-    let reference = Integrator::Reference;
-    let (lanes, exact) = (count(&scene.look, Integrator::Analytic), count(&scene.look, reference));
+    let (lanes, exact) = (count(&scene.look, Integrator::ANALYTIC), count(&scene.look, REFERENCE));
     assert_eq!(exact.segments_exact, exact.segments);
     let [a, b] = [lanes, exact].map(|counts| counts.segments_overlapping as f64);
     assert!(a > 0.1 * lanes.segments as f64 && (a - b).abs() <= 0.01 * b, "{a} in lanes, {b} in 64 bits");
-    assert_eq!(count(&one_gaussian(), Integrator::Analytic).segments_overlapping, 0);
+    assert_eq!(count(&one_gaussian(), Integrator::ANALYTIC).segments_overlapping, 0);
 }
 
 /// Where no order is needed, a tile whose pixels are opaque looks at no further cell: the picture is the referee's, also in

@@ -8,6 +8,7 @@ use voltet_core::picture::Picture;
 use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::volume::Volume;
+use voltet_integrators::VERTEX_SAMPLED;
 use voltet_optics::engine::{AdapterRequest, RenderOptions};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
@@ -42,13 +43,13 @@ fn what_is_linear_between_the_points_is_drawn_as_by_the_closed_forms() {
     let volume = smooth(cube([5, 5, 5], 0.2));
     let [low, high] = extent::range(&volume.scalar).unwrap();
     let linear = look(vec![points(&[[low, 0.9, 0.4, 0.1, 0.2], [high, 0.9, 0.4, 0.1, 5.0]])]);
-    let exact = drawn(&volume, &linear, Integrator::Analytic);
+    let exact = drawn(&volume, &linear, Integrator::ANALYTIC);
     assert!(exact.rgba.iter().any(|pixel| pixel[3] > 0.5));
-    let found = difference(&drawn(&volume, &linear, Integrator::VertexSampled), &exact);
+    let found = difference(&drawn(&volume, &linear, VERTEX_SAMPLED), &exact);
     assert!(found < 2e-4, "{found}");
     // The constant-emitter glows alike at all points.
     let even = TransferFunction { model: OpticalModel::ConstantEmitter { cutoff: 0.0 }, ..linear };
-    let [exact, found] = [Integrator::Analytic, Integrator::VertexSampled].map(|i| drawn(&volume, &even, i));
+    let [exact, found] = [Integrator::ANALYTIC, VERTEX_SAMPLED].map(|i| drawn(&volume, &even, i));
     assert!(difference(&exact, &found) < 2e-4, "{}", difference(&exact, &found));
 }
 
@@ -66,8 +67,8 @@ fn what_lies_between_the_points_is_missed() {
     });
     let peak = |s| look(vec![gaussian([s, 0.0], [0.05, f64::INFINITY], 20.0, [1.0, 0.5, 0.2])]);
     let middle = |look: &TransferFunction, integrator| drawn(&volume, look, integrator).rgba[16 * 40 + 20][3];
-    assert!(middle(&peak(0.5), Integrator::Analytic) > 0.3);
-    assert_eq!(middle(&peak(0.5), Integrator::VertexSampled), 0.0);
-    let [exact, found] = [Integrator::Analytic, Integrator::VertexSampled].map(|i| middle(&peak(0.0), i));
+    assert!(middle(&peak(0.5), Integrator::ANALYTIC) > 0.3);
+    assert_eq!(middle(&peak(0.5), VERTEX_SAMPLED), 0.0);
+    let [exact, found] = [Integrator::ANALYTIC, VERTEX_SAMPLED].map(|i| middle(&peak(0.0), i));
     assert!(found > exact + 0.05, "{found} for {exact}");
 }

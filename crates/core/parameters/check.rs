@@ -1,9 +1,10 @@
 //! Parameters: settings that were checked against their declarations, with typed getters.
 
-use super::declaration::{Parameter, ParameterType};
+use super::declaration::{Parameter, ParameterType, Variant};
 use super::setting::{Field, LocatedValue, ParameterValue, SourceSpan};
 use crate::{Error, Result};
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// The parameters of a node or a gradient filter, or of a table within one: each declared name with the value that the file gives or
 /// the standard value. Two are equal when their values are.
@@ -16,6 +17,8 @@ pub struct Parameters {
     pub(super) is_set: Vec<bool>,
     /// Location of the table in the file.
     pub(super) origin: SourceSpan,
+    /// The parameter of type [`ParameterType::Registered`], with all variants of it.
+    pub(super) variants: Option<(&'static str, Arc<[Variant]>)>,
 }
 
 /// A mistake in what a table sets.
@@ -54,6 +57,26 @@ impl Parameters {
         self.settings.extend(others.settings);
         self.is_set.extend(others.is_set);
         self
+    }
+
+    /// These with the variants that are registered for a parameter.
+    pub fn with_variants(self, name: &'static str, variants: Arc<[Variant]>) -> Parameters {
+        Parameters { variants: Some((name, variants)), ..self }
+    }
+
+    /// All variants that are registered for a parameter, in the order of registration.
+    pub fn variants(&self, name: &str) -> &[Variant] {
+        self.variants.as_ref().filter(|(parameter, _)| *parameter == name).map_or(&[], |(_, all)| all)
+    }
+
+    /// The variant that a parameter names.
+    pub fn variant(&self, name: &str) -> Result<&Variant> {
+        let word = self.text(name)?;
+        let variants = self.variants(name);
+        variants.iter().find(|variant| variant.schema.name == word).ok_or_else(|| {
+            let names: Vec<&str> = variants.iter().map(|variant| variant.schema.name).collect();
+            self.error(name, format!("'{word}' is not registered")).expected(names.join(", "))
+        })
     }
 
     /// The declarations with their values (`None`: not set), and whether the file gave them.

@@ -2,6 +2,8 @@
 
 use super::range::Range;
 use super::setting::{LocatedValue, ParameterValue};
+use std::any::Any;
+use std::sync::Arc;
 
 /// A parameter of a node or a gradient filter, or of a table within one.
 #[derive(Debug, Clone, Copy)]
@@ -74,6 +76,9 @@ pub enum ParameterType {
     Measured(&'static RelativeNumberType),
     /// The name of a gradient filter, of those that are registered; what it declares stands beside this parameter.
     GradientFilter,
+    /// The name of one of the variants that are registered for the parameter; the text is a noun with its article. The parameters
+    /// of all variants stand beside this one, and those of the chosen one count.
+    Registered(&'static str),
 }
 
 /// A type whose numbers may be given relative to data.
@@ -127,6 +132,21 @@ pub struct VariantSchema {
     pub parameters: &'static [Parameter],
 }
 
+/// A variant that a program registered for a parameter of type [`ParameterType::Registered`].
+#[derive(Clone)]
+pub struct Variant {
+    /// Its name, summary and parameters.
+    pub schema: VariantSchema,
+    /// The object behind the name, for the code that knows its type.
+    pub object: Arc<dyn Any + Send + Sync>,
+}
+
+impl std::fmt::Debug for Variant {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Variant").field("name", &self.schema.name).finish_non_exhaustive()
+    }
+}
+
 impl DefaultValue {
     /// The value, if this is one.
     pub fn datum(&self) -> Option<ParameterValue> {
@@ -176,6 +196,7 @@ impl ParameterType {
                 format!("{}, {}", measured.plain.describe(), measured.describe())
             }
             ParameterType::GradientFilter => "name of a gradient filter".into(),
+            ParameterType::Registered(noun) => format!("name of {noun}"),
         }
     }
 }

@@ -74,7 +74,7 @@ impl Parameters {
             }
             *setting = parameter.default.datum().map(LocatedValue::from);
         }
-        Parameters { declared, settings, is_set: given, origin: origin.clone() }
+        Parameters { declared, settings, is_set: given, origin: origin.clone(), variants: None }
     }
 
     /// A list of tables of several kinds: each one's kind and parameters. Empty where not set.
@@ -185,7 +185,10 @@ fn check_plain(parameter_type: &ParameterType, name: &str, unit: &str, setting: 
             ParameterType::Number(range) | ParameterType::NumberOr(range, _),
             ParameterValue::Number(_) | ParameterValue::Integer(_),
         ) => in_range(setting, setting.number().unwrap_or(f64::NAN), range),
-        (ParameterType::Text | ParameterType::GradientFilter, ParameterValue::Text(_)) => Ok(()),
+        (
+            ParameterType::Text | ParameterType::GradientFilter | ParameterType::Registered(_),
+            ParameterValue::Text(_),
+        ) => Ok(()),
         (ParameterType::InputPath | ParameterType::OutputPath, ParameterValue::Text(path)) => {
             match path.is_empty() {
                 true => Err(setting.error(format!("'{name}' is empty"), "the path of a file")),

@@ -24,7 +24,8 @@ mod tests;
 pub use check::{ParameterFault, Parameters};
 pub use contradictions::{refuse_contradictions, repeated};
 pub use declaration::{
-    AxisRef, DefaultValue, Parameter, ParameterType, RelativeNumberType, StatisticKind, VariantSchema,
+    AxisRef, DefaultValue, Parameter, ParameterType, RelativeNumberType, StatisticKind, Variant,
+    VariantSchema,
 };
 pub use measured::RelativeNumber;
 pub use nearest::{nearest, suggest};

@@ -12,14 +12,12 @@
 //! | `stepped` | several widgets on one segment, in their order, by quadrature |
 //! | `panels` | the same for what that does not serve: a walk in panels |
 //! | `gathered` | those segments side by side |
-//! | `methods` | the integrators that sample or look up |
 //! | `light` | silhouettes and light |
 
 pub(crate) mod along;
 mod gathered;
 pub(crate) mod kinds;
 pub(crate) mod light;
-mod methods;
 pub(crate) mod panels;
 mod quick;
 pub(crate) mod reach;

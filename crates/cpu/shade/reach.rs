@@ -8,7 +8,7 @@ use crate::shade::kinds::making::Making;
 use voltet_core::transfer::{Slab, Widget};
 use voltet_simd::{Float, Lanes, Mask};
 
-pub(crate) use crate::tolerances::NEGLIGIBLE_DEPTH as LEFT_OUT;
+pub use crate::tolerances::NEGLIGIBLE_DEPTH as LEFT_OUT;
 
 /// Support bounds of a widget.
 pub(crate) struct LaneReach {

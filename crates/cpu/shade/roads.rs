@@ -1,6 +1,7 @@
 //! The roads of a batch, one after the other; each kernel is compiled once a lane set.
 
 use crate::fragments::batch::{Batch, MAX_LANES};
+use crate::integrator::{SegmentBatch, SegmentResults};
 use crate::shade::kinds::LaneWidget;
 use crate::shade::shaded::Shaded;
 use crate::shade::shader::{First, Shader};
@@ -17,7 +18,7 @@ pub(crate) fn quick(shader: &Shader, lanes: LaneSet, batch: &Batch, count: usize
     out.clear();
     let part = Part { widgets: &shader.widgets, one_color: shader.one_color.is_some(), batch, count };
     match shader.first() {
-        First::Method(method) => method.shade(lanes, part, out),
+        First::Method(method) => method.run(lanes, SegmentBatch(part), &mut SegmentResults(out)),
         First::Alone(points) => serve(lanes, points, part, out),
         First::OneColor(form) => serve(lanes, &form, part, out),
         First::Several(form) => serve(lanes, &form, part, out),
@@ -35,7 +36,7 @@ fn leave(Part { batch, count, .. }: Part<'_>, out: &mut Shaded) {
 
 /// The first `count` fragments of a batch.
 #[derive(Clone, Copy)]
-pub(super) struct Part<'a> {
+pub(crate) struct Part<'a> {
     pub widgets: &'a [LaneWidget],
     /// Their depths alone are wanted.
     pub one_color: bool,

@@ -115,7 +115,8 @@ impl Shaded {
 
 /// Reason why a segment falls back to the 64-bit forms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Left {
+#[non_exhaustive]
+pub enum Left {
     /// The integrator is another than the closed forms.
     Integrator,
     /// Samples that 32 bits do not tell apart, or that leave them.
@@ -138,7 +139,7 @@ pub(crate) enum Left {
 
 impl Left {
     /// True if the steps for dense segments may integrate it.
-    pub fn is_for_dense_steps(self) -> bool {
+    pub(crate) fn is_for_dense_steps(self) -> bool {
         matches!(self, Left::Dense | Left::Delicate)
     }
 

@@ -3,15 +3,15 @@
 //! Four roads, each for what the one before leaves over: quick closed forms in lanes (density-emitter; overlaps by
 //! [`voltet_simd::optics::sums`]), quadrature in as many equal steps as a segment wants ([`super::stepped`]), a walk in panels
 //! ([`super::panels`]), and the 64-bit integrator segment by segment. Integrators that sample or look up have one road of their
-//! own in place of the first three ([`super::methods`]). What a scene does not use is not prepared.
+//! own in place of the first three ([`crate::integrator`]). What a scene does not use is not prepared.
 
 use crate::attribute::{ATTRIBUTES_MOST, Attribute};
 use crate::fragments::batch::{Batch, Column, meant};
+use crate::integrator::{LaneExtension, LaneIntegrator, LaneScene};
 use crate::shade::along::Along;
 use crate::shade::gathered::Gathered;
 use crate::shade::kinds::{LaneLinear, LaneWidget, Making, Road};
 use crate::shade::light::{Rays, Surface};
-use crate::shade::methods::{LaneMethod, Served};
 use crate::shade::panels::PanelWalk;
 use crate::shade::quick::{OneColor, Several};
 use crate::shade::reach::LEFT_OUT;
@@ -38,7 +38,7 @@ pub(crate) struct Shader {
     /// What the quick forms do not serve, but lanes do; or why they do not.
     walker: std::result::Result<PanelWalk, Left>,
     /// What serves in place of the closed forms.
-    method: Option<LaneMethod>,
+    method: Option<Box<dyn LaneIntegrator>>,
     /// Whether the quick forms serve anything.
     quick: bool,
     /// Offset and scale of each attribute: value = offset + scale × stored.
@@ -54,7 +54,7 @@ pub(crate) struct Shader {
 /// What serves every segment of a scene first.
 pub(crate) enum First<'a> {
     /// An integrator that samples or looks up.
-    Method(&'a LaneMethod),
+    Method(&'a dyn LaneIntegrator),
     /// The pieces of one widget.
     Alone(&'a LaneLinear),
     OneColor(OneColor),
@@ -94,7 +94,8 @@ impl Shader {
                 .got(length)
                 .expected("points that span a volume"));
         }
-        let in_lanes = shading.integrator != Integrator::Reference;
+        let in_lanes = has_closed_forms(&shading.integrator)
+            || shading.integrator.extension::<LaneExtension>().is_some();
         let density_emitter = transfer_function.model == OpticalModel::DensityEmitter;
         let fields = transfer_function.fields();
         let making = Making {
@@ -112,19 +113,27 @@ impl Shader {
         let one_color = shading.one_color(transfer_function).filter(|_| !ordered);
         let one_color = one_color.map(|color| color.map(|c| c as f32));
         let scaling = attributes.iter().map(|a| [a.offset, a.scale]).collect();
-        let served =
-            Served::new(&shading.integrator, exact.as_deref(), transfer_function, &widgets, &making, &scene)?;
-        let (method, missing) = match served {
-            Served::InClosedForm => (None, None),
+        let (integrator, exact_forms) = (&shading.integrator, exact.as_deref());
+        let prepared = match integrator.extension::<LaneExtension>() {
+            _ if has_closed_forms(integrator) => None,
+            None => Some(Err(Left::Integrator)),
+            Some(LaneExtension(kind)) => {
+                let (widgets, making, scene) = (&widgets, &making, &scene);
+                let scene = LaneScene { widgets, making, scene, transfer_function, exact: exact_forms };
+                Some(kind.prepare(integrator, &scene)?)
+            }
+        };
+        let (method, missing) = match prepared {
+            None => (None, None),
             // What it leaves over is a matter of its samples.
-            Served::By(method) => (Some(method), Some(Left::Samples)),
-            Served::Not(why) => (None, Some(why)),
+            Some(Ok(method)) => (Some(method), Some(Left::Samples)),
+            Some(Err(why)) => (None, Some(why)),
         };
         let closed = missing.is_none();
         let quick = closed && density_emitter && widgets.iter().all(|widget| widget.road() == Road::Quick);
         // What mixing leaves is another integrator's choice than the closed forms'.
         let overlap =
-            if shading.integrator == Integrator::Analytic { shading.overlap } else { WidgetBlend::Exact };
+            if shading.integrator == Integrator::ANALYTIC { shading.overlap } else { WidgetBlend::Exact };
         let ordered_from = ordered_from(&shading.integrator, transfer_function);
         let walker = if let Some(why) = missing {
             Err(why)
@@ -159,7 +168,7 @@ impl Shader {
     /// Bytes of the integrator's tables.
     pub fn table_bytes(&self) -> usize {
         let exact = self.exact.as_ref().map_or(0, |exact| exact.table_bytes());
-        exact + self.method.as_ref().map_or(0, LaneMethod::table_bytes)
+        exact + self.method.as_ref().map_or(0, |method| method.table_bytes())
     }
 
     /// Whether every segment's optical depth is kept, not only those that the quick forms leave over.
@@ -171,7 +180,7 @@ impl Shader {
     pub fn first(&self) -> First<'_> {
         let several = Several { overlap: self.overlap, ordered_from: self.ordered_from };
         match (&self.method, self.widgets.as_slice()) {
-            (Some(method), _) => First::Method(method),
+            (Some(method), _) => First::Method(method.as_ref()),
             _ if !self.quick => First::Nothing,
             _ if self.one_color.is_some() => First::OneColor(OneColor),
             // Alone, its pieces give the colour in closed form.
@@ -319,18 +328,23 @@ impl Shader {
 /// than Tᵢ (T − Tᵢ) from it, whatever the order (see `optics::integrators::Adaptive`), and Σ E = Σ M; so a channel's error is under
 /// the product times the brightest channel.
 fn ordered_from(integrator: &Integrator, transfer_function: &TransferFunction) -> f32 {
-    match *integrator {
-        Integrator::Adaptive { tolerance } => {
+    match integrator.tolerance() {
+        Some(tolerance) => {
             let brightest = transfer_function.widgets.iter().map(Widget::max_emission).fold(0.0, f64::max);
             MIX_PRODUCT.max((tolerance / brightest.max(1.0)) as f32)
         }
-        _ => MIX_PRODUCT,
+        None => MIX_PRODUCT,
     }
+}
+
+/// True for the integrators whose closed forms the engine has in lanes.
+fn has_closed_forms(integrator: &Integrator) -> bool {
+    *integrator == Integrator::ANALYTIC || integrator.tolerance().is_some()
 }
 
 /// Appends the places of some lanes (bits) of the vector at `at`.
 #[inline(always)]
-pub(super) fn push(list: &mut Vec<usize>, mut lanes: u32, at: usize) {
+pub(crate) fn push(list: &mut Vec<usize>, mut lanes: u32, at: usize) {
     while lanes != 0 {
         list.push(at + lanes.trailing_zeros() as usize);
         lanes &= lanes - 1;
@@ -339,6 +353,6 @@ pub(super) fn push(list: &mut Vec<usize>, mut lanes: u32, at: usize) {
 
 /// Lanes (bits) of the first `count` segments on which widgets overlap.
 #[inline(always)]
-pub(super) fn overlaps<L: Lanes>(product: L::F, along: &Along<L>, count: usize) -> u32 {
+pub(crate) fn overlaps<L: Lanes>(product: L::F, along: &Along<L>, count: usize) -> u32 {
     meant::<L>(L::F::splat(MIX_PRODUCT).lt(product).and(along.crossing), count)
 }

@@ -69,7 +69,7 @@ fn no_segment_depends_on_its_neighbours() {
         ],
         vec![widget(Profile::PiecewiseLinear { points }, 0.0, [0.0; 3])],
     ];
-    let (integrator, overlap) = (Integrator::Analytic, WidgetBlend::Exact);
+    let (integrator, overlap) = (Integrator::ANALYTIC, WidgetBlend::Exact);
     let shading = Shading { integrator, overlap, silhouette: None, light: None };
     // Any 300 segments; the first spans what all of them do, so that lists with it are scaled alike.
     let share = |i: usize, step: f64| (0.5 + i as f64 * step).fract();

@@ -123,6 +123,10 @@ impl Control {
             ParameterType::Measured(measured) => {
                 Self::of_type(&measured.plain, name, Some(Relative::from_type(measured)), registry)
             }
+            ParameterType::Registered(_) => {
+                let schemas = registry.variants(name).map(|variant| variant.schema);
+                Control::Choice(schemas.map(|schema| (schema.name, schema.summary)).collect())
+            }
             ParameterType::GradientFilter => {
                 let filters = registry.filters().map(|filter| filter.declaration());
                 Control::Choice(filters.map(|filter| (filter.name, filter.summary)).collect())

@@ -87,19 +87,30 @@ impl Row {
 }
 
 impl Document {
-    /// The rows of a node: its own parameters and, where it names a gradient filter, those of the filter. Empty where its type is
+    /// The rows of a node: its own parameters and, where it names a gradient filter or a variant, those of the filter or the variant. Empty where its type is
     /// not known.
     pub fn rows(&self, registry: &Registry, node: &str) -> Vec<Row> {
         let entry = self.pipeline().nodes.iter().find(|entry| entry.name == node);
         let Some((entry, node)) = entry.zip(self.node_type(registry, node)) else { return Vec::new() };
         let mut rows = rows(registry, node.parameters, &entry.settings, &Path::default());
-        let method =
-            node.method().and_then(|method| rows.iter().find(|row| row.parameter.name == method.name));
-        let word = method.and_then(Row::value).and_then(|datum| match datum {
-            ParameterValue::Text(word) => Some(word.clone()),
+        let word = |parameter: &Parameter| match rows
+            .iter()
+            .find(|row| row.parameter.name == parameter.name)?
+            .value()
+        {
+            Some(ParameterValue::Text(word)) => Some(word.clone()),
             _ => None,
+        };
+        let filter = node.method().and_then(word);
+        let variant = node.registered_parameter().and_then(|parameter| {
+            let word = word(parameter)?;
+            registry.variants(parameter.name).find(|variant| variant.schema.name == word)
         });
-        if let Some(filter) = word.and_then(|word| registry.find_filter(&word).ok()) {
+        if let Some(variant) = variant {
+            let declared = variant.schema.parameters;
+            rows.extend(self::rows(registry, declared, &entry.settings, &Path::default()));
+        }
+        if let Some(filter) = filter.and_then(|word| registry.find_filter(&word).ok()) {
             let declared = filter.declaration().parameters;
             rows.extend(self::rows(registry, declared, &entry.settings, &Path::default()));
         }

@@ -70,7 +70,8 @@ impl Hand {
         std::fs::write(&path, text).unwrap();
         let document = Document::open(&path).unwrap();
         let start = Arc::new(|_: &Path, _: &Path| Err(Error::usage("no data here")));
-        let registry = voltet_nodes::registry().unwrap();
+        let mut registry = voltet_nodes::registry().unwrap();
+        voltet_reference::register(&mut registry).unwrap();
         let editor = Editor::new(document, &registry, start, Arc::new(|| {})).unwrap();
         let ctx = Context::default();
         crate::theme::apply(&ctx);

@@ -112,7 +112,6 @@ fn a_file_that_another_program_wrote_is_asked_about_and_never_written_over_unask
 
 #[test]
 fn how_wrong_the_picture_is_can_be_asked() {
-    voltet_reference::register();
     let mut hand = Hand::new(TEXT);
     hand.editor.apply(&hand.ctx.clone(), crate::actions::Action::Estimate);
     for _ in 0..4000 {

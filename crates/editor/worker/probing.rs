@@ -59,7 +59,7 @@ impl ProbeQuery {
             camera,
             // What is seen, as the values count: light and silhouettes change colours.
             shading: Shading {
-                integrator: Integrator::Analytic,
+                integrator: Integrator::ANALYTIC,
                 overlap: WidgetBlend::Exact,
                 silhouette: None,
                 light: None,

@@ -68,7 +68,7 @@ impl SegmentRunner {
         segment: &Segment,
         overlap: WidgetBlend,
     ) -> Result<std::result::Result<Contribution, &'static str>> {
-        let shading = Shading { integrator: Integrator::Analytic, overlap, silhouette: None, light: None };
+        let shading = Shading { integrator: Integrator::ANALYTIC, overlap, silhouette: None, light: None };
         let choices = Choices::new(transfer_function, &shading, CompositorProgram::Segments)?;
         let axes = axes(transfer_function, segment);
         let length = segment.length;

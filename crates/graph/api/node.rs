@@ -113,6 +113,11 @@ impl Node {
         self.parameters.iter().find(|p| p.name == name)
     }
 
+    /// The parameter whose words are registered variants, if there is one.
+    pub fn registered_parameter(&self) -> Option<&'static Parameter> {
+        self.parameters.iter().find(|p| matches!(p.parameter_type, ParameterType::Registered(_)))
+    }
+
     /// The parameter that names a gradient filter, where it has one.
     pub fn method(&self) -> Option<&'static Parameter> {
         self.parameters.iter().find(|p| matches!(p.parameter_type, ParameterType::GradientFilter))

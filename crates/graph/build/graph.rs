@@ -157,7 +157,8 @@ impl Graph {
             let (name, origin) = (entry.name.clone(), entry.origin.clone());
             Some(GraphNode { name, node: node?, parameters, method, inputs, origin, given: None })
         });
-        Some(Graph { nodes: nodes.collect::<Option<_>>()?, folder, ..Graph::default() })
+        let nodes = nodes.collect::<Option<Vec<_>>>()?;
+        Some(Graph { warnings: alias_notes(entries, &nodes, registry), nodes, folder, ..Graph::default() })
     }
 
     /// The node of that name.
@@ -233,6 +234,18 @@ fn check(
         faults.push(Diagnostic::new(entry, DiagnosticTarget::Node, error));
     }
     Some(checked)
+}
+
+/// A note for each former name of a variant.
+fn alias_notes(entries: &[NodeEntry], nodes: &[GraphNode], registry: &Registry) -> Vec<Error> {
+    let note = |(entry, node): (&NodeEntry, &GraphNode)| {
+        let parameter = node.node.registered_parameter()?;
+        let setting = &entry.settings.iter().find(|field| field.name == parameter.name)?.setting;
+        let alias = registry.alias(parameter.name, setting.text()?)?;
+        let what = format!("the {} '{}' is now called '{}'", parameter.name, alias.alias, alias.name);
+        Some(setting.origin.locate(Error::usage(what)))
+    };
+    entries.iter().zip(nodes).filter_map(note).collect()
 }
 
 /// The node type that an entry names.

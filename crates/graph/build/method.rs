@@ -1,4 +1,5 @@
-//! The parameters of a node and, where one of them names a gradient filter, those of the filter beside them.
+//! The parameters of a node and, where one of them names a gradient filter or a registered variant, those of the filter or the variant
+//! beside them.
 
 use super::entry::NodeEntry;
 use super::registry::Registry;
@@ -6,24 +7,37 @@ use crate::api::node::Node;
 use voltet_core::Error;
 use voltet_core::field::Method;
 use voltet_core::parameters::{
-    Field, Parameter, ParameterFault, Parameters, VariantSchema, nearest, suggest,
+    Field, LocatedValue, Parameter, ParameterFault, ParameterValue, Parameters, SourceSpan, VariantSchema,
+    nearest, suggest,
 };
 
-/// Checks what an entry sets: against what the node declares, and what the filter that it names does. `None` where that is
-/// not known; what has faults is not to be used.
+/// Checks what an entry sets: against what the node declares, and what the filter or the variant that it names does. `None` where that
+/// is not known; what has faults is not to be used.
 pub(super) fn survey(
     entry: &NodeEntry,
     node: &'static Node,
     registry: &Registry,
     faults: &mut Vec<ParameterFault>,
 ) -> Option<(Parameters, Option<Method>)> {
-    let own = |fields: &[Field], faults: &mut Vec<ParameterFault>| {
-        Parameters::survey(node.parameters, fields, &entry.origin, &[], faults)
+    let mut settings = entry.settings.clone();
+    let chosen = match node.registered_parameter() {
+        Some(parameter) => variant(parameter, &mut settings, registry, faults)?,
+        None => None,
     };
-    let Some(parameter) = node.method() else { return Some((own(&entry.settings, faults), None)) };
-    let given = entry.settings.iter().find(|field| field.name == parameter.name).map(|field| &field.setting);
+    let declared = registry.parameters(node, chosen.as_deref());
+    let own = |fields: &[Field], faults: &mut Vec<ParameterFault>| {
+        let own = Parameters::survey(declared.clone(), fields, &entry.origin, &[], faults);
+        match node.registered_parameter() {
+            Some(parameter) => {
+                own.with_variants(parameter.name, registry.variants(parameter.name).cloned().collect())
+            }
+            None => own,
+        }
+    };
+    let Some(parameter) = node.method() else { return Some((own(&settings, faults), None)) };
+    let given = settings.iter().find(|field| field.name == parameter.name).map(|field| &field.setting);
     let standard = parameter.default.datum().map(Into::into);
-    let Some(named) = given.or(standard.as_ref()) else { return Some((own(&entry.settings, faults), None)) };
+    let Some(named) = given.or(standard.as_ref()) else { return Some((own(&settings, faults), None)) };
     let wrong = |error| ParameterFault { parameter: parameter.name.to_string(), error };
     let Some(name) = named.text() else {
         let what = format!("'{}' is of the wrong type", parameter.name);
@@ -39,9 +53,9 @@ pub(super) fn survey(
     };
     let kind = filter.declaration();
     let (theirs, rest): (Vec<Field>, Vec<Field>) =
-        entry.settings.iter().cloned().partition(|field| declares(kind.parameters, field));
+        settings.iter().cloned().partition(|field| declares(kind.parameters, field));
     let (ours, strange): (Vec<Field>, Vec<Field>) =
-        rest.into_iter().partition(|field| declares(node.parameters, field));
+        rest.into_iter().partition(|field| declares(&declared, field));
     faults.extend(strange.iter().map(|field| ParameterFault {
         parameter: field.name.clone(),
         error: field.origin.locate(unknown(field, node, parameter, &kind, registry)),
@@ -54,6 +68,38 @@ pub(super) fn survey(
     let method = method.and_then(|method| method.map_err(|error| faults.push(wrong(error))).ok());
     let ours = own(&ours, faults);
     Some((ours.and(theirs), Some(method?)))
+}
+
+/// The name of the variant that the settings choose, or that is chosen by default; a former name is replaced. `None` where there is no
+/// such variant.
+fn variant(
+    parameter: &Parameter,
+    settings: &mut [Field],
+    registry: &Registry,
+    faults: &mut Vec<ParameterFault>,
+) -> Option<Option<String>> {
+    let default = parameter.default.datum().map(LocatedValue::from);
+    let given =
+        settings.iter_mut().find(|field| field.name == parameter.name).map(|field| &mut field.setting);
+    let (word, origin) = match given {
+        Some(setting) => {
+            let alias = setting.text().and_then(|word| registry.alias(parameter.name, word));
+            if let Some(alias) = alias {
+                setting.datum = ParameterValue::Text(alias.name.into());
+            }
+            (setting.text().map(String::from), setting.origin.clone())
+        }
+        None => (default.as_ref().and_then(LocatedValue::text).map(String::from), SourceSpan::Nowhere),
+    };
+    // A value that is no text is a fault of its own.
+    let Some(word) = word else { return Some(None) };
+    if registry.variants(parameter.name).any(|variant| variant.schema.name == word) {
+        return Some(Some(word));
+    }
+    let names = registry.variants(parameter.name).map(|variant| variant.schema.name);
+    let error = Error::usage(format!("unknown {} '{word}'", parameter.name)).expected(suggest(&word, names));
+    faults.push(ParameterFault { parameter: parameter.name.to_string(), error: origin.locate(error) });
+    None
 }
 
 fn declares(parameters: &[Parameter], field: &Field) -> bool {

@@ -1,9 +1,10 @@
-//! The registry of node types and gradient filters: open, the same functions for those that ship and for plug-ins.
+//! The registry of node types, gradient filters and variants of parameters: open, the same functions for those that ship, for plug-ins
+//! and for a program's own.
 
 use crate::api::node::Node;
 use std::sync::Arc;
 use voltet_core::field::GradientFilter;
-use voltet_core::parameters::{ParameterType, refuse_contradictions, repeated, suggest};
+use voltet_core::parameters::{Parameter, ParameterType, Variant, refuse_contradictions, repeated, suggest};
 use voltet_core::reading::GridReader;
 use voltet_core::{Error, Result};
 
@@ -15,7 +16,21 @@ const TAKEN: [&str; 2] = ["type", "inputs"];
 pub struct Registry {
     nodes: Vec<&'static Node>,
     filters: Vec<Arc<dyn GradientFilter>>,
+    /// Each with the parameter that it is registered for.
+    variants: Vec<(&'static str, Variant)>,
+    aliases: Vec<VariantAlias>,
     plugins: Option<String>,
+}
+
+/// A former name of a variant.
+#[derive(Debug, Clone, Copy)]
+pub struct VariantAlias {
+    /// The parameter whose variant it is.
+    pub parameter: &'static str,
+    /// The former name.
+    pub alias: &'static str,
+    /// The name of the variant.
+    pub name: &'static str,
 }
 
 impl Registry {
@@ -64,6 +79,60 @@ impl Registry {
         self.nodes.iter().try_for_each(|node| refuse_shared_names(node, filter.as_ref()))?;
         self.filters.push(filter);
         Ok(())
+    }
+
+    /// Adds a variant of a parameter of type [`ParameterType::Registered`], in all nodes that have the parameter. Errors when its name
+    /// is taken or its declaration contradicts itself or the nodes.
+    pub fn add_variant(&mut self, parameter: &'static str, variant: Variant) -> Result<()> {
+        let schema = &variant.schema;
+        let wrong = |what: String| Err(Error::usage(what).at_item(schema.name));
+        let title = format!("the {parameter} '{}'", schema.name);
+        if schema.name.is_empty() || schema.summary.is_empty() {
+            return wrong(format!("an {parameter} needs a name and a summary"));
+        }
+        if self.variants(parameter).any(|other| other.schema.name == schema.name) {
+            return wrong(format!("there is {title} already"));
+        }
+        refuse_contradictions(&title, schema.parameters, &TAKEN)?;
+        for node in self.nodes.iter().filter(|node| node.parameter(parameter).is_some()) {
+            if let Some(shared) = schema.parameters.iter().find(|p| node.parameter(p.name).is_some()) {
+                let what = format!("{title} declares a parameter that the node type '{}' has", node.name);
+                let error = Error::usage(what).got(shared.name).expected("another name");
+                return Err(error.at_item(schema.name));
+            }
+        }
+        self.variants.push((parameter, variant));
+        Ok(())
+    }
+
+    /// Adds a former name of a variant; a pipeline that has it gets a note.
+    pub fn add_alias(&mut self, alias: VariantAlias) {
+        self.aliases.push(alias);
+    }
+
+    /// The variants of a parameter, in the order of registration.
+    pub fn variants(&self, parameter: &str) -> impl Iterator<Item = &Variant> {
+        self.variants.iter().filter(move |(name, _)| *name == parameter).map(|(_, variant)| variant)
+    }
+
+    /// The former name of a variant that a parameter has, if it is one.
+    pub(super) fn alias(&self, parameter: &str, word: &str) -> Option<&VariantAlias> {
+        self.aliases.iter().find(|alias| alias.parameter == parameter && alias.alias == word)
+    }
+
+    /// The parameters that a node declares, and those of the variants of one of them; several variants may have the parameter, and
+    /// that of the variant with the name `chosen` goes first.
+    pub fn parameters(&self, node: &Node, chosen: Option<&str>) -> Vec<Parameter> {
+        let mut parameters = node.parameters.to_vec();
+        let Some(registered) = node.registered_parameter() else { return parameters };
+        let (first, others): (Vec<&Variant>, Vec<&Variant>) =
+            self.variants(registered.name).partition(|variant| Some(variant.schema.name) == chosen);
+        for parameter in first.iter().chain(&others).flat_map(|variant| variant.schema.parameters) {
+            if parameters.iter().all(|other| other.name != parameter.name) {
+                parameters.push(*parameter);
+            }
+        }
+        parameters
     }
 
     /// Names the plug-ins that were searched, for the error about an unknown filter or node type; a clause.

@@ -17,7 +17,7 @@ pub use drawn::{RenderOutput, RenderStats, Stage, StageTiming};
 use crate::scene::Scene;
 use crate::shading::Shading;
 use std::any::Any;
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::Arc;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
@@ -55,23 +55,6 @@ pub struct AdapterRequest {
     pub name: Option<String>,
     /// Passes over programs on the CPU that stand in for devices, unless they are named.
     pub hardware: bool,
-}
-
-/// Engines that other crates registered.
-static REGISTERED: RwLock<Vec<&'static EngineInfo>> = RwLock::new(Vec::new());
-
-/// Registers an engine that draws the scenes whose integrator has its name. A second one of the same name is ignored.
-pub fn register(engine: &'static EngineInfo) {
-    let mut engines = REGISTERED.write().unwrap_or_else(PoisonError::into_inner);
-    if !engines.contains(&engine) {
-        engines.push(engine);
-    }
-}
-
-/// Engine registered for the integrator of this name.
-pub fn registered(integrator: &str) -> Option<&'static EngineInfo> {
-    let engines = REGISTERED.read().unwrap_or_else(PoisonError::into_inner);
-    engines.iter().copied().find(|engine| engine.name == integrator)
 }
 
 /// Engines are told apart by their names.

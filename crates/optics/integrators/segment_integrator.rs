@@ -1,7 +1,7 @@
 //! What every integrator gives, and what a table of one spans.
 
-use super::{GaussianTables, PartialTable};
 use crate::{Contribution, Segment};
+use std::any::Any;
 use voltet_core::Error;
 
 /// Computes (C, A) of one segment.
@@ -14,13 +14,8 @@ pub trait SegmentIntegrator: Send + Sync {
         0
     }
 
-    /// The partial pre-integration table, if that is what it goes by.
-    fn partial_table(&self) -> Option<&PartialTable> {
-        None
-    }
-
-    /// The tables of Gaussians' integrals, if it goes by those.
-    fn gaussian_tables(&self) -> Option<&GaussianTables> {
+    /// The table that the integrator looks up, for kernels that share it.
+    fn table(&self) -> Option<&dyn Any> {
         None
     }
 

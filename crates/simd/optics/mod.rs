@@ -14,10 +14,7 @@
 //! | linear piece | [`linear::piece_weights`] | (ρ_f D, ρ_b D), at most 1 |
 //! | the same, deeper | [`linear::middling_piece_weights`] | (ρ_f D, ρ_b D), one of them at least 1, at most 4 |
 //! | the same, deep | [`linear::deep_piece_weights`] | (ρ_f D, ρ_b D), one of them at least 1 |
-//! | the same by the table | [`partial_table::LanePartialTable`] | (ρ_f D, ρ_b D) |
 //! | linear extinction and linear emission: (F, B) | [`linear::front_back`] | (ρ_f D, ρ_b D) |
-//! | Gaussians' means and light by tables | [`gaussian_table::LaneGaussianTables`] | a [`gaussian::LaneGaussianPath`] |
-//! | pre-integrated tables | [`slices::LaneVolume`] | places in entries |
 //! | widgets that hardly bend, in order | [`sums::Sums::ordered`] | a [`smooth::DensityShape`] each |
 //! | any widgets in order, either model: C | [`overlap::ordered`]`(&members, None or D/U)` | [`overlap::LaneMember`] each, over the whole segment |
 //! | uniform widgets and Gaussians in order, where they are dense: C | [`dense::dense`]`(&members)` | the same |
@@ -30,15 +27,11 @@ pub mod dense;
 pub mod elementary;
 pub mod gaussian;
 pub mod gaussian_steps;
-pub mod gaussian_table;
 pub mod linear;
 pub mod overlap;
-pub mod partial_table;
 pub mod piecewise_linear;
 pub mod quadrature;
-pub mod slices;
 pub mod smooth;
-pub mod square;
 pub mod sums;
 pub mod table;
 mod track;

@@ -15,7 +15,7 @@ fn main() -> std::process::ExitCode {
 
 /// What ships, and what is added here.
 fn registry() -> Result<Registry> {
-    let mut registry = voltet::nodes::registry()?;
+    let mut registry = voltet::registry()?;
     registry.add(&logarithm::NODE)?;
     registry.add(&grey::NODE)?;
     registry.add(voltet::nodes::added::reader(&numbers::Numbers))?;

@@ -27,7 +27,7 @@ use voltet::optics::WidgetBlend;
 use voltet::optics::shading::{Integrator, Shading};
 
 const SHADING: Shading =
-    Shading { integrator: Integrator::Analytic, overlap: WidgetBlend::Exact, silhouette: None, light: None };
+    Shading { integrator: Integrator::ANALYTIC, overlap: WidgetBlend::Exact, silhouette: None, light: None };
 
 fn main() -> Result<()> {
     let Some(wish) = BenchOptions::read()? else { return Ok(()) };

@@ -10,13 +10,13 @@ use voltet_core::transfer::TransferFunction;
 use voltet_core::transfer::{OpticalModel, Profile, Region, Widget};
 use voltet_core::volume::Volume;
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
+use voltet_optics::shading::{Light, Shading, VisibilityOrder};
 use voltet_optics::trace::Crossing;
 use voltet_optics::{Segment, WidgetBlend};
-use voltet_reference::{draw, integrate, tracer};
+use voltet_reference::{REFERENCE, draw, integrate, tracer};
 
 const PLAIN: Shading =
-    Shading { integrator: Integrator::Reference, overlap: WidgetBlend::Exact, silhouette: None, light: None };
+    Shading { integrator: REFERENCE, overlap: WidgetBlend::Exact, silhouette: None, light: None };
 
 fn gaussian(centre: f64, sigma: f64, extinction: f64) -> Widget {
     let k = 1.0 / (std::f64::consts::SQRT_2 * sigma);

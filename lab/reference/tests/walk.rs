@@ -12,12 +12,12 @@ use voltet_core::transfer::{OpticalModel, Profile, Region, Widget};
 use voltet_core::volume::Volume;
 use voltet_optics::WidgetBlend;
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
+use voltet_optics::shading::{Light, Shading, VisibilityOrder};
 use voltet_optics::trace::CellCrossing;
-use voltet_reference::{draw, tracer, widget_depths};
+use voltet_reference::{REFERENCE, draw, tracer, widget_depths};
 
 const PLAIN: Shading =
-    Shading { integrator: Integrator::Reference, overlap: WidgetBlend::Exact, silhouette: None, light: None };
+    Shading { integrator: REFERENCE, overlap: WidgetBlend::Exact, silhouette: None, light: None };
 
 fn uniform(s: [f64; 2], color: [f64; 3], extinction: f64) -> Widget {
     let region = Some(Region::rectangle(s, [f64::NEG_INFINITY, f64::INFINITY]));

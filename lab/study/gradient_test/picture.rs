@@ -87,7 +87,7 @@ fn draw(
     });
     let light = Light { ambient: 0.4, diffuse: 0.6, direction: DVec3::new(-1.0, -1.5, 2.0).normalize() };
     let shading = Shading {
-        integrator: Integrator::Analytic,
+        integrator: Integrator::ANALYTIC,
         overlap: WidgetBlend::Exact,
         silhouette: None,
         light: Some(light),

@@ -8,8 +8,9 @@ use super::plane::square;
 use crate::work_precision::errors;
 use voltet_core::Result;
 use voltet_core::picture::Picture;
+use voltet_integrators::from_cylinder;
+use voltet_integrators::{pre_integrated, pre_integrated_cylindrical};
 use voltet_optics::WidgetBlend;
-use voltet_optics::integrators::from_cylinder;
 use voltet_optics::shading::Integrator;
 
 pub(super) fn pictures(bench: &Bench, section: &mut Section) -> Result<()> {
@@ -33,9 +34,9 @@ pub(super) fn pictures(bench: &Bench, section: &mut Section) -> Result<()> {
     let cells = subject.scene.volume.grid.tetrahedra.len();
     let scene = bench.referred(subject)?;
     let shot = |integrator| bench.shot(&scene, integrator, WidgetBlend::Exact);
-    let exact = shot(Integrator::Clipped)?;
+    let exact = shot(Integrator::ANALYTIC)?;
     let (table_size, oversampling) = (64, 2);
-    let table = shot(Integrator::PreIntegrated { table_size, oversampling })?;
+    let table = shot(pre_integrated(table_size, oversampling))?;
     let mut rows = Vec::new();
     let mut add = |what: String, shot: &super::bench::TimedRender, loss: String| {
         let [_, rms, most, _] = shot.cells();
@@ -46,7 +47,7 @@ pub(super) fn pictures(bench: &Bench, section: &mut Section) -> Result<()> {
     let mut losses = Vec::new();
     let mut speed = 0.0;
     for planes in [1, 2, 4, 8] {
-        let tiles = shot(Integrator::PreIntegratedCylindrical { table_size, oversampling, planes })?;
+        let tiles = shot(pre_integrated_cylindrical(table_size, oversampling, planes))?;
         let loss = errors(&tiles.picture, &table.picture);
         let over = loss.pixels_over_step;
         add(
@@ -117,8 +118,8 @@ fn tiles(lookup: &Lookup) -> Picture {
 fn many(bench: &Bench, section: &mut Section) -> Result<()> {
     let subject = bench.subject("roettger_ertl_many.toml", &["grid.resolution=[58,58,59]".into()])?;
     let cells = subject.scene.volume.grid.tetrahedra.len();
-    let planes = Integrator::PreIntegratedCylindrical { table_size: 256, oversampling: 2, planes: 1 };
-    let (exact, closed) = bench.measured(&subject, Integrator::Clipped, WidgetBlend::Exact)?;
+    let planes = pre_integrated_cylindrical(256, 2, 1);
+    let (exact, closed) = bench.measured(&subject, Integrator::ANALYTIC, WidgetBlend::Exact)?;
     let (picture, tiled) = bench.measured(&subject, planes, WidgetBlend::Exact)?;
     let loss = errors(&picture, &exact);
     section.figure(

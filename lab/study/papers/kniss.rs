@@ -11,6 +11,7 @@ use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::picture::Picture;
 use voltet_core::transfer::{Profile, TransferFunction};
+use voltet_integrators::{riemann, tabulated};
 use voltet_optics::WidgetBlend;
 use voltet_optics::shading::Integrator;
 
@@ -23,7 +24,7 @@ const TABLE_5: [(&str, [f64; 4]); 5] = [
     ("4-D triangular, analytic", [0.57, 1.23, 2.00, 2.60]),
 ];
 
-const TABLED: Integrator = Integrator::Tabulated { table_size: 128 };
+const TABLED: Integrator = tabulated(128);
 
 pub(super) fn section(bench: &mut Bench) -> Result<Section> {
     let mut section = Section::new(Paper::Kniss, "Kniss et al. 2003: Gaussian transfer functions");
@@ -52,10 +53,10 @@ fn figure_1(bench: &Bench, section: &mut Section) -> Result<()> {
     section.part("Figure 1: thin boundaries, analytic and numerical");
     let scene = bench.scene("kniss_boundaries.toml")?;
     let shot = |integrator| bench.shot(&scene, integrator, WidgetBlend::Exact);
-    let exact = shot(Integrator::Analytic)?;
+    let exact = shot(Integrator::ANALYTIC)?;
     let tabled = shot(TABLED)?;
-    let [three, one] = [shot(Integrator::Riemann { count: 3 })?, shot(Integrator::Riemann { count: 1 })?];
-    let (count, equal) = bench.in_equal_time(&scene, exact.ms, |count| Integrator::Riemann { count })?;
+    let [three, one] = [shot(riemann(3))?, shot(riemann(1))?];
+    let (count, equal) = bench.in_equal_time(&scene, exact.ms, |count| riemann(count))?;
     let background = scene.subject.background;
     section.figure(
         "figure_1",
@@ -133,10 +134,10 @@ fn figure_6(bench: &Bench, section: &mut Section) -> Result<()> {
     let subject = bench.subject("kniss_fields.toml", &[format!("view.size=[{width},{height}]")])?;
     let scene = bench.referred(first(&subject, 3))?;
     let shot = |integrator| bench.shot(&scene, integrator, WidgetBlend::Exact);
-    let (one, tabled) = (shot(Integrator::Riemann { count: 1 })?, shot(TABLED)?);
-    let four = shot(Integrator::Riemann { count: 4 })?;
-    let exact = shot(Integrator::Analytic)?;
-    let (count, equal) = bench.in_equal_time(&scene, exact.ms, |count| Integrator::Riemann { count })?;
+    let (one, tabled) = (shot(riemann(1))?, shot(TABLED)?);
+    let four = shot(riemann(4))?;
+    let exact = shot(Integrator::ANALYTIC)?;
+    let (count, equal) = bench.in_equal_time(&scene, exact.ms, |count| riemann(count))?;
     let background = scene.subject.background;
     section.figure(
         "figure_6",
@@ -173,7 +174,7 @@ fn table_5(bench: &Bench, section: &mut Section) -> Result<()> {
     let triangular = bench.subject("kniss_fields.toml", &[format!("view.size=[{width},{height}]")])?;
     let mut plain = triangular.clone();
     plain.scene.transfer_function = Arc::new(without_magnitude(&triangular.scene.transfer_function));
-    let sampled = Integrator::Riemann { count: 1 };
+    let sampled = riemann(1);
     let ways: [Option<(&Subject, Integrator)>; 5] = [
         None,
         Some((&plain, sampled)),
@@ -204,7 +205,7 @@ fn table_5(bench: &Bench, section: &mut Section) -> Result<()> {
         rows.extend(<[String; 9]>::try_from(row).ok());
     }
     let own: Vec<String> = [&plain, &triangular]
-        .map(|subject| time(subject, Integrator::Analytic, 4))
+        .map(|subject| time(subject, Integrator::ANALYTIC, 4))
         .into_iter()
         .map(|ms| Ok(number(ms? / unit.unwrap_or(1.0))))
         .collect::<Result<_>>()?;
@@ -241,8 +242,8 @@ fn table_of_gaussians(bench: &Bench, section: &mut Section) -> Result<()> {
     let mut rows = Vec::new();
     let mut found = Vec::new();
     for table_size in [32, 64, 128, 256, 512] {
-        let shots = [&scene, &narrow]
-            .map(|scene| bench.shot(scene, Integrator::Tabulated { table_size }, WidgetBlend::Exact));
+        let shots =
+            [&scene, &narrow].map(|scene| bench.shot(scene, tabulated(table_size), WidgetBlend::Exact));
         let [wide, thin] = shots;
         let [wide, thin] = [wide?, thin?];
         let cells = |shot: &TimedRender| {

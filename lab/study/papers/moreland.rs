@@ -4,8 +4,9 @@ use super::bench::Bench;
 use super::options::Paper;
 use super::page::Section;
 use voltet_core::Result;
+use voltet_integrators::{DEFAULT_OVERSAMPLING, DEFAULT_SIDE};
+use voltet_integrators::{VERTEX_SAMPLED, pre_integrated, segments};
 use voltet_optics::WidgetBlend;
-use voltet_optics::integrators::{STANDARD_OVERSAMPLING, STANDARD_SIDE};
 use voltet_optics::shading::Integrator;
 
 pub(super) fn section(bench: &mut Bench) -> Result<Section> {
@@ -15,11 +16,11 @@ pub(super) fn section(bench: &mut Bench) -> Result<Section> {
          opacity over a two-hundredth of its range. Which cells miss it can be compared, not the picture.",
     );
     let scene = bench.scene("moreland_surface.toml")?;
-    let tabled = Integrator::PreIntegrated { table_size: STANDARD_SIDE, oversampling: STANDARD_OVERSAMPLING };
+    let tabled = pre_integrated(DEFAULT_SIDE, DEFAULT_OVERSAMPLING);
     let ways = [
-        ("(a) sampled at the vertices, linear between: \"a blocky, blurry mess\"", Integrator::VertexSampled),
-        ("(b) cut at the control points: \"removes any error\" of sampling", Integrator::Clipped),
-        ("sampled at the ends of each segment", Integrator::Segments { count: 1, table_size: STANDARD_SIDE }),
+        ("(a) sampled at the vertices, linear between: \"a blocky, blurry mess\"", VERTEX_SAMPLED),
+        ("(b) cut at the control points: \"removes any error\" of sampling", Integrator::ANALYTIC),
+        ("sampled at the ends of each segment", segments(1, DEFAULT_SIDE)),
         ("pre-integrated, 256³: \"the accuracy of pre-integration is low\"", tabled),
     ];
     let shots =

@@ -11,7 +11,8 @@ use super::song::span;
 use std::time::Instant;
 use voltet_core::Result;
 use voltet_core::picture::Picture;
-use voltet_optics::integrators::{Extent, Ramp};
+use voltet_integrators::Ramp;
+use voltet_optics::integrators::Extent;
 use voltet_optics::special::mean_transmittance;
 
 /// Table 1: steps, RMS and largest error in % with 12 and with 8 bits a channel.

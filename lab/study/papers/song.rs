@@ -10,12 +10,13 @@ use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::grid::extent;
 use voltet_core::transfer::{ControlPoint, Profile, TransferFunction, Widget};
+use voltet_integrators::DEFAULT_SIDE;
+use voltet_integrators::segments;
 use voltet_optics::WidgetBlend;
-use voltet_optics::integrators::STANDARD_SIDE;
 use voltet_optics::shading::Integrator;
 
 /// The paper's approximation: ten samples a ray segment.
-const APPROXIMATE: Integrator = Integrator::Segments { count: 10, table_size: STANDARD_SIDE };
+const APPROXIMATE: Integrator = segments(10, DEFAULT_SIDE);
 
 /// A row of Table 1: the data, tetrahedra, frames a second in one dimension, bivariate in closed form and approximated; and how many
 /// hexahedra of the field by formula make as many tetrahedra, where the data are not there.
@@ -72,8 +73,8 @@ fn table_1(bench: &mut Bench, section: &mut Section) -> Result<()> {
             bench.measured(subject, integrator, WidgetBlend::Exact).map(|(_, cost)| cost.frame.median_ms)
         };
         let found = [
-            ms(&one, Integrator::Analytic)?,
-            ms(&subject, Integrator::Analytic)?,
+            ms(&one, Integrator::ANALYTIC)?,
+            ms(&subject, Integrator::ANALYTIC)?,
             ms(&subject, APPROXIMATE)?,
         ];
         let [a, b, c] = printed.map(number);
@@ -206,7 +207,7 @@ fn figures(bench: &mut Bench, section: &mut Section) -> Result<()> {
         let mut drawn = Vec::new();
         for file in files {
             let subject = bench.subject(file, &size)?;
-            let picture = bench.measured(&subject, Integrator::Analytic, WidgetBlend::Exact)?.0;
+            let picture = bench.measured(&subject, Integrator::ANALYTIC, WidgetBlend::Exact)?.0;
             drawn.push((picture, subject.background));
         }
         let row: Vec<_> = drawn.iter().map(|(picture, background)| (picture, *background)).collect();
@@ -216,9 +217,9 @@ fn figures(bench: &mut Bench, section: &mut Section) -> Result<()> {
     let mut rows = Vec::new();
     for file in ["song_gaussian.toml", "song_triangle.toml"] {
         let scene = bench.scene(file)?;
-        let closed = bench.shot(&scene, Integrator::Analytic, WidgetBlend::Exact)?;
+        let closed = bench.shot(&scene, Integrator::ANALYTIC, WidgetBlend::Exact)?;
         let ten = bench.shot(&scene, APPROXIMATE, WidgetBlend::Exact)?;
-        let with = |count| Integrator::Segments { count, table_size: STANDARD_SIDE };
+        let with = |count| segments(count, DEFAULT_SIDE);
         let (count, equal) = bench.in_equal_time(&scene, closed.ms, with)?;
         let background = scene.subject.background;
         if file == "song_gaussian.toml" {

@@ -1,12 +1,13 @@
 //! Pixel by each integrator.
 
 use super::record::{IntegratorPixel, mean};
+use crate::numbers::Numbers;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_nodes::drawing;
 use voltet_optics::Segment;
 use voltet_optics::compositing::Composite;
-use voltet_optics::integrators::{Integrator, Numbers, SegmentIntegrator};
+use voltet_optics::integrators::{Integrator, SegmentIntegrator};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::Shading;
 use voltet_optics::trace::{Ray, Tracer};
@@ -17,6 +18,7 @@ const CUBE_SIDE: usize = 64;
 /// All of them, in their order. Those that the pipeline does not draw with have the numbers that it would have by default.
 pub(super) fn all(
     scene: &Scene,
+    integrators: &[Integrator],
     tracer: &Tracer,
     rays: &[Ray],
     progress: &dyn Progress,
@@ -25,13 +27,13 @@ pub(super) fn all(
     let segments: Vec<Vec<Traced>> = rays.iter().map(|ray| traced(tracer, ray)).collect();
     let alone = drawing::Alone::new(scene, progress)?;
     let mut all = Vec::new();
-    for (number, kind) in Integrator::EVERY.iter().enumerate() {
+    for (number, kind) in integrators.iter().enumerate() {
         if progress.cancelled() {
             return Err(Error::cancelled());
         }
-        progress.report("integrators", number as f64 / Integrator::EVERY.len() as f64);
+        progress.report("integrators", number as f64 / integrators.len() as f64);
         let is_own = kind.is_kind_of(&own);
-        let integrator = if is_own { own } else { kind.with(usual(kind)) };
+        let integrator = if is_own { own } else { usual(kind) };
         let ready = alone.integrator(&Shading { integrator, ..scene.shading });
         let rgba = ready.and_then(|ready| composite_rays(ready.as_ref(), &segments)).map_err(why);
         all.push(IntegratorPixel {
@@ -88,21 +90,23 @@ fn composite_rays(integrator: &dyn SegmentIntegrator, rays: &[Vec<Traced>]) -> R
     }
 }
 
-/// The numbers of an integrator that nobody set.
-fn usual(kind: &Integrator) -> Numbers {
-    let Numbers { table_size, .. } = drawing::USUAL;
-    let table_size = if kind.has_table_of_lengths() { Some(CUBE_SIDE) } else { table_size };
-    Numbers { table_size, ..drawing::USUAL }
+/// An integrator with the settings that a pipeline does not state.
+fn usual(kind: &Integrator) -> Integrator {
+    match kind.has_table_of_lengths() {
+        true => kind.with("table_size", CUBE_SIDE as f64),
+        false => *kind,
+    }
 }
 
 fn numbers(integrator: &Integrator) -> String {
-    let Numbers { tolerance, count, table_size, oversampling, planes } = integrator.numbers();
+    let Numbers { tolerance, count, table_size, oversampling, planes } = Numbers::of(integrator);
+    let default = Numbers::of(&Integrator::new(integrator.kind()));
     let mut parts = Vec::new();
     parts.extend(tolerance.map(|tolerance| format!("tolerance {tolerance:e}")));
     parts.extend(count.map(|count| format!("{count} pieces")));
     parts.extend(table_size.map(|side| format!("table {side}")));
-    parts.extend(unusual(oversampling, drawing::USUAL.oversampling).map(|n| format!("oversampling {n}")));
-    parts.extend(unusual(planes, drawing::USUAL.planes).map(|n| format!("{n} planes an entry")));
+    parts.extend(unusual(oversampling, default.oversampling).map(|n| format!("oversampling {n}")));
+    parts.extend(unusual(planes, default.planes).map(|n| format!("{n} planes an entry")));
     parts.join(", ")
 }
 

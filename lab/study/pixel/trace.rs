@@ -9,9 +9,8 @@ use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_graph::{Graph, Observer, Session, Value};
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::Integrator;
 use voltet_optics::trace::TracedRay;
-use voltet_reference::{tracer, widget_depths};
+use voltet_reference::{REFERENCE, tracer, widget_depths};
 
 /// The node that draws, traced.
 ///
@@ -41,12 +40,10 @@ pub fn pixel(
     let ray = &rays[sample as usize];
     let walk = tracer.walk(ray)?;
     let depths = widget_depths(transfer_function, &walk.steps)?;
-    let drawn = match subject.scene.shading.integrator {
+    let drawn = match subject.scene.shading.integrator == REFERENCE {
         // It would take minutes to draw the rest of the picture.
-        Integrator::Reference => {
-            EnginePixel { engine: "reference".into(), rgba: referee.map(|x| f64::from(x as f32)) }
-        }
-        _ => drawn(graph, &subject.node, place, session, observer)?,
+        true => EnginePixel { engine: "reference".into(), rgba: referee.map(|x| f64::from(x as f32)) },
+        false => drawn(graph, &subject.node, place, session, observer)?,
     };
     let nothing = invisible::why(&tracer, ray, &walk, &subject.scene);
     let names = ["s".to_string(), "g".into()];
@@ -60,7 +57,7 @@ pub fn pixel(
         cells: cells::source_cells(&volume.grid, &walk.steps),
         widgets: transfer_function.widgets.iter().map(|widget| widget.profile.name()).collect(),
         names: names.into_iter().chain(fields.iter().map(|name| name.to_string())).collect(),
-        integrators: integrators::all(&subject.scene, &tracer, &rays, progress)?,
+        integrators: integrators::all(&subject.scene, &subject.integrators, &tracer, &rays, progress)?,
         background: subject.background,
         node: subject.node.clone(),
         walk,

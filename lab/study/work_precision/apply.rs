@@ -18,9 +18,9 @@ pub fn apply(text: &str, study: &Study, setting: &RenderConfig) -> Result<String
     for (name, key) in setting.keys() {
         set(&mut document, &subject.node, name, key)?;
     }
-    if setting.overlap != own.overlap && setting.integrator == Integrator::Analytic {
+    if setting.overlap != own.overlap && setting.integrator == Integrator::ANALYTIC {
         set(&mut document, &subject.node, "overlap", Key::Text(overlap_name(setting.overlap)))?;
-    } else if own.overlap == WidgetBlend::Mix && setting.integrator != Integrator::Analytic {
+    } else if own.overlap == WidgetBlend::Mix && setting.integrator != Integrator::ANALYTIC {
         // Of no account for the others, and misleading.
         set(&mut document, &subject.node, "overlap", Key::Text(overlap_name(WidgetBlend::Exact)))?;
     }

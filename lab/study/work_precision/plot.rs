@@ -2,11 +2,12 @@
 
 use super::canvas::{Anchor, Axis, BLACK, Canvas, Color, Mark, Size, Symbol, WHITE, shown};
 use super::{RendererVariant, Row, Study};
+use crate::numbers::Numbers;
+use voltet_integrators::{DEFAULT_OVERSAMPLING, DEFAULT_PLANES, DEFAULT_SIDE};
 use voltet_optics::WidgetBlend;
-use voltet_optics::integrators::{
-    Integrator, Numbers, STANDARD_OVERSAMPLING, STANDARD_PLANES, STANDARD_SIDE,
-};
+use voltet_optics::integrators::Integrator;
 use voltet_optics::shading::VisibilityOrder;
+use voltet_reference::REFERENCE;
 
 const SIZE: [f64; 2] = [960.0, 600.0];
 
@@ -26,28 +27,27 @@ struct Style {
     dashes: &'static [f64],
 }
 
-/// In the order of [`Integrator::EVERY`].
-const STYLES: [Style; Integrator::EVERY.len()] = [
+/// In the order of the integrators; those beyond begin again.
+const STYLES: [Style; 9] = [
     Style { symbol: Symbol::Circle, color: [0, 0, 0], dashes: &[] },
     Style { symbol: Symbol::Diamond, color: [0, 114, 178], dashes: &[] },
     Style { symbol: Symbol::TriangleUp, color: [213, 94, 0], dashes: &[7.0, 3.0] },
     Style { symbol: Symbol::TriangleDown, color: [0, 158, 115], dashes: &[2.0, 2.5] },
     Style { symbol: Symbol::Plus, color: [86, 180, 233], dashes: &[10.0, 3.0, 2.0, 3.0] },
     Style { symbol: Symbol::Cross, color: [190, 140, 0], dashes: &[4.0, 4.0] },
-    Style { symbol: Symbol::Square, color: [204, 121, 167], dashes: &[] },
     Style { symbol: Symbol::Star, color: [150, 60, 60], dashes: &[] },
     Style { symbol: Symbol::Bar, color: [90, 90, 160], dashes: &[6.0, 2.0] },
-    // The referee's, with which the others are compared: it has no points of its own.
-    Style { symbol: Symbol::Circle, color: GREY, dashes: &[] },
+    Style { symbol: Symbol::Square, color: [204, 121, 167], dashes: &[] },
 ];
 
-/// Every kind with its style and its rows.
+/// Every kind with its style and its rows. The referee's, with which the others are compared, has no rows.
 fn kinds(study: &Study) -> impl Iterator<Item = (Integrator, &'static Style, Vec<&Row>)> {
     let of = |(kind, style): (Integrator, &'static Style)| {
         let rows = study.rows.iter().filter(|row| row.setting.integrator.is_kind_of(&kind)).collect();
         (kind, style, rows)
     };
-    Integrator::EVERY.into_iter().zip(&STYLES).map(of)
+    let kinds = study.subject.integrators.iter().copied();
+    kinds.filter(|kind| *kind != REFERENCE).zip(STYLES.iter().cycle()).map(of)
 }
 
 /// Draws the plot.
@@ -129,20 +129,20 @@ fn around(canvas: &mut Canvas, style: &Style, variant: RendererVariant, at: [f64
 
 /// True if a row belongs to its integrator's line: the sweep of one number, everything else as usual.
 fn is_main(row: &Row) -> bool {
-    let usual_table = match row.setting.integrator {
-        Integrator::Segments { table_size, .. } => table_size == STANDARD_SIDE,
-        Integrator::PreIntegrated { oversampling, .. } => oversampling == STANDARD_OVERSAMPLING,
-        Integrator::PreIntegratedCylindrical { oversampling, planes, .. } => {
-            oversampling == STANDARD_OVERSAMPLING && planes == STANDARD_PLANES
+    let numbers = Numbers::of(&row.setting.integrator);
+    let usual_table = match numbers.count {
+        Some(_) => numbers.table_size.is_none_or(|side| side == DEFAULT_SIDE),
+        None => {
+            numbers.oversampling.is_none_or(|n| n == DEFAULT_OVERSAMPLING)
+                && numbers.planes.is_none_or(|n| n == DEFAULT_PLANES)
         }
-        _ => true,
     };
     is_swept(&row.setting.integrator) && usual_table && row.setting.order != VisibilityOrder::Centroid
 }
 
 /// True if the integrator has a number that its line is drawn over.
 fn is_swept(integrator: &Integrator) -> bool {
-    integrator.numbers() != Numbers::default()
+    !integrator.parameters().is_empty()
 }
 
 fn axes(canvas: &mut Canvas, [x, y]: [&Axis; 2], title: &str, [time, error]: [&str; 2]) {
@@ -179,15 +179,15 @@ fn front(canvas: &mut Canvas, study: &Study, at: &dyn Fn(&Row) -> [f64; 2]) {
 
 /// The number that a row differs by from its neighbours on the line.
 fn short(row: &Row) -> String {
-    let mut text = match row.setting.integrator.numbers() {
+    let mut text = match Numbers::of(&row.setting.integrator) {
         Numbers { tolerance: Some(tolerance), .. } => format!("{tolerance:e}"),
         Numbers { count: Some(count), table_size: None | Some(256), .. } => count.to_string(),
         Numbers { count: Some(count), table_size: Some(side), .. } => format!("{count}, table {side}"),
         Numbers { table_size: Some(side), oversampling, planes, .. } => {
             let mut text = side.to_string();
             let unusual = |number: Option<usize>, usual| number.filter(|n| *n != usual);
-            text.extend(unusual(oversampling, STANDARD_OVERSAMPLING).map(|n| format!(", oversampling {n}")));
-            text.extend(unusual(planes, STANDARD_PLANES).map(|n| format!(", planes {n}")));
+            text.extend(unusual(oversampling, DEFAULT_OVERSAMPLING).map(|n| format!(", oversampling {n}")));
+            text.extend(unusual(planes, DEFAULT_PLANES).map(|n| format!(", planes {n}")));
             text
         }
         Numbers { .. } => row.setting.integrator.name().to_string(),
@@ -305,11 +305,8 @@ mod tests {
 
     #[test]
     fn what_is_studied_is_told_apart_without_colour() {
-        let studied = super::super::studied().count();
-        for (k, style) in STYLES[..studied].iter().enumerate() {
+        for (k, style) in STYLES.iter().enumerate() {
             assert!(STYLES[..k].iter().all(|other| other.symbol != style.symbol), "{:?}", style.symbol);
         }
-        let is_referee = |kind: &Integrator| super::super::studied().all(|other| !other.is_kind_of(kind));
-        assert!(Integrator::EVERY[studied..].iter().all(is_referee));
     }
 }

@@ -19,6 +19,7 @@ use voltet_core::picture::Picture;
 use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
+use voltet_integrators::{riemann, segments};
 use voltet_optics::WidgetBlend;
 use voltet_optics::engine::Accumulation;
 use voltet_optics::engine::{AdapterRequest, RenderOptions};
@@ -87,17 +88,14 @@ pub fn refinement(
     let count = subject.scene.volume.grid.tetrahedra.len() as u64;
     let exact = RenderConfig {
         variant: RendererVariant::NATIVE,
-        integrator: Integrator::Analytic,
+        integrator: Integrator::ANALYTIC,
         overlap: WidgetBlend::Exact,
         order: VisibilityOrder::Exact,
         accumulation: Accumulation::Float,
     };
     let tried = [
-        ("riemann, 4 samples", RenderConfig { integrator: Integrator::Riemann { count: 4 }, ..exact }),
-        (
-            "segments, 1 piece",
-            RenderConfig { integrator: Integrator::Segments { count: 1, table_size: 256 }, ..exact },
-        ),
+        ("riemann, 4 samples", RenderConfig { integrator: riemann(4), ..exact }),
+        ("segments, 1 piece", RenderConfig { integrator: segments(1, 256), ..exact }),
         ("closed forms", exact),
     ];
     let mut errors_of: Vec<Vec<(usize, f64)>> = vec![Vec::new(); tried.len()];

@@ -10,9 +10,11 @@ use super::pareto;
 use super::reference::Reference;
 use super::refine::{Refinement, Source, refinement};
 use super::{RenderConfig, RendererVariant, Subject};
+use crate::numbers::Numbers;
 use voltet_core::error::ErrorKind;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
+use voltet_integrators::DEFAULT_SIDE;
 use voltet_io::encode;
 use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::Integrator;
@@ -187,25 +189,28 @@ impl Study {
             row.of_file = self.own.is_some_and(|own| row.setting.draws_as(&own));
         }
         self.recommended = wish.max_error.and_then(|bound| pareto::cheapest(&points, bound));
+        let counted = |kind: &&Integrator| Numbers::of(kind).count.is_some();
+        let counted: Vec<&Integrator> = self.subject.integrators.iter().filter(counted).collect();
         let each =
-            RendererVariant::all().flat_map(|variant| ["segments", "riemann"].map(|name| (variant, name)));
+            RendererVariant::all().flat_map(|variant| counted.iter().map(move |kind| (variant, *kind)));
         self.convergence =
-            each.filter_map(|(variant, name)| converging(name, variant, &self.rows, &self.subject)).collect();
+            each.filter_map(|(variant, kind)| converging(kind, variant, &self.rows, &self.subject)).collect();
     }
 }
 
-/// The convergence of an integrator with one variant over its number of pieces, with its standard table.
+/// The convergence of an integrator with one variant over its number of pieces, with its default table.
 fn converging(
-    name: &'static str,
+    kind: &Integrator,
     variant: RendererVariant,
     rows: &[Row],
     subject: &Subject,
 ) -> Option<Convergence> {
     let rows = || rows.iter().filter(|row| row.setting.variant == variant);
-    let count = |row: &Row| match row.setting.integrator {
-        Integrator::Segments { count, table_size: 256 } if name == "segments" => Some(count),
-        Integrator::Riemann { count } if name == "riemann" => Some(count),
-        _ => None,
+    let count = |row: &Row| {
+        let integrator = row.setting.integrator;
+        let numbers = Numbers::of(&integrator);
+        let usual = numbers.table_size.is_none_or(|side| side == DEFAULT_SIDE);
+        numbers.count.filter(|_| usual && integrator.is_kind_of(kind))
     };
     let order = rows().find(|row| count(row).is_some())?.setting.order;
     let in_order = || rows().filter(|row| row.setting.order == order);
@@ -218,13 +223,12 @@ fn converging(
     // What the closed forms leave is what the order of segments and rounding do, here and in the reference.
     let exact = |row: &&Row| {
         let integrator = row.setting.integrator;
-        let closed =
-            matches!(integrator, Integrator::Analytic | Integrator::Clipped | Integrator::Adaptive { .. });
+        let closed = integrator == Integrator::ANALYTIC || integrator.tolerance().is_some();
         closed && row.setting.overlap == WidgetBlend::Exact
     };
     let floor = in_order().filter(exact).map(|row| row.errors.root_mean_square).fold(f64::INFINITY, f64::min);
     // Where no closed form was looked at, single precision is all that is known.
     let floor = if floor.is_finite() { floor } else { f64::from(f32::EPSILON) };
-    let found = convergence(name, &errors, floor, &subject.scene.transfer_function);
+    let found = convergence(kind.name(), &errors, floor, &subject.scene.transfer_function);
     Some(Convergence { engine: variant.label(), ..found })
 }

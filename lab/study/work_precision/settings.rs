@@ -1,13 +1,15 @@
 //! The settings that are tried: every integrator that can serve the scene, over its own numbers.
 
 use super::{RendererVariant, Subject};
+use crate::numbers::Numbers;
+use voltet_graph::{ParameterType, Registry};
+use voltet_integrators::{DEFAULT_OVERSAMPLING, DEFAULT_PIECES, DEFAULT_PLANES, DEFAULT_SIDE};
 use voltet_optics::WidgetBlend;
 use voltet_optics::engine::{Accumulation, Compositor};
-use voltet_optics::integrators::{
-    Integrator, Numbers, STANDARD_OVERSAMPLING, STANDARD_PIECES, STANDARD_PLANES, STANDARD_SIDE, can_serve,
-};
+use voltet_optics::integrators::{INTEGRATOR, Integrator, can_serve, kinds};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Shading, VisibilityOrder};
+use voltet_reference::REFERENCE;
 
 /// One way to draw the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,8 +40,8 @@ const PLANES: [usize; 2] = [2, 4];
 /// Every setting for the scene with one variant, each integrator's cheapest first. `only`: names of integrators, none for
 /// all.
 pub fn settings(subject: &Subject, only: &[String], variant: RendererVariant) -> Vec<RenderConfig> {
-    let without = |kind: &Integrator| kind.numbers() == Numbers::default();
-    let (exact, numbered): (Vec<_>, Vec<_>) = studied().partition(without);
+    let without = |kind: &Integrator| kind.parameters().is_empty();
+    let (exact, numbered): (Vec<_>, Vec<_>) = subject.studied().into_iter().partition(without);
     let integrators = exact.into_iter().chain(numbered.iter().flat_map(sweep));
 
     let serves = |integrator: &Integrator| can_serve(integrator, &subject.scene.transfer_function).is_ok();
@@ -54,7 +56,7 @@ pub fn settings(subject: &Subject, only: &[String], variant: RendererVariant) ->
         }
     }
     let own = RenderConfig::of_file(subject, variant);
-    let drawn = own.integrator != Integrator::Reference && wanted(&own.integrator);
+    let drawn = own.integrator != REFERENCE && wanted(&own.integrator);
     if drawn && !settings.iter().any(|setting| setting.draws_as(&own)) {
         settings.push(own);
     }
@@ -64,35 +66,41 @@ pub fn settings(subject: &Subject, only: &[String], variant: RendererVariant) ->
 /// Tolerances of the adaptive integrator.
 const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 
-/// One of each kind that is studied: all but the referee's, with which the others are compared.
-pub fn studied() -> impl Iterator<Item = Integrator> + Clone {
-    Integrator::EVERY.into_iter().filter(|kind| *kind != Integrator::Reference)
+/// One integrator of each registered kind that is studied.
+pub fn studied(registry: &Registry) -> Vec<Integrator> {
+    kinds(registry.variants(INTEGRATOR)).into_iter().map(Integrator::new).filter(is_studied).collect()
+}
+
+/// True for all but the referee's, with which the others are compared.
+pub(super) fn is_studied(integrator: &Integrator) -> bool {
+    *integrator != REFERENCE
 }
 
 /// An integrator over its own numbers.
 fn sweep(kind: &Integrator) -> Vec<Integrator> {
     let powers = |most: u32| (0..=most).map(|k| 1usize << k);
-    let with = |count, table_size| kind.with(Numbers { count, table_size, ..Numbers::default() });
-    match kind.numbers() {
+    let with = |count, table_size| Numbers { count, table_size, ..Numbers::default() }.applied_to(kind);
+    match Numbers::of(kind) {
         Numbers { tolerance: Some(_), .. } => {
-            let with = |&tolerance| kind.with(Numbers { tolerance: Some(tolerance), ..Numbers::default() });
+            let with =
+                |&tolerance| Numbers { tolerance: Some(tolerance), ..Numbers::default() }.applied_to(kind);
             TOLERANCES.iter().map(with).collect()
         }
         Numbers { count: Some(_), table_size: Some(_), .. } => {
-            let pieces = powers(6).map(|count| with(Some(count), Some(STANDARD_SIDE)));
-            pieces.chain(PARTIAL_SIDES.map(|side| with(Some(STANDARD_PIECES), Some(side)))).collect()
+            let pieces = powers(6).map(|count| with(Some(count), Some(DEFAULT_SIDE)));
+            pieces.chain(PARTIAL_SIDES.map(|side| with(Some(DEFAULT_PIECES), Some(side)))).collect()
         }
         Numbers { count: Some(_), .. } => powers(8).map(|count| with(Some(count), None)).collect(),
         Numbers { table_size: Some(_), oversampling, planes, .. } => {
             let usual = Numbers {
                 table_size: Some(TRIED_SIDE),
-                oversampling: Some(STANDARD_OVERSAMPLING),
-                planes: Some(STANDARD_PLANES),
+                oversampling: Some(DEFAULT_OVERSAMPLING),
+                planes: Some(DEFAULT_PLANES),
                 ..Numbers::default()
             };
-            let sides = SIDES.map(|side| kind.with(Numbers { table_size: Some(side), ..usual }));
-            let finer = OVERSAMPLINGS.map(|n| kind.with(Numbers { oversampling: Some(n), ..usual }));
-            let more = PLANES.map(|n| kind.with(Numbers { planes: Some(n), ..usual }));
+            let sides = SIDES.map(|side| Numbers { table_size: Some(side), ..usual }.applied_to(kind));
+            let finer = OVERSAMPLINGS.map(|n| Numbers { oversampling: Some(n), ..usual }.applied_to(kind));
+            let more = PLANES.map(|n| Numbers { planes: Some(n), ..usual }.applied_to(kind));
             let finer = finer.into_iter().filter(|_| oversampling.is_some());
             let more = more.into_iter().filter(|_| planes.is_some());
             sides.into_iter().chain(finer).chain(more).collect()
@@ -103,17 +111,15 @@ fn sweep(kind: &Integrator) -> Vec<Integrator> {
 
 /// Both ways with overlaps where the integrator knows them and the scene has several widgets.
 fn overlaps(subject: &Subject, integrator: &Integrator) -> Vec<WidgetBlend> {
-    match integrator {
-        Integrator::Analytic if subject.scene.transfer_function.widgets.len() > 1 => {
-            vec![WidgetBlend::Exact, WidgetBlend::Mix]
-        }
-        _ => vec![WidgetBlend::Exact],
+    match *integrator == Integrator::ANALYTIC && subject.scene.transfer_function.widgets.len() > 1 {
+        true => vec![WidgetBlend::Exact, WidgetBlend::Mix],
+        false => vec![WidgetBlend::Exact],
     }
 }
 
 /// The centroid order too for the integrators without an error of their own, so that the order's shows.
 fn orders(subject: &Subject, integrator: &Integrator, variant: RendererVariant) -> Vec<VisibilityOrder> {
-    let exact_integrals = matches!(integrator, Integrator::Analytic | Integrator::Clipped);
+    let exact_integrals = *integrator == Integrator::ANALYTIC;
     match exact_integrals && subject.needs_order && subject.order_node.is_some() {
         true => vec![VisibilityOrder::Exact, VisibilityOrder::Centroid],
         false if subject.needs_order && subject.order_node.is_none() => {
@@ -154,37 +160,38 @@ impl RenderConfig {
 
     /// True if another setting draws the same picture: overlaps count for the closed forms alone.
     pub fn draws_as(&self, other: &RenderConfig) -> bool {
-        let overlap = self.overlap == other.overlap || self.integrator != Integrator::Analytic;
+        let overlap = self.overlap == other.overlap || self.integrator != Integrator::ANALYTIC;
         let same = self.integrator == other.integrator && self.order == other.order && overlap;
         self.variant == other.variant && same
     }
 
     /// The keys of a pipeline file that state it, with their values; overlap, order and engine apart.
     pub fn keys(&self) -> Vec<(&'static str, Value<'static>)> {
-        let whole = |n: usize| Value::Integer(n as i64);
         let mut keys = vec![("integrator", Value::Text(self.integrator.name()))];
-        let Numbers { tolerance, count, table_size, oversampling, planes } = self.integrator.numbers();
-        keys.extend(tolerance.map(|tolerance| ("tolerance", Value::Number(tolerance))));
-        keys.extend(count.map(|count| ("segments", whole(count))));
-        keys.extend(table_size.map(|side| ("table_size", whole(side))));
-        keys.extend(oversampling.map(|n| ("oversampling", whole(n))));
-        keys.extend(planes.map(|n| ("planes", whole(n))));
+        keys.extend(self.integrator.parameters().iter().map(|parameter| {
+            let value = self.integrator.setting(parameter.name).unwrap_or(0.0);
+            let value = match parameter.parameter_type {
+                ParameterType::Integer(_) => Value::Integer(value as i64),
+                _ => Value::Number(value),
+            };
+            (parameter.name, value)
+        }));
         keys
     }
 
     /// The numbers beside the integrator's name, for people: "16 pieces, table 64".
     pub fn numbers(&self) -> String {
-        let Numbers { tolerance, count, table_size, oversampling, planes } = self.integrator.numbers();
+        let Numbers { tolerance, count, table_size, oversampling, planes } = Numbers::of(&self.integrator);
         // What a table combines are pieces.
         let counted = if table_size.is_some() { "pieces" } else { "samples" };
         let mut parts = Vec::new();
         parts.extend(tolerance.map(|tolerance| format!("tolerance {tolerance:e}")));
         parts.extend(count.map(|count| format!("{count} {counted}")));
         parts.extend(table_size.map(|side| format!("table {side}")));
-        let oversampling = oversampling.filter(|n| *n != STANDARD_OVERSAMPLING);
+        let oversampling = oversampling.filter(|n| *n != DEFAULT_OVERSAMPLING);
         parts.extend(oversampling.map(|n| format!("oversampling {n}")));
-        parts.extend(planes.filter(|n| *n != STANDARD_PLANES).map(|n| format!("planes {n}")));
-        if self.overlap == WidgetBlend::Mix && self.integrator == Integrator::Analytic {
+        parts.extend(planes.filter(|n| *n != DEFAULT_PLANES).map(|n| format!("planes {n}")));
+        if self.overlap == WidgetBlend::Mix && self.integrator == Integrator::ANALYTIC {
             parts.push("overlap mix".into());
         }
         if self.accumulation != Accumulation::Float {
@@ -214,12 +221,12 @@ impl RenderConfig {
     /// A rough relative cost, for estimates of what is left to do.
     pub fn weight(&self) -> f64 {
         let cube = |side: usize| (side as f64 / 64.0).powi(3);
-        let native = match self.integrator.numbers() {
+        let native = match Numbers::of(&self.integrator) {
             Numbers { tolerance: Some(_), .. } => 6.0,
             Numbers { count: Some(count), table_size: Some(_), .. } => 3.0 + count as f64,
             Numbers { count: Some(count), .. } => 3.0 + 0.5 * count as f64,
             Numbers { table_size: Some(side), planes, .. } => 4.0 + cube(side) * planes.unwrap_or(1) as f64,
-            Numbers { .. } if self.integrator == Integrator::Reference => 50.0,
+            Numbers { .. } if self.integrator == REFERENCE => 50.0,
             Numbers { .. } => 1.0,
         };
         match self.variant.engine.on_device {

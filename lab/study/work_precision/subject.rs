@@ -1,11 +1,13 @@
 //! Subject of a study: the scene of the pipeline's node that draws, and its options.
 
 use super::RendererVariant;
+use super::settings::is_studied;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 use voltet_graph::{Demand, Graph, GraphNode, Observer, Parameters, Session, Value, diagonal};
 use voltet_nodes::drawing;
 use voltet_optics::engine::{Accumulation, Compositor, EngineInfo};
+use voltet_optics::integrators::{INTEGRATOR, Integrator, kinds};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::Ordering;
 
@@ -48,6 +50,8 @@ pub struct Subject {
     pub needs_order: bool,
     /// Options of engines in the file.
     pub asked: Asked,
+    /// One integrator of each kind that the pipeline may name, with default settings, in the order of registration.
+    pub integrators: Vec<Integrator>,
     /// Background of the picture where the pipeline writes it (linear RGB).
     pub background: [f64; 3],
 }
@@ -97,10 +101,19 @@ impl Subject {
             node: node.name.clone(),
             order_node,
             needs_order: scene.needs_order(),
+            integrators: kinds(node.parameters.variants(INTEGRATOR))
+                .into_iter()
+                .map(Integrator::new)
+                .collect(),
             scene,
             asked: Asked::from_node(node.node.name, &node.parameters),
             background: background(graph, place),
         })
+    }
+
+    /// One integrator of each kind that is studied.
+    pub fn studied(&self) -> Vec<Integrator> {
+        self.integrators.iter().copied().filter(is_studied).collect()
     }
 
     /// An engine as the file has it. `None`: the compositor is left open, and more than one can serve.

@@ -6,22 +6,23 @@ use super::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use super::grids::{cube, smooth};
 use super::looks::*;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
+use voltet_integrators::{pre_integrated, pre_integrated_cylindrical, riemann, segments};
 use voltet_optics::shading::{Integrator, Shading};
+use voltet_reference::REFERENCE;
 
 /// Each integrator with the error that it may leave in a picture of [`scene`]. Those that sample are of second order
 /// where the function is smooth (1e-5 here), but misplace the edge of a region or of a glow by up to half a piece:
 /// 0.35/128 of length, which at a rate of 6.5 is a depth of 0.018, and half of that on the mean.
-const BOUNDS: [(Integrator, f64); 8] = [
-    (Integrator::Analytic, ORDINARY),
+const BOUNDS: [(Integrator, f64); 7] = [
+    (Integrator::ANALYTIC, ORDINARY),
     // A ray crosses under 40 cells: at most 4e-4, and in truth a small part of it.
-    (Integrator::Adaptive { tolerance: 1e-5 }, ORDINARY),
-    (Integrator::Segments { count: 64, table_size: 256 }, 1e-2),
-    (Integrator::Riemann { count: 64 }, 1e-2),
+    (Integrator::adaptive(1e-5), ORDINARY),
+    (segments(64, 256), 1e-2),
+    (riemann(64), 1e-2),
     // Corners of the function between nodes.
-    (Integrator::PreIntegrated { table_size: 128, oversampling: 2 }, 2e-3),
-    (Integrator::PreIntegratedCylindrical { table_size: 128, oversampling: 2, planes: 1 }, 4e-3),
-    (Integrator::Clipped, ORDINARY),
-    (Integrator::Reference, ORDINARY),
+    (pre_integrated(128, 2), 2e-3),
+    (pre_integrated_cylindrical(128, 2, 1), 4e-3),
+    (REFERENCE, ORDINARY),
 ];
 
 fn scene(name: &str, look: TransferFunction) -> NamedScene {
@@ -29,7 +30,6 @@ fn scene(name: &str, look: TransferFunction) -> NamedScene {
 }
 
 fn compare(engine: &dyn Engine, name: &str, look: TransferFunction, wanted: &[&str]) {
-    voltet_reference::register();
     let expected = referee(&scene(name, look.clone()));
     assert!(expected.rgba.iter().any(|p| p[3] > 0.1), "{name}: the scene shows nothing");
     let mut served = Vec::new();
@@ -43,20 +43,13 @@ fn compare(engine: &dyn Engine, name: &str, look: TransferFunction, wanted: &[&s
         served.push(integrator.name());
     }
     let mut wanted = wanted.to_vec();
-    wanted.extend(engine.serves(&Integrator::Reference, &look).then_some("reference"));
+    wanted.extend(engine.serves(&REFERENCE, &look).then_some("reference"));
     assert_eq!(served, wanted, "{name}");
 }
 
 /// The names of all integrators but the referee's, those first that serve any widget.
-pub const NAMES: [&str; 7] = [
-    "analytic",
-    "adaptive",
-    "segments",
-    "riemann",
-    "pre-integrated",
-    "pre-integrated-cylindrical",
-    "clipped",
-];
+pub const NAMES: [&str; 6] =
+    ["analytic", "adaptive", "segments", "riemann", "pre-integrated", "pre-integrated-cylindrical"];
 
 /// Integrators that support any widget.
 const ALWAYS: &[&str] = NAMES.split_at(4).0;

@@ -33,4 +33,4 @@ impl NamedScene {
 
 /// Closed forms, exact overlap, no light.
 pub const SHADING: Shading =
-    Shading { integrator: Integrator::Analytic, overlap: WidgetBlend::Exact, silhouette: None, light: None };
+    Shading { integrator: Integrator::ANALYTIC, overlap: WidgetBlend::Exact, silhouette: None, light: None };

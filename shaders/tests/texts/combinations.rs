@@ -6,9 +6,11 @@ use std::sync::Arc;
 use voltet_core::transfer::{
     ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
 };
+use voltet_integrators::{pre_integrated, pre_integrated_cylindrical};
 use voltet_optics::WidgetBlend;
-use voltet_optics::integrators::{Extent, can_serve};
+use voltet_optics::integrators::{self, Extent, can_serve};
 use voltet_optics::shading::{Integrator, Light, Shading};
+use voltet_reference::REFERENCE;
 use voltet_shaders::{
     Axis, Buffer, Choices, Combine, CompositorProgram, Method, PIECES, Parameters, Parts, Places, Resources,
     SceneHead, TEXEL_BYTES, WidgetRecord, compose,
@@ -89,9 +91,10 @@ fn shadings() -> Vec<Shading> {
             }
         }
     }
+    let kinds = integrators::KINDS.into_iter().chain(voltet_integrators::KINDS);
     let others =
-        Integrator::EVERY.iter().filter(|i| **i != Integrator::Analytic && voltet_shaders::has_method(i));
-    shadings.extend(others.map(|integrator| Shading { integrator: *integrator, ..SHADING }));
+        kinds.map(Integrator::new).filter(|i| *i != Integrator::ANALYTIC && voltet_shaders::has_method(i));
+    shadings.extend(others.map(|integrator| Shading { integrator, ..SHADING }));
     shadings
 }
 
@@ -140,7 +143,8 @@ fn check_words(
 ) {
     let from_table = choices.method.is_table_of_lengths();
     let adaptive = choices.method == Method::Adaptive;
-    let samples = matches!(choices.method, Method::Riemann | Method::Segments);
+    let named = |name: &str| matches!(choices.method, Method::Registered(text) if text.0.name() == name);
+    let samples = named("riemann") || named("segments");
     for (kind, (name, words)) in WORDS.iter().enumerate() {
         for word in *words {
             let asked_for = kinds.contains(&kind) && !from_table;
@@ -163,10 +167,10 @@ fn check_words(
     holds("fn mix_share", kinds.len() > 1 && !samples && !from_table && !adaptive);
     holds("fn march(", walks && adaptive);
     holds("@compute", choices.compositor == CompositorProgram::Segments);
-    holds("fn riemann(", choices.method == Method::Riemann && !kinds.is_empty());
-    holds("fn partial_place", choices.method == Method::Segments && !kinds.is_empty());
+    holds("fn riemann(", named("riemann") && !kinds.is_empty());
+    holds("fn partial_place", named("segments") && !kinds.is_empty());
     holds("fn glow(", from_table);
-    holds("fn to_cylinder", choices.method == Method::PreIntegratedCylindrical);
+    holds("fn to_cylinder", named("pre-integrated-cylindrical"));
     for (word, when) in [("_glow(", true), ("fn emission_weights", false)] {
         assert!(!text.contains(word) || constant == when, "'{word}' in {kinds:?}, {constant}");
     }
@@ -209,10 +213,7 @@ fn check_resources(transfer_function: &TransferFunction, shading: &Shading, choi
 fn passes_that_fill_tables_are_valid() {
     let transfer_function = scene(CONSTANT, vec![widget(1, None)]);
     let extent = Extent { scalar: [0.0, 1.0], longest: 2.0 };
-    for (integrator, count) in [
-        (Integrator::PreIntegrated { table_size: 5, oversampling: 2 }, 1),
-        (Integrator::PreIntegratedCylindrical { table_size: 5, oversampling: 2, planes: 1 }, 2),
-    ] {
+    for (integrator, count) in [(pre_integrated(5, 2), 1), (pre_integrated_cylindrical(5, 2, 1), 2)] {
         let shading = Shading { integrator, ..SHADING };
         let choices =
             Choices::new(&transfer_function, &shading, CompositorProgram::None).expect("has pieces");
@@ -251,7 +252,7 @@ fn check_combinations(shadings: &[Shading]) -> usize {
             }
             // What the entry point adds is the same for every integrator.
             let both = [CompositorProgram::None, CompositorProgram::Segments];
-            let analytic = shading.integrator == Integrator::Analytic;
+            let analytic = shading.integrator == Integrator::ANALYTIC;
             for compositor in if analytic { &both[..] } else { &both[1..] }.iter().copied() {
                 combinations += 1;
                 let choices = Choices::new(&transfer_function, shading, compositor).expect("has pieces");
@@ -351,10 +352,10 @@ fn what_has_no_shader_is_refused() {
         let transfer_function = scene(CONSTANT, vec![widget(kind, None)]);
         Choices::new(&transfer_function, &shading, CompositorProgram::None).expect_err("refused").to_string()
     };
-    let error = refusal(Integrator::Reference, 1);
+    let error = refusal(REFERENCE, 1);
     assert!(error.contains("'reference'") || error.contains("reference"), "{error}");
-    assert!(error.contains("riemann"), "{error}");
-    let error = refusal(Integrator::PreIntegrated { table_size: 8, oversampling: 2 }, 2);
+    assert!(error.contains("cpu"), "{error}");
+    let error = refusal(pre_integrated(8, 2), 2);
     assert!(error.contains("gradient magnitude"), "{error}");
 }
 

@@ -9,7 +9,7 @@ use voltet_shaders::Shader;
 
 /// Closed forms, without light.
 pub const SHADING: Shading =
-    Shading { integrator: Integrator::Analytic, overlap: WidgetBlend::Exact, silhouette: None, light: None };
+    Shading { integrator: Integrator::ANALYTIC, overlap: WidgetBlend::Exact, silhouette: None, light: None };
 
 /// One in so many of a test's texts is translated; all of them where the environment variable `VOLTET_TRANSLATE` is "all".
 const TRANSLATED: usize = 8;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use voltet_core::transfer::{
     ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
 };
-use voltet_optics::integrators::can_serve;
+use voltet_optics::integrators::{self, can_serve};
 use voltet_optics::shading::{Integrator, Light, Shading};
 use voltet_shaders::{
     Access, Blend, Choices, CompositorProgram, FramePass, GRID_GROUP, GridArray, Layout, PIECES, Parts,
@@ -65,9 +65,10 @@ fn shadings() -> Vec<Shading> {
     let mut shadings = vec![SHADING];
     shadings.push(Shading { light: Some(light), ..SHADING });
     shadings.push(Shading { silhouette: Some(2.0), light: Some(light), ..SHADING });
+    let kinds = integrators::KINDS.into_iter().chain(voltet_integrators::KINDS);
     let others =
-        Integrator::EVERY.iter().filter(|i| **i != Integrator::Analytic && voltet_shaders::has_method(i));
-    shadings.extend(others.map(|integrator| Shading { integrator: *integrator, ..SHADING }));
+        kinds.map(Integrator::new).filter(|i| *i != Integrator::ANALYTIC && voltet_shaders::has_method(i));
+    shadings.extend(others.map(|integrator| Shading { integrator, ..SHADING }));
     shadings
 }
 
@@ -159,7 +160,7 @@ fn what_blends_is_valid_for_every_kind_light_and_integrator() {
                 // What a pixel holds is apart from how its segments are integrated: once for each light.
                 let same_apart =
                     is_rounded(compositor) || compositor == CompositorProgram::Triangles(Blend::Sum);
-                if same_apart && shading.integrator != Integrator::Analytic {
+                if same_apart && shading.integrator != Integrator::ANALYTIC {
                     continue;
                 }
                 let choices = Choices::new(&transfer_function, &shading, compositor).expect("has pieces");

@@ -35,7 +35,7 @@ fn the_tolerance_is_met_on_the_exact_cases() {
         if n % 2 == 1 {
             continue;
         }
-        let integrator = Integrator::Adaptive { tolerance };
+        let integrator = Integrator::adaptive(tolerance);
         let (transfer_function, segment) = (&case.transfer_function, case.segment());
         let axes = axes(transfer_function, &segment);
         let scene = Composed::new(transfer_function, &shading(integrator), &axes, segment.length, None);
@@ -50,7 +50,7 @@ fn the_tolerance_is_met_on_the_exact_cases() {
         }
         let extent = Extent { scalar: [0.0, 1.0], longest: segment.length };
         let truth =
-            new(&Integrator::Analytic, WidgetBlend::Exact, transfer_function, &extent).expect("serves");
+            new(&Integrator::ANALYTIC, WidgetBlend::Exact, transfer_function, &extent).expect("serves");
         let found = scenes.integrate(&scene, &[segment])[0];
         let scale = if case.density() { 1.0 } else { segment.length / transfer_function.unit_distance };
         let measure = Measure::new(truth.as_ref(), &segment, &stored(&axes));
@@ -76,7 +76,7 @@ fn scenes() -> Vec<TransferFunction> {
 }
 
 fn ready(transfer_function: &TransferFunction, tolerance: f64) -> Composed {
-    let integrator = if tolerance > 0.0 { Integrator::Adaptive { tolerance } } else { Integrator::Analytic };
+    let integrator = if tolerance > 0.0 { Integrator::adaptive(tolerance) } else { Integrator::ANALYTIC };
     let shading = shading(integrator);
     Composed::new(transfer_function, &shading, &UNIT, 1.0, None).expect("has pieces").expect("in range")
 }
@@ -90,7 +90,7 @@ fn the_tolerance_is_met_where_widgets_overlap() {
     for transfer_function in scenes() {
         let extent = Extent { scalar: [0.0, 1.0], longest: 2.0 };
         let truth =
-            new(&Integrator::Analytic, WidgetBlend::Exact, &transfer_function, &extent).expect("serves");
+            new(&Integrator::ANALYTIC, WidgetBlend::Exact, &transfer_function, &extent).expect("serves");
         let measure = |segment| Measure::new(truth.as_ref(), segment, &stored(&UNIT));
         let measures: Vec<Measure> = segments.iter().map(measure).collect();
         // Without a tolerance: the ordered integral of the closed forms.

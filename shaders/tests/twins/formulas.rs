@@ -59,7 +59,7 @@ fn bell(profile: Profile) -> String {
         widgets: vec![Widget { profile, color: [1.0; 3], extinction: 1.0, region: None }],
     };
     let shading = Shading {
-        integrator: Integrator::Analytic,
+        integrator: Integrator::ANALYTIC,
         overlap: WidgetBlend::Exact,
         silhouette: None,
         light: None,

@@ -2,6 +2,7 @@
 
 use crate::device::Device;
 use crate::scene::{Composed, Scenes};
+use voltet_integrators::{riemann, segments};
 use voltet_judge::segment_cases;
 use voltet_judge::segment_twin::{Measure, change_of_places, numbers};
 use voltet_optics::integrators::{Extent, new};
@@ -24,7 +25,7 @@ fn sampling_integrators_are_twins_of_their_truths() {
     let Some(device) = Device::open() else { return };
     let scenes = Scenes::new(device);
     // 13 samples: groups of four, and one over.
-    let all = [Integrator::Riemann { count: 13 }, Integrator::Segments { count: 6, table_size: 33 }];
+    let all = [riemann(13), segments(6, 33)];
     let places = [
         (0..13).map(|i| (f64::from(i) + 0.5) / 13.0).collect::<Vec<f64>>(),
         (0..7).map(|i| f64::from(i) / 6.0).collect(),

@@ -5,10 +5,10 @@ use crate::integrators::{shading, stored};
 use crate::scene::{Composed, Scenes};
 use std::time::Instant;
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
+use voltet_integrators::{Material, PreIntegrated, PreIntegratedCylindrical, Ramp};
+use voltet_integrators::{pre_integrated, pre_integrated_cylindrical};
 use voltet_judge::segment_twin::{Measure, numbers};
-use voltet_optics::integrators::{
-    Extent, Integrator, Material, PreIntegrated, PreIntegratedCylindrical, Ramp, new,
-};
+use voltet_optics::integrators::{Extent, Integrator, new};
 use voltet_optics::special::mean_transmittance;
 use voltet_optics::{Contribution, Segment, WidgetBlend};
 use voltet_shaders::{Axis, Places};
@@ -89,10 +89,7 @@ const PLANES: usize = 2;
 /// The integrators with a table of lengths.
 fn both(table_size: usize) -> [Integrator; 2] {
     let oversampling = PARTS;
-    [
-        Integrator::PreIntegrated { table_size, oversampling },
-        Integrator::PreIntegratedCylindrical { table_size, oversampling, planes: PLANES },
-    ]
+    [pre_integrated(table_size, oversampling), pre_integrated_cylindrical(table_size, oversampling, PLANES)]
 }
 
 fn ready(transfer_function: &TransferFunction, integrator: Integrator) -> Composed {
@@ -181,7 +178,7 @@ fn figures_of_tables() {
     let transfer_function = scene(OpticalModel::DensityEmitter);
     let segments = segments(1 << 16, LONGEST);
     let analytic =
-        new(&Integrator::Analytic, WidgetBlend::Exact, &transfer_function, &EXTENT).expect("serves");
+        new(&Integrator::ANALYTIC, WidgetBlend::Exact, &transfer_function, &EXTENT).expect("serves");
     let exact: Vec<Contribution> = segments.iter().map(|segment| analytic.integrate(segment)).collect();
     println!("on {}, {} segments, density-emitter", scenes.device.name, segments.len());
     println!(

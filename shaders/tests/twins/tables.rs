@@ -4,6 +4,7 @@ use crate::device::Device;
 use crate::integrators::{shading, stored};
 use crate::scene::{Composed, Scenes};
 use voltet_core::transfer::{Profile, Region, Widget};
+use voltet_integrators::riemann;
 use voltet_judge::segment_twin::{Measure, change_of_places, numbers};
 use voltet_optics::integrators::{Extent, Integrator, new};
 use voltet_optics::{CompiledTransferFunction, WidgetBlend};
@@ -38,13 +39,9 @@ fn table_widgets_are_twins_of_their_truth() {
     // The software driver needs a fifth of it; the rest is left to devices whose quotients err by 2.5 units in the last
     // place and exponentials by 3 + 2|x|. Panels of 8 points between texel lines leave less.
     let integrators = [
-        (Integrator::Analytic, vec![], 4.0),
-        (Integrator::Riemann { count: 9 }, (0..9).map(|i| (f64::from(i) + 0.5) / 9.0).collect(), 4.0),
-        (
-            Integrator::Segments { count: 5, table_size: 17 },
-            (0..6).map(|i| f64::from(i) / 5.0).collect(),
-            16.0,
-        ),
+        (Integrator::ANALYTIC, vec![], 4.0),
+        (riemann(9), (0..9).map(|i| (f64::from(i) + 0.5) / 9.0).collect(), 4.0),
+        (voltet_integrators::segments(5, 17), (0..6).map(|i| f64::from(i) / 5.0).collect(), 16.0),
     ];
     let mut broken = Vec::new();
     for (model, widgets) in MODELS.iter().flat_map(|model| scenes().into_iter().map(move |w| (*model, w))) {

@@ -31,7 +31,7 @@ fn study_of(of: &StudyRequest, registry: &Registry, progress: &dyn Progress) -> 
         study::written(&folder).iter().map(|path| OptionFile::written("the study", path)).collect();
     output_conflicts::refuse([&document], false, &outputs).map_err(|(error, _)| error)?;
     super::study::refuse_unwritable(&folder)?;
-    let wish = super::study::wish(&crate::cli::arguments::Study::for_file(&of.path)?)?;
+    let wish = super::study::wish(&crate::cli::arguments::Study::for_file(&of.path)?, registry)?;
     let followed = (&Gathering(progress) as &dyn Observer, progress);
     let node = of.node.as_deref();
     let folders = [folder.as_path(), &study::cache_folder()];

@@ -9,6 +9,7 @@ use crate::core::progress::Progress;
 use crate::core::{Error, Result};
 use crate::graph::{Observer, Registry, nearest};
 use crate::nodes::files;
+use crate::optics::integrators::Integrator;
 use crate::output_conflicts::{self, OptionFile};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -19,12 +20,12 @@ use voltet_study::work_precision::{self as study, Benches, Frames, Measure, Stud
 const SHORT: u8 = 1;
 
 /// Names that `--only` takes.
-fn integrators() -> impl Iterator<Item = &'static str> + Clone {
-    study::studied().map(|integrator| integrator.name())
+fn integrators(registry: &Registry) -> Vec<&'static str> {
+    study::studied(registry).iter().map(Integrator::name).collect()
 }
 
 pub fn study(arguments: &arguments::Study, registry: &Registry) -> Result<u8> {
-    let wish = wish(arguments)?;
+    let wish = wish(arguments, registry)?;
     let document = match open(&arguments.file, &arguments.set.options, registry) {
         Ok(document) => document,
         Err((error, text)) => return Ok(show(&error, text.as_deref())),
@@ -36,11 +37,11 @@ pub fn study(arguments: &arguments::Study, registry: &Registry) -> Result<u8> {
     outcome.or_else(|error| Ok(show(&document.locate(error), Some(&document.text))))
 }
 
-pub(super) fn wish(arguments: &arguments::Study) -> Result<StudyOptions> {
-    if let Some(name) = arguments.only.iter().find(|name| !integrators().any(|known| known == name.as_str()))
-    {
-        let known = integrators().collect::<Vec<_>>().join(", ");
-        let accepted = match nearest(name, integrators()) {
+pub(super) fn wish(arguments: &arguments::Study, registry: &Registry) -> Result<StudyOptions> {
+    let integrators = integrators(registry);
+    if let Some(name) = arguments.only.iter().find(|name| !integrators.contains(&name.as_str())) {
+        let known = integrators.join(", ");
+        let accepted = match nearest(name, integrators.iter().copied()) {
             Some(choice) => format!("\"{choice}\"; there are {known}"),
             None => format!("one of {known}"),
         };

@@ -12,9 +12,15 @@ fn kind(parameter: &Parameter) -> String {
     format!("{}{unit}; {standard}", parameter.parameter_type.describe())
 }
 
-/// Declarations of the gradient filters.
-fn filters(registry: &Registry) -> Vec<VariantSchema> {
-    registry.filters().map(|filter| filter.declaration()).collect()
+/// The declarations of what a parameter may name: gradient filters, or the variants that are registered for it.
+fn variants(parameter: &Parameter, registry: &Registry) -> Vec<VariantSchema> {
+    match parameter.parameter_type {
+        ParameterType::GradientFilter => registry.filters().map(|filter| filter.declaration()).collect(),
+        ParameterType::Registered(_) => {
+            registry.variants(parameter.name).map(|variant| variant.schema).collect()
+        }
+        _ => Vec::new(),
+    }
 }
 
 /// The reference of one gradient filter, for a terminal.
@@ -55,15 +61,16 @@ pub fn node_text(node: &Node, registry: &Registry) -> String {
     }
     if !node.parameters.is_empty() {
         text += "\nParameters:\n";
-        let filters = filters(registry);
-        node.parameters.iter().for_each(|parameter| text += &parameter_text(parameter, "  ", &filters));
+        for parameter in node.parameters {
+            text += &parameter_text(parameter, "  ", &variants(parameter, registry));
+        }
     }
     let example = node.example.trim_end().replace('\n', "\n  ").replace("\n  \n", "\n\n");
     text + &format!("\nExample:\n\n  {example}\n")
 }
 
-/// `filters`: those that a parameter of the type of a filter may name.
-fn parameter_text(parameter: &Parameter, indent: &str, filters: &[VariantSchema]) -> String {
+/// `named`: the declarations of what the parameter may name.
+fn parameter_text(parameter: &Parameter, indent: &str, named: &[VariantSchema]) -> String {
     let mut text =
         format!("{indent}{} ({})\n{indent}    {}\n", parameter.name, kind(parameter), parameter.help);
     let deeper = format!("{indent}    ");
@@ -85,7 +92,9 @@ fn parameter_text(parameter: &Parameter, indent: &str, filters: &[VariantSchema]
             fields.iter().for_each(|field| text += &parameter_text(field, &deeper, &[]));
         }
         ParameterType::Kinds(kinds) => text += &kinds_text("kind", kinds),
-        ParameterType::GradientFilter => text += &kinds_text(parameter.name, filters),
+        ParameterType::GradientFilter | ParameterType::Registered(_) => {
+            text += &kinds_text(parameter.name, named);
+        }
         _ => {}
     }
     text
@@ -118,9 +127,13 @@ pub fn node_markdown(node: &Node, registry: &Registry) -> String {
                     text += &parameters_markdown("key", kind.parameters);
                 }
             }
-            ParameterType::GradientFilter => {
-                let all = filters(registry);
-                text += "\n| gradient filter | |\n| --- | --- |\n";
+            ParameterType::GradientFilter | ParameterType::Registered(_) => {
+                let all = variants(parameter, registry);
+                let title = match parameter.parameter_type {
+                    ParameterType::GradientFilter => "gradient filter",
+                    _ => parameter.name,
+                };
+                text += &format!("\n| {title} | |\n| --- | --- |\n");
                 text.extend(all.iter().map(|kind| format!("| `{}` | {} |\n", kind.name, kind.summary)));
                 for kind in all.iter().filter(|kind| !kind.parameters.is_empty()) {
                     text += &format!("\nKeys beside `{} = \"{}\"`:\n", parameter.name, kind.name);

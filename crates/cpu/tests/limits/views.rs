@@ -3,6 +3,7 @@
 use super::*;
 use voltet_core::transfer::{ControlPoint, OpticalModel, Region};
 use voltet_cpu::ENGINE;
+use voltet_integrators::{VERTEX_SAMPLED, pre_integrated, riemann};
 use voltet_optics::engine::{AdapterRequest, PreparedVolume, RenderOptions, RenderOutput, Stage};
 use voltet_optics::shading::{Integrator, Shading};
 use voltet_testing::pictures::looks::perspective;
@@ -160,14 +161,13 @@ fn regions_that_end_on_plateaus_are_those_of_the_cells() {
 #[test]
 fn integrators_are_served_by_what_was_kept() {
     let (volume, camera) = (bivariate(), cameras()[0]);
-    let table = Integrator::PreIntegrated { table_size: 16, oversampling: 2 };
-    for (looks, integrators) in [
-        (&looks()[2..4], [Integrator::Riemann { count: 5 }, Integrator::VertexSampled]),
-        (&looks()[8..10], [Integrator::Riemann { count: 5 }, table]),
-    ] {
+    let table = pre_integrated(16, 2);
+    for (looks, integrators) in
+        [(&looks()[2..4], [riemann(5), VERTEX_SAMPLED]), (&looks()[8..10], [riemann(5), table])]
+    {
         let changing = prepared(&volume);
         for (k, integrator) in
-            [integrators.as_slice(), &[Integrator::Analytic]].concat().into_iter().enumerate()
+            [integrators.as_slice(), &[Integrator::ANALYTIC]].concat().into_iter().enumerate()
         {
             for look in looks {
                 let shading = Shading { integrator, ..SHADING };

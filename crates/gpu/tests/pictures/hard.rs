@@ -3,7 +3,8 @@
 use crate::drawing::{Tested, device, draw, draw_tiles};
 use glam::DVec3;
 use voltet_gpu::Renderer;
-use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
+use voltet_integrators::{riemann, segments};
+use voltet_optics::shading::{Shading, VisibilityOrder};
 use voltet_testing::pictures::Engine;
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use voltet_testing::pictures::grids::*;
@@ -63,13 +64,12 @@ fn many_samples_on_each_of_many_segments() {
         look: look(ramp().widgets.iter().map(|widget| widget.with_extinction_times(0.2)).collect()),
         camera: perspective([0.45, -3.0, 0.55], [0.5, 0.0, 0.5], 18.0, [12, 12]),
     };
-    let riemann = Integrator::Riemann { count: 256 };
-    for integrator in [riemann, Integrator::Segments { count: 128, table_size: 256 }] {
+    for integrator in [riemann(256), segments(128, 256)] {
         Tested.ordinary_shaded(&scene, &Shading { integrator, ..SHADING });
     }
     let Some(device) = device().filter(|device| device.is_software) else { return };
     let renderer = Renderer::new(device, &scene.volume).expect("fits");
-    let shading = Shading { integrator: Integrator::Riemann { count: 100_000 }, ..SHADING };
+    let shading = Shading { integrator: riemann(100_000), ..SHADING };
     let refused = draw_tiles(&renderer, &scene, &shading, VisibilityOrder::Exact);
     let error = refused.expect_err("too many").to_string();
     assert!(error.contains("ends loops") && error.contains("fewer samples"), "{error}");

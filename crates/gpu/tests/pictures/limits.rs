@@ -8,7 +8,8 @@ use voltet_gpu::{Device, FrameOutput, GpuEngine, Renderer};
 use voltet_introspect::compositor_operations;
 use voltet_optics::WidgetBlend;
 use voltet_optics::engine::{Engine, RenderOptions};
-use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
+use voltet_optics::shading::{Shading, VisibilityOrder};
+use voltet_reference::REFERENCE;
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use voltet_testing::pictures::grids::{cube, smooth};
 use voltet_testing::pictures::looks::*;
@@ -38,7 +39,7 @@ fn what_32_bits_cannot_hold_is_refused() {
     let mut far = scene(one_gaussian());
     far.camera = perspective([-900.0, -1100.0, 1400.0], [0.5, 0.5, 0.5], 1e-6, [32, 32]);
     refused(&far, &SHADING, &["view is too narrow", "cpu"]);
-    let shading = Shading { integrator: Integrator::Reference, ..SHADING };
+    let shading = Shading { integrator: REFERENCE, ..SHADING };
     refused(&scene(one_gaussian()), &shading, &["reference"]);
     let mut without = scene(one_gaussian());
     let mut volume = (*without.volume).clone();

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{OpticalModel, Profile, Region, Table, TransferFunction, Widget};
 use voltet_gpu::Renderer;
+use voltet_integrators::segments;
 use voltet_optics::engine::{Compositor, RenderOptions};
-use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
+use voltet_optics::shading::{Shading, VisibilityOrder};
 use voltet_testing::pictures::compare::{NamedScene, SHADING, within};
 use voltet_testing::pictures::grids::{cube, smooth};
 use voltet_testing::pictures::looks::*;
@@ -23,7 +24,7 @@ fn a_moved_widget_sends_no_tables() {
     }
     // One of its own, since all tests upload to the common one.
     let device = Arc::new(further_device());
-    let integrator = Integrator::Segments { count: 2, table_size: 64 };
+    let integrator = segments(2, 64);
     let shading = Shading { integrator, ..SHADING };
     let texels = |alpha: f32| (0..64 * 64).map(|k| [0.9, 0.5, 0.2, alpha * (k % 7) as f32]).collect();
     let of = |alpha| {

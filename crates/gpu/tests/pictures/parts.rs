@@ -8,6 +8,7 @@ use voltet_core::grid::generate::box_of_tetrahedra;
 use voltet_core::transfer::{Profile, Table, Widget};
 use voltet_core::volume::Volume;
 use voltet_gpu::{Device, FrameOutput, Renderer};
+use voltet_integrators::{pre_integrated, pre_integrated_cylindrical};
 use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use voltet_testing::pictures::grids::{cube, smooth, smooth_gradient, volume};
@@ -73,13 +74,9 @@ fn tables_in_parts_draw_the_same() {
     let table = Table { width: 96, height: 64, texels, s: [0.0, 1.0], g: [0.0, 2.5] };
     let image = Widget { profile: Profile::Table(Arc::new(table)), ..one_gaussian().widgets.remove(0) };
     for (look, integrator, bytes) in [
-        (ramp(), Integrator::PreIntegrated { table_size: 32, oversampling: 2 }, 1 << 17),
-        (
-            ramp(),
-            Integrator::PreIntegratedCylindrical { table_size: 32, oversampling: 2, planes: 1 },
-            1 << 17,
-        ),
-        (look(vec![image]), Integrator::Analytic, 1 << 15),
+        (ramp(), pre_integrated(32, 2), 1 << 17),
+        (ramp(), pre_integrated_cylindrical(32, 2, 1), 1 << 17),
+        (look(vec![image]), Integrator::ANALYTIC, 1 << 15),
     ] {
         let shading = Shading { integrator, ..SHADING };
         let name = format!("table of {}", integrator.name());

@@ -11,6 +11,7 @@ use voltet_core::progress::NoProgress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_gpu::{FrameOutput, Renderer};
+use voltet_integrators::{pre_integrated, pre_integrated_cylindrical, riemann, segments};
 use voltet_optics::engine::{Compositor, RenderOptions};
 use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee_shaded, within};
@@ -310,12 +311,12 @@ fn every_integrator_and_light_is_that_of_tiles() {
     ];
     shadings.extend(
         [
-            Integrator::Adaptive { tolerance: 1e-4 },
-            Integrator::Segments { count: 4, table_size: 64 },
-            Integrator::Riemann { count: 8 },
-            Integrator::PreIntegrated { table_size: 32, oversampling: 2 },
-            Integrator::PreIntegratedCylindrical { table_size: 32, oversampling: 2, planes: 1 },
-            Integrator::Clipped,
+            Integrator::adaptive(1e-4),
+            segments(4, 64),
+            riemann(8),
+            pre_integrated(32, 2),
+            pre_integrated_cylindrical(32, 2, 1),
+            Integrator::ANALYTIC,
         ]
         .map(|integrator| Shading { integrator, ..SHADING }),
     );

@@ -11,6 +11,7 @@ use voltet_core::progress::NoProgress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_gpu::{Device, FrameOutput, Renderer};
+use voltet_integrators::{pre_integrated, pre_integrated_cylindrical, riemann, segments};
 use voltet_optics::engine::{Accumulation, Compositor, RenderOptions};
 use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
@@ -168,11 +169,11 @@ fn what_is_shared_with_outlines_is_the_same() {
     let mut shadings = vec![SHADING, Shading { light, silhouette: Some(0.5), ..SHADING }];
     shadings.extend(
         [
-            Integrator::Adaptive { tolerance: 1e-4 },
-            Integrator::Segments { count: 4, table_size: 64 },
-            Integrator::Riemann { count: 8 },
-            Integrator::PreIntegrated { table_size: 32, oversampling: 2 },
-            Integrator::PreIntegratedCylindrical { table_size: 32, oversampling: 2, planes: 1 },
+            Integrator::adaptive(1e-4),
+            segments(4, 64),
+            riemann(8),
+            pre_integrated(32, 2),
+            pre_integrated_cylindrical(32, 2, 1),
         ]
         .map(|integrator| Shading { integrator, ..SHADING }),
     );

@@ -7,7 +7,9 @@ use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::volume::Volume;
 use voltet_gpu::{Device, Renderer};
+use voltet_integrators::pre_integrated;
 use voltet_optics::engine::{Accumulation, Compositor, RenderOptions};
+use voltet_optics::integrators;
 use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 use voltet_testing::pictures::compare::{NamedScene, SHADING, within};
 use voltet_testing::pictures::grids::{cube, smooth, smooth_gradient};
@@ -49,7 +51,7 @@ fn every_compositor_draws_within_the_limits_of_webgpu() {
     let (Some(device), Some(least)) = (device(), least()) else { return };
     let light = Some(Light { direction: glam::DVec3::new(0.4, -0.7, 3.5), ambient: 0.3, diffuse: 0.8 });
     let lit = Shading { light, silhouette: Some(0.5), ..SHADING };
-    let tables = Integrator::PreIntegrated { table_size: 16, oversampling: 2 };
+    let tables = pre_integrated(16, 2);
     for (name, look, shading) in [
         ("overlap", overlapping(), SHADING),
         ("lit", overlapping(), lit),
@@ -93,7 +95,8 @@ fn every_integrator_has_room_for_all_that_a_scene_may_have() {
     let models = [OpticalModel::DensityEmitter, OpticalModel::ConstantEmitter { cutoff: 1.0 / 255.0 }];
     let full = models.map(|model| TransferFunction { model, ..look(full.map(widget).to_vec()) });
     let mut served = Vec::new();
-    for integrator in Integrator::EVERY {
+    let kinds = integrators::KINDS.into_iter().chain(voltet_integrators::KINDS);
+    for integrator in kinds.map(Integrator::new) {
         let looks = if integrator.has_table_of_lengths() { vec![ramp()] } else { full.to_vec() };
         for look in looks {
             let shading = Shading { integrator, light, silhouette: Some(0.5), ..SHADING };

@@ -21,8 +21,10 @@
 
 mod mix;
 mod panel;
+#[cfg(test)]
+mod tests;
 
-use super::{Integrator, SegmentIntegrator, can_serve};
+use super::{Extent, Integrator, IntegratorKind, SegmentIntegrator, can_serve};
 use crate::forms::TrackColor;
 use crate::overlap::{Glow, Member, Panel, Quadrature, blur, blurred, ordered};
 use crate::quadrature::GAUSS_12;
@@ -32,7 +34,18 @@ use crate::{CompiledTransferFunction, Contribution, Segment, WidgetBlend};
 use mix::{Estimate, depth_within, mix};
 use panel::{RULES, panel, present_at};
 use voltet_core::Result;
+use voltet_core::parameters::{DefaultValue, Parameter, ParameterType, Range, VariantSchema};
 use voltet_core::transfer::{TransferFunction, Widget};
+
+const TOLERANCE_PARAMETER: Parameter = Parameter {
+    name: TOLERANCE,
+    parameter_type: ParameterType::Number(Range { above_min: true, ..Range::within(0.0, 1.0) }),
+    unit: "",
+    default: DefaultValue::Number(1e-3),
+    help: "largest error of colour and opacity of a ray segment",
+};
+
+const TOLERANCE: &str = "tolerance";
 
 /// Closed forms, subdivided to a tolerance.
 #[derive(Debug, Clone)]
@@ -45,12 +58,42 @@ pub struct Adaptive {
 impl Adaptive {
     /// Serves every transfer function. `tolerance` > 0: the largest error of each channel of C and of A.
     pub fn new(transfer_function: &TransferFunction, tolerance: f64) -> Result<Self> {
-        can_serve(&Integrator::Adaptive { tolerance }, transfer_function)?;
+        can_serve(&Integrator::adaptive(tolerance), transfer_function)?;
         Ok(Adaptive {
             prepared: CompiledTransferFunction::new(transfer_function)?,
             tolerance,
             varying: brightest_of_varying(transfer_function),
         })
+    }
+}
+
+/// The kind `adaptive`.
+pub(super) struct AdaptiveKind;
+
+impl IntegratorKind for AdaptiveKind {
+    fn schema(&self) -> VariantSchema {
+        VariantSchema {
+            name: "adaptive",
+            summary: "closed forms, subdivided until the error is under the tolerance",
+            parameters: &[TOLERANCE_PARAMETER],
+        }
+    }
+
+    fn check(&self, integrator: &Integrator) -> Result<()> {
+        match integrator.setting(TOLERANCE) {
+            Some(tolerance) if tolerance > 0.0 && tolerance.is_finite() => Ok(()),
+            other => Err(integrator.out_of_range(TOLERANCE, other.unwrap_or(0.0), "a number above 0")),
+        }
+    }
+
+    fn compile(
+        &self,
+        integrator: &Integrator,
+        _: WidgetBlend,
+        transfer_function: &TransferFunction,
+        _: &Extent,
+    ) -> Result<Box<dyn SegmentIntegrator>> {
+        Ok(Box::new(Adaptive::new(transfer_function, integrator.setting(TOLERANCE).unwrap_or(0.0))?))
     }
 }
 

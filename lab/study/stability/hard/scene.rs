@@ -63,7 +63,7 @@ pub(super) const FIELDS: [&str; 2] = ["a", "b"];
 
 /// By closed forms, in the order of widgets that overlap, without light.
 pub(super) const PLAIN: Shading =
-    Shading { integrator: Integrator::Analytic, overlap: WidgetBlend::Exact, silhouette: None, light: None };
+    Shading { integrator: Integrator::ANALYTIC, overlap: WidgetBlend::Exact, silhouette: None, light: None };
 
 /// Two Gaussians, one of them tilted and one cut by a region, that overlap.
 pub(super) fn look() -> TransferFunction {

@@ -134,7 +134,7 @@ fn profile(rng: &mut Rng, volume: &Volume, [s, g]: &[Axis; 2], extinction: f64) 
 /// Closed forms; at times a mix where widgets overlap, light, a silhouette.
 pub(super) fn shading(rng: &mut Rng) -> Shading {
     Shading {
-        integrator: Integrator::Analytic,
+        integrator: Integrator::ANALYTIC,
         overlap: if rng.chance(0.15) { WidgetBlend::Mix } else { WidgetBlend::Exact },
         silhouette: rng.chance(0.15).then(|| rng.between(0.5, 6.0)),
         light: rng.chance(0.15).then(|| Light { direction: rng.direction(), ambient: 0.3, diffuse: 0.7 }),

@@ -1,0 +1,133 @@
+//! N point samples. Twin of `Riemann`: each stands for a homogeneous piece with its own absorption,
+//! κ h E₁(ρ h).
+
+use voltet_cpu::integrator::{
+    LaneKernel, SIDE_BY_SIDE, SampledSegments, Samples, SegmentBatch, SegmentResults, WidgetSampler,
+};
+use voltet_simd::optics::elementary::{exp, transparencies};
+use voltet_simd::{Float, Lanes, array};
+
+/// Such samples: `N`, or any number if that is 0.
+pub(super) struct Riemann<const N: usize>(pub WidgetSampler);
+
+impl<const N: usize> LaneKernel for Riemann<N> {
+    #[inline(always)]
+    fn integrate<L: Lanes>(&self, batch: SegmentBatch<'_>, results: &mut SegmentResults<'_>) {
+        let count = self.0.count();
+        self.0.integrate::<L>(
+            batch,
+            count,
+            #[inline(always)]
+            |crossed| riemann::<L, N>(count, crossed, batch.depth_only()),
+            results,
+        );
+    }
+}
+
+/// Colour and optical depth. `depth_only`: no colour.
+#[inline(always)]
+fn riemann<L: Lanes, const N: usize>(
+    count: usize,
+    crossed: &mut SampledSegments<'_, '_, L>,
+    depth_only: bool,
+) -> ([L::F; 3], L::F) {
+    let depth = crossed.by_depth(
+        depth_only,
+        #[inline(always)]
+        |crossed| {
+            if N == 0 {
+                in_steps::<L, false>(count, crossed).1
+            } else {
+                together::<L, N, false>(count, crossed).1
+            }
+        },
+    );
+    if let Some(found) = depth {
+        return found;
+    }
+    if N == 0 { in_steps::<L, true>(count, crossed) } else { together::<L, N, true>(count, crossed) }
+}
+
+/// The middle of piece i.
+#[inline(always)]
+fn middle(i: usize, count: usize) -> f32 {
+    ((i as f64 + 0.5) / count as f64) as f32
+}
+
+/// All samples at once.
+#[inline(always)]
+fn together<L: Lanes, const N: usize, const COLORS: bool>(
+    count: usize,
+    crossed: &mut SampledSegments<'_, '_, L>,
+) -> ([L::F; 3], L::F) {
+    let samples = crossed.at::<N, COLORS>(array(
+        #[inline(always)]
+        |j| middle(j, count),
+    ));
+    let mut sum = Front::<L>::new();
+    let step = crossed.length() * L::F::splat(1.0 / count as f32);
+    sum.add::<N, COLORS>(&samples, [step; N]);
+    (sum.color, sum.depth)
+}
+
+/// Some samples after the other.
+#[inline(always)]
+fn in_steps<L: Lanes, const COLORS: bool>(
+    count: usize,
+    crossed: &mut SampledSegments<'_, '_, L>,
+) -> ([L::F; 3], L::F) {
+    let splat = L::F::splat;
+    let mut sum = Front::<L>::new();
+    let share = SIDE_BY_SIDE as f32 / count as f32;
+    let step = crossed.length() * splat(1.0 / count as f32);
+    for block in 0..count.div_ceil(SIDE_BY_SIDE) {
+        let first = block * SIDE_BY_SIDE;
+        // What lies behind the back counts for nothing.
+        let t = array(
+            #[inline(always)]
+            |j| middle((first + j).min(count - 1), count),
+        );
+        let samples = crossed.in_step::<COLORS>(block, share, [0.125, 0.375, 0.625, 0.875], t);
+        let lengths = array(
+            #[inline(always)]
+            |j| if first + j < count { step } else { splat(0.0) },
+        );
+        sum.add::<SIDE_BY_SIDE, COLORS>(&samples, lengths);
+        sum.through = exp::<L>(-sum.depth);
+    }
+    (sum.color, sum.depth)
+}
+
+/// What is in front of a place.
+struct Front<L: Lanes> {
+    color: [L::F; 3],
+    depth: L::F,
+    through: L::F,
+}
+
+impl<L: Lanes> Front<L> {
+    #[inline(always)]
+    fn new() -> Self {
+        let zero = L::F::splat(0.0);
+        Front { color: [zero; 3], depth: zero, through: L::F::splat(1.0) }
+    }
+
+    /// Homogeneous pieces of these lengths.
+    #[inline(always)]
+    fn add<const N: usize, const COLORS: bool>(&mut self, samples: &Samples<L, N>, lengths: [L::F; N]) {
+        for j in 0..N {
+            let piece = samples.rate[j] * lengths[j];
+            if COLORS {
+                let (mean, through) = transparencies::<L>(piece);
+                let light = self.through * mean * lengths[j];
+                for c in 0..3 {
+                    self.color[c] = light.mul_add(samples.glow[j][c], self.color[c]);
+                }
+                if j + 1 < N {
+                    self.through = self.through * through;
+                }
+            }
+            self.depth = self.depth + piece;
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! The transfer function applied at the grid's points alone: what absorbs and what glows there is interpolated linearly, so
+//! that anything between two points is missed (Moreland 2004, Figure 1.1a; Shirley and Tuchman 1990 draw like this).
+//!
+//! Symbols: ρ the extinction, κ the emission per length, each linear along the segment; a = ρ_f D, b = ρ_b D;
+//! F = ∫₀¹ (1 − x) e^(−w) dx and B = ∫₀¹ x e^(−w) dx, w the depth in front of x. C = D (F κ_f + B κ_b). κ is interpolated,
+//! not a colour, so that a point without matter lends none (Wittenbrink et al. 1998).
+//!
+//! A segment does not know the points of its cell. So a scene is [`classified`] first: ρ and κ become point arrays, which
+//! the integrator finds at the segment's ends. Where a segment is all that there is, its ends count as points.
+
+use super::{Segments, VERTEX_SAMPLED};
+use std::sync::Arc;
+use voltet_core::grid::{Array, Grid};
+use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
+use voltet_core::volume::Volume;
+use voltet_core::{Error, Result};
+use voltet_optics::integrators::{PreparedScene, ScenePreparation, SegmentIntegrator, can_serve};
+use voltet_optics::linear::front_back;
+use voltet_optics::special::opacity;
+use voltet_optics::{CompiledTransferFunction, Contribution, Segment};
+
+/// The arrays of a classified volume: ρ, then κ by channel; in this order by name.
+pub const CLASSIFIED: [&str; 4] =
+    ["classified emission 0", "classified emission 1", "classified emission 2", "classified extinction"];
+
+/// Linear between what the transfer function is at the points.
+#[derive(Debug, Clone)]
+pub struct VertexSampled {
+    /// Where the arrays lie among a segment's fields; `None`: the scene is not classified.
+    slots: Option<[usize; 4]>,
+    ends: Segments,
+}
+
+impl VertexSampled {
+    /// Serves every transfer function.
+    pub fn new(transfer_function: &TransferFunction) -> Result<Self> {
+        can_serve(&VERTEX_SAMPLED, transfer_function)?;
+        let fields = transfer_function.fields();
+        let slot = |name: &&str| fields.iter().position(|field| field == name);
+        let slots: Vec<usize> = CLASSIFIED.iter().filter_map(slot).collect();
+        Ok(VertexSampled {
+            slots: slots.try_into().ok(),
+            ends: Segments::with_closed_forms(transfer_function, 1)?,
+        })
+    }
+}
+
+impl SegmentIntegrator for VertexSampled {
+    fn integrate(&self, segment: &Segment) -> Contribution {
+        let Some(slots) = self.slots else { return self.ends.integrate(segment) };
+        // Interpolation in 32 bits may leave less than nothing.
+        let at = |fields: &[f64]| slots.map(|slot| (fields[slot] * segment.length).max(0.0));
+        let (front, back) = (at(segment.fields_front), at(segment.fields_back));
+        let ([.., a], [.., b]) = (front, back);
+        let values = segment.fields_front.iter().chain(segment.fields_back).chain([&a, &b]);
+        if !values.copied().all(f64::is_finite) {
+            return Contribution::default();
+        }
+        let (f, k) = front_back(a, b);
+        let optical_depth = 0.5 * a + 0.5 * b;
+        let color = std::array::from_fn(|i| f * front[i] + k * back[i]);
+        Contribution { optical_depth, color, opacity: opacity(optical_depth) }
+    }
+}
+
+/// The transfer function at points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClassifiedPoints {
+    /// κ by channel and ρ, in the order of [`CLASSIFIED`], per world unit.
+    pub arrays: [Vec<f64>; 4],
+    /// A transfer function that looks at these arrays, absorbs and glows nowhere less, and needs an order. It only says
+    /// what an integrator will find; nothing is drawn by it.
+    pub bound: TransferFunction,
+}
+
+/// The preparation of scenes: the transfer function at the grid's points becomes point arrays ([`CLASSIFIED`]), and the scene's is
+/// replaced by one that reads them.
+pub(super) struct Classification;
+
+impl ScenePreparation for Classification {
+    fn prepare(&self, volume: &Volume, transfer_function: &TransferFunction) -> Result<PreparedScene> {
+        let names = transfer_function.fields();
+        let arrays = names.iter().map(|name| volume.grid.point_array(name, 1)).collect::<Result<Vec<_>>>()?;
+        let count = volume.grid.points.len();
+        let fields: Vec<f64> =
+            (0..count).flat_map(|p| arrays.iter().map(move |array| array.values[p])).collect();
+        let g = |p: usize| volume.gradient_magnitude.as_ref().map_or(0.0, |g| g[p]);
+        let values =
+            (0..count).map(|p| ([volume.scalar[p], g(p)], &fields[p * names.len()..(p + 1) * names.len()]));
+        let points = classified(transfer_function, values)?;
+        let mut grid = Grid::clone(&volume.grid);
+        for (name, values) in CLASSIFIED.into_iter().zip(points.arrays) {
+            let array = Array { component_count: 1, values: values.into() };
+            grid.point_arrays.insert(name.into(), Arc::new(array));
+        }
+        let volume = Volume { grid: Arc::new(grid), ..Volume::clone(volume) };
+        Ok(PreparedScene { volume, transfer_function: points.bound })
+    }
+
+    fn is_prepared(&self, transfer_function: &TransferFunction) -> bool {
+        is_classified(transfer_function)
+    }
+}
+
+/// True if a transfer function is the bound of a classified volume.
+pub fn is_classified(transfer_function: &TransferFunction) -> bool {
+    let fields = transfer_function.fields();
+    CLASSIFIED.iter().all(|name| fields.contains(name))
+}
+
+/// Applies the transfer function at points: `values` gives s, g and its further fields of each.
+///
+/// Errors: a transfer function with a number out of range; more than can be told by numbers.
+pub fn classified<'a>(
+    transfer_function: &TransferFunction,
+    values: impl Iterator<Item = ([f64; 2], &'a [f64])>,
+) -> Result<ClassifiedPoints> {
+    let prepared = CompiledTransferFunction::new(transfer_function)?;
+    let mut arrays = [const { Vec::new() }; 4];
+    for (point, fields) in values {
+        let segment =
+            Segment { length: 1.0, front: point, back: point, fields_front: fields, fields_back: fields };
+        let sample = prepared.sampled(&segment, |samples| samples.at(0.0));
+        let [red, green, blue] = sample.glow;
+        for (array, value) in arrays.iter_mut().zip([red, green, blue, sample.rate]) {
+            array.push(value);
+        }
+    }
+    let most = arrays.each_ref().map(|array| array.iter().copied().fold(0.0, f64::max));
+    let [red, green, blue, extinction] = most;
+    let emission = red.max(green).max(blue);
+    if !(extinction.is_finite() && emission.is_finite()) {
+        return Err(Error::run(
+            "a transfer function that is classified at points leaves the range of numbers",
+        )
+        .got(format!("extinction up to {extinction:e}, emission up to {emission:e}"))
+        .expected("smaller extinctions, or another integrator"));
+    }
+    // Nothing that absorbs does not mean nothing that glows: at a cutoff of 0 it does, so a trace is enough.
+    let extinction = extinction.max(emission * 1e-12);
+    let brightest = if extinction > 0.0 { (emission / extinction).max(1.0) } else { 1.0 };
+    let widget = |color| Widget {
+        profile: Profile::GaussianNd {
+            fields: CLASSIFIED.map(String::from).to_vec(),
+            centre: vec![0.0; 4],
+            matrix: vec![vec![0.0; 4]; 4],
+        },
+        color,
+        extinction: extinction * transfer_function.unit_distance,
+        region: None,
+    };
+    Ok(ClassifiedPoints {
+        arrays,
+        bound: TransferFunction {
+            model: OpticalModel::DensityEmitter,
+            unit_distance: transfer_function.unit_distance,
+            // Of two colours: segments are taken in order.
+            widgets: vec![widget([brightest; 3]), widget([0.0; 3])],
+        },
+    })
+}
