@@ -101,7 +101,7 @@ pub(crate) const THIN_CELL: f64 = 1e-3;
 /// Optical depth over the longest thin cell, at the densest place: rounding moves a face by some 1e-7 of the cell's size.
 pub(crate) const MAX_THIN_CELL_DEPTH: f64 = 4e3;
 
-/// Depth of the farthest point by that of the nearest: depths are told apart by their inverse.
+/// Depth of the farthest point by that of the nearest up to which depths are told apart by their inverse.
 pub(crate) const MAX_DEPTH_RATIO: f64 = 64.0;
 
 /// Pixels by which the box of a boundary face is enlarged: the coarsest step of screen positions.

@@ -94,6 +94,13 @@ impl View {
         ScreenVertex { x: snap(e[0] * scale + self.axis[0]), y: snap(e[1] * scale + self.axis[1]), z: e[2] }
     }
 
+    /// A point (x z, y z, z) of pixel coordinates x, y and depth z, also at the eye and behind it.
+    #[inline(always)]
+    pub fn homogeneous(&self, p: DVec3) -> [f64; 3] {
+        let [x, y, z] = self.eye_from_world(p);
+        [x / self.pixel + self.axis[0] * z, y / self.pixel + self.axis[1] * z, z]
+    }
+
     /// Projects points to the screen, and finds for each the planes of the view that it lies outside of (one bit each: left, right, top,
     /// bottom, near).
     pub fn project(&self, points: &[DVec3]) -> (Vec<ScreenVertex>, Vec<u8>) {

@@ -1,6 +1,6 @@
 //! Perspective-correct barycentric interpolation where rays pass faces.
 
-use super::points::Points;
+use super::points::{PERSPECTIVE, Points};
 use crate::tolerances::MIN_CORNER_WEIGHT;
 use voltet_simd::{Float, Lanes, Unsigned, array};
 
@@ -20,7 +20,7 @@ pub(super) struct Barycentric<L: Lanes> {
 impl<L: Lanes> Barycentric<L> {
     /// Weights for corners at some depths; `near`: the corner depth that depths are counted from.
     #[inline(always)]
-    pub fn new<const PERSPECTIVE: bool>(
+    pub fn new<const DEPTHS: u8>(
         points: &Points,
         functions: [L::F; 3],
         depth: [L::U; 3],
@@ -34,7 +34,7 @@ impl<L: Lanes> Barycentric<L> {
             |k| (depth[k] - near).to_float(),
         );
         let above = weights[0].mul_add(higher[0], weights[1].mul_add(higher[1], weights[2] * higher[2]));
-        if !PERSPECTIVE {
+        if DEPTHS != PERSPECTIVE {
             let by_total = one / total;
             return Barycentric { weights, by_total, by_sum: by_total, above, distance: one };
         }

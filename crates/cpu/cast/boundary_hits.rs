@@ -1,7 +1,8 @@
 //! Boundary hits: the boundary faces by which the rays of a tile enter and exit.
 
-use super::edge_functions::{Offset, edge_function, edges_inside};
+use super::edge_functions::{Offset, edge_function, edges_inside, moved_by_depth};
 use super::half_faces::EXIT_FLAG;
+use super::points::Points;
 use super::ray_caster::RayCaster;
 use crate::fragments::batch::MAX_LANES;
 use crate::tile::{PIXELS, TILE, TileRect};
@@ -92,8 +93,7 @@ impl Kernel for FindHits<'_> {
         let FindHits { caster, rect, unsorted, exit_checksum } = self;
         let TileRect { tile, left, top, size } = rect;
         let points = &caster.points;
-        let bits = points.pixel_bits;
-        let pixel = points.pixel;
+        let Points { pixel_bits: bits, pixel, ray_spacing, ray_spread, .. } = *points;
         for &number in caster.boundary.faces_of(tile) {
             let face = caster.half_faces.boundary[number as usize];
             let corner = |k: usize| {
@@ -105,25 +105,35 @@ impl Kernel for FindHits<'_> {
             let tile_top = (top << bits) as u32;
             let row_of = |k: usize| i64::from(corners[k][1].wrapping_sub(tile_top) as i32) >> bits;
             let (a, b, c) = (row_of(0), row_of(1), row_of(2));
-            let [first, last] = [a.min(b).min(c), a.max(b).max(c) + 1].map(
-                #[inline(always)]
-                |row| row.clamp(0, size[1] as i64) as usize,
-            );
+            let [first, last] = if ray_spread == 0 {
+                [a.min(b).min(c), a.max(b).max(c) + 1].map(
+                    #[inline(always)]
+                    |row| row.clamp(0, size[1] as i64) as usize,
+                )
+            } else {
+                [0, size[1]]
+            };
             for row in first..last {
                 for half in (0..size[0]).step_by(L::WIDTH) {
                     let column = L::U::iota() + L::U::splat((left + half) as u32);
-                    let x = column * L::U::splat(1 << bits);
-                    let y = L::U::splat(((top + row) << bits) as u32);
+                    let spacing = L::U::splat(ray_spacing);
+                    let of_ray = [column, L::U::splat((top + row) as u32)];
                     let at: [Offset<L>; 3] = array(
                         #[inline(always)]
                         |k| {
                             let scaled = inlined(
                                 #[inline(always)]
-                                |position: u32, of_ray: L::U| {
-                                    (L::U::splat(position) - of_ray).to_float() * L::F::splat(pixel)
+                                |axis: usize| {
+                                    let mut position = L::U::splat(corners[k][axis]) - of_ray[axis] * spacing;
+                                    if ray_spread != 0 {
+                                        let spread = of_ray[axis] * L::U::splat(ray_spread);
+                                        let moved = moved_by_depth::<L>(L::U::splat(corners[k][2]), spread);
+                                        position = position - moved;
+                                    }
+                                    position.to_float() * L::F::splat(pixel)
                                 },
                             );
-                            [scaled(corners[k][0], x), scaled(corners[k][1], y)]
+                            [scaled(0), scaled(1)]
                         },
                     );
                     let edges = [[at[0], at[1]], [at[1], at[2]], [at[2], at[0]]];

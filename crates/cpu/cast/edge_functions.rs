@@ -1,9 +1,17 @@
 //! Edge functions: the side of an edge on which a ray passes.
 
-use voltet_simd::{Float, Lanes, Mask, inlined};
+use super::points::SPREAD_BITS;
+use voltet_simd::{Float, Lanes, Mask, Unsigned, inlined};
 
 /// Screen positions relative to the rays (pixels to the right and down).
 pub(super) type Offset<L> = [<L as Lanes>::F; 2];
+
+/// How far a ray that spreads by `spread` steps in 2^[`SPREAD_BITS`] steps of depth has moved at a depth.
+#[inline(always)]
+pub(super) fn moved_by_depth<L: Lanes>(depth: L::U, spread: L::U) -> L::U {
+    let low = L::U::splat((1 << SPREAD_BITS) - 1);
+    depth.shr::<SPREAD_BITS>() * spread + (depth.and(low) * spread).shr::<SPREAD_BITS>()
+}
 
 /// Edge function: twice the area of the triangle of two positions and the ray, positive where they turn clockwise about it on the
 /// screen. Exchanged positions give a number of the opposite sign, and 0 gives 0. Two products of which the rounding of one is made good (Kahan; Jeannerod,

@@ -31,7 +31,7 @@ impl FaceCache {
         FaceCache { faces: self.faces.clone(), drawn: drawn.clone() }
     }
 
-    pub fn drawn(&self) -> &[u32] {
+    pub fn drawn(&self) -> &Arc<Vec<u32>> {
         &self.drawn
     }
 
@@ -46,15 +46,12 @@ impl FaceCache {
         get_or_compute(&self.faces.mesh, |_| true, || Mesh::new(grid))
     }
 
-    /// Half-faces of the drawn cells.
-    pub fn half_faces(&self, mesh: &Mesh, grid: &Grid) -> Arc<HalfFaces> {
+    /// Half-faces of some cells, ascending.
+    pub fn half_faces(&self, mesh: &Mesh, grid: &Grid, cells: &Arc<Vec<u32>>) -> Arc<HalfFaces> {
         let all = grid.tetrahedra.len();
-        let is_valid = |half_faces: &HalfFaces| {
-            let cells = &half_faces.cells;
-            Arc::ptr_eq(cells, &self.drawn) || (cells.len() == all && self.drawn.len() == all)
+        let is_valid = |cached: &HalfFaces| {
+            Arc::ptr_eq(&cached.cells, cells) || (cached.cells.len() == all && cells.len() == all)
         };
-        get_or_compute(&self.faces.half_faces, is_valid, || {
-            HalfFaces::new(mesh, &grid.tetrahedra, &self.drawn)
-        })
+        get_or_compute(&self.faces.half_faces, is_valid, || HalfFaces::new(mesh, &grid.tetrahedra, cells))
     }
 }

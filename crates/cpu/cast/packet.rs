@@ -2,6 +2,7 @@
 
 use super::boundary_hits::BoundaryHits;
 use super::packet_state::StoredState;
+use super::points::Points;
 use super::ray_caster::RayCaster;
 use crate::fragments::batch::{BATCH, MAX_LANES};
 use crate::tile::{PIXELS, TILE, TileRect};
@@ -34,9 +35,9 @@ pub(crate) struct RayPacket<'a> {
     pub(super) caster: &'a RayCaster,
     hits: &'a BoundaryHits,
     pub(super) pixels: [u32; TILE],
-    /// Positions of the pixels (steps).
-    pub(super) x: [u32; TILE],
-    pub(super) y: [u32; TILE],
+    /// Positions of the rays, across and down, at the depth of step 0 (steps), and how far they spread: see [`super::points::Points`].
+    pub(super) position: [[u32; TILE]; 2],
+    pub(super) spread: [[u32; TILE]; 2],
     /// Ray length per unit of depth.
     pub(super) length_per_depth: [f32; TILE],
     pub(super) distance_origin: f64,
@@ -70,8 +71,8 @@ impl<'a> RayPacket<'a> {
             caster,
             hits,
             pixels: [0; TILE],
-            x: [0; TILE],
-            y: [0; TILE],
+            position: [[0; TILE]; 2],
+            spread: [[0; TILE]; 2],
             length_per_depth: [1.0; TILE],
             distance_origin,
             state: StoredState::outside(caster.half_faces.sentinel()),
@@ -94,12 +95,14 @@ impl<'a> RayPacket<'a> {
     pub fn begin(&mut self, number: usize, rect: TileRect, length_per_depth: &[f32; PIXELS]) {
         (self.entering, self.slices) = (u32::MAX >> (32 - TILE), 0);
         (self.consumed, self.pending.at) = ([0; TILE], [0; MAX_LANES]);
-        let steps = |n: usize| (n << self.caster.points.pixel_bits) as u32;
+        let Points { ray_spacing, ray_spread, .. } = self.caster.points;
         for ray in 0..TILE {
             let pixel = pixel_of(number, ray);
             self.pixels[ray] = pixel as u32;
-            self.x[ray] = steps(rect.left + pixel % TILE);
-            self.y[ray] = steps(rect.top + pixel / TILE);
+            for (axis, n) in [rect.left + pixel % TILE, rect.top + pixel / TILE].into_iter().enumerate() {
+                self.position[axis][ray] = (n as u32).wrapping_mul(ray_spacing);
+                self.spread[axis][ray] = n as u32 * ray_spread;
+            }
             self.length_per_depth[ray] = length_per_depth[pixel];
             self.exit_checksum[ray] = self.hits.exit_checksum(pixel);
         }

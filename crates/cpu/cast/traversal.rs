@@ -1,11 +1,11 @@
 //! Traversal of ray packets through cells.
 
 use super::barycentric::Barycentric;
-use super::edge_functions::{Offset, edge_function, edges_inside};
+use super::edge_functions::{Offset, edge_function, edges_inside, moved_by_depth};
 use super::half_faces::{EXIT_FLAG, ROTATION_BITS};
 use super::packet::{MAX_TRAVERSAL_STEPS, PACKETS_IN_FLIGHT, RayPacket, SLICES};
 use super::packet_state::PacketState;
-use super::points::Points;
+use super::points::{CUT, PARALLEL, PERSPECTIVE, Points};
 use super::ray_caster::MAX_RAYCAST_ATTRIBUTES;
 use crate::fragments::batch::{Batch, MAX_LANES};
 use crate::tile::TILE;
@@ -38,24 +38,35 @@ pub(crate) fn next_segments(
     if !any_active || packets.iter().any(|packet| packet.is_mistracked) {
         return [0; PACKETS_IN_FLIGHT];
     }
-    let PacketConfig { lanes, perspective, attribute_count, depths } = config;
-    match (perspective, attribute_count) {
-        (false, 1) => dispatch(lanes, Advance::<false, 1> { packets, depths, batches }),
-        (false, 2) => dispatch(lanes, Advance::<false, 2> { packets, depths, batches }),
-        (false, _) => dispatch(lanes, Advance::<false, MAX_RAYCAST_ATTRIBUTES> { packets, depths, batches }),
-        (true, 1) => dispatch(lanes, Advance::<true, 1> { packets, depths, batches }),
-        (true, 2) => dispatch(lanes, Advance::<true, 2> { packets, depths, batches }),
-        (true, _) => dispatch(lanes, Advance::<true, MAX_RAYCAST_ATTRIBUTES> { packets, depths, batches }),
+    let is_cut = packets[0].caster.points.near.is_some();
+    if is_cut {
+        advance::<CUT>(config, packets, batches)
+    } else if config.perspective {
+        advance::<PERSPECTIVE>(config, packets, batches)
+    } else {
+        advance::<PARALLEL>(config, packets, batches)
     }
 }
 
-struct Advance<'a, 'b, const PERSPECTIVE: bool, const N: usize> {
+fn advance<const DEPTHS: u8>(
+    PacketConfig { lanes, attribute_count, depths, .. }: PacketConfig,
+    packets: &mut [RayPacket<'_>; PACKETS_IN_FLIGHT],
+    batches: [&mut Batch; PACKETS_IN_FLIGHT],
+) -> [usize; PACKETS_IN_FLIGHT] {
+    match attribute_count {
+        1 => dispatch(lanes, Advance::<DEPTHS, 1> { packets, depths, batches }),
+        2 => dispatch(lanes, Advance::<DEPTHS, 2> { packets, depths, batches }),
+        _ => dispatch(lanes, Advance::<DEPTHS, MAX_RAYCAST_ATTRIBUTES> { packets, depths, batches }),
+    }
+}
+
+struct Advance<'a, 'b, const DEPTHS: u8, const N: usize> {
     packets: &'a mut [RayPacket<'b>; PACKETS_IN_FLIGHT],
     depths: bool,
     batches: [&'a mut Batch; PACKETS_IN_FLIGHT],
 }
 
-impl<const PERSPECTIVE: bool, const N: usize> Kernel for Advance<'_, '_, PERSPECTIVE, N> {
+impl<const DEPTHS: u8, const N: usize> Kernel for Advance<'_, '_, DEPTHS, N> {
     type Output = [usize; PACKETS_IN_FLIGHT];
 
     #[inline(always)]
@@ -66,10 +77,10 @@ impl<const PERSPECTIVE: bool, const N: usize> Kernel for Advance<'_, '_, PERSPEC
         for (number, half) in (0..TILE).step_by(L::WIDTH).enumerate() {
             let [packet_0, packet_1, packet_2, packet_3] = &mut *packets;
             let mut traversals = [
-                PacketTraversal::<L, PERSPECTIVE, N>::begin(packet_0, half, depths),
-                PacketTraversal::<L, PERSPECTIVE, N>::begin(packet_1, half, depths),
-                PacketTraversal::<L, PERSPECTIVE, N>::begin(packet_2, half, depths),
-                PacketTraversal::<L, PERSPECTIVE, N>::begin(packet_3, half, depths),
+                PacketTraversal::<L, DEPTHS, N>::begin(packet_0, half, depths),
+                PacketTraversal::<L, DEPTHS, N>::begin(packet_1, half, depths),
+                PacketTraversal::<L, DEPTHS, N>::begin(packet_2, half, depths),
+                PacketTraversal::<L, DEPTHS, N>::begin(packet_3, half, depths),
             ];
             // In turns, so that the gathers of one are hidden by the work of the others.
             let mut is_active = true;
@@ -113,7 +124,7 @@ impl<const PERSPECTIVE: bool, const N: usize> Kernel for Advance<'_, '_, PERSPEC
 }
 
 /// Traversal of one SIMD half of a ray packet, until the batch is full.
-pub(super) struct PacketTraversal<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize> {
+pub(super) struct PacketTraversal<'a, 'b, L: Lanes, const DEPTHS: u8, const N: usize> {
     packet: &'a mut RayPacket<'b>,
     half: usize,
     depths: bool,
@@ -123,6 +134,7 @@ pub(super) struct PacketTraversal<'a, 'b, L: Lanes, const PERSPECTIVE: bool, con
     first: &'b [[f32; 4]],
     further: &'b [[f32; 4]],
     of_ray: [L::U; 2],
+    near: L::U,
     state: PacketState<L, N>,
     active: L::M,
     any_active: bool,
@@ -148,7 +160,7 @@ pub(super) struct ExitFace<L: Lanes> {
     functions: [L::F; 3],
 }
 
-impl<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize> PacketTraversal<'a, 'b, L, PERSPECTIVE, N> {
+impl<'a, 'b, L: Lanes, const DEPTHS: u8, const N: usize> PacketTraversal<'a, 'b, L, DEPTHS, N> {
     #[inline(always)]
     pub fn begin(packet: &'a mut RayPacket<'b>, half: usize, depths: bool) -> Self {
         let mine = u32::MAX >> (32 - L::WIDTH);
@@ -158,7 +170,11 @@ impl<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize> PacketTraversal<
             points,
             first: &points.quads[0],
             further: points.quads.get(1).map_or(&[], Vec::as_slice),
-            of_ray: [L::U::load(&packet.x[half..]), L::U::load(&packet.y[half..])],
+            of_ray: array(
+                #[inline(always)]
+                |axis| L::U::load(&packet.position[axis][half..]),
+            ),
+            near: L::U::splat(points.near.unwrap_or(0)),
             state: PacketState::load(&packet.state, half),
             active: mask_of::<L>(packet.active >> half),
             any_active: packet.active >> half & mine != 0,
@@ -209,7 +225,14 @@ impl<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize> PacketTraversal<
         let [x, y, depth, value] = L::F::gather_parts(self.first, number);
         let relative = inlined(
             #[inline(always)]
-            |position: L::F, axis: usize| (position.to_bits() - self.of_ray[axis]).to_float() * pixel,
+            |position: L::F, axis: usize| {
+                let mut position = position.to_bits() - self.of_ray[axis];
+                if DEPTHS == CUT {
+                    let spread = L::U::load(&self.packet.spread[axis][self.half..]);
+                    position = position - moved_by_depth::<L>(depth.to_bits(), spread);
+                }
+                position.to_float() * pixel
+            },
         );
         let mut values = [value; N];
         if N > 1 {
@@ -264,7 +287,7 @@ impl<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize> PacketTraversal<
     /// Advances rays to their exits, and puts the segments into a batch.
     #[inline(always)]
     pub fn advance(&mut self, opposite: OppositeVertex<L, N>, exit: ExitFace<L>, batch: &mut Batch) {
-        let PacketTraversal { packet, half, state, active, points, .. } = self;
+        let PacketTraversal { packet, half, state, active, points, near, .. } = self;
         let (half, active) = (*half, *active);
         let zero = L::F::splat(0.0);
         let ExitFace { without_0, without_1, without_2, functions: [fa, fb, fc] } = exit;
@@ -294,18 +317,38 @@ impl<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize> PacketTraversal<
             L::F::select(without_2, fa, L::F::select(without_0, fc, state.functions[2])).abs(),
         ];
 
-        let weights = Barycentric::<L>::new::<PERSPECTIVE>(points, state.functions, state.depth, depth);
-        let steps = weights.above.mul_add(weights.by_total, (depth - state.at).to_float()).max(zero);
+        let weights = Barycentric::<L>::new::<DEPTHS>(points, state.functions, state.depth, depth);
+        let mut steps = weights.above.mul_add(weights.by_total, (depth - state.at).to_float()).max(zero);
         let at = state.at + (steps + L::F::splat(0.5)).to_unsigned();
         let distance = weights.distance;
-        let length = steps * (L::F::load(&packet.length_per_depth[half..]) * L::F::splat(points.step));
-        let length = if PERSPECTIVE { length * (state.distance * distance) } else { length };
         let mut out = [zero; N];
         let mut a = 0;
         while a < N {
             out[a] = weights.interpolate(state.values[a], values[a]);
             a += 1;
         }
+        let (mut begin, mut end) = (state.at, at);
+        if DEPTHS == CUT {
+            let later = inlined(
+                #[inline(always)]
+                |depth: L::U| depth + *near - depth.min(*near),
+            );
+            (begin, end) = (later(begin), later(end));
+            let is_cut = begin.equal(state.at).not();
+            if is_cut.any() {
+                let left = weights.above.mul_add(weights.by_total, (depth - begin).to_float()).max(zero);
+                let fraction = left / steps.max(L::F::splat(1.0));
+                steps = L::F::select(is_cut, left, steps);
+                let mut a = 0;
+                while a < N {
+                    let value = fraction.mul_add(state.value[a] - out[a], out[a]);
+                    state.value[a] = L::F::select(is_cut, value, state.value[a]);
+                    a += 1;
+                }
+            }
+        }
+        let length = steps * (L::F::load(&packet.length_per_depth[half..]) * L::F::splat(points.step));
+        let length = if DEPTHS == PERSPECTIVE { length * (state.distance * distance) } else { length };
 
         let slot = self.slice * TILE + half;
         L::F::select(active, length, zero).store(&mut batch.length[slot..]);
@@ -322,12 +365,12 @@ impl<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize> PacketTraversal<
                 |at: L::U, distance: L::F| {
                     let parallel =
                         at.to_float().mul_add(L::F::splat(points.step), L::F::splat(points.nearest));
-                    let depth = if PERSPECTIVE { distance } else { parallel };
+                    let depth = if DEPTHS == PERSPECTIVE { distance } else { parallel };
                     depth - L::F::splat(packet.distance_origin as f32)
                 },
             );
-            depth_of(state.at, state.distance).store(&mut batch.entry[slot..]);
-            depth_of(at, distance).store(&mut batch.exit[slot..]);
+            depth_of(begin, state.distance).store(&mut batch.entry[slot..]);
+            depth_of(end, distance).store(&mut batch.exit[slot..]);
         }
         let is_one = zero.lt(length).and(active);
         self.segments = L::U::select(is_one, self.segments + L::U::splat(1), self.segments);
@@ -376,7 +419,7 @@ impl<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize> PacketTraversal<
         let [a, b, c] = [corners[0].at, corners[1].at, corners[2].at];
         let functions =
             [edge_function::<L>(a, b).abs(), edge_function::<L>(b, c).abs(), edge_function::<L>(c, a).abs()];
-        let weights = Barycentric::<L>::new::<PERSPECTIVE>(
+        let weights = Barycentric::<L>::new::<DEPTHS>(
             self.points,
             functions,
             array(

@@ -126,6 +126,65 @@ fn parts_that_touch_are_passed_one_after_another() {
     }
 }
 
+/// Cameras whose near plane or eye lies in the unit cube.
+fn cameras_inside() -> Vec<(&'static str, Camera)> {
+    let near = |near: f64, camera: Camera| Camera { near, ..camera };
+    let inside = perspective([0.43, 0.37, 0.52], [0.9, 0.8, 0.45], 70.0, [45, 37]);
+    let axis = perspective([0.5, 0.5, 0.5], [1.0, 0.5, 0.5], 90.0, [33, 33]);
+    let parallel = orthographic([3.0, -2.0, 2.5], [0.5, 0.5, 0.5], 1.9, [40, 50]);
+    vec![
+        ("the eye inside", inside),
+        ("a wide view", perspective([0.43, 0.37, 0.52], [0.1, 0.3, 0.45], 130.0, [45, 37])),
+        ("inside, near plane", near(0.2, inside)),
+        ("inside, a tiny near plane", near(1e-4, inside)),
+        // The eye at a point, rays through points, in edges and in faces.
+        ("the eye at a point", axis),
+        ("the eye at a point, near plane in faces", near(0.25, axis)),
+        ("the eye in a face", perspective([0.25, 0.4, 0.6], [1.0, 0.5, 0.5], 80.0, [33, 33])),
+        ("on the boundary", perspective([0.0, 0.5, 0.45], [1.0, 0.5, 0.5], 80.0, [40, 30])),
+        ("close before the boundary", perspective([-0.003, 0.47, 0.45], [1.0, 0.5, 0.5], 80.0, [40, 30])),
+        ("outside, near plane", near(1.5, outside([50, 40]))),
+        ("far outside, near plane", near(100.3, perspective([-100.0, 0.4, 0.45], [0.5; 3], 0.8, [40, 40]))),
+        ("parallel, near plane", near(3.7, parallel)),
+        (
+            "along an axis, near plane in faces",
+            near(2.5, orthographic([-2.0, 0.5, 0.5], [0.5; 3], 2.0, [32, 32])),
+        ),
+        (
+            "through points, near plane",
+            near(2.6, orthographic([-2.0, 0.5, 0.5], [0.5; 3], 33.0 / 16.0, [33, 33])),
+        ),
+    ]
+}
+
+#[test]
+fn rays_begin_at_the_near_plane() {
+    let holes = part(&cube([7, 7, 7], 0.2), |p| (p - 0.5).length() > 0.2 && (p.x * 9.0).sin() < 0.8);
+    for (name, grid) in [
+        ("jittered", cube([4, 4, 4], 0.2)),
+        ("regular", cube([4, 4, 4], 0.0)),
+        ("fine", cube([13, 13, 13], 0.25)),
+        ("flat cells", cube([3, 60, 3], 0.25)),
+        ("holes", holes),
+    ] {
+        for scene in scenes(name, &smooth(grid), &cameras_inside()) {
+            let lost = lost(&scene);
+            assert!(lost <= 2, "{}: {lost} tiles", scene.name);
+        }
+    }
+}
+
+#[test]
+fn tiles_where_cells_overlap_before_the_eye_are_drawn_from_their_cells() {
+    let one = cube([4, 4, 4], 0.1);
+    let other = moved(&one, |p| 0.7 * p + glam::DVec3::new(0.6, 0.4, 0.3));
+    let overlapping = smooth(together(&[one, other]));
+    let inside = perspective([0.43, 0.37, 0.52], [0.9, 0.8, 0.45], 70.0, [45, 37]);
+    for scene in scenes("one in the other", &overlapping, &[("the eye inside", inside)]) {
+        assert!(lost(&scene) > 0, "{}: no ray was lost", scene.name);
+    }
+}
+
 #[test]
 fn tiles_where_cells_overlap_are_drawn_from_their_cells() {
     let one = cube([3, 3, 3], 0.1);
@@ -160,10 +219,8 @@ fn cells_that_are_not_drawn_are_a_boundary() -> Result<()> {
 fn what_rays_do_not_serve_is_projected() -> Result<()> {
     let volume = smooth(cube([4, 4, 4], 0.2));
     let always = |cells: &mut Cells| cells.traversal = Traversal::RayCast;
-    let inside = perspective([0.43, 0.37, 0.52], [0.9, 0.8, 0.45], 70.0, [40, 30]);
-    let scene = |camera| NamedScene { name: String::new(), volume: volume.clone(), look: ramp(), camera };
-    assert!(drawn(&scene(inside), always).2, "the eye inside");
-    let scene = scene(outside([40, 30]));
+    let scene =
+        NamedScene { name: String::new(), volume: volume.clone(), look: ramp(), camera: outside([40, 30]) };
     assert!(!drawn(&scene, always).2);
     let unordered =
         |cells: &mut Cells| (cells.traversal, cells.ordering) = (Traversal::RayCast, Ordering::Submission);

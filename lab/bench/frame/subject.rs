@@ -174,7 +174,7 @@ impl Subject {
 fn generated(side: u32) -> Result<Arc<Grid>> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/wavelet.toml");
     let options = [format!("grid.resolution=[{side},{side},{side}]")];
-    let document = Document::open(&file, &options, &voltet::registry()?)?;
+    let document = Document::open(&file, &options, &voltet::nodes::registry()?)?;
     let mut session = voltet::nodes::session();
     let studied = Studied::gather(&document.graph, Some("scalar_alone"), false, &mut session, &NoObserver)?;
     let mut grid = Grid::clone(&studied.scene.volume.grid);
