@@ -10,7 +10,6 @@ use std::ffi::c_int;
 use std::sync::Arc;
 use voltet_core::Error;
 use voltet_core::picture::Picture;
-use voltet_io::encode as file;
 
 /// Memory of a Python object that stays where it is: the object is held, and pinned.
 #[derive(Clone)]
@@ -103,12 +102,12 @@ impl Memory {
     }
 }
 
-/// A picture as the bytes of a file: `form` is "png" (8-bit sRGB over a background in linear RGB) or "exr".
+/// A picture as the bytes of a file, in the format that its path ends in; `background`: linear RGB, for formats without opacity.
 #[pyfunction]
 pub fn encode<'py>(
     py: Python<'py>,
     rgba: &Bound<'py, PyAny>,
-    form: &str,
+    path: &str,
     background: [f64; 3],
 ) -> PyResult<Bound<'py, pyo3::types::PyBytes>> {
     let [height, width, _] = rgba.getattr("shape")?.extract::<[usize; 3]>()?;
@@ -116,10 +115,8 @@ pub fn encode<'py>(
     let rgba = lent.values().as_chunks::<4>().0.to_vec();
     let bytes = crate::error::guarded(py, || {
         let picture = Picture { width, height, rgba };
-        match form {
-            "exr" => file::exr(&picture, None),
-            _ => file::png(&picture, background, None),
-        }
+        let format = voltet_io::encode::format_by_ending(path.as_ref())?;
+        (format.encode)(&picture, background, None)
     })?;
     Ok(pyo3::types::PyBytes::new(py, &bytes))
 }

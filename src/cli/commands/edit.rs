@@ -82,8 +82,7 @@ impl Observer for Gathering<'_> {
 fn pipeline_for(path: &std::path::Path, at: &std::path::Path, registry: &Registry) -> Result<String> {
     use crate::Source;
     use crate::cli::arguments::{Plugins, Start};
-    let is_picture = path.extension().is_some_and(|end| end == "png" || end == "exr");
-    if is_picture {
+    if super::picture_info::is_picture(path) {
         return Ok(Source::read(path)?.text);
     }
     let (data, output) = (path.to_path_buf(), Some(at.to_path_buf()));
