@@ -13,7 +13,7 @@ use super::track::{POINTS, Track};
 use super::triangular_gaussian::TriangularPath;
 use super::wave::{Bell, WavePath, WaveTrack};
 use std::sync::Arc;
-use voltet_core::transfer::{ControlPoint, Convex, Profile, Table};
+use voltet_core::transfer::{ControlPoint, Profile, Table};
 
 /// The constant-emitter's cutoff.
 #[derive(Debug, Clone, Copy)]
@@ -44,10 +44,7 @@ pub(super) enum Form {
         points: Vec<ControlPoint>,
         peak: f64,
     },
-    Table {
-        table: Arc<Table>,
-        range: Convex,
-    },
+    Table(Arc<Table>),
 }
 
 /// One widget along one segment.
@@ -104,10 +101,7 @@ impl Form {
                 let peak = profile.properties().own_peak.unwrap_or(0.0);
                 Form::Piecewise { points: points.clone(), peak }
             }
-            Profile::Table(table) => {
-                let (low, high) = ([table.s[0], table.g[0]], [table.s[1], table.g[1]]);
-                Form::Table { table: Arc::clone(table), range: Convex::Rectangle { low, high } }
-            }
+            Profile::Table(table) => Form::Table(Arc::clone(table)),
         }
     }
 
@@ -121,21 +115,7 @@ impl Form {
             | Form::Triangular { .. }
             | Form::TriangularNd(..)
             | Form::Wave(_)
-            | Form::Table { .. } => 1.0,
-        }
-    }
-
-    /// The part of the plane outside which it is 0.
-    pub fn range(&self) -> Option<&Convex> {
-        match self {
-            Form::Table { range, .. } => Some(range),
-            Form::Uniform
-            | Form::Gaussian { .. }
-            | Form::GaussianNd(_)
-            | Form::Triangular { .. }
-            | Form::TriangularNd(..)
-            | Form::Wave(_)
-            | Form::Piecewise { .. } => None,
+            | Form::Table(_) => 1.0,
         }
     }
 
@@ -174,7 +154,7 @@ impl Form {
                 peak,
             )),
             Form::Wave(bell) => Path::Wave(bell.path(front, back)),
-            Form::Table { table, .. } => {
+            Form::Table(table) => {
                 Path::Table(TablePath::new(table, front, back, peak, cutoff.map(|cutoff| cutoff.share)))
             }
         })

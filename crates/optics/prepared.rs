@@ -25,6 +25,8 @@ struct PreparedWidget {
     /// Peak extinction; 1 where the form holds extinctions of its own.
     extinction: f64,
     clip: Option<Convex>,
+    /// The part of the plane outside which its profile is 0.
+    range: Option<Convex>,
 }
 
 /// A widget that the segment crosses.
@@ -46,12 +48,13 @@ impl CompiledTransferFunction {
         let fields = transfer_function.fields();
         let mut widgets = Vec::with_capacity(transfer_function.widgets.len());
         for widget in &transfer_function.widgets {
-            let own_peak = widget.profile.properties().own_peak;
+            let properties = widget.profile.properties();
             widgets.push(PreparedWidget {
                 form: Form::new(&widget.profile, &fields),
                 color: widget.color,
-                extinction: if own_peak.is_some() { 1.0 } else { widget.extinction },
+                extinction: if properties.own_peak.is_some() { 1.0 } else { widget.extinction },
                 clip: widget.region.as_ref().map(Convex::new).transpose()?,
+                range: properties.range.as_ref().map(Convex::new).transpose()?,
             });
         }
         let cutoff = transfer_function.model.cutoff().map(|share| Cutoff { share, level: -share.ln() });
@@ -119,7 +122,7 @@ impl CompiledTransferFunction {
             None => ClippedSpan::WHOLE,
             Some(clip) => ClippedSpan::within(clip, segment.front, segment.back)?,
         };
-        let stretch = match widget.form.range() {
+        let stretch = match &widget.range {
             None => stretch,
             Some(range) => stretch.intersection(&ClippedSpan::within(range, segment.front, segment.back)?)?,
         };

@@ -382,16 +382,15 @@ impl IntegratorKind for TabulatedKind {
     }
 
     fn obstacle(&self, transfer_function: &TransferFunction) -> Option<Obstacle> {
-        let has_table = |profile: &Profile| match profile {
-            Profile::Uniform
-            | Profile::Gaussian { .. }
-            | Profile::GaussianNd { .. }
-            | Profile::TriangularGaussian { .. }
-            | Profile::TriangularGaussianNd { .. } => true,
-            Profile::TriangleWave(_)
-            | Profile::SineWave(_)
-            | Profile::PiecewiseLinear { .. }
-            | Profile::Table(_) => false,
+        let has_table = |profile: &Profile| {
+            matches!(
+                profile,
+                Profile::Uniform
+                    | Profile::Gaussian { .. }
+                    | Profile::GaussianNd { .. }
+                    | Profile::TriangularGaussian { .. }
+                    | Profile::TriangularGaussianNd { .. }
+            )
         };
         let without = transfer_function.widgets.iter().position(|widget| !has_table(&widget.profile))?;
         let found = named(transfer_function, without, "whose integral it has no table of");

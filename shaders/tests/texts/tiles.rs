@@ -12,10 +12,11 @@ use voltet_shaders::{
     Access, Blend, Choices, CompositorProgram, FramePass, GRID_GROUP, GridArray, Layout, PIECES, Parts,
     PlacementRecord, RoundRecord, RunRecord, TileOrder, ViewRecord, cells_read, compose,
 };
+use voltet_testing::segments::widget_of_each_kind;
 
 const ORDERS: [TileOrder; 3] = [TileOrder::Exact, TileOrder::Listed, TileOrder::Sum];
 
-/// One scene a kind, each with a region and without, and one of two widgets, under both models.
+/// Scenes of each kind, with a region and without, and of two widgets, under both models.
 fn scenes() -> Vec<TransferFunction> {
     let point = |s, extinction| ControlPoint { s, color: [s, 0.5, 0.1], extinction };
     let wave = Wave { origin: [0.1, 0.2], angle: 0.4, scale: [1.0; 2], period: 0.1, band_width: 0.5 };
@@ -46,6 +47,7 @@ fn scenes() -> Vec<TransferFunction> {
     ];
     let triangle = Region { corners: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]] };
     let mut lists = vec![vec![]];
+    lists.extend(widget_of_each_kind().into_iter().map(|widget| vec![widget]));
     for profile in profiles {
         for region in [None, Some(triangle.clone())] {
             let widget = Widget { profile: profile.clone(), color: [0.1, 0.5, 1.0], extinction: 1.0, region };
