@@ -53,7 +53,7 @@ pub trait MeasuredEngine {
 impl MeasuredEngine for dyn Engine {
     fn evaluator(&self) -> Option<Box<dyn SegmentEvaluator>> {
         if let Some(lanes) = lanes_of(self) {
-            return Some(Box::new(LaneEvaluator { lanes, ordered: false }));
+            return Some(Box::new(LaneEvaluator::new(lanes)));
         }
         #[cfg(feature = "gpu")]
         if let Some(device) = device_of(self) {
