@@ -53,7 +53,7 @@ fn record_unneeded(notes: &mut Diagnostics, asked: &Demand, point_count: Option<
     notes.record_skipped(what, why, point_count.map(|points| SavedWork::Bytes(8 * numbers * points as u64)));
 }
 
-/// Where somebody looks at it; elsewhere what it is at one of these points.
+/// Gradient at the points that are needed; elsewhere that of one of these points.
 fn gradient(call: &mut RunContext, grid: &Grid, s: &[f64]) -> Result<Gradient> {
     let points = match &call.demand.gradient_for {
         Some(looks) if !call.exhaustive() => looked_at::points(grid, s, looks)?,

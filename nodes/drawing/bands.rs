@@ -1,4 +1,4 @@
-//! Whether the bands of a transfer function are finer than the cells, as a finding of the nodes that draw.
+//! Finding of the nodes that draw: bands of the transfer function that are finer than the cells.
 
 use serde_json::json;
 use std::sync::Arc;

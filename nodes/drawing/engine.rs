@@ -1,4 +1,4 @@
-//! Which engine draws: parameters, choice, and what is said about it.
+//! Choice of the engine: parameters, candidates, and the reason in the report.
 
 use super::engines::{ENGINES, NATIVE};
 use super::opened::draw_on;

@@ -1,4 +1,4 @@
-//! What the nodes that draw share: parameters, what a scene needs, the engines, and the native engine's stages, which
+//! Code shared by the nodes that draw: parameters, demand, the engines, and the CPU engine's stages, which
 //! `cull`, `sort`, `project` and `composite` run one by one.
 
 mod alone;

@@ -99,7 +99,7 @@ fn stage<T>(
     }
 }
 
-/// How the engine composites, and why, where it has several ways.
+/// Compositor for the scene, and the reason, where the engine has several.
 fn compositing(
     call: &mut RunContext,
     scene: &Scene,

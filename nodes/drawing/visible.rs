@@ -1,4 +1,4 @@
-//! What a picture does not show, with the reason and the remedy.
+//! Warnings about parts of a scene that a picture does not show, with the reason and the remedy.
 
 use rayon::prelude::*;
 use voltet_core::grid::extent;
@@ -32,7 +32,7 @@ pub fn warnings(scene: &Scene, counts: &RenderStats, picture: &Picture) -> Vec<S
     warnings
 }
 
-/// What the pixels hold.
+/// Statistics of a picture's pixels.
 struct PictureStatistics {
     /// The largest opacity or channel of any pixel.
     most: f32,
