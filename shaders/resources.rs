@@ -1,4 +1,4 @@
-//! What a composed shader reads beside `scene`: the buffer `numbers`, and the passes that fill the tables in it on the device.
+//! Resources of a composed shader beside `scene`: the buffer `numbers`, and the passes that fill the tables in it on the device.
 //!
 //! A device crate makes every buffer, runs the passes in their order, and binds the buffers that have a binding; it need
 //! not know what they are. They change with the transfer function and the data, not with the camera; where only the widgets'
@@ -30,11 +30,11 @@ pub struct Buffer {
     pub name: String,
     /// Its binding in group 0 of the composed shader, which reads it; `None`: only the passes know it.
     pub binding: Option<u32>,
-    /// What it holds at first.
+    /// Initial contents.
     pub contents: Contents,
 }
 
-/// What a buffer holds before the passes run.
+/// Contents of a buffer before the passes run.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Contents {
     /// Bytes at its beginning that passes fill.
@@ -52,7 +52,7 @@ pub struct Pass {
     pub entry_point: &'static str,
     /// Indices of buffers, bound in group 0 at 0, 1, ….
     pub buffers: Vec<usize>,
-    /// How many of the last ones are written; the others are only read.
+    /// Number of written buffers, the last ones; the others are only read.
     pub written: usize,
     /// Workgroups to dispatch.
     pub workgroups: [u32; 3],

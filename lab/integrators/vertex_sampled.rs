@@ -26,7 +26,7 @@ pub const CLASSIFIED: [&str; 4] =
 /// Linear between what the transfer function is at the points.
 #[derive(Debug, Clone)]
 pub struct VertexSampled {
-    /// Where the arrays lie among a segment's fields; `None`: the scene is not classified.
+    /// Indices of the arrays among a segment's fields; `None`: the scene is not classified.
     slots: Option<[usize; 4]>,
     ends: Segments,
 }

@@ -16,7 +16,7 @@ pub(super) struct Tabulated {
     tables: LaneGaussianTables,
     /// The constant-emitter's glow per scene length and −ln cutoff; `None` for the density-emitter.
     glow: Option<(f32, f32)>,
-    /// Whether widgets look at further fields.
+    /// True if widgets look at further fields.
     reads_fields: bool,
 }
 
