@@ -6,7 +6,7 @@
 //! The error of that is under 1e-12 of the colour; a panel on which one widget of constant colour is alone is
 //! exact.
 
-use super::forms::{AnyTrack, TrackColor};
+use super::kinds::{AnyTrack, TrackColor};
 use super::quadrature::GAUSS_12;
 use super::special::{OPAQUE_DEPTH, opacity};
 use super::track::{POINTS, Track, limit_panel};

@@ -1,7 +1,7 @@
 //! A transfer function made ready for integrating many segments.
 
 use super::clip::ClippedSpan;
-use super::forms::{Cutoff, Extent, Form, Light, Path};
+use super::kinds::{Cutoff, Extent, Form, Light, Path};
 use super::overlap::{Glow, Member, Ordered, Quadrature, ordered};
 use super::sample::Samples;
 use super::special::{mean_transmittance, opacity};

@@ -1,5 +1,5 @@
 //! Triangular Gaussian: mean of exp(−(δ/γ)²) over a segment, δ = s − s₀ and γ = σ g linear along it, 0 where γ ≤ 0.
-//! Twin of `optics::triangular_gaussian`.
+//! Twin of `optics::kinds::triangular_gaussian`.
 //!
 //! x = δ/γ is monotone, so |x| grows from its least value (the centre, if the segment crosses it, else the nearer end)
 //! outwards on at most two parts. Each part is walked from there, with t counted from there, so that what matters

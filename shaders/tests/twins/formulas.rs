@@ -3,10 +3,10 @@
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Wave, Widget};
 use voltet_judge::twin::{INPUTS, Range};
 use voltet_optics::clip::ClippedSpan;
-use voltet_optics::gaussian::GaussianPath;
+use voltet_optics::kinds::gaussian::GaussianPath;
+use voltet_optics::kinds::triangular_gaussian::TriangularPath;
+use voltet_optics::kinds::wave::Bell;
 use voltet_optics::shading::{Integrator, Shading};
-use voltet_optics::triangular_gaussian::TriangularPath;
-use voltet_optics::wave::Bell;
 use voltet_optics::{WidgetBlend, linear, special};
 use voltet_shaders::{Axis, Parameters};
 

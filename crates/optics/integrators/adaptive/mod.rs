@@ -25,7 +25,7 @@ mod panel;
 mod tests;
 
 use super::{Extent, Integrator, IntegratorKind, SegmentIntegrator, can_serve};
-use crate::forms::TrackColor;
+use crate::kinds::TrackColor;
 use crate::overlap::{Glow, Member, Panel, Quadrature, blur, blurred, ordered};
 use crate::quadrature::GAUSS_12;
 use crate::special::{mean_transmittance, opacity};

@@ -15,8 +15,8 @@ mod triangle;
 
 pub use sine::{half_area as sine_half_area, half_width as sine_half_width};
 
-use super::clip::ClippedSpan;
-use super::track::Track;
+use crate::clip::ClippedSpan;
+use crate::track::Track;
 use spot::FlankPosition;
 use voltet_core::transfer::Wave;
 

@@ -6,9 +6,9 @@
 //! from the differences v − v₀, each from its own raw numbers, and b never as a + d, which loses the digits
 //! of a centre near the back.
 
-use super::clip::ClippedSpan;
-use super::special::{HALF_SQRT_PI, gaussian_mean};
-use super::track::{POINTS, Track, mean_transmittance_along};
+use crate::clip::ClippedSpan;
+use crate::special::{HALF_SQRT_PI, gaussian_mean};
+use crate::track::{POINTS, Track, mean_transmittance_along};
 
 /// A path relative to the centre, measured in widths.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -162,7 +162,7 @@ impl Track for GaussianTrack {
 
     fn depths(&self, t: f64, dt: f64) -> [f64; POINTS] {
         let scale = HALF_SQRT_PI * self.peak / self.path.length;
-        let nodes = super::quadrature::GAUSS_12;
+        let nodes = crate::quadrature::GAUSS_12;
         if scale < DIRECT_DEPTH {
             let (front, back) = (self.x(t), self.x(t + dt));
             let start = libm::erf(front);
@@ -186,7 +186,7 @@ mod tests {
             let to = resolved_from(from);
             assert!(to > from + 0.1, "from {from} to {to}");
             let (mean, exponent) = gaussian_mean(from, to, to - from);
-            let found = super::super::quadrature::mean(&super::super::quadrature::GAUSS_12, |u| {
+            let found = crate::quadrature::mean(&crate::quadrature::GAUSS_12, |u| {
                 let x = from + (to - from) * u;
                 (exponent - x * x).exp()
             });
@@ -203,7 +203,7 @@ mod tests {
                 let (front, length) = (2.5 + 0.02 * f64::from(k), 0.8);
                 let path = GaussianPath::new([front], [front + length], [length]);
                 let track = GaussianTrack { path, peak: scale * length / HALF_SQRT_PI };
-                let nodes = super::super::quadrature::GAUSS_12;
+                let nodes = crate::quadrature::GAUSS_12;
                 for ((x, _), found) in nodes.iter().zip(track.depths(0.0, 1.0)) {
                     let exact = track.depth(0.0, *x);
                     assert!(

@@ -6,7 +6,7 @@
 //! The optical depth is exact (Simpson's rule on each quadratic); colours come from the ordered integral of
 //! module `overlap`.
 
-use super::track::Track;
+use crate::track::Track;
 use voltet_core::transfer::Table;
 
 /// A table along one segment, inside its ranges of s and g; `peak` is ρ₀ D.

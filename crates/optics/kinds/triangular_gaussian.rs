@@ -11,9 +11,9 @@
 //! direction of q_b m_f − q_f m_b, formed as (q_b − q_f) m_f − q_f (m_b − m_f); an error of e by η moves the other end by
 //! η |x_b − x_f|, so h is taken at the end with the smaller |x|. Over one field e = ±1 and h = 0.
 
-use super::clip::ClippedSpan;
-use super::quadrature::{GAUSS_12, mean};
-use super::track::{Track, mean_transmittance_along};
+use crate::clip::ClippedSpan;
+use crate::quadrature::{GAUSS_12, mean};
+use crate::track::{Track, mean_transmittance_along};
 
 /// A triangular Gaussian along one segment, as a [`Track`] where `peak` is ρ₀ D.
 #[derive(Debug, Clone, Copy, PartialEq)]

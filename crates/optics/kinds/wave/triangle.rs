@@ -1,7 +1,7 @@
 //! The triangle wave: max(0, 1 − 2u/w) about each peak (Song et al. 2009, section 4.3).
 
-use super::super::linear::psi;
 use super::spot::FlankPosition;
+use crate::linear::psi;
 
 /// Mean between two places of one flank: linear, so the value at the middle.
 #[inline]

@@ -6,10 +6,10 @@
 //! share of a piece comes from the control points, not from a difference of two t, and a flat segment is one
 //! piece of weight 1.
 
-use super::clip::ClippedSpan;
-use super::linear::{emission_weights, front_back};
-use super::special::OPAQUE_DEPTH;
-use super::track::Track;
+use crate::clip::ClippedSpan;
+use crate::linear::{emission_weights, front_back};
+use crate::special::OPAQUE_DEPTH;
+use crate::track::Track;
 use voltet_core::transfer::ControlPoint;
 
 /// A piecewise-linear widget along one segment.

@@ -1,23 +1,29 @@
 //! The widgets' 64-bit forms by kind: a widget made ready ([`Form`]), along one segment ([`Path`]), and as the quadrature
 //! sees it ([`AnyTrack`]). The formulas stand in one file a kind.
 
-use super::Segment;
-use super::clip::ClippedSpan;
-use super::fields::{Ends, Fields, slot};
-use super::gaussian::{GaussianPath, GaussianTrack};
-use super::piecewise_linear::{PiecewisePath, PiecewiseTrack};
-use super::quadrature::GAUSS_12;
-use super::special::{mean_transmittance, opacity};
-use super::table::TablePath;
-use super::track::{POINTS, Track};
-use super::triangular_gaussian::TriangularPath;
-use super::wave::{Bell, WavePath, WaveTrack};
+pub mod gaussian;
+pub mod piecewise_linear;
+pub mod table;
+pub mod triangular_gaussian;
+pub mod wave;
+
+use crate::Segment;
+use crate::clip::ClippedSpan;
+use crate::fields::{Ends, Fields, slot};
+use crate::quadrature::GAUSS_12;
+use crate::special::{mean_transmittance, opacity};
+use crate::track::{POINTS, Track};
+use gaussian::{GaussianPath, GaussianTrack};
+use piecewise_linear::{PiecewisePath, PiecewiseTrack};
 use std::sync::Arc;
+use table::TablePath;
+use triangular_gaussian::TriangularPath;
 use voltet_core::transfer::{ControlPoint, Profile, Table};
+use wave::{Bell, WavePath, WaveTrack};
 
 /// The constant-emitter's cutoff.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Cutoff {
+pub(crate) struct Cutoff {
     /// Share of the peak under which a widget does not glow.
     pub share: f64,
     /// −ln share: a Gaussian is lit where |q|² is less.
@@ -26,7 +32,7 @@ pub(super) struct Cutoff {
 
 /// A profile made ready.
 #[derive(Debug, Clone)]
-pub(super) enum Form {
+pub(crate) enum Form {
     Uniform,
     Gaussian {
         centre: [f64; 2],
@@ -49,7 +55,7 @@ pub(super) enum Form {
 
 /// One widget along one segment.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Path<'a> {
+pub(crate) enum Path<'a> {
     Uniform,
     Gaussian(GaussianPath),
     Triangular(TriangularPath),
@@ -59,7 +65,7 @@ pub(super) enum Path<'a> {
 }
 
 /// C of a widget that is alone on a segment.
-pub(super) enum Light {
+pub(crate) enum Light {
     /// This times the widget's colour.
     OfWidget(f64),
     /// In colours of its own.
@@ -70,7 +76,7 @@ pub(super) enum Light {
 
 /// What a widget's part of a segment is.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Extent {
+pub(crate) struct Extent {
     /// The part inside its region.
     pub stretch: ClippedSpan,
     /// Rate of optical depth per t where the profile is 1.

@@ -1,10 +1,10 @@
 //! Waves of the constant-emitter: the light of the windows about the peaks where the profile exceeds the
 //! cutoff. Whole bands are alike, so any number of them is a geometric series.
 
-use super::super::clip::ClippedSpan;
-use super::super::track::{Track, mean_transmittance_along};
 use super::spot::FlankPosition;
 use super::{Bell, Form, Place, WavePath, triangle};
+use crate::clip::ClippedSpan;
+use crate::track::{Track, mean_transmittance_along};
 
 /// A part of one band, by signed distances from its peak.
 #[derive(Clone, Copy)]

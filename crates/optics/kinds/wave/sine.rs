@@ -1,7 +1,7 @@
 //! The sine wave: max(0, 1 − (1 − cos πu)/w) about each peak (Song et al. 2009, section 4.4).
 
-use super::super::special::{one_minus_sinc, sinc};
 use super::spot::FlankPosition;
+use crate::special::{one_minus_sinc, sinc};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// u_e = 2 asin √(w/2)/π; the form acos(1 − w)/π loses half of the digits of a narrow band.
