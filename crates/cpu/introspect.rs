@@ -12,6 +12,7 @@ use crate::composite::sinks::pixel_in_one_color;
 use crate::composite::unbounded_lists::{Fragment, UnboundedFragmentLists};
 use crate::cull::VolumeCache;
 use crate::fragments::batch::{BATCH, Batch, MAX_LANES};
+use crate::integrator::in_lanes_alone;
 use crate::native::Native;
 use crate::shade::roads;
 use crate::shade::shaded::Shaded;
@@ -94,7 +95,7 @@ fn integrate(
     let extent = Extent { scalar: cells.ranges[0], longest: cells.length };
     integrators::can_serve(&shading.integrator, transfer_function)?;
     let exact = || integrators::new(&shading.integrator, shading.overlap, transfer_function, &extent);
-    let by_lanes = shading.integrator.has_table_of_lengths();
+    let by_lanes = in_lanes_alone(&shading.integrator);
     let exact = if by_lanes { None } else { Some(exact()?) };
     let length = cells.length;
     let scene = Scene { attributes: &attributes, length, ordered, leave_out: false, extent, lanes };
