@@ -4,8 +4,8 @@
 use super::gaussian_table::LaneGaussianTables;
 use crate::GaussianTables;
 use voltet_cpu::integrator::{
-    FallbackReason, FieldLanes, LaneKernel, LaneScene, SegmentBatch, SegmentLanes, SegmentResults,
-    WidgetLanes, WidgetPath,
+    FallbackReason, FieldLanes, LaneKernel, LaneScene, RegionPath, SegmentBatch, SegmentLanes,
+    SegmentResults, WidgetLanes,
 };
 use voltet_simd::limits::MAX_GAUSSIAN_WIDTHS;
 use voltet_simd::optics::elementary::{exp, mean_transparency};
@@ -46,7 +46,7 @@ impl Tabulated {
     ) -> (L::F, L::F, u32) {
         let splat = L::F::splat;
         let (zero, one) = (splat(0.0), splat(1.0));
-        let WidgetPath { path, fraction: share, present: there } = widget.path(segments, fields);
+        let RegionPath { path, fraction: share, present: there } = widget.path(segments, fields);
         let rate = splat(widget.density()) * segments.length() * share;
         // Where there is no stretch its ends are no numbers.
         let there = there.and(zero.lt(rate));
@@ -86,7 +86,7 @@ impl LaneKernel for Tabulated {
             if self.reads_fields {
                 fields = batch.fields::<L>(at);
             }
-            let spread = segments.spread();
+            let spread = segments.range();
             let (mut depth, mut product, mut light) = (zero, zero, [zero; 3]);
             let (mut asked, mut unsure) = (0, 0);
             for widget in batch.widgets() {

@@ -1,10 +1,9 @@
 //! The kinds of widgets in lanes, one file each: optical depths of a batch's segments, densities at points of them, and
 //! widgets as members of an ordered integral ([`super::panels`]).
 
+mod density;
 mod gaussian;
 mod gaussian_nd;
-mod in_order;
-pub(crate) mod making;
 mod path;
 mod piecewise_linear;
 mod sample;
@@ -13,13 +12,13 @@ mod triangular_gaussian;
 mod triangular_gaussian_nd;
 mod wave;
 
-pub(crate) use making::Making;
-pub(crate) use path::Through;
+pub use path::RegionPath;
 pub(crate) use piecewise_linear::LaneLinear;
 
-use crate::shade::along::{Along, Fields};
-use crate::shade::reach::{LaneReach, Spread};
+use crate::shade::context::WidgetContext;
 use crate::shade::region::{Inside, LaneRegion, range_of};
+use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
+use crate::shade::support::{SupportBounds, ValueRange};
 use gaussian::LaneGaussian;
 use gaussian_nd::LaneGaussianNd;
 use table::LaneTable;
@@ -34,18 +33,18 @@ use wave::LaneWave;
 
 /// A widget compiled for vector lanes.
 pub(crate) struct LaneWidget {
-    form: LaneForm,
+    profile: VectorProfile,
     /// Linear RGB; 0 for profiles with colours.
     pub color: [f32; 3],
     /// Peak optical depth per scene length; 1 for profiles with densities.
     density: f32,
     region: Option<LaneRegion>,
-    /// `None`: everywhere.
-    reach: Option<LaneReach>,
+    /// `None`: the support has no bounds.
+    support: Option<SupportBounds>,
 }
 
 /// A profile compiled for vector lanes.
-enum LaneForm {
+enum VectorProfile {
     Uniform,
     Gaussian(LaneGaussian),
     Wave(LaneWave),
@@ -60,9 +59,9 @@ enum LaneForm {
 
 /// Kernel tier that integrates a widget first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Road {
+pub(crate) enum KernelTier {
     /// Closed forms of [`super::shader`].
-    Quick,
+    ClosedForm,
     /// Panels of [`super::panels`].
     Panels,
     /// 64-bit forms.
@@ -71,7 +70,7 @@ pub(crate) enum Road {
 
 /// Requirement of a widget where it overlaps others, or where it glows without absorbing in step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum InOrder {
+pub(crate) enum OrderRequirement {
     /// Panels in 32 bits are exact.
     Panels,
     /// Panels in 32 bits, also where it is alone: its colour varies along the segment.
@@ -83,12 +82,12 @@ pub(crate) enum InOrder {
 /// Calls for each widget whose support some segments of a vector may meet, with its number and these lanes; returns the lanes (bits) that
 /// meet any.
 #[inline(always)]
-pub(crate) fn each_met<'a, L: Lanes>(
+pub(crate) fn for_each_active_widget<'a, L: Lanes>(
     widgets: &'a [LaneWidget],
-    along: &Along<L>,
+    segments: &SegmentLanes<L>,
     mut take: impl FnMut(usize, &'a LaneWidget, L::M),
 ) -> u32 {
-    let (spread, mut asked) = (Spread::new(along), 0);
+    let (spread, mut asked) = (ValueRange::new(segments), 0);
     for (number, widget) in widgets.iter().enumerate() {
         let meets = widget.meets::<L>(&spread);
         if meets.any() {
@@ -99,191 +98,207 @@ pub(crate) fn each_met<'a, L: Lanes>(
     asked
 }
 
-impl LaneForm {
+impl VectorProfile {
     /// `None` where 32 bits do not hold the numbers.
-    fn new(profile: &Profile, making: &Making) -> Option<LaneForm> {
+    fn new(profile: &Profile, context: &WidgetContext) -> Option<VectorProfile> {
         match profile {
-            Profile::Uniform => Some(LaneForm::Uniform),
+            Profile::Uniform => Some(VectorProfile::Uniform),
             Profile::Gaussian { centre, matrix } => {
-                LaneGaussian::new(centre, matrix, making.attributes).map(LaneForm::Gaussian)
+                LaneGaussian::new(centre, matrix, context.attributes).map(VectorProfile::Gaussian)
             }
             Profile::GaussianNd { fields, centre, matrix } => {
-                LaneGaussianNd::new(fields, centre, matrix, making).map(Box::new).map(LaneForm::GaussianNd)
+                LaneGaussianNd::new(fields, centre, matrix, context)
+                    .map(Box::new)
+                    .map(VectorProfile::GaussianNd)
             }
             Profile::TriangularGaussian { centre, sigma } => {
-                LaneTriangular::new(*centre, *sigma, making.attributes).map(LaneForm::TriangularGaussian)
+                LaneTriangular::new(*centre, *sigma, context.attributes)
+                    .map(VectorProfile::TriangularGaussian)
             }
             Profile::TriangularGaussianNd { fields, magnitude, centre, matrix } => {
-                let nd = LaneTriangularNd::new(fields, magnitude, centre, matrix, making);
-                nd.map(Box::new).map(LaneForm::TriangularGaussianNd)
+                let nd = LaneTriangularNd::new(fields, magnitude, centre, matrix, context);
+                nd.map(Box::new).map(VectorProfile::TriangularGaussianNd)
             }
-            Profile::TriangleWave(wave) => LaneWave::new(wave, false, making.attributes).map(LaneForm::Wave),
-            Profile::SineWave(wave) => LaneWave::new(wave, true, making.attributes).map(LaneForm::Wave),
+            Profile::TriangleWave(wave) => {
+                LaneWave::new(wave, false, context.attributes).map(VectorProfile::Wave)
+            }
+            Profile::SineWave(wave) => LaneWave::new(wave, true, context.attributes).map(VectorProfile::Wave),
             Profile::PiecewiseLinear { points } => {
                 let linear = LaneLinear::new(
                     points,
-                    &making.attributes[0],
-                    making.density_scale,
-                    making.model.cutoff(),
+                    &context.attributes[0],
+                    context.density_scale,
+                    context.model.cutoff(),
                 );
-                linear.map(Box::new).map(LaneForm::PiecewiseLinear)
+                linear.map(Box::new).map(VectorProfile::PiecewiseLinear)
             }
             Profile::Table(table) => {
-                LaneTable::new(table, making.attributes).map(Box::new).map(LaneForm::Table)
+                LaneTable::new(table, context.attributes).map(Box::new).map(VectorProfile::Table)
             }
         }
     }
 }
 
 impl LaneWidget {
-    pub fn new(widget: &Widget, making: &Making) -> LaneWidget {
+    pub fn new(widget: &Widget, context: &WidgetContext) -> LaneWidget {
         let own = widget.has_colors_of_its_own();
-        let density = (widget.extinction * making.density_scale) as f32;
-        let form = LaneForm::new(&widget.profile, making);
+        let density = (widget.extinction * context.density_scale) as f32;
+        let profile = VectorProfile::new(&widget.profile, context);
         LaneWidget {
-            form: form.filter(|_| density.is_finite()).unwrap_or(LaneForm::None),
+            profile: profile.filter(|_| density.is_finite()).unwrap_or(VectorProfile::None),
             color: if own { [0.0; 3] } else { widget.color.map(|c| c as f32) },
             density: if widget.profile.properties().own_peak.is_some() { 1.0 } else { density },
-            region: LaneRegion::new(&widget.half_planes(), making.attributes),
-            reach: making.left_out.and_then(|min| LaneReach::new(widget, making, min)),
+            region: LaneRegion::new(&widget.half_planes(), context.attributes),
+            support: context.left_out.and_then(|min| SupportBounds::new(widget, context, min)),
         }
     }
 
-    /// A widget that only 64 bits serve.
+    /// Placeholder of a widget that only 64 bits integrate.
     pub fn none() -> LaneWidget {
-        LaneWidget { form: LaneForm::None, color: [0.0; 3], density: 0.0, region: None, reach: None }
+        LaneWidget {
+            profile: VectorProfile::None,
+            color: [0.0; 3],
+            density: 0.0,
+            region: None,
+            support: None,
+        }
     }
 
-    /// Lanes whose segments may meet it.
+    /// Lanes whose segments may meet its support.
     #[inline(always)]
-    pub fn meets<L: Lanes>(&self, spread: &Spread<L>) -> L::M {
-        match &self.reach {
-            Some(reach) => reach.meets::<L>(spread),
-            None => spread.along.crossing,
+    pub fn meets<L: Lanes>(&self, spread: &ValueRange<L>) -> L::M {
+        match &self.support {
+            Some(support) => support.meets::<L>(spread),
+            None => spread.segments.crossing,
         }
     }
 
     /// Kernel tier that integrates it first.
-    pub fn road(&self) -> Road {
-        match self.form {
-            LaneForm::Uniform | LaneForm::Gaussian(_) | LaneForm::Wave(_) => Road::Quick,
+    pub fn tier(&self) -> KernelTier {
+        match self.profile {
+            VectorProfile::Uniform | VectorProfile::Gaussian(_) | VectorProfile::Wave(_) => {
+                KernelTier::ClosedForm
+            }
             // Pieces that a region cuts have closed forms in 64 bits only.
-            LaneForm::PiecewiseLinear(_) if self.region.is_some() => Road::Bits64,
-            LaneForm::PiecewiseLinear(_) => Road::Quick,
-            LaneForm::TriangularGaussian(_)
-            | LaneForm::GaussianNd(_)
-            | LaneForm::TriangularGaussianNd(_)
-            | LaneForm::Table(_) => Road::Panels,
-            LaneForm::None => Road::Bits64,
+            VectorProfile::PiecewiseLinear(_) if self.region.is_some() => KernelTier::Bits64,
+            VectorProfile::PiecewiseLinear(_) => KernelTier::ClosedForm,
+            VectorProfile::TriangularGaussian(_)
+            | VectorProfile::GaussianNd(_)
+            | VectorProfile::TriangularGaussianNd(_)
+            | VectorProfile::Table(_) => KernelTier::Panels,
+            VectorProfile::None => KernelTier::Bits64,
         }
     }
 
     /// Requirement where order matters.
-    pub fn in_order(&self) -> InOrder {
-        match self.form {
-            LaneForm::Uniform | LaneForm::Gaussian(_) | LaneForm::GaussianNd(_) => InOrder::Panels,
-            LaneForm::PiecewiseLinear(_) | LaneForm::Table(_) => InOrder::Always,
-            LaneForm::Wave(_)
-            | LaneForm::TriangularGaussian(_)
-            | LaneForm::TriangularGaussianNd(_)
-            | LaneForm::None => InOrder::Bits64,
+    pub fn order_requirement(&self) -> OrderRequirement {
+        match self.profile {
+            VectorProfile::Uniform | VectorProfile::Gaussian(_) | VectorProfile::GaussianNd(_) => {
+                OrderRequirement::Panels
+            }
+            VectorProfile::PiecewiseLinear(_) | VectorProfile::Table(_) => OrderRequirement::Always,
+            VectorProfile::Wave(_)
+            | VectorProfile::TriangularGaussian(_)
+            | VectorProfile::TriangularGaussianNd(_)
+            | VectorProfile::None => OrderRequirement::Bits64,
         }
     }
 
     /// Control points of a piecewise-linear profile.
     pub fn points(&self) -> Option<&LaneLinear> {
-        match &self.form {
-            LaneForm::PiecewiseLinear(linear) => Some(linear),
-            LaneForm::Uniform
-            | LaneForm::Gaussian(_)
-            | LaneForm::Wave(_)
-            | LaneForm::TriangularGaussian(_)
-            | LaneForm::GaussianNd(_)
-            | LaneForm::TriangularGaussianNd(_)
-            | LaneForm::Table(_)
-            | LaneForm::None => None,
+        match &self.profile {
+            VectorProfile::PiecewiseLinear(linear) => Some(linear),
+            VectorProfile::Uniform
+            | VectorProfile::Gaussian(_)
+            | VectorProfile::Wave(_)
+            | VectorProfile::TriangularGaussian(_)
+            | VectorProfile::GaussianNd(_)
+            | VectorProfile::TriangularGaussianNd(_)
+            | VectorProfile::Table(_)
+            | VectorProfile::None => None,
         }
     }
 
     /// The depth of a stretch of the segment where the profile is 1 all along.
     #[inline(always)]
-    fn peak_depth<L: Lanes>(&self, along: &Along<L>, share: L::F) -> L::F {
-        L::F::splat(self.density) * along.length * share
+    fn peak_depth<L: Lanes>(&self, segments: &SegmentLanes<L>, share: L::F) -> L::F {
+        L::F::splat(self.density) * segments.length * share
     }
 
-    /// Optical depths, and the lanes (bits) that the quick forms do not serve.
+    /// Optical depths, and the lanes (bits) that the closed forms do not integrate.
     #[inline(always)]
-    pub fn depth<L: Lanes>(&self, along: &Along<L>) -> (L::F, u32) {
-        match &self.form {
-            LaneForm::Uniform => {
-                let share = along.inside(self.region.as_ref()).share;
-                (share * L::F::splat(self.density) * along.length, 0)
+    pub fn depth<L: Lanes>(&self, segments: &SegmentLanes<L>) -> (L::F, u32) {
+        match &self.profile {
+            VectorProfile::Uniform => {
+                let share = segments.inside(self.region.as_ref()).share;
+                (share * L::F::splat(self.density) * segments.length, 0)
             }
-            LaneForm::Gaussian(gaussian) => {
-                let Inside { front, back, share, .. } = along.inside(self.region.as_ref());
-                let shape = gaussian.shape::<L>(&front, &back, self.peak_depth(along, share), along.crossing);
-                (shape.depth, gaussian.unsure(along))
+            VectorProfile::Gaussian(gaussian) => {
+                let Inside { front, back, share, .. } = segments.inside(self.region.as_ref());
+                let shape =
+                    gaussian.shape::<L>(&front, &back, self.peak_depth(segments, share), segments.crossing);
+                (shape.depth, gaussian.unsure(segments))
             }
-            LaneForm::Wave(wave) => {
-                let Inside { front, back, share, .. } = along.inside(self.region.as_ref());
-                (wave.mean::<L>(&front, &back) * self.peak_depth(along, share), 0)
+            VectorProfile::Wave(wave) => {
+                let Inside { front, back, share, .. } = segments.inside(self.region.as_ref());
+                (wave.mean::<L>(&front, &back) * self.peak_depth(segments, share), 0)
             }
-            LaneForm::PiecewiseLinear(linear) => (linear.depth(along), 0),
-            LaneForm::TriangularGaussian(_)
-            | LaneForm::GaussianNd(_)
-            | LaneForm::TriangularGaussianNd(_)
-            | LaneForm::Table(_)
-            | LaneForm::None => (L::F::splat(0.0), u32::MAX),
+            VectorProfile::PiecewiseLinear(linear) => (linear.depth(segments), 0),
+            VectorProfile::TriangularGaussian(_)
+            | VectorProfile::GaussianNd(_)
+            | VectorProfile::TriangularGaussianNd(_)
+            | VectorProfile::Table(_)
+            | VectorProfile::None => (L::F::splat(0.0), u32::MAX),
         }
     }
 
-    /// Optical depth of any widget with lanes, and the lanes (bits) that only 64 bits serve.
+    /// Optical depth of any widget with lanes, and the lanes (bits) that only 64 bits integrate.
     #[inline(always)]
-    pub fn any_depth<L: Lanes>(&self, along: &Along<L>, fields: &Fields<L>) -> (L::F, u32) {
-        match &self.form {
-            LaneForm::TriangularGaussian(triangular) => {
-                let Inside { front, back, share, .. } = along.inside(self.region.as_ref());
+    pub fn any_depth<L: Lanes>(&self, segments: &SegmentLanes<L>, fields: &FieldLanes<L>) -> (L::F, u32) {
+        match &self.profile {
+            VectorProfile::TriangularGaussian(triangular) => {
+                let Inside { front, back, share, .. } = segments.inside(self.region.as_ref());
                 let (mean, unsure) = triangular.mean::<L>(&front, &back);
-                (mean * self.peak_depth(along, share), unsure)
+                (mean * self.peak_depth(segments, share), unsure)
             }
-            LaneForm::GaussianNd(nd) => {
-                let range = range_of::<L>(self.region.as_ref(), along);
+            VectorProfile::GaussianNd(nd) => {
+                let range = range_of::<L>(self.region.as_ref(), segments);
                 let share = (range[1] - range[0]).max(L::F::splat(0.0));
                 let mean = nd.mean::<L>(fields, self.region.is_some().then_some(range));
-                (mean * self.peak_depth(along, share), nd.unsure())
+                (mean * self.peak_depth(segments, share), nd.unsure())
             }
-            LaneForm::TriangularGaussianNd(nd) => {
-                let range = range_of::<L>(self.region.as_ref(), along);
+            VectorProfile::TriangularGaussianNd(nd) => {
+                let range = range_of::<L>(self.region.as_ref(), segments);
                 let share = (range[1] - range[0]).max(L::F::splat(0.0));
                 let (mean, unsure) = nd.mean::<L>(fields, self.region.is_some().then_some(range));
-                (mean * self.peak_depth(along, share), unsure)
+                (mean * self.peak_depth(segments, share), unsure)
             }
-            LaneForm::Table(table) => {
-                let Inside { front, back, share, .. } = along.inside(self.region.as_ref());
-                let peak = self.peak_depth(along, share);
-                let there = L::F::splat(0.0).lt(share).and(along.crossing);
+            VectorProfile::Table(table) => {
+                let Inside { front, back, share, .. } = segments.inside(self.region.as_ref());
+                let peak = self.peak_depth(segments, share);
+                let there = L::F::splat(0.0).lt(share).and(segments.crossing);
                 (table.track::<L>(&front, &back, peak, None).mean(there) * peak, 0)
             }
-            LaneForm::Uniform
-            | LaneForm::Gaussian(_)
-            | LaneForm::Wave(_)
-            | LaneForm::PiecewiseLinear(_)
-            | LaneForm::None => self.depth::<L>(along),
+            VectorProfile::Uniform
+            | VectorProfile::Gaussian(_)
+            | VectorProfile::Wave(_)
+            | VectorProfile::PiecewiseLinear(_)
+            | VectorProfile::None => self.depth::<L>(segments),
         }
     }
 
     /// Largest density, optical depth per scene length; `scale`: 1/U per scene length.
     pub fn peak(&self, scale: f32) -> f32 {
-        match &self.form {
-            LaneForm::PiecewiseLinear(linear) => linear.peak * scale,
-            LaneForm::Uniform
-            | LaneForm::Gaussian(_)
-            | LaneForm::Wave(_)
-            | LaneForm::Table(_)
-            | LaneForm::TriangularGaussian(_)
-            | LaneForm::GaussianNd(_)
-            | LaneForm::TriangularGaussianNd(_) => self.density,
-            LaneForm::None => 0.0,
+        match &self.profile {
+            VectorProfile::PiecewiseLinear(linear) => linear.peak * scale,
+            VectorProfile::Uniform
+            | VectorProfile::Gaussian(_)
+            | VectorProfile::Wave(_)
+            | VectorProfile::Table(_)
+            | VectorProfile::TriangularGaussian(_)
+            | VectorProfile::GaussianNd(_)
+            | VectorProfile::TriangularGaussianNd(_) => self.density,
+            VectorProfile::None => 0.0,
         }
     }
 
@@ -291,49 +306,50 @@ impl LaneWidget {
     #[inline(always)]
     pub fn member<'a, L: Lanes>(
         &'a self,
-        along: &Along<L>,
-        fields: &Fields<L>,
+        segments: &SegmentLanes<L>,
+        fields: &FieldLanes<L>,
         scale: L::F,
         cutoff: Option<f64>,
     ) -> LaneMember<'a, L> {
         let splat = L::F::splat;
-        let rate = splat(self.density) * along.length;
+        let rate = splat(self.density) * segments.length;
         let mut member = LaneMember {
             color: self.color,
             threshold: cutoff.unwrap_or(0.0) as f32,
             window: [splat(-1.0), splat(2.0)],
-            range: range_of::<L>(self.region.as_ref(), along),
+            range: range_of::<L>(self.region.as_ref(), segments),
             unit_rate: rate,
             ..nothing::<L>()
         };
-        let gaussian = match &self.form {
-            LaneForm::Uniform => {
+        let gaussian = match &self.profile {
+            VectorProfile::Uniform => {
                 member.track = AnyLaneTrack::Uniform(rate);
                 return member;
             }
-            LaneForm::PiecewiseLinear(linear) => {
+            VectorProfile::PiecewiseLinear(linear) => {
                 let first = splat(linear.first);
                 member.threshold *= linear.peak;
                 member.unit_rate = scale;
                 member.track = AnyLaneTrack::Piecewise(LanePiecewiseTrack {
                     points: &linear.points_from_first,
-                    front: along.front[0] - first,
-                    back: along.back[0] - first,
+                    front: segments.front[0] - first,
+                    back: segments.back[0] - first,
                     scale,
                 });
                 return member;
             }
-            LaneForm::Table(table) => {
-                member.track = AnyLaneTrack::Table(table.track(&along.front, &along.back, rate, cutoff));
+            VectorProfile::Table(table) => {
+                member.track =
+                    AnyLaneTrack::Table(table.track(&segments.front, &segments.back, rate, cutoff));
                 return member;
             }
-            LaneForm::Gaussian(gaussian) => gaussian.path::<L>(&along.front, &along.back),
-            LaneForm::GaussianNd(nd) => nd.path::<L>(fields, None),
-            // See `InOrder::Bits64`: those are not walked.
-            LaneForm::Wave(_)
-            | LaneForm::TriangularGaussian(_)
-            | LaneForm::TriangularGaussianNd(_)
-            | LaneForm::None => return nothing::<L>(),
+            VectorProfile::Gaussian(gaussian) => gaussian.path::<L>(&segments.front, &segments.back),
+            VectorProfile::GaussianNd(nd) => nd.path::<L>(fields, None),
+            // See `OrderRequirement::Bits64`: those are not walked.
+            VectorProfile::Wave(_)
+            | VectorProfile::TriangularGaussian(_)
+            | VectorProfile::TriangularGaussianNd(_)
+            | VectorProfile::None => return nothing::<L>(),
         };
         // Within its window it glows, whatever the rounding of the rate.
         member.threshold = 0.0;
@@ -345,7 +361,7 @@ impl LaneWidget {
     }
 }
 
-/// A member that is nowhere.
+/// Member with empty support.
 #[inline(always)]
 pub(crate) fn nothing<'a, L: Lanes>() -> LaneMember<'a, L> {
     let (zero, one) = (L::F::splat(0.0), L::F::splat(1.0));

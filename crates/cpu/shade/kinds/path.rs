@@ -1,84 +1,89 @@
-//! The path of each segment through a Gaussian, in widths, for the method that looks its integral up.
+//! Path of each segment through a Gaussian, in widths.
 
-use super::{LaneForm, LaneWidget};
-use crate::shade::along::{Along, Fields};
-use crate::shade::reach::Spread;
+use super::{LaneWidget, VectorProfile};
 use crate::shade::region::{Inside, range_of};
+use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
+use crate::shade::support::ValueRange;
 use voltet_simd::optics::gaussian::LaneGaussianPath;
 use voltet_simd::{Float, Lanes, Mask};
 
 /// Path of segments inside a widget's region.
-pub(crate) struct Through<L: Lanes> {
-    /// `None`: the profile is 1 all along.
+pub struct RegionPath<L: Lanes> {
+    /// Ends of the path in widths of a Gaussian; `None` where the profile is 1 all along.
     pub path: Option<LaneGaussianPath<L>>,
-    /// Fraction of the segment.
-    pub share: L::F,
+    /// Fraction of each segment inside the region.
+    pub fraction: L::F,
     /// Lanes in which there is a path.
-    pub there: L::M,
+    pub present: L::M,
 }
 
 impl LaneWidget {
     /// True if it is uniform or a Gaussian of any kind.
     pub fn has_path(&self) -> bool {
-        match self.form {
-            LaneForm::Uniform
-            | LaneForm::Gaussian(_)
-            | LaneForm::TriangularGaussian(_)
-            | LaneForm::GaussianNd(_)
-            | LaneForm::TriangularGaussianNd(_) => true,
-            LaneForm::Wave(_) | LaneForm::PiecewiseLinear(_) | LaneForm::Table(_) | LaneForm::None => false,
+        match self.profile {
+            VectorProfile::Uniform
+            | VectorProfile::Gaussian(_)
+            | VectorProfile::TriangularGaussian(_)
+            | VectorProfile::GaussianNd(_)
+            | VectorProfile::TriangularGaussianNd(_) => true,
+            VectorProfile::Wave(_)
+            | VectorProfile::PiecewiseLinear(_)
+            | VectorProfile::Table(_)
+            | VectorProfile::None => false,
         }
     }
 
     /// Lanes whose paths may meet it.
     #[inline(always)]
-    pub fn path_meets<L: Lanes>(&self, spread: &Spread<L>) -> L::M {
-        match self.form {
+    pub fn path_meets<L: Lanes>(&self, spread: &ValueRange<L>) -> L::M {
+        match self.profile {
             // With one width for all of a segment it reaches where it does not with those at its ends.
-            LaneForm::TriangularGaussian(_) | LaneForm::TriangularGaussianNd(_) => spread.along.crossing,
+            VectorProfile::TriangularGaussian(_) | VectorProfile::TriangularGaussianNd(_) => {
+                spread.segments.crossing
+            }
             _ => self.meets::<L>(spread),
         }
     }
 
     /// The path; triangular Gaussians take the mean of the widths at the segment's ends.
     #[inline(always)]
-    pub fn through<L: Lanes>(&self, along: &Along<L>, fields: &Fields<L>) -> Through<L> {
+    pub fn region_path<L: Lanes>(&self, segments: &SegmentLanes<L>, fields: &FieldLanes<L>) -> RegionPath<L> {
         let region = self.region.as_ref();
-        match &self.form {
-            LaneForm::GaussianNd(nd) => {
-                let range = range_of::<L>(region, along);
+        match &self.profile {
+            VectorProfile::GaussianNd(nd) => {
+                let range = range_of::<L>(region, segments);
                 let path = nd.path::<L>(fields, region.is_some().then_some(range));
-                Through::new(Some(path), range[1] - range[0], along.crossing)
+                RegionPath::new(Some(path), range[1] - range[0], segments.crossing)
             }
-            LaneForm::TriangularGaussianNd(nd) => {
-                let range = range_of::<L>(region, along);
+            VectorProfile::TriangularGaussianNd(nd) => {
+                let range = range_of::<L>(region, segments);
                 let (path, there) = nd.path::<L>(fields, region.is_some().then_some(range));
-                Through::new(Some(path), range[1] - range[0], along.crossing.and(there))
+                RegionPath::new(Some(path), range[1] - range[0], segments.crossing.and(there))
             }
-            LaneForm::Gaussian(gaussian) => {
-                let Inside { front, back, share, .. } = along.inside(region);
-                Through::new(Some(gaussian.path::<L>(&front, &back)), share, along.crossing)
+            VectorProfile::Gaussian(gaussian) => {
+                let Inside { front, back, share, .. } = segments.inside(region);
+                RegionPath::new(Some(gaussian.path::<L>(&front, &back)), share, segments.crossing)
             }
-            LaneForm::TriangularGaussian(triangular) => {
-                let Inside { front, back, share, .. } = along.inside(region);
-                let (path, there) = triangular.path::<L>(along, &front, &back);
-                Through::new(Some(path), share, along.crossing.and(there))
+            VectorProfile::TriangularGaussian(triangular) => {
+                let Inside { front, back, share, .. } = segments.inside(region);
+                let (path, there) = triangular.path::<L>(segments, &front, &back);
+                RegionPath::new(Some(path), share, segments.crossing.and(there))
             }
-            LaneForm::Uniform
-            | LaneForm::Wave(_)
-            | LaneForm::PiecewiseLinear(_)
-            | LaneForm::Table(_)
-            | LaneForm::None => {
-                let Inside { share, .. } = along.inside(region);
-                Through::new(None, share, along.crossing)
+            VectorProfile::Uniform
+            | VectorProfile::Wave(_)
+            | VectorProfile::PiecewiseLinear(_)
+            | VectorProfile::Table(_)
+            | VectorProfile::None => {
+                let Inside { share, .. } = segments.inside(region);
+                RegionPath::new(None, share, segments.crossing)
             }
         }
     }
 }
 
-impl<L: Lanes> Through<L> {
+impl<L: Lanes> RegionPath<L> {
     #[inline(always)]
-    fn new(path: Option<LaneGaussianPath<L>>, share: L::F, there: L::M) -> Self {
-        Through { path, share: share.max(L::F::splat(0.0)), there }
+    fn new(path: Option<LaneGaussianPath<L>>, fraction: L::F, present: L::M) -> Self {
+        RegionPath { path, fraction: fraction.max(L::F::splat(0.0)), present }
     }
 }

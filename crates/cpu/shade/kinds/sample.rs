@@ -1,8 +1,8 @@
 //! A widget at one point of each segment: density and colour, for the integrators that sample.
 
-use super::{LaneForm, LaneWidget};
-use crate::shade::along::{Along, Fields};
+use super::{LaneWidget, VectorProfile};
 use crate::shade::region::range_of;
+use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
 use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
 use voltet_simd::{Float, Lanes, Mask, array};
 
@@ -12,7 +12,7 @@ const MAX_STEP_SQUARED: f32 = 0.26;
 impl LaneWidget {
     /// True if it can be sampled in lanes.
     pub fn has_samples(&self) -> bool {
-        !matches!(self.form, LaneForm::None)
+        !matches!(self.profile, VectorProfile::None)
     }
 
     /// Optical depth per scene length where its value is 1.
@@ -22,52 +22,52 @@ impl LaneWidget {
 
     /// True if its colour varies.
     pub fn has_colors(&self) -> bool {
-        matches!(self.form, LaneForm::PiecewiseLinear(_) | LaneForm::Table(_))
+        matches!(self.profile, VectorProfile::PiecewiseLinear(_) | VectorProfile::Table(_))
     }
 
     /// True if its profile is e^(−x²) of something, which 32 bits round to 0 far out.
     pub fn is_exponential(&self) -> bool {
-        match self.form {
-            LaneForm::Gaussian(_)
-            | LaneForm::TriangularGaussian(_)
-            | LaneForm::GaussianNd(_)
-            | LaneForm::TriangularGaussianNd(_) => true,
-            LaneForm::Uniform
-            | LaneForm::Wave(_)
-            | LaneForm::PiecewiseLinear(_)
-            | LaneForm::Table(_)
-            | LaneForm::None => false,
+        match self.profile {
+            VectorProfile::Gaussian(_)
+            | VectorProfile::TriangularGaussian(_)
+            | VectorProfile::GaussianNd(_)
+            | VectorProfile::TriangularGaussianNd(_) => true,
+            VectorProfile::Uniform
+            | VectorProfile::Wave(_)
+            | VectorProfile::PiecewiseLinear(_)
+            | VectorProfile::Table(_)
+            | VectorProfile::None => false,
         }
     }
 
-    /// Value at its peak; `density_scale`: as in [`super::Making`].
+    /// Value at its peak; `density_scale`: as in [`super::WidgetContext`].
     pub fn peak_value(&self, density_scale: f64) -> f64 {
-        match &self.form {
-            LaneForm::PiecewiseLinear(linear) => f64::from(linear.peak) * density_scale,
-            LaneForm::Uniform
-            | LaneForm::Gaussian(_)
-            | LaneForm::Wave(_)
-            | LaneForm::Table(_)
-            | LaneForm::TriangularGaussian(_)
-            | LaneForm::GaussianNd(_)
-            | LaneForm::TriangularGaussianNd(_)
-            | LaneForm::None => 1.0,
+        match &self.profile {
+            VectorProfile::PiecewiseLinear(linear) => f64::from(linear.peak) * density_scale,
+            VectorProfile::Uniform
+            | VectorProfile::Gaussian(_)
+            | VectorProfile::Wave(_)
+            | VectorProfile::Table(_)
+            | VectorProfile::TriangularGaussian(_)
+            | VectorProfile::GaussianNd(_)
+            | VectorProfile::TriangularGaussianNd(_)
+            | VectorProfile::None => 1.0,
         }
     }
 
     /// Lanes (bits) whose segments span more widths than 32 bits resolve.
     #[inline(always)]
-    pub fn too_wide<L: Lanes>(&self, along: &Along<L>) -> u32 {
-        match &self.form {
-            LaneForm::Gaussian(gaussian) => gaussian.unsure(along),
-            LaneForm::GaussianNd(nd) => nd.unsure(),
-            LaneForm::Uniform
-            | LaneForm::Wave(_)
-            | LaneForm::PiecewiseLinear(_)
-            | LaneForm::Table(_)
-            | LaneForm::TriangularGaussian(_)
-            | LaneForm::TriangularGaussianNd(_)
-            | LaneForm::None => 0,
+    pub fn too_wide<L: Lanes>(&self, segments: &SegmentLanes<L>) -> u32 {
+        match &self.profile {
+            VectorProfile::Gaussian(gaussian) => gaussian.unsure(segments),
+            VectorProfile::GaussianNd(nd) => nd.unsure(),
+            VectorProfile::Uniform
+            | VectorProfile::Wave(_)
+            | VectorProfile::PiecewiseLinear(_)
+            | VectorProfile::Table(_)
+            | VectorProfile::TriangularGaussian(_)
+            | VectorProfile::TriangularGaussianNd(_)
+            | VectorProfile::None => 0,
         }
     }
 
@@ -78,81 +78,83 @@ impl LaneWidget {
 
     /// The part of each segment inside its region and its ranges.
     #[inline(always)]
-    pub fn range<L: Lanes>(&self, along: &Along<L>) -> [L::F; 2] {
-        range_of::<L>(self.region.as_ref(), along)
+    pub fn range<L: Lanes>(&self, segments: &SegmentLanes<L>) -> [L::F; 2] {
+        range_of::<L>(self.region.as_ref(), segments)
     }
 
     /// The profile of a widget of one colour at the same places of each segment; regions are not looked at.
     #[inline(always)]
     pub fn values<L: Lanes, const N: usize>(
         &self,
-        along: &Along<L>,
-        fields: &Fields<L>,
+        segments: &SegmentLanes<L>,
+        fields: &FieldLanes<L>,
         t: &[f32; N],
     ) -> [L::F; N] {
-        match &self.form {
-            LaneForm::Uniform => [L::F::splat(1.0); N],
-            LaneForm::Gaussian(gaussian) => array(
+        match &self.profile {
+            VectorProfile::Uniform => [L::F::splat(1.0); N],
+            VectorProfile::Gaussian(gaussian) => array(
                 #[inline(always)]
-                |j| gaussian.value::<L>(&along.at_share(t[j])),
+                |j| gaussian.value::<L>(&segments.at_share(t[j])),
             ),
-            LaneForm::Wave(wave) => array(
+            VectorProfile::Wave(wave) => array(
                 #[inline(always)]
-                |j| wave.value::<L>(&along.at_share(t[j])),
+                |j| wave.value::<L>(&segments.at_share(t[j])),
             ),
-            LaneForm::TriangularGaussian(triangular) => array(
+            VectorProfile::TriangularGaussian(triangular) => array(
                 #[inline(always)]
-                |j| triangular.value::<L>(&along.at_share(t[j])),
+                |j| triangular.value::<L>(&segments.at_share(t[j])),
             ),
-            LaneForm::GaussianNd(nd) => array(
-                #[inline(always)]
-                |j| nd.value::<L>(fields, t[j]),
-            ),
-            LaneForm::TriangularGaussianNd(nd) => array(
+            VectorProfile::GaussianNd(nd) => array(
                 #[inline(always)]
                 |j| nd.value::<L>(fields, t[j]),
             ),
-            LaneForm::PiecewiseLinear(_) | LaneForm::Table(_) | LaneForm::None => [L::F::splat(0.0); N],
+            VectorProfile::TriangularGaussianNd(nd) => array(
+                #[inline(always)]
+                |j| nd.value::<L>(fields, t[j]),
+            ),
+            VectorProfile::PiecewiseLinear(_) | VectorProfile::Table(_) | VectorProfile::None => {
+                [L::F::splat(0.0); N]
+            }
         }
     }
 
     /// At one place of each segment the extinction, as an optical depth per scene length, or alpha of a widget that has colours of
     /// its own, then its colour.
     #[inline(always)]
-    pub fn colored_value<L: Lanes>(&self, along: &Along<L>, t: f32) -> [L::F; 4] {
-        match &self.form {
-            LaneForm::PiecewiseLinear(linear) => linear.sample::<L>(along.at_share(t)[0]),
-            LaneForm::Table(table) => {
-                let [r, g, b, alpha] = table.texel::<L>(&along.at_share(t));
+    pub fn colored_value<L: Lanes>(&self, segments: &SegmentLanes<L>, t: f32) -> [L::F; 4] {
+        match &self.profile {
+            VectorProfile::PiecewiseLinear(linear) => linear.sample::<L>(segments.at_share(t)[0]),
+            VectorProfile::Table(table) => {
+                let [r, g, b, alpha] = table.texel::<L>(&segments.at_share(t));
                 [alpha, r, g, b]
             }
-            LaneForm::Uniform
-            | LaneForm::Gaussian(_)
-            | LaneForm::Wave(_)
-            | LaneForm::TriangularGaussian(_)
-            | LaneForm::GaussianNd(_)
-            | LaneForm::TriangularGaussianNd(_)
-            | LaneForm::None => [L::F::splat(0.0); 4],
+            VectorProfile::Uniform
+            | VectorProfile::Gaussian(_)
+            | VectorProfile::Wave(_)
+            | VectorProfile::TriangularGaussian(_)
+            | VectorProfile::GaussianNd(_)
+            | VectorProfile::TriangularGaussianNd(_)
+            | VectorProfile::None => [L::F::splat(0.0); 4],
         }
     }
 
     /// True if its values follow from step to step, on every lane, where each step is a fraction of the segment.
     #[inline(always)]
-    pub fn has_steps<L: Lanes>(&self, along: &Along<L>, share: f32) -> bool {
-        match &self.form {
-            LaneForm::Gaussian(gaussian) => {
-                let step = gaussian.extent_squared::<L>(along) * L::F::splat(share * share);
+    pub fn has_steps<L: Lanes>(&self, segments: &SegmentLanes<L>, share: f32) -> bool {
+        match &self.profile {
+            VectorProfile::Gaussian(gaussian) => {
+                let step = gaussian.extent_squared::<L>(segments) * L::F::splat(share * share);
                 // Also where it is not a number.
                 step.le(L::F::splat(MAX_STEP_SQUARED)).bits() == u32::MAX >> (32 - L::WIDTH)
             }
-            LaneForm::Uniform
-            | LaneForm::Wave(_)
-            | LaneForm::PiecewiseLinear(_)
-            | LaneForm::Table(_)
-            | LaneForm::TriangularGaussian(_)
-            | LaneForm::GaussianNd(_)
-            | LaneForm::TriangularGaussianNd(_)
-            | LaneForm::None => false,
+            VectorProfile::Uniform
+            | VectorProfile::Wave(_)
+            | VectorProfile::PiecewiseLinear(_)
+            | VectorProfile::Table(_)
+            | VectorProfile::TriangularGaussian(_)
+            | VectorProfile::GaussianNd(_)
+            | VectorProfile::TriangularGaussianNd(_)
+            | VectorProfile::None => false,
         }
     }
 
@@ -160,14 +162,14 @@ impl LaneWidget {
     #[inline(always)]
     pub fn value_steps<L: Lanes, const N: usize>(
         &self,
-        along: &Along<L>,
+        segments: &SegmentLanes<L>,
         first: usize,
         share: f32,
         places: [f32; N],
         out: &mut LaneGaussianSteps<L, N>,
     ) {
-        if let LaneForm::Gaussian(gaussian) = &self.form {
-            *out = gaussian.steps(along, first, share, places, L::F::splat(1.0));
+        if let VectorProfile::Gaussian(gaussian) = &self.profile {
+            *out = gaussian.steps(segments, first, share, places, L::F::splat(1.0));
         }
     }
 }
