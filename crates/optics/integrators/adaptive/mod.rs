@@ -67,6 +67,18 @@ impl Adaptive {
     }
 }
 
+impl Integrator {
+    /// Closed forms, subdivided until the error of (C, A) is under the tolerance, which is above 0.
+    pub const fn adaptive(tolerance: f64) -> Integrator {
+        Integrator::with_settings(&AdaptiveKind, [tolerance])
+    }
+
+    /// Largest error that `adaptive` allows; `None` for the other kinds.
+    pub fn tolerance(&self) -> Option<f64> {
+        self.setting(TOLERANCE).filter(|_| self.is_kind_of(&Integrator::adaptive(1.0)))
+    }
+}
+
 /// The kind `adaptive`.
 pub(super) struct AdaptiveKind;
 
