@@ -15,7 +15,7 @@ use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::{
     Extent, Integrator, IntegratorKind, Obstacle, ScenePreparation, SegmentIntegrator, TableDomain,
 };
-use voltet_shaders::WgslExtension;
+use voltet_shaders::{WgslExtension, WgslTableExtension};
 
 /// All kinds, in the order in which studies list them.
 pub static KINDS: [&dyn IntegratorKind; 6] = [
@@ -273,7 +273,11 @@ impl IntegratorKind for PreIntegratedKind {
     }
 
     fn extensions(&self) -> &'static [&'static (dyn Any + Send + Sync)] {
-        &[&LaneExtension(&PreIntegratedLanes), &WgslExtension(&PreIntegratedText)]
+        &[
+            &LaneExtension(&PreIntegratedLanes),
+            &WgslExtension(&PreIntegratedText),
+            &WgslTableExtension(&PreIntegratedText),
+        ]
     }
 }
 
@@ -330,7 +334,11 @@ impl IntegratorKind for PreIntegratedCylindricalKind {
     }
 
     fn extensions(&self) -> &'static [&'static (dyn Any + Send + Sync)] {
-        &[&LaneExtension(&PreIntegratedLanes), &WgslExtension(&CylindricalText)]
+        &[
+            &LaneExtension(&PreIntegratedLanes),
+            &WgslExtension(&CylindricalText),
+            &WgslTableExtension(&CylindricalText),
+        ]
     }
 }
 
