@@ -1,6 +1,6 @@
 //! Shader text: the pieces under `wgsl/`, and the tables that they read.
 
-use crate::kinds::{OVERSAMPLING, PIECES as COUNT, PLANES, SIDE, count};
+use crate::settings::{OVERSAMPLING, PIECES as COUNT, PLANES, SIDE, count};
 use crate::{PartialTable, Ramp, last_tile};
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::{Error, Result};
