@@ -26,7 +26,7 @@ mod tabulated;
 mod tests;
 mod vertex_sampled;
 
-pub use gaussian_tables::{GaussianTables, LIT_REACH, P_MOST, REACH};
+pub use gaussian_tables::{GaussianTables, LIT_REACH, MAX_P, REACH};
 pub use kinds::{
     KINDS, VERTEX_SAMPLED, pre_integrated, pre_integrated_cylindrical, riemann, segments, tabulated,
 };

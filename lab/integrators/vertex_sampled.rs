@@ -5,7 +5,7 @@
 //! F = ∫₀¹ (1 − x) e^(−w) dx and B = ∫₀¹ x e^(−w) dx, w the depth in front of x. C = D (F κ_f + B κ_b). κ is interpolated,
 //! not a colour, so that a point without matter lends none (Wittenbrink et al. 1998).
 //!
-//! A segment does not know the points of its cell. So a scene is [`classified`] first: ρ and κ become point arrays, which
+//! A segment has no reference to the points of its cell. So a scene is [`classified`] first: ρ and κ become point arrays, which
 //! the integrator finds at the segment's ends. Where a segment is all that there is, its ends count as points.
 
 use super::segments::Segments;
@@ -26,7 +26,7 @@ pub const CLASSIFIED: [&str; 4] =
 /// Linear between what the transfer function is at the points.
 #[derive(Debug, Clone)]
 pub struct VertexSampled {
-    /// Where the arrays lie among a segment's fields; `None`: the scene is not classified.
+    /// Indices of the arrays among a segment's fields; `None`: the scene is not classified.
     slots: Option<[usize; 4]>,
     ends: Segments,
 }

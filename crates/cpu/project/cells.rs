@@ -153,7 +153,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
 
     let reach = (max_of(&x) - min_of(&x)) + (max_of(&y) - min_of(&y));
     let range = max_of(&v) - min_of(&v);
-    // What is narrow compares with STEEP_MOST like what is steep.
+    // What is narrow compares with MAX_FACE_SLOPE like what is steep.
     let narrow = splat(MIN_FACE_WIDTH * MAX_FACE_SLOPE) / range;
     let face = inlined(
         #[inline(always)]

@@ -98,7 +98,7 @@ fn in_steps<L: Lanes, const COLORS: bool>(
     (sum.color, sum.depth)
 }
 
-/// What is in front of a place.
+/// Colour and depth in front of a place.
 struct Front<L: Lanes> {
     color: [L::F; 3],
     depth: L::F,

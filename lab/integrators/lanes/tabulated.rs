@@ -16,12 +16,12 @@ pub(super) struct Tabulated {
     tables: LaneGaussianTables,
     /// The constant-emitter's glow per scene length and −ln cutoff; `None` for the density-emitter.
     glow: Option<(f32, f32)>,
-    /// Whether widgets look at further fields.
+    /// True if widgets read further fields.
     reads_fields: bool,
 }
 
 impl Tabulated {
-    /// Errors: why lanes do not serve it.
+    /// Errors: the reason why the scene falls back to 64 bits.
     pub fn new(tables: &GaussianTables, scene: &LaneScene<'_>) -> Result<Tabulated, FallbackReason> {
         if !scene.widgets().all(|widget| widget.has_path()) {
             return Err(FallbackReason::NoLanes);
@@ -37,7 +37,7 @@ impl Tabulated {
     /// Depth and light of one widget where it is met, the light over the mean transparency of that depth; and the lanes (bits) whose
     /// paths span more widths than 32 bits resolve.
     #[inline(always)]
-    fn of<L: Lanes>(
+    fn widget_light<L: Lanes>(
         &self,
         widget: WidgetLanes<'_>,
         segments: &SegmentLanes<L>,
@@ -95,7 +95,8 @@ impl LaneKernel for Tabulated {
                     continue;
                 }
                 asked |= meets.bits();
-                let (own, glow, no) = self.of::<L>(widget, &segments.only(meets), &fields, depth_only);
+                let (own, glow, no) =
+                    self.widget_light::<L>(widget, &segments.only(meets), &fields, depth_only);
                 unsure |= no;
                 product = own.mul_add(depth, product);
                 depth = depth + own;

@@ -286,7 +286,7 @@ fn papers() -> impl TypedValueParser<Value = Paper> {
 
 /// The ways in which a device composites.
 fn compositors() -> impl TypedValueParser<Value = Compositor> {
-    let words = Compositor::WORDS.iter().map(|(name, help)| PossibleValue::new(*name).help(*help));
+    let words = Compositor::NAMES.iter().map(|(name, help)| PossibleValue::new(*name).help(*help));
     PossibleValuesParser::new(words).map(|name| Compositor::named(&name).unwrap_or(Compositor::Tiles))
 }
 
