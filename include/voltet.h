@@ -57,7 +57,7 @@ enum {
     VOLTET_PANIC = 4    /* A mistake of the library itself. The session can be used on, and begins with nothing kept. */
 };
 
-/* The library's version, such as "0.1.0"; the interface's number. From any thread, at any time. */
+/* The library's version, such as "0.2.0"; the interface's number. From any thread, at any time. */
 const char *voltet_version(void);
 uint32_t voltet_interface(void);
 

@@ -69,7 +69,7 @@ typedef struct voltet_host {
     uint32_t major, minor, patch; /* The version of the interface that the program was built with. */
     uint32_t thread_count;        /* Threads that the plug-in may use, at least 1. */
     uint32_t reserved;
-    const char *program; /* "voltet 0.1.0". */
+    const char *program; /* "voltet 0.2.0". */
     void *context;       /* The host's own. */
 
     /* `fraction` of the work (0 to 1) is done. Cheap: call it a thousand times a second if you like. */

@@ -12,7 +12,7 @@ use voltet_graph::{
     DefaultValue, Demand, DemandContext, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType,
     RunContext, suggest,
 };
-use voltet_io::vtu::{self, Contents, Form, Precision, Role, TetrahedraSource};
+use voltet_io::vtu::{self, CellSource, Contents, Precision, Role, TetrahedraSource};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -100,7 +100,7 @@ const ARRAYS: Parameter = Parameter {
 };
 
 /// Names valid for `arrays`.
-const WORDS: [&str; 5] = ["scalar", "gradient-magnitude", "gradient", "culled", "cell-values"];
+const NAMES: [&str; 5] = ["scalar", "gradient-magnitude", "gradient", "culled", "cell-values"];
 
 /// Arrays named by `arrays`; `None`: all that there are.
 fn wanted(p: &Parameters) -> Result<Option<Vec<String>>> {
@@ -108,11 +108,11 @@ fn wanted(p: &Parameters) -> Result<Option<Vec<String>>> {
         return Ok(None);
     }
     let words = p.texts("arrays")?;
-    match words.iter().find(|word| !WORDS.contains(&word.as_str())) {
+    match words.iter().find(|word| !NAMES.contains(&word.as_str())) {
         None => Ok(Some(words)),
         Some(word) => {
             let error = p.error("arrays", "'arrays' does not know this word").got(format!("\"{word}\""));
-            let known = suggest(word, WORDS);
+            let known = suggest(word, NAMES);
             Err(error.expected(format!("{known}; point_arrays and cell_arrays name arrays of the file")))
         }
     }
@@ -199,8 +199,8 @@ fn contents(call: &mut RunContext, volume: &Volume) -> Result<Contents> {
     let wanted = wanted(p)?;
     let grid = &*volume.grid;
     let form = match (p.text("cells")?, &grid.file_cells) {
-        ("tetrahedra", _) | ("auto", None) => Form::Tetrahedra,
-        (_, Some(file)) => Form::File(file),
+        ("tetrahedra", _) | ("auto", None) => CellSource::Tetrahedra,
+        (_, Some(file)) => CellSource::File(file),
         (_, None) => {
             let why = "the grid does not keep the cells of a file: it was not read from one, a node on the way changed them, or \
                        cells keep constant values";

@@ -1,4 +1,4 @@
-//! Sizes of the parts of `numbers`, the one buffer that a scene reads beside its uniform: images or the colours of a table of lengths, which
+//! Layout of `numbers`, the one buffer that a scene reads beside its uniform: images or the colours of a table of lengths, which
 //! are vectors of four numbers, then the integrator's further table, then the scene's own numbers. One buffer for all leaves tiles
 //! within the eight that every device of WebGPU binds.
 
@@ -6,7 +6,7 @@ use crate::integrator::{TableSize, registered};
 use voltet_core::transfer::{ColorSource, TransferFunction};
 use voltet_optics::shading::Shading;
 
-/// Sizes of its parts, in their order.
+/// Lengths of its parts, in their order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Places {
     /// Vectors: texels of all images, or the colours of a table of lengths. With any, all of the buffer is read as vectors.
@@ -23,7 +23,7 @@ pub struct Places {
 pub const TEXEL_BYTES: u64 = 16;
 
 impl Places {
-    /// Sizes for a scene, whose widgets have so many `numbers`.
+    /// Layout for a scene whose widgets have so many `numbers`.
     pub fn new(transfer_function: &TransferFunction, shading: &Shading, numbers: u64) -> Places {
         let integrator = &shading.integrator;
         let table = registered(integrator).map(|text| text.table_size(integrator, transfer_function));
@@ -32,12 +32,12 @@ impl Places {
         Places { vectors: if vectors > 0 { vectors } else { texels() }, source_vectors, entries, numbers }
     }
 
-    /// Offset of the integrator's entries (numbers).
+    /// Index of the integrator's first entry (numbers).
     pub fn first_entry(&self) -> u64 {
         self.vectors.saturating_mul(4)
     }
 
-    /// Offset of the widgets' numbers (numbers).
+    /// Index of the widgets' first number.
     pub fn first_number(&self) -> u64 {
         self.first_entry().saturating_add(self.entries)
     }

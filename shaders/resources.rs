@@ -52,7 +52,7 @@ pub struct Pass {
     pub entry_point: &'static str,
     /// Indices of buffers, bound in group 0 at 0, 1, ….
     pub buffers: Vec<usize>,
-    /// Number of the last ones that are written; the others are only read.
+    /// Number of written buffers, the last ones; the others are only read.
     pub written: usize,
     /// Workgroups to dispatch.
     pub workgroups: [u32; 3],

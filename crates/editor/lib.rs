@@ -56,5 +56,5 @@ mod window;
 pub mod worker;
 
 pub use editor::{Editor, Start};
-pub use study::{Studied, StudiedRow, Study, StudyOf};
+pub use study::{Studied, StudiedRow, Study, StudyRequest};
 pub use window::run;

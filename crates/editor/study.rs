@@ -15,9 +15,9 @@ use voltet_core::error::ErrorKind;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 
-/// What is to be studied.
+/// Request for a study.
 #[derive(Debug, Clone, PartialEq)]
-pub struct StudyOf {
+pub struct StudyRequest {
     /// The pipeline, saved or not.
     pub text: String,
     /// Its file, which paths are relative to and beside which the study is written.
@@ -26,12 +26,12 @@ pub struct StudyOf {
     pub node: Option<String>,
 }
 
-/// What came of it.
+/// Results of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Studied {
     /// The settings that were measured, cheapest first.
     pub rows: Vec<StudiedRow>,
-    /// What else there is to say: what is recommended, what was left out.
+    /// Recommendation, and settings that were skipped.
     pub notes: Vec<String>,
     /// The folder that the study was written into; none where nothing was measured.
     pub folder: Option<PathBuf>,
@@ -45,21 +45,21 @@ pub struct StudiedRow {
     /// Median seconds of a picture.
     pub seconds: f64,
     /// The largest error, 1 being full scale.
-    pub most: f64,
+    pub max: f64,
     /// The root of the mean square error.
     pub rms: f64,
-    /// Whether nothing is both cheaper and better.
+    /// True if nothing is both cheaper and better.
     pub on_front: bool,
-    /// Whether the pipeline draws with it.
+    /// True if the pipeline draws with it.
     pub of_file: bool,
 }
 
 /// Makes a study; called on a thread of its own. Errors: those of `voltet study`; a stop.
-pub type Study = Arc<dyn Fn(&StudyOf, &dyn Progress) -> Result<Studied> + Send + Sync>;
+pub type Study = Arc<dyn Fn(&StudyRequest, &dyn Progress) -> Result<Studied> + Send + Sync>;
 
 /// A study that is made.
 #[derive(Default)]
-struct Made {
+struct StudyOutput {
     stops: AtomicBool,
     at: Mutex<(String, f64)>,
     found: Mutex<Option<Result<Studied>>>,
@@ -69,9 +69,9 @@ struct Made {
 #[derive(Default)]
 pub(crate) struct StudyPanel {
     pub open: bool,
-    /// What makes studies, where the program can.
+    /// Function that makes studies, where the program has one.
     pub make: Option<Study>,
-    made: Option<Arc<Made>>,
+    made: Option<Arc<StudyOutput>>,
     found: Option<std::result::Result<Studied, String>>,
 }
 
@@ -79,7 +79,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-struct Watching(Arc<Made>, Context);
+struct Watching(Arc<StudyOutput>, Context);
 
 impl Progress for Watching {
     fn report(&self, stage: &str, fraction: f64) {
@@ -147,7 +147,7 @@ impl StudyPanel {
             button.on_disabled_hover_text("save the pipeline first: the study is written beside its file");
         if let (true, Some(path)) = (button.clicked(), path) {
             self.begin(
-                StudyOf {
+                StudyRequest {
                     text: scene.document.text().to_string(),
                     path: path.to_path_buf(),
                     node: scene.shown_node.map(str::to_string),
@@ -162,9 +162,9 @@ impl StudyPanel {
     }
 
     /// Begins a study.
-    pub fn begin(&mut self, of: StudyOf, ctx: &Context) {
+    pub fn begin(&mut self, of: StudyRequest, ctx: &Context) {
         let Some(make) = self.make.clone() else { return };
-        let made = Arc::new(Made::default());
+        let made = Arc::new(StudyOutput::default());
         let watching = Watching(made.clone(), ctx.clone());
         let spawned = std::thread::Builder::new().name("study".into()).spawn(move || {
             let work = || make(&of, &watching);
@@ -186,7 +186,7 @@ impl StudyPanel {
         }
     }
 
-    /// What was found, for tests.
+    /// Result, for tests.
     #[cfg(test)]
     pub fn found(&self) -> Option<&std::result::Result<Studied, String>> {
         self.found.as_ref()
@@ -222,7 +222,7 @@ fn results(ui: &mut Ui, studied: &Studied) {
                 let label = RichText::new(format!("{}{mark}", row.label));
                 ui.label(if row.on_front || row.of_file { label.strong() } else { label });
                 ui.label(milliseconds(row.seconds));
-                ui.label(format!("{:.1e}", row.most));
+                ui.label(format!("{:.1e}", row.max));
                 ui.label(format!("{:.1e}", row.rms));
                 ui.end_row();
             }
@@ -246,7 +246,7 @@ fn plot(ui: &mut Ui, rows: &[StudiedRow]) {
     let (text, font) = (theme::weak(dark), FontId::proportional(10.5));
     let painter = ui.painter();
     painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
-    let (x, y) = (decades(rows.iter().map(|row| row.seconds)), decades(rows.iter().map(|row| row.most)));
+    let (x, y) = (decades(rows.iter().map(|row| row.seconds)), decades(rows.iter().map(|row| row.max)));
     let share = |value: f64, [low, high]: [f64; 2]| {
         // No error at all stands at the foot.
         (((value.max(1e-300).log10() - low) / (high - low)) as f32).clamp(0.0, 1.0)
@@ -277,7 +277,7 @@ fn plot(ui: &mut Ui, rows: &[StudiedRow]) {
     );
     let mut nearest: Option<(f32, &StudiedRow)> = None;
     for row in rows {
-        let at = place(row.seconds, row.most);
+        let at = place(row.seconds, row.max);
         let color = match (row.of_file, row.on_front) {
             (true, _) => theme::wrong(dark),
             (false, true) => theme::accent(dark),
@@ -290,7 +290,7 @@ fn plot(ui: &mut Ui, rows: &[StudiedRow]) {
         }
     }
     if let Some((_, row)) = nearest {
-        let words = format!("{}: {}, {:.1e}", row.label, milliseconds(row.seconds), row.most);
+        let words = format!("{}: {}, {:.1e}", row.label, milliseconds(row.seconds), row.max);
         response.on_hover_text_at_pointer(words);
     }
 }

@@ -3,17 +3,19 @@
 //! What is being written stands beside the file until it is whole. Two things of this hold for the whole process, since a
 //! signal does: what stands beside files now ([`end_now`] removes it), and whether a reader is waited for.
 
+mod file_identity;
 mod hash;
-mod meant;
 mod temporary;
-mod waiting;
 mod write;
+mod write_guard;
 
+pub use file_identity::{
+    FileIdentity, STANDARD_OUTPUT, Use, collision, folder, is_standard_output, relative_to,
+};
 pub use hash::Fnv;
-pub use meant::{FileIdentity, STANDARD_OUTPUT, Use, collision, folder, is_standard_output, relative_to};
 pub use temporary::end_now;
-pub use waiting::is_waiting;
 pub use write::{refuse_unwritable, standard_output, unwritable_output, write_whole};
+pub use write_guard::is_waiting;
 
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,6 @@
 //! Files that stand beside the one to be written until they are whole, and go away with the program however it ends.
 
-use super::meant::folder;
+use super::file_identity::folder;
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};

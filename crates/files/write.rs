@@ -1,9 +1,9 @@
 //! Writing whole files: beside, then renamed; devices and pipes as they are.
 
-use super::meant::folder;
-use super::meant::{followed, is_standard_output};
+use super::file_identity::folder;
+use super::file_identity::{followed, is_standard_output};
 use super::temporary::Temporary;
-use super::waiting;
+use super::write_guard;
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -45,7 +45,7 @@ pub fn write_whole(path: &Path, content: &[u8]) -> Result<()> {
 
 /// Writes to the standard output; gives whether somebody reads on. Where nobody does, that is no error.
 pub fn standard_output(content: &[u8]) -> Result<bool> {
-    let _waits = waiting::begin();
+    let _guard = write_guard::begin();
     let mut output = io::stdout().lock();
     unless_closed(output.write_all(content).and_then(|()| output.flush()))
         .map_err(|error| unwritable_output(&error))
@@ -99,11 +99,11 @@ fn takes_a_stream(_there: &Metadata) -> bool {
 
 /// Writes to a device or a pipe.
 fn write_through(path: &Path, content: &[u8]) -> io::Result<bool> {
-    let _waits = waiting::begin();
+    let _guard = write_guard::begin();
     unless_closed(OpenOptions::new().write(true).open(path)?.write_all(content))
 }
 
-/// Whether somebody reads on. A reader that has seen enough closes its end: then there is nothing more to do.
+/// True while the reader goes on. A reader that has seen enough closes its end: then nothing more is to be written.
 fn unless_closed(written: io::Result<()>) -> io::Result<bool> {
     match written {
         Ok(()) => Ok(true),

@@ -17,7 +17,7 @@ pub use device::adapter::{Adapters, KINDS};
 pub use device::device_handle::{Device, WorkCounts};
 pub use engine::{ENGINE, GpuEngine};
 pub use frame::draw::draw;
-pub use frame::in_flight::{InFlight, SubmittedFrame, begin};
+pub use frame::in_flight::{PendingFrame, SubmittedFrame, begin};
 pub use frame::limits::can_serve;
 pub use frame::output::{FaceOrderReport, FrameCounts, FrameOutput, OrderCheckReport};
 pub use frame::renderer::Renderer;

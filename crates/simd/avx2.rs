@@ -3,7 +3,7 @@
 //! Why its instructions may run: the crate's head.
 
 use super::operations::{
-    Awaited, Double, Float, Lanes, Mask, Unsigned, inlined, inside, parts_inside, sealed,
+    Double, Float, Lanes, Mask, PrefetchedGather, Unsigned, inlined, inside, parts_inside, sealed,
 };
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -152,7 +152,7 @@ impl Float for F {
         parts(half)
     }
     #[inline(always)]
-    fn gather_awaited(awaited: &Awaited<'_>) -> [F; 4] {
+    fn gather_awaited(awaited: &PrefetchedGather<'_>) -> [F; 4] {
         parts(
             #[inline(always)]
             |i| awaited.four(i),

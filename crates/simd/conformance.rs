@@ -34,7 +34,7 @@ impl Kernel for All<'_> {
         let parts = L::F::gather_parts(&table_of_parts(), place);
         // Some past the end.
         let (awaited_table, beyond) = (table_of_parts(), unsigned(|row| row.j % (TABLE as u32 + 3)));
-        let mut awaited = Awaited::first(&awaited_table);
+        let mut awaited = PrefetchedGather::first(&awaited_table);
         awaited.ask::<L>(beyond);
         let awaited = L::F::gather_awaited(&awaited);
         let mut scattered = vec![[[0.0; 4]; 1]; L::WIDTH];

@@ -70,4 +70,6 @@ mod single;
 pub mod sort;
 
 pub use dispatch::{Kernel, LaneSet, dispatch};
-pub use operations::{Awaited, Double, Float, Lanes, Mask, Unsigned, array, inlined, mask_of, prefetch};
+pub use operations::{
+    Double, Float, Lanes, Mask, PrefetchedGather, Unsigned, array, inlined, mask_of, prefetch,
+};

@@ -107,7 +107,7 @@ pub trait Float:
     fn gather_parts(values: &[[f32; 4]], index: <Self::Lanes as Lanes>::U) -> [Self; 4];
     /// [`Float::gather_parts`] of what was asked for before.
     #[inline(always)]
-    fn gather_awaited(awaited: &Awaited<'_>) -> [Self; 4] {
+    fn gather_awaited(awaited: &PrefetchedGather<'_>) -> [Self; 4] {
         Self::gather_parts(awaited.values, awaited.index::<Self::Lanes>())
     }
     /// `values[index[i]][n][c]` becomes lane i of part c of four n; indices as for [`Float::gather`]. Of lanes with one index any
@@ -201,18 +201,18 @@ fn last_of_parts(values: &[[f32; 4]]) -> u32 {
 
 /// Prefetched gather: an index whose data are fetched now and read later ([`Float::gather_awaited`]).
 #[repr(align(64))]
-pub struct Awaited<'a> {
+pub struct PrefetchedGather<'a> {
     /// Places in bytes, each of a value.
     bytes: [u32; MAX_WIDTH],
     values: &'a [[f32; 4]],
 }
 
-impl<'a> Awaited<'a> {
+impl<'a> PrefetchedGather<'a> {
     /// The first of some values, of which there is one at least.
     #[inline(always)]
     pub fn first(values: &'a [[f32; 4]]) -> Self {
         last_of_parts(values);
-        Awaited { bytes: [0; MAX_WIDTH], values }
+        PrefetchedGather { bytes: [0; MAX_WIDTH], values }
     }
 
     /// Asks for `values[index[i]]` in place of what was asked for before; for the last one where an index is past the end. There are

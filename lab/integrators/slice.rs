@@ -63,7 +63,7 @@ impl Ramp {
         Ok(Ramp { range: [low, high], nodes, parts, pieces })
     }
 
-    /// Material at each node.
+    /// Materials at the nodes.
     pub fn nodes(&self) -> &[Material] {
         &self.nodes
     }
@@ -88,7 +88,7 @@ impl Ramp {
         self.nodes.len()
     }
 
-    /// Position of s (steps from the first node).
+    /// Position of s, in steps from the first node.
     #[inline]
     pub fn place(&self, s: f64) -> f64 {
         let [low, high] = self.range;
@@ -167,7 +167,7 @@ fn matter(
     Material { extinction: extinction * longest, glow: light.color.map(|c| c / short * longest) }
 }
 
-/// Emission of a stretch, by D, and its optical depth.
+/// Emission of a stretch (divided by D), and its optical depth.
 #[derive(Debug, Clone, Copy)]
 struct Light {
     emission: [f64; 3],
@@ -204,7 +204,7 @@ impl Light {
 /// Sliding windows over the steps.
 struct SlidingSums {
     steps: Vec<Light>,
-    /// Block of each step up to it, and from it on.
+    /// Block sums of each step: up to it, and from it on.
     begun: Vec<Light>,
     left: Vec<Light>,
 }

@@ -36,7 +36,7 @@ struct Tabled {
     extinction: f64,
     clip: Option<Convex>,
     profile: Profile,
-    /// Indices of its own fields among the segments', and that of m.
+    /// Indices of its fields among the segments', and that of m.
     slots: Vec<usize>,
     magnitude: usize,
 }

@@ -28,7 +28,7 @@ pub enum Rule {
 
 /// A quantity of a segment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Quantity {
+pub(super) enum BoundedQuantity {
     OpticalDepth,
     Color,
     Opacity,
@@ -48,12 +48,12 @@ pub(super) fn rule(
     case: &Case,
     segment: &SegmentCase,
     condition: Condition,
-    quantity: Quantity,
+    quantity: BoundedQuantity,
 ) -> Rule {
     let condition = match quantity {
-        Quantity::OpticalDepth => condition[0],
-        Quantity::Color => condition[1],
-        Quantity::Opacity => condition[2],
+        BoundedQuantity::OpticalDepth => condition[0],
+        BoundedQuantity::Color => condition[1],
+        BoundedQuantity::Opacity => condition[2],
     };
     let free = Rule::Within { limit: limit(segment, quantity) };
     // Where the exact value is discontinuous no condition number exists; at region edges, whose coordinates
@@ -68,7 +68,7 @@ pub(super) fn rule(
     let epsilon = precision.epsilon();
     let rounding = epsilon * (4.0 + k);
     let depth = segment.exact.optical_depth;
-    let color = quantity == Quantity::Color;
+    let color = quantity == BoundedQuantity::Color;
     let one_density = segment.density() && segment.transfer_function.widgets.len() == 1;
     let has = |test: &dyn Fn(&Profile) -> bool| {
         segment.transfer_function.widgets.iter().any(|widget| test(&widget.profile))
@@ -121,11 +121,16 @@ pub(super) fn rule(
 
 /// The rule for a chain of segments with one transfer function. Its cases state no condition number; where
 /// their segments hold depth, k stays under 40.
-pub(super) fn ray_rule(precision: Precision, count: usize, exact: &SegmentCase, quantity: Quantity) -> Rule {
+pub(super) fn ray_rule(
+    precision: Precision,
+    count: usize,
+    exact: &SegmentCase,
+    quantity: BoundedQuantity,
+) -> Rule {
     let epsilon = precision.epsilon();
     let steps = 4.0 * count as f64 * epsilon;
     let rounding = epsilon * 44.0;
-    let color = quantity == Quantity::Color;
+    let color = quantity == BoundedQuantity::Color;
     let relative = match (precision, color) {
         (Precision::F64, false) => 8.0 * rounding,
         (Precision::F64, true) => 1e-12 + 8.0 * rounding,
@@ -172,11 +177,11 @@ fn brightness(segment: &SegmentCase) -> f64 {
     }
 }
 
-fn limit(segment: &SegmentCase, quantity: Quantity) -> f64 {
+fn limit(segment: &SegmentCase, quantity: BoundedQuantity) -> f64 {
     match quantity {
-        Quantity::OpticalDepth => f64::MAX,
-        Quantity::Opacity => 1.0,
-        Quantity::Color => match segment.transfer_function.model {
+        BoundedQuantity::OpticalDepth => f64::MAX,
+        BoundedQuantity::Opacity => 1.0,
+        BoundedQuantity::Color => match segment.transfer_function.model {
             OpticalModel::DensityEmitter => segment.brightest() * (1.0 + 1e-5),
             OpticalModel::ConstantEmitter { .. } => f64::MAX,
         },

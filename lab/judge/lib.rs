@@ -34,7 +34,7 @@ pub use evaluator64::Evaluator64;
 pub use report::{Exemption, Report, Row, Violation};
 pub use shipped::{segment_cases, shipped, stiff};
 
-use bounds::{Quantity, rule};
+use bounds::{BoundedQuantity, rule};
 use voltet_core::Result;
 use voltet_optics::{Contribution, WidgetBlend};
 
@@ -164,18 +164,18 @@ fn enter_contribution(
     found: &Contribution,
     segment: &SegmentCase,
     wider: Option<&'static str>,
-    rules: &dyn Fn(Quantity) -> Rule,
+    rules: &dyn Fn(BoundedQuantity) -> Rule,
 ) {
     if let Some(reason) = wider {
         report.exemption(true, reason);
     }
     let (exact, wider) = (&segment.exact, wider.is_some());
     let mut enter = |quantity, values, rule| report.enter(case, quantity, values, rule, wider);
-    enter("T", [found.optical_depth, exact.optical_depth], rules(Quantity::OpticalDepth));
+    enter("T", [found.optical_depth, exact.optical_depth], rules(BoundedQuantity::OpticalDepth));
     for i in 0..3 {
-        enter("C", [found.color[i], exact.color[i]], rules(Quantity::Color));
+        enter("C", [found.color[i], exact.color[i]], rules(BoundedQuantity::Color));
     }
-    enter("A", [found.opacity, exact.opacity], rules(Quantity::Opacity));
+    enter("A", [found.opacity, exact.opacity], rules(BoundedQuantity::Opacity));
 }
 
 #[cfg(test)]

@@ -74,7 +74,7 @@ impl ExhaustiveComparison {
     }
 
     /// A summary for people.
-    pub fn in_words(&self) -> String {
+    pub fn to_text(&self) -> String {
         let mut text = format!(
             "the exhaustive run took {:.3} s, the usual run {:.3} s: {:.2} times as long",
             self.seconds, self.usual_seconds, self.times_slower

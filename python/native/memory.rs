@@ -21,7 +21,7 @@ pub struct Lent<T: 'static> {
 
 impl<T: Element + Sync> Lent<T> {
     /// The memory of an array of this type whose rows lie one after the other; `name` is for messages.
-    pub fn of(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Lent<T>> {
+    pub fn borrow(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Lent<T>> {
         let wrong = |found: String| {
             let error = Error::usage(format!("{name} cannot be lent")).got(found);
             let error = error.expected("a C-contiguous array of the type that voltet.Grid makes of it");
@@ -112,7 +112,7 @@ pub fn encode<'py>(
     background: [f64; 3],
 ) -> PyResult<Bound<'py, pyo3::types::PyBytes>> {
     let [height, width, _] = rgba.getattr("shape")?.extract::<[usize; 3]>()?;
-    let lent: Lent<f32> = Lent::of("the picture", rgba)?;
+    let lent: Lent<f32> = Lent::borrow("the picture", rgba)?;
     let rgba = lent.values().as_chunks::<4>().0.to_vec();
     let bytes = crate::error::guarded(py, || {
         let picture = Picture { width, height, rgba };

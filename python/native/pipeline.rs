@@ -272,7 +272,7 @@ impl Pipeline {
         ends: &Bound<'py, PyAny>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let ends: Lent<f32> = Lent::of("ends", ends)?;
+        let ends: Lent<f32> = Lent::borrow("ends", ends)?;
         // A copy: the owner may write them meanwhile.
         let ends = ends.values().to_vec();
         let drawn = self.long(py, progress.as_ref(), |state, observer| {

@@ -59,7 +59,7 @@ impl Kind {
         }
     }
 
-    /// What the generated block calls for it.
+    /// Functions that the generated block calls for it.
     pub(crate) fn calls(&self, constant_emitter: bool) -> Calls {
         match self {
             Kind::Uniform => uniform::calls(constant_emitter),
@@ -79,7 +79,7 @@ impl Kind {
         self.calls(constant_emitter).light == Light::Integrated
     }
 
-    /// How many `numbers` it has beside its region's edges.
+    /// Count of its `numbers` beside its region's edges.
     pub(crate) fn number_count(&self) -> usize {
         match self {
             Kind::GaussianNd(count) => gaussian_nd::number_count(*count),

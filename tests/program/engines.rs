@@ -60,7 +60,7 @@ fn auto_says_which_engine_it_took_and_why() {
     }
 }
 
-/// Where there is no hardware, drivers are loaded once to find out, and again when something of them has changed or everything is to
+/// Drivers are loaded once to find out that there is no hardware, and again when something of them has changed or everything is to
 /// be done.
 #[test]
 fn that_there_is_no_hardware_is_remembered() {
@@ -125,7 +125,7 @@ fn the_grid_and_the_pipelines_stay_on_the_device() {
     assert_eq!(work(&[moved, other]), (0, true));
 }
 
-/// What the report says of the compositor, with these settings of the picture; `None` without an adapter.
+/// Compositor in the report, with these settings of the picture; `None` without an adapter.
 fn composited(folder: &Folder, settings: &[&str]) -> Option<serde_json::Value> {
     let mut arguments = vec!["run", "slab.toml", "--report", "report.json", "--quiet"];
     for setting in [&["picture.engine=\"gpu\"", "picture.adapter=\"software\""], settings].concat() {
@@ -213,7 +213,7 @@ fn an_accumulation_in_few_bits_is_blended() {
     folder.voltet(&["check", "slab.toml"]).fails(2, &words);
 }
 
-/// What no device serves is refused before any data are read, with the line that asks for it; `auto` takes another engine.
+/// A scene that no device supports is refused before any data are read, with the line that states it; `auto` takes another engine.
 #[test]
 fn an_integrator_that_the_named_engine_lacks_is_refused_by_check() {
     let folder = Folder::new();
@@ -226,7 +226,7 @@ fn an_integrator_that_the_named_engine_lacks_is_refused_by_check() {
     assert!(explained.stdout.contains(wanted), "{}", explained.stdout);
 }
 
-/// What draws nothing has no say in the one colour: on no engine does it ask for an order of the pixels' segments, and it
+/// A widget that draws nothing does not change the one colour: on no engine does it require an order of the pixels' segments, and it
 /// leaves the picture as it is.
 #[test]
 fn an_undrawn_widget_of_another_colour_asks_no_engine_for_an_order() {

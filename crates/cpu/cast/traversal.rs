@@ -10,7 +10,7 @@ use super::ray_caster::MAX_RAYCAST_ATTRIBUTES;
 use crate::fragments::batch::{Batch, MAX_LANES};
 use crate::tile::TILE;
 use voltet_simd::{
-    Awaited, Float, Kernel, LaneSet, Lanes, Mask, Unsigned, array, dispatch, inlined, mask_of,
+    Float, Kernel, LaneSet, Lanes, Mask, PrefetchedGather, Unsigned, array, dispatch, inlined, mask_of,
 };
 
 /// Configuration of a traversal.
@@ -118,7 +118,7 @@ pub(super) struct PacketTraversal<'a, 'b, L: Lanes, const PERSPECTIVE: bool, con
     half: usize,
     depths: bool,
     /// Records of the half-faces that rays entered by.
-    records: Awaited<'b>,
+    records: PrefetchedGather<'b>,
     points: &'b Points,
     first: &'b [[f32; 4]],
     further: &'b [[f32; 4]],
@@ -154,7 +154,7 @@ impl<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize> PacketTraversal<
         let mine = u32::MAX >> (32 - L::WIDTH);
         let points = &packet.caster.points;
         let mut traversal = PacketTraversal {
-            records: Awaited::first(&packet.caster.half_faces.records),
+            records: PrefetchedGather::first(&packet.caster.half_faces.records),
             points,
             first: &points.quads[0],
             further: points.quads.get(1).map_or(&[], Vec::as_slice),

@@ -1,9 +1,10 @@
 //! Support bounds: outside them a widget changes a segment by next to nothing.
 
 use crate::attribute::Attribute;
-use crate::shade::kinds::WidgetContext;
+use crate::shade::context::WidgetContext;
 use crate::shade::segment_lanes::SegmentLanes;
-use crate::shade::support::{NEGLIGIBLE_DEPTH, SupportBounds, ValueRange};
+use crate::shade::support::{SupportBounds, ValueRange};
+use crate::tolerances::NEGLIGIBLE_DEPTH;
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
 use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
 use voltet_simd::{Float, Kernel, LaneSet, Lanes, Mask, dispatch};

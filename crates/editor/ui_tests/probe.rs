@@ -3,7 +3,7 @@
 use super::transfer::with_distribution;
 use super::*;
 use crate::actions::Command;
-use crate::study::{Studied, StudyOf};
+use crate::study::{Studied, StudyRequest};
 use voltet_core::progress::Progress;
 use voltet_graph::LocatedValue;
 
@@ -81,7 +81,7 @@ fn values_in_the_section_make_a_widget_of_their_mean_and_covariance() {
     assert!(sigma.iter().all(|sigma| *sigma > 0.0 && sigma.is_finite()), "{sigma:?}");
 }
 
-/// What is the same in all of the data is not looked at, and the widget is sound all the same.
+/// A quantity that is constant in the data is ignored, and the widget is sound all the same.
 #[test]
 fn a_probe_of_a_constant_field_makes_a_widget_that_draws() {
     let text = TEXT.replace(
@@ -125,7 +125,7 @@ impl Entry for voltet_graph::ParameterValue {
 #[test]
 fn a_study_runs_beside_the_window_and_can_be_stopped() {
     let mut hand = Hand::new(TEXT);
-    hand.editor.study.make = Some(Arc::new(|of: &StudyOf, progress: &dyn Progress| {
+    hand.editor.study.make = Some(Arc::new(|of: &StudyRequest, progress: &dyn Progress| {
         assert!(of.text.contains("wavelet") && of.node.as_deref() == Some("picture"));
         for i in 0..2000 {
             progress.report("settings", f64::from(i) / 2000.0);
@@ -138,7 +138,7 @@ fn a_study_runs_beside_the_window_and_can_be_stopped() {
     }));
     hand.editor.command(&hand.ctx.clone(), Command::Study);
     hand.frames(2);
-    let of = StudyOf {
+    let of = StudyRequest {
         text: hand.text(),
         path: hand.path(),
         node: hand.editor.scene().shown_node.map(str::to_string),
@@ -151,7 +151,7 @@ fn a_study_runs_beside_the_window_and_can_be_stopped() {
     until(&mut hand, "it does not stop", |hand| hand.editor.study.found().is_some());
     assert!(begun.elapsed() < Duration::from_secs(15));
     assert_eq!(hand.editor.study.found().unwrap().as_ref().unwrap_err(), "stopped");
-    hand.editor.study.make = Some(Arc::new(|_: &StudyOf, _: &dyn Progress| panic!("a mistake")));
+    hand.editor.study.make = Some(Arc::new(|_: &StudyRequest, _: &dyn Progress| panic!("a mistake")));
     hand.editor.study.begin(of, &hand.ctx.clone());
     until(&mut hand, "no end", |hand| hand.editor.study.found().is_some());
     assert!(hand.editor.study.found().unwrap().as_ref().is_err_and(|error| error.contains("mistake")));

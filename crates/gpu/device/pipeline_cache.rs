@@ -33,7 +33,7 @@ impl<K, P> Default for PipelineCache<K, P> {
 
 impl<K: Eq + Hash, P> PipelineCache<K, P> {
     /// The pipeline, compiled if it is not there; compiling blocks no other thread.
-    pub fn of(&self, key: K, compile: impl FnOnce() -> Result<P>) -> Result<Arc<P>> {
+    pub fn get_or_compile(&self, key: K, compile: impl FnOnce() -> Result<P>) -> Result<Arc<P>> {
         let known = self.locked().get(&key).cloned();
         if let Some(pipeline) = known {
             return Ok(pipeline);

@@ -26,7 +26,7 @@ impl Device {
             entry_point: program.entry_point,
             constants: program.constants.iter().map(|(name, x)| (*name, x.to_bits())).collect(),
         };
-        self.passes.of(key, || {
+        self.passes.get_or_compile(key, || {
             let compiled = self.compile(program)?;
             self.work.shader_builds.fetch_add(1, Ordering::Relaxed);
             Ok(compiled)

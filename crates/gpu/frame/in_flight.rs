@@ -19,7 +19,7 @@ use voltet_optics::scene::Scene;
 const IN_FLIGHT: usize = 4;
 
 /// A frame in flight.
-pub struct InFlight {
+pub struct PendingFrame {
     renderer: Arc<Renderer>,
     scene: Scene,
     options: RenderOptions,
@@ -32,7 +32,7 @@ pub struct InFlight {
 /// A submitted frame.
 pub enum SubmittedFrame {
     /// In flight.
-    InFlight(Box<InFlight>),
+    InFlight(Box<PendingFrame>),
     /// Drawn at once: it comes in parts, or enough are in flight.
     Finished(Box<FrameOutput>),
 }
@@ -95,7 +95,7 @@ pub fn begin(
         return draw_at_once(renderer, scene, options, progress);
     };
     let pending = inputs.pending_stats(scene, options);
-    Ok(SubmittedFrame::InFlight(Box::new(InFlight {
+    Ok(SubmittedFrame::InFlight(Box::new(PendingFrame {
         renderer: renderer.clone(),
         scene: scene.clone(),
         options: *options,
@@ -121,7 +121,7 @@ impl SubmittedFrame {
         match self {
             SubmittedFrame::Finished(output) => Ok(*output),
             SubmittedFrame::InFlight(frame) => {
-                let InFlight { renderer, scene, options, ordered, pending, submitted, slot } = *frame;
+                let PendingFrame { renderer, scene, options, ordered, pending, submitted, slot } = *frame;
                 let Some(returned) = submitted.finish(renderer.device())? else {
                     slot.finish();
                     return draw(&renderer, &scene, &options, progress);

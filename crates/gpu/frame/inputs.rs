@@ -6,7 +6,7 @@ use crate::frame::output::PendingStats;
 use crate::frame::renderer::Renderer;
 use crate::frame::{limits, support, view};
 use crate::grid::axes::{axis, offset_parts};
-use crate::grid::device_grid::{DeviceArray, DeviceGrid, Quantity};
+use crate::grid::device_grid::{DeviceArray, DeviceGrid, ValueArray};
 use crate::grid::split_buffer::BufferSizes;
 use crate::pass::tables::TableKey;
 use std::sync::Arc;
@@ -99,14 +99,14 @@ pub(crate) fn inputs<'a>(
     let (choices, sizes) = choices(renderer, scene, options)?;
     let compositor = choices.compositor;
 
-    let scalar = grid.stored(volume, Quantity::Scalar)?;
+    let scalar = grid.stored(volume, ValueArray::Scalar)?;
     // Where g is not read, s stands in its place.
     let mut values = vec![scalar.clone(), scalar.clone()];
     if choices.reads_gradient_magnitude {
-        values[1] = grid.stored(volume, Quantity::GradientMagnitude)?;
+        values[1] = grid.stored(volume, ValueArray::GradientMagnitude)?;
     }
     for name in transfer_function.fields() {
-        values.push(grid.stored(volume, Quantity::Field(name.to_string()))?);
+        values.push(grid.stored(volume, ValueArray::Field(name.to_string()))?);
     }
     limits::check(grid, &choices, transfer_function, &values)?;
     let numbered = values.iter().enumerate();
@@ -123,7 +123,7 @@ pub(crate) fn inputs<'a>(
         further.map(|(value, axis)| (value.clone(), offset_parts(value, axis))).collect();
     if choices.reads_gradient() {
         for component in 0..3 {
-            attributes.push((grid.stored(volume, Quantity::Gradient(component))?, [0.0; 2]));
+            attributes.push((grid.stored(volume, ValueArray::Gradient(component))?, [0.0; 2]));
         }
     }
     let is_free = is_free(compositor);

@@ -10,7 +10,7 @@ use crate::frame::counters;
 use crate::frame::inputs::FrameInputs;
 use crate::grid::split_buffer::GrowingSplitBuffer;
 use crate::pass::bound_pass::{Binder, BoundPass, GridArrays, folded, kinds, run, scene_kinds};
-use crate::raster::blending::{Blending, Form, Raster};
+use crate::raster::blending::{Blending, CellPrimitive, Raster};
 use voltet_core::Result;
 use voltet_optics::engine::Stage;
 use voltet_shaders::{CompositorProgram, FramePass, GridArray, PlacementRecord, ViewRecord, cells_read};
@@ -113,8 +113,8 @@ impl<'a> Passes<'a> {
         }
         let reads_g = if frame.reads_g { 1.0 } else { 0.0 };
         let blended = match frame.choices.compositor {
-            CompositorProgram::Raster(blend) => Some((Form::Outlines, blend)),
-            CompositorProgram::Triangles(blend) => Some((Form::Triangles, blend)),
+            CompositorProgram::Raster(blend) => Some((CellPrimitive::Outlines, blend)),
+            CompositorProgram::Triangles(blend) => Some((CellPrimitive::Triangles, blend)),
             CompositorProgram::None | CompositorProgram::Segments | CompositorProgram::Tiles(_) => None,
         };
         let lists_tiles = if blended.is_some() { 0.0 } else { 1.0 };
@@ -122,7 +122,7 @@ impl<'a> Passes<'a> {
         let mut lists = vec![step(FramePass::Cells, over_cells, constants, &[&support, &counts], scalar)?];
 
         let tables =
-            buffers.tables.of(device, &frame.tables, &frame.choices, &frame.shading, &frame.numbers)?;
+            buffers.tables.new(device, &frame.tables, &frame.choices, &frame.shading, &frame.numbers)?;
         let mut read: Vec<(u32, &Buffer)> = vec![(0, &scene)];
         for (name, binding) in &frame.storage_buffers {
             read.push((*binding, tables.named(name)?));
@@ -149,7 +149,7 @@ impl<'a> Passes<'a> {
             if frame.sorted {
                 lists.push(step(FramePass::Sort, over_tiles, vec![], &[&counts, &entries], scalar)?);
             }
-            let in_grid = arrays.of(cells_read(sizes.stride as usize), scalar);
+            let in_grid = arrays.buffers(cells_read(sizes.stride as usize), scalar);
             let pipeline = device.pipeline(&Program {
                 shader: &frame.compositor,
                 entry_point: "composite_tiles",

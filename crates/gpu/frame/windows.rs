@@ -27,10 +27,10 @@ const BUDGET: u32 = 1 << 22;
 const BUDGET_SOFTWARE: u32 = 1 << 13;
 
 /// Less makes no difference: a chunk of cells is gone through without a pause.
-const BUDGET_LEAST: u32 = 1 << 6;
+const MIN_BUDGET: u32 = 1 << 6;
 
 /// Dispatches in which every tile gets further, so that far fewer suffice.
-const DISPATCHES_MOST: u32 = 100_000;
+const MAX_DISPATCHES: u32 = 100_000;
 
 /// Cells of one tile that a software driver sorts within those rounds.
 const LONGEST_SOFTWARE: u32 = 20_000;
@@ -130,7 +130,7 @@ impl FrameInputs<'_> {
                 // Some room for the next frame.
                 buffers.capacity = needed.saturating_add(needed / 4).min(most);
             } else if counts[counters::PIXELS_CUT_SHORT] != 0 {
-                if budget <= BUDGET_LEAST {
+                if budget <= MIN_BUDGET {
                     return Err(self.ends_loops(counts[counters::PIXELS_CUT_SHORT]));
                 }
                 buffers.budget = Some(budget / 4);
@@ -234,7 +234,7 @@ impl FrameInputs<'_> {
                 let mut dispatches = 0;
                 while counted[counters::UNFINISHED] != 0 && is_right(&counted) {
                     dispatches += 1;
-                    if dispatches > DISPATCHES_MOST {
+                    if dispatches > MAX_DISPATCHES {
                         return Err(Error::run(format!(
                             "{} does not come to an end with the tiles",
                             device.name

@@ -15,7 +15,7 @@ use voltet_shaders::GridArray;
 
 /// A quantity at the points.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub(crate) enum Quantity {
+pub(crate) enum ValueArray {
     Scalar,
     GradientMagnitude,
     Field(String),
@@ -55,7 +55,7 @@ pub(crate) struct DeviceGrid {
     pub(crate) centre: DVec3,
     /// Half the sides of the box, in lengths.
     pub(crate) half: DVec3,
-    stored: Mutex<HashMap<Quantity, Arc<DeviceArray>>>,
+    stored: Mutex<HashMap<ValueArray, Arc<DeviceArray>>>,
 }
 
 impl DeviceGrid {
@@ -104,14 +104,14 @@ impl DeviceGrid {
     }
 
     /// The quantity, uploaded if it is not there. `volume` is the one that the grid was made from.
-    pub(crate) fn stored(&self, volume: &Volume, quantity: Quantity) -> Result<Arc<DeviceArray>> {
+    pub(crate) fn stored(&self, volume: &Volume, quantity: ValueArray) -> Result<Arc<DeviceArray>> {
         let known = self.stored.lock().unwrap_or_else(PoisonError::into_inner).get(&quantity).cloned();
         if let Some(stored) = known {
             return Ok(stored);
         }
         let stored = Arc::new(match &quantity {
-            Quantity::Scalar => self.store(volume, &volume.scalar, 1, 0)?,
-            Quantity::GradientMagnitude => match &volume.gradient_magnitude {
+            ValueArray::Scalar => self.store(volume, &volume.scalar, 1, 0)?,
+            ValueArray::GradientMagnitude => match &volume.gradient_magnitude {
                 Some(g) => self.store(volume, g, 1, 0)?,
                 None => {
                     return Err(Error::usage(
@@ -120,7 +120,7 @@ impl DeviceGrid {
                     .expected("a gradient-magnitude node before this one"));
                 }
             },
-            Quantity::Field(name) => {
+            ValueArray::Field(name) => {
                 let arrays = &volume.grid.point_arrays;
                 let array = arrays.get(name).filter(|array| array.component_count == 1);
                 let Some(array) = array else {
@@ -132,7 +132,7 @@ impl DeviceGrid {
                 };
                 self.store(volume, &array.values, 1, 0)?
             }
-            Quantity::Gradient(component) => match &volume.gradient {
+            ValueArray::Gradient(component) => match &volume.gradient {
                 Some(gradient) if gradient.len() == volume.grid.points.len() => {
                     self.store(volume, bytemuck::cast_slice(gradient), 3, *component)?
                 }

@@ -11,7 +11,7 @@ use voltet_shaders::{Access, FramePass, GridArray, Layout, Parts, TEXEL_BYTES, c
 const MEBIBYTE: f64 = (1u64 << 20) as f64;
 
 /// Points, cells or a table's numbers that can be counted, so that no dispatch over them passes the last number of 32 bits.
-const MOST: u64 = 4_000_000_000;
+const MAX_COUNT: u64 = 4_000_000_000;
 
 /// Binding limits of a device.
 #[derive(Debug, Clone, Copy)]
@@ -78,7 +78,7 @@ impl BufferSizes {
 
     fn fits(&self, room: BindingLimits) -> bool {
         let numbers = self.texels.saturating_mul(TEXEL_BYTES / 4);
-        self.points.max(self.cells).max(numbers) <= MOST && self.buffers(room) <= room.buffers
+        self.points.max(self.cells).max(numbers) <= MAX_COUNT && self.buffers(room) <= room.buffers
     }
 
     /// An error that names the arrays in parts, and how many such cells would do, if a device binds too few buffers.

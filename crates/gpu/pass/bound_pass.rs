@@ -44,7 +44,7 @@ pub(crate) struct GridArrays<'a> {
 
 impl GridArrays<'_> {
     /// Buffers bound to the group of the grid, in order. `quantity`: the array that [`GridArray::Quantity`] stands for.
-    pub fn of<'b>(
+    pub fn buffers<'b>(
         &'b self,
         arrays: &[(GridArray, Access)],
         quantity: &'b DeviceArray,
@@ -99,7 +99,7 @@ impl Binder<'_> {
         bindings: &[&Buffer],
         quantity: &DeviceArray,
     ) -> Result<BoundPass> {
-        let in_grid = self.arrays.of(pass.grid_arrays(), quantity);
+        let in_grid = self.arrays.buffers(pass.grid_arrays(), quantity);
         let program = Program {
             shader: &pass.shader(self.layout),
             entry_point: pass.entry_point(),

@@ -22,35 +22,35 @@ use wgpu::{Buffer, BufferUsages, CommandEncoder};
 
 /// As what cells are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Form {
+pub(crate) enum CellPrimitive {
     /// Outlines of four vertices, which are found while they are drawn.
     Outlines,
     /// Triangles round the thick vertex, which a pass splits each run into.
     Triangles,
 }
 
-impl Form {
+impl CellPrimitive {
     /// Entry points for vertices and for pixels.
     fn entry_points(self) -> [&'static str; 2] {
         match self {
-            Form::Outlines => ["outline_cell", "blend_cell"],
-            Form::Triangles => ["place_corner", "blend_triangle"],
+            CellPrimitive::Outlines => ["outline_cell", "blend_cell"],
+            CellPrimitive::Triangles => ["place_corner", "blend_triangle"],
         }
     }
 
     /// The triangles of a cell, by its vertices: of a ring of four, or of four round the first.
     fn triangles(self) -> &'static [[u32; 3]] {
         match self {
-            Form::Outlines => &[[0, 1, 2], [0, 2, 3]],
-            Form::Triangles => &[[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]],
+            CellPrimitive::Outlines => &[[0, 1, 2], [0, 2, 3]],
+            CellPrimitive::Triangles => &[[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]],
         }
     }
 
     /// Vertices of a cell.
     fn vertices(self) -> u32 {
         match self {
-            Form::Outlines => 4,
-            Form::Triangles => 5,
+            CellPrimitive::Outlines => 4,
+            CellPrimitive::Triangles => 5,
         }
     }
 
@@ -76,7 +76,7 @@ pub(crate) struct RasterBuffers {
     uploaded: Option<Arc<FaceOrder>>,
     draws: GrowingBuffer,
     /// With the form and the run's length that they are for.
-    indices: Option<((Form, u32), Buffer)>,
+    indices: Option<((CellPrimitive, u32), Buffer)>,
     canvases: [Canvas; 2],
     /// The corners of a run's triangles.
     split: GrowingBuffer,
@@ -87,7 +87,7 @@ pub(crate) struct RasterBuffers {
 /// Form that is drawn.
 pub(crate) struct Blending<'a> {
     pub shader: &'a Shader,
-    pub form: Form,
+    pub form: CellPrimitive,
     pub blend: Blend,
     /// True if pixels hold 8 bits a channel.
     pub in_8_bits: bool,
@@ -135,8 +135,10 @@ impl Raster {
         // A run's corners stand in one binding.
         let fit = (device.most_bytes() / RunRecord::CELL_BYTES).max(1);
         let run_length = match form {
-            Form::Outlines => kept.run_length.unwrap_or(RUN_LENGTH),
-            Form::Triangles => kept.run_length.unwrap_or(RUN_LENGTH).min(fit.try_into().unwrap_or(u32::MAX)),
+            CellPrimitive::Outlines => kept.run_length.unwrap_or(RUN_LENGTH),
+            CellPrimitive::Triangles => {
+                kept.run_length.unwrap_or(RUN_LENGTH).min(fit.try_into().unwrap_or(u32::MAX))
+            }
         };
         let run_count = cell_count.div_ceil(run_length);
         let rounds = if sorted { ROUNDS } else { 1 };
@@ -149,7 +151,7 @@ impl Raster {
         let mut steps = list.steps;
         let most = device.limits.max_compute_workgroups_per_dimension;
         // The vertices of triangles are those of a run, others count through the list.
-        let vertices = if form == Form::Outlines { form.vertices() } else { 0 };
+        let vertices = if form == CellPrimitive::Outlines { form.vertices() } else { 0 };
         let constants = vec![
             ("run_length", f64::from(run_length)),
             ("cell_indices", 3.0 * form.triangles().len() as f64),
@@ -160,8 +162,8 @@ impl Raster {
         let mut split = Vec::new();
         // What vertices are read from.
         let drawn = match form {
-            Form::Outlines => list.sorted.clone(),
-            Form::Triangles => {
+            CellPrimitive::Outlines => list.sorted.clone(),
+            CellPrimitive::Triangles => {
                 let size = u64::from(run_length.min(cell_count)) * RunRecord::CELL_BYTES;
                 let corners =
                     kept.split.at_least(size, |size| device.storage("the corners of a run", size))?;
@@ -182,9 +184,9 @@ impl Raster {
         let size = [window[2], window[3]].map(|tiles| tiles * ViewRecord::TILE);
         let made = target.formats.iter().zip(&mut kept.canvases);
         let canvases: Vec<_> =
-            made.map(|(format, canvas)| canvas.of(device, size, *format)).collect::<Result<_>>()?;
+            made.map(|(format, canvas)| canvas.texture(device, size, *format)).collect::<Result<_>>()?;
         let clear = target.clear;
-        let in_grid = binder.arrays.of(blending.cells_read, scalar);
+        let in_grid = binder.arrays.buffers(blending.cells_read, scalar);
         let pipeline = device.drawing(&Drawing {
             shader,
             entry_points: form.entry_points(),
@@ -305,7 +307,7 @@ impl RasterBuffers {
         Ok(buffer)
     }
 
-    fn indices(&mut self, device: &Device, form: Form, run_length: u32) -> Result<Buffer> {
+    fn indices(&mut self, device: &Device, form: CellPrimitive, run_length: u32) -> Result<Buffer> {
         let key = (form, run_length);
         if let Some((_, known)) = self.indices.as_ref().filter(|(known, _)| *known == key) {
             return Ok(known.clone());

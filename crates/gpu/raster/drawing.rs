@@ -120,7 +120,7 @@ impl Device {
         let text = program.shader.text.clone();
         let fragment = program.entry_points[1];
         let key = DrawingKey { text, fragment, formats: formats.clone(), factors: *factors };
-        self.drawings.of(key, || {
+        self.drawings.get_or_compile(key, || {
             let compiled = self.compile_drawing(program)?;
             self.work.shader_builds.fetch_add(1, Ordering::Relaxed);
             Ok(compiled)
@@ -181,7 +181,7 @@ pub(crate) struct Canvas {
 
 impl Canvas {
     /// The texture of exactly this size: a pixel's place in the window is its place in the texture.
-    pub fn of(
+    pub fn texture(
         &mut self,
         device: &Device,
         size: [u32; 2],

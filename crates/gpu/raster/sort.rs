@@ -101,7 +101,7 @@ mod tests {
     use super::*;
     use crate::device::device_handle::Device;
     use crate::device::timing::Timing;
-    use crate::grid::device_grid::{DeviceGrid, Quantity};
+    use crate::grid::device_grid::{DeviceGrid, ValueArray};
     use crate::grid::split_buffer::SplitBuffer;
     use crate::pass::bound_pass::GridArrays;
     use std::sync::Arc;
@@ -127,7 +127,7 @@ mod tests {
         let nothing = || SplitBuffer { buffers: vec![device.storage("nothing", 16).expect("fits")] };
         let arrays = GridArrays { grid, seen: nothing(), attributes: nothing(), bounds: nothing() };
         let binder = Binder { device, view: &view, arrays: &arrays, layout: &Layout::WHOLE };
-        let scalar = grid.stored(volume, Quantity::Scalar).expect("fits");
+        let scalar = grid.stored(volume, ValueArray::Scalar).expect("fits");
         let sort = buffers.sort(&binder, capacity, ROUNDS, Items::Listed, &scalar).expect("compiles");
         // An even number of rounds ends where it began.
         device.queue.write_buffer(&sort.sorted, 0, bytemuck::cast_slice(items));

@@ -124,7 +124,7 @@ impl PlanContext<'_> {
 }
 
 /// A value that a session keeps for its nodes.
-pub(crate) type Kept = Arc<dyn Any + Send + Sync>;
+pub(crate) type RetainedValue = Arc<dyn Any + Send + Sync>;
 
 /// The revision of what is made from no output, and stays as long as the session. Outputs count from 1.
 pub(crate) const FOR_THE_SESSION: Revision = Revision(0);
@@ -136,7 +136,11 @@ pub(crate) trait RunServices {
     /// The text that states the graph.
     fn pipeline(&self) -> &ResolvedPipeline;
     /// The value kept under a key, made if there is none.
-    fn get_or_make(&self, key: (Revision, TypeId), make: &mut dyn FnMut() -> Result<Kept>) -> Result<Kept>;
+    fn get_or_make(
+        &self,
+        key: (Revision, TypeId),
+        make: &mut dyn FnMut() -> Result<RetainedValue>,
+    ) -> Result<RetainedValue>;
     /// See [`RunContext::step_count`].
     fn step_count(&self, edge: usize) -> Result<usize>;
     /// See [`RunContext::each_step`].
@@ -151,14 +155,14 @@ pub(crate) trait RunServices {
         &self,
         edge: usize,
         demand: &Demand,
-        make: &mut dyn FnMut() -> Result<Kept>,
-    ) -> Result<Kept>;
+        make: &mut dyn FnMut() -> Result<RetainedValue>,
+    ) -> Result<RetainedValue>;
 }
 
 /// Calls a service that keeps values of any type, for one of type `T`; one of another type is made anew.
 fn erased<T: Send + Sync + 'static>(
     make: impl FnOnce() -> Result<T>,
-    keep: impl FnOnce(&mut dyn FnMut() -> Result<Kept>) -> Result<Kept>,
+    keep: impl FnOnce(&mut dyn FnMut() -> Result<RetainedValue>) -> Result<RetainedValue>,
 ) -> Result<Arc<T>> {
     let mut make = Some(make);
     let kept = keep(&mut || match make.take() {

@@ -27,7 +27,7 @@ pub enum DiagnosticTarget {
 
 impl Diagnostic {
     /// Makes a diagnostic at the error's own source span, else at the node's.
-    pub(super) fn of(entry: &NodeEntry, part: DiagnosticTarget, error: Error) -> Diagnostic {
+    pub(super) fn new(entry: &NodeEntry, part: DiagnosticTarget, error: Error) -> Diagnostic {
         let error = entry.origin.locate(error.at_node(&entry.name));
         Diagnostic { node: entry.name.clone(), part, error }
     }

@@ -138,10 +138,10 @@ impl Graph {
         for (i, entry) in entries.iter().enumerate() {
             if entries[..i].iter().any(|e| e.name == entry.name) {
                 let error = Error::usage(format!("two nodes are called '{}'", entry.name));
-                faults.push(Diagnostic::of(entry, DiagnosticTarget::Node, error));
+                faults.push(Diagnostic::new(entry, DiagnosticTarget::Node, error));
             }
             let node = find_type(entry, registry)
-                .map_err(|error| faults.push(Diagnostic::of(entry, DiagnosticTarget::Node, error)));
+                .map_err(|error| faults.push(Diagnostic::new(entry, DiagnosticTarget::Node, error)));
             types.push((entry.name.as_str(), node.ok()));
             checked.push(node.ok().and_then(|node| check(entry, node, registry, faults)));
         }
@@ -227,11 +227,11 @@ fn check(
     faults.extend(
         wrong
             .into_iter()
-            .map(|wrong| Diagnostic::of(entry, DiagnosticTarget::Parameter(wrong.parameter), wrong.error)),
+            .map(|wrong| Diagnostic::new(entry, DiagnosticTarget::Parameter(wrong.parameter), wrong.error)),
     );
     let checked = surveyed.filter(|_| is_right)?;
     if let Err(error) = (node.check)(&checked.0) {
-        faults.push(Diagnostic::of(entry, DiagnosticTarget::Node, error));
+        faults.push(Diagnostic::new(entry, DiagnosticTarget::Node, error));
     }
     Some(checked)
 }
@@ -279,7 +279,7 @@ fn refuse_cycles(entries: &[NodeEntry], edges: &[Vec<Edge>], faults: &mut Vec<Di
                     .got(names.join(" → "))
                     .expected("inputs that lead back to sources");
                 let error = edge.origin.locate(error.at_node(&entries[i].name));
-                faults.push(Diagnostic::of(
+                faults.push(Diagnostic::new(
                     &entries[i],
                     DiagnosticTarget::Input(edge.name.to_string()),
                     error,

@@ -6,9 +6,9 @@ use voltet_core::Result;
 
 /// Work that a program does in place of a node's own. Clones are the same work: a session uses its former outputs again.
 #[derive(Clone)]
-pub struct NodeOverride(Arc<Work>);
+pub struct NodeOverride(Arc<OverrideFn>);
 
-type Work = dyn Fn(&mut RunContext) -> Result<Outputs> + Send + Sync;
+type OverrideFn = dyn Fn(&mut RunContext) -> Result<Outputs> + Send + Sync;
 
 impl NodeOverride {
     /// One value for each output that the node declares, for what is asked of it ([`RunContext::demand`]).

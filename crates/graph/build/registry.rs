@@ -144,7 +144,7 @@ impl Registry {
     pub fn find(&self, name: &str) -> Result<&'static Node> {
         self.nodes.iter().copied().find(|n| n.name == name).ok_or_else(|| {
             Error::usage(format!("unknown node type '{name}'"))
-                .expected(suggest(name, self.names()) + &self.plugins_in_words())
+                .expected(suggest(name, self.names()) + &self.plugin_list())
         })
     }
 
@@ -153,12 +153,12 @@ impl Registry {
         self.filters.iter().find(|filter| filter.declaration().name == name).ok_or_else(|| {
             let names = self.filters.iter().map(|filter| filter.declaration().name);
             Error::usage(format!("unknown gradient filter '{name}'"))
-                .expected(suggest(name, names) + &self.plugins_in_words())
+                .expected(suggest(name, names) + &self.plugin_list())
         })
     }
 
     /// The clause behind the known names in an error.
-    fn plugins_in_words(&self) -> String {
+    fn plugin_list(&self) -> String {
         self.plugins.as_ref().map(|clause| format!("; {clause}")).unwrap_or_default()
     }
 

@@ -20,7 +20,7 @@ pub(super) fn wires(
 ) -> Vec<Edge> {
     let Some(node) = types[place].1 else { return Vec::new() };
     let mut fault = |port: &str, error| {
-        faults.push(Diagnostic::of(entry, DiagnosticTarget::Input(port.to_string()), error))
+        faults.push(Diagnostic::new(entry, DiagnosticTarget::Input(port.to_string()), error))
     };
     let required = node.inputs.len();
     let mut edges: Vec<Option<Edge>> = vec![None; required];

@@ -1,6 +1,6 @@
 //! Former outputs of nodes, and values made from a revision.
 
-use crate::api::context::{FOR_THE_SESSION, Kept, Preparation};
+use crate::api::context::{FOR_THE_SESSION, Preparation, RetainedValue};
 use crate::api::demand::Demand;
 use crate::api::node::{Node, Steps};
 use crate::api::origins::{FileStamp, Stamp};
@@ -154,8 +154,8 @@ pub(super) struct Key {
 /// Values made from a revision, by the revision and their own type.
 #[derive(Default)]
 pub(super) struct Store {
-    over_steps: Mutex<Vec<(Key, Kept)>>,
-    kept: Mutex<HashMap<(Revision, TypeId), Kept>>,
+    over_steps: Mutex<Vec<(Key, RetainedValue)>>,
+    kept: Mutex<HashMap<(Revision, TypeId), RetainedValue>>,
 }
 
 impl Store {
@@ -163,8 +163,8 @@ impl Store {
     pub(super) fn get_or_make(
         &self,
         key: (Revision, TypeId),
-        make: &mut dyn FnMut() -> Result<Kept>,
-    ) -> Result<Kept> {
+        make: &mut dyn FnMut() -> Result<RetainedValue>,
+    ) -> Result<RetainedValue> {
         if let Some(kept) = self.lock().get(&key) {
             return Ok(kept.clone());
         }
@@ -174,12 +174,12 @@ impl Store {
     }
 
     /// The value made over all steps of a time series.
-    pub(super) fn over_steps(&self, key: &Key) -> Option<Kept> {
+    pub(super) fn over_steps(&self, key: &Key) -> Option<RetainedValue> {
         let kept = self.over_steps.lock().unwrap_or_else(PoisonError::into_inner);
         kept.iter().find(|(known, _)| known == key).map(|(_, kept)| kept.clone())
     }
 
-    pub(super) fn keep_over_steps(&self, key: Key, made: Kept) {
+    pub(super) fn keep_over_steps(&self, key: Key, made: RetainedValue) {
         let mut kept = self.over_steps.lock().unwrap_or_else(PoisonError::into_inner);
         kept.retain(|(known, _)| *known != key);
         kept.push((key, made));
@@ -190,7 +190,7 @@ impl Store {
         self.lock().retain(|(revision, _), _| *revision == FOR_THE_SESSION || alive.contains(revision));
     }
 
-    fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<(Revision, TypeId), Kept>> {
+    fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<(Revision, TypeId), RetainedValue>> {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

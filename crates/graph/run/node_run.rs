@@ -3,7 +3,7 @@
 use super::cache::{Key, Store, files_of};
 use super::origins::{origins, upstream};
 use super::plan::{Done, inputs_of, refuse_missing_gradient};
-use crate::api::context::{DemandContext, Kept, Preparation, RunContext, RunServices};
+use crate::api::context::{DemandContext, Preparation, RetainedValue, RunContext, RunServices};
 use crate::api::demand::Demand;
 use crate::api::node::Steps;
 use crate::api::observer::{NodeProgress, Observer};
@@ -179,7 +179,11 @@ impl RunServices for NodeRun<'_> {
         &self.graph.stated
     }
 
-    fn get_or_make(&self, key: (Revision, TypeId), make: &mut dyn FnMut() -> Result<Kept>) -> Result<Kept> {
+    fn get_or_make(
+        &self,
+        key: (Revision, TypeId),
+        make: &mut dyn FnMut() -> Result<RetainedValue>,
+    ) -> Result<RetainedValue> {
         self.store.get_or_make(key, make)
     }
 
@@ -209,8 +213,8 @@ impl RunServices for NodeRun<'_> {
         &self,
         edge: usize,
         demand: &Demand,
-        make: &mut dyn FnMut() -> Result<Kept>,
-    ) -> Result<Kept> {
+        make: &mut dyn FnMut() -> Result<RetainedValue>,
+    ) -> Result<RetainedValue> {
         let key = self.key(edge, &self.feeding(edge, demand)?)?;
         if let Some(kept) = self.store.over_steps(&key) {
             return Ok(kept);

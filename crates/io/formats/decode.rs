@@ -5,7 +5,7 @@
 
 use super::ascii;
 use super::codec::Decompressor;
-use super::found::{Decodable, Payload};
+use super::decodable::{Decodable, Payload};
 use super::numbers::{Target, convert};
 use super::stored::{Meter, Stored};
 use rayon::prelude::*;

@@ -12,7 +12,7 @@ pub(super) struct Format {
     /// Name of the format's files in messages.
     pub files: &'static str,
     /// True if a file is one, by its name and how it begins (a byte order mark and white space left out).
-    pub is_meant: fn(head: &[u8], path: &Path, request: &Request) -> bool,
+    pub matches: fn(head: &[u8], path: &Path, request: &Request) -> bool,
     /// Reads the table of contents.
     pub open: fn(Arc<Source>, &Request) -> Result<Dataset>,
     /// True if a file may come with a second one, [`Request::solution`].

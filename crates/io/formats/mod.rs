@@ -12,10 +12,10 @@
 //! | `open` | the list of formats, and what tells a file's |
 //! | `format` | the declaration of a format: how its files are told, and what reads them |
 //! | `outside`, `added`, `chosen` | formats that come from outside: table of contents, what their reader decodes, which reader |
-//! | `foreign` | formats that are not read, by name and with what to do |
+//! | `unsupported` | formats that are not read, by name and with what to do |
 //! | `source` | a file, read at positions |
 //! | `piece`, `stored` | the table of contents: counts, geometry, and how each array lies in the file |
-//! | `found` | an array's bytes, their number compared with what headers promise |
+//! | `decodable` | an array's bytes, their number compared with what headers promise |
 //! | `codec`, `base64`, `ascii`, `numbers` | from bytes to numbers |
 //! | `decode` | arrays into memory, in parallel |
 //! | `cells`, `merge`, `assemble` | cells, pieces and the grid |
@@ -23,7 +23,7 @@
 //!
 //! Every format is turned into the same table of contents first ([`piece`]: counts, geometry, and for each array its
 //! type and where its bytes lie), without decoding anything. What a [`Request`] asks for is then decoded in
-//! parallel straight into its destination ([`found`], [`codec`], [`decode`]) and put together ([`assemble`]).
+//! parallel straight into its destination ([`decodable`], [`codec`], [`decode`]) and put together ([`assemble`]).
 //! The format is told by the content of the file, not by its name; PLOT3D, which has no magic, by its name or by a
 //! solution file being given. A further format is a module that gives a [`Dataset`] and declares a
 //! [`Format`], and a line in `FORMATS` in `open`.
@@ -42,10 +42,9 @@ mod base64;
 mod cells;
 mod chosen;
 mod codec;
+mod decodable;
 mod decode;
-mod foreign;
 mod format;
-mod found;
 mod inspect;
 mod legacy;
 mod merge;
@@ -58,6 +57,7 @@ mod request;
 mod select;
 mod source;
 mod stored;
+mod unsupported;
 mod xml;
 
 pub use assemble::SkippedArray;

@@ -4,7 +4,7 @@ use super::format::Format;
 use super::piece::Dataset;
 use super::request::{Request, TimeStep};
 use super::source::{self, Source};
-use super::{foreign, legacy, outside, plot3d, xml};
+use super::{legacy, outside, plot3d, unsupported, xml};
 use std::path::Path;
 use voltet_core::{Error, Result};
 
@@ -23,7 +23,7 @@ fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {
 /// Reads the table of contents of a file by the format that it shows; what is asked for but cannot be of such a file is an
 /// error.
 pub(super) fn open(path: &Path, request: &Request) -> Result<Dataset> {
-    foreign::refuse_folder(path)?;
+    unsupported::refuse_folder(path)?;
     let source = Source::open(path)?;
     let in_file = |error: Error| error.in_file(path);
     if let Some(chosen) = &request.chosen {
@@ -31,10 +31,10 @@ pub(super) fn open(path: &Path, request: &Request) -> Result<Dataset> {
         return refuse_no_series(dataset, request, "a file that is a series, or no time step")
             .map_err(in_file);
     }
-    foreign::refuse_by_magic(&source).map_err(in_file)?;
+    unsupported::refuse_by_magic(&source).map_err(in_file)?;
     let head = source.head(256).map_err(in_file)?;
     let Some(format) = format_of(&head, path, request) else {
-        foreign::refuse_by_words(&source).map_err(in_file)?;
+        unsupported::refuse_by_words(&source).map_err(in_file)?;
         let error = Error::run("the format of the file is not known").got(source::printable(&head));
         let formats = files(FORMATS.iter());
         return Err(in_file(
@@ -63,7 +63,7 @@ pub fn ships(path: &Path) -> bool {
 /// The format that a file shows, by how it begins and its name.
 fn format_of(head: &[u8], path: &Path, request: &Request) -> Option<&'static Format> {
     let text = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(head).trim_ascii_start();
-    FORMATS.iter().find(|format| (format.is_meant)(text, path, request))
+    FORMATS.iter().find(|format| (format.matches)(text, path, request))
 }
 
 /// Errors: a step that is none is asked for.

@@ -3,14 +3,14 @@
 //! | file | what |
 //! | --- | --- |
 //! | `block` | what is written |
-//! | `carried` | the texts that a picture carries, read from it |
+//! | `embedded` | the texts that a picture carries, read from it |
 //! | `date` | dates |
 //! | `report` | the report of a run |
 //! | `source` | the text of a pipeline, from its file or from a picture |
 
 mod block;
-mod carried;
 pub mod date;
+mod embedded;
 mod report;
 mod source;
 
@@ -18,6 +18,6 @@ pub use block::{
     CameraRecord, DataFile, MAX_NAMED, MAX_TEXT, PIPELINE, PROVENANCE, PluginRecord, Provenance,
     SidecarFiles, UnitDistance, Units,
 };
-pub use carried::{is_picture, read};
+pub use embedded::{is_picture, read};
 pub use report::{run_report, whole_report};
 pub use source::Source;

@@ -7,7 +7,7 @@ use voltet_core::grid::{Array, FileCells, Grid};
 
 /// Cells to write.
 #[derive(Debug, Clone, Copy)]
-pub enum Form<'a> {
+pub enum CellSource<'a> {
     /// The file's own.
     File(&'a FileCells),
     /// The tetrahedra that they were split into.
@@ -23,9 +23,9 @@ pub enum TetrahedraSource<'a> {
 }
 
 /// The contents without arrays, to which the others are added.
-pub fn gather(grid: &Grid, form: Form) -> Contents {
+pub fn gather(grid: &Grid, form: CellSource) -> Contents {
     match form {
-        Form::File(file) => {
+        CellSource::File(file) => {
             let mut cell_arrays = Vec::new();
             if let Some(ghost) = &file.ghost {
                 let flags = ghost.iter().map(|&ghost| u8::from(ghost)).collect();
@@ -38,7 +38,7 @@ pub fn gather(grid: &Grid, form: Form) -> Contents {
             let (points, cells) = (file.points.clone(), Topology::of_cells(&file.cells));
             Contents { points, cells, point_arrays: Vec::new(), cell_arrays }
         }
-        Form::Tetrahedra => {
+        CellSource::Tetrahedra => {
             let oriented: Vec<[u32; 4]> = (0..grid.tetrahedra.len()).map(|i| oriented(grid, i)).collect();
             let cells = (0..grid.tetrahedra.len()).map(|i| grid.source_cell(i) as u32).collect();
             Contents {
@@ -68,15 +68,15 @@ impl Contents {
     /// Adds values of the grid's points. Points of the file that no tetrahedron uses get NaN.
     pub fn add_point_values(
         &mut self,
-        form: Form,
+        form: CellSource,
         name: &str,
         role: Role,
         values: &[f64],
         components: usize,
     ) {
         let values = match form {
-            Form::Tetrahedra => values.to_vec(),
-            Form::File(file) => {
+            CellSource::Tetrahedra => values.to_vec(),
+            CellSource::File(file) => {
                 let mut own = Vec::with_capacity(file.points.len() * components);
                 for point in 0..file.points.len() {
                     match file.grid_point(point) {
@@ -92,12 +92,12 @@ impl Contents {
     }
 
     /// Adds arrays of the file's cells.
-    pub fn add_cell_arrays(&mut self, grid: &Grid, form: Form, arrays: &BTreeMap<String, Arc<Array>>) {
+    pub fn add_cell_arrays(&mut self, grid: &Grid, form: CellSource, arrays: &BTreeMap<String, Arc<Array>>) {
         for (name, array) in arrays {
             let n = array.component_count;
             let values = match form {
-                Form::File(_) => array.values.to_vec(),
-                Form::Tetrahedra => (0..grid.tetrahedra.len())
+                CellSource::File(_) => array.values.to_vec(),
+                CellSource::Tetrahedra => (0..grid.tetrahedra.len())
                     .map(|i| grid.source_cell(i))
                     .flat_map(|cell| &array.values[cell * n..(cell + 1) * n])
                     .copied()
@@ -108,11 +108,17 @@ impl Contents {
     }
 
     /// Adds numbers of tetrahedra.
-    pub fn add_of_tetrahedra(&mut self, grid: &Grid, form: Form, name: &str, numbers: TetrahedraSource) {
+    pub fn add_of_tetrahedra(
+        &mut self,
+        grid: &Grid,
+        form: CellSource,
+        name: &str,
+        numbers: TetrahedraSource,
+    ) {
         // Of each cell the largest of its tetrahedra's.
         let largest = |of: &dyn Fn(usize) -> f64, least: f64| -> Vec<f64> {
             let count = grid.tetrahedra.len();
-            let Form::File(file) = form else { return (0..count).map(of).collect() };
+            let CellSource::File(file) = form else { return (0..count).map(of).collect() };
             let mut cells = vec![least; file.cells.count()];
             for i in 0..count {
                 let cell = &mut cells[grid.source_cell(i)];
@@ -131,10 +137,12 @@ impl Contents {
     }
 
     /// Points of the file that have no values, since no tetrahedron uses them.
-    pub fn points_without_values(form: Form) -> usize {
+    pub fn points_without_values(form: CellSource) -> usize {
         match form {
-            Form::Tetrahedra => 0,
-            Form::File(file) => (0..file.points.len()).filter(|&p| file.grid_point(p).is_none()).count(),
+            CellSource::Tetrahedra => 0,
+            CellSource::File(file) => {
+                (0..file.points.len()).filter(|&p| file.grid_point(p).is_none()).count()
+            }
         }
     }
 }

@@ -12,4 +12,4 @@ mod gather;
 
 pub use contents::{Column, Contents, Precision, Role, Topology, Values};
 pub use encode::{Encoded, encode, encoding_bytes};
-pub use gather::{Form, TetrahedraSource, gather};
+pub use gather::{CellSource, TetrahedraSource, gather};

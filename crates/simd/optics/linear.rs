@@ -72,7 +72,7 @@ pub fn middling_piece_weights<L: Lanes>(a: L::F, b: L::F) -> (L::F, L::F, L::F) 
     let opacity = splat(1.0) - transparency;
     let square = m * m;
     let terms = [
-        polynomial::<L, 5>(square, FIRST),
+        polynomial::<L, 5>(square, FIRST_COEFFICIENTS),
         polynomial::<L, 4>(square, SECOND),
         polynomial::<L, 4>(square, THIRD),
         polynomial::<L, 3>(square, FOURTH),
@@ -88,7 +88,8 @@ pub fn middling_piece_weights<L: Lanes>(a: L::F, b: L::F) -> (L::F, L::F, L::F) 
 }
 
 /// ∫ cosh(m (x − ½)) (x (1 − x))^k dx/k! in powers of m², for k = 1 to 7.
-const FIRST: [f32; 5] = [0.166_666_67, 0.004_166_662, 3.720_451e-5, 1.718_231_3e-7, 5.226_815_6e-10];
+const FIRST_COEFFICIENTS: [f32; 5] =
+    [0.166_666_67, 0.004_166_662, 3.720_451e-5, 1.718_231_3e-7, 5.226_815_6e-10];
 const SECOND: [f32; 4] = [0.016_666_657, 0.000_297_630_07, 2.063_117e-6, 8.291_826e-9];
 const THIRD: [f32; 4] = [0.001_190_475_9, 1.653_470_7e-5, 9.383_851e-8, 3.153_131_3e-10];
 const FOURTH: [f32; 3] = [6.613_848e-5, 7.508_905e-7, 3.763_240_2e-9];

@@ -13,7 +13,7 @@ const THIN: f32 = 1e-9;
 
 /// Stands for the square of a change of more than 1: A⁴ is then so much that the widget is served only where T_i T is under
 /// 1e-8, which is all that its order can add.
-const STEEP: f32 = 45.0;
+const LARGE_CHANGE_SQUARED: f32 = 45.0;
 
 /// Sums over the widgets of a vector of segments; symbols as in [`super::smooth`].
 pub struct Sums<L: Lanes> {
@@ -114,7 +114,7 @@ impl<L: Lanes> Sums<L> {
         let mut left_out = splat(0.0);
         for term in terms {
             let change = term.change_squared;
-            let change = L::F::select(change.le(splat(1.0)), change, splat(STEEP));
+            let change = L::F::select(change.le(splat(1.0)), change, splat(LARGE_CHANGE_SQUARED));
             // With all others: Σ_{i<j} T_i T_j (A_i + A_j) = Σ_i A_i T_i (T − T_i).
             let changed = change * change.mul_add(splat(1.5), of_square) * term.depth;
             left_out = changed.mul_add(self.total - term.depth, left_out);

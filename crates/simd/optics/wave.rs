@@ -32,7 +32,7 @@ pub struct LanePhase<L: Lanes> {
 
 /// A place on a flank: distances from its foot and from its peak.
 #[derive(Clone, Copy)]
-struct Spot<L: Lanes> {
+struct FlankPosition<L: Lanes> {
     foot: L::F,
     peak: L::F,
 }
@@ -72,7 +72,7 @@ impl LaneBell {
     }
 
     #[inline(always)]
-    fn mean_on_flank<L: Lanes>(&self, low: Spot<L>, high: Spot<L>) -> L::F {
+    fn mean_on_flank<L: Lanes>(&self, low: FlankPosition<L>, high: FlankPosition<L>) -> L::F {
         let splat = L::F::splat;
         let zero = splat(0.0);
         match (self.sine, self.full) {
@@ -95,17 +95,17 @@ impl LaneBell {
     }
 
     #[inline(always)]
-    fn distance<L: Lanes>(&self, low: Spot<L>, high: Spot<L>) -> L::F {
+    fn distance<L: Lanes>(&self, low: FlankPosition<L>, high: FlankPosition<L>) -> L::F {
         if self.full { high.foot - low.foot } else { low.peak - high.peak }
     }
 
     /// Area between two places of one flank, `low` the nearer to the foot.
     #[inline(always)]
-    fn flank<L: Lanes>(&self, low: Spot<L>, high: Spot<L>) -> L::F {
+    fn flank<L: Lanes>(&self, low: FlankPosition<L>, high: FlankPosition<L>) -> L::F {
         let reach = L::F::splat(self.reach);
         let outside = reach.le(high.peak);
         let clamped = low.peak.min(reach);
-        let low = Spot { foot: low.foot, peak: clamped };
+        let low = FlankPosition { foot: low.foot, peak: clamped };
         let area = self.distance(low, high) * self.mean_on_flank(low, high);
         L::F::select(outside, L::F::splat(0.0), area)
     }
@@ -125,13 +125,13 @@ impl LaneBell {
         let (from_offset, to_offset) = pick(front.offset, back.offset);
         let from_rising = zero.le(from_offset);
         let to_rising = zero.le(to_offset);
-        let spot = |offset: L::F| Spot::<L> { foot: offset.abs(), peak: half - offset.abs() };
+        let spot = |offset: L::F| FlankPosition::<L> { foot: offset.abs(), peak: half - offset.abs() };
         let (from, to) = (spot(from_offset), spot(to_offset));
         let band = |nearest: L::F, rising| L::F::select(rising, nearest, nearest - one);
         let bands = band(to_nearest, to_rising) - band(from_nearest, from_rising);
-        let foot = Spot::<L> { foot: zero, peak: half };
-        let peak = Spot::<L> { foot: half, peak: zero };
-        let select = |mask, a: Spot<L>, b: Spot<L>| Spot::<L> {
+        let foot = FlankPosition::<L> { foot: zero, peak: half };
+        let peak = FlankPosition::<L> { foot: half, peak: zero };
+        let select = |mask, a: FlankPosition<L>, b: FlankPosition<L>| FlankPosition::<L> {
             foot: L::F::select(mask, a.foot, b.foot),
             peak: L::F::select(mask, a.peak, b.peak),
         };
@@ -183,7 +183,7 @@ impl LaneBell {
     /// The profile at a distance of `foot` from the nearest foot, in [0, ½].
     #[inline(always)]
     pub fn value<L: Lanes>(&self, foot: L::F) -> L::F {
-        let spot = Spot::<L> { foot, peak: L::F::splat(0.5) - foot };
+        let spot = FlankPosition::<L> { foot, peak: L::F::splat(0.5) - foot };
         self.mean_on_flank(spot, spot).max(L::F::splat(0.0))
     }
 }

@@ -20,7 +20,7 @@ const TILES_REACH: f32 = 8.0;
 /// A pre-integrated table.
 pub(super) struct Table {
     side: usize,
-    /// Stored value of the first node, and nodes a stored unit.
+    /// Stored position of the first node, and nodes a stored unit.
     start: f32,
     per_value: f32,
     /// Longest segments a scene length.

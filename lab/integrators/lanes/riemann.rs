@@ -98,7 +98,7 @@ fn in_steps<L: Lanes, const COLORS: bool>(
     (sum.color, sum.depth)
 }
 
-/// Colour and depth in front of a place.
+/// Optical depth and emission in front of a position.
 struct Front<L: Lanes> {
     color: [L::F; 3],
     depth: L::F,

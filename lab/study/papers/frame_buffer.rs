@@ -7,20 +7,20 @@
 //! ⌈2 m |S_f − S_b|⌉, in full precision.
 
 /// κ by channel and ρ.
-pub(super) type Matter = ([f64; 3], f64);
+pub(super) type Material = ([f64; 3], f64);
 
 /// A transfer function as a table of m entries, linear between them.
 pub(super) struct Lookup {
-    entries: Vec<Matter>,
+    entries: Vec<Material>,
 }
 
 impl Lookup {
     /// Samples a transfer function of S ∈ [0, 1].
-    pub fn new(count: usize, of: impl Fn(f64) -> Matter) -> Lookup {
+    pub fn new(count: usize, of: impl Fn(f64) -> Material) -> Lookup {
         Lookup { entries: (0..count).map(|k| of((k as f64 + 0.5) / count as f64)).collect() }
     }
 
-    fn at(&self, s: f64) -> Matter {
+    fn at(&self, s: f64) -> Material {
         let last = (self.entries.len() - 1) as f64;
         let place = (s * self.entries.len() as f64 - 0.5).clamp(0.0, last);
         let low = (place as usize).min(self.entries.len().saturating_sub(2));
@@ -108,7 +108,7 @@ fn deviation(
 }
 
 /// κ and ρ of the longest length, which takes half of the light.
-pub(super) fn interleaved(s: f64) -> Matter {
+pub(super) fn interleaved(s: f64) -> Material {
     let colors = [[0.9, 0.4, 0.05], [0.05, 0.3, 0.9]];
     let extinction = std::f64::consts::LN_2;
     (colors[(8.0 * s) as usize % 2].map(|c| c * extinction), extinction)

@@ -42,7 +42,7 @@ pub struct PapersOptions {
     /// Number of times each picture is timed.
     pub frames: Frames,
     /// The largest grid of Song's Table 1 that is generated.
-    pub most_cells: u64,
+    pub max_cells: u64,
     /// A folder that may hold `bluntfin.vtu`.
     pub data: Option<PathBuf>,
     /// Folder of the reference pictures.

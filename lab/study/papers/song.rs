@@ -133,7 +133,7 @@ fn subject(bench: &Bench, name: &str, hexahedra: Option<[u64; 3]>) -> Result<Opt
             ];
             bench.subject("song_gaussian.toml", &options).map(Some)
         }
-        (Some(counts), _) if 6 * counts.iter().product::<u64>() > bench.wish.most_cells => Ok(None),
+        (Some(counts), _) if 6 * counts.iter().product::<u64>() > bench.wish.max_cells => Ok(None),
         (Some(counts), _) => {
             bench.subject("song_table.toml", &[format!("grid.resolution={counts:?}")]).map(Some)
         }

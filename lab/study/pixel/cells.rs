@@ -4,7 +4,7 @@ use voltet_core::grid::{CellType, Grid};
 use voltet_optics::trace::CellCrossing;
 
 /// For each step the number of the file's cell, and what it is.
-pub(super) fn of(grid: &Grid, steps: &[CellCrossing]) -> Vec<(usize, String)> {
+pub(super) fn source_cells(grid: &Grid, steps: &[CellCrossing]) -> Vec<(usize, String)> {
     steps.iter().map(|step| (grid.source_cell(step.cell as usize), kind(grid, step.cell as usize))).collect()
 }
 

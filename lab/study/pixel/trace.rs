@@ -54,7 +54,7 @@ pub fn pixel(
         samples: camera.samples,
         sample,
         ray: tracer.world(ray),
-        cells: cells::of(&volume.grid, &walk.steps),
+        cells: cells::source_cells(&volume.grid, &walk.steps),
         widgets: transfer_function.widgets.iter().map(|widget| widget.profile.name()).collect(),
         names: names.into_iter().chain(fields.iter().map(|name| name.to_string())).collect(),
         integrators: integrators::all(&subject.scene, &subject.integrators, &tracer, &rays, progress)?,

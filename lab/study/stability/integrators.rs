@@ -43,7 +43,7 @@ const TOLERANCE: f64 = 1e-6;
 
 /// Excess of a result over its limit, opaque or as bright as its widgets: a thousandth of a step of 8 bits. Tables that are
 /// interpolated take up to 2e-6 of it.
-const UNSEEN: f64 = 4e-6;
+const MIN_TRANSMITTANCE: f64 = 4e-6;
 
 /// The quadrature of the referee: ten times what it allows itself of each stretch.
 const REFEREE: f64 = 1e-10;
@@ -158,7 +158,7 @@ fn brightest(case: &SegmentCase) -> f64 {
 }
 
 fn possible(given: &Contribution, most: f64) -> bool {
-    let within = |x: f64, most: f64| (0.0..=most * (1.0 + UNSEEN)).contains(&x);
+    let within = |x: f64, most: f64| (0.0..=most * (1.0 + MIN_TRANSMITTANCE)).contains(&x);
     given.optical_depth >= 0.0 && within(given.opacity, 1.0) && given.color.iter().all(|c| within(*c, most))
 }
 

@@ -1,7 +1,7 @@
 //! The engines that settings are measured on: those that are asked for and there.
 
 use super::measure::{Cost, Frames, measure};
-use super::subject::Form;
+use super::subject::RendererNode;
 use super::{Engines, RenderConfig, RendererVariant, StudyOptions, Subject, settings};
 use crate::devices;
 use std::sync::Arc;
@@ -89,7 +89,7 @@ impl Benches {
 
     /// Configurations to measure, engine by engine.
     pub fn settings(&self, subject: &Subject, only: &[String]) -> Vec<RenderConfig> {
-        let variants = self.benches.iter().flat_map(|bench| RendererVariant::of(bench.declared));
+        let variants = self.benches.iter().flat_map(|bench| RendererVariant::all_of_engine(bench.declared));
         variants.flat_map(|variant| settings(subject, only, variant)).collect()
     }
 
@@ -154,7 +154,7 @@ fn open(subject: &Subject, wish: &StudyOptions, engine: &'static EngineInfo) -> 
     if !engine.on_device {
         return Bench::open(engine, None);
     }
-    if asked.form == Form::Stages && engine != NATIVE {
+    if asked.form == RendererNode::Stages && engine != NATIVE {
         let what =
             "the stages of the pipeline, one by one, are the native engine's: no device stands in for them";
         let accepted = "a pipeline that draws with a node of type \"renderer\"";

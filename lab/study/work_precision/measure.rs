@@ -101,7 +101,7 @@ pub struct Pass {
 }
 
 /// One picture, and its seconds from end to end.
-struct Taken {
+struct TimedPicture {
     drawn: RenderOutput,
     seconds: f64,
 }
@@ -134,7 +134,7 @@ pub(super) fn measure(
         }
         let begun = Instant::now();
         let drawn = volume.draw(scene, &manner, &CancelOnly(progress))?;
-        Ok(Taken { drawn, seconds: begun.elapsed().as_secs_f64() })
+        Ok(TimedPicture { drawn, seconds: begun.elapsed().as_secs_f64() })
     };
     let first = draw(&scene)?;
     if let Some(instead) = &first.drawn.instead {
@@ -142,7 +142,7 @@ pub(super) fn measure(
     }
     let set_up = start.elapsed();
     let patience = frames.patience + if keeps { set_up } else { Duration::ZERO };
-    let mut taken: Vec<Taken> = Vec::new();
+    let mut taken: Vec<TimedPicture> = Vec::new();
     while taken.len() < frames.count && (start.elapsed() < patience || (keeps && taken.is_empty())) {
         let mut frame = draw(&frames.scene(&scene, taken.len() + 1))?;
         // Its memory serves the next one: fresh memory is slow, and who looks at one picture after the other keeps none either.
@@ -162,7 +162,8 @@ pub(super) fn measure(
     let whole = spread(taken.iter().map(|frame| frame.seconds).collect());
     let (set_up, frame) = match stage(&taken, Stage::SetUp) {
         Some(set_up) => {
-            let rest = |frame: &Taken| frame.seconds - seconds_of(&frame.drawn, Stage::SetUp).unwrap_or(0.0);
+            let rest =
+                |frame: &TimedPicture| frame.seconds - seconds_of(&frame.drawn, Stage::SetUp).unwrap_or(0.0);
             (set_up, spread(taken.iter().map(rest).collect()))
         }
         None => {
@@ -225,15 +226,15 @@ fn seconds_of(drawn: &RenderOutput, stage: Stage) -> Option<f64> {
 }
 
 /// Times of a stage over all frames; `None` where it was not timed in each.
-fn stage(taken: &[Taken], stage: Stage) -> Option<Times> {
+fn stage(taken: &[TimedPicture], stage: Stage) -> Option<Times> {
     taken.iter().map(|frame| seconds_of(&frame.drawn, stage)).collect::<Option<Vec<f64>>>().map(spread)
 }
 
 /// Times of the passes that every frame has.
-fn passes(taken: &[Taken]) -> Vec<Pass> {
+fn passes(taken: &[TimedPicture]) -> Vec<Pass> {
     let mut passes: Vec<Pass> = Vec::new();
     for name in taken.iter().flat_map(|frame| &frame.drawn.stages).filter_map(|part| part.pass) {
-        let of = |frame: &Taken| {
+        let of = |frame: &TimedPicture| {
             let found = frame.drawn.stages.iter().find(|part| part.pass == Some(name));
             found.map(|part| part.seconds)
         };

@@ -3,7 +3,7 @@
 use super::bench::{Adapter, Benches};
 use super::convergence::{Convergence, convergence};
 use super::errors::{Errors, difference, errors};
-use super::flip::Seen;
+use super::flip::PreparedPicture;
 use super::measure::Cost;
 use super::options::{Measure, StudyOptions};
 use super::pareto;
@@ -44,7 +44,7 @@ pub struct Row {
 pub struct Refused {
     /// The setting.
     pub setting: RenderConfig,
-    /// Why.
+    /// Error.
     pub error: Error,
 }
 
@@ -116,7 +116,7 @@ pub fn study(
             .got(wish.only.join(", "))
             .expected("others, or none, for all that can"));
     }
-    let seen = Seen::new(&reference.picture, subject.background);
+    let seen = PreparedPicture::new(&reference.picture, subject.background);
     let whole: f64 = settings.iter().map(RenderConfig::weight).sum();
     let (mut done, mut rows, mut refused) = (0.0, Vec::new(), Vec::new());
     for setting in &settings {
@@ -127,7 +127,7 @@ pub fn study(
                 setting: *setting,
                 cost,
                 errors: errors(&picture, &reference.picture),
-                flip: Seen::new(&picture, subject.background).difference(&seen),
+                flip: PreparedPicture::new(&picture, subject.background).difference(&seen),
                 on_front: false,
                 of_file: false,
             }),

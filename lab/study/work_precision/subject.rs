@@ -13,7 +13,7 @@ use voltet_reference::REFERENCE;
 
 /// Kind of nodes that draw, which decides where an engine can be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
+pub enum RendererNode {
     /// A `renderer`, on any engine.
     Renderer,
     /// A `gpu-renderer`.
@@ -24,9 +24,9 @@ pub enum Form {
 
 /// Options of engines in the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Asked {
+pub struct SubjectRequest {
     /// Kind of nodes that draw.
-    pub form: Form,
+    pub form: RendererNode,
     /// "auto", or the engine's name.
     pub engine: String,
     /// The adapter, where one is named.
@@ -49,7 +49,7 @@ pub struct Subject {
     /// True if the order of a pixel's segments changes the picture.
     pub needs_order: bool,
     /// Options of engines in the file.
-    pub asked: Asked,
+    pub asked: SubjectRequest,
     /// One integrator of each kind that the pipeline may name, with default settings, in the order of registration.
     pub integrators: Vec<Integrator>,
     /// Background of the picture where the pipeline writes it (linear RGB).
@@ -106,7 +106,7 @@ impl Subject {
                 .map(Integrator::new)
                 .collect(),
             scene,
-            asked: Asked::of(node.node.name, &node.parameters),
+            asked: SubjectRequest::from_node(node.node.name, &node.parameters),
             background: background(graph, place),
         })
     }
@@ -118,7 +118,7 @@ impl Subject {
 
     /// An engine as the file has it. `None`: the compositor is left open, and more than one can serve.
     pub fn painter_on(&self, engine: &'static EngineInfo) -> Option<RendererVariant> {
-        let mut all = RendererVariant::of(engine);
+        let mut all = RendererVariant::all_of_engine(engine);
         let exact = self.scene.ordering(false) == Ordering::PerPixel;
         match self.asked.compositor.as_str() {
             _ if engine.compositing.is_empty() => all.next(),
@@ -130,23 +130,23 @@ impl Subject {
     }
 }
 
-impl Asked {
+impl SubjectRequest {
     /// True if the engine is left open.
     pub fn is_auto(&self) -> bool {
         self.engine == drawing::AUTO
     }
 
-    fn of(node: &str, parameters: &Parameters) -> Asked {
+    fn from_node(node: &str, parameters: &Parameters) -> SubjectRequest {
         let form = match node {
-            "renderer" => Form::Renderer,
-            "gpu-renderer" => Form::GpuRenderer,
-            _ => Form::Stages,
+            "renderer" => RendererNode::Renderer,
+            "gpu-renderer" => RendererNode::GpuRenderer,
+            _ => RendererNode::Stages,
         };
         let text = |name: &str| parameters.optional(name).and_then(|setting| setting.text());
         let engine = match form {
-            Form::Renderer => text("engine").unwrap_or(drawing::AUTO),
-            Form::GpuRenderer => drawing::DEVICE.name,
-            Form::Stages => drawing::NATIVE.name,
+            RendererNode::Renderer => text("engine").unwrap_or(drawing::AUTO),
+            RendererNode::GpuRenderer => drawing::DEVICE.name,
+            RendererNode::Stages => drawing::NATIVE.name,
         };
         let accumulation = text("accumulation").and_then(Accumulation::named).unwrap_or_default();
         // Rounding is no tiles' matter.
@@ -155,7 +155,7 @@ impl Asked {
             _ => Compositor::Raster.name(),
         };
         let compositor = text("compositor").filter(|word| *word != drawing::AUTO).unwrap_or(open);
-        Asked {
+        SubjectRequest {
             form,
             engine: engine.into(),
             adapter: text("adapter").map(str::to_string),

@@ -27,7 +27,7 @@ impl RendererVariant {
     pub const NATIVE: RendererVariant = RendererVariant { engine: NATIVE, compositing: None };
 
     /// An engine with each of its ways.
-    pub fn of(engine: &'static EngineInfo) -> impl Iterator<Item = RendererVariant> {
+    pub fn all_of_engine(engine: &'static EngineInfo) -> impl Iterator<Item = RendererVariant> {
         let only = engine.compositing.is_empty().then_some(None);
         let ways = only.into_iter().chain(engine.compositing.iter().copied().map(Some));
         ways.map(move |compositing| RendererVariant { engine, compositing })
@@ -35,7 +35,7 @@ impl RendererVariant {
 
     /// Every engine with each of its ways.
     pub fn all() -> impl Iterator<Item = RendererVariant> {
-        ENGINES.iter().flat_map(RendererVariant::of)
+        ENGINES.iter().flat_map(RendererVariant::all_of_engine)
     }
 
     /// The compositor's name in pipeline files.

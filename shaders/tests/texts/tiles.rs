@@ -131,7 +131,7 @@ fn tiles_are_valid_for_every_kind_light_and_integrator() {
 
 const BLENDS: [Blend; 3] = [Blend::Over, Blend::Sum, Blend::Rounded { bits: 12 }];
 
-/// What blends, with its entry points for vertices and pixels.
+/// Blending compositors, with their entry points for vertices and pixels.
 fn blending() -> Vec<(CompositorProgram, [&'static str; 2])> {
     let outlines = BLENDS.map(|blend| (CompositorProgram::Raster(blend), ["outline_cell", "blend_cell"]));
     let triangles =
@@ -147,7 +147,7 @@ fn is_rounded(compositor: CompositorProgram) -> bool {
     )
 }
 
-/// Of the three entry points a driver compiles those that it is asked for; all are in one text.
+/// A driver compiles those of the three entry points that it is asked for; all are in one text.
 #[test]
 fn what_blends_is_valid_for_every_kind_light_and_integrator() {
     let mut texts = HashSet::new();

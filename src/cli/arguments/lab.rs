@@ -119,7 +119,7 @@ pub struct Study {
 #[cfg(feature = "editor")]
 impl Study {
     /// Arguments of `voltet study FILE` without options.
-    pub fn of(file: &std::path::Path) -> crate::core::Result<Study> {
+    pub fn for_file(file: &std::path::Path) -> crate::core::Result<Study> {
         use clap::FromArgMatches;
         let command = Study::augment_args(clap::Command::new("study"));
         let given = command.try_get_matches_from(["study".as_ref(), file.as_os_str()]);

@@ -22,7 +22,7 @@ pub(super) struct ArrayChoice {
 
 impl ArrayChoice {
     /// The choice of one of a file's arrays.
-    pub fn of(array: &ArrayHead, all: &[ArrayHead]) -> ArrayChoice {
+    pub fn from_head(array: &ArrayHead, all: &[ArrayHead]) -> ArrayChoice {
         let shadowed = |other: &ArrayHead| other.name == array.name && other.association != array.association;
         let is_shadowed = array.association == Association::Cell && all.iter().any(shadowed);
         ArrayChoice {
@@ -35,7 +35,7 @@ impl ArrayChoice {
     pub fn by_name(name: &str, all: &[ArrayHead]) -> ArrayChoice {
         let bare = all.iter().find(|array| array.name == name && array.component_count > 1);
         let as_it_is = || ArrayChoice { scalar: name.into(), association: Association::Auto };
-        bare.map_or_else(as_it_is, |array| ArrayChoice::of(array, all))
+        bare.map_or_else(as_it_is, |array| ArrayChoice::from_head(array, all))
     }
 
     /// Keys of a `reader` node that reads it from the file `data`.

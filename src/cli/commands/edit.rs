@@ -6,13 +6,13 @@ use crate::core::Result;
 use crate::core::{graph::Observer, progress::Progress};
 use crate::graph::Registry;
 #[cfg(feature = "editor")]
-use voltet_editor::{Studied, StudiedRow, StudyOf};
+use voltet_editor::{Studied, StudiedRow, StudyRequest};
 
 #[cfg(feature = "editor")]
 pub fn edit(arguments: &Edit, registry: &Registry) -> Result<u8> {
     use std::sync::Arc;
     let (own, of_start) = (registry.clone(), registry.clone());
-    let study = Arc::new(move |of: &StudyOf, progress: &dyn Progress| study_of(of, &own, progress));
+    let study = Arc::new(move |of: &StudyRequest, progress: &dyn Progress| study_of(of, &own, progress));
     let start = move |path: &std::path::Path, at: &std::path::Path| pipeline_for(path, at, &of_start);
     voltet_editor::run(arguments.file.as_deref(), registry, Arc::new(start), study)?;
     Ok(super::exit_status::DONE)
@@ -20,7 +20,7 @@ pub fn edit(arguments: &Edit, registry: &Registry) -> Result<u8> {
 
 /// `voltet study` without options, of a pipeline that need not be saved.
 #[cfg(feature = "editor")]
-fn study_of(of: &StudyOf, registry: &Registry, progress: &dyn Progress) -> Result<Studied> {
+fn study_of(of: &StudyRequest, registry: &Registry, progress: &dyn Progress) -> Result<Studied> {
     use crate::Document;
     use crate::output_conflicts::{self, OptionFile};
     use voltet_study::work_precision as study;
@@ -31,7 +31,7 @@ fn study_of(of: &StudyOf, registry: &Registry, progress: &dyn Progress) -> Resul
         study::written(&folder).iter().map(|path| OptionFile::written("the study", path)).collect();
     output_conflicts::refuse([&document], false, &outputs).map_err(|(error, _)| error)?;
     super::study::refuse_unwritable(&folder)?;
-    let wish = super::study::wish(&crate::cli::arguments::Study::of(&of.path)?, registry)?;
+    let wish = super::study::wish(&crate::cli::arguments::Study::for_file(&of.path)?, registry)?;
     let followed = (&Gathering(progress) as &dyn Observer, progress);
     let node = of.node.as_deref();
     let folders = [folder.as_path(), &study::cache_folder()];
@@ -42,7 +42,7 @@ fn study_of(of: &StudyOf, registry: &Registry, progress: &dyn Progress) -> Resul
         .map(|row| StudiedRow {
             label: row.setting.label(),
             seconds: 1e-3 * row.cost.picture.median_ms,
-            most: row.errors.maximum,
+            max: row.errors.maximum,
             rms: row.errors.root_mean_square,
             on_front: row.on_front,
             of_file: row.of_file,

@@ -186,7 +186,7 @@ fn suggestion(arguments: &Info, wanted: &Request, summary: &Summary, registry: &
     let heads: Vec<ArrayHead> = summary.arrays.iter().map(|array| array.head.clone()).collect();
     let mut refusal = None;
     for array in summary.arrays.iter().filter(|array| differs(array)) {
-        let choice = ArrayChoice::of(&array.head, &heads);
+        let choice = ArrayChoice::from_head(&array.head, &heads);
         let pipeline =
             pipeline(arguments, wanted.node_type(), &choice, array.range.unwrap_or_default(), bounds);
         match run_error(arguments, wanted, choice, &pipeline, registry) {

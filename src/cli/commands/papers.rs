@@ -15,7 +15,7 @@ use voltet_study::papers::{self, Paper, PapersOptions, Section};
 use voltet_study::work_precision::{self as study, Frames, Subject};
 
 /// No further frame of a picture begins after so many seconds.
-const PATIENCE: Duration = Duration::from_secs(3);
+const TIME_LIMIT: Duration = Duration::from_secs(3);
 
 /// The page, and the folder of its figures.
 const PAGE: &str = "papers.md";
@@ -29,8 +29,8 @@ pub fn papers(arguments: &arguments::Papers, registry: &Registry) -> Result<u8> 
     let options = PapersOptions {
         papers,
         size: arguments.size,
-        frames: Frames { count: arguments.frames, patience: PATIENCE, turn: 0.0, in_flight: 1 },
-        most_cells: arguments.max_cells,
+        frames: Frames { count: arguments.frames, patience: TIME_LIMIT, turn: 0.0, in_flight: 1 },
+        max_cells: arguments.max_cells,
         data: arguments.data.clone(),
         cache: arguments.cache.clone().unwrap_or_else(study::cache_folder),
     };

@@ -63,7 +63,7 @@ pub fn run(arguments: &Run, registry: &Registry) -> Result<u8> {
                 if !arguments.quiet {
                     say(&warnings(&report, document.graph.warnings.len()));
                     let mut text = summary(&report);
-                    text.extend(exhaustive.iter().map(ExhaustiveComparison::in_words));
+                    text.extend(exhaustive.iter().map(ExhaustiveComparison::to_text));
                     tell(&text)?;
                 }
                 let mut report = json(document, &report);

@@ -182,7 +182,7 @@ fn first_quantity(arguments: &Start, summary: &Summary) -> Result<ArrayChoice> {
         let own = summary.active_scalars.as_deref() == Some(array.head.name.as_str());
         (!own, array.head.component_count > 1, array.head.association == Association::Cell)
     });
-    arrays.first().map(|array| ArrayChoice::of(&array.head, &heads)).ok_or_else(|| {
+    arrays.first().map(|array| ArrayChoice::from_head(&array.head, &heads)).ok_or_else(|| {
         let names: Vec<&str> = heads.iter().map(|array| array.name.as_str()).collect();
         let found = if names.is_empty() { "no arrays".into() } else { name(&names.join(", ")) };
         Error::run("no array is a quantity that varies")

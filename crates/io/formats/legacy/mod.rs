@@ -27,7 +27,7 @@ const KINDS: [&str; 4] = ["UNSTRUCTURED_GRID", "STRUCTURED_GRID", "RECTILINEAR_G
 /// The declaration.
 pub(super) const FORMAT: Format = Format {
     files: "a legacy VTK file (.vtk)",
-    is_meant: |head, _, _| head.starts_with(MAGIC.as_bytes()),
+    matches: |head, _, _| head.starts_with(MAGIC.as_bytes()),
     open,
     has_solution: false,
 };

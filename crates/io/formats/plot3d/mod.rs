@@ -21,10 +21,10 @@ use voltet_core::{Error, Result};
 const BLANKING: &str = "iblank";
 
 /// The declaration.
-pub(super) const FORMAT: Format = Format { files: "a PLOT3D grid", is_meant, open, has_solution: true };
+pub(super) const FORMAT: Format = Format { files: "a PLOT3D grid", matches, open, has_solution: true };
 
 /// True if a file is to be read as PLOT3D: its name says so or a solution was named with it.
-fn is_meant(_: &[u8], path: &Path, request: &Request) -> bool {
+fn matches(_: &[u8], path: &Path, request: &Request) -> bool {
     let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
     let extension = extension.as_deref().and_then(|extension| extension.to_str()).unwrap_or("");
     request.solution.is_some() || ["xyz", "x", "p3d", "g", "grd", "grid"].contains(&extension)
@@ -37,7 +37,7 @@ fn solution(path: &Path, request: &Request) -> Option<PathBuf> {
 
 /// The solution that is read with a grid though nobody named it.
 pub(super) fn solution_beside(path: &Path, request: &Request) -> Option<PathBuf> {
-    let meant = is_meant(&[], path, request) && request.solution.is_none();
+    let meant = matches(&[], path, request) && request.solution.is_none();
     solution(path, request).filter(|solution| meant && solution != path)
 }
 

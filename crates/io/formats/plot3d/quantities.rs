@@ -8,7 +8,7 @@
 const GAMMA: f64 = 1.4;
 
 /// A quantity: its name, other names that are understood, components, formula of (ρ, ρu, e).
-pub(super) struct Quantity {
+pub(super) struct DerivedQuantity {
     pub name: &'static str,
     /// Without capitals, spaces, hyphens and underscores.
     pub aliases: &'static [&'static str],
@@ -38,62 +38,62 @@ fn sound_speed(density: f64, momentum: [f64; 3], energy: f64) -> f64 {
 }
 
 /// All quantities, those of the file first.
-pub(super) const QUANTITIES: &[Quantity] = &[
-    Quantity { name: "density", aliases: &["density"], formula: Formula::Scalar(|d, _, _| d) },
-    Quantity { name: "momentum", aliases: &["momentum"], formula: Formula::Vector(|_, m, _| m) },
-    Quantity {
+pub(super) const QUANTITIES: &[DerivedQuantity] = &[
+    DerivedQuantity { name: "density", aliases: &["density"], formula: Formula::Scalar(|d, _, _| d) },
+    DerivedQuantity { name: "momentum", aliases: &["momentum"], formula: Formula::Vector(|_, m, _| m) },
+    DerivedQuantity {
         name: "energy",
         aliases: &["energy", "stagnationenergy"],
         formula: Formula::Scalar(|_, _, e| e),
     },
-    Quantity { name: "pressure", aliases: &["pressure"], formula: Formula::Scalar(pressure) },
+    DerivedQuantity { name: "pressure", aliases: &["pressure"], formula: Formula::Scalar(pressure) },
     // T = p / (ρ R)
-    Quantity {
+    DerivedQuantity {
         name: "temperature",
         aliases: &["temperature"],
         formula: Formula::Scalar(|d, m, e| pressure(d, m, e) / d),
     },
     // h = γ (e/ρ − v² / 2)
-    Quantity {
+    DerivedQuantity {
         name: "enthalpy",
         aliases: &["enthalpy"],
         formula: Formula::Scalar(|d, m, e| GAMMA * (e / d - 0.5 * speed_squared(d, m))),
     },
-    Quantity {
+    DerivedQuantity {
         name: "internal_energy",
         aliases: &["internalenergy"],
         formula: Formula::Scalar(|d, m, e| e / d - 0.5 * speed_squared(d, m)),
     },
-    Quantity {
+    DerivedQuantity {
         name: "kinetic_energy",
         aliases: &["kineticenergy"],
         formula: Formula::Scalar(|d, m, _| 0.5 * speed_squared(d, m)),
     },
-    Quantity {
+    DerivedQuantity {
         name: "velocity",
         aliases: &["velocity"],
         formula: Formula::Vector(|d, m, _| m.map(|m| m / d)),
     },
-    Quantity {
+    DerivedQuantity {
         name: "velocity_magnitude",
         aliases: &["velocitymagnitude", "speed"],
         formula: Formula::Scalar(|d, m, _| speed_squared(d, m).sqrt()),
     },
     // s = R / (γ − 1) · ln((p / p∞) / (ρ / ρ∞)^γ) with ρ∞ = 1, p∞ = 1 / γ
-    Quantity {
+    DerivedQuantity {
         name: "entropy",
         aliases: &["entropy"],
         formula: Formula::Scalar(|d, m, e| (pressure(d, m, e) * GAMMA / d.powf(GAMMA)).ln() / (GAMMA - 1.0)),
     },
-    Quantity { name: "sound_speed", aliases: &["soundspeed"], formula: Formula::Scalar(sound_speed) },
-    Quantity {
+    DerivedQuantity { name: "sound_speed", aliases: &["soundspeed"], formula: Formula::Scalar(sound_speed) },
+    DerivedQuantity {
         name: "mach",
         aliases: &["mach", "machnumber"],
         formula: Formula::Scalar(|d, m, e| speed_squared(d, m).sqrt() / sound_speed(d, m, e)),
     },
 ];
 
-impl Quantity {
+impl DerivedQuantity {
     /// True if a person means this quantity by `word`, however it is capitalised and joined.
     pub fn is_called(&self, word: &str) -> bool {
         let plain: String = word.chars().filter(char::is_ascii_alphanumeric).collect();

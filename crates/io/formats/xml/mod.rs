@@ -21,7 +21,7 @@ use voltet_core::Result;
 /// The declaration.
 pub(super) const FORMAT: Format = Format {
     files: "a VTK XML file (.vtu, .vts, .vtr, .vti, their parallel forms, .pvd)",
-    is_meant: |head, _, _| head.starts_with(b"<"),
+    matches: |head, _, _| head.starts_with(b"<"),
     open,
     has_solution: false,
 };
@@ -31,7 +31,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let (root, appended) = header::read(&source)?;
     match root.required("type")? {
         "Collection" => series::open(&source, &root, request),
-        kind if parallel::is_meant(kind) => parallel::open(&source, &root),
+        kind if parallel::matches(kind) => parallel::open(&source, &root),
         _ => serial::open(source, &root, appended),
     }
 }

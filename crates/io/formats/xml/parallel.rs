@@ -8,7 +8,7 @@ use std::sync::Arc;
 use voltet_core::{Error, Result};
 
 /// True if a file of this kind names others.
-pub(super) fn is_meant(kind: &str) -> bool {
+pub(super) fn matches(kind: &str) -> bool {
     kind.starts_with('P') && kind != "PolyData"
 }
 
@@ -41,7 +41,7 @@ pub(super) fn open(source: &Source, root: &Element) -> Result<Dataset> {
 /// One piece's file.
 fn open_piece(source: Arc<Source>, root: &Element, appended: Option<Appended>) -> Result<Dataset> {
     match root.required("type")? {
-        kind if kind == "Collection" || is_meant(kind) => Err(named::misplaced(kind)),
+        kind if kind == "Collection" || matches(kind) => Err(named::misplaced(kind)),
         _ => serial::open(source, root, appended),
     }
 }

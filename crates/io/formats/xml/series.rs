@@ -48,7 +48,7 @@ fn step<'a>(root: &'a Element, request: &Request) -> Result<(Vec<f64>, Vec<&'a s
 fn open_step(source: Arc<Source>, root: &Element, appended: Option<Appended>) -> Result<Dataset> {
     match root.required("type")? {
         "Collection" => Err(named::misplaced("Collection")),
-        kind if parallel::is_meant(kind) => parallel::open(&source, root),
+        kind if parallel::matches(kind) => parallel::open(&source, root),
         _ => serial::open(source, root, appended),
     }
 }

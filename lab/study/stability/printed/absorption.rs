@@ -19,7 +19,7 @@ fn gaussian_depth<T: Real>(front: [T; 2], back: [T; 2]) -> T {
     let a = (front[0] * d[0] + front[1] * d[1]) / length;
     let b = a + length;
     let s = (a * a - (front[0] * front[0] + front[1] * front[1])).exp();
-    T::of(PI.sqrt() / 2.0) * s / length * (b.erf() - a.erf())
+    T::round(PI.sqrt() / 2.0) * s / length * (b.erf() - a.erf())
 }
 
 /// One Gaussian of width 1 (K the identity) and peak depth 1.
@@ -98,7 +98,7 @@ fn igauss<T: Real>(x1: T, x2: T) -> T {
     if x1 == x2 {
         return (-(x1 * x1)).exp();
     }
-    T::of(PI.sqrt() / 2.0) * (x1.erf() - x2.erf()) / (x1 - x2)
+    T::round(PI.sqrt() / 2.0) * (x1.erf() - x2.erf()) / (x1 - x2)
 }
 
 fn mean() -> Result<PrintedFormula> {

@@ -52,8 +52,8 @@ fn uniform() -> Result<PrintedFormula> {
 /// table(P, t) = ∫₀ᵗ e^(−P erf x) dx as exact as the precision holds it.
 fn gaussian_glow<T: Real>(peak: T, a: T, b: T) -> T {
     let d = b - a;
-    let p = peak * T::of(PI.sqrt() / 2.0) / d;
-    let table = |t: T| integral(T::of(0.0), t, |x| (-(p * x.erf())).exp());
+    let p = peak * T::round(PI.sqrt() / 2.0) / d;
+    let table = |t: T| integral(T::round(0.0), t, |x| (-(p * x.erf())).exp());
     (p * a.erf()).exp() / d * (table(b) - table(a))
 }
 
@@ -86,9 +86,9 @@ fn gaussian() -> Result<PrintedFormula> {
 
 /// Song section 4.3, the increasing part: extinction k x for x from d1 to d2.
 fn rising<T: Real>(k: T, d1: T, d2: T) -> T {
-    let half = k / T::of(2.0);
+    let half = k / T::round(2.0);
     let root = half.sqrt();
-    let factor = (T::of(PI) / (T::of(2.0) * k)).sqrt() * (half * d1 * d1).exp();
+    let factor = (T::round(PI) / (T::round(2.0) * k)).sqrt() * (half * d1 * d1).exp();
     factor * ((root * d2).erf() - (root * d1).erf())
 }
 
@@ -120,7 +120,7 @@ fn triangle() -> Result<PrintedFormula> {
 /// Song section 4.3, the decreasing part: extinction α (1 − x/Δt) for x/Δt from u3 to u4, in units of Δt. `front` and `table`:
 /// α Δt/2 of the factor and of the integral, which a table holds as exactly as the precision does.
 fn falling<T: Real>(front: T, table: T, [u3, u4]: [T; 2]) -> T {
-    let left = |u: T| (T::of(1.0) - u) * (T::of(1.0) - u);
+    let left = |u: T| (T::round(1.0) - u) * (T::round(1.0) - u);
     (-(front * left(u3))).exp() * integral(u3, u4, |u| (table * left(u)).exp())
 }
 
@@ -199,10 +199,10 @@ fn sine() -> Result<PrintedFormula> {
 
 /// ψ for b > a as erf: e^(u²) (√π/2k) (erf v − erf u).
 fn psi_erf<T: Real>(a: T, b: T) -> T {
-    let two = T::of(2.0);
+    let two = T::round(2.0);
     let k = ((b - a) / two).sqrt();
     let (u, v) = (a / (two * k), b / (two * k));
-    (u * u).exp() * T::of(PI.sqrt() / 2.0) / k * (v.erf() - u.erf())
+    (u * u).exp() * T::round(PI.sqrt() / 2.0) / k * (v.erf() - u.erf())
 }
 
 fn psi() -> Result<PrintedFormula> {

@@ -13,7 +13,7 @@ pub trait Real:
     + Neg<Output = Self>
 {
     /// Rounded to it.
-    fn of(x: f64) -> Self;
+    fn round(x: f64) -> Self;
     /// Widened.
     fn wide(self) -> f64;
     /// e^x.
@@ -27,7 +27,7 @@ pub trait Real:
 }
 
 impl Real for f64 {
-    fn of(x: f64) -> Self {
+    fn round(x: f64) -> Self {
         x
     }
     fn wide(self) -> f64 {
@@ -49,7 +49,7 @@ impl Real for f64 {
 
 /// Functions are rounded from 64 bits: no implementation in 32 bits does better.
 impl Real for f32 {
-    fn of(x: f64) -> Self {
+    fn round(x: f64) -> Self {
         x as f32
     }
     fn wide(self) -> f64 {
@@ -74,7 +74,7 @@ pub fn integral<T: Real>(from: T, to: T, f: impl Fn(T) -> T) -> T {
     const STEPS: usize = 4096;
     // Values and their sum in 64 bits, so that what is seen is the formula's own cancellation and overflow.
     let step = (to.wide() - from.wide()) / STEPS as f64;
-    let at = |i: usize| f(T::of(from.wide() + step * i as f64)).wide();
+    let at = |i: usize| f(T::round(from.wide() + step * i as f64)).wide();
     let inner: f64 = (1..STEPS).map(|i| if i % 2 == 1 { 4.0 } else { 2.0 } * at(i)).sum();
-    T::of((at(0) + inner + at(STEPS)) * step / 3.0)
+    T::round((at(0) + inner + at(STEPS)) * step / 3.0)
 }

@@ -12,10 +12,10 @@ pub(super) fn entries() -> Result<Vec<PrintedFormula>> {
 
 /// Roettger & Ertl Eq. 5 in the depth of a Gaussian of width 1: Σ (l/n) ρ(w), w from S_b to S_f with both ends.
 fn both_ends<T: Real>(count: u32, [front, back]: [T; 2]) -> T {
-    let whole = |n: u32| T::of(f64::from(n));
-    let place = |i: u32| back + whole(i) / (whole(count) - T::of(1.0)) * (front - back);
+    let whole = |n: u32| T::round(f64::from(n));
+    let place = |i: u32| back + whole(i) / (whole(count) - T::round(1.0)) * (front - back);
     let density = |w: T| (-(w * w)).exp();
-    (0..count).fold(T::of(0.0), |sum, i| sum + density(place(i)) / whole(count))
+    (0..count).fold(T::round(0.0), |sum, i| sum + density(place(i)) / whole(count))
 }
 
 fn steps() -> Result<PrintedFormula> {
@@ -74,7 +74,7 @@ fn emission() -> PrintedFormula {
 
 /// Eq. 10: (α, s, t).
 fn to_tile<T: Real>([front, back, length]: [T; 3]) -> [T; 3] {
-    let (zero, four, half) = (T::of(0.0), T::of(4.0), T::of(0.5));
+    let (zero, four, half) = (T::round(0.0), T::round(4.0), T::round(0.5));
     let rise = front - back;
     let fall = back - front;
     if rise >= zero && length <= rise {
@@ -84,18 +84,18 @@ fn to_tile<T: Real>([front, back, length]: [T; 3]) -> [T; 3] {
     } else if length >= fall {
         [half + fall / (four * length), length, back]
     } else {
-        [T::of(1.0) - length / (four * fall), fall, back]
+        [T::round(1.0) - length / (four * fall), fall, back]
     }
 }
 
 /// Eq. 9: (S_f, S_b, l).
 fn from_tile<T: Real>([angle, s, t]: [T; 3]) -> [T; 3] {
-    let (one, four, half) = (T::of(1.0), T::of(4.0), T::of(0.5));
-    if angle <= T::of(0.25) {
+    let (one, four, half) = (T::round(1.0), T::round(4.0), T::round(0.5));
+    if angle <= T::round(0.25) {
         [t + s, t, four * angle * s]
     } else if angle <= half {
         [t + four * (half - angle) * s, t, s]
-    } else if angle <= T::of(0.75) {
+    } else if angle <= T::round(0.75) {
         [t - four * (angle - half) * s, t, s]
     } else {
         [t - s, t, four * (one - angle) * s]
@@ -103,7 +103,7 @@ fn from_tile<T: Real>([angle, s, t]: [T; 3]) -> [T; 3] {
 }
 
 /// The largest difference, absolute; ∞ where there is no number.
-fn apart<T: Real, const N: usize>(found: [T; N], exact: [f64; N]) -> f64 {
+fn max_difference<T: Real, const N: usize>(found: [T; N], exact: [f64; N]) -> f64 {
     let apart = |(found, exact): (T, f64)| (found.wide() - exact).abs();
     let all = found.into_iter().zip(exact).map(apart);
     all.fold(0.0, |most, x| if x.is_nan() { f64::INFINITY } else { most.max(x) })
@@ -114,8 +114,8 @@ fn tiles() -> PrintedFormula {
         let [front, back, length] = place;
         FormulaRow {
             inputs: format!("S_f = {front:?}, S_b = {back:?}, l = {length:?}, there and back, absolute"),
-            printed_64: apart(from_tile(to_tile(place)), place),
-            printed_32: apart(from_tile(to_tile(place.map(|x| x as f32))), place),
+            printed_64: max_difference(from_tile(to_tile(place)), place),
+            printed_32: max_difference(from_tile(to_tile(place.map(|x| x as f32))), place),
             ours_32: None,
         }
     };
@@ -127,9 +127,9 @@ fn tiles() -> PrintedFormula {
         let of_32 = |place: [f64; 3]| to_tile(place.map(|x| x as f32))[0];
         FormulaRow {
             inputs: format!("α of the thick vertex at a pixel whose ray is turned by {degrees:?}°, absolute"),
-            printed_64: apart([of(thick)], [of(pixel)]),
-            printed_32: apart([of_32(thick)], [of(pixel)]),
-            ours_32: Some(apart([of_32(pixel)], [of(pixel)])),
+            printed_64: max_difference([of(thick)], [of(pixel)]),
+            printed_32: max_difference([of_32(thick)], [of(pixel)]),
+            ours_32: Some(max_difference([of_32(pixel)], [of(pixel)])),
         }
     };
     let mut rows: Vec<FormulaRow> =

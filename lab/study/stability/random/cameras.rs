@@ -8,7 +8,7 @@ use voltet_core::camera::{Camera, Projection};
 pub(super) fn camera(rng: &mut Rng, [low, high]: [DVec3; 2]) -> Camera {
     let (centre, radius) = (low.midpoint(high), 0.5 * low.distance(high));
     let towards = match rng.chance(0.25) {
-        true => DVec3::AXES[rng.of(3)] * if rng.chance(0.5) { 1.0 } else { -1.0 },
+        true => DVec3::AXES[rng.pick(3)] * if rng.chance(0.5) { 1.0 } else { -1.0 },
         false => rng.direction(),
     };
     let target = match rng.chance(0.3) {
@@ -17,7 +17,7 @@ pub(super) fn camera(rng: &mut Rng, [low, high]: [DVec3; 2]) -> Camera {
     };
     // How much of the picture's height the grid fills.
     let filled = rng.power(-0.3, 0.5);
-    let (projection, distance) = match rng.of(6) {
+    let (projection, distance) = match rng.pick(6) {
         0 | 1 => (Projection::Orthographic { height: 2.0 * radius / filled }, rng.between(0.0, 4.0) * radius),
         2 => (Projection::Perspective { fov_y: rng.between(30.0, 150.0) }, rng.between(0.0, 0.9) * radius),
         _ => {
@@ -34,8 +34,8 @@ pub(super) fn camera(rng: &mut Rng, [low, high]: [DVec3; 2]) -> Camera {
         up,
         projection,
         near: if rng.chance(0.2) { distance * rng.between(0.2, 1.1) } else { 0.0 },
-        size: [8 + rng.of(24) as u32, 8 + rng.of(24) as u32],
-        samples: if rng.chance(0.1) { 2 + rng.of(3) as u32 } else { 1 },
+        size: [8 + rng.pick(24) as u32, 8 + rng.pick(24) as u32],
+        samples: if rng.chance(0.1) { 2 + rng.pick(3) as u32 } else { 1 },
     }
 }
 

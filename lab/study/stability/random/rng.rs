@@ -26,7 +26,7 @@ impl Rng {
     }
 
     /// One of 0 … n − 1.
-    pub(super) fn of(&mut self, n: usize) -> usize {
+    pub(super) fn pick(&mut self, n: usize) -> usize {
         ((self.0.next() * n as f64) as usize).min(n - 1)
     }
 

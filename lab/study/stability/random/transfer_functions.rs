@@ -25,7 +25,7 @@ impl Axis {
     }
 
     fn value(&self, rng: &mut Rng) -> f64 {
-        self.values[rng.of(self.values.len())] + self.range * rng.between(-0.1, 0.1)
+        self.values[rng.pick(self.values.len())] + self.range * rng.between(-0.1, 0.1)
     }
 
     /// Mostly what one would choose, at times down to a millionth of the range.
@@ -47,7 +47,7 @@ pub(super) fn look(rng: &mut Rng, volume: &Volume, size: f64) -> TransferFunctio
     };
     let g = volume.gradient_magnitude.as_deref().map_or(&[][..], |g| g);
     let axes = [Axis::new(&volume.scalar), Axis::new(g)];
-    let widgets = (0..1 + rng.of(3)).map(|_| widget(rng, volume, &axes)).collect();
+    let widgets = (0..1 + rng.pick(3)).map(|_| widget(rng, volume, &axes)).collect();
     TransferFunction { model, unit_distance: size * rng.power(-2.0, 0.3), widgets }
 }
 
@@ -55,7 +55,7 @@ fn widget(rng: &mut Rng, volume: &Volume, axes: &[Axis; 2]) -> Widget {
     let [s, g] = axes;
     let extinction = if rng.chance(0.85) { rng.power(-1.0, 2.0) } else { rng.power(-9.0, 9.0) };
     let profile = profile(rng, volume, axes, extinction);
-    let region = match rng.of(4) {
+    let region = match rng.pick(4) {
         0 => Some(Region::rectangle(s.interval(rng), g.interval(rng))),
         // Three corners, counter-clockwise.
         1 => {
@@ -72,7 +72,7 @@ fn widget(rng: &mut Rng, volume: &Volume, axes: &[Axis; 2]) -> Widget {
 
 fn profile(rng: &mut Rng, volume: &Volume, [s, g]: &[Axis; 2], extinction: f64) -> Profile {
     let root_half = std::f64::consts::FRAC_1_SQRT_2;
-    match rng.of(10) {
+    match rng.pick(10) {
         0 => Profile::Uniform,
         1 | 2 => {
             let (a, b, tilt) = (root_half / s.width(rng), root_half / g.width(rng), rng.between(-1.0, 1.0));
@@ -94,7 +94,7 @@ fn profile(rng: &mut Rng, volume: &Volume, [s, g]: &[Axis; 2], extinction: f64) 
             if rng.chance(0.5) { Profile::TriangleWave(wave) } else { Profile::SineWave(wave) }
         }
         6 | 7 => {
-            let mut places: Vec<f64> = (0..1 + rng.of(5)).map(|_| s.value(rng)).collect();
+            let mut places: Vec<f64> = (0..1 + rng.pick(5)).map(|_| s.value(rng)).collect();
             places.sort_by(f64::total_cmp);
             let point = |rng: &mut Rng, s| ControlPoint {
                 s,
@@ -104,7 +104,7 @@ fn profile(rng: &mut Rng, volume: &Volume, [s, g]: &[Axis; 2], extinction: f64) 
             Profile::PiecewiseLinear { points: places.into_iter().map(|s| point(rng, s)).collect() }
         }
         8 => {
-            let (width, height) = (2 + rng.of(7), 1 + rng.of(6));
+            let (width, height) = (2 + rng.pick(7), 1 + rng.pick(6));
             let texel = |rng: &mut Rng| {
                 let [r, g, b] = rng.color().map(|x| x as f32);
                 [r, g, b, if rng.chance(0.3) { 0.0 } else { rng.between(0.0, 1.0) as f32 }]

@@ -40,10 +40,10 @@ pub(super) fn volume(rng: &mut Rng) -> Result<Volume> {
 /// In the unit cube.
 fn grid(rng: &mut Rng) -> Grid {
     let unit = [DVec3::ZERO, DVec3::ONE];
-    let counts = [1 + rng.of(4), 1 + rng.of(4), 1 + rng.of(4)];
+    let counts = [1 + rng.pick(4), 1 + rng.pick(4), 1 + rng.pick(4)];
     let jitter = if rng.chance(0.7) { rng.between(0.0, 0.25) } else { 0.0 };
     let cube = || box_of_tetrahedra(counts, unit, jitter);
-    match rng.of(8) {
+    match rng.pick(8) {
         // Each cell cut into four about a point within, at times close to a corner.
         0 => {
             let (whole, shares) = (cube(), [0.25, rng.power(-6.0, -0.7)]);
@@ -51,7 +51,7 @@ fn grid(rng: &mut Rng) -> Grid {
             for &[a, b, c, d] in whole.tetrahedra.iter() {
                 let centre = points.len() as u32;
                 let corners = [a, b, c, d].map(|p| points[p as usize]);
-                let near = shares[rng.of(2)];
+                let near = shares[rng.pick(2)];
                 points.push(corners[0] * (1.0 - 3.0 * near) + near * (corners[1] + corners[2] + corners[3]));
                 cells.extend([[a, b, c, centre], [a, b, d, centre], [a, c, d, centre], [b, c, d, centre]]);
             }
@@ -68,7 +68,7 @@ fn grid(rng: &mut Rng) -> Grid {
         }
         // A layer of slivers across one axis.
         2 => {
-            let (axis, thin) = (rng.of(3), rng.power(-9.0, -1.0));
+            let (axis, thin) = (rng.pick(3), rng.power(-9.0, -1.0));
             moved(&box_of_tetrahedra(counts, unit, 0.0), |mut p| {
                 p[axis] = if p[axis] < 0.5 { p[axis] } else { 0.5 + thin * (p[axis] - 0.5) };
                 p
@@ -92,7 +92,7 @@ fn grid(rng: &mut Rng) -> Grid {
         }
         // Few cells at random places, which may overlap.
         5 => {
-            let count = 1 + rng.of(3);
+            let count = 1 + rng.pick(3);
             let points: Vec<DVec3> = (0..4 * count).map(|_| rng.place(0.0, 1.0)).collect();
             let cells =
                 (0..count as u32).map(|k| [4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3]).collect::<Vec<_>>();
@@ -107,7 +107,7 @@ fn placed(rng: &mut Rng, unit: &Grid) -> Grid {
     let scale = if rng.chance(0.3) { rng.power(-6.0, 6.0) } else { 1.0 };
     let mut stretch = DVec3::splat(scale);
     if rng.chance(0.2) {
-        stretch[rng.of(3)] *= rng.power(-3.0, 0.0);
+        stretch[rng.pick(3)] *= rng.power(-3.0, 0.0);
     }
     let turn = match rng.chance(0.5) {
         true => DQuat::from_axis_angle(rng.direction(), rng.between(0.0, 3.0)),
@@ -133,14 +133,14 @@ fn moved(grid: &Grid, place: impl Fn(DVec3) -> DVec3) -> Grid {
 fn field(rng: &mut Rng, unit: &Grid) -> Vec<f64> {
     let (along, phase) = (rng.direction(), rng.between(0.0, 6.0));
     let steep = rng.power(0.5, 3.0);
-    let values: Vec<f64> = match rng.of(8) {
+    let values: Vec<f64> = match rng.pick(8) {
         0 => sample(unit, |p| along.dot(p)),
         1 => sample(unit, |p| (steep * along.dot(p - 0.5)).tanh()),
         2 => unit.points.iter().map(|_| rng.between(0.0, 1.0)).collect(),
         3 if rng.chance(0.3) => vec![phase; unit.points.len()],
         _ => sample(unit, |p| (3.0 * along.dot(p) + phase).sin() + 0.5 * (2.0 * p.z - p.x).cos()),
     };
-    let (scale, offset) = match rng.of(8) {
+    let (scale, offset) = match rng.pick(8) {
         0 => (rng.power(-20.0, 20.0), 0.0),
         1 => (1e-2, 1e8),
         2 => (1.0, rng.between(-100.0, 100.0)),

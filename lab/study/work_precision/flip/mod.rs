@@ -33,7 +33,7 @@ const W_DEGREES: f64 = 0.082;
 
 /// A picture made ready for comparisons.
 #[derive(Debug, Clone)]
-pub struct Seen {
+pub struct PreparedPicture {
     width: usize,
     /// Blurred, L*a*b* with Hunt's adjustment.
     lab: Vec<[f64; 3]>,
@@ -41,9 +41,9 @@ pub struct Seen {
     features: Vec<[f64; 2]>,
 }
 
-impl Seen {
+impl PreparedPicture {
     /// The picture over a linear background, clamped to what a screen shows.
-    pub fn new(picture: &Picture, background: [f64; 3]) -> Seen {
+    pub fn new(picture: &Picture, background: [f64; 3]) -> PreparedPicture {
         let over = |pixel: &[f32; 4]| -> Rgb {
             std::array::from_fn(|k| {
                 let value = f64::from(pixel[k]) + (1.0 - f64::from(pixel[3])) * background[k];
@@ -61,11 +61,11 @@ impl Seen {
                 hunt_lab(rgb.map(|x| x.clamp(0.0, 1.0)))
             })
             .collect();
-        Seen { width: picture.width, lab, features: features(&channel(0)) }
+        PreparedPicture { width: picture.width, lab, features: features(&channel(0)) }
     }
 
     /// ΔE of every pixel against another picture of the same size.
-    pub fn differences(&self, other: &Seen) -> Vec<f64> {
+    pub fn differences(&self, other: &PreparedPicture) -> Vec<f64> {
         assert_eq!((self.width, self.lab.len()), (other.width, other.lab.len()), "pictures of one size");
         let largest = largest_distance().powf(QC);
         let colors = self.lab.iter().zip(&other.lab).map(|(a, b)| redistributed(distance(*a, *b), largest));
@@ -77,7 +77,7 @@ impl Seen {
     }
 
     /// The mean of ΔE.
-    pub fn difference(&self, other: &Seen) -> f64 {
+    pub fn difference(&self, other: &PreparedPicture) -> f64 {
         let all = self.differences(other);
         all.iter().sum::<f64>() / all.len().max(1) as f64
     }
@@ -115,7 +115,7 @@ mod tests {
     }
 
     fn flip(a: &Picture, b: &Picture) -> f64 {
-        Seen::new(a, [0.0; 3]).difference(&Seen::new(b, [0.0; 3]))
+        PreparedPicture::new(a, [0.0; 3]).difference(&PreparedPicture::new(b, [0.0; 3]))
     }
 
     #[test]
@@ -146,7 +146,8 @@ mod tests {
         let mut spotted = grey.clone();
         // Column 14 of row 12.
         spotted.rgba[302] = [0.4, 0.4, 0.4, 1.0];
-        let map = Seen::new(&spotted, [0.0; 3]).differences(&Seen::new(&grey, [0.0; 3]));
+        let map =
+            PreparedPicture::new(&spotted, [0.0; 3]).differences(&PreparedPicture::new(&grey, [0.0; 3]));
         assert!(map[302] > 0.1, "{}", map[302]);
         // Beyond the reach of all filters, 10 pixels, there is the rounding of sums only.
         assert!(map[0] < 1e-6, "{}", map[0]);
@@ -156,8 +157,8 @@ mod tests {
     fn a_background_is_seen_through_what_is_not_opaque() {
         let clear = Picture::transparent(24, 20);
         let background = [0.1, 0.5, 0.9];
-        let on = Seen::new(&clear, background);
+        let on = PreparedPicture::new(&clear, background);
         // A float of 0.1 is off by 1e-9.
-        assert!(on.difference(&Seen::new(&even([0.1, 0.5, 0.9]), [0.0; 3])) < 1e-5);
+        assert!(on.difference(&PreparedPicture::new(&even([0.1, 0.5, 0.9]), [0.0; 3])) < 1e-5);
     }
 }

@@ -1,4 +1,4 @@
-//! Which engine, adapter and compositor a pipeline asks for.
+//! Parameters that choose engine, adapter and compositor.
 
 use super::engines::ENGINES;
 use voltet_core::Result;
@@ -61,7 +61,7 @@ const COMPOSITOR_WORDS: [(&str, &str); Compositor::NAMES.len() + 1] = words!(
     |word| *word
 );
 
-/// What the device accumulates in.
+/// Precision of the device's accumulation.
 pub const ACCUMULATION: Parameter = Parameter {
     name: "accumulation",
     parameter_type: ParameterType::Choice(&Accumulation::NAMES),
@@ -70,7 +70,7 @@ pub const ACCUMULATION: Parameter = Parameter {
     help: "on a device that blends (raster, triangles): what a pixel accumulates in, to see what few bits cost",
 };
 
-/// How the device checks an exact order that it blends.
+/// Check of an exact order that the device blends.
 pub const ORDER_CHECK: Parameter = Parameter {
     name: "order_check",
     parameter_type: ParameterType::Choice(&OrderCheck::NAMES),
@@ -79,14 +79,14 @@ pub const ORDER_CHECK: Parameter = Parameter {
     help: "on a device that blends (raster, triangles) in exact order: how the order is checked; where it is wrong, tiles draw",
 };
 
-/// How the device is to check it.
+/// Check chosen by the parameters.
 pub fn order_check(p: &Parameters) -> Result<OrderCheck> {
     // Other nodes draw by the referee alone.
     let asked = p.optional(ORDER_CHECK.name).and_then(|setting| setting.text());
     Ok(asked.and_then(OrderCheck::named).unwrap_or_default())
 }
 
-/// What the device is to accumulate in.
+/// Precision chosen by the parameters.
 pub fn accumulation(p: &Parameters) -> Result<Accumulation> {
     Ok(Accumulation::named(p.text(ACCUMULATION.name)?).unwrap_or_default())
 }

@@ -11,7 +11,7 @@ struct UnsupportedFormat {
     /// Remedy, a clause that can follow "expected".
     remedy: &'static str,
     /// True if a file is one.
-    is_meant: fn(&FileStart) -> bool,
+    matches: fn(&FileStart) -> bool,
 }
 
 /// First bytes of a file.
@@ -36,59 +36,59 @@ const BY_MAGIC: &[UnsupportedFormat] = &[
     UnsupportedFormat {
         what: "a VTKHDF file (VTK's data in HDF5)",
         remedy: PARAVIEW,
-        is_meant: |seen| seen.is_hdf5() && seen.holds("VTKHDF"),
+        matches: |seen| seen.is_hdf5() && seen.holds("VTKHDF"),
     },
     UnsupportedFormat {
         what: "a CGNS file",
         remedy: PARAVIEW,
-        is_meant: |seen| seen.is_hdf5() && (seen.holds("CGNSLibraryVersion") || seen.holds("CGNSBase_t")),
+        matches: |seen| seen.is_hdf5() && (seen.holds("CGNSLibraryVersion") || seen.holds("CGNSBase_t")),
     },
     UnsupportedFormat {
         what: "an Exodus II file",
         remedy: PARAVIEW,
-        is_meant: |seen| {
+        matches: |seen| {
             (seen.is_hdf5() || seen.is_netcdf()) && (seen.holds("num_el_blk") || seen.holds("eb_prop1"))
         },
     },
     UnsupportedFormat {
         what: "a MED file (Salome)",
         remedy: "a .vtu file: Salome's ParaVis reads it and saves its data as .vtu, and so does `meshio convert`",
-        is_meant: |seen| seen.is_hdf5() && (seen.holds("ENS_MAA") || seen.holds("INFOS_GENERALES")),
+        matches: |seen| seen.is_hdf5() && (seen.holds("ENS_MAA") || seen.holds("INFOS_GENERALES")),
     },
     UnsupportedFormat {
         what: "an HDF5 file",
         remedy: "a .vtu file: the program that wrote this one, or ParaView with the .xdmf file beside it, can save one",
-        is_meant: |seen| seen.is_hdf5(),
+        matches: |seen| seen.is_hdf5(),
     },
     UnsupportedFormat {
         what: "a netCDF file",
         remedy: "a .vtu or .vts file: ParaView reads it and saves its data so",
-        is_meant: |seen| seen.is_netcdf(),
+        matches: |seen| seen.is_netcdf(),
     },
     UnsupportedFormat {
         what: "a mesh of Gmsh",
         remedy: MESHIO,
-        is_meant: |seen| seen.starts_with("$MeshFormat"),
+        matches: |seen| seen.starts_with("$MeshFormat"),
     },
     UnsupportedFormat {
         what: "data of Abaqus (.odb)",
         remedy: "a .vtu file: Abaqus/CAE exports field output as text, or as .inp with `meshio convert` after it",
-        is_meant: |seen| seen.starts_with("HKSRD0"),
+        matches: |seen| seen.starts_with("HKSRD0"),
     },
     UnsupportedFormat {
         what: "a file of OpenFOAM",
         remedy: OPENFOAM,
-        is_meant: |seen| seen.has_line(|line| line.trim() == "FoamFile"),
+        matches: |seen| seen.has_line(|line| line.trim() == "FoamFile"),
     },
     UnsupportedFormat {
         what: "a mesh or case of Ansys Fluent",
         remedy: PARAVIEW,
-        is_meant: |seen| seen.starts_with("(0 ") || seen.starts_with("(1 ") || seen.starts_with("(2 "),
+        matches: |seen| seen.starts_with("(0 ") || seen.starts_with("(1 ") || seen.starts_with("(2 "),
     },
     UnsupportedFormat {
         what: "an EnSight case",
         remedy: PARAVIEW,
-        is_meant: |seen| {
+        matches: |seen| {
             seen.has_line(|line| line.trim().eq_ignore_ascii_case("format"))
                 && seen.has_line(|line| line.to_lowercase().replace(' ', "").starts_with("type:ensight"))
         },
@@ -96,83 +96,71 @@ const BY_MAGIC: &[UnsupportedFormat] = &[
     UnsupportedFormat {
         what: "a geometry file of EnSight",
         remedy: "a .vtu file: open the .case file beside it in ParaView and save its data as .vtu",
-        is_meant: |seen| seen.starts_with("C Binary") || seen.starts_with("Fortran Binary"),
+        matches: |seen| seen.starts_with("C Binary") || seen.starts_with("Fortran Binary"),
     },
-    UnsupportedFormat {
-        what: "a Tecplot file",
-        remedy: PARAVIEW,
-        is_meant: |seen| seen.starts_with("#!TDV"),
-    },
-    UnsupportedFormat { what: "an XDMF file", remedy: PARAVIEW, is_meant: |seen| seen.has_tag("Xdmf") },
+    UnsupportedFormat { what: "a Tecplot file", remedy: PARAVIEW, matches: |seen| seen.starts_with("#!TDV") },
+    UnsupportedFormat { what: "an XDMF file", remedy: PARAVIEW, matches: |seen| seen.has_tag("Xdmf") },
     UnsupportedFormat {
         what: "a mesh of FEniCS (XML)",
         remedy: MESHIO,
-        is_meant: |seen| seen.has_tag("dolfin"),
+        matches: |seen| seen.has_tag("dolfin"),
     },
     UnsupportedFormat {
         what: "a surface (PLY)",
         remedy: SURFACE,
-        is_meant: |seen| seen.starts_with("ply\n") || seen.starts_with("ply\r"),
+        matches: |seen| seen.starts_with("ply\n") || seen.starts_with("ply\r"),
     },
-    UnsupportedFormat { what: "a surface (STL)", remedy: SURFACE, is_meant: |seen| seen.is_stl() },
+    UnsupportedFormat { what: "a surface (STL)", remedy: SURFACE, matches: |seen| seen.is_stl() },
     UnsupportedFormat {
         what: "a surface (OFF)",
         remedy: SURFACE,
-        is_meant: |seen| seen.starts_with("OFF\n") || seen.starts_with("OFF\r"),
+        matches: |seen| seen.starts_with("OFF\n") || seen.starts_with("OFF\r"),
     },
-    UnsupportedFormat {
-        what: "a surface (glTF)",
-        remedy: SURFACE,
-        is_meant: |seen| seen.starts_with("glTF"),
-    },
-    UnsupportedFormat { what: "an image (PNG)", remedy: IMAGE, is_meant: |seen| seen.starts(b"\x89PNG") },
+    UnsupportedFormat { what: "a surface (glTF)", remedy: SURFACE, matches: |seen| seen.starts_with("glTF") },
+    UnsupportedFormat { what: "an image (PNG)", remedy: IMAGE, matches: |seen| seen.starts(b"\x89PNG") },
     UnsupportedFormat {
         what: "an image (JPEG)",
         remedy: IMAGE,
-        is_meant: |seen| seen.starts(b"\xff\xd8\xff"),
+        matches: |seen| seen.starts(b"\xff\xd8\xff"),
     },
     UnsupportedFormat {
         what: "an image (TIFF)",
         remedy: IMAGE,
-        is_meant: |seen| seen.starts(b"II*\0") || seen.starts(b"MM\0*"),
+        matches: |seen| seen.starts(b"II*\0") || seen.starts(b"MM\0*"),
     },
-    UnsupportedFormat {
-        what: "an image (NRRD)",
-        remedy: IMAGE,
-        is_meant: |seen| seen.starts_with("NRRD000"),
-    },
+    UnsupportedFormat { what: "an image (NRRD)", remedy: IMAGE, matches: |seen| seen.starts_with("NRRD000") },
     UnsupportedFormat {
         what: "an image (DICOM)",
         remedy: IMAGE,
-        is_meant: |seen| seen.has_magic_at(128, b"DICM"),
+        matches: |seen| seen.has_magic_at(128, b"DICM"),
     },
     UnsupportedFormat {
         what: "an image (NIfTI)",
         remedy: IMAGE,
-        is_meant: |seen| seen.has_magic_at(344, b"n+1\0") || seen.has_magic_at(344, b"ni1\0"),
+        matches: |seen| seen.has_magic_at(344, b"n+1\0") || seen.has_magic_at(344, b"ni1\0"),
     },
     UnsupportedFormat {
         what: "an image (MetaImage)",
         remedy: IMAGE,
-        is_meant: |seen| seen.has_line(|line| line.starts_with("ObjectType = Image")),
+        matches: |seen| seen.has_line(|line| line.starts_with("ObjectType = Image")),
     },
     UnsupportedFormat {
         what: "an OpenVDB file",
         remedy: IMAGE,
-        is_meant: |seen| seen.starts(b" BDV\0\0\0\0"),
+        matches: |seen| seen.starts(b" BDV\0\0\0\0"),
     },
     UnsupportedFormat {
         what: "a gzip archive",
         remedy: ARCHIVE,
-        is_meant: |seen| seen.starts(b"\x1f\x8b\x08"),
+        matches: |seen| seen.starts(b"\x1f\x8b\x08"),
     },
-    UnsupportedFormat { what: "a zip archive", remedy: ARCHIVE, is_meant: |seen| seen.starts(b"PK\x03\x04") },
-    UnsupportedFormat { what: "an xz archive", remedy: ARCHIVE, is_meant: |seen| seen.starts(b"\xfd7zXZ\0") },
-    UnsupportedFormat { what: "a bzip2 archive", remedy: ARCHIVE, is_meant: |seen| seen.starts_with("BZh") },
+    UnsupportedFormat { what: "a zip archive", remedy: ARCHIVE, matches: |seen| seen.starts(b"PK\x03\x04") },
+    UnsupportedFormat { what: "an xz archive", remedy: ARCHIVE, matches: |seen| seen.starts(b"\xfd7zXZ\0") },
+    UnsupportedFormat { what: "a bzip2 archive", remedy: ARCHIVE, matches: |seen| seen.starts_with("BZh") },
     UnsupportedFormat {
         what: "a zstd archive",
         remedy: ARCHIVE,
-        is_meant: |seen| seen.starts(b"\x28\xb5\x2f\xfd"),
+        matches: |seen| seen.starts(b"\x28\xb5\x2f\xfd"),
     },
 ];
 
@@ -181,12 +169,12 @@ const BY_WORDS: &[UnsupportedFormat] = &[
     UnsupportedFormat {
         what: "input of LS-DYNA",
         remedy: "a .vtu file: LS-PrePost saves the results (d3plot), and ParaView reads these",
-        is_meant: |seen| seen.has_line(|line| line.to_lowercase().starts_with("*keyword")),
+        matches: |seen| seen.has_line(|line| line.to_lowercase().starts_with("*keyword")),
     },
     UnsupportedFormat {
         what: "input of Abaqus (.inp)",
         remedy: MESHIO,
-        is_meant: |seen| {
+        matches: |seen| {
             let words = ["*heading", "*node", "*part", "*element", "*preprint"];
             seen.has_line(|line| words.iter().any(|word| line.to_lowercase().starts_with(word)))
         },
@@ -194,19 +182,19 @@ const BY_WORDS: &[UnsupportedFormat] = &[
     UnsupportedFormat {
         what: "input of Ansys (.cdb)",
         remedy: "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it and saves its grid",
-        is_meant: |seen| {
+        matches: |seen| {
             seen.has_line(|line| ["/COM,", "/PREP7", "NBLOCK,"].iter().any(|word| line.starts_with(word)))
         },
     },
     UnsupportedFormat {
         what: "results of Ansys",
         remedy: "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it and saves it by save_as_vtk",
-        is_meant: |seen| ["rst", "rth", "rfl"].contains(&seen.ending.as_str()),
+        matches: |seen| ["rst", "rth", "rfl"].contains(&seen.ending.as_str()),
     },
     UnsupportedFormat {
         what: "input of Nastran",
         remedy: MESHIO,
-        is_meant: |seen| {
+        matches: |seen| {
             seen.has_line(|line| {
                 line.starts_with("BEGIN BULK") || line.starts_with("GRID  ") || line.starts_with("GRID,")
             })
@@ -215,17 +203,17 @@ const BY_WORDS: &[UnsupportedFormat] = &[
     UnsupportedFormat {
         what: "a Tecplot file",
         remedy: PARAVIEW,
-        is_meant: |seen| seen.has_line(|line| line.to_uppercase().replace(' ', "").starts_with("VARIABLES=")),
+        matches: |seen| seen.has_line(|line| line.to_uppercase().replace(' ', "").starts_with("VARIABLES=")),
     },
     UnsupportedFormat {
         what: "data of COMSOL as text",
         remedy: "a .vtu file: COMSOL exports VTK (.vtu) by Export › Data",
-        is_meant: |seen| seen.starts_with("% Model:") || seen.starts_with("# Created by COMSOL"),
+        matches: |seen| seen.starts_with("% Model:") || seen.starts_with("# Created by COMSOL"),
     },
     UnsupportedFormat {
         what: "a surface (OBJ)",
         remedy: SURFACE,
-        is_meant: |seen| {
+        matches: |seen| {
             seen.has_line(|line| line.starts_with("v "))
                 && (seen.ending == "obj" || seen.has_line(|line| line.starts_with("f ")))
         },
@@ -233,7 +221,7 @@ const BY_WORDS: &[UnsupportedFormat] = &[
     UnsupportedFormat {
         what: "a table as text",
         remedy: "a grid with cells: points alone have no volume; ParaView's Delaunay3D joins them to tetrahedra",
-        is_meant: |seen| ["csv", "tsv"].contains(&seen.ending.as_str()),
+        matches: |seen| ["csv", "tsv"].contains(&seen.ending.as_str()),
     },
 ];
 
@@ -275,7 +263,7 @@ fn refuse(source: &Source, formats: &[UnsupportedFormat]) -> Result<()> {
         bytes = source.head(CONTAINER_HEAD)?;
     }
     let seen = FileStart { bytes: &bytes, len: source.len(), ending };
-    match formats.iter().find(|format| (format.is_meant)(&seen)) {
+    match formats.iter().find(|format| (format.matches)(&seen)) {
         Some(format) => Err(refusal(format.what, format.remedy)),
         None => Ok(()),
     }

@@ -7,14 +7,14 @@ use voltet_graph::ArrayRef;
 
 /// Statistics found in the data.
 #[derive(Debug, Clone, Default)]
-pub struct Found {
+pub struct FoundStatistics {
     /// The range of each quantity that was asked for.
     pub ranges: BTreeMap<ArrayRef, [f64; 2]>,
     /// Each percentile, by the bits of its percentage.
     pub percentiles: BTreeMap<(ArrayRef, u64), f64>,
 }
 
-impl DataStatistics for Found {
+impl DataStatistics for FoundStatistics {
     fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]> {
         self.ranges.get(quantity).copied().ok_or_else(|| not_found(quantity))
     }
@@ -29,7 +29,7 @@ fn not_found(quantity: &ArrayRef) -> Error {
     Error::run(format!("nothing is known of the values of {quantity}"))
 }
 
-impl Found {
+impl FoundStatistics {
     /// Part of `wanted` that is missing here.
     pub fn missing(&self, wanted: &StatisticsRequest) -> StatisticsRequest {
         let mut missing = StatisticsRequest::default();
@@ -45,7 +45,7 @@ impl Found {
     }
 
     /// Adds what else was found.
-    pub fn add(&mut self, other: Found) {
+    pub fn add(&mut self, other: FoundStatistics) {
         self.ranges.extend(other.ranges);
         self.percentiles.extend(other.percentiles);
     }

@@ -1,9 +1,9 @@
 //! Scenes on opened engines: an engine is opened once a session for each adapter, and takes in a volume once a revision.
 
-use super::noted::{note, note_whole};
-use super::remembered::CacheFolder;
+use super::diagnostics::{note, note_whole};
+use super::disk_cache::CacheFolder;
+use super::parameters::{AUTO, COMPOSITOR, accumulation, adapter, compositor, order_check};
 use super::visible;
-use super::wished::{AUTO, COMPOSITOR, accumulation, adapter, compositor, order_check};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::Result;
@@ -23,11 +23,11 @@ type Wished = (&'static str, AdapterRequest);
 pub struct OpenEngines(Mutex<HashMap<Wished, Result<Arc<dyn Engine>>>>);
 
 /// An engine, and the volume on it.
-type Taken = (Arc<dyn Engine>, Arc<dyn PreparedVolume>);
+type EngineVolume = (Arc<dyn Engine>, Arc<dyn PreparedVolume>);
 
 /// One volume on the engines that hold it, by engine and adapter.
 #[derive(Default)]
-pub struct PreparedVolumes(Mutex<HashMap<(&'static str, String), Taken>>);
+pub struct PreparedVolumes(Mutex<HashMap<(&'static str, String), EngineVolume>>);
 
 /// Draws on one engine, on the adapter that the node's parameters name, or the fastest. `port`: the input that the scene's volume
 /// came by; `hardware`: programs that stand in for devices will not do unless they are named.
@@ -99,7 +99,7 @@ fn stage<T>(
     }
 }
 
-/// How the engine composites, and why, where it has several ways.
+/// Compositor for the scene, and the reason, where the engine has several.
 fn compositing(
     call: &mut RunContext,
     scene: &Scene,

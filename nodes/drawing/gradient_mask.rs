@@ -1,4 +1,4 @@
-//! Where the gradient is looked at: at the corners of cells that a widget may touch by their values of s, whatever g is there.
+//! Points whose gradient is needed: corners of cells that a widget may meet by their values of s, whatever g is there.
 
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use voltet_core::grid::{Grid, extent};
 use voltet_cpu::NEGLIGIBLE_DEPTH;
 use voltet_graph::TransferFunctionSpec;
 
-/// Of smaller grids all gradients take less than a millisecond or two.
+/// Smallest grid for which a selection pays: all gradients of smaller ones take less than a millisecond or two.
 const MIN_CELLS: usize = 1 << 15;
 
 /// One cell of so many tells: a prime, so that rows of 2ⁿ cells are met at all their places.

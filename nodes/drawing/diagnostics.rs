@@ -1,4 +1,4 @@
-//! What the counts of a picture become in the notes of a node, whatever engine counted them.
+//! Diagnostics of a node from the counts of a picture, whatever engine counted them.
 
 use super::order::record_unsorted;
 use voltet_core::Result;
