@@ -184,8 +184,12 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let compress = call.parameters.text("compression")? == "zlib";
     let arrays = contents.point_arrays.len() + contents.cell_arrays.len();
     call.notes.counts.insert("arrays_written", arrays as u64);
-    let bytes = call.stage("encode", |_| Ok(vtu::encode(contents, precision, compress)))?;
-    output::write(call, &bytes)?;
+    let encoded = call.stage("encode", |_| vtu::encode(contents, precision, compress))?;
+    if compress && !encoded.compressed {
+        let why = "not compressed: an array fills whole blocks of 32,768 bytes, which the library that writes gets wrong";
+        call.notes.warnings.push(why.into());
+    }
+    output::write(call, &encoded.bytes)?;
     Ok(Vec::new())
 }
 

@@ -1,8 +1,6 @@
 //! `transfer-function`: widgets over the scalar and its gradient magnitude, and the optical model.
 
 use crate::relative;
-use std::fs::File;
-use std::io::BufReader;
 use std::path::Path;
 use std::sync::Arc;
 use voltet_core::transfer::{LoadImage, OpticalModel, TransferFunction, WIDGET_KINDS, read};
@@ -155,9 +153,6 @@ fn look(p: &Parameters, widgets: &relative::Widgets, load_image: LoadImage) -> R
 /// Largest side of a table's picture: far finer than any data, and a gigabyte of texels at most.
 const LARGEST_SIDE: u32 = 8192;
 
-/// Bytes that a decoder may take for rows and what else stands in a file.
-const LARGEST_ROWS: usize = 1 << 29;
-
 /// The picture of a table widget: straight linear RGBA, decoded from 8 or 16-bit sRGB.
 pub fn load_image(path: &Path) -> Result<(usize, usize, Vec<[f32; 4]>)> {
     let failed = |error: &dyn std::fmt::Display| {
@@ -166,33 +161,14 @@ pub fn load_image(path: &Path) -> Result<(usize, usize, Vec<[f32; 4]>)> {
             .expected("a PNG file")
             .in_file(path)
     };
-    let file = File::open(path).map_err(|e| failed(&e))?;
-    let mut decoder =
-        png::Decoder::new_with_limits(BufReader::new(file), png::Limits { bytes: LARGEST_ROWS });
-    // Grey, colours and transparency of 8 or 16 bits; neither palettes nor fewer bits.
-    decoder.set_transformations(png::Transformations::EXPAND);
-    let mut reader = decoder.read_info().map_err(|e| failed(&e))?;
-    let (width, height) = reader.info().size();
-    if width.max(height) > LARGEST_SIDE {
-        return Err(failed(&format!("{width} × {height} texels, of at most {LARGEST_SIDE} a side")));
-    }
-    let mut bytes = vec![0; reader.output_buffer_size().unwrap_or(0)];
-    let info = reader.next_frame(&mut bytes).map_err(|e| failed(&e))?;
-    let values: Vec<u16> = match info.bit_depth {
-        png::BitDepth::Sixteen => bytes.as_chunks().0.iter().map(|&pair| u16::from_be_bytes(pair)).collect(),
-        _ => bytes.iter().map(|&byte| 257 * u16::from(byte)).collect(),
-    };
+    let reader = image::ImageReader::open(path).map_err(|e| failed(&e))?;
+    let mut reader = reader.with_guessed_format().map_err(|e| failed(&e))?;
+    let mut limits = image::Limits::default();
+    (limits.max_image_width, limits.max_image_height) = (Some(LARGEST_SIDE), Some(LARGEST_SIDE));
+    reader.limits(limits);
+    let image = reader.decode().map_err(|e| failed(&e))?;
+    let rgba = image.into_rgba16();
     let linear = |v: u16| voltet_io::encode::linear_from_srgb(f32::from(v) / 65535.0);
-    let texel = |values: &[u16]| {
-        let (rgb, alpha) = match *values {
-            [r, g, b, alpha] => ([r, g, b], alpha),
-            [r, g, b] => ([r, g, b], u16::MAX),
-            [grey, alpha] => ([grey; 3], alpha),
-            _ => ([values[0]; 3], u16::MAX),
-        };
-        let [r, g, b] = rgb.map(linear);
-        [r, g, b, f32::from(alpha) / 65535.0]
-    };
-    let texels = values.chunks_exact(info.color_type.samples()).map(texel).collect();
-    Ok((width as usize, height as usize, texels))
+    let texel = |p: &image::Rgba<u16>| [linear(p[0]), linear(p[1]), linear(p[2]), f32::from(p[3]) / 65535.0];
+    Ok((rgba.width() as usize, rgba.height() as usize, rgba.pixels().map(texel).collect()))
 }

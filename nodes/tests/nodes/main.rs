@@ -3,7 +3,6 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod relative;
-mod table_image;
 mod written;
 
 use std::path::Path;

@@ -157,14 +157,15 @@ fn only_what_is_asked_for_is_computed_and_read() {
 }
 
 #[test]
-fn an_array_of_whole_blocks_reads_back() {
+fn an_array_of_whole_blocks_is_not_compressed_and_reads_back() {
     // 16³ points: their positions fill three blocks.
     let text = "[pipeline]\nformat = 1\n[nodes.grid]\ntype = \"wavelet\"\nresolution = [15, 15, 15]\n\
                 [nodes.file]\ntype = \"grid-writer\"\npath = \"out.vtu\"\ncompression = \"zlib\"\n\
                 precision = \"double\"\ninputs = { volume = \"grid\" }\n";
     let folder = tempfile::tempdir().unwrap();
     let graph = graph(text, folder.path()).unwrap();
-    run(&graph);
+    let report = run(&graph);
+    assert!(report.warnings.join("\n").contains("not compressed"), "{:?}", report.warnings);
     let (volume, again) = (volume(&graph), read_back(folder.path(), "wavelet", &[], &["file_cell"]));
     assert_eq!((&volume.grid.points, &volume.grid.tetrahedra), (&again.points, &again.tetrahedra));
     assert_eq!(bits(&volume.scalar), bits(again.scalar.as_ref().unwrap()));
