@@ -9,7 +9,7 @@ use crate::parameters::{channels_value, edited_color};
 use crate::scene::Scene;
 use crate::theme;
 use crate::worker::{grouped, short};
-use eframe::egui::{Color32, DragValue, RichText, Sense, Stroke, Ui, vec2};
+use eframe::egui::{DragValue, RichText, Sense, Stroke, Ui, vec2};
 use voltet_document::{Edit, Path};
 use voltet_graph::{ArrayRef, LocatedValue, ParameterValue};
 
