@@ -2,7 +2,7 @@
 //! are vectors of four numbers, then the integrator's further table, then the scene's own numbers. One buffer for all leaves tiles
 //! within the eight that every device of WebGPU binds.
 
-use crate::integrator::registered;
+use crate::integrator::{TableSize, registered};
 use voltet_core::transfer::{ColorSource, TransferFunction};
 use voltet_optics::shading::Shading;
 
@@ -25,12 +25,11 @@ pub const TEXEL_BYTES: u64 = 16;
 impl Places {
     /// Layout for a scene whose widgets have so many `numbers`.
     pub fn new(transfer_function: &TransferFunction, shading: &Shading, numbers: u64) -> Places {
-        let vectors = images(transfer_function).map(|texels| texels.len() as u64).sum();
-        let places = Places { vectors, source_vectors: 0, entries: 0, numbers };
-        match registered(&shading.integrator) {
-            Some(text) => text.places(&shading.integrator, transfer_function, places),
-            None => places,
-        }
+        let integrator = &shading.integrator;
+        let table = registered(integrator).map(|text| text.table_size(integrator, transfer_function));
+        let TableSize { vectors, source_vectors, entries } = table.unwrap_or_default();
+        let texels = || images(transfer_function).map(|texels| texels.len() as u64).sum();
+        Places { vectors: if vectors > 0 { vectors } else { texels() }, source_vectors, entries, numbers }
     }
 
     /// Index of the integrator's first entry (numbers).

@@ -4,6 +4,7 @@
 //! in [`kinds`] (`uniform` has none: its integral is the length of the clipped stretch), each with its formula's source.
 
 pub mod clip;
+mod compiled;
 pub mod compositing;
 pub mod engine;
 mod fields;
@@ -11,7 +12,6 @@ pub mod integrators;
 pub mod kinds;
 pub mod linear;
 pub mod overlap;
-mod prepared;
 pub mod quadrature;
 pub mod sample;
 pub mod scene;
@@ -20,7 +20,7 @@ pub mod special;
 pub mod trace;
 pub mod track;
 
-pub use prepared::CompiledTransferFunction;
+pub use compiled::CompiledTransferFunction;
 
 /// One ray segment: the crossing of one cell. Values vary linearly from front to back.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,7 +37,7 @@ pub struct Segment<'a> {
     pub fields_back: &'a [f64],
 }
 
-/// What one segment contributes.
+/// Contribution of one segment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Contribution {
     /// Optical depth T = ∫ρ.
@@ -48,7 +48,7 @@ pub struct Contribution {
     pub opacity: f64,
 }
 
-/// How several widgets active on one stretch are combined.
+/// Combination of several widgets that are active on one stretch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum WidgetBlend {
     /// The ordered integral ∫ Σ c_i ρ_i e^(−T), to a stated tolerance.

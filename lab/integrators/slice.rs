@@ -121,7 +121,7 @@ impl Ramp {
             slice[i * n + i] = store(node.glow);
         }
         let nothing = vec![Light::CLEAR; n - 1];
-        let (mut there, mut back) = (Windows::new(&nothing), Windows::new(&nothing));
+        let (mut there, mut back) = (SlidingSums::new(&nothing), SlidingSums::new(&nothing));
         for span in 1..n {
             let share = 1.0 / (span * self.parts) as f64;
             let over = |front: Light, part: &Material| front.over(&Light::new(part, length, share));
@@ -202,16 +202,16 @@ impl Light {
 }
 
 /// Sliding windows over the steps.
-struct Windows {
+struct SlidingSums {
     steps: Vec<Light>,
     /// Block sums of each step: up to it, and from it on.
     begun: Vec<Light>,
     left: Vec<Light>,
 }
 
-impl Windows {
+impl SlidingSums {
     fn new(nothing: &[Light]) -> Self {
-        Windows { steps: nothing.to_vec(), begun: nothing.to_vec(), left: nothing.to_vec() }
+        SlidingSums { steps: nothing.to_vec(), begun: nothing.to_vec(), left: nothing.to_vec() }
     }
 
     fn gather(&mut self, span: usize, join: impl Fn(&Light, &Light) -> Light) {

@@ -55,27 +55,27 @@ pub const COMPOSITOR: Parameter = Parameter {
     help: "on a device: how pixels are composited; other engines have one way",
 };
 
-const COMPOSITOR_WORDS: [(&str, &str); Compositor::WORDS.len() + 1] = words!(
+const COMPOSITOR_WORDS: [(&str, &str); Compositor::NAMES.len() + 1] = words!(
     "tiles where each pixel needs its exact order, else what a short measurement finds faster there",
-    Compositor::WORDS,
+    Compositor::NAMES,
     |word| *word
 );
 
 /// Precision of the device's accumulation.
 pub const ACCUMULATION: Parameter = Parameter {
     name: "accumulation",
-    parameter_type: ParameterType::Choice(&Accumulation::WORDS),
+    parameter_type: ParameterType::Choice(&Accumulation::NAMES),
     unit: "",
-    default: DefaultValue::Text(Accumulation::WORDS[0].0),
+    default: DefaultValue::Text(Accumulation::NAMES[0].0),
     help: "on a device that blends (raster, triangles): what a pixel accumulates in, to see what few bits cost",
 };
 
 /// Check of an exact order that the device blends.
 pub const ORDER_CHECK: Parameter = Parameter {
     name: "order_check",
-    parameter_type: ParameterType::Choice(&OrderCheck::WORDS),
+    parameter_type: ParameterType::Choice(&OrderCheck::NAMES),
     unit: "",
-    default: DefaultValue::Text(OrderCheck::WORDS[0].0),
+    default: DefaultValue::Text(OrderCheck::NAMES[0].0),
     help: "on a device that blends (raster, triangles) in exact order: how the order is checked; where it is wrong, tiles draw",
 };
 

@@ -21,7 +21,7 @@ use voltet::PipelineSource;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_document::{Edit, Path as Place};
-use voltet_graph::{Demand, Value};
+use voltet_graph::{Demand, NodeProgress, Value};
 use voltet_study::pixel::pixel as trace;
 
 /// A pipeline, and the results that its runs left.
@@ -355,7 +355,7 @@ impl Pipeline {
         self.long(py, progress.as_ref(), |state, observer| {
             state.check_text()?;
             let State { runs, source, .. } = state;
-            let progress = depth_limit::NodeProgress { observer, node: "pixel" };
+            let progress = NodeProgress { observer, node: "pixel" };
             let found = runs.with_whole_graph(source, |graph, session| {
                 trace(graph, node, [x, y], sample, session, (observer, &progress))
             })?;

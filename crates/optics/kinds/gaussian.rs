@@ -53,7 +53,7 @@ impl GaussianPath {
         GaussianTrack { path: *self, peak: peak * (-self.offset_squared).exp() }
     }
 
-    /// Where the profile exceeds e^(−`level`): the half-width √(level − h²) of that window, if there is one.
+    /// Interval in which the profile exceeds e^(−`level`): the half-width √(level − h²) of that window, if there is one.
     fn window(&self, level: f64) -> Option<f64> {
         let room = level - self.offset_squared;
         (room > 0.0).then(|| room.sqrt())
@@ -111,7 +111,7 @@ pub struct GaussianTrack {
     peak: f64,
 }
 
-/// How far 12 points resolve e^(−x²) and its integral to 1e-15 from x on: over 1.6 about the centre, and where
+/// Length over which 12 points resolve e^(−x²) and its integral to 1e-15 from x on: over 1.6 about the centre, and where
 /// x² changes by 5 further out. ∞ beyond 7.6, where e^(−x²) is under 1e-25.
 #[inline]
 pub fn resolved_from(x: f64) -> f64 {

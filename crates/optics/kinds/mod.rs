@@ -1,4 +1,4 @@
-//! The widgets' 64-bit forms by kind: a widget made ready ([`Form`]), along one segment ([`Path`]), and as the quadrature
+//! Profiles of widgets in 64 bits: compiled ([`CompiledProfile`]), along one segment ([`Path`]), and as the quadrature
 //! sees it ([`AnyTrack`]). The formulas stand in one file a kind.
 
 pub mod gaussian;
@@ -30,9 +30,9 @@ pub(crate) struct Cutoff {
     pub level: f64,
 }
 
-/// A profile made ready.
+/// Profile with its constants.
 #[derive(Debug, Clone)]
-pub(crate) enum Form {
+pub(crate) enum CompiledProfile {
     Uniform,
     Gaussian {
         centre: [f64; 2],
@@ -74,7 +74,7 @@ pub(crate) enum Light {
     Integrated,
 }
 
-/// What a widget's part of a segment is.
+/// Part of a segment inside a widget.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Extent {
     /// The part inside its region.
@@ -85,43 +85,45 @@ pub(crate) struct Extent {
     pub scale: f64,
 }
 
-impl Form {
+impl CompiledProfile {
     /// `fields`: the segments' further fields.
-    pub fn new(profile: &Profile, fields: &[&str]) -> Form {
+    pub fn new(profile: &Profile, fields: &[&str]) -> CompiledProfile {
         match profile {
-            Profile::Uniform => Form::Uniform,
-            Profile::Gaussian { centre, matrix } => Form::Gaussian { centre: *centre, matrix: *matrix },
+            Profile::Uniform => CompiledProfile::Uniform,
+            Profile::Gaussian { centre, matrix } => {
+                CompiledProfile::Gaussian { centre: *centre, matrix: *matrix }
+            }
             Profile::GaussianNd { fields: names, centre, matrix } => {
-                Form::GaussianNd(Box::new(Fields::new(names, centre, matrix, fields)))
+                CompiledProfile::GaussianNd(Box::new(Fields::new(names, centre, matrix, fields)))
             }
             Profile::TriangularGaussian { centre, sigma } => {
-                Form::Triangular { centre: *centre, sigma: *sigma }
+                CompiledProfile::Triangular { centre: *centre, sigma: *sigma }
             }
             Profile::TriangularGaussianNd { fields: names, magnitude, centre, matrix } => {
                 let own = Fields::new(names, centre, matrix, fields);
-                Form::TriangularNd(Box::new(own), slot(magnitude, fields))
+                CompiledProfile::TriangularNd(Box::new(own), slot(magnitude, fields))
             }
-            Profile::TriangleWave(wave) => Form::Wave(Bell::triangle(wave)),
-            Profile::SineWave(wave) => Form::Wave(Bell::sine(wave)),
+            Profile::TriangleWave(wave) => CompiledProfile::Wave(Bell::triangle(wave)),
+            Profile::SineWave(wave) => CompiledProfile::Wave(Bell::sine(wave)),
             Profile::PiecewiseLinear { points } => {
                 let peak = profile.properties().own_peak.unwrap_or(0.0);
-                Form::Piecewise { points: points.clone(), peak }
+                CompiledProfile::Piecewise { points: points.clone(), peak }
             }
-            Profile::Table(table) => Form::Table(Arc::clone(table)),
+            Profile::Table(table) => CompiledProfile::Table(Arc::clone(table)),
         }
     }
 
     /// The largest value of what its paths integrate: extinctions of their own, or a profile whose peak is 1.
     pub fn peak(&self) -> f64 {
         match self {
-            Form::Piecewise { peak, .. } => *peak,
-            Form::Uniform
-            | Form::Gaussian { .. }
-            | Form::GaussianNd(_)
-            | Form::Triangular { .. }
-            | Form::TriangularNd(..)
-            | Form::Wave(_)
-            | Form::Table(_) => 1.0,
+            CompiledProfile::Piecewise { peak, .. } => *peak,
+            CompiledProfile::Uniform
+            | CompiledProfile::Gaussian { .. }
+            | CompiledProfile::GaussianNd(_)
+            | CompiledProfile::Triangular { .. }
+            | CompiledProfile::TriangularNd(..)
+            | CompiledProfile::Wave(_)
+            | CompiledProfile::Table(_) => 1.0,
         }
     }
 
@@ -130,8 +132,8 @@ impl Form {
     pub fn path(&self, segment: &Segment, peak: f64, cutoff: Option<Cutoff>) -> Option<Path<'_>> {
         let (front, back) = (segment.front, segment.back);
         Some(match self {
-            Form::Uniform => Path::Uniform,
-            Form::Gaussian { centre, matrix } => {
+            CompiledProfile::Uniform => Path::Uniform,
+            CompiledProfile::Gaussian { centre, matrix } => {
                 let times = |v: [f64; 2]| {
                     [matrix[0][0] * v[0] + matrix[0][1] * v[1], matrix[1][0] * v[0] + matrix[1][1] * v[1]]
                 };
@@ -142,25 +144,27 @@ impl Form {
                     times(minus(back, front)),
                 ))
             }
-            Form::GaussianNd(fields) => {
+            CompiledProfile::GaussianNd(fields) => {
                 let Ends { front, back, along } = fields.ends(segment);
                 Path::Gaussian(GaussianPath::new(front, back, along))
             }
-            Form::TriangularNd(fields, magnitude) => {
+            CompiledProfile::TriangularNd(fields, magnitude) => {
                 let Ends { front, back, along } = fields.ends(segment);
                 let magnitude = [segment.fields_front[*magnitude], segment.fields_back[*magnitude]];
                 Path::Triangular(TriangularPath::over_fields(front, back, along, magnitude, peak))
             }
             // Comparisons with a control point do not tell what is no number.
-            Form::Piecewise { .. } if (back[0] - front[0]).is_nan() => return None,
-            Form::Piecewise { points, .. } => Path::Piecewise(PiecewisePath::new(points, front[0], back[0])),
-            Form::Triangular { centre, sigma } => Path::Triangular(TriangularPath::new(
+            CompiledProfile::Piecewise { .. } if (back[0] - front[0]).is_nan() => return None,
+            CompiledProfile::Piecewise { points, .. } => {
+                Path::Piecewise(PiecewisePath::new(points, front[0], back[0]))
+            }
+            CompiledProfile::Triangular { centre, sigma } => Path::Triangular(TriangularPath::new(
                 [front[0] - centre, back[0] - centre],
                 [sigma * front[1], sigma * back[1]],
                 peak,
             )),
-            Form::Wave(bell) => Path::Wave(bell.path(front, back)),
-            Form::Table(table) => {
+            CompiledProfile::Wave(bell) => Path::Wave(bell.path(front, back)),
+            CompiledProfile::Table(table) => {
                 Path::Table(TablePath::new(table, front, back, peak, cutoff.map(|cutoff| cutoff.share)))
             }
         })
@@ -208,7 +212,7 @@ impl<'a> Path<'a> {
         Light::OfWidget(scale * lit)
     }
 
-    /// Whether quadrature has a part in C of the widget alone.
+    /// True if quadrature has a part in C of the widget alone.
     pub fn is_integrated(&self, constant_emitter: bool) -> bool {
         match self {
             Path::Table(_) => true,
@@ -217,7 +221,7 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// Whether its colour is the widget's.
+    /// True if its colour is the widget's.
     pub fn has_one_color(&self) -> bool {
         match self {
             Path::Piecewise(_) | Path::Table(_) => false,
@@ -252,7 +256,7 @@ impl<'a> Path<'a> {
 /// A widget's rate along the segment.
 #[derive(Debug, Clone, Copy)]
 pub enum AnyTrack<'a> {
-    /// The same rate everywhere.
+    /// Constant rate.
     Uniform(f64),
     /// A Gaussian.
     Gaussian(GaussianTrack),
@@ -266,7 +270,7 @@ pub enum AnyTrack<'a> {
     Table(TablePath<'a>),
 }
 
-/// How the colour of a track varies along it.
+/// Variation of the colour of a track along it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TrackColor {
     /// Not at all: it is the widget's.
@@ -278,7 +282,7 @@ pub enum TrackColor {
 }
 
 impl AnyTrack<'_> {
-    /// How its colour varies.
+    /// Variation of its colour.
     pub fn color(&self) -> TrackColor {
         match self {
             AnyTrack::Piecewise(_) => TrackColor::Linear,
@@ -313,7 +317,7 @@ impl AnyTrack<'_> {
         }
     }
 
-    /// Whether it may glow on several parts of a segment under the constant-emitter, between which it breaks by itself.
+    /// True if it may glow on several parts of a segment under the constant-emitter, between which it breaks by itself.
     pub fn glows_in_parts(&self) -> bool {
         match self {
             AnyTrack::Wave(_) | AnyTrack::Piecewise(_) | AnyTrack::Table(_) => true,

@@ -43,7 +43,7 @@ pub struct Lit {
 }
 
 impl LinearPiece {
-    /// What of the piece glows; of length 0 where nothing does. The crossing of the threshold is taken from
+    /// Part of the piece that glows; of length 0 where nothing does. The crossing of the threshold is taken from
     /// the end that is nearer to it.
     pub fn lit(&self, threshold: f64) -> Lit {
         let [e0, e1] = self.extinction;
@@ -75,7 +75,7 @@ impl<'a> PiecewisePath<'a> {
         PiecewisePath { points, front, back }
     }
 
-    /// How many control points lie at or below s at t and t' (= 1 − t): the number of the interval that holds it. By the
+    /// Number of control points at or below s at t and t' (= 1 − t): the number of the interval that holds it. By the
     /// difference from each, so that an offset of all numbers costs no digits.
     #[inline]
     fn interval(&self, t: f64, rest: f64) -> usize {

@@ -89,7 +89,7 @@ impl<'a> TablePath<'a> {
         next(self.x, self.table.width).min(next(self.y, self.table.height))
     }
 
-    /// Where alpha passes the cutoff between t and the next line, if it does.
+    /// Place where alpha passes the cutoff between t and the next line, if it does.
     fn next_crossing(&self, t: f64, end: f64) -> f64 {
         let Some(cutoff) = self.cutoff else { return f64::INFINITY };
         let length = end.min(1.0) - t;

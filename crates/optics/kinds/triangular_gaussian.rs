@@ -25,8 +25,8 @@ pub struct TriangularPath {
     peak: f64,
     /// h²; `peak` holds e^(−h²).
     offset_squared: f64,
-    /// Least x² on the path: what is e^42 times fainter than that is nothing.
-    least: f64,
+    /// Smallest x² on the path: what is e^42 times fainter is negligible.
+    min_square: f64,
 }
 
 /// |x| between whose values e^(−x²) is resolved; beyond the last, x² grows by [`SQUARE_STEP`].
@@ -45,8 +45,8 @@ impl TriangularPath {
         // γ where δ is 0: what lies behind the foot is not seen.
         let width_there = (offset[0] * width[1] - offset[1] * width[0]) / (offset[0] - offset[1]);
         let crosses = offset[0] * offset[1] <= 0.0 && (width_there > 0.0 || width_there.is_nan());
-        let least = if crosses { 0.0 } else { square(0).min(square(1)) };
-        TriangularPath { offset, width, peak, offset_squared: 0.0, least }
+        let min_square = if crosses { 0.0 } else { square(0).min(square(1)) };
+        TriangularPath { offset, width, peak, offset_squared: 0.0, min_square }
     }
 
     /// Over fields, from q_f, q_b and q_b − q_f, the last formed from raw differences, and m at both ends.
@@ -76,7 +76,7 @@ impl TriangularPath {
         TriangularPath { offset_squared, ..path }
     }
 
-    /// The same between t₀ and t₁ of a stretch, its own t from 0 to 1.
+    /// Profile between t₀ and t₁ of a stretch, its own t from 0 to 1.
     fn part(&self, stretch: &ClippedSpan) -> Self {
         let ends = |v: [f64; 2]| [stretch.at_start(v[0], v[1]), stretch.at_end(v[0], v[1])];
         let path = TriangularPath::new(ends(self.offset), ends(self.width), self.peak * stretch.length);
@@ -112,7 +112,7 @@ impl TriangularPath {
     /// The t between which the profile exceeds e^(−`level`), not clamped to the path.
     pub fn window_ends(&self, level: f64) -> Option<[f64; 2]> {
         let level = level - self.offset_squared;
-        if level <= self.least {
+        if level <= self.min_square {
             return None;
         }
         let x = level.sqrt();
@@ -156,7 +156,7 @@ impl TriangularPath {
     /// Levels within `margin` of x count as passed.
     fn next_level(&self, x: f64, margin: f64, growing: bool) -> Option<f64> {
         let past = if growing { x + margin } else { x - margin };
-        let far = (self.least + REACH).sqrt();
+        let far = (self.min_square + REACH).sqrt();
         if growing {
             if past >= far {
                 None
@@ -235,7 +235,7 @@ impl Track for TriangularPath {
                 Some(level) => {
                     take(self.at_level(sign * level));
                     let slope = self.width[1] - self.width[0];
-                    if width > 0.0 && x * x < self.least + REACH {
+                    if width > 0.0 && x * x < self.min_square + REACH {
                         // γ doubled or halved.
                         take(t + if slope > 0.0 { width / slope } else { -0.5 * width / slope });
                     }
@@ -285,7 +285,7 @@ mod tests {
         }
     }
 
-    /// The same where x alone ends panels, and where all that there is lies between two levels.
+    /// Panels ended by x alone, and profiles that lie between two levels.
     #[test]
     fn levels_of_x_resolve_the_profile_where_the_width_stays() {
         for k in 0..140 {

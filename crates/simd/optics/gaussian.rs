@@ -311,8 +311,8 @@ impl<L: Lanes> LaneTrack<L> for LaneGaussianTrack<L> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::FourLanes as P;
     use crate::optics::smooth::tests::{lane, uniform};
-    use crate::portable::Portable as P;
 
     type F = <P as Lanes>::F;
 

@@ -1,7 +1,6 @@
 //! Subject of a study: the scene of the pipeline's node that draws, and its options.
 
 use super::RendererVariant;
-use super::settings::is_studied;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 use voltet_graph::{Demand, Graph, GraphNode, Observer, Parameters, Session, Value, diagonal};
@@ -10,6 +9,7 @@ use voltet_optics::engine::{Accumulation, Compositor, EngineInfo};
 use voltet_optics::integrators::{INTEGRATOR, Integrator, kinds};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::Ordering;
+use voltet_reference::REFERENCE;
 
 /// Kind of nodes that draw, which decides where an engine can be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -215,4 +215,9 @@ fn background(graph: &Graph, place: usize) -> [f64; 3] {
     };
     let given = graph.nodes.iter().filter(shows).find(|node| node.parameters.is_set("background"));
     given.and_then(|node| node.parameters.vector("background").ok()).unwrap_or([0.0; 3])
+}
+
+/// True for all integrators but the reference, with which the others are compared.
+pub(super) fn is_studied(integrator: &Integrator) -> bool {
+    *integrator != REFERENCE
 }

@@ -4,7 +4,7 @@ mod lab;
 
 #[cfg(feature = "papers")]
 pub use lab::Papers;
-pub use lab::{GradientTest, HoldName, MeasureName, Stability, Study, Time};
+pub use lab::{GradientTest, Stability, Study, Time};
 
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;

@@ -96,7 +96,7 @@ fn pipeline_for(path: &std::path::Path, at: &std::path::Path, registry: &Registr
         plugins: Plugins::default(),
     };
     let quiet = crate::cli::present::Bar::new(true);
-    super::start::pipeline(&arguments, registry, at, &super::array_choice::BarProgress(&quiet))
+    super::start::pipeline(&arguments, registry, at, &super::array_choice::bar_progress(&quiet))
         .map(|(text, _)| text)
 }
 

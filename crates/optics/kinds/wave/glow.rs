@@ -2,7 +2,7 @@
 //! cutoff. Whole bands are alike, so any number of them is a geometric series.
 
 use super::spot::FlankPosition;
-use super::{Bell, Form, Place, WavePath, triangle};
+use super::{Bell, Place, WavePath, WaveShape, triangle};
 use crate::clip::ClippedSpan;
 use crate::track::{Track, mean_transmittance_along};
 
@@ -18,8 +18,8 @@ impl Bell {
     pub fn lit_half_width(&self, cutoff: f64) -> f64 {
         let width = self.band_width * (1.0 - cutoff);
         match self.form {
-            Form::Triangle => 0.5 * width,
-            Form::Sine => 2.0 * (0.5 * width).sqrt().asin() / std::f64::consts::PI,
+            WaveShape::Triangle => 0.5 * width,
+            WaveShape::Sine => 2.0 * (0.5 * width).sqrt().asin() / std::f64::consts::PI,
         }
     }
 
@@ -37,10 +37,10 @@ impl Bell {
     /// Mean of e^(−T) along a lit part; `peak` is the depth along it at profile 1.
     fn lit(&self, part: BandPart, peak: f64) -> f64 {
         match self.form {
-            Form::Triangle => {
+            WaveShape::Triangle => {
                 triangle::lit(|u| self.value(FlankPosition::from_peak(u.abs())), part.from, part.to, peak)
             }
-            Form::Sine => lit_sine(self, part.from, part.to, peak),
+            WaveShape::Sine => lit_sine(self, part.from, part.to, peak),
         }
     }
 

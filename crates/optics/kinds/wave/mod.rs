@@ -22,15 +22,15 @@ use voltet_core::transfer::Wave;
 
 /// The two profiles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Form {
+enum WaveShape {
     Triangle,
     Sine,
 }
 
-/// A wave made ready.
+/// A wave with the constants of its bands.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bell {
-    form: Form,
+    form: WaveShape,
     /// w.
     band_width: f64,
     /// u_e.
@@ -70,19 +70,19 @@ impl Bell {
     /// A triangle wave.
     pub fn triangle(wave: &Wave) -> Bell {
         let reach = 0.5 * wave.band_width;
-        Bell { form: Form::Triangle, reach, half: 0.5 * reach, ..Bell::of(wave) }
+        Bell { form: WaveShape::Triangle, reach, half: 0.5 * reach, ..Bell::from_wave(wave) }
     }
 
     /// A sine wave.
     pub fn sine(wave: &Wave) -> Bell {
         let w = wave.band_width;
         let reach = sine::half_width(w);
-        Bell { form: Form::Sine, reach, half: sine::half_area(w, reach), ..Bell::of(wave) }
+        Bell { form: WaveShape::Sine, reach, half: sine::half_area(w, reach), ..Bell::from_wave(wave) }
     }
 
-    fn of(wave: &Wave) -> Bell {
+    fn from_wave(wave: &Wave) -> Bell {
         Bell {
-            form: Form::Triangle,
+            form: WaveShape::Triangle,
             band_width: wave.band_width,
             reach: 0.0,
             half: 0.0,
@@ -107,8 +107,8 @@ impl Bell {
     #[inline]
     fn mean_on_flank(&self, low: FlankPosition, high: FlankPosition) -> f64 {
         match self.form {
-            Form::Triangle => triangle::mean(self.band_width, low, high),
-            Form::Sine => sine::mean(self.band_width, low, high),
+            WaveShape::Triangle => triangle::mean(self.band_width, low, high),
+            WaveShape::Sine => sine::mean(self.band_width, low, high),
         }
     }
 

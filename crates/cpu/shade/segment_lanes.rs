@@ -1,23 +1,23 @@
-//! Segments side by side in lanes: their lengths and the values at both ends.
+//! Segments in lanes: their lengths and the values at both ends.
 
 use crate::fragments::batch::{Batch, Column};
 use voltet_simd::{Float, Lanes, array, inlined};
 
 /// One vector of segments of a batch. Lengths in scene lengths, attributes scaled.
-pub(crate) struct Along<L: Lanes> {
+pub struct SegmentLanes<L: Lanes> {
     /// D.
-    pub length: L::F,
+    pub(crate) length: L::F,
     /// Lanes that cross their cell over a positive length, or a selection of them.
-    pub crossing: L::M,
+    pub(crate) crossing: L::M,
     /// (s, g) at the entry; g is 0 where there is none.
-    pub front: [L::F; 2],
+    pub(crate) front: [L::F; 2],
     /// (s, g) at the exit.
-    pub back: [L::F; 2],
+    pub(crate) back: [L::F; 2],
 }
 
-impl<L: Lanes> Along<L> {
+impl<L: Lanes> SegmentLanes<L> {
     #[inline(always)]
-    pub fn load(batch: &Batch, at: usize) -> Self {
+    pub(crate) fn load(batch: &Batch, at: usize) -> Self {
         let column = inlined(
             #[inline(always)]
             |columns: &[Column], a: usize| match columns[..batch.scalar_count].get(a) {
@@ -26,7 +26,7 @@ impl<L: Lanes> Along<L> {
             },
         );
         let length = L::F::load(&batch.length[at..]);
-        Along {
+        SegmentLanes {
             length,
             crossing: L::F::splat(0.0).lt(length),
             front: [column(&batch.front, 0), column(&batch.front, 1)],
@@ -37,17 +37,17 @@ impl<L: Lanes> Along<L> {
     /// The segments with other lanes counted as those that cross.
     #[inline(always)]
     pub fn only(&self, crossing: L::M) -> Self {
-        Along { crossing, ..*self }
+        SegmentLanes { crossing, ..*self }
     }
 
     /// Values at one fraction of every segment, from its nearer end.
     #[inline(always)]
-    pub fn at_share(&self, t: f32) -> [L::F; 2] {
+    pub(crate) fn at_share(&self, t: f32) -> [L::F; 2] {
         between::<L, 2>(&self.front, &self.back, t)
     }
 
     #[inline(always)]
-    pub fn at(&self, t: L::F) -> [L::F; 2] {
+    pub(crate) fn at(&self, t: L::F) -> [L::F; 2] {
         array(
             #[inline(always)]
             |i| (self.back[i] - self.front[i]).mul_add(t, self.front[i]),
@@ -66,25 +66,25 @@ fn between<L: Lanes, const N: usize>(front: &[L::F; N], back: &[L::F; N], t: f32
 }
 
 /// Further fields of one vector of segments, at the entry and at the exit.
-pub(crate) struct Fields<L: Lanes> {
-    pub front: [L::F; FIELDS_MOST],
-    pub back: [L::F; FIELDS_MOST],
+pub struct FieldLanes<L: Lanes> {
+    pub(crate) front: [L::F; MAX_FIELD_LANES],
+    pub(crate) back: [L::F; MAX_FIELD_LANES],
 }
 
-impl<L: Lanes> Fields<L> {
+impl<L: Lanes> FieldLanes<L> {
     /// No fields.
     #[inline(always)]
     pub fn none() -> Self {
-        let zeros = [L::F::splat(0.0); FIELDS_MOST];
-        Fields { front: zeros, back: zeros }
+        let zeros = [L::F::splat(0.0); MAX_FIELD_LANES];
+        FieldLanes { front: zeros, back: zeros }
     }
 
-    /// Fields of a batch; 0 where there are none.
+    /// Fields of a batch; 0 for missing ones.
     #[inline(always)]
-    pub fn load(batch: &Batch, at: usize) -> Self {
+    pub(crate) fn load(batch: &Batch, at: usize) -> Self {
         let rows = inlined(
             #[inline(always)]
-            |columns: &[Column]| -> [L::F; FIELDS_MOST] {
+            |columns: &[Column]| -> [L::F; MAX_FIELD_LANES] {
                 array(
                     #[inline(always)]
                     |i| match columns[..batch.scalar_count].get(2 + i) {
@@ -94,15 +94,15 @@ impl<L: Lanes> Fields<L> {
                 )
             },
         );
-        Fields { front: rows(&batch.front), back: rows(&batch.back) }
+        FieldLanes { front: rows(&batch.front), back: rows(&batch.back) }
     }
 
     /// Values at one fraction of every segment.
     #[inline(always)]
-    pub fn at(&self, t: f32) -> [L::F; FIELDS_MOST] {
-        between::<L, FIELDS_MOST>(&self.front, &self.back, t)
+    pub(crate) fn at(&self, t: f32) -> [L::F; MAX_FIELD_LANES] {
+        between::<L, MAX_FIELD_LANES>(&self.front, &self.back, t)
     }
 }
 
 /// Further fields that lanes read at most.
-pub(crate) const FIELDS_MOST: usize = 8;
+pub(crate) const MAX_FIELD_LANES: usize = 8;

@@ -1,21 +1,21 @@
 //! Segments of a batch, gathered side by side.
 
 use crate::fragments::batch::{Batch, MAX_LANES};
-use crate::shade::along::{Along, FIELDS_MOST, Fields};
+use crate::shade::segment_lanes::{FieldLanes, MAX_FIELD_LANES, SegmentLanes};
 use voltet_simd::{Float, Lanes, array};
 
 /// Lengths, then the attributes at the entry and at the exit.
-pub(crate) struct Gathered {
+pub(crate) struct SegmentGather {
     length: [f32; MAX_LANES],
-    front: [[f32; MAX_LANES]; 2 + FIELDS_MOST],
-    back: [[f32; MAX_LANES]; 2 + FIELDS_MOST],
+    front: [[f32; MAX_LANES]; 2 + MAX_FIELD_LANES],
+    back: [[f32; MAX_LANES]; 2 + MAX_FIELD_LANES],
     columns: usize,
 }
 
-impl Gathered {
-    pub fn new(columns: usize) -> Gathered {
-        let rows = [[0.0; MAX_LANES]; 2 + FIELDS_MOST];
-        Gathered { length: [0.0; MAX_LANES], front: rows, back: rows, columns: columns.min(rows.len()) }
+impl SegmentGather {
+    pub fn new(columns: usize) -> SegmentGather {
+        let rows = [[0.0; MAX_LANES]; 2 + MAX_FIELD_LANES];
+        SegmentGather { length: [0.0; MAX_LANES], front: rows, back: rows, columns: columns.min(rows.len()) }
     }
 
     /// Takes the segments `group` of a batch, one a lane.
@@ -33,10 +33,10 @@ impl Gathered {
     }
 
     #[inline(always)]
-    pub fn along<L: Lanes>(&self) -> Along<L> {
-        let row = |rows: &[[f32; MAX_LANES]; 2 + FIELDS_MOST], a: usize| L::F::load(&rows[a]);
+    pub fn segments<L: Lanes>(&self) -> SegmentLanes<L> {
+        let row = |rows: &[[f32; MAX_LANES]; 2 + MAX_FIELD_LANES], a: usize| L::F::load(&rows[a]);
         let length = L::F::load(&self.length);
-        Along {
+        SegmentLanes {
             length,
             crossing: L::F::splat(0.0).lt(length),
             front: [row(&self.front, 0), row(&self.front, 1)],
@@ -45,8 +45,8 @@ impl Gathered {
     }
 
     #[inline(always)]
-    pub fn fields<L: Lanes>(&self) -> Fields<L> {
-        Fields {
+    pub fn fields<L: Lanes>(&self) -> FieldLanes<L> {
+        FieldLanes {
             front: array(
                 #[inline(always)]
                 |i| L::F::load(&self.front[2 + i]),

@@ -1,16 +1,17 @@
 //! Support bounds: outside them a widget changes a segment by next to nothing.
 
 use crate::attribute::Attribute;
-use crate::shade::along::Along;
-use crate::shade::kinds::Making;
-use crate::shade::reach::{LEFT_OUT, LaneReach, Spread};
+use crate::shade::context::WidgetContext;
+use crate::shade::segment_lanes::SegmentLanes;
+use crate::shade::support::{SupportBounds, ValueRange};
+use crate::tolerances::NEGLIGIBLE_DEPTH;
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
 use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
 use voltet_simd::{Float, Kernel, LaneSet, Lanes, Mask, dispatch};
 
 /// True if support bounds meet a segment, by its stored ends.
 struct Ask<'a> {
-    reach: &'a LaneReach,
+    reach: &'a SupportBounds,
     ends: [[f64; 2]; 2],
     attributes: &'a [Attribute<'a>],
 }
@@ -23,13 +24,13 @@ impl Kernel for Ask<'_> {
             let Attribute { offset, scale, .. } = self.attributes[a];
             L::F::splat(((self.ends[end][a] - offset) / scale) as f32)
         };
-        let along = Along::<L> {
+        let segments = SegmentLanes::<L> {
             length: L::F::splat(1.0),
             crossing: L::F::splat(0.0).lt(L::F::splat(1.0)),
             front: [stored(0, 0), stored(0, 1)],
             back: [stored(1, 0), stored(1, 1)],
         };
-        self.reach.meets::<L>(&Spread::new(&along)).any()
+        self.reach.meets::<L>(&ValueRange::new(&segments)).any()
     }
 }
 
@@ -63,15 +64,16 @@ fn what_no_widget_is_asked_of_is_less_than_may_be_left_out() {
         |offset: f64, scale: f64| Attribute { values: &[], stride: 1, offset, scale, range: [0.0, 1.0] };
     for attributes in [[axis(0.5, 1.0), axis(0.5, 1.0)], [axis(-3.0, 64.0), axis(0.125, 0.5)]] {
         for (number, widget) in widgets().into_iter().enumerate() {
-            let making = Making {
+            let context = WidgetContext {
                 attributes: &attributes,
                 fields: &[],
                 density_scale: 1.0,
                 model: OpticalModel::DensityEmitter,
-                left_out: Some(LEFT_OUT),
+                left_out: Some(NEGLIGIBLE_DEPTH),
             };
-            let reach = LaneReach::new(&widget, &making, LEFT_OUT).expect("it is not everywhere");
-            let max = LEFT_OUT * widget.peak().min(1.0);
+            let reach =
+                SupportBounds::new(&widget, &context, NEGLIGIBLE_DEPTH).expect("it is not everywhere");
+            let max = NEGLIGIBLE_DEPTH * widget.peak().min(1.0);
             let look = TransferFunction {
                 model: OpticalModel::DensityEmitter,
                 unit_distance: 1.0,

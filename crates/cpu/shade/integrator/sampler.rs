@@ -4,12 +4,11 @@
 use super::batch::{SegmentBatch, SegmentResults};
 use super::scene::LaneScene;
 use crate::fragments::batch::meant;
-use crate::shade::along::{Along, Fields};
+use crate::shade::kernel::{BatchRange, overlaps, push};
 use crate::shade::kinds::LaneWidget;
-use crate::shade::reach::Spread;
-use crate::shade::roads::Part;
-use crate::shade::shaded::Left;
-use crate::shade::shader::{overlaps, push};
+use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
+use crate::shade::shaded_batch::FallbackReason;
+use crate::shade::support::ValueRange;
 use voltet_simd::limits::MAX_PIECES;
 use voltet_simd::optics::elementary::one_minus_exp;
 use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
@@ -22,7 +21,7 @@ pub const SIDE_BY_SIDE: usize = 4;
 const STEPS_ON_END: usize = 4;
 
 /// Cutoffs that e^(−x²) in 32 bits tells from nothing.
-const CUTOFF_LEAST: f64 = 1e-30;
+const MIN_CUTOFF: f64 = 1e-30;
 
 /// A sampler at equal distances.
 pub struct WidgetSampler {
@@ -32,25 +31,25 @@ pub struct WidgetSampler {
     thresholds: Vec<f32>,
     /// The constant-emitter's glow per scene length; `None` for the density-emitter.
     glow: Option<f32>,
-    /// Whether widgets look at further fields.
+    /// True if widgets read further fields.
     reads_fields: bool,
-    /// Whether a widget may be left out only with all others.
+    /// True if a widget is skipped only with all others.
     together: bool,
 }
 
-/// A widget that a vector of segments meets.
-struct Met<'a, L: Lanes> {
+/// Widget whose support a vector of segments meets.
+struct ActiveWidget<'a, L: Lanes> {
     widget: &'a LaneWidget,
     threshold: f32,
     /// Lanes in which it is.
     there: L::M,
-    /// Whether its region cuts some of them.
+    /// True if its region cuts some of them.
     is_cut: bool,
-    /// Whether values follow from step to step.
+    /// True if values follow from step to step.
     follows: bool,
 }
 
-/// Numbers of the widgets that are met, in their order; each has its place from batch to batch.
+/// Numbers of an active widget, reused from batch to batch.
 #[derive(Clone, Copy)]
 struct Slot<L: Lanes> {
     /// The part of each segment inside its region.
@@ -71,9 +70,9 @@ pub struct Samples<L: Lanes, const N: usize> {
 
 /// A vector of segments with the widgets that it meets.
 pub struct SampledSegments<'a, 'b, L: Lanes> {
-    along: &'b Along<L>,
-    fields: &'b Fields<L>,
-    met: &'b [Met<'a, L>],
+    segments: &'b SegmentLanes<L>,
+    fields: &'b FieldLanes<L>,
+    active: &'b [ActiveWidget<'a, L>],
     slots: &'b mut [Slot<L>],
     /// The constant-emitter's glow per scene length.
     glow: Option<f32>,
@@ -84,31 +83,31 @@ impl WidgetSampler {
     /// neighbouring samples share a colour.
     ///
     /// Errors: why lanes do not sample the scene.
-    pub fn new(count: usize, together: bool, scene: &LaneScene<'_>) -> Result<WidgetSampler, Left> {
-        let LaneScene { widgets, making, .. } = *scene;
+    pub fn new(count: usize, together: bool, scene: &LaneScene<'_>) -> Result<WidgetSampler, FallbackReason> {
+        let LaneScene { widgets, context, .. } = *scene;
         if MAX_PIECES < count.try_into().unwrap_or(u32::MAX) {
-            return Err(Left::Samples);
+            return Err(FallbackReason::Samples);
         }
         if !widgets.iter().all(LaneWidget::has_samples) {
-            return Err(Left::NoLanes);
+            return Err(FallbackReason::NoLanes);
         }
-        let cutoff = making.model.cutoff();
-        let glow = making.glow_scale()?;
-        let is_lost = |cutoff: f64| cutoff < CUTOFF_LEAST && widgets.iter().any(LaneWidget::is_exponential);
+        let cutoff = context.model.cutoff();
+        let glow = context.glow_scale()?;
+        let is_lost = |cutoff: f64| cutoff < MIN_CUTOFF && widgets.iter().any(LaneWidget::is_exponential);
         if cutoff.is_some_and(is_lost) {
-            return Err(Left::Samples);
+            return Err(FallbackReason::Samples);
         }
         let threshold = |widget: &LaneWidget| match cutoff {
             // What does not absorb does not glow.
             Some(_) if widget.density() <= 0.0 => f32::INFINITY,
-            Some(cutoff) => (cutoff * widget.peak_value(making.density_scale)) as f32,
+            Some(cutoff) => (cutoff * widget.peak_value(context.density_scale)) as f32,
             None => 0.0,
         };
         Ok(WidgetSampler {
             count,
             thresholds: widgets.iter().map(threshold).collect(),
             glow,
-            reads_fields: !making.fields.is_empty(),
+            reads_fields: !context.fields.is_empty(),
             together,
         })
     }
@@ -128,27 +127,27 @@ impl WidgetSampler {
         mut integrate: impl FnMut(&mut SampledSegments<'_, '_, L>) -> ([L::F; 3], L::F),
         results: &mut SegmentResults<'_>,
     ) {
-        let Part { widgets, one_color, batch, count } = batch.0;
+        let BatchRange { widgets, one_color, batch, count } = batch.0;
         let out = &mut *results.0;
         let zero = L::F::splat(0.0);
         let steps = LaneGaussianSteps { values: [zero; 4], ratios: [zero; 4], change: zero };
         let mut slots = vec![Slot::<L> { range: [zero; 2], sum: zero, steps }; widgets.len()];
-        let mut met: Vec<Met<L>> = Vec::with_capacity(widgets.len());
-        let mut fields = Fields::<L>::none();
+        let mut active: Vec<ActiveWidget<L>> = Vec::with_capacity(widgets.len());
+        let mut fields = FieldLanes::<L>::none();
         for at in (0..count).step_by(L::WIDTH) {
-            let along = Along::<L>::load(batch, at);
-            let mut unsure = self.meet::<L>(widgets, &along, &mut met, &mut slots);
-            if met.is_empty() {
+            let segments = SegmentLanes::<L>::load(batch, at);
+            let mut unsure = self.meet::<L>(widgets, &segments, &mut active, &mut slots);
+            if active.is_empty() {
                 zero.store(&mut out.depth[at..]);
                 out.rgba.iter_mut().for_each(|column| zero.store(&mut column[at..]));
                 continue;
             }
             if self.reads_fields {
-                fields = Fields::<L>::load(batch, at);
+                fields = FieldLanes::<L>::load(batch, at);
             }
-            let (along, fields) = (&along, &fields);
+            let (segments, fields) = (&segments, &fields);
             let mut crossed =
-                SampledSegments { along, fields, met: &met, slots: &mut slots, glow: self.glow };
+                SampledSegments { segments, fields, active: &active, slots: &mut slots, glow: self.glow };
             let (color, depth) = integrate(&mut crossed);
             depth.store(&mut out.depth[at..]);
             if one_color {
@@ -163,20 +162,20 @@ impl WidgetSampler {
                     value.store(&mut column[at..]);
                 }
             }
-            let meant = meant::<L>(along.crossing, count - at);
+            let meant = meant::<L>(segments.crossing, count - at);
             unsure &= meant;
-            push(&mut out.rest, unsure, at);
-            let there = met.iter().fold(0, |all, met| all | met.there.bits()) & meant;
+            push(&mut out.fallback_queue, unsure, at);
+            let there = active.iter().fold(0, |all, active| all | active.there.bits()) & meant;
             out.evaluation_count += u64::from(there.count_ones()) * places as u64;
-            if met.len() > 1 {
-                let share = along.length * L::F::splat(1.0 / self.count as f32);
+            if active.len() > 1 {
+                let share = segments.length * L::F::splat(1.0 / self.count as f32);
                 let (mut product, mut total) = (zero, zero);
-                for slot in &slots[..met.len()] {
+                for slot in &slots[..active.len()] {
                     let depth = slot.sum * share;
                     product = depth.mul_add(total, product);
                     total = total + depth;
                 }
-                let overlapping = overlaps::<L>(product, along, count - at) & !unsure;
+                let overlapping = overlaps::<L>(product, segments, count - at) & !unsure;
                 out.overlap_count += u64::from(overlapping.count_ones());
             }
         }
@@ -187,13 +186,13 @@ impl WidgetSampler {
     fn meet<'a, L: Lanes>(
         &self,
         widgets: &'a [LaneWidget],
-        along: &Along<L>,
-        met: &mut Vec<Met<'a, L>>,
+        segments: &SegmentLanes<L>,
+        active: &mut Vec<ActiveWidget<'a, L>>,
         slots: &mut [Slot<L>],
     ) -> u32 {
         let (zero, one) = (L::F::splat(0.0), L::F::splat(1.0));
-        met.clear();
-        let spread = Spread::new(along);
+        active.clear();
+        let spread = ValueRange::new(segments);
         let mut unsure = 0;
         // The colour of a piece's end is that of what little is there, which has a share in the light of the whole piece: a widget
         // may be left out only with all others.
@@ -206,14 +205,14 @@ impl WidgetSampler {
             return 0;
         }
         for (widget, &threshold) in widgets.iter().zip(&self.thresholds) {
-            let mut there = if self.together { along.crossing } else { widget.meets::<L>(&spread) };
+            let mut there = if self.together { segments.crossing } else { widget.meets::<L>(&spread) };
             if !there.any() {
                 continue;
             }
-            let slot = &mut slots[met.len()];
+            let slot = &mut slots[active.len()];
             let mut is_cut = false;
             if widget.has_region() {
-                let [start, end] = widget.range(along);
+                let [start, end] = widget.range(segments);
                 there = there.and(start.lt(end));
                 if !there.any() {
                     continue;
@@ -222,10 +221,10 @@ impl WidgetSampler {
                 slot.range = [start, end];
             }
             slot.sum = zero;
-            unsure |= widget.too_wide(along) & there.bits();
+            unsure |= widget.too_wide(segments) & there.bits();
             let share = SIDE_BY_SIDE as f32 / self.count as f32;
-            let follows = SIDE_BY_SIDE < self.count && widget.has_steps(along, share);
-            met.push(Met { widget, threshold, there, is_cut, follows });
+            let follows = SIDE_BY_SIDE < self.count && widget.has_steps(segments, share);
+            active.push(ActiveWidget { widget, threshold, there, is_cut, follows });
         }
         unsure
     }
@@ -235,7 +234,7 @@ impl<L: Lanes> SampledSegments<'_, '_, L> {
     /// Lengths of the segments.
     #[inline(always)]
     pub fn length(&self) -> L::F {
-        self.along.length
+        self.segments.length
     }
 
     /// True under the density-emitter, where emission is colour times extinction.
@@ -255,8 +254,8 @@ impl<L: Lanes> SampledSegments<'_, '_, L> {
         if depth_only {
             return Some(([L::F::splat(0.0); 3], depth(self)));
         }
-        let color = match self.met {
-            [met] if self.glow.is_none() && !met.widget.has_colors() => met.widget.color,
+        let color = match self.active {
+            [active] if self.glow.is_none() && !active.widget.has_colors() => active.widget.color,
             _ => return None,
         };
         let depth = depth(self);
@@ -268,16 +267,16 @@ impl<L: Lanes> SampledSegments<'_, '_, L> {
         Some((light, depth))
     }
 
-    /// At `N` places of each segment. `COLORS`: whether glow is asked for.
+    /// At `N` places of each segment. `COLORS`: true to compute emission.
     #[inline(always)]
     pub fn at<const N: usize, const COLORS: bool>(&mut self, t: [f32; N]) -> Samples<L, N> {
         let zero = L::F::splat(0.0);
         let mut sum = Samples { rate: [zero; N], glow: [[zero; 3]; N] };
-        for number in 0..self.met.len() {
-            if self.met[number].widget.has_colors() {
+        for number in 0..self.active.len() {
+            if self.active[number].widget.has_colors() {
                 self.add_colored::<N, COLORS>(number, &t, &mut sum);
             } else {
-                let values = self.met[number].widget.values(self.along, self.fields, &t);
+                let values = self.active[number].widget.values(self.segments, self.fields, &t);
                 self.add::<N, COLORS>(number, &t, &values, &mut sum);
             }
         }
@@ -295,17 +294,17 @@ impl<L: Lanes> SampledSegments<'_, '_, L> {
     ) -> Samples<L, SIDE_BY_SIDE> {
         let zero = L::F::splat(0.0);
         let mut sum = Samples { rate: [zero; SIDE_BY_SIDE], glow: [[zero; 3]; SIDE_BY_SIDE] };
-        for number in 0..self.met.len() {
-            let Met { widget, follows, .. } = &self.met[number];
+        for number in 0..self.active.len() {
+            let ActiveWidget { widget, follows, .. } = &self.active[number];
             if widget.has_colors() {
                 self.add_colored::<SIDE_BY_SIDE, COLORS>(number, &t, &mut sum);
             } else if !follows {
-                let values = widget.values(self.along, self.fields, &t);
+                let values = widget.values(self.segments, self.fields, &t);
                 self.add::<SIDE_BY_SIDE, COLORS>(number, &t, &values, &mut sum);
             } else {
                 let steps = &mut self.slots[number].steps;
                 if step.is_multiple_of(STEPS_ON_END) {
-                    widget.value_steps(self.along, step, share, places, steps);
+                    widget.value_steps(self.segments, step, share, places, steps);
                 } else {
                     *steps = steps.next();
                 }
@@ -325,7 +324,7 @@ impl<L: Lanes> SampledSegments<'_, '_, L> {
         values: &[L::F; N],
         sum: &mut Samples<L, N>,
     ) {
-        let color = self.met[number].widget.color;
+        let color = self.active[number].widget.color;
         for j in 0..N {
             let strength = self.add_rate(number, t[j], values[j], &mut sum.rate[j]);
             if COLORS {
@@ -345,7 +344,7 @@ impl<L: Lanes> SampledSegments<'_, '_, L> {
         sum: &mut Samples<L, N>,
     ) {
         for j in 0..N {
-            let [value, colors @ ..] = self.met[number].widget.colored_value(self.along, t[j]);
+            let [value, colors @ ..] = self.active[number].widget.colored_value(self.segments, t[j]);
             let strength = self.add_rate(number, t[j], value, &mut sum.rate[j]);
             if COLORS {
                 for c in 0..3 {
@@ -359,19 +358,19 @@ impl<L: Lanes> SampledSegments<'_, '_, L> {
     #[inline(always)]
     fn add_rate(&mut self, number: usize, t: f32, value: L::F, rate: &mut L::F) -> L::F {
         let splat = L::F::splat;
-        let (met, slot) = (&self.met[number], &mut self.slots[number]);
-        let mut inside = met.there;
-        if met.is_cut {
+        let (active, slot) = (&self.active[number], &mut self.slots[number]);
+        let mut inside = active.there;
+        if active.is_cut {
             let [start, end] = slot.range;
             inside = inside.and(start.le(splat(t))).and(splat(t).le(end));
         }
         let value = L::F::select(inside, value, splat(0.0));
-        let own = value * splat(met.widget.density());
+        let own = value * splat(active.widget.density());
         *rate = *rate + own;
         slot.sum = slot.sum + own;
         match self.glow {
             None => own,
-            Some(glow) => L::F::select(splat(met.threshold).lt(value), splat(glow), splat(0.0)),
+            Some(glow) => L::F::select(splat(active.threshold).lt(value), splat(glow), splat(0.0)),
         }
     }
 }

@@ -1,30 +1,28 @@
 //! Support bounds of a widget, in lanes: it is not evaluated on a vector of segments that all lie outside.
 //!
-//! They are the widget's slabs ([`Slab`]) in stored values, those of an axis as a box. A ray gains or loses less than [`LEFT_OUT`] of the
+//! They are the widget's slabs ([`Slab`]) in stored values, those of an axis as a box. A ray gains or loses less than [`crate::NEGLIGIBLE_DEPTH`] of the
 //! widgets' greatest depths, or of 1 where they are denser, by all that is left out here.
 
-use crate::shade::along::Along;
-use crate::shade::kinds::making::Making;
+use crate::shade::context::WidgetContext;
+use crate::shade::segment_lanes::SegmentLanes;
 use voltet_core::transfer::{Slab, Widget};
 use voltet_simd::{Float, Lanes, Mask};
 
-pub use crate::tolerances::NEGLIGIBLE_DEPTH as LEFT_OUT;
-
 /// Support bounds of a widget.
-pub(crate) struct LaneReach {
+pub(crate) struct SupportBounds {
     /// Limits of stored s and g, each [low, high].
     limits: [[f32; 2]; 2],
     /// Slabs across both axes: low ≤ a s + b g ≤ high.
     tilted: Vec<[f32; 4]>,
 }
 
-impl LaneReach {
-    /// `None` where the support has no bounds. `min`: the optical depth along the longest ray that counts.
-    pub fn new(widget: &Widget, making: &Making, min: f64) -> Option<LaneReach> {
+impl SupportBounds {
+    /// Bounds of a widget; `None` where the support has none. `min`: the optical depth along the longest ray that counts.
+    pub fn new(widget: &Widget, context: &WidgetContext, min: f64) -> Option<SupportBounds> {
         // What is thin is held against itself: its picture may be seen magnified.
-        let depth = (widget.peak() * making.density_scale).max(1.0) * widget.max_emission().max(1.0);
-        let lists = widget.slabs(depth, min, making.model);
-        let axis = |k: usize| making.attributes.get(k).map_or([0.0, 1.0], |a| [a.offset, a.scale]);
+        let depth = (widget.peak() * context.density_scale).max(1.0) * widget.max_emission().max(1.0);
+        let lists = widget.slabs(depth, min, context.model);
+        let axis = |k: usize| context.attributes.get(k).map_or([0.0, 1.0], |a| [a.offset, a.scale]);
         let axes = [axis(0), axis(1)];
         let stored = |list: &Vec<Slab>| list.iter().map(|slab| slab.stored(axes)).collect::<Vec<_>>();
         let lists: Vec<Vec<[f32; 4]>> = lists.iter().map(stored).collect();
@@ -42,21 +40,21 @@ impl LaneReach {
             _ => Vec::new(),
         };
         let everywhere = limits.iter().all(|limits| *limits == [f32::NEG_INFINITY, f32::INFINITY]);
-        (!everywhere || !tilted.is_empty()).then_some(LaneReach { limits, tilted })
+        (!everywhere || !tilted.is_empty()).then_some(SupportBounds { limits, tilted })
     }
 
     /// Lanes whose segments may meet the support.
     #[inline(always)]
-    pub fn meets<L: Lanes>(&self, spread: &Spread<L>) -> L::M {
+    pub fn meets<L: Lanes>(&self, spread: &ValueRange<L>) -> L::M {
         let splat = L::F::splat;
         let within = |axis: usize| {
             let [low, high] = self.limits[axis];
             splat(low).le(spread.high[axis]).and(spread.low[axis].le(splat(high)))
         };
-        let mut meets = spread.along.crossing.and(within(0)).and(within(1));
+        let mut meets = spread.segments.crossing.and(within(0)).and(within(1));
         for &[a, b, low, high] in &self.tilted {
-            let [front, back] =
-                [&spread.along.front, &spread.along.back].map(|v| splat(a).mul_add(v[0], splat(b) * v[1]));
+            let [front, back] = [&spread.segments.front, &spread.segments.back]
+                .map(|v| splat(a).mul_add(v[0], splat(b) * v[1]));
             meets = meets.and(splat(low).le(front.max(back))).and(front.min(back).le(splat(high)));
         }
         meets
@@ -74,18 +72,18 @@ fn box_of(list: &[[f32; 4]], axis: usize) -> [f32; 2] {
 }
 
 /// Value range of a vector of segments.
-pub(crate) struct Spread<'a, L: Lanes> {
-    pub along: &'a Along<L>,
+pub struct ValueRange<'a, L: Lanes> {
+    pub(crate) segments: &'a SegmentLanes<L>,
     low: [L::F; 2],
     high: [L::F; 2],
 }
 
-impl<'a, L: Lanes> Spread<'a, L> {
+impl<'a, L: Lanes> ValueRange<'a, L> {
     #[inline(always)]
-    pub fn new(along: &'a Along<L>) -> Self {
-        let (front, back) = (along.front, along.back);
-        Spread {
-            along,
+    pub(crate) fn new(segments: &'a SegmentLanes<L>) -> Self {
+        let (front, back) = (segments.front, segments.back);
+        ValueRange {
+            segments,
             low: [front[0].min(back[0]), front[1].min(back[1])],
             high: [front[0].max(back[0]), front[1].max(back[1])],
         }

@@ -10,11 +10,12 @@ mod batch;
 mod sampler;
 mod scene;
 
-pub use crate::shade::reach::LEFT_OUT as NEGLIGIBLE_DEPTH;
-pub use crate::shade::shaded::Left as FallbackReason;
-pub use batch::{
-    FieldLanes, LaneSpread, SegmentBatch, SegmentLanes, SegmentResults, WidgetLanes, WidgetPath,
-};
+pub use crate::shade::kinds::RegionPath;
+pub use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
+pub use crate::shade::shaded_batch::FallbackReason;
+pub use crate::shade::support::ValueRange;
+pub use crate::tolerances::NEGLIGIBLE_DEPTH;
+pub use batch::{SegmentBatch, SegmentResults, WidgetLanes};
 pub use sampler::{SIDE_BY_SIDE, SampledSegments, Samples, WidgetSampler};
 pub use scene::{FieldAxis, LaneScene};
 
@@ -70,7 +71,7 @@ pub trait LaneIntegrator: Send + Sync {
 
 impl<K: LaneKernel> LaneIntegrator for K {
     fn run(&self, lanes: LaneSet, batch: SegmentBatch<'_>, results: &mut SegmentResults<'_>) {
-        dispatch(lanes, Run { kernel: self, batch, results });
+        dispatch(lanes, KernelRun { kernel: self, batch, results });
     }
 
     fn table_bytes(&self) -> usize {
@@ -78,13 +79,13 @@ impl<K: LaneKernel> LaneIntegrator for K {
     }
 }
 
-struct Run<'a, 'b, K> {
+struct KernelRun<'a, 'b, K> {
     kernel: &'a K,
     batch: SegmentBatch<'a>,
     results: &'a mut SegmentResults<'b>,
 }
 
-impl<K: LaneKernel> Kernel for Run<'_, '_, K> {
+impl<K: LaneKernel> Kernel for KernelRun<'_, '_, K> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {

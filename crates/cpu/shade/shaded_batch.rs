@@ -1,4 +1,4 @@
-//! Shaded batch: results of shading a batch of segments, and the segments that still need a slower kernel.
+//! Results of shading a batch of segments, and the segments that still need a slower kernel.
 
 use crate::fragments::batch::{Column, MAX_LANES};
 pub(crate) use crate::tolerances::MIX_PRODUCT;
@@ -12,25 +12,25 @@ pub(crate) const STEPS: [usize; 3] = [2, 4, 8];
 pub(crate) const KINDS: usize = STEPS.len() + 3;
 
 /// Results of a batch.
-pub(crate) struct Shaded {
+pub(crate) struct ShadedBatch {
     /// Optical depth, or with silhouettes and light the opacity (filled when there is one colour).
     pub depth: Box<Column>,
     /// Premultiplied colour and opacity (filled otherwise).
     pub rgba: Colors,
     /// Fragments queued for fixed quadrature, by their [`STEPS`].
-    pub in_order: [Vec<usize>; STEPS.len()],
+    pub quadrature_queues: [Vec<usize>; STEPS.len()],
     /// Fragments of known opacity, of one piecewise-linear widget, with pieces deeper than its quick form takes.
-    pub deep: Vec<usize>,
+    pub thick_pieces: Vec<usize>,
     /// Fragments of known opacity that are dense.
-    pub dense: Vec<usize>,
+    pub optically_thick: Vec<usize>,
     /// Other fragments that the closed forms did not integrate, then those for the 64-bit path.
-    pub rest: Vec<usize>,
+    pub fallback_queue: Vec<usize>,
     /// Reason of each of the latter.
-    pub why: Vec<Left>,
+    pub reasons: Vec<FallbackReason>,
     /// Scratch for the change from the former to the latter; empty.
-    pub spare: Vec<usize>,
+    pub scratch: Vec<usize>,
     /// Scratch: widgets whose support a vector of segments meets.
-    pub met: Vec<ActiveWidget>,
+    pub active_widgets: Vec<ActiveWidget>,
     /// Segments integrated in 64 bits.
     pub exact_count: u64,
     /// Evaluations of the transfer function: see [`voltet_optics::engine::RenderStats::evaluations`].
@@ -50,18 +50,18 @@ pub(crate) struct Exact {
     pub overlaps: bool,
 }
 
-impl Shaded {
+impl ShadedBatch {
     pub fn new() -> Self {
-        Shaded {
+        ShadedBatch {
             depth: Column::new(),
             rgba: std::array::from_fn(|_| Column::new()),
-            in_order: Default::default(),
-            deep: Vec::new(),
-            dense: Vec::new(),
-            rest: Vec::new(),
-            why: Vec::new(),
-            spare: Vec::new(),
-            met: Vec::new(),
+            quadrature_queues: Default::default(),
+            thick_pieces: Vec::new(),
+            optically_thick: Vec::new(),
+            fallback_queue: Vec::new(),
+            reasons: Vec::new(),
+            scratch: Vec::new(),
+            active_widgets: Vec::new(),
             exact_count: 0,
             evaluation_count: 0,
             overlap_count: 0,
@@ -70,20 +70,23 @@ impl Shaded {
 
     /// Empties the queues.
     pub fn clear(&mut self) {
-        let Shaded { in_order, deep, dense, rest, .. } = self;
-        in_order.iter_mut().chain([deep, dense, rest]).for_each(Vec::clear);
+        let ShadedBatch { quadrature_queues, thick_pieces, optically_thick, fallback_queue, .. } = self;
+        quadrature_queues
+            .iter_mut()
+            .chain([thick_pieces, optically_thick, fallback_queue])
+            .for_each(Vec::clear);
     }
 
     /// Fragments that need slower kernels, kind by kind; those of the last have an unknown opacity.
     pub fn left_over(&self) -> [&Vec<usize>; KINDS] {
-        let [few, some, many] = &self.in_order;
-        [few, some, many, &self.deep, &self.dense, &self.rest]
+        let [few, some, many] = &self.quadrature_queues;
+        [few, some, many, &self.thick_pieces, &self.optically_thick, &self.fallback_queue]
     }
 
-    /// Mutable form of [`Shaded::left_over`].
+    /// Mutable form of [`ShadedBatch::left_over`].
     pub fn left_over_mut(&mut self) -> [&mut Vec<usize>; KINDS] {
-        let [few, some, many] = &mut self.in_order;
-        [few, some, many, &mut self.deep, &mut self.dense, &mut self.rest]
+        let [few, some, many] = &mut self.quadrature_queues;
+        [few, some, many, &mut self.thick_pieces, &mut self.optically_thick, &mut self.fallback_queue]
     }
 
     /// Stores colours, or colours and opacities, of the fragments of a vector, one a lane.
@@ -98,25 +101,25 @@ impl Shaded {
         }
     }
 
-    /// Moves segments of the rest that were too dense or too delicate to the dense ones.
-    pub fn set_dense_apart(&mut self) {
-        let Shaded { rest, why, dense, .. } = self;
-        let mut reasons = why.iter();
-        rest.retain(|&k| {
-            let dense_too = reasons.next().is_some_and(|why| why.is_for_dense_steps());
-            if dense_too {
-                dense.push(k);
+    /// Moves queued segments that were too thick or too delicate for panels to the optically thick ones.
+    pub fn move_optically_thick(&mut self) {
+        let ShadedBatch { fallback_queue, reasons, optically_thick, .. } = self;
+        let mut each = reasons.iter();
+        fallback_queue.retain(|&k| {
+            let moves = each.next().is_some_and(|reason| reason.is_for_thick_panels());
+            if moves {
+                optically_thick.push(k);
             }
-            !dense_too
+            !moves
         });
-        why.retain(|why| !why.is_for_dense_steps());
+        reasons.retain(|reason| !reason.is_for_thick_panels());
     }
 }
 
 /// Reason why a segment falls back to the 64-bit forms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Left {
+pub enum FallbackReason {
     /// The integrator is another than the closed forms.
     Integrator,
     /// Samples that 32 bits do not tell apart, or that leave them.
@@ -137,26 +140,28 @@ pub enum Left {
     Dense,
 }
 
-impl Left {
-    /// True if the steps for dense segments may integrate it.
-    pub(crate) fn is_for_dense_steps(self) -> bool {
-        matches!(self, Left::Dense | Left::Delicate)
+impl FallbackReason {
+    /// True if panels for optically thick segments may integrate it.
+    pub(crate) fn is_for_thick_panels(self) -> bool {
+        matches!(self, FallbackReason::Dense | FallbackReason::Delicate)
     }
 
     /// Text for users.
     pub fn text(self) -> &'static str {
         match self {
-            Left::Integrator => "the integrator is one of 64 bits",
-            Left::Samples => "samples, their widths or their depths leave the range of 32 bits",
-            Left::NoLanes => "a region cuts the pieces of a widget, or its numbers leave 32 bits",
-            Left::Lengths => "lengths per unit distance leave the range of 32 bits",
-            Left::Mixed => "colours that vary along the segment are mixed in 64 bits",
-            Left::Narrow => "the segment spans over 100,000 widths of a Gaussian, or 50 of a triangular one",
-            Left::Overflow => "an optical depth leaves the range of 32 bits",
-            Left::Delicate => {
+            FallbackReason::Integrator => "the integrator is one of 64 bits",
+            FallbackReason::Samples => "samples, their widths or their depths leave the range of 32 bits",
+            FallbackReason::NoLanes => "a region cuts the pieces of a widget, or its numbers leave 32 bits",
+            FallbackReason::Lengths => "lengths per unit distance leave the range of 32 bits",
+            FallbackReason::Mixed => "colours that vary along the segment are mixed in 64 bits",
+            FallbackReason::Narrow => {
+                "the segment spans over 100,000 widths of a Gaussian, or 50 of a triangular one"
+            }
+            FallbackReason::Overflow => "an optical depth leaves the range of 32 bits",
+            FallbackReason::Delicate => {
                 "a wave or a triangular Gaussian stands among others, or glows without absorbing in step"
             }
-            Left::Dense => {
+            FallbackReason::Dense => {
                 "a density of over 10,000,000, or of 200 under the constant-emitter, needs finer steps than 32 bits take"
             }
         }
@@ -164,7 +169,7 @@ impl Left {
 }
 
 /// Depth from which on a segment whose order takes more than a few steps goes straight to the steps for dense ones.
-pub(crate) const DENSE_LEAST: f32 = 8.0;
+pub(crate) const MIN_THICK_DEPTH: f32 = 8.0;
 
 /// A widget whose support a vector of segments meets.
 pub(crate) struct ActiveWidget {

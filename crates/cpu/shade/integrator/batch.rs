@@ -1,45 +1,24 @@
 //! Segments of a batch in lanes, and their results.
 
 use crate::fragments::batch::{Column, meant};
-use crate::shade::along::{Along, Fields};
-use crate::shade::kinds::{LaneWidget, Through};
-use crate::shade::reach::Spread;
-use crate::shade::roads::Part;
-use crate::shade::shaded::Shaded;
-use crate::shade::shader::{overlaps, push};
+use crate::shade::kernel::{BatchRange, overlaps, push};
+use crate::shade::kinds::{LaneWidget, RegionPath};
+use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
+use crate::shade::shaded_batch::ShadedBatch;
+use crate::shade::support::ValueRange;
 use voltet_simd::optics::elementary::one_minus_exp;
-use voltet_simd::optics::gaussian::LaneGaussianPath;
 use voltet_simd::{Float, Lanes};
 
 /// Segments of a batch, attribute by attribute. Lengths are in scene lengths, values as stored.
 #[derive(Clone, Copy)]
-pub struct SegmentBatch<'a>(pub(crate) Part<'a>);
+pub struct SegmentBatch<'a>(pub(crate) BatchRange<'a>);
 
 /// Results of a batch.
-pub struct SegmentResults<'a>(pub(crate) &'a mut Shaded);
-
-/// A vector of segments.
-pub struct SegmentLanes<L: Lanes>(pub(crate) Along<L>);
-
-/// Further fields at both ends of a vector of segments.
-pub struct FieldLanes<L: Lanes>(pub(crate) Fields<L>);
+pub struct SegmentResults<'a>(pub(crate) &'a mut ShadedBatch);
 
 /// A widget in lanes.
 #[derive(Clone, Copy)]
 pub struct WidgetLanes<'a>(pub(crate) &'a LaneWidget);
-
-/// Ranges of the values of a vector of segments.
-pub struct LaneSpread<'a, L: Lanes>(Spread<'a, L>);
-
-/// The path of a vector of segments through a widget.
-pub struct WidgetPath<L: Lanes> {
-    /// Ends of the path in widths of a Gaussian; `None` where the profile is 1 all along.
-    pub path: Option<LaneGaussianPath<L>>,
-    /// Fraction of each segment inside the widget's region.
-    pub fraction: L::F,
-    /// Lanes in which there is a path.
-    pub present: L::M,
-}
 
 impl<'a> SegmentBatch<'a> {
     /// Segments of the batch.
@@ -61,13 +40,13 @@ impl<'a> SegmentBatch<'a> {
     /// The vector of segments that begins at a place.
     #[inline(always)]
     pub fn segments<L: Lanes>(&self, at: usize) -> SegmentLanes<L> {
-        SegmentLanes(Along::load(self.0.batch, at))
+        SegmentLanes::load(self.0.batch, at)
     }
 
     /// Further fields of the vector of segments that begins at a place.
     #[inline(always)]
     pub fn fields<L: Lanes>(&self, at: usize) -> FieldLanes<L> {
-        FieldLanes(Fields::load(self.0.batch, at))
+        FieldLanes::load(self.0.batch, at)
     }
 
     /// Stored values of one field at the front and at the back of a vector of segments. `place`: [`super::FieldAxis::place`].
@@ -77,7 +56,7 @@ impl<'a> SegmentBatch<'a> {
         [value(&self.0.batch.front), value(&self.0.batch.back)]
     }
 
-    /// Those lanes (bits) of a mask, of the vector of segments at a place, that lie within the batch.
+    /// Lanes (bits) of a mask, of the vector of segments at a place, that lie within the batch.
     #[inline(always)]
     pub fn within<L: Lanes>(&self, mask: L::M, at: usize) -> u32 {
         meant::<L>(mask, self.0.count - at)
@@ -114,10 +93,10 @@ impl SegmentResults<'_> {
         self.put_color::<L>(at, [zero; 3], zero);
     }
 
-    /// Leaves some segments (bits) of a vector to 64 bits.
+    /// Queues some segments (bits) of a vector for 64 bits.
     #[inline(always)]
     pub fn fall_back(&mut self, at: usize, lanes: u32) {
-        push(&mut self.0.rest, lanes, at);
+        push(&mut self.0.fallback_queue, lanes, at);
     }
 
     /// Adds to the number of evaluations of the transfer function.
@@ -136,7 +115,7 @@ impl SegmentResults<'_> {
         remaining: usize,
         skipped: u32,
     ) {
-        let overlapping = overlaps::<L>(product, &segments.0, remaining) & !skipped;
+        let overlapping = overlaps::<L>(product, segments, remaining) & !skipped;
         self.0.overlap_count += u64::from(overlapping.count_ones());
     }
 }
@@ -145,45 +124,31 @@ impl<L: Lanes> SegmentLanes<L> {
     /// Lengths.
     #[inline(always)]
     pub fn length(&self) -> L::F {
-        self.0.length
+        self.length
     }
 
     /// Lanes that cross their cell over a positive length.
     #[inline(always)]
     pub fn crossing(&self) -> L::M {
-        self.0.crossing
+        self.crossing
     }
 
     /// (s, g) at the front; g is 0 where no widget reads it.
     #[inline(always)]
     pub fn front(&self) -> [L::F; 2] {
-        self.0.front
+        self.front
     }
 
     /// (s, g) at the back.
     #[inline(always)]
     pub fn back(&self) -> [L::F; 2] {
-        self.0.back
-    }
-
-    /// These segments, of which those lanes count.
-    #[inline(always)]
-    pub fn only(&self, lanes: L::M) -> Self {
-        SegmentLanes(self.0.only(lanes))
+        self.back
     }
 
     /// Ranges of the values.
     #[inline(always)]
-    pub fn spread(&self) -> LaneSpread<'_, L> {
-        LaneSpread(Spread::new(&self.0))
-    }
-}
-
-impl<L: Lanes> FieldLanes<L> {
-    /// No fields.
-    #[inline(always)]
-    pub fn none() -> Self {
-        FieldLanes(Fields::none())
+    pub fn range(&self) -> ValueRange<'_, L> {
+        ValueRange::new(self)
     }
 }
 
@@ -200,21 +165,20 @@ impl WidgetLanes<'_> {
         self.0.density()
     }
 
-    /// True if the widget is uniform or a Gaussian of any kind, so that segments have a [`WidgetPath`] through it.
+    /// True if the widget is uniform or a Gaussian of any kind, so that segments have a [`RegionPath`] through it.
     pub fn has_path(&self) -> bool {
         self.0.has_path()
     }
 
     /// Lanes whose paths may meet the widget.
     #[inline(always)]
-    pub fn path_meets<L: Lanes>(&self, spread: &LaneSpread<'_, L>) -> L::M {
-        self.0.path_meets::<L>(&spread.0)
+    pub fn path_meets<L: Lanes>(&self, range: &ValueRange<'_, L>) -> L::M {
+        self.0.path_meets::<L>(range)
     }
 
-    /// The path of segments through the widget.
+    /// Path of segments through the widget.
     #[inline(always)]
-    pub fn path<L: Lanes>(&self, segments: &SegmentLanes<L>, fields: &FieldLanes<L>) -> WidgetPath<L> {
-        let Through { path, share, there } = self.0.through(&segments.0, &fields.0);
-        WidgetPath { path, fraction: share, present: there }
+    pub fn path<L: Lanes>(&self, segments: &SegmentLanes<L>, fields: &FieldLanes<L>) -> RegionPath<L> {
+        self.0.region_path(segments, fields)
     }
 }

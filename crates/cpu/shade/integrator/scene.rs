@@ -1,9 +1,9 @@
 //! The scene that a kernel is prepared for.
 
 use super::batch::WidgetLanes;
-use crate::shade::kinds::{LaneWidget, Making};
-use crate::shade::shaded::Left;
-use crate::shade::shader::Scene;
+use crate::shade::context::{ShaderContext, WidgetContext};
+use crate::shade::kinds::LaneWidget;
+use crate::shade::shaded_batch::FallbackReason;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_optics::integrators::{Extent, SegmentIntegrator};
 use voltet_simd::LaneSet;
@@ -11,8 +11,8 @@ use voltet_simd::LaneSet;
 /// The scene that a kernel is prepared for.
 pub struct LaneScene<'a> {
     pub(crate) widgets: &'a [LaneWidget],
-    pub(crate) making: &'a Making<'a>,
-    pub(crate) scene: &'a Scene<'a>,
+    pub(crate) context: &'a WidgetContext<'a>,
+    pub(crate) scene: &'a ShaderContext<'a>,
     /// The transfer function.
     pub transfer_function: &'a TransferFunction,
     /// The integrator in 64 bits, whose tables a kernel may share; `None` where the kernels integrate all segments.
@@ -38,7 +38,7 @@ impl<'a> LaneScene<'a> {
 
     /// The optical model.
     pub fn model(&self) -> OpticalModel {
-        self.making.model
+        self.context.model
     }
 
     /// World units in a scene length, in which segments are measured.
@@ -58,30 +58,30 @@ impl<'a> LaneScene<'a> {
 
     /// True if segments of negligible depth ([`super::NEGLIGIBLE_DEPTH`]) may be skipped.
     pub fn may_skip(&self) -> bool {
-        self.making.left_out.is_some()
+        self.context.left_out.is_some()
     }
 
     /// True if widgets read fields beside s and g.
     pub fn reads_fields(&self) -> bool {
-        !self.making.fields.is_empty()
+        !self.context.fields.is_empty()
     }
 
     /// Storage of the scalar.
     pub fn scalar_axis(&self) -> FieldAxis {
-        let axis = &self.making.attributes[0];
+        let axis = &self.context.attributes[0];
         FieldAxis { place: 0, offset: axis.offset, scale: axis.scale }
     }
 
     /// Storage of a further field.
     pub fn field(&self, name: &str) -> Option<FieldAxis> {
-        let (place, axis) = self.making.field(name)?;
+        let (place, axis) = self.context.field(name)?;
         Some(FieldAxis { place: 2 + place, offset: axis.offset, scale: axis.scale })
     }
 
     /// Factor that turns the constant-emitter's emission to that of a scene length; `None` for the density-emitter.
     ///
     /// Errors: 32 bits do not hold it.
-    pub fn glow_scale(&self) -> Result<Option<f32>, Left> {
-        self.making.glow_scale()
+    pub fn glow_scale(&self) -> Result<Option<f32>, FallbackReason> {
+        self.context.glow_scale()
     }
 }

@@ -2,48 +2,53 @@
 //! smooth there and moderate depths. Other segments are integrated in panels ([`super::panels`]).
 
 use crate::fragments::batch::{Batch, MAX_LANES};
-use crate::shade::along::Along;
-use crate::shade::gathered::Gathered;
-use crate::shade::kinds::{LaneWidget, each_met};
-use crate::shade::shaded::{ActiveWidget, Shaded, StepLanes};
+use crate::shade::kinds::{LaneWidget, for_each_active_widget};
+use crate::shade::segment_gather::SegmentGather;
+use crate::shade::segment_lanes::SegmentLanes;
+use crate::shade::shaded_batch::{ActiveWidget, ShadedBatch, StepLanes};
 use voltet_optics::quadrature::{GAUSS_4, UP_TO_4};
 use voltet_simd::optics::elementary::exp;
 use voltet_simd::optics::quadrature::{nodes, up_to};
 use voltet_simd::{Float, Lanes, Mask, array, mask_of};
 
-/// Steps after which densities are found anew.
+/// Interval (steps) at which densities are evaluated anew.
 const STEPS_ON_END: usize = 4;
 
-/// Colours the segments `which` of a batch, whose opacities stand in `out`, in so many steps.
+/// Integrates the colours of the segments `which` of a batch, whose opacities stand in `out`, in `steps` steps.
 #[inline(always)]
-pub(crate) fn stepped<L: Lanes>(
+pub(crate) fn integrate_fixed<L: Lanes>(
     widgets: &[LaneWidget],
     steps: usize,
     batch: &Batch,
     which: &[usize],
-    out: &mut Shaded,
+    out: &mut ShadedBatch,
 ) {
     let splat = L::F::splat;
-    let mut gathered = Gathered::new(batch.scalar_count.min(2));
+    let mut gather = SegmentGather::new(batch.scalar_count.min(2));
     out.evaluation_count += (4 * steps * which.len()) as u64;
     for group in which.chunks(L::WIDTH) {
-        gathered.take(batch, group);
-        let along = gathered.along::<L>();
-        out.met.clear();
-        each_met(
+        gather.take(batch, group);
+        let segments = gather.segments::<L>();
+        out.active_widgets.clear();
+        for_each_active_widget(
             widgets,
-            &along,
+            &segments,
             #[inline(always)]
             |number, widget, meets| {
-                let rough = splat((steps * steps) as f32 * 1.01).lt(widget.roughness::<L>(&along));
-                out.met.push(ActiveWidget { number, there: meets.and(rough.not()).bits(), rows: None });
+                let rough = splat((steps * steps) as f32 * 1.01).lt(widget.roughness::<L>(&segments));
+                out.active_widgets.push(ActiveWidget {
+                    number,
+                    there: meets.and(rough.not()).bits(),
+                    rows: None,
+                });
             },
         );
         let mut opacity = [0f32; MAX_LANES];
         for (opacity, &k) in opacity.iter_mut().zip(group) {
             *opacity = out.rgba[3][k];
         }
-        let color = step_through::<L>(widgets, &mut out.met, steps, &along, L::F::load(&opacity));
+        let color =
+            step_through::<L>(widgets, &mut out.active_widgets, steps, &segments, L::F::load(&opacity));
         out.put::<L, 3>(group, color);
     }
 }
@@ -54,7 +59,7 @@ fn step_through<L: Lanes>(
     widgets: &[LaneWidget],
     met: &mut [ActiveWidget],
     steps: usize,
-    along: &Along<L>,
+    segments: &SegmentLanes<L>,
     opacity: L::F,
 ) -> [L::F; 3] {
     let splat = L::F::splat;
@@ -68,11 +73,11 @@ fn step_through<L: Lanes>(
             let widget = &widgets[*number];
             let found = match rows {
                 Some(rows) if step % STEPS_ON_END != 0 => Some(rows.steps::<L>().next()),
-                _ => widget.steps::<L, 4>(along, step, share, places),
+                _ => widget.steps::<L, 4>(segments, step, share, places),
             };
             let values = match &found {
                 Some(found) => found.values,
-                None => widget.densities::<L, 4>(along, places.map(|place| share * (step as f32 + place))),
+                None => widget.densities::<L, 4>(segments, places.map(|place| share * (step as f32 + place))),
             };
             *rows = found.as_ref().map(StepLanes::new);
             let there = mask_of::<L>(*there);
@@ -85,7 +90,7 @@ fn step_through<L: Lanes>(
             }
         }
         // Depth up to each node from the cubic through the four densities, then the emission there.
-        let length = along.length * splat(share);
+        let length = segments.length * splat(share);
         let mut whole = splat(0.0);
         for j in 0..4 {
             let mut depth = splat(0.0);

@@ -1,7 +1,7 @@
-//! A transfer function made ready for integrating many segments.
+//! Compiled transfer functions, for integrating many segments.
 
 use super::clip::ClippedSpan;
-use super::kinds::{Cutoff, Extent, Form, Light, Path};
+use super::kinds::{CompiledProfile, Cutoff, Extent, Light, Path};
 use super::overlap::{Glow, Member, Ordered, Quadrature, ordered};
 use super::sample::Samples;
 use super::special::{mean_transmittance, opacity};
@@ -20,7 +20,7 @@ pub struct CompiledTransferFunction {
 
 #[derive(Debug, Clone)]
 struct PreparedWidget {
-    form: Form,
+    profile: CompiledProfile,
     color: [f64; 3],
     /// Peak extinction; 1 where the form holds extinctions of its own.
     extinction: f64,
@@ -50,7 +50,7 @@ impl CompiledTransferFunction {
         for widget in &transfer_function.widgets {
             let properties = widget.profile.properties();
             widgets.push(PreparedWidget {
-                form: Form::new(&widget.profile, &fields),
+                profile: CompiledProfile::new(&widget.profile, &fields),
                 color: widget.color,
                 extinction: if properties.own_peak.is_some() { 1.0 } else { widget.extinction },
                 clip: widget.region.as_ref().map(Convex::new).transpose()?,
@@ -128,7 +128,7 @@ impl CompiledTransferFunction {
         };
         let scale = segment.length / self.unit_distance;
         let extent = Extent { stretch, peak: segment.length * widget.extinction / self.unit_distance, scale };
-        let path = widget.form.path(segment, extent.peak, self.cutoff)?;
+        let path = widget.profile.path(segment, extent.peak, self.cutoff)?;
         let depth = path.depth(&extent);
         // False also where the values are not numbers.
         (depth >= 0.0 && extent.peak > 0.0).then_some(Active { widget, path, extent, depth })
@@ -230,5 +230,5 @@ impl CompiledTransferFunction {
 
 /// Extinction or profile above which a widget glows.
 fn threshold(widget: &PreparedWidget, cutoff: Cutoff) -> f64 {
-    widget.form.peak() * cutoff.share
+    widget.profile.peak() * cutoff.share
 }
