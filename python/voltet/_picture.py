@@ -60,8 +60,7 @@ class Picture(np.ndarray):
         return np.concatenate([_srgb8(straight), opacity], axis=-1)
 
     def save(self, path: str | PathLike[str], background: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
-        """Writes the format that the path ends in, such as .png (8-bit sRGB over a background in linear RGB) or .exr (32-bit floats, as
-        it is)."""
+        """Writes the format that the path ends in, such as .png (8-bit sRGB over a background in linear RGB) or .exr (32-bit floats)."""
         data = self._encoded(fspath(path), background)
         with open(path, "wb") as file:
             file.write(data)
