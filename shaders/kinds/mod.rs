@@ -85,30 +85,13 @@ impl Kind {
             Kind::GaussianNd(count) => gaussian_nd::number_count(*count),
             Kind::TriangularGaussianNd(count) => triangular_gaussian_nd::number_count(*count),
             Kind::PiecewiseLinear(count) => piecewise_linear::NUMBERS * count,
-            Kind::Uniform
-            | Kind::GaussianLine
-            | Kind::GaussianPlane
-            | Kind::TriangularGaussian
-            | Kind::TriangleWave
-            | Kind::SineWave
-            | Kind::Table => 0,
+            _ => 0,
         }
     }
 
     /// True if it reads an image.
     pub(crate) fn reads_texels(&self) -> bool {
-        match self {
-            Kind::Table => true,
-            Kind::Uniform
-            | Kind::GaussianLine
-            | Kind::GaussianPlane
-            | Kind::GaussianNd(_)
-            | Kind::TriangularGaussian
-            | Kind::TriangularGaussianNd(_)
-            | Kind::TriangleWave
-            | Kind::SineWave
-            | Kind::PiecewiseLinear(_) => false,
-        }
+        *self == Kind::Table
     }
 
     /// The piece that fills the slot `wave_mean_on_flank`, and its function, of a kind that asks for it.
@@ -116,14 +99,7 @@ impl Kind {
         match self {
             Kind::TriangleWave => Some(("wave/triangle", "triangle_mean_on_flank")),
             Kind::SineWave => Some(("wave/sine", "sine_mean_on_flank")),
-            Kind::Uniform
-            | Kind::GaussianLine
-            | Kind::GaussianPlane
-            | Kind::GaussianNd(_)
-            | Kind::TriangularGaussian
-            | Kind::TriangularGaussianNd(_)
-            | Kind::PiecewiseLinear(_)
-            | Kind::Table => None,
+            _ => None,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The kinds of widgets, one file each: keys in a pipeline file, checks, properties, and where the support lies.
 //!
 //! To add a kind, add a file here, a variant to [`Profile`] and an entry to [`DECLARED`]; the compiler then lists the other layers'
-//! `match`es, none of which has an arm for the rest. CONTRIBUTING.md names their files.
+//! `match`es; only what a kind may lack has an arm for the rest. CONTRIBUTING.md names their files.
 
 mod gaussian;
 mod gaussian_nd;

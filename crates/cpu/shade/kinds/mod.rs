@@ -44,7 +44,8 @@ pub(crate) struct LaneWidget {
     support: Option<SupportBounds>,
 }
 
-/// A profile compiled for vector lanes.
+/// A profile compiled for vector lanes. Control points, colours, steps and paths are optional: a kind without them is in the rest of
+/// their `match`es; the others have no rest.
 enum VectorProfile {
     Uniform,
     Gaussian(LaneGaussian),
@@ -219,14 +220,7 @@ impl LaneWidget {
     pub fn points(&self) -> Option<&LaneLinear> {
         match &self.profile {
             VectorProfile::PiecewiseLinear(linear) => Some(linear),
-            VectorProfile::Uniform
-            | VectorProfile::Gaussian(_)
-            | VectorProfile::Wave(_)
-            | VectorProfile::TriangularGaussian(_)
-            | VectorProfile::GaussianNd(_)
-            | VectorProfile::TriangularGaussianNd(_)
-            | VectorProfile::Table(_)
-            | VectorProfile::None => None,
+            _ => None,
         }
     }
 
@@ -302,14 +296,8 @@ impl LaneWidget {
     pub fn peak(&self, scale: f32) -> f32 {
         match &self.profile {
             VectorProfile::PiecewiseLinear(linear) => linear.peak * scale,
-            VectorProfile::Uniform
-            | VectorProfile::Gaussian(_)
-            | VectorProfile::Wave(_)
-            | VectorProfile::Table(_)
-            | VectorProfile::TriangularGaussian(_)
-            | VectorProfile::GaussianNd(_)
-            | VectorProfile::TriangularGaussianNd(_) => self.density,
             VectorProfile::None => 0.0,
+            _ => self.density,
         }
     }
 
@@ -420,14 +408,7 @@ impl LaneWidget {
         let (splat, whole) = (L::F::splat, segments.inside(self.region.as_ref()).share);
         let rough = match &self.profile {
             VectorProfile::Gaussian(gaussian) => gaussian.roughness(segments),
-            VectorProfile::Uniform
-            | VectorProfile::Wave(_)
-            | VectorProfile::PiecewiseLinear(_)
-            | VectorProfile::TriangularGaussian(_)
-            | VectorProfile::GaussianNd(_)
-            | VectorProfile::TriangularGaussianNd(_)
-            | VectorProfile::Table(_)
-            | VectorProfile::None => self.shape::<L>(segments).0.roughness(),
+            _ => self.shape::<L>(segments).0.roughness(),
         };
         L::F::select(whole.lt(splat(1.0)), splat(f32::INFINITY), rough)
     }
@@ -446,14 +427,7 @@ impl LaneWidget {
             VectorProfile::Gaussian(gaussian) => {
                 Some(gaussian.steps(segments, first, share, places, L::F::splat(self.density)))
             }
-            VectorProfile::Uniform
-            | VectorProfile::Wave(_)
-            | VectorProfile::PiecewiseLinear(_)
-            | VectorProfile::TriangularGaussian(_)
-            | VectorProfile::GaussianNd(_)
-            | VectorProfile::TriangularGaussianNd(_)
-            | VectorProfile::Table(_)
-            | VectorProfile::None => None,
+            _ => None,
         }
     }
 
@@ -482,17 +456,7 @@ impl LaneWidget {
 impl LaneWidget {
     /// True if it is uniform or a Gaussian of any kind.
     pub fn has_path(&self) -> bool {
-        match self.profile {
-            VectorProfile::Uniform
-            | VectorProfile::Gaussian(_)
-            | VectorProfile::TriangularGaussian(_)
-            | VectorProfile::GaussianNd(_)
-            | VectorProfile::TriangularGaussianNd(_) => true,
-            VectorProfile::Wave(_)
-            | VectorProfile::PiecewiseLinear(_)
-            | VectorProfile::Table(_)
-            | VectorProfile::None => false,
-        }
+        matches!(self.profile, VectorProfile::Uniform) || self.is_exponential()
     }
 
     /// Lanes whose paths may meet it.
@@ -586,14 +550,7 @@ impl LaneWidget {
     pub fn peak_value(&self, density_scale: f64) -> f64 {
         match &self.profile {
             VectorProfile::PiecewiseLinear(linear) => f64::from(linear.peak) * density_scale,
-            VectorProfile::Uniform
-            | VectorProfile::Gaussian(_)
-            | VectorProfile::Wave(_)
-            | VectorProfile::Table(_)
-            | VectorProfile::TriangularGaussian(_)
-            | VectorProfile::GaussianNd(_)
-            | VectorProfile::TriangularGaussianNd(_)
-            | VectorProfile::None => 1.0,
+            _ => 1.0,
         }
     }
 
@@ -670,13 +627,7 @@ impl LaneWidget {
                 let [r, g, b, alpha] = table.texel::<L>(&segments.at_share(t));
                 [alpha, r, g, b]
             }
-            VectorProfile::Uniform
-            | VectorProfile::Gaussian(_)
-            | VectorProfile::Wave(_)
-            | VectorProfile::TriangularGaussian(_)
-            | VectorProfile::GaussianNd(_)
-            | VectorProfile::TriangularGaussianNd(_)
-            | VectorProfile::None => [L::F::splat(0.0); 4],
+            _ => [L::F::splat(0.0); 4],
         }
     }
 
@@ -689,14 +640,7 @@ impl LaneWidget {
                 // Also where it is not a number.
                 step.le(L::F::splat(MAX_STEP_SQUARED)).bits() == u32::MAX >> (32 - L::WIDTH)
             }
-            VectorProfile::Uniform
-            | VectorProfile::Wave(_)
-            | VectorProfile::PiecewiseLinear(_)
-            | VectorProfile::Table(_)
-            | VectorProfile::TriangularGaussian(_)
-            | VectorProfile::GaussianNd(_)
-            | VectorProfile::TriangularGaussianNd(_)
-            | VectorProfile::None => false,
+            _ => false,
         }
     }
 
