@@ -117,13 +117,7 @@ impl CompiledProfile {
     pub fn peak(&self) -> f64 {
         match self {
             CompiledProfile::Piecewise { peak, .. } => *peak,
-            CompiledProfile::Uniform
-            | CompiledProfile::Gaussian { .. }
-            | CompiledProfile::GaussianNd(_)
-            | CompiledProfile::Triangular { .. }
-            | CompiledProfile::TriangularNd(..)
-            | CompiledProfile::Wave(_)
-            | CompiledProfile::Table(_) => 1.0,
+            _ => 1.0,
         }
     }
 

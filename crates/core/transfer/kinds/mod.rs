@@ -195,18 +195,8 @@ impl Profile {
     /// Profile with its own extinctions, where it holds any, multiplied by a factor.
     pub(super) fn with_extinction_times(&self, factor: f64) -> Profile {
         let mut profile = self.clone();
-        match &mut profile {
-            Profile::PiecewiseLinear { points } => {
-                points.iter_mut().for_each(|point| point.extinction *= factor);
-            }
-            Profile::Uniform
-            | Profile::Gaussian { .. }
-            | Profile::GaussianNd { .. }
-            | Profile::TriangularGaussian { .. }
-            | Profile::TriangularGaussianNd { .. }
-            | Profile::TriangleWave(_)
-            | Profile::SineWave(_)
-            | Profile::Table(_) => {}
+        if let Profile::PiecewiseLinear { points } = &mut profile {
+            points.iter_mut().for_each(|point| point.extinction *= factor);
         }
         profile
     }
@@ -223,13 +213,7 @@ impl Profile {
                 let texels = table.texels.iter().map(|texel| [r, g, b, texel[3]]).collect();
                 Profile::Table(Arc::new(Table { texels, ..table.as_ref().clone() }))
             }
-            Profile::Uniform
-            | Profile::Gaussian { .. }
-            | Profile::GaussianNd { .. }
-            | Profile::TriangularGaussian { .. }
-            | Profile::TriangularGaussianNd { .. }
-            | Profile::TriangleWave(_)
-            | Profile::SineWave(_) => self.clone(),
+            _ => self.clone(),
         }
     }
 
@@ -325,11 +309,7 @@ impl ProfileBounds {
             ProfileBounds::GaussianLine(line) => line.min_in_box(ranges),
             ProfileBounds::GaussianPlane(plane) => plane.min_in_box(ranges),
             ProfileBounds::PiecewiseLinear(points) => points.min_in_range(ranges[0]),
-            ProfileBounds::GaussianNd(_)
-            | ProfileBounds::TriangularGaussian(_)
-            | ProfileBounds::TriangularGaussianNd(_)
-            | ProfileBounds::Wave(_)
-            | ProfileBounds::Table(_) => 0.0,
+            _ => 0.0,
         }
     }
 }
