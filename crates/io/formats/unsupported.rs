@@ -8,7 +8,7 @@ use voltet_core::{Error, Result};
 /// A format that is not read: its name with an article, a remedy (a clause that can follow "expected"), and what tells its files.
 type UnsupportedFormat = (&'static str, &'static str, Sign);
 
-/// What tells that a file is of a format.
+/// Sign by which the files of a format are told.
 enum Sign {
     /// Bytes at a place of the file.
     Magic(usize, &'static [u8]),

@@ -19,7 +19,7 @@ pub enum Measure {
 
 impl Measure {
     /// Every measure with its name on the command line and a description.
-    pub const WORDS: [(Measure, &'static str, &'static str); 4] = [
+    pub const NAMES: [(Measure, &'static str, &'static str); 4] = [
         (Measure::Maximum, "max", "The largest difference of a channel of premultiplied linear RGBA"),
         (Measure::RootMeanSquare, "rms", "The root of the mean square of these differences"),
         (Measure::Percentile, "p99.9", "The 99.9th percentile of these differences"),
@@ -28,7 +28,7 @@ impl Measure {
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
-        Measure::WORDS[self as usize].1
+        Measure::NAMES[self as usize].1
     }
 
     /// Label of an axis.

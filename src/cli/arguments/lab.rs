@@ -302,7 +302,7 @@ fn engines() -> impl TypedValueParser<Value = Engines> {
 
 /// The errors of a picture by name.
 fn measures() -> impl TypedValueParser<Value = Measure> {
-    let words = Measure::WORDS.iter().map(|(_, name, help)| PossibleValue::new(*name).help(*help));
-    let named = |name: String| Measure::WORDS.iter().find(|word| word.1 == name);
+    let words = Measure::NAMES.iter().map(|(_, name, help)| PossibleValue::new(*name).help(*help));
+    let named = |name: String| Measure::NAMES.iter().find(|word| word.1 == name);
     PossibleValuesParser::new(words).map(move |name| named(name).map_or_else(Measure::default, |word| word.0))
 }
