@@ -243,41 +243,43 @@ impl<L: Lanes> SampledSegments<'_, '_, L> {
         self.glow.is_none()
     }
 
-    /// Colour and depth by the `depth` alone, where that is enough: no colour is needed (`depth_only`), or the vector meets one widget of
-    /// one colour that emits in proportion to its extinction. Then its light is its opacity, in however many pieces.
+    /// Colour and optical depth by `integrate`, which computes colours if its flag is set. The depth is enough if no colour is needed
+    /// (`depth_only`), or if the vector meets one widget of one colour that emits in proportion to its extinction: then its light is its
+    /// opacity, in however many pieces.
     #[inline(always)]
     pub fn by_depth(
         &mut self,
         depth_only: bool,
-        depth: impl FnOnce(&mut Self) -> L::F,
-    ) -> Option<([L::F; 3], L::F)> {
-        if depth_only {
-            return Some(([L::F::splat(0.0); 3], depth(self)));
-        }
-        let color = match self.active {
-            [active] if self.glow.is_none() && !active.widget.has_colors() => active.widget.color,
-            _ => return None,
+        integrate: impl FnOnce(&mut Self, bool) -> ([L::F; 3], L::F),
+    ) -> ([L::F; 3], L::F) {
+        let one_color = match self.active {
+            [active] if self.glow.is_none() && !active.widget.has_colors() => Some(active.widget.color),
+            _ => None,
         };
-        let depth = depth(self);
+        // A flag, not a constant: a second copy of all widgets' values would double what is compiled.
+        let (color, depth) = integrate(self, !depth_only && one_color.is_none());
+        let Some(one_color) = one_color.filter(|_| !depth_only) else {
+            return (color, depth);
+        };
         let opacity = one_minus_exp::<L>(depth);
         let light = array(
             #[inline(always)]
-            |c| opacity * L::F::splat(color[c]),
+            |c| opacity * L::F::splat(one_color[c]),
         );
-        Some((light, depth))
+        (light, depth)
     }
 
-    /// At `N` places of each segment. `COLORS`: true to compute emission.
+    /// At `N` places of each segment. `colors`: glow is asked for.
     #[inline(always)]
-    pub fn at<const N: usize, const COLORS: bool>(&mut self, t: [f32; N]) -> Samples<L, N> {
+    pub fn at<const N: usize>(&mut self, t: [f32; N], colors: bool) -> Samples<L, N> {
         let zero = L::F::splat(0.0);
         let mut sum = Samples { rate: [zero; N], glow: [[zero; 3]; N] };
         for number in 0..self.active.len() {
             if self.active[number].widget.has_colors() {
-                self.add_colored::<N, COLORS>(number, &t, &mut sum);
+                self.add_colored(number, &t, colors, &mut sum);
             } else {
                 let values = self.active[number].widget.values(self.segments, self.fields, &t);
-                self.add::<N, COLORS>(number, &t, &values, &mut sum);
+                self.add(number, &t, &values, colors, &mut sum);
             }
         }
         sum
@@ -285,22 +287,23 @@ impl<L: Lanes> SampledSegments<'_, '_, L> {
 
     /// At the places of one step after the other, each step such a `share` of the segment; `places`: shares of a step.
     #[inline(always)]
-    pub fn in_step<const COLORS: bool>(
+    pub fn in_step(
         &mut self,
         step: usize,
         share: f32,
         places: [f32; SIDE_BY_SIDE],
         t: [f32; SIDE_BY_SIDE],
+        colors: bool,
     ) -> Samples<L, SIDE_BY_SIDE> {
         let zero = L::F::splat(0.0);
         let mut sum = Samples { rate: [zero; SIDE_BY_SIDE], glow: [[zero; 3]; SIDE_BY_SIDE] };
         for number in 0..self.active.len() {
             let ActiveWidget { widget, follows, .. } = &self.active[number];
             if widget.has_colors() {
-                self.add_colored::<SIDE_BY_SIDE, COLORS>(number, &t, &mut sum);
+                self.add_colored(number, &t, colors, &mut sum);
             } else if !follows {
                 let values = widget.values(self.segments, self.fields, &t);
-                self.add::<SIDE_BY_SIDE, COLORS>(number, &t, &values, &mut sum);
+                self.add(number, &t, &values, colors, &mut sum);
             } else {
                 let steps = &mut self.slots[number].steps;
                 if step.is_multiple_of(STEPS_ON_END) {
@@ -309,7 +312,7 @@ impl<L: Lanes> SampledSegments<'_, '_, L> {
                     *steps = steps.next();
                 }
                 let values = steps.values;
-                self.add::<SIDE_BY_SIDE, COLORS>(number, &t, &values, &mut sum);
+                self.add(number, &t, &values, colors, &mut sum);
             }
         }
         sum
@@ -317,17 +320,18 @@ impl<L: Lanes> SampledSegments<'_, '_, L> {
 
     /// Adds a widget of one colour with these values.
     #[inline(always)]
-    fn add<const N: usize, const COLORS: bool>(
+    fn add<const N: usize>(
         &mut self,
         number: usize,
         t: &[f32; N],
         values: &[L::F; N],
+        colors: bool,
         sum: &mut Samples<L, N>,
     ) {
         let color = self.active[number].widget.color;
         for j in 0..N {
             let strength = self.add_rate(number, t[j], values[j], &mut sum.rate[j]);
-            if COLORS {
+            if colors {
                 for c in 0..3 {
                     sum.glow[j][c] = strength.mul_add(L::F::splat(color[c]), sum.glow[j][c]);
                 }
@@ -337,18 +341,19 @@ impl<L: Lanes> SampledSegments<'_, '_, L> {
 
     /// Adds a widget that has colours of its own.
     #[inline(always)]
-    fn add_colored<const N: usize, const COLORS: bool>(
+    fn add_colored<const N: usize>(
         &mut self,
         number: usize,
         t: &[f32; N],
+        colors: bool,
         sum: &mut Samples<L, N>,
     ) {
         for j in 0..N {
-            let [value, colors @ ..] = self.active[number].widget.colored_value(self.segments, t[j]);
+            let [value, color @ ..] = self.active[number].widget.colored_value(self.segments, t[j]);
             let strength = self.add_rate(number, t[j], value, &mut sum.rate[j]);
-            if COLORS {
+            if colors {
                 for c in 0..3 {
-                    sum.glow[j][c] = strength.mul_add(colors[c], sum.glow[j][c]);
+                    sum.glow[j][c] = strength.mul_add(color[c], sum.glow[j][c]);
                 }
             }
         }
