@@ -77,7 +77,7 @@ const char *voltet_error_text(const voltet_session *session);
 
 /* ---- The pipeline ---------------------------------------------------------------------------------------------------------- */
 
-/* Takes a pipeline file, or a picture (.png, .exr) that carries its pipeline. Files that it names are relative to its folder. Only
+/* Takes a pipeline file, or a picture that carries its pipeline. Files that it names are relative to its folder. Only
  * what the picture needs will run: writers write nothing. Grids that were set are taken away. */
 int voltet_load(voltet_session *session, const char *path);
 

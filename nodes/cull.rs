@@ -21,7 +21,7 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-/// What the cells' values are compared with, and what is asked further down.
+/// Demand on the volume: the arrays that the cells' values are tested by, and those that later nodes need.
 fn demand(asking: &mut DemandContext) -> Result<()> {
     let mut demand = asking.asked.clone();
     demand.join(&match asking.look("transfer_function") {

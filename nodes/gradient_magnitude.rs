@@ -1,6 +1,6 @@
 //! `gradient-magnitude`: the gradient of the scalar at the points, where somebody looks at it.
 
-use crate::drawing::looked_at;
+use crate::drawing::gradient_mask;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::field::{Gradient, magnitude};
@@ -53,10 +53,10 @@ fn record_unneeded(notes: &mut Diagnostics, asked: &Demand, point_count: Option<
     notes.record_skipped(what, why, point_count.map(|points| SavedWork::Bytes(8 * numbers * points as u64)));
 }
 
-/// Where somebody looks at it; elsewhere what it is at one of these points.
+/// Gradient at the points that are needed; elsewhere that of one of these points.
 fn gradient(call: &mut RunContext, grid: &Grid, s: &[f64]) -> Result<Gradient> {
     let points = match &call.demand.gradient_for {
-        Some(looks) if !call.exhaustive() => looked_at::points(grid, s, looks)?,
+        Some(looks) if !call.exhaustive() => gradient_mask::points(grid, s, looks)?,
         _ => None,
     };
     if let Some(points) = points

@@ -100,7 +100,7 @@ const ARRAYS: Parameter = Parameter {
 };
 
 /// Names valid for `arrays`.
-const WORDS: [&str; 5] = ["scalar", "gradient-magnitude", "gradient", "culled", "cell-values"];
+const NAMES: [&str; 5] = ["scalar", "gradient-magnitude", "gradient", "culled", "cell-values"];
 
 /// Arrays named by `arrays`; `None`: all that there are.
 fn wanted(p: &Parameters) -> Result<Option<Vec<String>>> {
@@ -108,11 +108,11 @@ fn wanted(p: &Parameters) -> Result<Option<Vec<String>>> {
         return Ok(None);
     }
     let words = p.texts("arrays")?;
-    match words.iter().find(|word| !WORDS.contains(&word.as_str())) {
+    match words.iter().find(|word| !NAMES.contains(&word.as_str())) {
         None => Ok(Some(words)),
         Some(word) => {
             let error = p.error("arrays", "'arrays' does not know this word").got(format!("\"{word}\""));
-            let known = suggest(word, WORDS);
+            let known = suggest(word, NAMES);
             Err(error.expected(format!("{known}; point_arrays and cell_arrays name arrays of the file")))
         }
     }

@@ -6,26 +6,30 @@ use voltet_core::Result;
 use voltet_graph::{
     DefaultValue, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range, RunContext,
 };
-use voltet_io::encode;
+use voltet_io::encode::{FORMATS, PictureFormat};
 use voltet_io::provenance::{self, Provenance};
 
-/// The formats.
-const PNG: &str = "png";
-const EXR: &str = "exr";
+/// Names and contents of the formats, behind the word for the path's ending.
+const CHOICES: [(&str, &str); FORMATS.len() + 1] = {
+    let mut choices =
+        [(BY_ENDING, "what the path ends in; png on the standard output and on devices"); FORMATS.len() + 1];
+    let mut i = 0;
+    while i < FORMATS.len() {
+        choices[i + 1] = (FORMATS[i].name, FORMATS[i].summary);
+        i += 1;
+    }
+    choices
+};
 
 /// The declaration.
 pub const NODE: Node = Node {
     name: "image-writer",
-    summary: "Writes a picture: .png over a background, or .exr with the linear floats as they are.",
+    summary: "Writes a picture in the format that its path ends in.",
     inputs: &[Port { name: "image", port_type: PortType::Image, summary: "the picture" }],
     parameters: &[
         PATH,
         Parameter {
-            parameter_type: ParameterType::Choice(&[
-                (BY_ENDING, "what the path ends in, .png or .exr; png on the standard output and on devices"),
-                (PNG, "8-bit sRGB over the background"),
-                (EXR, "premultiplied linear 32-bit RGBA"),
-            ]),
+            parameter_type: ParameterType::Choice(&CHOICES),
             help: "how the picture is written",
             ..FORMAT
         },
@@ -34,7 +38,7 @@ pub const NODE: Node = Node {
             parameter_type: ParameterType::Numbers(Some(3), Range::within(0.0, 1.0)),
             unit: "linear RGB",
             default: DefaultValue::Numbers(&[0.0, 0.0, 0.0]),
-            help: "png: the colour behind the picture",
+            help: "the colour behind the picture, in formats without opacity",
         },
         Parameter {
             name: "provenance",
@@ -55,10 +59,8 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let picture = call.image("image")?;
     let path = call.path("path")?;
     let carried = carried(call, &path)?;
-    let encoded = match format(call.parameters)? {
-        PNG => encode::png(&picture, call.parameters.vector("background")?, carried.as_ref())?,
-        _ => encode::exr(&picture, carried.as_ref())?,
-    };
+    let background = call.parameters.vector("background")?;
+    let encoded = (format(call.parameters)?.encode)(&picture, background, carried.as_ref())?;
     output::write(call, &encoded)?;
     Ok(Vec::new())
 }
@@ -78,6 +80,7 @@ fn carried(call: &mut RunContext, path: &Path) -> Result<Option<Provenance>> {
     Ok(Some(provenance))
 }
 
-fn format(parameters: &Parameters) -> Result<&'static str> {
-    output::format(parameters, "the picture's format", [PNG, EXR])
+fn format(parameters: &Parameters) -> Result<&'static PictureFormat> {
+    let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
+    Ok(&FORMATS[output::format(parameters, "the picture's format", &names)?])
 }

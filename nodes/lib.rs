@@ -13,7 +13,7 @@
 pub mod added;
 pub mod drawing;
 pub mod files;
-pub mod given;
+pub mod in_memory_grid;
 pub mod memory;
 pub mod probing;
 pub mod relative;

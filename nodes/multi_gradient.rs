@@ -47,22 +47,22 @@ pub const NODE: Node = Node {
         },
     ],
     example: include_str!("examples/multi_gradient.toml"),
-    check: &|parameters| Wish::new(parameters).map(drop),
+    check: &|parameters| MultiGradientOptions::new(parameters).map(drop),
     demand: &demand,
     run: &run,
     ..Node::BLANK
 };
 
 /// Options set by the parameters.
-struct Wish {
+struct MultiGradientOptions {
     fields: Vec<String>,
     /// One a field.
     scale: Vec<f64>,
     name: String,
 }
 
-impl Wish {
-    fn new(p: &Parameters) -> Result<Wish> {
+impl MultiGradientOptions {
+    fn new(p: &Parameters) -> Result<MultiGradientOptions> {
         let (fields, name) = (p.texts("fields")?, p.text("name")?.to_owned());
         if fields.is_empty() || fields.iter().any(String::is_empty) {
             return Err(p.error("fields", "there is no field").expected("at least one name"));
@@ -87,12 +87,12 @@ impl Wish {
             let error = p.error("method", "an array holds the gradient of one field").got("several fields");
             return Err(error.expected("a method that computes gradients"));
         }
-        Ok(Wish { fields, scale, name })
+        Ok(MultiGradientOptions { fields, scale, name })
     }
 }
 
 fn demand(asking: &mut DemandContext) -> Result<()> {
-    let wish = Wish::new(asking.parameters)?;
+    let wish = MultiGradientOptions::new(asking.parameters)?;
     let mut demand = asking.asked.clone();
     demand.arrays.remove(&wish.name);
     if asking.exhaustive() || asking.asked.arrays.contains(&wish.name) {
@@ -104,13 +104,13 @@ fn demand(asking: &mut DemandContext) -> Result<()> {
     asking.ask("volume", &demand)
 }
 
-fn record_unneeded(notes: &mut Diagnostics, wish: &Wish, point_count: Option<usize>) {
+fn record_unneeded(notes: &mut Diagnostics, wish: &MultiGradientOptions, point_count: Option<usize>) {
     let saving = point_count.map(|points| SavedWork::Bytes(8 * points as u64));
     notes.record_skipped(&wish.name, "no widget looks at it", saving);
 }
 
 fn run(call: &mut RunContext) -> Result<Outputs> {
-    let wish = Wish::new(call.parameters)?;
+    let wish = MultiGradientOptions::new(call.parameters)?;
     let mut volume = Volume::clone(&*call.volume("volume")?);
     if !(call.exhaustive() || call.demand.arrays.contains(&wish.name)) {
         call.notes.counts.insert("gradients_computed", 0);

@@ -64,7 +64,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let mask = mask(p, &volume)?;
     let found = call
         .stage("probe", |progress| probe(&volume.grid, &values, &region, mask.as_deref(), progress))
-        .map_err(|error| blame(p, error))?;
+        .map_err(|error| locate(p, error))?;
     if let Region::Points(points) = &region
         && found.point_count < points.len() as u64
     {
@@ -82,7 +82,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
 }
 
 /// Adds the place of the parameter that names the region.
-fn blame(p: &Parameters, error: Error) -> Error {
+fn locate(p: &Parameters, error: Error) -> Error {
     match ["box", "sphere", "points", "mask"].into_iter().find(|name| p.is_set(name)) {
         Some(name) if error.kind != ErrorKind::Cancelled => p.locate(name, error),
         _ => error,

@@ -44,7 +44,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
 }
 
 fn is_csv(parameters: &Parameters) -> Result<bool> {
-    Ok(output::format(parameters, "the format of the figures", [JSON, CSV])? == CSV)
+    Ok(output::format(parameters, "the format of the figures", &[JSON, CSV])? == 1)
 }
 
 /// The table of figures: a head line and a line for each row.

@@ -1,4 +1,4 @@
-//! What a scene asks of its shader: the choices that decide the text.
+//! Choices of a scene that decide its shader's text.
 
 use crate::integrator::{RegisteredMethod, WgslCall, registered};
 use crate::kinds::{Calls, Kind};
@@ -13,7 +13,7 @@ use voltet_optics::shading::{Integrator, Shading};
 /// Numbers of an edge of a region: a normal and a corner.
 const EDGE_NUMBERS: usize = 4;
 
-/// What runs the integral.
+/// Compositor that runs the integral.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum CompositorProgram {
     /// None: `segment` alone, for a pass that brings its own entry point.
@@ -29,7 +29,7 @@ pub enum CompositorProgram {
     Triangles(Blend),
 }
 
-/// What a pixel of the blending compositors holds.
+/// Contents of a pixel of the blending compositors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Blend {
     /// Colour and opacity, one cell's over those behind it.
@@ -53,7 +53,7 @@ impl Blend {
     }
 }
 
-/// How a tile's pixels take their segments.
+/// Order in which a tile's pixels take their segments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum TileOrder {
     /// By entry, pixel by pixel.
@@ -64,7 +64,7 @@ pub enum TileOrder {
     Sum,
 }
 
-/// How a segment is integrated, as far as it decides the text: counts, tolerances and the sides of tables are numbers
+/// Integrator of a segment, as far as it decides the text: counts, tolerances and the sides of tables are numbers
 /// that the text reads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Method {
@@ -104,7 +104,7 @@ impl Method {
     }
 }
 
-/// How the widgets of a segment are combined.
+/// Combination of a segment's widgets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Combine {
     /// There is no widget.
@@ -131,13 +131,13 @@ pub struct WidgetChoice {
 /// Everything that decides the text.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Choices {
-    /// How a segment is integrated.
+    /// Integrator.
     pub method: Method,
     /// The widgets in their order; none where a table stands for them.
     pub widgets: Vec<WidgetChoice>,
     /// The constant-emitter, not the density-emitter.
     pub constant_emitter: bool,
-    /// How widgets are combined.
+    /// Combination of widgets.
     pub combine: Combine,
     /// True if g is among the values.
     pub reads_gradient_magnitude: bool,
@@ -147,14 +147,14 @@ pub struct Choices {
     pub silhouette: bool,
     /// Diffuse lighting.
     pub light: bool,
-    /// What runs the integral.
+    /// Compositor.
     pub compositor: CompositorProgram,
-    /// How large arrays stand in bindings: whole, until a device says otherwise.
+    /// Split of large arrays over bindings: whole, until a device requires otherwise.
     pub layout: Layout,
 }
 
 impl Choices {
-    /// What a scene asks for. Errors: those of `can_serve`, and the integrator `reference`, which has no shader.
+    /// Choices of a scene. Errors: those of `can_serve`, and the integrator `reference`, which has no shader.
     pub fn new(
         transfer_function: &TransferFunction,
         shading: &Shading,
@@ -199,7 +199,7 @@ impl Choices {
         1 + usize::from(self.reads_gradient_magnitude) + self.field_count
     }
 
-    /// What the generated block calls for a widget of the kind.
+    /// Functions that the generated block calls for a widget of the kind.
     pub(crate) fn calls(&self, kind: &Kind) -> Calls {
         kind.calls(self.constant_emitter)
     }
@@ -266,13 +266,13 @@ impl Choices {
         has_images.then_some("texel")
     }
 
-    /// Where a part of `numbers` is bound in group 0.
+    /// Binding of a part of `numbers` in group 0.
     pub(crate) fn binding_of_numbers(part: u32) -> u32 {
         1 + part
     }
 }
 
-/// What draws an integrator on a device; `None`: nothing does.
+/// Method that draws an integrator on a device; `None`: there is none.
 fn method_of(integrator: &Integrator) -> Option<Method> {
     if *integrator == Integrator::ANALYTIC {
         return Some(Method::Analytic);

@@ -1,16 +1,10 @@
 //! Shader text of integrators from outside.
 
-use crate::choices::Choices;
 use crate::pieces::WgslPiece;
-use crate::places::Places;
-use crate::resources::Resources;
-use crate::writer::Axis;
-use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
-use voltet_optics::integrators::{Extent, Integrator};
+use voltet_optics::integrators::Integrator;
 
-/// The extension by which a kind of integrators has shader text
-/// ([`voltet_optics::integrators::IntegratorKind::extensions`]).
+/// Extension by which a kind of integrators has shader text ([`voltet_optics::integrators::IntegratorKind::extensions`]).
 pub struct WgslExtension(pub &'static dyn WgslIntegrator);
 
 /// Shader text of a kind of integrators. Without one, devices do not draw with it.
@@ -29,27 +23,26 @@ pub trait WgslIntegrator: Send + Sync {
         None
     }
 
-    /// The sizes of what stands in the buffer `numbers`; `places`: without a table.
-    fn places(
-        &self,
-        _integrator: &Integrator,
-        _transfer_function: &TransferFunction,
-        places: Places,
-    ) -> Places {
-        places
+    /// Size of the table that the text reads.
+    fn table_size(&self, _integrator: &Integrator, _transfer_function: &TransferFunction) -> TableSize {
+        TableSize::default()
     }
 
-    /// The numbers of a table that stand in front of those of the widgets ([`Places::entries`] of them).
+    /// The numbers of a table that stand in front of those of the widgets ([`TableSize::entries`] of them).
     fn entries(&self, _integrator: &Integrator, _transfer_function: &TransferFunction) -> Vec<f32> {
         Vec::new()
     }
+}
 
-    /// The buffers and passes of a table that stands for all widgets ([`WgslCall::Table`]).
-    ///
-    /// Errors: data without a domain for the table.
-    fn fill(&self, _resources: &mut Resources, _scene: &TableScene<'_>) -> Result<()> {
-        Ok(())
-    }
+/// Size of the table that an integrator's text reads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct TableSize {
+    /// Vectors that stand for all widgets ([`WgslCall::Table`]); 0 without such a table.
+    pub vectors: u64,
+    /// Vectors of the table that those are made from, if it is another: it has buffers of its own.
+    pub source_vectors: u64,
+    /// Numbers beside the vectors.
+    pub entries: u64,
 }
 
 /// The call of a function that integrates a segment; the function returns the colour, and the optical depth in the fourth component.
@@ -71,26 +64,6 @@ pub enum WgslCall {
         /// The pieces that it stands in.
         pieces: &'static [&'static str],
     },
-}
-
-/// The scene that a table is filled for.
-pub struct TableScene<'a> {
-    /// The choices of the shader that reads the table.
-    pub choices: &'a Choices,
-    /// The integrator.
-    pub integrator: &'a Integrator,
-    /// The transfer function.
-    pub transfer_function: &'a TransferFunction,
-    /// The sizes of what stands in the buffer `numbers`.
-    pub places: Places,
-    /// Storage of the scalar.
-    pub axis: Axis,
-    /// World units in a scene length.
-    pub length: f64,
-    /// The domain of the table.
-    pub extent: &'a Extent,
-    /// Numbers behind those of the table.
-    pub numbers: &'a [f32],
 }
 
 /// Shader text, compared by its name.

@@ -27,7 +27,7 @@ mod writer;
 
 pub use choices::{Blend, Choices, Combine, CompositorProgram, Method, TileOrder, WidgetChoice, has_method};
 pub use compose::compose;
-pub use integrator::{RegisteredMethod, TableScene, WgslCall, WgslExtension, WgslIntegrator};
+pub use integrator::{RegisteredMethod, TableSize, WgslCall, WgslExtension, WgslIntegrator};
 pub use kinds::Kind;
 pub use limits32::check_32_bits;
 pub use parameters::{Parameters, SceneHead};
@@ -35,7 +35,7 @@ pub use parts::{Access, GRID_GROUP, GridArray, Layout, PartedArray, Parts, cells
 pub use passes::{FramePass, PlacementRecord, RoundRecord, RunRecord, ViewRecord, multiply_adds};
 pub use pieces::{PIECES, WgslPiece, piece};
 pub use places::{Places, TEXEL_BYTES, images};
-pub use resources::{Buffer, Contents, Pass, Resources};
+pub use resources::{Buffer, Contents, Pass, Resources, TableScene, WgslTable, WgslTableExtension};
 pub use stretch::Spans;
 pub use text::{Shader, compose_pieces, compose_pieces_with};
 pub use writer::{Axis, WidgetRecord};

@@ -1,4 +1,4 @@
-//! What 32 bits on a device cannot hold, asked before anything is drawn.
+//! Limits of 32 bits on a device, checked before anything is drawn.
 
 use crate::choices::{Choices, Combine};
 use crate::kinds;

@@ -1,4 +1,4 @@
-//! What may change per frame without another shader: the bytes of the `scene` uniform, and the last ones of the `numbers` buffer.
+//! Parameters that change per frame without another shader: the bytes of the `scene` uniform, and the last ones of the `numbers` buffer.
 
 use crate::integrator::{WgslCall, registered};
 use crate::kinds;
@@ -10,7 +10,7 @@ use voltet_core::{Error, Result};
 use voltet_optics::shading::{Shading, unit_vector};
 use voltet_simd::limits::MAX_PIECES;
 
-/// What stands before the widgets in `Scene` of `scene.wgsl`.
+/// Head of `Scene` in `scene.wgsl`, before the widgets.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct SceneHead {
@@ -34,7 +34,7 @@ pub struct SceneHead {
     pub brightest: f32,
     /// Pieces of a segment (segments, riemann).
     pub piece_count: u32,
-    /// Where the integrator's entries begin in `numbers`.
+    /// Index of the integrator's first entry in `numbers`.
     pub first_entry: u32,
     /// Fills up to the alignment of a widget.
     pub padding: [u32; 3],

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-/// How an array stands in bindings. Equal parts give equal text; of whole arrays all do.
+/// Split of an array over bindings. Equal parts give equal text; of whole arrays all do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Parts {
     /// Bindings, at least 1.
@@ -26,7 +26,7 @@ impl Parts {
         Parts { count: count.div_ceil(1 << shift).try_into().unwrap_or(u32::MAX), shift }
     }
 
-    /// The same for another number of elements of equal size.
+    /// Split of another number of elements of equal size.
     pub fn of_as_many(self, count: u64) -> Parts {
         Parts::of(count, 1, 1 << self.shift)
     }
@@ -43,7 +43,7 @@ impl Parts {
     }
 }
 
-/// How the arrays of a scene stand in bindings.
+/// Splits of a scene's arrays over bindings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Layout {
     /// Points as they are uploaded.
@@ -58,7 +58,7 @@ pub struct Layout {
     pub tetrahedra: Parts,
     /// Pixels that the cells may cover.
     pub bounds: Parts,
-    /// What the scene reads beside its uniform, where vectors are among it: images, or the colours of a pre-integrated table.
+    /// Numbers of the scene beside its uniform, where vectors are among them: images, or the colours of a pre-integrated table.
     pub table: Parts,
 }
 
@@ -138,7 +138,7 @@ impl GridArray {
     }
 }
 
-/// What a shader does with an array.
+/// Access of a shader to an array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Access {
     /// It reads it.
@@ -158,7 +158,7 @@ const CELLS_READ: &[(GridArray, Access)] = &[
     (GridArray::Attributes, Access::Read),
 ];
 
-/// What the compositors of pixels read of the grid, for points of so many attributes: without any there is no such array.
+/// Grid arrays that the compositors of pixels read, for points of so many attributes: without any there is no such array.
 pub fn cells_read(attribute_stride: usize) -> &'static [(GridArray, Access)] {
     if attribute_stride == 0 { &CELLS_READ[..CELLS_READ.len() - 1] } else { CELLS_READ }
 }
@@ -250,12 +250,12 @@ impl PartedArray<'_> {
         format!("{head}\n{}}}\n", self.choose("index", put))
     }
 
-    /// Where an element stands in its part.
+    /// Expression of an element's index in its part.
     fn place(&self, index: &str) -> String {
         self.stride.map_or(index.into(), |stride| format!("{index} * {stride} + slot"))
     }
 
-    /// What is done to the part in which the element of that index lies, at `at`.
+    /// Statement on the part that holds the element of that index, at `at`.
     fn choose(&self, index: &str, of_part: impl Fn(u32) -> String) -> String {
         let Parts { count, shift } = self.parts;
         let mask = (1u64 << shift) - 1;

@@ -65,7 +65,7 @@ impl FramePass {
         compose_pieces(&grid_text(self.grid_arrays(), layout), &[piece])
     }
 
-    /// What the pass reads and writes of the grid.
+    /// Grid arrays that the pass reads and writes.
     pub fn grid_arrays(self) -> &'static [(GridArray, Access)] {
         use Access::{Read, Write};
         use GridArray::{Attributes, Bounds, Positions, Quantity, Seen, Tetrahedra};
@@ -127,7 +127,7 @@ pub struct ViewRecord {
     pub perspective: f32,
     /// Low part.
     pub base_low: [f32; 3],
-    /// What a sample counts in its pixel.
+    /// Weight of a sample in its pixel.
     pub weight: f32,
     /// Pixel coordinates of the view axis.
     pub axis: [f32; 2],
@@ -141,9 +141,9 @@ pub struct ViewRecord {
     pub cell_count: u32,
     /// Entries that the lists have room for.
     pub capacity: u32,
-    /// What lists are sorted by: 0 nearest depth, 1 distance of the centroid, 2 number of the cell.
+    /// Sort key of lists: 0 nearest depth, 1 distance of the centroid, 2 number of the cell.
     pub sort_key: u32,
-    /// Where the stored scalar is counted from: high and low part.
+    /// Origin of the stored scalar: high and low part.
     pub scalar_offset: [f32; 2],
     /// Widgets of the scene.
     pub widget_count: u32,
@@ -166,7 +166,7 @@ impl ViewRecord {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct PlacementRecord {
-    /// Where the value is counted from: high and low part.
+    /// Origin of the value: high and low part.
     pub offset: [f32; 2],
     /// Its place among the attributes of a point.
     pub slot: u32,

@@ -1,12 +1,12 @@
-//! What stands in the one buffer that a scene reads beside its uniform, `numbers`: images or the colours of a table of lengths, which
+//! Layout of `numbers`, the one buffer that a scene reads beside its uniform: images or the colours of a table of lengths, which
 //! are vectors of four numbers, then the integrator's further table, then the scene's own numbers. One buffer for all leaves tiles
 //! within the eight that every device of WebGPU binds.
 
-use crate::integrator::registered;
+use crate::integrator::{TableSize, registered};
 use voltet_core::transfer::{ColorSource, TransferFunction};
 use voltet_optics::shading::Shading;
 
-/// How long its parts are, in their order.
+/// Lengths of its parts, in their order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Places {
     /// Vectors: texels of all images, or the colours of a table of lengths. With any, all of the buffer is read as vectors.
@@ -23,22 +23,21 @@ pub struct Places {
 pub const TEXEL_BYTES: u64 = 16;
 
 impl Places {
-    /// Those of a scene, whose widgets have so many `numbers`.
+    /// Layout for a scene whose widgets have so many `numbers`.
     pub fn new(transfer_function: &TransferFunction, shading: &Shading, numbers: u64) -> Places {
-        let vectors = images(transfer_function).map(|texels| texels.len() as u64).sum();
-        let places = Places { vectors, source_vectors: 0, entries: 0, numbers };
-        match registered(&shading.integrator) {
-            Some(text) => text.places(&shading.integrator, transfer_function, places),
-            None => places,
-        }
+        let integrator = &shading.integrator;
+        let table = registered(integrator).map(|text| text.table_size(integrator, transfer_function));
+        let TableSize { vectors, source_vectors, entries } = table.unwrap_or_default();
+        let texels = || images(transfer_function).map(|texels| texels.len() as u64).sum();
+        Places { vectors: if vectors > 0 { vectors } else { texels() }, source_vectors, entries, numbers }
     }
 
-    /// Where the integrator's entries begin, in numbers.
+    /// Index of the integrator's first entry (numbers).
     pub fn first_entry(&self) -> u64 {
         self.vectors.saturating_mul(4)
     }
 
-    /// Where the widgets' numbers begin.
+    /// Index of the widgets' first number.
     pub fn first_number(&self) -> u64 {
         self.first_entry().saturating_add(self.entries)
     }

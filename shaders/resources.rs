@@ -1,17 +1,17 @@
-//! What a composed shader reads beside `scene`: the buffer `numbers`, and the passes that fill the tables in it on the device.
+//! Resources of a composed shader beside `scene`: the buffer `numbers`, and the passes that fill the tables in it on the device.
 //!
 //! A device crate makes every buffer, runs the passes in their order, and binds the buffers that have a binding; it need
 //! not know what they are. They change with the transfer function and the data, not with the camera; where only the widgets'
 //! numbers change, which are the last ones, a crate writes those alone.
 
 use crate::choices::Choices;
-use crate::integrator::{TableScene, registered};
+use crate::integrator::registered;
 use crate::places::{Places, TEXEL_BYTES, images};
 use crate::text::Shader;
 use crate::writer::Axis;
 use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
-use voltet_optics::integrators::Extent;
+use voltet_optics::integrators::{Extent, Integrator};
 use voltet_optics::shading::Shading;
 
 /// Buffers, and the passes that fill some of them.
@@ -28,13 +28,13 @@ pub struct Resources {
 pub struct Buffer {
     /// As the text names it; a part has a name of its own.
     pub name: String,
-    /// Its binding in group 0 of the composed shader, which reads it; `None`: only the passes know it.
+    /// Its binding in group 0 of the composed shader, which reads it; `None`: only the passes use it.
     pub binding: Option<u32>,
-    /// What it holds at first.
+    /// Initial contents.
     pub contents: Contents,
 }
 
-/// What a buffer holds before the passes run.
+/// Contents of a buffer before the passes run.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Contents {
     /// Bytes at its beginning that passes fill.
@@ -52,10 +52,42 @@ pub struct Pass {
     pub entry_point: &'static str,
     /// Indices of buffers, bound in group 0 at 0, 1, ….
     pub buffers: Vec<usize>,
-    /// How many of the last ones are written; the others are only read.
+    /// Number of written buffers, the last ones; the others are only read.
     pub written: usize,
     /// Workgroups to dispatch.
     pub workgroups: [u32; 3],
+}
+
+/// Extension by which a kind of integrators fills a table on the device that stands for all widgets
+/// ([`voltet_optics::integrators::IntegratorKind::extensions`]).
+pub struct WgslTableExtension(pub &'static dyn WgslTable);
+
+/// Table on the device that stands for all widgets ([`crate::WgslCall::Table`]).
+pub trait WgslTable: Send + Sync {
+    /// Adds the buffers and passes of the table.
+    ///
+    /// Errors: data without a domain for the table.
+    fn fill(&self, resources: &mut Resources, scene: &TableScene<'_>) -> Result<()>;
+}
+
+/// Scene that a table is filled for.
+pub struct TableScene<'a> {
+    /// The choices of the shader that reads the table.
+    pub choices: &'a Choices,
+    /// The integrator.
+    pub integrator: &'a Integrator,
+    /// The transfer function.
+    pub transfer_function: &'a TransferFunction,
+    /// Sizes of the parts of the buffer `numbers`.
+    pub places: Places,
+    /// Storage of the scalar.
+    pub axis: Axis,
+    /// World units in a scene length.
+    pub length: f64,
+    /// The domain of the table.
+    pub extent: &'a Extent,
+    /// Numbers behind those of the table.
+    pub numbers: &'a [f32],
 }
 
 impl Buffer {
@@ -81,9 +113,10 @@ impl Resources {
         let places = Places::new(transfer_function, shading, numbers.len() as u64);
         let integrator = &shading.integrator;
         let text = registered(integrator);
-        match text {
+        let table = integrator.extension::<WgslTableExtension>();
+        match table {
             _ if choices.storage_buffers().is_empty() => {}
-            Some(text) if choices.method.is_table_of_lengths() => {
+            Some(WgslTableExtension(table)) if choices.method.is_table_of_lengths() => {
                 let scene = TableScene {
                     choices,
                     integrator,
@@ -94,9 +127,9 @@ impl Resources {
                     extent,
                     numbers,
                 };
-                text.fill(&mut resources, &scene)?;
+                table.fill(&mut resources, &scene)?;
             }
-            text => {
+            _ => {
                 let mut all: Vec<f32> = images(transfer_function).flatten().flatten().copied().collect();
                 all.extend(text.map(|text| text.entries(integrator, transfer_function)).unwrap_or_default());
                 all.extend(numbers);

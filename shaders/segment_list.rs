@@ -53,7 +53,7 @@ pub fn axes(transfer_function: &TransferFunction, segment: &Segment) -> Vec<Axis
     (0..2 + transfer_function.fields().len()).map(axis).collect()
 }
 
-/// Whether 32 bits hold the segment; see [`check_32_bits`].
+/// Checks that 32 bits hold the segment; see [`check_32_bits`].
 pub fn holds(choices: &Choices, transfer_function: &TransferFunction, segment: &Segment) -> Result<()> {
     let [front, back] = ends(segment);
     let values: Vec<f64> = front.iter().zip(&back).map(|(a, b)| (b - a).abs()).collect();
@@ -83,7 +83,7 @@ pub fn constants(choices: &Choices, shader: &Shader) -> &'static [(&'static str,
     if ordered { &[("order_threshold", 0.0)] } else { &[] }
 }
 
-/// What came back.
+/// Contributions from the values read back.
 pub fn contributions(found: &[f32]) -> Vec<Contribution> {
     let contribution = |found: &[f32]| {
         let [red, green, blue, opacity, optical_depth] = std::array::from_fn(|i| f64::from(found[i]));

@@ -4,7 +4,7 @@ use voltet_core::transfer::{TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_simd::limits::MAX_GAUSSIAN_WIDTHS;
 
-/// What one segment of a data set spans at most; the ranges of the values bound it, closer numbers refuse less.
+/// Largest spans of one segment of a data set; the ranges of the values bound it, tighter numbers refuse less.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spans<'a> {
     /// |v_b − v_f| of s, g (also where it is not read) and the further fields by name.
@@ -22,12 +22,12 @@ pub(crate) struct Stretch<'a> {
 }
 
 impl Stretch<'_> {
-    /// Of s (0) or g (1).
+    /// Span of s (0) or g (1).
     pub fn span(&self, axis: usize) -> f64 {
         self.spans.values[axis]
     }
 
-    /// Of a further field.
+    /// Span of a further field.
     pub fn span_of(&self, field: &str) -> f64 {
         let place = self.transfer_function.fields().iter().position(|name| *name == field);
         place.map_or(0.0, |place| self.spans.values[2 + place])
@@ -38,7 +38,7 @@ impl Stretch<'_> {
         self.spans.longest / self.transfer_function.unit_distance
     }
 
-    /// Of the widget's peak all along.
+    /// Optical depth at the widget's peak along the whole segment.
     pub fn depth(&self, widget: &Widget) -> f64 {
         self.length() * widget.peak()
     }

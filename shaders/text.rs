@@ -67,7 +67,7 @@ impl Shader {
         part.map_or((GENERATED, line), |(start, file)| (file, line - start + 1))
     }
 
-    /// What a shader compiler says of a line (from 1) of the text, as an error at the piece's own line.
+    /// Error at the piece's own line from a shader compiler's message about a line (from 1) of the text.
     pub fn error(&self, line: usize, message: &str) -> Error {
         let (file, line) = self.locate(line);
         Error::run("a shader does not compile").got(message).in_file(file).at_line(line)

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use voltet_core::transfer::{HalfPlane, Widget};
 use voltet_core::{Error, Result};
 
-/// How a value is stored: stored = (value − offset) / scale.
+/// Storage of a value: stored = (value − offset) / scale.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Axis {
     /// In units of the value.
@@ -37,9 +37,9 @@ pub struct WidgetRecord {
     pub bell: [f32; 4],
     /// As values are stored.
     pub centre: [f32; 2],
-    /// Where the region's edges begin in `numbers`.
+    /// Index of the region's first edge in `numbers`.
     pub first_edge: u32,
-    /// Where the profile's further numbers begin, or a table's texels.
+    /// Index of the profile's first further number, or of a table's first texel.
     pub first_number: u32,
     /// Bit 0: a sine wave; bit 1: nothing is cut away.
     pub bell_kind: u32,
@@ -55,18 +55,18 @@ pub(crate) struct Writer<'a> {
     /// The constant-emitter's.
     pub cutoff: Option<f64>,
     pub fields: Vec<&'a str>,
-    /// Where the further fields begin among a segment's values.
+    /// Index of the first further field among a segment's values.
     pub first_field: usize,
-    /// Where the widgets' numbers begin in the buffer.
+    /// Index of the widgets' first number in the buffer.
     pub first_number: u32,
     /// Edges, control points, matrices so far.
     pub numbers: Vec<f32>,
-    /// Of the tables so far.
+    /// Number of texels of the tables so far.
     pub texel_count: u32,
 }
 
 impl Writer<'_> {
-    /// Where the next number stands in the buffer.
+    /// Index of the next number in the buffer.
     pub fn next_place(&self) -> u32 {
         self.first_number.saturating_add(self.numbers.len() as u32)
     }
@@ -117,7 +117,7 @@ pub(crate) fn finite(what: &str, x: f64) -> Result<f32> {
         .expected(format!("at most {:.1e} in the units of the scene", f32::MAX)))
 }
 
-/// The same for several.
+/// Checks that several numbers are finite.
 pub(crate) fn all_finite<const N: usize>(what: &str, numbers: [f64; N]) -> Result<[f32; N]> {
     let mut stored = [0.0; N];
     for (stored, x) in stored.iter_mut().zip(numbers) {

@@ -7,7 +7,7 @@ use voltet_graph::pipeline::{Pipeline, locate};
 use voltet_graph::{Graph, NamedPath, Registry};
 use voltet_io::provenance::{DataFile, PluginRecord, Provenance};
 
-pub use voltet_io::provenance::Source;
+pub use voltet_io::encode::Source;
 
 /// A pipeline, read and checked.
 #[derive(Debug)]
@@ -25,7 +25,7 @@ pub struct Document {
 }
 
 impl Document {
-    /// Reads a pipeline file, or a picture (.png, .exr) that carries its pipeline, carries out `options` (`node.param=value`)
+    /// Reads a pipeline file, or a picture that carries its pipeline, carries out `options` (`node.param=value`)
     /// and checks it.
     pub fn open(path: &Path, options: &[String], registry: &Registry) -> Result<Document> {
         Self::from_source(path, Source::read(path)?, options, registry)

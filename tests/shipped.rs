@@ -1,4 +1,4 @@
-//! What ships works: every pipeline file checks and draws.
+//! Shipped files work: every pipeline file checks and draws.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -17,8 +17,8 @@ use voltet::optics::engine::Accumulation;
 use voltet::optics::scene::Scene;
 use voltet::optics::shading::{Integrator, Shading, VisibilityOrder};
 use voltet_study::work_precision::{
-    Asked, Benches, Engines, Form, Frames, Measure, Source, StudyOptions, Subject, reference, refinement,
-    study,
+    Benches, Engines, Frames, Measure, RendererNode, Source, StudyOptions, Subject, SubjectRequest,
+    reference, refinement, study,
 };
 
 /// Stops once this many settings have begun.
@@ -187,8 +187,8 @@ fn smooth_subject() -> Subject {
         scene,
         needs_order: false,
         integrators: vec![Integrator::ANALYTIC],
-        asked: Asked {
-            form: Form::Renderer,
+        asked: SubjectRequest {
+            form: RendererNode::Renderer,
             engine: "cpu".into(),
             adapter: None,
             compositor: "auto".into(),

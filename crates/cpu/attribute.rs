@@ -40,10 +40,10 @@ impl Attribute<'_> {
 }
 
 /// Attributes of a picture at most: s, g, the further fields and the gradient.
-pub(crate) const ATTRIBUTES_MOST: usize = 16;
+pub(crate) const MAX_ATTRIBUTES: usize = 16;
 
 /// Further fields of a picture at most.
-const MAX_FIELDS: usize = ATTRIBUTES_MOST - 5;
+const MAX_FIELDS: usize = MAX_ATTRIBUTES - 5;
 
 /// Point arrays that the transfer function reads, s first, then g, then the further fields, scaled to
 /// about −½ … ½.

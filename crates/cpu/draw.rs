@@ -5,12 +5,13 @@ use crate::cast::RayCastPolicy;
 use crate::cells::Cells;
 use crate::counts::Counts;
 use crate::frame_renderer::FrameRenderer;
-use crate::integrator::in_lanes_alone;
 use crate::memory::drawing_bytes_of;
 use crate::projection::Projection;
 use crate::selection::{CellSelection, Traversal};
+use crate::shade::ShaderContext;
+use crate::shade::integrator::in_lanes_alone;
 use crate::shade::light::Surface;
-use crate::shade::shader::{Scene, Shader};
+use crate::shade::shader::Shader;
 use crate::subpixel::SubpixelView;
 use rayon::prelude::*;
 use voltet_core::camera::Camera;
@@ -125,7 +126,7 @@ pub fn prepare<'a>(
     // Lanes leave over no segment of a table over lengths: it is filled once, by them.
     let by_lanes = in_lanes_alone(&shading.integrator);
     let exact = if by_lanes { None } else { Some(integrator(cells, &active, shading)?) };
-    let scene = Scene {
+    let scene = ShaderContext {
         attributes: &attributes,
         length: cells.length,
         ordered: cells.exhaustive,

@@ -13,9 +13,11 @@ use crate::composite::unbounded_lists::{Fragment, UnboundedFragmentLists};
 use crate::cull::VolumeCache;
 use crate::fragments::batch::{BATCH, Batch, MAX_LANES};
 use crate::native::Native;
-use crate::shade::roads;
-use crate::shade::shaded::Shaded;
-use crate::shade::shader::{Scene, Shader};
+use crate::shade::ShaderContext;
+use crate::shade::dispatch;
+use crate::shade::integrator::in_lanes_alone;
+use crate::shade::shaded_batch::ShadedBatch;
+use crate::shade::shader::Shader;
 use crate::tile::{PIXELS, TILE};
 use crate::tolerances::MIN_TRANSMITTANCE;
 use glam::DVec3;
@@ -94,17 +96,17 @@ fn integrate(
     let extent = Extent { scalar: cells.ranges[0], longest: cells.length };
     integrators::can_serve(&shading.integrator, transfer_function)?;
     let exact = || integrators::new(&shading.integrator, shading.overlap, transfer_function, &extent);
-    let by_lanes = shading.integrator.has_table_of_lengths();
+    let by_lanes = in_lanes_alone(&shading.integrator);
     let exact = if by_lanes { None } else { Some(exact()?) };
     let length = cells.length;
-    let scene = Scene { attributes: &attributes, length, ordered, leave_out: false, extent, lanes };
+    let scene = ShaderContext { attributes: &attributes, length, ordered, leave_out: false, extent, lanes };
     let shader = Shader::new(transfer_function, shading, exact, scene, None)?;
     let mut batch = Batch::new(attributes.len(), attributes.len());
-    let mut shaded = Shaded::new();
+    let mut shaded = ShadedBatch::new();
     let mut found = Vec::with_capacity(list.len());
     for (number, part) in list.chunks(BATCH).enumerate() {
         fill(&mut batch, &attributes, number * BATCH, part, cells.length);
-        roads::integrate(&shader, lanes, &batch, part.len(), &mut shaded);
+        dispatch::integrate(&shader, lanes, &batch, part.len(), &mut shaded);
         found.extend((0..part.len()).map(|k| integrated_segment(&shader, &shaded, k)));
     }
     Ok(found)
@@ -140,8 +142,8 @@ fn fill(batch: &mut Batch, attributes: &[Attribute<'_>], first: usize, part: &[S
 }
 
 /// Segment k of a batch, integrated.
-fn integrated_segment(shader: &Shader, shaded: &Shaded, k: usize) -> IntegratedSegment {
-    let fallback = shaded.rest.iter().position(|&rest| rest == k);
+fn integrated_segment(shader: &Shader, shaded: &ShadedBatch, k: usize) -> IntegratedSegment {
+    let fallback = shaded.fallback_queue.iter().position(|&rest| rest == k);
     let depth = if shader.keeps_depth() { f64::from(shaded.depth[k]) } else { f64::NAN };
     let [r, g, b, opacity] = match shader.one_color {
         Some(color) => pixel_in_one_color(color, shaded.depth[k], false),
@@ -150,7 +152,7 @@ fn integrated_segment(shader: &Shader, shaded: &Shaded, k: usize) -> IntegratedS
     .map(f64::from);
     IntegratedSegment {
         contribution: Contribution { optical_depth: depth, color: [r, g, b], opacity },
-        fallback: fallback.map(|at| shaded.why[at].text()),
+        fallback: fallback.map(|at| shaded.reasons[at].text()),
     }
 }
 

@@ -33,7 +33,6 @@ mod cull;
 mod draw;
 mod fragments;
 mod frame_renderer;
-pub mod integrator;
 #[doc(hidden)]
 pub mod introspect;
 mod memory;
@@ -57,4 +56,5 @@ pub use memory::drawing_bytes;
 pub use native::ENGINE;
 pub use projection::Projection;
 pub use selection::{CellSelection, CullSample, Traversal};
+pub use shade::integrator;
 pub use tolerances::NEGLIGIBLE_DEPTH;

@@ -1,7 +1,7 @@
 //! File dialog: opening, saving, or naming a file in a parameter.
 
 use crate::actions::{Action, Actions, FilePurpose};
-use crate::files::{DATA, PIPELINES};
+use crate::files::{DATA, is_pipeline_ending};
 use eframe::egui::{Align2, Context, Key, ScrollArea, TextEdit, Ui, Window};
 use std::path::{Path, PathBuf};
 
@@ -24,8 +24,8 @@ impl FilePurpose {
         let end = Path::new(name).extension().map(|end| end.to_string_lossy().to_lowercase());
         let end = end.unwrap_or_default();
         match self {
-            FilePurpose::Open => PIPELINES.contains(&end.as_str()) || DATA.contains(&end.as_str()),
-            FilePurpose::SaveAs => PIPELINES.contains(&end.as_str()),
+            FilePurpose::Open => is_pipeline_ending(&end) || DATA.contains(&end.as_str()),
+            FilePurpose::SaveAs => is_pipeline_ending(&end),
             FilePurpose::Parameter { .. } => true,
         }
     }

@@ -35,8 +35,10 @@ impl Disk {
     }
 }
 
-/// Ends of the names of pipelines, and of pictures that carry one.
-pub(crate) const PIPELINES: [&str; 3] = ["toml", "png", "exr"];
+/// True if the ending is that of a pipeline, or of a picture, which may carry one.
+pub(crate) fn is_pipeline_ending(ending: &str) -> bool {
+    ending == "toml" || voltet_io::encode::FORMATS.iter().any(|format| format.name == ending)
+}
 
 /// Ends of the names of data files.
 pub(crate) const DATA: [&str; 10] = ["vtu", "vtk", "vts", "vtr", "vti", "pvtu", "pvd", "xyz", "p3d", "x"];

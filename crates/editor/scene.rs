@@ -39,7 +39,7 @@ pub(crate) struct Scene<'a> {
     pub engine: Option<String>,
     /// The distribution of what the selected transfer function is drawn with.
     pub distribution: Option<Arc<Distribution>>,
-    /// Why there is none.
+    /// Reason why there is none.
     pub distribution_fault: Option<String>,
     /// Result of the last probe of the picture.
     pub probed: Option<Arc<PixelProbe>>,

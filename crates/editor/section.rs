@@ -6,18 +6,16 @@ use crate::theme;
 use crate::view::View;
 use crate::worker::{PixelProbe, Section, grouped, short};
 use eframe::egui::{
-    Color32, ColorImage, Context, Pos2, Rect, RichText, Sense, Slider, Stroke, TextureHandle, TextureOptions,
-    Ui, Window, pos2, vec2,
+    Color32, ColorImage, Context, Pos2, Rect, Rgba, RichText, Sense, Slider, Stroke, TextureHandle,
+    TextureOptions, Ui, Window, pos2, vec2,
 };
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_graph::ArrayRef;
+use voltet_io::encode::viridis;
 
 /// Pixels of its picture.
 const SIZE: [usize; 2] = [320, 240];
-
-/// Colours from the least to the largest value: rising in lightness, apart for those too who see few hues (viridis).
-const COLORS: [[u8; 3]; 5] = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
 
 /// Orientations of the plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -59,7 +57,7 @@ impl SectionPanel {
         sound.then(|| (view.target + self.offset * radius * normal, axes, half))
     }
 
-    /// FilePurpose for with so many pixels.
+    /// Pixels of its picture.
     pub fn size(&self) -> [usize; 2] {
         SIZE
     }
@@ -168,14 +166,8 @@ impl SectionPanel {
 
 fn colored(share: f64) -> Color32 {
     // A constant field has no range.
-    let place = if share.is_finite() { share.clamp(0.0, 1.0) * (COLORS.len() - 1) as f64 } else { 0.0 };
-    let first = (place as usize).min(COLORS.len() - 2);
-    let part = place - first as f64;
-    let mix = |k: usize| {
-        let (a, b) = (f64::from(COLORS[first][k]), f64::from(COLORS[first + 1][k]));
-        (a + part * (b - a)).round() as u8
-    };
-    Color32::from_rgb(mix(0), mix(1), mix(2))
+    let [r, g, b, _] = viridis(if share.is_finite() { share.clamp(0.0, 1.0) as f32 } else { 0.0 });
+    Rgba::from_rgb(r, g, b).into()
 }
 
 fn value_at(section: &Section, [x, y]: [f64; 2]) -> Option<[f64; 2]> {

@@ -15,7 +15,7 @@ use voltet_core::error::ErrorKind;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 
-/// What is to be studied.
+/// Request for a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyRequest {
     /// The pipeline, saved or not.
@@ -26,12 +26,12 @@ pub struct StudyRequest {
     pub node: Option<String>,
 }
 
-/// What came of it.
+/// Results of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Studied {
     /// The settings that were measured, cheapest first.
     pub rows: Vec<StudiedRow>,
-    /// What else there is to say: what is recommended, what was left out.
+    /// Recommendation, and settings that were skipped.
     pub notes: Vec<String>,
     /// The folder that the study was written into; none where nothing was measured.
     pub folder: Option<PathBuf>,
@@ -48,9 +48,9 @@ pub struct StudiedRow {
     pub max: f64,
     /// The root of the mean square error.
     pub rms: f64,
-    /// Whether nothing is both cheaper and better.
+    /// True if nothing is both cheaper and better.
     pub on_front: bool,
-    /// Whether the pipeline draws with it.
+    /// True if the pipeline draws with it.
     pub of_file: bool,
 }
 
@@ -69,7 +69,7 @@ struct StudyOutput {
 #[derive(Default)]
 pub(crate) struct StudyPanel {
     pub open: bool,
-    /// What makes studies, where the program can.
+    /// Function that makes studies, where the program has one.
     pub make: Option<Study>,
     made: Option<Arc<StudyOutput>>,
     found: Option<std::result::Result<Studied, String>>,
@@ -186,7 +186,7 @@ impl StudyPanel {
         }
     }
 
-    /// What was found, for tests.
+    /// Result, for tests.
     #[cfg(test)]
     pub fn found(&self) -> Option<&std::result::Result<Studied, String>> {
         self.found.as_ref()

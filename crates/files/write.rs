@@ -103,7 +103,7 @@ fn write_through(path: &Path, content: &[u8]) -> io::Result<bool> {
     unless_closed(OpenOptions::new().write(true).open(path)?.write_all(content))
 }
 
-/// Whether somebody reads on. A reader that has seen enough closes its end: then there is nothing more to do.
+/// True while the reader goes on. A reader that has seen enough closes its end: then nothing more is to be written.
 fn unless_closed(written: io::Result<()>) -> io::Result<bool> {
     match written {
         Ok(()) => Ok(true),

@@ -171,7 +171,7 @@ fn measure(device: &Arc<Device>, needs_order: bool, progress: &dyn Progress) -> 
         let mut times = Vec::new();
         for frame in 0..=FRAME_COUNT {
             let begun = Instant::now();
-            let drawn = draw(&renderer, &scene, &RenderOptions::by(compositing), progress)?;
+            let drawn = draw(&renderer, &scene, &RenderOptions::with_compositor(compositing), progress)?;
             let whole = begun.elapsed().as_secs_f64();
             // The device's own clock leaves out what the program waits for; both are the same for both compositors.
             let passes: f64 = drawn.passes.iter().map(|pass| pass.seconds).sum();

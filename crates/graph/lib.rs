@@ -25,7 +25,7 @@ mod unit_tests;
 pub use api::context::{DemandContext, Outputs, PlanContext, Preparation, RunContext};
 pub use api::demand::{Arrays, Demand};
 pub use api::node::{NamedStub, Node, PlanningStub, Steps};
-pub use api::observer::{NoObserver, Observer};
+pub use api::observer::{NoObserver, NodeProgress, Observer};
 pub use api::origins::{FileRead, FileStamp, Origins, Stamp};
 pub use api::port::{Port, PortType};
 pub use api::resolved::{ResolvedPipeline, relative_path};

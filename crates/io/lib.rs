@@ -2,7 +2,7 @@
 //!
 //! | module | responsibility |
 //! | --- | --- |
-//! | [`encode`] | pictures to PNG and EXR |
+//! | [`encode`] | formats of pictures, and the pipelines that pictures carry |
 //! | [`formats`] | data files to grids |
 //! | [`memory`] | bytes that a grid takes, and bytes that are left |
 //! | [`provenance`] | records of inputs, written into pictures and reports |

@@ -1,10 +1,14 @@
-//! Random widgets, transfer functions and segments for property tests.
+//! Random widgets of every kind, transfer functions and segments for property tests. A new kind gets its entry in [`profile`] and its
+//! arm in [`divide_gradients`].
 
 use super::Segment;
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::TestRunner;
 use std::sync::Arc;
+use voltet_core::parameters::VariantSchema;
 use voltet_core::transfer::{
-    ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
+    ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, WIDGET_KINDS, Wave, Widget,
 };
 
 fn wave() -> impl Strategy<Value = Wave> {
@@ -94,6 +98,41 @@ pub fn widget() -> impl Strategy<Value = Widget> {
             Widget { profile, color, extinction: 10.0_f64.powf(magnitude), region: region.or(all) }
         },
     )
+}
+
+/// One widget of each kind, the same each time.
+pub fn widget_of_each_kind() -> Vec<Widget> {
+    let mut runner = TestRunner::deterministic();
+    let mut draw = |_| widget().new_tree(&mut runner).expect("no case is refused").current();
+    let drawn: Vec<Widget> = (0..1000).map(&mut draw).collect();
+    let of_kind = |kind: &VariantSchema| {
+        let found = drawn.iter().find(|widget| widget.profile.name() == kind.name);
+        found.unwrap_or_else(|| panic!("no random widget is of the kind {}", kind.name)).clone()
+    };
+    WIDGET_KINDS.iter().map(of_kind).collect()
+}
+
+/// Changes a profile so that it has the same values over gradients that are smaller by a factor.
+pub fn divide_gradients(profile: &mut Profile, scale: f64) {
+    match profile {
+        Profile::Gaussian { centre, matrix } => {
+            centre[1] /= scale;
+            matrix.iter_mut().for_each(|row| row[1] *= scale);
+        }
+        Profile::TriangularGaussian { sigma, .. } => *sigma *= scale,
+        Profile::TriangleWave(wave) | Profile::SineWave(wave) => {
+            wave.origin[1] /= scale;
+            wave.scale[1] *= scale;
+        }
+        Profile::Table(table) => {
+            let mut scaled = table.as_ref().clone();
+            scaled.g.iter_mut().for_each(|g| *g /= scale);
+            *table = scaled.into();
+        }
+        // Of fields of their own.
+        Profile::GaussianNd { .. } | Profile::TriangularGaussianNd { .. } => {}
+        Profile::Uniform | Profile::PiecewiseLinear { .. } => {}
+    }
 }
 
 /// One to three widgets under either model.

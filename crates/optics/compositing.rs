@@ -4,7 +4,7 @@
 //! absolute rounding only, which is everything once τ is small; τ formed as 1 − A is nothing once A is small.
 //! So both are carried: A as the sum of τ A_seg while it is below ½, as 1 − τ beyond.
 
-/// What has been composited so far.
+/// Colour and opacity of the segments composited so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Composite {
     /// C, premultiplied linear.

@@ -6,14 +6,14 @@ use voltet_core::transfer::MAX_FIELDS;
 /// The fields of a widget, its centre and K.
 #[derive(Debug, Clone)]
 pub(super) struct Fields {
-    /// Where its fields lie in the segment's.
+    /// Indices of its fields among the segment's.
     slots: [usize; MAX_FIELDS],
     count: usize,
     centre: [f64; MAX_FIELDS],
     matrix: [[f64; MAX_FIELDS]; MAX_FIELDS],
 }
 
-/// What they are at the ends of a segment; unused components are 0.
+/// Field values at the ends of a segment; unused components are 0.
 pub(super) struct Ends {
     /// K (v_f − v₀).
     pub front: [f64; MAX_FIELDS],
@@ -59,7 +59,7 @@ impl Fields {
     }
 }
 
-/// Where a field lies in the segments'; the transfer function lists all that its widgets look at.
+/// Index of a field among the segments'; the transfer function lists all that its widgets read.
 pub(super) fn slot(name: &str, fields: &[&str]) -> usize {
     fields.iter().position(|field| *field == name).unwrap_or(0)
 }

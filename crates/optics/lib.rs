@@ -1,31 +1,26 @@
-//! Optics: the integral of one ray segment, and compositing (docs/optics.md, sections 6, 7, 9 and 10).
+//! Optics: the integral of one ray segment, and compositing (docs/src/explanation/optics.md, sections 6, 7, 9 and 10).
 //!
-//! The 64-bit closed forms here are what every other form of the program is compared with. One file a widget
-//! (`uniform` has none: its integral is the length of the clipped stretch), each with its formula's source.
+//! The 64-bit closed forms here are what every other form of the program is compared with. One file a kind of widget
+//! in [`kinds`] (`uniform` has none: its integral is the length of the clipped stretch), each with its formula's source.
 
 pub mod clip;
+mod compiled;
 pub mod compositing;
 pub mod engine;
 mod fields;
-mod forms;
-pub mod gaussian;
 pub mod integrators;
+pub mod kinds;
 pub mod linear;
 pub mod overlap;
-pub mod piecewise_linear;
-mod prepared;
 pub mod quadrature;
 pub mod sample;
 pub mod scene;
 pub mod shading;
 pub mod special;
-pub mod table;
 pub mod trace;
 pub mod track;
-pub mod triangular_gaussian;
-pub mod wave;
 
-pub use prepared::CompiledTransferFunction;
+pub use compiled::CompiledTransferFunction;
 
 /// One ray segment: the crossing of one cell. Values vary linearly from front to back.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,7 +37,7 @@ pub struct Segment<'a> {
     pub fields_back: &'a [f64],
 }
 
-/// What one segment contributes.
+/// Contribution of one segment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Contribution {
     /// Optical depth T = ∫ρ.
@@ -53,7 +48,7 @@ pub struct Contribution {
     pub opacity: f64,
 }
 
-/// How several widgets active on one stretch are combined.
+/// Combination of several widgets that are active on one stretch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum WidgetBlend {
     /// The ordered integral ∫ Σ c_i ρ_i e^(−T), to a stated tolerance.

@@ -6,7 +6,7 @@
 //! The error of that is under 1e-12 of the colour; a panel on which one widget of constant colour is alone is
 //! exact.
 
-use super::forms::{AnyTrack, TrackColor};
+use super::kinds::{AnyTrack, TrackColor};
 use super::quadrature::GAUSS_12;
 use super::special::{OPAQUE_DEPTH, opacity};
 use super::track::{POINTS, Track, limit_panel};
@@ -61,13 +61,13 @@ impl Member<'_> {
         self.track.color_at(t).unwrap_or(self.color)
     }
 
-    /// Whether its colour is the same everywhere.
+    /// True if its colour is constant.
     pub fn has_one_color(&self) -> bool {
         self.track.color() == TrackColor::OfWidget
     }
 }
 
-/// What glows: the absorbing stuff itself (density-emitter), or c D/U wherever a widget is above its cutoff.
+/// Emission: in proportion to absorption (density-emitter), or c D/U wherever a widget is above its cutoff.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Glow {
     /// Σ cᵢ ρᵢ.
@@ -76,9 +76,9 @@ pub enum Glow {
     Constant(f64),
 }
 
-/// How C is found where there is no closed form.
+/// Quadrature of C where there is no closed form.
 pub trait Quadrature {
-    /// Whether it also takes widgets that are alone.
+    /// True if it also integrates single widgets.
     const ALONE: bool;
 
     /// C of the whole segment.

@@ -3,7 +3,7 @@
 use super::overlap::{Glow, Member};
 use super::track::Track;
 
-/// What a point of the segment absorbs and emits, per t ∈ [0, 1].
+/// Absorption and emission at a point of the segment, per t ∈ [0, 1].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sample {
     /// ρ D.

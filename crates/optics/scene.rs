@@ -11,9 +11,9 @@ use voltet_core::volume::Volume;
 pub struct Scene {
     /// The cells and their values.
     pub volume: Arc<Volume>,
-    /// What is drawn.
+    /// Transfer function.
     pub transfer_function: Arc<TransferFunction>,
-    /// Where it is seen from.
+    /// Camera.
     pub camera: Camera,
     /// Integrator and light.
     pub shading: Shading,

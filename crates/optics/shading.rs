@@ -119,7 +119,7 @@ pub fn unit_vector(v: glam::DVec3) -> glam::DVec3 {
     if largest > 0.0 && largest.is_finite() { (v / largest).normalize() } else { glam::DVec3::ZERO }
 }
 
-/// How segments are integrated.
+/// Integrator, blending of widgets, silhouettes and light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shading {
     /// The integrator.

@@ -11,7 +11,7 @@ pub const HALF_SQRT_PI: f64 = 0.886_226_925_452_758;
 /// 1/√π.
 const INV_SQRT_PI: f64 = 0.564_189_583_547_756_3;
 
-/// Where the optical depth in front exceeds this, nothing behind is seen (e^(−42) = 6e-19).
+/// Optical depth behind which nothing is visible (e^(−42) = 6e-19).
 pub const OPAQUE_DEPTH: f64 = 42.0;
 
 /// A = 1 − e^(−T) without cancellation.

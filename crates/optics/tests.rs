@@ -1,6 +1,6 @@
 //! What every integral must fulfil, whatever the widgets.
 
-use super::arbitrary::{fields, segment, transfer_function, widget};
+use super::arbitrary::{divide_gradients, fields, segment, transfer_function, widget};
 use super::compositing::Composite;
 use super::{CompiledTransferFunction, Contribution, Segment, WidgetBlend};
 use proptest::prelude::*;
@@ -155,25 +155,7 @@ proptest! {
             for corner in widget.region.iter_mut().flat_map(|region| &mut region.corners) {
                 corner[1] /= scale;
             }
-            match &mut widget.profile {
-                Profile::Gaussian { centre, matrix } => {
-                    centre[1] /= scale;
-                    matrix.iter_mut().for_each(|row| row[1] *= scale);
-                }
-                Profile::TriangularGaussian { sigma, .. } => *sigma *= scale,
-                Profile::TriangleWave(wave) | Profile::SineWave(wave) => {
-                    wave.origin[1] /= scale;
-                    wave.scale[1] *= scale;
-                }
-                Profile::Table(table) => {
-                    let mut scaled = table.as_ref().clone();
-                    scaled.g.iter_mut().for_each(|g| *g /= scale);
-                    *table = scaled.into();
-                }
-                // Of fields of their own.
-                Profile::GaussianNd { .. } | Profile::TriangularGaussianNd { .. } => {}
-                Profile::Uniform | Profile::PiecewiseLinear { .. } => {}
-            }
+            divide_gradients(&mut widget.profile, scale);
         }
         let smaller = |v: [f64; 2]| [v[0], v[1] / scale];
         let scaled = Segment {

@@ -14,49 +14,27 @@ pub(crate) unsafe trait Sized32: Copy {
     const NAME: &'static str;
 }
 
-// SAFETY: numbers, raw pointers, optional functions.
-unsafe impl Sized32 for interface::Entry {
-    const NAME: &'static str = "voltet_entry";
+macro_rules! sized32 {
+    ($($kind:ident $name:literal)*) => {
+        // SAFETY: numbers, raw pointers, optional functions.
+        $(unsafe impl Sized32 for interface::$kind {
+            const NAME: &'static str = $name;
+        })*
+    };
 }
-// SAFETY: the same.
-unsafe impl Sized32 for interface::Plugin {
-    const NAME: &'static str = "voltet_plugin";
-}
-// SAFETY: the same.
-unsafe impl Sized32 for interface::Factory {
-    const NAME: &'static str = "a factory";
-}
-// SAFETY: the same.
-unsafe impl Sized32 for interface::Reader {
-    const NAME: &'static str = "voltet_reader";
-}
-// SAFETY: the same.
-unsafe impl Sized32 for interface::GridFilter {
-    const NAME: &'static str = "voltet_grid_filter";
-}
-// SAFETY: the same.
-unsafe impl Sized32 for interface::ImageFilter {
-    const NAME: &'static str = "voltet_image_filter";
-}
-// SAFETY: the same.
-unsafe impl Sized32 for interface::GridHead {
-    const NAME: &'static str = "voltet_grid_head";
-}
-// SAFETY: the same.
-unsafe impl Sized32 for interface::ArrayHead {
-    const NAME: &'static str = "voltet_array_head";
-}
-// SAFETY: the same.
-unsafe impl Sized32 for interface::GridBuffers {
-    const NAME: &'static str = "voltet_grid_buffers";
-}
-// SAFETY: the same.
-unsafe impl Sized32 for interface::GradientFilter {
-    const NAME: &'static str = "voltet_gradient_filter";
-}
-// SAFETY: the same.
-unsafe impl Sized32 for interface::Parameter {
-    const NAME: &'static str = "voltet_parameter";
+
+sized32! {
+    Entry "voltet_entry"
+    Plugin "voltet_plugin"
+    Factory "a factory"
+    Reader "voltet_reader"
+    GridFilter "voltet_grid_filter"
+    ImageFilter "voltet_image_filter"
+    GridHead "voltet_grid_head"
+    ArrayHead "voltet_array_head"
+    GridBuffers "voltet_grid_buffers"
+    GradientFilter "voltet_gradient_filter"
+    Parameter "voltet_parameter"
 }
 
 /// Largest struct of any version of the interface (bytes).

@@ -1,5 +1,6 @@
 //! Lane sets, and what runs a kernel on one.
 
+use super::FourLanes;
 #[cfg(target_arch = "x86_64")]
 use super::avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
@@ -7,7 +8,6 @@ use super::avx512::Avx512;
 #[cfg(all(target_arch = "aarch64", target_endian = "little"))]
 use super::neon::Neon;
 use super::operations::Lanes;
-use super::portable::Portable;
 use std::sync::OnceLock;
 use voltet_core::{Error, Result};
 
@@ -31,7 +31,7 @@ pub enum LaneSet {
     Avx2,
     /// 8 lanes: NEON, two vectors at a time.
     Neon,
-    /// 4 lanes in plain Rust.
+    /// 4 lanes that every processor has: SSE2 on x86-64, arrays elsewhere.
     Portable,
 }
 
@@ -155,7 +155,7 @@ pub fn dispatch<K: Kernel>(lanes: LaneSet, kernel: K) -> K::Output {
         return kernel.run::<Neon>();
     }
     let _ = lanes;
-    kernel.run::<Portable>()
+    kernel.run::<FourLanes>()
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use voltet_optics::special::gaussian_mean;
 pub const REACH: f64 = 10.0;
 
 /// The largest P of the table of light.
-pub const P_MOST: f64 = 40.0;
+pub const MAX_P: f64 = 40.0;
 
 /// Half the range of that table's places: erf is 1 beyond.
 pub const LIT_REACH: f64 = 3.6;
@@ -42,7 +42,7 @@ impl GaussianTables {
         &self.means
     }
 
-    /// J by (P, x), P from 0 to [`P_MOST`] and x from −[`LIT_REACH`] to [`LIT_REACH`]; empty where it was not asked for.
+    /// J by (P, x), P from 0 to [`MAX_P`] and x from −[`LIT_REACH`] to [`LIT_REACH`]; empty where it was not asked for.
     pub fn light(&self) -> &[f32] {
         &self.light
     }
@@ -61,7 +61,7 @@ impl GaussianTables {
     /// J(P, x).
     pub fn lit(&self, p: f64, x: f64) -> f64 {
         let place = (x + LIT_REACH) / (2.0 * LIT_REACH);
-        bilinear(self.size, p / P_MOST, place, |k| f64::from(self.light[k]))
+        bilinear(self.size, p / MAX_P, place, |k| f64::from(self.light[k]))
     }
 }
 
@@ -84,7 +84,7 @@ fn lights(size: usize) -> Vec<f32> {
     let place = |k: usize| k as f64 * step - LIT_REACH;
     let mut entries = vec![0.0; size * size];
     for (row, entries) in entries.chunks_exact_mut(size).enumerate() {
-        let p = P_MOST * row as f64 / (size - 1) as f64;
+        let p = MAX_P * row as f64 / (size - 1) as f64;
         let mut behind = 0.0;
         for k in (0..size - 1).rev() {
             let x = place(k);

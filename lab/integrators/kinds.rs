@@ -5,17 +5,22 @@ use super::{
     vertex_sampled::Classification,
 };
 use crate::lanes::{PreIntegratedLanes, RiemannLanes, SegmentsLanes, TabulatedLanes, VertexSampledLanes};
+use crate::settings::{
+    MAX_OVERSAMPLING, MAX_PARTIAL_SIDE, MAX_PLANES, MAX_TABLE_SIDE, MAX_TILE_ENTRIES, OVERSAMPLING,
+    OVERSAMPLING_PARAMETER, PARTIAL_SIDE_PARAMETER, PIECES, PIECES_PARAMETER, PLANES, PLANES_PARAMETER, SIDE,
+    SIDE_PARAMETER, check_count, check_pieces, count,
+};
 use crate::shader::{CylindricalText, PreIntegratedText, RiemannText, SegmentsText};
 use std::any::Any;
 use voltet_core::Result;
-use voltet_core::parameters::{DefaultValue, Parameter, ParameterType, Range, VariantSchema};
+use voltet_core::parameters::VariantSchema;
 use voltet_core::transfer::{Profile, TransferFunction};
 use voltet_cpu::integrator::LaneExtension;
 use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::{
     Extent, Integrator, IntegratorKind, Obstacle, ScenePreparation, SegmentIntegrator, TableDomain,
 };
-use voltet_shaders::WgslExtension;
+use voltet_shaders::{WgslExtension, WgslTableExtension};
 
 /// All kinds, in the order in which studies list them.
 pub static KINDS: [&dyn IntegratorKind; 6] = [
@@ -57,100 +62,7 @@ pub const fn tabulated(side: usize) -> Integrator {
 /// The transfer function applied at the grid's points, absorption and emission linear between them.
 pub const VERTEX_SAMPLED: Integrator = Integrator::with_settings(&VertexSampledKind, []);
 
-/// Pieces of a ray segment by default.
-pub const DEFAULT_PIECES: usize = 16;
-
-/// Side of a table by default.
-pub const DEFAULT_SIDE: usize = 256;
-
-/// Largest side of a three-dimensional table: 512³ colours take 1.5 GiB.
-pub const MAX_TABLE_SIDE: usize = 512;
-
-/// Pieces of a path from one entry of a pre-integrated table to the next by default: enough by Roettger and Ertl 2002, section 3.
-pub const DEFAULT_OVERSAMPLING: usize = 2;
-
-/// Most pieces of such a path; a step is long resolved, and filling the table slow.
-pub const MAX_OVERSAMPLING: usize = 64;
-
-/// Tiles of a cylindrical table for each entry of a side by default: as much memory as the table.
-pub const DEFAULT_PLANES: usize = 1;
-
-/// Most tiles for each entry: twice what loses nothing by Roettger and Ertl 2002, section 4.
-pub const MAX_PLANES: usize = 8;
-
-/// Entries of the largest cylindrical table.
-const MAX_TILE_ENTRIES: usize = MAX_TABLE_SIDE * MAX_TABLE_SIDE * (last_tile(MAX_TABLE_SIDE, 1) + 1);
-
-/// Largest side of a two-dimensional table.
-pub const MAX_PARTIAL_SIDE: usize = 4096;
-
-pub(crate) const PIECES: &str = "segments";
-pub(crate) const SIDE: &str = "table_size";
-pub(crate) const OVERSAMPLING: &str = "oversampling";
-pub(crate) const PLANES: &str = "planes";
-
-const PIECES_PARAMETER: Parameter = Parameter {
-    name: PIECES,
-    parameter_type: ParameterType::Integer(Range::within(1.0, 65536.0)),
-    unit: "",
-    default: DefaultValue::Integer(DEFAULT_PIECES as i64),
-    help: "segments and riemann: pieces of each ray segment",
-};
-
-const PARTIAL_SIDE_PARAMETER: Parameter = Parameter {
-    name: SIDE,
-    parameter_type: ParameterType::Integer(Range::within(2.0, MAX_PARTIAL_SIDE as f64)),
-    unit: "entries a side",
-    default: DefaultValue::Integer(DEFAULT_SIDE as i64),
-    help: "side of the table",
-};
-
-const SIDE_PARAMETER: Parameter = Parameter {
-    name: SIDE,
-    parameter_type: ParameterType::Integer(Range::within(2.0, MAX_TABLE_SIDE as f64)),
-    unit: "entries a side",
-    default: DefaultValue::Integer(DEFAULT_SIDE as i64),
-    help: "side of the table, which has three dimensions",
-};
-
-const OVERSAMPLING_PARAMETER: Parameter = Parameter {
-    name: OVERSAMPLING,
-    parameter_type: ParameterType::Integer(Range::within(1.0, MAX_OVERSAMPLING as f64)),
-    unit: "pieces",
-    default: DefaultValue::Integer(DEFAULT_OVERSAMPLING as i64),
-    help: "pieces of a path from one entry of the table to the next",
-};
-
-const PLANES_PARAMETER: Parameter = Parameter {
-    name: PLANES,
-    parameter_type: ParameterType::Integer(Range::within(1.0, MAX_PLANES as f64)),
-    unit: "times table_size",
-    default: DefaultValue::Integer(DEFAULT_PLANES as i64),
-    help: "planes that the table is resampled to; in all no more entries than for 512 once",
-};
-
-pub(crate) fn count(integrator: &Integrator, name: &str) -> usize {
-    integrator.count(name).unwrap_or(0)
-}
-
-/// Checks that a setting lies between two whole numbers.
-fn check_count(integrator: &Integrator, name: &str, min: usize, max: usize) -> Result<()> {
-    let count = count(integrator, name);
-    match (min..=max).contains(&count) {
-        true => Ok(()),
-        false => Err(integrator.out_of_range(name, count, format!("{min} to {max}"))),
-    }
-}
-
-/// Programs may ask for more pieces than pipelines, which stop at what they declare.
-fn check_pieces(integrator: &Integrator) -> Result<()> {
-    match count(integrator, PIECES) {
-        0 => Err(integrator.out_of_range("the number of segments", 0, "1 or more")),
-        _ => Ok(()),
-    }
-}
-
-/// A widget with the reason that it stands in the way.
+/// Widget with the reason that it cannot be integrated.
 fn named(transfer_function: &TransferFunction, place: usize, why: &str) -> String {
     format!("widgets[{place}] ({}), {why}", transfer_function.widgets[place].profile.name())
 }
@@ -159,9 +71,9 @@ fn named(transfer_function: &TransferFunction, place: usize, why: &str) -> Strin
 fn of_scalar_alone(transfer_function: &TransferFunction) -> Option<Obstacle> {
     let found = transfer_function.widgets.iter().enumerate().find_map(|(place, widget)| {
         if widget.uses_gradient_magnitude() {
-            Some(named(transfer_function, place, "which looks at the gradient magnitude"))
+            Some(named(transfer_function, place, "which reads the gradient magnitude"))
         } else if !widget.profile.properties().fields.is_empty() {
-            Some(named(transfer_function, place, "which looks at fields of its own"))
+            Some(named(transfer_function, place, "which reads further fields"))
         } else {
             None
         }
@@ -273,7 +185,11 @@ impl IntegratorKind for PreIntegratedKind {
     }
 
     fn extensions(&self) -> &'static [&'static (dyn Any + Send + Sync)] {
-        &[&LaneExtension(&PreIntegratedLanes), &WgslExtension(&PreIntegratedText)]
+        &[
+            &LaneExtension(&PreIntegratedLanes),
+            &WgslExtension(&PreIntegratedText),
+            &WgslTableExtension(&PreIntegratedText),
+        ]
     }
 }
 
@@ -330,7 +246,11 @@ impl IntegratorKind for PreIntegratedCylindricalKind {
     }
 
     fn extensions(&self) -> &'static [&'static (dyn Any + Send + Sync)] {
-        &[&LaneExtension(&PreIntegratedLanes), &WgslExtension(&CylindricalText)]
+        &[
+            &LaneExtension(&PreIntegratedLanes),
+            &WgslExtension(&CylindricalText),
+            &WgslTableExtension(&CylindricalText),
+        ]
     }
 }
 
@@ -382,16 +302,15 @@ impl IntegratorKind for TabulatedKind {
     }
 
     fn obstacle(&self, transfer_function: &TransferFunction) -> Option<Obstacle> {
-        let has_table = |profile: &Profile| match profile {
-            Profile::Uniform
-            | Profile::Gaussian { .. }
-            | Profile::GaussianNd { .. }
-            | Profile::TriangularGaussian { .. }
-            | Profile::TriangularGaussianNd { .. } => true,
-            Profile::TriangleWave(_)
-            | Profile::SineWave(_)
-            | Profile::PiecewiseLinear { .. }
-            | Profile::Table(_) => false,
+        let has_table = |profile: &Profile| {
+            matches!(
+                profile,
+                Profile::Uniform
+                    | Profile::Gaussian { .. }
+                    | Profile::GaussianNd { .. }
+                    | Profile::TriangularGaussian { .. }
+                    | Profile::TriangularGaussianNd { .. }
+            )
         };
         let without = transfer_function.widgets.iter().position(|widget| !has_table(&widget.profile))?;
         let found = named(transfer_function, without, "whose integral it has no table of");

@@ -17,6 +17,7 @@ mod pre_integrated;
 mod pre_integrated_cylindrical;
 mod riemann;
 mod segments;
+mod settings;
 mod shader;
 mod slice;
 mod tabulated;
@@ -25,17 +26,19 @@ mod tabulated;
 mod tests;
 mod vertex_sampled;
 
-pub use gaussian_tables::{GaussianTables, LIT_REACH, P_MOST, REACH};
+pub use gaussian_tables::{GaussianTables, LIT_REACH, MAX_P, REACH};
 pub use kinds::{
-    DEFAULT_OVERSAMPLING, DEFAULT_PIECES, DEFAULT_PLANES, DEFAULT_SIDE, KINDS, MAX_OVERSAMPLING,
-    MAX_PARTIAL_SIDE, MAX_PLANES, MAX_TABLE_SIDE, VERTEX_SAMPLED, pre_integrated, pre_integrated_cylindrical,
-    riemann, segments, tabulated,
+    KINDS, VERTEX_SAMPLED, pre_integrated, pre_integrated_cylindrical, riemann, segments, tabulated,
 };
 pub use partial_table::PartialTable;
 pub use pre_integrated::PreIntegrated;
 pub use pre_integrated_cylindrical::{PreIntegratedCylindrical, from_cylinder, last_tile};
 pub use riemann::Riemann;
 pub use segments::Segments;
+pub use settings::{
+    DEFAULT_OVERSAMPLING, DEFAULT_PIECES, DEFAULT_PLANES, DEFAULT_SIDE, MAX_OVERSAMPLING, MAX_PARTIAL_SIDE,
+    MAX_PLANES, MAX_TABLE_SIDE,
+};
 pub use shader::PIECES;
 pub use slice::{Material, Ramp};
 pub use tabulated::Tabulated;

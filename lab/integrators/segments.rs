@@ -31,7 +31,7 @@ impl Segments {
         Ok(Segments { table: Some(PartialTable::new(plain.density, table_size)), ..plain })
     }
 
-    /// The same without a table: several times slower, and without the table's error.
+    /// Integrator without a table: several times slower, and without the table's error.
     pub fn with_closed_forms(transfer_function: &TransferFunction, count: usize) -> Result<Self> {
         can_serve(&segments(count, 2), transfer_function)?;
         let density = transfer_function.model == OpticalModel::DensityEmitter;

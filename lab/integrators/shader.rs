@@ -1,13 +1,13 @@
 //! Shader text: the pieces under `wgsl/`, and the tables that they read.
 
-use crate::kinds::{OVERSAMPLING, PIECES as COUNT, PLANES, SIDE, count};
+use crate::settings::{OVERSAMPLING, PIECES as COUNT, PLANES, SIDE, count};
 use crate::{PartialTable, Ramp, last_tile};
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::{Error, Result};
 use voltet_optics::integrators::Integrator;
 use voltet_shaders::{
-    Access, Axis, Contents, PartedArray, Parts, Pass, Places, Resources, TEXEL_BYTES, TableScene, WgslCall,
-    WgslIntegrator, WgslPiece, compose_pieces_with,
+    Access, Axis, Contents, PartedArray, Parts, Pass, Resources, TEXEL_BYTES, TableScene, TableSize,
+    WgslCall, WgslIntegrator, WgslPiece, WgslTable, compose_pieces_with,
 };
 
 macro_rules! piece {
@@ -90,18 +90,13 @@ impl WgslIntegrator for SegmentsText {
         integrator.count(COUNT)
     }
 
-    fn places(
-        &self,
-        integrator: &Integrator,
-        transfer_function: &TransferFunction,
-        places: Places,
-    ) -> Places {
+    fn table_size(&self, integrator: &Integrator, transfer_function: &TransferFunction) -> TableSize {
         if transfer_function.widgets.is_empty() {
-            return places;
+            return TableSize::default();
         }
         let density = transfer_function.model == OpticalModel::DensityEmitter;
         let entries = PartialTable::bytes_of(density, count(integrator, SIDE)) / size_of::<f32>();
-        Places { entries: 1 + entries as u64, ..places }
+        TableSize { entries: 1 + entries as u64, ..TableSize::default() }
     }
 
     fn entries(&self, integrator: &Integrator, transfer_function: &TransferFunction) -> Vec<f32> {
@@ -127,11 +122,13 @@ impl WgslIntegrator for PreIntegratedText {
         WgslCall::Table { function: "pre_integrated_light", pieces }
     }
 
-    fn places(&self, integrator: &Integrator, _: &TransferFunction, places: Places) -> Places {
+    fn table_size(&self, integrator: &Integrator, _: &TransferFunction) -> TableSize {
         let [square, cube] = [2, 3].map(|power| (count(integrator, SIDE) as u64).saturating_pow(power));
-        Places { vectors: cube, entries: square.saturating_add(MEAN_HEAD), ..places }
+        TableSize { vectors: cube, source_vectors: 0, entries: square.saturating_add(MEAN_HEAD) }
     }
+}
 
+impl WgslTable for PreIntegratedText {
     fn fill(&self, resources: &mut Resources, scene: &TableScene<'_>) -> Result<()> {
         fill(resources, None, scene)
     }
@@ -154,16 +151,17 @@ impl WgslIntegrator for CylindricalText {
         WgslCall::Table { function: "pre_integrated_light", pieces }
     }
 
-    fn places(&self, integrator: &Integrator, _: &TransferFunction, places: Places) -> Places {
+    fn table_size(&self, integrator: &Integrator, _: &TransferFunction) -> TableSize {
         let [square, cube] = [2, 3].map(|power| (count(integrator, SIDE) as u64).saturating_pow(power));
-        Places {
+        TableSize {
             vectors: square.saturating_mul(tiles(integrator) as u64 + 1),
             source_vectors: cube,
             entries: square.saturating_add(MEAN_HEAD),
-            ..places
         }
     }
+}
 
+impl WgslTable for CylindricalText {
     fn fill(&self, resources: &mut Resources, scene: &TableScene<'_>) -> Result<()> {
         fill(resources, Some(tiles(scene.integrator)), scene)
     }

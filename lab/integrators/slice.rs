@@ -63,7 +63,7 @@ impl Ramp {
         Ok(Ramp { range: [low, high], nodes, parts, pieces })
     }
 
-    /// What is at each node.
+    /// Materials at the nodes.
     pub fn nodes(&self) -> &[Material] {
         &self.nodes
     }
@@ -88,7 +88,7 @@ impl Ramp {
         self.nodes.len()
     }
 
-    /// Where s lies, in steps from the first node.
+    /// Position of s, in steps from the first node.
     #[inline]
     pub fn place(&self, s: f64) -> f64 {
         let [low, high] = self.range;
@@ -121,7 +121,7 @@ impl Ramp {
             slice[i * n + i] = store(node.glow);
         }
         let nothing = vec![Light::CLEAR; n - 1];
-        let (mut there, mut back) = (Windows::new(&nothing), Windows::new(&nothing));
+        let (mut there, mut back) = (SlidingSums::new(&nothing), SlidingSums::new(&nothing));
         for span in 1..n {
             let share = 1.0 / (span * self.parts) as f64;
             let over = |front: Light, part: &Material| front.over(&Light::new(part, length, share));
@@ -167,7 +167,7 @@ fn matter(
     Material { extinction: extinction * longest, glow: light.color.map(|c| c / short * longest) }
 }
 
-/// What a stretch emits, by D, and its optical depth.
+/// Emission of a stretch (divided by D), and its optical depth.
 #[derive(Debug, Clone, Copy)]
 struct Light {
     emission: [f64; 3],
@@ -202,16 +202,16 @@ impl Light {
 }
 
 /// Sliding windows over the steps.
-struct Windows {
+struct SlidingSums {
     steps: Vec<Light>,
-    /// Of each step: its block up to it, and from it on.
+    /// Block sums of each step: up to it, and from it on.
     begun: Vec<Light>,
     left: Vec<Light>,
 }
 
-impl Windows {
+impl SlidingSums {
     fn new(nothing: &[Light]) -> Self {
-        Windows { steps: nothing.to_vec(), begun: nothing.to_vec(), left: nothing.to_vec() }
+        SlidingSums { steps: nothing.to_vec(), begun: nothing.to_vec(), left: nothing.to_vec() }
     }
 
     fn gather(&mut self, span: usize, join: impl Fn(&Light, &Light) -> Light) {

@@ -36,7 +36,7 @@ struct Tabled {
     extinction: f64,
     clip: Option<Convex>,
     profile: Profile,
-    /// Where its own fields lie among the segments', and that of m.
+    /// Indices of its fields among the segments', and that of m.
     slots: Vec<usize>,
     magnitude: usize,
 }
@@ -193,10 +193,8 @@ impl Tabled {
                 let place = |v: &[f64]| moved(matrix, centre, v).into_iter().map(|x| x / width).collect();
                 (place(&front), place(&back))
             }
-            Profile::TriangleWave(_)
-            | Profile::SineWave(_)
-            | Profile::PiecewiseLinear { .. }
-            | Profile::Table(_) => return None,
+            // Refused by `obstacle` of the kind.
+            _ => return None,
         };
         let at = |cut: fn(&ClippedSpan, f64, f64) -> f64| -> Vec<f64> {
             front.iter().zip(&back).map(|(f, b)| cut(stretch, *f, *b)).collect()

@@ -5,16 +5,16 @@
 //! F = ∫₀¹ (1 − x) e^(−w) dx and B = ∫₀¹ x e^(−w) dx, w the depth in front of x. C = D (F κ_f + B κ_b). κ is interpolated,
 //! not a colour, so that a point without matter lends none (Wittenbrink et al. 1998).
 //!
-//! A segment does not know the points of its cell. So a scene is [`classified`] first: ρ and κ become point arrays, which
+//! A segment has no reference to the points of its cell. So a scene is [`classified`] first: ρ and κ become point arrays, which
 //! the integrator finds at the segment's ends. Where a segment is all that there is, its ends count as points.
 
-use super::{Segments, VERTEX_SAMPLED};
+use super::segments::Segments;
 use std::sync::Arc;
 use voltet_core::grid::{Array, Grid};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_optics::integrators::{PreparedScene, ScenePreparation, SegmentIntegrator, can_serve};
+use voltet_optics::integrators::{PreparedScene, ScenePreparation, SegmentIntegrator};
 use voltet_optics::linear::front_back;
 use voltet_optics::special::opacity;
 use voltet_optics::{CompiledTransferFunction, Contribution, Segment};
@@ -26,7 +26,7 @@ pub const CLASSIFIED: [&str; 4] =
 /// Linear between what the transfer function is at the points.
 #[derive(Debug, Clone)]
 pub struct VertexSampled {
-    /// Where the arrays lie among a segment's fields; `None`: the scene is not classified.
+    /// Indices of the arrays among a segment's fields; `None`: the scene is not classified.
     slots: Option<[usize; 4]>,
     ends: Segments,
 }
@@ -34,7 +34,6 @@ pub struct VertexSampled {
 impl VertexSampled {
     /// Serves every transfer function.
     pub fn new(transfer_function: &TransferFunction) -> Result<Self> {
-        can_serve(&VERTEX_SAMPLED, transfer_function)?;
         let fields = transfer_function.fields();
         let slot = |name: &&str| fields.iter().position(|field| field == name);
         let slots: Vec<usize> = CLASSIFIED.iter().filter_map(slot).collect();

@@ -11,8 +11,10 @@ use voltet_optics::{Contribution, Segment, WidgetBlend};
 use voltet_simd::LaneSet;
 
 /// CPU engine on one lane set; each segment is a scene of its own.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct LaneEvaluator {
+    /// "32-bit" and the lane set.
+    pub name: String,
     /// Lane set that it runs on.
     pub lanes: LaneSet,
     /// True if segments are put in order also where one colour needs no order.
@@ -20,9 +22,14 @@ pub struct LaneEvaluator {
 }
 
 impl LaneEvaluator {
+    /// The evaluator on a lane set.
+    pub fn new(lanes: LaneSet) -> LaneEvaluator {
+        LaneEvaluator { name: format!("32-bit {}", lanes.name()), lanes, ordered: false }
+    }
+
     /// Evaluators on the lane sets that this processor has.
     pub fn all() -> impl Iterator<Item = LaneEvaluator> {
-        lane_sets().map(|lanes| LaneEvaluator { lanes, ordered: false })
+        lane_sets().map(LaneEvaluator::new)
     }
 
     fn integrate(
@@ -39,12 +46,7 @@ impl LaneEvaluator {
 
 impl SegmentEvaluator for LaneEvaluator {
     fn name(&self) -> &str {
-        match self.lanes {
-            LaneSet::Portable => "32-bit portable",
-            LaneSet::Neon => "32-bit neon",
-            LaneSet::Avx2 => "32-bit avx2",
-            LaneSet::Avx512 => "32-bit avx512",
-        }
+        &self.name
     }
 
     fn precision(&self) -> Precision {

@@ -3,6 +3,7 @@
 //! | file | responsibility |
 //! | --- | --- |
 //! | `lib` | measurements of an engine |
+//! | `segment_probe` | an integrator on single segments of a scene |
 //! | `lanes` | segment formulas of the CPU engine |
 //! | `wgsl` | segment formulas of the GPU engine |
 //! | `operations` | operations counted in a shader's text |
@@ -10,10 +11,12 @@
 mod lanes;
 #[cfg(feature = "gpu")]
 mod operations;
+mod segment_probe;
 #[cfg(feature = "gpu")]
 mod wgsl;
 
 pub use lanes::LaneEvaluator;
+pub use segment_probe::SegmentProbe;
 #[cfg(feature = "gpu")]
 pub use wgsl::WgslEvaluator;
 
@@ -53,7 +56,7 @@ pub trait MeasuredEngine {
 impl MeasuredEngine for dyn Engine {
     fn evaluator(&self) -> Option<Box<dyn SegmentEvaluator>> {
         if let Some(lanes) = lanes_of(self) {
-            return Some(Box::new(LaneEvaluator { lanes, ordered: false }));
+            return Some(Box::new(LaneEvaluator::new(lanes)));
         }
         #[cfg(feature = "gpu")]
         if let Some(device) = device_of(self) {

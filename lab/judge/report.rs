@@ -76,7 +76,7 @@ impl fmt::Display for Row {
 pub struct Exemption {
     /// True if another precision served them.
     pub wider: bool,
-    /// Why.
+    /// Reason.
     pub reason: &'static str,
     /// Number of cases (rays count once).
     pub count: usize,
@@ -106,7 +106,7 @@ pub struct Report {
     pub cases: usize,
     /// One row a kind, category and quantity, in the order of the file.
     pub rows: Vec<Row>,
-    /// Why cases were skipped or served by another precision.
+    /// Reasons of cases that were skipped or evaluated in another precision.
     pub exemptions: Vec<Exemption>,
     /// Every value that broke its bound, in the order of the file.
     pub broken: Vec<Violation>,

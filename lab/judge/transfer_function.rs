@@ -3,8 +3,9 @@
 use super::json::{array, fixed, member, number, numbers, text, wrong};
 use serde_json::Value;
 use std::sync::Arc;
+use voltet_core::parameters::{Field, LocatedValue, ParameterValue, Parameters, SourceSpan};
 use voltet_core::transfer::{
-    ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
+    self, ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, WIDGET_KINDS, Wave, Widget,
 };
 use voltet_core::{Error, Result};
 
@@ -79,7 +80,8 @@ fn widget(value: &Value) -> Result<Widget> {
                 g: range("g")?,
             }))
         }
-        other => return Err(Error::usage("a case has an unknown widget").got(other)),
+        // Kinds without keys of their own here have those of a pipeline file.
+        kind => return with_pipeline_keys(kind, value),
     };
     // Control points hold extinctions and colours of their own.
     let own = profile.properties().own_peak.is_some();
@@ -95,6 +97,37 @@ fn widget(value: &Value) -> Result<Widget> {
         color: if own { [0.0; 3] } else { fixed(member(value, "color")?)? },
         extinction: if own { 0.0 } else { number(value, "extinction")? },
         region,
+    })
+}
+
+/// A widget that is stated with the keys of a pipeline file.
+fn with_pipeline_keys(kind: &str, value: &Value) -> Result<Widget> {
+    let Some(known) = WIDGET_KINDS.iter().find(|known| known.name == kind) else {
+        return Err(Error::usage("a case has an unknown widget").got(kind));
+    };
+    let parameters = Parameters::check(known.parameters, &fields(value), &SourceSpan::Nowhere, &["type"])?;
+    let refused = |_: &str| Err(Error::usage("a case names an image"));
+    transfer::read(kind, &parameters, &refused)
+}
+
+/// The keys of an object.
+fn fields(value: &Value) -> Vec<Field> {
+    let field = |(name, value): (&String, &Value)| Field {
+        name: name.clone(),
+        origin: SourceSpan::Nowhere,
+        setting: setting(value),
+    };
+    value.as_object().into_iter().flatten().map(field).collect()
+}
+
+fn setting(value: &Value) -> LocatedValue {
+    LocatedValue::from(match value {
+        Value::Null => ParameterValue::Text(String::new()),
+        Value::Bool(flag) => ParameterValue::Boolean(*flag),
+        Value::Number(number) => ParameterValue::Number(number.as_f64().unwrap_or(f64::NAN)),
+        Value::String(text) => ParameterValue::Text(text.clone()),
+        Value::Array(list) => ParameterValue::List(list.iter().map(setting).collect()),
+        Value::Object(_) => ParameterValue::Table(fields(value)),
     })
 }
 

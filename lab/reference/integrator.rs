@@ -1,6 +1,6 @@
 //! Quadrature of segments behind the traits of integrators and of the ray tracer.
 
-use crate::renderer::ENGINE;
+use crate::renderer::{ENGINE, NAME};
 use crate::segment::{Integrand, Tolerance, Workspace};
 use std::any::Any;
 use std::cell::RefCell;
@@ -15,13 +15,9 @@ use voltet_optics::{CompiledTransferFunction, Contribution, Segment, WidgetBlend
 /// Kind of the integrator `reference`, which has an engine of its own.
 pub(crate) struct ReferenceKind;
 
-impl ReferenceKind {
-    pub(crate) const NAME: &str = "reference";
-}
-
 impl IntegratorKind for ReferenceKind {
     fn schema(&self) -> VariantSchema {
-        VariantSchema { name: Self::NAME, summary: "64-bit adaptive quadrature, slow", parameters: &[] }
+        VariantSchema { name: NAME, summary: "64-bit adaptive quadrature, slow", parameters: &[] }
     }
 
     fn compile(

@@ -13,7 +13,7 @@
 //! | `linear_on_segment`, `wide` | numbers with more digits |
 //! | `quadrature` | the rule |
 //! | `integrator` | quadrature behind the product's traits |
-//! | `renderer` | engine of `integrator = "reference"` |
+//! | `renderer` | renderer, and its engine |
 
 mod cuts;
 mod features;
@@ -30,17 +30,14 @@ mod texels;
 mod wide;
 
 pub use integrator::Reference;
-pub use renderer::ENGINE;
+pub use renderer::{ENGINE, draw, draw_further, tracer};
 pub use segment::{Integrand, Tolerance, Workspace};
 
 use voltet_core::Result;
-use voltet_core::picture::Picture;
-use voltet_core::progress::Progress;
 use voltet_core::transfer::TransferFunction;
 use voltet_graph::Registry;
 use voltet_optics::integrators::{INTEGRATOR, Integrator, variant};
-use voltet_optics::scene::Scene;
-use voltet_optics::trace::{CellCrossing, Tiles, Tracer};
+use voltet_optics::trace::CellCrossing;
 use voltet_optics::{Contribution, Segment, WidgetBlend};
 
 /// Integrator `reference`.
@@ -53,22 +50,6 @@ pub const REFERENCE: Integrator = Integrator::with_settings(&integrator::Referen
 /// - A name that is taken.
 pub fn register(registry: &mut Registry) -> Result<()> {
     registry.add_variant(INTEGRATOR, variant(REFERENCE.kind())?)
-}
-
-/// Ray tracer of a scene. Errors: arrays that are missing, numbers out of range.
-pub fn tracer(scene: &Scene) -> Result<Tracer<'_>> {
-    let integrand = Integrand::new(&scene.transfer_function, scene.shading.overlap, Tolerance::PICTURE)?;
-    Tracer::new(scene, Box::new(integrand))
-}
-
-/// Draws the scene in 64 bits. Errors: arrays that are missing, numbers out of range, a stopped run.
-pub fn draw(scene: &Scene, progress: &dyn Progress) -> Result<Picture> {
-    tracer(scene)?.draw(progress)
-}
-
-/// Like [`draw`], from the tiles that are there already; where it ends early, `tiles` holds those that are drawn.
-pub fn draw_further(scene: &Scene, tiles: &mut Tiles, progress: &dyn Progress) -> Result<Picture> {
-    tracer(scene)?.draw_further(tiles, progress)
 }
 
 /// Integral of one segment, to a relative 1e-11 of each of its stretches.

@@ -60,7 +60,7 @@ const UNDERFLOW: f64 = 1e-305;
 /// Depth in a blurred stretch that can be noticed.
 const NOTICED: f64 = 1e-11;
 
-/// When a piece counts as done: estimated error ≤ relative × its value + absolute, and what the module's head says.
+/// Stopping criterion of a piece: estimated error ≤ relative × its value + absolute, and the rule of the module's head.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
     /// Relative error of optical depth and colour.

@@ -27,7 +27,7 @@ impl Side {
 }
 
 /// The half planes of a rectangle; infinite limits give none.
-pub(crate) fn sides_of_rectangle(limits: [[f64; 2]; 2]) -> Vec<Side> {
+fn sides_of_rectangle(limits: [[f64; 2]; 2]) -> Vec<Side> {
     let mut sides = Vec::new();
     for (axis, [low, high]) in limits.into_iter().enumerate() {
         let limits = [(low, true), (high, false)].into_iter().filter(|(limit, _)| limit.is_finite());

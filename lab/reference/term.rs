@@ -4,7 +4,7 @@
 //! section 5.
 
 use crate::linear_on_segment::{LinearOnSegment, Place};
-use crate::side::{Side, sides_of, sides_of_rectangle};
+use crate::side::{Side, sides_of};
 use crate::texels::Texels;
 use crate::wide::Wide;
 use std::f64::consts::PI;
@@ -89,13 +89,17 @@ impl Bands {
 impl Term {
     /// `fields` are the names of the point quantities that follow s and g in a value.
     pub(crate) fn new(widget: &Widget, unit_distance: f64, fields: &[&str]) -> Result<Self> {
+        let properties = widget.profile.properties();
         let mut sides = match &widget.region {
             Some(region) => sides_of(region)?,
-            None if matches!(widget.profile, Profile::Uniform) => {
-                return Err(Error::usage("a uniform widget has no region"));
+            None if properties.needs_region => {
+                return Err(Error::usage(format!("a {} widget has no region", properties.name)));
             }
             None => Vec::new(),
         };
+        if let Some(range) = &properties.range {
+            sides.extend(sides_of(range)?);
+        }
         let mut extinction = widget.extinction;
         let shape = match &widget.profile {
             Profile::Uniform => ReadyProfile::Uniform,
@@ -132,10 +136,7 @@ impl Term {
                 let peak = points.iter().map(|p| p.extinction).fold(0.0, f64::max);
                 ReadyProfile::Linear { points: points.clone(), peak }
             }
-            Profile::Table(table) => {
-                sides.extend(sides_of_rectangle([table.s, table.g]));
-                ReadyProfile::Table(Texels::new(table.clone()))
-            }
+            Profile::Table(table) => ReadyProfile::Table(Texels::new(table.clone())),
         };
         Ok(Term {
             shape,

@@ -23,6 +23,6 @@ is at most bound × exact value + floor. The bound follows from the working prec
 the device engine refuses such scenes.
 
 END
-    target/release/voltet stability --markdown --adapter software
+    target/release/voltet stability --adapter software
 } > "$page.new"
 mv "$page.new" "$page"

@@ -14,12 +14,12 @@ pub fn source(path: &str) -> PathBuf {
 }
 
 /// Sources of a library: the options, and the sources with their texts, as a test may change one.
-type Made = (Vec<String>, Vec<(PathBuf, String)>);
+type CompiledLibrary = (Vec<String>, Vec<(PathBuf, String)>);
 
 /// Its bytes, once it is compiled; `None` where there is no compiler.
 type Library = OnceLock<Option<Vec<u8>>>;
 
-static LIBRARIES: Mutex<Option<HashMap<Made, Arc<Library>>>> = Mutex::new(None);
+static LIBRARIES: Mutex<Option<HashMap<CompiledLibrary, Arc<Library>>>> = Mutex::new(None);
 
 /// The shared library `name` in `folder`, made of these sources by the compiler of the first one's language (`.c`: `cc`, `.cpp`:
 /// `c++`, `.f90`: `gfortran`), without a warning; compiled once for all tests of a program. `None` where there is no such compiler,

@@ -49,7 +49,7 @@ fn leak<T>(thing: T) -> &'static T {
     Box::leak(Box::new(thing))
 }
 
-/// What is asked of a file by a request, if it is of a format that a node of the registry reads.
+/// Completes a request to a file, if it is of a format that a node of the registry reads.
 ///
 /// Errors: the file cannot be read; the reader has a parameter that must be given.
 pub fn request(request: Request, path: &Path, registry: &Registry) -> Result<Request> {

@@ -1,4 +1,4 @@
-//! Whether the bands of a transfer function are finer than the cells, as a finding of the nodes that draw.
+//! Finding of the nodes that draw: bands of the transfer function that are finer than the cells.
 
 use serde_json::json;
 use std::sync::Arc;
@@ -10,13 +10,13 @@ use voltet_core::volume::Volume;
 use voltet_graph::RunContext;
 
 /// The bands of one transfer function over one volume, kept between runs.
-struct Kept {
+struct BandCounts {
     scalar: SharedSlice<f64>,
     gradient_magnitude: Option<SharedSlice<f64>>,
     bands: Vec<Bands>,
 }
 
-impl Kept {
+impl BandCounts {
     fn is_of(&self, volume: &Volume) -> bool {
         let same_g = match (&self.gradient_magnitude, &volume.gradient_magnitude) {
             (Some(a), Some(b)) => a.is(b),
@@ -37,7 +37,7 @@ pub fn note_bands(
     let make = || {
         let bands = bands(volume, transfer_function)?;
         let (scalar, gradient_magnitude) = (volume.scalar.clone(), volume.gradient_magnitude.clone());
-        Ok(Kept { scalar, gradient_magnitude, bands })
+        Ok(BandCounts { scalar, gradient_magnitude, bands })
     };
     let kept = call.keep(call.revision("transfer_function")?, make)?;
     // One transfer function may draw several volumes.

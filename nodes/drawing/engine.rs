@@ -1,9 +1,9 @@
-//! Which engine draws: parameters, choice, and what is said about it.
+//! Choice of the engine: parameters, candidates, and the reason in the report.
 
+use super::engine_cache::draw_on;
 use super::engines::{ENGINES, NATIVE};
-use super::opened::draw_on;
 use super::order::record_unsorted;
-use super::wished::{ACCUMULATION, ADAPTER, AUTO, ENGINE, accumulation, compositor};
+use super::parameters::{ACCUMULATION, ADAPTER, AUTO, ENGINE, accumulation, compositor};
 use voltet_core::error::ErrorKind;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};

@@ -1,4 +1,4 @@
-//! What a scene needs of its data: the demand that a node which draws makes.
+//! Demand of a scene on its data.
 
 use super::shading::shading;
 use voltet_core::Result;

@@ -1,4 +1,4 @@
-//! What the stage nodes hand to each other.
+//! Values that the stage nodes pass to each other.
 
 use std::sync::Arc;
 use voltet_core::transfer::TransferFunction;
@@ -9,7 +9,7 @@ use voltet_cpu::{Cells, Projection};
 pub struct Culled {
     /// The cells that are left.
     pub cells: Cells,
-    /// What they were culled for.
+    /// Transfer function that they were culled for.
     pub transfer_function: Arc<TransferFunction>,
 }
 
@@ -18,6 +18,6 @@ pub struct Culled {
 pub struct Projected {
     /// The projection.
     pub projection: Projection,
-    /// What the cells were culled and projected for.
+    /// Transfer function that the cells were culled and projected for.
     pub transfer_function: Arc<TransferFunction>,
 }

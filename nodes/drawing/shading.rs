@@ -67,7 +67,7 @@ pub const PARAMETERS: [Parameter; 4] = [
 pub fn shading(p: &Parameters) -> Result<Shading> {
     let overlap = if p.text("overlap")? == "mix" { WidgetBlend::Mix } else { WidgetBlend::Exact };
     let integrator = stated(p)?;
-    integrator.check().map_err(|error| p.locate("table_size", error))?;
+    integrator.check().map_err(|error| p.locate("integrator", error))?;
     Ok(Shading { integrator, overlap, silhouette: p.optional_number("silhouette"), light: light(p)? })
 }
 

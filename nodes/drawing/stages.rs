@@ -1,7 +1,7 @@
 //! The stages on the native engine, with their notes.
 
-use super::noted::{note, note_whole};
-use super::opened::draw_on;
+use super::diagnostics::{note, note_whole};
+use super::engine_cache::draw_on;
 use super::visible;
 use std::sync::Arc;
 use voltet_core::Result;

@@ -1,4 +1,4 @@
-//! What a picture does not show, with the reason and the remedy.
+//! Warnings about parts of a scene that a picture does not show, with the reason and the remedy.
 
 use rayon::prelude::*;
 use voltet_core::grid::extent;
@@ -19,7 +19,7 @@ pub fn warnings(scene: &Scene, counts: &RenderStats, picture: &Picture) -> Vec<S
     let Some(seen) = PictureStatistics::from_picture(picture).filter(|_| !widgets.is_empty()) else {
         return warnings;
     };
-    warnings.extend(match seen.most {
+    warnings.extend(match seen.max {
         0.0 => Some(format!("the picture is empty: {}", why_empty(scene, counts))),
         most if most < STEP => Some(nearly_empty(most, seen.opacity)),
         _ if seen.opaque as f64 >= OPAQUE_SHARE * seen.shown as f64 => Some(
@@ -32,10 +32,10 @@ pub fn warnings(scene: &Scene, counts: &RenderStats, picture: &Picture) -> Vec<S
     warnings
 }
 
-/// What the pixels hold.
+/// Statistics of a picture's pixels.
 struct PictureStatistics {
     /// The largest opacity or channel of any pixel.
-    most: f32,
+    max: f32,
     /// The largest opacity.
     opacity: f32,
     /// Pixels that hold anything.
@@ -50,10 +50,10 @@ impl PictureStatistics {
         let of_pixel = |pixel: &[f32; 4]| {
             let most = pixel.iter().copied().fold(0.0, f32::max);
             let [shown, opaque] = [most > 0.0, pixel[3] > 1.0 - STEP].map(usize::from);
-            PictureStatistics { most, opacity: pixel[3], shown, opaque }
+            PictureStatistics { max: most, opacity: pixel[3], shown, opaque }
         };
         picture.rgba.par_iter().map(of_pixel).reduce_with(|a, b| PictureStatistics {
-            most: a.most.max(b.most),
+            max: a.max.max(b.max),
             opacity: a.opacity.max(b.opacity),
             shown: a.shown + b.shown,
             opaque: a.opaque + b.opaque,

@@ -26,20 +26,21 @@ pub const FORMAT: Parameter = Parameter {
     help: "",
 };
 
-/// The word of the format: the one that is asked for, or the path's ending, or the first on streams. `formats`: the words, which
-/// are endings too. `what`: whose format, for the error.
-pub fn format(parameters: &Parameters, what: &str, formats: [&'static str; 2]) -> Result<&'static str> {
+/// Index of the format: the requested one, or the path's ending, or the first on streams. `formats`: their names, which are endings,
+/// too. `what`: the format's subject, for the error.
+pub fn format(parameters: &Parameters, what: &str, formats: &[&str]) -> Result<usize> {
     let path = parameters.text(PATH.name)?;
     let ending = Path::new(path).extension().map(|ending| ending.to_string_lossy().to_lowercase());
     let asked = parameters.text(FORMAT.name)?;
     let word = if asked == BY_ENDING { ending.as_deref() } else { Some(asked) };
-    let [first, second] = formats;
-    match formats.into_iter().find(|format| word == Some(format)) {
-        Some(format) => Ok(format),
-        None if ending.is_none() && is_stream(path) => Ok(first),
-        None => Err(parameters.error(PATH.name, format!("{what} is not known")).got(path).expected(format!(
-            "a path that ends in .{first} or .{second}, or format = \"{first}\" or \"{second}\""
-        ))),
+    match formats.iter().position(|format| word == Some(format)) {
+        Some(index) => Ok(index),
+        None if ending.is_none() && is_stream(path) => Ok(0),
+        None => {
+            let (endings, names) = (formats.join(" or ."), formats.join("\" or \""));
+            let error = parameters.error(PATH.name, format!("{what} is not known")).got(path);
+            Err(error.expected(format!("a path that ends in .{endings}, or format = \"{names}\"")))
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The parts of the node `probe`: its parameters, and what it says.
 
-mod found;
 mod parameters;
+mod result;
 
-pub use found::{figures, sentence};
 pub use parameters::{PARAMETERS, check_region, fields, mask, placed, region};
+pub use result::{figures, sentence};

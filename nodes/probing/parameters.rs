@@ -148,7 +148,7 @@ pub fn fields(p: &Parameters) -> Result<Option<Vec<String>>> {
 /// The parameters with places for percentages of the grid's bounds, and a radius for one of their diagonal.
 pub fn placed(p: &Parameters, grid: &Grid) -> Result<Parameters> {
     let none = || Error::run("the grid has no points, so nothing can be relative to its bounds");
-    resolved(p, &InSpace(grid.bounds().ok_or_else(none)?))
+    resolved(p, &SpatialRegion(grid.bounds().ok_or_else(none)?))
 }
 
 /// Checks the region as far as it can be before the grid is known: whether a box that mixes percentages and numbers is empty
@@ -169,9 +169,9 @@ pub fn check_region(p: &Parameters) -> Result<()> {
 }
 
 /// The bounds of a grid.
-struct InSpace([DVec3; 2]);
+struct SpatialRegion([DVec3; 2]);
 
-impl DataStatistics for InSpace {
+impl DataStatistics for SpatialRegion {
     fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]> {
         let [low, high] = self.0;
         match quantity {

@@ -8,10 +8,10 @@
 //! | `found` | these, as scales |
 //! | `shown` | what the numbers became, in words and figures |
 
-mod found;
 mod over_steps;
 mod scales;
 mod shown;
+mod statistics;
 mod volume;
 mod widgets;
 

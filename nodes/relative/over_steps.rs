@@ -4,7 +4,7 @@
 //! interval the volumes below [`EDGES`] values are summed over all steps (which reads them a second time), and the percentile
 //! is found between two of them by a straight line: off by a 4,096th of the interval at most.
 
-use super::found::Found;
+use super::statistics::FoundStatistics;
 use super::volume::{measure as measure_one, values, with_array_name};
 use std::collections::BTreeMap;
 use voltet_core::Result;
@@ -50,8 +50,8 @@ pub fn measure(
     wanted: &StatisticsRequest,
     demand: &Demand,
     read: &mut u64,
-) -> Result<Found> {
-    let mut found = Found::default();
+) -> Result<FoundStatistics> {
+    let mut found = FoundStatistics::default();
     let mut intervals: BTreeMap<(ArrayRef, u64), [f64; 2]> = BTreeMap::new();
     let wider = |[low, high]: [f64; 2], [a, b]: [f64; 2]| [low.min(a), high.max(b)];
     each(call, demand, read, &mut |volume| {

@@ -1,6 +1,6 @@
 //! Resolved relative numbers, as text that a pipeline file could hold and as figures.
 
-use super::found::Found;
+use super::statistics::FoundStatistics;
 use serde_json::{Map, Value, json};
 use voltet_graph::{Diagnostics, LocatedValue, ParameterValue, Parameters};
 
@@ -47,7 +47,7 @@ pub fn note_numbers(
 }
 
 /// Notes the ranges and percentiles that relative numbers were found from.
-pub fn note_found(notes: &mut Diagnostics, over: &str, found: &Found) {
+pub fn note_found(notes: &mut Diagnostics, over: &str, found: &FoundStatistics) {
     let ranges: Map<String, Value> =
         found.ranges.iter().map(|(quantity, range)| (quantity.to_string(), json!(range))).collect();
     let percentiles: Vec<Value> = (found.percentiles.iter())

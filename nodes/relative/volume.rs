@@ -1,6 +1,6 @@
 //! Ranges and percentiles of quantities of one volume.
 
-use super::found::Found;
+use super::statistics::FoundStatistics;
 use voltet_core::probing::{Volumes, value_range};
 use voltet_core::progress::Progress;
 use voltet_core::transfer::StatisticsRequest;
@@ -40,8 +40,12 @@ pub fn with_array_name(quantity: &ArrayRef, error: Error) -> Error {
 }
 
 /// Statistics of one volume: only what is requested is computed.
-pub fn measure(volume: &Volume, wanted: &StatisticsRequest, progress: &dyn Progress) -> Result<Found> {
-    let mut found = Found::default();
+pub fn measure(
+    volume: &Volume,
+    wanted: &StatisticsRequest,
+    progress: &dyn Progress,
+) -> Result<FoundStatistics> {
+    let mut found = FoundStatistics::default();
     for quantity in &wanted.ranges {
         let range =
             value_range(values(volume, quantity)?).map_err(|error| with_array_name(quantity, error))?;

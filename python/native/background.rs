@@ -70,8 +70,8 @@ pub fn run_with_side_work<T: Send>(
 
 /// Refuses a forked process: worker threads belong to the process that began them, and work in a fork would block for ever.
 fn refuse_forked() -> Result<()> {
-    static FIRST: OnceLock<u32> = OnceLock::new();
-    if *FIRST.get_or_init(std::process::id) == std::process::id() {
+    static FIRST_PROCESS: OnceLock<u32> = OnceLock::new();
+    if *FIRST_PROCESS.get_or_init(std::process::id) == std::process::id() {
         return Ok(());
     }
     Err(Error::usage("this process was forked from one that had used voltet, and has none of its threads")

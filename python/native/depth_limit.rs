@@ -3,29 +3,8 @@
 use voltet::render_to_depth;
 use voltet_core::Result;
 use voltet_core::picture::Picture;
-use voltet_core::progress::Progress;
-use voltet_graph::{Graph, Observer, Session};
+use voltet_graph::{Graph, NodeProgress, Observer, Session};
 use voltet_study::work_precision::Subject;
-
-/// Progress that is reported as that of a node.
-pub struct NodeProgress<'a> {
-    pub observer: &'a dyn Observer,
-    pub node: &'a str,
-}
-
-impl Progress for NodeProgress<'_> {
-    fn report(&self, stage: &str, fraction: f64) {
-        self.observer.progress(self.node, stage, fraction);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.observer.cancelled()
-    }
-
-    fn memory_left(&self) -> Option<u64> {
-        self.observer.memory_left()
-    }
-}
 
 /// Renders the picture of a node, each ray up to its depth.
 pub fn render(

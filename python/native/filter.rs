@@ -230,7 +230,7 @@ impl Function {
             let _called = Called::new(py)?;
             self.call.call1(py, (points, tetrahedra, values, arrays, set))?
         };
-        let given: Lent<f64> = Lent::of("the gradient", given.bind(py))?;
+        let given: Lent<f64> = Lent::borrow("the gradient", given.bind(py))?;
         Ok(given.values().chunks_exact(3).map(DVec3::from_slice).collect())
     }
 }

@@ -49,19 +49,19 @@ impl Grid {
     ) -> PyResult<Grid> {
         // Before the grid is built from them: a change in between is found later.
         let watched: Vec<Lent<u8>> =
-            watch.iter().map(|array| Lent::of("an array", array)).collect::<PyResult<_>>()?;
+            watch.iter().map(|array| Lent::borrow("an array", array)).collect::<PyResult<_>>()?;
         let watched = py.detach(|| watched.into_iter().map(Watched::new).collect());
-        let points: Lent<f64> = Lent::of("points", points)?;
+        let points: Lent<f64> = Lent::borrow("points", points)?;
         let mut keep = Keep(vec![points.keep()]);
         let arrays = arrays.into_iter().map(|(name, values, component_count, on_cells)| {
-            let lent: Lent<f64> = Lent::of(&format!("array '{name}'"), &values)?;
+            let lent: Lent<f64> = Lent::borrow(&format!("array '{name}'"), &values)?;
             let values = SharedSlice::from_borrowed(lent.values(), lent.keep());
             Ok(NamedArray { name, values, component_count, on_cells })
         });
         let arrays = arrays.collect::<PyResult<Vec<NamedArray>>>()?;
         let cells = cells_of(cells, &mut keep)?;
         let mut bytes = |name: &str, object: Option<Bound<'_, PyAny>>| -> PyResult<Option<&'static [u8]>> {
-            let lent: Option<Lent<u8>> = object.map(|object| Lent::of(name, &object)).transpose()?;
+            let lent: Option<Lent<u8>> = object.map(|object| Lent::borrow(name, &object)).transpose()?;
             Ok(lent.map(|lent| keep.hold(lent)))
         };
         let (ghost, degrees) = (bytes("ghost", ghost)?, bytes("degrees", degrees)?);
@@ -140,26 +140,26 @@ impl Keep {
 fn cells_of(cells: &Bound<'_, PyDict>, keep: &mut Keep) -> PyResult<CellArrays<'static>> {
     let get = |name: &str| cells.get_item(name).map(|found| found.filter(|object| !object.is_none()));
     if let Some(tetrahedra) = get("tetrahedra")? {
-        return Ok(CellArrays::Tetrahedra(keep.hold(Lent::of("tetrahedra", &tetrahedra)?)));
+        return Ok(CellArrays::Tetrahedra(keep.hold(Lent::borrow("tetrahedra", &tetrahedra)?)));
     }
     let must = |name: &str| {
         let none = || Error::usage(format!("{name} is missing")).expected("types, offsets and connectivity");
         get(name)?.ok_or_else(|| crate::error::exception(cells.py(), &none()))
     };
     let mut wide = |name: &str| -> PyResult<&'static [i64]> {
-        let lent = get(name)?.map(|object| Lent::of(name, &object)).transpose()?;
+        let lent = get(name)?.map(|object| Lent::borrow(name, &object)).transpose()?;
         Ok(lent.map_or(&[][..], |lent| keep.hold(lent)))
     };
     let (faces, face_locations) = (wide("faces")?, wide("face_locations")?);
     let connectivity = must("connectivity")?;
     let narrow = connectivity.getattr("dtype")?.getattr("itemsize")?.extract::<usize>()? == 4;
     let connectivity = match narrow {
-        true => PointNumbers::U32(keep.hold(Lent::of("connectivity", &connectivity)?)),
-        false => PointNumbers::I64(keep.hold(Lent::of("connectivity", &connectivity)?)),
+        true => PointNumbers::U32(keep.hold(Lent::borrow("connectivity", &connectivity)?)),
+        false => PointNumbers::I64(keep.hold(Lent::borrow("connectivity", &connectivity)?)),
     };
     Ok(CellArrays::Mixed {
-        types: keep.hold(Lent::of("types", &must("types")?)?),
-        offsets: keep.hold(Lent::of("offsets", &must("offsets")?)?),
+        types: keep.hold(Lent::borrow("types", &must("types")?)?),
+        offsets: keep.hold(Lent::borrow("offsets", &must("offsets")?)?),
         connectivity,
         faces,
         face_locations,

@@ -37,8 +37,6 @@ use pyo3::prelude::*;
 
 #[pymodule]
 mod _native {
-    use super::*;
-
     #[pymodule_export]
     use super::declarations::declarations;
     #[pymodule_export]

@@ -1,13 +1,13 @@
 //! Measurements: one pixel cell by cell, gradient filters by manufactured fields.
 
 use crate::background::run_long;
-use crate::depth_limit::NodeProgress;
 use crate::error::guarded;
 use crate::filter::registry;
 use crate::value::settings;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use voltet_core::{Error, Result};
+use voltet_graph::NodeProgress;
 use voltet_study::gradient_test::{
     RequirementKind, TestOptions, gradient_test as measure, methods, page, plot, text,
 };

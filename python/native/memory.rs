@@ -10,7 +10,6 @@ use std::ffi::c_int;
 use std::sync::Arc;
 use voltet_core::Error;
 use voltet_core::picture::Picture;
-use voltet_io::encode as file;
 
 /// Memory of a Python object that stays where it is: the object is held, and pinned.
 #[derive(Clone)]
@@ -21,7 +20,7 @@ pub struct Lent<T: 'static> {
 
 impl<T: Element + Sync> Lent<T> {
     /// The memory of an array of this type whose rows lie one after the other; `name` is for messages.
-    pub fn of(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Lent<T>> {
+    pub fn borrow(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Lent<T>> {
         let wrong = |found: String| {
             let error = Error::usage(format!("{name} cannot be lent")).got(found);
             let error = error.expected("a C-contiguous array of the type that voltet.Grid makes of it");
@@ -103,23 +102,21 @@ impl Memory {
     }
 }
 
-/// A picture as the bytes of a file: `form` is "png" (8-bit sRGB over a background in linear RGB) or "exr".
+/// A picture as the bytes of a file, in the format that its path ends in; `background`: linear RGB, for formats without opacity.
 #[pyfunction]
 pub fn encode<'py>(
     py: Python<'py>,
     rgba: &Bound<'py, PyAny>,
-    form: &str,
+    path: &str,
     background: [f64; 3],
 ) -> PyResult<Bound<'py, pyo3::types::PyBytes>> {
     let [height, width, _] = rgba.getattr("shape")?.extract::<[usize; 3]>()?;
-    let lent: Lent<f32> = Lent::of("the picture", rgba)?;
+    let lent: Lent<f32> = Lent::borrow("the picture", rgba)?;
     let rgba = lent.values().as_chunks::<4>().0.to_vec();
     let bytes = crate::error::guarded(py, || {
         let picture = Picture { width, height, rgba };
-        match form {
-            "exr" => file::exr(&picture, None),
-            _ => file::png(&picture, background, None),
-        }
+        let format = voltet_io::encode::format_by_ending(path.as_ref())?;
+        (format.encode)(&picture, background, None)
     })?;
     Ok(pyo3::types::PyBytes::new(py, &bytes))
 }

@@ -21,7 +21,7 @@ use voltet::PipelineSource;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_document::{Edit, Path as Place};
-use voltet_graph::{Demand, Value};
+use voltet_graph::{Demand, NodeProgress, Value};
 use voltet_study::pixel::pixel as trace;
 
 /// A pipeline, and the results that its runs left.
@@ -272,7 +272,7 @@ impl Pipeline {
         ends: &Bound<'py, PyAny>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let ends: Lent<f32> = Lent::of("ends", ends)?;
+        let ends: Lent<f32> = Lent::borrow("ends", ends)?;
         // A copy: the owner may write them meanwhile.
         let ends = ends.values().to_vec();
         let drawn = self.long(py, progress.as_ref(), |state, observer| {
@@ -355,7 +355,7 @@ impl Pipeline {
         self.long(py, progress.as_ref(), |state, observer| {
             state.check_text()?;
             let State { runs, source, .. } = state;
-            let progress = depth_limit::NodeProgress { observer, node: "pixel" };
+            let progress = NodeProgress { observer, node: "pixel" };
             let found = runs.with_whole_graph(source, |graph, session| {
                 trace(graph, node, [x, y], sample, session, (observer, &progress))
             })?;

@@ -7,7 +7,8 @@ use voltet_core::{Error, Result};
 use voltet_document::{Diagnostic, Document, Edit, FaultTarget, Path as Place};
 use voltet_graph::pipeline::Pipeline as Nodes;
 use voltet_graph::{Field, NodeEntry, ParameterValue, SourceSpan};
-use voltet_io::provenance::{Provenance, Source};
+use voltet_io::encode::Source;
+use voltet_io::provenance::Provenance;
 
 /// Text of a pipeline, and the results that its runs left.
 pub struct State {

@@ -1,10 +1,10 @@
 //! Error against run time, as `voltet study` measures it.
 
-use crate::depth_limit::NodeProgress;
 use std::path::PathBuf;
 use std::time::Duration;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
+use voltet_graph::NodeProgress;
 use voltet_graph::{Graph, Observer, suggest};
 use voltet_nodes::drawing::ENGINES;
 use voltet_optics::integrators::Integrator;

@@ -60,12 +60,8 @@ class Picture(np.ndarray):
         return np.concatenate([_srgb8(straight), opacity], axis=-1)
 
     def save(self, path: str | PathLike[str], background: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
-        """Writes a .png (8-bit sRGB over a background in linear RGB) or an .exr (32-bit floats, as it is)."""
-        path = fspath(path)
-        ending = path.rsplit(".", 1)[-1].lower()
-        if ending not in ("png", "exr"):
-            raise usage("the picture cannot be written in this form", path, "a path that ends in .png or .exr")
-        data = self._encoded(ending, background)
+        """Writes the format that the path ends in, such as .png (8-bit sRGB over a background in linear RGB) or .exr (32-bit floats)."""
+        data = self._encoded(fspath(path), background)
         with open(path, "wb") as file:
             file.write(data)
 
@@ -74,14 +70,14 @@ class Picture(np.ndarray):
             raise usage("a part of a picture is no picture", f"shape {self.shape}", "(height, width, 4)")
         return np.asarray(self, np.float32)
 
-    def _encoded(self, form: str, background: tuple[float, float, float]) -> bytes:
+    def _encoded(self, path: str, background: tuple[float, float, float]) -> bytes:
         red, green, blue = map(float, background)
-        return _native.encode(np.ascontiguousarray(self._checked()), form, (red, green, blue))
+        return _native.encode(np.ascontiguousarray(self._checked()), path, (red, green, blue))
 
     def _repr_png_(self) -> bytes | None:
         if self.ndim != 3 or self.shape[2] != 4 or self.size == 0:
             return None
-        return self._encoded("png", (0.0, 0.0, 0.0))
+        return self._encoded("a.png", (0.0, 0.0, 0.0))
 
 
 def _srgb8(linear: NDArray[np.float32]) -> NDArray[np.uint8]:

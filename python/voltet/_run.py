@@ -21,7 +21,7 @@ def run(
     Parameters
     ----------
     path : path
-        A pipeline file (.toml), or a picture (.png, .exr) that carries one.
+        A pipeline file (.toml), or a picture that carries one.
     set : mapping
         Other values of parameters: `{"view.size": [64, 64], "look.widgets.0.extinction": 2.0}`.
     progress : True or function

@@ -250,7 +250,7 @@ def image_writer(
     background: Sequence[float] | None = None,
     provenance: bool | None = None,
 ) -> Node:
-    """Writes a picture: .png over a background, or .exr with the linear floats as they are."""
+    """Writes a picture in the format that its path ends in."""
 def report_writer(
     pipeline: Pipeline,
     node: str,

@@ -90,7 +90,7 @@ impl Block<'_> {
         self.line("fn plane(values: Values) -> vec2f { return vec2f(value_s(values), value_g(values)); }");
     }
 
-    /// What the scene reads beside its uniform, as vectors where any are among it.
+    /// Writes the readers of the scene's numbers, as vectors where any are among them.
     fn numbers(&mut self) {
         let choices = self.choices;
         let declared = |element, parts| {

@@ -1,4 +1,4 @@
-//! What the compositors of pixels ask of the generated block.
+//! Generated functions that the compositors of pixels call.
 
 use super::Block;
 use crate::choices::{Blend, TileOrder};
@@ -22,7 +22,7 @@ impl Block<'_> {
         self.finish_pixels(order == TileOrder::Sum);
     }
 
-    /// What draws, and what its pixels hold.
+    /// Writes the entry points of a blending compositor and the contents of its pixels.
     pub(super) fn finish_blended(&mut self, drawing: &'static str, blend: Blend) {
         let holds = match blend {
             Blend::Over => "compositor/blend_over",
@@ -36,7 +36,7 @@ impl Block<'_> {
         self.finish_pixels(blend == Blend::Sum);
     }
 
-    /// What a pixel makes of a segment: the gradient stands behind the values of its cell's points.
+    /// Writes the colour of a segment at a pixel: the gradient stands behind the values of its cell's points.
     fn finish_pixels(&mut self, is_sum: bool) {
         let choices = self.choices;
         self.line(format!("const ATTRIBUTE_STRIDE = {}u;", choices.attribute_stride()));

@@ -1,4 +1,4 @@
-//! What the generated block calls for a widget.
+//! Functions that the generated block calls for a widget.
 
 /// A call of WGSL: the pieces that it takes, and its text. `#` stands for the widget's number, `part_#` for its part of the
 /// segment, `depth_#` for its depth.
@@ -30,7 +30,7 @@ impl Light {
     }
 }
 
-/// Whether the mix of widgets has a bound of its error, which takes a colour that does not vary.
+/// Error bound of mixed widgets, which exists for a colour that does not vary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Mixing {
     /// Under either model.
@@ -41,7 +41,7 @@ pub(crate) enum Mixing {
     Unbounded,
 }
 
-/// What the generated block calls for a widget of one kind.
+/// Functions that the generated block calls for a widget of one kind.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Calls {
     /// T of its part.
@@ -60,13 +60,13 @@ pub(crate) struct Calls {
     pub window: Option<Call>,
     /// The rate above which it glows under the constant-emitter.
     pub threshold: &'static str,
-    /// Whether the mix of it with others has a bound.
+    /// Error bound of its mix with others.
     pub mixing: Mixing,
 }
 
 /// The rate at the cutoff, for a profile of peak 1.
 pub(super) const CUTOFF_RATE: &str = "widget_rate(#u, part_#) * scene.cutoff";
-/// Of what glows within its window, whatever the rounding of the rate.
+/// Rate of a widget that emits within its window, whatever the rounding of the rate.
 pub(super) const ANY_RATE: &str = "0.0";
 
 /// Light of a member whose colour is the widget's, from its rates.

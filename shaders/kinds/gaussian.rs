@@ -18,7 +18,7 @@ pub(super) fn plane_calls(constant_emitter: bool) -> Calls {
     calls_of_path("gaussian/widget_plane", "gaussian_plane", "", constant_emitter)
 }
 
-/// Of whatever has a path through a Gaussian: `piece` holds the functions `stem`_whole and `stem`_inside, whose arguments
+/// Calls of a profile with a path through a Gaussian: `piece` holds the functions `stem`_whole and `stem`_inside, whose arguments
 /// before the part are the widget's number and `count`.
 pub(super) fn calls_of_path(piece: &'static str, stem: &str, count: &str, constant_emitter: bool) -> Calls {
     let inside = format!("{stem}_inside(#u, {count}part_#)");

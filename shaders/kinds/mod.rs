@@ -59,7 +59,7 @@ impl Kind {
         }
     }
 
-    /// What the generated block calls for it.
+    /// Functions that the generated block calls for it.
     pub(crate) fn calls(&self, constant_emitter: bool) -> Calls {
         match self {
             Kind::Uniform => uniform::calls(constant_emitter),
@@ -79,36 +79,19 @@ impl Kind {
         self.calls(constant_emitter).light == Light::Integrated
     }
 
-    /// How many `numbers` it has beside its region's edges.
+    /// Count of its `numbers` beside its region's edges.
     pub(crate) fn number_count(&self) -> usize {
         match self {
             Kind::GaussianNd(count) => gaussian_nd::number_count(*count),
             Kind::TriangularGaussianNd(count) => triangular_gaussian_nd::number_count(*count),
             Kind::PiecewiseLinear(count) => piecewise_linear::NUMBERS * count,
-            Kind::Uniform
-            | Kind::GaussianLine
-            | Kind::GaussianPlane
-            | Kind::TriangularGaussian
-            | Kind::TriangleWave
-            | Kind::SineWave
-            | Kind::Table => 0,
+            _ => 0,
         }
     }
 
     /// True if it reads an image.
     pub(crate) fn reads_texels(&self) -> bool {
-        match self {
-            Kind::Table => true,
-            Kind::Uniform
-            | Kind::GaussianLine
-            | Kind::GaussianPlane
-            | Kind::GaussianNd(_)
-            | Kind::TriangularGaussian
-            | Kind::TriangularGaussianNd(_)
-            | Kind::TriangleWave
-            | Kind::SineWave
-            | Kind::PiecewiseLinear(_) => false,
-        }
+        *self == Kind::Table
     }
 
     /// The piece that fills the slot `wave_mean_on_flank`, and its function, of a kind that asks for it.
@@ -116,14 +99,7 @@ impl Kind {
         match self {
             Kind::TriangleWave => Some(("wave/triangle", "triangle_mean_on_flank")),
             Kind::SineWave => Some(("wave/sine", "sine_mean_on_flank")),
-            Kind::Uniform
-            | Kind::GaussianLine
-            | Kind::GaussianPlane
-            | Kind::GaussianNd(_)
-            | Kind::TriangularGaussian
-            | Kind::TriangularGaussianNd(_)
-            | Kind::PiecewiseLinear(_)
-            | Kind::Table => None,
+            _ => None,
         }
     }
 }

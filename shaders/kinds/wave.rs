@@ -5,7 +5,7 @@ use crate::stretch::Stretch;
 use crate::writer::{WidgetRecord, Writer};
 use voltet_core::transfer::{Wave, Widget};
 use voltet_core::{Error, Result};
-use voltet_optics::wave::{sine_half_area, sine_half_width};
+use voltet_optics::kinds::wave::{sine_half_area, sine_half_width};
 use voltet_simd::limits::{MAX_BANDS, MAX_WALKED_BANDS, OPAQUE, SUDDEN_BANDS};
 
 pub(super) fn calls(constant_emitter: bool) -> Calls {

@@ -8,7 +8,7 @@ use voltet_core::grid::{self, Array, CellValues, Cells, Grid as BuiltGrid, Optio
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result, SharedSlice};
 use voltet_io::formats::{self, Request, TimeStep};
-use voltet_nodes::given;
+use voltet_nodes::in_memory_grid;
 
 /// An unstructured or structured grid with its arrays, which stay in the numbering in which they are given: unused points, ghost
 /// cells and cells that cannot be drawn are left out inside.
@@ -249,7 +249,7 @@ impl Grid {
         let Some(name) = scalar.filter(|name| grid.scalar.is_none() || grid.scalar_name != *name) else {
             return Ok(grid);
         };
-        let array = given::point_array(&grid, name)?;
+        let array = in_memory_grid::point_array(&grid, name)?;
         if array.component_count != 1 {
             let found = format!("'{name}' of {} components", array.component_count);
             let error = Error::usage("the array is not a scalar").got(found);

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use voltet_core::Result;
 use voltet_core::picture::Picture;
-use voltet_core::{Error, Result};
 use voltet_io::encode;
 use voltet_nodes::files::write_whole;
 
@@ -32,8 +32,8 @@ impl Image {
         self.0.rgba.iter().map(|&pixel| encode::srgb8(pixel, background)).collect()
     }
 
-    /// Writes a file whose format its ending states: .png (8-bit sRGB over black), or .exr (linear 32-bit RGBA). An existing file
-    /// is replaced in one step.
+    /// Writes a file whose format its ending states, such as .png (8-bit sRGB over black) or .exr (linear 32-bit RGBA). An existing
+    /// file is replaced in one step.
     ///
     /// # Errors
     /// - an ending of no known format;
@@ -48,16 +48,8 @@ impl Image {
     /// As of [`Image::save`].
     pub fn save_over(&self, path: impl AsRef<Path>, background: [f64; 3]) -> Result<()> {
         let path = path.as_ref();
-        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        let file = match ending.as_deref() {
-            Some("png") => encode::png(&self.0, background, None)?,
-            Some("exr") => encode::exr(&self.0, None)?,
-            _ => {
-                let error = Error::usage("the picture's format is not known").got(path.display());
-                return Err(error.expected("a path that ends in .png or .exr"));
-            }
-        };
-        write_whole(path, &file)
+        let format = encode::format_by_ending(path)?;
+        write_whole(path, &(format.encode)(&self.0, background, None)?)
     }
 }
 

@@ -17,7 +17,8 @@ use voltet_graph::pipeline::{Pipeline as Nodes, locate, parameters};
 use voltet_graph::{
     Graph, LocatedValue, NoObserver, NodeEntry, Observer, ParameterValue, Registry, SourceSpan, suggest,
 };
-use voltet_io::provenance::{Source, whole_report};
+use voltet_io::encode::Source;
+use voltet_io::provenance::whole_report;
 
 /// A pipeline that a program changes and renders. Values of nodes that a change does not concern are kept between renders.
 pub struct Pipeline {

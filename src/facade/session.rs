@@ -13,7 +13,7 @@ use voltet_graph::{
     PortType, Registry, ResolvedPipeline, RunReport, SourceSpan, Value,
 };
 use voltet_io::provenance::run_report;
-use voltet_nodes::given;
+use voltet_nodes::in_memory_grid;
 
 /// A pipeline that a session runs, with the text that its errors point at.
 pub trait PipelineSource {
@@ -87,7 +87,7 @@ impl Session {
     /// Replaces the node types and filters. Results of former runs are dropped, but not open devices: a filter of one name may be
     /// another now.
     pub fn set_registry(&mut self, mut registry: Registry) -> Result<()> {
-        registry.add(&given::NODE)?;
+        registry.add(&in_memory_grid::NODE)?;
         registry.add(&SINK)?;
         self.registry = registry;
         self.runs.forget();
@@ -119,7 +119,7 @@ impl Session {
     ) -> Result<()> {
         let name = self.grid_node(source, name)?;
         match grid {
-            Some(grid) => self.grids.insert(name, given::grid(grid.clone())),
+            Some(grid) => self.grids.insert(name, in_memory_grid::grid(grid.clone())),
             None => self.grids.remove(&name),
         };
         // The lender of the former one gets its memory back.
@@ -131,7 +131,7 @@ impl Session {
     pub fn grid_node(&self, source: &dyn PipelineSource, name: Option<&str>) -> Result<String> {
         let name = only(name, &self.nodes_with_output(source, PortType::Grid), "grid")?;
         for entry in source.pipeline().nodes.iter().filter(|entry| entry.name == name) {
-            given::stand_in(&mut entry.clone(), &self.registry)?;
+            in_memory_grid::stand_in(&mut entry.clone(), &self.registry)?;
         }
         Ok(name)
     }
@@ -332,13 +332,13 @@ impl Session {
 
     fn graph(&self, source: &dyn PipelineSource, mut entries: Vec<NodeEntry>) -> Result<Graph> {
         for entry in entries.iter_mut().filter(|entry| self.grids.contains_key(&entry.name)) {
-            given::stand_in(entry, &self.registry)?;
+            in_memory_grid::stand_in(entry, &self.registry)?;
         }
         let graph = Graph::build(&entries, &self.registry, source.folder());
         let mut graph = graph.map_err(|error| source.locate(error))?;
-        for (name, given) in &self.grids {
+        for (name, grid) in &self.grids {
             if graph.nodes.iter().any(|node| node.name == *name) {
-                graph.give(name, given.clone())?;
+                graph.give(name, grid.clone())?;
             }
         }
         Ok(graph)

@@ -3,6 +3,7 @@
 use super::support::{Folder, SLAB};
 use voltet::Document;
 use voltet::graph::NoObserver;
+use voltet::lanes::LaneSet;
 
 /// The device's picture, in the same file as the CPU's. `None` without an adapter, said loudly; a failure if the
 /// environment variable `VOLTET_REQUIRE_GPU` is 1.
@@ -60,7 +61,7 @@ fn auto_says_which_engine_it_took_and_why() {
     }
 }
 
-/// Where there is no hardware, drivers are loaded once to find out, and again when something of them has changed or everything is to
+/// Drivers are loaded once to find out that there is no hardware, and again when something of them has changed or everything is to
 /// be done.
 #[test]
 fn that_there_is_no_hardware_is_remembered() {
@@ -125,7 +126,7 @@ fn the_grid_and_the_pipelines_stay_on_the_device() {
     assert_eq!(work(&[moved, other]), (0, true));
 }
 
-/// What the report says of the compositor, with these settings of the picture; `None` without an adapter.
+/// Compositor in the report, with these settings of the picture; `None` without an adapter.
 fn composited(folder: &Folder, settings: &[&str]) -> Option<serde_json::Value> {
     let mut arguments = vec!["run", "slab.toml", "--report", "report.json", "--quiet"];
     for setting in [&["picture.engine=\"gpu\"", "picture.adapter=\"software\""], settings].concat() {
@@ -213,7 +214,7 @@ fn an_accumulation_in_few_bits_is_blended() {
     folder.voltet(&["check", "slab.toml"]).fails(2, &words);
 }
 
-/// What no device serves is refused before any data are read, with the line that asks for it; `auto` takes another engine.
+/// A scene that no device supports is refused before any data are read, with the line that states it; `auto` takes another engine.
 #[test]
 fn an_integrator_that_the_named_engine_lacks_is_refused_by_check() {
     let folder = Folder::new();
@@ -226,7 +227,7 @@ fn an_integrator_that_the_named_engine_lacks_is_refused_by_check() {
     assert!(explained.stdout.contains(wanted), "{}", explained.stdout);
 }
 
-/// What draws nothing has no say in the one colour: on no engine does it ask for an order of the pixels' segments, and it
+/// A widget that draws nothing does not change the one colour: on no engine does it require an order of the pixels' segments, and it
 /// leaves the picture as it is.
 #[test]
 fn an_undrawn_widget_of_another_colour_asks_no_engine_for_an_order() {
@@ -273,7 +274,8 @@ fn vector_lanes_that_are_misspelt_are_refused() {
     let folder = Folder::new();
     let run = ["run", "slab.toml", "--report", "r.json", "--quiet", "--set", "picture.engine=\"cpu\""];
     let misspelt = folder.voltet_where(("VOLTET_LANES", "avx-2"), &run);
-    misspelt.fails(2, &["VOLTET_LANES", "found avx-2", "avx512, avx2, neon, portable"]);
+    let names = LaneSet::ALL.map(LaneSet::name).join(", ");
+    misspelt.fails(2, &["VOLTET_LANES", "found avx-2", &names]);
     assert!(!folder.join("slab.exr").exists());
     folder.voltet_where(("VOLTET_LANES", "portable"), &run).ok();
     assert!(folder.report("r.json")["adapter"].as_str().unwrap().starts_with("portable, "));

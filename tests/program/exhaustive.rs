@@ -1,4 +1,4 @@
-//! What a scene does not ask for is not done: counted, not timed. And doing it all the same changes no picture.
+//! Skipped work is counted, not timed, and an exhaustive run changes no picture.
 
 use super::support::{Folder, SLAB, cube, cube_of};
 use voltet::Document;
@@ -197,7 +197,7 @@ fn tiles_that_stop_early_are_said() {
     assert!(tiles > 0 && left.is_some(), "{:#?}", report.skipped);
 }
 
-/// What must be true of a run that leaves nothing out, beside the usual one.
+/// Asserts the counts of an exhaustive run beside the usual one.
 fn assert_nothing_left_out(usual: &RunReport, all: &RunReport, what: &str) {
     let comparison = ExhaustiveComparison::compare(usual, all);
     assert!(comparison.is_same(), "{what}: {comparison:#?}");

@@ -1,4 +1,4 @@
-//! What finds widgets: probes wired into a transfer function, histograms as files, bands and cells.
+//! Sources of widgets: probes wired into a transfer function, histograms as files, bands and cells.
 
 use super::support::{Folder, SLAB};
 

@@ -3,12 +3,12 @@
 
 use super::support::{Folder, cube};
 
-/// What is promised is held to the peak that the system counted within this: cells that no pixel centre sees are promised and
+/// Tolerance between promised memory and the peak that the system counted: cells that no pixel centre sees are promised and
 /// not taken, what threads set aside is taken and not promised. A busy machine changes neither: the peak counts pages that the
 /// process itself has touched.
 const SHARE: f64 = 0.25;
 
-/// What threads set aside is theirs, and machines have few or many.
+/// Number of threads, fixed, since their stacks are not promised.
 const THREADS: (&str, &str) = ("RAYON_NUM_THREADS", "2");
 
 /// A grid by formula, of as many cells as one likes.

@@ -1,4 +1,4 @@
-//! Where output goes: files that are there keep what they are, devices and pipes are written as they are, "-" is the standard
+//! Outputs: existing files are kept until new ones are whole, devices and pipes are written as they are, "-" is the standard
 //! output, and what is stopped leaves nothing behind.
 #![cfg(unix)]
 
@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 /// Longer than it takes on any machine to end, and far less than what is stopped would take: hours, or for ever.
 const PATIENCE: Duration = Duration::from_secs(600);
 
-/// What the first bytes of a PNG file and of an OpenEXR file are.
+/// First bytes of a PNG file and of an OpenEXR file.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 const EXR: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
 
@@ -154,7 +154,7 @@ fn nobody_who_reads_is_no_error_and_a_full_output_is_one() {
     }
 }
 
-/// How far a run has come before it is stopped.
+/// Progress of a run at which it is stopped.
 #[derive(Clone, Copy)]
 enum Come {
     /// It computes, and has for a second of its own time.

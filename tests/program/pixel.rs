@@ -56,7 +56,7 @@ fn a_pixel_of_the_slab_is_its_cells_added_up() {
     assert_eq!(folder.names(), ["cube.vtu", "slab.toml"], "no picture is written");
 }
 
-/// What 32 bits leave of a few segments, as of any pixel of an ordinary picture.
+/// Rounding of 32 bits over a few segments, as at any pixel of an ordinary picture.
 const ROUNDING: f64 = 1e-5;
 
 #[test]

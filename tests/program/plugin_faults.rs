@@ -115,7 +115,7 @@ fn files_that_are_no_plugin_are_refused_before_they_are_loaded() {
     folder.voltet(&["nodes", "--plugin", "."]).fails(2, &["the plug-in cannot be read"]);
 }
 
-/// What a run with this fault says, in this process and in one of its own: the same.
+/// Asserts the message of a run with this fault, equal in this process and in one of its own.
 fn said(fault: &str, wanted: &[&str]) {
     let Some(folder) = folder(0) else { return };
     folder.write("slab.toml", slab(fault));

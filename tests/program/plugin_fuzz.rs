@@ -42,7 +42,7 @@ impl Progress for Until {
     }
 }
 
-/// How many cases ended how.
+/// Number of cases by outcome.
 #[derive(Debug, Default)]
 struct Tally {
     refused: u64,

@@ -17,7 +17,7 @@ fn folder() -> Option<Folder> {
 
 const LOADED: [&str; 4] = ["run", "scene.toml", "--plugin", "faulty.so"];
 
-/// What is said where a node does these things wrong.
+/// Asserts the messages about a node with these faults.
 fn said(node: &str, whose: &str, faults: &[(&str, &[&str])]) {
     let Some(folder) = folder() else { return };
     let before = folder.names();

@@ -58,7 +58,7 @@ fn numbers(path: &Path, step: usize) -> Numbers {
     Numbers { points, cells, heat, motion, material }
 }
 
-/// The same as a legacy VTK file.
+/// Numbers as a legacy VTK file.
 fn vtk(numbers: &Numbers) -> String {
     let Numbers { points, cells, heat, motion, material } = numbers;
     let rows = |rows: &[[f64; 3]]| rows.iter().map(|[x, y, z]| format!("{x} {y} {z}\n")).collect::<String>();

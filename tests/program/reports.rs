@@ -1,4 +1,4 @@
-//! What a run says about itself: the report, what it left out, and what it did not do twice.
+//! Report of a run: skipped work, and work that is not done twice.
 
 use super::support::{Folder, SLAB};
 use voltet::Document;

@@ -10,7 +10,7 @@ pub fn cube(n: usize) -> String {
     cube_of(n, "x", |x| x)
 }
 
-/// The same with a function of the coordinate under a name in place of `x`.
+/// Cube with a function of the coordinate under a name in place of `x`.
 pub fn cube_of(n: usize, scalar: &str, of: impl Fn(f64) -> f64) -> String {
     let points: Vec<[usize; 3]> = grid(n + 1);
     let position = |p: &[usize; 3]| p.map(|c| c as f64 / n as f64);
@@ -162,7 +162,7 @@ impl Folder {
         Ran::new(arguments, self.command(arguments).output().unwrap())
     }
 
-    /// The same with an environment variable set.
+    /// Runs the program with an environment variable set.
     pub fn voltet_where(&self, (variable, value): (&str, &str), arguments: &[&str]) -> Ran {
         Ran::new(arguments, self.command(arguments).env(variable, value).output().unwrap())
     }
@@ -173,7 +173,7 @@ impl Folder {
         (image.width() as usize, image.pixels().map(|p| p.0).collect())
     }
 
-    /// What a report says of the one run that it is of.
+    /// Entry of a report's only run.
     pub fn report(&self, name: &str) -> serde_json::Value {
         let mut whole = self.json(name);
         assert_eq!(whole["runs"].as_array().unwrap().len(), 1);
@@ -186,7 +186,7 @@ impl Folder {
     }
 }
 
-/// What the program did.
+/// Outcome of the program.
 pub struct Ran {
     pub command: String,
     pub code: i32,
@@ -213,7 +213,7 @@ impl Ran {
         self
     }
 
-    /// What was run with `--adapter software`; `None` where there is no such driver, said loudly; a failure if the
+    /// Outcome of a run with `--adapter software`; `None` where there is no such driver, said loudly; a failure if the
     /// environment variable `VOLTET_REQUIRE_GPU` is 1.
     #[cfg(feature = "gpu")]
     pub fn on_software_driver(self) -> Option<Self> {
@@ -224,7 +224,7 @@ impl Ran {
         None
     }
 
-    /// How many errors were shown.
+    /// Number of errors shown.
     pub fn errors(&self) -> usize {
         self.stderr.lines().filter(|line| line.trim_start().starts_with("error:")).count()
     }

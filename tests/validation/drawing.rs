@@ -16,7 +16,7 @@ use voltet_testing::pictures::compare::{NamedScene, ORDINARY, within};
 /// The engine; rays go from cell to cell wherever that serves.
 pub struct Tested;
 
-/// The same, which projects all cells.
+/// Engine that projects all cells.
 pub struct ByCells;
 
 impl Engine for Tested {
@@ -85,7 +85,7 @@ pub fn picture(scene: &NamedScene, shading: &Shading) -> Picture {
     whole.0
 }
 
-/// What culling leaves out and the rounding of values that are counted from elsewhere change of a picture.
+/// Tolerance for culled cells and for the rounding of values that are counted from elsewhere.
 const KEPT: f64 = 1e-5;
 
 /// The picture after others of the same view, with other widgets: from segments that were kept, where they serve.

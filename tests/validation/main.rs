@@ -13,7 +13,7 @@ mod waves;
 
 voltet_testing::picture_tests!(crate::drawing::Tested);
 
-/// The same of projected cells, where rays would go from one to the other.
+/// Tests with projected cells, in place of rays that go from cell to cell.
 mod by_cells {
     voltet_testing::picture_tests!(crate::drawing::ByCells);
 }

@@ -115,7 +115,7 @@ fn overlaps_are_counted() {
     assert_eq!(count(&one_gaussian(), Integrator::ANALYTIC).segments_overlapping, 0);
 }
 
-/// Where no order is needed, a tile whose pixels are opaque looks at no further cell: the picture is the referee's, also in
+/// Tiles of opaque pixels read no further cell where no order is needed: the picture is the referee's, also in
 /// tiles that the picture's edge cuts.
 #[test]
 fn opaque_tiles_stop_early() {

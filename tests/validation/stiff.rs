@@ -53,7 +53,7 @@ fn step_between_control_points() {
     step("step points", points(&[[0.6, 0.9, 0.5, 0.2, 0.0], [0.6 + 1e-6, 0.9, 0.5, 0.2, 1e8]]));
 }
 
-/// The same by a region's edge: what the mist in front of the edge adds must not be lost.
+/// Step at a region's edge: the contribution of the mist in front of the edge must not be lost.
 #[test]
 fn step_at_a_regions_edge() {
     let corners = [[0.2, 0.0], [0.3, 0.0], [0.31, 3.0], [0.2, 3.0]];

@@ -28,7 +28,7 @@ pub use declaration::{
     VariantSchema,
 };
 pub use measured::RelativeNumber;
-pub use nearest::{nearest, suggest};
+pub use nearest::{edit_distance, nearest, suggest};
 pub use paths::NamedPath;
 pub use range::Range;
 pub use relative::{ArrayRef, Relative};

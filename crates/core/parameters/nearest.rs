@@ -1,9 +1,12 @@
 //! The nearest known name to a mistyped one.
 
-/// Edit distance with transpositions of neighbours (optimal string alignment), in characters.
-fn distance(a: &str, b: &str) -> usize {
-    let a: Vec<char> = a.to_lowercase().chars().collect();
-    let b: Vec<char> = b.to_lowercase().chars().collect();
+/// Characters of a name that are compared.
+const COMPARED: usize = 64;
+
+/// Edit distance with transpositions of neighbours (optimal string alignment), in characters, of names in any case. Only their
+/// first characters count where they are long, since files make names of any length.
+pub fn edit_distance(a: &str, b: &str) -> usize {
+    let [a, b] = [a, b].map(|name| name.to_lowercase().chars().take(COMPARED).collect::<Vec<char>>());
     let mut before_last: Vec<usize> = Vec::new();
     let mut last: Vec<usize> = (0..=b.len()).collect();
     for i in 1..=a.len() {
@@ -26,7 +29,7 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     let mut best: Option<(usize, &str)> = None;
     for candidate in candidates {
         let longest = name.chars().count().max(candidate.chars().count());
-        let mut steps = distance(name, candidate);
+        let mut steps = edit_distance(name, candidate);
         let begins = name.len() >= 3 && (candidate.starts_with(name) || name.starts_with(candidate));
         if begins && !candidate.is_empty() {
             steps = steps.min(longest / 3);
@@ -72,7 +75,7 @@ mod tests {
 
     #[test]
     fn a_transposition_is_one_step() {
-        assert_eq!(distance("ab", "ba"), 1);
-        assert_eq!(distance("kitten", "sitting"), 3);
+        assert_eq!(edit_distance("ab", "ba"), 1);
+        assert_eq!(edit_distance("kitten", "sitting"), 3);
     }
 }

@@ -1,7 +1,7 @@
 //! Accumulators of a tile's pixels, front to back, those of a row side by side.
 
 use crate::fragments::batch::Batch;
-use crate::shade::shaded::Shaded;
+use crate::shade::shaded_batch::ShadedBatch;
 use crate::tile::{PIXELS, TILE, TilePicture};
 use crate::tolerances::{MIN_TRANSMITTANCE, OPAQUE_OPTICAL_DEPTH};
 use voltet_simd::{Float, Kernel, LaneSet, Lanes, array, dispatch};
@@ -41,7 +41,7 @@ impl TileAccumulator {
     }
 
     /// Blends the first `count` segments of a batch, slices of a row, into it.
-    pub fn take(&mut self, lanes: LaneSet, row: usize, batch: &Batch, shaded: &Shaded, count: usize) {
+    pub fn take(&mut self, lanes: LaneSet, row: usize, batch: &Batch, shaded: &ShadedBatch, count: usize) {
         let lengths = Some(&batch.length[..count]);
         let columns = [0, 1, 2, 3].map(|c: usize| &shaded.rgba[c][..count]);
         dispatch(lanes, Over { pixels: self, row, lengths, columns });
@@ -67,7 +67,7 @@ impl OpticalDepthRows<'_> {
     }
 
     /// Adds the first `count` segments of a batch, slices of a row, to it.
-    pub fn take(&mut self, lanes: LaneSet, row: usize, shaded: &Shaded, count: usize) {
+    pub fn take(&mut self, lanes: LaneSet, row: usize, shaded: &ShadedBatch, count: usize) {
         let OpticalDepthRows { sums, opacities } = self;
         dispatch(lanes, Add { sums, row, depths: &shaded.depth[..count], opacities: *opacities });
     }

@@ -2,7 +2,7 @@
 
 use crate::composite::accumulators::TileAccumulator;
 use crate::fragments::batch::Batch;
-use crate::shade::shaded::Shaded;
+use crate::shade::shaded_batch::ShadedBatch;
 use crate::tile::TILE;
 use voltet_simd::LaneSet;
 
@@ -35,7 +35,7 @@ impl DeferredFragments {
     }
 
     /// Takes the first `count` segments of a batch, slices of a row; those of no length are clear. Returns the index of the first.
-    pub fn take(&mut self, row: usize, batch: &Batch, shaded: &Shaded, count: usize) -> usize {
+    pub fn take(&mut self, row: usize, batch: &Batch, shaded: &ShadedBatch, count: usize) -> usize {
         let first = self.columns[0].len();
         if self.rows.last().is_none_or(|(last, _)| *last != row) {
             self.rows.push((row, first));

@@ -4,12 +4,12 @@
 use crate::composite::deferred_fragments::DeferredFragments;
 use crate::composite::frame::FrameContext;
 use crate::fragments::batch::{BATCH, Batch, Column};
-use crate::shade::roads::finish;
-use crate::shade::shaded::{KINDS, Shaded};
+use crate::shade::dispatch::finish;
+use crate::shade::shaded_batch::{KINDS, ShadedBatch};
 use crate::tile::TILE;
 use crate::tolerances::{MIN_DEFERRED_VISIBILITY, MIN_TRANSMITTANCE_SAFE};
 
-/// Queues of segments that need a slower kernel: one for each kind of [`Shaded::left_over`].
+/// Queues of segments that need a slower kernel: one for each kind of [`ShadedBatch::left_over`].
 pub(crate) struct DeferredShading {
     queues: [Queue; KINDS],
     /// Opacities of a batch's segments, before and after light.
@@ -20,7 +20,7 @@ pub(crate) struct DeferredShading {
     /// Upper bound of the transmittance of the pixels of deferred rows.
     transmittance: Box<[[f32; TILE]; TILE]>,
     /// Results of the slower kernels.
-    pub shaded: Shaded,
+    pub shaded: ShadedBatch,
 }
 
 /// Segments of one kind.
@@ -55,7 +55,7 @@ impl DeferredShading {
             opacities: Column::new(),
             visibility: Column::new(),
             transmittance: Box::new([[1.0; TILE]; TILE]),
-            shaded: Shaded::new(),
+            shaded: ShadedBatch::new(),
         }
     }
 
@@ -70,9 +70,11 @@ impl DeferredShading {
     }
 
     /// Makes the segments of a batch that will be deferred white and opaque, so that the factors of light are kept.
-    pub fn mark_deferred(&mut self, shaded: &mut Shaded) {
-        let Shaded { in_order, deep, dense, rest, rgba, .. } = shaded;
-        for &k in in_order.iter().chain([&*deep, &*dense, &*rest]).flatten() {
+    pub fn mark_deferred(&mut self, shaded: &mut ShadedBatch) {
+        let ShadedBatch { quadrature_queues, thick_pieces, optically_thick, fallback_queue, rgba, .. } =
+            shaded;
+        let others = [&*thick_pieces, &*optically_thick, &*fallback_queue];
+        for &k in quadrature_queues.iter().chain(others).flatten() {
             self.opacity[k] = rgba[3][k];
             rgba.iter_mut().for_each(|column| column[k] = 1.0);
         }
@@ -83,7 +85,7 @@ impl DeferredShading {
         &mut self,
         frame: &FrameContext<'_>,
         (row, batch): (usize, &Batch),
-        shaded: &Shaded,
+        shaded: &ShadedBatch,
         count: usize,
         deferred: &mut DeferredFragments,
     ) {
@@ -121,7 +123,7 @@ impl DeferredShading {
     }
 
     /// Finds the visibility of each segment of a batch, and opacities after light; 0 where they are unknown.
-    fn find_visibility(&mut self, row: usize, batch: &Batch, shaded: &Shaded, count: usize) {
+    fn find_visibility(&mut self, row: usize, batch: &Batch, shaded: &ShadedBatch, count: usize) {
         let opacities = &mut self.opacities;
         opacities.copy_from_slice(&**shaded.rgba[3]);
         for (number, which) in shaded.left_over().into_iter().enumerate() {

@@ -8,7 +8,7 @@ use crate::fragments::slots::NextSlots;
 use crate::fragments::spans::{Edges, Fragments};
 use crate::project::tile_bins::TileBins;
 use crate::shade::light::Rays;
-use crate::shade::shaded::Shaded;
+use crate::shade::shaded_batch::ShadedBatch;
 use crate::tile::{PIXELS, TileRect};
 use crate::view::ScreenVertex;
 use std::ops::Range;
@@ -86,7 +86,7 @@ pub(crate) struct Illuminate<'a> {
     pub batch: &'a Batch,
     pub count: usize,
     pub rays: &'a Rays,
-    pub shaded: &'a mut Shaded,
+    pub shaded: &'a mut ShadedBatch,
 }
 
 impl Kernel for Illuminate<'_> {

@@ -12,7 +12,7 @@ use crate::fragments::batch::{BATCH, Batch};
 use crate::fragments::depth_limit::clip_to_depth;
 use crate::project::precise_cell::{PreciseCell, PreciseCrossing};
 use crate::project::tile_bins::TileBins;
-use crate::shade::roads::integrate;
+use crate::shade::dispatch::integrate;
 use crate::tile::TileRect;
 use std::ops::Range;
 use voltet_simd::dispatch;

@@ -9,9 +9,9 @@ use crate::composite::kernels::{Arrange, Fill, Illuminate};
 use crate::fragments::batch::{BATCH, Batch};
 use crate::fragments::depth_limit::{DepthLimits, clip_to_depth};
 use crate::segment_cache::CachedSlices;
+use crate::shade::dispatch::{finish, integrate_first};
 use crate::shade::light::Rays;
-use crate::shade::roads::{finish, quick};
-use crate::shade::shaded::Shaded;
+use crate::shade::shaded_batch::ShadedBatch;
 use crate::tile::{PIXELS, TILE};
 use std::ops::Range;
 use voltet_simd::{LaneSet, dispatch};
@@ -77,7 +77,7 @@ impl Slices<'_> {
 /// Shader of a tile's rows.
 pub(crate) struct RowShader {
     pub batch: Batch,
-    pub shaded: Shaded,
+    pub shaded: ShadedBatch,
     pub deferred_shading: DeferredShading,
     pub deferred: DeferredFragments,
     /// Directions of the tile's rays, where light reads them.
@@ -89,7 +89,7 @@ impl RowShader {
     pub fn new(frame: &FrameContext<'_>) -> RowShader {
         RowShader {
             batch: Batch::new(frame.attribute_count(), frame.scalar_count),
-            shaded: Shaded::new(),
+            shaded: ShadedBatch::new(),
             deferred_shading: DeferredShading::new(frame.scalar_count),
             deferred: DeferredFragments::default(),
             rays: [[0.0; PIXELS]; 3],
@@ -134,7 +134,7 @@ impl RowShader {
         if frame.depth_limit.is_some() {
             clip_to_depth(batch, count, frame.attribute_count(), depth_limits);
         }
-        quick(frame.shader, frame.lanes, batch, count, shaded);
+        integrate_first(frame.shader, frame.lanes, batch, count, shaded);
         let is_deferred = deferred.holds(row);
         if !frame.shader.pools() {
             finish(frame.shader, frame.lanes, batch, shaded);
@@ -193,7 +193,7 @@ impl RowShader {
         if frame.depth_limit.is_some() {
             clip_to_depth(batch, count, frame.attribute_count(), depth_limits);
         }
-        quick(frame.shader, frame.lanes, batch, count, shaded);
+        integrate_first(frame.shader, frame.lanes, batch, count, shaded);
         finish(frame.shader, frame.lanes, batch, shaded);
         self.light(frame, count);
         sums.take(frame.lanes, row, &self.shaded, count);
@@ -209,7 +209,7 @@ pub(crate) fn blend_by_numbers(
     rgba: &[[f32; 4]],
     pixels: &mut TileAccumulator,
 ) -> u64 {
-    let (mut batch, mut shaded, mut disordered) = (Batch::new(1, 1), Shaded::new(), 0);
+    let (mut batch, mut shaded, mut disordered) = (Batch::new(1, 1), ShadedBatch::new(), 0);
     for row in 0..TILE {
         disordered += dispatch(lanes, Arrange { lists, row, sorted });
         let mut slices = ListedSlices::new(lists, row, &[1.0; PIXELS]);

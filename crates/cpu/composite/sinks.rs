@@ -2,14 +2,14 @@
 
 use crate::composite::unbounded_lists::{Fragment, UnboundedFragmentLists};
 use crate::fragments::batch::Batch;
-use crate::shade::shaded::Shaded;
+use crate::shade::shaded_batch::ShadedBatch;
 use crate::tile::{PIXELS, TILE, TilePicture};
 use crate::tolerances::OPAQUE_OPTICAL_DEPTH;
 
 /// Destination of a tile's segments.
 pub(crate) trait Sink {
     /// Takes the first `count` fragments of a batch; those of no length are not segments.
-    fn take(&mut self, batch: &Batch, shaded: &Shaded, count: usize);
+    fn take(&mut self, batch: &Batch, shaded: &ShadedBatch, count: usize);
 
     /// True if no further segment changes any pixel.
     fn is_opaque(&self) -> bool {
@@ -25,7 +25,7 @@ pub(crate) struct OpticalDepthSink<'a> {
 }
 
 impl Sink for OpticalDepthSink<'_> {
-    fn take(&mut self, batch: &Batch, shaded: &Shaded, count: usize) {
+    fn take(&mut self, batch: &Batch, shaded: &ShadedBatch, count: usize) {
         // Fragments of no length have no depth: no test.
         let segments = batch.pixel[..count].iter().zip(&shaded.depth[..count]);
         if self.opacities {
@@ -67,7 +67,7 @@ pub(crate) fn pixel_in_one_color(color: [f32; 3], sum: f32, opacities: bool) -> 
 }
 
 impl Sink for UnboundedFragmentLists {
-    fn take(&mut self, batch: &Batch, shaded: &Shaded, count: usize) {
+    fn take(&mut self, batch: &Batch, shaded: &ShadedBatch, count: usize) {
         for k in (0..count).filter(|&k| batch.length[k] > 0.0) {
             let rgba = [shaded.rgba[0][k], shaded.rgba[1][k], shaded.rgba[2][k], shaded.rgba[3][k]];
             let column = batch.pixel[k] as usize & (TILE - 1);

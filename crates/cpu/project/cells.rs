@@ -4,7 +4,7 @@
 //! cover no pixel centre go no further. Cells that 32 bits cannot hold (behind or very near the eye, slivers
 //! beyond 1 : 4,000, cells flatter than the pixel coordinates resolve) are set apart and crossed in 64 bits by [`super::cell64`].
 
-use crate::attribute::{ATTRIBUTES_MOST, Attribute};
+use crate::attribute::{Attribute, MAX_ATTRIBUTES};
 use crate::project::edge_on::{edge_on, may_be_edge_on};
 use crate::project::pixel_bounds::{Corners, MAX_DOUBLE_LANES, PixelBounds, load, max_of, min_of};
 use crate::project::projected_cell::{AttributePlane, ProjectedCell, UNBOUNDED_SLOPE};
@@ -153,7 +153,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
 
     let reach = (max_of(&x) - min_of(&x)) + (max_of(&y) - min_of(&y));
     let range = max_of(&v) - min_of(&v);
-    // What is narrow compares with STEEP_MOST like what is steep.
+    // What is narrow compares with MAX_FACE_SLOPE like what is steep.
     let narrow = splat(MIN_FACE_WIDTH * MAX_FACE_SLOPE) / range;
     let face = inlined(
         #[inline(always)]
@@ -207,7 +207,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
     // Attributes: (s − base)(1 + v) is affine in (x, y, v).
     let inverse = one / determinant;
     let sound = determinant.abs().lt(splat(f64::MAX));
-    let mut stored = [[[0f32; MAX_DOUBLE_LANES]; 6]; ATTRIBUTES_MOST];
+    let mut stored = [[[0f32; MAX_DOUBLE_LANES]; 6]; MAX_ATTRIBUTES];
     let extent = [x1 - x0, y1 - y0, range];
     for (attribute, stored) in input.attributes.iter().zip(stored.iter_mut()) {
         let mut raw = [[0f64; MAX_DOUBLE_LANES]; 4];

@@ -74,7 +74,7 @@ impl Surface {
                 #[inline(always)]
                 |i| L::F::gather(&rays[i], pixel),
             );
-            let along = g[0].mul_add(view[0], g[1].mul_add(view[1], g[2] * view[2])).abs();
+            let segments = g[0].mul_add(view[0], g[1].mul_add(view[1], g[2] * view[2])).abs();
             let across: [L::F; 3] = array(
                 #[inline(always)]
                 |i| {
@@ -85,7 +85,7 @@ impl Surface {
             let across = across[0].mul_add(across[0], across[1].mul_add(across[1], across[2] * across[2]));
             // 1 − cos = sin² / (1 + cos): the difference would lose the digits of a gradient along the ray.
             let size = square.sqrt();
-            let value = across / (size * (size + along)).max(splat(f32::MIN_POSITIVE));
+            let value = across / (size * (size + segments)).max(splat(f32::MIN_POSITIVE));
             let value = value.min(one);
             let value = if p == 1.0 { value } else { power::<L>(value, splat(p as f32)) };
             opacity = L::F::select(is_flat, one, value);

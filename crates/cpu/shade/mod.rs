@@ -1,30 +1,38 @@
 //! Shade: from a segment's length and the values at its ends to its colour and opacity.
 //!
-//! | file | what |
+//! | file | responsibility |
 //! | --- | --- |
-//! | `shader` | a scene's widgets made ready, and the roads through them |
-//! | `roads` | a batch by all of them, one after the other |
-//! | `shaded` | what comes out |
-//! | `along`, `region` | segments in lanes, and their stretch inside a region |
-//! | `quick` | what serves segments first: closed forms |
-//! | `reach` | where a widget counts: segments elsewhere are not asked of it |
-//! | `kinds` | any widget in lanes, one file a kind |
-//! | `stepped` | several widgets on one segment, in their order, by quadrature |
-//! | `panels` | the same for what that does not serve: a walk in panels |
-//! | `gathered` | those segments side by side |
+//! | `shader` | kernels of a scene |
+//! | `dispatch` | kernels of a batch, one after the other |
+//! | `integrator` | integrators from outside |
+//! | `closed_form` | closed-form kernels |
+//! | `fixed_quadrature` | ordered widgets, in equal steps |
+//! | `panels` | ordered widgets, in panels |
+//! | `kinds` | widgets in lanes |
+//! | `support` | support bounds of widgets |
+//! | `region` | segments inside a region |
 //! | `light` | silhouettes and light |
+//! | `kernel` | kernels over batches |
+//! | `segment_lanes`, `segment_gather` | segments in lanes |
+//! | `shaded_batch` | results of a batch |
+//! | `context` | scene of a shader and its widgets |
 
-pub(crate) mod along;
-mod gathered;
-pub(crate) mod kinds;
+mod closed_form;
+mod context;
+pub(crate) mod dispatch;
+mod fixed_quadrature;
+pub mod integrator;
+mod kernel;
+mod kinds;
 pub(crate) mod light;
-pub(crate) mod panels;
-mod quick;
-pub(crate) mod reach;
-#[cfg(test)]
-mod reach_tests;
-pub(crate) mod region;
-pub(crate) mod roads;
-pub(crate) mod shaded;
+mod panels;
+mod region;
+mod segment_gather;
+mod segment_lanes;
+pub(crate) mod shaded_batch;
 pub(crate) mod shader;
-pub(crate) mod stepped;
+mod support;
+#[cfg(test)]
+mod support_tests;
+
+pub(crate) use context::ShaderContext;

@@ -1,16 +1,16 @@
-//! Walk: the segments that the quick forms of [`super::shader`] do not serve, gathered into full vectors and walked
+//! Panels: segments that the closed forms do not integrate, gathered into full vectors and integrated
 //! panel by panel in their true order ([`voltet_simd::optics::overlap`]): deep linear pieces, overlaps,
 //! triangular Gaussians and Gaussians over further fields, the constant-emitter.
 //!
-//! Opacity comes from the widgets' closed forms, not from panels. What 32 bits cannot serve is named again, for the
-//! 64-bit path.
+//! Opacity comes from the widgets' closed forms, not from panels. Segments that 32 bits cannot integrate are queued again, for
+//! 64 bits.
 
 use crate::fragments::batch::{Batch, MAX_LANES};
-use crate::shade::along::{Along, Fields};
-use crate::shade::gathered::Gathered;
-use crate::shade::kinds::{InOrder, LaneWidget, Road, nothing};
-use crate::shade::reach::Spread;
-use crate::shade::shaded::{Left, MIX_PRODUCT, Shaded};
+use crate::shade::kinds::{KernelTier, LaneWidget, OrderRequirement, nothing};
+use crate::shade::segment_gather::SegmentGather;
+use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
+use crate::shade::shaded_batch::{FallbackReason, MIX_PRODUCT, ShadedBatch};
+use crate::shade::support::ValueRange;
 use voltet_core::transfer::TransferFunction;
 use voltet_simd::limits::{MAX_DENSE_RATE, MAX_RATE, MIN_WALKED_LENGTH};
 use voltet_simd::optics::dense::dense;
@@ -18,9 +18,9 @@ use voltet_simd::optics::elementary::one_minus_exp;
 use voltet_simd::optics::overlap::ordered;
 use voltet_simd::{Float, Lanes, Mask, array, mask_of};
 
-/// The slow road in lanes.
-pub(crate) struct PanelWalk {
-    /// The constant-emitter's.
+/// Quadrature in panels.
+pub(crate) struct PanelQuadrature {
+    /// Cutoff of the constant-emitter.
     cutoff: Option<f64>,
     /// D/U per scene length.
     scale: f32,
@@ -31,8 +31,8 @@ pub(crate) struct PanelWalk {
     ordered_from: f32,
 }
 
-impl PanelWalk {
-    /// Refused where the widgets have no lanes at all.
+impl PanelQuadrature {
+    /// Panels for widgets; the reason where one of them has none.
     pub fn new(
         transfer_function: &TransferFunction,
         widgets: &[LaneWidget],
@@ -40,38 +40,38 @@ impl PanelWalk {
         one_color: bool,
         counts: bool,
         ordered_from: f32,
-    ) -> Result<PanelWalk, Left> {
-        if widgets.is_empty() || widgets.iter().any(|widget| widget.road() == Road::Bits64) {
-            return Err(Left::NoLanes);
+    ) -> Result<PanelQuadrature, FallbackReason> {
+        if widgets.is_empty() || widgets.iter().any(|widget| widget.tier() == KernelTier::Bits64) {
+            return Err(FallbackReason::NoLanes);
         }
         let cutoff = transfer_function.model.cutoff();
         let scale = (length / transfer_function.unit_distance) as f32;
         // A scale beyond 32 bits, or so small that its products leave them.
         if scale.is_finite() && scale > MIN_WALKED_LENGTH {
-            Ok(PanelWalk { cutoff, scale, one_color, counts, ordered_from })
+            Ok(PanelQuadrature { cutoff, scale, one_color, counts, ordered_from })
         } else {
-            Err(Left::Lengths)
+            Err(FallbackReason::Lengths)
         }
     }
 
-    /// Integrates the segments `which` of a batch; those it cannot serve are left over, each with the reason. `DENSE`: by steps
-    /// that serve dense segments, too, and cost more.
+    /// Integrates the segments `which` of a batch; those that fall back are queued, each with the reason. `THICK`: in panels for
+    /// optically thick segments, which cost more.
     #[inline(always)]
-    pub fn walk<L: Lanes, const DENSE: bool>(
+    pub fn integrate_all<L: Lanes, const THICK: bool>(
         &self,
         widgets: &[LaneWidget],
         batch: &Batch,
         which: &[usize],
-        out: &mut Shaded,
+        out: &mut ShadedBatch,
     ) {
         let columns = batch.scalar_count;
-        let mut gathered = Gathered::new(columns);
+        let mut gather = SegmentGather::new(columns);
         for group in which.chunks(L::WIDTH) {
-            gathered.take(batch, group);
-            let along = gathered.along::<L>();
-            let fields = gathered.fields::<L>();
+            gather.take(batch, group);
+            let segments = gather.segments::<L>();
+            let fields = gather.fields::<L>();
             let (results, left, overlapping) =
-                self.integrate::<L, DENSE>(widgets, &along, &fields, &mut out.evaluation_count);
+                self.integrate::<L, THICK>(widgets, &segments, &fields, &mut out.evaluation_count);
             let unsure = left.iter().fold(0, |all, (lanes, _)| all | lanes);
             let mut rows = [[0f32; MAX_LANES]; 5];
             for (row, value) in rows.iter_mut().zip(results) {
@@ -83,8 +83,8 @@ impl PanelWalk {
                 }
                 if unsure >> lane & 1 != 0 {
                     let first = left.iter().find(|(lanes, _)| lanes >> lane & 1 != 0);
-                    out.rest.push(k);
-                    out.why.extend(first.map(|(_, why)| *why));
+                    out.fallback_queue.push(k);
+                    out.reasons.extend(first.map(|(_, why)| *why));
                     // What is too dense for panels has its depth in closed form.
                     out.rgba[3][k] = rows[3][lane];
                     continue;
@@ -100,52 +100,52 @@ impl PanelWalk {
     /// Colour, opacity and optical depth, the lanes (bits) for the 64-bit path by their reasons, and those where widgets
     /// overlap.
     #[inline(always)]
-    fn integrate<L: Lanes, const DENSE: bool>(
+    fn integrate<L: Lanes, const THICK: bool>(
         &self,
         widgets: &[LaneWidget],
-        along: &Along<L>,
-        fields: &Fields<L>,
+        segments: &SegmentLanes<L>,
+        fields: &FieldLanes<L>,
         evaluations: &mut u64,
-    ) -> ([L::F; 5], [(u32, Left); 4], u32) {
+    ) -> ([L::F; 5], [(u32, FallbackReason); 4], u32) {
         let splat = L::F::splat;
         let zero = splat(0.0);
         let (mut total, mut product, mut narrow) = (zero, zero, 0);
         let mut densest = zero;
         let mut color = [zero; 3];
         let (mut varies, mut delicate) = (0, 0);
-        let spread = Spread::new(along);
+        let spread = ValueRange::new(segments);
         for widget in widgets {
             let meets = widget.meets::<L>(&spread);
             if !meets.any() {
                 continue;
             }
-            let (depth, no) = widget.any_depth::<L>(&along.only(meets), fields);
+            let (depth, no) = widget.any_depth::<L>(&segments.only(meets), fields);
             let depth = L::F::select(meets, depth, zero);
             narrow |= no & meets.bits();
             product = depth.mul_add(total, product);
             total = total + depth;
-            let dense = splat(widget.peak(self.scale)) * along.length;
+            let dense = splat(widget.peak(self.scale)) * segments.length;
             densest = densest + L::F::select(meets, dense, zero);
             for (sum, c) in color.iter_mut().zip(widget.color) {
                 *sum = depth.mul_add(splat(c), *sum);
             }
-            match widget.in_order() {
-                InOrder::Panels => {}
-                InOrder::Always => varies |= zero.lt(depth).bits(),
-                InOrder::Bits64 => delicate |= zero.lt(depth).bits(),
+            match widget.order_requirement() {
+                OrderRequirement::Panels => {}
+                OrderRequirement::Always => varies |= zero.lt(depth).bits(),
+                OrderRequirement::Bits64 => delicate |= zero.lt(depth).bits(),
             }
         }
         // A depth that is not a number, or has left 32 bits.
         let overflow = total.le(splat(f32::MAX)).not().bits();
         let left = |delicate: u32, dense: u32| {
             [
-                (narrow, Left::Narrow),
-                (overflow, Left::Overflow),
-                (delicate, Left::Delicate),
-                (dense, Left::Dense),
+                (narrow, FallbackReason::Narrow),
+                (overflow, FallbackReason::Overflow),
+                (delicate, FallbackReason::Delicate),
+                (dense, FallbackReason::Dense),
             ]
         };
-        let overlapping = splat(MIX_PRODUCT).lt(product).bits() & along.crossing.bits();
+        let overlapping = splat(MIX_PRODUCT).lt(product).bits() & segments.crossing.bits();
         let opacity = one_minus_exp::<L>(total);
         if self.one_color {
             return ([zero, zero, zero, opacity, total], left(0, 0), overlapping);
@@ -155,21 +155,21 @@ impl PanelWalk {
             #[inline(always)]
             |i| color[i] * share,
         );
-        let crossing = along.crossing.bits();
+        let crossing = segments.crossing.bits();
         let in_order = match self.cutoff {
             Some(_) => crossing,
             None => crossing & (splat(self.ordered_from).lt(product).bits() | varies),
         };
         let delicate = in_order & delicate;
-        let max = if DENSE { MAX_DENSE_RATE } else { MAX_RATE };
+        let max = if THICK { MAX_DENSE_RATE } else { MAX_RATE };
         let mut too_dense = in_order & splat(max).lt(densest).bits();
         if in_order & !(narrow | overflow | delicate | too_dense) != 0 {
-            let scale = along.length * splat(self.scale);
+            let scale = segments.length * splat(self.scale);
             let mut members = Vec::with_capacity(widgets.len());
             for widget in widgets {
                 let meets = widget.meets::<L>(&spread);
                 if meets.any() {
-                    let mut member = widget.member::<L>(along, fields, scale, self.cutoff);
+                    let mut member = widget.member::<L>(segments, fields, scale, self.cutoff);
                     let nowhere = nothing::<L>().range;
                     for (end, nowhere) in member.range.iter_mut().zip(nowhere) {
                         *end = L::F::select(meets, *end, nowhere);
@@ -177,7 +177,7 @@ impl PanelWalk {
                     members.push(member);
                 }
             }
-            let walked = if DENSE {
+            let walked = if THICK {
                 let (color, light, unsure) = dense::<L>(&members);
                 too_dense |= in_order & unsure.bits();
                 // All light together is known in closed form.

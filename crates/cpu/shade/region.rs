@@ -1,7 +1,7 @@
 //! Regions in lanes: the interval of a segment inside a convex polygon of the (s, g) plane.
 
 use crate::attribute::Attribute;
-use crate::shade::along::Along;
+use crate::shade::segment_lanes::SegmentLanes;
 use crate::tolerances::REGION_MARGIN;
 use voltet_core::transfer::HalfPlane;
 use voltet_simd::{Float, Lanes, Mask, inlined};
@@ -39,7 +39,7 @@ impl LaneRegion {
 
     /// The interval [t₀, t₁] inside; t₁ ≤ t₀ where there is none. A segment along an edge is inside.
     #[inline(always)]
-    pub fn clip<L: Lanes>(&self, along: &Along<L>) -> [L::F; 2] {
+    pub fn clip<L: Lanes>(&self, segments: &SegmentLanes<L>) -> [L::F; 2] {
         let splat = L::F::splat;
         let zero = splat(0.0);
         let (mut t0, mut t1) = (zero, splat(1.0));
@@ -48,7 +48,7 @@ impl LaneRegion {
                 #[inline(always)]
                 |v: &[L::F; 2]| splat(limit) - splat(s).mul_add(v[0], splat(g) * v[1]),
             );
-            let (front, back) = (margin(&along.front), margin(&along.back));
+            let (front, back) = (margin(&segments.front), margin(&segments.back));
             let (front_out, back_out) = (front.lt(zero), back.lt(zero));
             if !front_out.or(back_out).any() {
                 continue;
@@ -61,10 +61,10 @@ impl LaneRegion {
     }
 }
 
-impl<L: Lanes> Along<L> {
+impl<L: Lanes> SegmentLanes<L> {
     /// The part inside a region; all of the segment without one.
     #[inline(always)]
-    pub fn inside(&self, region: Option<&LaneRegion>) -> Inside<L> {
+    pub(crate) fn inside(&self, region: Option<&LaneRegion>) -> Inside<L> {
         let (zero, one) = (L::F::splat(0.0), L::F::splat(1.0));
         match region {
             None => Inside { front: self.front, back: self.back, share: one, cut: one.lt(zero) },
@@ -106,9 +106,9 @@ fn cuts<L: Lanes>(t0: L::F, t1: L::F) -> L::M {
 
 /// The interval inside a region.
 #[inline(always)]
-pub(crate) fn range_of<L: Lanes>(region: Option<&LaneRegion>, along: &Along<L>) -> [L::F; 2] {
+pub(crate) fn range_of<L: Lanes>(region: Option<&LaneRegion>, segments: &SegmentLanes<L>) -> [L::F; 2] {
     match region {
         None => [L::F::splat(0.0), L::F::splat(1.0)],
-        Some(region) => region.clip(along),
+        Some(region) => region.clip(segments),
     }
 }

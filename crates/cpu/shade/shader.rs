@@ -1,46 +1,46 @@
 //! The shader: from a fragment's length and attribute values to its colour and opacity.
 //!
-//! Four roads, each for what the one before leaves over: quick closed forms in lanes (density-emitter; overlaps by
-//! [`voltet_simd::optics::sums`]), quadrature in as many equal steps as a segment wants ([`super::stepped`]), a walk in panels
-//! ([`super::panels`]), and the 64-bit integrator segment by segment. Integrators that sample or look up have one road of their
-//! own in place of the first three ([`crate::integrator`]). What a scene does not use is not prepared.
+//! Four kernel tiers, each for the segments that the one before does not integrate: closed forms in lanes (density-emitter; overlaps by
+//! [`voltet_simd::optics::sums`]), quadrature in equal steps ([`super::fixed_quadrature`]), panels ([`super::panels`]), and the 64-bit
+//! integrator segment by segment. An integrator from outside has one kernel in place of the first three ([`super::integrator`]).
+//! Tiers that a scene does not use are not prepared.
 
-use crate::attribute::{ATTRIBUTES_MOST, Attribute};
-use crate::fragments::batch::{Batch, Column, meant};
-use crate::integrator::{LaneExtension, LaneIntegrator, LaneScene};
-use crate::shade::along::Along;
-use crate::shade::gathered::Gathered;
-use crate::shade::kinds::{LaneLinear, LaneWidget, Making, Road};
+use crate::attribute::MAX_ATTRIBUTES;
+use crate::fragments::batch::{Batch, Column};
+use crate::shade::closed_form::{OneColor, Several};
+use crate::shade::context::{ShaderContext, WidgetContext};
+use crate::shade::fixed_quadrature::integrate_fixed;
+use crate::shade::integrator::{LaneExtension, LaneIntegrator, LaneScene};
+use crate::shade::kinds::{KernelTier, LaneLinear, LaneWidget};
 use crate::shade::light::{Rays, Surface};
-use crate::shade::panels::PanelWalk;
-use crate::shade::quick::{OneColor, Several};
-use crate::shade::reach::LEFT_OUT;
-use crate::shade::shaded::{Exact, Left, MIX_PRODUCT, STEPS, Shaded};
-use crate::shade::stepped::stepped;
+use crate::shade::panels::PanelQuadrature;
+use crate::shade::segment_gather::SegmentGather;
+use crate::shade::shaded_batch::{Exact, FallbackReason, MIX_PRODUCT, STEPS, ShadedBatch};
+use crate::tolerances::NEGLIGIBLE_DEPTH;
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
-use voltet_optics::integrators::{Extent, SegmentIntegrator};
+use voltet_optics::integrators::SegmentIntegrator;
 use voltet_optics::shading::{Integrator, Shading};
 use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
 use voltet_simd::optics::elementary::one_minus_exp;
-use voltet_simd::{Float, LaneSet, Lanes, Mask};
+use voltet_simd::{Float, Lanes};
 
-/// A transfer function made ready for lanes.
+/// Transfer function and shading, compiled for lanes.
 pub(crate) struct Shader {
     /// Finds overlaps in 64 bits, where there is more than one widget.
     overlaps: Option<CompiledTransferFunction>,
-    /// What serves one segment in 64 bits; `None` where lanes serve every one.
+    /// 64-bit integrator; `None` where lanes integrate every segment.
     exact: Option<Box<dyn SegmentIntegrator>>,
     overlap: WidgetBlend,
     /// Pairwise product of depths from which on the order of widgets counts.
     ordered_from: f32,
     pub(super) widgets: Vec<LaneWidget>,
-    /// What the quick forms do not serve, but lanes do; or why they do not.
-    walker: std::result::Result<PanelWalk, Left>,
-    /// What serves in place of the closed forms.
-    method: Option<Box<dyn LaneIntegrator>>,
-    /// Whether the quick forms serve anything.
-    quick: bool,
+    /// Panels for segments without closed form; or the reason why those fall back to 64 bits.
+    panels: std::result::Result<PanelQuadrature, FallbackReason>,
+    /// Kernel of an integrator from outside, in place of the closed forms.
+    integrator: Option<Box<dyn LaneIntegrator>>,
+    /// True if the closed forms come first.
+    has_closed_forms: bool,
     /// Offset and scale of each attribute: value = offset + scale × stored.
     scaling: Vec<[f64; 2]>,
     /// World units in a scene length.
@@ -51,32 +51,16 @@ pub(crate) struct Shader {
     pub one_color: Option<[f32; 3]>,
 }
 
-/// What serves every segment of a scene first.
-pub(crate) enum First<'a> {
-    /// An integrator that samples or looks up.
-    Method(&'a dyn LaneIntegrator),
-    /// The pieces of one widget.
-    Alone(&'a LaneLinear),
+/// Kernel that integrates every segment of a scene first; segments that it does not integrate are queued.
+pub(crate) enum FirstKernel<'a> {
+    /// An integrator from outside.
+    Integrator(&'a dyn LaneIntegrator),
+    /// One piecewise-linear widget.
+    SinglePiecewise(&'a LaneLinear),
     OneColor(OneColor),
     Several(Several),
-    /// What takes the others' place for segments that they leave over.
-    Nothing,
-}
-
-/// What a shader is made for.
-#[derive(Clone, Copy)]
-pub(crate) struct Scene<'a> {
-    pub attributes: &'a [Attribute<'a>],
-    /// World units in a scene length.
-    pub length: f64,
-    /// Segments are ordered also where one colour needs no order.
-    pub ordered: bool,
-    /// Segments that a widget hardly meets are not asked of it.
-    pub leave_out: bool,
-    /// What the segments span, for tables.
-    pub extent: Extent,
-    /// What fills them.
-    pub lanes: LaneSet,
+    /// All segments are queued.
+    None,
 }
 
 impl Shader {
@@ -85,10 +69,10 @@ impl Shader {
         transfer_function: &TransferFunction,
         shading: &Shading,
         exact: Option<Box<dyn SegmentIntegrator>>,
-        scene: Scene<'_>,
+        scene: ShaderContext<'_>,
         surface: Option<Surface>,
     ) -> Result<Shader> {
-        let Scene { attributes, length, ordered, leave_out, .. } = scene;
+        let ShaderContext { attributes, length, ordered, leave_out, .. } = scene;
         if length <= 0.0 || !length.is_finite() {
             return Err(Error::run("the grid has no extent")
                 .got(length)
@@ -98,17 +82,17 @@ impl Shader {
             || shading.integrator.extension::<LaneExtension>().is_some();
         let density_emitter = transfer_function.model == OpticalModel::DensityEmitter;
         let fields = transfer_function.fields();
-        let making = Making {
+        let context = WidgetContext {
             attributes,
             fields: &fields,
             density_scale: length / transfer_function.unit_distance,
             model: transfer_function.model,
-            left_out: leave_out.then(|| LEFT_OUT / transfer_function.widgets.len().max(1) as f64),
+            left_out: leave_out.then(|| NEGLIGIBLE_DEPTH / transfer_function.widgets.len().max(1) as f64),
         };
         let widgets: Vec<LaneWidget> = transfer_function
             .widgets
             .iter()
-            .map(|widget| if in_lanes { LaneWidget::new(widget, &making) } else { LaneWidget::none() })
+            .map(|widget| if in_lanes { LaneWidget::new(widget, &context) } else { LaneWidget::none() })
             .collect();
         let one_color = shading.one_color(transfer_function).filter(|_| !ordered);
         let one_color = one_color.map(|color| color.map(|c| c as f32));
@@ -116,31 +100,39 @@ impl Shader {
         let (integrator, exact_forms) = (&shading.integrator, exact.as_deref());
         let prepared = match integrator.extension::<LaneExtension>() {
             _ if has_closed_forms(integrator) => None,
-            None => Some(Err(Left::Integrator)),
+            None => Some(Err(FallbackReason::Integrator)),
             Some(LaneExtension(kind)) => {
-                let (widgets, making, scene) = (&widgets, &making, &scene);
-                let scene = LaneScene { widgets, making, scene, transfer_function, exact: exact_forms };
+                let (widgets, context, scene) = (&widgets, &context, &scene);
+                let scene = LaneScene { widgets, context, scene, transfer_function, exact: exact_forms };
                 Some(kind.prepare(integrator, &scene)?)
             }
         };
-        let (method, missing) = match prepared {
+        let (kernel, missing) = match prepared {
             None => (None, None),
-            // What it leaves over is a matter of its samples.
-            Some(Ok(method)) => (Some(method), Some(Left::Samples)),
+            // Its samples are the reason of each fallback.
+            Some(Ok(kernel)) => (Some(kernel), Some(FallbackReason::Samples)),
             Some(Err(why)) => (None, Some(why)),
         };
         let closed = missing.is_none();
-        let quick = closed && density_emitter && widgets.iter().all(|widget| widget.road() == Road::Quick);
-        // What mixing leaves is another integrator's choice than the closed forms'.
+        let closed_forms =
+            closed && density_emitter && widgets.iter().all(|widget| widget.tier() == KernelTier::ClosedForm);
+        // Only the closed forms mix widgets.
         let overlap =
             if shading.integrator == Integrator::ANALYTIC { shading.overlap } else { WidgetBlend::Exact };
         let ordered_from = ordered_from(&shading.integrator, transfer_function);
-        let walker = if let Some(why) = missing {
+        let panels = if let Some(why) = missing {
             Err(why)
         } else if overlap == WidgetBlend::Exact || one_color.is_some() {
-            PanelWalk::new(transfer_function, &widgets, length, one_color.is_some(), !quick, ordered_from)
+            PanelQuadrature::new(
+                transfer_function,
+                &widgets,
+                length,
+                one_color.is_some(),
+                !closed_forms,
+                ordered_from,
+            )
         } else {
-            Err(Left::Mixed)
+            Err(FallbackReason::Mixed)
         };
         let several = transfer_function.widgets.len() > 1;
         let overlaps = several.then(|| CompiledTransferFunction::new(transfer_function)).transpose()?;
@@ -150,9 +142,9 @@ impl Shader {
             overlap,
             ordered_from,
             widgets,
-            walker,
-            method,
-            quick,
+            panels,
+            integrator: kernel,
+            has_closed_forms: closed_forms,
             scaling,
             length,
             surface,
@@ -160,7 +152,7 @@ impl Shader {
         })
     }
 
-    /// Why a segment could not be integrated, if there was one.
+    /// Reason why a segment could not be integrated, if there was one.
     pub fn failure(&self) -> Option<&Error> {
         self.exact.as_ref().and_then(|exact| exact.failure())
     }
@@ -168,91 +160,98 @@ impl Shader {
     /// Bytes of the integrator's tables.
     pub fn table_bytes(&self) -> usize {
         let exact = self.exact.as_ref().map_or(0, |exact| exact.table_bytes());
-        exact + self.method.as_ref().map_or(0, |method| method.table_bytes())
+        exact + self.integrator.as_ref().map_or(0, |kernel| kernel.table_bytes())
     }
 
-    /// Whether every segment's optical depth is kept, not only those that the quick forms leave over.
+    /// True if the optical depth of every segment is stored, not only of those that the closed forms do not integrate.
     pub fn keeps_depth(&self) -> bool {
-        self.one_color.is_some() || !self.quick
+        self.one_color.is_some() || !self.has_closed_forms
     }
 
-    /// What serves every segment first.
-    pub fn first(&self) -> First<'_> {
+    /// Kernel that integrates every segment first.
+    pub fn first(&self) -> FirstKernel<'_> {
         let several = Several { overlap: self.overlap, ordered_from: self.ordered_from };
-        match (&self.method, self.widgets.as_slice()) {
-            (Some(method), _) => First::Method(method.as_ref()),
-            _ if !self.quick => First::Nothing,
-            _ if self.one_color.is_some() => First::OneColor(OneColor),
+        match (&self.integrator, self.widgets.as_slice()) {
+            (Some(integrator), _) => FirstKernel::Integrator(integrator.as_ref()),
+            _ if !self.has_closed_forms => FirstKernel::None,
+            _ if self.one_color.is_some() => FirstKernel::OneColor(OneColor),
             // Alone, its pieces give the colour in closed form.
-            (None, [widget]) => widget.points().map_or(First::Several(several), First::Alone),
-            (None, _) => First::Several(several),
+            (None, [widget]) => {
+                widget.points().map_or(FirstKernel::Several(several), FirstKernel::SinglePiecewise)
+            }
+            (None, _) => FirstKernel::Several(several),
         }
     }
 
-    /// The fragments that what is [first](Shader::first) left over for so many steps.
+    /// Integrates the segments that are queued for fixed quadrature with one number of steps.
     #[inline(always)]
-    pub fn stepped<L: Lanes>(&self, number: usize, batch: &Batch, out: &mut Shaded) {
-        let which = std::mem::take(&mut out.in_order[number]);
-        stepped::<L>(&self.widgets, STEPS[number], batch, &which, out);
-        out.in_order[number] = which;
+    pub fn integrate_fixed<L: Lanes>(&self, number: usize, batch: &Batch, out: &mut ShadedBatch) {
+        let which = std::mem::take(&mut out.quadrature_queues[number]);
+        integrate_fixed::<L>(&self.widgets, STEPS[number], batch, &which, out);
+        out.quadrature_queues[number] = which;
     }
 
-    /// The fragments that what is [first](Shader::first) left over since their pieces are deep.
+    /// Integrates the queued segments with optically thick pieces.
     #[inline(always)]
-    pub fn deep<L: Lanes>(&self, batch: &Batch, out: &mut Shaded) {
+    pub fn integrate_thick_pieces<L: Lanes>(&self, batch: &Batch, out: &mut ShadedBatch) {
         let Some(points) = self.widgets.first().and_then(LaneWidget::points) else { return };
         let tables = points.tables::<L>();
-        let which = std::mem::take(&mut out.deep);
-        let mut gathered = Gathered::new(1);
+        let which = std::mem::take(&mut out.thick_pieces);
+        let mut gather = SegmentGather::new(1);
         for group in which.chunks(L::WIDTH) {
-            gathered.take(batch, group);
-            let (rgba, _) = tables.integrate::<true>(&gathered.along::<L>());
+            gather.take(batch, group);
+            let (rgba, _) = tables.integrate::<true>(&gather.segments::<L>());
             out.put::<L, 4>(group, rgba);
         }
-        out.deep = which;
-        out.deep.clear();
+        out.thick_pieces = which;
+        out.thick_pieces.clear();
     }
 
-    /// The other fragments that what is [first](Shader::first) left over, in lanes: if `DENSE` those that are dense, to which the others that are
-    /// left then join.
+    /// Integrates the other queued segments in panels: with `THICK` those that are optically thick. Segments that fall back join the queue
+    /// for 64 bits.
     #[inline(always)]
-    pub fn walk<L: Lanes, const DENSE: bool>(&self, batch: &Batch, out: &mut Shaded) {
-        let before = std::mem::take(&mut out.spare);
-        let mut which = std::mem::replace(if DENSE { &mut out.dense } else { &mut out.rest }, before);
-        match &self.walker {
-            Ok(walker) => walker.walk::<L, DENSE>(&self.widgets, batch, &which, out),
+    pub fn integrate_panels<L: Lanes, const THICK: bool>(&self, batch: &Batch, out: &mut ShadedBatch) {
+        let before = std::mem::take(&mut out.scratch);
+        let mut which =
+            std::mem::replace(if THICK { &mut out.optically_thick } else { &mut out.fallback_queue }, before);
+        match &self.panels {
+            Ok(panels) => panels.integrate_all::<L, THICK>(&self.widgets, batch, &which, out),
             Err(why) => {
-                out.rest.extend(&which);
-                out.why.resize(out.rest.len(), *why);
+                out.fallback_queue.extend(&which);
+                out.reasons.resize(out.fallback_queue.len(), *why);
             }
         }
         which.clear();
-        out.spare = which;
+        out.scratch = which;
     }
 
-    /// What is still left over, one by one in 64 bits.
-    pub fn finish(&self, batch: &Batch, out: &mut Shaded) {
-        for i in 0..out.rest.len() {
-            let k = out.rest[i];
-            let at = |columns: &[Column]| -> [f32; ATTRIBUTES_MOST] {
+    /// Integrates the remaining segments one by one in 64 bits.
+    pub fn finish(&self, batch: &Batch, out: &mut ShadedBatch) {
+        for i in 0..out.fallback_queue.len() {
+            let k = out.fallback_queue[i];
+            let at = |columns: &[Column]| -> [f32; MAX_ATTRIBUTES] {
                 std::array::from_fn(|a| columns.get(a).map_or(0.0, |column| column[k]))
             };
-            // The quick forms have counted theirs.
-            let contribution =
-                self.integrate_stored(batch.length[k], &at(&batch.front), &at(&batch.back), !self.quick);
+            // The closed forms counted overlaps.
+            let contribution = self.integrate_stored(
+                batch.length[k],
+                &at(&batch.front),
+                &at(&batch.back),
+                !self.has_closed_forms,
+            );
             out.depth[k] = contribution.depth;
             for (column, value) in out.rgba.iter_mut().zip(contribution.rgba) {
                 column[k] = value;
             }
             out.overlap_count += u64::from(contribution.overlaps);
         }
-        out.exact_count += out.rest.len() as u64;
-        out.evaluation_count += out.rest.len() as u64;
+        out.exact_count += out.fallback_queue.len() as u64;
+        out.evaluation_count += out.fallback_queue.len() as u64;
     }
 
     /// Silhouettes and light.
     #[inline(always)]
-    pub fn light<L: Lanes>(&self, batch: &Batch, count: usize, rays: &Rays, out: &mut Shaded) {
+    pub fn light<L: Lanes>(&self, batch: &Batch, count: usize, rays: &Rays, out: &mut ShadedBatch) {
         let Some(surface) = &self.surface else { return };
         let mut at = 0;
         while at < count {
@@ -278,18 +277,18 @@ impl Shader {
         self.integrate(f64::from(length), |a| value(front, a), |a| value(back, a), counted)
     }
 
-    /// Whether there are steps for dense segments: those of the density-emitter.
-    pub fn has_dense_steps(&self) -> bool {
-        self.quick
+    /// True if there are panels for optically thick segments: those of the density-emitter.
+    pub fn has_thick_panels(&self) -> bool {
+        self.has_closed_forms
     }
 
-    /// Whether a part of the segments only takes more than the quick forms, and nobody asks for their depth.
+    /// True if only some segments take more than the closed forms, and their depth is not used.
     pub fn pools(&self) -> bool {
-        self.quick && self.one_color.is_none()
+        self.has_closed_forms && self.one_color.is_none()
     }
 
     /// The 64-bit integral of one segment: `length` in scene lengths, attributes in their own units;
-    /// `counted`: whether to say if widgets overlap.
+    /// `counted`: true to report if widgets overlap.
     pub fn integrate(
         &self,
         length: f64,
@@ -297,13 +296,13 @@ impl Shader {
         back: impl Fn(usize) -> f64,
         counted: bool,
     ) -> Exact {
-        let n = self.scaling.len().min(ATTRIBUTES_MOST);
-        let mut ends = [[0f64; ATTRIBUTES_MOST]; 2];
+        let n = self.scaling.len().min(MAX_ATTRIBUTES);
+        let mut ends = [[0f64; MAX_ATTRIBUTES]; 2];
         let [fronts, backs] = &mut ends;
         for (a, (at_front, at_back)) in fronts.iter_mut().zip(backs).enumerate().take(n) {
             (*at_front, *at_back) = (front(a), back(a));
         }
-        let g = |values: &[f64; ATTRIBUTES_MOST]| if n > 1 { values[1] } else { 0.0 };
+        let g = |values: &[f64; MAX_ATTRIBUTES]| if n > 1 { values[1] } else { 0.0 };
         let fields = if n > 2 { 2..n } else { 0..0 };
         let segment = Segment {
             length: length * self.length,
@@ -312,7 +311,7 @@ impl Shader {
             fields_front: &ends[0][fields.clone()],
             fields_back: &ends[1][fields],
         };
-        let exact = self.exact.as_ref().expect("lanes leave over no segment of a table");
+        let exact = self.exact.as_ref().expect("lanes integrate every segment of a table");
         let c = exact.integrate(&segment);
         let color = c.color.map(|x| x as f32);
         Exact {
@@ -340,19 +339,4 @@ fn ordered_from(integrator: &Integrator, transfer_function: &TransferFunction) -
 /// True for the integrators whose closed forms the engine has in lanes.
 fn has_closed_forms(integrator: &Integrator) -> bool {
     *integrator == Integrator::ANALYTIC || integrator.tolerance().is_some()
-}
-
-/// Appends the places of some lanes (bits) of the vector at `at`.
-#[inline(always)]
-pub(crate) fn push(list: &mut Vec<usize>, mut lanes: u32, at: usize) {
-    while lanes != 0 {
-        list.push(at + lanes.trailing_zeros() as usize);
-        lanes &= lanes - 1;
-    }
-}
-
-/// Lanes (bits) of the first `count` segments on which widgets overlap.
-#[inline(always)]
-pub(crate) fn overlaps<L: Lanes>(product: L::F, along: &Along<L>, count: usize) -> u32 {
-    meant::<L>(L::F::splat(MIX_PRODUCT).lt(product).and(along.crossing), count)
 }

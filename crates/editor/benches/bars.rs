@@ -1,4 +1,4 @@
-//! How long the editor takes, printed: a frame of the interface with 200 nodes; the first coarse picture and the full one
+//! Times of the editor, printed: a frame of the interface with 200 nodes; the first coarse picture and the full one
 //! after a widget's move; orbiting; the first picture of a larger file.
 //!
 //! `cargo bench -p voltet-editor -- [BLUNT_FIN.vtu [POST.vtu]]`: VTK's example data, with an array `density` the one and `energy`

@@ -12,7 +12,7 @@ pub(super) struct Face {
     pub summary: String,
     pub state: Option<NodeState>,
     pub seconds: Option<f64>,
-    /// Why it is not needed for the picture.
+    /// Reason why the picture does not need it.
     pub idle: Option<String>,
     pub fault: Option<String>,
     pub picture: Option<(TextureId, f32)>,

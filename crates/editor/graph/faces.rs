@@ -145,7 +145,7 @@ fn face(scene: &Scene, entry: &NodeEntry, node: Option<&'static Node>, pictures:
     }
 }
 
-/// Why a node does not run for the picture.
+/// Reason why a node does not run for the picture.
 fn idle(scene: &Scene, node: Option<&'static Node>) -> String {
     match (node, scene.shown_node) {
         (None, _) => "its type is not known".into(),

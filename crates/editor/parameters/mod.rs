@@ -10,6 +10,7 @@ use crate::theme;
 use eframe::egui::{Grid, Label, RichText, ScrollArea, Ui};
 use std::rc::Rc;
 use typing::Typing;
+pub(crate) use value::{channels_value, edited_color};
 use voltet_document::panel::Row;
 use voltet_document::{Edit, Path};
 use voltet_graph::{DefaultValue, NodeEntry, ParameterValue};

@@ -80,7 +80,7 @@ impl Typing {
         }
     }
 
-    /// Why the text of a row says nothing right.
+    /// Shows why the text of a row is refused.
     pub fn say_why_refused(&self, ui: &mut Ui, key: &str) {
         if let Some([_, _, why]) = self.refused(key) {
             let color = theme::wrong(ui.visuals().dark_mode);

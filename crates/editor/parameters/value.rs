@@ -232,17 +232,27 @@ fn numbers(
 /// A colour, linear in the file; brighter than the screen is kept by its factor.
 fn color(ui: &mut Ui, now: Option<&ParameterValue>, most: f64) -> Option<ParameterValue> {
     let linear = now.and_then(channels).unwrap_or([1.0; 3]);
+    match edited_color(ui, linear) {
+        Some(channels) => Some(channels_value(channels)),
+        None => numbers(ui, now, 3, &Range::within(0.0, most), false),
+    }
+}
+
+/// A linear colour as a button that edits it; the new one.
+pub(crate) fn edited_color(ui: &mut Ui, linear: [f64; 3]) -> Option<[f64; 3]> {
     let brightest = linear.iter().copied().fold(1.0, f64::max);
     let [r, g, b] = linear.map(|x| (x / brightest) as f32);
     let mut display: Color32 = Rgba::from_rgb(r, g, b).into();
-    if !ui.color_edit_button_srgba(&mut display).changed() {
-        return numbers(ui, now, 3, &Range::within(0.0, most), false);
-    }
-    let linear = Rgba::from(display);
-    let channels = [linear.r(), linear.g(), linear.b()];
-    // A screen has 256 levels of each.
-    let channels = channels.map(|x| ParameterValue::Number(rounded(f64::from(x) * brightest, 1e-4)));
-    Some(ParameterValue::List(channels.map(LocatedValue::from).to_vec()))
+    ui.color_edit_button_srgba(&mut display).changed().then(|| {
+        let linear = Rgba::from(display);
+        // A screen has 256 levels of each.
+        [linear.r(), linear.g(), linear.b()].map(|x| rounded(f64::from(x) * brightest, 1e-4))
+    })
+}
+
+/// Three numbers as a value of a parameter.
+pub(crate) fn channels_value(channels: [f64; 3]) -> ParameterValue {
+    ParameterValue::List(channels.map(|x| LocatedValue::from(ParameterValue::Number(x))).to_vec())
 }
 
 /// Three numbers as a colour.

@@ -5,10 +5,11 @@ use super::quantities::axis_name;
 use super::screen_widget::ScreenWidget;
 use super::{TransferPanel, new, widget_painter};
 use crate::actions::Actions;
+use crate::parameters::{channels_value, edited_color};
 use crate::scene::Scene;
 use crate::theme;
 use crate::worker::{grouped, short};
-use eframe::egui::{Color32, DragValue, Rgba, RichText, Sense, Stroke, Ui, vec2};
+use eframe::egui::{DragValue, RichText, Sense, Stroke, Ui, vec2};
 use voltet_document::{Edit, Path};
 use voltet_graph::{ArrayRef, LocatedValue, ParameterValue};
 
@@ -184,18 +185,8 @@ impl TransferPanel {
             actions.edit(Edit::Set { node: look.node.name.clone(), path: path(key), value });
         };
         if is_stated("color") {
-            let brightest = widget.color.iter().copied().fold(1.0, f64::max);
-            let mut shown: Color32 = widget_painter::color(widget.color.map(|x| x / brightest));
-            if ui.color_edit_button_srgba(&mut shown).changed() {
-                let linear = Rgba::from(shown);
-                let channel = |x: f32| (f64::from(x) * brightest * 1e4).round() / 1e4;
-                let color = [linear.r(), linear.g(), linear.b()].map(channel);
-                set(
-                    "color",
-                    ParameterValue::List(
-                        color.map(|x| LocatedValue::from(ParameterValue::Number(x))).to_vec(),
-                    ),
-                );
+            if let Some(color) = edited_color(ui, widget.color) {
+                set("color", channels_value(color));
             }
         }
         if is_stated("extinction") {

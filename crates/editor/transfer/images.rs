@@ -53,7 +53,7 @@ impl Images {
         })
     }
 
-    /// Why it cannot be read.
+    /// Reason why it cannot be read.
     pub fn fault(&self, path: &str) -> Option<String> {
         self.look(path, |state| match state {
             State::Failed(why) => Some(why.clone()),

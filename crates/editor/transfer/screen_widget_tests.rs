@@ -41,7 +41,7 @@ fn read_with(fields: &[Field], known: Option<&DataScales>) -> ScreenWidget {
     ScreenWidget::new(fields, &PlaneContext { axes: &S_AND_G, extent: EXTENT, known, images: &images })
 }
 
-/// Where its handles lie.
+/// Positions of its handles.
 fn places(drawn: &ScreenWidget) -> Vec<[f64; 2]> {
     drawn.handles(&SCALE).into_iter().map(|(_, at)| at).collect()
 }
@@ -53,7 +53,7 @@ fn assert_near(found: &[[f64; 2]], wanted: &[[f64; 2]]) {
     }
 }
 
-/// What every widget states.
+/// Fields common to all widgets.
 fn look() -> [Field; 2] {
     [field("color", list(&[1.0, 0.5, 0.25])), field("extinction", ParameterValue::Number(7.0))]
 }

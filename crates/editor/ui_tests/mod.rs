@@ -47,7 +47,7 @@ struct Hand {
     /// Width and height of the window in points, and the screen's pixels a point.
     screen: ([f32; 2], f32),
     presses: InputQueue,
-    /// What the last frame shows.
+    /// Shapes of the last frame.
     shapes: Vec<ClippedShape>,
     folder: tempfile::TempDir,
 }
@@ -111,12 +111,12 @@ impl Hand {
         }
     }
 
-    /// Where a text stands in the window: buttons, labels, titles.
+    /// Positions of a text in the window: buttons, labels, titles.
     fn texts(&self, text: &str) -> Vec<Pos2> {
         self.shown(&|shown| shown == text)
     }
 
-    /// Where texts stand that begin so.
+    /// Positions of texts with this beginning.
     fn shown_beginning(&self, text: &str) -> Vec<Pos2> {
         self.shown(&|shown| shown.starts_with(text))
     }
@@ -136,7 +136,7 @@ impl Hand {
         found
     }
 
-    /// Whether so many textures are drawn.
+    /// True if so many textures are drawn.
     fn has_textures(&self, count: usize) -> bool {
         let of = |clipped: &ClippedShape| match &clipped.shape {
             Shape::Rect(shape) => Some(shape.fill_texture_id),
@@ -219,7 +219,7 @@ impl Hand {
         self.editor.document().text().to_string()
     }
 
-    /// How many steps can be undone.
+    /// Number of steps that can be undone.
     fn steps(&self) -> usize {
         self.editor.document().history().position().0
     }

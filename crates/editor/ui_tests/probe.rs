@@ -81,7 +81,7 @@ fn values_in_the_section_make_a_widget_of_their_mean_and_covariance() {
     assert!(sigma.iter().all(|sigma| *sigma > 0.0 && sigma.is_finite()), "{sigma:?}");
 }
 
-/// What is the same in all of the data is not looked at, and the widget is sound all the same.
+/// A quantity that is constant in the data is ignored, and the widget is sound all the same.
 #[test]
 fn a_probe_of_a_constant_field_makes_a_widget_that_draws() {
     let text = TEXT.replace(

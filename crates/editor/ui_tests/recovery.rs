@@ -5,7 +5,7 @@ fn place(kept: &tempfile::TempDir) -> Recovery {
     Recovery::in_folder(kept.path().to_path_buf())
 }
 
-/// What a window leaves behind that ends without a word while its work is not saved: the text, and the folder of its file.
+/// Leaves the draft of a window that ends without a word while its work is not saved: the text, and the folder of its file.
 fn crashed(kept: &tempfile::TempDir) -> (String, tempfile::TempDir) {
     let mut hand = Hand::new(TEXT);
     hand.editor.keep_in(place(kept));

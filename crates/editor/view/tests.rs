@@ -10,7 +10,7 @@ fn parallel() -> View {
     View { projection: Projection::Orthographic { height: 5.0 }, ..view() }
 }
 
-/// Where a point is seen, in heights of the picture from its middle.
+/// Position of a point in the picture, in heights of the picture from its middle.
 fn seen(view: &View, point: DVec3) -> [f64; 2] {
     let axes = view.axes().unwrap();
     let to = point - view.eye;

@@ -41,7 +41,7 @@ pub struct WorkerOutput {
     pub pixels: Option<Pixels>,
     /// The nodes that feed the picture; the others are not needed for it.
     pub nodes: BTreeMap<String, NodeStatus>,
-    /// Why there is no newer picture.
+    /// Reason why there is no newer picture.
     pub failure: Option<Error>,
     /// True if something newer than the picture is being drawn.
     pub is_busy: bool,

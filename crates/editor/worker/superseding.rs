@@ -1,4 +1,4 @@
-//! When a pass is stopped that a newer wish came after. It is stopped at once, but for two cases:
+//! Cancellation of a pass that a newer request supersedes: at once, but for two cases:
 //!
 //! - The node that runs is not touched by the change: its output will serve, and the pass ends after it.
 //! - The picture is the first of its wish, coarse or quick, and the change is a hand's movement (numbers of cameras and transfer

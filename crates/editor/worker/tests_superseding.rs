@@ -1,4 +1,4 @@
-//! What a newer wish stops, and what it lets run.
+//! Cancellation by newer requests: passes that stop, and passes that run on.
 
 use super::tests::{IMAGE, PANICS, nodes, settle, wanted};
 use super::*;
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use voltet_core::picture::Picture;
 use voltet_graph::{Node, Outputs, ParameterValue, Port, PortType, Value};
 
-/// How often the slow node began.
+/// Number of starts of the slow node.
 static BEGUN: AtomicUsize = AtomicUsize::new(0);
 
 static SLOW: Node = Node {
@@ -79,7 +79,7 @@ fn dropping_the_worker_stops_what_runs() {
     assert!(start.elapsed() < Duration::from_secs(15));
 }
 
-/// How often the node that takes its time began and ended.
+/// Numbers of starts and ends of the node that takes its time.
 static STEADY: [AtomicUsize; 2] = [AtomicUsize::new(0), AtomicUsize::new(0)];
 
 static STEADY_SOURCE: Node = Node {

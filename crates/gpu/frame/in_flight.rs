@@ -160,7 +160,7 @@ mod tests {
         let scene =
             NamedScene { name: "cube".into(), volume, look: overlapping(), camera: outside([40, 32]) };
         let scene = scene.drawn_by(&SHADING, VisibilityOrder::Exact);
-        let options = RenderOptions::by(Compositor::Tiles);
+        let options = RenderOptions::with_compositor(Compositor::Tiles);
         let start = || begin(&renderer, &scene, &options, &NoProgress);
         draw(&renderer, &scene, &options, &NoProgress).expect("draws");
         let frames: Vec<SubmittedFrame> = (0..3).map(|_| start().expect("begins")).collect();

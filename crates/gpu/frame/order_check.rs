@@ -106,7 +106,8 @@ mod tests {
             for (order_check, words) in
                 [(OrderCheck::Sample, "from that of tiles"), (OrderCheck::Count, "out of order at")]
             {
-                let options = RenderOptions { order_check, ..RenderOptions::by(Compositor::Raster) };
+                let options =
+                    RenderOptions { order_check, ..RenderOptions::with_compositor(Compositor::Raster) };
                 let output = inputs(&renderer, &scene, &options, Some(&order)).expect("serves");
                 let output = output.draw(&scene, &options, &NoProgress).expect("draws");
                 let checked = check(&renderer, &scene, &options, &order, &output, &NoProgress);

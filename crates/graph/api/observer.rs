@@ -26,9 +26,11 @@ pub struct NoObserver;
 impl Observer for NoObserver {}
 
 /// Hands the progress of one node on to the observer of the run.
-pub(crate) struct NodeProgress<'a> {
-    pub(crate) observer: &'a dyn Observer,
-    pub(crate) node: &'a str,
+pub struct NodeProgress<'a> {
+    /// The observer of the run.
+    pub observer: &'a dyn Observer,
+    /// The node's name.
+    pub node: &'a str,
 }
 
 impl Progress for NodeProgress<'_> {

@@ -1,6 +1,25 @@
-//! Colours for numbers.
+//! Colour spaces, and colours for numbers.
 
-use super::linear_from_srgb;
+/// White, red, green and blue of Rec. 709 and sRGB: x and y of CIE 1931, in ten-thousandths.
+pub(super) const REC_709: [[u32; 2]; 4] = [[3127, 3290], [6400, 3300], [3000, 6000], [1500, 600]];
+
+/// sRGB to linear (IEC 61966-2-1), both 0 … 1.
+pub fn linear_from_srgb(v: f32) -> f32 {
+    if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+}
+
+/// Linear to sRGB (IEC 61966-2-1), both 0 … 1.
+pub fn srgb_from_linear(v: f32) -> f32 {
+    if v <= 0.003_130_8 { v * 12.92 } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// 8-bit sRGB of a premultiplied pixel over a linear background, clamped to 0 … 1.
+pub fn srgb8(pixel: [f32; 4], background: [f64; 3]) -> [u8; 3] {
+    std::array::from_fn(|channel| {
+        let linear = pixel[channel] + (1.0 - pixel[3]) * background[channel] as f32;
+        (srgb_from_linear(linear.clamp(0.0, 1.0)) * 255.0).round() as u8
+    })
+}
 
 /// Five colours of the map viridis (Smith and van der Walt 2015), 8-bit sRGB, from its low end to its high end.
 const VIRIDIS: [[u8; 3]; 5] = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
@@ -27,8 +46,18 @@ mod tests {
             let color = viridis(level);
             assert_eq!(color[3], 1.0);
             for k in 0..3 {
-                assert_eq!((super::super::srgb_from_linear(color[k]) * 255.0).round() as u8, srgb[k]);
+                assert_eq!((srgb_from_linear(color[k]) * 255.0).round() as u8, srgb[k]);
             }
+        }
+    }
+
+    #[test]
+    fn srgb_and_linear_are_inverse_and_anchored() {
+        // Known value: 18 % grey is 118 of 255.
+        assert_eq!((srgb_from_linear(0.18) * 255.0).round(), 118.0);
+        for v in [0.0, 0.001, 0.04, 0.05, 0.5, 1.0] {
+            // The standard's two pieces meet to 1e-7 only.
+            assert!((srgb_from_linear(linear_from_srgb(v)) - v).abs() < 1e-6);
         }
     }
 }

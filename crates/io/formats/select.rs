@@ -3,6 +3,7 @@
 use super::piece::{Dataset, Piece};
 use super::request::Association;
 use std::collections::BTreeSet;
+use voltet_core::parameters::edit_distance;
 use voltet_core::{Error, Result};
 
 /// Arrays with these names flag ghosts and are not offered as quantities.
@@ -147,7 +148,7 @@ fn unknown(piece: &Piece, wanted: &str, association: Association, all: &[(&str, 
         return error.got("no arrays");
     }
     let mut names: Vec<&str> = all.iter().map(|entry| entry.0).collect();
-    names.sort_by_cached_key(|name| distance(&name.to_lowercase(), &stem.to_lowercase()));
+    names.sort_by_cached_key(|name| edit_distance(name, stem));
     error.expected(list(names))
 }
 
@@ -161,20 +162,4 @@ fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
         0 => shown.join(", "),
         more => format!("{} and {more} more", shown.join(", ")),
     }
-}
-
-/// Edit distance (Levenshtein) of two words, in characters.
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().take(64).collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, ca) in a.chars().take(64).enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, &cb) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(ca != cb);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
 }

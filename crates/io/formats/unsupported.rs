@@ -1,17 +1,19 @@
 //! Formats that are not read, told by their content: what a file is, and what to do with it.
 
+use self::Sign::{Magic, Test};
 use super::source::Source;
 use std::path::Path;
 use voltet_core::{Error, Result};
 
-/// A format that is not read.
-struct UnsupportedFormat {
-    /// Name of the format, with an article.
-    what: &'static str,
-    /// Remedy, a clause that can follow "expected".
-    remedy: &'static str,
-    /// True if a file is one.
-    matches: fn(&FileStart) -> bool,
+/// A format that is not read: its name with an article, a remedy (a clause that can follow "expected"), and what tells its files.
+type UnsupportedFormat = (&'static str, &'static str, Sign);
+
+/// Sign by which the files of a format are told.
+enum Sign {
+    /// Bytes at a place of the file.
+    Magic(usize, &'static [u8]),
+    /// Something else.
+    Test(fn(&FileStart) -> bool),
 }
 
 /// First bytes of a file.
@@ -33,196 +35,148 @@ const ARCHIVE: &str = "the file within: unpack it first";
 
 /// Formats that their first bytes tell for sure. Of containers those that are told by what is inside stand first.
 const BY_MAGIC: &[UnsupportedFormat] = &[
-    UnsupportedFormat {
-        what: "a VTKHDF file (VTK's data in HDF5)",
-        remedy: PARAVIEW,
-        matches: |seen| seen.is_hdf5() && seen.holds("VTKHDF"),
-    },
-    UnsupportedFormat {
-        what: "a CGNS file",
-        remedy: PARAVIEW,
-        matches: |seen| seen.is_hdf5() && (seen.holds("CGNSLibraryVersion") || seen.holds("CGNSBase_t")),
-    },
-    UnsupportedFormat {
-        what: "an Exodus II file",
-        remedy: PARAVIEW,
-        matches: |seen| {
+    ("a VTKHDF file (VTK's data in HDF5)", PARAVIEW, Test(|seen| seen.is_hdf5() && seen.holds("VTKHDF"))),
+    (
+        "a CGNS file",
+        PARAVIEW,
+        Test(|seen| seen.is_hdf5() && (seen.holds("CGNSLibraryVersion") || seen.holds("CGNSBase_t"))),
+    ),
+    (
+        "an Exodus II file",
+        PARAVIEW,
+        Test(|seen| {
             (seen.is_hdf5() || seen.is_netcdf()) && (seen.holds("num_el_blk") || seen.holds("eb_prop1"))
-        },
-    },
-    UnsupportedFormat {
-        what: "a MED file (Salome)",
-        remedy: "a .vtu file: Salome's ParaVis reads it and saves its data as .vtu, and so does `meshio convert`",
-        matches: |seen| seen.is_hdf5() && (seen.holds("ENS_MAA") || seen.holds("INFOS_GENERALES")),
-    },
-    UnsupportedFormat {
-        what: "an HDF5 file",
-        remedy: "a .vtu file: the program that wrote this one, or ParaView with the .xdmf file beside it, can save one",
-        matches: |seen| seen.is_hdf5(),
-    },
-    UnsupportedFormat {
-        what: "a netCDF file",
-        remedy: "a .vtu or .vts file: ParaView reads it and saves its data so",
-        matches: |seen| seen.is_netcdf(),
-    },
-    UnsupportedFormat {
-        what: "a mesh of Gmsh",
-        remedy: MESHIO,
-        matches: |seen| seen.starts_with("$MeshFormat"),
-    },
-    UnsupportedFormat {
-        what: "data of Abaqus (.odb)",
-        remedy: "a .vtu file: Abaqus/CAE exports field output as text, or as .inp with `meshio convert` after it",
-        matches: |seen| seen.starts_with("HKSRD0"),
-    },
-    UnsupportedFormat {
-        what: "a file of OpenFOAM",
-        remedy: OPENFOAM,
-        matches: |seen| seen.has_line(|line| line.trim() == "FoamFile"),
-    },
-    UnsupportedFormat {
-        what: "a mesh or case of Ansys Fluent",
-        remedy: PARAVIEW,
-        matches: |seen| seen.starts_with("(0 ") || seen.starts_with("(1 ") || seen.starts_with("(2 "),
-    },
-    UnsupportedFormat {
-        what: "an EnSight case",
-        remedy: PARAVIEW,
-        matches: |seen| {
+        }),
+    ),
+    (
+        "a MED file (Salome)",
+        "a .vtu file: Salome's ParaVis reads it and saves its data as .vtu, and so does `meshio convert`",
+        Test(|seen| seen.is_hdf5() && (seen.holds("ENS_MAA") || seen.holds("INFOS_GENERALES"))),
+    ),
+    (
+        "an HDF5 file",
+        "a .vtu file: the program that wrote this one, or ParaView with the .xdmf file beside it, can save one",
+        Test(|seen| seen.is_hdf5()),
+    ),
+    (
+        "a netCDF file",
+        "a .vtu or .vts file: ParaView reads it and saves its data so",
+        Test(|seen| seen.is_netcdf()),
+    ),
+    ("a mesh of Gmsh", MESHIO, Test(|seen| seen.starts_with("$MeshFormat"))),
+    (
+        "data of Abaqus (.odb)",
+        "a .vtu file: Abaqus/CAE exports field output as text, or as .inp with `meshio convert` after it",
+        Test(|seen| seen.starts_with("HKSRD0")),
+    ),
+    ("a file of OpenFOAM", OPENFOAM, Test(|seen| seen.has_line(|line| line.trim() == "FoamFile"))),
+    (
+        "a mesh or case of Ansys Fluent",
+        PARAVIEW,
+        Test(|seen| seen.starts_with("(0 ") || seen.starts_with("(1 ") || seen.starts_with("(2 ")),
+    ),
+    (
+        "an EnSight case",
+        PARAVIEW,
+        Test(|seen| {
             seen.has_line(|line| line.trim().eq_ignore_ascii_case("format"))
                 && seen.has_line(|line| line.to_lowercase().replace(' ', "").starts_with("type:ensight"))
-        },
-    },
-    UnsupportedFormat {
-        what: "a geometry file of EnSight",
-        remedy: "a .vtu file: open the .case file beside it in ParaView and save its data as .vtu",
-        matches: |seen| seen.starts_with("C Binary") || seen.starts_with("Fortran Binary"),
-    },
-    UnsupportedFormat { what: "a Tecplot file", remedy: PARAVIEW, matches: |seen| seen.starts_with("#!TDV") },
-    UnsupportedFormat { what: "an XDMF file", remedy: PARAVIEW, matches: |seen| seen.has_tag("Xdmf") },
-    UnsupportedFormat {
-        what: "a mesh of FEniCS (XML)",
-        remedy: MESHIO,
-        matches: |seen| seen.has_tag("dolfin"),
-    },
-    UnsupportedFormat {
-        what: "a surface (PLY)",
-        remedy: SURFACE,
-        matches: |seen| seen.starts_with("ply\n") || seen.starts_with("ply\r"),
-    },
-    UnsupportedFormat { what: "a surface (STL)", remedy: SURFACE, matches: |seen| seen.is_stl() },
-    UnsupportedFormat {
-        what: "a surface (OFF)",
-        remedy: SURFACE,
-        matches: |seen| seen.starts_with("OFF\n") || seen.starts_with("OFF\r"),
-    },
-    UnsupportedFormat { what: "a surface (glTF)", remedy: SURFACE, matches: |seen| seen.starts_with("glTF") },
-    UnsupportedFormat { what: "an image (PNG)", remedy: IMAGE, matches: |seen| seen.starts(b"\x89PNG") },
-    UnsupportedFormat {
-        what: "an image (JPEG)",
-        remedy: IMAGE,
-        matches: |seen| seen.starts(b"\xff\xd8\xff"),
-    },
-    UnsupportedFormat {
-        what: "an image (TIFF)",
-        remedy: IMAGE,
-        matches: |seen| seen.starts(b"II*\0") || seen.starts(b"MM\0*"),
-    },
-    UnsupportedFormat { what: "an image (NRRD)", remedy: IMAGE, matches: |seen| seen.starts_with("NRRD000") },
-    UnsupportedFormat {
-        what: "an image (DICOM)",
-        remedy: IMAGE,
-        matches: |seen| seen.has_magic_at(128, b"DICM"),
-    },
-    UnsupportedFormat {
-        what: "an image (NIfTI)",
-        remedy: IMAGE,
-        matches: |seen| seen.has_magic_at(344, b"n+1\0") || seen.has_magic_at(344, b"ni1\0"),
-    },
-    UnsupportedFormat {
-        what: "an image (MetaImage)",
-        remedy: IMAGE,
-        matches: |seen| seen.has_line(|line| line.starts_with("ObjectType = Image")),
-    },
-    UnsupportedFormat {
-        what: "an OpenVDB file",
-        remedy: IMAGE,
-        matches: |seen| seen.starts(b" BDV\0\0\0\0"),
-    },
-    UnsupportedFormat {
-        what: "a gzip archive",
-        remedy: ARCHIVE,
-        matches: |seen| seen.starts(b"\x1f\x8b\x08"),
-    },
-    UnsupportedFormat { what: "a zip archive", remedy: ARCHIVE, matches: |seen| seen.starts(b"PK\x03\x04") },
-    UnsupportedFormat { what: "an xz archive", remedy: ARCHIVE, matches: |seen| seen.starts(b"\xfd7zXZ\0") },
-    UnsupportedFormat { what: "a bzip2 archive", remedy: ARCHIVE, matches: |seen| seen.starts_with("BZh") },
-    UnsupportedFormat {
-        what: "a zstd archive",
-        remedy: ARCHIVE,
-        matches: |seen| seen.starts(b"\x28\xb5\x2f\xfd"),
-    },
+        }),
+    ),
+    (
+        "a geometry file of EnSight",
+        "a .vtu file: open the .case file beside it in ParaView and save its data as .vtu",
+        Test(|seen| seen.starts_with("C Binary") || seen.starts_with("Fortran Binary")),
+    ),
+    ("a Tecplot file", PARAVIEW, Test(|seen| seen.starts_with("#!TDV"))),
+    ("an XDMF file", PARAVIEW, Test(|seen| seen.has_tag("Xdmf"))),
+    ("a mesh of FEniCS (XML)", MESHIO, Test(|seen| seen.has_tag("dolfin"))),
+    ("a surface (PLY)", SURFACE, Test(|seen| seen.starts_with("ply\n") || seen.starts_with("ply\r"))),
+    ("a surface (STL)", SURFACE, Test(|seen| seen.is_stl())),
+    ("a surface (OFF)", SURFACE, Test(|seen| seen.starts_with("OFF\n") || seen.starts_with("OFF\r"))),
+    ("a surface (glTF)", SURFACE, Test(|seen| seen.starts_with("glTF"))),
+    ("an image (PNG)", IMAGE, Magic(0, b"\x89PNG")),
+    ("an image (JPEG)", IMAGE, Magic(0, b"\xff\xd8\xff")),
+    ("an image (TIFF)", IMAGE, Test(|seen| seen.starts(b"II*\0") || seen.starts(b"MM\0*"))),
+    ("an image (NRRD)", IMAGE, Test(|seen| seen.starts_with("NRRD000"))),
+    ("an image (DICOM)", IMAGE, Magic(128, b"DICM")),
+    (
+        "an image (NIfTI)",
+        IMAGE,
+        Test(|seen| seen.has_magic_at(344, b"n+1\0") || seen.has_magic_at(344, b"ni1\0")),
+    ),
+    (
+        "an image (MetaImage)",
+        IMAGE,
+        Test(|seen| seen.has_line(|line| line.starts_with("ObjectType = Image"))),
+    ),
+    ("an OpenVDB file", IMAGE, Magic(0, b" BDV\0\0\0\0")),
+    ("a gzip archive", ARCHIVE, Magic(0, b"\x1f\x8b\x08")),
+    ("a zip archive", ARCHIVE, Magic(0, b"PK\x03\x04")),
+    ("an xz archive", ARCHIVE, Magic(0, b"\xfd7zXZ\0")),
+    ("a bzip2 archive", ARCHIVE, Test(|seen| seen.starts_with("BZh"))),
+    ("a zstd archive", ARCHIVE, Magic(0, b"\x28\xb5\x2f\xfd")),
 ];
 
 /// Formats of plain text that only words tell; asked where nothing else is meant.
 const BY_WORDS: &[UnsupportedFormat] = &[
-    UnsupportedFormat {
-        what: "input of LS-DYNA",
-        remedy: "a .vtu file: LS-PrePost saves the results (d3plot), and ParaView reads these",
-        matches: |seen| seen.has_line(|line| line.to_lowercase().starts_with("*keyword")),
-    },
-    UnsupportedFormat {
-        what: "input of Abaqus (.inp)",
-        remedy: MESHIO,
-        matches: |seen| {
+    (
+        "input of LS-DYNA",
+        "a .vtu file: LS-PrePost saves the results (d3plot), and ParaView reads these",
+        Test(|seen| seen.has_line(|line| line.to_lowercase().starts_with("*keyword"))),
+    ),
+    (
+        "input of Abaqus (.inp)",
+        MESHIO,
+        Test(|seen| {
             let words = ["*heading", "*node", "*part", "*element", "*preprint"];
             seen.has_line(|line| words.iter().any(|word| line.to_lowercase().starts_with(word)))
-        },
-    },
-    UnsupportedFormat {
-        what: "input of Ansys (.cdb)",
-        remedy: "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it and saves its grid",
-        matches: |seen| {
+        }),
+    ),
+    (
+        "input of Ansys (.cdb)",
+        "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it and saves its grid",
+        Test(|seen| {
             seen.has_line(|line| ["/COM,", "/PREP7", "NBLOCK,"].iter().any(|word| line.starts_with(word)))
-        },
-    },
-    UnsupportedFormat {
-        what: "results of Ansys",
-        remedy: "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it and saves it by save_as_vtk",
-        matches: |seen| ["rst", "rth", "rfl"].contains(&seen.ending.as_str()),
-    },
-    UnsupportedFormat {
-        what: "input of Nastran",
-        remedy: MESHIO,
-        matches: |seen| {
+        }),
+    ),
+    (
+        "results of Ansys",
+        "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it and saves it by save_as_vtk",
+        Test(|seen| ["rst", "rth", "rfl"].contains(&seen.ending.as_str())),
+    ),
+    (
+        "input of Nastran",
+        MESHIO,
+        Test(|seen| {
             seen.has_line(|line| {
                 line.starts_with("BEGIN BULK") || line.starts_with("GRID  ") || line.starts_with("GRID,")
             })
-        },
-    },
-    UnsupportedFormat {
-        what: "a Tecplot file",
-        remedy: PARAVIEW,
-        matches: |seen| seen.has_line(|line| line.to_uppercase().replace(' ', "").starts_with("VARIABLES=")),
-    },
-    UnsupportedFormat {
-        what: "data of COMSOL as text",
-        remedy: "a .vtu file: COMSOL exports VTK (.vtu) by Export › Data",
-        matches: |seen| seen.starts_with("% Model:") || seen.starts_with("# Created by COMSOL"),
-    },
-    UnsupportedFormat {
-        what: "a surface (OBJ)",
-        remedy: SURFACE,
-        matches: |seen| {
+        }),
+    ),
+    (
+        "a Tecplot file",
+        PARAVIEW,
+        Test(|seen| seen.has_line(|line| line.to_uppercase().replace(' ', "").starts_with("VARIABLES="))),
+    ),
+    (
+        "data of COMSOL as text",
+        "a .vtu file: COMSOL exports VTK (.vtu) by Export › Data",
+        Test(|seen| seen.starts_with("% Model:") || seen.starts_with("# Created by COMSOL")),
+    ),
+    (
+        "a surface (OBJ)",
+        SURFACE,
+        Test(|seen| {
             seen.has_line(|line| line.starts_with("v "))
                 && (seen.ending == "obj" || seen.has_line(|line| line.starts_with("f ")))
-        },
-    },
-    UnsupportedFormat {
-        what: "a table as text",
-        remedy: "a grid with cells: points alone have no volume; ParaView's Delaunay3D joins them to tetrahedra",
-        matches: |seen| ["csv", "tsv"].contains(&seen.ending.as_str()),
-    },
+        }),
+    ),
+    (
+        "a table as text",
+        "a grid with cells: points alone have no volume; ParaView's Delaunay3D joins them to tetrahedra",
+        Test(|seen| ["csv", "tsv"].contains(&seen.ending.as_str())),
+    ),
 ];
 
 const OPENFOAM: &str =
@@ -263,8 +217,12 @@ fn refuse(source: &Source, formats: &[UnsupportedFormat]) -> Result<()> {
         bytes = source.head(CONTAINER_HEAD)?;
     }
     let seen = FileStart { bytes: &bytes, len: source.len(), ending };
-    match formats.iter().find(|format| (format.matches)(&seen)) {
-        Some(format) => Err(refusal(format.what, format.remedy)),
+    let shows = |(.., sign): &&UnsupportedFormat| match sign {
+        Magic(place, magic) => seen.has_magic_at(*place, magic),
+        Test(matches) => matches(&seen),
+    };
+    match formats.iter().find(shows) {
+        Some((what, remedy, _)) => Err(refusal(what, remedy)),
         None => Ok(()),
     }
 }

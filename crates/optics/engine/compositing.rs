@@ -17,7 +17,7 @@ pub enum Compositor {
 
 impl Compositor {
     /// Each of them with its meaning, what serves every order first.
-    pub const WORDS: &[(&str, &str)] = &[
+    pub const NAMES: &[(&str, &str)] = &[
         (
             "tiles",
             "compute passes over tiles of 8 × 8 pixels: every order, and pixels in disorder are counted",
@@ -35,7 +35,7 @@ impl Compositor {
         ),
     ];
 
-    /// Compositors of [`Compositor::WORDS`], in their order.
+    /// Compositors of [`Compositor::NAMES`], in their order.
     pub const ALL: &[Compositor] = &[
         Compositor::Tiles,
         Compositor::Raster,
@@ -72,7 +72,7 @@ pub enum OrderCheck {
 
 impl OrderCheck {
     /// Each of them with its meaning, the usual one first.
-    pub const WORDS: [(&str, &str); 3] = [
+    pub const NAMES: [(&str, &str); 3] = [
         ("sample", "256 pixels are held against those of tiles"),
         ("count", "that, and every pixel at which cells are out of order is counted, in 64 bits on the CPU"),
         ("none", "not at all"),
@@ -81,7 +81,7 @@ impl OrderCheck {
     /// The one of that name.
     pub fn named(name: &str) -> Option<OrderCheck> {
         let all = [OrderCheck::Sample, OrderCheck::Count, OrderCheck::None];
-        OrderCheck::WORDS.iter().zip(all).find(|(word, _)| word.0 == name).map(|(_, check)| check)
+        OrderCheck::NAMES.iter().zip(all).find(|(word, _)| word.0 == name).map(|(_, check)| check)
     }
 }
 
@@ -101,20 +101,20 @@ pub enum Accumulation {
 
 impl Accumulation {
     /// Each of them with its meaning.
-    pub const WORDS: [(&str, &str); 4] = [
+    pub const NAMES: [(&str, &str); 4] = [
         ("float", "32-bit floats, or 16-bit ones with a warning where the device blends no others"),
         ("8-bit", "rounded to 8 bits a channel after each cell, by a texture of these"),
         ("12-bit", "rounded to multiples of 1/4096 after each cell"),
         ("16-bit", "rounded to multiples of 1/65536 after each cell"),
     ];
 
-    /// Formats of [`Accumulation::WORDS`], in their order.
+    /// Formats of [`Accumulation::NAMES`], in their order.
     pub const ALL: [Accumulation; 4] =
         [Accumulation::Float, Accumulation::Bits8, Accumulation::Bits12, Accumulation::Bits16];
 
     /// The name in pipeline files.
     pub fn name(self) -> &'static str {
-        Accumulation::WORDS[self as usize].0
+        Accumulation::NAMES[self as usize].0
     }
 
     /// The one of that name.

@@ -15,7 +15,8 @@ pub struct RenderOutput {
     pub stages: Vec<StageTiming>,
     /// The way in which it was composited, where it is not the one that was asked for, and why.
     pub instead: Option<CompositorChoice>,
-    /// Whether it was drawn from what was kept of the view ([`crate::engine::Manner::passing`]): by itself it would differ by rounding.
+    /// True if it was drawn from cached segments of the view ([`crate::engine::RenderOptions::passing`]): by itself it would differ by
+    /// rounding.
     pub is_passing: bool,
     /// Further diagnostics: counts of this engine alone, skipped work, warnings.
     pub notes: Diagnostics,

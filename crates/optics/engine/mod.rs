@@ -114,19 +114,19 @@ impl AdapterRequest {
     }
 }
 
-/// How a scene is drawn, beyond what it means.
+/// Execution options of one render: compositor, accumulation, check of the order, exhaustive and interactive mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RenderOptions {
-    /// How a device composites; where nothing is said, in the way that serves every order.
+    /// Compositor of a device; `None` for the one that supports every order.
     pub compositing: Option<Compositor>,
-    /// What blending hardware accumulates in.
+    /// Number format in which blending hardware accumulates.
     pub accumulation: Accumulation,
-    /// How the exact order of what hardware blends is checked.
+    /// Check of the exact order of cells that hardware blends.
     pub order_check: OrderCheck,
     /// True to do all work, needed or not, for comparison; the picture is the same.
     pub exhaustive: bool,
-    /// Whether others of the same view follow at once, with other widgets: then the engine may keep what serves them, and the picture may
-    /// differ by rounding, some 1e-5, from one that is drawn by itself ([`Drawn::is_passing`]).
+    /// True if other pictures of the same view follow at once, with other widgets: the engine may cache the view's segments, and the picture
+    /// may differ by rounding, some 1e-5, from one that is drawn by itself ([`RenderOutput::is_passing`]).
     pub passing: bool,
 }
 
@@ -143,8 +143,8 @@ impl Default for RenderOptions {
 }
 
 impl RenderOptions {
-    /// Composited in this way.
-    pub fn by(compositing: Compositor) -> RenderOptions {
+    /// Options with a compositor.
+    pub fn with_compositor(compositing: Compositor) -> RenderOptions {
         RenderOptions { compositing: Some(compositing), ..RenderOptions::default() }
     }
 

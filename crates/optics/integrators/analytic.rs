@@ -14,10 +14,17 @@ pub struct Analytic {
 }
 
 impl Analytic {
-    /// Serves every transfer function.
+    /// Closed forms of a transfer function.
+    ///
+    /// Errors: a number out of range.
     pub fn new(transfer_function: &TransferFunction, overlap: WidgetBlend) -> Result<Self> {
         Ok(Analytic { prepared: CompiledTransferFunction::new(transfer_function)?, overlap })
     }
+}
+
+impl Integrator {
+    /// Closed forms; quadrature with closed-form optical depth where widgets overlap.
+    pub const ANALYTIC: Integrator = Integrator::with_settings(&AnalyticKind, []);
 }
 
 /// The kind `analytic`.

@@ -1,10 +1,97 @@
-//! An integrator: its kind, with a number for each parameter of the kind.
+//! Integrators: the trait that each kind implements, and an integrator as its kind with a number for each parameter of the kind.
 
-use super::adaptive::AdaptiveKind;
-use super::analytic::AnalyticKind;
-use super::kind::IntegratorKind;
-use voltet_core::parameters::{Parameter, ParameterType, Parameters};
+use super::{Extent, SegmentIntegrator};
+use crate::WidgetBlend;
+use std::any::Any;
+use voltet_core::parameters::{LocatedValue, Parameter, ParameterType, Parameters, VariantSchema};
+use voltet_core::transfer::TransferFunction;
+use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
+
+/// A kind of integrators. Each is a static; a registry that adds its [`variant`] makes it known to pipelines.
+pub trait IntegratorKind: Send + Sync {
+    /// Name in pipeline files, summary and parameters: whole numbers and numbers, at most [`super::MAX_SETTINGS`] of them.
+    fn schema(&self) -> VariantSchema;
+
+    /// Checks the settings of an integrator of this kind.
+    ///
+    /// Errors: a setting out of range.
+    fn check(&self, integrator: &Integrator) -> Result<()> {
+        integrator.check_ranges()
+    }
+
+    /// The property of a transfer function that keeps the kind from integrating it; `None`: none does.
+    fn obstacle(&self, _transfer_function: &TransferFunction) -> Option<Obstacle> {
+        None
+    }
+
+    /// The 64-bit integral of a segment. `integrator` was checked; `blend` counts for kinds that can mix widgets.
+    ///
+    /// Errors: a transfer function with a number out of range.
+    fn compile(
+        &self,
+        integrator: &Integrator,
+        blend: WidgetBlend,
+        transfer_function: &TransferFunction,
+        extent: &Extent,
+    ) -> Result<Box<dyn SegmentIntegrator>>;
+
+    /// The domain of the table that the kind looks up.
+    fn table(&self) -> TableDomain {
+        TableDomain::None
+    }
+
+    /// The preparation of whole scenes, for a kind that needs one.
+    fn scene_preparation(&self) -> Option<&dyn ScenePreparation> {
+        None
+    }
+
+    /// Objects for single engines, each looked up by its type ([`Integrator::extension`]): kernels for vector lanes, shader text.
+    fn extensions(&self) -> &'static [&'static (dyn Any + Send + Sync)] {
+        &[]
+    }
+}
+
+/// The property of a transfer function that an integrator cannot integrate.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Obstacle {
+    /// The property: "widgets[0] (gaussian), which reads the gradient magnitude".
+    pub found: String,
+    /// A transfer function that the kind integrates: "widgets of the scalar alone".
+    pub accepted: &'static str,
+}
+
+/// The domain of an integrator's table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TableDomain {
+    /// There is no table.
+    #[default]
+    None,
+    /// A domain that no data decide.
+    Fixed,
+    /// Scalars and lengths of the data ([`Extent`]).
+    Data,
+}
+
+/// The preparation of a whole scene before its segments are integrated.
+pub trait ScenePreparation: Send + Sync {
+    /// The volume and the transfer function to draw in place of the scene's.
+    ///
+    /// Errors: a field that the volume does not have; numbers out of range.
+    fn prepare(&self, volume: &Volume, transfer_function: &TransferFunction) -> Result<PreparedScene>;
+
+    /// True if the transfer function is one that [`ScenePreparation::prepare`] returned.
+    fn is_prepared(&self, transfer_function: &TransferFunction) -> bool;
+}
+
+/// A scene after [`ScenePreparation::prepare`].
+#[derive(Debug, Clone)]
+pub struct PreparedScene {
+    /// The volume to draw.
+    pub volume: Volume,
+    /// The transfer function to draw with.
+    pub transfer_function: TransferFunction,
+}
 
 /// Parameters of a kind at most.
 pub const MAX_SETTINGS: usize = 4;
@@ -34,14 +121,6 @@ impl std::fmt::Debug for Integrator {
 }
 
 impl Integrator {
-    /// Closed forms; quadrature with closed-form optical depth where widgets overlap.
-    pub const ANALYTIC: Integrator = Integrator::with_settings(&AnalyticKind, []);
-
-    /// Closed forms, subdivided until the error of (C, A) is under the tolerance, which is above 0.
-    pub const fn adaptive(tolerance: f64) -> Integrator {
-        Integrator::with_settings(&AdaptiveKind, [tolerance])
-    }
-
     /// An integrator with these settings, in the order of the kind's parameters.
     pub const fn with_settings<const N: usize>(
         kind: &'static dyn IntegratorKind,
@@ -60,7 +139,7 @@ impl Integrator {
     pub fn new(kind: &'static dyn IntegratorKind) -> Integrator {
         let mut integrator = Integrator::with_settings(kind, []);
         for (parameter, setting) in kind.schema().parameters.iter().zip(&mut integrator.settings) {
-            let default = parameter.default.datum().map(voltet_core::parameters::LocatedValue::from);
+            let default = parameter.default.datum().map(LocatedValue::from);
             *setting = default.and_then(|value| value.number()).unwrap_or(0.0);
         }
         integrator
@@ -94,11 +173,6 @@ impl Integrator {
     pub fn setting(&self, name: &str) -> Option<f64> {
         let place = self.parameters().iter().position(|parameter| parameter.name == name)?;
         Some(self.settings[place])
-    }
-
-    /// The largest error that `adaptive` allows; `None` for the other kinds.
-    pub fn tolerance(&self) -> Option<f64> {
-        self.is_kind_of(&Integrator::adaptive(1.0)).then_some(self.settings[0])
     }
 
     /// The setting of that name as a whole number.
@@ -137,6 +211,21 @@ impl Integrator {
             }
         }
         Ok(())
+    }
+
+    /// True if the integrator looks up a table.
+    pub fn has_table(&self) -> bool {
+        self.kind().table() != TableDomain::None
+    }
+
+    /// True if the integrator looks up a table over lengths, so that [`super::new`] reads the data's extent.
+    pub fn has_table_of_lengths(&self) -> bool {
+        self.kind().table() == TableDomain::Data
+    }
+
+    /// The object of type `T` that the kind has for an engine.
+    pub fn extension<T: Any>(&self) -> Option<&'static T> {
+        self.kind().extensions().iter().find_map(|object| object.downcast_ref())
     }
 
     /// The error for a setting that is out of range.

@@ -10,16 +10,15 @@
 mod adaptive;
 mod analytic;
 mod integrator;
-mod kind;
+mod registry;
 mod segment_integrator;
 
 pub use adaptive::Adaptive;
 pub use analytic::Analytic;
-pub use integrator::{Integrator, MAX_SETTINGS};
-pub use kind::{
-    INTEGRATOR, IntegratorKind, Obstacle, PreparedScene, ScenePreparation, TableDomain, can_serve,
-    can_serve_among, kinds, stated, variant,
+pub use integrator::{
+    Integrator, IntegratorKind, MAX_SETTINGS, Obstacle, PreparedScene, ScenePreparation, TableDomain,
 };
+pub use registry::{INTEGRATOR, can_serve, can_serve_among, kinds, stated, variant};
 pub use segment_integrator::{Extent, SegmentIntegrator};
 
 use super::WidgetBlend;

@@ -1,4 +1,4 @@
-//! What every integrator gives, and what a table of one spans.
+//! Integral of a segment, and the domain of tables over the data.
 
 use crate::{Contribution, Segment};
 use std::any::Any;
@@ -9,7 +9,7 @@ pub trait SegmentIntegrator: Send + Sync {
     /// The segment's contribution.
     fn integrate(&self, segment: &Segment) -> Contribution;
 
-    /// Bytes of the tables that were built for it.
+    /// Bytes of its tables.
     fn table_bytes(&self) -> usize {
         0
     }
@@ -19,16 +19,16 @@ pub trait SegmentIntegrator: Send + Sync {
         None
     }
 
-    /// Why it could not integrate a segment since it was made: what was drawn with it is not to be shown.
+    /// Reason why a segment could not be integrated so far: a picture drawn with it is invalid.
     fn failure(&self) -> Option<&Error> {
         None
     }
 }
 
-/// What the segments of a data set span: the domain of a pre-integrated table.
+/// Ranges of the segments of a data set: the domain of a table over them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
-    /// Least and largest scalar.
+    /// Smallest and largest scalar.
     pub scalar: [f64; 2],
     /// Length of the longest segment, world units.
     pub longest: f64,

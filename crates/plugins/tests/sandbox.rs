@@ -14,11 +14,11 @@ use voltet_core::progress::{NoProgress, Progress};
 use voltet_core::{Error, Result};
 use voltet_testing::compilers;
 
-/// What a module declares and does; the least that is right.
+/// Text of a module; by default the smallest that is valid.
 #[derive(Clone)]
 struct Wat {
     imports: &'static str,
-    /// Whether the table may grow.
+    /// True if the table may grow.
     grows: bool,
     entry: [u32; 7],
     plugin: [u32; 4],
@@ -86,7 +86,7 @@ impl Wat {
         load(&voltet_testing::wat::parse_str(self.text()).unwrap())
     }
 
-    /// What its filter gives on a small grid.
+    /// Gradient of its filter on a small grid.
     fn gradient(&self, progress: &dyn Progress) -> Result<Gradient> {
         gradient(&self.loaded().unwrap()[0], progress)
     }

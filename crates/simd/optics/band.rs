@@ -50,9 +50,9 @@ impl LaneBell {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::FourLanes as P;
     use crate::optics::smooth::tests::{lane, uniform};
     use crate::optics::sums::{Sums, Term};
-    use crate::portable::Portable as P;
     use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
     use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
 

@@ -1,4 +1,4 @@
-//! Gaussian widget: optical depth of a segment, and its light under the constant-emitter. Twin of `optics::gaussian`.
+//! Gaussian widget: optical depth of a segment, and its light under the constant-emitter. Twin of `optics::kinds::gaussian`.
 //!
 //! Song et al. 2009, section 4.2; Kniss et al. 2003, Eq. 11, rewritten so that no branch cancels. With
 //! q = K (v − v₀), d = |q_b − q_f|, a and b the distances of the ends along the line from the foot of the
@@ -311,8 +311,8 @@ impl<L: Lanes> LaneTrack<L> for LaneGaussianTrack<L> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::FourLanes as P;
     use crate::optics::smooth::tests::{lane, uniform};
-    use crate::portable::Portable as P;
 
     type F = <P as Lanes>::F;
 

@@ -1,4 +1,4 @@
-//! Piecewise-linear widgets along a segment, for the ordered integral. Twin of `optics::piecewise_linear`; alone on a
+//! Piecewise-linear widgets along a segment, for the ordered integral. Twin of `optics::kinds::piecewise_linear`; alone on a
 //! segment such a widget is cut into pieces of linear extinction instead (module `linear`).
 //!
 //! s counts from the first control point, formed in 64 bits before rounding.

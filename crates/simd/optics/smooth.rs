@@ -113,9 +113,9 @@ impl<L: Lanes> Smooth<L> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::FourLanes as P;
     use crate::optics::gaussian::shape;
     use crate::optics::sums::{Sums, Term};
-    use crate::portable::Portable as P;
     use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
     use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
 

@@ -1,5 +1,5 @@
 //! Images over the (s, g) plane along a segment, bilinear between texel centres, which lie at the integers (Song et al. 2009,
-//! section 3.3.2). Twin of `optics::table`. Between the lines through texel centres alpha is a quadratic in t.
+//! section 3.3.2). Twin of `optics::kinds::table`. Between the lines through texel centres alpha is a quadratic in t.
 
 use super::quadrature::{PANEL, POINTS};
 use super::track::{LaneTrack, PASSED};

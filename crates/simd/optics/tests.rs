@@ -13,9 +13,9 @@ use crate::{Float, Kernel, LaneSet, Lanes, dispatch};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
 use voltet_judge::twin::{self, INPUTS, Range};
 use voltet_optics::clip::ClippedSpan;
-use voltet_optics::gaussian::GaussianPath;
-use voltet_optics::triangular_gaussian::TriangularPath;
-use voltet_optics::wave::Bell;
+use voltet_optics::kinds::gaussian::GaussianPath;
+use voltet_optics::kinds::triangular_gaussian::TriangularPath;
+use voltet_optics::kinds::wave::Bell;
 use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
 use voltet_optics::{linear, special};
 

@@ -1,5 +1,5 @@
 //! Triangular Gaussian: mean of exp(−(δ/γ)²) over a segment, δ = s − s₀ and γ = σ g linear along it, 0 where γ ≤ 0.
-//! Twin of `optics::triangular_gaussian`.
+//! Twin of `optics::kinds::triangular_gaussian`.
 //!
 //! x = δ/γ is monotone, so |x| grows from its least value (the centre, if the segment crosses it, else the nearer end)
 //! outwards on at most two parts. Each part is walked from there, with t counted from there, so that what matters
@@ -254,14 +254,14 @@ impl<L: Lanes> LaneTrack<L> for LaneTriangularTrack<L> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::portable::Portable;
+    use crate::FourLanes;
 
     /// A break at the far level that rounding puts just before it is not taken for one that is never reached.
     #[test]
     fn no_panel_steps_over_the_centre() {
-        let splat = <Portable as Lanes>::F::splat;
-        let lane = |x: <Portable as Lanes>::F| {
-            let mut values = [f32::NAN; Portable::WIDTH];
+        let splat = <FourLanes as Lanes>::F::splat;
+        let lane = |x: <FourLanes as Lanes>::F| {
+            let mut values = [f32::NAN; FourLanes::WIDTH];
             x.store(&mut values);
             values[0]
         };
@@ -269,7 +269,7 @@ mod tests {
             let share = |step: f32| (i as f32 * step).fract();
             let offset = [0.2 + share(0.618), -0.1 - share(0.755)];
             let width = [0.001 + 0.03 * share(0.57), 0.001 + 0.03 * share(0.41)];
-            let track = LaneTriangularTrack::<Portable> {
+            let track = LaneTriangularTrack::<FourLanes> {
                 offset: offset.map(splat),
                 width: width.map(splat),
                 peak: splat(1.0),

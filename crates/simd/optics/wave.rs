@@ -1,4 +1,4 @@
-//! Triangle and sine waves: mean of the profile over a segment, any number of bands. Twin of `optics::wave`.
+//! Triangle and sine waves: mean of the profile over a segment, any number of bands. Twin of `optics::kinds::wave`.
 //!
 //! Phases come split into the nearest foot and the distance from it, reduced in 64 bits where |φ| is large: the
 //! reduction, not the formula, is what 32 bits cannot do.
@@ -46,7 +46,7 @@ impl LaneBell {
 
     /// A sine wave.
     pub fn sine(wave: &Wave) -> Self {
-        use voltet_optics::wave::{sine_half_area, sine_half_width};
+        use voltet_optics::kinds::wave::{sine_half_area, sine_half_width};
         let reach = sine_half_width(wave.band_width);
         LaneBell::new(wave, true, reach, sine_half_area(wave.band_width, reach))
     }

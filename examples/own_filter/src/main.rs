@@ -13,7 +13,7 @@ fn main() -> std::process::ExitCode {
     voltet::run(registry())
 }
 
-/// What ships, and what is added here.
+/// Registry of the shipped nodes and filters, and of those added here.
 fn registry() -> Result<Registry> {
     let mut registry = voltet::registry()?;
     registry.add(&logarithm::NODE)?;

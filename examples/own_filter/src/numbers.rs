@@ -25,7 +25,7 @@ const DECLARATION: VariantSchema = VariantSchema {
     }],
 };
 
-/// How a file begins.
+/// First bytes of a file.
 const MAGIC: &str = "numbers ";
 
 /// A file whose first line was read.

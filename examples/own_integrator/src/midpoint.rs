@@ -106,7 +106,7 @@ fn walk<L: Lanes>(samples: usize, segments: &mut SampledSegments<'_, '_, L>) -> 
     let (mut color, mut depth) = ([L::F::splat(0.0); 3], L::F::splat(0.0));
     let step = segments.length() * L::F::splat(1.0 / samples as f32);
     for i in 0..samples {
-        let sample = segments.at::<1, true>([(i as f32 + 0.5) / samples as f32]);
+        let sample = segments.at([(i as f32 + 0.5) / samples as f32], true);
         let piece = sample.rate[0] * step;
         let light = exp::<L>(-depth) * step * mean_transparency::<L>(piece);
         for c in 0..3 {

@@ -2,7 +2,7 @@
 //! Eq. 11 and 16; Song et al. 2009, section 4.2).
 
 use super::square::LaneSquare;
-use crate::{GaussianTables, LIT_REACH, P_MOST, REACH};
+use crate::{GaussianTables, LIT_REACH, MAX_P, REACH};
 use voltet_simd::optics::elementary::{HALF_SQRT_PI, exp, mean_transparency};
 use voltet_simd::optics::gaussian::LaneGaussianPath;
 use voltet_simd::{Float, Lanes, Mask, array};
@@ -44,7 +44,7 @@ impl LaneGaussianTables {
     #[inline(always)]
     fn lit<L: Lanes>(light: &LaneSquare, p: L::F, x: [L::F; 2]) -> [L::F; 2] {
         let splat = L::F::splat;
-        let row = p * splat(light.last() / P_MOST as f32);
+        let row = p * splat(light.last() / MAX_P as f32);
         let row = row.max(splat(0.0)).min(splat(light.last()));
         array(
             #[inline(always)]

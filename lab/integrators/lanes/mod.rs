@@ -25,7 +25,7 @@ mod square;
 mod tabulated;
 mod vertex_sampled;
 
-use crate::kinds::{OVERSAMPLING, PIECES, PLANES, SIDE, count};
+use crate::settings::{OVERSAMPLING, PIECES, PLANES, SIDE, count};
 use crate::{GaussianTables, PartialTable};
 use partial_table::LanePartialTable;
 use pre_integrated::Table;

@@ -11,16 +11,16 @@ use voltet_simd::optics::elementary::mean_transparency;
 use voltet_simd::{Float, Kernel, Lanes, Mask, array, dispatch};
 
 /// Depths of a segment beyond which it is opaque whatever they are.
-const DEPTH_MOST: f32 = 1e30;
+const MAX_DEPTH: f32 = 1e30;
 
-/// Nodes about a place that tiles look at: the next in s and in t, four for the next plane, and the next of the table that filled
+/// Nodes about a place that tiles read: the next in s and in t, four for the next plane, and the next of the table that filled
 /// them; one over.
 const TILES_REACH: f32 = 8.0;
 
 /// A pre-integrated table.
 pub(super) struct Table {
     side: usize,
-    /// Where the first node is stored, and nodes a stored unit.
+    /// Stored position of the first node, and nodes a stored unit.
     start: f32,
     per_value: f32,
     /// Longest segments a scene length.
@@ -127,9 +127,9 @@ impl LaneKernel for Table {
                 }
             };
             let depth = L::F::select(there, mean * length, zero);
-            let through = mean_transparency::<L>(depth.min(splat(DEPTH_MOST)));
+            let through = mean_transparency::<L>(depth.min(splat(MAX_DEPTH)));
             let reach = L::F::select(there, length * through, zero);
-            let opacity = (depth.min(splat(DEPTH_MOST)) * through).min(one);
+            let opacity = (depth.min(splat(MAX_DEPTH)) * through).min(one);
             results.put_depth::<L>(at, depth.min(splat(f32::MAX)));
             results.put_color::<L>(at, [r * reach, g * reach, b * reach], opacity);
         }

@@ -31,21 +31,14 @@ fn riemann<L: Lanes, const N: usize>(
     crossed: &mut SampledSegments<'_, '_, L>,
     depth_only: bool,
 ) -> ([L::F; 3], L::F) {
-    let depth = crossed.by_depth(
+    crossed.by_depth(
         depth_only,
         #[inline(always)]
-        |crossed| {
-            if N == 0 {
-                in_steps::<L, false>(count, crossed).1
-            } else {
-                together::<L, N, false>(count, crossed).1
-            }
+        |crossed, colors| match N {
+            0 => in_steps(count, crossed, colors),
+            _ => together::<L, N>(count, crossed, colors),
         },
-    );
-    if let Some(found) = depth {
-        return found;
-    }
-    if N == 0 { in_steps::<L, true>(count, crossed) } else { together::<L, N, true>(count, crossed) }
+    )
 }
 
 /// The middle of piece i.
@@ -56,25 +49,28 @@ fn middle(i: usize, count: usize) -> f32 {
 
 /// All samples at once.
 #[inline(always)]
-fn together<L: Lanes, const N: usize, const COLORS: bool>(
+fn together<L: Lanes, const N: usize>(
     count: usize,
     crossed: &mut SampledSegments<'_, '_, L>,
+    colors: bool,
 ) -> ([L::F; 3], L::F) {
-    let samples = crossed.at::<N, COLORS>(array(
+    let places = array(
         #[inline(always)]
         |j| middle(j, count),
-    ));
+    );
+    let samples = crossed.at::<N>(places, colors);
     let mut sum = Front::<L>::new();
     let step = crossed.length() * L::F::splat(1.0 / count as f32);
-    sum.add::<N, COLORS>(&samples, [step; N]);
+    sum.add(&samples, [step; N], colors);
     (sum.color, sum.depth)
 }
 
 /// Some samples after the other.
 #[inline(always)]
-fn in_steps<L: Lanes, const COLORS: bool>(
+fn in_steps<L: Lanes>(
     count: usize,
     crossed: &mut SampledSegments<'_, '_, L>,
+    colors: bool,
 ) -> ([L::F; 3], L::F) {
     let splat = L::F::splat;
     let mut sum = Front::<L>::new();
@@ -87,18 +83,18 @@ fn in_steps<L: Lanes, const COLORS: bool>(
             #[inline(always)]
             |j| middle((first + j).min(count - 1), count),
         );
-        let samples = crossed.in_step::<COLORS>(block, share, [0.125, 0.375, 0.625, 0.875], t);
+        let samples = crossed.in_step(block, share, [0.125, 0.375, 0.625, 0.875], t, colors);
         let lengths = array(
             #[inline(always)]
             |j| if first + j < count { step } else { splat(0.0) },
         );
-        sum.add::<SIDE_BY_SIDE, COLORS>(&samples, lengths);
+        sum.add(&samples, lengths, colors);
         sum.through = exp::<L>(-sum.depth);
     }
     (sum.color, sum.depth)
 }
 
-/// What is in front of a place.
+/// Optical depth and emission in front of a position.
 struct Front<L: Lanes> {
     color: [L::F; 3],
     depth: L::F,
@@ -114,10 +110,10 @@ impl<L: Lanes> Front<L> {
 
     /// Homogeneous pieces of these lengths.
     #[inline(always)]
-    fn add<const N: usize, const COLORS: bool>(&mut self, samples: &Samples<L, N>, lengths: [L::F; N]) {
+    fn add<const N: usize>(&mut self, samples: &Samples<L, N>, lengths: [L::F; N], colors: bool) {
         for j in 0..N {
             let piece = samples.rate[j] * lengths[j];
-            if COLORS {
+            if colors {
                 let (mean, through) = transparencies::<L>(piece);
                 let light = self.through * mean * lengths[j];
                 for c in 0..3 {

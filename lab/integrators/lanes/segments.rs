@@ -38,15 +38,11 @@ fn pieces<L: Lanes>(
     crossed: &mut SampledSegments<'_, '_, L>,
     depth_only: bool,
 ) -> ([L::F; 3], L::F) {
-    let depth = crossed.by_depth(
+    crossed.by_depth(
         depth_only,
         #[inline(always)]
-        |crossed| walk::<L, false>(table, count, crossed).1,
-    );
-    if let Some(found) = depth {
-        return found;
-    }
-    walk::<L, true>(table, count, crossed)
+        |crossed, colors| walk(table, count, crossed, colors),
+    )
 }
 
 /// An end of a piece, by its rate in the length of a piece.
@@ -59,17 +55,18 @@ struct End<L: Lanes> {
 
 /// Piece after piece.
 #[inline(always)]
-fn walk<L: Lanes, const COLORS: bool>(
+fn walk<L: Lanes>(
     table: &LanePartialTable,
     count: usize,
     crossed: &mut SampledSegments<'_, '_, L>,
+    colors: bool,
 ) -> ([L::F; 3], L::F) {
     let splat = L::F::splat;
     let (zero, half) = (splat(0.0), splat(0.5));
     let step = crossed.length() * splat(1.0 / count as f32);
     let density = crossed.is_density_emitter();
     let (mut color, mut depth, mut through) = ([zero; 3], zero, splat(1.0));
-    let mut front = ends::<L, 1>(&crossed.at::<1, COLORS>([0.0]), step, density)[0];
+    let mut front = ends::<L, 1>(&crossed.at([0.0], colors), step, density)[0];
     let share = SIDE_BY_SIDE as f32 / count as f32;
     for block in 0..count.div_ceil(SIDE_BY_SIDE) {
         let first = block * SIDE_BY_SIDE;
@@ -78,10 +75,10 @@ fn walk<L: Lanes, const COLORS: bool>(
             |j| ((first + j + 1).min(count) as f64 / count as f64) as f32,
         );
         let samples = if count == 1 {
-            let one = crossed.at::<1, COLORS>([1.0]);
+            let one = crossed.at::<1>([1.0], colors);
             Samples { rate: [one.rate[0]; SIDE_BY_SIDE], glow: [one.glow[0]; SIDE_BY_SIDE] }
         } else {
-            crossed.in_step::<COLORS>(block, share, [0.25, 0.5, 0.75, 1.0], t)
+            crossed.in_step(block, share, [0.25, 0.5, 0.75, 1.0], t, colors)
         };
         let ends = ends::<L, SIDE_BY_SIDE>(&samples, step, density);
         for j in 0..SIDE_BY_SIDE {
@@ -90,7 +87,7 @@ fn walk<L: Lanes, const COLORS: bool>(
             }
             let back = ends[j];
             let piece = half * (front.rate + back.rate);
-            if COLORS {
+            if colors {
                 let (mean, behind) = transparencies::<L>(piece);
                 if density {
                     let toward = table.front_share::<L>(front.rate, back.rate);

@@ -4,8 +4,8 @@
 use super::gaussian_table::LaneGaussianTables;
 use crate::GaussianTables;
 use voltet_cpu::integrator::{
-    FallbackReason, FieldLanes, LaneKernel, LaneScene, SegmentBatch, SegmentLanes, SegmentResults,
-    WidgetLanes, WidgetPath,
+    FallbackReason, FieldLanes, LaneKernel, LaneScene, RegionPath, SegmentBatch, SegmentLanes,
+    SegmentResults, WidgetLanes,
 };
 use voltet_simd::limits::MAX_GAUSSIAN_WIDTHS;
 use voltet_simd::optics::elementary::{exp, mean_transparency};
@@ -16,12 +16,12 @@ pub(super) struct Tabulated {
     tables: LaneGaussianTables,
     /// The constant-emitter's glow per scene length and −ln cutoff; `None` for the density-emitter.
     glow: Option<(f32, f32)>,
-    /// Whether widgets look at further fields.
+    /// True if widgets read further fields.
     reads_fields: bool,
 }
 
 impl Tabulated {
-    /// Errors: why lanes do not serve it.
+    /// Errors: the reason why the scene falls back to 64 bits.
     pub fn new(tables: &GaussianTables, scene: &LaneScene<'_>) -> Result<Tabulated, FallbackReason> {
         if !scene.widgets().all(|widget| widget.has_path()) {
             return Err(FallbackReason::NoLanes);
@@ -37,7 +37,7 @@ impl Tabulated {
     /// Depth and light of one widget where it is met, the light over the mean transparency of that depth; and the lanes (bits) whose
     /// paths span more widths than 32 bits resolve.
     #[inline(always)]
-    fn of<L: Lanes>(
+    fn widget_light<L: Lanes>(
         &self,
         widget: WidgetLanes<'_>,
         segments: &SegmentLanes<L>,
@@ -46,7 +46,7 @@ impl Tabulated {
     ) -> (L::F, L::F, u32) {
         let splat = L::F::splat;
         let (zero, one) = (splat(0.0), splat(1.0));
-        let WidgetPath { path, fraction: share, present: there } = widget.path(segments, fields);
+        let RegionPath { path, fraction: share, present: there } = widget.path(segments, fields);
         let rate = splat(widget.density()) * segments.length() * share;
         // Where there is no stretch its ends are no numbers.
         let there = there.and(zero.lt(rate));
@@ -86,7 +86,7 @@ impl LaneKernel for Tabulated {
             if self.reads_fields {
                 fields = batch.fields::<L>(at);
             }
-            let spread = segments.spread();
+            let spread = segments.range();
             let (mut depth, mut product, mut light) = (zero, zero, [zero; 3]);
             let (mut asked, mut unsure) = (0, 0);
             for widget in batch.widgets() {
@@ -95,7 +95,8 @@ impl LaneKernel for Tabulated {
                     continue;
                 }
                 asked |= meets.bits();
-                let (own, glow, no) = self.of::<L>(widget, &segments.only(meets), &fields, depth_only);
+                let (own, glow, no) =
+                    self.widget_light::<L>(widget, &segments.only(meets), &fields, depth_only);
                 unsure |= no;
                 product = own.mul_add(depth, product);
                 depth = depth + own;

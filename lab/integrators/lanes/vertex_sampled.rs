@@ -1,4 +1,4 @@
-//! What the transfer function is at the grid's points, linear between them. Twin of `VertexSampled`, of a
+//! Transfer function classified at the grid's points, linear between them. Twin of `VertexSampled`, of a
 //! scene that is classified.
 
 use crate::CLASSIFIED;
@@ -6,7 +6,7 @@ use voltet_cpu::integrator::{FallbackReason, LaneKernel, LaneScene, SegmentBatch
 use voltet_simd::optics::linear::{DEEPEST, front_back};
 use voltet_simd::{Float, Lanes, Mask, array};
 
-/// Where κ by channel and ρ stand among a batch's values.
+/// Indices of κ by channel and of ρ among a batch's values.
 pub(super) struct VertexSampled {
     places: [usize; 4],
     /// Per scene length: offset + scale × stored.

@@ -1,4 +1,4 @@
-//! What every integrator must fulfil, and how fast those that sample approach the closed forms.
+//! Requirements of every integrator, and orders of convergence of those that sample.
 
 mod tables;
 mod tabulated;

@@ -96,7 +96,7 @@ fn pre_integrated_errors_fall_with_the_square_of_the_size() {
     }
 }
 
-/// Where the function has a corner between two nodes, the error is of first order in the distance of the nodes.
+/// A corner of the function between two nodes leaves an error of first order in the distance of the nodes.
 #[test]
 fn corners_of_the_function_leave_an_error_of_first_order() {
     let extent = Extent { scalar: [0.0, 1.0], longest: 1.0 };

@@ -107,7 +107,7 @@ fn slab() {
     }
 }
 
-/// The same cube everywhere and at every size gives the same picture; far away positions have 1e-10 of the
+/// One cube gives one picture at every position and size; far away positions have 1e-10 of the
 /// cube's size.
 #[test]
 fn place_and_size_do_not_matter() {

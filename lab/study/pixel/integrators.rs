@@ -4,7 +4,6 @@ use super::record::{IntegratorPixel, mean};
 use crate::numbers::Numbers;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
-use voltet_nodes::drawing;
 use voltet_optics::Segment;
 use voltet_optics::compositing::Composite;
 use voltet_optics::integrators::{Integrator, SegmentIntegrator};
@@ -25,7 +24,7 @@ pub(super) fn all(
 ) -> Result<Vec<IntegratorPixel>> {
     let own = scene.shading.integrator;
     let segments: Vec<Vec<Traced>> = rays.iter().map(|ray| traced(tracer, ray)).collect();
-    let alone = drawing::Alone::new(scene, progress)?;
+    let alone = voltet_introspect::SegmentProbe::new(scene, progress)?;
     let mut all = Vec::new();
     for (number, kind) in integrators.iter().enumerate() {
         if progress.cancelled() {

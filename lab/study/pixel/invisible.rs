@@ -1,4 +1,4 @@
-//! Why a ray shows nothing.
+//! Reasons for a ray that shows nothing.
 
 use voltet_optics::scene::Scene;
 use voltet_optics::trace::{Ray, Tracer, Walk};

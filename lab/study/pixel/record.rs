@@ -35,7 +35,7 @@ pub struct Pixel {
     pub integrators: Vec<IntegratorPixel>,
     /// Background of the picture where the pipeline writes it (linear RGB).
     pub background: [f64; 3],
-    /// Why the ray shows nothing, where it does.
+    /// Reason why the ray shows nothing, where it does.
     pub nothing: Option<String>,
 }
 

@@ -23,7 +23,7 @@ pub struct HardPicture {
     pub scene: String,
     /// Engine that drew it.
     pub engine: String,
-    /// Why it was not drawn: what a device refuses, `auto` leaves to the native engine.
+    /// Reason why it was not drawn: a scene that a device refuses goes to the CPU engine by `auto`.
     pub refused: Option<String>,
     /// Largest error of a channel; ∞ where one is not finite.
     pub worst_error: f64,

@@ -1,7 +1,7 @@
 //! A setting written into a pipeline file; every other byte stays as it is.
 
 use super::settings::overlap_name;
-use super::{Form, RenderConfig, Study, Value as Key};
+use super::{RenderConfig, RendererNode, Study, Value as Key};
 use voltet_core::Result;
 use voltet_document::{Document, Edit};
 use voltet_graph::ParameterValue;
@@ -41,12 +41,12 @@ fn engine_keys<'a>(study: &'a Study, setting: &RenderConfig) -> Vec<(&'static st
     let variant = setting.variant;
     let mut keys = Vec::new();
     match asked.form {
-        Form::Stages => return keys,
-        Form::GpuRenderer if variant.engine.name != asked.engine => {
+        RendererNode::Stages => return keys,
+        RendererNode::GpuRenderer if variant.engine.name != asked.engine => {
             keys.extend([("type", "renderer"), ("engine", variant.engine.name)]);
         }
-        Form::GpuRenderer => {}
-        Form::Renderer => {
+        RendererNode::GpuRenderer => {}
+        RendererNode::Renderer => {
             let same = study.own.is_some_and(|own| own.variant.engine == variant.engine);
             keys.extend((!same).then_some(("engine", variant.engine.name)));
         }

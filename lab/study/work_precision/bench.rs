@@ -1,7 +1,7 @@
 //! The engines that settings are measured on: those that are asked for and there.
 
 use super::measure::{Cost, Frames, measure};
-use super::subject::Form;
+use super::subject::RendererNode;
 use super::{Engines, RenderConfig, RendererVariant, StudyOptions, Subject, settings};
 use crate::devices;
 use std::sync::Arc;
@@ -154,7 +154,7 @@ fn open(subject: &Subject, wish: &StudyOptions, engine: &'static EngineInfo) -> 
     if !engine.on_device {
         return Bench::open(engine, None);
     }
-    if asked.form == Form::Stages && engine != NATIVE {
+    if asked.form == RendererNode::Stages && engine != NATIVE {
         let what =
             "the stages of the pipeline, one by one, are the native engine's: no device stands in for them";
         let accepted = "a pipeline that draws with a node of type \"renderer\"";

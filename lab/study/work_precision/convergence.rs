@@ -33,7 +33,7 @@ pub struct Convergence {
     pub observed: Option<f64>,
     /// Reason for the expected order.
     pub expected: f64,
-    /// Why.
+    /// Reason.
     pub reason: &'static str,
 }
 

@@ -53,6 +53,6 @@ pub use reference::{Reference, cache_folder, reference};
 pub use refine::{Refinement, Source, refinement, refuse_too_fine};
 pub use run::{Refused, Row, Study, study};
 pub use settings::{RenderConfig, Value, settings, studied};
-pub use subject::{Asked, Form, Subject, drawing_nodes};
+pub use subject::{RendererNode, Subject, SubjectRequest, drawing_nodes};
 pub use table::{csv, json, text};
 pub use variant::{Engines, RendererVariant};

@@ -18,14 +18,17 @@ pub enum Measure {
 }
 
 impl Measure {
+    /// Every measure with its name on the command line and a description.
+    pub const NAMES: [(Measure, &'static str, &'static str); 4] = [
+        (Measure::Maximum, "max", "The largest difference of a channel of premultiplied linear RGBA"),
+        (Measure::RootMeanSquare, "rms", "The root of the mean square of these differences"),
+        (Measure::Percentile, "p99.9", "The 99.9th percentile of these differences"),
+        (Measure::Flip, "flip", "The perceptual difference FLIP, mean over the pixels"),
+    ];
+
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Measure::Maximum => "max",
-            Measure::RootMeanSquare => "rms",
-            Measure::Percentile => "p99.9",
-            Measure::Flip => "flip",
-        }
+        Measure::NAMES[self as usize].1
     }
 
     /// Label of an axis.

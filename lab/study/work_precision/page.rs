@@ -2,7 +2,7 @@
 
 use super::canvas::escaped;
 use super::table::{
-    COMPARED, by_time, convergence_lines, engine_lines, evaluations, milliseconds, refinement_lines,
+    COMPARED, HEADS, by_time, cells, convergence_lines, engine_lines, milliseconds, refinement_lines,
 };
 use super::{Measure, Row, Study};
 use std::fmt::Write;
@@ -127,53 +127,21 @@ pub(crate) fn line_to(html: &mut String, text: &str) {
 }
 
 fn table(study: &Study) -> String {
-    let names = [
-        "setting",
-        "picture ms",
-        "evals/px",
-        "rms",
-        "p99.9",
-        "max",
-        "&gt;1/255",
-        "FLIP",
-        "fastest",
-        "slowest",
-        "frames",
-        "set-up",
-        "cull",
-        "sort",
-        "project",
-        "composite",
-        "memory MiB",
-    ];
-    let heads: String = names.map(|name| format!("<th>{name}</th>")).concat();
+    let heads: String = HEADS.iter().map(|name| format!("<th>{}</th>", escaped(name))).collect();
     let mut html = format!(
         "<h2>Every setting</h2>\n<p>Cheapest first; on the Pareto front in bold. Medians; all times in milliseconds. {}</p>\n\
          <div class=\"wide\"><table>\n<thead><tr>{heads}</tr></thead>\n<tbody>\n",
         escaped(COMPARED)
     );
     for i in by_time(study) {
-        let (row, cost) = (&study.rows[i], &study.rows[i].cost);
+        let row = &study.rows[i];
         let class = match (study.recommended == Some(i), row.on_front) {
             (true, _) => " class=\"front chosen\"",
             (_, true) => " class=\"front\"",
             _ => "",
         };
-        let note = if row.of_file { " (the file's)" } else { "" };
-        let mut cells = vec![format!("{}{note}", escaped(&row.setting.label()))];
-        cells.push(milliseconds(cost.picture.median_ms));
-        cells.push(evaluations(study, cost).unwrap_or("–".into()));
-        let errors = &row.errors;
-        let wrong = [errors.root_mean_square, errors.percentile_99_9, errors.maximum];
-        cells.extend(wrong.map(|error| format!("{error:.1e}")));
-        cells.push(errors.pixels_over_step.to_string());
-        cells.push(format!("{:.1e}", row.flip));
-        cells.extend([cost.picture.fastest_ms, cost.picture.slowest_ms].map(milliseconds));
-        cells.push(cost.frames.to_string());
-        let stages = [Some(cost.set_up), cost.cull, cost.sort, cost.project, cost.composite];
-        cells.extend(stages.map(|times| times.map_or("–".into(), |times| milliseconds(times.median_ms))));
-        cells.push(cost.peak_memory_bytes.map_or("–".into(), |bytes| (bytes >> 20).to_string()));
-        let cells: String = cells.iter().map(|cell| format!("<td>{cell}</td>")).collect();
+        let cells = cells(study, row);
+        let cells: String = cells.iter().map(|cell| format!("<td>{}</td>", escaped(cell))).collect();
         line_to(&mut html, &format!("<tr{class}>{cells}</tr>"));
     }
     html + "</tbody></table></div>\n"

@@ -17,7 +17,7 @@ const PLANE: [f64; 4] = [84.0, 46.0, 716.0, 540.0];
 const GREY: Color = [110, 110, 110];
 
 /// Errors are drawn no lower than this: less is below what 32-bit numbers near 1 can tell apart.
-const LEAST_ERROR: f64 = 1e-8;
+const MIN_ERROR: f64 = 1e-8;
 
 /// Style of an integrator's points. Symbols and dashes tell them apart without colour; the colours (Okabe and Ito 2008)
 /// differ for the colour-blind too.
@@ -53,11 +53,11 @@ fn kinds(study: &Study) -> impl Iterator<Item = (Integrator, &'static Style, Vec
 /// Draws the plot.
 pub fn plot(study: &Study, title: &str) -> Canvas {
     let measure = study.wish.measure;
-    let error = |row: &Row| row.error(measure).max(LEAST_ERROR);
+    let error = |row: &Row| row.error(measure).max(MIN_ERROR);
     let time = |row: &Row| row.cost.picture.median_ms;
     let [left, top, right, bottom] = PLANE;
     let x = Axis::over(study.rows.iter().map(time), left, right);
-    let bound = study.wish.max_error.map(|bound| bound.max(LEAST_ERROR));
+    let bound = study.wish.max_error.map(|bound| bound.max(MIN_ERROR));
     let y = Axis::over(study.rows.iter().map(error).chain(bound), bottom, top);
     let at = |row: &Row| [x.place(time(row)), y.place(error(row).min(10f64.powf(y.high)))];
 

@@ -27,7 +27,7 @@ use voltet_optics::integrators::Integrator;
 use voltet_optics::shading::VisibilityOrder;
 
 /// Most cells of the finest grid: some 20 GiB while they are drawn.
-const CELLS_MOST: u64 = 100_000_000;
+const MAX_CELLS: u64 = 100_000_000;
 
 /// Source of values between the points.
 pub enum Source<'a> {
@@ -58,7 +58,7 @@ pub struct Refinement {
 pub fn refuse_too_fine(subject: &Subject, levels: u32) -> Result<()> {
     let count = subject.scene.volume.grid.tetrahedra.len() as u64;
     let refined = |levels: u32| 8u64.checked_pow(levels).and_then(|pieces| count.checked_mul(pieces));
-    let fits = |levels: u32| refined(levels).is_some_and(|cells| cells <= CELLS_MOST);
+    let fits = |levels: u32| refined(levels).is_some_and(|cells| cells <= MAX_CELLS);
     if fits(levels) {
         return Ok(());
     }
@@ -71,7 +71,7 @@ pub fn refuse_too_fine(subject: &Subject, levels: u32) -> Result<()> {
     let fewer = most.map_or("no --refine".into(), |most| format!("--refine {most} or less"));
     Err(Error::usage("the grid is too large to be refined that often")
         .got(format!("{cells} cells of {count}, refined {levels} times"))
-        .expected(format!("at most {CELLS_MOST} cells: {fewer}")))
+        .expected(format!("at most {MAX_CELLS} cells: {fewer}")))
 }
 
 /// Refines the scene's grid `levels` times (at least once).

@@ -44,7 +44,7 @@ pub struct Row {
 pub struct Refused {
     /// The setting.
     pub setting: RenderConfig,
-    /// Why.
+    /// Error.
     pub error: Error,
 }
 

@@ -1,5 +1,6 @@
 //! The settings that are tried: every integrator that can serve the scene, over its own numbers.
 
+use super::subject::is_studied;
 use super::{RendererVariant, Subject};
 use crate::numbers::Numbers;
 use voltet_graph::{ParameterType, Registry};
@@ -69,11 +70,6 @@ const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 /// One integrator of each registered kind that is studied.
 pub fn studied(registry: &Registry) -> Vec<Integrator> {
     kinds(registry.variants(INTEGRATOR)).into_iter().map(Integrator::new).filter(is_studied).collect()
-}
-
-/// True for all but the referee's, with which the others are compared.
-pub(super) fn is_studied(integrator: &Integrator) -> bool {
-    *integrator != REFERENCE
 }
 
 /// An integrator over its own numbers.

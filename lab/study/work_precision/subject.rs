@@ -1,7 +1,6 @@
 //! Subject of a study: the scene of the pipeline's node that draws, and its options.
 
 use super::RendererVariant;
-use super::settings::is_studied;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 use voltet_graph::{Demand, Graph, GraphNode, Observer, Parameters, Session, Value, diagonal};
@@ -10,10 +9,11 @@ use voltet_optics::engine::{Accumulation, Compositor, EngineInfo};
 use voltet_optics::integrators::{INTEGRATOR, Integrator, kinds};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::Ordering;
+use voltet_reference::REFERENCE;
 
 /// Kind of nodes that draw, which decides where an engine can be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
+pub enum RendererNode {
     /// A `renderer`, on any engine.
     Renderer,
     /// A `gpu-renderer`.
@@ -24,9 +24,9 @@ pub enum Form {
 
 /// Options of engines in the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Asked {
+pub struct SubjectRequest {
     /// Kind of nodes that draw.
-    pub form: Form,
+    pub form: RendererNode,
     /// "auto", or the engine's name.
     pub engine: String,
     /// The adapter, where one is named.
@@ -49,7 +49,7 @@ pub struct Subject {
     /// True if the order of a pixel's segments changes the picture.
     pub needs_order: bool,
     /// Options of engines in the file.
-    pub asked: Asked,
+    pub asked: SubjectRequest,
     /// One integrator of each kind that the pipeline may name, with default settings, in the order of registration.
     pub integrators: Vec<Integrator>,
     /// Background of the picture where the pipeline writes it (linear RGB).
@@ -106,7 +106,7 @@ impl Subject {
                 .map(Integrator::new)
                 .collect(),
             scene,
-            asked: Asked::from_node(node.node.name, &node.parameters),
+            asked: SubjectRequest::from_node(node.node.name, &node.parameters),
             background: background(graph, place),
         })
     }
@@ -130,23 +130,23 @@ impl Subject {
     }
 }
 
-impl Asked {
+impl SubjectRequest {
     /// True if the engine is left open.
     pub fn is_auto(&self) -> bool {
         self.engine == drawing::AUTO
     }
 
-    fn from_node(node: &str, parameters: &Parameters) -> Asked {
+    fn from_node(node: &str, parameters: &Parameters) -> SubjectRequest {
         let form = match node {
-            "renderer" => Form::Renderer,
-            "gpu-renderer" => Form::GpuRenderer,
-            _ => Form::Stages,
+            "renderer" => RendererNode::Renderer,
+            "gpu-renderer" => RendererNode::GpuRenderer,
+            _ => RendererNode::Stages,
         };
         let text = |name: &str| parameters.optional(name).and_then(|setting| setting.text());
         let engine = match form {
-            Form::Renderer => text("engine").unwrap_or(drawing::AUTO),
-            Form::GpuRenderer => drawing::DEVICE.name,
-            Form::Stages => drawing::NATIVE.name,
+            RendererNode::Renderer => text("engine").unwrap_or(drawing::AUTO),
+            RendererNode::GpuRenderer => drawing::DEVICE.name,
+            RendererNode::Stages => drawing::NATIVE.name,
         };
         let accumulation = text("accumulation").and_then(Accumulation::named).unwrap_or_default();
         // Rounding is no tiles' matter.
@@ -155,7 +155,7 @@ impl Asked {
             _ => Compositor::Raster.name(),
         };
         let compositor = text("compositor").filter(|word| *word != drawing::AUTO).unwrap_or(open);
-        Asked {
+        SubjectRequest {
             form,
             engine: engine.into(),
             adapter: text("adapter").map(str::to_string),
@@ -215,4 +215,9 @@ fn background(graph: &Graph, place: usize) -> [f64; 3] {
     };
     let given = graph.nodes.iter().filter(shows).find(|node| node.parameters.is_set("background"));
     given.and_then(|node| node.parameters.vector("background").ok()).unwrap_or([0.0; 3])
+}
+
+/// True for all integrators but the reference, with which the others are compared.
+pub(super) fn is_studied(integrator: &Integrator) -> bool {
+    *integrator != REFERENCE
 }

@@ -2,7 +2,8 @@
 
 use super::measure::Cost;
 use super::settings::overlap_name;
-use super::{Convergence, Refused, RenderConfig, RendererVariant, Row, Study, Times, Value as Key};
+use super::{Convergence, Refused, RenderConfig, RendererVariant, Row, Study, Value as Key};
+use crate::columns::aligned;
 use serde_json::{Value, json as object};
 use voltet_optics::engine::Accumulation;
 
@@ -21,7 +22,7 @@ pub(super) const COMPARED: &str = "The integrators of an engine share all but th
      the transfer function, its closed form or its table was asked.";
 
 /// Evaluations a pixel, with three digits that tell something.
-pub(super) fn evaluations(study: &Study, cost: &Cost) -> Option<String> {
+fn evaluations(study: &Study, cost: &Cost) -> Option<String> {
     let [width, height] = study.subject.scene.camera.size.map(f64::from);
     cost.evaluations.map(|count| milliseconds(count as f64 / (width * height)))
 }
@@ -36,59 +37,59 @@ pub(super) fn by_time(study: &Study) -> Vec<usize> {
     order
 }
 
+/// Columns of a table for people. Medians; all times in milliseconds.
+pub(super) const HEADS: [&str; 17] = [
+    "setting",
+    "picture ms",
+    "evals/px",
+    "rms",
+    "p99.9",
+    "max",
+    ">1/255",
+    "FLIP",
+    "fastest",
+    "slowest",
+    "frames",
+    "set-up",
+    "cull",
+    "sort",
+    "project",
+    "composite",
+    "memory MiB",
+];
+
+/// Cells of a row, by the columns.
+pub(super) fn cells(study: &Study, row: &Row) -> Vec<String> {
+    let (cost, errors) = (&row.cost, &row.errors);
+    let note = if row.of_file { " (the file's)" } else { "" };
+    let mut cells = vec![format!("{}{note}", row.setting.label())];
+    cells.push(milliseconds(cost.picture.median_ms));
+    cells.push(evaluations(study, cost).unwrap_or("–".into()));
+    let wrong = [errors.root_mean_square, errors.percentile_99_9, errors.maximum];
+    cells.extend(wrong.map(|error| format!("{error:.1e}")));
+    cells.push(errors.pixels_over_step.to_string());
+    cells.push(format!("{:.1e}", row.flip));
+    cells.extend([cost.picture.fastest_ms, cost.picture.slowest_ms].map(milliseconds));
+    cells.push(cost.frames.to_string());
+    let stages = [Some(cost.set_up), cost.cull, cost.sort, cost.project, cost.composite];
+    cells.extend(stages.map(|times| times.map_or("–".into(), |times| milliseconds(times.median_ms))));
+    cells.push(cost.peak_memory_bytes.map_or("–".into(), |bytes| (bytes >> 20).to_string()));
+    cells
+}
+
 /// The table, what is recommended, and the orders of convergence.
 pub fn text(study: &Study) -> String {
-    let stage = |times: &[Option<Times>]| match times.iter().copied().collect::<Option<Vec<Times>>>() {
-        Some(times) => milliseconds(times.iter().map(|times| times.median_ms).sum()),
-        None => "-".into(),
-    };
-    let width = study.rows.iter().map(|row| row.setting.label().len()).max().unwrap_or(0).max(10);
-    let mut text = format!(
-        "    {:width$}  {:>8} {:>15} {:>9}  {:>7} {:>7} {:>7} {:>9}  {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}\n",
-        "integrator",
-        "total ms",
-        "spread",
-        "evals/px",
-        "set-up",
-        "cull",
-        "project",
-        "composite",
-        "rms",
-        "p99.9",
-        "max",
-        ">1/255",
-        "FLIP",
-        "MiB"
-    );
+    let mut rows = vec![HEADS.map(str::to_string).to_vec()];
+    rows[0].insert(0, String::new());
     for i in by_time(study) {
-        let (row, cost) = (&study.rows[i], &study.rows[i].cost);
-        let mark = if row.on_front { "*" } else { " " };
+        let row = &study.rows[i];
+        let mut line = cells(study, row);
         let recommended = if study.recommended == Some(i) { ">" } else { " " };
-        let own = if row.of_file { "f" } else { " " };
-        let spread =
-            format!("{}..{}", milliseconds(cost.picture.fastest_ms), milliseconds(cost.picture.slowest_ms));
-        let memory = cost.peak_memory_bytes.map_or("-".into(), |bytes| (bytes >> 20).to_string());
-        let work = evaluations(study, cost).unwrap_or("-".into());
-        text += &format!(
-            "{recommended}{mark}{own} {:width$}  {:>8} {spread:>15} {work:>9}  {:>7} {:>7} {:>7} {:>9}  {:>8.1e} {:>8.1e} {:>8.1e} \
-             {:>8} {:>8.1e} {memory:>8}\n",
-            row.setting.label(),
-            milliseconds(cost.picture.median_ms),
-            milliseconds(cost.set_up.median_ms),
-            stage(&[cost.cull, cost.sort]),
-            stage(&[cost.project]),
-            stage(&[cost.composite]),
-            row.errors.root_mean_square,
-            row.errors.percentile_99_9,
-            row.errors.maximum,
-            row.errors.pixels_over_step,
-            row.flip,
-        );
+        line.insert(0, format!("{recommended}{}", if row.on_front { "*" } else { " " }));
+        rows.push(line);
     }
-    text += &format!(
-        "* on the Pareto front (time, {} error), > recommended, f as the file has it; cull with sorting\n",
-        study.wish.measure.name()
-    );
+    let mut text = aligned(&rows, |column| column < 2);
+    text += &format!("* on the Pareto front (time, {} error), > recommended\n", study.wish.measure.name());
     text += &format!("{COMPARED}\n");
     let notes = engine_lines(study);
     for line in notes.iter().chain(&convergence_lines(study)).chain(&refinement_lines(study)) {

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use voltet_core::grid::Array;
 use voltet_core::transfer::{OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget};
 use voltet_core::volume::Volume;
+use voltet_optics::arbitrary::widget_of_each_kind;
 
 /// The smooth field with its gradient, and three further fields: two, and a magnitude that is 0 on a part.
 fn volume() -> Arc<Volume> {
@@ -37,7 +38,7 @@ fn table() -> Table {
     Table { width: 4, height: 3, texels: (0..12).map(texel).collect(), s: [0.1, 0.9], g: [0.0, 2.0] }
 }
 
-/// Each kind, by name, some of them with a region.
+/// Each kind, by name, some of them with a region; a kind that has no entry here is drawn by lot.
 pub fn widgets() -> Vec<(&'static str, Widget)> {
     let of = |profile| Widget { profile, color: [0.9, 0.6, 0.2], extinction: 3.0, region: None };
     let cut = |widget: Widget| Widget {
@@ -56,7 +57,7 @@ pub fn widgets() -> Vec<(&'static str, Widget)> {
         matrix: vec![vec![0.1, 0.0], vec![0.02, 3.0]],
     };
     let ramp = ramp().widgets.remove(0);
-    vec![
+    let mut widgets = vec![
         ("uniform", polygon(&[[0.2, 0.0], [0.8, 0.1], [0.7, 1.0], [0.3, 1.3]], 1.5, [0.3, 0.9, 0.4])),
         ("line", gaussian([0.6, 0.8], [0.1, f64::INFINITY], 4.0, [1.0, 0.5, 0.15])),
         ("plane", gaussian([0.6, 0.8], [0.1, 0.5], 4.0, [0.2, 0.5, 1.1])),
@@ -71,7 +72,14 @@ pub fn widgets() -> Vec<(&'static str, Widget)> {
         ("cut sine", cut(of(Profile::SineWave(wave(0.13, 0.7))))),
         ("cut ramp", cut(ramp)),
         ("cut triangular nd", cut(of(triangular_nd))),
-    ]
+    ];
+    for widget in widget_of_each_kind() {
+        let name = widget.profile.name();
+        if widgets.iter().all(|(_, known)| known.profile.name() != name) {
+            widgets.push((name, Widget { extinction: 3.0, ..widget }));
+        }
+    }
+    widgets
 }
 
 const CONSTANT: OpticalModel = OpticalModel::ConstantEmitter { cutoff: 1.0 / 255.0 };

@@ -133,7 +133,7 @@ fn scenes() -> Vec<(Vec<usize>, TransferFunction)> {
     scenes
 }
 
-/// What was not chosen is absent.
+/// Checks that unchosen pieces are absent.
 fn check_words(
     kinds: &[usize],
     transfer_function: &TransferFunction,

@@ -12,10 +12,11 @@ use voltet_shaders::{
     Access, Blend, Choices, CompositorProgram, FramePass, GRID_GROUP, GridArray, Layout, PIECES, Parts,
     PlacementRecord, RoundRecord, RunRecord, TileOrder, ViewRecord, cells_read, compose,
 };
+use voltet_testing::segments::widget_of_each_kind;
 
 const ORDERS: [TileOrder; 3] = [TileOrder::Exact, TileOrder::Listed, TileOrder::Sum];
 
-/// One scene a kind, each with a region and without, and one of two widgets, under both models.
+/// Scenes of each kind, with a region and without, and of two widgets, under both models.
 fn scenes() -> Vec<TransferFunction> {
     let point = |s, extinction| ControlPoint { s, color: [s, 0.5, 0.1], extinction };
     let wave = Wave { origin: [0.1, 0.2], angle: 0.4, scale: [1.0; 2], period: 0.1, band_width: 0.5 };
@@ -46,6 +47,7 @@ fn scenes() -> Vec<TransferFunction> {
     ];
     let triangle = Region { corners: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]] };
     let mut lists = vec![vec![]];
+    lists.extend(widget_of_each_kind().into_iter().map(|widget| vec![widget]));
     for profile in profiles {
         for region in [None, Some(triangle.clone())] {
             let widget = Widget { profile: profile.clone(), color: [0.1, 0.5, 1.0], extinction: 1.0, region };
@@ -131,7 +133,7 @@ fn tiles_are_valid_for_every_kind_light_and_integrator() {
 
 const BLENDS: [Blend; 3] = [Blend::Over, Blend::Sum, Blend::Rounded { bits: 12 }];
 
-/// What blends, with its entry points for vertices and pixels.
+/// Blending compositors, with their entry points for vertices and pixels.
 fn blending() -> Vec<(CompositorProgram, [&'static str; 2])> {
     let outlines = BLENDS.map(|blend| (CompositorProgram::Raster(blend), ["outline_cell", "blend_cell"]));
     let triangles =
@@ -147,7 +149,7 @@ fn is_rounded(compositor: CompositorProgram) -> bool {
     )
 }
 
-/// Of the three entry points a driver compiles those that it is asked for; all are in one text.
+/// A driver compiles those of the three entry points that it is asked for; all are in one text.
 #[test]
 fn what_blends_is_valid_for_every_kind_light_and_integrator() {
     let mut texts = HashSet::new();

@@ -15,7 +15,7 @@ use voltet_testing::segments::{MODELS, look, overlapping, segments};
 
 const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 
-/// Of ε (4 |truth| + change): walks of 8-point panels leave 1e-5.
+/// Tolerance (multiples of ε (4 |truth| + change)): walks of 8-point panels leave 1e-5.
 const ROUNDING: f64 = 32.0;
 
 /// |found − truth| as a share of the tolerance and the rounding of 32 bits; A and T keep the latter.

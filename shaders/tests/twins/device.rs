@@ -155,7 +155,7 @@ impl Device {
         self.queue.submit([encoder.finish()]);
     }
 
-    /// What a buffer holds, when all passes are done.
+    /// Contents of a buffer when all passes are done.
     pub fn read(&self, buffer: &wgpu::Buffer) -> Vec<f32> {
         let read = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: None,

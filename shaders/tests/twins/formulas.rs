@@ -3,10 +3,10 @@
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Wave, Widget};
 use voltet_judge::twin::{INPUTS, Range};
 use voltet_optics::clip::ClippedSpan;
-use voltet_optics::gaussian::GaussianPath;
+use voltet_optics::kinds::gaussian::GaussianPath;
+use voltet_optics::kinds::triangular_gaussian::TriangularPath;
+use voltet_optics::kinds::wave::Bell;
 use voltet_optics::shading::{Integrator, Shading};
-use voltet_optics::triangular_gaussian::TriangularPath;
-use voltet_optics::wave::Bell;
 use voltet_optics::{WidgetBlend, linear, special};
 use voltet_shaders::{Axis, Parameters};
 
@@ -23,9 +23,9 @@ pub struct Twin {
     pub truth: Truth,
     pub inputs: &'static [Range],
     pub tolerance: f64,
-    /// Why that tolerance.
+    /// Reason of the tolerance.
     pub reason: &'static str,
-    /// What fills the slots of the piece.
+    /// Text that fills the slots of the piece.
     pub generated: &'static str,
 }
 
@@ -116,7 +116,7 @@ fn waves(sine: bool, width: f64, peak: Option<f64>) -> Twin {
     Twin { generated, ..made }
 }
 
-/// Of three fields, with a width of 1 at the back.
+/// Triangular Gaussian of three fields, with a width of 1 at the back.
 const TRIANGULAR_OF_FIELDS: &str = "fn triangular_of_fields(x: vec4f) -> f32 {
     let front = Fields(x.x, x.y, 0.3, 0.0, 0.0, 0.0, 0.0, 0.0);
     let back = Fields(x.z, -0.5, 0.7, 0.0, 0.0, 0.0, 0.0, 0.0);

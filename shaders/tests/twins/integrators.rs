@@ -15,7 +15,7 @@ pub fn shading(integrator: Integrator) -> Shading {
     Shading { integrator, overlap: WidgetBlend::Exact, silhouette: None, light: None }
 }
 
-/// What rounding a stored value changes, by the axes.
+/// Change of a stored value by rounding, by the axes.
 pub fn stored(axes: &[Axis]) -> impl Fn(usize, f64) -> f64 {
     |a, v| axes.get(a).map_or(0.0, |axis| v - axis.offset)
 }

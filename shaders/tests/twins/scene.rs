@@ -29,7 +29,7 @@ pub struct Composed {
     length: f64,
 }
 
-/// Where no table of lengths is asked for.
+/// Extent for scenes without a table of lengths.
 const NO_EXTENT: Extent = Extent { scalar: [0.0; 2], longest: 1.0 };
 
 impl Composed {
@@ -85,7 +85,7 @@ impl Scenes {
         self.integrate_by(scene, &compose(&scene.choices), segments)
     }
 
-    /// The same by another shader that reads what the scene's reads.
+    /// Integrates by another shader that reads the scene's resources.
     pub fn integrate_by(&self, scene: &Composed, shader: &Shader, segments: &[Segment]) -> Vec<Contribution> {
         let (pass, inputs) = self.bind(scene, shader, segments);
         let length = CONTRIBUTION * segments.len();

@@ -3,12 +3,13 @@
 use super::{Plugins, Set};
 use crate::nodes::drawing::ENGINES;
 use crate::optics::engine::Compositor;
+use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{Args, ValueEnum};
 use std::path::PathBuf;
+use voltet_study::gradient_test::RequirementKind;
 #[cfg(feature = "papers")]
 use voltet_study::papers::Paper;
-use voltet_study::work_precision::Engines;
+use voltet_study::work_precision::{Engines, Measure};
 
 #[derive(Debug, Args)]
 #[command(after_help = "Exit codes: 0 every bound is kept, 1 one is broken, 2 the file is wrong.")]
@@ -34,7 +35,7 @@ pub struct Stability {
     /// the referee changes by as much when the camera moves by a thousandth of a pixel, or the data are rounded to 32 bits.
     /// Some 40 scenes a second on two cores. A device draws each in every way of compositing, a software driver in seconds; its
     /// triangles may be off by what their cells, one by one, change when corners move by 1/256 of a pixel.
-    #[arg(long, value_name = "COUNT", conflicts_with_all = ["cases", "markdown"])]
+    #[arg(long, value_name = "COUNT", conflicts_with = "cases")]
     pub scenes: Option<u64>,
     /// The number of the first of them.
     #[arg(long, value_name = "NUMBER", default_value_t = 0, requires = "scenes")]
@@ -45,9 +46,6 @@ pub struct Stability {
     /// Write everything that was found as JSON to the standard output.
     #[arg(long)]
     pub json: bool,
-    /// Write it as Markdown: the page docs/src/explanation/stability.md.
-    #[arg(long, conflicts_with_all = ["cases", "json"])]
-    pub markdown: bool,
 }
 
 #[derive(Debug, Args)]
@@ -85,8 +83,8 @@ pub struct Study {
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     pub max_error: Option<f64>,
     /// The error that decides about the recommendation and the Pareto front.
-    #[arg(long, value_name = "WHICH", value_enum, default_value = "max")]
-    pub measure: MeasureName,
+    #[arg(long, value_name = "WHICH", value_parser = measures(), default_value = "max")]
+    pub measure: Measure,
     /// Refine the grid this often (2 without a number), to tell the error of integration from that of taking the data as
     /// linear in each cell.
     ///
@@ -219,10 +217,10 @@ pub struct GradientTest {
         long,
         value_name = "WHAT",
         value_delimiter = ',',
-        value_enum,
+        value_parser = requirements(),
         default_value = "finite,linear,order,invariance"
     )]
-    pub hold_to: Vec<HoldName>,
+    pub hold_to: Vec<Option<RequirementKind>>,
     /// The least order of convergence inside, on every family of grids.
     #[arg(long, value_name = "ORDER", default_value_t = 0.8, allow_negative_numbers = true)]
     pub order: f64,
@@ -254,19 +252,22 @@ pub struct GradientTest {
     pub plugins: Plugins,
 }
 
-/// Requirements on a gradient filter.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum HoldName {
-    /// A finite vector at every point, on every grid.
-    Finite,
-    /// Exact on linear fields: --linear-error.
-    Linear,
-    /// Converges inside on every family of grids: --order.
-    Order,
-    /// Invariance of the gradient, but for rounding, under translation, rotation, scaling and numbering of the grid.
-    Invariance,
-    /// Nothing: the exit code is 0 whatever is found.
-    Nothing,
+/// Requirements on a gradient filter by name; `None`: nothing.
+fn requirements() -> impl TypedValueParser<Value = Option<RequirementKind>> {
+    use RequirementKind::{Finite, Invariance, Linear, Order};
+    let words = [
+        (Some(Finite), "finite", "A finite vector at every point, on every grid"),
+        (Some(Linear), "linear", "Exact on linear fields: --linear-error"),
+        (Some(Order), "order", "Converges inside on every family of grids: --order"),
+        (
+            Some(Invariance),
+            "invariance",
+            "Invariance of the gradient, but for rounding, under translation, rotation, scaling and numbering of the grid",
+        ),
+        (None, "nothing", "Nothing: the exit code is 0 whatever is found"),
+    ];
+    PossibleValuesParser::new(words.map(|(_, name, help)| PossibleValue::new(name).help(help)))
+        .map(move |name| words.iter().find(|word| word.1 == name).and_then(|word| word.0))
 }
 
 /// A picture's size, "1024x768".
@@ -286,7 +287,7 @@ fn papers() -> impl TypedValueParser<Value = Paper> {
 
 /// The ways in which a device composites.
 fn compositors() -> impl TypedValueParser<Value = Compositor> {
-    let words = Compositor::WORDS.iter().map(|(name, help)| PossibleValue::new(*name).help(*help));
+    let words = Compositor::NAMES.iter().map(|(name, help)| PossibleValue::new(*name).help(*help));
     PossibleValuesParser::new(words).map(|name| Compositor::named(&name).unwrap_or(Compositor::Tiles))
 }
 
@@ -299,16 +300,9 @@ fn engines() -> impl TypedValueParser<Value = Engines> {
         .map(move |name| named(name).map_or(Engines::All, Engines::One))
 }
 
-/// Errors of a picture.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum MeasureName {
-    /// The largest difference of a channel of premultiplied linear RGBA.
-    Max,
-    /// The root of the mean square of these differences.
-    Rms,
-    /// The 99.9th percentile of these differences.
-    #[value(name = "p99.9")]
-    P999,
-    /// The perceptual difference FLIP, mean over the pixels.
-    Flip,
+/// The errors of a picture by name.
+fn measures() -> impl TypedValueParser<Value = Measure> {
+    let words = Measure::NAMES.iter().map(|(_, name, help)| PossibleValue::new(*name).help(*help));
+    let named = |name: String| Measure::NAMES.iter().find(|word| word.1 == name);
+    PossibleValuesParser::new(words).map(move |name| named(name).map_or_else(Measure::default, |word| word.0))
 }

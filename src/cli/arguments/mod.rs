@@ -4,7 +4,7 @@ mod lab;
 
 #[cfg(feature = "papers")]
 pub use lab::Papers;
-pub use lab::{GradientTest, HoldName, MeasureName, Stability, Study, Time};
+pub use lab::{GradientTest, Stability, Study, Time};
 
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -26,7 +26,7 @@ pub struct Arguments {
 pub enum Command {
     /// Run pipeline files and write their pictures.
     ///
-    /// A picture that voltet wrote (.png, .exr) serves as a pipeline file here and for every other command: it carries the
+    /// A picture that voltet wrote serves as a pipeline file here and for every other command: it carries the
     /// pipeline that drew it.
     Run(Run),
     /// Check pipeline files: names, types, ranges and wires. Runs nothing, reads no data.
@@ -38,7 +38,7 @@ pub enum Command {
     /// Show what a data file holds, what a pipeline finds out about its data without drawing, or what a picture carries.
     ///
     /// For a data file: cells, arrays with ranges, bounds, and a pipeline to start with. For a pipeline file (.toml): findings of its
-    /// probes, and for each transfer function with waves the number of bands that the cells cross. For a picture (.png, .exr): the
+    /// probes, and for each transfer function with waves the number of bands that the cells cross. For a picture: the
     /// data, the camera and the pipeline that drew it.
     Info(Info),
     /// Write a pipeline file for a data file, with a transfer function found from the data.
@@ -222,7 +222,7 @@ pub struct Nodes {
 
 #[derive(Debug, Args)]
 pub struct Info {
-    /// A data file, a pipeline file (.toml), or a picture (.png, .exr).
+    /// A data file, a pipeline file (.toml), or a picture.
     #[arg(value_name = "DATA")]
     pub data: PathBuf,
     #[command(flatten)]

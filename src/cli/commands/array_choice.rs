@@ -1,8 +1,7 @@
 //! Choice of an array of a data file, as options state it and as parameters of a `reader` node.
 
 use crate::cli::present::Bar;
-use crate::core::progress::Progress;
-use crate::graph::{Observer, ParameterValue};
+use crate::graph::{NodeProgress, ParameterValue};
 use crate::io::formats::{ArrayHead, ArraySummary, Association, Request, TimeStep};
 use std::path::{Path, PathBuf};
 
@@ -66,19 +65,7 @@ pub(super) fn differs(array: &ArraySummary) -> bool {
     array.range.is_some_and(|[low, high]| low < high)
 }
 
-/// Progress bar for work without nodes.
-pub(super) struct BarProgress<'a>(pub(super) &'a Bar);
-
-impl Progress for BarProgress<'_> {
-    fn report(&self, stage: &str, fraction: f64) {
-        self.0.progress("", stage, fraction);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.0.cancelled()
-    }
-
-    fn memory_left(&self) -> Option<u64> {
-        self.0.memory_left()
-    }
+/// Progress of work without nodes, on a bar.
+pub(super) fn bar_progress(bar: &Bar) -> NodeProgress<'_> {
+    NodeProgress { observer: bar, node: "" }
 }

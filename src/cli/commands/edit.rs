@@ -82,8 +82,7 @@ impl Observer for Gathering<'_> {
 fn pipeline_for(path: &std::path::Path, at: &std::path::Path, registry: &Registry) -> Result<String> {
     use crate::Source;
     use crate::cli::arguments::{Plugins, Start};
-    let is_picture = path.extension().is_some_and(|end| end == "png" || end == "exr");
-    if is_picture {
+    if super::picture_info::is_picture(path) {
         return Ok(Source::read(path)?.text);
     }
     let (data, output) = (path.to_path_buf(), Some(at.to_path_buf()));
@@ -97,7 +96,7 @@ fn pipeline_for(path: &std::path::Path, at: &std::path::Path, registry: &Registr
         plugins: Plugins::default(),
     };
     let quiet = crate::cli::present::Bar::new(true);
-    super::start::pipeline(&arguments, registry, at, &super::array_choice::BarProgress(&quiet))
+    super::start::pipeline(&arguments, registry, at, &super::array_choice::bar_progress(&quiet))
         .map(|(text, _)| text)
 }
 

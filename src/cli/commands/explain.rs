@@ -86,26 +86,26 @@ fn explained(document: &Document, plan: &Plan, unknown: &[usize], exhaustive: bo
     text
 }
 
-/// What leaving it out saves, in brackets.
+/// Saved work, in brackets.
 fn saved(left: &SkippedWork) -> String {
     left.saving.map(|saving| format!(" (saves {saving})")).unwrap_or_default()
 }
 
-/// Whether a node's numbers, or those of its widgets, are relative to data.
+/// True if a node's numbers, or those of its widgets, are relative to data.
 fn is_relative(node: &GraphNode) -> bool {
     let widgets = node.parameters.kinds("widgets").unwrap_or_default();
     let tables = std::iter::once(&node.parameters).chain(widgets.iter().map(|(_, keys)| keys));
     tables.into_iter().any(|parameters| !parameters.relative_numbers().is_empty())
 }
 
-/// Whether some transfer function has bands.
+/// True if some transfer function has bands.
 fn waves(graph: &Graph) -> bool {
     let mut kinds =
         graph.order.iter().flat_map(|&i| graph.nodes[i].parameters.kinds("widgets").unwrap_or_default());
     kinds.any(|(kind, _)| kind.ends_with("-wave"))
 }
 
-/// What is asked of a node, where that says more than its type.
+/// Request to a node, where it says more than the node's type.
 fn asked(node: &GraphNode, demand: &Demand) -> Option<String> {
     let first = node.node.outputs.first()?.port_type;
     let mut asked: Vec<String> = Vec::new();

@@ -1,6 +1,6 @@
 //! `voltet gradient-test`: how right a gradient filter is and what it costs, beside others.
 
-use super::array_choice::BarProgress;
+use super::array_choice::bar_progress;
 use super::exit_status::{DONE, show};
 use crate::cli::arguments;
 use crate::cli::present::{Bar, print, say};
@@ -12,7 +12,7 @@ use crate::nodes::files;
 use crate::output_conflicts::{self, OptionFile};
 use std::path::Path;
 use voltet_study::gradient_test::{
-    GradientTest, RequirementKind, TestOptions, gradient_test as measure, methods, page, plot, text,
+    GradientTest, TestOptions, gradient_test as measure, methods, page, plot, text,
 };
 
 /// The filter breaks what it is held to.
@@ -35,7 +35,7 @@ pub fn gradient_test(arguments: &arguments::GradientTest, registry: &Registry) -
     arguments.plot.as_deref().map_or(Ok(false), super::pixel::is_png)?;
     outputs.iter().try_for_each(|(_, path)| files::refuse_unwritable(path))?;
     let bar = Bar::new(arguments.quiet);
-    let found = measure(&methods, &wish, &BarProgress(&bar));
+    let found = measure(&methods, &wish, &bar_progress(&bar));
     bar.clear();
     let found = found?;
     outputs
@@ -73,22 +73,10 @@ fn wish(arguments: &arguments::GradientTest) -> Result<TestOptions> {
         levels: arguments.levels.clone(),
         timed: arguments.timed,
         rounds: arguments.rounds,
-        hold_to: arguments.hold_to.iter().filter_map(|name| Option::<RequirementKind>::from(*name)).collect(),
+        hold_to: arguments.hold_to.iter().copied().flatten().collect(),
         order: arguments.order,
         linear_error: arguments.linear_error,
     };
     wish.check(|name| format!("--{}", name.replace('_', "-")))?;
     Ok(wish)
-}
-
-impl From<arguments::HoldName> for Option<RequirementKind> {
-    fn from(name: arguments::HoldName) -> Option<RequirementKind> {
-        match name {
-            arguments::HoldName::Finite => Some(RequirementKind::Finite),
-            arguments::HoldName::Linear => Some(RequirementKind::Linear),
-            arguments::HoldName::Order => Some(RequirementKind::Order),
-            arguments::HoldName::Invariance => Some(RequirementKind::Invariance),
-            arguments::HoldName::Nothing => None,
-        }
-    }
 }

@@ -1,12 +1,13 @@
 //! `voltet info`: what a data file holds, and a pipeline to start with; of a pipeline, what it finds out.
 
-use super::array_choice::{ArrayChoice, BarProgress, differs, request};
+use super::array_choice::{ArrayChoice, bar_progress, differs, request};
 use super::exit_status::DONE;
 use super::picture_info::{is_picture, picture_info};
 use super::pipeline_info::pipeline_info;
 use crate::Document;
 use crate::cli::arguments::Info;
 use crate::cli::present::{Bar, name, number, print};
+use crate::core::grid::CellType;
 use crate::core::{Error, Result};
 use crate::graph::Registry;
 use crate::io::formats::{ArrayHead, ArraySummary, Association, Request, Summary, inspect, unread};
@@ -33,7 +34,7 @@ pub fn info(arguments: &Info, registry: &Registry) -> Result<u8> {
     let wanted = request(arguments.time_step, arguments.solution.as_ref());
     let wanted = added::request(wanted, &arguments.data, registry)?;
     let bar = Bar::new(false);
-    let summary = inspect(&arguments.data, &wanted, &BarProgress(&bar));
+    let summary = inspect(&arguments.data, &wanted, &bar_progress(&bar));
     bar.clear();
     let summary = summary?;
     if arguments.json {
@@ -74,39 +75,7 @@ fn json(summary: &Summary) -> Value {
 
 /// The name of a VTK cell type.
 fn cell_name(code: u8) -> String {
-    let name = match code {
-        1 => "vertex",
-        2 => "poly-vertex",
-        3 => "line",
-        4 => "poly-line",
-        5 => "triangle",
-        6 => "triangle strip",
-        7 => "polygon",
-        8 => "pixel",
-        9 => "quadrilateral",
-        10 => "tetrahedron",
-        11 => "voxel",
-        12 => "hexahedron",
-        13 => "wedge",
-        14 => "pyramid",
-        15 => "pentagonal prism",
-        16 => "hexagonal prism",
-        21 => "quadratic edge",
-        22 => "quadratic triangle",
-        23 => "quadratic quadrilateral",
-        24 => "quadratic tetrahedron",
-        25 => "quadratic hexahedron",
-        26 => "quadratic wedge",
-        27 => "quadratic pyramid",
-        28 => "bi-quadratic quadrilateral",
-        29 => "tri-quadratic hexahedron",
-        32 => "bi-quadratic quadratic wedge",
-        33 => "bi-quadratic quadratic hexahedron",
-        37 => "tri-quadratic pyramid",
-        42 => "polyhedron",
-        _ => return format!("VTK cell type {code}"),
-    };
-    name.to_string()
+    CellType::from_code(code).map_or_else(|| format!("VTK cell type {code}"), |known| known.name.into())
 }
 
 fn described(path: &Path, summary: &Summary) -> String {

@@ -1,6 +1,6 @@
 //! `voltet papers`: the tables and figures of the papers, made anew.
 
-use super::array_choice::BarProgress;
+use super::array_choice::bar_progress;
 use super::exit_status::DONE;
 use super::study::refuse_unwritable;
 use crate::Document;
@@ -36,7 +36,7 @@ pub fn papers(arguments: &arguments::Papers, registry: &Registry) -> Result<u8> 
     };
     let open = |file: &str, options: &[String]| open(&arguments.pipelines, file, options, registry);
     let bar = Bar::new(arguments.quiet);
-    let made = papers::papers(&options, &open, &BarProgress(&bar));
+    let made = papers::papers(&options, &open, &bar_progress(&bar));
     bar.clear();
     let sections = made?;
     let written = write(&sections, &arguments.output)?;

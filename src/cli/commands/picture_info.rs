@@ -7,12 +7,13 @@ use crate::cli::present::{number, print};
 use crate::core::{Error, Result};
 use crate::graph::pipeline::Pipeline;
 use crate::graph::{NodeEntry, ParameterValue};
-use crate::io::provenance::{self, CameraRecord, DataFile, PluginRecord, Provenance, SidecarFiles};
+use crate::io::encode;
+use crate::io::provenance::{CameraRecord, DataFile, PluginRecord, Provenance, SidecarFiles};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// True if the file is of a format that can carry a pipeline.
+/// True if the file is a picture.
 pub fn is_picture(path: &Path) -> bool {
     // A pipe can be read once.
     if !std::fs::metadata(path).is_ok_and(|there| there.is_file()) {
@@ -21,7 +22,7 @@ pub fn is_picture(path: &Path) -> bool {
     let mut head = Vec::new();
     // Damage is reported where all of it is read.
     let read = File::open(path).and_then(|file| file.take(8).read_to_end(&mut head));
-    read.is_ok() && provenance::is_picture(&head)
+    read.is_ok() && encode::format_of(&head).is_some()
 }
 
 pub fn picture_info(arguments: &Info) -> Result<u8> {

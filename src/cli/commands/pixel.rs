@@ -1,6 +1,6 @@
 //! `voltet pixel`: what one pixel is made of, cell by cell along its ray.
 
-use super::array_choice::BarProgress;
+use super::array_choice::bar_progress;
 use super::exit_status::{DONE, show, warn};
 use super::pipelines::open;
 use crate::Document;
@@ -47,7 +47,7 @@ fn dissect(arguments: &arguments::Pixel, document: &Document) -> Result<u8> {
         place,
         arguments.sample,
         &mut session,
-        (&bar, &BarProgress(&bar)),
+        (&bar, &bar_progress(&bar)),
     );
     bar.clear();
     let found = found?;

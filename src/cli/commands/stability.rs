@@ -1,11 +1,10 @@
 //! `voltet stability`: the formulas against exact values, hard cells against the referee, and what papers print.
 
+use super::array_choice::bar_progress;
 use super::exit_status::DONE;
 use crate::cli::arguments::Stability;
 use crate::cli::present::{Bar, name, print};
-use crate::core::progress::Progress;
 use crate::core::{Error, Result};
-use crate::graph::Observer;
 use serde_json::{Value, json};
 use std::path::Path;
 use voltet_judge::{Report, SegmentEvaluator, judge_all};
@@ -28,26 +27,25 @@ fn verdict(passed: bool) -> u8 {
 
 /// Everything that the program has to say of itself.
 fn all(arguments: &Stability) -> Result<u8> {
-    let watch = ProgressBar(Bar::new(false));
+    let bar = Bar::new(false);
     let subjects = stability::subjects(arguments.adapter.as_deref())?;
-    let found = stability::stability(&subjects, &watch);
-    watch.0.clear();
+    let found = stability::stability(&subjects, &bar_progress(&bar));
+    bar.clear();
     let found = found?;
-    print(&match (arguments.json, arguments.markdown) {
-        (true, _) => format!("{:#}\n", stability::json(&found)),
-        (false, true) => stability::markdown(&found),
-        (false, false) => stability::text(&found),
+    print(&match arguments.json {
+        true => format!("{:#}\n", stability::json(&found)),
+        false => stability::text(&found),
     })?;
     Ok(verdict(found.passed()))
 }
 
 /// Scenes drawn by lot.
 fn scenes(count: u64, arguments: &Stability) -> Result<u8> {
-    let watch = ProgressBar(Bar::new(false));
+    let bar = Bar::new(false);
     let subjects = stability::subjects(arguments.adapter.as_deref())?;
     let numbers = arguments.first..arguments.first.saturating_add(count);
-    let found = stability::random(&subjects, arguments.seed, numbers, &watch);
-    watch.0.clear();
+    let found = stability::random(&subjects, arguments.seed, numbers, &bar_progress(&bar));
+    bar.clear();
     let found = found?;
     print(&match arguments.json {
         true => format!("{:#}\n", json!(found)),
@@ -91,17 +89,4 @@ fn judge(path: &Path, arguments: &Stability) -> Result<u8> {
         print(&text)?;
     }
     Ok(verdict(passed))
-}
-
-/// Shows progress.
-struct ProgressBar(Bar);
-
-impl Progress for ProgressBar {
-    fn report(&self, stage: &str, fraction: f64) {
-        self.0.progress("", stage, fraction);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.0.cancelled()
-    }
 }

@@ -1,6 +1,6 @@
 //! `voltet start`: a pipeline file for a data file, with a transfer function over (s, g) found from the data.
 
-use super::array_choice::{ArrayChoice, BarProgress, differs, request, scalar};
+use super::array_choice::{ArrayChoice, bar_progress, differs, request, scalar};
 use super::exit_status::DONE;
 use crate::cli::arguments::Start;
 use crate::cli::present::{Bar, name, say};
@@ -46,7 +46,7 @@ pub fn start(arguments: &Start, registry: &Registry) -> Result<u8> {
         }
     }
     let bar = Bar::new(false);
-    let text = pipeline(arguments, registry, &output, &BarProgress(&bar));
+    let text = pipeline(arguments, registry, &output, &bar_progress(&bar));
     bar.clear();
     let (text, said) = text?;
     if to_output {

@@ -14,7 +14,7 @@ use crate::output_conflicts::{self, OptionFile};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Duration;
-use voltet_study::work_precision::{self as study, Benches, Frames, Measure, Study, StudyOptions, Subject};
+use voltet_study::work_precision::{self as study, Benches, Frames, Study, StudyOptions, Subject};
 
 /// Stopped before the end, or nothing keeps the error allowed.
 const SHORT: u8 = 1;
@@ -78,7 +78,7 @@ pub(super) fn wish(arguments: &arguments::Study, registry: &Registry) -> Result<
             turn: 0.0,
             in_flight: 1,
         },
-        measure: arguments.measure.into(),
+        measure: arguments.measure,
         max_error: arguments.max_error,
         refine: arguments.refine,
     })
@@ -247,16 +247,5 @@ impl Progress for ProgressPrinter {
 
     fn memory_left(&self) -> Option<u64> {
         self.bar.memory_left()
-    }
-}
-
-impl From<arguments::MeasureName> for Measure {
-    fn from(name: arguments::MeasureName) -> Measure {
-        match name {
-            arguments::MeasureName::Max => Measure::Maximum,
-            arguments::MeasureName::Rms => Measure::RootMeanSquare,
-            arguments::MeasureName::P999 => Measure::Percentile,
-            arguments::MeasureName::Flip => Measure::Flip,
-        }
     }
 }

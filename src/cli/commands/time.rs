@@ -1,11 +1,12 @@
 //! `voltet time`: what a frame costs on each engine, with a camera that turns.
 
+use super::array_choice::bar_progress;
 use super::exit_status::{DONE, show, warn};
 use super::pipelines::open_all;
 use crate::Document;
 use crate::cli::arguments;
 use crate::cli::present::{Bar, print};
-use crate::core::progress::Progress;
+use crate::core::progress::CancelOnly;
 use crate::core::{Error, Result};
 use crate::graph::{Observer, Registry};
 use std::time::Duration;
@@ -56,21 +57,6 @@ fn wish(arguments: &arguments::Time) -> Result<StudyOptions> {
         max_error: None,
         refine: 0,
     })
-}
-
-/// Progress that is cancelled by Ctrl-C and shows nothing, since that takes time.
-struct Cancellation<'a>(&'a Bar);
-
-impl Progress for Cancellation<'_> {
-    fn report(&self, _stage: &str, _fraction: f64) {}
-
-    fn cancelled(&self) -> bool {
-        self.0.cancelled()
-    }
-
-    fn memory_left(&self) -> Option<u64> {
-        self.0.memory_left()
-    }
 }
 
 const HEAD: &str =
@@ -130,7 +116,9 @@ fn rows(
     for &size in if arguments.size.is_empty() { &own[..] } else { &arguments.size } {
         subject.scene.camera.size = size;
         for setting in settings(arguments, &subject, benches) {
-            let line = match benches.measure(&subject, &setting, &wish.frames, &Cancellation(bar)) {
+            // Progress is not shown, since that takes time.
+            let watch = CancelOnly(&bar_progress(bar));
+            let line = match benches.measure(&subject, &setting, &wish.frames, &watch) {
                 Ok((_, cost)) => row(&subject, &setting, &cost),
                 Err(error) if bar.cancelled() => return Err(error),
                 Err(error) => format!("{}{error} {}", head(&subject, &setting), "|".repeat(11)),

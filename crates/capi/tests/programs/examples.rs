@@ -87,7 +87,7 @@ fn the_commands_of_the_page_do_what_it_says() {
     assert!(picture("quickstart.ppm").starts_with(b"P6\n800 600\n255\n"));
 }
 
-/// Whether there is such a program; where compilers are required, their absence fails the other tests.
+/// True if there is such a program; where compilers are required, their absence fails the other tests.
 fn is_there(name: &str) -> bool {
     Command::new(name).arg("--version").output().is_ok()
 }

@@ -38,7 +38,7 @@ impl Installed {
         self.linked(sources, &options)
     }
 
-    /// The same linked with the static library.
+    /// Links the sources with the static library.
     #[track_caller]
     pub fn static_program(&self, sources: &[&str]) -> Option<PathBuf> {
         let archive = self.path("libvoltet.a");
@@ -61,12 +61,12 @@ impl Installed {
     }
 }
 
-/// What a program says; its engine is the CPU's, in whose lanes truth is drawn, too.
+/// Runs a program; its engine is the CPU's, in whose lanes the expected picture is drawn, too.
 pub fn run(program: &Path, words: &[&Path]) -> Output {
     Command::new(program).args(words).output().unwrap()
 }
 
-/// The same where it must succeed.
+/// Runs a program that must succeed.
 #[track_caller]
 pub fn succeed(program: &Path, words: &[&Path]) -> String {
     let output = run(program, words);

@@ -1,7 +1,7 @@
 //! `gaussian`: exp(−|K (v − centre)|²) over the (s, g) plane (Song et al. 2009, section 4.2; Kniss et al. 2003, Eq. 12).
 
-use super::keys::{COLOR, DeclaredKind, EXTINCTION, MATRIX, POSITIVE_OR_INFINITE, REGION, SIGMA, kernel};
-use super::profile::{AxisOrigin, ColorSource, Profile, Properties};
+use super::keys::{COLOR, EXTINCTION, MATRIX, POSITIVE_OR_INFINITE, REGION, SIGMA, kernel};
+use super::properties::{AxisOrigin, ColorSource, Properties};
 use crate::Result;
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
@@ -13,31 +13,28 @@ use crate::transfer::hull::{Corners, gaussian, range};
 use crate::transfer::slab::Slab;
 
 /// The declaration.
-pub(super) const KIND: DeclaredKind = DeclaredKind {
-    kind: VariantSchema {
-        name: "gaussian",
-        summary: "A Gaussian over the scalar and its gradient magnitude.",
-        parameters: &[
-            COLOR,
-            EXTINCTION,
-            Parameter {
-                name: "centre",
-                parameter_type: VALUES,
-                unit: "(s, g)",
-                default: DefaultValue::Required,
-                help: "the middle of the widget, [s, g]",
-            },
-            Parameter {
-                parameter_type: WIDTHS,
-                unit: "(s, g)",
-                help: "standard deviations along s and g; inf ignores the axis",
-                ..SIGMA
-            },
-            Parameter { parameter_type: FACTORS, unit: "1 / units of s, g", ..MATRIX },
-            REGION,
-        ],
-    },
-    read: |p, _| read(p),
+pub(super) const KIND: VariantSchema = VariantSchema {
+    name: "gaussian",
+    summary: "A Gaussian over the scalar and its gradient magnitude.",
+    parameters: &[
+        COLOR,
+        EXTINCTION,
+        Parameter {
+            name: "centre",
+            parameter_type: VALUES,
+            unit: "(s, g)",
+            default: DefaultValue::Required,
+            help: "the middle of the widget, [s, g]",
+        },
+        Parameter {
+            parameter_type: WIDTHS,
+            unit: "(s, g)",
+            help: "standard deviations along s and g; inf ignores the axis",
+            ..SIGMA
+        },
+        Parameter { parameter_type: FACTORS, unit: "1 / units of s, g", ..MATRIX },
+        REGION,
+    ],
 };
 
 /// [s, g].
@@ -60,15 +57,16 @@ const FACTORS: ParameterType = ParameterType::Measured(&RelativeNumberType {
     axis: AxisRef::Places(&["s", "g"]),
 });
 
-fn read(p: &Parameters) -> Result<Profile> {
+/// Centre and matrix.
+pub(super) fn read(p: &Parameters) -> Result<([f64; 2], [[f64; 2]; 2])> {
     let rows = kernel(p, 2, std::f64::consts::SQRT_2)?;
     let matrix = [[rows[0][0], rows[0][1]], [rows[1][0], rows[1][1]]];
-    Ok(Profile::Gaussian { centre: p.vector("centre")?, matrix })
+    Ok((p.vector("centre")?, matrix))
 }
 
 pub(super) fn properties(centre: &[f64; 2], matrix: &[[f64; 2]; 2]) -> Properties<'static> {
     Properties {
-        name: KIND.kind.name,
+        name: KIND.name,
         color: ColorSource::Widget,
         own_peak: None,
         fields: Vec::new(),

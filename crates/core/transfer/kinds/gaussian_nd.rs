@@ -1,35 +1,33 @@
 //! `gaussian-nd`: exp(−|K (v − centre)|²) over a list of fields of its own (Kniss et al. 2003, Eq. 11 and 12).
 
 use super::keys::{
-    CENTRE_OF_FIELDS, COLOR, DeclaredKind, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, REGION, SIGMA_OF_FIELDS,
+    CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, REGION, SIGMA_OF_FIELDS,
     fields_and_centre, kernel,
 };
-use super::profile::{AxisOrigin, ColorSource, MAX_FIELDS, Profile, Properties};
+use super::properties::{AxisOrigin, ColorSource, MAX_FIELDS, Properties};
 use crate::parameters::{Parameters, VariantSchema};
 use crate::transfer::check::finite;
 use crate::transfer::hull::{Corners, gaussian};
 use crate::{Error, Result};
 
 /// The declaration.
-pub(super) const KIND: DeclaredKind = DeclaredKind {
-    kind: VariantSchema {
-        name: "gaussian-nd",
-        summary: "A Gaussian over one to eight point arrays.",
-        parameters: &[COLOR, EXTINCTION, FIELDS, CENTRE_OF_FIELDS, SIGMA_OF_FIELDS, MATRIX_OF_FIELDS, REGION],
-    },
-    read: |p, _| read(p),
+pub(super) const KIND: VariantSchema = VariantSchema {
+    name: "gaussian-nd",
+    summary: "A Gaussian over one to eight point arrays.",
+    parameters: &[COLOR, EXTINCTION, FIELDS, CENTRE_OF_FIELDS, SIGMA_OF_FIELDS, MATRIX_OF_FIELDS, REGION],
 };
 
-fn read(p: &Parameters) -> Result<Profile> {
+/// Fields, centre and matrix.
+pub(super) fn read(p: &Parameters) -> Result<(Vec<String>, Vec<f64>, Vec<Vec<f64>>)> {
     let (fields, centre) = fields_and_centre(p, MAX_FIELDS)?;
     let matrix = kernel(p, fields.len(), std::f64::consts::SQRT_2)?;
-    Ok(Profile::GaussianNd { fields, centre, matrix })
+    Ok((fields, centre, matrix))
 }
 
 pub(super) fn properties<'a>(fields: &'a [String], centre: &[f64]) -> Properties<'a> {
     let centres = centre.iter().map(|&centre| AxisOrigin::Centre(centre));
     Properties {
-        name: KIND.kind.name,
+        name: KIND.name,
         color: ColorSource::Widget,
         own_peak: None,
         fields: fields.iter().map(String::as_str).collect(),

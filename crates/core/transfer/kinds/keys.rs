@@ -3,21 +3,13 @@
 //! The file gives angles in degrees and widths as σ; the library takes radians and the matrix K with
 //! K = diag(1/(√2 σ)) for the axis-aligned Gaussian (docs/src/explanation/optics.md, section 5).
 
-use super::profile::Profile;
 use crate::Result;
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
-    VariantSchema,
 };
 
 /// Reads the image of a table widget: width, height and straight linear RGBA texels, row 0 at the top.
 pub type LoadImage<'a> = &'a dyn Fn(&str) -> Result<(usize, usize, Vec<[f32; 4]>)>;
-
-/// A kind as it is declared, and how its profile is read.
-pub(in crate::transfer) struct DeclaredKind {
-    pub kind: VariantSchema,
-    pub read: fn(&Parameters, LoadImage) -> Result<Profile>,
-}
 
 pub(super) const COLOR: Parameter = Parameter {
     name: "color",

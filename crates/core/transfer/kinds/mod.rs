@@ -1,14 +1,14 @@
 //! The kinds of widgets, one file each: keys in a pipeline file, checks, properties, and where the support lies.
 //!
-//! To add a kind, add a variant to [`Profile`] and a file here; the compiler then lists what else must be said. No `match`
-//! over kinds has an arm for the rest.
+//! To add a kind, add a file here, a variant to [`Profile`] and an entry to [`DECLARED`]; the compiler then lists the other layers'
+//! `match`es; only what a kind may lack has an arm for the rest. CONTRIBUTING.md names their files.
 
 mod gaussian;
 mod gaussian_nd;
 mod keys;
 mod maximum_table;
 mod piecewise_linear;
-mod profile;
+mod properties;
 mod table;
 mod triangular_gaussian;
 mod triangular_gaussian_nd;
@@ -16,30 +16,112 @@ mod uniform;
 mod wave;
 
 pub use keys::LoadImage;
-pub use profile::{
-    AxisOrigin, Bands, ColorSource, ControlPoint, MAX_FIELDS, Profile, Properties, Table, Wave,
-};
+pub use properties::{AxisOrigin, Bands, ColorSource, ControlPoint, MAX_FIELDS, Properties, Table, Wave};
 pub(super) use wave::ACROSS;
 
 use super::hull::Corners;
 use super::slab::{Slab, SupportRadius};
 use crate::Result;
-use crate::parameters::VariantSchema;
-use keys::DeclaredKind;
+use crate::parameters::{Parameters, VariantSchema};
 use maximum_table::MaximumTable;
 use std::sync::Arc;
 
+/// A widget's profile (peak 1). Lengths along s are in units of s, along g in units of g.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Profile {
+    /// 1 inside the region (which is required). Song et al. 2009, section 4.1.
+    Uniform,
+    /// exp(−|K (v − centre)|²). Song section 4.2; Kniss et al. 2003, Eq. 12.
+    Gaussian {
+        /// [s, g].
+        centre: [f64; 2],
+        /// K, rows first; the axis-aligned form is diag(1/(√2 σ_s), 1/(√2 σ_g)).
+        matrix: [[f64; 2]; 2],
+    },
+    /// Gaussian over its own list of 1 … [`MAX_FIELDS`] fields. Kniss Eq. 11, 12.
+    GaussianNd {
+        /// Names of the point arrays.
+        fields: Vec<String>,
+        /// One value a field.
+        centre: Vec<f64>,
+        /// K, rows first, `fields.len()` squared.
+        matrix: Vec<Vec<f64>>,
+    },
+    /// exp(−((s − centre)/(sigma g))²), 0 where g = 0. Kniss section 3.2.
+    TriangularGaussian {
+        /// s₀.
+        centre: f64,
+        /// Width per unit of g.
+        sigma: f64,
+    },
+    /// exp(−|K (v − centre)|²/m²) over a list of 1 … [`MAX_FIELDS`] − 1 fields of its own, 0 where m ≤ 0. Kniss section
+    /// 3.2, with m² for the norm of DᵀD, so that one field is the same as above.
+    TriangularGaussianNd {
+        /// Names of the point arrays.
+        fields: Vec<String>,
+        /// Name of the point array m, the magnitude of all their gradients.
+        magnitude: String,
+        /// One value a field.
+        centre: Vec<f64>,
+        /// K, rows first, `fields.len()` squared: the inverse of the widths per unit of m.
+        matrix: Vec<Vec<f64>>,
+    },
+    /// tri(φ). Song section 4.3.
+    TriangleWave(Wave),
+    /// |sin(π φ)|. Song section 4.4.
+    SineWave(Wave),
+    /// Colour and extinction linear between control points in s, constant beyond the ends.
+    PiecewiseLinear {
+        /// In rising s, at least one.
+        points: Vec<ControlPoint>,
+    },
+    /// A W × H image over [s_a, s_b] × [g_a, g_b]. Song section 3.3.2.
+    Table(Arc<Table>),
+}
+
+/// A kind's declaration, and how its profile is read.
+pub(super) struct DeclaredKind {
+    pub kind: VariantSchema,
+    pub read: fn(&Parameters, LoadImage) -> Result<Profile>,
+}
+
 /// All kinds, in the order in which help lists them.
-pub(super) const DECLARED: [DeclaredKind; 9] = [
-    uniform::KIND,
-    gaussian::KIND,
-    gaussian_nd::KIND,
-    triangular_gaussian::KIND,
-    triangular_gaussian_nd::KIND,
-    wave::TRIANGLE,
-    wave::SINE,
-    piecewise_linear::KIND,
-    table::KIND,
+pub(super) const DECLARED: &[DeclaredKind] = &[
+    DeclaredKind { kind: uniform::KIND, read: |_, _| Ok(Profile::Uniform) },
+    DeclaredKind {
+        kind: gaussian::KIND,
+        read: |p, _| gaussian::read(p).map(|(centre, matrix)| Profile::Gaussian { centre, matrix }),
+    },
+    DeclaredKind {
+        kind: gaussian_nd::KIND,
+        read: |p, _| {
+            let (fields, centre, matrix) = gaussian_nd::read(p)?;
+            Ok(Profile::GaussianNd { fields, centre, matrix })
+        },
+    },
+    DeclaredKind {
+        kind: triangular_gaussian::KIND,
+        read: |p, _| {
+            Ok(Profile::TriangularGaussian { centre: p.number("centre")?, sigma: p.number("sigma")? })
+        },
+    },
+    DeclaredKind {
+        kind: triangular_gaussian_nd::KIND,
+        read: |p, _| {
+            let (fields, magnitude, centre, matrix) = triangular_gaussian_nd::read(p)?;
+            Ok(Profile::TriangularGaussianNd { fields, magnitude, centre, matrix })
+        },
+    },
+    DeclaredKind { kind: wave::TRIANGLE, read: |p, _| wave::read(p).map(Profile::TriangleWave) },
+    DeclaredKind { kind: wave::SINE, read: |p, _| wave::read(p).map(Profile::SineWave) },
+    DeclaredKind {
+        kind: piecewise_linear::KIND,
+        read: |p, _| Ok(Profile::PiecewiseLinear { points: piecewise_linear::read(p)? }),
+    },
+    DeclaredKind {
+        kind: table::KIND,
+        read: |p, load_image| Ok(Profile::Table(Arc::new(table::read(p, load_image)?))),
+    },
 ];
 
 /// The kinds of widgets and their keys.
@@ -113,18 +195,8 @@ impl Profile {
     /// Profile with its own extinctions, where it holds any, multiplied by a factor.
     pub(super) fn with_extinction_times(&self, factor: f64) -> Profile {
         let mut profile = self.clone();
-        match &mut profile {
-            Profile::PiecewiseLinear { points } => {
-                points.iter_mut().for_each(|point| point.extinction *= factor);
-            }
-            Profile::Uniform
-            | Profile::Gaussian { .. }
-            | Profile::GaussianNd { .. }
-            | Profile::TriangularGaussian { .. }
-            | Profile::TriangularGaussianNd { .. }
-            | Profile::TriangleWave(_)
-            | Profile::SineWave(_)
-            | Profile::Table(_) => {}
+        if let Profile::PiecewiseLinear { points } = &mut profile {
+            points.iter_mut().for_each(|point| point.extinction *= factor);
         }
         profile
     }
@@ -141,13 +213,7 @@ impl Profile {
                 let texels = table.texels.iter().map(|texel| [r, g, b, texel[3]]).collect();
                 Profile::Table(Arc::new(Table { texels, ..table.as_ref().clone() }))
             }
-            Profile::Uniform
-            | Profile::Gaussian { .. }
-            | Profile::GaussianNd { .. }
-            | Profile::TriangularGaussian { .. }
-            | Profile::TriangularGaussianNd { .. }
-            | Profile::TriangleWave(_)
-            | Profile::SineWave(_) => self.clone(),
+            _ => self.clone(),
         }
     }
 
@@ -243,11 +309,7 @@ impl ProfileBounds {
             ProfileBounds::GaussianLine(line) => line.min_in_box(ranges),
             ProfileBounds::GaussianPlane(plane) => plane.min_in_box(ranges),
             ProfileBounds::PiecewiseLinear(points) => points.min_in_range(ranges[0]),
-            ProfileBounds::GaussianNd(_)
-            | ProfileBounds::TriangularGaussian(_)
-            | ProfileBounds::TriangularGaussianNd(_)
-            | ProfileBounds::Wave(_)
-            | ProfileBounds::Table(_) => 0.0,
+            _ => 0.0,
         }
     }
 }

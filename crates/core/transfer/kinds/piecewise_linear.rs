@@ -1,7 +1,7 @@
 //! `piecewise-linear`: colour and extinction linear between control points in s (Roettger & Ertl 2002; Moreland 2004).
 
-use super::keys::{DeclaredKind, REGION};
-use super::profile::{AxisOrigin, ColorSource, ControlPoint, Profile, Properties};
+use super::keys::REGION;
+use super::properties::{AxisOrigin, ColorSource, ControlPoint, Properties};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, RelativeNumberType, StatisticKind,
     VariantSchema,
@@ -12,29 +12,26 @@ use crate::transfer::slab::Slab;
 use crate::{Error, Result};
 
 /// The declaration.
-pub(super) const KIND: DeclaredKind = DeclaredKind {
-    kind: VariantSchema {
-        name: "piecewise-linear",
-        summary: "Colour and extinction linear between control points in s, constant beyond the ends.",
-        parameters: &[
-            Parameter {
-                name: "points",
-                parameter_type: ParameterType::Measured(&RelativeNumberType {
-                    plain: ParameterType::Rows(Some(5)),
-                    statistic: StatisticKind::Value,
-                    axis: AxisRef::Places(&["s"]),
-                }),
-                unit: "(s, linear RGB, per unit_distance)",
-                default: DefaultValue::Required,
-                help: "control points [s, r, g, b, extinction], s rising",
-            },
-            REGION,
-        ],
-    },
-    read: |p, _| Ok(Profile::PiecewiseLinear { points: read(p)? }),
+pub(super) const KIND: VariantSchema = VariantSchema {
+    name: "piecewise-linear",
+    summary: "Colour and extinction linear between control points in s, constant beyond the ends.",
+    parameters: &[
+        Parameter {
+            name: "points",
+            parameter_type: ParameterType::Measured(&RelativeNumberType {
+                plain: ParameterType::Rows(Some(5)),
+                statistic: StatisticKind::Value,
+                axis: AxisRef::Places(&["s"]),
+            }),
+            unit: "(s, linear RGB, per unit_distance)",
+            default: DefaultValue::Required,
+            help: "control points [s, r, g, b, extinction], s rising",
+        },
+        REGION,
+    ],
 };
 
-fn read(p: &Parameters) -> Result<Vec<ControlPoint>> {
+pub(super) fn read(p: &Parameters) -> Result<Vec<ControlPoint>> {
     let rows = p.rows("points")?;
     if rows.is_empty() {
         return Err(p
@@ -60,7 +57,7 @@ fn peak(points: &[ControlPoint]) -> f64 {
 
 pub(super) fn properties(points: &[ControlPoint]) -> Properties<'_> {
     Properties {
-        name: KIND.kind.name,
+        name: KIND.name,
         color: ColorSource::Points(points),
         own_peak: Some(peak(points)),
         fields: Vec::new(),

@@ -1,52 +1,48 @@
 //! `table`: a picture over the (s, g) plane (Song et al. 2009, section 3.3.2).
 
-use super::keys::{COLOR, DeclaredKind, EXTINCTION, LoadImage, REGION};
-use super::profile::{AxisOrigin, ColorSource, Profile, Properties, Table};
+use super::keys::{COLOR, EXTINCTION, LoadImage, REGION};
+use super::properties::{AxisOrigin, ColorSource, Properties, Table};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
     VariantSchema,
 };
 use crate::transfer::region::Region;
 use crate::{Error, Result};
-use std::sync::Arc;
 
 /// The declaration.
-pub(super) const KIND: DeclaredKind = DeclaredKind {
-    kind: VariantSchema {
-        name: "table",
-        summary: "A picture over the (s, g) plane: its colour, and its alpha times the extinction.",
-        parameters: &[
-            Parameter {
-                default: DefaultValue::Unset("the picture's own"),
-                help: "not used: the picture has its own",
-                ..COLOR
-            },
-            EXTINCTION,
-            Parameter {
-                name: "image",
-                parameter_type: ParameterType::InputPath,
-                unit: "",
-                default: DefaultValue::Required,
-                help: "PNG file, sRGB with alpha; its lowest row is the smallest g",
-            },
-            Parameter {
-                name: "s",
-                parameter_type: ParameterType::Measured(VALUES_OF_S),
-                unit: "units of s",
-                default: DefaultValue::Required,
-                help: "range of the scalar across the picture, [left, right]",
-            },
-            Parameter {
-                name: "g",
-                parameter_type: ParameterType::Measured(VALUES_OF_G),
-                unit: "units of g",
-                default: DefaultValue::Required,
-                help: "range of the gradient magnitude up the picture, [bottom, top]",
-            },
-            REGION,
-        ],
-    },
-    read,
+pub(super) const KIND: VariantSchema = VariantSchema {
+    name: "table",
+    summary: "A picture over the (s, g) plane: its colour, and its alpha times the extinction.",
+    parameters: &[
+        Parameter {
+            default: DefaultValue::Unset("the picture's own"),
+            help: "not used: the picture has its own",
+            ..COLOR
+        },
+        EXTINCTION,
+        Parameter {
+            name: "image",
+            parameter_type: ParameterType::InputPath,
+            unit: "",
+            default: DefaultValue::Required,
+            help: "PNG file, sRGB with alpha; its lowest row is the smallest g",
+        },
+        Parameter {
+            name: "s",
+            parameter_type: ParameterType::Measured(VALUES_OF_S),
+            unit: "units of s",
+            default: DefaultValue::Required,
+            help: "range of the scalar across the picture, [left, right]",
+        },
+        Parameter {
+            name: "g",
+            parameter_type: ParameterType::Measured(VALUES_OF_G),
+            unit: "units of g",
+            default: DefaultValue::Required,
+            help: "range of the gradient magnitude up the picture, [bottom, top]",
+        },
+        REGION,
+    ],
 };
 
 const VALUES_OF_S: &RelativeNumberType = &RelativeNumberType {
@@ -56,7 +52,7 @@ const VALUES_OF_S: &RelativeNumberType = &RelativeNumberType {
 };
 const VALUES_OF_G: &RelativeNumberType = &RelativeNumberType { axis: AxisRef::Every("g"), ..*VALUES_OF_S };
 
-fn read(p: &Parameters, load_image: LoadImage) -> Result<Profile> {
+pub(super) fn read(p: &Parameters, load_image: LoadImage) -> Result<Table> {
     let (s, g): ([f64; 2], [f64; 2]) = (p.vector("s")?, p.vector("g")?);
     for (name, [low, high]) in [("s", s), ("g", g)] {
         if low >= high {
@@ -65,12 +61,12 @@ fn read(p: &Parameters, load_image: LoadImage) -> Result<Profile> {
         }
     }
     let (width, height, texels) = load_image(p.text("image")?)?;
-    Ok(Profile::Table(Arc::new(Table { width, height, texels, s, g })))
+    Ok(Table { width, height, texels, s, g })
 }
 
 pub(super) fn properties(table: &Table) -> Properties<'_> {
     Properties {
-        name: KIND.kind.name,
+        name: KIND.name,
         color: ColorSource::Texels(&table.texels),
         own_peak: None,
         fields: Vec::new(),

@@ -1,7 +1,7 @@
 //! `triangular-gaussian`: exp(−((s − centre)/(sigma g))²), 0 where g = 0 (Kniss et al. 2003, section 3.2).
 
-use super::keys::{COLOR, DeclaredKind, EXTINCTION, REGION};
-use super::profile::{AxisOrigin, ColorSource, Profile, Properties};
+use super::keys::{COLOR, EXTINCTION, REGION};
+use super::properties::{AxisOrigin, ColorSource, Properties};
 use crate::Result;
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Range, RelativeNumberType, StatisticKind, VariantSchema,
@@ -11,44 +11,41 @@ use crate::transfer::hull::{Corners, gaussian};
 use crate::transfer::slab::Slab;
 
 /// The declaration.
-pub(super) const KIND: DeclaredKind = DeclaredKind {
-    kind: VariantSchema {
-        name: "triangular-gaussian",
-        summary: "exp(-((s - centre) / (sigma g))²): a Gaussian in s that widens with the gradient magnitude.",
-        parameters: &[
-            COLOR,
-            EXTINCTION,
-            Parameter {
-                name: "centre",
-                parameter_type: ParameterType::Measured(&RelativeNumberType {
-                    plain: ParameterType::Number(Range::ANY),
-                    statistic: StatisticKind::Value,
-                    axis: AxisRef::Every("s"),
-                }),
-                unit: "units of s",
-                default: DefaultValue::Required,
-                help: "the scalar in the middle",
-            },
-            Parameter {
-                name: "sigma",
-                parameter_type: ParameterType::Measured(&RelativeNumberType {
-                    plain: ParameterType::Number(Range::above(0.0)),
-                    statistic: StatisticKind::Width,
-                    axis: AxisRef::EveryPer("s", "g"),
-                }),
-                unit: "units of s / units of g",
-                default: DefaultValue::Required,
-                help: "width in s for each unit of g",
-            },
-            REGION,
-        ],
-    },
-    read: |p, _| Ok(Profile::TriangularGaussian { centre: p.number("centre")?, sigma: p.number("sigma")? }),
+pub(super) const KIND: VariantSchema = VariantSchema {
+    name: "triangular-gaussian",
+    summary: "exp(-((s - centre) / (sigma g))²): a Gaussian in s that widens with the gradient magnitude.",
+    parameters: &[
+        COLOR,
+        EXTINCTION,
+        Parameter {
+            name: "centre",
+            parameter_type: ParameterType::Measured(&RelativeNumberType {
+                plain: ParameterType::Number(Range::ANY),
+                statistic: StatisticKind::Value,
+                axis: AxisRef::Every("s"),
+            }),
+            unit: "units of s",
+            default: DefaultValue::Required,
+            help: "the scalar in the middle",
+        },
+        Parameter {
+            name: "sigma",
+            parameter_type: ParameterType::Measured(&RelativeNumberType {
+                plain: ParameterType::Number(Range::above(0.0)),
+                statistic: StatisticKind::Width,
+                axis: AxisRef::EveryPer("s", "g"),
+            }),
+            unit: "units of s / units of g",
+            default: DefaultValue::Required,
+            help: "width in s for each unit of g",
+        },
+        REGION,
+    ],
 };
 
 pub(super) fn properties(centre: f64) -> Properties<'static> {
     Properties {
-        name: KIND.kind.name,
+        name: KIND.name,
         color: ColorSource::Widget,
         own_peak: None,
         fields: Vec::new(),

@@ -4,10 +4,10 @@
 
 use super::gaussian_nd;
 use super::keys::{
-    CENTRE_OF_FIELDS, COLOR, DeclaredKind, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, POSITIVE_OR_INFINITE,
-    REGION, SIGMA_OF_FIELDS, fields_and_centre, kernel,
+    CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, POSITIVE_OR_INFINITE, REGION,
+    SIGMA_OF_FIELDS, fields_and_centre, kernel,
 };
-use super::profile::{AxisOrigin, ColorSource, MAX_FIELDS, Profile, Properties};
+use super::properties::{AxisOrigin, ColorSource, MAX_FIELDS, Properties};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, RelativeNumberType, StatisticKind,
     VariantSchema,
@@ -16,69 +16,67 @@ use crate::transfer::hull::Corners;
 use crate::{Error, Result};
 
 /// The declaration.
-pub(super) const KIND: DeclaredKind = DeclaredKind {
-    kind: VariantSchema {
-        name: "triangular-gaussian-nd",
-        summary: "A Gaussian over one to seven point arrays that widens with the magnitude of all their gradients.",
-        parameters: &[
-            COLOR,
-            EXTINCTION,
-            Parameter {
-                help: "names of one to seven point arrays; \"NAME:0\" and \"NAME:magnitude\" for vectors",
-                ..FIELDS
-            },
-            Parameter {
-                name: "magnitude",
-                parameter_type: ParameterType::Text,
-                unit: "",
-                default: DefaultValue::Text("multi-gradient"),
-                help: "the point array that the widths are shares of, such as the node multi-gradient computes",
-            },
-            CENTRE_OF_FIELDS,
-            Parameter {
-                parameter_type: ParameterType::Measured(&RelativeNumberType {
-                    plain: ParameterType::Numbers(None, POSITIVE_OR_INFINITE),
-                    statistic: StatisticKind::Width,
-                    axis: AxisRef::NamesPer("fields", "magnitude"),
-                }),
-                unit: "units of the fields / units of the magnitude",
-                help: "widths for each unit of the magnitude, one a field; inf ignores the field",
-                ..SIGMA_OF_FIELDS
-            },
-            Parameter {
-                parameter_type: ParameterType::Measured(&RelativeNumberType {
-                    plain: ParameterType::Rows(None),
-                    statistic: StatisticKind::Factor,
-                    axis: AxisRef::NamesPer("fields", "magnitude"),
-                }),
-                unit: "units of the magnitude / units of the fields",
-                default: DefaultValue::Unset("diag(1 / sigma)"),
-                help: "K of exp(-|K (v - centre) / magnitude|²), rows first, in place of sigma",
-                ..MATRIX_OF_FIELDS
-            },
-            REGION,
-        ],
-    },
-    read: |p, _| read(p),
+pub(super) const KIND: VariantSchema = VariantSchema {
+    name: "triangular-gaussian-nd",
+    summary: "A Gaussian over one to seven point arrays that widens with the magnitude of all their gradients.",
+    parameters: &[
+        COLOR,
+        EXTINCTION,
+        Parameter {
+            help: "names of one to seven point arrays; \"NAME:0\" and \"NAME:magnitude\" for vectors",
+            ..FIELDS
+        },
+        Parameter {
+            name: "magnitude",
+            parameter_type: ParameterType::Text,
+            unit: "",
+            default: DefaultValue::Text("multi-gradient"),
+            help: "the point array that the widths are shares of, such as the node multi-gradient computes",
+        },
+        CENTRE_OF_FIELDS,
+        Parameter {
+            parameter_type: ParameterType::Measured(&RelativeNumberType {
+                plain: ParameterType::Numbers(None, POSITIVE_OR_INFINITE),
+                statistic: StatisticKind::Width,
+                axis: AxisRef::NamesPer("fields", "magnitude"),
+            }),
+            unit: "units of the fields / units of the magnitude",
+            help: "widths for each unit of the magnitude, one a field; inf ignores the field",
+            ..SIGMA_OF_FIELDS
+        },
+        Parameter {
+            parameter_type: ParameterType::Measured(&RelativeNumberType {
+                plain: ParameterType::Rows(None),
+                statistic: StatisticKind::Factor,
+                axis: AxisRef::NamesPer("fields", "magnitude"),
+            }),
+            unit: "units of the magnitude / units of the fields",
+            default: DefaultValue::Unset("diag(1 / sigma)"),
+            help: "K of exp(-|K (v - centre) / magnitude|²), rows first, in place of sigma",
+            ..MATRIX_OF_FIELDS
+        },
+        REGION,
+    ],
 };
 
 /// Most fields beside the magnitude.
 const MAX_FURTHER_FIELDS: usize = MAX_FIELDS - 1;
 
-fn read(p: &Parameters) -> Result<Profile> {
+/// Fields, their magnitude, centre and matrix.
+pub(super) fn read(p: &Parameters) -> Result<(Vec<String>, String, Vec<f64>, Vec<Vec<f64>>)> {
     let (fields, centre) = fields_and_centre(p, MAX_FURTHER_FIELDS)?;
     let matrix = kernel(p, fields.len(), 1.0)?;
     let magnitude = p.text("magnitude")?.to_owned();
     if magnitude.is_empty() {
         return Err(p.error("magnitude", "the magnitude has no name").expected("the name of a point array"));
     }
-    Ok(Profile::TriangularGaussianNd { fields, magnitude, centre, matrix })
+    Ok((fields, magnitude, centre, matrix))
 }
 
 pub(super) fn properties<'a>(fields: &'a [String], magnitude: &'a str, centre: &[f64]) -> Properties<'a> {
     let centres = centre.iter().map(|&centre| AxisOrigin::Centre(centre));
     Properties {
-        name: KIND.kind.name,
+        name: KIND.name,
         color: ColorSource::Widget,
         own_peak: None,
         fields: fields.iter().map(String::as_str).chain([magnitude]).collect(),

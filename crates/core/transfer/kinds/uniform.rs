@@ -1,22 +1,19 @@
 //! `uniform`: 1 inside its region (Song et al. 2009, section 4.1).
 
-use super::keys::{COLOR, DeclaredKind, EXTINCTION, REGION};
-use super::profile::{AxisOrigin, ColorSource, Profile, Properties};
+use super::keys::{COLOR, EXTINCTION, REGION};
+use super::properties::{AxisOrigin, ColorSource, Properties};
 use crate::parameters::{DefaultValue, Parameter, VariantSchema};
 
 /// The declaration.
-pub(super) const KIND: DeclaredKind = DeclaredKind {
-    kind: VariantSchema {
-        name: "uniform",
-        summary: "The same extinction everywhere in its region.",
-        parameters: &[COLOR, EXTINCTION, Parameter { default: DefaultValue::Required, ..REGION }],
-    },
-    read: |_, _| Ok(Profile::Uniform),
+pub(super) const KIND: VariantSchema = VariantSchema {
+    name: "uniform",
+    summary: "The same extinction everywhere in its region.",
+    parameters: &[COLOR, EXTINCTION, Parameter { default: DefaultValue::Required, ..REGION }],
 };
 
 pub(super) fn properties() -> Properties<'static> {
     Properties {
-        name: KIND.kind.name,
+        name: KIND.name,
         color: ColorSource::Widget,
         own_peak: None,
         fields: Vec::new(),

@@ -1,7 +1,7 @@
 //! `triangle-wave` and `sine-wave`: bands across the (s, g) plane (Song et al. 2009, sections 4.3 and 4.4).
 
-use super::keys::{COLOR, DeclaredKind, EXTINCTION, REGION};
-use super::profile::{AxisOrigin, Bands, ColorSource, Profile, Properties, Wave};
+use super::keys::{COLOR, EXTINCTION, REGION};
+use super::properties::{AxisOrigin, Bands, ColorSource, Properties, Wave};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
     VariantSchema,
@@ -12,16 +12,12 @@ use crate::{Error, Result};
 use std::f64::consts::PI;
 
 /// The declaration of the bands with straight flanks.
-pub(super) const TRIANGLE: DeclaredKind = DeclaredKind {
-    kind: VariantSchema { name: "triangle-wave", summary: "Bands with straight flanks.", parameters: KEYS },
-    read: |p, _| Ok(Profile::TriangleWave(read(p)?)),
-};
+pub(super) const TRIANGLE: VariantSchema =
+    VariantSchema { name: "triangle-wave", summary: "Bands with straight flanks.", parameters: KEYS };
 
 /// The declaration of the bands shaped like |sin|.
-pub(super) const SINE: DeclaredKind = DeclaredKind {
-    kind: VariantSchema { name: "sine-wave", summary: "Bands shaped like |sin|.", parameters: KEYS },
-    read: |p, _| Ok(Profile::SineWave(read(p)?)),
-};
+pub(super) const SINE: VariantSchema =
+    VariantSchema { name: "sine-wave", summary: "Bands shaped like |sin|.", parameters: KEYS };
 
 /// Axis across the bands: s and g, scaled, in the wave's direction. Its range has the length
 /// |cos θ·w_s| (range of s) + |sin θ·w_g| (range of g), so that a period of 10 % makes ten bands.
@@ -80,7 +76,7 @@ const KEYS: &[Parameter] = &[
     REGION,
 ];
 
-fn read(p: &Parameters) -> Result<Wave> {
+pub(super) fn read(p: &Parameters) -> Result<Wave> {
     Ok(Wave {
         origin: p.vector("origin")?,
         angle: p.number("angle")?.to_radians(),

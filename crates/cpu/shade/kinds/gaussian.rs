@@ -1,7 +1,7 @@
 //! A Gaussian over s and g in lanes.
 
 use crate::attribute::Attribute;
-use crate::shade::along::Along;
+use crate::shade::segment_lanes::SegmentLanes;
 use voltet_simd::limits::MAX_GAUSSIAN_WIDTHS;
 use voltet_simd::optics::elementary::{dot, exp};
 use voltet_simd::optics::gaussian::{self, LaneGaussianPath, Near};
@@ -74,8 +74,8 @@ impl LaneGaussian {
 
     /// Input of the mean over whole segments.
     #[inline(always)]
-    pub fn near<L: Lanes>(&self, along: &Along<L>) -> Near<L> {
-        Near::new(&self.point::<L>(&along.front), &self.point::<L>(&along.back))
+    pub fn near<L: Lanes>(&self, segments: &SegmentLanes<L>) -> Near<L> {
+        Near::new(&self.point::<L>(&segments.front), &self.point::<L>(&segments.back))
     }
 
     /// The profile at a point.
@@ -87,16 +87,16 @@ impl LaneGaussian {
 
     /// The square of the widths that the whole segment spans.
     #[inline(always)]
-    pub fn extent_squared<L: Lanes>(&self, along: &Along<L>) -> L::F {
-        let (front, back) = (self.point::<L>(&along.front), self.point::<L>(&along.back));
+    pub fn extent_squared<L: Lanes>(&self, segments: &SegmentLanes<L>) -> L::F {
+        let (front, back) = (self.point::<L>(&segments.front), self.point::<L>(&segments.back));
         let step = [back[0] - front[0], back[1] - front[1]];
         dot::<L, 2>(&step, &step)
     }
 
     /// The roughness of the whole segment's shape.
     #[inline(always)]
-    pub fn roughness<L: Lanes>(&self, along: &Along<L>) -> L::F {
-        gaussian::roughness::<L, 2>(self.point::<L>(&along.front), self.point::<L>(&along.back))
+    pub fn roughness<L: Lanes>(&self, segments: &SegmentLanes<L>) -> L::F {
+        gaussian::roughness::<L, 2>(self.point::<L>(&segments.front), self.point::<L>(&segments.back))
     }
 
     /// The path between two points.
@@ -107,11 +107,11 @@ impl LaneGaussian {
 
     /// Lanes (bits) on which the segment spans too many widths.
     #[inline(always)]
-    pub fn unsure<L: Lanes>(&self, along: &Along<L>) -> u32 {
+    pub fn unsure<L: Lanes>(&self, segments: &SegmentLanes<L>) -> u32 {
         if !self.narrow {
             return 0;
         }
-        let extent = self.extent_squared::<L>(along).sqrt();
+        let extent = self.extent_squared::<L>(segments).sqrt();
         L::F::splat(MAX_GAUSSIAN_WIDTHS as f32).lt(extent).bits()
     }
 
@@ -119,14 +119,14 @@ impl LaneGaussian {
     #[inline(always)]
     pub fn steps<L: Lanes, const N: usize>(
         &self,
-        along: &Along<L>,
+        segments: &SegmentLanes<L>,
         first: usize,
         share: f32,
         places: [f32; N],
         peak: L::F,
     ) -> LaneGaussianSteps<L, N> {
         let splat = L::F::splat;
-        let (front, back) = (self.point::<L>(&along.front), self.point::<L>(&along.back));
+        let (front, back) = (self.point::<L>(&segments.front), self.point::<L>(&segments.back));
         let step: [L::F; 2] = array(
             #[inline(always)]
             |i| (back[i] - front[i]) * splat(share),

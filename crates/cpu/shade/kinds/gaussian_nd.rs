@@ -1,7 +1,7 @@
 //! A Gaussian over further fields in lanes.
 
-use crate::shade::along::{FIELDS_MOST, Fields};
-use crate::shade::kinds::making::Making;
+use crate::shade::context::WidgetContext;
+use crate::shade::segment_lanes::{FieldLanes, MAX_FIELD_LANES};
 use voltet_simd::limits::MAX_GAUSSIAN_WIDTHS;
 use voltet_simd::optics::elementary::{dot, exp};
 use voltet_simd::optics::gaussian::{LaneGaussianPath, mean_profile};
@@ -10,28 +10,33 @@ use voltet_simd::{Float, Lanes, array};
 /// q = K (v − centre) over further fields, K and the centre scaled as the fields are; unused rows are 0.
 pub(super) struct LaneFields {
     count: usize,
-    slots: [usize; FIELDS_MOST],
-    centre: [f32; FIELDS_MOST],
-    matrix: [[f32; FIELDS_MOST]; FIELDS_MOST],
+    slots: [usize; MAX_FIELD_LANES],
+    centre: [f32; MAX_FIELD_LANES],
+    matrix: [[f32; MAX_FIELD_LANES]; MAX_FIELD_LANES],
     /// Widths along each field's whole range, summed.
     widths: f64,
 }
 
 impl LaneFields {
     /// `None` where a field is not at hand, where there are too many, and where the numbers leave 32 bits.
-    pub fn new(names: &[String], centre: &[f64], matrix: &[Vec<f64>], making: &Making) -> Option<LaneFields> {
-        if names.len() > FIELDS_MOST {
+    pub fn new(
+        names: &[String],
+        centre: &[f64],
+        matrix: &[Vec<f64>],
+        context: &WidgetContext,
+    ) -> Option<LaneFields> {
+        if names.len() > MAX_FIELD_LANES {
             return None;
         }
         let mut fields = LaneFields {
             count: names.len(),
-            slots: [0; FIELDS_MOST],
-            centre: [0.0; FIELDS_MOST],
-            matrix: [[0.0; FIELDS_MOST]; FIELDS_MOST],
+            slots: [0; MAX_FIELD_LANES],
+            centre: [0.0; MAX_FIELD_LANES],
+            matrix: [[0.0; MAX_FIELD_LANES]; MAX_FIELD_LANES],
             widths: 0.0,
         };
         for (j, name) in names.iter().enumerate() {
-            let (slot, axis) = making.field(name).filter(|(slot, _)| *slot < FIELDS_MOST)?;
+            let (slot, axis) = context.field(name).filter(|(slot, _)| *slot < MAX_FIELD_LANES)?;
             fields.slots[j] = slot;
             fields.centre[j] = ((centre[j] - axis.offset) / axis.scale) as f32;
             for (scaled, row) in fields.matrix.iter_mut().zip(matrix) {
@@ -44,9 +49,9 @@ impl LaneFields {
     }
 
     #[inline(always)]
-    pub fn point<L: Lanes>(&self, fields: &[L::F; FIELDS_MOST]) -> [L::F; FIELDS_MOST] {
+    pub fn point<L: Lanes>(&self, fields: &[L::F; MAX_FIELD_LANES]) -> [L::F; MAX_FIELD_LANES] {
         let splat = L::F::splat;
-        let mut q = [splat(0.0); FIELDS_MOST];
+        let mut q = [splat(0.0); MAX_FIELD_LANES];
         for j in 0..self.count {
             let d = fields[self.slots[j]] - splat(self.centre[j]);
             for (q, row) in q.iter_mut().zip(&self.matrix) {
@@ -58,7 +63,7 @@ impl LaneFields {
 
     /// q at the front and at the back.
     #[inline(always)]
-    pub fn ends<L: Lanes>(&self, fields: &Fields<L>) -> [[L::F; FIELDS_MOST]; 2] {
+    pub fn ends<L: Lanes>(&self, fields: &FieldLanes<L>) -> [[L::F; MAX_FIELD_LANES]; 2] {
         [self.point::<L>(&fields.front), self.point::<L>(&fields.back)]
     }
 }
@@ -92,29 +97,29 @@ impl LaneGaussianNd {
         names: &[String],
         centre: &[f64],
         matrix: &[Vec<f64>],
-        making: &Making,
+        context: &WidgetContext,
     ) -> Option<LaneGaussianNd> {
-        LaneFields::new(names, centre, matrix, making).map(|fields| LaneGaussianNd { fields })
+        LaneFields::new(names, centre, matrix, context).map(|fields| LaneGaussianNd { fields })
     }
 
     /// Mean of the profile over the segment, or over a stretch of it.
     #[inline(always)]
-    pub fn mean<L: Lanes>(&self, fields: &Fields<L>, range: Option<[L::F; 2]>) -> L::F {
-        let [front, back] = between::<L, FIELDS_MOST>(self.fields.ends::<L>(fields), range);
-        mean_profile::<L, FIELDS_MOST>(front, back)
+    pub fn mean<L: Lanes>(&self, fields: &FieldLanes<L>, range: Option<[L::F; 2]>) -> L::F {
+        let [front, back] = between::<L, MAX_FIELD_LANES>(self.fields.ends::<L>(fields), range);
+        mean_profile::<L, MAX_FIELD_LANES>(front, back)
     }
 
     /// The profile at a place of the segment.
     #[inline(always)]
-    pub fn value<L: Lanes>(&self, fields: &Fields<L>, t: f32) -> L::F {
+    pub fn value<L: Lanes>(&self, fields: &FieldLanes<L>, t: f32) -> L::F {
         let q = self.fields.point::<L>(&fields.at(t));
-        exp::<L>(-dot::<L, FIELDS_MOST>(&q, &q))
+        exp::<L>(-dot::<L, MAX_FIELD_LANES>(&q, &q))
     }
 
     /// The path of the whole segment, or of a stretch of it.
     #[inline(always)]
-    pub fn path<L: Lanes>(&self, fields: &Fields<L>, range: Option<[L::F; 2]>) -> LaneGaussianPath<L> {
-        let [front, back] = between::<L, FIELDS_MOST>(self.fields.ends::<L>(fields), range);
+    pub fn path<L: Lanes>(&self, fields: &FieldLanes<L>, range: Option<[L::F; 2]>) -> LaneGaussianPath<L> {
+        let [front, back] = between::<L, MAX_FIELD_LANES>(self.fields.ends::<L>(fields), range);
         LaneGaussianPath::<L>::new(front, back)
     }
 

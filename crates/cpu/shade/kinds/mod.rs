@@ -1,51 +1,52 @@
-//! The kinds of widgets in lanes, one file each: optical depths of a batch's segments, densities at points of them, and
-//! widgets as members of an ordered integral ([`super::panels`]).
+//! The kinds of widgets in lanes, one file each, and here what chooses among them: optical depths of a batch's segments,
+//! densities and values at points of them, paths in widths, and members of an ordered integral ([`super::panels`]).
 
 mod gaussian;
 mod gaussian_nd;
-mod in_order;
-pub(crate) mod making;
-mod path;
 mod piecewise_linear;
-mod sample;
 mod table;
 mod triangular_gaussian;
 mod triangular_gaussian_nd;
 mod wave;
 
-pub(crate) use making::Making;
-pub(crate) use path::Through;
 pub(crate) use piecewise_linear::LaneLinear;
 
-use crate::shade::along::{Along, Fields};
-use crate::shade::reach::{LaneReach, Spread};
+use crate::shade::context::WidgetContext;
 use crate::shade::region::{Inside, LaneRegion, range_of};
+use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
+use crate::shade::support::{SupportBounds, ValueRange};
 use gaussian::LaneGaussian;
 use gaussian_nd::LaneGaussianNd;
 use table::LaneTable;
 use triangular_gaussian::LaneTriangular;
 use triangular_gaussian_nd::LaneTriangularNd;
 use voltet_core::transfer::{Profile, Widget};
-use voltet_simd::optics::gaussian::LaneGaussianTrack;
+use voltet_simd::optics::gaussian::{LaneGaussianPath, LaneGaussianTrack};
+use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
 use voltet_simd::optics::overlap::{AnyLaneTrack, LaneMember};
 use voltet_simd::optics::piecewise_linear::LanePiecewiseTrack;
-use voltet_simd::{Float, Lanes, Mask};
+use voltet_simd::optics::smooth::DensityShape;
+use voltet_simd::{Float, Lanes, Mask, array};
 use wave::LaneWave;
+
+/// Widths squared of a step over which a Gaussian follows from step to step.
+const MAX_STEP_SQUARED: f32 = 0.26;
 
 /// A widget compiled for vector lanes.
 pub(crate) struct LaneWidget {
-    form: LaneForm,
+    profile: VectorProfile,
     /// Linear RGB; 0 for profiles with colours.
     pub color: [f32; 3],
     /// Peak optical depth per scene length; 1 for profiles with densities.
     density: f32,
     region: Option<LaneRegion>,
-    /// `None`: everywhere.
-    reach: Option<LaneReach>,
+    /// `None`: the support has no bounds.
+    support: Option<SupportBounds>,
 }
 
-/// A profile compiled for vector lanes.
-enum LaneForm {
+/// A profile compiled for vector lanes. Control points, colours, steps and paths are optional: a kind without them is in the rest of
+/// their `match`es; the others have no rest.
+enum VectorProfile {
     Uniform,
     Gaussian(LaneGaussian),
     Wave(LaneWave),
@@ -58,11 +59,21 @@ enum LaneForm {
     None,
 }
 
+/// Path of segments inside a widget's region.
+pub struct RegionPath<L: Lanes> {
+    /// Ends of the path in widths of a Gaussian; `None` where the profile is 1 all along.
+    pub path: Option<LaneGaussianPath<L>>,
+    /// Fraction of each segment inside the region.
+    pub fraction: L::F,
+    /// Lanes in which there is a path.
+    pub present: L::M,
+}
+
 /// Kernel tier that integrates a widget first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Road {
+pub(crate) enum KernelTier {
     /// Closed forms of [`super::shader`].
-    Quick,
+    ClosedForm,
     /// Panels of [`super::panels`].
     Panels,
     /// 64-bit forms.
@@ -71,7 +82,7 @@ pub(crate) enum Road {
 
 /// Requirement of a widget where it overlaps others, or where it glows without absorbing in step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum InOrder {
+pub(crate) enum OrderRequirement {
     /// Panels in 32 bits are exact.
     Panels,
     /// Panels in 32 bits, also where it is alone: its colour varies along the segment.
@@ -83,12 +94,12 @@ pub(crate) enum InOrder {
 /// Calls for each widget whose support some segments of a vector may meet, with its number and these lanes; returns the lanes (bits) that
 /// meet any.
 #[inline(always)]
-pub(crate) fn each_met<'a, L: Lanes>(
+pub(crate) fn for_each_active_widget<'a, L: Lanes>(
     widgets: &'a [LaneWidget],
-    along: &Along<L>,
+    segments: &SegmentLanes<L>,
     mut take: impl FnMut(usize, &'a LaneWidget, L::M),
 ) -> u32 {
-    let (spread, mut asked) = (Spread::new(along), 0);
+    let (spread, mut asked) = (ValueRange::new(segments), 0);
     for (number, widget) in widgets.iter().enumerate() {
         let meets = widget.meets::<L>(&spread);
         if meets.any() {
@@ -99,191 +110,194 @@ pub(crate) fn each_met<'a, L: Lanes>(
     asked
 }
 
-impl LaneForm {
+impl VectorProfile {
     /// `None` where 32 bits do not hold the numbers.
-    fn new(profile: &Profile, making: &Making) -> Option<LaneForm> {
+    fn new(profile: &Profile, context: &WidgetContext) -> Option<VectorProfile> {
         match profile {
-            Profile::Uniform => Some(LaneForm::Uniform),
+            Profile::Uniform => Some(VectorProfile::Uniform),
             Profile::Gaussian { centre, matrix } => {
-                LaneGaussian::new(centre, matrix, making.attributes).map(LaneForm::Gaussian)
+                LaneGaussian::new(centre, matrix, context.attributes).map(VectorProfile::Gaussian)
             }
             Profile::GaussianNd { fields, centre, matrix } => {
-                LaneGaussianNd::new(fields, centre, matrix, making).map(Box::new).map(LaneForm::GaussianNd)
+                LaneGaussianNd::new(fields, centre, matrix, context)
+                    .map(Box::new)
+                    .map(VectorProfile::GaussianNd)
             }
             Profile::TriangularGaussian { centre, sigma } => {
-                LaneTriangular::new(*centre, *sigma, making.attributes).map(LaneForm::TriangularGaussian)
+                LaneTriangular::new(*centre, *sigma, context.attributes)
+                    .map(VectorProfile::TriangularGaussian)
             }
             Profile::TriangularGaussianNd { fields, magnitude, centre, matrix } => {
-                let nd = LaneTriangularNd::new(fields, magnitude, centre, matrix, making);
-                nd.map(Box::new).map(LaneForm::TriangularGaussianNd)
+                let nd = LaneTriangularNd::new(fields, magnitude, centre, matrix, context);
+                nd.map(Box::new).map(VectorProfile::TriangularGaussianNd)
             }
-            Profile::TriangleWave(wave) => LaneWave::new(wave, false, making.attributes).map(LaneForm::Wave),
-            Profile::SineWave(wave) => LaneWave::new(wave, true, making.attributes).map(LaneForm::Wave),
+            Profile::TriangleWave(wave) => {
+                LaneWave::new(wave, false, context.attributes).map(VectorProfile::Wave)
+            }
+            Profile::SineWave(wave) => LaneWave::new(wave, true, context.attributes).map(VectorProfile::Wave),
             Profile::PiecewiseLinear { points } => {
                 let linear = LaneLinear::new(
                     points,
-                    &making.attributes[0],
-                    making.density_scale,
-                    making.model.cutoff(),
+                    &context.attributes[0],
+                    context.density_scale,
+                    context.model.cutoff(),
                 );
-                linear.map(Box::new).map(LaneForm::PiecewiseLinear)
+                linear.map(Box::new).map(VectorProfile::PiecewiseLinear)
             }
             Profile::Table(table) => {
-                LaneTable::new(table, making.attributes).map(Box::new).map(LaneForm::Table)
+                LaneTable::new(table, context.attributes).map(Box::new).map(VectorProfile::Table)
             }
         }
     }
 }
 
 impl LaneWidget {
-    pub fn new(widget: &Widget, making: &Making) -> LaneWidget {
+    pub fn new(widget: &Widget, context: &WidgetContext) -> LaneWidget {
         let own = widget.has_colors_of_its_own();
-        let density = (widget.extinction * making.density_scale) as f32;
-        let form = LaneForm::new(&widget.profile, making);
+        let density = (widget.extinction * context.density_scale) as f32;
+        let profile = VectorProfile::new(&widget.profile, context);
         LaneWidget {
-            form: form.filter(|_| density.is_finite()).unwrap_or(LaneForm::None),
+            profile: profile.filter(|_| density.is_finite()).unwrap_or(VectorProfile::None),
             color: if own { [0.0; 3] } else { widget.color.map(|c| c as f32) },
             density: if widget.profile.properties().own_peak.is_some() { 1.0 } else { density },
-            region: LaneRegion::new(&widget.half_planes(), making.attributes),
-            reach: making.left_out.and_then(|min| LaneReach::new(widget, making, min)),
+            region: LaneRegion::new(&widget.half_planes(), context.attributes),
+            support: context.left_out.and_then(|min| SupportBounds::new(widget, context, min)),
         }
     }
 
-    /// A widget that only 64 bits serve.
+    /// Placeholder of a widget that only 64 bits integrate.
     pub fn none() -> LaneWidget {
-        LaneWidget { form: LaneForm::None, color: [0.0; 3], density: 0.0, region: None, reach: None }
+        LaneWidget {
+            profile: VectorProfile::None,
+            color: [0.0; 3],
+            density: 0.0,
+            region: None,
+            support: None,
+        }
     }
 
-    /// Lanes whose segments may meet it.
+    /// Lanes whose segments may meet its support.
     #[inline(always)]
-    pub fn meets<L: Lanes>(&self, spread: &Spread<L>) -> L::M {
-        match &self.reach {
-            Some(reach) => reach.meets::<L>(spread),
-            None => spread.along.crossing,
+    pub fn meets<L: Lanes>(&self, spread: &ValueRange<L>) -> L::M {
+        match &self.support {
+            Some(support) => support.meets::<L>(spread),
+            None => spread.segments.crossing,
         }
     }
 
     /// Kernel tier that integrates it first.
-    pub fn road(&self) -> Road {
-        match self.form {
-            LaneForm::Uniform | LaneForm::Gaussian(_) | LaneForm::Wave(_) => Road::Quick,
+    pub fn tier(&self) -> KernelTier {
+        match self.profile {
+            VectorProfile::Uniform | VectorProfile::Gaussian(_) | VectorProfile::Wave(_) => {
+                KernelTier::ClosedForm
+            }
             // Pieces that a region cuts have closed forms in 64 bits only.
-            LaneForm::PiecewiseLinear(_) if self.region.is_some() => Road::Bits64,
-            LaneForm::PiecewiseLinear(_) => Road::Quick,
-            LaneForm::TriangularGaussian(_)
-            | LaneForm::GaussianNd(_)
-            | LaneForm::TriangularGaussianNd(_)
-            | LaneForm::Table(_) => Road::Panels,
-            LaneForm::None => Road::Bits64,
+            VectorProfile::PiecewiseLinear(_) if self.region.is_some() => KernelTier::Bits64,
+            VectorProfile::PiecewiseLinear(_) => KernelTier::ClosedForm,
+            VectorProfile::TriangularGaussian(_)
+            | VectorProfile::GaussianNd(_)
+            | VectorProfile::TriangularGaussianNd(_)
+            | VectorProfile::Table(_) => KernelTier::Panels,
+            VectorProfile::None => KernelTier::Bits64,
         }
     }
 
     /// Requirement where order matters.
-    pub fn in_order(&self) -> InOrder {
-        match self.form {
-            LaneForm::Uniform | LaneForm::Gaussian(_) | LaneForm::GaussianNd(_) => InOrder::Panels,
-            LaneForm::PiecewiseLinear(_) | LaneForm::Table(_) => InOrder::Always,
-            LaneForm::Wave(_)
-            | LaneForm::TriangularGaussian(_)
-            | LaneForm::TriangularGaussianNd(_)
-            | LaneForm::None => InOrder::Bits64,
+    pub fn order_requirement(&self) -> OrderRequirement {
+        match self.profile {
+            VectorProfile::Uniform | VectorProfile::Gaussian(_) | VectorProfile::GaussianNd(_) => {
+                OrderRequirement::Panels
+            }
+            VectorProfile::PiecewiseLinear(_) | VectorProfile::Table(_) => OrderRequirement::Always,
+            VectorProfile::Wave(_)
+            | VectorProfile::TriangularGaussian(_)
+            | VectorProfile::TriangularGaussianNd(_)
+            | VectorProfile::None => OrderRequirement::Bits64,
         }
     }
 
     /// Control points of a piecewise-linear profile.
     pub fn points(&self) -> Option<&LaneLinear> {
-        match &self.form {
-            LaneForm::PiecewiseLinear(linear) => Some(linear),
-            LaneForm::Uniform
-            | LaneForm::Gaussian(_)
-            | LaneForm::Wave(_)
-            | LaneForm::TriangularGaussian(_)
-            | LaneForm::GaussianNd(_)
-            | LaneForm::TriangularGaussianNd(_)
-            | LaneForm::Table(_)
-            | LaneForm::None => None,
+        match &self.profile {
+            VectorProfile::PiecewiseLinear(linear) => Some(linear),
+            _ => None,
         }
     }
 
     /// The depth of a stretch of the segment where the profile is 1 all along.
     #[inline(always)]
-    fn peak_depth<L: Lanes>(&self, along: &Along<L>, share: L::F) -> L::F {
-        L::F::splat(self.density) * along.length * share
+    fn peak_depth<L: Lanes>(&self, segments: &SegmentLanes<L>, share: L::F) -> L::F {
+        L::F::splat(self.density) * segments.length * share
     }
 
-    /// Optical depths, and the lanes (bits) that the quick forms do not serve.
+    /// Optical depths, and the lanes (bits) that the closed forms do not integrate.
     #[inline(always)]
-    pub fn depth<L: Lanes>(&self, along: &Along<L>) -> (L::F, u32) {
-        match &self.form {
-            LaneForm::Uniform => {
-                let share = along.inside(self.region.as_ref()).share;
-                (share * L::F::splat(self.density) * along.length, 0)
+    pub fn depth<L: Lanes>(&self, segments: &SegmentLanes<L>) -> (L::F, u32) {
+        match &self.profile {
+            VectorProfile::Uniform => {
+                let share = segments.inside(self.region.as_ref()).share;
+                (share * L::F::splat(self.density) * segments.length, 0)
             }
-            LaneForm::Gaussian(gaussian) => {
-                let Inside { front, back, share, .. } = along.inside(self.region.as_ref());
-                let shape = gaussian.shape::<L>(&front, &back, self.peak_depth(along, share), along.crossing);
-                (shape.depth, gaussian.unsure(along))
+            VectorProfile::Gaussian(gaussian) => {
+                let Inside { front, back, share, .. } = segments.inside(self.region.as_ref());
+                let shape =
+                    gaussian.shape::<L>(&front, &back, self.peak_depth(segments, share), segments.crossing);
+                (shape.depth, gaussian.unsure(segments))
             }
-            LaneForm::Wave(wave) => {
-                let Inside { front, back, share, .. } = along.inside(self.region.as_ref());
-                (wave.mean::<L>(&front, &back) * self.peak_depth(along, share), 0)
+            VectorProfile::Wave(wave) => {
+                let Inside { front, back, share, .. } = segments.inside(self.region.as_ref());
+                (wave.mean::<L>(&front, &back) * self.peak_depth(segments, share), 0)
             }
-            LaneForm::PiecewiseLinear(linear) => (linear.depth(along), 0),
-            LaneForm::TriangularGaussian(_)
-            | LaneForm::GaussianNd(_)
-            | LaneForm::TriangularGaussianNd(_)
-            | LaneForm::Table(_)
-            | LaneForm::None => (L::F::splat(0.0), u32::MAX),
+            VectorProfile::PiecewiseLinear(linear) => (linear.depth(segments), 0),
+            VectorProfile::TriangularGaussian(_)
+            | VectorProfile::GaussianNd(_)
+            | VectorProfile::TriangularGaussianNd(_)
+            | VectorProfile::Table(_)
+            | VectorProfile::None => (L::F::splat(0.0), u32::MAX),
         }
     }
 
-    /// Optical depth of any widget with lanes, and the lanes (bits) that only 64 bits serve.
+    /// Optical depth of any widget with lanes, and the lanes (bits) that only 64 bits integrate.
     #[inline(always)]
-    pub fn any_depth<L: Lanes>(&self, along: &Along<L>, fields: &Fields<L>) -> (L::F, u32) {
-        match &self.form {
-            LaneForm::TriangularGaussian(triangular) => {
-                let Inside { front, back, share, .. } = along.inside(self.region.as_ref());
+    pub fn any_depth<L: Lanes>(&self, segments: &SegmentLanes<L>, fields: &FieldLanes<L>) -> (L::F, u32) {
+        match &self.profile {
+            VectorProfile::TriangularGaussian(triangular) => {
+                let Inside { front, back, share, .. } = segments.inside(self.region.as_ref());
                 let (mean, unsure) = triangular.mean::<L>(&front, &back);
-                (mean * self.peak_depth(along, share), unsure)
+                (mean * self.peak_depth(segments, share), unsure)
             }
-            LaneForm::GaussianNd(nd) => {
-                let range = range_of::<L>(self.region.as_ref(), along);
+            VectorProfile::GaussianNd(nd) => {
+                let range = range_of::<L>(self.region.as_ref(), segments);
                 let share = (range[1] - range[0]).max(L::F::splat(0.0));
                 let mean = nd.mean::<L>(fields, self.region.is_some().then_some(range));
-                (mean * self.peak_depth(along, share), nd.unsure())
+                (mean * self.peak_depth(segments, share), nd.unsure())
             }
-            LaneForm::TriangularGaussianNd(nd) => {
-                let range = range_of::<L>(self.region.as_ref(), along);
+            VectorProfile::TriangularGaussianNd(nd) => {
+                let range = range_of::<L>(self.region.as_ref(), segments);
                 let share = (range[1] - range[0]).max(L::F::splat(0.0));
                 let (mean, unsure) = nd.mean::<L>(fields, self.region.is_some().then_some(range));
-                (mean * self.peak_depth(along, share), unsure)
+                (mean * self.peak_depth(segments, share), unsure)
             }
-            LaneForm::Table(table) => {
-                let Inside { front, back, share, .. } = along.inside(self.region.as_ref());
-                let peak = self.peak_depth(along, share);
-                let there = L::F::splat(0.0).lt(share).and(along.crossing);
+            VectorProfile::Table(table) => {
+                let Inside { front, back, share, .. } = segments.inside(self.region.as_ref());
+                let peak = self.peak_depth(segments, share);
+                let there = L::F::splat(0.0).lt(share).and(segments.crossing);
                 (table.track::<L>(&front, &back, peak, None).mean(there) * peak, 0)
             }
-            LaneForm::Uniform
-            | LaneForm::Gaussian(_)
-            | LaneForm::Wave(_)
-            | LaneForm::PiecewiseLinear(_)
-            | LaneForm::None => self.depth::<L>(along),
+            VectorProfile::Uniform
+            | VectorProfile::Gaussian(_)
+            | VectorProfile::Wave(_)
+            | VectorProfile::PiecewiseLinear(_)
+            | VectorProfile::None => self.depth::<L>(segments),
         }
     }
 
     /// Largest density, optical depth per scene length; `scale`: 1/U per scene length.
     pub fn peak(&self, scale: f32) -> f32 {
-        match &self.form {
-            LaneForm::PiecewiseLinear(linear) => linear.peak * scale,
-            LaneForm::Uniform
-            | LaneForm::Gaussian(_)
-            | LaneForm::Wave(_)
-            | LaneForm::Table(_)
-            | LaneForm::TriangularGaussian(_)
-            | LaneForm::GaussianNd(_)
-            | LaneForm::TriangularGaussianNd(_) => self.density,
-            LaneForm::None => 0.0,
+        match &self.profile {
+            VectorProfile::PiecewiseLinear(linear) => linear.peak * scale,
+            VectorProfile::None => 0.0,
+            _ => self.density,
         }
     }
 
@@ -291,49 +305,50 @@ impl LaneWidget {
     #[inline(always)]
     pub fn member<'a, L: Lanes>(
         &'a self,
-        along: &Along<L>,
-        fields: &Fields<L>,
+        segments: &SegmentLanes<L>,
+        fields: &FieldLanes<L>,
         scale: L::F,
         cutoff: Option<f64>,
     ) -> LaneMember<'a, L> {
         let splat = L::F::splat;
-        let rate = splat(self.density) * along.length;
+        let rate = splat(self.density) * segments.length;
         let mut member = LaneMember {
             color: self.color,
             threshold: cutoff.unwrap_or(0.0) as f32,
             window: [splat(-1.0), splat(2.0)],
-            range: range_of::<L>(self.region.as_ref(), along),
+            range: range_of::<L>(self.region.as_ref(), segments),
             unit_rate: rate,
             ..nothing::<L>()
         };
-        let gaussian = match &self.form {
-            LaneForm::Uniform => {
+        let gaussian = match &self.profile {
+            VectorProfile::Uniform => {
                 member.track = AnyLaneTrack::Uniform(rate);
                 return member;
             }
-            LaneForm::PiecewiseLinear(linear) => {
+            VectorProfile::PiecewiseLinear(linear) => {
                 let first = splat(linear.first);
                 member.threshold *= linear.peak;
                 member.unit_rate = scale;
                 member.track = AnyLaneTrack::Piecewise(LanePiecewiseTrack {
                     points: &linear.points_from_first,
-                    front: along.front[0] - first,
-                    back: along.back[0] - first,
+                    front: segments.front[0] - first,
+                    back: segments.back[0] - first,
                     scale,
                 });
                 return member;
             }
-            LaneForm::Table(table) => {
-                member.track = AnyLaneTrack::Table(table.track(&along.front, &along.back, rate, cutoff));
+            VectorProfile::Table(table) => {
+                member.track =
+                    AnyLaneTrack::Table(table.track(&segments.front, &segments.back, rate, cutoff));
                 return member;
             }
-            LaneForm::Gaussian(gaussian) => gaussian.path::<L>(&along.front, &along.back),
-            LaneForm::GaussianNd(nd) => nd.path::<L>(fields, None),
-            // See `InOrder::Bits64`: those are not walked.
-            LaneForm::Wave(_)
-            | LaneForm::TriangularGaussian(_)
-            | LaneForm::TriangularGaussianNd(_)
-            | LaneForm::None => return nothing::<L>(),
+            VectorProfile::Gaussian(gaussian) => gaussian.path::<L>(&segments.front, &segments.back),
+            VectorProfile::GaussianNd(nd) => nd.path::<L>(fields, None),
+            // See `OrderRequirement::Bits64`: those are not walked.
+            VectorProfile::Wave(_)
+            | VectorProfile::TriangularGaussian(_)
+            | VectorProfile::TriangularGaussianNd(_)
+            | VectorProfile::None => return nothing::<L>(),
         };
         // Within its window it glows, whatever the rounding of the rate.
         member.threshold = 0.0;
@@ -345,7 +360,307 @@ impl LaneWidget {
     }
 }
 
-/// A member that is nowhere.
+// Densities along segments, for ordered integrals.
+impl LaneWidget {
+    /// Optical depths with their shape along the segment, and the lanes (bits) that the closed forms do not integrate. The
+    /// change is infinite where a region cuts the segment, and for profiles that have no shape.
+    #[inline(always)]
+    pub fn shape<L: Lanes>(&self, segments: &SegmentLanes<L>) -> (DensityShape<L>, u32) {
+        match &self.profile {
+            VectorProfile::Uniform => {
+                let Inside { share, cut, .. } = segments.inside(self.region.as_ref());
+                (DensityShape::even(share * L::F::splat(self.density) * segments.length).cut(cut), 0)
+            }
+            VectorProfile::Gaussian(gaussian) => {
+                let Inside { front, back, share, cut } = segments.inside(self.region.as_ref());
+                let shape =
+                    gaussian.shape::<L>(&front, &back, self.peak_depth(segments, share), segments.crossing);
+                (shape.cut(cut), gaussian.unsure(segments))
+            }
+            VectorProfile::Wave(wave) => {
+                let Inside { front, back, share, cut } = segments.inside(self.region.as_ref());
+                (wave.shape::<L>(&front, &back, self.peak_depth(segments, share)).cut(cut), 0)
+            }
+            VectorProfile::PiecewiseLinear(_)
+            | VectorProfile::TriangularGaussian(_)
+            | VectorProfile::GaussianNd(_)
+            | VectorProfile::TriangularGaussianNd(_)
+            | VectorProfile::Table(_)
+            | VectorProfile::None => {
+                let (depth, unsure) = self.depth::<L>(segments);
+                (DensityShape::even(depth).cut(L::F::splat(0.0).lt(depth)), unsure)
+            }
+        }
+    }
+
+    /// The Gaussian that it is everywhere, if it is one.
+    pub fn whole_gaussian(&self) -> Option<&LaneGaussian> {
+        match (&self.profile, &self.region) {
+            (VectorProfile::Gaussian(gaussian), None) => Some(gaussian),
+            _ => None,
+        }
+    }
+
+    /// Square of the steps that quadrature takes for it alone ([`crate::shade::fixed_quadrature`]); ∞ where a part of the segment or all lies
+    /// outside its region.
+    #[inline(always)]
+    pub fn roughness<L: Lanes>(&self, segments: &SegmentLanes<L>) -> L::F {
+        let (splat, whole) = (L::F::splat, segments.inside(self.region.as_ref()).share);
+        let rough = match &self.profile {
+            VectorProfile::Gaussian(gaussian) => gaussian.roughness(segments),
+            _ => self.shape::<L>(segments).0.roughness(),
+        };
+        L::F::select(whole.lt(splat(1.0)), splat(f32::INFINITY), rough)
+    }
+
+    /// Densities at places of equal steps, each a `share` of the segment, from step `first` on, where those of a step follow from
+    /// those of the step before. Regions are ignored: see [`LaneWidget::roughness`].
+    #[inline(always)]
+    pub fn steps<L: Lanes, const N: usize>(
+        &self,
+        segments: &SegmentLanes<L>,
+        first: usize,
+        share: f32,
+        places: [f32; N],
+    ) -> Option<LaneGaussianSteps<L, N>> {
+        match &self.profile {
+            VectorProfile::Gaussian(gaussian) => {
+                Some(gaussian.steps(segments, first, share, places, L::F::splat(self.density)))
+            }
+            _ => None,
+        }
+    }
+
+    /// Densities at points of the segment, for other profiles with a shape. Regions are ignored.
+    #[inline(always)]
+    pub fn densities<L: Lanes, const N: usize>(&self, segments: &SegmentLanes<L>, t: [f32; N]) -> [L::F; N] {
+        let density = L::F::splat(self.density);
+        match &self.profile {
+            VectorProfile::Uniform => [density; N],
+            VectorProfile::Wave(wave) => array(
+                #[inline(always)]
+                |j| wave.value::<L>(&segments.at(L::F::splat(t[j]))) * density,
+            ),
+            VectorProfile::Gaussian(_)
+            | VectorProfile::PiecewiseLinear(_)
+            | VectorProfile::TriangularGaussian(_)
+            | VectorProfile::GaussianNd(_)
+            | VectorProfile::TriangularGaussianNd(_)
+            | VectorProfile::Table(_)
+            | VectorProfile::None => [L::F::splat(0.0); N],
+        }
+    }
+}
+
+// The path through a Gaussian, in widths.
+impl LaneWidget {
+    /// True if it is uniform or a Gaussian of any kind.
+    pub fn has_path(&self) -> bool {
+        matches!(self.profile, VectorProfile::Uniform) || self.is_exponential()
+    }
+
+    /// Lanes whose paths may meet it.
+    #[inline(always)]
+    pub fn path_meets<L: Lanes>(&self, spread: &ValueRange<L>) -> L::M {
+        match self.profile {
+            // With one width for all of a segment it reaches where it does not with those at its ends.
+            VectorProfile::TriangularGaussian(_) | VectorProfile::TriangularGaussianNd(_) => {
+                spread.segments.crossing
+            }
+            _ => self.meets::<L>(spread),
+        }
+    }
+
+    /// The path; triangular Gaussians take the mean of the widths at the segment's ends.
+    #[inline(always)]
+    pub fn region_path<L: Lanes>(&self, segments: &SegmentLanes<L>, fields: &FieldLanes<L>) -> RegionPath<L> {
+        let region = self.region.as_ref();
+        match &self.profile {
+            VectorProfile::GaussianNd(nd) => {
+                let range = range_of::<L>(region, segments);
+                let path = nd.path::<L>(fields, region.is_some().then_some(range));
+                RegionPath::new(Some(path), range[1] - range[0], segments.crossing)
+            }
+            VectorProfile::TriangularGaussianNd(nd) => {
+                let range = range_of::<L>(region, segments);
+                let (path, there) = nd.path::<L>(fields, region.is_some().then_some(range));
+                RegionPath::new(Some(path), range[1] - range[0], segments.crossing.and(there))
+            }
+            VectorProfile::Gaussian(gaussian) => {
+                let Inside { front, back, share, .. } = segments.inside(region);
+                RegionPath::new(Some(gaussian.path::<L>(&front, &back)), share, segments.crossing)
+            }
+            VectorProfile::TriangularGaussian(triangular) => {
+                let Inside { front, back, share, .. } = segments.inside(region);
+                let (path, there) = triangular.path::<L>(segments, &front, &back);
+                RegionPath::new(Some(path), share, segments.crossing.and(there))
+            }
+            VectorProfile::Uniform
+            | VectorProfile::Wave(_)
+            | VectorProfile::PiecewiseLinear(_)
+            | VectorProfile::Table(_)
+            | VectorProfile::None => {
+                let Inside { share, .. } = segments.inside(region);
+                RegionPath::new(None, share, segments.crossing)
+            }
+        }
+    }
+}
+
+impl<L: Lanes> RegionPath<L> {
+    #[inline(always)]
+    fn new(path: Option<LaneGaussianPath<L>>, fraction: L::F, present: L::M) -> Self {
+        RegionPath { path, fraction: fraction.max(L::F::splat(0.0)), present }
+    }
+}
+
+// Values at one point of each segment, for the integrators that sample.
+impl LaneWidget {
+    /// True if it can be sampled in lanes.
+    pub fn has_samples(&self) -> bool {
+        !matches!(self.profile, VectorProfile::None)
+    }
+
+    /// Optical depth per scene length where its value is 1.
+    pub fn density(&self) -> f32 {
+        self.density
+    }
+
+    /// True if its colour varies.
+    pub fn has_colors(&self) -> bool {
+        matches!(self.profile, VectorProfile::PiecewiseLinear(_) | VectorProfile::Table(_))
+    }
+
+    /// True if its profile is e^(−x²) of something, which 32 bits round to 0 far out.
+    pub fn is_exponential(&self) -> bool {
+        match self.profile {
+            VectorProfile::Gaussian(_)
+            | VectorProfile::TriangularGaussian(_)
+            | VectorProfile::GaussianNd(_)
+            | VectorProfile::TriangularGaussianNd(_) => true,
+            VectorProfile::Uniform
+            | VectorProfile::Wave(_)
+            | VectorProfile::PiecewiseLinear(_)
+            | VectorProfile::Table(_)
+            | VectorProfile::None => false,
+        }
+    }
+
+    /// Value at its peak; `density_scale`: as in [`super::WidgetContext`].
+    pub fn peak_value(&self, density_scale: f64) -> f64 {
+        match &self.profile {
+            VectorProfile::PiecewiseLinear(linear) => f64::from(linear.peak) * density_scale,
+            _ => 1.0,
+        }
+    }
+
+    /// Lanes (bits) whose segments span more widths than 32 bits resolve.
+    #[inline(always)]
+    pub fn too_wide<L: Lanes>(&self, segments: &SegmentLanes<L>) -> u32 {
+        match &self.profile {
+            VectorProfile::Gaussian(gaussian) => gaussian.unsure(segments),
+            VectorProfile::GaussianNd(nd) => nd.unsure(),
+            VectorProfile::Uniform
+            | VectorProfile::Wave(_)
+            | VectorProfile::PiecewiseLinear(_)
+            | VectorProfile::Table(_)
+            | VectorProfile::TriangularGaussian(_)
+            | VectorProfile::TriangularGaussianNd(_)
+            | VectorProfile::None => 0,
+        }
+    }
+
+    /// True if a region or ranges limit it.
+    pub fn has_region(&self) -> bool {
+        self.region.is_some()
+    }
+
+    /// The part of each segment inside its region and its ranges.
+    #[inline(always)]
+    pub fn range<L: Lanes>(&self, segments: &SegmentLanes<L>) -> [L::F; 2] {
+        range_of::<L>(self.region.as_ref(), segments)
+    }
+
+    /// The profile of a widget of one colour at the same places of each segment; regions are not looked at.
+    #[inline(always)]
+    pub fn values<L: Lanes, const N: usize>(
+        &self,
+        segments: &SegmentLanes<L>,
+        fields: &FieldLanes<L>,
+        t: &[f32; N],
+    ) -> [L::F; N] {
+        match &self.profile {
+            VectorProfile::Uniform => [L::F::splat(1.0); N],
+            VectorProfile::Gaussian(gaussian) => array(
+                #[inline(always)]
+                |j| gaussian.value::<L>(&segments.at_share(t[j])),
+            ),
+            VectorProfile::Wave(wave) => array(
+                #[inline(always)]
+                |j| wave.value::<L>(&segments.at_share(t[j])),
+            ),
+            VectorProfile::TriangularGaussian(triangular) => array(
+                #[inline(always)]
+                |j| triangular.value::<L>(&segments.at_share(t[j])),
+            ),
+            VectorProfile::GaussianNd(nd) => array(
+                #[inline(always)]
+                |j| nd.value::<L>(fields, t[j]),
+            ),
+            VectorProfile::TriangularGaussianNd(nd) => array(
+                #[inline(always)]
+                |j| nd.value::<L>(fields, t[j]),
+            ),
+            VectorProfile::PiecewiseLinear(_) | VectorProfile::Table(_) | VectorProfile::None => {
+                [L::F::splat(0.0); N]
+            }
+        }
+    }
+
+    /// At one place of each segment the extinction, as an optical depth per scene length, or alpha of a widget that has colours of
+    /// its own, then its colour.
+    #[inline(always)]
+    pub fn colored_value<L: Lanes>(&self, segments: &SegmentLanes<L>, t: f32) -> [L::F; 4] {
+        match &self.profile {
+            VectorProfile::PiecewiseLinear(linear) => linear.sample::<L>(segments.at_share(t)[0]),
+            VectorProfile::Table(table) => {
+                let [r, g, b, alpha] = table.texel::<L>(&segments.at_share(t));
+                [alpha, r, g, b]
+            }
+            _ => [L::F::splat(0.0); 4],
+        }
+    }
+
+    /// True if its values follow from step to step, on every lane, where each step is a fraction of the segment.
+    #[inline(always)]
+    pub fn has_steps<L: Lanes>(&self, segments: &SegmentLanes<L>, share: f32) -> bool {
+        match &self.profile {
+            VectorProfile::Gaussian(gaussian) => {
+                let step = gaussian.extent_squared::<L>(segments) * L::F::splat(share * share);
+                // Also where it is not a number.
+                step.le(L::F::splat(MAX_STEP_SQUARED)).bits() == u32::MAX >> (32 - L::WIDTH)
+            }
+            _ => false,
+        }
+    }
+
+    /// Values in step `first`; see [`LaneWidget::has_steps`].
+    #[inline(always)]
+    pub fn value_steps<L: Lanes, const N: usize>(
+        &self,
+        segments: &SegmentLanes<L>,
+        first: usize,
+        share: f32,
+        places: [f32; N],
+        out: &mut LaneGaussianSteps<L, N>,
+    ) {
+        if let VectorProfile::Gaussian(gaussian) = &self.profile {
+            *out = gaussian.steps(segments, first, share, places, L::F::splat(1.0));
+        }
+    }
+}
+
+/// Member with empty support.
 #[inline(always)]
 pub(crate) fn nothing<'a, L: Lanes>() -> LaneMember<'a, L> {
     let (zero, one) = (L::F::splat(0.0), L::F::splat(1.0));

@@ -3,7 +3,7 @@
 //! sample the same thing into a table).
 
 use crate::attribute::Attribute;
-use crate::shade::along::Along;
+use crate::shade::segment_lanes::SegmentLanes;
 use voltet_core::transfer::ControlPoint;
 use voltet_simd::optics::elementary::one_minus_exp;
 use voltet_simd::optics::linear::{
@@ -121,16 +121,17 @@ impl LaneLinear {
 
     /// Optical depth.
     #[inline(always)]
-    pub fn depth<L: Lanes>(&self, along: &Along<L>) -> L::F {
+    pub fn depth<L: Lanes>(&self, segments: &SegmentLanes<L>) -> L::F {
         let tables = self.tables::<L>();
         let mut depth = L::F::splat(0.0);
         tables.walk(
-            along,
+            segments,
             #[inline(always)]
             |k, from, to, share| {
                 let anchor = tables.anchor(k);
                 let middle = (from - anchor + (to - anchor)) * L::F::splat(0.5);
-                depth = (tables.at(0, k, middle).max(L::F::splat(0.0)) * share).mul_add(along.length, depth);
+                depth =
+                    (tables.at(0, k, middle).max(L::F::splat(0.0)) * share).mul_add(segments.length, depth);
             },
         );
         depth
@@ -172,15 +173,15 @@ impl<L: Lanes> Tables<'_, L> {
     /// Walks the pieces front to back; `piece(k, s_from, s_to, share)` gets the interval, the scalar at both ends
     /// and the share of the length.
     #[inline(always)]
-    fn walk(&self, along: &Along<L>, mut piece: impl FnMut(L::U, L::F, L::F, L::F)) {
+    fn walk(&self, segments: &SegmentLanes<L>, mut piece: impl FnMut(L::U, L::F, L::F, L::F)) {
         let splat = L::F::splat;
-        let (front, back) = (along.front[0], along.back[0]);
+        let (front, back) = (segments.front[0], segments.back[0]);
         let (mut k, last) = (self.linear.interval::<L>(front), self.linear.interval::<L>(back));
         let rising = front.lt(back);
         let step = L::F::select(rising, splat(1.0), splat(-1.0));
         let within_one = inlined(
             #[inline(always)]
-            |k: L::F| k.le(last).and(last.le(k)).or(along.crossing.not()),
+            |k: L::F| k.le(last).and(last.le(k)).or(segments.crossing.not()),
         );
         // Most vectors lie within one interval each, and shares of theirs are not asked for.
         let per_scalar = if within_one(k).not().any() {
@@ -215,18 +216,18 @@ impl<L: Lanes> Tables<'_, L> {
     /// so few of a vector are that they are better served with others of their kind (never if `DEEP`), and those with one deeper
     /// than the twins serve.
     #[inline(always)]
-    pub fn integrate<const DEEP: bool>(&self, along: &Along<L>) -> ([L::F; 4], [u32; 2]) {
+    pub fn integrate<const DEEP: bool>(&self, segments: &SegmentLanes<L>) -> ([L::F; 4], [u32; 2]) {
         let splat = L::F::splat;
         let (zero, one) = (splat(0.0), splat(1.0));
         let mut color = [zero; 3];
         let (mut all, mut through, mut deepest, mut unknown) = (zero, one, zero, 0);
         self.walk(
-            along,
+            segments,
             #[inline(always)]
             |k, from, to, share| {
                 let anchor = self.anchor(k);
                 let (from, to) = (from - anchor, to - anchor);
-                let length = along.length * share;
+                let length = segments.length * share;
                 let a = self.at(0, k, from).max(zero) * length;
                 let b = self.at(0, k, to).max(zero) * length;
                 let max = a.max(b);
@@ -297,15 +298,16 @@ mod tests {
             let splat = L::F::splat;
             for ends in self.ends.chunks_exact(L::WIDTH) {
                 let end = |k: usize| L::F::load(&ends.iter().map(|ends| ends[k]).collect::<Vec<_>>());
-                let along = Along::<L> {
+                let segments = SegmentLanes::<L> {
                     length: splat(1.0),
                     crossing: splat(0.0).lt(splat(1.0)),
                     front: [end(0), splat(0.0)],
                     back: [end(1), splat(0.0)],
                 };
-                let [r, g, b, a] = self.linear.tables::<L>().integrate::<true>(&along).0;
+                let [r, g, b, a] = self.linear.tables::<L>().integrate::<true>(&segments).0;
                 let mut columns = [[0f32; 16]; 5];
-                for (column, value) in columns.iter_mut().zip([self.linear.depth::<L>(&along), r, g, b, a]) {
+                for (column, value) in columns.iter_mut().zip([self.linear.depth::<L>(&segments), r, g, b, a])
+                {
                     value.store(column);
                 }
                 self.out.extend((0..L::WIDTH).map(|lane| columns.map(|column| column[lane])));

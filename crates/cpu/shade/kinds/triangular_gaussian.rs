@@ -1,7 +1,7 @@
 //! A triangular Gaussian in lanes.
 
 use crate::attribute::Attribute;
-use crate::shade::along::Along;
+use crate::shade::segment_lanes::SegmentLanes;
 use voltet_simd::limits::MAX_TRIANGULAR_WIDTHS;
 use voltet_simd::optics::gaussian::LaneGaussianPath;
 use voltet_simd::optics::triangular_gaussian;
@@ -56,12 +56,12 @@ impl LaneTriangular {
     #[inline(always)]
     pub fn path<L: Lanes>(
         &self,
-        along: &Along<L>,
+        segments: &SegmentLanes<L>,
         front: &[L::F; 2],
         back: &[L::F; 2],
     ) -> (LaneGaussianPath<L>, L::M) {
         let splat = L::F::splat;
-        let width = (self.point::<L>(&along.front)[1] + self.point::<L>(&along.back)[1]) * splat(0.5);
+        let width = (self.point::<L>(&segments.front)[1] + self.point::<L>(&segments.back)[1]) * splat(0.5);
         let there = splat(0.0).lt(width);
         let inverse = splat(1.0) / L::F::select(there, width, splat(1.0));
         let [front, back] = [self.point::<L>(front)[0] * inverse, self.point::<L>(back)[0] * inverse];

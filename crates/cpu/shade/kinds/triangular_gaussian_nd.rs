@@ -1,8 +1,8 @@
 //! A triangular Gaussian over further fields in lanes.
 
-use crate::shade::along::{FIELDS_MOST, Fields};
+use crate::shade::context::WidgetContext;
 use crate::shade::kinds::gaussian_nd::{LaneFields, between};
-use crate::shade::kinds::making::Making;
+use crate::shade::segment_lanes::{FieldLanes, MAX_FIELD_LANES};
 use voltet_simd::limits::MAX_TRIANGULAR_WIDTHS;
 use voltet_simd::optics::elementary::dot;
 use voltet_simd::optics::gaussian::LaneGaussianPath;
@@ -25,31 +25,31 @@ impl LaneTriangularNd {
         magnitude: &str,
         centre: &[f64],
         matrix: &[Vec<f64>],
-        making: &Making,
+        context: &WidgetContext,
     ) -> Option<LaneTriangularNd> {
-        let (slot, axis) = making.field(magnitude).filter(|(slot, _)| *slot < FIELDS_MOST)?;
+        let (slot, axis) = context.field(magnitude).filter(|(slot, _)| *slot < MAX_FIELD_LANES)?;
         let matrix: Vec<Vec<f64>> =
             matrix.iter().map(|row| row.iter().map(|k| k / axis.scale).collect()).collect();
-        let fields = LaneFields::new(names, centre, &matrix, making)?;
+        let fields = LaneFields::new(names, centre, &matrix, context)?;
         let base = (axis.offset / axis.scale) as f32;
         base.is_finite().then_some(LaneTriangularNd { fields, slot, base })
     }
 
     /// The profile at a place of the segment.
     #[inline(always)]
-    pub fn value<L: Lanes>(&self, fields: &Fields<L>, t: f32) -> L::F {
+    pub fn value<L: Lanes>(&self, fields: &FieldLanes<L>, t: f32) -> L::F {
         let fields = fields.at(t);
         let q = self.fields.point::<L>(&fields);
         let width = fields[self.slot] + L::F::splat(self.base);
-        triangular_gaussian::profile::<L>(dot::<L, FIELDS_MOST>(&q, &q).sqrt(), width)
+        triangular_gaussian::profile::<L>(dot::<L, MAX_FIELD_LANES>(&q, &q).sqrt(), width)
     }
 
     /// Mean of the profile over the segment or a stretch of it, and the lanes (bits) on which its ends are too far apart.
     #[inline(always)]
-    pub fn mean<L: Lanes>(&self, fields: &Fields<L>, range: Option<[L::F; 2]>) -> (L::F, u32) {
+    pub fn mean<L: Lanes>(&self, fields: &FieldLanes<L>, range: Option<[L::F; 2]>) -> (L::F, u32) {
         let splat = L::F::splat;
-        let [front, back] = between::<L, FIELDS_MOST>(self.fields.ends::<L>(fields), range);
-        let width = |fields: &[L::F; FIELDS_MOST]| [fields[self.slot] + splat(self.base)];
+        let [front, back] = between::<L, MAX_FIELD_LANES>(self.fields.ends::<L>(fields), range);
+        let width = |fields: &[L::F; MAX_FIELD_LANES]| [fields[self.slot] + splat(self.base)];
         let [near, far] = between::<L, 1>([width(&fields.front), width(&fields.back)], range);
         let mut squared = splat(0.0);
         for (f, b) in front.into_iter().zip(back) {
@@ -57,7 +57,7 @@ impl LaneTriangularNd {
         }
         let max = splat(MAX_TRIANGULAR_WIDTHS as f32) * near[0].abs().max(far[0].abs());
         let unsure = (max * max).lt(squared).bits();
-        let path = LaneTriangularPath::<L>::over_fields::<FIELDS_MOST>(front, back, [near[0], far[0]]);
+        let path = LaneTriangularPath::<L>::over_fields::<MAX_FIELD_LANES>(front, back, [near[0], far[0]]);
         (path.mean(), unsure)
     }
 
@@ -65,18 +65,18 @@ impl LaneTriangularNd {
     #[inline(always)]
     pub fn path<L: Lanes>(
         &self,
-        fields: &Fields<L>,
+        fields: &FieldLanes<L>,
         range: Option<[L::F; 2]>,
     ) -> (LaneGaussianPath<L>, L::M) {
         let splat = L::F::splat;
-        let [front, back] = between::<L, FIELDS_MOST>(self.fields.ends::<L>(fields), range);
+        let [front, back] = between::<L, MAX_FIELD_LANES>(self.fields.ends::<L>(fields), range);
         let ends = fields.front[self.slot] + fields.back[self.slot];
         let width = ends.mul_add(splat(0.5), splat(self.base));
         let there = splat(0.0).lt(width);
         let inverse = splat(1.0) / L::F::select(there, width, splat(1.0));
         let scaled = inlined(
             #[inline(always)]
-            |q: [L::F; FIELDS_MOST]| -> [L::F; FIELDS_MOST] {
+            |q: [L::F; MAX_FIELD_LANES]| -> [L::F; MAX_FIELD_LANES] {
                 array(
                     #[inline(always)]
                     |i| q[i] * inverse,

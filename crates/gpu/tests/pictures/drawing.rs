@@ -61,7 +61,7 @@ pub fn draw_tiles(
     voltet_gpu::draw(
         renderer,
         &scene.drawn_by(shading, order),
-        &RenderOptions::by(Compositor::Tiles),
+        &RenderOptions::with_compositor(Compositor::Tiles),
         &NoProgress,
     )
 }
@@ -106,7 +106,12 @@ pub fn tiles(order: VisibilityOrder) -> How {
 pub fn draw_on(device: Arc<Device>, scene: &NamedScene, shading: &Shading, how: How) -> Result<FrameOutput> {
     let (compositing, order) = how;
     let renderer = Renderer::new(device, &scene.volume)?;
-    voltet_gpu::draw(&renderer, &scene.drawn_by(shading, order), &RenderOptions::by(compositing), &NoProgress)
+    voltet_gpu::draw(
+        &renderer,
+        &scene.drawn_by(shading, order),
+        &RenderOptions::with_compositor(compositing),
+        &NoProgress,
+    )
 }
 
 /// Another device like that of all tests.

@@ -78,8 +78,13 @@ fn a_moved_camera_or_widget_uploads_parameters_alone() {
             let sent = |scene: &NamedScene| {
                 let before = device.work();
                 let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Centroid);
-                voltet_gpu::draw(&renderer, &wanted, &RenderOptions::by(compositing), &NoProgress)
-                    .expect("draws");
+                voltet_gpu::draw(
+                    &renderer,
+                    &wanted,
+                    &RenderOptions::with_compositor(compositing),
+                    &NoProgress,
+                )
+                .expect("draws");
                 let after = device.work();
                 [after.bytes_uploaded - before.bytes_uploaded, after.uploads - before.uploads]
             };

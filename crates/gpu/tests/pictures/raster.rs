@@ -233,8 +233,13 @@ fn runs_and_windows_change_nothing() {
     for length in [7, 100, 1296] {
         let runs = Renderer::new(device.clone(), &scene.volume).expect("fits").with_runs_of(length);
         let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Centroid);
-        let drawn = voltet_gpu::draw(&runs, &wanted, &RenderOptions::by(Compositor::Raster), &NoProgress)
-            .expect("draws");
+        let drawn = voltet_gpu::draw(
+            &runs,
+            &wanted,
+            &RenderOptions::with_compositor(Compositor::Raster),
+            &NoProgress,
+        )
+        .expect("draws");
         assert_eq!(drawn.picture.rgba, whole.picture.rgba, "{length}");
     }
     for windows in [further_device().with_bindings_of(24_000), further_device().with_textures_of(16)] {

@@ -203,7 +203,7 @@ fn runs_and_small_bindings_change_nothing() {
     let Some(device) = device() else { return };
     let scene = jittered(overlapping(), outside([24, 20]));
     let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Centroid);
-    let options = RenderOptions::by(Compositor::Triangles);
+    let options = RenderOptions::with_compositor(Compositor::Triangles);
     let whole = draw(&device, &scene, &SHADING, triangles(VisibilityOrder::Centroid)).picture;
     for length in [300, 1296] {
         let runs = Renderer::new(device.clone(), &scene.volume).expect("fits").with_runs_of(length);
@@ -226,7 +226,7 @@ fn few_bits_a_channel_round_after_each_cell() {
     const CELLS: f64 = 36.0;
     for compositing in [Compositor::Raster, Compositor::Triangles] {
         let picture = |accumulation| {
-            let options = RenderOptions { accumulation, ..RenderOptions::by(compositing) };
+            let options = RenderOptions { accumulation, ..RenderOptions::with_compositor(compositing) };
             voltet_gpu::draw(&renderer, &wanted, &options, &NoProgress).expect("draws").picture
         };
         let float = picture(Accumulation::Float);
@@ -247,13 +247,18 @@ fn few_bits_a_channel_round_after_each_cell() {
             before = off;
         }
     }
-    let tiles = RenderOptions { accumulation: Accumulation::Bits8, ..RenderOptions::by(Compositor::Tiles) };
+    let tiles = RenderOptions {
+        accumulation: Accumulation::Bits8,
+        ..RenderOptions::with_compositor(Compositor::Tiles)
+    };
     let error = voltet_gpu::draw(&renderer, &wanted, &tiles, &NoProgress).expect_err("refused").to_string();
     assert!(error.contains("8-bit") && error.contains("raster"), "{error}");
     let narrow = Arc::new(further_device().blending_16_bits());
     let renderer = Renderer::new(narrow, &scene.volume).expect("fits");
-    let twelve =
-        RenderOptions { accumulation: Accumulation::Bits12, ..RenderOptions::by(Compositor::Triangles) };
+    let twelve = RenderOptions {
+        accumulation: Accumulation::Bits12,
+        ..RenderOptions::with_compositor(Compositor::Triangles)
+    };
     let error = voltet_gpu::draw(&renderer, &wanted, &twelve, &NoProgress).expect_err("refused").to_string();
     assert!(error.contains("no 32-bit floats") && error.contains("12-bit"), "{error}");
 }

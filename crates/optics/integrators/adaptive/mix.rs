@@ -4,10 +4,10 @@ use crate::overlap::{Glow, Member};
 use crate::special::{mean_transmittance, opacity};
 use crate::track::Track;
 
-/// Widgets that are subdivided together; more of them take the ordered integral to working precision.
-pub(super) const MOST: usize = 16;
+/// Largest number of widgets that are subdivided together; more of them take the ordered integral to working precision.
+pub(super) const MAX_MEMBERS: usize = 16;
 
-/// What a piece gives, and by how much a channel of it can be wrong.
+/// Contribution of a piece, and a bound of the error of its channels.
 pub struct Estimate {
     pub color: [f64; 3],
     pub error: f64,
@@ -17,7 +17,7 @@ pub struct Estimate {
 /// The mix of the piece [t, t + length].
 pub fn mix(members: &[Member], glow: Glow, t: f64, length: f64) -> Estimate {
     let end = t + length;
-    let mut depths = [0.0; MOST];
+    let mut depths = [0.0; MAX_MEMBERS];
     let mut depth = 0.0;
     for (slot, member) in depths.iter_mut().zip(members) {
         *slot = depth_within(member, t, length);
@@ -74,7 +74,7 @@ fn ends(member: &Member, t: f64, end: f64) -> [[f64; 3]; 2] {
 /// Sums of a mix: per channel the light, and what it takes to bound the error.
 #[derive(Default)]
 struct Bounds {
-    parts: [MixedWidget; MOST],
+    parts: [MixedWidget; MAX_MEMBERS],
     count: usize,
 }
 

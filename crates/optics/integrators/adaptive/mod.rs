@@ -25,7 +25,7 @@ mod panel;
 mod tests;
 
 use super::{Extent, Integrator, IntegratorKind, SegmentIntegrator, can_serve};
-use crate::forms::TrackColor;
+use crate::kinds::TrackColor;
 use crate::overlap::{Glow, Member, Panel, Quadrature, blur, blurred, ordered};
 use crate::quadrature::GAUSS_12;
 use crate::special::{mean_transmittance, opacity};
@@ -64,6 +64,18 @@ impl Adaptive {
             tolerance,
             varying: brightest_of_varying(transfer_function),
         })
+    }
+}
+
+impl Integrator {
+    /// Closed forms, subdivided until the error of (C, A) is under the tolerance, which is above 0.
+    pub const fn adaptive(tolerance: f64) -> Integrator {
+        Integrator::with_settings(&AdaptiveKind, [tolerance])
+    }
+
+    /// Largest error that `adaptive` allows; `None` for the other kinds.
+    pub fn tolerance(&self) -> Option<f64> {
+        self.setting(TOLERANCE).filter(|_| self.is_kind_of(&Integrator::adaptive(1.0)))
     }
 }
 
@@ -124,7 +136,7 @@ impl Quadrature for Subdivided {
     const ALONE: bool = true;
 
     fn color(&self, members: &[Member], glow: Glow) -> [f64; 3] {
-        if members.len() > mix::MOST {
+        if members.len() > mix::MAX_MEMBERS {
             return ordered(members, glow);
         }
         March::new(members, glow, self).run()
@@ -137,7 +149,7 @@ struct March<'a> {
     glow: Glow,
     /// The largest channel of any colour, times D/U for the constant-emitter.
     brightest: f64,
-    /// Whether some colour is not known by its values at two points.
+    /// True if some colour is not determined by its values at two points.
     only_panels: bool,
     t: f64,
     rest: f64,
@@ -145,7 +157,7 @@ struct March<'a> {
     front: f64,
     /// T behind t.
     behind: f64,
-    /// Of the tolerance.
+    /// Rest of the tolerance.
     left: f64,
     color: [f64; 3],
 }
@@ -264,7 +276,7 @@ impl<'a> March<'a> {
         if share < 1.0 { self.left * share } else { self.left }
     }
 
-    /// How far the mix may reach: a colour that varies, or a glow of many windows, is known up to its next break.
+    /// End of the mix at most: a colour that varies, or an emission of many windows, is determined up to its next break.
     fn mixable(&self) -> f64 {
         let limited =
             |m: &&Member| !m.has_one_color() || (self.glow != Glow::Density && m.track.glows_in_parts());
@@ -291,7 +303,7 @@ impl<'a> March<'a> {
         })
     }
 
-    /// What the error of a panel is a share of, for brightness 1. The breaks do not resolve what is fainter than
+    /// Scale of the error of a panel, for brightness 1. The breaks do not resolve what is fainter than
     /// e^(−42) of a widget's peak.
     fn panel_stake(&self, length: f64, depth: f64) -> f64 {
         const UNRESOLVED: f64 = 1e-12;

@@ -1,6 +1,6 @@
 //! One panel by Gauss–Legendre quadrature of few points (see the head of module `adaptive`).
 
-use super::mix::MOST;
+use super::mix::MAX_MEMBERS;
 use crate::overlap::{self, Glow, Member, Panel};
 use crate::quadrature::{GAUSS_4, GAUSS_5, GAUSS_8, Node, UP_TO_4, UP_TO_5, UP_TO_8};
 use crate::track::Track;
@@ -10,7 +10,7 @@ use crate::track::Track;
 /// one to three random widgets. A test repeats a part of them.
 pub const RULES: [(usize, f64); 3] = [(4, 4e-2), (5, 7e-3), (8, 2e-5)];
 
-/// Whether a widget's region holds the place t.
+/// True if a widget's region holds the place t.
 pub fn present_at(t: f64) -> impl Fn(&&Member) -> bool {
     move |m| m.range[0] <= t && t <= m.range[1]
 }
@@ -43,7 +43,7 @@ fn gauss<const N: usize>(
     length: f64,
 ) -> [f64; 3] {
     let middle = t + 0.5 * length;
-    let mut rates = [[0.0; N]; MOST];
+    let mut rates = [[0.0; N]; MAX_MEMBERS];
     let mut total = [0.0; N];
     for (rates, member) in rates.iter_mut().zip(members.iter().filter(present_at(middle))) {
         for (k, &(x, _)) in nodes.iter().enumerate() {

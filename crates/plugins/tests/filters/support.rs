@@ -46,7 +46,7 @@ pub fn method(
     Method::new(filter.clone(), Parameters::from_values(filter.declaration().parameters, values)?)
 }
 
-/// What it gives on the grid.
+/// Gradient of the filter on the grid.
 pub fn gradient(method: &Method, progress: &dyn Progress) -> Result<Gradient> {
     let grid = grid();
     let scalar = grid.scalar.clone().unwrap();

@@ -1,4 +1,4 @@
-//! What is classified at the grid's points serves the pictures that it is true of, and no others.
+//! Classified points serve the pictures that they were made for, and no others.
 
 use crate::found::shading;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! What judges segments in lanes by their own 64-bit truths, on every lane set.
+//! Comparison of segments in lanes with their own 64-bit truths, on every lane set.
 
 use std::collections::BTreeMap;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
@@ -9,7 +9,7 @@ use voltet_optics::integrators::{self, Extent};
 use voltet_optics::shading::{Integrator, Shading};
 use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
 
-/// Of ε (4 |truth| + change + what a shift of each sample changes). Exponentials and quotients leave some steps of 32 bits; so does
+/// Tolerance (of ε (4 |truth| + change + effect of a shift of each sample)). Exponentials and quotients leave some steps of 32 bits; so does
 /// the table that is filled in them.
 const TOLERANCE: f64 = 16.0;
 
@@ -43,7 +43,7 @@ fn spans(list: &[Segment]) -> Vec<f64> {
     (0..2 + list[0].fields_front.len()).map(span).collect()
 }
 
-/// What the judged segments of one integrator came to.
+/// Errors of the judged segments of one integrator.
 #[derive(Default)]
 pub struct Found {
     pub judged: usize,
@@ -126,7 +126,7 @@ impl Found {
     }
 }
 
-/// What the places in the tables of Gaussians' integrals may change: T, C and A, by ε. Means change by no more than a place does,
+/// Error by the positions in the tables of Gaussians' integrals: T, C and A, by ε. Means change by no more than a position does,
 /// which errs by an ε of the table's reach. Light is the difference of two entries over the widths that the segment spans.
 fn of_gaussian_tables(look: &TransferFunction, segment: &Segment, light: f64) -> [f64; 5] {
     let peaks: f64 = look.widgets.iter().map(Widget::peak).sum();

@@ -91,7 +91,7 @@ fn widgets_over_fields_from_tables_are_those_of_64_bits() {
     assert!(found.left.is_empty(), "{:?}", found.left);
 }
 
-/// What spans more widths than 32 bits resolve is left to 64, and so are values that are no numbers.
+/// Segments that span more widths than 32 bits resolve fall back to 64 bits, and so do values that are not numbers.
 #[test]
 fn paths_that_32_bits_do_not_hold_are_left() {
     let matrix = [[1e7, 0.0], [0.0, 0.0]];

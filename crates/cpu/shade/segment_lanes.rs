@@ -1,0 +1,108 @@
+//! Segments in lanes: their lengths and the values at both ends.
+
+use crate::fragments::batch::{Batch, Column};
+use voltet_simd::{Float, Lanes, array, inlined};
+
+/// One vector of segments of a batch. Lengths in scene lengths, attributes scaled.
+pub struct SegmentLanes<L: Lanes> {
+    /// D.
+    pub(crate) length: L::F,
+    /// Lanes that cross their cell over a positive length, or a selection of them.
+    pub(crate) crossing: L::M,
+    /// (s, g) at the entry; g is 0 where there is none.
+    pub(crate) front: [L::F; 2],
+    /// (s, g) at the exit.
+    pub(crate) back: [L::F; 2],
+}
+
+impl<L: Lanes> SegmentLanes<L> {
+    #[inline(always)]
+    pub(crate) fn load(batch: &Batch, at: usize) -> Self {
+        let column = inlined(
+            #[inline(always)]
+            |columns: &[Column], a: usize| match columns[..batch.scalar_count].get(a) {
+                Some(column) => L::F::load(&column[at..]),
+                None => L::F::splat(0.0),
+            },
+        );
+        let length = L::F::load(&batch.length[at..]);
+        SegmentLanes {
+            length,
+            crossing: L::F::splat(0.0).lt(length),
+            front: [column(&batch.front, 0), column(&batch.front, 1)],
+            back: [column(&batch.back, 0), column(&batch.back, 1)],
+        }
+    }
+
+    /// The segments with other lanes counted as those that cross.
+    #[inline(always)]
+    pub fn only(&self, crossing: L::M) -> Self {
+        SegmentLanes { crossing, ..*self }
+    }
+
+    /// Values at one fraction of every segment, from its nearer end.
+    #[inline(always)]
+    pub(crate) fn at_share(&self, t: f32) -> [L::F; 2] {
+        between::<L, 2>(&self.front, &self.back, t)
+    }
+
+    #[inline(always)]
+    pub(crate) fn at(&self, t: L::F) -> [L::F; 2] {
+        array(
+            #[inline(always)]
+            |i| (self.back[i] - self.front[i]).mul_add(t, self.front[i]),
+        )
+    }
+}
+
+/// Linear between the ends, from the nearer one.
+#[inline(always)]
+fn between<L: Lanes, const N: usize>(front: &[L::F; N], back: &[L::F; N], t: f32) -> [L::F; N] {
+    let (from, step) = if t > 0.5 { (back, t - 1.0) } else { (front, t) };
+    array(
+        #[inline(always)]
+        |i| (back[i] - front[i]).mul_add(L::F::splat(step), from[i]),
+    )
+}
+
+/// Further fields of one vector of segments, at the entry and at the exit.
+pub struct FieldLanes<L: Lanes> {
+    pub(crate) front: [L::F; MAX_FIELD_LANES],
+    pub(crate) back: [L::F; MAX_FIELD_LANES],
+}
+
+impl<L: Lanes> FieldLanes<L> {
+    /// No fields.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zeros = [L::F::splat(0.0); MAX_FIELD_LANES];
+        FieldLanes { front: zeros, back: zeros }
+    }
+
+    /// Fields of a batch; 0 for missing ones.
+    #[inline(always)]
+    pub(crate) fn load(batch: &Batch, at: usize) -> Self {
+        let rows = inlined(
+            #[inline(always)]
+            |columns: &[Column]| -> [L::F; MAX_FIELD_LANES] {
+                array(
+                    #[inline(always)]
+                    |i| match columns[..batch.scalar_count].get(2 + i) {
+                        Some(column) => L::F::load(&column[at..]),
+                        None => L::F::splat(0.0),
+                    },
+                )
+            },
+        );
+        FieldLanes { front: rows(&batch.front), back: rows(&batch.back) }
+    }
+
+    /// Values at one fraction of every segment.
+    #[inline(always)]
+    pub(crate) fn at(&self, t: f32) -> [L::F; MAX_FIELD_LANES] {
+        between::<L, MAX_FIELD_LANES>(&self.front, &self.back, t)
+    }
+}
+
+/// Further fields that lanes read at most.
+pub(crate) const MAX_FIELD_LANES: usize = 8;
