@@ -29,16 +29,19 @@ impl<T: Default> FreeList<T> {
     }
 }
 
-/// Returns the value in a slot if it is valid, else computes it and stores it there. No thread blocks while another computes.
+/// Returns the value in a slot if it is valid, else computes it and stores it there. An invalid one is dropped before: both may be large.
+/// No thread blocks while another computes.
 pub(crate) fn get_or_compute<T>(
     slot: &Mutex<Option<Arc<T>>>,
     is_valid: impl Fn(&T) -> bool,
     compute: impl FnOnce() -> T,
 ) -> Arc<T> {
-    let cached = slot.lock().unwrap_or_else(PoisonError::into_inner).clone();
-    if let Some(cached) = cached.filter(|cached| is_valid(cached)) {
-        return cached;
+    let mut cached = slot.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(cached) = cached.as_ref().filter(|cached| is_valid(cached)) {
+        return cached.clone();
     }
+    *cached = None;
+    drop(cached);
     let computed = Arc::new(compute());
     *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some(computed.clone());
     computed

@@ -122,7 +122,7 @@ impl<'a> RayPacket<'a> {
     }
 
     /// Enters the grid by a ray's next entry; if there is none the ray ends. It is mistracked where it has not exited by all faces that it
-    /// should have, or enters before it exited.
+    /// should have, or enters before it exited; in front of the near plane, where it has no segments, the order does not matter.
     pub(super) fn enter_grid(&mut self, ray: usize) {
         let bit = 1 << ray;
         let Some(entry) = self.hits.entries_of(self.pixels[ray] as usize).get(self.consumed[ray] as usize)
@@ -132,7 +132,9 @@ impl<'a> RayPacket<'a> {
             self.pending.half_face[ray] = self.caster.half_faces.sentinel();
             return;
         };
-        self.is_mistracked |= entry.depth.saturating_add(ENTRY_OVERLAP) < self.pending.at[ray];
+        let near = self.caster.points.near.unwrap_or(0);
+        self.is_mistracked |=
+            entry.depth.max(near).saturating_add(ENTRY_OVERLAP) < self.pending.at[ray].max(near);
         self.consumed[ray] += 1;
         self.active |= bit;
         let face = self.caster.half_faces.boundary[entry.face as usize];

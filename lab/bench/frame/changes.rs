@@ -9,20 +9,23 @@ use voltet::core::camera::Camera;
 use voltet::core::progress::NoProgress;
 use voltet::core::transfer::{Profile, TransferFunction};
 use voltet::engine::ENGINE;
-use voltet::optics::engine::AdapterRequest;
-use voltet::optics::engine::{RenderOptions, Stage};
+use voltet::optics::engine::{AdapterRequest, PreparedVolume, RenderOptions, RenderOutput, Stage};
 use voltet::optics::scene::Scene;
 use voltet::optics::shading::VisibilityOrder;
 
 const FRAME_COUNT: usize = 31;
 
-/// Frames that are not timed: the view's segments are kept once its widgets change.
+/// Frames that are not timed: the view's segments are cached once its widgets change.
 const UNTIMED: usize = 4;
+
+/// Widths and heights of the pictures.
+const SIZES: [[u32; 2]; 2] = [[512, 512], [1024, 768]];
 
 /// Difference from frame to frame.
 const CHANGES: [&str; 5] = ["nothing", "camera turned", "widget moved", "colour", "extinction"];
 
-/// Prints a table: the 1-D picture and each Gaussian of the subject at 512², with every change.
+/// Prints a table: the 1-D picture and each Gaussian of the subject, with every change; each frame is drawn in turns with and without the
+/// segment cache.
 pub fn measure(subject: &Subject, volumes: &Volumes) -> Result<()> {
     let mut looks = vec![("piecewise-linear", &volumes.plain, subject.piecewise_linear())];
     for &(name, centre, sigma, extinction) in subject.gaussians {
@@ -30,27 +33,33 @@ pub fn measure(subject: &Subject, volumes: &Volumes) -> Result<()> {
     }
     looks.push(("four Gaussians", &volumes.bivariate, subject.gaussians(3, false)));
     println!(
-        "\n| 512² | what changes | segments | cull, ms | project, ms | composite, ms | frame, ms | first frame after another, ms |"
+        "\n| look | size | what changes | segments | cull, ms | project, ms | composite, ms | frame, ms | first frame after another, ms | \
+         without the segment cache, × |"
     );
-    println!("| --- | --- |{}", " ---: |".repeat(6));
+    println!("| --- | --- | --- |{}", " ---: |".repeat(7));
     for (name, volume, look) in looks {
-        for change in CHANGES {
-            let prepared = ENGINE.open(&AdapterRequest::default())?.prepare(volume)?;
-            let mut stages = [const { Vec::new() }; 4];
+        for (size, change) in SIZES.into_iter().flat_map(|size| CHANGES.map(|change| (size, change))) {
+            let prepare = || ENGINE.open(&AdapterRequest::default())?.prepare(volume);
+            let [cached, uncached] = [prepare()?, prepare()?];
+            let (mut stages, mut ratios) = ([const { Vec::new() }; 4], Vec::new());
             let (mut segments, mut slowest) = (0, 0.0f64);
             for k in 0..FRAME_COUNT + UNTIMED {
                 let (camera, look) = frame(subject, change, k, &look);
-                let transfer_function = Arc::new(look);
                 let scene = Scene {
                     volume: volume.clone(),
-                    transfer_function,
-                    camera,
+                    transfer_function: Arc::new(look),
+                    camera: Camera { size, ..camera },
                     shading: SHADING,
                     order: VisibilityOrder::Exact,
                 };
-                let start = Instant::now();
-                let drawn = prepared.draw(&scene, &RenderOptions::passing(), &NoProgress)?;
-                let whole = start.elapsed().as_secs_f64();
+                let draw_cached = || timed(&*cached, &scene, &RenderOptions::passing());
+                let draw_uncached = || timed(&*uncached, &scene, &RenderOptions::default());
+                let [(drawn, whole), (_, without)] = if k % 2 == 0 {
+                    [draw_cached()?, draw_uncached()?]
+                } else {
+                    let uncached = draw_uncached()?;
+                    [draw_cached()?, uncached]
+                };
                 let of = |wanted: Stage| {
                     drawn.stages.iter().filter(|timed| timed.stage == wanted).map(|timed| timed.seconds).sum()
                 };
@@ -60,17 +69,31 @@ pub fn measure(subject: &Subject, volumes: &Volumes) -> Result<()> {
                     slowest = if k == 0 { 0.0 } else { slowest.max(whole) };
                 } else {
                     stages.iter_mut().zip(times).for_each(|(stage, time)| stage.push(1e3 * time));
+                    ratios.push(without / whole);
                 }
                 segments = drawn.counts.segments.unwrap_or(0);
             }
             let [cull, project, composite, whole] = stages.map(middle);
-            let slowest = 1e3 * slowest;
+            let (slowest, ratio) = (1e3 * slowest, middle(ratios));
+            let [width, height] = size;
             println!(
-                "| {name} | {change} | {segments} | {cull:.2} | {project:.1} | {composite:.1} | **{whole:.1}** | {slowest:.1} |"
+                "| {name} | {width} × {height} | {change} | {segments} | {cull:.2} | {project:.1} | {composite:.1} | **{whole:.1}** | \
+                 {slowest:.1} | {ratio:.2} |"
             );
         }
     }
     Ok(())
+}
+
+/// Picture of a scene, and its seconds.
+fn timed(
+    prepared: &dyn PreparedVolume,
+    scene: &Scene,
+    options: &RenderOptions,
+) -> Result<(RenderOutput, f64)> {
+    let start = Instant::now();
+    let drawn = prepared.draw(scene, options, &NoProgress)?;
+    Ok((drawn, start.elapsed().as_secs_f64()))
 }
 
 /// The k-th frame of a change.
