@@ -292,7 +292,7 @@ fn method(integrator: &Integrator) -> Result<Method> {
     method_of(integrator).ok_or_else(|| {
         Error::usage("the integrator has no shader: the CPU draws it")
             .got(integrator.name())
-            .expected("an integrator with a shader, or engine = \"cpu\"")
+            .expected("engine = \"cpu\"")
     })
 }
 
