@@ -119,7 +119,7 @@ fn is_cacheable(transfer_function: &TransferFunction, ranges: [[f64; 2]; 2]) -> 
     })
 }
 
-/// Width of a widget and its region by the range of the values, at min; ∞ where it does not depend on where values are counted from;
+/// Width of a widget and its region by the range of the values, at least; ∞ where it does not depend on where values are counted from;
 /// `None` where it reads further fields, or has pieces that a region cuts, whose closed forms are of 64 bits.
 fn width(widget: &Widget, ranges: [[f64; 2]; 2]) -> Option<f64> {
     let properties = widget.profile.properties();
