@@ -32,19 +32,21 @@ impl Boundary {
                 for (k, face) in faces.iter().enumerate() {
                     let corners = face.corners.map(&corner);
                     let boxes = boxes(corners.map(|(corner, _)| corner), corners[0].1, size);
-                    let tiles = |pixels| area.intersection(tiles_of(pixels));
-                    let [front, back] = boxes.map(|pixels| pixels.and_then(tiles));
+                    let [front, behind] =
+                        boxes.map(|pixels| pixels.and_then(|pixels| area.intersection(tiles_of(pixels))));
+                    let is_in_front = |x: usize, y: usize| {
+                        front.is_some_and(|[x0, y0, x1, y1]| (x0..x1).contains(&x) && (y0..y1).contains(&y))
+                    };
                     let mut add = |x: usize, y: usize| {
                         touches.push((area.index([x, y]) as u32, (chunk * CHUNK + k) as u32));
                     };
                     if let Some([x0, y0, x1, y1]) = front {
                         (y0..y1).for_each(|y| (x0..x1).for_each(|x| add(x, y)));
                     }
-                    let is_new = |x: usize, y: usize| {
-                        !front.is_some_and(|[x0, y0, x1, y1]| (x0..x1).contains(&x) && (y0..y1).contains(&y))
-                    };
-                    if let Some([x0, y0, x1, y1]) = back {
-                        (y0..y1).for_each(|y| (x0..x1).filter(|&x| is_new(x, y)).for_each(|x| add(x, y)));
+                    if let Some([x0, y0, x1, y1]) = behind {
+                        for y in y0..y1 {
+                            (x0..x1).filter(|&x| !is_in_front(x, y)).for_each(|x| add(x, y));
+                        }
                     }
                 }
                 touches

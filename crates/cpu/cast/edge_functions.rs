@@ -6,7 +6,7 @@ use voltet_simd::{Float, Lanes, Mask, Unsigned, inlined};
 /// Screen positions relative to the rays (pixels to the right and down).
 pub(super) type Offset<L> = [<L as Lanes>::F; 2];
 
-/// How far a ray that spreads by `spread` steps in 2^[`SPREAD_BITS`] steps of depth has moved at a depth.
+/// Steps that a ray has moved at a depth, by `spread` in 2^[`SPREAD_BITS`] steps of depth.
 #[inline(always)]
 pub(super) fn moved_by_depth<L: Lanes>(depth: L::U, spread: L::U) -> L::U {
     let low = L::U::splat((1 << SPREAD_BITS) - 1);

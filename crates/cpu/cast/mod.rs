@@ -10,14 +10,13 @@
 //! A ray's position on a face is the mean of its corners with weights that are not negative. So rounding moves a ray aside by some 1e-7 of a
 //! cell; it never extrapolates. Where one cell ends the next begins, by the same number.
 //!
-//! Rays enter by the boundary of the drawn cells, whose faces are rasterised as triangles. Where the near plane or the eye lies among the
-//! cells, those in view are a grid of their own: rays enter it by faces behind the near plane, and segments begin at the plane. Each ray
-//! then sees the points moved along it into the plane of depth 0, a linear map that holds at the eye and behind it; the sides of edges
-//! and the weights of corners are found there as for parallel rays.
+//! Rays enter by the boundary of the drawn cells, whose faces are rasterised as triangles. Where that leads into cells which overlap others,
+//! or out of the grid by another face than one that the ray meets, the ray is mistracked and its tile is drawn from projected cells; so is a
+//! whole picture where ray casting is impossible or slower: see [`RayCaster::new`].
 //!
-//! Where that leads into cells which overlap
-//! others, or out of the grid by another face than one that the ray meets, the ray is mistracked and its tile is drawn from projected
-//! cells; so is a whole picture where ray casting is impossible or slower: see [`RayCaster::new`].
+//! Where the near plane or the eye lies among the cells, those in view are a grid of their own: rays enter it by faces on the eye's side
+//! of the plane, or behind the eye, and segments begin at the plane. Each ray then sees the points moved along it into the plane of depth 0, a
+//! linear map that holds at the eye and behind it; the sides of edges and the weights of corners are found there as for parallel rays.
 //!
 //! | file | responsibility |
 //! | --- | --- |

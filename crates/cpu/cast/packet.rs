@@ -122,7 +122,7 @@ impl<'a> RayPacket<'a> {
     }
 
     /// Enters the grid by a ray's next entry; if there is none the ray ends. It is mistracked where it has not exited by all faces that it
-    /// should have, or enters before it exited; in front of the near plane, where it has no segments, the order does not matter.
+    /// should have, or enters before it exited; on the eye's side of the near plane, where it has no segments, the order does not matter.
     pub(super) fn enter_grid(&mut self, ray: usize) {
         let bit = 1 << ray;
         let Some(entry) = self.hits.entries_of(self.pixels[ray] as usize).get(self.consumed[ray] as usize)

@@ -30,8 +30,8 @@ impl RayCaster {
     /// Prepares rays through the cells of a picture. `None` where cells are projected instead: in another order than the exact one; by the
     /// selection's `traversal`; where attributes are many; where the policy is not met, or thin cells are optically thick.
     ///
-    /// Where the near plane or the eye lies among the cells, rays go through those in view alone: they enter by the faces behind the near
-    /// plane of cells that it cuts, and their segments begin at it.
+    /// Where the near plane or the eye lies among the cells, rays go through those in view alone: they enter by faces of these on the
+    /// eye's side of the near plane, and their segments begin at it.
     pub fn new(
         cells: &CellSelection,
         faces: &FaceCache,

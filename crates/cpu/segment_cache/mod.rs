@@ -6,8 +6,8 @@
 //! counted from the centre of their range.
 //!
 //! While a widget is dragged, a picture from the cells takes 1.2 to 3.0 times as long as one from the cache, in the median 2.0 times: heat
-//! sink and blunt fin, each with a piecewise-linear function, a wide Gaussian and four Gaussians, at 512 × 512 and 1024 × 768; a virtual
-//! machine with two cores and AVX-512. Narrow widgets, of which culling leaves few cells, are drawn from these (see `views`).
+//! sink and blunt fin, each with a piecewise-linear function and a wide Gaussian, the blunt fin with four Gaussians, too, at 512 × 512 and
+//! 1024 × 768; a virtual machine with two cores and AVX-512. Narrow widgets, of which culling leaves few cells, are drawn from these (see `views`).
 //! `VOLTET_TEST_DATA=FOLDER cargo bench -p voltet-bench --bench frame -- --scenes heat_sink,bluntfin --changes` prints it in the rows "widget
 //! moved"; FOLDER has `bluntfin.vtu`.
 //!
