@@ -1,4 +1,4 @@
-//! Moments of fields where somebody points at the data (Kniss et al. 2003, section 6: "all sample locations are recorded
+//! Probe: moments of fields over a region of space (Kniss et al. 2003, section 6: "all sample locations are recorded
 //! and basic statistics are performed on these samples to derive the mean, standard deviation, and covariance").
 //!
 //! Here the samples are all points of the cells in the region: integrals, not a sample. Fields are measured from the

@@ -1,4 +1,4 @@
-//! One widget, and what is true of it whatever draws it.
+//! Widget: a profile over the (s, g) plane with colour, extinction and region.
 
 use super::kinds::{ColorSource, Profile};
 use super::region::{HalfPlane, Region};

@@ -1,5 +1,5 @@
-//! Engines: what draws scenes. Each is a [`Declaration`], a constant that says what it is called and what it refuses, and
-//! opens it; an opened [`Engine`] takes in a volume ([`Engine::prepare`]) and draws it ([`Prepared::draw`]).
+//! Engines, which draw scenes. Each is an [`EngineInfo`], a constant with its name and limits, and
+//! a function that opens it; an [`Engine`] takes in a volume ([`Engine::prepare`]) and draws it ([`PreparedVolume::draw`]).
 //!
 //! The nodes that draw use engines through these types alone, from one list.
 //!

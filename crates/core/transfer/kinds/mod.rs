@@ -1,4 +1,4 @@
-//! The kinds of widgets, one file each: keys in a pipeline file, checks, properties, and where the support lies.
+//! The kinds of widgets, one file each: keys in a pipeline file, checks, properties, and bounds of the support.
 //!
 //! To add a kind, add a file here, a variant to [`Profile`] and an entry to [`DECLARED`]; the compiler then lists the other layers'
 //! `match`es; only what a kind may lack has an arm for the rest. CONTRIBUTING.md names their files.
