@@ -1,6 +1,6 @@
 //! WGSL pieces, twins of the segment integrals of `voltet-core`, and what composes them for one scene.
 //!
-//! No device is needed here: [`compose`] makes a text, [`Parameters`] the bytes that the text reads. A
+//! No device is needed here: [`compose()`] makes a text, [`Parameters`] the bytes that the text reads. A
 //! [`ShaderKey`] names the pieces of a scene; equal keys give equal text. What may change per frame (colours, extinctions, centres, corners, light) is in [`Parameters`] only. Tables are
 //! [`Resources`], with the passes that fill them. [`check_32_bits`] tells what 32 bits cannot hold.
 //!

@@ -9,8 +9,8 @@ use crate::places::{Places, TEXEL_BYTES, images};
 use crate::shader_key::ShaderKey;
 use crate::text::Shader;
 use crate::writer::Axis;
-use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
+use voltet_core::{Error, Result};
 use voltet_optics::integrators::{Extent, Integrator};
 use voltet_optics::shading::Shading;
 
@@ -128,6 +128,11 @@ impl Resources {
                     numbers,
                 };
                 table.fill(&mut resources, &scene)?;
+            }
+            None if shader_key.method.is_table_of_lengths() => {
+                return Err(Error::usage("the integrator's shader reads a table that nothing fills")
+                    .got(integrator.name())
+                    .expected("a WgslTableExtension among the extensions of its kind"));
             }
             _ => {
                 let mut all: Vec<f32> = images(transfer_function).flatten().flatten().copied().collect();

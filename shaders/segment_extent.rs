@@ -1,4 +1,4 @@
-//! The longest stretch that a segment of a data set may be, and what 32 bits hold over it.
+//! Largest length and value spans of one segment of a data set: what 32 bits must resolve.
 
 use voltet_core::transfer::{TransferFunction, Widget};
 use voltet_core::{Error, Result};

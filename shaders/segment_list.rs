@@ -1,4 +1,4 @@
-//! A list of segments as the compositor [`crate::Compositor::Segments`] reads it, and what it gives back: for judging the
+//! A list of segments as the compositor [`crate::CompositorProgram::Segments`] reads it, and what it gives back: for judging the
 //! formulas, which needs every digit that 32 bits hold.
 //!
 //! A segment alone is stored about one origin, so that its values lose nothing; a grid is stored about the middle of its

@@ -219,7 +219,7 @@ impl ShaderKey {
         !self.reads_gradient()
     }
 
-    /// Numbers of a segment for [`Compositor::Segments`]: D, the values at the front, at the back; then the gradient at
+    /// Numbers of a segment for [`CompositorProgram::Segments`]: D, the values at the front, at the back; then the gradient at
     /// the middle, then for silhouettes the ray's direction.
     pub fn segment_stride(&self) -> usize {
         1 + 2 * self.value_count() + 3 * usize::from(self.reads_gradient()) + 3 * usize::from(self.silhouette)

@@ -132,7 +132,7 @@ fn what_an_integrator_cannot_serve_is_named() {
         let message = refusal(integrator, &bivariate);
         assert!(message.contains("widgets[0] (gaussian)"), "{message}");
         assert!(message.contains("gradient magnitude"), "{message}");
-        assert!(integrators::can_serve(&integrator, &piecewise()).is_ok());
+        assert!(can_serve(&integrator, &piecewise()).is_ok());
     }
     let mut banded = piecewise();
     banded.widgets[0].profile =
@@ -144,7 +144,7 @@ fn what_an_integrator_cannot_serve_is_named() {
 #[test]
 fn a_setting_out_of_range_is_refused() {
     let refusal = |integrator: Integrator| {
-        let message = integrators::can_serve(&integrator, &piecewise()).expect_err("refused").to_string();
+        let message = can_serve(&integrator, &piecewise()).expect_err("refused").to_string();
         assert!(message.contains(&format!("'{}'", integrator.name())), "{message}");
         message
     };
@@ -191,7 +191,7 @@ proptest! {
         segment in segment(),
     ) {
         for integrator in all() {
-            if integrators::can_serve(&integrator, &transfer_function).is_err() {
+            if can_serve(&integrator, &transfer_function).is_err() {
                 continue;
             }
             let found = new(&integrator, WidgetBlend::Exact, &transfer_function, &EXTENT)
