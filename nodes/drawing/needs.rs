@@ -17,7 +17,7 @@ pub fn ask(asking: &mut DemandContext, port: &str, look_port: &str) -> Result<De
     let (look, shading) = (asking.look(look_port), shading(asking.parameters)?);
     if let Some(look) = &look {
         // Refused before any data are read.
-        check_engine(&NATIVE, asking.parameters, &look.transfer_function, &shading)?;
+        check_engine(NATIVE, asking.parameters, &look.transfer_function, &shading)?;
     }
     let mut demand = demand(look.as_deref(), &shading);
     // A table spans the range of g.

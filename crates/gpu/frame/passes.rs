@@ -121,8 +121,13 @@ impl<'a> Passes<'a> {
         let constants = vec![stride, ("reads_g", reads_g), ("lists_tiles", lists_tiles)];
         let mut lists = vec![step(FramePass::Cells, over_cells, constants, &[&support, &counts], scalar)?];
 
-        let tables =
-            buffers.tables.new(device, &frame.tables, &frame.shader_key, &frame.shading, &frame.numbers)?;
+        let tables = buffers.tables.update(
+            device,
+            &frame.tables,
+            &frame.shader_key,
+            &frame.shading,
+            &frame.numbers,
+        )?;
         let mut read: Vec<(u32, &Buffer)> = vec![(0, &scene)];
         for (name, binding) in &frame.storage_buffers {
             read.push((*binding, tables.named(name)?));

@@ -51,7 +51,7 @@ struct BuiltTable {
 
 impl Tables {
     /// The tables of a scene, made if they are not there; `numbers` of its widgets are written if they are not.
-    pub fn new(
+    pub fn update(
         &mut self,
         device: &Device,
         scene: &TableKey,

@@ -1,5 +1,7 @@
 //! Relative numbers of widgets.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use voltet_core::parameters::{ArrayRef, LocatedValue, ParameterValue, Parameters};
 use voltet_core::transfer::*;
 use voltet_core::{Error, Result};

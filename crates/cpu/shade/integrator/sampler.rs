@@ -332,8 +332,8 @@ impl<L: Lanes> SampledSegments<'_, '_, L> {
         for j in 0..N {
             let strength = self.add_rate(number, t[j], values[j], &mut sum.rate[j]);
             if colors {
-                for c in 0..3 {
-                    sum.glow[j][c] = strength.mul_add(L::F::splat(color[c]), sum.glow[j][c]);
+                for (glow, color) in sum.glow[j].iter_mut().zip(color) {
+                    *glow = strength.mul_add(L::F::splat(color), *glow);
                 }
             }
         }
@@ -348,12 +348,12 @@ impl<L: Lanes> SampledSegments<'_, '_, L> {
         colors: bool,
         sum: &mut Samples<L, N>,
     ) {
-        for j in 0..N {
-            let [value, color @ ..] = self.active[number].widget.colored_value(self.segments, t[j]);
-            let strength = self.add_rate(number, t[j], value, &mut sum.rate[j]);
+        for (j, &t) in t.iter().enumerate() {
+            let [value, color @ ..] = self.active[number].widget.colored_value(self.segments, t);
+            let strength = self.add_rate(number, t, value, &mut sum.rate[j]);
             if colors {
-                for c in 0..3 {
-                    sum.glow[j][c] = strength.mul_add(color[c], sum.glow[j][c]);
+                for (glow, color) in sum.glow[j].iter_mut().zip(color) {
+                    *glow = strength.mul_add(color, *glow);
                 }
             }
         }
