@@ -1,11 +1,16 @@
 //! The library's front: its pictures are those of pipelines, bit for bit, and data are in the caller's numbering.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use voltet::graph::NoObserver;
 use voltet::prelude::*;
 use voltet::{Error, RendererOptions};
 
+/// Points, cell types, offsets, connectivity and values.
+type Arrays = (Vec<[f64; 3]>, Vec<u8>, Vec<i64>, Vec<u32>, Vec<f64>);
+
 /// Two hexahedra above each other and a point that no cell uses between their points, with s = x + 2 y² + z³.
-fn arrays() -> (Vec<[f64; 3]>, Vec<u8>, Vec<i64>, Vec<u32>, Vec<f64>) {
+fn arrays() -> Arrays {
     let mut points: Vec<[f64; 3]> = Vec::new();
     for z in [0.0, 0.8, 2.0] {
         points.extend([[0.0, 0.0, z], [1.0, 0.1, z], [1.2, 1.0, z], [0.0, 1.1, z]]);
