@@ -2,10 +2,11 @@
 
 use super::bounds::Rule;
 use super::case::{Case, Kind};
+use serde::Serialize;
 use std::fmt;
 
 /// Result for one quantity of one kind and category.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
     /// segment, ray, chain or table.
     pub kind: &'static str,
@@ -20,18 +21,22 @@ pub struct Row {
     /// Values of these forms that are only asked to be finite and within their physical range.
     pub only_finite: usize,
     /// Values that another precision served, held to the same bound. They are no merit of these forms.
+    #[serde(rename = "served_in_64_bits")]
     pub wider: usize,
     /// Values of cases that the forms do not serve.
     pub skipped: usize,
     /// Values that broke their bound.
     pub broken: usize,
     /// The largest ratio of error to bound.
+    #[serde(rename = "worst_ratio")]
     pub worst: f64,
     /// The case that has it.
+    #[serde(rename = "worst_case")]
     pub worst_id: String,
     /// Inputs of that case: see [`Case::inputs`].
     pub worst_inputs: String,
     /// Relative error of that case.
+    #[serde(rename = "worst_relative_error")]
     pub worst_error: f64,
 }
 
@@ -72,20 +77,23 @@ impl fmt::Display for Row {
 }
 
 /// Cases that the forms did not serve themselves.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Exemption {
     /// True if another precision served them.
+    #[serde(skip)]
     pub wider: bool,
     /// Reason.
     pub reason: &'static str,
     /// Number of cases (rays count once).
+    #[serde(rename = "cases")]
     pub count: usize,
 }
 
 /// A value that broke its bound.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Violation {
     /// The case.
+    #[serde(rename = "case")]
     pub id: String,
     /// T, C, …
     pub quantity: &'static str,

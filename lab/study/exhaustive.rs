@@ -1,8 +1,8 @@
 //! An exhaustive run compared with the usual one: how much slower it is, and the difference of the pictures.
 
+use crate::work_precision::pixel_errors;
 use serde::Serialize;
 use serde_json::Value;
-use voltet_core::picture::Picture;
 use voltet_graph::{RunReport, SkippedWork};
 
 /// Largest difference of a channel that skipped work may make: what culled cells add, and the rounding of 32 bits
@@ -53,7 +53,9 @@ impl ExhaustiveComparison {
         nodes.sort_by(|a, b| (b.exhaustive - b.usual).total_cmp(&(a.exhaustive - a.usual)));
         let pictures = usual.pictures.iter().filter_map(|(name, picture)| {
             let other = &exhaustive.pictures.iter().find(|(other, _)| other == name)?.1;
-            Some(largest_difference(picture, other))
+            // Pictures of different sizes have nothing in common.
+            let same_size = (picture.width, picture.height) == (other.width, other.height);
+            Some(if same_size { pixel_errors(picture, other).fold(0.0, f64::max) } else { f64::INFINITY })
         });
         let engine = |report: &RunReport| report.engine.as_ref().map(|engine| engine.0.clone());
         let engines = engine(usual).zip(engine(exhaustive)).filter(|(usual, other)| usual != other);
@@ -86,11 +88,10 @@ impl ExhaustiveComparison {
         if self.times_slower > 1.0 && !most.is_empty() {
             text += &format!(" ({})", most.join(", "));
         }
-        text += match self.largest_difference {
-            Some(difference) => format!("; the pictures differ by at most {difference:.1e}\n"),
-            None => "\n".into(),
+        if let Some(difference) = self.largest_difference {
+            text += &format!("; the pictures differ by at most {difference:.1e}");
         }
-        .as_str();
+        text += "\n";
         if let Some([usual, other]) = &self.engines {
             text += &format!(
                 "the usual run drew on the {usual}, the other on the {other}: --set NODE.engine=cpu compares on one\n"
@@ -109,13 +110,4 @@ impl ExhaustiveComparison {
         }
         found
     }
-}
-
-/// Largest difference of a channel; ∞ for pictures of different sizes.
-fn largest_difference(a: &Picture, b: &Picture) -> f64 {
-    if (a.width, a.height) != (b.width, b.height) {
-        return f64::INFINITY;
-    }
-    let channels = a.rgba.iter().flatten().zip(b.rgba.iter().flatten());
-    channels.map(|(a, b)| (f64::from(*a) - f64::from(*b)).abs()).fold(0.0, f64::max)
 }

@@ -1,4 +1,4 @@
-//! voltet-study: what measures and judges the program. It knows no terminal.
+//! voltet-study: measurements of the program. It prints nothing.
 //!
 //! | room | what |
 //! | --- | --- |
@@ -13,7 +13,6 @@ mod columns;
 mod devices;
 pub mod exhaustive;
 pub mod gradient_test;
-pub mod numbers;
 #[cfg(feature = "papers")]
 pub mod papers;
 pub mod pixel;

@@ -1,7 +1,11 @@
 //! Options of a study.
 
 use super::Frames;
-use super::variant::Engines;
+use std::time::Duration;
+use voltet_core::{Error, Result};
+use voltet_graph::suggest;
+use voltet_nodes::drawing::{ENGINES, NATIVE};
+use voltet_optics::engine::{Compositor, EngineInfo};
 
 /// Measure of error that decides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -61,4 +65,129 @@ pub struct StudyOptions {
     pub max_error: Option<f64>,
     /// Number of times the grid is refined, to tell the integration's error from the data model's; 0: not at all.
     pub refine: u32,
+}
+
+impl Default for StudyOptions {
+    fn default() -> StudyOptions {
+        let frames = Frames { count: 5, patience: Duration::from_secs(10), turn: 0.0, in_flight: 1 };
+        StudyOptions {
+            only: Vec::new(),
+            engines: Engines::All,
+            adapter: None,
+            frames,
+            measure: Measure::Maximum,
+            max_error: None,
+            refine: 0,
+        }
+    }
+}
+
+impl StudyOptions {
+    /// Refuses what cannot be measured. `integrators`: names of those that can be studied; `named`: the option of a name as it was given.
+    pub fn check(&self, integrators: &[&str], named: impl Fn(&str) -> String) -> Result<()> {
+        if let Some(name) = self.only.iter().find(|name| !integrators.contains(&name.as_str())) {
+            let error = Error::usage(format!("{} names no integrator that can be studied", named("only")));
+            return Err(error.got(name).expected(suggest(name, integrators.iter().copied())));
+        }
+        let wrong = |name: &str, found: String, expected: &str| {
+            Err(Error::usage(format!("{} is out of range", named(name))).got(found).expected(expected))
+        };
+        if let Some(bound) = self.max_error.filter(|bound| !(bound.is_finite() && *bound >= 0.0)) {
+            return wrong("max_error", bound.to_string(), "a number of at least 0");
+        }
+        if !self.frames.turn.is_finite() {
+            return wrong("turn", self.frames.turn.to_string(), "a number of degrees");
+        }
+        if self.frames.count == 0 {
+            return wrong("frames", "0".into(), "1 or more");
+        }
+        let no_device = self.engines.each().all(|engine| !engine.on_device);
+        match self.adapter.as_ref().filter(|_| no_device) {
+            Some(adapter) => {
+                let what = format!(
+                    "{} names a graphics device, and {} asks for none",
+                    named("adapter"),
+                    named("engine")
+                );
+                let without = format!("{} gpu or all, or no {}", named("engine"), named("adapter"));
+                Err(Error::usage(what).got(adapter).expected(without))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// A patience of so many seconds; a year is longer than any, and does not overflow. Errors: a number that is none; `named`: its option.
+pub fn patience(seconds: f64, named: &str) -> Result<Duration> {
+    match seconds.is_finite() && seconds >= 0.0 {
+        true => Ok(Duration::from_secs_f64(seconds.min(3e7))),
+        false => {
+            let error = Error::usage(format!("{named} is out of range"));
+            Err(error.got(seconds).expected("a number of at least 0"))
+        }
+    }
+}
+
+/// Engine and, if it has several, its compositor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RendererVariant {
+    /// The engine.
+    pub engine: &'static EngineInfo,
+    /// Its compositor; `None` if it has one only.
+    pub compositing: Option<Compositor>,
+}
+
+/// Engines that are studied.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Engines {
+    /// This one alone.
+    One(&'static EngineInfo),
+    /// Every engine that is there.
+    #[default]
+    All,
+}
+
+impl RendererVariant {
+    /// The engine that draws every scene.
+    pub const NATIVE: RendererVariant = RendererVariant { engine: NATIVE, compositing: None };
+
+    /// An engine with each of its ways.
+    pub fn all_of_engine(engine: &'static EngineInfo) -> impl Iterator<Item = RendererVariant> {
+        let only = engine.compositing.is_empty().then_some(None);
+        let ways = only.into_iter().chain(engine.compositing.iter().copied().map(Some));
+        ways.map(move |compositing| RendererVariant { engine, compositing })
+    }
+
+    /// Every engine with each of its ways.
+    pub fn all() -> impl Iterator<Item = RendererVariant> {
+        ENGINES.iter().flat_map(RendererVariant::all_of_engine)
+    }
+
+    /// The compositor's name in pipeline files.
+    pub fn compositor(self) -> Option<&'static str> {
+        self.compositing.map(Compositor::name)
+    }
+
+    /// Both names, for people: "cpu", "gpu tiles".
+    pub fn label(self) -> String {
+        match self.compositor() {
+            None => self.engine.name.into(),
+            Some(compositor) => format!("{} {compositor}", self.engine.name),
+        }
+    }
+
+    /// Its place among all.
+    pub fn number(self) -> usize {
+        RendererVariant::all().position(|known| known == self).unwrap_or_default()
+    }
+}
+
+impl Engines {
+    /// Engines that are studied, one by one.
+    pub fn each(self) -> impl Iterator<Item = &'static EngineInfo> {
+        ENGINES.iter().filter(move |engine| match self {
+            Engines::One(only) => *engine == only,
+            Engines::All => true,
+        })
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::canvas::escaped;
 use super::table::{
-    COMPARED, HEADS, by_time, cells, convergence_lines, engine_lines, milliseconds, refinement_lines,
+    COLUMNS, COMPARED, by_time, cells, convergence_lines, engine_lines, milliseconds, refinement_lines,
 };
 use super::{Measure, Row, Study};
 use std::fmt::Write;
@@ -127,7 +127,7 @@ pub(crate) fn line_to(html: &mut String, text: &str) {
 }
 
 fn table(study: &Study) -> String {
-    let heads: String = HEADS.iter().map(|name| format!("<th>{}</th>", escaped(name))).collect();
+    let heads: String = COLUMNS.iter().map(|column| format!("<th>{}</th>", escaped(column.0))).collect();
     let mut html = format!(
         "<h2>Every setting</h2>\n<p>Cheapest first; on the Pareto front in bold. Medians; all times in milliseconds. {}</p>\n\
          <div class=\"wide\"><table>\n<thead><tr>{heads}</tr></thead>\n<tbody>\n",
@@ -140,8 +140,7 @@ fn table(study: &Study) -> String {
             (_, true) => " class=\"front\"",
             _ => "",
         };
-        let cells = cells(study, row);
-        let cells: String = cells.iter().map(|cell| format!("<td>{}</td>", escaped(cell))).collect();
+        let cells: String = cells(study, row).map(|cell| format!("<td>{}</td>", escaped(&cell))).collect();
         line_to(&mut html, &format!("<tr{class}>{cells}</tr>"));
     }
     html + "</tbody></table></div>\n"
