@@ -1,21 +1,191 @@
-//! Pre-integration of a transfer function of the scalar alone: a table over (s_f, s_b, D).
+//! Pre-integration of a transfer function of the scalar alone: a table over (s_f, s_b, D), or the same resampled to two-dimensional tiles.
 //!
-//! Roettger & Ertl 2002, section 3, with its sums corrected (module `slice`). Kept are the mean extinction ρ̄ of a
+//! Roettger & Ertl 2002, section 3, with its sums corrected (module `ramp`). Kept are the mean extinction ρ̄ of a
 //! path, which does not depend on D, and C/(D E₁(ρ̄D)) with E₁(T) = (1 − e^(−T))/T: both vary slowly where C and A
 //! themselves rise and saturate, so that T = ρ̄D and A = 1 − e^(−T) have no error along D, C ≤ c A holds between
 //! entries, and a colour is never darkened towards where nothing is. Slices lie at D = (k/(n − 1))² of the longest
 //! segment, closer where D is small. Trilinear; the error falls with the side (bench `tables`).
+//!
+//! Tiles, section 4: the pixels of one cell lie on a plane through the diagonal s_f = s_b, D = 0, so two tiles,
+//! the nearest in the angle α, hold a whole cell. Symbols: s_f, s_b, l the ends and the length, each over [0, 1];
+//! α ∈ [0, 1] the plane, s and t the place on its tile, t = s_b. f of Eq. 9 fills the tiles, f⁻¹ of Eq. 10 reads
+//! them; at s_f = s_b, l = 0 every α serves. A place of a tile whose s_f is outside [0, 1] takes the nearest inside,
+//! so that the linear filter does not read nothing. In perspective α varies over a cell; it is taken anew for each
+//! segment.
 
-use super::pre_integrated;
-use super::slice::Ramp;
+use crate::pre_integrated_lanes::LaneTable;
+use crate::pre_integrated_shader::{self, MEAN_HEAD};
+use crate::ramp::{Ramp, last_tile};
+use crate::settings::{
+    MAX_PLANES, MAX_TABLE_SIDE, OVERSAMPLING, OVERSAMPLING_PARAMETER, PLANES, PLANES_PARAMETER,
+    PreparedKernel, SIDE, SIDE_PARAMETER, WGSL_PIECES, boxed, count, widget_label,
+};
+use crate::square::Bilinear;
 use rayon::prelude::*;
+use std::any::Any;
 use voltet_core::Result;
+use voltet_core::parameters::VariantSchema;
 use voltet_core::transfer::TransferFunction;
-use voltet_optics::integrators::{Extent, SegmentIntegrator, can_serve};
+use voltet_cpu::integrator::{LaneExtension, LaneIntegratorKind, LaneScene};
+use voltet_optics::integrators::{
+    Extent, Integrator, IntegratorKind, Obstacle, SegmentIntegrator, TableDomain, can_serve,
+};
 use voltet_optics::special::{mean_transmittance, opacity};
-use voltet_optics::{Contribution, Segment};
+use voltet_optics::{Contribution, Segment, WidgetBlend};
+use voltet_shaders::{
+    Resources, TableScene, TableSize, WgslCall, WgslExtension, WgslIntegrator, WgslPiece, WgslTable,
+    WgslTableExtension,
+};
 
-/// The table.
+/// A three-dimensional table: 2 … [`MAX_TABLE_SIDE`] entries a side, 1 … [`crate::MAX_OVERSAMPLING`] pieces of a path from one to the next.
+pub const fn pre_integrated(side: usize, oversampling: usize) -> Integrator {
+    Integrator::with_settings(&TABLE, [side as f64, oversampling as f64])
+}
+
+/// The table of [`pre_integrated`], resampled to `planes` tiles for each entry of a side, 1 … [`MAX_PLANES`]; all of them take no more
+/// memory than those of the largest side with one.
+pub const fn pre_integrated_cylindrical(side: usize, oversampling: usize, planes: usize) -> Integrator {
+    Integrator::with_settings(&TILES, [side as f64, oversampling as f64, planes as f64])
+}
+
+/// The kind `pre-integrated`.
+pub(crate) const TABLE: PreIntegratedKind = PreIntegratedKind { tiles: false };
+
+/// The kind `pre-integrated-cylindrical`.
+pub(crate) const TILES: PreIntegratedKind = PreIntegratedKind { tiles: true };
+
+/// Entries of the largest cylindrical table.
+const MAX_TILE_ENTRIES: usize = MAX_TABLE_SIDE * MAX_TABLE_SIDE * (last_tile(MAX_TABLE_SIDE, 1) + 1);
+
+/// Kinds of pre-integration.
+pub(crate) struct PreIntegratedKind {
+    tiles: bool,
+}
+
+impl PreIntegratedKind {
+    /// Number of tiles less 1, where there are tiles.
+    fn last_tile(&self, integrator: &Integrator) -> Option<usize> {
+        self.tiles.then(|| last_tile(count(integrator, SIDE), count(integrator, PLANES)))
+    }
+}
+
+impl IntegratorKind for PreIntegratedKind {
+    fn schema(&self) -> VariantSchema {
+        match self.tiles {
+            false => VariantSchema {
+                name: "pre-integrated",
+                summary: "a three-dimensional table, for transfer functions of the scalar alone",
+                parameters: &[SIDE_PARAMETER, OVERSAMPLING_PARAMETER],
+            },
+            true => VariantSchema {
+                name: "pre-integrated-cylindrical",
+                summary: "the same table as tiles",
+                parameters: &[SIDE_PARAMETER, OVERSAMPLING_PARAMETER, PLANES_PARAMETER],
+            },
+        }
+    }
+
+    fn check(&self, integrator: &Integrator) -> Result<()> {
+        integrator.check_ranges()?;
+        let side = count(integrator, SIDE);
+        let fit = |planes: &usize| side * side * (last_tile(side, *planes) + 1) <= MAX_TILE_ENTRIES;
+        let max = (1..=MAX_PLANES).rev().find(fit).unwrap_or(1);
+        match count(integrator, PLANES) {
+            planes if planes <= max => Ok(()),
+            planes => {
+                let what = format!("{PLANES}, with table_size = {side},");
+                Err(integrator.out_of_range(&what, planes, format!("1 to {max}")))
+            }
+        }
+    }
+
+    fn obstacle(&self, transfer_function: &TransferFunction) -> Option<Obstacle> {
+        let mut widgets = transfer_function.widgets.iter().enumerate();
+        let found = widgets.find_map(|(number, widget)| {
+            let why = match widget.profile.properties().fields.is_empty() {
+                _ if widget.uses_gradient_magnitude() => "which reads the gradient magnitude",
+                true => return None,
+                false => "which reads further fields",
+            };
+            Some(widget_label(transfer_function, number, why))
+        })?;
+        Some(Obstacle { found, accepted: "widgets of the scalar alone" })
+    }
+
+    fn table(&self) -> TableDomain {
+        TableDomain::Data
+    }
+
+    fn compile(
+        &self,
+        integrator: &Integrator,
+        _: WidgetBlend,
+        function: &TransferFunction,
+        extent: &Extent,
+    ) -> Result<Box<dyn SegmentIntegrator>> {
+        let [side, oversampling, planes] = [SIDE, OVERSAMPLING, PLANES].map(|name| count(integrator, name));
+        Ok(match self.tiles {
+            false => Box::new(PreIntegrated::new(function, side, oversampling, extent)?),
+            true => Box::new(PreIntegratedCylindrical::new(function, side, oversampling, planes, extent)?),
+        })
+    }
+
+    fn extensions(&self) -> &'static [&'static (dyn Any + Send + Sync)] {
+        match self.tiles {
+            false => &[&LaneExtension(&TABLE), &WgslExtension(&TABLE), &WgslTableExtension(&TABLE)],
+            true => &[&LaneExtension(&TILES), &WgslExtension(&TILES), &WgslTableExtension(&TILES)],
+        }
+    }
+}
+
+impl LaneIntegratorKind for PreIntegratedKind {
+    fn prepare(&self, integrator: &Integrator, scene: &LaneScene<'_>) -> Result<PreparedKernel> {
+        let (side, oversampling) = (count(integrator, SIDE), count(integrator, OVERSAMPLING));
+        Ok(Ok(boxed(LaneTable::new(side, oversampling, self.last_tile(integrator), scene)?)))
+    }
+
+    fn integrates_all(&self) -> bool {
+        true
+    }
+}
+
+impl WgslIntegrator for PreIntegratedKind {
+    fn name(&self) -> &'static str {
+        self.schema().name
+    }
+
+    fn pieces(&self) -> &'static [WgslPiece] {
+        WGSL_PIECES
+    }
+
+    fn call(&self, _: bool) -> WgslCall {
+        let pieces: &[&str] = match self.tiles {
+            false => &["pre_integrated/light", "pre_integrated/table"],
+            true => &["pre_integrated/light", "pre_integrated/tiles"],
+        };
+        WgslCall::Table { function: "pre_integrated_light", pieces }
+    }
+
+    fn table_size(&self, integrator: &Integrator, _: &TransferFunction) -> TableSize {
+        let [square, cube] = [2, 3].map(|power| (count(integrator, SIDE) as u64).saturating_pow(power));
+        let entries = square.saturating_add(MEAN_HEAD);
+        match self.last_tile(integrator) {
+            None => TableSize { vectors: cube, source_vectors: 0, entries },
+            Some(last) => {
+                let vectors = square.saturating_mul(last as u64 + 1);
+                TableSize { vectors, source_vectors: cube, entries }
+            }
+        }
+    }
+}
+
+impl WgslTable for PreIntegratedKind {
+    fn fill(&self, resources: &mut Resources, scene: &TableScene<'_>) -> Result<()> {
+        pre_integrated_shader::fill(resources, self.last_tile(scene.integrator), scene)
+    }
+}
+
+/// The table in 64 bits.
 #[derive(Debug, Clone)]
 pub struct PreIntegrated {
     ramp: Ramp,
@@ -57,17 +227,13 @@ impl PreIntegrated {
         &self.glow
     }
 
-    pub(super) fn into_parts(self) -> (Ramp, Vec<f32>) {
-        (self.ramp, self.extinction)
-    }
-
     /// C/(D E₁) at places in s, and the share of the longest segment.
-    pub(super) fn glow_at(&self, front: f64, back: f64, share: f64) -> [f64; 3] {
+    fn glow_at(&self, front: f64, back: f64, share: f64) -> [f64; 3] {
         let n = self.ramp.size();
         let at = Bilinear::new(front, back, n);
         let place = share.clamp(0.0, 1.0).sqrt() * (n - 1) as f64;
         let low = (place as usize).min(n - 2);
-        let slice = |k: usize| at.color(&self.glow[k * n * n..(k + 1) * n * n]);
+        let slice = |k: usize| color(&at, &self.glow[k * n * n..(k + 1) * n * n]);
         blend(slice(low), slice(low + 1), place - low as f64)
     }
 }
@@ -79,14 +245,14 @@ impl SegmentIntegrator for PreIntegrated {
 
     fn integrate(&self, segment: &Segment) -> Contribution {
         let (front, back) = (self.ramp.place(segment.front[0]), self.ramp.place(segment.back[0]));
-        let extinction = Bilinear::new(front, back, self.ramp.size()).number(&self.extinction);
+        let extinction = Bilinear::new(front, back, self.ramp.size()).read(|k| f64::from(self.extinction[k]));
         let length = segment.length / self.longest;
         contribution(length, extinction, || self.glow_at(front, back, length))
     }
 }
 
 /// C and A from ρ̄ and C/(D E₁), D a share of the longest segment. Values that are not numbers contribute nothing.
-pub(super) fn contribution(length: f64, extinction: f64, glow: impl FnOnce() -> [f64; 3]) -> Contribution {
+fn contribution(length: f64, extinction: f64, glow: impl FnOnce() -> [f64; 3]) -> Contribution {
     let depth = extinction * length;
     if !(depth >= 0.0 && length > 0.0) {
         return Contribution::default();
@@ -95,51 +261,138 @@ pub(super) fn contribution(length: f64, extinction: f64, glow: impl FnOnce() -> 
     Contribution { optical_depth: depth, color: glow().map(|g| g * reach), opacity: opacity(depth) }
 }
 
-#[inline]
-pub(super) fn blend(low: [f64; 3], high: [f64; 3], share: f64) -> [f64; 3] {
+/// Entry between two of a square table.
+fn color(at: &Bilinear, entries: &[[f32; 3]]) -> [f64; 3] {
+    std::array::from_fn(|c| at.read(|k| f64::from(entries[k][c])))
+}
+
+fn blend(low: [f64; 3], high: [f64; 3], share: f64) -> [f64; 3] {
     std::array::from_fn(|i| low[i] + share * (high[i] - low[i]))
 }
 
-/// A place between four entries of a square table.
-pub(super) struct Bilinear {
-    first: usize,
-    size: usize,
-    row: f64,
-    column: f64,
+/// The tiles in 64 bits.
+#[derive(Debug, Clone)]
+pub struct PreIntegratedCylindrical {
+    ramp: Ramp,
+    longest: f64,
+    /// ρ̄ by (s_f, s_b).
+    extinction: Vec<f32>,
+    /// Number of tiles less 1, a multiple of 4, so that the mapping's creases lie on tiles.
+    last: usize,
+    /// C/(D E₁) by (α, s, t).
+    tiles: Vec<[f32; 3]>,
 }
 
-impl Bilinear {
-    /// Row and column in entries, within the table.
-    #[inline]
-    pub fn new(row: f64, column: f64, size: usize) -> Self {
-        let (i, j) = ((row as usize).min(size - 2), (column as usize).min(size - 2));
-        Bilinear { first: i * size + j, size, row: row - i as f64, column: column - j as f64 }
-    }
+/// f: (s_f, s_b, l) of (α, s, t); s_f may lie outside [0, 1].
+pub fn from_cylinder(angle: f64, s: f64, t: f64) -> [f64; 3] {
+    let [front, length] = if angle <= 0.25 {
+        [t + s, 4.0 * angle * s]
+    } else if angle <= 0.5 {
+        [t + 4.0 * (0.5 - angle) * s, s]
+    } else if angle <= 0.75 {
+        [t - 4.0 * (angle - 0.5) * s, s]
+    } else {
+        [t - s, 4.0 * (1.0 - angle) * s]
+    };
+    [front, t, length]
+}
 
-    #[inline]
-    fn shares(&self) -> [(usize, f64); 4] {
-        let (u, v) = (self.row, self.column);
-        [
-            (self.first, (1.0 - u) * (1.0 - v)),
-            (self.first + 1, (1.0 - u) * v),
-            (self.first + self.size, u * (1.0 - v)),
-            (self.first + self.size + 1, u * v),
-        ]
-    }
+/// f⁻¹: (α, s, t).
+fn to_cylinder(front: f64, back: f64, length: f64) -> [f64; 3] {
+    let fall = front - back;
+    let (angle, s) = if length <= 0.0 && fall == 0.0 {
+        (0.5, 0.0)
+    } else if fall >= 0.0 {
+        if length <= fall { (0.25 * length / fall, fall) } else { (0.5 - 0.25 * fall / length, length) }
+    } else if length >= -fall {
+        (0.5 - 0.25 * fall / length, length)
+    } else {
+        (1.0 + 0.25 * length / fall, -fall)
+    };
+    [angle, s, back]
+}
 
-    #[inline]
-    pub fn number(&self, entries: &[f32]) -> f64 {
-        self.shares().iter().map(|&(k, share)| share * f64::from(entries[k])).sum()
-    }
-
-    #[inline]
-    pub fn color(&self, entries: &[[f32; 3]]) -> [f64; 3] {
-        let mut sum = [0.0; 3];
-        for (k, share) in self.shares() {
-            for (s, c) in sum.iter_mut().zip(entries[k]) {
-                *s += share * f64::from(c);
+impl PreIntegratedCylindrical {
+    /// Fills the tiles on all cores: `planes` × `table_size` (rounded up to a multiple of 4) and one more of them; with
+    /// `planes` = 1 they take as much memory as the table. The paper holds four times its side for enough to lose nothing.
+    /// Serves what [`PreIntegrated`] serves.
+    pub fn new(
+        transfer_function: &TransferFunction,
+        table_size: usize,
+        oversampling: usize,
+        planes: usize,
+        extent: &Extent,
+    ) -> Result<Self> {
+        let settings = pre_integrated_cylindrical(table_size, oversampling, planes);
+        can_serve(&settings, transfer_function)?;
+        let table = PreIntegrated::new(transfer_function, table_size, oversampling, extent)?;
+        let last = last_tile(table_size, planes);
+        let mut tiles = vec![[0.0; 3]; table_size * table_size * (last + 1)];
+        let step = (table_size - 1) as f64;
+        tiles.par_chunks_mut(table_size * table_size).enumerate().for_each(|(plane, tile)| {
+            for (k, texel) in tile.iter_mut().enumerate() {
+                let (s, t) = ((k / table_size) as f64 / step, (k % table_size) as f64 / step);
+                let [front, back, length] = from_cylinder(plane as f64 / last as f64, s, t);
+                let glow = table.glow_at(front.clamp(0.0, 1.0) * step, back * step, length);
+                *texel = glow.map(|x| x as f32);
             }
+        });
+        let PreIntegrated { ramp, extinction, .. } = table;
+        Ok(PreIntegratedCylindrical { ramp, longest: extent.longest, extinction, last, tiles })
+    }
+
+    /// C/(D E₁) by (α, s, t).
+    pub fn tiles(&self) -> &[[f32; 3]] {
+        &self.tiles
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        self.extinction.len() * size_of::<f32>() + self.tiles.len() * size_of::<[f32; 3]>()
+    }
+}
+
+impl SegmentIntegrator for PreIntegratedCylindrical {
+    fn table_bytes(&self) -> usize {
+        self.bytes()
+    }
+
+    fn integrate(&self, segment: &Segment) -> Contribution {
+        let n = self.ramp.size();
+        let step = (n - 1) as f64;
+        let (front, back) = (self.ramp.place(segment.front[0]), self.ramp.place(segment.back[0]));
+        let extinction = Bilinear::new(front, back, n).read(|k| f64::from(self.extinction[k]));
+        let length = segment.length / self.longest;
+        contribution(length, extinction, || {
+            let [angle, s, t] = to_cylinder(front / step, back / step, length.min(1.0));
+            let place = angle * self.last as f64;
+            let low = (place as usize).min(self.last - 1);
+            let at = Bilinear::new(s * step, t * step, n);
+            let tile = |k: usize| color(&at, &self.tiles[k * n * n..(k + 1) * n * n]);
+            blend(tile(low), tile(low + 1), place - low as f64)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn the_mapping_is_its_inverse(front in 0.0..1.0_f64, back in 0.0..1.0_f64, length in 1e-6..1.0_f64) {
+            let [angle, s, t] = to_cylinder(front, back, length);
+            prop_assert!((0.0..=1.0).contains(&angle) && (0.0..=1.0).contains(&s));
+            let [f, b, l] = from_cylinder(angle, s, t);
+            // A few roundings of numbers up to 1.
+            prop_assert!((f - front).abs() < 1e-15 && b == back && (l - length).abs() < 1e-15);
         }
-        sum
+    }
+
+    #[test]
+    fn at_the_axis_every_plane_serves() {
+        let [angle, s, t] = to_cylinder(0.3, 0.3, 0.0);
+        assert_eq!((angle, s, t), (0.5, 0.0, 0.3));
     }
 }

@@ -1,11 +1,42 @@
-//! Square tables in lanes, bilinear between entries.
+//! Square tables, bilinear between entries: in 64 bits, and in lanes.
 
 use voltet_simd::{Float, Lanes, Unsigned};
+
+/// A place between four entries of a square table in 64 bits.
+pub(crate) struct Bilinear {
+    first: usize,
+    size: usize,
+    row: f64,
+    column: f64,
+}
+
+impl Bilinear {
+    /// Row and column in entries; the table's ends hold on beyond.
+    #[inline]
+    pub fn new(row: f64, column: f64, size: usize) -> Self {
+        let last = (size - 1) as f64;
+        let split = |place: f64| {
+            let place = place.clamp(0.0, last);
+            let low = (place as usize).min(size - 2);
+            (low, place - low as f64)
+        };
+        let ((i, row), (j, column)) = (split(row), split(column));
+        Bilinear { first: i * size + j, size, row, column }
+    }
+
+    /// The value between entries, by their numbers.
+    #[inline]
+    pub fn read(&self, entry: impl Fn(usize) -> f64) -> f64 {
+        let mix = |a: f64, b: f64, share: f64| a + share * (b - a);
+        let row = |first: usize| mix(entry(first), entry(first + 1), self.column);
+        mix(row(self.first), row(self.first + self.size), self.row)
+    }
+}
 
 /// A square table, each entry with its neighbours in the next column, the next row and both: one load finds what a place lies
 /// between.
 #[derive(Debug, Clone)]
-pub struct LaneSquare {
+pub(crate) struct LaneSquare {
     size: usize,
     entries: Vec<[f32; 4]>,
 }
@@ -53,7 +84,7 @@ impl LaneSquare {
 
 /// A place between four entries.
 #[derive(Clone, Copy)]
-pub struct Place<L: Lanes> {
+pub(crate) struct Place<L: Lanes> {
     first: L::U,
     down: L::F,
     along: L::F,

@@ -140,8 +140,14 @@ impl Ramp {
     }
 }
 
+/// Number of tiles less 1: `planes` times as many as the table has entries a side, rounded up so that the creases of f
+/// lie on tiles.
+pub const fn last_tile(table_size: usize, planes: usize) -> usize {
+    4 * table_size.saturating_mul(planes).div_ceil(4)
+}
+
 /// In 32 bits, finite.
-fn single(x: f64) -> f32 {
+pub(crate) fn single(x: f64) -> f32 {
     x.min(f64::from(f32::MAX)) as f32
 }
 

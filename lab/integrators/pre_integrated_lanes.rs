@@ -1,23 +1,195 @@
-//! Pre-integrated tables in lanes: filled and read. Twin of `{slice, pre_integrated,
-//! pre_integrated_cylindrical}`.
-//!
-//! Entries are C/(D E₁) and a fourth number, by row, column and plane. Planes stand in groups of [`GROUP`], so that a vector
-//! fills as many at a time as it has lanes, a group is a stretch of memory of its own, and the two planes that a place lies
-//! between stand side by side, but for one pair in [`GROUP`].
+//! Pre-integrated tables. Twin of `{PreIntegrated, PreIntegratedCylindrical}`: C/(D E₁) from a table over
+//! (s_f, s_b, D), or from tiles, and the mean extinction, filled in lanes and read by gathers. They serve every segment.
 
-use crate::{Material, Ramp};
+use crate::ramp::{Material, Ramp, single};
+use crate::square::LaneSquare;
+use rayon::prelude::*;
+use voltet_core::Result;
+use voltet_cpu::integrator::{LaneKernel, LaneScene, NEGLIGIBLE_DEPTH, SegmentBatch, SegmentResults};
 use voltet_simd::optics::elementary::mean_transparency;
-use voltet_simd::{Float, Lanes, Unsigned, array, inlined};
+use voltet_simd::{Float, Kernel, Lanes, Mask, Unsigned, array, dispatch, inlined};
+
+/// Depths of a segment or a step beyond which it is opaque whatever they are; their products stay numbers.
+const MAX_DEPTH: f32 = 1e30;
+
+/// Nodes about a place that tiles read: the next in s and in t, four for the next plane, and the next of the table that filled
+/// them; one over.
+const TILES_REACH: f32 = 8.0;
+
+/// A pre-integrated table.
+pub(crate) struct LaneTable {
+    side: usize,
+    /// Stored position of the first node, and nodes a stored unit.
+    start: f32,
+    per_value: f32,
+    /// Longest segments a scene length.
+    per_length: f32,
+    /// For each step from node to node the first at or behind it in which something is.
+    filled: Vec<f32>,
+    kind: Kind,
+}
+
+enum Kind {
+    /// Over (s_f, s_b, D); the fourth number is ρ̄.
+    Slices(LaneVolume),
+    /// Over (α, s, t), and ρ̄ of (s_f, s_b).
+    Tiles { tiles: LaneVolume, last: f32, means: LaneSquare },
+}
+
+impl LaneTable {
+    /// `size` entries a side, `oversampling` pieces from one to the next; `last_tile`: tiles less 1, `None` for no tiles. Errors:
+    /// data without a domain for a table.
+    pub fn new(
+        size: usize,
+        oversampling: usize,
+        last_tile: Option<usize>,
+        scene: &LaneScene<'_>,
+    ) -> Result<LaneTable> {
+        let (extent, lanes) = (scene.extent(), scene.lanes());
+        let ramp = Ramp::new(scene.transfer_function, size, oversampling, extent)?;
+        let [low, high] = ramp.range;
+        let axis = scene.scalar_axis();
+        let narrow = LaneRamp::new(&ramp);
+        let mut slices = LaneVolume::new(size, size);
+        let (entries, length) = slices.groups();
+        entries.par_chunks_mut(length).enumerate().for_each(|(group, out)| {
+            dispatch(lanes, FillSlices { ramp: &narrow, group, planes: size, out });
+        });
+        let kind = if let Some(last) = last_tile {
+            let mut tiles = LaneVolume::new(size, last + 1);
+            let (entries, length) = tiles.groups();
+            entries.par_chunks_mut(length).enumerate().for_each(|(group, out)| {
+                dispatch(lanes, FillTiles { table: &slices, group, planes: last + 1, out });
+            });
+            Kind::Tiles { tiles, last: last as f32, means: LaneSquare::new(narrow.means(), size) }
+        } else {
+            Kind::Slices(slices)
+        };
+        Ok(LaneTable {
+            side: size,
+            start: ((low - axis.offset) / axis.scale) as f32,
+            per_value: ((size - 1) as f64 * axis.scale / (high - low)) as f32,
+            per_length: (scene.length() / extent.longest) as f32,
+            filled: filled(&ramp, scene.length() / extent.longest, scene.may_skip()),
+            kind,
+        })
+    }
+}
+
+impl LaneKernel for LaneTable {
+    fn table_bytes(&self) -> usize {
+        match &self.kind {
+            Kind::Slices(slices) => slices.bytes(),
+            Kind::Tiles { tiles, means, .. } => tiles.bytes() + means.bytes(),
+        }
+    }
+
+    #[inline(always)]
+    fn integrate<L: Lanes>(&self, batch: SegmentBatch<'_>, results: &mut SegmentResults<'_>) {
+        let splat = L::F::splat;
+        let (zero, one) = (splat(0.0), splat(1.0));
+        let last = splat((self.side - 1) as f32);
+        for at in (0..batch.count()).step_by(L::WIDTH) {
+            let segments = batch.segments::<L>(at);
+            let (front_values, back_values) = (segments.front(), segments.back());
+            let [front, back]: [L::F; 2] = array(
+                #[inline(always)]
+                |end| {
+                    let s = if end == 0 { front_values[0] } else { back_values[0] };
+                    ((s - splat(self.start)) * splat(self.per_value)).max(zero).min(last)
+                },
+            );
+            // Values that are not numbers contribute nothing.
+            let numbers = front_values[0].le(front_values[0]).and(back_values[0].le(back_values[0]));
+            let reach = match self.kind {
+                Kind::Slices(_) => zero,
+                Kind::Tiles { .. } => splat(TILES_REACH),
+            };
+            let first = (front.min(back) - reach).floor().max(zero).min(last - one);
+            let next = L::F::gather(&self.filled, first.to_unsigned());
+            let behind = (front.max(back) + reach).floor() + one;
+            let there = segments.crossing().and(numbers).and(next.lt(behind));
+            if !there.any() {
+                results.put_nothing::<L>(at);
+                continue;
+            }
+            results.count_evaluations(u64::from(batch.within::<L>(there, at).count_ones()));
+            let length = segments.length() * splat(self.per_length);
+            let share = length.max(zero).min(one);
+            let [r, g, b, mean] = match &self.kind {
+                Kind::Slices(slices) => slices.read::<L>(front, back, share.sqrt() * last),
+                Kind::Tiles { tiles, last: last_tile, means } => {
+                    let [angle, s] = to_cylinder::<L>(front / last, back / last, share);
+                    let [r, g, b, _] = tiles.read::<L>(s.min(one) * last, back, angle * splat(*last_tile));
+                    [r, g, b, means.read(&means.place::<L>(front, back))]
+                }
+            };
+            let depth = L::F::select(there, mean * length, zero);
+            let through = mean_transparency::<L>(depth.min(splat(MAX_DEPTH)));
+            let reach = L::F::select(there, length * through, zero);
+            let opacity = (depth.min(splat(MAX_DEPTH)) * through).min(one);
+            results.put_depth::<L>(at, depth.min(splat(f32::MAX)));
+            results.put_color::<L>(at, [r * reach, g * reach, b * reach], opacity);
+        }
+    }
+}
+
+/// For each step between nodes the first at or behind it in which something is, or beyond all. What a ray of a scene's length may
+/// lose by the others is what it may lose by the widgets that segments hardly meet; without leave to leave out, nothing.
+/// `longest`: longest segments a scene length.
+fn filled(ramp: &Ramp, longest: f64, leave_out: bool) -> Vec<f32> {
+    let least = if leave_out { NEGLIGIBLE_DEPTH } else { 0.0 };
+    let most = |matter: &Material| matter.glow.into_iter().fold(matter.extinction, f64::max) * longest;
+    let (nodes, parts) = (ramp.nodes(), ramp.parts());
+    let pieces = |k: usize| &ramp.pieces()[k * parts..(k + 1) * parts];
+    let holds = |k: usize| nodes[k..=k + 1].iter().chain(pieces(k)).any(|matter| most(matter) > least);
+    let mut next = nodes.len() as f32 + 1.0 + TILES_REACH;
+    let mut filled = vec![next; nodes.len() - 1];
+    for k in (0..filled.len()).rev() {
+        if holds(k) {
+            next = k as f32;
+        }
+        filled[k] = next;
+    }
+    filled
+}
+
+struct FillSlices<'a> {
+    ramp: &'a LaneRamp,
+    group: usize,
+    planes: usize,
+    out: &'a mut [[f32; 4]],
+}
+
+impl Kernel for FillSlices<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.ramp.fill::<L>(self.group, self.planes, self.out);
+    }
+}
+
+struct FillTiles<'a> {
+    table: &'a LaneVolume,
+    group: usize,
+    planes: usize,
+    out: &'a mut [[f32; 4]],
+}
+
+impl Kernel for FillTiles<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        fill_tiles::<L>(self.table, self.group, self.planes, self.out);
+    }
+}
 
 /// Planes of a group: as many as the widest vector has lanes.
-pub const GROUP: usize = 16;
-
-/// Depths beyond which a step is opaque whatever they are; their products stay numbers.
-const MAX_DEPTH: f32 = 1e30;
+const GROUP: usize = 16;
 
 /// A table of three dimensions.
 #[derive(Debug, Clone)]
-pub struct LaneVolume {
+struct LaneVolume {
     side: usize,
     planes: usize,
     entries: Vec<[f32; 4]>,
@@ -129,18 +301,14 @@ struct Narrow {
     glow: [f32; 3],
 }
 
-fn narrow(x: f64) -> f32 {
-    x.min(f64::from(f32::MAX)) as f32
-}
-
 impl Narrow {
     fn new(matter: &Material) -> Narrow {
-        Narrow { extinction: narrow(matter.extinction), glow: matter.glow.map(narrow) }
+        Narrow { extinction: single(matter.extinction), glow: matter.glow.map(single) }
     }
 }
 
 /// A transfer function of the scalar alone, in 32 bits.
-pub struct LaneRamp {
+struct LaneRamp {
     nodes: Vec<Narrow>,
     /// The pieces of all steps, from the lowest node on.
     pieces: Vec<Narrow>,
@@ -253,7 +421,7 @@ impl LaneRamp {
 
 /// f, Eq. 9 of Roettger & Ertl 2002: (α, s, t) to s_f and l; s_b is t.
 #[inline(always)]
-pub fn from_cylinder<L: Lanes>(angle: L::F, s: f32, t: f32) -> [L::F; 2] {
+fn from_cylinder<L: Lanes>(angle: L::F, s: f32, t: f32) -> [L::F; 2] {
     let splat = L::F::splat;
     let (one, four) = (splat(1.0), splat(4.0));
     // At creases both branches give the same.
@@ -264,7 +432,7 @@ pub fn from_cylinder<L: Lanes>(angle: L::F, s: f32, t: f32) -> [L::F; 2] {
 
 /// f⁻¹, Eq. 10: α and s of (s_f, s_b, l); t is s_b. At s_f = s_b, l = 0 every α serves.
 #[inline(always)]
-pub fn to_cylinder<L: Lanes>(front: L::F, back: L::F, length: L::F) -> [L::F; 2] {
+fn to_cylinder<L: Lanes>(front: L::F, back: L::F, length: L::F) -> [L::F; 2] {
     let splat = L::F::splat;
     let fall = front - back;
     let (steep, size) = (fall.abs(), fall.abs().max(length));
@@ -279,7 +447,7 @@ pub fn to_cylinder<L: Lanes>(front: L::F, back: L::F, length: L::F) -> [L::F; 2]
 /// Fills tiles over (α, s, t) from the table over (s_f, s_b, D): those of group `group` of a volume of as many `planes`. Where s_f
 /// lies outside [0, 1] the nearest inside is taken, so that the linear filter does not read nothing.
 #[inline(always)]
-pub fn fill_tiles<L: Lanes>(table: &LaneVolume, group: usize, planes: usize, out: &mut [[f32; 4]]) {
+fn fill_tiles<L: Lanes>(table: &LaneVolume, group: usize, planes: usize, out: &mut [[f32; 4]]) {
     let n = table.side;
     let splat = L::F::splat;
     let (zero, one, last) = (splat(0.0), splat(1.0), (n - 1) as f32);
