@@ -16,7 +16,6 @@ use voltet_simd::{Float, Lanes, Mask, array};
 /// Half the side of IGauss's domain, by Kniss et al.
 pub const REACH: f64 = 10.0;
 
-/// The largest P of the table of light.
 pub const MAX_P: f64 = 40.0;
 
 /// Half the range of that table's places: erf is 1 beyond.
@@ -51,7 +50,6 @@ impl GaussianTables {
         &self.light
     }
 
-    /// Bytes that they take.
     pub fn bytes(&self) -> usize {
         size_of_val(self.means.as_slice()) + size_of_val(self.light.as_slice())
     }
@@ -63,7 +61,6 @@ impl GaussianTables {
         at.read(|k| f64::from(self.means[k])) / f64::from(u16::MAX)
     }
 
-    /// J(P, x).
     pub fn lit(&self, p: f64, x: f64) -> f64 {
         let last = (self.size - 1) as f64;
         let at = Bilinear::new(p / MAX_P * last, (x + LIT_REACH) / (2.0 * LIT_REACH) * last, self.size);
@@ -107,10 +104,8 @@ fn lights(size: usize) -> Vec<f32> {
     entries
 }
 
-/// Both tables in lanes.
 #[derive(Debug, Clone)]
 pub struct LaneGaussianTables {
-    /// IGauss.
     means: LaneSquare,
     /// J, where there is a constant-emitter.
     light: Option<LaneSquare>,
@@ -127,7 +122,6 @@ impl LaneGaussianTables {
         }
     }
 
-    /// Bytes that they take.
     pub fn bytes(&self) -> usize {
         self.means.bytes() + self.light.as_ref().map_or(0, LaneSquare::bytes)
     }
@@ -140,7 +134,6 @@ impl LaneGaussianTables {
         self.means.read(&self.means.place::<L>(row, column))
     }
 
-    /// J(P, x) of two x.
     #[inline(always)]
     fn lit<L: Lanes>(light: &LaneSquare, p: L::F, x: [L::F; 2]) -> [L::F; 2] {
         let splat = L::F::splat;

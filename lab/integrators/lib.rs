@@ -11,6 +11,8 @@
 //! | [`VertexSampled`] | classified at the grid's points, linear between them |
 //! | [`Tabulated`] | Gaussians' integrals from tables |
 
+#![allow(missing_docs, reason = "unpublished: names say what fields and short functions are")]
+
 #![expect(
     clippy::needless_range_loop,
     reason = "adapters of iterators are functions where a build inlines little"

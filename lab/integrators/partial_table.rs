@@ -88,7 +88,6 @@ impl PartialTable {
         tables * size * size * size_of::<f32>()
     }
 
-    /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
         (self.front.len() + self.back.len()) * size_of::<f32>()
     }
@@ -119,7 +118,6 @@ fn front_share(a: f64, b: f64, _: f64) -> f64 {
     front / (front + back)
 }
 
-/// The table in lanes.
 #[derive(Debug, Clone)]
 pub struct LanePartialTable {
     /// The front colour's share of the light, or F (1 + √T).
@@ -144,7 +142,6 @@ impl LanePartialTable {
         self.front.read(&self.place::<L>(a, b).0)
     }
 
-    /// F and B (constant-emitter).
     #[inline(always)]
     pub fn front_back<L: Lanes>(&self, a: L::F, b: L::F) -> (L::F, L::F) {
         let (place, root) = self.place::<L>(a, b);
@@ -156,7 +153,6 @@ impl LanePartialTable {
         (self.front.read(&place) * scale, back * scale)
     }
 
-    /// The place, and √T.
     #[inline(always)]
     fn place<L: Lanes>(&self, a: L::F, b: L::F) -> (Place<L>, L::F) {
         let splat = L::F::splat;

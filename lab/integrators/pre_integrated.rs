@@ -54,10 +54,8 @@ pub(crate) const TABLE: PreIntegratedKind = PreIntegratedKind { tiles: false };
 /// The kind `pre-integrated-cylindrical`.
 pub(crate) const TILES: PreIntegratedKind = PreIntegratedKind { tiles: true };
 
-/// Entries of the largest cylindrical table.
 const MAX_TILE_ENTRIES: usize = MAX_TABLE_SIDE * MAX_TABLE_SIDE * (last_tile(MAX_TABLE_SIDE, 1) + 1);
 
-/// Kinds of pre-integration.
 pub(crate) struct PreIntegratedKind {
     tiles: bool,
 }
@@ -217,7 +215,6 @@ impl PreIntegrated {
         Ok(PreIntegrated { extinction: ramp.mean_extinctions(), longest: extent.longest, ramp, glow })
     }
 
-    /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
         self.extinction.len() * size_of::<f32>() + self.glow.len() * size_of::<[f32; 3]>()
     }
@@ -346,7 +343,6 @@ impl PreIntegratedCylindrical {
         &self.tiles
     }
 
-    /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
         self.extinction.len() * size_of::<f32>() + self.tiles.len() * size_of::<[f32; 3]>()
     }

@@ -16,13 +16,11 @@ const MAX_DEPTH: f32 = 1e30;
 /// them; one over.
 const TILES_REACH: f32 = 8.0;
 
-/// A pre-integrated table.
 pub(crate) struct LaneTable {
     side: usize,
     /// Stored position of the first node, and nodes a stored unit.
     start: f32,
     per_value: f32,
-    /// Longest segments a scene length.
     per_length: f32,
     /// For each step from node to node the first at or behind it in which something is.
     filled: Vec<f32>,
@@ -202,7 +200,6 @@ impl LaneVolume {
         LaneVolume { side, planes, entries }
     }
 
-    /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
         size_of_val(self.entries.as_slice())
     }
@@ -318,7 +315,6 @@ struct LaneRamp {
 }
 
 impl LaneRamp {
-    /// Converts a ramp.
     pub fn new(ramp: &Ramp) -> LaneRamp {
         LaneRamp {
             nodes: ramp.nodes().iter().map(Narrow::new).collect(),

@@ -19,7 +19,6 @@ use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
 /// A homogeneous stretch, or a point: per longest segment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Material {
-    /// ρ.
     pub extinction: f64,
     /// Σ cᵢ ρᵢ or Σ κᵢ.
     pub glow: [f64; 3],
@@ -63,7 +62,6 @@ impl Ramp {
         Ok(Ramp { range: [low, high], nodes, parts, pieces })
     }
 
-    /// Materials at the nodes.
     pub fn nodes(&self) -> &[Material] {
         &self.nodes
     }
@@ -78,12 +76,10 @@ impl Ramp {
         &self.pieces
     }
 
-    /// Mean extinction of a step.
     fn extinction_of(step: &[Material]) -> f64 {
         step.iter().map(|part| part.extinction).sum::<f64>() / step.len() as f64
     }
 
-    /// Number of nodes.
     pub fn size(&self) -> usize {
         self.nodes.len()
     }

@@ -150,7 +150,6 @@ fn samples<L: Lanes, const N: usize>(
     )
 }
 
-/// The middle of piece i.
 #[inline(always)]
 fn middle(i: usize, count: usize) -> f32 {
     ((i as f64 + 0.5) / count as f64) as f32

@@ -193,7 +193,6 @@ impl SegmentIntegrator for Segments {
     }
 }
 
-/// Pieces in lanes.
 struct Pieces {
     ends: WidgetSampler,
     /// Weights of a piece's ends.
@@ -230,7 +229,6 @@ fn pieces<L: Lanes>(
     )
 }
 
-/// An end of a piece, by its rate in the length of a piece.
 #[derive(Clone, Copy)]
 struct End<L: Lanes> {
     rate: L::F,

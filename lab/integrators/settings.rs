@@ -7,10 +7,8 @@ use voltet_cpu::integrator::{FallbackReason, LaneIntegrator, LaneKernel, LaneSce
 use voltet_optics::integrators::{Integrator, SegmentIntegrator};
 use voltet_shaders::WgslPiece;
 
-/// Pieces of a ray segment by default.
 pub const DEFAULT_PIECES: usize = 16;
 
-/// Side of a table by default.
 pub const DEFAULT_SIDE: usize = 256;
 
 /// Largest side of a three-dimensional table: 512³ colours take 1.5 GiB.
@@ -104,7 +102,6 @@ pub(crate) fn widget_label(transfer_function: &TransferFunction, number: usize, 
     format!("widgets[{number}] ({}), {why}", transfer_function.widgets[number].profile.name())
 }
 
-/// A kernel in vector lanes, or the reason why there is none.
 pub(crate) type PreparedKernel = std::result::Result<Box<dyn LaneIntegrator>, FallbackReason>;
 
 /// A kernel as the engine takes it.

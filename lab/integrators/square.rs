@@ -24,7 +24,6 @@ impl Bilinear {
         Bilinear { first: i * size + j, size, row, column }
     }
 
-    /// The value between entries, by their numbers.
     #[inline]
     pub fn read(&self, entry: impl Fn(usize) -> f64) -> f64 {
         let mix = |a: f64, b: f64, share: f64| a + share * (b - a);
@@ -52,13 +51,11 @@ impl LaneSquare {
         LaneSquare { size, entries: (0..entries.len()).map(around).collect() }
     }
 
-    /// The number of the last row and column.
     #[inline(always)]
     pub fn last(&self) -> f32 {
         (self.size - 1) as f32
     }
 
-    /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
         size_of_val(self.entries.as_slice())
     }

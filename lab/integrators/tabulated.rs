@@ -95,7 +95,6 @@ impl LaneIntegratorKind for TabulatedKind {
 #[derive(Debug, Clone)]
 pub struct Tabulated {
     tables: GaussianTables,
-    /// −ln cutoff.
     level: f64,
     unit_distance: f64,
     widgets: Vec<Tabled>,
@@ -298,7 +297,6 @@ struct TabulatedKernel {
     tables: LaneGaussianTables,
     /// The constant-emitter's glow per scene length and −ln cutoff; `None` for the density-emitter.
     glow: Option<(f32, f32)>,
-    /// True if widgets read further fields.
     reads_fields: bool,
 }
 

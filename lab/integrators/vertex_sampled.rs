@@ -82,7 +82,6 @@ pub struct VertexSampled {
 }
 
 impl VertexSampled {
-    /// Serves every transfer function.
     pub fn new(transfer_function: &TransferFunction) -> Result<Self> {
         let fields = transfer_function.fields();
         let slot = |name: &&str| fields.iter().position(|field| field == name);
@@ -149,7 +148,6 @@ impl ScenePreparation for VertexSampledKind {
     }
 }
 
-/// True if a transfer function is the bound of a classified volume.
 pub fn is_classified(transfer_function: &TransferFunction) -> bool {
     let fields = transfer_function.fields();
     CLASSIFIED.iter().all(|name| fields.contains(name))

@@ -25,7 +25,6 @@ pub struct Row {
     pub wider: usize,
     /// Values of cases that the forms do not serve.
     pub skipped: usize,
-    /// Values that broke their bound.
     pub broken: usize,
     /// The largest ratio of error to bound.
     #[serde(rename = "worst_ratio")]
@@ -82,7 +81,6 @@ pub struct Exemption {
     /// True if another precision served them.
     #[serde(skip)]
     pub wider: bool,
-    /// Reason.
     pub reason: &'static str,
     /// Number of cases (rays count once).
     #[serde(rename = "cases")]
@@ -92,14 +90,11 @@ pub struct Exemption {
 /// A value that broke its bound.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Violation {
-    /// The case.
     #[serde(rename = "case")]
     pub id: String,
-    /// T, C, …
     pub quantity: &'static str,
     /// Value that was computed.
     pub found: f64,
-    /// Exact value.
     pub exact: f64,
     /// Error by bound; ∞ for what is not finite or not in its physical range.
     pub ratio: f64,
@@ -108,9 +103,7 @@ pub struct Violation {
 /// All that one set of forms did.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
-    /// Name of the forms.
     pub forms: String,
-    /// Cases read.
     pub cases: usize,
     /// One row a kind, category and quantity, in the order of the file.
     pub rows: Vec<Row>,
@@ -155,7 +148,6 @@ impl Report {
         gathered.into_iter().map(|(_, row)| row).collect()
     }
 
-    /// Sum of one count over all rows.
     pub fn total(&self, count: impl Fn(&Row) -> usize) -> usize {
         self.rows.iter().map(count).sum()
     }
@@ -186,7 +178,7 @@ impl Report {
         let found = self.rows.iter().position(same);
         let index = found.unwrap_or_else(|| {
             self.rows.push(Row {
-                kind: case.kind.name(),
+                kind: case.kind_name(),
                 formula,
                 category: category.clone(),
                 quantity,
@@ -205,7 +197,6 @@ impl Report {
         &mut self.rows[index]
     }
 
-    /// Enters one value.
     pub(super) fn enter(
         &mut self,
         case: &Case,

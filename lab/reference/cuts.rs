@@ -11,7 +11,6 @@ const ONE_PLACE: f64 = 1.3e-29;
 /// digits.
 const TOO_NEAR: f64 = 1e-19;
 
-/// A place to cut at.
 #[derive(Debug, Clone, Copy)]
 struct Cut {
     place: Place,
@@ -19,7 +18,6 @@ struct Cut {
     firm: bool,
 }
 
-/// The cuts of one segment.
 pub(crate) struct Cuts {
     list: Vec<Cut>,
     /// Interval of the widget: cuts outside are of no use to it.

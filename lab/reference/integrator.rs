@@ -41,7 +41,6 @@ pub struct Reference {
     /// Closed forms, for values that are not finite, which contribute nothing.
     prepared: CompiledTransferFunction,
     overlap: WidgetBlend,
-    /// First failure.
     failure: OnceLock<Error>,
 }
 

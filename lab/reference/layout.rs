@@ -42,7 +42,6 @@ struct ActiveWidget {
     window: [Place; 2],
     /// True if the window is all of the segment.
     everywhere: bool,
-    /// End of its coordinates.
     end: usize,
 }
 
@@ -100,7 +99,6 @@ impl Layout {
         Ok(())
     }
 
-    /// The widgets on a stretch.
     pub(crate) fn parts(&self, stretch: &Interval) -> &[Part] {
         &self.parts[stretch.first as usize..stretch.last as usize]
     }
@@ -111,7 +109,6 @@ impl Layout {
     }
 }
 
-/// The values of all coordinates at a place.
 fn values(along: &[LinearOnSegment], place: Place, out: &mut Vec<Wide>) {
     out.clear();
     out.extend(along.iter().map(|a| a.at(place)));

@@ -15,6 +15,8 @@
 //! | `integrator` | quadrature behind the product's traits |
 //! | `renderer` | renderer, and its engine |
 
+#![allow(missing_docs, reason = "unpublished: names say what fields and short functions are")]
+
 mod cuts;
 mod features;
 mod integrator;

@@ -7,7 +7,6 @@
 use crate::wide::Wide;
 use std::cmp::Ordering;
 
-/// A place on the segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Place {
     /// True if it is counted from the back: beyond the middle.
@@ -79,7 +78,6 @@ impl Place {
     }
 }
 
-/// A number that is linear along the segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct LinearOnSegment {
     pub(crate) front: Wide,
@@ -106,7 +104,6 @@ impl LinearOnSegment {
         along
     }
 
-    /// Value in doubles.
     pub(crate) fn rounded(
         front: &[f64],
         back: &[f64],
@@ -132,7 +129,6 @@ impl LinearOnSegment {
         LinearOnSegment { front: self.front * factor, back: self.back * factor, step: self.step * factor }
     }
 
-    /// This number less another.
     pub(crate) fn less(self, other: LinearOnSegment) -> LinearOnSegment {
         let LinearOnSegment { front, back, step } = other;
         LinearOnSegment { front: self.front - front, back: self.back - back, step: self.step - step }

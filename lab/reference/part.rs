@@ -180,7 +180,6 @@ impl Part {
         }
     }
 
-    /// True if its colour varies.
     pub(crate) fn has_colors(&self) -> bool {
         matches!(self.kind, Kind::LinearColors | Kind::Quadratic)
     }

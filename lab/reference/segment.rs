@@ -88,7 +88,6 @@ pub struct Integrand {
     alone: Vec<Integrand>,
 }
 
-/// Buffers that are kept from segment to segment.
 #[derive(Default)]
 pub struct Workspace {
     layout: Layout,
@@ -96,7 +95,6 @@ pub struct Workspace {
     pending: Vec<[f64; 2]>,
 }
 
-/// Properties of the segment as a whole.
 struct Whole {
     length: f64,
     /// A first estimate of its optical depth.

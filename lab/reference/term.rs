@@ -60,7 +60,6 @@ pub(crate) enum ReadyProfile {
 pub(crate) struct Bands {
     pub(crate) sine: bool,
     pub(crate) band_width: f64,
-    /// Half-width of a band in φ.
     pub(crate) half: f64,
     /// ∂φ/∂s and ∂φ/∂g.
     slope: [Wide; 2],
@@ -213,7 +212,6 @@ impl Term {
     }
 }
 
-/// The column of a field in a value.
 fn column(name: &str, fields: &[&str]) -> Result<usize> {
     fields.iter().position(|f| *f == name).map(|k| k + 2).ok_or_else(|| {
         Error::usage("a widget names a field that is not at hand").got(name).expected(fields.join(", "))

@@ -32,7 +32,6 @@ impl Wide {
         Wide { high: 0.5 * self.high, low: 0.5 * self.low }
     }
 
-    /// Its absolute value.
     pub(crate) fn abs(self) -> Wide {
         if self.high < 0.0 { -self } else { self }
     }

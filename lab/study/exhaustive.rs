@@ -9,12 +9,9 @@ use voltet_graph::{RunReport, SkippedWork};
 /// where one colour is summed and not composited.
 pub const SAME: f64 = 1e-6;
 
-/// Comparison of an exhaustive run with the usual one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ExhaustiveComparison {
-    /// Seconds of the usual run.
     pub usual_seconds: f64,
-    /// Seconds of the exhaustive run.
     pub seconds: f64,
     /// Ratio of the exhaustive run's seconds to the usual ones.
     pub times_slower: f64,
@@ -25,23 +22,17 @@ pub struct ExhaustiveComparison {
     pub engines: Option<[String; 2]>,
     /// Largest difference of a channel of premultiplied linear RGBA between their pictures; `None` without a picture.
     pub largest_difference: Option<f64>,
-    /// Work that the usual run skips.
     pub left_out: Vec<SkippedWork>,
 }
 
-/// Seconds of a node.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NodeSeconds {
-    /// Its name.
     pub node: String,
-    /// Seconds in the usual run.
     pub usual: f64,
-    /// Seconds in the exhaustive run.
     pub exhaustive: f64,
 }
 
 impl ExhaustiveComparison {
-    /// Compares two runs of one graph.
     pub fn compare(usual: &RunReport, exhaustive: &RunReport) -> ExhaustiveComparison {
         let seconds =
             |name: &str| exhaustive.nodes.iter().find(|node| node.name == name).map(|node| node.seconds);

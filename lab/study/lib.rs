@@ -9,6 +9,8 @@
 //! | `papers` | tables and figures of the papers, made anew (feature of that name) |
 //! | [`exhaustive`] | an exhaustive run compared with the usual one |
 
+#![allow(missing_docs, reason = "unpublished: names say what fields and short functions are")]
+
 mod columns;
 mod devices;
 pub mod exhaustive;

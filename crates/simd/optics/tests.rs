@@ -11,7 +11,7 @@ use super::triangular_gaussian::{self, LaneTriangularPath, LaneTriangularTrack};
 use super::wave::{LaneBell, LanePhase, LaneWaveTrack};
 use crate::{Float, Kernel, LaneSet, Lanes, dispatch};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
-use voltet_judge::twin::{self, INPUTS, Range};
+use voltet_testing::twin::{self, INPUTS, Range};
 use voltet_optics::clip::ClippedSpan;
 use voltet_optics::kinds::gaussian::GaussianPath;
 use voltet_optics::kinds::triangular_gaussian::TriangularPath;

@@ -9,15 +9,12 @@ use voltet_core::grid::generate::box_of_tetrahedra;
 /// A field over the unit cube and its gradient.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Field {
-    /// Its name in tables.
     pub name: &'static str,
     /// s at a place.
     pub value: fn(DVec3) -> f64,
-    /// ∇s there.
     pub gradient: fn(DVec3) -> DVec3,
 }
 
-/// Smooth fields, by which the order of convergence is found.
 pub(super) const SMOOTH: [Field; 2] = [
     Field { name: "waves", value: waves, gradient: waves_gradient },
     Field { name: "peak", value: peak, gradient: peak_gradient },
@@ -99,10 +96,8 @@ pub(super) enum Mesh {
 }
 
 impl Mesh {
-    /// All of them.
     pub const ALL: [Mesh; 4] = [Mesh::Regular, Mesh::Distorted, Mesh::Stretched, Mesh::Anisotropic];
 
-    /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Mesh::Regular => "regular",
@@ -147,10 +142,8 @@ pub(super) struct Meshed {
 /// Largest move as a fraction of the spacing; up to a quarter no cell turns over.
 const JITTER: f64 = 0.2;
 const FLAT: f64 = 0.1;
-/// The thickest layer by the thinnest, for many layers.
 const THIN: f64 = 30.0;
 
-/// A rotation out of all axes.
 pub(super) fn out_of_axes() -> DMat3 {
     DMat3::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 0.7)
 }

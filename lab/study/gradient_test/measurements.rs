@@ -27,7 +27,6 @@ use voltet_optics::engine::{AdapterRequest, Engine, RenderOptions};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 
-/// A filter that is measured.
 pub(super) struct Subject<'a> {
     method: &'a Method,
     pub found: FilterReport,

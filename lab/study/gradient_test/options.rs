@@ -13,7 +13,6 @@ pub struct TestOptions {
     pub timed: usize,
     /// Number of times each filter is timed, after once that warms up.
     pub rounds: usize,
-    /// Requirements of the filter.
     pub hold_to: Vec<RequirementKind>,
     /// The least order of convergence inside.
     pub order: f64,

@@ -6,27 +6,21 @@ use serde::Serialize;
 /// Filters measured side by side: the first is the one that was asked about.
 #[derive(Debug, Clone, Serialize)]
 pub struct GradientTest {
-    /// The filters.
     pub filters: Vec<FilterReport>,
-    /// Requirements of the first.
     pub requirements: Vec<Requirement>,
     /// Boxes along a side of each grid, coarse to fine.
     pub levels: Vec<usize>,
     /// Threads that filters may use.
     pub threads: usize,
-    /// Engine of the pictures.
     pub engine: String,
     /// The picture with the exact gradient, PNG.
     #[serde(skip)]
     pub exact_png: Vec<u8>,
 }
 
-/// Results of one filter.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct FilterReport {
-    /// Its name in pipeline files.
     pub name: String,
-    /// Its summary, a sentence.
     pub summary: String,
     /// Its parameters with their values, as a pipeline file would write them.
     pub parameters: Vec<(String, String)>,
@@ -42,7 +36,6 @@ pub struct FilterReport {
     pub noise: Vec<Noise>,
     /// Time and memory.
     pub cost: Option<Cost>,
-    /// A picture drawn with it.
     pub picture: Option<PictureError>,
     /// Places at which the filter failed or fell back, with its words.
     pub faults: Vec<Fault>,
@@ -53,11 +46,8 @@ pub struct FilterReport {
 pub struct Convergence {
     /// The family of grids.
     pub mesh: &'static str,
-    /// The field.
     pub field: &'static str,
-    /// At points inside.
     pub inside: Series,
-    /// At points on the boundary.
     pub boundary: Series,
 }
 
@@ -77,11 +67,8 @@ pub struct Series {
 pub struct Exactness {
     /// The family of grids.
     pub mesh: &'static str,
-    /// On a linear field.
     pub linear: f64,
-    /// On a quadratic field, at points inside.
     pub quadratic_inside: f64,
-    /// On a quadratic field, at points on the boundary.
     pub quadratic_boundary: f64,
 }
 
@@ -123,15 +110,11 @@ pub struct Noise {
 /// Time and memory of a filter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cost {
-    /// Points of the grid.
     pub points: usize,
-    /// Tetrahedra of the grid.
     pub tetrahedra: usize,
     /// Median of the seconds, filters taking turns.
     pub median_s: f64,
-    /// The fastest.
     pub fastest_s: f64,
-    /// The slowest.
     pub slowest_s: f64,
     /// Bytes that the process held at most beyond those before; `None` where the system does not tell.
     pub memory_bytes: Option<u64>,
@@ -144,7 +127,6 @@ pub struct PictureError {
     pub size: [u32; 2],
     /// The largest difference of a channel.
     pub maximum: f64,
-    /// Root of the mean square of these differences.
     pub root_mean_square: f64,
     /// Pixels that differ by more than 1/255.
     pub pixels_over_step: u64,
@@ -169,9 +151,7 @@ pub struct Fault {
 pub struct Requirement {
     /// In words, with the bound.
     pub what: String,
-    /// Result.
     pub found: String,
-    /// True if it holds.
     pub holds: bool,
 }
 
@@ -182,7 +162,6 @@ impl GradientTest {
     }
 }
 
-/// Requirements with their results.
 pub(super) fn requirements(found: &FilterReport, wish: &TestOptions) -> Vec<Requirement> {
     let of = |hold: &RequirementKind| match hold {
         RequirementKind::Finite => finite(found),

@@ -78,7 +78,6 @@ fn table(
     Table { title, heads, rows: keys.iter().map(row).collect(), note: note.into() }
 }
 
-/// All figures.
 fn tables(test: &GradientTest) -> Vec<Table> {
     let order = |order: Option<f64>, error: Option<&f64>| {
         let order = order.map_or("–".into(), |order| format!("{order:.2}"));

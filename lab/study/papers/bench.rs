@@ -13,14 +13,11 @@ use voltet_optics::WidgetBlend;
 use voltet_optics::engine::Accumulation;
 use voltet_optics::shading::{Integrator, VisibilityOrder};
 
-/// Options of the page.
 #[derive(Debug, Clone)]
 pub struct PapersOptions {
-    /// The papers.
     pub papers: Vec<Paper>,
     /// Pixels of the figures.
     pub size: [u32; 2],
-    /// Number of times each picture is timed.
     pub frames: Frames,
     /// The largest grid of Song's Table 1 that is generated.
     pub max_cells: u64,
@@ -40,7 +37,6 @@ pub(super) struct Bench<'a> {
     pub progress: &'a dyn Progress,
 }
 
-/// A picture with its time and what it is off by.
 #[derive(Debug, Clone)]
 pub(super) struct TimedRender {
     pub picture: Picture,
@@ -51,7 +47,6 @@ pub(super) struct TimedRender {
     pub errors: Errors,
 }
 
-/// A scene with its reference picture.
 pub(super) struct Scene {
     pub subject: Subject,
     pub reference: Picture,
@@ -74,7 +69,6 @@ impl Bench<'_> {
         self.referred(self.sized(file)?)
     }
 
-    /// A scene with its reference picture.
     pub fn referred(&self, subject: Subject) -> Result<Scene> {
         let reference = work::reference(&subject, &self.wish.cache, self.progress)?.picture;
         Ok(Scene { subject, reference })
@@ -135,7 +129,6 @@ impl Bench<'_> {
 }
 
 impl TimedRender {
-    /// Names, then time and errors, as a row of a table.
     pub fn row(&self, names: &[&str]) -> Vec<String> {
         names.iter().map(|name| name.to_string()).chain(self.cells()).collect()
     }

@@ -9,30 +9,24 @@ use voltet_io::encode;
 use voltet_io::provenance::date;
 use voltet_simd::LaneSet;
 
-/// A figure.
 #[derive(Debug, Clone)]
 pub struct Figure {
     /// The file's name.
     pub name: String,
-    /// The picture.
     pub png: Vec<u8>,
 }
 
 /// Claims of a paper, and the results here.
 #[derive(Debug, Clone)]
 pub struct Section {
-    /// The paper.
     pub paper: Paper,
-    /// Markdown.
     pub text: String,
-    /// Its figures, which the text names.
     pub figures: Vec<Figure>,
 }
 
 /// Folder of the figures' links.
 pub const FOLDER: &str = "papers";
 
-/// The whole page.
 pub fn page(sections: &[Section]) -> Result<String> {
     let lanes = LaneSet::detect()?.name();
     let threads = rayon::current_num_threads();
@@ -64,12 +58,10 @@ impl Section {
         Section { paper, text: format!("## {title}\n"), figures: Vec::new() }
     }
 
-    /// A heading.
     pub(super) fn part(&mut self, title: &str) {
         self.text += &format!("\n### {title}\n");
     }
 
-    /// A paragraph.
     pub(super) fn say(&mut self, text: &str) {
         self.text += &format!("\n{text}\n");
     }
@@ -115,7 +107,6 @@ fn beside(pictures: &[(&Picture, [f64; 3])]) -> Picture {
     row
 }
 
-/// Verdict on a claim.
 pub(super) fn verdict(holds: bool) -> &'static str {
     if holds { "**holds**" } else { "**does not hold here**" }
 }
@@ -139,7 +130,6 @@ pub(super) fn number(x: f64) -> String {
     }
 }
 
-/// A paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Paper {
     /// Song et al. 2009.
@@ -153,7 +143,6 @@ pub enum Paper {
 }
 
 impl Paper {
-    /// All of them.
     pub const ALL: [Paper; 4] = [Paper::Song, Paper::Moreland, Paper::RoettgerErtl, Paper::Kniss];
 
     /// Its name on the command line, and of its files.

@@ -43,7 +43,6 @@ fn shown(steps: &[CellCrossing], most: usize) -> Vec<usize> {
     places
 }
 
-/// The most that a step adds to a channel.
 fn adds(step: &CellCrossing) -> f64 {
     step.contribution().into_iter().fold(0.0, f64::max)
 }
@@ -68,7 +67,6 @@ fn left_out(pixel: &Pixel, shown: &[usize]) -> String {
     text
 }
 
-/// The table of the cells.
 fn cells(pixel: &Pixel, shown: &[usize]) -> String {
     let steps = &pixel.walk.steps;
     let looks = |of: &dyn Fn(&CellCrossing) -> bool| steps.iter().any(of);
@@ -116,7 +114,6 @@ fn widgets(pixel: &Pixel, depths: &[f64]) -> String {
     if met.is_empty() { "none".into() } else { met.iter().map(name).collect::<Vec<_>>().join(", ") }
 }
 
-/// The colour of what is in the cell.
 fn own_color(step: &CellCrossing) -> String {
     let opacity = step.part.opacity;
     if opacity > 0.0 { hex(srgb(step.part.color.map(|c| c / opacity))) } else { String::new() }
@@ -209,7 +206,6 @@ pub fn csv(pixel: &Pixel) -> String {
     text
 }
 
-/// Everything.
 pub fn json(pixel: &Pixel) -> Value {
     let cells = (0..pixel.walk.steps.len()).map(|k| cell_value(pixel, k));
     let said = pixel.integrators.iter().map(|said| {

@@ -15,22 +15,18 @@ use voltet_optics::shading::Shading;
 use voltet_optics::trace::{CellCrossing, Ray, TracedRay, Tracer, Walk};
 use voltet_reference::{REFERENCE, tracer, widget_depths};
 
-/// One pixel.
 #[derive(Debug, Clone)]
 pub struct Pixel {
-    /// The node that draws.
     pub node: String,
     /// Column from the left and row from the top, from 0.
     pub place: [u32; 2],
     /// Width and height of the picture.
     pub size: [u32; 2],
-    /// Rays of the pixel.
     pub samples: u32,
     /// The one of them that is shown cell by cell, from 0.
     pub sample: u32,
     /// Origin and direction of the ray (world units).
     pub ray: [[f64; 3]; 2],
-    /// The ray.
     pub walk: Walk,
     /// Optical depth of each widget by itself, for each cell of the ray.
     pub depths: Vec<Vec<f64>>,
@@ -42,9 +38,7 @@ pub struct Pixel {
     pub names: Vec<String>,
     /// The pixel by the 64-bit referee: C, A.
     pub referee: [f64; 4],
-    /// The pixel as the pipeline draws it.
     pub drawn: EnginePixel,
-    /// The pixel by each integrator.
     pub integrators: Vec<IntegratorPixel>,
     /// Background of the picture where the pipeline writes it (linear RGB).
     pub background: [f64; 3],
@@ -52,21 +46,15 @@ pub struct Pixel {
     pub nothing: Option<String>,
 }
 
-/// A pixel of an engine's picture.
 #[derive(Debug, Clone)]
 pub struct EnginePixel {
-    /// The engine and what it runs on.
     pub engine: String,
-    /// C, A.
     pub rgba: [f64; 4],
 }
 
-/// A pixel by one integrator.
 #[derive(Debug, Clone)]
 pub struct IntegratorPixel {
-    /// Its name.
     pub name: &'static str,
-    /// Its numbers, for people.
     pub numbers: String,
     /// True if it is the one that the pipeline draws with.
     pub own: bool,
@@ -87,7 +75,6 @@ impl Pixel {
     }
 }
 
-/// The mean of the rays of a pixel.
 fn mean(rays: impl ExactSizeIterator<Item = [f64; 4]>) -> [f64; 4] {
     let count = rays.len() as f64;
     rays.fold([0.0; 4], |sum, ray| std::array::from_fn(|c| sum[c] + ray[c] / count))
@@ -181,7 +168,6 @@ fn drawn(
     Ok(EnginePixel { engine, rgba: picture.pixel(x as usize, y as usize).map(f64::from) })
 }
 
-/// For each step the number of the file's cell, and what it is.
 fn source_cells(grid: &Grid, steps: &[CellCrossing]) -> Vec<(usize, String)> {
     steps.iter().map(|step| (grid.source_cell(step.cell as usize), kind(grid, step.cell as usize))).collect()
 }
@@ -264,7 +250,6 @@ fn traced(tracer: &Tracer, ray: &Ray) -> Vec<Traced> {
     tracer.crossings(ray).iter().map(of).collect()
 }
 
-/// The pixel: each ray's segments composited, the mean of all.
 fn composite_rays(integrator: &dyn SegmentIntegrator, rays: &[Vec<Traced>]) -> Result<[f64; 4]> {
     let of = |ray: &Vec<Traced>| {
         let mut sum = Composite::default();

@@ -14,19 +14,16 @@ use voltet_optics::WidgetBlend;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 
-/// A scene that is hard to draw.
 pub(super) struct HardScene {
     pub category: &'static str,
     pub name: String,
     pub scene: Scene,
 }
 
-/// Every one.
 pub(super) fn all() -> Vec<HardScene> {
     [cells(), transfer_functions(), cameras()].into_iter().flatten().collect()
 }
 
-/// Names of the further fields of every scene.
 const FIELDS: [&str; 2] = ["a", "b"];
 const RED: [f64; 3] = [0.9, 0.3, 0.2];
 const BLUE: [f64; 3] = [0.2, 0.5, 1.1];

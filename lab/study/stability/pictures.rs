@@ -19,20 +19,15 @@ use voltet_reference as reference;
 /// with room for their condition.
 pub(super) const BOUND: f64 = 2e-4;
 
-/// One picture.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HardPicture {
-    /// Difficulty.
     pub category: &'static str,
-    /// Name of the scene.
     pub scene: String,
-    /// Engine that drew it.
     pub engine: String,
     /// Reason why it was not drawn: a scene that a device refuses goes to the CPU engine by `auto`.
     pub refused: Option<String>,
     /// Largest error of a channel; ∞ where one is not finite.
     pub worst_error: f64,
-    /// The pixel that has it.
     pub worst_pixel: [usize; 2],
     /// The error that is allowed.
     pub bound: f64,
@@ -107,7 +102,6 @@ pub struct Subjects {
     pub(super) renderers: Vec<OpenRenderer>,
 }
 
-/// Engine that is open.
 pub(super) struct OpenRenderer {
     pub declared: &'static EngineInfo,
     pub engine: Arc<dyn Engine>,

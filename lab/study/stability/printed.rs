@@ -14,16 +14,13 @@ use voltet_nodes::drawing::NATIVE;
 use voltet_optics::engine::AdapterRequest;
 use voltet_optics::{CompiledTransferFunction, Contribution, Segment, WidgetBlend, linear};
 
-/// One printed formula and what was measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PrintedFormula {
     /// Paper and equation.
     pub source: &'static str,
     /// The formula, in plain text.
     pub formula: &'static str,
-    /// Failure and its cause.
     pub fails: &'static str,
-    /// Replacement.
     pub instead: &'static str,
     /// At some inputs.
     pub rows: Vec<FormulaRow>,
@@ -32,7 +29,6 @@ pub struct PrintedFormula {
 /// Errors at one input; not finite where the formula gives no number.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FormulaRow {
-    /// The input.
     pub inputs: String,
     /// The printed formula in 64 bits.
     pub printed_64: f64,
@@ -78,7 +74,6 @@ trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// Rounds to this precision.
     fn round(x: f64) -> Self;
 
     fn exp(self) -> Self {
@@ -189,7 +184,6 @@ fn between([front, back]: [[f64; 2]; 2]) -> Segment<'static> {
     Segment { length: 1.0, front, back, fields_front: &[], fields_back: &[] }
 }
 
-/// A number of linear extinction from a to b.
 fn partial(a: f64, b: f64, number: impl Fn(&PartialIntegrals) -> f64) -> Result<Computed> {
     computed(|forms| forms.partial(a, b), number)
 }

@@ -34,24 +34,19 @@ const LIKE: f64 = 2.0;
 pub struct BoundViolation {
     /// The scene's number: with the seed all that it takes to draw it again.
     pub scene: u64,
-    /// Engine that drew it.
     pub engine: String,
-    /// Pixels beyond the bound.
     pub pixels: usize,
     /// Pixels beyond the bound that neither the camera nor the data's rounding explain.
     pub wrong: usize,
     /// The largest error of a channel, of those not explained where there are any.
     pub worst_error: f64,
-    /// Position of that pixel.
     pub worst_pixel: [usize; 2],
 }
 
-/// Results.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct RandomReport {
     /// All scenes follow from it.
     pub seed: u64,
-    /// Scenes with a picture.
     pub drawn: u64,
     /// Scenes that show something: an opacity of more than 1/255 somewhere.
     pub shown: u64,
@@ -61,7 +56,6 @@ pub struct RandomReport {
     pub refused: Vec<(String, u64)>,
     /// The error of a channel that is allowed.
     pub bound: f64,
-    /// Scenes beyond it.
     pub beyond: Vec<BoundViolation>,
 }
 

@@ -18,7 +18,6 @@ use voltet_optics::WidgetBlend;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 
-/// One scene.
 pub fn scene(seed: u64, number: u64) -> Result<Scene> {
     let mut rng = Rng::new(seed, number);
     let volume = volume(&mut rng)?;
@@ -29,7 +28,6 @@ pub fn scene(seed: u64, number: u64) -> Result<Scene> {
     Ok(Scene { volume: Arc::new(volume), transfer_function, camera, shading, order: VisibilityOrder::Exact })
 }
 
-/// Random numbers of one scene.
 struct Rng(Random);
 
 impl Rng {

@@ -8,7 +8,6 @@ use crate::columns::{aligned, markdown};
 use serde_json::{Value, json as object};
 use voltet_judge::{Exemption, Report, Row};
 
-/// Results.
 #[derive(Debug, Clone)]
 pub struct StabilityReport {
     /// One report a set of forms: 64-bit, 32-bit by lane set, further ones.
@@ -17,7 +16,6 @@ pub struct StabilityReport {
     pub integrators: Vec<IntegratorReport>,
     /// Pictures of hard scenes, one after the other.
     pub pictures: Vec<HardPicture>,
-    /// The formulas as printed.
     pub printed: Vec<PrintedFormula>,
     /// Engines that were not judged, with the reason and the remedy.
     pub left_out: Vec<String>,
@@ -44,7 +42,6 @@ pub fn json(report: &StabilityReport) -> Value {
     })
 }
 
-/// One set of forms as JSON.
 pub fn forms_json(report: &Report) -> Value {
     let exemptions = |wider: bool| -> Vec<&Exemption> {
         report.exemptions.iter().filter(|exemption| exemption.wider == wider).collect()
@@ -56,7 +53,6 @@ pub fn forms_json(report: &Report) -> Value {
     })
 }
 
-/// Violations that are named one by one.
 const NAMED: usize = 20;
 
 /// A category as people call it.
@@ -84,7 +80,6 @@ fn mark(kept: bool) -> &'static str {
     if kept { "" } else { " **broken**" }
 }
 
-/// True for the column of names of a table with one.
 fn first(column: usize) -> bool {
     column == 0
 }
@@ -153,7 +148,6 @@ fn matrix(reports: &[Report], head: &str, key: impl Fn(&Row) -> String) -> Strin
     markdown(&heads, first, gathered.first().into_iter().flatten().map(line))
 }
 
-/// A row for each integrator.
 fn integrators(report: &StabilityReport) -> String {
     let row = |one: &IntegratorReport| {
         [

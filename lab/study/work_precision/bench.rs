@@ -32,7 +32,6 @@ struct Bench {
 /// A device that a study is made on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adapter {
-    /// The engine that runs on it.
     pub engine: &'static EngineInfo,
     /// Its name and kind, for people.
     pub name: String,
@@ -67,7 +66,6 @@ impl Benches {
         Ok(Benches { benches, file_takes, left_out })
     }
 
-    /// The devices.
     pub fn adapters(&self, subject: &Subject, wish: &StudyOptions) -> Vec<Adapter> {
         let on_device = self.benches.iter().filter(|bench| bench.declared.on_device);
         let adapter = |bench: &Bench| Adapter {
@@ -94,7 +92,6 @@ impl Benches {
         variants.flat_map(|variant| settings(subject, only, variant)).collect()
     }
 
-    /// Draws the scene with one setting, on its engine.
     pub fn measure(
         &mut self,
         subject: &Subject,
@@ -149,7 +146,6 @@ fn takes(subject: &Subject, wish: &StudyOptions, benches: &[Bench]) -> Option<Ve
     Some(taken)
 }
 
-/// An engine to measure.
 fn open(subject: &Subject, wish: &StudyOptions, engine: &'static EngineInfo) -> Result<Bench> {
     let asked = &subject.asked;
     if !engine.on_device {

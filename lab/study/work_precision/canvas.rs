@@ -21,7 +21,6 @@ pub struct Canvas {
 /// 8-bit sRGB.
 pub type Color = [u8; 3];
 
-/// White, the paper.
 pub const WHITE: Color = [255; 3];
 
 /// Black, of text and outlines.
@@ -35,22 +34,15 @@ const FAINT: Color = [225, 225, 225];
 pub enum Mark {
     /// Straight lines from point to point.
     Line {
-        /// The points.
         points: Vec<[f64; 2]>,
-        /// Its width.
         width: f64,
-        /// Its colour.
         color: Color,
         /// Lengths of dashes and gaps, in turn; none for a whole line.
         dashes: &'static [f64],
     },
-    /// A closed shape.
     Shape {
-        /// Its corners.
         corners: Vec<[f64; 2]>,
-        /// The colour within.
         fill: Color,
-        /// The colour of its outline.
         outline: Color,
         /// Tooltip in viewers of SVG.
         hint: String,
@@ -59,25 +51,18 @@ pub enum Mark {
     Text {
         /// Anchor position, on its middle line.
         at: [f64; 2],
-        /// The text.
         text: String,
-        /// Its size.
         size: Size,
         /// Part of it at that position.
         anchor: Anchor,
-        /// True if it runs upward.
         upward: bool,
-        /// Its colour.
         color: Color,
     },
 }
 
-/// Size of text.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Size {
-    /// Labels.
     Small,
-    /// Titles.
     Large,
 }
 
@@ -89,16 +74,12 @@ impl Size {
 /// Part of a text at its anchor position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Anchor {
-    /// Its start.
     Start,
-    /// Its middle.
     Middle,
-    /// Its end.
     End,
 }
 
 impl Anchor {
-    /// Offset of the start of a text of this width from its anchor.
     fn start(self, width: f64) -> f64 {
         match self {
             Anchor::Start => 0.0,
@@ -111,23 +92,16 @@ impl Anchor {
 /// Shapes that can be told apart without colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Symbol {
-    /// A circle.
     Circle,
-    /// A square.
     Square,
     /// A square on its corner.
     Diamond,
-    /// A triangle, its corner up.
     TriangleUp,
-    /// A triangle, its corner down.
     TriangleDown,
-    /// A plus sign.
     Plus,
-    /// A cross.
     Cross,
     /// A star of five points, one up.
     Star,
-    /// A bar that lies.
     Bar,
 }
 
@@ -178,7 +152,6 @@ impl Canvas {
         Canvas { size, marks: Vec::new(), title: title.into() }
     }
 
-    /// A line.
     pub fn line(&mut self, points: &[[f64; 2]], width: f64, color: Color, dashes: &'static [f64]) {
         self.marks.push(Mark::Line { points: points.to_vec(), width, color, dashes });
     }
@@ -215,7 +188,6 @@ impl Canvas {
         self.marks.push(Mark::Shape { corners, fill, outline, hint });
     }
 
-    /// A line of text.
     pub fn text(&mut self, at: [f64; 2], text: &str, size: Size, anchor: Anchor, color: Color) {
         self.marks.push(Mark::Text { at, text: text.into(), size, anchor, upward: false, color });
     }
@@ -245,7 +217,6 @@ impl Axis {
         Axis { low: low - room, high: high + room, start, end }
     }
 
-    /// Coordinate of a value.
     pub fn place(&self, value: f64) -> f64 {
         self.start + (value.log10() - self.low) / (self.high - self.low) * (self.end - self.start)
     }
@@ -366,7 +337,6 @@ struct Paper {
 }
 
 impl Canvas {
-    /// The picture, opaque.
     pub fn picture(&self) -> Picture {
         let size = self.size.map(|x| (x * SCALE).ceil() as usize);
         let mut paper = Paper { size, values: vec![[1.0; 3]; size[0] * size[1]] };

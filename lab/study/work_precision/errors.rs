@@ -15,7 +15,6 @@ pub struct Errors {
     pub root_mean_square: f64,
     /// At least 99.9 % of the pixels have an error of at most this (nearest rank).
     pub percentile_99_9: f64,
-    /// The largest error of a pixel.
     pub maximum: f64,
     /// Pixels whose error is over 1/255.
     pub pixels_over_step: u64,

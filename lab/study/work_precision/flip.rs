@@ -117,7 +117,6 @@ const XYZ_FROM_RGB: DMat3 = DMat3::from_cols_array(&[
     70074185.0 / 73733382.0,
 ]);
 
-/// XYZ of white.
 fn white() -> DVec3 {
     XYZ_FROM_RGB * DVec3::ONE
 }
@@ -128,7 +127,6 @@ fn ycxcz(rgb: Rgb) -> [f64; 3] {
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
-/// YCxCz to linear RGB.
 fn linear_rgb([y, cx, cz]: [f64; 3]) -> Rgb {
     let y = lightness(y);
     let relative = DVec3::new(y + cx / 500.0, y, y - cz / 200.0);
@@ -159,12 +157,10 @@ fn largest_distance() -> f64 {
     distance(hunt_lab([0.0, 1.0, 0.0]), hunt_lab([0.0, 0.0, 1.0]))
 }
 
-/// One number for each pixel.
 #[derive(Debug, Clone, PartialEq)]
 struct Plane {
     /// Width and height.
     size: [usize; 2],
-    /// Row by row.
     values: Vec<f64>,
 }
 

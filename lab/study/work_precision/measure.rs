@@ -13,7 +13,6 @@ use voltet_io::memory;
 use voltet_optics::engine::{Engine, PreparedVolume, RenderOptions, RenderOutput, Stage};
 use voltet_optics::scene::Scene;
 
-/// Number of times a setting is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frames {
     /// Frames that count, at most, ≥ 1. One before them warms up.
@@ -46,16 +45,12 @@ impl Frames {
 pub struct Times {
     /// The median; of an even number of times the mean of the middle two.
     pub median_ms: f64,
-    /// The fastest.
     pub fastest_ms: f64,
-    /// The slowest.
     pub slowest_ms: f64,
 }
 
-/// Cost of drawing with one setting.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cost {
-    /// Frames that were measured.
     pub frames: usize,
     /// A picture, with all that a run makes anew for each one: the native engine its set-up and the frame, a device, which
     /// keeps what it has set up, the frame.
@@ -69,9 +64,7 @@ pub struct Cost {
     pub cull: Option<Times>,
     /// Ordering the cells; on a device, sharing them out among tiles too.
     pub sort: Option<Times>,
-    /// Projecting.
     pub project: Option<Times>,
-    /// Integrating and compositing.
     pub composite: Option<Times>,
     /// From one frame to the next of a device, milliseconds, with as many in flight as was asked for.
     pub in_flight_ms: Option<f64>,
@@ -91,12 +84,10 @@ pub struct Cost {
     pub peak_memory_bytes: Option<u64>,
 }
 
-/// Time of one pass of a device in a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Pass {
     /// Its entry point.
     pub name: &'static str,
-    /// Its times.
     pub times: Times,
 }
 
@@ -230,7 +221,6 @@ fn stage(taken: &[TimedPicture], stage: Stage) -> Option<Times> {
     taken.iter().map(|frame| seconds_of(&frame.drawn, stage)).collect::<Option<Vec<f64>>>().map(spread)
 }
 
-/// Times of the passes that every frame has.
 fn passes(taken: &[TimedPicture]) -> Vec<Pass> {
     let mut passes: Vec<Pass> = Vec::new();
     for name in taken.iter().flat_map(|frame| &frame.drawn.stages).filter_map(|part| part.pass) {

@@ -13,11 +13,9 @@ pub enum Measure {
     /// The largest error of a pixel.
     #[default]
     Maximum,
-    /// The root of the mean square.
     RootMeanSquare,
     /// 99.9th percentile of the pixels' errors.
     Percentile,
-    /// The mean of FLIP.
     Flip,
 }
 
@@ -35,7 +33,6 @@ impl Measure {
         Measure::NAMES[self as usize].1
     }
 
-    /// Label of an axis.
     pub fn label(self) -> &'static str {
         match self {
             Measure::Maximum => "largest error of premultiplied linear RGBA (1 = full scale)",
@@ -48,12 +45,10 @@ impl Measure {
     }
 }
 
-/// Options of a study.
 #[derive(Debug, Clone)]
 pub struct StudyOptions {
     /// Integrators to look at; none for all.
     pub only: Vec<String>,
-    /// Engines to look at.
     pub engines: Engines,
     /// The adapter, by a part of its name or its kind; none for the file's, or the fastest that is hardware.
     pub adapter: Option<String>,
@@ -61,7 +56,6 @@ pub struct StudyOptions {
     pub frames: Frames,
     /// Measure of error that decides about the front and the recommendation.
     pub measure: Measure,
-    /// The error that is allowed.
     pub max_error: Option<f64>,
     /// Number of times the grid is refined, to tell the integration's error from the data model's; 0: not at all.
     pub refine: u32,
@@ -131,27 +125,22 @@ pub fn patience(seconds: f64, named: &str) -> Result<Duration> {
 /// Engine and, if it has several, its compositor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RendererVariant {
-    /// The engine.
     pub engine: &'static EngineInfo,
     /// Its compositor; `None` if it has one only.
     pub compositing: Option<Compositor>,
 }
 
-/// Engines that are studied.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Engines {
     /// This one alone.
     One(&'static EngineInfo),
-    /// Every engine that is there.
     #[default]
     All,
 }
 
 impl RendererVariant {
-    /// The engine that draws every scene.
     pub const NATIVE: RendererVariant = RendererVariant { engine: NATIVE, compositing: None };
 
-    /// An engine with each of its ways.
     pub fn all_of_engine(engine: &'static EngineInfo) -> impl Iterator<Item = RendererVariant> {
         let only = engine.compositing.is_empty().then_some(None);
         let ways = only.into_iter().chain(engine.compositing.iter().copied().map(Some));
@@ -183,7 +172,6 @@ impl RendererVariant {
 }
 
 impl Engines {
-    /// Engines that are studied, one by one.
     pub fn each(self) -> impl Iterator<Item = &'static EngineInfo> {
         ENGINES.iter().filter(move |engine| match self {
             Engines::One(only) => *engine == only,

@@ -27,7 +27,6 @@ pub(crate) fn head(title: &str, style: &str) -> String {
     )
 }
 
-/// Number of differences that the page shows.
 const SHOWN: usize = 12;
 
 /// The page. `plot`: the SVG document; `reference`: the reference picture as PNG.
@@ -120,7 +119,6 @@ fn paragraph(html: &mut String, text: &str) {
     line_to(html, &format!("<p>{text}</p>"));
 }
 
-/// Adds a line.
 pub(crate) fn line_to(html: &mut String, text: &str) {
     // Writing to a String cannot fail.
     let _ = writeln!(html, "{text}");
@@ -171,7 +169,6 @@ fn caption(row: &Row) -> String {
     )
 }
 
-/// A picture with what it shows.
 pub(crate) fn figure(html: &mut String, png: &[u8], caption: &str) {
     let caption = escaped(caption);
     let data = base64_simd::STANDARD.encode_to_string(png);

@@ -50,7 +50,6 @@ fn kinds(study: &Study) -> impl Iterator<Item = (Integrator, &'static Style, Vec
     kinds.filter(|kind| *kind != REFERENCE).zip(STYLES.iter().cycle()).map(of)
 }
 
-/// Draws the plot.
 pub fn plot(study: &Study, title: &str) -> Canvas {
     let measure = study.wish.measure;
     let error = |row: &Row| row.error(measure).max(MIN_ERROR);
@@ -108,7 +107,6 @@ fn variants(study: &Study) -> Vec<RendererVariant> {
         .collect()
 }
 
-/// From one outline to the next.
 const OUTLINE: f64 = 3.0;
 
 /// By how much the outlines of a variant reach further than a symbol.

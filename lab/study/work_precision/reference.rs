@@ -14,10 +14,8 @@ use voltet_optics::shading::{Shading, VisibilityOrder};
 use voltet_optics::trace::{TILE_PIXELS, Tiles};
 use voltet_reference as reference;
 
-/// The reference picture and what it cost.
 #[derive(Debug, Clone)]
 pub struct Reference {
-    /// The picture.
     pub picture: Picture,
     /// Seconds that drawing it took, when it was drawn.
     pub seconds: f64,
@@ -25,7 +23,6 @@ pub struct Reference {
     pub cached: bool,
 }
 
-/// Default folder of reference pictures: the user's cache folder.
 pub fn cache_folder() -> PathBuf {
     files::cache_folder().join("reference")
 }

@@ -19,20 +19,15 @@ use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::Integrator;
 use voltet_simd::LaneSet;
 
-/// One setting, measured.
 #[derive(Debug, Clone)]
 pub struct Row {
-    /// The setting.
     pub setting: RenderConfig,
-    /// Its cost.
     pub cost: Cost,
-    /// Its errors.
     pub errors: Errors,
     /// The mean of FLIP against the reference.
     pub flip: f64,
     /// True if nothing is both cheaper and better.
     pub on_front: bool,
-    /// True if the file draws with it.
     pub of_file: bool,
     /// The difference of its picture from the reference, as PNG: see [`difference`].
     pub difference_png: Vec<u8>,
@@ -41,20 +36,14 @@ pub struct Row {
 /// A setting that the device does not draw.
 #[derive(Debug, Clone)]
 pub struct Refused {
-    /// The setting.
     pub setting: RenderConfig,
-    /// Error.
     pub error: Error,
 }
 
-/// Results of a study.
 #[derive(Debug, Clone)]
 pub struct Study {
-    /// Scene that is studied.
     pub subject: Subject,
-    /// Options of the study.
     pub wish: StudyOptions,
-    /// Reference picture.
     pub reference: Reference,
     /// The settings that were measured.
     pub rows: Vec<Row>,
@@ -79,7 +68,6 @@ pub struct Study {
 }
 
 impl Row {
-    /// The error that decides.
     pub fn error(&self, measure: Measure) -> f64 {
         match measure {
             Measure::Maximum => self.errors.maximum,

@@ -17,11 +17,8 @@ use voltet_reference::REFERENCE;
 pub struct RenderConfig {
     /// Engine and compositor.
     pub variant: RendererVariant,
-    /// The integrator with its numbers.
     pub integrator: Integrator,
-    /// Blending of widgets that overlap, for closed forms.
     pub overlap: WidgetBlend,
-    /// The order of a pixel's segments.
     pub order: VisibilityOrder,
     /// Accumulation of a variant that blends, as the file has it.
     pub accumulation: Accumulation,
@@ -67,7 +64,6 @@ pub fn settings(subject: &Subject, only: &[String], variant: RendererVariant) ->
 /// Tolerances of the adaptive integrator.
 const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 
-/// One integrator of each registered kind that is studied.
 pub fn studied(registry: &Registry) -> Vec<Integrator> {
     kinds(registry.variants(INTEGRATOR)).into_iter().map(Integrator::new).filter(is_studied).collect()
 }
@@ -117,7 +113,6 @@ fn orders(subject: &Subject, integrator: &Integrator, variant: RendererVariant) 
     }
 }
 
-/// Accumulation of the file, if the variant supports it.
 fn accumulation(subject: &Subject, variant: RendererVariant) -> Accumulation {
     let asked = subject.asked.accumulation;
     let serves = |way: &Compositor| asked.check(*way).is_ok();
@@ -138,7 +133,6 @@ impl RenderConfig {
         }
     }
 
-    /// The scene as this setting draws it.
     pub fn scene(&self, subject: &Subject) -> Scene {
         let shading = Shading { integrator: self.integrator, overlap: self.overlap, ..subject.scene.shading };
         // Exact is no order where none is needed: the same picture without the work.
@@ -254,7 +248,6 @@ fn count_name(integrator: &Integrator) -> Option<&'static str> {
 }
 
 impl Numbers {
-    /// The settings of an integrator.
     pub fn of(integrator: &Integrator) -> Numbers {
         Numbers {
             tolerance: integrator.setting(TOLERANCE),

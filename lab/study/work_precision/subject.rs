@@ -27,7 +27,6 @@ pub enum RendererNode {
 pub struct SubjectRequest {
     /// Kind of nodes that draw.
     pub form: RendererNode,
-    /// "auto", or the engine's name.
     pub engine: String,
     /// The adapter, where one is named.
     pub adapter: Option<String>,
@@ -40,13 +39,11 @@ pub struct SubjectRequest {
 /// Subject of a study: a scene, the node that draws it, and its options.
 #[derive(Debug, Clone)]
 pub struct Subject {
-    /// The name of the node that draws.
     pub node: String,
     /// The node whose parameter `order` counts; `None` where the pipeline has none that could be set.
     pub order_node: Option<String>,
     /// The scene; integrator, overlap and order are those of the file.
     pub scene: Scene,
-    /// True if the order of a pixel's segments changes the picture.
     pub needs_order: bool,
     /// Options of engines in the file.
     pub asked: SubjectRequest,
@@ -111,7 +108,6 @@ impl Subject {
         })
     }
 
-    /// One integrator of each kind that is studied.
     pub fn studied(&self) -> Vec<Integrator> {
         self.integrators.iter().copied().filter(is_studied).collect()
     }
@@ -165,7 +161,6 @@ impl SubjectRequest {
     }
 }
 
-/// The names of the nodes that draw what the pipeline writes.
 pub fn drawing_nodes(graph: &Graph) -> Vec<String> {
     let all = graph.order.iter().map(|&i| &graph.nodes[i]);
     all.filter(|node| draws(node)).map(|node| node.name.clone()).collect()

@@ -67,7 +67,6 @@ fn stage(times: Option<Times>) -> String {
     times.map_or("–".into(), |times| milliseconds(times.median_ms))
 }
 
-/// Cells of a row, by the columns.
 pub(super) fn cells(study: &Study, row: &Row) -> impl Iterator<Item = String> {
     COLUMNS.into_iter().map(move |(_, cell)| cell(study, row))
 }
@@ -146,7 +145,6 @@ fn convergence_line(found: &Convergence) -> String {
     )
 }
 
-/// Lines on refining the grid.
 pub(super) fn refinement_lines(study: &Study) -> Vec<String> {
     let Some(found) = &study.refinement else { return Vec::new() };
     let rms = |errors: &Convergence| {

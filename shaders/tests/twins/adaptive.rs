@@ -6,7 +6,7 @@ use crate::scene::{Composed, Scenes};
 use crate::tables::UNIT;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_judge::segment_cases;
-use voltet_judge::segment_twin::Measure;
+use voltet_testing::segment_twin::Measure;
 use voltet_optics::integrators::{Extent, Integrator, new};
 use voltet_optics::{Contribution, WidgetBlend};
 use voltet_shaders::segment_list::{axes, holds, origin};

@@ -1,7 +1,7 @@
 //! The table of twins: each WGSL formula with its 64-bit truth, its range and its tolerance.
 
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Wave, Widget};
-use voltet_judge::twin::{INPUTS, Range};
+use voltet_testing::twin::{INPUTS, Range};
 use voltet_optics::clip::ClippedSpan;
 use voltet_optics::kinds::gaussian::GaussianPath;
 use voltet_optics::kinds::triangular_gaussian::TriangularPath;

@@ -4,7 +4,7 @@ use crate::device::Device;
 use crate::scene::{Composed, Scenes};
 use voltet_integrators::{riemann, segments};
 use voltet_judge::segment_cases;
-use voltet_judge::segment_twin::{Measure, change_of_places, numbers};
+use voltet_testing::segment_twin::{Measure, change_of_places, numbers};
 use voltet_optics::integrators::{Extent, new};
 use voltet_optics::shading::{Integrator, Shading};
 use voltet_optics::{CompiledTransferFunction, WidgetBlend};

@@ -10,7 +10,7 @@ mod tables;
 
 use device::{Bound, Device};
 use formulas::{Twin, twins};
-use voltet_judge::twin::{self, INPUTS};
+use voltet_testing::twin::{self, INPUTS};
 use voltet_shaders::compose_pieces;
 
 /// Inputs of a twin.

@@ -7,7 +7,7 @@ use std::time::Instant;
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
 use voltet_integrators::{Material, PreIntegrated, PreIntegratedCylindrical, Ramp};
 use voltet_integrators::{pre_integrated, pre_integrated_cylindrical};
-use voltet_judge::segment_twin::{Measure, numbers};
+use voltet_testing::segment_twin::{Measure, numbers};
 use voltet_optics::integrators::{Extent, Integrator, new};
 use voltet_optics::special::mean_transmittance;
 use voltet_optics::{Contribution, Segment, WidgetBlend};

@@ -5,7 +5,7 @@ use crate::integrators::{shading, stored};
 use crate::scene::{Composed, Scenes};
 use voltet_core::transfer::{Profile, Region, Widget};
 use voltet_integrators::riemann;
-use voltet_judge::segment_twin::{Measure, change_of_places, numbers};
+use voltet_testing::segment_twin::{Measure, change_of_places, numbers};
 use voltet_optics::integrators::{Extent, Integrator, new};
 use voltet_optics::{CompiledTransferFunction, WidgetBlend};
 use voltet_shaders::Axis;

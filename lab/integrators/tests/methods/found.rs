@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet_cpu::introspect::{IntegratedSegment, integrate_segments, lane_sets};
 use voltet_integrators::{LIT_REACH, REACH};
-use voltet_judge::segment_twin::{Measure, change_of_places, numbers};
+use voltet_testing::segment_twin::{Measure, change_of_places, numbers};
 use voltet_optics::integrators::{self, Extent};
 use voltet_optics::shading::{Integrator, Shading};
 use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
