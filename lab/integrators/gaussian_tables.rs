@@ -35,7 +35,6 @@ impl GaussianTables {
         GaussianTables { size, means: means(size), light: if light { lights(size) } else { Vec::new() } }
     }
 
-    /// Entries a side.
     pub fn size(&self) -> usize {
         self.size
     }
@@ -112,7 +111,6 @@ pub struct LaneGaussianTables {
 }
 
 impl LaneGaussianTables {
-    /// Converts tables in 64 bits.
     pub fn new(tables: &GaussianTables) -> LaneGaussianTables {
         let size = tables.size();
         let means: Vec<f32> = tables.means().iter().map(|x| f32::from(*x) / f32::from(u16::MAX)).collect();

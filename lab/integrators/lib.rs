@@ -6,13 +6,11 @@
 //! | --- | --- |
 //! | [`Segments`] | N pieces of linear colour and extinction, by the partial pre-integration table |
 //! | [`Riemann`] | N point samples, each with its own absorption |
-//! | [`PreIntegrated`] | a table over (s_f, s_b, D) |
-//! | [`PreIntegratedCylindrical`] | the same table as two-dimensional tiles |
+//! | [`PreIntegrated`] | a table over (s_f, s_b, D), or the same as two-dimensional tiles |
 //! | [`VertexSampled`] | classified at the grid's points, linear between them |
 //! | [`Tabulated`] | Gaussians' integrals from tables |
 
 #![allow(missing_docs, reason = "unpublished: names say what fields and short functions are")]
-
 #![expect(
     clippy::needless_range_loop,
     reason = "adapters of iterators are functions where a build inlines little"
@@ -36,9 +34,7 @@ mod vertex_sampled;
 
 pub use gaussian_tables::{GaussianTables, LIT_REACH, MAX_P, REACH};
 pub use partial_table::PartialTable;
-pub use pre_integrated::{
-    PreIntegrated, PreIntegratedCylindrical, from_cylinder, pre_integrated, pre_integrated_cylindrical,
-};
+pub use pre_integrated::{PreIntegrated, from_cylinder, pre_integrated, pre_integrated_cylindrical};
 pub use ramp::{Material, Ramp, last_tile};
 pub use riemann::{Riemann, riemann};
 pub use segments::{Segments, segments};

@@ -18,7 +18,6 @@ use voltet_optics::linear::{emission_weights, front_back};
 use voltet_optics::special::opacity;
 use voltet_simd::{Float, Lanes, inlined};
 
-/// The table of one optical model.
 #[derive(Debug, Clone)]
 pub struct PartialTable {
     size: usize,
@@ -67,7 +66,6 @@ impl PartialTable {
         table
     }
 
-    /// Entries a side.
     pub fn size(&self) -> usize {
         self.size
     }
@@ -82,7 +80,6 @@ impl PartialTable {
         &self.back
     }
 
-    /// Bytes that a table of `size` entries a side takes.
     pub fn bytes_of(density_emitter: bool, size: usize) -> usize {
         let tables = if density_emitter { 1 } else { 2 };
         tables * size * size * size_of::<f32>()
@@ -127,7 +124,6 @@ pub struct LanePartialTable {
 }
 
 impl LanePartialTable {
-    /// Converts a table in 64 bits.
     pub fn new(table: &PartialTable) -> LanePartialTable {
         let square = |entries: &[f32]| LaneSquare::new(entries, table.size());
         LanePartialTable {

@@ -48,10 +48,8 @@ pub const fn pre_integrated_cylindrical(side: usize, oversampling: usize, planes
     Integrator::with_settings(&TILES, [side as f64, oversampling as f64, planes as f64])
 }
 
-/// The kind `pre-integrated`.
 pub(crate) const TABLE: PreIntegratedKind = PreIntegratedKind { tiles: false };
 
-/// The kind `pre-integrated-cylindrical`.
 pub(crate) const TILES: PreIntegratedKind = PreIntegratedKind { tiles: true };
 
 const MAX_TILE_ENTRIES: usize = MAX_TABLE_SIDE * MAX_TABLE_SIDE * (last_tile(MAX_TABLE_SIDE, 1) + 1);
@@ -64,6 +62,19 @@ impl PreIntegratedKind {
     /// Number of tiles less 1, where there are tiles.
     fn last_tile(&self, integrator: &Integrator) -> Option<usize> {
         self.tiles.then(|| last_tile(count(integrator, SIDE), count(integrator, PLANES)))
+    }
+
+    fn filled(
+        &self,
+        integrator: &Integrator,
+        function: &TransferFunction,
+        extent: &Extent,
+    ) -> Result<PreIntegrated> {
+        let [side, oversampling, planes] = [SIDE, OVERSAMPLING, PLANES].map(|name| count(integrator, name));
+        match self.tiles {
+            false => PreIntegrated::new(function, side, oversampling, extent),
+            true => PreIntegrated::tiles(function, side, oversampling, planes, extent),
+        }
     }
 }
 
@@ -121,11 +132,7 @@ impl IntegratorKind for PreIntegratedKind {
         function: &TransferFunction,
         extent: &Extent,
     ) -> Result<Box<dyn SegmentIntegrator>> {
-        let [side, oversampling, planes] = [SIDE, OVERSAMPLING, PLANES].map(|name| count(integrator, name));
-        Ok(match self.tiles {
-            false => Box::new(PreIntegrated::new(function, side, oversampling, extent)?),
-            true => Box::new(PreIntegratedCylindrical::new(function, side, oversampling, planes, extent)?),
-        })
+        Ok(Box::new(self.filled(integrator, function, extent)?))
     }
 
     fn extensions(&self) -> &'static [&'static (dyn Any + Send + Sync)] {
@@ -138,8 +145,8 @@ impl IntegratorKind for PreIntegratedKind {
 
 impl LaneIntegratorKind for PreIntegratedKind {
     fn prepare(&self, integrator: &Integrator, scene: &LaneScene<'_>) -> Result<PreparedKernel> {
-        let (side, oversampling) = (count(integrator, SIDE), count(integrator, OVERSAMPLING));
-        Ok(Ok(boxed(LaneTable::new(side, oversampling, self.last_tile(integrator), scene)?)))
+        let table = self.filled(integrator, scene.transfer_function, scene.extent())?;
+        Ok(Ok(boxed(LaneTable::new(table, scene))))
     }
 
     fn integrates_all(&self) -> bool {
@@ -183,15 +190,17 @@ impl WgslTable for PreIntegratedKind {
     }
 }
 
-/// The table in 64 bits.
+/// The table in 64 bits, or the tiles that it is resampled to.
 #[derive(Debug, Clone)]
 pub struct PreIntegrated {
-    ramp: Ramp,
+    pub(crate) ramp: Ramp,
     longest: f64,
     /// ρ̄ by (s_f, s_b).
-    extinction: Vec<f32>,
-    /// C/(D E₁) by (D, s_f, s_b).
-    glow: Vec<[f32; 3]>,
+    pub(crate) extinction: Vec<f32>,
+    /// Number of tiles less 1, a multiple of 4, so that the mapping's creases lie on tiles.
+    pub(crate) last_tile: Option<usize>,
+    /// C/(D E₁) and ρ̄ by (D, s_f, s_b); of tiles C/(D E₁) by (α, s, t).
+    pub(crate) glow: Vec<[f32; 4]>,
 }
 
 impl PreIntegrated {
@@ -206,78 +215,85 @@ impl PreIntegrated {
     ) -> Result<Self> {
         can_serve(&pre_integrated(table_size, oversampling), transfer_function)?;
         let ramp = Ramp::new(transfer_function, table_size, oversampling, extent)?;
+        let extinction = ramp.mean_extinctions();
         let slice = table_size * table_size;
-        let mut glow = vec![[0.0; 3]; slice * table_size];
+        let mut glow = vec![[0.0; 4]; slice * table_size];
         glow.par_chunks_mut(slice).enumerate().for_each(|(k, slice)| {
             let share = k as f64 / (table_size - 1) as f64;
             ramp.fill(share * share, slice);
+            slice.iter_mut().zip(&extinction).for_each(|(entry, mean)| entry[3] = *mean);
         });
-        Ok(PreIntegrated { extinction: ramp.mean_extinctions(), longest: extent.longest, ramp, glow })
+        Ok(PreIntegrated { extinction, longest: extent.longest, ramp, last_tile: None, glow })
     }
 
-    pub fn bytes(&self) -> usize {
-        self.extinction.len() * size_of::<f32>() + self.glow.len() * size_of::<[f32; 3]>()
+    /// Fills tiles on all cores: `planes` × `table_size` (rounded up to a multiple of 4) and one more of them; with
+    /// `planes` = 1 they take as much memory as the table. The paper holds four times its side for enough to lose nothing.
+    pub fn tiles(
+        transfer_function: &TransferFunction,
+        table_size: usize,
+        oversampling: usize,
+        planes: usize,
+        extent: &Extent,
+    ) -> Result<Self> {
+        let table = PreIntegrated::new(transfer_function, table_size, oversampling, extent)?;
+        let last = last_tile(table_size, planes);
+        let mut tiles = vec![[0.0; 4]; table_size * table_size * (last + 1)];
+        let step = (table_size - 1) as f64;
+        tiles.par_chunks_mut(table_size * table_size).enumerate().for_each(|(plane, tile)| {
+            for (k, texel) in tile.iter_mut().enumerate() {
+                let (s, t) = ((k / table_size) as f64 / step, (k % table_size) as f64 / step);
+                // Where s_f lies outside [0, 1] the nearest inside is taken, so that the linear filter does not read nothing.
+                let [front, back, length] = from_cylinder(plane as f64 / last as f64, s, t);
+                let [r, g, b] = table.glow_at(front.clamp(0.0, 1.0) * step, back * step, length);
+                *texel = [r as f32, g as f32, b as f32, 0.0];
+            }
+        });
+        Ok(PreIntegrated { last_tile: Some(last), glow: tiles, ..table })
     }
 
-    /// C/(D E₁) by (D, s_f, s_b).
-    pub fn glow(&self) -> &[[f32; 3]] {
+    /// C/(D E₁) in front of another number, slice by slice or tile by tile.
+    pub fn glow(&self) -> &[[f32; 4]] {
         &self.glow
     }
 
     /// C/(D E₁) at places in s, and the share of the longest segment.
     fn glow_at(&self, front: f64, back: f64, share: f64) -> [f64; 3] {
         let n = self.ramp.size();
-        let at = Bilinear::new(front, back, n);
-        let place = share.clamp(0.0, 1.0).sqrt() * (n - 1) as f64;
-        let low = (place as usize).min(n - 2);
-        let slice = |k: usize| color(&at, &self.glow[k * n * n..(k + 1) * n * n]);
-        blend(slice(low), slice(low + 1), place - low as f64)
+        let step = (n - 1) as f64;
+        let (plane, last, at) = match self.last_tile {
+            None => (share.clamp(0.0, 1.0).sqrt() * step, n - 1, Bilinear::new(front, back, n)),
+            Some(last) => {
+                let [angle, s, t] = to_cylinder(front / step, back / step, share.min(1.0));
+                (angle * last as f64, last, Bilinear::new(s * step, t * step, n))
+            }
+        };
+        let low = (plane as usize).min(last - 1);
+        let read = |k: usize, c: usize| at.read(|entry| f64::from(self.glow[k * n * n + entry][c]));
+        std::array::from_fn(|c| {
+            let near = read(low, c);
+            near + (plane - low as f64) * (read(low + 1, c) - near)
+        })
     }
 }
 
 impl SegmentIntegrator for PreIntegrated {
     fn table_bytes(&self) -> usize {
-        self.bytes()
+        size_of_val(self.extinction.as_slice()) + size_of_val(self.glow.as_slice())
     }
 
+    /// Values that are not numbers contribute nothing.
     fn integrate(&self, segment: &Segment) -> Contribution {
         let (front, back) = (self.ramp.place(segment.front[0]), self.ramp.place(segment.back[0]));
         let extinction = Bilinear::new(front, back, self.ramp.size()).read(|k| f64::from(self.extinction[k]));
         let length = segment.length / self.longest;
-        contribution(length, extinction, || self.glow_at(front, back, length))
+        let depth = extinction * length;
+        if !(depth >= 0.0 && length > 0.0) {
+            return Contribution::default();
+        }
+        let reach = length * mean_transmittance(depth);
+        let color = self.glow_at(front, back, length).map(|glow| glow * reach);
+        Contribution { optical_depth: depth, color, opacity: opacity(depth) }
     }
-}
-
-/// C and A from ρ̄ and C/(D E₁), D a share of the longest segment. Values that are not numbers contribute nothing.
-fn contribution(length: f64, extinction: f64, glow: impl FnOnce() -> [f64; 3]) -> Contribution {
-    let depth = extinction * length;
-    if !(depth >= 0.0 && length > 0.0) {
-        return Contribution::default();
-    }
-    let reach = length * mean_transmittance(depth);
-    Contribution { optical_depth: depth, color: glow().map(|g| g * reach), opacity: opacity(depth) }
-}
-
-/// Entry between two of a square table.
-fn color(at: &Bilinear, entries: &[[f32; 3]]) -> [f64; 3] {
-    std::array::from_fn(|c| at.read(|k| f64::from(entries[k][c])))
-}
-
-fn blend(low: [f64; 3], high: [f64; 3], share: f64) -> [f64; 3] {
-    std::array::from_fn(|i| low[i] + share * (high[i] - low[i]))
-}
-
-/// The tiles in 64 bits.
-#[derive(Debug, Clone)]
-pub struct PreIntegratedCylindrical {
-    ramp: Ramp,
-    longest: f64,
-    /// ρ̄ by (s_f, s_b).
-    extinction: Vec<f32>,
-    /// Number of tiles less 1, a multiple of 4, so that the mapping's creases lie on tiles.
-    last: usize,
-    /// C/(D E₁) by (α, s, t).
-    tiles: Vec<[f32; 3]>,
 }
 
 /// f: (s_f, s_b, l) of (α, s, t); s_f may lie outside [0, 1].
@@ -307,67 +323,6 @@ fn to_cylinder(front: f64, back: f64, length: f64) -> [f64; 3] {
         (1.0 + 0.25 * length / fall, -fall)
     };
     [angle, s, back]
-}
-
-impl PreIntegratedCylindrical {
-    /// Fills the tiles on all cores: `planes` × `table_size` (rounded up to a multiple of 4) and one more of them; with
-    /// `planes` = 1 they take as much memory as the table. The paper holds four times its side for enough to lose nothing.
-    /// Serves what [`PreIntegrated`] serves.
-    pub fn new(
-        transfer_function: &TransferFunction,
-        table_size: usize,
-        oversampling: usize,
-        planes: usize,
-        extent: &Extent,
-    ) -> Result<Self> {
-        let settings = pre_integrated_cylindrical(table_size, oversampling, planes);
-        can_serve(&settings, transfer_function)?;
-        let table = PreIntegrated::new(transfer_function, table_size, oversampling, extent)?;
-        let last = last_tile(table_size, planes);
-        let mut tiles = vec![[0.0; 3]; table_size * table_size * (last + 1)];
-        let step = (table_size - 1) as f64;
-        tiles.par_chunks_mut(table_size * table_size).enumerate().for_each(|(plane, tile)| {
-            for (k, texel) in tile.iter_mut().enumerate() {
-                let (s, t) = ((k / table_size) as f64 / step, (k % table_size) as f64 / step);
-                let [front, back, length] = from_cylinder(plane as f64 / last as f64, s, t);
-                let glow = table.glow_at(front.clamp(0.0, 1.0) * step, back * step, length);
-                *texel = glow.map(|x| x as f32);
-            }
-        });
-        let PreIntegrated { ramp, extinction, .. } = table;
-        Ok(PreIntegratedCylindrical { ramp, longest: extent.longest, extinction, last, tiles })
-    }
-
-    /// C/(D E₁) by (α, s, t).
-    pub fn tiles(&self) -> &[[f32; 3]] {
-        &self.tiles
-    }
-
-    pub fn bytes(&self) -> usize {
-        self.extinction.len() * size_of::<f32>() + self.tiles.len() * size_of::<[f32; 3]>()
-    }
-}
-
-impl SegmentIntegrator for PreIntegratedCylindrical {
-    fn table_bytes(&self) -> usize {
-        self.bytes()
-    }
-
-    fn integrate(&self, segment: &Segment) -> Contribution {
-        let n = self.ramp.size();
-        let step = (n - 1) as f64;
-        let (front, back) = (self.ramp.place(segment.front[0]), self.ramp.place(segment.back[0]));
-        let extinction = Bilinear::new(front, back, n).read(|k| f64::from(self.extinction[k]));
-        let length = segment.length / self.longest;
-        contribution(length, extinction, || {
-            let [angle, s, t] = to_cylinder(front / step, back / step, length.min(1.0));
-            let place = angle * self.last as f64;
-            let low = (place as usize).min(self.last - 1);
-            let at = Bilinear::new(s * step, t * step, n);
-            let tile = |k: usize| color(&at, &self.tiles[k * n * n..(k + 1) * n * n]);
-            blend(tile(low), tile(low + 1), place - low as f64)
-        })
-    }
 }
 
 #[cfg(test)]

@@ -30,9 +30,7 @@ pub struct Ramp {
     /// Least and largest node.
     pub range: [f64; 2],
     nodes: Vec<Material>,
-    /// Pieces of a step.
     parts: usize,
-    /// The pieces, step by step.
     pieces: Vec<Material>,
 }
 
@@ -71,7 +69,6 @@ impl Ramp {
         self.parts
     }
 
-    /// The pieces of all steps, from the lowest node on.
     pub fn pieces(&self) -> &[Material] {
         &self.pieces
     }
@@ -109,10 +106,10 @@ impl Ramp {
         (0..n * n).map(|k| single(mean(k / n, k % n))).collect()
     }
 
-    /// C/(D E₁(ρ̄D)) of each path (i, j), row by row: the glow of a homogeneous path that shines as much.
-    pub fn fill(&self, length: f64, slice: &mut [[f32; 3]]) {
+    /// C/(D E₁(ρ̄D)) of each path (i, j), row by row, in front of 0: the glow of a homogeneous path that shines as much.
+    pub fn fill(&self, length: f64, slice: &mut [[f32; 4]]) {
         let n = self.size();
-        let store = |glow: [f64; 3]| glow.map(single);
+        let store = |[r, g, b]: [f64; 3]| [single(r), single(g), single(b), 0.0];
         for (i, node) in self.nodes.iter().enumerate() {
             slice[i * n + i] = store(node.glow);
         }
@@ -120,10 +117,13 @@ impl Ramp {
         let (mut there, mut back) = (SlidingSums::new(&nothing), SlidingSums::new(&nothing));
         for span in 1..n {
             let share = 1.0 / (span * self.parts) as f64;
-            let over = |front: Light, part: &Material| front.over(&Light::new(part, length, share));
             for (i, step) in self.pieces.chunks_exact(self.parts).enumerate() {
-                there.steps[i] = step.iter().fold(Light::CLEAR, over);
-                back.steps[i] = step.iter().rev().fold(Light::CLEAR, over);
+                (there.steps[i], back.steps[i]) = (Light::CLEAR, Light::CLEAR);
+                for part in step {
+                    let light = Light::new(part, length, share);
+                    there.steps[i] = there.steps[i].over(&light);
+                    back.steps[i] = light.over(&back.steps[i]);
+                }
             }
             there.gather(span, Light::over);
             back.gather(span, |near, far| far.over(near));

@@ -80,7 +80,6 @@ impl WgslIntegrator for RiemannKind {
     }
 }
 
-/// N point samples in 64 bits.
 #[derive(Debug, Clone)]
 pub struct Riemann {
     prepared: CompiledTransferFunction,
@@ -155,7 +154,6 @@ fn middle(i: usize, count: usize) -> f32 {
     ((i as f64 + 0.5) / count as f64) as f32
 }
 
-/// All samples at once.
 #[inline(always)]
 fn together<L: Lanes, const N: usize>(
     count: usize,
@@ -173,7 +171,6 @@ fn together<L: Lanes, const N: usize>(
     (sum.color, sum.depth)
 }
 
-/// Some samples after the other.
 #[inline(always)]
 fn in_steps<L: Lanes>(
     count: usize,

@@ -32,7 +32,6 @@ pub const fn segments(count: usize, side: usize) -> Integrator {
     Integrator::with_settings(&SegmentsKind, [count as f64, side as f64])
 }
 
-/// The kind `segments`.
 pub(crate) struct SegmentsKind;
 
 impl IntegratorKind for SegmentsKind {
@@ -236,7 +235,6 @@ struct End<L: Lanes> {
     light: [L::F; 3],
 }
 
-/// Piece after piece.
 #[inline(always)]
 fn walk<L: Lanes>(
     table: &LanePartialTable,

@@ -26,7 +26,6 @@ pub const DEFAULT_PLANES: usize = 1;
 /// Largest number of tiles for each entry: twice what loses nothing by Roettger and Ertl 2002, section 4.
 pub const MAX_PLANES: usize = 8;
 
-/// Largest side of a two-dimensional table.
 pub const MAX_PARTIAL_SIDE: usize = 4096;
 
 /// Parameter: pieces or samples of a segment.
@@ -38,7 +37,6 @@ pub(crate) const OVERSAMPLING: &str = "oversampling";
 /// Parameter: planes of a cylindrical table.
 pub(crate) const PLANES: &str = "planes";
 
-/// A parameter that is a whole number from `min` to `max`.
 const fn whole(
     name: &'static str,
     min: usize,
@@ -104,7 +102,6 @@ pub(crate) fn widget_label(transfer_function: &TransferFunction, number: usize, 
 
 pub(crate) type PreparedKernel = std::result::Result<Box<dyn LaneIntegrator>, FallbackReason>;
 
-/// A kernel as the engine takes it.
 pub(crate) fn boxed(kernel: impl LaneKernel + 'static) -> Box<dyn LaneIntegrator> {
     Box::new(kernel)
 }

@@ -69,7 +69,6 @@ impl LaneSquare {
         Place { first, down: row - i, along: column - j }
     }
 
-    /// Interpolated entry at a position.
     #[inline(always)]
     pub fn read<L: Lanes>(&self, place: &Place<L>) -> L::F {
         let around = L::F::gather_parts(&self.entries, place.first);
@@ -79,7 +78,6 @@ impl LaneSquare {
     }
 }
 
-/// A place between four entries.
 #[derive(Clone, Copy)]
 pub(crate) struct Place<L: Lanes> {
     first: L::U,

@@ -37,7 +37,6 @@ pub const fn tabulated(side: usize) -> Integrator {
     Integrator::with_settings(&TabulatedKind, [side as f64])
 }
 
-/// The kind `tabulated`.
 pub(crate) struct TabulatedKind;
 
 impl IntegratorKind for TabulatedKind {

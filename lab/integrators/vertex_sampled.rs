@@ -36,7 +36,6 @@ pub const CLASSIFIED: [&str; 4] =
 /// The transfer function applied at the grid's points, absorption and emission linear between them.
 pub const VERTEX_SAMPLED: Integrator = Integrator::with_settings(&VertexSampledKind, []);
 
-/// The kind `vertex-sampled`.
 pub(crate) struct VertexSampledKind;
 
 impl IntegratorKind for VertexSampledKind {
@@ -111,7 +110,6 @@ impl SegmentIntegrator for VertexSampled {
     }
 }
 
-/// The transfer function at points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClassifiedPoints {
     /// κ by channel and ρ, in the order of [`CLASSIFIED`], per world unit.

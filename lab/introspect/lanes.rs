@@ -13,7 +13,6 @@ use voltet_simd::LaneSet;
 /// CPU engine on one lane set; each segment is a scene of its own.
 #[derive(Debug, Clone)]
 pub struct LaneEvaluator {
-    /// "32-bit" and the lane set.
     pub name: String,
     pub lanes: LaneSet,
     /// True if segments are put in order also where one colour needs no order.

@@ -10,15 +10,12 @@ use voltet_core::transfer::{
 use voltet_core::{Error, Result};
 use voltet_optics::{Contribution, Segment};
 
-/// One case with its exact results.
 #[derive(Debug, Clone)]
 pub struct Case {
     pub id: String,
     /// The category: ordinary, stiff, narrow, …
     pub category: String,
-    /// Subject within the category.
     pub subject: String,
-    /// Computed quantity.
     pub kind: Kind,
 }
 
@@ -32,7 +29,6 @@ pub enum Kind {
         /// The whole: its exact values, length and transfer function.
         exact: Box<SegmentCase>,
     },
-    /// Contributions to composite.
     Chain {
         /// Front to back; optical depths unused.
         segments: Vec<Contribution>,
@@ -76,7 +72,6 @@ impl Case {
         }
     }
 
-    /// Short description of the inputs.
     pub fn inputs(&self) -> String {
         let list = |values: &[f64]| values.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ");
         match &self.kind {
@@ -98,7 +93,6 @@ impl Case {
     }
 }
 
-/// A segment with its transfer function and exact values.
 #[derive(Debug, Clone)]
 pub struct SegmentCase {
     pub transfer_function: TransferFunction,
@@ -273,7 +267,6 @@ impl KindLine {
     }
 }
 
-/// A transfer function as cases state it.
 #[derive(Deserialize)]
 struct Medium {
     model: Model,
@@ -448,7 +441,6 @@ const CHAIN_LENGTH: i32 = 100_000;
 /// Opacities of their segments, 2 to these powers: exact in 32 bits.
 const CHAIN_OPACITIES: [i32; 3] = [-8, -14, -20];
 
-/// Every case that the program carries.
 pub fn shipped() -> Result<Vec<Case>> {
     let lines = [SEGMENTS, VARIATIONS, TRIANGULAR_ND].into_iter().flat_map(str::lines);
     let lines = lines.filter(|line| !line.trim().is_empty());

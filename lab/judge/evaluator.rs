@@ -9,7 +9,6 @@ use voltet_optics::{CompiledTransferFunction, Contribution, Segment, WidgetBlend
 pub trait SegmentEvaluator {
     fn name(&self) -> &str;
 
-    /// Precision that its bounds are stated in.
     fn precision(&self) -> Precision;
 
     /// Condition numbers of T, C and A that its bounds are stated with: those of differences, unless the formulas round raw
@@ -25,7 +24,6 @@ pub trait SegmentEvaluator {
         overlap: WidgetBlend,
     ) -> Result<EvalOutcome>;
 
-    /// Composites a chain, front to back.
     fn chain(&self, segments: &[Contribution]) -> Chain;
 
     fn partial(&self, a: f64, b: f64) -> Result<EvalOutcome<PartialIntegrals>>;
@@ -42,7 +40,6 @@ pub enum EvalOutcome<T = Contribution> {
     Skipped(&'static str),
 }
 
-/// A composited chain of segments.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chain {
     pub color: [f64; 3],
@@ -82,7 +79,6 @@ impl Conditions {
     }
 }
 
-/// Precision of a set of formulas.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Precision {
     /// 64-bit.

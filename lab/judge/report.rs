@@ -10,9 +10,7 @@ use std::fmt;
 pub struct Row {
     /// segment, ray, chain or table.
     pub kind: &'static str,
-    /// The formula: see [`Case::formula`].
     pub formula: String,
-    /// The case's category.
     pub category: String,
     /// T, C, A, transparency, psi, F, B or zeta.
     pub quantity: &'static str,
@@ -29,10 +27,8 @@ pub struct Row {
     /// The largest ratio of error to bound.
     #[serde(rename = "worst_ratio")]
     pub worst: f64,
-    /// The case that has it.
     #[serde(rename = "worst_case")]
     pub worst_id: String,
-    /// Inputs of that case: see [`Case::inputs`].
     pub worst_inputs: String,
     /// Relative error of that case.
     #[serde(rename = "worst_relative_error")]

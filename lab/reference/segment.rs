@@ -28,10 +28,10 @@
 //! known where light is left, a depth beyond 64 bits.
 
 use crate::layout::{Interval, Layout};
+use crate::linear_on_segment::Wide;
 use crate::part::Part;
 use crate::quadrature::{NODES, RULE, estimated_error};
 use crate::term::Term;
-use crate::wide::Wide;
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_optics::{Contribution, WidgetBlend};
@@ -63,9 +63,7 @@ const NOTICED: f64 = 1e-11;
 /// Stopping criterion of a piece: estimated error ≤ relative × its value + absolute, and the rule of the module's head.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
-    /// Relative error of optical depth and colour.
     pub relative: f64,
-    /// Absolute error of optical depth and colour.
     pub absolute: f64,
 }
 
@@ -76,7 +74,6 @@ impl Tolerance {
     pub const PICTURE: Tolerance = Tolerance { relative: 1e-11, absolute: 1e-15 };
 }
 
-/// A transfer function made ready for integration.
 pub struct Integrand {
     terms: Vec<Term>,
     model: OpticalModel,

@@ -66,7 +66,6 @@ impl ExhaustiveComparison {
         self.largest_difference.is_none_or(|difference| difference <= SAME)
     }
 
-    /// A summary for people.
     pub fn to_text(&self) -> String {
         let mut text = format!(
             "the exhaustive run took {:.3} s, the usual run {:.3} s: {:.2} times as long",

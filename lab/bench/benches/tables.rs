@@ -10,7 +10,7 @@ use voltet::core::transfer::{ControlPoint, OpticalModel, Profile, TransferFuncti
 use voltet::optics::integrators::{Extent, Integrator, SegmentIntegrator, can_serve, new};
 use voltet::optics::linear::{emission_weights, front_back};
 use voltet::optics::{Contribution, Segment, WidgetBlend};
-use voltet_integrators::{PartialTable, PreIntegrated, PreIntegratedCylindrical, Segments};
+use voltet_integrators::{PartialTable, PreIntegrated, Segments};
 use voltet_integrators::{pre_integrated, pre_integrated_cylindrical, riemann, segments};
 use voltet_reference::REFERENCE;
 
@@ -153,10 +153,10 @@ fn print_pre_integrated() -> Result<()> {
         let (fill, table) = milliseconds(|| PreIntegrated::new(&transfer_function, side, 2, &EXTENT));
         let table = table?;
         let (largest, mean) = errors(&table, &exact);
-        let mib = table.bytes() as f64 / f64::from(1 << 20);
+        let mib = table.table_bytes() as f64 / f64::from(1 << 20);
         drop(table);
         let (tile_fill, tiles) =
-            milliseconds(|| PreIntegratedCylindrical::new(&transfer_function, side, 2, 1, &EXTENT));
+            milliseconds(|| PreIntegrated::tiles(&transfer_function, side, 2, 1, &EXTENT));
         let (tile_largest, tile_mean) = errors(&tiles?, &exact);
         println!(
             "| {side} | {mib:.1} | {fill:.0} | {largest:.1e} | {mean:.1e} | {tile_fill:.0} | {tile_largest:.1e} \

@@ -6,7 +6,6 @@ use voltet_core::SharedSlice;
 use voltet_core::grid::Grid;
 use voltet_core::grid::generate::box_of_tetrahedra;
 
-/// A field over the unit cube and its gradient.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Field {
     pub name: &'static str,
@@ -133,7 +132,6 @@ impl Mesh {
 
 /// A grid, and which of its points lie on its boundary.
 pub(super) struct Meshed {
-    /// The grid, without a scalar.
     pub grid: Grid,
     /// One flag a point.
     pub at_boundary: Vec<bool>,

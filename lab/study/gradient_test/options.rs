@@ -4,7 +4,6 @@ use voltet_core::field::Method;
 use voltet_core::{Error, Result};
 use voltet_graph::{Field, Parameters, Registry, SourceSpan};
 
-/// Measurements to make, and requirements of the filter.
 #[derive(Debug, Clone)]
 pub struct TestOptions {
     /// Boxes along a side of each grid, coarse to fine, two at least.
@@ -20,7 +19,6 @@ pub struct TestOptions {
     pub linear_error: f64,
 }
 
-/// Something that a filter can be held to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RequirementKind {
     /// A finite vector at every point, on every grid.

@@ -34,7 +34,6 @@ pub struct FilterReport {
     pub invariance: Vec<Invariance>,
     /// Gradients of noise: one entry a family of grids.
     pub noise: Vec<Noise>,
-    /// Time and memory.
     pub cost: Option<Cost>,
     pub picture: Option<PictureError>,
     /// Places at which the filter failed or fell back, with its words.
@@ -44,7 +43,6 @@ pub struct FilterReport {
 /// Errors of one field on one family of grids.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Convergence {
-    /// The family of grids.
     pub mesh: &'static str,
     pub field: &'static str,
     pub inside: Series,
@@ -65,7 +63,6 @@ pub struct Series {
 /// Largest errors on a field that a filter may get exactly, relative to the largest gradient.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Exactness {
-    /// The family of grids.
     pub mesh: &'static str,
     pub linear: f64,
     pub quadratic_inside: f64,
@@ -99,7 +96,6 @@ pub struct Invariance {
 /// Gradients of independent noise of variance 1 at the points.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Noise {
-    /// The family of grids.
     pub mesh: &'static str,
     /// Root of the mean square of |∇noise| × spacing, inside.
     pub inside: f64,
@@ -107,7 +103,6 @@ pub struct Noise {
     pub boundary: f64,
 }
 
-/// Time and memory of a filter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cost {
     pub points: usize,
@@ -123,14 +118,11 @@ pub struct Cost {
 /// A picture with its gradient magnitude, against the same with the exact one.
 #[derive(Debug, Clone, Serialize)]
 pub struct PictureError {
-    /// Width and height.
     pub size: [u32; 2],
-    /// The largest difference of a channel.
     pub maximum: f64,
     pub root_mean_square: f64,
     /// Pixels that differ by more than 1/255.
     pub pixels_over_step: u64,
-    /// The picture, PNG.
     #[serde(skip)]
     pub png: Vec<u8>,
 }
@@ -146,7 +138,6 @@ pub struct Fault {
     pub failed: bool,
 }
 
-/// Requirement of a filter, with its result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Requirement {
     /// In words, with the bound.

@@ -205,20 +205,12 @@ fn tables(test: &GradientTest) -> Vec<Table> {
     ]
 }
 
-/// Black on white, figures in columns, nothing that needs colour.
-const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1100px;margin:2em auto;padding:0 1em;\
-color:#141414;background:#fff}table{border-collapse:collapse;font-size:13px;margin-bottom:.3em}.wide{overflow-x:auto}\
-th,td{padding:2px 10px;text-align:right;white-space:nowrap;border-bottom:1px solid #ddd}\
-th:first-child,td:first-child,td.name,th.name{text-align:left}th{border-bottom:2px solid #141414}\
-.note{font-size:13px;color:#444;margin-top:0}.broken{font-weight:700}svg,img{max-width:100%;height:auto}\
-figure{margin:0 1em 1em 0;display:inline-block;vertical-align:top;width:256px}figcaption{font-size:13px}";
-
 /// The page. `plot`: the SVG document.
 pub fn page(test: &GradientTest, plot: &str) -> String {
     let names: Vec<String> = test.filters.iter().map(|filter| escaped(&filter.name)).collect();
     let title =
         names.first().map_or("Gradient filters".to_string(), |name| format!("Gradient filter {name}"));
-    let mut html = head(&title, STYLE);
+    let mut html = head(&title);
     if let Some(filter) = test.filters.first() {
         let set: Vec<String> =
             filter.parameters.iter().map(|(name, value)| format!("{name} = {value}")).collect();

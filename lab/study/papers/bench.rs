@@ -30,7 +30,6 @@ pub struct PapersOptions {
 /// Opens one of the pipelines, by the path from the folder of the papers', with options as `--set` takes them.
 pub type OpenPipeline<'a> = dyn Fn(&str, &[String]) -> Result<Subject> + 'a;
 
-/// Renderer of the papers' scenes.
 pub(super) struct Bench<'a> {
     pub wish: &'a PapersOptions,
     pub open: &'a OpenPipeline<'a>,
@@ -58,7 +57,6 @@ impl Bench<'_> {
         (self.open)(file, options)
     }
 
-    /// One of the pipelines in the figures' size.
     pub fn sized(&self, file: &str) -> Result<Subject> {
         let [width, height] = self.wish.size;
         self.subject(file, &[format!("view.size=[{width},{height}]")])
@@ -74,7 +72,6 @@ impl Bench<'_> {
         Ok(Scene { subject, reference })
     }
 
-    /// A scene drawn on the CPU.
     pub fn shot(&self, scene: &Scene, integrator: Integrator) -> Result<TimedRender> {
         let (picture, cost) = self.measured(&scene.subject, integrator)?;
         let errors = work::errors(&picture, &scene.reference);

@@ -132,20 +132,15 @@ pub(super) fn number(x: f64) -> String {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Paper {
-    /// Song et al. 2009.
     Song,
-    /// Moreland 2004.
     Moreland,
-    /// Roettger and Ertl 2002.
     RoettgerErtl,
-    /// Kniss et al. 2003.
     Kniss,
 }
 
 impl Paper {
     pub const ALL: [Paper; 4] = [Paper::Song, Paper::Moreland, Paper::RoettgerErtl, Paper::Kniss];
 
-    /// Its name on the command line, and of its files.
     pub fn name(self) -> &'static str {
         match self {
             Paper::Song => "song",

@@ -136,7 +136,7 @@ fn table_2(bench: &Bench, section: &mut Section) -> Result<()> {
     for (side, printed) in TABLE_2 {
         let ramp = Ramp::new(&subject.scene.transfer_function, side, 2, &extent)?;
         let depths: Vec<f64> = (0..side / 2).map(|k| k as f64 / (side / 2 - 1) as f64).collect();
-        let mut slice = vec![[0.0; 3]; side * side];
+        let mut slice = vec![[0.0; 4]; side * side];
         let start = Instant::now();
         depths.iter().for_each(|length| ramp.fill(*length, std::hint::black_box(&mut slice)));
         let windows = start.elapsed().as_secs_f64();
@@ -154,7 +154,7 @@ fn table_2(bench: &Bench, section: &mut Section) -> Result<()> {
         &rows,
     );
     section.say(&format!(
-        "Both of ours on one core: paths of equal span share their sums (`slice.rs`), n³ of them in place of n⁴, with the same result. \
+        "Both of ours on one core: paths of equal span share their sums (`ramp.rs`), n³ of them in place of n⁴, with the same result. \
          So {} times as fast without graphics hardware, and without its bits.",
         span(&speeds),
     ));
@@ -162,7 +162,7 @@ fn table_2(bench: &Bench, section: &mut Section) -> Result<()> {
 }
 
 /// One slice by the loops of section 3 over S_f, S_b and the pieces between them, with two pieces a step.
-fn plain(ramp: &Ramp, length: f64, slice: &mut [[f32; 3]]) {
+fn plain(ramp: &Ramp, length: f64, slice: &mut [[f32; 4]]) {
     let n = ramp.size();
     for (k, entry) in slice.iter_mut().enumerate() {
         let (i, j) = (k / n, k % n);
@@ -179,7 +179,7 @@ fn plain(ramp: &Ramp, length: f64, slice: &mut [[f32; 3]]) {
             }
             depth += held;
         }
-        *entry = light.map(|x| x as f32);
+        *entry = [light[0] as f32, light[1] as f32, light[2] as f32, 0.0];
     }
 }
 
@@ -421,7 +421,7 @@ mod tests {
         let model = OpticalModel::DensityEmitter;
         let look = TransferFunction { model, unit_distance: 1.0, widgets };
         let ramp = Ramp::new(&look, 17, 2, &Extent { scalar: [0.0, 1.0], longest: 2.0 }).unwrap();
-        let mut slices = [vec![[0.0; 3]; 17 * 17], vec![[0.0; 3]; 17 * 17]];
+        let mut slices = [vec![[0.0; 4]; 17 * 17], vec![[0.0; 4]; 17 * 17]];
         ramp.fill(0.7, &mut slices[0]);
         plain(&ramp, 0.7, &mut slices[1]);
         let means = ramp.mean_extinctions();

@@ -20,7 +20,6 @@ pub struct Pixel {
     pub node: String,
     /// Column from the left and row from the top, from 0.
     pub place: [u32; 2],
-    /// Width and height of the picture.
     pub size: [u32; 2],
     pub samples: u32,
     /// The one of them that is shown cell by cell, from 0.
@@ -32,7 +31,6 @@ pub struct Pixel {
     pub depths: Vec<Vec<f64>>,
     /// For each of its steps the file's own cell, and what that is.
     pub cells: Vec<(usize, String)>,
-    /// The widgets' kinds, in their order.
     pub widgets: Vec<&'static str>,
     /// Names of the values at a cell's ends: s, g, further fields.
     pub names: Vec<String>,

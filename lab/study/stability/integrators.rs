@@ -15,7 +15,6 @@ use voltet_reference::REFERENCE;
 pub struct IntegratorReport {
     /// The name in pipeline files.
     pub integrator: &'static str,
-    /// Segments that it serves.
     pub cases: usize,
     /// Largest error of A and of C as shares of what is possible at most: 1, and the brightest colour there.
     pub worst_error: f64,

@@ -29,12 +29,10 @@ pub struct HardPicture {
     /// Largest error of a channel; ∞ where one is not finite.
     pub worst_error: f64,
     pub worst_pixel: [usize; 2],
-    /// The error that is allowed.
     pub bound: f64,
 }
 
 impl HardPicture {
-    /// True if it kept its bound.
     pub fn passed(&self) -> bool {
         self.worst_error <= self.bound
     }
@@ -86,7 +84,6 @@ pub(super) fn may_refuse(renderer: &OpenRenderer, progress: &dyn Progress) -> bo
     renderer.declared.on_device && !renderer.engine.is_lost() && !progress.cancelled()
 }
 
-/// The largest error, and its pixel.
 fn worst(found: &Picture, exact: &Picture) -> (f64, [usize; 2]) {
     let errors = pixel_errors(found, exact).enumerate();
     let (at, error) = errors.fold((0, 0.0), |most, one| if one.1 > most.1 { one } else { most });

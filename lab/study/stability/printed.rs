@@ -16,13 +16,10 @@ use voltet_optics::{CompiledTransferFunction, Contribution, Segment, WidgetBlend
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PrintedFormula {
-    /// Paper and equation.
     pub source: &'static str,
-    /// The formula, in plain text.
     pub formula: &'static str,
     pub fails: &'static str,
     pub instead: &'static str,
-    /// At some inputs.
     pub rows: Vec<FormulaRow>,
 }
 
@@ -30,17 +27,17 @@ pub struct PrintedFormula {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FormulaRow {
     pub inputs: String,
-    /// The printed formula in 64 bits.
     pub printed_64: f64,
-    /// The printed formula in 32 bits.
     pub printed_32: f64,
     /// Error of the replacement in 32 bits; `None` where that is 64-bit alone.
     pub ours_32: Option<f64>,
 }
 
-/// Every formula that was looked at.
+/// What papers print, why it fails and what stands in its place: a section each, in the order of [`printed`].
+const TEXTS: &str = include_str!("printed.md");
+
 pub(super) fn printed() -> Result<Vec<PrintedFormula>> {
-    Ok(vec![
+    let rows = [
         gaussian()?,
         offset()?,
         mean()?,
@@ -58,7 +55,15 @@ pub(super) fn printed() -> Result<Vec<PrintedFormula>> {
         steps()?,
         emission()?,
         tiles(),
-    ])
+    ];
+    debug_assert_eq!(TEXTS.matches("### ").count(), rows.len());
+    let formula = |(text, rows): (&'static str, Vec<FormulaRow>)| {
+        let mut parts = text.split("\n\n").map(str::trim);
+        let mut next = || parts.next().unwrap_or_default();
+        let (source, formula, fails) = (next(), next().trim_matches('`'), next());
+        PrintedFormula { source, formula, fails, instead: next().trim_start_matches("In its place: "), rows }
+    };
+    Ok(TEXTS.split("### ").skip(1).zip(rows).map(formula).collect())
 }
 
 // ---- Numbers of 32 and 64 bits, so that a printed formula is written once.
@@ -239,7 +244,7 @@ fn gaussian_depth<T: Real>(front: [T; 2], back: [T; 2]) -> T {
     T::round(PI.sqrt() / 2.0) * s / length * (b.erf() - a.erf())
 }
 
-fn gaussian() -> Result<PrintedFormula> {
+fn gaussian() -> Result<Vec<FormulaRow>> {
     let at = |[a, d, h]: [f64; 3]| {
         let [front, back] = [[a, h], [a + d, h]];
         let values = segment(&one_gaussian([0.0; 2], 1.0), [front, back], |c| c.optical_depth)?;
@@ -255,18 +260,7 @@ fn gaussian() -> Result<PrintedFormula> {
         [-1e4, 1e4 + 1.0, 0.5],
         [4.0, 1e-3, 5.0],
     ];
-    Ok(PrintedFormula {
-        source: "Kniss et al. 2003, Eq. 11 and 12",
-        formula: "T = (√π/2) S/|d| (erf B − erf A), S = exp(A² − |v₁'|²), A = v₁'·d/|d|, B = A + |d|",
-        fails: "Right as mathematics. The difference of erf cancels where both ends are on one side of the centre (every \
-                digit is gone 6 widths out) and where the segment is flat; A² − |v₁'|² cancels where the ray passes far \
-                from the centre; B = A + |d| loses the digits of an end near the centre. Eq. 2 prints vᵀKv where Eq. 12 \
-                integrates vᵀKᵀKv.",
-        instead: "Both ends of the path from their own differences, the distance of the line from the centre at the \
-                  nearer end, and three branches: Gauss-Legendre points where the profile changes little, erf across \
-                  the centre, erfcx on one side.",
-        rows: rows(inputs, at)?,
-    })
+    rows(inputs, at)
 }
 
 /// Kniss Table 2, line 1: the difference after the product.
@@ -275,7 +269,7 @@ fn offset_depth<T: Real>(k: T, [front, back]: [T; 2], centre: T) -> T {
     gaussian_depth([k * front - k * centre, zero], [k * back - k * centre, zero])
 }
 
-fn offset() -> Result<PrintedFormula> {
+fn offset() -> Result<Vec<FormulaRow>> {
     let at = |offset: f64| {
         let width = 1e-2;
         let (centre, [front, back]) = (offset + 0.25 * width, [offset, offset + width]);
@@ -284,13 +278,7 @@ fn offset() -> Result<PrintedFormula> {
         let printed = both!(offset_depth(1.0 / width, [front, back], centre));
         Ok(row(format!("values near {offset:?}, width {width:?}"), printed, values))
     };
-    Ok(PrintedFormula {
-        source: "Kniss et al. 2003, Table 2, line 1",
-        formula: "v' = K v − c', c' = K c",
-        fails: "The difference is taken after the product, of two large numbers.",
-        instead: "K (v − c), the difference first, in 64 bits before anything is rounded to 32.",
-        rows: rows([0.0, 1e4, 1e8], at)?,
-    })
+    rows([0.0, 1e4, 1e8], at)
 }
 
 /// Kniss Eq. 16.
@@ -301,21 +289,15 @@ fn igauss<T: Real>(x1: T, x2: T) -> T {
     T::round(PI.sqrt() / 2.0) * (x1.erf() - x2.erf()) / (x1 - x2)
 }
 
-fn mean() -> Result<PrintedFormula> {
+fn mean() -> Result<Vec<FormulaRow>> {
     let at = |[x1, x2]: [f64; 2]| {
         let values = segment(&one_gaussian([0.0; 2], 1.0), [[x2, 0.0], [x1, 0.0]], |c| c.optical_depth)?;
         Ok(row(format!("x₁ = {x1:?}, x₂ = {x2:?}"), both!(igauss(x1, x2)), values))
     };
-    Ok(PrintedFormula {
-        source: "Kniss et al. 2003, Eq. 16",
-        formula: "IGauss(x₁, x₂) = (√π/2) (erf x₁ − erf x₂)/(x₁ − x₂)",
-        fails: "The same difference, and the test x₁ = x₂ comes too late: near it every digit is lost.",
-        instead: "The mean of e^(−x²) by the three branches above.",
-        rows: rows([[1.0, 0.0], [1.001, 1.0], [1.0 + 1e-8, 1.0], [5.01, 5.0], [8.01, 8.0]], at)?,
-    })
+    rows([[1.0, 0.0], [1.001, 1.0], [1.0 + 1e-8, 1.0], [5.01, 5.0], [8.01, 8.0]], at)
 }
 
-fn triangular() -> Result<PrintedFormula> {
+fn triangular() -> Result<Vec<FormulaRow>> {
     let at = |front: f64| {
         let mut worst = [0.0_f64; 3];
         for step in 0..=60 {
@@ -335,33 +317,20 @@ fn triangular() -> Result<PrintedFormula> {
         let inputs = format!("g from {front} to 1, worst of 61 places, absolute");
         Ok(FormulaRow { inputs, printed_64, printed_32, ours_32: Some(ours) })
     };
-    Ok(PrintedFormula {
-        source: "Kniss et al. 2003, section 5.2.1",
-        formula: "triangular Gaussian with g replaced by its mean over the segment",
-        fails: "No rounding: g changes along the segment, and the profile with it.",
-        instead: "The ratio (s − s₀)/(σ g) is monotone along the ray: panels between its level lines, Gauss-Legendre \
-                  points on each.",
-        rows: rows([0.9, 0.5, 0.1], at)?,
-    })
+    rows([0.9, 0.5, 0.1], at)
 }
 
 fn plain_opacity<T: Real>(depth: T) -> T {
     T::round(1.0) - (-depth).exp()
 }
 
-fn opacity() -> Result<PrintedFormula> {
+fn opacity() -> Result<Vec<FormulaRow>> {
     let at = |depth: f64| {
         let function = white(OpticalModel::DensityEmitter, Profile::Uniform, depth);
         let values = segment(&function, [[0.0; 2], [1.0, 0.0]], |c| c.opacity)?;
         Ok(row(format!("T = {depth:?}"), both!(plain_opacity(depth)), values))
     };
-    Ok(PrintedFormula {
-        source: "every paper (Max 1995)",
-        formula: "A = 1 − e^(−T)",
-        fails: "The difference cancels for thin segments, of which a picture has hundreds on a pixel.",
-        instead: "−expm1(−T); in 32 bits a polynomial under T = 0.5.",
-        rows: rows([1.0, 1e-3, 1e-5, 1e-8, 1e-16], at)?,
-    })
+    rows([1.0, 1e-3, 1e-5, 1e-8, 1e-16], at)
 }
 
 /// Transparency after so many segments of one opacity.
@@ -370,7 +339,7 @@ fn composited<T: Real>(count: u32, opacity: T) -> T {
     one - (0..count).fold(T::round(0.0), |sum, _| sum + (one - sum) * opacity)
 }
 
-fn chain() -> Result<PrintedFormula> {
+fn chain() -> Result<Vec<FormulaRow>> {
     let forms = native()?;
     let at = |(count, depth): (u32, f64)| {
         let opacity = -(-depth).exp_m1();
@@ -379,13 +348,7 @@ fn chain() -> Result<PrintedFormula> {
         let values = (exact, forms.chain(&parts).transparency);
         Ok(row(format!("{count} segments of T = {depth:?}"), both!(composited(count, opacity)), values))
     };
-    Ok(PrintedFormula {
-        source: "front-to-back compositing (Porter & Duff 1984)",
-        formula: "A ← A + (1 − A) a, transparency 1 − A",
-        fails: "The transparency keeps an absolute 6e-8 (1e-16) only, so what lies behind a dense part has no digits.",
-        instead: "The transparency itself is carried along: τ ← τ (1 − a).",
-        rows: rows([(100, 0.05), (1000, 0.01), (1000, 0.02), (1000, 0.04)], at)?,
-    })
+    rows([(100, 0.05), (1000, 0.01), (1000, 0.02), (1000, 0.04)], at)
 }
 
 // ---- Colours: the constant-emitter's closed forms, the integrals of linear extinction, the mix.
@@ -394,19 +357,13 @@ fn uniform_color<T: Real>(depth: T) -> T {
     (T::round(1.0) - (-depth).exp()) / depth
 }
 
-fn uniform_glow() -> Result<PrintedFormula> {
+fn uniform_glow() -> Result<Vec<FormulaRow>> {
     let at = |depth: f64| {
         let values =
             segment(&white(GLOWING, Profile::Uniform, depth), [[0.0; 2], [1.0, 0.0]], |c| c.color[0])?;
         Ok(row(format!("a D = {depth:?}"), both!(uniform_color(depth)), values))
     };
-    Ok(PrintedFormula {
-        source: "Song et al. 2009, Eq. 5",
-        formula: "C = (c/a) (1 − e^(−a D))",
-        fails: "The difference cancels where the segment is thin; 0/0 at a = 0.",
-        instead: "c D E(a D), E(x) = −expm1(−x)/x, and its series for small x.",
-        rows: rows([1.0, 1e-3, 1e-8, 1e-20], at)?,
-    })
+    rows([1.0, 1e-3, 1e-8, 1e-20], at)
 }
 
 /// Song section 4.2 for a path at distance 0 from the centre: C = e^(P erf B)/A (table(P, A + B) − table(P, B)), with
@@ -418,7 +375,7 @@ fn gaussian_color<T: Real>(peak: T, a: T, b: T) -> T {
     (p * a.erf()).exp() / d * (table(b) - table(a))
 }
 
-fn gaussian_glow() -> Result<PrintedFormula> {
+fn gaussian_glow() -> Result<Vec<FormulaRow>> {
     let at = |(peak, a, b): (f64, f64, f64)| {
         let profile = Profile::Gaussian { centre: [0.0; 2], matrix: [[1.0, 0.0], [0.0, 1.0]] };
         let values = segment(&white(GLOWING, profile, peak), [[a, 0.0], [b, 0.0]], |c| c.color[0])?;
@@ -426,15 +383,7 @@ fn gaussian_glow() -> Result<PrintedFormula> {
     };
     let inputs =
         [(1.0, -0.5, 0.5), (1.0, 0.5, 0.51), (1.0, 0.5, 0.501), (10.0, 0.0, 0.05), (1.0, 1.0, 1.0 + 1e-6)];
-    Ok(PrintedFormula {
-        source: "Song et al. 2009, section 4.2",
-        formula: "C = c e^(P erf B)/A [table(P, A D + B) − table(P, B)], table(P, t) = ∫₀ᵗ e^(−P erf x) dx",
-        fails: "Even with an exact table: P = √π ρ₀ D/(2|d|) is huge wherever the data vary slowly, and e^(P erf B) leaves \
-                64 bits at P = 709 and 32 bits at 88; before that the difference of the entries cancels.",
-        instead: "No table: Gauss-Legendre points on panels of depth 2 at most, depths in closed form, counted from the \
-                  panel's own start.",
-        rows: rows(inputs, at)?,
-    })
+    rows(inputs, at)
 }
 
 /// Song section 4.3, the increasing part: extinction k x for x from d1 to d2.
@@ -445,7 +394,7 @@ fn rising<T: Real>(k: T, d1: T, d2: T) -> T {
     factor * ((root * d2).erf() - (root * d1).erf())
 }
 
-fn rising_flank() -> Result<PrintedFormula> {
+fn rising_flank() -> Result<Vec<FormulaRow>> {
     let at = |[k, d1, d2]: [f64; 3]| {
         let length = d2 - d1;
         let values = partial(k * d1 * length, k * d2 * length, |found| found.psi * length)?;
@@ -453,15 +402,7 @@ fn rising_flank() -> Result<PrintedFormula> {
     };
     let inputs =
         [[3.08, 0.1, 0.9], [50.0, 0.5, 0.9], [50.0, 1.0, 1.1], [200.0, 0.9, 1.0], [2000.0, 0.9, 1.0]];
-    Ok(PrintedFormula {
-        source: "Song et al. 2009, section 4.3, increasing part",
-        formula: "C = c √(π/2k) e^(k d₁²/2) [erf(√(k/2) d₂) − erf(√(k/2) d₁)], k = α/Δt",
-        fails: "erf − erf cancels past the first few units of √(k/2) d₁, while e^(k d₁²/2) grows: 32 bits overflow at \
-                k d₁² = 177, 64 bits at 1,419.",
-        instead: "ψ of linear extinction by erfcx, whose growth is taken out beforehand; Gauss-Legendre points where the \
-                  depth is small. Flanks that rise and fall are cases of the one formula.",
-        rows: rows(inputs, at)?,
-    })
+    rows(inputs, at)
 }
 
 /// Song section 4.3, the decreasing part: extinction α (1 − x/Δt) for x/Δt from u3 to u4, in units of Δt. `front` and `table`:
@@ -471,7 +412,7 @@ fn falling<T: Real>(front: T, table: T, [u3, u4]: [T; 2]) -> T {
     (-(front * left(u3))).exp() * integral(u3, u4, |u| (table * left(u)).exp())
 }
 
-fn falling_flank() -> Result<PrintedFormula> {
+fn falling_flank() -> Result<Vec<FormulaRow>> {
     let at = |(depth, made_for, [u3, u4]): (f64, f64, [f64; 2])| {
         let length = u4 - u3;
         let (a, b) = (depth * (1.0 - u3) * length, depth * (1.0 - u4) * length);
@@ -490,15 +431,7 @@ fn falling_flank() -> Result<PrintedFormula> {
         (2000.0, 2000.0, whole),
         (4.0, 2.0, whole),
     ];
-    Ok(PrintedFormula {
-        source: "Song et al. 2009, section 4.3, decreasing part",
-        formula: "C = c e^(−(α Δt/2) (1 − d₃/Δt)²) ∫ e^((α Δt/2) (1 − l/Δt)²) dl, the integral from a table by (l/Δt, α)",
-        fails: "The product of two exponentials: 32 bits overflow at α Δt = 176, 64 bits at 1,419, and the table with them. \
-                Its entry must hold α Δt: by (l/Δt, α), one entry stands for peaks of every width.",
-        instead: "ψ of linear extinction by Dawson's function, one exponential of the difference; the formula of the rising \
-                  part.",
-        rows: rows(inputs, at)?,
-    })
+    rows(inputs, at)
 }
 
 /// Song Eq. 10: one band from t1 to t2 (its phase by π), α/k the peak depth of the band by 2.
@@ -507,7 +440,7 @@ fn band<T: Real>(alpha_by_k: T, t1: T, t2: T) -> T {
     (-(alpha_by_k * t1.cos())).exp() * inner / (t2 - t1)
 }
 
-fn sine() -> Result<PrintedFormula> {
+fn sine() -> Result<Vec<FormulaRow>> {
     let at = |peak: f64| {
         let (from, to) = (0.05, 0.95);
         let origin = [0.0; 2];
@@ -518,14 +451,7 @@ fn sine() -> Result<PrintedFormula> {
         let inputs = format!("α D = {peak:?}, α/k = {alpha_by_k:.1}, 0.05 to 0.95 of a band");
         Ok(row(inputs, both!(band(alpha_by_k, PI * from, PI * to)), values))
     };
-    Ok(PrintedFormula {
-        source: "Song et al. 2009, Eq. 10",
-        formula: "C = c e^(−(α/k) cos t₁) ∫ e^((α/k) cos t) dt/k, k = π/D_p",
-        fails: "e^((α/k) cos t) leaves 32 bits at α/k = 88 and 64 bits at 709, and its table with it.",
-        instead: "One exponential of the difference, −(2α/k) sin((t + t₁)/2) sin((t − t₁)/2), on panels of depth 2; any \
-                  number of bands on a segment.",
-        rows: rows([1.0, 100.0, 200.0, 2000.0], at)?,
-    })
+    rows([1.0, 100.0, 200.0, 2000.0], at)
 }
 
 /// ψ for b > a as erf: e^(u²) (√π/2k) (erf v − erf u).
@@ -536,19 +462,12 @@ fn psi_erf<T: Real>(a: T, b: T) -> T {
     (u * u).exp() * T::round(PI.sqrt() / 2.0) / k * (v.erf() - u.erf())
 }
 
-fn psi() -> Result<PrintedFormula> {
+fn psi() -> Result<Vec<FormulaRow>> {
     let at = |[a, b]: [f64; 2]| {
         let values = partial(a, b, |found| found.psi)?;
         Ok(row(format!("depths {a:?} and {b:?}"), both!(psi_erf(a, b)), values))
     };
-    Ok(PrintedFormula {
-        source: "Moreland & Angel 2004, ψ by erf (after Williams et al. 1998)",
-        formula: "ψ = e^(u²) (√π/2k) (erf v − erf u), u = α_f D/2k, v = α_b D/2k, k = √((α_b − α_f) D/2)",
-        fails: "Where the ends are nearly alike u is large: e^(u²) overflows and erf v − erf u is 0.",
-        instead: "Gauss-Legendre points where both depths are under 1; erfcx u − ζ erfcx v, or Dawson's function where \
-                  the extinction falls.",
-        rows: rows([[1.0, 2.0], [1.0, 1.1], [5.0, 5.1], [30.0, 31.0], [30.0, 30.1]], at)?,
-    })
+    rows([[1.0, 2.0], [1.0, 1.1], [5.0, 5.1], [30.0, 31.0], [30.0, 30.1]], at)
 }
 
 /// B from ψ, which is as good as the precision holds it, and ζ.
@@ -556,22 +475,16 @@ fn back_weight<T: Real>(a: T, b: T, psi: T) -> T {
     (T::round(1.0) - (-(T::round(0.5) * (a + b))).exp() - a * psi) / (b - a)
 }
 
-fn back() -> Result<PrintedFormula> {
+fn back() -> Result<Vec<FormulaRow>> {
     let at = |[a, b]: [f64; 2]| {
         let values = partial(a, b, |found| found.back)?;
         let printed = both!(back_weight(a, b, linear::psi(a, b)));
         Ok(row(format!("depths {a:?} and {b:?}"), printed, values))
     };
-    Ok(PrintedFormula {
-        source: "linear colour of the constant-emitter, from ψ and ζ (Song et al. 2009, Eq. 3)",
-        formula: "B = (1 − ζ − a ψ)/(b − a), F = ψ − B",
-        fails: "1 − ζ and a ψ agree ever better as b nears a, or as both grow; 0/0 at b = a.",
-        instead: "Panels whose step follows from the extinction at their start, 8 Gauss-Legendre points on each.",
-        rows: rows([[0.1, 1.0], [1.0, 1.001], [1.0, 1.000001], [100.0, 101.0], [1e-3, 2e-3]], at)?,
-    })
+    rows([[0.1, 1.0], [1.0, 1.001], [1.0, 1.000001], [100.0, 101.0], [1e-3, 2e-3]], at)
 }
 
-fn mix() -> Result<PrintedFormula> {
+fn mix() -> Result<Vec<FormulaRow>> {
     let at = |(name, peak): (&str, f64)| {
         let half = |low: f64, color: [f64; 3]| {
             let region = Some(rectangle([low, low + 0.5]));
@@ -586,13 +499,7 @@ fn mix() -> Result<PrintedFormula> {
         let inputs = format!("blue behind red, {name} (T = {:?} each)", 0.5 * peak);
         Ok(row(inputs, [mixed, f64::from(mixed as f32)], values))
     };
-    Ok(PrintedFormula {
-        source: "Kniss et al. 2003, Eq. 15",
-        formula: "several widgets: depths added, colours averaged by depth",
-        fails: "The order of the widgets along the ray is lost, whatever the precision.",
-        instead: "The ordered integral, depths in closed form; `overlap = \"mix\"` keeps Eq. 15 as the fast choice.",
-        rows: rows([("thin", 0.01), ("half transparent", 1.0), ("dense", 10.0)], at)?,
-    })
+    rows([("thin", 0.01), ("half transparent", 1.0), ("dense", 10.0)], at)
 }
 
 // ---- Pre-integration: the steps of the numerical integral, and the tiles that stand for the table.
@@ -605,7 +512,7 @@ fn both_ends<T: Real>(count: u32, [front, back]: [T; 2]) -> T {
     (0..count).fold(T::round(0.0), |sum, i| sum + density(place(i)) / whole(count))
 }
 
-fn steps() -> Result<PrintedFormula> {
+fn steps() -> Result<Vec<FormulaRow>> {
     let profile = Profile::Gaussian { centre: [0.0; 2], matrix: [[1.0, 0.0], [0.0, 0.0]] };
     let function = white(OpticalModel::DensityEmitter, profile, 1.0);
     let at = |(count, front, back): (u32, f64, f64)| {
@@ -615,16 +522,7 @@ fn steps() -> Result<PrintedFormula> {
     };
     let inputs =
         [(0, 0.5, 0.5), (1, 0.0, 1.0), (2, 0.0, 1.0), (8, 0.0, 1.0), (64, 0.0, 1.0), (1024, 0.0, 1.0)];
-    Ok(PrintedFormula {
-        source: "Roettger & Ertl 2002, Eq. 5",
-        formula: "w = S_b + i/(n − 1) (S_f − S_b), i = 0 … n − 1, each with the weight l/n",
-        fails: "Both ends have the weight of a whole step, which is neither the midpoint nor the trapezoid rule: of first \
-                order, whatever the precision. 0/0 for one step, and n = ⌈2 m |S_f − S_b|⌉ takes none where both ends are \
-                equal.",
-        instead: "Closed forms, which take no steps; `riemann` samples at the middles, (i + ½)/n, of second order at the \
-                  same cost.",
-        rows: rows(inputs, at)?,
-    })
+    rows(inputs, at)
 }
 
 /// Light of so many steps of depth h, κ = ρ.
@@ -632,20 +530,14 @@ fn stepped<T: Real>(count: u32, h: T) -> T {
     (0..count).fold(T::round(0.0), |sum, i| sum + h * (-(h * T::round(f64::from(i)))).exp())
 }
 
-fn emission() -> Result<PrintedFormula> {
+fn emission() -> Result<Vec<FormulaRow>> {
     let at = |(depth, count): (f64, u32)| {
         // Constant κ = ρ: C = 1 − e^(−T).
         let values = (-(-depth).exp_m1(), None);
         let printed = both!(stepped(count, depth / f64::from(count)));
         Ok(row(format!("ρ l = {depth:?}, {count} steps"), printed, values))
     };
-    Ok(PrintedFormula {
-        source: "Roettger & Ertl 2002, Eq. 6",
-        formula: "C_(i+1) = κ h + C_i e^(−ρ h)",
-        fails: "First order: a step's light is not absorbed within the step. The error is ρ l/2n, whatever the precision.",
-        instead: "κ h E(ρ h), or ψ where both are linear: exact at any number of steps.",
-        rows: rows([(1.0, 8), (10.0, 8), (100.0, 8), (100.0, 1024)], at)?,
-    })
+    rows([(1.0, 8), (10.0, 8), (100.0, 8), (100.0, 1024)], at)
 }
 
 /// Eq. 10: (α, s, t).
@@ -684,7 +576,7 @@ fn max_difference<T: Real, const N: usize>(found: [T; N], exact: [f64; N]) -> f6
     apart.fold(0.0, |most, x: f64| if x.is_nan() { f64::INFINITY } else { most.max(x) })
 }
 
-fn tiles() -> PrintedFormula {
+fn tiles() -> Vec<FormulaRow> {
     let there_and_back = |place: [f64; 3]| {
         let [front, back, length] = place;
         FormulaRow {
@@ -709,14 +601,5 @@ fn tiles() -> PrintedFormula {
     let mut rows: Vec<FormulaRow> =
         [[0.7, 0.2, 0.3], [0.2, 0.7, 0.9], [0.500001, 0.5, 1e-7], [0.5, 0.5, 0.0]].map(there_and_back).into();
     rows.extend([0.0, 5.0, 15.0].map(turned));
-    PrintedFormula {
-        source: "Roettger & Ertl 2002, Eq. 9 and 10",
-        formula: "f: (α, s, t) → (S_f, S_b, l) fills tiles, f⁻¹ reads them; α the same for all pixels of a cell",
-        fails: "Eq. 10 is the inverse of Eq. 9 on all four branches, but 0/0 at S_f = S_b, l = 0. α follows from the angle \
-                between ray and gradient: it is one for a whole cell if rays are parallel, not in perspective. Places of a tile \
-                whose S_f is outside [0, 1] have no counterpart, and a linear filter reads them.",
-        instead: "α from each pixel's own S_f, S_b and l, ½ where these vanish; places without a counterpart take the nearest \
-                  that has one.",
-        rows,
-    }
+    rows
 }

@@ -29,10 +29,8 @@ pub const BLACK: Color = [20, 20, 20];
 /// Grey of grid lines.
 const FAINT: Color = [225, 225, 225];
 
-/// Something drawn.
 #[derive(Debug, Clone)]
 pub enum Mark {
-    /// Straight lines from point to point.
     Line {
         points: Vec<[f64; 2]>,
         width: f64,
@@ -147,7 +145,6 @@ impl Symbol {
 }
 
 impl Canvas {
-    /// An empty one.
     pub fn new(size: [f64; 2], title: &str) -> Canvas {
         Canvas { size, marks: Vec::new(), title: title.into() }
     }
@@ -177,7 +174,6 @@ impl Canvas {
         self.ring(vec![[left, top], [right, top], [right, bottom], [left, bottom]], 1.0, BLACK);
     }
 
-    /// A closed line.
     pub fn ring(&mut self, mut corners: Vec<[f64; 2]>, width: f64, color: Color) {
         corners.extend(corners.first().copied());
         self.line(&corners, width, color, &[]);

@@ -28,7 +28,6 @@ pub struct Convergence {
     pub floor: f64,
     /// The slope of the last four levels above the floor, by least squares; `None` for fewer than two.
     pub observed: Option<f64>,
-    /// Reason for the expected order.
     pub expected: f64,
     pub reason: &'static str,
 }

@@ -28,7 +28,6 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// The scene of frame `number`.
     pub(super) fn scene(&self, scene: &Scene, number: usize) -> Scene {
         let mut turned = scene.clone();
         let Camera { eye, target, up, .. } = scene.camera;

@@ -7,10 +7,8 @@ use voltet_graph::suggest;
 use voltet_nodes::drawing::{ENGINES, NATIVE};
 use voltet_optics::engine::{Compositor, EngineInfo};
 
-/// Measure of error that decides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Measure {
-    /// The largest error of a pixel.
     #[default]
     Maximum,
     RootMeanSquare,
@@ -147,7 +145,6 @@ impl RendererVariant {
         ways.map(move |compositing| RendererVariant { engine, compositing })
     }
 
-    /// Every engine with each of its ways.
     pub fn all() -> impl Iterator<Item = RendererVariant> {
         ENGINES.iter().flat_map(RendererVariant::all_of_engine)
     }

@@ -100,7 +100,6 @@ pub fn plot(study: &Study, title: &str) -> Canvas {
     canvas
 }
 
-/// Variants that drew the rows.
 fn variants(study: &Study) -> Vec<RendererVariant> {
     RendererVariant::all()
         .filter(|variant| study.rows.iter().any(|row| row.setting.variant == *variant))

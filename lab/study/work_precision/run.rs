@@ -45,13 +45,9 @@ pub struct Study {
     pub subject: Subject,
     pub wish: StudyOptions,
     pub reference: Reference,
-    /// The settings that were measured.
     pub rows: Vec<Row>,
-    /// The settings that the device does not draw.
     pub refused: Vec<Refused>,
-    /// Number of settings there are, those refused among them.
     pub setting_count: usize,
-    /// The devices that were looked at.
     pub adapters: Vec<Adapter>,
     /// The vector lanes of the native engine.
     pub vector_units: &'static str,

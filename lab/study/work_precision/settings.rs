@@ -12,10 +12,8 @@ use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Shading, VisibilityOrder};
 use voltet_reference::REFERENCE;
 
-/// One way to draw the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderConfig {
-    /// Engine and compositor.
     pub variant: RendererVariant,
     pub integrator: Integrator,
     pub overlap: WidgetBlend,

@@ -14,15 +14,12 @@ use voltet_reference::REFERENCE;
 /// Kind of nodes that draw, which decides where an engine can be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RendererNode {
-    /// A `renderer`, on any engine.
     Renderer,
-    /// A `gpu-renderer`.
     GpuRenderer,
     /// The stages one by one, which are the native engine's.
     Stages,
 }
 
-/// Options of engines in the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SubjectRequest {
     /// Kind of nodes that draw.
@@ -32,7 +29,6 @@ pub struct SubjectRequest {
     pub adapter: Option<String>,
     /// The compositor of the device, or "auto".
     pub compositor: String,
-    /// Accumulation of a device that blends.
     pub accumulation: Accumulation,
 }
 
@@ -45,7 +41,6 @@ pub struct Subject {
     /// The scene; integrator, overlap and order are those of the file.
     pub scene: Scene,
     pub needs_order: bool,
-    /// Options of engines in the file.
     pub asked: SubjectRequest,
     /// One integrator of each kind that the pipeline may name, with default settings, in the order of registration.
     pub integrators: Vec<Integrator>,
@@ -127,7 +122,6 @@ impl Subject {
 }
 
 impl SubjectRequest {
-    /// True if the engine is left open.
     pub fn is_auto(&self) -> bool {
         self.engine == drawing::AUTO
     }
