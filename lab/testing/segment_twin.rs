@@ -5,6 +5,7 @@
 use voltet_optics::integrators::SegmentIntegrator;
 use voltet_optics::{CompiledTransferFunction, Contribution, Segment};
 
+/// T, C and A.
 pub fn numbers(found: &Contribution) -> [f64; 5] {
     let [red, green, blue] = found.color;
     [found.optical_depth, red, green, blue, found.opacity]
@@ -91,6 +92,7 @@ pub fn change_of_places(
 
 /// A truth on one segment, and how it changes.
 pub struct Measure {
+    /// The truth.
     pub exact: Contribution,
     change: [f64; 5],
 }

@@ -2,10 +2,13 @@
 //!
 //! Used by the tests of the vector lanes and of the shaders, so that both languages are held to one measure.
 
+/// Most inputs of a twin.
 pub const INPUTS: usize = 4;
 
+/// Range of one input.
 #[derive(Debug, Clone, Copy)]
 pub enum Range {
+    /// Evenly between.
     Even(f64, f64),
     /// Evenly in the logarithm to base 10.
     Log(f64, f64),
