@@ -19,7 +19,6 @@
 mod gaussian_tables;
 mod partial_table;
 mod pre_integrated;
-mod pre_integrated_lanes;
 mod pre_integrated_shader;
 mod ramp;
 mod riemann;

@@ -1,6 +1,6 @@
 //! Places along a path of a widget's peaks, kinks and steps, and of a width from its centre.
 
-use crate::layout::Cuts;
+use crate::cuts::Cuts;
 use crate::linear_on_segment::{LinearOnSegment, Place, Wide, quadratic_crossings};
 use crate::term::{Bands, ReadyProfile, Term};
 use voltet_core::transfer::ControlPoint;

@@ -9,12 +9,13 @@
 //! | --- | --- |
 //! | `segment`, `quadrature` | integral of a segment, and its rule |
 //! | `term`, `part`, `texels` | widgets along a segment |
-//! | `layout`, `features` | places where widgets change |
+//! | `layout`, `cuts`, `features` | places where widgets change |
 //! | `linear_on_segment` | numbers with more digits |
 //! | `renderer` | quadrature behind the product's traits; its engine |
 
 #![allow(missing_docs, reason = "unpublished: names say what fields and short functions are")]
 
+mod cuts;
 mod features;
 mod layout;
 mod linear_on_segment;

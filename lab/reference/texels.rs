@@ -1,6 +1,6 @@
 //! A table: which texels a path crosses, and what it is between two lines of their centres.
 
-use crate::layout::Cuts;
+use crate::cuts::Cuts;
 use crate::linear_on_segment::{LinearOnSegment, Place, Wide, quadratic_crossings};
 use std::sync::Arc;
 use voltet_core::transfer::Table;

@@ -33,7 +33,7 @@ pub struct FormulaRow {
     pub ours_32: Option<f64>,
 }
 
-/// What papers print, why it fails and what stands in its place: a section each, in the order of [`printed`].
+/// Formulas in words, why they fail and what stands in their place: a section each, in the order of [`printed`].
 const TEXTS: &str = include_str!("printed.md");
 
 pub(super) fn printed() -> Result<Vec<PrintedFormula>> {

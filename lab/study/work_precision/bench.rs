@@ -1,9 +1,9 @@
 //! The engines that settings are measured on: those that are asked for and there.
 
-use super::measure::{Cost, Frames, measure};
+use super::measure::{Cost, measure};
 use super::settings::settings;
 use super::subject::RendererNode;
-use super::{Engines, RenderConfig, RendererVariant, StudyOptions, Subject};
+use super::{Engines, Frames, RenderConfig, RendererVariant, StudyOptions, Subject};
 use crate::devices;
 use std::sync::Arc;
 use voltet_core::picture::Picture;

@@ -1,11 +1,12 @@
 //! Options of a study.
 
-use super::Frames;
 use std::time::Duration;
+use voltet_core::camera::Camera;
 use voltet_core::{Error, Result};
 use voltet_graph::suggest;
 use voltet_nodes::drawing::{ENGINES, NATIVE};
 use voltet_optics::engine::{Compositor, EngineInfo};
+use voltet_optics::scene::Scene;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Measure {
@@ -40,6 +41,32 @@ impl Measure {
             }
             Measure::Flip => "mean FLIP difference (0 = equal, 1 = largest)",
         }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frames {
+    /// Frames that count, at most, ≥ 1. One before them warms up.
+    pub count: usize,
+    /// No further frame begins once a setting has taken this long. Where the first one already does, it counts.
+    pub patience: Duration,
+    /// Degrees that the camera turns about its target before each frame, so that nothing of the former one can be used
+    /// again; 0: it stands still.
+    pub turn: f64,
+    /// Frames of a device that are in flight at a time while it is measured how fast they follow each other; below 2 that is not
+    /// measured.
+    pub in_flight: usize,
+}
+
+impl Frames {
+    pub(super) fn scene(&self, scene: &Scene, number: usize) -> Scene {
+        let mut turned = scene.clone();
+        let Camera { eye, target, up, .. } = scene.camera;
+        if self.turn != 0.0 {
+            let by = glam::DQuat::from_axis_angle(up.normalize(), (self.turn * number as f64).to_radians());
+            turned.camera.eye = target + by * (eye - target);
+        }
+        turned
     }
 }
 
