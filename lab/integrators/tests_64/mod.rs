@@ -137,7 +137,7 @@ fn what_an_integrator_cannot_serve_is_named() {
     let mut banded = piecewise();
     banded.widgets[0].profile =
         Profile::GaussianNd { fields: vec!["p".into()], centre: vec![0.0], matrix: vec![vec![1.0]] };
-    assert!(refusal(pre_integrated(8, 2), &banded).contains("fields of its own"));
+    assert!(refusal(pre_integrated(8, 2), &banded).contains("further fields"));
     assert!(refusal(tabulated(8), &piecewise()).contains("widgets[0] (piecewise-linear)"));
 }
 

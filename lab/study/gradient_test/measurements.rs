@@ -63,7 +63,7 @@ impl<'a> Subject<'a> {
     ) -> Result<Option<Vec<DVec3>>> {
         let note = |what: String, failed| self.found.faults.push(Fault { at: at(), what, failed });
         match self.method.gradient(grid, s, &CancelOnly(self.progress)) {
-            Err(error) if error.kind == ErrorKind::Cancelled => return Err(error),
+            Err(error) if error.kind == ErrorKind::Cancelled => Err(error),
             Err(error) => {
                 note(error.to_string(), true);
                 Ok(None)

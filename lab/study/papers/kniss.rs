@@ -47,7 +47,7 @@ fn figure_1(bench: &Bench, section: &mut Section) -> Result<()> {
     let exact = shot(Integrator::ANALYTIC)?;
     let tabled = shot(TABLED)?;
     let [three, one] = [shot(riemann(3))?, shot(riemann(1))?];
-    let (count, equal) = bench.in_equal_time(&scene, exact.ms, |count| riemann(count))?;
+    let (count, equal) = bench.in_equal_time(&scene, exact.ms, riemann)?;
     let background = scene.subject.background;
     section.figure(
         "figure_1",
@@ -128,7 +128,7 @@ fn figure_6(bench: &Bench, section: &mut Section) -> Result<()> {
     let (one, tabled) = (shot(riemann(1))?, shot(TABLED)?);
     let four = shot(riemann(4))?;
     let exact = shot(Integrator::ANALYTIC)?;
-    let (count, equal) = bench.in_equal_time(&scene, exact.ms, |count| riemann(count))?;
+    let (count, equal) = bench.in_equal_time(&scene, exact.ms, riemann)?;
     let background = scene.subject.background;
     section.figure(
         "figure_6",
