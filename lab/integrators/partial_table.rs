@@ -12,11 +12,12 @@
 //! The axes are √r with r = a/(a + b), and u = √T/(1 + √T): r because at the origin φ depends on the ratio of a and
 //! b, its root because for large T a layer of width 1/√T lies at r = 0, that of T because ψ falls like 1/√T. Bilinear; the error falls with the square of the side (bench `tables`).
 
+use crate::square::{Bilinear, LaneSquare, Place};
 use rayon::prelude::*;
 use voltet_optics::linear::{emission_weights, front_back};
 use voltet_optics::special::opacity;
+use voltet_simd::{Float, Lanes, inlined};
 
-/// The table of one optical model.
 #[derive(Debug, Clone)]
 pub struct PartialTable {
     size: usize,
@@ -65,7 +66,6 @@ impl PartialTable {
         table
     }
 
-    /// Entries a side.
     pub fn size(&self) -> usize {
         self.size
     }
@@ -80,13 +80,11 @@ impl PartialTable {
         &self.back
     }
 
-    /// Bytes that a table of `size` entries a side takes.
     pub fn bytes_of(density_emitter: bool, size: usize) -> usize {
         let tables = if density_emitter { 1 } else { 2 };
         tables * size * size * size_of::<f32>()
     }
 
-    /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
         (self.front.len() + self.back.len()) * size_of::<f32>()
     }
@@ -98,27 +96,17 @@ impl PartialTable {
         let whole = (a + b).min(f64::MAX);
         let ratio = if whole > 0.0 { a / whole } else { 0.5 };
         let root = (0.5 * whole).sqrt();
-        let at = self.place(ratio.sqrt(), root / (1.0 + root));
+        let last = (self.size - 1) as f64;
+        let at = Bilinear::new(root / (1.0 + root) * last, ratio.sqrt() * last, self.size);
+        let read = |entries: &[f32]| at.read(|k| f64::from(entries[k]));
         if self.back.is_empty() {
-            let share = at.read(&self.front);
+            let share = read(&self.front);
             let light = opacity(0.5 * whole);
             (light * share, light * (1.0 - share))
         } else {
             let scale = 1.0 / (1.0 + root);
-            (at.read(&self.front) * scale, at.read(&self.back) * scale)
+            (read(&self.front) * scale, read(&self.back) * scale)
         }
-    }
-
-    #[inline]
-    fn place(&self, root_ratio: f64, u: f64) -> Place {
-        let last = (self.size - 1) as f64;
-        let split = |x: f64| {
-            let x = (x * last).clamp(0.0, last);
-            let low = (x as usize).min(self.size - 2);
-            (low, x - low as f64)
-        };
-        let ((column, x), (row, y)) = (split(root_ratio), split(u));
-        Place { first: row * self.size + column, size: self.size, x, y }
     }
 }
 
@@ -127,19 +115,54 @@ fn front_share(a: f64, b: f64, _: f64) -> f64 {
     front / (front + back)
 }
 
-struct Place {
-    first: usize,
-    size: usize,
-    x: f64,
-    y: f64,
+#[derive(Debug, Clone)]
+pub struct LanePartialTable {
+    /// The front colour's share of the light, or F (1 + √T).
+    front: LaneSquare,
+    /// B (1 + √T), where it is kept.
+    back: Option<LaneSquare>,
 }
 
-impl Place {
-    #[inline]
-    fn read(&self, entries: &[f32]) -> f64 {
-        let at = |i: usize| f64::from(entries[self.first + i]);
-        let low = at(0) + self.x * (at(1) - at(0));
-        let high = at(self.size) + self.x * (at(self.size + 1) - at(self.size));
-        low + self.y * (high - low)
+impl LanePartialTable {
+    pub fn new(table: &PartialTable) -> LanePartialTable {
+        let square = |entries: &[f32]| LaneSquare::new(entries, table.size());
+        LanePartialTable {
+            front: square(table.front()),
+            back: (!table.back().is_empty()).then(|| square(table.back())),
+        }
+    }
+
+    /// φ, the front colour's share of a piece's light (density-emitter).
+    #[inline(always)]
+    pub fn front_share<L: Lanes>(&self, a: L::F, b: L::F) -> L::F {
+        self.front.read(&self.place::<L>(a, b).0)
+    }
+
+    #[inline(always)]
+    pub fn front_back<L: Lanes>(&self, a: L::F, b: L::F) -> (L::F, L::F) {
+        let (place, root) = self.place::<L>(a, b);
+        let scale = L::F::splat(1.0) / (L::F::splat(1.0) + root);
+        let back = match &self.back {
+            Some(back) => back.read(&place),
+            None => L::F::splat(0.0),
+        };
+        (self.front.read(&place) * scale, back * scale)
+    }
+
+    #[inline(always)]
+    fn place<L: Lanes>(&self, a: L::F, b: L::F) -> (Place<L>, L::F) {
+        let splat = L::F::splat;
+        let (zero, one) = (splat(0.0), splat(1.0));
+        // Also where the depth of a piece leaves the range of numbers.
+        let whole = (a + b).min(splat(f32::MAX));
+        let least = splat(f32::MIN_POSITIVE);
+        let ratio = L::F::select(whole.lt(least), splat(0.5), a / whole.max(least)).min(one);
+        let root = (splat(0.5) * whole).sqrt();
+        let last = splat(self.front.last());
+        let within = inlined(
+            #[inline(always)]
+            |x: L::F| (x * last).max(zero).min(last),
+        );
+        (self.front.place(within(root / (one + root)), within(ratio.sqrt())), root)
     }
 }

@@ -3,17 +3,123 @@
 //! Song et al. 2009, sections 3.3.2 and 5; Moreland & Angel 2004. The integrals come from the two-dimensional
 //! [`PartialTable`], or, to judge the table, from the closed forms of module `linear`.
 
-use super::{PartialTable, segments};
+use crate::partial_table::{LanePartialTable, PartialTable};
+use crate::settings::{
+    PARTIAL_SIDE_PARAMETER, PIECES, PIECES_PARAMETER, PreparedKernel, SIDE, WGSL_PIECES, boxed, check_pieces,
+    count, shared_table,
+};
 use std::any::Any;
 use voltet_core::Result;
+use voltet_core::parameters::VariantSchema;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
-use voltet_optics::integrators::{SegmentIntegrator, can_serve};
+use voltet_cpu::integrator::{
+    LaneExtension, LaneIntegratorKind, LaneKernel, LaneScene, SIDE_BY_SIDE, SampledSegments, Samples,
+    SegmentBatch, SegmentResults, WidgetSampler,
+};
+use voltet_optics::integrators::{
+    Extent, Integrator, IntegratorKind, SegmentIntegrator, TableDomain, can_serve,
+};
 use voltet_optics::linear::{emission_weights, front_back};
 use voltet_optics::sample::Sample;
 use voltet_optics::special::{OPAQUE_DEPTH, opacity};
-use voltet_optics::{CompiledTransferFunction, Contribution, Segment};
+use voltet_optics::{CompiledTransferFunction, Contribution, Segment, WidgetBlend};
+use voltet_shaders::{TableSize, WgslCall, WgslExtension, WgslIntegrator, WgslPiece};
+use voltet_simd::optics::elementary::{exp, transparencies};
+use voltet_simd::{Float, Lanes, array};
 
-/// N pieces of linear colour and extinction.
+/// Equal pieces, `count` ≥ 1 of a segment, combined by a table of `side` ≥ 2 entries a side.
+pub const fn segments(count: usize, side: usize) -> Integrator {
+    Integrator::with_settings(&SegmentsKind, [count as f64, side as f64])
+}
+
+pub(crate) struct SegmentsKind;
+
+impl IntegratorKind for SegmentsKind {
+    fn schema(&self) -> VariantSchema {
+        VariantSchema {
+            name: "segments",
+            summary: "equal pieces, linear in each, combined by the partial pre-integration table",
+            parameters: &[PIECES_PARAMETER, PARTIAL_SIDE_PARAMETER],
+        }
+    }
+
+    fn check(&self, integrator: &Integrator) -> Result<()> {
+        check_pieces(integrator)
+    }
+
+    fn table(&self) -> TableDomain {
+        TableDomain::Fixed
+    }
+
+    fn compile(
+        &self,
+        integrator: &Integrator,
+        _: WidgetBlend,
+        transfer_function: &TransferFunction,
+        _: &Extent,
+    ) -> Result<Box<dyn SegmentIntegrator>> {
+        Ok(Box::new(Segments::new(transfer_function, count(integrator, PIECES), count(integrator, SIDE))?))
+    }
+
+    fn extensions(&self) -> &'static [&'static (dyn Any + Send + Sync)] {
+        &[&LaneExtension(&SegmentsKind), &WgslExtension(&SegmentsKind)]
+    }
+}
+
+impl LaneIntegratorKind for SegmentsKind {
+    fn prepare(&self, integrator: &Integrator, scene: &LaneScene<'_>) -> Result<PreparedKernel> {
+        let table = shared_table::<PartialTable>(scene).map(LanePartialTable::new);
+        Ok(table.and_then(|table| {
+            let ends = WidgetSampler::new(count(integrator, PIECES), true, scene)?;
+            Ok(boxed(Pieces { ends, table }))
+        }))
+    }
+}
+
+impl WgslIntegrator for SegmentsKind {
+    fn name(&self) -> &'static str {
+        "segments"
+    }
+
+    fn pieces(&self) -> &'static [WgslPiece] {
+        WGSL_PIECES
+    }
+
+    fn call(&self, constant_emitter: bool) -> WgslCall {
+        let pieces: &[&str] = match constant_emitter {
+            true => &["sampled/segments", "sampled/partial_constant"],
+            false => &["sampled/segments", "sampled/partial_density"],
+        };
+        WgslCall::Samples { function: "linear_pieces", pieces, reads_numbers: true }
+    }
+
+    fn piece_count(&self, integrator: &Integrator) -> Option<usize> {
+        integrator.count(PIECES)
+    }
+
+    fn table_size(&self, integrator: &Integrator, transfer_function: &TransferFunction) -> TableSize {
+        if transfer_function.widgets.is_empty() {
+            return TableSize::default();
+        }
+        let density = transfer_function.model == OpticalModel::DensityEmitter;
+        let entries = PartialTable::bytes_of(density, count(integrator, SIDE)) / size_of::<f32>();
+        TableSize { entries: 1 + entries as u64, ..TableSize::default() }
+    }
+
+    /// The side; then φ, or F (1 + √T) and B (1 + √T) by turns.
+    fn entries(&self, integrator: &Integrator, transfer_function: &TransferFunction) -> Vec<f32> {
+        let density = transfer_function.model == OpticalModel::DensityEmitter;
+        let table = PartialTable::new(density, count(integrator, SIDE));
+        let mut entries = vec![table.size() as f32];
+        for (k, front) in table.front().iter().enumerate() {
+            entries.push(*front);
+            entries.extend(table.back().get(k));
+        }
+        entries
+    }
+}
+
+/// N pieces of linear colour and extinction in 64 bits.
 #[derive(Debug, Clone)]
 pub struct Segments {
     prepared: CompiledTransferFunction,
@@ -35,12 +141,8 @@ impl Segments {
     pub fn with_closed_forms(transfer_function: &TransferFunction, count: usize) -> Result<Self> {
         can_serve(&segments(count, 2), transfer_function)?;
         let density = transfer_function.model == OpticalModel::DensityEmitter;
-        Ok(Segments {
-            prepared: CompiledTransferFunction::new(transfer_function)?,
-            count,
-            density,
-            table: None,
-        })
+        let prepared = CompiledTransferFunction::new(transfer_function)?;
+        Ok(Segments { prepared, count, density, table: None })
     }
 
     /// Light of a piece of length `step`.
@@ -88,4 +190,131 @@ impl SegmentIntegrator for Segments {
             Contribution { optical_depth: depth, color, opacity: opacity(depth) }
         })
     }
+}
+
+struct Pieces {
+    ends: WidgetSampler,
+    /// Weights of a piece's ends.
+    table: LanePartialTable,
+}
+
+impl LaneKernel for Pieces {
+    #[inline(always)]
+    fn integrate<L: Lanes>(&self, batch: SegmentBatch<'_>, results: &mut SegmentResults<'_>) {
+        let Pieces { ends, table } = self;
+        let count = ends.count();
+        ends.integrate::<L>(
+            batch,
+            count + 1,
+            #[inline(always)]
+            |crossed| pieces::<L>(table, count, crossed, batch.depth_only()),
+            results,
+        );
+    }
+}
+
+/// Colour and optical depth. `depth_only`: no colour.
+#[inline(always)]
+fn pieces<L: Lanes>(
+    table: &LanePartialTable,
+    count: usize,
+    crossed: &mut SampledSegments<'_, '_, L>,
+    depth_only: bool,
+) -> ([L::F; 3], L::F) {
+    crossed.by_depth(
+        depth_only,
+        #[inline(always)]
+        |crossed, colors| walk(table, count, crossed, colors),
+    )
+}
+
+#[derive(Clone, Copy)]
+struct End<L: Lanes> {
+    rate: L::F,
+    /// Its colour under the density-emitter, its glow in the length of a piece under the constant-emitter.
+    light: [L::F; 3],
+}
+
+#[inline(always)]
+fn walk<L: Lanes>(
+    table: &LanePartialTable,
+    count: usize,
+    crossed: &mut SampledSegments<'_, '_, L>,
+    colors: bool,
+) -> ([L::F; 3], L::F) {
+    let splat = L::F::splat;
+    let (zero, half) = (splat(0.0), splat(0.5));
+    let step = crossed.length() * splat(1.0 / count as f32);
+    let density = crossed.is_density_emitter();
+    let (mut color, mut depth, mut through) = ([zero; 3], zero, splat(1.0));
+    let mut front = ends::<L, 1>(&crossed.at([0.0], colors), step, density)[0];
+    let share = SIDE_BY_SIDE as f32 / count as f32;
+    for block in 0..count.div_ceil(SIDE_BY_SIDE) {
+        let first = block * SIDE_BY_SIDE;
+        let t = array(
+            #[inline(always)]
+            |j| ((first + j + 1).min(count) as f64 / count as f64) as f32,
+        );
+        let samples = if count == 1 {
+            let one = crossed.at::<1>([1.0], colors);
+            Samples { rate: [one.rate[0]; SIDE_BY_SIDE], glow: [one.glow[0]; SIDE_BY_SIDE] }
+        } else {
+            crossed.in_step(block, share, [0.25, 0.5, 0.75, 1.0], t, colors)
+        };
+        let ends = ends::<L, SIDE_BY_SIDE>(&samples, step, density);
+        for j in 0..SIDE_BY_SIDE {
+            if first + j == count {
+                break;
+            }
+            let back = ends[j];
+            let piece = half * (front.rate + back.rate);
+            if colors {
+                let (mean, behind) = transparencies::<L>(piece);
+                if density {
+                    let toward = table.front_share::<L>(front.rate, back.rate);
+                    let light = through * (piece * mean);
+                    // An end without stuff takes the other's colour.
+                    let (bare, bare_back) = (front.rate.lt(least::<L>()), back.rate.lt(least::<L>()));
+                    for c in 0..3 {
+                        let near = L::F::select(bare, back.light[c], front.light[c]);
+                        let far = L::F::select(bare_back, front.light[c], back.light[c]);
+                        color[c] = light.mul_add(toward.mul_add(near - far, far), color[c]);
+                    }
+                } else {
+                    let (near, far) = table.front_back::<L>(front.rate, back.rate);
+                    for c in 0..3 {
+                        let light = near.mul_add(front.light[c], far * back.light[c]);
+                        color[c] = through.mul_add(light, color[c]);
+                    }
+                }
+                through = through * behind;
+            }
+            depth = depth + piece;
+            front = back;
+        }
+        through = exp::<L>(-depth);
+    }
+    (color, depth)
+}
+
+/// The least rate by which a glow is divided.
+#[inline(always)]
+fn least<L: Lanes>() -> L::F {
+    L::F::splat(f32::MIN_POSITIVE)
+}
+
+#[inline(always)]
+fn ends<L: Lanes, const N: usize>(samples: &Samples<L, N>, step: L::F, density: bool) -> [End<L>; N] {
+    array(
+        #[inline(always)]
+        |j| {
+            let rate = samples.rate[j];
+            let scale = if density { L::F::splat(1.0) / rate.max(least::<L>()) } else { step };
+            let light = array(
+                #[inline(always)]
+                |c| samples.glow[j][c] * scale,
+            );
+            End { rate: rate * step, light }
+        },
+    )
 }

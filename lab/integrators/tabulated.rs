@@ -10,20 +10,90 @@
 //!
 //! Uniform widgets are closed forms without a table. What waves would take is refused.
 
-use super::{GaussianTables, tabulated};
+use crate::gaussian_tables::{GaussianTables, LaneGaussianTables};
+use crate::settings::{
+    PARTIAL_SIDE_PARAMETER, PreparedKernel, SIDE, boxed, count, shared_table, widget_label,
+};
 use std::any::Any;
 use voltet_core::Result;
+use voltet_core::parameters::VariantSchema;
 use voltet_core::transfer::{Convex, Profile, TransferFunction};
+use voltet_cpu::integrator::{
+    FallbackReason, FieldLanes, LaneExtension, LaneIntegratorKind, LaneKernel, LaneScene, RegionPath,
+    SegmentBatch, SegmentLanes, SegmentResults, WidgetLanes,
+};
 use voltet_optics::clip::ClippedSpan;
-use voltet_optics::integrators::{SegmentIntegrator, can_serve};
+use voltet_optics::integrators::{
+    Extent, Integrator, IntegratorKind, Obstacle, SegmentIntegrator, TableDomain, can_serve,
+};
 use voltet_optics::special::{HALF_SQRT_PI, mean_transmittance, opacity};
-use voltet_optics::{Contribution, Segment};
+use voltet_optics::{Contribution, Segment, WidgetBlend};
+use voltet_simd::limits::MAX_GAUSSIAN_WIDTHS;
+use voltet_simd::optics::elementary::{exp, mean_transparency};
+use voltet_simd::{Float, Lanes, Mask, array};
 
-/// The tables, and the widgets made ready.
+/// Integrals of uniform and Gaussian widgets from tables of 2 … [`crate::MAX_PARTIAL_SIDE`] entries a side.
+pub const fn tabulated(side: usize) -> Integrator {
+    Integrator::with_settings(&TabulatedKind, [side as f64])
+}
+
+pub(crate) struct TabulatedKind;
+
+impl IntegratorKind for TabulatedKind {
+    fn schema(&self) -> VariantSchema {
+        VariantSchema {
+            name: "tabulated",
+            summary: "integrals of Gaussians from tables, widgets mixed without their order",
+            parameters: &[PARTIAL_SIDE_PARAMETER],
+        }
+    }
+
+    fn obstacle(&self, transfer_function: &TransferFunction) -> Option<Obstacle> {
+        let has_table = |profile: &Profile| {
+            matches!(
+                profile,
+                Profile::Uniform
+                    | Profile::Gaussian { .. }
+                    | Profile::GaussianNd { .. }
+                    | Profile::TriangularGaussian { .. }
+                    | Profile::TriangularGaussianNd { .. }
+            )
+        };
+        let without = transfer_function.widgets.iter().position(|widget| !has_table(&widget.profile))?;
+        let found = widget_label(transfer_function, without, "whose integral it has no table of");
+        Some(Obstacle { found, accepted: "uniform widgets and Gaussians" })
+    }
+
+    fn table(&self) -> TableDomain {
+        TableDomain::Fixed
+    }
+
+    fn compile(
+        &self,
+        integrator: &Integrator,
+        _: WidgetBlend,
+        transfer_function: &TransferFunction,
+        _: &Extent,
+    ) -> Result<Box<dyn SegmentIntegrator>> {
+        Ok(Box::new(Tabulated::new(transfer_function, count(integrator, SIDE))?))
+    }
+
+    fn extensions(&self) -> &'static [&'static (dyn Any + Send + Sync)] {
+        &[&LaneExtension(&TabulatedKind)]
+    }
+}
+
+impl LaneIntegratorKind for TabulatedKind {
+    fn prepare(&self, _: &Integrator, scene: &LaneScene<'_>) -> Result<PreparedKernel> {
+        let tables = shared_table::<GaussianTables>(scene);
+        Ok(tables.and_then(|tables| TabulatedKernel::new(tables, scene)).map(boxed))
+    }
+}
+
+/// The tables, and the widgets made ready, in 64 bits.
 #[derive(Debug, Clone)]
 pub struct Tabulated {
     tables: GaussianTables,
-    /// −ln cutoff.
     level: f64,
     unit_distance: f64,
     widgets: Vec<Tabled>,
@@ -218,5 +288,126 @@ impl Path {
         let (near, x) = if a.abs() <= b.abs() { (front, a) } else { (back, b) };
         let offset_squared = near.iter().zip(&unit).map(|(q, e)| (q - x * e).powi(2)).sum();
         Path { front: a, back: b, offset_squared }
+    }
+}
+
+/// The tables in lanes, and what they are read for: each widget by itself, all of them averaged without their order.
+struct TabulatedKernel {
+    tables: LaneGaussianTables,
+    /// The constant-emitter's glow per scene length and −ln cutoff; `None` for the density-emitter.
+    glow: Option<(f32, f32)>,
+    reads_fields: bool,
+}
+
+impl TabulatedKernel {
+    /// Errors: the reason why the scene falls back to 64 bits.
+    pub fn new(
+        tables: &GaussianTables,
+        scene: &LaneScene<'_>,
+    ) -> std::result::Result<TabulatedKernel, FallbackReason> {
+        if !scene.widgets().all(|widget| widget.has_path()) {
+            return Err(FallbackReason::NoLanes);
+        }
+        let glow = scene.glow_scale()?.zip(scene.model().cutoff());
+        Ok(TabulatedKernel {
+            tables: LaneGaussianTables::new(tables),
+            glow: glow.map(|(scale, cutoff)| (scale, -cutoff.ln() as f32)),
+            reads_fields: scene.reads_fields(),
+        })
+    }
+
+    /// Depth and light of one widget where it is met, the light over the mean transparency of that depth; and the lanes (bits) whose
+    /// paths span more widths than 32 bits resolve.
+    #[inline(always)]
+    fn widget_light<L: Lanes>(
+        &self,
+        widget: WidgetLanes<'_>,
+        segments: &SegmentLanes<L>,
+        fields: &FieldLanes<L>,
+        depth_only: bool,
+    ) -> (L::F, L::F, u32) {
+        let splat = L::F::splat;
+        let (zero, one) = (splat(0.0), splat(1.0));
+        let RegionPath { path, fraction: share, present: there } = widget.path(segments, fields);
+        let rate = splat(widget.density()) * segments.length() * share;
+        // Where there is no stretch its ends are no numbers.
+        let there = there.and(zero.lt(rate));
+        let (mut mean, mut unsure) = (one, 0);
+        if let Some(path) = &path {
+            mean = self.tables.mean::<L>(path.front, path.back) * exp::<L>(-path.offset_squared);
+            unsure = path.length.le(splat(MAX_GAUSSIAN_WIDTHS as f32)).not().bits() & there.bits();
+        }
+        let own = L::F::select(there, rate * mean, zero);
+        let Some((scale, level)) = self.glow else { return (own, own, unsure) };
+        if depth_only {
+            return (own, own, unsure);
+        }
+        let seen = match &path {
+            Some(path) => {
+                self.tables.glow::<L>(path, level, [share, own, rate]) / mean_transparency::<L>(own)
+            }
+            None => share,
+        };
+        let light = L::F::select(there, splat(scale) * segments.length() * seen, zero);
+        (own, light, unsure)
+    }
+}
+
+impl LaneKernel for TabulatedKernel {
+    fn table_bytes(&self) -> usize {
+        self.tables.bytes()
+    }
+
+    #[inline(always)]
+    fn integrate<L: Lanes>(&self, batch: SegmentBatch<'_>, results: &mut SegmentResults<'_>) {
+        let depth_only = batch.depth_only();
+        let zero = L::F::splat(0.0);
+        let mut fields = FieldLanes::<L>::none();
+        for at in (0..batch.count()).step_by(L::WIDTH) {
+            let segments = batch.segments::<L>(at);
+            if self.reads_fields {
+                fields = batch.fields::<L>(at);
+            }
+            let spread = segments.range();
+            let (mut depth, mut product, mut light) = (zero, zero, [zero; 3]);
+            let (mut asked, mut unsure) = (0, 0);
+            for widget in batch.widgets() {
+                let meets = widget.path_meets::<L>(&spread);
+                if !meets.any() {
+                    continue;
+                }
+                asked |= meets.bits();
+                let (own, glow, no) =
+                    self.widget_light::<L>(widget, &segments.only(meets), &fields, depth_only);
+                unsure |= no;
+                product = own.mul_add(depth, product);
+                depth = depth + own;
+                if !depth_only {
+                    for c in 0..3 {
+                        light[c] = glow.mul_add(L::F::splat(widget.color()[c]), light[c]);
+                    }
+                }
+            }
+            results.put_depth::<L>(at, depth);
+            let mut whole = depth;
+            if !depth_only {
+                let dimmed = mean_transparency::<L>(depth);
+                let [r, g, b]: [L::F; 3] = array(
+                    #[inline(always)]
+                    |c| light[c] * dimmed,
+                );
+                // A number that is none, or has left 32 bits, makes the sum one.
+                whole = depth + (r + (g + b));
+                results.put::<L>(at, [r, g, b], depth);
+            }
+            unsure |= whole.le(L::F::splat(f32::MAX)).not().bits();
+            let within = batch.within::<L>(segments.crossing(), at);
+            unsure &= within;
+            results.fall_back(at, unsure);
+            results.count_evaluations(u64::from((asked & within).count_ones()));
+            if batch.widgets().len() > 1 {
+                results.count_overlaps::<L>(product, &segments, batch.count() - at, unsure);
+            }
+        }
     }
 }

@@ -9,21 +9,70 @@
 //! the integrator finds at the segment's ends. Where a segment is all that there is, its ends count as points.
 
 use super::segments::Segments;
+use crate::settings::{PreparedKernel, boxed};
+use std::any::Any;
 use std::sync::Arc;
 use voltet_core::grid::{Array, Grid};
+use voltet_core::parameters::VariantSchema;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_optics::integrators::{PreparedScene, ScenePreparation, SegmentIntegrator};
+use voltet_cpu::integrator::{
+    FallbackReason, LaneExtension, LaneIntegratorKind, LaneKernel, LaneScene, SegmentBatch, SegmentResults,
+};
+use voltet_optics::integrators::{
+    Extent, Integrator, IntegratorKind, PreparedScene, ScenePreparation, SegmentIntegrator,
+};
 use voltet_optics::linear::front_back;
 use voltet_optics::special::opacity;
-use voltet_optics::{CompiledTransferFunction, Contribution, Segment};
+use voltet_optics::{CompiledTransferFunction, Contribution, Segment, WidgetBlend};
+use voltet_simd::optics::linear::{DEEPEST, front_back as lane_front_back};
+use voltet_simd::{Float, Lanes, Mask, array};
 
 /// The arrays of a classified volume: ρ, then κ by channel; in this order by name.
 pub const CLASSIFIED: [&str; 4] =
     ["classified emission 0", "classified emission 1", "classified emission 2", "classified extinction"];
 
-/// Linear between what the transfer function is at the points.
+/// The transfer function applied at the grid's points, absorption and emission linear between them.
+pub const VERTEX_SAMPLED: Integrator = Integrator::with_settings(&VertexSampledKind, []);
+
+pub(crate) struct VertexSampledKind;
+
+impl IntegratorKind for VertexSampledKind {
+    fn schema(&self) -> VariantSchema {
+        VariantSchema {
+            name: "vertex-sampled",
+            summary: "the transfer function applied at the grid's points only, linear between them",
+            parameters: &[],
+        }
+    }
+
+    fn scene_preparation(&self) -> Option<&dyn ScenePreparation> {
+        Some(self)
+    }
+
+    fn compile(
+        &self,
+        _: &Integrator,
+        _: WidgetBlend,
+        transfer_function: &TransferFunction,
+        _: &Extent,
+    ) -> Result<Box<dyn SegmentIntegrator>> {
+        Ok(Box::new(VertexSampled::new(transfer_function)?))
+    }
+
+    fn extensions(&self) -> &'static [&'static (dyn Any + Send + Sync)] {
+        &[&LaneExtension(&VertexSampledKind)]
+    }
+}
+
+impl LaneIntegratorKind for VertexSampledKind {
+    fn prepare(&self, _: &Integrator, scene: &LaneScene<'_>) -> Result<PreparedKernel> {
+        Ok(VertexSampledKernel::new(scene).map(boxed))
+    }
+}
+
+/// Linear between what the transfer function is at the points, in 64 bits.
 #[derive(Debug, Clone)]
 pub struct VertexSampled {
     /// Indices of the arrays among a segment's fields; `None`: the scene is not classified.
@@ -32,7 +81,6 @@ pub struct VertexSampled {
 }
 
 impl VertexSampled {
-    /// Serves every transfer function.
     pub fn new(transfer_function: &TransferFunction) -> Result<Self> {
         let fields = transfer_function.fields();
         let slot = |name: &&str| fields.iter().position(|field| field == name);
@@ -62,7 +110,6 @@ impl SegmentIntegrator for VertexSampled {
     }
 }
 
-/// The transfer function at points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClassifiedPoints {
     /// κ by channel and ρ, in the order of [`CLASSIFIED`], per world unit.
@@ -74,9 +121,7 @@ pub struct ClassifiedPoints {
 
 /// The preparation of scenes: the transfer function at the grid's points becomes point arrays ([`CLASSIFIED`]), and the scene's is
 /// replaced by one that reads them.
-pub(super) struct Classification;
-
-impl ScenePreparation for Classification {
+impl ScenePreparation for VertexSampledKind {
     fn prepare(&self, volume: &Volume, transfer_function: &TransferFunction) -> Result<PreparedScene> {
         let names = transfer_function.fields();
         let arrays = names.iter().map(|name| volume.grid.point_array(name, 1)).collect::<Result<Vec<_>>>()?;
@@ -101,7 +146,6 @@ impl ScenePreparation for Classification {
     }
 }
 
-/// True if a transfer function is the bound of a classified volume.
 pub fn is_classified(transfer_function: &TransferFunction) -> bool {
     let fields = transfer_function.fields();
     CLASSIFIED.iter().all(|name| fields.contains(name))
@@ -157,4 +201,79 @@ pub fn classified<'a>(
             widgets: vec![widget([brightest; 3]), widget([0.0; 3])],
         },
     })
+}
+
+/// Interpolation in lanes, of a scene that is classified: indices of κ by channel and of ρ among a batch's values.
+struct VertexSampledKernel {
+    places: [usize; 4],
+    /// Per scene length: offset + scale × stored.
+    offsets: [f32; 4],
+    scales: [f32; 4],
+}
+
+impl VertexSampledKernel {
+    /// Errors: a scene that is not classified, or in numbers beyond 32 bits.
+    pub fn new(scene: &LaneScene<'_>) -> std::result::Result<VertexSampledKernel, FallbackReason> {
+        let mut made = VertexSampledKernel { places: [0; 4], offsets: [0.0; 4], scales: [0.0; 4] };
+        for (k, name) in CLASSIFIED.into_iter().enumerate() {
+            let axis = scene.field(name).ok_or(FallbackReason::Integrator)?;
+            made.places[k] = axis.place;
+            made.offsets[k] = (axis.offset * scene.length()) as f32;
+            made.scales[k] = (axis.scale * scene.length()) as f32;
+        }
+        let held = made.offsets.iter().chain(&made.scales).all(|x| x.is_finite());
+        if held { Ok(made) } else { Err(FallbackReason::Lengths) }
+    }
+}
+
+impl LaneKernel for VertexSampledKernel {
+    #[inline(always)]
+    fn integrate<L: Lanes>(&self, batch: SegmentBatch<'_>, results: &mut SegmentResults<'_>) {
+        let splat = L::F::splat;
+        let (zero, half) = (splat(0.0), splat(0.5));
+        for at in (0..batch.count()).step_by(L::WIDTH) {
+            let length = batch.segments::<L>(at).length();
+            let crossing = zero.lt(length);
+            let length = L::F::select(crossing, length, zero);
+            // Interpolation may leave less than nothing; what is no number stays none.
+            let ends: [[L::F; 2]; 4] = array(
+                #[inline(always)]
+                |k| {
+                    let [front, back] = batch.ends::<L>(self.places[k], at);
+                    let (scale, offset) = (splat(self.scales[k]), splat(self.offsets[k]));
+                    [front, back].map(
+                        #[inline(always)]
+                        |stored| zero.max(stored.mul_add(scale, offset)) * length,
+                    )
+                },
+            );
+            let (front, back) = (ends.map(|[front, _]| front), ends.map(|[_, back]| back));
+            let depth = half.mul_add(front[3], half * back[3]);
+            results.put_depth::<L>(at, depth);
+            let mut unsure = depth.le(splat(0.5 * DEEPEST)).not().bits();
+            // At a cutoff of 0 glows what does not absorb.
+            let mut whole = depth;
+            for k in 0..3 {
+                whole = whole + (front[k] + back[k]);
+            }
+            let there = zero.lt(whole).bits();
+            if !batch.depth_only() {
+                let color = if there == 0 {
+                    [zero; 3]
+                } else {
+                    let (near, far) = lane_front_back::<L>(front[3], back[3]);
+                    array(
+                        #[inline(always)]
+                        |c| near.mul_add(front[c], far * back[c]),
+                    )
+                };
+                let whole = depth + (color[0] + (color[1] + color[2]));
+                unsure |= whole.le(splat(f32::MAX)).not().bits();
+                results.put::<L>(at, color, depth);
+            }
+            let within = batch.within::<L>(crossing, at);
+            results.fall_back(at, unsure & within);
+            results.count_evaluations(u64::from((there & within & !unsure).count_ones()));
+        }
+    }
 }

@@ -13,21 +13,17 @@ use voltet_simd::LaneSet;
 /// CPU engine on one lane set; each segment is a scene of its own.
 #[derive(Debug, Clone)]
 pub struct LaneEvaluator {
-    /// "32-bit" and the lane set.
     pub name: String,
-    /// Lane set that it runs on.
     pub lanes: LaneSet,
     /// True if segments are put in order also where one colour needs no order.
     pub ordered: bool,
 }
 
 impl LaneEvaluator {
-    /// The evaluator on a lane set.
     pub fn new(lanes: LaneSet) -> LaneEvaluator {
         LaneEvaluator { name: format!("32-bit {}", lanes.name()), lanes, ordered: false }
     }
 
-    /// Evaluators on the lane sets that this processor has.
     pub fn all() -> impl Iterator<Item = LaneEvaluator> {
         lane_sets().map(LaneEvaluator::new)
     }

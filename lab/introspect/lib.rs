@@ -8,6 +8,8 @@
 //! | `wgsl` | segment formulas of the GPU engine |
 //! | `operations` | operations counted in a shader's text |
 
+#![allow(missing_docs, reason = "unpublished: names say what fields and short functions are")]
+
 mod lanes;
 #[cfg(feature = "gpu")]
 mod operations;

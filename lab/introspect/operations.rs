@@ -25,7 +25,6 @@ pub(crate) fn compositor_operations(shader: &Shader, segments: u64) -> Result<u6
     Ok(segments * (operations.in_function("cross_faces") + shades[0] + shades[1]))
 }
 
-/// Parsed text of a shader.
 struct OperationCounter {
     module: Module,
     info: ModuleInfo,

@@ -18,7 +18,6 @@ pub struct WgslEvaluator {
 }
 
 impl WgslEvaluator {
-    /// Evaluator on an open device.
     pub fn new(device: Arc<Device>) -> WgslEvaluator {
         let name = format!("WGSL on {}", device.name);
         WgslEvaluator { runner: SegmentRunner::new(device), name }

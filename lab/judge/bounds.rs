@@ -9,12 +9,10 @@ use super::case::{Case, SegmentCase};
 use crate::{Condition, Precision};
 use voltet_core::transfer::{AxisOrigin, OpticalModel, Profile};
 
-/// Rule that judges one value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Rule {
     /// |error| ≤ relative · |exact| + floor.
     Bound {
-        /// Relative part.
         relative: f64,
         /// Absolute part.
         floor: f64,
@@ -26,7 +24,6 @@ pub enum Rule {
     },
 }
 
-/// A quantity of a segment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum BoundedQuantity {
     OpticalDepth,
@@ -143,7 +140,6 @@ pub(super) fn ray_rule(
     Rule::Bound { relative: relative + steps, floor }
 }
 
-/// The rule for ψ, F, B and ζ.
 pub(super) fn table_rule(precision: Precision, quantity: &str, depth: f64) -> Rule {
     let relative = match (precision, quantity) {
         (Precision::F64, "psi") => 4e-15,

@@ -1,15 +1,14 @@
 //! Segment formulas of an engine, apart from any picture: the subject that exact values judge.
 
+use serde::Deserialize;
 use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
-use voltet_optics::{Contribution, Segment, WidgetBlend};
+use voltet_optics::{CompiledTransferFunction, Contribution, Segment, WidgetBlend, compositing, linear};
 
 /// A set of formulas.
 pub trait SegmentEvaluator {
-    /// Name for reports.
     fn name(&self) -> &str;
 
-    /// Precision that its bounds are stated in.
     fn precision(&self) -> Precision;
 
     /// Condition numbers of T, C and A that its bounds are stated with: those of differences, unless the formulas round raw
@@ -18,7 +17,6 @@ pub trait SegmentEvaluator {
         of.differences
     }
 
-    /// Integrates a segment.
     fn segment(
         &self,
         transfer_function: &TransferFunction,
@@ -26,10 +24,8 @@ pub trait SegmentEvaluator {
         overlap: WidgetBlend,
     ) -> Result<EvalOutcome>;
 
-    /// Composites a chain, front to back.
     fn chain(&self, segments: &[Contribution]) -> Chain;
 
-    /// ψ, F, B and ζ of linear extinction from a to b.
     fn partial(&self, a: f64, b: f64) -> Result<EvalOutcome<PartialIntegrals>>;
 }
 
@@ -44,12 +40,9 @@ pub enum EvalOutcome<T = Contribution> {
     Skipped(&'static str),
 }
 
-/// A composited chain of segments.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chain {
-    /// C.
     pub color: [f64; 3],
-    /// A.
     pub opacity: f64,
     /// 1 − A, with its own relative accuracy; `None` where compositing ends before that is known.
     pub transparency: Option<f64>,
@@ -58,13 +51,9 @@ pub struct Chain {
 /// Integrals of a segment of linear extinction (module `linear` of `voltet_optics`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PartialIntegrals {
-    /// ψ.
     pub psi: f64,
-    /// F.
     pub front: f64,
-    /// B.
     pub back: f64,
-    /// ζ.
     pub zeta: f64,
 }
 
@@ -72,11 +61,13 @@ pub struct PartialIntegrals {
 pub type Condition = [Option<f64>; 3];
 
 /// Condition numbers of a segment, by what of its inputs is rounded.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
 pub struct Conditions {
     /// The differences from where widgets lie.
+    #[serde(rename = "k", default)]
     pub differences: Condition,
     /// The raw numbers, the values at both ends.
+    #[serde(rename = "k_in", default)]
     pub values: Condition,
 }
 
@@ -88,7 +79,6 @@ impl Conditions {
     }
 }
 
-/// Precision of a set of formulas.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Precision {
     /// 64-bit.
@@ -114,5 +104,43 @@ impl Precision {
             Precision::F64 => 1e-290,
             Precision::F32 | Precision::Wgsl => 1e-30,
         }
+    }
+}
+
+/// The 64-bit formulas: the truth of which engines have twins.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Evaluator64;
+
+impl SegmentEvaluator for Evaluator64 {
+    fn name(&self) -> &str {
+        "64-bit"
+    }
+
+    fn precision(&self) -> Precision {
+        Precision::F64
+    }
+
+    fn segment(
+        &self,
+        transfer_function: &TransferFunction,
+        segment: &Segment,
+        overlap: WidgetBlend,
+    ) -> Result<EvalOutcome> {
+        Ok(EvalOutcome::Served(CompiledTransferFunction::new(transfer_function)?.integrate(segment, overlap)))
+    }
+
+    fn chain(&self, segments: &[Contribution]) -> Chain {
+        let mut composite = compositing::Composite::default();
+        for segment in segments {
+            composite.add(segment.color, segment.opacity);
+        }
+        let transparency = Some(composite.transparency());
+        Chain { color: composite.color, opacity: composite.opacity(), transparency }
+    }
+
+    fn partial(&self, a: f64, b: f64) -> Result<EvalOutcome<PartialIntegrals>> {
+        let (front, back) = linear::front_back(a, b);
+        let (psi, zeta) = (linear::psi(a, b), linear::zeta(a, b));
+        Ok(EvalOutcome::Served(PartialIntegrals { psi, front, back, zeta }))
     }
 }

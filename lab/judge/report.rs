@@ -2,16 +2,15 @@
 
 use super::bounds::Rule;
 use super::case::{Case, Kind};
+use serde::Serialize;
 use std::fmt;
 
 /// Result for one quantity of one kind and category.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
     /// segment, ray, chain or table.
     pub kind: &'static str,
-    /// The formula: see [`Case::formula`].
     pub formula: String,
-    /// The case's category.
     pub category: String,
     /// T, C, A, transparency, psi, F, B or zeta.
     pub quantity: &'static str,
@@ -20,18 +19,19 @@ pub struct Row {
     /// Values of these forms that are only asked to be finite and within their physical range.
     pub only_finite: usize,
     /// Values that another precision served, held to the same bound. They are no merit of these forms.
+    #[serde(rename = "served_in_64_bits")]
     pub wider: usize,
     /// Values of cases that the forms do not serve.
     pub skipped: usize,
-    /// Values that broke their bound.
     pub broken: usize,
     /// The largest ratio of error to bound.
+    #[serde(rename = "worst_ratio")]
     pub worst: f64,
-    /// The case that has it.
+    #[serde(rename = "worst_case")]
     pub worst_id: String,
-    /// Inputs of that case: see [`Case::inputs`].
     pub worst_inputs: String,
     /// Relative error of that case.
+    #[serde(rename = "worst_relative_error")]
     pub worst_error: f64,
 }
 
@@ -72,26 +72,25 @@ impl fmt::Display for Row {
 }
 
 /// Cases that the forms did not serve themselves.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Exemption {
     /// True if another precision served them.
+    #[serde(skip)]
     pub wider: bool,
-    /// Reason.
     pub reason: &'static str,
     /// Number of cases (rays count once).
+    #[serde(rename = "cases")]
     pub count: usize,
 }
 
 /// A value that broke its bound.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Violation {
-    /// The case.
+    #[serde(rename = "case")]
     pub id: String,
-    /// T, C, …
     pub quantity: &'static str,
     /// Value that was computed.
     pub found: f64,
-    /// Exact value.
     pub exact: f64,
     /// Error by bound; ∞ for what is not finite or not in its physical range.
     pub ratio: f64,
@@ -100,9 +99,7 @@ pub struct Violation {
 /// All that one set of forms did.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
-    /// Name of the forms.
     pub forms: String,
-    /// Cases read.
     pub cases: usize,
     /// One row a kind, category and quantity, in the order of the file.
     pub rows: Vec<Row>,
@@ -147,7 +144,6 @@ impl Report {
         gathered.into_iter().map(|(_, row)| row).collect()
     }
 
-    /// Sum of one count over all rows.
     pub fn total(&self, count: impl Fn(&Row) -> usize) -> usize {
         self.rows.iter().map(count).sum()
     }
@@ -178,7 +174,7 @@ impl Report {
         let found = self.rows.iter().position(same);
         let index = found.unwrap_or_else(|| {
             self.rows.push(Row {
-                kind: case.kind.name(),
+                kind: case.kind_name(),
                 formula,
                 category: category.clone(),
                 quantity,
@@ -197,7 +193,6 @@ impl Report {
         &mut self.rows[index]
     }
 
-    /// Enters one value.
     pub(super) fn enter(
         &mut self,
         case: &Case,

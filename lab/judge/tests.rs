@@ -84,6 +84,6 @@ fn a_case_that_is_none_is_refused_with_its_line() {
     let message = |text: &str| judge(text, &Evaluator64).expect_err("refused").to_string();
     let first = fixtures().lines().next().expect("has lines").to_owned();
     assert!(message("{").contains("JSON"));
-    assert!(message(&first.replace("\"D\":", "\"E\":")).contains("'D'"));
+    assert!(message(&first.replace("\"D\":", "\"E\":")).contains("`D`"));
     assert!(message(&first.replace("uniform\",", "unicorn\",")).contains("unicorn"));
 }

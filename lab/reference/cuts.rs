@@ -1,7 +1,6 @@
 //! Breakpoints of a segment: every place where a widget changes its character.
 
-use crate::linear_on_segment::Place;
-use crate::wide::Wide;
+use crate::linear_on_segment::{Place, Wide};
 
 /// Two features nearer to each other than this share of their distance from the nearer end are one that was found in
 /// two ways: eight bits above the rounding of places.
@@ -11,7 +10,6 @@ const ONE_PLACE: f64 = 1.3e-29;
 /// digits.
 const TOO_NEAR: f64 = 1e-19;
 
-/// A place to cut at.
 #[derive(Debug, Clone, Copy)]
 struct Cut {
     place: Place,
@@ -19,7 +17,6 @@ struct Cut {
     firm: bool,
 }
 
-/// The cuts of one segment.
 pub(crate) struct Cuts {
     list: Vec<Cut>,
     /// Interval of the widget: cuts outside are of no use to it.

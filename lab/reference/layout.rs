@@ -1,10 +1,9 @@
 //! A segment laid out: the stretches between its cuts, and what each widget is on them.
 
 use crate::cuts::{Cuts, End};
-use crate::linear_on_segment::{LinearOnSegment, Place};
+use crate::linear_on_segment::{LinearOnSegment, Place, Wide};
 use crate::part::Part;
 use crate::term::Term;
-use crate::wide::Wide;
 use std::cell::LazyCell;
 use voltet_core::Result;
 
@@ -42,7 +41,6 @@ struct ActiveWidget {
     window: [Place; 2],
     /// True if the window is all of the segment.
     everywhere: bool,
-    /// End of its coordinates.
     end: usize,
 }
 
@@ -100,7 +98,6 @@ impl Layout {
         Ok(())
     }
 
-    /// The widgets on a stretch.
     pub(crate) fn parts(&self, stretch: &Interval) -> &[Part] {
         &self.parts[stretch.first as usize..stretch.last as usize]
     }
@@ -111,7 +108,6 @@ impl Layout {
     }
 }
 
-/// The values of all coordinates at a place.
 fn values(along: &[LinearOnSegment], place: Place, out: &mut Vec<Wide>) {
     out.clear();
     out.extend(along.iter().map(|a| a.at(place)));

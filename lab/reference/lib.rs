@@ -7,30 +7,26 @@
 //!
 //! | file | responsibility |
 //! | --- | --- |
-//! | `segment` | integral of a segment |
+//! | `segment`, `quadrature` | integral of a segment, and its rule |
 //! | `term`, `part`, `texels` | widgets along a segment |
-//! | `layout`, `cuts`, `features`, `side` | places where widgets change |
-//! | `linear_on_segment`, `wide` | numbers with more digits |
-//! | `quadrature` | the rule |
-//! | `integrator` | quadrature behind the product's traits |
-//! | `renderer` | renderer, and its engine |
+//! | `layout`, `cuts`, `features` | places where widgets change |
+//! | `linear_on_segment` | numbers with more digits |
+//! | `renderer` | quadrature behind the product's traits; its engine |
+
+#![allow(missing_docs, reason = "unpublished: names say what fields and short functions are")]
 
 mod cuts;
 mod features;
-mod integrator;
 mod layout;
 mod linear_on_segment;
 mod part;
 mod quadrature;
 mod renderer;
 mod segment;
-mod side;
 mod term;
 mod texels;
-mod wide;
 
-pub use integrator::Reference;
-pub use renderer::{ENGINE, draw, draw_further, tracer};
+pub use renderer::{ENGINE, Reference, draw, draw_further, tracer};
 pub use segment::{Integrand, Tolerance, Workspace};
 
 use voltet_core::Result;
@@ -40,8 +36,7 @@ use voltet_optics::integrators::{INTEGRATOR, Integrator, variant};
 use voltet_optics::trace::CellCrossing;
 use voltet_optics::{Contribution, Segment, WidgetBlend};
 
-/// Integrator `reference`.
-pub const REFERENCE: Integrator = Integrator::with_settings(&integrator::ReferenceKind, []);
+pub const REFERENCE: Integrator = Integrator::with_settings(&renderer::ReferenceKind, []);
 
 /// Adds the integrator `reference` to a registry.
 ///

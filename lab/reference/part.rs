@@ -4,8 +4,8 @@
 //! that begins at 0 is right to the last digits however near to there it is looked at.
 
 use crate::features::NOTHING;
+use crate::linear_on_segment::Wide;
 use crate::term::{ReadyProfile, Term};
-use crate::wide::Wide;
 use std::f64::consts::FRAC_PI_2;
 use voltet_core::transfer::ControlPoint;
 
@@ -180,7 +180,6 @@ impl Part {
         }
     }
 
-    /// True if its colour varies.
     pub(crate) fn has_colors(&self) -> bool {
         matches!(self.kind, Kind::LinearColors | Kind::Quadratic)
     }

@@ -7,7 +7,6 @@
 
 use std::sync::LazyLock;
 
-/// Number of nodes.
 pub(crate) const NODES: usize = 15;
 
 /// Kronrod abscissae from the middle outward; each but the first stands for ± itself.
@@ -40,9 +39,7 @@ const GAUSS: [f64; 4] =
 
 /// The rule on [0, 1].
 pub(crate) struct Rule {
-    /// Ascending.
     pub(crate) nodes: [f64; NODES],
-    /// Weights of all nodes.
     pub(crate) kronrod: [f64; NODES],
     /// Weights of the 7 Gauss nodes, 0 at the others.
     pub(crate) gauss: [f64; NODES],

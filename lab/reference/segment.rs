@@ -28,10 +28,10 @@
 //! known where light is left, a depth beyond 64 bits.
 
 use crate::layout::{Interval, Layout};
+use crate::linear_on_segment::Wide;
 use crate::part::Part;
 use crate::quadrature::{NODES, RULE, estimated_error};
 use crate::term::Term;
-use crate::wide::Wide;
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_optics::{Contribution, WidgetBlend};
@@ -63,9 +63,7 @@ const NOTICED: f64 = 1e-11;
 /// Stopping criterion of a piece: estimated error ≤ relative × its value + absolute, and the rule of the module's head.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
-    /// Relative error of optical depth and colour.
     pub relative: f64,
-    /// Absolute error of optical depth and colour.
     pub absolute: f64,
 }
 
@@ -76,7 +74,6 @@ impl Tolerance {
     pub const PICTURE: Tolerance = Tolerance { relative: 1e-11, absolute: 1e-15 };
 }
 
-/// A transfer function made ready for integration.
 pub struct Integrand {
     terms: Vec<Term>,
     model: OpticalModel,
@@ -88,7 +85,6 @@ pub struct Integrand {
     alone: Vec<Integrand>,
 }
 
-/// Buffers that are kept from segment to segment.
 #[derive(Default)]
 pub struct Workspace {
     layout: Layout,
@@ -96,7 +92,6 @@ pub struct Workspace {
     pending: Vec<[f64; 2]>,
 }
 
-/// Properties of the segment as a whole.
 struct Whole {
     length: f64,
     /// A first estimate of its optical depth.

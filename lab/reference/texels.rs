@@ -1,12 +1,10 @@
 //! A table: which texels a path crosses, and what it is between two lines of their centres.
 
 use crate::cuts::Cuts;
-use crate::linear_on_segment::{LinearOnSegment, Place, quadratic_crossings};
-use crate::wide::Wide;
+use crate::linear_on_segment::{LinearOnSegment, Place, Wide, quadratic_crossings};
 use std::sync::Arc;
 use voltet_core::transfer::Table;
 
-/// A table made ready.
 pub(crate) struct Texels {
     table: Arc<Table>,
     columns: Axis,

@@ -1,4 +1,4 @@
-//! Tables of plain text in columns.
+//! Tables in columns: of plain text, and in Markdown.
 
 /// Rows with columns of equal width: names to the left, figures to the right.
 pub(crate) fn aligned(rows: &[Vec<String>], is_name: impl Fn(usize) -> bool) -> String {
@@ -15,4 +15,25 @@ pub(crate) fn aligned(rows: &[Vec<String>], is_name: impl Fn(usize) -> bool) -> 
         text += "\n";
     }
     text
+}
+
+/// A Markdown table: names to the left, figures to the right.
+pub(crate) fn markdown<H: AsRef<str>, R: AsRef<[String]>>(
+    heads: &[H],
+    is_name: impl Fn(usize) -> bool,
+    rows: impl IntoIterator<Item = R>,
+) -> String {
+    let line = |cells: Vec<&str>| format!("| {} |\n", cells.join(" | "));
+    let mut text = line(heads.iter().map(AsRef::as_ref).collect());
+    text += &line((0..heads.len()).map(|column| if is_name(column) { "---" } else { "---:" }).collect());
+    rows.into_iter().for_each(|row| text += &line(row.as_ref().iter().map(String::as_str).collect()));
+    text
+}
+
+/// A text as a cell of CSV, quoted where it has to be.
+pub(crate) fn csv_cell(text: &str) -> String {
+    match text.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", text.replace('"', "\"\"")),
+        false => text.to_string(),
+    }
 }

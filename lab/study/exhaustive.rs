@@ -1,20 +1,17 @@
 //! An exhaustive run compared with the usual one: how much slower it is, and the difference of the pictures.
 
+use crate::work_precision::pixel_errors;
 use serde::Serialize;
 use serde_json::Value;
-use voltet_core::picture::Picture;
 use voltet_graph::{RunReport, SkippedWork};
 
 /// Largest difference of a channel that skipped work may make: what culled cells add, and the rounding of 32 bits
 /// where one colour is summed and not composited.
 pub const SAME: f64 = 1e-6;
 
-/// Comparison of an exhaustive run with the usual one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ExhaustiveComparison {
-    /// Seconds of the usual run.
     pub usual_seconds: f64,
-    /// Seconds of the exhaustive run.
     pub seconds: f64,
     /// Ratio of the exhaustive run's seconds to the usual ones.
     pub times_slower: f64,
@@ -25,23 +22,17 @@ pub struct ExhaustiveComparison {
     pub engines: Option<[String; 2]>,
     /// Largest difference of a channel of premultiplied linear RGBA between their pictures; `None` without a picture.
     pub largest_difference: Option<f64>,
-    /// Work that the usual run skips.
     pub left_out: Vec<SkippedWork>,
 }
 
-/// Seconds of a node.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NodeSeconds {
-    /// Its name.
     pub node: String,
-    /// Seconds in the usual run.
     pub usual: f64,
-    /// Seconds in the exhaustive run.
     pub exhaustive: f64,
 }
 
 impl ExhaustiveComparison {
-    /// Compares two runs of one graph.
     pub fn compare(usual: &RunReport, exhaustive: &RunReport) -> ExhaustiveComparison {
         let seconds =
             |name: &str| exhaustive.nodes.iter().find(|node| node.name == name).map(|node| node.seconds);
@@ -53,7 +44,9 @@ impl ExhaustiveComparison {
         nodes.sort_by(|a, b| (b.exhaustive - b.usual).total_cmp(&(a.exhaustive - a.usual)));
         let pictures = usual.pictures.iter().filter_map(|(name, picture)| {
             let other = &exhaustive.pictures.iter().find(|(other, _)| other == name)?.1;
-            Some(largest_difference(picture, other))
+            // Pictures of different sizes have nothing in common.
+            let same_size = (picture.width, picture.height) == (other.width, other.height);
+            Some(if same_size { pixel_errors(picture, other).fold(0.0, f64::max) } else { f64::INFINITY })
         });
         let engine = |report: &RunReport| report.engine.as_ref().map(|engine| engine.0.clone());
         let engines = engine(usual).zip(engine(exhaustive)).filter(|(usual, other)| usual != other);
@@ -73,7 +66,6 @@ impl ExhaustiveComparison {
         self.largest_difference.is_none_or(|difference| difference <= SAME)
     }
 
-    /// A summary for people.
     pub fn to_text(&self) -> String {
         let mut text = format!(
             "the exhaustive run took {:.3} s, the usual run {:.3} s: {:.2} times as long",
@@ -86,11 +78,10 @@ impl ExhaustiveComparison {
         if self.times_slower > 1.0 && !most.is_empty() {
             text += &format!(" ({})", most.join(", "));
         }
-        text += match self.largest_difference {
-            Some(difference) => format!("; the pictures differ by at most {difference:.1e}\n"),
-            None => "\n".into(),
+        if let Some(difference) = self.largest_difference {
+            text += &format!("; the pictures differ by at most {difference:.1e}");
         }
-        .as_str();
+        text += "\n";
         if let Some([usual, other]) = &self.engines {
             text += &format!(
                 "the usual run drew on the {usual}, the other on the {other}: --set NODE.engine=cpu compares on one\n"
@@ -109,13 +100,4 @@ impl ExhaustiveComparison {
         }
         found
     }
-}
-
-/// Largest difference of a channel; ∞ for pictures of different sizes.
-fn largest_difference(a: &Picture, b: &Picture) -> f64 {
-    if (a.width, a.height) != (b.width, b.height) {
-        return f64::INFINITY;
-    }
-    let channels = a.rgba.iter().flatten().zip(b.rgba.iter().flatten());
-    channels.map(|(a, b)| (f64::from(*a) - f64::from(*b)).abs()).fold(0.0, f64::max)
 }

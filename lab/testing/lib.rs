@@ -6,6 +6,8 @@
 //! | --- | --- |
 //! | `pictures` | scenes that every engine is held to, and the comparison with the referee |
 //! | `segments` | ray segments drawn by lot, and widgets of every kind for them |
+//! | `twin` | a formula in 32 bits against its 64-bit truth |
+//! | `segment_twin` | an integrator in 32 bits on a segment against its 64-bit truth |
 //! | `compilers` | plug-ins and programs in other languages |
 //! | `files` | small data files in every format and encoding, written independently of the readers |
 
@@ -26,7 +28,11 @@ pub mod files;
 #[cfg(feature = "pictures")]
 pub mod pictures;
 #[cfg(feature = "segments")]
+pub mod segment_twin;
+#[cfg(feature = "segments")]
 pub mod segments;
+#[cfg(feature = "segments")]
+pub mod twin;
 
 /// WebAssembly modules from their text.
 #[cfg(feature = "wat")]

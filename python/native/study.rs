@@ -1,7 +1,6 @@
 //! Error against run time, as `voltet study` measures it.
 
 use std::path::PathBuf;
-use std::time::Duration;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_graph::NodeProgress;
@@ -9,7 +8,7 @@ use voltet_graph::{Graph, Observer, suggest};
 use voltet_nodes::drawing::ENGINES;
 use voltet_optics::integrators::Integrator;
 use voltet_study::work_precision::{
-    Benches, Engines, Frames, Measure, StudyOptions as Options, Subject, cache_folder, json, reference,
+    Benches, Engines, Frames, StudyOptions as Options, Subject, cache_folder, json, patience, reference,
     study as measure, write,
 };
 
@@ -30,11 +29,6 @@ pub struct StudyOptions {
 
 impl StudyOptions {
     fn request(&self, studied: &[Integrator]) -> Result<Options> {
-        let known = || studied.iter().map(|integrator| integrator.name());
-        if let Some(name) = self.only.iter().find(|name| !known().any(|known| known == name.as_str())) {
-            let error = Error::usage("'only' names no integrator that can be studied").got(name);
-            return Err(error.expected(suggest(name, known())));
-        }
         let engines = match self.engine.as_str() {
             "all" => Engines::All,
             name => {
@@ -46,33 +40,22 @@ impl StudyOptions {
                 })?
             }
         };
-        let wrong = |what: &str, found: f64| {
-            let error = Error::usage(format!("'{what}' is out of range")).got(found);
-            Err(error.expected("a number of at least 0"))
-        };
-        for (name, value) in [("patience", self.patience), ("max_error", self.max_error.unwrap_or(0.0))] {
-            if !(value.is_finite() && value >= 0.0) {
-                return wrong(name, value);
-            }
-        }
-        if self.frames == 0 {
-            return Err(Error::usage("'frames' is out of range").got(0).expected("1 or more"));
-        }
-        Ok(Options {
+        let request = Options {
             only: self.only.clone(),
             engines,
             adapter: self.adapter.clone(),
-            // A year is longer than any patience, and does not overflow.
             frames: Frames {
                 count: self.frames,
-                patience: Duration::from_secs_f64(self.patience.min(3e7)),
+                patience: patience(self.patience, "'patience'")?,
                 turn: 0.0,
                 in_flight: 1,
             },
-            measure: Measure::default(),
             max_error: self.max_error,
-            refine: 0,
-        })
+            ..Options::default()
+        };
+        let names: Vec<&str> = studied.iter().map(Integrator::name).collect();
+        request.check(&names, |name| format!("'{name}'"))?;
+        Ok(request)
     }
 }
 

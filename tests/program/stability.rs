@@ -156,7 +156,7 @@ fn a_file_that_is_none_is_exit_code_2_with_its_line() {
         folder.voltet(&["stability", "--cases", "cases.jsonl"]).fails(2, wanted);
     };
     fails(&text[..text.len() - 40], &["cases.jsonl:3", "JSON"]);
-    fails(&lines[0].replace("\"D\":", "\"E\":"), &["cases.jsonl:1", "'D'"]);
+    fails(&lines[0].replace("\"D\":", "\"E\":"), &["cases.jsonl:1", "`D`"]);
     fails(&lines[0].replace("\"T\":\"", "\"T\":\"x"), &["cases.jsonl:1", "no exact value"]);
     fails(
         &lines[0].replace("\"unit_distance\":", "\"unit_distance\":-"),

@@ -3,7 +3,7 @@
 use voltet_core::transfer::TransferFunction;
 
 /// Cost model that decides if rays are cast. The gain over projecting cells is counted in the time to find the faces that they share,
-/// both by cells; measured over grids of 0.2 to 16 million cells, 2 to 140 segments each (`cargo bench --bench frame`).
+/// both by cells; measured over grids of 0.2 to 16 million cells, 2 to 140 segments each (`lab/bench/frames.py`).
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RayCastPolicy {
     /// Gain of each segment of a cell: negative where nothing has to be sorted.

@@ -32,7 +32,7 @@ const ACROSS: Segment<'static> =
     Segment { length: 1.3, front: [0.1, 0.2], back: [0.9, 0.7], fields_front: &[], fields_back: &[] };
 
 /// All kinds, those that ship first.
-fn every_kind() -> impl Iterator<Item = &'static dyn integrators::IntegratorKind> {
+fn every_kind() -> impl Iterator<Item = &'static dyn IntegratorKind> {
     integrators::KINDS.into_iter().chain(KINDS)
 }
 

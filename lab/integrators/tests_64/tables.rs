@@ -83,8 +83,7 @@ fn pre_integrated_errors_fall_with_the_square_of_the_size() {
         let transfer_function = waves_of_colour(model);
         let error = |size: usize| {
             let table = PreIntegrated::new(&transfer_function, size, 2, &extent).expect("serves");
-            let tiles =
-                PreIntegratedCylindrical::new(&transfer_function, size, 2, 1, &extent).expect("serves");
+            let tiles = PreIntegrated::tiles(&transfer_function, size, 2, 1, &extent).expect("serves");
             [largest(&table, &transfer_function, 3.0), largest(&tiles, &transfer_function, 3.0)]
         };
         let errors = [32, 64, 128].map(error);
@@ -155,8 +154,7 @@ fn of_resampling(table_size: usize, planes: usize) -> f64 {
     let transfer_function = waves_of_colour(OpticalModel::DensityEmitter);
     let extent = Extent { scalar: [0.0, 1.0], longest: 3.0 };
     let table = PreIntegrated::new(&transfer_function, table_size, 2, &extent).expect("serves");
-    let tiles =
-        PreIntegratedCylindrical::new(&transfer_function, table_size, 2, planes, &extent).expect("serves");
+    let tiles = PreIntegrated::tiles(&transfer_function, table_size, 2, planes, &extent).expect("serves");
     let mut worst = 0.0_f64;
     for (i, j, k) in (0..40).flat_map(|i| (0..40).flat_map(move |j| (1..20).map(move |k| (i, j, k)))) {
         let [front, back, length] = [i, j, k].map(|n| (f64::from(n) + 0.37) / 41.0);

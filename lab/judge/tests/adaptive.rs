@@ -34,7 +34,7 @@ fn the_tolerance_is_met_on_every_exact_case() {
     let mut judged = 0;
     for case in text.lines().map(|line| parse(line).expect("well formed")) {
         // Where the result is discontinuous, or its condition leaves no digits, no tolerance can be met.
-        let known = |s: &SegmentCase| s.condition.iter().all(|k| k.is_some_and(|k| k < 1e7));
+        let known = |s: &SegmentCase| s.conditions.differences.iter().all(|k| k.is_some_and(|k| k < 1e7));
         if let Kind::Segment(found) = &case.kind
             && (known(found) || case.category == "edges")
         {

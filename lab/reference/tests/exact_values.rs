@@ -36,7 +36,7 @@ fn segments_equal_the_exact_values() {
             assert!((found - exact).abs() <= allowed, "{} {what}: {found:e} for {exact:e}", case.id);
             judged += 1;
         };
-        let [k_t, k_c, k_a] = segment.condition.map(|k| k.unwrap_or(f64::INFINITY));
+        let [k_t, k_c, k_a] = segment.conditions.differences.map(|k| k.unwrap_or(f64::INFINITY));
         compare("T", found.optical_depth, exact.optical_depth, k_t, 1e-290);
         compare("A", found.opacity, exact.opacity, k_a, 1e-290);
         let depth = exact.optical_depth;

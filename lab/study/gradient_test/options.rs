@@ -1,8 +1,9 @@
 //! Options of a test of gradient filters.
 
+use voltet_core::field::Method;
 use voltet_core::{Error, Result};
+use voltet_graph::{Field, Parameters, Registry, SourceSpan};
 
-/// Measurements to make, and requirements of the filter.
 #[derive(Debug, Clone)]
 pub struct TestOptions {
     /// Boxes along a side of each grid, coarse to fine, two at least.
@@ -11,7 +12,6 @@ pub struct TestOptions {
     pub timed: usize,
     /// Number of times each filter is timed, after once that warms up.
     pub rounds: usize,
-    /// Requirements of the filter.
     pub hold_to: Vec<RequirementKind>,
     /// The least order of convergence inside.
     pub order: f64,
@@ -19,7 +19,6 @@ pub struct TestOptions {
     pub linear_error: f64,
 }
 
-/// Something that a filter can be held to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RequirementKind {
     /// A finite vector at every point, on every grid.
@@ -76,4 +75,40 @@ impl Default for TestOptions {
             linear_error: 1e-9,
         }
     }
+}
+
+/// The filter of this name with what is set of its parameters, then those `beside` it with their standard values: all others that can
+/// be tested, without names.
+///
+/// Errors: no such filter or parameter; a filter that reads arrays, of which manufactured grids carry none.
+pub fn methods(
+    name: &str,
+    set: &[Field],
+    beside: Option<&[String]>,
+    registry: &Registry,
+) -> Result<Vec<Method>> {
+    let testable = |method: Method| match method.arrays()?.first() {
+        None => Ok(method),
+        Some(array) => Err(Error::usage("the filter reads a point array, and manufactured grids carry none")
+            .got(format!("'{array}'"))
+            .expected("a filter that computes gradients")),
+    };
+    let filter = registry.find_filter(name)?.clone();
+    let declared = filter.declaration().parameters;
+    let parameters = Parameters::check(declared, set, &SourceSpan::Nowhere, &[])?;
+    let method = testable(Method::new(filter, parameters)?).map_err(|error| error.at_item(name))?;
+    let mut methods = vec![method];
+    let others: Vec<String> = match beside {
+        Some(names) => names.to_vec(),
+        None => registry.filters().map(|filter| filter.declaration().name.to_string()).collect(),
+    };
+    for name in others.iter().filter(|other| *other != name && !other.is_empty()) {
+        // Those that cannot go without parameters or arrays are left out, unless they were asked for.
+        match Method::with_defaults(registry.find_filter(name)?.clone()).and_then(testable) {
+            Ok(other) => methods.push(other),
+            Err(error) if beside.is_some() => return Err(error.at_item(name)),
+            Err(_) => {}
+        }
+    }
+    Ok(methods)
 }

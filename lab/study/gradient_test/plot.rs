@@ -1,8 +1,8 @@
 //! Error against fineness: a panel a family of grids, a line a filter.
 
-use super::meshes::Mesh;
+use super::manufactured::Mesh;
 use super::report::{FilterReport, GradientTest};
-use crate::work_precision::canvas::{Anchor, Axis, BLACK, Canvas, Color, Mark, Size, Symbol, WHITE, shown};
+use crate::work_precision::canvas::{Anchor, Axis, BLACK, Canvas, Color, Size, Symbol, WHITE, shown};
 
 const SIZE: [f64; 2] = [960.0, 760.0];
 /// Left and right ends of the panels in a row, top and bottom of those in a column.
@@ -30,13 +30,10 @@ pub fn plot(test: &GradientTest) -> Canvas {
         let one = found.convergence.iter().find(|one| one.mesh == mesh.name());
         one.map_or(Vec::new(), |one| one.inside.root_mean_square.clone())
     };
-    let all = || {
-        test.filters
-            .iter()
-            .flat_map(|found| Mesh::EVERY.into_iter().flat_map(move |mesh| errors(found, mesh)))
-    };
+    let all =
+        || test.filters.iter().flat_map(|found| Mesh::ALL.into_iter().flat_map(|mesh| errors(found, mesh)));
     let visible = |e: f64| e.max(LEAST);
-    for (k, mesh) in Mesh::EVERY.into_iter().enumerate() {
+    for (k, mesh) in Mesh::ALL.into_iter().enumerate() {
         let ([left, right], [top, bottom]) = (ACROSS[k % 2], DOWN[k / 2]);
         let x = Axis::over(test.levels.iter().map(|&n| n as f64), left, right);
         let y = Axis::over(all().map(visible), bottom, top);
@@ -54,16 +51,14 @@ pub fn plot(test: &GradientTest) -> Canvas {
             }
             for ((at, n), e) in places.iter().zip(&test.levels).zip(&errors) {
                 let hint = format!("{}: {n} boxes a side, error {e:.2e}", found.name);
-                let corners = symbol.corners(*at, 5.0);
-                canvas.marks.push(Mark::Shape { corners, fill: WHITE, outline: *color, hint });
+                canvas.shape(symbol.corners(*at, 5.0), WHITE, *color, hint);
             }
         }
     }
     for (k, (found, (symbol, color, dashes))) in test.filters.iter().zip(STYLES.iter().cycle()).enumerate() {
         let at = [ACROSS[0][0] + 300.0 * (k % 3) as f64, 700.0 + 24.0 * (k / 3) as f64];
         canvas.line(&[[at[0], at[1]], [at[0] + 34.0, at[1]]], 1.4, *color, dashes);
-        let corners = symbol.corners([at[0] + 17.0, at[1]], 5.0);
-        canvas.marks.push(Mark::Shape { corners, fill: WHITE, outline: *color, hint: found.name.clone() });
+        canvas.shape(symbol.corners([at[0] + 17.0, at[1]], 5.0), WHITE, *color, found.name.clone());
         canvas.text([at[0] + 44.0, at[1]], &shown(&found.name, 36), Size::Small, Anchor::Start, BLACK);
     }
     canvas

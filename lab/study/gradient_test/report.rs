@@ -1,31 +1,26 @@
 //! Results of gradient filters.
 
+use super::options::{RequirementKind, TestOptions};
 use serde::Serialize;
 
 /// Filters measured side by side: the first is the one that was asked about.
 #[derive(Debug, Clone, Serialize)]
 pub struct GradientTest {
-    /// The filters.
     pub filters: Vec<FilterReport>,
-    /// Requirements of the first.
     pub requirements: Vec<Requirement>,
     /// Boxes along a side of each grid, coarse to fine.
     pub levels: Vec<usize>,
     /// Threads that filters may use.
     pub threads: usize,
-    /// Engine of the pictures.
     pub engine: String,
     /// The picture with the exact gradient, PNG.
     #[serde(skip)]
     pub exact_png: Vec<u8>,
 }
 
-/// Results of one filter.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct FilterReport {
-    /// Its name in pipeline files.
     pub name: String,
-    /// Its summary, a sentence.
     pub summary: String,
     /// Its parameters with their values, as a pipeline file would write them.
     pub parameters: Vec<(String, String)>,
@@ -39,9 +34,7 @@ pub struct FilterReport {
     pub invariance: Vec<Invariance>,
     /// Gradients of noise: one entry a family of grids.
     pub noise: Vec<Noise>,
-    /// Time and memory.
     pub cost: Option<Cost>,
-    /// A picture drawn with it.
     pub picture: Option<PictureError>,
     /// Places at which the filter failed or fell back, with its words.
     pub faults: Vec<Fault>,
@@ -50,13 +43,9 @@ pub struct FilterReport {
 /// Errors of one field on one family of grids.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Convergence {
-    /// The family of grids.
     pub mesh: &'static str,
-    /// The field.
     pub field: &'static str,
-    /// At points inside.
     pub inside: Series,
-    /// At points on the boundary.
     pub boundary: Series,
 }
 
@@ -74,13 +63,9 @@ pub struct Series {
 /// Largest errors on a field that a filter may get exactly, relative to the largest gradient.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Exactness {
-    /// The family of grids.
     pub mesh: &'static str,
-    /// On a linear field.
     pub linear: f64,
-    /// On a quadratic field, at points inside.
     pub quadratic_inside: f64,
-    /// On a quadratic field, at points on the boundary.
     pub quadratic_boundary: f64,
 }
 
@@ -111,7 +96,6 @@ pub struct Invariance {
 /// Gradients of independent noise of variance 1 at the points.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Noise {
-    /// The family of grids.
     pub mesh: &'static str,
     /// Root of the mean square of |∇noise| × spacing, inside.
     pub inside: f64,
@@ -119,18 +103,13 @@ pub struct Noise {
     pub boundary: f64,
 }
 
-/// Time and memory of a filter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cost {
-    /// Points of the grid.
     pub points: usize,
-    /// Tetrahedra of the grid.
     pub tetrahedra: usize,
     /// Median of the seconds, filters taking turns.
     pub median_s: f64,
-    /// The fastest.
     pub fastest_s: f64,
-    /// The slowest.
     pub slowest_s: f64,
     /// Bytes that the process held at most beyond those before; `None` where the system does not tell.
     pub memory_bytes: Option<u64>,
@@ -139,15 +118,11 @@ pub struct Cost {
 /// A picture with its gradient magnitude, against the same with the exact one.
 #[derive(Debug, Clone, Serialize)]
 pub struct PictureError {
-    /// Width and height.
     pub size: [u32; 2],
-    /// The largest difference of a channel.
     pub maximum: f64,
-    /// Root of the mean square of these differences.
     pub root_mean_square: f64,
     /// Pixels that differ by more than 1/255.
     pub pixels_over_step: u64,
-    /// The picture, PNG.
     #[serde(skip)]
     pub png: Vec<u8>,
 }
@@ -163,23 +138,12 @@ pub struct Fault {
     pub failed: bool,
 }
 
-/// Requirement of a filter, with its result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Requirement {
     /// In words, with the bound.
     pub what: String,
-    /// Result.
     pub found: String,
-    /// True if it holds.
     pub holds: bool,
-}
-
-impl Fault {
-    /// In a sentence about the filter of that name.
-    pub fn said(&self, name: &str) -> String {
-        let did = if self.failed { "failed" } else { "fell back" };
-        format!("{name} {did}, {}: {}", self.at, self.what)
-    }
 }
 
 impl GradientTest {
@@ -187,4 +151,65 @@ impl GradientTest {
     pub fn passed(&self) -> bool {
         self.requirements.iter().all(|requirement| requirement.holds)
     }
+}
+
+pub(super) fn requirements(found: &FilterReport, wish: &TestOptions) -> Vec<Requirement> {
+    let of = |hold: &RequirementKind| match hold {
+        RequirementKind::Finite => finite(found),
+        RequirementKind::Linear => linear(found, wish.linear_error),
+        RequirementKind::Order => order(found, wish.order),
+        RequirementKind::Invariance => invariance(found),
+    };
+    wish.hold_to.iter().map(of).collect()
+}
+
+/// Result of the other requirements for a filter that failed.
+const NOTHING: &str = "nothing: the filter failed";
+
+fn finite(found: &FilterReport) -> Requirement {
+    let failed: Vec<_> = found.faults.iter().filter(|fault| fault.failed).collect();
+    let said = match failed.as_slice() {
+        [] => "one wherever it was asked".to_string(),
+        [first, ..] => format!("{} failures, the first at {}: {}", failed.len(), first.at, first.what),
+    };
+    Requirement { what: "gives a finite vector at every point".into(), found: said, holds: failed.is_empty() }
+}
+
+fn linear(found: &FilterReport, bound: f64) -> Requirement {
+    let what = format!("is exact on linear fields: errors of at most {bound:e}");
+    let worst = found.exactness.iter().max_by(|a, b| a.linear.total_cmp(&b.linear));
+    let said = worst.map(|worst| format!("{:.1e} on the {} grid", worst.linear, worst.mesh));
+    let holds = worst.is_some_and(|worst| worst.linear <= bound);
+    Requirement { what, found: said.unwrap_or_else(|| NOTHING.into()), holds }
+}
+
+fn order(found: &FilterReport, least: f64) -> Requirement {
+    let what = format!("converges inside on every family of grids: order {least} or more");
+    // Where only rounding is left there is nothing to converge.
+    let orders = found.convergence.iter().filter_map(|one| Some((one.inside.order?, one)));
+    let worst = orders.min_by(|a, b| a.0.total_cmp(&b.0));
+    let (said, holds) = match worst {
+        Some((order, one)) => {
+            (format!("{order:.2} for {} on the {} grid", one.field, one.mesh), order >= least)
+        }
+        None if found.convergence.is_empty() => (NOTHING.into(), false),
+        None => ("rounding alone".into(), true),
+    };
+    Requirement { what, found: said, holds }
+}
+
+fn invariance(found: &FilterReport) -> Requirement {
+    let what = "changes by rounding alone where the grid is moved, turned, scaled or numbered otherwise, and with the \
+                scalar's units"
+        .into();
+    let share = |one: &Invariance| one.difference / one.rounding;
+    let worst = found.invariance.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
+    let said = worst.map(|worst| {
+        format!(
+            "{:.1e} under {}, where rounding may make {:.1e}",
+            worst.difference, worst.under, worst.rounding
+        )
+    });
+    let holds = worst.is_some_and(|worst| share(worst) <= 1.0);
+    Requirement { what, found: said.unwrap_or_else(|| NOTHING.into()), holds }
 }

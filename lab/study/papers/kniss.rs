@@ -2,17 +2,13 @@
 //! visualization", 2003.
 
 use super::bench::{Bench, Scene, TimedRender};
-use super::moreland::verdict;
-use super::options::Paper;
-use super::page::{Section, number};
-use super::plane::{gaussian, square};
+use super::page::*;
 use crate::work_precision::Subject;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::picture::Picture;
 use voltet_core::transfer::{Profile, TransferFunction};
 use voltet_integrators::{riemann, tabulated};
-use voltet_optics::WidgetBlend;
 use voltet_optics::shading::Integrator;
 
 /// Table 5: seconds a frame for one to four primitives.
@@ -26,7 +22,7 @@ const TABLE_5: [(&str, [f64; 4]); 5] = [
 
 const TABLED: Integrator = tabulated(128);
 
-pub(super) fn section(bench: &mut Bench) -> Result<Section> {
+pub(super) fn section(bench: &Bench) -> Result<Section> {
     let mut section = Section::new(Paper::Kniss, "Kniss et al. 2003: Gaussian transfer functions");
     section.say(
         "The paper's CT tooth and MRI of a mouse brain are no unstructured grids and are not to be had: the heat sink stands in for \
@@ -42,34 +38,30 @@ pub(super) fn section(bench: &mut Bench) -> Result<Section> {
     Ok(section)
 }
 
-fn add(rows: &mut Vec<[String; 6]>, printed: &str, way: &str, shot: &TimedRender) {
-    let [ms, rms, most, over] = shot.cells();
-    rows.push([way.into(), printed.into(), ms, rms, most, over]);
-}
-
 const HEAD: [&str; 6] = ["here", "printed", "ms", "rms error", "largest error", "pixels over 1/255"];
 
 fn figure_1(bench: &Bench, section: &mut Section) -> Result<()> {
     section.part("Figure 1: thin boundaries, analytic and numerical");
     let scene = bench.scene("kniss_boundaries.toml")?;
-    let shot = |integrator| bench.shot(&scene, integrator, WidgetBlend::Exact);
+    let shot = |integrator| bench.shot(&scene, integrator);
     let exact = shot(Integrator::ANALYTIC)?;
     let tabled = shot(TABLED)?;
     let [three, one] = [shot(riemann(3))?, shot(riemann(1))?];
-    let (count, equal) = bench.in_equal_time(&scene, exact.ms, |count| riemann(count))?;
+    let (count, equal) = bench.in_equal_time(&scene, exact.ms, riemann)?;
     let background = scene.subject.background;
     section.figure(
         "figure_1",
         "Figure 1: analytic (left), three samples a segment (middle), one (right)",
         &[(&exact.picture, background), (&three.picture, background), (&one.picture, background)],
     )?;
-    let mut rows = Vec::new();
-    add(&mut rows, "analytic, 128 slices", "closed forms", &exact);
-    add(&mut rows, "the same, as printed", "`tabulated`", &tabled);
-    add(&mut rows, "numerical, 368 slices", "3 samples a segment", &three);
-    add(&mut rows, "numerical, 128 slices", "1 sample a segment", &one);
-    add(&mut rows, "–", &format!("in equal time with the closed forms: {count} a segment"), &equal);
-    section.table(HEAD, &rows);
+    let rows = [
+        exact.row(&["closed forms", "analytic, 128 slices"]),
+        tabled.row(&["`tabulated`", "the same, as printed"]),
+        three.row(&["3 samples a segment", "numerical, 368 slices"]),
+        one.row(&["1 sample a segment", "numerical, 128 slices"]),
+        equal.row(&[&format!("in equal time with the closed forms: {count} a segment"), "–"]),
+    ];
+    section.table(&HEAD, &rows);
     let rms = |shot: &TimedRender| shot.errors.root_mean_square;
     section.say(&format!(
         "\"Similar quality using far fewer slices\": that the printed way is at least as right with one stretch as sampling with three \
@@ -130,14 +122,13 @@ fn first(subject: &Subject, count: usize) -> Subject {
 
 fn figure_6(bench: &Bench, section: &mut Section) -> Result<()> {
     section.part("Figure 6: three primitives over several fields");
-    let [width, height] = bench.wish.size;
-    let subject = bench.subject("kniss_fields.toml", &[format!("view.size=[{width},{height}]")])?;
+    let subject = bench.sized("kniss_fields.toml")?;
     let scene = bench.referred(first(&subject, 3))?;
-    let shot = |integrator| bench.shot(&scene, integrator, WidgetBlend::Exact);
+    let shot = |integrator| bench.shot(&scene, integrator);
     let (one, tabled) = (shot(riemann(1))?, shot(TABLED)?);
     let four = shot(riemann(4))?;
     let exact = shot(Integrator::ANALYTIC)?;
-    let (count, equal) = bench.in_equal_time(&scene, exact.ms, |count| riemann(count))?;
+    let (count, equal) = bench.in_equal_time(&scene, exact.ms, riemann)?;
     let background = scene.subject.background;
     section.figure(
         "figure_6",
@@ -148,13 +139,14 @@ fn figure_6(bench: &Bench, section: &mut Section) -> Result<()> {
         "In equal time, or one where even that takes longer: closed forms (left), samples a segment: {count} (right)"
     );
     section.figure("equal_time", &caption, &[(&exact.picture, background), (&equal.picture, background)])?;
-    let mut rows = Vec::new();
-    add(&mut rows, "A: Riemann sum, 270 slices", "1 sample a segment", &one);
-    add(&mut rows, "B: analytic, 270 slices", "`tabulated`", &tabled);
-    add(&mut rows, "C: Riemann sum, 1000 slices, as long as B", "4 samples a segment", &four);
-    add(&mut rows, "–", "closed forms", &exact);
-    add(&mut rows, "–", &format!("in equal time with the closed forms: {count} a segment"), &equal);
-    section.table(HEAD, &rows);
+    let rows = [
+        one.row(&["1 sample a segment", "A: Riemann sum, 270 slices"]),
+        tabled.row(&["`tabulated`", "B: analytic, 270 slices"]),
+        four.row(&["4 samples a segment", "C: Riemann sum, 1000 slices, as long as B"]),
+        exact.row(&["closed forms", "–"]),
+        equal.row(&[&format!("in equal time with the closed forms: {count} a segment"), "–"]),
+    ];
+    section.table(&HEAD, &rows);
     section.say(&format!(
         "\"Note the higher quality result of the analytic integration\" than of samples that take as long: of the closed forms that \
          {} (rms {:.1e} and {:.1e}), of the printed way against four samples {} (rms {:.1e} and {:.1e}).",
@@ -170,8 +162,7 @@ fn figure_6(bench: &Bench, section: &mut Section) -> Result<()> {
 
 fn table_5(bench: &Bench, section: &mut Section) -> Result<()> {
     section.part("Table 5: time for one to four primitives, by that of one point-sampled Gaussian");
-    let [width, height] = bench.wish.size;
-    let triangular = bench.subject("kniss_fields.toml", &[format!("view.size=[{width},{height}]")])?;
+    let triangular = bench.sized("kniss_fields.toml")?;
     let mut plain = triangular.clone();
     plain.scene.transfer_function = Arc::new(without_magnitude(&triangular.scene.transfer_function));
     let sampled = riemann(1);
@@ -183,40 +174,34 @@ fn table_5(bench: &Bench, section: &mut Section) -> Result<()> {
         Some((&triangular, TABLED)),
     ];
     let time = |subject: &Subject, integrator, count| -> Result<f64> {
-        Ok(bench.measured(&first(subject, count), integrator, WidgetBlend::Exact)?.1.frame.median_ms)
+        Ok(bench.measured(&first(subject, count), integrator)?.1.frame.median_ms)
     };
-    let (mut rows, mut unit) = (Vec::new(), None);
-    let mut cell = |way: Option<(&Subject, Integrator)>, count| -> Result<(String, Option<f64>)> {
-        let Some((subject, integrator)) = way else { return Ok(("–".into(), None)) };
-        let ms = time(subject, integrator, count)?;
-        let ratio = ms / *unit.get_or_insert(ms);
-        Ok((number(ratio), Some(ratio)))
-    };
-    let mut ratios = Vec::new();
+    // One point-sampled Gaussian.
+    let unit = time(&plain, sampled, 1)?;
+    let (mut rows, mut last) = (Vec::new(), Vec::new());
     for ((name, printed), way) in TABLE_5.iter().zip(ways) {
-        let by_one = printed.map(|seconds| number(seconds / TABLE_5[1].1[0]));
-        let mut row = vec![name.to_string()];
-        row.extend(by_one);
-        for count in 1..=4 {
-            let (text, ratio) = cell(way, count)?;
-            row.push(text);
-            ratios.extend(ratio.filter(|_| count == 4));
-        }
-        rows.extend(<[String; 9]>::try_from(row).ok());
+        let printed = printed.map(|seconds| number(seconds / TABLE_5[1].1[0]));
+        let here = match way {
+            None => ["–"; 4].map(String::from).to_vec(),
+            Some((subject, integrator)) => {
+                let ratio = |count| Ok(time(subject, integrator, count)? / unit);
+                let ratios = (1..=4).map(ratio).collect::<Result<Vec<f64>>>()?;
+                last.push(ratios[3]);
+                ratios.into_iter().map(number).collect()
+            }
+        };
+        rows.push([vec![name.to_string()], printed.to_vec(), here].concat());
     }
-    let own: Vec<String> = [&plain, &triangular]
-        .map(|subject| time(subject, Integrator::ANALYTIC, 4))
-        .into_iter()
-        .map(|ms| Ok(number(ms? / unit.unwrap_or(1.0))))
-        .collect::<Result<_>>()?;
-    section.table(["primitives", "printed: 1", "2", "3", "4", "here: 1", "2", "3", "4"], &rows);
+    let own = [&plain, &triangular].map(|subject| time(subject, Integrator::ANALYTIC, 4));
+    let own = own.into_iter().map(|ms| Ok(number(ms? / unit))).collect::<Result<Vec<_>>>()?;
+    section.table(&["primitives", "printed: 1", "2", "3", "4", "here: 1", "2", "3", "4"], &rows);
     section.say(&format!(
         "Gaussians here are over two fields, triangular ones over two and their multi-gradient. `analytic`, in order and in closed form, \
          takes {} and {} for four. Separable textures have no counterpart. \"More than twice as long\" analytically as by point samples: \
          with four primitives that {}.",
         own[0],
         own[1],
-        verdict(ratios.len() == 4 && ratios[2] > 2.0 * ratios[0] && ratios[3] > 2.0 * ratios[1]),
+        verdict(last[2] > 2.0 * last[0] && last[3] > 2.0 * last[1]),
     ));
     Ok(())
 }
@@ -237,25 +222,17 @@ fn table_of_gaussians(bench: &Bench, section: &mut Section) -> Result<()> {
     section.part("\"128² 16-bit samples [are] sufficient\" (section 5.2.1)");
     // Gaussians alone, so that only the table errs.
     let scene = bench.scene("song_gaussian.toml")?;
-    let narrow = narrowed(&scene, 30.0);
-    let narrow = bench.referred(narrow)?;
-    let mut rows = Vec::new();
-    let mut found = Vec::new();
+    let narrow = bench.referred(narrowed(&scene, 30.0))?;
+    let (mut rows, mut found) = (Vec::new(), Vec::new());
     for table_size in [32, 64, 128, 256, 512] {
-        let shots =
-            [&scene, &narrow].map(|scene| bench.shot(scene, tabulated(table_size), WidgetBlend::Exact));
-        let [wide, thin] = shots;
-        let [wide, thin] = [wide?, thin?];
-        let cells = |shot: &TimedRender| {
-            let [_, rms, most, _] = shot.cells();
-            [rms, most]
-        };
-        let ([a, b], [c, d]) = (cells(&wide), cells(&thin));
-        rows.push([format!("{table_size}²"), a, b, c, d]);
+        let shot = |scene| bench.shot(scene, tabulated(table_size));
+        let (wide, thin) = (shot(&scene)?, shot(&narrow)?);
+        let ([_, a, b, _], [_, c, d, _]) = (wide.cells(), thin.cells());
+        rows.push(vec![format!("{table_size}²"), a, b, c, d]);
         found.push([wide.errors.maximum, thin.errors.maximum]);
     }
     section.table(
-        ["table", "a wide Gaussian: rms error", "largest", "30 times narrower: rms error", "largest"],
+        &["table", "a wide Gaussian: rms error", "largest", "30 times narrower: rms error", "largest"],
         &rows,
     );
     section.say(&format!(

@@ -1,15 +1,13 @@
 //! K. Moreland, "Fast high accuracy volume rendering", dissertation, 2004: adaptive transfer function sampling.
 
 use super::bench::Bench;
-use super::options::Paper;
-use super::page::Section;
+use super::page::*;
 use voltet_core::Result;
 use voltet_integrators::{DEFAULT_OVERSAMPLING, DEFAULT_SIDE};
 use voltet_integrators::{VERTEX_SAMPLED, pre_integrated, segments};
-use voltet_optics::WidgetBlend;
 use voltet_optics::shading::Integrator;
 
-pub(super) fn section(bench: &mut Bench) -> Result<Section> {
+pub(super) fn section(bench: &Bench) -> Result<Section> {
     let mut section = Section::new(Paper::Moreland, "Moreland 2004: adaptive transfer function sampling");
     section.say(
         "The paper's blunt fin is replaced by a field by formula on 16³ hexahedra (`moreland_surface.toml`), with a transition of \
@@ -23,8 +21,7 @@ pub(super) fn section(bench: &mut Bench) -> Result<Section> {
         ("sampled at the ends of each segment", segments(1, DEFAULT_SIDE)),
         ("pre-integrated, 256³: \"the accuracy of pre-integration is low\"", tabled),
     ];
-    let shots =
-        ways.iter().map(|way| bench.shot(&scene, way.1, WidgetBlend::Exact)).collect::<Result<Vec<_>>>()?;
+    let shots = ways.iter().map(|way| bench.shot(&scene, way.1)).collect::<Result<Vec<_>>>()?;
     section.part("Figure 1.1");
     let background = scene.subject.background;
     section.figure(
@@ -32,15 +29,8 @@ pub(super) fn section(bench: &mut Bench) -> Result<Section> {
         "Figure 1.1: left (a) the transfer function at the vertices alone, right (b) clipped at its control points",
         &[(&shots[0].picture, background), (&shots[1].picture, background)],
     )?;
-    let rows: Vec<[String; 5]> = ways
-        .iter()
-        .zip(&shots)
-        .map(|((what, _), shot)| {
-            let [ms, rms, most, over] = shot.cells();
-            [what.to_string(), ms, rms, most, over]
-        })
-        .collect();
-    section.table(["printed", "here: ms", "rms error", "largest error", "pixels over 1/255"], &rows);
+    let rows: Vec<_> = ways.iter().zip(&shots).map(|((what, _), shot)| shot.row(&[what])).collect();
+    section.table(&["printed", "here: ms", "rms error", "largest error", "pixels over 1/255"], &rows);
     let [vertices, clipped, _, table] = &shots[..] else { return Ok(section) };
     section.say(&format!(
         "Found: (a) is off by {:.2} of full scale at worst; (b) by {:.0e}, which is the rounding of 32 bits: the claim {}. The table \
@@ -53,9 +43,4 @@ pub(super) fn section(bench: &mut Bench) -> Result<Section> {
         verdict(table.errors.maximum > 10.0 * clipped.errors.maximum),
     ));
     Ok(section)
-}
-
-/// Verdict on a claim.
-pub(super) fn verdict(holds: bool) -> &'static str {
-    if holds { "**holds**" } else { "**does not hold here**" }
 }

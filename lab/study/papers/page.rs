@@ -1,37 +1,32 @@
-//! The page: sections with tables as Markdown, and figures.
+//! The page: sections of papers with tables as Markdown, and figures.
 
-use super::options::Paper;
+use crate::columns::markdown;
 use std::time::SystemTime;
 use voltet_core::Result;
+use voltet_core::grid::extent::range;
 use voltet_core::picture::Picture;
 use voltet_io::encode;
 use voltet_io::provenance::date;
 use voltet_simd::LaneSet;
 
-/// A figure.
 #[derive(Debug, Clone)]
 pub struct Figure {
     /// The file's name.
     pub name: String,
-    /// The picture.
     pub png: Vec<u8>,
 }
 
 /// Claims of a paper, and the results here.
 #[derive(Debug, Clone)]
 pub struct Section {
-    /// The paper.
     pub paper: Paper,
-    /// Markdown.
     pub text: String,
-    /// Its figures, which the text names.
     pub figures: Vec<Figure>,
 }
 
 /// Folder of the figures' links.
 pub const FOLDER: &str = "papers";
 
-/// The whole page.
 pub fn page(sections: &[Section]) -> Result<String> {
     let lanes = LaneSet::detect()?.name();
     let threads = rayon::current_num_threads();
@@ -63,22 +58,17 @@ impl Section {
         Section { paper, text: format!("## {title}\n"), figures: Vec::new() }
     }
 
-    /// A heading.
     pub(super) fn part(&mut self, title: &str) {
         self.text += &format!("\n### {title}\n");
     }
 
-    /// A paragraph.
     pub(super) fn say(&mut self, text: &str) {
         self.text += &format!("\n{text}\n");
     }
 
     /// A table; the first column is text, the others numbers.
-    pub(super) fn table<const N: usize>(&mut self, head: [&str; N], rows: &[[String; N]]) {
-        self.text += &format!("\n| {} |\n| --- |{}\n", head.join(" | "), " ---: |".repeat(N - 1));
-        for row in rows {
-            self.text += &format!("| {} |\n", row.join(" | "));
-        }
+    pub(super) fn table(&mut self, heads: &[&str], rows: &[Vec<String>]) {
+        self.text += &format!("\n{}", markdown(heads, |column| column == 0, rows));
     }
 
     /// Pictures side by side, over their backgrounds.
@@ -117,6 +107,16 @@ fn beside(pictures: &[(&Picture, [f64; 3])]) -> Picture {
     row
 }
 
+pub(super) fn verdict(holds: bool) -> &'static str {
+    if holds { "**holds**" } else { "**does not hold here**" }
+}
+
+/// Least and largest.
+pub(super) fn span(values: &[f64]) -> String {
+    let [low, high] = range(values).unwrap_or_default();
+    format!("{} to {}", number(low), number(high))
+}
+
 /// Three digits.
 pub(super) fn number(x: f64) -> String {
     match x.abs() {
@@ -128,6 +128,44 @@ pub(super) fn number(x: f64) -> String {
         }
         _ => format!("{x:.1e}"),
     }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Paper {
+    Song,
+    Moreland,
+    RoettgerErtl,
+    Kniss,
+}
+
+impl Paper {
+    pub const ALL: [Paper; 4] = [Paper::Song, Paper::Moreland, Paper::RoettgerErtl, Paper::Kniss];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Paper::Song => "song",
+            Paper::Moreland => "moreland",
+            Paper::RoettgerErtl => "roettger-ertl",
+            Paper::Kniss => "kniss",
+        }
+    }
+}
+
+/// Fills a square: `at` gives straight linear RGB and opacity at places from 0 to 1, upward.
+pub(super) fn square(side: usize, at: impl Fn(f64, f64) -> ([f64; 3], f64)) -> Picture {
+    let pixel = |k: usize| {
+        let (i, j) = (k % side, k / side);
+        let place = |n: usize| (n as f64 + 0.5) / side as f64;
+        let (color, opacity) = at(place(i), 1.0 - place(j));
+        let [r, g, b] = color.map(|c| (c * opacity) as f32);
+        [r, g, b, opacity as f32]
+    };
+    Picture { width: side, height: side, rgba: (0..side * side).map(pixel).collect() }
+}
+
+/// e^(−((x − x₀)/w)²) (Kniss et al. 2003, Eq. 1).
+pub(super) fn gaussian(x: f64, centre: f64, width: f64) -> f64 {
+    (-((x - centre) / width).powi(2)).exp()
 }
 
 #[cfg(test)]

@@ -1,10 +1,7 @@
 //! Y. Song, W. Chen, R. Maciejewski, K. Gaither, D. Ebert, "Bivariate transfer functions on unstructured grids", 2009.
 
 use super::bench::Bench;
-use super::moreland::verdict;
-use super::options::Paper;
-use super::page::{Section, number};
-use super::plane::{gaussian, square};
+use super::page::*;
 use crate::work_precision::Subject;
 use std::sync::Arc;
 use voltet_core::Result;
@@ -12,7 +9,6 @@ use voltet_core::grid::extent;
 use voltet_core::transfer::{ControlPoint, Profile, TransferFunction, Widget};
 use voltet_integrators::DEFAULT_SIDE;
 use voltet_integrators::segments;
-use voltet_optics::WidgetBlend;
 use voltet_optics::shading::Integrator;
 
 /// The paper's approximation: ten samples a ray segment.
@@ -31,7 +27,7 @@ const TABLE_1: [Printed; 6] = [
     Printed("Delta wing", 3_853_502, [0.08, 0.03, 0.07], Some([86, 86, 87])),
 ];
 
-pub(super) fn section(bench: &mut Bench) -> Result<Section> {
+pub(super) fn section(bench: &Bench) -> Result<Section> {
     let mut section = Section::new(Paper::Song, "Song et al. 2009: bivariate transfer functions");
     section.say(
         "Of the paper's data only a heat sink is there, and it is another one (214,020 tetrahedra, computed for this project); the \
@@ -44,53 +40,36 @@ pub(super) fn section(bench: &mut Bench) -> Result<Section> {
     Ok(section)
 }
 
-fn table_1(bench: &mut Bench, section: &mut Section) -> Result<()> {
+fn table_1(bench: &Bench, section: &mut Section) -> Result<()> {
     section.part("Table 1: frames a second, 512²");
     let (mut rows, mut ratios) = (Vec::new(), Vec::new());
     for Printed(name, cells, printed, hexahedra) in TABLE_1 {
+        let frames = printed.map(number).to_vec();
+        let printed_ratio = number(printed[2] / printed[1]);
         let Some(mut subject) = subject(bench, name, hexahedra)? else {
             let left = format!("{name} ({cells}): not run, more than `--most-cells`");
-            let [a, b, c] = printed.map(number);
-            rows.push([
-                left,
-                a,
-                b,
-                c,
-                "–".into(),
-                "–".into(),
-                "–".into(),
-                number(printed[2] / printed[1]),
-                "–".into(),
-            ]);
+            let nothing = vec!["–".to_string(); 3];
+            rows.push([vec![left], frames, nothing, vec![printed_ratio, "–".into()]].concat());
             continue;
         };
         subject.scene.camera.size = [512; 2];
-        let here = subject.scene.volume.grid.tetrahedra.len();
         let mut one = subject.clone();
         one.scene.transfer_function = Arc::new(ramp(&subject));
         one.needs_order = one.scene.needs_order();
-        let ms = |subject: &Subject, integrator| {
-            bench.measured(subject, integrator, WidgetBlend::Exact).map(|(_, cost)| cost.frame.median_ms)
-        };
-        let found = [
-            ms(&one, Integrator::ANALYTIC)?,
-            ms(&subject, Integrator::ANALYTIC)?,
-            ms(&subject, APPROXIMATE)?,
-        ];
-        let [a, b, c] = printed.map(number);
-        let [x, y, z] = found.map(|ms| number(1e3 / ms));
-        let ratio = found[1] / found[2];
-        ratios.push(ratio);
-        let data = if hexahedra.is_none() || subject.scene.volume.grid.scalar_name != "wavelet" {
-            "itself or alike"
-        } else {
-            "by formula"
-        };
-        let name = format!("{name} ({cells}); here {here}, {data}");
-        rows.push([name, a, b, c, x, y, z, number(printed[2] / printed[1]), number(ratio)]);
+        let ms = |subject, integrator| Ok(bench.measured(subject, integrator)?.1.frame.median_ms);
+        let found: [Result<f64>; 3] =
+            [ms(&one, Integrator::ANALYTIC), ms(&subject, Integrator::ANALYTIC), ms(&subject, APPROXIMATE)];
+        let found = found.into_iter().collect::<Result<Vec<f64>>>()?;
+        ratios.push(found[1] / found[2]);
+        let grid = &subject.scene.volume.grid;
+        let by_formula = hexahedra.is_some() && grid.scalar_name == "wavelet";
+        let data = if by_formula { "by formula" } else { "itself or alike" };
+        let name = format!("{name} ({cells}); here {}, {data}", grid.tetrahedra.len());
+        let here = found.iter().map(|ms| number(1e3 / ms)).collect();
+        rows.push([vec![name], frames, here, vec![printed_ratio, number(found[1] / found[2])]].concat());
     }
     section.table(
-        [
+        &[
             "data (tetrahedra)",
             "printed: 1-D",
             "2-D closed",
@@ -111,12 +90,6 @@ fn table_1(bench: &mut Bench, section: &mut Section) -> Result<()> {
         span(&ratios),
     ));
     Ok(())
-}
-
-/// Least and largest.
-pub(super) fn span(values: &[f64]) -> String {
-    let [low, high] = extent::range(values).unwrap_or_default();
-    format!("{} to {}", number(low), number(high))
 }
 
 /// The scene of a row of Table 1, if it may be run.
@@ -163,7 +136,7 @@ fn ramp(subject: &Subject) -> TransferFunction {
     TransferFunction { widgets: vec![widget], ..TransferFunction::clone(own) }
 }
 
-fn figures(bench: &mut Bench, section: &mut Section) -> Result<()> {
+fn figures(bench: &Bench, section: &mut Section) -> Result<()> {
     section.part("Figures");
     let side = 128;
     let band = |x: f64| 1.0 - (2.0 * (x * 4.0).fract() - 1.0).abs();
@@ -202,23 +175,19 @@ fn figures(bench: &mut Bench, section: &mut Section) -> Result<()> {
             ["song_triangle.toml", "song_silhouette.toml"],
         ),
     ] {
-        let [width, height] = bench.wish.size;
-        let size = [format!("view.size=[{width},{height}]")];
-        let mut drawn = Vec::new();
-        for file in files {
-            let subject = bench.subject(file, &size)?;
-            let picture = bench.measured(&subject, Integrator::ANALYTIC, WidgetBlend::Exact)?.0;
-            drawn.push((picture, subject.background));
-        }
-        let row: Vec<_> = drawn.iter().map(|(picture, background)| (picture, *background)).collect();
-        section.figure(name, caption, &row)?;
+        let draw = |file| {
+            let subject = bench.sized(file)?;
+            Ok((bench.measured(&subject, Integrator::ANALYTIC)?.0, subject.background))
+        };
+        let [(left, background), (right, other)] = [draw(files[0])?, draw(files[1])?];
+        section.figure(name, caption, &[(&left, background), (&right, other)])?;
     }
     section.part("Figure 7, and pictures in equal time");
     let mut rows = Vec::new();
     for file in ["song_gaussian.toml", "song_triangle.toml"] {
         let scene = bench.scene(file)?;
-        let closed = bench.shot(&scene, Integrator::ANALYTIC, WidgetBlend::Exact)?;
-        let ten = bench.shot(&scene, APPROXIMATE, WidgetBlend::Exact)?;
+        let closed = bench.shot(&scene, Integrator::ANALYTIC)?;
+        let ten = bench.shot(&scene, APPROXIMATE)?;
         let with = |count| segments(count, DEFAULT_SIDE);
         let (count, equal) = bench.in_equal_time(&scene, closed.ms, with)?;
         let background = scene.subject.background;
@@ -241,11 +210,10 @@ fn figures(bench: &mut Bench, section: &mut Section) -> Result<()> {
             ("10 samples".into(), &ten),
             (format!("in equal time: {count} a segment"), &equal),
         ] {
-            let [ms, rms, most, over] = shot.cells();
-            rows.push([format!("{}, {way}", file.trim_end_matches(".toml")), ms, rms, most, over]);
+            rows.push(shot.row(&[&format!("{}, {way}", file.trim_end_matches(".toml"))]));
         }
     }
-    section.table(["scene, way", "ms", "rms error", "largest error", "pixels over 1/255"], &rows);
+    section.table(&["scene, way", "ms", "rms error", "largest error", "pixels over 1/255"], &rows);
     section.say(
         "Printed: \"theoretically, this mode [closed form] yields better quality\", and \"both schemes perform well\" with ten samples \
          and a Gaussian. Where even one sample a segment takes longer than the closed form, one is what is drawn in equal time.",

@@ -1,9 +1,8 @@
 //! A pixel's ray drawn: values along it, and underneath what each cell adds.
 
-use super::record::Pixel;
-use super::text::number;
-use crate::work_precision::canvas::{Anchor, Canvas, Color, Mark, Size};
-use voltet_io::encode::srgb_from_linear;
+use super::text::{number, srgb};
+use super::trace::Pixel;
+use crate::work_precision::canvas::{Anchor, Canvas, Color, Size};
 use voltet_optics::trace::CellCrossing;
 
 const SIZE: [f64; 2] = [900.0, 640.0];
@@ -34,7 +33,11 @@ pub fn plot(pixel: &Pixel) -> Canvas {
         let values = steps.iter().flat_map(|step| [step.front[q], step.back[q]]);
         let axis = Axis::over(values, PANELS[q]);
         frame(&mut canvas, PANELS[q], &pixel.names[q], &axis);
-        lines(&mut canvas, steps, &along, &axis, color, |step| [step.front[q], step.back[q]]);
+        // A line for each cell: neighbours meet, and gaps stay gaps.
+        for step in steps {
+            let front = [along.place(step.distance[0]), axis.place(step.front[q])];
+            canvas.line(&[front, [along.place(step.distance[1]), axis.place(step.back[q])]], 1.6, color, &[]);
+        }
     }
     contributions(&mut canvas, steps, &along);
     for k in 0..=4 {
@@ -75,28 +78,11 @@ impl Axis {
 
 fn frame(canvas: &mut Canvas, [top, bottom]: [f64; 2], name: &str, axis: &Axis) {
     let [left, right] = ACROSS;
-    let ring = [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]];
-    canvas.line(&ring, 1.0, PALE, &[]);
+    canvas.ring(vec![[left, top], [right, top], [right, bottom], [left, bottom]], 1.0, PALE);
     for value in [axis.from, axis.to] {
         canvas.text([left - 6.0, axis.place(value)], &number(value), Size::Small, Anchor::End, INK);
     }
     canvas.text([left - 6.0, 0.5 * (top + bottom)], name, Size::Small, Anchor::End, INK);
-}
-
-/// A value along the ray, a line for each cell: neighbours meet, and gaps stay gaps.
-fn lines(
-    canvas: &mut Canvas,
-    steps: &[CellCrossing],
-    along: &Axis,
-    axis: &Axis,
-    color: Color,
-    of: impl Fn(&CellCrossing) -> [f64; 2],
-) {
-    for step in steps {
-        let ([entry, exit], [front, back]) = (step.distance, of(step));
-        let points = [[along.place(entry), axis.place(front)], [along.place(exit), axis.place(back)]];
-        canvas.line(&points, 1.6, color, &[]);
-    }
 }
 
 fn contributions(canvas: &mut Canvas, steps: &[CellCrossing], along: &Axis) {
@@ -107,19 +93,10 @@ fn contributions(canvas: &mut Canvas, steps: &[CellCrossing], along: &Axis) {
     let axis = Axis::new([0.0, if most > 0.0 { most } else { 1.0 }], [bottom, top]);
     for step in steps.iter().filter(|step| rate(step) > 0.0) {
         let ([left, right], height) = (step.distance.map(|d| along.place(d)), axis.place(rate(step)));
-        let opacity = step.part.opacity;
-        let byte = |c: f64| (srgb_from_linear((c / opacity).clamp(0.0, 1.0) as f32) * 255.0).round() as u8;
-        let fill = step.part.color.map(byte);
-        canvas.marks.push(Mark::Shape {
-            corners: vec![[left, bottom], [left, height], [right, height], [right, bottom]],
-            fill,
-            outline: fill,
-            hint: format!(
-                "tetrahedron {}: adds {} to the opacity",
-                step.cell,
-                number(step.contribution()[3])
-            ),
-        });
+        let fill = srgb(step.part.color.map(|c| c / step.part.opacity));
+        let corners = vec![[left, bottom], [left, height], [right, height], [right, bottom]];
+        let adds = number(step.contribution()[3]);
+        canvas.shape(corners, fill, fill, format!("tetrahedron {}: adds {adds} to the opacity", step.cell));
     }
     frame(canvas, PANELS[2], "adds/length", &axis);
     let light = Axis::new([0.0, 1.0], [bottom, top]);
@@ -131,11 +108,6 @@ fn contributions(canvas: &mut Canvas, steps: &[CellCrossing], along: &Axis) {
     }
     canvas.line(&points, 1.2, INK, &[5.0, 4.0]);
     let [_, right] = ACROSS;
-    canvas.text(
-        [right, top - 10.0],
-        "dashed: light that reaches the eye, 0 to 1",
-        Size::Small,
-        Anchor::End,
-        INK,
-    );
+    let dashed = "dashed: light that reaches the eye, 0 to 1";
+    canvas.text([right, top - 10.0], dashed, Size::Small, Anchor::End, INK);
 }

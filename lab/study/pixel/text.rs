@@ -1,7 +1,10 @@
-//! A pixel as a table for a terminal.
+//! A pixel as a table for a terminal, its cells as CSV, and everything as JSON.
 
-use super::record::Pixel;
-use crate::columns::aligned;
+use super::trace::Pixel;
+use crate::columns::{aligned, csv_cell};
+use crate::work_precision::canvas::hex;
+use serde_json::{Value, json as object};
+use std::fmt::Write;
 use voltet_io::encode::srgb_from_linear;
 use voltet_optics::trace::CellCrossing;
 
@@ -40,7 +43,6 @@ fn shown(steps: &[CellCrossing], most: usize) -> Vec<usize> {
     places
 }
 
-/// The most that a step adds to a channel.
 fn adds(step: &CellCrossing) -> f64 {
     step.contribution().into_iter().fold(0.0, f64::max)
 }
@@ -65,7 +67,6 @@ fn left_out(pixel: &Pixel, shown: &[usize]) -> String {
     text
 }
 
-/// The table of the cells.
 fn cells(pixel: &Pixel, shown: &[usize]) -> String {
     let steps = &pixel.walk.steps;
     let looks = |of: &dyn Fn(&CellCrossing) -> bool| steps.iter().any(of);
@@ -113,10 +114,9 @@ fn widgets(pixel: &Pixel, depths: &[f64]) -> String {
     if met.is_empty() { "none".into() } else { met.iter().map(name).collect::<Vec<_>>().join(", ") }
 }
 
-/// The colour of what is in the cell.
 fn own_color(step: &CellCrossing) -> String {
     let opacity = step.part.opacity;
-    if opacity > 0.0 { srgb(step.part.color.map(|c| c / opacity)) } else { String::new() }
+    if opacity > 0.0 { hex(srgb(step.part.color.map(|c| c / opacity))) } else { String::new() }
 }
 
 /// The pixel by all who can say it.
@@ -125,7 +125,7 @@ fn sums(pixel: &Pixel) -> String {
         let mut row = vec![name];
         row.extend(rgba.map(|x| format!("{x:.7}")));
         let over: [f64; 3] = std::array::from_fn(|c| rgba[c] + (1.0 - rgba[3]) * pixel.background[c]);
-        row.push(srgb(over));
+        row.push(hex(srgb(over)));
         row.push(of.map(|difference| format!("{difference:.1e}")).unwrap_or_default());
         row
     };
@@ -148,11 +148,9 @@ fn sums(pixel: &Pixel) -> String {
     table(&rows) + &cannot
 }
 
-/// Linear colour as an 8-bit sRGB one.
-pub(super) fn srgb(linear: [f64; 3]) -> String {
-    let byte = |c: f64| (srgb_from_linear(c.clamp(0.0, 1.0) as f32) * 255.0).round() as u8;
-    let [r, g, b] = linear.map(byte);
-    format!("#{r:02x}{g:02x}{b:02x}")
+/// Linear colour in 8 bits of sRGB.
+pub(super) fn srgb(linear: [f64; 3]) -> [u8; 3] {
+    linear.map(|c| (srgb_from_linear(c.clamp(0.0, 1.0) as f32) * 255.0).round() as u8)
 }
 
 /// A number in six characters or so.
@@ -177,6 +175,79 @@ pub(super) fn number(x: f64) -> String {
 fn table(rows: &[Vec<String>]) -> String {
     let is_number = |text: &str| text.is_empty() || text.parse::<f64>().is_ok();
     aligned(rows, |c| !rows[1..].iter().all(|row| is_number(&row[c])))
+}
+
+/// The cells of the ray, one a line, all of them. Numbers have all their digits; lengths are in world units.
+pub fn csv(pixel: &Pixel) -> String {
+    let mut text = String::from("number,entry,exit,length,cell,cell_type,tetrahedron");
+    for name in &pixel.names {
+        text += &format!(",{0},{1}", csv_cell(&format!("{name}_entry")), csv_cell(&format!("{name}_exit")));
+    }
+    for (k, kind) in pixel.widgets.iter().enumerate() {
+        text += &format!(",depth_{k}_{kind}");
+    }
+    text += ",optical_depth,silhouette,light,red,green,blue,opacity,transmittance";
+    text += ",adds_red,adds_green,adds_blue,adds_opacity\n";
+    for (k, (step, (cell, kind))) in pixel.walk.steps.iter().zip(&pixel.cells).enumerate() {
+        let depths = &pixel.depths[k];
+        let [entry, exit] = step.distance;
+        // Writing to a String cannot fail.
+        let _ = write!(text, "{k},{entry},{exit},{},{cell},{kind},{}", step.length, step.cell);
+        let values = step.front.iter().zip(&step.back).flat_map(|(front, back)| [*front, *back]);
+        let [r, g, b] = step.part.color;
+        let rest = [step.part.optical_depth, step.silhouette, step.light, r, g, b, step.part.opacity];
+        let adds = step.contribution();
+        let all = values.chain(depths.iter().copied()).chain(rest).chain([step.transmittance]).chain(adds);
+        for value in all {
+            let _ = write!(text, ",{value}");
+        }
+        text += "\n";
+    }
+    text
+}
+
+pub fn json(pixel: &Pixel) -> Value {
+    let cells = (0..pixel.walk.steps.len()).map(|k| cell_value(pixel, k));
+    let said = pixel.integrators.iter().map(|said| {
+        let (rgba, why) = (said.rgba.as_ref().ok(), said.rgba.as_ref().err());
+        object!({
+            "integrator": said.name, "numbers": said.numbers, "pipeline": said.own, "rgba": rgba,
+            "difference": rgba.map(|rgba| pixel.difference(*rgba)), "why_not": why,
+        })
+    });
+    let [r, g, b] = pixel.walk.seen.color;
+    object!({
+        "node": pixel.node, "x": pixel.place[0], "y": pixel.place[1], "size": pixel.size,
+        "samples": pixel.samples, "sample": pixel.sample,
+        "ray": { "origin": pixel.ray[0], "direction": pixel.ray[1] },
+        "widgets": pixel.widgets, "nothing": pixel.nothing,
+        "cells": cells.collect::<Vec<_>>(), "hidden_cells": pixel.walk.hidden,
+        "ray_rgba": [r, g, b, pixel.walk.seen.opacity],
+        "referee_rgba": pixel.referee,
+        "drawn": {
+            "engine": pixel.drawn.engine, "rgba": pixel.drawn.rgba, "difference": pixel.difference(pixel.drawn.rgba),
+        },
+        "integrators": said.collect::<Vec<_>>(),
+    })
+}
+
+fn cell_value(pixel: &Pixel, k: usize) -> Value {
+    let (step, depths, (cell, kind)) = (&pixel.walk.steps[k], &pixel.depths[k], &pixel.cells[k]);
+    let values = |ends: &[f64]| -> serde_json::Map<String, Value> {
+        pixel.names.iter().zip(ends).map(|(name, value)| (name.clone(), (*value).into())).collect()
+    };
+    let widgets = Pixel::shares(depths).map(|(k, share)| {
+        object!({ "widget": k, "kind": pixel.widgets[k], "optical_depth": depths[k], "share": share })
+    });
+    object!({
+        "cell": cell, "cell_type": kind, "tetrahedron": step.cell,
+        "entry": step.distance[0], "exit": step.distance[1], "length": step.length,
+        "at_entry": values(&step.front), "at_exit": values(&step.back),
+        "widgets": widgets.collect::<Vec<_>>(),
+        "optical_depth": step.part.optical_depth, "opacity": step.part.opacity, "color": step.part.color,
+        "silhouette": step.silhouette, "light": step.light, "transmittance": step.transmittance,
+        "adds": step.contribution(),
+    })
 }
 
 #[cfg(test)]

@@ -11,16 +11,13 @@ use voltet_optics::integrators::{self, Extent, Integrator, IntegratorKind};
 use voltet_optics::{CompiledTransferFunction, Contribution, WidgetBlend};
 use voltet_reference::REFERENCE;
 
-/// One integrator.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct IntegratorReport {
     /// The name in pipeline files.
     pub integrator: &'static str,
-    /// Segments that it serves.
     pub cases: usize,
     /// Largest error of A and of C as shares of what is possible at most: 1, and the brightest colour there.
     pub worst_error: f64,
-    /// The case that has it.
     pub worst_case: String,
     /// Bound of its error, if it has any: the referee as a share; `adaptive` beside the closed forms, whose
     /// places along a segment are its own, and twice what those are off by.

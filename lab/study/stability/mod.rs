@@ -1,37 +1,22 @@
 //! Stability of the program's formulas: every formula of every engine and adapter against exact values, pictures of cells
 //! that are hard to draw against the 64-bit referee, every integrator, and the formulas as papers print them.
 //!
-//! | file | what |
-//! | --- | --- |
-//! | `report` | what was found |
-//! | `subjects` | the sets of forms and the engines that there are |
-//! | `hard` | scenes with hard cells, transfer functions and cameras |
-//! | `pictures` | those, by every engine |
-//! | `random` | scenes drawn by lot, by every engine |
-//! | `integrators` | every integrator in 64 bits |
-//! | `printed` | what papers print, as it stands, and what stands in its place |
-//! | `text` | how it is shown |
-//!
 //! The cases of the formulas are `voltet_judge`'s, which the program carries.
 
 mod hard;
 mod integrators;
-mod json;
 mod pictures;
 mod printed;
 mod random;
+mod random_scene;
 mod report;
-mod subjects;
-mod text;
 
 pub use integrators::IntegratorReport;
-pub use json::{forms as forms_json, json};
-pub use pictures::HardPicture;
+pub use pictures::{HardPicture, Subjects, subjects};
 pub use printed::{FormulaRow, PrintedFormula};
-pub use random::{BoundViolation, RandomReport, random, scene as random_scene};
-pub use report::{StabilityReport, category};
-pub use subjects::{Subjects, subjects};
-pub use text::{forms_text, random_text, text};
+pub use random::{BoundViolation, RandomReport, random};
+pub use random_scene::scene as random_scene;
+pub use report::{StabilityReport, forms_json, forms_text, json, random_text, text};
 
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};

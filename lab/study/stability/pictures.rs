@@ -1,12 +1,17 @@
 //! Small pictures of scenes that are hard to draw, by every engine, held against the 64-bit referee.
 
-use super::hard::{self, Hard};
-use super::subjects::OpenRenderer;
+use super::hard::{self, HardScene};
+use crate::devices;
+use crate::work_precision::pixel_errors;
 use serde::Serialize;
+use std::sync::Arc;
 use voltet_core::picture::Picture;
 use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::{Error, Result};
-use voltet_optics::engine::{Compositor, RenderOptions};
+use voltet_introspect::MeasuredEngine;
+use voltet_judge::{Evaluator64, SegmentEvaluator};
+use voltet_nodes::drawing::ENGINES;
+use voltet_optics::engine::{Compositor, Engine, EngineInfo, RenderOptions};
 use voltet_optics::scene::Scene;
 use voltet_reference as reference;
 
@@ -14,27 +19,20 @@ use voltet_reference as reference;
 /// with room for their condition.
 pub(super) const BOUND: f64 = 2e-4;
 
-/// One picture.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HardPicture {
-    /// Difficulty.
     pub category: &'static str,
-    /// Name of the scene.
     pub scene: String,
-    /// Engine that drew it.
     pub engine: String,
     /// Reason why it was not drawn: a scene that a device refuses goes to the CPU engine by `auto`.
     pub refused: Option<String>,
     /// Largest error of a channel; ∞ where one is not finite.
     pub worst_error: f64,
-    /// The pixel that has it.
     pub worst_pixel: [usize; 2],
-    /// The error that is allowed.
     pub bound: f64,
 }
 
 impl HardPicture {
-    /// True if it kept its bound.
     pub fn passed(&self) -> bool {
         self.worst_error <= self.bound
     }
@@ -54,11 +52,10 @@ pub(super) fn pictures(renderers: &[OpenRenderer], progress: &dyn Progress) -> R
     Ok(all)
 }
 
-fn drawn(hard: &Hard, renderers: &[OpenRenderer], progress: &dyn Progress) -> Result<Vec<HardPicture>> {
-    let scene = hard.scene();
-    let exact = reference::draw(&scene, &CancelOnly(progress))?;
+fn drawn(hard: &HardScene, renderers: &[OpenRenderer], progress: &dyn Progress) -> Result<Vec<HardPicture>> {
+    let exact = reference::draw(&hard.scene, &CancelOnly(progress))?;
     let draw = |renderer: &OpenRenderer| {
-        let ((worst_error, worst_pixel), refused) = match picture(renderer, None, &scene, progress) {
+        let ((worst_error, worst_pixel), refused) = match picture(renderer, None, &hard.scene, progress) {
             Ok(found) => (worst(&found, &exact), None),
             // What a device does not hold `auto` leaves to the native engine.
             Err(error) if may_refuse(renderer, progress) => ((0.0, [0; 2]), Some(error.to_string())),
@@ -87,21 +84,54 @@ pub(super) fn may_refuse(renderer: &OpenRenderer, progress: &dyn Progress) -> bo
     renderer.declared.on_device && !renderer.engine.is_lost() && !progress.cancelled()
 }
 
-/// The largest difference of each pixel's channels; ∞ where one is not finite.
-pub(super) fn errors(found: &Picture, exact: &Picture) -> Vec<f64> {
-    let channel = |(a, b): (&f32, &f32)| {
-        let error = (f64::from(*a) - f64::from(*b)).abs();
-        if error.is_nan() { f64::INFINITY } else { error }
-    };
-    let pixel = |(a, b): (&[f32; 4], &[f32; 4])| a.iter().zip(b).map(channel).fold(0.0, f64::max);
-    found.rgba.iter().zip(&exact.rgba).map(pixel).collect()
-}
-
-/// The largest of them, and its pixel.
 fn worst(found: &Picture, exact: &Picture) -> (f64, [usize; 2]) {
-    let errors = errors(found, exact).into_iter().enumerate();
+    let errors = pixel_errors(found, exact).enumerate();
     let (at, error) = errors.fold((0, 0.0), |most, one| if one.1 > most.1 { one } else { most });
     (error, [at % exact.width, at / exact.width])
+}
+
+/// The sets of forms and the engines that this build and this machine have.
+pub struct Subjects {
+    /// The 64-bit ones, then those of every engine that has any.
+    pub forms: Vec<Box<dyn SegmentEvaluator>>,
+    /// Engines that are not judged, with the reason and the remedy.
+    pub left_out: Vec<String>,
+    pub(super) renderers: Vec<OpenRenderer>,
+}
+
+pub(super) struct OpenRenderer {
+    pub declared: &'static EngineInfo,
+    pub engine: Arc<dyn Engine>,
+}
+
+impl OpenRenderer {
+    /// Its ways of compositing; the one that it has, where it has no choice.
+    pub fn ways(&self) -> Vec<Option<Compositor>> {
+        match self.declared.compositing {
+            [] => vec![None],
+            several => several.iter().copied().map(Some).collect(),
+        }
+    }
+}
+
+/// Everything that can be judged here. `adapter`: a device by its kind or a part of its name; without it the fastest that is
+/// hardware, and what is left out where there is none.
+///
+/// Errors: a device that is named and not there.
+pub fn subjects(adapter: Option<&str>) -> Result<Subjects> {
+    let mut subjects =
+        Subjects { forms: vec![Box::new(Evaluator64)], left_out: Vec::new(), renderers: Vec::new() };
+    for declared in ENGINES {
+        match devices::open_variants_of(declared, adapter.filter(|_| declared.on_device)) {
+            Ok(each) => {
+                subjects.forms.extend(each.iter().filter_map(|engine| engine.evaluator()));
+                subjects.renderers.extend(each.into_iter().map(|engine| OpenRenderer { declared, engine }));
+            }
+            Err(error) if adapter.is_some() => return Err(error),
+            Err(error) => subjects.left_out.push(format!("the engine {}: {error}", declared.name)),
+        }
+    }
+    Ok(subjects)
 }
 
 #[cfg(test)]

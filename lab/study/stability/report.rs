@@ -1,11 +1,13 @@
-//! Results, and the verdict on every bound.
+//! Results, the verdict on every bound, and both as a page of Markdown, which a terminal shows too, and as JSON.
 
 use super::integrators::IntegratorReport;
 use super::pictures::HardPicture;
 use super::printed::PrintedFormula;
-use voltet_judge::Report;
+use super::random::{BoundViolation, RandomReport};
+use crate::columns::{aligned, markdown};
+use serde_json::{Value, json as object};
+use voltet_judge::{Exemption, Report, Row};
 
-/// Results.
 #[derive(Debug, Clone)]
 pub struct StabilityReport {
     /// One report a set of forms: 64-bit, 32-bit by lane set, further ones.
@@ -14,7 +16,6 @@ pub struct StabilityReport {
     pub integrators: Vec<IntegratorReport>,
     /// Pictures of hard scenes, one after the other.
     pub pictures: Vec<HardPicture>,
-    /// The formulas as printed.
     pub printed: Vec<PrintedFormula>,
     /// Engines that were not judged, with the reason and the remedy.
     pub left_out: Vec<String>,
@@ -27,21 +28,35 @@ impl StabilityReport {
             && self.integrators.iter().all(IntegratorReport::passed)
             && self.pictures.iter().all(HardPicture::passed)
     }
-
-    /// Engines of the pictures, in their order.
-    pub(super) fn engines(&self) -> Vec<&str> {
-        let mut engines: Vec<&str> = Vec::new();
-        for drawn in &self.pictures {
-            if !engines.contains(&drawn.engine.as_str()) {
-                engines.push(&drawn.engine);
-            }
-        }
-        engines
-    }
 }
 
+/// Everything as JSON. JSON has no ∞: such a ratio is written as null.
+pub fn json(report: &StabilityReport) -> Value {
+    object!({
+        "passed": report.passed(),
+        "forms": report.forms.iter().map(forms_json).collect::<Vec<_>>(),
+        "left_out": report.left_out,
+        "integrators": report.integrators,
+        "pictures": report.pictures,
+        "printed": report.printed,
+    })
+}
+
+pub fn forms_json(report: &Report) -> Value {
+    let exemptions = |wider: bool| -> Vec<&Exemption> {
+        report.exemptions.iter().filter(|exemption| exemption.wider == wider).collect()
+    };
+    object!({
+        "forms": report.forms, "cases": report.cases, "passed": report.passed(),
+        "skipped": exemptions(false), "served_in_64_bits": exemptions(true),
+        "broken": report.broken, "rows": report.rows,
+    })
+}
+
+const NAMED: usize = 20;
+
 /// A category as people call it.
-pub fn category(name: &str) -> &str {
+fn category(name: &str) -> &str {
     match name {
         "bands" => "many bands",
         "scale" => "tiny and huge lengths",
@@ -53,4 +68,224 @@ pub fn category(name: &str) -> &str {
         "wild" => "anything goes",
         other => other,
     }
+}
+
+/// An error; "none" for what is no number.
+fn number(error: f64) -> String {
+    if error.is_finite() { format!("{error:.1e}") } else { "none".into() }
+}
+
+/// Mark behind a figure that broke its bound.
+fn mark(kept: bool) -> &'static str {
+    if kept { "" } else { " **broken**" }
+}
+
+fn first(column: usize) -> bool {
+    column == 0
+}
+
+/// Everything, without a title.
+pub fn text(report: &StabilityReport) -> String {
+    let mut text = String::from(
+        "## Every formula, by category\n\nThe worst error as a share of its bound, and the relative error that this is. A \
+         value passes under 1.\n\n",
+    );
+    text += &matrix(&report.forms, "category", |row| category(&row.category).to_string());
+    text.extend(report.left_out.iter().map(|what| format!("\nNot judged: {what}.\n")));
+    text += "\n## Every formula\n\n";
+    text += &matrix(&report.forms, "formula", |row| row.formula.clone());
+    for forms in &report.forms {
+        text += &format!("\n### {}: where each category is worst\n\n", forms.forms);
+        let rows = forms.gathered(|row| row.category.clone()).into_iter().map(|row| {
+            [
+                category(&row.category).to_string(),
+                row.judged.to_string(),
+                format!("{:.3}", row.worst),
+                number(row.worst_error),
+                row.quantity.to_string(),
+                row.formula,
+                format!("{}: {}", row.worst_id, row.worst_inputs),
+            ]
+        });
+        let heads = ["category", "judged", "of the bound", "relative error", "of", "formula", "inputs"];
+        text +=
+            &format!("{}\n{}", markdown(&heads, |column| !(1..4).contains(&column), rows), conclusion(forms));
+    }
+    text += &integrators(report);
+    text += &pictures(report);
+    text += "\n## Formulas as printed\n\nEach is computed as it stands in 64 and in 32 bits (its functions rounded \
+             correctly) and compared with the 64-bit form that stands in its place, whose own error is under 1e-14; \"none\": \
+             overflow, or 0/0.\n";
+    for PrintedFormula { source, formula, fails, instead, rows } in &report.printed {
+        text += &format!("\n### {source}\n\n`{formula}`\n\n{fails}\n\nIn its place: {instead}\n\n");
+        let rows = rows.iter().map(|row| {
+            let [wide, narrow] = [row.printed_64, row.printed_32].map(number);
+            [row.inputs.replace('|', "\\|"), wide, narrow, row.ours_32.map_or(String::new(), number)]
+        });
+        text +=
+            &markdown(&["at", "printed, 64 bits", "printed, 32 bits", "in its place, 32 bits"], first, rows);
+    }
+    let verdict = if report.passed() { "every bound kept" } else { "A BOUND IS BROKEN" };
+    text + &format!("\n{verdict}\n")
+}
+
+/// A row for each key, a column for each set of forms.
+fn matrix(reports: &[Report], head: &str, key: impl Fn(&Row) -> String) -> String {
+    let gathered: Vec<Vec<Row>> = reports.iter().map(|report| report.gathered(&key)).collect();
+    let heads: Vec<&str> =
+        [head].into_iter().chain(reports.iter().map(|report| report.forms.as_str())).collect();
+    let line = |row: &Row| {
+        let name = key(row);
+        let cell = |rows: &Vec<Row>| {
+            let judged = rows.iter().find(|row| key(row) == name).filter(|row| row.judged > 0);
+            judged.map_or("not judged".into(), |row| {
+                format!("{:.3} ({}){}", row.worst, number(row.worst_error), mark(row.broken == 0))
+            })
+        };
+        let cells: Vec<String> = gathered.iter().map(cell).collect();
+        [vec![name], cells].concat()
+    };
+    markdown(&heads, first, gathered.first().into_iter().flatten().map(line))
+}
+
+fn integrators(report: &StabilityReport) -> String {
+    let row = |one: &IntegratorReport| {
+        [
+            one.integrator.to_string(),
+            one.cases.to_string(),
+            number(one.worst_error) + mark(one.passed()),
+            one.bound.map_or("—".into(), |bound| format!("{bound:.0e}")),
+            one.impossible.len().to_string(),
+        ]
+    };
+    let heads = ["integrator", "cases", "error", "bound", "cannot be"];
+    let mut text = String::from(
+        "\n## Integrators in 64 bits\n\nOn the same segments, those that each serves, and on stiff ones of up to 1e30 of optical \
+         depth: the largest error of C and A, as shares of what is possible at most. None may give what cannot be: no number, more \
+         than opaque, brighter than its widgets.\n\n",
+    );
+    text += &markdown(&heads, first, report.integrators.iter().map(row));
+    for one in &report.integrators {
+        for (what, cases) in [("cannot be", &one.impossible), ("off by more", &one.broken)] {
+            let named = cases.iter().take(NAMED);
+            text.extend(named.map(|case| format!("\n{}, {what}: {case}\n", one.integrator)));
+        }
+    }
+    text
+}
+
+/// A row for each scene, a column for each engine.
+fn pictures(report: &StabilityReport) -> String {
+    let mut engines: Vec<&str> = Vec::new();
+    for picture in &report.pictures {
+        if !engines.contains(&picture.engine.as_str()) {
+            engines.push(&picture.engine);
+        }
+    }
+    let heads = [vec!["what", "scene"], engines.clone(), vec!["bound"]].concat();
+    let row = |first: &HardPicture| {
+        let HardPicture { category, scene, bound, .. } = first;
+        let cell = |engine: &&str| {
+            let same = |picture: &&HardPicture| picture.scene == *scene && picture.engine == **engine;
+            report.pictures.iter().find(same).map_or(String::new(), |picture| match &picture.refused {
+                Some(why) => format!("refused: {why}"),
+                None => number(picture.worst_error) + mark(picture.passed()),
+            })
+        };
+        let cells: Vec<String> = engines.iter().map(cell).collect();
+        [vec![category.to_string(), scene.clone()], cells, vec![format!("{bound:.0e}")]].concat()
+    };
+    let firsts = report.pictures.iter().filter(|picture| picture.engine == engines[0]);
+    let intro = "\n## Hard scenes, drawn\n\nAgainst the 64-bit referee: the largest error of a channel of premultiplied linear RGBA.\n\n";
+    intro.to_string() + &markdown(&heads, |column| column < 2, firsts.map(row))
+}
+
+/// Results of random scenes.
+pub fn random_text(report: &RandomReport) -> String {
+    let RandomReport { seed, drawn, shown, without_reference, refused, bound, beyond } = report;
+    let mut text = format!(
+        "{drawn} random scenes of seed {seed} against the 64-bit referee, bound {bound:.0e}; {shown} show something\n"
+    );
+    if *without_reference > 0 {
+        text += &format!("  {without_reference} more that the referee says it cannot integrate\n");
+    }
+    refused.iter().for_each(|(engine, scenes)| text += &format!("  {scenes} that {engine} refuses\n"));
+    for BoundViolation { scene, engine, pixels, wrong, worst_error, worst_pixel: [i, j] } in beyond {
+        let verdict = if *wrong == 0 { "explained".into() } else { format!("{wrong} NOT EXPLAINED") };
+        text += &format!(
+            "    scene {scene:>6}  {engine}: {pixels} pixels beyond, {verdict}, {worst_error:.1e} at pixel {i}, {j}\n"
+        );
+    }
+    let wrong = beyond.iter().filter(|scene| scene.wrong > 0).count();
+    let explained = beyond.len() - wrong;
+    text + &format!("  beyond the bound: {explained} explained by rounding, {wrong} not\n")
+}
+
+/// One report in every detail: a row for each kind, category and quantity.
+pub fn forms_text(report: &Report) -> String {
+    let heads = [
+        "kind", "category", "quantity", "judged", "finite", "64 bits", "skipped", "broken", "worst",
+        "of case",
+    ];
+    let mut rows = vec![heads.map(String::from)];
+    for row in report.gathered(|row| (row.kind, row.category.clone(), row.quantity)) {
+        let counts = [row.judged, row.only_finite, row.wider, row.skipped, row.broken].map(|n| n.to_string());
+        let [judged, finite, wider, skipped, broken] = counts;
+        let (worst, kind, quantity) = (format!("{:.3}", row.worst), row.kind.into(), row.quantity.into());
+        rows.push([
+            kind,
+            row.category,
+            quantity,
+            judged,
+            finite,
+            wider,
+            skipped,
+            broken,
+            worst,
+            row.worst_id,
+        ]);
+    }
+    let rows: Vec<Vec<String>> = rows.into_iter().map(Vec::from).collect();
+    format!(
+        "{} forms\n{}{}",
+        report.forms,
+        aligned(&rows, |column| !(3..9).contains(&column)),
+        conclusion(report)
+    )
+}
+
+fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
+/// Sums, exemptions, broken values and the verdict.
+fn conclusion(report: &Report) -> String {
+    let mut text = format!(
+        "- {} judged, {} only asked to be finite, {} served in 64 bits, {} skipped\n",
+        counted(report.total(|row| row.judged), "value"),
+        report.total(|row| row.only_finite),
+        report.total(|row| row.wider),
+        report.total(|row| row.skipped)
+    );
+    for Exemption { wider, reason, count } in &report.exemptions {
+        let what = if *wider { "served in 64 bits" } else { "skipped" };
+        text += &format!("- {what}: {}, since {reason}\n", counted(*count, "case"));
+    }
+    for broken in report.broken.iter().take(NAMED) {
+        text += &format!(
+            "- broken: {} of {}: {:e}, exact {:e}, {:.3} times the bound\n",
+            broken.quantity, broken.id, broken.found, broken.exact, broken.ratio
+        );
+    }
+    if report.broken.len() > NAMED {
+        text += &format!("- broken: and {} more\n", report.broken.len() - NAMED);
+    }
+    let verdict = match (report.passed(), report.worst()) {
+        (false, _) => format!("{} BROKE ITS BOUND", counted(report.broken.len(), "value")),
+        (true, Some(row)) => {
+            format!("every bound kept; the worst error is {:.3} of its bound ({})", row.worst, row.worst_id)
+        }
+        (true, None) => "nothing was judged".into(),
+    };
+    text + &format!("- {}: {verdict}\n", report.forms)
 }

@@ -1,8 +1,9 @@
 //! The engines that settings are measured on: those that are asked for and there.
 
-use super::measure::{Cost, Frames, measure};
+use super::measure::{Cost, measure};
+use super::settings::settings;
 use super::subject::RendererNode;
-use super::{Engines, RenderConfig, RendererVariant, StudyOptions, Subject, settings};
+use super::{Engines, Frames, RenderConfig, RendererVariant, StudyOptions, Subject};
 use crate::devices;
 use std::sync::Arc;
 use voltet_core::picture::Picture;
@@ -31,7 +32,6 @@ struct Bench {
 /// A device that a study is made on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adapter {
-    /// The engine that runs on it.
     pub engine: &'static EngineInfo,
     /// Its name and kind, for people.
     pub name: String,
@@ -66,7 +66,6 @@ impl Benches {
         Ok(Benches { benches, file_takes, left_out })
     }
 
-    /// The devices.
     pub fn adapters(&self, subject: &Subject, wish: &StudyOptions) -> Vec<Adapter> {
         let on_device = self.benches.iter().filter(|bench| bench.declared.on_device);
         let adapter = |bench: &Bench| Adapter {
@@ -93,7 +92,6 @@ impl Benches {
         variants.flat_map(|variant| settings(subject, only, variant)).collect()
     }
 
-    /// Draws the scene with one setting, on its engine.
     pub fn measure(
         &mut self,
         subject: &Subject,
@@ -148,7 +146,6 @@ fn takes(subject: &Subject, wish: &StudyOptions, benches: &[Bench]) -> Option<Ve
     Some(taken)
 }
 
-/// An engine to measure.
 fn open(subject: &Subject, wish: &StudyOptions, engine: &'static EngineInfo) -> Result<Bench> {
     let asked = &subject.asked;
     if !engine.on_device {

@@ -18,12 +18,9 @@ const ABOVE_FLOOR: f64 = 2.0;
 /// Number of of the finest levels the observed order is taken over: coarser ones are not yet on the slope.
 const LEVELS: usize = 4;
 
-/// The convergence of one integrator.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Convergence {
-    /// The integrator.
     pub integrator: &'static str,
-    /// The engine, for people.
     pub engine: String,
     /// For each number of pieces the error, and the order between the number before and this one.
     pub levels: Vec<Level>,
@@ -31,22 +28,17 @@ pub struct Convergence {
     pub floor: f64,
     /// The slope of the last four levels above the floor, by least squares; `None` for fewer than two.
     pub observed: Option<f64>,
-    /// Reason for the expected order.
     pub expected: f64,
-    /// Reason.
     pub reason: &'static str,
 }
 
-/// One number of pieces.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Level {
-    /// Pieces.
     pub count: usize,
     /// The root-mean-square error.
     pub error: f64,
     /// Error less the floor; 0 where it is under that.
     pub own_error: f64,
-    /// The order between the number before and this one.
     pub order: Option<f64>,
     /// True if the error is above the floor, so that it tells something.
     pub above_floor: bool,

@@ -5,7 +5,7 @@ use voltet_core::picture::Picture;
 use voltet_io::encode::viridis;
 
 /// A step of an 8-bit channel.
-const STEP: f32 = 1.0 / 255.0;
+const STEP: f64 = 1.0 / 255.0;
 
 /// Differences of two pictures. A pixel's error is the largest difference of its four channels. Every pixel counts,
 /// also those that show nothing.
@@ -15,38 +15,38 @@ pub struct Errors {
     pub root_mean_square: f64,
     /// At least 99.9 % of the pixels have an error of at most this (nearest rank).
     pub percentile_99_9: f64,
-    /// The largest error of a pixel.
     pub maximum: f64,
     /// Pixels whose error is over 1/255.
     pub pixels_over_step: u64,
 }
 
-/// The difference of one pixel: the largest of its channels; infinite where a number is not finite.
-pub fn pixel_error(a: [f32; 4], b: [f32; 4]) -> f32 {
-    let channel = |k: usize| {
-        let difference = (a[k] - b[k]).abs();
-        if difference.is_finite() { difference } else { f32::INFINITY }
+/// The difference of each pixel: the largest of its channels; infinite where a number is not finite.
+pub fn pixel_errors(a: &Picture, b: &Picture) -> impl Iterator<Item = f64> {
+    let channel = |(a, b): (&f32, &f32)| {
+        let difference = (f64::from(*a) - f64::from(*b)).abs();
+        if difference.is_finite() { difference } else { f64::INFINITY }
     };
-    (0..4).map(channel).fold(0.0, f32::max)
+    let pixels = a.rgba.iter().zip(&b.rgba);
+    pixels.map(move |(a, b)| a.iter().zip(b).map(channel).fold(0.0, f64::max))
 }
 
 /// The differences of two pictures of the same size.
 pub fn errors(picture: &Picture, reference: &Picture) -> Errors {
     assert_eq!((picture.width, picture.height), (reference.width, reference.height), "pictures of one size");
-    let pairs = || picture.rgba.iter().zip(&reference.rgba);
     let square = |(a, b): (&[f32; 4], &[f32; 4])| -> f64 {
         let channel = |k: usize| (f64::from(a[k]) - f64::from(b[k])).powi(2);
         let sum = (0..4).map(channel).sum::<f64>();
         if sum.is_nan() { f64::INFINITY } else { sum }
     };
-    let mut each: Vec<f32> = pairs().map(|(a, b)| pixel_error(*a, *b)).collect();
-    each.sort_unstable_by(f32::total_cmp);
+    let mut each: Vec<f64> = pixel_errors(picture, reference).collect();
+    each.sort_unstable_by(f64::total_cmp);
     let count = each.len().max(1);
+    let pairs = picture.rgba.iter().zip(&reference.rgba);
     // Whole thousandths, so that no rounding moves the rank.
     let rank = (count * 999).div_ceil(1000);
-    let at = |rank: usize| rank.checked_sub(1).and_then(|i| each.get(i)).map_or(0.0, |&e| f64::from(e));
+    let at = |rank: usize| rank.checked_sub(1).and_then(|i| each.get(i)).map_or(0.0, |&e| e);
     Errors {
-        root_mean_square: (pairs().map(square).sum::<f64>() / (4 * count) as f64).sqrt(),
+        root_mean_square: (pairs.map(square).sum::<f64>() / (4 * count) as f64).sqrt(),
         percentile_99_9: at(rank),
         maximum: at(each.len()),
         pixels_over_step: each.iter().filter(|&&e| e > STEP).count() as u64,
@@ -58,9 +58,8 @@ const FAINTEST: f32 = 1e-6;
 
 /// Each pixel's error on a logarithmic scale, from 1e-6 (dark violet) to 1 (yellow), brighter the larger.
 pub fn difference(picture: &Picture, reference: &Picture) -> Picture {
-    let level = |error: f32| 1.0 - (error.clamp(FAINTEST, 1.0).log10() / FAINTEST.log10());
-    let pairs = picture.rgba.iter().zip(&reference.rgba);
-    let rgba = pairs.map(|(a, b)| viridis(level(pixel_error(*a, *b)))).collect();
+    let level = |error: f64| 1.0 - ((error as f32).clamp(FAINTEST, 1.0).log10() / FAINTEST.log10());
+    let rgba = pixel_errors(picture, reference).map(|error| viridis(level(error))).collect();
     Picture { rgba, ..*picture }
 }
 

@@ -1,10 +1,9 @@
 //! One setting, drawn again and again: seconds of every stage, memory, and the picture.
 
-use super::{RenderConfig, Subject};
+use super::{Frames, RenderConfig, Subject};
 use serde::Serialize;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
-use voltet_core::camera::Camera;
 use voltet_core::picture::Picture;
 use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::{Error, Result};
@@ -13,49 +12,17 @@ use voltet_io::memory;
 use voltet_optics::engine::{Engine, PreparedVolume, RenderOptions, RenderOutput, Stage};
 use voltet_optics::scene::Scene;
 
-/// Number of times a setting is drawn.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Frames {
-    /// Frames that count, at most, ≥ 1. One before them warms up.
-    pub count: usize,
-    /// No further frame begins once a setting has taken this long. Where the first one already does, it counts.
-    pub patience: Duration,
-    /// Degrees that the camera turns about its target before each frame, so that nothing of the former one can be used
-    /// again; 0: it stands still.
-    pub turn: f64,
-    /// Frames of a device that are in flight at a time while it is measured how fast they follow each other; below 2 that is not
-    /// measured.
-    pub in_flight: usize,
-}
-
-impl Frames {
-    /// The scene of frame `number`.
-    pub(super) fn scene(&self, scene: &Scene, number: usize) -> Scene {
-        let mut turned = scene.clone();
-        let Camera { eye, target, up, .. } = scene.camera;
-        if self.turn != 0.0 {
-            let by = glam::DQuat::from_axis_angle(up.normalize(), (self.turn * number as f64).to_radians());
-            turned.camera.eye = target + by * (eye - target);
-        }
-        turned
-    }
-}
-
 /// Median and spread of repeated times, milliseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Times {
     /// The median; of an even number of times the mean of the middle two.
     pub median_ms: f64,
-    /// The fastest.
     pub fastest_ms: f64,
-    /// The slowest.
     pub slowest_ms: f64,
 }
 
-/// Cost of drawing with one setting.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cost {
-    /// Frames that were measured.
     pub frames: usize,
     /// A picture, with all that a run makes anew for each one: the native engine its set-up and the frame, a device, which
     /// keeps what it has set up, the frame.
@@ -69,9 +36,7 @@ pub struct Cost {
     pub cull: Option<Times>,
     /// Ordering the cells; on a device, sharing them out among tiles too.
     pub sort: Option<Times>,
-    /// Projecting.
     pub project: Option<Times>,
-    /// Integrating and compositing.
     pub composite: Option<Times>,
     /// From one frame to the next of a device, milliseconds, with as many in flight as was asked for.
     pub in_flight_ms: Option<f64>,
@@ -91,12 +56,10 @@ pub struct Cost {
     pub peak_memory_bytes: Option<u64>,
 }
 
-/// Time of one pass of a device in a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Pass {
     /// Its entry point.
     pub name: &'static str,
-    /// Its times.
     pub times: Times,
 }
 
@@ -230,7 +193,6 @@ fn stage(taken: &[TimedPicture], stage: Stage) -> Option<Times> {
     taken.iter().map(|frame| seconds_of(&frame.drawn, stage)).collect::<Option<Vec<f64>>>().map(spread)
 }
 
-/// Times of the passes that every frame has.
 fn passes(taken: &[TimedPicture]) -> Vec<Pass> {
     let mut passes: Vec<Pass> = Vec::new();
     for name in taken.iter().flat_map(|frame| &frame.drawn.stages).filter_map(|part| part.pass) {

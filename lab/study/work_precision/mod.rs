@@ -1,24 +1,18 @@
 //! The study of a scene: every integrator that can serve it, over its settings, on every engine, against the 64-bit
 //! reference: what each costs and how wrong it is.
 //!
-//! | file | what |
+//! | file | responsibility |
 //! | --- | --- |
-//! | `options` | what is asked of a study |
-//! | `subject` | what the pipeline's node that draws is given |
-//! | `settings` | what is tried |
-//! | `reference`, `picture_cache` | the picture to compare with, kept between studies, also where it was stopped |
-//! | `variant`, `bench` | which engines there are to measure on |
-//! | `measure` | times and memory on an engine |
+//! | `options`, `settings` | options of a study, variants of engines, and what is tried |
+//! | `subject` | the scene of the pipeline's node that draws |
+//! | `reference` | the picture to compare with, kept between studies |
+//! | `bench`, `measure` | engines, and times and memory on them |
 //! | `errors`, `flip` | differences of pictures |
-//! | `convergence` | observed and expected orders |
-//! | `refine` | integration and data model apart, by refining the grid |
-//! | `pareto` | what is worth taking |
-//! | `table`, `plot`, `canvas`, `page` | how it is shown |
-//! | `apply` | a setting written into a pipeline file |
-//!
-//! It knows no terminal: [`study`] is given a [`Progress`], and what it gives is written by [`write`].
+//! | `run` | the study itself, its Pareto front and recommendation |
+//! | `convergence`, `refine` | orders of convergence; integration and data model apart |
+//! | `table`, `plot`, `canvas`, `page` | tables, plot and page |
+//! | `output` | the files of a study, and a setting written into a pipeline file |
 
-mod apply;
 mod bench;
 pub(crate) mod canvas;
 mod convergence;
@@ -28,8 +22,6 @@ mod measure;
 mod options;
 mod output;
 pub(crate) mod page;
-mod pareto;
-mod picture_cache;
 mod plot;
 mod reference;
 mod refine;
@@ -37,22 +29,19 @@ mod run;
 mod settings;
 mod subject;
 mod table;
-mod variant;
 
-pub use apply::apply;
 pub use bench::{Adapter, Benches};
-pub use convergence::{Convergence, Level, convergence};
-pub use errors::{Errors, difference, errors};
-pub use flip::PreparedPicture;
-pub use measure::{Cost, Frames, Pass, Times};
-pub use options::{Measure, StudyOptions};
-pub use output::{write, written};
+pub use convergence::{Convergence, Level};
+pub(crate) use errors::pixel_errors;
+pub use errors::{Errors, errors};
+pub use measure::{Cost, Pass, Times};
+pub use options::{Engines, Frames, Measure, RendererVariant, StudyOptions, patience};
+pub use output::{apply, write, written};
 pub use page::recommendation;
-pub use pareto::{cheapest, front};
 pub use reference::{Reference, cache_folder, reference};
 pub use refine::{Refinement, Source, refinement, refuse_too_fine};
 pub use run::{Refused, Row, Study, study};
-pub use settings::{RenderConfig, Value, settings, studied};
+pub(crate) use settings::Numbers;
+pub use settings::{RenderConfig, studied};
 pub use subject::{RendererNode, Subject, SubjectRequest, drawing_nodes};
-pub use table::{csv, json, text};
-pub use variant::{Engines, RendererVariant};
+pub use table::{json, text};

@@ -2,32 +2,23 @@
 
 use super::canvas::escaped;
 use super::table::{
-    COMPARED, HEADS, by_time, cells, convergence_lines, engine_lines, milliseconds, refinement_lines,
+    COLUMNS, COMPARED, by_time, cells, convergence_lines, engine_lines, milliseconds, refinement_lines,
 };
 use super::{Measure, Row, Study};
 use std::fmt::Write;
 
-/// The look: black on white, figures in columns, nothing that needs colour.
-const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1240px;margin:2em auto;padding:0 1em;\
-color:#141414;background:#fff}table{border-collapse:collapse;font-size:13px}.wide{overflow-x:auto}\
-th,td{padding:2px 8px;text-align:right;white-space:nowrap;border-bottom:1px solid #ddd}\
-th:first-child,td:first-child{text-align:left}th{position:sticky;top:0;background:#fff;border-bottom:2px solid #141414}\
-tr.front td{font-weight:600}tr.chosen td{outline:2px solid #141414;outline-offset:-2px}\
-svg,img{max-width:100%;height:auto}figure{margin:0 0 1em;display:inline-block;vertical-align:top;width:48%}\
-figcaption{font-size:13px}code{font-size:13px}\
-.scale{height:14px;width:300px;background:linear-gradient(90deg,rgb(68 1 84),rgb(59 82 139),rgb(33 145 140),\
-rgb(94 201 98),rgb(253 231 37))}.ends{width:300px;display:flex;justify-content:space-between;font-size:13px}";
+/// The look of pages: black on white, figures in columns, nothing that needs colour.
+const STYLE: &str = include_str!("page.css");
 
 /// Head of a page, up to its title. `title`: without characters of HTML.
-pub(crate) fn head(title: &str, style: &str) -> String {
+pub(crate) fn head(title: &str) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width\">\n<title>{title}</title>\n<style>{style}</style>\n\
+         <meta name=\"viewport\" content=\"width=device-width\">\n<title>{title}</title>\n<style>{STYLE}</style>\n\
          </head>\n<body>\n<h1>{title}</h1>\n"
     )
 }
 
-/// Number of differences that the page shows.
 const SHOWN: usize = 12;
 
 /// The page. `plot`: the SVG document; `reference`: the reference picture as PNG.
@@ -35,7 +26,7 @@ pub fn page(study: &Study, title: &str, plot: &str, reference: &[u8]) -> String 
     let subject = &study.subject;
     let [width, height] = subject.scene.camera.size;
     let title = escaped(title);
-    let mut html = head(&title, STYLE);
+    let mut html = head(&title);
     let drawn = if study.reference.cached { "kept from an earlier study; drawn" } else { "drawn" };
     paragraph(
         &mut html,
@@ -120,14 +111,13 @@ fn paragraph(html: &mut String, text: &str) {
     line_to(html, &format!("<p>{text}</p>"));
 }
 
-/// Adds a line.
 pub(crate) fn line_to(html: &mut String, text: &str) {
     // Writing to a String cannot fail.
     let _ = writeln!(html, "{text}");
 }
 
 fn table(study: &Study) -> String {
-    let heads: String = HEADS.iter().map(|name| format!("<th>{}</th>", escaped(name))).collect();
+    let heads: String = COLUMNS.iter().map(|column| format!("<th>{}</th>", escaped(column.0))).collect();
     let mut html = format!(
         "<h2>Every setting</h2>\n<p>Cheapest first; on the Pareto front in bold. Medians; all times in milliseconds. {}</p>\n\
          <div class=\"wide\"><table>\n<thead><tr>{heads}</tr></thead>\n<tbody>\n",
@@ -140,8 +130,7 @@ fn table(study: &Study) -> String {
             (_, true) => " class=\"front\"",
             _ => "",
         };
-        let cells = cells(study, row);
-        let cells: String = cells.iter().map(|cell| format!("<td>{}</td>", escaped(cell))).collect();
+        let cells: String = cells(study, row).map(|cell| format!("<td>{}</td>", escaped(&cell))).collect();
         line_to(&mut html, &format!("<tr{class}>{cells}</tr>"));
     }
     html + "</tbody></table></div>\n"
@@ -172,7 +161,6 @@ fn caption(row: &Row) -> String {
     )
 }
 
-/// A picture with what it shows.
 pub(crate) fn figure(html: &mut String, png: &[u8], caption: &str) {
     let caption = escaped(caption);
     let data = base64_simd::STANDARD.encode_to_string(png);
@@ -180,22 +168,4 @@ pub(crate) fn figure(html: &mut String, png: &[u8], caption: &str) {
     line_to(html, &format!("<figure>{image}<figcaption>{caption}</figcaption></figure>"));
 }
 
-/// Explanation of the columns.
-const MEANINGS: &str = "<h2>What is measured</h2>\n<ul>\n\
-<li><b>Time</b>: each picture is drawn anew from culling on, once to warm up and then repeatedly; medians, fastest and \
-slowest. Set-up is what would serve further frames too: tables, widgets made ready. The native engine makes it for each \
-picture, so the time of a picture holds it. A device keeps its own (grid, pipelines, tables) from picture to picture: there \
-set-up is what the first picture takes longer, and the time of a picture is that of a frame, read back. Its stages are \
-timed by its own clock, where it has one. Where one frame outlasts the patience, that frame is all there is.</li>\n\
-<li><b>evals/px</b>: how often a pixel asks for the transfer function: samples and points of quadratures, segments in closed \
-form, places in a pre-integrated table. Several widgets at one place count once, segments that meet no widget not at all.</li>\n\
-<li><b>rms, p99.9, max</b>: differences of premultiplied linear RGBA, 1 being full scale, over all pixels, empty ones \
-too. rms is taken over all channels; p99.9 and max over each pixel's largest channel.</li>\n\
-<li><b>&gt;1/255</b>: pixels with an error of more than a step of an 8-bit channel.</li>\n\
-<li><b>FLIP</b>: LDR-FLIP (Andersson et al. 2020), mean over the pixels, on the picture over its background at 67 pixels per \
-degree. ΔE = ΔE<sub>c</sub><sup>1−ΔE<sub>f</sub></sup>: ΔE<sub>c</sub> is the HyAB distance in Hunt-adjusted L*a*b* after blurring with the \
-eye's contrast sensitivity, to the power 0.7, with 0.4 of its largest value mapped to 0.95; ΔE<sub>f</sub> = (max(|Δ \
-edges|, |Δ points|)/√2)<sup>0.5</sup>. 0: equal; 1: as different as can be.</li>\n\
-<li><b>Memory</b>: the largest resident memory of the process meanwhile, data and reference included; a graphics device's own is \
-not.</li>\n\
-<li><b>Pareto front</b>: settings that no other one beats in time and error.</li>\n</ul>\n";
+const MEANINGS: &str = include_str!("meanings.html");

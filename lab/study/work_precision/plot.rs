@@ -1,8 +1,8 @@
 //! The work-precision plot: error over time, both in powers of ten, the Pareto front marked.
 
 use super::canvas::{Anchor, Axis, BLACK, Canvas, Color, Mark, Size, Symbol, WHITE, shown};
+use super::settings::Numbers;
 use super::{RendererVariant, Row, Study};
-use crate::numbers::Numbers;
 use voltet_integrators::{DEFAULT_OVERSAMPLING, DEFAULT_PLANES, DEFAULT_SIDE};
 use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::Integrator;
@@ -50,7 +50,6 @@ fn kinds(study: &Study) -> impl Iterator<Item = (Integrator, &'static Style, Vec
     kinds.filter(|kind| *kind != REFERENCE).zip(STYLES.iter().cycle()).map(of)
 }
 
-/// Draws the plot.
 pub fn plot(study: &Study, title: &str) -> Canvas {
     let measure = study.wish.measure;
     let error = |row: &Row| row.error(measure).max(MIN_ERROR);
@@ -89,28 +88,24 @@ pub fn plot(study: &Study, title: &str) -> Canvas {
             let hint =
                 format!("{}: {:.3} ms, error {:.2e}", row.setting.label(), time(row), row.error(measure));
             let corners = style.symbol.corners(at(row), radius);
-            canvas.marks.push(Mark::Shape { corners, fill, outline: style.color, hint });
+            canvas.shape(corners, fill, style.color, hint);
             around(&mut canvas, style, row.setting.variant, at(row), radius);
         }
     }
     if let Some(row) = study.recommended.map(|i| &study.rows[i]) {
-        let mut ring = Symbol::Circle.corners(at(row), 11.0);
-        ring.extend(ring.first().copied());
-        canvas.line(&ring, 1.8, BLACK, &[]);
+        canvas.ring(Symbol::Circle.corners(at(row), 11.0), 1.8, BLACK);
     }
     labels(&mut canvas, study, &at);
     legend(&mut canvas, study);
     canvas
 }
 
-/// Variants that drew the rows.
 fn variants(study: &Study) -> Vec<RendererVariant> {
     RendererVariant::all()
         .filter(|variant| study.rows.iter().any(|row| row.setting.variant == *variant))
         .collect()
 }
 
-/// From one outline to the next.
 const OUTLINE: f64 = 3.0;
 
 /// By how much the outlines of a variant reach further than a symbol.
@@ -121,9 +116,7 @@ fn further(variant: RendererVariant) -> f64 {
 /// Outlines that distinguish the variants' symbols without colour: each has an outline more than the one before.
 fn around(canvas: &mut Canvas, style: &Style, variant: RendererVariant, at: [f64; 2], radius: f64) {
     for outline in 1..=variant.number() {
-        let mut corners = style.symbol.corners(at, radius + OUTLINE * outline as f64);
-        corners.extend(corners.first().copied());
-        canvas.line(&corners, 1.0, style.color, &[]);
+        canvas.ring(style.symbol.corners(at, radius + OUTLINE * outline as f64), 1.0, style.color);
     }
 }
 
@@ -216,8 +209,7 @@ fn labels(canvas: &mut Canvas, study: &Study, at: &dyn Fn(&Row) -> [f64; 2]) {
         let (text, [x, y]) = (short(row), at(row));
         // Beside the ring around the recommended one.
         let gap = if study.recommended == Some(i) { 15.0 } else { 9.0 + further(row.setting.variant) };
-        let width = Size::Small.advance() * text.len() as f64;
-        let half = 0.5 * Size::Small.height();
+        let (width, half) = (Size::SMALL[0] * text.len() as f64, 0.5 * Size::SMALL[1]);
         let boxes = [
             [x + gap, y - half, x + gap + width, y + half],
             [x - gap - width, y - half, x - gap, y + half],
@@ -233,8 +225,7 @@ fn labels(canvas: &mut Canvas, study: &Study, at: &dyn Fn(&Row) -> [f64; 2]) {
             // Lines behind a label make it hard to read.
             let [x0, y0, x1, y1] = [place[0] - 1.0, place[1] + 1.0, place[2] + 1.0, place[3] - 1.0];
             let corners = vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
-            let hint = String::new();
-            canvas.marks.push(Mark::Shape { corners, fill: WHITE, outline: WHITE, hint });
+            canvas.shape(corners, WHITE, WHITE, String::new());
             let middle = [place[0], 0.5 * (place[1] + place[3])];
             canvas.text(middle, &text, Size::Small, Anchor::Start, BLACK);
         }
@@ -244,7 +235,8 @@ fn labels(canvas: &mut Canvas, study: &Study, at: &dyn Fn(&Row) -> [f64; 2]) {
 fn legend(canvas: &mut Canvas, study: &Study) {
     let x = PLANE[2] + 14.0;
     let mut y = PLANE[1] + 8.0;
-    let small = |canvas: &mut Canvas, y: f64, text: &str| {
+    let symbol = |canvas: &mut Canvas, y: f64, symbol: Symbol, fill, outline, text: &str| {
+        canvas.shape(symbol.corners([x + 14.0, y], 5.0), fill, outline, String::new());
         canvas.text([x + 34.0, y], text, Size::Small, Anchor::Start, BLACK);
     };
     for (kind, style, rows) in kinds(study) {
@@ -252,10 +244,7 @@ fn legend(canvas: &mut Canvas, study: &Study) {
             if is_swept(&kind) {
                 canvas.line(&[[x, y], [x + 28.0, y]], 1.4, style.color, style.dashes);
             }
-            let corners = style.symbol.corners([x + 14.0, y], 5.0);
-            let (fill, outline) = (WHITE, style.color);
-            canvas.marks.push(Mark::Shape { corners, fill, outline, hint: String::new() });
-            small(canvas, y, kind.name());
+            symbol(canvas, y, style.symbol, WHITE, style.color, kind.name());
             y += 20.0;
         }
     }
@@ -263,28 +252,22 @@ fn legend(canvas: &mut Canvas, study: &Study) {
     for variant in variants.iter().filter(|_| variants != [RendererVariant::NATIVE]) {
         y += 6.0;
         let style = &STYLES[0];
-        let corners = style.symbol.corners([x + 14.0, y], 5.0);
-        canvas.marks.push(Mark::Shape { corners, fill: WHITE, outline: BLACK, hint: String::new() });
+        symbol(canvas, y, style.symbol, WHITE, BLACK, &format!("on {}", variant.label()));
         around(canvas, style, *variant, [x + 14.0, y], 5.0);
-        small(canvas, y, &format!("on {}", variant.label()));
         y += 20.0;
     }
     y += 8.0;
     canvas.line(&[[x, y], [x + 28.0, y]], 7.0, [205, 205, 205], &[]);
-    let corners = Symbol::Circle.corners([x + 14.0, y], 5.0);
-    canvas.marks.push(Mark::Shape { corners, fill: BLACK, outline: BLACK, hint: String::new() });
-    small(canvas, y, "Pareto front (filled)");
+    symbol(canvas, y, Symbol::Circle, BLACK, BLACK, "Pareto front (filled)");
     if study.recommended.is_some() {
         y += 22.0;
-        let mut ring = Symbol::Circle.corners([x + 14.0, y], 9.0);
-        ring.extend(ring.first().copied());
-        canvas.line(&ring, 1.8, BLACK, &[]);
-        small(canvas, y, "recommended");
+        canvas.ring(Symbol::Circle.corners([x + 14.0, y], 9.0), 1.8, BLACK);
+        canvas.text([x + 34.0, y], "recommended", Size::Small, Anchor::Start, BLACK);
     }
-    y += 30.0;
-    for line in ["Numbers: tolerance,", "pieces, samples or", "side of the table"] {
-        canvas.text([x, y], line, Size::Small, Anchor::Start, GREY);
-        y += 14.0;
+    for (k, line) in
+        ["Numbers: tolerance,", "pieces, samples or", "side of the table"].into_iter().enumerate()
+    {
+        canvas.text([x, y + 30.0 + 14.0 * k as f64], line, Size::Small, Anchor::Start, GREY);
     }
 }
 

@@ -29,15 +29,12 @@ use voltet_optics::shading::VisibilityOrder;
 /// Most cells of the finest grid: some 20 GiB while they are drawn.
 const MAX_CELLS: u64 = 100_000_000;
 
-/// Source of values between the points.
 pub enum Source<'a> {
-    /// From the gradients at the points.
     Gradients,
     /// From the function that the data are samples of: s and ∇s.
     Function(&'a (dyn Fn(DVec3) -> (f64, DVec3) + Sync)),
 }
 
-/// Results of refinement.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Refinement {
     /// Cells of each grid, the given one first.
@@ -133,7 +130,6 @@ pub fn refinement(
     Ok(Refinement { cells, integration, model, model_error, integration_error })
 }
 
-/// The subject's picture with one setting.
 fn picture(subject: &Subject, setting: &RenderConfig, progress: &dyn Progress) -> Result<Picture> {
     let scene = setting.scene(subject);
     let volume = setting.variant.engine.open(&AdapterRequest::default())?.prepare(&scene.volume)?;

@@ -6,11 +6,10 @@ use super::errors::{Errors, difference, errors};
 use super::flip::PreparedPicture;
 use super::measure::Cost;
 use super::options::{Measure, StudyOptions};
-use super::pareto;
 use super::reference::Reference;
 use super::refine::{Refinement, Source, refinement};
+use super::settings::Numbers;
 use super::{RenderConfig, RendererVariant, Subject};
-use crate::numbers::Numbers;
 use voltet_core::error::ErrorKind;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
@@ -20,20 +19,15 @@ use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::Integrator;
 use voltet_simd::LaneSet;
 
-/// One setting, measured.
 #[derive(Debug, Clone)]
 pub struct Row {
-    /// The setting.
     pub setting: RenderConfig,
-    /// Its cost.
     pub cost: Cost,
-    /// Its errors.
     pub errors: Errors,
     /// The mean of FLIP against the reference.
     pub flip: f64,
     /// True if nothing is both cheaper and better.
     pub on_front: bool,
-    /// True if the file draws with it.
     pub of_file: bool,
     /// The difference of its picture from the reference, as PNG: see [`difference`].
     pub difference_png: Vec<u8>,
@@ -42,28 +36,18 @@ pub struct Row {
 /// A setting that the device does not draw.
 #[derive(Debug, Clone)]
 pub struct Refused {
-    /// The setting.
     pub setting: RenderConfig,
-    /// Error.
     pub error: Error,
 }
 
-/// Results of a study.
 #[derive(Debug, Clone)]
 pub struct Study {
-    /// Scene that is studied.
     pub subject: Subject,
-    /// Options of the study.
     pub wish: StudyOptions,
-    /// Reference picture.
     pub reference: Reference,
-    /// The settings that were measured.
     pub rows: Vec<Row>,
-    /// The settings that the device does not draw.
     pub refused: Vec<Refused>,
-    /// Number of settings there are, those refused among them.
     pub setting_count: usize,
-    /// The devices that were looked at.
     pub adapters: Vec<Adapter>,
     /// The vector lanes of the native engine.
     pub vector_units: &'static str,
@@ -80,7 +64,6 @@ pub struct Study {
 }
 
 impl Row {
-    /// The error that decides.
     pub fn error(&self, measure: Measure) -> f64 {
         match measure {
             Measure::Maximum => self.errors.maximum,
@@ -184,11 +167,11 @@ impl Study {
         let (rows, wish) = (&mut self.rows, &self.wish);
         let points: Vec<[f64; 2]> =
             rows.iter().map(|row| [row.cost.picture.median_ms, row.error(wish.measure)]).collect();
-        for (row, on_front) in rows.iter_mut().zip(pareto::front(&points)) {
+        for (row, on_front) in rows.iter_mut().zip(front(&points)) {
             row.on_front = on_front;
             row.of_file = self.own.is_some_and(|own| row.setting.draws_as(&own));
         }
-        self.recommended = wish.max_error.and_then(|bound| pareto::cheapest(&points, bound));
+        self.recommended = wish.max_error.and_then(|bound| cheapest(&points, bound));
         let counted = |kind: &&Integrator| Numbers::of(kind).count.is_some();
         let counted: Vec<&Integrator> = self.subject.integrators.iter().filter(counted).collect();
         let each =
@@ -231,4 +214,54 @@ fn converging(
     let floor = if floor.is_finite() { floor } else { f64::from(f32::EPSILON) };
     let found = convergence(kind.name(), &errors, floor, &subject.scene.transfer_function);
     Some(Convergence { engine: variant.label(), ..found })
+}
+
+/// For each point (cost, error) whether it is on the Pareto front: no other one is at most as dear and at most as
+/// wrong, and in one of the two less. Numbers that are not finite are never on it.
+pub fn front(points: &[[f64; 2]]) -> Vec<bool> {
+    let beats = |a: &[f64; 2], b: &[f64; 2]| a[0] <= b[0] && a[1] <= b[1] && a != b;
+    let sound = |p: &[f64; 2]| p.iter().all(|x| x.is_finite());
+    points.iter().map(|p| sound(p) && !points.iter().any(|other| sound(other) && beats(other, p))).collect()
+}
+
+/// The cheapest point whose error is at most `bound`; of equally dear ones the best.
+pub fn cheapest(points: &[[f64; 2]], bound: f64) -> Option<usize> {
+    let fits = (0..points.len()).filter(|&i| points[i][1] <= bound && points[i][0].is_finite());
+    fits.min_by(|&a, &b| {
+        let by = |k: usize| points[a][k].total_cmp(&points[b][k]);
+        by(0).then(by(1))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POINTS: [[f64; 2]; 7] = [
+        [1.0, 0.5],
+        // As dear as the first, and worse.
+        [1.0, 0.6],
+        [2.0, 0.1],
+        // Dearer and worse than the third.
+        [3.0, 0.2],
+        // Dearer and no better than the third.
+        [4.0, 0.1],
+        [8.0, 0.0],
+        [0.5, f64::INFINITY],
+    ];
+
+    #[test]
+    fn the_front_holds_what_nothing_beats() {
+        assert_eq!(front(&POINTS), [true, false, true, false, false, true, false]);
+        // Twins do not beat each other.
+        assert_eq!(front(&[[1.0, 1.0], [1.0, 1.0]]), [true, true]);
+    }
+
+    #[test]
+    fn the_cheapest_under_a_bound_is_taken_with_the_bound_included() {
+        assert_eq!(cheapest(&POINTS, 0.5), Some(0));
+        assert_eq!(cheapest(&POINTS, 0.2), Some(2));
+        assert_eq!(cheapest(&POINTS, 0.05), Some(5));
+        assert_eq!(cheapest(&POINTS[..5], 0.05), None);
+    }
 }

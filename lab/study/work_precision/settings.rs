@@ -2,9 +2,9 @@
 
 use super::subject::is_studied;
 use super::{RendererVariant, Subject};
-use crate::numbers::Numbers;
-use voltet_graph::{ParameterType, Registry};
-use voltet_integrators::{DEFAULT_OVERSAMPLING, DEFAULT_PIECES, DEFAULT_PLANES, DEFAULT_SIDE};
+use voltet_core::parameters::Parameter;
+use voltet_graph::{ParameterType, ParameterValue, Registry};
+use voltet_integrators::{DEFAULT_OVERSAMPLING, DEFAULT_PIECES, DEFAULT_PLANES};
 use voltet_optics::WidgetBlend;
 use voltet_optics::engine::{Accumulation, Compositor};
 use voltet_optics::integrators::{INTEGRATOR, Integrator, can_serve, kinds};
@@ -12,16 +12,11 @@ use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Shading, VisibilityOrder};
 use voltet_reference::REFERENCE;
 
-/// One way to draw the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderConfig {
-    /// Engine and compositor.
     pub variant: RendererVariant,
-    /// The integrator with its numbers.
     pub integrator: Integrator,
-    /// Blending of widgets that overlap, for closed forms.
     pub overlap: WidgetBlend,
-    /// The order of a pixel's segments.
     pub order: VisibilityOrder,
     /// Accumulation of a variant that blends, as the file has it.
     pub accumulation: Accumulation,
@@ -36,7 +31,7 @@ const SIDES: [usize; 5] = [16, 32, 64, 128, 256];
 /// The side at which oversampling and planes are tried, with what is tried beside the standard.
 const TRIED_SIDE: usize = 64;
 const OVERSAMPLINGS: [usize; 2] = [1, 8];
-const PLANES: [usize; 2] = [2, 4];
+const PLANES_TRIED: [usize; 2] = [2, 4];
 
 /// Every setting for the scene with one variant, each integrator's cheapest first. `only`: names of integrators, none for
 /// all.
@@ -67,41 +62,32 @@ pub fn settings(subject: &Subject, only: &[String], variant: RendererVariant) ->
 /// Tolerances of the adaptive integrator.
 const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 
-/// One integrator of each registered kind that is studied.
 pub fn studied(registry: &Registry) -> Vec<Integrator> {
     kinds(registry.variants(INTEGRATOR)).into_iter().map(Integrator::new).filter(is_studied).collect()
 }
 
 /// An integrator over its own numbers.
 fn sweep(kind: &Integrator) -> Vec<Integrator> {
-    let powers = |most: u32| (0..=most).map(|k| 1usize << k);
-    let with = |count, table_size| Numbers { count, table_size, ..Numbers::default() }.applied_to(kind);
-    match Numbers::of(kind) {
-        Numbers { tolerance: Some(_), .. } => {
-            let with =
-                |&tolerance| Numbers { tolerance: Some(tolerance), ..Numbers::default() }.applied_to(kind);
-            TOLERANCES.iter().map(with).collect()
+    let sides = |kind: Integrator, sides: &[usize]| -> Vec<Integrator> {
+        sides.iter().map(|&side| kind.with(TABLE_SIZE, side as f64)).collect()
+    };
+    let powers = |name: &'static str, most: u32| (0..=most).map(move |k| kind.with(name, f64::from(1 << k)));
+    match (Numbers::of(kind), count_name(kind)) {
+        (Numbers { tolerance: Some(_), .. }, _) => TOLERANCES.map(|it| kind.with(TOLERANCE, it)).to_vec(),
+        (Numbers { table_size: Some(_), .. }, Some(count)) => {
+            let usual = kind.with(count, DEFAULT_PIECES as f64);
+            powers(count, 6).chain(sides(usual, &PARTIAL_SIDES)).collect()
         }
-        Numbers { count: Some(_), table_size: Some(_), .. } => {
-            let pieces = powers(6).map(|count| with(Some(count), Some(DEFAULT_SIDE)));
-            pieces.chain(PARTIAL_SIDES.map(|side| with(Some(DEFAULT_PIECES), Some(side)))).collect()
-        }
-        Numbers { count: Some(_), .. } => powers(8).map(|count| with(Some(count), None)).collect(),
-        Numbers { table_size: Some(_), oversampling, planes, .. } => {
-            let usual = Numbers {
-                table_size: Some(TRIED_SIDE),
-                oversampling: Some(DEFAULT_OVERSAMPLING),
-                planes: Some(DEFAULT_PLANES),
-                ..Numbers::default()
-            };
-            let sides = SIDES.map(|side| Numbers { table_size: Some(side), ..usual }.applied_to(kind));
-            let finer = OVERSAMPLINGS.map(|n| Numbers { oversampling: Some(n), ..usual }.applied_to(kind));
-            let more = PLANES.map(|n| Numbers { planes: Some(n), ..usual }.applied_to(kind));
+        (_, Some(count)) => powers(count, 8).collect(),
+        (Numbers { table_size: Some(_), oversampling, planes, .. }, None) => {
+            let usual = kind.with(TABLE_SIZE, TRIED_SIDE as f64);
+            let finer = OVERSAMPLINGS.map(|n| usual.with(OVERSAMPLING, n as f64));
+            let more = PLANES_TRIED.map(|n| usual.with(PLANES, n as f64));
             let finer = finer.into_iter().filter(|_| oversampling.is_some());
             let more = more.into_iter().filter(|_| planes.is_some());
-            sides.into_iter().chain(finer).chain(more).collect()
+            sides(*kind, &SIDES).into_iter().chain(finer).chain(more).collect()
         }
-        Numbers { .. } => vec![*kind],
+        _ => vec![*kind],
     }
 }
 
@@ -125,7 +111,6 @@ fn orders(subject: &Subject, integrator: &Integrator, variant: RendererVariant) 
     }
 }
 
-/// Accumulation of the file, if the variant supports it.
 fn accumulation(subject: &Subject, variant: RendererVariant) -> Accumulation {
     let asked = subject.asked.accumulation;
     let serves = |way: &Compositor| asked.check(*way).is_ok();
@@ -146,7 +131,6 @@ impl RenderConfig {
         }
     }
 
-    /// The scene as this setting draws it.
     pub fn scene(&self, subject: &Subject) -> Scene {
         let shading = Shading { integrator: self.integrator, overlap: self.overlap, ..subject.scene.shading };
         // Exact is no order where none is needed: the same picture without the work.
@@ -161,14 +145,14 @@ impl RenderConfig {
         self.variant == other.variant && same
     }
 
-    /// The keys of a pipeline file that state it, with their values; overlap, order and engine apart.
-    pub fn keys(&self) -> Vec<(&'static str, Value<'static>)> {
-        let mut keys = vec![("integrator", Value::Text(self.integrator.name()))];
+    /// The keys of a pipeline file that state the integrator, with their values.
+    pub fn keys(&self) -> Vec<(&'static str, ParameterValue)> {
+        let mut keys = vec![("integrator", ParameterValue::Text(self.integrator.name().into()))];
         keys.extend(self.integrator.parameters().iter().map(|parameter| {
             let value = self.integrator.setting(parameter.name).unwrap_or(0.0);
             let value = match parameter.parameter_type {
-                ParameterType::Integer(_) => Value::Integer(value as i64),
-                _ => Value::Number(value),
+                ParameterType::Integer(_) => ParameterValue::Integer(value as i64),
+                _ => ParameterValue::Number(value),
             };
             (parameter.name, value)
         }));
@@ -177,16 +161,7 @@ impl RenderConfig {
 
     /// The numbers beside the integrator's name, for people: "16 pieces, table 64".
     pub fn numbers(&self) -> String {
-        let Numbers { tolerance, count, table_size, oversampling, planes } = Numbers::of(&self.integrator);
-        // What a table combines are pieces.
-        let counted = if table_size.is_some() { "pieces" } else { "samples" };
-        let mut parts = Vec::new();
-        parts.extend(tolerance.map(|tolerance| format!("tolerance {tolerance:e}")));
-        parts.extend(count.map(|count| format!("{count} {counted}")));
-        parts.extend(table_size.map(|side| format!("table {side}")));
-        let oversampling = oversampling.filter(|n| *n != DEFAULT_OVERSAMPLING);
-        parts.extend(oversampling.map(|n| format!("oversampling {n}")));
-        parts.extend(planes.filter(|n| *n != DEFAULT_PLANES).map(|n| format!("planes {n}")));
+        let mut parts = Numbers::of(&self.integrator).labels();
         if self.overlap == WidgetBlend::Mix && self.integrator == Integrator::ANALYTIC {
             parts.push("overlap mix".into());
         }
@@ -233,21 +208,66 @@ impl RenderConfig {
     }
 }
 
-/// A value of a key of a pipeline file.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Value<'a> {
-    /// A word.
-    Text(&'a str),
-    /// A whole number.
-    Integer(i64),
-    /// A number.
-    Number(f64),
-}
-
 /// The word for what is done with overlaps in pipeline files.
 pub fn overlap_name(overlap: WidgetBlend) -> &'static str {
     match overlap {
         WidgetBlend::Exact => "exact",
         WidgetBlend::Mix => "mix",
+    }
+}
+
+/// Settings of an integrator; `None`: the integrator has no such setting.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Numbers {
+    /// Largest error of a channel of C and of A.
+    pub tolerance: Option<f64>,
+    /// Pieces or samples of a segment.
+    pub count: Option<usize>,
+    /// Entries a side of the table.
+    pub table_size: Option<usize>,
+    /// Pieces from one entry of a pre-integrated table to the next.
+    pub oversampling: Option<usize>,
+    /// Tiles of a cylindrical table for each entry of a side.
+    pub planes: Option<usize>,
+}
+
+const TOLERANCE: &str = "tolerance";
+const TABLE_SIZE: &str = "table_size";
+const OVERSAMPLING: &str = "oversampling";
+const PLANES: &str = "planes";
+
+/// The whole number by which an integrator samples a segment: the first that belongs to no table.
+fn count_name(integrator: &Integrator) -> Option<&'static str> {
+    let is_count = |parameter: &&Parameter| {
+        matches!(parameter.parameter_type, ParameterType::Integer(_))
+            && ![TABLE_SIZE, OVERSAMPLING, PLANES].contains(&parameter.name)
+    };
+    integrator.parameters().iter().find(is_count).map(|parameter| parameter.name)
+}
+
+impl Numbers {
+    pub fn of(integrator: &Integrator) -> Numbers {
+        Numbers {
+            tolerance: integrator.setting(TOLERANCE),
+            count: count_name(integrator).and_then(|name| integrator.count(name)),
+            table_size: integrator.count(TABLE_SIZE),
+            oversampling: integrator.count(OVERSAMPLING),
+            planes: integrator.count(PLANES),
+        }
+    }
+    /// Each number for people, but what is as usual of a table's: "16 pieces", "table 64".
+    pub fn labels(&self) -> Vec<String> {
+        // What a table combines are pieces.
+        let counted = if self.table_size.is_some() { "pieces" } else { "samples" };
+        let oversampling = self.oversampling.filter(|n| *n != DEFAULT_OVERSAMPLING);
+        let planes = self.planes.filter(|n| *n != DEFAULT_PLANES);
+        let labels = [
+            self.tolerance.map(|tolerance| format!("tolerance {tolerance:e}")),
+            self.count.map(|count| format!("{count} {counted}")),
+            self.table_size.map(|side| format!("table {side}")),
+            oversampling.map(|n| format!("oversampling {n}")),
+            planes.map(|n| format!("planes {n}")),
+        ];
+        labels.into_iter().flatten().collect()
     }
 }

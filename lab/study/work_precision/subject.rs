@@ -14,41 +14,33 @@ use voltet_reference::REFERENCE;
 /// Kind of nodes that draw, which decides where an engine can be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RendererNode {
-    /// A `renderer`, on any engine.
     Renderer,
-    /// A `gpu-renderer`.
     GpuRenderer,
     /// The stages one by one, which are the native engine's.
     Stages,
 }
 
-/// Options of engines in the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SubjectRequest {
     /// Kind of nodes that draw.
     pub form: RendererNode,
-    /// "auto", or the engine's name.
     pub engine: String,
     /// The adapter, where one is named.
     pub adapter: Option<String>,
     /// The compositor of the device, or "auto".
     pub compositor: String,
-    /// Accumulation of a device that blends.
     pub accumulation: Accumulation,
 }
 
 /// Subject of a study: a scene, the node that draws it, and its options.
 #[derive(Debug, Clone)]
 pub struct Subject {
-    /// The name of the node that draws.
     pub node: String,
     /// The node whose parameter `order` counts; `None` where the pipeline has none that could be set.
     pub order_node: Option<String>,
     /// The scene; integrator, overlap and order are those of the file.
     pub scene: Scene,
-    /// True if the order of a pixel's segments changes the picture.
     pub needs_order: bool,
-    /// Options of engines in the file.
     pub asked: SubjectRequest,
     /// One integrator of each kind that the pipeline may name, with default settings, in the order of registration.
     pub integrators: Vec<Integrator>,
@@ -111,7 +103,6 @@ impl Subject {
         })
     }
 
-    /// One integrator of each kind that is studied.
     pub fn studied(&self) -> Vec<Integrator> {
         self.integrators.iter().copied().filter(is_studied).collect()
     }
@@ -131,7 +122,6 @@ impl Subject {
 }
 
 impl SubjectRequest {
-    /// True if the engine is left open.
     pub fn is_auto(&self) -> bool {
         self.engine == drawing::AUTO
     }
@@ -165,7 +155,6 @@ impl SubjectRequest {
     }
 }
 
-/// The names of the nodes that draw what the pipeline writes.
 pub fn drawing_nodes(graph: &Graph) -> Vec<String> {
     let all = graph.order.iter().map(|&i| &graph.nodes[i]);
     all.filter(|node| draws(node)).map(|node| node.name.clone()).collect()

@@ -1,10 +1,11 @@
 //! The figures of a study as a table for people, CSV and JSON.
 
-use super::measure::Cost;
+use super::measure::Times;
 use super::settings::overlap_name;
-use super::{Convergence, Refused, RenderConfig, RendererVariant, Row, Study, Value as Key};
-use crate::columns::aligned;
+use super::{Convergence, Refused, RenderConfig, RendererVariant, Row, Study};
+use crate::columns::{aligned, csv_cell};
 use serde_json::{Value, json as object};
+use voltet_graph::ParameterValue;
 use voltet_optics::engine::Accumulation;
 
 /// Milliseconds, with three digits that tell something.
@@ -21,12 +22,6 @@ pub(super) const COMPARED: &str = "The integrators of an engine share all but th
      compositing, number of bits and vector units - so that their times compare methods; evaluations are the places a pixel at which \
      the transfer function, its closed form or its table was asked.";
 
-/// Evaluations a pixel, with three digits that tell something.
-fn evaluations(study: &Study, cost: &Cost) -> Option<String> {
-    let [width, height] = study.subject.scene.camera.size.map(f64::from);
-    cost.evaluations.map(|count| milliseconds(count as f64 / (width * height)))
-}
-
 /// Rows as people look through them: cheapest first.
 pub(super) fn by_time(study: &Study) -> Vec<usize> {
     let mut order: Vec<usize> = (0..study.rows.len()).collect();
@@ -37,56 +32,53 @@ pub(super) fn by_time(study: &Study) -> Vec<usize> {
     order
 }
 
-/// Columns of a table for people. Medians; all times in milliseconds.
-pub(super) const HEADS: [&str; 17] = [
-    "setting",
-    "picture ms",
-    "evals/px",
-    "rms",
-    "p99.9",
-    "max",
-    ">1/255",
-    "FLIP",
-    "fastest",
-    "slowest",
-    "frames",
-    "set-up",
-    "cull",
-    "sort",
-    "project",
-    "composite",
-    "memory MiB",
+/// Columns of a table for people, with their cells. Medians; all times in milliseconds.
+type Column = (&'static str, fn(&Study, &Row) -> String);
+
+pub(super) const COLUMNS: [Column; 17] = [
+    ("setting", |_, row| row.setting.label() + if row.of_file { " (the file's)" } else { "" }),
+    ("picture ms", |_, row| milliseconds(row.cost.picture.median_ms)),
+    ("evals/px", evaluations),
+    ("rms", |_, row| format!("{:.1e}", row.errors.root_mean_square)),
+    ("p99.9", |_, row| format!("{:.1e}", row.errors.percentile_99_9)),
+    ("max", |_, row| format!("{:.1e}", row.errors.maximum)),
+    (">1/255", |_, row| row.errors.pixels_over_step.to_string()),
+    ("FLIP", |_, row| format!("{:.1e}", row.flip)),
+    ("fastest", |_, row| milliseconds(row.cost.picture.fastest_ms)),
+    ("slowest", |_, row| milliseconds(row.cost.picture.slowest_ms)),
+    ("frames", |_, row| row.cost.frames.to_string()),
+    ("set-up", |_, row| milliseconds(row.cost.set_up.median_ms)),
+    ("cull", |_, row| stage(row.cost.cull)),
+    ("sort", |_, row| stage(row.cost.sort)),
+    ("project", |_, row| stage(row.cost.project)),
+    ("composite", |_, row| stage(row.cost.composite)),
+    ("memory MiB", |_, row| {
+        row.cost.peak_memory_bytes.map_or("–".into(), |bytes| (bytes >> 20).to_string())
+    }),
 ];
 
-/// Cells of a row, by the columns.
-pub(super) fn cells(study: &Study, row: &Row) -> Vec<String> {
-    let (cost, errors) = (&row.cost, &row.errors);
-    let note = if row.of_file { " (the file's)" } else { "" };
-    let mut cells = vec![format!("{}{note}", row.setting.label())];
-    cells.push(milliseconds(cost.picture.median_ms));
-    cells.push(evaluations(study, cost).unwrap_or("–".into()));
-    let wrong = [errors.root_mean_square, errors.percentile_99_9, errors.maximum];
-    cells.extend(wrong.map(|error| format!("{error:.1e}")));
-    cells.push(errors.pixels_over_step.to_string());
-    cells.push(format!("{:.1e}", row.flip));
-    cells.extend([cost.picture.fastest_ms, cost.picture.slowest_ms].map(milliseconds));
-    cells.push(cost.frames.to_string());
-    let stages = [Some(cost.set_up), cost.cull, cost.sort, cost.project, cost.composite];
-    cells.extend(stages.map(|times| times.map_or("–".into(), |times| milliseconds(times.median_ms))));
-    cells.push(cost.peak_memory_bytes.map_or("–".into(), |bytes| (bytes >> 20).to_string()));
-    cells
+/// Evaluations a pixel, with three digits that tell something.
+fn evaluations(study: &Study, row: &Row) -> String {
+    let [width, height] = study.subject.scene.camera.size.map(f64::from);
+    row.cost.evaluations.map_or("–".into(), |count| milliseconds(count as f64 / (width * height)))
+}
+
+fn stage(times: Option<Times>) -> String {
+    times.map_or("–".into(), |times| milliseconds(times.median_ms))
+}
+
+pub(super) fn cells(study: &Study, row: &Row) -> impl Iterator<Item = String> {
+    COLUMNS.into_iter().map(move |(_, cell)| cell(study, row))
 }
 
 /// The table, what is recommended, and the orders of convergence.
 pub fn text(study: &Study) -> String {
-    let mut rows = vec![HEADS.map(str::to_string).to_vec()];
-    rows[0].insert(0, String::new());
+    let mut rows = vec![[""].into_iter().chain(COLUMNS.map(|column| column.0)).map(String::from).collect()];
     for i in by_time(study) {
         let row = &study.rows[i];
-        let mut line = cells(study, row);
         let recommended = if study.recommended == Some(i) { ">" } else { " " };
-        line.insert(0, format!("{recommended}{}", if row.on_front { "*" } else { " " }));
-        rows.push(line);
+        let mark = format!("{recommended}{}", if row.on_front { "*" } else { " " });
+        rows.push([mark].into_iter().chain(cells(study, row)).collect());
     }
     let mut text = aligned(&rows, |column| column < 2);
     text += &format!("* on the Pareto front (time, {} error), > recommended\n", study.wish.measure.name());
@@ -153,7 +145,6 @@ fn convergence_line(found: &Convergence) -> String {
     )
 }
 
-/// Lines on refining the grid.
 pub(super) fn refinement_lines(study: &Study) -> Vec<String> {
     let Some(found) = &study.refinement else { return Vec::new() };
     let rms = |errors: &Convergence| {
@@ -176,100 +167,96 @@ pub(super) fn refinement_lines(study: &Study) -> Vec<String> {
     lines
 }
 
-/// One line a setting, after a line of names; times in milliseconds, errors of premultiplied linear RGBA.
+/// Columns of the CSV file, and where their values stand in a row's JSON. Errors are of premultiplied linear RGBA.
+const CSV: [(&str, &str); 32] = [
+    ("engine", "/setting/engine"),
+    ("compositor", "/setting/compositor"),
+    ("adapter", "/setting/adapter"),
+    ("integrator", "/setting/integrator"),
+    ("segments", "/setting/segments"),
+    ("tolerance", "/setting/tolerance"),
+    ("table_size", "/setting/table_size"),
+    ("oversampling", "/setting/oversampling"),
+    ("planes", "/setting/planes"),
+    ("overlap", "/setting/overlap"),
+    ("order", "/setting/order"),
+    ("frames", "/cost/frames"),
+    ("picture_ms", "/cost/picture/median_ms"),
+    ("picture_fastest_ms", "/cost/picture/fastest_ms"),
+    ("picture_slowest_ms", "/cost/picture/slowest_ms"),
+    ("set_up_ms", "/cost/set_up/median_ms"),
+    ("frame_ms", "/cost/frame/median_ms"),
+    ("cull_ms", "/cost/cull/median_ms"),
+    ("sort_ms", "/cost/sort/median_ms"),
+    ("project_ms", "/cost/project/median_ms"),
+    ("composite_ms", "/cost/composite/median_ms"),
+    ("rms_error", "/errors/root_mean_square"),
+    ("p99_9_error", "/errors/percentile_99_9"),
+    ("max_error", "/errors/maximum"),
+    ("pixels_over_1_255", "/errors/pixels_over_step"),
+    ("flip", "/flip"),
+    ("peak_memory_bytes", "/cost/peak_memory_bytes"),
+    ("ray_segments", "/cost/segments"),
+    ("evaluations", "/cost/evaluations"),
+    ("on_front", "/on_front"),
+    ("recommended", "/recommended"),
+    ("of_file", "/of_file"),
+];
+
+/// One line a setting, after a line of names.
 pub fn csv(study: &Study) -> String {
-    let mut text = String::from(
-        "engine,compositor,adapter,integrator,segments,tolerance,table_size,oversampling,planes,overlap,order,frames,\
-         picture_ms,picture_fastest_ms,picture_slowest_ms,set_up_ms,frame_ms,cull_ms,sort_ms,project_ms,composite_ms,rms_error,p99_9_error,\
-         max_error,pixels_over_1_255,flip,peak_memory_bytes,ray_segments,evaluations,on_front,\
-         recommended,of_file\n",
-    );
+    let mut text = CSV.map(|column| column.0).join(",") + "\n";
     for (i, row) in study.rows.iter().enumerate() {
-        let key = |name: &str| {
-            let keys = row.setting.keys();
-            let found = keys.iter().find(|key| key.0 == name).map(|key| key.1);
-            match found {
-                Some(Key::Text(word)) => word.to_string(),
-                Some(Key::Integer(n)) => n.to_string(),
-                Some(Key::Number(x)) => format!("{x:e}"),
-                None => String::new(),
-            }
+        let mut row = row_json(study, row);
+        row["recommended"] = (study.recommended == Some(i)).into();
+        let cell = |(_, pointer): (&str, &str)| match row.pointer(pointer) {
+            None | Some(Value::Null) => String::new(),
+            // Names of devices hold commas.
+            Some(Value::String(text)) => csv_cell(text),
+            Some(other) => other.to_string(),
         };
-        let (cost, errors) = (&row.cost, &row.errors);
-        let variant = row.setting.variant;
-        let mut cells: Vec<String> =
-            vec![variant.engine.name.into(), variant.compositor().unwrap_or_default().into()];
-        cells.push(adapter(study, &row.setting).map_or(String::new(), quoted));
-        let numbers = ["integrator", "segments", "tolerance", "table_size", "oversampling", "planes"];
-        cells.extend(numbers.map(key));
-        cells.push(overlap_name(row.setting.overlap).into());
-        cells.push(row.setting.order.name().into());
-        cells.push(cost.frames.to_string());
-        let picture = [cost.picture.median_ms, cost.picture.fastest_ms, cost.picture.slowest_ms];
-        let times = [cost.set_up.median_ms, cost.frame.median_ms];
-        cells.extend(picture.into_iter().chain(times).map(|ms| format!("{ms:.4}")));
-        let stages = [cost.cull, cost.sort, cost.project, cost.composite];
-        cells.extend(stages.map(|times| times.map_or(String::new(), |t| format!("{:.4}", t.median_ms))));
-        let wrong = [errors.root_mean_square, errors.percentile_99_9, errors.maximum];
-        cells.extend(wrong.map(|error| format!("{error:.6e}")));
-        cells.push(errors.pixels_over_step.to_string());
-        cells.push(format!("{:.6e}", row.flip));
-        cells.push(cost.peak_memory_bytes.map_or(String::new(), |bytes| bytes.to_string()));
-        cells.extend(
-            [cost.segments, cost.evaluations].map(|count| count.map_or(String::new(), |n| n.to_string())),
-        );
-        cells.extend([row.on_front, study.recommended == Some(i), row.of_file].map(|flag| flag.to_string()));
-        text += &(cells.join(",") + "\n");
+        text += &(CSV.map(cell).join(",") + "\n");
     }
     text
 }
 
-/// The device that a setting was drawn on.
-fn adapter<'a>(study: &'a Study, setting: &RenderConfig) -> Option<&'a str> {
-    let found = study.adapters.iter().find(|adapter| adapter.engine == setting.variant.engine);
-    found.map(|adapter| adapter.name.as_str())
+fn setting_json(study: &Study, setting: &RenderConfig) -> Value {
+    let adapter = study.adapters.iter().find(|adapter| adapter.engine == setting.variant.engine);
+    let mut keys = object!({
+        "engine": setting.variant.engine.name,
+        "overlap": overlap_name(setting.overlap),
+        "order": setting.order.name(),
+    });
+    let mut set = |name: &str, value: Option<Value>| value.map(|value| keys[name] = value);
+    set("compositor", setting.variant.compositor().map(Value::from));
+    let accumulation = Some(setting.accumulation).filter(|one| *one != Accumulation::Float);
+    set("accumulation", accumulation.map(|one| one.name().into()));
+    set("adapter", adapter.map(|adapter| adapter.name.as_str().into()));
+    for (name, value) in setting.keys() {
+        set(
+            name,
+            match value {
+                ParameterValue::Text(word) => Some(word.into()),
+                ParameterValue::Integer(n) => Some(n.into()),
+                ParameterValue::Number(x) => Some(x.into()),
+                _ => None,
+            },
+        );
+    }
+    keys
 }
 
-/// A text as a cell of CSV: names of devices hold commas.
-fn quoted(text: &str) -> String {
-    format!("\"{}\"", text.replace('"', "\"\""))
+fn row_json(study: &Study, row: &Row) -> Value {
+    object!({
+        "label": row.setting.label(), "setting": setting_json(study, &row.setting), "cost": row.cost,
+        "errors": row.errors, "flip": row.flip, "on_front": row.on_front, "of_file": row.of_file,
+    })
 }
 
 /// Everything for programs. Numbers that JSON cannot hold are null.
 pub fn json(study: &Study, title: &str) -> Value {
     let subject = &study.subject;
-    let setting = |setting: &RenderConfig| {
-        let mut keys = serde_json::Map::new();
-        keys.insert("engine".into(), setting.variant.engine.name.into());
-        keys.extend(setting.variant.compositor().map(|name| ("compositor".into(), name.into())));
-        if setting.accumulation != Accumulation::Float {
-            keys.insert("accumulation".into(), setting.accumulation.name().into());
-        }
-        keys.extend(adapter(study, setting).map(|name| ("adapter".into(), name.into())));
-        for (name, key) in setting.keys() {
-            keys.insert(
-                name.into(),
-                match key {
-                    Key::Text(word) => word.into(),
-                    Key::Integer(n) => n.into(),
-                    Key::Number(x) => x.into(),
-                },
-            );
-        }
-        keys.insert("overlap".into(), overlap_name(setting.overlap).into());
-        keys.insert("order".into(), setting.order.name().into());
-        Value::Object(keys)
-    };
-    let row = |row: &Row| {
-        object!({
-            "label": row.setting.label(), "setting": setting(&row.setting), "cost": row.cost,
-            "errors": row.errors, "flip": row.flip, "on_front": row.on_front, "of_file": row.of_file,
-        })
-    };
-    let refused = |refused: &Refused| {
-        let reason = refused.error.to_string();
-        object!({ "label": refused.setting.label(), "setting": setting(&refused.setting), "reason": reason })
-    };
+    let refused = |Refused { setting, error }: &Refused| object!({ "label": setting.label(), "setting": setting_json(study, setting), "reason": error.to_string() });
     object!({
         "title": title,
         "node": subject.node,
@@ -286,8 +273,8 @@ pub fn json(study: &Study, title: &str) -> Value {
         "refused": study.refused.iter().map(refused).collect::<Vec<_>>(),
         "left_out": study.left_out,
         "stopped": study.stopped(),
-        "rows": study.rows.iter().map(row).collect::<Vec<_>>(),
-        "recommended": study.recommended.map(|i| row(&study.rows[i])),
+        "rows": study.rows.iter().map(|row| row_json(study, row)).collect::<Vec<_>>(),
+        "recommended": study.recommended.map(|i| row_json(study, &study.rows[i])),
         "convergence": study.convergence,
         "refinement": study.refinement,
         "versions": { "voltet": env!("CARGO_PKG_VERSION") },

@@ -6,11 +6,11 @@ use crate::scene::{Composed, Scenes};
 use crate::tables::UNIT;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_judge::segment_cases;
-use voltet_judge::segment_twin::Measure;
 use voltet_optics::integrators::{Extent, Integrator, new};
 use voltet_optics::{Contribution, WidgetBlend};
 use voltet_shaders::segment_list::{axes, holds, origin};
 use voltet_shaders::{compose, compose_pieces, piece};
+use voltet_testing::segment_twin::Measure;
 use voltet_testing::segments::{MODELS, look, overlapping, segments};
 
 const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
@@ -41,9 +41,10 @@ fn the_tolerance_is_met_on_the_exact_cases() {
         let scene = Composed::new(transfer_function, &shading(integrator), &axes, segment.length, None);
         let Ok(scene) = scene.expect("has pieces") else { continue };
         // Where 32 bits hold no digits (narrow widgets among them), or the exact value jumps, no tolerance can be met.
-        let known = category != "narrow" && case.condition.iter().all(|k| k.is_some_and(|k| k < 1e4));
+        let known =
+            category != "narrow" && case.conditions.differences.iter().all(|k| k.is_some_and(|k| k < 1e4));
         if holds(&scene.shader_key, transfer_function, &segment).is_err()
-            || !(origin(&case.transfer_function.widgets).is_some() || case.conditions().values_keep_digits())
+            || !(origin(&case.transfer_function.widgets).is_some() || case.conditions.values_keep_digits())
             || !known
         {
             continue;

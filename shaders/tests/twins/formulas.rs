@@ -1,7 +1,6 @@
 //! The table of twins: each WGSL formula with its 64-bit truth, its range and its tolerance.
 
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Wave, Widget};
-use voltet_judge::twin::{INPUTS, Range};
 use voltet_optics::clip::ClippedSpan;
 use voltet_optics::kinds::gaussian::GaussianPath;
 use voltet_optics::kinds::triangular_gaussian::TriangularPath;
@@ -9,6 +8,7 @@ use voltet_optics::kinds::wave::Bell;
 use voltet_optics::shading::{Integrator, Shading};
 use voltet_optics::{WidgetBlend, linear, special};
 use voltet_shaders::{Axis, Parameters};
+use voltet_testing::twin::{INPUTS, Range};
 
 /// A 64-bit formula of the inputs.
 type Truth = Box<dyn Fn(&[f64; INPUTS]) -> f64>;

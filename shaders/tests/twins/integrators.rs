@@ -4,12 +4,12 @@ use crate::device::Device;
 use crate::scene::{Composed, Scenes};
 use voltet_integrators::{riemann, segments};
 use voltet_judge::segment_cases;
-use voltet_judge::segment_twin::{Measure, change_of_places, numbers};
 use voltet_optics::integrators::{Extent, new};
 use voltet_optics::shading::{Integrator, Shading};
 use voltet_optics::{CompiledTransferFunction, WidgetBlend};
 use voltet_shaders::Axis;
 use voltet_shaders::segment_list::{axes, holds, origin};
+use voltet_testing::segment_twin::{Measure, change_of_places, numbers};
 
 pub fn shading(integrator: Integrator) -> Shading {
     Shading { integrator, overlap: WidgetBlend::Exact, silhouette: None, light: None }
@@ -48,7 +48,7 @@ fn sampling_integrators_are_twins_of_their_truths() {
         let found = scenes.integrate(&scene, &[segment])[0];
         let scale = if case.density() { 1.0 } else { segment.length / transfer_function.unit_distance };
         let brightest = case.brightest() * scale;
-        if !(origin(&case.transfer_function.widgets).is_some() || case.conditions().values_keep_digits()) {
+        if !(origin(&case.transfer_function.widgets).is_some() || case.conditions.values_keep_digits()) {
             // Values near 1e8, raw: no digit of the samples is left.
             assert!((0.0..=1.0).contains(&found.opacity), "{id}: {found:?}");
             continue;

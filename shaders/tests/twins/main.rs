@@ -10,8 +10,8 @@ mod tables;
 
 use device::{Bound, Device};
 use formulas::{Twin, twins};
-use voltet_judge::twin::{self, INPUTS};
 use voltet_shaders::compose_pieces;
+use voltet_testing::twin::{self, INPUTS};
 
 /// Inputs of a twin.
 const COUNT: usize = 4000;

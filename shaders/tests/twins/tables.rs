@@ -5,10 +5,10 @@ use crate::integrators::{shading, stored};
 use crate::scene::{Composed, Scenes};
 use voltet_core::transfer::{Profile, Region, Widget};
 use voltet_integrators::riemann;
-use voltet_judge::segment_twin::{Measure, change_of_places, numbers};
 use voltet_optics::integrators::{Extent, Integrator, new};
 use voltet_optics::{CompiledTransferFunction, WidgetBlend};
 use voltet_shaders::Axis;
+use voltet_testing::segment_twin::{Measure, change_of_places, numbers};
 use voltet_testing::segments::{MODELS, image, look, segments, widget};
 
 pub const UNIT: [Axis; 2] = [Axis { offset: 0.0, scale: 1.0 }; 2];

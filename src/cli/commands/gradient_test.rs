@@ -77,6 +77,6 @@ fn wish(arguments: &arguments::GradientTest) -> Result<TestOptions> {
         order: arguments.order,
         linear_error: arguments.linear_error,
     };
-    wish.check(|name| format!("--{}", name.replace('_', "-")))?;
+    wish.check(super::study::option)?;
     Ok(wish)
 }

@@ -1,28 +1,22 @@
 //! `voltet study`: error against time of every integrator on one scene.
 
-use super::exit_status::{DONE, code, show, warn};
+use super::exit_status::{DONE, show, warn};
 use super::pipelines::open;
 use crate::Document;
 use crate::cli::arguments;
 use crate::cli::present::{Bar, Estimate, print};
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
-use crate::graph::{Observer, Registry, nearest};
+use crate::graph::{Observer, Registry};
 use crate::nodes::files;
 use crate::optics::integrators::Integrator;
 use crate::output_conflicts::{self, OptionFile};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
-use std::time::Duration;
 use voltet_study::work_precision::{self as study, Benches, Frames, Study, StudyOptions, Subject};
 
 /// Stopped before the end, or nothing keeps the error allowed.
 const SHORT: u8 = 1;
-
-/// Names that `--only` takes.
-fn integrators(registry: &Registry) -> Vec<&'static str> {
-    study::studied(registry).iter().map(Integrator::name).collect()
-}
 
 pub fn study(arguments: &arguments::Study, registry: &Registry) -> Result<u8> {
     let wish = wish(arguments, registry)?;
@@ -37,51 +31,29 @@ pub fn study(arguments: &arguments::Study, registry: &Registry) -> Result<u8> {
     outcome.or_else(|error| Ok(show(&document.locate(error), Some(&document.text))))
 }
 
+/// Option of a name, as it is given on the command line.
+pub(super) fn option(name: &str) -> String {
+    format!("--{}", name.replace('_', "-"))
+}
+
 pub(super) fn wish(arguments: &arguments::Study, registry: &Registry) -> Result<StudyOptions> {
-    let integrators = integrators(registry);
-    if let Some(name) = arguments.only.iter().find(|name| !integrators.contains(&name.as_str())) {
-        let known = integrators.join(", ");
-        let accepted = match nearest(name, integrators.iter().copied()) {
-            Some(choice) => format!("\"{choice}\"; there are {known}"),
-            None => format!("one of {known}"),
-        };
-        return Err(Error::usage("--only names no integrator that can be studied")
-            .got(name)
-            .expected(accepted));
-    }
-    let in_range = |what: &str, value: f64| match value.is_finite() && value >= 0.0 {
-        true => Ok(()),
-        false => {
-            Err(Error::usage(format!("{what} is out of range")).got(value).expected("a number of at least 0"))
-        }
-    };
-    arguments.max_error.map_or(Ok(()), |bound| in_range("--max-error", bound))?;
-    in_range("--patience", arguments.patience)?;
-    if arguments.frames == 0 {
-        return Err(Error::usage("--frames is out of range").got(0).expected("1 or more"));
-    }
-    let engines = arguments.engine;
-    let no_device = engines.each().all(|engine| !engine.on_device);
-    if let Some(adapter) = arguments.adapter.as_ref().filter(|_| no_device) {
-        return Err(Error::usage("--adapter names a graphics device, and --engine asks for none")
-            .got(adapter)
-            .expected("--engine gpu or all, or no --adapter"));
-    }
-    Ok(StudyOptions {
-        engines,
+    let wish = StudyOptions {
+        engines: arguments.engine,
         adapter: arguments.adapter.clone(),
         only: arguments.only.clone(),
-        // A year is longer than any patience, and does not overflow.
         frames: Frames {
             count: arguments.frames,
-            patience: Duration::from_secs_f64(arguments.patience.min(3e7)),
+            patience: study::patience(arguments.patience, "--patience")?,
             turn: 0.0,
             in_flight: 1,
         },
         measure: arguments.measure,
         max_error: arguments.max_error,
         refine: arguments.refine,
-    })
+    };
+    let integrators: Vec<&str> = study::studied(registry).iter().map(Integrator::name).collect();
+    wish.check(&integrators, option)?;
+    Ok(wish)
 }
 
 fn measure(
@@ -197,7 +169,7 @@ fn conclude(
     let Some(row) = study.recommended.map(|i| &study.rows[i]) else {
         let least = study.rows.iter().map(|row| row.error(study.wish.measure)).fold(f64::INFINITY, f64::min);
         let error = Error::run("no setting keeps the error allowed").got(format!("{least:.1e} at best"));
-        return Ok(code_of(&error.expected(format!("at most {bound}"))));
+        return Ok(show(&error.expected(format!("at most {bound}")), None));
     };
     if arguments.apply {
         let text = study::apply(&document.text, study, &row.setting)?;
@@ -211,11 +183,6 @@ fn conclude(
         }
     }
     Ok(DONE)
-}
-
-fn code_of(error: &Error) -> u8 {
-    show(error, None);
-    code(error)
 }
 
 /// Shows progress with an estimate of what is left.

@@ -3,16 +3,15 @@
 use super::array_choice::bar_progress;
 use super::exit_status::{DONE, show, warn};
 use super::pipelines::open_all;
+use super::study::option;
 use crate::Document;
 use crate::cli::arguments;
 use crate::cli::present::{Bar, print};
 use crate::core::progress::CancelOnly;
 use crate::core::{Error, Result};
 use crate::graph::{Observer, Registry};
-use std::time::Duration;
 use voltet_study::work_precision::{
-    self as study, Benches, Cost, Frames, Measure, RenderConfig, RendererVariant, StudyOptions, Subject,
-    Times,
+    self as study, Benches, Cost, Frames, RenderConfig, RendererVariant, StudyOptions, Subject, Times,
 };
 
 pub fn time(arguments: &arguments::Time, registry: &Registry) -> Result<u8> {
@@ -35,28 +34,19 @@ pub fn time(arguments: &arguments::Time, registry: &Registry) -> Result<u8> {
 }
 
 fn wish(arguments: &arguments::Time) -> Result<StudyOptions> {
-    if arguments.frames == 0 {
-        return Err(Error::usage("--frames is out of range").got(0).expected("1 or more"));
-    }
-    if !(0.0..=3e7).contains(&arguments.patience) || !arguments.turn.is_finite() {
-        return Err(Error::usage("--patience or --turn is out of range")
-            .got(format!("{} s, {}°", arguments.patience, arguments.turn))
-            .expected("0 to 3e7 seconds, any angle"));
-    }
-    Ok(StudyOptions {
-        only: Vec::new(),
+    let wish = StudyOptions {
         engines: arguments.engine,
         adapter: arguments.adapter.clone(),
         frames: Frames {
             count: arguments.frames,
-            patience: Duration::from_secs_f64(arguments.patience),
+            patience: study::patience(arguments.patience, "--patience")?,
             turn: arguments.turn,
             in_flight: arguments.in_flight,
         },
-        measure: Measure::Maximum,
-        max_error: None,
-        refine: 0,
-    })
+        ..StudyOptions::default()
+    };
+    wish.check(&[], option)?;
+    Ok(wish)
 }
 
 const HEAD: &str =

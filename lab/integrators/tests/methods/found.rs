@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet_cpu::introspect::{IntegratedSegment, integrate_segments, lane_sets};
 use voltet_integrators::{LIT_REACH, REACH};
-use voltet_judge::segment_twin::{Measure, change_of_places, numbers};
 use voltet_optics::integrators::{self, Extent};
 use voltet_optics::shading::{Integrator, Shading};
 use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
+use voltet_testing::segment_twin::{Measure, change_of_places, numbers};
 
 /// Tolerance (of ε (4 |truth| + change + effect of a shift of each sample)). Exponentials and quotients leave some steps of 32 bits; so does
 /// the table that is filled in them.
