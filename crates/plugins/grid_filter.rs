@@ -8,16 +8,12 @@ use crate::interface::{ERROR, GivenArray, GridBuffers, GridCall, GridHead, OK, S
 use crate::node;
 use crate::runner::PluginItem;
 use crate::status::{CallLabel, CallStatus};
-use crate::task::{Outcome, Task};
-use crate::values::{
-    NamedArrays, ParameterValues, array_names, array_pointers, decode_sizes, encode_sizes, named_arrays,
-    receive_array, receive_geometry, receive_named, send_geometry,
-};
-use crate::wire::{Reader, Writer, garbled, send_array};
+use crate::task::{Outcome, Task, TaskKind};
+use crate::values::{NamedArrays, ParameterValues, array_names, array_pointers, named_arrays};
+use crate::wire::wire;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ffi::CString;
-use std::io::{self, Read, Write};
 use std::mem::size_of;
 use std::ptr::{from_ref, null};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -40,6 +36,8 @@ pub(crate) struct GridTask {
     /// Memory that it may take (bytes), if known.
     memory_left: Option<u64>,
 }
+
+wire!(struct GridTask { grid, carried, has_scalar, arrays, values, memory_left });
 
 /// The host's side of a call.
 struct HostContext<'a> {
@@ -86,7 +84,7 @@ unsafe extern "C-unwind" fn begin(
 }
 
 impl GridTask {
-    pub const TAG: u64 = 4;
+    pub const KIND: TaskKind = TaskKind::new::<GridTask>(4, "filter");
 
     /// Errors: an array that is not there.
     fn new(item: &PluginItem, grid: &Grid, call: &RunContext) -> Result<GridTask> {
@@ -133,30 +131,11 @@ impl GridTask {
         let buffers = Buffers::new(&head, true, &vec![true; head.arrays.len()], self.memory_left)?;
         Ok(OutputGrid { head, buffers, addresses: Vec::new() })
     }
-
-    pub fn decode(head: &mut Reader, from: &mut dyn Read) -> io::Result<Box<dyn Task>> {
-        let mut inputs = || {
-            let (values, sizes) = (ParameterValues::decode(head)?, decode_sizes(head)?);
-            let carried = head.list(|head| Some((CString::new(head.bytes()?).ok()?, head.length()?)))?;
-            Some((values, sizes, carried, head.number()? == 1, head.optional(Reader::number)?))
-        };
-        let (values, (points, cells, components), carried, has_scalar, memory_left) =
-            inputs().ok_or_else(garbled)?;
-        let grid = receive_geometry(from, points, cells)?;
-        let carried = carried.into_iter().map(|(name, n)| Ok((name, receive_array(from, points, n)?)));
-        let carried = carried.collect::<io::Result<_>>()?;
-        let arrays = receive_named(from, points, components)?;
-        Ok(Box::new(GridTask { grid, carried, has_scalar, arrays, values, memory_left }))
-    }
 }
 
 impl Task for GridTask {
-    fn tag(&self) -> u64 {
-        GridTask::TAG
-    }
-
-    fn stage(&self) -> &'static str {
-        "filter"
+    fn kind(&self) -> &'static TaskKind {
+        &GridTask::KIND
     }
 
     fn run(self: Box<Self>, item: &LibraryItem, state: &State) -> (CallStatus, Outcome) {
@@ -202,23 +181,6 @@ impl Task for GridTask {
                 (CallStatus::new(code, state), Outcome::Nothing)
             }
         }
-    }
-
-    fn encode(&self, head: &mut Writer) {
-        self.values.encode(head);
-        encode_sizes(&self.grid, &self.arrays, head);
-        head.list(&self.carried, |head, (name, array)| {
-            head.bytes(name.as_bytes());
-            head.count(array.component_count);
-        });
-        head.number(u64::from(self.has_scalar));
-        head.optional(self.memory_left, Writer::number);
-    }
-
-    fn send_arrays(&self, to: &mut dyn Write) -> io::Result<()> {
-        send_geometry(&self.grid, to)?;
-        self.carried.iter().try_for_each(|(_, array)| send_array(to, &array.values))?;
-        self.arrays.iter().flatten().try_for_each(|array| send_array(to, &array.values))
     }
 }
 

@@ -136,10 +136,7 @@ fn open(
     // SAFETY: the entry was checked; both arguments live through the call.
     let said = unsafe { init(path.as_ptr(), &state.host()) };
     if said.is_null() {
-        return Err(match state.error() {
-            Some(text) => format!("it says: {text}"),
-            None => "its init gave nothing, and no reason".into(),
-        });
+        return Err(state.init_failure());
     }
     let [name, version] = declaration::plugin(said)?;
     let plugin = Plugin { name, version, ..nameless.clone() };

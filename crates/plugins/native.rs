@@ -71,7 +71,8 @@ impl Runner for Native {
         let label = CallLabel::new(declaration, &self.library.plugin);
         let item = self.items.iter().find(|item| item.declaration.schema.name == declaration.schema.name);
         let Some(item) = item.cloned() else { return Err(label.error("is not there any more")) };
-        let (is_check, stage, start) = (task.tag() == CheckTask::TAG, task.stage(), Instant::now());
+        let (is_check, stage, start) =
+            (task.kind().tag == CheckTask::KIND.tag, task.kind().stage, Instant::now());
         let state = Arc::new(State::default());
         let mut cancelled: Option<Instant> = None;
         let may_go_on = || {

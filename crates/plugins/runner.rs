@@ -50,7 +50,7 @@ impl PluginItem {
         if !self.declaration.checks {
             return Ok(());
         }
-        let (status, _) = self.runner.run(&self.declaration, Box::new(CheckTask(values)), &NoProgress)?;
+        let (status, _) = self.runner.run(&self.declaration, Box::new(CheckTask { values }), &NoProgress)?;
         self.label().check_parameters(status)
     }
 

@@ -19,6 +19,8 @@ pub(crate) struct Overrun {
     pub capacity: String,
 }
 
+crate::wire::wire!(struct Overrun { buffer, capacity });
+
 impl Overrun {
     /// Overrun of the gradient at `point_count` points.
     pub fn gradient(point_count: usize) -> Overrun {

@@ -4,6 +4,7 @@ use super::head::Head;
 use crate::ffi::ValidationError;
 use crate::interface::{GridBuffers, SAME_CELLS, SAME_POINTS, TETRAHEDRA};
 use crate::sentinel::{Overrun, Sentinel, guarded_vec, remove_guard};
+use crate::wire::wire;
 use std::mem::size_of;
 use std::ptr::null_mut;
 use voltet_core::glam::DVec3;
@@ -25,6 +26,9 @@ pub(crate) struct MixedCells {
     pub offsets: Vec<i64>,
     pub connectivity: Vec<u32>,
 }
+
+wire!(struct Buffers { points, tetrahedra, cells, arrays });
+wire!(struct MixedCells { types, offsets, connectivity });
 
 impl Buffers {
     /// Buffers for the requested arrays of a grid, and with `geometry` for its points and cells.
@@ -65,6 +69,21 @@ impl Buffers {
             buffers.arrays.push(buffer.transpose()?);
         }
         Ok(buffers)
+    }
+
+    /// True if every buffer is as long as the head says.
+    pub fn fit(&self, head: &Head) -> bool {
+        let is_right = |cells: &MixedCells| {
+            [cells.types.len(), cells.offsets.len(), cells.connectivity.len()]
+                == [head.cell_count, head.cell_count + 1, head.connectivity_count]
+        };
+        self.points.as_ref().is_none_or(|points| points.len() == head.point_count)
+            && self.tetrahedra.as_ref().is_none_or(|tetrahedra| tetrahedra.len() == head.cell_count)
+            && self.cells.as_ref().is_none_or(is_right)
+            && (self.arrays.is_empty() || self.arrays.len() == head.arrays.len())
+            && self.arrays.iter().zip(&head.arrays).all(|(buffer, array)| {
+                buffer.as_ref().is_none_or(|buffer| buffer.len() == head.numbers(array))
+            })
     }
 
     /// Addresses of the arrays; valid until the buffers are closed or dropped.

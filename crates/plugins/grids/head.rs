@@ -3,7 +3,7 @@
 use crate::ffi::{ValidationError, several, sized, values};
 use crate::interface::{GridHead, SAME_CELLS, SAME_POINTS, TETRAHEDRA};
 use crate::text::{line, required};
-use crate::wire::{Reader, Writer};
+use crate::wire::wire;
 
 /// Longest name of an array or a format (bytes).
 const MAX_TEXT_BYTES: usize = 1024;
@@ -12,6 +12,9 @@ const MAX_TEXT_BYTES: usize = 1024;
 const MAX_ARRAYS: u32 = 4096;
 const MAX_COMPONENTS: u32 = 1024;
 const MAX_STEPS: u32 = 1 << 20;
+
+/// Largest number of point numbers of all cells.
+const MAX_COUNT: u64 = 1 << 36;
 
 /// `voltet_grid_head`.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -33,6 +36,9 @@ pub(crate) struct ArrayRecord {
     pub component_count: usize,
     pub on_cells: bool,
 }
+
+wire!(struct Head { flags, point_count, cell_count, connectivity_count, arrays, scalar, times, format });
+wire!(struct ArrayRecord { name, component_count, on_cells });
 
 /// Errors: flags beside these.
 pub(crate) fn refuse_flags(flags: u32, known: u32) -> Result<(), ValidationError> {
@@ -62,7 +68,7 @@ impl Head {
         let cell_count = count("cell_count", read.cell_count, max_number, same_cells)?;
         let connectivity_count = read.connectivity_count;
         let connectivity_count =
-            count("connectivity_count", connectivity_count, 1 << 36, same_cells || tetrahedra)?;
+            count("connectivity_count", connectivity_count, MAX_COUNT, same_cells || tetrahedra)?;
         let head = Head {
             flags: read.flags,
             point_count,
@@ -105,36 +111,11 @@ impl Head {
         }
     }
 
-    /// Appends to a message.
-    pub fn encode(&self, to: &mut Writer) {
-        to.number(u64::from(self.flags));
-        for count in [self.point_count, self.cell_count, self.connectivity_count] {
-            to.count(count);
-        }
-        to.list(&self.arrays, |to, array| {
-            to.text(&array.name);
-            to.count(array.component_count);
-            to.number(u64::from(array.on_cells));
-        });
-        for text in [&self.scalar, &self.format] {
-            to.optional(text.as_ref(), |to, text| to.text(text));
-        }
-        to.floats(&self.times);
-    }
-
-    /// Head from a message; `None` where the bytes are none.
-    pub fn decode(from: &mut Reader) -> Option<Head> {
-        let flags = u32::try_from(from.number()?).ok()?;
-        let mut count = || from.length().filter(|&count| count <= 1 << 36);
-        let [point_count, cell_count, connectivity_count] = [count()?, count()?, count()?];
-        let arrays = from.list(|from| {
-            let name = from.text()?;
-            let component_count = from.length().filter(|&n| n <= MAX_COMPONENTS as usize)?;
-            Some(ArrayRecord { name, component_count, on_cells: from.number()? == 1 })
-        })?;
-        let (scalar, format) = (from.optional(Reader::text)?, from.optional(Reader::text)?);
-        let times = from.floats()?;
-        Some(Head { flags, point_count, cell_count, connectivity_count, arrays, scalar, times, format })
+    /// True if no count is beyond what [`Head::read`] accepts.
+    pub fn is_within_limits(&self) -> bool {
+        let counts = [self.point_count, self.cell_count, self.connectivity_count];
+        counts.iter().all(|&count| count as u64 <= MAX_COUNT)
+            && self.arrays.iter().all(|array| array.component_count <= MAX_COMPONENTS as usize)
     }
 }
 

@@ -10,6 +10,6 @@ mod buffers;
 mod head;
 mod validate;
 
-pub(crate) use buffers::{Buffers, MixedCells};
+pub(crate) use buffers::Buffers;
 pub(crate) use head::{ArrayRecord, Head, refuse_flags};
 pub(crate) use validate::GridContents;

@@ -7,14 +7,10 @@
 //! | file | responsibility |
 //! | --- | --- |
 //! | `messages` | requests and replies |
-//! | `declarations` | declarations in messages |
 //! | `child` | side of the process |
-//! | `exchange` | side of the program |
-//! | `remote` | the runner |
+//! | `remote` | side of the program |
 
 mod child;
-mod declarations;
-mod exchange;
 mod messages;
 mod remote;
 

@@ -70,10 +70,7 @@ pub(super) fn initialize(
     }
     let plugin = init.call(&mut running.store, (path, host)).map_err(|error| message(&error))?;
     if plugin == 0 {
-        return Err(match state.error() {
-            Some(text) => format!("it says: {text}"),
-            None => "its init gave nothing, and no reason".into(),
-        });
+        return Err(state.init_failure());
     }
     let factory = get_factory.call(&mut running.store, kind).map_err(|error| message(&error))?;
     if factory == 0 {

@@ -96,7 +96,7 @@ impl Runner for SandboxRunner {
         let label = (CallLabel::new(declaration, &self.plugin), declaration.schema.name);
         let task: Box<dyn Any> = task;
         let task = match task.downcast::<CheckTask>() {
-            Ok(check) => return self.check(label, check.0),
+            Ok(check) => return self.check(label, check.values),
             Err(task) => task.downcast::<GradientTask>(),
         };
         match (task, declaration.family) {
