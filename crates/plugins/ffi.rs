@@ -43,6 +43,9 @@ const MAX_STRUCT_BYTES: u32 = 4096;
 /// Fault of something that a plug-in points to; a clause.
 pub(crate) type ValidationError = String;
 
+/// Result of a check of something that a plug-in points to.
+pub(crate) type CheckResult<T> = Result<T, ValidationError>;
+
 /// Copies the bytes at an address; `None` where some of them are not mapped. Where the system cannot check, unmapped memory ends
 /// the program, as it would in the plug-in itself.
 fn bytes(address: usize, into: &mut [MaybeUninit<u8>]) -> Option<()> {
@@ -72,7 +75,7 @@ fn bytes(address: usize, into: &mut [MaybeUninit<u8>]) -> Option<()> {
 /// Plain values at an address.
 ///
 /// Errors: null, or not there.
-pub(crate) fn values<T: Copy>(address: *const T, count: usize) -> Result<Vec<T>, ValidationError> {
+pub(crate) fn values<T: Copy>(address: *const T, count: usize) -> CheckResult<Vec<T>> {
     if address.is_null() {
         return Err("is a null pointer".into());
     }
@@ -91,7 +94,7 @@ pub(crate) fn values<T: Copy>(address: *const T, count: usize) -> Result<Vec<T>,
 /// A struct at an address, and the size in its first field.
 ///
 /// Errors: null, not there, or smaller than in version 1.0 of the interface.
-pub(crate) fn sized<T: Sized32>(address: *const T) -> Result<(T, usize), ValidationError> {
+pub(crate) fn sized<T: Sized32>(address: *const T) -> CheckResult<(T, usize)> {
     let wrong = |what| format!("{} {what}", T::NAME);
     let size = values(address.cast::<u32>(), 1).map_err(wrong)?[0];
     if (size as usize) < size_of::<T>() || size > MAX_STRUCT_BYTES || size % 8 != 0 {
@@ -105,7 +108,7 @@ pub(crate) fn sized<T: Sized32>(address: *const T) -> Result<(T, usize), Validat
 /// Structs side by side, each of the size that the first has in its first field.
 ///
 /// Errors: those of [`sized`], with the struct's index; one of another size than the first.
-pub(crate) fn several<T: Sized32>(address: *const T, count: usize) -> Result<Vec<T>, ValidationError> {
+pub(crate) fn several<T: Sized32>(address: *const T, count: usize) -> CheckResult<Vec<T>> {
     let (mut found, mut stride) = (Vec::new(), 0);
     for i in 0..count {
         let (read, size) =
@@ -122,7 +125,7 @@ pub(crate) fn several<T: Sized32>(address: *const T, count: usize) -> Result<Vec
 /// A text; `None` for a null pointer.
 ///
 /// Errors: longer than `max` bytes, no UTF-8, or not there.
-pub(crate) fn text(address: *const c_char, max: usize) -> Result<Option<String>, ValidationError> {
+pub(crate) fn text(address: *const c_char, max: usize) -> CheckResult<Option<String>> {
     let Some(bytes) = bytes_of_text(address, max)? else { return Ok(None) };
     match bytes {
         (bytes, true) => String::from_utf8(bytes).map(Some).map_err(|error| {
@@ -146,7 +149,7 @@ pub(crate) fn message(address: *const c_char, max: usize) -> String {
 }
 
 /// The bytes of a text, and true if it ends within `max` of them.
-fn bytes_of_text(address: *const c_char, max: usize) -> Result<Option<(Vec<u8>, bool)>, ValidationError> {
+fn bytes_of_text(address: *const c_char, max: usize) -> CheckResult<Option<(Vec<u8>, bool)>> {
     if address.is_null() {
         return Ok(None);
     }

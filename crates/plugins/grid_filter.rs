@@ -1,11 +1,11 @@
 //! A grid filter of a plug-in: its call, and its node.
 
 use crate::declaration::{EntryPoint, Family, LibraryItem};
-use crate::ffi::{ValidationError, sized};
+use crate::ffi::{CheckResult, sized};
 use crate::grids::{Buffers, GridContents, Head};
 use crate::host::State;
 use crate::interface::{ERROR, GivenArray, GridBuffers, GridCall, GridHead, OK, SAME_CELLS, SAME_POINTS};
-use crate::node;
+use crate::runner;
 use crate::runner::PluginItem;
 use crate::status::{CallLabel, CallStatus};
 use crate::task::{Outcome, Task, TaskKind};
@@ -18,9 +18,9 @@ use std::mem::size_of;
 use std::ptr::{from_ref, null};
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::glam::DVec3;
-use voltet_core::grid::{self, Array, Association, Cells, Grid, Options, RawGrid, Scalar};
+use voltet_core::grid::{Array, Association, Cells, Grid, Options, RawGrid, Scalar};
 use voltet_core::progress::Progress;
-use voltet_core::{Error, Result, SharedSlice};
+use voltet_core::{Error, Result, SharedSlice, grid};
 use voltet_graph::{Demand, DemandContext, Node, Outputs, Port, PortType, RunContext, Value};
 
 /// Filtering of a grid.
@@ -113,7 +113,7 @@ impl GridTask {
     }
 
     /// Memory for the grid of that head, with the counts of the parts that it shares with the input.
-    fn allocate(&self, head: *const GridHead) -> std::result::Result<OutputGrid, ValidationError> {
+    fn allocate(&self, head: *const GridHead) -> CheckResult<OutputGrid> {
         let mut head = Head::read(head)?;
         let (points, cells) = (self.grid.points.len(), self.grid.tetrahedra.len());
         if head.has(SAME_POINTS) {
@@ -189,15 +189,19 @@ pub(crate) fn grid_node(item: PluginItem) -> &'static Node {
     let grid = |summary| Port { name: "grid", port_type: PortType::Grid, summary };
     let [inputs, outputs] =
         [grid("points, cells, arrays"), grid("what it makes of them")].map(|port| [port].to_vec().leak());
-    let example =
-        node::example(item.declaration.schema, "grid", "grid", "grid = \"filtered\", volume = \"filtered\"");
+    let example = runner::example(
+        item.declaration.schema,
+        "grid",
+        "grid",
+        "grid = \"filtered\", volume = \"filtered\"",
+    );
     let (run_item, demand_item) = (item.clone(), item.clone());
-    node::leaked_node(&item, |node| Node {
+    runner::leaked_node(&item, |node| Node {
         inputs,
         outputs,
         example,
-        demand: node::leak(move |context: &mut DemandContext| demand(&demand_item, context)),
-        run: node::leak(move |call: &mut RunContext| run(&run_item, call)),
+        demand: runner::leak(move |context: &mut DemandContext| demand(&demand_item, context)),
+        run: runner::leak(move |call: &mut RunContext| run(&run_item, call)),
         ..node
     })
 }

@@ -3,7 +3,7 @@
 use crate::declaration::{EntryPoint, LibraryItem};
 use crate::host::State;
 use crate::interface::ImageCall;
-use crate::node;
+use crate::runner;
 use crate::runner::PluginItem;
 use crate::sentinel::{Overrun, Sentinel, guarded_vec, remove_guard};
 use crate::status::{CallLabel, CallStatus};
@@ -67,13 +67,13 @@ pub(crate) fn image_node(item: PluginItem) -> &'static Node {
     let image = |summary| Port { name: "image", port_type: PortType::Image, summary };
     let [inputs, outputs] =
         [image("the picture"), image("the filtered picture")].map(|port| [port].to_vec().leak());
-    let example = node::example(item.declaration.schema, "picture", "image", "image = \"filtered\"");
+    let example = runner::example(item.declaration.schema, "picture", "image", "image = \"filtered\"");
     let run_item = item.clone();
-    node::leaked_node(&item, |node| Node {
+    runner::leaked_node(&item, |node| Node {
         inputs,
         outputs,
         example,
-        run: node::leak(move |call: &mut RunContext| run(&run_item, call)),
+        run: runner::leak(move |call: &mut RunContext| run(&run_item, call)),
         ..node
     })
 }

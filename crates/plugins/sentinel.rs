@@ -1,7 +1,7 @@
 //! Memory that a plug-in writes to: filled with numbers that no computation gives, and with a guard behind it, so that missing
 //! numbers and writes beyond the end show.
 
-use crate::ffi::ValidationError;
+use crate::ffi::CheckResult;
 use std::mem::size_of;
 
 /// Tuples of the guard behind a buffer: a filter that miscounts by a few is found.
@@ -69,7 +69,7 @@ macro_rules! integers {
 integers!(u8 = u8::MAX, u32 = u32::MAX, i64 = i64::MIN);
 
 /// Buffer of `count` tuples of numbers and the guard, all unset.
-pub(crate) fn guarded_vec<V: bytemuck::Pod, T: Sentinel>(count: usize) -> Result<Vec<V>, ValidationError> {
+pub(crate) fn guarded_vec<V: bytemuck::Pod, T: Sentinel>(count: usize) -> CheckResult<Vec<V>> {
     let mut tuples = Vec::<V>::new();
     let total = count + GUARD_COUNT;
     tuples
