@@ -161,7 +161,7 @@ fn item(
     let schema =
         VariantSchema { name: name.clone().leak(), summary: summary.leak(), parameters: parameters.leak() };
     let declaration = Declaration { schema, family, checks: check.is_some(), components };
-    Ok(LibraryItem { declaration, check: check, function })
+    Ok(LibraryItem { declaration, check, function })
 }
 
 /// A function pointer that must not be null.

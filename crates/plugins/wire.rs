@@ -124,7 +124,7 @@ macro_rules! sent_as {
 
             fn receive(from: &mut dyn Read) -> io::Result<Self> {
                 let count = usize::receive(from)?;
-                ($from)(<$sent>::receive_all(from, count)?)
+                <$sent>::receive_all(from, count).and_then($from)
             }
         }
     )*};
