@@ -1,7 +1,6 @@
 //! Cells from a file: types, connectivity, faces of polyhedra.
 
-use super::piece::{Geometry, Piece, StoredCells, StoredFaces};
-use super::stored::{Meter, Stored};
+use super::contents::{Geometry, Meter, Piece, Stored, StoredCells, StoredFaces};
 use rayon::prelude::*;
 use voltet_core::grid::{CellSet, Cells, Polyhedron, code};
 use voltet_core::{Error, Result};
@@ -219,9 +218,9 @@ fn counted(list: &Stored, types: &Stored, meter: &Meter) -> Result<Cells> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::formats::contents::Encoding;
     use crate::formats::numbers::{ByteOrder, NumberType};
     use crate::formats::source::Source;
-    use crate::formats::stored::Encoding;
     use voltet_core::progress::NoProgress;
 
     /// An array of text in a file of its own.

@@ -1,9 +1,8 @@
 //! Summary of a file for people: cells by type, arrays with ranges, bounds, time steps.
 
+use super::contents::{Dataset, Geometry, Meter, Piece, Stored};
 use super::numbers::NumberType;
-use super::piece::{Dataset, Geometry, Piece};
 use super::request::{Association, Request};
-use super::stored::{Meter, Stored};
 use super::{assemble, cells};
 use crate::memory::GridSize;
 use glam::DVec3;

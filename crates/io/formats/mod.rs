@@ -35,43 +35,33 @@
 //! files, decodes every array, drops the line numbers) would take more code than reading the format; vtkio serves
 //! the tests as an independent writer.
 
-mod added;
-mod ascii;
 mod assemble;
-mod base64;
 mod cells;
-mod chosen;
 mod codec;
-mod decodable;
+mod contents;
 mod decode;
-mod format;
 mod inspect;
 mod legacy;
-mod merge;
 mod numbers;
 mod open;
-mod outside;
-mod piece;
 mod plot3d;
 mod request;
 mod select;
 mod source;
-mod stored;
 mod unsupported;
 mod xml;
 
-pub use assemble::SkippedArray;
-pub use assemble::length;
+pub use assemble::{SkippedArray, length};
 pub use cells::face_stream;
-pub use chosen::SelectedArrays;
 pub use inspect::{ArrayHead, ArraySummary, Summary, arrays, inspect};
-use open::open;
 pub use open::{FILES, ships};
-pub use request::{Association, Request, TimeStep};
+pub use request::{Association, Request, SelectedArrays, TimeStep};
 pub use select::Component;
+pub use voltet_core::grid::CellValues;
+
+use open::open;
 use std::path::{Path, PathBuf};
 use voltet_core::Result;
-pub use voltet_core::grid::CellValues;
 use voltet_core::grid::Grid;
 use voltet_core::progress::Progress;
 

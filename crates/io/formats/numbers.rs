@@ -1,5 +1,6 @@
-//! Number types of files, and their conversion to the types that grids hold.
+//! Number types of files, their conversion to the types that grids hold, and numbers as text.
 
+use rayon::prelude::*;
 use voltet_core::{Error, Result};
 
 /// Type of the numbers of an array in a file.
@@ -269,4 +270,37 @@ fn parse_float(text: &str) -> Option<f64> {
         return Some(if negative { -value } else { value });
     }
     None
+}
+
+/// Bytes of text that one task parses.
+const PART: usize = 1 << 18;
+
+/// The words of a text, in order.
+pub(super) fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
+    text.split(|b| b.is_ascii_whitespace()).filter(|word| !word.is_empty())
+}
+
+/// All numbers of a text.
+pub(super) fn numbers<T: Target>(number_type: NumberType, text: &[u8]) -> Result<Vec<T>> {
+    let parts: Vec<Vec<T>> = parts(text)
+        .into_par_iter()
+        .map(|part| words(part).map(|word| parse(number_type, word)).collect())
+        .collect::<Result<_>>()?;
+    Ok(match <[Vec<T>; 1]>::try_from(parts) {
+        Ok([only]) => only,
+        Err(parts) => parts.concat(),
+    })
+}
+
+/// Cuts a text at white space into parts of about [`PART`] bytes.
+fn parts(mut text: &[u8]) -> Vec<&[u8]> {
+    let mut parts = Vec::new();
+    while text.len() > PART {
+        let cut = text[PART..].iter().position(u8::is_ascii_whitespace).map_or(text.len(), |at| PART + at);
+        let (part, rest) = text.split_at(cut);
+        parts.push(part);
+        text = rest;
+    }
+    parts.push(text);
+    parts
 }

@@ -6,10 +6,10 @@
 //! Source: PLOT3D User's Manual (Walatka, Buning, Pierce, Elson; NASA TM 101067, 1990), chapter 8; choices as in
 //! vtkMultiBlockPLOT3DReader.
 
+use crate::formats::contents::{Encoding, Meter, Stored};
+use crate::formats::numbers;
 use crate::formats::numbers::{ByteOrder, NumberType};
 use crate::formats::source::Source;
-use crate::formats::stored::{Encoding, Meter, Stored};
-use crate::formats::{ascii, numbers};
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 
@@ -196,7 +196,7 @@ impl Layout {
 fn text(source: &Arc<Source>, role: Role) -> Result<(Vec<Block>, String)> {
     let mut bytes = source.read(0, source.len())?;
     bytes.iter_mut().filter(|byte| **byte == b',').for_each(|byte| *byte = b' ');
-    let values: Arc<Vec<f64>> = Arc::new(ascii::numbers(NumberType::F64, &bytes)?);
+    let values: Arc<Vec<f64>> = Arc::new(numbers::numbers(NumberType::F64, &bytes)?);
     for counted in [false, true] {
         for blanking in [false, true] {
             if (role == Role::Grid || !blanking)

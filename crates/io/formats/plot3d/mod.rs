@@ -1,17 +1,15 @@
 //! PLOT3D: a file of curvilinear grids and, beside it, a file of the flow's solution (q) on them.
 
 mod layout;
-mod quantities;
 
-use super::format::Format;
+use super::contents::{
+    Compute, Dataset, Encoding, Format, Geometry, Piece, PieceArray, Stored, structured_counts,
+};
 use super::numbers::{ByteOrder, NumberType};
-use super::piece::{Dataset, Geometry, Piece, PieceArray, structured_counts};
 use super::request::Request;
 use super::select::GHOST_TYPE;
 use super::source::Source;
-use super::stored::{Compute, Encoding, Stored};
 use layout::{Block, Plane, Role};
-use quantities::{Formula, QUANTITIES};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -121,13 +119,13 @@ fn piece(source: &Arc<Source>, grid: Block, solution: Option<Block>, request: &R
 }
 
 /// Planes of three components as tuples.
-fn interleave(planes: &[Plane; 3], meter: &super::stored::Meter) -> Result<Vec<f64>> {
+fn interleave(planes: &[Plane; 3], meter: &crate::formats::contents::Meter) -> Result<Vec<f64>> {
     let [x, y, z] = [planes[0].load(meter)?, planes[1].load(meter)?, planes[2].load(meter)?];
     Ok(x.into_par_iter().zip(y).zip(z).flat_map_iter(|((x, y), z)| [x, y, z]).collect())
 }
 
 /// A quantity from the planes of a solution.
-fn derive(planes: &[Plane], formula: &Formula, meter: &super::stored::Meter) -> Result<Vec<f64>> {
+fn derive(planes: &[Plane], formula: &Formula, meter: &crate::formats::contents::Meter) -> Result<Vec<f64>> {
     let [density, mx, my, mz, energy] = planes else {
         return Err(Error::run("a PLOT3D solution lacks planes"));
     };
@@ -149,4 +147,129 @@ fn derive(planes: &[Plane], formula: &Formula, meter: &super::stored::Meter) -> 
             })
             .collect(),
     })
+}
+
+/// Ratio of specific heats.
+const GAMMA: f64 = 1.4;
+
+/// A quantity: its name, other names that are understood, components, formula of (ρ, ρu, e).
+pub(super) struct DerivedQuantity {
+    pub name: &'static str,
+    /// Without capitals, spaces, hyphens and underscores.
+    pub aliases: &'static [&'static str],
+    pub formula: Formula,
+}
+
+/// Formula of a quantity from density, momentum and energy.
+pub(super) enum Formula {
+    /// One value a point.
+    Scalar(fn(f64, [f64; 3], f64) -> f64),
+    /// Three values a point.
+    Vector(fn(f64, [f64; 3], f64) -> [f64; 3]),
+}
+
+fn speed_squared(density: f64, momentum: [f64; 3]) -> f64 {
+    momentum.iter().map(|m| (m / density).powi(2)).sum()
+}
+
+/// p = (γ − 1) (e − ρ v² / 2)
+fn pressure(density: f64, momentum: [f64; 3], energy: f64) -> f64 {
+    (GAMMA - 1.0) * (energy - 0.5 * density * speed_squared(density, momentum))
+}
+
+/// c = √(γ p / ρ)
+fn sound_speed(density: f64, momentum: [f64; 3], energy: f64) -> f64 {
+    (GAMMA * pressure(density, momentum, energy) / density).sqrt()
+}
+
+/// All quantities, those of the file first.
+pub(super) const QUANTITIES: &[DerivedQuantity] = &[
+    DerivedQuantity { name: "density", aliases: &["density"], formula: Formula::Scalar(|d, _, _| d) },
+    DerivedQuantity { name: "momentum", aliases: &["momentum"], formula: Formula::Vector(|_, m, _| m) },
+    DerivedQuantity {
+        name: "energy",
+        aliases: &["energy", "stagnationenergy"],
+        formula: Formula::Scalar(|_, _, e| e),
+    },
+    DerivedQuantity { name: "pressure", aliases: &["pressure"], formula: Formula::Scalar(pressure) },
+    // T = p / (ρ R)
+    DerivedQuantity {
+        name: "temperature",
+        aliases: &["temperature"],
+        formula: Formula::Scalar(|d, m, e| pressure(d, m, e) / d),
+    },
+    // h = γ (e/ρ − v² / 2)
+    DerivedQuantity {
+        name: "enthalpy",
+        aliases: &["enthalpy"],
+        formula: Formula::Scalar(|d, m, e| GAMMA * (e / d - 0.5 * speed_squared(d, m))),
+    },
+    DerivedQuantity {
+        name: "internal_energy",
+        aliases: &["internalenergy"],
+        formula: Formula::Scalar(|d, m, e| e / d - 0.5 * speed_squared(d, m)),
+    },
+    DerivedQuantity {
+        name: "kinetic_energy",
+        aliases: &["kineticenergy"],
+        formula: Formula::Scalar(|d, m, _| 0.5 * speed_squared(d, m)),
+    },
+    DerivedQuantity {
+        name: "velocity",
+        aliases: &["velocity"],
+        formula: Formula::Vector(|d, m, _| m.map(|m| m / d)),
+    },
+    DerivedQuantity {
+        name: "velocity_magnitude",
+        aliases: &["velocitymagnitude", "speed"],
+        formula: Formula::Scalar(|d, m, _| speed_squared(d, m).sqrt()),
+    },
+    // s = R / (γ − 1) · ln((p / p∞) / (ρ / ρ∞)^γ) with ρ∞ = 1, p∞ = 1 / γ
+    DerivedQuantity {
+        name: "entropy",
+        aliases: &["entropy"],
+        formula: Formula::Scalar(|d, m, e| (pressure(d, m, e) * GAMMA / d.powf(GAMMA)).ln() / (GAMMA - 1.0)),
+    },
+    DerivedQuantity { name: "sound_speed", aliases: &["soundspeed"], formula: Formula::Scalar(sound_speed) },
+    DerivedQuantity {
+        name: "mach",
+        aliases: &["mach", "machnumber"],
+        formula: Formula::Scalar(|d, m, e| speed_squared(d, m).sqrt() / sound_speed(d, m, e)),
+    },
+];
+
+impl DerivedQuantity {
+    /// True if a person means this quantity by `word`, however it is capitalised and joined.
+    pub fn is_called(&self, word: &str) -> bool {
+        let plain: String = word.chars().filter(char::is_ascii_alphanumeric).collect();
+        self.aliases.contains(&plain.to_ascii_lowercase().as_str())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// ρ = 2, u = (3, 0, 4), p = 5: v² = 25, e = p / 0.4 + ρ v² / 2 = 37.5.
+    #[test]
+    fn quantities_follow_from_density_momentum_and_energy() {
+        let value = |name: &str| match &QUANTITIES.iter().find(|q| q.is_called(name)).unwrap().formula {
+            Formula::Scalar(formula) => formula(2.0, [6.0, 0.0, 8.0], 37.5),
+            Formula::Vector(formula) => formula(2.0, [6.0, 0.0, 8.0], 37.5)[2],
+        };
+        // Rounding of a handful of operations on numbers below 100.
+        let same = |a: f64, b: f64| assert!((a - b).abs() < 1e-13 * b.abs().max(1.0), "{a} {b}");
+        same(value("Density"), 2.0);
+        same(value("StagnationEnergy"), 37.5);
+        same(value("pressure"), 5.0);
+        same(value("temperature"), 2.5);
+        same(value("enthalpy"), 8.75);
+        same(value("InternalEnergy"), 6.25);
+        same(value("kinetic energy"), 12.5);
+        same(value("velocity"), 4.0);
+        same(value("velocity-magnitude"), 5.0);
+        same(value("SoundSpeed"), 3.5_f64.sqrt());
+        same(value("MachNumber"), 5.0 / 3.5_f64.sqrt());
+        same(value("entropy"), (7.0 / 2.0_f64.powf(1.4)).ln() / 0.4);
+    }
 }
