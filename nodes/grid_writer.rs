@@ -1,8 +1,7 @@
 //! `grid-writer`: the grid with what was computed of it, as a VTK file, on the cells of the file that it came from.
 
 use crate::drawing::Culled;
-use crate::files;
-use crate::files::output::{self, PATH};
+use crate::files::{self, PATH};
 use std::path::Path;
 use voltet_core::grid::Array;
 use voltet_core::progress::refuse_beyond_memory;
@@ -86,7 +85,7 @@ pub const NODE: Node = Node {
     example: include_str!("examples/grid_writer.toml"),
     check: &|parameters| wanted(parameters).and_then(|_| refuse_ending(parameters)),
     demand: &demand,
-    prepare: &output::prepare,
+    prepare: &files::prepare,
     run: &run,
     ..Node::BLANK
 };
@@ -189,7 +188,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
         let why = "not compressed: an array fills whole blocks of 32,768 bytes, which the library that writes gets wrong";
         call.notes.warnings.push(why.into());
     }
-    output::write(call, &encoded.bytes)?;
+    files::write(call, &encoded.bytes)?;
     Ok(Vec::new())
 }
 

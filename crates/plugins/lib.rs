@@ -51,8 +51,8 @@ mod wasm;
 mod watchdog;
 mod wire;
 
-pub use crate::configured::{Configured, configured};
-pub use crate::process::run_child;
+pub use configured::{Configured, configured};
+pub use process::run_child;
 
 use crate::declaration::{Declaration, Family};
 use crate::library::Native;

@@ -15,7 +15,6 @@
 mod background;
 mod camera;
 mod grid;
-mod grid_arrays;
 mod image;
 mod pipeline;
 mod renderer;
@@ -26,8 +25,9 @@ mod volume;
 
 pub use background::{RunStatus, panic_message, run_in_background};
 pub use camera::Camera;
-pub use grid::{Grid, GridIndex};
-pub use grid_arrays::{BorrowedGrid, CellArrays, NamedArray, PointNumbers, build_grid, unnamed_scalar};
+pub use grid::{
+    BorrowedGrid, CellArrays, Grid, GridIndex, NamedArray, PointNumbers, build_grid, unnamed_scalar,
+};
 pub use image::Image;
 pub use pipeline::Pipeline;
 pub use renderer::{Engine, RenderOptions, RenderOutput, Renderer, RendererOptions, render_to_depth};

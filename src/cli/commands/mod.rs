@@ -10,8 +10,6 @@ mod info;
 mod nodes;
 #[cfg(feature = "papers")]
 mod papers;
-mod picture_info;
-mod pipeline_info;
 mod pipelines;
 mod pixel;
 mod plugins;
@@ -21,8 +19,8 @@ mod start;
 mod study;
 mod time;
 
+use super::arguments::{Arguments, Command, Set};
 use crate::Document;
-use crate::cli::arguments::{Arguments, Command, Set};
 use crate::core::{Error, Result};
 use crate::graph::Registry;
 use crate::io::{formats, memory};
@@ -53,7 +51,7 @@ pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> ExitCode {
 /// True if the registry suffices for the command: then the user's file of plug-ins is not read, and none of their code runs.
 /// Pipelines must open, data files be of a format that ships.
 fn is_sufficient(command: &Command, registry: &Registry) -> bool {
-    let is_plain = |data: &Path| picture_info::is_picture(data) || formats::ships(data);
+    let is_plain = |data: &Path| info::is_picture(data) || formats::ships(data);
     let opens = |file: &Path, set: &Set| {
         // A pipe can be read once.
         file.is_file() && Document::open(file, &set.options, registry).is_ok()

@@ -1,6 +1,7 @@
-//! The file that a node writes: its path, and the format that the path's ending means.
+//! The file that a node writes: its path, and the format that the path's ending means; with the crate `voltet-files`.
 
-use super::{display_path, is_stream, refuse_unwritable, write_whole};
+pub use voltet_files::*;
+
 use std::path::Path;
 use voltet_core::{Error, Result};
 use voltet_graph::{DefaultValue, Parameter, ParameterType, Parameters, Preparation, RunContext};

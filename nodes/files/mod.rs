@@ -1,5 +1,0 @@
-//! Files: what nodes that write one share, and the crate `voltet-files`.
-
-pub mod output;
-
-pub use voltet_files::*;
