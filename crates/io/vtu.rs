@@ -180,7 +180,7 @@ impl<'a> Contents<'a> {
         self.add_cell_array(name, 1, values);
     }
 
-    /// Of each cell the largest of its tetrahedra's numbers, at least 0.
+    /// Largest number of each cell's tetrahedra, at least 0.
     fn largest(&self, number: impl Fn(usize) -> f64) -> Vec<f64> {
         let count = self.grid.tetrahedra.len();
         let CellSource::File(file) = self.source else { return (0..count).map(number).collect() };

@@ -30,43 +30,25 @@ impl Overrun {
 }
 
 /// Number type with a marker value, which stands where nothing was written.
-pub(crate) trait Sentinel: bytemuck::Pod + PartialEq + Send + Sync {
+pub(crate) trait Sentinel: bytemuck::Pod + Send + Sync {
     /// The marker.
     const UNSET: Self;
 
-    /// True if this number is the marker.
-    fn is_unset(&self) -> bool;
-}
-
-impl Sentinel for f64 {
-    const UNSET: f64 = UNSET;
-
+    /// True if this number is the marker, bit by bit.
     fn is_unset(&self) -> bool {
-        self.to_bits() == UNSET.to_bits()
+        bytemuck::bytes_of(self) == bytemuck::bytes_of(&Self::UNSET)
     }
 }
 
-impl Sentinel for f32 {
-    const UNSET: f32 = f32::from_bits(0x7fd6_6f6c);
-
-    fn is_unset(&self) -> bool {
-        self.to_bits() == Self::UNSET.to_bits()
-    }
-}
-
-macro_rules! integers {
+macro_rules! sentinels {
     ($($number:ty = $unset:expr),*) => {$(
         impl Sentinel for $number {
             const UNSET: $number = $unset;
-
-            fn is_unset(&self) -> bool {
-                *self == Self::UNSET
-            }
         }
     )*};
 }
 
-integers!(u8 = u8::MAX, u32 = u32::MAX, i64 = i64::MIN);
+sentinels!(u8 = u8::MAX, u32 = u32::MAX, i64 = i64::MIN, f32 = f32::from_bits(0x7fd6_6f6c), f64 = UNSET);
 
 /// Buffer of `count` tuples of numbers and the guard, all unset.
 pub(crate) fn guarded_vec<V: bytemuck::Pod, T: Sentinel>(count: usize) -> CheckResult<Vec<V>> {

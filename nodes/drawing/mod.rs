@@ -2,17 +2,14 @@
 //! `cull`, `sort`, `project` and `composite` run one by one.
 
 mod diagnostics;
-mod disk_cache;
 mod engines;
-pub mod gradient_mask;
 mod shading;
 mod stages;
 
 pub use diagnostics::{note_bands, warnings as picture_warnings};
-pub use disk_cache::CacheFolder;
 pub use engines::{
-    ACCUMULATION, ADAPTER, AUTO, COMPOSITOR, DEVICE, ENGINE, ENGINES, NATIVE, ORDER_CHECK, OpenEngines,
-    PreparedVolumes, accumulation, adapter, ask_engine, candidate_engines, draw, is_asked_by,
+    ACCUMULATION, ADAPTER, AUTO, COMPOSITOR, CacheFolder, DEVICE, ENGINE, ENGINES, NATIVE, ORDER_CHECK,
+    OpenEngines, PreparedVolumes, accumulation, adapter, ask_engine, candidate_engines, draw, is_asked_by,
     registered_reason,
 };
 pub use shading::{ORDER, PARAMETERS, ask, order, record_unsorted, shading};

@@ -7,21 +7,19 @@ use crate::filter::registry;
 use crate::value::settings;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::path::PathBuf;
+use std::path::Path;
 use std::time::Duration;
 use voltet::render_to_depth;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_graph::{Graph, NodeProgress, Observer, Session, suggest};
 use voltet_nodes::drawing::ENGINES;
-use voltet_optics::integrators::Integrator;
 use voltet_study::gradient_test::{
     RequirementKind, TestOptions, gradient_test as measure, methods, page, plot, text,
 };
 use voltet_study::pixel::{self, Pixel};
 use voltet_study::work_precision::{
-    Benches, Engines, Frames, Measure, StudyOptions as Options, Subject, cache_folder, json, reference,
-    study, write,
+    Benches, Engines, Frames, Measure, StudyOptions, Subject, cache_folder, json, reference, study, write,
 };
 
 /// Findings as JSON, as a table for people, and as a plot (SVG).
@@ -78,90 +76,67 @@ fn hold(what: &str) -> Result<RequirementKind> {
     }
 }
 
-/// Options of a measure_study, as on the command line.
-pub struct StudyOptions {
-    pub node: Option<String>,
-    pub only: Vec<String>,
-    /// "cpu", "gpu" or "all".
-    pub engine: String,
-    pub adapter: Option<String>,
-    pub frames: usize,
-    /// Seconds.
-    pub patience: f64,
-    pub max_error: Option<f64>,
-    /// Folder of its files; `None`: none are written.
-    pub output: Option<PathBuf>,
-}
-
-impl StudyOptions {
-    fn request(&self, studied: &[Integrator]) -> Result<Options> {
-        let known = || studied.iter().map(|integrator| integrator.name());
-        if let Some(name) = self.only.iter().find(|name| !known().any(|known| known == name.as_str())) {
-            let error = Error::usage("'only' names no integrator that can be studied").got(name);
-            return Err(error.expected(suggest(name, known())));
+/// Options of a study, as on the command line. `engine`: "cpu", "gpu" or "all"; `patience`: seconds.
+pub fn study_options(
+    only: Vec<String>,
+    engine: &str,
+    adapter: Option<String>,
+    frames: usize,
+    patience: f64,
+    max_error: Option<f64>,
+) -> Result<StudyOptions> {
+    let engines = match ENGINES.iter().find(|known| known.name == engine) {
+        Some(found) => Engines::One(found),
+        None if engine == "all" => Engines::All,
+        None => {
+            let names = ENGINES.iter().map(|known| known.name).chain(["all"]);
+            let error = Error::usage("'engine' names no engine").got(engine);
+            return Err(error.expected(suggest(engine, names)));
         }
-        let engines = match self.engine.as_str() {
-            "all" => Engines::All,
-            name => {
-                let found = ENGINES.iter().find(|engine| engine.name == name).map(Engines::One);
-                let names = || ENGINES.iter().map(|engine| engine.name).chain(["all"]);
-                found.ok_or_else(|| {
-                    let error = Error::usage("'engine' names no engine").got(name);
-                    error.expected(suggest(name, names()))
-                })?
-            }
-        };
-        let wrong = |what: &str, found: f64| {
-            let error = Error::usage(format!("'{what}' is out of range")).got(found);
-            Err(error.expected("a number of at least 0"))
-        };
-        for (name, value) in [("patience", self.patience), ("max_error", self.max_error.unwrap_or(0.0))] {
-            if !(value.is_finite() && value >= 0.0) {
-                return wrong(name, value);
-            }
+    };
+    for (what, value) in [("patience", patience), ("max_error", max_error.unwrap_or(0.0))] {
+        if !(value.is_finite() && value >= 0.0) {
+            let error = Error::usage(format!("'{what}' is out of range")).got(value);
+            return Err(error.expected("a number of at least 0"));
         }
-        if self.frames == 0 {
-            return Err(Error::usage("'frames' is out of range").got(0).expected("1 or more"));
-        }
-        Ok(Options {
-            only: self.only.clone(),
-            engines,
-            adapter: self.adapter.clone(),
-            // A year is longer than any patience, and does not overflow.
-            frames: Frames {
-                count: self.frames,
-                patience: Duration::from_secs_f64(self.patience.min(3e7)),
-                turn: 0.0,
-                in_flight: 1,
-            },
-            study: Measure::default(),
-            max_error: self.max_error,
-            refine: 0,
-        })
     }
+    if frames == 0 {
+        return Err(Error::usage("'frames' is out of range").got(0).expected("1 or more"));
+    }
+    // A year is longer than any patience, and does not overflow.
+    let patience = Duration::from_secs_f64(patience.min(3e7));
+    let frames = Frames { count: frames, patience, turn: 0.0, in_flight: 1 };
+    Ok(StudyOptions { only, engines, adapter, frames, measure: Measure::default(), max_error, refine: 0 })
 }
 
-/// Measures: the measure_study as JSON, and the reference picture.
+/// Measures: the study as JSON, and the reference picture. `output`: folder of its files.
 pub fn measure_study(
     graph: &Graph,
     title: &str,
-    options: &StudyOptions,
+    node: Option<&str>,
+    options: StudyOptions,
+    output: Option<&Path>,
     observer: &dyn Observer,
 ) -> Result<(String, Picture)> {
-    let progress = NodeProgress { observer, node: "measure_study" };
+    let progress = NodeProgress { observer, node: "study" };
     let mut session = voltet_nodes::session();
-    let subject = Subject::gather(graph, options.node.as_deref(), false, &mut session, observer)?;
-    let request = options.request(&subject.studied())?;
-    let benches = Benches::open(&subject, &request)?;
+    let subject = Subject::gather(graph, node, false, &mut session, observer)?;
+    let studied = subject.studied();
+    let known = || studied.iter().map(|integrator| integrator.name());
+    if let Some(name) = options.only.iter().find(|name| !known().any(|known| known == name.as_str())) {
+        let error = Error::usage("'only' names no integrator that can be studied").got(name);
+        return Err(error.expected(suggest(name, known())));
+    }
+    let benches = Benches::open(&subject, &options)?;
     let reference = reference(&subject, &cache_folder(), &progress)?;
-    let measure_study = study(subject, request, benches, reference, &progress)?;
-    if measure_study.stopped() && observer.cancelled() {
+    let study = study(subject, options, benches, reference, &progress)?;
+    if study.stopped() && observer.cancelled() {
         return Err(Error::cancelled());
     }
-    if let Some(folder) = &options.output {
-        write(&measure_study, title, folder)?;
+    if let Some(folder) = output {
+        write(&study, title, folder)?;
     }
-    Ok((json(&measure_study, title).to_string(), measure_study.reference.picture))
+    Ok((json(&study, title).to_string(), study.reference.picture))
 }
 
 /// Renders the picture of a node, each ray up to its depth.

@@ -3,7 +3,7 @@
 use crate::background::{run_long, run_with_side_work};
 use crate::error::{exception, guarded};
 use crate::grid::Grid;
-use crate::measurements::{Rendition, StudyOptions, measure_study, render_to_depths, rendition};
+use crate::measurements::{Rendition, measure_study, render_to_depths, rendition, study_options};
 use crate::memory::{Lent, Piece, any_changed, array, handed_over, in_caller_order};
 use crate::state::State;
 use crate::value::{object, settings, table};
@@ -375,12 +375,12 @@ impl Pipeline {
         output: Option<PathBuf>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<(String, Bound<'py, PyAny>)> {
-        let options =
-            StudyOptions { node, only, engine: engine.into(), adapter, frames, patience, max_error, output };
+        let options = guarded(py, || study_options(only, engine, adapter, frames, patience, max_error))?;
         let (text, reference) = self.long(py, progress.as_ref(), |state, observer| {
             let document = state.document()?;
             let title = document.pipeline.title.clone().unwrap_or_default();
-            measure_study(&document.graph, &title, &options, observer)
+            measure_study(&document.graph, &title, node.as_deref(), options, output.as_deref(), observer)
+                .map_err(|error| state.source.locate(error))
                 .map_err(|error| state.source.locate(error))
         })?;
         Ok((text, handed_over(py, reference)?))

@@ -252,14 +252,8 @@ impl Grid {
         let Some(name) = scalar.filter(|name| grid.scalar.is_none() || grid.scalar_name != *name) else {
             return Ok(grid);
         };
-        let array = in_memory_grid::point_array(&grid, name)?;
-        if array.component_count != 1 {
-            let found = format!("'{name}' of {} components", array.component_count);
-            let error = Error::usage("the array is not a scalar").got(found);
-            return Err(error.expected(format!("'{name}:magnitude', or '{name}:0' for a component")));
-        }
         let mut grid = Arc::unwrap_or_clone(grid);
-        (grid.scalar, grid.scalar_name) = (Some(array.values.clone()), name.to_string());
+        in_memory_grid::set_scalar(&mut grid, name)?;
         Ok(Arc::new(grid))
     }
 }

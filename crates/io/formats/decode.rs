@@ -5,8 +5,7 @@
 
 use super::codec::{Base64Text, Codec, Decompressor};
 use super::contents::{Encoding, Meter, Stored};
-use super::numbers;
-use super::numbers::{ByteOrder, NumberType, Target, convert};
+use super::numbers::{self, ByteOrder, NumberType, Target, convert};
 use super::source::Source;
 use rayon::prelude::*;
 use voltet_core::{Error, Result};
@@ -268,6 +267,12 @@ pub(super) enum Payload {
 }
 
 impl Payload {
+    /// Bytes of the file, which must hold them.
+    fn in_file(source: &Source, at: u64, len: u64) -> Result<Payload> {
+        source.check(at, len)?;
+        Ok(Payload::File { at, len })
+    }
+
     pub fn len(&self) -> u64 {
         match self {
             Payload::File { len, .. } => *len,
@@ -312,61 +317,44 @@ impl Stored {
             _ if self.promised()? == Some(0) => Ok(Decodable::Plain(Payload::Memory(Vec::new()))),
             Encoding::Bytes(at) => {
                 let len = self.promised()?.and_then(|count| self.number_type.byte_count(count)).unwrap_or(0);
-                source.check(*at, len)?;
-                Ok(Decodable::Plain(Payload::File { at: *at, len }))
+                Payload::in_file(source, *at, len).map(Decodable::Plain)
             }
             &Encoding::Xml { at, end, base64, wide, codec } => {
                 let width = if wide { 8 } else { 4 };
-                if base64 {
-                    let mut text = Base64Text::new(source, at, end);
-                    let Some(codec) = codec else {
-                        let separate = text.begins_with_padded_run(width)?;
-                        let head = text.clone().run(width)?;
-                        let len = word(&head, 0, wide, self.order);
-                        self.check_len(len)?;
-                        if separate {
+                let mut text = base64.then(|| Base64Text::new(source, at, end));
+                let head_len = width * if codec.is_some() { 3 } else { 1 };
+                let head = match &text {
+                    Some(text) => text.clone().run(head_len)?,
+                    None => source.read(at, head_len)?,
+                };
+                let first = word(&head, 0, wide, self.order);
+                let Some(codec) = codec else {
+                    self.check_len(first)?;
+                    return Ok(Decodable::Plain(match text {
+                        None => Payload::in_file(source, at + width, first)?,
+                        Some(mut text) if text.begins_with_padded_run(width)? => {
                             text.run(width)?;
-                            return Ok(Decodable::Plain(Payload::Memory(text.run(len)?)));
+                            Payload::Memory(text.run(first)?)
                         }
-                        let mut bytes = text.run(len.saturating_add(width))?;
-                        bytes.drain(..width as usize);
-                        return Ok(Decodable::Plain(Payload::Memory(bytes)));
-                    };
-                    let head = text.clone().run(width * 3)?;
-                    let block_count = word(&head, 0, wide, self.order);
-                    let table_len = block_count.saturating_add(3).saturating_mul(width);
-                    let table = text.run(table_len)?;
-                    let (size, last, places) = self.places(&table, wide, codec)?;
-                    let len = places.last().map_or(0, |&(at, len)| at + u64::from(len));
-                    Ok(Decodable::Blocks {
-                        payload: Payload::Memory(text.run(len)?),
-                        codec,
-                        size,
-                        last,
-                        places,
-                    })
-                } else {
-                    let head_len = width * if codec.is_some() { 3 } else { 1 };
-                    let head = source.read(at, head_len)?;
-                    let first = word(&head, 0, wide, self.order);
-                    let Some(codec) = codec else {
-                        self.check_len(first)?;
-                        source.check(at + width, first)?;
-                        return Ok(Decodable::Plain(Payload::File { at: at + width, len: first }));
-                    };
-                    let table_len = first.saturating_add(3).saturating_mul(width);
-                    let table = source.read(at, table_len)?;
-                    let (size, last, places) = self.places(&table, wide, codec)?;
-                    let len = places.last().map_or(0, |&(at, len)| at + u64::from(len));
-                    source.check(at + table_len, len)?;
-                    Ok(Decodable::Blocks {
-                        payload: Payload::File { at: at + table_len, len },
-                        codec,
-                        size,
-                        last,
-                        places,
-                    })
-                }
+                        Some(mut text) => {
+                            let mut bytes = text.run(first.saturating_add(width))?;
+                            bytes.drain(..width as usize);
+                            Payload::Memory(bytes)
+                        }
+                    }));
+                };
+                let table_len = first.saturating_add(3).saturating_mul(width);
+                let table = match &mut text {
+                    Some(text) => text.run(table_len)?,
+                    None => source.read(at, table_len)?,
+                };
+                let (size, last, places) = self.places(&table, wide, codec)?;
+                let len = places.last().map_or(0, |&(at, len)| at + u64::from(len));
+                let payload = match &mut text {
+                    Some(text) => Payload::Memory(text.run(len)?),
+                    None => Payload::in_file(source, at + table_len, len)?,
+                };
+                Ok(Decodable::Blocks { payload, codec, size, last, places })
             }
         }
     }

@@ -2,10 +2,8 @@
 //! terminal.
 
 mod progress;
-mod reference;
 
 pub use progress::{Bar, Estimate};
-pub use reference::{filter_markdown, filter_text, node_markdown, node_text};
 
 use crate::Document;
 use crate::core::{Error, Result};
