@@ -53,7 +53,6 @@
 mod cli;
 mod document;
 mod facade;
-mod stated_text;
 
 #[cfg(feature = "cli")]
 pub use cli::{ExitOnOutOfMemory, registry, run};

@@ -274,7 +274,7 @@ impl Pipeline {
         let drawn = self.long(py, progress.as_ref(), |state, observer| {
             state.check_text()?;
             let State { runs, source, .. } = state;
-            runs.with_graph(source, node, |graph, session| {
+            runs.with_graph(source, Some(node), |graph, session| {
                 render_to_depths(graph, session, node, &ends, observer)
             })
         })?;
@@ -352,7 +352,7 @@ impl Pipeline {
             state.check_text()?;
             let State { runs, source, .. } = state;
             let progress = NodeProgress { observer, node: "pixel" };
-            let found = runs.with_whole_graph(source, |graph, session| {
+            let found = runs.with_graph(source, None, |graph, session| {
                 trace(graph, node, [x, y], sample, session, (observer, &progress))
             })?;
             Ok(rendition(&found, all))

@@ -21,7 +21,6 @@ mod renderer;
 mod scene;
 mod session;
 mod transfer;
-mod volume;
 
 pub use background::{RunStatus, panic_message, run_in_background};
 pub use camera::Camera;
@@ -31,7 +30,6 @@ pub use grid::{
 pub use image::Image;
 pub use pipeline::Pipeline;
 pub use renderer::{Engine, RenderOptions, RenderOutput, Renderer, RendererOptions, render_to_depth};
-pub use scene::{Integrator, Light, Scene, Shading};
+pub use scene::{Integrator, Light, Scene, Shading, Volume};
 pub use session::{PipelineSource, RenderPlan, RunRecord, Session};
 pub use transfer::{Band, Colormap, Gaussian, Piecewise, TransferFunction, Uniform, UnitDistance};
-pub use volume::Volume;

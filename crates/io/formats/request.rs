@@ -81,7 +81,8 @@ impl Request {
                 // The span of the series with a margin for times that were rounded when they were written.
                 let margin = 1e-6 * (last - first).abs().max(last.abs());
                 if !(first - margin..=last + margin).contains(&time) {
-                    let error = Error::run("the time lies outside the series").got(time);
+                    let error =
+                        Error::run("the file has no such time: the time lies outside the series").got(time);
                     return Err(error.expected(format_args!("{first} to {last}")));
                 }
                 let distance = |step: &usize| (times[*step] - time).abs();

@@ -252,22 +252,32 @@ pub struct GradientTest {
     pub plugins: Plugins,
 }
 
+/// One of several values, each with its name and help.
+fn one_of<T: Clone + Send + Sync + 'static>(
+    words: impl IntoIterator<Item = (T, &'static str, &'static str)>,
+) -> impl TypedValueParser<Value = T> {
+    let words: Vec<(T, &str, &str)> = words.into_iter().collect();
+    let possible = |(_, name, help): &(T, &'static str, &'static str)| {
+        let value = PossibleValue::new(*name);
+        if help.is_empty() { value } else { value.help(*help) }
+    };
+    PossibleValuesParser::new(words.iter().map(possible).collect::<Vec<_>>()).map(move |name: String| {
+        let found = words.iter().find(|word| word.1 == name);
+        found.expect("the parser accepts no other name").0.clone()
+    })
+}
+
 /// Requirements on a gradient filter by name; `None`: nothing.
 fn requirements() -> impl TypedValueParser<Value = Option<RequirementKind>> {
     use RequirementKind::{Finite, Invariance, Linear, Order};
-    let words = [
+    let invariance = "Invariance of the gradient, but for rounding, under translation, rotation, scaling and numbering of the grid";
+    one_of([
         (Some(Finite), "finite", "A finite vector at every point, on every grid"),
         (Some(Linear), "linear", "Exact on linear fields: --linear-error"),
         (Some(Order), "order", "Converges inside on every family of grids: --order"),
-        (
-            Some(Invariance),
-            "invariance",
-            "Invariance of the gradient, but for rounding, under translation, rotation, scaling and numbering of the grid",
-        ),
+        (Some(Invariance), "invariance", invariance),
         (None, "nothing", "Nothing: the exit code is 0 whatever is found"),
-    ];
-    PossibleValuesParser::new(words.map(|(_, name, help)| PossibleValue::new(name).help(help)))
-        .map(move |name| words.iter().find(|word| word.1 == name).and_then(|word| word.0))
+    ])
 }
 
 /// A picture's size, "1024x768".
@@ -281,28 +291,21 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 /// The papers by name.
 #[cfg(feature = "papers")]
 fn papers() -> impl TypedValueParser<Value = Paper> {
-    PossibleValuesParser::new(Paper::ALL.map(Paper::name))
-        .map(|name| Paper::ALL.into_iter().find(|paper| paper.name() == name).unwrap_or(Paper::Song))
+    one_of(Paper::ALL.map(|paper| (paper, paper.name(), "")))
 }
 
 /// The ways in which a device composites.
 fn compositors() -> impl TypedValueParser<Value = Compositor> {
-    let words = Compositor::NAMES.iter().map(|(name, help)| PossibleValue::new(*name).help(*help));
-    PossibleValuesParser::new(words).map(|name| Compositor::named(&name).unwrap_or(Compositor::Tiles))
+    one_of(Compositor::NAMES.iter().filter_map(|(name, help)| Some((Compositor::named(name)?, *name, *help))))
 }
 
 /// The engines by name, or all of them.
 fn engines() -> impl TypedValueParser<Value = Engines> {
-    let all = PossibleValue::new("all").help("the CPU, and the graphics device where there is one");
-    let words = ENGINES.iter().map(|engine| PossibleValue::new(engine.name).help(engine.summary));
-    let named = |name: String| ENGINES.iter().find(|engine| engine.name == name);
-    PossibleValuesParser::new(words.chain([all]))
-        .map(move |name| named(name).map_or(Engines::All, Engines::One))
+    let all = (Engines::All, "all", "the CPU, and the graphics device where there is one");
+    one_of(ENGINES.iter().map(|engine| (Engines::One(engine), engine.name, engine.summary)).chain([all]))
 }
 
 /// The errors of a picture by name.
 fn measures() -> impl TypedValueParser<Value = Measure> {
-    let words = Measure::NAMES.iter().map(|(_, name, help)| PossibleValue::new(*name).help(*help));
-    let named = |name: String| Measure::NAMES.iter().find(|word| word.1 == name);
-    PossibleValuesParser::new(words).map(move |name| named(name).map_or_else(Measure::default, |word| word.0))
+    one_of(Measure::NAMES)
 }

@@ -8,6 +8,7 @@ pub use lab::{GradientTest, Stability, Study, Time};
 
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
+use std::slice::from_ref;
 
 /// Volume pictures of results on unstructured grids, straight from the cells.
 ///
@@ -96,25 +97,46 @@ pub enum Command {
     PluginProcess(PluginProcess),
 }
 
+/// Plug-ins that a command requests, and the files that it opens.
+pub struct Inputs<'a> {
+    /// The plug-ins.
+    pub plugins: &'a Plugins,
+    /// Pipeline files, with options that change them.
+    pub pipelines: &'a [PathBuf],
+    /// Options `node.param=value`.
+    pub options: &'a [String],
+    /// Data files and pictures.
+    pub data: &'a [PathBuf],
+}
+
 impl Command {
-    /// Requested plug-ins; `None` for a command without filters.
-    pub fn plugins(&self) -> Option<&Plugins> {
-        match self {
-            Command::Run(arguments) => Some(&arguments.plugins),
-            Command::Check(arguments) => Some(&arguments.plugins),
-            Command::Explain(arguments) => Some(&arguments.plugins),
-            Command::Nodes(arguments) => Some(&arguments.plugins),
-            Command::Info(arguments) => Some(&arguments.plugins),
-            Command::Edit(arguments) => Some(&arguments.plugins),
-            Command::Pixel(arguments) => Some(&arguments.plugins),
-            Command::Study(arguments) => Some(&arguments.plugins),
-            Command::Time(arguments) => Some(&arguments.plugins),
-            #[cfg(feature = "papers")]
-            Command::Papers(_) => None,
-            Command::GradientTest(arguments) => Some(&arguments.plugins),
-            Command::Start(arguments) => Some(&arguments.plugins),
-            Command::Stability(_) | Command::PluginProcess(_) => None,
+    /// Inputs of the command; `None` for one that takes no plug-ins.
+    pub fn inputs(&self) -> Option<Inputs<'_>> {
+        fn pipelines<'a>(plugins: &'a Plugins, pipelines: &'a [PathBuf], set: &'a Set) -> Inputs<'a> {
+            Inputs { plugins, pipelines, options: &set.options, data: &[] }
         }
+        fn data<'a>(plugins: &'a Plugins, data: &'a [PathBuf]) -> Inputs<'a> {
+            Inputs { plugins, pipelines: &[], options: &[], data }
+        }
+        Some(match self {
+            Command::Run(run) => pipelines(&run.plugins, &run.files, &run.set),
+            Command::Check(check) => pipelines(&check.plugins, &check.files, &check.set),
+            Command::Explain(explain) => pipelines(&explain.plugins, from_ref(&explain.file), &explain.set),
+            Command::Pixel(pixel) => pipelines(&pixel.plugins, from_ref(&pixel.file), &pixel.set),
+            Command::Study(study) => pipelines(&study.plugins, from_ref(&study.file), &study.set),
+            Command::Time(time) => pipelines(&time.plugins, &time.files, &time.set),
+            Command::Info(info) if info.of_pipeline() => {
+                pipelines(&info.plugins, from_ref(&info.data), &info.set)
+            }
+            Command::Info(info) => data(&info.plugins, from_ref(&info.data)),
+            Command::Start(start) => data(&start.plugins, from_ref(&start.data)),
+            Command::Nodes(nodes) => data(&nodes.plugins, &[]),
+            Command::Edit(edit) => data(&edit.plugins, &[]),
+            Command::GradientTest(test) => data(&test.plugins, &[]),
+            Command::Stability(_) | Command::PluginProcess(_) => return None,
+            #[cfg(feature = "papers")]
+            Command::Papers(_) => return None,
+        })
     }
 }
 
@@ -240,7 +262,7 @@ pub struct Info {
     pub json: bool,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub struct Start {
     /// A data file.
     #[arg(value_name = "DATA")]

@@ -81,20 +81,12 @@ impl Observer for Gathering<'_> {
 #[cfg(feature = "editor")]
 fn pipeline_for(path: &std::path::Path, at: &std::path::Path, registry: &Registry) -> Result<String> {
     use crate::Source;
-    use crate::cli::arguments::{Plugins, Start};
+    use crate::cli::arguments::Start;
     if crate::cli::commands::info::is_picture(path) {
         return Ok(Source::read(path)?.text);
     }
     let (data, output) = (path.to_path_buf(), Some(at.to_path_buf()));
-    let arguments = Start {
-        data,
-        output,
-        scalar: None,
-        time_step: None,
-        solution: None,
-        force: false,
-        plugins: Plugins::default(),
-    };
+    let arguments = Start { data, output, ..Start::default() };
     let quiet = crate::cli::present::Bar::new(true);
     super::start::pipeline(&arguments, registry, at, &super::array_choice::bar_progress(&quiet))
         .map(|(text, _)| text)
