@@ -27,7 +27,7 @@ pub(crate) struct GradientTask {
     pub arrays: NamedArrays,
 }
 
-wire!(struct GradientTask { grid, scalar, values, arrays });
+wire!(fields of GradientTask { grid, scalar, values, arrays });
 
 /// Rows of a compressed table with starts of 64 bits.
 pub(crate) struct Rows64 {

@@ -37,7 +37,7 @@ pub(crate) struct GridTask {
     memory_left: Option<u64>,
 }
 
-wire!(struct GridTask { grid, carried, has_scalar, arrays, values, memory_left });
+wire!(fields of GridTask { grid, carried, has_scalar, arrays, values, memory_left });
 
 /// The host's side of a call.
 struct HostContext<'a> {

@@ -45,8 +45,8 @@ pub(crate) struct ArrayRecord {
     pub on_cells: bool,
 }
 
-wire!(struct Head { flags, point_count, cell_count, connectivity_count, arrays, scalar, times, format });
-wire!(struct ArrayRecord { name, component_count, on_cells });
+wire!(fields of Head { flags, point_count, cell_count, connectivity_count, arrays, scalar, times, format });
+wire!(fields of ArrayRecord { name, component_count, on_cells });
 
 /// Errors: flags beside these.
 pub(crate) fn refuse_flags(flags: u32, known: u32) -> CheckResult<()> {
@@ -190,8 +190,8 @@ pub(crate) struct MixedCells {
     pub connectivity: Vec<u32>,
 }
 
-wire!(struct Buffers { points, tetrahedra, cells, arrays });
-wire!(struct MixedCells { types, offsets, connectivity });
+wire!(fields of Buffers { points, tetrahedra, cells, arrays });
+wire!(fields of MixedCells { types, offsets, connectivity });
 
 impl Buffers {
     /// Buffers for the requested arrays of a grid, and with `geometry` for its points and cells.

@@ -22,8 +22,8 @@ pub(crate) struct ImageTask {
     values: ParameterValues,
 }
 
-wire!(struct ImageTask { picture, values });
-wire!(struct Picture { width, height, rgba });
+wire!(fields of ImageTask { picture, values });
+wire!(fields of Picture { width, height, rgba });
 
 impl ImageTask {
     pub const KIND: TaskKind = TaskKind::new::<ImageTask>(5, "filter");

@@ -42,8 +42,8 @@ pub(crate) struct ReadTask {
     memory_left: Option<u64>,
 }
 
-wire!(struct InspectTask { path, step, values });
-wire!(struct ReadTask { file, head, geometry, arrays, memory_left });
+wire!(fields of InspectTask { path, step, values });
+wire!(fields of ReadTask { file, head, geometry, arrays, memory_left });
 
 /// The host's side of a description.
 struct HostContext<'a> {

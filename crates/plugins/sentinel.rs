@@ -19,7 +19,7 @@ pub(crate) struct Overrun {
     pub capacity: String,
 }
 
-crate::wire::wire!(struct Overrun { buffer, capacity });
+crate::wire::wire!(fields of Overrun { buffer, capacity });
 
 impl Overrun {
     /// Overrun of the gradient at `point_count` points.

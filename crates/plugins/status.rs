@@ -18,9 +18,9 @@ pub(crate) struct CallStatus {
     pub reports: Reports,
 }
 
-wire!(struct CallStatus { code, overrun, reports });
-wire!(struct Reports { error, refusal, fallbacks });
-wire!(struct Fallback { what, point_count });
+wire!(fields of CallStatus { code, overrun, reports });
+wire!(fields of Reports { error, refusal, fallbacks });
+wire!(fields of Fallback { what, point_count });
 
 impl CallStatus {
     pub fn new(code: i32, state: &State) -> CallStatus {

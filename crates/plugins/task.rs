@@ -50,7 +50,7 @@ pub(crate) struct CheckTask {
     pub values: ParameterValues,
 }
 
-wire!(struct CheckTask { values });
+wire!(fields of CheckTask { values });
 
 impl CheckTask {
     pub const KIND: TaskKind = TaskKind::new::<CheckTask>(0, "check");
@@ -86,7 +86,7 @@ pub(crate) enum Outcome {
     Pixels(Vec<[f32; 4]>),
 }
 
-wire!(enum Outcome { 0 = Nothing, 1 = Vectors(vectors), 2 = Head(head), 3 = Grid(head, buffers), 4 = Pixels(pixels) });
+wire!(variants of Outcome { 0 = Nothing, 1 = Vectors(vectors), 2 = Head(head), 3 = Grid(head, buffers), 4 = Pixels(pixels) });
 
 impl Outcome {
     pub fn vectors(self) -> Option<Vec<DVec3>> {

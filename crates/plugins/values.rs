@@ -20,8 +20,8 @@ pub(crate) struct ParameterValues {
     vectors: Vec<Option<Vec<f64>>>,
 }
 
-wire!(struct ParameterValues { integers, numbers, texts, vectors });
-wire!(struct Array { component_count, values });
+wire!(fields of ParameterValues { integers, numbers, texts, vectors });
+wire!(fields of Array { component_count, values });
 
 /// Points and tetrahedra alone.
 impl Wire for Grid {

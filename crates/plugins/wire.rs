@@ -36,7 +36,7 @@ pub(crate) fn garbled() -> io::Error {
 /// Implements [`Wire`] for structs by their fields, and for enums by a number and the contents of each variant. A variant that is
 /// not listed cannot be sent.
 macro_rules! wire {
-    (struct $name:ty { $($field:ident),* }) => {
+    (fields of $name:ty { $($field:ident),* }) => {
         impl $crate::wire::Wire for $name {
             fn send(&self, to: &mut dyn std::io::Write) -> std::io::Result<()> {
                 $($crate::wire::Wire::send(&self.$field, to)?;)*
@@ -48,7 +48,7 @@ macro_rules! wire {
             }
         }
     };
-    (enum $name:ty { $($tag:literal = $variant:ident $(($($item:ident),*))? $({ $($field:ident),* })?),* }) => {
+    (variants of $name:ty { $($tag:literal = $variant:ident $(($($item:ident),*))? $({ $($field:ident),* })?),* }) => {
         impl $crate::wire::Wire for $name {
             fn send(&self, to: &mut dyn std::io::Write) -> std::io::Result<()> {
                 match self {

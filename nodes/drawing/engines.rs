@@ -2,7 +2,7 @@
 //! engine is opened once a session for each adapter, and takes in a volume once a revision.
 
 use super::diagnostics::{self, note, note_whole};
-use super::shading::{ask, record_unsorted, shading};
+use super::shading::{ask, check_engine, record_unsorted, shading};
 use crate::files::{Fnv, cache_folder, write_whole};
 use std::collections::HashMap;
 use std::fs;
@@ -199,7 +199,7 @@ fn planned(
 ) -> Result<(String, String)> {
     let look = asking.look("transfer_function");
     let serves = |engine: &EngineInfo| match &look {
-        Some(look) => engine.can_serve(&look.transfer_function, shading),
+        Some(look) => check_engine(engine, asking.parameters, &look.transfer_function, shading),
         None => engine.unavailable_reason.map_or(Ok(()), |why| Err(Error::run(why))),
     };
     let mut why = "the pipeline asks for it".to_string();
@@ -209,7 +209,7 @@ fn planned(
             _ if engine.taken.is_none() => return Ok((named.0, registered_reason(engine))),
             // The first of the list, asked last, draws every scene that can be drawn: what it says is wrong is wrong.
             Err(error) if k + 1 < engines.len() => why = error.to_string(),
-            Err(error) => return Err(asking.parameters.locate("integrator", error)),
+            Err(error) => return Err(error),
             Ok(()) if wanted == AUTO && engine.on_device => {
                 let taken: Vec<&str> = engines[k..].iter().filter_map(|engine| engine.taken).collect();
                 return Ok((AUTO.into(), format!("the run takes {}", taken.join(", else "))));
@@ -268,9 +268,7 @@ pub(super) fn draw_on(
     declared: &'static EngineInfo,
     hardware: bool,
 ) -> Result<Picture> {
-    declared
-        .can_serve(&scene.transfer_function, &scene.shading)
-        .map_err(|error| call.parameters.locate("integrator", error))?;
+    check_engine(declared, call.parameters, &scene.transfer_function, &scene.shading)?;
     let wish = AdapterRequest { name: adapter(call.parameters), hardware };
     let folder = CacheFolder::named("adapters");
     let memory: &dyn KeyValueStore = if call.exhaustive() { &NoStore } else { &folder };

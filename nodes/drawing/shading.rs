@@ -1,13 +1,15 @@
 //! Shading and order: their parameters, declared once for the nodes that draw, and the demand of a scene on its data.
 
 use voltet_core::Result;
+use voltet_core::transfer::TransferFunction;
 use voltet_cpu::needs_gradient;
 use voltet_graph::{
     DefaultValue, Demand, DemandContext, Diagnostics, Parameter, ParameterType, Parameters, Range, SavedWork,
     TransferFunctionSpec,
 };
 use voltet_optics::WidgetBlend;
-use voltet_optics::integrators::{INTEGRATOR, can_serve_among, kinds, stated};
+use voltet_optics::engine::EngineInfo;
+use voltet_optics::integrators::{INTEGRATOR, Integrator, kinds, stated};
 use voltet_optics::scene::needs_order;
 use voltet_optics::shading::{Light, Shading, VisibilityOrder};
 
@@ -113,12 +115,7 @@ pub fn ask(asking: &mut DemandContext, port: &str, look_port: &str) -> Result<De
     let (look, shading) = (asking.look(look_port), shading(asking.parameters)?);
     if let Some(look) = &look {
         // Refused before any data are read.
-        can_serve_among(
-            &kinds(asking.parameters.variants(INTEGRATOR)),
-            &shading.integrator,
-            &look.transfer_function,
-        )
-        .map_err(|error| asking.parameters.locate("integrator", error))?;
+        check_engine(&voltet_cpu::ENGINE, asking.parameters, &look.transfer_function, &shading)?;
     }
     let mut demand = demand(look.as_deref(), &shading);
     // A table spans the range of g.
@@ -127,6 +124,30 @@ pub fn ask(asking: &mut DemandContext, port: &str, look_port: &str) -> Result<De
     }
     asking.ask(port, &demand)?;
     Ok(demand)
+}
+
+/// Checks, without any data, that an engine can draw the transfer function with this shading.
+///
+/// Errors: those of [`EngineInfo::can_serve`], with the integrators by which it could.
+pub fn check_engine(
+    engine: &EngineInfo,
+    parameters: &Parameters,
+    transfer_function: &TransferFunction,
+    shading: &Shading,
+) -> Result<()> {
+    let check = |integrator| engine.can_serve(transfer_function, &Shading { integrator, ..*shading });
+    check(shading.integrator).map_err(|mut error| {
+        let kinds = kinds(parameters.variants(INTEGRATOR)).into_iter();
+        let others: Vec<&str> = kinds
+            .filter(|kind| check(Integrator::new(*kind)).is_ok())
+            .map(|kind| kind.schema().name)
+            .collect();
+        if !others.is_empty() {
+            let accepted = error.expected.take().map_or(String::new(), |accepted| format!("{accepted}, or "));
+            error = error.expected(format!("{accepted}one of the integrators {}", others.join(", ")));
+        }
+        parameters.locate(INTEGRATOR, error)
+    })
 }
 
 fn demand(look: Option<&TransferFunctionSpec>, shading: &Shading) -> Demand {
@@ -150,9 +171,7 @@ fn demand(look: Option<&TransferFunctionSpec>, shading: &Shading) -> Demand {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
-    use voltet_optics::WidgetBlend;
-    use voltet_optics::shading::{Integrator, Light};
+    use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Widget};
 
     fn widget(color: [f64; 3], extinction: f64) -> Widget {
         let profile = Profile::Gaussian { centre: [0.0; 2], matrix: [[1.0, 0.0], [0.0, 0.0]] };

@@ -30,9 +30,9 @@ pub(crate) enum Reply {
     Outcome(Outcome),
 }
 
-wire!(enum Request { 0 = Describe, 1 = Run(name, task) });
+wire!(variants of Request { 0 = Describe, 1 = Run(name, task) });
 
-wire!(enum Reply {
+wire!(variants of Reply {
     0 = Progress(fraction),
     1 = Described(plugin, items),
     2 = Failed(what, found, expected),
@@ -40,19 +40,19 @@ wire!(enum Reply {
     4 = Outcome(outcome)
 });
 
-wire!(struct Declaration { schema, family, checks, components });
-wire!(enum Family {
+wire!(fields of Declaration { schema, family, checks, components });
+wire!(variants of Family {
     0 = GradientFilter { needs },
     1 = Reader { extensions, magic },
     2 = GridFilter { made },
     3 = ImageFilter
 });
-wire!(struct VariantSchema { name, summary, parameters });
-wire!(struct Parameter { name, parameter_type, unit, default, help });
-wire!(struct Range { min, max, above_min, below_max, infinite });
+wire!(fields of VariantSchema { name, summary, parameters });
+wire!(fields of Parameter { name, parameter_type, unit, default, help });
+wire!(fields of Range { min, max, above_min, below_max, infinite });
 
 // Types and defaults of the parameters that a plug-in can declare.
-wire!(enum ParameterType {
+wire!(variants of ParameterType {
     0 = Boolean,
     1 = Integer(range),
     2 = Number(range),
@@ -60,7 +60,7 @@ wire!(enum ParameterType {
     4 = Numbers(count, range),
     5 = Text
 });
-wire!(enum DefaultValue {
+wire!(variants of DefaultValue {
     0 = Required,
     1 = Unset(meaning),
     2 = Boolean(flag),
