@@ -104,7 +104,15 @@ fn values<'a>(volume: &'a Volume, names: Option<&[String]>) -> Result<Vec<&'a [f
         })?;
         return Ok(vec![&volume.scalar, g]);
     };
-    let array = |name: &String| volume.grid.point_array(name, 1).map(|array| array.values.as_slice());
+    let array = |name: &String| match volume.grid.point_arrays.get(name) {
+        Some(array) if array.component_count == 1 => Ok(array.values.as_slice()),
+        Some(array) => Err(Error::usage(format!("the field '{name}' is not a scalar"))
+            .got(format!("{} components", array.component_count))
+            .expected(format!("'{name}:magnitude', or '{name}:0' for a component"))),
+        None => Err(Error::usage("the probe looks at a field that the volume does not have")
+            .got(name)
+            .expected("a point array that the reader was asked for")),
+    };
     names.iter().map(array).collect()
 }
 
