@@ -1,10 +1,10 @@
 //! A gradient filter of a plug-in: its call, and its adapter to the program's [`GradientFilter`].
 
 use crate::declaration::{Declaration, EntryPoint, Family, LibraryItem};
+use crate::ffi::{Overrun, Sentinel, guarded_vec, remove_guard};
 use crate::host::State;
 use crate::interface::{GradientCall, NEEDS_CELLS_OF_POINTS, NEEDS_NEIGHBOURS};
 use crate::runner::PluginItem;
-use crate::sentinel::{Overrun, Sentinel, guarded_vec, remove_guard};
 use crate::status::{CallLabel, CallStatus};
 use crate::task::{Outcome, Task, TaskKind};
 use crate::values::{NamedArrays, ParameterValues, array_names, array_pointers, named_arrays};

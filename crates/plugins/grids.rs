@@ -1,9 +1,10 @@
 //! Grids that plug-ins give: the head with sizes and names, the buffers that are written to, and checks of what was written.
 
 use crate::declaration::{line, required};
-use crate::ffi::{CheckResult, ValidationError, several, sized, values};
+use crate::ffi::{
+    CheckResult, Overrun, Sentinel, ValidationError, guarded_vec, remove_guard, several, sized, values,
+};
 use crate::interface::{GridBuffers, GridHead, SAME_CELLS, SAME_POINTS, TETRAHEDRA};
-use crate::sentinel::{Overrun, Sentinel, guarded_vec, remove_guard};
 use crate::status::CallLabel;
 use crate::wire::wire;
 use rayon::prelude::*;

@@ -1,11 +1,10 @@
 //! An image filter of a plug-in: its call, and its node.
 
 use crate::declaration::{EntryPoint, LibraryItem};
+use crate::ffi::{Overrun, Sentinel, guarded_vec, remove_guard};
 use crate::host::State;
 use crate::interface::ImageCall;
-use crate::runner;
-use crate::runner::PluginItem;
-use crate::sentinel::{Overrun, Sentinel, guarded_vec, remove_guard};
+use crate::runner::{self, PluginItem};
 use crate::status::{CallLabel, CallStatus};
 use crate::task::{Outcome, Task, TaskKind};
 use crate::values::ParameterValues;

@@ -10,8 +10,7 @@
 //! | --- | --- |
 //! | `interface` | the structs of the header |
 //! | `wire` | messages between processes |
-//! | `ffi` | bounded reads of a plug-in's memory |
-//! | `sentinel` | buffers that show unwritten numbers |
+//! | `ffi` | memory shared with a plug-in: bounded reads, buffers that show unwritten numbers |
 //! | `host` | functions that a plug-in calls |
 //! | `declaration` | declarations, read and checked |
 //! | `status` | return code and messages |
@@ -42,7 +41,6 @@ mod library;
 mod process;
 mod reader;
 mod runner;
-mod sentinel;
 mod status;
 mod task;
 mod values;

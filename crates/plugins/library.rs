@@ -230,14 +230,8 @@ fn join_lines(text: &str) -> String {
 
 /// Errors: the file is no library of this system, or truncated.
 #[cfg(not(target_os = "linux"))]
-pub(crate) fn check_file(_: &[u8]) -> CheckResult<()> {
+fn check_file(_: &[u8]) -> CheckResult<()> {
     Ok(())
-}
-
-/// The ELF header and the program headers (System V ABI, chapters 4 and 5).
-#[cfg(target_os = "linux")]
-pub(crate) fn check_file(bytes: &[u8]) -> CheckResult<()> {
-    check_bytes(bytes, &own_head()?)
 }
 
 /// Hash of all bytes. Each step is a bijection, so that a change in one word of 8 bytes always shows; a change in several, except
@@ -251,22 +245,15 @@ pub(crate) fn fingerprint(bytes: &[u8]) -> u64 {
     all.fold(bytes.len() as u64, mix)
 }
 
-/// The first bytes of this program: class, byte order and processor that a library must share.
+/// The ELF header and the program headers (System V ABI, chapters 4 and 5).
 #[cfg(target_os = "linux")]
-fn own_head() -> CheckResult<Vec<u8>> {
-    use std::io::Read;
-    let mut head = vec![0; HEAD];
+fn check_file(bytes: &[u8]) -> CheckResult<()> {
+    // The first bytes of this program: class, byte order and processor that a library must share.
+    const HEAD: usize = 64;
+    let mut own = [0; HEAD];
     std::fs::File::open("/proc/self/exe")
-        .and_then(|mut file| file.read_exact(&mut head))
+        .and_then(|mut file| std::io::Read::read_exact(&mut file, &mut own))
         .map_err(|error| format!("this program cannot be read: {error}"))?;
-    Ok(head)
-}
-
-#[cfg(target_os = "linux")]
-const HEAD: usize = 64;
-
-#[cfg(target_os = "linux")]
-fn check_bytes(bytes: &[u8], own: &[u8]) -> CheckResult<()> {
     if !bytes.starts_with(b"\x7fELF") {
         return Err(match bytes.is_empty() {
             true => "the file is empty".into(),

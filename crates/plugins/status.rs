@@ -1,10 +1,9 @@
 //! Result of a plug-in's call and its check, and the beginning of messages about it.
 
 use crate::declaration::Declaration;
-use crate::ffi::ValidationError;
+use crate::ffi::{Overrun, ValidationError};
 use crate::host::{Reports, State};
 use crate::interface::{CANCELLED, ERROR, OK};
-use crate::sentinel::Overrun;
 use crate::wire::wire;
 use voltet_core::error::ErrorKind;
 use voltet_core::field::{Fallback, Plugin};

@@ -15,10 +15,16 @@ pub struct PictureFormat {
     pub(super) signature: &'static [u8],
     /// The file of a picture. A format without opacity shows it over the background (linear RGB), and one that carries texts
     /// carries the provenance.
-    pub encode: fn(&Picture, [f64; 3], Option<&Provenance>) -> Result<Vec<u8>>,
+    pub encode: EncodePicture,
     /// The named texts that a file carries; `None`: the format carries none.
-    pub(super) embedded_texts: Option<fn(&mut dyn PictureFile) -> Result<Vec<(String, String)>>>,
+    pub(super) embedded_texts: Option<ReadTexts>,
 }
+
+/// Function that makes the bytes of a file: of a picture, over a background, with provenance.
+pub type EncodePicture = fn(&Picture, [f64; 3], Option<&Provenance>) -> Result<Vec<u8>>;
+
+/// Function that reads the named texts of a file.
+pub(super) type ReadTexts = fn(&mut dyn PictureFile) -> Result<Vec<(String, String)>>;
 
 /// A file that is read by parts.
 pub(super) trait PictureFile: BufRead + Seek {}

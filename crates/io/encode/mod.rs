@@ -7,7 +7,7 @@ mod format;
 mod png;
 
 pub use colors::{linear_from_srgb, srgb_from_linear, srgb8, viridis};
-pub use format::PictureFormat;
+pub use format::{EncodePicture, PictureFormat};
 pub use png::png;
 
 use crate::provenance::{PIPELINE, PROVENANCE, Provenance};

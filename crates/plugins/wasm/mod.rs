@@ -10,12 +10,11 @@ mod declared;
 mod sandbox;
 
 use crate::declaration::{Declaration, Family};
-use crate::ffi::{CheckResult, ValidationError};
+use crate::ffi::{CheckResult, GUARD_COUNT, Overrun, UNSET, ValidationError, remove_guard};
 use crate::gradient_filter::GradientTask;
 use crate::host::State;
 use crate::library::{file_name, load_error, read_file};
 use crate::runner::{PluginItem, Runner};
-use crate::sentinel::{GUARD_COUNT, Overrun, UNSET, remove_guard};
 use crate::status::{CallLabel, CallStatus};
 use crate::task::{CheckTask, Outcome, Task};
 use crate::values::ParameterValues;
