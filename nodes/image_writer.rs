@@ -1,6 +1,6 @@
 //! `image-writer`: a picture to a file, or to the standard output.
 
-use crate::files::output::{self, BY_ENDING, FORMAT, PATH};
+use crate::files::{self, BY_ENDING, FORMAT, PATH};
 use std::path::Path;
 use voltet_core::Result;
 use voltet_graph::{
@@ -50,7 +50,7 @@ pub const NODE: Node = Node {
     ],
     example: include_str!("examples/stages.toml"),
     check: &|parameters| format(parameters).map(drop),
-    prepare: &output::prepare,
+    prepare: &files::prepare,
     run: &run,
     ..Node::BLANK
 };
@@ -61,7 +61,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let carried = carried(call, &path)?;
     let background = call.parameters.vector("background")?;
     let encoded = (format(call.parameters)?.encode)(&picture, background, carried.as_ref())?;
-    output::write(call, &encoded)?;
+    files::write(call, &encoded)?;
     Ok(Vec::new())
 }
 
@@ -82,5 +82,5 @@ fn carried(call: &mut RunContext, path: &Path) -> Result<Option<Provenance>> {
 
 fn format(parameters: &Parameters) -> Result<&'static PictureFormat> {
     let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
-    Ok(&FORMATS[output::format(parameters, "the picture's format", &names)?])
+    Ok(&FORMATS[files::format(parameters, "the picture's format", &names)?])
 }

@@ -11,26 +11,24 @@
 //! | [`relative`] | numbers relative to data: ranges and percentiles |
 
 pub mod added;
-pub mod drawing;
-pub mod files;
-pub mod in_memory_grid;
-pub mod memory;
-pub mod probing;
-pub mod relative;
-
 mod bands;
 mod camera;
 mod composite;
 mod cull;
+pub mod drawing;
+pub mod files;
 mod gpu_renderer;
 mod gradient_magnitude;
 mod grid_writer;
 mod histogram;
 mod image_writer;
+pub mod in_memory_grid;
+pub mod memory;
 mod multi_gradient;
 mod probe;
 mod project;
 mod reader;
+pub mod relative;
 mod renderer;
 mod report_writer;
 mod sort;

@@ -1,10 +1,10 @@
 //! `multi-gradient`: how fast several fields change at once, as a point array, where somebody looks at it.
 
 use std::sync::Arc;
+use voltet_core::Result;
 use voltet_core::field::spectral_norms;
 use voltet_core::grid::{Array, Grid};
 use voltet_core::volume::Volume;
-use voltet_core::{Error, Result};
 use voltet_graph::{
     DefaultValue, DemandContext, Diagnostics, Node, Outputs, Parameter, ParameterType, Parameters, Port,
     PortType, Range, RunContext, SavedWork, Value,
@@ -120,7 +120,8 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     call.notes.counts.insert("gradients_computed", wish.fields.len() as u64);
     let mut gradients = Vec::with_capacity(wish.fields.len());
     for (field, scale) in wish.fields.iter().zip(&wish.scale) {
-        let values: Vec<f64> = values(&volume.grid, field)?.iter().map(|value| value / scale).collect();
+        let array = volume.grid.point_array(field, 1)?;
+        let values: Vec<f64> = array.values.iter().map(|value| value / scale).collect();
         let gradient = call.method()?.gradient(&volume.grid, &values, call.progress())?;
         for fallback in &gradient.fallbacks {
             let what = format!("'{field}': {} at {} points", fallback.what, fallback.point_count);
@@ -133,13 +134,4 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     grid.point_arrays.insert(wish.name, Arc::new(array));
     volume.grid = Arc::new(grid);
     Ok(vec![Value::Volume(Arc::new(volume))])
-}
-
-/// The values of a field, one a point.
-fn values<'a>(grid: &'a Grid, name: &str) -> Result<&'a [f64]> {
-    let array = grid.point_arrays.get(name).filter(|array| array.component_count == 1);
-    array.map(|array| array.values.as_slice()).ok_or_else(|| {
-        let names: Vec<&str> = grid.point_arrays.keys().map(String::as_str).collect();
-        Error::run("there is no such field").got(format!("'{name}'")).expected(names.join(", "))
-    })
 }

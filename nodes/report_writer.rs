@@ -1,6 +1,6 @@
 //! `report-writer`: figures to a file, or to the standard output.
 
-use crate::files::output::{self, BY_ENDING, FORMAT, PATH};
+use crate::files::{self, BY_ENDING, FORMAT, PATH};
 use serde_json::Value;
 use voltet_core::{Error, Result};
 use voltet_graph::{Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, RunContext};
@@ -31,7 +31,7 @@ pub const NODE: Node = Node {
     ],
     example: include_str!("examples/histogram.toml"),
     check: &|parameters| is_csv(parameters).map(drop),
-    prepare: &output::prepare,
+    prepare: &files::prepare,
     run: &run,
     ..Node::BLANK
 };
@@ -39,12 +39,12 @@ pub const NODE: Node = Node {
 fn run(call: &mut RunContext) -> Result<Outputs> {
     let report = call.report("report")?;
     let content = if is_csv(call.parameters)? { csv(&report)? } else { format!("{report}\n") };
-    output::write(call, content.as_bytes())?;
+    files::write(call, content.as_bytes())?;
     Ok(Vec::new())
 }
 
 fn is_csv(parameters: &Parameters) -> Result<bool> {
-    Ok(output::format(parameters, "the format of the figures", &[JSON, CSV])? == 1)
+    Ok(files::format(parameters, "the format of the figures", &[JSON, CSV])? == 1)
 }
 
 /// The table of figures: a head line and a line for each row.

@@ -1,13 +1,16 @@
-//! A pipeline file, or a picture that carries one, with its text and its checked graph.
-
-use crate::stated_text::stated;
-use std::path::{Path, PathBuf};
-use voltet_core::{Error, Result};
-use voltet_graph::pipeline::{Pipeline, locate};
-use voltet_graph::{Graph, NamedPath, Registry};
-use voltet_io::provenance::{DataFile, PluginRecord, Provenance};
+//! A pipeline file, or a picture that carries one, with its text and its checked graph; conflicts of inputs and outputs of a call, by
+//! file identity: no output may be an input or another output.
 
 pub use voltet_io::encode::Source;
+
+use std::path::{Path, PathBuf};
+use voltet_core::{Error, Result};
+use voltet_document::{Document as DocumentText, Edit, Path as KeyPath};
+use voltet_graph::pipeline::{Pipeline, locate, value};
+use voltet_graph::{Graph, GraphNode, NamedPath, ParameterValue, Registry, ResolvedPipeline, SourceSpan};
+use voltet_io::formats::files_beside;
+use voltet_io::provenance::{DataFile, PluginRecord, Provenance};
+use voltet_nodes::files::{Use, collision};
 
 /// A pipeline, read and checked.
 #[derive(Debug)]
@@ -150,4 +153,156 @@ fn state(former: &DataFile) -> String {
     } else {
         format!(" ({}, when the picture was drawn)", parts.join(", "))
     }
+}
+
+/// The text that states `pipeline`, which `options` (`node.param=value`) made of `text`. Where they cannot be written into it,
+/// a plain text that states the same.
+fn stated(
+    text: &str,
+    options: &[String],
+    pipeline: &Pipeline,
+    registry: &Registry,
+) -> Result<ResolvedPipeline> {
+    let written = match options.is_empty() {
+        true => Some(text.to_string()),
+        false => {
+            written(text, options).filter(|text| Pipeline::parse(text).is_ok_and(|read| read == *pipeline))
+        }
+    };
+    Pipeline::stated(written.unwrap_or_else(|| pipeline.to_string()), registry)
+}
+
+fn written(text: &str, options: &[String]) -> Option<String> {
+    let mut document = DocumentText::from_text(text.to_string(), None);
+    for option in options {
+        let (path, given) = option.split_once('=')?;
+        let (node, path) = path.trim().split_once('.')?;
+        let value = value(given.trim())
+            .map_or_else(|| ParameterValue::Text(given.trim().into()), |setting| setting.datum);
+        document.edit(&Edit::Set { node: node.to_string(), path: KeyPath::from(path), value }).ok()?;
+    }
+    Some(document.text().to_string())
+}
+
+/// A file that an option of the command names to be written.
+#[derive(Debug)]
+pub struct OptionFile {
+    path: PathBuf,
+    /// The option as typed.
+    option: String,
+}
+
+impl OptionFile {
+    /// A file that the option names.
+    #[cfg(feature = "cli")]
+    pub fn written(option: &str, path: &Path) -> Self {
+        OptionFile { path: path.into(), option: format!("{option} {}", path.display()) }
+    }
+}
+
+/// A use of a file, with its description for messages.
+struct Entry<'a> {
+    file: Use,
+    /// "'path' of the node 'file'".
+    by: String,
+    document: Option<&'a Document>,
+    /// The node that names it, and how.
+    node: Option<(&'a GraphNode, NamedPath)>,
+}
+
+impl Entry<'_> {
+    /// An error that points to the file's name.
+    fn locate(&self, error: Error) -> Error {
+        match (&self.node, self.document) {
+            (Some((node, named)), Some(document)) => {
+                let is_given = !matches!(named.origin, SourceSpan::Nowhere);
+                let origin = if is_given { &named.origin } else { &node.origin };
+                document.locate(origin.locate(error.at_node(&node.name)))
+            }
+            (None, None) => error.in_file(&self.by),
+            _ => error,
+        }
+    }
+
+    /// "'path' of the node 'file' (scene.toml:7:8)".
+    fn place(&self) -> String {
+        let place = self.locate(Error::usage("")).location;
+        match (place.file, place.line_column) {
+            (Some(file), Some((line, column))) => format!("{} ({file}:{line}:{column})", self.by),
+            (Some(file), None) if file != self.by => format!("{} ({file})", self.by),
+            _ => self.by.clone(),
+        }
+    }
+}
+
+impl Document {
+    /// Refuses a run that would overwrite its inputs, or write one file twice.
+    ///
+    /// # Errors
+    /// - an output that is an input, or another output.
+    pub fn refuse_collisions(&self) -> Result<()> {
+        refuse_conflicts([self], true, &[]).map_err(|(error, _)| error)
+    }
+
+    /// The file itself, those that nodes name, and those that are read beside these. `nodes_write`: true if the writers run.
+    fn entries(&self, nodes_write: bool) -> Vec<Entry<'_>> {
+        let read = |path: PathBuf, by: String| Entry {
+            file: Use { path, written: false },
+            by,
+            document: Some(self),
+            node: None,
+        };
+        let own = if self.carried.is_some() { "as the picture to draw again" } else { "as a pipeline file" };
+        let mut entries = vec![read(self.path.clone(), format!("the program, {own},"))];
+        for node in &self.graph.nodes {
+            for named in node.parameters.paths().into_iter().filter(|named| nodes_write || !named.written) {
+                let path = named.from(&self.graph.folder);
+                if !named.written {
+                    let by = format!("the program, as a part of the data file '{}',", path.display());
+                    entries.extend(files_beside(&path).into_iter().map(|path| read(path, by.clone())));
+                }
+                let by = format!("'{}' of the node '{}'", named.parameter, node.name);
+                let file = Use { path, written: named.written };
+                entries.push(Entry { file, by, document: Some(self), node: Some((node, named)) });
+            }
+        }
+        entries
+    }
+}
+
+/// Refuses a call that would overwrite its inputs or outputs. `nodes_write`: true if the writers run. The error comes with the text
+/// that it points into.
+pub fn refuse_conflicts<'a>(
+    documents: impl IntoIterator<Item = &'a Document>,
+    nodes_write: bool,
+    options: &'a [OptionFile],
+) -> std::result::Result<(), (Error, Option<&'a str>)> {
+    let of_option = |OptionFile { path, option }: &OptionFile| Entry {
+        file: Use { path: path.clone(), written: true },
+        by: option.clone(),
+        document: None,
+        node: None,
+    };
+    let of_documents = documents.into_iter().flat_map(|document| document.entries(nodes_write));
+    let entries: Vec<Entry> = of_documents.chain(options.iter().map(of_option)).collect();
+    let uses: Vec<Use> = entries.iter().map(|entry| entry.file.clone()).collect();
+    let Some([writer, other]) = collision(&uses) else { return Ok(()) };
+    let (writer, other) = (&entries[writer], &entries[other]);
+    let (what, verb) = match other.file.written {
+        true => ("two outputs of this call are one file", "writes, too"),
+        false => ("this output would overwrite what the call reads", "reads"),
+    };
+    let (own, others) = (writer.file.path.display(), other.file.path.display());
+    let is_same = writer.file.path == other.file.path;
+    let spelled = if is_same { String::new() } else { format!(", the same file as '{others}'") };
+    let expected = match (&writer.node, other.document) {
+        // Only what is read has no node and a document.
+        (Some((node, named)), Some(document)) if other.node.is_none() && document.carried.is_some() => {
+            let parameter = format!("{}.{}", node.name, named.parameter);
+            format!("--set {parameter}=OTHER, or the picture to draw again under another name")
+        }
+        _ => "a file of its own for every output".into(),
+    };
+    let error = Error::usage(what).got(format!("'{own}'{spelled}, which {} {verb}", other.place()));
+    Err((writer.locate(error.expected(expected)), writer.document.map(|document| document.text.as_str())))
 }

@@ -53,8 +53,6 @@
 mod cli;
 mod document;
 mod facade;
-mod output_conflicts;
-mod stated_text;
 
 #[cfg(feature = "cli")]
 pub use cli::{ExitOnOutOfMemory, registry, run};
@@ -66,23 +64,22 @@ pub use facade::{
     Uniform, UnitDistance, Volume, build_grid, panic_message, render_to_depth, run_in_background,
     unnamed_scalar,
 };
+pub use voltet_core as core;
 pub use voltet_core::grid::{Array, CellSet, Cells};
 pub use voltet_core::progress::Progress;
 pub use voltet_core::transfer::{ControlPoint, OpticalModel, Region, Widget};
 pub use voltet_core::{Error, Result};
-pub use voltet_io::formats::TimeStep;
-pub use voltet_optics::WidgetBlend;
-pub use voltet_optics::engine::Compositor;
-pub use voltet_optics::shading::VisibilityOrder;
-
-pub use voltet_core as core;
 pub use voltet_cpu as engine;
 #[cfg(feature = "gpu")]
 pub use voltet_gpu as gpu;
 pub use voltet_graph as graph;
 pub use voltet_io as io;
+pub use voltet_io::formats::TimeStep;
 pub use voltet_nodes as nodes;
 pub use voltet_optics as optics;
+pub use voltet_optics::WidgetBlend;
+pub use voltet_optics::engine::Compositor;
+pub use voltet_optics::shading::VisibilityOrder;
 pub use voltet_simd as lanes;
 
 /// Types that a program needs for a picture.

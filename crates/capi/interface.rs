@@ -4,11 +4,9 @@
 //! Addresses are null or as the header says.
 #![allow(clippy::missing_safety_doc)]
 
-use crate::camera;
-use crate::follow;
 use crate::grid::{self, GridHandle};
 use crate::guard::{self, Handle, guarded, null, optional_text, text, with};
-use crate::image::Target;
+use crate::render::{Target, render, set_camera};
 use crate::structs::{Camera, Follow, GridInfo, GridSource, Image, read, stated_size};
 use std::ffi::{c_char, c_int};
 use std::path::Path;
@@ -113,7 +111,7 @@ pub unsafe extern "C" fn voltet_set_camera(
 ) -> c_int {
     // SAFETY: as the header says.
     unsafe {
-        with(session, |pipeline| camera::set(pipeline, optional_text(node, "the node")?, &read(camera)?))
+        with(session, |pipeline| set_camera(pipeline, optional_text(node, "the node")?, &read(camera)?))
     }
 }
 
@@ -214,7 +212,7 @@ pub unsafe extern "C" fn voltet_render(
             let follow = if follow.is_null() { None } else { Some(read(follow)?) };
             let plan = pipeline.render_plan(optional_text(node, "the node")?)?;
             let target = Target::check(read(image)?, plan.size)?;
-            target.write(&*follow::render(pipeline, &plan, follow.as_ref())?)
+            target.write(&*render(pipeline, &plan, follow.as_ref())?)
         })
     }
 }

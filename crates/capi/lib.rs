@@ -5,17 +5,13 @@
 //! | `interface` | exported functions |
 //! | `structs` | structs of the header |
 //! | `guard` | handles, errors and panics |
-//! | `camera` | camera to parameters |
 //! | `grid` | arrays to a grid |
-//! | `follow` | runs with callbacks |
-//! | `image` | pictures into the caller's memory |
+//! | `render` | cameras, runs with callbacks, pictures into the caller's memory |
 
-mod camera;
-mod follow;
 mod grid;
 mod guard;
-mod image;
 mod interface;
+mod render;
 mod structs;
 
 pub use grid::GridHandle;

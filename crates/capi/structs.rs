@@ -111,29 +111,22 @@ pub(crate) unsafe trait Sized0: Copy {
     const NAME: &'static str;
 }
 
-// SAFETY: the fields above.
-unsafe impl Sized0 for Array {
-    const NAME: &'static str = "voltet_array";
+macro_rules! sized {
+    ($($name:ident $header_name:literal)*) => {
+        // SAFETY: the fields above.
+        $(unsafe impl Sized0 for $name {
+            const NAME: &'static str = $header_name;
+        })*
+    };
 }
-// SAFETY: as above.
-unsafe impl Sized0 for GridSource {
-    const NAME: &'static str = "voltet_grid_source";
-}
-// SAFETY: as above.
-unsafe impl Sized0 for GridInfo {
-    const NAME: &'static str = "voltet_grid_info";
-}
-// SAFETY: as above.
-unsafe impl Sized0 for Camera {
-    const NAME: &'static str = "voltet_camera";
-}
-// SAFETY: as above.
-unsafe impl Sized0 for Image {
-    const NAME: &'static str = "voltet_image";
-}
-// SAFETY: as above.
-unsafe impl Sized0 for Follow {
-    const NAME: &'static str = "voltet_follow";
+
+sized! {
+    Array "voltet_array"
+    GridSource "voltet_grid_source"
+    GridInfo "voltet_grid_info"
+    Camera "voltet_camera"
+    Image "voltet_image"
+    Follow "voltet_follow"
 }
 
 /// Largest size of a struct of any version (bytes): a larger one is memory that was not set.

@@ -5,15 +5,11 @@
 
 mod file_identity;
 mod hash;
-mod temporary;
 mod write;
-mod write_guard;
 
 pub use file_identity::{FileIdentity, STDOUT, Use, collision, folder, is_standard_output, relative_to};
 pub use hash::Fnv;
-pub use temporary::end_now;
-pub use write::{refuse_unwritable, standard_output, unwritable_output, write_whole};
-pub use write_guard::is_waiting;
+pub use write::{end_now, is_waiting, refuse_unwritable, standard_output, unwritable_output, write_whole};
 
 use std::path::{Path, PathBuf};
 

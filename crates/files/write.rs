@@ -1,12 +1,15 @@
 //! Writing whole files: beside, then renamed; devices and pipes as they are.
+//!
+//! Files that stand beside the one to be written until they are whole go away with the program however it ends. While a reader of the
+//! output is slow, only the program's end stops a write.
 
-use super::file_identity::folder;
-use super::file_identity::{followed, is_standard_output};
-use super::temporary::Temporary;
-use super::write_guard;
+use crate::file_identity::{folder, followed, is_standard_output};
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError, TryLockError};
+use tempfile::NamedTempFile;
 use voltet_core::{Error, Result};
 
 /// Target of a path to write.
@@ -32,7 +35,7 @@ pub fn refuse_unwritable(path: &Path) -> Result<()> {
 
 /// Writes `content`: to a file beside `path` that is renamed, so that no partial file is ever seen. Links are followed; a
 /// file that is there gives its permissions, and its owner where that is allowed. Devices and pipes are written as they
-/// are; [`super::STDOUT`] is the standard output.
+/// are; [`crate::STDOUT`] is the standard output.
 pub fn write_whole(path: &Path, content: &[u8]) -> Result<()> {
     match target(path)? {
         Target::StandardOutput => standard_output(content).map(drop),
@@ -45,7 +48,7 @@ pub fn write_whole(path: &Path, content: &[u8]) -> Result<()> {
 
 /// Writes to the standard output; gives whether somebody reads on. Where nobody does, that is no error.
 pub fn standard_output(content: &[u8]) -> Result<bool> {
-    let _guard = write_guard::begin();
+    let _guard = begin();
     let mut output = io::stdout().lock();
     unless_closed(output.write_all(content).and_then(|()| output.flush()))
         .map_err(|error| unwritable_output(&error))
@@ -99,7 +102,7 @@ fn takes_a_stream(_there: &Metadata) -> bool {
 
 /// Writes to a device or a pipe.
 fn write_through(path: &Path, content: &[u8]) -> io::Result<bool> {
-    let _guard = write_guard::begin();
+    let _guard = begin();
     unless_closed(OpenOptions::new().write(true).open(path)?.write_all(content))
 }
 
@@ -154,4 +157,78 @@ fn unwritable(path: &Path, error: &io::Error) -> Error {
     Error::run(format!("'{}' cannot be written", path.display()))
         .got(error)
         .expected("a folder that can be written to, with space left")
+}
+
+/// Temporary files that may exist now. A signal ends the program without unwinding, and the files to remove then can be
+/// known from here only.
+static MADE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// A file beside another that goes away unless it takes its place.
+pub(super) struct Temporary(NamedTempFile);
+
+impl Temporary {
+    /// A file in the folder of `path`.
+    pub fn create_for(path: &Path) -> io::Result<Temporary> {
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".voltet-").suffix(".tmp");
+        #[cfg(unix)]
+        {
+            // As for any new file: what the umask leaves.
+            use std::os::unix::fs::PermissionsExt;
+            builder.permissions(std::fs::Permissions::from_mode(0o666));
+        }
+        // Locked until it stands in the list, so that a signal between the two waits.
+        let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+        made.retain(|file| file.exists());
+        let file = builder.tempfile_in(folder(path))?;
+        made.push(file.path().to_path_buf());
+        Ok(Temporary(file))
+    }
+
+    /// Takes the place of `path`.
+    pub fn persist(self, path: &Path) -> io::Result<()> {
+        self.0.persist(path).map(drop).map_err(|failed| failed.error)
+    }
+
+    pub fn file(&mut self) -> &mut File {
+        self.0.as_file_mut()
+    }
+}
+
+/// Ends the program at once with this exit code, and removes what it has begun to write.
+pub fn end_now(code: i32) -> ! {
+    // Whoever holds the lock may be the thread that this one interrupts (where memory ended); then it stays unlocked.
+    let made = match MADE.try_lock() {
+        Err(TryLockError::WouldBlock) => None,
+        Ok(made) => Some(made),
+        Err(TryLockError::Poisoned(made)) => Some(made.into_inner()),
+    };
+    for file in made.iter().flat_map(|made| made.iter()) {
+        // One that is gone already took its place.
+        let _ = std::fs::remove_file(file);
+    }
+    // The list stays locked: nothing new is begun.
+    std::process::exit(code)
+}
+
+static WAITS: AtomicBool = AtomicBool::new(false);
+
+/// The program waits until this goes away.
+pub(super) struct WriteGuard;
+
+/// A write begins that may have to wait for a reader: to a pipe or a terminal.
+pub(super) fn begin() -> WriteGuard {
+    WAITS.store(true, Ordering::Relaxed);
+    WriteGuard
+}
+
+impl Drop for WriteGuard {
+    fn drop(&mut self) {
+        WAITS.store(false, Ordering::Relaxed);
+    }
+}
+
+/// True if a write to a pipe or a terminal is on its way.
+pub fn is_waiting() -> bool {
+    WAITS.load(Ordering::Relaxed)
 }

@@ -1,4 +1,5 @@
-//! Bounded reads of memory that a plug-in points to, checked by the system where it can.
+//! Memory shared with a plug-in: bounded reads of what it points to, checked by the system where it can; and buffers that it writes to,
+//! filled with numbers that no computation gives, and with a guard behind them, so that missing numbers and writes beyond the end show.
 
 use crate::interface;
 use std::ffi::c_char;
@@ -43,6 +44,9 @@ const MAX_STRUCT_BYTES: u32 = 4096;
 /// Fault of something that a plug-in points to; a clause.
 pub(crate) type ValidationError = String;
 
+/// Result of a check of something that a plug-in points to.
+pub(crate) type CheckResult<T> = Result<T, ValidationError>;
+
 /// Copies the bytes at an address; `None` where some of them are not mapped. Where the system cannot check, unmapped memory ends
 /// the program, as it would in the plug-in itself.
 fn bytes(address: usize, into: &mut [MaybeUninit<u8>]) -> Option<()> {
@@ -72,7 +76,7 @@ fn bytes(address: usize, into: &mut [MaybeUninit<u8>]) -> Option<()> {
 /// Plain values at an address.
 ///
 /// Errors: null, or not there.
-pub(crate) fn values<T: Copy>(address: *const T, count: usize) -> Result<Vec<T>, ValidationError> {
+pub(crate) fn values<T: Copy>(address: *const T, count: usize) -> CheckResult<Vec<T>> {
     if address.is_null() {
         return Err("is a null pointer".into());
     }
@@ -91,7 +95,7 @@ pub(crate) fn values<T: Copy>(address: *const T, count: usize) -> Result<Vec<T>,
 /// A struct at an address, and the size in its first field.
 ///
 /// Errors: null, not there, or smaller than in version 1.0 of the interface.
-pub(crate) fn sized<T: Sized32>(address: *const T) -> Result<(T, usize), ValidationError> {
+pub(crate) fn sized<T: Sized32>(address: *const T) -> CheckResult<(T, usize)> {
     let wrong = |what| format!("{} {what}", T::NAME);
     let size = values(address.cast::<u32>(), 1).map_err(wrong)?[0];
     if (size as usize) < size_of::<T>() || size > MAX_STRUCT_BYTES || size % 8 != 0 {
@@ -105,7 +109,7 @@ pub(crate) fn sized<T: Sized32>(address: *const T) -> Result<(T, usize), Validat
 /// Structs side by side, each of the size that the first has in its first field.
 ///
 /// Errors: those of [`sized`], with the struct's index; one of another size than the first.
-pub(crate) fn several<T: Sized32>(address: *const T, count: usize) -> Result<Vec<T>, ValidationError> {
+pub(crate) fn several<T: Sized32>(address: *const T, count: usize) -> CheckResult<Vec<T>> {
     let (mut found, mut stride) = (Vec::new(), 0);
     for i in 0..count {
         let (read, size) =
@@ -122,7 +126,7 @@ pub(crate) fn several<T: Sized32>(address: *const T, count: usize) -> Result<Vec
 /// A text; `None` for a null pointer.
 ///
 /// Errors: longer than `max` bytes, no UTF-8, or not there.
-pub(crate) fn text(address: *const c_char, max: usize) -> Result<Option<String>, ValidationError> {
+pub(crate) fn text(address: *const c_char, max: usize) -> CheckResult<Option<String>> {
     let Some(bytes) = bytes_of_text(address, max)? else { return Ok(None) };
     match bytes {
         (bytes, true) => String::from_utf8(bytes).map(Some).map_err(|error| {
@@ -146,7 +150,7 @@ pub(crate) fn message(address: *const c_char, max: usize) -> String {
 }
 
 /// The bytes of a text, and true if it ends within `max` of them.
-fn bytes_of_text(address: *const c_char, max: usize) -> Result<Option<(Vec<u8>, bool)>, ValidationError> {
+fn bytes_of_text(address: *const c_char, max: usize) -> CheckResult<Option<(Vec<u8>, bool)>> {
     if address.is_null() {
         return Ok(None);
     }
@@ -168,4 +172,70 @@ fn bytes_of_text(address: *const c_char, max: usize) -> Result<Option<(Vec<u8>, 
     }
     found.truncate(max);
     Ok(Some((found, false)))
+}
+
+/// Tuples of the guard behind a buffer: a filter that miscounts by a few is found.
+pub(crate) const GUARD_COUNT: usize = 64;
+
+/// Marker of a gradient that was not written: a NaN with digits that no computation gives.
+pub(crate) const UNSET: f64 = f64::from_bits(0x7ff7_766f_6c74_6574);
+
+/// Write beyond the end of a buffer.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Overrun {
+    /// Name of the buffer: "the gradient".
+    pub buffer: String,
+    /// Numbers to write: "3 numbers for each of the 64 points".
+    pub capacity: String,
+}
+
+crate::wire::wire!(fields of Overrun { buffer, capacity });
+
+impl Overrun {
+    /// Overrun of the gradient at `point_count` points.
+    pub fn gradient(point_count: usize) -> Overrun {
+        let capacity = format!("3 numbers for each of the {point_count} points");
+        Overrun { buffer: "the gradient".into(), capacity }
+    }
+}
+
+/// Number type with a marker value, which stands where nothing was written.
+pub(crate) trait Sentinel: bytemuck::Pod + Send + Sync {
+    /// The marker.
+    const UNSET: Self;
+
+    /// True if this number is the marker, bit by bit.
+    fn is_unset(&self) -> bool {
+        bytemuck::bytes_of(self) == bytemuck::bytes_of(&Self::UNSET)
+    }
+}
+
+macro_rules! sentinels {
+    ($($number:ty = $unset:expr),*) => {$(
+        impl Sentinel for $number {
+            const UNSET: $number = $unset;
+        }
+    )*};
+}
+
+sentinels!(u8 = u8::MAX, u32 = u32::MAX, i64 = i64::MIN, f32 = f32::from_bits(0x7fd6_6f6c), f64 = UNSET);
+
+/// Buffer of `count` tuples of numbers and the guard, all unset.
+pub(crate) fn guarded_vec<V: bytemuck::Pod, T: Sentinel>(count: usize) -> CheckResult<Vec<V>> {
+    let mut tuples = Vec::<V>::new();
+    let total = count + GUARD_COUNT;
+    tuples
+        .try_reserve_exact(total)
+        .map_err(|_| format!("there is no memory for {total} tuples of {} bytes", size_of::<V>()))?;
+    let mut unset = [V::zeroed()];
+    bytemuck::cast_slice_mut::<V, T>(&mut unset).fill(T::UNSET);
+    tuples.resize(total, unset[0]);
+    Ok(tuples)
+}
+
+/// Removes the guard behind `count` tuples; true if it was written to.
+pub(crate) fn remove_guard<V: bytemuck::Pod, T: Sentinel>(tuples: &mut Vec<V>, count: usize) -> bool {
+    let overran = !bytemuck::cast_slice::<V, T>(&tuples[count..]).iter().all(T::is_unset);
+    tuples.truncate(count);
+    overran
 }

@@ -1,19 +1,15 @@
 //! A gradient filter of a plug-in: its call, and its adapter to the program's [`GradientFilter`].
 
 use crate::declaration::{Declaration, EntryPoint, Family, LibraryItem};
+use crate::ffi::{Overrun, Sentinel, guarded_vec, remove_guard};
 use crate::host::State;
 use crate::interface::{GradientCall, NEEDS_CELLS_OF_POINTS, NEEDS_NEIGHBOURS};
 use crate::runner::PluginItem;
-use crate::sentinel::{Overrun, Sentinel, guarded_vec, remove_guard};
 use crate::status::{CallLabel, CallStatus};
-use crate::task::{Outcome, Task};
-use crate::values::{
-    NamedArrays, ParameterValues, array_names, array_pointers, decode_sizes, encode_sizes, named_arrays,
-    receive_geometry, receive_named, send_geometry,
-};
-use crate::wire::{self, Reader, Writer, garbled, send_array};
+use crate::task::{Outcome, Task, TaskKind};
+use crate::values::{NamedArrays, ParameterValues, array_names, array_pointers, named_arrays};
+use crate::wire::wire;
 use rayon::prelude::*;
-use std::io::{self, Read, Write};
 use std::mem::size_of;
 use voltet_core::Result;
 use voltet_core::field::{Gradient, GradientFilter, Plugin, check_scalar};
@@ -31,6 +27,8 @@ pub(crate) struct GradientTask {
     pub arrays: NamedArrays,
 }
 
+wire!(fields of GradientTask { grid, scalar, values, arrays });
+
 /// Rows of a compressed table with starts of 64 bits.
 pub(crate) struct Rows64 {
     pub starts: Vec<u64>,
@@ -46,7 +44,7 @@ impl From<Csr> for Rows64 {
 }
 
 impl GradientTask {
-    pub const TAG: u64 = 1;
+    pub const KIND: TaskKind = TaskKind::new::<GradientTask>(1, "gradient");
 
     /// Errors: an array that is not there.
     fn new(
@@ -72,24 +70,11 @@ impl GradientTask {
         let neighbours = neighbours.map(|cells| Rows64::from(points_of_points(&self.grid, cells)));
         [neighbours, cells.filter(|_| needs_cells).map(Rows64::from)]
     }
-
-    pub fn decode(head: &mut Reader, from: &mut dyn Read) -> io::Result<Box<dyn Task>> {
-        let inputs = ParameterValues::decode(head).zip(decode_sizes(head));
-        let (values, (points, cells, components)) = inputs.ok_or_else(garbled)?;
-        let grid = receive_geometry(from, points, cells)?;
-        let scalar = wire::array::<f64>(from, points)?;
-        let arrays = receive_named(from, points, components)?;
-        Ok(Box::new(GradientTask { grid, scalar, values, arrays }))
-    }
 }
 
 impl Task for GradientTask {
-    fn tag(&self) -> u64 {
-        GradientTask::TAG
-    }
-
-    fn stage(&self) -> &'static str {
-        "gradient"
+    fn kind(&self) -> &'static TaskKind {
+        &GradientTask::KIND
     }
 
     fn run(self: Box<Self>, item: &LibraryItem, state: &State) -> (CallStatus, Outcome) {
@@ -135,17 +120,6 @@ impl Task for GradientTask {
             remove_guard::<_, f64>(&mut vectors, point_count).then(|| Overrun::gradient(point_count));
         (CallStatus { overrun, ..CallStatus::new(code, state) }, Outcome::Vectors(vectors))
     }
-
-    fn encode(&self, head: &mut Writer) {
-        self.values.encode(head);
-        encode_sizes(&self.grid, &self.arrays, head);
-    }
-
-    fn send_arrays(&self, to: &mut dyn Write) -> io::Result<()> {
-        send_geometry(&self.grid, to)?;
-        send_array(to, &self.scalar)?;
-        self.arrays.iter().flatten().try_for_each(|array| send_array(to, &array.values))
-    }
 }
 
 impl GradientFilter for PluginItem {
@@ -176,7 +150,7 @@ impl GradientFilter for PluginItem {
         let task = GradientTask::new(&self.declaration, grid, scalar, parameters)?;
         let (status, vectors) = self.run(Box::new(task), progress, Outcome::vectors)?;
         let vectors = refuse_missing(grid, vectors, self.label())?;
-        Ok(Gradient { vectors, fallbacks: status.fallbacks })
+        Ok(Gradient { vectors, fallbacks: status.reports.fallbacks })
     }
 }
 

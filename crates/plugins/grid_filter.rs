@@ -1,30 +1,26 @@
 //! A grid filter of a plug-in: its call, and its node.
 
 use crate::declaration::{EntryPoint, Family, LibraryItem};
-use crate::ffi::{ValidationError, sized};
+use crate::ffi::{CheckResult, sized};
 use crate::grids::{Buffers, GridContents, Head};
 use crate::host::State;
 use crate::interface::{ERROR, GivenArray, GridBuffers, GridCall, GridHead, OK, SAME_CELLS, SAME_POINTS};
-use crate::node;
+use crate::runner;
 use crate::runner::PluginItem;
 use crate::status::{CallLabel, CallStatus};
-use crate::task::{Outcome, Task};
-use crate::values::{
-    NamedArrays, ParameterValues, array_names, array_pointers, decode_sizes, encode_sizes, named_arrays,
-    receive_array, receive_geometry, receive_named, send_geometry,
-};
-use crate::wire::{Reader, Writer, garbled, send_array};
+use crate::task::{Outcome, Task, TaskKind};
+use crate::values::{NamedArrays, ParameterValues, array_names, array_pointers, named_arrays};
+use crate::wire::wire;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ffi::CString;
-use std::io::{self, Read, Write};
 use std::mem::size_of;
 use std::ptr::{from_ref, null};
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::glam::DVec3;
-use voltet_core::grid::{self, Array, Association, Cells, Grid, Options, RawGrid, Scalar};
+use voltet_core::grid::{Array, Association, Cells, Grid, Options, RawGrid, Scalar};
 use voltet_core::progress::Progress;
-use voltet_core::{Error, Result, SharedSlice};
+use voltet_core::{Error, Result, SharedSlice, grid};
 use voltet_graph::{Demand, DemandContext, Node, Outputs, Port, PortType, RunContext, Value};
 
 /// Filtering of a grid.
@@ -40,6 +36,8 @@ pub(crate) struct GridTask {
     /// Memory that it may take (bytes), if known.
     memory_left: Option<u64>,
 }
+
+wire!(fields of GridTask { grid, carried, has_scalar, arrays, values, memory_left });
 
 /// The host's side of a call.
 struct HostContext<'a> {
@@ -86,7 +84,7 @@ unsafe extern "C-unwind" fn begin(
 }
 
 impl GridTask {
-    pub const TAG: u64 = 4;
+    pub const KIND: TaskKind = TaskKind::new::<GridTask>(4, "filter");
 
     /// Errors: an array that is not there.
     fn new(item: &PluginItem, grid: &Grid, call: &RunContext) -> Result<GridTask> {
@@ -115,7 +113,7 @@ impl GridTask {
     }
 
     /// Memory for the grid of that head, with the counts of the parts that it shares with the input.
-    fn allocate(&self, head: *const GridHead) -> std::result::Result<OutputGrid, ValidationError> {
+    fn allocate(&self, head: *const GridHead) -> CheckResult<OutputGrid> {
         let mut head = Head::read(head)?;
         let (points, cells) = (self.grid.points.len(), self.grid.tetrahedra.len());
         if head.has(SAME_POINTS) {
@@ -133,30 +131,11 @@ impl GridTask {
         let buffers = Buffers::new(&head, true, &vec![true; head.arrays.len()], self.memory_left)?;
         Ok(OutputGrid { head, buffers, addresses: Vec::new() })
     }
-
-    pub fn decode(head: &mut Reader, from: &mut dyn Read) -> io::Result<Box<dyn Task>> {
-        let mut inputs = || {
-            let (values, sizes) = (ParameterValues::decode(head)?, decode_sizes(head)?);
-            let carried = head.list(|head| Some((CString::new(head.bytes()?).ok()?, head.length()?)))?;
-            Some((values, sizes, carried, head.number()? == 1, head.optional(Reader::number)?))
-        };
-        let (values, (points, cells, components), carried, has_scalar, memory_left) =
-            inputs().ok_or_else(garbled)?;
-        let grid = receive_geometry(from, points, cells)?;
-        let carried = carried.into_iter().map(|(name, n)| Ok((name, receive_array(from, points, n)?)));
-        let carried = carried.collect::<io::Result<_>>()?;
-        let arrays = receive_named(from, points, components)?;
-        Ok(Box::new(GridTask { grid, carried, has_scalar, arrays, values, memory_left }))
-    }
 }
 
 impl Task for GridTask {
-    fn tag(&self) -> u64 {
-        GridTask::TAG
-    }
-
-    fn stage(&self) -> &'static str {
-        "filter"
+    fn kind(&self) -> &'static TaskKind {
+        &GridTask::KIND
     }
 
     fn run(self: Box<Self>, item: &LibraryItem, state: &State) -> (CallStatus, Outcome) {
@@ -203,23 +182,6 @@ impl Task for GridTask {
             }
         }
     }
-
-    fn encode(&self, head: &mut Writer) {
-        self.values.encode(head);
-        encode_sizes(&self.grid, &self.arrays, head);
-        head.list(&self.carried, |head, (name, array)| {
-            head.bytes(name.as_bytes());
-            head.count(array.component_count);
-        });
-        head.number(u64::from(self.has_scalar));
-        head.optional(self.memory_left, Writer::number);
-    }
-
-    fn send_arrays(&self, to: &mut dyn Write) -> io::Result<()> {
-        send_geometry(&self.grid, to)?;
-        self.carried.iter().try_for_each(|(_, array)| send_array(to, &array.values))?;
-        self.arrays.iter().flatten().try_for_each(|array| send_array(to, &array.values))
-    }
 }
 
 /// The node of a grid filter.
@@ -227,15 +189,19 @@ pub(crate) fn grid_node(item: PluginItem) -> &'static Node {
     let grid = |summary| Port { name: "grid", port_type: PortType::Grid, summary };
     let [inputs, outputs] =
         [grid("points, cells, arrays"), grid("what it makes of them")].map(|port| [port].to_vec().leak());
-    let example =
-        node::example(item.declaration.schema, "grid", "grid", "grid = \"filtered\", volume = \"filtered\"");
+    let example = runner::example(
+        item.declaration.schema,
+        "grid",
+        "grid",
+        "grid = \"filtered\", volume = \"filtered\"",
+    );
     let (run_item, demand_item) = (item.clone(), item.clone());
-    node::leaked_node(&item, |node| Node {
+    runner::leaked_node(&item, |node| Node {
         inputs,
         outputs,
         example,
-        demand: node::leak(move |context: &mut DemandContext| demand(&demand_item, context)),
-        run: node::leak(move |call: &mut RunContext| run(&run_item, call)),
+        demand: runner::leak(move |context: &mut DemandContext| demand(&demand_item, context)),
+        run: runner::leak(move |call: &mut RunContext| run(&run_item, call)),
         ..node
     })
 }

@@ -7,7 +7,7 @@ use std::cell::Cell;
 use std::ffi::{c_char, c_void};
 use std::mem::size_of;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use voltet_core::field::Fallback;
 
 /// Longest error or note (bytes).
@@ -16,16 +16,24 @@ const MAX_TEXT_BYTES: usize = 4096;
 /// Largest number of different texts of fall-backs.
 const MAX_FALLBACKS: usize = 32;
 
+/// Reports of one call.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Reports {
+    /// Error message of the plug-in.
+    pub error: Option<String>,
+    /// Reason for which the host refused what it was handed.
+    pub refusal: Option<ValidationError>,
+    /// Counts of the fall-backs by text.
+    pub fallbacks: Vec<Fallback>,
+}
+
 /// State of one call: reports of the plug-in, and its cancellation. Shared by the plug-in's threads and the host's.
 #[derive(Default)]
 pub(crate) struct State {
     /// Bits of the completed fraction.
     fraction: AtomicU64,
     cancelled: AtomicBool,
-    error: Mutex<Option<String>>,
-    /// Reason for which the host refused what it was handed.
-    refusal: Mutex<Option<ValidationError>>,
-    fallbacks: Mutex<Vec<Fallback>>,
+    reports: Mutex<Reports>,
 }
 
 impl State {
@@ -33,6 +41,11 @@ impl State {
     pub fn fraction(&self) -> f64 {
         let fraction = f64::from_bits(self.fraction.load(Ordering::Relaxed));
         if fraction.is_finite() { fraction.clamp(0.0, 1.0) } else { 0.0 }
+    }
+
+    /// Records the completed fraction.
+    pub fn set_fraction(&self, fraction: f64) {
+        self.fraction.store(fraction.to_bits(), Ordering::Relaxed);
     }
 
     /// Requests the plug-in to stop.
@@ -45,29 +58,27 @@ impl State {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// The plug-in's error message.
-    pub fn error(&self) -> Option<String> {
-        self.error.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    /// Everything reported so far.
+    pub fn reports(&self) -> MutexGuard<'_, Reports> {
+        self.reports.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Records the error message, unless there is one.
     pub fn set_error(&self, text: String) {
-        self.error.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(text);
+        self.reports().error.get_or_insert(text);
     }
 
-    /// Reason for which the host refused what it was handed.
-    pub fn refusal(&self) -> Option<ValidationError> {
-        self.refusal.lock().unwrap_or_else(PoisonError::into_inner).clone()
-    }
-
-    /// Records a reason to refuse, unless there is one.
+    /// Records a reason to refuse what the host was handed, unless there is one.
     pub fn refuse(&self, refusal: ValidationError) {
-        self.refusal.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(refusal);
+        self.reports().refusal.get_or_insert(refusal);
     }
 
-    /// Records the completed fraction.
-    pub fn set_fraction(&self, fraction: f64) {
-        self.fraction.store(fraction.to_bits(), Ordering::Relaxed);
+    /// Reason for which the function `init` gave nothing.
+    pub fn init_failure(&self) -> ValidationError {
+        match &self.reports().error {
+            Some(text) => format!("it says: {text}"),
+            None => "its init gave nothing, and no reason".into(),
+        }
     }
 
     /// Counts points at which the filter fell back.
@@ -75,17 +86,13 @@ impl State {
         if point_count == 0 {
             return;
         }
-        let mut fallbacks = self.fallbacks.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut reports = self.reports();
+        let fallbacks = &mut reports.fallbacks;
         match fallbacks.iter().position(|known| known.what == what) {
             Some(i) => fallbacks[i].point_count = fallbacks[i].point_count.saturating_add(point_count),
             None if fallbacks.len() < MAX_FALLBACKS => fallbacks.push(Fallback { what, point_count }),
             None => {}
         }
-    }
-
-    /// Counts of the fall-backs by text.
-    pub fn fallbacks(&self) -> Vec<Fallback> {
-        self.fallbacks.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// The header's struct for a call; the state must outlive it.

@@ -1,16 +1,14 @@
 //! An image filter of a plug-in: its call, and its node.
 
 use crate::declaration::{EntryPoint, LibraryItem};
+use crate::ffi::{Overrun, Sentinel, guarded_vec, remove_guard};
 use crate::host::State;
 use crate::interface::ImageCall;
-use crate::node;
-use crate::runner::PluginItem;
-use crate::sentinel::{Overrun, Sentinel, guarded_vec, remove_guard};
+use crate::runner::{self, PluginItem};
 use crate::status::{CallLabel, CallStatus};
-use crate::task::{Outcome, Task};
+use crate::task::{Outcome, Task, TaskKind};
 use crate::values::ParameterValues;
-use crate::wire::{self, Reader, Writer, garbled, send_array};
-use std::io::{self, Read, Write};
+use crate::wire::wire;
 use std::mem::size_of;
 use std::sync::Arc;
 use voltet_core::Result;
@@ -23,24 +21,16 @@ pub(crate) struct ImageTask {
     values: ParameterValues,
 }
 
-impl ImageTask {
-    pub const TAG: u64 = 5;
+wire!(fields of ImageTask { picture, values });
+wire!(fields of Picture { width, height, rgba });
 
-    pub fn decode(head: &mut Reader, from: &mut dyn Read) -> io::Result<Box<dyn Task>> {
-        let mut inputs = || Some((ParameterValues::decode(head)?, head.length()?, head.length()?));
-        let (values, width, height) = inputs().ok_or_else(garbled)?;
-        let rgba = wire::array(from, width.checked_mul(height).ok_or_else(garbled)?)?;
-        Ok(Box::new(ImageTask { picture: Arc::new(Picture { width, height, rgba }), values }))
-    }
+impl ImageTask {
+    pub const KIND: TaskKind = TaskKind::new::<ImageTask>(5, "filter");
 }
 
 impl Task for ImageTask {
-    fn tag(&self) -> u64 {
-        ImageTask::TAG
-    }
-
-    fn stage(&self) -> &'static str {
-        "filter"
+    fn kind(&self) -> &'static TaskKind {
+        &ImageTask::KIND
     }
 
     fn run(self: Box<Self>, item: &LibraryItem, state: &State) -> (CallStatus, Outcome) {
@@ -69,16 +59,6 @@ impl Task for ImageTask {
         });
         (CallStatus { overrun, ..CallStatus::new(code, state) }, Outcome::Pixels(filtered))
     }
-
-    fn encode(&self, head: &mut Writer) {
-        self.values.encode(head);
-        head.count(self.picture.width);
-        head.count(self.picture.height);
-    }
-
-    fn send_arrays(&self, to: &mut dyn Write) -> io::Result<()> {
-        send_array(to, &self.picture.rgba)
-    }
 }
 
 /// The node of an image filter.
@@ -86,13 +66,13 @@ pub(crate) fn image_node(item: PluginItem) -> &'static Node {
     let image = |summary| Port { name: "image", port_type: PortType::Image, summary };
     let [inputs, outputs] =
         [image("the picture"), image("the filtered picture")].map(|port| [port].to_vec().leak());
-    let example = node::example(item.declaration.schema, "picture", "image", "image = \"filtered\"");
+    let example = runner::example(item.declaration.schema, "picture", "image", "image = \"filtered\"");
     let run_item = item.clone();
-    node::leaked_node(&item, |node| Node {
+    runner::leaked_node(&item, |node| Node {
         inputs,
         outputs,
         example,
-        run: node::leak(move |call: &mut RunContext| run(&run_item, call)),
+        run: runner::leak(move |call: &mut RunContext| run(&run_item, call)),
         ..node
     })
 }

@@ -9,25 +9,22 @@
 //! | file | responsibility |
 //! | --- | --- |
 //! | `interface` | the structs of the header |
-//! | `wire` | encoding of messages |
-//! | `ffi`, `text` | bounded reads of a plug-in's memory |
-//! | `sentinel` | buffers that show unwritten numbers |
+//! | `wire` | messages between processes |
+//! | `ffi` | memory shared with a plug-in: bounded reads, buffers that show unwritten numbers |
 //! | `host` | functions that a plug-in calls |
-//! | `parameters`, `declaration` | declarations, read and checked |
+//! | `declaration` | declarations, read and checked |
 //! | `status` | return code and messages |
 //! | `values` | parameters and arrays of a call |
 //! | `grids` | grids that plug-ins give |
 //! | `task` | one call: inputs, outputs |
-//! | `runner` | runner of calls; an item |
-//! | `node` | shared parts of nodes |
+//! | `runner` | runner of calls; an item and its node |
 //! | `gradient_filter`, `reader`, `grid_filter`, `image_filter` | the families: task, adapter |
-//! | `binary`, `crash`, `watchdog` | guards of loading and calling |
-//! | `library`, `native` | libraries in this process |
+//! | `crash`, `watchdog` | guards of loading and calling |
+//! | `library` | libraries in this process |
 //! | `process` | libraries in a process of their own |
-//! | `wasm_file`, `wasm` | modules in a sandbox |
+//! | `wasm` | modules in a sandbox |
 //! | `configured` | the user's file of plug-ins |
 
-mod binary;
 mod configured;
 mod crash;
 mod declaration;
@@ -41,29 +38,25 @@ mod interface;
 #[cfg(test)]
 mod interface_tests;
 mod library;
-mod native;
-mod node;
-mod parameters;
 mod process;
 mod reader;
 mod runner;
-mod sentinel;
 mod status;
 mod task;
-mod text;
 mod values;
 #[cfg(feature = "wasm")]
 mod wasm;
-mod wasm_file;
 mod watchdog;
 mod wire;
 
 pub use configured::{Configured, configured};
 pub use process::run_child;
 
-use declaration::{Declaration, Family};
-use native::Native;
-use runner::PluginItem;
+use crate::declaration::{Declaration, Family};
+use crate::library::Native;
+use crate::runner::PluginItem;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::Result;
@@ -92,8 +85,8 @@ pub struct Contents {
 /// - The file cannot be loaded, or is not of this interface.
 /// - A declaration is invalid.
 pub fn load(path: &Path) -> Result<Contents> {
-    if wasm_file::is_module(path) {
-        return wasm_file::load(path).map(contents);
+    if is_module(path) {
+        return load_module(path).map(contents);
     }
     let (library, items) = library::load(path)?;
     let declarations: Vec<Declaration> = items.iter().map(|item| item.declaration.clone()).collect();
@@ -118,8 +111,8 @@ pub fn fingerprint(path: &Path) -> Result<String> {
 /// - A process crashes or cannot be started.
 pub fn load_apart(path: &Path, program: PathBuf) -> Result<Contents> {
     // A sandbox needs no process.
-    if wasm_file::is_module(path) {
-        return wasm_file::load(path).map(contents);
+    if is_module(path) {
+        return load_module(path).map(contents);
     }
     process::load(path, program).map(contents)
 }
@@ -130,10 +123,32 @@ fn contents(items: Vec<PluginItem>) -> Contents {
         contents.plugin.get_or_insert_with(|| item.runner.plugin().clone());
         match item.declaration.family {
             Family::GradientFilter { .. } => contents.filters.push(Arc::new(item)),
-            Family::Reader { .. } => contents.readers.push(node::leak(item)),
+            Family::Reader { .. } => contents.readers.push(runner::leak(item)),
             Family::GridFilter { .. } => contents.nodes.push(grid_filter::grid_node(item)),
             Family::ImageFilter => contents.nodes.push(image_filter::image_node(item)),
         }
     }
     contents
+}
+
+/// First bytes of a WebAssembly module.
+const MODULE_MAGIC: [u8; 4] = *b"\0asm";
+
+/// True if the file begins as a WebAssembly module.
+fn is_module(path: &Path) -> bool {
+    let mut begin = [0; 4];
+    let read = File::open(path).and_then(|mut file| file.read_exact(&mut begin));
+    read.is_ok() && begin == MODULE_MAGIC
+}
+
+#[cfg(feature = "wasm")]
+use wasm::load as load_module;
+
+/// Errors: always; this build has no sandbox.
+#[cfg(not(feature = "wasm"))]
+fn load_module(path: &Path) -> Result<Vec<PluginItem>> {
+    let error = voltet_core::Error::usage(
+        "the plug-in is a WebAssembly module, and this program was built without the sandbox for them",
+    );
+    Err(error.expected("a build with the feature \"wasm\", or a shared library").in_file(path))
 }

@@ -1,27 +1,31 @@
-//! A shared library: loading, its entry, its items.
+//! A shared library in this process: checks of its file, loading, its entry and items, and the runner of its functions.
 
-use crate::binary;
-use crate::crash;
-use crate::declaration::{self, Declaration, LibraryItem};
-use crate::ffi::{ValidationError, sized};
+use crate::declaration::{Declaration, LibraryItem};
+use crate::ffi::{CheckResult, ValidationError, sized};
 use crate::host::State;
 use crate::interface::{
     Deinit, ENTRY, Entry, Factory, GRADIENT_FILTERS, GRID_FILTERS, GetFactory, IMAGE_FILTERS, MAJOR, READERS,
 };
-use crate::watchdog::{self, CallFailure};
+use crate::runner::Runner;
+use crate::status::{CallLabel, CallStatus};
+use crate::task::{CheckTask, Outcome, Task};
+use crate::watchdog::CallFailure;
+use crate::{crash, declaration, watchdog};
 use std::ffi::{CStr, CString, c_void};
 use std::mem::ManuallyDrop;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use voltet_core::field::Plugin;
+use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 
 /// Largest number of items of a family.
 const MAX_FILTERS: u32 = 256;
 
 /// Errors: a number of filters that is 0 or too large.
-pub(crate) fn check_filter_count(count: u32) -> std::result::Result<u32, ValidationError> {
+pub(crate) fn check_filter_count(count: u32) -> CheckResult<u32> {
     match (1..=MAX_FILTERS).contains(&count) {
         true => Ok(count),
         false => Err(format!("it says that it has {count} filters, 1 to {MAX_FILTERS} can be")),
@@ -29,9 +33,7 @@ pub(crate) fn check_filter_count(count: u32) -> std::result::Result<u32, Validat
 }
 
 /// Errors: two filters of one name.
-pub(crate) fn refuse_same_names<'a>(
-    filters: impl IntoIterator<Item = &'a Declaration>,
-) -> std::result::Result<(), ValidationError> {
+pub(crate) fn refuse_same_names<'a>(filters: impl IntoIterator<Item = &'a Declaration>) -> CheckResult<()> {
     let mut names = Vec::new();
     for Declaration { schema, .. } in filters {
         if names.contains(&schema.name) {
@@ -69,7 +71,7 @@ impl Drop for Library {
 pub(crate) fn load(path: &Path) -> Result<(Library, Vec<LibraryItem>)> {
     let failed = |wrong: ValidationError| load_error(path, wrong);
     let (plugin, bytes) = read_file(path)?;
-    binary::check(&bytes).map_err(failed)?;
+    check_file(&bytes).map_err(failed)?;
     let whole = std::fs::canonicalize(path).map_err(|error| failed(error.to_string()))?;
     let start = Instant::now();
     // Compilers can make a library change how its thread rounds; so that thread is none of ours.
@@ -110,16 +112,13 @@ pub(crate) fn read_file(path: &Path) -> Result<(Plugin, Vec<u8>)> {
         version: String::new(),
         path: path.to_path_buf(),
         bytes: bytes.len() as u64,
-        fingerprint: binary::fingerprint(&bytes),
+        fingerprint: fingerprint(&bytes),
         modified,
     };
     Ok((plugin, bytes))
 }
 
-fn open(
-    whole: &Path,
-    nameless: &Plugin,
-) -> std::result::Result<(Library, Vec<LibraryItem>), ValidationError> {
+fn open(whole: &Path, nameless: &Plugin) -> CheckResult<(Library, Vec<LibraryItem>)> {
     let loaded = ManuallyDrop::new(open_library(whole).map_err(|error| join_lines(&error.to_string()))?);
     // SAFETY: the symbol is only taken for an address, and what is there read with care.
     let entry = unsafe { loaded.get::<*const Entry>(ENTRY.as_bytes()) };
@@ -136,10 +135,7 @@ fn open(
     // SAFETY: the entry was checked; both arguments live through the call.
     let said = unsafe { init(path.as_ptr(), &state.host()) };
     if said.is_null() {
-        return Err(match state.error() {
-            Some(text) => format!("it says: {text}"),
-            None => "its init gave nothing, and no reason".into(),
-        });
+        return Err(state.init_failure());
     }
     let [name, version] = declaration::plugin(said)?;
     let plugin = Plugin { name, version, ..nameless.clone() };
@@ -152,7 +148,7 @@ fn open(
 /// The entry.
 ///
 /// Errors: it is of another version of the interface.
-fn read_entry(address: *const Entry) -> std::result::Result<Entry, ValidationError> {
+fn read_entry(address: *const Entry) -> CheckResult<Entry> {
     // The version stands where it always will, whatever the size.
     let head = crate::ffi::values(address.cast::<u32>(), 4).map_err(|wrong| format!("its entry {wrong}"))?;
     let [_, major, minor, patch] = head[..] else { return Err("its entry is too short".into()) };
@@ -165,7 +161,7 @@ fn read_entry(address: *const Entry) -> std::result::Result<Entry, ValidationErr
 }
 
 /// Reader of a description at an address.
-type Describe = fn(*const c_void) -> std::result::Result<LibraryItem, ValidationError>;
+type Describe = fn(*const c_void) -> CheckResult<LibraryItem>;
 
 /// Families: name of the factory, name of an item in messages, and reader of its description.
 const FAMILIES: [(&CStr, &str, Describe); 4] = [
@@ -176,7 +172,7 @@ const FAMILIES: [(&CStr, &str, Describe); 4] = [
 ];
 
 /// The items of all families.
-fn items(get_factory: GetFactory) -> std::result::Result<Vec<LibraryItem>, ValidationError> {
+fn items(get_factory: GetFactory) -> CheckResult<Vec<LibraryItem>> {
     let (mut items, mut known) = (Vec::new(), Vec::new());
     for (kind, what, describe) in FAMILIES {
         // SAFETY: init was carried out; the text lives as long as the program.
@@ -196,11 +192,7 @@ fn items(get_factory: GetFactory) -> std::result::Result<Vec<LibraryItem>, Valid
     Ok(items)
 }
 
-fn factory_items(
-    factory: *const Factory,
-    what: &str,
-    describe: Describe,
-) -> std::result::Result<Vec<LibraryItem>, ValidationError> {
+fn factory_items(factory: *const Factory, what: &str, describe: Describe) -> CheckResult<Vec<LibraryItem>> {
     let (factory, _) = sized(factory).map_err(|wrong| format!("{what}s: {wrong}"))?;
     let (Some(count), Some(at)) = (factory.count, factory.at) else {
         return Err(format!("a function of its factory is a null pointer ({what}s)"));
@@ -234,4 +226,159 @@ pub(crate) fn file_name(path: &Path) -> String {
 
 fn join_lines(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Errors: the file is no library of this system, or truncated.
+#[cfg(not(target_os = "linux"))]
+fn check_file(_: &[u8]) -> CheckResult<()> {
+    Ok(())
+}
+
+/// Hash of all bytes. Each step is a bijection, so that a change in one word of 8 bytes always shows; a change in several, except
+/// for a chance of 2⁻⁶⁴.
+pub(crate) fn fingerprint(bytes: &[u8]) -> u64 {
+    let mix = |sum: u64, word: u64| (sum.rotate_left(29) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let (words, rest) = bytes.as_chunks::<8>();
+    let mut last = [0; 8];
+    last[..rest.len()].copy_from_slice(rest);
+    let all = words.iter().chain([&last]).map(|word| u64::from_le_bytes(*word));
+    all.fold(bytes.len() as u64, mix)
+}
+
+/// The ELF header and the program headers (System V ABI, chapters 4 and 5).
+#[cfg(target_os = "linux")]
+fn check_file(bytes: &[u8]) -> CheckResult<()> {
+    // The first bytes of this program: class, byte order and processor that a library must share.
+    const HEAD: usize = 64;
+    let mut own = [0; HEAD];
+    std::fs::File::open("/proc/self/exe")
+        .and_then(|mut file| std::io::Read::read_exact(&mut file, &mut own))
+        .map_err(|error| format!("this program cannot be read: {error}"))?;
+    if !bytes.starts_with(b"\x7fELF") {
+        return Err(match bytes.is_empty() {
+            true => "the file is empty".into(),
+            false => "the file is no shared library (it does not begin as one)".into(),
+        });
+    }
+    if bytes.len() < HEAD {
+        return Err("the file is cut off: its header is not whole".into());
+    }
+    if bytes[4..6] != own[4..6] || bytes[18..20] != own[18..20] {
+        return Err("it is a library for another processor".into());
+    }
+    // Little-endian 64-bit files only are looked into; others are left to the loader.
+    if bytes[4..6] != [2, 1] {
+        return Ok(());
+    }
+    let number = |at: usize, width: usize| -> Option<u64> {
+        let field = bytes.get(at..at.checked_add(width)?)?;
+        Some(field.iter().rev().fold(0, |sum, &byte| sum << 8 | u64::from(byte)))
+    };
+    let wrong = || "the file is damaged: its header contradicts itself".to_string();
+    if number(16, 2) != Some(3) {
+        return Err("it is a program or an object file, not a shared library".into());
+    }
+    let (table, size, count) = (number(32, 8), number(54, 2), number(56, 2));
+    let (Some(table), Some(56), Some(count @ 1..=256)) = (table, size, count) else { return Err(wrong()) };
+    for i in 0..count {
+        let at = table.checked_add(56 * i).and_then(|at| usize::try_from(at).ok()).ok_or_else(wrong)?;
+        let field = |offset: usize, width| at.checked_add(offset).and_then(|at| number(at, width));
+        let (kind, begin, length) = (field(0, 4), field(8, 8), field(32, 8));
+        let (Some(kind), Some(begin), Some(length)) = (kind, begin, length) else { return Err(wrong()) };
+        // PT_LOAD: what the loader maps. Overrun the end of the file there is nothing to map.
+        if kind == 1 && begin.checked_add(length).is_none_or(|end| end > bytes.len() as u64) {
+            return Err("the file is cut off: parts that it names are not there".into());
+        }
+    }
+    Ok(())
+}
+
+/// Longest time of a plug-in to stop, and of a check.
+const STOP_TIME_LIMIT: Duration = Duration::from_secs(3);
+
+/// A loaded library with its items.
+pub(crate) struct Native {
+    library: Arc<Library>,
+    items: Vec<LibraryItem>,
+}
+
+/// Guard of a library while one of its functions runs.
+struct BusyGuard(Arc<Library>);
+
+impl Drop for BusyGuard {
+    fn drop(&mut self) {
+        self.0.busy.store(false, Ordering::Release);
+    }
+}
+
+impl Native {
+    pub fn new(library: Library, items: Vec<LibraryItem>) -> Native {
+        Native { library: Arc::new(library), items }
+    }
+
+    /// Runs a function of the plug-in, one at a time, on a thread of its own, while `may_go_on` is true.
+    fn call<T: Send + 'static>(
+        &self,
+        label: CallLabel<'_>,
+        work: impl FnOnce() -> T + Send + 'static,
+        mut may_go_on: impl FnMut() -> bool,
+    ) -> std::result::Result<T, CallFailure> {
+        while self.library.busy.swap(true, Ordering::Acquire) {
+            if !may_go_on() {
+                return Err(CallFailure::GivenUp);
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let (busy, when) = (BusyGuard(self.library.clone()), format!("in the {}", label.item()));
+        let work = move || crash::attribute(&busy.0.plugin, &when, work);
+        watchdog::run(work, may_go_on)
+    }
+}
+
+impl Runner for Native {
+    fn plugin(&self) -> &Plugin {
+        &self.library.plugin
+    }
+
+    fn run(
+        &self,
+        declaration: &Declaration,
+        task: Box<dyn Task>,
+        progress: &dyn Progress,
+    ) -> Result<(CallStatus, Outcome)> {
+        let label = CallLabel::new(declaration, &self.library.plugin);
+        let item = self.items.iter().find(|item| item.declaration.schema.name == declaration.schema.name);
+        let Some(item) = item.cloned() else { return Err(label.error("is not there any more")) };
+        let (is_check, stage, start) =
+            (task.kind().tag == CheckTask::KIND.tag, task.kind().stage, Instant::now());
+        let state = Arc::new(State::default());
+        let mut cancelled: Option<Instant> = None;
+        let may_go_on = || {
+            if is_check {
+                return start.elapsed() < STOP_TIME_LIMIT;
+            }
+            progress.report(stage, state.fraction());
+            if progress.cancelled() {
+                state.cancel();
+                cancelled.get_or_insert_with(Instant::now);
+            }
+            cancelled.is_none_or(|cancelled| cancelled.elapsed() < STOP_TIME_LIMIT)
+        };
+        let called = {
+            let state = state.clone();
+            self.call(label, move || task.run(&item, &state), may_go_on)
+        };
+        called.map_err(|failure| match failure {
+            CallFailure::GivenUp if is_check => {
+                label.error("does not come back from checking its parameters")
+            }
+            CallFailure::GivenUp => label.error("was asked to stop and goes on").expected(format!(
+                "it to stop within {} s; only the end of the program ends it, or --plugin-process",
+                STOP_TIME_LIMIT.as_secs()
+            )),
+            CallFailure::NoThread | CallFailure::Ended => {
+                label.error("cannot be run: the system gives no thread for it")
+            }
+        })
+    }
 }

@@ -6,11 +6,10 @@ use crate::host::State;
 use crate::interface::{ERROR, GridHead, OK, Reading, TETRAHEDRA, Values};
 use crate::runner::PluginItem;
 use crate::status::CallStatus;
-use crate::task::{Outcome, Task};
+use crate::task::{Outcome, Task, TaskKind};
 use crate::values::ParameterValues;
-use crate::wire::{Reader, Writer, garbled};
+use crate::wire::wire;
 use std::ffi::CString;
-use std::io::{self, Read};
 use std::mem::size_of;
 use std::path::Path;
 use std::ptr::{from_ref, null};
@@ -43,6 +42,9 @@ pub(crate) struct ReadTask {
     memory_left: Option<u64>,
 }
 
+wire!(fields of InspectTask { path, step, values });
+wire!(fields of ReadTask { file, head, geometry, arrays, memory_left });
+
 /// The host's side of a description.
 struct HostContext<'a> {
     state: &'a State,
@@ -67,7 +69,7 @@ unsafe extern "C-unwind" fn describe(reading: *const Reading, head: *const GridH
 }
 
 impl InspectTask {
-    pub const TAG: u64 = 2;
+    pub const KIND: TaskKind = TaskKind::new::<InspectTask>(2, "reading");
 
     fn reading(&self, values: &Values) -> Reading {
         Reading {
@@ -81,30 +83,11 @@ impl InspectTask {
             context: std::ptr::null_mut(),
         }
     }
-
-    fn encode_file(&self, head: &mut Writer) {
-        head.bytes(self.path.as_bytes());
-        head.number(self.step);
-        self.values.encode(head);
-    }
-
-    fn decode_file(head: &mut Reader) -> Option<InspectTask> {
-        let path = CString::new(head.bytes()?).ok()?;
-        Some(InspectTask { path, step: head.number()?, values: ParameterValues::decode(head)? })
-    }
-
-    pub fn decode(head: &mut Reader, _: &mut dyn Read) -> io::Result<Box<dyn Task>> {
-        Ok(Box::new(InspectTask::decode_file(head).ok_or_else(garbled)?))
-    }
 }
 
 impl Task for InspectTask {
-    fn tag(&self) -> u64 {
-        InspectTask::TAG
-    }
-
-    fn stage(&self) -> &'static str {
-        "reading"
+    fn kind(&self) -> &'static TaskKind {
+        &InspectTask::KIND
     }
 
     fn run(self: Box<Self>, item: &LibraryItem, state: &State) -> (CallStatus, Outcome) {
@@ -122,35 +105,15 @@ impl Task for InspectTask {
         }
         (CallStatus::new(code, state), head.map(Outcome::Head).unwrap_or_default())
     }
-
-    fn encode(&self, head: &mut Writer) {
-        self.encode_file(head);
-    }
 }
 
 impl ReadTask {
-    pub const TAG: u64 = 3;
-
-    pub fn decode(head: &mut Reader, _: &mut dyn Read) -> io::Result<Box<dyn Task>> {
-        let mut task = || {
-            let (file, described) = (InspectTask::decode_file(head)?, Head::decode(head)?);
-            let geometry = head.number()? == 1;
-            let arrays: Vec<bool> = head.list(|head| head.number().map(|flag| flag == 1))?;
-            let memory_left = head.optional(Reader::number)?;
-            let fits = arrays.len() == described.arrays.len();
-            fits.then_some(ReadTask { file, head: described, geometry, arrays, memory_left })
-        };
-        Ok(Box::new(task().ok_or_else(garbled)?))
-    }
+    pub const KIND: TaskKind = TaskKind::new::<ReadTask>(3, "reading");
 }
 
 impl Task for ReadTask {
-    fn tag(&self) -> u64 {
-        ReadTask::TAG
-    }
-
-    fn stage(&self) -> &'static str {
-        "reading"
+    fn kind(&self) -> &'static TaskKind {
+        &ReadTask::KIND
     }
 
     fn run(self: Box<Self>, item: &LibraryItem, state: &State) -> (CallStatus, Outcome) {
@@ -171,14 +134,6 @@ impl Task for ReadTask {
         let code = unsafe { read(&reading, &state.host()) };
         let overrun = buffers.close(&head);
         (CallStatus { overrun, ..CallStatus::new(code, state) }, Outcome::Grid(head, buffers))
-    }
-
-    fn encode(&self, head: &mut Writer) {
-        self.file.encode_file(head);
-        self.head.encode(head);
-        head.number(u64::from(self.geometry));
-        head.list(&self.arrays, |head, &requested| head.number(u64::from(requested)));
-        head.optional(self.memory_left, Writer::number);
     }
 }
 

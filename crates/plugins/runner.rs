@@ -1,4 +1,4 @@
-//! An item that a plug-in offers, and the runner of its functions: this process, one of its own, or a sandbox.
+//! An item that a plug-in offers: the runner of its functions (this process, one of its own, or a sandbox), and the node made of it.
 
 use crate::declaration::Declaration;
 use crate::status::{CallLabel, CallStatus};
@@ -7,8 +7,9 @@ use crate::values::ParameterValues;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::field::Plugin;
-use voltet_core::parameters::Parameters;
+use voltet_core::parameters::{DefaultValue, Parameters, VariantSchema};
 use voltet_core::progress::{NoProgress, Progress};
+use voltet_graph::Node;
 
 /// Runner of the functions of one plug-in.
 pub(crate) trait Runner: Send + Sync {
@@ -50,7 +51,7 @@ impl PluginItem {
         if !self.declaration.checks {
             return Ok(());
         }
-        let (status, _) = self.runner.run(&self.declaration, Box::new(CheckTask(values)), &NoProgress)?;
+        let (status, _) = self.runner.run(&self.declaration, Box::new(CheckTask { values }), &NoProgress)?;
         self.label().check_parameters(status)
     }
 
@@ -68,4 +69,36 @@ impl PluginItem {
         let output = output(outcome).ok_or_else(|| self.label().error("answered what was not asked"))?;
         Ok((status, output))
     }
+}
+
+/// A node with the shared fields, completed by `complete`; it lives as long as the program.
+pub(crate) fn leaked_node(item: &PluginItem, complete: impl FnOnce(Node) -> Node) -> &'static Node {
+    let check_item = item.clone();
+    let VariantSchema { name, summary, parameters } = item.declaration.schema;
+    leak(complete(Node {
+        name,
+        summary,
+        parameters,
+        plugin: Some(leak(item.runner.plugin().clone())),
+        check: leak(move |parameters: &Parameters| check_item.check_parameters(parameters)),
+        ..Node::BLANK
+    }))
+}
+
+/// A value that lives as long as the program.
+pub(crate) fn leak<T>(value: T) -> &'static T {
+    Box::leak(Box::new(value))
+}
+
+/// Example in a pipeline file: behind the node `from` by the input `port`, and before nodes with the input `next`.
+pub(crate) fn example(schema: VariantSchema, from: &str, port: &str, next: &str) -> &'static str {
+    let required =
+        schema.parameters.iter().filter(|parameter| matches!(parameter.default, DefaultValue::Required));
+    let required: String = required.map(|parameter| format!("{} = …\n", parameter.name)).collect();
+    format!(
+        "# Between the node '{from}' and those that take what it gives ({next}):\n[nodes.filtered]\ntype = \"{}\"\n\
+         {required}inputs = {{ {port} = \"{from}\" }}\n",
+        schema.name
+    )
+    .leak()
 }

@@ -1,11 +1,10 @@
 //! Result of a plug-in's call and its check, and the beginning of messages about it.
 
 use crate::declaration::Declaration;
-use crate::ffi::ValidationError;
-use crate::host::State;
+use crate::ffi::{Overrun, ValidationError};
+use crate::host::{Reports, State};
 use crate::interface::{CANCELLED, ERROR, OK};
-use crate::sentinel::Overrun;
-use crate::wire::{Reader, Writer};
+use crate::wire::wire;
 use voltet_core::error::ErrorKind;
 use voltet_core::field::{Fallback, Plugin};
 use voltet_core::{Error, Result};
@@ -14,49 +13,23 @@ use voltet_core::{Error, Result};
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct CallStatus {
     pub code: i32,
-    pub error: Option<String>,
-    pub fallbacks: Vec<Fallback>,
     pub overrun: Option<Overrun>,
-    /// Reason for which the host refused what it was handed.
-    pub refusal: Option<ValidationError>,
+    pub reports: Reports,
 }
+
+wire!(fields of CallStatus { code, overrun, reports });
+wire!(fields of Reports { error, refusal, fallbacks });
+wire!(fields of Fallback { what, point_count });
 
 impl CallStatus {
     pub fn new(code: i32, state: &State) -> CallStatus {
-        let (error, fallbacks, refusal) = (state.error(), state.fallbacks(), state.refusal());
-        CallStatus { code, error, fallbacks, overrun: None, refusal }
+        CallStatus { code, overrun: None, reports: state.reports().clone() }
     }
 
     /// Status of a call that the host did not make.
     pub fn not_called(refusal: ValidationError, state: &State) -> CallStatus {
         state.refuse(refusal);
         CallStatus::new(ERROR, state)
-    }
-
-    /// Appends to a message.
-    pub fn encode(&self, to: &mut Writer) {
-        to.number(self.code as u64);
-        to.optional(self.overrun.as_ref(), |to, overrun| {
-            to.text(&overrun.buffer);
-            to.text(&overrun.capacity);
-        });
-        for text in [&self.refusal, &self.error] {
-            to.optional(text.as_ref(), |to, text| to.text(text));
-        }
-        to.list(&self.fallbacks, |to, fallback| {
-            to.text(&fallback.what);
-            to.number(fallback.point_count);
-        });
-    }
-
-    /// Status from a message; `None` where the bytes are none.
-    pub fn decode(from: &mut Reader) -> Option<CallStatus> {
-        let code = from.number()? as i32;
-        let overrun = from.optional(|from| Some(Overrun { buffer: from.text()?, capacity: from.text()? }))?;
-        let (refusal, error) = (from.optional(Reader::text)?, from.optional(Reader::text)?);
-        let fallbacks =
-            from.list(|from| Some(Fallback { what: from.text()?, point_count: from.number()? }))?;
-        Some(CallStatus { code, error, fallbacks, overrun, refusal })
     }
 }
 
@@ -96,7 +69,7 @@ impl<'a> CallLabel<'a> {
             let what = format!("wrote beyond the end of {buffer}: what else it wrote over is unknown");
             return Err(self.error(&what).expected(capacity));
         }
-        if let Some(refusal) = &status.refusal {
+        if let Some(refusal) = &status.reports.refusal {
             return Err(self.error("is refused").got(refusal));
         }
         match status.code {
@@ -108,7 +81,7 @@ impl<'a> CallLabel<'a> {
     }
 
     fn failure(&self, status: &CallStatus) -> Error {
-        match &status.error {
+        match &status.reports.error {
             Some(text) => self.error("says").got(text),
             None => self.error("failed and did not say why").got(format!("code {}", status.code)),
         }
@@ -116,7 +89,7 @@ impl<'a> CallLabel<'a> {
 
     /// Sentences about the points at which the item fell back to something simpler.
     pub fn warnings(&self, status: &CallStatus) -> impl Iterator<Item = String> {
-        status.fallbacks.iter().map(|Fallback { what, point_count }| {
+        status.reports.fallbacks.iter().map(|Fallback { what, point_count }| {
             format!("The {} of the {}: {what} at {point_count} points.", self.item(), self.plugin)
         })
     }

@@ -2,12 +2,11 @@
 
 use crate::declaration::Declaration;
 use crate::interface;
-use crate::wire::{self, Reader, Writer, send_array};
+use crate::wire::{Wire, wire};
 use std::ffi::{CString, c_char};
 use std::io::{self, Read, Write};
 use std::mem::size_of;
 use std::sync::Arc;
-use voltet_core::glam::DVec3;
 use voltet_core::grid::{Array, Grid};
 use voltet_core::parameters::{LocatedValue, Parameter, ParameterType, ParameterValue, Parameters};
 use voltet_core::{Error, Result};
@@ -19,6 +18,22 @@ pub(crate) struct ParameterValues {
     numbers: Vec<f64>,
     texts: Vec<Option<CString>>,
     vectors: Vec<Option<Vec<f64>>>,
+}
+
+wire!(fields of ParameterValues { integers, numbers, texts, vectors });
+wire!(fields of Array { component_count, values });
+
+/// Points and tetrahedra alone.
+impl Wire for Grid {
+    fn send(&self, to: &mut dyn Write) -> io::Result<()> {
+        self.points.send(to)?;
+        self.tetrahedra.send(to)
+    }
+
+    fn receive(from: &mut dyn Read) -> io::Result<Self> {
+        let (points, tetrahedra) = (Wire::receive(from)?, Wire::receive(from)?);
+        Ok(Grid { points, tetrahedra, ..Grid::default() })
+    }
 }
 
 /// Values by type, one of each type a parameter.
@@ -68,29 +83,6 @@ impl ParameterValues {
     pub fn parts(&self) -> ValueSlices<'_> {
         let ParameterValues { integers, numbers, texts, vectors } = self;
         ValueSlices { integers, numbers, texts, vectors }
-    }
-
-    /// Appends to a message.
-    pub fn encode(&self, to: &mut Writer) {
-        to.count(self.integers.len());
-        for (i, (integer, number)) in self.integers.iter().zip(&self.numbers).enumerate() {
-            to.number(*integer as u64);
-            to.float(*number);
-            to.optional(self.texts[i].as_ref(), |to, text| to.bytes(text.as_bytes()));
-            to.optional(self.vectors[i].as_ref(), |to, vector| to.floats(vector));
-        }
-    }
-
-    /// Values from a message; `None` where the bytes are none.
-    pub fn decode(from: &mut Reader) -> Option<ParameterValues> {
-        let mut values = ParameterValues::default();
-        for _ in 0..from.count()? {
-            values.integers.push(from.number()? as i64);
-            values.numbers.push(from.float()?);
-            values.texts.push(from.optional(|from| CString::new(from.bytes()?).ok())?);
-            values.vectors.push(from.optional(Reader::floats)?);
-        }
-        Some(values)
     }
 
     pub fn pointers(&self) -> ValuePointers {
@@ -157,47 +149,4 @@ fn array_references<'a>(
         Some((name.filter(|_| components > 0)?.to_string(), parameter.name, components))
     };
     declaration.schema.parameters.iter().zip(&declaration.components).map(reference).collect()
-}
-
-/// Appends the sizes of a grid and of the arrays that parameters name.
-pub(crate) fn encode_sizes(grid: &Grid, arrays: &[Option<Arc<Array>>], head: &mut Writer) {
-    head.count(grid.points.len());
-    head.count(grid.tetrahedra.len());
-    head.list(arrays, |head, array| {
-        head.optional(array.as_ref().map(|array| array.component_count), Writer::count);
-    });
-}
-
-/// Sizes from a message: points, cells, and components of each array.
-pub(crate) fn decode_sizes(head: &mut Reader) -> Option<(usize, usize, Vec<Option<usize>>)> {
-    Some((head.length()?, head.length()?, head.list(|head| head.optional(Reader::length))?))
-}
-
-/// Sends points and cells.
-pub(crate) fn send_geometry(grid: &Grid, to: &mut dyn Write) -> io::Result<()> {
-    send_array(to, &grid.points)?;
-    send_array(to, &grid.tetrahedra)
-}
-
-/// Receives points and cells.
-pub(crate) fn receive_geometry(from: &mut dyn Read, points: usize, cells: usize) -> io::Result<Grid> {
-    let points = wire::array::<DVec3>(from, points)?.into();
-    let tetrahedra = wire::array::<[u32; 4]>(from, cells)?.into();
-    Ok(Grid { points, tetrahedra, ..Grid::default() })
-}
-
-/// Receives a point array.
-pub(crate) fn receive_array(from: &mut dyn Read, points: usize, component_count: usize) -> io::Result<Array> {
-    let values = wire::array::<f64>(from, component_count.saturating_mul(points))?.into();
-    Ok(Array { component_count, values })
-}
-
-/// Receives the arrays that parameters name.
-pub(crate) fn receive_named(
-    from: &mut dyn Read,
-    points: usize,
-    components: Vec<Option<usize>>,
-) -> io::Result<NamedArrays> {
-    let receive = |n: Option<usize>| n.map(|n| receive_array(from, points, n).map(Arc::new)).transpose();
-    components.into_iter().map(receive).collect()
 }

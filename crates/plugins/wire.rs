@@ -1,109 +1,30 @@
-//! Messages between the program and the process of a plug-in: a tag, a length, and bytes in this machine's order.
+//! Messages between the program and the process of a plug-in: values one after the other, in this machine's byte order.
 
+use bytemuck::Zeroable;
+use std::ffi::CString;
 use std::io::{self, Read, Write};
+use std::sync::Arc;
+use voltet_core::SharedSlice;
+use voltet_core::glam::DVec3;
 
-/// Numbers read at a time.
+/// Numbers received at a time.
 const CHUNK: usize = 1 << 22;
 
-/// Longest message without its arrays (bytes).
-const MAX_MESSAGE_BYTES: u64 = 16 << 20;
+/// A value that messages can hold.
+pub(crate) trait Wire: Sized {
+    fn send(&self, to: &mut dyn Write) -> io::Result<()>;
 
-/// Message under construction.
-#[derive(Default)]
-pub(crate) struct Writer(pub Vec<u8>);
+    /// Errors: the message ends early, or is not as sent: the sender may have been damaged.
+    fn receive(from: &mut dyn Read) -> io::Result<Self>;
 
-impl Writer {
-    pub fn number(&mut self, n: u64) {
-        self.0.extend_from_slice(&n.to_ne_bytes());
+    /// Sends several without their count.
+    fn send_all(items: &[Self], to: &mut dyn Write) -> io::Result<()> {
+        items.iter().try_for_each(|item| item.send(to))
     }
 
-    pub fn float(&mut self, x: f64) {
-        self.number(x.to_bits());
-    }
-
-    pub fn text(&mut self, text: &str) {
-        self.bytes(text.as_bytes());
-    }
-
-    pub fn bytes(&mut self, bytes: &[u8]) {
-        self.count(bytes.len());
-        self.0.extend_from_slice(bytes);
-    }
-
-    pub fn floats(&mut self, xs: &[f64]) {
-        self.list(xs, |to, &x| to.float(x));
-    }
-
-    pub fn count(&mut self, count: usize) {
-        self.number(count as u64);
-    }
-
-    /// A count, and the items.
-    pub fn list<T>(&mut self, items: &[T], mut write: impl FnMut(&mut Writer, &T)) {
-        self.count(items.len());
-        items.iter().for_each(|item| write(self, item));
-    }
-
-    /// A flag, and the item if there is one.
-    pub fn optional<T>(&mut self, item: Option<T>, write: impl FnOnce(&mut Writer, T)) {
-        self.number(u64::from(item.is_some()));
-        if let Some(item) = item {
-            write(self, item);
-        }
-    }
-}
-
-/// Message under reading; each method gives `None` where the bytes are not as written: the writer may have been damaged.
-pub(crate) struct Reader<'a>(pub &'a [u8]);
-
-impl<'a> Reader<'a> {
-    pub fn number(&mut self) -> Option<u64> {
-        let (head, rest) = self.0.split_first_chunk::<8>()?;
-        self.0 = rest;
-        Some(u64::from_ne_bytes(*head))
-    }
-
-    pub fn length(&mut self) -> Option<usize> {
-        usize::try_from(self.number()?).ok()
-    }
-
-    /// A count of items of at least 8 bytes each.
-    pub fn count(&mut self) -> Option<usize> {
-        let count = self.length()?;
-        (count <= self.0.len() / 8).then_some(count)
-    }
-
-    pub fn float(&mut self) -> Option<f64> {
-        self.number().map(f64::from_bits)
-    }
-
-    pub fn bytes(&mut self) -> Option<&'a [u8]> {
-        let length = self.length()?;
-        let (bytes, rest) = self.0.split_at_checked(length)?;
-        self.0 = rest;
-        Some(bytes)
-    }
-
-    pub fn text(&mut self) -> Option<String> {
-        String::from_utf8(self.bytes()?.to_vec()).ok()
-    }
-
-    pub fn floats(&mut self) -> Option<Vec<f64>> {
-        self.list(Reader::float)
-    }
-
-    /// Counterpart of [`Writer::optional`].
-    pub fn optional<T>(&mut self, read: impl FnOnce(&mut Self) -> Option<T>) -> Option<Option<T>> {
-        match self.number()? {
-            0 => Some(None),
-            1 => read(self).map(Some),
-            _ => None,
-        }
-    }
-
-    /// Counterpart of [`Writer::list`].
-    pub fn list<T>(&mut self, mut read: impl FnMut(&mut Self) -> Option<T>) -> Option<Vec<T>> {
-        (0..self.count()?).map(|_| read(self)).collect()
+    /// Receives so many. A damaged message may have any count: memory is touched as values come.
+    fn receive_all(from: &mut dyn Read, count: usize) -> io::Result<Vec<Self>> {
+        (0..count).map(|_| Self::receive(from)).collect()
     }
 }
 
@@ -112,48 +33,159 @@ pub(crate) fn garbled() -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, "a message is not as agreed")
 }
 
-/// Sends a message.
-pub(crate) fn send(to: &mut dyn Write, tag: u8, bytes: &[u8]) -> io::Result<()> {
-    to.write_all(&[tag])?;
-    to.write_all(&(bytes.len() as u64).to_ne_bytes())?;
-    to.write_all(bytes)
+/// Implements [`Wire`] for structs by their fields, and for enums by a number and the contents of each variant. A variant that is
+/// not listed cannot be sent.
+macro_rules! wire {
+    (fields of $name:ty { $($field:ident),* }) => {
+        impl $crate::wire::Wire for $name {
+            fn send(&self, to: &mut dyn std::io::Write) -> std::io::Result<()> {
+                $($crate::wire::Wire::send(&self.$field, to)?;)*
+                Ok(())
+            }
+
+            fn receive(from: &mut dyn std::io::Read) -> std::io::Result<Self> {
+                Ok(Self { $($field: $crate::wire::Wire::receive(from)?),* })
+            }
+        }
+    };
+    (variants of $name:ty { $($tag:literal = $variant:ident $(($($item:ident),*))? $({ $($field:ident),* })?),* }) => {
+        impl $crate::wire::Wire for $name {
+            fn send(&self, to: &mut dyn std::io::Write) -> std::io::Result<()> {
+                match self {
+                    $(Self::$variant $(($($item),*))? $({ $($field),* })? => {
+                        <u8 as $crate::wire::Wire>::send(&$tag, to)?;
+                        $($($crate::wire::Wire::send($item, to)?;)*)?
+                        $($($crate::wire::Wire::send($field, to)?;)*)?
+                    })*
+                    #[allow(unreachable_patterns)]
+                    _ => return Err($crate::wire::garbled()),
+                }
+                Ok(())
+            }
+
+            fn receive(from: &mut dyn std::io::Read) -> std::io::Result<Self> {
+                Ok(match <u8 as $crate::wire::Wire>::receive(from)? {
+                    $($tag => {
+                        $($(let $item = $crate::wire::Wire::receive(from)?;)*)?
+                        $($(let $field = $crate::wire::Wire::receive(from)?;)*)?
+                        Self::$variant $(($($item),*))? $({ $($field),* })?
+                    })*
+                    _ => return Err($crate::wire::garbled()),
+                })
+            }
+        }
+    };
+}
+pub(crate) use wire;
+
+macro_rules! numbers {
+    ($($number:ty),*) => {$(
+        impl Wire for $number {
+            fn send(&self, to: &mut dyn Write) -> io::Result<()> {
+                to.write_all(bytemuck::bytes_of(self))
+            }
+
+            fn receive(from: &mut dyn Read) -> io::Result<Self> {
+                let mut number = Self::zeroed();
+                from.read_exact(bytemuck::bytes_of_mut(&mut number))?;
+                Ok(number)
+            }
+
+            fn send_all(items: &[Self], to: &mut dyn Write) -> io::Result<()> {
+                to.write_all(bytemuck::cast_slice(items))
+            }
+
+            fn receive_all(from: &mut dyn Read, count: usize) -> io::Result<Vec<Self>> {
+                let mut items = Vec::new();
+                let none = |_| io::Error::new(io::ErrorKind::OutOfMemory, "there is no memory for an array");
+                items.try_reserve_exact(count).map_err(none)?;
+                while items.len() < count {
+                    let begin = items.len();
+                    items.resize(begin + (count - begin).min(CHUNK), Self::zeroed());
+                    from.read_exact(bytemuck::cast_slice_mut(&mut items[begin..]))?;
+                }
+                Ok(items)
+            }
+        }
+    )*};
 }
 
-/// The tag and the length of the next message; `None` at the end.
-pub(crate) fn head(from: &mut dyn Read) -> io::Result<Option<(u8, u64)>> {
-    let mut tag = [0];
-    if from.read(&mut tag)? == 0 {
-        return Ok(None);
+numbers!(u8, i32, u32, i64, u64, usize, f64, DVec3, [u32; 4], [f32; 4]);
+
+/// Implements [`Wire`] for types that are sent as another one: how it is made of the value, and the value of it.
+macro_rules! sent_as {
+    ($([$($generics:tt)*] $name:ty: $sent:ty, $to:expr, $from:expr;)*) => {$(
+        impl<$($generics)*> Wire for $name {
+            fn send(&self, to: &mut dyn Write) -> io::Result<()> {
+                let items: &[$sent] = ($to)(self);
+                items.len().send(to)?;
+                <$sent>::send_all(items, to)
+            }
+
+            fn receive(from: &mut dyn Read) -> io::Result<Self> {
+                let count = usize::receive(from)?;
+                <$sent>::receive_all(from, count).and_then($from)
+            }
+        }
+    )*};
+}
+
+// Of the declarations, whose texts and lists live as long as the program.
+sent_as! {
+    [T: Wire] Vec<T>: T, Vec::as_slice, Ok;
+    [T: Wire] SharedSlice<T>: T, SharedSlice::as_slice, |items: Vec<T>| Ok(items.into());
+    [T: Wire + 'static] &'static [T]: T, |items: &Self| *items, |items: Vec<T>| Ok(&*items.leak());
+    [] &'static str: u8, |text: &Self| text.as_bytes(), |bytes| text(bytes).map(|text| &*text.leak());
+    [] String: u8, String::as_bytes, text;
+    [] CString: u8, CString::as_bytes, |bytes: Vec<u8>| CString::new(bytes).map_err(|_| garbled());
+}
+
+fn text(bytes: Vec<u8>) -> io::Result<String> {
+    String::from_utf8(bytes).map_err(|_| garbled())
+}
+
+impl Wire for bool {
+    fn send(&self, to: &mut dyn Write) -> io::Result<()> {
+        u8::from(*self).send(to)
     }
-    let mut length = [0; 8];
-    from.read_exact(&mut length)?;
-    Ok(Some((tag[0], u64::from_ne_bytes(length))))
-}
 
-/// The bytes of a message without its arrays.
-pub(crate) fn body(from: &mut dyn Read, length: u64) -> io::Result<Vec<u8>> {
-    if length > MAX_MESSAGE_BYTES {
-        return Err(io::Error::new(io::ErrorKind::InvalidData, "a message is too long"));
+    fn receive(from: &mut dyn Read) -> io::Result<Self> {
+        match u8::receive(from)? {
+            0 => Ok(false),
+            1 => Ok(true),
+            _ => Err(garbled()),
+        }
     }
-    let mut bytes = vec![0; length as usize];
-    from.read_exact(&mut bytes)?;
-    Ok(bytes)
 }
 
-/// An array of `count` numbers. A damaged message may have any count: memory is touched as numbers come.
-pub(crate) fn array<T: bytemuck::Pod>(from: &mut dyn Read, count: usize) -> io::Result<Vec<T>> {
-    let mut items = Vec::new();
-    let none = |_| io::Error::new(io::ErrorKind::OutOfMemory, "there is no memory for an array");
-    items.try_reserve_exact(count).map_err(none)?;
-    while items.len() < count {
-        let begin = items.len();
-        items.resize(begin + (count - begin).min(CHUNK), T::zeroed());
-        from.read_exact(bytemuck::cast_slice_mut(&mut items[begin..]))?;
+impl<T: Wire> Wire for Option<T> {
+    fn send(&self, to: &mut dyn Write) -> io::Result<()> {
+        self.is_some().send(to)?;
+        self.iter().try_for_each(|item| item.send(to))
     }
-    Ok(items)
+
+    fn receive(from: &mut dyn Read) -> io::Result<Self> {
+        bool::receive(from)?.then(|| T::receive(from)).transpose()
+    }
 }
 
-/// Counterpart of [`array`].
-pub(crate) fn send_array<T: bytemuck::Pod>(to: &mut dyn Write, items: &[T]) -> io::Result<()> {
-    to.write_all(bytemuck::cast_slice(items))
+impl<T: Wire> Wire for Arc<T> {
+    fn send(&self, to: &mut dyn Write) -> io::Result<()> {
+        T::send(self, to)
+    }
+
+    fn receive(from: &mut dyn Read) -> io::Result<Self> {
+        T::receive(from).map(Arc::new)
+    }
+}
+
+impl<A: Wire, B: Wire> Wire for (A, B) {
+    fn send(&self, to: &mut dyn Write) -> io::Result<()> {
+        self.0.send(to)?;
+        self.1.send(to)
+    }
+
+    fn receive(from: &mut dyn Read) -> io::Result<Self> {
+        Ok((A::receive(from)?, B::receive(from)?))
+    }
 }

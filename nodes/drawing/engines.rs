@@ -1,6 +1,24 @@
-//! The engines that there are: the one list that the nodes that draw, the studies and the commands go by.
+//! The engines that there are: parameters that choose one, its choice with the reason in the report, and scenes on opened engines: an
+//! engine is opened once a session for each adapter, and takes in a volume once a revision.
 
-use voltet_optics::engine::EngineInfo;
+use super::diagnostics::{self, note, note_whole};
+use super::shading::{ask, check_engine, record_unsorted, shading};
+use crate::files::{Fnv, cache_folder, write_whole};
+use std::collections::HashMap;
+use std::fs;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+use voltet_core::error::ErrorKind;
+use voltet_core::picture::Picture;
+use voltet_core::progress::Progress;
+use voltet_core::{Error, Result};
+use voltet_graph::{DefaultValue, DemandContext, Parameter, ParameterType, Parameters, RunContext};
+use voltet_optics::engine::{
+    Accumulation, AdapterRequest, Compositor, Engine, EngineInfo, KeyValueStore, NoStore, OrderCheck,
+    PreparedVolume, RenderOptions,
+};
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::Shading;
 
 /// The device engine.
 #[cfg(feature = "gpu")]
@@ -23,4 +41,450 @@ pub const NATIVE: &EngineInfo = &ENGINES[0];
 pub const DEVICE: &EngineInfo = &GPU;
 
 #[cfg(all(test, feature = "gpu"))]
-mod tests;
+mod device_tests;
+
+/// The word for whatever engine is there.
+pub const AUTO: &str = "auto";
+
+/// The engine that a pipeline asks for.
+pub const ENGINE: Parameter = Parameter {
+    name: "engine",
+    parameter_type: ParameterType::Choice(&ENGINE_WORDS),
+    unit: "",
+    default: DefaultValue::Text(AUTO),
+    help: "what draws",
+};
+
+/// [`AUTO`] with what it means, then a word with its meaning for each of a list.
+macro_rules! words {
+    ($auto:literal, $list:expr, |$one:ident| $word:expr) => {{
+        let mut words = [(AUTO, $auto); $list.len() + 1];
+        let mut k = 0;
+        while k < $list.len() {
+            let $one = &$list[k];
+            words[k + 1] = $word;
+            k += 1;
+        }
+        words
+    }};
+}
+
+const ENGINE_WORDS: [(&str, &str); ENGINES.len() + 1] = words!(
+    "the last of these that this machine has and that holds the scene",
+    ENGINES,
+    |engine| (engine.name, engine.summary)
+);
+
+/// The adapter that a pipeline asks for.
+pub const ADAPTER: Parameter = Parameter {
+    name: "adapter",
+    parameter_type: ParameterType::Text,
+    unit: "",
+    default: DefaultValue::Unset("the fastest kind"),
+    help: "on a device: a part of its name, or discrete, integrated, virtual, software",
+};
+
+/// The compositor of the device.
+pub const COMPOSITOR: Parameter = Parameter {
+    name: "compositor",
+    parameter_type: ParameterType::Choice(&COMPOSITOR_WORDS),
+    unit: "",
+    default: DefaultValue::Text(AUTO),
+    help: "on a device: how pixels are composited; other engines have one way",
+};
+
+const COMPOSITOR_WORDS: [(&str, &str); Compositor::NAMES.len() + 1] = words!(
+    "tiles where each pixel needs its exact order, else what a short measurement finds faster there",
+    Compositor::NAMES,
+    |word| *word
+);
+
+/// Precision of the device's accumulation.
+pub const ACCUMULATION: Parameter = Parameter {
+    name: "accumulation",
+    parameter_type: ParameterType::Choice(&Accumulation::NAMES),
+    unit: "",
+    default: DefaultValue::Text(Accumulation::NAMES[0].0),
+    help: "on a device that blends (raster, triangles): what a pixel accumulates in, to see what few bits cost",
+};
+
+/// Check of an exact order that the device blends.
+pub const ORDER_CHECK: Parameter = Parameter {
+    name: "order_check",
+    parameter_type: ParameterType::Choice(&OrderCheck::NAMES),
+    unit: "",
+    default: DefaultValue::Text(OrderCheck::NAMES[0].0),
+    help: "on a device that blends (raster, triangles) in exact order: how the order is checked; where it is wrong, tiles draw",
+};
+
+/// Check chosen by the parameters.
+pub fn order_check(p: &Parameters) -> Result<OrderCheck> {
+    // Other nodes draw by the referee alone.
+    let asked = p.optional(ORDER_CHECK.name).and_then(|setting| setting.text());
+    Ok(asked.and_then(OrderCheck::named).unwrap_or_default())
+}
+
+/// Precision chosen by the parameters.
+pub fn accumulation(p: &Parameters) -> Result<Accumulation> {
+    Ok(Accumulation::named(p.text(ACCUMULATION.name)?).unwrap_or_default())
+}
+
+/// The compositor that the parameters ask for: where they leave it open, one that can do what they ask for besides.
+pub fn compositor(p: &Parameters) -> Result<Option<Compositor>> {
+    let asked = Compositor::named(p.text(COMPOSITOR.name)?);
+    let is_rounded = accumulation(p)? != Accumulation::Float;
+    Ok(asked.or(is_rounded.then_some(Compositor::Raster)))
+}
+
+/// The adapter that the parameters name.
+pub fn adapter(p: &Parameters) -> Option<String> {
+    p.optional(ADAPTER.name).and_then(|setting| setting.text()).map(str::to_string)
+}
+
+/// True if an engine is asked where a pipeline says this.
+pub fn is_asked_by(engine: &EngineInfo, wanted: &str) -> bool {
+    match wanted {
+        AUTO => engine.taken.is_some(),
+        named => engine.name == named,
+    }
+}
+
+/// Engines that may draw a scene, in order of preference: for `auto` those of the list that it takes, the last first; else the named
+/// one. An integrator with an engine of its own runs on no device: that engine draws whatever the name.
+pub fn candidate_engines(wanted: &str, shading: &Shading) -> Vec<&'static EngineInfo> {
+    let own = shading.integrator.extension();
+    let drawing = |engine: &'static EngineInfo| own.filter(|_| !engine.on_device).unwrap_or(engine);
+    let is_asked = |engine: &&EngineInfo| match wanted {
+        AUTO => is_asked_by(engine, AUTO) && !(engine.on_device && own.is_some()),
+        named => is_asked_by(engine, named),
+    };
+    ENGINES.iter().rev().filter(is_asked).map(drawing).collect()
+}
+
+/// Notes the engine, as far as it is known before the run, and asks for what the scene needs.
+pub fn ask_engine(asking: &mut DemandContext, wanted: &str) -> Result<()> {
+    let shading = shading(asking.parameters)?;
+    let engines = candidate_engines(wanted, &shading);
+    if let [EngineInfo { unavailable_reason: Some(why), .. }] = engines.as_slice() {
+        let item = if asking.parameters.is_set(ENGINE.name) { ENGINE.name } else { ADAPTER.name };
+        return Err(asking
+            .parameters
+            .error(item, *why)
+            .got(wanted)
+            .expected(format!("\"{}\", or \"{AUTO}\", which takes what is there", NATIVE.name)));
+    }
+    asking.notes.engine = Some(planned(asking, wanted, &engines, &shading)?);
+    let needed = ask(asking, "volume", "transfer_function")?;
+    check_accumulation(asking.parameters, &engines)?;
+    if !needed.order {
+        record_unsorted(asking.notes, None);
+    }
+    Ok(())
+}
+
+/// Refuses, before anything is read, an accumulation that the compositor does not have, where an engine that may draw has that.
+fn check_accumulation(p: &Parameters, engines: &[&EngineInfo]) -> Result<()> {
+    let has = |one: &Compositor| engines.iter().any(|engine| engine.compositing.contains(one));
+    let Some(asked) = compositor(p)?.filter(has) else { return Ok(()) };
+    accumulation(p)?.check(asked).map_err(|error| p.locate(ACCUMULATION.name, error))
+}
+
+/// The engine that will draw, and why, as far as it can be said before a device is opened. Errors: one that was named does not
+/// serve the scene on any device.
+fn planned(
+    asking: &DemandContext,
+    wanted: &str,
+    engines: &[&'static EngineInfo],
+    shading: &Shading,
+) -> Result<(String, String)> {
+    let look = asking.look("transfer_function");
+    let serves = |engine: &EngineInfo| match &look {
+        Some(look) => check_engine(engine, asking.parameters, &look.transfer_function, shading),
+        None => engine.unavailable_reason.map_or(Ok(()), |why| Err(Error::run(why))),
+    };
+    let mut why = "the pipeline asks for it".to_string();
+    for (k, engine) in engines.iter().enumerate() {
+        let named = (engine.name.to_string(), why);
+        match serves(engine) {
+            _ if engine.taken.is_none() => return Ok((named.0, registered_reason(engine))),
+            // The first of the list, asked last, draws every scene that can be drawn: what it says is wrong is wrong.
+            Err(error) if k + 1 < engines.len() => why = error.to_string(),
+            Err(error) => return Err(error),
+            Ok(()) if wanted == AUTO && engine.on_device => {
+                let taken: Vec<&str> = engines[k..].iter().filter_map(|engine| engine.taken).collect();
+                return Ok((AUTO.into(), format!("the run takes {}", taken.join(", else "))));
+            }
+            Ok(()) => return Ok(named),
+        }
+    }
+    Err(Error::run("no engine draws the scene").got(wanted))
+}
+
+/// Reason that an engine draws which is registered for an integrator.
+pub fn registered_reason(engine: &EngineInfo) -> String {
+    format!("the integrator {} has an engine of its own", engine.name)
+}
+
+/// Draws on the engine that is wanted.
+pub fn draw(call: &mut RunContext, scene: &Scene, wanted: &str) -> Result<Picture> {
+    let engines = candidate_engines(wanted, &scene.shading);
+    check_accumulation(call.parameters, &engines)?;
+    let mut refused: Option<String> = None;
+    for engine in &engines {
+        if wanted != AUTO {
+            return draw_on(call, scene, "volume", engine, false);
+        }
+        call.notes.engine = refused.take().map(|why| (engine.name.into(), why));
+        match draw_on(call, scene, "volume", engine, true) {
+            Err(error) if engine.on_device && error.kind != ErrorKind::Cancelled => {
+                refused = Some(error.to_string());
+            }
+            done => return done,
+        }
+    }
+    Err(Error::run("no engine draws the scene").got(wanted))
+}
+
+/// An engine by its name and what was wished for.
+type Wished = (&'static str, AdapterRequest);
+
+/// Cache of opened engines by name and adapter. Failures are cached too, since the search for adapters takes a while.
+#[derive(Default)]
+pub struct OpenEngines(Mutex<HashMap<Wished, Result<Arc<dyn Engine>>>>);
+
+/// An engine, and the volume on it.
+type EngineVolume = (Arc<dyn Engine>, Arc<dyn PreparedVolume>);
+
+/// One volume on the engines that hold it, by engine and adapter.
+#[derive(Default)]
+pub struct PreparedVolumes(Mutex<HashMap<(&'static str, String), EngineVolume>>);
+
+/// Draws on one engine, on the adapter that the node's parameters name, or the fastest. `port`: the input that the scene's volume
+/// came by; `hardware`: programs that stand in for devices will not do unless they are named.
+pub(super) fn draw_on(
+    call: &mut RunContext,
+    scene: &Scene,
+    port: &str,
+    declared: &'static EngineInfo,
+    hardware: bool,
+) -> Result<Picture> {
+    check_engine(declared, call.parameters, &scene.transfer_function, &scene.shading)?;
+    let wish = AdapterRequest { name: adapter(call.parameters), hardware };
+    let folder = CacheFolder::named("adapters");
+    let memory: &dyn KeyValueStore = if call.exhaustive() { &NoStore } else { &folder };
+    let opened = call.keep_for_session(|| Ok(OpenEngines::default()))?;
+    let engine =
+        stage(call, declared, "device", |_| opened.open(declared, &wish, memory)).map_err(|error| {
+            if wish.name.is_some() { call.parameters.locate("adapter", error) } else { error }
+        })?;
+    let (compositing, why) = compositing(call, scene, declared, engine.as_ref())?;
+    let volumes = call.keep(call.revision(port)?, || Ok(PreparedVolumes::default()))?;
+    let volume = stage(call, declared, "upload", |_| volumes.prepare(declared, &engine, scene))?;
+    let accumulation = accumulation(call.parameters)?;
+    let order_check = order_check(call.parameters)?;
+    let (exhaustive, passing) = (call.exhaustive(), call.allows_preview());
+    let manner = RenderOptions { compositing, accumulation, order_check, exhaustive, passing };
+    let drawn = stage(call, declared, "draw", |progress| volume.draw(scene, &manner, progress))?;
+    if drawn.is_passing {
+        call.mark_preview();
+    }
+    let stages = drawn.stages.iter().map(|part| match declared.on_device {
+        true => (format!("device {}", part.name()), part.seconds),
+        false => (part.name().to_string(), part.seconds),
+    });
+    call.notes.stages.extend(stages);
+    let (compositing, why) = match drawn.instead {
+        Some(instead) => (Some(instead.compositing), Some(instead.why)),
+        None => (compositing, why),
+    };
+    call.notes.compositor = compositing.map(|one| one.name().to_string()).zip(why);
+    call.notes.adapter = Some(engine.adapter());
+    if let Some(reason) = engine.reason() {
+        call.notes.engine = Some((declared.name.into(), reason.into()));
+    }
+    if engine.is_software() {
+        let slow = "is a program on the CPU, slower than engine = \"cpu\"";
+        call.notes.warnings.push(format!("{} {slow}", engine.adapter()));
+    }
+    call.notes.counts.insert("cells_total", scene.volume.grid.tetrahedra.len() as u64);
+    call.notes.add(drawn.notes);
+    note(call, &drawn.counts);
+    note_whole(call, scene, &drawn.counts)?;
+    call.notes.warnings.extend(diagnostics::warnings(scene, &drawn.counts, &drawn.picture));
+    Ok(drawn.picture)
+}
+
+/// A part of the work that only a device has.
+fn stage<T>(
+    call: &mut RunContext,
+    declared: &EngineInfo,
+    name: &str,
+    work: impl FnOnce(&dyn Progress) -> Result<T>,
+) -> Result<T> {
+    match declared.on_device {
+        true => call.stage(name, work),
+        false => work(call.progress()),
+    }
+}
+
+/// Compositor for the scene, and the reason, where the engine has several.
+fn compositing(
+    call: &mut RunContext,
+    scene: &Scene,
+    declared: &EngineInfo,
+    engine: &dyn Engine,
+) -> Result<(Option<Compositor>, Option<String>)> {
+    if declared.compositing.is_empty() {
+        return Ok((None, None));
+    }
+    if let Some(asked) = compositor(call.parameters)? {
+        let why = match call.parameters.text(COMPOSITOR.name)? {
+            AUTO => "the pipeline asks for an accumulation that tiles do not have",
+            _ => "the pipeline asks for it",
+        };
+        return Ok((Some(asked), Some(why.into())));
+    }
+    let memory = CacheFolder::named("compositors");
+    let Some(chosen) = engine.choose(scene, &memory, call.progress())? else { return Ok((None, None)) };
+    let measured = chosen.measured_secs.map(|seconds| ("measure compositors".to_string(), seconds));
+    call.notes.stages.extend(measured);
+    Ok((Some(chosen.compositing), Some(chosen.why)))
+}
+
+impl OpenEngines {
+    /// The engine, opened if it is not there or was lost.
+    ///
+    /// # Errors
+    /// - no such adapter, or none at all.
+    pub fn open(
+        &self,
+        declared: &EngineInfo,
+        wish: &AdapterRequest,
+        memory: &dyn KeyValueStore,
+    ) -> Result<Arc<dyn Engine>> {
+        let mut opened = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = (declared.name, wish.clone());
+        if let Some(known) = opened.get(&key).filter(|known| !matches!(known, Ok(engine) if engine.is_lost()))
+        {
+            return known.clone();
+        }
+        let engine = declared.open_remembering(wish, memory);
+        opened.insert(key, engine.clone());
+        engine
+    }
+
+    /// Lets an engine stand for what would be opened.
+    #[cfg(test)]
+    pub fn insert(&self, name: &'static str, wish: AdapterRequest, engine: Result<Arc<dyn Engine>>) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).insert((name, wish), engine);
+    }
+}
+
+impl PreparedVolumes {
+    /// The scene's volume on the engine, uploaded if it is not there.
+    ///
+    /// # Errors
+    /// - a volume that the device cannot hold.
+    pub fn prepare(
+        &self,
+        declared: &EngineInfo,
+        engine: &Arc<dyn Engine>,
+        scene: &Scene,
+    ) -> Result<Arc<dyn PreparedVolume>> {
+        let mut volumes = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = (declared.name, engine.adapter());
+        if let Some((_, volume)) = volumes.get(&key).filter(|(known, _)| Arc::ptr_eq(known, engine)) {
+            return Ok(volume.clone());
+        }
+        let volume = engine.prepare(&scene.volume)?;
+        volumes.insert(key, (engine.clone(), volume.clone()));
+        Ok(volume)
+    }
+}
+
+/// A folder of such files. A damaged file counts as none; a measurement that cannot be kept is made again the next time.
+pub struct CacheFolder(PathBuf);
+
+impl CacheFolder {
+    /// The store of this name within the user's cache folder.
+    pub fn named(name: &str) -> CacheFolder {
+        CacheFolder(cache_folder().join(name))
+    }
+
+    fn path(&self, key: &str) -> PathBuf {
+        let mut name = Fnv::default();
+        name.text(key);
+        self.0.join(format!("{:032x}.txt", name.0))
+    }
+}
+
+impl KeyValueStore for CacheFolder {
+    fn recall(&self, key: &str) -> Option<String> {
+        let file = fs::read_to_string(self.path(key)).ok()?;
+        let (content, _) = file.split_at_checked(file.len().checked_sub(CHECK_LENGTH)?)?;
+        let text = content.strip_prefix(key)?;
+        (checked(content.to_string()) == file).then(|| text.to_string())
+    }
+
+    fn keep(&self, key: &str, text: &str) {
+        let file = checked(format!("{key}{text}"));
+        let _ = fs::create_dir_all(&self.0).map(|()| write_whole(&self.path(key), file.as_bytes()));
+    }
+}
+
+/// "check ", 32 digits, a line end.
+const CHECK_LENGTH: usize = 39;
+
+/// The content with a hash of it behind.
+fn checked(content: String) -> String {
+    let mut check = Fnv::default();
+    check.bytes(content.as_bytes());
+    format!("{content}check {:032x}\n", check.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const KEY: &str = "what was measured 1\nSome GPU (discrete, vulkan)\n";
+    const TEXT: &str = "tiles 1.25e-3 s\nraster 3.5e-4 s\n";
+
+    #[test]
+    fn what_was_kept_is_found_again_under_its_own_key() {
+        let folder = tempfile::tempdir().unwrap();
+        let memory = CacheFolder(folder.path().join("not there yet"));
+        assert_eq!(memory.recall(KEY), None);
+        memory.keep(KEY, TEXT);
+        assert_eq!(memory.recall(KEY).as_deref(), Some(TEXT));
+        assert_eq!(memory.recall(&KEY.replace("Some", "Another")), None);
+    }
+
+    #[test]
+    fn a_damaged_file_is_as_none_and_is_mended() {
+        let folder = tempfile::tempdir().unwrap();
+        let memory = CacheFolder(folder.path().into());
+        memory.keep(KEY, TEXT);
+        let file = fs::read_dir(folder.path()).unwrap().next().unwrap().unwrap().path();
+        let whole = fs::read(&file).unwrap();
+        for place in 0..whole.len() {
+            let mut damaged = whole.clone();
+            damaged[place] ^= 1;
+            for content in [&damaged[..], &whole[..place]] {
+                fs::write(&file, content).unwrap();
+                assert_eq!(memory.recall(KEY), None, "byte {place}");
+            }
+        }
+        memory.keep(KEY, TEXT);
+        assert_eq!(memory.recall(KEY).as_deref(), Some(TEXT));
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_written_is_no_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a file");
+        fs::write(&file, "in the way").unwrap();
+        let memory = CacheFolder(file.join("below"));
+        memory.keep(KEY, TEXT);
+        assert_eq!(memory.recall(KEY), None);
+    }
+}

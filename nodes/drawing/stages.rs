@@ -1,8 +1,8 @@
-//! The stages on the native engine, with their notes.
+//! Scenes from a node's inputs, and the stages on the native engine, with their notes.
 
-use super::diagnostics::{note, note_whole};
-use super::engine_cache::draw_on;
-use super::visible;
+use super::diagnostics::{self, note, note_bands, note_whole};
+use super::engines::draw_on;
+use super::shading::{order, shading};
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::camera::Camera;
@@ -16,6 +16,36 @@ use voltet_optics::engine::{EngineInfo, RenderStats, Stage};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Ordering, Shading};
 use voltet_simd::LaneSet;
+
+/// The scene at the inputs `volume`, `transfer_function` and `camera`.
+pub fn scene(call: &mut RunContext) -> Result<Scene> {
+    let volume = call.volume("volume")?;
+    let look = call.look("transfer_function")?;
+    let camera = *call.camera("camera")?;
+    let shading = shading(call.parameters)?;
+    let transfer_function = for_data(call, &look, &volume, call.revision("volume")?)?;
+    note_bands(call, &volume, &transfer_function)?;
+    let order = order(call.parameters)?;
+    Ok(Scene { volume, transfer_function, camera, shading, order })
+}
+
+/// Cells that were culled, and for which transfer function: no other one may be drawn from them.
+#[derive(Debug)]
+pub struct Culled {
+    /// The cells that are left.
+    pub cells: Cells,
+    /// Transfer function that they were culled for.
+    pub transfer_function: Arc<TransferFunction>,
+}
+
+/// Projected cells, and for which transfer function.
+#[derive(Debug)]
+pub struct Projected {
+    /// The projection.
+    pub projection: Projection,
+    /// Transfer function that the cells were culled and projected for.
+    pub transfer_function: Arc<TransferFunction>,
+}
 
 /// The diagonal of the data with one revision, kept between runs.
 struct Diagonal(f64);
@@ -102,7 +132,7 @@ pub fn composite(
     // Of all stages: what the former ones left out may be the reason.
     projection.cells().count(&mut counts);
     projection.count(&mut counts);
-    call.notes.warnings.extend(visible::warnings(&scene, &counts, &picture));
+    call.notes.warnings.extend(diagnostics::warnings(&scene, &counts, &picture));
     let threads = rayon::current_num_threads();
     call.notes.adapter = Some(format!("{}, {threads} threads", LaneSet::detect()?.name()));
     Ok(picture)

@@ -47,15 +47,7 @@ pub fn stand_in(entry: &mut NodeEntry, registry: &Registry) -> Result<()> {
 fn run(call: &mut RunContext, given: &Grid) -> Result<Outputs> {
     let mut grid = given.clone();
     if let Some(name) = call.parameters.optional(SCALAR.name).and_then(|setting| setting.text()) {
-        let array = point_array(given, name).map_err(|error| call.parameters.locate(SCALAR.name, error))?;
-        if array.component_count != 1 {
-            let error = call.parameters.error(SCALAR.name, "the array is not a scalar");
-            let found = format!("'{name}' of {} components", array.component_count);
-            return Err(error
-                .got(found)
-                .expected(format!("'{name}:magnitude', or '{name}:0' for a component")));
-        }
-        (grid.scalar, grid.scalar_name) = (Some(array.values.clone()), name.to_string());
+        set_scalar(&mut grid, name).map_err(|error| call.parameters.locate(SCALAR.name, error))?;
     }
     let asked = &call.demand.arrays;
     grid.point_arrays.retain(|name, _| asked.contains(name));
@@ -67,6 +59,22 @@ fn run(call: &mut RunContext, given: &Grid) -> Result<Outputs> {
     }
     call.notes.warnings.extend(given.origin.warnings.iter().cloned());
     Ok(vec![Value::Grid(Arc::new(grid))])
+}
+
+/// Makes a point array, or a part of one, the scalar of its grid.
+///
+/// # Errors
+/// - those of [`point_array`];
+/// - an array of several components.
+pub fn set_scalar(grid: &mut Grid, name: &str) -> Result<()> {
+    let array = point_array(grid, name)?;
+    if array.component_count != 1 {
+        let found = format!("'{name}' of {} components", array.component_count);
+        let error = Error::usage("the array is not a scalar").got(found);
+        return Err(error.expected(format!("'{name}:magnitude', or '{name}:0' for a component")));
+    }
+    (grid.scalar, grid.scalar_name) = (Some(array.values.clone()), name.to_string());
+    Ok(())
 }
 
 /// Point array by its name, or a part of one: `NAME`, `NAME:magnitude` or `NAME:0`.

@@ -1,15 +1,14 @@
 //! A grid of borrowed arrays.
 
 use crate::error::guarded;
-use crate::memory::Lent;
-use crate::watch::{Piece, Watched, any_changed};
+use crate::memory::{Lent, Piece, Watched, any_changed};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Arc, OnceLock};
 use voltet::{BorrowedGrid, CellArrays, NamedArray, PointNumbers, build_grid};
-use voltet_core::grid::{self, CellValues, Options, extent};
+use voltet_core::grid::{CellValues, Options, extent};
 use voltet_core::progress::NoProgress;
-use voltet_core::{Error, SharedSlice};
+use voltet_core::{Error, SharedSlice, grid};
 
 /// A grid, and the arrays that it was built from.
 #[pyclass(frozen, module = "voltet._native")]

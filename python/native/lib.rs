@@ -2,15 +2,12 @@
 //!
 //! | file | responsibility |
 //! | --- | --- |
-//! | `pipeline`, `state` | pipelines: edit, check, render, save |
+//! | `pipeline`, `state` | pipelines: edit, check, render, save; reports of runs |
 //! | `grid` | grids of borrowed arrays |
-//! | `memory`, `watch` | borrowed arrays, their changes, arrays for Python |
-//! | `point_values` | values at the points of a grid |
-//! | `report` | reports of runs |
+//! | `memory` | borrowed arrays, their changes, arrays for Python |
 //! | `filter` | gradient filters in Python |
 //! | `background` | runs without the interpreter's lock |
-//! | `study`, `measurements` | studies, pixels, gradient tests |
-//! | `depth_limit` | pictures in front of opaque surfaces |
+//! | `measurements` | studies, pixels, gradient tests, pictures in front of opaque surfaces |
 //! | `declarations` | node types, filters and widgets |
 //! | `value` | parameter values from and to Python |
 //! | `error` | errors and panics as exceptions |
@@ -19,19 +16,14 @@
 
 mod background;
 mod declarations;
-mod depth_limit;
 mod error;
 mod filter;
 mod grid;
 mod measurements;
 mod memory;
 mod pipeline;
-mod point_values;
-mod report;
 mod state;
-mod study;
 mod value;
-mod watch;
 
 use pyo3::prelude::*;
 
@@ -50,7 +42,7 @@ mod _native {
     #[pymodule_export]
     use super::pipeline::Pipeline;
     #[pymodule_export]
-    use super::report::Report;
+    use super::pipeline::Report;
 
     /// The version of the program.
     #[pymodule_export]

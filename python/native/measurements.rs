@@ -1,4 +1,5 @@
-//! Measurements: one pixel cell by cell, gradient filters by manufactured fields.
+//! Measurements and pictures of scenes: one pixel cell by cell, gradient filters by manufactured fields, error against run time as
+//! `voltet study` measures it, and pictures of rays that end at opaque surfaces of other renderers.
 
 use crate::background::run_long;
 use crate::error::guarded;
@@ -6,12 +7,20 @@ use crate::filter::registry;
 use crate::value::settings;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::path::Path;
+use voltet::render_to_depth;
+use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
-use voltet_graph::NodeProgress;
+use voltet_graph::{Graph, NodeProgress, Observer, Session, suggest};
+use voltet_nodes::drawing::ENGINES;
+use voltet_optics::integrators::Integrator;
 use voltet_study::gradient_test::{
     RequirementKind, TestOptions, gradient_test as measure, methods, page, plot, text,
 };
 use voltet_study::pixel::{self, Pixel};
+use voltet_study::work_precision::{
+    Benches, Engines, Frames, StudyOptions, Subject, cache_folder, json, patience, reference, study, write,
+};
 
 /// Findings as JSON, as a table for people, and as a plot (SVG).
 pub type Rendition = (String, String, String);
@@ -65,4 +74,66 @@ fn hold(what: &str) -> Result<RequirementKind> {
             Err(error.expected("finite, linear, order, invariance"))
         }
     }
+}
+
+/// Options of a study, as on the command line. `engine`: "cpu", "gpu" or "all"; `patience`: seconds.
+pub fn study_options(
+    only: Vec<String>,
+    engine: &str,
+    adapter: Option<String>,
+    frames: usize,
+    patience: f64,
+    max_error: Option<f64>,
+) -> Result<StudyOptions> {
+    let engines = match ENGINES.iter().find(|known| known.name == engine) {
+        Some(found) => Engines::One(found),
+        None if engine == "all" => Engines::All,
+        None => {
+            let names = ENGINES.iter().map(|known| known.name).chain(["all"]);
+            let error = Error::usage("'engine' names no engine").got(engine);
+            return Err(error.expected(suggest(engine, names)));
+        }
+    };
+    let patience = patience(patience, "'patience'")?;
+    let frames = Frames { count: frames, patience, turn: 0.0, in_flight: 1 };
+    Ok(StudyOptions { only, engines, adapter, frames, max_error, ..StudyOptions::default() })
+}
+
+/// Measures: the study as JSON, and the reference picture. `output`: folder of its files.
+pub fn measure_study(
+    graph: &Graph,
+    title: &str,
+    node: Option<&str>,
+    options: StudyOptions,
+    output: Option<&Path>,
+    observer: &dyn Observer,
+) -> Result<(String, Picture)> {
+    let progress = NodeProgress { observer, node: "study" };
+    let mut session = voltet_nodes::session();
+    let subject = Subject::gather(graph, node, false, &mut session, observer)?;
+    let studied = subject.studied();
+    let names: Vec<&str> = studied.iter().map(Integrator::name).collect();
+    options.check(&names, |name| format!("'{name}'"))?;
+    let benches = Benches::open(&subject, &options)?;
+    let reference = reference(&subject, &cache_folder(), &progress)?;
+    let study = study(subject, options, benches, reference, &progress)?;
+    if study.stopped() && observer.cancelled() {
+        return Err(Error::cancelled());
+    }
+    if let Some(folder) = output {
+        write(&study, title, folder)?;
+    }
+    Ok((json(&study, title).to_string(), study.reference.picture))
+}
+
+/// Renders the picture of a node, each ray up to its depth.
+pub fn render_to_depths(
+    graph: &Graph,
+    session: &mut Session,
+    node: &str,
+    ends: &[f32],
+    observer: &dyn Observer,
+) -> Result<Picture> {
+    let scene = Subject::gather(graph, Some(node), false, session, observer)?.scene;
+    render_to_depth(&scene, ends, &NodeProgress { observer, node })
 }

@@ -1,15 +1,18 @@
-//! Arrays of Python that are lent, and arrays for Python.
+//! Arrays of Python that are lent, changes of their bytes, and arrays for Python.
 
+use glam::DVec3;
 use pyo3::buffer::{Element, PyBuffer};
 use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::PyByteArray;
+use pyo3::types::{PyByteArray, PyDict};
+use rayon::prelude::*;
 use std::cell::UnsafeCell;
 use std::ffi::c_int;
 use std::sync::Arc;
 use voltet_core::Error;
 use voltet_core::picture::Picture;
+use voltet_core::volume::Volume;
 
 /// Memory of a Python object that stays where it is: the object is held, and pinned.
 #[derive(Clone)]
@@ -119,4 +122,93 @@ pub fn encode<'py>(
         (format.encode)(&picture, background, None)
     })?;
     Ok(pyo3::types::PyBytes::new(py, &bytes))
+}
+
+/// The bytes of a piece.
+const TOGETHER: usize = 1 << 18;
+
+/// The bytes of an array, and a fingerprint of every piece of them as it was.
+pub struct Watched {
+    memory: Lent<u8>,
+    prints: Vec<u64>,
+}
+
+impl Watched {
+    /// As the bytes are now; on all cores.
+    pub fn new(memory: Lent<u8>) -> Watched {
+        let prints = memory.values().par_chunks(TOGETHER).map(fingerprint).collect();
+        Watched { memory, prints }
+    }
+
+    /// The pieces.
+    pub fn pieces(&self) -> impl Iterator<Item = Piece<'_>> {
+        let pieces = self.memory.values().chunks(TOGETHER).zip(&self.prints);
+        pieces.map(|(bytes, &print)| Piece { bytes, print })
+    }
+}
+
+/// Bytes, and their former fingerprint.
+pub struct Piece<'a> {
+    bytes: &'a [u8],
+    print: u64,
+}
+
+impl Piece<'_> {
+    /// True if the bytes have changed.
+    pub fn is_changed(&self) -> bool {
+        fingerprint(self.bytes) != self.print
+    }
+}
+
+/// True if any piece has changed; on all cores.
+pub fn any_changed(pieces: &[Piece<'_>]) -> bool {
+    pieces.par_iter().any(Piece::is_changed)
+}
+
+/// A number made of all bytes: other bytes have another, but for chance. Eight lanes of 64-bit words, each multiplied by an odd
+/// number, so that the memory is what it waits for.
+fn fingerprint(bytes: &[u8]) -> u64 {
+    let (words, rest) = bytes.as_chunks::<64>();
+    let mut lanes: [u64; 8] = std::array::from_fn(|i| (i as u64 + 1).wrapping_mul(MULTIPLIER) | 1);
+    for word in words {
+        for (lane, eight) in lanes.iter_mut().zip(word.as_chunks::<8>().0) {
+            *lane = (*lane ^ u64::from_le_bytes(*eight)).wrapping_mul(MULTIPLIER).rotate_left(29);
+        }
+    }
+    for &byte in rest {
+        lanes[0] = (lanes[0] ^ u64::from(byte)).wrapping_mul(MULTIPLIER);
+    }
+    lanes.iter().fold(0, |sum, &lane| (sum ^ lane ^ (lane >> 32)).wrapping_mul(MULTIPLIER))
+}
+
+/// Multiplier of Steele and Vigna (2021), for 64 bits.
+const MULTIPLIER: u64 = 0xd134_2543_de82_ef95;
+
+/// The scalar, and g and ∇s where they are requested and available; NaN at points of no cell.
+pub fn in_caller_order<'py>(
+    py: Python<'py>,
+    volume: &Volume,
+    magnitude: bool,
+    gradient: bool,
+) -> PyResult<Bound<'py, PyDict>> {
+    let grid = &*volume.grid;
+    let grid_point = |point: usize| match &grid.file_cells {
+        Some(cells) => cells.grid_point(point),
+        None => Some(point),
+    };
+    let count = grid.file_cells.as_ref().map_or(grid.points.len(), |cells| cells.points.len());
+    let numbers = |values: &[f64]| -> Vec<f64> {
+        (0..count).map(|point| grid_point(point).map_or(f64::NAN, |p| values[p])).collect()
+    };
+    let arrays = PyDict::new(py);
+    arrays.set_item("scalar", array(py, "f8", &numbers(&volume.scalar), &[count])?)?;
+    if let Some(g) = volume.gradient_magnitude.as_ref().filter(|_| magnitude) {
+        arrays.set_item("gradient_magnitude", array(py, "f8", &numbers(g), &[count])?)?;
+    }
+    if let Some(vectors) = volume.gradient.as_ref().filter(|_| gradient) {
+        let all: Vec<DVec3> =
+            (0..count).map(|point| grid_point(point).map_or(DVec3::NAN, |p| vectors[p])).collect();
+        arrays.set_item("gradient", array(py, "f8", &all, &[count, 3])?)?;
+    }
+    Ok(arrays)
 }

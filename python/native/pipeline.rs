@@ -1,27 +1,23 @@
-//! A pipeline: its text changed, checked, drawn, saved.
+//! A pipeline: its text changed, checked, drawn, saved; and the report of a run, which is made when it is read.
 
 use crate::background::{run_long, run_with_side_work};
-use crate::depth_limit;
 use crate::error::{exception, guarded};
 use crate::grid::Grid;
-use crate::measurements::{Rendition, rendition};
-use crate::memory::{Lent, array, handed_over};
-use crate::point_values::in_caller_order;
-use crate::report::Report;
+use crate::measurements::{Rendition, measure_study, render_to_depths, rendition, study_options};
+use crate::memory::{Lent, Piece, any_changed, array, handed_over, in_caller_order};
 use crate::state::State;
-use crate::study::{StudyOptions, study};
 use crate::value::{object, settings, table};
-use crate::watch::{Piece, any_changed};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
-use voltet::PipelineSource;
+use voltet::{PipelineSource, RunRecord};
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_document::{Edit, Path as Place};
 use voltet_graph::{Demand, NodeProgress, Value};
+use voltet_io::provenance::whole_report;
 use voltet_study::pixel::pixel as trace;
 
 /// A pipeline, and the results that its runs left.
@@ -278,8 +274,8 @@ impl Pipeline {
         let drawn = self.long(py, progress.as_ref(), |state, observer| {
             state.check_text()?;
             let State { runs, source, .. } = state;
-            runs.with_graph(source, node, |graph, session| {
-                depth_limit::render(graph, session, node, &ends, observer)
+            runs.with_graph(source, Some(node), |graph, session| {
+                render_to_depths(graph, session, node, &ends, observer)
             })
         })?;
         handed_over(py, drawn)
@@ -356,7 +352,7 @@ impl Pipeline {
             state.check_text()?;
             let State { runs, source, .. } = state;
             let progress = NodeProgress { observer, node: "pixel" };
-            let found = runs.with_whole_graph(source, |graph, session| {
+            let found = runs.with_graph(source, None, |graph, session| {
                 trace(graph, node, [x, y], sample, session, (observer, &progress))
             })?;
             Ok(rendition(&found, all))
@@ -379,12 +375,13 @@ impl Pipeline {
         output: Option<PathBuf>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<(String, Bound<'py, PyAny>)> {
-        let options =
-            StudyOptions { node, only, engine: engine.into(), adapter, frames, patience, max_error, output };
+        let options = guarded(py, || study_options(only, engine, adapter, frames, patience, max_error))?;
         let (text, reference) = self.long(py, progress.as_ref(), |state, observer| {
             let document = state.document()?;
             let title = document.pipeline.title.clone().unwrap_or_default();
-            study(&document.graph, &title, &options, observer).map_err(|error| state.source.locate(error))
+            measure_study(&document.graph, &title, node.as_deref(), options, output.as_deref(), observer)
+                .map_err(|error| state.source.locate(error))
+                .map_err(|error| state.source.locate(error))
         })?;
         Ok((text, handed_over(py, reference)?))
     }
@@ -399,4 +396,22 @@ fn wires(node: &str, port: &str, sources: Vec<String>) -> impl Iterator<Item = E
         source,
         beside: i > 0,
     })
+}
+
+/// Report of a run.
+#[pyclass(frozen, module = "voltet._native")]
+pub struct Report(Option<RunRecord>);
+
+impl Report {
+    pub fn new(record: Option<RunRecord>) -> Report {
+        Report(record)
+    }
+}
+
+#[pymethods]
+impl Report {
+    /// The report of `voltet run --report` (JSON); the peak of memory is that until now.
+    fn json(&self) -> String {
+        whole_report(self.0.iter().map(RunRecord::to_json).collect()).to_string()
+    }
 }

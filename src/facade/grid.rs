@@ -1,13 +1,16 @@
-//! Grids for a program: built from arrays in the program's own numbering, or read from a file.
+//! Grids for a program: built from arrays in the program's own numbering, without a copy where the layout allows, or read from a file.
 
-use super::grid_arrays::{CellArrays, NamedArray, PointNumbers, add_array, raw_cells};
 use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use voltet_core::grid::{self, Array, CellValues, Cells, Grid as BuiltGrid, Options, RawGrid};
+use voltet_core::grid::{
+    Array, CellSet, CellValues, Cells, Grid as BuiltGrid, Options, Polyhedron, RawGrid, code,
+};
 use voltet_core::progress::Progress;
-use voltet_core::{Error, Result, SharedSlice};
-use voltet_io::formats::{self, Request, TimeStep};
+use voltet_core::{Error, Result, SharedSlice, grid};
+use voltet_io::formats::{self, Request, TimeStep, face_stream};
 use voltet_nodes::in_memory_grid;
 
 /// An unstructured or structured grid with its arrays, which stay in the numbering in which they are given: unused points, ghost
@@ -249,14 +252,8 @@ impl Grid {
         let Some(name) = scalar.filter(|name| grid.scalar.is_none() || grid.scalar_name != *name) else {
             return Ok(grid);
         };
-        let array = in_memory_grid::point_array(&grid, name)?;
-        if array.component_count != 1 {
-            let found = format!("'{name}' of {} components", array.component_count);
-            let error = Error::usage("the array is not a scalar").got(found);
-            return Err(error.expected(format!("'{name}:magnitude', or '{name}:0' for a component")));
-        }
         let mut grid = Arc::unwrap_or_clone(grid);
-        (grid.scalar, grid.scalar_name) = (Some(array.values.clone()), name.to_string());
+        in_memory_grid::set_scalar(&mut grid, name)?;
         Ok(Arc::new(grid))
     }
 }
@@ -271,4 +268,270 @@ impl From<&Grid> for Grid {
     fn from(grid: &Grid) -> Self {
         grid.clone()
     }
+}
+
+/// A grid in borrowed memory. The slices must stay valid and unchanged as long as `keep` lives: that is the promise of the code that
+/// made them.
+pub struct BorrowedGrid {
+    /// Three numbers a point.
+    pub points: &'static [f64],
+    /// The cells.
+    pub cells: CellArrays<'static>,
+    /// The arrays, at least one.
+    pub arrays: Vec<NamedArray>,
+    /// The array that is drawn; `None`: the only one of one component.
+    pub scalar: Option<String>,
+    /// One flag a cell: cells whose flag is not 0 are left out.
+    pub ghost: Option<&'static [u8]>,
+    /// Degrees along the three axes of every cell.
+    pub degrees: Option<&'static [u8]>,
+    /// Options of the import.
+    pub options: Options,
+    /// Owner of the memory, dropped after the last use.
+    pub keep: Arc<dyn Send + Sync>,
+}
+
+/// Cells in memory of a host program.
+#[derive(Debug, Clone, Copy)]
+pub enum CellArrays<'a> {
+    /// Four point numbers each.
+    Tetrahedra(&'a [u32]),
+    /// Any of VTK's types.
+    Mixed {
+        /// The type of every cell.
+        types: &'a [u8],
+        /// Index of each cell's first point in the connectivity, and the index past the last cell's points.
+        offsets: &'a [i64],
+        /// Point numbers.
+        connectivity: PointNumbers<'a>,
+        /// Faces of polyhedra (type 42): for each the number of faces, then each face's count and points.
+        faces: &'a [i64],
+        /// Index of each cell's faces in `faces`, read for polyhedra alone; empty where there are none.
+        face_locations: &'a [i64],
+    },
+}
+
+/// Point numbers in memory of a host program.
+#[derive(Debug, Clone, Copy)]
+pub enum PointNumbers<'a> {
+    /// 64 bits each.
+    I64(&'a [i64]),
+    /// 32 bits each.
+    U32(&'a [u32]),
+}
+
+/// A point or cell array with its name.
+#[derive(Debug, Clone)]
+pub struct NamedArray {
+    /// Its name.
+    pub name: String,
+    /// Its numbers, the components of a tuple side by side.
+    pub values: SharedSlice<f64>,
+    /// Components of a tuple, at least 1.
+    pub component_count: usize,
+    /// True if it has a tuple a cell, else one a point.
+    pub on_cells: bool,
+}
+
+/// Builds the grid. Its scalar is left open where none is named and several are possible.
+pub fn build_grid(source: BorrowedGrid, progress: &dyn Progress) -> Result<BuiltGrid> {
+    let cells = raw_cells(source.cells)?;
+    let points = SharedSlice::from_borrowed(points_of(source.points)?, source.keep.clone());
+    let mut parts = RawGrid::new(points, cells);
+    if source.arrays.is_empty() {
+        return Err(Error::usage("the grid has no arrays").expected("at least the scalar that is drawn"));
+    }
+    source.arrays.into_iter().try_for_each(|array| add_array(&mut parts, array))?;
+    parts.ghost = source.ghost.map(|flags| flags.iter().map(|&flag| flag != 0).collect());
+    parts.degrees = source.degrees.map(|degrees| degrees.as_chunks::<3>().0.to_vec());
+    let scalar = scalar(source.scalar, &parts)?;
+    let mut grid = grid::build(parts, &source.options, progress)?;
+    // Tetrahedra whose points were in ascending order are used in place.
+    if let Some(borrowed) =
+        plain_tetrahedra(source.cells).filter(|cells| grid.tetrahedra.as_slice() == *cells)
+    {
+        grid.tetrahedra = SharedSlice::from_borrowed(borrowed, source.keep);
+    }
+    if let Some(name) = scalar {
+        grid.scalar = grid.point_arrays.get(&name).map(|array| array.values.clone());
+        grid.scalar_name = name;
+    }
+    Ok(grid)
+}
+
+/// Error for a grid whose scalar must be named.
+pub fn unnamed_scalar(grid: &BuiltGrid) -> Error {
+    let scalars = grid.point_arrays.iter().filter(|(_, array)| array.component_count == 1);
+    let names: Vec<&str> = scalars.map(|(name, _)| name.as_str()).collect();
+    Error::usage("the scalar is not named").expected(one_of(&names))
+}
+
+/// "an array of one component: a, b".
+fn one_of(names: &[&str]) -> String {
+    match names.is_empty() {
+        true => "an array of one component".to_string(),
+        false => format!("an array of one component: {}", names.join(", ")),
+    }
+}
+
+/// Three numbers a point.
+fn points_of(numbers: &'static [f64]) -> Result<&'static [DVec3]> {
+    if !numbers.len().is_multiple_of(3) {
+        let error = Error::usage("the points are not three numbers each").got(numbers.len());
+        return Err(error.expected("a multiple of 3"));
+    }
+    Ok(bytemuck::cast_slice(numbers))
+}
+
+/// Adds an array.
+///
+/// # Errors
+/// - a name that another array has.
+pub(super) fn add_array(parts: &mut RawGrid, array: NamedArray) -> Result<()> {
+    let NamedArray { name, values, component_count, on_cells } = array;
+    if parts.point_arrays.contains_key(&name) || parts.cell_arrays.contains_key(&name) {
+        return Err(Error::usage("two arrays have the same name").got(format!("'{name}'")));
+    }
+    let arrays = if on_cells { &mut parts.cell_arrays } else { &mut parts.point_arrays };
+    arrays.insert(name, Array { component_count, values });
+    Ok(())
+}
+
+/// Name of the array that is drawn.
+fn scalar(name: Option<String>, parts: &RawGrid) -> Result<Option<String>> {
+    let all: BTreeMap<&str, usize> = [&parts.point_arrays, &parts.cell_arrays]
+        .into_iter()
+        .flatten()
+        .map(|(name, array)| (name.as_str(), array.component_count))
+        .collect();
+    let scalars: Vec<&str> = all.iter().filter(|known| *known.1 == 1).map(|known| *known.0).collect();
+    match (name, &scalars[..]) {
+        (Some(name), _) if scalars.contains(&name.as_str()) => Ok(Some(name)),
+        (Some(name), _) => {
+            let found = match all.get(name.as_str()) {
+                Some(count) => format!("'{name}' of {count} components"),
+                None => format!("'{name}'"),
+            };
+            Err(Error::usage("the grid has no such scalar").got(found).expected(one_of(&scalars)))
+        }
+        (None, [only]) => Ok(Some(only.to_string())),
+        (None, _) => Ok(None),
+    }
+}
+
+/// Cells as the import takes them.
+///
+/// # Errors
+/// - counts that do not fit together;
+/// - offsets that descend or leave the connectivity;
+/// - numbers that cannot be those of points;
+/// - damaged faces of polyhedra.
+pub(super) fn raw_cells(cells: CellArrays) -> Result<Cells> {
+    let (types, offsets, connectivity) = match cells {
+        CellArrays::Tetrahedra(numbers) => {
+            let (tetrahedra, rest) = numbers.as_chunks::<4>();
+            if !rest.is_empty() {
+                let error = Error::usage("the tetrahedra are not four point numbers each").got(numbers.len());
+                return Err(error.expected("a multiple of 4"));
+            }
+            return Ok(Cells::Tetrahedra(tetrahedra.to_vec()));
+        }
+        CellArrays::Mixed { types, offsets, connectivity, .. } => (types, offsets, connectivity),
+    };
+    if offsets.len() != types.len() + 1 {
+        let error = Error::usage("the cells have the wrong number of offsets").got(offsets.len());
+        return Err(error.expected(format!("{}, one more than cells", types.len() + 1)));
+    }
+    let count = match connectivity {
+        PointNumbers::U32(numbers) => numbers.len(),
+        PointNumbers::I64(numbers) => numbers.len(),
+    };
+    check_offsets(offsets, count)?;
+    let connectivity = match connectivity {
+        PointNumbers::U32(numbers) => numbers.to_vec(),
+        PointNumbers::I64(numbers) => point_numbers(numbers, "connectivity")?,
+    };
+    if is_plain(types, offsets) {
+        return Ok(Cells::Tetrahedra(connectivity[..4 * types.len()].as_chunks::<4>().0.to_vec()));
+    }
+    let offsets = offsets.iter().map(|&offset| offset as u64).collect();
+    let polyhedra = polyhedra(cells)?;
+    Ok(Cells::Mixed(CellSet { types: types.to_vec(), offsets, connectivity, polyhedra }))
+}
+
+/// True if the cells are tetrahedra one after the other.
+fn is_plain(types: &[u8], offsets: &[i64]) -> bool {
+    !types.is_empty()
+        && types.par_iter().all(|&t| t == code::TETRA)
+        && offsets.par_iter().enumerate().all(|(i, &offset)| offset as usize == 4 * i)
+}
+
+/// Tetrahedra that can be used in place; the cells were checked by [`raw_cells`].
+fn plain_tetrahedra(cells: CellArrays<'static>) -> Option<&'static [[u32; 4]]> {
+    match cells {
+        CellArrays::Tetrahedra(numbers) => Some(numbers.as_chunks::<4>().0),
+        CellArrays::Mixed { types, offsets, connectivity: PointNumbers::U32(numbers), .. } => {
+            is_plain(types, offsets).then(|| numbers[..4 * types.len()].as_chunks::<4>().0)
+        }
+        CellArrays::Mixed { .. } => None,
+    }
+}
+
+/// Checks that offsets begin at 0 or above, never descend, and end within the connectivity.
+fn check_offsets(offsets: &[i64], total: usize) -> Result<()> {
+    let wrong = |number: usize, accepted: String| {
+        let error = Error::usage(format!("offsets[{number}] is wrong")).got(offsets[number]);
+        Err(error.expected(accepted))
+    };
+    if offsets[0] < 0 {
+        return wrong(0, "0 or more".into());
+    }
+    if let Some(number) = offsets.windows(2).position(|pair| pair[1] < pair[0]) {
+        return wrong(number + 1, format!("at least {}, the one before", offsets[number]));
+    }
+    match offsets.iter().position(|&offset| offset as u64 > total as u64) {
+        Some(number) => wrong(number, format!("at most {total}, the count of the connectivity")),
+        None => Ok(()),
+    }
+}
+
+/// Point numbers in 32 bits.
+fn point_numbers(numbers: &[i64], what: &str) -> Result<Vec<u32>> {
+    if let Some(place) = numbers.par_iter().position_first(|&number| u32::try_from(number).is_err()) {
+        return Err(Error::usage(format!("{what}[{place}] is no number of a point"))
+            .got(numbers[place])
+            .expected(format!("0 to {}", u32::MAX)));
+    }
+    Ok(numbers.par_iter().map(|&number| number as u32).collect())
+}
+
+/// Faces of the cells of type 42.
+fn polyhedra(cells: CellArrays) -> Result<Vec<Polyhedron>> {
+    let CellArrays::Mixed { types, faces, face_locations, .. } = cells else { return Ok(Vec::new()) };
+    let mut polyhedra = Vec::new();
+    if !types.contains(&code::POLYHEDRON) {
+        return Ok(polyhedra);
+    }
+    if face_locations.len() != types.len() {
+        let found =
+            format!("{} places for {} cells, polyhedra among them", face_locations.len(), types.len());
+        let what = if face_locations.is_empty() { "is missing" } else { "has the wrong length" };
+        let error = Error::usage(format!("face_locations {what}")).got(found);
+        return Err(error.expected("the place of each polyhedron's faces, one number a cell"));
+    }
+    let faces = point_numbers(faces, "faces")?;
+    for (number, _) in types.iter().enumerate().filter(|(_, t)| **t == code::POLYHEDRON) {
+        let place = face_locations[number];
+        let damaged = || {
+            Error::usage(format!("the faces of cell {number}, a polyhedron, are damaged"))
+                .got(format!("face_locations[{number}] = {place} of {} numbers", faces.len()))
+                .expected(
+                    "the place of its number of faces, then each face's count and points, all within faces",
+                )
+        };
+        let own = usize::try_from(place).ok().and_then(|place| faces.get(place..)).ok_or_else(damaged)?;
+        let faces = face_stream(own, number).map_err(|_| damaged())?;
+        polyhedra.push(Polyhedron { cell: number as u32, faces });
+    }
+    Ok(polyhedra)
 }

@@ -15,23 +15,21 @@
 mod background;
 mod camera;
 mod grid;
-mod grid_arrays;
 mod image;
 mod pipeline;
 mod renderer;
 mod scene;
 mod session;
 mod transfer;
-mod volume;
 
 pub use background::{RunStatus, panic_message, run_in_background};
 pub use camera::Camera;
-pub use grid::{Grid, GridIndex};
-pub use grid_arrays::{BorrowedGrid, CellArrays, NamedArray, PointNumbers, build_grid, unnamed_scalar};
+pub use grid::{
+    BorrowedGrid, CellArrays, Grid, GridIndex, NamedArray, PointNumbers, build_grid, unnamed_scalar,
+};
 pub use image::Image;
 pub use pipeline::Pipeline;
 pub use renderer::{Engine, RenderOptions, RenderOutput, Renderer, RendererOptions, render_to_depth};
-pub use scene::{Integrator, Light, Scene, Shading};
+pub use scene::{Integrator, Light, Scene, Shading, Volume};
 pub use session::{PipelineSource, RenderPlan, RunRecord, Session};
 pub use transfer::{Band, Colormap, Gaussian, Piecewise, TransferFunction, Uniform, UnitDistance};
-pub use volume::Volume;

@@ -224,24 +224,17 @@ impl Session {
         fed.0.into_iter().next().ok_or_else(|| Error::run("the node gave nothing").at_node(node))
     }
 
-    /// Passes the graph of a node's picture, and the session that holds its inputs, to `work`.
+    /// Passes the graph of a node's picture, or of the whole pipeline, and the session that holds its inputs, to `work`.
     pub fn with_graph<T>(
         &mut self,
         source: &dyn PipelineSource,
-        node: &str,
+        node: Option<&str>,
         work: impl FnOnce(&Graph, &mut voltet_graph::Session) -> Result<T>,
     ) -> Result<T> {
-        let graph = self.graph_for(source, node, "image")?;
-        work(&graph, &mut self.runs).map_err(|error| source.locate(error))
-    }
-
-    /// Like [`Session::with_graph`], with the graph of the whole pipeline.
-    pub fn with_whole_graph<T>(
-        &mut self,
-        source: &dyn PipelineSource,
-        work: impl FnOnce(&Graph, &mut voltet_graph::Session) -> Result<T>,
-    ) -> Result<T> {
-        let graph = self.whole_graph(source)?;
+        let graph = match node {
+            Some(node) => self.graph_for(source, node, "image")?,
+            None => self.whole_graph(source)?,
+        };
         work(&graph, &mut self.runs).map_err(|error| source.locate(error))
     }
 

@@ -15,13 +15,13 @@ pub struct PictureFormat {
     pub(super) signature: &'static [u8],
     /// The file of a picture. A format without opacity shows it over the background (linear RGB), and one that carries texts
     /// carries the provenance.
-    pub encode: Encode,
+    pub encode: EncodePicture,
     /// The named texts that a file carries; `None`: the format carries none.
     pub(super) embedded_texts: Option<ReadTexts>,
 }
 
-/// Function that encodes a picture over a background (linear RGB), with its provenance.
-pub type Encode = fn(&Picture, [f64; 3], Option<&Provenance>) -> Result<Vec<u8>>;
+/// Function that makes the bytes of a file: of a picture, over a background, with provenance.
+pub type EncodePicture = fn(&Picture, [f64; 3], Option<&Provenance>) -> Result<Vec<u8>>;
 
 /// Function that reads the named texts of a file.
 pub(super) type ReadTexts = fn(&mut dyn PictureFile) -> Result<Vec<(String, String)>>;

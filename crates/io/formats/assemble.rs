@@ -1,20 +1,18 @@
 //! From the table of contents to the grid: decodes what is asked for, puts pieces together, builds tetrahedra.
 
-use super::added::ExternalFormat;
-use super::merge::Loaded;
-use super::piece::{Dataset, Geometry, Piece};
+use super::cells::{self, into_set, structured_corners};
+use super::contents::{Dataset, ExternalFormat, Geometry, Meter, Piece};
 use super::request::{Association, Request};
-use super::select::{self, ArraySelection, Component, GHOST_LEVELS, GHOST_TYPE};
-use super::stored::Meter;
-use super::{cells, merge};
+use super::select;
+use super::select::{ArraySelection, Component, GHOST_LEVELS, GHOST_TYPE};
 use crate::memory::GridSize;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
-use voltet_core::grid::{self, Array, CellType, Cells, Grid, RawGrid, Scalar, code};
-use voltet_core::progress::{self, Progress};
-use voltet_core::{Error, Result};
+use voltet_core::grid::{Array, CellSet, CellType, Cells, Grid, RawGrid, Scalar, code};
+use voltet_core::progress::Progress;
+use voltet_core::{Error, Result, grid, progress};
 
 /// Cell flags that leave a cell out: it is another piece's, it is refined elsewhere, it is hidden
 /// (vtkDataSetAttributes::DUPLICATECELL, REFINEDCELL, HIDDENCELL).
@@ -54,7 +52,7 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     for (piece, cells) in pieces.iter().zip(cells) {
         loaded.push(load(piece, cells, &choices, &meter)?);
     }
-    let Loaded { points, cells, ghost, degrees, columns } = merge::merge(loaded, &pieces)?;
+    let Loaded { points, cells, ghost, degrees, columns } = merge(loaded, &pieces)?;
 
     let mut parts = RawGrid::new(points, cells);
     (parts.ghost, parts.degrees) = (ghost, degrees);
@@ -276,7 +274,7 @@ fn corners(cells: &Cells, number: usize) -> Box<dyn Iterator<Item = u32> + '_> {
             Box::new(set.connectivity.get(range).unwrap_or(&[]).iter().copied())
         }
         &Cells::Structured(dimensions) => {
-            Box::new(merge::structured_corners(dimensions, number).into_iter().map(|corner| corner as u32))
+            Box::new(structured_corners(dimensions, number).into_iter().map(|corner| corner as u32))
         }
     }
 }
@@ -347,5 +345,93 @@ impl Piece {
             }
         }
         sources
+    }
+}
+
+/// Requested contents of one piece.
+pub(super) struct Loaded {
+    pub points: Vec<DVec3>,
+    pub cells: Cells,
+    pub ghost: Option<Vec<bool>>,
+    pub degrees: Option<Vec<[u8; 3]>>,
+    /// One entry a choice.
+    pub columns: Vec<Vec<f64>>,
+}
+
+/// Puts pieces together; a single one is handed through.
+pub(super) fn merge(mut pieces: Vec<Loaded>, from: &[&Piece]) -> Result<Loaded> {
+    if pieces.len() == 1 {
+        return Ok(pieces.remove(0));
+    }
+    let all_tetrahedra = pieces.iter().all(|piece| matches!(piece.cells, Cells::Tetrahedra(_)));
+    let has_ghost = pieces.iter().any(|piece| piece.ghost.is_some());
+    let has_degrees = pieces.iter().any(|piece| piece.degrees.is_some());
+    let mut points = Vec::new();
+    let mut tetrahedra = Vec::new();
+    let mut set = CellSet { offsets: vec![0], ..CellSet::default() };
+    let mut ghost = has_ghost.then(Vec::new);
+    let mut degrees = has_degrees.then(Vec::new);
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    for (mut piece, from) in pieces.into_iter().zip(from) {
+        let shift = u32::try_from(points.len())
+            .ok()
+            .filter(|shift| u64::from(*shift) + from.point_count <= u64::from(u32::MAX))
+            .ok_or_else(|| {
+                Error::run("the grid has too many points")
+                    .expected(format_args!("at most {} in all", u32::MAX))
+            })?;
+        let cell_count = piece.cells.count();
+        check_numbers(&piece.cells, piece.points.len())?;
+        match piece.cells {
+            Cells::Tetrahedra(own) if all_tetrahedra => {
+                tetrahedra
+                    .par_extend(own.into_par_iter().map(|corners: [u32; 4]| corners.map(|c| c + shift)));
+            }
+            cells => append(&mut set, into_set(cells), shift),
+        }
+        points.append(&mut piece.points);
+        if let Some(ghost) = &mut ghost {
+            ghost.extend(piece.ghost.unwrap_or_else(|| vec![false; cell_count]));
+        }
+        if let Some(degrees) = &mut degrees {
+            degrees.extend(piece.degrees.unwrap_or_else(|| vec![[0; 3]; cell_count]));
+        }
+        columns.resize_with(piece.columns.len(), Vec::new);
+        for (all, own) in columns.iter_mut().zip(&mut piece.columns) {
+            all.append(own);
+        }
+    }
+    let cells = if all_tetrahedra { Cells::Tetrahedra(tetrahedra) } else { Cells::Mixed(set) };
+    Ok(Loaded { points, cells, ghost, degrees, columns })
+}
+
+/// That cells name points of their own piece, before the numbers are shifted into another one's.
+fn check_numbers(cells: &Cells, point_count: usize) -> Result<()> {
+    let wrong = |&&corner: &&u32| corner as usize >= point_count;
+    let found = match cells {
+        Cells::Tetrahedra(tetrahedra) => tetrahedra.as_flattened().iter().find(wrong),
+        Cells::Mixed(set) => {
+            let faces = set.polyhedra.iter().flat_map(|polyhedron| polyhedron.faces.iter().flatten());
+            set.connectivity.iter().chain(faces).find(wrong)
+        }
+        Cells::Structured(_) => None,
+    };
+    match found {
+        None => Ok(()),
+        Some(corner) => Err(Error::run("a cell names a point that its piece does not hold")
+            .got(corner)
+            .expected(format_args!("a point number below {point_count}"))),
+    }
+}
+
+fn append(to: &mut CellSet, own: CellSet, shift: u32) {
+    let (first_cell, begin) = (to.types.len() as u32, to.connectivity.len() as u64);
+    to.types.extend(own.types);
+    to.offsets.extend(own.offsets[1..].iter().map(|offset| offset + begin));
+    to.connectivity.extend(own.connectivity.iter().map(|corner| corner + shift));
+    for mut polyhedron in own.polyhedra {
+        polyhedron.cell += first_cell;
+        polyhedron.faces.iter_mut().flatten().for_each(|corner| *corner += shift);
+        to.polyhedra.push(polyhedron);
     }
 }

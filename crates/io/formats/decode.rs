@@ -3,11 +3,10 @@
 //! [`Stored::load`] finds an array's bytes, compares their number with what the headers promise, and only then allocates
 //! and decodes, in parallel, block by block straight into the destination.
 
-use super::ascii;
-use super::codec::Decompressor;
-use super::decodable::{Decodable, Payload};
-use super::numbers::{Target, convert};
-use super::stored::{Meter, Stored};
+use super::codec::{Base64Text, Codec, Decompressor};
+use super::contents::{Encoding, Meter, Stored};
+use super::numbers::{self, ByteOrder, NumberType, Target, convert};
+use super::source::Source;
 use rayon::prelude::*;
 use voltet_core::{Error, Result};
 
@@ -45,7 +44,7 @@ impl Stored {
     fn load_checked<T: Target>(&self, meter: &Meter) -> Result<Vec<T>> {
         let found = self.find(meter)?;
         if let Decodable::Text(text) = &found {
-            let values = ascii::numbers(self.number_type, text)?;
+            let values = numbers::numbers(self.number_type, text)?;
             meter.advance(text.len() as u64)?;
             self.check_count(values.len() as u64)?;
             return Ok(values);
@@ -63,7 +62,7 @@ impl Stored {
     fn count(&self, found: &Decodable) -> Result<usize> {
         let byte_count = match found {
             Decodable::Text(text) => {
-                let count = ascii::words(text).count() as u64;
+                let count = numbers::words(text).count() as u64;
                 self.check_count(count)?;
                 return Ok(count as usize);
             }
@@ -141,7 +140,7 @@ impl Stored {
                 Ok(())
             }
             Decodable::Text(text) => {
-                to.copy_from_slice(&ascii::numbers::<T>(self.number_type, &text)?);
+                to.copy_from_slice(&numbers::numbers::<T>(self.number_type, &text)?);
                 meter.advance(text.len() as u64)
             }
             found => {
@@ -244,4 +243,177 @@ struct Buffers {
     read: Vec<u8>,
     decompressed: Vec<u8>,
     decompressor: Option<Decompressor>,
+}
+
+/// The bytes of an array, found and counted.
+pub(super) enum Decodable {
+    /// Text, not yet parsed.
+    Text(Vec<u8>),
+    /// Values side by side.
+    Plain(Payload),
+    /// Compressed blocks of `size` bytes, the last one of `last` bytes; `places` in the payload.
+    Blocks { payload: Payload, codec: Codec, size: u64, last: u64, places: Vec<(u64, u32)> },
+    /// Made by a function.
+    Computed(Vec<f64>),
+}
+
+/// Bytes of a block, bytes of the last one, place and compressed length of each.
+type BlockTable = (u64, u64, Vec<(u64, u32)>);
+
+/// Bytes in the file or in memory.
+pub(super) enum Payload {
+    File { at: u64, len: u64 },
+    Memory(Vec<u8>),
+}
+
+impl Payload {
+    /// Bytes of the file, which must hold them.
+    fn in_file(source: &Source, at: u64, len: u64) -> Result<Payload> {
+        source.check(at, len)?;
+        Ok(Payload::File { at, len })
+    }
+
+    pub fn len(&self) -> u64 {
+        match self {
+            Payload::File { len, .. } => *len,
+            Payload::Memory(bytes) => bytes.len() as u64,
+        }
+    }
+
+    /// `len` bytes from `at` on; `buffer` holds them if they come from the file.
+    pub fn get<'a>(
+        &'a self,
+        source: &Source,
+        at: u64,
+        len: usize,
+        buffer: &'a mut Vec<u8>,
+    ) -> Result<&'a [u8]> {
+        match self {
+            Payload::File { at: start, .. } => {
+                buffer.resize(len, 0);
+                source.read_at(start + at, buffer)?;
+                Ok(buffer)
+            }
+            Payload::Memory(bytes) => Ok(&bytes[at as usize..at as usize + len]),
+        }
+    }
+}
+
+impl Stored {
+    /// Finds the bytes and checks that they lie in the file.
+    pub(super) fn find(&self, meter: &Meter) -> Result<Decodable> {
+        let source = &*self.source;
+        match &self.encoding {
+            Encoding::Computed(compute) => Ok(Decodable::Computed(compute(meter)?)),
+            Encoding::Text(parts) => {
+                let mut text = Vec::new();
+                for part in parts {
+                    text.extend(source.read(part.start, part.end - part.start)?);
+                    text.push(b' ');
+                }
+                Ok(Decodable::Text(text))
+            }
+            // An empty array may have no bytes at all, not even a length.
+            _ if self.promised()? == Some(0) => Ok(Decodable::Plain(Payload::Memory(Vec::new()))),
+            Encoding::Bytes(at) => {
+                let len = self.promised()?.and_then(|count| self.number_type.byte_count(count)).unwrap_or(0);
+                Payload::in_file(source, *at, len).map(Decodable::Plain)
+            }
+            &Encoding::Xml { at, end, base64, wide, codec } => {
+                let width = if wide { 8 } else { 4 };
+                let mut text = base64.then(|| Base64Text::new(source, at, end));
+                let head_len = width * if codec.is_some() { 3 } else { 1 };
+                let head = match &text {
+                    Some(text) => text.clone().run(head_len)?,
+                    None => source.read(at, head_len)?,
+                };
+                let first = word(&head, 0, wide, self.order);
+                let Some(codec) = codec else {
+                    self.check_len(first)?;
+                    return Ok(Decodable::Plain(match text {
+                        None => Payload::in_file(source, at + width, first)?,
+                        Some(mut text) if text.begins_with_padded_run(width)? => {
+                            text.run(width)?;
+                            Payload::Memory(text.run(first)?)
+                        }
+                        Some(mut text) => {
+                            let mut bytes = text.run(first.saturating_add(width))?;
+                            bytes.drain(..width as usize);
+                            Payload::Memory(bytes)
+                        }
+                    }));
+                };
+                let table_len = first.saturating_add(3).saturating_mul(width);
+                let table = match &mut text {
+                    Some(text) => text.run(table_len)?,
+                    None => source.read(at, table_len)?,
+                };
+                let (size, last, places) = self.places(&table, wide, codec)?;
+                let len = places.last().map_or(0, |&(at, len)| at + u64::from(len));
+                let payload = match &mut text {
+                    Some(text) => Payload::Memory(text.run(len)?),
+                    None => Payload::in_file(source, at + table_len, len)?,
+                };
+                Ok(Decodable::Blocks { payload, codec, size, last, places })
+            }
+        }
+    }
+
+    /// That a stated length in bytes is the one promised.
+    fn check_len(&self, len: u64) -> Result<()> {
+        match self.promised()?.and_then(|count| self.number_type.byte_count(count)) {
+            Some(promised) if promised != len => Err(Error::run("the array has the wrong size")
+                .got(format_args!("{len} bytes"))
+                .expected(format_args!(
+                    "{promised} bytes ({} tuples of {} components of {})",
+                    self.tuple_count.unwrap_or(0),
+                    self.component_count,
+                    self.number_type.name()
+                ))),
+            _ => Ok(()),
+        }
+    }
+
+    /// Reads a block table: bytes of a block, bytes of the last one, place and compressed length of each.
+    fn places(&self, table: &[u8], wide: bool, codec: Codec) -> Result<BlockTable> {
+        let at = |index| word(table, index, wide, self.order);
+        let (block_count, size, last) = (at(0), at(1), at(2));
+        // A last block of length 0 means that all blocks are full.
+        let last = if last == 0 { size } else { last };
+        let wrong = |found: String| Error::run("the table of compressed blocks is damaged").got(found);
+        if last > size {
+            return Err(wrong(format!("a last block of {last} bytes among blocks of {size}")));
+        }
+        let mut places = Vec::with_capacity(block_count as usize);
+        let mut begin = 0;
+        for index in 0..block_count {
+            let len = at(3 + index as usize);
+            let full = if index + 1 == block_count { last } else { size };
+            let short = u32::try_from(len).ok().filter(|_| full <= codec.greatest_size(len));
+            let Some(short) = short else {
+                return Err(wrong(format!("block {index} of {len} bytes that is to hold {full} bytes")));
+            };
+            places.push((begin, short));
+            begin += len;
+        }
+        let total =
+            if block_count == 0 { Some(0) } else { size.checked_mul(block_count - 1).map(|n| n + last) };
+        match total {
+            Some(total) => self.check_len(total)?,
+            None => return Err(wrong(format!("{block_count} blocks of {size} bytes"))),
+        }
+        if usize::try_from(size).is_err() {
+            return Err(wrong(format!("blocks of {size} bytes")));
+        }
+        Ok((size, last, places))
+    }
+}
+
+/// The header word number `index`.
+fn word(bytes: &[u8], index: usize, wide: bool, order: ByteOrder) -> u64 {
+    let mut value = [0];
+    let (number_type, size) = if wide { (NumberType::U64, 8) } else { (NumberType::U32, 4) };
+    // The words are unsigned, so every one is in range.
+    let _ = convert(number_type, order, &bytes[index * size..], &mut value);
+    value[0]
 }

@@ -1,9 +1,7 @@
 //! Summary of a file for people: cells by type, arrays with ranges, bounds, time steps.
 
-use super::numbers::NumberType;
-use super::piece::{Dataset, Geometry, Piece};
+use super::contents::{Dataset, Geometry, Meter, Piece, Stored};
 use super::request::{Association, Request};
-use super::stored::{Meter, Stored};
 use super::{assemble, cells};
 use crate::memory::GridSize;
 use glam::DVec3;
@@ -14,7 +12,7 @@ use voltet_core::grid::{CellType, Cells, code};
 use voltet_core::progress::Progress;
 
 /// Contents of a file.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Summary {
     /// Format and encoding: "VTK XML UnstructuredGrid, zlib, little-endian, UInt32 headers".
     pub format: String,
@@ -124,17 +122,11 @@ fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Summary> {
     let mut summary = Summary {
         format: dataset.format.clone(),
         piece_count: dataset.pieces.len(),
-        point_count: 0,
-        cell_count: 0,
-        cells_by_type: BTreeMap::new(),
-        bounds: None,
-        points_not_finite: 0,
-        arrays: Vec::new(),
         active_scalars: dataset.active_scalars.clone(),
         time_steps: dataset.time_steps.clone(),
         file_bytes,
-        size: GridSize::default(),
         warnings: dataset.warnings.clone(),
+        ..Summary::default()
     };
     for piece in &dataset.pieces {
         summary.point_count = summary.point_count.saturating_add(piece.point_count);
@@ -193,20 +185,14 @@ fn add_points(summary: &mut Summary, points: &[DVec3]) {
 fn add_array(arrays: &mut Vec<ArraySummary>, stored: &Stored, per_cell: bool, meter: &Meter) -> Result<()> {
     let head = head(stored, per_cell);
     let values: Vec<f64> = stored.load(meter)?;
-    let number_type: NumberType = stored.number_type;
-    let known = |array: &&mut ArraySummary| array.head == head && array.number_type == number_type.name();
-    let mut new = ArraySummary {
-        head: head.clone(),
-        number_type: number_type.name(),
-        tuple_count: 0,
-        range: None,
-        not_finite_count: 0,
-    };
-    // Two arrays of one name in the same piece stay apart.
-    let array = match arrays.iter_mut().find(known) {
-        Some(array) => array,
-        None => &mut new,
-    };
+    let number_type = stored.number_type.name();
+    let known = |array: &ArraySummary| array.head == head && array.number_type == number_type;
+    let place = arrays.iter().position(known).unwrap_or_else(|| {
+        let (tuple_count, range, not_finite_count) = (0, None, 0);
+        arrays.push(ArraySummary { head: head.clone(), number_type, tuple_count, range, not_finite_count });
+        arrays.len() - 1
+    });
+    let array = &mut arrays[place];
     for tuple in values.chunks(stored.component_count) {
         let value = if let [only] = tuple { *only } else { assemble::length(tuple) };
         array.tuple_count += 1;
@@ -216,9 +202,6 @@ fn add_array(arrays: &mut Vec<ArraySummary>, stored: &Stored, per_cell: bool, me
         } else {
             array.not_finite_count += 1;
         }
-    }
-    if !arrays.iter_mut().any(|array| known(&array)) {
-        arrays.push(new);
     }
     Ok(())
 }

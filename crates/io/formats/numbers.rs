@@ -1,5 +1,6 @@
-//! Number types of files, and their conversion to the types that grids hold.
+//! Number types of files, their conversion to the types that grids hold, and numbers as text.
 
+use rayon::prelude::*;
 use voltet_core::{Error, Result};
 
 /// Type of the numbers of an array in a file.
@@ -48,40 +49,29 @@ impl NumberType {
 
     /// The name shown to people, as the XML formats write it.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::I8 => "Int8",
-            Self::U8 => "UInt8",
-            Self::I16 => "Int16",
-            Self::U16 => "UInt16",
-            Self::I32 => "Int32",
-            Self::U32 => "UInt32",
-            Self::I64 => "Int64",
-            Self::U64 => "UInt64",
-            Self::F32 => "Float32",
-            Self::F64 => "Float64",
-            Self::Bit => "Bit",
-        }
+        NAMES.iter().find(|(number_type, _)| *number_type == self).map_or("", |(_, name)| name)
     }
 
     /// The type that the XML formats call `name`.
     pub fn from_xml(name: &str) -> Option<Self> {
-        [
-            Self::I8,
-            Self::U8,
-            Self::I16,
-            Self::U16,
-            Self::I32,
-            Self::U32,
-            Self::I64,
-            Self::U64,
-            Self::F32,
-            Self::F64,
-            Self::Bit,
-        ]
-        .into_iter()
-        .find(|number_type| number_type.name() == name)
+        NAMES.iter().find(|(_, known)| *known == name).map(|(number_type, _)| *number_type)
     }
 }
+
+/// Names of the types in the XML formats.
+const NAMES: [(NumberType, &str); 11] = [
+    (NumberType::I8, "Int8"),
+    (NumberType::U8, "UInt8"),
+    (NumberType::I16, "Int16"),
+    (NumberType::U16, "UInt16"),
+    (NumberType::I32, "Int32"),
+    (NumberType::U32, "UInt32"),
+    (NumberType::I64, "Int64"),
+    (NumberType::U64, "UInt64"),
+    (NumberType::F32, "Float32"),
+    (NumberType::F64, "Float64"),
+    (NumberType::Bit, "Bit"),
+];
 
 /// Byte order of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -181,24 +171,21 @@ pub(super) fn convert<T: Target>(
             const SIZE: usize = size_of::<$type>();
             let bytes = &bytes[..to.len() * SIZE];
             let mut all_good = true;
-            for (to, from) in to.iter_mut().zip(bytes.as_chunks::<SIZE>().0) {
-                let value = match order {
+            let value = |from: &[u8; SIZE]| {
+                T::$from(<$wide>::from(match order {
                     ByteOrder::Little => <$type>::from_le_bytes(*from),
                     ByteOrder::Big => <$type>::from_be_bytes(*from),
-                };
-                let (value, good) = T::$from(<$wide>::from(value));
+                }))
+            };
+            let chunks = bytes.as_chunks::<SIZE>().0;
+            for (to, from) in to.iter_mut().zip(chunks) {
+                let (value, good) = value(from);
                 *to = value;
                 all_good &= good;
             }
-            if all_good {
-                Ok(())
-            } else {
-                let value = |from: &[u8; SIZE]| match order {
-                    ByteOrder::Little => <$type>::from_le_bytes(*from),
-                    ByteOrder::Big => <$type>::from_be_bytes(*from),
-                };
-                let chunks = bytes.as_chunks::<SIZE>().0;
-                Err(chunks.iter().position(|from| !T::$from(<$wide>::from(value(from))).1).unwrap_or(0))
+            match all_good {
+                true => Ok(()),
+                false => Err(chunks.iter().position(|from| !value(from).1).unwrap_or(0)),
             }
         }};
     }
@@ -269,4 +256,37 @@ fn parse_float(text: &str) -> Option<f64> {
         return Some(if negative { -value } else { value });
     }
     None
+}
+
+/// Bytes of text that one task parses.
+const PART: usize = 1 << 18;
+
+/// The words of a text, in order.
+pub(super) fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
+    text.split(|b| b.is_ascii_whitespace()).filter(|word| !word.is_empty())
+}
+
+/// All numbers of a text.
+pub(super) fn numbers<T: Target>(number_type: NumberType, text: &[u8]) -> Result<Vec<T>> {
+    let parts: Vec<Vec<T>> = parts(text)
+        .into_par_iter()
+        .map(|part| words(part).map(|word| parse(number_type, word)).collect())
+        .collect::<Result<_>>()?;
+    Ok(match <[Vec<T>; 1]>::try_from(parts) {
+        Ok([only]) => only,
+        Err(parts) => parts.concat(),
+    })
+}
+
+/// Cuts a text at white space into parts of about [`PART`] bytes.
+fn parts(mut text: &[u8]) -> Vec<&[u8]> {
+    let mut parts = Vec::new();
+    while text.len() > PART {
+        let cut = text[PART..].iter().position(u8::is_ascii_whitespace).map_or(text.len(), |at| PART + at);
+        let (part, rest) = text.split_at(cut);
+        parts.push(part);
+        text = rest;
+    }
+    parts.push(text);
+    parts
 }

@@ -1,11 +1,16 @@
-//! The list of formats, and what tells a file's.
+//! The list of formats, and what tells a file's; files of formats that come from outside.
 
-use super::format::Format;
-use super::piece::Dataset;
-use super::request::{Request, TimeStep};
-use super::source::{self, Source};
-use super::{legacy, outside, plot3d, unsupported, xml};
+use super::contents::{
+    Compute, Dataset, Encoding, ExternalFormat, Format, Geometry, Piece, PieceArray, Stored,
+};
+use super::numbers::{ByteOrder, NumberType};
+use super::request::{Request, SelectedArrays, TimeStep};
+use super::source::Source;
+use super::{legacy, plot3d, source, unsupported, xml};
 use std::path::Path;
+use std::sync::Arc;
+use voltet_core::grid::Association;
+use voltet_core::reading::FileArray;
 use voltet_core::{Error, Result};
 
 /// The formats, in the order in which a file is tried as one of them.
@@ -27,7 +32,7 @@ pub(super) fn open(path: &Path, request: &Request) -> Result<Dataset> {
     let source = Source::open(path)?;
     let in_file = |error: Error| error.in_file(path);
     if let Some(chosen) = &request.chosen {
-        let dataset = outside::open(&source, request, chosen).map_err(in_file)?;
+        let dataset = open_external(&source, request, chosen).map_err(in_file)?;
         return refuse_no_series(dataset, request, "a file that is a series, or no time step")
             .map_err(in_file);
     }
@@ -76,4 +81,51 @@ fn refuse_no_series(dataset: Dataset, request: &Request, accepted: &str) -> Resu
     };
     let error = Error::run("a time step is asked for, but the file is no time series");
     Err(error.got(found).expected(accepted))
+}
+
+/// Reads the table of contents.
+pub(super) fn open_external(
+    source: &Arc<Source>,
+    request: &Request,
+    chosen: &SelectedArrays,
+) -> Result<Dataset> {
+    let SelectedArrays { reader, parameters } = chosen;
+    let at = |step: usize| reader.open(source.path(), step, parameters, &voltet_core::progress::NoProgress);
+    let mut opened = at(0)?;
+    let step = match opened.head().times.as_slice() {
+        [] => 0,
+        times => request.step_index(times)?,
+    };
+    if step > 0 {
+        opened = at(step)?;
+    }
+    let head = opened.head().clone();
+    let added = Arc::new(ExternalFormat::new(opened));
+    let array = |(place, array): (usize, &FileArray)| {
+        let (per_cell, of) = (array.association == Association::Cell, added.clone());
+        let compute: Compute = Arc::new(move |meter| of.array(place, meter.progress()));
+        let stored = Stored {
+            source: source.clone(),
+            name: array.name.clone(),
+            number_type: NumberType::F64,
+            order: ByteOrder::Little,
+            component_count: array.component_count,
+            tuple_count: Some(if per_cell { head.cell_count } else { head.point_count }),
+            encoding: Encoding::Computed(compute),
+        };
+        PieceArray { per_cell, stored }
+    };
+    let piece = Piece {
+        point_count: head.point_count,
+        cell_count: head.cell_count,
+        arrays: head.arrays.iter().enumerate().map(array).collect(),
+        geometry: Geometry::Added(added, source.clone()),
+    };
+    Ok(Dataset {
+        format: head.format,
+        pieces: vec![piece],
+        time_steps: head.times,
+        active_scalars: head.scalar,
+        warnings: Vec::new(),
+    })
 }

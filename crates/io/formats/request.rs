@@ -1,8 +1,11 @@
-//! Request to a reader: arrays, time step, conversion of cell values.
+//! Request to a reader: arrays, time step, conversion of cell values, the reader of a format that comes from outside.
 
-use super::chosen::SelectedArrays;
-use std::path::PathBuf;
+use super::source::Source;
+use std::path::{Path, PathBuf};
 use voltet_core::grid::CellValues;
+use voltet_core::parameters::Parameters;
+use voltet_core::reading::GridReader;
+use voltet_core::{Error, Result};
 
 /// Location of an array's values: points, cells, or whichever has the array.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -62,6 +65,33 @@ impl Request {
     }
 }
 
+impl Request {
+    /// Index of the requested step in a series of these times, ascending and at least one.
+    ///
+    /// Errors: the series has none such.
+    pub(super) fn step_index(&self, times: &[f64]) -> Result<usize> {
+        let [first, last] = [times[0], times[times.len() - 1]];
+        match self.time_step {
+            None => Ok(0),
+            Some(TimeStep::Index(index)) if index < times.len() => Ok(index),
+            Some(TimeStep::Index(index)) => Err(Error::run("the time series has no such step")
+                .got(format_args!("step {index}"))
+                .expected(format_args!("0 to {}", times.len() - 1))),
+            Some(TimeStep::Time(time)) => {
+                // The span of the series with a margin for times that were rounded when they were written.
+                let margin = 1e-6 * (last - first).abs().max(last.abs());
+                if !(first - margin..=last + margin).contains(&time) {
+                    let error =
+                        Error::run("the file has no such time: the time lies outside the series").got(time);
+                    return Err(error.expected(format_args!("{first} to {last}")));
+                }
+                let distance = |step: &usize| (times[*step] - time).abs();
+                Ok((0..times.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0))
+            }
+        }
+    }
+}
+
 impl Default for Request {
     fn default() -> Self {
         Request {
@@ -77,5 +107,49 @@ impl Default for Request {
             chosen: None,
             every_array: false,
         }
+    }
+}
+
+/// The reader of a format that comes from outside, with what its parameters are set to.
+#[derive(Clone)]
+pub struct SelectedArrays {
+    /// The reader.
+    pub reader: &'static dyn GridReader,
+    /// Its parameters, and maybe others.
+    pub parameters: Parameters,
+}
+
+impl SelectedArrays {
+    /// With its standard values, for a file of its format; the first of several. `None` where it is of none of theirs.
+    ///
+    /// Errors: the file cannot be read; a parameter that must be given.
+    pub fn for_file(
+        path: &Path,
+        mut readers: impl Iterator<Item = &'static dyn GridReader>,
+    ) -> Result<Option<SelectedArrays>> {
+        let mut head = None;
+        let meant = readers.find_map(|reader| {
+            // Not opened for nobody.
+            let head = head.get_or_insert_with(|| Source::open(path).and_then(|source| source.head(256)));
+            match head {
+                Ok(head) => reader.matches(head, path).then_some(Ok(reader)),
+                Err(error) => Some(Err(error.clone())),
+            }
+        });
+        let Some(reader) = meant.transpose()? else { return Ok(None) };
+        let parameters = Parameters::from_values(reader.declaration().parameters, [])?;
+        Ok(Some(SelectedArrays { reader, parameters }))
+    }
+}
+
+impl PartialEq for SelectedArrays {
+    fn eq(&self, other: &SelectedArrays) -> bool {
+        std::ptr::addr_eq(self.reader, other.reader) && self.parameters == other.parameters
+    }
+}
+
+impl std::fmt::Debug for SelectedArrays {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Chosen").field("reader", &self.reader.declaration().name).finish_non_exhaustive()
     }
 }

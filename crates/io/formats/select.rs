@@ -1,6 +1,6 @@
 //! Arrays that a request selects.
 
-use super::piece::{Dataset, Piece};
+use super::contents::{Dataset, Piece};
 use super::request::Association;
 use std::collections::BTreeSet;
 use voltet_core::parameters::edit_distance;

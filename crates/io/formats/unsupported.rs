@@ -1,6 +1,6 @@
 //! Formats that are not read, told by their content: what a file is, and what to do with it.
 
-use self::Sign::{Magic, Test};
+use self::Sign::{Ending, Hdf5, Line, Magic, Start, Tag, Test};
 use super::source::Source;
 use std::path::Path;
 use voltet_core::{Error, Result};
@@ -12,6 +12,16 @@ type UnsupportedFormat = (&'static str, &'static str, Sign);
 enum Sign {
     /// Bytes at a place of the file.
     Magic(usize, &'static [u8]),
+    /// Text that begins in one of these ways, after a byte order mark.
+    Start(&'static [&'static str]),
+    /// HDF5 with one of these names anywhere.
+    Hdf5(&'static [&'static str]),
+    /// XML with this element at its root.
+    Tag(&'static str),
+    /// One of these endings of the file's name.
+    Ending(&'static [&'static str]),
+    /// A line of text.
+    Line(fn(&str) -> bool),
     /// Something else.
     Test(fn(&FileStart) -> bool),
 }
@@ -32,49 +42,40 @@ const SURFACE: &str =
     "cells with a volume: a surface has to be filled with them by a mesher (Gmsh, TetGen) first";
 const IMAGE: &str = "a .vti file (VTK image data): ParaView reads it and saves its data as .vti";
 const ARCHIVE: &str = "the file within: unpack it first";
+const OPENFOAM: &str =
+    "a .vtu file: `foamToVTK` in the case's folder writes one for each time, VTK/…/internal.vtu";
+const SALOME: &str =
+    "a .vtu file: Salome's ParaVis reads it and saves its data as .vtu, and so does `meshio convert`";
+const HDF5: &str =
+    "a .vtu file: the program that wrote this one, or ParaView with the .xdmf file beside it, can save one";
+const ABAQUS: &str =
+    "a .vtu file: Abaqus/CAE exports field output as text, or as .inp with `meshio convert` after it";
+const ENSIGHT: &str = "a .vtu file: open the .case file beside it in ParaView and save its data as .vtu";
+const LS_DYNA: &str = "a .vtu file: LS-PrePost saves the results (d3plot), and ParaView reads these";
+const ANSYS: &str = "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it and saves its grid";
+const TABLE: &str =
+    "a grid with cells: points alone have no volume; ParaView's Delaunay3D joins them to tetrahedra";
 
 /// Formats that their first bytes tell for sure. Of containers those that are told by what is inside stand first.
 const BY_MAGIC: &[UnsupportedFormat] = &[
-    ("a VTKHDF file (VTK's data in HDF5)", PARAVIEW, Test(|seen| seen.is_hdf5() && seen.holds("VTKHDF"))),
-    (
-        "a CGNS file",
-        PARAVIEW,
-        Test(|seen| seen.is_hdf5() && (seen.holds("CGNSLibraryVersion") || seen.holds("CGNSBase_t"))),
-    ),
+    ("a VTKHDF file (VTK's data in HDF5)", PARAVIEW, Hdf5(&["VTKHDF"])),
+    ("a CGNS file", PARAVIEW, Hdf5(&["CGNSLibraryVersion", "CGNSBase_t"])),
     (
         "an Exodus II file",
         PARAVIEW,
-        Test(|seen| {
-            (seen.is_hdf5() || seen.is_netcdf()) && (seen.holds("num_el_blk") || seen.holds("eb_prop1"))
-        }),
+        Test(|seen| seen.is_container() && seen.holds(&["num_el_blk", "eb_prop1"])),
     ),
-    (
-        "a MED file (Salome)",
-        "a .vtu file: Salome's ParaVis reads it and saves its data as .vtu, and so does `meshio convert`",
-        Test(|seen| seen.is_hdf5() && (seen.holds("ENS_MAA") || seen.holds("INFOS_GENERALES"))),
-    ),
-    (
-        "an HDF5 file",
-        "a .vtu file: the program that wrote this one, or ParaView with the .xdmf file beside it, can save one",
-        Test(|seen| seen.is_hdf5()),
-    ),
+    ("a MED file (Salome)", SALOME, Hdf5(&["ENS_MAA", "INFOS_GENERALES"])),
+    ("an HDF5 file", HDF5, Test(|seen| seen.is_hdf5())),
     (
         "a netCDF file",
         "a .vtu or .vts file: ParaView reads it and saves its data so",
-        Test(|seen| seen.is_netcdf()),
+        Test(|seen| seen.is_container()),
     ),
-    ("a mesh of Gmsh", MESHIO, Test(|seen| seen.starts_with("$MeshFormat"))),
-    (
-        "data of Abaqus (.odb)",
-        "a .vtu file: Abaqus/CAE exports field output as text, or as .inp with `meshio convert` after it",
-        Test(|seen| seen.starts_with("HKSRD0")),
-    ),
-    ("a file of OpenFOAM", OPENFOAM, Test(|seen| seen.has_line(|line| line.trim() == "FoamFile"))),
-    (
-        "a mesh or case of Ansys Fluent",
-        PARAVIEW,
-        Test(|seen| seen.starts_with("(0 ") || seen.starts_with("(1 ") || seen.starts_with("(2 ")),
-    ),
+    ("a mesh of Gmsh", MESHIO, Start(&["$MeshFormat"])),
+    ("data of Abaqus (.odb)", ABAQUS, Start(&["HKSRD0"])),
+    ("a file of OpenFOAM", OPENFOAM, Line(|line| line.trim() == "FoamFile")),
+    ("a mesh or case of Ansys Fluent", PARAVIEW, Start(&["(0 ", "(1 ", "(2 "])),
     (
         "an EnSight case",
         PARAVIEW,
@@ -83,86 +84,62 @@ const BY_MAGIC: &[UnsupportedFormat] = &[
                 && seen.has_line(|line| line.to_lowercase().replace(' ', "").starts_with("type:ensight"))
         }),
     ),
-    (
-        "a geometry file of EnSight",
-        "a .vtu file: open the .case file beside it in ParaView and save its data as .vtu",
-        Test(|seen| seen.starts_with("C Binary") || seen.starts_with("Fortran Binary")),
-    ),
-    ("a Tecplot file", PARAVIEW, Test(|seen| seen.starts_with("#!TDV"))),
-    ("an XDMF file", PARAVIEW, Test(|seen| seen.has_tag("Xdmf"))),
-    ("a mesh of FEniCS (XML)", MESHIO, Test(|seen| seen.has_tag("dolfin"))),
-    ("a surface (PLY)", SURFACE, Test(|seen| seen.starts_with("ply\n") || seen.starts_with("ply\r"))),
+    ("a geometry file of EnSight", ENSIGHT, Start(&["C Binary", "Fortran Binary"])),
+    ("a Tecplot file", PARAVIEW, Start(&["#!TDV"])),
+    ("an XDMF file", PARAVIEW, Tag("Xdmf")),
+    ("a mesh of FEniCS (XML)", MESHIO, Tag("dolfin")),
+    ("a surface (PLY)", SURFACE, Start(&["ply\n", "ply\r"])),
     ("a surface (STL)", SURFACE, Test(|seen| seen.is_stl())),
-    ("a surface (OFF)", SURFACE, Test(|seen| seen.starts_with("OFF\n") || seen.starts_with("OFF\r"))),
-    ("a surface (glTF)", SURFACE, Test(|seen| seen.starts_with("glTF"))),
+    ("a surface (OFF)", SURFACE, Start(&["OFF\n", "OFF\r"])),
+    ("a surface (glTF)", SURFACE, Start(&["glTF"])),
     ("an image (PNG)", IMAGE, Magic(0, b"\x89PNG")),
     ("an image (JPEG)", IMAGE, Magic(0, b"\xff\xd8\xff")),
-    ("an image (TIFF)", IMAGE, Test(|seen| seen.starts(b"II*\0") || seen.starts(b"MM\0*"))),
-    ("an image (NRRD)", IMAGE, Test(|seen| seen.starts_with("NRRD000"))),
+    ("an image (TIFF)", IMAGE, Magic(0, b"II*\0")),
+    ("an image (TIFF)", IMAGE, Magic(0, b"MM\0*")),
+    ("an image (NRRD)", IMAGE, Start(&["NRRD000"])),
     ("an image (DICOM)", IMAGE, Magic(128, b"DICM")),
-    (
-        "an image (NIfTI)",
-        IMAGE,
-        Test(|seen| seen.has_magic_at(344, b"n+1\0") || seen.has_magic_at(344, b"ni1\0")),
-    ),
-    (
-        "an image (MetaImage)",
-        IMAGE,
-        Test(|seen| seen.has_line(|line| line.starts_with("ObjectType = Image"))),
-    ),
+    ("an image (NIfTI)", IMAGE, Magic(344, b"n+1\0")),
+    ("an image (NIfTI)", IMAGE, Magic(344, b"ni1\0")),
+    ("an image (MetaImage)", IMAGE, Line(|line| line.starts_with("ObjectType = Image"))),
     ("an OpenVDB file", IMAGE, Magic(0, b" BDV\0\0\0\0")),
     ("a gzip archive", ARCHIVE, Magic(0, b"\x1f\x8b\x08")),
     ("a zip archive", ARCHIVE, Magic(0, b"PK\x03\x04")),
     ("an xz archive", ARCHIVE, Magic(0, b"\xfd7zXZ\0")),
-    ("a bzip2 archive", ARCHIVE, Test(|seen| seen.starts_with("BZh"))),
+    ("a bzip2 archive", ARCHIVE, Start(&["BZh"])),
     ("a zstd archive", ARCHIVE, Magic(0, b"\x28\xb5\x2f\xfd")),
 ];
 
 /// Formats of plain text that only words tell; asked where nothing else is meant.
 const BY_WORDS: &[UnsupportedFormat] = &[
-    (
-        "input of LS-DYNA",
-        "a .vtu file: LS-PrePost saves the results (d3plot), and ParaView reads these",
-        Test(|seen| seen.has_line(|line| line.to_lowercase().starts_with("*keyword"))),
-    ),
+    ("input of LS-DYNA", LS_DYNA, Line(|line| line.to_lowercase().starts_with("*keyword"))),
     (
         "input of Abaqus (.inp)",
         MESHIO,
-        Test(|seen| {
+        Line(|line| {
             let words = ["*heading", "*node", "*part", "*element", "*preprint"];
-            seen.has_line(|line| words.iter().any(|word| line.to_lowercase().starts_with(word)))
+            words.iter().any(|word| line.to_lowercase().starts_with(word))
         }),
     ),
     (
         "input of Ansys (.cdb)",
-        "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it and saves its grid",
-        Test(|seen| {
-            seen.has_line(|line| ["/COM,", "/PREP7", "NBLOCK,"].iter().any(|word| line.starts_with(word)))
-        }),
+        ANSYS,
+        Line(|line| ["/COM,", "/PREP7", "NBLOCK,"].iter().any(|word| line.starts_with(word))),
     ),
     (
         "results of Ansys",
         "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it and saves it by save_as_vtk",
-        Test(|seen| ["rst", "rth", "rfl"].contains(&seen.ending.as_str())),
+        Ending(&["rst", "rth", "rfl"]),
     ),
     (
         "input of Nastran",
         MESHIO,
-        Test(|seen| {
-            seen.has_line(|line| {
-                line.starts_with("BEGIN BULK") || line.starts_with("GRID  ") || line.starts_with("GRID,")
-            })
-        }),
+        Line(|line| ["BEGIN BULK", "GRID  ", "GRID,"].iter().any(|word| line.starts_with(word))),
     ),
-    (
-        "a Tecplot file",
-        PARAVIEW,
-        Test(|seen| seen.has_line(|line| line.to_uppercase().replace(' ', "").starts_with("VARIABLES="))),
-    ),
+    ("a Tecplot file", PARAVIEW, Line(|line| line.to_uppercase().replace(' ', "").starts_with("VARIABLES="))),
     (
         "data of COMSOL as text",
         "a .vtu file: COMSOL exports VTK (.vtu) by Export › Data",
-        Test(|seen| seen.starts_with("% Model:") || seen.starts_with("# Created by COMSOL")),
+        Start(&["% Model:", "# Created by COMSOL"]),
     ),
     (
         "a surface (OBJ)",
@@ -172,15 +149,8 @@ const BY_WORDS: &[UnsupportedFormat] = &[
                 && (seen.ending == "obj" || seen.has_line(|line| line.starts_with("f ")))
         }),
     ),
-    (
-        "a table as text",
-        "a grid with cells: points alone have no volume; ParaView's Delaunay3D joins them to tetrahedra",
-        Test(|seen| ["csv", "tsv"].contains(&seen.ending.as_str())),
-    ),
+    ("a table as text", TABLE, Ending(&["csv", "tsv"])),
 ];
-
-const OPENFOAM: &str =
-    "a .vtu file: `foamToVTK` in the case's folder writes one for each time, VTK/…/internal.vtu";
 
 /// Refuses folders, and files that stand for a folder, with what they are.
 pub(super) fn refuse_folder(path: &Path) -> Result<()> {
@@ -212,13 +182,17 @@ const CONTAINER_HEAD: u64 = 4 << 20;
 fn refuse(source: &Source, formats: &[UnsupportedFormat]) -> Result<()> {
     let ending = source.path().extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let mut bytes = source.head(HEAD)?;
-    let is_container = |seen: &FileStart| seen.is_hdf5() || seen.is_netcdf();
-    if is_container(&FileStart { bytes: &bytes, len: source.len(), ending: String::new() }) {
+    if (FileStart { bytes: &bytes, len: source.len(), ending: String::new() }).is_container() {
         bytes = source.head(CONTAINER_HEAD)?;
     }
     let seen = FileStart { bytes: &bytes, len: source.len(), ending };
-    let shows = |(.., sign): &&UnsupportedFormat| match sign {
-        Magic(place, magic) => seen.has_magic_at(*place, magic),
+    let shows = |(.., sign): &&UnsupportedFormat| match *sign {
+        Magic(place, magic) => seen.has_magic_at(place, magic),
+        Start(words) => words.iter().any(|word| seen.text().starts_with(word.as_bytes())),
+        Hdf5(names) => seen.is_hdf5() && seen.holds(names),
+        Tag(tag) => seen.text().trim_ascii_start().starts_with(b"<") && seen.holds(&[&format!("<{tag}")]),
+        Ending(endings) => endings.contains(&seen.ending.as_str()),
+        Line(is_one) => seen.has_line(is_one),
         Test(matches) => matches(&seen),
     };
     match formats.iter().find(shows) {
@@ -232,15 +206,6 @@ fn refusal(what: &str, remedy: &str) -> Error {
 }
 
 impl FileStart<'_> {
-    fn starts(&self, magic: &[u8]) -> bool {
-        self.bytes.starts_with(magic)
-    }
-
-    /// True if the text begins so, after a byte order mark.
-    fn starts_with(&self, word: &str) -> bool {
-        self.text().starts_with(word.as_bytes())
-    }
-
     fn text(&self) -> &[u8] {
         self.bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(self.bytes)
     }
@@ -249,9 +214,9 @@ impl FileStart<'_> {
         self.bytes.get(place..).is_some_and(|rest| rest.starts_with(magic))
     }
 
-    /// True if the word stands anywhere.
-    fn holds(&self, word: &str) -> bool {
-        self.bytes.windows(word.len()).any(|window| window == word.as_bytes())
+    /// True if one of the words stands anywhere.
+    fn holds(&self, words: &[&str]) -> bool {
+        words.iter().any(|word| self.bytes.windows(word.len()).any(|window| window == word.as_bytes()))
     }
 
     /// True if some line of text is one of those; bytes that are no text have none.
@@ -260,24 +225,21 @@ impl FileStart<'_> {
         !head.contains(&0) && String::from_utf8_lossy(head).lines().any(is_one)
     }
 
-    /// True if it is XML with this element at its root.
-    fn has_tag(&self, tag: &str) -> bool {
-        self.text().trim_ascii_start().starts_with(b"<") && self.holds(&format!("<{tag}"))
-    }
-
     fn is_hdf5(&self) -> bool {
         // A block for the user's own may stand before it.
         [0, 512, 1024, 2048].iter().any(|&place| self.has_magic_at(place, b"\x89HDF\r\n\x1a\n"))
     }
 
-    fn is_netcdf(&self) -> bool {
-        [b"CDF\x01", b"CDF\x02", b"CDF\x05"].iter().any(|magic| self.starts(*magic))
+    /// True if it is HDF5 or netCDF.
+    fn is_container(&self) -> bool {
+        self.is_hdf5()
+            || ["CDF\x01", "CDF\x02", "CDF\x05"].iter().any(|magic| self.bytes.starts_with(magic.as_bytes()))
     }
 
     /// Text, or 80 bytes of anything, the number of triangles and 50 bytes for each.
     fn is_stl(&self) -> bool {
-        let words =
-            self.starts_with("solid") && self.has_line(|line| line.trim_start().starts_with("facet normal"));
+        let words = self.text().starts_with(b"solid")
+            && self.has_line(|line| line.trim_start().starts_with("facet normal"));
         let count = self.bytes.get(80..84).and_then(|bytes| bytes.try_into().ok()).map(u32::from_le_bytes);
         words || count.is_some_and(|count| count > 0 && self.len == 84 + 50 * u64::from(count))
     }

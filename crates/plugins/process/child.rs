@@ -5,6 +5,7 @@ use crate::crash;
 use crate::host::State;
 use crate::library;
 use crate::watchdog;
+use crate::wire::Wire;
 use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -24,7 +25,7 @@ pub fn run_child(path: &Path) -> ! {
 
 fn reply(path: &Path, output: &mut dyn Write) -> io::Result<()> {
     let mut input = io::stdin();
-    let request = Request::read(&mut input.lock())?;
+    let request = Request::receive(&mut input.lock())?;
     std::thread::spawn(move || {
         // No more input comes, so this returns when the other end is closed.
         let _ = io::copy(&mut input.by_ref(), &mut io::sink());
@@ -32,15 +33,15 @@ fn reply(path: &Path, output: &mut dyn Write) -> io::Result<()> {
     });
     let (library, items) = match library::load(path) {
         Ok(loaded) => loaded,
-        Err(error) => return Reply::from_error(&error).write(output),
+        Err(error) => return Reply::from_error(&error).reply(output),
     };
     let find = |name: &str| items.iter().find(|item| item.declaration.schema.name == name).cloned();
     let gone = || io::Error::new(io::ErrorKind::NotFound, "there is no such filter any more");
     match request {
         Request::Describe => {
             let declarations = items.iter().map(|item| item.declaration.clone()).collect();
-            let plugin = [library.plugin.name.clone(), library.plugin.version.clone()];
-            Reply::Described(plugin, declarations).write(output)
+            let plugin = (library.plugin.name.clone(), library.plugin.version.clone());
+            Reply::Described(plugin, declarations).reply(output)
         }
         Request::Run(name, task) => {
             let item = find(&name).ok_or_else(gone)?;
@@ -52,13 +53,13 @@ fn reply(path: &Path, output: &mut dyn Write) -> io::Result<()> {
             let mut reported = 0.0;
             let called = watchdog::run(work, || {
                 let fraction = state.fraction();
-                let may_go_on = fraction == reported || Reply::Progress(fraction).write(output).is_ok();
+                let may_go_on = fraction == reported || Reply::Progress(fraction).reply(output).is_ok();
                 reported = fraction;
                 may_go_on
             });
             let (status, outcome) = called.map_err(|_| gone())?;
-            Reply::Status(status).write(output)?;
-            Reply::Outcome(outcome).write(output)
+            Reply::Status(status).reply(output)?;
+            Reply::Outcome(outcome).reply(output)
         }
     }
 }

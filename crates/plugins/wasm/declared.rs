@@ -1,20 +1,17 @@
 //! Declarations of a module: copied to the header's structs of this program, which [`crate::declaration`] reads and checks.
 
-use super::guest::{Guest, GuestArgs};
-use super::layout::{entry, factory, filter, parameter, plugin};
-use super::sandbox::{RunningModule, Sandbox, message};
-use crate::declaration::{self, Declaration};
-use crate::ffi::ValidationError;
+use super::sandbox::{Guest, GuestArgs, RunningModule, Sandbox, entry, message};
+use crate::declaration::{Declaration, MAX_PARAMETERS, MAX_VECTOR_LENGTH};
+use crate::ffi::{CheckResult, ValidationError};
 use crate::host::State;
-use crate::interface::{self, Check, GRADIENT_FILTERS, Gradient, GradientCall, Host, Values};
+use crate::interface::{Check, GRADIENT_FILTERS, Gradient, GradientCall, Host, Values};
 use crate::library::{check_filter_count, refuse_same_names};
-use crate::parameters::MAX_VECTOR_LENGTH;
-use crate::text::MAX_PARAMETERS;
+use crate::{declaration, interface};
 use std::ffi::c_char;
 use std::sync::Arc;
 
 /// Name and version, and the filters in their order.
-pub(super) fn read(sandbox: &Sandbox) -> Result<([String; 2], Vec<Declaration>), ValidationError> {
+pub(super) fn read(sandbox: &Sandbox) -> CheckResult<([String; 2], Vec<Declaration>)> {
     let state = Arc::default();
     let (mut running, _) = sandbox.start(&state, None)?;
     let plugin_ = initialize(&mut running, &state)?;
@@ -44,16 +41,13 @@ pub(super) struct InitializedModule {
 
 impl InitializedModule {
     /// Address of a filter's description.
-    pub fn filter(&self, running: &mut RunningModule, place: u32) -> Result<u32, ValidationError> {
+    pub fn filter(&self, running: &mut RunningModule, place: u32) -> CheckResult<u32> {
         self.filter.call(&mut running.store, place).map_err(|error| message(&error))
     }
 }
 
 /// Calls init, and requests the factory of filters.
-pub(super) fn initialize(
-    running: &mut RunningModule,
-    state: &State,
-) -> Result<InitializedModule, ValidationError> {
+pub(super) fn initialize(running: &mut RunningModule, state: &State) -> CheckResult<InitializedModule> {
     let missing = |name: &str| format!("the function '{name}' is a null pointer");
     let entry = running.entry()?;
     let init =
@@ -70,10 +64,7 @@ pub(super) fn initialize(
     }
     let plugin = init.call(&mut running.store, (path, host)).map_err(|error| message(&error))?;
     if plugin == 0 {
-        return Err(match state.error() {
-            Some(text) => format!("it says: {text}"),
-            None => "its init gave nothing, and no reason".into(),
-        });
+        return Err(state.init_failure());
     }
     let factory = get_factory.call(&mut running.store, kind).map_err(|error| message(&error))?;
     if factory == 0 {
@@ -99,7 +90,7 @@ struct Copies {
 }
 
 impl Copies {
-    fn text(&mut self, guest: Guest<'_>, address: u32) -> Result<*const c_char, ValidationError> {
+    fn text(&mut self, guest: Guest<'_>, address: u32) -> CheckResult<*const c_char> {
         let Some(mut text) = guest.text(address)? else { return Ok(std::ptr::null()) };
         text.push(0);
         let pointer = text.as_ptr().cast();
@@ -107,11 +98,7 @@ impl Copies {
         Ok(pointer)
     }
 
-    fn plugin(
-        &mut self,
-        running: &RunningModule,
-        address: u32,
-    ) -> Result<interface::Plugin, ValidationError> {
+    fn plugin(&mut self, running: &RunningModule, address: u32) -> CheckResult<interface::Plugin> {
         running.sized(address, "voltet_plugin", plugin::SIZE)?;
         let guest = running.guest();
         let name = self.text(guest, guest.read(address + plugin::NAME)?)?;
@@ -123,7 +110,7 @@ impl Copies {
         &mut self,
         running: &mut RunningModule,
         address: u32,
-    ) -> Result<interface::GradientFilter, ValidationError> {
+    ) -> CheckResult<interface::GradientFilter> {
         running.sized(address, "voltet_gradient_filter", filter::SIZE)?;
         let guest = running.guest();
         let name = self.text(guest, guest.read(address + filter::NAME)?)?;
@@ -167,7 +154,7 @@ impl Copies {
         })
     }
 
-    fn parameter(&mut self, guest: Guest<'_>, address: u32) -> Result<interface::Parameter, ValidationError> {
+    fn parameter(&mut self, guest: Guest<'_>, address: u32) -> CheckResult<interface::Parameter> {
         let number = |at: u32| guest.read::<u32>(address + at);
         let float = |at: u32| guest.read::<f64>(address + at);
         let mut text = |at: u32| self.text(guest, number(at)?);
@@ -184,7 +171,7 @@ impl Copies {
                 pointer
             }
         };
-        let mut words = |at: u32| -> Result<*const *const c_char, ValidationError> {
+        let mut words = |at: u32| -> CheckResult<*const *const c_char> {
             let list = number(at)?;
             if list == 0 {
                 return Ok(std::ptr::null());
@@ -227,4 +214,47 @@ unsafe extern "C-unwind" fn no_check(_: *const Values, _: *const Host) -> i32 {
 /// Placeholder of the module's gradient function.
 unsafe extern "C-unwind" fn no_gradient(_: *const GradientCall, _: *const Host) -> i32 {
     interface::ERROR
+}
+
+/// Size of a struct and offsets of its fields (bytes).
+pub(super) mod plugin {
+    pub const SIZE: u32 = 16;
+    pub const NAME: u32 = 8;
+    pub const VERSION: u32 = 12;
+}
+
+pub(super) mod factory {
+    pub const SIZE: u32 = 16;
+    pub const FILTER_COUNT: u32 = 8;
+    pub const FILTER: u32 = 12;
+}
+
+pub(super) mod filter {
+    pub const SIZE: u32 = 36;
+    pub const NEEDS: u32 = 4;
+    pub const NAME: u32 = 8;
+    pub const SUMMARY: u32 = 12;
+    pub const PARAMETER_COUNT: u32 = 16;
+    pub const PARAMETERS: u32 = 24;
+    pub const CHECK: u32 = 28;
+    pub const GRADIENT: u32 = 32;
+}
+
+pub(super) mod parameter {
+    pub const SIZE: u32 = 88;
+    pub const TYPE: u32 = 4;
+    pub const NAME: u32 = 8;
+    pub const UNIT: u32 = 12;
+    pub const HELP: u32 = 16;
+    pub const FLAGS: u32 = 20;
+    pub const LENGTH: u32 = 24;
+    pub const MIN: u32 = 32;
+    pub const MAX: u32 = 40;
+    pub const NUMBER: u32 = 48;
+    pub const TEXT: u32 = 56;
+    pub const NUMBERS: u32 = 60;
+    pub const UNSET: u32 = 64;
+    pub const WORD_COUNT: u32 = 68;
+    pub const NAMES: u32 = 76;
+    pub const MEANINGS: u32 = 80;
 }

@@ -1,16 +1,22 @@
 //! A module: compiled once, started afresh for each use, stopped from outside.
 
-use super::guest::{Guest, GuestArgs};
-use super::layout::entry;
-use crate::ffi::ValidationError;
+use crate::ffi::{CheckResult, ValidationError};
 use crate::host::State;
 use crate::interface::{CANCELLED, ENTRY, ERROR, MAJOR, MINOR, OK, PATCH};
+use bytemuck::Pod;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use wasmtime::{
-    Caller, Config, Engine, Extern, Func, Instance, Linker, Memory, Module, Ref, Store, StoreLimits,
-    StoreLimitsBuilder, Table, Trap, TypedFunc, UpdateDeadline, WasmParams, WasmResults,
+    AsContext, AsContextMut, Caller, Config, Engine, Extern, Func, Instance, Linker, Memory, Module, Ref,
+    Store, StoreLimits, StoreLimitsBuilder, Table, Trap, TypedFunc, UpdateDeadline, WasmParams, WasmResults,
 };
+
+/// Size and offsets of `voltet_entry` (bytes).
+pub(super) mod entry {
+    pub const SIZE: u32 = 28;
+    pub const INIT: u32 = 16;
+    pub const GET_FACTORY: u32 = 24;
+}
 
 /// A compiled module.
 pub(super) struct Sandbox {
@@ -58,7 +64,7 @@ const LINK_OPTIONS: &str = "--export-table --growable-table";
 
 impl Sandbox {
     /// Compiles a module.
-    pub fn new(bytes: &[u8]) -> Result<Sandbox, ValidationError> {
+    pub fn new(bytes: &[u8]) -> CheckResult<Sandbox> {
         let mut config = Config::new();
         config.epoch_interruption(true);
         let engine = Engine::new(&config).map_err(|error| message(&error))?;
@@ -71,7 +77,7 @@ impl Sandbox {
         &self,
         state: &Arc<State>,
         max_memory_bytes: Option<u64>,
-    ) -> Result<(RunningModule, Stop), ValidationError> {
+    ) -> CheckResult<(RunningModule, Stop)> {
         let max_bytes = max_memory_bytes.unwrap_or(MAX_MEMORY_BYTES).min(MAX_MEMORY_BYTES);
         let limits = StoreLimitsBuilder::new()
             .memory_size(usize::try_from(max_bytes).unwrap_or(usize::MAX))
@@ -119,7 +125,7 @@ impl RunningModule {
     /// The address of the entry.
     ///
     /// Errors: it is of another version of the interface.
-    pub fn entry(&mut self) -> Result<u32, ValidationError> {
+    pub fn entry(&mut self) -> CheckResult<u32> {
         let entry = self.instance.get_global(&mut self.store, ENTRY);
         let entry = entry.ok_or_else(|| format!("it does not export the symbol '{ENTRY}'"))?;
         let address =
@@ -139,7 +145,7 @@ impl RunningModule {
     /// The size in a struct's first field.
     ///
     /// Errors: smaller than in version 1.0 of the interface.
-    pub fn sized(&self, address: u32, name: &str, min: u32) -> Result<u32, ValidationError> {
+    pub fn sized(&self, address: u32, name: &str, min: u32) -> CheckResult<u32> {
         let size = match address {
             0 => Err("is a null pointer".into()),
             _ => self.guest().read::<u32>(address),
@@ -156,7 +162,7 @@ impl RunningModule {
         &mut self,
         name: &str,
         at: u32,
-    ) -> Result<Option<TypedFunc<P, R>>, ValidationError> {
+    ) -> CheckResult<Option<TypedFunc<P, R>>> {
         let number =
             self.guest().read::<u32>(at).map_err(|wrong| format!("the function '{name}' {wrong}"))?;
         if number == 0 {
@@ -241,5 +247,102 @@ pub(super) fn message(error: &wasmtime::Error) -> String {
     match error.downcast_ref::<Trap>() {
         Some(trap) => trap.to_string(),
         None => error.root_cause().to_string().split_whitespace().collect::<Vec<_>>().join(" "),
+    }
+}
+
+/// Page of WebAssembly (bytes).
+const PAGE: u64 = 1 << 16;
+
+/// Longest text that is read; descriptions have smaller limits (bytes).
+const MAX_TEXT_BYTES: usize = 4096;
+
+/// Current memory of a module.
+#[derive(Clone, Copy)]
+pub(super) struct Guest<'a> {
+    bytes: &'a [u8],
+}
+
+impl<'a> Guest<'a> {
+    pub fn new<T: 'static>(memory: Memory, store: &'a impl AsContext<Data = T>) -> Guest<'a> {
+        Guest { bytes: memory.data(store) }
+    }
+
+    fn slice(&self, address: u32, length: usize) -> CheckResult<&'a [u8]> {
+        let begin = address as usize;
+        let part = begin.checked_add(length).and_then(|end| self.bytes.get(begin..end));
+        part.ok_or_else(|| "points to memory that is not there".to_string())
+    }
+
+    /// A number at an address.
+    pub fn read<T: Pod>(&self, address: u32) -> CheckResult<T> {
+        Ok(bytemuck::pod_read_unaligned(self.slice(address, size_of::<T>())?))
+    }
+
+    /// Several numbers side by side.
+    pub fn list<T: Pod>(&self, address: u32, count: usize) -> CheckResult<Vec<T>> {
+        if address == 0 {
+            return Err("is a null pointer".into());
+        }
+        let part = self.slice(address, count.saturating_mul(size_of::<T>()))?;
+        Ok(part.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect())
+    }
+
+    /// The bytes of a text without the 0 that ends it, cut where they are too many; `None` for a null pointer.
+    pub fn text(&self, address: u32) -> CheckResult<Option<Vec<u8>>> {
+        if address == 0 {
+            return Ok(None);
+        }
+        let rest = self.bytes.get(address as usize..).ok_or("points to memory that is not there")?;
+        let max = rest.len().min(MAX_TEXT_BYTES + 1);
+        let end = rest[..max].iter().position(|&byte| byte == 0);
+        if end.is_none() && max == rest.len() {
+            return Err("points to memory that is not there".into());
+        }
+        Ok(Some(rest[..end.unwrap_or(max)].to_vec()))
+    }
+
+    /// The readable part of a text, for a message.
+    pub fn message(&self, address: u32) -> String {
+        match self.text(address) {
+            Ok(Some(bytes)) => String::from_utf8_lossy(&bytes).into_owned(),
+            Ok(None) => "(a null pointer in place of a text)".into(),
+            Err(wrong) => format!("(a text that {wrong})"),
+        }
+    }
+}
+
+/// Arguments of a call, collected before the module's memory grows by them: their addresses are known meanwhile.
+pub(super) struct GuestArgs {
+    begin: u64,
+    bytes: Vec<u8>,
+}
+
+impl GuestArgs {
+    /// Arguments behind the module's memory.
+    pub fn behind<T: 'static>(memory: Memory, store: &impl AsContext<Data = T>) -> GuestArgs {
+        GuestArgs { begin: memory.size(store) * PAGE, bytes: Vec::new() }
+    }
+
+    /// Appends numbers at a multiple of 16; returns their address.
+    pub fn put<T: Pod>(&mut self, values: &[T]) -> u32 {
+        self.bytes.resize(self.bytes.len().next_multiple_of(16), 0);
+        let address = self.begin + self.bytes.len() as u64;
+        self.bytes.extend_from_slice(bytemuck::cast_slice(values));
+        // Overrun 32 bits the memory cannot grow, which is found then.
+        address as u32
+    }
+
+    /// Appends a text with a final 0; returns its address.
+    pub fn text(&mut self, text: &[u8]) -> u32 {
+        let address = self.put(text);
+        self.bytes.push(0);
+        address
+    }
+
+    /// Grows the memory and copies everything there; false if there is no room.
+    pub fn write_to<T: 'static>(self, memory: Memory, store: &mut impl AsContextMut<Data = T>) -> bool {
+        let pages = (self.bytes.len() as u64).div_ceil(PAGE);
+        memory.grow(&mut *store, pages).is_ok_and(|old| old * PAGE == self.begin)
+            && memory.write(store, self.begin as usize, &self.bytes).is_ok()
     }
 }

@@ -5,14 +5,14 @@ use super::pipelines::open_all;
 use crate::cli::arguments::Files;
 use crate::cli::present::{name, print};
 use crate::core::Result;
+use crate::document;
 use crate::graph::Registry;
-use crate::output_conflicts;
 
 pub fn check(arguments: &Files, registry: &Registry) -> Result<u8> {
     let (documents, mut code) = open_all(&arguments.files, &arguments.set.options, registry);
     for document in &documents {
         warn(document);
-        if let Err((error, text)) = output_conflicts::refuse([document], true, &[]) {
+        if let Err((error, text)) = document::refuse_conflicts([document], true, &[]) {
             code = code.max(show(&error, text));
             continue;
         }

@@ -22,14 +22,14 @@ pub fn edit(arguments: &Edit, registry: &Registry) -> Result<u8> {
 #[cfg(feature = "editor")]
 fn study_of(of: &StudyRequest, registry: &Registry, progress: &dyn Progress) -> Result<Studied> {
     use crate::Document;
-    use crate::output_conflicts::{self, OptionFile};
+    use crate::document::{self, OptionFile};
     use voltet_study::work_precision as study;
     let document = Document::from_text(&of.path, of.text.clone(), &[], registry)?;
     document.refuse_missing_data()?;
     let folder = super::study::beside(&of.path);
     let outputs: Vec<OptionFile> =
         study::written(&folder).iter().map(|path| OptionFile::written("the study", path)).collect();
-    output_conflicts::refuse([&document], false, &outputs).map_err(|(error, _)| error)?;
+    document::refuse_conflicts([&document], false, &outputs).map_err(|(error, _)| error)?;
     super::study::refuse_unwritable(&folder)?;
     let wish = super::study::wish(&crate::cli::arguments::Study::for_file(&of.path)?, registry)?;
     let followed = (&Gathering(progress) as &dyn Observer, progress);
@@ -81,20 +81,12 @@ impl Observer for Gathering<'_> {
 #[cfg(feature = "editor")]
 fn pipeline_for(path: &std::path::Path, at: &std::path::Path, registry: &Registry) -> Result<String> {
     use crate::Source;
-    use crate::cli::arguments::{Plugins, Start};
-    if super::picture_info::is_picture(path) {
+    use crate::cli::arguments::Start;
+    if crate::cli::commands::info::is_picture(path) {
         return Ok(Source::read(path)?.text);
     }
     let (data, output) = (path.to_path_buf(), Some(at.to_path_buf()));
-    let arguments = Start {
-        data,
-        output,
-        scalar: None,
-        time_step: None,
-        solution: None,
-        force: false,
-        plugins: Plugins::default(),
-    };
+    let arguments = Start { data, output, ..Start::default() };
     let quiet = crate::cli::present::Bar::new(true);
     super::start::pipeline(&arguments, registry, at, &super::array_choice::bar_progress(&quiet))
         .map(|(text, _)| text)

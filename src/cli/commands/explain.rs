@@ -2,12 +2,11 @@
 
 use super::exit_status::{DONE, show, warn};
 use super::pipelines::open;
-use crate::Document;
 use crate::cli::arguments::Explain;
 use crate::cli::present::print;
 use crate::core::Result;
 use crate::graph::{Demand, Graph, GraphNode, Plan, PortType, Registry, SkippedWork};
-use crate::output_conflicts;
+use crate::{Document, document};
 
 pub fn explain(arguments: &Explain, registry: &Registry) -> Result<u8> {
     let document = match open(&arguments.file, &arguments.set.options, registry) {
@@ -16,7 +15,7 @@ pub fn explain(arguments: &Explain, registry: &Registry) -> Result<u8> {
     };
     warn(&document);
     // What is carried in a picture names that picture as its output, and nothing is written here.
-    if let Err((error, text)) = output_conflicts::refuse([&document], document.carried.is_none(), &[]) {
+    if let Err((error, text)) = document::refuse_conflicts([&document], document.carried.is_none(), &[]) {
         return Ok(show(&error, text));
     }
     let mut session = crate::nodes::session();

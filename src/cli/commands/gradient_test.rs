@@ -5,11 +5,11 @@ use super::exit_status::{DONE, show};
 use crate::cli::arguments;
 use crate::cli::present::{Bar, print, say};
 use crate::core::{Error, Result};
+use crate::document::{self, OptionFile};
 use crate::graph::Registry;
 use crate::graph::pipeline::field;
 use crate::io::encode;
 use crate::nodes::files;
-use crate::output_conflicts::{self, OptionFile};
 use std::path::Path;
 use voltet_study::gradient_test::{
     GradientTest, TestOptions, gradient_test as measure, methods, page, plot, text,
@@ -29,7 +29,7 @@ pub fn gradient_test(arguments: &arguments::GradientTest, registry: &Registry) -
             .collect();
     let written: Vec<OptionFile> =
         outputs.iter().map(|(option, path)| OptionFile::written(option, path)).collect();
-    if let Err((error, text)) = output_conflicts::refuse([], false, &written) {
+    if let Err((error, text)) = document::refuse_conflicts([], false, &written) {
         return Ok(show(&error, text));
     }
     arguments.plot.as_deref().map_or(Ok(false), super::pixel::is_png)?;

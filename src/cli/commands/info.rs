@@ -1,19 +1,27 @@
-//! `voltet info`: what a data file holds, and a pipeline to start with; of a pipeline, what it finds out.
+//! `voltet info`: what a data file holds, and a pipeline to start with; findings of a pipeline about its data, without drawing; the
+//! provenance of a picture.
+//!
+//! Of a pipeline writers are left out, and a node of type `bands` is added to each node with a volume and a transfer function as
+//! inputs: its demand is all that is read and computed.
 
 use super::array_choice::{ArrayChoice, bar_progress, differs, request};
-use super::exit_status::DONE;
-use super::picture_info::{is_picture, picture_info};
-use super::pipeline_info::pipeline_info;
-use crate::Document;
+use super::exit_status::{DONE, show};
+use super::pipelines::open;
 use crate::cli::arguments::Info;
-use crate::cli::present::{Bar, name, number, print};
+use crate::cli::present::{self, Bar, name, number, print};
 use crate::core::grid::CellType;
 use crate::core::{Error, Result};
-use crate::graph::Registry;
+use crate::graph::pipeline::Pipeline;
+use crate::graph::{Graph, LinkEntry, NodeEntry, ParameterValue, PortType, Registry};
+use crate::io::encode;
 use crate::io::formats::{ArrayHead, ArraySummary, Association, Request, Summary, inspect, unread};
+use crate::io::provenance::{CameraRecord, DataFile, PluginRecord, Provenance, SidecarFiles};
 use crate::nodes::added;
 use crate::nodes::memory::{Needs, SIDE};
+use crate::{Document, Source};
 use serde_json::{Value, json as object};
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 pub fn info(arguments: &Info, registry: &Registry) -> Result<u8> {
@@ -42,7 +50,7 @@ pub fn info(arguments: &Info, registry: &Registry) -> Result<u8> {
         return Ok(DONE);
     }
     let first = suggestion(arguments, &wanted, &summary, registry);
-    print(&(described(&arguments.data, &summary) + &first))?;
+    print(&(describe_data(&arguments.data, &summary) + &first))?;
     Ok(DONE)
 }
 
@@ -78,7 +86,7 @@ fn cell_name(code: u8) -> String {
     CellType::from_code(code).map_or_else(|| format!("VTK cell type {code}"), |known| known.name.into())
 }
 
-fn described(path: &Path, summary: &Summary) -> String {
+fn describe_data(path: &Path, summary: &Summary) -> String {
     let mut text = format!("{}\n  {}\n", name(&path.to_string_lossy()), name(&summary.format));
     let mebibytes = |bytes: u64| format!("{:.0} MiB", bytes as f64 / f64::from(1 << 20));
     text += &format!(
@@ -226,5 +234,181 @@ inputs = {{ image = \"picture\" }}
 ",
         vector(eye),
         vector(centre)
+    )
+}
+
+pub fn pipeline_info(arguments: &Info, registry: &Registry) -> Result<u8> {
+    if arguments.time_step.is_some() || arguments.solution.is_some() {
+        let error = Error::usage("--time-step and --solution are for data files, and this is a pipeline");
+        return Err(error.expected("the reader's parameters, or --set").in_file(&arguments.data));
+    }
+    let document = match open(&arguments.data, &arguments.set.options, registry) {
+        Ok(document) => document,
+        Err((error, text)) => return Ok(show(&error, text.as_deref())),
+    };
+    let graph = graph(&document, registry)?;
+    let bar = Bar::new(false);
+    let outcome = crate::nodes::session().run(&graph, &bar);
+    bar.clear();
+    match outcome {
+        Ok(report) => {
+            present::say(&present::warnings(&report, graph.warnings.len()));
+            print(&present::findings(&report))?;
+            Ok(DONE)
+        }
+        Err(error) => Ok(show(&document.locate(error), Some(&document.text))),
+    }
+}
+
+/// Graph of the nodes that make findings.
+fn graph(document: &Document, registry: &Registry) -> Result<Graph> {
+    let is_sink = |entry: &NodeEntry| document.graph.node(&entry.name).is_some_and(|n| n.node.is_sink());
+    let mut entries: Vec<NodeEntry> =
+        document.pipeline.nodes.iter().filter(|entry| !is_sink(entry)).cloned().collect();
+    let mut looks: Vec<[&LinkEntry; 2]> = Vec::new();
+    for entry in &document.pipeline.nodes {
+        let Some(node) = document.graph.node(&entry.name) else { continue };
+        let link = |port_type: PortType| {
+            let port = node.node.inputs.iter().find(|port| port.port_type == port_type)?;
+            entry.inputs.iter().find(|link| link.port == port.name)
+        };
+        let Some(pair) = link(PortType::Volume).zip(link(PortType::TransferFunction)) else { continue };
+        let pair = [pair.0, pair.1];
+        if !looks.iter().any(|known| (0..2).all(|k| known[k].source.datum == pair[k].source.datum)) {
+            looks.push(pair);
+        }
+    }
+    if looks.is_empty() {
+        let error = Error::usage(
+            "the pipeline draws no volume by a transfer function, so there is nothing to find out",
+        );
+        return Err(error.expected("a node that draws, such as type = \"renderer\"").in_file(&document.path));
+    }
+    for [volume, look] in looks {
+        let link = |port: &str, from: &LinkEntry| LinkEntry { port: port.into(), ..from.clone() };
+        entries.push(NodeEntry {
+            name: free_name(&entries, look.source.text().unwrap_or("look")),
+            origin: look.origin.clone(),
+            node_type: ParameterValue::Text("bands".into()).into(),
+            settings: Vec::new(),
+            inputs: vec![link("volume", volume), link("transfer_function", look)],
+        });
+    }
+    Graph::build(&entries, registry, document.graph.folder.clone()).map_err(|error| document.locate(error))
+}
+
+/// A name that no node has, for the findings about a transfer function.
+fn free_name(entries: &[NodeEntry], look: &str) -> String {
+    let mut name = format!("{look} on its data");
+    while entries.iter().any(|entry| entry.name == name) {
+        name.push('\'');
+    }
+    name
+}
+
+/// True if the file is a picture.
+pub fn is_picture(path: &Path) -> bool {
+    // A pipe can be read once.
+    if !std::fs::metadata(path).is_ok_and(|there| there.is_file()) {
+        return false;
+    }
+    let mut head = Vec::new();
+    // Damage is reported where all of it is read.
+    let read = File::open(path).and_then(|file| file.take(8).read_to_end(&mut head));
+    read.is_ok() && encode::format_of(&head).is_some()
+}
+
+pub fn picture_info(arguments: &Info) -> Result<u8> {
+    let path = &arguments.data;
+    let options = [
+        (arguments.time_step.is_some(), "--time-step"),
+        (arguments.solution.is_some(), "--solution"),
+        (!arguments.set.options.is_empty(), "--set"),
+    ];
+    if let Some((_, option)) = options.iter().find(|(given, _)| *given) {
+        let error = Error::usage("the option is not for pictures").got(option);
+        return Err(error.expected("voltet info PICTURE, or with --json").in_file(path));
+    }
+    let Source { embedded: carried, .. } = Source::read(path).map_err(|error| {
+        error.expected(
+            "a picture that an image-writer with provenance = true wrote; slices as data: in one volume (.vti)",
+        )
+    })?;
+    // A picture without it is an error of `read`.
+    let carried = carried.unwrap_or_default();
+    print(&match arguments.json {
+        true => {
+            let json = serde_json::to_string_pretty(&carried)
+                .map_err(|error| Error::run("what the picture carries is no JSON").got(error))?;
+            json + "\n"
+        }
+        false => describe_picture(path, &carried),
+    })?;
+    Ok(DONE)
+}
+
+fn describe_picture(path: &Path, carried: &Provenance) -> String {
+    let mut text = format!("{}: drawn by {}\n", path.display(), known(&carried.program));
+    text.extend(carried.title.iter().map(|title| format!("title: {title}\n")));
+    text.extend(carried.data.iter().map(of_data));
+    text.extend(carried.plugins.iter().map(of_plugin));
+    text.extend(carried.cameras.iter().map(of_camera));
+    for unit in &carried.units.unit_distances {
+        let length =
+            unit.length.map_or("decided by data".into(), |length| ParameterValue::Number(length).to_string());
+        text += &format!("unit distance ({}): {length}\n", unit.node);
+    }
+    let set: String = writers(carried).iter().map(|node| format!(" --set {node}.path=FILE")).collect();
+    text += &format!(
+        "\nDraw it again: voltet run {}{set}\nIts pipeline, for a file beside it:\n\n",
+        path.display()
+    );
+    text + carried.pipeline.trim_end() + "\n"
+}
+
+/// The nodes of the pipeline that write pictures.
+fn writers(carried: &Provenance) -> Vec<String> {
+    // A pipeline that cannot be parsed is reported by `voltet run`.
+    let nodes = Pipeline::parse(&carried.pipeline).unwrap_or_default().nodes;
+    let writes = |node: &NodeEntry| node.node_type.text() == Some("image-writer");
+    nodes.into_iter().filter(writes).map(|node| node.name).collect()
+}
+
+fn known(text: &str) -> &str {
+    if text.is_empty() { "a program that does not say its version" } else { text }
+}
+
+fn of_data(file: &DataFile) -> String {
+    let DataFile { node, path, bytes, modified, sidecars: beside, .. } = file;
+    let bytes = bytes.map(|bytes| format!(", {} bytes", number(bytes))).unwrap_or_default();
+    let date = modified.as_ref().map(|date| format!(", of {date}")).unwrap_or_default();
+    let beside = beside.iter().map(|beside| {
+        let SidecarFiles { files, bytes, modified, names } = beside;
+        let date = modified.as_ref().map(|date| format!(", the last of {date}")).unwrap_or_default();
+        let more = if names.len() as u64 == *files { "" } else { ", …" };
+        format!(
+            "  and {} beside it, {} bytes{date}: {}{more}\n",
+            number(*files),
+            number(*bytes),
+            names.join(", ")
+        )
+    });
+    format!("data ({node}): {path}{bytes}{date}\n{}", beside.collect::<String>())
+}
+
+fn of_plugin(plugin: &PluginRecord) -> String {
+    let PluginRecord { node, name, version, path, bytes, fingerprint, modified } = plugin;
+    let date = modified.as_ref().map(|date| format!(", of {date}")).unwrap_or_default();
+    format!("plug-in ({node}): {name} {version}, {path}, {} bytes{date}, {fingerprint}\n", number(*bytes))
+}
+
+fn of_camera(camera: &CameraRecord) -> String {
+    let CameraRecord { node, eye, target, up, fov_y, height, near, size: [wide, high], samples } = camera;
+    let view = fov_y.map(|degrees| format!("field of view {degrees}°"));
+    let view = view.or(height.map(|height| format!("height {height}"))).unwrap_or_default();
+    let near = if *near > 0.0 { format!(", near {near}") } else { String::new() };
+    let samples = if *samples > 1 { format!(", {samples} rays a pixel") } else { String::new() };
+    format!(
+        "camera ({node}): eye {eye:?}, target {target:?}, up {up:?}, {view}{near}, {wide} × {high} pixels{samples}\n"
     )
 }

@@ -10,8 +10,6 @@ mod info;
 mod nodes;
 #[cfg(feature = "papers")]
 mod papers;
-mod picture_info;
-mod pipeline_info;
 mod pipelines;
 mod pixel;
 mod plugins;
@@ -21,8 +19,8 @@ mod start;
 mod study;
 mod time;
 
+use super::arguments::{Arguments, Command, Inputs};
 use crate::Document;
-use crate::cli::arguments::{Arguments, Command, Set};
 use crate::core::{Error, Result};
 use crate::graph::Registry;
 use crate::io::{formats, memory};
@@ -31,18 +29,15 @@ use crate::nodes::files;
 use exit_status::{WRONG, show};
 use std::error::Error as _;
 use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Carries out the command, shows its error if there is one, and gives the exit code. What the environment asks for is looked
 /// at first.
 pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> ExitCode {
     let outcome = LaneSet::detect().and(registry).and_then(|registry| {
-        let registry = match arguments.command.plugins() {
-            Some(wanted) => {
-                let serves = |known: &Registry| is_sufficient(&arguments.command, known);
-                plugins::with(registry, wanted, serves)?
-            }
+        let registry = match arguments.command.inputs() {
+            Some(inputs) => plugins::with(registry, inputs.plugins, |known| is_sufficient(&inputs, known))?,
             None => registry,
         };
         run_command(&arguments.command, &registry)
@@ -51,33 +46,13 @@ pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> ExitCode {
 }
 
 /// True if the registry suffices for the command: then the user's file of plug-ins is not read, and none of their code runs.
-/// Pipelines must open, data files be of a format that ships.
-fn is_sufficient(command: &Command, registry: &Registry) -> bool {
-    let is_plain = |data: &Path| picture_info::is_picture(data) || formats::ships(data);
-    let opens = |file: &Path, set: &Set| {
-        // A pipe can be read once.
-        file.is_file() && Document::open(file, &set.options, registry).is_ok()
-    };
-    let all_open = |files: &[PathBuf], set: &Set| files.iter().all(|file| opens(file, set));
-    match command {
-        Command::Run(run) => all_open(&run.files, &run.set),
-        Command::Check(check) => all_open(&check.files, &check.set),
-        Command::Explain(explain) => opens(&explain.file, &explain.set),
-        Command::Pixel(pixel) => opens(&pixel.file, &pixel.set),
-        Command::Study(study) => opens(&study.file, &study.set),
-        Command::Time(time) => all_open(&time.files, &time.set),
-        Command::Info(info) if info.of_pipeline() => opens(&info.data, &info.set),
-        Command::Info(info) => is_plain(&info.data),
-        Command::Start(start) => is_plain(&start.data),
-        // These list what there is.
-        Command::Nodes(_)
-        | Command::Edit(_)
-        | Command::Stability(_)
-        | Command::GradientTest(_)
-        | Command::PluginProcess(_) => false,
-        #[cfg(feature = "papers")]
-        Command::Papers(_) => false,
-    }
+/// Pipelines must open, data files be of a format that ships. A command without files lists what there is.
+fn is_sufficient(inputs: &Inputs, registry: &Registry) -> bool {
+    let is_plain = |data: &PathBuf| info::is_picture(data) || formats::ships(data);
+    // A pipe can be read once.
+    let opens = |file: &PathBuf| file.is_file() && Document::open(file, inputs.options, registry).is_ok();
+    let has_files = !(inputs.pipelines.is_empty() && inputs.data.is_empty());
+    has_files && inputs.pipelines.iter().all(opens) && inputs.data.iter().all(is_plain)
 }
 
 /// Shows clap's answer to the command line, help or an error, and returns the exit code.

@@ -7,10 +7,10 @@ use crate::Document;
 use crate::cli::arguments;
 use crate::cli::present::{Bar, print, say};
 use crate::core::{Error, Result};
+use crate::document::{self, OptionFile};
 use crate::graph::Registry;
 use crate::io::encode;
 use crate::nodes::files;
-use crate::output_conflicts::{self, OptionFile};
 use std::path::Path;
 use voltet_study::pixel::{Pixel, csv, json, pixel as trace, plot, text};
 
@@ -32,7 +32,7 @@ fn dissect(arguments: &arguments::Pixel, document: &Document) -> Result<u8> {
             .collect();
     let written: Vec<OptionFile> =
         outputs.iter().map(|(option, path)| OptionFile::written(option, path)).collect();
-    if let Err((error, text)) = output_conflicts::refuse([document], false, &written) {
+    if let Err((error, text)) = document::refuse_conflicts([document], false, &written) {
         return Ok(show(&error, text));
     }
     document.refuse_missing_data()?;

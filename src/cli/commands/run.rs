@@ -2,15 +2,15 @@
 
 use super::exit_status::{DONE, code, show, warn};
 use super::pipelines::open_all;
-use crate::Document;
 use crate::cli::arguments::Run;
 use crate::cli::present::{Bar, json, print, say, summary, warnings};
 use crate::core::error::ErrorKind;
 use crate::core::{Error, Result};
+use crate::document::OptionFile;
 use crate::graph::{Observer, Registry, RunReport};
 use crate::io::provenance::whole_report;
 use crate::nodes::files;
-use crate::output_conflicts::{self, OptionFile};
+use crate::{Document, document};
 use std::path::PathBuf;
 use voltet_study::ExhaustiveComparison;
 
@@ -22,7 +22,7 @@ pub fn run(arguments: &Run, registry: &Registry) -> Result<u8> {
     }
     let report =
         arguments.report.iter().map(|path| OptionFile::written("--report", path)).collect::<Vec<_>>();
-    if let Err((error, text)) = output_conflicts::refuse(&documents, true, &report) {
+    if let Err((error, text)) = document::refuse_conflicts(&documents, true, &report) {
         return Ok(show(&error, text));
     }
     documents.iter().try_for_each(Document::refuse_missing_data)?;

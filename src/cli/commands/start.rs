@@ -194,27 +194,13 @@ fn first_quantity(arguments: &Start, summary: &Summary) -> Result<ArrayChoice> {
 
 /// True if it holds numbers or marks of things, and no quantity.
 fn is_label(array: &ArraySummary) -> bool {
-    const LABELS: [&str; 14] = [
-        "id",
-        "ids",
-        "flag",
-        "flags",
-        "mask",
-        "ghost",
-        "ghosttype",
-        "rank",
-        "part",
-        "partition",
-        "material",
-        "index",
-        "block",
-        "region",
-    ];
+    const LABELS: &str =
+        "id ids flag flags mask ghost ghosttype rank part partition material index block region";
     let lower = array.head.name.to_lowercase();
     let words = lower.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
     let mut words = words.map(|word| word.trim_start_matches("vtk"));
     !array.number_type.starts_with("Float")
-        || words.any(|word| LABELS.contains(&word) || word.ends_with("ids"))
+        || words.any(|word| LABELS.split(' ').any(|label| label == word) || word.ends_with("ids"))
 }
 
 /// Over all of s, and g from where the data are not quiet to where nearly all of the volume is.

@@ -7,10 +7,10 @@ use crate::cli::arguments;
 use crate::cli::present::{Bar, Estimate, print};
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
+use crate::document::{self, OptionFile};
 use crate::graph::{Observer, Registry};
 use crate::nodes::files;
 use crate::optics::integrators::Integrator;
-use crate::output_conflicts::{self, OptionFile};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use voltet_study::work_precision::{self as study, Benches, Frames, Study, StudyOptions, Subject};
@@ -72,7 +72,7 @@ fn measure(
     let folder = arguments.output.clone().unwrap_or_else(|| beside(&arguments.file));
     let outputs: Vec<OptionFile> =
         study::written(&folder).iter().map(|path| OptionFile::written("--output", path)).collect();
-    if let Err((error, text)) = output_conflicts::refuse([document], false, &outputs) {
+    if let Err((error, text)) = document::refuse_conflicts([document], false, &outputs) {
         return Ok(show(&error, text));
     }
     refuse_unwritable(&folder)?;

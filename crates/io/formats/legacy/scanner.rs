@@ -1,8 +1,8 @@
 //! The words and lines of a legacy file, and the places of its arrays, found in one pass without decoding.
 
+use crate::formats::contents::{Encoding, Stored};
 use crate::formats::numbers::{ByteOrder, NumberType};
 use crate::formats::source::Source;
-use crate::formats::stored::{Encoding, Stored};
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 

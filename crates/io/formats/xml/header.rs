@@ -51,6 +51,12 @@ impl Element {
         numbers.and_then(|numbers| numbers.try_into().ok()).map(Some).ok_or_else(wrong)
     }
 
+    /// Values of these attributes, of this element and all below it.
+    pub fn attributes_below(&self, names: &[&str]) -> Vec<&str> {
+        let own = names.iter().filter_map(|name| self.attribute(name));
+        own.chain(self.children.iter().flat_map(|child| child.attributes_below(names))).collect()
+    }
+
     /// An error about an attribute.
     pub fn wrong(&self, name: &str, accepted: &str) -> Error {
         Error::run(format!("the attribute {name} of <{}> is wrong", self.tag))

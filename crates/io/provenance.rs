@@ -1,12 +1,15 @@
-//! Provenance of pictures and figures.
+//! Provenance: program, pipeline and data files, written into pictures and reports, and read again (docs/src/reference/provenance.md).
 
-use super::date;
+use crate::memory;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json as object};
 use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::field::Plugin;
 use voltet_files as files;
-use voltet_graph::{FileRead, Origins, ResolvedPipeline, RunContext};
+use voltet_graph::pipeline::FORMAT;
+use voltet_graph::{FileRead, Origins, ResolvedPipeline, RunContext, RunReport};
 
 /// The name of the text that holds the pipeline.
 pub const PIPELINE: &str = "voltet:pipeline";
@@ -225,7 +228,7 @@ impl DataFile {
             parameter: file.named.parameter.clone(),
             path: file.named.path.clone(),
             bytes: file.stamp.map(|(bytes, _)| bytes),
-            modified: file.stamp.map(|(_, time)| date::iso_date(time)),
+            modified: file.stamp.map(|(_, time)| iso_date(time)),
             sidecars: (!file.beside.is_empty()).then(|| SidecarFiles::new(file)),
         }
     }
@@ -240,7 +243,7 @@ impl PluginRecord {
             path: plugin.path.display().to_string(),
             bytes: plugin.bytes,
             fingerprint: plugin.fingerprint_text(),
-            modified: plugin.modified.map(date::iso_date),
+            modified: plugin.modified.map(iso_date),
         }
     }
 }
@@ -253,7 +256,7 @@ impl SidecarFiles {
         SidecarFiles {
             files: file.beside.len() as u64,
             bytes: there.clone().map(|(bytes, _)| bytes).sum(),
-            modified: there.map(|(_, time)| time).max().map(date::iso_date),
+            modified: there.map(|(_, time)| time).max().map(iso_date),
             names: file.beside.iter().take(MAX_NAMED).map(|(path, _)| name(path)).collect(),
         }
     }
@@ -276,5 +279,105 @@ impl CameraRecord {
             size: camera.size,
             samples: camera.samples,
         }
+    }
+}
+
+/// The shape of the report. It changes where something is renamed or moved, not where something is added.
+const REPORT_FORMAT: u32 = 1;
+
+/// Counts that every report names, also where the engine that ran does not know them.
+const COUNTS: [&str; 11] = [
+    "arrays_decoded",
+    "gradients_computed",
+    "cells_total",
+    "cells_culled",
+    "cells_projected",
+    "segments",
+    "pixels_disordered",
+    "tiles_sorted",
+    "tables_built",
+    "shader_builds",
+    "uploads",
+];
+
+/// The report of a call (docs/src/reference/report.md): what is said of each of its runs.
+pub fn whole_report(runs: Vec<Value>) -> Value {
+    object!({
+        "versions": { "voltet": env!("CARGO_PKG_VERSION"), "report": REPORT_FORMAT, "pipeline_format": FORMAT },
+        "peak_memory_bytes": memory::peak(),
+        "runs": runs,
+    })
+}
+
+/// Report of one run. `file`: source of the pipeline.
+pub fn run_report(file: &str, report: &RunReport, stated: &ResolvedPipeline) -> Value {
+    let mut counts = serde_json::Map::new();
+    for name in COUNTS {
+        counts.insert(name.into(), Value::Null);
+    }
+    counts.extend(report.counts.iter().map(|(&name, &count)| (name.to_string(), count.into())));
+    object!({
+        "file": file,
+        "title": stated.title,
+        "engine": report.engine.as_ref().map(|e| &e.0),
+        "engine_reason": report.engine.as_ref().map(|e| &e.1),
+        "adapter": report.adapter,
+        "compositor": report.compositor.as_ref().map(|c| &c.0),
+        "compositor_reason": report.compositor.as_ref().map(|c| &c.1),
+        "seconds": report.seconds,
+        "nodes": report.nodes,
+        "counts": counts,
+        "left_out": report.skipped,
+        "findings": report.findings,
+        "warnings": report.warnings,
+        "files": report.files,
+        "provenance": Provenance::of_run(&report.origins, stated),
+    })
+}
+
+/// A time in UTC to the second, as RFC 3339 writes it: 2026-11-22T14:51:03Z.
+pub fn iso_date(time: SystemTime) -> String {
+    let seconds = match time.duration_since(UNIX_EPOCH) {
+        Ok(after) => i64::try_from(after.as_secs()).unwrap_or(i64::MAX),
+        // Down to the second before.
+        Err(before) => -i64::try_from(before.duration().as_secs_f64().ceil() as u64).unwrap_or(i64::MAX),
+    };
+    let (days, second) = (seconds.div_euclid(86_400), seconds.rem_euclid(86_400));
+    let (year, month, day) = civil(days);
+    let (hour, minute, second) = (second / 3600, second / 60 % 60, second % 60);
+    format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}Z")
+}
+
+/// Year, month and day of a number of days since 1970-01-01 (Howard Hinnant, "chrono-Compatible Low-Level Date Algorithms",
+/// 2013, `civil_from_days`): years begin in March, eras are 400 years.
+fn civil(days: i64) -> (i64, i64, i64) {
+    let shifted = days.saturating_add(719_468);
+    let (era, of_era) = (shifted.div_euclid(146_097), shifted.rem_euclid(146_097));
+    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
+    let of_year = of_era - (365 * year + year / 4 - year / 100);
+    let month = (5 * of_year + 2) / 153;
+    let day = of_year - (153 * month + 2) / 5 + 1;
+    let month = if month < 10 { month + 3 } else { month - 9 };
+    (year + 400 * era + i64::from(month <= 2), month, day)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn dates_are_those_of_the_calendar() {
+        // By `date -u -d @N`.
+        for (seconds, text) in [
+            (0, "1970-01-01T00:00:00Z"),
+            (951_782_399, "2000-02-28T23:59:59Z"),
+            (951_782_400, "2000-02-29T00:00:00Z"),
+            (1_795_359_063, "2026-11-22T14:51:03Z"),
+            (4_107_542_400, "2100-03-01T00:00:00Z"),
+        ] {
+            assert_eq!(iso_date(UNIX_EPOCH + Duration::from_secs(seconds)), text);
+        }
+        assert_eq!(iso_date(UNIX_EPOCH - Duration::from_millis(500)), "1969-12-31T23:59:59Z");
     }
 }

@@ -1,9 +1,68 @@
-//! A picture into a caller's memory.
+//! A caller's camera to the parameters of a node, runs with callbacks from the caller's thread, and pictures into the caller's memory.
 
-use crate::structs::Image;
+use crate::structs::{Camera, Follow, Image};
+use std::ffi::CString;
+use std::sync::Arc;
+use voltet::{Pipeline, RenderPlan, Result, RunStatus, run_in_background};
+use voltet_core::Error;
 use voltet_core::picture::Picture;
-use voltet_core::{Error, Result};
+use voltet_graph::ParameterValue;
 use voltet_io::encode::srgb8;
+
+/// Sets all parameters of a camera node. `node` is `None`: the only one.
+pub(crate) fn set_camera(pipeline: &mut Pipeline, node: Option<&str>, camera: &Camera) -> Result<()> {
+    let node = pipeline.camera_node(node)?;
+    let list = |values: &[f64]| {
+        ParameterValue::List(values.iter().map(|&value| ParameterValue::Number(value).into()).collect())
+    };
+    // 0 stands for the default, or for the other projection.
+    let projection = |value: f64| (value != 0.0).then_some(ParameterValue::Number(value));
+    let up = if camera.up == [0.0; 3] { [0.0, 0.0, 1.0] } else { camera.up };
+    let mut values = vec![
+        ("eye", Some(list(&camera.eye))),
+        ("target", Some(list(&camera.target))),
+        ("up", Some(list(&up))),
+        ("near", Some(ParameterValue::Number(camera.near_plane))),
+        ("samples", Some(ParameterValue::Integer(i64::from(camera.samples.max(1))))),
+        ("fov_y", projection(camera.fov_y)),
+        ("height", projection(camera.height)),
+    ];
+    if camera.pixels != [0, 0] {
+        let sides = camera.pixels.map(|side| ParameterValue::Integer(i64::from(side)).into());
+        values.push(("size", Some(ParameterValue::List(sides.to_vec()))));
+    }
+    pipeline.set_parameters(&node, values)
+}
+
+/// Renders, and calls the caller's functions meanwhile.
+///
+/// # Safety
+/// The functions may be called with their address.
+pub(crate) unsafe fn render(
+    pipeline: &mut Pipeline,
+    plan: &RenderPlan,
+    callbacks: Option<&Follow>,
+) -> Result<Arc<Picture>> {
+    let callbacks = callbacks.filter(|follow| follow.progress.is_some() || follow.cancelled.is_some());
+    // SAFETY: the caller's promise.
+    let stops = callbacks.map(|follow| move |status: &RunStatus| unsafe { call(follow, status) });
+    run_in_background(|observer| pipeline.render_with(plan, observer), stops, &mut std::iter::empty())
+}
+
+/// Reports the status of the run; true if the caller cancels it.
+///
+/// # Safety
+/// As of [`render`].
+unsafe fn call(follow: &Follow, status: &RunStatus) -> bool {
+    if let Some(progress) = follow.progress {
+        let [node, stage] =
+            [&status.node, &status.stage].map(|text| CString::new(&**text).unwrap_or_default());
+        // SAFETY: the caller's promise; the texts live during the call.
+        unsafe { progress(follow.user, node.as_ptr(), stage.as_ptr(), status.fraction) };
+    }
+    // SAFETY: the caller's promise.
+    follow.cancelled.is_some_and(|cancelled| unsafe { cancelled(follow.user) } != 0)
+}
 
 /// Memory for a picture: rows of floats, rows of bytes, or both.
 pub(crate) struct Target {

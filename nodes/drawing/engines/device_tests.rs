@@ -1,4 +1,4 @@
-use crate::drawing::engine_cache::OpenEngines;
+use super::OpenEngines;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::Result;

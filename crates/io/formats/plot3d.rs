@@ -1,0 +1,504 @@
+//! PLOT3D: a file of curvilinear grids and, beside it, a file of the flow's solution (q) on them.
+//!
+//! The format has no magic and no version: a grid count that may be missing, dimensions, then planes of numbers in
+//! single or double precision, of either byte order, with or without the length marks that Fortran puts round each
+//! record, or as text. Each choice gives another length for the same dimensions, so the length of the file tells.
+//! Source: PLOT3D User's Manual (Walatka, Buning, Pierce, Elson; NASA TM 101067, 1990), chapter 8; choices as in
+//! vtkMultiBlockPLOT3DReader. Quantities that follow from a solution: chapter 4, as that reader evaluates them (its defaults for γ and
+//! R). Symbols, in PLOT3D's dimensionless form: density ρ, momentum ρ**u**, energy e per volume, v² = |**u**|², ratio of specific heats
+//! γ = 1.4, gas constant R = 1.
+
+use super::contents::{
+    Compute, Dataset, Encoding, Format, Geometry, Meter, Piece, PieceArray, Stored, structured_counts,
+};
+use super::numbers::{self, ByteOrder, NumberType};
+use super::request::Request;
+use super::select::GHOST_TYPE;
+use super::source::Source;
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use voltet_core::{Error, Result};
+
+/// Name of the blanking flags as an array.
+const BLANKING: &str = "iblank";
+
+/// The declaration.
+pub(super) const FORMAT: Format = Format { files: "a PLOT3D grid", matches, open, has_solution: true };
+
+/// True if a file is to be read as PLOT3D: its name says so or a solution was named with it.
+fn matches(_: &[u8], path: &Path, request: &Request) -> bool {
+    let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
+    let extension = extension.as_deref().and_then(|extension| extension.to_str()).unwrap_or("");
+    request.solution.is_some() || ["xyz", "x", "p3d", "g", "grd", "grid"].contains(&extension)
+}
+
+/// The solution file: the one named, or the grid's name with the ending `.q` if there is one.
+fn solution(path: &Path, request: &Request) -> Option<PathBuf> {
+    request.solution.clone().or_else(|| Some(path.with_extension("q")).filter(|path| path.is_file()))
+}
+
+/// The solution that is read with a grid though nobody named it.
+pub(super) fn solution_beside(path: &Path, request: &Request) -> Option<PathBuf> {
+    let meant = matches(&[], path, request) && request.solution.is_none();
+    solution(path, request).filter(|solution| meant && solution != path)
+}
+
+/// Reads the tables of contents of a grid file and its solution.
+fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
+    let (grids, format) = blocks(&source, Role::Grid)?;
+    let mut dataset = Dataset { format: format!("PLOT3D, {format}"), ..Dataset::default() };
+    let mut solutions = Vec::new();
+    if let Some(path) = solution(source.path(), request) {
+        let mut inner = || -> Result<Vec<Block>> {
+            let (blocks, format) = blocks(&Source::open(&path)?, Role::Solution)?;
+            let sizes = |blocks: &[Block]| blocks.iter().map(|block| block.dimensions).collect::<Vec<_>>();
+            if sizes(&blocks) != sizes(&grids) {
+                return Err(Error::run("the solution does not fit the grid")
+                    .got(format_args!("dimensions {:?}", sizes(&blocks)))
+                    .expected(format_args!("{:?}", sizes(&grids))));
+            }
+            dataset.format = format!("{}; solution {format}", dataset.format);
+            Ok(blocks)
+        };
+        solutions = inner().map_err(|error| error.in_file(&path))?;
+    } else if !grids.iter().any(|grid| grid.has_blanking) {
+        dataset.warnings.push("The PLOT3D grid has no solution file, so it holds no quantity.".to_owned());
+    }
+    let mut solutions = solutions.into_iter();
+    for grid in grids {
+        dataset.pieces.push(piece(&source, grid, solutions.next(), request)?);
+    }
+    Ok(dataset)
+}
+
+fn piece(source: &Arc<Source>, grid: Block, solution: Option<Block>, request: &Request) -> Result<Piece> {
+    let (point_count, cell_count) =
+        structured_counts(grid.dimensions).ok_or_else(|| Error::run("the grid cannot be that large"))?;
+    let computed = |source: &Arc<Source>, name: &str, component_count: usize, compute: Compute| Stored {
+        source: source.clone(),
+        name: name.to_owned(),
+        number_type: NumberType::F64,
+        order: ByteOrder::Little,
+        component_count,
+        tuple_count: Some(point_count),
+        encoding: Encoding::Computed(compute),
+    };
+    let mut arrays = Vec::new();
+    let mut add = |stored: Stored| arrays.push(PieceArray { per_cell: false, stored });
+    let [x, y, z, rest @ ..] = &grid.planes[..] else {
+        return Err(Error::run("a PLOT3D grid lacks coordinates"));
+    };
+    let coordinates = [x.clone(), y.clone(), z.clone()];
+    let points = computed(source, "coordinates", 3, Arc::new(move |meter| interleave(&coordinates, meter)));
+    if let Some(flags) = rest.first() {
+        let plane = flags.clone();
+        add(computed(source, BLANKING, 1, Arc::new(move |meter| plane.load(meter))));
+        // 0 marks a point outside the flow; other values say what kind of point it is.
+        let plane = flags.clone();
+        let hidden = |flag: f64| if flag == 0.0 { 2.0 } else { 0.0 };
+        let compute: Compute =
+            Arc::new(move |meter| Ok(plane.load(meter)?.into_iter().map(hidden).collect()));
+        add(computed(source, GHOST_TYPE, 1, compute));
+    }
+    if let Some(solution) = solution {
+        let planes: Arc<[Plane]> = solution.planes.into();
+        for quantity in QUANTITIES {
+            // The quantity bears the name that the request uses, so that it is found however it is spelled.
+            let wanted = request.scalar.iter().chain(&request.point_arrays);
+            let stem = |name: &'_ String| name.split(':').next().unwrap_or("").to_owned();
+            let name =
+                wanted.map(stem).find(|name| quantity.is_called(name)).unwrap_or(quantity.name.to_owned());
+            let component_count = if matches!(quantity.formula, Formula::Vector(_)) { 3 } else { 1 };
+            let planes = planes.clone();
+            let compute: Compute = Arc::new(move |meter| derive(&planes, &quantity.formula, meter));
+            add(computed(source, &name, component_count, compute));
+        }
+    }
+    Ok(Piece {
+        point_count,
+        cell_count,
+        geometry: Geometry::Curvilinear { dimensions: grid.dimensions, points },
+        arrays,
+    })
+}
+
+/// Planes of three components as tuples.
+fn interleave(planes: &[Plane; 3], meter: &Meter) -> Result<Vec<f64>> {
+    let [x, y, z] = [planes[0].load(meter)?, planes[1].load(meter)?, planes[2].load(meter)?];
+    Ok(x.into_par_iter().zip(y).zip(z).flat_map_iter(|((x, y), z)| [x, y, z]).collect())
+}
+
+/// A quantity from the planes of a solution.
+fn derive(planes: &[Plane], formula: &Formula, meter: &Meter) -> Result<Vec<f64>> {
+    let [density, mx, my, mz, energy] = planes else {
+        return Err(Error::run("a PLOT3D solution lacks planes"));
+    };
+    let (density, energy) = (density.load(meter)?, energy.load(meter)?);
+    let momentum = [mx.load(meter)?, my.load(meter)?, mz.load(meter)?];
+    let points = (0..density.len()).into_par_iter();
+    let at = |i: usize| (density[i], [momentum[0][i], momentum[1][i], momentum[2][i]], energy[i]);
+    Ok(match formula {
+        Formula::Scalar(formula) => points
+            .map(|i| {
+                let (density, momentum, energy) = at(i);
+                formula(density, momentum, energy)
+            })
+            .collect(),
+        Formula::Vector(formula) => points
+            .flat_map_iter(|i| {
+                let (density, momentum, energy) = at(i);
+                formula(density, momentum, energy)
+            })
+            .collect(),
+    })
+}
+
+/// Ratio of specific heats.
+const GAMMA: f64 = 1.4;
+
+/// A quantity: its name, other names that are understood, components, formula of (ρ, ρu, e).
+pub(super) struct DerivedQuantity {
+    pub name: &'static str,
+    /// Without capitals, spaces, hyphens and underscores.
+    pub aliases: &'static [&'static str],
+    pub formula: Formula,
+}
+
+/// Formula of a quantity from density, momentum and energy.
+pub(super) enum Formula {
+    /// One value a point.
+    Scalar(fn(f64, [f64; 3], f64) -> f64),
+    /// Three values a point.
+    Vector(fn(f64, [f64; 3], f64) -> [f64; 3]),
+}
+
+fn speed_squared(density: f64, momentum: [f64; 3]) -> f64 {
+    momentum.iter().map(|m| (m / density).powi(2)).sum()
+}
+
+/// p = (γ − 1) (e − ρ v² / 2)
+fn pressure(density: f64, momentum: [f64; 3], energy: f64) -> f64 {
+    (GAMMA - 1.0) * (energy - 0.5 * density * speed_squared(density, momentum))
+}
+
+/// c = √(γ p / ρ)
+fn sound_speed(density: f64, momentum: [f64; 3], energy: f64) -> f64 {
+    (GAMMA * pressure(density, momentum, energy) / density).sqrt()
+}
+
+/// All quantities, those of the file first.
+pub(super) const QUANTITIES: &[DerivedQuantity] = &[
+    DerivedQuantity { name: "density", aliases: &["density"], formula: Formula::Scalar(|d, _, _| d) },
+    DerivedQuantity { name: "momentum", aliases: &["momentum"], formula: Formula::Vector(|_, m, _| m) },
+    DerivedQuantity {
+        name: "energy",
+        aliases: &["energy", "stagnationenergy"],
+        formula: Formula::Scalar(|_, _, e| e),
+    },
+    DerivedQuantity { name: "pressure", aliases: &["pressure"], formula: Formula::Scalar(pressure) },
+    // T = p / (ρ R)
+    DerivedQuantity {
+        name: "temperature",
+        aliases: &["temperature"],
+        formula: Formula::Scalar(|d, m, e| pressure(d, m, e) / d),
+    },
+    // h = γ (e/ρ − v² / 2)
+    DerivedQuantity {
+        name: "enthalpy",
+        aliases: &["enthalpy"],
+        formula: Formula::Scalar(|d, m, e| GAMMA * (e / d - 0.5 * speed_squared(d, m))),
+    },
+    DerivedQuantity {
+        name: "internal_energy",
+        aliases: &["internalenergy"],
+        formula: Formula::Scalar(|d, m, e| e / d - 0.5 * speed_squared(d, m)),
+    },
+    DerivedQuantity {
+        name: "kinetic_energy",
+        aliases: &["kineticenergy"],
+        formula: Formula::Scalar(|d, m, _| 0.5 * speed_squared(d, m)),
+    },
+    DerivedQuantity {
+        name: "velocity",
+        aliases: &["velocity"],
+        formula: Formula::Vector(|d, m, _| m.map(|m| m / d)),
+    },
+    DerivedQuantity {
+        name: "velocity_magnitude",
+        aliases: &["velocitymagnitude", "speed"],
+        formula: Formula::Scalar(|d, m, _| speed_squared(d, m).sqrt()),
+    },
+    // s = R / (γ − 1) · ln((p / p∞) / (ρ / ρ∞)^γ) with ρ∞ = 1, p∞ = 1 / γ
+    DerivedQuantity {
+        name: "entropy",
+        aliases: &["entropy"],
+        formula: Formula::Scalar(|d, m, e| (pressure(d, m, e) * GAMMA / d.powf(GAMMA)).ln() / (GAMMA - 1.0)),
+    },
+    DerivedQuantity { name: "sound_speed", aliases: &["soundspeed"], formula: Formula::Scalar(sound_speed) },
+    DerivedQuantity {
+        name: "mach",
+        aliases: &["mach", "machnumber"],
+        formula: Formula::Scalar(|d, m, e| speed_squared(d, m).sqrt() / sound_speed(d, m, e)),
+    },
+];
+
+impl DerivedQuantity {
+    /// True if a person means this quantity by `word`, however it is capitalised and joined.
+    pub fn is_called(&self, word: &str) -> bool {
+        let plain: String = word.chars().filter(char::is_ascii_alphanumeric).collect();
+        self.aliases.contains(&plain.to_ascii_lowercase().as_str())
+    }
+}
+
+/// More grids than any file holds.
+const GREATEST_GRID_COUNT: u64 = 1 << 16;
+
+/// One component of one grid.
+#[derive(Clone)]
+pub(super) enum Plane {
+    /// Bytes of the file.
+    Stored(Stored),
+    /// Parsed from text: all numbers of the file, the first of the plane, their count.
+    Text(Arc<Vec<f64>>, usize, usize),
+}
+
+impl Plane {
+    /// Reads the values.
+    pub fn load(&self, meter: &Meter) -> Result<Vec<f64>> {
+        match self {
+            Plane::Stored(stored) => stored.load(meter),
+            Plane::Text(values, first, count) => Ok(values[*first..first + count].to_vec()),
+        }
+    }
+}
+
+/// Kind of file: grid, solution or function.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    /// x, y, z and perhaps the blanking flags.
+    Grid,
+    /// Four numbers on the flow, then density, three momenta, energy.
+    Solution,
+}
+
+/// A grid of the file: dimensions and planes.
+pub(super) struct Block {
+    pub dimensions: [u64; 3],
+    pub planes: Vec<Plane>,
+    /// The last plane holds blanking flags.
+    pub has_blanking: bool,
+}
+
+/// One way to write a binary file.
+#[derive(Clone, Copy)]
+struct Layout {
+    order: ByteOrder,
+    /// Fortran's length marks.
+    marks: bool,
+    /// A count of grids stands first.
+    counted: bool,
+    double: bool,
+    blanking: bool,
+}
+
+/// Reads the dimensions and finds the planes; also how the file is written, for people.
+pub(super) fn blocks(source: &Arc<Source>, role: Role) -> Result<(Vec<Block>, String)> {
+    let head = source.head(4096)?;
+    if head.iter().all(|&b| b.is_ascii_whitespace() || b.is_ascii_digit() || b"+-.,eEdD".contains(&b)) {
+        return text(source, role);
+    }
+    for marks in [true, false] {
+        for order in [ByteOrder::Little, ByteOrder::Big] {
+            for counted in [false, true] {
+                for (double, blanking) in [(false, false), (false, true), (true, false), (true, true)] {
+                    let layout = Layout { order, marks, counted, double, blanking };
+                    if (role == Role::Grid || !blanking)
+                        && let Some(blocks) = layout.read(source, role)
+                    {
+                        return Ok((blocks, layout.describe()));
+                    }
+                }
+            }
+        }
+    }
+    Err(Error::run("this is no PLOT3D file, or a damaged one")
+        .got(format_args!("a length of {} bytes, which fits no way of writing one", source.len()))
+        .expected("three-dimensional grids, single or double precision, either byte order, with or without record marks"))
+}
+
+impl Layout {
+    fn describe(self) -> String {
+        format!(
+            "{}, {} precision{}{}",
+            if self.order == ByteOrder::Little { "little-endian" } else { "big-endian" },
+            if self.double { "double" } else { "single" },
+            if self.marks { ", record marks" } else { "" },
+            if self.blanking { ", blanking" } else { "" },
+        )
+    }
+
+    fn words(self, source: &Source, at: u64, count: u64) -> Option<Vec<u64>> {
+        let bytes = source.check(at, count * 4).ok().and_then(|()| source.read(at, count * 4).ok())?;
+        let mut words = vec![0_u64; count as usize];
+        numbers::convert(NumberType::U32, self.order, &bytes, &mut words).ok()?;
+        Some(words)
+    }
+
+    /// The planes, if the file is written in this way.
+    fn read(self, source: &Arc<Source>, role: Role) -> Option<Vec<Block>> {
+        let mut at = 0;
+        let mut grid_count = 1;
+        if self.counted {
+            let [count] = self.record(source, &mut at, 1)?[..] else { return None };
+            grid_count = count;
+        }
+        if !(1..=GREATEST_GRID_COUNT).contains(&grid_count) {
+            return None;
+        }
+        let dimensions = self.record(source, &mut at, 3 * grid_count)?;
+        let mut blocks = Vec::new();
+        for &dimensions in dimensions.as_chunks::<3>().0 {
+            let block = self.block(source, role, dimensions, &mut at)?;
+            blocks.push(block);
+        }
+        (at == source.len()).then_some(blocks)
+    }
+
+    /// Reads a record of 32-bit words.
+    fn record(self, source: &Source, at: &mut u64, count: u64) -> Option<Vec<u64>> {
+        self.mark(source, at, count * 4)?;
+        let words = self.words(source, *at, count)?;
+        *at += count * 4;
+        self.mark(source, at, count * 4)?;
+        Some(words)
+    }
+
+    /// Steps over a mark, which must hold the length of the record.
+    fn mark(self, source: &Source, at: &mut u64, len: u64) -> Option<()> {
+        if self.marks {
+            let [found] = self.words(source, *at, 1)?[..] else { return None };
+            // Records of 4 GB and more have marks that cannot hold their length.
+            if found != len && len <= u64::from(u32::MAX / 2) {
+                return None;
+            }
+            *at += 4;
+        }
+        Some(())
+    }
+
+    fn block(self, source: &Arc<Source>, role: Role, dimensions: [u64; 3], at: &mut u64) -> Option<Block> {
+        if dimensions.iter().any(|n| !(1..=1 << 31).contains(n)) {
+            return None;
+        }
+        let count = dimensions[0].checked_mul(dimensions[1])?.checked_mul(dimensions[2])?;
+        let number_type = if self.double { NumberType::F64 } else { NumberType::F32 };
+        let plane_len = number_type.byte_count(count).filter(|&len| len <= source.len())?;
+        if role == Role::Solution {
+            let len = number_type.byte_count(4)?;
+            self.mark(source, at, len)?;
+            *at += len;
+            self.mark(source, at, len)?;
+        }
+        let plane_count = if role == Role::Grid { 3 } else { 5 };
+        let len = plane_len * plane_count + if self.blanking { count * 4 } else { 0 };
+        self.mark(source, at, len)?;
+        let mut planes = Vec::new();
+        let mut plane = |number_type: NumberType, at: u64| {
+            planes.push(Plane::Stored(Stored {
+                source: source.clone(),
+                name: if role == Role::Grid { "grid" } else { "solution" }.to_owned(),
+                number_type,
+                order: self.order,
+                component_count: 1,
+                tuple_count: Some(count),
+                encoding: Encoding::Bytes(at),
+            }));
+        };
+        for index in 0..plane_count {
+            plane(number_type, *at + index * plane_len);
+        }
+        if self.blanking {
+            plane(NumberType::I32, *at + plane_count * plane_len);
+        }
+        *at += len;
+        if *at > source.len() {
+            return None;
+        }
+        self.mark(source, at, len)?;
+        Some(Block { dimensions, planes, has_blanking: self.blanking })
+    }
+}
+
+/// A file of text: the same order of numbers, told by their count.
+fn text(source: &Arc<Source>, role: Role) -> Result<(Vec<Block>, String)> {
+    let mut bytes = source.read(0, source.len())?;
+    bytes.iter_mut().filter(|byte| **byte == b',').for_each(|byte| *byte = b' ');
+    let values: Arc<Vec<f64>> = Arc::new(numbers::numbers(NumberType::F64, &bytes)?);
+    for counted in [false, true] {
+        for blanking in [false, true] {
+            if (role == Role::Grid || !blanking)
+                && let Some(blocks) = text_blocks(&values, role, counted, blanking)
+            {
+                return Ok((blocks, format!("ASCII{}", if blanking { ", blanking" } else { "" })));
+            }
+        }
+    }
+    Err(Error::run("this is no PLOT3D file, or a damaged one")
+        .got(format_args!("{} numbers, which fits no way of writing one", values.len()))
+        .expected("three-dimensional grids as text"))
+}
+
+fn text_blocks(values: &Arc<Vec<f64>>, role: Role, counted: bool, blanking: bool) -> Option<Vec<Block>> {
+    let whole = |index: usize| {
+        values
+            .get(index)
+            .copied()
+            .filter(|v| (1.0..=2147483648.0).contains(v) && v.fract() == 0.0)
+            .map(|v| v as usize)
+    };
+    let grid_count = if counted { whole(0)? } else { 1 };
+    let mut at = usize::from(counted) + grid_count.checked_mul(3).filter(|&n| n < values.len())?;
+    let mut blocks = Vec::new();
+    for grid in 0..grid_count {
+        let first = usize::from(counted) + 3 * grid;
+        let dimensions = [whole(first)?, whole(first + 1)?, whole(first + 2)?];
+        let count = dimensions[0].checked_mul(dimensions[1])?.checked_mul(dimensions[2])?;
+        at += if role == Role::Solution { 4 } else { 0 };
+        let plane_count = if role == Role::Grid { 3 } else { 5 } + usize::from(blanking);
+        let end = count.checked_mul(plane_count)?.checked_add(at).filter(|&end| end <= values.len())?;
+        let planes =
+            (0..plane_count).map(|plane| Plane::Text(values.clone(), at + plane * count, count)).collect();
+        blocks.push(Block { dimensions: dimensions.map(|n| n as u64), planes, has_blanking: blanking });
+        at = end;
+    }
+    (at == values.len()).then_some(blocks)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// ρ = 2, u = (3, 0, 4), p = 5: v² = 25, e = p / 0.4 + ρ v² / 2 = 37.5.
+    #[test]
+    fn quantities_follow_from_density_momentum_and_energy() {
+        let value = |name: &str| match &QUANTITIES.iter().find(|q| q.is_called(name)).unwrap().formula {
+            Formula::Scalar(formula) => formula(2.0, [6.0, 0.0, 8.0], 37.5),
+            Formula::Vector(formula) => formula(2.0, [6.0, 0.0, 8.0], 37.5)[2],
+        };
+        // Rounding of a handful of operations on numbers below 100.
+        let same = |a: f64, b: f64| assert!((a - b).abs() < 1e-13 * b.abs().max(1.0), "{a} {b}");
+        same(value("Density"), 2.0);
+        same(value("StagnationEnergy"), 37.5);
+        same(value("pressure"), 5.0);
+        same(value("temperature"), 2.5);
+        same(value("enthalpy"), 8.75);
+        same(value("InternalEnergy"), 6.25);
+        same(value("kinetic energy"), 12.5);
+        same(value("velocity"), 4.0);
+        same(value("velocity-magnitude"), 5.0);
+        same(value("SoundSpeed"), 3.5_f64.sqrt());
+        same(value("MachNumber"), 5.0 / 3.5_f64.sqrt());
+        same(value("entropy"), (7.0 / 2.0_f64.powf(1.4)).ln() / 0.4);
+    }
+}
