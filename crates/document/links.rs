@@ -81,3 +81,9 @@ pub fn upstream(nodes: &[NodeEntry], name: &str) -> BTreeSet<String> {
     }
     found
 }
+
+/// The nodes that feed one, and it, in the order of the document.
+pub fn feeding(nodes: &[NodeEntry], name: &str) -> Vec<NodeEntry> {
+    let names = upstream(nodes, name);
+    nodes.iter().filter(|node| names.contains(&node.name)).cloned().collect()
+}

@@ -2,7 +2,7 @@
 
 use crate::actions::FilePurpose;
 use crate::actions::{Action, Command};
-use crate::editor::{Editor, camera_size};
+use crate::editor::Editor;
 use crate::file_dialog::FileDialog;
 use crate::files::Disk;
 use crate::graph::GraphView;
@@ -11,6 +11,7 @@ use crate::picture::milliseconds;
 use crate::run::Run;
 use crate::transfer::TransferPanel;
 use crate::view::View;
+use crate::worker::size_of;
 use eframe::egui::{Context, ThemePreference};
 use glam::DVec3;
 use std::collections::BTreeSet;
@@ -30,12 +31,7 @@ impl Editor {
             Action::Probe(places) => self.probe(places, false),
             Action::PixelProbe(found) => self.show_probed(found),
             Action::Centre(place) => self.probe(vec![place], true),
-            Action::Estimate => {
-                if let Some(asked) = self.asked.clone() {
-                    self.last_estimate += 1;
-                    self.worker.estimate(asked, self.last_estimate);
-                }
-            }
+            Action::Estimate => self.estimate(),
             Action::Do(command) => self.command(ctx, command),
             Action::Say(text) => self.message = Some((text, false)),
             Action::Open(path) => self.open_any(ctx, &path),
@@ -141,7 +137,7 @@ impl Editor {
             Command::FitGraph => self.graph.fit(),
             Command::Home => {
                 let bounds = self.worker.shown(|shown| shown.bounds);
-                let size = self.camera().and_then(camera_size).unwrap_or([4, 3]);
+                let size = self.camera().and_then(size_of).unwrap_or([4, 3]);
                 if let (Some(view), Some(bounds)) = (self.camera().and_then(View::from_camera), bounds) {
                     self.look(view.home(bounds, f64::from(size[0]) / f64::from(size[1])));
                 }
@@ -245,8 +241,7 @@ impl Editor {
         self.begin();
         self.disk = Disk::default();
         self.shown_node = None;
-        (self.asked, self.ground) = (None, None);
-        (self.lookups.previews, self.lookups.previews_of) = Default::default();
+        (self.asked, self.ground, self.previews_of) = (None, None, None);
         self.worker.forget_previews();
         // Revisions count from the beginning of each document.
         self.faults = (None, Vec::new());

@@ -7,7 +7,6 @@ use crate::file_watcher::{BETWEEN, FileWatcher};
 use crate::files::{Disk, begun, free_path, is_pipeline};
 use crate::gestures::GestureTracker;
 use crate::graph::GraphView;
-use crate::lookups::Lookups;
 use crate::parameters::ParameterPanel;
 use crate::picture::PicturePanel;
 use crate::recent::Recent;
@@ -18,7 +17,7 @@ use crate::section::SectionPanel;
 use crate::study::StudyPanel;
 use crate::transfer::TransferPanel;
 use crate::view::View;
-use crate::worker::{DistributionQuery, NodeState, PixelProbe, RenderRequest, Worker, WorkerOutput};
+use crate::worker::{Estimate, NodeState, PixelProbe, RenderRequest, Worker, WorkerOutput, size_of};
 use eframe::egui::Context;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -65,7 +64,6 @@ pub struct Editor {
     pub(crate) watch: FileWatcher,
     pub(crate) help: bool,
     pub(crate) costs: bool,
-    pub(crate) last_estimate: u64,
     pub(crate) file_dialog: Option<FileDialog>,
     /// File to open once unsaved work is settled; `None` opens a file dialog.
     pub(crate) begin_with: Option<PathBuf>,
@@ -74,14 +72,14 @@ pub struct Editor {
     pub(crate) run: Option<Run>,
     /// Command that waits for a decision about unsaved work.
     pub(crate) unsaved: Option<Command>,
+    /// The picture that was asked for last, and its number.
     pub(crate) asked: Option<RenderRequest>,
-    /// The distribution that was asked for last.
-    pub(crate) distribution: Option<DistributionQuery>,
-    /// The probe that is waited for, and whether it is for the centre of the picture.
-    pub(crate) probing: Option<(u64, bool)>,
-    pub(crate) last_probe: u64,
+    pub(crate) picture_number: u64,
+    /// The revision and the shown node that small pictures were asked for last.
+    pub(crate) previews_of: Option<(u64, Option<String>)>,
+    /// True for a probe that is waited for to centre the picture.
+    pub(crate) probing: Option<bool>,
     pub(crate) probed: Option<Arc<PixelProbe>>,
-    pub(crate) lookups: Lookups,
     pub(crate) section: SectionPanel,
     pub(crate) study: StudyPanel,
     pub(crate) faults: (Option<u64>, Vec<Error>),
@@ -122,18 +120,16 @@ impl Editor {
             watch,
             help: false,
             costs: false,
-            last_estimate: 0,
             file_dialog: None,
             begin_with: None,
             recent: Recent::default(),
             run: None,
             unsaved: None,
             asked: None,
-            distribution: None,
+            picture_number: 0,
+            previews_of: None,
             probing: None,
-            last_probe: 0,
             probed: None,
-            lookups: Lookups::default(),
             section: SectionPanel::default(),
             study: StudyPanel::default(),
             faults: (None, Vec::new()),
@@ -186,12 +182,13 @@ impl Editor {
     /// Read-only view of the editor for the window's parts.
     pub(crate) fn scene(&self) -> Scene<'_> {
         let camera = self.camera();
-        let key = self.distribution.as_ref().map(|asked| asked.key);
         self.worker.shown(|shown| {
-            let engine = shown.report.as_ref().and_then(|report| report.engine.as_ref());
-            let found = shown.distribution.as_ref().filter(|(of, _)| Some(*of) == key);
-            let found = found.map(|(_, found)| found);
-            let estimate = shown.estimate.as_ref().filter(|(key, _)| *key == self.last_estimate);
+            let distribution = shown.distribution.answer();
+            let is_newest = shown.share.asked().is_some_and(|asked| asked.picture == self.picture_number);
+            let previews = shown.previews.iter();
+            let preview = |(node, preview): (&String, &crate::worker::Preview)| {
+                Some((node.clone(), preview.last()?.as_ref().ok()?.clone()))
+            };
             Scene {
                 document: &self.document,
                 registry: &self.registry,
@@ -199,35 +196,34 @@ impl Editor {
                 selection: &self.selection,
                 shown_node: self.shown_node.as_deref(),
                 view: camera.and_then(View::from_camera),
-                picture_size: camera.and_then(camera_size),
+                picture_size: camera.and_then(size_of),
                 pixels: shown.pixels.clone().filter(|_| self.shown_node.is_some()),
-                previews: shown.previews.clone(),
+                previews: previews.filter_map(preview).collect(),
                 asks: self.unsaved.is_some() || self.file_dialog.is_some(),
                 nodes: shown.nodes.clone(),
                 values: shown.values.clone(),
                 failure: shown.failure.clone(),
                 running: running(shown),
                 seconds: shown.pixels.as_ref().and_then(|p| shown.seconds[usize::from(!p.is_full())]),
-                engine: engine.map(|engine| engine.0.clone()),
-                distribution: found.and_then(|found| found.as_ref().ok().cloned()),
-                distribution_fault: found.and_then(|found| found.as_ref().err().map(Error::to_string)),
+                distribution: distribution.and_then(|found| found.as_ref().ok().cloned()),
+                distribution_fault: distribution.and_then(|found| found.as_ref().err().cloned()),
                 probed: self.probed.clone(),
-                share: self.lookups.share(shown),
-                section: self.lookups.section(shown),
-                bounds: shown.bounds,
+                share: shown.share.answer().filter(|_| is_newest).cloned(),
+                section: shown.section.last().cloned(),
                 report: shown.report.clone(),
-                estimate: estimate.map(|(_, found)| found.clone().map_err(|error| error.to_string())),
-                is_estimating: self.last_estimate > 0,
+                estimate: shown.estimate.answer().cloned(),
+                is_estimating: shown.estimate.is_waiting(),
                 faults: &self.faults.1,
-                entries: self
-                    .document
-                    .pipeline()
-                    .nodes
-                    .iter()
-                    .map(|node| (node.name.as_str(), node))
-                    .collect(),
+                entries: self.document.pipeline().nodes.iter().map(|n| (n.name.as_str(), n)).collect(),
             }
         })
+    }
+
+    /// Asks how wrong the picture is.
+    pub(crate) fn estimate(&self) {
+        if let Some(asked) = self.asked.clone() {
+            self.worker.ask(|output| &mut output.estimate, Estimate(asked));
+        }
     }
 
     /// Opens a pipeline file, or makes a pipeline for another file, on a thread of its own.
@@ -271,11 +267,6 @@ impl Editor {
             Err(error) => self.complain(&error),
         }
     }
-}
-
-/// Width and height that a camera node states.
-pub(crate) fn camera_size(camera: &NodeEntry) -> Option<[u32; 2]> {
-    crate::worker::size_of(camera)
 }
 
 /// Description of the work in progress.

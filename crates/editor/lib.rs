@@ -8,7 +8,7 @@
 //! | `actions`, `apply_actions` | requests of the window's parts, and their application |
 //! | `gestures`, `input_queue`, `keys` | steps of the undo history; queued input events; key bindings |
 //! | `saving`, `recover`, `autosave` | saving, recovery after a crash |
-//! | `requests`, `lookups` | requests to the worker, and their newest answers |
+//! | `requests` | requests to the worker, and handling of its answers |
 //! | `graph` | nodes and wires, by `egui_node_graph2` behind a small interface |
 //! | `picture`, `parameters`, `costs` | the picture, the panel of the selected node, times and errors |
 //! | `arrays` | the arrays of data files |
@@ -35,7 +35,6 @@ mod graph;
 mod input_queue;
 mod keys;
 mod layout;
-mod lookups;
 mod menus;
 mod parameters;
 mod picture;

@@ -275,7 +275,8 @@ pub(crate) fn status(ui: &mut Ui, scene: &Scene) {
     } else if let Some(pixels) = &scene.pixels {
         let [width, height] = pixels.size();
         let seconds = scene.seconds.map_or(String::new(), |s| format!(" · {}", milliseconds(s)));
-        let engine = scene.engine.as_deref().map_or(String::new(), |engine| format!(" · {engine}"));
+        let engine = scene.report.as_ref().and_then(|report| report.engine.as_ref());
+        let engine = engine.map_or(String::new(), |(engine, _)| format!(" · {engine}"));
         ui.label(RichText::new(format!("{width} × {height}{seconds}{engine}")).color(theme::weak(dark)));
     }
 }

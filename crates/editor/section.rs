@@ -101,7 +101,9 @@ impl SectionPanel {
         }
         match &scene.section {
             Some(Ok(section)) => self.take(ui, scene, section),
-            Some(Err(error)) => drop(ui.colored_label(theme::wrong(ui.visuals().dark_mode), error)),
+            Some(Err(error)) => {
+                drop(ui.colored_label(theme::wrong(ui.visuals().dark_mode), error.to_string()))
+            }
             None => drop(ui.label("the section is made …")),
         }
         let (Some(section), Some(texture)) = (self.shown.clone(), &self.texture) else { return };
@@ -195,7 +197,7 @@ fn probe(section: &Section, [x, y]: [[f64; 2]; 2], actions: &mut Actions) {
         pixels.filter_map(|i| section.values[i].map(|value| (value, 1.0))).collect();
     let middle = section.of.point([0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])]);
     let point = Some(middle).filter(|_| !values.is_empty());
-    actions.push(Action::PixelProbe(Arc::new(PixelProbe { key: 0, rays: 0, values, point, opacity: 0.0 })));
+    actions.push(Action::PixelProbe(Arc::new(PixelProbe { rays: 0, values, point, opacity: 0.0 })));
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use crate::scene::Scene;
 use crate::worker::{Distribution, PixelProbe, Share};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use voltet_core::Result;
 use voltet_core::probing::Histogram;
 use voltet_graph::{ArrayRef, LocatedValue, NodeEntry};
 
@@ -27,7 +28,7 @@ pub(super) struct EditedFunction<'a> {
     /// The extinction at the top of the plot, for curves.
     pub peak: f64,
     pub probed: Option<Arc<PixelProbe>>,
-    pub share: Option<Result<Share, String>>,
+    pub share: Option<Result<Share>>,
     /// Sets of widgets that the file keeps, by their digits.
     pub sets: &'a BTreeMap<u8, Vec<LocatedValue>>,
 }

@@ -129,7 +129,7 @@ impl TransferPanel {
         match &look.share {
             _ if self.hidden.contains(&self.chosen) => {}
             None => {}
-            Some(Err(error)) => texts.push((error.clone(), "its share of the picture".into())),
+            Some(Err(error)) => texts.push((error.to_string(), "its share of the picture".into())),
             Some(Ok(share)) => {
                 let cells = share.cells.map(|cells| {
                     let [own, all] = cells.map(|count| grouped(count as usize));

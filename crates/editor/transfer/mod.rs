@@ -265,10 +265,8 @@ impl TransferPanel {
             draw::widget(ui, plane, widget, &scale, handles, self.hidden.contains(&place));
         }
         if look.found.is_none() {
-            let text = scene
-                .distribution_fault
-                .clone()
-                .unwrap_or_else(|| "the distribution of the data comes …".into());
+            let fault = scene.distribution_fault.as_ref().map(ToString::to_string);
+            let text = fault.unwrap_or_else(|| "the distribution of the data comes …".into());
             let galley =
                 ui.painter().layout(text, FontId::proportional(12.0), theme::weak(dark), rect.width() - 20.0);
             let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());

@@ -1,22 +1,40 @@
 //! The distribution of the data over two quantities, weighted by volume, with what numbers relative to data are found by.
 
-use super::following::Following;
-use super::preview_observer::volume_with;
-use super::queries::{Distribution, DistributionQuery};
-use super::scales::{DataScales, Spread, values};
+use super::query::Query;
+use super::request::VolumeSource;
+use super::scales::{DataScales, Spread, values_of};
 use super::series;
-use super::shared::lock;
-use super::work::WorkerState;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::grid::Grid;
-use voltet_core::probing::{Axis, histogram, value_range};
+use voltet_core::probing::{Axis, Histogram, histogram, value_range};
 use voltet_core::progress::Progress;
 use voltet_core::volume::Volume;
-use voltet_graph::{ArrayRef, Observer, Registry, Session};
+use voltet_graph::{ArrayRef, NodeProgress, Observer, Registry, Session};
 
 /// Bins along each axis.
 const BINS: usize = 256;
+
+/// The distribution of the data that is wanted.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct DistributionQuery {
+    pub source: VolumeSource,
+    /// Along which quantities: "s", "g", or arrays.
+    pub axes: [ArrayRef; 2],
+    /// Further arrays whose ranges are wanted.
+    pub fields: Vec<String>,
+    /// True if numbers are relative to all steps of a time series together.
+    pub of_series: bool,
+}
+
+/// Distribution of the data.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Distribution {
+    /// The volume in each bin.
+    pub histogram: Histogram,
+    /// Ranges, and the volume below each value of the axes: of this volume, or of all steps of its series.
+    pub known: DataScales,
+}
 
 impl DistributionQuery {
     /// The arrays of the axes, and the further ones.
@@ -46,7 +64,7 @@ impl DistributionQuery {
     /// Exact within every cell. Along *g* it reaches as far as nearly all of the volume does: a few slivers have gradients of
     /// many times that. Where there is no gradient, *g* is 0.
     fn find(&self, volume: &Volume, progress: &dyn Progress) -> Result<Distribution> {
-        let [x, y] = [values(volume, &self.axes[0])?, values(volume, &self.axes[1])?];
+        let [x, y] = [values_of(volume, &self.axes[0])?, values_of(volume, &self.axes[1])?];
         let grid = &volume.grid;
         let mut axes = [Axis::over(&x, BINS), Axis::over(&y, BINS)];
         for axis in (0..2).filter(|axis| self.axes[*axis] == ArrayRef::Named("g")) {
@@ -58,7 +76,7 @@ impl DistributionQuery {
             return Ok(Distribution { histogram: found, known });
         }
         for quantity in self.quantities() {
-            known.ranges.insert(quantity.clone(), value_range(&values(volume, &quantity)?)?);
+            known.ranges.insert(quantity.clone(), value_range(&values_of(volume, &quantity)?)?);
         }
         for (k, (values, quantity)) in [x, y].iter().zip(&self.axes).enumerate() {
             let mut spread = Spread::new([axes[k].low, axes[k].high], known.ranges[quantity]);
@@ -66,19 +84,6 @@ impl DistributionQuery {
             known.spreads.insert(quantity.clone(), spread.finished());
         }
         Ok(Distribution { histogram: found, known })
-    }
-
-    /// Scales of numbers relative to all steps. `shown`: axes of the shown step.
-    fn of_series(
-        &self,
-        session: &mut Session,
-        registry: &Registry,
-        shown: [Axis; 2],
-        observer: &dyn Observer,
-    ) -> Result<DataScales> {
-        let of = (self.nodes.as_slice(), self.folder.as_path());
-        let shown = shown.map(|axis| [axis.low, axis.high]);
-        series::known(session, registry, of, &self.node, &self.quantities(), shown, observer)
     }
 }
 
@@ -94,22 +99,23 @@ fn of_nearly_all(grid: &Grid, g: &[f64], progress: &dyn Progress) -> Result<Axis
     Ok(Axis { high: coarse.nearly_all(), bins: BINS, ..whole })
 }
 
-impl WorkerState<'_> {
-    /// The distribution; given up for a picture, and begun again after it.
-    pub(super) fn distribution(&mut self, wanted: DistributionQuery) {
-        let registry = self.registry;
-        let found = self.aside(|session, following: &Following| {
-            let of = (wanted.nodes.as_slice(), wanted.folder.as_path());
-            let volume = volume_with(session, registry, of, &wanted.node, &wanted.arrays(), following)?;
-            let mut found = wanted.find(&volume, following)?;
-            if wanted.of_series {
-                found.known = wanted.of_series(session, registry, found.histogram.axes, following)?;
-            }
-            Ok(Arc::new(found))
-        });
-        match found {
-            Some(found) => self.shared.show(|shown| shown.distribution = Some((wanted.key, found))),
-            None => drop(lock(&self.shared.wanted).distribution.get_or_insert(wanted)),
+impl Query for DistributionQuery {
+    type Reply = Arc<Distribution>;
+    const WAITS: bool = true;
+
+    fn answer(
+        &self,
+        session: &mut Session,
+        registry: &Registry,
+        observer: &dyn Observer,
+    ) -> Result<Arc<Distribution>> {
+        let volume = self.source.volume(session, registry, &self.arrays(), observer)?;
+        let mut found = self.find(&volume, &NodeProgress { observer, node: "" })?;
+        if self.of_series {
+            let has_gradient = volume.gradient_magnitude.is_some();
+            let settings = series::settings(&self.quantities(), found.histogram.axes, has_gradient);
+            found.known = series::known(session, registry, &self.source, settings, observer)?;
         }
+        Ok(Arc::new(found))
     }
 }

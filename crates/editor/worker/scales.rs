@@ -17,7 +17,7 @@ const KNOTS: [usize; 2] = [1024, 64];
 
 /// The share of the volume below each value of a quantity; straight between the values that are known.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Spread {
+pub(crate) struct Spread {
     /// Rising.
     values: Vec<f64>,
     /// The volume below each: 0 to 1, rising, once it is finished.
@@ -94,7 +94,7 @@ fn between(from: &[f64], to: &[f64], x: f64) -> f64 {
 
 /// Statistics of the data.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct DataScales {
+pub(crate) struct DataScales {
     /// Least and largest values.
     pub ranges: BTreeMap<ArrayRef, [f64; 2]>,
     /// Spreads of the plane's quantities.
@@ -117,7 +117,7 @@ fn unknown(quantity: &ArrayRef) -> Error {
 }
 
 /// The values of a quantity, one a point; where there is no gradient, *g* is 0.
-pub(super) fn values<'a>(volume: &'a Volume, quantity: &ArrayRef) -> Result<Cow<'a, [f64]>> {
+pub(super) fn values_of<'a>(volume: &'a Volume, quantity: &ArrayRef) -> Result<Cow<'a, [f64]>> {
     match (quantity, &volume.gradient_magnitude) {
         (ArrayRef::Named("g"), None) => Ok(Cow::Owned(vec![0.0; volume.scalar.len()])),
         _ => relative::values(volume, quantity).map(Cow::Borrowed),

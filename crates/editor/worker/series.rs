@@ -1,17 +1,15 @@
 //! Statistics of all steps of a time series: a node that reads one step at a time, as the transfer function does.
 
-use super::preview_observer::{NAME, entry, feeding};
-use super::scales::{DataScales, Spread, values};
-use std::path::Path;
+use super::request::VolumeSource;
+use super::scales::{DataScales, Spread, values_of};
+use super::values;
 use std::sync::{Arc, Mutex, PoisonError};
-use voltet_core::error::ErrorKind;
-use voltet_core::probing::value_range;
+use voltet_core::probing::{Axis, value_range};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_graph::{
-    ArrayRef, DefaultValue, Demand, Field, Graph, LinkEntry, LocatedValue, Node, NodeEntry, Observer,
-    Outputs, Parameter, ParameterType, ParameterValue, Port, PortType, Range, Registry, RunContext, Session,
-    SourceSpan, Value,
+    ArrayRef, DefaultValue, Demand, Field, Node, Observer, Outputs, Parameter, ParameterType, ParameterValue,
+    Port, PortType, Range, Registry, RunContext, Session, Value,
 };
 
 const fn parameter(name: &'static str, parameter_type: ParameterType, help: &'static str) -> Parameter {
@@ -95,7 +93,7 @@ fn find(call: &RunContext, demand: &Demand, quantities: &[ArrayRef], shown: &[f6
     let mut known = DataScales::default();
     each(&mut |volume| {
         for quantity in quantities {
-            let [low, high] = value_range(&values(volume, quantity)?)?;
+            let [low, high] = value_range(&values_of(volume, quantity)?)?;
             let range = known.ranges.entry(quantity.clone()).or_insert([low, high]);
             *range = [range[0].min(low), range[1].max(high)];
         }
@@ -108,7 +106,7 @@ fn find(call: &RunContext, demand: &Demand, quantities: &[ArrayRef], shown: &[f6
     }
     each(&mut |volume| {
         for (quantity, spread) in &mut known.spreads {
-            spread.add(&volume.grid, &values(volume, quantity)?, call.progress())?;
+            spread.add(&volume.grid, &values_of(volume, quantity)?, call.progress())?;
         }
         Ok(())
     })?;
@@ -116,55 +114,30 @@ fn find(call: &RunContext, demand: &Demand, quantities: &[ArrayRef], shown: &[f6
     Ok(known)
 }
 
-/// Statistics of quantities over all steps of the series that feeds an output, the axes of the plane first. `shown`: low
-/// and high of these.
+/// Parameters of the node. `quantities`: those of the plane's axes first; `shown`: these axes.
+pub(super) fn settings(quantities: &[ArrayRef], shown: [Axis; 2], gradient: bool) -> Vec<Field> {
+    let ends = shown.into_iter().flat_map(|axis| [axis.low, axis.high]);
+    vec![
+        Field::new(QUANTITIES, quantities.iter().map(named).collect::<ParameterValue>()),
+        Field::new(SHOWN, ends.collect::<ParameterValue>()),
+        Field::new(GRADIENT, ParameterValue::Boolean(gradient)),
+    ]
+}
+
+/// Statistics of quantities over all steps of the series that feeds an output.
 pub(super) fn known(
     session: &mut Session,
     registry: &Registry,
-    (nodes, folder): (&[NodeEntry], &Path),
-    source: &str,
-    quantities: &[ArrayRef],
-    shown: [[f64; 2]; 2],
+    source: &VolumeSource,
+    settings: Vec<Field>,
     observer: &dyn Observer,
 ) -> Result<DataScales> {
-    let (name, _) = voltet_document::links::source(source, nodes);
-    let mut look = |gradient: bool| -> Result<DataScales> {
-        let mut nodes = feeding(nodes, name)?;
-        let text = |text: &str| LocatedValue::from(ParameterValue::Text(text.to_string()));
-        let number = |x: &f64| LocatedValue::from(ParameterValue::Number(*x));
-        let field = |name: &str, datum: ParameterValue| Field {
-            name: name.into(),
-            origin: SourceSpan::Nowhere,
-            setting: datum.into(),
-        };
-        let quantities = quantities.iter().map(|quantity| text(&named(quantity)));
-        nodes.push(NodeEntry {
-            name: NODE.name.into(),
-            origin: SourceSpan::Nowhere,
-            node_type: text(NODE.name),
-            settings: vec![
-                field(QUANTITIES, ParameterValue::List(quantities.collect())),
-                field(SHOWN, ParameterValue::List(shown.as_flattened().iter().map(number).collect())),
-                field(GRADIENT, ParameterValue::Boolean(gradient)),
-            ],
-            inputs: vec![LinkEntry {
-                port: "volume".into(),
-                origin: SourceSpan::Nowhere,
-                source: text(source),
-            }],
-        });
-        nodes.push(entry(NAME, [("cells".to_string(), format!("{}.known", NODE.name))].into_iter()));
-        let graph = Graph::build(&nodes, registry, folder.to_path_buf())?;
-        let (values, _) = session.feed(&graph, graph.nodes.len() - 1, &Demand::default(), observer)?;
-        let found = values.into_iter().find_map(|value| match value {
-            Value::Cells(found) => found.downcast::<DataScales>().ok(),
-            _ => None,
-        });
-        found.map(Arc::unwrap_or_clone).ok_or_else(|| Error::run("nothing was found of the series"))
-    };
-    match look(true) {
-        // Without a gradient to have there is no g; every other mistake is made again.
-        Err(error) if error.kind == ErrorKind::Usage => look(false),
-        found => found,
-    }
+    let mut nodes = source.nodes(&NODE, settings, Vec::new())?;
+    let output = ("cells".to_string(), format!("{}.known", NODE.name));
+    nodes.push(values::entry(&values::NODE, Vec::new(), vec![output]));
+    let found = source.feed(session, registry, &nodes, observer)?.into_iter().find_map(|value| match value {
+        Value::Cells(found) => found.downcast::<DataScales>().ok(),
+        _ => None,
+    });
+    found.map(Arc::unwrap_or_clone).ok_or_else(|| Error::run("nothing was found of the series"))
 }
