@@ -9,7 +9,7 @@
 //! | `gestures`, `input_queue`, `keys` | steps of the undo history; queued input events; key bindings |
 //! | `saving`, `recover`, `autosave` | saving, recovery after a crash |
 //! | `requests` | requests to the worker, and handling of its answers |
-//! | `graph` | nodes and wires, by `egui_node_graph2` behind a small interface |
+//! | `graph` | nodes and wires |
 //! | `picture`, `parameters`, `costs` | the picture, the panel of the selected node, times and errors |
 //! | `arrays` | the arrays of data files |
 //! | `files`, `file_watcher`, `file_dialog`, `recent`, `begin` | file names, changes on disk, choosing, recent files, start screen |
