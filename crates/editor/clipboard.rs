@@ -27,7 +27,7 @@ impl Editor {
     /// Copies of the selected nodes beside them.
     pub(crate) fn duplicate(&mut self) {
         if !self.selection.is_empty() {
-            let outcome = self.document.duplicate(&self.selected(), true);
+            let outcome = self.document.duplicate(&self.selected());
             self.take_copies(outcome);
         }
     }

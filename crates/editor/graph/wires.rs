@@ -167,8 +167,7 @@ fn connect_edit(scene: &Scene, held: &Port, target: &Port) -> Result<Edit> {
         }
         (true, true) => return Err(Error::usage("both are inputs: a wire leads from an output to an input")),
     };
-    let join = scene.document.join(scene.registry, (&from.node, &from.name), (&to.node, &to.name))?;
-    Ok(join.edit)
+    scene.document.join(scene.registry, (&from.node, from.name), (&to.node, to.name))
 }
 
 /// Type and summary of a port, and the values of its wires.

@@ -57,7 +57,7 @@ impl ParameterPanel {
                     return self.typing.value(ui, &key, row, 160.0, "2.5, 25 %, p90");
                 }
                 let given = number_field(ui, now.and_then(number), range, Some(*scale));
-                self.offer_typing(ui, relative.is_some(), &key, now);
+                self.offer_typing(ui, *relative, &key, now);
                 given.map(ParameterValue::Number)
             }
             Control::Vector { count, range, whole, relative } => {
@@ -65,7 +65,7 @@ impl ParameterPanel {
                     return self.typing.value(ui, &key, row, 200.0, "2.5, 25 %, p90");
                 }
                 let given = numbers(ui, now, count.unwrap_or_default(), range, *whole);
-                self.offer_typing(ui, relative.is_some() || count.is_none(), &key, now);
+                self.offer_typing(ui, *relative || count.is_none(), &key, now);
                 given
             }
             Control::Colour { most } => color(ui, now, *most),
