@@ -16,7 +16,7 @@ struct Change {
 }
 
 impl Change {
-    /// What differs between the longest equal beginnings and ends.
+    /// Difference between the longest equal beginnings and ends.
     fn between(old: &str, new: &str) -> Change {
         let equal = |pairs: &mut dyn Iterator<Item = (char, char)>| {
             pairs.take_while(|(a, b)| a == b).map(|(a, _)| a.len_utf8()).sum::<usize>()

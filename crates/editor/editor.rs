@@ -3,29 +3,24 @@
 use crate::actions::Command;
 use crate::arrays::Arrays;
 use crate::file_dialog::FileDialog;
-use crate::file_watcher::{BETWEEN, FileWatcher};
-use crate::files::{Disk, begun, free_path, is_pipeline};
-use crate::gestures::GestureTracker;
+use crate::files::{BETWEEN, Disk, FileWatcher, Recent, Recover};
 use crate::graph::GraphView;
+use crate::input::GestureTracker;
+use crate::jobs::Job;
 use crate::parameters::ParameterPanel;
 use crate::picture::PicturePanel;
-use crate::recent::Recent;
-use crate::recover::Recover;
-use crate::run::Run;
 use crate::scene::{Scene, pictures};
 use crate::section::SectionPanel;
 use crate::study::StudyPanel;
 use crate::transfer::TransferPanel;
 use crate::view::View;
 use crate::worker::{Estimate, NodeState, PixelProbe, RenderRequest, Worker, WorkerOutput, size_of};
-use eframe::egui::Context;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, channel};
 use voltet_core::{Error, Result};
 use voltet_document::{Document, Gesture};
-use voltet_graph::{ArrayRef, NodeEntry, Registry};
+use voltet_graph::{ArrayRef, NodeEntry, Registry, RunReport};
 
 /// Makes the text of a pipeline for a file that is none, such as data; the second path is where it would be saved.
 pub type Start = Arc<dyn Fn(&Path, &Path) -> Result<String> + Send + Sync>;
@@ -49,7 +44,7 @@ pub struct Editor {
     pub(crate) worker: Worker,
     pub(crate) start: Start,
     /// A pipeline that is being made.
-    pub(crate) made: Option<Receiver<Result<Document>>>,
+    pub(crate) made: Option<Job<Document>>,
     pub(crate) selection: BTreeSet<String>,
     pub(crate) shown_node: Option<String>,
     pub(crate) graph: GraphView,
@@ -69,7 +64,7 @@ pub struct Editor {
     pub(crate) begin_with: Option<PathBuf>,
     pub(crate) recent: Recent,
     /// A whole run that is under way.
-    pub(crate) run: Option<Run>,
+    pub(crate) run: Option<Job<RunReport>>,
     /// Command that waits for a decision about unsaved work.
     pub(crate) unsaved: Option<Command>,
     /// The picture that was asked for last, and its number.
@@ -223,48 +218,6 @@ impl Editor {
     pub(crate) fn estimate(&self) {
         if let Some(asked) = self.asked.clone() {
             self.worker.ask(|output| &mut output.estimate, Estimate(asked));
-        }
-    }
-
-    /// Opens a pipeline file, or makes a pipeline for another file, on a thread of its own.
-    pub(crate) fn open_any(&mut self, ctx: &Context, path: &Path) {
-        if is_pipeline(path) {
-            match Document::open(path) {
-                Ok(document) => {
-                    self.recent.add(path);
-                    self.take(document);
-                }
-                Err(error) => self.complain(&error),
-            }
-            return;
-        }
-        self.recent.add(path);
-        let at = free_path(path);
-        let (start, path, ctx) = (self.start.clone(), path.to_path_buf(), ctx.clone());
-        let (sender, made) = channel();
-        let name = path.display().to_string();
-        let spawned = std::thread::Builder::new().name("start".into()).spawn(move || {
-            let text = start(&path, &at);
-            // Nobody waits for it any more where the window was closed.
-            let _ = sender.send(text.and_then(|text| begun(text, &at)));
-            ctx.request_repaint();
-        });
-        match spawned {
-            Ok(_) => {
-                self.message = Some((format!("making a pipeline for {name} …"), false));
-                self.made = Some(made);
-            }
-            Err(error) => self.complain(&Error::run("no thread can be had").got(error)),
-        }
-    }
-
-    /// Takes over a pipeline that was made.
-    pub(crate) fn take_made(&mut self) {
-        let Some(made) = self.made.as_ref().and_then(|made| made.try_recv().ok()) else { return };
-        self.made = None;
-        match made {
-            Ok(document) => self.take(document),
-            Err(error) => self.complain(&error),
         }
     }
 }

@@ -1,17 +1,19 @@
-//! The transfer function that the panel shows and edits.
+//! The transfer function that the panel shows and edits, the volume that it is drawn with, and the quantities of its plane.
 
+use super::geometry::{S_AND_G, Scale};
 use super::images::Images;
 use super::plane::Plane;
-use super::scale::{S_AND_G, Scale};
-use super::screen_widget::ScreenWidget;
+use super::relative;
+use super::screen_widget::{self, ScreenWidget};
 use super::shape::PlaneContext;
 use crate::scene::Scene;
 use crate::worker::{Distribution, PixelProbe, Share};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::probing::Histogram;
-use voltet_graph::{ArrayRef, LocatedValue, NodeEntry};
+use voltet_document::links::{self, upstream};
+use voltet_graph::{ArrayRef, LocatedValue, NodeEntry, PortType};
 
 /// The transfer function in the panel, with the data of its plane.
 pub(super) struct EditedFunction<'a> {
@@ -43,8 +45,7 @@ impl<'a> EditedFunction<'a> {
         former_peak: Option<f64>,
         images: &Images,
     ) -> EditedFunction<'a> {
-        let stated = node.settings.iter().find(|field| field.name == "widgets");
-        let list = stated.and_then(|field| field.setting.list()).unwrap_or_default();
+        let list = widgets_of(node);
         let found = scene.distribution.clone();
         let extent =
             found.as_ref().map_or([1.0; 2], |found| found.histogram.axes.map(|axis| axis.high - axis.low));
@@ -85,5 +86,73 @@ impl<'a> EditedFunction<'a> {
 
     pub fn scale(&self, shown: [[f64; 2]; 2]) -> Scale {
         Scale { extent: self.metric, shown, peak: self.peak }
+    }
+}
+
+/// The transfer function that is edited: the selected one, else the first that feeds the picture.
+pub(crate) fn edited_node<'a>(scene: &Scene<'a>) -> Option<&'a NodeEntry> {
+    let nodes = &scene.document.pipeline().nodes;
+    let is_one = |node: &&NodeEntry| node.node_type.text() == Some("transfer-function");
+    let selected = nodes.iter().filter(is_one).find(|node| scene.selection.contains(&node.name));
+    let feeding = upstream(nodes, scene.shown_node?);
+    selected.or_else(|| nodes.iter().filter(is_one).find(|node| feeding.contains(&node.name)))
+}
+
+/// The arrays that the widgets of a transfer function name.
+pub(crate) fn fields_of(look: &NodeEntry) -> Vec<String> {
+    let all: BTreeSet<String> =
+        widgets_of(look).iter().filter_map(LocatedValue::table).flat_map(screen_widget::arrays).collect();
+    all.into_iter().collect()
+}
+
+/// True if a transfer function has numbers relative to all steps of a time series.
+pub(crate) fn is_of_series(look: &NodeEntry) -> bool {
+    let says_so = look.setting("relative_to").and_then(LocatedValue::text) == Some("series");
+    says_so && widgets_of(look).iter().filter_map(LocatedValue::table).any(relative::is_relative)
+}
+
+/// The widgets of a transfer function as stated.
+fn widgets_of(look: &NodeEntry) -> &[LocatedValue] {
+    look.setting("widgets").and_then(LocatedValue::list).unwrap_or_default()
+}
+
+/// The output that gives the volume that a transfer function is drawn with: "node" or "node.port".
+pub(crate) fn volume_of(scene: &Scene, look: &str) -> Option<String> {
+    let nodes = &scene.document.pipeline().nodes;
+    let source = |node: &NodeEntry, port_type: PortType| {
+        let declared = scene.node_type(node)?;
+        let port = declared.all_inputs().find(|port| port.port_type == port_type)?;
+        node.inputs.iter().find(|link| link.port == port.name)?.source.text().map(str::to_string)
+    };
+    let draws = |node: &&NodeEntry| {
+        source(node, PortType::TransferFunction)
+            .is_some_and(|text| text == look || text.split('.').next() == Some(look))
+    };
+    let mut drawn = nodes.iter().filter(draws).filter(|node| node.name != look);
+    let by_use = drawn.find_map(|node| source(node, PortType::Volume));
+    by_use.or_else(|| source(scene.entry(look)?, PortType::Volume))
+}
+
+/// An axis with what it is: s is the array that the reader reads for it, where one does.
+pub(super) fn axis_title(scene: &Scene, look: &str, axis: &ArrayRef) -> String {
+    match axis {
+        ArrayRef::Named("s") => {
+            let source = volume_of(scene, look);
+            let nodes = &scene.document.pipeline().nodes;
+            let feeding = source.map(|source| upstream(nodes, links::source(&source, nodes).0));
+            let reads = |node: &&NodeEntry| feeding.as_ref().is_some_and(|names| names.contains(&node.name));
+            let scalar = |node: &NodeEntry| Some(format!("s = {}", node.setting("scalar")?.text()?));
+            nodes.iter().filter(reads).find_map(scalar).unwrap_or_else(|| "s".into())
+        }
+        ArrayRef::Named("g") => "g = |grad s|".into(),
+        ArrayRef::Array(_) | ArrayRef::Named(_) | ArrayRef::Per(..) => axis_name(axis),
+    }
+}
+
+/// A quantity as an axis names it.
+pub(super) fn axis_name(axis: &ArrayRef) -> String {
+    match axis {
+        ArrayRef::Array(name) => name.clone(),
+        ArrayRef::Named(_) | ArrayRef::Per(..) => axis.to_string(),
     }
 }

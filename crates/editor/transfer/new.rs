@@ -1,8 +1,8 @@
 //! New widgets: where most of the volume is, and on the values of a probe.
 
 use super::edited_function::EditedFunction;
+use super::geometry::{Change, list};
 use super::kinds::{gaussian, gaussian_over};
-use super::numbers::{Change, list};
 use super::plane::middle;
 use crate::worker::PixelProbe;
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -98,7 +98,7 @@ fn widget(look: &EditedFunction, (kind, numbers): (&str, Vec<Change>)) -> Parame
     let first = [
         ("kind", ParameterValue::Text(kind.into())),
         ("color", list(&color)),
-        ("extinction", ParameterValue::Number(super::numbers::rounded(extinction))),
+        ("extinction", ParameterValue::Number(super::geometry::rounded(extinction))),
     ];
     let field = |(name, datum): (&'static str, ParameterValue)| Field {
         name: name.into(),

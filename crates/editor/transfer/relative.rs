@@ -154,7 +154,7 @@ fn written(
         return ParameterValue::List(parts.collect());
     }
     let (Some(was), Some(is)) = (now.number(), LocatedValue::from(new.clone()).number()) else { return new };
-    if is == was || (is - was).abs() <= 1e-9 * was.abs() || is == super::numbers::rounded(was) {
+    if is == was || (is - was).abs() <= 1e-9 * was.abs() || is == super::geometry::rounded(was) {
         return old.datum.clone();
     }
     let mark = marked.and_then(LocatedValue::number).map(|mark| mark as usize);

@@ -1,7 +1,5 @@
-use super::super::handles::Handle;
+use super::super::geometry::{Change, Handle, S_AND_G, Scale, list, rows};
 use super::super::images::Images;
-use super::super::numbers::{Change, list, rows};
-use super::super::scale::{S_AND_G, Scale};
 use super::*;
 use crate::worker::DataScales;
 use voltet_graph::ParameterValue;

@@ -1,10 +1,8 @@
 //! Shape of a widget in the plane of the transfer function editor.
 
-use super::handles::Handle;
+use super::geometry::{Change, Handle, S_AND_G, Scale};
 use super::images::Images;
-use super::numbers::Change;
-use super::scale::{S_AND_G, Scale};
-use super::widget_painter::WidgetPainter;
+use super::plane::WidgetPainter;
 use crate::worker::DataScales;
 use std::fmt::Debug;
 use voltet_graph::ArrayRef;

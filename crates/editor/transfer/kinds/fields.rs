@@ -1,14 +1,12 @@
 //! Widgets over a list of fields, on the plane of two of them: what lies outside of the plane stays as it is.
 
-use super::super::handles::Handle;
-use super::super::numbers::{Change, find, list, rounded, rows_of};
-use super::super::scale::Scale;
+use super::super::geometry::{Change, Handle, Scale, list, rounded, rows};
+use super::super::plane::WidgetPainter;
 use super::super::shape::{PlaneContext, Shape};
-use super::super::widget_painter::WidgetPainter;
-use super::ellipse::Ellipse;
+use super::gaussian::Ellipse;
 use super::triangle::Triangle;
 use std::sync::Arc;
-use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue};
+use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue, find_setting};
 
 /// The numbers of such a widget.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,7 +73,7 @@ impl FieldShape {
                 level: range.map_or(1.0, |[_, high]| 0.5 * high),
             }
         });
-        let sigma = find(numbers, "sigma").and_then(LocatedValue::numbers);
+        let sigma = find_setting(numbers, "sigma").and_then(LocatedValue::numbers);
         let middle = at.map(|place| place.map_or(0.0, |i| centre[i]));
         let ellipse = Ellipse::new(middle, kernel, at, on.extent);
         let figure = match magnitude {
@@ -140,7 +138,7 @@ impl FieldShape {
             let (x, y) = (row[i], row[j]);
             (row[i], row[j]) = (x * back[0][0] + y * back[1][0], x * back[0][1] + y * back[1][1]);
         }
-        vec![("matrix", Some(rows_of(&kernel))), ("sigma", None)]
+        vec![("matrix", Some(rows(&kernel))), ("sigma", None)]
     }
 
     /// Wider by factors along the plane's axes.
@@ -160,7 +158,7 @@ impl FieldShape {
                 for row in &mut kernel {
                     row.iter_mut().enumerate().for_each(|(i, x)| *x /= factor(i));
                 }
-                vec![("matrix", Some(rows_of(&kernel)))]
+                vec![("matrix", Some(rows(&kernel)))]
             }
         }
     }

@@ -4,7 +4,6 @@
 //! To add a kind, add its arm in [`shape`] and, where no shape here is its own, a file; nothing else of the editor knows kinds.
 
 mod curve;
-mod ellipse;
 mod fields;
 mod gaussian;
 mod table;
@@ -14,7 +13,7 @@ mod wave;
 pub(super) use fields::gaussian_over;
 pub(super) use gaussian::gaussian;
 
-use super::scale::S_AND_G;
+use super::geometry::S_AND_G;
 use super::shape::{PlaneContext, Shape};
 use std::sync::Arc;
 use voltet_core::transfer::{Profile, Widget};

@@ -1,14 +1,12 @@
 //! Tables: pictures over ranges of s and g, moved and scaled by these.
 
-use super::super::handles::{Handle, corners, edges};
-use super::super::numbers::{Change, find, list};
+use super::super::geometry::{Change, Handle, Scale, corners, edges, list};
+use super::super::plane::WidgetPainter;
 use super::super::region::with_corner;
-use super::super::scale::Scale;
 use super::super::shape::{PlaneContext, Shape};
-use super::super::widget_painter::WidgetPainter;
 use eframe::egui::{Color32, Rect, TextureId, pos2};
 use voltet_core::transfer::Table;
-use voltet_graph::{Field, LocatedValue};
+use voltet_graph::{Field, LocatedValue, find_setting};
 
 /// The least length of a side, as a share of what is shown: a range that is empty is refused.
 const MIN_SIDE: f64 = 1e-3;
@@ -25,7 +23,7 @@ pub(super) struct Picture {
 
 impl Picture {
     pub fn new(table: &Table, numbers: &[Field], on: &PlaneContext) -> Picture {
-        let path = find(numbers, "image").and_then(LocatedValue::text);
+        let path = find_setting(numbers, "image").and_then(LocatedValue::text);
         Picture { ranges: [table.s, table.g], texture: path.and_then(|path| on.images.texture(path)) }
     }
 }
