@@ -6,13 +6,15 @@ use crate::links;
 use voltet_core::{Error, Result};
 use voltet_graph::{Node, Port, PortType, Registry};
 
-/// A kind of node types, for a menu; told from the ports.
+/// A kind of node types, for a menu, in the order in which data runs through them; told from the ports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Group {
     /// Gives data and takes none.
     Sources,
     /// Makes something of data.
     Filters,
+    /// Finds something out about data.
+    Findings,
     /// Says what is drawn.
     TransferFunctions,
     /// Says where it is seen from.
@@ -21,25 +23,11 @@ pub enum Group {
     Drawing,
     /// One stage of making a picture.
     Stages,
-    /// Finds something out about data.
-    Findings,
     /// Writes a file.
     Writers,
 }
 
 impl Group {
-    /// All, in the order in which data runs through them.
-    pub const ALL: [Group; 8] = [
-        Group::Sources,
-        Group::Filters,
-        Group::Findings,
-        Group::TransferFunctions,
-        Group::Cameras,
-        Group::Drawing,
-        Group::Stages,
-        Group::Writers,
-    ];
-
     /// The kind of a node type.
     pub fn from_node(node: &Node) -> Group {
         let gives = |wanted: PortType| node.outputs.iter().any(|port| port.port_type == wanted);

@@ -52,7 +52,7 @@ impl<T: Send + 'static> Job<T> {
         let of_thread = observer.clone();
         let spawned = std::thread::Builder::new().name(name.into()).spawn(move || {
             // The window is shown anew also where the work ends by a panic, which drops the sender.
-            let _wake = Wake(of_thread.ctx.clone());
+            let _at_end = RepaintAtEnd(of_thread.ctx.clone());
             // The receiver is gone if the job was cancelled.
             let _ = sender.send(work(&*of_thread));
         });
@@ -89,9 +89,9 @@ impl<T> Drop for Job<T> {
     }
 }
 
-struct Wake(Context);
+struct RepaintAtEnd(Context);
 
-impl Drop for Wake {
+impl Drop for RepaintAtEnd {
     fn drop(&mut self) {
         self.0.request_repaint();
     }

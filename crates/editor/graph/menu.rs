@@ -126,7 +126,7 @@ impl Menu {
         let found = search(scene.registry, &self.typed);
         let mut entries: Vec<Entry> = found.into_iter().filter_map(with_port).collect();
         if self.typed.trim().is_empty() {
-            entries.sort_by_key(|(node, _)| Group::ALL.iter().position(|of| *of == Group::from_node(node)));
+            entries.sort_by_key(|(node, _)| Group::from_node(node));
         }
         entries
     }

@@ -205,7 +205,7 @@ impl TransferPanel {
             point.and_then(|point| widget.handles(&scale).into_iter().find(|(known, _)| *known == point));
         let changes = match held {
             Some((handle, at)) => widget.moved(handle, [at[0] + step[0], at[1] + step[1]], &scale),
-            None => widget.shifted(step),
+            None => widget.shifted(step, &scale),
         };
         edit(look, self.chosen, widget, changes, actions);
     }

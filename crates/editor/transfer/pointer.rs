@@ -95,7 +95,7 @@ impl TransferPanel {
         (0..2).for_each(|k| drag.at[k] += times * way[k]);
         let changes = match drag.handle {
             Some(handle) => drag.widget.moved(handle, drag.at, &scale),
-            None => drag.widget.shifted([0, 1].map(|k: usize| drag.at[k] - drag.from[k])),
+            None => drag.widget.shifted([0, 1].map(|k: usize| drag.at[k] - drag.from[k]), &scale),
         };
         let before = drag.widget.clone();
         edit(look, self.chosen, &before, changes, actions);

@@ -136,8 +136,8 @@ impl ScreenWidget {
     }
 
     /// Changes of the numbers when the whole widget is moved.
-    pub fn shifted(&self, by: [f64; 2]) -> Vec<Change> {
-        let mut changes = self.shape.as_ref().map_or(Vec::new(), |shape| shape.shifted(by));
+    pub fn shifted(&self, by: [f64; 2], scale: &Scale) -> Vec<Change> {
+        let mut changes = self.shape.as_ref().map_or(Vec::new(), |shape| shape.shifted(by, scale));
         changes.extend(self.region.shifted(by));
         changes
     }

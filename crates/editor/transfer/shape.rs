@@ -19,9 +19,10 @@ pub(super) trait Shape: Debug {
         Vec::new()
     }
 
-    /// Changes of the numbers when the whole shape is moved.
-    fn shifted(&self, _by: [f64; 2]) -> Vec<Change> {
-        Vec::new()
+    /// Changes of the numbers when the whole shape is moved: by its centre.
+    fn shifted(&self, by: [f64; 2], scale: &Scale) -> Vec<Change> {
+        let centre = self.handles(scale).into_iter().find(|(handle, _)| *handle == Handle::Centre);
+        centre.map_or(Vec::new(), |(handle, at)| self.moved(handle, [at[0] + by[0], at[1] + by[1]], scale))
     }
 
     fn draw(&self, _pen: &WidgetPainter) {}

@@ -1,13 +1,13 @@
 //! Pictures beside the shown one: without a widget, by the 64-bit reference, and small ones of other nodes.
 
 use super::pixels::Pixels;
-use super::query::Query;
+use super::query::{Query, QueryRun};
 use super::request::RenderRequest;
 use std::sync::Arc;
 use voltet_core::error::ErrorKind;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
-use voltet_graph::{Demand, Graph, Observer, ParameterValue, Registry, RunReport, Session, Value};
+use voltet_graph::{Demand, Graph, ParameterValue, Registry, RunReport, Value};
 
 /// Pixels that are compared, at most.
 const PIXELS: f64 = 3072.0;
@@ -28,15 +28,10 @@ impl Query for Estimate {
     type Reply = [f64; 2];
     const WAITS: bool = false;
 
-    fn answer(
-        &self,
-        session: &mut Session,
-        registry: &Registry,
-        observer: &dyn Observer,
-    ) -> Result<[f64; 2]> {
+    fn answer(&self, run: &mut QueryRun) -> Result<[f64; 2]> {
         let mut pictures = Vec::new();
-        for graph in &graphs(&self.0, registry)? {
-            let report = session.run(graph, observer).map_err(|error| match error.kind {
+        for graph in &graphs(&self.0, run.registry)? {
+            let report = run.session.run(graph, run.observer).map_err(|error| match error.kind {
                 ErrorKind::Cancelled => {
                     Error::run("given up for a newer picture").expected("to be asked again")
                 }
@@ -145,10 +140,10 @@ impl Query for ShareQuery {
     const WAITS: bool = false;
 
     /// A coarse picture with the widget and without it, and one of it alone for its cells.
-    fn answer(&self, session: &mut Session, registry: &Registry, observer: &dyn Observer) -> Result<Share> {
+    fn answer(&self, run: &mut QueryRun) -> Result<Share> {
         let mut draw = |wanted: &RenderRequest| -> Result<(Arc<Picture>, RunReport)> {
-            let graph = wanted.graph(registry, wanted.divisor_for(PIXELS))?;
-            let report = session.run(&graph, observer)?;
+            let graph = wanted.graph(run.registry, wanted.divisor_for(PIXELS))?;
+            let report = run.session.run(&graph, run.observer)?;
             Ok((wanted.picture_of(&report)?, report))
         };
         let (with, _) = draw(&self.wanted)?;
@@ -174,12 +169,12 @@ impl Query for PreviewQuery {
     const WAITS: bool = true;
 
     /// The picture, without the nodes that it does not need being forgotten as a run forgets them.
-    fn answer(&self, session: &mut Session, registry: &Registry, observer: &dyn Observer) -> Result<Pixels> {
+    fn answer(&self, run: &mut QueryRun) -> Result<Pixels> {
         let wanted = &self.0;
         let divisor = wanted.divisor_for(PREVIEW_PIXELS);
-        let graph = wanted.graph(registry, divisor)?;
+        let graph = wanted.graph(run.registry, divisor)?;
         let place = graph.nodes.len() - 1;
-        let fed = session.inputs(&graph, place, &Demand::default(), observer)?;
+        let fed = run.session.inputs(&graph, place, &Demand::default(), run.observer)?;
         let mut pictures =
             graph.nodes[place].inputs.iter().zip(fed).filter_map(|(edge, value)| match value {
                 Value::Image(picture) if graph.nodes[edge.node].name == wanted.node => Some(picture),

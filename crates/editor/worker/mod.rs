@@ -13,7 +13,7 @@
 //! | `superseding`, `coarse` | when a pass is stopped; how many pixels a coarse picture has |
 //! | `values` | a node that takes what runs through the wires, and words for it |
 //! | `pixels` | a picture as a screen shows it |
-//! | `distribution`, `scales`, `series` | the volume over two quantities, their ranges and percentiles, those of all time steps |
+//! | `distribution` | the volume over two quantities, their ranges and percentiles, those of all time steps |
 //! | `probing`, `section` | the values on rays, and on a plane through the data |
 //! | `comparison` | other pictures: what a widget adds, how wrong one is, small ones of other nodes |
 
@@ -25,9 +25,7 @@ mod pixels;
 mod probing;
 mod query;
 mod request;
-mod scales;
 mod section;
-mod series;
 mod shared;
 mod superseding;
 #[cfg(test)]
@@ -38,16 +36,15 @@ mod values;
 mod work;
 
 pub(crate) use comparison::{Estimate, PreviewQuery, Share, ShareQuery};
-pub(crate) use distribution::{Distribution, DistributionQuery};
+#[cfg(test)]
+pub(crate) use distribution::Spread;
+pub(crate) use distribution::{DataScales, Distribution, DistributionQuery};
 pub use output::WorkerOutput;
 pub(crate) use output::{NodeState, NodeStatus, Preview};
 pub use pixels::Pixels;
 pub(crate) use probing::{PixelProbe, ProbeQuery};
 pub use request::RenderRequest;
 pub(crate) use request::{VolumeSource, size_of};
-pub(crate) use scales::DataScales;
-#[cfg(test)]
-pub(crate) use scales::Spread;
 pub(crate) use section::{Section, SectionQuery};
 pub use shared::RepaintCallback;
 pub(crate) use values::{grouped, short};
@@ -72,7 +69,7 @@ impl Worker {
     pub fn start(registry: &Registry, wake: RepaintCallback) -> Result<Worker> {
         let mut registry = registry.clone();
         registry.add(&values::NODE)?;
-        registry.add(&series::NODE)?;
+        registry.add(&distribution::SERIES)?;
         let shared = Arc::new(Shared::new(wake));
         let of_thread = shared.clone();
         let work = move || WorkerState::new(&of_thread, &registry).until_the_end();

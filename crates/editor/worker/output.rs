@@ -4,7 +4,7 @@ use super::comparison::{Estimate, PreviewQuery, ShareQuery};
 use super::distribution::DistributionQuery;
 use super::pixels::Pixels;
 use super::probing::ProbeQuery;
-use super::query::{Exchange, Query};
+use super::query::{Exchange, Query, QueryRun};
 use super::request::RenderRequest;
 use super::section::SectionQuery;
 use super::values::{self, Values};
@@ -14,7 +14,7 @@ use std::sync::Arc;
 use voltet_core::error::ErrorKind;
 use voltet_core::{Error, Result};
 use voltet_document::links::upstream;
-use voltet_graph::{Observer, Registry, RunReport, Session};
+use voltet_graph::RunReport;
 
 /// States of a node.
 #[derive(Debug, Clone, PartialEq)]
@@ -183,7 +183,7 @@ impl WorkerOutput {
 /// A query of any kind that is being answered.
 pub(super) trait Job {
     /// Finds the answer.
-    fn work(&mut self, session: &mut Session, registry: &Registry, observer: &dyn Observer) -> Result<()>;
+    fn work(&mut self, run: &mut QueryRun) -> Result<()>;
 
     /// Puts the answer, or the error of finding it, into the output.
     fn settle(self: Box<Self>, outcome: Result<()>, output: &mut WorkerOutput);
@@ -207,8 +207,8 @@ where
 }
 
 impl<Q: Query, F: Fn(&mut WorkerOutput) -> &mut Exchange<Q>> Job for Pending<Q, F> {
-    fn work(&mut self, session: &mut Session, registry: &Registry, observer: &dyn Observer) -> Result<()> {
-        self.found = Some(self.query.answer(session, registry, observer)?);
+    fn work(&mut self, run: &mut QueryRun) -> Result<()> {
+        self.found = Some(self.query.answer(run)?);
         Ok(())
     }
 

@@ -1,6 +1,6 @@
 //! Values on rays of the picture, weighted by their contribution to it.
 
-use super::query::Query;
+use super::query::{Query, QueryRun};
 use super::request::VolumeSource;
 use super::values;
 use glam::DVec3;
@@ -8,7 +8,7 @@ use std::sync::Arc;
 use voltet_core::camera::Camera;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_graph::{Observer, Registry, Session, TransferFunctionSpec, Value, diagonal};
+use voltet_graph::{Observer, TransferFunctionSpec, Value, diagonal};
 use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::Integrator;
 use voltet_optics::scene::Scene;
@@ -107,16 +107,11 @@ impl Query for ProbeQuery {
     // In a newer picture the values lie elsewhere.
     const WAITS: bool = false;
 
-    fn answer(
-        &self,
-        session: &mut Session,
-        registry: &Registry,
-        observer: &dyn Observer,
-    ) -> Result<Arc<PixelProbe>> {
+    fn answer(&self, run: &mut QueryRun) -> Result<Arc<PixelProbe>> {
         let others = [("transfer-function", &self.look), ("camera", &self.camera)];
         let others = others.map(|(port, node)| (port.to_string(), node.clone()));
         let nodes = self.source.nodes(&values::NODE, Vec::new(), others.to_vec())?;
-        self.walk(&self.source.feed(session, registry, &nodes, observer)?, observer).map(Arc::new)
+        self.walk(&self.source.feed(run, &nodes)?, run.observer).map(Arc::new)
     }
 }
 

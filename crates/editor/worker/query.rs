@@ -12,12 +12,15 @@ pub(crate) trait Query: Clone + PartialEq + 'static {
     const WAITS: bool;
 
     /// The answer, found on the worker's thread. Errors: a newer picture is wanted; those of a run.
-    fn answer(
-        &self,
-        session: &mut Session,
-        registry: &Registry,
-        observer: &dyn Observer,
-    ) -> Result<Self::Reply>;
+    fn answer(&self, run: &mut QueryRun) -> Result<Self::Reply>;
+}
+
+/// Means to answer a query.
+pub(crate) struct QueryRun<'a> {
+    pub session: &'a mut Session,
+    pub registry: &'a Registry,
+    /// Reports that a newer picture is wanted.
+    pub observer: &'a dyn Observer,
 }
 
 /// The newest query of a kind, and the newest answer.

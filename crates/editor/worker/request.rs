@@ -1,5 +1,6 @@
 //! Requests to the worker: nodes as a document states them, and the output to show.
 
+use super::query::QueryRun;
 use super::values;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -8,9 +9,7 @@ use voltet_core::picture::Picture;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_document::links::{self, upstream};
-use voltet_graph::{
-    Demand, Field, Graph, Node, NodeEntry, Observer, ParameterValue, Registry, RunReport, Session, Value,
-};
+use voltet_graph::{Demand, Field, Graph, Node, NodeEntry, ParameterValue, Registry, RunReport, Value};
 
 /// The node type that says where a picture is seen from, and its parameters that coarse pictures change.
 const CAMERA: &str = "camera";
@@ -143,29 +142,17 @@ impl VolumeSource {
     }
 
     /// The values that feed the last of the nodes, with *g* where there is a gradient.
-    pub(super) fn feed(
-        &self,
-        session: &mut Session,
-        registry: &Registry,
-        nodes: &[NodeEntry],
-        observer: &dyn Observer,
-    ) -> Result<Vec<Value>> {
-        let graph = Graph::build(nodes, registry, self.folder.clone())?;
+    pub(super) fn feed(&self, run: &mut QueryRun, nodes: &[NodeEntry]) -> Result<Vec<Value>> {
+        let graph = Graph::build(nodes, run.registry, self.folder.clone())?;
         let of_volumes = Demand { gradient_magnitude: true, ..Demand::default() };
-        session.inputs(&graph, graph.nodes.len() - 1, &of_volumes, observer)
+        run.session.inputs(&graph, graph.nodes.len() - 1, &of_volumes, run.observer)
     }
 
     /// The volume with arrays, and with *g* where what feeds it has a gradient.
-    pub(super) fn volume(
-        &self,
-        session: &mut Session,
-        registry: &Registry,
-        arrays: &[&String],
-        observer: &dyn Observer,
-    ) -> Result<Arc<Volume>> {
+    pub(super) fn volume(&self, run: &mut QueryRun, arrays: &[&String]) -> Result<Arc<Volume>> {
         let arrays: ParameterValue = arrays.iter().map(|name| name.as_str()).collect();
         let nodes = self.nodes(&values::NODE, vec![Field::new(values::ARRAYS, arrays)], Vec::new())?;
-        let found = self.feed(session, registry, &nodes, observer)?;
+        let found = self.feed(run, &nodes)?;
         let none = || Error::run("the node gives no volume").at_node(&self.output);
         found.first().and_then(Value::volume).ok_or_else(none)?
     }

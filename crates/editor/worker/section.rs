@@ -1,12 +1,12 @@
 //! Section of the data by a plane: s and g at the pixels of a picture of it, linear in each cell.
 
-use super::query::Query;
+use super::query::{Query, QueryRun};
 use super::request::VolumeSource;
 use glam::{DMat3, DVec2, DVec3};
 use std::sync::Arc;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_graph::{Observer, Registry, Session};
+use voltet_graph::Observer;
 
 /// Barycentric distance outside of a cell within which a position still counts as on its face.
 const ON_FACE: f64 = 1e-9;
@@ -127,13 +127,8 @@ impl Query for SectionQuery {
     type Reply = Arc<Section>;
     const WAITS: bool = true;
 
-    fn answer(
-        &self,
-        session: &mut Session,
-        registry: &Registry,
-        observer: &dyn Observer,
-    ) -> Result<Arc<Section>> {
-        let volume = self.source.volume(session, registry, &[], observer)?;
-        self.cut(&volume, observer).map(Arc::new)
+    fn answer(&self, run: &mut QueryRun) -> Result<Arc<Section>> {
+        let volume = self.source.volume(run, &[])?;
+        self.cut(&volume, run.observer).map(Arc::new)
     }
 }

@@ -3,6 +3,7 @@
 use super::coarse::FrameTimeModel;
 use super::output::Job;
 use super::pixels::Pixels;
+use super::query::QueryRun;
 use super::request::RenderRequest;
 use super::shared::{Following, Shared, lock};
 use super::superseding::Pass;
@@ -140,7 +141,9 @@ impl<'a> WorkerState<'a> {
         let before = shared.newest();
         let stop = |_: &dyn Fn() -> Option<String>| shared.newest() != before;
         let following = Following::new(shared, &stop, false);
-        let outcome = self.guarded(&following, |session| job.work(session, registry, &following));
+        let outcome = self.guarded(&following, |session| {
+            job.work(&mut QueryRun { session, registry, observer: &following })
+        });
         shared.show(|output| job.settle(outcome, output));
     }
 }

@@ -40,7 +40,7 @@ impl Shape for Curve {
         stated(&points)
     }
 
-    fn shifted(&self, by: [f64; 2]) -> Vec<Change> {
+    fn shifted(&self, by: [f64; 2], _: &Scale) -> Vec<Change> {
         stated(&self.points.iter().map(|p| ControlPoint { s: p.s + by[0], ..*p }).collect::<Vec<_>>())
     }
 

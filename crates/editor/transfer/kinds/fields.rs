@@ -184,11 +184,6 @@ impl Shape for FieldShape {
         }
     }
 
-    fn shifted(&self, by: [f64; 2]) -> Vec<Change> {
-        let from = self.at.map(|place| place.map_or(0.0, |i| self.centre[i]));
-        self.centred([from[0] + by[0], from[1] + by[1]])
-    }
-
     fn draw(&self, pen: &WidgetPainter) {
         match &self.figure {
             Figure::Ellipse(ellipse) => ellipse.draw(pen),
@@ -221,9 +216,9 @@ pub(in crate::transfer) fn gaussian_over(
     sigma: [f64; 2],
 ) -> Option<(&'static str, Vec<Change>)> {
     let [ArrayRef::Array(x), ArrayRef::Array(y)] = axes else { return None };
-    let names = [x, y].map(|name| LocatedValue::from(ParameterValue::Text(name.clone())));
+    let names: ParameterValue = [x, y].into_iter().map(String::as_str).collect();
     let (centre, sigma) = (("centre", Some(list(&centre))), ("sigma", Some(list(&sigma))));
-    Some(("gaussian-nd", vec![("fields", Some(ParameterValue::List(names.to_vec()))), centre, sigma]))
+    Some(("gaussian-nd", vec![("fields", Some(names)), centre, sigma]))
 }
 
 #[cfg(test)]

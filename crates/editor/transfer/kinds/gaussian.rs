@@ -175,11 +175,6 @@ impl Shape for Gaussian {
         }
     }
 
-    fn shifted(&self, by: [f64; 2]) -> Vec<Change> {
-        let to = [0, 1].map(|k: usize| self.0.centre[k] + by[k]);
-        vec![("centre", Some(list(&to)))]
-    }
-
     fn draw(&self, pen: &WidgetPainter) {
         self.0.draw(pen);
     }

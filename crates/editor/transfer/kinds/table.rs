@@ -51,8 +51,8 @@ impl Shape for Picture {
                 after[axis] = [after[axis][0].min(after[axis][1]), after[axis][0].max(after[axis][1])];
             }
             _ => {
-                let by = [0, 1].map(|k: usize| to[k] - 0.5 * (self.ranges[k][0] + self.ranges[k][1]));
-                return self.shifted(by);
+                let by = [0, 1].map(|k: usize| to[k] - (0.5 * self.ranges[k][0] + 0.5 * self.ranges[k][1]));
+                return stated(self.ranges, [0, 1].map(|k: usize| self.ranges[k].map(|x| x + by[k])));
             }
         }
         let least = |k: usize| MIN_SIDE * (scale.shown[k][1] - scale.shown[k][0]);
@@ -60,10 +60,6 @@ impl Shape for Picture {
             true => stated(self.ranges, after),
             false => Vec::new(),
         }
-    }
-
-    fn shifted(&self, by: [f64; 2]) -> Vec<Change> {
-        stated(self.ranges, [0, 1].map(|k: usize| self.ranges[k].map(|x| x + by[k])))
     }
 
     fn draw(&self, pen: &WidgetPainter) {

@@ -39,10 +39,6 @@ impl Shape for Triangle {
         }
     }
 
-    fn shifted(&self, by: [f64; 2]) -> Vec<Change> {
-        vec![("centre", Some(ParameterValue::Number(rounded(self.centre + by[0]))))]
-    }
-
     fn draw(&self, pen: &WidgetPainter) {
         let top = pen.scale.top();
         let foot = pen.plane.to_window([self.centre, 0.0]);

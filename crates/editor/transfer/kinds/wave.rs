@@ -63,11 +63,6 @@ impl Shape for Bands {
         }
     }
 
-    fn shifted(&self, by: [f64; 2]) -> Vec<Change> {
-        let to = [0, 1].map(|k: usize| self.wave.origin[k] + by[k]);
-        vec![("origin", Some(list(&to)))]
-    }
-
     /// The peaks as lines across the plane.
     fn draw(&self, pen: &WidgetPainter) {
         let (step, origin) = (self.wave.step(), self.wave.origin);
