@@ -84,18 +84,16 @@ impl Editor {
     pub(crate) fn look(&mut self, view: View) {
         let Some(camera) = self.camera() else { return };
         let name = camera.name.clone();
-        let stated = |key: &str| camera.settings.iter().find(|field| field.name == key);
-        let settings = view.settings().into_iter();
-        let changed = settings
-            .filter(|(key, datum)| stated(key).is_none_or(|field| !same(&field.setting.datum, datum)));
         // A standard value that stays needs not be written.
         let standing = View::from_camera(camera);
-        let needed = changed.filter(|(key, _)| {
-            stated(key).is_some()
-                || standing.is_none_or(|before| match *key {
-                    "up" => before.up != view.up,
-                    _ => before.projection != view.projection,
-                })
+        let is_other = |key: &str| {
+            standing.is_none_or(|before| match key {
+                "up" => before.up != view.up,
+                _ => before.projection != view.projection,
+            })
+        };
+        let needed = view.settings().into_iter().filter(|(key, datum)| {
+            camera.setting(key).map_or_else(|| is_other(key), |stated| !same(&stated.datum, datum))
         });
         let edits: Vec<Edit> = needed.map(|(key, datum)| Edit::set(&name, [key], datum)).collect();
         if !edits.is_empty() {

@@ -7,7 +7,6 @@ use crate::editor::Editor;
 use crate::file_dialog;
 use crate::graph::GraphView;
 use crate::keys;
-use crate::menus;
 use crate::parameters::ParameterPanel;
 use crate::picture::{self, PicturePanel};
 use crate::scene::Scene;
@@ -72,7 +71,7 @@ fn show(editor: &mut Editor, ctx: &Context, actions: &mut Actions) {
     let mut open = editor.costs;
     {
         let scene = editor.scene();
-        TopBottomPanel::top("menus").show(ctx, |ui| menus::show(ui, &scene, actions));
+        TopBottomPanel::top("menus").show(ctx, |ui| keys::bar(ui, &scene, actions));
         TopBottomPanel::bottom("status").show(ctx, |ui| status(ui, editor, &scene));
         if scene.is_empty() {
             empty(editor, ctx, &mut graph, &scene, actions);

@@ -4,9 +4,9 @@
 //! | --- | --- |
 //! | [`worker`] | drawing and queries, on a thread of its own |
 //! | [`view`] | movements of the camera |
-//! | `editor`, `frame`, `menus`, `scene` | one frame: its state, layout, read-only view |
+//! | `editor`, `frame`, `scene` | one frame: its state, layout, read-only view |
 //! | `actions`, `apply_actions` | requests of the window's parts, and their application |
-//! | `input`, `keys` | steps of the undo history; queued input events; key bindings |
+//! | `input`, `keys` | steps of the undo history; queued input events; keys and menus |
 //! | `files`, `file_dialog`, `saving` | file names and changes on disk; choosing; opening, saving, recovery |
 //! | `requests` | requests to the worker, and handling of its answers |
 //! | `graph` | nodes and wires |
@@ -29,7 +29,6 @@ mod graph;
 mod input;
 mod jobs;
 mod keys;
-mod menus;
 mod parameters;
 mod picture;
 mod requests;

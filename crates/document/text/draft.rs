@@ -64,7 +64,7 @@ impl Draft {
             later += &new;
             copied = range.end;
         }
-        later += &self.text[copied..];
+        later += self.text.get(copied..).ok_or_else(|| Error::run("an edit points outside of the text"))?;
         self.syntax = Arc::new(Syntax::read(&later));
         self.text = later.into();
         Ok(())

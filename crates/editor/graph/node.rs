@@ -1,14 +1,14 @@
 //! A node: its size, its drawing, and words about it. Lengths are points at the usual scale.
 
 use super::places::{NodePlace, Port, Viewport};
-use crate::picture::milliseconds;
+use crate::picture::{WHOLE, milliseconds};
 use crate::scene::Scene;
 use crate::theme;
 use crate::worker::{NodeState, NodeStatus};
 use eframe::egui::epaint::text::{LayoutJob, TextWrapping};
 use eframe::egui::{
-    Align2, Color32, FontId, Galley, Pos2, Rect, Rounding, Stroke, TextStyle, TextureHandle, TextureId, Ui,
-    pos2, vec2,
+    Align2, Color32, FontId, Galley, Rect, Rounding, Stroke, TextStyle, TextureHandle, TextureId, Ui, pos2,
+    vec2,
 };
 use std::sync::Arc;
 use voltet_document::NodeView;
@@ -176,7 +176,7 @@ impl<'a> NodeShape<'a> {
         if let (Some((texture, aspect)), Some(height)) = (self.picture, self.picture_height()) {
             let size = zoom * vec2(height * aspect, height);
             let at = Rect::from_min_size(pos2(middle - 0.5 * size.x, y), size);
-            painter.image(texture, at, Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0)), Color32::WHITE);
+            painter.image(texture, at, WHOLE, Color32::WHITE);
             y = at.bottom() + GAP * zoom;
         }
         if is_far(ui, zoom) {

@@ -2,6 +2,7 @@
 //! widgets.
 
 use super::geometry::{Scale, height_of};
+use crate::picture::{WHOLE, set_texture};
 use crate::theme;
 use crate::worker::{Distribution, PixelProbe, short};
 use eframe::egui::{
@@ -165,17 +166,13 @@ impl Counts {
         let same = self.of.as_ref().is_some_and(|(of, of_dark)| Arc::ptr_eq(of, found) && *of_dark == dark);
         if !same {
             let image = image(histogram, dark);
-            match &mut self.texture {
-                Some(texture) => texture.set(image, TextureOptions::NEAREST),
-                None => self.texture = Some(ui.ctx().load_texture("counts", image, TextureOptions::NEAREST)),
-            }
+            set_texture(&mut self.texture, ui, "counts", image, TextureOptions::NEAREST);
             self.of = Some((found.clone(), dark));
         }
         let Some(texture) = &self.texture else { return };
         let [s, g] = histogram.axes;
         let place = Rect::from_two_pos(plane.to_window([s.low, g.low]), plane.to_window([s.high, g.high]));
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        ui.painter().with_clip_rect(plane.rect).image(texture.id(), place, whole, Color32::WHITE);
+        ui.painter().with_clip_rect(plane.rect).image(texture.id(), place, WHOLE, Color32::WHITE);
     }
 }
 

@@ -5,7 +5,6 @@ use super::super::plane::WidgetPainter;
 use super::super::shape::{PlaneContext, Shape};
 use super::gaussian::Ellipse;
 use super::triangle::Triangle;
-use std::sync::Arc;
 use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue, find_setting};
 
 /// The numbers of such a widget.
@@ -41,17 +40,7 @@ struct Magnitude {
 impl FieldShape {
     /// `None` of one that has no field along either axis, or would lie on its side. `magnitude`: the name of the array, where its
     /// widths are shares of one.
-    pub fn shape(
-        (names, centre, kernel): (&[String], &[f64], &[Vec<f64>]),
-        magnitude: Option<&String>,
-        numbers: &[Field],
-        on: &PlaneContext,
-    ) -> Option<Arc<dyn Shape>> {
-        let of = Self::read((names, centre, kernel), magnitude, numbers, on)?;
-        Some(Arc::new(of))
-    }
-
-    fn read(
+    pub fn read(
         (names, centre, kernel): (&[String], &[f64], &[Vec<f64>]),
         magnitude: Option<&String>,
         numbers: &[Field],

@@ -4,7 +4,8 @@ use super::super::geometry::{Change, Handle, Scale, corners, edges, list};
 use super::super::plane::WidgetPainter;
 use super::super::region::with_corner;
 use super::super::shape::{PlaneContext, Shape};
-use eframe::egui::{Color32, Rect, TextureId, pos2};
+use crate::picture::WHOLE;
+use eframe::egui::{Color32, Rect, TextureId};
 use voltet_core::transfer::Table;
 use voltet_graph::{Field, LocatedValue, find_setting};
 
@@ -67,9 +68,8 @@ impl Shape for Picture {
         if let Some(texture) = self.texture {
             let place =
                 Rect::from_two_pos(pen.plane.to_window([s[0], g[0]]), pen.plane.to_window([s[1], g[1]]));
-            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             let tint = Color32::WHITE.gamma_multiply(if pen.is_hidden { 0.3 * COVERS } else { COVERS });
-            pen.painter.image(texture, place, whole, tint);
+            pen.painter.image(texture, place, WHOLE, tint);
         }
         pen.rectangle(self.ranges, pen.stroke, Color32::TRANSPARENT);
     }
