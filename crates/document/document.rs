@@ -1,6 +1,7 @@
 //! The document: a pipeline file with its history.
 
 use crate::apply::{EditContext, blank};
+use crate::arrange::{USUAL, tidy};
 use crate::edit::Edit;
 use crate::history::{Gesture, History};
 use crate::text::Syntax;
@@ -180,8 +181,8 @@ impl Document {
     /// Lays out all nodes anew that the file gives no place. `size`: the width and height that each will have.
     pub fn lay_out(&mut self, size: &dyn Fn(&NodeEntry) -> [f64; 2]) {
         let nodes = &self.survey.pipeline.nodes;
-        let of = |name: &str| nodes.iter().find(|node| node.name == name).map_or(crate::arrange::USUAL, size);
-        let places = crate::arrange::tidy(nodes, &of);
+        let of = |name: &str| nodes.iter().find(|node| node.name == name).map_or(USUAL, size);
+        let places = tidy(nodes, &of);
         self.shown = nodes.iter().map(|node| node.name.clone()).zip(places).collect();
     }
 
@@ -196,7 +197,7 @@ impl Document {
         if new.is_empty() {
             return;
         }
-        let laid_out = crate::arrange::layers(nodes);
+        let laid_out = tidy(nodes, &|_| USUAL);
         let new = new.into_iter().map(|i| (nodes[i].name.clone(), laid_out[i]));
         self.shown.extend(new.collect::<Vec<_>>());
     }

@@ -4,7 +4,7 @@
 use crate::actions::{Action, Actions, Command};
 use crate::costs;
 use crate::editor::Editor;
-use crate::file_dialog;
+use crate::file_dialog::{self, ask};
 use crate::graph::GraphView;
 use crate::keys;
 use crate::parameters::ParameterPanel;
@@ -13,8 +13,8 @@ use crate::scene::Scene;
 use crate::theme;
 use crate::transfer::TransferPanel;
 use eframe::egui::{
-    Align, Align2, Button, CentralPanel, Context, Frame, Key, Label, Layout, Rect, RichText, SidePanel,
-    TopBottomPanel, Ui, UiBuilder, ViewportCommand, Window, vec2,
+    Align, Button, CentralPanel, Context, Frame, Key, Label, Layout, Rect, RichText, SidePanel,
+    TopBottomPanel, Ui, UiBuilder, ViewportCommand, vec2,
 };
 use std::path::Path;
 use voltet_core::Error;
@@ -195,41 +195,21 @@ fn changed_on_disk(editor: &mut Editor, ctx: &Context) {
 /// The question about unsaved work.
 fn unsaved(editor: &mut Editor, ctx: &Context) {
     let Some(command) = editor.unsaved else { return };
-    let mut answer = None;
-    Window::new("Unsaved work")
-        .collapsible(false)
-        .resizable(false)
-        .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
-        .show(ctx, |ui| {
-            let name =
-                editor.document().path().map_or("The new pipeline".into(), |path| path.display().to_string());
-            ui.label(format!("{name} has changes that are not saved."));
-            ui.add_space(6.0);
-            ui.horizontal(|ui| {
-                for (text, is_answer) in [("Save", Some(true)), ("Discard", Some(false)), ("Cancel", None)] {
-                    if ui.button(text).clicked() {
-                        answer = Some(is_answer);
-                    }
-                }
-            });
-        });
-    if ctx.input(|input| input.key_pressed(Key::Escape)) {
-        answer = Some(None);
+    let name = editor.document().path().map_or("The new pipeline".into(), |path| path.display().to_string());
+    let text = format!("{name} has changes that are not saved.");
+    let answers = [("Save", Some(true)), ("Discard", Some(false)), ("Cancel", None)];
+    let answer = match ask(ctx, "Unsaved work", text, &answers) {
+        _ if ctx.input(|input| input.key_pressed(Key::Escape)) => None,
+        None => return,
+        Some(answer) => answer,
+    };
+    editor.unsaved = None;
+    let Some(saves) = answer else { return };
+    if saves {
+        editor.save();
     }
-    match answer {
-        None => {}
-        Some(None) => editor.unsaved = None,
-        Some(Some(false)) => {
-            editor.unsaved = None;
-            editor.go_on(ctx, command);
-        }
-        Some(Some(true)) => {
-            editor.unsaved = None;
-            editor.save();
-            if editor.document().is_saved() {
-                editor.go_on(ctx, command);
-            }
-        }
+    if !saves || editor.document().is_saved() {
+        editor.go_on(ctx, command);
     }
 }
 

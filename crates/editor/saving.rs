@@ -2,13 +2,13 @@
 
 use crate::actions::{Command, FilePurpose};
 use crate::editor::Editor;
-use crate::file_dialog::FileDialog;
+use crate::file_dialog::{FileDialog, ask};
 use crate::files::{Disk, Recover, begun, free_path, is_pipeline};
 use crate::graph::GraphView;
 use crate::jobs::Job;
 use crate::parameters::ParameterPanel;
 use crate::transfer::TransferPanel;
-use eframe::egui::{Align2, Context, Window};
+use eframe::egui::Context;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use voltet_document::{Document, Recovery};
@@ -175,23 +175,9 @@ impl Editor {
     pub(crate) fn offer_left_behind(&mut self, ctx: &Context) {
         let Some(left) = self.recover.left.first() else { return };
         let name = left.path.as_ref().map_or("a new pipeline".into(), |path| path.display().to_string());
-        let mut answer = None;
-        Window::new("Work that was not saved")
-            .collapsible(false)
-            .resizable(false)
-            .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
-            .show(ctx, |ui| {
-                ui.label(format!("A window ended without saving what was done in {name}."));
-                ui.add_space(6.0);
-                ui.horizontal(|ui| {
-                    for (text, choice) in [("Open it", 0), ("Throw it away", 1), ("Later", 2)] {
-                        if ui.button(text).clicked() {
-                            answer = Some(choice);
-                        }
-                    }
-                });
-            });
-        let Some(answer) = answer else { return };
+        let text = format!("A window ended without saving what was done in {name}.");
+        let answers = [("Open it", 0), ("Throw it away", 1), ("Later", 2)];
+        let Some(answer) = ask(ctx, "Work that was not saved", text, &answers) else { return };
         let left = self.recover.left.remove(0);
         match answer {
             0 => {

@@ -7,38 +7,32 @@ use super::relative;
 use super::screen_widget::{self, ScreenWidget};
 use super::shape::PlaneContext;
 use crate::scene::Scene;
-use crate::worker::{Distribution, PixelProbe, Share};
+use crate::worker::DataScales;
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
-use voltet_core::Result;
 use voltet_core::probing::Histogram;
 use voltet_document::links::{self, upstream};
 use voltet_graph::{ArrayRef, LocatedValue, NodeEntry, PortType};
 
 /// The transfer function in the panel, with the data of its plane.
 pub(super) struct EditedFunction<'a> {
+    pub scene: &'a Scene<'a>,
     pub node: &'a NodeEntry,
     pub list: &'a [LocatedValue],
     pub widgets: Vec<ScreenWidget>,
     /// Quantities of the plane's axes.
     pub axes: [ArrayRef; 2],
-    pub found: Option<Arc<Distribution>>,
     /// Lengths of the axes of the data.
     pub extent: [f64; 2],
     /// Lengths along the axes that are equal on the screen, for the axes and angles of ellipses.
     metric: [f64; 2],
     /// The extinction at the top of the plot, for curves.
     pub peak: f64,
-    pub probed: Option<Arc<PixelProbe>>,
-    pub share: Option<Result<Share>>,
-    /// Sets of widgets that the file keeps, by their digits.
-    pub sets: &'a BTreeMap<u8, Vec<LocatedValue>>,
 }
 
 impl<'a> EditedFunction<'a> {
     /// `plane`: the one of the last frame; `former_peak`: where a point is dragged, the scale stands still.
     pub fn new(
-        scene: &Scene<'a>,
+        scene: &'a Scene<'a>,
         node: &'a NodeEntry,
         axes: &[ArrayRef; 2],
         plane: Option<Plane>,
@@ -46,11 +40,10 @@ impl<'a> EditedFunction<'a> {
         images: &Images,
     ) -> EditedFunction<'a> {
         let list = widgets_of(node);
-        let found = scene.distribution.clone();
-        let extent =
-            found.as_ref().map_or([1.0; 2], |found| found.histogram.axes.map(|axis| axis.high - axis.low));
+        let found = scene.distribution.as_ref();
+        let extent = found.map_or([1.0; 2], |found| found.histogram.axes.map(|axis| axis.high - axis.low));
         let metric = plane.map_or(extent, Plane::metric);
-        let known = found.as_ref().map(|found| &found.known);
+        let known = found.map(|found| &found.known);
         let on = PlaneContext { axes, extent: metric, known, images };
         let widget = |entry: &LocatedValue| ScreenWidget::new(entry.table().unwrap_or_default(), &on);
         let widgets: Vec<ScreenWidget> = list.iter().map(widget).collect();
@@ -58,25 +51,22 @@ impl<'a> EditedFunction<'a> {
             let most = widgets.iter().filter_map(ScreenWidget::peak_of_curve).fold(0.0, f64::max);
             if most > 0.0 { 1.1 * most } else { 1.0 }
         });
-        let (probed, share) = (scene.probed.clone(), scene.share.clone());
-        EditedFunction {
-            node,
-            list,
-            widgets,
-            axes: axes.clone(),
-            found,
-            extent,
-            metric,
-            peak,
-            probed,
-            share,
-            sets: &scene.document.view().sets,
-        }
+        EditedFunction { scene, node, list, widgets, axes: axes.clone(), extent, metric, peak }
     }
 
     /// The volume in each bin of the plane.
     pub fn histogram(&self) -> Option<&Histogram> {
-        self.found.as_ref().map(|found| &found.histogram)
+        self.scene.distribution.as_ref().map(|found| &found.histogram)
+    }
+
+    /// Statistics of the data, once they are known.
+    pub fn known(&self) -> Option<&DataScales> {
+        self.scene.distribution.as_ref().map(|found| &found.known)
+    }
+
+    /// Sets of widgets that the file keeps, by their digits.
+    pub fn sets(&self) -> &BTreeMap<u8, Vec<LocatedValue>> {
+        &self.scene.document.view().sets
     }
 
     /// True if the plane is that of s and g.
@@ -134,10 +124,11 @@ pub(crate) fn volume_of(scene: &Scene, look: &str) -> Option<String> {
 }
 
 /// An axis with what it is: s is the array that the reader reads for it, where one does.
-pub(super) fn axis_title(scene: &Scene, look: &str, axis: &ArrayRef) -> String {
+pub(super) fn axis_title(look: &EditedFunction, axis: &ArrayRef) -> String {
     match axis {
         ArrayRef::Named("s") => {
-            let source = volume_of(scene, look);
+            let scene = look.scene;
+            let source = volume_of(scene, &look.node.name);
             let nodes = &scene.document.pipeline().nodes;
             let feeding = source.map(|source| upstream(nodes, links::source(&source, nodes).0));
             let reads = |node: &&NodeEntry| feeding.as_ref().is_some_and(|names| names.contains(&node.name));

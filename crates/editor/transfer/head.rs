@@ -7,7 +7,6 @@ use super::screen_widget::{self, ScreenWidget};
 use super::{TransferPanel, list, new, plane};
 use crate::actions::Actions;
 use crate::parameters::{channels_value, edited_color};
-use crate::scene::Scene;
 use crate::theme;
 use crate::worker::{grouped, short};
 use eframe::egui::{Button, DragValue, Key, RichText, ScrollArea, Sense, Stroke, TextEdit, Ui, vec2};
@@ -20,7 +19,7 @@ const WIDTH: f32 = 230.0;
 const HEIGHT: f32 = 220.0;
 
 impl TransferPanel {
-    pub(super) fn head(&mut self, ui: &mut Ui, scene: &Scene, look: &EditedFunction, actions: &mut Actions) {
+    pub(super) fn head(&mut self, ui: &mut Ui, look: &EditedFunction, actions: &mut Actions) {
         let dark = ui.visuals().dark_mode;
         ui.horizontal_wrapped(|ui| {
             ui.strong(look.node.name.as_str());
@@ -37,7 +36,7 @@ impl TransferPanel {
             if peak.clicked() {
                 self.add_at_peak(look, actions);
             }
-            if let Some(entry) = look.probed.as_ref().and_then(|probed| new::at_probe(look, probed)) {
+            if let Some(entry) = look.scene.probed.as_ref().and_then(|probed| new::at_probe(look, probed)) {
                 let found = ui
                     .small_button("+ at probe")
                     .on_hover_text("a Gaussian on the values of the probe: their mean and covariance");
@@ -51,7 +50,7 @@ impl TransferPanel {
                 self.shown = None;
             }
             self.set_menu(ui, look, actions);
-            self.axes_menu(ui, scene, look);
+            self.axes_menu(ui, look);
             if !self.hidden.is_empty() {
                 let text = format!("{} hidden in this window", self.hidden.len());
                 ui.label(RichText::new(text).small().color(theme::accent(dark)));
@@ -132,7 +131,7 @@ impl TransferPanel {
             let text = format!("holds {} % of the volume", percent(held));
             texts.push((text, "where the widget is at half of its peak or more".into()));
         }
-        match &look.share {
+        match &look.scene.share {
             _ if self.hidden.contains(&self.chosen) => {}
             None => {}
             Some(Err(error)) => texts.push((error.to_string(), "its share of the picture".into())),
@@ -214,7 +213,7 @@ impl TransferPanel {
         ui.menu_button("sets", |ui| {
             ui.set_min_width(210.0);
             for digit in 0..10 {
-                if let Some(list) = look.sets.get(&digit) {
+                if let Some(list) = look.sets().get(&digit) {
                     let text = format!("recall {digit}: {}", list::count(list.len()));
                     if ui.add(Button::new(text).shortcut_text(digit.to_string())).clicked() {
                         self.recall(digit, look, actions);
@@ -222,7 +221,7 @@ impl TransferPanel {
                     }
                 }
             }
-            let free = (1..10).chain([0]).find(|digit| !look.sets.contains_key(digit));
+            let free = (1..10).chain([0]).find(|digit| !look.sets().contains_key(digit));
             if let Some(digit) = free {
                 let store = Button::new(format!("store as {digit}")).shortcut_text(format!("Ctrl+{digit}"));
                 if ui.add(store).clicked() {
@@ -236,7 +235,7 @@ impl TransferPanel {
     }
 
     /// A list for each axis, side by side.
-    pub(super) fn axes_menu(&mut self, ui: &mut Ui, scene: &Scene, look: &EditedFunction) {
+    pub(super) fn axes_menu(&mut self, ui: &mut Ui, look: &EditedFunction) {
         let [x, y] = self.axes.each_ref().map(axis_name);
         ui.menu_button(format!("axes {x}, {y}"), |ui| {
             if ui.button("s, g").on_hover_text("the scalar and its gradient magnitude").clicked() {
@@ -244,7 +243,7 @@ impl TransferPanel {
                 ui.close_menu();
             }
             ui.separator();
-            let choices = choices(ui, scene, look);
+            let choices = choices(ui, look);
             ui.horizontal_top(|ui| {
                 for (k, title) in ["to the right", "up"].into_iter().enumerate() {
                     ui.vertical(|ui| {
@@ -284,7 +283,8 @@ impl TransferPanel {
 }
 
 /// Choices for an axis, labelled with kind and range where the data have it.
-fn choices(ui: &Ui, scene: &Scene, look: &EditedFunction) -> Vec<(ArrayRef, String)> {
+fn choices(ui: &Ui, look: &EditedFunction) -> Vec<(ArrayRef, String)> {
+    let scene = look.scene;
     let nodes = &scene.document.pipeline().nodes;
     let source = volume_of(scene, &look.node.name);
     let source = source.as_deref().map(|source| links::source(source, nodes).0);

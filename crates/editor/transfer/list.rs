@@ -117,7 +117,7 @@ impl TransferPanel {
     }
 
     pub(super) fn recall(&mut self, digit: u8, look: &EditedFunction, actions: &mut Actions) {
-        match look.sets.get(&digit) {
+        match look.sets().get(&digit) {
             Some(list) => {
                 let edit = Edit::set(&look.node.name, "widgets", ParameterValue::List(list.clone()));
                 actions.edits(format!("recall the widgets {digit}"), vec![edit]);

@@ -151,7 +151,7 @@ impl TransferPanel {
     pub fn at_probe_for_tests(&self, scene: &Scene) -> Option<voltet_graph::ParameterValue> {
         let look =
             EditedFunction::new(scene, edited_node(scene)?, &self.axes, self.plane, None, &self.images);
-        new::at_probe(&look, look.probed.as_ref()?)
+        new::at_probe(&look, scene.probed.as_ref()?)
     }
 
     pub fn show(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
@@ -177,7 +177,7 @@ impl TransferPanel {
         }
         self.hidden.retain(|place| *place < look.widgets.len());
         ui.add_space(3.0);
-        self.head(ui, scene, &look, actions);
+        self.head(ui, &look, actions);
         let (whole, response) =
             ui.allocate_exact_size(ui.available_size().max(vec2(60.0, 60.0)), Sense::click_and_drag());
         let in_hand = look.widgets.get(self.chosen);
@@ -189,7 +189,7 @@ impl TransferPanel {
         let shown = self.shown.or_else(|| look.histogram().map(plane::whole));
         let plane = Plane { rect, shown: shown.unwrap_or([[0.0, 1.0], [0.0, 1.0]]) };
         self.plane = Some(plane);
-        self.draw(ui, scene, plane, &look);
+        self.draw(ui, plane, &look);
         if has_curve {
             plane::extinctions(ui, plane, look.peak);
         }
@@ -200,18 +200,18 @@ impl TransferPanel {
     }
 
     /// The histogram, its axes, and the widgets on it.
-    fn draw(&mut self, ui: &Ui, scene: &Scene, plane: Plane, look: &EditedFunction) {
+    fn draw(&mut self, ui: &Ui, plane: Plane, look: &EditedFunction) {
         let (rect, dark) = (plane.rect, ui.visuals().dark_mode);
         ui.painter().rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
-        if let Some(found) = &look.found {
+        if let Some(found) = &look.scene.distribution {
             self.counts.draw(ui, plane, found);
         }
         if self.by_keyboard {
             ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, theme::accent(dark)));
         }
-        let [x, y] = self.axes.each_ref().map(|axis| axis_title(scene, &look.node.name, axis));
+        let [x, y] = self.axes.each_ref().map(|axis| axis_title(look, axis));
         plane::axes(ui, plane, [&x, &y]);
-        if let Some(probed) = look.probed.as_ref().filter(|_| look.is_of_s_and_g()) {
+        if let Some(probed) = look.scene.probed.as_ref().filter(|_| look.is_of_s_and_g()) {
             plane::probed(ui, plane, probed);
         }
         let scale = look.scale(plane.shown);
@@ -222,8 +222,8 @@ impl TransferPanel {
             let handles = (place == self.chosen).then_some(self.held);
             screen_widget::draw(ui, plane, widget, &scale, handles, self.hidden.contains(&place));
         }
-        if look.found.is_none() {
-            let fault = scene.distribution_fault.as_ref().map(ToString::to_string);
+        if look.scene.distribution.is_none() {
+            let fault = look.scene.distribution_fault.as_ref().map(ToString::to_string);
             let text = fault.unwrap_or_else(|| "the distribution of the data comes …".into());
             let galley =
                 ui.painter().layout(text, FontId::proportional(12.0), theme::weak(dark), rect.width() - 20.0);
@@ -258,7 +258,7 @@ fn edit(
 ) {
     let Some(entry) = look.list.get(place).and_then(LocatedValue::table) else { return };
     let is_stated = |key: &str| find_setting(entry, key).is_some();
-    let known = look.found.as_ref().map(|found| &found.known);
+    let known = look.known();
     let path = |key: &str| Path::from("widgets").with(place).and(&Path::from(key));
     let node = || look.node.name.clone();
     let edits = changes.into_iter().filter_map(|(key, value)| match value {

@@ -48,7 +48,7 @@ pub(super) fn at_peak(look: &EditedFunction) -> Option<ParameterValue> {
 /// all of the data is not looked at. `None` without values.
 pub(super) fn at_probe(look: &EditedFunction, probed: &PixelProbe) -> Option<ParameterValue> {
     let (mean, covariance) = probed.moments()?;
-    let known = look.found.as_ref().map(|found| &found.known);
+    let known = look.known();
     let extent: Vec<f64> = ["s", "g"]
         .into_iter()
         .enumerate()
