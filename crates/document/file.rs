@@ -122,8 +122,8 @@ fn read(rows: &[Row], found: &mut dyn FnMut(&crate::Path, &str)) {
     }
 }
 
-/// The state of a file; none where it is not there.
-fn stamp(path: &Path) -> Stamp {
+/// Length and time of a file; none where it is not there.
+pub fn stamp(path: &Path) -> Stamp {
     let metadata = std::fs::metadata(path).ok()?;
     Some((metadata.len(), metadata.modified().ok()?))
 }

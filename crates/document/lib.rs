@@ -36,6 +36,7 @@ mod view;
 pub use document::Document;
 pub use edit::Edit;
 pub use faults::{Diagnostic, FaultTarget};
+pub use file::stamp;
 pub use fits::{Fitting, Group, giving, search, taking};
 pub use history::{Gesture, History};
 pub use path::{Path, Step};

@@ -4,24 +4,17 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 use voltet_core::Result;
-use voltet_document::{Autosave, Document, Edit, OrphanedDraft, Recovery};
+use voltet_document::{Autosave, Document, Edit, OrphanedDraft, Recovery, stamp};
+use voltet_graph::Stamp;
 use voltet_nodes::files::{state_folder, write_whole};
 
 /// Interval between two checks of the files.
 pub(crate) const BETWEEN: Duration = Duration::from_secs(1);
 
-/// Length and time of a file; nothing of one that is not there.
-pub(crate) type State = Option<(u64, SystemTime)>;
-
 /// Files, each as it was found last.
-pub(crate) type FileStamps = BTreeMap<PathBuf, State>;
-
-pub(crate) fn state(path: &Path) -> State {
-    let metadata = std::fs::metadata(path).ok()?;
-    Some((metadata.len(), metadata.modified().ok()?))
-}
+pub(crate) type FileStamps = BTreeMap<PathBuf, Stamp>;
 
 /// Thread that wakes the window when a file is another than it was: the window need not look while nothing happens. It ends with this.
 #[derive(Debug)]
@@ -40,7 +33,7 @@ impl FileWatcher {
                 let Some(known) = watched.upgrade() else { return };
                 // Not held while a slow disk is asked.
                 let known = known.lock().unwrap_or_else(PoisonError::into_inner).clone();
-                if known.iter().any(|(path, before)| state(path) != *before) {
+                if known.iter().any(|(path, before)| stamp(path) != *before) {
                     wake();
                 }
             }
@@ -75,11 +68,11 @@ impl Disk {
         }
         self.is_changed = document.changed_on_disk();
         self.looked = Some(Instant::now());
-        let now: FileStamps = data().into_iter().map(|path| (path.clone(), state(&path))).collect();
-        let own = document.path().map(|path| (path.to_path_buf(), state(path)));
+        let now: FileStamps = data().into_iter().map(|path| (path.clone(), stamp(&path))).collect();
+        let own = document.path().map(|path| (path.to_path_buf(), stamp(path)));
         watch.knows(now.clone().into_iter().chain(own).collect());
         let before = std::mem::replace(&mut self.data, now);
-        self.data.iter().any(|(path, state)| before.get(path).is_some_and(|before| before != state))
+        self.data.iter().any(|(path, now)| before.get(path).is_some_and(|before| before != now))
     }
 }
 
@@ -192,7 +185,7 @@ mod tests {
         let path = folder.path().join("data.vtk");
         let (sender, woken) = mpsc::channel();
         let watch = FileWatcher::start(BETWEEN / 100, move || _ = sender.send(())).unwrap();
-        let know = || watch.knows(FileStamps::from([(path.clone(), state(&path))]));
+        let know = || watch.knows(FileStamps::from([(path.clone(), stamp(&path))]));
         know();
         std::fs::write(&path, "1").unwrap();
         woken.recv_timeout(60 * BETWEEN).expect("a file that came");
