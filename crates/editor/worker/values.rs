@@ -37,9 +37,12 @@ pub(super) static NODE: Node = Node {
         default: DefaultValue::Unset("no arrays"),
         help: "names of point arrays",
     }],
-    demand: &|asking| match asking.parameters.texts(ARRAYS)? {
-        none if none.is_empty() => Ok(()),
-        arrays => asking.ask("volume", &Demand { arrays: arrays.into_iter().collect(), ..Demand::default() }),
+    demand: &|asking| {
+        if !asking.parameters.is_set(ARRAYS) {
+            return Ok(());
+        }
+        let arrays = asking.parameters.texts(ARRAYS)?.into_iter().collect();
+        asking.ask("volume", &Demand { arrays, ..Demand::default() })
     },
     ..Node::BLANK
 };
