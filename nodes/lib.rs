@@ -5,7 +5,7 @@
 //! | [`added`] | nodes of formats that come from outside |
 //! | [`drawing`] | what the nodes that draw share |
 //! | [`files`] | writing whole files |
-//! | [`given`] | grids that a program holds in memory |
+//! | [`in_memory_grid`] | grids that a program holds in memory |
 //! | [`memory`] | what a grid takes, and what is left |
 //! | [`probing`] | parts of the node `probe` |
 //! | [`relative`] | numbers relative to data: ranges and percentiles |

@@ -4,7 +4,7 @@ use crate::probing::{PARAMETERS, check_region, fields, figures, mask, placed, re
 use crate::relative;
 use std::sync::Arc;
 use voltet_core::error::ErrorKind;
-use voltet_core::probing::{Region, kernel, probe};
+use voltet_core::probing::{ProbeRegion, kernel, probe};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
@@ -65,7 +65,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let found = call
         .stage("probe", |progress| probe(&volume.grid, &values, &region, mask.as_deref(), progress))
         .map_err(|error| locate(p, error))?;
-    if let Region::Points(points) = &region
+    if let ProbeRegion::Points(points) = &region
         && found.point_count < points.len() as u64
     {
         let outside = points.len() as u64 - found.point_count;

@@ -6,7 +6,8 @@
     scripts/check-house.py --shrink    removes entries of the baseline that no longer occur
 
 Rules: 1. the first line of a doc comment opens with a noun or a third-person verb; 2. no definition has a banned name;
-3. imports have no circles, neither between files nor between the modules of one folder; 4. crates depend downward only.
+3. no crate has two types of one name; 4. imports have no circles, neither between files nor between the modules of one folder;
+5. crates depend downward only.
 Violations in the tables [baseline.*] are tolerated; an entry that no longer occurs fails the check, so that they only shrink.
 """
 
@@ -350,6 +351,18 @@ def openings(source):
         previous = (line, doc)
 
 
+def homonyms(crate):
+    """(name, message) of each type that is defined in more than one file of a crate."""
+    places = defaultdict(dict)
+    for source in crate.modules.values():
+        for match in re.finditer(r"\b(?:struct|enum|trait|union)\s+([A-Z]\w*)", source.code):
+            places[match[1]].setdefault(source.name, source.line(match.start()))
+    for name, files in places.items():
+        if len(files) > 1 and name not in HOUSE["homonyms"].get(crate.folder, []):
+            first, *others = (f"{file}:{line}" for file, line in files.items())
+            yield name, f"{first}: the type '{name}' is another one in {', '.join(others)}: one name means one thing in a crate"
+
+
 # ---------------------------------------------------------------- crates
 
 
@@ -400,6 +413,8 @@ def main():
                     name_errors[crate.folder, f"{kind[:-1]} {name}"].append(
                         f"{source.name}:{line}: the {kind[:-1]} '{name}': say {preferred}"
                     )
+        for name, text in homonyms(crate):
+            name_errors[crate.folder, f"homonym {name}"].append(text)
         for folder, members, text in circles(crate):
             if any(members <= other for other in allowed):
                 continue

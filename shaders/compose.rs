@@ -1,16 +1,16 @@
-//! From a scene's choices to the text of its shader.
+//! Text of the shader of a scene, composed of pieces by its key.
 
-use crate::choices::Choices;
 use crate::generate::generate;
 use crate::parts::Layout;
 use crate::passes::FramePass;
 use crate::pieces::{PIECES, WgslPiece};
+use crate::shader_key::ShaderKey;
 use crate::text::{Shader, compose_pieces_with};
 
 /// The shader of a scene.
-pub fn compose(choices: &Choices) -> Shader {
-    let generated = generate(choices);
-    compose_pieces_with(&generated.text, &generated.uses, choices.method.pieces())
+pub fn compose(shader_key: &ShaderKey) -> Shader {
+    let generated = generate(shader_key);
+    compose_pieces_with(&generated.text, &generated.uses, shader_key.method.pieces())
 }
 
 impl Shader {

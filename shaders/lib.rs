@@ -1,14 +1,12 @@
 //! WGSL pieces, twins of the segment integrals of `voltet-core`, and what composes them for one scene.
 //!
-//! No device is needed here: [`compose`] makes a text, [`Parameters`] the bytes that the text reads. Which code exists
-//! is a choice of pieces; equal choices give equal text, so the text is the key of a cache of pipelines. What may
-//! change per frame (colours, extinctions, centres, corners, light) is in [`Parameters`] only. Tables are
+//! No device is needed here: [`compose()`] makes a text, [`Parameters`] the bytes that the text reads. A
+//! [`ShaderKey`] names the pieces of a scene; equal keys give equal text. What may change per frame (colours, extinctions, centres, corners, light) is in [`Parameters`] only. Tables are
 //! [`Resources`], with the passes that fill them. [`check_32_bits`] tells what 32 bits cannot hold.
 //!
 //! A piece is a file under `wgsl/`. Its first line says which pieces it uses, which slot it fills and which slots it
 //! asks for; a slot that no file fills (`values`, `members`, `segment`) is filled by the generated block.
 
-mod choices;
 mod compose;
 mod generate;
 mod integrator;
@@ -20,12 +18,12 @@ mod passes;
 mod pieces;
 mod places;
 mod resources;
+mod segment_extent;
 pub mod segment_list;
-mod stretch;
+mod shader_key;
 mod text;
 mod writer;
 
-pub use choices::{Blend, Choices, Combine, CompositorProgram, Method, TileOrder, WidgetChoice, has_method};
 pub use compose::compose;
 pub use integrator::{RegisteredMethod, TableSize, WgslCall, WgslExtension, WgslIntegrator};
 pub use kinds::Kind;
@@ -36,6 +34,9 @@ pub use passes::{FramePass, PlacementRecord, RoundRecord, RunRecord, ViewRecord,
 pub use pieces::{PIECES, WgslPiece, piece};
 pub use places::{Places, TEXEL_BYTES, images};
 pub use resources::{Buffer, Contents, Pass, Resources, TableScene, WgslTable, WgslTableExtension};
-pub use stretch::Spans;
+pub use segment_extent::Spans;
+pub use shader_key::{
+    Blend, Combine, CompositorProgram, Method, ShaderKey, TileOrder, WidgetChoice, has_method,
+};
 pub use text::{Shader, compose_pieces, compose_pieces_with};
 pub use writer::{Axis, WidgetRecord};

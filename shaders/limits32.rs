@@ -1,28 +1,32 @@
 //! Limits of 32 bits on a device, checked before anything is drawn.
 
-use crate::choices::{Choices, Combine};
 use crate::kinds;
-use crate::stretch::{Spans, Stretch};
+use crate::segment_extent::{SegmentExtent, Spans};
+use crate::shader_key::{Combine, ShaderKey};
 use voltet_core::transfer::{TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_simd::limits::{LENGTHS, MAX_ORDERED_DEPTH};
 
 /// Checks that a composed shader holds what the segments of a data set may ask of it; the error names the widget and the
 /// limit.
-pub fn check_32_bits(choices: &Choices, transfer_function: &TransferFunction, spans: &Spans) -> Result<()> {
-    if choices.method.is_table_of_lengths() {
+pub fn check_32_bits(
+    shader_key: &ShaderKey,
+    transfer_function: &TransferFunction,
+    spans: &Spans,
+) -> Result<()> {
+    if shader_key.method.is_table_of_lengths() {
         return Ok(());
     }
-    let is_in_order = choices.combine == Combine::Ordered;
-    let stretch = Stretch { transfer_function, spans, is_in_order };
+    let is_in_order = shader_key.combine == Combine::Ordered;
+    let extent = SegmentExtent { transfer_function, spans, is_in_order };
     for (i, widget) in transfer_function.widgets.iter().enumerate() {
-        check(choices, widget, &stretch).map_err(|e| e.at_item(format!("widgets[{i}]")))?;
+        check(shader_key, widget, &extent).map_err(|e| e.at_item(format!("widgets[{i}]")))?;
     }
     Ok(())
 }
 
-fn check(choices: &Choices, widget: &Widget, stretch: &Stretch) -> Result<()> {
-    for rate in [stretch.length(), stretch.length().max(stretch.depth(widget))] {
+fn check(shader_key: &ShaderKey, widget: &Widget, extent: &SegmentExtent) -> Result<()> {
+    for rate in [extent.length(), extent.length().max(extent.depth(widget))] {
         if !LENGTHS.contains(&rate) {
             return Err(Error::run("lengths or extinctions leave the range of 32 bits")
                 .got(format!("{rate:e} as the length or depth of a segment in unit distances"))
@@ -30,16 +34,16 @@ fn check(choices: &Choices, widget: &Widget, stretch: &Stretch) -> Result<()> {
         }
     }
     // Samples are taken where they fall, whatever lies between them.
-    if choices.method.samples() {
+    if shader_key.method.samples() {
         return Ok(());
     }
-    let depth = stretch.depth(widget);
-    if stretch.is_in_order && depth > MAX_ORDERED_DEPTH {
+    let depth = extent.depth(widget);
+    if extent.is_in_order && depth > MAX_ORDERED_DEPTH {
         return Err(Error::run("widgets that overlap are too dense for 32 bits to tell which is in front")
             .got(format!("{depth:e} as the optical depth of a segment"))
             .expected(format!("at most {MAX_ORDERED_DEPTH:e}, or an engine of 64 bits")));
     }
-    kinds::check_32_bits(widget, stretch)
+    kinds::check_32_bits(widget, extent)
 }
 
 #[cfg(test)]
@@ -54,9 +58,9 @@ mod tests {
         let model = OpticalModel::ConstantEmitter { cutoff: 1e-3 };
         let transfer_function = TransferFunction { model, unit_distance: 1.0, widgets };
         let shading = Shading { integrator, overlap: WidgetBlend::Exact, silhouette: None, light: None };
-        let choices =
-            Choices::new(&transfer_function, &shading, CompositorProgram::None).expect("has pieces");
-        check_32_bits(&choices, &transfer_function, &Spans { values, longest: 2.0 })
+        let shader_key =
+            ShaderKey::new(&transfer_function, &shading, CompositorProgram::None).expect("has pieces");
+        check_32_bits(&shader_key, &transfer_function, &Spans { values, longest: 2.0 })
     }
 
     fn widget(profile: Profile, extinction: f64) -> Widget {

@@ -32,7 +32,7 @@ pub struct SceneHead {
     pub tolerance: f32,
     /// The largest channel of any colour.
     pub brightest: f32,
-    /// Pieces of a segment (segments, riemann).
+    /// Pieces of a segment, for integrators that cut it.
     pub piece_count: u32,
     /// Index of the integrator's first entry in `numbers`.
     pub first_entry: u32,

@@ -17,7 +17,7 @@ impl Parts {
     pub const WHOLE: Parts = Parts { count: 1, shift: 32 };
 
     /// `count` elements of `bytes` each, in bindings of at most `most` bytes.
-    pub fn of(count: u64, bytes: u64, most: u64) -> Parts {
+    pub fn for_elements(count: u64, bytes: u64, most: u64) -> Parts {
         let fit = (most / bytes.max(1)).max(1);
         if count <= fit {
             return Parts::WHOLE;
@@ -27,8 +27,8 @@ impl Parts {
     }
 
     /// Split of another number of elements of equal size.
-    pub fn of_as_many(self, count: u64) -> Parts {
-        Parts::of(count, 1, 1 << self.shift)
+    pub fn with_count(self, count: u64) -> Parts {
+        Parts::for_elements(count, 1, 1 << self.shift)
     }
 
     /// Elements of part `part` of an array of `count`.
@@ -278,14 +278,14 @@ mod tests {
         for (count, bytes, most) in
             [(0, 16, 64), (4, 16, 64), (5, 16, 64), (1000, 24, 100), (17, 8, 8), (9, 12, 4)]
         {
-            let parts = Parts::of(count, bytes, most);
+            let parts = Parts::for_elements(count, bytes, most);
             let lengths: Vec<u64> = (0..parts.count).map(|part| parts.length(part, count)).collect();
             assert_eq!(lengths.iter().sum::<u64>(), count, "{parts:?}");
             assert!(lengths.iter().all(|length| length * bytes <= most.max(bytes)), "{parts:?} {lengths:?}");
             assert!(count == 0 || lengths.iter().all(|length| *length > 0), "{parts:?} {lengths:?}");
         }
-        assert_eq!(Parts::of(4, 16, 64), Parts::WHOLE);
-        assert_eq!(Parts::of(5, 16, 64), Parts { count: 2, shift: 2 });
+        assert_eq!(Parts::for_elements(4, 16, 64), Parts::WHOLE);
+        assert_eq!(Parts::for_elements(5, 16, 64), Parts { count: 2, shift: 2 });
     }
 
     #[test]

@@ -4,20 +4,20 @@
 //! not know what they are. They change with the transfer function and the data, not with the camera; where only the widgets'
 //! numbers change, which are the last ones, a crate writes those alone.
 
-use crate::choices::Choices;
 use crate::integrator::registered;
 use crate::places::{Places, TEXEL_BYTES, images};
+use crate::shader_key::ShaderKey;
 use crate::text::Shader;
 use crate::writer::Axis;
-use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
+use voltet_core::{Error, Result};
 use voltet_optics::integrators::{Extent, Integrator};
 use voltet_optics::shading::Shading;
 
 /// Buffers, and the passes that fill some of them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Resources {
-    /// In the order of their indices; those with a binding are the ones of [`Choices::storage_buffers`].
+    /// In the order of their indices; those with a binding are the ones of [`ShaderKey::storage_buffers`].
     pub buffers: Vec<Buffer>,
     /// Run once, in this order, before anything is drawn.
     pub passes: Vec<Pass>,
@@ -72,8 +72,8 @@ pub trait WgslTable: Send + Sync {
 
 /// Scene that a table is filled for.
 pub struct TableScene<'a> {
-    /// The choices of the shader that reads the table.
-    pub choices: &'a Choices,
+    /// Key of the shader that reads the table.
+    pub shader_key: &'a ShaderKey,
     /// The integrator.
     pub integrator: &'a Integrator,
     /// The transfer function.
@@ -101,7 +101,7 @@ impl Resources {
     /// `axis`: how s is stored. `length`: the scene length in world units, in which D is counted. `extent` is looked at
     /// only where [`voltet_optics::integrators::Integrator::has_table_of_lengths`] says so. `numbers`: those of [`crate::Parameters`].
     pub fn new(
-        choices: &Choices,
+        shader_key: &ShaderKey,
         transfer_function: &TransferFunction,
         shading: &Shading,
         axis: Axis,
@@ -115,10 +115,10 @@ impl Resources {
         let text = registered(integrator);
         let table = integrator.extension::<WgslTableExtension>();
         match table {
-            _ if choices.storage_buffers().is_empty() => {}
-            Some(WgslTableExtension(table)) if choices.method.is_table_of_lengths() => {
+            _ if shader_key.storage_buffers().is_empty() => {}
+            Some(WgslTableExtension(table)) if shader_key.method.is_table_of_lengths() => {
                 let scene = TableScene {
-                    choices,
+                    shader_key,
                     integrator,
                     transfer_function,
                     places,
@@ -129,22 +129,27 @@ impl Resources {
                 };
                 table.fill(&mut resources, &scene)?;
             }
+            None if shader_key.method.is_table_of_lengths() => {
+                return Err(Error::usage("the integrator's shader reads a table that nothing fills")
+                    .got(integrator.name())
+                    .expected("a WgslTableExtension among the extensions of its kind"));
+            }
             _ => {
                 let mut all: Vec<f32> = images(transfer_function).flatten().flatten().copied().collect();
                 all.extend(text.map(|text| text.entries(integrator, transfer_function)).unwrap_or_default());
                 all.extend(numbers);
-                resources.add_numbers(choices, 0, &all);
+                resources.add_numbers(shader_key, 0, &all);
             }
         }
         Ok(resources)
     }
 
     /// The buffer that the scene reads, in its parts: so many vectors that passes fill, then numbers. Gives their indices.
-    pub fn add_numbers(&mut self, choices: &Choices, filled: u64, behind: &[f32]) -> Vec<usize> {
+    pub fn add_numbers(&mut self, shader_key: &ShaderKey, filled: u64, behind: &[f32]) -> Vec<usize> {
         let first = self.buffers.len();
         let mut rest = behind;
-        for (part, (name, binding)) in (0u32..).zip(choices.storage_buffers()) {
-            let parts = choices.layout.table;
+        for (part, (name, binding)) in (0u32..).zip(shader_key.storage_buffers()) {
+            let parts = shader_key.layout.table;
             let room = 4 * parts.length(part, u64::MAX);
             let filled = parts.length(part, filled);
             let (numbers, others) = rest.split_at(rest.len().min((room - 4 * filled) as usize));

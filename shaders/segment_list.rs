@@ -1,12 +1,12 @@
-//! A list of segments as the compositor [`crate::Compositor::Segments`] reads it, and what it gives back: for judging the
+//! A list of segments as the compositor [`crate::CompositorProgram::Segments`] reads it, and what it gives back: for judging the
 //! formulas, which needs every digit that 32 bits hold.
 //!
 //! A segment alone is stored about one origin, so that its values lose nothing; a grid is stored about the middle of its
 //! range.
 
-use crate::choices::{Choices, Combine};
 use crate::limits32::check_32_bits;
-use crate::stretch::Spans;
+use crate::segment_extent::Spans;
+use crate::shader_key::{Combine, ShaderKey};
 use crate::text::Shader;
 use crate::writer::Axis;
 use voltet_core::Result;
@@ -54,21 +54,21 @@ pub fn axes(transfer_function: &TransferFunction, segment: &Segment) -> Vec<Axis
 }
 
 /// Checks that 32 bits hold the segment; see [`check_32_bits`].
-pub fn holds(choices: &Choices, transfer_function: &TransferFunction, segment: &Segment) -> Result<()> {
+pub fn holds(shader_key: &ShaderKey, transfer_function: &TransferFunction, segment: &Segment) -> Result<()> {
     let [front, back] = ends(segment);
     let values: Vec<f64> = front.iter().zip(&back).map(|(a, b)| (b - a).abs()).collect();
-    check_32_bits(choices, transfer_function, &Spans { values: &values, longest: segment.length })
+    check_32_bits(shader_key, transfer_function, &Spans { values: &values, longest: segment.length })
 }
 
 /// The numbers of a segment: D in units of `length`, then the values that the shader reads at both ends, as the axes store
 /// them.
-pub fn row(choices: &Choices, axes: &[Axis], length: f64, segment: &Segment) -> Vec<f32> {
+pub fn row(shader_key: &ShaderKey, axes: &[Axis], length: f64, segment: &Segment) -> Vec<f32> {
     let mut row = vec![(segment.length / length) as f32];
     for values in ends(segment) {
         let read = |a: usize| match a {
             0 => true,
-            1 => choices.reads_gradient_magnitude,
-            _ => a - 2 < choices.field_count,
+            1 => shader_key.reads_gradient_magnitude,
+            _ => a - 2 < shader_key.field_count,
         };
         for (a, axis) in axes.iter().enumerate().filter(|(a, _)| read(*a)) {
             row.push(axis.stored(values[a]) as f32);
@@ -78,8 +78,8 @@ pub fn row(choices: &Choices, axes: &[Axis], length: f64, segment: &Segment) -> 
 }
 
 /// Constants for a shader whose channels are judged one by one: no product of depths is too small for the order of widgets.
-pub fn constants(choices: &Choices, shader: &Shader) -> &'static [(&'static str, f64)] {
-    let ordered = choices.combine == Combine::Ordered && shader.text.contains("order_threshold");
+pub fn constants(shader_key: &ShaderKey, shader: &Shader) -> &'static [(&'static str, f64)] {
+    let ordered = shader_key.combine == Combine::Ordered && shader.text.contains("order_threshold");
     if ordered { &[("order_threshold", 0.0)] } else { &[] }
 }
 

@@ -6,7 +6,7 @@ use voltet_core::Error;
 /// A composed shader.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Shader {
-    /// WGSL. Equal choices give equal text.
+    /// WGSL. Equal keys give equal text.
     pub text: String,
     /// Line (from 1) of the text at which each part begins, with the part's file.
     parts: Vec<(usize, &'static str)>,

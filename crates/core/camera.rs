@@ -1,4 +1,4 @@
-//! The camera: where the picture is seen from (docs/src/explanation/optics.md, section 4).
+//! Camera: position, direction and projection of a picture (docs/src/explanation/optics.md, section 4).
 //!
 //! Right-handed. Pixel (i, j) of a W × H picture, row 0 at the top, is seen along the ray through its centre
 //! (i + ½, j + ½). Distances along a ray are Euclidean, not depth.

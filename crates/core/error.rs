@@ -1,4 +1,4 @@
-//! The one error type: what is wrong, what was found, what would be right, and where.
+//! The error type of all crates: message, value found, value expected, and location.
 //!
 //! The place is added on the way out, once, by whoever knows it (`in_file`, `at_node`, …). A message that is
 //! shown to a person is [`Error`]'s `Display`: `what: found …; expected … (at …)`.

@@ -1,4 +1,4 @@
-//! voltet-core: what a scene is and what is true of it.
+//! voltet-core: grids, fields, transfer functions, cameras and pictures, without files, windows or devices.
 //!
 //! No GPU, no windows, no files. Each module's head says what it is, its symbols and units, and its source.
 

@@ -1,4 +1,4 @@
-//! Progress of long work, stopping it, and what it may take.
+//! Progress, cancellation and memory limit of long work.
 
 use crate::{Error, Result};
 

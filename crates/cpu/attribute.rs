@@ -56,7 +56,7 @@ pub(crate) fn attributes_of<'a>(
     if fields.len() > MAX_FIELDS {
         return Err(Error::usage("the widgets read more point arrays than a picture can be drawn from")
             .got(format!("{} beside s and g", fields.len()))
-            .expected(format!("at max {MAX_FIELDS}")));
+            .expected(format!("at most {MAX_FIELDS}")));
     }
     let active = cells.active_widgets(transfer_function);
     let has_edges = active.widgets.iter().any(|widget| widget.region.is_some());

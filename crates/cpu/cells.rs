@@ -8,7 +8,7 @@ use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 use voltet_core::camera::Camera;
 
-/// Cells that can contribute, as [`crate::cull`] makes them, with what their volume's cache hands to the further stages.
+/// Cells that can contribute, as [`crate::cull()`] makes them, with what their volume's cache hands to the further stages.
 #[derive(Debug, Clone)]
 pub struct Cells {
     /// The selection.

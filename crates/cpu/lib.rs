@@ -10,7 +10,7 @@
 //! | `cast` | ray casting through shared faces |
 //! | `shade` | segments to colour and opacity |
 //! | `segment_cache` | segments cached between pictures |
-//! | [`integrator`] | integrators from outside, in lanes |
+//! | [`mod@integrator`] | integrators from outside, in lanes |
 //! | `composite` | segments in order to pixels |
 //! | `cells` | selection with its volume's caches |
 //! | `cull` | cells that can contribute |

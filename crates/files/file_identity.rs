@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// The path of the standard output. A file of that name is `./-`.
-pub const STANDARD_OUTPUT: &str = "-";
+pub const STDOUT: &str = "-";
 
 /// More links than this from one to the next are a ring: what Linux allows.
 const MAX_LINKS: usize = 40;
@@ -23,7 +23,7 @@ pub enum FileIdentity {
 impl FileIdentity {
     /// Identity of the file at a path; `None` for devices (`/dev/null`), which keep nothing that could be lost.
     pub fn from_path(path: &Path) -> Option<FileIdentity> {
-        if path == Path::new(STANDARD_OUTPUT) {
+        if path == Path::new(STDOUT) {
             let there = standard_output().and_then(|metadata| Self::there(&metadata, path));
             return Some(there.unwrap_or(FileIdentity::StandardOutput));
         }
@@ -48,10 +48,10 @@ impl FileIdentity {
 
 /// True if a path is the standard output, by its own name or another.
 pub fn is_standard_output(path: &Path) -> bool {
-    let named = [STANDARD_OUTPUT, "/dev/stdout"].iter().any(|name| path == Path::new(name));
+    let named = [STDOUT, "/dev/stdout"].iter().any(|name| path == Path::new(name));
     named
         || FileIdentity::from_path(path)
-            .is_some_and(|meant| FileIdentity::from_path(Path::new(STANDARD_OUTPUT)) == Some(meant))
+            .is_some_and(|meant| FileIdentity::from_path(Path::new(STDOUT)) == Some(meant))
 }
 
 /// Metadata of the standard output's target, where the system reports it.

@@ -9,9 +9,7 @@ mod temporary;
 mod write;
 mod write_guard;
 
-pub use file_identity::{
-    FileIdentity, STANDARD_OUTPUT, Use, collision, folder, is_standard_output, relative_to,
-};
+pub use file_identity::{FileIdentity, STDOUT, Use, collision, folder, is_standard_output, relative_to};
 pub use hash::Fnv;
 pub use temporary::end_now;
 pub use write::{refuse_unwritable, standard_output, unwritable_output, write_whole};
@@ -44,7 +42,7 @@ fn user_folder(variable: &str, usual: &str, on_macos: &str) -> PathBuf {
 
 /// A path to write, as people are told of it.
 pub fn display_path(path: &Path) -> String {
-    match path == Path::new(STANDARD_OUTPUT) {
+    match path == Path::new(STDOUT) {
         true => "the standard output".into(),
         false => path.display().to_string(),
     }
@@ -52,5 +50,5 @@ pub fn display_path(path: &Path) -> String {
 
 /// True if a path by its words alone is the standard output or a device, which have no endings.
 pub fn is_stream(path: &str) -> bool {
-    path == STANDARD_OUTPUT || path.starts_with("/dev/")
+    path == STDOUT || path.starts_with("/dev/")
 }

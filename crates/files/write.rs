@@ -32,7 +32,7 @@ pub fn refuse_unwritable(path: &Path) -> Result<()> {
 
 /// Writes `content`: to a file beside `path` that is renamed, so that no partial file is ever seen. Links are followed; a
 /// file that is there gives its permissions, and its owner where that is allowed. Devices and pipes are written as they
-/// are; [`super::STANDARD_OUTPUT`] is the standard output.
+/// are; [`super::STDOUT`] is the standard output.
 pub fn write_whole(path: &Path, content: &[u8]) -> Result<()> {
     match target(path)? {
         Target::StandardOutput => standard_output(content).map(drop),

@@ -120,7 +120,7 @@ impl PreparedVolume for GpuVolume {
         let before = self.renderer.device().work();
         let begun = in_flight::begin(&self.renderer, scene, options, progress)?;
         let (device, work) = (self.renderer.device().clone(), self.since(before));
-        Ok(Box::new(PendingFrame { device, begun, options: *options, work }))
+        Ok(Box::new(PendingPicture { device, begun, options: *options, work }))
     }
 }
 
@@ -137,14 +137,14 @@ impl GpuVolume {
 }
 
 /// A submitted frame, with the work that was done for it.
-struct PendingFrame {
+struct PendingPicture {
     device: Arc<Device>,
     begun: in_flight::SubmittedFrame,
     options: RenderOptions,
     work: WorkCounts,
 }
 
-impl Pending for PendingFrame {
+impl Pending for PendingPicture {
     fn collect(self: Box<Self>, progress: &dyn Progress) -> Result<RenderOutput> {
         let drawn = self.begun.collect(progress)?;
         Ok(of_engine(&self.device, drawn, &self.options, self.work))

@@ -1,7 +1,7 @@
 //! Compiled transfer functions, for integrating many segments.
 
 use super::clip::ClippedSpan;
-use super::kinds::{CompiledProfile, Cutoff, Extent, Light, Path};
+use super::kinds::{CompiledProfile, Cutoff, Path, WidgetLight, WidgetPart};
 use super::overlap::{Glow, Member, Ordered, Quadrature, ordered};
 use super::sample::Samples;
 use super::special::{mean_transmittance, opacity};
@@ -34,7 +34,7 @@ struct PreparedWidget {
 struct Active<'a> {
     widget: &'a PreparedWidget,
     path: Path<'a>,
-    extent: Extent,
+    extent: WidgetPart,
     depth: f64,
 }
 
@@ -127,7 +127,8 @@ impl CompiledTransferFunction {
             Some(range) => stretch.intersection(&ClippedSpan::within(range, segment.front, segment.back)?)?,
         };
         let scale = segment.length / self.unit_distance;
-        let extent = Extent { stretch, peak: segment.length * widget.extinction / self.unit_distance, scale };
+        let extent =
+            WidgetPart { stretch, peak: segment.length * widget.extinction / self.unit_distance, scale };
         let path = widget.profile.path(segment, extent.peak, self.cutoff)?;
         let depth = path.depth(&extent);
         // False also where the values are not numbers.
@@ -142,9 +143,9 @@ impl CompiledTransferFunction {
             Some(cutoff) => path.constant_light(extent, *depth, cutoff, threshold(widget, cutoff)),
         };
         match light {
-            Light::OfWidget(light) => widget.color.map(|c| c * light),
-            Light::OwnColors(color) => color,
-            Light::Integrated => ordered(&[self.member(active)], self.glow(length)),
+            WidgetLight::OfWidget(light) => widget.color.map(|c| c * light),
+            WidgetLight::OwnColors(color) => color,
+            WidgetLight::Integrated => ordered(&[self.member(active)], self.glow(length)),
         }
     }
 

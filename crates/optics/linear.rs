@@ -1,4 +1,4 @@
-//! A stretch with linear extinction: the partial pre-integration of Moreland & Angel 2004, in closed form.
+//! A segment with linear extinction: the partial pre-integration of Moreland & Angel 2004, in closed form.
 //!
 //! Symbols: a = α_f D, b = α_b D the rates of optical depth at front and back; w(x) = a x + (b − a) x²/2 the
 //! depth after the share x; ζ = e^(−w(1)); ψ = ∫₀¹ e^(−w); F = ∫ (1 − x) e^(−w); B = ∫ x e^(−w).

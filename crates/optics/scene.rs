@@ -1,4 +1,4 @@
-//! A scene: what is drawn, from where, and how. The one description that every engine is given.
+//! Scene: volume, transfer function, camera and shading, as every engine takes them.
 
 use crate::shading::{Ordering, Shading, VisibilityOrder};
 use std::sync::Arc;

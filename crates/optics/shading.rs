@@ -1,4 +1,4 @@
-//! Shading of a volume on any engine: integrator, light, order (docs/optics.md, sections 6 and 7).
+//! Shading of a volume on any engine: integrator, light, order (docs/src/explanation/optics.md, sections 6 and 7).
 
 use crate::WidgetBlend;
 use std::fmt;

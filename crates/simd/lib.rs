@@ -3,7 +3,7 @@
 //! Vector lanes are the few operations the kernels are written in, over 16 (AVX-512), 8 (AVX2 + FMA, NEON) or 4 lanes, which
 //! every processor has: SSE2 on x86-64, arrays elsewhere.
 //!
-//! A kernel is one generic function over [`Lanes`], marked `#[inline(always)]`; [`dispatch`] runs it inside a
+//! A kernel is one generic function over [`Lanes`], marked `#[inline(always)]`; [`dispatch()`] runs it inside a
 //! function that carries the processor features, chosen once at run time. The implementations agree lane
 //! by lane (`conformance` holds each to the same model), except that the portable one rounds a fused multiply-add twice where the
 //! build has no instruction for it.
@@ -12,7 +12,7 @@
 //!
 //! The methods of the AVX lanes are safe to call and would be undefined on a processor without the features (NEON is in every
 //! AArch64 processor that the standard library is made for, and SSE2 in every x86-64). So their types are private: outside this crate they have no name, there is no function that gives one, and no type that they could be
-//! reached from. Code meets them only as the type parameter of [`Kernel::run`], which only [`dispatch`] fills in, after
+//! reached from. Code meets them only as the type parameter of [`Kernel::run`], which only [`dispatch()`] fills in, after
 //! the processor said that it has the features; and what a processor has, it keeps. [`Lanes`] is sealed, so that unsafe code
 //! may rely on what its traits say.
 //!

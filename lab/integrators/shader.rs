@@ -190,14 +190,14 @@ fn add_passes(
     scene: &TableScene<'_>,
     behind: &[f32],
 ) {
-    let TableScene { choices, places, .. } = *scene;
+    let TableScene { shader_key, places, .. } = *scene;
     let side = ramp.size() as u64;
     let across = (side as u32).div_ceil(GROUP_SIDE);
     let bytes = bytemuck::cast_slice(&matter(ramp)).to_vec();
     let ramp_at = resources.add_buffer("ramp".into(), Contents { filled: 0, bytes });
     // Where what is read has one part, so has the table that it is made from, which is no larger.
-    let parts = choices.layout.table;
-    let sliced = parts.of_as_many(side.pow(3));
+    let parts = shader_key.layout.table;
+    let sliced = parts.with_count(side.pow(3));
     let slices = match last_tile {
         Some(_) => (0..sliced.count)
             .map(|part| {
@@ -205,7 +205,7 @@ fn add_passes(
                 resources.add_buffer(Parts::name("slices", part), Contents { filled, bytes: Vec::new() })
             })
             .collect(),
-        None => resources.add_numbers(choices, places.vectors, behind)[..sliced.count as usize].to_vec(),
+        None => resources.add_numbers(shader_key, places.vectors, behind)[..sliced.count as usize].to_vec(),
     };
     let array = |name, parts| PartedArray { name, element: "vec4f", stride: None, parts };
     let written = array("slices", sliced);
@@ -220,8 +220,9 @@ fn add_passes(
         workgroups: [across, across, side as u32],
     });
     if let Some(last) = last_tile {
-        let tiled = parts.of_as_many(places.vectors);
-        let tiles = resources.add_numbers(choices, places.vectors, behind)[..tiled.count as usize].to_vec();
+        let tiled = parts.with_count(places.vectors);
+        let tiles =
+            resources.add_numbers(shader_key, places.vectors, behind)[..tiled.count as usize].to_vec();
         let (read, written) = (array("glows", sliced), array("tiles", tiled));
         let mut text = format!("const SIDE = {side}u;\nconst LAST_TILE = {last}u;\n");
         text += &read.declared(Access::Read, 0, |part| part);

@@ -4,19 +4,19 @@ use serde_json::json;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::SharedSlice;
-use voltet_core::probing::{Bands, bands};
+use voltet_core::probing::{BandCounts, bands};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_graph::RunContext;
 
-/// The bands of one transfer function over one volume, kept between runs.
-struct BandCounts {
+/// Band counts of one transfer function over one volume, kept between runs.
+struct VolumeBands {
     scalar: SharedSlice<f64>,
     gradient_magnitude: Option<SharedSlice<f64>>,
-    bands: Vec<Bands>,
+    bands: Vec<BandCounts>,
 }
 
-impl BandCounts {
+impl VolumeBands {
     fn is_of(&self, volume: &Volume) -> bool {
         let same_g = match (&self.gradient_magnitude, &volume.gradient_magnitude) {
             (Some(a), Some(b)) => a.is(b),
@@ -37,7 +37,7 @@ pub fn note_bands(
     let make = || {
         let bands = bands(volume, transfer_function)?;
         let (scalar, gradient_magnitude) = (volume.scalar.clone(), volume.gradient_magnitude.clone());
-        Ok(BandCounts { scalar, gradient_magnitude, bands })
+        Ok(VolumeBands { scalar, gradient_magnitude, bands })
     };
     let kept = call.keep(call.revision("transfer_function")?, make)?;
     // One transfer function may draw several volumes.
@@ -48,8 +48,8 @@ pub fn note_bands(
     Ok(())
 }
 
-fn sentence(bands: &Bands) -> String {
-    let Bands { widget, kind, cell_count, median, percent_99, max: most, share_above_one } = bands;
+fn sentence(bands: &BandCounts) -> String {
+    let BandCounts { widget, kind, cell_count, median, percent_99, max: most, share_above_one } = bands;
     let finer = match *share_above_one > 0.0 {
         true => format!(
             "{:.2} % cross more than one, where the picture is finer than the grid",
@@ -63,7 +63,7 @@ fn sentence(bands: &Bands) -> String {
     )
 }
 
-fn figures(bands: &Bands) -> serde_json::Value {
+fn figures(bands: &BandCounts) -> serde_json::Value {
     json!({ "bands": {
         "widget": bands.widget,
         "kind": bands.kind,

@@ -2,6 +2,7 @@
 
 use super::engine_cache::draw_on;
 use super::engines::{ENGINES, NATIVE};
+use super::needs::check_engine;
 use super::order::record_unsorted;
 use super::parameters::{ACCUMULATION, ADAPTER, AUTO, ENGINE, accumulation, compositor};
 use voltet_core::error::ErrorKind;
@@ -70,7 +71,7 @@ fn planned(
 ) -> Result<(String, String)> {
     let look = asking.look("transfer_function");
     let serves = |engine: &EngineInfo| match &look {
-        Some(look) => engine.can_serve(&look.transfer_function, shading),
+        Some(look) => check_engine(engine, asking.parameters, &look.transfer_function, shading),
         None => engine.unavailable_reason.map_or(Ok(()), |why| Err(Error::run(why))),
     };
     let mut why = "the pipeline asks for it".to_string();
@@ -80,7 +81,7 @@ fn planned(
             _ if engine.taken.is_none() => return Ok((named.0, registered_reason(engine))),
             // The first of the list, asked last, draws every scene that can be drawn: what it says is wrong is wrong.
             Err(error) if k + 1 < engines.len() => why = error.to_string(),
-            Err(error) => return Err(asking.parameters.locate("integrator", error)),
+            Err(error) => return Err(error),
             Ok(()) if wanted == AUTO && engine.on_device => {
                 let taken: Vec<&str> = engines[k..].iter().filter_map(|engine| engine.taken).collect();
                 return Ok((AUTO.into(), format!("the run takes {}", taken.join(", else "))));

@@ -2,6 +2,7 @@
 
 use super::diagnostics::{note, note_whole};
 use super::disk_cache::CacheFolder;
+use super::needs::check_engine;
 use super::parameters::{AUTO, COMPOSITOR, accumulation, adapter, compositor, order_check};
 use super::visible;
 use std::collections::HashMap;
@@ -38,9 +39,7 @@ pub(super) fn draw_on(
     declared: &'static EngineInfo,
     hardware: bool,
 ) -> Result<Picture> {
-    declared
-        .can_serve(&scene.transfer_function, &scene.shading)
-        .map_err(|error| call.parameters.locate("integrator", error))?;
+    check_engine(declared, call.parameters, &scene.transfer_function, &scene.shading)?;
     let wish = AdapterRequest { name: adapter(call.parameters), hardware };
     let folder = CacheFolder::named("adapters");
     let memory: &dyn KeyValueStore = if call.exhaustive() { &NoStore } else { &folder };

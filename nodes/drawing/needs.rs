@@ -1,10 +1,13 @@
 //! Demand of a scene on its data.
 
+use super::engines::NATIVE;
 use super::shading::shading;
 use voltet_core::Result;
+use voltet_core::transfer::TransferFunction;
 use voltet_cpu::needs_gradient;
-use voltet_graph::{Demand, DemandContext, TransferFunctionSpec};
-use voltet_optics::integrators::{INTEGRATOR, can_serve_among, kinds};
+use voltet_graph::{Demand, DemandContext, Parameters, TransferFunctionSpec};
+use voltet_optics::engine::EngineInfo;
+use voltet_optics::integrators::{INTEGRATOR, Integrator, kinds};
 use voltet_optics::scene::needs_order;
 use voltet_optics::shading::Shading;
 
@@ -14,12 +17,7 @@ pub fn ask(asking: &mut DemandContext, port: &str, look_port: &str) -> Result<De
     let (look, shading) = (asking.look(look_port), shading(asking.parameters)?);
     if let Some(look) = &look {
         // Refused before any data are read.
-        can_serve_among(
-            &kinds(asking.parameters.variants(INTEGRATOR)),
-            &shading.integrator,
-            &look.transfer_function,
-        )
-        .map_err(|error| asking.parameters.locate("integrator", error))?;
+        check_engine(&NATIVE, asking.parameters, &look.transfer_function, &shading)?;
     }
     let mut demand = demand(look.as_deref(), &shading);
     // A table spans the range of g.
@@ -28,6 +26,30 @@ pub fn ask(asking: &mut DemandContext, port: &str, look_port: &str) -> Result<De
     }
     asking.ask(port, &demand)?;
     Ok(demand)
+}
+
+/// Checks, without any data, that an engine can draw the transfer function with this shading.
+///
+/// Errors: those of [`EngineInfo::can_serve`], with the integrators by which it could.
+pub fn check_engine(
+    engine: &EngineInfo,
+    parameters: &Parameters,
+    transfer_function: &TransferFunction,
+    shading: &Shading,
+) -> Result<()> {
+    let check = |integrator| engine.can_serve(transfer_function, &Shading { integrator, ..*shading });
+    check(shading.integrator).map_err(|mut error| {
+        let kinds = kinds(parameters.variants(INTEGRATOR)).into_iter();
+        let others: Vec<&str> = kinds
+            .filter(|kind| check(Integrator::new(*kind)).is_ok())
+            .map(|kind| kind.schema().name)
+            .collect();
+        if !others.is_empty() {
+            let accepted = error.expected.take().map_or(String::new(), |accepted| format!("{accepted}, or "));
+            error = error.expected(format!("{accepted}one of the integrators {}", others.join(", ")));
+        }
+        parameters.locate(INTEGRATOR, error)
+    })
 }
 
 fn demand(look: Option<&TransferFunctionSpec>, shading: &Shading) -> Demand {
@@ -52,9 +74,9 @@ fn demand(look: Option<&TransferFunctionSpec>, shading: &Shading) -> Demand {
 mod tests {
     use super::*;
     use voltet_core::transfer::OpticalModel;
-    use voltet_core::transfer::{ControlPoint, Profile, TransferFunction, Widget};
+    use voltet_core::transfer::{ControlPoint, Profile, Widget};
     use voltet_optics::WidgetBlend;
-    use voltet_optics::shading::{Integrator, Light};
+    use voltet_optics::shading::Light;
 
     fn widget(color: [f64; 3], extinction: f64) -> Widget {
         let profile = Profile::Gaussian { centre: [0.0; 2], matrix: [[1.0, 0.0], [0.0, 0.0]] };

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use voltet_core::grid::{Grid, extent};
-use voltet_core::probing::Region;
+use voltet_core::probing::ProbeRegion;
 use voltet_core::transfer::{DataStatistics, resolved, with_placeholders};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
@@ -188,7 +188,7 @@ impl DataStatistics for SpatialRegion {
 }
 
 /// The region that the parameters name.
-pub fn region(p: &Parameters) -> Result<Region> {
+pub fn region(p: &Parameters) -> Result<ProbeRegion> {
     let mut regions = Vec::new();
     if let Some(table) = p.table("box")? {
         let (low, high): (DVec3, DVec3) = (table.vector("low")?.into(), table.vector("high")?.into());
@@ -196,20 +196,20 @@ pub fn region(p: &Parameters) -> Result<Region> {
             let error = table.error("high", "the box is empty").got(format!("from {low} to {high}"));
             return Err(error.expected("'low' below 'high' along every axis"));
         }
-        regions.push(Region::Box { low, high });
+        regions.push(ProbeRegion::Box { low, high });
     }
     if let Some(table) = p.table("sphere")? {
         let (centre, radius) = (table.vector("centre")?.into(), table.number("radius")?);
-        regions.push(Region::Sphere { centre, radius });
+        regions.push(ProbeRegion::Sphere { centre, radius });
     }
     if p.optional("points").is_some() {
         let points = p.rows("points")?;
-        regions.push(Region::Points(points.iter().map(|row| DVec3::from_slice(row)).collect()));
+        regions.push(ProbeRegion::Points(points.iter().map(|row| DVec3::from_slice(row)).collect()));
     }
     let accepted = "one of box, sphere and points, or a mask, which may also go with one of them";
     match (regions.pop(), regions.is_empty(), p.optional("mask").is_some()) {
         (Some(region), true, _) => Ok(region),
-        (None, _, true) => Ok(Region::Everywhere),
+        (None, _, true) => Ok(ProbeRegion::Everywhere),
         (None, _, false) => Err(Error::usage("the probe has no region").expected(accepted)),
         (Some(_), false, _) => Err(Error::usage("the probe has several regions").expected(accepted)),
     }

@@ -1,27 +1,27 @@
 //! The widgets as members of an ordered integral, or of what is sampled.
 
 use super::Block;
-use crate::choices::{Combine, Method, WidgetChoice};
 use crate::kinds::Mixing;
+use crate::shader_key::{Combine, Method, WidgetChoice};
 use std::fmt::Write as _;
 
 impl Block<'_> {
     /// The widgets as members. Where the only need for them is a widget alone that has no closed form, the list holds
     /// such widgets, absent ones with an empty range.
     pub(super) fn members(&mut self) {
-        let emitter = if self.choices.constant_emitter {
+        let emitter = if self.shader_key.constant_emitter {
             "overlap/constant_emitter"
         } else {
             "overlap/density_emitter"
         };
         self.uses(&[emitter]);
-        let choices = self.choices;
+        let shader_key = self.shader_key;
         let (mut fields, mut breaks, mut lights) = (String::new(), String::new(), String::new());
-        for (i, widget) in choices.widgets.iter().enumerate() {
-            if choices.combine != Combine::Ordered && !choices.is_integrated(&widget.kind) {
+        for (i, widget) in shader_key.widgets.iter().enumerate() {
+            if shader_key.combine != Combine::Ordered && !shader_key.is_integrated(&widget.kind) {
                 continue;
             }
-            let calls = choices.calls(&widget.kind);
+            let calls = shader_key.snippets(&widget.kind);
             let (track, next) = (calls.track_type, calls.next_break.replace('#', &i.to_string()));
             self.uses(&calls.track.pieces);
             let light = self.call(i, &calls.member_light);
@@ -39,8 +39,9 @@ impl Block<'_> {
 
     /// The light of each widget alone that has no closed form: the others have an empty range.
     pub(super) fn lights_alone(&mut self) {
-        let choices = self.choices;
-        for (i, widget) in choices.widgets.iter().enumerate().filter(|(_, w)| choices.is_integrated(&w.kind))
+        let shader_key = self.shader_key;
+        for (i, widget) in
+            shader_key.widgets.iter().enumerate().filter(|(_, w)| shader_key.is_integrated(&w.kind))
         {
             let (member, track) = self.member(i, widget);
             let integral = self.ordered_integral(i, &format!("depth_{i}"));
@@ -55,8 +56,8 @@ impl Block<'_> {
     /// The variable `members`, filled from the parts of all widgets.
     pub(super) fn fill_members(&mut self, indent: &str) {
         self.line(format!("{indent}var members = Members();"));
-        let choices = self.choices;
-        for (i, widget) in choices.widgets.iter().enumerate() {
+        let shader_key = self.shader_key;
+        for (i, widget) in shader_key.widgets.iter().enumerate() {
             let (member, track) = self.member(i, widget);
             self.line(format!("{indent}members.track_{i} = {track};"));
             self.line(format!("{indent}members.member_{i} = {member};"));
@@ -66,12 +67,12 @@ impl Block<'_> {
     /// The ordered integral over `members`, exact or to the tolerance; `i`: any of the widgets that have a part, `depth`:
     /// T of those that are in it.
     pub(super) fn ordered_integral(&mut self, i: usize, depth: &str) -> String {
-        let constant = self.choices.constant_emitter;
+        let constant = self.shader_key.constant_emitter;
         let scale = if constant { format!("glow_scale(part_{i})") } else { String::new() };
-        let integral = if self.choices.method == Method::Adaptive {
+        let integral = if self.shader_key.method == Method::Adaptive {
             let stake = if constant { "adaptive/constant_stake" } else { "adaptive/density_stake" };
             self.uses(&["adaptive/march", stake]);
-            let members = self.choices.widgets.len();
+            let members = self.shader_key.widgets.len();
             if constant {
                 format!(
                     "march(members, {depth}, scene.tolerance / max({scale}, 1e-37), {members}.0 * scene.brightest)"
@@ -88,23 +89,23 @@ impl Block<'_> {
 
     /// The mix where the bound of its error keeps the tolerance, else the ordered integral.
     pub(super) fn subdivided(&mut self) {
-        let choices = self.choices;
+        let shader_key = self.shader_key;
         self.fill_members("    ");
         let integral = self.ordered_integral(0, "depth");
-        let bounded = |widget: &WidgetChoice| match choices.calls(&widget.kind).mixing {
+        let bounded = |widget: &WidgetChoice| match shader_key.snippets(&widget.kind).mixing {
             Mixing::Bounded => true,
-            Mixing::DensityOnly => !choices.constant_emitter,
+            Mixing::DensityOnly => !shader_key.constant_emitter,
             Mixing::Unbounded => false,
         };
-        if !choices.widgets.iter().all(bounded) {
+        if !shader_key.widgets.iter().all(bounded) {
             self.line(format!("    let color = {integral};"));
             return;
         }
         self.uses(&["adaptive/mixed"]);
         let (mut light, mut whole) = (Vec::new(), Vec::new());
-        for i in 0..choices.widgets.len() {
+        for i in 0..shader_key.widgets.len() {
             let color = format!("scene.widgets[{i}].color");
-            let part = if choices.constant_emitter {
+            let part = if shader_key.constant_emitter {
                 let member = format!("members.member_{i}");
                 format!("mixed_constant({color}, {member}.range, {member}.window, depth)")
             } else {
@@ -115,16 +116,16 @@ impl Block<'_> {
             whole.push(format!("mixed_{i}.light"));
         }
         self.line(format!("    var color = {};", light.join(" + ")));
-        let mean = if choices.constant_emitter {
+        let mean = if shader_key.constant_emitter {
             "vec3f(0.0)".to_owned()
         } else {
             format!("color / max({}, 1e-37)", whole.join(" + "))
         };
         self.line(format!("    let mean = {mean};\n    var slack = MixedError(vec3f(0.0), vec3f(0.0));"));
-        for i in 0..choices.widgets.len() {
+        for i in 0..shader_key.widgets.len() {
             self.line(format!("    slack = mixed_add(slack, mixed_{i}, mean);"));
         }
-        let scale = if choices.constant_emitter { "glow_scale(part_0)" } else { "1.0" };
+        let scale = if shader_key.constant_emitter { "glow_scale(part_0)" } else { "1.0" };
         self.line(format!(
             "    color *= {scale};\n    if scene.tolerance < {scale} * mixed_largest(slack) {{ color = {integral}; }}"
         ));
@@ -132,10 +133,10 @@ impl Block<'_> {
 
     /// Expressions of a widget's member and track.
     fn member(&mut self, i: usize, widget: &WidgetChoice) -> (String, String) {
-        let calls = self.choices.calls(&widget.kind);
+        let calls = self.shader_key.snippets(&widget.kind);
         let track = self.call(i, &calls.track);
         let everywhere = || "vec2f(-1.0, 2.0)".to_owned();
-        let (window, threshold) = if self.choices.constant_emitter {
+        let (window, threshold) = if self.shader_key.constant_emitter {
             let window = calls.window.map_or_else(everywhere, |window| self.call(i, &window));
             (window, calls.threshold.replace('#', &i.to_string()))
         } else {

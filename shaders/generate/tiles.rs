@@ -1,8 +1,8 @@
 //! Generated functions that the compositors of pixels call.
 
 use super::Block;
-use crate::choices::{Blend, TileOrder};
 use crate::parts::{cells_read, grid_text};
+use crate::shader_key::{Blend, TileOrder};
 
 /// Values of which a workgroup keeps those at the corners of a chunk's cells: with these it takes 14.5 of the 16 KiB that
 /// every device has.
@@ -16,7 +16,7 @@ impl Block<'_> {
             TileOrder::Sum => "compositor/tiles_sum",
         }]);
         if order != TileOrder::Exact {
-            let is_kept = self.choices.value_count() <= VALUES_KEPT;
+            let is_kept = self.shader_key.value_count() <= VALUES_KEPT;
             self.uses(&[if is_kept { "compositor/corners_kept" } else { "compositor/corners_read" }]);
         }
         self.finish_pixels(order == TileOrder::Sum);
@@ -38,22 +38,22 @@ impl Block<'_> {
 
     /// Writes the colour of a segment at a pixel: the gradient stands behind the values of its cell's points.
     fn finish_pixels(&mut self, is_sum: bool) {
-        let choices = self.choices;
-        self.line(format!("const ATTRIBUTE_STRIDE = {}u;", choices.attribute_stride()));
-        let stride = choices.attribute_stride();
-        self.text.push_str(&grid_text(cells_read(stride), &choices.layout));
+        let shader_key = self.shader_key;
+        self.line(format!("const ATTRIBUTE_STRIDE = {}u;", shader_key.attribute_stride()));
+        let stride = shader_key.attribute_stride();
+        self.text.push_str(&grid_text(cells_read(stride), &shader_key.layout));
         if stride == 0 {
             self.line("fn attribute_of(index: u32, slot: u32) -> f32 { return 0.0; }");
         }
         if is_sum {
-            self.line(format!("const DEPTHS_ADD_UP = {};", choices.depths_add_up()));
+            self.line(format!("const DEPTHS_ADD_UP = {};", shader_key.depths_add_up()));
         }
         self.line("fn finish(found: Contribution, points: vec4u, middle: vec4f, ray: Ray) -> Contribution {");
-        if choices.reads_gradient() {
-            let first = choices.value_count() - 1;
+        if shader_key.reads_gradient() {
+            let first = shader_key.value_count() - 1;
             let at = |i: usize| format!("attribute_at(points, middle, {}u)", first + i);
             self.line(format!("    let gradient = vec3f({}, {}, {});", at(0), at(1), at(2)));
-            let view = if choices.silhouette { "ray_direction(ray)" } else { "vec3f(0.0)" };
+            let view = if shader_key.silhouette { "ray_direction(ray)" } else { "vec3f(0.0)" };
             self.line(format!("    return surface(found, gradient, {view});\n}}"));
         } else {
             self.line("    return found;\n}");

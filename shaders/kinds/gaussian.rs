@@ -1,7 +1,7 @@
 //! `gaussian` in WGSL: of s alone, and over the (s, g) plane.
 
-use super::calls::{ANY_RATE, Call, Calls, Light, Mixing, light_of_rates};
-use crate::stretch::{Stretch, check_widths};
+use super::snippets::{ANY_RATE, Light, Mixing, Snippet, WidgetSnippets, light_of_rates};
+use crate::segment_extent::{SegmentExtent, check_widths};
 use crate::writer::{WidgetRecord, Writer, all_finite};
 use voltet_core::Result;
 
@@ -10,21 +10,26 @@ pub(super) fn is_line(matrix: &[[f64; 2]; 2]) -> bool {
     matrix[0][1] == 0.0 && matrix[1][1] == 0.0
 }
 
-pub(super) fn line_calls(constant_emitter: bool) -> Calls {
-    calls_of_path("gaussian/widget_line", "gaussian_line", "", constant_emitter)
+pub(super) fn line_snippets(constant_emitter: bool) -> WidgetSnippets {
+    snippets_of_path("gaussian/widget_line", "gaussian_line", "", constant_emitter)
 }
 
-pub(super) fn plane_calls(constant_emitter: bool) -> Calls {
-    calls_of_path("gaussian/widget_plane", "gaussian_plane", "", constant_emitter)
+pub(super) fn plane_snippets(constant_emitter: bool) -> WidgetSnippets {
+    snippets_of_path("gaussian/widget_plane", "gaussian_plane", "", constant_emitter)
 }
 
-/// Calls of a profile with a path through a Gaussian: `piece` holds the functions `stem`_whole and `stem`_inside, whose arguments
+/// Snippets of a profile with a path through a Gaussian: `piece` holds the functions `stem`_whole and `stem`_inside, whose arguments
 /// before the part are the widget's number and `count`.
-pub(super) fn calls_of_path(piece: &'static str, stem: &str, count: &str, constant_emitter: bool) -> Calls {
+pub(super) fn snippets_of_path(
+    piece: &'static str,
+    stem: &str,
+    count: &str,
+    constant_emitter: bool,
+) -> WidgetSnippets {
     let inside = format!("{stem}_inside(#u, {count}part_#)");
     let whole = format!("{stem}_whole(#u, {count}part_#)");
-    let with = |other: &'static str, text: String| Call::new(&[piece, other], text);
-    Calls {
+    let with = |other: &'static str, text: String| Snippet::new(&[piece, other], text);
+    WidgetSnippets {
         depth: with("gaussian/depth", format!("gaussian_depth(#u, part_#, {inside})")),
         light: match constant_emitter {
             false => Light::of_density(),
@@ -60,7 +65,7 @@ pub(super) fn write(
     Ok(())
 }
 
-pub(super) fn check_32_bits(matrix: &[[f64; 2]; 2], stretch: &Stretch) -> Result<()> {
-    let spans = [0, 1].map(|axis| stretch.span(axis));
+pub(super) fn check_32_bits(matrix: &[[f64; 2]; 2], extent: &SegmentExtent) -> Result<()> {
+    let spans = [0, 1].map(|axis| extent.span(axis));
     check_widths(matrix.iter().map(|row| (row[0] * spans[0]).abs() + (row[1] * spans[1]).abs()))
 }

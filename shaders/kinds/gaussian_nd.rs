@@ -1,13 +1,13 @@
 //! `gaussian-nd` in WGSL.
 
-use super::calls::Calls;
-use super::gaussian::calls_of_path;
-use crate::stretch::{Stretch, check_widths};
+use super::gaussian::snippets_of_path;
+use super::snippets::WidgetSnippets;
+use crate::segment_extent::{SegmentExtent, check_widths};
 use crate::writer::{Writer, finite};
 use voltet_core::Result;
 
-pub(super) fn calls(count: usize, constant_emitter: bool) -> Calls {
-    calls_of_path("gaussian_nd/widget", "gaussian_fields", &format!("{count}u, "), constant_emitter)
+pub(super) fn snippets(count: usize, constant_emitter: bool) -> WidgetSnippets {
+    snippets_of_path("gaussian_nd/widget", "gaussian_fields", &format!("{count}u, "), constant_emitter)
 }
 
 /// Numbers of one over so many fields.
@@ -37,7 +37,7 @@ pub(super) fn write(
     Ok(())
 }
 
-pub(super) fn check_32_bits(fields: &[String], matrix: &[Vec<f64>], stretch: &Stretch) -> Result<()> {
-    let spans: Vec<f64> = fields.iter().map(|name| stretch.span_of(name)).collect();
+pub(super) fn check_32_bits(fields: &[String], matrix: &[Vec<f64>], extent: &SegmentExtent) -> Result<()> {
+    let spans: Vec<f64> = fields.iter().map(|name| extent.span_of(name)).collect();
     check_widths(matrix.iter().map(|row| row.iter().zip(&spans).map(|(k, span)| (k * span).abs()).sum()))
 }

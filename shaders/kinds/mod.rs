@@ -1,19 +1,19 @@
 //! The kinds of widgets as shaders know them, one file each: the calls that the generated block makes for one, the numbers
 //! that its pieces read, and what 32 bits do not hold of it. The pieces stand under `wgsl/`, in a folder of the kind's name.
 
-mod calls;
 mod gaussian;
 mod gaussian_nd;
 mod piecewise_linear;
+mod snippets;
 mod table;
 mod triangular_gaussian;
 mod triangular_gaussian_nd;
 mod uniform;
 mod wave;
 
-pub(crate) use calls::{Call, Calls, Light, Mixing};
+pub(crate) use snippets::{Light, Mixing, Snippet, WidgetSnippets};
 
-use crate::stretch::Stretch;
+use crate::segment_extent::SegmentExtent;
 use crate::writer::{WidgetRecord, Writer};
 use voltet_core::Result;
 use voltet_core::transfer::{Profile, Widget};
@@ -44,7 +44,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    pub(crate) fn of(profile: &Profile) -> Kind {
+    pub(crate) fn from_profile(profile: &Profile) -> Kind {
         match profile {
             Profile::Uniform => Kind::Uniform,
             Profile::Gaussian { matrix, .. } if gaussian::is_line(matrix) => Kind::GaussianLine,
@@ -60,23 +60,23 @@ impl Kind {
     }
 
     /// Functions that the generated block calls for it.
-    pub(crate) fn calls(&self, constant_emitter: bool) -> Calls {
+    pub(crate) fn snippets(&self, constant_emitter: bool) -> WidgetSnippets {
         match self {
-            Kind::Uniform => uniform::calls(constant_emitter),
-            Kind::GaussianLine => gaussian::line_calls(constant_emitter),
-            Kind::GaussianPlane => gaussian::plane_calls(constant_emitter),
-            Kind::GaussianNd(count) => gaussian_nd::calls(*count, constant_emitter),
-            Kind::TriangularGaussian => triangular_gaussian::calls(constant_emitter),
-            Kind::TriangularGaussianNd(count) => triangular_gaussian_nd::calls(*count, constant_emitter),
-            Kind::TriangleWave | Kind::SineWave => wave::calls(constant_emitter),
-            Kind::PiecewiseLinear(count) => piecewise_linear::calls(*count, constant_emitter),
-            Kind::Table => table::calls(constant_emitter),
+            Kind::Uniform => uniform::snippets(constant_emitter),
+            Kind::GaussianLine => gaussian::line_snippets(constant_emitter),
+            Kind::GaussianPlane => gaussian::plane_snippets(constant_emitter),
+            Kind::GaussianNd(count) => gaussian_nd::snippets(*count, constant_emitter),
+            Kind::TriangularGaussian => triangular_gaussian::snippets(constant_emitter),
+            Kind::TriangularGaussianNd(count) => triangular_gaussian_nd::snippets(*count, constant_emitter),
+            Kind::TriangleWave | Kind::SineWave => wave::snippets(constant_emitter),
+            Kind::PiecewiseLinear(count) => piecewise_linear::snippets(*count, constant_emitter),
+            Kind::Table => table::snippets(constant_emitter),
         }
     }
 
     /// True if its light alone has no closed form under the model.
     pub(crate) fn is_integrated(&self, constant_emitter: bool) -> bool {
-        self.calls(constant_emitter).light == Light::Integrated
+        self.snippets(constant_emitter).light == Light::Integrated
     }
 
     /// Count of its `numbers` beside its region's edges.
@@ -124,12 +124,12 @@ pub(crate) fn write(profile: &Profile, writer: &mut Writer, record: &mut WidgetR
 }
 
 /// Checks that 32 bits hold the widget on every segment of a data set.
-pub(crate) fn check_32_bits(widget: &Widget, stretch: &Stretch) -> Result<()> {
+pub(crate) fn check_32_bits(widget: &Widget, extent: &SegmentExtent) -> Result<()> {
     match &widget.profile {
-        Profile::Gaussian { matrix, .. } => gaussian::check_32_bits(matrix, stretch),
-        Profile::GaussianNd { fields, matrix, .. } => gaussian_nd::check_32_bits(fields, matrix, stretch),
-        Profile::TriangleWave(wave) | Profile::SineWave(wave) => wave::check_32_bits(widget, wave, stretch),
-        Profile::PiecewiseLinear { points } => piecewise_linear::check_32_bits(points, stretch),
+        Profile::Gaussian { matrix, .. } => gaussian::check_32_bits(matrix, extent),
+        Profile::GaussianNd { fields, matrix, .. } => gaussian_nd::check_32_bits(fields, matrix, extent),
+        Profile::TriangleWave(wave) | Profile::SineWave(wave) => wave::check_32_bits(widget, wave, extent),
+        Profile::PiecewiseLinear { points } => piecewise_linear::check_32_bits(points, extent),
         // Their ends are formed in the values' own 32 bits, and their panels follow the segment.
         Profile::Uniform
         | Profile::TriangularGaussian { .. }

@@ -1,15 +1,15 @@
 //! `piecewise-linear` in WGSL.
 
-use super::calls::{Call, Calls, Light, Mixing};
-use crate::stretch::Stretch;
+use super::snippets::{Light, Mixing, Snippet, WidgetSnippets};
+use crate::segment_extent::SegmentExtent;
 use crate::writer::{WidgetRecord, Writer, all_finite, finite};
 use voltet_core::transfer::ControlPoint;
 use voltet_core::{Error, Result};
 use voltet_simd::limits::MAX_RAMP_RATE;
 
-pub(super) fn calls(count: usize, constant_emitter: bool) -> Calls {
-    let call = |piece, function: &str| Call::new(&[piece], format!("{function}(#u, {count}u, part_#)"));
-    Calls {
+pub(super) fn snippets(count: usize, constant_emitter: bool) -> WidgetSnippets {
+    let call = |piece, function: &str| Snippet::new(&[piece], format!("{function}(#u, {count}u, part_#)"));
+    WidgetSnippets {
         depth: call("piecewise_linear/widget_depth", "piecewise_depth"),
         light: Light::Closed(match constant_emitter {
             false => call("piecewise_linear/widget_density_light", "piecewise_density_light"),
@@ -18,7 +18,7 @@ pub(super) fn calls(count: usize, constant_emitter: bool) -> Calls {
         track: call("piecewise_linear/widget_track", "piecewise_track"),
         track_type: "PiecewiseTrack",
         next_break: "piecewise_next_break(members.track_#, t)".into(),
-        member_light: Call::new(
+        member_light: Snippet::new(
             &["overlap/member_colors", "piecewise_linear/track"],
             "member_colors_light(members.member_#, piecewise_colors(members.track_#, at), at, \
              piecewise_rates(members.track_#, at))",
@@ -50,10 +50,10 @@ pub(super) fn write(points: &[ControlPoint], writer: &mut Writer, record: &mut W
 }
 
 /// A ramp of depth P over the share w of the segment has the depth P t²/2w at t, so at most the rate √(2P/w) where that is 1.
-pub(super) fn check_32_bits(points: &[ControlPoint], stretch: &Stretch) -> Result<()> {
+pub(super) fn check_32_bits(points: &[ControlPoint], extent: &SegmentExtent) -> Result<()> {
     for (low, high) in points.iter().zip(points.iter().skip(1)) {
-        let share = ((high.s - low.s) / stretch.span(0)).min(1.0);
-        let depth = stretch.length() * low.extinction.max(high.extinction);
+        let share = ((high.s - low.s) / extent.span(0)).min(1.0);
+        let depth = extent.length() * low.extinction.max(high.extinction);
         let rate = depth.min((2.0 * depth / share).sqrt());
         if low.color != high.color && high.s > low.s && rate > MAX_RAMP_RATE {
             return Err(Error::run(

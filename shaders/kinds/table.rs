@@ -1,19 +1,19 @@
 //! `table` in WGSL.
 
-use super::calls::{CUTOFF_RATE, Call, Calls, Light, Mixing};
+use super::snippets::{CUTOFF_RATE, Light, Mixing, Snippet, WidgetSnippets};
 use crate::writer::{WidgetRecord, Writer, all_finite};
 use voltet_core::Result;
 use voltet_core::transfer::Table;
 
-pub(super) fn calls(constant_emitter: bool) -> Calls {
+pub(super) fn snippets(constant_emitter: bool) -> WidgetSnippets {
     let cutoff = if constant_emitter { "scene.cutoff" } else { "-1.0" };
-    Calls {
-        depth: Call::new(&["table/widget"], "table_depth(#u, part_#)"),
+    WidgetSnippets {
+        depth: Snippet::new(&["table/widget"], "table_depth(#u, part_#)"),
         light: Light::Integrated,
-        track: Call::new(&["table/widget"], format!("table_track(#u, {cutoff}, part_#)")),
+        track: Snippet::new(&["table/widget"], format!("table_track(#u, {cutoff}, part_#)")),
         track_type: "TableTrack",
         next_break: "table_next_break(members.track_#, t)".into(),
-        member_light: Call::new(
+        member_light: Snippet::new(
             &["overlap/member_colors", "table/track"],
             "member_texels_light(members.member_#, table_texels(members.track_#, at), at, \
              members.track_#.peak)",

@@ -1,18 +1,18 @@
 //! `triangular-gaussian` in WGSL.
 
-use super::calls::{ANY_RATE, Call, Calls, Light, Mixing, light_of_rates};
+use super::snippets::{ANY_RATE, Light, Mixing, Snippet, WidgetSnippets, light_of_rates};
 use crate::writer::{WidgetRecord, Writer, all_finite, finite};
 use voltet_core::Result;
 
-pub(super) fn calls(constant_emitter: bool) -> Calls {
-    Calls {
-        depth: Call::new(&["triangular_gaussian/widget"], "triangular_depth(#u, part_#)"),
+pub(super) fn snippets(constant_emitter: bool) -> WidgetSnippets {
+    WidgetSnippets {
+        depth: Snippet::new(&["triangular_gaussian/widget"], "triangular_depth(#u, part_#)"),
         light: if constant_emitter { Light::Integrated } else { Light::of_density() },
-        track: Call::new(&["triangular_gaussian/widget_track"], "triangular_track(#u, part_#)"),
+        track: Snippet::new(&["triangular_gaussian/widget_track"], "triangular_track(#u, part_#)"),
         track_type: "TriangularTrack",
         next_break: "triangular_next_break(members.track_#, t)".into(),
         member_light: light_of_rates("triangular_gaussian/track", "triangular_rates"),
-        window: Some(Call::new(
+        window: Some(Snippet::new(
             &["triangular_gaussian/track"],
             "triangular_window_ends(members.track_#, scene.level)",
         )),

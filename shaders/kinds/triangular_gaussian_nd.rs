@@ -1,22 +1,22 @@
 //! `triangular-gaussian-nd` in WGSL.
 
-use super::calls::{Call, Calls};
+use super::snippets::{Snippet, WidgetSnippets};
 use super::{gaussian_nd, triangular_gaussian};
 use crate::writer::{Writer, finite};
 use voltet_core::Result;
 
-pub(super) fn calls(count: usize, constant_emitter: bool) -> Calls {
+pub(super) fn snippets(count: usize, constant_emitter: bool) -> WidgetSnippets {
     let call = |function: &str| {
-        Call::new(&["triangular_gaussian_nd/widget"], format!("{function}(#u, {count}u, part_#)"))
+        Snippet::new(&["triangular_gaussian_nd/widget"], format!("{function}(#u, {count}u, part_#)"))
     };
-    Calls {
+    WidgetSnippets {
         depth: call("triangular_fields_depth"),
         track: call("triangular_fields_track"),
-        window: Some(Call::new(
+        window: Some(Snippet::new(
             &["triangular_gaussian_nd/widget"],
             format!("triangular_fields_window(#u, {count}u, part_#, scene.level)"),
         )),
-        ..triangular_gaussian::calls(constant_emitter)
+        ..triangular_gaussian::snippets(constant_emitter)
     }
 }
 

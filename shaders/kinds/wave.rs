@@ -1,21 +1,21 @@
 //! `triangle-wave` and `sine-wave` in WGSL.
 
-use super::calls::{CUTOFF_RATE, Call, Calls, Light, Mixing, light_of_rates};
-use crate::stretch::Stretch;
+use super::snippets::{CUTOFF_RATE, Light, Mixing, Snippet, WidgetSnippets, light_of_rates};
+use crate::segment_extent::SegmentExtent;
 use crate::writer::{WidgetRecord, Writer};
 use voltet_core::transfer::{Wave, Widget};
 use voltet_core::{Error, Result};
 use voltet_optics::kinds::wave::{sine_half_area, sine_half_width};
 use voltet_simd::limits::{MAX_BANDS, MAX_WALKED_BANDS, OPAQUE, SUDDEN_BANDS};
 
-pub(super) fn calls(constant_emitter: bool) -> Calls {
-    Calls {
-        depth: Call::new(&["wave/widget"], "wave_depth(#u, part_#)"),
+pub(super) fn snippets(constant_emitter: bool) -> WidgetSnippets {
+    WidgetSnippets {
+        depth: Snippet::new(&["wave/widget"], "wave_depth(#u, part_#)"),
         light: match constant_emitter {
             false => Light::of_density(),
-            true => Light::Closed(Call::new(&["wave/widget_light"], "wave_light(#u, part_#)")),
+            true => Light::Closed(Snippet::new(&["wave/widget_light"], "wave_light(#u, part_#)")),
         },
-        track: Call::new(&["wave/widget_track"], "wave_widget_track(#u, part_#)"),
+        track: Snippet::new(&["wave/widget_track"], "wave_widget_track(#u, part_#)"),
         track_type: "WaveTrack",
         next_break: "wave_next_break(members.track_#, t)".into(),
         member_light: light_of_rates("wave/track", "wave_rates"),
@@ -51,8 +51,8 @@ pub(super) fn write(wave: &Wave, sine: bool, writer: &mut Writer, record: &mut W
     Ok(())
 }
 
-pub(super) fn check_32_bits(widget: &Widget, wave: &Wave, stretch: &Stretch) -> Result<()> {
-    let bands: f64 = wave.step().iter().enumerate().map(|(a, step)| (step * stretch.span(a)).abs()).sum();
+pub(super) fn check_32_bits(widget: &Widget, wave: &Wave, extent: &SegmentExtent) -> Result<()> {
+    let bands: f64 = wave.step().iter().enumerate().map(|(a, step)| (step * extent.span(a)).abs()).sum();
     let by_width = bands / wave.band_width;
     let refuse = |why: &str, found: f64, most: f64| {
         Err(Error::run(why)
@@ -62,7 +62,7 @@ pub(super) fn check_32_bits(widget: &Widget, wave: &Wave, stretch: &Stretch) -> 
     if bands > MAX_BANDS {
         return refuse("a wave has more bands than 32 bits tell apart", bands, MAX_BANDS);
     }
-    if !stretch.is_in_order {
+    if !extent.is_in_order {
         return Ok(());
     }
     if by_width > MAX_WALKED_BANDS {
@@ -71,8 +71,8 @@ pub(super) fn check_32_bits(widget: &Widget, wave: &Wave, stretch: &Stretch) -> 
     }
     // On a part of one band the place has all its digits.
     let whole = bands.round() / wave.band_width;
-    if let Some(most) = stretch.cutoff().map(|cutoff| SUDDEN_BANDS * cutoff)
-        && stretch.depth(widget) > OPAQUE
+    if let Some(most) = extent.cutoff().map(|cutoff| SUDDEN_BANDS * cutoff)
+        && extent.depth(widget) > OPAQUE
         && whole > most
     {
         let why = "a wave among other widgets is opaque within the rounding of its band";

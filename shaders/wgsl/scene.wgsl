@@ -38,7 +38,7 @@ struct Scene {
     tolerance: f32,
     // The largest channel of any colour.
     brightest: f32,
-    // Pieces of a segment (segments, riemann).
+    // Pieces of a segment, for integrators that cut it.
     piece_count: u32,
     // Where the integrator's entries begin in `numbers`.
     first_entry: u32,

@@ -177,8 +177,8 @@ fn an_integrator_that_cannot_serve_the_widgets_is_refused_early() {
                 2,
                 &[
                     &format!("the integrator '{integrator}' cannot serve"),
-                    "widgets[0] (uniform), which looks at the gradient magnitude",
-                    "analytic, adaptive, segments, riemann, vertex-sampled, tabulated, reference",
+                    "widgets[0] (uniform), which reads the gradient magnitude",
+                    "analytic, adaptive, reference, segments, riemann, vertex-sampled, tabulated",
                 ],
             );
         }

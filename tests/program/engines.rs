@@ -35,7 +35,7 @@ fn the_device_draws_what_the_cpu_draws_and_is_named() {
     let parts: Vec<&str> =
         left_out.filter_map(|left| left["what"].as_str()?.strip_prefix("shader parts ")).collect();
     let [parts] = parts.as_slice() else { panic!("{report:#}") };
-    for part in ["gaussian", "wave", "light", "sampled", "pre_integrated", "piecewise_linear"] {
+    for part in ["gaussian", "wave", "light", "table", "adaptive", "piecewise_linear"] {
         assert!(parts.split(", ").any(|left| left == part), "'{part}' is not in {parts}");
     }
     for part in ["widgets", "compositor", "passes"] {
@@ -221,7 +221,9 @@ fn an_integrator_that_the_named_engine_lacks_is_refused_by_check() {
     let reference = ["check", "slab.toml", "--set", "picture.integrator=reference"];
     folder.voltet(&reference).ok();
     let gpu = [&reference[..], &["--set", "picture.engine=gpu"]].concat();
-    folder.voltet(&gpu).fails(2, &["no shader", "reference", "analytic"]);
+    folder
+        .voltet(&gpu)
+        .fails(2, &["no shader", "reference", "engine = \"cpu\", or one of the integrators analytic"]);
     let explained = folder.voltet(&["explain", "slab.toml", "--set", "picture.integrator=reference"]).ok();
     let wanted = "reference (the integrator reference has an engine of its own)";
     assert!(explained.stdout.contains(wanted), "{}", explained.stdout);

@@ -1,4 +1,4 @@
-//! From a file's parts to a grid of tetrahedra.
+//! Construction of a grid of tetrahedra from the parts of a file.
 
 use super::cell_types::{CellType, describe_counts};
 use super::file_cells::FileCells;

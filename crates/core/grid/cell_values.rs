@@ -1,4 +1,4 @@
-//! Values that sit on cells, as values of points.
+//! Averages of cell values at the points.
 
 use super::parts::{Association, RawGrid, Scalar};
 use super::{Array, Grid, cells_of_points, tetrahedron_volume};

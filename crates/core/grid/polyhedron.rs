@@ -1,4 +1,4 @@
-//! Polyhedra (VTK type 42) into tetrahedra.
+//! Split of polyhedra (VTK type 42) into tetrahedra.
 //!
 //! Every face becomes a fan of triangles from its corner of lowest number, so that neighbours agree; a face of five
 //! or more corners that is not convex takes the first corner, by number, whose fan does not fold over. The triangles

@@ -1,4 +1,4 @@
-//! Linear cells into tetrahedra, so that neighbours share the same triangles.
+//! Split of linear cells into tetrahedra, so that neighbours share the same triangles.
 //!
 //! The rule (docs/src/explanation/optics.md, section 2; J. Dompierre, P. Labbé, M.-G. Vallet, R. Camarero, "How to subdivide
 //! pyramids, prisms and hexahedra into tetrahedra", 8th International Meshing Roundtable, 1999): every face is cut

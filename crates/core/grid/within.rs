@@ -30,7 +30,7 @@ pub(super) struct BoundaryOverlap {
     pub first: Option<(DVec3, [u32; 2])>,
 }
 
-/// Tries places on the boundary (see [`super::overlap::Faces`]) of tetrahedra.
+/// Tries places on the boundary (see [`super::overlap::BoundaryFaces`]) of tetrahedra.
 pub(super) fn within(points: &[DVec3], tetrahedra: &[[u32; 4]], boundary: &[[u32; 2]]) -> BoundaryOverlap {
     let corner = |p: u32| points[p as usize];
     let middle = |&[cell, opposite]: &[u32; 2]| {

@@ -1,7 +1,7 @@
-//! Parameters: what may be set, what a file or a program sets, and whether that fits.
+//! Parameters: their declarations, the settings of a file or a program, and the check of one against the other.
 //!
 //! A node, a gradient filter and each kind of widget declare what can be set by one type, [`Parameter`]. Help, the checker,
-//! editor panels and the reference are made from that. A [`Setting`] is a value with the place where it was written;
+//! editor panels and the reference are made from that. A [`LocatedValue`] is a value with the place where it was written;
 //! [`Parameters`] are settings checked against declarations.
 //!
 //! Declarations live as long as the program: constants for what ships. What is loaded at run time leaks its texts and

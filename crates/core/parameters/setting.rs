@@ -1,4 +1,4 @@
-//! Settings: what a pipeline file, a command-line option or a program gives for a parameter, with its origin.
+//! Settings: the values that a pipeline file, a command-line option or a program gives to parameters, with their origin.
 
 use crate::{Error, Result};
 use std::fmt;

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 /// The bands of one widget over the cells.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Bands {
+pub struct BandCounts {
     /// The widget's place in the transfer function, from 0.
     pub widget: usize,
     /// Its kind, as pipeline files name it.
@@ -31,7 +31,7 @@ pub struct Bands {
 
 /// The bands of every widget whose profile is periodic that some cell's values reach into. Where the volume has no
 /// gradient magnitude, that counts as 0.
-pub fn bands(volume: &Volume, transfer_function: &TransferFunction) -> Result<Vec<Bands>> {
+pub fn bands(volume: &Volume, transfer_function: &TransferFunction) -> Result<Vec<BandCounts>> {
     let mut found = Vec::new();
     for (place, widget) in transfer_function.widgets.iter().enumerate() {
         let properties = widget.profile.properties();
@@ -39,7 +39,7 @@ pub fn bands(volume: &Volume, transfer_function: &TransferFunction) -> Result<Ve
         let mut crossed = crossed(volume, widget, bands.step)?;
         crossed.retain(|bands| !bands.is_nan());
         if let Some(bands) = summary(&mut crossed) {
-            found.push(Bands { widget: place, kind: properties.name, ..bands });
+            found.push(BandCounts { widget: place, kind: properties.name, ..bands });
         }
     }
     Ok(found)
@@ -92,14 +92,14 @@ fn crossed(volume: &Volume, widget: &Widget, step: [f64; 2]) -> Result<Vec<f32>>
 }
 
 /// Quantiles by nearest rank; the widget is not named yet. `None` without cells.
-fn summary(crossed: &mut [f32]) -> Option<Bands> {
+fn summary(crossed: &mut [f32]) -> Option<BandCounts> {
     let count = crossed.len();
     let above_one = crossed.iter().filter(|&&bands| bands > 1.0).count();
     let mut quantile = |share: f64| {
         let rank = ((share * count as f64).ceil() as usize).clamp(1, count.max(1)) - 1;
         (count > 0).then(|| f64::from(*crossed.select_nth_unstable_by(rank, f32::total_cmp).1))
     };
-    Some(Bands {
+    Some(BandCounts {
         widget: 0,
         kind: "",
         cell_count: count as u64,

@@ -1,4 +1,4 @@
-//! From moments to the matrix K of a Gaussian widget, exp(−|K (v − mean)|²).
+//! Matrix K of a Gaussian widget, from moments, exp(−|K (v − mean)|²).
 //!
 //! With the covariance C of the fields, Kᵀ K = C⁻¹ / 2 makes the widget the normal distribution's shape (Kniss et al. 2003,
 //! Eq. 11, 12). From the Cholesky factor C = L Lᵀ follows K = L⁻¹ / √2, a lower triangle.

@@ -28,10 +28,10 @@ mod sub_tetrahedron;
 #[cfg(test)]
 mod tests;
 
-pub use bands::{Bands, bands, bands_of_cells};
+pub use bands::{BandCounts, bands, bands_of_cells};
 pub use histogram::{Axis, Histogram, histogram};
 pub use kernel::kernel;
 pub use percentile::{Volumes, value_range};
 pub use probe::{Mask, ProbeResult, probe};
 pub use proposal::{ProposedWidget, proposal, quiet};
-pub use region::Region;
+pub use region::ProbeRegion;

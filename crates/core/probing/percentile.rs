@@ -21,21 +21,21 @@ const ROUNDING: f64 = 1e-12;
 /// The volume where a field is below some value, for the cells of a grid.
 pub struct Volumes {
     /// Cells with finite values.
-    cells: Vec<Cell>,
+    cells: Vec<CellSpan>,
     /// From the scale to world units cubed.
     world: f64,
     total: f64,
 }
 
 #[derive(Clone, Copy)]
-struct Cell {
+struct CellSpan {
     /// In the grid's own scale.
     volume: f64,
     /// The values at its corners, rising.
     values: [f64; 4],
 }
 
-impl Cell {
+impl CellSpan {
     fn below(&self, value: f64) -> f64 {
         if value <= self.low() {
             0.0
@@ -55,7 +55,7 @@ impl Cell {
     }
 }
 
-fn sum(cells: &[Cell], of: impl Fn(&Cell) -> f64 + Sync) -> f64 {
+fn sum(cells: &[CellSpan], of: impl Fn(&CellSpan) -> f64 + Sync) -> f64 {
     let parts: Vec<f64> = cells.par_chunks(CHUNK).map(|part| part.iter().map(&of).sum()).collect();
     parts.iter().sum()
 }
@@ -69,7 +69,7 @@ impl Volumes {
             let error = Error::run("a field does not have one value a point").got(values.len());
             return Err(error.expected(grid.points.len()));
         }
-        let bytes = (grid.tetrahedra.len() * (size_of::<Cell>() + size_of::<Cell>() / 2)) as u64;
+        let bytes = (grid.tetrahedra.len() * (size_of::<CellSpan>() + size_of::<CellSpan>() / 2)) as u64;
         let what = || format!("the distribution of a field over {} tetrahedra", grid.tetrahedra.len());
         refuse_beyond_memory(progress, what, bytes)?;
         let scale = grid.length_scale();
@@ -77,9 +77,9 @@ impl Volumes {
             let mut values = grid.tetrahedra[i].map(|p| values[p as usize]);
             values.sort_unstable_by(f64::total_cmp);
             let volume = scaled_volume(grid, i, scale);
-            (volume > 0.0 && values.iter().all(|v| v.is_finite())).then_some(Cell { volume, values })
+            (volume > 0.0 && values.iter().all(|v| v.is_finite())).then_some(CellSpan { volume, values })
         };
-        let cells: Vec<Cell> = (0..grid.tetrahedra.len()).into_par_iter().filter_map(cell).collect();
+        let cells: Vec<CellSpan> = (0..grid.tetrahedra.len()).into_par_iter().filter_map(cell).collect();
         if progress.cancelled() {
             return Err(Error::cancelled());
         }
@@ -138,8 +138,8 @@ impl Volumes {
     /// The least value that the field has or falls below in so many percent of the volume: the least of all for 0, the largest
     /// for 100. Where no volume lies between two values, the lower one.
     pub fn percentile(&self, percent: f64, progress: &dyn Progress) -> Result<f64> {
-        let mut low = self.cells.iter().map(Cell::low).fold(f64::INFINITY, f64::min);
-        let mut high = self.cells.iter().map(Cell::high).fold(f64::NEG_INFINITY, f64::max);
+        let mut low = self.cells.iter().map(CellSpan::low).fold(f64::INFINITY, f64::min);
+        let mut high = self.cells.iter().map(CellSpan::high).fold(f64::NEG_INFINITY, f64::max);
         if percent <= 0.0 {
             return Ok(low);
         }
@@ -148,7 +148,7 @@ impl Volumes {
         }
         let wanted = (percent / 100.0 - ROUNDING) * self.total;
         // What lies whole below the interval, and the cells that may not; all of them at first.
-        let (mut under, mut left): (f64, Option<Vec<Cell>>) = (0.0, None);
+        let (mut under, mut left): (f64, Option<Vec<CellSpan>>) = (0.0, None);
         // The volume up to and with `low` is too little (or `low` is the least), that up to and with `high` is enough.
         if sum(&self.cells, |cell| cell.below(low.next_up())) >= wanted {
             return Ok(low);
@@ -170,7 +170,7 @@ impl Volumes {
             }
             // What lies whole on one side is known for good. At first that is little, and a list would be as long as that of all.
             if round >= ROUNDS_OVER_ALL {
-                let sure = |cell: &Cell| cell.high() <= low;
+                let sure = |cell: &CellSpan| cell.high() <= low;
                 under += sum(cells, |cell| if sure(cell) { cell.volume } else { 0.0 });
                 left = Some(cells.iter().filter(|cell| !sure(cell) && cell.low() <= high).copied().collect());
             }

@@ -1,4 +1,4 @@
-//! Moments of fields where somebody points at the data (Kniss et al. 2003, section 6: "all sample locations are recorded
+//! Probe: moments of fields over a region of space (Kniss et al. 2003, section 6: "all sample locations are recorded
 //! and basic statistics are performed on these samples to derive the mean, standard deviation, and covariance").
 //!
 //! Here the samples are all points of the cells in the region: integrals, not a sample. Fields are measured from the
@@ -6,7 +6,7 @@
 //! part costs digits. Sums are made in a fixed order: the same data give the same bits on any number of cores.
 
 use super::moments::{MAX_DIMENSIONS, Moments};
-use super::region::Region;
+use super::region::ProbeRegion;
 use super::sub_tetrahedron::scaled_volume;
 use crate::grid::Grid;
 use crate::grid::extent::range;
@@ -43,13 +43,13 @@ impl ProbeResult {
 }
 
 /// A field's values, measured from `zero` in units of `extent`.
-struct Field<'a> {
+struct CentredField<'a> {
     values: &'a [f64],
     zero: f64,
     extent: f64,
 }
 
-impl Field<'_> {
+impl CentredField<'_> {
     fn value_at(&self, point: u32) -> f64 {
         let value = self.values[point as usize];
         // A constant field is 0 everywhere, but what is not finite stays so.
@@ -67,7 +67,7 @@ const CHUNK: usize = 1 << 12;
 pub fn probe(
     grid: &Grid,
     fields: &[&[f64]],
-    region: &Region,
+    region: &ProbeRegion,
     mask: Option<Mask>,
     progress: &dyn Progress,
 ) -> Result<ProbeResult> {
@@ -80,15 +80,19 @@ pub fn probe(
         return Err(error.expected(grid.points.len()));
     }
     let ranges: Vec<[f64; 2]> = fields.iter().map(|values| range(values).unwrap_or([0.0; 2])).collect();
-    let fields: Vec<Field> = (fields.iter().zip(&ranges))
-        .map(|(&values, &[low, high])| Field { values, zero: 0.5 * low + 0.5 * high, extent: high - low })
+    let fields: Vec<CentredField> = (fields.iter().zip(&ranges))
+        .map(|(&values, &[low, high])| CentredField {
+            values,
+            zero: 0.5 * low + 0.5 * high,
+            extent: high - low,
+        })
         .collect();
     if let Some(field) = fields.iter().find(|field| !field.extent.is_finite()) {
         let error = Error::run("the range of a field to probe is beyond 64-bit floats").got(field.extent);
         return Err(error.expected("values below 8e307"));
     }
     let (moments, cell_count, point_count) = match region {
-        Region::Points(points) => at_points(grid, &fields, points, mask, progress)?,
+        ProbeRegion::Points(points) => at_points(grid, &fields, points, mask, progress)?,
         _ => {
             let (moments, cell_count) = in_region(grid, &fields, region, mask, progress)?;
             (moments, cell_count, 0)
@@ -98,7 +102,7 @@ pub fn probe(
     let mean = |k: usize| fields[k].zero + moments.mean[k] * fields[k].extent;
     let variance = |i: usize, j: usize| moments.scatter[i][j] / moments.weight;
     let scale = grid.length_scale();
-    let is_points = matches!(region, Region::Points(_));
+    let is_points = matches!(region, ProbeRegion::Points(_));
     Ok(ProbeResult {
         // Rounding must not carry a mean out of the range.
         mean: (0..n).map(|k| mean(k).clamp(ranges[k][0], ranges[k][1])).collect(),
@@ -111,7 +115,7 @@ pub fn probe(
 }
 
 /// The values at the corners of tetrahedron `i`; `None` where one is not finite.
-fn corner_values(grid: &Grid, fields: &[Field], i: usize) -> Option<[[f64; 4]; MAX_DIMENSIONS]> {
+fn corner_values(grid: &Grid, fields: &[CentredField], i: usize) -> Option<[[f64; 4]; MAX_DIMENSIONS]> {
     let mut values = [[0.0; 4]; MAX_DIMENSIONS];
     for (value, field) in values.iter_mut().zip(fields) {
         *value = grid.tetrahedra[i].map(|p| field.value_at(p));
@@ -121,8 +125,8 @@ fn corner_values(grid: &Grid, fields: &[Field], i: usize) -> Option<[[f64; 4]; M
 
 fn in_region(
     grid: &Grid,
-    fields: &[Field],
-    region: &Region,
+    fields: &[CentredField],
+    region: &ProbeRegion,
     mask: Option<Mask>,
     progress: &dyn Progress,
 ) -> Result<(Moments, u64)> {
@@ -168,8 +172,8 @@ fn in_region(
     Err(nothing(
         grid,
         &match region {
-            Region::Box { .. } => format!("{cell} reaches into the box"),
-            Region::Sphere { .. } => format!("{cell} reaches into the sphere"),
+            ProbeRegion::Box { .. } => format!("{cell} reaches into the box"),
+            ProbeRegion::Sphere { .. } => format!("{cell} reaches into the sphere"),
             _ => "the cells have no volume, or no finite values".into(),
         },
     ))
@@ -192,7 +196,7 @@ const ON_FACE: f64 = 1e-9;
 /// The interpolated values at points; each in the cell that holds it best, so that one on a face counts once.
 fn at_points(
     grid: &Grid,
-    fields: &[Field],
+    fields: &[CentredField],
     points: &[DVec3],
     mask: Option<Mask>,
     progress: &dyn Progress,

@@ -11,7 +11,7 @@ use glam::DVec3;
 
 /// Region of space that a probe reads.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Region {
+pub enum ProbeRegion {
     /// Whole cells: those that the mask leaves.
     Everywhere,
     /// The parts of cells in a box with these lowest and highest corners.
@@ -37,13 +37,13 @@ const LONGEST: f64 = 1.0 / 16.0;
 /// Halvings after which a part is taken as it is. Three halve all its edges, so a ball of 1e-15 cells is still found.
 const DEEPEST: usize = 160;
 
-impl Region {
+impl ProbeRegion {
     /// Hands the parts of a tetrahedron that lie in the region to `sink`.
     pub(super) fn parts(&self, corners: [DVec3; 4], sink: &mut dyn FnMut(&SubTetrahedron<4>)) {
         match *self {
-            Region::Everywhere => sink(&SubTetrahedron::WHOLE),
-            Region::Box { low, high } => in_box(corners, low, high, sink),
-            Region::Sphere { centre, radius } => {
+            ProbeRegion::Everywhere => sink(&SubTetrahedron::WHOLE),
+            ProbeRegion::Box { low, high } => in_box(corners, low, high, sink),
+            ProbeRegion::Sphere { centre, radius } => {
                 let local = corners.map(|p| (p - centre) / radius);
                 let nearest = |axis: fn(DVec3) -> f64| {
                     let at = local.map(axis);
@@ -58,7 +58,7 @@ impl Region {
                 }
                 in_ball(&SubTetrahedron::WHOLE, local, 0, sink);
             }
-            Region::Points(_) => {}
+            ProbeRegion::Points(_) => {}
         }
     }
 }

@@ -96,7 +96,7 @@ impl Distribution {
         Distribution { v, inverse }
     }
 
-    /// The share of the volume where the function is below `b`: the shares of [`SubTetrahedron::cut`], added up.
+    /// The share of the volume where the function is below `b`: the shares of [`SubTetrahedron::clip_to_level`], added up.
     pub fn below(&self, b: f64) -> f64 {
         let [v0, v1, v2, v3] = self.v;
         let [i01, i02, i03, i12, i13, i23] = self.inverse;

@@ -1,4 +1,4 @@
-//! A transfer function, and what it must fulfil before anything is drawn with it.
+//! A transfer function and its checks.
 
 use super::check::not_negative;
 use super::kinds::AxisOrigin;

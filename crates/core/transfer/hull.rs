@@ -7,7 +7,7 @@ use super::convex::Convex;
 pub(super) struct Corners<'a> {
     pub s: &'a [f64; 4],
     pub g: &'a [f64; 4],
-    /// The further fields in the order of [`TransferFunction::fields`]; empty if unknown.
+    /// The further fields in the order of [`super::TransferFunction::fields`]; empty if unknown.
     pub fields: &'a [[f64; 4]],
 }
 

@@ -21,7 +21,7 @@ mod widget;
 pub use convex::Convex;
 pub use function::{OpticalModel, TransferFunction};
 pub use kinds::{
-    AxisOrigin, Bands, ColorSource, ControlPoint, LoadImage, MAX_FIELDS, Profile, Properties, Table,
+    AxisOrigin, BandSpacing, ColorSource, ControlPoint, LoadImage, MAX_FIELDS, Profile, Properties, Table,
     WIDGET_KINDS, Wave,
 };
 pub use read::read;

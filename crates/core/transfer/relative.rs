@@ -1,4 +1,4 @@
-//! Widgets whose numbers are relative to data: what the numbers are once the data are known, and before.
+//! Widgets whose numbers are relative to data: their values once the data are known, and placeholders before.
 
 use super::kinds::ACROSS;
 use crate::parameters::{

@@ -1,4 +1,4 @@
-//! Slabs of the (s, g) plane, and how far out a widget still counts.
+//! Slabs of the (s, g) plane, and the distance up to which a widget counts.
 
 /// The points v = (s, g) with low ≤ normal · v ≤ high.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,4 +1,4 @@
-//! One widget, and what is true of it whatever draws it.
+//! Widget: a profile over the (s, g) plane with colour, extinction and region.
 
 use super::kinds::{ColorSource, Profile};
 use super::region::{HalfPlane, Region};
@@ -58,7 +58,7 @@ impl Widget {
         }
     }
 
-    /// Its profile at a place of the plane, 0 to 1; 0 outside of its region. `fields`: as of [`Profile::at`].
+    /// Its profile at a place of the plane, 0 to 1; 0 outside of its region. `fields`: as of [`Profile::eval`].
     pub fn weight_at(&self, v: [f64; 2], fields: &[f64]) -> f64 {
         match &self.region {
             Some(region) if !region.holds(v) => 0.0,

@@ -16,7 +16,7 @@ pub(super) const CHUNK: usize = 1 << 12;
 /// The cells of a grid with their neighbours. Takes 18 bytes a cell.
 #[derive(Debug)]
 pub struct Faces {
-    /// For each corner of a cell the cell beyond the face opposite it; [`NONE`] at the boundary.
+    /// For each corner of a cell the cell beyond the face opposite it; [`NO_CELL`] at the boundary.
     pub(super) neighbours: Vec<[u32; 4]>,
     /// For each corner, two bits: which corner of that neighbour is opposite the same face.
     theirs: Vec<u8>,
@@ -101,7 +101,7 @@ impl Faces {
         usize::from(self.theirs[cell as usize] >> (2 * k)) & 3
     }
 
-    /// True if the cell lies on the side of its face opposite corner `k` to which the normal of [`super::corners::face_of`] points.
+    /// True if the cell lies on the side of its face opposite corner `k` to which the normal of [`crate::grid::faces::face_of`] points.
     pub(super) fn is_at_normal(&self, cell: u32, k: usize) -> bool {
         // Each corner on takes the others once more out of their turn.
         self.is_right_handed[cell as usize] == (k % 2 == 1)

@@ -30,7 +30,7 @@ pub(super) struct Gaps {
 }
 
 /// A face of the boundary as the rays cross it.
-struct BoundaryFace {
+struct OuterTriangle {
     cell: u32,
     /// True if the cell lies on the side that the plane's normal points to.
     is_at_normal: bool,
@@ -52,9 +52,9 @@ pub(super) fn gaps(faces: &Faces, points: &[DVec3], cells: &[[u32; 4]], camera: 
         let outer = |&(cell, k): &(u32, usize)| {
             let corners = face_of(cells[cell as usize], k).map(|p| points[p as usize]);
             let triangle = rays.triangle(corners)?;
-            Some(BoundaryFace { cell, is_at_normal: faces.is_at_normal(cell, k), triangle })
+            Some(OuterTriangle { cell, is_at_normal: faces.is_at_normal(cell, k), triangle })
         };
-        let outer: Vec<BoundaryFace> = faces.outer.par_iter().with_min_len(256).filter_map(outer).collect();
+        let outer: Vec<OuterTriangle> = faces.outer.par_iter().with_min_len(256).filter_map(outer).collect();
         let bands: Vec<Range<u32>> =
             (0..rays.size[1]).step_by(ROWS as usize).map(|y| y..(y + ROWS).min(rays.size[1])).collect();
         let touch = TOUCH * faces.diagonal;
@@ -70,7 +70,7 @@ pub(super) fn gaps(faces: &Faces, points: &[DVec3], cells: &[[u32; 4]], camera: 
     Ok(all)
 }
 
-fn in_rows(outer: &[BoundaryFace], rays: &Rays, rows: Range<u32>, touch: f64) -> Gaps {
+fn in_rows(outer: &[OuterTriangle], rays: &Rays, rows: Range<u32>, touch: f64) -> Gaps {
     let width = rays.size[0] as usize;
     let place = |[x, y]: [u32; 2]| (y - rows.start) as usize * width + x as usize;
     let mut counts = vec![0u32; width * rows.len()];

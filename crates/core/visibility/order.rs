@@ -148,7 +148,7 @@ impl Eye {
 /// Relations "comes before" between cells.
 struct Relations<'a> {
     faces: &'a Faces,
-    /// See [`Faces::along`].
+    /// See [`Faces::order`].
     along: Vec<u8>,
     /// The first before the second, ascending.
     across: Vec<[u32; 2]>,

@@ -1,4 +1,4 @@
-//! The rays through the pixels of a picture, and which of them cross a triangle.
+//! Rays through the pixels of a picture, and their intersections with triangles.
 //!
 //! Symbols: a point is (X w, Y w, w), where (X, Y) is its place in pixels, whole numbers at the rays, and w its depth; 1 for
 //! parallel rays. A ray crosses a triangle where the planes through the eye and each of its edges have it on one side. Triangles

@@ -176,7 +176,7 @@ impl VolumeCache {
         View::new(camera, empty.length, [0.0; 2])?;
         attributes_of(&empty, transfer_function)?;
         let count = u32::try_from(self.volume.grid.tetrahedra.len()).map_err(|_| {
-            Error::run("the grid has too many tetrahedra").expected(format!("at max {}", u32::MAX))
+            Error::run("the grid has too many tetrahedra").expected(format!("at most {}", u32::MAX))
         })?;
         let ids = Arc::new((0..count).collect());
         let faces = Some(FaceCache::empty().with(&ids));

@@ -31,7 +31,7 @@ pub(crate) struct Fragments {
     /// Number of fragments.
     pub count: usize,
     /// See [`Edges::spans`], row by row.
-    spans: Cells<TILE, u32>,
+    spans: CellLanes<TILE, u32>,
 }
 
 /// Edges of a packet of cells on one tile, cells side by side.
@@ -39,25 +39,25 @@ pub(crate) struct Edges {
     x: [[f64; MAX_LANES]; 4],
     y: [[f64; MAX_LANES]; 4],
     /// First row of the tile that each edge crosses, and the first that it does not cross any more.
-    first: Cells<6>,
-    last: Cells<6>,
+    first: CellLanes<6>,
+    last: CellLanes<6>,
     /// Column at which it crosses the tile's first row, and its slope (columns a row).
-    crossing: Cells<6>,
-    slope: Cells<6>,
+    crossing: CellLanes<6>,
+    slope: CellLanes<6>,
     /// See [`CROSSING_ROUND`].
-    round: Cells<6>,
+    round: CellLanes<6>,
     /// First and last row of each cell.
-    bounds: Cells<2>,
+    bounds: CellLanes<2>,
 }
 
 /// Numbers of cells side by side, aligned to cache lines.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-struct Cells<const N: usize, T = f32>([[T; MAX_LANES]; N]);
+struct CellLanes<const N: usize, T = f32>([[T; MAX_LANES]; N]);
 
 impl Edges {
     pub fn new() -> Self {
-        let rows = Cells([[0.0; MAX_LANES]; 6]);
+        let rows = CellLanes([[0.0; MAX_LANES]; 6]);
         Edges {
             x: [[0.0; MAX_LANES]; 4],
             y: [[0.0; MAX_LANES]; 4],
@@ -66,7 +66,7 @@ impl Edges {
             crossing: rows,
             slope: rows,
             round: rows,
-            bounds: Cells([[0.0; MAX_LANES]; 2]),
+            bounds: CellLanes([[0.0; MAX_LANES]; 2]),
         }
     }
 
@@ -131,7 +131,7 @@ impl Edges {
     /// The pixels of rows `rows`, of a tile `width` pixels wide, that each cell covers: their code in [`Fragments::codes`] at the
     /// first, and their number in the upper half.
     #[inline(always)]
-    fn spans<L: Lanes>(&self, rows: std::ops::Range<usize>, width: usize, spans: &mut Cells<TILE, u32>) {
+    fn spans<L: Lanes>(&self, rows: std::ops::Range<usize>, width: usize, spans: &mut CellLanes<TILE, u32>) {
         let splat = L::F::splat;
         let width = splat(width as f32);
         let lanes = L::U::iota().shl::<8>();
@@ -141,7 +141,7 @@ impl Edges {
             for k in 0..EDGES.len() {
                 let edge = inlined(
                     #[inline(always)]
-                    |rows: &Cells<6>| L::F::load(&rows.0[k]),
+                    |rows: &CellLanes<6>| L::F::load(&rows.0[k]),
                 );
                 let crosses = edge(&self.first).le(y).and(y.lt(edge(&self.last)));
                 let x = y.mul_add(edge(&self.slope), edge(&self.crossing));
@@ -170,7 +170,7 @@ impl Fragments {
             codes: vec![0; room],
             slots: vec![0; room],
             count: 0,
-            spans: Cells([[0; MAX_LANES]; TILE]),
+            spans: CellLanes([[0; MAX_LANES]; TILE]),
         }
     }
 

@@ -2,7 +2,7 @@
 //!
 //! One pass over the selected cells in grid order, as many at a time as the processor has 64-bit lanes. Cells that
 //! cover no pixel centre go no further. Cells that 32 bits cannot hold (behind or very near the eye, slivers
-//! beyond 1 : 4,000, cells flatter than the pixel coordinates resolve) are set apart and crossed in 64 bits by [`super::cell64`].
+//! beyond 1 : 4,000, cells flatter than the pixel coordinates resolve) are set apart and crossed in 64 bits by [`super::precise_cell`].
 
 use crate::attribute::{Attribute, MAX_ATTRIBUTES};
 use crate::project::edge_on::{edge_on, may_be_edge_on};

@@ -95,7 +95,7 @@ impl TileBins {
     fn begin(&mut self, input: &Input<'_>, part_count: usize) -> Result<()> {
         if part_count > MAX_PARTS {
             return Err(
-                Error::run("too many cells for one picture").expected("at max 4 thousand million cells")
+                Error::run("too many cells for one picture").expected("at most 4 thousand million cells")
             );
         }
         self.area = input.area;
@@ -119,7 +119,7 @@ impl TileBins {
         if sum > u64::from(u32::MAX) {
             return Err(Error::run("the picture has too many cells in its tiles")
                 .got(sum)
-                .expected("at max 4 thousand million; draw a part of the grid or a smaller picture"));
+                .expected("at most 4 thousand million; draw a part of the grid or a smaller picture"));
         }
         starts.push(sum as u32);
         entries.clear();

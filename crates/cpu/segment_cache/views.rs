@@ -21,10 +21,10 @@ const DEPTH_MARGIN: f64 = 16.0;
 
 /// Views that were drawn last, the last one last.
 #[derive(Debug, Default)]
-pub(crate) struct ViewCache(Mutex<Vec<View>>);
+pub(crate) struct ViewCache(Mutex<Vec<RecentView>>);
 
 #[derive(Debug)]
-struct View {
+struct RecentView {
     camera: Camera,
     /// Transfer function of the last picture.
     transfer_function: TransferFunction,
@@ -60,7 +60,7 @@ impl ViewCache {
                 if views.len() == MAX_VIEWS {
                     views.remove(0);
                 }
-                views.push(View {
+                views.push(RecentView {
                     camera: *camera,
                     transfer_function: transfer_function.clone(),
                     changes: 0,
@@ -101,7 +101,7 @@ impl ViewCache {
         });
     }
 
-    fn with<T>(&self, act: impl FnOnce(&mut Vec<View>) -> T) -> T {
+    fn with<T>(&self, act: impl FnOnce(&mut Vec<RecentView>) -> T) -> T {
         // The list of views is whole whatever panicked.
         act(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
@@ -119,7 +119,7 @@ fn is_cacheable(transfer_function: &TransferFunction, ranges: [[f64; 2]; 2]) -> 
     })
 }
 
-/// Width of a widget and its region by the range of the values, at min; ∞ where it does not depend on where values are counted from;
+/// Width of a widget and its region by the range of the values, at least; ∞ where it does not depend on where values are counted from;
 /// `None` where it reads further fields, or has pieces that a region cuts, whose closed forms are of 64 bits.
 fn width(widget: &Widget, ranges: [[f64; 2]; 2]) -> Option<f64> {
     let properties = widget.profile.properties();

@@ -5,7 +5,7 @@ use crate::fragments::batch::{Batch, MAX_LANES};
 use crate::shade::kinds::{LaneWidget, for_each_active_widget};
 use crate::shade::segment_gather::SegmentGather;
 use crate::shade::segment_lanes::SegmentLanes;
-use crate::shade::shaded_batch::{ActiveWidget, ShadedBatch, StepLanes};
+use crate::shade::shaded_batch::{ShadedBatch, StepLanes, SteppedWidget};
 use voltet_optics::quadrature::{GAUSS_4, UP_TO_4};
 use voltet_simd::optics::elementary::exp;
 use voltet_simd::optics::quadrature::{nodes, up_to};
@@ -36,7 +36,7 @@ pub(crate) fn integrate_fixed<L: Lanes>(
             #[inline(always)]
             |number, widget, meets| {
                 let rough = splat((steps * steps) as f32 * 1.01).lt(widget.roughness::<L>(&segments));
-                out.active_widgets.push(ActiveWidget {
+                out.active_widgets.push(SteppedWidget {
                     number,
                     there: meets.and(rough.not()).bits(),
                     rows: None,
@@ -57,7 +57,7 @@ pub(crate) fn integrate_fixed<L: Lanes>(
 #[inline(always)]
 fn step_through<L: Lanes>(
     widgets: &[LaneWidget],
-    met: &mut [ActiveWidget],
+    met: &mut [SteppedWidget],
     steps: usize,
     segments: &SegmentLanes<L>,
     opacity: L::F,
@@ -69,7 +69,7 @@ fn step_through<L: Lanes>(
     let mut light = splat(0.0);
     for step in 0..steps {
         let (mut density, mut weighted) = ([splat(0.0); 4], [[splat(0.0); 3]; 4]);
-        for ActiveWidget { number, there, rows } in &mut *met {
+        for SteppedWidget { number, there, rows } in &mut *met {
             let widget = &widgets[*number];
             let found = match rows {
                 Some(rows) if step % STEPS_ON_END != 0 => Some(rows.steps::<L>().next()),

@@ -30,16 +30,16 @@ pub(super) fn run_kernel<K: ShadingKernel>(
     range: BatchRange<'_>,
     out: &mut ShadedBatch,
 ) {
-    dispatch(lanes, KernelRun { kernel, range, out });
+    dispatch(lanes, RangeRun { kernel, range, out });
 }
 
-struct KernelRun<'a, K> {
+struct RangeRun<'a, K> {
     kernel: &'a K,
     range: BatchRange<'a>,
     out: &'a mut ShadedBatch,
 }
 
-impl<K: ShadingKernel> Kernel for KernelRun<'_, K> {
+impl<K: ShadingKernel> Kernel for RangeRun<'_, K> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {

@@ -30,7 +30,7 @@ pub(crate) struct ShadedBatch {
     /// Scratch for the change from the former to the latter; empty.
     pub scratch: Vec<usize>,
     /// Scratch: widgets whose support a vector of segments meets.
-    pub active_widgets: Vec<ActiveWidget>,
+    pub active_widgets: Vec<SteppedWidget>,
     /// Segments integrated in 64 bits.
     pub exact_count: u64,
     /// Evaluations of the transfer function: see [`voltet_optics::engine::RenderStats::evaluations`].
@@ -172,7 +172,7 @@ impl FallbackReason {
 pub(crate) const MIN_THICK_DEPTH: f32 = 8.0;
 
 /// A widget whose support a vector of segments meets.
-pub(crate) struct ActiveWidget {
+pub(crate) struct SteppedWidget {
     pub(super) number: usize,
     /// Lanes (bits) that meet it.
     pub(super) there: u32,

@@ -1,4 +1,4 @@
-//! Adapters: which there are, and which is taken.
+//! Adapters: enumeration and choice.
 
 use voltet_core::{Error, Result};
 use wgpu::DeviceType;

@@ -18,14 +18,14 @@ use voltet_optics::integrators::Extent;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Ordering, Shading};
 use voltet_shaders::{
-    Axis, Blend, Choices, Combine, CompositorProgram, Parameters, Places, Shader, TileOrder, ViewRecord,
+    Axis, Blend, Combine, CompositorProgram, Parameters, Places, Shader, ShaderKey, TileOrder, ViewRecord,
     compose,
 };
 
 /// Everything of a scene but the camera's sample.
 pub(crate) struct FrameInputs<'a> {
     pub renderer: &'a Renderer,
-    pub choices: Choices,
+    pub shader_key: ShaderKey,
     pub sizes: BufferSizes,
     pub shading: Shading,
     pub tables: TableKey,
@@ -66,7 +66,7 @@ impl<'a> FrameInputs<'a> {
         let (parts_left_out, part_bytes_left_out) = parts_left_out(&self.compositor);
         PendingStats {
             is_counted,
-            is_order_known: is_counted || is_free(self.choices.compositor) || !scene.needs_order(),
+            is_order_known: is_counted || is_free(self.shader_key.compositor) || !scene.needs_order(),
             parts_left_out,
             part_bytes_left_out,
             blended_in_16_bits: !is_counted
@@ -96,19 +96,19 @@ pub(crate) fn inputs<'a>(
     limits::can_serve(transfer_function, shading)?;
     let compositing = compositing(options);
     let ordering = ordering(scene, options);
-    let (choices, sizes) = choices(renderer, scene, options)?;
-    let compositor = choices.compositor;
+    let (shader_key, sizes) = shader_key(renderer, scene, options)?;
+    let compositor = shader_key.compositor;
 
     let scalar = grid.stored(volume, ValueArray::Scalar)?;
     // Where g is not read, s stands in its place.
     let mut values = vec![scalar.clone(), scalar.clone()];
-    if choices.reads_gradient_magnitude {
+    if shader_key.reads_gradient_magnitude {
         values[1] = grid.stored(volume, ValueArray::GradientMagnitude)?;
     }
     for name in transfer_function.fields() {
         values.push(grid.stored(volume, ValueArray::Field(name.to_string()))?);
     }
-    limits::check(grid, &choices, transfer_function, &values)?;
+    limits::check(grid, &shader_key, transfer_function, &values)?;
     let numbered = values.iter().enumerate();
     let axes: Vec<Axis> = numbered.map(|(k, value)| axis(value, transfer_function, k)).collect();
     let parameters = Parameters::new(transfer_function, shading, &axes, grid.length)?;
@@ -117,11 +117,11 @@ pub(crate) fn inputs<'a>(
         true => support::everywhere(),
     };
 
-    let first = if choices.reads_gradient_magnitude { 1 } else { 2 };
+    let first = if shader_key.reads_gradient_magnitude { 1 } else { 2 };
     let further = values.iter().zip(&axes).skip(first);
     let mut attributes: Vec<_> =
         further.map(|(value, axis)| (value.clone(), offset_parts(value, axis))).collect();
-    if choices.reads_gradient() {
+    if shader_key.reads_gradient() {
         for component in 0..3 {
             attributes.push((grid.stored(volume, ValueArray::Gradient(component))?, [0.0; 2]));
         }
@@ -142,12 +142,12 @@ pub(crate) fn inputs<'a>(
             ..view::view(grid, camera, *offset)?
         })
     };
-    let shader = compose(&choices);
+    let shader = compose(&shader_key);
     Ok(FrameInputs {
         renderer,
         compositor: shader,
-        storage_buffers: choices.storage_buffers(),
-        reads_g: choices.reads_gradient_magnitude,
+        storage_buffers: shader_key.storage_buffers(),
+        reads_g: shader_key.reads_gradient_magnitude,
         tables: TableKey {
             transfer_function: transfer_function.clone(),
             integrator: shading.integrator,
@@ -156,7 +156,7 @@ pub(crate) fn inputs<'a>(
             extent: Extent { scalar: scalar.range(), longest: grid.longest },
         },
         shading: *shading,
-        choices,
+        shader_key,
         sizes,
         scene: parameters.scene_bytes(),
         numbers: parameters.numbers,
@@ -190,44 +190,44 @@ fn ordering(scene: &Scene, options: &RenderOptions) -> Ordering {
     }
 }
 
-/// The choices that decide the text of the scene's shader, and the sizes of the scene's buffers.
-pub(crate) fn choices(
+/// Key of the scene's shader, and the sizes of the scene's buffers.
+pub(crate) fn shader_key(
     renderer: &Renderer,
     scene: &Scene,
     options: &RenderOptions,
-) -> Result<(Choices, BufferSizes)> {
+) -> Result<(ShaderKey, BufferSizes)> {
     let grid = &renderer.grid;
     let Scene { transfer_function, shading, .. } = scene;
     let compositor = compositor(transfer_function, shading, ordering(scene, options), options)?;
     if compositing(options) != Compositor::Tiles {
         grid.device.check_blending(compositing(options), options.accumulation, grid.cell_count.into())?;
     }
-    let mut choices = Choices::new(transfer_function, shading, compositor)?;
-    let sizes = sizes(grid, &choices, compositing(options), transfer_function, shading);
+    let mut shader_key = ShaderKey::new(transfer_function, shading, compositor)?;
+    let sizes = sizes(grid, &shader_key, compositing(options), transfer_function, shading);
     sizes.check(grid.device.room(), &grid.device.name)?;
-    choices.layout = sizes.layout(grid.device.room());
-    Ok((choices, sizes))
+    shader_key.layout = sizes.layout(grid.device.room());
+    Ok((shader_key, sizes))
 }
 
 /// Sizes of the scene's buffers.
 fn sizes(
     grid: &DeviceGrid,
-    choices: &Choices,
+    shader_key: &ShaderKey,
     compositing: Compositor,
     transfer_function: &TransferFunction,
     shading: &Shading,
 ) -> BufferSizes {
-    let places = Places::new(transfer_function, shading, choices.number_count());
+    let places = Places::new(transfer_function, shading, shader_key.number_count());
     let texels = places.in_vectors();
     BufferSizes {
         points: grid.point_count.into(),
         cells: grid.cell_count.into(),
-        stride: choices.attribute_stride() as u64,
+        stride: shader_key.attribute_stride() as u64,
         texels,
         source_texels: places.source_vectors,
         own_buffers: compositor_buffers(compositing),
         // Vectors stand in parts of their own.
-        scene_buffers: if texels > 0 { 0 } else { choices.storage_buffers().len() as u32 },
+        scene_buffers: if texels > 0 { 0 } else { shader_key.storage_buffers().len() as u32 },
     }
 }
 
@@ -262,10 +262,10 @@ fn compositor(
     options: &RenderOptions,
 ) -> Result<CompositorProgram> {
     let compositing = compositing(options);
-    let choices = Choices::new(transfer_function, shading, CompositorProgram::None)?;
+    let shader_key = ShaderKey::new(transfer_function, shading, CompositorProgram::None)?;
     let lit = shading.light.is_some_and(|light| light.diffuse != 0.0);
-    let known = !choices.method.is_table_of_lengths();
-    let needed = !known || !matches!(choices.combine, Combine::OneColor | Combine::Nothing) || lit;
+    let known = !shader_key.method.is_table_of_lengths();
+    let needed = !known || !matches!(shader_key.combine, Combine::OneColor | Combine::Nothing) || lit;
     options.accumulation.check(compositing)?;
     let free = !needed && !options.exhaustive;
     Ok(match (compositing, ordering) {

@@ -60,7 +60,7 @@ impl<'a> Passes<'a> {
         returning: &mut ReadbackBuffers,
     ) -> Result<Passes<'a>> {
         let (device, grid) = (frame.device(), frame.grid());
-        let (sizes, layout) = (&frame.sizes, &frame.choices.layout);
+        let (sizes, layout) = (&frame.sizes, &frame.shader_key.layout);
         let tiles = u64::from(window[2]) * u64::from(window[3]);
         let picture_bytes = frame.picture_bytes(window);
 
@@ -112,7 +112,7 @@ impl<'a> Passes<'a> {
             )?);
         }
         let reads_g = if frame.reads_g { 1.0 } else { 0.0 };
-        let blended = match frame.choices.compositor {
+        let blended = match frame.shader_key.compositor {
             CompositorProgram::Raster(blend) => Some((CellPrimitive::Outlines, blend)),
             CompositorProgram::Triangles(blend) => Some((CellPrimitive::Triangles, blend)),
             CompositorProgram::None | CompositorProgram::Segments | CompositorProgram::Tiles(_) => None,
@@ -122,7 +122,7 @@ impl<'a> Passes<'a> {
         let mut lists = vec![step(FramePass::Cells, over_cells, constants, &[&support, &counts], scalar)?];
 
         let tables =
-            buffers.tables.new(device, &frame.tables, &frame.choices, &frame.shading, &frame.numbers)?;
+            buffers.tables.new(device, &frame.tables, &frame.shader_key, &frame.shading, &frame.numbers)?;
         let mut read: Vec<(u32, &Buffer)> = vec![(0, &scene)];
         for (name, binding) in &frame.storage_buffers {
             read.push((*binding, tables.named(name)?));
@@ -133,7 +133,7 @@ impl<'a> Passes<'a> {
                 form,
                 blend,
                 in_8_bits: frame.in_8_bits,
-                depths_add_up: frame.choices.depths_add_up(),
+                depths_add_up: frame.shader_key.depths_add_up(),
                 sorted: frame.sorted,
                 ordered: frame.ordered.as_ref(),
                 window,

@@ -42,7 +42,8 @@ pub(crate) struct BufferSizes {
 impl BufferSizes {
     /// Every array in parts that fit a binding.
     pub fn layout(&self, room: BindingLimits) -> Layout {
-        let parts = |array: GridArray| Parts::of(self.count(array), array.bytes(self.stride), room.bytes);
+        let parts =
+            |array: GridArray| Parts::for_elements(self.count(array), array.bytes(self.stride), room.bytes);
         Layout {
             positions: parts(GridArray::Positions),
             quantity: parts(GridArray::Quantity),
@@ -50,7 +51,7 @@ impl BufferSizes {
             attributes: parts(GridArray::Attributes),
             tetrahedra: parts(GridArray::Tetrahedra),
             bounds: parts(GridArray::Bounds),
-            table: Parts::of(self.texels, TEXEL_BYTES, room.bytes),
+            table: Parts::for_elements(self.texels, TEXEL_BYTES, room.bytes),
         }
     }
 
@@ -72,7 +73,7 @@ impl BufferSizes {
         let own = self.own_buffers.saturating_add(self.scene_buffers).saturating_add(table);
         let pixels = of(cells_read(self.stride as usize)).saturating_add(own);
         // What fills the table: from another one, or from a list.
-        let filling = table.saturating_add(layout.table.of_as_many(self.source_texels).count);
+        let filling = table.saturating_add(layout.table.with_count(self.source_texels).count);
         FramePass::ALL.iter().map(pass).fold(pixels.max(filling), u32::max)
     }
 

@@ -8,7 +8,7 @@ pub use segments::SegmentRunner;
 
 use crate::device::device_handle::Device;
 use crate::engine::{GpuEngine, GpuVolume};
-use crate::frame::inputs::choices;
+use crate::frame::inputs::shader_key;
 use std::any::Any;
 use std::sync::Arc;
 use voltet_core::Result;
@@ -28,5 +28,5 @@ pub fn compositor_shader(
     options: &RenderOptions,
 ) -> Result<Option<Shader>> {
     let Some(GpuVolume { renderer, .. }) = (volume as &dyn Any).downcast_ref() else { return Ok(None) };
-    Ok(Some(compose(&choices(renderer, scene, options)?.0)))
+    Ok(Some(compose(&shader_key(renderer, scene, options)?.0)))
 }

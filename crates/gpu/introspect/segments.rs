@@ -10,7 +10,7 @@ use voltet_optics::integrators::Extent;
 use voltet_optics::shading::{Integrator, Shading};
 use voltet_optics::{Contribution, Segment, WidgetBlend};
 use voltet_shaders::segment_list::{CONTRIBUTION, axes, constants, contributions, holds, row};
-use voltet_shaders::{Choices, CompositorProgram, Parameters, Resources, compose, compose_pieces};
+use voltet_shaders::{CompositorProgram, Parameters, Resources, ShaderKey, compose, compose_pieces};
 use wgpu::BufferUsages;
 
 /// Passes over single segments on a device.
@@ -69,13 +69,13 @@ impl SegmentRunner {
         overlap: WidgetBlend,
     ) -> Result<std::result::Result<Contribution, &'static str>> {
         let shading = Shading { integrator: Integrator::ANALYTIC, overlap, silhouette: None, light: None };
-        let choices = Choices::new(transfer_function, &shading, CompositorProgram::Segments)?;
+        let shader_key = ShaderKey::new(transfer_function, &shading, CompositorProgram::Segments)?;
         let axes = axes(transfer_function, segment);
         let length = segment.length;
         let Ok(parameters) = Parameters::new(transfer_function, &shading, &axes, length) else {
             return Ok(Err("numbers leave the range of 32 bits"));
         };
-        if holds(&choices, transfer_function, segment).is_err() {
+        if holds(&shader_key, transfer_function, segment).is_err() {
             return Ok(Err("the device refuses what 32 bits do not hold, and `auto` takes the CPU"));
         }
         let device = &self.device;
@@ -85,7 +85,7 @@ impl SegmentRunner {
         let extent = Extent { scalar: [0.0; 2], longest: 1.0 };
         let numbers = &parameters.numbers;
         let resources =
-            Resources::new(&choices, transfer_function, &shading, axes[0], length, &extent, numbers)?;
+            Resources::new(&shader_key, transfer_function, &shading, axes[0], length, &extent, numbers)?;
         let mut read = vec![(0, Bound::Uniform, scene)];
         for buffer in &resources.buffers {
             if let Some(binding) = buffer.binding {
@@ -96,13 +96,13 @@ impl SegmentRunner {
                 ));
             }
         }
-        let shader = compose(&choices);
-        let rows = self.upload("a segment", &row(&choices, &axes, length, segment))?;
+        let shader = compose(&shader_key);
+        let rows = self.upload("a segment", &row(&shader_key, &axes, length, segment))?;
         let kinds: Vec<(u32, Bound)> = read.iter().map(|(binding, kind, _)| (*binding, *kind)).collect();
         let program = Program {
             shader: &shader,
             entry_point: "integrate_segments",
-            constants: constants(&choices, &shader).to_vec(),
+            constants: constants(&shader_key, &shader).to_vec(),
             groups: [&kinds, &[(0, Bound::Read), (1, Bound::Write)], &[]],
         };
         let read: Vec<(u32, &wgpu::Buffer)> =

@@ -90,7 +90,7 @@ pub(crate) struct Binder<'a> {
 }
 
 impl Binder<'_> {
-    /// A pass that is the same for every scene. `bindings`: those behind the view; `quantity`: see [`GridArrays::of`].
+    /// A pass that is the same for every scene. `bindings`: those behind the view; `quantity`: see [`GridArrays::buffers`].
     pub fn step(
         &self,
         pass: FramePass,

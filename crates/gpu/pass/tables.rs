@@ -9,7 +9,7 @@ use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
 use voltet_optics::integrators::{Extent, Integrator};
 use voltet_optics::shading::Shading;
-use voltet_shaders::{Axis, Buffer, Choices, Contents, Pass, Places, Resources, TEXEL_BYTES, images};
+use voltet_shaders::{Axis, Buffer, Contents, Pass, Places, Resources, ShaderKey, TEXEL_BYTES, images};
 
 /// Key of tables: everything that they are made from.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,12 +55,12 @@ impl Tables {
         &mut self,
         device: &Device,
         scene: &TableKey,
-        choices: &Choices,
+        shader_key: &ShaderKey,
         shading: &Shading,
         numbers: &[f32],
     ) -> Result<&Tables> {
         let places = Places::new(&scene.transfer_function, shading, numbers.len() as u64);
-        let buffers = choices.storage_buffers();
+        let buffers = shader_key.storage_buffers();
         let is_there = self.made.as_ref().is_some_and(|made| {
             made.buffers == buffers && made.places == places && made.key.makes_those_of(scene)
         });
@@ -70,7 +70,7 @@ impl Tables {
             self.buffers.clear();
             let TableKey { transfer_function, axis, length, extent, .. } = scene;
             let resources =
-                Resources::new(choices, transfer_function, shading, *axis, *length, extent, numbers)?;
+                Resources::new(shader_key, transfer_function, shading, *axis, *length, extent, numbers)?;
             self.buffers = resources.buffers.iter().map(|b| make(device, b)).collect::<Result<_>>()?;
             for pass in &resources.passes {
                 self.fill(device, pass)?;
@@ -81,7 +81,7 @@ impl Tables {
             self.made = Some(BuiltTable { key: scene.clone(), buffers, places, numbers: numbers.to_vec() });
         } else if let Some(made) = self.made.as_mut().filter(|made| made.numbers != numbers) {
             made.numbers = numbers.to_vec();
-            let part_bytes = TEXEL_BYTES * choices.layout.table.length(0, u64::MAX);
+            let part_bytes = TEXEL_BYTES * shader_key.layout.table.length(0, u64::MAX);
             put(device, &self.buffers, 4 * places.first_number(), part_bytes, bytemuck::cast_slice(numbers))?;
         }
         Ok(self)

@@ -17,7 +17,7 @@ pub struct Demand {
     pub gradient: bool,
     /// The transfer functions for whose widgets alone g and ∇s are looked at: at points of cells that no widget can touch, whatever
     /// g is there, they may be what they are at another point. `None`: everywhere. Asked by nodes that have a transfer function or
-    /// cells ([`super::DemandContext::ask`]); of others, which may give another scalar than they get, everything is asked.
+    /// cells ([`crate::DemandContext::ask`]); of others, which may give another scalar than they get, everything is asked.
     pub gradient_for: Option<Vec<Arc<TransferFunctionSpec>>>,
     /// An order of the cells.
     pub order: bool,

@@ -146,16 +146,18 @@ fn unknown_key(field: &Field, known: &[&str], place: &str) -> Error {
     field.origin.locate(Error::usage(what).expected(suggest(&field.name, known.iter().copied())))
 }
 
-type Key<'i> = Spanned<DeString<'i>>;
+type TomlKey<'i> = Spanned<DeString<'i>>;
 
 /// The keys of a table in the order of the file.
-fn in_order<'a, 'i>(table: &'a DeTable<'i>) -> impl Iterator<Item = (&'a Key<'i>, &'a Spanned<DeValue<'i>>)> {
+fn in_order<'a, 'i>(
+    table: &'a DeTable<'i>,
+) -> impl Iterator<Item = (&'a TomlKey<'i>, &'a Spanned<DeValue<'i>>)> {
     let mut fields: Vec<_> = table.iter().collect();
     fields.sort_by_key(|(key, _)| key.span().start);
     fields.into_iter()
 }
 
-fn field(key: &Key, value: &Spanned<DeValue>, faults: &mut Vec<Error>) -> Field {
+fn field(key: &TomlKey, value: &Spanned<DeValue>, faults: &mut Vec<Error>) -> Field {
     Field {
         name: key.get_ref().to_string(),
         origin: SourceSpan::Span(key.span()),

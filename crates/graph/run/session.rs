@@ -54,7 +54,7 @@ impl Session {
     }
 
     /// Makes the session exhaustive, for comparison: it does all work, needed or not. Everything that a node can give is requested
-    /// of it, nodes skip nothing ([`RunContext::exhaustive`]), and no former output is used. The pictures are the same.
+    /// of it, nodes skip nothing ([`crate::RunContext::exhaustive`]), and no former output is used. The pictures are the same.
     pub fn exhaustive(self) -> Self {
         Session { exhaustive: true, ..self }
     }

@@ -54,7 +54,7 @@ pub struct DataFile {
     /// Modification time: UTC, RFC 3339.
     pub modified: Option<String>,
     /// Files read beside it: pieces, the files of a series' step.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "beside", skip_serializing_if = "Option::is_none")]
     pub sidecars: Option<SidecarFiles>,
 }
 
@@ -88,7 +88,7 @@ pub struct SidecarFiles {
     pub bytes: u64,
     /// Modification time of the last of them: UTC, RFC 3339.
     pub modified: Option<String>,
-    /// The first of them, at most [`NAMED_MOST`], relative to the folder of the file that names them.
+    /// The first of them, at most [`MAX_NAMED`], relative to the folder of the file that names them.
     pub names: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! The ways in which a device composites, and the choice among them.
+//! Compositors of a device, and the choice among them.
 
 use voltet_core::{Error, Result};
 

@@ -1,4 +1,4 @@
-//! A picture and what it took.
+//! Output of a render: the picture, counts and times.
 
 use super::compositing::CompositorChoice;
 use voltet_core::diagnostics::Diagnostics;

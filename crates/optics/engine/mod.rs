@@ -1,5 +1,5 @@
-//! Engines: what draws scenes. Each is a [`Declaration`], a constant that says what it is called and what it refuses, and
-//! opens it; an opened [`Engine`] takes in a volume ([`Engine::prepare`]) and draws it ([`Prepared::draw`]).
+//! Engines, which draw scenes. Each is an [`EngineInfo`], a constant with its name and limits, and
+//! a function that opens it; an [`Engine`] takes in a volume ([`Engine::prepare`]) and draws it ([`PreparedVolume::draw`]).
 //!
 //! The nodes that draw use engines through these types alone, from one list.
 //!
@@ -92,7 +92,7 @@ impl EngineInfo {
     }
 
     /// Opens it; the absence of a hardware adapter is cached while that can be checked to hold still. Errors: those of
-    /// [`Declaration::open`].
+    /// [`EngineInfo::open`].
     pub fn open_remembering(
         &self,
         wish: &AdapterRequest,
@@ -196,7 +196,7 @@ pub trait Engine: Any + Send + Sync {
 
 /// A picture under way: others can be begun before it is taken.
 pub trait Pending: Send {
-    /// The picture, once it is there. Errors: those of [`Prepared::draw`].
+    /// The picture, once it is there. Errors: those of [`PreparedVolume::draw`].
     fn collect(self: Box<Self>, progress: &dyn Progress) -> Result<RenderOutput>;
 }
 
@@ -216,7 +216,7 @@ pub trait PreparedVolume: Any + Send + Sync {
 
     /// Begins a picture. A device works on it while the caller does something else, and on several one after the other, so that it
     /// need not wait for their way back; what it sends back is bounded, and a picture beyond that is drawn at once. Its passes are
-    /// not timed. Other engines draw at once. Errors: those of [`Prepared::draw`], here or when the picture is taken.
+    /// not timed. Other engines draw at once. Errors: those of [`PreparedVolume::draw`], here or when the picture is taken.
     fn begin(
         &self,
         scene: &Scene,

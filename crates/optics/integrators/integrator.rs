@@ -8,7 +8,7 @@ use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 
-/// A kind of integrators. Each is a static; a registry that adds its [`variant`] makes it known to pipelines.
+/// A kind of integrators. Each is a static; a registry that adds its [`variant`](super::variant) makes it known to pipelines.
 pub trait IntegratorKind: Send + Sync {
     /// Name in pipeline files, summary and parameters: whole numbers and numbers, at most [`super::MAX_SETTINGS`] of them.
     fn schema(&self) -> VariantSchema;
@@ -55,7 +55,7 @@ pub trait IntegratorKind: Send + Sync {
 /// The property of a transfer function that an integrator cannot integrate.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Obstacle {
-    /// The property: "widgets[0] (gaussian), which reads the gradient magnitude".
+    /// The property: `widgets[0] (gaussian), which reads the gradient magnitude`.
     pub found: String,
     /// A transfer function that the kind integrates: "widgets of the scalar alone".
     pub accepted: &'static str,

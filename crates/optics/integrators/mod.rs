@@ -1,4 +1,4 @@
-//! The integrators of one segment behind one trait (docs/optics.md, section 10).
+//! The integrators of one segment behind one trait (docs/src/explanation/optics.md, section 10).
 //!
 //! | integrator | method |
 //! | --- | --- |
@@ -18,7 +18,7 @@ pub use analytic::Analytic;
 pub use integrator::{
     Integrator, IntegratorKind, MAX_SETTINGS, Obstacle, PreparedScene, ScenePreparation, TableDomain,
 };
-pub use registry::{INTEGRATOR, can_serve, can_serve_among, kinds, stated, variant};
+pub use registry::{INTEGRATOR, can_serve, kinds, stated, variant};
 pub use segment_integrator::{Extent, SegmentIntegrator};
 
 use super::WidgetBlend;

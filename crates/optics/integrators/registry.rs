@@ -43,24 +43,10 @@ fn kind_of(variant: &Variant) -> Option<&'static dyn IntegratorKind> {
 
 /// Checks, without any data, that the integrator's settings are in range and that it can integrate the transfer function.
 pub fn can_serve(integrator: &Integrator, transfer_function: &TransferFunction) -> Result<()> {
-    can_serve_among(&[], integrator, transfer_function)
-}
-
-/// Like [`can_serve`], with an error that names those of `kinds` that can.
-pub fn can_serve_among(
-    kinds: &[&'static dyn IntegratorKind],
-    integrator: &Integrator,
-    transfer_function: &TransferFunction,
-) -> Result<()> {
     integrator.check()?;
     let Some(Obstacle { found, accepted }) = integrator.kind().obstacle(transfer_function) else {
         return Ok(());
     };
-    let others = kinds.iter().filter(|kind| kind.obstacle(transfer_function).is_none());
-    let others: Vec<&str> = others.map(|kind| kind.schema().name).collect();
     let what = format!("the integrator '{}' cannot serve this transfer function", integrator.name());
-    Err(Error::usage(what).got(found).expected(match others.is_empty() {
-        true => accepted.to_string(),
-        false => format!("{accepted}, or one of the integrators {}", others.join(", ")),
-    }))
+    Err(Error::usage(what).got(found).expected(accepted))
 }

@@ -65,7 +65,7 @@ pub(crate) enum Path<'a> {
 }
 
 /// C of a widget that is alone on a segment.
-pub(crate) enum Light {
+pub(crate) enum WidgetLight {
     /// This times the widget's colour.
     OfWidget(f64),
     /// In colours of its own.
@@ -76,7 +76,7 @@ pub(crate) enum Light {
 
 /// Part of a segment inside a widget.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Extent {
+pub(crate) struct WidgetPart {
     /// The part inside its region.
     pub stretch: ClippedSpan,
     /// Rate of optical depth per t where the profile is 1.
@@ -167,8 +167,8 @@ impl CompiledProfile {
 
 impl<'a> Path<'a> {
     /// T over the widget's part.
-    pub fn depth(&self, extent: &Extent) -> f64 {
-        let Extent { stretch, peak, .. } = extent;
+    pub fn depth(&self, extent: &WidgetPart) -> f64 {
+        let WidgetPart { stretch, peak, .. } = extent;
         match self {
             Path::Uniform => peak * stretch.length,
             Path::Gaussian(path) => path.optical_depth(*peak, stretch),
@@ -180,30 +180,36 @@ impl<'a> Path<'a> {
     }
 
     /// C under the density-emitter where the widget is alone.
-    pub fn density_light(&self, extent: &Extent, depth: f64) -> Light {
+    pub fn density_light(&self, extent: &WidgetPart, depth: f64) -> WidgetLight {
         match self {
-            Path::Piecewise(path) => Light::OwnColors(path.emission(extent.scale, &extent.stretch)),
-            Path::Table(_) => Light::Integrated,
+            Path::Piecewise(path) => WidgetLight::OwnColors(path.emission(extent.scale, &extent.stretch)),
+            Path::Table(_) => WidgetLight::Integrated,
             Path::Uniform | Path::Gaussian(_) | Path::Triangular(_) | Path::Wave(_) => {
-                Light::OfWidget(opacity(depth))
+                WidgetLight::OfWidget(opacity(depth))
             }
         }
     }
 
     /// C under the constant-emitter where the widget is alone; `threshold`: extinction above which control points glow.
-    pub fn constant_light(&self, extent: &Extent, depth: f64, cutoff: Cutoff, threshold: f64) -> Light {
-        let Extent { stretch, peak, scale } = extent;
+    pub fn constant_light(
+        &self,
+        extent: &WidgetPart,
+        depth: f64,
+        cutoff: Cutoff,
+        threshold: f64,
+    ) -> WidgetLight {
+        let WidgetPart { stretch, peak, scale } = extent;
         let lit = match self {
             Path::Uniform => stretch.length * mean_transmittance(depth),
             Path::Gaussian(path) => path.glow(*peak, stretch, cutoff.level),
             Path::Triangular(path) => path.glow(stretch, cutoff.level),
             Path::Wave(path) => path.glow(*peak, stretch, cutoff.share),
-            Path::Table(_) => return Light::Integrated,
+            Path::Table(_) => return WidgetLight::Integrated,
             Path::Piecewise(path) => {
-                return Light::OwnColors(path.glow(*scale, stretch, threshold).map(|c| c * scale));
+                return WidgetLight::OwnColors(path.glow(*scale, stretch, threshold).map(|c| c * scale));
             }
         };
-        Light::OfWidget(scale * lit)
+        WidgetLight::OfWidget(scale * lit)
     }
 
     /// True if quadrature has a part in C of the widget alone.
@@ -233,7 +239,7 @@ impl<'a> Path<'a> {
     }
 
     /// The track over the whole segment; `threshold`: extinction above which control points glow.
-    pub fn track(&self, extent: &Extent, cutoff: Option<Cutoff>, threshold: Option<f64>) -> AnyTrack<'a> {
+    pub fn track(&self, extent: &WidgetPart, cutoff: Option<Cutoff>, threshold: Option<f64>) -> AnyTrack<'a> {
         match *self {
             Path::Uniform => AnyTrack::Uniform(extent.peak),
             Path::Gaussian(path) => AnyTrack::Gaussian(path.track(extent.peak)),

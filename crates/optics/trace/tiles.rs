@@ -17,7 +17,7 @@ const SIDE: usize = 16;
 type Box2 = [[f64; 2]; 2];
 
 /// A cell's bounds in pixels; `None` where it reaches before the eye plane and has none.
-enum Bounds {
+enum ScreenBounds {
     Nowhere,
     Inside(Box2),
     Unbounded,
@@ -83,9 +83,9 @@ impl Tracer<'_> {
             let position = |k: usize, index: usize| (corner[k] + index) as f64 + place[k];
             for &cell in cells {
                 let bounds = match self.bounds(cell) {
-                    Bounds::Nowhere => continue,
-                    Bounds::Inside(bounds) => bounds,
-                    Bounds::Unbounded => [[f64::NEG_INFINITY, f64::INFINITY]; 2],
+                    ScreenBounds::Nowhere => continue,
+                    ScreenBounds::Inside(bounds) => bounds,
+                    ScreenBounds::Unbounded => [[f64::NEG_INFINITY, f64::INFINITY]; 2],
                 };
                 let covers =
                     |k: usize, index: usize| (bounds[k][0]..=bounds[k][1]).contains(&position(k, index));
@@ -114,8 +114,8 @@ impl Tracer<'_> {
         let mut lists = vec![Vec::new(); columns * rows];
         for cell in 0..self.cell_count() {
             match self.bounds(cell) {
-                Bounds::Nowhere => {}
-                Bounds::Inside(bounds) => {
+                ScreenBounds::Nowhere => {}
+                ScreenBounds::Inside(bounds) => {
                     let range = |k: usize, count: usize| {
                         let tile = |pixel: f64| (pixel / SIDE as f64).clamp(0.0, count as f64);
                         let [low, high] = bounds[k].map(tile);
@@ -127,7 +127,7 @@ impl Tracer<'_> {
                         }
                     }
                 }
-                Bounds::Unbounded => {
+                ScreenBounds::Unbounded => {
                     let corners = self.corners(cell);
                     let beside = |axis: usize, tile: usize| self.beside(&corners, axis, tile);
                     for row in (0..rows).filter(|&row| !beside(1, row)) {
@@ -154,14 +154,14 @@ impl Tracer<'_> {
     }
 
     /// Bounds of what is seen of a cell, a little too large for rounding.
-    fn bounds(&self, cell: u32) -> Bounds {
+    fn bounds(&self, cell: u32) -> ScreenBounds {
         let corners = self.corners(cell);
         if corners.iter().all(|c| c[2] <= self.near()) {
-            return Bounds::Nowhere;
+            return ScreenBounds::Nowhere;
         }
         let perspective = matches!(self.camera().projection, Projection::Perspective { .. });
         if perspective && corners.iter().any(|c| c[2] <= 0.0) {
-            return Bounds::Unbounded;
+            return ScreenBounds::Unbounded;
         }
         let [width, height] = self.camera().size.map(f64::from);
         let mut bounds = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
@@ -177,11 +177,11 @@ impl Tracer<'_> {
             bounds[0][1] < 0.0 || bounds[0][0] > width || bounds[1][1] < 0.0 || bounds[1][0] > height;
         // A corner a hair before the eye plane may project to no number at all.
         if outside {
-            Bounds::Nowhere
+            ScreenBounds::Nowhere
         } else if bounds.iter().flatten().all(|x| x.is_finite()) {
-            Bounds::Inside(bounds)
+            ScreenBounds::Inside(bounds)
         } else {
-            Bounds::Unbounded
+            ScreenBounds::Unbounded
         }
     }
 }

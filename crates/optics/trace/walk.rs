@@ -1,4 +1,4 @@
-//! One ray cell by cell.
+//! Traversal of one ray, cell by cell.
 
 use super::crossing::Ray;
 use super::tracer::{TracedRay, Tracer};

@@ -188,7 +188,7 @@ impl LaneBell {
     }
 }
 
-/// A wave as a [`LaneTrack`]. It serves [`crate::limits::BANDS_WALKED_MOST`] bands of a segment, by band width.
+/// A wave as a [`LaneTrack`]. It serves [`crate::limits::MAX_WALKED_BANDS`] bands of a segment, by band width.
 #[derive(Clone, Copy)]
 pub struct LaneWaveTrack<'a, L: Lanes> {
     bell: &'a LaneBell,

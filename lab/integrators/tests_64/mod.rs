@@ -9,9 +9,7 @@ use voltet_core::transfer::TransferFunction;
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Widget};
 use voltet_optics::WidgetBlend;
 use voltet_optics::arbitrary::segment;
-use voltet_optics::integrators::{
-    self, Analytic, Extent, Integrator, SegmentIntegrator, can_serve_among, new,
-};
+use voltet_optics::integrators::{self, Analytic, Extent, Integrator, SegmentIntegrator, can_serve, new};
 use voltet_optics::{Contribution, Segment};
 
 fn smooth(model: OpticalModel) -> TransferFunction {
@@ -122,10 +120,9 @@ fn all() -> [Integrator; 8] {
 }
 
 #[test]
-fn what_an_integrator_cannot_serve_names_one_that_can() {
+fn what_an_integrator_cannot_serve_is_named() {
     let refusal = |integrator, transfer_function: &TransferFunction| {
-        let kinds: Vec<_> = every_kind().collect();
-        let here = can_serve_among(&kinds, &integrator, transfer_function).expect_err("refused");
+        let here = can_serve(&integrator, transfer_function).expect_err("refused");
         let made = new(&integrator, WidgetBlend::Exact, transfer_function, &EXTENT).err().expect("refused");
         assert_eq!((&here.what, &here.got), (&made.what, &made.got));
         here.to_string()
@@ -135,9 +132,7 @@ fn what_an_integrator_cannot_serve_names_one_that_can() {
         let message = refusal(integrator, &bivariate);
         assert!(message.contains("widgets[0] (gaussian)"), "{message}");
         assert!(message.contains("gradient magnitude"), "{message}");
-        let others = "analytic, adaptive, reference, segments, riemann, vertex-sampled, tabulated";
-        assert!(message.contains(others), "{message}");
-        assert!(integrators::can_serve(&integrator, &piecewise()).is_ok());
+        assert!(can_serve(&integrator, &piecewise()).is_ok());
     }
     let mut banded = piecewise();
     banded.widgets[0].profile =
@@ -149,7 +144,7 @@ fn what_an_integrator_cannot_serve_names_one_that_can() {
 #[test]
 fn a_setting_out_of_range_is_refused() {
     let refusal = |integrator: Integrator| {
-        let message = integrators::can_serve(&integrator, &piecewise()).expect_err("refused").to_string();
+        let message = can_serve(&integrator, &piecewise()).expect_err("refused").to_string();
         assert!(message.contains(&format!("'{}'", integrator.name())), "{message}");
         message
     };
@@ -196,7 +191,7 @@ proptest! {
         segment in segment(),
     ) {
         for integrator in all() {
-            if integrators::can_serve(&integrator, &transfer_function).is_err() {
+            if can_serve(&integrator, &transfer_function).is_err() {
                 continue;
             }
             let found = new(&integrator, WidgetBlend::Exact, &transfer_function, &EXTENT)

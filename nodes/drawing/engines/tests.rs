@@ -5,7 +5,7 @@ use voltet_core::Result;
 use voltet_core::grid::generate::{box_of_tetrahedra, with_scalar};
 use voltet_gpu::{Device, GpuEngine};
 use voltet_graph::pipeline::Pipeline;
-use voltet_graph::{NoObserver, Node, Outputs, Port, PortType, Registry, RunReport, Value};
+use voltet_graph::{NoObserver, Node, Outputs, Port, PortType, RunReport, Value};
 use voltet_optics::engine::{AdapterRequest, Engine};
 
 /// A grid of 384 cells; with it, the software driver is opened as if its bindings held 2 KiB, and 8 of them at a time.
@@ -73,8 +73,8 @@ inputs = { image = "picture" }
 "#;
 
 fn run(engine: &str) -> Result<RunReport> {
-    let mut registry = Registry::new();
-    crate::NODES.iter().copied().chain(&NODES).try_for_each(|node| registry.add(node))?;
+    let mut registry = crate::registry()?;
+    NODES.iter().try_for_each(|node| registry.add(node))?;
     let text = PIPELINE.replace("ENGINE", engine);
     let text = if engine == "cpu" {
         text

@@ -12,8 +12,8 @@ use voltet_optics::integrators::{self, Extent, can_serve};
 use voltet_optics::shading::{Integrator, Light, Shading};
 use voltet_reference::REFERENCE;
 use voltet_shaders::{
-    Axis, Buffer, Choices, Combine, CompositorProgram, Method, PIECES, Parameters, Parts, Places, Resources,
-    SceneHead, TEXEL_BYTES, WidgetRecord, compose,
+    Axis, Buffer, Combine, CompositorProgram, Method, PIECES, Parameters, Parts, Places, Resources,
+    SceneHead, ShaderKey, TEXEL_BYTES, WidgetRecord, compose,
 };
 
 const CONSTANT: OpticalModel = OpticalModel::ConstantEmitter { cutoff: 0.01 };
@@ -138,12 +138,12 @@ fn check_words(
     kinds: &[usize],
     transfer_function: &TransferFunction,
     shading: &Shading,
-    choices: &Choices,
+    shader_key: &ShaderKey,
     text: &str,
 ) {
-    let from_table = choices.method.is_table_of_lengths();
-    let adaptive = choices.method == Method::Adaptive;
-    let named = |name: &str| matches!(choices.method, Method::Registered(text) if text.0.name() == name);
+    let from_table = shader_key.method.is_table_of_lengths();
+    let adaptive = shader_key.method == Method::Adaptive;
+    let named = |name: &str| matches!(shader_key.method, Method::Registered(text) if text.0.name() == name);
     let samples = named("riemann") || named("segments");
     for (kind, (name, words)) in WORDS.iter().enumerate() {
         for word in *words {
@@ -155,7 +155,7 @@ fn check_words(
     }
     let constant = transfer_function.model == CONSTANT;
     let clipped = transfer_function.widgets.iter().any(|w| w.region.is_some()) || kinds.contains(&8);
-    let ordered = choices.combine == Combine::Ordered;
+    let ordered = shader_key.combine == Combine::Ordered;
     let integrated = constant && (kinds.contains(&4) || kinds.contains(&9)) || kinds.contains(&8);
     let walks = (ordered || integrated) && !samples && !from_table;
     let holds =
@@ -166,7 +166,7 @@ fn check_words(
     holds("fn ordered(", walks && !adaptive);
     holds("fn mix_share", kinds.len() > 1 && !samples && !from_table && !adaptive);
     holds("fn march(", walks && adaptive);
-    holds("@compute", choices.compositor == CompositorProgram::Segments);
+    holds("@compute", shader_key.compositor == CompositorProgram::Segments);
     holds("fn riemann(", named("riemann") && !kinds.is_empty());
     holds("fn partial_place", named("segments") && !kinds.is_empty());
     holds("fn glow(", from_table);
@@ -192,14 +192,15 @@ fn storage_buffers(module: &naga::Module) -> Vec<(String, u32)> {
 }
 
 /// Every buffer that the text reads has contents, all of them so long as the places in it say.
-fn check_resources(transfer_function: &TransferFunction, shading: &Shading, choices: &Choices) {
+fn check_resources(transfer_function: &TransferFunction, shading: &Shading, shader_key: &ShaderKey) {
     let extent = Extent { scalar: [0.0, 1.0], longest: 2.0 };
-    let numbers = vec![1.0; choices.number_count() as usize];
-    let resources = Resources::new(choices, transfer_function, shading, Axis::PLAIN, 1.0, &extent, &numbers)
-        .expect("in range");
+    let numbers = vec![1.0; shader_key.number_count() as usize];
+    let resources =
+        Resources::new(shader_key, transfer_function, shading, Axis::PLAIN, 1.0, &extent, &numbers)
+            .expect("in range");
     let bound: Vec<(String, u32)> =
         resources.buffers.iter().filter_map(|buffer| Some((buffer.name.clone(), buffer.binding?))).collect();
-    assert_eq!(bound, choices.storage_buffers());
+    assert_eq!(bound, shader_key.storage_buffers());
     let places = Places::new(transfer_function, shading, numbers.len() as u64);
     let length: u64 = resources.buffers.iter().filter(|b| b.binding.is_some()).map(Buffer::length).sum();
     let all = 4 * (places.first_number() + numbers.len() as u64);
@@ -215,15 +216,15 @@ fn passes_that_fill_tables_are_valid() {
     let extent = Extent { scalar: [0.0, 1.0], longest: 2.0 };
     for (integrator, count) in [(pre_integrated(5, 2), 1), (pre_integrated_cylindrical(5, 2, 1), 2)] {
         let shading = Shading { integrator, ..SHADING };
-        let choices =
-            Choices::new(&transfer_function, &shading, CompositorProgram::None).expect("has pieces");
-        let places = Places::new(&transfer_function, &shading, choices.number_count());
+        let shader_key =
+            ShaderKey::new(&transfer_function, &shading, CompositorProgram::None).expect("has pieces");
+        let places = Places::new(&transfer_function, &shading, shader_key.number_count());
         let length = places.in_vectors();
         for most in [length, length.div_ceil(2), 32] {
-            let mut choices = choices.clone();
-            choices.layout.table = Parts::of(length, 1, most);
+            let mut shader_key = shader_key.clone();
+            shader_key.layout.table = Parts::for_elements(length, 1, most);
             let resources =
-                Resources::new(&choices, &transfer_function, &shading, Axis::PLAIN, 1.0, &extent, &[])
+                Resources::new(&shader_key, &transfer_function, &shading, Axis::PLAIN, 1.0, &extent, &[])
                     .expect("in range");
             assert_eq!(resources.passes.len(), count);
             let filled: u64 = resources.buffers.iter().map(|buffer| buffer.contents.filled).sum();
@@ -236,8 +237,8 @@ fn passes_that_fill_tables_are_valid() {
                 assert!(read.iter().enumerate().all(|(i, (_, binding))| *binding == i as u32));
                 assert_eq!(module.global_variables.len(), pass.buffers.len());
             }
-            check_resources(&transfer_function, &shading, &choices);
-            assert_eq!(storage_buffers(&validate(&compose(&choices))), choices.storage_buffers());
+            check_resources(&transfer_function, &shading, &shader_key);
+            assert_eq!(storage_buffers(&validate(&compose(&shader_key))), shader_key.storage_buffers());
         }
     }
 }
@@ -255,22 +256,22 @@ fn check_combinations(shadings: &[Shading]) -> usize {
             let analytic = shading.integrator == Integrator::ANALYTIC;
             for compositor in if analytic { &both[..] } else { &both[1..] }.iter().copied() {
                 combinations += 1;
-                let choices = Choices::new(&transfer_function, shading, compositor).expect("has pieces");
-                let shader = compose(&choices);
-                check_words(&kinds, &transfer_function, shading, &choices, &shader.text);
+                let shader_key = ShaderKey::new(&transfer_function, shading, compositor).expect("has pieces");
+                let shader = compose(&shader_key);
+                check_words(&kinds, &transfer_function, shading, &shader_key, &shader.text);
                 if texts.insert(shader.text.clone()) {
                     let module = validate_numbered(&shader, texts.len());
                     assert_eq!(
                         module.entry_points.len(),
                         usize::from(compositor == CompositorProgram::Segments)
                     );
-                    assert_eq!(storage_buffers(&module), choices.storage_buffers());
+                    assert_eq!(storage_buffers(&module), shader_key.storage_buffers());
                 }
                 let axes = vec![Axis::PLAIN; 2 + transfer_function.fields().len()];
                 let parameters = Parameters::new(&transfer_function, shading, &axes, 1.0).expect("in range");
                 assert_eq!(parameters.widgets.len(), kinds.len().max(1));
-                assert_eq!(parameters.numbers.len() as u64, choices.number_count());
-                check_resources(&transfer_function, shading, &choices);
+                assert_eq!(parameters.numbers.len() as u64, shader_key.number_count());
+                check_resources(&transfer_function, shading, &shader_key);
             }
         }
     }
@@ -287,15 +288,16 @@ fn every_combination_is_valid_and_holds_only_what_it_uses() {
         let beside = scope.spawn(|| check_combinations(&some));
         check_combinations(&others) + beside.join().expect("every combination is right")
     });
-    // Without order or light many combinations are one text; a composer that ignored its choices would make few.
+    // Without order or light many combinations are one text; a composer that ignored its shader_key would make few.
     assert!(texts > 2000, "{texts}");
 }
 
 #[test]
 fn numbers_that_may_change_do_not_change_the_text() {
     let text = |transfer_function: &TransferFunction| {
-        let choices = Choices::new(transfer_function, &SHADING, CompositorProgram::None).expect("has pieces");
-        compose(&choices).text
+        let shader_key =
+            ShaderKey::new(transfer_function, &SHADING, CompositorProgram::None).expect("has pieces");
+        compose(&shader_key).text
     };
     let before = scene(CONSTANT, vec![widget(2, regions()[2].clone()), widget(6, None)]);
     let mut after = before.clone();
@@ -316,9 +318,9 @@ fn every_piece_is_used_by_some_scene() {
             if can_serve(&shading.integrator, &transfer_function).is_err() {
                 continue;
             }
-            let choices =
-                Choices::new(&transfer_function, &shading, CompositorProgram::Segments).expect("has pieces");
-            used.extend(compose(&choices).files());
+            let shader_key = ShaderKey::new(&transfer_function, &shading, CompositorProgram::Segments)
+                .expect("has pieces");
+            used.extend(compose(&shader_key).files());
         }
     }
     let unused: Vec<&str> = PIECES.iter().filter(|p| !used.contains(p.file)).map(|p| p.name).collect();
@@ -350,7 +352,9 @@ fn what_has_no_shader_is_refused() {
     let refusal = |integrator, kind| {
         let shading = Shading { integrator, ..SHADING };
         let transfer_function = scene(CONSTANT, vec![widget(kind, None)]);
-        Choices::new(&transfer_function, &shading, CompositorProgram::None).expect_err("refused").to_string()
+        ShaderKey::new(&transfer_function, &shading, CompositorProgram::None)
+            .expect_err("refused")
+            .to_string()
     };
     let error = refusal(REFERENCE, 1);
     assert!(error.contains("'reference'") || error.contains("reference"), "{error}");
@@ -363,7 +367,7 @@ fn what_has_no_shader_is_refused() {
 fn structs_are_laid_out_as_in_the_shader() {
     let transfer_function = scene(CONSTANT, vec![widget(1, None), widget(2, None)]);
     let shader =
-        compose(&Choices::new(&transfer_function, &SHADING, CompositorProgram::None).expect("has pieces"));
+        compose(&ShaderKey::new(&transfer_function, &SHADING, CompositorProgram::None).expect("has pieces"));
     let widget = offsets!(WidgetRecord:
         color, extinction, matrix, bell, centre, first_edge, first_number, bell_kind);
     assert_eq!(layout(&shader, "Widget"), (widget, size_of::<WidgetRecord>() as u32));

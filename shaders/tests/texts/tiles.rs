@@ -9,8 +9,8 @@ use voltet_core::transfer::{
 use voltet_optics::integrators::{self, can_serve};
 use voltet_optics::shading::{Integrator, Light, Shading};
 use voltet_shaders::{
-    Access, Blend, Choices, CompositorProgram, FramePass, GRID_GROUP, GridArray, Layout, PIECES, Parts,
-    PlacementRecord, RoundRecord, RunRecord, TileOrder, ViewRecord, cells_read, compose,
+    Access, Blend, CompositorProgram, FramePass, GRID_GROUP, GridArray, Layout, PIECES, Parts,
+    PlacementRecord, RoundRecord, RunRecord, ShaderKey, TileOrder, ViewRecord, cells_read, compose,
 };
 use voltet_testing::segments::widget_of_each_kind;
 
@@ -86,17 +86,17 @@ fn workgroup_bytes(module: &naga::Module) -> u32 {
 }
 
 /// A device of WebGPU has 8 storage buffers for a stage. What blends writes the picture in a stage that binds nothing of the grid.
-fn check_buffers(module: &naga::Module, choices: &Choices) {
+fn check_buffers(module: &naga::Module, shader_key: &ShaderKey) {
     let is_storage = |v: &naga::GlobalVariable| matches!(v.space, naga::AddressSpace::Storage { .. });
     let declared = module.global_variables.iter().filter(|(_, variable)| is_storage(variable)).count();
-    let of_stage = match choices.compositor {
+    let of_stage = match shader_key.compositor {
         CompositorProgram::Tiles(_) => declared,
         CompositorProgram::None
         | CompositorProgram::Segments
         | CompositorProgram::Raster(_)
         | CompositorProgram::Triangles(_) => declared - 1,
     };
-    assert!(of_stage <= 8, "{choices:?}");
+    assert!(of_stage <= 8, "{shader_key:?}");
 }
 
 /// Tiles share all text of a segment with the list of segments, which `combinations` tries in every combination.
@@ -109,14 +109,15 @@ fn tiles_are_valid_for_every_kind_light_and_integrator() {
                 continue;
             }
             for order in ORDERS {
-                let choices = Choices::new(&transfer_function, &shading, CompositorProgram::Tiles(order));
-                let choices = choices.expect("has pieces");
-                let shader = compose(&choices);
+                let shader_key =
+                    ShaderKey::new(&transfer_function, &shading, CompositorProgram::Tiles(order));
+                let shader_key = shader_key.expect("has pieces");
+                let shader = compose(&shader_key);
                 if !texts.insert(shader.text.clone()) {
                     continue;
                 }
                 let module = validate_numbered(&shader, texts.len());
-                check_buffers(&module, &choices);
+                check_buffers(&module, &shader_key);
                 assert_eq!(module.entry_points.len(), 1);
                 let lit = shading.light.is_some() || shading.silhouette.is_some();
                 assert_eq!(shader.text.contains("let gradient ="), lit);
@@ -165,13 +166,14 @@ fn what_blends_is_valid_for_every_kind_light_and_integrator() {
                 if same_apart && shading.integrator != Integrator::ANALYTIC {
                     continue;
                 }
-                let choices = Choices::new(&transfer_function, &shading, compositor).expect("has pieces");
-                let shader = compose(&choices);
+                let shader_key =
+                    ShaderKey::new(&transfer_function, &shading, compositor).expect("has pieces");
+                let shader = compose(&shader_key);
                 if !texts.insert(shader.text.clone()) {
                     continue;
                 }
                 let module = validate_numbered(&shader, texts.len());
-                check_buffers(&module, &choices);
+                check_buffers(&module, &shader_key);
                 let mut entries: Vec<_> =
                     module.entry_points.iter().map(|e| (e.name.as_str(), e.stage)).collect();
                 // In the order of the files' names.
@@ -258,11 +260,11 @@ fn tiles_in_parts_are_valid() {
     transfer_function.widgets[0].profile = Profile::Table(Arc::new(table));
     let shading = Shading { silhouette: Some(2.0), ..SHADING };
     for order in ORDERS {
-        let whole =
-            Choices::new(&transfer_function, &shading, CompositorProgram::Tiles(order)).expect("has pieces");
+        let whole = ShaderKey::new(&transfer_function, &shading, CompositorProgram::Tiles(order))
+            .expect("has pieces");
         for layout in LAYOUTS {
-            let choices = Choices { layout, ..whole.clone() };
-            let shader = compose(&choices);
+            let shader_key = ShaderKey { layout, ..whole.clone() };
+            let shader = compose(&shader_key);
             check_grid(&validate_everywhere(&shader), cells_read(1), &layout);
             let last = format!("> {}:", Parts::name("numbers", layout.table.count - 1));
             assert!(shader.text.contains(&last), "'{last}'");
@@ -278,8 +280,8 @@ fn every_pass_and_compositor_is_used() {
     let compositors = ORDERS.map(CompositorProgram::Tiles).into_iter();
     for compositor in compositors.chain(blending().into_iter().map(|(compositor, _)| compositor)) {
         for transfer_function in scenes() {
-            let choices = Choices::new(&transfer_function, &SHADING, compositor);
-            used.extend(compose(&choices.expect("has pieces")).files());
+            let shader_key = ShaderKey::new(&transfer_function, &SHADING, compositor);
+            used.extend(compose(&shader_key.expect("has pieces")).files());
         }
     }
     let apart = |name: &str| name.starts_with("passes/") || name.starts_with("compositor/");

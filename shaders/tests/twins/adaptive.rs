@@ -42,7 +42,7 @@ fn the_tolerance_is_met_on_the_exact_cases() {
         let Ok(scene) = scene.expect("has pieces") else { continue };
         // Where 32 bits hold no digits (narrow widgets among them), or the exact value jumps, no tolerance can be met.
         let known = category != "narrow" && case.condition.iter().all(|k| k.is_some_and(|k| k < 1e4));
-        if holds(&scene.choices, transfer_function, &segment).is_err()
+        if holds(&scene.shader_key, transfer_function, &segment).is_err()
             || !(origin(&case.transfer_function.widgets).is_some() || case.conditions().values_keep_digits())
             || !known
         {
@@ -152,7 +152,7 @@ fn four_points_err_by_less_than_their_constant() {
         let mut worst = 0.0_f64;
         for transfer_function in scenes() {
             let scene = ready(&transfer_function, share);
-            let text = compose(&scene.choices).text;
+            let text = compose(&scene.shader_key).text;
             // Closed forms need no panels.
             if !text.contains("march(members, ") {
                 continue;
@@ -165,7 +165,7 @@ fn four_points_err_by_less_than_their_constant() {
             let text = text.replace("if scene.tolerance < ", "if -1.0 < ") + OBSERVER + eight;
             let found = on.integrate_by(&scene, &compose_pieces(&text, &[]), &segments);
             for (segment, found) in segments.iter().zip(found) {
-                let constant = scene.choices.constant_emitter;
+                let constant = scene.shader_key.constant_emitter;
                 let scale = if constant { segment.length } else { 1.0 };
                 worst = found.color.iter().fold(worst, |worst, c| worst.max(c / scale));
             }

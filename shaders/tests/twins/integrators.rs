@@ -42,7 +42,7 @@ fn sampling_integrators_are_twins_of_their_truths() {
         let axes = axes(transfer_function, &segment);
         let scene = Composed::new(transfer_function, &shading(integrator), &axes, segment.length, None);
         let Ok(scene) = scene.expect("has pieces") else { continue };
-        if holds(&scene.choices, transfer_function, &segment).is_err() {
+        if holds(&scene.shader_key, transfer_function, &segment).is_err() {
             continue;
         }
         let found = scenes.integrate(&scene, &[segment])[0];

@@ -109,8 +109,8 @@ fn the_device_fills_tables_as_the_host_does() {
             let buffers = scene.tables(&device);
             let mut found = device.read(&buffers[buffers.len() - 1]);
             // Behind the colours stand the mean extinctions.
-            let choices = &scene.choices;
-            let places = Places::new(&transfer_function, &shading(integrator), choices.number_count());
+            let shader_key = &scene.shader_key;
+            let places = Places::new(&transfer_function, &shading(integrator), shader_key.number_count());
             found.truncate(places.first_entry() as usize);
             found
         });

@@ -11,7 +11,7 @@ use voltet_optics::integrators::Extent;
 use voltet_optics::shading::Shading;
 use voltet_optics::{Contribution, Segment};
 use voltet_shaders::segment_list::{CONTRIBUTION, constants, contributions, row};
-use voltet_shaders::{Axis, Choices, CompositorProgram, Parameters, Resources, Shader, compose};
+use voltet_shaders::{Axis, CompositorProgram, Parameters, Resources, Shader, ShaderKey, compose};
 
 /// A device with the passes that it has compiled.
 pub struct Scenes {
@@ -21,7 +21,7 @@ pub struct Scenes {
 
 /// A transfer function with its shading, and all that its shader reads but the segments.
 pub struct Composed {
-    pub choices: Choices,
+    pub shader_key: ShaderKey,
     parameters: Parameters,
     pub resources: Resources,
     tables: OnceCell<Prepared>,
@@ -41,16 +41,16 @@ impl Composed {
         length: f64,
         extent: Option<&Extent>,
     ) -> Result<std::result::Result<Composed, &'static str>> {
-        let choices = Choices::new(transfer_function, shading, CompositorProgram::Segments)?;
+        let shader_key = ShaderKey::new(transfer_function, shading, CompositorProgram::Segments)?;
         let Ok(parameters) = Parameters::new(transfer_function, shading, axes, length) else {
             return Ok(Err("numbers leave the range of 32 bits"));
         };
         let extent = extent.unwrap_or(&NO_EXTENT);
         let numbers = &parameters.numbers;
         let resources =
-            Resources::new(&choices, transfer_function, shading, axes[0], length, extent, numbers)?;
+            Resources::new(&shader_key, transfer_function, shading, axes[0], length, extent, numbers)?;
         let axes = axes.to_vec();
-        Ok(Ok(Composed { choices, parameters, resources, tables: OnceCell::new(), axes, length }))
+        Ok(Ok(Composed { shader_key, parameters, resources, tables: OnceCell::new(), axes, length }))
     }
 
     /// The tables, filled when they are first asked for.
@@ -82,7 +82,7 @@ impl Scenes {
 
     /// Each segment's contribution, from one dispatch.
     pub fn integrate(&self, scene: &Composed, segments: &[Segment]) -> Vec<Contribution> {
-        self.integrate_by(scene, &compose(&scene.choices), segments)
+        self.integrate_by(scene, &compose(&scene.shader_key), segments)
     }
 
     /// Integrates by another shader that reads the scene's resources.
@@ -95,7 +95,7 @@ impl Scenes {
 
     /// Seconds of one dispatch over the segments, the least of `count`.
     pub fn seconds(&self, scene: &Composed, segments: &[Segment], count: u32) -> f64 {
-        let (pass, mut inputs) = self.bind(scene, &compose(&scene.choices), segments);
+        let (pass, mut inputs) = self.bind(scene, &compose(&scene.shader_key), segments);
         let buffer = self.device.storage(&vec![0; CONTRIBUTION * segments.len() * size_of::<f32>()]);
         inputs.push(Bound { group: 1, binding: 1, buffer });
         let workgroups = [segments.len().div_ceil(64) as u32, 1, 1];
@@ -111,13 +111,13 @@ impl Scenes {
     /// The pass over a list of segments, and all that it reads.
     fn bind(&self, scene: &Composed, shader: &Shader, segments: &[Segment]) -> (Rc<Pass>, Vec<Bound>) {
         let device = &self.device;
-        let pass = self.pass(shader, "integrate_segments", constants(&scene.choices, shader));
-        let of = |segment: &Segment| row(&scene.choices, &scene.axes, scene.length, segment);
+        let pass = self.pass(shader, "integrate_segments", constants(&scene.shader_key, shader));
+        let of = |segment: &Segment| row(&scene.shader_key, &scene.axes, scene.length, segment);
         let rows: Vec<f32> = segments.iter().flat_map(of).collect();
         let storage = |group, binding, bytes: &[u8]| Bound { group, binding, buffer: device.storage(bytes) };
         let mut inputs = vec![storage(1, 0, bytemuck::cast_slice(&rows))];
-        let from_table = scene.choices.method.is_table_of_lengths();
-        if from_table || !scene.choices.widgets.is_empty() {
+        let from_table = scene.shader_key.method.is_table_of_lengths();
+        if from_table || !scene.shader_key.widgets.is_empty() {
             inputs.push(Bound {
                 group: 0,
                 binding: 0,

@@ -64,7 +64,7 @@ fn the_commands_of_the_page_do_what_it_says() {
         return eprintln!("\n*** SKIPPED: cc, gfortran and pkg-config are not all there ***\n");
     }
     let installed = Installed::new();
-    for name in ["pipelines", "include", "examples", "data", "scripts", "capi", "Cargo.toml"] {
+    for name in ["pipelines", "include", "examples", "data", "scripts", "crates", "Cargo.toml"] {
         std::os::unix::fs::symlink(compilers::source(name), installed.path(name)).unwrap();
     }
     let page = std::fs::read_to_string(compilers::source("docs/src/how-to/c.md")).unwrap();

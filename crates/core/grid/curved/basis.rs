@@ -1,4 +1,4 @@
-//! ReferenceCell functions: a point of a refined lattice as a weighted sum of a cell's nodes.
+//! Shape functions of curved cells: a point of a refined lattice as a weighted sum of the cell's nodes.
 //!
 //! Every cell is brought to the full lattice of its own order first: what a serendipity cell lacks (centres of faces
 //! and of the body) follows from the nodes it has, exactly, since its functions are among those of the full lattice;

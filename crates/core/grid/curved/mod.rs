@@ -1,4 +1,4 @@
-//! Curved cells: quadratic, triquadratic, Lagrange and Bezier cells into linear pieces.
+//! Split of curved cells (quadratic, triquadratic, Lagrange, Bezier) into linear pieces.
 //!
 //! A cell of order p is cut on the lattice of order p × subdivision. Lattice points that are nodes of the cell are
 //! taken as they are; every other one is an added point, a weighted sum of the cell's nodes by its shape functions,

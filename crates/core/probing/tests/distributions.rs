@@ -1,5 +1,5 @@
 use super::super::sub_tetrahedron::{Distribution, SubTetrahedron};
-use super::super::{Axis, Bands, bands, histogram};
+use super::super::{Axis, BandCounts, bands, histogram};
 use super::{close, cube, numbers};
 use crate::SharedSlice;
 use crate::grid::Grid;
@@ -150,7 +150,7 @@ fn bands_are_counted_by_cell() {
         ),
     ]);
     let cells = volume.grid.tetrahedra.len() as u64;
-    let first = Bands {
+    let first = BandCounts {
         widget: 1,
         kind: "sine-wave",
         cell_count: cells,

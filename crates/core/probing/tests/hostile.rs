@@ -1,6 +1,6 @@
 //! Data that lose digits, leave the number range or hold nothing.
 
-use super::super::{Axis, Region, bands, histogram, kernel, probe};
+use super::super::{Axis, ProbeRegion, bands, histogram, kernel, probe};
 use super::{close, cube};
 use crate::grid::generate::sample;
 use crate::progress::NoProgress;
@@ -13,14 +13,14 @@ use std::sync::Arc;
 fn a_small_spread_around_a_large_value_keeps_its_digits() {
     let grid = cube();
     let values = sample(&grid, |p| 1e8 + 1e-2 * p.x);
-    let found = probe(&grid, &[&values], &Region::Everywhere, None, &NoProgress).unwrap();
+    let found = probe(&grid, &[&values], &ProbeRegion::Everywhere, None, &NoProgress).unwrap();
     // A number near 1e8 resolves 1.5e-8, a millionth of the spread.
     close(found.sigma()[0] / (1e-2 / 12.0_f64.sqrt()), 1.0, 2e-6);
     close(found.mean[0] - 1e8, 5e-3, 2e-8);
     // The same spread where a far value sets the extent.
     let mut far = values;
     far[0] = 0.0;
-    let region = Region::Box { low: DVec3::splat(0.5), high: DVec3::ONE };
+    let region = ProbeRegion::Box { low: DVec3::splat(0.5), high: DVec3::ONE };
     let found = probe(&grid, &[&far], &region, None, &NoProgress).unwrap();
     close(found.sigma()[0] / (5e-3 / 12.0_f64.sqrt()), 1.0, 1e-5);
     let histogram =
@@ -34,7 +34,7 @@ fn a_small_spread_around_a_large_value_keeps_its_digits() {
 #[test]
 fn scale_changes_nothing() {
     let plain = cube();
-    let region = |f: f64| Region::Sphere { centre: DVec3::splat(0.5 * f), radius: 0.3 * f };
+    let region = |f: f64| ProbeRegion::Sphere { centre: DVec3::splat(0.5 * f), radius: 0.3 * f };
     let values = sample(&plain, |p| p.x * p.y);
     let wanted = probe(&plain, &[&values], &region(1.0), None, &NoProgress).unwrap();
     for scale in [1e-150, 1e150] {
@@ -63,7 +63,7 @@ fn constant_fields_and_empty_regions_are_told_apart() {
     let grid = cube();
     let constant = vec![-7.0; grid.points.len()];
     let varying = sample(&grid, |p| p.x);
-    let found = probe(&grid, &[&constant, &varying], &Region::Everywhere, None, &NoProgress).unwrap();
+    let found = probe(&grid, &[&constant, &varying], &ProbeRegion::Everywhere, None, &NoProgress).unwrap();
     assert_eq!((found.mean[0], found.sigma()[0]), (-7.0, 0.0));
     let k = kernel(&found, 1e-3, 1.0, true);
     assert_eq!([k[0][0], k[0][1], k[1][0]], [0.0; 3]);
@@ -72,12 +72,15 @@ fn constant_fields_and_empty_regions_are_told_apart() {
     let histogram = histogram(&grid, [&constant, &varying], axes, &NoProgress).unwrap();
     close(histogram.volumes[1], 1.0, 1e-13);
     for (region, what) in [
-        (Region::Box { low: DVec3::splat(2.0), high: DVec3::splat(3.0) }, "no cell reaches into the box"),
+        (
+            ProbeRegion::Box { low: DVec3::splat(2.0), high: DVec3::splat(3.0) },
+            "no cell reaches into the box",
+        ),
         // A face of the grid is no part of it with a volume.
-        (Region::Box { low: DVec3::X, high: DVec3::new(2.0, 1.0, 1.0) }, "no cell reaches into the box"),
-        (Region::Sphere { centre: DVec3::splat(-1.0), radius: 1.0 }, "no cell reaches into the sphere"),
-        (Region::Points(vec![DVec3::splat(-1.0)]), "no cell holds any of the points"),
-        (Region::Points(Vec::new()), "no cell holds any of the points"),
+        (ProbeRegion::Box { low: DVec3::X, high: DVec3::new(2.0, 1.0, 1.0) }, "no cell reaches into the box"),
+        (ProbeRegion::Sphere { centre: DVec3::splat(-1.0), radius: 1.0 }, "no cell reaches into the sphere"),
+        (ProbeRegion::Points(vec![DVec3::splat(-1.0)]), "no cell holds any of the points"),
+        (ProbeRegion::Points(Vec::new()), "no cell holds any of the points"),
     ] {
         let error = probe(&grid, &[&varying], &region, None, &NoProgress).unwrap_err();
         assert!(error.what.contains(what) && error.expected.is_some(), "{error}");
@@ -91,7 +94,7 @@ fn values_that_are_not_finite_are_left_out_and_counted() {
     let mut bad = good.clone();
     let spoilt = grid.tetrahedra[0][0];
     bad[spoilt as usize] = f64::NAN;
-    let found = probe(&grid, &[&bad], &Region::Everywhere, None, &NoProgress).unwrap();
+    let found = probe(&grid, &[&bad], &ProbeRegion::Everywhere, None, &NoProgress).unwrap();
     let spoilt_cells = grid.tetrahedra.iter().filter(|t| t.contains(&spoilt)).count() as u64;
     assert_eq!(found.cell_count, grid.tetrahedra.len() as u64 - spoilt_cells);
     assert!(found.mean[0].is_finite() && found.covariance[0][0] > 0.0);
@@ -100,12 +103,12 @@ fn values_that_are_not_finite_are_left_out_and_counted() {
     close(histogram.volumes.iter().sum::<f64>() + histogram.not_finite, 1.0, 1e-13);
     assert!(histogram.not_finite > 0.0);
     let all_bad = vec![f64::INFINITY; good.len()];
-    assert!(probe(&grid, &[&all_bad], &Region::Everywhere, None, &NoProgress).is_err());
+    assert!(probe(&grid, &[&all_bad], &ProbeRegion::Everywhere, None, &NoProgress).is_err());
     assert!(
         probe(
             &grid,
             &[&[-1.7e308, 1.7e308].repeat(good.len())[..good.len()]],
-            &Region::Everywhere,
+            &ProbeRegion::Everywhere,
             None,
             &NoProgress
         )
@@ -118,12 +121,12 @@ fn flat_and_missing_cells_make_no_numbers_up() {
     let mut grid = cube();
     grid.points = grid.points.iter().map(|p| p.with_z(0.0)).collect();
     let values = sample(&grid, |p| p.x);
-    let error = probe(&grid, &[&values], &Region::Everywhere, None, &NoProgress).unwrap_err();
+    let error = probe(&grid, &[&values], &ProbeRegion::Everywhere, None, &NoProgress).unwrap_err();
     assert!(error.what.contains("no volume"), "{error}");
     let found = histogram(&grid, [&values, &values], [Axis::over(&values, 4); 2], &NoProgress).unwrap();
     assert_eq!((found.total, found.volumes.iter().sum::<f64>()), (0.0, 0.0));
     let nothing = crate::grid::Grid::default();
-    assert!(probe(&nothing, &[&[]], &Region::Everywhere, None, &NoProgress).is_err());
+    assert!(probe(&nothing, &[&[]], &ProbeRegion::Everywhere, None, &NoProgress).is_err());
     let empty = histogram(&nothing, [&[], &[]], [Axis::over(&[], 4); 2], &NoProgress).unwrap();
     assert_eq!(empty.total, 0.0);
     let volume = Volume {

@@ -1,4 +1,4 @@
-use super::super::{ProbeResult, Region, kernel, probe};
+use super::super::{ProbeRegion, ProbeResult, kernel, probe};
 use super::{close, cube};
 use crate::grid::Grid;
 use crate::grid::generate::sample;
@@ -8,7 +8,7 @@ use glam::DVec3;
 /// Rounding of a few hundred sums of numbers near 1.
 const ROUNDING: f64 = 1e-13;
 
-fn found(grid: &Grid, fields: &[fn(DVec3) -> f64], region: Region) -> ProbeResult {
+fn found(grid: &Grid, fields: &[fn(DVec3) -> f64], region: ProbeRegion) -> ProbeResult {
     let values: Vec<Vec<f64>> = fields.iter().map(|&field| sample(grid, field)).collect();
     let values: Vec<&[f64]> = values.iter().map(Vec::as_slice).collect();
     probe(grid, &values, &region, None, &NoProgress).unwrap()
@@ -22,7 +22,7 @@ fn covariance(found: &ProbeResult, i: usize, j: usize) -> f64 {
 #[test]
 fn a_box_gives_the_moments_of_linear_fields_exactly() {
     // Faces of the box run through cells, and one lies beyond the grid.
-    let region = Region::Box { low: DVec3::new(0.13, 0.2, -3.0), high: DVec3::new(0.71, 0.9, 0.45) };
+    let region = ProbeRegion::Box { low: DVec3::new(0.13, 0.2, -3.0), high: DVec3::new(0.71, 0.9, 0.45) };
     let found = found(&cube(), &[|p| 3.0 * p.x + 5.0, |p| p.x - 2.0 * p.y + p.z], region);
     let (x, y, z) = ((0.13_f64, 0.71_f64), (0.2_f64, 0.9_f64), (0.0_f64, 0.45_f64));
     let mean = |(a, b): (f64, f64)| 0.5 * (a + b);
@@ -41,12 +41,13 @@ fn a_box_gives_the_moments_of_linear_fields_exactly() {
 fn a_mask_leaves_whole_cells() {
     let grid = cube();
     let values = sample(&grid, |p| p.x);
-    let first = probe(&grid, &[&values], &Region::Everywhere, Some(&|i| i == 0), &NoProgress).unwrap();
+    let first = probe(&grid, &[&values], &ProbeRegion::Everywhere, Some(&|i| i == 0), &NoProgress).unwrap();
     let corners = grid.corners(0);
     close(first.mean[0], corners.iter().map(|p| p.x).sum::<f64>() / 4.0, ROUNDING);
     close(first.volume, crate::grid::tetrahedron_volume(corners), ROUNDING);
     assert_eq!(first.cell_count, 1);
-    let error = probe(&grid, &[&values], &Region::Everywhere, Some(&|_| false), &NoProgress).unwrap_err();
+    let error =
+        probe(&grid, &[&values], &ProbeRegion::Everywhere, Some(&|_| false), &NoProgress).unwrap_err();
     assert!(error.what.contains("the mask leaves no cell"), "{error}");
 }
 
@@ -56,7 +57,7 @@ fn a_sphere_gives_its_volume_and_variance_to_the_stated_tolerance() {
     for (radius, centre) in
         [(0.4, DVec3::new(0.5, 0.45, 0.5)), (0.02, DVec3::new(0.31, 0.47, 0.52)), (1e-9, DVec3::splat(0.4))]
     {
-        let found = found(&cube(), &[|p| p.x, |p| p.y + p.z], Region::Sphere { centre, radius });
+        let found = found(&cube(), &[|p| p.x, |p| p.y + p.z], ProbeRegion::Sphere { centre, radius });
         let volume = 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
         close(found.volume / volume, 1.0, 1e-6);
         // A ball's variance along an axis is r²/5. What a coordinate near 1 resolves adds to it.
@@ -71,7 +72,7 @@ fn a_sphere_gives_its_volume_and_variance_to_the_stated_tolerance() {
 fn points_give_their_interpolated_values() {
     // The second lies on a corner of many cells and must count once; the last lies outside.
     let points = vec![DVec3::splat(0.25), DVec3::ZERO, DVec3::new(0.9, 0.1, 0.6), DVec3::splat(1.5)];
-    let found = found(&cube(), &[|p| p.x], Region::Points(points));
+    let found = found(&cube(), &[|p| p.x], ProbeRegion::Points(points));
     assert_eq!(found.point_count, 3);
     let values = [0.25, 0.0, 0.9];
     let mean = values.iter().sum::<f64>() / 3.0;
@@ -83,7 +84,7 @@ fn points_give_their_interpolated_values() {
 #[test]
 fn the_matrix_is_that_of_the_inverse_covariance() {
     let fields: &[fn(DVec3) -> f64] = &[|p| 1e6 * p.x, |p| p.x + 0.1 * p.y, |p| 1e-6 * p.z * p.x];
-    let found = found(&cube(), fields, Region::Everywhere);
+    let found = found(&cube(), fields, ProbeRegion::Everywhere);
     for (scale, correlated) in [(1.0, true), (3.0, true), (1.0, false)] {
         let k = kernel(&found, 1e-6, scale, correlated);
         let wanted = |i: usize, j: usize| match i == j || correlated {
@@ -108,7 +109,7 @@ fn directions_without_width_get_the_stated_least() {
     // The second field is three times the first, the third constant in the box and the fourth everywhere.
     let fields: &[fn(DVec3) -> f64] = &[|p| p.x, |p| 3.0 * p.x, |p| (p.x - 0.5).max(0.0), |_| 7.0];
     let grid = crate::grid::generate::box_of_tetrahedra([4, 4, 4], [DVec3::ZERO, DVec3::ONE], 0.0);
-    let region = Region::Box { low: DVec3::ZERO, high: DVec3::new(0.25, 1.0, 1.0) };
+    let region = ProbeRegion::Box { low: DVec3::ZERO, high: DVec3::new(0.25, 1.0, 1.0) };
     let found = found(&grid, fields, region);
     let least = 1e-3;
     let k = kernel(&found, least, 1.0, true);

@@ -134,12 +134,12 @@ impl Line {
 
 /// A Gaussian of both axes.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::transfer) struct Plane {
+pub(in crate::transfer) struct GaussianPlane {
     pub centre: [f64; 2],
     pub matrix: [[f64; 2]; 2],
 }
 
-impl Plane {
+impl GaussianPlane {
     /// K (v − centre) of a cell's corners.
     #[inline]
     pub fn scaled(&self, corners: &Corners) -> [[f64; 2]; 4] {

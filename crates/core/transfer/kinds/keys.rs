@@ -1,4 +1,4 @@
-//! Keys that several kinds have, and what is read from them.
+//! Keys of pipeline files that several kinds of widgets have, and their reading.
 //!
 //! The file gives angles in degrees and widths as σ; the library takes radians and the matrix K with
 //! K = diag(1/(√2 σ)) for the axis-aligned Gaussian (docs/src/explanation/optics.md, section 5).

@@ -1,4 +1,4 @@
-//! The kinds of widgets, one file each: keys in a pipeline file, checks, properties, and where the support lies.
+//! The kinds of widgets, one file each: keys in a pipeline file, checks, properties, and bounds of the support.
 //!
 //! To add a kind, add a file here, a variant to [`Profile`] and an entry to [`DECLARED`]; the compiler then lists the other layers'
 //! `match`es; only what a kind may lack has an arm for the rest. CONTRIBUTING.md names their files.
@@ -16,7 +16,9 @@ mod uniform;
 mod wave;
 
 pub use keys::LoadImage;
-pub use properties::{AxisOrigin, Bands, ColorSource, ControlPoint, MAX_FIELDS, Properties, Table, Wave};
+pub use properties::{
+    AxisOrigin, BandSpacing, ColorSource, ControlPoint, MAX_FIELDS, Properties, Table, Wave,
+};
 pub(super) use wave::ACROSS;
 
 use super::hull::Corners;
@@ -223,7 +225,9 @@ impl Profile {
             Profile::Uniform => ProfileBounds::Uniform,
             Profile::Gaussian { centre, matrix } => match gaussian::Line::new(centre, matrix) {
                 Some(line) => ProfileBounds::GaussianLine(line),
-                None => ProfileBounds::GaussianPlane(gaussian::Plane { centre: *centre, matrix: *matrix }),
+                None => {
+                    ProfileBounds::GaussianPlane(gaussian::GaussianPlane { centre: *centre, matrix: *matrix })
+                }
             },
             Profile::GaussianNd { fields, centre, matrix } => {
                 ProfileBounds::GaussianNd(gaussian_nd::GaussianNdBounds::new(fields, centre, matrix, names))
@@ -276,7 +280,7 @@ pub(super) enum ProfileBounds {
     Uniform,
     /// K looks at one axis only.
     GaussianLine(gaussian::Line),
-    GaussianPlane(gaussian::Plane),
+    GaussianPlane(gaussian::GaussianPlane),
     GaussianNd(gaussian_nd::GaussianNdBounds),
     TriangularGaussian(triangular_gaussian::TriangularGaussianBounds),
     TriangularGaussianNd(triangular_gaussian_nd::TriangularGaussianNdBounds),

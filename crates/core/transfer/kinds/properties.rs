@@ -62,7 +62,7 @@ pub struct Properties<'a> {
     /// Best origins of s, g and each of the fields.
     pub axes: Vec<AxisOrigin>,
     /// The bands of a profile that is periodic in s and g.
-    pub bands: Option<Bands>,
+    pub bands: Option<BandSpacing>,
     /// True if it jumps somewhere, so that sampling converges by first order only.
     pub jumps: bool,
     /// The part of the plane outside which it is 0, beside the widget's region.
@@ -76,7 +76,7 @@ pub struct Properties<'a> {
 
 /// The bands of a periodic profile.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bands {
+pub struct BandSpacing {
     /// [s₀, g₀], where φ = 0.
     pub origin: [f64; 2],
     /// φ per unit of s and of g; one band is a unit of φ.

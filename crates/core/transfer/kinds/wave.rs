@@ -1,7 +1,7 @@
 //! `triangle-wave` and `sine-wave`: bands across the (s, g) plane (Song et al. 2009, sections 4.3 and 4.4).
 
 use super::keys::{COLOR, EXTINCTION, REGION};
-use super::properties::{AxisOrigin, Bands, ColorSource, Properties, Wave};
+use super::properties::{AxisOrigin, BandSpacing, ColorSource, Properties, Wave};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
     VariantSchema,
@@ -126,7 +126,7 @@ pub(super) fn properties(name: &'static str, wave: &Wave) -> Properties<'static>
         depends_on_g: wave.angle.sin() * wave.scale[1] != 0.0,
         // Whole bands are taken away in 64 bits, wherever the values are counted from.
         axes: vec![AxisOrigin::Any; 2],
-        bands: Some(Bands { origin: wave.origin, step: wave.step() }),
+        bands: Some(BandSpacing { origin: wave.origin, step: wave.step() }),
         // The feet of a band that is cut narrower are corners, but tell as jumps to pieces that are wider than a band.
         jumps: wave.band_width < 1.0,
         range: None,

@@ -71,7 +71,7 @@ pub trait LaneIntegrator: Send + Sync {
 
 impl<K: LaneKernel> LaneIntegrator for K {
     fn run(&self, lanes: LaneSet, batch: SegmentBatch<'_>, results: &mut SegmentResults<'_>) {
-        dispatch(lanes, KernelRun { kernel: self, batch, results });
+        dispatch(lanes, BatchRun { kernel: self, batch, results });
     }
 
     fn table_bytes(&self) -> usize {
@@ -79,13 +79,13 @@ impl<K: LaneKernel> LaneIntegrator for K {
     }
 }
 
-struct KernelRun<'a, 'b, K> {
+struct BatchRun<'a, 'b, K> {
     kernel: &'a K,
     batch: SegmentBatch<'a>,
     results: &'a mut SegmentResults<'b>,
 }
 
-impl<K: LaneKernel> Kernel for KernelRun<'_, '_, K> {
+impl<K: LaneKernel> Kernel for BatchRun<'_, '_, K> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {

@@ -15,7 +15,7 @@ pub(crate) struct LaneGaussian {
     centre: [f32; 2],
     /// −K centre where K is diagonal.
     at_zero: Option<[f32; 2]>,
-    /// True if a segment can span more than [`GAUSSIAN_WIDTHS_MOST`] widths.
+    /// True if a segment can span more than [`MAX_GAUSSIAN_WIDTHS`] widths.
     narrow: bool,
 }
 

@@ -7,9 +7,8 @@ use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::volume::Volume;
 use voltet_gpu::{Device, Renderer};
-use voltet_integrators::pre_integrated;
+use voltet_integrators::{pre_integrated, pre_integrated_cylindrical, riemann, segments};
 use voltet_optics::engine::{Accumulation, Compositor, RenderOptions};
-use voltet_optics::integrators;
 use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 use voltet_testing::pictures::compare::{NamedScene, SHADING, within};
 use voltet_testing::pictures::grids::{cube, smooth, smooth_gradient};
@@ -94,17 +93,19 @@ fn every_integrator_has_room_for_all_that_a_scene_may_have() {
     let widget = |name: &str| known.iter().find(|known| known.0 == name).expect("is there").1.clone();
     let models = [OpticalModel::DensityEmitter, OpticalModel::ConstantEmitter { cutoff: 1.0 / 255.0 }];
     let full = models.map(|model| TransferFunction { model, ..look(full.map(widget).to_vec()) });
-    let mut served = Vec::new();
-    let kinds = integrators::KINDS.into_iter().chain(voltet_integrators::KINDS);
-    for integrator in kinds.map(Integrator::new) {
+    // The smallest tables: arrays are counted here, and a device of WebGPU binds no more than 128 MiB of one.
+    for integrator in [
+        Integrator::ANALYTIC,
+        Integrator::adaptive(1e-3),
+        segments(1, 2),
+        riemann(1),
+        pre_integrated(2, 1),
+        pre_integrated_cylindrical(2, 1, 1),
+    ] {
         let looks = if integrator.has_table_of_lengths() { vec![ramp()] } else { full.to_vec() };
         for look in looks {
             let shading = Shading { integrator, light, silhouette: Some(0.5), ..SHADING };
-            if voltet_gpu::can_serve(&look, &shading).is_err() {
-                continue;
-            }
             let name = format!("{} {:?}", integrator.name(), look.model);
-            served.push(integrator.name());
             let scene = widgets::scene(name, look);
             for how in [
                 (Compositor::Tiles, VisibilityOrder::Exact),
@@ -117,9 +118,4 @@ fn every_integrator_has_room_for_all_that_a_scene_may_have() {
             }
         }
     }
-    served.dedup();
-    assert_eq!(
-        served,
-        ["analytic", "adaptive", "segments", "riemann", "pre-integrated", "pre-integrated-cylindrical"]
-    );
 }

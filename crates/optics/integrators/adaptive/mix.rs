@@ -23,7 +23,7 @@ pub fn mix(members: &[Member], glow: Glow, t: f64, length: f64) -> Estimate {
         *slot = depth_within(member, t, length);
         depth += *slot;
     }
-    let mut sum = Bounds::default();
+    let mut sum = MixBounds::default();
     match glow {
         Glow::Density => {
             let dimmed = mean_transmittance(depth);
@@ -73,7 +73,7 @@ fn ends(member: &Member, t: f64, end: f64) -> [[f64; 3]; 2] {
 
 /// Sums of a mix: per channel the light, and what it takes to bound the error.
 #[derive(Default)]
-struct Bounds {
+struct MixBounds {
     parts: [MixedWidget; MAX_MEMBERS],
     count: usize,
 }
@@ -89,7 +89,7 @@ struct MixedWidget {
     below: f64,
 }
 
-impl Bounds {
+impl MixBounds {
     /// A widget with its light, and by how much that can be too small and too large.
     fn add(&mut self, ends: &[[f64; 3]; 2], light: f64, above: f64, below: f64) {
         let middle = std::array::from_fn(|i| 0.5 * (ends[0][i] + ends[1][i]));

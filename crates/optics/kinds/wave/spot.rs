@@ -1,4 +1,4 @@
-//! A place within half a band.
+//! Position on the flank of a wave, within half a band.
 
 /// A place on a flank, measured from both of its ends: each is exact where it is small.
 #[derive(Debug, Clone, Copy)]

@@ -1,7 +1,7 @@
-//! Choices of a scene that decide its shader's text.
+//! Key of a shader: everything in a scene that decides the text of its shader.
 
 use crate::integrator::{RegisteredMethod, WgslCall, registered};
-use crate::kinds::{Calls, Kind};
+use crate::kinds::{Kind, WidgetSnippets};
 use crate::parts::{Layout, Parts};
 use crate::pieces::WgslPiece;
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
@@ -130,7 +130,7 @@ pub struct WidgetChoice {
 
 /// Everything that decides the text.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct Choices {
+pub struct ShaderKey {
     /// Integrator.
     pub method: Method,
     /// The widgets in their order; none where a table stands for them.
@@ -153,16 +153,16 @@ pub struct Choices {
     pub layout: Layout,
 }
 
-impl Choices {
-    /// Choices of a scene. Errors: those of `can_serve`, and the integrator `reference`, which has no shader.
+impl ShaderKey {
+    /// Key of a scene. Errors: those of `can_serve`, and the integrator `reference`, which has no shader.
     pub fn new(
         transfer_function: &TransferFunction,
         shading: &Shading,
         compositor: CompositorProgram,
-    ) -> Result<Choices> {
+    ) -> Result<ShaderKey> {
         can_serve(&shading.integrator, transfer_function)?;
         let method = method(&shading.integrator)?;
-        let scene = Choices {
+        let scene = ShaderKey {
             method,
             widgets: Vec::new(),
             constant_emitter: false,
@@ -191,7 +191,7 @@ impl Choices {
         };
         let reads_gradient_magnitude = transfer_function.uses_gradient_magnitude();
         let field_count = transfer_function.fields().len();
-        Ok(Choices { widgets, constant_emitter, combine, reads_gradient_magnitude, field_count, ..scene })
+        Ok(ShaderKey { widgets, constant_emitter, combine, reads_gradient_magnitude, field_count, ..scene })
     }
 
     /// Values at each end of a segment: s, then g where it is read, then the further fields by name.
@@ -200,8 +200,8 @@ impl Choices {
     }
 
     /// Functions that the generated block calls for a widget of the kind.
-    pub(crate) fn calls(&self, kind: &Kind) -> Calls {
-        kind.calls(self.constant_emitter)
+    pub(crate) fn snippets(&self, kind: &Kind) -> WidgetSnippets {
+        kind.snippets(self.constant_emitter)
     }
 
     /// True if a widget of the kind has no closed form for its light alone.
@@ -219,7 +219,7 @@ impl Choices {
         !self.reads_gradient()
     }
 
-    /// Numbers of a segment for [`Compositor::Segments`]: D, the values at the front, at the back; then the gradient at
+    /// Numbers of a segment for [`CompositorProgram::Segments`]: D, the values at the front, at the back; then the gradient at
     /// the middle, then for silhouettes the ray's direction.
     pub fn segment_stride(&self) -> usize {
         1 + 2 * self.value_count() + 3 * usize::from(self.reads_gradient()) + 3 * usize::from(self.silhouette)
@@ -253,7 +253,7 @@ impl Choices {
             Some(_) => self.layout.table.count,
             None => u32::from(self.reads_numbers()),
         };
-        (0..count).map(|part| (Parts::name("numbers", part), Choices::binding_of_numbers(part))).collect()
+        (0..count).map(|part| (Parts::name("numbers", part), ShaderKey::binding_of_numbers(part))).collect()
     }
 
     /// The function that reads vectors, where the scene has any: of images, or the colours by (D, s_f, s_b) or (α, s, t), which
@@ -292,12 +292,12 @@ fn method(integrator: &Integrator) -> Result<Method> {
     method_of(integrator).ok_or_else(|| {
         Error::usage("the integrator has no shader: the CPU draws it")
             .got(integrator.name())
-            .expected("an integrator with a shader, or engine = \"cpu\"")
+            .expected("engine = \"cpu\"")
     })
 }
 
 fn choice(widget: &Widget) -> WidgetChoice {
     let clipped = widget.region.is_some() || widget.profile.properties().range.is_some();
     let edges = clipped.then(|| widget.half_planes().len());
-    WidgetChoice { kind: Kind::of(&widget.profile), edges }
+    WidgetChoice { kind: Kind::from_profile(&widget.profile), edges }
 }

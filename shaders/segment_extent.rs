@@ -1,4 +1,4 @@
-//! The longest stretch that a segment of a data set may be, and what 32 bits hold over it.
+//! Largest length and value spans of one segment of a data set: what 32 bits must resolve.
 
 use voltet_core::transfer::{TransferFunction, Widget};
 use voltet_core::{Error, Result};
@@ -13,15 +13,15 @@ pub struct Spans<'a> {
     pub longest: f64,
 }
 
-/// The longest stretch that a segment may be, of length and values.
-pub(crate) struct Stretch<'a> {
+/// Largest length and value spans of one segment, in the units of the transfer function.
+pub(crate) struct SegmentExtent<'a> {
     pub transfer_function: &'a TransferFunction,
     pub spans: &'a Spans<'a>,
     /// True if widgets are walked together, in their order.
     pub is_in_order: bool,
 }
 
-impl Stretch<'_> {
+impl SegmentExtent<'_> {
     /// Span of s (0) or g (1).
     pub fn span(&self, axis: usize) -> f64 {
         self.spans.values[axis]
@@ -43,7 +43,7 @@ impl Stretch<'_> {
         self.length() * widget.peak()
     }
 
-    /// The constant-emitter's.
+    /// Cutoff of the constant-emitter.
     pub fn cutoff(&self) -> Option<f64> {
         self.transfer_function.model.cutoff()
     }

@@ -3,14 +3,14 @@
 /// A call of WGSL: the pieces that it takes, and its text. `#` stands for the widget's number, `part_#` for its part of the
 /// segment, `depth_#` for its depth.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Call {
+pub(crate) struct Snippet {
     pub pieces: Vec<&'static str>,
     pub text: String,
 }
 
-impl Call {
-    pub(super) fn new(pieces: &[&'static str], text: impl Into<String>) -> Call {
-        Call { pieces: pieces.to_vec(), text: text.into() }
+impl Snippet {
+    pub(super) fn new(pieces: &[&'static str], text: impl Into<String>) -> Snippet {
+        Snippet { pieces: pieces.to_vec(), text: text.into() }
     }
 }
 
@@ -18,7 +18,7 @@ impl Call {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Light {
     /// In closed form.
-    Closed(Call),
+    Closed(Snippet),
     /// By the ordered integral.
     Integrated,
 }
@@ -26,7 +26,7 @@ pub(crate) enum Light {
 impl Light {
     /// c (1 − e^(−T)) of a widget with a colour, under the density-emitter.
     pub(super) fn of_density() -> Light {
-        Light::Closed(Call::new(&["widgets/density_light"], "density_light(#u, depth_#)"))
+        Light::Closed(Snippet::new(&["widgets/density_light"], "density_light(#u, depth_#)"))
     }
 }
 
@@ -43,21 +43,21 @@ pub(crate) enum Mixing {
 
 /// Functions that the generated block calls for a widget of one kind.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Calls {
+pub(crate) struct WidgetSnippets {
     /// T of its part.
-    pub depth: Call,
+    pub depth: Snippet,
     /// C where it is alone, under the model that was asked for.
     pub light: Light,
     /// Makes its track, over the whole segment.
-    pub track: Call,
+    pub track: Snippet,
     /// The type of the track.
     pub track_type: &'static str,
     /// The next break of `members.track_#` behind t.
     pub next_break: String,
     /// Light and rate of `members.member_#` with `members.track_#` at four places.
-    pub member_light: Call,
+    pub member_light: Snippet,
     /// The t between which it glows under the constant-emitter; `None` for what breaks there itself.
-    pub window: Option<Call>,
+    pub window: Option<Snippet>,
     /// The rate above which it glows under the constant-emitter.
     pub threshold: &'static str,
     /// Error bound of its mix with others.
@@ -70,8 +70,8 @@ pub(super) const CUTOFF_RATE: &str = "widget_rate(#u, part_#) * scene.cutoff";
 pub(super) const ANY_RATE: &str = "0.0";
 
 /// Light of a member whose colour is the widget's, from its rates.
-pub(super) fn light_of_rates(piece: &'static str, rates: &str) -> Call {
+pub(super) fn light_of_rates(piece: &'static str, rates: &str) -> Snippet {
     let text =
         format!("member_light(members.member_#, scene.widgets[#].color, at, {rates}(members.track_#, at))");
-    Call::new(&[piece], text)
+    Snippet::new(&[piece], text)
 }
