@@ -67,13 +67,13 @@ impl Annotations {
     pub fn hold(
         &mut self,
         ui: &mut Ui,
-        viewport: Viewport,
         places: &Places,
         scene: &Scene,
         is_wiring: bool,
         actions: &mut Actions,
     ) -> bool {
-        let (rect, mut is_at_one) = (viewport.rect, false);
+        let (viewport, mut is_at_one) = (places.viewport, false);
+        let rect = viewport.rect;
         let pointer = ui.input(|input| input.pointer.hover_pos());
         let is_covered = pointer.is_some_and(|at| places.node_at(at).is_some()) || is_wiring;
         let sense = if is_covered { Sense::hover() } else { Sense::click_and_drag() };
@@ -84,7 +84,7 @@ impl Annotations {
                 let response = ui.interact(title, ui.id().with(("frame", i)), sense);
                 is_at_one |= response.contains_pointer();
                 let thing = Annotation::Frame(i);
-                self.hold_thing(ui, viewport, places, scene, thing, &response, actions);
+                self.hold_thing(ui, places, scene, thing, &response, actions);
             }
             let corner = frame_place(viewport, frame).max;
             let corner = Rect::from_min_max(corner - Vec2::splat(CORNER), corner).intersect(rect);
@@ -105,7 +105,7 @@ impl Annotations {
                 let response = ui.interact(place, ui.id().with(("note", i)), sense);
                 is_at_one |= response.contains_pointer();
                 let thing = Annotation::Note(i);
-                self.hold_thing(ui, viewport, places, scene, thing, &response, actions);
+                self.hold_thing(ui, places, scene, thing, &response, actions);
             }
         }
         self.write(ui, viewport, scene, actions);
@@ -118,7 +118,6 @@ impl Annotations {
     fn hold_thing(
         &mut self,
         ui: &Ui,
-        viewport: Viewport,
         places: &Places,
         scene: &Scene,
         thing: Annotation,
@@ -134,13 +133,13 @@ impl Annotations {
         let moves_view = ui.input(|input| input.modifiers.command || input.pointer.middle_down());
         if response.drag_started() && !moves_view {
             self.carried = Some(match thing {
-                Annotation::Frame(i) => held_by(viewport, places, scene, i),
+                Annotation::Frame(i) => held_by(places, scene, i),
                 Annotation::Note(i) => {
                     AnnotationDrag { notes: vec![(i, view.notes[i].clone())], ..AnnotationDrag::default() }
                 }
             });
         }
-        self.carry(response, viewport.zoom, actions);
+        self.carry(response, places.viewport.zoom, actions);
         if response.double_clicked() {
             self.write_on(thing, words);
         }
@@ -247,7 +246,8 @@ impl Annotations {
 }
 
 /// A frame with what stands wholly in it.
-fn held_by(viewport: Viewport, places: &Places, scene: &Scene, number: usize) -> AnnotationDrag {
+fn held_by(places: &Places, scene: &Scene, number: usize) -> AnnotationDrag {
+    let viewport = places.viewport;
     let view = scene.document.view();
     let outer = frame_place(viewport, &view.frames[number]).expand(0.5);
     let position = |name: &str| (name.to_string(), scene.document.position(name));

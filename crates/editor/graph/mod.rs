@@ -133,7 +133,7 @@ impl GraphView {
         self.order = shapes.iter().map(|shape| shape.entry.name.clone()).collect();
         self.move_view(ui, rect, scene, &shapes);
         let viewport = Viewport { rect, pan: self.pan, zoom: self.zoom };
-        self.places = Places::new(shapes.iter().map(|shape| shape.place(viewport)).collect());
+        self.places = Places::new(viewport, shapes.iter().map(|shape| shape.place(viewport)).collect());
         ground::draw_grid(ui, viewport);
         ground::draw(ui, viewport, scene);
         let ground = ui.interact(rect, ui.id().with("ground"), Sense::click_and_drag());
@@ -148,7 +148,7 @@ impl GraphView {
         self.select_box(ui, scene, &ground, actions);
         self.hold_wire(ui, rect, scene, actions);
         let is_wiring = self.wire.is_some();
-        let is_at_ground = self.annotations.hold(ui, viewport, &self.places, scene, is_wiring, actions);
+        let is_at_ground = self.annotations.hold(ui, &self.places, scene, is_wiring, actions);
         self.point_at(ui, scene, &shapes, is_at_ground, actions);
         self.show_menu(ui, viewport, scene, actions);
         if !ui.input(|input| input.pointer.any_down()) {
@@ -283,8 +283,7 @@ impl GraphView {
     }
 
     fn bring_into_view(&mut self, rect: Rect, scene: &Scene, shapes: &[NodeShape]) {
-        let usual =
-            Viewport { rect: Rect::from_min_size(Pos2::ZERO, Vec2::ZERO), pan: Vec2::ZERO, zoom: 1.0 };
+        let usual = Viewport { rect: Rect::ZERO, ..Viewport::default() };
         let view = scene.document.view();
         let nodes = shapes.iter().map(|shape| usual.rect_of(shape.position, shape.size));
         let frames = view.frames.iter().map(|frame| usual.rect_of(frame.position, frame.size));

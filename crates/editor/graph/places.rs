@@ -13,6 +13,12 @@ pub(super) struct Viewport {
     pub zoom: f32,
 }
 
+impl Default for Viewport {
+    fn default() -> Self {
+        Viewport { rect: Rect::NOTHING, pan: Vec2::ZERO, zoom: 1.0 }
+    }
+}
+
 impl Viewport {
     pub fn to_window(self, [x, y]: [f64; 2]) -> Pos2 {
         self.rect.min + self.pan + self.zoom * vec2(x as f32, y as f32)
@@ -51,14 +57,15 @@ pub(super) struct NodePlace {
 /// The nodes of a frame, the upper ones last.
 #[derive(Debug, Default)]
 pub(super) struct Places {
+    pub viewport: Viewport,
     pub nodes: Vec<NodePlace>,
     numbers: HashMap<String, usize>,
 }
 
 impl Places {
-    pub fn new(nodes: Vec<NodePlace>) -> Places {
+    pub fn new(viewport: Viewport, nodes: Vec<NodePlace>) -> Places {
         let numbers = nodes.iter().enumerate().map(|(i, node)| (node.name.clone(), i)).collect();
-        Places { nodes, numbers }
+        Places { viewport, nodes, numbers }
     }
 
     pub fn node(&self, name: &str) -> Option<&NodePlace> {

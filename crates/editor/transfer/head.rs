@@ -189,10 +189,10 @@ impl TransferPanel {
         let mut set = |key: &str, value: ParameterValue| {
             actions.edit(Edit::Set { node: look.node.name.clone(), path: path(key), value });
         };
-        if is_stated("color") {
-            if let Some(color) = edited_color(ui, widget.color) {
-                set("color", channels_value(color));
-            }
+        if is_stated("color")
+            && let Some(color) = edited_color(ui, widget.color)
+        {
+            set("color", channels_value(color));
         }
         if is_stated("extinction") {
             let mut extinction = widget.extinction;

@@ -72,7 +72,7 @@ pub struct WorkerOutput {
 
 impl WorkerOutput {
     /// The query to be answered next: what a hand asks for first.
-    pub(super) fn next_job(&mut self) -> Option<Box<dyn Job>> {
+    pub(super) fn next_job(&mut self) -> Option<Box<dyn PendingQuery>> {
         job(self, |output| &mut output.probe)
             .or_else(|| job(self, |output| &mut output.section))
             .or_else(|| job(self, |output| &mut output.estimate))
@@ -181,7 +181,7 @@ impl WorkerOutput {
 }
 
 /// A query of any kind that is being answered.
-pub(super) trait Job {
+pub(super) trait PendingQuery {
     /// Finds the answer.
     fn work(&mut self, run: &mut QueryRun) -> Result<()>;
 
@@ -198,7 +198,7 @@ struct Pending<Q: Query, F> {
 }
 
 /// The open query of a kind.
-fn job<Q: Query, F>(output: &mut WorkerOutput, of: F) -> Option<Box<dyn Job>>
+fn job<Q: Query, F>(output: &mut WorkerOutput, of: F) -> Option<Box<dyn PendingQuery>>
 where
     F: Fn(&mut WorkerOutput) -> &mut Exchange<Q> + 'static,
 {
@@ -206,7 +206,7 @@ where
     Some(Box::new(Pending { number, query, found: None, of }))
 }
 
-impl<Q: Query, F: Fn(&mut WorkerOutput) -> &mut Exchange<Q>> Job for Pending<Q, F> {
+impl<Q: Query, F: Fn(&mut WorkerOutput) -> &mut Exchange<Q>> PendingQuery for Pending<Q, F> {
     fn work(&mut self, run: &mut QueryRun) -> Result<()> {
         self.found = Some(self.query.answer(run)?);
         Ok(())

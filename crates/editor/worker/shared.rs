@@ -16,7 +16,7 @@ pub type RepaintCallback = Arc<dyn Fn() + Send + Sync>;
 
 /// State shared by both threads.
 pub(super) struct Shared {
-    pub state: Mutex<State>,
+    pub state: Mutex<SharedState>,
     pub changed: Condvar,
     /// The number of the newest request for a picture.
     pub newest: AtomicU64,
@@ -24,7 +24,7 @@ pub(super) struct Shared {
 }
 
 #[derive(Default)]
-pub(super) struct State {
+pub(super) struct SharedState {
     /// The newest request, until it is worked at.
     pub picture: Option<RenderRequest>,
     pub output: WorkerOutput,

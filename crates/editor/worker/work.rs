@@ -1,7 +1,7 @@
 //! The thread's own work: the newest wish first, panics caught.
 
 use super::coarse::FrameTimeModel;
-use super::output::Job;
+use super::output::PendingQuery;
 use super::pixels::Pixels;
 use super::query::QueryRun;
 use super::request::RenderRequest;
@@ -136,7 +136,7 @@ impl<'a> WorkerState<'a> {
     }
 
     /// Answers a query; it is given up for a newer picture.
-    fn query(&mut self, mut job: Box<dyn Job>) {
+    fn query(&mut self, mut job: Box<dyn PendingQuery>) {
         let (shared, registry) = (self.shared, self.registry);
         let before = shared.newest();
         let stop = |_: &dyn Fn() -> Option<String>| shared.newest() != before;
