@@ -20,22 +20,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 use voltet_document::{Document, Gesture};
-use voltet_graph::{ArrayRef, NodeEntry, Registry, RunReport};
+use voltet_graph::{NodeEntry, Registry, RunReport};
 
 /// Makes the text of a pipeline for a file that is none, such as data; the second path is where it would be saved.
 pub type Start = Arc<dyn Fn(&Path, &Path) -> Result<String> + Send + Sync>;
-
-/// Inputs of the requests to the worker: as long as they are equal, so are the requests.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct RequestInputs {
-    pub revision: u64,
-    pub shown: Option<String>,
-    pub room: [u32; 2],
-    pub hidden: Option<(String, BTreeSet<usize>)>,
-    pub axes: [ArrayRef; 2],
-    pub drags: bool,
-    pub selection: BTreeSet<String>,
-}
 
 /// All that a window shows.
 pub struct Editor {
@@ -53,7 +41,6 @@ pub struct Editor {
     pub(crate) transfer: TransferPanel,
     pub(crate) arrays: Arrays,
     pub(crate) message: Option<(String, bool)>,
-    pub(crate) ground: Option<RequestInputs>,
     pub(crate) recover: Recover,
     pub(crate) disk: Disk,
     pub(crate) watch: FileWatcher,
@@ -109,7 +96,6 @@ impl Editor {
             transfer: TransferPanel::default(),
             arrays: Arrays::default(),
             message: None,
-            ground: None,
             recover: Recover::default(),
             disk: Disk::default(),
             watch,

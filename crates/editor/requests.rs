@@ -1,7 +1,7 @@
 //! Requests to the worker, and handling of its answers.
 
 use crate::arrays::{self, Arrays};
-use crate::editor::{Editor, RequestInputs};
+use crate::editor::Editor;
 use crate::scene::pictures;
 use crate::transfer;
 use crate::view::View;
@@ -15,23 +15,10 @@ use voltet_document::links::{self, upstream};
 use voltet_graph::{NodeEntry, ParameterValue};
 
 impl Editor {
-    /// Asks the worker for what is wanted now and was not before.
+    /// Asks the worker for what is wanted now; what was asked last is not asked again.
     pub(crate) fn wish(&mut self) {
-        let hidden = self.transfer.hidden().map(|(look, hidden)| (look.to_string(), hidden.clone()));
-        let ground = RequestInputs {
-            revision: self.document.revision(),
-            shown: self.shown_node.clone(),
-            room: self.picture.room,
-            hidden,
-            axes: self.transfer.axes(),
-            drags: self.transfer.dragged().is_some(),
-            selection: self.selection.clone(),
-        };
-        if self.ground.as_ref() != Some(&ground) {
-            self.draw();
-            self.find_distribution();
-            self.ground = Some(ground);
-        }
+        self.draw();
+        self.find_distribution();
         self.find_share();
         self.find_section();
         self.find_previews();
@@ -39,7 +26,7 @@ impl Editor {
 
     /// Asks anew for all that is read from files; what they still say is not done again.
     pub(crate) fn read_again(&mut self) {
-        (self.ground, self.asked, self.previews_of) = (None, None, None);
+        (self.asked, self.previews_of) = (None, None);
         self.worker.forget_queries();
         self.arrays = Arrays::default();
     }

@@ -130,7 +130,7 @@ impl Editor {
         self.begin();
         self.disk = Disk::default();
         self.shown_node = None;
-        (self.asked, self.ground, self.previews_of) = (None, None, None);
+        (self.asked, self.previews_of) = (None, None);
         self.worker.forget_previews();
         // Revisions count from the beginning of each document.
         self.faults = (None, Vec::new());
