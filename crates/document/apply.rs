@@ -1,47 +1,43 @@
 //! Edits carried out on a text.
 
-mod view;
-
-use crate::delta::Delta;
 use crate::edit::Edit;
 use crate::links;
 use crate::path::Path;
 use crate::text::{Draft, Syntax};
-use crate::view::View;
+use crate::view::{NodeView, View, position_value};
 use std::sync::Arc;
 use voltet_core::parameters::key_text;
 use voltet_core::{Error, Result};
 use voltet_graph::pipeline::{EDITOR, ParsedPipeline, Pipeline};
-use voltet_graph::{Field, LocatedValue, NodeEntry, ParameterValue, suggest};
+use voltet_graph::{Field, LocatedValue, NodeEntry, ParameterValue, find_setting, suggest};
 
 /// A text that edits are carried out on, and what it states.
-pub(crate) struct EditContext {
+pub(crate) struct EditContext<'a> {
     draft: Draft,
     survey: Arc<ParsedPipeline>,
+    /// The places of the nodes in the view, which the file gets where it has none.
+    shown: &'a dyn Fn(&str) -> Option<[f64; 2]>,
 }
 
-/// A text that edits made, and the way to it.
-pub(crate) struct EditOutcome {
-    pub delta: Delta,
-    pub text: Arc<str>,
-    pub syntax: Arc<Syntax>,
-    pub survey: Arc<ParsedPipeline>,
-}
-
-impl EditContext {
-    pub fn new(text: Arc<str>, syntax: Arc<Syntax>, survey: Arc<ParsedPipeline>) -> EditContext {
-        EditContext { draft: Draft::new(text, syntax), survey }
+impl<'a> EditContext<'a> {
+    pub fn new(
+        text: Arc<str>,
+        syntax: Arc<Syntax>,
+        survey: Arc<ParsedPipeline>,
+        shown: &'a dyn Fn(&str) -> Option<[f64; 2]>,
+    ) -> Self {
+        EditContext { draft: Draft::new(text, syntax), survey, shown }
     }
 
-    /// All changes, the text that they make, and what it states.
-    pub fn finish(self) -> Result<EditOutcome> {
-        let (delta, text, syntax) = self.draft.into_delta()?;
-        Ok(EditOutcome { delta, text, syntax, survey: self.survey })
+    /// The text that the edits make, and what it states.
+    pub fn finish(self) -> (Arc<str>, Arc<Syntax>, Arc<ParsedPipeline>) {
+        let (text, syntax) = self.draft.into_text();
+        (text, syntax, self.survey)
     }
 
-    /// Carries one out. `shown`: the places of the nodes in the view, which the file gets where it has none.
-    pub fn apply(&mut self, edit: &Edit, shown: &dyn Fn(&str) -> Option<[f64; 2]>) -> Result<()> {
-        self.change(edit, shown)?;
+    /// Carries one out.
+    pub fn apply(&mut self, edit: &Edit) -> Result<()> {
+        self.change(edit)?;
         self.draft.reparse()?;
         self.survey = Arc::new(Pipeline::survey(self.draft.text()));
         if !self.survey.is_toml {
@@ -55,11 +51,9 @@ impl EditContext {
         Ok(())
     }
 
-    fn change(&mut self, edit: &Edit, shown: &dyn Fn(&str) -> Option<[f64; 2]>) -> Result<()> {
+    fn change(&mut self, edit: &Edit) -> Result<()> {
         match edit {
-            Edit::AddNode { name, node_type, settings, at } => {
-                self.add_node(name, node_type, settings, *at, shown)
-            }
+            Edit::AddNode { name, node_type, settings, at } => self.add_node(name, node_type, settings, *at),
             Edit::RemoveNodes(names) => self.remove_nodes(names),
             Edit::Rename { node, to } => self.rename(node, to),
             Edit::Set { node, path, value } => self.draft.set(&self.parameter(node, path)?, value),
@@ -79,9 +73,9 @@ impl EditContext {
             Edit::Connect { node, port, source, beside } => self.connect(node, port, source, *beside),
             Edit::Disconnect { node, port, source } => self.disconnect(node, port, source.as_deref()),
             Edit::AddLines(text) => self.draft.add_block(&Path::from(["nodes"]), text),
-            Edit::MoveNodes(moved) => self.move_nodes(moved, shown),
-            Edit::Fold { node, folded } => self.show_node(node, shown, |view| view.folded = *folded),
-            Edit::Remark { node, text } => self.show_node(node, shown, |view| view.remark = text.clone()),
+            Edit::MoveNodes(moved) => self.move_nodes(moved),
+            Edit::Fold { node, folded } => self.show_node(node, |view| view.folded = *folded),
+            Edit::Remark { node, text } => self.show_node(node, |view| view.remark = text.clone()),
             Edit::PutFrame(number, frame) => self.put("frames", *number, &frame.datum()),
             Edit::RemoveFrame(number) => self.take("frames", *number),
             Edit::PutNote(number, note) => self.put("notes", *number, &note.datum()),
@@ -137,19 +131,14 @@ impl EditContext {
         node_type: &str,
         settings: &[Field],
         at: Option<[f64; 2]>,
-        shown: &dyn Fn(&str) -> Option<[f64; 2]>,
     ) -> Result<()> {
         self.refuse_taken(name)?;
-        let type_field = Field {
-            name: "type".into(),
-            origin: Default::default(),
-            setting: ParameterValue::Text(node_type.into()).into(),
-        };
-        let fields: Vec<Field> = [type_field].into_iter().chain(settings.iter().cloned()).collect();
+        let type_field = Field::new("type", node_type);
+        let fields: Vec<Field> = std::iter::once(type_field).chain(settings.iter().cloned()).collect();
         self.draft.add_table(&Path::from(["nodes", name]), &fields)?;
         if let Some(at) = at {
             self.draft.reparse()?;
-            self.pin(&[(name.to_string(), at)], shown)?;
+            self.pin(&[(name.to_string(), at)])?;
         }
         Ok(())
     }
@@ -165,9 +154,8 @@ impl EditContext {
             }
         }
         for node in nodes.iter().filter(|node| !names.contains(&node.name)) {
-            let kept =
-                links::without(node, |source| names.iter().any(|name| links::is_of(source, name, &nodes)));
-            self.put_inputs(node, kept)?;
+            let is_gone = |text: &str| names.iter().any(|name| name == links::source(text, &nodes).0);
+            self.put_inputs(node, |_, text| (!is_gone(text)).then(|| text.to_string()))?;
         }
         Ok(())
     }
@@ -185,8 +173,11 @@ impl EditContext {
         }
         // Where the renamed node is fed by itself or others, its inputs are written below the old name still.
         for node in &nodes {
-            let named = links::renamed(node, from, to, &nodes);
-            self.put_inputs(node, named)?;
+            self.put_inputs(node, |_, text| match links::source(text, &nodes) {
+                (name, Some(port)) if name == from => Some(format!("{to}.{port}")),
+                (name, None) if name == from => Some(to.to_string()),
+                _ => Some(text.to_string()),
+            })?;
         }
         Ok(())
     }
@@ -194,7 +185,7 @@ impl EditContext {
     fn connect(&mut self, node: &str, port: &str, source: &str, beside: bool) -> Result<()> {
         let path = Path::from(["nodes", node, "inputs", port]);
         let there = self.node(node)?.inputs.iter().find(|link| link.port == port).map(|link| &link.source);
-        let wire = LocatedValue::from(ParameterValue::Text(source.to_string()));
+        let wire = LocatedValue::from(source);
         let datum = match there.filter(|_| beside) {
             None => wire.datum,
             Some(there) => {
@@ -211,17 +202,86 @@ impl EditContext {
 
     fn disconnect(&mut self, node: &str, port: &str, source: Option<&str>) -> Result<()> {
         let entry = self.node(node)?.clone();
-        let kept = links::without_wire(&entry, port, source);
-        self.put_inputs(&entry, kept)
+        let is_gone = |name: &str, text: &str| name == port && source.is_none_or(|gone| gone == text);
+        self.put_inputs(&entry, |name, text| (!is_gone(name, text)).then(|| text.to_string()))
     }
 
-    /// Writes what feeds a node, where that differs.
-    fn put_inputs(&mut self, node: &NodeEntry, inputs: Option<Vec<Field>>) -> Result<()> {
+    /// Writes what feeds a node after a change of each wire (its input and its source), where that differs.
+    fn put_inputs(&mut self, node: &NodeEntry, change: impl Fn(&str, &str) -> Option<String>) -> Result<()> {
         let path = Path::from(["nodes", &node.name, "inputs"]);
-        match inputs {
+        match links::changed(node, change) {
             None => Ok(()),
             Some(fields) if fields.is_empty() => self.draft.unset(&path),
             Some(fields) => self.draft.set(&path, &ParameterValue::Table(fields)),
+        }
+    }
+
+    fn move_nodes(&mut self, moved: &[(String, [f64; 2])]) -> Result<()> {
+        moved.iter().try_for_each(|(name, _)| self.node(name).map(drop))?;
+        self.pin(moved)
+    }
+
+    /// Writes places: those given, and those of all other nodes as they are shown, so that the file shows the same again.
+    fn pin(&mut self, given: &[(String, [f64; 2])]) -> Result<()> {
+        let view = View::read(&self.survey.editor);
+        let has_place = |name: &str| view.nodes.get(name).is_some_and(|node| node.position.is_some());
+        let others = self.survey.pipeline.nodes.iter().map(|node| &node.name);
+        let others = others.filter(|name| !has_place(name) && !given.iter().any(|(known, _)| known == *name));
+        let others: Vec<(String, [f64; 2])> =
+            others.filter_map(|name| Some((name.clone(), (self.shown)(name)?))).collect();
+        let mut fresh = Vec::new();
+        for (name, at) in others.iter().chain(given) {
+            let mut node = view.nodes.get(name).cloned().unwrap_or_default();
+            node.position = Some(*at);
+            match view.nodes.contains_key(name) {
+                true => self.put_view(name, &node)?,
+                false => fresh.push((name.as_str(), position_value(*at))),
+            }
+        }
+        self.draft.add_lines(&Path::from([EDITOR, "nodes"]), &fresh)
+    }
+
+    fn show_node(&mut self, name: &str, change: impl FnOnce(&mut NodeView)) -> Result<()> {
+        self.node(name)?;
+        let mut node = View::read(&self.survey.editor).nodes.remove(name).unwrap_or_default();
+        node.position = node.position.or_else(|| (self.shown)(name));
+        change(&mut node);
+        self.put_view(name, &node)
+    }
+
+    fn put_view(&mut self, name: &str, node: &NodeView) -> Result<()> {
+        let path = Path::from([EDITOR, "nodes", name]);
+        match node.datum() {
+            Some(datum) => self.draft.set(&path, &datum),
+            None => self.draft.unset(&path),
+        }
+    }
+
+    /// Puts a frame or a note, each on a line of its own.
+    fn put(&mut self, list: &str, number: usize, datum: &ParameterValue) -> Result<()> {
+        let path = Path::from([EDITOR, list]);
+        match self.count_of(list) {
+            0 if number == 0 => {
+                self.draft.unset(&path)?;
+                self.draft.reparse()?;
+                self.draft.add(&path, &format!("[\n  {datum},\n]"))
+            }
+            count if number < count => self.draft.set(&path.with(number), datum),
+            _ => self.draft.insert(&path, number, datum),
+        }
+    }
+
+    /// Number of frames or notes.
+    fn count_of(&self, list: &str) -> usize {
+        find_setting(&self.survey.editor, list).and_then(LocatedValue::list).map_or(0, <[_]>::len)
+    }
+
+    fn take(&mut self, list: &str, number: usize) -> Result<()> {
+        let path = Path::from([EDITOR, list]);
+        match self.count_of(list) {
+            1 if number == 0 => self.draft.unset(&path),
+            count if number < count => self.draft.unset(&path.with(number)),
+            _ => Err(Error::usage("there is no such thing in the view").got(path.with(number))),
         }
     }
 }

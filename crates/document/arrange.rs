@@ -42,11 +42,6 @@ pub enum Align {
     Down,
 }
 
-/// Places of nodes of a usual size; see [`tidy`].
-pub(crate) fn layers(nodes: &[NodeEntry]) -> Vec<[f64; 2]> {
-    tidy(nodes, &|_| USUAL)
-}
-
 /// A place for each node: in the layer that the longest way from a source leads to, a source in the one before the first that it
 /// feeds; within the layers in the order of the mean place of their neighbours, swept back and forth (Sugiyama, Tagawa, Toda
 /// 1981), the best order kept. Equal pipelines have equal places.

@@ -41,12 +41,12 @@ impl Document {
         let corner = [0, 1].map(|axis| places.iter().map(|place| place[axis]).fold(f64::INFINITY, f64::min));
         let places: Vec<[f64; 2]> =
             places.iter().map(|p| [p[0] - corner[0] + at[0], p[1] - corner[1] + at[1]]).collect();
-        self.add_copies(pasted, &places, true, "paste")
+        self.add_copies(pasted, &places, "paste")
     }
 
-    /// Adds copies of nodes beside them, as one step, and gives their names. `keep_feeding`: wires from nodes that are not copied
-    /// feed the copies, too; those among the copies stay in any case.
-    pub fn duplicate(&mut self, names: &[String], keep_feeding: bool) -> Result<Vec<String>> {
+    /// Adds copies of nodes beside them, as one step, and gives their names. Wires from nodes that are not copied feed the copies,
+    /// too.
+    pub fn duplicate(&mut self, names: &[String]) -> Result<Vec<String>> {
         let nodes = &self.pipeline().nodes;
         if let Some(strange) = names.iter().find(|name| !nodes.iter().any(|node| node.name == **name)) {
             let known = suggest(strange, nodes.iter().map(|node| node.name.as_str()));
@@ -55,27 +55,20 @@ impl Document {
         let copied = Document::from_text(self.copy(names), None);
         let places: Vec<[f64; 2]> =
             copied.pipeline().nodes.iter().map(|node| self.position(&node.name).map(|x| x + ASIDE)).collect();
-        self.add_copies(copied, &places, keep_feeding, "duplicate")
+        self.add_copies(copied, &places, "duplicate")
     }
 
-    fn add_copies(
-        &mut self,
-        mut copies: Document,
-        places: &[[f64; 2]],
-        keep_feeding: bool,
-        label: &str,
-    ) -> Result<Vec<String>> {
+    fn add_copies(&mut self, mut copies: Document, places: &[[f64; 2]], label: &str) -> Result<Vec<String>> {
         let names: Vec<String> = copies.pipeline().nodes.iter().map(|node| node.name.clone()).collect();
         let here: BTreeSet<String> = self.pipeline().nodes.iter().map(|node| node.name.clone()).collect();
-        // Wires to what is nowhere go; so do those from outside where they are not to stay.
+        // Wires from what is nowhere go.
         for node in copies.pipeline().nodes.clone() {
             for link in &node.inputs {
                 for text in links::sources(link) {
                     let among =
                         names.iter().any(|name| name == links::source(text, &copies.pipeline().nodes).0);
                     let outside = here.contains(links::source(text, &self.pipeline().nodes).0);
-                    let stays = among || (keep_feeding && outside);
-                    if !stays {
+                    if !among && !outside {
                         let (node, port) = (node.name.clone(), link.port.clone());
                         copies.edit(&Edit::Disconnect { node, port, source: Some(text.to_string()) })?;
                     }
@@ -100,11 +93,7 @@ impl Document {
         let moved = Edit::MoveNodes(fresh.iter().cloned().zip(places.iter().copied()).collect());
         let mut edits: Vec<Edit> = if self.has_nodes_in_place() {
             // Where all nodes stand in one value, headers cannot follow.
-            let mut adding = Vec::new();
-            for node in &copies.pipeline().nodes {
-                adding.extend(added(node));
-            }
-            adding
+            copies.pipeline().nodes.iter().flat_map(added).collect()
         } else {
             vec![Edit::AddLines(copies.copy(&fresh))]
         };

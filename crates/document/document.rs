@@ -1,7 +1,7 @@
 //! The document: a pipeline file with its history.
 
-use crate::apply::{EditContext, EditOutcome, blank};
-use crate::delta::Delta;
+use crate::apply::{EditContext, blank};
+use crate::arrange::{USUAL, tidy};
 use crate::edit::Edit;
 use crate::history::{Gesture, History};
 use crate::text::Syntax;
@@ -37,12 +37,11 @@ impl Document {
 
     /// A document of a text that stands so in the file at `path`, if in one. Whatever the text: faults are asked for later.
     pub fn from_text(text: String, path: Option<PathBuf>) -> Document {
-        let text: Arc<str> = text.into();
-        let survey = Arc::new(Pipeline::survey(&text));
+        let (text, syntax, survey) = read(&text);
         let mut document = Document {
-            syntax: Arc::new(Syntax::read(&text)),
             view: Arc::new(View::read(&survey.editor)),
             text,
+            syntax,
             survey,
             history: History::of_saved(),
             path,
@@ -106,8 +105,8 @@ impl Document {
 
     /// Carries out several edits, one after the other, as one step. Errors: one cannot be done; then nothing has changed.
     pub fn edit_all(&mut self, label: String, edits: &[Edit], gesture: Option<Gesture>) -> Result<()> {
-        let EditOutcome { delta, text, syntax, survey } = self.worked(edits)?;
-        self.history.record(label, delta, gesture);
+        let (text, syntax, survey) = self.worked(edits)?;
+        self.history.record(label, &self.text, &text, gesture)?;
         for edit in edits {
             if let Edit::Rename { node, to } = edit
                 && let Some(&at) = self.shown.get(node)
@@ -115,49 +114,43 @@ impl Document {
                 self.shown.insert(to.clone(), at);
             }
         }
-        self.take(text, syntax, survey);
+        self.take((text, syntax, survey));
         Ok(())
     }
 
-    fn worked(&self, edits: &[Edit]) -> Result<EditOutcome> {
+    /// The text after edits, and what it states.
+    fn worked(&self, edits: &[Edit]) -> Result<Reading> {
         if let Some(Edit::Text(new)) = edits.last() {
-            let delta = Delta::between(&self.text, new);
-            let text: Arc<str> = new.as_str().into();
-            let (syntax, survey) = (Arc::new(Syntax::read(&text)), Arc::new(Pipeline::survey(&text)));
-            return Ok(EditOutcome { delta, text, syntax, survey });
+            return Ok(read(new));
         }
         if !self.survey.is_toml {
             let fault = self.survey.faults.first().cloned();
             let error = fault.unwrap_or_else(|| Error::usage("the text is not valid TOML"));
             return Err(error.expected("the text mended first"));
         }
-        let mut work = EditContext::new(self.text.clone(), self.syntax.clone(), self.survey.clone());
         let shown = |name: &str| self.shown.get(name).copied();
-        edits.iter().try_for_each(|edit| work.apply(edit, &shown))?;
-        work.finish()
+        let mut work = EditContext::new(self.text.clone(), self.syntax.clone(), self.survey.clone(), &shown);
+        edits.iter().try_for_each(|edit| work.apply(edit))?;
+        Ok(work.finish())
     }
 
     /// Undoes the last step; false where there is none.
     pub fn undo(&mut self) -> Result<bool> {
-        let delta = self.history.back();
-        self.go(delta)
+        let text = self.history.undo(&self.text)?;
+        Ok(self.go(text))
     }
 
     /// Does the step again that was undone last; false where there is none.
     pub fn redo(&mut self) -> Result<bool> {
-        let delta = self.history.on();
-        self.go(delta)
+        let text = self.history.redo(&self.text)?;
+        Ok(self.go(text))
     }
 
-    fn go(&mut self, delta: Option<Delta>) -> Result<bool> {
-        let Some(delta) = delta else { return Ok(false) };
-        let text: Arc<str> = delta.applied(&self.text)?.into();
-        let (syntax, survey) = (Syntax::read(&text), Pipeline::survey(&text));
-        self.take(text, Arc::new(syntax), Arc::new(survey));
-        Ok(true)
+    fn go(&mut self, text: Option<String>) -> bool {
+        text.map(|text| self.take(read(&text))).is_some()
     }
 
-    fn take(&mut self, text: Arc<str>, syntax: Arc<Syntax>, survey: Arc<ParsedPipeline>) {
+    fn take(&mut self, (text, syntax, survey): Reading) {
         if *text == *self.text {
             return;
         }
@@ -188,8 +181,8 @@ impl Document {
     /// Lays out all nodes anew that the file gives no place. `size`: the width and height that each will have.
     pub fn lay_out(&mut self, size: &dyn Fn(&NodeEntry) -> [f64; 2]) {
         let nodes = &self.survey.pipeline.nodes;
-        let of = |name: &str| nodes.iter().find(|node| node.name == name).map_or(crate::arrange::USUAL, size);
-        let places = crate::arrange::tidy(nodes, &of);
+        let of = |name: &str| nodes.iter().find(|node| node.name == name).map_or(USUAL, size);
+        let places = tidy(nodes, &of);
         self.shown = nodes.iter().map(|node| node.name.clone()).zip(places).collect();
     }
 
@@ -204,7 +197,7 @@ impl Document {
         if new.is_empty() {
             return;
         }
-        let laid_out = crate::arrange::layers(nodes);
+        let laid_out = tidy(nodes, &|_| USUAL);
         let new = new.into_iter().map(|i| (nodes[i].name.clone(), laid_out[i]));
         self.shown.extend(new.collect::<Vec<_>>());
     }
@@ -218,6 +211,13 @@ impl Document {
     pub fn free_name(&self, like: &str) -> String {
         free_name(like, &|name| self.survey.pipeline.nodes.iter().any(|node| node.name == name))
     }
+}
+
+/// A text, where everything stands in it, and what it states.
+pub(crate) type Reading = (Arc<str>, Arc<Syntax>, Arc<ParsedPipeline>);
+
+fn read(text: &str) -> Reading {
+    (text.into(), Arc::new(Syntax::read(text)), Arc::new(Pipeline::survey(text)))
 }
 
 /// The first of `like`, `like_2`, `like_3` … that is not taken.

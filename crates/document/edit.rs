@@ -4,114 +4,42 @@ use crate::path::Path;
 use crate::view::{Frame, Note};
 use voltet_graph::{Field, LocatedValue, ParameterValue};
 
-/// One edit. A path leads from a node's table to a part of its parameters: `"widgets.0.centre".into()`.
+/// One edit. A path leads from a node's table to a part of its parameters: `"widgets.0.centre".into()`. Numbers of entries count
+/// from 0; a source is `node` or `node.port`.
 #[derive(Debug, Clone, PartialEq)]
+#[allow(missing_docs, reason = "the fields' names say what they are")]
 pub enum Edit {
-    /// A node more, of a type, with parameters; `at` is its place in the graph view.
-    AddNode {
-        /// Its name, which no node has yet; see [`Document::free_name`](crate::Document::free_name).
-        name: String,
-        /// Its type.
-        node_type: String,
-        /// Its parameters.
-        settings: Vec<Field>,
-        /// Its place.
-        at: Option<[f64; 2]>,
-    },
+    /// A node more, of a type, with parameters, under a name that no node has (see [`Document::free_name`]); `at`: its place in the
+    /// graph view.
+    ///
+    /// [`Document::free_name`]: crate::Document::free_name
+    AddNode { name: String, node_type: String, settings: Vec<Field>, at: Option<[f64; 2]> },
     /// Nodes less. Their wires go with them, and the comments that belong to them.
     RemoveNodes(Vec<String>),
-    /// Another name; wires follow.
-    Rename {
-        /// The node.
-        node: String,
-        /// Its new name, which no node has yet.
-        to: String,
-    },
+    /// Another name, which no node has yet; wires follow.
+    Rename { node: String, to: String },
     /// Another value of a parameter or of a part of it, stated so far or not.
-    Set {
-        /// The node.
-        node: String,
-        /// Path of the value.
-        path: Path,
-        /// Its value.
-        value: ParameterValue,
-    },
+    Set { node: String, path: Path, value: ParameterValue },
     /// A parameter, or a part of it, is not stated any more; an entry of a list is gone.
-    Unset {
-        /// The node.
-        node: String,
-        /// Path of the value.
-        path: Path,
-    },
-    /// An entry more in a list, such as a widget.
-    Insert {
-        /// The node.
-        node: String,
-        /// The list.
-        list: Path,
-        /// The number that it gets; the list's length for the end.
-        place: usize,
-        /// The entry.
-        entry: ParameterValue,
-    },
+    Unset { node: String, path: Path },
+    /// An entry more in a list, such as a widget; its number is the list's length for the end.
+    Insert { node: String, list: Path, place: usize, entry: ParameterValue },
     /// A copy of an entry, after it.
-    Duplicate {
-        /// The node.
-        node: String,
-        /// The list.
-        list: Path,
-        /// The entry.
-        place: usize,
-    },
+    Duplicate { node: String, list: Path, place: usize },
     /// An entry of a list gets another number.
-    MoveEntry {
-        /// The node.
-        node: String,
-        /// The list.
-        list: Path,
-        /// Its number.
-        from: usize,
-        /// The number that it gets.
-        to: usize,
-    },
+    MoveEntry { node: String, list: Path, from: usize, to: usize },
     /// A wire: in place of what feeds the input, or beside that.
-    Connect {
-        /// The node that is fed.
-        node: String,
-        /// Its input.
-        port: String,
-        /// Source: `node` or `node.port`.
-        source: String,
-        /// True if other wires to the input stay.
-        beside: bool,
-    },
-    /// A wire less.
-    Disconnect {
-        /// The node that was fed.
-        node: String,
-        /// Its input.
-        port: String,
-        /// The wire, as the file says it; `None`: all of the input.
-        source: Option<String>,
-    },
+    Connect { node: String, port: String, source: String, beside: bool },
+    /// A wire less, as the file says it; without a source all wires of the input.
+    Disconnect { node: String, port: String, source: Option<String> },
     /// Nodes more, as TOML text, after the others; see [`Document::paste`](crate::Document::paste).
     AddLines(String),
     /// Other places in the graph view.
     MoveNodes(Vec<(String, [f64; 2])>),
     /// A node shows its head alone, or all.
-    Fold {
-        /// The node.
-        node: String,
-        /// True if it is folded.
-        folded: bool,
-    },
+    Fold { node: String, folded: bool },
     /// Words that stand with a node in the graph view; none takes them away.
-    Remark {
-        /// The node.
-        node: String,
-        /// The words.
-        text: Option<String>,
-    },
+    Remark { node: String, text: Option<String> },
     /// A frame in place of another; one more where the number is that of all.
     PutFrame(usize, Frame),
     /// A frame less.

@@ -1,8 +1,7 @@
 //! Mistakes of a document, each at the node, the parameter or the input concerned.
 
-use crate::links;
+use crate::Document;
 use crate::path::{Path, Step};
-use crate::{Document, text::Syntax};
 use voltet_core::Error;
 use voltet_graph::{DiagnosticTarget as Stated, Graph, NodeEntry, Registry};
 
@@ -71,15 +70,6 @@ impl Document {
         faults
     }
 
-    /// Faults, among these, that prevent a node from running: its own, and those of its sources. Empty: the node and its sources
-    /// can be built into a graph and run, whatever is wrong elsewhere.
-    pub fn faults_before<'a>(&self, node: &str, faults: &'a [Diagnostic]) -> Vec<&'a Diagnostic> {
-        let needed = links::upstream(&self.survey.pipeline.nodes, node);
-        let concerns = |fault: &&Diagnostic| fault.node.as_ref().is_none_or(|name| needed.contains(name));
-        // A file that says a wrong format, or nothing of one, may still be drawn; one that is no TOML may lack anything.
-        faults.iter().filter(concerns).filter(|fault| fault.node.is_some() || !self.is_toml()).collect()
-    }
-
     /// The node and the part that stand where an error points.
     fn target(&self, error: &Error) -> (Option<String>, FaultTarget) {
         let Some(span) = &error.location.span else { return (None, FaultTarget::Whole) };
@@ -102,24 +92,4 @@ impl Document {
 /// True if two mistakes are of the very same bytes.
 fn is_same(one: &Error, other: &Error) -> bool {
     one.location.span.is_some() && one.location.span == other.location.span
-}
-
-impl Syntax {
-    /// The path of what stands at a byte: the innermost part of a value, or the table of a header.
-    pub fn path_at(&self, at: usize) -> Path {
-        let after = self.sections.iter().rposition(|section| section.start() <= at).unwrap_or(0);
-        let Some(section) = self.sections.get(after) else { return Path::default() };
-        let mut path = section.path.0.clone();
-        let mut elements = section.assignments.as_slice();
-        let mut is_list = false;
-        while let Some(i) = elements.iter().position(|element| element.span().contains(&at)) {
-            match is_list {
-                true => path.push(Step::Entry(i)),
-                false => path.extend(elements[i].path()),
-            }
-            is_list = elements[i].value.is_list();
-            elements = elements[i].value.elements();
-        }
-        Path(path)
-    }
 }

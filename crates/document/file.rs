@@ -1,12 +1,14 @@
-//! The file of a document: opening, saving whole, and noticing that somebody else wrote it.
+//! The file of a document: opening, saving whole, also in another folder, and noticing that somebody else wrote it.
 
 use crate::Document;
+use crate::edit::Edit;
+use crate::panel::{Control, Row};
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use voltet_core::{Error, Result};
-use voltet_files::write_whole;
-use voltet_graph::Stamp;
+use voltet_files::{relative_to, write_whole};
+use voltet_graph::{ParameterValue, Registry, Stamp};
 
 /// The first bytes of a file that is a picture: what pictures carry is opened by others.
 const PICTURES: [&[u8]; 2] = [b"\x89PNG\r\n\x1a\n", &[0x76, 0x2f, 0x31, 0x01]];
@@ -75,15 +77,53 @@ impl Document {
     pub fn reload(&mut self) -> Result<()> {
         let Some(path) = self.path.clone() else { return Ok(()) };
         let there = Document::open(&path)?;
-        self.edit_all("reload the file".into(), &[crate::Edit::Text(there.text().to_string())], None)?;
+        self.edit_all("reload the file".into(), &[Edit::Text(there.text().to_string())], None)?;
         self.stamp = there.stamp;
         self.history.save();
         Ok(())
     }
+
+    /// The edits after which the files that it reads are found from another folder, too; those that are not there, and whole
+    /// paths, stay as they are. What it writes is written beside it, wherever that is.
+    pub fn following_to(&self, registry: &Registry, folder: &Path) -> Vec<Edit> {
+        let own = self.folder();
+        let same = |a: &Path, b: &Path| absolute(a).is_some_and(|a| absolute(b) == Some(a));
+        if same(&own, folder) {
+            return Vec::new();
+        }
+        let mut edits = Vec::new();
+        for node in &self.pipeline().nodes {
+            read(&self.rows(registry, &node.name), &mut |path, text| {
+                let there = own.join(text);
+                if Path::new(text).is_relative() && there.exists() {
+                    let text = relative_to(&there, folder).to_string_lossy().into_owned();
+                    edits.push(Edit::set(&node.name, path.clone(), ParameterValue::Text(text)));
+                }
+            });
+        }
+        edits
+    }
 }
 
-/// The state of a file; none where it is not there.
-fn stamp(path: &Path) -> Stamp {
+/// A folder without links; none where it is not there.
+fn absolute(folder: &Path) -> Option<PathBuf> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    std::fs::canonicalize(folder).ok()
+}
+
+/// The files to read that rows state.
+fn read(rows: &[Row], found: &mut dyn FnMut(&crate::Path, &str)) {
+    for row in rows {
+        if let (Control::InputFile, Some(ParameterValue::Text(text))) = (&row.control, &row.set_value) {
+            found(&row.path, text);
+        }
+        read(&row.rows, found);
+        row.entries.iter().for_each(|entry| read(&entry.rows, found));
+    }
+}
+
+/// Length and time of a file; none where it is not there.
+pub fn stamp(path: &Path) -> Stamp {
     let metadata = std::fs::metadata(path).ok()?;
     Some((metadata.len(), metadata.modified().ok()?))
 }

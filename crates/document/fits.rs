@@ -6,13 +6,15 @@ use crate::links;
 use voltet_core::{Error, Result};
 use voltet_graph::{Node, Port, PortType, Registry};
 
-/// A kind of node types, for a menu; told from the ports.
+/// A kind of node types, for a menu, in the order in which data runs through them; told from the ports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Group {
     /// Gives data and takes none.
     Sources,
     /// Makes something of data.
     Filters,
+    /// Finds something out about data.
+    Findings,
     /// Says what is drawn.
     TransferFunctions,
     /// Says where it is seen from.
@@ -21,25 +23,11 @@ pub enum Group {
     Drawing,
     /// One stage of making a picture.
     Stages,
-    /// Finds something out about data.
-    Findings,
     /// Writes a file.
     Writers,
 }
 
 impl Group {
-    /// All, in the order in which data runs through them.
-    pub const ALL: [Group; 8] = [
-        Group::Sources,
-        Group::Filters,
-        Group::Findings,
-        Group::TransferFunctions,
-        Group::Cameras,
-        Group::Drawing,
-        Group::Stages,
-        Group::Writers,
-    ];
-
     /// The kind of a node type.
     pub fn from_node(node: &Node) -> Group {
         let gives = |wanted: PortType| node.outputs.iter().any(|port| port.port_type == wanted);
@@ -130,15 +118,6 @@ pub fn giving(registry: &Registry, input: PortType) -> Vec<Fitting> {
     registry.iter().filter_map(|node| Some(Fitting { node, port: port(node)? })).collect()
 }
 
-/// A wire that can be drawn.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Join {
-    /// Edit that draws the wire.
-    pub edit: Edit,
-    /// The wire that gives way to it, as the file says it.
-    pub replaces: Option<String>,
-}
-
 impl Document {
     /// The type of a node, where the registry knows it.
     pub fn node_type(&self, registry: &Registry, node: &str) -> Option<&'static Node> {
@@ -169,12 +148,12 @@ impl Document {
         let own = (name.as_str(), fitting.port.name);
         let (from, to) = if is_input { (own, held) } else { (held, own) };
         let join = with_it.join(registry, from, to)?;
-        Ok([add, join.edit])
+        Ok([add, join])
     }
 
-    /// Checks whether an output can be wired to an input, and how. Errors say why not: the wrong type, a circle, or joined
+    /// Edit that wires an output to an input. Errors say why not: the wrong type, a circle, or joined
     /// already.
-    pub fn join(&self, registry: &Registry, from: (&str, &str), to: (&str, &str)) -> Result<Join> {
+    pub fn join(&self, registry: &Registry, from: (&str, &str), to: (&str, &str)) -> Result<Edit> {
         let nodes = &self.pipeline().nodes;
         let known = |node: &str| {
             let error = || Error::usage(format!("the type of the node '{node}' is not known"));
@@ -206,17 +185,15 @@ impl Document {
         let beside = taking.optional_inputs.iter().any(|port| port.name == to.1);
         let link = nodes.iter().find(|node| node.name == to.0);
         let link = link.and_then(|node| node.inputs.iter().find(|link| link.port == to.1));
-        let there: Vec<&str> = link.into_iter().flat_map(links::sources).collect();
-        let same = |text: &&str| {
+        let same = |text: &str| {
             let (node, port) = links::source(text, nodes);
             node == from.0 && port.is_none_or(|port| port == from.1)
         };
-        if there.iter().any(same) {
+        if link.into_iter().flat_map(links::sources).any(same) {
             return Err(Error::usage("these are joined already"));
         }
-        let replaces = there.first().filter(|_| !beside).map(|text| text.to_string());
         let (node, port) = (to.0.to_string(), to.1.to_string());
-        Ok(Join { edit: Edit::Connect { node, port, source, beside }, replaces })
+        Ok(Edit::Connect { node, port, source, beside })
     }
 
     /// The nodes on a way along wires from one node to another, and back to the first.

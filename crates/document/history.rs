@@ -1,16 +1,54 @@
 //! Undo and redo: steps that each know the way on and the way back.
 
-use crate::delta::Delta;
+use voltet_core::{Error, Result};
 
 /// Gesture: all edits of one drag are one undo step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Gesture(pub u64);
 
-/// One step: a change of the text.
+/// The way from one text to another: what takes the place of a range of bytes. What lies outside is not touched, and turning it
+/// round gives back the former text to the byte.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Change {
+    offset: usize,
+    old: String,
+    new: String,
+}
+
+impl Change {
+    /// Difference between the longest equal beginnings and ends.
+    fn between(old: &str, new: &str) -> Change {
+        let equal = |pairs: &mut dyn Iterator<Item = (char, char)>| {
+            pairs.take_while(|(a, b)| a == b).map(|(a, _)| a.len_utf8()).sum::<usize>()
+        };
+        let offset = equal(&mut old.chars().zip(new.chars()));
+        let (old, new) = (&old[offset..], &new[offset..]);
+        let end = equal(&mut old.chars().rev().zip(new.chars().rev()));
+        let without_end = |text: &str| text[..text.len() - end].to_string();
+        Change { offset, old: without_end(old), new: without_end(new) }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.old == self.new
+    }
+
+    /// The way back.
+    fn inverse(&self) -> Change {
+        Change { offset: self.offset, old: self.new.clone(), new: self.old.clone() }
+    }
+
+    /// The later text. Errors: `text` is not the former one.
+    fn applied(&self, text: &str) -> Result<String> {
+        let rest = text.get(self.offset..).and_then(|rest| rest.strip_prefix(self.old.as_str()));
+        let wrong = || Error::run("a step of the history does not belong to this text");
+        Ok([&text[..self.offset.min(text.len())], &self.new, rest.ok_or_else(wrong)?].concat())
+    }
+}
+
 #[derive(Debug, Clone)]
 struct EditStep {
     label: String,
-    delta: Delta,
+    change: Change,
     gesture: Option<Gesture>,
 }
 
@@ -26,43 +64,52 @@ pub struct History {
 
 impl History {
     /// History of a text that equals its file.
-    pub fn of_saved() -> History {
+    pub(crate) fn of_saved() -> History {
         History { saved: Some(0), ..History::default() }
     }
 
     /// Takes a change in; what was undone is forgotten. One of the same gesture as the last step becomes part of it.
-    pub fn record(&mut self, label: String, delta: Delta, gesture: Option<Gesture>) {
-        if delta.is_empty() {
-            return;
+    pub(crate) fn record(
+        &mut self,
+        label: String,
+        old: &str,
+        new: &str,
+        gesture: Option<Gesture>,
+    ) -> Result<()> {
+        if old == new {
+            return Ok(());
         }
         self.steps.truncate(self.cursor);
         self.saved = self.saved.filter(|saved| *saved <= self.cursor);
         let is_saved = self.is_saved();
         match self.steps.last_mut().filter(|last| gesture.is_some() && last.gesture == gesture && !is_saved) {
             Some(last) => {
-                last.delta = last.delta.then(&delta);
-                if last.delta.is_empty() {
+                last.change = Change::between(&last.change.inverse().applied(old)?, new);
+                if last.change.is_empty() {
                     self.steps.pop();
                 }
             }
-            None => self.steps.push(EditStep { label, delta, gesture }),
+            None => self.steps.push(EditStep { label, change: Change::between(old, new), gesture }),
         }
         self.cursor = self.steps.len();
+        Ok(())
     }
 
-    /// The way back over the last step that is done, which is undone now.
-    pub fn back(&mut self) -> Option<Delta> {
-        let step = self.steps.get_mut(self.cursor.checked_sub(1)?)?;
+    /// The text before the last step that is done, which is undone now; none where there is none.
+    pub(crate) fn undo(&mut self, text: &str) -> Result<Option<String>> {
+        let Some(step) = self.cursor.checked_sub(1).and_then(|last| self.steps.get_mut(last)) else {
+            return Ok(None);
+        };
         step.gesture = None;
         self.cursor -= 1;
-        Some(step.delta.inverse())
+        step.change.inverse().applied(text).map(Some)
     }
 
-    /// The way on over the first step that is undone, which is done now.
-    pub fn on(&mut self) -> Option<Delta> {
-        let step = self.steps.get(self.cursor)?;
+    /// The text after the first step that is undone, which is done now; none where there is none.
+    pub(crate) fn redo(&mut self, text: &str) -> Result<Option<String>> {
+        let Some(step) = self.steps.get(self.cursor) else { return Ok(None) };
         self.cursor += 1;
-        Some(step.delta.clone())
+        step.change.applied(text).map(Some)
     }
 
     /// Description of the step that undo would revert.
@@ -76,7 +123,7 @@ impl History {
     }
 
     /// The text is as its file now.
-    pub fn save(&mut self) {
+    pub(crate) fn save(&mut self) {
         self.saved = Some(self.cursor);
     }
 
@@ -92,7 +139,7 @@ impl History {
 
     /// The bytes of text that the steps keep.
     pub fn size(&self) -> usize {
-        self.steps.iter().map(|step| step.delta.size()).sum()
+        self.steps.iter().map(|step| step.change.old.len() + step.change.new.len()).sum()
     }
 }
 
@@ -101,9 +148,20 @@ mod tests {
     use super::*;
 
     fn typed(history: &mut History, text: &mut String, new: &str, gesture: Option<Gesture>) {
-        let delta = Delta::between(text, new);
-        *text = delta.applied(text).unwrap();
-        history.record(new.to_string(), delta, gesture);
+        history.record(new.to_string(), text, new, gesture).unwrap();
+        *text = new.to_string();
+    }
+
+    #[test]
+    fn a_change_turned_round_gives_the_text_back() {
+        let texts = ["añb = 12 # ñ\nc = 3\n", "añb = 100 # ñ\ncé = 3", "", "ñ", "aab", "ab"];
+        for (old, new) in texts.iter().flat_map(|old| texts.map(|new| (*old, new))) {
+            let change = Change::between(old, new);
+            assert_eq!(change.applied(old).unwrap(), new);
+            assert_eq!(change.inverse().applied(new).unwrap(), old);
+        }
+        assert!(Change::between("abc", "xbc").applied("bbc").is_err(), "another text");
+        assert!(Change::between("abc", "abd").applied("a").is_err(), "a shorter text");
     }
 
     #[test]
@@ -117,9 +175,9 @@ mod tests {
         history.save();
         typed(&mut history, &mut text, "e", drag);
         assert_eq!(history.position(), (2, 2));
-        assert_eq!(history.back().unwrap().applied("e").unwrap(), "d");
+        assert_eq!(history.undo("e").unwrap().unwrap(), "d");
         assert!(history.is_saved());
-        assert_eq!(history.on().unwrap().applied("d").unwrap(), "e");
+        assert_eq!(history.redo("d").unwrap().unwrap(), "e");
         assert!(!history.is_saved());
         typed(&mut history, &mut text, "f", drag);
         assert_eq!(history.position(), (3, 3), "a gesture ends where it is undone");
@@ -139,12 +197,12 @@ mod tests {
         let (mut history, mut text) = (History::of_saved(), "a".to_string());
         typed(&mut history, &mut text, "b", None);
         history.save();
-        text = history.back().unwrap().applied(&text).unwrap();
+        text = history.undo(&text).unwrap().unwrap();
         assert_eq!((history.undo_label(), history.redo_label()), (None, Some("b")));
         typed(&mut history, &mut text, "c", None);
         assert_eq!(history.redo_label(), None);
         assert!(!history.is_saved());
-        history.back();
+        history.undo(&text).unwrap();
         assert!(!history.is_saved(), "what was saved was cut off");
     }
 }

@@ -7,12 +7,12 @@
 //! | file | what |
 //! | --- | --- |
 //! | [`document`](Document) | the text, what it states, its history |
-//! | `file`, `moved`, [`recovery`](Recovery) | opening, saving whole, changes by others, another folder; work that outlives a crash |
-//! | [`edit`](Edit), `carry_out` | what can be done, as changes of the text |
+//! | `file`, [`recovery`](Recovery) | opening, saving whole, changes by others, another folder; work that outlives a crash |
+//! | [`edit`](Edit), `apply` | what can be done, as changes of the text |
 //! | `text` | a TOML text changed where asked, whatever forms it is written in |
-//! | [`delta`](Delta), [`history`](History) | how one text becomes another, and steps of it |
-//! | [`faults`](Fault) | every mistake, at its node, parameter or input |
-//! | [`fits`](Join) | node types by kind and words, what can be joined with what |
+//! | [`history`](History) | steps from one text to another |
+//! | [`faults`](Diagnostic) | every mistake, at its node, parameter or input |
+//! | [`fits`](Fitting) | node types by kind and words, what can be joined with what |
 //! | `clipboard`, [`arrange`] | nodes copied, pasted, duplicated; brought in line and in layers |
 //! | [`panel`] | the parameters of a node as rows: values, controls, what is typed |
 //! | [`view`](View) | what only the editor knows: the table `[editor]` |
@@ -20,7 +20,6 @@
 mod apply;
 pub mod arrange;
 mod clipboard;
-mod delta;
 mod document;
 mod edit;
 mod faults;
@@ -28,18 +27,17 @@ mod file;
 mod fits;
 mod history;
 pub mod links;
-mod moved;
 pub mod panel;
 mod path;
 mod recovery;
 mod text;
 mod view;
 
-pub use delta::{Delta, Hunk};
 pub use document::Document;
 pub use edit::Edit;
 pub use faults::{Diagnostic, FaultTarget};
-pub use fits::{Fitting, Group, Join, giving, search, taking};
+pub use file::stamp;
+pub use fits::{Fitting, Group, giving, search, taking};
 pub use history::{Gesture, History};
 pub use path::{Path, Step};
 pub use recovery::{Autosave, OrphanedDraft, Recovery};

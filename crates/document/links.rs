@@ -17,34 +17,10 @@ pub fn sources(link: &LinkEntry) -> impl Iterator<Item = &str> {
     link.source.list().unwrap_or(std::slice::from_ref(&link.source)).iter().filter_map(LocatedValue::text)
 }
 
-/// True if a source is an output of a node.
-pub(crate) fn is_of(text: &str, name: &str, nodes: &[NodeEntry]) -> bool {
-    source(text, nodes).0 == name
-}
-
-/// Wires of a node without some sources; `None` where it has none of them.
-pub(crate) fn without(node: &NodeEntry, gone: impl Fn(&str) -> bool) -> Option<Vec<Field>> {
-    changed(node, |_, text| (!gone(text)).then(|| text.to_string()))
-}
-
-/// Wires of a node without one wire of an input, or without all of them.
-pub(crate) fn without_wire(node: &NodeEntry, port: &str, gone: Option<&str>) -> Option<Vec<Field>> {
-    let is_gone = |name: &str, text: &str| name == port && gone.is_none_or(|gone| gone == text);
-    changed(node, |name, text| (!is_gone(name, text)).then(|| text.to_string()))
-}
-
-/// Wires of a node after another node is renamed; `None` where that one does not feed it.
-pub(crate) fn renamed(node: &NodeEntry, from: &str, to: &str, nodes: &[NodeEntry]) -> Option<Vec<Field>> {
-    changed(node, |_, text| match source(text, nodes) {
-        (name, port) if name == from => Some(port.map_or(to.to_string(), |port| format!("{to}.{port}"))),
-        _ => Some(text.to_string()),
-    })
-}
-
 /// Wires of a node after a change of each wire (its input and its source), where they differ; invalid entries stay.
-fn changed(node: &NodeEntry, change: impl Fn(&str, &str) -> Option<String>) -> Option<Vec<Field>> {
+pub(crate) fn changed(node: &NodeEntry, change: impl Fn(&str, &str) -> Option<String>) -> Option<Vec<Field>> {
     let one = |port: &str, setting: &LocatedValue| match setting.text() {
-        Some(text) => change(port, text).map(|text| LocatedValue::from(ParameterValue::Text(text))),
+        Some(text) => change(port, text).map(LocatedValue::from),
         None => Some(setting.clone()),
     };
     let all = |link: &LinkEntry| {
@@ -80,4 +56,10 @@ pub fn upstream(nodes: &[NodeEntry], name: &str) -> BTreeSet<String> {
         }
     }
     found
+}
+
+/// The nodes that feed one, and it, in the order of the document.
+pub fn feeding(nodes: &[NodeEntry], name: &str) -> Vec<NodeEntry> {
+    let names = upstream(nodes, name);
+    nodes.iter().filter(|node| names.contains(&node.name)).cloned().collect()
 }

@@ -21,7 +21,7 @@
 //! numbers. What is not understood is left as it is.
 
 use std::collections::BTreeMap;
-use voltet_graph::{Field, LocatedValue, ParameterValue};
+use voltet_graph::{Field, LocatedValue, ParameterValue, find_setting};
 
 /// View of a node.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -72,13 +72,13 @@ pub struct View {
 impl View {
     /// From the keys of the table.
     pub fn read(fields: &[Field]) -> View {
-        let list = |name: &str| find(fields, name).and_then(LocatedValue::list).unwrap_or_default();
-        let nodes = find(fields, "nodes").and_then(LocatedValue::table).unwrap_or_default();
+        let list = |name: &str| find_setting(fields, name).and_then(LocatedValue::list).unwrap_or_default();
+        let nodes = find_setting(fields, "nodes").and_then(LocatedValue::table).unwrap_or_default();
         View {
             nodes: nodes.iter().map(|field| (field.name.clone(), NodeView::read(&field.setting))).collect(),
             frames: list("frames").iter().map(Frame::read).collect(),
             notes: list("notes").iter().map(Note::read).collect(),
-            sets: find(fields, "sets")
+            sets: find_setting(fields, "sets")
                 .and_then(LocatedValue::table)
                 .unwrap_or_default()
                 .iter()
@@ -99,13 +99,12 @@ impl NodeView {
         if let Some(fields) = setting.table() {
             return NodeView {
                 position: numbers(fields, "at"),
-                folded: find(fields, "folded")
+                folded: find_setting(fields, "folded")
                     .is_some_and(|folded| folded.datum == ParameterValue::Boolean(true)),
                 remark: text(fields, "remark"),
             };
         }
-        let at = setting.numbers().and_then(|at| at.try_into().ok());
-        NodeView { position: at, ..NodeView::default() }
+        NodeView { position: setting.array(), ..NodeView::default() }
     }
 
     /// As the file has it; none where there is nothing to say.
@@ -161,27 +160,21 @@ impl Note {
     }
 }
 
-fn find<'a>(fields: &'a [Field], name: &str) -> Option<&'a LocatedValue> {
-    fields.iter().find(|field| field.name == name).map(|field| &field.setting)
-}
-
 fn text(fields: &[Field], name: &str) -> Option<String> {
-    find(fields, name)?.text().map(str::to_string)
+    find_setting(fields, name)?.text().map(str::to_string)
 }
 
 fn numbers<const N: usize>(fields: &[Field], name: &str) -> Option<[f64; N]> {
-    find(fields, name)?.numbers()?.try_into().ok()
+    find_setting(fields, name)?.array()
 }
 
 /// A place as whole numbers.
 pub(crate) fn position_value(at: [f64; 2]) -> ParameterValue {
     // Beyond the range of integers they saturate, which no screen shows.
-    ParameterValue::List(at.map(|x| ParameterValue::Integer(x.round() as i64).into()).to_vec())
+    at.into_iter().map(|x| ParameterValue::Integer(x.round() as i64)).collect()
 }
 
 fn table<const N: usize>(entries: [(&str, Option<ParameterValue>); N]) -> ParameterValue {
-    let field = |(name, datum): (&str, Option<ParameterValue>)| {
-        Some(Field { name: name.to_string(), origin: Default::default(), setting: datum?.into() })
-    };
+    let field = |(name, datum): (&str, Option<ParameterValue>)| Some(Field::new(name, datum?));
     ParameterValue::Table(entries.into_iter().filter_map(field).collect())
 }

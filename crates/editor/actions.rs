@@ -68,68 +68,40 @@ pub enum FilePurpose {
     },
 }
 
-/// Commands of keys and menus.
+/// Commands of keys and menus; the table of keys has words for them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Command {
-    /// An empty document.
     New,
-    /// Ask for a file.
     Open,
-    /// Into the document's own file.
     Save,
-    /// Ask for a file to save in.
     SaveAs,
-    /// Reads all files again.
     ReadAgain,
-    /// A whole run, which writes files; stops the one that is under way.
     Run,
-    /// End.
     Quit,
-    /// The last step back.
     Undo,
-    /// A step on again.
     Redo,
-    /// The selected nodes to the clipboard.
     Copy,
-    /// The selected nodes to the clipboard, and out of the document.
     Cut,
-    /// Copies of the selected nodes beside them.
     Duplicate,
-    /// Away with the selected nodes.
     Delete,
-    /// All nodes.
     SelectAll,
-    /// The menu of node types.
     Add,
-    /// The selected nodes, or all, in layers from left to right.
     Tidy,
-    /// The selected nodes in line.
     Align(Align),
-    /// The selected nodes show their heads alone, or all again.
     Fold,
-    /// A frame around the selected nodes.
     Frame,
-    /// Words in the graph view.
     Note,
-    /// All nodes into the graph view.
     FitGraph,
-    /// All of the data into the picture.
     Home,
     /// Seen along an axis (0: x, 1: y, 2: z), from its positive or its negative side.
     Along(usize, bool),
-    /// The picture turns to the left (or right).
+    /// To the left, or to the right.
     Roll(bool),
-    /// Light or dark.
     Theme,
-    /// The window of costs.
     Costs,
-    /// The keys are for the widgets wherever the pointer is, or not any more.
     Widgets,
-    /// The plane through the data.
     Section,
-    /// Error against time.
     Study,
-    /// The sheet of keys.
     Help,
 }
 

@@ -1,24 +1,26 @@
-//! Application of the actions that the parts of the window requested.
+//! Application of the actions that the parts of the window requested: edits, commands, the clipboard, runs.
 
-use crate::actions::FilePurpose;
-use crate::actions::{Action, Command};
-use crate::editor::{Editor, camera_size};
+use crate::actions::{Action, Command, FilePurpose};
+use crate::editor::Editor;
 use crate::file_dialog::FileDialog;
-use crate::files::Disk;
-use crate::graph::GraphView;
-use crate::parameters::ParameterPanel;
+use crate::graph::Annotation;
+use crate::jobs::Job;
 use crate::picture::milliseconds;
-use crate::run::Run;
-use crate::transfer::TransferPanel;
 use crate::view::View;
-use eframe::egui::{Context, ThemePreference};
+use crate::worker::size_of;
+use eframe::egui::{Context, Event, ThemePreference};
 use glam::DVec3;
 use std::collections::BTreeSet;
 use std::path::Path;
-use voltet_core::Error;
-use voltet_document::{Document, Edit};
-use voltet_graph::ParameterValue;
+use voltet_core::{Error, Result};
+use voltet_document::arrange::{PlacedNode, align, tidy};
+use voltet_document::{Edit, Frame, Note};
+use voltet_graph::pipeline::Pipeline;
+use voltet_graph::{NodeEntry, ParameterValue};
 use voltet_nodes::files::relative_to;
+
+/// From a node to what is pasted after it, points.
+const PASTE_OFFSET: f64 = 40.0;
 
 impl Editor {
     pub(crate) fn apply(&mut self, ctx: &Context, action: Action) {
@@ -30,12 +32,7 @@ impl Editor {
             Action::Probe(places) => self.probe(places, false),
             Action::PixelProbe(found) => self.show_probed(found),
             Action::Centre(place) => self.probe(vec![place], true),
-            Action::Estimate => {
-                if let Some(asked) = self.asked.clone() {
-                    self.last_estimate += 1;
-                    self.worker.estimate(asked, self.last_estimate);
-                }
-            }
+            Action::Estimate => self.estimate(),
             Action::Do(command) => self.command(ctx, command),
             Action::Say(text) => self.message = Some((text, false)),
             Action::Open(path) => self.open_any(ctx, &path),
@@ -87,18 +84,16 @@ impl Editor {
     pub(crate) fn look(&mut self, view: View) {
         let Some(camera) = self.camera() else { return };
         let name = camera.name.clone();
-        let stated = |key: &str| camera.settings.iter().find(|field| field.name == key);
-        let settings = view.settings().into_iter();
-        let changed = settings
-            .filter(|(key, datum)| stated(key).is_none_or(|field| !same(&field.setting.datum, datum)));
         // A standard value that stays needs not be written.
         let standing = View::from_camera(camera);
-        let needed = changed.filter(|(key, _)| {
-            stated(key).is_some()
-                || standing.is_none_or(|before| match *key {
-                    "up" => before.up != view.up,
-                    _ => before.projection != view.projection,
-                })
+        let is_other = |key: &str| {
+            standing.is_none_or(|before| match key {
+                "up" => before.up != view.up,
+                _ => before.projection != view.projection,
+            })
+        };
+        let needed = view.settings().into_iter().filter(|(key, datum)| {
+            camera.setting(key).map_or_else(|| is_other(key), |stated| !same(&stated.datum, datum))
         });
         let edits: Vec<Edit> = needed.map(|(key, datum)| Edit::set(&name, [key], datum)).collect();
         if !edits.is_empty() {
@@ -141,7 +136,7 @@ impl Editor {
             Command::FitGraph => self.graph.fit(),
             Command::Home => {
                 let bounds = self.worker.shown(|shown| shown.bounds);
-                let size = self.camera().and_then(camera_size).unwrap_or([4, 3]);
+                let size = self.camera().and_then(size_of).unwrap_or([4, 3]);
                 if let (Some(view), Some(bounds)) = (self.camera().and_then(View::from_camera), bounds) {
                     self.look(view.home(bounds, f64::from(size[0]) / f64::from(size[1])));
                 }
@@ -170,13 +165,21 @@ impl Editor {
         }
     }
 
-    /// Starts a run of the document as it is shown; cancels the one in progress.
+    /// Starts a full run of the document as it is shown, like `voltet run`, which writes files, beside the session of the shown
+    /// picture; cancels the one in progress.
     fn run(&mut self, ctx: &Context) {
         if self.run.take().is_some() {
             self.message = Some(("the run is stopped; nothing of it is half written".into(), false));
             return;
         }
-        match Run::start(&self.document, &self.registry, ctx) {
+        let graph = self.document.pipeline().graph(&self.registry, self.document.folder());
+        // Pictures carry the text with its comments.
+        let stated = Pipeline::stated(self.document.text().to_string(), &self.registry);
+        let started = graph.and_then(|mut graph| {
+            graph.stated = stated?;
+            Job::start("run", ctx, move |observer| voltet_nodes::session().run(&graph, observer))
+        });
+        match started {
             Ok(run) => {
                 self.run = Some(run);
                 self.message = Some(("running; Ctrl+R stops it".into(), false));
@@ -187,7 +190,7 @@ impl Editor {
 
     /// Shows the outcome of a run, once it has ended.
     pub(crate) fn show_run(&mut self) {
-        let Some(outcome) = self.run.as_ref().and_then(Run::report) else { return };
+        let Some(outcome) = self.run.as_ref().and_then(Job::result) else { return };
         self.run = None;
         match outcome {
             Ok(report) => {
@@ -217,43 +220,108 @@ impl Editor {
         }
     }
 
-    /// Carries out what takes the document away, or asks first.
-    fn unless_unsaved(&mut self, ctx: &Context, command: Command) {
-        match self.document.is_saved() {
-            true => self.go_on(ctx, command),
-            false => self.unsaved = Some(command),
+    fn selected(&self) -> Vec<String> {
+        self.selection.iter().cloned().collect()
+    }
+
+    /// The selected nodes as text.
+    pub(crate) fn copy(&self, ctx: &Context) {
+        if !self.selection.is_empty() {
+            ctx.copy_text(self.document.copy(&self.selected()));
         }
     }
 
-    /// Carries it out.
-    pub(crate) fn go_on(&mut self, ctx: &Context, command: Command) {
-        match (command, self.begin_with.take()) {
-            (Command::New, _) => self.take(Document::new()),
-            (Command::Open, Some(path)) => self.open_any(ctx, &path),
-            (Command::Open, None) => {
-                self.file_dialog = Some(FileDialog::new(FilePurpose::Open, self.document.path()))
+    /// Copies of the selected nodes beside them.
+    pub(crate) fn duplicate(&mut self) {
+        if !self.selection.is_empty() {
+            let outcome = self.document.duplicate(&self.selected());
+            self.take_copies(outcome);
+        }
+    }
+
+    /// Takes what the clipboard gives, unless a text field does.
+    pub(crate) fn paste(&mut self, ctx: &Context) {
+        if ctx.wants_keyboard_input() {
+            return;
+        }
+        let pasted = ctx.input(|input| {
+            input.events.iter().find_map(|event| match event {
+                Event::Paste(text) => Some(text.clone()),
+                _ => None,
+            })
+        });
+        let Some(text) = pasted else { return };
+        let at = self.selection.iter().next().map_or([0.0; 2], |name| self.document.position(name));
+        let outcome = self.document.paste(&text, at.map(|x| x + PASTE_OFFSET));
+        self.take_copies(outcome);
+    }
+
+    /// Selects the added nodes.
+    fn take_copies(&mut self, outcome: Result<Vec<String>>) {
+        match outcome {
+            Ok(names) => self.selection = names.into_iter().collect(),
+            Err(error) => self.complain(&error),
+        }
+    }
+
+    /// The selected nodes show their heads alone; all of them, if all do.
+    pub(crate) fn fold(&mut self) {
+        let views = &self.document.view().nodes;
+        let is_folded = |name: &String| views.get(name).is_some_and(|view| view.folded);
+        let folded = !self.selection.iter().all(is_folded);
+        let other = self.selection.iter().filter(|name| is_folded(name) != folded);
+        let edits: Vec<Edit> = other.map(|name| Edit::Fold { node: name.clone(), folded }).collect();
+        if !edits.is_empty() {
+            self.edit(if folded { "fold" } else { "unfold" }.into(), &edits);
+        }
+    }
+
+    /// Moves nodes, and adds frames and notes.
+    pub(crate) fn arrange_nodes(&mut self, command: Command) {
+        let all = &self.document.pipeline().nodes;
+        let nodes: Vec<NodeEntry> = match self.selection.is_empty() {
+            true => all.clone(),
+            false => all.iter().filter(|node| self.selection.contains(&node.name)).cloned().collect(),
+        };
+        let placed = |node: &NodeEntry| PlacedNode {
+            name: node.name.clone(),
+            position: self.document.position(&node.name),
+            size: self.graph.size_of(&node.name),
+        };
+        let placed: Vec<PlacedNode> = nodes.iter().map(placed).collect();
+        let least = |axis: usize| placed.iter().map(|node| node.position[axis]).fold(f64::INFINITY, f64::min);
+        let most = |axis: usize| {
+            placed.iter().map(|node| node.position[axis] + node.size[axis]).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let (label, edit) = match command {
+            Command::Tidy if !nodes.is_empty() => {
+                let places = tidy(&nodes, &|name| self.graph.size_of(name));
+                let moved = nodes.iter().zip(places);
+                let moved = moved.map(|(node, [x, y])| (node.name.clone(), [x + least(0), y + least(1)]));
+                ("tidy", Edit::MoveNodes(moved.collect()))
             }
-            _ => self.ends = true,
+            Command::Align(how) if nodes.len() > 1 => ("align", Edit::MoveNodes(align(&placed, how))),
+            Command::Frame if !self.selection.is_empty() => {
+                let at = [least(0) - 20.0, least(1) - 36.0];
+                let size = [most(0) + 20.0 - at[0], most(1) + 20.0 - at[1]];
+                let count = self.document.view().frames.len();
+                let frame = Frame { title: "frame".into(), position: at, size, color: None };
+                ("add a frame", Edit::PutFrame(count, frame))
+            }
+            Command::Note => {
+                let count = self.document.view().notes.len();
+                let at = if nodes.is_empty() { [0.0, 0.0] } else { [least(0), most(1) + 30.0] };
+                ("add a note", Edit::PutNote(count, Note { text: "a note".into(), position: at }))
+            }
+            _ => return,
+        };
+        self.edit(label.into(), std::slice::from_ref(&edit));
+        match &edit {
+            Edit::PutFrame(number, frame) => self.graph.write_on(Annotation::Frame(*number), &frame.title),
+            Edit::PutNote(number, note) => self.graph.write_on(Annotation::Note(*number), &note.text),
+            _ if command == Command::Tidy => self.graph.fit(),
+            _ => {}
         }
-    }
-
-    /// Another document in place of this one.
-    pub(crate) fn take(&mut self, document: Document) {
-        self.document = document;
-        self.run = None;
-        self.recover.forget();
-        self.begin();
-        self.disk = Disk::default();
-        self.shown_node = None;
-        (self.asked, self.ground) = (None, None);
-        (self.lookups.previews, self.lookups.previews_of) = Default::default();
-        self.worker.forget_previews();
-        // Revisions count from the beginning of each document.
-        self.faults = (None, Vec::new());
-        self.parameters = ParameterPanel::default();
-        self.message = None;
-        self.graph = GraphView::default();
-        self.transfer = TransferPanel::default();
     }
 }
 

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::progress::NoProgress;
 use voltet_document::Document;
 use voltet_document::links::upstream;
-use voltet_graph::{NodeEntry, Registry};
+use voltet_graph::{LocatedValue, NodeEntry, Registry};
 use voltet_io::formats::{self, Association, Request};
 use voltet_nodes::added;
 
@@ -30,7 +30,7 @@ pub(crate) fn reads(entry: &NodeEntry, registry: &Registry) -> bool {
 
 /// The file of a node that reads one, as it is named there.
 pub(crate) fn path_of(entry: &NodeEntry) -> Option<&str> {
-    entry.settings.iter().find(|field| field.name == "path").and_then(|field| field.setting.text())
+    entry.setting("path").and_then(LocatedValue::text)
 }
 
 /// Arrays of data files; none while a file is being read.

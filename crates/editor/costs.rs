@@ -91,7 +91,7 @@ fn estimate(ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
                 ui.label(format!("largest error {most:.1e}, root mean square {rms:.1e} (1 is full scale)"));
             }
             Some(Err(error)) => {
-                ui.label(error);
+                ui.label(error.to_string());
             }
         }
         if ui.button("Study …").on_hover_text("error against time of every integrator (U)").clicked() {

@@ -3,45 +3,27 @@
 use crate::actions::Command;
 use crate::arrays::Arrays;
 use crate::file_dialog::FileDialog;
-use crate::file_watcher::{BETWEEN, FileWatcher};
-use crate::files::{Disk, begun, free_path, is_pipeline};
-use crate::gestures::GestureTracker;
+use crate::files::{BETWEEN, Disk, FileWatcher, Recent, Recover};
 use crate::graph::GraphView;
-use crate::lookups::Lookups;
+use crate::input::GestureTracker;
+use crate::jobs::Job;
 use crate::parameters::ParameterPanel;
 use crate::picture::PicturePanel;
-use crate::recent::Recent;
-use crate::recover::Recover;
-use crate::run::Run;
 use crate::scene::{Scene, pictures};
 use crate::section::SectionPanel;
 use crate::study::StudyPanel;
 use crate::transfer::TransferPanel;
 use crate::view::View;
-use crate::worker::{DistributionQuery, NodeState, PixelProbe, RenderRequest, Worker, WorkerOutput};
-use eframe::egui::Context;
+use crate::worker::{Estimate, NodeState, PixelProbe, RenderRequest, Worker, WorkerOutput, size_of};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, channel};
 use voltet_core::{Error, Result};
 use voltet_document::{Document, Gesture};
-use voltet_graph::{ArrayRef, NodeEntry, Registry};
+use voltet_graph::{NodeEntry, Registry, RunReport};
 
 /// Makes the text of a pipeline for a file that is none, such as data; the second path is where it would be saved.
 pub type Start = Arc<dyn Fn(&Path, &Path) -> Result<String> + Send + Sync>;
-
-/// Inputs of the requests to the worker: as long as they are equal, so are the requests.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct RequestInputs {
-    pub revision: u64,
-    pub shown: Option<String>,
-    pub room: [u32; 2],
-    pub hidden: Option<(String, BTreeSet<usize>)>,
-    pub axes: [ArrayRef; 2],
-    pub drags: bool,
-    pub selection: BTreeSet<String>,
-}
 
 /// All that a window shows.
 pub struct Editor {
@@ -50,7 +32,7 @@ pub struct Editor {
     pub(crate) worker: Worker,
     pub(crate) start: Start,
     /// A pipeline that is being made.
-    pub(crate) made: Option<Receiver<Result<Document>>>,
+    pub(crate) made: Option<Job<Document>>,
     pub(crate) selection: BTreeSet<String>,
     pub(crate) shown_node: Option<String>,
     pub(crate) graph: GraphView,
@@ -59,29 +41,27 @@ pub struct Editor {
     pub(crate) transfer: TransferPanel,
     pub(crate) arrays: Arrays,
     pub(crate) message: Option<(String, bool)>,
-    pub(crate) ground: Option<RequestInputs>,
     pub(crate) recover: Recover,
     pub(crate) disk: Disk,
     pub(crate) watch: FileWatcher,
     pub(crate) help: bool,
     pub(crate) costs: bool,
-    pub(crate) last_estimate: u64,
     pub(crate) file_dialog: Option<FileDialog>,
     /// File to open once unsaved work is settled; `None` opens a file dialog.
     pub(crate) begin_with: Option<PathBuf>,
     pub(crate) recent: Recent,
     /// A whole run that is under way.
-    pub(crate) run: Option<Run>,
+    pub(crate) run: Option<Job<RunReport>>,
     /// Command that waits for a decision about unsaved work.
     pub(crate) unsaved: Option<Command>,
+    /// The picture that was asked for last, and its number.
     pub(crate) asked: Option<RenderRequest>,
-    /// The distribution that was asked for last.
-    pub(crate) distribution: Option<DistributionQuery>,
-    /// The probe that is waited for, and whether it is for the centre of the picture.
-    pub(crate) probing: Option<(u64, bool)>,
-    pub(crate) last_probe: u64,
+    pub(crate) picture_number: u64,
+    /// The revision and the shown node that small pictures were asked for last.
+    pub(crate) previews_of: Option<(u64, Option<String>)>,
+    /// True for a probe that is waited for to centre the picture.
+    pub(crate) probing: Option<bool>,
     pub(crate) probed: Option<Arc<PixelProbe>>,
-    pub(crate) lookups: Lookups,
     pub(crate) section: SectionPanel,
     pub(crate) study: StudyPanel,
     pub(crate) faults: (Option<u64>, Vec<Error>),
@@ -116,24 +96,21 @@ impl Editor {
             transfer: TransferPanel::default(),
             arrays: Arrays::default(),
             message: None,
-            ground: None,
             recover: Recover::default(),
             disk: Disk::default(),
             watch,
             help: false,
             costs: false,
-            last_estimate: 0,
             file_dialog: None,
             begin_with: None,
             recent: Recent::default(),
             run: None,
             unsaved: None,
             asked: None,
-            distribution: None,
+            picture_number: 0,
+            previews_of: None,
             probing: None,
-            last_probe: 0,
             probed: None,
-            lookups: Lookups::default(),
             section: SectionPanel::default(),
             study: StudyPanel::default(),
             faults: (None, Vec::new()),
@@ -186,12 +163,13 @@ impl Editor {
     /// Read-only view of the editor for the window's parts.
     pub(crate) fn scene(&self) -> Scene<'_> {
         let camera = self.camera();
-        let key = self.distribution.as_ref().map(|asked| asked.key);
         self.worker.shown(|shown| {
-            let engine = shown.report.as_ref().and_then(|report| report.engine.as_ref());
-            let found = shown.distribution.as_ref().filter(|(of, _)| Some(*of) == key);
-            let found = found.map(|(_, found)| found);
-            let estimate = shown.estimate.as_ref().filter(|(key, _)| *key == self.last_estimate);
+            let distribution = shown.distribution.answer();
+            let is_newest = shown.share.asked().is_some_and(|asked| asked.picture == self.picture_number);
+            let previews = shown.previews.iter();
+            let preview = |(node, preview): (&String, &crate::worker::Preview)| {
+                Some((node.clone(), preview.last()?.as_ref().ok()?.clone()))
+            };
             Scene {
                 document: &self.document,
                 registry: &self.registry,
@@ -199,83 +177,35 @@ impl Editor {
                 selection: &self.selection,
                 shown_node: self.shown_node.as_deref(),
                 view: camera.and_then(View::from_camera),
-                picture_size: camera.and_then(camera_size),
+                picture_size: camera.and_then(size_of),
                 pixels: shown.pixels.clone().filter(|_| self.shown_node.is_some()),
-                previews: shown.previews.clone(),
+                previews: previews.filter_map(preview).collect(),
                 asks: self.unsaved.is_some() || self.file_dialog.is_some(),
                 nodes: shown.nodes.clone(),
                 values: shown.values.clone(),
                 failure: shown.failure.clone(),
                 running: running(shown),
                 seconds: shown.pixels.as_ref().and_then(|p| shown.seconds[usize::from(!p.is_full())]),
-                engine: engine.map(|engine| engine.0.clone()),
-                distribution: found.and_then(|found| found.as_ref().ok().cloned()),
-                distribution_fault: found.and_then(|found| found.as_ref().err().map(Error::to_string)),
+                distribution: distribution.and_then(|found| found.as_ref().ok().cloned()),
+                distribution_fault: distribution.and_then(|found| found.as_ref().err().cloned()),
                 probed: self.probed.clone(),
-                share: self.lookups.share(shown),
-                section: self.lookups.section(shown),
-                bounds: shown.bounds,
+                share: shown.share.answer().filter(|_| is_newest).cloned(),
+                section: shown.section.last().cloned(),
                 report: shown.report.clone(),
-                estimate: estimate.map(|(_, found)| found.clone().map_err(|error| error.to_string())),
-                is_estimating: self.last_estimate > 0,
+                estimate: shown.estimate.answer().cloned(),
+                is_estimating: shown.estimate.is_waiting(),
                 faults: &self.faults.1,
-                entries: self
-                    .document
-                    .pipeline()
-                    .nodes
-                    .iter()
-                    .map(|node| (node.name.as_str(), node))
-                    .collect(),
+                entries: self.document.pipeline().nodes.iter().map(|n| (n.name.as_str(), n)).collect(),
             }
         })
     }
 
-    /// Opens a pipeline file, or makes a pipeline for another file, on a thread of its own.
-    pub(crate) fn open_any(&mut self, ctx: &Context, path: &Path) {
-        if is_pipeline(path) {
-            match Document::open(path) {
-                Ok(document) => {
-                    self.recent.add(path);
-                    self.take(document);
-                }
-                Err(error) => self.complain(&error),
-            }
-            return;
-        }
-        self.recent.add(path);
-        let at = free_path(path);
-        let (start, path, ctx) = (self.start.clone(), path.to_path_buf(), ctx.clone());
-        let (sender, made) = channel();
-        let name = path.display().to_string();
-        let spawned = std::thread::Builder::new().name("start".into()).spawn(move || {
-            let text = start(&path, &at);
-            // Nobody waits for it any more where the window was closed.
-            let _ = sender.send(text.and_then(|text| begun(text, &at)));
-            ctx.request_repaint();
-        });
-        match spawned {
-            Ok(_) => {
-                self.message = Some((format!("making a pipeline for {name} …"), false));
-                self.made = Some(made);
-            }
-            Err(error) => self.complain(&Error::run("no thread can be had").got(error)),
+    /// Asks how wrong the picture is.
+    pub(crate) fn estimate(&self) {
+        if let Some(asked) = self.asked.clone() {
+            self.worker.ask(|output| &mut output.estimate, Estimate(asked));
         }
     }
-
-    /// Takes over a pipeline that was made.
-    pub(crate) fn take_made(&mut self) {
-        let Some(made) = self.made.as_ref().and_then(|made| made.try_recv().ok()) else { return };
-        self.made = None;
-        match made {
-            Ok(document) => self.take(document),
-            Err(error) => self.complain(&error),
-        }
-    }
-}
-
-/// Width and height that a camera node states.
-pub(crate) fn camera_size(camera: &NodeEntry) -> Option<[u32; 2]> {
-    crate::worker::size_of(camera)
 }
 
 /// Description of the work in progress.

@@ -1,9 +1,27 @@
-//! File dialog: opening, saving, or naming a file in a parameter.
+//! Dialogs: a question with a few answers; and the choice of a file that is opened, saved, or named in a parameter.
 
 use crate::actions::{Action, Actions, FilePurpose};
 use crate::files::{DATA, is_pipeline_ending};
 use eframe::egui::{Align2, Context, Key, ScrollArea, TextEdit, Ui, Window};
 use std::path::{Path, PathBuf};
+
+/// Asks a question in the middle of the window; the answer, once a button is clicked.
+pub(crate) fn ask<T: Copy>(ctx: &Context, title: &str, text: String, answers: &[(&str, T)]) -> Option<T> {
+    let mut answer = None;
+    let window = Window::new(title).collapsible(false).resizable(false);
+    window.anchor(Align2::CENTER_CENTER, [0.0, 0.0]).show(ctx, |ui| {
+        ui.label(text);
+        ui.add_space(6.0);
+        ui.horizontal(|ui| {
+            for (text, of_button) in answers {
+                if ui.button(*text).clicked() {
+                    answer = Some(*of_button);
+                }
+            }
+        });
+    });
+    answer
+}
 
 impl FilePurpose {
     fn title(&self) -> String {

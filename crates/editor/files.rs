@@ -1,10 +1,51 @@
-//! Files: what their names say, a document for data, and what another program wrote.
+//! Files: what their names say, a document for data, what another program wrote, the files that were opened last, and copies of unsaved
+//! work.
 
-use crate::file_watcher::{BETWEEN, FileStamps, FileWatcher, state};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 use voltet_core::Result;
-use voltet_document::{Document, Edit};
+use voltet_document::{Autosave, Document, Edit, OrphanedDraft, Recovery, stamp};
+use voltet_graph::Stamp;
+use voltet_nodes::files::{state_folder, write_whole};
+
+/// Interval between two checks of the files.
+pub(crate) const BETWEEN: Duration = Duration::from_secs(1);
+
+/// Files, each as it was found last.
+pub(crate) type FileStamps = BTreeMap<PathBuf, Stamp>;
+
+/// Thread that wakes the window when a file is another than it was: the window need not look while nothing happens. It ends with this.
+#[derive(Debug)]
+pub(crate) struct FileWatcher {
+    known: Arc<Mutex<FileStamps>>,
+}
+
+impl FileWatcher {
+    /// Looks at the files again and again, and calls `wake` as long as a file differs from what is known of it. Errors: no thread can be started.
+    pub fn start(between: Duration, wake: impl Fn() + Send + 'static) -> std::io::Result<FileWatcher> {
+        let known = Arc::new(Mutex::new(FileStamps::new()));
+        let watched = Arc::downgrade(&known);
+        std::thread::Builder::new().name("files".into()).spawn(move || {
+            loop {
+                std::thread::sleep(between);
+                let Some(known) = watched.upgrade() else { return };
+                // Not held while a slow disk is asked.
+                let known = known.lock().unwrap_or_else(PoisonError::into_inner).clone();
+                if known.iter().any(|(path, before)| stamp(path) != *before) {
+                    wake();
+                }
+            }
+        })?;
+        Ok(FileWatcher { known })
+    }
+
+    /// Sets the stamps that later ones are compared with.
+    pub fn knows(&self, known: FileStamps) {
+        *self.known.lock().unwrap_or_else(PoisonError::into_inner) = known;
+    }
+}
 
 /// Changes by other programs: the document's file, and the data.
 #[derive(Debug, Default)]
@@ -27,11 +68,11 @@ impl Disk {
         }
         self.is_changed = document.changed_on_disk();
         self.looked = Some(Instant::now());
-        let now: FileStamps = data().into_iter().map(|path| (path.clone(), state(&path))).collect();
-        let own = document.path().map(|path| (path.to_path_buf(), state(path)));
+        let now: FileStamps = data().into_iter().map(|path| (path.clone(), stamp(&path))).collect();
+        let own = document.path().map(|path| (path.to_path_buf(), stamp(path)));
         watch.knows(now.clone().into_iter().chain(own).collect());
         let before = std::mem::replace(&mut self.data, now);
-        self.data.iter().any(|(path, state)| before.get(path).is_some_and(|before| before != state))
+        self.data.iter().any(|(path, now)| before.get(path).is_some_and(|before| before != now))
     }
 }
 
@@ -61,4 +102,99 @@ pub(crate) fn begun(text: String, at: &Path) -> Result<Document> {
     let mut document = Document::from_text(String::new(), Some(at.to_path_buf()));
     document.edit(&Edit::Text(text))?;
     Ok(document)
+}
+
+/// Length of the list of files that were opened and saved last.
+const MAX_COUNT: usize = 8;
+
+/// The files that were opened and saved last, the last one first; kept nowhere unless the list has a file.
+#[derive(Debug, Default)]
+pub(crate) struct Recent {
+    file: Option<PathBuf>,
+    paths: Vec<PathBuf>,
+}
+
+impl Recent {
+    /// The user's own.
+    pub fn usual() -> Recent {
+        Recent::in_file(state_folder().join("recent"))
+    }
+
+    /// Kept in a file, a path a line.
+    pub fn in_file(file: PathBuf) -> Recent {
+        let text = std::fs::read_to_string(&file).unwrap_or_default();
+        let paths = text.lines().filter(|line| !line.is_empty()).map(PathBuf::from).take(MAX_COUNT).collect();
+        Recent { file: Some(file), paths }
+    }
+
+    /// Files of the list that exist.
+    pub fn paths(&self) -> impl Iterator<Item = &Path> {
+        self.paths.iter().map(PathBuf::as_path).filter(|path| path.is_file())
+    }
+
+    /// A file was opened or saved.
+    pub fn add(&mut self, path: &Path) {
+        let path = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+        if self.paths.first() == Some(&path) {
+            return;
+        }
+        self.paths.retain(|other| *other != path);
+        self.paths.insert(0, path);
+        self.paths.truncate(MAX_COUNT);
+        let lines: Option<Vec<&str>> = self.paths.iter().map(|path| path.to_str()).collect();
+        if let (Some(file), Some(lines)) = (&self.file, lines) {
+            // Where it cannot be kept, the next window does without.
+            let made = file.parent().map(std::fs::create_dir_all);
+            let _ = made.map(|_| write_whole(file, (lines.join("\n") + "\n").as_bytes()));
+        }
+    }
+}
+
+/// Copy of this window's unsaved work, and copies left by crashed windows.
+#[derive(Default)]
+pub(crate) struct Recover {
+    pub place: Option<Recovery>,
+    pub keeper: Option<Autosave>,
+    pub left: Vec<OrphanedDraft>,
+    pub kept: Option<Instant>,
+}
+
+impl Recover {
+    /// Keeps work in a place, and looks what was left behind there.
+    pub fn at(place: Recovery) -> Recover {
+        Recover { left: place.left_behind(), place: Some(place), ..Recover::default() }
+    }
+
+    /// Another document is worked on: what was kept of the former one is not wanted any more.
+    pub fn forget(&mut self) {
+        if let Some(mut keeper) = self.keeper.take() {
+            let _ = keeper.give_up();
+        }
+        self.kept = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc;
+
+    #[test]
+    fn a_file_that_comes_or_changes_wakes() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("data.vtk");
+        let (sender, woken) = mpsc::channel();
+        let watch = FileWatcher::start(BETWEEN / 100, move || _ = sender.send(())).unwrap();
+        let know = || watch.knows(FileStamps::from([(path.clone(), stamp(&path))]));
+        know();
+        std::fs::write(&path, "1").unwrap();
+        woken.recv_timeout(60 * BETWEEN).expect("a file that came");
+        know();
+        while woken.recv_timeout(BETWEEN / 10).is_ok() {}
+        std::fs::write(&path, "12").unwrap();
+        woken.recv_timeout(60 * BETWEEN).expect("a file that changed");
+        drop(watch);
+        while woken.recv_timeout(60 * BETWEEN).is_ok() {}
+        assert_eq!(woken.recv_timeout(60 * BETWEEN), Err(mpsc::RecvTimeoutError::Disconnected));
+    }
 }

@@ -4,16 +4,15 @@
 //! | --- | --- |
 //! | [`worker`] | drawing and queries, on a thread of its own |
 //! | [`view`] | movements of the camera |
-//! | `editor`, `frame`, `layout`, `menus`, `scene` | one frame: its state, layout, read-only view |
+//! | `editor`, `frame`, `scene` | one frame: its state, layout, read-only view |
 //! | `actions`, `apply_actions` | requests of the window's parts, and their application |
-//! | `gestures`, `input_queue`, `keys` | steps of the undo history; queued input events; key bindings |
-//! | `saving`, `recover`, `autosave` | saving, recovery after a crash |
-//! | `requests`, `lookups` | requests to the worker, and their newest answers |
-//! | `graph` | nodes and wires, by `egui_node_graph2` behind a small interface |
+//! | `input`, `keys` | steps of the undo history; queued input events; keys and menus |
+//! | `files`, `file_dialog`, `saving` | file names and changes on disk; choosing; opening, saving, recovery |
+//! | `requests` | requests to the worker, and handling of its answers |
+//! | `graph` | nodes and wires |
 //! | `picture`, `parameters`, `costs` | the picture, the panel of the selected node, times and errors |
 //! | `arrays` | the arrays of data files |
-//! | `files`, `file_watcher`, `file_dialog`, `recent`, `begin` | file names, changes on disk, choosing, recent files, start screen |
-//! | `run` | a full run, which writes files |
+//! | `jobs` | work on threads of their own: runs, studies, pipelines made for data |
 //! | `section`, `study` | a plane through the data; error against time |
 //! | `transfer` | the transfer function over the histogram of s and g |
 //! | `window` | eframe's window |
@@ -21,28 +20,18 @@
 mod actions;
 mod apply_actions;
 mod arrays;
-mod autosave;
-mod begin;
-mod clipboard;
 mod costs;
 mod editor;
 mod file_dialog;
-mod file_watcher;
 mod files;
 mod frame;
-mod gestures;
 mod graph;
-mod input_queue;
+mod input;
+mod jobs;
 mod keys;
-mod layout;
-mod lookups;
-mod menus;
 mod parameters;
 mod picture;
-mod recent;
-mod recover;
 mod requests;
-mod run;
 mod saving;
 mod scene;
 mod section;

@@ -68,8 +68,7 @@ impl PicturePanel {
             self.rect = Some(picture);
         }
         if let Some(texture) = self.texture.as_ref().filter(|_| scene.shown_node.is_some()) {
-            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            ui.painter().image(texture.id(), picture, whole, Color32::WHITE);
+            ui.painter().image(texture.id(), picture, WHOLE, Color32::WHITE);
         }
         self.over(ui, scene, rect);
         if let Some(view) = scene.view {
@@ -145,12 +144,7 @@ impl PicturePanel {
         if self.holds == Some((pixels.number, pixels.is_full())) {
             return;
         }
-        let image = color_image(pixels);
-        let options = TextureOptions::LINEAR;
-        match &mut self.texture {
-            Some(texture) => texture.set(image, options),
-            None => self.texture = Some(ui.ctx().load_texture("picture", image, options)),
-        }
+        set_texture(&mut self.texture, ui, "picture", color_image(pixels), TextureOptions::LINEAR);
         self.holds = Some((pixels.number, pixels.is_full()));
     }
 
@@ -275,7 +269,8 @@ pub(crate) fn status(ui: &mut Ui, scene: &Scene) {
     } else if let Some(pixels) = &scene.pixels {
         let [width, height] = pixels.size();
         let seconds = scene.seconds.map_or(String::new(), |s| format!(" · {}", milliseconds(s)));
-        let engine = scene.engine.as_deref().map_or(String::new(), |engine| format!(" · {engine}"));
+        let engine = scene.report.as_ref().and_then(|report| report.engine.as_ref());
+        let engine = engine.map_or(String::new(), |(engine, _)| format!(" · {engine}"));
         ui.label(RichText::new(format!("{width} × {height}{seconds}{engine}")).color(theme::weak(dark)));
     }
 }
@@ -287,6 +282,23 @@ pub(crate) fn milliseconds(seconds: f64) -> String {
         s if s < 1.0 => format!("{:.0} ms", s * 1e3),
         s if s < 100.0 => format!("{s:.1} s"),
         s => format!("{s:.0} s"),
+    }
+}
+
+/// All of a texture.
+pub(crate) const WHOLE: Rect = Rect { min: Pos2::ZERO, max: pos2(1.0, 1.0) };
+
+/// Puts an image into a texture, which is made where there is none yet.
+pub(crate) fn set_texture(
+    texture: &mut Option<TextureHandle>,
+    ui: &Ui,
+    name: &str,
+    image: ColorImage,
+    options: TextureOptions,
+) {
+    match texture {
+        Some(texture) => texture.set(image, options),
+        None => *texture = Some(ui.ctx().load_texture(name, image, options)),
     }
 }
 

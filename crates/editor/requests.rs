@@ -1,12 +1,13 @@
 //! Requests to the worker, and handling of its answers.
 
 use crate::arrays::{self, Arrays};
-use crate::editor::{Editor, RequestInputs, camera_size};
+use crate::editor::Editor;
 use crate::scene::pictures;
 use crate::transfer;
 use crate::view::View;
 use crate::worker::{
-    DataScales, DistributionQuery, PixelProbe, ProbeQuery, RenderRequest, SectionQuery, ShareQuery, short,
+    DataScales, DistributionQuery, PixelProbe, PreviewQuery, ProbeQuery, RenderRequest, SectionQuery,
+    ShareQuery, VolumeSource, short, size_of,
 };
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -14,23 +15,10 @@ use voltet_document::links::{self, upstream};
 use voltet_graph::{NodeEntry, ParameterValue};
 
 impl Editor {
-    /// Asks the worker for what is wanted now and was not before.
+    /// Asks the worker for what is wanted now; what was asked last is not asked again.
     pub(crate) fn wish(&mut self) {
-        let hidden = self.transfer.hidden().map(|(look, hidden)| (look.to_string(), hidden.clone()));
-        let ground = RequestInputs {
-            revision: self.document.revision(),
-            shown: self.shown_node.clone(),
-            room: self.picture.room,
-            hidden,
-            axes: self.transfer.axes(),
-            drags: self.transfer.dragged().is_some(),
-            selection: self.selection.clone(),
-        };
-        if self.ground.as_ref() != Some(&ground) {
-            self.draw();
-            self.find_distribution();
-            self.ground = Some(ground);
-        }
+        self.draw();
+        self.find_distribution();
         self.find_share();
         self.find_section();
         self.find_previews();
@@ -38,11 +26,8 @@ impl Editor {
 
     /// Asks anew for all that is read from files; what they still say is not done again.
     pub(crate) fn read_again(&mut self) {
-        (self.ground, self.asked) = (None, None);
-        if let Some(asked) = &mut self.distribution {
-            asked.nodes.clear();
-        }
-        self.lookups.forget();
+        (self.asked, self.previews_of) = (None, None);
+        self.worker.forget_queries();
         self.arrays = Arrays::default();
     }
 
@@ -61,170 +46,122 @@ impl Editor {
 
     /// Asks the worker for the picture where another is wanted than before.
     fn draw(&mut self) {
-        let Some(node) = self.shown_node.clone() else { return };
-        let nodes = &self.document.pipeline().nodes;
-        let size = self.camera().and_then(camera_size).map(|own| fitted(own, self.picture.room));
-        let mut nodes = nodes.clone();
+        let Some(node) = &self.shown_node else { return };
+        let size = self.camera().and_then(size_of).map(|own| fitted(own, self.picture.room));
+        let mut wanted = self.render_request(node, size, true);
         if let (Some(look), Some(found)) = (self.transfer.dragged(), self.scene().distribution) {
-            put_in_numbers(&mut nodes, look, &found.known);
+            put_in_numbers(&mut wanted.nodes, look, &found.known);
         }
         if let Some((look, hidden)) = self.transfer.hidden() {
-            remove_hidden_widgets(&mut nodes, look, hidden);
+            remove_hidden_widgets(&mut wanted.nodes, look, hidden);
         }
-        let wanted = RenderRequest {
-            background: background(&nodes, &node),
-            nodes,
-            folder: self.document.folder(),
-            node,
-            size,
-            coarse_first: true,
-        };
-        let same = |asked: &RenderRequest| {
-            let feeding = |wanted: &RenderRequest| {
-                let names = wanted.upstream();
-                wanted.nodes.iter().filter(|node| names.contains(&node.name)).cloned().collect::<Vec<_>>()
-            };
-            (&asked.node, asked.size, asked.background, &asked.folder)
-                == (&wanted.node, wanted.size, wanted.background, &wanted.folder)
-                && feeding(asked) == feeding(&wanted)
-        };
-        if !self.asked.as_ref().is_some_and(same) {
-            self.lookups.picture = self.worker.draw(wanted.clone());
+        if self.asked.as_ref() != Some(&wanted) {
+            self.picture_number = self.worker.draw(wanted.clone());
             self.asked = Some(wanted);
         }
     }
 
-    /// Asks for the distribution of what the edited transfer function is drawn with, where another is wanted than before.
-    fn find_distribution(&mut self) {
-        let (source, fields, of_series) = {
-            let scene = self.scene();
-            let look = transfer::edited_node(&scene);
-            let fields = look.map(transfer::fields_of).unwrap_or_default();
-            let of_series = look.is_some_and(transfer::is_of_series);
-            (look.and_then(|look| transfer::volume_of(&scene, &look.name)), fields, of_series)
-        };
-        let Some(source) = source else { return };
-        let nodes = self.feeding(&source);
-        let (folder, axes) = (self.document.folder(), self.transfer.axes());
-        let key = self.distribution.as_ref().map_or(0, |asked| asked.key);
-        let mut wanted = DistributionQuery { nodes, folder, node: source, axes, fields, of_series, key };
-        if self.distribution.as_ref() != Some(&wanted) {
-            wanted.key += 1;
-            self.worker.find_distribution(wanted.clone());
-            self.distribution = Some(wanted);
-        }
+    /// Request for the picture of a node, by the nodes that feed it.
+    fn render_request(&self, node: &str, size: Option<[u32; 2]>, coarse_first: bool) -> RenderRequest {
+        let all = &self.document.pipeline().nodes;
+        let (nodes, folder) = (links::feeding(all, node), self.document.folder());
+        let background = background(all, node);
+        RenderRequest { nodes, folder, node: node.to_string(), size, background, coarse_first }
     }
 
-    /// The nodes that feed an output, and its own.
-    fn feeding(&self, source: &str) -> Vec<NodeEntry> {
+    /// The transfer function that is edited, and the output that gives the volume that it is drawn with.
+    fn edited(&self) -> Option<(&NodeEntry, String)> {
+        let scene = self.scene();
+        let look = transfer::edited_node(&scene)?;
+        Some((look, transfer::volume_of(&scene, &look.name)?))
+    }
+
+    fn volume_source(&self, output: String) -> VolumeSource {
         let all = &self.document.pipeline().nodes;
-        let (name, _) = links::source(source, all);
-        let names = upstream(all, name);
-        all.iter().filter(|node| names.contains(&node.name)).cloned().collect()
+        let nodes = links::feeding(all, links::source(&output, all).0);
+        VolumeSource { nodes, folder: self.document.folder(), output }
+    }
+
+    /// Asks for the distribution of what the edited transfer function is drawn with.
+    fn find_distribution(&self) {
+        let Some((look, output)) = self.edited() else { return };
+        let (fields, of_series) = (transfer::fields_of(look), transfer::is_of_series(look));
+        let (source, axes) = (self.volume_source(output), self.transfer.axes());
+        let wanted = DistributionQuery { source, axes, fields, of_series };
+        self.worker.ask(|output| &mut output.distribution, wanted);
     }
 
     /// Asks what the widget in hand adds to the picture, once the full one is there.
-    fn find_share(&mut self) {
-        let Some((look, chosen)) = self.transfer.in_hand() else { return };
-        let of = (self.lookups.picture, look.to_string(), chosen);
-        if self.lookups.is_shared(&of)
-            || !self.worker.shown(|shown| !shown.is_busy && shown.failure.is_none())
-        {
-            return;
+    fn find_share(&self) {
+        let Some((look, place)) = self.transfer.in_hand() else { return };
+        let picture = self.picture_number;
+        let is_due = self.worker.shown(|shown| {
+            let asked = shown.share.asked().map(|asked| (asked.picture, asked.look.as_str(), asked.place));
+            asked != Some((picture, look, place)) && !shown.is_busy && shown.failure.is_none()
+        });
+        let hidden = self.transfer.hidden().filter(|(of, _)| *of == look);
+        let is_hidden = |place: &usize| hidden.is_some_and(|(_, hidden)| hidden.contains(place));
+        let Some(wanted) = self.asked.as_ref().filter(|_| is_due && !is_hidden(&place)) else { return };
+        if wanted.nodes.iter().any(|node| node.name == look) {
+            let widget = (0..place).filter(|place| !is_hidden(place)).count();
+            let (look, wanted) = (look.to_string(), wanted.clone());
+            let wanted = ShareQuery { picture, look, place, wanted, widget };
+            self.worker.ask(|output| &mut output.share, wanted);
         }
-        let drawn = self.transfer.hidden().filter(|(of, _)| *of == look);
-        let is_hidden = |place: &usize| drawn.is_some_and(|(_, hidden)| hidden.contains(place));
-        let Some(wanted) = self.asked.clone().filter(|_| !is_hidden(&chosen)) else { return };
-        if !wanted.upstream().contains(look) {
-            return;
-        }
-        let widget = (0..chosen).filter(|place| !is_hidden(place)).count();
-        let key = self.lookups.next_share(of.clone());
-        self.worker.share(ShareQuery { wanted, look: of.1, widget, key });
     }
 
     /// Asks for small pictures of the other nodes that give one, once the shown one is there and no hand is at work.
     fn find_previews(&mut self) {
         let of = (self.document.revision(), self.shown_node.clone());
-        let is_asked = self.lookups.previews_of.as_ref() == Some(&of);
+        let is_asked = self.previews_of.as_ref() == Some(&of);
         if is_asked || self.gesture.is_some() || self.worker.shown(|shown| shown.is_busy) {
             return;
         }
-        let names = pictures(&self.document, &self.registry).into_iter().map(str::to_string);
-        let others: Vec<String> = names.filter(|name| Some(name) != self.shown_node.as_ref()).collect();
-        for node in others {
-            let background = background(&self.document.pipeline().nodes, &node);
-            let (nodes, folder) = (self.feeding(&node), self.document.folder());
-            let wanted = RenderRequest {
-                nodes,
-                folder,
-                node: node.clone(),
-                size: None,
-                background,
-                coarse_first: false,
-            };
-            if self.lookups.previews.get(&node) != Some(&wanted) {
-                self.worker.preview(wanted.clone());
-                self.lookups.previews.insert(node, wanted);
+        for node in pictures(&self.document, &self.registry) {
+            if Some(node) != self.shown_node.as_deref() {
+                let wanted = PreviewQuery(self.render_request(node, None, false));
+                self.worker.ask(|output| output.preview(node), wanted);
             }
         }
-        self.lookups.previews_of = Some(of);
+        self.previews_of = Some(of);
     }
 
-    /// Asks for the section, where it is shown and another is wanted than before.
-    fn find_section(&mut self) {
+    /// Asks for the section, where it is shown.
+    fn find_section(&self) {
         if !self.section.open {
             return;
         }
-        let found = {
-            let scene = self.scene();
-            let look = transfer::edited_node(&scene).map(|look| look.name.clone());
-            let source = look.and_then(|look| transfer::volume_of(&scene, &look));
-            let plane =
-                scene.view.zip(scene.bounds).and_then(|(view, bounds)| self.section.wanted(view, bounds));
-            source.zip(plane)
-        };
-        let Some((node, (centre, axes, half))) = found else { return };
-        let nodes = self.feeding(&node);
-        let (folder, size) = (self.document.folder(), self.section.size());
-        let key = self.lookups.section.as_ref().map_or(0, |asked| asked.key);
-        let mut wanted = SectionQuery { nodes, folder, node, centre, axes, half, size, key };
-        if self.lookups.section.as_ref() != Some(&wanted) {
-            wanted.key += 1;
-            self.worker.cut(wanted.clone());
-            self.lookups.section = Some(wanted);
-        }
+        let view = self.camera().and_then(View::from_camera);
+        let plane = view
+            .zip(self.worker.shown(|shown| shown.bounds))
+            .and_then(|(view, bounds)| self.section.wanted(view, bounds));
+        let Some(((_, output), (centre, axes, half))) = self.edited().zip(plane) else { return };
+        let (source, size) = (self.volume_source(output), self.section.size());
+        let wanted = SectionQuery { source, centre, axes, half, size };
+        self.worker.ask(|output| &mut output.section, wanted);
     }
 
     /// Asks what lies at places of the picture.
     pub(crate) fn probe(&mut self, places: Vec<[f64; 2]>, centres: bool) {
-        let sources = {
-            let scene = self.scene();
-            let look = transfer::edited_node(&scene).map(|look| look.name.clone());
-            look.and_then(|look| {
-                Some([transfer::volume_of(&scene, &look)?, look, self.camera()?.name.clone()])
-            })
-        };
-        let Some(sources) = sources else { return };
-        self.last_probe += 1;
-        let key = self.last_probe;
-        self.probing = Some((key, centres));
+        let (Some((look, output)), Some(camera)) = (self.edited(), self.camera()) else { return };
         let nodes = self.document.pipeline().nodes.clone();
-        self.worker.probe(ProbeQuery { nodes, folder: self.document.folder(), sources, places, key });
+        let source = VolumeSource { nodes, folder: self.document.folder(), output };
+        let wanted = ProbeQuery { source, look: look.name.clone(), camera: camera.name.clone(), places };
+        self.worker.ask(|output| &mut output.probe, wanted);
+        self.probing = Some(centres);
     }
 
     /// Takes over what a probe found: values in a line, or the centre.
     pub(crate) fn take_probed(&mut self) {
-        let Some((key, centres)) = self.probing else { return };
-        let found = self.worker.shown(|shown| shown.probed.as_ref().filter(|(of, _)| *of == key).cloned());
-        match found {
-            Some((_, Err(error))) => self.complain(&error),
-            Some((_, Ok(found))) if centres => {
+        let Some(centres) = self.probing else { return };
+        match self.worker.shown(|shown| shown.probe.answer().cloned()) {
+            Some(Err(error)) => self.complain(&error),
+            Some(Ok(found)) if centres => {
                 if let (Some(point), Some(view)) = (found.point, self.camera().and_then(View::from_camera)) {
                     self.look(view.centred(point));
                 }
             }
-            Some((_, Ok(found))) => self.show_probed(found),
+            Some(Ok(found)) => self.show_probed(found),
             None => return,
         }
         self.probing = None;
@@ -263,11 +200,10 @@ impl Editor {
 /// Puts numbers in the place of those relative to data, where they are known.
 fn put_in_numbers(nodes: &mut [NodeEntry], look: &str, known: &DataScales) {
     let Some(node) = nodes.iter_mut().find(|node| node.name == look) else { return };
-    let widgets = node.settings.iter_mut().find(|field| field.name == "widgets");
-    if let Some(setting) = widgets.map(|field| &mut field.setting)
-        && let Some(list) = setting.list().and_then(|list| transfer::in_numbers(list, known))
-    {
-        setting.datum = ParameterValue::List(list);
+    let list = node.setting("widgets").and_then(|setting| setting.list());
+    if let Some(list) = list.and_then(|list| transfer::in_numbers(list, known)) {
+        // Only a path that leads nowhere is refused.
+        let _ = node.set("widgets", &[], ParameterValue::List(list).into());
     }
 }
 
@@ -298,7 +234,6 @@ fn background(nodes: &[NodeEntry], node: &str) -> [f64; 3] {
                 link.source.text().is_some_and(|text| text == node || text.split('.').next() == Some(node))
             })
     };
-    let writer = nodes.iter().find(writes);
-    let stated = writer.and_then(|writer| writer.settings.iter().find(|field| field.name == "background"));
-    stated.and_then(|field| field.setting.numbers()?.try_into().ok()).unwrap_or([0.0; 3])
+    let stated = nodes.iter().find(writes).and_then(|writer| writer.setting("background"));
+    stated.and_then(|stated| stated.array()).unwrap_or([0.0; 3])
 }

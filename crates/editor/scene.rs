@@ -3,10 +3,9 @@
 use crate::arrays::Arrays;
 use crate::view::View;
 use crate::worker::{Distribution, NodeStatus, PixelProbe, Pixels, Section, Share};
-use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
-use voltet_core::Error;
+use voltet_core::{Error, Result};
 use voltet_document::Document;
 use voltet_graph::{Node, NodeEntry, PortType, Registry, RunReport};
 
@@ -36,23 +35,20 @@ pub(crate) struct Scene<'a> {
     /// Description of the work in progress.
     pub running: Option<String>,
     pub seconds: Option<f64>,
-    pub engine: Option<String>,
     /// The distribution of what the selected transfer function is drawn with.
     pub distribution: Option<Arc<Distribution>>,
     /// Reason why there is none.
-    pub distribution_fault: Option<String>,
+    pub distribution_fault: Option<Error>,
     /// Result of the last probe of the picture.
     pub probed: Option<Arc<PixelProbe>>,
     /// Contribution of the selected widget to the picture, or an error message; `None` while unknown.
-    pub share: Option<Result<Share, String>>,
+    pub share: Option<Result<Share>>,
     /// Section of the data by the plane.
-    pub section: Option<Result<Arc<Section>, String>>,
-    /// Least and greatest coordinates of the data.
-    pub bounds: Option<[DVec3; 2]>,
+    pub section: Option<Result<Arc<Section>>>,
     /// The last full run.
     pub report: Option<Arc<RunReport>>,
     /// Estimated error of the picture, if requested.
-    pub estimate: Option<Result<[f64; 2], String>>,
+    pub estimate: Option<Result<[f64; 2]>>,
     /// True while the error is being estimated.
     pub is_estimating: bool,
     /// Faults of the document, each with the node that it concerns.

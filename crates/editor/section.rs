@@ -1,13 +1,14 @@
 //! The section: s on a plane through the data, where a click or a box finds values.
 
 use crate::actions::{Action, Actions};
+use crate::picture::{WHOLE, set_texture};
 use crate::scene::Scene;
 use crate::theme;
 use crate::view::View;
 use crate::worker::{PixelProbe, Section, grouped, short};
 use eframe::egui::{
     Color32, ColorImage, Context, Pos2, Rect, Rgba, RichText, Sense, Slider, Stroke, TextureHandle,
-    TextureOptions, Ui, Window, pos2, vec2,
+    TextureOptions, Ui, Window, vec2,
 };
 use glam::DVec3;
 use std::sync::Arc;
@@ -101,12 +102,13 @@ impl SectionPanel {
         }
         match &scene.section {
             Some(Ok(section)) => self.take(ui, scene, section),
-            Some(Err(error)) => drop(ui.colored_label(theme::wrong(ui.visuals().dark_mode), error)),
+            Some(Err(error)) => {
+                drop(ui.colored_label(theme::wrong(ui.visuals().dark_mode), error.to_string()))
+            }
             None => drop(ui.label("the section is made …")),
         }
         let (Some(section), Some(texture)) = (self.shown.clone(), &self.texture) else { return };
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        ui.painter().image(texture.id(), rect, whole, Color32::WHITE);
+        ui.painter().image(texture.id(), rect, WHOLE, Color32::WHITE);
         let pixel = |at: Pos2| {
             let share = (at - rect.min) / rect.size();
             [share.x * SIZE[0] as f32, share.y * SIZE[1] as f32].map(|x| f64::from(x.max(0.0)))
@@ -154,12 +156,7 @@ impl SectionPanel {
             None => Color32::from_gray(24),
         };
         let image = ColorImage { size: section.of.size, pixels: section.values.iter().map(color).collect() };
-        match &mut self.texture {
-            Some(texture) => texture.set(image, TextureOptions::NEAREST),
-            None => {
-                self.texture = Some(ui.ctx().load_texture("section", image, TextureOptions::NEAREST));
-            }
-        }
+        set_texture(&mut self.texture, ui, "section", image, TextureOptions::NEAREST);
         self.shown = Some(section.clone());
     }
 }
@@ -195,7 +192,7 @@ fn probe(section: &Section, [x, y]: [[f64; 2]; 2], actions: &mut Actions) {
         pixels.filter_map(|i| section.values[i].map(|value| (value, 1.0))).collect();
     let middle = section.of.point([0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])]);
     let point = Some(middle).filter(|_| !values.is_empty());
-    actions.push(Action::PixelProbe(Arc::new(PixelProbe { key: 0, rays: 0, values, point, opacity: 0.0 })));
+    actions.push(Action::PixelProbe(Arc::new(PixelProbe { rays: 0, values, point, opacity: 0.0 })));
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! `study` at a click: every integrator on the picture that is shown, its time and its error, off the window's thread.
 
+use crate::jobs::Job;
 use crate::picture::milliseconds;
 use crate::scene::Scene;
 use crate::theme;
@@ -7,13 +8,12 @@ use eframe::egui::{
     Align2, Color32, Context, FontId, Grid, ProgressBar, Rect, RichText, ScrollArea, Sense, Stroke, Ui,
     Window, pos2, vec2,
 };
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
+use voltet_core::Result;
 use voltet_core::error::ErrorKind;
 use voltet_core::progress::Progress;
-use voltet_core::{Error, Result};
+use voltet_graph::{NodeProgress, Observer};
 
 /// Request for a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,43 +57,14 @@ pub struct StudiedRow {
 /// Makes a study; called on a thread of its own. Errors: those of `voltet study`; a stop.
 pub type Study = Arc<dyn Fn(&StudyRequest, &dyn Progress) -> Result<Studied> + Send + Sync>;
 
-/// A study that is made.
-#[derive(Default)]
-struct StudyOutput {
-    stops: AtomicBool,
-    at: Mutex<(String, f64)>,
-    found: Mutex<Option<Result<Studied>>>,
-}
-
 /// The window of the study.
 #[derive(Default)]
 pub(crate) struct StudyPanel {
     pub open: bool,
     /// Function that makes studies, where the program has one.
     pub make: Option<Study>,
-    made: Option<Arc<StudyOutput>>,
+    made: Option<Job<Studied>>,
     found: Option<std::result::Result<Studied, String>>,
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-struct Watching(Arc<StudyOutput>, Context);
-
-impl Progress for Watching {
-    fn report(&self, stage: &str, fraction: f64) {
-        *lock(&self.0.at) = (stage.to_string(), fraction);
-        self.1.request_repaint();
-    }
-
-    fn cancelled(&self) -> bool {
-        self.0.stops.load(Ordering::SeqCst)
-    }
-
-    fn memory_left(&self) -> Option<u64> {
-        voltet_io::memory::available()
-    }
 }
 
 impl StudyPanel {
@@ -121,8 +92,7 @@ impl StudyPanel {
 
     /// Takes over what a study has found.
     pub fn take_found(&mut self) {
-        let found = self.made.as_ref().and_then(|made| lock(&made.found).take());
-        let Some(found) = found else { return };
+        let Some(found) = self.made.as_ref().and_then(Job::result) else { return };
         self.made = None;
         self.found = match found {
             Err(error) if error.kind == ErrorKind::Cancelled => Some(Err("stopped".into())),
@@ -132,7 +102,7 @@ impl StudyPanel {
 
     fn controls(&mut self, ui: &mut Ui, scene: &Scene) {
         if let Some(made) = &self.made {
-            let (stage, fraction) = lock(&made.at).clone();
+            let (stage, fraction) = made.progress();
             if ui.button("Stop").clicked() {
                 self.stop();
             }
@@ -164,25 +134,17 @@ impl StudyPanel {
     /// Begins a study.
     pub fn begin(&mut self, of: StudyRequest, ctx: &Context) {
         let Some(make) = self.make.clone() else { return };
-        let made = Arc::new(StudyOutput::default());
-        let watching = Watching(made.clone(), ctx.clone());
-        let spawned = std::thread::Builder::new().name("study".into()).spawn(move || {
-            let work = || make(&of, &watching);
-            let found = catch_unwind(AssertUnwindSafe(work));
-            let ended = |_| Err(Error::run("the study ended by a mistake of its own"));
-            *lock(&watching.0.found) = Some(found.unwrap_or_else(ended));
-            watching.1.request_repaint();
-        });
-        match spawned {
-            Ok(_) => (self.made, self.found) = (Some(made), None),
-            Err(error) => self.found = Some(Err(format!("no thread can be had: {error}"))),
+        let work = move |observer: &dyn Observer| make(&of, &NodeProgress { observer, node: "" });
+        match Job::start("study", ctx, work) {
+            Ok(made) => (self.made, self.found) = (Some(made), None),
+            Err(error) => self.found = Some(Err(error.to_string())),
         }
     }
 
     /// Stops the study that is made.
     pub fn stop(&self) {
         if let Some(made) = &self.made {
-            made.stops.store(true, Ordering::SeqCst);
+            made.cancel();
         }
     }
 
@@ -190,12 +152,6 @@ impl StudyPanel {
     #[cfg(test)]
     pub fn found(&self) -> Option<&std::result::Result<Studied, String>> {
         self.found.as_ref()
-    }
-}
-
-impl Drop for StudyPanel {
-    fn drop(&mut self) {
-        self.stop();
     }
 }
 

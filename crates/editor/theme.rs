@@ -5,15 +5,6 @@ use voltet_graph::PortType;
 
 /// Applies the theme, once.
 pub(crate) fn apply(ctx: &Context) {
-    for theme in [Theme::Dark, Theme::Light] {
-        ctx.style_mut_of(theme, |style| {
-            // Labels are dragged with what they stand on.
-            style.interaction.selectable_labels = false;
-            // A blinking cursor would keep an idle window busy.
-            style.visuals.text_cursor.blink = false;
-            style.spacing.slider_width = 130.0;
-        });
-    }
     ctx.set_visuals_of(
         Theme::Dark,
         Visuals {
@@ -21,7 +12,7 @@ pub(crate) fn apply(ctx: &Context) {
             window_fill: Color32::from_gray(36),
             extreme_bg_color: Color32::from_gray(18),
             override_text_color: Some(Color32::from_gray(210)),
-            ..base(true)
+            ..Visuals::dark()
         },
     );
     ctx.set_visuals_of(
@@ -31,15 +22,18 @@ pub(crate) fn apply(ctx: &Context) {
             window_fill: Color32::from_gray(250),
             extreme_bg_color: Color32::WHITE,
             override_text_color: Some(Color32::from_gray(30)),
-            ..base(false)
+            ..Visuals::light()
         },
     );
-}
-
-fn base(dark: bool) -> Visuals {
-    let mut visuals = if dark { Visuals::dark() } else { Visuals::light() };
-    visuals.text_cursor.blink = false;
-    visuals
+    for theme in [Theme::Dark, Theme::Light] {
+        ctx.style_mut_of(theme, |style| {
+            // Labels are dragged with what they stand on.
+            style.interaction.selectable_labels = false;
+            // A blinking cursor would keep an idle window busy.
+            style.visuals.text_cursor.blink = false;
+            style.spacing.slider_width = 130.0;
+        });
+    }
 }
 
 /// Colour of selected items.

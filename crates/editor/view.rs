@@ -3,11 +3,8 @@
 //! Distances in the picture are in heights of it, from its middle, to the right and up.
 
 use glam::{DQuat, DVec3};
-use voltet_core::camera::{Camera, Projection};
+use voltet_core::camera::{Camera, Frame, Projection};
 use voltet_graph::{LocatedValue, NodeEntry, ParameterValue};
-
-/// Narrowest and widest view of a perspective camera that zooming with a fixed eye may reach, degrees.
-const FOV: [f64; 2] = [1e-3, 170.0];
 
 /// Digits that a moved camera is written with: a picture of 30,000 pixels does not show the rest.
 const DIGITS: usize = 7;
@@ -25,28 +22,17 @@ pub struct View {
     pub projection: Projection,
 }
 
-/// The picture's own axes in world space, unit vectors.
-struct Axes {
-    right: DVec3,
-    up: DVec3,
-    forward: DVec3,
-}
-
 impl View {
     /// The view that a camera node states; `None` where it is not sound.
     pub fn from_camera(node: &NodeEntry) -> Option<View> {
-        let find =
-            |name: &str| node.settings.iter().find(|field| field.name == name).map(|field| &field.setting);
-        let vector = |name: &str| -> Option<DVec3> {
-            let numbers = find(name)?.numbers()?;
-            <[f64; 3]>::try_from(numbers).ok().map(DVec3::from)
-        };
-        let projection = match (find("height").and_then(LocatedValue::number), find("fov_y")) {
+        let vector = |name: &str| node.setting(name)?.array().map(DVec3::from);
+        let projection = match (node.setting("height").and_then(LocatedValue::number), node.setting("fov_y"))
+        {
             (Some(height), None) => Projection::Orthographic { height },
             (None, None) => Projection::Perspective { fov_y: 30.0 },
             (_, Some(fov_y)) => Projection::Perspective { fov_y: fov_y.number()? },
         };
-        let up = if find("up").is_some() { vector("up")? } else { DVec3::Z };
+        let up = if node.setting("up").is_some() { vector("up")? } else { DVec3::Z };
         let view = View { eye: vector("eye")?, target: vector("target")?, up, projection };
         view.axes().map(|_| view)
     }
@@ -54,10 +40,7 @@ impl View {
     /// The parameters of a camera node that say so: a name and a value each. Numbers are written with seven digits.
     pub fn settings(&self) -> Vec<(&'static str, ParameterValue)> {
         let scale = (self.eye - self.target).length();
-        let vector = |v: DVec3, scale: f64| {
-            let numbers = v.to_array().map(|x| LocatedValue::from(ParameterValue::Number(written(x, scale))));
-            ParameterValue::List(numbers.to_vec())
-        };
+        let vector = |v: DVec3, scale: f64| v.to_array().into_iter().map(|x| written(x, scale)).collect();
         let projection = match self.projection {
             Projection::Perspective { fov_y } => ("fov_y", ParameterValue::Number(written(fov_y, fov_y))),
             Projection::Orthographic { height } => {
@@ -78,9 +61,9 @@ impl View {
         Camera { eye, target, up, projection, near: 0.0, size, samples: 1 }
     }
 
-    fn axes(&self) -> Option<Axes> {
-        let frame = self.camera([1, 1]).frame().ok()?;
-        Some(Axes { right: frame.right, up: frame.up, forward: frame.forward })
+    /// The picture's own axes in world space.
+    fn axes(&self) -> Option<Frame> {
+        self.camera([1, 1]).frame().ok()
     }
 
     /// Unit vectors that point to the right and up in the picture; `None` of a view that is not sound.
@@ -141,17 +124,6 @@ impl View {
         };
         // Where eye and target fall together in 64 bits there is no nearer.
         if view.distance() <= 1e-9 * view.target.length() { self } else { view.or(self) }
-    }
-
-    /// Wider or narrower from the same place: the angle of view is divided by `factor`.
-    pub fn narrowed(self, factor: f64) -> View {
-        let projection = match self.projection {
-            Projection::Perspective { fov_y } => {
-                Projection::Perspective { fov_y: (fov_y / factor).clamp(FOV[0], FOV[1]) }
-            }
-            Projection::Orthographic { height } => Projection::Orthographic { height: height / factor },
-        };
-        View { projection, ..self }.or(self)
     }
 
     /// About the view direction, radians: the picture turns to the left.

@@ -1,9 +1,8 @@
 //! The window itself: eframe's glow backend around [`Editor`].
 
 use crate::editor::{Editor, Start};
-use crate::files::is_pipeline;
-use crate::input_queue::InputQueue;
-use crate::recent::Recent;
+use crate::files::{Recent, is_pipeline};
+use crate::input::InputQueue;
 use crate::study::Study;
 use crate::theme;
 use eframe::egui::{Context, RawInput, ViewportBuilder, ViewportCommand};

@@ -43,5 +43,5 @@ pub use voltet_core::diagnostics::{DataFinding, Diagnostics, SavedWork, SkippedW
 pub use voltet_core::parameters::{
     ArrayRef, AxisRef, DefaultValue, Field, LocatedValue, NamedPath, Parameter, ParameterType,
     ParameterValue, Parameters, Range, Relative, RelativeNumber, RelativeNumberType, SourceSpan,
-    StatisticKind, Variant, VariantSchema, nearest, suggest,
+    StatisticKind, Variant, VariantSchema, find_setting, nearest, suggest,
 };

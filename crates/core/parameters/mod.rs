@@ -32,5 +32,4 @@ pub use nearest::{edit_distance, nearest, suggest};
 pub use paths::NamedPath;
 pub use range::Range;
 pub use relative::{ArrayRef, Relative};
-pub use setting::replace_field;
-pub use setting::{Field, LocatedValue, ParameterValue, SourceSpan, key_text};
+pub use setting::{Field, LocatedValue, ParameterValue, SourceSpan, find_setting, key_text, replace_field};

@@ -80,10 +80,47 @@ impl PartialEq for SourceSpan {
     }
 }
 
-impl From<ParameterValue> for LocatedValue {
-    fn from(datum: ParameterValue) -> Self {
-        LocatedValue { datum, origin: SourceSpan::Nowhere }
+impl<T: Into<ParameterValue>> From<T> for LocatedValue {
+    fn from(datum: T) -> Self {
+        LocatedValue { datum: datum.into(), origin: SourceSpan::Nowhere }
     }
+}
+
+impl From<f64> for ParameterValue {
+    fn from(number: f64) -> Self {
+        ParameterValue::Number(number)
+    }
+}
+
+impl From<&str> for ParameterValue {
+    fn from(text: &str) -> Self {
+        ParameterValue::Text(text.to_string())
+    }
+}
+
+impl From<String> for ParameterValue {
+    fn from(text: String) -> Self {
+        ParameterValue::Text(text)
+    }
+}
+
+impl<T: Into<LocatedValue>> FromIterator<T> for ParameterValue {
+    /// A list.
+    fn from_iter<I: IntoIterator<Item = T>>(values: I) -> Self {
+        ParameterValue::List(values.into_iter().map(T::into).collect())
+    }
+}
+
+impl Field {
+    /// A key and its value, stated nowhere in a file.
+    pub fn new(name: impl Into<String>, value: impl Into<LocatedValue>) -> Field {
+        Field { name: name.into(), origin: SourceSpan::Nowhere, setting: value.into() }
+    }
+}
+
+/// The value of a key of a table.
+pub fn find_setting<'a>(fields: &'a [Field], name: &str) -> Option<&'a LocatedValue> {
+    fields.iter().find(|field| field.name == name).map(|field| &field.setting)
 }
 
 impl LocatedValue {
@@ -121,6 +158,11 @@ impl LocatedValue {
     /// The value as a list of numbers.
     pub fn numbers(&self) -> Option<Vec<f64>> {
         self.list()?.iter().map(LocatedValue::number).collect()
+    }
+
+    /// The value as a list of so many numbers.
+    pub fn array<const N: usize>(&self) -> Option<[f64; N]> {
+        self.numbers()?.try_into().ok()
     }
 
     /// The value as a table.

@@ -4,7 +4,7 @@
 
 use std::hint::black_box;
 use std::time::Instant;
-use voltet_document::{Delta, Document, Edit, Gesture};
+use voltet_document::{Document, Edit, Gesture};
 use voltet_graph::ParameterValue;
 use voltet_graph::pipeline::Pipeline;
 
@@ -81,16 +81,6 @@ fn main() {
     };
     told("a rename, in all", median(|i| document.edit(&rename(i)).unwrap()));
 
-    // What is left of these without reading: a change of the text, kept, turned round, and joined to the one before.
-    let other = text.replacen("60.8", "61.25", 1);
-    told("a delta between two texts", median(|_| drop(black_box(Delta::between(&text, &other)))));
-    let delta = Delta::between(&text, &other);
-    told("a delta carried out", median(|_| drop(black_box(delta.applied(&text)))));
-    let back = delta.inverse();
-    told(
-        "a delta turned round and joined to another",
-        median(|_| drop(black_box(delta.inverse().then(&back)))),
-    );
     println!(
         "kept by the history: {} bytes in {} steps",
         document.history().size(),

@@ -3,16 +3,9 @@
 //! A [`Draft`] holds a text and the places of everything in it, and collects replacements of bytes; what is not replaced is not
 //! written again, so comments, order, spaces and line ends stay by construction.
 
-mod add;
 mod draft;
-mod entries;
-mod find;
-mod inline;
 mod lines;
-mod read;
-mod set;
 mod syntax;
-mod unset;
 
 pub use draft::Draft;
 pub use syntax::Syntax;

@@ -5,7 +5,6 @@ use crate::actions::{Action, Actions};
 use crate::scene::Scene;
 use crate::theme;
 use eframe::egui::{Area, Frame, Key, Order, Pos2, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
-use std::rc::Rc;
 use voltet_document::{Fitting, Group, giving, search, taking};
 use voltet_graph::Node;
 
@@ -20,7 +19,7 @@ pub(super) struct Menu {
     /// Position in the window.
     pub at: Pos2,
     /// The wire that it was opened by.
-    wire: Option<Rc<Port>>,
+    wire: Option<Port>,
     typed: String,
     /// The entry that Enter takes.
     chosen: usize,
@@ -28,7 +27,7 @@ pub(super) struct Menu {
 }
 
 impl Menu {
-    pub fn new(at: Pos2, wire: Option<Rc<Port>>) -> Menu {
+    pub fn new(at: Pos2, wire: Option<Port>) -> Menu {
         Menu { at, wire, typed: String::new(), chosen: 0, is_new: true }
     }
 
@@ -127,7 +126,7 @@ impl Menu {
         let found = search(scene.registry, &self.typed);
         let mut entries: Vec<Entry> = found.into_iter().filter_map(with_port).collect();
         if self.typed.trim().is_empty() {
-            entries.sort_by_key(|(node, _)| Group::ALL.iter().position(|of| *of == Group::from_node(node)));
+            entries.sort_by_key(|(node, _)| Group::from_node(node));
         }
         entries
     }
@@ -135,7 +134,7 @@ impl Menu {
     fn add(&self, scene: &Scene, (node, fitting): Entry, at: [f64; 2], actions: &mut Actions) {
         let edits = match (&self.wire, fitting) {
             (Some(wire), Some(fitting)) => {
-                let held = (wire.node.as_str(), wire.name.as_str());
+                let held = (wire.node.as_str(), wire.name);
                 let edits = scene.document.adding_joined(scene.registry, fitting, at, held, wire.is_input);
                 edits.map(|edits| edits.to_vec())
             }

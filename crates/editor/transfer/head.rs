@@ -1,27 +1,32 @@
-//! Lines above the plane: the widgets, and commands for the selected one.
+//! Lines above the plane: the widgets, commands for the selected one, sets of widgets, and the choice of axes: s, g, arrays of the data,
+//! and arrays that widgets name.
 
-use super::edited_function::EditedFunction;
-use super::quantities::axis_name;
-use super::screen_widget::ScreenWidget;
-use super::{TransferPanel, new, widget_painter};
+use super::edited_function::{EditedFunction, axis_name, volume_of};
+use super::geometry::{S_AND_G, rounded};
+use super::screen_widget::{self, ScreenWidget};
+use super::{TransferPanel, list, new, plane};
 use crate::actions::Actions;
 use crate::parameters::{channels_value, edited_color};
-use crate::scene::Scene;
 use crate::theme;
 use crate::worker::{grouped, short};
-use eframe::egui::{DragValue, RichText, Sense, Stroke, Ui, vec2};
-use voltet_document::{Edit, Path};
-use voltet_graph::{ArrayRef, LocatedValue, ParameterValue};
+use eframe::egui::{Button, DragValue, Key, RichText, ScrollArea, Sense, Stroke, TextEdit, Ui, vec2};
+use std::collections::BTreeMap;
+use voltet_document::{Edit, Path, links};
+use voltet_graph::{ArrayRef, LocatedValue, ParameterValue, find_setting};
+
+/// Width of one list, and the most of its height, points.
+const WIDTH: f32 = 230.0;
+const HEIGHT: f32 = 220.0;
 
 impl TransferPanel {
-    pub(super) fn head(&mut self, ui: &mut Ui, scene: &Scene, look: &EditedFunction, actions: &mut Actions) {
+    pub(super) fn head(&mut self, ui: &mut Ui, look: &EditedFunction, actions: &mut Actions) {
         let dark = ui.visuals().dark_mode;
         ui.horizontal_wrapped(|ui| {
             ui.strong(look.node.name.as_str());
             for (place, widget) in look.widgets.iter().enumerate() {
                 self.chip(ui, place, widget, look);
             }
-            let peak = eframe::egui::Button::new("+ at peak").small();
+            let peak = Button::new("+ at peak").small();
             let fits =
                 look.is_of_s_and_g() || look.axes.iter().all(|axis| matches!(axis, ArrayRef::Array(_)));
             let peak = ui
@@ -31,7 +36,7 @@ impl TransferPanel {
             if peak.clicked() {
                 self.add_at_peak(look, actions);
             }
-            if let Some(entry) = look.probed.as_ref().and_then(|probed| new::at_probe(look, probed)) {
+            if let Some(entry) = look.scene.probed.as_ref().and_then(|probed| new::at_probe(look, probed)) {
                 let found = ui
                     .small_button("+ at probe")
                     .on_hover_text("a Gaussian on the values of the probe: their mean and covariance");
@@ -45,7 +50,7 @@ impl TransferPanel {
                 self.shown = None;
             }
             self.set_menu(ui, look, actions);
-            self.axes_menu(ui, scene, look);
+            self.axes_menu(ui, look);
             if !self.hidden.is_empty() {
                 let text = format!("{} hidden in this window", self.hidden.len());
                 ui.label(RichText::new(text).small().color(theme::accent(dark)));
@@ -79,7 +84,7 @@ impl TransferPanel {
             ("◀", place.saturating_sub(1), "earlier in the list (Shift+PageUp)"),
             ("▶", (place + 1).min(count - 1), "later in the list (Shift+PageDown)"),
         ] {
-            let button = eframe::egui::Button::new(text).small();
+            let button = Button::new(text).small();
             if ui.add_enabled(to != place, button).on_hover_text(help).clicked() {
                 self.reorder(look, to, actions);
             }
@@ -126,10 +131,10 @@ impl TransferPanel {
             let text = format!("holds {} % of the volume", percent(held));
             texts.push((text, "where the widget is at half of its peak or more".into()));
         }
-        match &look.share {
+        match &look.scene.share {
             _ if self.hidden.contains(&self.chosen) => {}
             None => {}
-            Some(Err(error)) => texts.push((error.clone(), "its share of the picture".into())),
+            Some(Err(error)) => texts.push((error.to_string(), "its share of the picture".into())),
             Some(Ok(share)) => {
                 let cells = share.cells.map(|cells| {
                     let [own, all] = cells.map(|count| grouped(count as usize));
@@ -160,7 +165,7 @@ impl TransferPanel {
     fn chip(&mut self, ui: &mut Ui, place: usize, widget: &ScreenWidget, look: &EditedFunction) {
         let dark = ui.visuals().dark_mode;
         let (rect, response) = ui.allocate_exact_size(vec2(18.0, 14.0), Sense::click());
-        let color = widget_painter::color(widget.color);
+        let color = plane::color(widget.color);
         let color = if self.hidden.contains(&place) { color.gamma_multiply(0.3) } else { color };
         ui.painter().rect_filled(rect.shrink(2.0), 2.0, color);
         if place == self.chosen {
@@ -179,7 +184,7 @@ impl TransferPanel {
         actions: &mut Actions,
     ) {
         let fields = look.list.get(self.chosen).and_then(LocatedValue::table).unwrap_or_default();
-        let is_stated = |key: &str| fields.iter().any(|field| field.name == key);
+        let is_stated = |key: &str| find_setting(fields, key).is_some();
         let path = |key: &str| Path::from("widgets").with(self.chosen).with(key);
         let mut set = |key: &str, value: ParameterValue| {
             actions.edit(Edit::Set { node: look.node.name.clone(), path: path(key), value });
@@ -198,8 +203,97 @@ impl TransferPanel {
             let field = field.speed(speed).max_decimals(4);
             let response = ui.add(field.update_while_editing(false));
             if response.on_hover_text("extinction, per unit_distance").changed() {
-                set("extinction", ParameterValue::Number(super::numbers::rounded(extinction)));
+                set("extinction", ParameterValue::Number(rounded(extinction)));
             }
         }
     }
+
+    /// Menu of the keys' commands.
+    pub(super) fn set_menu(&mut self, ui: &mut Ui, look: &EditedFunction, actions: &mut Actions) {
+        ui.menu_button("sets", |ui| {
+            ui.set_min_width(210.0);
+            for digit in 0..10 {
+                if let Some(list) = look.sets().get(&digit) {
+                    let text = format!("recall {digit}: {}", list::count(list.len()));
+                    if ui.add(Button::new(text).shortcut_text(digit.to_string())).clicked() {
+                        self.recall(digit, look, actions);
+                        ui.close_menu();
+                    }
+                }
+            }
+            let free = (1..10).chain([0]).find(|digit| !look.sets().contains_key(digit));
+            if let Some(digit) = free {
+                let store = Button::new(format!("store as {digit}")).shortcut_text(format!("Ctrl+{digit}"));
+                if ui.add(store).clicked() {
+                    self.store(digit, look, actions);
+                    ui.close_menu();
+                }
+            }
+        })
+        .response
+        .on_hover_text("all widgets, kept in the file under a digit: Ctrl+0 … 9 stores, 0 … 9 recalls");
+    }
+
+    /// A list for each axis, side by side.
+    pub(super) fn axes_menu(&mut self, ui: &mut Ui, look: &EditedFunction) {
+        let [x, y] = self.axes.each_ref().map(axis_name);
+        ui.menu_button(format!("axes {x}, {y}"), |ui| {
+            if ui.button("s, g").on_hover_text("the scalar and its gradient magnitude").clicked() {
+                self.set_axes(S_AND_G);
+                ui.close_menu();
+            }
+            ui.separator();
+            let choices = choices(ui, look);
+            ui.horizontal_top(|ui| {
+                for (k, title) in ["to the right", "up"].into_iter().enumerate() {
+                    ui.vertical(|ui| {
+                        ui.set_width(WIDTH);
+                        ui.label(title);
+                        self.list_of_axis(ui, k, &choices);
+                    });
+                }
+            });
+        })
+        .response
+        .on_hover_text("the quantities that the plane is over; widgets of several fields lie on theirs");
+    }
+
+    fn list_of_axis(&mut self, ui: &mut Ui, k: usize, choices: &[(ArrayRef, String)]) {
+        let mut taken = None;
+        ScrollArea::vertical().id_salt(("axis", k)).max_height(HEIGHT).show(ui, |ui| {
+            for (axis, label) in choices {
+                if ui.selectable_label(self.axes[k] == *axis, label).clicked() {
+                    taken = Some(axis.clone());
+                }
+            }
+        });
+        let typed = TextEdit::singleline(&mut self.typed_axis[k]).hint_text("another, by its name");
+        let response = ui.add(typed.desired_width(WIDTH - 20.0));
+        let enters = ui.input(|input| input.key_pressed(Key::Enter));
+        if response.lost_focus() && enters && !self.typed_axis[k].is_empty() {
+            taken = Some(ArrayRef::Array(std::mem::take(&mut self.typed_axis[k])));
+        }
+        if let Some(axis) = taken {
+            let mut axes = self.axes.clone();
+            axes[k] = axis;
+            self.set_axes(axes);
+            ui.close_menu();
+        }
+    }
+}
+
+/// Choices for an axis, labelled with kind and range where the data have it.
+fn choices(ui: &Ui, look: &EditedFunction) -> Vec<(ArrayRef, String)> {
+    let scene = look.scene;
+    let nodes = &scene.document.pipeline().nodes;
+    let source = volume_of(scene, &look.node.name);
+    let source = source.as_deref().map(|source| links::source(source, nodes).0);
+    let of_data = source
+        .map(|node| scene.arrays.feeding(ui.ctx(), scene.document, scene.registry, node))
+        .unwrap_or_default();
+    let named = look.list.iter().filter_map(LocatedValue::table).flat_map(screen_widget::arrays);
+    let mut arrays: BTreeMap<String, String> = named.map(|name| (name.clone(), name)).collect();
+    arrays.extend(of_data.iter().map(|array| (array.name.clone(), array.label.clone())));
+    let named = S_AND_G.into_iter().map(|axis| (axis.clone(), axis_name(&axis)));
+    named.chain(arrays.into_iter().map(|(name, label)| (ArrayRef::Array(name), label))).collect()
 }

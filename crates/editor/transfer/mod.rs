@@ -3,59 +3,43 @@
 //!
 //! | file | responsibility |
 //! | --- | --- |
-//! | `edited_function` | the transfer function in the panel |
+//! | `edited_function` | the transfer function in the panel, its volume and quantities |
 //! | `screen_widget`, `shape`, `kinds`, `region` | widgets in the plane, one file a kind; their regions |
 //! | `images` | pictures of tables |
-//! | `scale`, `numbers` | measures of the axes; numbers of a widget's table |
+//! | `geometry`, `plane` | scale, handles and numbers; axes, histogram, painter |
 //! | `relative` | numbers relative to data |
-//! | `handles` | handles of widgets |
-//! | `pointer`, `drag`, `keys`, `sets` | mouse and keys |
-//! | `head`, `axes`, `list`, `new` | lines above the plane, choice of axes, list of widgets, new ones |
-//! | `plane`, `draw`, `widget_painter` | axes and histogram; drawing of widgets |
+//! | `pointer`, `list` | mouse; list of widgets, and keys |
+//! | `head`, `new` | lines above the plane; new widgets |
 
-mod axes;
-mod drag;
-mod draw;
 mod edited_function;
-mod handles;
+mod geometry;
 mod head;
 mod images;
-mod keys;
 mod kinds;
 mod list;
 mod new;
-mod numbers;
 mod plane;
 mod pointer;
-mod quantities;
 mod region;
 mod relative;
-mod scale;
 mod screen_widget;
-mod sets;
 mod shape;
-mod widget_painter;
 
 use crate::actions::Actions;
 use crate::scene::Scene;
 use crate::theme;
 use crate::worker::short;
-use drag::Drag;
-use edited_function::EditedFunction;
+use edited_function::{EditedFunction, axis_name, axis_title};
+pub(crate) use edited_function::{edited_node, fields_of, is_of_series, volume_of};
 use eframe::egui::{self, Align2, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
-use handles::Handle;
+use geometry::{Change, Handle, S_AND_G};
 use images::Images;
-use numbers::Change;
 use plane::{Counts, Plane};
-pub(crate) use quantities::volume_of;
-use quantities::{axis_name, axis_title};
 pub(crate) use relative::in_numbers;
-use scale::S_AND_G;
-use screen_widget::ScreenWidget;
+use screen_widget::{Drag, ScreenWidget};
 use std::collections::BTreeSet;
-use voltet_document::links::upstream;
 use voltet_document::{Edit, Path};
-use voltet_graph::{ArrayRef, LocatedValue, NodeEntry};
+use voltet_graph::{ArrayRef, LocatedValue, find_setting};
 
 /// Room for the numbers of the axes: left, below, and right where a curve has its own.
 const MARGIN: [f32; 3] = [52.0, 18.0, 44.0];
@@ -105,32 +89,6 @@ impl Default for TransferPanel {
             plane: None,
         }
     }
-}
-
-/// The transfer function that is edited: the selected one, else the first that feeds the picture.
-pub(crate) fn edited_node<'a>(scene: &Scene<'a>) -> Option<&'a NodeEntry> {
-    let nodes = &scene.document.pipeline().nodes;
-    let is_one = |node: &&NodeEntry| node.node_type.text() == Some("transfer-function");
-    let selected = nodes.iter().filter(is_one).find(|node| scene.selection.contains(&node.name));
-    let feeding = upstream(nodes, scene.shown_node?);
-    selected.or_else(|| nodes.iter().filter(is_one).find(|node| feeding.contains(&node.name)))
-}
-
-/// The arrays that the widgets of a transfer function name.
-pub(crate) fn fields_of(look: &NodeEntry) -> Vec<String> {
-    let widgets = look.settings.iter().find(|field| field.name == "widgets");
-    let list = widgets.and_then(|field| field.setting.list()).unwrap_or_default();
-    let all: BTreeSet<String> =
-        list.iter().filter_map(LocatedValue::table).flat_map(screen_widget::arrays).collect();
-    all.into_iter().collect()
-}
-
-/// True if a transfer function has numbers relative to all steps of a time series.
-pub(crate) fn is_of_series(look: &NodeEntry) -> bool {
-    let says_so = look.settings.iter().any(|f| f.name == "relative_to" && f.setting.text() == Some("series"));
-    let widgets = look.settings.iter().find(|field| field.name == "widgets");
-    let list = widgets.and_then(|field| field.setting.list()).unwrap_or_default();
-    says_so && list.iter().filter_map(LocatedValue::table).any(relative::is_relative)
 }
 
 impl TransferPanel {
@@ -193,7 +151,7 @@ impl TransferPanel {
     pub fn at_probe_for_tests(&self, scene: &Scene) -> Option<voltet_graph::ParameterValue> {
         let look =
             EditedFunction::new(scene, edited_node(scene)?, &self.axes, self.plane, None, &self.images);
-        new::at_probe(&look, look.probed.as_ref()?)
+        new::at_probe(&look, scene.probed.as_ref()?)
     }
 
     pub fn show(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
@@ -219,7 +177,7 @@ impl TransferPanel {
         }
         self.hidden.retain(|place| *place < look.widgets.len());
         ui.add_space(3.0);
-        self.head(ui, scene, &look, actions);
+        self.head(ui, &look, actions);
         let (whole, response) =
             ui.allocate_exact_size(ui.available_size().max(vec2(60.0, 60.0)), Sense::click_and_drag());
         let in_hand = look.widgets.get(self.chosen);
@@ -231,7 +189,7 @@ impl TransferPanel {
         let shown = self.shown.or_else(|| look.histogram().map(plane::whole));
         let plane = Plane { rect, shown: shown.unwrap_or([[0.0, 1.0], [0.0, 1.0]]) };
         self.plane = Some(plane);
-        self.draw(ui, scene, plane, &look);
+        self.draw(ui, plane, &look);
         if has_curve {
             plane::extinctions(ui, plane, look.peak);
         }
@@ -242,19 +200,19 @@ impl TransferPanel {
     }
 
     /// The histogram, its axes, and the widgets on it.
-    fn draw(&mut self, ui: &Ui, scene: &Scene, plane: Plane, look: &EditedFunction) {
+    fn draw(&mut self, ui: &Ui, plane: Plane, look: &EditedFunction) {
         let (rect, dark) = (plane.rect, ui.visuals().dark_mode);
         ui.painter().rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
-        if let Some(found) = &look.found {
+        if let Some(found) = &look.scene.distribution {
             self.counts.draw(ui, plane, found);
         }
         if self.by_keyboard {
             ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, theme::accent(dark)));
         }
-        let [x, y] = self.axes.each_ref().map(|axis| axis_title(scene, &look.node.name, axis));
+        let [x, y] = self.axes.each_ref().map(|axis| axis_title(look, axis));
         plane::axes(ui, plane, [&x, &y]);
-        if let Some(probed) = look.probed.as_ref().filter(|_| look.is_of_s_and_g()) {
-            draw::probed(ui, plane, probed);
+        if let Some(probed) = look.scene.probed.as_ref().filter(|_| look.is_of_s_and_g()) {
+            plane::probed(ui, plane, probed);
         }
         let scale = look.scale(plane.shown);
         // The one in hand above the others.
@@ -262,13 +220,11 @@ impl TransferPanel {
         for place in others.chain([self.chosen]) {
             let Some(widget) = look.widgets.get(place) else { continue };
             let handles = (place == self.chosen).then_some(self.held);
-            draw::widget(ui, plane, widget, &scale, handles, self.hidden.contains(&place));
+            screen_widget::draw(ui, plane, widget, &scale, handles, self.hidden.contains(&place));
         }
-        if look.found.is_none() {
-            let text = scene
-                .distribution_fault
-                .clone()
-                .unwrap_or_else(|| "the distribution of the data comes …".into());
+        if look.scene.distribution.is_none() {
+            let fault = look.scene.distribution_fault.as_ref().map(ToString::to_string);
+            let text = fault.unwrap_or_else(|| "the distribution of the data comes …".into());
             let galley =
                 ui.painter().layout(text, FontId::proportional(12.0), theme::weak(dark), rect.width() - 20.0);
             let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
@@ -301,8 +257,8 @@ fn edit(
     actions: &mut Actions,
 ) {
     let Some(entry) = look.list.get(place).and_then(LocatedValue::table) else { return };
-    let is_stated = |key: &str| entry.iter().any(|field| field.name == key);
-    let known = look.found.as_ref().map(|found| &found.known);
+    let is_stated = |key: &str| find_setting(entry, key).is_some();
+    let known = look.known();
     let path = |key: &str| Path::from("widgets").with(place).and(&Path::from(key));
     let node = || look.node.name.clone();
     let edits = changes.into_iter().filter_map(|(key, value)| match value {

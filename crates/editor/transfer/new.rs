@@ -1,13 +1,13 @@
 //! New widgets: where most of the volume is, and on the values of a probe.
 
 use super::edited_function::EditedFunction;
+use super::geometry::{Change, list, rounded};
 use super::kinds::{gaussian, gaussian_over};
-use super::numbers::{Change, list};
 use super::plane::middle;
 use crate::worker::PixelProbe;
 use std::f64::consts::FRAC_1_SQRT_2;
 use voltet_core::probing::{ProbeResult, kernel};
-use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue};
+use voltet_graph::{ArrayRef, Field, ParameterValue};
 
 /// Deviations of a new Gaussian, as shares of the axes.
 const NEW: [f64; 2] = [0.02, 0.05];
@@ -48,7 +48,7 @@ pub(super) fn at_peak(look: &EditedFunction) -> Option<ParameterValue> {
 /// all of the data is not looked at. `None` without values.
 pub(super) fn at_probe(look: &EditedFunction, probed: &PixelProbe) -> Option<ParameterValue> {
     let (mean, covariance) = probed.moments()?;
-    let known = look.found.as_ref().map(|found| &found.known);
+    let known = look.known();
     let extent: Vec<f64> = ["s", "g"]
         .into_iter()
         .enumerate()
@@ -96,15 +96,10 @@ fn widget(look: &EditedFunction, (kind, numbers): (&str, Vec<Change>)) -> Parame
     ];
     let color = COLORS[look.widgets.len() % COLORS.len()];
     let first = [
-        ("kind", ParameterValue::Text(kind.into())),
-        ("color", list(&color)),
-        ("extinction", ParameterValue::Number(super::numbers::rounded(extinction))),
+        Field::new("kind", kind),
+        Field::new("color", list(&color)),
+        Field::new("extinction", rounded(extinction)),
     ];
-    let field = |(name, datum): (&'static str, ParameterValue)| Field {
-        name: name.into(),
-        origin: Default::default(),
-        setting: LocatedValue::from(datum),
-    };
-    let numbers = numbers.into_iter().filter_map(|(key, value)| Some((key, value?)));
-    ParameterValue::Table(first.into_iter().chain(numbers).map(field).collect())
+    let numbers = numbers.into_iter().filter_map(|(key, value)| Some(Field::new(key, value?)));
+    ParameterValue::Table(first.into_iter().chain(numbers).collect())
 }

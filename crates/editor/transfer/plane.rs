@@ -1,14 +1,23 @@
-//! The plane of s and g: from values to the window and back, its ticks, and the histogram as a texture.
+//! The plane of s and g: from values to the window and back, its ticks, the histogram as a texture, probed values, and the painter of
+//! widgets.
 
-use super::scale::height_of;
+use super::geometry::{Scale, height_of};
+use crate::picture::{WHOLE, set_texture};
 use crate::theme;
-use crate::worker::{Distribution, short};
+use crate::worker::{Distribution, PixelProbe, short};
 use eframe::egui::{
-    Align2, Color32, ColorImage, FontId, Galley, Pos2, Rect, Stroke, TextureHandle, TextureOptions, Ui, Vec2,
-    pos2, vec2,
+    Align2, Color32, ColorImage, FontId, Galley, Painter, Pos2, Rect, Rgba, Stroke, TextureHandle,
+    TextureOptions, Ui, Vec2, pos2, vec2,
 };
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use voltet_core::probing::{Axis, Histogram};
+
+/// Largest number of probed values that are drawn one by one.
+const FEW: usize = 300;
+
+/// A dot of a cloud of values, points.
+const DOT: f32 = 2.0;
 
 /// Decades of counts that are told apart.
 const DECADES: f64 = 6.0;
@@ -157,17 +166,13 @@ impl Counts {
         let same = self.of.as_ref().is_some_and(|(of, of_dark)| Arc::ptr_eq(of, found) && *of_dark == dark);
         if !same {
             let image = image(histogram, dark);
-            match &mut self.texture {
-                Some(texture) => texture.set(image, TextureOptions::NEAREST),
-                None => self.texture = Some(ui.ctx().load_texture("counts", image, TextureOptions::NEAREST)),
-            }
+            set_texture(&mut self.texture, ui, "counts", image, TextureOptions::NEAREST);
             self.of = Some((found.clone(), dark));
         }
         let Some(texture) = &self.texture else { return };
         let [s, g] = histogram.axes;
         let place = Rect::from_two_pos(plane.to_window([s.low, g.low]), plane.to_window([s.high, g.high]));
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        ui.painter().with_clip_rect(plane.rect).image(texture.id(), place, whole, Color32::WHITE);
+        ui.painter().with_clip_rect(plane.rect).image(texture.id(), place, WHOLE, Color32::WHITE);
     }
 }
 
@@ -201,6 +206,62 @@ pub(super) fn share_at(histogram: &Histogram, [s, g]: [f64; 2]) -> Option<f64> {
     };
     let (i, j) = (bin(0, s)?, bin(1, g)?);
     Some(histogram.volumes[j * histogram.axes[0].bins + i] / histogram.total)
+}
+
+/// The colour on the screen; what is brighter than it is clamped.
+pub(super) fn color(linear: [f64; 3]) -> Color32 {
+    let [r, g, b] = linear.map(|x| x.clamp(0.0, 1.0) as f32);
+    Color32::from(Rgba::from_rgb(r, g, b))
+}
+
+/// Painter of a widget.
+pub(super) struct WidgetPainter<'a> {
+    pub painter: Painter,
+    pub plane: Plane,
+    pub scale: &'a Scale,
+    pub stroke: Stroke,
+    pub is_chosen: bool,
+    pub is_hidden: bool,
+    pub dark: bool,
+}
+
+impl WidgetPainter<'_> {
+    /// Ranges, as far as they are shown.
+    pub fn rectangle(&self, [s, g]: [[f64; 2]; 2], stroke: Stroke, fill: Color32) {
+        let within = |axis: usize, [low, high]: [f64; 2]| {
+            let [a, b] = self.plane.shown[axis];
+            let over = b - a;
+            [low.max(a - over), high.min(b + over)]
+        };
+        let ([s0, s1], [g0, g1]) = (within(0, s), within(1, g));
+        let rect = Rect::from_two_pos(self.plane.to_window([s0, g0]), self.plane.to_window([s1, g1]));
+        self.painter.rect(rect, 0.0, fill, stroke);
+    }
+}
+
+/// Values that a probe found: few as circles, the larger the more of it they are; many as a cloud.
+pub(super) fn probed(ui: &Ui, plane: Plane, probed: &PixelProbe) {
+    let painter = ui.painter().with_clip_rect(plane.rect);
+    let color = theme::accent(ui.visuals().dark_mode);
+    let most = probed.values.iter().map(|(_, share)| *share).fold(1e-12, f64::max);
+    if probed.values.len() <= FEW {
+        for (value, share) in probed.values.iter().filter(|(_, share)| *share > 1e-3 * most) {
+            let radius = 1.5 + 3.0 * (share / most).sqrt() as f32;
+            painter.circle_stroke(plane.to_window(*value), radius, Stroke::new(1.2, color));
+        }
+        return;
+    }
+    let mut cloud: BTreeMap<(i32, i32), f64> = BTreeMap::new();
+    for (value, share) in &probed.values {
+        let at = plane.to_window(*value) / DOT;
+        *cloud.entry((at.x as i32, at.y as i32)).or_default() += share;
+    }
+    let densest = cloud.values().copied().fold(1e-12, f64::max);
+    for ((x, y), share) in cloud {
+        let at = pos2(x as f32, y as f32) * DOT;
+        let dot = Rect::from_min_size(at, Vec2::splat(DOT));
+        painter.rect_filled(dot, 0.0, color.gamma_multiply(0.25 + 0.75 * (share / densest).sqrt() as f32));
+    }
 }
 
 #[cfg(test)]

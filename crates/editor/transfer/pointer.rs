@@ -1,12 +1,10 @@
 //! Mouse in the plane: panning and zooming, dragging widgets, adding and removing points.
 
-use super::drag::Drag;
 use super::edited_function::EditedFunction;
-use super::handles::Handle;
+use super::geometry::{Handle, Scale, height_of};
 use super::plane::{self, Plane};
 use super::region::Region;
-use super::scale::{Scale, height_of};
-use super::screen_widget::ScreenWidget;
+use super::screen_widget::{Drag, ScreenWidget};
 use super::{TransferPanel, edit};
 use crate::actions::Actions;
 use eframe::egui::{self, PointerButton, Pos2, Ui, Vec2};
@@ -97,7 +95,7 @@ impl TransferPanel {
         (0..2).for_each(|k| drag.at[k] += times * way[k]);
         let changes = match drag.handle {
             Some(handle) => drag.widget.moved(handle, drag.at, &scale),
-            None => drag.widget.shifted([0, 1].map(|k: usize| drag.at[k] - drag.from[k])),
+            None => drag.widget.shifted([0, 1].map(|k: usize| drag.at[k] - drag.from[k]), &scale),
         };
         let before = drag.widget.clone();
         edit(look, self.chosen, &before, changes, actions);

@@ -1,11 +1,9 @@
 //! Regions of widgets as they lie in the plane: where a widget is not 0.
 
-use super::handles::{Handle, corners, edges};
-use super::numbers::{Change, array, find, list, rows};
-use super::scale::Scale;
-use super::widget_painter::WidgetPainter;
+use super::geometry::{Change, Handle, Scale, array, corners, edges, list, rows};
+use super::plane::WidgetPainter;
 use eframe::egui::{Color32, Pos2, Shape, Stroke};
-use voltet_graph::{Field, LocatedValue};
+use voltet_graph::{Field, LocatedValue, find_setting};
 
 /// Support of a widget, as its table states it.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,8 +20,10 @@ const RANGES: [&str; 2] = ["region.s", "region.g"];
 impl Region {
     /// Region of a widget's table, without numbers relative to data.
     pub fn parse(fields: &[Field]) -> Region {
-        let Some(region) = find(fields, "region").and_then(LocatedValue::table) else { return Region::Whole };
-        let corners: Option<Vec<[f64; 2]>> = find(region, "polygon")
+        let Some(region) = find_setting(fields, "region").and_then(LocatedValue::table) else {
+            return Region::Whole;
+        };
+        let corners: Option<Vec<[f64; 2]>> = find_setting(region, "polygon")
             .and_then(LocatedValue::list)
             .and_then(|list| list.iter().map(|row| row.numbers()?.try_into().ok()).collect());
         let limits = |name: &str| array(region, name).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);

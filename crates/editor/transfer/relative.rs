@@ -4,7 +4,7 @@ use crate::worker::DataScales;
 use voltet_core::parameters::{Parameters, Relative, RelativeNumber, StatisticKind};
 use voltet_core::transfer::{self, DataStatistics, WIDGET_KINDS};
 use voltet_core::{Error, Result};
-use voltet_graph::{Field, LocatedValue, ParameterValue, SourceSpan};
+use voltet_graph::{Field, LocatedValue, ParameterValue, SourceSpan, find_setting};
 
 /// Digits after the point of a percentage of a range: of a value, and at least of a width.
 const SHARE_DIGITS: usize = 3;
@@ -21,7 +21,7 @@ const NEAR: f64 = 2e-4;
 
 /// The widget's parameters as its kind declares them.
 fn parameters(fields: &[Field]) -> Option<Parameters> {
-    let kind = fields.iter().find(|field| field.name == "kind")?.setting.text()?;
+    let kind = find_setting(fields, "kind")?.text()?;
     let kind = WIDGET_KINDS.iter().find(|known| known.name == kind)?;
     // What is wrong is said elsewhere; what is not set has no numbers.
     Some(Parameters::survey(kind.parameters, fields, &SourceSpan::Nowhere, &["kind"], &mut Vec::new()))
@@ -81,16 +81,8 @@ pub(super) fn as_written(
             Ok((numbers.len() - 1) as f64)
         });
         let marked = marked.ok()?;
-        let fields: Vec<Field> = marked
-            .iter()
-            .filter_map(|(parameter, setting, _)| {
-                Some(Field {
-                    name: parameter.name.to_string(),
-                    origin: SourceSpan::Nowhere,
-                    setting: setting?.clone(),
-                })
-            })
-            .collect();
+        let set = marked.iter().filter_map(|(parameter, setting, _)| Some((parameter.name, setting?)));
+        let fields: Vec<Field> = set.map(|(name, setting)| Field::new(name, setting.clone())).collect();
         at(&fields, key).cloned()
     });
     written(old, now, marked.as_ref(), &numbers, known, new)
@@ -108,28 +100,25 @@ fn carried(fields: &[Field], from: &str, to: &str, new: &ParameterValue) -> Opti
         stated.get(place).is_some_and(|part| part.text().is_some()) || stated.iter().any(of)
     };
     let one = |place: usize| match is_text(place) {
-        true => LocatedValue::from(ParameterValue::Text("100 %".into())),
-        false => LocatedValue::from(ParameterValue::Number(0.0)),
+        true => ParameterValue::from("100 %"),
+        false => ParameterValue::from(0.0),
     };
     let ParameterValue::List(parts) = new else { return None };
-    let list = |count: usize| LocatedValue::from(ParameterValue::List((0..count).map(one).collect()));
+    let list = |count: usize| (0..count).map(one).collect::<ParameterValue>();
     let setting = match parts.first()?.list() {
-        Some(_) => {
-            ParameterValue::List(parts.iter().map(|row| list(row.list().map_or(0, <[_]>::len))).collect())
-                .into()
-        }
+        Some(_) => parts.iter().map(|row| list(row.list().map_or(0, <[_]>::len))).collect(),
         None => list(parts.len()),
     };
     if !(0..parts.len()).any(is_text) {
         return None;
     }
     let others = fields.iter().filter(|field| field.name != from).cloned();
-    Some(others.chain([Field { name: to.into(), origin: SourceSpan::Nowhere, setting }]).collect())
+    Some(others.chain([Field::new(to, setting)]).collect())
 }
 
 fn at<'a>(fields: &'a [Field], key: &str) -> Option<&'a LocatedValue> {
     let (first, rest) = key.split_once('.').map_or((key, None), |(first, rest)| (first, Some(rest)));
-    let setting = &fields.iter().find(|field| field.name == first)?.setting;
+    let setting = find_setting(fields, first)?;
     rest.map_or(Some(setting), |rest| at(setting.table()?, rest))
 }
 
@@ -154,7 +143,7 @@ fn written(
         return ParameterValue::List(parts.collect());
     }
     let (Some(was), Some(is)) = (now.number(), LocatedValue::from(new.clone()).number()) else { return new };
-    if is == was || (is - was).abs() <= 1e-9 * was.abs() || is == super::numbers::rounded(was) {
+    if is == was || (is - was).abs() <= 1e-9 * was.abs() || is == super::geometry::rounded(was) {
         return old.datum.clone();
     }
     let mark = marked.and_then(LocatedValue::number).map(|mark| mark as usize);

@@ -1,19 +1,19 @@
-//! Widgets as they lie in the plane.
+//! Widgets as they lie in the plane, drawn and dragged there.
 
-use super::handles::Handle;
+use super::geometry::{Change, Handle, Scale, array, number};
 use super::kinds::{natural_axes, shape};
-use super::numbers::{Change, array, find, number};
-use super::plane::middle;
+use super::plane::{Plane, WidgetPainter, color, middle};
 use super::region::Region;
 use super::relative;
-use super::scale::Scale;
 use super::shape::{PlaneContext, Shape};
+use crate::theme;
+use eframe::egui::{Color32, Painter, Pos2, Rect, Stroke, Ui, vec2};
 use std::sync::Arc;
 use voltet_core::parameters::Parameters;
 use voltet_core::probing::Histogram;
 use voltet_core::transfer::{self, ColorSource, WIDGET_KINDS, Widget};
 use voltet_core::{Error, Result};
-use voltet_graph::{ArrayRef, Field, LocatedValue, SourceSpan};
+use voltet_graph::{ArrayRef, Field, LocatedValue, SourceSpan, find_setting};
 
 /// A widget in the plane.
 #[derive(Debug, Clone)]
@@ -44,7 +44,7 @@ impl ScreenWidget {
         };
         let is_flat = on.is_of_s_and_g();
         let mut drawn = ScreenWidget {
-            kind: find(fields, "kind").and_then(LocatedValue::text).unwrap_or_default().to_string(),
+            kind: find_setting(fields, "kind").and_then(LocatedValue::text).unwrap_or_default().to_string(),
             widget: None,
             shape: None,
             region: Region::Whole,
@@ -61,7 +61,7 @@ impl ScreenWidget {
                 // Of other axes its region says nothing.
                 let region = widget.region.clone().filter(|_| is_flat);
                 drawn.widget = Some(Widget { region, ..widget });
-                let image = find(fields, "image").and_then(LocatedValue::text);
+                let image = find_setting(fields, "image").and_then(LocatedValue::text);
                 drawn.fault = image.and_then(|path| on.images.fault(path));
             }
             Err(error) => {
@@ -136,8 +136,8 @@ impl ScreenWidget {
     }
 
     /// Changes of the numbers when the whole widget is moved.
-    pub fn shifted(&self, by: [f64; 2]) -> Vec<Change> {
-        let mut changes = self.shape.as_ref().map_or(Vec::new(), |shape| shape.shifted(by));
+    pub fn shifted(&self, by: [f64; 2], scale: &Scale) -> Vec<Change> {
+        let mut changes = self.shape.as_ref().map_or(Vec::new(), |shape| shape.shifted(by, scale));
         changes.extend(self.region.shifted(by));
         changes
     }
@@ -172,7 +172,7 @@ pub(super) fn arrays(fields: &[Field]) -> Vec<String> {
 
 /// The widget's kind and keys.
 fn keys(fields: &[Field]) -> Result<(&'static str, Parameters)> {
-    let kind = find(fields, "kind").and_then(LocatedValue::text).unwrap_or_default();
+    let kind = find_setting(fields, "kind").and_then(LocatedValue::text).unwrap_or_default();
     let known = WIDGET_KINDS.iter().find(|known| known.name == kind);
     let known = known.ok_or_else(|| Error::usage("unknown kind of widget").got(kind))?;
     Ok((known.name, Parameters::check(known.parameters, fields, &SourceSpan::Nowhere, &["kind"])?))
@@ -197,6 +197,68 @@ fn main_color(widget: &Widget) -> [f64; 3] {
             let sum = |k: usize| texels.iter().map(|t| f64::from(t[k]) * f64::from(t[3])).sum::<f64>();
             let alpha: f64 = texels.iter().map(|t| f64::from(t[3])).sum();
             [0, 1, 2].map(|k| if alpha > 0.0 { sum(k) / alpha } else { 1.0 })
+        }
+    }
+}
+
+/// A drag: the widget as it was, what is held, and where that was and is.
+pub(super) struct Drag {
+    pub widget: ScreenWidget,
+    pub handle: Option<Handle>,
+    pub from: [f64; 2],
+    pub at: [f64; 2],
+    /// The extinction at the top of the plot stands still meanwhile.
+    pub peak: f64,
+}
+
+/// `handles`: of the widget in hand, with the one that was taken last.
+pub(super) fn draw(
+    ui: &Ui,
+    plane: Plane,
+    widget: &ScreenWidget,
+    scale: &Scale,
+    handles: Option<Option<Handle>>,
+    is_hidden: bool,
+) {
+    let (dark, is_chosen) = (ui.visuals().dark_mode, handles.is_some());
+    let base = theme::readable(color(widget.color), dark);
+    let base = if is_hidden { base.gamma_multiply(0.35) } else { base };
+    let stroke = Stroke::new(if is_chosen { 2.2 } else { 1.4 }, base);
+    let painter = ui.painter().with_clip_rect(plane.rect.expand(1.0));
+    let pen = WidgetPainter { painter, plane, scale, stroke, is_chosen, is_hidden, dark };
+    if let Some(shape) = &widget.shape {
+        shape.draw(&pen);
+    }
+    widget.region.draw(&pen, widget.is_its_region());
+    if let Some(held) = handles {
+        for (handle, at) in widget.handles(scale) {
+            grip(&pen.painter, plane.to_window(at), handle, held == Some(handle), base, dark);
+        }
+    }
+}
+
+fn grip(painter: &Painter, at: Pos2, handle: Handle, is_held: bool, base: Color32, dark: bool) {
+    let edge = match (is_held, dark) {
+        (true, _) => Stroke::new(2.0, theme::accent(dark)),
+        (false, true) => Stroke::new(1.5, Color32::WHITE),
+        (false, false) => Stroke::new(1.5, Color32::BLACK),
+    };
+    let square = |width: f32, height: f32| Rect::from_center_size(at, vec2(width, height));
+    match handle {
+        Handle::Centre => {
+            painter.circle(at, 5.0, base, edge);
+        }
+        Handle::Angle | Handle::Band => {
+            painter.circle(at, 4.0, Color32::TRANSPARENT, edge);
+        }
+        Handle::Width(_) | Handle::Rim(_) | Handle::Corner(_) | Handle::Point(_) => {
+            painter.rect(square(8.0, 8.0), 1.0, base, edge);
+        }
+        Handle::Edge(0, _) | Handle::Side(0, _) => {
+            painter.rect(square(5.0, 12.0), 1.0, base, edge);
+        }
+        Handle::Edge(..) | Handle::Side(..) => {
+            painter.rect(square(12.0, 5.0), 1.0, base, edge);
         }
     }
 }

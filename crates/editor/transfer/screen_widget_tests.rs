@@ -1,7 +1,5 @@
-use super::super::handles::Handle;
+use super::super::geometry::{Change, Handle, S_AND_G, Scale, list, rows};
 use super::super::images::Images;
-use super::super::numbers::{Change, list, rows};
-use super::super::scale::{S_AND_G, Scale};
 use super::*;
 use crate::worker::DataScales;
 use voltet_graph::ParameterValue;
@@ -156,7 +154,7 @@ fn regions_follow_their_corners_and_the_widget() {
     // Past the other corner, the ends change places.
     let changes = drawn.moved(Handle::Corner(2), [0.5, 1.0], &SCALE);
     assert_eq!(changes[0], ("region.s", Some(list(&[0.5, 1.0]))));
-    assert_eq!(drawn.shifted([1.0, 0.5])[1], ("region.g", Some(list(&[0.5, 2.5]))));
+    assert_eq!(drawn.shifted([1.0, 0.5], &SCALE)[1], ("region.g", Some(list(&[0.5, 2.5]))));
 }
 
 #[test]
@@ -317,5 +315,5 @@ fn a_table_is_drawn_as_its_picture_and_moved_and_scaled_by_its_ranges() {
     }
     let drawn = read(&fields);
     assert!(drawn.fault.as_ref().is_some_and(|fault| fault.contains("none.png")), "{:?}", drawn.fault);
-    assert_eq!(drawn.shifted([1.0, 0.0]), [("s", Some(list(&[3.0, 7.0])))]);
+    assert_eq!(drawn.shifted([1.0, 0.0], &SCALE), [("s", Some(list(&[3.0, 7.0])))]);
 }

@@ -1,10 +1,8 @@
 //! Shape of a widget in the plane of the transfer function editor.
 
-use super::handles::Handle;
+use super::geometry::{Change, Handle, S_AND_G, Scale};
 use super::images::Images;
-use super::numbers::Change;
-use super::scale::{S_AND_G, Scale};
-use super::widget_painter::WidgetPainter;
+use super::plane::WidgetPainter;
 use crate::worker::DataScales;
 use std::fmt::Debug;
 use voltet_graph::ArrayRef;
@@ -21,9 +19,10 @@ pub(super) trait Shape: Debug {
         Vec::new()
     }
 
-    /// Changes of the numbers when the whole shape is moved.
-    fn shifted(&self, _by: [f64; 2]) -> Vec<Change> {
-        Vec::new()
+    /// Changes of the numbers when the whole shape is moved: by its centre.
+    fn shifted(&self, by: [f64; 2], scale: &Scale) -> Vec<Change> {
+        let centre = self.handles(scale).into_iter().find(|(handle, _)| *handle == Handle::Centre);
+        centre.map_or(Vec::new(), |(handle, at)| self.moved(handle, [at[0] + by[0], at[1] + by[1]], scale))
     }
 
     fn draw(&self, _pen: &WidgetPainter) {}

@@ -82,14 +82,14 @@ fn a_run_writes_what_a_run_of_the_file_would() {
 fn an_empty_window_offers_the_files_opened_last_and_takes_dropped_ones() {
     let mut hand = Hand::new("[pipeline]\nformat = 1\n");
     let list = hand.folder.path().join("state/recent");
-    hand.editor.recent = crate::recent::Recent::in_file(list.clone());
+    hand.editor.recent = crate::files::Recent::in_file(list.clone());
     let (other, gone) = (hand.folder.path().join("other.toml"), hand.folder.path().join("gone.toml"));
     std::fs::write(&other, TEXT).unwrap();
     std::fs::write(&gone, TEXT).unwrap();
     hand.editor.recent.add(&gone);
     hand.editor.recent.add(&other);
     std::fs::remove_file(&gone).unwrap();
-    hand.editor.recent = crate::recent::Recent::in_file(list);
+    hand.editor.recent = crate::files::Recent::in_file(list);
     hand.frames(2);
     assert_eq!(hand.texts("Open data or a pipeline …").len(), 1);
     assert!(hand.texts("Lately opened").len() == 1);

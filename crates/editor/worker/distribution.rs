@@ -1,22 +1,47 @@
-//! The distribution of the data over two quantities, weighted by volume, with what numbers relative to data are found by.
+//! The distribution of the data over two quantities, weighted by volume, and statistics of the quantities (of this volume, or of all
+//! steps of its series): ranges, and the volume below each value, by which numbers relative to data become absolute ones and back.
 
-use super::following::Following;
-use super::preview_observer::volume_with;
-use super::queries::{Distribution, DistributionQuery};
-use super::scales::{DataScales, Spread, values};
-use super::series;
-use super::shared::lock;
-use super::work::WorkerState;
-use std::sync::Arc;
-use voltet_core::Result;
+use super::query::{Query, QueryRun};
+use super::request::VolumeSource;
+use super::values;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::grid::Grid;
-use voltet_core::probing::{Axis, histogram, value_range};
+use voltet_core::probing::{Axis, Histogram, Volumes, histogram, value_range};
 use voltet_core::progress::Progress;
+use voltet_core::transfer::DataStatistics;
 use voltet_core::volume::Volume;
-use voltet_graph::{ArrayRef, Observer, Registry, Session};
+use voltet_core::{Error, Result};
+use voltet_graph::{
+    ArrayRef, DefaultValue, Demand, Field, Node, NodeProgress, Outputs, Parameter, ParameterType,
+    ParameterValue, Port, PortType, Range, RunContext, Value,
+};
+use voltet_nodes::relative;
 
 /// Bins along each axis.
 const BINS: usize = 256;
+
+/// The distribution of the data that is wanted.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct DistributionQuery {
+    pub source: VolumeSource,
+    /// Along which quantities: "s", "g", or arrays.
+    pub axes: [ArrayRef; 2],
+    /// Further arrays whose ranges are wanted.
+    pub fields: Vec<String>,
+    /// True if numbers are relative to all steps of a time series together.
+    pub of_series: bool,
+}
+
+/// Distribution of the data.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Distribution {
+    /// The volume in each bin.
+    pub histogram: Histogram,
+    /// Ranges, and the volume below each value of the axes: of this volume, or of all steps of its series.
+    pub known: DataScales,
+}
 
 impl DistributionQuery {
     /// The arrays of the axes, and the further ones.
@@ -46,7 +71,7 @@ impl DistributionQuery {
     /// Exact within every cell. Along *g* it reaches as far as nearly all of the volume does: a few slivers have gradients of
     /// many times that. Where there is no gradient, *g* is 0.
     fn find(&self, volume: &Volume, progress: &dyn Progress) -> Result<Distribution> {
-        let [x, y] = [values(volume, &self.axes[0])?, values(volume, &self.axes[1])?];
+        let [x, y] = [values_of(volume, &self.axes[0])?, values_of(volume, &self.axes[1])?];
         let grid = &volume.grid;
         let mut axes = [Axis::over(&x, BINS), Axis::over(&y, BINS)];
         for axis in (0..2).filter(|axis| self.axes[*axis] == ArrayRef::Named("g")) {
@@ -58,7 +83,7 @@ impl DistributionQuery {
             return Ok(Distribution { histogram: found, known });
         }
         for quantity in self.quantities() {
-            known.ranges.insert(quantity.clone(), value_range(&values(volume, &quantity)?)?);
+            known.ranges.insert(quantity.clone(), value_range(&values_of(volume, &quantity)?)?);
         }
         for (k, (values, quantity)) in [x, y].iter().zip(&self.axes).enumerate() {
             let mut spread = Spread::new([axes[k].low, axes[k].high], known.ranges[quantity]);
@@ -66,19 +91,6 @@ impl DistributionQuery {
             known.spreads.insert(quantity.clone(), spread.finished());
         }
         Ok(Distribution { histogram: found, known })
-    }
-
-    /// Scales of numbers relative to all steps. `shown`: axes of the shown step.
-    fn of_series(
-        &self,
-        session: &mut Session,
-        registry: &Registry,
-        shown: [Axis; 2],
-        observer: &dyn Observer,
-    ) -> Result<DataScales> {
-        let of = (self.nodes.as_slice(), self.folder.as_path());
-        let shown = shown.map(|axis| [axis.low, axis.high]);
-        series::known(session, registry, of, &self.node, &self.quantities(), shown, observer)
     }
 }
 
@@ -94,22 +106,276 @@ fn of_nearly_all(grid: &Grid, g: &[f64], progress: &dyn Progress) -> Result<Axis
     Ok(Axis { high: coarse.nearly_all(), bins: BINS, ..whole })
 }
 
-impl WorkerState<'_> {
-    /// The distribution; given up for a picture, and begun again after it.
-    pub(super) fn distribution(&mut self, wanted: DistributionQuery) {
-        let registry = self.registry;
-        let found = self.aside(|session, following: &Following| {
-            let of = (wanted.nodes.as_slice(), wanted.folder.as_path());
-            let volume = volume_with(session, registry, of, &wanted.node, &wanted.arrays(), following)?;
-            let mut found = wanted.find(&volume, following)?;
-            if wanted.of_series {
-                found.known = wanted.of_series(session, registry, found.histogram.axes, following)?;
-            }
-            Ok(Arc::new(found))
-        });
-        match found {
-            Some(found) => self.shared.show(|shown| shown.distribution = Some((wanted.key, found))),
-            None => drop(lock(&self.shared.wanted).distribution.get_or_insert(wanted)),
+impl Query for DistributionQuery {
+    type Reply = Arc<Distribution>;
+    const WAITS: bool = true;
+
+    fn answer(&self, run: &mut QueryRun) -> Result<Arc<Distribution>> {
+        let volume = self.source.volume(run, &self.arrays())?;
+        let mut found = self.find(&volume, &NodeProgress { observer: run.observer, node: "" })?;
+        if self.of_series {
+            let has_gradient = volume.gradient_magnitude.is_some();
+            let settings = series_settings(&self.quantities(), found.histogram.axes, has_gradient);
+            found.known = series_scales(run, &self.source, settings)?;
         }
+        Ok(Arc::new(found))
+    }
+}
+
+/// Values that the volume below is found at: within the shown axis, and beyond it.
+const KNOTS: [usize; 2] = [1024, 64];
+
+/// The share of the volume below each value of a quantity; straight between the values that are known.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Spread {
+    /// Rising.
+    values: Vec<f64>,
+    /// The volume below each: 0 to 1, rising, once it is finished.
+    below: Vec<f64>,
+    /// All of it, in the same measure.
+    total: f64,
+}
+
+impl Spread {
+    /// Nothing yet. `shown`: the axis on which it should be fine; the range is that of all values.
+    fn new([low, high]: [f64; 2], [least, most]: [f64; 2]) -> Spread {
+        let even = |[from, to]: [f64; 2], count: usize| {
+            (0..=count).map(move |i| {
+                let share = i as f64 / count as f64;
+                from * (1.0 - share) + to * share
+            })
+        };
+        let beyond = even([least, low], KNOTS[1]).chain(even([high, most], KNOTS[1]));
+        let mut values: Vec<f64> = even([low, high], KNOTS[0]).chain(beyond).collect();
+        values.retain(|knot| (least..=most).contains(knot));
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        Spread { below: vec![0.0; values.len()], total: 0.0, values }
+    }
+
+    /// Adds the values of a volume's points.
+    fn add(&mut self, grid: &Grid, values: &[f64], progress: &dyn Progress) -> Result<()> {
+        let volumes = Volumes::new(grid, values, progress)?;
+        let own = volumes.below_each(&self.values);
+        self.below.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+        self.total += volumes.total();
+        Ok(())
+    }
+
+    /// As shares, once all is added.
+    fn finished(mut self) -> Spread {
+        self.below.iter_mut().for_each(|below| *below = (*below / self.total).clamp(0.0, 1.0));
+        if let Some(last) = self.below.last_mut() {
+            *last = 1.0;
+        }
+        Spread { total: 1.0, ..self }
+    }
+
+    /// From what is known already, for tests.
+    #[cfg(test)]
+    pub(crate) fn from_knots(values: Vec<f64>, below: Vec<f64>) -> Spread {
+        Spread { values, below, total: 1.0 }
+    }
+
+    /// The share of the volume below a value.
+    pub fn below(&self, value: f64) -> f64 {
+        between(&self.values, &self.below, value)
+    }
+
+    /// The value that so much of the volume lies below.
+    pub fn value_at(&self, share: f64) -> f64 {
+        between(&self.below, &self.values, share)
+    }
+}
+
+/// On the straight line between the two places of `from` around `x`; the ends beyond them.
+fn between(from: &[f64], to: &[f64], x: f64) -> f64 {
+    let after = from.partition_point(|known| *known < x);
+    match (after.checked_sub(1), from.get(after)) {
+        (None, _) => to.first().copied().unwrap_or(x),
+        (_, None) => to.last().copied().unwrap_or(x),
+        (Some(before), Some(&high)) => {
+            let low = from[before];
+            let share = if high > low { (x - low) / (high - low) } else { 1.0 };
+            to[before] * (1.0 - share) + to[after] * share
+        }
+    }
+}
+
+/// Statistics of the data.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct DataScales {
+    /// Least and largest values.
+    pub ranges: BTreeMap<ArrayRef, [f64; 2]>,
+    /// Spreads of the plane's quantities.
+    pub spreads: BTreeMap<ArrayRef, Spread>,
+}
+
+impl DataStatistics for DataScales {
+    fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]> {
+        self.ranges.get(quantity).copied().ok_or_else(|| unknown(quantity))
+    }
+
+    fn percentile(&self, quantity: &ArrayRef, percent: f64) -> Result<f64> {
+        let spread = self.spreads.get(quantity).ok_or_else(|| unknown(quantity))?;
+        Ok(spread.value_at(percent / 100.0))
+    }
+}
+
+fn unknown(quantity: &ArrayRef) -> Error {
+    Error::run(format!("nothing is known yet of the values of {quantity}"))
+}
+
+/// The values of a quantity, one a point; where there is no gradient, *g* is 0.
+fn values_of<'a>(volume: &'a Volume, quantity: &ArrayRef) -> Result<Cow<'a, [f64]>> {
+    match (quantity, &volume.gradient_magnitude) {
+        (ArrayRef::Named("g"), None) => Ok(Cow::Owned(vec![0.0; volume.scalar.len()])),
+        _ => relative::values(volume, quantity).map(Cow::Borrowed),
+    }
+}
+
+const fn parameter(name: &'static str, parameter_type: ParameterType, help: &'static str) -> Parameter {
+    Parameter { name, parameter_type, unit: "", default: DefaultValue::Required, help }
+}
+
+/// Node that looks at every step of a time series, one at a time, as the transfer function does.
+pub(super) static SERIES: Node = Node {
+    name: "(looks at every step)",
+    summary: "Finds ranges and volumes below values over all steps of a time series.",
+    inputs: &[Port { name: "volume", port_type: PortType::Volume, summary: "one step of the series" }],
+    outputs: &[Port { name: "known", port_type: PortType::Cells, summary: "what was found" }],
+    parameters: &[
+        parameter(
+            QUANTITIES,
+            ParameterType::Texts,
+            "\"s\", \"g\", or the name of an array after a slash; the axes first",
+        ),
+        parameter(SHOWN, ParameterType::Numbers(Some(4), Range::ANY), "low and high of both axes"),
+        parameter(GRADIENT, ParameterType::Boolean, "whether there is a g"),
+    ],
+    demand: &|asking| asking.ask("volume", &Demand::default()),
+    run: &run_series,
+    ..Node::BLANK
+};
+
+const QUANTITIES: &str = "quantities";
+const SHOWN: &str = "shown";
+const GRADIENT: &str = "gradient";
+
+/// Name of a quantity in the parameters.
+fn named(quantity: &ArrayRef) -> String {
+    match quantity {
+        ArrayRef::Array(name) => format!("/{name}"),
+        ArrayRef::Named(_) | ArrayRef::Per(..) => quantity.to_string(),
+    }
+}
+
+fn quantity(text: &str) -> ArrayRef {
+    match text.strip_prefix('/') {
+        Some(name) => ArrayRef::Array(name.to_string()),
+        None => ArrayRef::Named(if text == "g" { "g" } else { "s" }),
+    }
+}
+
+/// Statistics of the series, by the quantities and axes that they were computed for.
+type SeriesCache = Mutex<Vec<((Vec<String>, Vec<u64>), DataScales)>>;
+
+fn run_series(call: &mut RunContext) -> Result<Outputs> {
+    let names = call.parameters.texts(QUANTITIES)?;
+    let shown = call.parameters.numbers(SHOWN)?;
+    let mut demand = Demand { gradient_magnitude: call.parameters.flag(GRADIENT)?, ..Demand::default() };
+    let quantities: Vec<ArrayRef> = names.iter().map(|name| quantity(name)).collect();
+    for quantity in &quantities {
+        if let ArrayRef::Array(name) = quantity {
+            demand.arrays.insert(name.clone());
+        }
+    }
+    let kept: Arc<SeriesCache> = call.keep_over_steps("volume", &demand, || Ok(SeriesCache::default()))?;
+    let key = (names, shown.iter().map(|x| x.to_bits()).collect::<Vec<_>>());
+    let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = match kept.iter().find(|(of, _)| *of == key) {
+        Some((_, known)) => known.clone(),
+        None => {
+            let known = find_series(call, &demand, &quantities, &shown)?;
+            kept.push((key, known.clone()));
+            known
+        }
+    };
+    Ok(vec![Value::Cells(Arc::new(known))])
+}
+
+/// Every step is read twice: for the ranges, and for the volumes below values within them.
+fn find_series(
+    call: &RunContext,
+    demand: &Demand,
+    quantities: &[ArrayRef],
+    shown: &[f64],
+) -> Result<DataScales> {
+    let each = |look: &mut dyn FnMut(&Volume) -> Result<()>| {
+        call.each_step("volume", demand, &mut |_, value| match value.volume() {
+            Some(volume) => look(&*volume?),
+            None => Ok(()),
+        })
+    };
+    let mut known = DataScales::default();
+    each(&mut |volume| {
+        for quantity in quantities {
+            let [low, high] = value_range(&values_of(volume, quantity)?)?;
+            let range = known.ranges.entry(quantity.clone()).or_insert([low, high]);
+            *range = [range[0].min(low), range[1].max(high)];
+        }
+        Ok(())
+    })?;
+    let of_axes = || quantities.iter().zip(shown.chunks_exact(2));
+    for (quantity, shown) in of_axes() {
+        let spread = Spread::new([shown[0], shown[1]], known.ranges[quantity]);
+        known.spreads.insert(quantity.clone(), spread);
+    }
+    each(&mut |volume| {
+        for (quantity, spread) in &mut known.spreads {
+            spread.add(&volume.grid, &values_of(volume, quantity)?, call.progress())?;
+        }
+        Ok(())
+    })?;
+    known.spreads.values_mut().for_each(|spread| *spread = std::mem::take(spread).finished());
+    Ok(known)
+}
+
+/// Parameters of the node. `quantities`: those of the plane's axes first; `shown`: these axes.
+fn series_settings(quantities: &[ArrayRef], shown: [Axis; 2], gradient: bool) -> Vec<Field> {
+    let ends = shown.into_iter().flat_map(|axis| [axis.low, axis.high]);
+    vec![
+        Field::new(QUANTITIES, quantities.iter().map(named).collect::<ParameterValue>()),
+        Field::new(SHOWN, ends.collect::<ParameterValue>()),
+        Field::new(GRADIENT, ParameterValue::Boolean(gradient)),
+    ]
+}
+
+/// Statistics of quantities over all steps of the series that feeds an output.
+fn series_scales(run: &mut QueryRun, source: &VolumeSource, settings: Vec<Field>) -> Result<DataScales> {
+    let mut nodes = source.nodes(&SERIES, settings, Vec::new())?;
+    let output = ("cells".to_string(), format!("{}.known", SERIES.name));
+    nodes.push(values::entry(&values::NODE, Vec::new(), vec![output]));
+    let found = source.feed(run, &nodes)?.into_iter().find_map(|value| match value {
+        Value::Cells(found) => found.downcast::<DataScales>().ok(),
+        _ => None,
+    });
+    found.map(Arc::unwrap_or_clone).ok_or_else(|| Error::run("nothing was found of the series"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_and_values_are_inverse_and_end_at_the_ends() {
+        let spread =
+            Spread { values: vec![0.0, 1.0, 3.0, 10.0], below: vec![0.0, 0.5, 0.9, 1.0], total: 1.0 };
+        for value in [0.0, 0.25, 1.0, 2.0, 9.0, 10.0] {
+            assert!((spread.value_at(spread.below(value)) - value).abs() < 1e-12, "{value}");
+        }
+        assert_eq!([spread.below(-5.0), spread.below(50.0)], [0.0, 1.0]);
+        assert_eq!([spread.value_at(0.0), spread.value_at(1.0)], [0.0, 10.0]);
+        assert!((spread.below(2.0) - 0.7).abs() < 1e-12);
     }
 }

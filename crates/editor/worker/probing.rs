@@ -1,43 +1,47 @@
 //! Values on rays of the picture, weighted by their contribution to it.
 
-use super::following::Following;
-use super::preview_observer::{PROBES, entry, feeding};
-use super::queries::{PixelProbe, ProbeQuery};
-use super::work::WorkerState;
+use super::query::{Query, QueryRun};
+use super::request::VolumeSource;
+use super::values;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
-use voltet_core::progress::Progress;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_graph::{Demand, Graph, NodeEntry, Registry, TransferFunctionSpec, Value, diagonal};
+use voltet_graph::{Observer, TransferFunctionSpec, Value, diagonal};
 use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::Integrator;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Shading, VisibilityOrder};
 use voltet_optics::trace::{ClosedForms, Tracer};
 
-impl ProbeQuery {
-    /// The graph, and the place in it of the node that is fed.
-    fn graph(&self, registry: &Registry) -> Result<(Graph, usize)> {
-        let mut nodes: Vec<NodeEntry> = Vec::new();
-        for source in &self.sources {
-            let (name, _) = voltet_document::links::source(source, &self.nodes);
-            for node in feeding(&self.nodes, name)? {
-                if !nodes.iter().any(|known| known.name == node.name) {
-                    nodes.push(node);
-                }
-            }
-        }
-        let ports = ["volume", "transfer-function", "camera"].map(str::to_string);
-        nodes.push(entry(PROBES.name, ports.into_iter().zip(self.sources.iter().cloned())));
-        let graph = Graph::build(&nodes, registry, self.folder.clone())?;
-        let place = graph.nodes.len() - 1;
-        Ok((graph, place))
-    }
+/// Places of the picture that are asked about.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ProbeQuery {
+    pub source: VolumeSource,
+    /// The nodes that give the transfer function and the camera.
+    pub look: String,
+    pub camera: String,
+    /// Places, in heights of the picture from its middle, to the right and up.
+    pub places: Vec<[f64; 2]>,
+}
 
+/// Values on the probed rays.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct PixelProbe {
+    /// Rays that were walked; 0 where the values are those of a section.
+    pub rays: usize,
+    /// Values [s, g] with their shares of what is seen (or of the way, where nothing is).
+    pub values: Vec<([f64; 2], f64)>,
+    /// The point where the most is seen, world units; `None` where no ray meets a cell.
+    pub point: Option<DVec3>,
+    /// Opacity of the rays, mean.
+    pub opacity: f64,
+}
+
+impl ProbeQuery {
     /// Walks the rays.
-    fn walk(&self, values: &[Value], progress: &dyn Progress) -> Result<PixelProbe> {
+    fn walk(&self, values: &[Value], observer: &dyn Observer) -> Result<PixelProbe> {
         let mut volume: Option<Arc<Volume>> = None;
         let mut look: Option<Arc<TransferFunctionSpec>> = None;
         let mut camera: Option<Arc<Camera>> = None;
@@ -68,10 +72,10 @@ impl ProbeQuery {
         };
         let forms = ClosedForms::new(&scene.transfer_function, WidgetBlend::Exact)?;
         let tracer = Tracer::new(&scene, Box::new(forms))?;
-        let mut probed = PixelProbe { key: self.key, rays: self.places.len(), ..PixelProbe::default() };
+        let mut probed = PixelProbe { rays: self.places.len(), ..PixelProbe::default() };
         let (mut seen_most, [width, height]) = (0.0, camera.size.map(f64::from));
         for place in &self.places {
-            if progress.cancelled() {
+            if observer.cancelled() {
                 return Err(Error::cancelled());
             }
             let ray = tracer.ray(0.5 * width + place[0] * height, (0.5 - place[1]) * height);
@@ -98,18 +102,16 @@ impl ProbeQuery {
     }
 }
 
-impl WorkerState<'_> {
-    /// Probes positions of the picture; given up for a newer picture, in which the values lie elsewhere.
-    pub(super) fn probe(&mut self, wanted: &ProbeQuery) {
-        let registry = self.registry;
-        let found = self.aside(|session, following: &Following| {
-            let (graph, place) = wanted.graph(registry)?;
-            let (values, _) = session.feed(&graph, place, &Demand::default(), following)?;
-            wanted.walk(&values, following).map(Arc::new)
-        });
-        if let Some(found) = found {
-            self.shared.show(|shown| shown.probed = Some((wanted.key, found)));
-        }
+impl Query for ProbeQuery {
+    type Reply = Arc<PixelProbe>;
+    // In a newer picture the values lie elsewhere.
+    const WAITS: bool = false;
+
+    fn answer(&self, run: &mut QueryRun) -> Result<Arc<PixelProbe>> {
+        let others = [("transfer-function", &self.look), ("camera", &self.camera)];
+        let others = others.map(|(port, node)| (port.to_string(), node.clone()));
+        let nodes = self.source.nodes(&values::NODE, Vec::new(), others.to_vec())?;
+        self.walk(&self.source.feed(run, &nodes)?, run.observer).map(Arc::new)
     }
 }
 

@@ -1,18 +1,40 @@
 //! Section of the data by a plane: s and g at the pixels of a picture of it, linear in each cell.
 
-use super::following::Following;
-use super::preview_observer::volume_with;
-use super::queries::{Section, SectionQuery};
-use super::shared::lock;
-use super::work::WorkerState;
+use super::query::{Query, QueryRun};
+use super::request::VolumeSource;
 use glam::{DMat3, DVec2, DVec3};
 use std::sync::Arc;
-use voltet_core::progress::Progress;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
+use voltet_graph::Observer;
 
 /// Barycentric distance outside of a cell within which a position still counts as on its face.
 const ON_FACE: f64 = 1e-9;
+
+/// A section that is wanted.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct SectionQuery {
+    pub source: VolumeSource,
+    /// The point in the middle, world units.
+    pub centre: DVec3,
+    /// Unit vectors in the plane: to the right and up in its picture.
+    pub axes: [DVec3; 2],
+    /// Half of its height, world units.
+    pub half: f64,
+    /// Pixels of its picture.
+    pub size: [usize; 2],
+}
+
+/// Section of the data by a plane.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Section {
+    /// As it was asked for.
+    pub of: SectionQuery,
+    /// [s, g] at the middle of each pixel, rows from the top; none outside of all cells.
+    pub values: Vec<Option<[f64; 2]>>,
+    /// Cells that the plane cuts.
+    pub cells: usize,
+}
 
 impl SectionQuery {
     /// World units a pixel.
@@ -26,14 +48,14 @@ impl SectionQuery {
         DVec2::new(from.dot(self.axes[0]), from.dot(self.axes[1])) / self.step()
     }
 
-    fn cut(&self, volume: &Volume, progress: &dyn Progress) -> Result<Section> {
+    fn cut(&self, volume: &Volume, observer: &dyn Observer) -> Result<Section> {
         let [width, height] = self.size;
         let mut section = Section { of: self.clone(), values: vec![None; width * height], cells: 0 };
         let normal = self.axes[0].cross(self.axes[1]);
         let Volume { grid, scalar, gradient_magnitude, .. } = volume;
         let aside: Vec<f64> = grid.points.iter().map(|point| (*point - self.centre).dot(normal)).collect();
         for (i, cell) in grid.tetrahedra.iter().enumerate() {
-            if i % 4096 == 0 && progress.cancelled() {
+            if i % 4096 == 0 && observer.cancelled() {
                 return Err(Error::cancelled());
             }
             let at = cell.map(|point| point as usize);
@@ -51,7 +73,7 @@ impl SectionQuery {
         Ok(section)
     }
 
-    /// The pixels whose middles lie in a cell; whether the cell has a volume.
+    /// Fills the pixels whose middles lie in a cell; false if the cell has no volume.
     fn fill(
         &self,
         values: &mut [Option<[f64; 2]>],
@@ -101,18 +123,12 @@ impl SectionQuery {
     }
 }
 
-impl WorkerState<'_> {
-    /// A section; given up for a picture, and begun again after it.
-    pub(super) fn section(&mut self, wanted: SectionQuery) {
-        let registry = self.registry;
-        let found = self.aside(|session, following: &Following| {
-            let of = (wanted.nodes.as_slice(), wanted.folder.as_path());
-            let volume = volume_with(session, registry, of, &wanted.node, &[], following)?;
-            wanted.cut(&volume, following).map(Arc::new)
-        });
-        match found {
-            Some(found) => self.shared.show(|shown| shown.section = Some((wanted.key, found))),
-            None => drop(lock(&self.shared.wanted).section.get_or_insert(wanted)),
-        }
+impl Query for SectionQuery {
+    type Reply = Arc<Section>;
+    const WAITS: bool = true;
+
+    fn answer(&self, run: &mut QueryRun) -> Result<Arc<Section>> {
+        let volume = self.source.volume(run, &[])?;
+        self.cut(&volume, run.observer).map(Arc::new)
     }
 }

@@ -9,7 +9,6 @@
 use super::request::RenderRequest;
 use super::shared::{Shared, lock};
 use std::collections::BTreeSet;
-use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 use voltet_document::links::upstream;
@@ -48,7 +47,7 @@ impl<'a> Pass<'a> {
 
     /// True if the pass is to stop. `running`: the node that runs; none between two.
     pub fn stops(&self, running: &dyn Fn() -> Option<String>) -> bool {
-        let newest = self.shared.newest.load(Ordering::SeqCst);
+        let newest = self.shared.newest();
         if newest == self.number {
             return false;
         }
@@ -61,7 +60,7 @@ impl<'a> Pass<'a> {
 
     /// True if its picture is useless, even during a movement.
     pub fn is_stale(&self) -> bool {
-        let newest = self.shared.newest.load(Ordering::SeqCst);
+        let newest = self.shared.newest();
         newest != self.number && self.change(newest).is_none_or(|change| !change.moves)
     }
 
@@ -73,8 +72,8 @@ impl<'a> Pass<'a> {
         {
             return Some(change.clone());
         }
-        let queue = lock(&self.shared.wanted);
-        let change = Arc::new(Change::between(self.wanted, queue.picture.as_ref()?));
+        let state = lock(&self.shared.state);
+        let change = Arc::new(Change::between(self.wanted, state.picture.as_ref()?));
         *judged = Some((newest, change.clone()));
         Some(change)
     }

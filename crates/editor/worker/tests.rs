@@ -1,4 +1,3 @@
-use super::following::Following;
 use super::tests_superseding::worker_with_own;
 use super::*;
 use std::path::PathBuf;
@@ -247,27 +246,20 @@ fn the_distribution_comes_late_and_leaves_the_picture_as_it_is() {
     set(&mut one_dimensional, "look", &["widgets", "0", "sigma"], sigma);
     worker.draw(wanted(one_dimensional.clone(), &PathBuf::new()));
     let nodes = one_dimensional.clone();
-    worker.find_distribution(DistributionQuery {
-        of_series: false,
-        nodes,
-        folder: PathBuf::new(),
-        node: "gradient".into(),
-        axes: ["s", "g"].map(ArrayRef::Named),
-        fields: Vec::new(),
-        key: 7,
-    });
+    let source = VolumeSource { nodes, folder: PathBuf::new(), output: "gradient".into() };
+    let axes = ["s", "g"].map(ArrayRef::Named);
+    let query = DistributionQuery { of_series: false, source, axes, fields: Vec::new() };
+    worker.ask(|output| &mut output.distribution, query);
     settle(&worker);
     let before = worker.shown(|shown| shown.pixels.clone().unwrap().picture);
     for _ in 0..6000 {
-        if worker.shown(|shown| shown.distribution.is_some()) {
+        if worker.shown(|shown| shown.distribution.answer().is_some()) {
             break;
         }
         std::thread::sleep(Duration::from_millis(5));
     }
-    let (key, found) = worker.shown(|shown| shown.distribution.clone()).unwrap();
-    let distributed = found.unwrap();
+    let distributed = worker.shown(|shown| shown.distribution.answer().cloned()).unwrap().unwrap();
     let found = &distributed.histogram;
-    assert_eq!(key, 7);
     let sum: f64 = found.volumes.iter().sum();
     // The box is 20 wide; a thousandth of it, the steepest, lies beyond the axis of g.
     assert!(((sum + found.outside) / 8000.0 - 1.0).abs() < 1e-9, "{sum}");
@@ -280,14 +272,8 @@ fn the_distribution_comes_late_and_leaves_the_picture_as_it_is() {
 
 #[test]
 fn memory_is_what_the_program_may_take() {
-    let (queue, never) = (Mutex::default(), |_: &dyn Fn() -> Option<String>| false);
-    let shared = Shared {
-        wanted: queue,
-        changed: Condvar::new(),
-        newest: AtomicU64::new(0),
-        shown: Mutex::default(),
-        wake: Arc::new(|| {}),
-    };
-    let following = Following::new(&shared, &never);
+    let never = |_: &dyn Fn() -> Option<String>| false;
+    let shared = Shared::new(Arc::new(|| {}));
+    let following = shared::Following::new(&shared, &never, true);
     assert_eq!(Observer::memory_left(&following).is_some(), voltet_io::memory::available().is_some());
 }

@@ -1,43 +1,30 @@
 //! The thread's own work: the newest wish first, panics caught.
 
 use super::coarse::FrameTimeModel;
-use super::following::Following;
+use super::output::PendingQuery;
 use super::pixels::Pixels;
-use super::preview_observer::{self, Values};
-use super::queries::{DistributionQuery, ProbeQuery, SectionQuery, ShareQuery};
+use super::query::QueryRun;
 use super::request::RenderRequest;
-use super::shared::{Shared, lock};
+use super::shared::{Following, Shared, lock};
 use super::superseding::Pass;
+use super::values;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::Ordering;
-use std::sync::{Arc, PoisonError};
+use std::sync::PoisonError;
 use std::time::{Duration, Instant};
-use voltet_core::error::ErrorKind;
-use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
-use voltet_graph::{Demand, Graph, NoObserver, Registry, RunReport, Session};
+use voltet_graph::{Registry, Session};
 
-enum Task {
-    Picture(u64, RenderRequest),
-    ProbeQuery(ProbeQuery),
-    Section(SectionQuery),
-    Estimate(u64, RenderRequest),
-    DistributionQuery(DistributionQuery),
-    Share(ShareQuery),
-    Preview(RenderRequest),
-}
-
-/// The thread's own.
-pub(super) struct WorkerState<'a> {
-    pub shared: &'a Shared,
-    pub registry: &'a Registry,
-    session: Session,
-    pace: FrameTimeModel,
-}
-
-/// One whose widgets a hand moves.
+/// A session whose widgets a hand moves.
 fn session() -> Session {
     voltet_nodes::session().widgets_move()
+}
+
+/// The thread's own state.
+pub(super) struct WorkerState<'a> {
+    shared: &'a Shared,
+    registry: &'a Registry,
+    session: Session,
+    pace: FrameTimeModel,
 }
 
 impl<'a> WorkerState<'a> {
@@ -45,48 +32,23 @@ impl<'a> WorkerState<'a> {
         WorkerState { shared, registry, session: session(), pace: FrameTimeModel::default() }
     }
 
+    /// Works at the newest request, and at queries where there is none.
     pub fn until_the_end(&mut self) {
-        while let Some(task) = self.next() {
-            match task {
-                Task::Picture(number, wanted) => self.picture(number, &wanted),
-                Task::ProbeQuery(wanted) => self.probe(&wanted),
-                Task::Section(wanted) => self.section(wanted),
-                Task::Estimate(key, wanted) => self.estimate(key, &wanted),
-                Task::DistributionQuery(wanted) => self.distribution(wanted),
-                Task::Share(wanted) => self.share(&wanted),
-                Task::Preview(wanted) => self.preview(wanted),
-            }
-        }
-    }
-
-    fn next(&self) -> Option<Task> {
-        let mut queue = lock(&self.shared.wanted);
         loop {
-            if queue.ends {
-                return None;
+            let mut state = lock(&self.shared.state);
+            if state.ends {
+                return;
             }
-            if let Some(wanted) = queue.picture.take() {
-                return Some(Task::Picture(self.shared.newest.load(Ordering::SeqCst), wanted));
+            if let Some(wanted) = state.picture.take() {
+                let number = self.shared.newest();
+                drop(state);
+                self.picture(number, &wanted);
+            } else if let Some(job) = state.output.next_job() {
+                drop(state);
+                self.query(job);
+            } else {
+                drop(self.shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner));
             }
-            if let Some(wanted) = queue.probing.take() {
-                return Some(Task::ProbeQuery(wanted));
-            }
-            if let Some(wanted) = queue.section.take() {
-                return Some(Task::Section(wanted));
-            }
-            if let Some((key, wanted)) = queue.estimate.take() {
-                return Some(Task::Estimate(key, wanted));
-            }
-            if let Some(wanted) = queue.distribution.take() {
-                return Some(Task::DistributionQuery(wanted));
-            }
-            if let Some(wanted) = queue.share.take() {
-                return Some(Task::Share(wanted));
-            }
-            if let Some((_, wanted)) = queue.previews.pop_first() {
-                return Some(Task::Preview(wanted));
-            }
-            queue = self.shared.changed.wait(queue).unwrap_or_else(PoisonError::into_inner);
         }
     }
 
@@ -105,7 +67,7 @@ impl<'a> WorkerState<'a> {
             }
         }
         if !is_full {
-            if self.shared.newest.load(Ordering::SeqCst) != number {
+            if self.shared.newest() != number {
                 return;
             }
             let outcome = self.pass(number, wanted, 1, None);
@@ -122,7 +84,7 @@ impl<'a> WorkerState<'a> {
     }
 
     /// One run, with so many pixels less along each side; `patience`: how long it goes on while a hand moves, for one that may be
-    /// a passing one. Whether its picture is the full one.
+    /// a passing one. Returns true if its picture is the full one.
     fn pass(
         &mut self,
         number: u64,
@@ -134,14 +96,14 @@ impl<'a> WorkerState<'a> {
         let graph = wanted.graph(self.registry, divisor)?;
         let pass = Pass::new(self.shared, number, wanted, patience);
         let stop = |running: &dyn Fn() -> Option<String>| pass.stops(running);
-        let following = Following::new(self.shared, &stop);
+        let following = Following::new(self.shared, &stop, true);
         let report = self.guarded(&following, |session| match patience {
             Some(_) => session.run_preview(&graph, &following),
             None => session.run(&graph, &following),
         })?;
         let seconds = start.elapsed().as_secs_f64();
         let drew_alone = report.nodes.iter().all(|node| node.reused || wanted.is_cheap(&node.name));
-        let drawn = Pixels::new(picture_of(&report, wanted)?, wanted.background, divisor, number);
+        let drawn = Pixels::new(wanted.picture_of(&report)?, wanted.background, divisor, number);
         let pixels = Pixels { is_passing: report.is_passing, ..drawn };
         match report.is_passing {
             _ if !drew_alone => {}
@@ -152,23 +114,13 @@ impl<'a> WorkerState<'a> {
             return Err(Error::cancelled());
         }
         let is_full = pixels.is_full();
-        let values = if is_full { self.values(&graph) } else { Values::default() };
+        let values = is_full.then(|| values::seen(&mut self.session, &graph)).flatten();
         self.shared.show(|shown| shown.finished(pixels, &report, values, seconds));
         Ok(is_full)
     }
 
-    /// Descriptions of the values on the wires, from the session's cache.
-    fn values(&mut self, graph: &Graph) -> Values {
-        let Some(place) = graph.nodes.iter().position(|node| node.node.name == preview_observer::NAME) else {
-            return Values::default();
-        };
-        let fed = self.session.feed(graph, place, &Demand::default(), &NoObserver);
-        let Ok((values, _)) = fed else { return Values::default() };
-        preview_observer::seen(graph, place, &values)
-    }
-
     /// Works with the session; a panic is the error of the node that ran, and costs the session's memory.
-    pub fn guarded<T>(
+    fn guarded<T>(
         &mut self,
         following: &Following,
         work: impl FnOnce(&mut Session) -> Result<T>,
@@ -183,25 +135,15 @@ impl<'a> WorkerState<'a> {
         })
     }
 
-    /// Works with the session at something beside pictures; `None` where it was given up for a newer one.
-    pub fn aside<T>(
-        &mut self,
-        work: impl FnOnce(&mut Session, &Following) -> Result<T>,
-    ) -> Option<Result<T>> {
-        let shared = self.shared;
-        let before = shared.newest.load(Ordering::SeqCst);
-        let stop = |_: &dyn Fn() -> Option<String>| shared.newest.load(Ordering::SeqCst) != before;
-        let following = Following::silent(shared, &stop);
-        match self.guarded(&following, |session| work(session, &following)) {
-            Err(error) if error.kind == ErrorKind::Cancelled => None,
-            found => Some(found),
-        }
+    /// Answers a query; it is given up for a newer picture.
+    fn query(&mut self, mut job: Box<dyn PendingQuery>) {
+        let (shared, registry) = (self.shared, self.registry);
+        let before = shared.newest();
+        let stop = |_: &dyn Fn() -> Option<String>| shared.newest() != before;
+        let following = Following::new(shared, &stop, false);
+        let outcome = self.guarded(&following, |session| {
+            job.work(&mut QueryRun { session, registry, observer: &following })
+        });
+        shared.show(|output| job.settle(outcome, output));
     }
-}
-
-/// The picture that was wanted of a run.
-pub(super) fn picture_of(report: &RunReport, wanted: &RenderRequest) -> Result<Arc<Picture>> {
-    let picture = report.pictures.iter().rev().find(|(node, _)| *node == wanted.node);
-    let none = || Error::run("the node gives no picture").at_node(&wanted.node);
-    picture.map(|(_, picture)| picture.clone()).ok_or_else(none)
 }

@@ -19,6 +19,11 @@ pub struct NodeEntry {
 }
 
 impl NodeEntry {
+    /// A parameter as stated.
+    pub fn setting(&self, name: &str) -> Option<&LocatedValue> {
+        voltet_core::parameters::find_setting(&self.settings, name)
+    }
+
     /// Sets a parameter, or the part of it that `path` leads to.
     pub fn set(&mut self, name: &str, path: &[&str], setting: LocatedValue) -> Result<()> {
         voltet_core::parameters::replace_field(&mut self.settings, name, path, setting)

@@ -1,10 +1,8 @@
 //! Piecewise-linear curves over s; their height is the cube root of the extinction.
 
-use super::super::handles::Handle;
-use super::super::numbers::{Change, rows};
-use super::super::scale::{Scale, extinction_at, height_of};
+use super::super::geometry::{Change, Handle, Scale, extinction_at, height_of, rows};
+use super::super::plane::{WidgetPainter, color};
 use super::super::shape::Shape;
-use super::super::widget_painter::{WidgetPainter, color};
 use crate::theme;
 use eframe::egui::Stroke;
 use voltet_core::transfer::ControlPoint;
@@ -42,7 +40,7 @@ impl Shape for Curve {
         stated(&points)
     }
 
-    fn shifted(&self, by: [f64; 2]) -> Vec<Change> {
+    fn shifted(&self, by: [f64; 2], _: &Scale) -> Vec<Change> {
         stated(&self.points.iter().map(|p| ControlPoint { s: p.s + by[0], ..*p }).collect::<Vec<_>>())
     }
 

@@ -1,14 +1,11 @@
 //! Widgets over a list of fields, on the plane of two of them: what lies outside of the plane stays as it is.
 
-use super::super::handles::Handle;
-use super::super::numbers::{Change, find, list, rounded, rows_of};
-use super::super::scale::Scale;
+use super::super::geometry::{Change, Handle, Scale, list, rounded, rows};
+use super::super::plane::WidgetPainter;
 use super::super::shape::{PlaneContext, Shape};
-use super::super::widget_painter::WidgetPainter;
-use super::ellipse::Ellipse;
+use super::gaussian::Ellipse;
 use super::triangle::Triangle;
-use std::sync::Arc;
-use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue};
+use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue, find_setting};
 
 /// The numbers of such a widget.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,17 +40,7 @@ struct Magnitude {
 impl FieldShape {
     /// `None` of one that has no field along either axis, or would lie on its side. `magnitude`: the name of the array, where its
     /// widths are shares of one.
-    pub fn shape(
-        (names, centre, kernel): (&[String], &[f64], &[Vec<f64>]),
-        magnitude: Option<&String>,
-        numbers: &[Field],
-        on: &PlaneContext,
-    ) -> Option<Arc<dyn Shape>> {
-        let of = Self::read((names, centre, kernel), magnitude, numbers, on)?;
-        Some(Arc::new(of))
-    }
-
-    fn read(
+    pub fn read(
         (names, centre, kernel): (&[String], &[f64], &[Vec<f64>]),
         magnitude: Option<&String>,
         numbers: &[Field],
@@ -75,7 +62,7 @@ impl FieldShape {
                 level: range.map_or(1.0, |[_, high]| 0.5 * high),
             }
         });
-        let sigma = find(numbers, "sigma").and_then(LocatedValue::numbers);
+        let sigma = find_setting(numbers, "sigma").and_then(LocatedValue::numbers);
         let middle = at.map(|place| place.map_or(0.0, |i| centre[i]));
         let ellipse = Ellipse::new(middle, kernel, at, on.extent);
         let figure = match magnitude {
@@ -140,7 +127,7 @@ impl FieldShape {
             let (x, y) = (row[i], row[j]);
             (row[i], row[j]) = (x * back[0][0] + y * back[1][0], x * back[0][1] + y * back[1][1]);
         }
-        vec![("matrix", Some(rows_of(&kernel))), ("sigma", None)]
+        vec![("matrix", Some(rows(&kernel))), ("sigma", None)]
     }
 
     /// Wider by factors along the plane's axes.
@@ -160,7 +147,7 @@ impl FieldShape {
                 for row in &mut kernel {
                     row.iter_mut().enumerate().for_each(|(i, x)| *x /= factor(i));
                 }
-                vec![("matrix", Some(rows_of(&kernel)))]
+                vec![("matrix", Some(rows(&kernel)))]
             }
         }
     }
@@ -184,11 +171,6 @@ impl Shape for FieldShape {
             }
             _ => self.centred(to),
         }
-    }
-
-    fn shifted(&self, by: [f64; 2]) -> Vec<Change> {
-        let from = self.at.map(|place| place.map_or(0.0, |i| self.centre[i]));
-        self.centred([from[0] + by[0], from[1] + by[1]])
     }
 
     fn draw(&self, pen: &WidgetPainter) {
@@ -223,9 +205,9 @@ pub(in crate::transfer) fn gaussian_over(
     sigma: [f64; 2],
 ) -> Option<(&'static str, Vec<Change>)> {
     let [ArrayRef::Array(x), ArrayRef::Array(y)] = axes else { return None };
-    let names = [x, y].map(|name| LocatedValue::from(ParameterValue::Text(name.clone())));
+    let names: ParameterValue = [x, y].into_iter().map(String::as_str).collect();
     let (centre, sigma) = (("centre", Some(list(&centre))), ("sigma", Some(list(&sigma))));
-    Some(("gaussian-nd", vec![("fields", Some(ParameterValue::List(names.to_vec()))), centre, sigma]))
+    Some(("gaussian-nd", vec![("fields", Some(names)), centre, sigma]))
 }
 
 #[cfg(test)]

@@ -4,7 +4,6 @@
 //! To add a kind, add its arm in [`shape`] and, where no shape here is its own, a file; nothing else of the editor knows kinds.
 
 mod curve;
-mod ellipse;
 mod fields;
 mod gaussian;
 mod table;
@@ -14,42 +13,45 @@ mod wave;
 pub(super) use fields::gaussian_over;
 pub(super) use gaussian::gaussian;
 
-use super::scale::S_AND_G;
+use super::geometry::S_AND_G;
 use super::shape::{PlaneContext, Shape};
+use curve::Curve;
+use fields::FieldShape;
+use gaussian::Gaussian;
 use std::sync::Arc;
+use table::Picture;
+use triangle::Triangle;
 use voltet_core::transfer::{Profile, Widget};
 use voltet_graph::{ArrayRef, Field};
+use wave::Bands;
 
 /// The shape of a widget; `None` where it lies along other axes. `numbers`: its table, without numbers relative to data.
 pub(super) fn shape(widget: &Widget, numbers: &[Field], on: &PlaneContext) -> Option<Arc<dyn Shape>> {
-    let flat = on.is_of_s_and_g();
+    let flat = |shape: Option<Arc<dyn Shape>>| shape.filter(|_| on.is_of_s_and_g());
+    let over = |fields: &[String], centre: &[f64], matrix: &[Vec<f64>], magnitude: Option<&String>| {
+        let shape = FieldShape::read((fields, centre, matrix), magnitude, numbers, on)?;
+        Some(Arc::new(shape) as Arc<dyn Shape>)
+    };
     match &widget.profile {
         // Its region is all that there is to see.
-        Profile::Uniform => flat.then(|| Arc::new(Everywhere) as Arc<dyn Shape>),
+        Profile::Uniform => flat(Some(Arc::new(Everywhere))),
         Profile::Gaussian { centre, matrix } => {
-            flat.then(|| Arc::new(gaussian::Gaussian::new(*centre, matrix, numbers, on)) as Arc<dyn Shape>)
+            flat(Some(Arc::new(Gaussian::new(*centre, matrix, numbers, on))))
         }
-        Profile::GaussianNd { fields, centre, matrix } => {
-            fields::FieldShape::shape((fields, centre, matrix), None, numbers, on)
-        }
+        Profile::GaussianNd { fields, centre, matrix } => over(fields, centre, matrix, None),
         Profile::TriangularGaussian { centre, sigma } => {
-            let (centre, sigma) = (*centre, *sigma);
-            flat.then(|| Arc::new(triangle::Triangle { centre, sigma }) as Arc<dyn Shape>)
+            flat(Some(Arc::new(Triangle { centre: *centre, sigma: *sigma })))
         }
         Profile::TriangularGaussianNd { fields, magnitude, centre, matrix } => {
-            fields::FieldShape::shape((fields, centre, matrix), Some(magnitude), numbers, on)
+            over(fields, centre, matrix, Some(magnitude))
         }
-        Profile::TriangleWave(wave) => {
-            flat.then(|| Arc::new(wave::Bands { wave: *wave, sine: false }) as Arc<dyn Shape>)
+        Profile::TriangleWave(wave) => flat(Some(Arc::new(Bands { wave: *wave, sine: false }))),
+        Profile::SineWave(wave) => flat(Some(Arc::new(Bands { wave: *wave, sine: true }))),
+        Profile::PiecewiseLinear { points } => {
+            let curve = Curve { points: points.clone() };
+            Some(Arc::new(curve) as Arc<dyn Shape>).filter(|_| on.axes[0] == S_AND_G[0])
         }
-        Profile::SineWave(wave) => {
-            flat.then(|| Arc::new(wave::Bands { wave: *wave, sine: true }) as Arc<dyn Shape>)
-        }
-        Profile::PiecewiseLinear { points } => (on.axes[0] == S_AND_G[0])
-            .then(|| Arc::new(curve::Curve { points: points.clone() }) as Arc<dyn Shape>),
-        Profile::Table(table) => {
-            flat.then(|| Arc::new(table::Picture::new(table, numbers, on)) as Arc<dyn Shape>)
-        }
+        Profile::Table(table) => flat(Some(Arc::new(Picture::new(table, numbers, on)))),
     }
 }
 

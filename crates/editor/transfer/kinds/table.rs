@@ -1,14 +1,13 @@
 //! Tables: pictures over ranges of s and g, moved and scaled by these.
 
-use super::super::handles::{Handle, corners, edges};
-use super::super::numbers::{Change, find, list};
+use super::super::geometry::{Change, Handle, Scale, corners, edges, list};
+use super::super::plane::WidgetPainter;
 use super::super::region::with_corner;
-use super::super::scale::Scale;
 use super::super::shape::{PlaneContext, Shape};
-use super::super::widget_painter::WidgetPainter;
-use eframe::egui::{Color32, Rect, TextureId, pos2};
+use crate::picture::WHOLE;
+use eframe::egui::{Color32, Rect, TextureId};
 use voltet_core::transfer::Table;
-use voltet_graph::{Field, LocatedValue};
+use voltet_graph::{Field, LocatedValue, find_setting};
 
 /// The least length of a side, as a share of what is shown: a range that is empty is refused.
 const MIN_SIDE: f64 = 1e-3;
@@ -25,7 +24,7 @@ pub(super) struct Picture {
 
 impl Picture {
     pub fn new(table: &Table, numbers: &[Field], on: &PlaneContext) -> Picture {
-        let path = find(numbers, "image").and_then(LocatedValue::text);
+        let path = find_setting(numbers, "image").and_then(LocatedValue::text);
         Picture { ranges: [table.s, table.g], texture: path.and_then(|path| on.images.texture(path)) }
     }
 }
@@ -53,8 +52,8 @@ impl Shape for Picture {
                 after[axis] = [after[axis][0].min(after[axis][1]), after[axis][0].max(after[axis][1])];
             }
             _ => {
-                let by = [0, 1].map(|k: usize| to[k] - 0.5 * (self.ranges[k][0] + self.ranges[k][1]));
-                return self.shifted(by);
+                let by = [0, 1].map(|k: usize| to[k] - (0.5 * self.ranges[k][0] + 0.5 * self.ranges[k][1]));
+                return stated(self.ranges, [0, 1].map(|k: usize| self.ranges[k].map(|x| x + by[k])));
             }
         }
         let least = |k: usize| MIN_SIDE * (scale.shown[k][1] - scale.shown[k][0]);
@@ -64,18 +63,13 @@ impl Shape for Picture {
         }
     }
 
-    fn shifted(&self, by: [f64; 2]) -> Vec<Change> {
-        stated(self.ranges, [0, 1].map(|k: usize| self.ranges[k].map(|x| x + by[k])))
-    }
-
     fn draw(&self, pen: &WidgetPainter) {
         let [s, g] = self.ranges;
         if let Some(texture) = self.texture {
             let place =
                 Rect::from_two_pos(pen.plane.to_window([s[0], g[0]]), pen.plane.to_window([s[1], g[1]]));
-            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             let tint = Color32::WHITE.gamma_multiply(if pen.is_hidden { 0.3 * COVERS } else { COVERS });
-            pen.painter.image(texture, place, whole, tint);
+            pen.painter.image(texture, place, WHOLE, tint);
         }
         pen.rectangle(self.ranges, pen.stroke, Color32::TRANSPARENT);
     }

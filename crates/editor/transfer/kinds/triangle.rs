@@ -1,10 +1,8 @@
 //! Triangular Gaussians: widths in s a unit of g.
 
-use super::super::handles::Handle;
-use super::super::numbers::{Change, rounded};
-use super::super::scale::Scale;
+use super::super::geometry::{Change, Handle, Scale, rounded};
+use super::super::plane::WidgetPainter;
 use super::super::shape::Shape;
-use super::super::widget_painter::WidgetPainter;
 use eframe::egui;
 use voltet_graph::ParameterValue;
 
@@ -39,10 +37,6 @@ impl Shape for Triangle {
             }
             _ => vec![("centre", Some(ParameterValue::Number(rounded(to[0]))))],
         }
-    }
-
-    fn shifted(&self, by: [f64; 2]) -> Vec<Change> {
-        vec![("centre", Some(ParameterValue::Number(rounded(self.centre + by[0]))))]
     }
 
     fn draw(&self, pen: &WidgetPainter) {

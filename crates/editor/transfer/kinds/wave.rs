@@ -1,10 +1,8 @@
 //! Bands across s and g.
 
-use super::super::handles::Handle;
-use super::super::numbers::{Change, list, rounded};
-use super::super::scale::Scale;
+use super::super::geometry::{Change, Handle, Scale, list, rounded};
+use super::super::plane::WidgetPainter;
 use super::super::shape::Shape;
-use super::super::widget_painter::WidgetPainter;
 use eframe::egui::Stroke;
 use voltet_core::transfer::Wave;
 use voltet_graph::ParameterValue;
@@ -63,11 +61,6 @@ impl Shape for Bands {
             }
             _ => vec![("origin", Some(list(&to)))],
         }
-    }
-
-    fn shifted(&self, by: [f64; 2]) -> Vec<Change> {
-        let to = [0, 1].map(|k: usize| self.wave.origin[k] + by[k]);
-        vec![("origin", Some(list(&to)))]
     }
 
     /// The peaks as lines across the plane.

@@ -1,9 +1,13 @@
-//! Output of the worker.
+//! Output of the worker: the picture, the states of its nodes, and the answers to queries.
 
+use super::comparison::{Estimate, PreviewQuery, ShareQuery};
+use super::distribution::DistributionQuery;
 use super::pixels::Pixels;
-use super::preview_observer::{NAME, Values};
-use super::queries::{Distribution, PixelProbe, Section, Share};
+use super::probing::ProbeQuery;
+use super::query::{Exchange, Query, QueryRun};
 use super::request::RenderRequest;
+use super::section::SectionQuery;
+use super::values::{self, Values};
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -14,7 +18,7 @@ use voltet_graph::RunReport;
 
 /// States of a node.
 #[derive(Debug, Clone, PartialEq)]
-pub enum NodeState {
+pub(crate) enum NodeState {
     /// It did not run yet for what is wanted now.
     Stale,
     /// It runs: its stage, and how much of that is done (0 … 1).
@@ -27,12 +31,14 @@ pub enum NodeState {
 
 /// A node that feeds the picture.
 #[derive(Debug, Clone, PartialEq)]
-pub struct NodeStatus {
-    /// Its state.
+pub(crate) struct NodeStatus {
     pub state: NodeState,
     /// Seconds that its outputs took when they were made last.
     pub seconds: Option<f64>,
 }
+
+/// The small picture of a node.
+pub(crate) type Preview = Exchange<PreviewQuery>;
 
 /// Latest output of the worker.
 #[derive(Default)]
@@ -40,36 +46,49 @@ pub struct WorkerOutput {
     /// The newest picture.
     pub pixels: Option<Pixels>,
     /// The nodes that feed the picture; the others are not needed for it.
-    pub nodes: BTreeMap<String, NodeStatus>,
+    pub(crate) nodes: BTreeMap<String, NodeStatus>,
     /// Reason why there is no newer picture.
     pub failure: Option<Error>,
     /// True if something newer than the picture is being drawn.
     pub is_busy: bool,
     /// Seconds of the last full picture, and of the last that was coarse or drawn in passing.
-    pub seconds: [Option<f64>; 2],
+    pub(crate) seconds: [Option<f64>; 2],
     /// The last full run's report, without its pictures.
-    pub report: Option<Arc<RunReport>>,
-    /// The largest and the root mean square error of a picture, with the key that it was asked for by.
-    pub estimate: Option<(u64, Result<[f64; 2]>)>,
+    pub(crate) report: Option<Arc<RunReport>>,
     /// For each output, `"node.port"`, what runs through it.
-    pub values: Arc<BTreeMap<String, String>>,
+    pub(crate) values: Arc<BTreeMap<String, String>>,
     /// Least and greatest coordinates of the data.
-    pub bounds: Option<[DVec3; 2]>,
-    /// The distribution of the data, with the key that it was asked for by.
-    pub distribution: Option<(u64, Result<Arc<Distribution>>)>,
-    /// Result of the last probe, with the key of its query.
-    pub probed: Option<(u64, Result<Arc<PixelProbe>>)>,
-    /// The last section, with the key of its query.
-    pub section: Option<(u64, Result<Arc<Section>>)>,
-    /// The last widget's contribution, with the key of its query.
-    pub share: Option<(u64, Result<Share>)>,
-    /// Small pictures of nodes that are not shown at large.
-    pub previews: BTreeMap<String, Pixels>,
+    pub(crate) bounds: Option<[DVec3; 2]>,
+    pub(crate) probe: Exchange<ProbeQuery>,
+    pub(crate) section: Exchange<SectionQuery>,
+    pub(crate) estimate: Exchange<Estimate>,
+    pub(crate) distribution: Exchange<DistributionQuery>,
+    pub(crate) share: Exchange<ShareQuery>,
+    /// Small pictures of nodes that are not shown at large, by their names.
+    pub(crate) previews: BTreeMap<String, Preview>,
     number: u64,
     wanted: Option<RenderRequest>,
 }
 
 impl WorkerOutput {
+    /// The query to be answered next: what a hand asks for first.
+    pub(super) fn next_job(&mut self) -> Option<Box<dyn PendingQuery>> {
+        job(self, |output| &mut output.probe)
+            .or_else(|| job(self, |output| &mut output.section))
+            .or_else(|| job(self, |output| &mut output.estimate))
+            .or_else(|| job(self, |output| &mut output.distribution))
+            .or_else(|| job(self, |output| &mut output.share))
+            .or_else(|| {
+                let nodes: Vec<String> = self.previews.keys().cloned().collect();
+                nodes.into_iter().find_map(|node| job(self, move |output| output.preview(&node)))
+            })
+    }
+
+    /// The small picture of a node.
+    pub(crate) fn preview(&mut self, node: &str) -> &mut Preview {
+        self.previews.entry(node.to_string()).or_default()
+    }
+
     /// A picture is wanted: what changed, and what follows from it, is stale.
     pub(super) fn begin(&mut self, number: u64, wanted: &RenderRequest) {
         (self.number, self.is_busy) = (number, true);
@@ -117,17 +136,24 @@ impl WorkerOutput {
         }
     }
 
-    pub(super) fn finished(&mut self, pixels: Pixels, report: &RunReport, values: Values, seconds: f64) {
+    /// A picture is drawn. `values`: what runs through the wires, of a full one.
+    pub(super) fn finished(
+        &mut self,
+        pixels: Pixels,
+        report: &RunReport,
+        values: Option<Values>,
+        seconds: f64,
+    ) {
         let is_full = pixels.is_full();
         self.failure = None;
         self.seconds[usize::from(!is_full)] = Some(seconds);
         self.pixels = Some(pixels);
         if is_full {
             let mut report = RunReport { pictures: Vec::new(), ..report.clone() };
-            report.nodes.retain(|node| node.name != NAME);
+            report.nodes.retain(|node| node.name != values::NODE.name);
             self.report = Some(Arc::new(report));
-            self.values = Arc::new(values.words);
-            self.bounds = values.bounds;
+            let values = values.unwrap_or_default();
+            (self.values, self.bounds) = (Arc::new(values.words), values.bounds);
         }
     }
 
@@ -151,5 +177,44 @@ impl WorkerOutput {
         }
         self.failure = Some(error);
         self.is_busy = false;
+    }
+}
+
+/// A query of any kind that is being answered.
+pub(super) trait PendingQuery {
+    /// Finds the answer.
+    fn work(&mut self, run: &mut QueryRun) -> Result<()>;
+
+    /// Puts the answer, or the error of finding it, into the output.
+    fn settle(self: Box<Self>, outcome: Result<()>, output: &mut WorkerOutput);
+}
+
+struct Pending<Q: Query, F> {
+    number: u64,
+    query: Q,
+    found: Option<Q::Reply>,
+    /// The place of such queries.
+    of: F,
+}
+
+/// The open query of a kind.
+fn job<Q: Query, F>(output: &mut WorkerOutput, of: F) -> Option<Box<dyn PendingQuery>>
+where
+    F: Fn(&mut WorkerOutput) -> &mut Exchange<Q> + 'static,
+{
+    let (number, query) = of(output).take()?;
+    Some(Box::new(Pending { number, query, found: None, of }))
+}
+
+impl<Q: Query, F: Fn(&mut WorkerOutput) -> &mut Exchange<Q>> PendingQuery for Pending<Q, F> {
+    fn work(&mut self, run: &mut QueryRun) -> Result<()> {
+        self.found = Some(self.query.answer(run)?);
+        Ok(())
+    }
+
+    fn settle(self: Box<Self>, outcome: Result<()>, output: &mut WorkerOutput) {
+        let Pending { number, found, of, .. } = *self;
+        let none = || Error::run("nothing was found");
+        of(output).settle(number, outcome.and_then(|()| found.ok_or_else(none)));
     }
 }

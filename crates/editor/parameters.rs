@@ -1,0 +1,635 @@
+//! The parameter panel: the rows that the document makes of the selected node's declaration, as widgets by their controls; lists of
+//! tables; and texts that are being typed.
+
+use crate::actions::{Action, Actions, FilePurpose};
+use crate::scene::Scene;
+use crate::theme;
+use eframe::egui::collapsing_header::CollapsingState;
+use eframe::egui::{
+    CollapsingHeader, Color32, ComboBox, DragValue, Grid, Label, Response, Rgba, RichText, ScrollArea, Sense,
+    Slider, TextEdit, Ui, vec2,
+};
+use std::collections::HashMap;
+use std::rc::Rc;
+use voltet_document::panel::{Control, Row, Scale, default_value, rounded, to_text, typed};
+use voltet_document::{Edit, Path};
+use voltet_graph::{DefaultValue, LocatedValue, NodeEntry, ParameterValue, Range, VariantSchema};
+
+/// The largest span that a slider of equal steps serves: beyond, a drag of a few points is a large step.
+const SPAN_OF_SLIDER: f64 = 1000.0;
+
+/// Share of a number that a drag over one point changes, and its least step.
+const SPEED: f64 = 0.01;
+const MIN_STEP: f64 = 1e-3;
+
+/// Width of a reason, points.
+const REASON: f32 = 280.0;
+
+/// Texts being typed, by the keys of their fields.
+#[derive(Default)]
+struct Typing {
+    texts: HashMap<String, String>,
+    /// A text that says nothing right: whose, itself, why.
+    refused: Option<[String; 3]>,
+    /// The field that is to have the keys.
+    wants_focus: Option<String>,
+}
+
+impl Typing {
+    /// True if a text is unfinished or invalid.
+    fn holds(&self, key: &str) -> bool {
+        self.texts.contains_key(key) || self.refused(key).is_some()
+    }
+
+    /// A text begins where there was none.
+    fn begin(&mut self, key: &str, text: String) {
+        self.texts.insert(key.to_string(), text);
+        self.wants_focus = Some(key.to_string());
+    }
+
+    fn refused(&self, key: &str) -> Option<&[String; 3]> {
+        self.refused.as_ref().filter(|refused| refused[0] == key)
+    }
+
+    /// A field that gives its text once it is done and another than before.
+    fn line(&mut self, ui: &mut Ui, key: &str, now: &str, width: f32, hint: &str) -> Option<String> {
+        let begun = self.texts.get(key).or_else(|| self.refused(key).map(|refused| &refused[1]));
+        let mut text = begun.cloned().unwrap_or_else(|| now.to_string());
+        let field = TextEdit::singleline(&mut text).id_salt(key).desired_width(width).hint_text(hint);
+        let response = ui.add(field);
+        if self.wants_focus.as_deref() == Some(key) {
+            self.wants_focus = None;
+            response.request_focus();
+            return None;
+        }
+        if response.has_focus() {
+            self.texts.insert(key.to_string(), text);
+            return None;
+        }
+        let done = self.texts.remove(key);
+        (response.lost_focus() || done.is_some()).then_some(text).filter(|text| text != now)
+    }
+
+    /// Field for the value of a row; an invalid text stays in it, with the reason below.
+    fn value(&mut self, ui: &mut Ui, key: &str, row: &Row, width: f32, hint: &str) -> Option<ParameterValue> {
+        let now = row.value().map(to_text).unwrap_or_default();
+        let had = self.texts.contains_key(key);
+        let text = self.line(ui, key, &now, width, hint);
+        // A hand came back to it, or has taken back what it typed.
+        if self.refused(key).is_some() && (text.is_some() || had) {
+            self.refused = None;
+        }
+        let text = text?;
+        match typed(row, &text) {
+            Ok(value) => Some(value),
+            Err(error) => {
+                self.refused = Some([key.to_string(), text, error.to_string()]);
+                None
+            }
+        }
+    }
+
+    /// Shows why the text of a row is refused.
+    fn say_why_refused(&self, ui: &mut Ui, key: &str) {
+        if let Some([_, _, why]) = self.refused(key) {
+            let color = theme::wrong(ui.visuals().dark_mode);
+            ui.set_max_width(REASON);
+            ui.add(Label::new(RichText::new(why).small().color(color)).wrap());
+        }
+    }
+}
+
+/// The panel, with what is being typed in it.
+#[derive(Default)]
+pub(crate) struct ParameterPanel {
+    typing: Typing,
+    /// The rows of a node, as long as the document is the same.
+    rows: Option<(u64, String, Rc<Vec<Row>>)>,
+    /// Positions of the values by the keys of their rows, for tests.
+    #[cfg(test)]
+    pub places: HashMap<String, eframe::egui::Rect>,
+}
+
+/// The node whose rows are shown.
+#[derive(Clone, Copy)]
+struct Of<'a> {
+    pub scene: &'a Scene<'a>,
+    pub node: &'a str,
+}
+
+impl Of<'_> {
+    /// The edit that states a row.
+    pub fn set(&self, row: &Row, value: ParameterValue) -> Edit {
+        Edit::Set { node: self.node.to_string(), path: row.path.clone(), value }
+    }
+
+    /// The edit that takes out what leads somewhere.
+    pub fn unset(&self, path: &Path) -> Edit {
+        Edit::Unset { node: self.node.to_string(), path: path.clone() }
+    }
+
+    /// Unique key of a row.
+    pub fn key(&self, row: &Row) -> String {
+        format!("{}.{}", self.node, row.path)
+    }
+}
+
+impl ParameterPanel {
+    pub fn show(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
+        let dark = ui.visuals().dark_mode;
+        ui.set_min_height(ui.available_height());
+        #[cfg(test)]
+        self.places.clear();
+        let mut selected = scene.selection.iter();
+        let (Some(name), None) = (selected.next(), selected.next()) else {
+            let text = match scene.selection.len() {
+                0 => "Select a node to see its parameters.",
+                _ => "Several nodes are selected.",
+            };
+            ui.add_space(4.0);
+            ui.label(RichText::new(text).color(theme::weak(dark)));
+            self.title(ui, scene, actions);
+            return;
+        };
+        let Some(entry) = scene.entry(name) else { return };
+        self.head(ui, scene, entry, actions);
+        let rows = self.rows_of(scene, name);
+        ScrollArea::vertical().auto_shrink([false, false]).id_salt(("parameters", name)).show(ui, |ui| {
+            for fault in scene.faults.iter().filter(|fault| fault.location.node.as_deref() == Some(name)) {
+                ui.label(RichText::new(fault.to_string()).color(theme::wrong(dark)));
+            }
+            self.table(ui, Of { scene, node: name }, &Path::default(), &rows, actions);
+        });
+    }
+
+    /// The title of the pipeline, which its pictures carry.
+    fn title(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
+        let now = scene.document.pipeline().title.clone().unwrap_or_default();
+        ui.horizontal(|ui| {
+            ui.label("title").on_hover_text("of the pipeline; its pictures carry it");
+            if let Some(title) = self.typing.line(ui, "title!", &now, 320.0, "none") {
+                actions.edit(Edit::Title(Some(title).filter(|title| !title.is_empty())));
+            }
+        });
+    }
+
+    /// The rows of a node, made anew where the document is another.
+    fn rows_of(&mut self, scene: &Scene, node: &str) -> Rc<Vec<Row>> {
+        let revision = scene.document.revision();
+        match &self.rows {
+            Some((of, name, rows)) if *of == revision && name == node => rows.clone(),
+            _ => {
+                let rows = Rc::new(scene.document.rows(scene.registry, node));
+                self.rows = Some((revision, node.to_string(), rows.clone()));
+                rows
+            }
+        }
+    }
+
+    /// The node's name, which can be changed, its type and what it does.
+    fn head(&mut self, ui: &mut Ui, scene: &Scene, entry: &NodeEntry, actions: &mut Actions) {
+        let dark = ui.visuals().dark_mode;
+        ui.add_space(3.0);
+        ui.horizontal(|ui| {
+            let key = format!("{}!", entry.name);
+            if let Some(name) = self.typing.line(ui, &key, &entry.name, 130.0, "name")
+                && !name.is_empty()
+            {
+                actions.edit(Edit::Rename { node: entry.name.clone(), to: name });
+            }
+            ui.strong(entry.node_type.text().unwrap_or("no type"));
+            let summary = scene.node_type(entry).map_or("a type that is not known", |node| node.summary);
+            let label = Label::new(RichText::new(summary).color(theme::weak(dark))).truncate();
+            ui.add(label).on_hover_text(summary);
+        });
+        let view = scene.document.view().nodes.get(&entry.name);
+        let now = view.and_then(|view| view.remark.clone()).unwrap_or_default();
+        let width = (ui.available_width() - 24.0).max(80.0);
+        let key = format!("{}?", entry.name);
+        if let Some(text) = self.typing.line(ui, &key, &now, width, "a remark, shown in the node") {
+            let text = Some(text).filter(|text| !text.is_empty());
+            actions.edit(Edit::Remark { node: entry.name.clone(), text });
+        }
+        ui.separator();
+    }
+
+    /// One line a row; tables and lists of tables follow.
+    fn table(&mut self, ui: &mut Ui, of: Of, path: &Path, rows: &[Row], actions: &mut Actions) {
+        use Control::{Entries, Table};
+        let is_line = |row: &&Row| !matches!(row.control, Table | Entries(_));
+        let salt = ("rows", of.node, path.to_string());
+        Grid::new(salt).num_columns(3).spacing([8.0, 4.0]).show(ui, |ui| {
+            for row in rows.iter().filter(is_line) {
+                self.line(ui, of, row, actions);
+                ui.end_row();
+            }
+        });
+        for row in rows {
+            match row.control {
+                Entries(kinds) => self.entries(ui, of, row, kinds, actions),
+                Table => self.inner(ui, of, row, actions),
+                _ => {}
+            }
+        }
+    }
+
+    /// Its name, its value, its unit; and the way back to the standard value.
+    fn line(&mut self, ui: &mut Ui, of: Of, row: &Row, actions: &mut Actions) {
+        let dark = ui.visuals().dark_mode;
+        let parameter = row.parameter;
+        let color = match (row.is_missing(), &row.set_value) {
+            (true, _) => theme::wrong(dark),
+            (false, None) => theme::weak(dark),
+            (false, Some(_)) => ui.visuals().text_color(),
+        };
+        let unit = if parameter.unit.is_empty() { String::new() } else { format!(", {}", parameter.unit) };
+        let what = parameter.parameter_type.describe();
+        let help = format!("{}\n{what}{unit}\nstandard: {}", parameter.help, row.default_text());
+        ui.label(RichText::new(parameter.name).color(color)).on_hover_text(&help);
+        let _shown = ui.vertical(|ui| {
+            ui.horizontal(|ui| {
+                if let (None, Some(first), DefaultValue::Unset(meaning)) =
+                    (&row.set_value, row.begin(), parameter.default)
+                {
+                    // A number that is not there is no number.
+                    if ui.small_button("set").on_hover_text("states a value to begin with").clicked() {
+                        actions.edit(of.set(row, first));
+                    }
+                    ui.label(RichText::new(meaning).small().color(theme::weak(dark)));
+                    return;
+                }
+                if let Some(value) = self.value(ui, of, row, actions) {
+                    actions.edit(of.set(row, value));
+                }
+                if !parameter.unit.is_empty() {
+                    ui.label(RichText::new(parameter.unit).small().color(theme::weak(dark)));
+                }
+            });
+            self.typing.say_why_refused(ui, &of.key(row));
+        });
+        #[cfg(test)]
+        self.places.insert(of.key(row), _shown.response.rect);
+        if row.set_value.is_some() && !matches!(parameter.default, DefaultValue::Required) {
+            let standard = format!("back to the standard: {}", row.default_text());
+            if ui.small_button("↺").on_hover_text(standard).clicked() {
+                actions.edit(of.unset(&row.path));
+            }
+        } else {
+            ui.label("");
+        }
+    }
+
+    /// Each entry under its kind, with ways to take away, double and move it; and a way to add one.
+    fn entries(
+        &mut self,
+        ui: &mut Ui,
+        of: Of,
+        row: &Row,
+        kinds: &'static [VariantSchema],
+        actions: &mut Actions,
+    ) {
+        let (node, list, count) = (|| of.node.to_string(), &row.path, row.entries.len());
+        ui.add_space(4.0);
+        ui.horizontal(|ui| {
+            ui.strong(row.parameter.name).on_hover_text(row.parameter.help);
+            ui.menu_button("add", |ui| {
+                for kind in kinds {
+                    if ui.button(kind.name).on_hover_text(kind.summary).clicked() {
+                        let (list, entry) = (list.clone(), default_value(kind));
+                        actions.edit(Edit::Insert { node: node(), list, place: count, entry });
+                        ui.close_menu();
+                    }
+                }
+            });
+        });
+        for (place, entry) in row.entries.iter().enumerate() {
+            let id = ui.make_persistent_id((of.node, entry.path.to_string()));
+            let state = CollapsingState::load_with_default_open(ui.ctx(), id, count <= 2);
+            let head = state.show_header(ui, |ui| {
+                swatch(ui, &entry.rows);
+                ui.label(format!(
+                    "{} {}",
+                    place + 1,
+                    entry.kind.map_or("of no kind that is known", |kind| kind.name)
+                ));
+                let moved = |to| Edit::MoveEntry { node: node(), list: list.clone(), from: place, to };
+                if ui.small_button("⬆").on_hover_text("before the one above").clicked() && place > 0 {
+                    actions.edit(moved(place - 1));
+                }
+                if ui.small_button("⬇").on_hover_text("after the one below").clicked() && place + 1 < count
+                {
+                    actions.edit(moved(place + 1));
+                }
+                if ui.small_button("×2").on_hover_text("duplicate").clicked() {
+                    actions.edit(Edit::Duplicate { node: node(), list: list.clone(), place });
+                }
+                if ui.small_button("✖").on_hover_text("take away").clicked() {
+                    actions.edit(of.unset(&entry.path));
+                }
+            });
+            head.body(|ui| self.table(ui, of, &entry.path, &entry.rows, actions));
+        }
+    }
+
+    /// A table within a table.
+    fn inner(&mut self, ui: &mut Ui, of: Of, row: &Row, actions: &mut Actions) {
+        let parameter = row.parameter;
+        let header = CollapsingHeader::new(parameter.name)
+            .id_salt((of.node, row.path.to_string()))
+            .default_open(row.set_value.is_some());
+        let shown = header.show(ui, |ui| {
+            self.table(ui, of, &row.path, &row.rows, actions);
+            let may_go = row.set_value.is_some() && !matches!(parameter.default, DefaultValue::Required);
+            if may_go && ui.small_button("take out").clicked() {
+                actions.edit(of.unset(&row.path));
+            }
+        });
+        shown.header_response.on_hover_text(parameter.help);
+    }
+
+    /// Shows a value; gives another one where a hand made it.
+    fn value(&mut self, ui: &mut Ui, of: Of, row: &Row, actions: &mut Actions) -> Option<ParameterValue> {
+        let key = of.key(row);
+        let now = row.value();
+        match &row.control {
+            Control::Toggle => {
+                let mut flag = now == Some(&ParameterValue::Boolean(true));
+                ui.checkbox(&mut flag, "").changed().then_some(ParameterValue::Boolean(flag))
+            }
+            // What is wrong is typed anew; a field would set it within its range.
+            Control::Integer(range) | Control::Number { range, .. } | Control::Vector { range, .. }
+                if !holds_all(range, now) =>
+            {
+                self.typing.value(ui, &key, row, 160.0, "")
+            }
+            Control::Integer(range) => {
+                number_field(ui, now.and_then(number), range, None).map(|x| ParameterValue::Integer(x as i64))
+            }
+            Control::Number { range, scale, word, relative } => {
+                if let Some(word) = word {
+                    let mut is_word = matches!(now, Some(ParameterValue::Text(text)) if text == word);
+                    if ui.checkbox(&mut is_word, *word).changed() {
+                        return if is_word {
+                            Some(ParameterValue::Text(word.to_string()))
+                        } else {
+                            row.begin()
+                        };
+                    }
+                    if is_word {
+                        return None;
+                    }
+                }
+                if row.is_relative() || self.typing.holds(&key) {
+                    return self.typing.value(ui, &key, row, 160.0, "2.5, 25 %, p90");
+                }
+                let given = number_field(ui, now.and_then(number), range, Some(*scale));
+                self.offer_typing(ui, *relative, &key, now);
+                given.map(ParameterValue::Number)
+            }
+            Control::Vector { count, range, whole, relative } => {
+                if row.is_relative() || self.typing.holds(&key) {
+                    return self.typing.value(ui, &key, row, 200.0, "2.5, 25 %, p90");
+                }
+                let given = numbers(ui, now, count.unwrap_or_default(), range, *whole);
+                self.offer_typing(ui, *relative || count.is_none(), &key, now);
+                given
+            }
+            Control::Colour { most } => color(ui, now, *most),
+            Control::Choice(words) => choice(ui, &key, now, words),
+            Control::Text => self.typing.value(ui, &key, row, 160.0, ""),
+            Control::Array | Control::Arrays => self.arrays(ui, of, row, &key),
+            Control::InputFile | Control::OutputFile => {
+                let given = self.typing.value(ui, &key, row, 200.0, "path");
+                if ui.small_button("…").on_hover_text("choose a file").clicked() {
+                    actions.push(browse(of, row));
+                }
+                given
+            }
+            Control::Texts | Control::Rows { .. } => self.typing.value(ui, &key, row, 260.0, "[…]"),
+            Control::Table | Control::Entries(_) => None,
+        }
+    }
+
+    /// A way to type what is no plain number.
+    fn offer_typing(&mut self, ui: &mut Ui, is_offered: bool, key: &str, now: Option<&ParameterValue>) {
+        let help = "type it: relative to the data (25 %, p90), or several numbers at once";
+        if is_offered && ui.small_button("✏").on_hover_text(help).clicked() {
+            self.typing.begin(key, now.map(to_text).unwrap_or_default());
+        }
+    }
+
+    /// Names of arrays, typed or chosen among those that the data have: one, or several.
+    fn arrays(&mut self, ui: &mut Ui, of: Of, row: &Row, key: &str) -> Option<ParameterValue> {
+        let several = matches!(row.control, Control::Arrays);
+        let mut taken = None;
+        let arrays = of.scene.arrays.feeding(ui.ctx(), of.scene.document, of.scene.registry, of.node);
+        if !arrays.is_empty() {
+            let names = row.value().map(texts).unwrap_or_default();
+            ComboBox::from_id_salt(("arrays", key)).selected_text("data").width(48.0).show_ui(ui, |ui| {
+                for array in arrays.iter() {
+                    let mut is_taken = names.contains(&array.name);
+                    let clicked = match several {
+                        true => ui.checkbox(&mut is_taken, &array.label).changed(),
+                        false => ui.selectable_label(is_taken, &array.label).clicked(),
+                    };
+                    if clicked && several {
+                        let others = names.iter().filter(|name| **name != array.name);
+                        let all = others.chain(is_taken.then_some(&array.name));
+                        taken = Some(all.map(String::as_str).collect());
+                    } else if clicked {
+                        taken = Some(ParameterValue::Text(array.name.clone()));
+                    }
+                }
+            });
+        }
+        let width = if several { 260.0 } else { 160.0 };
+        taken.or_else(|| {
+            self.typing.value(ui, key, row, width, if several { "all that are named" } else { "" })
+        })
+    }
+}
+
+/// The widget's colour.
+fn swatch(ui: &mut Ui, rows: &[Row]) {
+    let color = rows.iter().find(|row| row.parameter.name == "color").and_then(Row::value).and_then(channels);
+    let (rect, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
+    let color = color.map_or(Color32::TRANSPARENT, |channels| {
+        let [r, g, b] = channels.map(|x| x.min(1.0) as f32);
+        Rgba::from_rgb(r, g, b).into()
+    });
+    ui.painter().rect_filled(rect, 3.0, color);
+}
+
+/// True if all numbers of a value lie in the range.
+fn holds_all(range: &Range, datum: Option<&ParameterValue>) -> bool {
+    match datum {
+        Some(ParameterValue::List(list)) => list.iter().all(|part| holds_all(range, Some(&part.datum))),
+        Some(datum) => number(datum).is_none_or(|x| range.holds(x)),
+        None => true,
+    }
+}
+
+/// Asks for the file of a row, beginning where the one lies that it names.
+fn browse(of: Of, row: &Row) -> Action {
+    let named = row.value().and_then(|datum| LocatedValue::from(datum.clone()).text().map(str::to_string));
+    let document = of.scene.document;
+    let at = match named.filter(|name| !name.is_empty()) {
+        Some(name) => Some(document.folder().join(name)),
+        None => document.path().map(|path| path.with_file_name("")),
+    };
+    let writes = matches!(row.control, Control::OutputFile);
+    Action::ChooseFile(
+        FilePurpose::Parameter { node: of.node.to_string(), path: row.path.clone(), writes },
+        at,
+    )
+}
+
+/// True if the user changed it; rounding for display, or clamping to its range, is no change.
+fn by_hand(response: &Response) -> bool {
+    response.changed()
+        && (response.dragged() || response.drag_stopped() || response.lost_focus() || response.has_focus())
+}
+
+/// Result of a drag, with the digits that its step resolves; a typed number stays as it is.
+fn meant(response: &Response, x: f64, step: f64) -> f64 {
+    if response.dragged() || response.drag_stopped() { rounded(x, step) } else { x }
+}
+
+/// A field for one number; a whole one where it has no scale. With a slider where the range has two ends that are not too far.
+fn number_field(ui: &mut Ui, now: Option<f64>, range: &Range, scale: Option<Scale>) -> Option<f64> {
+    let mut x = now.unwrap_or(range.min.max(0.0).min(range.max));
+    let span = range.max - range.min;
+    let is_logarithmic = scale == Some(Scale::Logarithmic);
+    let mut slid = None;
+    if scale.is_some() && span.is_finite() && (is_logarithmic || span <= SPAN_OF_SLIDER) {
+        let slider = Slider::new(&mut x, range.min..=range.max).logarithmic(is_logarithmic).show_value(false);
+        let response = ui.add(slider.smart_aim(true));
+        let step = span / f64::from(response.rect.width().max(1.0));
+        let step = if is_logarithmic { step.min(SPEED * x.abs()) } else { step };
+        slid = (by_hand(&response) && range.holds(x)).then(|| meant(&response, x, step));
+    }
+    let step = match scale {
+        Some(_) => (SPEED * x.abs()).max(MIN_STEP),
+        None => 0.2,
+    };
+    let before = x;
+    let (response, x) = drag(ui, x, range, step, scale.is_none());
+    slid.or((by_hand(&response) && x != before && range.holds(x)).then_some(x))
+}
+
+/// A number with no more digits than six, as a file would have it.
+fn short(x: f64) -> String {
+    ParameterValue::Number(format!("{x:.5e}").parse().unwrap_or(x)).to_string()
+}
+
+/// A number that is dragged and typed.
+fn drag(ui: &mut Ui, before: f64, range: &Range, step: f64, whole: bool) -> (Response, f64) {
+    let mut x = before;
+    let field = DragValue::new(&mut x).range(range.min..=range.max).speed(step).update_while_editing(false);
+    let field = match whole {
+        true => field.max_decimals(0),
+        false => field.custom_formatter(|x, _| short(x)),
+    };
+    let response = ui.add(field);
+    let x = if whole { x.round() } else { meant(&response, x, step) };
+    // What is shown shorter than it is stays as it is where nobody typed another number.
+    (response, if short(x) == short(before) { before } else { x })
+}
+
+fn numbers(
+    ui: &mut Ui,
+    now: Option<&ParameterValue>,
+    count: usize,
+    range: &Range,
+    whole: bool,
+) -> Option<ParameterValue> {
+    let mut list: Vec<f64> = match now {
+        Some(ParameterValue::List(list)) => {
+            list.iter().map(|setting| setting.number().unwrap_or(0.0)).collect()
+        }
+        _ => vec![range.min.max(0.0).min(range.max); count],
+    };
+    list.resize(list.len().max(count), 0.0);
+    let mut changed = false;
+    for number in &mut list {
+        let step = if whole { 1.0 } else { (SPEED * number.abs()).max(MIN_STEP) };
+        let (response, x) = drag(ui, *number, range, step, whole);
+        if by_hand(&response) && x != *number && range.holds(x) {
+            (*number, changed) = (x, true);
+        }
+    }
+    changed.then(|| {
+        let datum =
+            |x: f64| if whole { ParameterValue::Integer(x as i64) } else { ParameterValue::Number(x) };
+        list.into_iter().map(datum).collect()
+    })
+}
+
+/// A colour, linear in the file; brighter than the screen is kept by its factor.
+fn color(ui: &mut Ui, now: Option<&ParameterValue>, most: f64) -> Option<ParameterValue> {
+    let linear = now.and_then(channels).unwrap_or([1.0; 3]);
+    match edited_color(ui, linear) {
+        Some(channels) => Some(channels_value(channels)),
+        None => numbers(ui, now, 3, &Range::within(0.0, most), false),
+    }
+}
+
+/// A linear colour as a button that edits it; the new one.
+pub(crate) fn edited_color(ui: &mut Ui, linear: [f64; 3]) -> Option<[f64; 3]> {
+    let brightest = linear.iter().copied().fold(1.0, f64::max);
+    let [r, g, b] = linear.map(|x| (x / brightest) as f32);
+    let mut display: Color32 = Rgba::from_rgb(r, g, b).into();
+    ui.color_edit_button_srgba(&mut display).changed().then(|| {
+        let linear = Rgba::from(display);
+        // A screen has 256 levels of each.
+        [linear.r(), linear.g(), linear.b()].map(|x| rounded(f64::from(x) * brightest, 1e-4))
+    })
+}
+
+/// Three numbers as a value of a parameter.
+pub(crate) fn channels_value(channels: [f64; 3]) -> ParameterValue {
+    channels.into_iter().collect()
+}
+
+/// Three numbers as a colour.
+fn channels(datum: &ParameterValue) -> Option<[f64; 3]> {
+    let ParameterValue::List(list) = datum else { return None };
+    list.iter().map(LocatedValue::number).collect::<Option<Vec<f64>>>()?.try_into().ok()
+}
+
+fn choice(
+    ui: &mut Ui,
+    key: &str,
+    now: Option<&ParameterValue>,
+    words: &[(&str, &str)],
+) -> Option<ParameterValue> {
+    let now = now.map(to_text).unwrap_or_default();
+    let mut taken = None;
+    ComboBox::from_id_salt(("choice", key)).selected_text(&now).width(150.0).show_ui(ui, |ui| {
+        for (word, meaning) in words {
+            if ui.selectable_label(now == *word, *word).on_hover_text(*meaning).clicked() {
+                taken = Some(ParameterValue::Text(word.to_string()));
+            }
+        }
+    });
+    taken
+}
+
+fn number(datum: &ParameterValue) -> Option<f64> {
+    match datum {
+        ParameterValue::Integer(x) => Some(*x as f64),
+        ParameterValue::Number(x) => Some(*x),
+        _ => None,
+    }
+}
+
+/// A text, or those of a list.
+fn texts(datum: &ParameterValue) -> Vec<String> {
+    match datum {
+        ParameterValue::Text(text) => vec![text.clone()],
+        ParameterValue::List(list) => {
+            list.iter().filter_map(|part| part.text().map(str::to_string)).collect()
+        }
+        _ => Vec::new(),
+    }
+}

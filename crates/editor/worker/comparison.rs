@@ -1,0 +1,202 @@
+//! Pictures beside the shown one: without a widget, by the 64-bit reference, and small ones of other nodes.
+
+use super::pixels::Pixels;
+use super::query::{Query, QueryRun};
+use super::request::RenderRequest;
+use std::sync::Arc;
+use voltet_core::error::ErrorKind;
+use voltet_core::picture::Picture;
+use voltet_core::{Error, Result};
+use voltet_graph::{Demand, Graph, ParameterValue, Registry, RunReport, Value};
+
+/// Pixels that are compared, at most.
+const PIXELS: f64 = 3072.0;
+
+/// Pixels of a small picture, at most: as many as a node has room for.
+const PREVIEW_PIXELS: f64 = 160.0 * 120.0;
+
+/// Parameter of a node's integrator, and the integrator that others are compared with.
+const INTEGRATOR: &str = "integrator";
+const REFERENCE: &str = "reference";
+
+/// Query for the error of a picture against the reference: the largest difference of a premultiplied channel, and the root of the
+/// mean square.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Estimate(pub RenderRequest);
+
+impl Query for Estimate {
+    type Reply = [f64; 2];
+    const WAITS: bool = false;
+
+    fn answer(&self, run: &mut QueryRun) -> Result<[f64; 2]> {
+        let mut pictures = Vec::new();
+        for graph in &graphs(&self.0, run.registry)? {
+            let report = run.session.run(graph, run.observer).map_err(|error| match error.kind {
+                ErrorKind::Cancelled => {
+                    Error::run("given up for a newer picture").expected("to be asked again")
+                }
+                _ => error,
+            })?;
+            pictures.push(self.0.picture_of(&report)?);
+        }
+        Ok(difference(&pictures[0], &pictures[1]))
+    }
+}
+
+/// The graphs of both pictures.
+fn graphs(wanted: &RenderRequest, registry: &Registry) -> Result<[Graph; 2]> {
+    let divisor = wanted.divisor_for(PIXELS);
+    let mut better = wanted.clone();
+    let drawing = better.nodes.iter_mut().find(|node| node.name == wanted.node);
+    let known = drawing.as_ref().and_then(|node| registry.find(node.node_type.text()?).ok());
+    let (Some(drawing), Some(known)) = (drawing, known.filter(|node| node.parameter(INTEGRATOR).is_some()))
+    else {
+        return Err(Error::usage(format!("'{}' does not integrate anything", wanted.node))
+            .expected("the picture of a node that draws a volume"));
+    };
+    drawing.set(INTEGRATOR, &[], REFERENCE.into())?;
+    // The reference has an engine of its own.
+    let has_engine = known.parameter("engine").is_some();
+    if has_engine {
+        drawing.set("engine", &[], "auto".into())?;
+    }
+    drawing.settings.retain(|field| !["compositor", "adapter"].contains(&field.name.as_str()));
+    Ok([wanted.graph(registry, divisor)?, better.graph(registry, divisor)?])
+}
+
+/// The largest difference of a premultiplied channel, and the root of the mean square.
+fn difference(a: &Picture, b: &Picture) -> [f64; 2] {
+    let (mut most, mut sum) = (0.0f64, 0.0);
+    for (a, b) in a.rgba.iter().flatten().zip(b.rgba.iter().flatten()) {
+        let by = f64::from((a - b).abs());
+        most = most.max(by);
+        sum += by * by;
+    }
+    [most, (sum / (4 * a.rgba.len().max(1)) as f64).sqrt()]
+}
+
+/// A widget that is asked about.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ShareQuery {
+    /// The number of the picture that is shown.
+    pub picture: u64,
+    /// The transfer function, and the widget's place in the list that the document states.
+    pub look: String,
+    pub place: usize,
+    /// The picture, and the widget's place in the list that it is drawn with.
+    pub wanted: RenderRequest,
+    pub widget: usize,
+}
+
+/// Contribution of a widget to the picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Share {
+    /// Fraction of the picture's opacity that is gone without the widget, 0 to 1; parts that it hides come to light
+    /// instead.
+    pub opacity: f64,
+    /// Fraction of the picture's light that changes without the widget; above 1 where more comes to light than it gave.
+    pub light: f64,
+    /// Pixels that were compared.
+    pub pixels: usize,
+    /// Cells that it may contribute in, of all; none where no engine counts them.
+    pub cells: Option<[u64; 2]>,
+}
+
+impl Share {
+    fn between(with: &Picture, without: &Picture) -> Share {
+        let sum = |of: &dyn Fn([f32; 4], [f32; 4]) -> f64| {
+            with.rgba.iter().zip(&without.rgba).map(|(a, b)| of(*a, *b)).sum::<f64>()
+        };
+        let alpha = |p: [f32; 4]| f64::from(p[3]);
+        let light = |p: [f32; 4]| p[..3].iter().map(|x| f64::from(*x)).sum::<f64>();
+        let apart = |a: [f32; 4], b: [f32; 4]| (0..3).map(|k| f64::from((a[k] - b[k]).abs())).sum::<f64>();
+        let of = |part: f64, all: f64| if all > 0.0 { part / all } else { 0.0 };
+        Share {
+            opacity: of(sum(&|a, b| alpha(a) - alpha(b)), sum(&|a, _| alpha(a))).max(0.0),
+            light: of(sum(&apart), sum(&|a, _| light(a))),
+            pixels: with.rgba.len(),
+            cells: None,
+        }
+    }
+}
+
+impl ShareQuery {
+    /// The nodes with those widgets alone that `keeps` says.
+    fn with(&self, keeps: &dyn Fn(usize) -> bool) -> RenderRequest {
+        let mut wanted = self.wanted.clone();
+        let node = wanted.nodes.iter_mut().find(|node| node.name == self.look);
+        let field = node.and_then(|node| node.settings.iter_mut().find(|field| field.name == "widgets"));
+        if let Some(ParameterValue::List(list)) = field.map(|field| &mut field.setting.datum) {
+            let mut place = 0..;
+            list.retain(|_| place.next().is_some_and(keeps));
+        }
+        wanted
+    }
+}
+
+impl Query for ShareQuery {
+    type Reply = Share;
+    // A newer picture asks again.
+    const WAITS: bool = false;
+
+    /// A coarse picture with the widget and without it, and one of it alone for its cells.
+    fn answer(&self, run: &mut QueryRun) -> Result<Share> {
+        let mut draw = |wanted: &RenderRequest| -> Result<(Arc<Picture>, RunReport)> {
+            let graph = wanted.graph(run.registry, wanted.divisor_for(PIXELS))?;
+            let report = run.session.run(&graph, run.observer)?;
+            Ok((wanted.picture_of(&report)?, report))
+        };
+        let (with, _) = draw(&self.wanted)?;
+        let (without, _) = draw(&self.with(&|place| place != self.widget))?;
+        let (_, alone) = draw(&self.with(&|place| place == self.widget))?;
+        Ok(Share { cells: cells(&alone), ..Share::between(&with, &without) })
+    }
+}
+
+/// Cells that were drawn, of all.
+fn cells(report: &RunReport) -> Option<[u64; 2]> {
+    let count = |name: &str| report.nodes.iter().find_map(|node| node.counts.get(name).copied());
+    let all = count("cells_total")?;
+    Some([all.saturating_sub(count("cells_culled")?), all])
+}
+
+/// Query for a small picture of a node.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PreviewQuery(pub RenderRequest);
+
+impl Query for PreviewQuery {
+    type Reply = Pixels;
+    const WAITS: bool = true;
+
+    /// The picture, without the nodes that it does not need being forgotten as a run forgets them.
+    fn answer(&self, run: &mut QueryRun) -> Result<Pixels> {
+        let wanted = &self.0;
+        let divisor = wanted.divisor_for(PREVIEW_PIXELS);
+        let graph = wanted.graph(run.registry, divisor)?;
+        let place = graph.nodes.len() - 1;
+        let fed = run.session.inputs(&graph, place, &Demand::default(), run.observer)?;
+        let mut pictures =
+            graph.nodes[place].inputs.iter().zip(fed).filter_map(|(edge, value)| match value {
+                Value::Image(picture) if graph.nodes[edge.node].name == wanted.node => Some(picture),
+                _ => None,
+            });
+        let picture = pictures.next().ok_or_else(|| wanted.no_picture())?;
+        Ok(Pixels::new(picture, wanted.background, divisor, 0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_is_what_is_gone() {
+        let picture = |rgba: [[f32; 4]; 2]| Picture { width: 2, height: 1, rgba: rgba.to_vec() };
+        let with = picture([[0.5, 0.0, 0.0, 0.5], [0.0, 0.25, 0.0, 0.5]]);
+        let without = picture([[0.0; 4], [0.0, 0.25, 0.0, 0.5]]);
+        let share = Share::between(&with, &without);
+        assert!((share.opacity - 0.5).abs() < 1e-12 && (share.light - 2.0 / 3.0).abs() < 1e-12, "{share:?}");
+        let nothing = Share::between(&picture([[0.0; 4]; 2]), &picture([[0.0; 4]; 2]));
+        assert_eq!([nothing.opacity, nothing.light], [0.0, 0.0]);
+    }
+}
