@@ -1,10 +1,9 @@
 //! From the table of contents to the grid: decodes what is asked for, puts pieces together, builds tetrahedra.
 
-use super::cells::{self, into_set, structured_corners};
 use super::contents::{Dataset, ExternalFormat, Geometry, Meter, Piece};
 use super::request::{Association, Request};
-use super::select;
 use super::select::{ArraySelection, Component, GHOST_LEVELS, GHOST_TYPE};
+use super::{cells, select};
 use crate::memory::GridSize;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -434,4 +433,38 @@ fn append(to: &mut CellSet, own: CellSet, shift: u32) {
         polyhedron.faces.iter_mut().flatten().for_each(|corner| *corner += shift);
         to.polyhedra.push(polyhedron);
     }
+}
+
+/// Any cells as a set.
+fn into_set(cells: Cells) -> CellSet {
+    match cells {
+        Cells::Mixed(set) => set,
+        Cells::Tetrahedra(tetrahedra) => CellSet {
+            types: vec![code::TETRA; tetrahedra.len()],
+            offsets: (0..=tetrahedra.len() as u64).map(|number| 4 * number).collect(),
+            connectivity: tetrahedra.into_flattened(),
+            polyhedra: Vec::new(),
+        },
+        Cells::Structured(dimensions) => {
+            let count = Cells::Structured(dimensions).count();
+            CellSet {
+                types: vec![code::VOXEL; count],
+                offsets: (0..=count as u64).map(|number| 8 * number).collect(),
+                connectivity: (0..count)
+                    .flat_map(|number| structured_corners(dimensions, number))
+                    .map(|corner| corner as u32)
+                    .collect(),
+                polyhedra: Vec::new(),
+            }
+        }
+    }
+}
+
+/// The points of a cell of a structured grid, in a voxel's order.
+pub(super) fn structured_corners([nx, ny, _]: [usize; 3], number: usize) -> [usize; 8] {
+    let (i, rest) = (number % (nx - 1), number / (nx - 1));
+    let (j, k) = (rest % (ny - 1), rest / (ny - 1));
+    std::array::from_fn(|corner| {
+        (i + (corner & 1)) + nx * ((j + (corner >> 1 & 1)) + ny * (k + (corner >> 2)))
+    })
 }

@@ -215,40 +215,6 @@ fn counted(list: &Stored, types: &Stored, meter: &Meter) -> Result<Cells> {
     Ok(Cells::Mixed(CellSet { types, ..cells }))
 }
 
-/// Cells of any form as a set; those of structured grids as voxels.
-pub(crate) fn into_set(cells: Cells) -> CellSet {
-    match cells {
-        Cells::Mixed(set) => set,
-        Cells::Tetrahedra(tetrahedra) => CellSet {
-            types: vec![code::TETRA; tetrahedra.len()],
-            offsets: (0..=tetrahedra.len() as u64).map(|number| 4 * number).collect(),
-            connectivity: tetrahedra.into_flattened(),
-            polyhedra: Vec::new(),
-        },
-        Cells::Structured(dimensions) => {
-            let count = Cells::Structured(dimensions).count();
-            CellSet {
-                types: vec![code::VOXEL; count],
-                offsets: (0..=count as u64).map(|number| 8 * number).collect(),
-                connectivity: (0..count)
-                    .flat_map(|number| structured_corners(dimensions, number))
-                    .map(|corner| corner as u32)
-                    .collect(),
-                polyhedra: Vec::new(),
-            }
-        }
-    }
-}
-
-/// The points of a cell of a structured grid, in a voxel's order.
-pub(super) fn structured_corners([nx, ny, _]: [usize; 3], number: usize) -> [usize; 8] {
-    let (i, rest) = (number % (nx - 1), number / (nx - 1));
-    let (j, k) = (rest % (ny - 1), rest / (ny - 1));
-    std::array::from_fn(|corner| {
-        (i + (corner & 1)) + nx * ((j + (corner >> 1 & 1)) + ny * (k + (corner >> 2)))
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -9,18 +9,21 @@
 //! | file | what |
 //! | --- | --- |
 //! | `request`, `select` | what is asked of a file, and which of its arrays that means |
-//! | `open` | the list of formats, and what tells a file's; formats that come from outside |
+//! | `open` | the list of formats, and what tells a file's |
+//! | `format` | the declaration of a format: how its files are told, and what reads them |
+//! | `outside`, `added`, `chosen` | formats that come from outside: table of contents, what their reader decodes, which reader |
 //! | `unsupported` | formats that are not read, by name and with what to do |
 //! | `source` | a file, read at positions |
-//! | `contents` | the table of contents: counts, geometry, how each array lies in the file; the declaration of a format |
-//! | `codec`, `numbers` | from bytes and text to numbers |
-//! | `decode` | arrays into memory, their sizes compared with what headers promise, in parallel |
-//! | `cells`, `assemble` | cells, pieces and the grid |
+//! | `piece`, `stored` | the table of contents: counts, geometry, and how each array lies in the file |
+//! | `decodable` | an array's bytes, their number compared with what headers promise |
+//! | `codec`, `base64`, `ascii`, `numbers` | from bytes to numbers |
+//! | `decode` | arrays into memory, in parallel |
+//! | `cells`, `merge`, `assemble` | cells, pieces and the grid |
 //! | `inspect` | what `voltet info` shows |
 //!
-//! Every format is turned into the same table of contents first ([`contents`]: counts, geometry, and for each array its
+//! Every format is turned into the same table of contents first ([`piece`]: counts, geometry, and for each array its
 //! type and where its bytes lie), without decoding anything. What a [`Request`] asks for is then decoded in
-//! parallel straight into its destination ([`codec`], [`decode`]) and put together ([`assemble`]).
+//! parallel straight into its destination ([`decodable`], [`codec`], [`decode`]) and put together ([`assemble`]).
 //! The format is told by the content of the file, not by its name; PLOT3D, which has no magic, by its name or by a
 //! solution file being given. A further format is a module that gives a [`Dataset`] and declares a
 //! [`Format`], and a line in `FORMATS` in `open`.
@@ -28,9 +31,9 @@
 //! Nothing is allocated because a header says so: a size is believed only after the bytes that back it were found
 //! in the file (with compression, after the greatest ratio that the codec can reach was applied).
 //!
-//! Files are read and written here and not through vtkio, because guarding it (it panics and allocates on damaged files, decodes
-//! every array, drops the line numbers, knows no polyhedra) would take more code than the formats; it serves the tests as another
-//! reader and writer.
+//! Legacy files are read here and not through vtkio, because guarding it (it panics and allocates on damaged
+//! files, decodes every array, drops the line numbers) would take more code than reading the format; vtkio serves
+//! the tests as an independent writer.
 
 mod assemble;
 mod cells;
@@ -50,7 +53,6 @@ mod xml;
 
 pub use assemble::{SkippedArray, length};
 pub use cells::face_stream;
-pub(crate) use cells::into_set;
 pub use inspect::{ArrayHead, ArraySummary, Summary, arrays, inspect};
 pub use open::{FILES, ships};
 pub use request::{Association, Request, SelectedArrays, TimeStep};

@@ -157,7 +157,7 @@ fn only_what_is_asked_for_is_computed_and_read() {
 }
 
 #[test]
-fn an_array_of_whole_blocks_is_compressed_and_reads_back() {
+fn an_array_of_whole_blocks_is_not_compressed_and_reads_back() {
     // 16³ points: their positions fill three blocks.
     let text = "[pipeline]\nformat = 1\n[nodes.grid]\ntype = \"wavelet\"\nresolution = [15, 15, 15]\n\
                 [nodes.file]\ntype = \"grid-writer\"\npath = \"out.vtu\"\ncompression = \"zlib\"\n\
@@ -165,9 +165,7 @@ fn an_array_of_whole_blocks_is_compressed_and_reads_back() {
     let folder = tempfile::tempdir().unwrap();
     let graph = graph(text, folder.path()).unwrap();
     let report = run(&graph);
-    assert!(report.warnings.is_empty(), "{:?}", report.warnings);
-    let file = std::fs::read_to_string(folder.path().join("out.vtu")).unwrap();
-    assert!(file.contains("vtkZLibDataCompressor"));
+    assert!(report.warnings.join("\n").contains("not compressed"), "{:?}", report.warnings);
     let (volume, again) = (volume(&graph), read_back(folder.path(), "wavelet", &[], &["file_cell"]));
     assert_eq!((&volume.grid.points, &volume.grid.tetrahedra), (&again.points, &again.tetrahedra));
     assert_eq!(bits(&volume.scalar), bits(again.scalar.as_ref().unwrap()));
