@@ -9,7 +9,7 @@
 //! | `input`, `keys` | steps of the undo history; queued input events; keys and menus |
 //! | `files`, `file_dialog`, `saving` | file names and changes on disk; choosing; opening, saving, recovery |
 //! | `requests` | requests to the worker, and handling of its answers |
-//! | `graph` | nodes and wires |
+//! | `graph` | nodes and wires, by `egui_node_graph2` behind a small interface |
 //! | `picture`, `parameters`, `costs` | the picture, the panel of the selected node, times and errors |
 //! | `arrays` | the arrays of data files |
 //! | `jobs` | work on threads of their own: runs, studies, pipelines made for data |

@@ -1,5 +1,4 @@
 //! Grids with results to VTK files (.vtu).
-//!
 
 use glam::DVec3;
 use std::collections::BTreeMap;

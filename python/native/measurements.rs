@@ -19,7 +19,7 @@ use voltet_study::gradient_test::{
 };
 use voltet_study::pixel::{self, Pixel};
 use voltet_study::work_precision::{
-    Benches, Engines, Frames, StudyOptions, Subject, cache_folder, json, patience, reference, study, write,
+    self, Benches, Engines, Frames, StudyOptions, Subject, cache_folder, json, reference, study, write,
 };
 
 /// Findings as JSON, as a table for people, and as a plot (SVG).
@@ -94,7 +94,7 @@ pub fn study_options(
             return Err(error.expected(suggest(engine, names)));
         }
     };
-    let patience = patience(patience, "'patience'")?;
+    let patience = work_precision::patience(patience, "'patience'")?;
     let frames = Frames { count: frames, patience, turn: 0.0, in_flight: 1 };
     Ok(StudyOptions { only, engines, adapter, frames, max_error, ..StudyOptions::default() })
 }

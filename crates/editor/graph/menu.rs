@@ -5,6 +5,7 @@ use crate::actions::{Action, Actions};
 use crate::scene::Scene;
 use crate::theme;
 use eframe::egui::{Area, Frame, Key, Order, Pos2, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
+use std::rc::Rc;
 use voltet_document::{Fitting, Group, giving, search, taking};
 use voltet_graph::Node;
 
@@ -19,7 +20,7 @@ pub(super) struct Menu {
     /// Position in the window.
     pub at: Pos2,
     /// The wire that it was opened by.
-    wire: Option<Port>,
+    wire: Option<Rc<Port>>,
     typed: String,
     /// The entry that Enter takes.
     chosen: usize,
@@ -27,7 +28,7 @@ pub(super) struct Menu {
 }
 
 impl Menu {
-    pub fn new(at: Pos2, wire: Option<Port>) -> Menu {
+    pub fn new(at: Pos2, wire: Option<Rc<Port>>) -> Menu {
         Menu { at, wire, typed: String::new(), chosen: 0, is_new: true }
     }
 
@@ -134,7 +135,7 @@ impl Menu {
     fn add(&self, scene: &Scene, (node, fitting): Entry, at: [f64; 2], actions: &mut Actions) {
         let edits = match (&self.wire, fitting) {
             (Some(wire), Some(fitting)) => {
-                let held = (wire.node.as_str(), wire.name);
+                let held = (wire.node.as_str(), wire.name.as_str());
                 let edits = scene.document.adding_joined(scene.registry, fitting, at, held, wire.is_input);
                 edits.map(|edits| edits.to_vec())
             }
