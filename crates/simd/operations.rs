@@ -175,6 +175,20 @@ pub trait Mask: Copy {
     }
 }
 
+/// An array at the start of a slice.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+pub(super) fn first<T, const N: usize>(values: &[T]) -> &[T; N] {
+    values[..N].try_into().expect("as many values")
+}
+
+/// An array at the start of a slice, to be written.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+pub(super) fn first_mut<T, const N: usize>(values: &mut [T]) -> &mut [T; N] {
+    (&mut values[..N]).try_into().expect("as many values")
+}
+
 /// Indices into a slice of so many values, none past the end: what a gather may follow.
 #[inline(always)]
 pub(super) fn inside<L: Lanes>(index: L::U, length: usize) -> L::U {

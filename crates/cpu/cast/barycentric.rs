@@ -29,10 +29,7 @@ impl<L: Lanes> Barycentric<L> {
         let one = L::F::splat(1.0);
         let weights = [functions[1], functions[2], functions[0]];
         let total = weights[0] + weights[1] + (weights[2] + L::F::splat(MIN_CORNER_WEIGHT));
-        let higher: [L::F; 3] = array(
-            #[inline(always)]
-            |k| (depth[k] - near).to_float(),
-        );
+        let higher: [L::F; 3] = array!(|k| (depth[k] - near).to_float());
         let above = weights[0].mul_add(higher[0], weights[1].mul_add(higher[1], weights[2] * higher[2]));
         if DEPTHS != PERSPECTIVE {
             let by_total = one / total;
@@ -40,10 +37,7 @@ impl<L: Lanes> Barycentric<L> {
         }
         let (nearest, fall) = (L::F::splat(points.nearest), L::F::splat(-points.step));
         let inverse = near.to_float().mul_add(fall, nearest);
-        let perspective: [L::F; 3] = array(
-            #[inline(always)]
-            |k| weights[k] * higher[k].mul_add(fall, inverse),
-        );
+        let perspective: [L::F; 3] = array!(|k| weights[k] * higher[k].mul_add(fall, inverse));
         let sum = above.mul_add(fall, total * inverse);
         let by_both = one / (total * sum);
         let by_sum = by_both * total;
@@ -53,10 +47,7 @@ impl<L: Lanes> Barycentric<L> {
     /// Interpolates values, counted from one of them: a constant stays what it is.
     #[inline(always)]
     pub fn interpolate(&self, values: [L::F; 3], from: L::F) -> L::F {
-        let [a, b, c] = array(
-            #[inline(always)]
-            |k| values[k] - from,
-        );
+        let [a, b, c] = array!(|k| values[k] - from);
         let sum = self.weights[0].mul_add(a, self.weights[1].mul_add(b, self.weights[2] * c));
         sum.mul_add(self.by_sum, from)
     }

@@ -106,10 +106,8 @@ impl Kernel for FindHits<'_> {
             let row_of = |k: usize| i64::from(corners[k][1].wrapping_sub(tile_top) as i32) >> bits;
             let (a, b, c) = (row_of(0), row_of(1), row_of(2));
             let [first, last] = if ray_spread == 0 {
-                [a.min(b).min(c), a.max(b).max(c) + 1].map(
-                    #[inline(always)]
-                    |row| row.clamp(0, size[1] as i64) as usize,
-                )
+                [a.min(b).min(c), a.max(b).max(c) + 1]
+                    .map(inlined!(|row: i64| row.clamp(0, size[1] as i64) as usize))
             } else {
                 [0, size[1]]
             };
@@ -118,24 +116,18 @@ impl Kernel for FindHits<'_> {
                     let column = L::U::iota() + L::U::splat((left + half) as u32);
                     let spacing = L::U::splat(ray_spacing);
                     let of_ray = [column, L::U::splat((top + row) as u32)];
-                    let at: [Offset<L>; 3] = array(
-                        #[inline(always)]
-                        |k| {
-                            let scaled = inlined(
-                                #[inline(always)]
-                                |axis: usize| {
-                                    let mut position = L::U::splat(corners[k][axis]) - of_ray[axis] * spacing;
-                                    if ray_spread != 0 {
-                                        let spread = of_ray[axis] * L::U::splat(ray_spread);
-                                        let moved = moved_by_depth::<L>(L::U::splat(corners[k][2]), spread);
-                                        position = position - moved;
-                                    }
-                                    position.to_float() * L::F::splat(pixel)
-                                },
-                            );
-                            [scaled(0), scaled(1)]
-                        },
-                    );
+                    let at: [Offset<L>; 3] = array!(|k| {
+                        let scaled = inlined!(|axis: usize| {
+                            let mut position = L::U::splat(corners[k][axis]) - of_ray[axis] * spacing;
+                            if ray_spread != 0 {
+                                let spread = of_ray[axis] * L::U::splat(ray_spread);
+                                let moved = moved_by_depth::<L>(L::U::splat(corners[k][2]), spread);
+                                position = position - moved;
+                            }
+                            position.to_float() * L::F::splat(pixel)
+                        });
+                        [scaled(0), scaled(1)]
+                    });
                     let edges = [[at[0], at[1]], [at[1], at[2]], [at[2], at[0]]];
                     let functions = [
                         edge_function::<L>(at[0], at[1]),
@@ -160,10 +152,7 @@ impl Kernel for FindHits<'_> {
                     let total =
                         (functions[0] + functions[1] + functions[2]).max(L::F::splat(f32::MIN_POSITIVE));
                     let nearest = corners[0][2].min(corners[1][2]).min(corners[2][2]);
-                    let farther = inlined(
-                        #[inline(always)]
-                        |k: usize| L::F::splat((corners[k][2] - nearest) as f32),
-                    );
+                    let farther = inlined!(|k: usize| L::F::splat((corners[k][2] - nearest) as f32));
                     let above = functions[1]
                         .mul_add(farther(0), functions[2].mul_add(farther(1), functions[0] * farther(2)));
                     let mut depths = [0; MAX_LANES];

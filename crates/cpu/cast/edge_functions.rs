@@ -35,15 +35,12 @@ pub(super) fn edges_inside<L: Lanes>(functions: [L::F; 3], edges: [[Offset<L>; 2
     if !zero.le(product).and(product.le(zero)).any() {
         return sides;
     }
-    let moved = inlined(
-        #[inline(always)]
-        |side: L::M, function: L::F, [a, b]: [Offset<L>; 2]| {
-            let met = zero.le(function).and(function.le(zero));
-            // How the function changes to the right, and where it does not, down.
-            let level = b[1].le(a[1]).and(a[1].le(b[1]));
-            side.or(met.and(b[1].lt(a[1]).or(level.and(a[0].lt(b[0])))))
-        },
-    );
+    let moved = inlined!(|side: L::M, function: L::F, [a, b]: [Offset<L>; 2]| {
+        let met = zero.le(function).and(function.le(zero));
+        // How the function changes to the right, and where it does not, down.
+        let level = b[1].le(a[1]).and(a[1].le(b[1]));
+        side.or(met.and(b[1].lt(a[1]).or(level.and(a[0].lt(b[0])))))
+    });
     let [e, f, g] = edges;
     (moved(sides.0, functions[0], e), moved(sides.1, functions[1], f), moved(sides.2, functions[2], g))
 }

@@ -56,43 +56,17 @@ pub(super) struct PacketState<L: Lanes, const N: usize> {
 impl<L: Lanes, const N: usize> PacketState<L, N> {
     #[inline(always)]
     pub(super) fn load(rays: &StoredState, half: usize) -> Self {
-        let float = inlined(
-            #[inline(always)]
-            |of: &[f32; MAX_LANES]| L::F::load(&of[half..]),
-        );
-        let unsigned = inlined(
-            #[inline(always)]
-            |of: &[u32; MAX_LANES]| L::U::load(&of[half..]),
-        );
+        let float = inlined!(|of: &[f32; MAX_LANES]| L::F::load(&of[half..]));
+        let unsigned = inlined!(|of: &[u32; MAX_LANES]| L::U::load(&of[half..]));
         PacketState {
-            corners: array(
-                #[inline(always)]
-                |k| [float(&rays.x[k]), float(&rays.y[k])],
-            ),
-            depth: array(
-                #[inline(always)]
-                |k| unsigned(&rays.depth[k]),
-            ),
-            values: array(
-                #[inline(always)]
-                |a| {
-                    array(
-                        #[inline(always)]
-                        |k| float(&rays.values[a][k]),
-                    )
-                },
-            ),
-            functions: array(
-                #[inline(always)]
-                |k| float(&rays.functions[k]),
-            ),
+            corners: array!(|k| [float(&rays.x[k]), float(&rays.y[k])]),
+            depth: array!(|k| unsigned(&rays.depth[k])),
+            values: array!(|a| { array!(|k| float(&rays.values[a][k])) }),
+            functions: array!(|k| float(&rays.functions[k])),
             rotation: unsigned(&rays.rotation),
             at: unsigned(&rays.at),
             distance: float(&rays.distance),
-            value: array(
-                #[inline(always)]
-                |a| float(&rays.value[a]),
-            ),
+            value: array!(|a| float(&rays.value[a])),
         }
     }
 

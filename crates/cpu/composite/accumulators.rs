@@ -113,23 +113,14 @@ impl Kernel for Over<'_> {
         let (zero, one) = (L::F::splat(0.0), L::F::splat(1.0));
         for half in (0..TILE).step_by(L::WIDTH) {
             let first = row * TILE + half;
-            let mut sums: [L::F; 4] = array(
-                #[inline(always)]
-                |c| L::F::load(&pixels.rgba[c][first..]),
-            );
+            let mut sums: [L::F; 4] = array!(|c| L::F::load(&pixels.rgba[c][first..]));
             let mut transmittance = L::F::load(&pixels.transmittance[first..]);
             let mut at = half;
             while at < columns[0].len() {
-                let mut layer: [L::F; 4] = array(
-                    #[inline(always)]
-                    |c| L::F::load(&columns[c][at..]),
-                );
+                let mut layer: [L::F; 4] = array!(|c| L::F::load(&columns[c][at..]));
                 if let Some(lengths) = lengths {
                     let hit = zero.lt(L::F::load(&lengths[at..]));
-                    layer = array(
-                        #[inline(always)]
-                        |c| L::F::select(hit, layer[c], zero),
-                    );
+                    layer = array!(|c| L::F::select(hit, layer[c], zero));
                 }
                 for (sum, layer) in sums.iter_mut().zip(layer) {
                     *sum = transmittance.mul_add(layer, *sum);

@@ -156,15 +156,12 @@ impl FragmentLists {
                     entry.store(&mut batch.entry[at..]);
                     exit.store(&mut batch.exit[at..]);
                 }
-                let mut put = inlined(
-                    #[inline(always)]
-                    |a: usize, front: L::F, back: L::F| {
-                        if a < attribute_count {
-                            L::F::select(live, front, zero).store(&mut batch.front[a][at..]);
-                            L::F::select(live, back, zero).store(&mut batch.back[a][at..]);
-                        }
-                    },
-                );
+                let mut put = inlined!(|a: usize, front: L::F, back: L::F| {
+                    if a < attribute_count {
+                        L::F::select(live, front, zero).store(&mut batch.front[a][at..]);
+                        L::F::select(live, back, zero).store(&mut batch.back[a][at..]);
+                    }
+                });
                 put(0, front, back);
                 let mut a = 1;
                 while a < attribute_count {
@@ -195,10 +192,8 @@ impl FragmentLists {
         for half in (0..TILE).step_by(L::WIDTH) {
             let count = L::U::load(&counts[half..]);
             // slot ≥ count: max(slot, count) == slot.
-            let past = inlined(
-                #[inline(always)]
-                |slot: usize| count.max(L::U::splat(slot as u32)).equal(L::U::splat(slot as u32)),
-            );
+            let past =
+                inlined!(|slot: usize| count.max(L::U::splat(slot as u32)).equal(L::U::splat(slot as u32)));
             if !sorted {
                 for (k, keys) in self.keys.chunks_exact_mut(TILE).take(max_length).enumerate() {
                     L::U::select(past(k), L::U::splat(u32::MAX), L::U::splat(k as u32))

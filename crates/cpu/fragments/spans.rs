@@ -85,23 +85,14 @@ impl Edges {
         let splat = L::D::splat;
         let (tile_top, tile_left) = (splat(top as f64), splat(left as f64));
         for half in (0..L::WIDTH).step_by(L::D::COUNT) {
-            let load = inlined(
-                #[inline(always)]
-                |rows: &[[f64; MAX_LANES]; 4]| {
-                    let row = inlined(
-                        #[inline(always)]
-                        |k: usize| L::D::load(&rows[k][half..]),
-                    );
-                    [row(0), row(1), row(2), row(3)]
-                },
-            );
+            let load = inlined!(|rows: &[[f64; MAX_LANES]; 4]| {
+                let row = inlined!(|k: usize| L::D::load(&rows[k][half..]));
+                [row(0), row(1), row(2), row(3)]
+            });
             let (x, y) = (load(&self.x), load(&self.y));
             // The first and last row of each edge, and its crossing of the tile's first row, in 64 bits; from there
             // 32 bits carry 16 rows. A horizontal edge has no rows: neither its direction nor its slope matters.
-            let row: [L::D; 4] = array(
-                #[inline(always)]
-                |k| y[k].ceil() - tile_top,
-            );
+            let row: [L::D; 4] = array!(|k| y[k].ceil() - tile_top);
             for (k, &[a, b]) in EDGES.iter().enumerate() {
                 // The slope is the same whichever end is the upper one, bit for bit.
                 let tilt = (x[b] - x[a]) / (y[b] - y[a]);
@@ -139,10 +130,7 @@ impl Edges {
             let y = splat(row as f32);
             let (mut min, mut max) = (splat(f32::INFINITY), splat(f32::NEG_INFINITY));
             for k in 0..EDGES.len() {
-                let edge = inlined(
-                    #[inline(always)]
-                    |rows: &CellLanes<6>| L::F::load(&rows.0[k]),
-                );
+                let edge = inlined!(|rows: &CellLanes<6>| L::F::load(&rows.0[k]));
                 let crosses = edge(&self.first).le(y).and(y.lt(edge(&self.last)));
                 let x = y.mul_add(edge(&self.slope), edge(&self.crossing));
                 let x = (x + edge(&self.round)) - edge(&self.round);
@@ -150,10 +138,7 @@ impl Edges {
                 max = L::F::select(crosses, x.max(max), max);
             }
             // ⌈x⌉ = −⌊−x⌋. A row without crossings has least = +∞, most = −∞: from = width, to = 0, no span.
-            let bound = inlined(
-                #[inline(always)]
-                |x: L::F| (-(-x).floor()).max(splat(0.0)).min(width),
-            );
+            let bound = inlined!(|x: L::F| (-(-x).floor()).max(splat(0.0)).min(width));
             let (from, to) = (bound(min), bound(max));
             let length = (to - from).max(splat(0.0)).to_unsigned().shl::<LENGTH_SHIFT>();
             let code = lanes + L::U::splat((row << 4) as u32) + from.to_unsigned();

@@ -105,65 +105,35 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
     // v of the corners, about the mean depth; pixel coordinates about the middle of the covered box.
     let middle = (z[0] + z[1] + (z[2] + z[3])) * splat(0.25);
     let (v, depth) = if view.perspective {
-        (
-            array(
-                #[inline(always)]
-                |k| (middle - z[k]) / z[k],
-            ),
-            middle,
-        )
+        (array!(|k| (middle - z[k]) / z[k]), middle)
     } else {
-        (
-            array(
-                #[inline(always)]
-                |k| middle - z[k],
-            ),
-            one,
-        )
+        (array!(|k| middle - z[k]), one)
     };
     let pixel_x = ((x0 + x1) * splat(0.5)).ceil().min(width - one);
     let pixel_y = ((y0 + y1) * splat(0.5)).ceil().min(height - one);
 
     // Edges from corner 0, their cross products: normals of the faces opposite corners 1, 2, 3.
-    let edge = inlined(
-        #[inline(always)]
-        |c: &[L::D; 4], k: usize| c[k] - c[0],
-    );
-    let e: [[L::D; 3]; 3] = array(
-        #[inline(always)]
-        |k| [edge(&x, k + 1), edge(&y, k + 1), edge(&v, k + 1)],
-    );
-    let cross = inlined(
-        #[inline(always)]
-        |a: &[L::D; 3], b: &[L::D; 3]| {
-            [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-        },
-    );
+    let edge = inlined!(|c: &[L::D; 4], k: usize| c[k] - c[0]);
+    let e: [[L::D; 3]; 3] = array!(|k| [edge(&x, k + 1), edge(&y, k + 1), edge(&v, k + 1)]);
+    let cross = inlined!(|a: &[L::D; 3], b: &[L::D; 3]| {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    });
     let n1 = cross(&e[1], &e[2]);
     let n2 = cross(&e[2], &e[0]);
     let n3 = cross(&e[0], &e[1]);
     let determinant = e[0][0] * n1[0] + e[0][1] * n1[1] + e[0][2] * n1[2];
     // The face opposite corner 0 from corner 1, so that a neighbour finds the same area, bit for bit: both
     // start from the face's lowest point number.
-    let f: [[L::D; 3]; 2] = array(
-        #[inline(always)]
-        |k| [x[k + 2] - x[1], y[k + 2] - y[1], v[k + 2] - v[1]],
-    );
+    let f: [[L::D; 3]; 2] = array!(|k| [x[k + 2] - x[1], y[k + 2] - y[1], v[k + 2] - v[1]]);
     let n0 = cross(&f[0], &f[1]);
 
     let reach = (max_of(&x) - min_of(&x)) + (max_of(&y) - min_of(&y));
     let range = max_of(&v) - min_of(&v);
     // What is narrow compares with MAX_FACE_SLOPE like what is steep.
     let narrow = splat(MIN_FACE_WIDTH * MAX_FACE_SLOPE) / range;
-    let face = inlined(
-        #[inline(always)]
-        |c: &[L::D; 4], opposite: usize| -> [L::D; 3] {
-            array(
-                #[inline(always)]
-                |k| c[if k < opposite { k } else { k + 1 }],
-            )
-        },
-    );
+    let face = inlined!(|c: &[L::D; 4], opposite: usize| -> [L::D; 3] {
+        array!(|k| c[if k < opposite { k } else { k + 1 }])
+    });
     let mut front_bits = [0u32; 4];
     let mut planes = [[[0f32; MAX_DOUBLE_LANES]; 3]; 4];
     let (mut ill, mut areas) = (0, zero);
@@ -218,27 +188,15 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
             }
         }
         let raw = load::<L::D>(&raw);
-        let scaled: [L::D; 4] = array(
-            #[inline(always)]
-            |k| (raw[k] - splat(attribute.offset)) * splat(1.0 / attribute.scale),
-        );
+        let scaled: [L::D; 4] = array!(|k| (raw[k] - splat(attribute.offset)) * splat(1.0 / attribute.scale));
         let (low, high) = (min_of(&scaled), max_of(&scaled));
         let mean = (low + high) * splat(0.5);
-        let weighted: [L::D; 4] = array(
-            #[inline(always)]
-            |k| {
-                let s = scaled[k] - mean;
-                if view.perspective { s.mul_add(v[k], s) } else { s }
-            },
-        );
-        let d: [L::D; 3] = array(
-            #[inline(always)]
-            |k| weighted[k + 1] - weighted[0],
-        );
-        let gradient: [L::D; 3] = array(
-            #[inline(always)]
-            |i| (d[0] * n1[i] + d[1] * n2[i] + d[2] * n3[i]) * inverse,
-        );
+        let weighted: [L::D; 4] = array!(|k| {
+            let s = scaled[k] - mean;
+            if view.perspective { s.mul_add(v[k], s) } else { s }
+        });
+        let d: [L::D; 3] = array!(|k| weighted[k + 1] - weighted[0]);
+        let gradient: [L::D; 3] = array!(|i| (d[0] * n1[i] + d[1] * n2[i] + d[2] * n3[i]) * inverse);
         let at_pixel = weighted[0] + gradient[0] * (pixel_x - x[0]) + gradient[1] * (pixel_y - y[0])
             - gradient[2] * v[0];
         let base = mean + at_pixel;

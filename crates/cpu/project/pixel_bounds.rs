@@ -66,10 +66,7 @@ impl<D: Double> Corners<D> {
         let splat = D::splat;
         let zero = splat(0.0);
         let size = [view.size[0] as f64, view.size[1] as f64];
-        let within = inlined(
-            #[inline(always)]
-            |end: D, size: f64| end.ceil().max(zero).min(splat(size)),
-        );
+        let within = inlined!(|end: D, size: f64| end.ceil().max(zero).min(splat(size)));
         let beside = splat(SPAN_SLACK);
         let columns = [within(min_of(&self.x) - beside, size[0]), within(max_of(&self.x) + beside, size[0])];
         let rows = [within(min_of(&self.y), size[1]), within(max_of(&self.y), size[1])];

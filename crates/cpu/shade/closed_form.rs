@@ -2,13 +2,13 @@
 
 use crate::fragments::batch::meant;
 use crate::shade::kernel::{BatchRange, ShadingKernel, overlaps, push};
-use crate::shade::kinds::{LaneLinear, OrderRequirement, for_each_active_widget};
+use crate::shade::kinds::{LaneLinear, LaneWidget, OrderRequirement, for_each_active_widget};
 use crate::shade::segment_lanes::SegmentLanes;
 use crate::shade::shaded_batch::{MIN_THICK_DEPTH, STEPS, ShadedBatch};
 use voltet_optics::WidgetBlend;
 use voltet_simd::optics::gaussian::Near;
 use voltet_simd::optics::sums::{Sums, Term};
-use voltet_simd::{Float, Lanes, Mask, mask_of};
+use voltet_simd::{Float, Lanes, Mask, inlined, mask_of};
 
 /// One piecewise-linear widget: its integrals give the colour, too.
 impl ShadingKernel for LaneLinear {
@@ -47,14 +47,13 @@ impl ShadingKernel for OneColor {
             let asked = for_each_active_widget(
                 widgets,
                 &segments,
-                #[inline(always)]
-                |_, widget, meets| {
+                inlined!(|_, widget: &LaneWidget, meets: L::M| {
                     let (depth, no) = widget.depth::<L>(&segments.only(meets));
                     let depth = L::F::select(meets, depth, zero);
                     unsure |= no & meets.bits();
                     product = depth.mul_add(total, product);
                     total = total + depth;
-                },
+                }),
             );
             if widgets.len() > 1 {
                 let overlapping = overlaps::<L>(product, &segments, count - at);
@@ -102,8 +101,7 @@ impl ShadingKernel for Several {
             let asked = for_each_active_widget(
                 widgets,
                 &segments,
-                #[inline(always)]
-                |number, widget, meets| {
+                inlined!(|number, widget: &LaneWidget, meets: L::M| {
                     if let Some(gaussian) = widget.whole_gaussian() {
                         unsure |= gaussian.unsure(&segments) & meets.bits();
                         pending[gaussians] =
@@ -119,7 +117,7 @@ impl ShadingKernel for Several {
                     }
                     sums.add(&shape, widget.color, &mut terms[met]);
                     met += 1;
-                },
+                }),
             );
             // One loop after the other: a mean is a long chain of operations, and of two loops a processor has several in hand.
             for &PendingGaussian { near, meets, number } in &pending[..gaussians] {
@@ -128,8 +126,7 @@ impl ShadingKernel for Several {
                 let mut shape = near.shape(
                     L::F::splat(widget.density()) * segments.length,
                     meets,
-                    #[inline(always)]
-                    || gaussian.path(&segments.front, &segments.back),
+                    inlined!(|| gaussian.path(&segments.front, &segments.back)),
                 );
                 shape.depth = L::F::select(meets, shape.depth, zero);
                 sums.add(&shape, widget.color, &mut terms[met]);

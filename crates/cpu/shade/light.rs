@@ -51,37 +51,25 @@ impl Surface {
         let splat = L::F::splat;
         let (zero, one) = (splat(0.0), splat(1.0));
         // Twice the gradient at the middle.
-        let g: [L::F; 3] = array(
-            #[inline(always)]
-            |i| {
-                let k = self.first + i;
-                L::F::load(&batch.front[k][at..]) + L::F::load(&batch.back[k][at..])
-            },
-        );
+        let g: [L::F; 3] = array!(|i| {
+            let k = self.first + i;
+            L::F::load(&batch.front[k][at..]) + L::F::load(&batch.back[k][at..])
+        });
         // Scaled by its largest component, so that no square leaves 32 bits.
         let largest = g[0].abs().max(g[1].abs()).max(g[2].abs());
         let is_flat = zero.lt(largest).not();
         let inverse = one / L::F::select(is_flat, one, largest);
-        let g: [L::F; 3] = array(
-            #[inline(always)]
-            |i| g[i] * inverse,
-        );
+        let g: [L::F; 3] = array!(|i| g[i] * inverse);
         let square = g[0].mul_add(g[0], g[1].mul_add(g[1], g[2] * g[2]));
         let mut opacity = one;
         if let Some(p) = self.silhouette {
             let pixel = L::U::load(&batch.pixel[at..]);
-            let view: [L::F; 3] = array(
-                #[inline(always)]
-                |i| L::F::gather(&rays[i], pixel),
-            );
+            let view: [L::F; 3] = array!(|i| L::F::gather(&rays[i], pixel));
             let segments = g[0].mul_add(view[0], g[1].mul_add(view[1], g[2] * view[2])).abs();
-            let across: [L::F; 3] = array(
-                #[inline(always)]
-                |i| {
-                    let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-                    g[j] * view[k] - g[k] * view[j]
-                },
-            );
+            let across: [L::F; 3] = array!(|i| {
+                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                g[j] * view[k] - g[k] * view[j]
+            });
             let across = across[0].mul_add(across[0], across[1].mul_add(across[1], across[2] * across[2]));
             // 1 − cos = sin² / (1 + cos): the difference would lose the digits of a gradient along the ray.
             let size = square.sqrt();

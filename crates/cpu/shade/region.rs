@@ -44,10 +44,7 @@ impl LaneRegion {
         let zero = splat(0.0);
         let (mut t0, mut t1) = (zero, splat(1.0));
         for &[s, g, limit] in &self.half_planes {
-            let margin = inlined(
-                #[inline(always)]
-                |v: &[L::F; 2]| splat(limit) - splat(s).mul_add(v[0], splat(g) * v[1]),
-            );
+            let margin = inlined!(|v: &[L::F; 2]| splat(limit) - splat(s).mul_add(v[0], splat(g) * v[1]));
             let (front, back) = (margin(&segments.front), margin(&segments.back));
             let (front_out, back_out) = (front.lt(zero), back.lt(zero));
             if !front_out.or(back_out).any() {

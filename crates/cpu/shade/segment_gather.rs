@@ -47,14 +47,8 @@ impl SegmentGather {
     #[inline(always)]
     pub fn fields<L: Lanes>(&self) -> FieldLanes<L> {
         FieldLanes {
-            front: array(
-                #[inline(always)]
-                |i| L::F::load(&self.front[2 + i]),
-            ),
-            back: array(
-                #[inline(always)]
-                |i| L::F::load(&self.back[2 + i]),
-            ),
+            front: array!(|i| L::F::load(&self.front[2 + i])),
+            back: array!(|i| L::F::load(&self.back[2 + i])),
         }
     }
 }

@@ -18,13 +18,10 @@ pub struct SegmentLanes<L: Lanes> {
 impl<L: Lanes> SegmentLanes<L> {
     #[inline(always)]
     pub(crate) fn load(batch: &Batch, at: usize) -> Self {
-        let column = inlined(
-            #[inline(always)]
-            |columns: &[Column], a: usize| match columns[..batch.scalar_count].get(a) {
-                Some(column) => L::F::load(&column[at..]),
-                None => L::F::splat(0.0),
-            },
-        );
+        let column = inlined!(|columns: &[Column], a: usize| match columns[..batch.scalar_count].get(a) {
+            Some(column) => L::F::load(&column[at..]),
+            None => L::F::splat(0.0),
+        });
         let length = L::F::load(&batch.length[at..]);
         SegmentLanes {
             length,
@@ -48,10 +45,7 @@ impl<L: Lanes> SegmentLanes<L> {
 
     #[inline(always)]
     pub(crate) fn at(&self, t: L::F) -> [L::F; 2] {
-        array(
-            #[inline(always)]
-            |i| (self.back[i] - self.front[i]).mul_add(t, self.front[i]),
-        )
+        array!(|i| (self.back[i] - self.front[i]).mul_add(t, self.front[i]))
     }
 }
 
@@ -59,10 +53,7 @@ impl<L: Lanes> SegmentLanes<L> {
 #[inline(always)]
 fn between<L: Lanes, const N: usize>(front: &[L::F; N], back: &[L::F; N], t: f32) -> [L::F; N] {
     let (from, step) = if t > 0.5 { (back, t - 1.0) } else { (front, t) };
-    array(
-        #[inline(always)]
-        |i| (back[i] - front[i]).mul_add(L::F::splat(step), from[i]),
-    )
+    array!(|i| (back[i] - front[i]).mul_add(L::F::splat(step), from[i]))
 }
 
 /// Further fields of one vector of segments, at the entry and at the exit.
@@ -82,18 +73,12 @@ impl<L: Lanes> FieldLanes<L> {
     /// Fields of a batch; 0 for missing ones.
     #[inline(always)]
     pub(crate) fn load(batch: &Batch, at: usize) -> Self {
-        let rows = inlined(
-            #[inline(always)]
-            |columns: &[Column]| -> [L::F; MAX_FIELD_LANES] {
-                array(
-                    #[inline(always)]
-                    |i| match columns[..batch.scalar_count].get(2 + i) {
-                        Some(column) => L::F::load(&column[at..]),
-                        None => L::F::splat(0.0),
-                    },
-                )
-            },
-        );
+        let rows = inlined!(|columns: &[Column]| -> [L::F; MAX_FIELD_LANES] {
+            array!(|i| match columns[..batch.scalar_count].get(2 + i) {
+                Some(column) => L::F::load(&column[at..]),
+                None => L::F::splat(0.0),
+            })
+        });
         FieldLanes { front: rows(&batch.front), back: rows(&batch.back) }
     }
 

@@ -199,10 +199,7 @@ impl StepLanes {
 
     #[inline(always)]
     pub(super) fn steps<L: Lanes>(&self) -> LaneGaussianSteps<L, 4> {
-        let row = inlined(
-            #[inline(always)]
-            |j: usize| L::F::load(&self.0[j]),
-        );
+        let row = inlined!(|j: usize| L::F::load(&self.0[j]));
         LaneGaussianSteps {
             values: [row(0), row(1), row(2), row(3)],
             ratios: [row(4), row(5), row(6), row(7)],

@@ -1,7 +1,7 @@
 //! A Gaussian along a path in equal steps: each value from the one before, by two products.
 
 use super::elementary::{dot, exp, polynomial};
-use crate::{Float, Lanes, array, inlined};
+use crate::{Float, Lanes};
 
 /// A Gaussian at `N` places of one step after the other of a path: a value and its ratio to the next, which changes by the same
 /// factor at each step. After four steps its errors are some 1e-6.
@@ -25,28 +25,16 @@ impl<L: Lanes, const N: usize> LaneGaussianSteps<L, N> {
         // q + d is as far from the centre as (q + d)² = q² + 2 q d + d²; with q = q₀ + u d the ratio is that at u = 0 times
         // e^(−2 u d²).
         let first = exp::<L>(-(dot::<L, 2>(&start, &step).mul_add(splat(2.0), d2)));
-        let less = inlined(
-            #[inline(always)]
-            |u: f32| {
-                let series = [1.0, 1.0, 0.5, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0, 1.0 / 5040.0];
-                polynomial::<L, 8>(d2 * splat(-2.0 * u), series)
-            },
-        );
+        let less = inlined!(|u: f32| {
+            let series = [1.0, 1.0, 0.5, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0, 1.0 / 5040.0];
+            polynomial::<L, 8>(d2 * splat(-2.0 * u), series)
+        });
         LaneGaussianSteps {
-            values: array(
-                #[inline(always)]
-                |j| {
-                    let q: [L::F; 2] = array(
-                        #[inline(always)]
-                        |i| step[i].mul_add(splat(places[j]), start[i]),
-                    );
-                    peak * exp::<L>(-dot::<L, 2>(&q, &q))
-                },
-            ),
-            ratios: array(
-                #[inline(always)]
-                |j| first * less(places[j]),
-            ),
+            values: array!(|j| {
+                let q: [L::F; 2] = array!(|i| step[i].mul_add(splat(places[j]), start[i]));
+                peak * exp::<L>(-dot::<L, 2>(&q, &q))
+            }),
+            ratios: array!(|j| first * less(places[j])),
             change: less(1.0),
         }
     }
@@ -55,15 +43,7 @@ impl<L: Lanes, const N: usize> LaneGaussianSteps<L, N> {
     #[inline(always)]
     pub fn next(&self) -> Self {
         let &LaneGaussianSteps { values, ratios, change } = self;
-        let times = inlined(
-            #[inline(always)]
-            |x: [L::F; N], y: [L::F; N]| -> [L::F; N] {
-                array(
-                    #[inline(always)]
-                    |j| x[j] * y[j],
-                )
-            },
-        );
+        let times = inlined!(|x: [L::F; N], y: [L::F; N]| -> [L::F; N] { array!(|j| x[j] * y[j]) });
         LaneGaussianSteps { values: times(values, ratios), ratios: times(ratios, [change; N]), change }
     }
 }

@@ -12,7 +12,7 @@ use super::clip::LaneStretch;
 use super::elementary::{dot, exp};
 use super::quadrature::{PANEL, POINTS};
 use super::track::{LaneTrack, PASSED, at_nodes};
-use crate::{Float, Lanes, Mask, array, inlined};
+use crate::{Float, Lanes, Mask};
 
 /// x² by which a part grows before it counts as dark.
 const REACH: f32 = 24.0;
@@ -38,37 +38,23 @@ impl<L: Lanes> LaneTriangularPath<L> {
         let splat = L::F::splat;
         let (zero, tiny) = (splat(0.0), splat(f32::MIN_POSITIVE));
         let rise = width[1] - width[0];
-        let turn: [L::F; N] = array(
-            #[inline(always)]
-            |i| (back[i] - front[i]).mul_add(width[0], -(front[i] * rise)),
-        );
-        let largest_of = inlined(
-            #[inline(always)]
-            |v: &[L::F; N]| {
-                let mut largest = v[0].abs();
-                for x in &v[1..] {
-                    largest = largest.max(x.abs());
-                }
-                largest
-            },
-        );
+        let turn: [L::F; N] = array!(|i| (back[i] - front[i]).mul_add(width[0], -(front[i] * rise)));
+        let largest_of = inlined!(|v: &[L::F; N]| {
+            let mut largest = v[0].abs();
+            for x in &v[1..] {
+                largest = largest.max(x.abs());
+            }
+            largest
+        });
         // A point that stays where it is moves in any direction, so in that of its own.
         let stays = largest_of(&turn).le(zero);
         let front_longer = largest_of(&back).le(largest_of(&front));
-        let direction: [L::F; N] = array(
-            #[inline(always)]
-            |i| L::F::select(stays, L::F::select(front_longer, front[i], back[i]), turn[i]),
-        );
+        let direction: [L::F; N] =
+            array!(|i| L::F::select(stays, L::F::select(front_longer, front[i], back[i]), turn[i]));
         let inverse = splat(1.0) / largest_of(&direction).max(tiny);
-        let scaled: [L::F; N] = array(
-            #[inline(always)]
-            |i| direction[i] * inverse,
-        );
+        let scaled: [L::F; N] = array!(|i| direction[i] * inverse);
         let inverse = splat(1.0) / dot::<L, N>(&scaled, &scaled).max(tiny).sqrt();
-        let unit: [L::F; N] = array(
-            #[inline(always)]
-            |i| scaled[i] * inverse,
-        );
+        let unit: [L::F; N] = array!(|i| scaled[i] * inverse);
         let offset = [dot::<L, N>(&front, &unit), dot::<L, N>(&back, &unit)];
         // h at the end with the smaller |x|, of those with a width.
         let nearer = (offset[0] * width[1]).abs().le((offset[1] * width[0]).abs()).or(width[1].le(zero));
@@ -202,10 +188,8 @@ impl<L: Lanes> LaneTriangularTrack<L> {
     pub fn window_ends(&self, level: f32) -> [L::F; 2] {
         // Inside: δ < x γ, −δ < x γ and γ > 0, each linear in t.
         let x = L::F::splat(level.sqrt().min(1e18));
-        let edges = [0, 1].map(
-            #[inline(always)]
-            |i| (x * self.width[i] - self.offset[i], x * self.width[i] + self.offset[i]),
-        );
+        let edges = [0, 1]
+            .map(inlined!(|i| (x * self.width[i] - self.offset[i], x * self.width[i] + self.offset[i])));
         let lit = LaneStretch::<L>::whole()
             .cut(edges[0].0, edges[1].0)
             .cut(edges[0].1, edges[1].1)
@@ -219,10 +203,7 @@ impl<L: Lanes> LaneTrack<L> for LaneTriangularTrack<L> {
     fn rates(&self, t: L::F, dt: L::F) -> [L::F; POINTS] {
         let offset = at_nodes::<L>(self.offset[0], self.offset[1], t, dt);
         let width = at_nodes::<L>(self.width[0], self.width[1], t, dt);
-        array(
-            #[inline(always)]
-            |i| self.peak * profile::<L>(offset[i], width[i]),
-        )
+        array!(|i| self.peak * profile::<L>(offset[i], width[i]))
     }
 
     #[inline(always)]

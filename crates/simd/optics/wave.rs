@@ -6,7 +6,7 @@
 use super::elementary::polynomial;
 use super::quadrature::POINTS;
 use super::track::{LaneTrack, at_nodes};
-use crate::{Float, Lanes, Mask, array};
+use crate::{Float, Lanes, Mask};
 use voltet_core::transfer::Wave;
 
 /// A wave made ready for lanes.
@@ -223,10 +223,7 @@ impl<L: Lanes> LaneTrack<L> for LaneWaveTrack<'_, L> {
     #[inline(always)]
     fn rates(&self, t: L::F, dt: L::F) -> [L::F; POINTS] {
         let phase = at_nodes::<L>(self.phase, self.phase + self.span, t, dt);
-        array(
-            #[inline(always)]
-            |i| self.peak * self.bell.value::<L>((phase[i] - phase[i].round()).abs()),
-        )
+        array!(|i| self.peak * self.bell.value::<L>((phase[i] - phase[i].round()).abs()))
     }
 
     #[inline(always)]

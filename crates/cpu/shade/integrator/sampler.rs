@@ -12,7 +12,7 @@ use crate::shade::support::ValueRange;
 use voltet_simd::limits::MAX_PIECES;
 use voltet_simd::optics::elementary::one_minus_exp;
 use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
-use voltet_simd::{Float, Lanes, Mask, array};
+use voltet_simd::{Float, Lanes, Mask, array, inlined};
 
 /// Samples that are taken side by side ([`SampledSegments::in_step`]).
 pub const SIDE_BY_SIDE: usize = 4;
@@ -197,10 +197,7 @@ impl WidgetSampler {
         // The colour of a piece's end is that of what little is there, which has a share in the light of the whole piece: a widget
         // may be left out only with all others.
         if self.together
-            && !widgets.iter().any(
-                #[inline(always)]
-                |widget| widget.meets::<L>(&spread).any(),
-            )
+            && !widgets.iter().any(inlined!(|widget: &LaneWidget| widget.meets::<L>(&spread).any()))
         {
             return 0;
         }
@@ -262,10 +259,7 @@ impl<L: Lanes> SampledSegments<'_, '_, L> {
             return (color, depth);
         };
         let opacity = one_minus_exp::<L>(depth);
-        let light = array(
-            #[inline(always)]
-            |c| opacity * L::F::splat(one_color[c]),
-        );
+        let light = array!(|c| opacity * L::F::splat(one_color[c]));
         (light, depth)
     }
 

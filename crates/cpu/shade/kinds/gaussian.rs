@@ -48,16 +48,10 @@ impl LaneGaussian {
     fn point<L: Lanes>(&self, v: &[L::F; 2]) -> [L::F; 2] {
         let splat = L::F::splat;
         if let Some(at_zero) = self.at_zero {
-            return array(
-                #[inline(always)]
-                |i| splat(self.matrix[i][i]).mul_add(v[i], splat(at_zero[i])),
-            );
+            return array!(|i| splat(self.matrix[i][i]).mul_add(v[i], splat(at_zero[i])));
         }
         let d = [v[0] - splat(self.centre[0]), v[1] - splat(self.centre[1])];
-        array(
-            #[inline(always)]
-            |i| splat(self.matrix[i][0]).mul_add(d[0], splat(self.matrix[i][1]) * d[1]),
-        )
+        array!(|i| splat(self.matrix[i][0]).mul_add(d[0], splat(self.matrix[i][1]) * d[1]))
     }
 
     /// Depth and shape between two points, for a rate of `peak` at the centre, on the lanes that are `wanted`.
@@ -127,14 +121,8 @@ impl LaneGaussian {
     ) -> LaneGaussianSteps<L, N> {
         let splat = L::F::splat;
         let (front, back) = (self.point::<L>(&segments.front), self.point::<L>(&segments.back));
-        let step: [L::F; 2] = array(
-            #[inline(always)]
-            |i| (back[i] - front[i]) * splat(share),
-        );
-        let start = array(
-            #[inline(always)]
-            |i| step[i].mul_add(splat(first as f32), front[i]),
-        );
+        let step: [L::F; 2] = array!(|i| (back[i] - front[i]) * splat(share));
+        let start = array!(|i| step[i].mul_add(splat(first as f32), front[i]));
         LaneGaussianSteps::new(start, step, places, peak)
     }
 }

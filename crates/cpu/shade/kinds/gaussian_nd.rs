@@ -5,7 +5,7 @@ use crate::shade::segment_lanes::{FieldLanes, MAX_FIELD_LANES};
 use voltet_simd::limits::MAX_GAUSSIAN_WIDTHS;
 use voltet_simd::optics::elementary::{dot, exp};
 use voltet_simd::optics::gaussian::{LaneGaussianPath, mean_profile};
-use voltet_simd::{Float, Lanes, array};
+use voltet_simd::{Float, Lanes, array, inlined};
 
 /// q = K (v − centre) over further fields, K and the centre scaled as the fields are; unused rows are 0.
 pub(super) struct LaneFields {
@@ -75,15 +75,7 @@ pub(super) fn between<L: Lanes, const N: usize>(
     range: Option<[L::F; 2]>,
 ) -> [[L::F; N]; 2] {
     let Some(range) = range else { return [front, back] };
-    range.map(
-        #[inline(always)]
-        |t| {
-            array(
-                #[inline(always)]
-                |i| (back[i] - front[i]).mul_add(t, front[i]),
-            )
-        },
-    )
+    range.map(inlined!(|t| array!(|i| (back[i] - front[i]).mul_add(t, front[i]))))
 }
 
 /// exp(−|K (v − centre)|²).

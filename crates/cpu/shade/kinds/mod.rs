@@ -437,10 +437,9 @@ impl LaneWidget {
         let density = L::F::splat(self.density);
         match &self.profile {
             VectorProfile::Uniform => [density; N],
-            VectorProfile::Wave(wave) => array(
-                #[inline(always)]
-                |j| wave.value::<L>(&segments.at(L::F::splat(t[j]))) * density,
-            ),
+            VectorProfile::Wave(wave) => {
+                array!(|j| wave.value::<L>(&segments.at(L::F::splat(t[j]))) * density)
+            }
             VectorProfile::Gaussian(_)
             | VectorProfile::PiecewiseLinear(_)
             | VectorProfile::TriangularGaussian(_)
@@ -591,26 +590,13 @@ impl LaneWidget {
     ) -> [L::F; N] {
         match &self.profile {
             VectorProfile::Uniform => [L::F::splat(1.0); N],
-            VectorProfile::Gaussian(gaussian) => array(
-                #[inline(always)]
-                |j| gaussian.value::<L>(&segments.at_share(t[j])),
-            ),
-            VectorProfile::Wave(wave) => array(
-                #[inline(always)]
-                |j| wave.value::<L>(&segments.at_share(t[j])),
-            ),
-            VectorProfile::TriangularGaussian(triangular) => array(
-                #[inline(always)]
-                |j| triangular.value::<L>(&segments.at_share(t[j])),
-            ),
-            VectorProfile::GaussianNd(nd) => array(
-                #[inline(always)]
-                |j| nd.value::<L>(fields, t[j]),
-            ),
-            VectorProfile::TriangularGaussianNd(nd) => array(
-                #[inline(always)]
-                |j| nd.value::<L>(fields, t[j]),
-            ),
+            VectorProfile::Gaussian(gaussian) => array!(|j| gaussian.value::<L>(&segments.at_share(t[j]))),
+            VectorProfile::Wave(wave) => array!(|j| wave.value::<L>(&segments.at_share(t[j]))),
+            VectorProfile::TriangularGaussian(triangular) => {
+                array!(|j| triangular.value::<L>(&segments.at_share(t[j])))
+            }
+            VectorProfile::GaussianNd(nd) => array!(|j| nd.value::<L>(fields, t[j])),
+            VectorProfile::TriangularGaussianNd(nd) => array!(|j| nd.value::<L>(fields, t[j])),
             VectorProfile::PiecewiseLinear(_) | VectorProfile::Table(_) | VectorProfile::None => {
                 [L::F::splat(0.0); N]
             }

@@ -74,15 +74,8 @@ impl LaneTriangularNd {
         let width = ends.mul_add(splat(0.5), splat(self.base));
         let there = splat(0.0).lt(width);
         let inverse = splat(1.0) / L::F::select(there, width, splat(1.0));
-        let scaled = inlined(
-            #[inline(always)]
-            |q: [L::F; MAX_FIELD_LANES]| -> [L::F; MAX_FIELD_LANES] {
-                array(
-                    #[inline(always)]
-                    |i| q[i] * inverse,
-                )
-            },
-        );
+        let scaled =
+            inlined!(|q: [L::F; MAX_FIELD_LANES]| -> [L::F; MAX_FIELD_LANES] { array!(|i| q[i] * inverse) });
         (LaneGaussianPath::<L>::new(scaled(front), scaled(back)), there)
     }
 }
