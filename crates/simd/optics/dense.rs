@@ -48,10 +48,7 @@ pub fn dense<L: Lanes>(members: &[LaneMember<L>]) -> ([L::F; 3], L::F, L::M) {
             AnyLaneTrack::Gaussian(track) => {
                 (Track { x: track.front, slope: track.length, peak: track.peak }, track.peak)
             }
-            AnyLaneTrack::Triangular(_)
-            | AnyLaneTrack::Wave(_)
-            | AnyLaneTrack::Piecewise(_)
-            | AnyLaneTrack::Table(_) => {
+            AnyLaneTrack::Piecewise(_) | AnyLaneTrack::Table(_) => {
                 unsure = unsure.or(inside);
                 (Track { x: zero, slope: zero, peak: zero }, zero)
             }

@@ -4,8 +4,6 @@
 //! reduction, not the formula, is what 32 bits cannot do.
 
 use super::elementary::polynomial;
-use super::quadrature::POINTS;
-use super::track::{LaneTrack, at_nodes};
 use crate::{Float, Lanes, Mask};
 use voltet_core::transfer::Wave;
 
@@ -166,81 +164,12 @@ impl LaneBell {
         let length = halves.mul_add(half, end_length);
         L::F::select(same_flank, on_one, area / length.max(splat(f32::MIN_POSITIVE)))
     }
-}
-
-impl LaneBell {
-    /// Half-width of the window in which the profile exceeds `cutoff`.
-    fn lit_half_width(&self, cutoff: f64) -> f32 {
-        let width = (1.0 - cutoff) / f64::from(self.inverse_width);
-        let half = if self.sine {
-            2.0 * (0.5 * width).sqrt().min(1.0).asin() / std::f64::consts::PI
-        } else {
-            0.5 * width
-        };
-        half as f32
-    }
 
     /// The profile at a distance of `foot` from the nearest foot, in [0, ½].
     #[inline(always)]
     pub fn value<L: Lanes>(&self, foot: L::F) -> L::F {
         let spot = FlankPosition::<L> { foot, peak: L::F::splat(0.5) - foot };
         self.mean_on_flank(spot, spot).max(L::F::splat(0.0))
-    }
-}
-
-/// A wave as a [`LaneTrack`]. It serves [`crate::limits::MAX_WALKED_BANDS`] bands of a segment, by band width.
-#[derive(Clone, Copy)]
-pub struct LaneWaveTrack<'a, L: Lanes> {
-    bell: &'a LaneBell,
-    /// φ at the front, from its nearest foot, and what the segment adds to it.
-    phase: L::F,
-    span: L::F,
-    /// ρ₀ D.
-    peak: L::F,
-    /// Places of the breaks in a band, rising; the foot at 0 is another.
-    breaks: [f32; 6],
-}
-
-impl<'a, L: Lanes> LaneWaveTrack<'a, L> {
-    /// The track of a path with the peak rate `peak` = ρ₀ D; it breaks at feet, peaks and where the profile passes
-    /// `cutoff`.
-    #[inline(always)]
-    pub fn new(
-        bell: &'a LaneBell,
-        front: LanePhase<L>,
-        back: LanePhase<L>,
-        peak: L::F,
-        cutoff: Option<f64>,
-    ) -> Self {
-        let lit = cutoff.map_or(bell.reach, |cutoff| bell.lit_half_width(cutoff));
-        let span = (back.nearest - front.nearest) + (back.offset - front.offset);
-        let breaks = [0.5 - bell.reach, 0.5 - lit, 0.5, 0.5 + lit, 0.5 + bell.reach, 1.0];
-        LaneWaveTrack { bell, phase: front.offset, span, peak, breaks }
-    }
-}
-
-impl<L: Lanes> LaneTrack<L> for LaneWaveTrack<'_, L> {
-    #[inline(always)]
-    fn rates(&self, t: L::F, dt: L::F) -> [L::F; POINTS] {
-        let phase = at_nodes::<L>(self.phase, self.phase + self.span, t, dt);
-        array!(|i| self.peak * self.bell.value::<L>((phase[i] - phase[i].round()).abs()))
-    }
-
-    #[inline(always)]
-    fn next_break(&self, t: L::F) -> L::F {
-        let splat = L::F::splat;
-        let sign = L::F::select(self.span.lt(splat(0.0)), splat(-1.0), splat(1.0));
-        let span = self.span.abs();
-        let phase = self.span.mul_add(t, self.phase) * sign;
-        // What the rounding of t and of the phase stands for.
-        let past = (span + splat(1.0) + phase.abs()).mul_add(splat(2.0 * f32::EPSILON), phase);
-        let band = past.floor();
-        let place = past - band;
-        let mut next = splat(1.0);
-        for at in self.breaks.iter().rev() {
-            next = L::F::select(place.lt(splat(*at)), splat(*at), next);
-        }
-        t + ((band - phase) + next) / span.max(splat(1e-30))
     }
 }
 
