@@ -14,7 +14,7 @@
 //! | `composite` | segments in order to pixels |
 //! | `cells` | selection with its volume's caches |
 //! | `cull` | cells that can contribute |
-//! | `subpixel`, `projection` | cells prepared for the compositor |
+//! | `projection` | cells prepared for the compositor |
 //! | `frame_renderer` | compositing on all threads |
 //! | `draw` | stages end to end |
 //! | `memory` | memory that drawing takes |
@@ -42,7 +42,6 @@ mod projection;
 mod segment_cache;
 mod selection;
 mod shade;
-mod subpixel;
 mod tile;
 mod tolerances;
 mod view;

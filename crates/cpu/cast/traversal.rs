@@ -1,10 +1,8 @@
 //! Traversal of ray packets through cells.
 
-use super::barycentric::Barycentric;
-use super::edge_functions::{Offset, edge_function, edges_inside, moved_by_depth};
+use super::edge_functions::{Barycentric, Offset, edge_function, edges_inside, moved_by_depth};
 use super::half_faces::{EXIT_FLAG, ROTATION_BITS};
-use super::packet::{MAX_TRAVERSAL_STEPS, PACKETS_IN_FLIGHT, RayPacket, SLICES};
-use super::packet_state::PacketState;
+use super::packet::{MAX_TRAVERSAL_STEPS, PACKETS_IN_FLIGHT, PacketState, RayPacket, SLICES};
 use super::points::{CUT, PARALLEL, PERSPECTIVE, Points};
 use super::ray_caster::MAX_RAYCAST_ATTRIBUTES;
 use crate::fragments::batch::{Batch, MAX_LANES};

@@ -8,7 +8,7 @@
 //! and of the shader. Numbers stand in quads, so that each four moves by one instruction.
 
 use crate::fragments::batch::Batch;
-use crate::fragments::slots::{FIRST_SLOTS, MAX_LIST_LENGTH, NextSlots, SLOT_BITS, SLOTS_PER_PIXEL};
+use crate::fragments::spans::{FIRST_SLOTS, MAX_LIST_LENGTH, NextSlots, SLOT_BITS, SLOTS_PER_PIXEL};
 use crate::tile::{PIXELS, TILE};
 use crate::tolerances::ENTRY_NOISE;
 use voltet_simd::sort::sort_columns;

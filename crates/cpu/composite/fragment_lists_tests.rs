@@ -2,11 +2,11 @@
 
 use crate::composite::accumulators::TileAccumulator;
 use crate::composite::fragment_lists::FragmentLists;
-use crate::composite::kernels::{Arrange, Fill};
 use crate::composite::row_shader::blend_by_numbers;
-use crate::composite::unbounded_lists::{Fragment, UnboundedFragmentLists};
+use crate::composite::row_shader::{Arrange, Fill};
+use crate::composite::sinks::{Fragment, UnboundedFragmentLists};
 use crate::fragments::batch::{BATCH, Batch};
-use crate::fragments::slots::MAX_LIST_LENGTH;
+use crate::fragments::spans::MAX_LIST_LENGTH;
 use crate::tile::{PIXELS, TILE};
 use voltet_simd::{LaneSet, dispatch};
 

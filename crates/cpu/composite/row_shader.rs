@@ -1,20 +1,22 @@
 //! Row shader: a row's segments front to back, shaded and blended as far as they are visible (early ray termination).
 
+use crate::cast::packet::PACKETS_IN_FLIGHT;
+use crate::cast::ray_caster::BoundaryHits;
 use crate::composite::accumulators::{OpticalDepthRows, TileAccumulator};
-use crate::composite::deferred_fragments::DeferredFragments;
-use crate::composite::deferred_shading::DeferredShading;
+use crate::composite::deferred_shading::{DeferredFragments, DeferredShading};
 use crate::composite::fragment_lists::FragmentLists;
 use crate::composite::frame::FrameContext;
-use crate::composite::kernels::{Arrange, Fill, Illuminate};
-use crate::fragments::batch::{BATCH, Batch};
-use crate::fragments::depth_limit::{DepthLimits, clip_to_depth};
+use crate::counts::Counts;
+use crate::fragments::batch::{BATCH, Batch, DepthLimits, MAX_LANES, clip_to_depth};
+use crate::fragments::crossing::CellPacket;
+use crate::fragments::spans::{Edges, Fragments};
 use crate::segment_cache::CachedSlices;
 use crate::shade::dispatch::{finish, integrate_first};
-use crate::shade::light::Rays;
+use crate::shade::light::{Rays, rays};
 use crate::shade::shaded_batch::ShadedBatch;
-use crate::tile::{PIXELS, TILE};
+use crate::tile::{PIXELS, TILE, TileRect};
 use std::ops::Range;
-use voltet_simd::{LaneSet, dispatch};
+use voltet_simd::{Kernel, LaneSet, Lanes, dispatch};
 
 /// A row's segments in order, slice by slice: each the next segment of all pixels.
 pub(crate) enum Slices<'a> {
@@ -226,4 +228,95 @@ pub(crate) fn blend_by_numbers(
         }
     }
     disordered
+}
+
+/// Scratch memory of a worker.
+pub(crate) struct Scratch {
+    pub fragments: Fragments,
+    pub edges: Edges,
+    pub packet: CellPacket,
+    pub length_per_depth: [f32; PIXELS],
+    pub row_shader: RowShader,
+    /// Boundary faces that rays enter by, and batches of packets beside the first, where rays are cast.
+    pub hits: BoundaryHits,
+    pub further: [Batch; PACKETS_IN_FLIGHT - 1],
+    pub counts: Counts,
+}
+
+impl Scratch {
+    pub fn new(frame: &FrameContext<'_>) -> Scratch {
+        let attribute_count = frame.attribute_count();
+        Scratch {
+            fragments: Fragments::new(MAX_LANES),
+            edges: Edges::new(),
+            packet: CellPacket::new(attribute_count),
+            length_per_depth: [1.0; PIXELS],
+            row_shader: RowShader::new(frame),
+            hits: BoundaryHits::default(),
+            further: std::array::from_fn(|_| Batch::new(attribute_count, frame.scalar_count)),
+            counts: Counts::default(),
+        }
+    }
+
+    /// Finds lengths, directions and depth limits of a tile's rays.
+    pub fn begin(&mut self, frame: &FrameContext<'_>, rect: TileRect) {
+        frame.lengths_per_depth(rect, &mut self.length_per_depth);
+        let RowShader { rays: of_tile, depth_limits, .. } = &mut self.row_shader;
+        if frame.shader.surface.is_some_and(|surface| surface.silhouette.is_some()) {
+            rays(frame.view, rect.left, rect.top, of_tile);
+        }
+        frame.depth_limits_of(rect, depth_limits);
+    }
+}
+
+/// Applies silhouettes and light to shaded segments.
+pub(crate) struct Illuminate<'a> {
+    pub frame: &'a FrameContext<'a>,
+    pub batch: &'a Batch,
+    pub count: usize,
+    pub rays: &'a Rays,
+    pub shaded: &'a mut ShadedBatch,
+}
+
+impl Kernel for Illuminate<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.frame.shader.light::<L>(self.batch, self.count, self.rays, self.shaded);
+    }
+}
+
+/// Sorts a row of lists.
+pub(crate) struct Arrange<'a> {
+    pub lists: &'a mut FragmentLists,
+    pub row: usize,
+    pub sorted: bool,
+}
+
+impl Kernel for Arrange<'_> {
+    /// Pixels whose segments are not in order.
+    type Output = u64;
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> u64 {
+        self.lists.sort_row::<L>(self.row, self.sorted)
+    }
+}
+
+/// Fills a batch from a row of lists.
+pub(crate) struct Fill<'a> {
+    pub lists: &'a FragmentLists,
+    pub row: usize,
+    pub slices: Range<usize>,
+    pub length_per_depth: &'a [f32; PIXELS],
+    pub depths: bool,
+    pub batch: &'a mut Batch,
+}
+
+impl Kernel for Fill<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Fill { lists, row, slices, length_per_depth, depths, batch } = self;
+        lists.fill::<L>(row, slices, length_per_depth, depths, batch);
+    }
 }

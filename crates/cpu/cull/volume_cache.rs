@@ -7,7 +7,7 @@ use crate::attribute::attributes_of;
 use crate::cache::get_or_compute;
 use crate::cast::FaceCache;
 use crate::cells::Cells;
-use crate::composite::buffers::BufferPool;
+use crate::composite::frame::BufferPool;
 use crate::segment_cache::ViewCache;
 use crate::selection::{CellSelection, MAX_RESIDENT_CELLS, Traversal};
 use crate::tolerances::CULLED_DEPTH;

@@ -1,7 +1,7 @@
 //! Crossings: entry and exit of each fragment's ray in its cell, and the attributes there.
 
 use crate::fragments::batch::{Batch, MAX_LANES, meant};
-use crate::project::projected_cell::{AttributePlane, CELL_WORDS, ProjectedCell};
+use crate::project::cells::{AttributePlane, CELL_WORDS, ProjectedCell};
 use crate::tile::TILE;
 use voltet_simd::{Float, Lanes, Unsigned, array, inlined};
 

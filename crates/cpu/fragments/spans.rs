@@ -7,9 +7,8 @@
 //! centre that lies on a shared silhouette edge is given to exactly one of the cells.
 
 use crate::fragments::batch::MAX_LANES;
-use crate::fragments::slots::{DUMMY_SLOT, NextSlots};
-use crate::project::edge::CROSSING_ROUND;
-use crate::tile::TILE;
+use crate::project::edge_on::CROSSING_ROUND;
+use crate::tile::{PIXELS, TILE};
 use crate::view::ScreenVertex;
 use voltet_simd::{Double, Float, Lanes, Mask, Unsigned, array, inlined};
 
@@ -242,4 +241,40 @@ fn taken_of<L: Lanes>(value: L::U, half: usize, from: L::U, to: L::U) -> L::U {
     // Not below a number: the larger of both is the column.
     let (not_before, behind) = (column.max(from).equal(column), column.max(to).equal(column));
     L::U::select(not_before.and(behind.not()), value + L::U::splat(1), value)
+}
+
+/// Segments that a pixel's list holds; a tile that needs more is drawn again with lists that grow.
+pub(crate) const MAX_LIST_LENGTH: usize = 1024;
+
+/// Bits of a slot's number within its list.
+pub(crate) const SLOT_BITS: u32 = 10;
+
+/// Slots of a pixel: each cell of a vector may take one before the lengths are checked. An odd number of cache lines, so that the lists
+/// of pixels do not meet in the same sets of a cache.
+pub(crate) const SLOTS_PER_PIXEL: usize = MAX_LIST_LENGTH + 20;
+const _: () = assert!(SLOTS_PER_PIXEL * size_of::<[f32; 4]>() / 64 % 2 == 1);
+
+/// Slot of fragments that belong to no pixel.
+pub(crate) const DUMMY_SLOT: u32 = (PIXELS * SLOTS_PER_PIXEL) as u32;
+
+/// Next free slot of each pixel, row by row; then room to read a whole vector from any of them.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub(crate) struct NextSlots(pub [u32; PIXELS + TILE]);
+
+/// First slot of each pixel.
+pub(crate) const FIRST_SLOTS: NextSlots = {
+    let mut first = [0; PIXELS + TILE];
+    let mut pixel = 0;
+    while pixel < first.len() {
+        first[pixel] = (pixel * SLOTS_PER_PIXEL) as u32;
+        pixel += 1;
+    }
+    NextSlots(first)
+};
+
+impl Default for NextSlots {
+    fn default() -> Self {
+        FIRST_SLOTS
+    }
 }

@@ -3,8 +3,7 @@
 
 use crate::fragments::batch::{Batch, MAX_LANES};
 use crate::shade::kinds::{LaneWidget, for_each_active_widget};
-use crate::shade::segment_gather::SegmentGather;
-use crate::shade::segment_lanes::SegmentLanes;
+use crate::shade::segment_lanes::{SegmentGather, SegmentLanes};
 use crate::shade::shaded_batch::{ShadedBatch, StepLanes, SteppedWidget};
 use voltet_optics::quadrature::{GAUSS_4, UP_TO_4};
 use voltet_simd::optics::elementary::exp;

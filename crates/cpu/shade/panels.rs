@@ -7,10 +7,9 @@
 
 use crate::fragments::batch::{Batch, MAX_LANES};
 use crate::shade::kinds::{KernelTier, LaneWidget, OrderRequirement, nothing};
-use crate::shade::segment_gather::SegmentGather;
-use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
+use crate::shade::region::ValueRange;
+use crate::shade::segment_lanes::{FieldLanes, SegmentGather, SegmentLanes};
 use crate::shade::shaded_batch::{FallbackReason, MIX_PRODUCT, ShadedBatch};
-use crate::shade::support::ValueRange;
 use voltet_core::transfer::TransferFunction;
 use voltet_simd::limits::{MAX_DENSE_RATE, MAX_RATE, MIN_WALKED_LENGTH};
 use voltet_simd::optics::dense::dense;

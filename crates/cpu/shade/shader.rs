@@ -7,14 +7,14 @@
 
 use crate::attribute::MAX_ATTRIBUTES;
 use crate::fragments::batch::{Batch, Column};
-use crate::shade::closed_form::{OneColor, Several};
 use crate::shade::context::{ShaderContext, WidgetContext};
 use crate::shade::fixed_quadrature::integrate_fixed;
 use crate::shade::integrator::{LaneExtension, LaneIntegrator, LaneScene};
+use crate::shade::kernel::{OneColor, Several};
 use crate::shade::kinds::{KernelTier, LaneLinear, LaneWidget};
 use crate::shade::light::{Rays, Surface};
 use crate::shade::panels::PanelQuadrature;
-use crate::shade::segment_gather::SegmentGather;
+use crate::shade::segment_lanes::SegmentGather;
 use crate::shade::shaded_batch::{Exact, FallbackReason, MIX_PRODUCT, STEPS, ShadedBatch};
 use crate::tolerances::NEGLIGIBLE_DEPTH;
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};

@@ -3,9 +3,9 @@
 use crate::fragments::batch::{Column, meant};
 use crate::shade::kernel::{BatchRange, overlaps, push};
 use crate::shade::kinds::{LaneWidget, RegionPath};
+use crate::shade::region::ValueRange;
 use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
 use crate::shade::shaded_batch::ShadedBatch;
-use crate::shade::support::ValueRange;
 use voltet_simd::optics::elementary::one_minus_exp;
 use voltet_simd::{Float, Lanes};
 

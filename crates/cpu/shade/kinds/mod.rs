@@ -2,24 +2,22 @@
 //! densities and values at points of them, paths in widths, and members of an ordered integral ([`super::panels`]).
 
 mod gaussian;
-mod gaussian_nd;
 mod piecewise_linear;
 mod table;
 mod triangular_gaussian;
-mod triangular_gaussian_nd;
 mod wave;
 
 pub(crate) use piecewise_linear::LaneLinear;
 
 use crate::shade::context::WidgetContext;
 use crate::shade::region::{Inside, LaneRegion, range_of};
+use crate::shade::region::{SupportBounds, ValueRange};
 use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
-use crate::shade::support::{SupportBounds, ValueRange};
 use gaussian::LaneGaussian;
-use gaussian_nd::LaneGaussianNd;
+use gaussian::LaneGaussianNd;
 use table::LaneTable;
 use triangular_gaussian::LaneTriangular;
-use triangular_gaussian_nd::LaneTriangularNd;
+use triangular_gaussian::LaneTriangularNd;
 use voltet_core::transfer::{Profile, Widget};
 use voltet_simd::optics::gaussian::{LaneGaussianPath, LaneGaussianTrack};
 use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
