@@ -12,10 +12,10 @@ use crate::composite::sinks::{Fragment, UnboundedFragmentLists, pixel_in_one_col
 use crate::cull::VolumeCache;
 use crate::fragments::batch::{BATCH, Batch, MAX_LANES};
 use crate::native::Native;
+use crate::shade::ShaderContext;
 use crate::shade::integrator::in_lanes_alone;
 use crate::shade::shaded_batch::ShadedBatch;
-use crate::shade::shader::Shader;
-use crate::shade::{ShaderContext, dispatch};
+use crate::shade::shader::{self, Shader};
 use crate::tile::{PIXELS, TILE};
 use crate::tolerances::MIN_TRANSMITTANCE;
 use glam::DVec3;
@@ -104,7 +104,7 @@ fn integrate(
     let mut found = Vec::with_capacity(list.len());
     for (number, part) in list.chunks(BATCH).enumerate() {
         fill(&mut batch, &attributes, number * BATCH, part, cells.length);
-        dispatch::integrate(&shader, lanes, &batch, part.len(), &mut shaded);
+        shader::integrate(&shader, lanes, &batch, part.len(), &mut shaded);
         found.extend((0..part.len()).map(|k| integrated_segment(&shader, &shaded, k)));
     }
     Ok(found)

@@ -4,8 +4,8 @@
 use crate::composite::accumulators::TileAccumulator;
 use crate::composite::frame::FrameContext;
 use crate::fragments::batch::{BATCH, Batch, Column};
-use crate::shade::dispatch::finish;
 use crate::shade::shaded_batch::{KINDS, ShadedBatch};
+use crate::shade::shader::finish;
 use crate::tile::TILE;
 use crate::tolerances::{MIN_DEFERRED_VISIBILITY, MIN_TRANSMITTANCE_SAFE};
 use voltet_simd::LaneSet;

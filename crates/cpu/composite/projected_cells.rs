@@ -11,7 +11,7 @@ use crate::fragments::crossing::CellPacket;
 use crate::fragments::spans::{Edges, Fragments, NextSlots};
 use crate::project::precise_cell::{PreciseCell, PreciseCrossing};
 use crate::project::tile_bins::TileBins;
-use crate::shade::dispatch::integrate;
+use crate::shade::shader::integrate;
 use crate::tile::{PIXELS, TileRect};
 use crate::view::ScreenVertex;
 use std::ops::Range;

@@ -4,19 +4,20 @@ use crate::cast::packet::PACKETS_IN_FLIGHT;
 use crate::cast::ray_caster::BoundaryHits;
 use crate::composite::accumulators::{OpticalDepthRows, TileAccumulator};
 use crate::composite::deferred_shading::{DeferredFragments, DeferredShading};
-use crate::composite::fragment_lists::FragmentLists;
+use crate::composite::fragment_lists::{Arrange, Fill, FragmentLists};
 use crate::composite::frame::FrameContext;
 use crate::counts::Counts;
 use crate::fragments::batch::{BATCH, Batch, DepthLimits, MAX_LANES, clip_to_depth};
 use crate::fragments::crossing::CellPacket;
 use crate::fragments::spans::{Edges, Fragments};
 use crate::segment_cache::CachedSlices;
-use crate::shade::dispatch::{finish, integrate_first};
 use crate::shade::light::{Rays, rays};
 use crate::shade::shaded_batch::ShadedBatch;
+use crate::shade::shader::{finish, integrate_first};
 use crate::tile::{PIXELS, TILE, TileRect};
 use std::ops::Range;
-use voltet_simd::{Kernel, LaneSet, Lanes, dispatch};
+use voltet_simd::optics::elementary::one_minus_exp;
+use voltet_simd::{Float, Kernel, LaneSet, Lanes, dispatch};
 
 /// A row's segments in order, slice by slice: each the next segment of all pixels.
 pub(crate) enum Slices<'a> {
@@ -282,41 +283,18 @@ impl Kernel for Illuminate<'_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        self.frame.shader.light::<L>(self.batch, self.count, self.rays, self.shaded);
-    }
-}
-
-/// Sorts a row of lists.
-pub(crate) struct Arrange<'a> {
-    pub lists: &'a mut FragmentLists,
-    pub row: usize,
-    pub sorted: bool,
-}
-
-impl Kernel for Arrange<'_> {
-    /// Pixels whose segments are not in order.
-    type Output = u64;
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> u64 {
-        self.lists.sort_row::<L>(self.row, self.sorted)
-    }
-}
-
-/// Fills a batch from a row of lists.
-pub(crate) struct Fill<'a> {
-    pub lists: &'a FragmentLists,
-    pub row: usize,
-    pub slices: Range<usize>,
-    pub length_per_depth: &'a [f32; PIXELS],
-    pub depths: bool,
-    pub batch: &'a mut Batch,
-}
-
-impl Kernel for Fill<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Fill { lists, row, slices, length_per_depth, depths, batch } = self;
-        lists.fill::<L>(row, slices, length_per_depth, depths, batch);
+        let Illuminate { frame, batch, count, rays, shaded } = self;
+        let Some(surface) = &frame.shader.surface else { return };
+        for at in (0..count).step_by(L::WIDTH) {
+            let (opacity, color) = surface.factors::<L>(batch, at, rays);
+            if frame.shader.one_color.is_some() {
+                let value = one_minus_exp::<L>(L::F::load(&shaded.depth[at..])) * opacity;
+                value.store(&mut shaded.depth[at..]);
+            } else {
+                for (column, factor) in shaded.rgba.iter_mut().zip([color, color, color, opacity]) {
+                    (L::F::load(&column[at..]) * factor).store(&mut column[at..]);
+                }
+            }
+        }
     }
 }

@@ -1,7 +1,6 @@
 //! Shade: from a segment's length and the values at its ends to its colour and opacity.
 
 mod context;
-pub(crate) mod dispatch;
 mod fixed_quadrature;
 pub mod integrator;
 mod kernel;

@@ -42,14 +42,6 @@ pub(crate) struct ShadedBatch {
 /// Colour and opacity of a batch.
 pub(crate) type Colors = [Box<Column>; 4];
 
-/// One segment's integral, found in 64 bits.
-pub(crate) struct Exact {
-    pub depth: f32,
-    pub rgba: [f32; 4],
-    /// True if widgets overlap by more than [`MIX_PRODUCT`].
-    pub overlaps: bool,
-}
-
 impl ShadedBatch {
     pub fn new() -> Self {
         ShadedBatch {
