@@ -5,10 +5,9 @@
 //! the batches are the compositor's, and the same kernels integrate and composite them.
 
 use crate::attribute::{Attribute, attributes_of};
-use crate::composite::accumulators::TileAccumulator;
+use crate::composite::accumulators::{Fragment, TileAccumulator, UnboundedFragmentLists, pixel_in_one_color};
 use crate::composite::fragment_lists::{FragmentLists, Overflow};
 use crate::composite::row_shader::blend_by_numbers;
-use crate::composite::sinks::{Fragment, UnboundedFragmentLists, pixel_in_one_color};
 use crate::cull::VolumeCache;
 use crate::fragments::batch::{BATCH, Batch, MAX_LANES};
 use crate::native::Native;

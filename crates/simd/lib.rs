@@ -119,7 +119,6 @@ mod operations;
 pub mod optics;
 #[cfg(any(test, not(target_arch = "x86_64")))]
 mod portable;
-mod single;
 pub mod sort;
 #[cfg(target_arch = "x86_64")]
 mod sse2;

@@ -8,6 +8,5 @@ mod fragment_lists_tests;
 pub(crate) mod frame;
 pub(crate) mod projected_cells;
 pub(crate) mod row_shader;
-pub(crate) mod sinks;
 mod tile;
 pub(crate) mod worker;

@@ -2,10 +2,10 @@
 //! ([`crate::fragments::spans`]), these are intersected ([`crate::fragments::crossing`]), and the segments go to per-pixel lists
 //! ([`super::fragment_lists`]) or, shaded as they come, to a sink.
 
+use crate::composite::accumulators::Sink;
 use crate::composite::fragment_lists::{FragmentLists, Overflow};
 use crate::composite::frame::FrameContext;
 use crate::composite::row_shader::{Illuminate, RowShader, Scratch};
-use crate::composite::sinks::Sink;
 use crate::fragments::batch::{BATCH, Batch, MAX_LANES, clip_to_depth};
 use crate::fragments::crossing::CellPacket;
 use crate::fragments::spans::{Edges, Fragments, NextSlots};

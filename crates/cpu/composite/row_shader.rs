@@ -2,7 +2,7 @@
 
 use crate::cast::packet::PACKETS_IN_FLIGHT;
 use crate::cast::ray_caster::BoundaryHits;
-use crate::composite::accumulators::{OpticalDepthRows, TileAccumulator};
+use crate::composite::accumulators::{TileAccumulator, TilePixels};
 use crate::composite::deferred_shading::{DeferredFragments, DeferredShading};
 use crate::composite::fragment_lists::{Arrange, Fill, FragmentLists};
 use crate::composite::frame::FrameContext;
@@ -100,13 +100,13 @@ impl RowShader {
         }
     }
 
-    /// Blends a row's segments until the row is opaque; some may be deferred to [`RowShader::end`].
+    /// Blends a row's segments, or adds up their optical depths, until the row is opaque; some may be deferred to [`RowShader::end`].
     pub fn blend(
         &mut self,
         frame: &FrameContext<'_>,
         row: usize,
         slices: &mut Slices<'_>,
-        pixels: &mut TileAccumulator,
+        pixels: &mut TilePixels,
     ) {
         while !self.is_opaque(row, pixels) {
             let count = slices.next(frame, &mut self.batch);
@@ -121,23 +121,31 @@ impl RowShader {
     }
 
     /// True if no further segment is visible in a row.
-    pub fn is_opaque(&self, row: usize, pixels: &TileAccumulator) -> bool {
+    pub fn is_opaque(&self, row: usize, pixels: &TilePixels) -> bool {
         pixels.is_opaque(row) || (self.deferred.holds(row) && self.deferred_shading.is_opaque(row))
     }
 
-    /// Blends the first `count` segments of the batch, slices of a row.
+    /// Blends the first `count` segments of the batch, slices of a row, or adds up their optical depths.
     pub fn blend_batch(
         &mut self,
         frame: &FrameContext<'_>,
         row: usize,
         count: usize,
-        pixels: &mut TileAccumulator,
+        pixels: &mut TilePixels,
     ) {
         let RowShader { batch, shaded, deferred_shading, deferred, depth_limits, .. } = self;
         if frame.depth_limit.is_some() {
             clip_to_depth(batch, count, frame.attribute_count(), depth_limits);
         }
         integrate_first(frame.shader, frame.lanes, batch, count, shaded);
+        let pixels = match pixels {
+            TilePixels::Colors(pixels) => pixels,
+            TilePixels::OneColor(_, depths) => {
+                finish(frame.shader, frame.lanes, batch, shaded);
+                self.light(frame, count);
+                return depths.take_row(frame.lanes, row, &self.shaded, count);
+            }
+        };
         let is_deferred = deferred.holds(row);
         if !frame.shader.pools() {
             finish(frame.shader, frame.lanes, batch, shaded);
@@ -155,9 +163,11 @@ impl RowShader {
     }
 
     /// Blends the deferred segments.
-    pub fn end(&mut self, frame: &FrameContext<'_>, pixels: &mut TileAccumulator) {
-        self.deferred_shading.finish(frame, &mut self.deferred);
-        self.deferred.end(frame.lanes, pixels);
+    pub fn end(&mut self, frame: &FrameContext<'_>, pixels: &mut TilePixels) {
+        if let TilePixels::Colors(pixels) = pixels {
+            self.deferred_shading.finish(frame, &mut self.deferred);
+            self.deferred.end(frame.lanes, pixels);
+        }
     }
 
     fn light(&mut self, frame: &FrameContext<'_>, count: usize) {
@@ -165,41 +175,6 @@ impl RowShader {
             let RowShader { batch, shaded, rays, .. } = self;
             dispatch(frame.lanes, Illuminate { frame, batch, count, rays, shaded });
         }
-    }
-
-    /// Adds up a row's optical depths until the sums are opaque.
-    pub fn sum(
-        &mut self,
-        frame: &FrameContext<'_>,
-        row: usize,
-        slices: &mut Slices<'_>,
-        sums: &mut OpticalDepthRows<'_>,
-    ) {
-        while !sums.is_opaque(row) {
-            let count = slices.next(frame, &mut self.batch);
-            if count == 0 {
-                return;
-            }
-            self.sum_batch(frame, row, count, sums);
-        }
-    }
-
-    /// Adds up the optical depths of the first `count` segments of the batch, slices of a row.
-    pub fn sum_batch(
-        &mut self,
-        frame: &FrameContext<'_>,
-        row: usize,
-        count: usize,
-        sums: &mut OpticalDepthRows<'_>,
-    ) {
-        let RowShader { batch, shaded, depth_limits, .. } = self;
-        if frame.depth_limit.is_some() {
-            clip_to_depth(batch, count, frame.attribute_count(), depth_limits);
-        }
-        integrate_first(frame.shader, frame.lanes, batch, count, shaded);
-        finish(frame.shader, frame.lanes, batch, shaded);
-        self.light(frame, count);
-        sums.take(frame.lanes, row, &self.shaded, count);
     }
 }
 

@@ -7,9 +7,7 @@
 //! The cells in widgets' supports depend on the volume and the supports alone. They are found apart from the view and cached until the
 //! supports change, as the points on the screen are until the camera does: see [`VolumeCache`].
 
-mod blocks;
 mod contributing;
-mod query;
 mod volume_cache;
 
 pub use volume_cache::VolumeCache;

@@ -1,8 +1,9 @@
 //! Volume cache: data derived from a volume that pictures share.
 
-use super::blocks::Block;
-use super::contributing::{ContributingCells, MIN_CELLS_TO_SAMPLE, MIN_CULLED_FRACTION};
-use super::query::{CornerValues, CullQuery, SAMPLE_STRIDE};
+use super::contributing::{
+    Block, ContributingCells, CornerValues, CullQuery, MIN_CELLS_TO_SAMPLE, MIN_CULLED_FRACTION,
+    SAMPLE_STRIDE,
+};
 use crate::attribute::attributes_of;
 use crate::cache::get_or_compute;
 use crate::cast::FaceCache;

@@ -1,4 +1,5 @@
-//! Kernels over batches, each compiled once a lane set, and the closed-form ones.
+//! Closed-form kernels, which integrate all segments of a batch first. Each is compiled by itself, since the time to compile a function
+//! grows with the square of its size.
 
 use crate::fragments::batch::{Batch, meant};
 use crate::shade::kinds::{LaneLinear, LaneWidget, OrderRequirement, for_each_active_widget};
@@ -6,8 +7,8 @@ use crate::shade::segment_lanes::SegmentLanes;
 use crate::shade::shaded_batch::{MIN_THICK_DEPTH, MIX_PRODUCT, STEPS, ShadedBatch};
 use voltet_optics::WidgetBlend;
 use voltet_simd::optics::gaussian::Near;
-use voltet_simd::optics::sums::{Sums, Term};
-use voltet_simd::{Float, Kernel, LaneSet, Lanes, Mask, dispatch, inlined, mask_of};
+use voltet_simd::optics::smooth::{Sums, Term};
+use voltet_simd::{Float, Kernel, Lanes, Mask, inlined, mask_of};
 
 /// The first `count` segments of a batch.
 #[derive(Clone, Copy)]
@@ -17,37 +18,6 @@ pub(crate) struct BatchRange<'a> {
     pub one_color: bool,
     pub batch: &'a Batch,
     pub count: usize,
-}
-
-/// Kernel that integrates all segments first. Each is compiled by itself, since the time to compile a function grows with the square of
-/// its size.
-pub(super) trait ShadingKernel {
-    /// Integrates a range of a batch. Mark it `#[inline(always)]`.
-    fn shade<L: Lanes>(&self, range: BatchRange<'_>, out: &mut ShadedBatch);
-}
-
-/// Integrates a range of a batch by a kernel.
-pub(super) fn run_kernel<K: ShadingKernel>(
-    lanes: LaneSet,
-    kernel: &K,
-    range: BatchRange<'_>,
-    out: &mut ShadedBatch,
-) {
-    dispatch(lanes, RangeRun { kernel, range, out });
-}
-
-struct RangeRun<'a, K> {
-    kernel: &'a K,
-    range: BatchRange<'a>,
-    out: &'a mut ShadedBatch,
-}
-
-impl<K: ShadingKernel> Kernel for RangeRun<'_, K> {
-    type Output = ();
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        self.kernel.shade::<L>(self.range, self.out);
-    }
 }
 
 /// Appends the indices of some lanes (bits) of the vector at `at`.
@@ -66,10 +36,18 @@ pub(crate) fn overlaps<L: Lanes>(product: L::F, segments: &SegmentLanes<L>, coun
 }
 
 /// One piecewise-linear widget: its integrals give the colour, too.
-impl ShadingKernel for LaneLinear {
+pub(crate) struct SinglePiecewise<'a> {
+    pub linear: &'a LaneLinear,
+    pub range: BatchRange<'a>,
+    pub out: &'a mut ShadedBatch,
+}
+
+impl Kernel for SinglePiecewise<'_> {
+    type Output = ();
     #[inline(always)]
-    fn shade<L: Lanes>(&self, BatchRange { batch, count, .. }: BatchRange<'_>, out: &mut ShadedBatch) {
-        let tables = self.tables::<L>();
+    fn run<L: Lanes>(self) {
+        let SinglePiecewise { linear, range: BatchRange { batch, count, .. }, out } = self;
+        let tables = linear.tables::<L>();
         for at in (0..count).step_by(L::WIDTH) {
             let segments = SegmentLanes::<L>::load(batch, at);
             let (rgba, [deep, unsure]) = tables.integrate::<false>(&segments);
@@ -85,15 +63,16 @@ impl ShadingKernel for LaneLinear {
 }
 
 /// Widgets of one colour: optical depths add up, whatever the order.
-pub(crate) struct OneColor;
+pub(crate) struct OneColor<'a> {
+    pub range: BatchRange<'a>,
+    pub out: &'a mut ShadedBatch,
+}
 
-impl ShadingKernel for OneColor {
+impl Kernel for OneColor<'_> {
+    type Output = ();
     #[inline(always)]
-    fn shade<L: Lanes>(
-        &self,
-        BatchRange { widgets, batch, count, .. }: BatchRange<'_>,
-        out: &mut ShadedBatch,
-    ) {
+    fn run<L: Lanes>(self) {
+        let OneColor { range: BatchRange { widgets, batch, count, .. }, out } = self;
         let zero = L::F::splat(0.0);
         for at in (0..count).step_by(L::WIDTH) {
             let segments = SegmentLanes::<L>::load(batch, at);
@@ -122,10 +101,12 @@ impl ShadingKernel for OneColor {
 }
 
 /// One widget or more whose colour does not vary along the segment. Segments for slower kernels are queued.
-pub(crate) struct Several {
+pub(crate) struct Several<'a> {
     pub overlap: WidgetBlend,
     /// Pairwise product of depths from which on the order of widgets counts.
     pub ordered_from: f32,
+    pub range: BatchRange<'a>,
+    pub out: &'a mut ShadedBatch,
 }
 
 /// Gaussian whose support a vector of segments meets, before its mean is evaluated.
@@ -137,13 +118,11 @@ struct PendingGaussian<L: Lanes> {
     number: usize,
 }
 
-impl ShadingKernel for Several {
+impl Kernel for Several<'_> {
+    type Output = ();
     #[inline(always)]
-    fn shade<L: Lanes>(
-        &self,
-        BatchRange { widgets, batch, count, .. }: BatchRange<'_>,
-        out: &mut ShadedBatch,
-    ) {
+    fn run<L: Lanes>(self) {
+        let Several { overlap, ordered_from, range: BatchRange { widgets, batch, count, .. }, out } = self;
         let zero = L::F::splat(0.0);
         let nowhere = zero.lt(zero);
         let mut pending =
@@ -191,9 +170,9 @@ impl ShadingKernel for Several {
             let overlapping = overlaps::<L>(sums.product, &segments, count - at);
             out.overlap_count += u64::from(overlapping.count_ones());
             out.evaluation_count += u64::from((asked & meant).count_ones());
-            let overlapping = overlapping & !unsure & L::F::splat(self.ordered_from).lt(sums.product).bits();
+            let overlapping = overlapping & !unsure & L::F::splat(ordered_from).lt(sums.product).bits();
             let mut served = 0;
-            if self.overlap == WidgetBlend::Exact && overlapping != 0 {
+            if overlap == WidgetBlend::Exact && overlapping != 0 {
                 served = overlapping & sums.is_smooth(terms).bits();
                 let mut rest = overlapping & !served;
                 if rest != 0 {

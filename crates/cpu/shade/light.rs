@@ -7,8 +7,7 @@
 use crate::fragments::batch::Batch;
 use crate::tile::TILE;
 use crate::view::View;
-use glam::DVec3;
-use voltet_optics::shading::{Shading, unit_vector};
+use voltet_optics::shading::{Light, Shading, unit_vector};
 use voltet_simd::optics::elementary::power;
 use voltet_simd::{Float, Lanes, Mask, Unsigned, array};
 
@@ -20,16 +19,10 @@ pub(crate) type Rays = [[f32; TILE * TILE]; 3];
 pub(crate) struct Surface {
     /// p.
     pub silhouette: Option<f64>,
-    light: Option<Lit>,
+    /// Of unit direction.
+    light: Option<Light>,
     /// Attributes before the gradient.
     first: usize,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Lit {
-    direction: DVec3,
-    ambient: f64,
-    diffuse: f64,
 }
 
 impl Surface {
@@ -37,11 +30,7 @@ impl Surface {
     /// gradient.
     pub fn new(shading: &Shading, first: usize) -> Option<Surface> {
         let silhouette = shading.silhouette.filter(|&p| p != 0.0);
-        let light = shading.light.map(|light| Lit {
-            direction: unit_vector(light.direction),
-            ambient: light.ambient,
-            diffuse: light.diffuse,
-        });
+        let light = shading.light.map(|light| Light { direction: unit_vector(light.direction), ..light });
         (silhouette.is_some() || light.is_some()).then_some(Surface { silhouette, light, first })
     }
 
@@ -80,11 +69,11 @@ impl Surface {
         }
         let color = match self.light {
             None => opacity,
-            Some(lit) => {
-                let [x, y, z] = lit.direction.to_array().map(|c| splat(c as f32));
+            Some(light) => {
+                let [x, y, z] = light.direction.to_array().map(|c| splat(c as f32));
                 let facing = g[0].mul_add(x, g[1].mul_add(y, g[2] * z)).abs();
                 let facing = facing / square.max(splat(f32::MIN_POSITIVE)).sqrt();
-                opacity * facing.min(one).mul_add(splat(lit.diffuse as f32), splat(lit.ambient as f32))
+                opacity * facing.min(one).mul_add(splat(light.diffuse as f32), splat(light.ambient as f32))
             }
         };
         (opacity, color)

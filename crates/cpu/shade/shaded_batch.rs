@@ -1,8 +1,9 @@
 //! Results of shading a batch of segments, and the segments that still need a slower kernel.
 
 use crate::fragments::batch::{Column, MAX_LANES};
+
 pub(crate) use crate::tolerances::MIX_PRODUCT;
-use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
+use voltet_simd::optics::gaussian::LaneGaussianSteps;
 use voltet_simd::{Float, Lanes, inlined};
 
 /// Steps of the fixed quadrature.

@@ -1,7 +1,7 @@
 //! The shader: from a fragment's length and attribute values to its colour and opacity.
 //!
 //! Four kernel tiers, each for the segments that the one before does not integrate: closed forms in lanes (density-emitter; overlaps by
-//! [`voltet_simd::optics::sums`]), quadrature in equal steps ([`super::fixed_quadrature`]), panels ([`super::panels`]), and the 64-bit
+//! [`voltet_simd::optics::smooth`]), quadrature in equal steps ([`super::fixed_quadrature`]), panels ([`super::panels`]), and the 64-bit
 //! integrator segment by segment. An integrator from outside has one kernel in place of the first three ([`super::integrator`]).
 //! Tiers that a scene does not use are not prepared.
 
@@ -10,7 +10,7 @@ use crate::fragments::batch::{Batch, MAX_LANES};
 use crate::shade::context::{ShaderContext, WidgetContext};
 use crate::shade::fixed_quadrature::integrate_fixed;
 use crate::shade::integrator::{LaneExtension, LaneIntegrator, LaneScene, SegmentBatch, SegmentResults};
-use crate::shade::kernel::{BatchRange, OneColor, Several, run_kernel};
+use crate::shade::kernel::{BatchRange, OneColor, Several, SinglePiecewise};
 use crate::shade::kinds::{KernelTier, LaneWidget};
 use crate::shade::light::Surface;
 use crate::shade::panels::PanelQuadrature;
@@ -220,15 +220,16 @@ pub(crate) fn integrate_first(
         return queue_all(range, out);
     }
     if shader.one_color.is_some() {
-        return run_kernel(lanes, &OneColor, range, out);
+        return dispatch(lanes, OneColor { range, out });
     }
     // Alone, the pieces of a piecewise-linear widget give the colour in closed form.
     if let [widget] = shader.widgets.as_slice()
         && let Some(linear) = widget.points()
     {
-        return run_kernel(lanes, linear, range, out);
+        return dispatch(lanes, SinglePiecewise { linear, range, out });
     }
-    run_kernel(lanes, &Several { overlap: shader.overlap, ordered_from: shader.ordered_from }, range, out);
+    let Shader { overlap, ordered_from, .. } = *shader;
+    dispatch(lanes, Several { overlap, ordered_from, range, out });
 }
 
 /// Queues all segments of a range for slower kernels.

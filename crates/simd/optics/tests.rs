@@ -2,8 +2,7 @@
 
 use super::clip::LaneStretch;
 use super::elementary::{dawson, erfcx, exp, mean_transparency, one_minus_exp, power};
-use super::gaussian::{LaneGaussianPath, LaneGaussianTrack, mean_profile};
-use super::gaussian_steps::LaneGaussianSteps;
+use super::gaussian::{LaneGaussianPath, LaneGaussianSteps, LaneGaussianTrack, mean_profile};
 use super::linear::{deep_piece_weights, front_back, middling_piece_weights, piece_weights};
 use super::overlap::{AnyLaneTrack, LaneMember, ordered};
 use super::piecewise_linear::{LanePiecewiseTrack, LanePoints};
@@ -15,8 +14,7 @@ use voltet_optics::clip::ClippedSpan;
 use voltet_optics::kinds::gaussian::GaussianPath;
 use voltet_optics::kinds::triangular_gaussian::TriangularPath;
 use voltet_optics::kinds::wave::Bell;
-use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
-use voltet_optics::{linear, special};
+use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend, linear, special};
 use voltet_testing::twin::{self, INPUTS, Range};
 
 #[derive(Debug, Clone, Copy, PartialEq)]

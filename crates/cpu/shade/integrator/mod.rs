@@ -1,6 +1,5 @@
 //! Integrators in vector lanes from outside: the traits that a kernel implements, and the segments that it integrates.
 
-mod batch;
 mod sampler;
 mod scene;
 
@@ -9,9 +8,9 @@ pub use crate::shade::region::ValueRange;
 pub use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
 pub use crate::shade::shaded_batch::FallbackReason;
 pub use crate::tolerances::NEGLIGIBLE_DEPTH;
-pub use batch::{SegmentBatch, SegmentResults, WidgetLanes};
 pub use sampler::{SIDE_BY_SIDE, SampledSegments, Samples, WidgetSampler};
 pub use scene::{FieldAxis, LaneScene};
+pub use scene::{SegmentBatch, SegmentResults, WidgetLanes};
 
 use voltet_core::Result;
 use voltet_optics::integrators::Integrator;

@@ -1,8 +1,7 @@
 //! Samples of the transfer function along segments: the widgets that a vector of segments meets, and their values at places of it. Twin
 //! of `optics::sample`.
 
-use super::batch::{SegmentBatch, SegmentResults};
-use super::scene::LaneScene;
+use super::scene::{LaneScene, SegmentBatch, SegmentResults};
 use crate::fragments::batch::meant;
 use crate::shade::kernel::{BatchRange, overlaps, push};
 use crate::shade::kinds::LaneWidget;
@@ -11,7 +10,7 @@ use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
 use crate::shade::shaded_batch::FallbackReason;
 use voltet_simd::limits::MAX_PIECES;
 use voltet_simd::optics::elementary::one_minus_exp;
-use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
+use voltet_simd::optics::gaussian::LaneGaussianSteps;
 use voltet_simd::{Float, Lanes, Mask, array, inlined};
 
 /// Samples that are taken side by side ([`SampledSegments::in_step`]).

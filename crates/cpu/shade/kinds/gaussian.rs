@@ -5,8 +5,7 @@ use crate::shade::context::WidgetContext;
 use crate::shade::segment_lanes::{FieldLanes, MAX_FIELD_LANES, SegmentLanes};
 use voltet_simd::limits::MAX_GAUSSIAN_WIDTHS;
 use voltet_simd::optics::elementary::{dot, exp};
-use voltet_simd::optics::gaussian::{self, LaneGaussianPath, Near, mean_profile};
-use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
+use voltet_simd::optics::gaussian::{self, LaneGaussianPath, LaneGaussianSteps, Near, mean_profile};
 use voltet_simd::optics::smooth::DensityShape;
 use voltet_simd::{Float, Lanes, Mask, array, inlined};
 
@@ -128,7 +127,7 @@ impl LaneGaussian {
     }
 }
 
-/// q = K (v − centre) over further fields, K and the centre scaled as the fields are; unused rows are 0.
+/// exp(−|q|²), q = K (v − centre) over further fields, K and the centre scaled as the fields are; unused rows are 0.
 pub(super) struct LaneFields {
     count: usize,
     slots: [usize; MAX_FIELD_LANES],
@@ -169,6 +168,7 @@ impl LaneFields {
         held.then_some(fields)
     }
 
+    /// q at a point.
     #[inline(always)]
     pub fn point<L: Lanes>(&self, fields: &[L::F; MAX_FIELD_LANES]) -> [L::F; MAX_FIELD_LANES] {
         let splat = L::F::splat;
@@ -187,6 +187,32 @@ impl LaneFields {
     pub fn ends<L: Lanes>(&self, fields: &FieldLanes<L>) -> [[L::F; MAX_FIELD_LANES]; 2] {
         [self.point::<L>(&fields.front), self.point::<L>(&fields.back)]
     }
+
+    /// Mean of the profile over the segment, or over a stretch of it.
+    #[inline(always)]
+    pub fn mean<L: Lanes>(&self, fields: &FieldLanes<L>, range: Option<[L::F; 2]>) -> L::F {
+        let [front, back] = between::<L, MAX_FIELD_LANES>(self.ends::<L>(fields), range);
+        mean_profile::<L, MAX_FIELD_LANES>(front, back)
+    }
+
+    /// The profile at a place of the segment.
+    #[inline(always)]
+    pub fn value<L: Lanes>(&self, fields: &FieldLanes<L>, t: f32) -> L::F {
+        let q = self.point::<L>(&fields.at(t));
+        exp::<L>(-dot::<L, MAX_FIELD_LANES>(&q, &q))
+    }
+
+    /// The path of the whole segment, or of a stretch of it.
+    #[inline(always)]
+    pub fn path<L: Lanes>(&self, fields: &FieldLanes<L>, range: Option<[L::F; 2]>) -> LaneGaussianPath<L> {
+        let [front, back] = between::<L, MAX_FIELD_LANES>(self.ends::<L>(fields), range);
+        LaneGaussianPath::<L>::new(front, back)
+    }
+
+    /// All lanes (bits), where a segment may span more widths than 32 bits resolve.
+    pub fn unsure(&self) -> u32 {
+        if self.widths > MAX_GAUSSIAN_WIDTHS { u32::MAX } else { 0 }
+    }
 }
 
 /// Values at both ends of an interval of a segment, from those at the segment's `front` and `back`.
@@ -197,47 +223,4 @@ pub(super) fn between<L: Lanes, const N: usize>(
 ) -> [[L::F; N]; 2] {
     let Some(range) = range else { return [front, back] };
     range.map(inlined!(|t| array!(|i| (back[i] - front[i]).mul_add(t, front[i]))))
-}
-
-/// exp(−|K (v − centre)|²).
-pub(crate) struct LaneGaussianNd {
-    fields: LaneFields,
-}
-
-impl LaneGaussianNd {
-    /// See [`LaneFields::new`].
-    pub fn new(
-        names: &[String],
-        centre: &[f64],
-        matrix: &[Vec<f64>],
-        context: &WidgetContext,
-    ) -> Option<LaneGaussianNd> {
-        LaneFields::new(names, centre, matrix, context).map(|fields| LaneGaussianNd { fields })
-    }
-
-    /// Mean of the profile over the segment, or over a stretch of it.
-    #[inline(always)]
-    pub fn mean<L: Lanes>(&self, fields: &FieldLanes<L>, range: Option<[L::F; 2]>) -> L::F {
-        let [front, back] = between::<L, MAX_FIELD_LANES>(self.fields.ends::<L>(fields), range);
-        mean_profile::<L, MAX_FIELD_LANES>(front, back)
-    }
-
-    /// The profile at a place of the segment.
-    #[inline(always)]
-    pub fn value<L: Lanes>(&self, fields: &FieldLanes<L>, t: f32) -> L::F {
-        let q = self.fields.point::<L>(&fields.at(t));
-        exp::<L>(-dot::<L, MAX_FIELD_LANES>(&q, &q))
-    }
-
-    /// The path of the whole segment, or of a stretch of it.
-    #[inline(always)]
-    pub fn path<L: Lanes>(&self, fields: &FieldLanes<L>, range: Option<[L::F; 2]>) -> LaneGaussianPath<L> {
-        let [front, back] = between::<L, MAX_FIELD_LANES>(self.fields.ends::<L>(fields), range);
-        LaneGaussianPath::<L>::new(front, back)
-    }
-
-    /// All lanes (bits), where a segment may span more widths than 32 bits resolve.
-    pub fn unsure(&self) -> u32 {
-        if self.fields.widths > MAX_GAUSSIAN_WIDTHS { u32::MAX } else { 0 }
-    }
 }

@@ -13,14 +13,14 @@ use crate::shade::context::WidgetContext;
 use crate::shade::region::{Inside, LaneRegion, range_of};
 use crate::shade::region::{SupportBounds, ValueRange};
 use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
+use gaussian::LaneFields;
 use gaussian::LaneGaussian;
-use gaussian::LaneGaussianNd;
 use table::LaneTable;
 use triangular_gaussian::LaneTriangular;
 use triangular_gaussian::LaneTriangularNd;
 use voltet_core::transfer::{Profile, Widget};
+use voltet_simd::optics::gaussian::LaneGaussianSteps;
 use voltet_simd::optics::gaussian::{LaneGaussianPath, LaneGaussianTrack};
-use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
 use voltet_simd::optics::overlap::{AnyLaneTrack, LaneMember};
 use voltet_simd::optics::piecewise_linear::LanePiecewiseTrack;
 use voltet_simd::optics::smooth::DensityShape;
@@ -51,7 +51,7 @@ enum VectorProfile {
     PiecewiseLinear(Box<LaneLinear>),
     Table(Box<LaneTable>),
     TriangularGaussian(LaneTriangular),
-    GaussianNd(Box<LaneGaussianNd>),
+    GaussianNd(Box<LaneFields>),
     TriangularGaussianNd(Box<LaneTriangularNd>),
     /// No vector form: 64 bits integrate it.
     None,
@@ -117,9 +117,7 @@ impl VectorProfile {
                 LaneGaussian::new(centre, matrix, context.attributes).map(VectorProfile::Gaussian)
             }
             Profile::GaussianNd { fields, centre, matrix } => {
-                LaneGaussianNd::new(fields, centre, matrix, context)
-                    .map(Box::new)
-                    .map(VectorProfile::GaussianNd)
+                LaneFields::new(fields, centre, matrix, context).map(Box::new).map(VectorProfile::GaussianNd)
             }
             Profile::TriangularGaussian { centre, sigma } => {
                 LaneTriangular::new(*centre, *sigma, context.attributes)
@@ -231,28 +229,8 @@ impl LaneWidget {
     /// Optical depths, and the lanes (bits) that the closed forms do not integrate.
     #[inline(always)]
     pub fn depth<L: Lanes>(&self, segments: &SegmentLanes<L>) -> (L::F, u32) {
-        match &self.profile {
-            VectorProfile::Uniform => {
-                let share = segments.inside(self.region.as_ref()).share;
-                (share * L::F::splat(self.density) * segments.length, 0)
-            }
-            VectorProfile::Gaussian(gaussian) => {
-                let Inside { front, back, share, .. } = segments.inside(self.region.as_ref());
-                let shape =
-                    gaussian.shape::<L>(&front, &back, self.peak_depth(segments, share), segments.crossing);
-                (shape.depth, gaussian.unsure(segments))
-            }
-            VectorProfile::Wave(wave) => {
-                let Inside { front, back, share, .. } = segments.inside(self.region.as_ref());
-                (wave.mean::<L>(&front, &back) * self.peak_depth(segments, share), 0)
-            }
-            VectorProfile::PiecewiseLinear(linear) => (linear.depth(segments), 0),
-            VectorProfile::TriangularGaussian(_)
-            | VectorProfile::GaussianNd(_)
-            | VectorProfile::TriangularGaussianNd(_)
-            | VectorProfile::Table(_)
-            | VectorProfile::None => (L::F::splat(0.0), u32::MAX),
-        }
+        let (shape, unsure) = self.shape(segments);
+        (shape.depth, unsure)
     }
 
     /// Optical depth of any widget with lanes, and the lanes (bits) that only 64 bits integrate.
@@ -379,15 +357,15 @@ impl LaneWidget {
                 let Inside { front, back, share, cut } = segments.inside(self.region.as_ref());
                 (wave.shape::<L>(&front, &back, self.peak_depth(segments, share)).cut(cut), 0)
             }
-            VectorProfile::PiecewiseLinear(_)
-            | VectorProfile::TriangularGaussian(_)
+            VectorProfile::PiecewiseLinear(linear) => {
+                let depth = linear.depth(segments);
+                (DensityShape::even(depth).cut(L::F::splat(0.0).lt(depth)), 0)
+            }
+            VectorProfile::TriangularGaussian(_)
             | VectorProfile::GaussianNd(_)
             | VectorProfile::TriangularGaussianNd(_)
             | VectorProfile::Table(_)
-            | VectorProfile::None => {
-                let (depth, unsure) = self.depth::<L>(segments);
-                (DensityShape::even(depth).cut(L::F::splat(0.0).lt(depth)), unsure)
-            }
+            | VectorProfile::None => (DensityShape::even(L::F::splat(0.0)), u32::MAX),
         }
     }
 

@@ -47,12 +47,6 @@ impl LaneWave {
         LanePhase { nearest, offset: phase(splat(self.start) - nearest) }
     }
 
-    /// Mean of the profile between two points of the (s, g) plane.
-    #[inline(always)]
-    pub fn mean<L: Lanes>(&self, front: &[L::F; 2], back: &[L::F; 2]) -> L::F {
-        self.bell.mean::<L>(self.phase(front), self.phase(back))
-    }
-
     /// Depth and shape between two points, with a rate of `peak` at the peaks.
     #[inline(always)]
     pub fn shape<L: Lanes>(&self, front: &[L::F; 2], back: &[L::F; 2], peak: L::F) -> DensityShape<L> {
