@@ -19,7 +19,7 @@ pub(crate) type Rays = [[f32; TILE * TILE]; 3];
 pub(crate) struct Surface {
     /// p.
     pub silhouette: Option<f64>,
-    /// Of unit direction.
+    /// Light, its direction of unit length.
     light: Option<Light>,
     /// Attributes before the gradient.
     first: usize,
