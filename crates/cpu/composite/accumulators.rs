@@ -85,6 +85,7 @@ impl OpticalDepths {
 }
 
 /// Pixels of a tile.
+#[expect(clippy::large_enum_variant, reason = "a worker has one, on its stack")]
 pub(crate) enum TilePixels {
     OneColor([f32; 3], OpticalDepths),
     Colors(TileAccumulator),
