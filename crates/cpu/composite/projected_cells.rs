@@ -13,7 +13,6 @@ use crate::project::precise_cell::{PreciseCell, PreciseCrossing};
 use crate::project::tile_bins::TileBins;
 use crate::shade::shader::integrate;
 use crate::tile::{PIXELS, TileRect};
-use crate::view::ScreenVertex;
 use std::ops::Range;
 use voltet_simd::{Kernel, Lanes, dispatch, prefetch};
 
@@ -26,23 +25,9 @@ pub(crate) fn list(
     lists: &mut FragmentLists,
 ) -> Result<(), Overflow> {
     let Scratch { fragments, edges, packet, counts, .. } = scratch;
-    let entries = bins.entries_of(rect.position());
-    let width = frame.lanes.width();
-    for (number, cells) in entries.chunks(width).enumerate() {
-        let ahead = &entries[((number + 1) * width).min(entries.len())..];
-        let cover = Cover {
-            bins,
-            screen_vertices: frame.input.screen_vertices,
-            cells,
-            ahead,
-            rect,
-            rows: 0..rect.size[1],
-            next: Some(&mut lists.next),
-            packet: &mut *packet,
-            edges: &mut *edges,
-            fragments: &mut *fragments,
-        };
-        dispatch(frame.lanes, cover);
+    for number in 0..bins.entries_of(rect.position()).len().div_ceil(frame.lanes.width()) {
+        let (rows, next) = (0..rect.size[1], Some(&mut lists.next));
+        dispatch(frame.lanes, Cover { frame, bins, rect, rows, number, next, packet, edges, fragments });
         counts.segments += dispatch(frame.lanes, Append { frame, packet, fragments, lists })?;
     }
     Ok(())
@@ -111,27 +96,15 @@ pub(crate) fn walk<S: Sink>(
 
     let width = frame.lanes.width();
     let entries = bins.entries_of(rect.position());
-    for (number, cells) in entries.chunks(width).enumerate() {
+    for number in 0..entries.len().div_ceil(width) {
         if sink.is_opaque() {
             let precise = bins.precise_cells_of(rect.position()).count();
             counts.tiles_stopped += 1;
             counts.cells_hidden += (entries.len() - number * width + precise) as u64;
             return;
         }
-        let ahead = &entries[((number + 1) * width).min(entries.len())..];
-        let cover = Cover {
-            bins,
-            screen_vertices: frame.input.screen_vertices,
-            cells,
-            ahead,
-            rect,
-            rows: rows.clone(),
-            next: None,
-            packet: &mut *packet,
-            edges: &mut *edges,
-            fragments: &mut *fragments,
-        };
-        dispatch(frame.lanes, cover);
+        let (rows, next) = (rows.clone(), None);
+        dispatch(frame.lanes, Cover { frame, bins, rect, rows, number, next, packet, edges, fragments });
         let mut from = 0;
         while from < fragments.count {
             let count = (fragments.count - from).min(BATCH);
@@ -161,28 +134,31 @@ pub(crate) fn walk<S: Sink>(
     }
 }
 
-/// Finds the pixels that some cells cover.
-pub(crate) struct Cover<'a> {
-    pub bins: &'a TileBins,
-    pub screen_vertices: &'a [ScreenVertex],
-    pub cells: &'a [u32],
-    /// Entries after these: their cells are prefetched one by one, so that the requests do not queue up.
-    pub ahead: &'a [u32],
-    pub rect: TileRect,
-    pub rows: Range<usize>,
+/// Finds the pixels that a vector of a tile's cells covers.
+struct Cover<'a> {
+    frame: &'a FrameContext<'a>,
+    bins: &'a TileBins,
+    rect: TileRect,
+    rows: Range<usize>,
+    /// Vectors of the tile's cells before this one.
+    number: usize,
     /// Next free slots of the pixels' lists, where fragments go to lists.
-    pub next: Option<&'a mut NextSlots>,
-    pub packet: &'a mut CellPacket,
-    pub edges: &'a mut Edges,
-    pub fragments: &'a mut Fragments,
+    next: Option<&'a mut NextSlots>,
+    packet: &'a mut CellPacket,
+    edges: &'a mut Edges,
+    fragments: &'a mut Fragments,
 }
 
 impl Kernel for Cover<'_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Cover { bins, screen_vertices, cells, ahead, rect, rows, next, packet, edges, fragments } = self;
+        let Cover { frame, bins, rect, rows, number, next, packet, edges, fragments } = self;
         let TileRect { left, top, size, .. } = rect;
+        let screen_vertices = frame.input.screen_vertices;
+        let entries = &bins.entries_of(rect.position())[number * L::WIDTH..];
+        // Cells of the next vectors are prefetched one by one, so that the requests do not queue up.
+        let (cells, ahead) = entries.split_at(entries.len().min(L::WIDTH));
         for (lane, &entry) in cells.iter().enumerate() {
             if let Some(&next) = ahead.get(lane) {
                 for corner in bins.cell(next).corners() {
@@ -203,13 +179,13 @@ impl Kernel for Cover<'_> {
 }
 
 /// Intersects fragments with their cells, into a batch.
-pub(crate) struct Evaluate<'a> {
-    pub frame: &'a FrameContext<'a>,
-    pub packet: &'a CellPacket,
-    pub codes: &'a [u16],
-    pub count: usize,
-    pub length_per_depth: &'a [f32; PIXELS],
-    pub batch: &'a mut Batch,
+struct Evaluate<'a> {
+    frame: &'a FrameContext<'a>,
+    packet: &'a CellPacket,
+    codes: &'a [u16],
+    count: usize,
+    length_per_depth: &'a [f32; PIXELS],
+    batch: &'a mut Batch,
 }
 
 impl Kernel for Evaluate<'_> {
@@ -228,11 +204,11 @@ impl Kernel for Evaluate<'_> {
 }
 
 /// Intersects fragments with their cells, into lists.
-pub(crate) struct Append<'a> {
-    pub frame: &'a FrameContext<'a>,
-    pub packet: &'a CellPacket,
-    pub fragments: &'a Fragments,
-    pub lists: &'a mut FragmentLists,
+struct Append<'a> {
+    frame: &'a FrameContext<'a>,
+    packet: &'a CellPacket,
+    fragments: &'a Fragments,
+    lists: &'a mut FragmentLists,
 }
 
 impl Kernel for Append<'_> {

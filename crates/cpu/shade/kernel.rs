@@ -10,14 +10,14 @@ use voltet_simd::optics::gaussian::Near;
 use voltet_simd::optics::smooth::{Sums, Term};
 use voltet_simd::{Float, Kernel, Lanes, Mask, inlined, mask_of};
 
-/// The first `count` segments of a batch.
+/// The first `count` segments of a batch, attribute by attribute. Lengths are in scene lengths, values as stored.
 #[derive(Clone, Copy)]
-pub(crate) struct BatchRange<'a> {
-    pub widgets: &'a [LaneWidget],
+pub struct SegmentBatch<'a> {
+    pub(super) widgets: &'a [LaneWidget],
     /// True if only optical depths are computed.
-    pub one_color: bool,
-    pub batch: &'a Batch,
-    pub count: usize,
+    pub(super) one_color: bool,
+    pub(super) batch: &'a Batch,
+    pub(super) count: usize,
 }
 
 /// Appends the indices of some lanes (bits) of the vector at `at`.
@@ -38,7 +38,7 @@ pub(crate) fn overlaps<L: Lanes>(product: L::F, segments: &SegmentLanes<L>, coun
 /// One piecewise-linear widget: its integrals give the colour, too.
 pub(crate) struct SinglePiecewise<'a> {
     pub linear: &'a LaneLinear,
-    pub range: BatchRange<'a>,
+    pub range: SegmentBatch<'a>,
     pub out: &'a mut ShadedBatch,
 }
 
@@ -46,7 +46,7 @@ impl Kernel for SinglePiecewise<'_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let SinglePiecewise { linear, range: BatchRange { batch, count, .. }, out } = self;
+        let SinglePiecewise { linear, range: SegmentBatch { batch, count, .. }, out } = self;
         let tables = linear.tables::<L>();
         for at in (0..count).step_by(L::WIDTH) {
             let segments = SegmentLanes::<L>::load(batch, at);
@@ -64,7 +64,7 @@ impl Kernel for SinglePiecewise<'_> {
 
 /// Widgets of one colour: optical depths add up, whatever the order.
 pub(crate) struct OneColor<'a> {
-    pub range: BatchRange<'a>,
+    pub range: SegmentBatch<'a>,
     pub out: &'a mut ShadedBatch,
 }
 
@@ -72,7 +72,7 @@ impl Kernel for OneColor<'_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let OneColor { range: BatchRange { widgets, batch, count, .. }, out } = self;
+        let OneColor { range: SegmentBatch { widgets, batch, count, .. }, out } = self;
         let zero = L::F::splat(0.0);
         for at in (0..count).step_by(L::WIDTH) {
             let segments = SegmentLanes::<L>::load(batch, at);
@@ -105,7 +105,7 @@ pub(crate) struct Several<'a> {
     pub overlap: WidgetBlend,
     /// Pairwise product of depths from which on the order of widgets counts.
     pub ordered_from: f32,
-    pub range: BatchRange<'a>,
+    pub range: SegmentBatch<'a>,
     pub out: &'a mut ShadedBatch,
 }
 
@@ -122,7 +122,7 @@ impl Kernel for Several<'_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Several { overlap, ordered_from, range: BatchRange { widgets, batch, count, .. }, out } = self;
+        let Several { overlap, ordered_from, range: SegmentBatch { widgets, batch, count, .. }, out } = self;
         let zero = L::F::splat(0.0);
         let nowhere = zero.lt(zero);
         let mut pending =

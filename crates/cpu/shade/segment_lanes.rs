@@ -6,13 +6,13 @@ use voltet_simd::{Float, Lanes, array, inlined};
 /// One vector of segments of a batch. Lengths in scene lengths, attributes scaled.
 pub struct SegmentLanes<L: Lanes> {
     /// D.
-    pub(crate) length: L::F,
+    pub length: L::F,
     /// Lanes that cross their cell over a positive length, or a selection of them.
-    pub(crate) crossing: L::M,
+    pub crossing: L::M,
     /// (s, g) at the entry; g is 0 where there is none.
-    pub(crate) front: [L::F; 2],
+    pub front: [L::F; 2],
     /// (s, g) at the exit.
-    pub(crate) back: [L::F; 2],
+    pub back: [L::F; 2],
 }
 
 impl<L: Lanes> SegmentLanes<L> {

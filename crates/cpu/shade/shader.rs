@@ -9,8 +9,8 @@ use crate::attribute::MAX_ATTRIBUTES;
 use crate::fragments::batch::{Batch, MAX_LANES};
 use crate::shade::context::{ShaderContext, WidgetContext};
 use crate::shade::fixed_quadrature::integrate_fixed;
-use crate::shade::integrator::{LaneExtension, LaneIntegrator, LaneScene, SegmentBatch, SegmentResults};
-use crate::shade::kernel::{BatchRange, OneColor, Several, SinglePiecewise};
+use crate::shade::integrator::{LaneExtension, LaneIntegrator, LaneScene, SegmentResults};
+use crate::shade::kernel::{OneColor, SegmentBatch, Several, SinglePiecewise};
 use crate::shade::kinds::{KernelTier, LaneWidget};
 use crate::shade::light::Surface;
 use crate::shade::panels::PanelQuadrature;
@@ -212,9 +212,10 @@ pub(crate) fn integrate_first(
     out: &mut ShadedBatch,
 ) {
     out.clear();
-    let range = BatchRange { widgets: &shader.widgets, one_color: shader.one_color.is_some(), batch, count };
+    let range =
+        SegmentBatch { widgets: &shader.widgets, one_color: shader.one_color.is_some(), batch, count };
     if let Some(integrator) = &shader.integrator {
-        return integrator.run(lanes, SegmentBatch(range), &mut SegmentResults(out));
+        return integrator.run(lanes, range, &mut SegmentResults(out));
     }
     if !shader.has_closed_forms {
         return queue_all(range, out);
@@ -233,7 +234,7 @@ pub(crate) fn integrate_first(
 }
 
 /// Queues all segments of a range for slower kernels.
-fn queue_all(BatchRange { batch, count, .. }: BatchRange<'_>, out: &mut ShadedBatch) {
+fn queue_all(SegmentBatch { batch, count, .. }: SegmentBatch<'_>, out: &mut ShadedBatch) {
     // Fragments of no length are summed, too.
     out.depth[..count.next_multiple_of(MAX_LANES)].fill(0.0);
     out.fallback_queue.extend((0..count).filter(|&k| 0.0 < batch.length[k]));

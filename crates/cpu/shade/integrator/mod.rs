@@ -3,14 +3,14 @@
 mod sampler;
 mod scene;
 
-pub use crate::shade::kinds::RegionPath;
+pub use crate::shade::kernel::SegmentBatch;
+pub use crate::shade::kinds::{LaneWidget, RegionPath};
 pub use crate::shade::region::ValueRange;
 pub use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
 pub use crate::shade::shaded_batch::FallbackReason;
 pub use crate::tolerances::NEGLIGIBLE_DEPTH;
 pub use sampler::{SIDE_BY_SIDE, SampledSegments, Samples, WidgetSampler};
-pub use scene::{FieldAxis, LaneScene};
-pub use scene::{SegmentBatch, SegmentResults, WidgetLanes};
+pub use scene::{FieldAxis, LaneScene, SegmentResults};
 
 use voltet_core::Result;
 use voltet_optics::integrators::Integrator;

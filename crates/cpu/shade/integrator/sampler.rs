@@ -1,9 +1,9 @@
 //! Samples of the transfer function along segments: the widgets that a vector of segments meets, and their values at places of it. Twin
 //! of `optics::sample`.
 
-use super::scene::{LaneScene, SegmentBatch, SegmentResults};
+use super::scene::{LaneScene, SegmentResults};
 use crate::fragments::batch::meant;
-use crate::shade::kernel::{BatchRange, overlaps, push};
+use crate::shade::kernel::{SegmentBatch, overlaps, push};
 use crate::shade::kinds::LaneWidget;
 use crate::shade::region::ValueRange;
 use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
@@ -126,7 +126,7 @@ impl WidgetSampler {
         mut integrate: impl FnMut(&mut SampledSegments<'_, '_, L>) -> ([L::F; 3], L::F),
         results: &mut SegmentResults<'_>,
     ) {
-        let BatchRange { widgets, one_color, batch, count } = batch.0;
+        let SegmentBatch { widgets, one_color, batch, count } = batch;
         let out = &mut *results.0;
         let zero = L::F::splat(0.0);
         let steps = LaneGaussianSteps { values: [zero; 4], ratios: [zero; 4], change: zero };

@@ -2,8 +2,8 @@
 
 use crate::fragments::batch::{Column, meant};
 use crate::shade::context::{ShaderContext, WidgetContext};
-use crate::shade::kernel::{BatchRange, overlaps, push};
-use crate::shade::kinds::{LaneWidget, RegionPath};
+use crate::shade::kernel::{SegmentBatch, overlaps, push};
+use crate::shade::kinds::LaneWidget;
 use crate::shade::region::ValueRange;
 use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
 use crate::shade::shaded_batch::{FallbackReason, ShadedBatch};
@@ -36,8 +36,8 @@ pub struct FieldAxis {
 
 impl<'a> LaneScene<'a> {
     /// The widgets.
-    pub fn widgets(&self) -> impl ExactSizeIterator<Item = WidgetLanes<'a>> + use<'a> {
-        self.widgets.iter().map(WidgetLanes)
+    pub fn widgets(&self) -> impl ExactSizeIterator<Item = &'a LaneWidget> + use<'a> {
+        self.widgets.iter()
     }
 
     /// The optical model.
@@ -90,57 +90,49 @@ impl<'a> LaneScene<'a> {
     }
 }
 
-/// Segments of a batch, attribute by attribute. Lengths are in scene lengths, values as stored.
-#[derive(Clone, Copy)]
-pub struct SegmentBatch<'a>(pub(crate) BatchRange<'a>);
-
 /// Results of a batch.
 pub struct SegmentResults<'a>(pub(crate) &'a mut ShadedBatch);
-
-/// A widget in lanes.
-#[derive(Clone, Copy)]
-pub struct WidgetLanes<'a>(pub(crate) &'a LaneWidget);
 
 impl<'a> SegmentBatch<'a> {
     /// Segments of the batch.
     pub fn count(&self) -> usize {
-        self.0.count
+        self.count
     }
 
     /// True if depths alone are needed, since there is one colour.
     pub fn depth_only(&self) -> bool {
-        self.0.one_color
+        self.one_color
     }
 
     /// The widgets.
     #[inline(always)]
-    pub fn widgets(&self) -> impl ExactSizeIterator<Item = WidgetLanes<'a>> + use<'a> {
-        self.0.widgets.iter().map(WidgetLanes)
+    pub fn widgets(&self) -> impl ExactSizeIterator<Item = &'a LaneWidget> + use<'a> {
+        self.widgets.iter()
     }
 
     /// The vector of segments that begins at a place.
     #[inline(always)]
     pub fn segments<L: Lanes>(&self, at: usize) -> SegmentLanes<L> {
-        SegmentLanes::load(self.0.batch, at)
+        SegmentLanes::load(self.batch, at)
     }
 
     /// Further fields of the vector of segments that begins at a place.
     #[inline(always)]
     pub fn fields<L: Lanes>(&self, at: usize) -> FieldLanes<L> {
-        FieldLanes::load(self.0.batch, at)
+        FieldLanes::load(self.batch, at)
     }
 
     /// Stored values of one field at the front and at the back of a vector of segments. `place`: [`super::FieldAxis::place`].
     #[inline(always)]
     pub fn ends<L: Lanes>(&self, place: usize, at: usize) -> [L::F; 2] {
         let value = |columns: &[Column]| L::F::load(&columns[place][at..]);
-        [value(&self.0.batch.front), value(&self.0.batch.back)]
+        [value(&self.batch.front), value(&self.batch.back)]
     }
 
     /// Lanes (bits) of a mask, of the vector of segments at a place, that lie within the batch.
     #[inline(always)]
     pub fn within<L: Lanes>(&self, mask: L::M, at: usize) -> u32 {
-        meant::<L>(mask, self.0.count - at)
+        meant::<L>(mask, self.count - at)
     }
 }
 
@@ -202,64 +194,9 @@ impl SegmentResults<'_> {
 }
 
 impl<L: Lanes> SegmentLanes<L> {
-    /// Lengths.
-    #[inline(always)]
-    pub fn length(&self) -> L::F {
-        self.length
-    }
-
-    /// Lanes that cross their cell over a positive length.
-    #[inline(always)]
-    pub fn crossing(&self) -> L::M {
-        self.crossing
-    }
-
-    /// (s, g) at the front; g is 0 where no widget reads it.
-    #[inline(always)]
-    pub fn front(&self) -> [L::F; 2] {
-        self.front
-    }
-
-    /// (s, g) at the back.
-    #[inline(always)]
-    pub fn back(&self) -> [L::F; 2] {
-        self.back
-    }
-
     /// Ranges of the values.
     #[inline(always)]
     pub fn range(&self) -> ValueRange<'_, L> {
         ValueRange::new(self)
-    }
-}
-
-impl WidgetLanes<'_> {
-    /// Linear RGB; 0 for widgets with colours of their own.
-    #[inline(always)]
-    pub fn color(&self) -> [f32; 3] {
-        self.0.color
-    }
-
-    /// Peak optical depth per scene length; 1 for widgets with densities of their own.
-    #[inline(always)]
-    pub fn density(&self) -> f32 {
-        self.0.density()
-    }
-
-    /// True if the widget is uniform or a Gaussian of any kind, so that segments have a [`RegionPath`] through it.
-    pub fn has_path(&self) -> bool {
-        self.0.has_path()
-    }
-
-    /// Lanes whose paths may meet the widget.
-    #[inline(always)]
-    pub fn path_meets<L: Lanes>(&self, range: &ValueRange<'_, L>) -> L::M {
-        self.0.path_meets::<L>(range)
-    }
-
-    /// Path of segments through the widget.
-    #[inline(always)]
-    pub fn path<L: Lanes>(&self, segments: &SegmentLanes<L>, fields: &FieldLanes<L>) -> RegionPath<L> {
-        self.0.region_path(segments, fields)
     }
 }

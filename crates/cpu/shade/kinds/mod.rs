@@ -31,7 +31,7 @@ use wave::LaneWave;
 const MAX_STEP_SQUARED: f32 = 0.26;
 
 /// A widget compiled for vector lanes.
-pub(crate) struct LaneWidget {
+pub struct LaneWidget {
     profile: VectorProfile,
     /// Linear RGB; 0 for profiles with colours.
     pub color: [f32; 3],
@@ -148,7 +148,7 @@ impl VectorProfile {
 }
 
 impl LaneWidget {
-    pub fn new(widget: &Widget, context: &WidgetContext) -> LaneWidget {
+    pub(super) fn new(widget: &Widget, context: &WidgetContext) -> LaneWidget {
         let own = widget.has_colors_of_its_own();
         let density = (widget.extinction * context.density_scale) as f32;
         let profile = VectorProfile::new(&widget.profile, context);
@@ -162,7 +162,7 @@ impl LaneWidget {
     }
 
     /// Placeholder of a widget that only 64 bits integrate.
-    pub fn none() -> LaneWidget {
+    pub(super) fn none() -> LaneWidget {
         LaneWidget {
             profile: VectorProfile::None,
             color: [0.0; 3],
@@ -174,7 +174,7 @@ impl LaneWidget {
 
     /// Lanes whose segments may meet its support.
     #[inline(always)]
-    pub fn meets<L: Lanes>(&self, spread: &ValueRange<L>) -> L::M {
+    pub(super) fn meets<L: Lanes>(&self, spread: &ValueRange<L>) -> L::M {
         match &self.support {
             Some(support) => support.meets::<L>(spread),
             None => spread.segments.crossing,
@@ -182,7 +182,7 @@ impl LaneWidget {
     }
 
     /// Kernel tier that integrates it first.
-    pub fn tier(&self) -> KernelTier {
+    pub(super) fn tier(&self) -> KernelTier {
         match self.profile {
             VectorProfile::Uniform | VectorProfile::Gaussian(_) | VectorProfile::Wave(_) => {
                 KernelTier::ClosedForm
@@ -199,7 +199,7 @@ impl LaneWidget {
     }
 
     /// Requirement where order matters.
-    pub fn order_requirement(&self) -> OrderRequirement {
+    pub(super) fn order_requirement(&self) -> OrderRequirement {
         match self.profile {
             VectorProfile::Uniform | VectorProfile::Gaussian(_) | VectorProfile::GaussianNd(_) => {
                 OrderRequirement::Panels
@@ -213,7 +213,7 @@ impl LaneWidget {
     }
 
     /// Control points of a piecewise-linear profile.
-    pub fn points(&self) -> Option<&LaneLinear> {
+    pub(super) fn points(&self) -> Option<&LaneLinear> {
         match &self.profile {
             VectorProfile::PiecewiseLinear(linear) => Some(linear),
             _ => None,
@@ -228,14 +228,18 @@ impl LaneWidget {
 
     /// Optical depths, and the lanes (bits) that the closed forms do not integrate.
     #[inline(always)]
-    pub fn depth<L: Lanes>(&self, segments: &SegmentLanes<L>) -> (L::F, u32) {
+    pub(super) fn depth<L: Lanes>(&self, segments: &SegmentLanes<L>) -> (L::F, u32) {
         let (shape, unsure) = self.shape(segments);
         (shape.depth, unsure)
     }
 
     /// Optical depth of any widget with lanes, and the lanes (bits) that only 64 bits integrate.
     #[inline(always)]
-    pub fn any_depth<L: Lanes>(&self, segments: &SegmentLanes<L>, fields: &FieldLanes<L>) -> (L::F, u32) {
+    pub(super) fn any_depth<L: Lanes>(
+        &self,
+        segments: &SegmentLanes<L>,
+        fields: &FieldLanes<L>,
+    ) -> (L::F, u32) {
         match &self.profile {
             VectorProfile::TriangularGaussian(triangular) => {
                 let Inside { front, back, share, .. } = segments.inside(self.region.as_ref());
@@ -269,7 +273,7 @@ impl LaneWidget {
     }
 
     /// Largest density, optical depth per scene length; `scale`: 1/U per scene length.
-    pub fn peak(&self, scale: f32) -> f32 {
+    pub(super) fn peak(&self, scale: f32) -> f32 {
         match &self.profile {
             VectorProfile::PiecewiseLinear(linear) => linear.peak * scale,
             VectorProfile::None => 0.0,
@@ -279,7 +283,7 @@ impl LaneWidget {
 
     /// Member of an ordered integral; `scale`: D/U.
     #[inline(always)]
-    pub fn member<'a, L: Lanes>(
+    pub(super) fn member<'a, L: Lanes>(
         &'a self,
         segments: &SegmentLanes<L>,
         fields: &FieldLanes<L>,
@@ -341,7 +345,7 @@ impl LaneWidget {
     /// Optical depths with their shape along the segment, and the lanes (bits) that the closed forms do not integrate. The
     /// change is infinite where a region cuts the segment, and for profiles that have no shape.
     #[inline(always)]
-    pub fn shape<L: Lanes>(&self, segments: &SegmentLanes<L>) -> (DensityShape<L>, u32) {
+    pub(super) fn shape<L: Lanes>(&self, segments: &SegmentLanes<L>) -> (DensityShape<L>, u32) {
         match &self.profile {
             VectorProfile::Uniform => {
                 let Inside { share, cut, .. } = segments.inside(self.region.as_ref());
@@ -370,7 +374,7 @@ impl LaneWidget {
     }
 
     /// The Gaussian that it is everywhere, if it is one.
-    pub fn whole_gaussian(&self) -> Option<&LaneGaussian> {
+    pub(super) fn whole_gaussian(&self) -> Option<&LaneGaussian> {
         match (&self.profile, &self.region) {
             (VectorProfile::Gaussian(gaussian), None) => Some(gaussian),
             _ => None,
@@ -380,7 +384,7 @@ impl LaneWidget {
     /// Square of the steps that quadrature takes for it alone ([`crate::shade::fixed_quadrature`]); ∞ where a part of the segment or all lies
     /// outside its region.
     #[inline(always)]
-    pub fn roughness<L: Lanes>(&self, segments: &SegmentLanes<L>) -> L::F {
+    pub(super) fn roughness<L: Lanes>(&self, segments: &SegmentLanes<L>) -> L::F {
         let (splat, whole) = (L::F::splat, segments.inside(self.region.as_ref()).share);
         let rough = match &self.profile {
             VectorProfile::Gaussian(gaussian) => gaussian.roughness(segments),
@@ -392,7 +396,7 @@ impl LaneWidget {
     /// Densities at places of equal steps, each a `share` of the segment, from step `first` on, where those of a step follow from
     /// those of the step before. Regions are ignored: see [`LaneWidget::roughness`].
     #[inline(always)]
-    pub fn steps<L: Lanes, const N: usize>(
+    pub(super) fn steps<L: Lanes, const N: usize>(
         &self,
         segments: &SegmentLanes<L>,
         first: usize,
@@ -409,7 +413,11 @@ impl LaneWidget {
 
     /// Densities at points of the segment, for other profiles with a shape. Regions are ignored.
     #[inline(always)]
-    pub fn densities<L: Lanes, const N: usize>(&self, segments: &SegmentLanes<L>, t: [f32; N]) -> [L::F; N] {
+    pub(super) fn densities<L: Lanes, const N: usize>(
+        &self,
+        segments: &SegmentLanes<L>,
+        t: [f32; N],
+    ) -> [L::F; N] {
         let density = L::F::splat(self.density);
         match &self.profile {
             VectorProfile::Uniform => [density; N],
@@ -429,7 +437,7 @@ impl LaneWidget {
 
 // The path through a Gaussian, in widths.
 impl LaneWidget {
-    /// True if it is uniform or a Gaussian of any kind.
+    /// True if it is uniform or a Gaussian of any kind, so that segments have a [`RegionPath`] through it.
     pub fn has_path(&self) -> bool {
         matches!(self.profile, VectorProfile::Uniform) || self.is_exponential()
     }
@@ -448,7 +456,7 @@ impl LaneWidget {
 
     /// The path; triangular Gaussians take the mean of the widths at the segment's ends.
     #[inline(always)]
-    pub fn region_path<L: Lanes>(&self, segments: &SegmentLanes<L>, fields: &FieldLanes<L>) -> RegionPath<L> {
+    pub fn path<L: Lanes>(&self, segments: &SegmentLanes<L>, fields: &FieldLanes<L>) -> RegionPath<L> {
         let region = self.region.as_ref();
         match &self.profile {
             VectorProfile::GaussianNd(nd) => {
@@ -492,22 +500,22 @@ impl<L: Lanes> RegionPath<L> {
 // Values at one point of each segment, for the integrators that sample.
 impl LaneWidget {
     /// True if it can be sampled in lanes.
-    pub fn has_samples(&self) -> bool {
+    pub(super) fn has_samples(&self) -> bool {
         !matches!(self.profile, VectorProfile::None)
     }
 
-    /// Optical depth per scene length where its value is 1.
+    /// Optical depth per scene length where its value is 1: at the peak; 1 for widgets with densities of their own.
     pub fn density(&self) -> f32 {
         self.density
     }
 
     /// True if its colour varies.
-    pub fn has_colors(&self) -> bool {
+    pub(super) fn has_colors(&self) -> bool {
         matches!(self.profile, VectorProfile::PiecewiseLinear(_) | VectorProfile::Table(_))
     }
 
     /// True if its profile is e^(−x²) of something, which 32 bits round to 0 far out.
-    pub fn is_exponential(&self) -> bool {
+    pub(super) fn is_exponential(&self) -> bool {
         match self.profile {
             VectorProfile::Gaussian(_)
             | VectorProfile::TriangularGaussian(_)
@@ -522,7 +530,7 @@ impl LaneWidget {
     }
 
     /// Value at its peak; `density_scale`: as in [`WidgetContext`](crate::shade::context::WidgetContext).
-    pub fn peak_value(&self, density_scale: f64) -> f64 {
+    pub(super) fn peak_value(&self, density_scale: f64) -> f64 {
         match &self.profile {
             VectorProfile::PiecewiseLinear(linear) => f64::from(linear.peak) * density_scale,
             _ => 1.0,
@@ -531,7 +539,7 @@ impl LaneWidget {
 
     /// Lanes (bits) whose segments span more widths than 32 bits resolve.
     #[inline(always)]
-    pub fn too_wide<L: Lanes>(&self, segments: &SegmentLanes<L>) -> u32 {
+    pub(super) fn too_wide<L: Lanes>(&self, segments: &SegmentLanes<L>) -> u32 {
         match &self.profile {
             VectorProfile::Gaussian(gaussian) => gaussian.unsure(segments),
             VectorProfile::GaussianNd(nd) => nd.unsure(),
@@ -546,19 +554,19 @@ impl LaneWidget {
     }
 
     /// True if a region or ranges limit it.
-    pub fn has_region(&self) -> bool {
+    pub(super) fn has_region(&self) -> bool {
         self.region.is_some()
     }
 
     /// The part of each segment inside its region and its ranges.
     #[inline(always)]
-    pub fn range<L: Lanes>(&self, segments: &SegmentLanes<L>) -> [L::F; 2] {
+    pub(super) fn range<L: Lanes>(&self, segments: &SegmentLanes<L>) -> [L::F; 2] {
         range_of::<L>(self.region.as_ref(), segments)
     }
 
     /// The profile of a widget of one colour at the same places of each segment; regions are not looked at.
     #[inline(always)]
-    pub fn values<L: Lanes, const N: usize>(
+    pub(super) fn values<L: Lanes, const N: usize>(
         &self,
         segments: &SegmentLanes<L>,
         fields: &FieldLanes<L>,
@@ -582,7 +590,7 @@ impl LaneWidget {
     /// At one place of each segment the extinction, as an optical depth per scene length, or alpha of a widget that has colours of
     /// its own, then its colour.
     #[inline(always)]
-    pub fn colored_value<L: Lanes>(&self, segments: &SegmentLanes<L>, t: f32) -> [L::F; 4] {
+    pub(super) fn colored_value<L: Lanes>(&self, segments: &SegmentLanes<L>, t: f32) -> [L::F; 4] {
         match &self.profile {
             VectorProfile::PiecewiseLinear(linear) => linear.sample::<L>(segments.at_share(t)[0]),
             VectorProfile::Table(table) => {
@@ -595,7 +603,7 @@ impl LaneWidget {
 
     /// True if its values follow from step to step, on every lane, where each step is a fraction of the segment.
     #[inline(always)]
-    pub fn has_steps<L: Lanes>(&self, segments: &SegmentLanes<L>, share: f32) -> bool {
+    pub(super) fn has_steps<L: Lanes>(&self, segments: &SegmentLanes<L>, share: f32) -> bool {
         match &self.profile {
             VectorProfile::Gaussian(gaussian) => {
                 let step = gaussian.extent_squared::<L>(segments) * L::F::splat(share * share);
@@ -608,7 +616,7 @@ impl LaneWidget {
 
     /// Values in step `first`; see [`LaneWidget::has_steps`].
     #[inline(always)]
-    pub fn value_steps<L: Lanes, const N: usize>(
+    pub(super) fn value_steps<L: Lanes, const N: usize>(
         &self,
         segments: &SegmentLanes<L>,
         first: usize,
