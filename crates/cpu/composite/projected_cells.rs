@@ -16,39 +16,29 @@ use crate::tile::{PIXELS, TileRect};
 use std::ops::Range;
 use voltet_simd::{Kernel, Lanes, dispatch, prefetch};
 
-/// Appends the segments of a tile's cells to its lists. Errors: a pixel has too many.
-pub(crate) fn list(
+/// Fills the lists of a tile with the segments of its cells. Errors: a pixel has too many.
+pub(crate) fn fill_lists(
     frame: &FrameContext<'_>,
     bins: &TileBins,
     rect: TileRect,
     scratch: &mut Scratch,
     lists: &mut FragmentLists,
 ) -> Result<(), Overflow> {
-    let Scratch { fragments, edges, packet, counts, .. } = scratch;
-    for number in 0..bins.entries_of(rect.position()).len().div_ceil(frame.lanes.width()) {
-        let (rows, next) = (0..rect.size[1], Some(&mut lists.next));
-        dispatch(frame.lanes, Cover { frame, bins, rect, rows, number, next, packet, edges, fragments });
-        counts.segments += dispatch(frame.lanes, Append { frame, packet, fragments, lists })?;
-    }
-    Ok(())
-}
-
-/// Appends the segments of a tile's precise cells to its lists. Errors: a pixel has too many.
-pub(crate) fn list_precise(
-    frame: &FrameContext<'_>,
-    bins: &TileBins,
-    rect: TileRect,
-    scratch: &mut Scratch,
-    lists: &mut FragmentLists,
-) -> Result<(), Overflow> {
-    let Scratch { row_shader: RowShader { batch, .. }, counts, .. } = scratch;
+    lists.clear(frame.attribute_count());
+    let Scratch { fragments, edges, packet, row_shader: RowShader { batch, .. }, counts, .. } = scratch;
     for_each_precise(frame, bins, rect, 0..rect.size[1], |cell, crossing, pixel| {
         // Lists hold depths.
         frame.put_precise(cell, crossing, pixel, 1.0, 0, batch);
         counts.segments += 1;
         let ends = batch.front.iter().zip(&batch.back).map(|(front, back)| [front[0], back[0]]);
         lists.push(batch.pixel[0] as usize, [batch.entry[0], batch.length[0]], ends)
-    })
+    })?;
+    for number in 0..bins.entries_of(rect.position()).len().div_ceil(frame.lanes.width()) {
+        let (rows, next) = (0..rect.size[1], Some(&mut lists.next));
+        dispatch(frame.lanes, Cover { frame, bins, rect, rows, number, next, packet, edges, fragments });
+        counts.segments += dispatch(frame.lanes, Append { frame, packet, fragments, lists })?;
+    }
+    Ok(())
 }
 
 /// Calls for each pixel of some rows of a tile that meets a precise cell, until an error.

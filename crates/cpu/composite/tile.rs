@@ -6,7 +6,7 @@ use crate::cast::traversal::{PacketConfig, next_segments};
 use crate::composite::accumulators::{TileAccumulator, TilePixels, UnboundedFragmentLists};
 use crate::composite::fragment_lists::{Arrange, FragmentLists, Overflow};
 use crate::composite::frame::FrameContext;
-use crate::composite::projected_cells::{list, list_precise, walk};
+use crate::composite::projected_cells::{fill_lists, walk};
 use crate::composite::row_shader::{ListedSlices, Scratch, Slices};
 use crate::project::tile_bins::TileBins;
 use crate::segment_cache::{CacheBudget, CachedTile, SegmentCache, TileRecorder};
@@ -163,18 +163,6 @@ fn draw_in_lists(
     scratch.row_shader.end(frame, &mut pixels);
     pixels.store(picture);
     Ok(())
-}
-
-fn fill_lists(
-    frame: &FrameContext<'_>,
-    bins: &TileBins,
-    rect: TileRect,
-    scratch: &mut Scratch,
-    lists: &mut FragmentLists,
-) -> Result<(), Overflow> {
-    lists.clear(frame.attribute_count());
-    list_precise(frame, bins, rect, scratch, lists)?;
-    list(frame, bins, rect, scratch, lists)
 }
 
 /// Records a tile's segments; exhausts the budget where they are too many.

@@ -10,7 +10,7 @@ use crate::shade::shaded_batch::{FallbackReason, ShadedBatch};
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_optics::integrators::{Extent, SegmentIntegrator};
 use voltet_simd::optics::elementary::one_minus_exp;
-use voltet_simd::{Float, LaneSet, Lanes};
+use voltet_simd::{Float, LaneSet, Lanes, inlined};
 
 /// The scene that a kernel is prepared for.
 pub struct LaneScene<'a> {
@@ -125,7 +125,7 @@ impl<'a> SegmentBatch<'a> {
     /// Stored values of one field at the front and at the back of a vector of segments. `place`: [`super::FieldAxis::place`].
     #[inline(always)]
     pub fn ends<L: Lanes>(&self, place: usize, at: usize) -> [L::F; 2] {
-        let value = |columns: &[Column]| L::F::load(&columns[place][at..]);
+        let value = inlined!(|columns: &[Column]| L::F::load(&columns[place][at..]));
         [value(&self.batch.front), value(&self.batch.back)]
     }
 
