@@ -1,7 +1,7 @@
 //! Selected cells with the caches of their volume.
 
 use crate::cast::FaceCache;
-use crate::composite::buffers::BufferPool;
+use crate::composite::frame::BufferPool;
 use crate::selection::CellSelection;
 use crate::view::ScreenVertex;
 use std::ops::{Deref, DerefMut};

@@ -3,7 +3,8 @@
 use std::ops::AddAssign;
 
 /// Counts of a composited picture, or of a worker's part of it.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Counts {
     /// Ray segments integrated.
     pub segments: u64,
@@ -33,31 +34,8 @@ pub struct Counts {
 
 impl AddAssign for Counts {
     fn add_assign(&mut self, other: Counts) {
-        let Counts {
-            segments,
-            pixels_disordered,
-            cells_projected,
-            segments_exact,
-            evaluations,
-            segments_overlapping,
-            tiles_deep,
-            tiles_stopped,
-            cells_hidden,
-            tiles_lost,
-            tiles_sorted,
-            table_bytes,
-        } = other;
-        self.segments += segments;
-        self.pixels_disordered += pixels_disordered;
-        self.cells_projected += cells_projected;
-        self.segments_exact += segments_exact;
-        self.evaluations += evaluations;
-        self.segments_overlapping += segments_overlapping;
-        self.tiles_deep += tiles_deep;
-        self.tiles_stopped += tiles_stopped;
-        self.cells_hidden += cells_hidden;
-        self.tiles_lost += tiles_lost;
-        self.tiles_sorted += tiles_sorted;
-        self.table_bytes += table_bytes;
+        let sums: &mut [u64] = bytemuck::cast_slice_mut(std::slice::from_mut(self));
+        let more: &[u64] = bytemuck::cast_slice(std::slice::from_ref(&other));
+        sums.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
     }
 }

@@ -5,19 +5,16 @@
 //! the batches are the compositor's, and the same kernels integrate and composite them.
 
 use crate::attribute::{Attribute, attributes_of};
-use crate::composite::accumulators::TileAccumulator;
+use crate::composite::accumulators::{Fragment, TileAccumulator, UnboundedFragmentLists, pixel_in_one_color};
 use crate::composite::fragment_lists::{FragmentLists, Overflow};
 use crate::composite::row_shader::blend_by_numbers;
-use crate::composite::sinks::pixel_in_one_color;
-use crate::composite::unbounded_lists::{Fragment, UnboundedFragmentLists};
 use crate::cull::VolumeCache;
 use crate::fragments::batch::{BATCH, Batch, MAX_LANES};
 use crate::native::Native;
 use crate::shade::ShaderContext;
-use crate::shade::dispatch;
 use crate::shade::integrator::in_lanes_alone;
 use crate::shade::shaded_batch::ShadedBatch;
-use crate::shade::shader::Shader;
+use crate::shade::shader::{self, Shader};
 use crate::tile::{PIXELS, TILE};
 use crate::tolerances::MIN_TRANSMITTANCE;
 use glam::DVec3;
@@ -106,7 +103,7 @@ fn integrate(
     let mut found = Vec::with_capacity(list.len());
     for (number, part) in list.chunks(BATCH).enumerate() {
         fill(&mut batch, &attributes, number * BATCH, part, cells.length);
-        dispatch::integrate(&shader, lanes, &batch, part.len(), &mut shaded);
+        shader::integrate(&shader, lanes, &batch, part.len(), &mut shaded);
         found.extend((0..part.len()).map(|k| integrated_segment(&shader, &shaded, k)));
     }
     Ok(found)

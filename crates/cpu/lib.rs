@@ -1,27 +1,11 @@
 //! voltet-cpu: the native engine. Cull, sort, project and composite on all cores with vector units.
 //!
-//! | module | responsibility |
-//! | --- | --- |
-//! | `tile`, `tolerances`, `cache`, `counts` | bottom layer: tiles, tolerances, caches, counts |
-//! | `view` | world space to pixel coordinates |
-//! | `selection`, `attribute` | selected cells; scaled point arrays |
-//! | `project` | cells to screen-space planes and bins |
-//! | `fragments` | rays intersected with a tile's cells |
-//! | `cast` | ray casting through shared faces |
-//! | `shade` | segments to colour and opacity |
-//! | `segment_cache` | segments cached between pictures |
-//! | [`mod@integrator`] | integrators from outside, in lanes |
-//! | `composite` | segments in order to pixels |
-//! | `cells` | selection with its volume's caches |
-//! | `cull` | cells that can contribute |
-//! | `subpixel`, `projection` | cells prepared for the compositor |
-//! | `frame_renderer` | compositing on all threads |
-//! | `draw` | stages end to end |
-//! | `memory` | memory that drawing takes |
-//! | `native` | engine interface |
-//! | `introspect` | single segments, for comparison with exact values |
-//!
-//! Modules import those above them only.
+//! Modules import those before them only: `tile`, `tolerances`, `cache`, `counts`; `view`, world space to pixel coordinates; `selection` of
+//! cells and scaled point arrays (`attribute`); `project`, cells to screen-space planes and bins; `fragments`, rays intersected with a
+//! tile's cells; `cast`, rays through shared faces; `shade`, segments to colour and opacity, and within it [`mod@integrator`], integrators
+//! from outside, in lanes; `segment_cache`; `composite`, segments in order to pixels; `cells` with their volume's caches; `cull`;
+//! `projection`, cells prepared for the compositor; `frame_renderer`, compositing on all threads; `draw`, the stages end to end; `memory`;
+//! `native`, the engine's interface; `introspect`, single segments, for comparison with exact values.
 
 mod attribute;
 mod cache;
@@ -42,7 +26,6 @@ mod projection;
 mod segment_cache;
 mod selection;
 mod shade;
-mod subpixel;
 mod tile;
 mod tolerances;
 mod view;

@@ -1,9 +1,9 @@
 //! Memory that drawing takes.
 
 use crate::cast::{BYTES_PER_CELL, MAX_CELLS};
-use crate::project::projected_cell::{AttributePlane, ProjectedCell};
+use crate::project::cells::{AttributePlane, ProjectedCell};
+use crate::projection::{MAX_RESIDENT_CELLS_OF_FALLBACK, cells_of_region};
 use crate::selection::MAX_RESIDENT_CELLS;
-use crate::subpixel::{MAX_RESIDENT_CELLS_OF_FALLBACK, cells_of_region};
 use crate::tile::TILE;
 use crate::view::ScreenVertex;
 

@@ -1,12 +1,21 @@
-//! Projection: cells prepared for the compositor.
+//! Projection: cells prepared for the compositor, once for each sample of a pixel.
 
 use crate::attribute::Attribute;
-use crate::cast::RayCastPolicy;
+use crate::cast::{RayCastPolicy, RayCaster};
 use crate::cells::Cells;
-use crate::subpixel::SubpixelView;
-use voltet_core::Result;
+use crate::composite::frame::BufferPool;
+use crate::fragments::crossing::Near;
+use crate::project::cells::Input;
+use crate::project::regions::Regions;
+use crate::project::tile_bins::TileBins;
+use crate::tile::{Area, TILE};
+use crate::view::{ScreenVertex, View};
+use rayon::prelude::*;
+use std::sync::Arc;
 use voltet_core::camera::Camera;
+use voltet_core::grid::Grid;
 use voltet_core::progress::Progress;
+use voltet_core::{Error, Result};
 
 /// Cells prepared for the compositor: one projection for each sample of a pixel. Of more cells than are resident at once
 /// ([`crate::CellSelection::max_resident_cells`]) it holds the region of the picture that each touches; the compositor projects them region
@@ -48,5 +57,166 @@ impl Projection {
         let count = self.samples.first().map_or(attributes.len(), |first| first.attribute_count);
         let bounds = (self.max_optical_depth, self.policy);
         SubpixelView::new(&self.cells, &self.camera, offset, &attributes[..count], bounds, progress)
+    }
+}
+
+/// Regions that hold as many cells together as are resident at once.
+const RESIDENT_REGIONS: usize = 8;
+
+/// Cells that are resident at once for tiles in which rays were mistracked.
+pub(crate) const MAX_RESIDENT_CELLS_OF_FALLBACK: usize = 1 << 17;
+
+/// Cells that a region should hold.
+pub(crate) fn cells_of_region(max_resident_cells: usize) -> usize {
+    (max_resident_cells / RESIDENT_REGIONS).max(1)
+}
+
+/// Cells prepared for one sample of every pixel.
+#[derive(Debug)]
+pub(crate) struct SubpixelView {
+    pub view: View,
+    screen_vertices: Arc<Vec<ScreenVertex>>,
+    pub source: PreparedSource,
+    buffers: Arc<BufferPool>,
+    /// See [`Input::max_optical_depth`].
+    max_optical_depth: f64,
+    distance_origin: f64,
+    pub near: Near,
+    pub attribute_count: usize,
+}
+
+/// Source of segments, as far as it is prepared before the compositor begins.
+#[derive(Debug)]
+pub(crate) enum PreparedSource {
+    /// All cells are projected.
+    Tiles(TileBins),
+    /// No cell is projected: workers project region by region.
+    Regions(Regions),
+    /// No cell is projected: rays go from cell to cell.
+    RayCast(RayCaster),
+}
+
+impl PreparedSource {
+    /// Projects the selected cells for an area, or bins them by regions of it where they are more than `max_resident_cells`.
+    ///
+    /// Errors: those of [`TileBins::fill_on_all`].
+    fn new(cells: &Cells, input: &Input<'_>, max_resident_cells: usize) -> Result<PreparedSource> {
+        let (ids, lanes, points) = (cells.ids.as_slice(), cells.lanes, &cells.volume.grid.points);
+        if max_resident_cells < ids.len() {
+            let count = cells_of_region(max_resident_cells);
+            return Ok(PreparedSource::Regions(Regions::new(input, lanes, points, ids, count)));
+        }
+        let mut bins = cells.buffers.bins.take();
+        bins.fill_on_all(input, lanes, points, ids)?;
+        Ok(PreparedSource::Tiles(bins))
+    }
+}
+
+impl SubpixelView {
+    /// Projects the selected cells, or prepares rays through them where the policy is met. `max_optical_depth`: see
+    /// [`Input::max_optical_depth`].
+    pub fn new(
+        cells: &Cells,
+        camera: &Camera,
+        offset: [f64; 2],
+        attributes: &[Attribute<'_>],
+        (max_optical_depth, policy): (f64, RayCastPolicy),
+        progress: &dyn Progress,
+    ) -> Result<SubpixelView> {
+        let grid = &cells.volume.grid;
+        let view = View::new(camera, cells.length, offset)?;
+        // The cull stage projected the points already, unless this is another camera or another sample.
+        let vertices = match &cells.screen_vertices {
+            Some((of_camera, vertices)) if of_camera == camera && offset == [0.0; 2] => vertices.clone(),
+            _ => Arc::new(view.project(&grid.points).0),
+        };
+        let depths = vertices.par_iter().with_min_len(1 << 14).map(|vertex| vertex.z);
+        let nearest = depths.reduce(|| f64::INFINITY, f64::min);
+        let distance_origin = nearest.max(view.near).max(0.0);
+        let input = Input {
+            view: &view,
+            screen_vertices: &vertices,
+            tetrahedra: &grid.tetrahedra,
+            attributes,
+            distance_origin,
+            max_optical_depth,
+            area: Area::of_picture(view.size),
+        };
+
+        let faces = cells.faces.as_ref();
+        let source = match faces.and_then(|faces| RayCaster::new(cells, faces, &input, policy)) {
+            Some(caster) => PreparedSource::RayCast(caster),
+            None => PreparedSource::new(cells, &input, cells.max_resident_cells)?,
+        };
+        if progress.cancelled() {
+            return Err(Error::cancelled());
+        }
+        let near = (nearest < view.near && (!view.perspective || view.near > 0.0)).then(|| {
+            // From the distance, not the depth: far from the eye, depth / near − 1 has no digits left in 32 bits.
+            let scale = if view.perspective { 1.0 / view.near } else { 1.0 };
+            let past = distance_origin - view.near;
+            [scale as f32, (past * scale) as f32, -past as f32]
+        });
+        Ok(SubpixelView {
+            view,
+            screen_vertices: vertices,
+            source,
+            buffers: cells.buffers.clone(),
+            max_optical_depth,
+            distance_origin,
+            near,
+            attribute_count: attributes.len(),
+        })
+    }
+
+    /// The view with cells projected for some tiles, where rays were mistracked: few at a time, since the ray caster's memory is in use,
+    /// too.
+    ///
+    /// Errors: those of [`TileBins::fill_on_all`].
+    pub fn projected(
+        &self,
+        cells: &Cells,
+        attributes: &[Attribute<'_>],
+        tiles: &[u32],
+    ) -> Result<SubpixelView> {
+        let input =
+            Input { area: Area::around(self.view.size, tiles), ..self.input(&cells.volume.grid, attributes) };
+        let max_resident_cells = cells.max_resident_cells.min(MAX_RESIDENT_CELLS_OF_FALLBACK);
+        let mut source = PreparedSource::new(cells, &input, max_resident_cells)?;
+        if let PreparedSource::Regions(regions) = &mut source {
+            regions.retain(tiles, self.view.size[0].div_ceil(TILE));
+        }
+        let (screen_vertices, buffers) = (self.screen_vertices.clone(), self.buffers.clone());
+        Ok(SubpixelView { screen_vertices, buffers, source, ..*self })
+    }
+
+    /// Input of the projection, for all of the picture. `attributes`: at least those that the cells were projected with.
+    pub fn input<'a>(&'a self, grid: &'a Grid, attributes: &'a [Attribute<'a>]) -> Input<'a> {
+        Input {
+            view: &self.view,
+            screen_vertices: &self.screen_vertices,
+            tetrahedra: &grid.tetrahedra,
+            attributes: &attributes[..self.attribute_count],
+            distance_origin: self.distance_origin,
+            max_optical_depth: self.max_optical_depth,
+            area: Area::of_picture(self.view.size),
+        }
+    }
+
+    /// Cells that cover a pixel centre. `None` where no cell is projected, since rays go from cell to cell.
+    pub fn cell_count(&self) -> Option<u64> {
+        match &self.source {
+            PreparedSource::Tiles(bins) => Some(bins.cell_count()),
+            PreparedSource::Regions(regions) => Some(regions.cell_count),
+            PreparedSource::RayCast(_) => None,
+        }
+    }
+}
+
+impl Drop for SubpixelView {
+    fn drop(&mut self) {
+        if let PreparedSource::Tiles(bins) = &mut self.source {
+            self.buffers.bins.put(std::mem::take(bins));
+        }
     }
 }

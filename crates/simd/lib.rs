@@ -18,37 +18,90 @@
 //!
 //! Under `cargo miri` the processor is taken to have what the build asks for, so that four lanes are interpreted.
 
-/// Instructions upon values.
+/// Marks a closure `#[inline(always)]`.
+///
+/// Kernels mark every closure: one has no processor features of its own, so one that is left as a function calls every vector
+/// operation.
+#[macro_export]
+macro_rules! inlined {
+    ($closure:expr) => {
+        // The attribute is allowed on an argument, not on the value of a `let`.
+        $crate::inlined(
+            #[inline(always)]
+            $closure,
+        )
+    };
+}
+
+/// An array by a closure of the index, marked as by [`inlined!`]; for `std::array::from_fn` and `map`, which mark none.
+#[macro_export]
+macro_rules! array {
+    ($element:expr) => {
+        $crate::array(
+            #[inline(always)]
+            $element,
+        )
+    };
+}
+
+/// Instructions of the lane set.
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 macro_rules! on_processor {
     ($instructions:expr) => {{
-        // SAFETY: they ask for nothing but a processor that has them, and code over these lanes runs beneath `dispatch`
-        // alone, which made sure of it (see the crate's head).
+        // SAFETY: they need a processor that has them, and code over these lanes runs beneath `dispatch` alone, which made sure of
+        // it (see the crate's head). Loads and stores take the pointer of an array as long as the vector, and need no alignment.
         unsafe { $instructions }
     }};
 }
 
-/// Instructions that read or write a whole array through a reference to it.
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
-macro_rules! on_array {
-    ($instructions:expr) => {{
-        // SAFETY: the pointer is that of an array as long as the vector, and they ask for no alignment; for the processor
-        // as above.
-        unsafe { $instructions }
-    }};
+/// Methods whose results are instructions upon their operands' registers.
+#[cfg(target_arch = "x86_64")]
+macro_rules! operations {
+    ($(fn $method:ident $(<const $n:ident: u32>)? ($($operand:tt)*) $(-> $type:ident)? = $result:expr;)*) => {$(
+        #[inline(always)]
+        fn $method $(<const $n: u32>)? ($($operand)*) $(-> $type)? {
+            $($type)?(on_processor!($result))
+        }
+    )*};
 }
 
-/// An operator by an instruction upon two vectors.
+/// Operators by an instruction upon two registers.
 #[cfg(target_arch = "x86_64")]
 macro_rules! operator {
+    ($type:ident, Neg, $intrinsic:ident, $sign:expr) => {
+        impl Neg for $type {
+            type Output = $type;
+            operations! { fn neg(self) -> $type = $intrinsic(self.0, $sign); }
+        }
+    };
     ($type:ident, $trait:ident, $method:ident, $intrinsic:ident) => {
         impl $trait for $type {
             type Output = $type;
-            #[inline(always)]
-            fn $method(self, other: $type) -> $type {
-                $type(on_processor!($intrinsic(self.0, other.0)))
-            }
+            operations! { fn $method(self, other: $type) -> $type = $intrinsic(self.0, other.0); }
         }
+    };
+}
+
+/// A lane set: its width, and the registers of its floats, integers, booleans, 64-bit floats and their booleans.
+macro_rules! lane_set {
+    ($set:ident, $width:expr, $($name:ident($register:ty)),*) => {
+        #[derive(Clone, Copy)]
+        pub(super) struct $set;
+
+        impl sealed::Sealed for $set {}
+
+        impl Lanes for $set {
+            const WIDTH: usize = $width;
+            type F = F;
+            type U = U;
+            type M = M;
+            type D = D;
+        }
+
+        $(
+            #[derive(Clone, Copy)]
+            pub(super) struct $name($register);
+        )*
     };
 }
 
@@ -66,7 +119,6 @@ mod operations;
 pub mod optics;
 #[cfg(any(test, not(target_arch = "x86_64")))]
 mod portable;
-mod single;
 pub mod sort;
 #[cfg(target_arch = "x86_64")]
 mod sse2;

@@ -14,39 +14,15 @@ const VECTORS: usize = 2;
 
 const WIDTH: usize = 4 * VECTORS;
 
-/// Eight NEON lanes.
-#[derive(Clone, Copy)]
-pub(super) struct Neon;
-
-/// Eight floats.
-#[derive(Clone, Copy)]
-pub(super) struct F([float32x4_t; VECTORS]);
-
-/// Eight unsigned integers.
-#[derive(Clone, Copy)]
-pub(super) struct U([uint32x4_t; VECTORS]);
-
-/// Eight booleans: all bits of a lane, or none.
-#[derive(Clone, Copy)]
-pub(super) struct M([uint32x4_t; VECTORS]);
-
-/// Four 64-bit floats.
-#[derive(Clone, Copy)]
-pub(super) struct D([float64x2_t; VECTORS]);
-
-/// Four booleans: all bits of a lane, or none.
-#[derive(Clone, Copy)]
-pub(super) struct MD([uint64x2_t; VECTORS]);
-
-impl sealed::Sealed for Neon {}
-
-impl Lanes for Neon {
-    const WIDTH: usize = WIDTH;
-    type F = F;
-    type U = U;
-    type M = M;
-    type D = D;
-}
+lane_set!(
+    Neon,
+    WIDTH,
+    F([float32x4_t; VECTORS]),
+    U([uint32x4_t; VECTORS]),
+    M([uint32x4_t; VECTORS]),
+    D([float64x2_t; VECTORS]),
+    MD([uint64x2_t; VECTORS])
+);
 
 /// Both vectors, by instructions upon values.
 macro_rules! each {
@@ -64,15 +40,28 @@ macro_rules! each {
     };
 }
 
+/// Methods whose results are instructions upon each of the two vectors.
+macro_rules! operations {
+    ($(fn $method:ident $(<const $n:ident: u32>)? ($($operand:tt)*) -> $type:ident = |$i:ident| $result:expr;)*) => {$(
+        #[inline(always)]
+        fn $method $(<const $n: u32>)? ($($operand)*) -> $type {
+            $type(each!(|$i| $result))
+        }
+    )*};
+}
+
 /// An operator by an instruction upon two vectors.
 macro_rules! operator {
+    ($type:ident, Neg, $intrinsic:ident) => {
+        impl Neg for $type {
+            type Output = $type;
+            operations! { fn neg(self) -> $type = |i| $intrinsic(self.0[i]); }
+        }
+    };
     ($type:ident, $trait:ident, $method:ident, $intrinsic:ident) => {
         impl $trait for $type {
             type Output = $type;
-            #[inline(always)]
-            fn $method(self, other: $type) -> $type {
-                $type(each!(|i| $intrinsic(self.0[i], other.0[i])))
-            }
+            operations! { fn $method(self, other: $type) -> $type = |i| $intrinsic(self.0[i], other.0[i]); }
         }
     };
 }
@@ -88,22 +77,8 @@ operator!(D, Add, add, vaddq_f64);
 operator!(D, Sub, sub, vsubq_f64);
 operator!(D, Mul, mul, vmulq_f64);
 operator!(D, Div, div, vdivq_f64);
-
-impl Neg for F {
-    type Output = F;
-    #[inline(always)]
-    fn neg(self) -> F {
-        F(each!(|i| vnegq_f32(self.0[i])))
-    }
-}
-
-impl Neg for D {
-    type Output = D;
-    #[inline(always)]
-    fn neg(self) -> D {
-        D(each!(|i| vnegq_f64(self.0[i])))
-    }
-}
+operator!(F, Neg, vnegq_f32);
+operator!(D, Neg, vnegq_f64);
 
 /// The places that lanes name, as bytes of all lanes' bytes: what a lookup in them takes.
 #[inline(always)]
@@ -130,23 +105,10 @@ impl Float for F {
     type Lanes = Neon;
 
     #[inline(always)]
-    fn splat(value: f32) -> F {
-        F([on_processor!(vdupq_n_f32(value)); VECTORS])
-    }
-    #[inline(always)]
-    fn load(values: &[f32]) -> F {
-        let [a, b]: &[[f32; 4]; VECTORS] = first(values);
-        F([on_array!(vld1q_f32(a.as_ptr())), on_array!(vld1q_f32(b.as_ptr()))])
-    }
-    #[inline(always)]
     fn store(self, values: &mut [f32]) {
         let [a, b]: &mut [[f32; 4]; VECTORS] = first_mut(values);
-        on_array!(vst1q_f32(a.as_mut_ptr(), self.0[0]));
-        on_array!(vst1q_f32(b.as_mut_ptr(), self.0[1]))
-    }
-    #[inline(always)]
-    fn mul_add(self, b: F, c: F) -> F {
-        F(each!(|i| vfmaq_f32(c.0[i], self.0[i], b.0[i])))
+        on_processor!(vst1q_f32(a.as_mut_ptr(), self.0[0]));
+        on_processor!(vst1q_f32(b.as_mut_ptr(), self.0[1]))
     }
     #[inline(always)]
     fn min(self, other: F) -> F {
@@ -158,46 +120,6 @@ impl Float for F {
         F::select(other.lt(self), self, other)
     }
     #[inline(always)]
-    fn abs(self) -> F {
-        F(each!(|i| vabsq_f32(self.0[i])))
-    }
-    #[inline(always)]
-    fn sqrt(self) -> F {
-        F(each!(|i| vsqrtq_f32(self.0[i])))
-    }
-    #[inline(always)]
-    fn round(self) -> F {
-        F(each!(|i| vrndnq_f32(self.0[i])))
-    }
-    #[inline(always)]
-    fn floor(self) -> F {
-        F(each!(|i| vrndmq_f32(self.0[i])))
-    }
-    #[inline(always)]
-    fn lt(self, other: F) -> M {
-        M(each!(|i| vcltq_f32(self.0[i], other.0[i])))
-    }
-    #[inline(always)]
-    fn le(self, other: F) -> M {
-        M(each!(|i| vcleq_f32(self.0[i], other.0[i])))
-    }
-    #[inline(always)]
-    fn select(mask: M, yes: F, no: F) -> F {
-        F(each!(|i| vbslq_f32(mask.0[i], yes.0[i], no.0[i])))
-    }
-    #[inline(always)]
-    fn to_bits(self) -> U {
-        U(each!(|i| vreinterpretq_u32_f32(self.0[i])))
-    }
-    #[inline(always)]
-    fn from_bits(bits: U) -> F {
-        F(each!(|i| vreinterpretq_f32_u32(bits.0[i])))
-    }
-    #[inline(always)]
-    fn to_unsigned(self) -> U {
-        U(each!(|i| vcvtq_u32_f32(self.0[i])))
-    }
-    #[inline(always)]
     fn permute(self, index: U) -> F {
         F::from_bits(self.to_bits().permute(index))
     }
@@ -205,26 +127,20 @@ impl Float for F {
     fn gather(values: &[f32], index: U) -> F {
         let mut places = [0; WIDTH];
         inside::<Neon>(index, values.len()).store(&mut places);
-        let value = inlined(
-            #[inline(always)]
-            |lane: usize| {
-                // SAFETY: every index lies inside the slice.
-                unsafe { *values.get_unchecked(places[lane] as usize) }
-            },
-        );
+        let value = inlined!(|lane: usize| {
+            // SAFETY: every index lies inside the slice.
+            unsafe { *values.get_unchecked(places[lane] as usize) }
+        });
         F::load(&[value(0), value(1), value(2), value(3), value(4), value(5), value(6), value(7)])
     }
     #[inline(always)]
     fn gather_parts(values: &[[f32; 4]], index: U) -> [F; 4] {
         let mut places = [0; WIDTH];
         parts_inside::<Neon>(index, values).store(&mut places);
-        let four = inlined(
-            #[inline(always)]
-            |lane: usize| {
-                // SAFETY: every index lies inside the slice.
-                unsafe { vld1q_f32(values.get_unchecked(places[lane] as usize).as_ptr()) }
-            },
-        );
+        let four = inlined!(|lane: usize| {
+            // SAFETY: every index lies inside the slice.
+            unsafe { vld1q_f32(values.get_unchecked(places[lane] as usize).as_ptr()) }
+        });
         let [a, b, c, d] = turned([four(0), four(1), four(2), four(3)]);
         let [e, f, g, h] = turned([four(4), four(5), four(6), four(7)]);
         [F([a, e]), F([b, f]), F([c, g]), F([d, h])]
@@ -233,13 +149,10 @@ impl Float for F {
     fn scatter_parts<const N: usize>(fours: [[F; 4]; N], values: &mut [[[f32; 4]; N]], index: U) {
         let mut places = [0; WIDTH];
         inside::<Neon>(index, values.len()).store(&mut places);
-        let mut put = inlined(
-            #[inline(always)]
-            |lane: usize, n: usize, four: float32x4_t| {
-                // SAFETY: every index lies inside the slice.
-                unsafe { vst1q_f32(values.get_unchecked_mut(places[lane] as usize)[n].as_mut_ptr(), four) }
-            },
-        );
+        let mut put = inlined!(|lane: usize, n: usize, four: float32x4_t| {
+            // SAFETY: every index lies inside the slice.
+            unsafe { vst1q_f32(values.get_unchecked_mut(places[lane] as usize)[n].as_mut_ptr(), four) }
+        });
         for (n, [a, b, c, d]) in fours.into_iter().enumerate() {
             for half in 0..2 {
                 let sides = turned([a.0[half], b.0[half], c.0[half], d.0[half]]);
@@ -248,6 +161,22 @@ impl Float for F {
                 }
             }
         }
+    }
+
+    operations! {
+        fn splat(value: f32) -> F = |_i| vdupq_n_f32(value);
+        fn load(values: &[f32]) -> F = |i| vld1q_f32(first::<_, 4>(values)[i].as_ptr());
+        fn mul_add(self, b: F, c: F) -> F = |i| vfmaq_f32(c.0[i], self.0[i], b.0[i]);
+        fn abs(self) -> F = |i| vabsq_f32(self.0[i]);
+        fn sqrt(self) -> F = |i| vsqrtq_f32(self.0[i]);
+        fn round(self) -> F = |i| vrndnq_f32(self.0[i]);
+        fn floor(self) -> F = |i| vrndmq_f32(self.0[i]);
+        fn lt(self, other: F) -> M = |i| vcltq_f32(self.0[i], other.0[i]);
+        fn le(self, other: F) -> M = |i| vcleq_f32(self.0[i], other.0[i]);
+        fn select(mask: M, yes: F, no: F) -> F = |i| vbslq_f32(mask.0[i], yes.0[i], no.0[i]);
+        fn to_bits(self) -> U = |i| vreinterpretq_u32_f32(self.0[i]);
+        fn from_bits(bits: U) -> F = |i| vreinterpretq_f32_u32(bits.0[i]);
+        fn to_unsigned(self) -> U = |i| vcvtq_u32_f32(self.0[i]);
     }
 }
 
@@ -273,68 +202,14 @@ impl Unsigned for U {
     type Lanes = Neon;
 
     #[inline(always)]
-    fn splat(value: u32) -> U {
-        U([on_processor!(vdupq_n_u32(value)); VECTORS])
-    }
-    #[inline(always)]
     fn iota() -> U {
         U::load(&[0, 1, 2, 3, 4, 5, 6, 7])
     }
     #[inline(always)]
-    fn load(values: &[u32]) -> U {
-        let [a, b]: &[[u32; 4]; VECTORS] = first(values);
-        U([on_array!(vld1q_u32(a.as_ptr())), on_array!(vld1q_u32(b.as_ptr()))])
-    }
-    #[inline(always)]
-    fn load_u16(values: &[u16]) -> U {
-        let [a, b]: &[[u16; 4]; VECTORS] = first(values);
-        U([on_array!(vmovl_u16(vld1_u16(a.as_ptr()))), on_array!(vmovl_u16(vld1_u16(b.as_ptr())))])
-    }
-    #[inline(always)]
     fn store(self, values: &mut [u32]) {
         let [a, b]: &mut [[u32; 4]; VECTORS] = first_mut(values);
-        on_array!(vst1q_u32(a.as_mut_ptr(), self.0[0]));
-        on_array!(vst1q_u32(b.as_mut_ptr(), self.0[1]))
-    }
-    #[inline(always)]
-    fn and(self, other: U) -> U {
-        U(each!(|i| vandq_u32(self.0[i], other.0[i])))
-    }
-    #[inline(always)]
-    fn or(self, other: U) -> U {
-        U(each!(|i| vorrq_u32(self.0[i], other.0[i])))
-    }
-    #[inline(always)]
-    fn shl<const N: u32>(self) -> U {
-        U(each!(|i| vshlq_u32(self.0[i], vdupq_n_s32(N as i32))))
-    }
-    #[inline(always)]
-    fn shr<const N: u32>(self) -> U {
-        U(each!(|i| vshlq_u32(self.0[i], vdupq_n_s32(-(N as i32)))))
-    }
-    #[inline(always)]
-    fn min(self, other: U) -> U {
-        U(each!(|i| vminq_u32(self.0[i], other.0[i])))
-    }
-    #[inline(always)]
-    fn max(self, other: U) -> U {
-        U(each!(|i| vmaxq_u32(self.0[i], other.0[i])))
-    }
-    #[inline(always)]
-    fn test(self, bits: U) -> M {
-        M(each!(|i| vtstq_u32(self.0[i], bits.0[i])))
-    }
-    #[inline(always)]
-    fn equal(self, other: U) -> M {
-        M(each!(|i| vceqq_u32(self.0[i], other.0[i])))
-    }
-    #[inline(always)]
-    fn select(mask: M, yes: U, no: U) -> U {
-        U(each!(|i| vbslq_u32(mask.0[i], yes.0[i], no.0[i])))
-    }
-    #[inline(always)]
-    fn to_float(self) -> F {
-        F(each!(|i| vcvtq_f32_s32(vreinterpretq_s32_u32(self.0[i]))))
+        on_processor!(vst1q_u32(a.as_mut_ptr(), self.0[0]));
+        on_processor!(vst1q_u32(b.as_mut_ptr(), self.0[1]))
     }
     #[inline(always)]
     fn permute(self, index: U) -> U {
@@ -347,25 +222,29 @@ impl Unsigned for U {
             ])
         })
     }
+
+    operations! {
+        fn splat(value: u32) -> U = |_i| vdupq_n_u32(value);
+        fn load(values: &[u32]) -> U = |i| vld1q_u32(first::<_, 4>(values)[i].as_ptr());
+        fn load_u16(values: &[u16]) -> U = |i| vmovl_u16(vld1_u16(first::<_, 4>(values)[i].as_ptr()));
+        fn shl<const N: u32>(self) -> U = |i| vshlq_u32(self.0[i], vdupq_n_s32(N as i32));
+        fn shr<const N: u32>(self) -> U = |i| vshlq_u32(self.0[i], vdupq_n_s32(-(N as i32)));
+        fn and(self, other: U) -> U = |i| vandq_u32(self.0[i], other.0[i]);
+        fn or(self, other: U) -> U = |i| vorrq_u32(self.0[i], other.0[i]);
+        fn min(self, other: U) -> U = |i| vminq_u32(self.0[i], other.0[i]);
+        fn max(self, other: U) -> U = |i| vmaxq_u32(self.0[i], other.0[i]);
+        fn test(self, bits: U) -> M = |i| vtstq_u32(self.0[i], bits.0[i]);
+        fn equal(self, other: U) -> M = |i| vceqq_u32(self.0[i], other.0[i]);
+        fn select(mask: M, yes: U, no: U) -> U = |i| vbslq_u32(mask.0[i], yes.0[i], no.0[i]);
+        fn to_float(self) -> F = |i| vcvtq_f32_s32(vreinterpretq_s32_u32(self.0[i]));
+    }
 }
 
 impl Mask for M {
     #[inline(always)]
-    fn and(self, other: M) -> M {
-        M(each!(|i| vandq_u32(self.0[i], other.0[i])))
-    }
-    #[inline(always)]
-    fn or(self, other: M) -> M {
-        M(each!(|i| vorrq_u32(self.0[i], other.0[i])))
-    }
-    #[inline(always)]
-    fn not(self) -> M {
-        M(each!(|i| vmvnq_u32(self.0[i])))
-    }
-    #[inline(always)]
     fn bits(self) -> u32 {
         const BITS: [u16; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
-        let bits = on_array!(vld1q_u16(BITS.as_ptr()));
+        let bits = on_processor!(vld1q_u16(BITS.as_ptr()));
         on_processor!({
             let halves = vcombine_u16(vmovn_u32(self.0[0]), vmovn_u32(self.0[1]));
             u32::from(vaddvq_u16(vandq_u16(halves, bits)))
@@ -375,6 +254,12 @@ impl Mask for M {
     fn any(self) -> bool {
         on_processor!(vmaxvq_u32(vorrq_u32(self.0[0], self.0[1])) != 0)
     }
+
+    operations! {
+        fn and(self, other: M) -> M = |i| vandq_u32(self.0[i], other.0[i]);
+        fn or(self, other: M) -> M = |i| vorrq_u32(self.0[i], other.0[i]);
+        fn not(self) -> M = |i| vmvnq_u32(self.0[i]);
+    }
 }
 
 impl Double for D {
@@ -382,29 +267,16 @@ impl Double for D {
     type Mask = MD;
 
     #[inline(always)]
-    fn splat(value: f64) -> D {
-        D([on_processor!(vdupq_n_f64(value)); VECTORS])
-    }
-    #[inline(always)]
-    fn load(values: &[f64]) -> D {
-        let [a, b]: &[[f64; 2]; VECTORS] = first(values);
-        D([on_array!(vld1q_f64(a.as_ptr())), on_array!(vld1q_f64(b.as_ptr()))])
-    }
-    #[inline(always)]
     fn store(self, values: &mut [f64]) {
         let [a, b]: &mut [[f64; 2]; VECTORS] = first_mut(values);
-        on_array!(vst1q_f64(a.as_mut_ptr(), self.0[0]));
-        on_array!(vst1q_f64(b.as_mut_ptr(), self.0[1]))
+        on_processor!(vst1q_f64(a.as_mut_ptr(), self.0[0]));
+        on_processor!(vst1q_f64(b.as_mut_ptr(), self.0[1]))
     }
     #[inline(always)]
     fn store_f32(self, values: &mut [f32]) {
         let [a, b]: &mut [[f32; 2]; VECTORS] = first_mut(values);
-        on_array!(vst1_f32(a.as_mut_ptr(), vcvt_f32_f64(self.0[0])));
-        on_array!(vst1_f32(b.as_mut_ptr(), vcvt_f32_f64(self.0[1])))
-    }
-    #[inline(always)]
-    fn mul_add(self, b: D, c: D) -> D {
-        D(each!(|i| vfmaq_f64(c.0[i], self.0[i], b.0[i])))
+        on_processor!(vst1_f32(a.as_mut_ptr(), vcvt_f32_f64(self.0[0])));
+        on_processor!(vst1_f32(b.as_mut_ptr(), vcvt_f32_f64(self.0[1])))
     }
     #[inline(always)]
     fn min(self, other: D) -> D {
@@ -414,41 +286,20 @@ impl Double for D {
     fn max(self, other: D) -> D {
         D::select(other.lt(self), self, other)
     }
-    #[inline(always)]
-    fn abs(self) -> D {
-        D(each!(|i| vabsq_f64(self.0[i])))
-    }
-    #[inline(always)]
-    fn ceil(self) -> D {
-        D(each!(|i| vrndpq_f64(self.0[i])))
-    }
-    #[inline(always)]
-    fn lt(self, other: D) -> MD {
-        MD(each!(|i| vcltq_f64(self.0[i], other.0[i])))
-    }
-    #[inline(always)]
-    fn le(self, other: D) -> MD {
-        MD(each!(|i| vcleq_f64(self.0[i], other.0[i])))
-    }
-    #[inline(always)]
-    fn select(mask: MD, yes: D, no: D) -> D {
-        D(each!(|i| vbslq_f64(mask.0[i], yes.0[i], no.0[i])))
+
+    operations! {
+        fn splat(value: f64) -> D = |_i| vdupq_n_f64(value);
+        fn load(values: &[f64]) -> D = |i| vld1q_f64(first::<_, 2>(values)[i].as_ptr());
+        fn mul_add(self, b: D, c: D) -> D = |i| vfmaq_f64(c.0[i], self.0[i], b.0[i]);
+        fn abs(self) -> D = |i| vabsq_f64(self.0[i]);
+        fn ceil(self) -> D = |i| vrndpq_f64(self.0[i]);
+        fn lt(self, other: D) -> MD = |i| vcltq_f64(self.0[i], other.0[i]);
+        fn le(self, other: D) -> MD = |i| vcleq_f64(self.0[i], other.0[i]);
+        fn select(mask: MD, yes: D, no: D) -> D = |i| vbslq_f64(mask.0[i], yes.0[i], no.0[i]);
     }
 }
 
 impl Mask for MD {
-    #[inline(always)]
-    fn and(self, other: MD) -> MD {
-        MD(each!(|i| vandq_u64(self.0[i], other.0[i])))
-    }
-    #[inline(always)]
-    fn or(self, other: MD) -> MD {
-        MD(each!(|i| vorrq_u64(self.0[i], other.0[i])))
-    }
-    #[inline(always)]
-    fn not(self) -> MD {
-        MD(each!(|i| vreinterpretq_u64_u32(vmvnq_u32(vreinterpretq_u32_u64(self.0[i])))))
-    }
     #[inline(always)]
     fn bits(self) -> u32 {
         on_processor!({
@@ -458,5 +309,11 @@ impl Mask for MD {
                 vreinterpretq_u32_u64(vcombine_u64(vcreate_u64(1 | 2 << 32), vcreate_u64(4 | 8 << 32)));
             vaddvq_u32(vandq_u32(lanes, bits))
         })
+    }
+
+    operations! {
+        fn and(self, other: MD) -> MD = |i| vandq_u64(self.0[i], other.0[i]);
+        fn or(self, other: MD) -> MD = |i| vorrq_u64(self.0[i], other.0[i]);
+        fn not(self) -> MD = |i| vreinterpretq_u64_u32(vmvnq_u32(vreinterpretq_u32_u64(self.0[i])));
     }
 }

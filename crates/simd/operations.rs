@@ -175,6 +175,20 @@ pub trait Mask: Copy {
     }
 }
 
+/// An array at the start of a slice.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+pub(super) fn first<T, const N: usize>(values: &[T]) -> &[T; N] {
+    values[..N].try_into().expect("as many values")
+}
+
+/// An array at the start of a slice, to be written.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+pub(super) fn first_mut<T, const N: usize>(values: &mut [T]) -> &mut [T; N] {
+    (&mut values[..N]).try_into().expect("as many values")
+}
+
 /// Indices into a slice of so many values, none past the end: what a gather may follow.
 #[inline(always)]
 pub(super) fn inside<L: Lanes>(index: L::U, length: usize) -> L::U {
@@ -287,4 +301,78 @@ pub fn mask_of<L: Lanes>(bits: u32) -> L::M {
     // 2^lane by its float bits, so that no variable shift is needed.
     let power = L::F::from_bits((L::U::iota() + L::U::splat(127)).shl::<23>()).to_unsigned();
     power.test(L::U::splat(bits))
+}
+
+/// One lane of 64 bits, a plain number: so that a rule that is written over lanes decides about a single cell too.
+impl Double for f64 {
+    const COUNT: usize = 1;
+    type Mask = bool;
+
+    #[inline(always)]
+    fn splat(value: f64) -> f64 {
+        value
+    }
+    #[inline(always)]
+    fn load(values: &[f64]) -> f64 {
+        values[0]
+    }
+    #[inline(always)]
+    fn store(self, values: &mut [f64]) {
+        values[0] = self;
+    }
+    #[inline(always)]
+    fn store_f32(self, values: &mut [f32]) {
+        values[0] = self as f32;
+    }
+    #[inline(always)]
+    fn mul_add(self, b: f64, c: f64) -> f64 {
+        f64::mul_add(self, b, c)
+    }
+    #[inline(always)]
+    fn min(self, other: f64) -> f64 {
+        if self < other { self } else { other }
+    }
+    #[inline(always)]
+    fn max(self, other: f64) -> f64 {
+        if other < self { self } else { other }
+    }
+    #[inline(always)]
+    fn abs(self) -> f64 {
+        f64::abs(self)
+    }
+    #[inline(always)]
+    fn ceil(self) -> f64 {
+        f64::ceil(self)
+    }
+    #[inline(always)]
+    fn lt(self, other: f64) -> bool {
+        self < other
+    }
+    #[inline(always)]
+    fn le(self, other: f64) -> bool {
+        self <= other
+    }
+    #[inline(always)]
+    fn select(mask: bool, yes: f64, no: f64) -> f64 {
+        if mask { yes } else { no }
+    }
+}
+
+impl Mask for bool {
+    #[inline(always)]
+    fn and(self, other: bool) -> bool {
+        self && other
+    }
+    #[inline(always)]
+    fn or(self, other: bool) -> bool {
+        self || other
+    }
+    #[inline(always)]
+    fn not(self) -> bool {
+        !self
+    }
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        self.into()
+    }
 }

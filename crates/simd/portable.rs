@@ -1,6 +1,6 @@
 //! Four lanes that every processor runs: arrays, operation by operation. It has no block that is unsafe.
 
-use super::operations::{Double, Float, Lanes, Mask, Unsigned, array, inside, parts_inside, sealed};
+use super::operations::{Double, Float, Lanes, Mask, Unsigned, inside, parts_inside, sealed};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 const WIDTH: usize = 4;
@@ -8,60 +8,34 @@ const WIDTH: usize = 4;
 /// True if the build has an instruction that fuses a multiply-add: else it would be a slow library call.
 const FUSED: bool = cfg!(any(target_feature = "fma", all(target_arch = "aarch64", target_feature = "neon")));
 
-/// Four portable lanes.
-#[derive(Clone, Copy)]
-pub(super) struct Portable;
-
-/// Four floats.
-#[derive(Clone, Copy)]
-pub(super) struct F([f32; WIDTH]);
-
-/// Four unsigned integers.
-#[derive(Clone, Copy)]
-pub(super) struct U([u32; WIDTH]);
-
-/// Four booleans.
-#[derive(Clone, Copy)]
-pub(super) struct M([bool; WIDTH]);
-
-/// Two 64-bit floats.
-#[derive(Clone, Copy)]
-pub(super) struct D([f64; 2]);
-
-/// Two booleans.
-#[derive(Clone, Copy)]
-pub(super) struct MD([bool; 2]);
-
-impl sealed::Sealed for Portable {}
-
-impl Lanes for Portable {
-    const WIDTH: usize = WIDTH;
-    type F = F;
-    type U = U;
-    type M = M;
-    type D = D;
-}
+lane_set!(Portable, WIDTH, F([f32; WIDTH]), U([u32; WIDTH]), M([bool; WIDTH]), D([f64; 2]), MD([bool; 2]));
 
 /// Lanes by an expression of a lane's number.
 macro_rules! each {
     ($type:ident, |$i:ident| $lane:expr) => {
-        $type(array(
-            #[inline(always)]
-            |$i| $lane,
-        ))
+        $type(array!(|$i| $lane))
     };
+}
+
+/// Methods whose results are expressions of each lane.
+macro_rules! operations {
+    ($(fn $method:ident $(<const $n:ident: u32>)? ($($operand:tt)*) -> $type:ident = |$i:ident| $result:expr;)*) => {$(
+        #[inline(always)]
+        fn $method $(<const $n: u32>)? ($($operand)*) -> $type {
+            each!($type, |$i| $result)
+        }
+    )*};
 }
 
 macro_rules! operator {
     ($type:ident, $trait:ident, $method:ident, |$a:ident, $b:ident| $lane:expr) => {
         impl $trait for $type {
             type Output = $type;
-            #[inline(always)]
-            fn $method(self, other: $type) -> $type {
-                each!($type, |i| {
+            operations! {
+                fn $method(self, other: $type) -> $type = |i| {
                     let ($a, $b) = (self.0[i], other.0[i]);
                     $lane
-                })
+                };
             }
         }
     };
@@ -81,18 +55,12 @@ operator!(D, Div, div, |a, b| a / b);
 
 impl Neg for D {
     type Output = D;
-    #[inline(always)]
-    fn neg(self) -> D {
-        each!(D, |i| -self.0[i])
-    }
+    operations! { fn neg(self) -> D = |i| -self.0[i]; }
 }
 
 impl Neg for F {
     type Output = F;
-    #[inline(always)]
-    fn neg(self) -> F {
-        each!(F, |i| -self.0[i])
-    }
+    operations! { fn neg(self) -> F = |i| -self.0[i]; }
 }
 
 /// One bit a lane, lane 0 the lowest.
@@ -134,50 +102,6 @@ impl Float for F {
         F::select(other.lt(self), self, other)
     }
     #[inline(always)]
-    fn abs(self) -> F {
-        each!(F, |i| self.0[i].abs())
-    }
-    #[inline(always)]
-    fn sqrt(self) -> F {
-        each!(F, |i| self.0[i].sqrt())
-    }
-    #[inline(always)]
-    fn round(self) -> F {
-        each!(F, |i| self.0[i].round_ties_even())
-    }
-    #[inline(always)]
-    fn floor(self) -> F {
-        each!(F, |i| self.0[i].floor())
-    }
-    #[inline(always)]
-    fn lt(self, other: F) -> M {
-        each!(M, |i| self.0[i] < other.0[i])
-    }
-    #[inline(always)]
-    fn le(self, other: F) -> M {
-        each!(M, |i| self.0[i] <= other.0[i])
-    }
-    #[inline(always)]
-    fn select(mask: M, yes: F, no: F) -> F {
-        each!(F, |i| if mask.0[i] { yes.0[i] } else { no.0[i] })
-    }
-    #[inline(always)]
-    fn to_bits(self) -> U {
-        each!(U, |i| self.0[i].to_bits())
-    }
-    #[inline(always)]
-    fn from_bits(bits: U) -> F {
-        each!(F, |i| f32::from_bits(bits.0[i]))
-    }
-    #[inline(always)]
-    fn to_unsigned(self) -> U {
-        each!(U, |i| self.0[i] as u32)
-    }
-    #[inline(always)]
-    fn permute(self, index: U) -> F {
-        each!(F, |i| self.0[index.0[i] as usize % WIDTH])
-    }
-    #[inline(always)]
     fn gather(values: &[f32], index: U) -> F {
         let index = inside::<Portable>(index, values.len());
         each!(F, |i| values[index.0[i] as usize])
@@ -185,10 +109,7 @@ impl Float for F {
     #[inline(always)]
     fn gather_parts(values: &[[f32; 4]], index: U) -> [F; 4] {
         let index = parts_inside::<Portable>(index, values);
-        array(
-            #[inline(always)]
-            |c| each!(F, |i| values[index.0[i] as usize][c]),
-        )
+        array!(|c| each!(F, |i| values[index.0[i] as usize][c]))
     }
     #[inline(always)]
     fn scatter_parts<const N: usize>(fours: [[F; 4]; N], values: &mut [[[f32; 4]; N]], index: U) {
@@ -198,6 +119,20 @@ impl Float for F {
                 values[place as usize][n] = parts.map(|part| part.0[lane]);
             }
         }
+    }
+
+    operations! {
+        fn abs(self) -> F = |i| self.0[i].abs();
+        fn sqrt(self) -> F = |i| self.0[i].sqrt();
+        fn round(self) -> F = |i| self.0[i].round_ties_even();
+        fn floor(self) -> F = |i| self.0[i].floor();
+        fn lt(self, other: F) -> M = |i| self.0[i] < other.0[i];
+        fn le(self, other: F) -> M = |i| self.0[i] <= other.0[i];
+        fn select(mask: M, yes: F, no: F) -> F = |i| if mask.0[i] { yes.0[i] } else { no.0[i] };
+        fn to_bits(self) -> U = |i| self.0[i].to_bits();
+        fn from_bits(bits: U) -> F = |i| f32::from_bits(bits.0[i]);
+        fn to_unsigned(self) -> U = |i| self.0[i] as u32;
+        fn permute(self, index: U) -> F = |i| self.0[index.0[i] as usize % WIDTH];
     }
 }
 
@@ -225,49 +160,19 @@ impl Unsigned for U {
     fn store(self, values: &mut [u32]) {
         values[..WIDTH].copy_from_slice(&self.0);
     }
-    #[inline(always)]
-    fn and(self, other: U) -> U {
-        each!(U, |i| self.0[i] & other.0[i])
-    }
-    #[inline(always)]
-    fn or(self, other: U) -> U {
-        each!(U, |i| self.0[i] | other.0[i])
-    }
-    #[inline(always)]
-    fn shl<const N: u32>(self) -> U {
-        each!(U, |i| self.0[i] << N)
-    }
-    #[inline(always)]
-    fn shr<const N: u32>(self) -> U {
-        each!(U, |i| self.0[i] >> N)
-    }
-    #[inline(always)]
-    fn min(self, other: U) -> U {
-        each!(U, |i| self.0[i].min(other.0[i]))
-    }
-    #[inline(always)]
-    fn max(self, other: U) -> U {
-        each!(U, |i| self.0[i].max(other.0[i]))
-    }
-    #[inline(always)]
-    fn test(self, bits: U) -> M {
-        each!(M, |i| self.0[i] & bits.0[i] != 0)
-    }
-    #[inline(always)]
-    fn equal(self, other: U) -> M {
-        each!(M, |i| self.0[i] == other.0[i])
-    }
-    #[inline(always)]
-    fn select(mask: M, yes: U, no: U) -> U {
-        each!(U, |i| if mask.0[i] { yes.0[i] } else { no.0[i] })
-    }
-    #[inline(always)]
-    fn to_float(self) -> F {
-        each!(F, |i| self.0[i] as i32 as f32)
-    }
-    #[inline(always)]
-    fn permute(self, index: U) -> U {
-        each!(U, |i| self.0[index.0[i] as usize % WIDTH])
+
+    operations! {
+        fn shl<const N: u32>(self) -> U = |i| self.0[i] << N;
+        fn shr<const N: u32>(self) -> U = |i| self.0[i] >> N;
+        fn and(self, other: U) -> U = |i| self.0[i] & other.0[i];
+        fn or(self, other: U) -> U = |i| self.0[i] | other.0[i];
+        fn min(self, other: U) -> U = |i| self.0[i].min(other.0[i]);
+        fn max(self, other: U) -> U = |i| self.0[i].max(other.0[i]);
+        fn test(self, bits: U) -> M = |i| self.0[i] & bits.0[i] != 0;
+        fn equal(self, other: U) -> M = |i| self.0[i] == other.0[i];
+        fn select(mask: M, yes: U, no: U) -> U = |i| if mask.0[i] { yes.0[i] } else { no.0[i] };
+        fn to_float(self) -> F = |i| self.0[i] as i32 as f32;
+        fn permute(self, index: U) -> U = |i| self.0[index.0[i] as usize % WIDTH];
     }
 }
 
@@ -275,20 +180,14 @@ macro_rules! mask {
     ($type:ident) => {
         impl Mask for $type {
             #[inline(always)]
-            fn and(self, other: $type) -> $type {
-                each!($type, |i| self.0[i] & other.0[i])
-            }
-            #[inline(always)]
-            fn or(self, other: $type) -> $type {
-                each!($type, |i| self.0[i] | other.0[i])
-            }
-            #[inline(always)]
-            fn not(self) -> $type {
-                each!($type, |i| !self.0[i])
-            }
-            #[inline(always)]
             fn bits(self) -> u32 {
                 bits(self.0)
+            }
+
+            operations! {
+                fn and(self, other: $type) -> $type = |i| self.0[i] & other.0[i];
+                fn or(self, other: $type) -> $type = |i| self.0[i] | other.0[i];
+                fn not(self) -> $type = |i| !self.0[i];
             }
         }
     };
@@ -329,24 +228,12 @@ impl Double for D {
     fn max(self, other: D) -> D {
         D::select(other.lt(self), self, other)
     }
-    #[inline(always)]
-    fn abs(self) -> D {
-        each!(D, |i| self.0[i].abs())
-    }
-    #[inline(always)]
-    fn ceil(self) -> D {
-        each!(D, |i| self.0[i].ceil())
-    }
-    #[inline(always)]
-    fn lt(self, other: D) -> MD {
-        each!(MD, |i| self.0[i] < other.0[i])
-    }
-    #[inline(always)]
-    fn le(self, other: D) -> MD {
-        each!(MD, |i| self.0[i] <= other.0[i])
-    }
-    #[inline(always)]
-    fn select(mask: MD, yes: D, no: D) -> D {
-        each!(D, |i| if mask.0[i] { yes.0[i] } else { no.0[i] })
+
+    operations! {
+        fn abs(self) -> D = |i| self.0[i].abs();
+        fn ceil(self) -> D = |i| self.0[i].ceil();
+        fn lt(self, other: D) -> MD = |i| self.0[i] < other.0[i];
+        fn le(self, other: D) -> MD = |i| self.0[i] <= other.0[i];
+        fn select(mask: MD, yes: D, no: D) -> D = |i| if mask.0[i] { yes.0[i] } else { no.0[i] };
     }
 }

@@ -24,8 +24,7 @@ pub fn sort_columns<L: Lanes, const COLUMNS: usize>(keys: &mut [u32], rows: usiz
     }
     each::<L, COLUMNS>(
         blocks,
-        #[inline(always)]
-        |block| {
+        inlined!(|block: &mut Block<L>| {
             mirror::<L, 1>(block);
             mirror::<L, 2>(block);
             halve::<L, 1>(block);
@@ -36,7 +35,7 @@ pub fn sort_columns<L: Lanes, const COLUMNS: usize>(keys: &mut [u32], rows: usiz
             halve::<L, 4>(block);
             halve::<L, 2>(block);
             halve::<L, 1>(block);
-        },
+        }),
     );
     let mut run = 1;
     while run < blocks.len() {
@@ -69,13 +68,12 @@ fn merge<L: Lanes, const COLUMNS: usize>(pair: &mut [[[u32; COLUMNS]; BLOCK]], r
     }
     each::<L, COLUMNS>(
         pair,
-        #[inline(always)]
-        |block| {
+        inlined!(|block: &mut Block<L>| {
             halve::<L, 8>(block);
             halve::<L, 4>(block);
             halve::<L, 2>(block);
             halve::<L, 1>(block);
-        },
+        }),
     );
 }
 

@@ -2,46 +2,14 @@
 //! sets do in one instruction and SSE2 lacks (blends, unsigned minima, rounding) is written here in a few.
 
 use super::operations::{
-    Double, Float, Lanes, Mask, PrefetchedGather, Unsigned, inlined, inside, parts_inside, sealed,
+    Double, Float, Lanes, Mask, PrefetchedGather, Unsigned, first, first_mut, inside, parts_inside, sealed,
 };
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 const WIDTH: usize = 4;
 
-/// Four SSE2 lanes.
-#[derive(Clone, Copy)]
-pub(super) struct Sse2;
-
-/// Four floats.
-#[derive(Clone, Copy)]
-pub(super) struct F(__m128);
-
-/// Four unsigned integers.
-#[derive(Clone, Copy)]
-pub(super) struct U(__m128i);
-
-/// Four booleans: all bits of a lane, or none.
-#[derive(Clone, Copy)]
-pub(super) struct M(__m128);
-
-/// Two 64-bit floats.
-#[derive(Clone, Copy)]
-pub(super) struct D(__m128d);
-
-/// Two booleans: all bits of a lane, or none.
-#[derive(Clone, Copy)]
-pub(super) struct MD(__m128d);
-
-impl sealed::Sealed for Sse2 {}
-
-impl Lanes for Sse2 {
-    const WIDTH: usize = WIDTH;
-    type F = F;
-    type U = U;
-    type M = M;
-    type D = D;
-}
+lane_set!(Sse2, WIDTH, F(__m128), U(__m128i), M(__m128), D(__m128d), MD(__m128d));
 
 operator!(F, Add, add, _mm_add_ps);
 operator!(F, Sub, sub, _mm_sub_ps);
@@ -66,34 +34,8 @@ impl Mul for U {
         }))
     }
 }
-
-impl Neg for F {
-    type Output = F;
-    #[inline(always)]
-    fn neg(self) -> F {
-        F(on_processor!(_mm_xor_ps(self.0, _mm_set1_ps(-0.0))))
-    }
-}
-
-impl Neg for D {
-    type Output = D;
-    #[inline(always)]
-    fn neg(self) -> D {
-        D(on_processor!(_mm_xor_pd(self.0, _mm_set1_pd(-0.0))))
-    }
-}
-
-/// An array at the start of a slice.
-#[inline(always)]
-fn first<T, const N: usize>(values: &[T]) -> &[T; N] {
-    values[..N].try_into().expect("as many values")
-}
-
-/// An array at the start of a slice, to be written.
-#[inline(always)]
-fn first_mut<T, const N: usize>(values: &mut [T]) -> &mut [T; N] {
-    (&mut values[..N]).try_into().expect("as many values")
-}
+operator!(F, Neg, _mm_xor_ps, _mm_set1_ps(-0.0));
+operator!(D, Neg, _mm_xor_pd, _mm_set1_pd(-0.0));
 
 /// Bits of `yes` where those of the mask are set, else of `no`.
 #[inline(always)]
@@ -136,42 +78,12 @@ impl Float for F {
     type Lanes = Sse2;
 
     #[inline(always)]
-    fn splat(value: f32) -> F {
-        F(on_processor!(_mm_set1_ps(value)))
-    }
-    #[inline(always)]
-    fn load(values: &[f32]) -> F {
-        let values: &[f32; 4] = first(values);
-        F(on_array!(_mm_loadu_ps(values.as_ptr())))
-    }
-    #[inline(always)]
-    fn store(self, values: &mut [f32]) {
-        let values: &mut [f32; 4] = first_mut(values);
-        on_array!(_mm_storeu_ps(values.as_mut_ptr(), self.0))
-    }
-    #[inline(always)]
     fn mul_add(self, b: F, c: F) -> F {
         // Two roundings where the build has no instruction for it: a fused operation would be a slow library call.
         #[cfg(target_feature = "fma")]
         return F(on_processor!(_mm_fmadd_ps(self.0, b.0, c.0)));
         #[cfg(not(target_feature = "fma"))]
         return self * b + c;
-    }
-    #[inline(always)]
-    fn min(self, other: F) -> F {
-        F(on_processor!(_mm_min_ps(self.0, other.0)))
-    }
-    #[inline(always)]
-    fn max(self, other: F) -> F {
-        F(on_processor!(_mm_max_ps(self.0, other.0)))
-    }
-    #[inline(always)]
-    fn abs(self) -> F {
-        F(on_processor!(_mm_andnot_ps(_mm_set1_ps(-0.0), self.0)))
-    }
-    #[inline(always)]
-    fn sqrt(self) -> F {
-        F(on_processor!(_mm_sqrt_ps(self.0)))
     }
     #[inline(always)]
     fn round(self) -> F {
@@ -187,30 +99,6 @@ impl Float for F {
         F(on_processor!(_mm_sub_ps(nearest.0, _mm_and_ps(self.lt(nearest).0, _mm_set1_ps(1.0)))))
     }
     #[inline(always)]
-    fn lt(self, other: F) -> M {
-        M(on_processor!(_mm_cmplt_ps(self.0, other.0)))
-    }
-    #[inline(always)]
-    fn le(self, other: F) -> M {
-        M(on_processor!(_mm_cmple_ps(self.0, other.0)))
-    }
-    #[inline(always)]
-    fn select(mask: M, yes: F, no: F) -> F {
-        F(on_processor!(_mm_or_ps(_mm_and_ps(mask.0, yes.0), _mm_andnot_ps(mask.0, no.0))))
-    }
-    #[inline(always)]
-    fn to_bits(self) -> U {
-        U(on_processor!(_mm_castps_si128(self.0)))
-    }
-    #[inline(always)]
-    fn from_bits(bits: U) -> F {
-        F(on_processor!(_mm_castsi128_ps(bits.0)))
-    }
-    #[inline(always)]
-    fn to_unsigned(self) -> U {
-        U(on_processor!(_mm_cvttps_epi32(self.0)))
-    }
-    #[inline(always)]
     fn permute(self, index: U) -> F {
         F::from_bits(self.to_bits().permute(index))
     }
@@ -218,33 +106,24 @@ impl Float for F {
     fn gather(values: &[f32], index: U) -> F {
         let mut places = [0; WIDTH];
         inside::<Sse2>(index, values.len()).store(&mut places);
-        let value = inlined(
-            #[inline(always)]
-            |i: usize| {
-                // SAFETY: every index lies inside the slice.
-                unsafe { *values.get_unchecked(places[i] as usize) }
-            },
-        );
+        let value = inlined!(|i: usize| {
+            // SAFETY: every index lies inside the slice.
+            unsafe { *values.get_unchecked(places[i] as usize) }
+        });
         F(on_processor!(_mm_setr_ps(value(0), value(1), value(2), value(3))))
     }
     #[inline(always)]
     fn gather_parts(values: &[[f32; 4]], index: U) -> [F; 4] {
         let mut places = [0; WIDTH];
         parts_inside::<Sse2>(index, values).store(&mut places);
-        parts(
-            #[inline(always)]
-            |i| {
-                // SAFETY: every index lies inside the slice.
-                unsafe { _mm_loadu_ps(values.get_unchecked(places[i] as usize).as_ptr()) }
-            },
-        )
+        parts(inlined!(|i| {
+            // SAFETY: every index lies inside the slice.
+            unsafe { _mm_loadu_ps(values.get_unchecked(places[i] as usize).as_ptr()) }
+        }))
     }
     #[inline(always)]
     fn gather_awaited(awaited: &PrefetchedGather<'_>) -> [F; 4] {
-        parts(
-            #[inline(always)]
-            |i| awaited.four(i),
-        )
+        parts(inlined!(|i| awaited.four(i)))
     }
     #[inline(always)]
     fn scatter_parts<const N: usize>(fours: [[F; 4]; N], values: &mut [[[f32; 4]; N]], index: U) {
@@ -260,50 +139,28 @@ impl Float for F {
             }
         }
     }
+
+    operations! {
+        fn splat(value: f32) -> F = _mm_set1_ps(value);
+        fn load(values: &[f32]) -> F = _mm_loadu_ps(first::<_, 4>(values).as_ptr());
+        fn store(self, values: &mut [f32]) = _mm_storeu_ps(first_mut::<_, 4>(values).as_mut_ptr(), self.0);
+        fn min(self, other: F) -> F = _mm_min_ps(self.0, other.0);
+        fn max(self, other: F) -> F = _mm_max_ps(self.0, other.0);
+        fn abs(self) -> F = _mm_andnot_ps(_mm_set1_ps(-0.0), self.0);
+        fn sqrt(self) -> F = _mm_sqrt_ps(self.0);
+        fn lt(self, other: F) -> M = _mm_cmplt_ps(self.0, other.0);
+        fn le(self, other: F) -> M = _mm_cmple_ps(self.0, other.0);
+        fn select(mask: M, yes: F, no: F) -> F =
+            _mm_or_ps(_mm_and_ps(mask.0, yes.0), _mm_andnot_ps(mask.0, no.0));
+        fn to_bits(self) -> U = _mm_castps_si128(self.0);
+        fn from_bits(bits: U) -> F = _mm_castsi128_ps(bits.0);
+        fn to_unsigned(self) -> U = _mm_cvttps_epi32(self.0);
+    }
 }
 
 impl Unsigned for U {
     type Lanes = Sse2;
 
-    #[inline(always)]
-    fn splat(value: u32) -> U {
-        U(on_processor!(_mm_set1_epi32(value as i32)))
-    }
-    #[inline(always)]
-    fn iota() -> U {
-        U(on_processor!(_mm_setr_epi32(0, 1, 2, 3)))
-    }
-    #[inline(always)]
-    fn load(values: &[u32]) -> U {
-        let values: &[u32; 4] = first(values);
-        U(on_array!(_mm_loadu_si128(values.as_ptr().cast())))
-    }
-    #[inline(always)]
-    fn load_u16(values: &[u16]) -> U {
-        let values: &[u16; 4] = first(values);
-        U(on_array!(_mm_unpacklo_epi16(_mm_loadl_epi64(values.as_ptr().cast()), _mm_setzero_si128())))
-    }
-    #[inline(always)]
-    fn store(self, values: &mut [u32]) {
-        let values: &mut [u32; 4] = first_mut(values);
-        on_array!(_mm_storeu_si128(values.as_mut_ptr().cast(), self.0))
-    }
-    #[inline(always)]
-    fn and(self, other: U) -> U {
-        U(on_processor!(_mm_and_si128(self.0, other.0)))
-    }
-    #[inline(always)]
-    fn or(self, other: U) -> U {
-        U(on_processor!(_mm_or_si128(self.0, other.0)))
-    }
-    #[inline(always)]
-    fn shl<const N: u32>(self) -> U {
-        U(on_processor!(_mm_sll_epi32(self.0, _mm_cvtsi32_si128(N as i32))))
-    }
-    #[inline(always)]
-    fn shr<const N: u32>(self) -> U {
-        U(on_processor!(_mm_srl_epi32(self.0, _mm_cvtsi32_si128(N as i32))))
-    }
     #[inline(always)]
     fn min(self, other: U) -> U {
         U(blend(above(other, self), self.0, other.0))
@@ -317,46 +174,45 @@ impl Unsigned for U {
         self.and(bits).equal(U::splat(0)).not()
     }
     #[inline(always)]
-    fn equal(self, other: U) -> M {
-        M(on_processor!(_mm_castsi128_ps(_mm_cmpeq_epi32(self.0, other.0))))
-    }
-    #[inline(always)]
     fn select(mask: M, yes: U, no: U) -> U {
         U(blend(on_processor!(_mm_castps_si128(mask.0)), yes.0, no.0))
-    }
-    #[inline(always)]
-    fn to_float(self) -> F {
-        F(on_processor!(_mm_cvtepi32_ps(self.0)))
     }
     #[inline(always)]
     fn permute(self, index: U) -> U {
         let (mut lanes, mut places) = ([0; WIDTH], [0; WIDTH]);
         self.store(&mut lanes);
         index.store(&mut places);
-        let lane = inlined(
-            #[inline(always)]
-            |i: usize| lanes[places[i] as usize % WIDTH] as i32,
-        );
+        let lane = inlined!(|i: usize| lanes[places[i] as usize % WIDTH] as i32);
         U(on_processor!(_mm_setr_epi32(lane(0), lane(1), lane(2), lane(3))))
+    }
+
+    operations! {
+        fn splat(value: u32) -> U = _mm_set1_epi32(value as i32);
+        fn iota() -> U = _mm_setr_epi32(0, 1, 2, 3);
+        fn load(values: &[u32]) -> U = _mm_loadu_si128(first::<_, 4>(values).as_ptr().cast());
+        fn load_u16(values: &[u16]) -> U =
+            _mm_unpacklo_epi16(_mm_loadl_epi64(first::<_, 4>(values).as_ptr().cast()), _mm_setzero_si128());
+        fn store(self, values: &mut [u32]) =
+            _mm_storeu_si128(first_mut::<_, 4>(values).as_mut_ptr().cast(), self.0);
+        fn shl<const N: u32>(self) -> U = _mm_sll_epi32(self.0, _mm_cvtsi32_si128(N as i32));
+        fn shr<const N: u32>(self) -> U = _mm_srl_epi32(self.0, _mm_cvtsi32_si128(N as i32));
+        fn and(self, other: U) -> U = _mm_and_si128(self.0, other.0);
+        fn or(self, other: U) -> U = _mm_or_si128(self.0, other.0);
+        fn equal(self, other: U) -> M = _mm_castsi128_ps(_mm_cmpeq_epi32(self.0, other.0));
+        fn to_float(self) -> F = _mm_cvtepi32_ps(self.0);
     }
 }
 
 impl Mask for M {
     #[inline(always)]
-    fn and(self, other: M) -> M {
-        M(on_processor!(_mm_and_ps(self.0, other.0)))
-    }
-    #[inline(always)]
-    fn or(self, other: M) -> M {
-        M(on_processor!(_mm_or_ps(self.0, other.0)))
-    }
-    #[inline(always)]
-    fn not(self) -> M {
-        M(on_processor!(_mm_xor_ps(self.0, _mm_castsi128_ps(_mm_set1_epi32(-1)))))
-    }
-    #[inline(always)]
     fn bits(self) -> u32 {
         (on_processor!(_mm_movemask_ps(self.0))) as u32
+    }
+
+    operations! {
+        fn and(self, other: M) -> M = _mm_and_ps(self.0, other.0);
+        fn or(self, other: M) -> M = _mm_or_ps(self.0, other.0);
+        fn not(self) -> M = _mm_xor_ps(self.0, _mm_castsi128_ps(_mm_set1_epi32(-1)));
     }
 }
 
@@ -365,42 +221,11 @@ impl Double for D {
     type Mask = MD;
 
     #[inline(always)]
-    fn splat(value: f64) -> D {
-        D(on_processor!(_mm_set1_pd(value)))
-    }
-    #[inline(always)]
-    fn load(values: &[f64]) -> D {
-        let values: &[f64; 2] = first(values);
-        D(on_array!(_mm_loadu_pd(values.as_ptr())))
-    }
-    #[inline(always)]
-    fn store(self, values: &mut [f64]) {
-        let values: &mut [f64; 2] = first_mut(values);
-        on_array!(_mm_storeu_pd(values.as_mut_ptr(), self.0))
-    }
-    #[inline(always)]
-    fn store_f32(self, values: &mut [f32]) {
-        let values: &mut [f32; 2] = first_mut(values);
-        on_array!(_mm_storel_epi64(values.as_mut_ptr().cast(), _mm_castps_si128(_mm_cvtpd_ps(self.0))))
-    }
-    #[inline(always)]
     fn mul_add(self, b: D, c: D) -> D {
         #[cfg(target_feature = "fma")]
         return D(on_processor!(_mm_fmadd_pd(self.0, b.0, c.0)));
         #[cfg(not(target_feature = "fma"))]
         return self * b + c;
-    }
-    #[inline(always)]
-    fn min(self, other: D) -> D {
-        D(on_processor!(_mm_min_pd(self.0, other.0)))
-    }
-    #[inline(always)]
-    fn max(self, other: D) -> D {
-        D(on_processor!(_mm_max_pd(self.0, other.0)))
-    }
-    #[inline(always)]
-    fn abs(self) -> D {
-        D(on_processor!(_mm_andnot_pd(_mm_set1_pd(-0.0), self.0)))
     }
     #[inline(always)]
     fn ceil(self) -> D {
@@ -413,35 +238,35 @@ impl Double for D {
         // −0 stays, and −0.5 becomes it.
         D(on_processor!(_mm_or_pd(up.0, sign)))
     }
-    #[inline(always)]
-    fn lt(self, other: D) -> MD {
-        MD(on_processor!(_mm_cmplt_pd(self.0, other.0)))
-    }
-    #[inline(always)]
-    fn le(self, other: D) -> MD {
-        MD(on_processor!(_mm_cmple_pd(self.0, other.0)))
-    }
-    #[inline(always)]
-    fn select(mask: MD, yes: D, no: D) -> D {
-        D(on_processor!(_mm_or_pd(_mm_and_pd(mask.0, yes.0), _mm_andnot_pd(mask.0, no.0))))
+
+    operations! {
+        fn splat(value: f64) -> D = _mm_set1_pd(value);
+        fn load(values: &[f64]) -> D = _mm_loadu_pd(first::<_, 2>(values).as_ptr());
+        fn store(self, values: &mut [f64]) = _mm_storeu_pd(first_mut::<_, 2>(values).as_mut_ptr(), self.0);
+        fn store_f32(self, values: &mut [f32]) =
+            _mm_storel_epi64(
+                first_mut::<_, 2>(values).as_mut_ptr().cast(),
+                _mm_castps_si128(_mm_cvtpd_ps(self.0))
+            );
+        fn min(self, other: D) -> D = _mm_min_pd(self.0, other.0);
+        fn max(self, other: D) -> D = _mm_max_pd(self.0, other.0);
+        fn abs(self) -> D = _mm_andnot_pd(_mm_set1_pd(-0.0), self.0);
+        fn lt(self, other: D) -> MD = _mm_cmplt_pd(self.0, other.0);
+        fn le(self, other: D) -> MD = _mm_cmple_pd(self.0, other.0);
+        fn select(mask: MD, yes: D, no: D) -> D =
+            _mm_or_pd(_mm_and_pd(mask.0, yes.0), _mm_andnot_pd(mask.0, no.0));
     }
 }
 
 impl Mask for MD {
     #[inline(always)]
-    fn and(self, other: MD) -> MD {
-        MD(on_processor!(_mm_and_pd(self.0, other.0)))
-    }
-    #[inline(always)]
-    fn or(self, other: MD) -> MD {
-        MD(on_processor!(_mm_or_pd(self.0, other.0)))
-    }
-    #[inline(always)]
-    fn not(self) -> MD {
-        MD(on_processor!(_mm_xor_pd(self.0, _mm_castsi128_pd(_mm_set1_epi32(-1)))))
-    }
-    #[inline(always)]
     fn bits(self) -> u32 {
         (on_processor!(_mm_movemask_pd(self.0))) as u32
+    }
+
+    operations! {
+        fn and(self, other: MD) -> MD = _mm_and_pd(self.0, other.0);
+        fn or(self, other: MD) -> MD = _mm_or_pd(self.0, other.0);
+        fn not(self) -> MD = _mm_xor_pd(self.0, _mm_castsi128_pd(_mm_set1_epi32(-1)));
     }
 }

@@ -414,7 +414,7 @@ impl LaneKernel for LaneTable {
         let last = splat((self.table.ramp.size() - 1) as f32);
         for at in (0..batch.count()).step_by(L::WIDTH) {
             let segments = batch.segments::<L>(at);
-            let (front_values, back_values) = (segments.front(), segments.back());
+            let (front_values, back_values) = (segments.front, segments.back);
             let [front, back]: [L::F; 2] = array(
                 #[inline(always)]
                 |end| {
@@ -428,13 +428,13 @@ impl LaneKernel for LaneTable {
             let first = (front.min(back) - reach).floor().max(zero).min(last - one);
             let next = L::F::gather(&self.filled, first.to_unsigned());
             let behind = (front.max(back) + reach).floor() + one;
-            let there = segments.crossing().and(numbers).and(next.lt(behind));
+            let there = segments.crossing.and(numbers).and(next.lt(behind));
             if !there.any() {
                 results.put_nothing::<L>(at);
                 continue;
             }
             results.count_evaluations(u64::from(batch.within::<L>(there, at).count_ones()));
-            let length = segments.length() * splat(self.per_length);
+            let length = segments.length * splat(self.per_length);
             let share = length.max(zero).min(one);
             let [r, g, b, mean] = match (&self.means, self.table.last_tile) {
                 (Some(means), Some(last_tile)) => {

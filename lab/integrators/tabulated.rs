@@ -19,8 +19,8 @@ use voltet_core::Result;
 use voltet_core::parameters::VariantSchema;
 use voltet_core::transfer::{Convex, Profile, TransferFunction};
 use voltet_cpu::integrator::{
-    FallbackReason, FieldLanes, LaneExtension, LaneIntegratorKind, LaneKernel, LaneScene, RegionPath,
-    SegmentBatch, SegmentLanes, SegmentResults, WidgetLanes,
+    FallbackReason, FieldLanes, LaneExtension, LaneIntegratorKind, LaneKernel, LaneScene, LaneWidget,
+    RegionPath, SegmentBatch, SegmentLanes, SegmentResults,
 };
 use voltet_optics::clip::ClippedSpan;
 use voltet_optics::integrators::{
@@ -321,7 +321,7 @@ impl TabulatedKernel {
     #[inline(always)]
     fn widget_light<L: Lanes>(
         &self,
-        widget: WidgetLanes<'_>,
+        widget: &LaneWidget,
         segments: &SegmentLanes<L>,
         fields: &FieldLanes<L>,
         depth_only: bool,
@@ -329,7 +329,7 @@ impl TabulatedKernel {
         let splat = L::F::splat;
         let (zero, one) = (splat(0.0), splat(1.0));
         let RegionPath { path, fraction: share, present: there } = widget.path(segments, fields);
-        let rate = splat(widget.density()) * segments.length() * share;
+        let rate = splat(widget.density()) * segments.length * share;
         // Where there is no stretch its ends are no numbers.
         let there = there.and(zero.lt(rate));
         let (mut mean, mut unsure) = (one, 0);
@@ -348,7 +348,7 @@ impl TabulatedKernel {
             }
             None => share,
         };
-        let light = L::F::select(there, splat(scale) * segments.length() * seen, zero);
+        let light = L::F::select(there, splat(scale) * segments.length * seen, zero);
         (own, light, unsure)
     }
 }
@@ -384,7 +384,7 @@ impl LaneKernel for TabulatedKernel {
                 depth = depth + own;
                 if !depth_only {
                     for c in 0..3 {
-                        light[c] = glow.mul_add(L::F::splat(widget.color()[c]), light[c]);
+                        light[c] = glow.mul_add(L::F::splat(widget.color[c]), light[c]);
                     }
                 }
             }
@@ -401,7 +401,7 @@ impl LaneKernel for TabulatedKernel {
                 results.put::<L>(at, [r, g, b], depth);
             }
             unsure |= whole.le(L::F::splat(f32::MAX)).not().bits();
-            let within = batch.within::<L>(segments.crossing(), at);
+            let within = batch.within::<L>(segments.crossing, at);
             unsure &= within;
             results.fall_back(at, unsure);
             results.count_evaluations(u64::from((asked & within).count_ones()));

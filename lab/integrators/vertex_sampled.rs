@@ -232,7 +232,7 @@ impl LaneKernel for VertexSampledKernel {
         let splat = L::F::splat;
         let (zero, half) = (splat(0.0), splat(0.5));
         for at in (0..batch.count()).step_by(L::WIDTH) {
-            let length = batch.segments::<L>(at).length();
+            let length = batch.segments::<L>(at).length;
             let crossing = zero.lt(length);
             let length = L::F::select(crossing, length, zero);
             // Interpolation may leave less than nothing; what is no number stays none.

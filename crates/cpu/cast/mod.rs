@@ -17,39 +17,17 @@
 //! Where the near plane or the eye lies among the cells, those in view are a grid of their own: rays enter it by faces on the eye's side
 //! of the plane, or behind the eye, and segments begin at the plane. Each ray then sees the points moved along it into the plane of depth 0, a
 //! linear map that holds at the eye and behind it; the sides of edges and the weights of corners are found there as for parallel rays.
-//!
-//! | file | responsibility |
-//! | --- | --- |
-//! | `mesh` | faces shared by a volume's cells |
-//! | `half_faces` | faces shared by the drawn cells |
-//! | `face_cache` | both, cached between pictures |
-//! | `points` | screen positions in whole steps |
-//! | `edge_functions` | sides of edges that rays pass |
-//! | `boundary` | boundary faces by tiles |
-//! | `policy` | cost model against projection |
-//! | `ray_caster` | acceleration structure of a picture |
-//! | `boundary_hits` | boundary faces that rays enter by |
-//! | `packet`, `packet_state` | rays in memory, in registers |
-//! | `traversal` | packets through cells |
-//! | `barycentric` | interpolation on a face |
 
-mod barycentric;
-mod boundary;
-pub(crate) mod boundary_hits;
 mod edge_functions;
-mod face_cache;
 mod half_faces;
-mod mesh;
 pub(crate) mod packet;
-mod packet_state;
 mod points;
-mod policy;
-mod ray_caster;
+pub(crate) mod ray_caster;
 #[cfg(test)]
 mod tests;
 pub(crate) mod traversal;
 
-pub(crate) use face_cache::FaceCache;
+pub(crate) use half_faces::FaceCache;
 pub(crate) use half_faces::{BYTES_PER_CELL, MAX_CELLS};
-pub(crate) use policy::RayCastPolicy;
+pub(crate) use ray_caster::RayCastPolicy;
 pub(crate) use ray_caster::RayCaster;

@@ -1,8 +1,7 @@
 //! Half-faces against the cells themselves.
 
 use super::edge_functions::{edge_function, edges_inside};
-use super::half_faces::{EXIT_FLAG, HalfFaces, ORDER, ROTATION_BITS};
-use super::mesh::{Mesh, NO_FACE, Side};
+use super::half_faces::{EXIT_FLAG, HalfFaces, Mesh, NO_FACE, ORDER, ROTATION_BITS, Side};
 use proptest::prelude::*;
 use std::sync::Arc;
 use voltet_core::grid::Grid;

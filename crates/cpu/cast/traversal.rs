@@ -1,10 +1,8 @@
 //! Traversal of ray packets through cells.
 
-use super::barycentric::Barycentric;
-use super::edge_functions::{Offset, edge_function, edges_inside, moved_by_depth};
+use super::edge_functions::{Barycentric, Offset, edge_function, edges_inside, moved_by_depth};
 use super::half_faces::{EXIT_FLAG, ROTATION_BITS};
-use super::packet::{MAX_TRAVERSAL_STEPS, PACKETS_IN_FLIGHT, RayPacket, SLICES};
-use super::packet_state::PacketState;
+use super::packet::{MAX_TRAVERSAL_STEPS, PACKETS_IN_FLIGHT, PacketState, RayPacket, SLICES};
 use super::points::{CUT, PARALLEL, PERSPECTIVE, Points};
 use super::ray_caster::MAX_RAYCAST_ATTRIBUTES;
 use crate::fragments::batch::{Batch, MAX_LANES};
@@ -116,10 +114,7 @@ impl<const DEPTHS: u8, const N: usize> Kernel for Advance<'_, '_, DEPTHS, N> {
                 }
             }
         }
-        array(
-            #[inline(always)]
-            |k| max[k] * TILE,
-        )
+        array!(|k| max[k] * TILE)
     }
 }
 
@@ -170,10 +165,7 @@ impl<'a, 'b, L: Lanes, const DEPTHS: u8, const N: usize> PacketTraversal<'a, 'b,
             points,
             first: &points.quads[0],
             further: points.quads.get(1).map_or(&[], Vec::as_slice),
-            of_ray: array(
-                #[inline(always)]
-                |axis| L::U::load(&packet.position[axis][half..]),
-            ),
+            of_ray: array!(|axis| L::U::load(&packet.position[axis][half..])),
             near: L::U::splat(points.near.unwrap_or(0)),
             state: PacketState::load(&packet.state, half),
             active: mask_of::<L>(packet.active >> half),
@@ -212,10 +204,7 @@ impl<'a, 'b, L: Lanes, const DEPTHS: u8, const N: usize> PacketTraversal<'a, 'b,
     #[inline(always)]
     pub fn read(&self) -> [L::U; 4] {
         let words = L::F::gather_awaited(&self.records);
-        array(
-            #[inline(always)]
-            |k| words[k].to_bits(),
-        )
+        array!(|k| words[k].to_bits())
     }
 
     /// Gathers the opposite vertex.
@@ -223,17 +212,14 @@ impl<'a, 'b, L: Lanes, const DEPTHS: u8, const N: usize> PacketTraversal<'a, 'b,
     pub fn opposite_vertex(&self, number: L::U) -> OppositeVertex<L, N> {
         let pixel = L::F::splat(self.points.pixel);
         let [x, y, depth, value] = L::F::gather_parts(self.first, number);
-        let relative = inlined(
-            #[inline(always)]
-            |position: L::F, axis: usize| {
-                let mut position = position.to_bits() - self.of_ray[axis];
-                if DEPTHS == CUT {
-                    let spread = L::U::load(&self.packet.spread[axis][self.half..]);
-                    position = position - moved_by_depth::<L>(depth.to_bits(), spread);
-                }
-                position.to_float() * pixel
-            },
-        );
+        let relative = inlined!(|position: L::F, axis: usize| {
+            let mut position = position.to_bits() - self.of_ray[axis];
+            if DEPTHS == CUT {
+                let spread = L::U::load(&self.packet.spread[axis][self.half..]);
+                position = position - moved_by_depth::<L>(depth.to_bits(), spread);
+            }
+            position.to_float() * pixel
+        });
         let mut values = [value; N];
         if N > 1 {
             let further = L::F::gather_parts(self.further, number);
@@ -264,10 +250,7 @@ impl<'a, 'b, L: Lanes, const DEPTHS: u8, const N: usize> PacketTraversal<'a, 'b,
 
         // By the half-face's own order of corners.
         let three = L::U::splat(3);
-        let modulo = inlined(
-            #[inline(always)]
-            |n: L::U| n.min(n - three),
-        );
+        let modulo = inlined!(|n: L::U| n.min(n - three));
         let slot = modulo(L::U::select(
             without_0,
             state.rotation,
@@ -292,21 +275,18 @@ impl<'a, 'b, L: Lanes, const DEPTHS: u8, const N: usize> PacketTraversal<'a, 'b,
         let zero = L::F::splat(0.0);
         let ExitFace { without_0, without_1, without_2, functions: [fa, fb, fc] } = exit;
         let OppositeVertex { at: d, depth, values } = opposite;
-        let mut replace = inlined(
-            #[inline(always)]
-            |k: usize, without: L::M| {
-                state.corners[k] = [
-                    L::F::select(without, d[0], state.corners[k][0]),
-                    L::F::select(without, d[1], state.corners[k][1]),
-                ];
-                state.depth[k] = L::U::select(without, depth, state.depth[k]);
-                let mut a = 0;
-                while a < N {
-                    state.values[a][k] = L::F::select(without, values[a], state.values[a][k]);
-                    a += 1;
-                }
-            },
-        );
+        let mut replace = inlined!(|k: usize, without: L::M| {
+            state.corners[k] = [
+                L::F::select(without, d[0], state.corners[k][0]),
+                L::F::select(without, d[1], state.corners[k][1]),
+            ];
+            state.depth[k] = L::U::select(without, depth, state.depth[k]);
+            let mut a = 0;
+            while a < N {
+                state.values[a][k] = L::F::select(without, values[a], state.values[a][k]);
+                a += 1;
+            }
+        });
         replace(0, without_0);
         replace(1, without_1);
         replace(2, without_2);
@@ -329,10 +309,7 @@ impl<'a, 'b, L: Lanes, const DEPTHS: u8, const N: usize> PacketTraversal<'a, 'b,
         }
         let (mut begin, mut end) = (state.at, at);
         if DEPTHS == CUT {
-            let later = inlined(
-                #[inline(always)]
-                |depth: L::U| depth + *near - depth.min(*near),
-            );
+            let later = inlined!(|depth: L::U| depth + *near - depth.min(*near));
             (begin, end) = (later(begin), later(end));
             let is_cut = begin.equal(state.at).not();
             if is_cut.any() {
@@ -360,15 +337,11 @@ impl<'a, 'b, L: Lanes, const DEPTHS: u8, const N: usize> PacketTraversal<'a, 'b,
         }
         if self.depths {
             L::U::load(&packet.pixels[half..]).store(&mut batch.pixel[slot..]);
-            let depth_of = inlined(
-                #[inline(always)]
-                |at: L::U, distance: L::F| {
-                    let parallel =
-                        at.to_float().mul_add(L::F::splat(points.step), L::F::splat(points.nearest));
-                    let depth = if DEPTHS == PERSPECTIVE { distance } else { parallel };
-                    depth - L::F::splat(packet.distance_origin as f32)
-                },
-            );
+            let depth_of = inlined!(|at: L::U, distance: L::F| {
+                let parallel = at.to_float().mul_add(L::F::splat(points.step), L::F::splat(points.nearest));
+                let depth = if DEPTHS == PERSPECTIVE { distance } else { parallel };
+                depth - L::F::splat(packet.distance_origin as f32)
+            });
             depth_of(begin, state.distance).store(&mut batch.entry[slot..]);
             depth_of(end, distance).store(&mut batch.exit[slot..]);
         }
@@ -409,10 +382,7 @@ impl<'a, 'b, L: Lanes, const DEPTHS: u8, const N: usize> PacketTraversal<'a, 'b,
     fn enter(&mut self, rays: u32) {
         let pending = &self.packet.pending;
         let half = self.half;
-        let corner = inlined(
-            #[inline(always)]
-            |k: usize| self.opposite_vertex(L::U::load(&pending.corners[k][half..])),
-        );
+        let corner = inlined!(|k: usize| self.opposite_vertex(L::U::load(&pending.corners[k][half..])));
         let corners = [corner(0), corner(1), corner(2)];
         let at = L::U::load(&pending.at[half..]);
         let half_face = L::U::load(&pending.half_face[half..]);
@@ -422,20 +392,15 @@ impl<'a, 'b, L: Lanes, const DEPTHS: u8, const N: usize> PacketTraversal<'a, 'b,
         let weights = Barycentric::<L>::new::<DEPTHS>(
             self.points,
             functions,
-            array(
-                #[inline(always)]
-                |k| corners[k].depth,
-            ),
+            array!(|k| corners[k].depth),
             corners[2].depth,
         );
         let entered = mask_of::<L>(rays);
         let state = &mut self.state;
         let mut k = 0;
         while k < 3 {
-            state.corners[k] = array(
-                #[inline(always)]
-                |axis| L::F::select(entered, corners[k].at[axis], state.corners[k][axis]),
-            );
+            state.corners[k] =
+                array!(|axis| L::F::select(entered, corners[k].at[axis], state.corners[k][axis]));
             state.depth[k] = L::U::select(entered, corners[k].depth, state.depth[k]);
             state.functions[k] = L::F::select(entered, functions[k], state.functions[k]);
             let mut a = 0;

@@ -1,7 +1,10 @@
-//! Accumulators of a tile's pixels, front to back, those of a row side by side.
+//! Accumulators of a tile's pixels: colours front to back, those of a row side by side; and sinks of segments that are shaded as they come,
+//! sums where no order is needed, or lists of any length, for pixels with more segments than the fixed lists hold.
 
+use crate::composite::fragment_lists::is_behind;
 use crate::fragments::batch::Batch;
 use crate::shade::shaded_batch::ShadedBatch;
+use crate::shade::shader::Shader;
 use crate::tile::{PIXELS, TILE, TilePicture};
 use crate::tolerances::{MIN_TRANSMITTANCE, OPAQUE_OPTICAL_DEPTH};
 use voltet_simd::{Float, Kernel, LaneSet, Lanes, array, dispatch};
@@ -53,23 +56,66 @@ impl TileAccumulator {
     }
 }
 
-/// Sums of optical depth of a tile's pixels, where there is one colour; or composited opacities, see [`super::sinks::OpticalDepthSink`].
-pub(crate) struct OpticalDepthRows<'a> {
-    pub sums: &'a mut [f32; PIXELS],
+/// Sums of optical depth of a tile's pixels, where there is one colour; or composited opacities, where each segment's has a factor of its
+/// own: A is then more than a sum of depths, but its order does not matter either.
+pub(crate) struct OpticalDepths {
+    pub sums: [f32; PIXELS],
     pub opacities: bool,
 }
 
-impl OpticalDepthRows<'_> {
-    /// True if no further segment changes any pixel of a row.
-    pub fn is_opaque(&self, row: usize) -> bool {
+impl OpticalDepths {
+    /// True if no further segment changes any of some pixels.
+    fn are_opaque(&self, pixels: &[f32]) -> bool {
         let full = if self.opacities { 1.0 } else { OPAQUE_OPTICAL_DEPTH };
-        self.sums[row * TILE..][..TILE].iter().all(|sum| full <= *sum)
+        pixels.iter().all(|sum| full <= *sum)
     }
 
     /// Adds the first `count` segments of a batch, slices of a row, to it.
-    pub fn take(&mut self, lanes: LaneSet, row: usize, shaded: &ShadedBatch, count: usize) {
-        let OpticalDepthRows { sums, opacities } = self;
+    pub fn take_row(&mut self, lanes: LaneSet, row: usize, shaded: &ShadedBatch, count: usize) {
+        let OpticalDepths { sums, opacities } = self;
         dispatch(lanes, Add { sums, row, depths: &shaded.depth[..count], opacities: *opacities });
+    }
+
+    /// Stores pixels of one colour.
+    pub fn store(&self, color: [f32; 3], picture: &mut TilePicture) {
+        for (pixel, &sum) in picture.iter_mut().zip(&self.sums) {
+            *pixel = pixel_in_one_color(color, sum, self.opacities);
+        }
+    }
+}
+
+/// Pixels of a tile.
+#[expect(clippy::large_enum_variant, reason = "a worker has one, on its stack")]
+pub(crate) enum TilePixels {
+    OneColor([f32; 3], OpticalDepths),
+    Colors(TileAccumulator),
+}
+
+impl TilePixels {
+    /// Pixels for a shader, before any segment. `sums`: optical depths that they begin with, where there is one colour.
+    pub fn new(shader: &Shader, sums: [f32; PIXELS]) -> TilePixels {
+        match shader.one_color {
+            Some(color) => {
+                TilePixels::OneColor(color, OpticalDepths { sums, opacities: shader.surface.is_some() })
+            }
+            None => TilePixels::Colors(TileAccumulator::new()),
+        }
+    }
+
+    /// True if no further segment changes any pixel of a row.
+    pub fn is_opaque(&self, row: usize) -> bool {
+        match self {
+            TilePixels::OneColor(_, depths) => depths.are_opaque(&depths.sums[row * TILE..][..TILE]),
+            TilePixels::Colors(pixels) => pixels.is_opaque(row),
+        }
+    }
+
+    /// Stores colour and opacity of all pixels.
+    pub fn store(&self, picture: &mut TilePicture) {
+        match self {
+            TilePixels::OneColor(color, depths) => depths.store(*color, picture),
+            TilePixels::Colors(pixels) => pixels.store(picture),
+        }
     }
 }
 
@@ -113,23 +159,14 @@ impl Kernel for Over<'_> {
         let (zero, one) = (L::F::splat(0.0), L::F::splat(1.0));
         for half in (0..TILE).step_by(L::WIDTH) {
             let first = row * TILE + half;
-            let mut sums: [L::F; 4] = array(
-                #[inline(always)]
-                |c| L::F::load(&pixels.rgba[c][first..]),
-            );
+            let mut sums: [L::F; 4] = array!(|c| L::F::load(&pixels.rgba[c][first..]));
             let mut transmittance = L::F::load(&pixels.transmittance[first..]);
             let mut at = half;
             while at < columns[0].len() {
-                let mut layer: [L::F; 4] = array(
-                    #[inline(always)]
-                    |c| L::F::load(&columns[c][at..]),
-                );
+                let mut layer: [L::F; 4] = array!(|c| L::F::load(&columns[c][at..]));
                 if let Some(lengths) = lengths {
                     let hit = zero.lt(L::F::load(&lengths[at..]));
-                    layer = array(
-                        #[inline(always)]
-                        |c| L::F::select(hit, layer[c], zero),
-                    );
+                    layer = array!(|c| L::F::select(hit, layer[c], zero));
                 }
                 for (sum, layer) in sums.iter_mut().zip(layer) {
                     *sum = transmittance.mul_add(layer, *sum);
@@ -142,5 +179,126 @@ impl Kernel for Over<'_> {
             }
             transmittance.store(&mut pixels.transmittance[first..]);
         }
+    }
+}
+
+/// Destination of a tile's segments.
+pub(crate) trait Sink {
+    /// Takes the first `count` fragments of a batch; those of no length are not segments.
+    fn take(&mut self, batch: &Batch, shaded: &ShadedBatch, count: usize);
+
+    /// True if no further segment changes any pixel.
+    fn is_opaque(&self) -> bool {
+        false
+    }
+}
+
+impl Sink for OpticalDepths {
+    fn take(&mut self, batch: &Batch, shaded: &ShadedBatch, count: usize) {
+        // Fragments of no length have no depth: no test.
+        let segments = batch.pixel[..count].iter().zip(&shaded.depth[..count]);
+        if self.opacities {
+            for (&pixel, &opacity) in segments {
+                let sum = &mut self.sums[usize::from(pixel as u8)];
+                *sum += (1.0 - *sum) * opacity;
+            }
+        } else {
+            for (&pixel, &depth) in segments {
+                self.sums[usize::from(pixel as u8)] += depth;
+            }
+        }
+    }
+
+    fn is_opaque(&self) -> bool {
+        self.are_opaque(&self.sums)
+    }
+}
+
+/// Colour and opacity of a pixel of one colour.
+pub(crate) fn pixel_in_one_color(color: [f32; 3], sum: f32, opacities: bool) -> [f32; 4] {
+    let sum = f64::from(sum);
+    let opacity = if opacities { sum } else { -(-sum).exp_m1() };
+    let [r, g, b] = color.map(|c| (f64::from(c) * opacity) as f32);
+    [r, g, b, opacity as f32]
+}
+
+impl Sink for UnboundedFragmentLists {
+    fn take(&mut self, batch: &Batch, shaded: &ShadedBatch, count: usize) {
+        for k in (0..count).filter(|&k| batch.length[k] > 0.0) {
+            let rgba = [shaded.rgba[0][k], shaded.rgba[1][k], shaded.rgba[2][k], shaded.rgba[3][k]];
+            let column = batch.pixel[k] as usize & (TILE - 1);
+            self.push(column, Fragment::new(batch.entry[k], batch.exit[k], rgba));
+        }
+    }
+}
+
+/// A shaded segment.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Fragment {
+    /// Premultiplied colour and opacity.
+    pub rgba: [f32; 4],
+    /// Depth of the entry.
+    pub entry: f32,
+    /// Depth of the exit.
+    pub exit: f32,
+}
+
+impl Fragment {
+    pub fn new(entry: f32, exit: f32, rgba: [f32; 4]) -> Fragment {
+        Fragment { rgba, entry, exit }
+    }
+
+    /// True if this segment comes behind the other: [`is_behind`].
+    fn is_behind(&self, other: &Fragment) -> bool {
+        is_behind([self.entry, self.exit], [other.entry, other.exit])
+    }
+}
+
+/// Fragment lists of one row of pixels.
+#[derive(Default)]
+pub(crate) struct UnboundedFragmentLists {
+    pixels: [Vec<Fragment>; TILE],
+    /// Transmittance of each pixel.
+    pub transmittance: [f64; TILE],
+}
+
+impl UnboundedFragmentLists {
+    pub fn clear(&mut self) {
+        self.pixels.iter_mut().for_each(Vec::clear);
+    }
+
+    pub fn push(&mut self, column: usize, fragment: Fragment) {
+        self.pixels[column].push(fragment);
+    }
+
+    /// Composites the row; returns the pixels whose segments were not in order.
+    pub fn composite(&mut self, sorted: bool, out: &mut [[f32; 4]]) -> u64 {
+        let mut disordered = 0;
+        for ((fragments, transmittance), out) in self.pixels.iter_mut().zip(&mut self.transmittance).zip(out)
+        {
+            if sorted {
+                fragments.sort_by(|a, b| a.entry.total_cmp(&b.entry).then_with(|| a.exit.total_cmp(&b.exit)));
+                for k in 1..fragments.len() {
+                    let mut to = k;
+                    while to > 0 && fragments[to - 1].is_behind(&fragments[to]) {
+                        fragments.swap(to - 1, to);
+                        to -= 1;
+                    }
+                }
+            } else {
+                disordered += u64::from(!fragments.is_sorted_by(|a, b| a.entry <= b.entry));
+            }
+            // Thousands of fragments: 64-bit sums.
+            let (mut color, mut through) = ([0f64; 3], 1f64);
+            for fragment in fragments.iter() {
+                for (sum, c) in color.iter_mut().zip(fragment.rgba) {
+                    *sum += through * f64::from(c);
+                }
+                through *= 1.0 - f64::from(fragment.rgba[3]);
+            }
+            *transmittance = through;
+            *out = [color[0] as f32, color[1] as f32, color[2] as f32, (1.0 - through) as f32];
+        }
+        disordered
     }
 }

@@ -8,11 +8,11 @@
 //! and of the shader. Numbers stand in quads, so that each four moves by one instruction.
 
 use crate::fragments::batch::Batch;
-use crate::fragments::slots::{FIRST_SLOTS, MAX_LIST_LENGTH, NextSlots, SLOT_BITS, SLOTS_PER_PIXEL};
+use crate::fragments::spans::{FIRST_SLOTS, MAX_LIST_LENGTH, NextSlots, SLOT_BITS, SLOTS_PER_PIXEL};
 use crate::tile::{PIXELS, TILE};
 use crate::tolerances::ENTRY_NOISE;
 use voltet_simd::sort::sort_columns;
-use voltet_simd::{Float, Lanes, Mask, Unsigned, inlined};
+use voltet_simd::{Float, Kernel, Lanes, Mask, Unsigned, inlined};
 
 /// True if a segment comes behind another of its pixel: by entry, then by exit, which is by length where entries are equal. Entries
 /// within rounding count as equal: disjoint cells are in the same order by their exits, and of cells that overlap behind a shared face
@@ -106,78 +106,6 @@ impl FragmentLists {
         Ok(())
     }
 
-    /// Puts the keys of a row in order of distance, or if not `sorted` of arrival. Returns the pixels whose segments are not in order.
-    #[inline(always)]
-    pub fn sort_row<L: Lanes>(&mut self, row: usize, sorted: bool) -> u64 {
-        let counts = self.counts(row);
-        let max_length = self.max_length(row);
-        if max_length == 0 {
-            return 0;
-        }
-        self.make_keys::<L>(row, &counts, max_length, sorted);
-        if !sorted {
-            return self.disordered(row, &counts);
-        }
-        sort_columns::<L, TILE>(&mut self.keys, max_length);
-        self.resolve_ties::<L>(row, max_length);
-        0
-    }
-
-    /// Fills a batch with the slices `from..to` of a row that is sorted: each the next segment of all pixels, in those that have no
-    /// further one a fragment of no length. `length_per_depth`: distance by depth, pixel by pixel.  `depths`: true if pixels, entries and exits are needed.
-    #[inline(always)]
-    pub fn fill<L: Lanes>(
-        &self,
-        row: usize,
-        slices: std::ops::Range<usize>,
-        length_per_depth: &[f32; PIXELS],
-        depths: bool,
-        batch: &mut Batch,
-    ) {
-        let zero = L::F::splat(0.0);
-        let attribute_count = batch.front.len();
-        let last = L::U::splat(self.max_length(row).saturating_sub(1) as u32);
-        for half in (0..TILE).step_by(L::WIDTH) {
-            let pixel = row * TILE + half;
-            let first = L::U::load(&FIRST_SLOTS.0[pixel..]);
-            let length_per_depth = L::F::load(&length_per_depth[pixel..]);
-            let pixels = L::U::iota() + L::U::splat(pixel as u32);
-            for (k, slice) in slices.clone().enumerate() {
-                let at = k * TILE + half;
-                let key = L::U::load(&self.keys[slice * TILE + half..]);
-                let live = key.equal(L::U::splat(u32::MAX)).not();
-                // Where there is none something is read that does not count.
-                let slot = first + key.and(L::U::splat(MAX_LIST_LENGTH as u32 - 1)).min(last);
-                let [entry, length, front, back] = L::F::gather_parts(&self.quads[0], slot);
-                let exit = entry + length;
-                (L::F::select(live, length, zero) * length_per_depth).store(&mut batch.length[at..]);
-                if depths {
-                    pixels.store(&mut batch.pixel[at..]);
-                    entry.store(&mut batch.entry[at..]);
-                    exit.store(&mut batch.exit[at..]);
-                }
-                let mut put = inlined(
-                    #[inline(always)]
-                    |a: usize, front: L::F, back: L::F| {
-                        if a < attribute_count {
-                            L::F::select(live, front, zero).store(&mut batch.front[a][at..]);
-                            L::F::select(live, back, zero).store(&mut batch.back[a][at..]);
-                        }
-                    },
-                );
-                put(0, front, back);
-                let mut a = 1;
-                while a < attribute_count {
-                    let [front, back, next_front, next_back] =
-                        L::F::gather_parts(&self.quads[a.div_ceil(2)], slot);
-                    put(a, front, back);
-                    put(a + 1, next_front, next_back);
-                    a += 2;
-                }
-            }
-        }
-    }
-
     /// Pixels of a row whose segments did not arrive in order.
     fn disordered(&self, row: usize, counts: &[u32; TILE]) -> u64 {
         let entry = |x: usize, slot: usize| self.quads[0][(row * TILE + x) * SLOTS_PER_PIXEL + slot][0];
@@ -195,10 +123,8 @@ impl FragmentLists {
         for half in (0..TILE).step_by(L::WIDTH) {
             let count = L::U::load(&counts[half..]);
             // slot ≥ count: max(slot, count) == slot.
-            let past = inlined(
-                #[inline(always)]
-                |slot: usize| count.max(L::U::splat(slot as u32)).equal(L::U::splat(slot as u32)),
-            );
+            let past =
+                inlined!(|slot: usize| count.max(L::U::splat(slot as u32)).equal(L::U::splat(slot as u32)));
             if !sorted {
                 for (k, keys) in self.keys.chunks_exact_mut(TILE).take(max_length).enumerate() {
                     L::U::select(past(k), L::U::splat(u32::MAX), L::U::splat(k as u32))
@@ -276,5 +202,93 @@ impl FragmentLists {
             to -= 1;
         }
         self.keys[to * TILE + x] = key;
+    }
+}
+
+/// Puts the keys of a row in order of distance, or if not `sorted` of arrival.
+pub(crate) struct Arrange<'a> {
+    pub lists: &'a mut FragmentLists,
+    pub row: usize,
+    pub sorted: bool,
+}
+
+impl Kernel for Arrange<'_> {
+    /// Pixels whose segments are not in order.
+    type Output = u64;
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> u64 {
+        let Arrange { lists, row, sorted } = self;
+        let counts = lists.counts(row);
+        let max_length = lists.max_length(row);
+        if max_length == 0 {
+            return 0;
+        }
+        lists.make_keys::<L>(row, &counts, max_length, sorted);
+        if !sorted {
+            return lists.disordered(row, &counts);
+        }
+        sort_columns::<L, TILE>(&mut lists.keys, max_length);
+        lists.resolve_ties::<L>(row, max_length);
+        0
+    }
+}
+
+/// Fills a batch with slices of a row that is sorted: each the next segment of all pixels, in those that have no further one a fragment
+/// of no length.
+pub(crate) struct Fill<'a> {
+    pub lists: &'a FragmentLists,
+    pub row: usize,
+    pub slices: std::ops::Range<usize>,
+    /// Distance by depth, pixel by pixel.
+    pub length_per_depth: &'a [f32; PIXELS],
+    /// True if pixels, entries and exits are needed.
+    pub depths: bool,
+    pub batch: &'a mut Batch,
+}
+
+impl Kernel for Fill<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Fill { lists, row, slices, length_per_depth, depths, batch } = self;
+        let zero = L::F::splat(0.0);
+        let attribute_count = batch.front.len();
+        let last = L::U::splat(lists.max_length(row).saturating_sub(1) as u32);
+        for half in (0..TILE).step_by(L::WIDTH) {
+            let pixel = row * TILE + half;
+            let first = L::U::load(&FIRST_SLOTS.0[pixel..]);
+            let length_per_depth = L::F::load(&length_per_depth[pixel..]);
+            let pixels = L::U::iota() + L::U::splat(pixel as u32);
+            for (k, slice) in slices.clone().enumerate() {
+                let at = k * TILE + half;
+                let key = L::U::load(&lists.keys[slice * TILE + half..]);
+                let live = key.equal(L::U::splat(u32::MAX)).not();
+                // Where there is none something is read that does not count.
+                let slot = first + key.and(L::U::splat(MAX_LIST_LENGTH as u32 - 1)).min(last);
+                let [entry, length, front, back] = L::F::gather_parts(&lists.quads[0], slot);
+                let exit = entry + length;
+                (L::F::select(live, length, zero) * length_per_depth).store(&mut batch.length[at..]);
+                if depths {
+                    pixels.store(&mut batch.pixel[at..]);
+                    entry.store(&mut batch.entry[at..]);
+                    exit.store(&mut batch.exit[at..]);
+                }
+                let mut put = inlined!(|a: usize, front: L::F, back: L::F| {
+                    if a < attribute_count {
+                        L::F::select(live, front, zero).store(&mut batch.front[a][at..]);
+                        L::F::select(live, back, zero).store(&mut batch.back[a][at..]);
+                    }
+                });
+                put(0, front, back);
+                let mut a = 1;
+                while a < attribute_count {
+                    let [front, back, next_front, next_back] =
+                        L::F::gather_parts(&lists.quads[a.div_ceil(2)], slot);
+                    put(a, front, back);
+                    put(a + 1, next_front, next_back);
+                    a += 2;
+                }
+            }
+        }
     }
 }

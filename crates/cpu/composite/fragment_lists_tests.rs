@@ -1,12 +1,10 @@
 //! The lists of a tile against compositing in 64 bits, for every number of segments and on every lane set.
 
-use crate::composite::accumulators::TileAccumulator;
-use crate::composite::fragment_lists::FragmentLists;
-use crate::composite::kernels::{Arrange, Fill};
+use crate::composite::accumulators::{Fragment, TileAccumulator, UnboundedFragmentLists};
+use crate::composite::fragment_lists::{Arrange, Fill, FragmentLists};
 use crate::composite::row_shader::blend_by_numbers;
-use crate::composite::unbounded_lists::{Fragment, UnboundedFragmentLists};
 use crate::fragments::batch::{BATCH, Batch};
-use crate::fragments::slots::MAX_LIST_LENGTH;
+use crate::fragments::spans::MAX_LIST_LENGTH;
 use crate::tile::{PIXELS, TILE};
 use voltet_simd::{LaneSet, dispatch};
 

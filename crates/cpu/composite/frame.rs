@@ -1,10 +1,10 @@
 //! Read-only inputs of the compositor's workers for one sub-pixel view.
 
+use crate::cache::FreeList;
 use crate::cast::RayCaster;
-use crate::composite::buffers::BufferPool;
-use crate::fragments::batch::Batch;
+use crate::composite::fragment_lists::FragmentLists;
+use crate::fragments::batch::{Batch, DepthLimits};
 use crate::fragments::crossing::Near;
-use crate::fragments::depth_limit::DepthLimits;
 use crate::project::cells::Input;
 use crate::project::precise_cell::{PreciseCell, PreciseCrossing};
 use crate::project::regions::Region;
@@ -121,4 +121,11 @@ impl FrameContext<'_> {
             (batch.front[a][k], batch.back[a][k]) = (front, back);
         }
     }
+}
+
+/// Buffer pool: recycles tile bins and fragment lists between frames, so that pages are not faulted in anew.
+#[derive(Debug, Default)]
+pub(crate) struct BufferPool {
+    pub bins: FreeList<TileBins>,
+    pub lists: FreeList<FragmentLists>,
 }

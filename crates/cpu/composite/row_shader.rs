@@ -1,20 +1,23 @@
 //! Row shader: a row's segments front to back, shaded and blended as far as they are visible (early ray termination).
 
-use crate::composite::accumulators::{OpticalDepthRows, TileAccumulator};
-use crate::composite::deferred_fragments::DeferredFragments;
-use crate::composite::deferred_shading::DeferredShading;
-use crate::composite::fragment_lists::FragmentLists;
+use crate::cast::packet::PACKETS_IN_FLIGHT;
+use crate::cast::ray_caster::BoundaryHits;
+use crate::composite::accumulators::{TileAccumulator, TilePixels};
+use crate::composite::deferred_shading::{DeferredFragments, DeferredShading};
+use crate::composite::fragment_lists::{Arrange, Fill, FragmentLists};
 use crate::composite::frame::FrameContext;
-use crate::composite::kernels::{Arrange, Fill, Illuminate};
-use crate::fragments::batch::{BATCH, Batch};
-use crate::fragments::depth_limit::{DepthLimits, clip_to_depth};
+use crate::counts::Counts;
+use crate::fragments::batch::{BATCH, Batch, DepthLimits, MAX_LANES, clip_to_depth};
+use crate::fragments::crossing::CellPacket;
+use crate::fragments::spans::{Edges, Fragments};
 use crate::segment_cache::CachedSlices;
-use crate::shade::dispatch::{finish, integrate_first};
-use crate::shade::light::Rays;
+use crate::shade::light::{Rays, rays};
 use crate::shade::shaded_batch::ShadedBatch;
-use crate::tile::{PIXELS, TILE};
+use crate::shade::shader::{finish, integrate_first};
+use crate::tile::{PIXELS, TILE, TileRect};
 use std::ops::Range;
-use voltet_simd::{LaneSet, dispatch};
+use voltet_simd::optics::elementary::one_minus_exp;
+use voltet_simd::{Float, Kernel, LaneSet, Lanes, dispatch};
 
 /// A row's segments in order, slice by slice: each the next segment of all pixels.
 pub(crate) enum Slices<'a> {
@@ -97,13 +100,13 @@ impl RowShader {
         }
     }
 
-    /// Blends a row's segments until the row is opaque; some may be deferred to [`RowShader::end`].
+    /// Blends a row's segments, or adds up their optical depths, until the row is opaque; some may be deferred to [`RowShader::end`].
     pub fn blend(
         &mut self,
         frame: &FrameContext<'_>,
         row: usize,
         slices: &mut Slices<'_>,
-        pixels: &mut TileAccumulator,
+        pixels: &mut TilePixels,
     ) {
         while !self.is_opaque(row, pixels) {
             let count = slices.next(frame, &mut self.batch);
@@ -118,23 +121,31 @@ impl RowShader {
     }
 
     /// True if no further segment is visible in a row.
-    pub fn is_opaque(&self, row: usize, pixels: &TileAccumulator) -> bool {
+    pub fn is_opaque(&self, row: usize, pixels: &TilePixels) -> bool {
         pixels.is_opaque(row) || (self.deferred.holds(row) && self.deferred_shading.is_opaque(row))
     }
 
-    /// Blends the first `count` segments of the batch, slices of a row.
+    /// Blends the first `count` segments of the batch, slices of a row, or adds up their optical depths.
     pub fn blend_batch(
         &mut self,
         frame: &FrameContext<'_>,
         row: usize,
         count: usize,
-        pixels: &mut TileAccumulator,
+        pixels: &mut TilePixels,
     ) {
         let RowShader { batch, shaded, deferred_shading, deferred, depth_limits, .. } = self;
         if frame.depth_limit.is_some() {
             clip_to_depth(batch, count, frame.attribute_count(), depth_limits);
         }
         integrate_first(frame.shader, frame.lanes, batch, count, shaded);
+        let pixels = match pixels {
+            TilePixels::Colors(pixels) => pixels,
+            TilePixels::OneColor(_, depths) => {
+                finish(frame.shader, frame.lanes, batch, shaded);
+                self.light(frame, count);
+                return depths.take_row(frame.lanes, row, &self.shaded, count);
+            }
+        };
         let is_deferred = deferred.holds(row);
         if !frame.shader.pools() {
             finish(frame.shader, frame.lanes, batch, shaded);
@@ -152,9 +163,11 @@ impl RowShader {
     }
 
     /// Blends the deferred segments.
-    pub fn end(&mut self, frame: &FrameContext<'_>, pixels: &mut TileAccumulator) {
-        self.deferred_shading.finish(frame, &mut self.deferred);
-        self.deferred.end(frame.lanes, pixels);
+    pub fn end(&mut self, frame: &FrameContext<'_>, pixels: &mut TilePixels) {
+        if let TilePixels::Colors(pixels) = pixels {
+            self.deferred_shading.finish(frame, &mut self.deferred);
+            self.deferred.end(frame.lanes, pixels);
+        }
     }
 
     fn light(&mut self, frame: &FrameContext<'_>, count: usize) {
@@ -162,41 +175,6 @@ impl RowShader {
             let RowShader { batch, shaded, rays, .. } = self;
             dispatch(frame.lanes, Illuminate { frame, batch, count, rays, shaded });
         }
-    }
-
-    /// Adds up a row's optical depths until the sums are opaque.
-    pub fn sum(
-        &mut self,
-        frame: &FrameContext<'_>,
-        row: usize,
-        slices: &mut Slices<'_>,
-        sums: &mut OpticalDepthRows<'_>,
-    ) {
-        while !sums.is_opaque(row) {
-            let count = slices.next(frame, &mut self.batch);
-            if count == 0 {
-                return;
-            }
-            self.sum_batch(frame, row, count, sums);
-        }
-    }
-
-    /// Adds up the optical depths of the first `count` segments of the batch, slices of a row.
-    pub fn sum_batch(
-        &mut self,
-        frame: &FrameContext<'_>,
-        row: usize,
-        count: usize,
-        sums: &mut OpticalDepthRows<'_>,
-    ) {
-        let RowShader { batch, shaded, depth_limits, .. } = self;
-        if frame.depth_limit.is_some() {
-            clip_to_depth(batch, count, frame.attribute_count(), depth_limits);
-        }
-        integrate_first(frame.shader, frame.lanes, batch, count, shaded);
-        finish(frame.shader, frame.lanes, batch, shaded);
-        self.light(frame, count);
-        sums.take(frame.lanes, row, &self.shaded, count);
     }
 }
 
@@ -226,4 +204,72 @@ pub(crate) fn blend_by_numbers(
         }
     }
     disordered
+}
+
+/// Scratch memory of a worker.
+pub(crate) struct Scratch {
+    pub fragments: Fragments,
+    pub edges: Edges,
+    pub packet: CellPacket,
+    pub length_per_depth: [f32; PIXELS],
+    pub row_shader: RowShader,
+    /// Boundary faces that rays enter by, and batches of packets beside the first, where rays are cast.
+    pub hits: BoundaryHits,
+    pub further: [Batch; PACKETS_IN_FLIGHT - 1],
+    pub counts: Counts,
+}
+
+impl Scratch {
+    pub fn new(frame: &FrameContext<'_>) -> Scratch {
+        let attribute_count = frame.attribute_count();
+        Scratch {
+            fragments: Fragments::new(MAX_LANES),
+            edges: Edges::new(),
+            packet: CellPacket::new(attribute_count),
+            length_per_depth: [1.0; PIXELS],
+            row_shader: RowShader::new(frame),
+            hits: BoundaryHits::default(),
+            further: std::array::from_fn(|_| Batch::new(attribute_count, frame.scalar_count)),
+            counts: Counts::default(),
+        }
+    }
+
+    /// Finds lengths, directions and depth limits of a tile's rays.
+    pub fn begin(&mut self, frame: &FrameContext<'_>, rect: TileRect) {
+        frame.lengths_per_depth(rect, &mut self.length_per_depth);
+        let RowShader { rays: of_tile, depth_limits, .. } = &mut self.row_shader;
+        if frame.shader.surface.is_some_and(|surface| surface.silhouette.is_some()) {
+            rays(frame.view, rect.left, rect.top, of_tile);
+        }
+        frame.depth_limits_of(rect, depth_limits);
+    }
+}
+
+/// Applies silhouettes and light to shaded segments.
+pub(crate) struct Illuminate<'a> {
+    pub frame: &'a FrameContext<'a>,
+    pub batch: &'a Batch,
+    pub count: usize,
+    pub rays: &'a Rays,
+    pub shaded: &'a mut ShadedBatch,
+}
+
+impl Kernel for Illuminate<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Illuminate { frame, batch, count, rays, shaded } = self;
+        let Some(surface) = &frame.shader.surface else { return };
+        for at in (0..count).step_by(L::WIDTH) {
+            let (opacity, color) = surface.factors::<L>(batch, at, rays);
+            if frame.shader.one_color.is_some() {
+                let value = one_minus_exp::<L>(L::F::load(&shaded.depth[at..])) * opacity;
+                value.store(&mut shaded.depth[at..]);
+            } else {
+                for (column, factor) in shaded.rgba.iter_mut().zip([color, color, color, opacity]) {
+                    (L::F::load(&column[at..]) * factor).store(&mut column[at..]);
+                }
+            }
+        }
+    }
 }

@@ -3,15 +3,11 @@
 use crate::cast::RayCaster;
 use crate::cast::packet::{PACKETS_IN_FLIGHT, RayPacket, pixel_of};
 use crate::cast::traversal::{PacketConfig, next_segments};
-use crate::composite::accumulators::{OpticalDepthRows, TileAccumulator};
-use crate::composite::fragment_lists::{FragmentLists, Overflow};
+use crate::composite::accumulators::{TileAccumulator, TilePixels, UnboundedFragmentLists};
+use crate::composite::fragment_lists::{Arrange, FragmentLists, Overflow};
 use crate::composite::frame::FrameContext;
-use crate::composite::kernels::Arrange;
-use crate::composite::projected_cells::{list, list_precise, walk};
-use crate::composite::row_shader::{ListedSlices, Slices};
-use crate::composite::scratch::Scratch;
-use crate::composite::sinks::{OpticalDepthSink, in_one_color};
-use crate::composite::unbounded_lists::UnboundedFragmentLists;
+use crate::composite::projected_cells::{fill_lists, walk};
+use crate::composite::row_shader::{ListedSlices, Scratch, Slices};
 use crate::project::tile_bins::TileBins;
 use crate::segment_cache::{CacheBudget, CachedTile, SegmentCache, TileRecorder};
 use crate::tile::{PIXELS, TILE, TilePicture, TileRect};
@@ -29,12 +25,10 @@ pub(crate) fn draw_projected(
 ) {
     let rect = TileRect::new(tile, frame.view.size);
     scratch.begin(frame, rect);
-    if let Some(color) = frame.shader.one_color {
-        let mut depth = opaque_outside(rect);
-        let opacities = frame.shader.surface.is_some();
-        let mut sink = OpticalDepthSink { sums: &mut depth, opacities };
-        walk(frame, bins, rect, 0..rect.size[1], scratch, &mut sink);
-        return in_one_color(color, &depth, opacities, picture);
+    let mut pixels = TilePixels::new(frame.shader, opaque_outside(rect));
+    if let TilePixels::OneColor(_, depths) = &mut pixels {
+        walk(frame, bins, rect, 0..rect.size[1], scratch, depths);
+        return pixels.store(picture);
     }
     scratch.counts.tiles_sorted += u64::from(frame.sorted);
     let before = scratch.counts;
@@ -62,26 +56,16 @@ pub(crate) fn draw_cached(
 ) {
     let rect = TileRect::new(tile, frame.view.size);
     scratch.begin(frame, rect);
-    let opacities = frame.shader.surface.is_some();
-    let (mut pixels, mut depth) = (TileAccumulator::new(), opaque_outside(rect));
-    let rows = 0..rect.size[1];
-    for (row, cached) in rows.filter_map(|row| cache.tile(tile).map(|cached| (row, cached))) {
-        let mut slices = Slices::Cached(cached.slices(row, frame.scalar_count));
-        if frame.shader.one_color.is_some() {
-            let mut sums = OpticalDepthRows { sums: &mut depth, opacities };
-            scratch.row_shader.sum(frame, row, &mut slices, &mut sums);
-        } else {
+    let mut pixels = TilePixels::new(frame.shader, opaque_outside(rect));
+    if let Some(cached) = cache.tile(tile) {
+        for row in 0..rect.size[1] {
+            let mut slices = Slices::Cached(cached.slices(row, frame.scalar_count));
             scratch.row_shader.blend(frame, row, &mut slices, &mut pixels);
-        }
-        scratch.counts.segments += slices.segments();
-    }
-    match frame.shader.one_color {
-        Some(color) => in_one_color(color, &depth, opacities, picture),
-        None => {
-            scratch.row_shader.end(frame, &mut pixels);
-            pixels.store(picture);
+            scratch.counts.segments += slices.segments();
         }
     }
+    scratch.row_shader.end(frame, &mut pixels);
+    pixels.store(picture);
 }
 
 /// Draws a tile by rays from cell to cell. Returns false if a ray was mistracked on the way.
@@ -96,8 +80,7 @@ pub(crate) fn draw_cast(
     scratch.begin(frame, rect);
     let Scratch { row_shader, hits, further, length_per_depth, counts, .. } = scratch;
     hits.find(caster, frame.lanes, rect);
-    let opacities = frame.shader.surface.is_some();
-    let (mut pixels, mut depth) = (TileAccumulator::new(), [0.0; PIXELS]);
+    let mut pixels = TilePixels::new(frame.shader, [0.0; PIXELS]);
     let (mut entered, mut terminated) = (0, 0);
     let config = PacketConfig {
         lanes: frame.lanes,
@@ -126,14 +109,8 @@ pub(crate) fn draw_cast(
                     std::mem::swap(&mut row_shader.batch, &mut further[k - 1]);
                 }
                 if count > 0 {
-                    let is_opaque = if frame.shader.one_color.is_some() {
-                        let mut sums = OpticalDepthRows { sums: &mut depth, opacities };
-                        row_shader.sum_batch(frame, number, count, &mut sums);
-                        sums.is_opaque(number)
-                    } else {
-                        row_shader.blend_batch(frame, number, count, &mut pixels);
-                        row_shader.is_opaque(number, &pixels)
-                    };
+                    row_shader.blend_batch(frame, number, count, &mut pixels);
+                    let is_opaque = row_shader.is_opaque(number, &pixels);
                     if is_opaque && !frame.exhaustive && packet.is_active() {
                         packet.stop();
                         terminated += 1;
@@ -153,10 +130,7 @@ pub(crate) fn draw_cast(
     counts.segments += packets.iter().map(|packet| packet.segments).sum::<u64>();
     counts.tiles_stopped += u64::from(entered > 0 && terminated == entered);
     let mut by_packet = [[0.0; 4]; PIXELS];
-    match frame.shader.one_color {
-        Some(color) => in_one_color(color, &depth, opacities, &mut by_packet),
-        None => pixels.store(&mut by_packet),
-    }
+    pixels.store(&mut by_packet);
     for (slot, pixel) in by_packet.iter().enumerate() {
         picture[pixel_of(slot / TILE, slot % TILE)] = *pixel;
     }
@@ -178,7 +152,7 @@ fn draw_in_lists(
     lists: &mut FragmentLists,
     picture: &mut TilePicture,
 ) -> Result<(), Overflow> {
-    let mut pixels = TileAccumulator::new();
+    let mut pixels = TilePixels::Colors(TileAccumulator::new());
     fill_lists(frame, bins, rect, scratch, lists)?;
     for row in 0..rect.size[1] {
         scratch.counts.pixels_disordered +=
@@ -189,18 +163,6 @@ fn draw_in_lists(
     scratch.row_shader.end(frame, &mut pixels);
     pixels.store(picture);
     Ok(())
-}
-
-fn fill_lists(
-    frame: &FrameContext<'_>,
-    bins: &TileBins,
-    rect: TileRect,
-    scratch: &mut Scratch,
-    lists: &mut FragmentLists,
-) -> Result<(), Overflow> {
-    lists.clear(frame.attribute_count());
-    list_precise(frame, bins, rect, scratch, lists)?;
-    list(frame, bins, rect, scratch, lists)
 }
 
 /// Records a tile's segments; exhausts the budget where they are too many.

@@ -3,8 +3,7 @@
 
 use crate::composite::fragment_lists::FragmentLists;
 use crate::composite::frame::{FrameContext, SegmentSource};
-use crate::composite::row_shader::RowShader;
-use crate::composite::scratch::Scratch;
+use crate::composite::row_shader::{RowShader, Scratch};
 use crate::composite::tile::{draw_cached, draw_cast, draw_projected, record_tile};
 use crate::counts::Counts;
 use crate::project::regions::Region;

@@ -6,17 +6,8 @@
 //!
 //! The cells in widgets' supports depend on the volume and the supports alone. They are found apart from the view and cached until the
 //! supports change, as the points on the screen are until the camera does: see [`VolumeCache`].
-//!
-//! | file | responsibility |
-//! | --- | --- |
-//! | `volume_cache` | derived data of a volume |
-//! | `contributing` | cells in widgets' supports |
-//! | `blocks` | value ranges of cell blocks |
-//! | `query` | cells and blocks against supports |
 
-mod blocks;
 mod contributing;
-mod query;
 mod volume_cache;
 
 pub use volume_cache::VolumeCache;

@@ -1,13 +1,14 @@
 //! Volume cache: data derived from a volume that pictures share.
 
-use super::blocks::Block;
-use super::contributing::{ContributingCells, MIN_CELLS_TO_SAMPLE, MIN_CULLED_FRACTION};
-use super::query::{CornerValues, CullQuery, SAMPLE_STRIDE};
+use super::contributing::{
+    Block, ContributingCells, CornerValues, CullQuery, MIN_CELLS_TO_SAMPLE, MIN_CULLED_FRACTION,
+    SAMPLE_STRIDE,
+};
 use crate::attribute::attributes_of;
 use crate::cache::get_or_compute;
 use crate::cast::FaceCache;
 use crate::cells::Cells;
-use crate::composite::buffers::BufferPool;
+use crate::composite::frame::BufferPool;
 use crate::segment_cache::ViewCache;
 use crate::selection::{CellSelection, MAX_RESIDENT_CELLS, Traversal};
 use crate::tolerances::CULLED_DEPTH;

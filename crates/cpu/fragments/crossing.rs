@@ -1,7 +1,7 @@
 //! Crossings: entry and exit of each fragment's ray in its cell, and the attributes there.
 
 use crate::fragments::batch::{Batch, MAX_LANES, meant};
-use crate::project::projected_cell::{AttributePlane, CELL_WORDS, ProjectedCell};
+use crate::project::cells::{AttributePlane, CELL_WORDS, ProjectedCell};
 use crate::tile::TILE;
 use voltet_simd::{Float, Lanes, Unsigned, array, inlined};
 
@@ -69,10 +69,7 @@ impl CellPacket {
             words.transpose::<L>(cells.as_flattened(), 2);
         }
         let pixel = L::F::load(&self.words.0[15]).to_bits();
-        let relative = inlined(
-            #[inline(always)]
-            |x: L::U, origin: usize| x.to_float() - L::F::splat(origin as f32),
-        );
+        let relative = inlined!(|x: L::U, origin: usize| x.to_float() - L::F::splat(origin as f32));
         relative(pixel.and(L::U::splat(0xffff)), left).store(&mut self.pixel_x);
         relative(pixel.shr::<16>(), top).store(&mut self.pixel_y);
     }
@@ -123,13 +120,10 @@ impl CellPacket {
     ) -> u64 {
         let crossed = Planes::<L>::load(self, near);
         let mut hits = 0;
-        let mut put = inlined(
-            #[inline(always)]
-            |quad: usize, values: [L::F; 4], slot: L::U| {
-                let quads: &mut [[[f32; 4]; 1]] = bytemuck::cast_slice_mut(quads[quad].as_mut_slice());
-                L::F::scatter_parts([values], quads, slot);
-            },
-        );
+        let mut put = inlined!(|quad: usize, values: [L::F; 4], slot: L::U| {
+            let quads: &mut [[[f32; 4]; 1]] = bytemuck::cast_slice_mut(quads[quad].as_mut_slice());
+            L::F::scatter_parts([values], quads, slot);
+        });
         let count = slots.len() - MAX_LANES;
         let mut at = 0;
         while at < count {
@@ -193,15 +187,9 @@ struct Crossing<L: Lanes> {
 impl<L: Lanes> Planes<L> {
     #[inline(always)]
     fn load(group: &CellPacket, near: Near) -> Planes<L> {
-        let word = inlined(
-            #[inline(always)]
-            |k: usize| L::F::load(&group.words.0[k]),
-        );
+        let word = inlined!(|k: usize| L::F::load(&group.words.0[k]));
         Planes {
-            planes: array(
-                #[inline(always)]
-                |k| [word(k), word(4 + k), word(8 + k)],
-            ),
+            planes: array!(|k| [word(k), word(4 + k), word(8 + k)]),
             depth: word(12),
             distance: word(13),
             front: word(14).to_bits(),
@@ -232,15 +220,12 @@ impl<L: Lanes> Planes<L> {
         }
         let depth = self.depth.permute(lane);
         let distance = self.distance.permute(lane);
-        let cut = self.near.map(
-            #[inline(always)]
-            |[scale, offset, cut_at]| {
-                let v_near = distance.mul_add(L::F::splat(scale), L::F::splat(offset));
-                let cut = v_near.lt(v_front);
-                v_front = v_front.min(v_near);
-                (cut, cut_at)
-            },
-        );
+        let cut = self.near.map(inlined!(|[scale, offset, cut_at]: [f32; 3]| {
+            let v_near = distance.mul_add(L::F::splat(scale), L::F::splat(offset));
+            let cut = v_near.lt(v_front);
+            v_front = v_front.min(v_near);
+            (cut, cut_at)
+        }));
         let thickness = v_front - v_back;
         let hit = L::F::splat(0.0).lt(thickness);
         let (q, length) = if PERSPECTIVE {
@@ -281,16 +266,10 @@ impl<L: Lanes> Crossing<L> {
     /// An attribute at entry and exit.
     #[inline(always)]
     fn ends(&self, rows: &Words<8>) -> [L::F; 2] {
-        let row = inlined(
-            #[inline(always)]
-            |k: usize| L::F::load(&rows.0[k]).permute(self.lane),
-        );
+        let row = inlined!(|k: usize| L::F::load(&rows.0[k]).permute(self.lane));
         let [dx, dy] = self.from_pixel;
         let across = row(0).mul_add(dx, row(1) * dy);
         let (r, base, low, high) = (row(2), row(3), row(4), row(5));
-        array(
-            #[inline(always)]
-            |end| r.mul_add(self.v[end], across).mul_add(self.q[end], base).max(low).min(high),
-        )
+        array!(|end| r.mul_add(self.v[end], across).mul_add(self.q[end], base).max(low).min(high))
     }
 }

@@ -7,9 +7,8 @@
 //! centre that lies on a shared silhouette edge is given to exactly one of the cells.
 
 use crate::fragments::batch::MAX_LANES;
-use crate::fragments::slots::{DUMMY_SLOT, NextSlots};
-use crate::project::edge::CROSSING_ROUND;
-use crate::tile::TILE;
+use crate::project::edge_on::CROSSING_ROUND;
+use crate::tile::{PIXELS, TILE};
 use crate::view::ScreenVertex;
 use voltet_simd::{Double, Float, Lanes, Mask, Unsigned, array, inlined};
 
@@ -85,23 +84,14 @@ impl Edges {
         let splat = L::D::splat;
         let (tile_top, tile_left) = (splat(top as f64), splat(left as f64));
         for half in (0..L::WIDTH).step_by(L::D::COUNT) {
-            let load = inlined(
-                #[inline(always)]
-                |rows: &[[f64; MAX_LANES]; 4]| {
-                    let row = inlined(
-                        #[inline(always)]
-                        |k: usize| L::D::load(&rows[k][half..]),
-                    );
-                    [row(0), row(1), row(2), row(3)]
-                },
-            );
+            let load = inlined!(|rows: &[[f64; MAX_LANES]; 4]| {
+                let row = inlined!(|k: usize| L::D::load(&rows[k][half..]));
+                [row(0), row(1), row(2), row(3)]
+            });
             let (x, y) = (load(&self.x), load(&self.y));
             // The first and last row of each edge, and its crossing of the tile's first row, in 64 bits; from there
             // 32 bits carry 16 rows. A horizontal edge has no rows: neither its direction nor its slope matters.
-            let row: [L::D; 4] = array(
-                #[inline(always)]
-                |k| y[k].ceil() - tile_top,
-            );
+            let row: [L::D; 4] = array!(|k| y[k].ceil() - tile_top);
             for (k, &[a, b]) in EDGES.iter().enumerate() {
                 // The slope is the same whichever end is the upper one, bit for bit.
                 let tilt = (x[b] - x[a]) / (y[b] - y[a]);
@@ -139,10 +129,7 @@ impl Edges {
             let y = splat(row as f32);
             let (mut min, mut max) = (splat(f32::INFINITY), splat(f32::NEG_INFINITY));
             for k in 0..EDGES.len() {
-                let edge = inlined(
-                    #[inline(always)]
-                    |rows: &CellLanes<6>| L::F::load(&rows.0[k]),
-                );
+                let edge = inlined!(|rows: &CellLanes<6>| L::F::load(&rows.0[k]));
                 let crosses = edge(&self.first).le(y).and(y.lt(edge(&self.last)));
                 let x = y.mul_add(edge(&self.slope), edge(&self.crossing));
                 let x = (x + edge(&self.round)) - edge(&self.round);
@@ -150,10 +137,7 @@ impl Edges {
                 max = L::F::select(crosses, x.max(max), max);
             }
             // ⌈x⌉ = −⌊−x⌋. A row without crossings has least = +∞, most = −∞: from = width, to = 0, no span.
-            let bound = inlined(
-                #[inline(always)]
-                |x: L::F| (-(-x).floor()).max(splat(0.0)).min(width),
-            );
+            let bound = inlined!(|x: L::F| (-(-x).floor()).max(splat(0.0)).min(width));
             let (from, to) = (bound(min), bound(max));
             let length = (to - from).max(splat(0.0)).to_unsigned().shl::<LENGTH_SHIFT>();
             let code = lanes + L::U::splat((row << 4) as u32) + from.to_unsigned();
@@ -257,4 +241,40 @@ fn taken_of<L: Lanes>(value: L::U, half: usize, from: L::U, to: L::U) -> L::U {
     // Not below a number: the larger of both is the column.
     let (not_before, behind) = (column.max(from).equal(column), column.max(to).equal(column));
     L::U::select(not_before.and(behind.not()), value + L::U::splat(1), value)
+}
+
+/// Segments that a pixel's list holds; a tile that needs more is drawn again with lists that grow.
+pub(crate) const MAX_LIST_LENGTH: usize = 1024;
+
+/// Bits of a slot's number within its list.
+pub(crate) const SLOT_BITS: u32 = 10;
+
+/// Slots of a pixel: each cell of a vector may take one before the lengths are checked. An odd number of cache lines, so that the lists
+/// of pixels do not meet in the same sets of a cache.
+pub(crate) const SLOTS_PER_PIXEL: usize = MAX_LIST_LENGTH + 20;
+const _: () = assert!(SLOTS_PER_PIXEL * size_of::<[f32; 4]>() / 64 % 2 == 1);
+
+/// Slot of fragments that belong to no pixel.
+pub(crate) const DUMMY_SLOT: u32 = (PIXELS * SLOTS_PER_PIXEL) as u32;
+
+/// Next free slot of each pixel, row by row; then room to read a whole vector from any of them.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub(crate) struct NextSlots(pub [u32; PIXELS + TILE]);
+
+/// First slot of each pixel.
+pub(crate) const FIRST_SLOTS: NextSlots = {
+    let mut first = [0; PIXELS + TILE];
+    let mut pixel = 0;
+    while pixel < first.len() {
+        first[pixel] = (pixel * SLOTS_PER_PIXEL) as u32;
+        pixel += 1;
+    }
+    NextSlots(first)
+};
+
+impl Default for NextSlots {
+    fn default() -> Self {
+        FIRST_SLOTS
+    }
 }

@@ -1,8 +1,8 @@
 //! Spans of single cells, against the crossings that precise cells use.
 
 use super::spans::{Edges, Fragments};
-use crate::fragments::slots::{DUMMY_SLOT, NextSlots};
-use crate::project::edge::crossing_of_row;
+use crate::fragments::spans::{DUMMY_SLOT, NextSlots};
+use crate::project::edge_on::crossing_of_row;
 use crate::tile::TILE;
 use crate::view::ScreenVertex;
 use proptest::prelude::*;

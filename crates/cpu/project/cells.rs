@@ -6,11 +6,10 @@
 
 use crate::attribute::{Attribute, MAX_ATTRIBUTES};
 use crate::project::edge_on::{edge_on, may_be_edge_on};
-use crate::project::pixel_bounds::{Corners, MAX_DOUBLE_LANES, PixelBounds, load, max_of, min_of};
-use crate::project::projected_cell::{AttributePlane, ProjectedCell, UNBOUNDED_SLOPE};
 use crate::tile::{Area, tiles_of};
 use crate::tolerances::{
-    DENSE_CELL_DEPTH, FLATNESS, MAX_CONDITION, MAX_FACE_SLOPE, MIN_FACE_WIDTH, PIXEL_STEP,
+    DENSE_CELL_DEPTH, FLATNESS, MAX_CELL_DEPTH_RATIO, MAX_CONDITION, MAX_FACE_SLOPE, MIN_FACE_WIDTH,
+    PIXEL_STEP, SPAN_SLACK,
 };
 use crate::view::{ScreenVertex, View};
 use voltet_simd::{Double, Kernel, Lanes, Mask, array, inlined};
@@ -105,65 +104,35 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
     // v of the corners, about the mean depth; pixel coordinates about the middle of the covered box.
     let middle = (z[0] + z[1] + (z[2] + z[3])) * splat(0.25);
     let (v, depth) = if view.perspective {
-        (
-            array(
-                #[inline(always)]
-                |k| (middle - z[k]) / z[k],
-            ),
-            middle,
-        )
+        (array!(|k| (middle - z[k]) / z[k]), middle)
     } else {
-        (
-            array(
-                #[inline(always)]
-                |k| middle - z[k],
-            ),
-            one,
-        )
+        (array!(|k| middle - z[k]), one)
     };
     let pixel_x = ((x0 + x1) * splat(0.5)).ceil().min(width - one);
     let pixel_y = ((y0 + y1) * splat(0.5)).ceil().min(height - one);
 
     // Edges from corner 0, their cross products: normals of the faces opposite corners 1, 2, 3.
-    let edge = inlined(
-        #[inline(always)]
-        |c: &[L::D; 4], k: usize| c[k] - c[0],
-    );
-    let e: [[L::D; 3]; 3] = array(
-        #[inline(always)]
-        |k| [edge(&x, k + 1), edge(&y, k + 1), edge(&v, k + 1)],
-    );
-    let cross = inlined(
-        #[inline(always)]
-        |a: &[L::D; 3], b: &[L::D; 3]| {
-            [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-        },
-    );
+    let edge = inlined!(|c: &[L::D; 4], k: usize| c[k] - c[0]);
+    let e: [[L::D; 3]; 3] = array!(|k| [edge(&x, k + 1), edge(&y, k + 1), edge(&v, k + 1)]);
+    let cross = inlined!(|a: &[L::D; 3], b: &[L::D; 3]| {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    });
     let n1 = cross(&e[1], &e[2]);
     let n2 = cross(&e[2], &e[0]);
     let n3 = cross(&e[0], &e[1]);
     let determinant = e[0][0] * n1[0] + e[0][1] * n1[1] + e[0][2] * n1[2];
     // The face opposite corner 0 from corner 1, so that a neighbour finds the same area, bit for bit: both
     // start from the face's lowest point number.
-    let f: [[L::D; 3]; 2] = array(
-        #[inline(always)]
-        |k| [x[k + 2] - x[1], y[k + 2] - y[1], v[k + 2] - v[1]],
-    );
+    let f: [[L::D; 3]; 2] = array!(|k| [x[k + 2] - x[1], y[k + 2] - y[1], v[k + 2] - v[1]]);
     let n0 = cross(&f[0], &f[1]);
 
     let reach = (max_of(&x) - min_of(&x)) + (max_of(&y) - min_of(&y));
     let range = max_of(&v) - min_of(&v);
     // What is narrow compares with MAX_FACE_SLOPE like what is steep.
     let narrow = splat(MIN_FACE_WIDTH * MAX_FACE_SLOPE) / range;
-    let face = inlined(
-        #[inline(always)]
-        |c: &[L::D; 4], opposite: usize| -> [L::D; 3] {
-            array(
-                #[inline(always)]
-                |k| c[if k < opposite { k } else { k + 1 }],
-            )
-        },
-    );
+    let face = inlined!(|c: &[L::D; 4], opposite: usize| -> [L::D; 3] {
+        array!(|k| c[if k < opposite { k } else { k + 1 }])
+    });
     let mut front_bits = [0u32; 4];
     let mut planes = [[[0f32; MAX_DOUBLE_LANES]; 3]; 4];
     let (mut ill, mut areas) = (0, zero);
@@ -218,27 +187,15 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
             }
         }
         let raw = load::<L::D>(&raw);
-        let scaled: [L::D; 4] = array(
-            #[inline(always)]
-            |k| (raw[k] - splat(attribute.offset)) * splat(1.0 / attribute.scale),
-        );
+        let scaled: [L::D; 4] = array!(|k| (raw[k] - splat(attribute.offset)) * splat(1.0 / attribute.scale));
         let (low, high) = (min_of(&scaled), max_of(&scaled));
         let mean = (low + high) * splat(0.5);
-        let weighted: [L::D; 4] = array(
-            #[inline(always)]
-            |k| {
-                let s = scaled[k] - mean;
-                if view.perspective { s.mul_add(v[k], s) } else { s }
-            },
-        );
-        let d: [L::D; 3] = array(
-            #[inline(always)]
-            |k| weighted[k + 1] - weighted[0],
-        );
-        let gradient: [L::D; 3] = array(
-            #[inline(always)]
-            |i| (d[0] * n1[i] + d[1] * n2[i] + d[2] * n3[i]) * inverse,
-        );
+        let weighted: [L::D; 4] = array!(|k| {
+            let s = scaled[k] - mean;
+            if view.perspective { s.mul_add(v[k], s) } else { s }
+        });
+        let d: [L::D; 3] = array!(|k| weighted[k + 1] - weighted[0]);
+        let gradient: [L::D; 3] = array!(|i| (d[0] * n1[i] + d[1] * n2[i] + d[2] * n3[i]) * inverse);
         let at_pixel = weighted[0] + gradient[0] * (pixel_x - x[0]) + gradient[1] * (pixel_y - y[0])
             - gradient[2] * v[0];
         let base = mean + at_pixel;
@@ -318,5 +275,131 @@ fn push_cells64(group: &[u32], in_64_bits: u32, part: &mut ProjectedCells) {
         part.precise_cells.extend(
             group.iter().enumerate().filter(|(lane, _)| in_64_bits >> lane & 1 != 0).map(|(_, &id)| id),
         );
+    }
+}
+
+/// Face planes of a projected cell, in 64 bytes.
+///
+/// With z the depth of a point and z₀ the depth chosen for the cell, v = z₀/z − 1 (perspective) or v = z₀ − z (parallel rays) is affine
+/// on every plane, in pixel coordinates: nearer points have the larger v, and v is small in a small cell, so 32 bits keep the
+/// *thickness* of the cell to full relative precision however far away it is. A ray enters the cell at the smallest v of its front faces
+/// and leaves at the largest v of its back faces.
+#[derive(Debug, Clone, Copy, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C, align(64))]
+pub(crate) struct ProjectedCell {
+    /// ∂v/∂x of the four faces (opposite vertices 0 … 3).
+    pub a: [f32; 4],
+    /// ∂v/∂y of the four faces.
+    pub b: [f32; 4],
+    /// v of the four faces at the cell's pixel.
+    pub c: [f32; 4],
+    /// z₀ (perspective), or 1: scene lengths of depth per unit of v near v = 0.
+    pub depth: f32,
+    /// z₀ − the depth that distances are counted from, scene lengths.
+    pub distance: f32,
+    /// Bit i: face i looks towards the eye.
+    pub front: u32,
+    /// Reference pixel, x + (y << 16).
+    pub pixel: u32,
+}
+
+/// One attribute of a projected cell: s, linear in space, is `base + (p Δx + q Δy + r v) / (1 + v)` (without the quotient for parallel
+/// rays), Δ being taken from the cell's pixel: s/z is affine as v is.
+#[derive(Debug, Clone, Copy, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(crate) struct AttributePlane {
+    /// Coefficient of Δx.
+    pub p: f32,
+    /// Coefficient of Δy.
+    pub q: f32,
+    /// Coefficient of v.
+    pub r: f32,
+    /// Value at the cell's pixel and v = 0.
+    pub base: f32,
+    /// Smallest value of the cell: the linear form is clamped to it, since slivers extrapolate.
+    pub low: f32,
+    /// Largest value of the cell.
+    pub high: f32,
+}
+
+/// Words of 32 bits in the planes of a cell.
+pub(crate) const CELL_WORDS: usize = 16;
+/// Coefficients beyond this stand for "no constraint": the face is seen edge-on.
+pub(crate) const UNBOUNDED_SLOPE: f64 = 1e30;
+
+/// Most 64-bit lanes.
+pub(crate) const MAX_DOUBLE_LANES: usize = 8;
+
+/// Four corners of each cell.
+#[derive(Clone, Copy)]
+pub(crate) struct Corners<D: Double> {
+    pub x: [D; 4],
+    pub y: [D; 4],
+    pub z: [D; 4],
+}
+
+/// Pixel centres that a cell's box covers, and those that its spans may round to.
+#[derive(Clone, Copy)]
+pub(crate) struct PixelBounds<D: Double> {
+    /// First column, and the one behind the last.
+    pub columns: [D; 2],
+    /// First row, and the one behind the last.
+    pub rows: [D; 2],
+    /// True if 32 bits hold its depths.
+    pub in_depth: D::Mask,
+    /// True if there are such pixels.
+    pub any: D::Mask,
+}
+
+#[inline(always)]
+pub(crate) fn load<D: Double>(rows: &[[f64; MAX_DOUBLE_LANES]; 4]) -> [D; 4] {
+    [D::load(&rows[0]), D::load(&rows[1]), D::load(&rows[2]), D::load(&rows[3])]
+}
+
+#[inline(always)]
+pub(crate) fn min_of<D: Double>(c: &[D; 4]) -> D {
+    c[0].min(c[1]).min(c[2].min(c[3]))
+}
+
+#[inline(always)]
+pub(crate) fn max_of<D: Double>(c: &[D; 4]) -> D {
+    c[0].max(c[1]).max(c[2].max(c[3]))
+}
+
+impl<D: Double> Corners<D> {
+    /// `group`: numbers of the tetrahedra, at least one; the lanes behind them are filled with the last.
+    #[inline(always)]
+    pub fn gather(vertices: &[ScreenVertex], tetrahedra: &[[u32; 4]], group: &[u32]) -> Corners<D> {
+        let [mut x, mut y, mut z] = [[[0.0; MAX_DOUBLE_LANES]; 4]; 3];
+        for lane in 0..D::COUNT {
+            let tetrahedron = &tetrahedra[group[lane.min(group.len() - 1)] as usize];
+            for (k, &point) in tetrahedron.iter().enumerate() {
+                let vertex = &vertices[point as usize];
+                x[k][lane] = vertex.x;
+                y[k][lane] = vertex.y;
+                z[k][lane] = vertex.z;
+            }
+        }
+        Corners { x: load(&x), y: load(&y), z: load(&z) }
+    }
+
+    /// Pixels of a picture that the boxes cover.
+    #[inline(always)]
+    pub fn covered(&self, view: &View) -> PixelBounds<D> {
+        let splat = D::splat;
+        let zero = splat(0.0);
+        let size = [view.size[0] as f64, view.size[1] as f64];
+        let within = inlined!(|end: D, size: f64| end.ceil().max(zero).min(splat(size)));
+        let beside = splat(SPAN_SLACK);
+        let columns = [within(min_of(&self.x) - beside, size[0]), within(max_of(&self.x) + beside, size[0])];
+        let rows = [within(min_of(&self.y), size[1]), within(max_of(&self.y), size[1])];
+        let (nearest, farthest) = (min_of(&self.z), max_of(&self.z));
+        let in_depth = if view.perspective {
+            zero.lt(nearest).and(farthest.le(splat(MAX_CELL_DEPTH_RATIO) * nearest))
+        } else {
+            nearest.le(farthest)
+        };
+        let any = columns[0].lt(columns[1]).and(rows[0].lt(rows[1]));
+        PixelBounds { columns, rows, in_depth, any }
     }
 }

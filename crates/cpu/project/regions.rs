@@ -4,11 +4,9 @@
 //! A cell that touches several regions is projected in each of them. Regions hold about a requested number of cells; where the cells of
 //! one are more, it is split again, down to a tile.
 
-use crate::project::cells::Input;
-use crate::project::pixel_bounds::{Corners, MAX_DOUBLE_LANES, max_of, min_of};
+use crate::project::cells::{Corners, Input, MAX_DOUBLE_LANES, max_of, min_of};
 use crate::project::precise_cell::PreciseCell;
-use crate::tile::TILE;
-use crate::tile::{Area, tiles_of};
+use crate::tile::{Area, TILE, tiles_of};
 use crate::tolerances::SPAN_SLACK;
 use glam::DVec3;
 use rayon::prelude::*;

@@ -1,8 +1,7 @@
 //! Tile bins: projected cells by tiles.
 
-use crate::project::cells::{Input, ProjectCells, ProjectedCells};
+use crate::project::cells::{AttributePlane, Input, ProjectCells, ProjectedCell, ProjectedCells};
 use crate::project::precise_cell::PreciseCell;
-use crate::project::projected_cell::{AttributePlane, ProjectedCell};
 use crate::tile::{Area, TILE, tiles_of};
 use glam::DVec3;
 use rayon::prelude::*;

@@ -3,13 +3,12 @@
 
 use crate::fragments::batch::{Batch, MAX_LANES};
 use crate::shade::kinds::{LaneWidget, for_each_active_widget};
-use crate::shade::segment_gather::SegmentGather;
-use crate::shade::segment_lanes::SegmentLanes;
+use crate::shade::segment_lanes::{SegmentGather, SegmentLanes};
 use crate::shade::shaded_batch::{ShadedBatch, StepLanes, SteppedWidget};
 use voltet_optics::quadrature::{GAUSS_4, UP_TO_4};
 use voltet_simd::optics::elementary::exp;
 use voltet_simd::optics::quadrature::{nodes, up_to};
-use voltet_simd::{Float, Lanes, Mask, array, mask_of};
+use voltet_simd::{Float, Lanes, Mask, array, inlined, mask_of};
 
 /// Interval (steps) at which densities are evaluated anew.
 const STEPS_ON_END: usize = 4;
@@ -33,15 +32,14 @@ pub(crate) fn integrate_fixed<L: Lanes>(
         for_each_active_widget(
             widgets,
             &segments,
-            #[inline(always)]
-            |number, widget, meets| {
+            inlined!(|number, widget: &LaneWidget, meets: L::M| {
                 let rough = splat((steps * steps) as f32 * 1.01).lt(widget.roughness::<L>(&segments));
                 out.active_widgets.push(SteppedWidget {
                     number,
                     there: meets.and(rough.not()).bits(),
                     rows: None,
                 });
-            },
+            }),
         );
         let mut opacity = [0f32; MAX_LANES];
         for (opacity, &k) in opacity.iter_mut().zip(group) {
@@ -109,10 +107,7 @@ fn step_through<L: Lanes>(
     // All light together is known in closed form; the quadrature only shares it out, so that where one widget is nearly all
     // there is, nearly nothing of its error stays.
     let exact = opacity / light.max(splat(f32::MIN_POSITIVE));
-    array(
-        #[inline(always)]
-        |c| color[c] * exact,
-    )
+    array!(|c| color[c] * exact)
 }
 
 /// Gauss-Legendre on [0, 1] with 4 points.

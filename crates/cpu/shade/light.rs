@@ -7,8 +7,7 @@
 use crate::fragments::batch::Batch;
 use crate::tile::TILE;
 use crate::view::View;
-use glam::DVec3;
-use voltet_optics::shading::{Shading, unit_vector};
+use voltet_optics::shading::{Light, Shading, unit_vector};
 use voltet_simd::optics::elementary::power;
 use voltet_simd::{Float, Lanes, Mask, Unsigned, array};
 
@@ -20,16 +19,10 @@ pub(crate) type Rays = [[f32; TILE * TILE]; 3];
 pub(crate) struct Surface {
     /// p.
     pub silhouette: Option<f64>,
-    light: Option<Lit>,
+    /// Light, its direction of unit length.
+    light: Option<Light>,
     /// Attributes before the gradient.
     first: usize,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Lit {
-    direction: DVec3,
-    ambient: f64,
-    diffuse: f64,
 }
 
 impl Surface {
@@ -37,11 +30,7 @@ impl Surface {
     /// gradient.
     pub fn new(shading: &Shading, first: usize) -> Option<Surface> {
         let silhouette = shading.silhouette.filter(|&p| p != 0.0);
-        let light = shading.light.map(|light| Lit {
-            direction: unit_vector(light.direction),
-            ambient: light.ambient,
-            diffuse: light.diffuse,
-        });
+        let light = shading.light.map(|light| Light { direction: unit_vector(light.direction), ..light });
         (silhouette.is_some() || light.is_some()).then_some(Surface { silhouette, light, first })
     }
 
@@ -51,37 +40,25 @@ impl Surface {
         let splat = L::F::splat;
         let (zero, one) = (splat(0.0), splat(1.0));
         // Twice the gradient at the middle.
-        let g: [L::F; 3] = array(
-            #[inline(always)]
-            |i| {
-                let k = self.first + i;
-                L::F::load(&batch.front[k][at..]) + L::F::load(&batch.back[k][at..])
-            },
-        );
+        let g: [L::F; 3] = array!(|i| {
+            let k = self.first + i;
+            L::F::load(&batch.front[k][at..]) + L::F::load(&batch.back[k][at..])
+        });
         // Scaled by its largest component, so that no square leaves 32 bits.
         let largest = g[0].abs().max(g[1].abs()).max(g[2].abs());
         let is_flat = zero.lt(largest).not();
         let inverse = one / L::F::select(is_flat, one, largest);
-        let g: [L::F; 3] = array(
-            #[inline(always)]
-            |i| g[i] * inverse,
-        );
+        let g: [L::F; 3] = array!(|i| g[i] * inverse);
         let square = g[0].mul_add(g[0], g[1].mul_add(g[1], g[2] * g[2]));
         let mut opacity = one;
         if let Some(p) = self.silhouette {
             let pixel = L::U::load(&batch.pixel[at..]);
-            let view: [L::F; 3] = array(
-                #[inline(always)]
-                |i| L::F::gather(&rays[i], pixel),
-            );
+            let view: [L::F; 3] = array!(|i| L::F::gather(&rays[i], pixel));
             let segments = g[0].mul_add(view[0], g[1].mul_add(view[1], g[2] * view[2])).abs();
-            let across: [L::F; 3] = array(
-                #[inline(always)]
-                |i| {
-                    let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-                    g[j] * view[k] - g[k] * view[j]
-                },
-            );
+            let across: [L::F; 3] = array!(|i| {
+                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                g[j] * view[k] - g[k] * view[j]
+            });
             let across = across[0].mul_add(across[0], across[1].mul_add(across[1], across[2] * across[2]));
             // 1 − cos = sin² / (1 + cos): the difference would lose the digits of a gradient along the ray.
             let size = square.sqrt();
@@ -92,11 +69,11 @@ impl Surface {
         }
         let color = match self.light {
             None => opacity,
-            Some(lit) => {
-                let [x, y, z] = lit.direction.to_array().map(|c| splat(c as f32));
+            Some(light) => {
+                let [x, y, z] = light.direction.to_array().map(|c| splat(c as f32));
                 let facing = g[0].mul_add(x, g[1].mul_add(y, g[2] * z)).abs();
                 let facing = facing / square.max(splat(f32::MIN_POSITIVE)).sqrt();
-                opacity * facing.min(one).mul_add(splat(lit.diffuse as f32), splat(lit.ambient as f32))
+                opacity * facing.min(one).mul_add(splat(light.diffuse as f32), splat(light.ambient as f32))
             }
         };
         (opacity, color)

@@ -7,10 +7,9 @@
 
 use crate::fragments::batch::{Batch, MAX_LANES};
 use crate::shade::kinds::{KernelTier, LaneWidget, OrderRequirement, nothing};
-use crate::shade::segment_gather::SegmentGather;
-use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
+use crate::shade::region::ValueRange;
+use crate::shade::segment_lanes::{FieldLanes, SegmentGather, SegmentLanes};
 use crate::shade::shaded_batch::{FallbackReason, MIX_PRODUCT, ShadedBatch};
-use crate::shade::support::ValueRange;
 use voltet_core::transfer::TransferFunction;
 use voltet_simd::limits::{MAX_DENSE_RATE, MAX_RATE, MIN_WALKED_LENGTH};
 use voltet_simd::optics::dense::dense;
@@ -151,10 +150,7 @@ impl PanelQuadrature {
             return ([zero, zero, zero, opacity, total], left(0, 0), overlapping);
         }
         let share = L::F::select(zero.lt(total), opacity / total, zero);
-        let mut color: [L::F; 3] = array(
-            #[inline(always)]
-            |i| color[i] * share,
-        );
+        let mut color: [L::F; 3] = array!(|i| color[i] * share);
         let crossing = segments.crossing.bits();
         let in_order = match self.cutoff {
             Some(_) => crossing,
@@ -182,20 +178,14 @@ impl PanelQuadrature {
                 too_dense |= in_order & unsure.bits();
                 // All light together is known in closed form.
                 let exact = opacity / light.max(splat(f32::MIN_POSITIVE));
-                array(
-                    #[inline(always)]
-                    |i| color[i] * exact,
-                )
+                array!(|i| color[i] * exact)
             } else {
                 let (color, points) = ordered::<L>(&members, self.cutoff.map(|_| scale));
                 *evaluations += points;
                 color
             };
             let keep = mask_of::<L>(in_order);
-            color = array(
-                #[inline(always)]
-                |i| L::F::select(keep, walked[i], color[i]),
-            );
+            color = array!(|i| L::F::select(keep, walked[i], color[i]));
         }
         ([color[0], color[1], color[2], opacity, total], left(delicate, too_dense), overlapping)
     }

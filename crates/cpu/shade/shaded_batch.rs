@@ -1,8 +1,9 @@
 //! Results of shading a batch of segments, and the segments that still need a slower kernel.
 
 use crate::fragments::batch::{Column, MAX_LANES};
+
 pub(crate) use crate::tolerances::MIX_PRODUCT;
-use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
+use voltet_simd::optics::gaussian::LaneGaussianSteps;
 use voltet_simd::{Float, Lanes, inlined};
 
 /// Steps of the fixed quadrature.
@@ -41,14 +42,6 @@ pub(crate) struct ShadedBatch {
 
 /// Colour and opacity of a batch.
 pub(crate) type Colors = [Box<Column>; 4];
-
-/// One segment's integral, found in 64 bits.
-pub(crate) struct Exact {
-    pub depth: f32,
-    pub rgba: [f32; 4],
-    /// True if widgets overlap by more than [`MIX_PRODUCT`].
-    pub overlaps: bool,
-}
 
 impl ShadedBatch {
     pub fn new() -> Self {
@@ -199,10 +192,7 @@ impl StepLanes {
 
     #[inline(always)]
     pub(super) fn steps<L: Lanes>(&self) -> LaneGaussianSteps<L, 4> {
-        let row = inlined(
-            #[inline(always)]
-            |j: usize| L::F::load(&self.0[j]),
-        );
+        let row = inlined!(|j: usize| L::F::load(&self.0[j]));
         LaneGaussianSteps {
             values: [row(0), row(1), row(2), row(3)],
             ratios: [row(4), row(5), row(6), row(7)],

@@ -1,29 +1,28 @@
 //! The shader: from a fragment's length and attribute values to its colour and opacity.
 //!
 //! Four kernel tiers, each for the segments that the one before does not integrate: closed forms in lanes (density-emitter; overlaps by
-//! [`voltet_simd::optics::sums`]), quadrature in equal steps ([`super::fixed_quadrature`]), panels ([`super::panels`]), and the 64-bit
+//! [`voltet_simd::optics::smooth`]), quadrature in equal steps ([`super::fixed_quadrature`]), panels ([`super::panels`]), and the 64-bit
 //! integrator segment by segment. An integrator from outside has one kernel in place of the first three ([`super::integrator`]).
 //! Tiers that a scene does not use are not prepared.
 
 use crate::attribute::MAX_ATTRIBUTES;
-use crate::fragments::batch::{Batch, Column};
-use crate::shade::closed_form::{OneColor, Several};
+use crate::fragments::batch::{Batch, MAX_LANES};
 use crate::shade::context::{ShaderContext, WidgetContext};
 use crate::shade::fixed_quadrature::integrate_fixed;
-use crate::shade::integrator::{LaneExtension, LaneIntegrator, LaneScene};
-use crate::shade::kinds::{KernelTier, LaneLinear, LaneWidget};
-use crate::shade::light::{Rays, Surface};
+use crate::shade::integrator::{LaneExtension, LaneIntegrator, LaneScene, SegmentResults};
+use crate::shade::kernel::{OneColor, SegmentBatch, Several, SinglePiecewise};
+use crate::shade::kinds::{KernelTier, LaneWidget};
+use crate::shade::light::Surface;
 use crate::shade::panels::PanelQuadrature;
-use crate::shade::segment_gather::SegmentGather;
-use crate::shade::shaded_batch::{Exact, FallbackReason, MIX_PRODUCT, STEPS, ShadedBatch};
+use crate::shade::segment_lanes::SegmentGather;
+use crate::shade::shaded_batch::{FallbackReason, MIX_PRODUCT, STEPS, ShadedBatch};
 use crate::tolerances::NEGLIGIBLE_DEPTH;
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_optics::integrators::SegmentIntegrator;
 use voltet_optics::shading::{Integrator, Shading};
 use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
-use voltet_simd::optics::elementary::one_minus_exp;
-use voltet_simd::{Float, Lanes};
+use voltet_simd::{Kernel, LaneSet, Lanes, dispatch};
 
 /// Transfer function and shading, compiled for lanes.
 pub(crate) struct Shader {
@@ -49,18 +48,6 @@ pub(crate) struct Shader {
     pub surface: Option<Surface>,
     /// The one colour of all widgets, under the density-emitter: C = c · A, so no order is needed.
     pub one_color: Option<[f32; 3]>,
-}
-
-/// Kernel that integrates every segment of a scene first; segments that it does not integrate are queued.
-pub(crate) enum FirstKernel<'a> {
-    /// An integrator from outside.
-    Integrator(&'a dyn LaneIntegrator),
-    /// One piecewise-linear widget.
-    SinglePiecewise(&'a LaneLinear),
-    OneColor(OneColor),
-    Several(Several),
-    /// All segments are queued.
-    None,
 }
 
 impl Shader {
@@ -168,33 +155,150 @@ impl Shader {
         self.one_color.is_some() || !self.has_closed_forms
     }
 
-    /// Kernel that integrates every segment first.
-    pub fn first(&self) -> FirstKernel<'_> {
-        let several = Several { overlap: self.overlap, ordered_from: self.ordered_from };
-        match (&self.integrator, self.widgets.as_slice()) {
-            (Some(integrator), _) => FirstKernel::Integrator(integrator.as_ref()),
-            _ if !self.has_closed_forms => FirstKernel::None,
-            _ if self.one_color.is_some() => FirstKernel::OneColor(OneColor),
-            // Alone, its pieces give the colour in closed form.
-            (None, [widget]) => {
-                widget.points().map_or(FirstKernel::Several(several), FirstKernel::SinglePiecewise)
+    /// True if only some segments take more than the closed forms, and their depth is not used.
+    pub fn pools(&self) -> bool {
+        self.has_closed_forms && self.one_color.is_none()
+    }
+
+    /// Integrates the queued segments of a batch one by one in 64 bits, attributes in their own units.
+    fn integrate_in_64_bits(&self, batch: &Batch, out: &mut ShadedBatch) {
+        let n = self.scaling.len().min(MAX_ATTRIBUTES);
+        let fields = if n > 2 { 2..n } else { 0..0 };
+        let exact = self.exact.as_ref().expect("lanes integrate every segment of a table");
+        // The closed forms counted overlaps.
+        let overlaps = self.overlaps.as_ref().filter(|_| !self.has_closed_forms);
+        for &k in &out.fallback_queue {
+            let ends = [&batch.front, &batch.back].map(|columns| {
+                let mut values = [0f64; MAX_ATTRIBUTES];
+                for ((value, column), [offset, scale]) in values.iter_mut().zip(columns).zip(&self.scaling) {
+                    *value = offset + scale * f64::from(column[k]);
+                }
+                values
+            });
+            let g = |values: &[f64; MAX_ATTRIBUTES]| if n > 1 { values[1] } else { 0.0 };
+            let segment = Segment {
+                length: f64::from(batch.length[k]) * self.length,
+                front: [ends[0][0], g(&ends[0])],
+                back: [ends[1][0], g(&ends[1])],
+                fields_front: &ends[0][fields.clone()],
+                fields_back: &ends[1][fields.clone()],
+            };
+            let contribution = exact.integrate(&segment);
+            out.depth[k] = contribution.optical_depth.min(f64::from(f32::MAX)) as f32;
+            let [r, g, b] = contribution.color;
+            for (column, value) in out.rgba.iter_mut().zip([r, g, b, contribution.opacity]) {
+                column[k] = value as f32;
             }
-            (None, _) => FirstKernel::Several(several),
+            let overlap = overlaps.map_or(0.0, |function| function.overlap(&segment));
+            out.overlap_count += u64::from(overlap > f64::from(MIX_PRODUCT));
+        }
+        out.exact_count += out.fallback_queue.len() as u64;
+        out.evaluation_count += out.fallback_queue.len() as u64;
+    }
+}
+
+/// Integrates the first `count` segments of a batch: in lanes, and in 64 bits those that lanes do not integrate.
+pub(crate) fn integrate(shader: &Shader, lanes: LaneSet, batch: &Batch, count: usize, out: &mut ShadedBatch) {
+    integrate_first(shader, lanes, batch, count, out);
+    finish(shader, lanes, batch, out);
+}
+
+/// Integrates the first `count` segments of a batch by the kernel that comes first; others are queued.
+pub(crate) fn integrate_first(
+    shader: &Shader,
+    lanes: LaneSet,
+    batch: &Batch,
+    count: usize,
+    out: &mut ShadedBatch,
+) {
+    out.clear();
+    let range =
+        SegmentBatch { widgets: &shader.widgets, one_color: shader.one_color.is_some(), batch, count };
+    if let Some(integrator) = &shader.integrator {
+        return integrator.run(lanes, range, &mut SegmentResults(out));
+    }
+    if !shader.has_closed_forms {
+        return queue_all(range, out);
+    }
+    if shader.one_color.is_some() {
+        return dispatch(lanes, OneColor { range, out });
+    }
+    // Alone, the pieces of a piecewise-linear widget give the colour in closed form.
+    if let [widget] = shader.widgets.as_slice()
+        && let Some(linear) = widget.points()
+    {
+        return dispatch(lanes, SinglePiecewise { linear, range, out });
+    }
+    let Shader { overlap, ordered_from, .. } = *shader;
+    dispatch(lanes, Several { overlap, ordered_from, range, out });
+}
+
+/// Queues all segments of a range for slower kernels.
+fn queue_all(SegmentBatch { batch, count, .. }: SegmentBatch<'_>, out: &mut ShadedBatch) {
+    // Fragments of no length are summed, too.
+    out.depth[..count.next_multiple_of(MAX_LANES)].fill(0.0);
+    out.fallback_queue.extend((0..count).filter(|&k| 0.0 < batch.length[k]));
+    out.evaluation_count += out.fallback_queue.len() as u64;
+}
+
+/// Integrates queued segments: by fixed quadrature and panels, by panels for optically thick segments, and in 64 bits.
+pub(crate) fn finish(shader: &Shader, lanes: LaneSet, batch: &Batch, out: &mut ShadedBatch) {
+    out.reasons.clear();
+    for number in 0..out.quadrature_queues.len() {
+        if !out.quadrature_queues[number].is_empty() {
+            dispatch(lanes, FixedQuadrature { shader, number, batch, out });
         }
     }
+    if !out.thick_pieces.is_empty() {
+        dispatch(lanes, ThickPieces { shader, batch, out });
+    }
+    if !out.fallback_queue.is_empty() {
+        dispatch(lanes, PanelKernel::<false> { shader, batch, out });
+        // Those of the density-emitter alone.
+        if shader.has_closed_forms {
+            out.move_optically_thick();
+        }
+    }
+    if !out.optically_thick.is_empty() {
+        dispatch(lanes, PanelKernel::<true> { shader, batch, out });
+    }
+    if !out.fallback_queue.is_empty() {
+        shader.integrate_in_64_bits(batch, out);
+    }
+}
 
-    /// Integrates the segments that are queued for fixed quadrature with one number of steps.
+/// Integrates the segments that are queued for fixed quadrature with one number of steps.
+struct FixedQuadrature<'a> {
+    shader: &'a Shader,
+    number: usize,
+    batch: &'a Batch,
+    out: &'a mut ShadedBatch,
+}
+
+impl Kernel for FixedQuadrature<'_> {
+    type Output = ();
     #[inline(always)]
-    pub fn integrate_fixed<L: Lanes>(&self, number: usize, batch: &Batch, out: &mut ShadedBatch) {
+    fn run<L: Lanes>(self) {
+        let FixedQuadrature { shader, number, batch, out } = self;
         let which = std::mem::take(&mut out.quadrature_queues[number]);
-        integrate_fixed::<L>(&self.widgets, STEPS[number], batch, &which, out);
+        integrate_fixed::<L>(&shader.widgets, STEPS[number], batch, &which, out);
         out.quadrature_queues[number] = which;
     }
+}
 
-    /// Integrates the queued segments with optically thick pieces.
+/// Integrates the queued segments with optically thick pieces.
+struct ThickPieces<'a> {
+    shader: &'a Shader,
+    batch: &'a Batch,
+    out: &'a mut ShadedBatch,
+}
+
+impl Kernel for ThickPieces<'_> {
+    type Output = ();
     #[inline(always)]
-    pub fn integrate_thick_pieces<L: Lanes>(&self, batch: &Batch, out: &mut ShadedBatch) {
-        let Some(points) = self.widgets.first().and_then(LaneWidget::points) else { return };
+    fn run<L: Lanes>(self) {
+        let ThickPieces { shader, batch, out } = self;
+        let Some(points) = shader.widgets.first().and_then(LaneWidget::points) else { return };
         let tables = points.tables::<L>();
         let which = std::mem::take(&mut out.thick_pieces);
         let mut gather = SegmentGather::new(1);
@@ -206,16 +310,26 @@ impl Shader {
         out.thick_pieces = which;
         out.thick_pieces.clear();
     }
+}
 
-    /// Integrates the other queued segments in panels: with `THICK` those that are optically thick. Segments that fall back join the queue
-    /// for 64 bits.
+/// Integrates the other queued segments in panels: with `THICK` those that are optically thick. Segments that fall back join the queue
+/// for 64 bits.
+struct PanelKernel<'a, const THICK: bool> {
+    shader: &'a Shader,
+    batch: &'a Batch,
+    out: &'a mut ShadedBatch,
+}
+
+impl<const THICK: bool> Kernel for PanelKernel<'_, THICK> {
+    type Output = ();
     #[inline(always)]
-    pub fn integrate_panels<L: Lanes, const THICK: bool>(&self, batch: &Batch, out: &mut ShadedBatch) {
+    fn run<L: Lanes>(self) {
+        let PanelKernel { shader, batch, out } = self;
         let before = std::mem::take(&mut out.scratch);
         let mut which =
             std::mem::replace(if THICK { &mut out.optically_thick } else { &mut out.fallback_queue }, before);
-        match &self.panels {
-            Ok(panels) => panels.integrate_all::<L, THICK>(&self.widgets, batch, &which, out),
+        match &shader.panels {
+            Ok(panels) => panels.integrate_all::<L, THICK>(&shader.widgets, batch, &which, out),
             Err(why) => {
                 out.fallback_queue.extend(&which);
                 out.reasons.resize(out.fallback_queue.len(), *why);
@@ -223,103 +337,6 @@ impl Shader {
         }
         which.clear();
         out.scratch = which;
-    }
-
-    /// Integrates the remaining segments one by one in 64 bits.
-    pub fn finish(&self, batch: &Batch, out: &mut ShadedBatch) {
-        for i in 0..out.fallback_queue.len() {
-            let k = out.fallback_queue[i];
-            let at = |columns: &[Column]| -> [f32; MAX_ATTRIBUTES] {
-                std::array::from_fn(|a| columns.get(a).map_or(0.0, |column| column[k]))
-            };
-            // The closed forms counted overlaps.
-            let contribution = self.integrate_stored(
-                batch.length[k],
-                &at(&batch.front),
-                &at(&batch.back),
-                !self.has_closed_forms,
-            );
-            out.depth[k] = contribution.depth;
-            for (column, value) in out.rgba.iter_mut().zip(contribution.rgba) {
-                column[k] = value;
-            }
-            out.overlap_count += u64::from(contribution.overlaps);
-        }
-        out.exact_count += out.fallback_queue.len() as u64;
-        out.evaluation_count += out.fallback_queue.len() as u64;
-    }
-
-    /// Silhouettes and light.
-    #[inline(always)]
-    pub fn light<L: Lanes>(&self, batch: &Batch, count: usize, rays: &Rays, out: &mut ShadedBatch) {
-        let Some(surface) = &self.surface else { return };
-        let mut at = 0;
-        while at < count {
-            let (opacity, color) = surface.factors::<L>(batch, at, rays);
-            if self.one_color.is_some() {
-                let value = one_minus_exp::<L>(L::F::load(&out.depth[at..])) * opacity;
-                value.store(&mut out.depth[at..]);
-            } else {
-                for (column, factor) in out.rgba.iter_mut().zip([color, color, color, opacity]) {
-                    (L::F::load(&column[at..]) * factor).store(&mut column[at..]);
-                }
-            }
-            at += L::WIDTH;
-        }
-    }
-
-    /// [`Shader::integrate`] of stored attributes.
-    pub fn integrate_stored(&self, length: f32, front: &[f32], back: &[f32], counted: bool) -> Exact {
-        let value = |stored: &[f32], a: usize| {
-            let [offset, scale] = self.scaling[a];
-            offset + scale * f64::from(stored[a])
-        };
-        self.integrate(f64::from(length), |a| value(front, a), |a| value(back, a), counted)
-    }
-
-    /// True if there are panels for optically thick segments: those of the density-emitter.
-    pub fn has_thick_panels(&self) -> bool {
-        self.has_closed_forms
-    }
-
-    /// True if only some segments take more than the closed forms, and their depth is not used.
-    pub fn pools(&self) -> bool {
-        self.has_closed_forms && self.one_color.is_none()
-    }
-
-    /// The 64-bit integral of one segment: `length` in scene lengths, attributes in their own units;
-    /// `counted`: true to report if widgets overlap.
-    pub fn integrate(
-        &self,
-        length: f64,
-        front: impl Fn(usize) -> f64,
-        back: impl Fn(usize) -> f64,
-        counted: bool,
-    ) -> Exact {
-        let n = self.scaling.len().min(MAX_ATTRIBUTES);
-        let mut ends = [[0f64; MAX_ATTRIBUTES]; 2];
-        let [fronts, backs] = &mut ends;
-        for (a, (at_front, at_back)) in fronts.iter_mut().zip(backs).enumerate().take(n) {
-            (*at_front, *at_back) = (front(a), back(a));
-        }
-        let g = |values: &[f64; MAX_ATTRIBUTES]| if n > 1 { values[1] } else { 0.0 };
-        let fields = if n > 2 { 2..n } else { 0..0 };
-        let segment = Segment {
-            length: length * self.length,
-            front: [ends[0][0], g(&ends[0])],
-            back: [ends[1][0], g(&ends[1])],
-            fields_front: &ends[0][fields.clone()],
-            fields_back: &ends[1][fields],
-        };
-        let exact = self.exact.as_ref().expect("lanes integrate every segment of a table");
-        let c = exact.integrate(&segment);
-        let color = c.color.map(|x| x as f32);
-        Exact {
-            depth: c.optical_depth.min(f64::from(f32::MAX)) as f32,
-            rgba: [color[0], color[1], color[2], c.opacity as f32],
-            overlaps: counted
-                && self.overlaps.as_ref().is_some_and(|o| o.overlap(&segment) > f64::from(MIX_PRODUCT)),
-        }
     }
 }
 

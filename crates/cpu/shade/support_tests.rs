@@ -2,8 +2,8 @@
 
 use crate::attribute::Attribute;
 use crate::shade::context::WidgetContext;
+use crate::shade::region::{SupportBounds, ValueRange};
 use crate::shade::segment_lanes::SegmentLanes;
-use crate::shade::support::{SupportBounds, ValueRange};
 use crate::tolerances::NEGLIGIBLE_DEPTH;
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
 use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};

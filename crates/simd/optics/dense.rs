@@ -8,7 +8,7 @@
 use super::elementary::exp;
 use super::overlap::{AnyLaneTrack, LaneMember};
 use super::quadrature::{PANEL, POINTS, over_panel, to_nodes};
-use crate::{Float, Lanes, Mask, array};
+use crate::{Float, Lanes, Mask};
 
 /// Optical depth beyond which nothing behind is visible (e^(−18) = 1.5e-8).
 const OPAQUE_DEPTH: f32 = 18.0;
@@ -48,10 +48,7 @@ pub fn dense<L: Lanes>(members: &[LaneMember<L>]) -> ([L::F; 3], L::F, L::M) {
             AnyLaneTrack::Gaussian(track) => {
                 (Track { x: track.front, slope: track.length, peak: track.peak }, track.peak)
             }
-            AnyLaneTrack::Triangular(_)
-            | AnyLaneTrack::Wave(_)
-            | AnyLaneTrack::Piecewise(_)
-            | AnyLaneTrack::Table(_) => {
+            AnyLaneTrack::Piecewise(_) | AnyLaneTrack::Table(_) => {
                 unsure = unsure.or(inside);
                 (Track { x: zero, slope: zero, peak: zero }, zero)
             }
@@ -71,10 +68,7 @@ pub fn dense<L: Lanes>(members: &[LaneMember<L>]) -> ([L::F; 3], L::F, L::M) {
         }
         let mut next = rest;
         for (member, (track, _)) in members.iter().zip(&tracks) {
-            let [start, end] = array(
-                #[inline(always)]
-                |i| member.range[i] - done,
-            );
+            let [start, end] = array!(|i| member.range[i] - done);
             let to = L::F::select(splat(PASSED).lt(start), start, track.step().min(end));
             let nothing = end.le(splat(PASSED)).or(end.le(start));
             next = next.min(L::F::select(nothing, splat(2.0), to));
@@ -95,13 +89,10 @@ pub fn dense<L: Lanes>(members: &[LaneMember<L>]) -> ([L::F; 3], L::F, L::M) {
         let deep = splat(PANEL_DEPTH + 0.5).lt(held);
         let taken = open.and(deep.not());
         let within = to_nodes::<L>(&total);
-        let seen: [L::F; POINTS] = array(
-            #[inline(always)]
-            |i| {
-                let weight = exp::<L>(-(dt.mul_add(within[i], front))) * (dt * splat(PANEL[i].1));
-                L::F::select(taken, weight, zero)
-            },
-        );
+        let seen: [L::F; POINTS] = array!(|i| {
+            let weight = exp::<L>(-(dt.mul_add(within[i], front))) * (dt * splat(PANEL[i].1));
+            L::F::select(taken, weight, zero)
+        });
         let moved = L::F::select(taken, dt, zero);
         for (member, (track, rates)) in members.iter().zip(&mut tracks) {
             let mut all = zero;
@@ -146,13 +137,10 @@ impl<L: Lanes> Track<L> {
     #[inline(always)]
     fn rates(&self, dt: L::F) -> [L::F; POINTS] {
         let grows = self.slope * dt;
-        array(
-            #[inline(always)]
-            |i| {
-                let x = grows.mul_add(L::F::splat(PANEL[i].0), self.x);
-                self.peak * exp::<L>(-(x * x))
-            },
-        )
+        array!(|i| {
+            let x = grows.mul_add(L::F::splat(PANEL[i].0), self.x);
+            self.peak * exp::<L>(-(x * x))
+        })
     }
 }
 

@@ -12,7 +12,7 @@ use super::elementary::{HALF_SQRT_PI, dot, erfcx, exp, exp_down, polynomial};
 use super::quadrature::POINTS;
 use super::smooth::{self, DensityShape};
 use super::track::{LaneTrack, PASSED, at_nodes};
-use crate::{Float, Lanes, Mask, array, inlined};
+use crate::{Float, Lanes, Mask};
 
 /// A path relative to the centre, in widths.
 #[derive(Clone, Copy)]
@@ -35,19 +35,13 @@ impl<L: Lanes> LaneGaussianPath<L> {
     pub fn new<const N: usize>(front: [L::F; N], back: [L::F; N]) -> Self {
         let splat = L::F::splat;
         let zero = splat(0.0);
-        let step: [L::F; N] = array(
-            #[inline(always)]
-            |i| back[i] - front[i],
-        );
+        let step: [L::F; N] = array!(|i| back[i] - front[i]);
         let d2 = dot::<L, N>(&step, &step);
         // 1/d, or 0 for a segment without extent: then a = b = 0 and h² = |q_f|².
         let flat = d2.le(splat(1e-30));
         let inverse = L::F::select(flat, zero, splat(1.0) / d2.max(splat(1e-30)).sqrt());
         let d = d2 * inverse;
-        let direction: [L::F; N] = array(
-            #[inline(always)]
-            |i| step[i] * inverse,
-        );
+        let direction: [L::F; N] = array!(|i| step[i] * inverse);
         let (a, b) = (dot::<L, N>(&front, &direction), dot::<L, N>(&back, &direction));
         // h from the end nearer to the foot, as a vector: never |q|² − a².
         let front_nearer = a.abs().lt(b.abs());
@@ -88,10 +82,7 @@ impl<L: Lanes> LaneGaussianPath<L> {
         // Mirror so that |a| ≤ b.
         let mirrored = (a + b).lt(zero);
         let (low, high) = (L::F::select(mirrored, -b, a), L::F::select(mirrored, -a, b));
-        let tail = inlined(
-            #[inline(always)]
-            |x: L::F| exp::<L>(-(x.mul_add(x, h2))) * erfcx::<L>(x.abs()),
-        );
+        let tail = inlined!(|x: L::F| exp::<L>(-(x.mul_add(x, h2))) * erfcx::<L>(x.abs()));
         let (tail_low, tail_high) = (tail(low), tail(high));
         let both = splat(2.0) * exp::<L>(-h2) - tail_low;
         let across = L::F::select(low.lt(zero), both, tail_low);
@@ -146,10 +137,7 @@ impl<L: Lanes> Near<L> {
         let splat = L::F::splat;
         let middle = exp_down::<L>(self.middle_squared);
         let twice = self.product.abs().mul_add(splat(2.0), self.length_squared);
-        let within = inlined(
-            #[inline(always)]
-            |most: f32| twice.le(splat(2.0 * most)),
-        );
+        let within = inlined!(|most: f32| twice.le(splat(2.0 * most)));
         // Each lane by the terms that its own path wants, whatever the others are.
         let mut terms = self.five_terms();
         if !within(MAX_DEPTH_FIVE_TERMS).not().and(wanted).any() {
@@ -230,11 +218,7 @@ impl<L: Lanes> Near<L> {
 #[inline(always)]
 pub fn mean_profile<L: Lanes, const N: usize>(front: [L::F; N], back: [L::F; N]) -> L::F {
     let all = L::F::splat(0.0).le(L::F::splat(0.0));
-    Near::<L>::new(&front, &back).mean(
-        all,
-        #[inline(always)]
-        || LaneGaussianPath::new(front, back),
-    )
+    Near::<L>::new(&front, &back).mean(all, inlined!(|| LaneGaussianPath::new(front, back)))
 }
 
 /// [`Near::shape`] of the path between two points, q as for [`mean_profile`].
@@ -245,12 +229,7 @@ pub fn shape<L: Lanes, const N: usize>(
     peak: L::F,
     wanted: L::M,
 ) -> DensityShape<L> {
-    Near::<L>::new(&front, &back).shape(
-        peak,
-        wanted,
-        #[inline(always)]
-        || LaneGaussianPath::new(front, back),
-    )
+    Near::<L>::new(&front, &back).shape(peak, wanted, inlined!(|| LaneGaussianPath::new(front, back)))
 }
 
 /// The roughness of [`shape`].
@@ -291,10 +270,7 @@ impl<L: Lanes> LaneTrack<L> for LaneGaussianTrack<L> {
     #[inline(always)]
     fn rates(&self, t: L::F, dt: L::F) -> [L::F; POINTS] {
         let x = at_nodes::<L>(self.front, self.back, t, dt);
-        array(
-            #[inline(always)]
-            |i| self.peak * exp::<L>(-(x[i] * x[i])),
-        )
+        array!(|i| self.peak * exp::<L>(-(x[i] * x[i])))
     }
 
     #[inline(always)]
@@ -305,6 +281,51 @@ impl<L: Lanes> LaneTrack<L> for LaneGaussianTrack<L> {
         let step = L::F::select(x.lt(splat(-FAR)), splat(-FAR) - x, step);
         let next = t + (step / self.length.max(splat(1e-30))).max(splat(2.0 * PASSED));
         L::F::select(x.lt(splat(FAR)), next, splat(2.0))
+    }
+}
+
+/// A Gaussian at `N` places of one step after the other of a path: a value and its ratio to the next, which changes by the same
+/// factor at each step. After four steps its errors are some 1e-6.
+#[derive(Clone, Copy)]
+pub struct LaneGaussianSteps<L: Lanes, const N: usize> {
+    /// In the step in hand.
+    pub values: [L::F; N],
+    /// Each to that in the next step.
+    pub ratios: [L::F; N],
+    /// Ratio of every ratio to the next.
+    pub change: L::F,
+}
+
+impl<L: Lanes, const N: usize> LaneGaussianSteps<L, N> {
+    /// From q at the start of the first step, and over a step: at most 0.51 widths. `places`: shares of a step; `peak`: the value
+    /// at the centre.
+    #[inline(always)]
+    pub fn new(start: [L::F; 2], step: [L::F; 2], places: [f32; N], peak: L::F) -> Self {
+        let splat = L::F::splat;
+        let d2 = dot::<L, 2>(&step, &step);
+        // q + d is as far from the centre as (q + d)² = q² + 2 q d + d²; with q = q₀ + u d the ratio is that at u = 0 times
+        // e^(−2 u d²).
+        let first = exp::<L>(-(dot::<L, 2>(&start, &step).mul_add(splat(2.0), d2)));
+        let less = inlined!(|u: f32| {
+            let series = [1.0, 1.0, 0.5, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0, 1.0 / 5040.0];
+            polynomial::<L, 8>(d2 * splat(-2.0 * u), series)
+        });
+        LaneGaussianSteps {
+            values: array!(|j| {
+                let q: [L::F; 2] = array!(|i| step[i].mul_add(splat(places[j]), start[i]));
+                peak * exp::<L>(-dot::<L, 2>(&q, &q))
+            }),
+            ratios: array!(|j| first * less(places[j])),
+            change: less(1.0),
+        }
+    }
+
+    /// Values at the next step.
+    #[inline(always)]
+    pub fn next(&self) -> Self {
+        let &LaneGaussianSteps { values, ratios, change } = self;
+        let times = inlined!(|x: [L::F; N], y: [L::F; N]| -> [L::F; N] { array!(|j| x[j] * y[j]) });
+        LaneGaussianSteps { values: times(values, ratios), ratios: times(ratios, [change; N]), change }
     }
 }
 

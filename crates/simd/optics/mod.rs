@@ -15,24 +15,21 @@
 //! | the same, deeper | [`linear::middling_piece_weights`] | (ρ_f D, ρ_b D), one of them at least 1, at most 4 |
 //! | the same, deep | [`linear::deep_piece_weights`] | (ρ_f D, ρ_b D), one of them at least 1 |
 //! | linear extinction and linear emission: (F, B) | [`linear::front_back`] | (ρ_f D, ρ_b D) |
-//! | widgets that hardly bend, in order | [`sums::Sums::ordered`] | a [`smooth::DensityShape`] each |
+//! | widgets that hardly bend, in order | [`smooth::Sums::ordered`] | a [`smooth::DensityShape`] each |
 //! | any widgets in order, either model: C | [`overlap::ordered`]`(&members, None or D/U)` | [`overlap::LaneMember`] each, over the whole segment |
 //! | uniform widgets and Gaussians in order, where they are dense: C | [`dense::dense`]`(&members)` | the same |
 //!
 //! D and ρ₀ D are those of the clipped stretch for all but the last three, which take the whole segment and the ranges of t.
 
-mod band;
 pub mod clip;
 pub mod dense;
 pub mod elementary;
 pub mod gaussian;
-pub mod gaussian_steps;
 pub mod linear;
 pub mod overlap;
 pub mod piecewise_linear;
 pub mod quadrature;
 pub mod smooth;
-pub mod sums;
 pub mod table;
 mod track;
 pub mod triangular_gaussian;

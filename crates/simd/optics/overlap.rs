@@ -9,24 +9,18 @@ use super::piecewise_linear::LanePiecewiseTrack;
 use super::quadrature::{PANEL, POINTS};
 use super::table::LaneTableTrack;
 use super::track::{LaneTrack, PASSED, Walk, at_nodes};
-use super::triangular_gaussian::LaneTriangularTrack;
-use super::wave::LaneWaveTrack;
 use crate::{Float, Lanes, Mask};
 
 /// Panels before a walk is given up; only waves of thousands of bands need as many.
 const MAX_PANELS: usize = 1 << 14;
 
-/// A widget's rate along the segment.
+/// A widget's rate along the segment. Waves and triangular Gaussians have none: 64 bits put them in order.
 #[derive(Clone, Copy)]
 pub enum AnyLaneTrack<'a, L: Lanes> {
     /// Constant rate.
     Uniform(L::F),
     /// A Gaussian.
     Gaussian(LaneGaussianTrack<L>),
-    /// A triangular Gaussian.
-    Triangular(LaneTriangularTrack<L>),
-    /// A triangle or sine wave.
-    Wave(LaneWaveTrack<'a, L>),
     /// Linear between control points.
     Piecewise(LanePiecewiseTrack<'a, L>),
     /// An image.
@@ -39,8 +33,6 @@ impl<L: Lanes> LaneTrack<L> for AnyLaneTrack<'_, L> {
         match self {
             AnyLaneTrack::Uniform(rate) => [*rate; POINTS],
             AnyLaneTrack::Gaussian(track) => track.rates(t, dt),
-            AnyLaneTrack::Triangular(track) => track.rates(t, dt),
-            AnyLaneTrack::Wave(track) => track.rates(t, dt),
             AnyLaneTrack::Piecewise(track) => track.rates(t, dt),
             AnyLaneTrack::Table(track) => track.rates(t, dt),
         }
@@ -51,8 +43,6 @@ impl<L: Lanes> LaneTrack<L> for AnyLaneTrack<'_, L> {
         match self {
             AnyLaneTrack::Uniform(_) => L::F::splat(2.0),
             AnyLaneTrack::Gaussian(track) => track.next_break(t),
-            AnyLaneTrack::Triangular(track) => track.next_break(t),
-            AnyLaneTrack::Wave(track) => track.next_break(t),
             AnyLaneTrack::Piecewise(track) => track.next_break(t),
             AnyLaneTrack::Table(track) => track.next_break(t),
         }
@@ -66,7 +56,7 @@ pub struct LaneMember<'a, L: Lanes> {
     pub track: AnyLaneTrack<'a, L>,
     /// The part of the segment inside its region, [t₀, t₁]; t₁ ≤ t₀ where there is none.
     pub range: [L::F; 2],
-    /// The part where it glows (constant-emitter); [0, 1] for waves and control points, which break there themselves.
+    /// The part where it glows (constant-emitter); [0, 1] for control points, which break there themselves.
     pub window: [L::F; 2],
     /// Its colour; control points hold their own.
     pub color: [f32; 3],

@@ -5,7 +5,7 @@
 
 use super::quadrature::POINTS;
 use super::track::{LaneTrack, PASSED, at_nodes};
-use crate::{Float, Lanes, Mask, array};
+use crate::{Float, Lanes, Mask};
 use voltet_core::transfer::ControlPoint;
 
 /// Control points made ready for lanes.
@@ -70,8 +70,8 @@ impl LanePoints {
         let mut sum = L::F::splat(self.points[0].extinction);
         self.blend::<L>(
             s,
-            #[inline(always)]
-            |point, share| sum = share.mul_add(L::F::splat(point.extinction) - sum, sum),
+            inlined!(|point: &LanePoint, share: L::F| sum =
+                share.mul_add(L::F::splat(point.extinction) - sum, sum)),
         );
         sum
     }
@@ -82,12 +82,11 @@ impl LanePoints {
         let mut sum = self.points[0].color.map(L::F::splat);
         self.blend::<L>(
             s,
-            #[inline(always)]
-            |point, share| {
+            inlined!(|point: &LanePoint, share: L::F| {
                 for (sum, c) in sum.iter_mut().zip(point.color) {
                     *sum = share.mul_add(L::F::splat(c) - *sum, *sum);
                 }
-            },
+            }),
         );
         sum
     }
@@ -110,10 +109,7 @@ impl<L: Lanes> LaneTrack<L> for LanePiecewiseTrack<'_, L> {
     #[inline(always)]
     fn rates(&self, t: L::F, dt: L::F) -> [L::F; POINTS] {
         let s = at_nodes::<L>(self.front, self.back, t, dt);
-        array(
-            #[inline(always)]
-            |i| self.scale * self.points.extinction::<L>(s[i]),
-        )
+        array!(|i| self.scale * self.points.extinction::<L>(s[i]))
     }
 
     #[inline(always)]

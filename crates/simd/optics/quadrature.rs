@@ -1,6 +1,6 @@
 //! Gauss-Legendre panels of 8 points. Twin of `optics::quadrature`.
 
-use crate::{Float, Lanes, array};
+use crate::{Float, Lanes};
 use voltet_optics::quadrature::{GAUSS_8, Node, UP_TO_8};
 
 /// Points of a panel.
@@ -38,16 +38,13 @@ pub const fn up_to<const N: usize>(wide: [[f64; N]; N]) -> [[f32; N]; N] {
 /// ∫ f from the panel's start to each node, from f at the nodes, for a panel of length 1.
 #[inline(always)]
 pub fn to_nodes<L: Lanes>(values: &[L::F; POINTS]) -> [L::F; POINTS] {
-    array(
-        #[inline(always)]
-        |i| {
-            let mut sum = values[0] * L::F::splat(TO_NODE[i][0]);
-            for k in 1..POINTS {
-                sum = values[k].mul_add(L::F::splat(TO_NODE[i][k]), sum);
-            }
-            sum
-        },
-    )
+    array!(|i| {
+        let mut sum = values[0] * L::F::splat(TO_NODE[i][0]);
+        for k in 1..POINTS {
+            sum = values[k].mul_add(L::F::splat(TO_NODE[i][k]), sum);
+        }
+        sum
+    })
 }
 
 /// ∫ f over a panel of length 1.

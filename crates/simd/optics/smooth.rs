@@ -1,5 +1,5 @@
 //! Widgets that overlap on a segment and hardly bend along it: their ordered light in closed form, density-emitter.
-//! Stands in for quadrature of `optics::overlap` where [`super::sums::Sums::is_smooth`].
+//! Stands in for quadrature of `optics::overlap` where [`super::smooth::Sums::is_smooth`].
 //!
 //! With u = 2t − 1 each density is T_i (1 + a_i u + b_i P₂(u)) to third order in A, the largest change of its logarithm;
 //! T = Σ T_i, S = Σ a_i T_i, B = Σ b_i T_i. In C_i = ∫ ρ_i e^(−∫ρ) the terms in a and b are expanded,
@@ -8,10 +8,10 @@
 //! ∫ (1 − u²)²/16 → n = 1/30 + T²/1680, ∫ P₂ (u² − 1)/4 → 1/30. So
 //! C_i = T_i ((1 − e^(−T))/T + e^(−T/2) ((S − a_i T) k + (b_i T − B − a_i S) m + ½ S² n + (a_i B − b_i S)/30)),
 //! which vanishes for equal shapes, as it must. What is left out is under 0.007 A³ (A + T²/16) Σ_{i<j} T_i T_j for T ≤ 2
-//! and A ≤ 1 (measured: the tests here and of [`super::band`]).
+//! and A ≤ 1 (measured: the tests here and of [`super::wave`]).
 
-use super::elementary::{exp, polynomial};
-use crate::{Float, Lanes};
+use super::elementary::{exp, mean_transparency, polynomial};
+use crate::{Float, Lanes, Mask};
 
 /// A widget's density along a segment, in the symbols of the module's head.
 #[derive(Clone, Copy)]
@@ -62,20 +62,96 @@ pub fn roughness<L: Lanes>(change_squared: L::F, extent_squared: L::F) -> L::F {
     (change_squared * L::F::splat(1.96)).max(extent_squared * L::F::splat(4.0))
 }
 
-/// The overlap of several shapes.
-pub struct Smooth<L: Lanes> {
-    constant: L::F,
-    /// Contribution of a_i.
-    of_tilt: L::F,
-    /// Contribution of b_i.
-    of_bend: L::F,
+/// Depth under which the order of a widget does not matter beside as much as quadrature serves; it may be as rough as it likes.
+const THIN: f32 = 1e-9;
+
+/// Stands for the square of a change of more than 1: A⁴ is then so much that the widget is served only where T_i T is under
+/// 1e-8, which is all that its order can add.
+const LARGE_CHANGE_SQUARED: f32 = 45.0;
+
+/// Sums over the widgets of a vector of segments, asked one after the other; symbols as in the module's head. What a widget is alone is put
+/// down as it is asked, and the colours are summed once all are known, each by the one weight that it then has: sums of every channel,
+/// of every power, would not fit into registers.
+pub struct Sums<L: Lanes> {
+    /// T = Σ T_i.
+    pub total: L::F,
+    /// Σ_{i<j} T_i T_j, without cancellation: a stiff widget must not hide a thin one.
+    pub product: L::F,
+    /// S = Σ a_i T_i.
+    tilted: L::F,
+    /// B = Σ b_i T_i.
+    bent: L::F,
 }
 
-impl<L: Lanes> Smooth<L> {
-    /// From T, S and B.
+/// A widget of a vector of segments.
+#[derive(Clone, Copy)]
+pub struct Term<L: Lanes> {
+    /// T_i.
+    depth: L::F,
+    /// a_i T_i; 0 where the density changes by more than 1.
+    tilted: L::F,
+    /// b_i T_i; 0 there, too.
+    bent: L::F,
+    change_squared: L::F,
+    extent_squared: L::F,
+    color: [f32; 3],
+}
+
+impl<L: Lanes> Term<L> {
+    /// No widget.
     #[inline(always)]
-    pub fn new(total: L::F, tilted: L::F, bent: L::F) -> Self {
+    pub fn none() -> Self {
+        let zero = L::F::splat(0.0);
+        let [depth, tilted, bent, change_squared, extent_squared] = [zero; 5];
+        Term { depth, tilted, bent, change_squared, extent_squared, color: [0.0; 3] }
+    }
+}
+
+impl<L: Lanes> Sums<L> {
+    /// Most of T that [`Sums::ordered`] serves.
+    pub const MAX_TOTAL: f32 = 2.0;
+
+    /// No widget.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = L::F::splat(0.0);
+        Sums { total: zero, product: zero, tilted: zero, bent: zero }
+    }
+
+    /// Takes a widget of this colour, and puts down what it is.
+    #[inline(always)]
+    pub fn add(&mut self, shape: &DensityShape<L>, color: [f32; 3], term: &mut Term<L>) {
+        let &DensityShape { depth, tilt, bend, change_squared, extent_squared } = shape;
+        let (zero, smooth) = (L::F::splat(0.0), change_squared.le(L::F::splat(1.0)));
+        let tilted = L::F::select(smooth, tilt * depth, zero);
+        let bent = L::F::select(smooth, bend * depth, zero);
+        self.product = depth.mul_add(self.total, self.product);
+        self.total = self.total + depth;
+        self.tilted = self.tilted + tilted;
+        self.bent = self.bent + bent;
+        *term = Term { depth, tilted, bent, change_squared, extent_squared, color };
+    }
+
+    /// Colour and opacity of the mix of all `terms`.
+    #[inline(always)]
+    pub fn mixed(&self, terms: &[Term<L>]) -> [L::F; 4] {
+        let mean = mean_transparency::<L>(self.total);
+        let mut rgba = [L::F::splat(0.0); 4];
+        for term in terms {
+            add_color::<L>(&mut rgba, term.depth * mean, &term.color);
+        }
+        rgba[3] = self.total * mean;
+        rgba
+    }
+
+    /// Result with the contribution of the order on the lanes `served`; 1e-8 is neglected of widgets that bend much and hardly absorb.
+    #[inline(always)]
+    pub fn ordered(&self, terms: &[Term<L>], served: L::M) -> [L::F; 4] {
+        let zero = L::F::splat(0.0);
+        let mean = mean_transparency::<L>(self.total);
+        // In the symbols of the module's head; nothing on other lanes than those served.
         let splat = L::F::splat;
+        let (total, tilted, bent) = (self.total, self.tilted, self.bent);
         let squared = total * total;
         let through = exp::<L>(total * splat(-0.5));
         let k = polynomial::<L, 4>(squared, [1.0 / 6.0, 1.0 / 240.0, 1.0 / 26_880.0, 1.0 / 5_806_080.0])
@@ -84,29 +160,55 @@ impl<L: Lanes> Smooth<L> {
         let n = polynomial::<L, 2>(squared, [1.0 / 60.0, 1.0 / 3_360.0]) * through;
         let m = n * total;
         let third = through * splat(1.0 / 30.0);
-        Smooth {
-            constant: tilted.mul_add(tilted.mul_add(n, k), -(bent * m)),
-            of_tilt: bent.mul_add(third, -(total.mul_add(k, tilted * m))),
-            of_bend: total.mul_add(m, -(tilted * third)),
+        let only = inlined!(|value: L::F| L::F::select(served, value, zero));
+        let constant = only(tilted.mul_add(tilted.mul_add(n, k), -(bent * m)));
+        let of_tilt = only(bent.mul_add(third, -(total.mul_add(k, tilted * m))));
+        let of_bend = only(total.mul_add(m, -(tilted * third)));
+        let mut rgba = [zero; 4];
+        for term in terms {
+            let correction = term.tilted.mul_add(of_tilt, term.bent.mul_add(of_bend, term.depth * constant));
+            add_color::<L>(&mut rgba, term.depth.mul_add(mean, correction), &term.color);
         }
+        // A weight may be a rounding under 0.
+        let [r, g, b, _] = rgba;
+        [r.max(zero), g.max(zero), b.max(zero), self.total * mean]
     }
 
-    /// Nothing on other lanes than these.
+    /// Lanes on which what [`Sums::ordered`] leaves out of each C_i/c_i is under 2e-7. Of two widgets that is
+    /// 0.007 A³ (A + T²/16) T_i T_j, and A³ T²/16 ≤ ½ A⁴ + ½ A² (T²/16)²; each pair is counted by itself.
     #[inline(always)]
-    pub fn only(&self, lanes: L::M) -> Self {
-        let zero = L::F::splat(0.0);
-        Smooth {
-            constant: L::F::select(lanes, self.constant, zero),
-            of_tilt: L::F::select(lanes, self.of_tilt, zero),
-            of_bend: L::F::select(lanes, self.of_bend, zero),
+    pub fn is_smooth(&self, terms: &[Term<L>]) -> L::M {
+        let splat = L::F::splat;
+        let thickness = self.total * self.total * splat(1.0 / 16.0);
+        let of_square = thickness * thickness * splat(0.5);
+        let mut left_out = splat(0.0);
+        for term in terms {
+            let change = term.change_squared;
+            let change = L::F::select(change.le(splat(1.0)), change, splat(LARGE_CHANGE_SQUARED));
+            // With all others: Σ_{i<j} T_i T_j (A_i + A_j) = Σ_i A_i T_i (T − T_i).
+            let changed = change * change.mul_add(splat(1.5), of_square) * term.depth;
+            left_out = changed.mul_add(self.total - term.depth, left_out);
         }
+        left_out.lt(splat(3e-5)).and(self.total.le(splat(Self::MAX_TOTAL)))
     }
 
-    /// C_i/c_i from `mean` = (1 − e^(−T))/T, T_i, a_i T_i and b_i T_i.
+    /// Number of steps for the quadrature: a depth of 1 and a [roughness](DensityShape::roughness) of 1 each.
     #[inline(always)]
-    pub fn weight(&self, mean: L::F, depth: L::F, tilted: L::F, bent: L::F) -> L::F {
-        let correction = tilted.mul_add(self.of_tilt, bent.mul_add(self.of_bend, depth * self.constant));
-        depth.mul_add(mean, correction)
+    pub fn steps(&self, terms: &[Term<L>]) -> L::F {
+        let mut most = L::F::splat(0.0);
+        for term in terms {
+            let rough = roughness::<L>(term.change_squared, term.extent_squared);
+            most = L::F::select(L::F::splat(THIN).lt(term.depth), most.max(rough), most);
+        }
+        self.total.max(most.sqrt())
+    }
+}
+
+/// Adds a colour by its weight.
+#[inline(always)]
+fn add_color<L: Lanes>(sum: &mut [L::F; 4], weight: L::F, color: &[f32; 3]) {
+    for c in 0..3 {
+        sum[c] = weight.mul_add(L::F::splat(color[c]), sum[c]);
     }
 }
 
@@ -115,7 +217,7 @@ pub(super) mod tests {
     use super::*;
     use crate::FourLanes as P;
     use crate::optics::gaussian::shape;
-    use crate::optics::sums::{Sums, Term};
+    use crate::optics::smooth::{Sums, Term};
     use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
     use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
 

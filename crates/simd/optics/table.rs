@@ -3,7 +3,7 @@
 
 use super::quadrature::{PANEL, POINTS};
 use super::track::{LaneTrack, PASSED};
-use crate::{Float, Lanes, Mask, Unsigned, array, inlined};
+use crate::{Float, Lanes, Mask, Unsigned};
 use voltet_core::transfer::Table;
 
 /// The texels of an image.
@@ -26,32 +26,17 @@ impl LaneTexels {
     pub fn at<L: Lanes>(&self, place: &[L::F; 2]) -> [L::F; 4] {
         let splat = L::F::splat;
         let (zero, one) = (splat(0.0), splat(1.0));
-        let at: [L::F; 2] = array(
-            #[inline(always)]
-            |a| place[a].max(zero).min(splat(self.last[a])),
-        );
-        let low: [L::F; 2] = array(
-            #[inline(always)]
-            |a| at[a].floor().min(splat((self.last[a] - 1.0).max(0.0))),
-        );
-        let high: [L::F; 2] = array(
-            #[inline(always)]
-            |a| (low[a] + one).min(splat(self.last[a])),
-        );
+        let at: [L::F; 2] = array!(|a| place[a].max(zero).min(splat(self.last[a])));
+        let low: [L::F; 2] = array!(|a| at[a].floor().min(splat((self.last[a] - 1.0).max(0.0))));
+        let high: [L::F; 2] = array!(|a| (low[a] + one).min(splat(self.last[a])));
         let columns = L::U::splat(self.last[0] as u32 + 1);
-        let mix = inlined(
-            #[inline(always)]
-            |a: [L::F; 4], b: [L::F; 4], share: L::F| -> [L::F; 4] {
-                array(
-                    #[inline(always)]
-                    |c| share.mul_add(b[c] - a[c], a[c]),
-                )
-            },
-        );
-        let texel = inlined(
-            #[inline(always)]
-            |j: L::F, i: L::F| L::F::gather_parts(&self.texels, j.to_unsigned() * columns + i.to_unsigned()),
-        );
+        let mix = inlined!(|a: [L::F; 4], b: [L::F; 4], share: L::F| -> [L::F; 4] {
+            array!(|c| share.mul_add(b[c] - a[c], a[c]))
+        });
+        let texel = inlined!(|j: L::F, i: L::F| L::F::gather_parts(
+            &self.texels,
+            j.to_unsigned() * columns + i.to_unsigned()
+        ));
         let [x, y] = [at[0] - low[0], at[1] - low[1]];
         let above = mix(texel(low[1], low[0]), texel(low[1], high[0]), x);
         let below = mix(texel(high[1], low[0]), texel(high[1], high[0]), x);
@@ -80,13 +65,10 @@ impl<L: Lanes> LaneTableTrack<'_, L> {
     pub fn texel(&self, t: L::F) -> [L::F; 4] {
         let near_back = L::F::splat(0.5).lt(t);
         let step = L::F::select(near_back, t - L::F::splat(1.0), t);
-        self.texels.at::<L>(&array(
-            #[inline(always)]
-            |a| {
-                let from = L::F::select(near_back, self.back[a], self.front[a]);
-                (self.back[a] - self.front[a]).mul_add(step, from)
-            },
-        ))
+        self.texels.at::<L>(&array!(|a| {
+            let from = L::F::select(near_back, self.back[a], self.front[a]);
+            (self.back[a] - self.front[a]).mul_add(step, from)
+        }))
     }
 
     /// Mean of alpha over the segment: Simpson's rule between the lines through texel centres, which is exact there.
@@ -142,10 +124,7 @@ impl<L: Lanes> LaneTableTrack<'_, L> {
         let splat = L::F::splat;
         let (zero, one, two) = (splat(0.0), splat(1.0), splat(2.0));
         let length = end.min(one) - t;
-        let over = inlined(
-            #[inline(always)]
-            |u: f32| self.texel(splat(u).mul_add(length, t))[3] - splat(cutoff),
-        );
+        let over = inlined!(|u: f32| self.texel(splat(u).mul_add(length, t))[3] - splat(cutoff));
         // α(t + length u) − cutoff = a u² + b u + c through three values.
         let (start, middle, back) = (over(0.0), over(0.5), over(1.0));
         let a = two * ((start - two * middle) + back);
@@ -154,10 +133,7 @@ impl<L: Lanes> LaneTableTrack<'_, L> {
         let root = square.max(zero).sqrt();
         let q = splat(-0.5) * (b + L::F::select(b.lt(zero), -root, root));
         let tiny = splat(1e-37);
-        let unless_tiny = inlined(
-            #[inline(always)]
-            |x: L::F| L::F::select(x.abs().lt(tiny), tiny, x),
-        );
+        let unless_tiny = inlined!(|x: L::F| L::F::select(x.abs().lt(tiny), tiny, x));
         let past = splat(2.0 * PASSED) / length.max(splat(PASSED));
         let mut next = two;
         for at in [q / unless_tiny(a), start / unless_tiny(q)] {
@@ -171,10 +147,7 @@ impl<L: Lanes> LaneTableTrack<'_, L> {
 impl<L: Lanes> LaneTrack<L> for LaneTableTrack<'_, L> {
     #[inline(always)]
     fn rates(&self, t: L::F, dt: L::F) -> [L::F; POINTS] {
-        array(
-            #[inline(always)]
-            |i| self.peak * self.texel(dt.mul_add(L::F::splat(PANEL[i].0), t))[3],
-        )
+        array!(|i| self.peak * self.texel(dt.mul_add(L::F::splat(PANEL[i].0), t))[3])
     }
 
     #[inline(always)]

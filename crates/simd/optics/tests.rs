@@ -2,21 +2,19 @@
 
 use super::clip::LaneStretch;
 use super::elementary::{dawson, erfcx, exp, mean_transparency, one_minus_exp, power};
-use super::gaussian::{LaneGaussianPath, LaneGaussianTrack, mean_profile};
-use super::gaussian_steps::LaneGaussianSteps;
+use super::gaussian::{LaneGaussianPath, LaneGaussianSteps, LaneGaussianTrack, mean_profile};
 use super::linear::{deep_piece_weights, front_back, middling_piece_weights, piece_weights};
 use super::overlap::{AnyLaneTrack, LaneMember, ordered};
 use super::piecewise_linear::{LanePiecewiseTrack, LanePoints};
-use super::triangular_gaussian::{self, LaneTriangularPath, LaneTriangularTrack};
-use super::wave::{LaneBell, LanePhase, LaneWaveTrack};
+use super::triangular_gaussian::{self, LaneTriangularPath};
+use super::wave::{LaneBell, LanePhase};
 use crate::{Float, Kernel, LaneSet, Lanes, dispatch};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
 use voltet_optics::clip::ClippedSpan;
 use voltet_optics::kinds::gaussian::GaussianPath;
 use voltet_optics::kinds::triangular_gaussian::TriangularPath;
 use voltet_optics::kinds::wave::Bell;
-use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
-use voltet_optics::{linear, special};
+use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend, linear, special};
 use voltet_testing::twin::{self, INPUTS, Range};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,9 +55,7 @@ enum Formula {
     TriangularGaussianNd,
     /// Light of one Gaussian alone, walked over many widths.
     GaussianWalked,
-    /// Walk through a triangular Gaussian.
-    TriangularWalked,
-    /// Five widgets at once; of the constant-emitter or not. Sum of the channels.
+    /// Three widgets at once; of the constant-emitter or not. Sum of the channels.
     Ordered(bool),
 }
 
@@ -92,7 +88,7 @@ const INSIDE: Range = Range::Even(0.1, 1.0);
 const OUTSIDE: Range = Range::Even(-1.0, 0.0);
 
 #[rustfmt::skip]
-const TWINS: [Twin; 42] = [
+const TWINS: [Twin; 41] = [
     Twin { formula: Formula::Exp, inputs: &[Range::Even(-87.0, 87.0)], tolerance: 1.0, reason: "2 ulp" },
     Twin { formula: Formula::Opacity, inputs: &[Range::Log(-30.0, 2.0)], tolerance: 1.0, reason: "3 ulp" },
     Twin { formula: Formula::MeanTransparency, inputs: &[Range::Log(-30.0, 2.0)], tolerance: 1.0, reason: "4 ulp" },
@@ -132,7 +128,6 @@ const TWINS: [Twin; 42] = [
     Twin { formula: Formula::TriangularGaussian, inputs: &[NEAR, NEAR, WIDTH, WIDTH], tolerance: 2.0, reason: "up to 24 panels of 8 points: 1e-6" },
     Twin { formula: Formula::TriangularGaussianNd, inputs: &[NEAR, NEAR, NEAR, WIDTH], tolerance: 2.0, reason: "the same, and the line of q/m" },
     Twin { formula: Formula::GaussianWalked, inputs: &[FAR, FAR], tolerance: 16.0, reason: "depth within a panel from 8 rates: 1e-5" },
-    Twin { formula: Formula::TriangularWalked, inputs: &[FAR, FAR, WIDTH, WIDTH], tolerance: 16.0, reason: "the same" },
     Twin { formula: Formula::Ordered(false), inputs: &[SPAN, SPAN], tolerance: 16.0, reason: "depth within a panel from 8 rates: 1e-5" },
     Twin { formula: Formula::Ordered(true), inputs: &[SPAN, SPAN], tolerance: 16.0, reason: "the same" },
 ];
@@ -194,10 +189,6 @@ fn exact(formula: Formula, x: &[f64; INPUTS]) -> f64 {
                 GaussianPath::new([x[0]], [x[1]], [x[1] - x[0]]).optical_depth(1.0, &ClippedSpan::WHOLE);
             UNSEEN + special::opacity(PEAK * depth)
         }
-        Formula::TriangularWalked => {
-            let path = TriangularPath::new([x[0], x[1]], [x[2], x[3]], PEAK);
-            UNSEEN + special::opacity(path.optical_depth(&ClippedSpan::WHOLE))
-        }
         Formula::TriangularGaussian => {
             TriangularPath::new([x[0], x[1]], [x[2], x[3]], 1.0).optical_depth(&ClippedSpan::WHOLE)
         }
@@ -226,14 +217,12 @@ fn exact(formula: Formula, x: &[f64; INPUTS]) -> f64 {
     }
 }
 
-/// Five widgets, one of each kind, of s where g = ½; one has a region.
+/// Three widgets, one of each kind that is walked, of s where g = ½; one has a region.
 fn several(model: OpticalModel) -> TransferFunction {
     let point = |s, extinction, r| ControlPoint { s, color: [r, 0.5, 0.1], extinction };
     let profiles = [
         Profile::Uniform,
         Profile::Gaussian { centre: [0.7, 0.5], matrix: [[4.0, 0.0], [0.0, 1.0]] },
-        Profile::TriangularGaussian { centre: 1.0, sigma: 0.8 },
-        Profile::TriangleWave(wave(0.5)),
         Profile::PiecewiseLinear {
             points: vec![point(0.0, 0.0, 1.0), point(1.0, 2.0, 0.2), point(1.5, 0.5, 0.4)],
         },
@@ -268,14 +257,12 @@ fn ordered_sum<L: Lanes>(front: L::F, back: L::F, constant: bool) -> L::F {
     let splat = L::F::splat;
     let (zero, cutoff) = (splat(0.0), constant.then_some(CUTOFF));
     let functions = several(OpticalModel::DensityEmitter);
-    let bell = LaneBell::triangle(&wave(0.5));
-    let Profile::PiecewiseLinear { points } = &functions.widgets[4].profile else { unreachable!() };
+    let Profile::PiecewiseLinear { points } = &functions.widgets[2].profile else { unreachable!() };
     let points = LanePoints::new(points, cutoff);
     let less = |centre: f32| [front - splat(centre), back - splat(centre)];
     let level = -CUTOFF.ln() as f32;
     let [a, b] = less(0.7).map(|x| [x * splat(4.0)]);
     let path = LaneGaussianPath::<L>::new::<1>(a, b);
-    let triangular = LaneTriangularTrack::<L> { offset: less(1.0), width: [splat(0.4); 2], peak: splat(3.0) };
     let cut = LaneStretch::<L>::whole()
         .cut(front - splat(0.3), back - splat(0.3))
         .cut(splat(1.2) - front, splat(1.2) - back);
@@ -283,24 +270,13 @@ fn ordered_sum<L: Lanes>(front: L::F, back: L::F, constant: bool) -> L::F {
     let tracks = [
         (AnyLaneTrack::Uniform(splat(1.0)), all),
         (AnyLaneTrack::Gaussian(LaneGaussianTrack::new(&path, splat(2.0))), path.window_ends(level)),
-        (AnyLaneTrack::Triangular(triangular), triangular.window_ends(level)),
-        (
-            AnyLaneTrack::Wave(LaneWaveTrack::new(
-                &bell,
-                phase::<L>(front),
-                phase::<L>(back),
-                splat(4.0),
-                cutoff,
-            )),
-            all,
-        ),
         (
             AnyLaneTrack::Piecewise(LanePiecewiseTrack { points: &points, front, back, scale: splat(1.0) }),
             all,
         ),
     ];
-    let threshold = [0.0, 0.0, 0.0, CUTOFF as f32, 2.0 * CUTOFF as f32];
-    let unit = [1.0, 2.0, 3.0, 4.0, 1.0];
+    let threshold = [0.0, 0.0, 2.0 * CUTOFF as f32];
+    let unit = [1.0, 2.0, 1.0];
     let member = |i: usize| LaneMember::<L> {
         track: tracks[i].0,
         range: if i == 0 { [cut.start, cut.end] } else { [zero, splat(1.0)] },
@@ -309,8 +285,7 @@ fn ordered_sum<L: Lanes>(front: L::F, back: L::F, constant: bool) -> L::F {
         threshold: threshold[i],
         unit_rate: splat(unit[i]),
     };
-    let (color, _) =
-        ordered::<L>(&[member(0), member(1), member(2), member(3), member(4)], cutoff.map(|_| splat(1.0)));
+    let (color, _) = ordered::<L>(&[member(0), member(1), member(2)], cutoff.map(|_| splat(1.0)));
     color[0] + color[1] + color[2]
 }
 
@@ -414,10 +389,6 @@ fn values(formula: Formula, lanes: LaneSet, inputs: &[[f64; INPUTS]]) -> Vec<f32
         Formula::GaussianWalked => twin_on_lanes!(call, |L, x, _| {
             let path = LaneGaussianPath::<L>::new::<1>([x[0]], [x[1]]);
             walked::<L>(AnyLaneTrack::Gaussian(LaneGaussianTrack::new(&path, L::F::splat(PEAK as f32))))
-        }),
-        Formula::TriangularWalked => twin_on_lanes!(call, |L, x, _| {
-            let (offset, width, peak) = ([x[0], x[1]], [x[2], x[3]], L::F::splat(PEAK as f32));
-            walked::<L>(AnyLaneTrack::Triangular(LaneTriangularTrack { offset, width, peak }))
         }),
         Formula::TriangularGaussian => twin_on_lanes!(call, |L, x, _| {
             triangular_gaussian::mean_profile::<L>([x[0], x[1]], [x[2], x[3]])

@@ -6,7 +6,7 @@
 
 use super::elementary::exp;
 use super::quadrature::{PANEL, POINTS, over_panel, to_nodes};
-use crate::{Float, Lanes, Mask, array};
+use crate::{Float, Lanes, Mask};
 
 /// Optical depth beyond which nothing behind is visible (e^(−25) = 1e-11).
 pub const OPAQUE_DEPTH: f32 = 25.0;
@@ -68,13 +68,10 @@ impl<L: Lanes> Walk<L> {
         let taken = self.open().and(deep.not());
         let within = to_nodes::<L>(rates);
         let front = self.depth;
-        let seen = array(
-            #[inline(always)]
-            |i| {
-                let weight = exp::<L>(-(dt.mul_add(within[i], front))) * (dt * splat(PANEL[i].1));
-                L::F::select(taken, weight, zero)
-            },
-        );
+        let seen = array!(|i| {
+            let weight = exp::<L>(-(dt.mul_add(within[i], front))) * (dt * splat(PANEL[i].1));
+            L::F::select(taken, weight, zero)
+        });
         self.depth = L::F::select(taken, front + held, front);
         let end = next.min(one);
         let whole = (end - self.t).le(dt);
@@ -90,15 +87,12 @@ impl<L: Lanes> Walk<L> {
 #[inline(always)]
 pub fn at_nodes<L: Lanes>(front: L::F, back: L::F, t: L::F, dt: L::F) -> [L::F; POINTS] {
     let rise = back - front;
-    array(
-        #[inline(always)]
-        |i| {
-            let at = dt.mul_add(L::F::splat(PANEL[i].0), t);
-            // Taken from the nearer end.
-            let near_back = L::F::splat(0.5).lt(at);
-            let from = L::F::select(near_back, back, front);
-            let step = L::F::select(near_back, at - L::F::splat(1.0), at);
-            rise.mul_add(step, from)
-        },
-    )
+    array!(|i| {
+        let at = dt.mul_add(L::F::splat(PANEL[i].0), t);
+        // Taken from the nearer end.
+        let near_back = L::F::splat(0.5).lt(at);
+        let from = L::F::select(near_back, back, front);
+        let step = L::F::select(near_back, at - L::F::splat(1.0), at);
+        rise.mul_add(step, from)
+    })
 }

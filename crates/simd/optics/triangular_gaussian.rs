@@ -10,9 +10,8 @@
 
 use super::clip::LaneStretch;
 use super::elementary::{dot, exp};
-use super::quadrature::{PANEL, POINTS};
-use super::track::{LaneTrack, PASSED, at_nodes};
-use crate::{Float, Lanes, Mask, array, inlined};
+use super::quadrature::PANEL;
+use crate::{Float, Lanes, Mask};
 
 /// x² by which a part grows before it counts as dark.
 const REACH: f32 = 24.0;
@@ -38,37 +37,23 @@ impl<L: Lanes> LaneTriangularPath<L> {
         let splat = L::F::splat;
         let (zero, tiny) = (splat(0.0), splat(f32::MIN_POSITIVE));
         let rise = width[1] - width[0];
-        let turn: [L::F; N] = array(
-            #[inline(always)]
-            |i| (back[i] - front[i]).mul_add(width[0], -(front[i] * rise)),
-        );
-        let largest_of = inlined(
-            #[inline(always)]
-            |v: &[L::F; N]| {
-                let mut largest = v[0].abs();
-                for x in &v[1..] {
-                    largest = largest.max(x.abs());
-                }
-                largest
-            },
-        );
+        let turn: [L::F; N] = array!(|i| (back[i] - front[i]).mul_add(width[0], -(front[i] * rise)));
+        let largest_of = inlined!(|v: &[L::F; N]| {
+            let mut largest = v[0].abs();
+            for x in &v[1..] {
+                largest = largest.max(x.abs());
+            }
+            largest
+        });
         // A point that stays where it is moves in any direction, so in that of its own.
         let stays = largest_of(&turn).le(zero);
         let front_longer = largest_of(&back).le(largest_of(&front));
-        let direction: [L::F; N] = array(
-            #[inline(always)]
-            |i| L::F::select(stays, L::F::select(front_longer, front[i], back[i]), turn[i]),
-        );
+        let direction: [L::F; N] =
+            array!(|i| L::F::select(stays, L::F::select(front_longer, front[i], back[i]), turn[i]));
         let inverse = splat(1.0) / largest_of(&direction).max(tiny);
-        let scaled: [L::F; N] = array(
-            #[inline(always)]
-            |i| direction[i] * inverse,
-        );
+        let scaled: [L::F; N] = array!(|i| direction[i] * inverse);
         let inverse = splat(1.0) / dot::<L, N>(&scaled, &scaled).max(tiny).sqrt();
-        let unit: [L::F; N] = array(
-            #[inline(always)]
-            |i| scaled[i] * inverse,
-        );
+        let unit: [L::F; N] = array!(|i| scaled[i] * inverse);
         let offset = [dot::<L, N>(&front, &unit), dot::<L, N>(&back, &unit)];
         // h at the end with the smaller |x|, of those with a width.
         let nearer = (offset[0] * width[1]).abs().le((offset[1] * width[0]).abs()).or(width[1].le(zero));
@@ -180,111 +165,4 @@ pub fn profile<L: Lanes>(offset: L::F, width: L::F) -> L::F {
     let zero = L::F::splat(0.0);
     let x = offset / width.max(L::F::splat(f32::MIN_POSITIVE));
     L::F::select(zero.lt(width), exp::<L>(-(x * x)), zero)
-}
-
-/// A triangular Gaussian as a [`LaneTrack`].
-#[derive(Clone, Copy)]
-pub struct LaneTriangularTrack<L: Lanes> {
-    /// δ at front and back.
-    pub offset: [L::F; 2],
-    /// γ at front and back, ≥ 0.
-    pub width: [L::F; 2],
-    /// ρ₀ D.
-    pub peak: L::F,
-}
-
-/// e^(−49): beyond it nothing is resolved.
-const FAR: f32 = 7.0;
-
-impl<L: Lanes> LaneTriangularTrack<L> {
-    /// The t between which the profile exceeds e^(−`level`); the first above the second where it nowhere does.
-    #[inline(always)]
-    pub fn window_ends(&self, level: f32) -> [L::F; 2] {
-        // Inside: δ < x γ, −δ < x γ and γ > 0, each linear in t.
-        let x = L::F::splat(level.sqrt().min(1e18));
-        let edges = [0, 1].map(
-            #[inline(always)]
-            |i| (x * self.width[i] - self.offset[i], x * self.width[i] + self.offset[i]),
-        );
-        let lit = LaneStretch::<L>::whole()
-            .cut(edges[0].0, edges[1].0)
-            .cut(edges[0].1, edges[1].1)
-            .cut(self.width[0], self.width[1]);
-        [lit.start, lit.end]
-    }
-}
-
-impl<L: Lanes> LaneTrack<L> for LaneTriangularTrack<L> {
-    #[inline(always)]
-    fn rates(&self, t: L::F, dt: L::F) -> [L::F; POINTS] {
-        let offset = at_nodes::<L>(self.offset[0], self.offset[1], t, dt);
-        let width = at_nodes::<L>(self.width[0], self.width[1], t, dt);
-        array(
-            #[inline(always)]
-            |i| self.peak * profile::<L>(offset[i], width[i]),
-        )
-    }
-
-    #[inline(always)]
-    fn next_break(&self, t: L::F) -> L::F {
-        let splat = L::F::splat;
-        let (zero, none) = (splat(0.0), splat(2.0));
-        let tiny = splat(f32::MIN_POSITIVE);
-        let (rise, slope) = (self.offset[1] - self.offset[0], self.width[1] - self.width[0]);
-        let (offset, width) = (rise.mul_add(t, self.offset[0]), slope.mul_add(t, self.width[0]));
-        let positive = zero.lt(width);
-        // Turned so that x grows.
-        let twist = rise * self.width[0] - self.offset[0] * slope;
-        let turn = L::F::select(twist.lt(zero), splat(-1.0), splat(1.0));
-        let x = turn * offset / width.max(tiny);
-        let step = (splat(1.5) / x.abs().max(splat(0.1))).min(splat(1.0));
-        let level = L::F::select(x.lt(splat(-FAR)), splat(-FAR), x + step) * turn;
-        let below = rise - level * slope;
-        let ahead = level * self.width[0] - self.offset[0];
-        let reached = ahead / L::F::select(below.abs().lt(tiny), tiny, below);
-        // A level that rounding puts at t or just before it is still ahead; one further back is never reached.
-        let reached = L::F::select((t - splat(2.0 * PASSED)).lt(reached), reached, none);
-        let reached = L::F::select(splat(FAR).le(x), none, reached);
-        let change = L::F::select(zero.lt(slope), width, splat(0.5) * width) / slope.abs().max(tiny);
-        let change = L::F::select(positive, t + change, none);
-        reached.min(change).max(t + splat(2.0 * PASSED))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::FourLanes;
-
-    /// A break at the far level that rounding puts just before it is not taken for one that is never reached.
-    #[test]
-    fn no_panel_steps_over_the_centre() {
-        let splat = <FourLanes as Lanes>::F::splat;
-        let lane = |x: <FourLanes as Lanes>::F| {
-            let mut values = [f32::NAN; FourLanes::WIDTH];
-            x.store(&mut values);
-            values[0]
-        };
-        for i in 0..2000 {
-            let share = |step: f32| (i as f32 * step).fract();
-            let offset = [0.2 + share(0.618), -0.1 - share(0.755)];
-            let width = [0.001 + 0.03 * share(0.57), 0.001 + 0.03 * share(0.41)];
-            let track = LaneTriangularTrack::<FourLanes> {
-                offset: offset.map(splat),
-                width: width.map(splat),
-                peak: splat(1.0),
-            };
-            let x = |t: f32| {
-                (offset[0] + (offset[1] - offset[0]) * t) / (width[0] + (width[1] - width[0]) * t).max(1e-30)
-            };
-            let mut t = 0.0;
-            while t < 1.0 {
-                let next = lane(track.next_break(splat(t))).min(1.0);
-                if x(t) > 0.0 && x(next) < 0.0 {
-                    assert!(x(t) < 2.0 && x(next) > -2.0, "{offset:?} {width:?}: {} to {}", x(t), x(next));
-                }
-                t = next;
-            }
-        }
-    }
 }

@@ -1,23 +1,16 @@
 //! Integrators in vector lanes from outside: the traits that a kernel implements, and the segments that it integrates.
-//!
-//! | file | content |
-//! | --- | --- |
-//! | `scene` | the scene that a kernel is prepared for |
-//! | `batch` | segments of a batch, and their results |
-//! | `sampler` | samples of the transfer function along segments |
 
-mod batch;
 mod sampler;
 mod scene;
 
-pub use crate::shade::kinds::RegionPath;
+pub use crate::shade::kernel::SegmentBatch;
+pub use crate::shade::kinds::{LaneWidget, RegionPath};
+pub use crate::shade::region::ValueRange;
 pub use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
 pub use crate::shade::shaded_batch::FallbackReason;
-pub use crate::shade::support::ValueRange;
 pub use crate::tolerances::NEGLIGIBLE_DEPTH;
-pub use batch::{SegmentBatch, SegmentResults, WidgetLanes};
 pub use sampler::{SIDE_BY_SIDE, SampledSegments, Samples, WidgetSampler};
-pub use scene::{FieldAxis, LaneScene};
+pub use scene::{FieldAxis, LaneScene, SegmentResults};
 
 use voltet_core::Result;
 use voltet_optics::integrators::Integrator;

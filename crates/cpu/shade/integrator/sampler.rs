@@ -1,18 +1,17 @@
 //! Samples of the transfer function along segments: the widgets that a vector of segments meets, and their values at places of it. Twin
 //! of `optics::sample`.
 
-use super::batch::{SegmentBatch, SegmentResults};
-use super::scene::LaneScene;
+use super::scene::{LaneScene, SegmentResults};
 use crate::fragments::batch::meant;
-use crate::shade::kernel::{BatchRange, overlaps, push};
+use crate::shade::kernel::{SegmentBatch, overlaps, push};
 use crate::shade::kinds::LaneWidget;
+use crate::shade::region::ValueRange;
 use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
 use crate::shade::shaded_batch::FallbackReason;
-use crate::shade::support::ValueRange;
 use voltet_simd::limits::MAX_PIECES;
 use voltet_simd::optics::elementary::one_minus_exp;
-use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
-use voltet_simd::{Float, Lanes, Mask, array};
+use voltet_simd::optics::gaussian::LaneGaussianSteps;
+use voltet_simd::{Float, Lanes, Mask, array, inlined};
 
 /// Samples that are taken side by side ([`SampledSegments::in_step`]).
 pub const SIDE_BY_SIDE: usize = 4;
@@ -127,7 +126,7 @@ impl WidgetSampler {
         mut integrate: impl FnMut(&mut SampledSegments<'_, '_, L>) -> ([L::F; 3], L::F),
         results: &mut SegmentResults<'_>,
     ) {
-        let BatchRange { widgets, one_color, batch, count } = batch.0;
+        let SegmentBatch { widgets, one_color, batch, count } = batch;
         let out = &mut *results.0;
         let zero = L::F::splat(0.0);
         let steps = LaneGaussianSteps { values: [zero; 4], ratios: [zero; 4], change: zero };
@@ -197,10 +196,7 @@ impl WidgetSampler {
         // The colour of a piece's end is that of what little is there, which has a share in the light of the whole piece: a widget
         // may be left out only with all others.
         if self.together
-            && !widgets.iter().any(
-                #[inline(always)]
-                |widget| widget.meets::<L>(&spread).any(),
-            )
+            && !widgets.iter().any(inlined!(|widget: &LaneWidget| widget.meets::<L>(&spread).any()))
         {
             return 0;
         }
@@ -262,10 +258,7 @@ impl<L: Lanes> SampledSegments<'_, '_, L> {
             return (color, depth);
         };
         let opacity = one_minus_exp::<L>(depth);
-        let light = array(
-            #[inline(always)]
-            |c| opacity * L::F::splat(one_color[c]),
-        );
+        let light = array!(|c| opacity * L::F::splat(one_color[c]));
         (light, depth)
     }
 

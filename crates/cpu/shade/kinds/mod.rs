@@ -2,27 +2,25 @@
 //! densities and values at points of them, paths in widths, and members of an ordered integral ([`super::panels`]).
 
 mod gaussian;
-mod gaussian_nd;
 mod piecewise_linear;
 mod table;
 mod triangular_gaussian;
-mod triangular_gaussian_nd;
 mod wave;
 
 pub(crate) use piecewise_linear::LaneLinear;
 
 use crate::shade::context::WidgetContext;
 use crate::shade::region::{Inside, LaneRegion, range_of};
+use crate::shade::region::{SupportBounds, ValueRange};
 use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
-use crate::shade::support::{SupportBounds, ValueRange};
+use gaussian::LaneFields;
 use gaussian::LaneGaussian;
-use gaussian_nd::LaneGaussianNd;
 use table::LaneTable;
 use triangular_gaussian::LaneTriangular;
-use triangular_gaussian_nd::LaneTriangularNd;
+use triangular_gaussian::LaneTriangularNd;
 use voltet_core::transfer::{Profile, Widget};
+use voltet_simd::optics::gaussian::LaneGaussianSteps;
 use voltet_simd::optics::gaussian::{LaneGaussianPath, LaneGaussianTrack};
-use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
 use voltet_simd::optics::overlap::{AnyLaneTrack, LaneMember};
 use voltet_simd::optics::piecewise_linear::LanePiecewiseTrack;
 use voltet_simd::optics::smooth::DensityShape;
@@ -33,7 +31,7 @@ use wave::LaneWave;
 const MAX_STEP_SQUARED: f32 = 0.26;
 
 /// A widget compiled for vector lanes.
-pub(crate) struct LaneWidget {
+pub struct LaneWidget {
     profile: VectorProfile,
     /// Linear RGB; 0 for profiles with colours.
     pub color: [f32; 3],
@@ -53,7 +51,7 @@ enum VectorProfile {
     PiecewiseLinear(Box<LaneLinear>),
     Table(Box<LaneTable>),
     TriangularGaussian(LaneTriangular),
-    GaussianNd(Box<LaneGaussianNd>),
+    GaussianNd(Box<LaneFields>),
     TriangularGaussianNd(Box<LaneTriangularNd>),
     /// No vector form: 64 bits integrate it.
     None,
@@ -119,9 +117,7 @@ impl VectorProfile {
                 LaneGaussian::new(centre, matrix, context.attributes).map(VectorProfile::Gaussian)
             }
             Profile::GaussianNd { fields, centre, matrix } => {
-                LaneGaussianNd::new(fields, centre, matrix, context)
-                    .map(Box::new)
-                    .map(VectorProfile::GaussianNd)
+                LaneFields::new(fields, centre, matrix, context).map(Box::new).map(VectorProfile::GaussianNd)
             }
             Profile::TriangularGaussian { centre, sigma } => {
                 LaneTriangular::new(*centre, *sigma, context.attributes)
@@ -152,7 +148,7 @@ impl VectorProfile {
 }
 
 impl LaneWidget {
-    pub fn new(widget: &Widget, context: &WidgetContext) -> LaneWidget {
+    pub(super) fn new(widget: &Widget, context: &WidgetContext) -> LaneWidget {
         let own = widget.has_colors_of_its_own();
         let density = (widget.extinction * context.density_scale) as f32;
         let profile = VectorProfile::new(&widget.profile, context);
@@ -166,7 +162,7 @@ impl LaneWidget {
     }
 
     /// Placeholder of a widget that only 64 bits integrate.
-    pub fn none() -> LaneWidget {
+    pub(super) fn none() -> LaneWidget {
         LaneWidget {
             profile: VectorProfile::None,
             color: [0.0; 3],
@@ -178,7 +174,7 @@ impl LaneWidget {
 
     /// Lanes whose segments may meet its support.
     #[inline(always)]
-    pub fn meets<L: Lanes>(&self, spread: &ValueRange<L>) -> L::M {
+    pub(super) fn meets<L: Lanes>(&self, spread: &ValueRange<L>) -> L::M {
         match &self.support {
             Some(support) => support.meets::<L>(spread),
             None => spread.segments.crossing,
@@ -186,7 +182,7 @@ impl LaneWidget {
     }
 
     /// Kernel tier that integrates it first.
-    pub fn tier(&self) -> KernelTier {
+    pub(super) fn tier(&self) -> KernelTier {
         match self.profile {
             VectorProfile::Uniform | VectorProfile::Gaussian(_) | VectorProfile::Wave(_) => {
                 KernelTier::ClosedForm
@@ -203,7 +199,7 @@ impl LaneWidget {
     }
 
     /// Requirement where order matters.
-    pub fn order_requirement(&self) -> OrderRequirement {
+    pub(super) fn order_requirement(&self) -> OrderRequirement {
         match self.profile {
             VectorProfile::Uniform | VectorProfile::Gaussian(_) | VectorProfile::GaussianNd(_) => {
                 OrderRequirement::Panels
@@ -217,7 +213,7 @@ impl LaneWidget {
     }
 
     /// Control points of a piecewise-linear profile.
-    pub fn points(&self) -> Option<&LaneLinear> {
+    pub(super) fn points(&self) -> Option<&LaneLinear> {
         match &self.profile {
             VectorProfile::PiecewiseLinear(linear) => Some(linear),
             _ => None,
@@ -232,34 +228,18 @@ impl LaneWidget {
 
     /// Optical depths, and the lanes (bits) that the closed forms do not integrate.
     #[inline(always)]
-    pub fn depth<L: Lanes>(&self, segments: &SegmentLanes<L>) -> (L::F, u32) {
-        match &self.profile {
-            VectorProfile::Uniform => {
-                let share = segments.inside(self.region.as_ref()).share;
-                (share * L::F::splat(self.density) * segments.length, 0)
-            }
-            VectorProfile::Gaussian(gaussian) => {
-                let Inside { front, back, share, .. } = segments.inside(self.region.as_ref());
-                let shape =
-                    gaussian.shape::<L>(&front, &back, self.peak_depth(segments, share), segments.crossing);
-                (shape.depth, gaussian.unsure(segments))
-            }
-            VectorProfile::Wave(wave) => {
-                let Inside { front, back, share, .. } = segments.inside(self.region.as_ref());
-                (wave.mean::<L>(&front, &back) * self.peak_depth(segments, share), 0)
-            }
-            VectorProfile::PiecewiseLinear(linear) => (linear.depth(segments), 0),
-            VectorProfile::TriangularGaussian(_)
-            | VectorProfile::GaussianNd(_)
-            | VectorProfile::TriangularGaussianNd(_)
-            | VectorProfile::Table(_)
-            | VectorProfile::None => (L::F::splat(0.0), u32::MAX),
-        }
+    pub(super) fn depth<L: Lanes>(&self, segments: &SegmentLanes<L>) -> (L::F, u32) {
+        let (shape, unsure) = self.shape(segments);
+        (shape.depth, unsure)
     }
 
     /// Optical depth of any widget with lanes, and the lanes (bits) that only 64 bits integrate.
     #[inline(always)]
-    pub fn any_depth<L: Lanes>(&self, segments: &SegmentLanes<L>, fields: &FieldLanes<L>) -> (L::F, u32) {
+    pub(super) fn any_depth<L: Lanes>(
+        &self,
+        segments: &SegmentLanes<L>,
+        fields: &FieldLanes<L>,
+    ) -> (L::F, u32) {
         match &self.profile {
             VectorProfile::TriangularGaussian(triangular) => {
                 let Inside { front, back, share, .. } = segments.inside(self.region.as_ref());
@@ -293,7 +273,7 @@ impl LaneWidget {
     }
 
     /// Largest density, optical depth per scene length; `scale`: 1/U per scene length.
-    pub fn peak(&self, scale: f32) -> f32 {
+    pub(super) fn peak(&self, scale: f32) -> f32 {
         match &self.profile {
             VectorProfile::PiecewiseLinear(linear) => linear.peak * scale,
             VectorProfile::None => 0.0,
@@ -303,7 +283,7 @@ impl LaneWidget {
 
     /// Member of an ordered integral; `scale`: D/U.
     #[inline(always)]
-    pub fn member<'a, L: Lanes>(
+    pub(super) fn member<'a, L: Lanes>(
         &'a self,
         segments: &SegmentLanes<L>,
         fields: &FieldLanes<L>,
@@ -365,7 +345,7 @@ impl LaneWidget {
     /// Optical depths with their shape along the segment, and the lanes (bits) that the closed forms do not integrate. The
     /// change is infinite where a region cuts the segment, and for profiles that have no shape.
     #[inline(always)]
-    pub fn shape<L: Lanes>(&self, segments: &SegmentLanes<L>) -> (DensityShape<L>, u32) {
+    pub(super) fn shape<L: Lanes>(&self, segments: &SegmentLanes<L>) -> (DensityShape<L>, u32) {
         match &self.profile {
             VectorProfile::Uniform => {
                 let Inside { share, cut, .. } = segments.inside(self.region.as_ref());
@@ -381,20 +361,20 @@ impl LaneWidget {
                 let Inside { front, back, share, cut } = segments.inside(self.region.as_ref());
                 (wave.shape::<L>(&front, &back, self.peak_depth(segments, share)).cut(cut), 0)
             }
-            VectorProfile::PiecewiseLinear(_)
-            | VectorProfile::TriangularGaussian(_)
+            VectorProfile::PiecewiseLinear(linear) => {
+                let depth = linear.depth(segments);
+                (DensityShape::even(depth).cut(L::F::splat(0.0).lt(depth)), 0)
+            }
+            VectorProfile::TriangularGaussian(_)
             | VectorProfile::GaussianNd(_)
             | VectorProfile::TriangularGaussianNd(_)
             | VectorProfile::Table(_)
-            | VectorProfile::None => {
-                let (depth, unsure) = self.depth::<L>(segments);
-                (DensityShape::even(depth).cut(L::F::splat(0.0).lt(depth)), unsure)
-            }
+            | VectorProfile::None => (DensityShape::even(L::F::splat(0.0)), u32::MAX),
         }
     }
 
     /// The Gaussian that it is everywhere, if it is one.
-    pub fn whole_gaussian(&self) -> Option<&LaneGaussian> {
+    pub(super) fn whole_gaussian(&self) -> Option<&LaneGaussian> {
         match (&self.profile, &self.region) {
             (VectorProfile::Gaussian(gaussian), None) => Some(gaussian),
             _ => None,
@@ -404,7 +384,7 @@ impl LaneWidget {
     /// Square of the steps that quadrature takes for it alone ([`crate::shade::fixed_quadrature`]); ∞ where a part of the segment or all lies
     /// outside its region.
     #[inline(always)]
-    pub fn roughness<L: Lanes>(&self, segments: &SegmentLanes<L>) -> L::F {
+    pub(super) fn roughness<L: Lanes>(&self, segments: &SegmentLanes<L>) -> L::F {
         let (splat, whole) = (L::F::splat, segments.inside(self.region.as_ref()).share);
         let rough = match &self.profile {
             VectorProfile::Gaussian(gaussian) => gaussian.roughness(segments),
@@ -416,7 +396,7 @@ impl LaneWidget {
     /// Densities at places of equal steps, each a `share` of the segment, from step `first` on, where those of a step follow from
     /// those of the step before. Regions are ignored: see [`LaneWidget::roughness`].
     #[inline(always)]
-    pub fn steps<L: Lanes, const N: usize>(
+    pub(super) fn steps<L: Lanes, const N: usize>(
         &self,
         segments: &SegmentLanes<L>,
         first: usize,
@@ -433,14 +413,17 @@ impl LaneWidget {
 
     /// Densities at points of the segment, for other profiles with a shape. Regions are ignored.
     #[inline(always)]
-    pub fn densities<L: Lanes, const N: usize>(&self, segments: &SegmentLanes<L>, t: [f32; N]) -> [L::F; N] {
+    pub(super) fn densities<L: Lanes, const N: usize>(
+        &self,
+        segments: &SegmentLanes<L>,
+        t: [f32; N],
+    ) -> [L::F; N] {
         let density = L::F::splat(self.density);
         match &self.profile {
             VectorProfile::Uniform => [density; N],
-            VectorProfile::Wave(wave) => array(
-                #[inline(always)]
-                |j| wave.value::<L>(&segments.at(L::F::splat(t[j]))) * density,
-            ),
+            VectorProfile::Wave(wave) => {
+                array!(|j| wave.value::<L>(&segments.at(L::F::splat(t[j]))) * density)
+            }
             VectorProfile::Gaussian(_)
             | VectorProfile::PiecewiseLinear(_)
             | VectorProfile::TriangularGaussian(_)
@@ -454,7 +437,7 @@ impl LaneWidget {
 
 // The path through a Gaussian, in widths.
 impl LaneWidget {
-    /// True if it is uniform or a Gaussian of any kind.
+    /// True if it is uniform or a Gaussian of any kind, so that segments have a [`RegionPath`] through it.
     pub fn has_path(&self) -> bool {
         matches!(self.profile, VectorProfile::Uniform) || self.is_exponential()
     }
@@ -473,7 +456,7 @@ impl LaneWidget {
 
     /// The path; triangular Gaussians take the mean of the widths at the segment's ends.
     #[inline(always)]
-    pub fn region_path<L: Lanes>(&self, segments: &SegmentLanes<L>, fields: &FieldLanes<L>) -> RegionPath<L> {
+    pub fn path<L: Lanes>(&self, segments: &SegmentLanes<L>, fields: &FieldLanes<L>) -> RegionPath<L> {
         let region = self.region.as_ref();
         match &self.profile {
             VectorProfile::GaussianNd(nd) => {
@@ -517,22 +500,22 @@ impl<L: Lanes> RegionPath<L> {
 // Values at one point of each segment, for the integrators that sample.
 impl LaneWidget {
     /// True if it can be sampled in lanes.
-    pub fn has_samples(&self) -> bool {
+    pub(super) fn has_samples(&self) -> bool {
         !matches!(self.profile, VectorProfile::None)
     }
 
-    /// Optical depth per scene length where its value is 1.
+    /// Optical depth per scene length where its value is 1: at the peak; 1 for widgets with densities of their own.
     pub fn density(&self) -> f32 {
         self.density
     }
 
     /// True if its colour varies.
-    pub fn has_colors(&self) -> bool {
+    pub(super) fn has_colors(&self) -> bool {
         matches!(self.profile, VectorProfile::PiecewiseLinear(_) | VectorProfile::Table(_))
     }
 
     /// True if its profile is e^(−x²) of something, which 32 bits round to 0 far out.
-    pub fn is_exponential(&self) -> bool {
+    pub(super) fn is_exponential(&self) -> bool {
         match self.profile {
             VectorProfile::Gaussian(_)
             | VectorProfile::TriangularGaussian(_)
@@ -547,7 +530,7 @@ impl LaneWidget {
     }
 
     /// Value at its peak; `density_scale`: as in [`WidgetContext`](crate::shade::context::WidgetContext).
-    pub fn peak_value(&self, density_scale: f64) -> f64 {
+    pub(super) fn peak_value(&self, density_scale: f64) -> f64 {
         match &self.profile {
             VectorProfile::PiecewiseLinear(linear) => f64::from(linear.peak) * density_scale,
             _ => 1.0,
@@ -556,7 +539,7 @@ impl LaneWidget {
 
     /// Lanes (bits) whose segments span more widths than 32 bits resolve.
     #[inline(always)]
-    pub fn too_wide<L: Lanes>(&self, segments: &SegmentLanes<L>) -> u32 {
+    pub(super) fn too_wide<L: Lanes>(&self, segments: &SegmentLanes<L>) -> u32 {
         match &self.profile {
             VectorProfile::Gaussian(gaussian) => gaussian.unsure(segments),
             VectorProfile::GaussianNd(nd) => nd.unsure(),
@@ -571,19 +554,19 @@ impl LaneWidget {
     }
 
     /// True if a region or ranges limit it.
-    pub fn has_region(&self) -> bool {
+    pub(super) fn has_region(&self) -> bool {
         self.region.is_some()
     }
 
     /// The part of each segment inside its region and its ranges.
     #[inline(always)]
-    pub fn range<L: Lanes>(&self, segments: &SegmentLanes<L>) -> [L::F; 2] {
+    pub(super) fn range<L: Lanes>(&self, segments: &SegmentLanes<L>) -> [L::F; 2] {
         range_of::<L>(self.region.as_ref(), segments)
     }
 
     /// The profile of a widget of one colour at the same places of each segment; regions are not looked at.
     #[inline(always)]
-    pub fn values<L: Lanes, const N: usize>(
+    pub(super) fn values<L: Lanes, const N: usize>(
         &self,
         segments: &SegmentLanes<L>,
         fields: &FieldLanes<L>,
@@ -591,26 +574,13 @@ impl LaneWidget {
     ) -> [L::F; N] {
         match &self.profile {
             VectorProfile::Uniform => [L::F::splat(1.0); N],
-            VectorProfile::Gaussian(gaussian) => array(
-                #[inline(always)]
-                |j| gaussian.value::<L>(&segments.at_share(t[j])),
-            ),
-            VectorProfile::Wave(wave) => array(
-                #[inline(always)]
-                |j| wave.value::<L>(&segments.at_share(t[j])),
-            ),
-            VectorProfile::TriangularGaussian(triangular) => array(
-                #[inline(always)]
-                |j| triangular.value::<L>(&segments.at_share(t[j])),
-            ),
-            VectorProfile::GaussianNd(nd) => array(
-                #[inline(always)]
-                |j| nd.value::<L>(fields, t[j]),
-            ),
-            VectorProfile::TriangularGaussianNd(nd) => array(
-                #[inline(always)]
-                |j| nd.value::<L>(fields, t[j]),
-            ),
+            VectorProfile::Gaussian(gaussian) => array!(|j| gaussian.value::<L>(&segments.at_share(t[j]))),
+            VectorProfile::Wave(wave) => array!(|j| wave.value::<L>(&segments.at_share(t[j]))),
+            VectorProfile::TriangularGaussian(triangular) => {
+                array!(|j| triangular.value::<L>(&segments.at_share(t[j])))
+            }
+            VectorProfile::GaussianNd(nd) => array!(|j| nd.value::<L>(fields, t[j])),
+            VectorProfile::TriangularGaussianNd(nd) => array!(|j| nd.value::<L>(fields, t[j])),
             VectorProfile::PiecewiseLinear(_) | VectorProfile::Table(_) | VectorProfile::None => {
                 [L::F::splat(0.0); N]
             }
@@ -620,7 +590,7 @@ impl LaneWidget {
     /// At one place of each segment the extinction, as an optical depth per scene length, or alpha of a widget that has colours of
     /// its own, then its colour.
     #[inline(always)]
-    pub fn colored_value<L: Lanes>(&self, segments: &SegmentLanes<L>, t: f32) -> [L::F; 4] {
+    pub(super) fn colored_value<L: Lanes>(&self, segments: &SegmentLanes<L>, t: f32) -> [L::F; 4] {
         match &self.profile {
             VectorProfile::PiecewiseLinear(linear) => linear.sample::<L>(segments.at_share(t)[0]),
             VectorProfile::Table(table) => {
@@ -633,7 +603,7 @@ impl LaneWidget {
 
     /// True if its values follow from step to step, on every lane, where each step is a fraction of the segment.
     #[inline(always)]
-    pub fn has_steps<L: Lanes>(&self, segments: &SegmentLanes<L>, share: f32) -> bool {
+    pub(super) fn has_steps<L: Lanes>(&self, segments: &SegmentLanes<L>, share: f32) -> bool {
         match &self.profile {
             VectorProfile::Gaussian(gaussian) => {
                 let step = gaussian.extent_squared::<L>(segments) * L::F::splat(share * share);
@@ -646,7 +616,7 @@ impl LaneWidget {
 
     /// Values in step `first`; see [`LaneWidget::has_steps`].
     #[inline(always)]
-    pub fn value_steps<L: Lanes, const N: usize>(
+    pub(super) fn value_steps<L: Lanes, const N: usize>(
         &self,
         segments: &SegmentLanes<L>,
         first: usize,

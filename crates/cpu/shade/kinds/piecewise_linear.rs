@@ -96,14 +96,8 @@ impl LaneLinear {
             linear: self,
             points: L::F::load(&self.points),
             anchor: L::F::load(&self.anchor),
-            value: array(
-                #[inline(always)]
-                |i| L::F::load(&self.value[i]),
-            ),
-            slope: array(
-                #[inline(always)]
-                |i| L::F::load(&self.slope[i]),
-            ),
+            value: array!(|i| L::F::load(&self.value[i])),
+            slope: array!(|i| L::F::load(&self.slope[i])),
         }
     }
 
@@ -113,10 +107,7 @@ impl LaneLinear {
         let tables = self.tables::<L>();
         let k = self.interval::<L>(s).to_unsigned();
         let offset = s - tables.anchor(k);
-        array(
-            #[inline(always)]
-            |quantity| tables.at(quantity, k, offset).max(L::F::splat(0.0)),
-        )
+        array!(|quantity| tables.at(quantity, k, offset).max(L::F::splat(0.0)))
     }
 
     /// Optical depth.
@@ -126,13 +117,12 @@ impl LaneLinear {
         let mut depth = L::F::splat(0.0);
         tables.walk(
             segments,
-            #[inline(always)]
-            |k, from, to, share| {
+            inlined!(|k, from, to, share| {
                 let anchor = tables.anchor(k);
                 let middle = (from - anchor + (to - anchor)) * L::F::splat(0.5);
                 depth =
                     (tables.at(0, k, middle).max(L::F::splat(0.0)) * share).mul_add(segments.length, depth);
-            },
+            }),
         );
         depth
     }
@@ -179,10 +169,7 @@ impl<L: Lanes> Tables<'_, L> {
         let (mut k, last) = (self.linear.interval::<L>(front), self.linear.interval::<L>(back));
         let rising = front.lt(back);
         let step = L::F::select(rising, splat(1.0), splat(-1.0));
-        let within_one = inlined(
-            #[inline(always)]
-            |k: L::F| k.le(last).and(last.le(k)).or(segments.crossing.not()),
-        );
+        let within_one = inlined!(|k: L::F| k.le(last).and(last.le(k)).or(segments.crossing.not()));
         // Most vectors lie within one interval each, and shares of theirs are not asked for.
         let per_scalar = if within_one(k).not().any() {
             splat(1.0) / (back - front).abs().max(splat(f32::MIN_POSITIVE))
@@ -223,8 +210,7 @@ impl<L: Lanes> Tables<'_, L> {
         let (mut all, mut through, mut deepest, mut unknown) = (zero, one, zero, 0);
         self.walk(
             segments,
-            #[inline(always)]
-            |k, from, to, share| {
+            inlined!(|k, from, to, share| {
                 let anchor = self.anchor(k);
                 let (from, to) = (from - anchor, to - anchor);
                 let length = segments.length * share;
@@ -243,14 +229,11 @@ impl<L: Lanes> Tables<'_, L> {
                         weights = [front, back, opacity];
                     }
                     let deeper = splat(MIDDLING).lt(max);
-                    let mut take = inlined(
-                        #[inline(always)]
-                        |lanes: L::M, (front, back, opacity): (L::F, L::F, L::F)| {
-                            for (weight, own) in weights.iter_mut().zip([front, back, opacity]) {
-                                *weight = L::F::select(lanes, own, *weight);
-                            }
-                        },
-                    );
+                    let mut take = inlined!(|lanes: L::M, (front, back, opacity): (L::F, L::F, L::F)| {
+                        for (weight, own) in weights.iter_mut().zip([front, back, opacity]) {
+                            *weight = L::F::select(lanes, own, *weight);
+                        }
+                    });
                     if deep.and(deeper.not()).any() {
                         take(deep, middling_piece_weights::<L>(a, b));
                     }
@@ -270,7 +253,7 @@ impl<L: Lanes> Tables<'_, L> {
                 }
                 all = through.mul_add(opacity, all);
                 through = through * (one - opacity);
-            },
+            }),
         );
         ([color[0], color[1], color[2], all], [unknown, splat(DEEPEST).lt(deepest).bits()])
     }

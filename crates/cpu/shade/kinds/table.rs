@@ -43,10 +43,7 @@ impl LaneTable {
     #[inline(always)]
     fn place<L: Lanes>(&self, v: &[L::F; 2]) -> [L::F; 2] {
         let splat = L::F::splat;
-        array(
-            #[inline(always)]
-            |a| splat(self.factor[a]).mul_add(v[a], splat(self.first[a])),
-        )
+        array!(|a| splat(self.factor[a]).mul_add(v[a], splat(self.first[a])))
     }
 
     /// Red, green, blue and alpha at a point of the plane within the table's ranges; beyond them those of the edge.

@@ -40,19 +40,11 @@ impl LaneWave {
     #[inline(always)]
     fn phase<L: Lanes>(&self, v: &[L::F; 2]) -> LanePhase<L> {
         let splat = L::F::splat;
-        let phase = inlined(
-            #[inline(always)]
-            |from: L::F| splat(self.step[0]).mul_add(v[0], splat(self.step[1]).mul_add(v[1], from)),
-        );
+        let phase =
+            inlined!(|from: L::F| splat(self.step[0]).mul_add(v[0], splat(self.step[1]).mul_add(v[1], from)));
         let nearest = phase(splat(self.start)).round();
         // Once more with the whole bands taken away first, so that they cost no digits.
         LanePhase { nearest, offset: phase(splat(self.start) - nearest) }
-    }
-
-    /// Mean of the profile between two points of the (s, g) plane.
-    #[inline(always)]
-    pub fn mean<L: Lanes>(&self, front: &[L::F; 2], back: &[L::F; 2]) -> L::F {
-        self.bell.mean::<L>(self.phase(front), self.phase(back))
     }
 
     /// Depth and shape between two points, with a rate of `peak` at the peaks.
