@@ -1,20 +1,19 @@
 //! Choice of the faster compositor on a device: a small grid is drawn by both, once, and the times are cached.
 
-use crate::device::device_handle::Device;
+use crate::device::{Device, locked};
 use crate::frame::draw::draw;
 use crate::frame::renderer::Renderer;
 use glam::DVec3;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
-use voltet_core::Result;
-use voltet_core::SharedSlice;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::error::ErrorKind;
 use voltet_core::grid::generate::box_of_tetrahedra;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
 use voltet_core::volume::Volume;
+use voltet_core::{Result, SharedSlice};
 use voltet_optics::WidgetBlend;
 use voltet_optics::engine::{Accumulation, Compositor, CompositorChoice, KeyValueStore, RenderOptions};
 use voltet_optics::scene::Scene;
@@ -54,7 +53,7 @@ pub(crate) fn choose(
     if let Err(error) = device.check_blending(Compositor::Raster, Accumulation::Float, cell_count) {
         return Ok(tiles(error.to_string()));
     }
-    let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut known = locked(known);
     let begun = Instant::now();
     let mut measured_secs = None;
     let (times, from_before) = match known.get(&needs_order) {

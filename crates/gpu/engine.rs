@@ -2,12 +2,10 @@
 
 use crate::compositors;
 use crate::device::adapter::{Adapters, no_hardware};
-use crate::device::adapter_probe_cache;
-use crate::device::device_handle::{Device, WorkCounts};
-use crate::frame::draw::draw;
-use crate::frame::in_flight;
-use crate::frame::limits;
-use crate::frame::output::{self, OrderCheckReport};
+use crate::device::{Device, WorkCounts, adapter};
+use crate::frame::draw::{SubmittedFrame, begin, draw};
+use crate::frame::inputs::can_serve;
+use crate::frame::output::{FaceOrderReport, FrameOutput, OrderCheckReport};
 use crate::frame::renderer::Renderer;
 use serde_json::json;
 use std::sync::Arc;
@@ -19,7 +17,7 @@ use voltet_core::visibility::FaceOrder;
 use voltet_core::volume::Volume;
 use voltet_optics::engine::{
     AdapterRequest, Compositor, CompositorChoice, Engine, EngineInfo, KeyValueStore, Pending, PreparedVolume,
-    RenderOptions, RenderOutput, RenderStats,
+    RenderOptions, RenderOutput,
 };
 use voltet_optics::scene::Scene;
 
@@ -31,21 +29,21 @@ pub const ENGINE: EngineInfo = EngineInfo {
     unavailable_reason: None,
     on_device: true,
     compositing: Compositor::ALL,
-    can_serve: limits::can_serve,
+    can_serve,
     adapters: || Adapters::find().described(),
     open: |wish, memory| open(wish, memory).map(|opened| Arc::new(opened) as Arc<dyn Engine>),
 };
 
 fn open(wish: &AdapterRequest, memory: &dyn KeyValueStore) -> Result<GpuEngine> {
     let any_hardware = wish.hardware && wish.name.is_none();
-    if any_hardware && let Some(listed) = adapter_probe_cache::recall(memory) {
+    if any_hardware && let Some(listed) = adapter::recall(memory) {
         return Err(no_hardware(&format!("{listed} (remembered)")));
     }
     let adapters = Adapters::find();
     if any_hardware && !adapters.have_hardware() {
-        adapter_probe_cache::keep(memory, &adapters.listed());
+        adapter::keep(memory, &adapters.listed());
     }
-    let device = Device::open_of(&adapters, wish.name.as_deref(), wish.hardware)?;
+    let device = Device::open_on(&adapters, wish.name.as_deref(), wish.hardware, None)?;
     Ok(GpuEngine::new(Arc::new(device)))
 }
 
@@ -118,7 +116,7 @@ impl PreparedVolume for GpuVolume {
         progress: &dyn Progress,
     ) -> Result<Box<dyn Pending>> {
         let before = self.renderer.device().work();
-        let begun = in_flight::begin(&self.renderer, scene, options, progress)?;
+        let begun = begin(&self.renderer, scene, options, progress)?;
         let (device, work) = (self.renderer.device().clone(), self.since(before));
         Ok(Box::new(PendingPicture { device, begun, options: *options, work }))
     }
@@ -139,7 +137,7 @@ impl GpuVolume {
 /// A submitted frame, with the work that was done for it.
 struct PendingPicture {
     device: Arc<Device>,
-    begun: in_flight::SubmittedFrame,
+    begun: SubmittedFrame,
     options: RenderOptions,
     work: WorkCounts,
 }
@@ -152,27 +150,21 @@ impl Pending for PendingPicture {
 }
 
 /// The output of a frame as every engine gives it.
-fn of_engine(
-    device: &Device,
-    drawn: output::FrameOutput,
-    options: &RenderOptions,
-    work: WorkCounts,
-) -> RenderOutput {
+fn of_engine(device: &Device, drawn: FrameOutput, options: &RenderOptions, work: WorkCounts) -> RenderOutput {
     let mut notes = notes(device, &drawn, options);
     notes.counts.insert("shader_builds", work.shader_builds);
     notes.counts.insert("uploads", work.uploads);
     notes.counts.insert("bytes_uploaded", work.bytes_uploaded);
-    let counts = drawn.counts.of_engine(options);
     let compositing = Compositor::Tiles;
     let instead = drawn.tiles_instead.map(|why| CompositorChoice { compositing, why, measured_secs: None });
-    RenderOutput { counts, instead, notes, ..RenderOutput::new(drawn.picture, drawn.passes) }
+    RenderOutput { counts: drawn.counts, instead, notes, ..RenderOutput::new(drawn.picture, drawn.passes) }
 }
 
 /// Diagnostics of this engine alone: its counts, the shader parts that it skips, warnings about the device.
-fn notes(device: &Device, drawn: &output::FrameOutput, options: &RenderOptions) -> Diagnostics {
+fn notes(device: &Device, drawn: &FrameOutput, options: &RenderOptions) -> Diagnostics {
     let mut notes = Diagnostics::new(options.exhaustive);
-    notes.counts.insert("tile_entries", drawn.counts.tile_entries);
-    notes.counts.insert("sweeps_further", drawn.counts.sweeps_further);
+    notes.counts.insert("tile_entries", drawn.tile_entries);
+    notes.counts.insert("sweeps_further", drawn.sweeps_further);
     if let Some(along_faces) = &drawn.along_faces {
         note_order(&mut notes, along_faces);
     }
@@ -193,7 +185,7 @@ fn notes(device: &Device, drawn: &output::FrameOutput, options: &RenderOptions) 
 }
 
 /// Adds the facts about an exact order that was blended.
-fn note_order(notes: &mut Diagnostics, output::FaceOrderReport { order, checked }: &output::FaceOrderReport) {
+fn note_order(notes: &mut Diagnostics, FaceOrderReport { order, checked }: &FaceOrderReport) {
     let FaceOrder { cells, across_gaps, taken_out } = &**order;
     let mut said = format!("{} cells blended in exact order along their faces", cells.len());
     if *across_gaps > 0 {
@@ -217,28 +209,4 @@ fn note_order(notes: &mut Diagnostics, output::FaceOrderReport { order, checked 
         }
     }
     notes.find(said, json!({ "order_along_faces": figures }));
-}
-
-impl output::FrameCounts {
-    /// Counts that every engine may have. In exhaustive mode cells beside the picture count as those between its
-    /// pixels: their place is found, and there is nothing more that could be done for them.
-    fn of_engine(&self, options: &RenderOptions) -> RenderStats {
-        let [culled_by_frustum, under_a_pixel] = match options.exhaustive {
-            false => [self.culled_by_frustum, self.under_a_pixel],
-            true => [0, self.culled_by_frustum + self.under_a_pixel],
-        };
-        RenderStats {
-            culled_by_transfer_function: Some(self.culled_by_transfer_function),
-            culled_by_frustum: Some(culled_by_frustum),
-            under_a_pixel: Some(under_a_pixel),
-            cells_projected: Some(self.cells_projected),
-            segments: self.segments,
-            segments_exact: Some(0),
-            evaluations: None,
-            pixels_disordered: self.pixels_disordered,
-            tiles_stopped: Some(self.tiles_stopped),
-            cells_hidden: Some(self.cells_hidden),
-            tables_built: None,
-        }
-    }
 }

@@ -1,6 +1,6 @@
 //! Seconds of the passes, where the adapter has timestamps.
 
-use crate::device::device_handle::Device;
+use crate::device::Device;
 use voltet_core::Result;
 use voltet_optics::engine::{Stage, StageTiming};
 use wgpu::BufferUsages;
@@ -28,6 +28,7 @@ struct Clock {
 impl Timing {
     pub fn new(device: &Device) -> Result<Timing> {
         let bytes = u64::from(2 * PASSES) * 8;
+        let buffer = |usage| device.buffer("the times", bytes, usage);
         let clock = match device.tick {
             None => None,
             Some(tick) => Some(Clock {
@@ -38,16 +39,8 @@ impl Timing {
                         count: 2 * PASSES,
                     })
                 })?,
-                resolved: device.buffer(
-                    "the times",
-                    bytes,
-                    BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC,
-                )?,
-                returned: device.buffer(
-                    "the times",
-                    bytes,
-                    BufferUsages::MAP_READ | BufferUsages::COPY_DST,
-                )?,
+                resolved: buffer(BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC)?,
+                returned: buffer(BufferUsages::MAP_READ | BufferUsages::COPY_DST)?,
                 tick_secs: f64::from(tick) * 1e-9,
             }),
         };

@@ -1,16 +1,14 @@
 //! The passes of a frame, bound to their buffers, and their order.
 
-use crate::device::bindings::own_kinds;
-use crate::device::buffers::PendingReadback;
-use crate::device::device_handle::Device;
-use crate::device::pipelines::Program;
+use crate::bound_pass::{Binder, BoundPass, GridArrays, folded, kinds, run, scene_kinds};
+use crate::device::pipelines::{Program, own_kinds};
 use crate::device::timing::Timing;
-use crate::frame::buffers::{FrameBuffers, ReadbackBuffers};
-use crate::frame::counters;
+use crate::device::{Device, PendingReadback};
 use crate::frame::inputs::FrameInputs;
-use crate::grid::split_buffer::GrowingSplitBuffer;
-use crate::pass::bound_pass::{Binder, BoundPass, GridArrays, folded, kinds, run, scene_kinds};
-use crate::raster::blending::{Blending, CellPrimitive, Raster};
+use crate::frame::output::counters;
+use crate::frame::renderer::{FrameBuffers, ReadbackBuffers};
+use crate::grid::GrowingSplitBuffer;
+use crate::raster::{Blending, CellPrimitive, Raster};
 use voltet_core::Result;
 use voltet_optics::engine::Stage;
 use voltet_shaders::{CompositorProgram, FramePass, GridArray, PlacementRecord, ViewRecord, cells_read};
@@ -111,7 +109,7 @@ impl<'a> Passes<'a> {
                 stored,
             )?);
         }
-        let reads_g = if frame.reads_g { 1.0 } else { 0.0 };
+        let reads_g = if frame.shader_key.reads_gradient_magnitude { 1.0 } else { 0.0 };
         let blended = match frame.shader_key.compositor {
             CompositorProgram::Raster(blend) => Some((CellPrimitive::Outlines, blend)),
             CompositorProgram::Triangles(blend) => Some((CellPrimitive::Triangles, blend)),
@@ -129,8 +127,8 @@ impl<'a> Passes<'a> {
             &frame.numbers,
         )?;
         let mut read: Vec<(u32, &Buffer)> = vec![(0, &scene)];
-        for (name, binding) in &frame.storage_buffers {
-            read.push((*binding, tables.named(name)?));
+        for (name, binding) in frame.shader_key.storage_buffers() {
+            read.push((binding, tables.named(&name)?));
         }
         let last = if let Some((form, blend)) = blended {
             let blending = Blending {

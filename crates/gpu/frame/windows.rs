@@ -1,18 +1,15 @@
 //! A frame: windows of the picture that fit the device's memory, and the samples of each.
 
-use crate::device::buffers::PendingReadback;
-use crate::device::device_handle::Device;
 use crate::device::timing::Timing;
-use crate::frame::buffers::{FrameBuffers, ReadbackBuffers};
-use crate::frame::counters;
+use crate::device::{Device, PendingReadback};
 use crate::frame::inputs::FrameInputs;
+use crate::frame::output::counters;
 use crate::frame::output::{FrameOutput, Readback};
 use crate::frame::passes::{Passes, counts_of};
+use crate::frame::renderer::{FrameBuffers, ReadbackBuffers};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
-use voltet_optics::engine::RenderOptions;
-use voltet_optics::scene::Scene;
 use voltet_shaders::ViewRecord;
 
 /// Entries that lists are given room for before their lengths are known.
@@ -36,21 +33,16 @@ const MAX_DISPATCHES: u32 = 100_000;
 const LONGEST_SOFTWARE: u32 = 20_000;
 
 impl FrameInputs<'_> {
-    /// Draws the scene that these are inputs of.
-    pub(crate) fn draw(
-        &self,
-        scene: &Scene,
-        options: &RenderOptions,
-        progress: &dyn Progress,
-    ) -> Result<FrameOutput> {
-        Ok(self.pending_stats(scene, options).with(self.draw_picture(progress)?))
+    /// Draws the whole picture. Errors: memory, a lost device, a stopped run.
+    pub fn draw(self, progress: &dyn Progress) -> Result<FrameOutput> {
+        let readback = self.draw_windows(vec![self.whole_window()], progress)?;
+        Ok(self.pending.with(readback))
     }
 
-    /// Draws the whole picture. Errors: memory, a lost device, a stopped run.
-    pub fn draw_picture(&self, progress: &dyn Progress) -> Result<Readback> {
-        let [width, height] = self.samples[0].size;
-        let tiles = [width, height].map(|n| n.div_ceil(ViewRecord::TILE));
-        self.draw_windows(vec![[0, 0, tiles[0], tiles[1]]], progress)
+    /// The window of the whole picture, in tiles.
+    fn whole_window(&self) -> [u32; 4] {
+        let [columns, rows] = self.samples[0].size.map(|n| n.div_ceil(ViewRecord::TILE));
+        [0, 0, columns, rows]
     }
 
     /// Draws parts of the picture: windows, in tiles. Errors: as above.
@@ -183,8 +175,7 @@ impl FrameInputs<'_> {
     /// between. Errors: memory; a lost device.
     pub fn submit(&self, returning: &mut ReadbackBuffers) -> Result<Option<SubmittedPicture>> {
         let [width, height] = self.samples[0].size;
-        let [across, down] = [width, height].map(|n| n.div_ceil(ViewRecord::TILE));
-        let window = [0, 0, across, down];
+        let window = self.whole_window();
         if !self.fits(window) || self.keeps_states() {
             return Ok(None);
         }

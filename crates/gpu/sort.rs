@@ -1,12 +1,14 @@
 //! The sort of all cells by distance: a radix sort on the device, which gathers the cells that can be seen on its way.
 
-use crate::device::buffers::GrowingBuffer;
-use crate::grid::device_grid::DeviceArray;
-use crate::pass::bound_pass::{Binder, BoundPass, in_rows};
-use crate::raster::drawing::ENTRY_BYTES;
+use crate::bound_pass::{Binder, BoundPass, in_rows};
+use crate::device::GrowingBuffer;
+use crate::grid::DeviceArray;
 use voltet_core::Result;
 use voltet_shaders::{FramePass, RoundRecord};
 use wgpu::Buffer;
+
+/// Bytes of a cell in the sorted list.
+pub(crate) const ENTRY_BYTES: u64 = 8;
 
 /// Rounds that sort every bit of a key; one gathers the cells and leaves them in their order.
 pub(crate) const ROUNDS: u32 = 4;
@@ -17,7 +19,7 @@ pub(crate) enum Items<'a> {
     /// The cells of the grid that can be seen.
     Cells,
     /// All cells, in the order of this list, nearest first.
-    TimedFaceOrder(&'a Buffer),
+    Ordered(&'a Buffer),
     /// A list that the first round finds.
     #[cfg(test)]
     Listed,
@@ -67,8 +69,8 @@ impl SortBuffers {
                 shift: 8 * number,
                 from_cells: match items {
                     Items::Cells if number == 0 => 1,
-                    Items::TimedFaceOrder(_) if number == 0 => 2,
-                    Items::Cells | Items::TimedFaceOrder(_) => 0,
+                    Items::Ordered(_) if number == 0 => 2,
+                    Items::Cells | Items::Ordered(_) => 0,
                     #[cfg(test)]
                     Items::Listed => 0,
                 },
@@ -79,7 +81,7 @@ impl SortBuffers {
             device.write(&round, 0, bytemuck::bytes_of(&record));
             let sorted = &lists[number as usize % 2];
             let unsorted = match items {
-                Items::TimedFaceOrder(list) if number == 0 => list,
+                Items::Ordered(list) if number == 0 => list,
                 _ => &lists[(number as usize + 1) % 2],
             };
             let bindings = [&round, unsorted, &digit_counts, sorted];
@@ -99,11 +101,10 @@ impl SortBuffers {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device::device_handle::Device;
+    use crate::bound_pass::GridArrays;
+    use crate::device::Device;
     use crate::device::timing::Timing;
-    use crate::grid::device_grid::{DeviceGrid, ValueArray};
-    use crate::grid::split_buffer::SplitBuffer;
-    use crate::pass::bound_pass::GridArrays;
+    use crate::grid::{DeviceGrid, ValueArray};
     use std::sync::Arc;
     use voltet_core::volume::Volume;
     use voltet_shaders::{Layout, ViewRecord};
@@ -124,7 +125,7 @@ mod tests {
         let device: &Device = &grid.device;
         let mut buffers = SortBuffers::default();
         let view = device.uniform("the view", size_of::<ViewRecord>() as u64).expect("fits");
-        let nothing = || SplitBuffer { buffers: vec![device.storage("nothing", 16).expect("fits")] };
+        let nothing = || vec![device.storage("nothing", 16).expect("fits")];
         let arrays = GridArrays { grid, seen: nothing(), attributes: nothing(), bounds: nothing() };
         let binder = Binder { device, view: &view, arrays: &arrays, layout: &Layout::WHOLE };
         let scalar = grid.stored(volume, ValueArray::Scalar).expect("fits");
@@ -135,7 +136,7 @@ mod tests {
         device.queue.write_buffer(&sort.digit_counts, 4 * 256, bytemuck::bytes_of(&count));
         let mut encoder = device.device.create_command_encoder(&Default::default());
         let mut timing = Timing::new(device).expect("has a clock or none");
-        sort.steps.iter().for_each(|step| crate::pass::bound_pass::run(&mut encoder, step, &mut timing));
+        sort.steps.iter().for_each(|step| crate::bound_pass::run(&mut encoder, step, &mut timing));
         let mapped = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
         let bytes = 8 * items.len() as u64;
         let back = device.buffer("the list on its way back", bytes, mapped).expect("fits");

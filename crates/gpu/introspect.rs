@@ -1,17 +1,91 @@
-//! Single segments through the composed shaders of a device.
+//! Measurements of a device, and single ray segments through the composed shaders, for comparison with exact values. No part of the
+//! public interface: it changes with the engine.
 
-use crate::device::bindings::Bound;
-use crate::device::device_handle::Device;
-use crate::device::pipelines::Program;
+use crate::device::Device;
+use crate::device::pipelines::{Bound, Program, in_order};
+use crate::engine::{GpuEngine, GpuVolume};
+use crate::frame::inputs::shader_key;
+use std::any::Any;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
+use voltet_optics::engine::{Engine, PreparedVolume, RenderOptions};
 use voltet_optics::integrators::Extent;
+use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Integrator, Shading};
 use voltet_optics::{Contribution, Segment, WidgetBlend};
 use voltet_shaders::segment_list::{CONTRIBUTION, axes, constants, contributions, holds, row};
-use voltet_shaders::{CompositorProgram, Parameters, Resources, ShaderKey, compose, compose_pieces};
+use voltet_shaders::{
+    CompositorProgram, Parameters, Resources, Shader, ShaderKey, compose, compose_pieces, multiply_adds,
+};
 use wgpu::BufferUsages;
+
+/// Device of an engine, if it is this crate's.
+pub fn device_of(engine: &dyn Engine) -> Option<&Arc<Device>> {
+    (engine as &dyn Any).downcast_ref().map(|GpuEngine { device, .. }| device)
+}
+
+/// Shader that composites a scene of a volume that this crate's engine prepared. Errors: those of drawing the scene.
+pub fn compositor_shader(
+    volume: &dyn PreparedVolume,
+    scene: &Scene,
+    options: &RenderOptions,
+) -> Result<Option<Shader>> {
+    let Some(GpuVolume { renderer, .. }) = (volume as &dyn Any).downcast_ref() else { return Ok(None) };
+    Ok(Some(compose(&shader_key(renderer, scene, options)?.0)))
+}
+
+/// A measurement's shortest time: a thousand times what submitting and waiting take.
+const LONG_ENOUGH: Duration = Duration::from_millis(50);
+
+/// Number of tries of each measurement, of which the best counts: other work on the device only slows it down.
+const TRIES: usize = 3;
+
+impl Device {
+    /// 32-bit multiply-adds a second, measured: chains in registers that wait for nothing but themselves.
+    ///
+    /// Errors: a lost device.
+    pub fn multiply_adds_per_second(&self) -> Result<f64> {
+        let (shader, of_workgroup) = multiply_adds();
+        let pipeline = self.pipeline(&Program {
+            shader: &shader,
+            entry_point: "multiply_adds",
+            constants: vec![],
+            groups: [&[(0, Bound::Write)], &[], &[]],
+        })?;
+        let sums = self.storage("the sums", (2 + 64) * 16)?;
+        // Sums stay near 1: no number that a device might treat apart.
+        let start = [[0.5f32; 4], [0.5; 4]];
+        self.guarded("the sums", || self.queue.write_buffer(&sums, 0, bytemuck::bytes_of(&start)))?;
+        let group = self.bind(&pipeline, 0, &in_order(&[&sums]));
+        let run = |workgroups: u32| -> Result<Duration> {
+            let begin = Instant::now();
+            self.guarded("the multiply-adds", || {
+                let mut encoder = self.device.create_command_encoder(&Default::default());
+                let mut compute = encoder.begin_compute_pass(&Default::default());
+                compute.set_pipeline(&pipeline);
+                compute.set_bind_group(0, &group, &[]);
+                compute.dispatch_workgroups(workgroups, 1, 1);
+                drop(compute);
+                self.queue.submit([encoder.finish()]);
+            })?;
+            self.wait("the multiply-adds", None)?;
+            Ok(begin.elapsed())
+        };
+        run(1)?;
+        let most = self.limits.max_compute_workgroups_per_dimension;
+        let mut workgroups = 64.min(most);
+        while run(workgroups)? < LONG_ENOUGH && workgroups < most {
+            workgroups = workgroups.saturating_mul(2).min(most);
+        }
+        let mut best = f64::INFINITY;
+        for _ in 0..TRIES {
+            best = best.min(run(workgroups)?.as_secs_f64());
+        }
+        Ok(workgroups as f64 * of_workgroup as f64 / best)
+    }
+}
 
 /// Passes over single segments on a device.
 pub struct SegmentRunner {

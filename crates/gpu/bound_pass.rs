@@ -1,12 +1,10 @@
 //! Compiled passes with what is bound to them: the view and what is a pass's own in group 1, the grid's arrays in group
 //! 2.
 
-use crate::device::bindings::{Bound, in_order, own_kinds};
-use crate::device::device_handle::Device;
-use crate::device::pipelines::Program;
+use crate::device::Device;
+use crate::device::pipelines::{Bound, Program, in_order, own_kinds};
 use crate::device::timing::{PassName, Timing};
-use crate::grid::device_grid::{DeviceArray, DeviceGrid};
-use crate::grid::split_buffer::SplitBuffer;
+use crate::grid::{DeviceArray, DeviceGrid, SplitBuffer};
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_optics::engine::Stage;
@@ -59,7 +57,7 @@ impl GridArrays<'_> {
                 GridArray::Bounds => &self.bounds,
             };
             let kind = if *access == Access::Read { Bound::Read } else { Bound::Write };
-            parted.buffers.iter().map(move |buffer| (kind, buffer))
+            parted.iter().map(move |buffer| (kind, buffer))
         };
         arrays.iter().flat_map(parts).collect()
     }

@@ -1,9 +1,8 @@
 //! Data that a scene's shader reads beside its uniform: tables, filled on the device and kept while the scene needs the same ones,
 //! and behind them the widgets' numbers, which are written where they change.
 
-use crate::device::bindings::{Bound, in_order};
-use crate::device::device_handle::Device;
-use crate::device::pipelines::Program;
+use crate::device::Device;
+use crate::device::pipelines::{Bound, Program, in_order};
 use std::sync::Arc;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
