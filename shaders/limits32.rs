@@ -1,7 +1,7 @@
 //! Limits of 32 bits on a device, checked before anything is drawn.
 
 use crate::kinds;
-use crate::segment_extent::{SegmentExtent, Spans};
+use crate::kinds::{SegmentExtent, Spans};
 use crate::shader_key::{Combine, ShaderKey};
 use voltet_core::transfer::{TransferFunction, Widget};
 use voltet_core::{Error, Result};

@@ -1,8 +1,8 @@
 //! Parameters that change per frame without another shader: the bytes of the `scene` uniform, and the last ones of the `numbers` buffer.
 
-use crate::integrator::{WgslCall, registered};
 use crate::kinds;
-use crate::places::Places;
+use crate::resources::Places;
+use crate::shader_key::{WgslCall, registered};
 use crate::writer::{Axis, WidgetRecord, Writer, finite};
 use bytemuck::{Pod, Zeroable};
 use voltet_core::transfer::{TransferFunction, Widget};

@@ -46,44 +46,19 @@ impl Parts {
 /// Splits of a scene's arrays over bindings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Layout {
-    /// Points as they are uploaded.
-    pub positions: Parts,
-    /// A quantity of the points as it is uploaded.
-    pub quantity: Parts,
-    /// Points as the view sees them.
-    pub seen: Parts,
-    /// Further values of the points.
-    pub attributes: Parts,
-    /// Corners of the cells.
-    pub tetrahedra: Parts,
-    /// Pixels that the cells may cover.
-    pub bounds: Parts,
+    /// The grid's arrays, in the order of [`GridArray::ALL`].
+    pub grid: [Parts; 6],
     /// Numbers of the scene beside its uniform, where vectors are among them: images, or the colours of a pre-integrated table.
     pub table: Parts,
 }
 
 impl Layout {
     /// Every array in one binding.
-    pub const WHOLE: Layout = Layout {
-        positions: Parts::WHOLE,
-        quantity: Parts::WHOLE,
-        seen: Parts::WHOLE,
-        attributes: Parts::WHOLE,
-        tetrahedra: Parts::WHOLE,
-        bounds: Parts::WHOLE,
-        table: Parts::WHOLE,
-    };
+    pub const WHOLE: Layout = Layout { grid: [Parts::WHOLE; 6], table: Parts::WHOLE };
 
     /// The parts of one of the grid's arrays.
     pub fn parts(&self, array: GridArray) -> Parts {
-        match array {
-            GridArray::Positions => self.positions,
-            GridArray::Quantity => self.quantity,
-            GridArray::Seen => self.seen,
-            GridArray::Attributes => self.attributes,
-            GridArray::Tetrahedra => self.tetrahedra,
-            GridArray::Bounds => self.bounds,
-        }
+        self.grid[array as usize]
     }
 }
 

@@ -49,20 +49,12 @@ impl FramePass {
 
     /// The text, with the grid's arrays in the parts of `layout`.
     pub fn shader(self, layout: &Layout) -> Shader {
-        let piece = match self {
-            FramePass::Points => "passes/points",
-            FramePass::Attribute => "passes/attribute",
-            FramePass::Cells => "passes/cells",
-            FramePass::Starts => "passes/starts",
-            FramePass::Lists => "passes/lists",
-            FramePass::Sort => "passes/sort",
-            FramePass::CountDigits => "passes/count_digits",
-            FramePass::PlaceDigits => "passes/place_digits",
-            FramePass::MoveDigits => "passes/move_digits",
-            FramePass::Runs => "passes/runs",
-            FramePass::Split => "passes/split",
-        };
-        compose_pieces(&grid_text(self.grid_arrays(), layout), &[piece])
+        compose_pieces(&grid_text(self.grid_arrays(), layout), &[self.names()[0]])
+    }
+
+    /// The function that the pass runs.
+    pub fn entry_point(self) -> &'static str {
+        self.names()[1]
     }
 
     /// Grid arrays that the pass reads and writes.
@@ -73,28 +65,25 @@ impl FramePass {
             FramePass::Points => &[(Positions, Read), (Quantity, Read), (Seen, Write)],
             FramePass::Attribute => &[(Quantity, Read), (Attributes, Write)],
             FramePass::Cells => &[(Tetrahedra, Read), (Seen, Read), (Attributes, Read), (Bounds, Write)],
-            FramePass::Lists => &[(Tetrahedra, Read), (Seen, Read), (Bounds, Read)],
-            FramePass::CountDigits | FramePass::PlaceDigits | FramePass::MoveDigits | FramePass::Split => {
-                &[(Tetrahedra, Read), (Seen, Read), (Bounds, Read)]
-            }
             FramePass::Starts | FramePass::Sort | FramePass::Runs => &[],
+            _ => &[(Tetrahedra, Read), (Seen, Read), (Bounds, Read)],
         }
     }
 
-    /// The function that the pass runs.
-    pub fn entry_point(self) -> &'static str {
+    /// Piece and entry point.
+    fn names(self) -> [&'static str; 2] {
         match self {
-            FramePass::Points => "see_points",
-            FramePass::Attribute => "place_attribute",
-            FramePass::Cells => "bound_cells",
-            FramePass::Starts => "start_lists",
-            FramePass::Lists => "fill_lists",
-            FramePass::Sort => "sort_lists",
-            FramePass::CountDigits => "count_digits",
-            FramePass::PlaceDigits => "place_digits",
-            FramePass::MoveDigits => "move_digits",
-            FramePass::Runs => "aim_runs",
-            FramePass::Split => "split_cells",
+            FramePass::Points => ["passes/points", "see_points"],
+            FramePass::Attribute => ["passes/attribute", "place_attribute"],
+            FramePass::Cells => ["passes/cells", "bound_cells"],
+            FramePass::Starts => ["passes/starts", "start_lists"],
+            FramePass::Lists => ["passes/lists", "fill_lists"],
+            FramePass::Sort => ["passes/sort", "sort_lists"],
+            FramePass::CountDigits => ["passes/count_digits", "count_digits"],
+            FramePass::PlaceDigits => ["passes/place_digits", "place_digits"],
+            FramePass::MoveDigits => ["passes/move_digits", "move_digits"],
+            FramePass::Runs => ["passes/runs", "aim_runs"],
+            FramePass::Split => ["passes/split", "split_cells"],
         }
     }
 }

@@ -47,15 +47,8 @@ impl BufferSizes {
     pub fn layout(&self, room: BindingLimits) -> Layout {
         let parts =
             |array: GridArray| Parts::for_elements(self.count(array), array.bytes(self.stride), room.bytes);
-        Layout {
-            positions: parts(GridArray::Positions),
-            quantity: parts(GridArray::Quantity),
-            seen: parts(GridArray::Seen),
-            attributes: parts(GridArray::Attributes),
-            tetrahedra: parts(GridArray::Tetrahedra),
-            bounds: parts(GridArray::Bounds),
-            table: Parts::for_elements(self.texels, TEXEL_BYTES, room.bytes),
-        }
+        let table = Parts::for_elements(self.texels, TEXEL_BYTES, room.bytes);
+        Layout { grid: GridArray::ALL.map(parts), table }
     }
 
     fn count(&self, array: GridArray) -> u64 {
@@ -173,10 +166,11 @@ impl Device {
     pub(crate) fn upload_parted<U: bytemuck::Pod + Send>(
         &self,
         array: GridArray,
-        parts: Parts,
+        layout: &Layout,
         count: usize,
         element: impl Fn(usize) -> U + Sync,
     ) -> Result<SplitBuffer> {
+        let parts = layout.parts(array);
         let mut buffers = Vec::new();
         let mut first = 0;
         for part in 0..parts.count {
@@ -252,20 +246,11 @@ impl DeviceGrid {
         let edge = |cell: &[u32; 4]| extent::longest_edge_squared(cell.map(position_of));
         let cells = grid.tetrahedra.par_iter().with_min_len(1 << 14);
         let longest = length * cells.map(edge).reduce(|| 0.0, f64::max).sqrt();
+        let cell = |cell: usize| without_volume(grid.tetrahedra[cell], position_of);
         device.count(|work| work.uploads += 2);
         Ok(DeviceGrid {
-            positions: device.upload_parted(
-                GridArray::Positions,
-                layout.positions,
-                grid.points.len(),
-                position,
-            )?,
-            tetrahedra: device.upload_parted(
-                GridArray::Tetrahedra,
-                layout.tetrahedra,
-                grid.tetrahedra.len(),
-                |cell| without_volume(grid.tetrahedra[cell], position_of),
-            )?,
+            positions: device.upload_parted(GridArray::Positions, &layout, grid.points.len(), position)?,
+            tetrahedra: device.upload_parted(GridArray::Tetrahedra, &layout, grid.tetrahedra.len(), cell)?,
             // Checked above.
             point_count: sizes.points as u32,
             cell_count: sizes.cells as u32,
@@ -284,41 +269,32 @@ impl DeviceGrid {
         if let Some(stored) = known {
             return Ok(stored);
         }
-        let stored = Arc::new(match &quantity {
-            ValueArray::Scalar => self.store(volume, &volume.scalar, 1, 0)?,
-            ValueArray::GradientMagnitude => match &volume.gradient_magnitude {
-                Some(g) => self.store(volume, g, 1, 0)?,
-                None => {
-                    return Err(Error::usage(
-                        "the transfer function looks at the gradient magnitude, and the volume has none",
-                    )
-                    .expected("a gradient-magnitude node before this one"));
-                }
-            },
-            ValueArray::Field(name) => {
-                let arrays = &volume.grid.point_arrays;
-                let array = arrays.get(name).filter(|array| array.component_count == 1);
-                let Some(array) = array else {
-                    return Err(Error::usage(
-                        "the transfer function looks at a field that the volume does not have",
-                    )
-                    .got(name)
-                    .expected("a point array of one component that the reader was asked for"));
-                };
-                self.store(volume, &array.values, 1, 0)?
+        let needs_gradient = |what| Error::usage(what).expected("a gradient-magnitude node before this one");
+        let stored = match &quantity {
+            ValueArray::Scalar => self.store(volume, &volume.scalar, 1, 0),
+            ValueArray::GradientMagnitude => {
+                let what = "the transfer function looks at the gradient magnitude, and the volume has none";
+                let found = volume.gradient_magnitude.as_ref();
+                self.store(volume, found.ok_or_else(|| needs_gradient(what))?, 1, 0)
             }
-            ValueArray::Gradient(component) => match &volume.gradient {
-                Some(gradient) if gradient.len() == volume.grid.points.len() => {
-                    self.store(volume, bytemuck::cast_slice(gradient), 3, *component)?
-                }
-                _ => {
-                    return Err(Error::usage("light and silhouettes need a gradient at every point")
-                        .expected("a gradient-magnitude node before this one"));
-                }
-            },
-        });
+            ValueArray::Field(name) => {
+                let found = volume.grid.point_arrays.get(name).filter(|array| array.component_count == 1);
+                let missing = || {
+                    Error::usage("the transfer function looks at a field that the volume does not have")
+                        .got(name)
+                        .expected("a point array of one component that the reader was asked for")
+                };
+                self.store(volume, &found.ok_or_else(missing)?.values, 1, 0)
+            }
+            ValueArray::Gradient(component) => {
+                let what = "light and silhouettes need a gradient at every point";
+                let found = volume.gradient.as_ref().filter(|all| all.len() == volume.grid.points.len());
+                let found = found.ok_or_else(|| needs_gradient(what))?;
+                self.store(volume, bytemuck::cast_slice(found), 3, *component)
+            }
+        }?;
         let mut all = locked(&self.stored);
-        Ok(all.entry(quantity).or_insert(stored).clone())
+        Ok(all.entry(quantity).or_insert_with(|| Arc::new(stored)).clone())
     }
 
     /// Every `stride`th value from `first` on. Vectors keep their direction: no offset, and one scale for all components.
@@ -339,7 +315,7 @@ impl DeviceGrid {
         let parts = |point: usize| split((value(point) - middle) / span);
         let layout = sizes(volume).layout(self.device.room());
         let count = values.len() / stride;
-        let values = self.device.upload_parted(GridArray::Quantity, layout.quantity, count, parts)?;
+        let values = self.device.upload_parted(GridArray::Quantity, &layout, count, parts)?;
         self.device.count(|work| work.uploads += 1);
         Ok(DeviceArray { values, middle, span, cell_span })
     }

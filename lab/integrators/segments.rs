@@ -20,7 +20,7 @@ use voltet_optics::integrators::{
     Extent, Integrator, IntegratorKind, SegmentIntegrator, TableDomain, can_serve,
 };
 use voltet_optics::linear::{emission_weights, front_back};
-use voltet_optics::sample::Sample;
+use voltet_optics::overlap::Sample;
 use voltet_optics::special::{OPAQUE_DEPTH, opacity};
 use voltet_optics::{CompiledTransferFunction, Contribution, Segment, WidgetBlend};
 use voltet_shaders::{TableSize, WgslCall, WgslExtension, WgslIntegrator, WgslPiece};

@@ -16,7 +16,8 @@ use voltet_optics::engine::{
 };
 use voltet_optics::integrators::{Extent, Integrator, IntegratorKind, SegmentIntegrator};
 use voltet_optics::scene::Scene;
-use voltet_optics::trace::{SegmentIntegral, Tiles, Tracer};
+use voltet_optics::trace::tiles::Tiles;
+use voltet_optics::trace::{SegmentIntegral, Tracer};
 use voltet_optics::{CompiledTransferFunction, Contribution, Segment, WidgetBlend};
 
 /// Kind of the integrator `reference`, which has an engine of its own.

@@ -173,7 +173,7 @@ impl Device {
     }
 
     /// Waits until a submission is done; without one, all that was submitted.
-    pub(crate) fn wait(&self, what: &str, submission_index: Option<wgpu::SubmissionIndex>) -> Result<()> {
+    pub(crate) fn wait(&self, what: &str, submission_index: Option<SubmissionIndex>) -> Result<()> {
         let waited = self.device.poll(wgpu::PollType::Wait { submission_index, timeout: None });
         self.check(what)?;
         waited

@@ -10,16 +10,13 @@
 mod adaptive;
 mod analytic;
 mod integrator;
-mod registry;
-mod segment_integrator;
 
 pub use adaptive::Adaptive;
 pub use analytic::Analytic;
 pub use integrator::{
-    Integrator, IntegratorKind, MAX_SETTINGS, Obstacle, PreparedScene, ScenePreparation, TableDomain,
+    Extent, INTEGRATOR, Integrator, IntegratorKind, MAX_SETTINGS, Obstacle, PreparedScene, ScenePreparation,
+    SegmentIntegrator, TableDomain, can_serve, kinds, stated, variant,
 };
-pub use registry::{INTEGRATOR, can_serve, kinds, stated, variant};
-pub use segment_integrator::{Extent, SegmentIntegrator};
 
 use super::WidgetBlend;
 use voltet_core::Result;

@@ -1,7 +1,6 @@
 //! The picture: cells put into screen tiles by conservative bounds, tiles drawn on all cores.
 
-use super::crossing::Crossing;
-use super::tracer::Tracer;
+use crate::trace::{Crossing, Tracer, sample_places};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
@@ -39,7 +38,7 @@ impl Tracer<'_> {
     /// Draws the tiles that are not there yet, and makes the picture of all. Where that ends early, `tiles` holds those that
     /// are drawn.
     pub fn draw_further(&self, tiles: &mut Tiles, progress: &dyn Progress) -> Result<Picture> {
-        let [width, height] = self.camera().size.map(|n| n as usize);
+        let [width, height] = self.camera.size.map(|n| n as usize);
         let columns = width.div_ceil(SIDE);
         let lists = self.tile_lists(columns, height.div_ceil(SIDE));
         tiles.retain(|&tile, pixels| (tile as usize) < lists.len() && pixels.len() == TILE_PIXELS);
@@ -75,7 +74,7 @@ impl Tracer<'_> {
 
     /// Pixels of one tile, row by row. `corner`: its upper left pixel.
     fn draw_tile(&self, corner: [usize; 2], cells: &[u32]) -> Result<Vec<[f32; 4]>> {
-        let samples = sample_places(self.camera().samples);
+        let samples = sample_places(self.camera.samples);
         let mut sums = vec![[0.0; 4]; SIDE * SIDE];
         let mut lists: Vec<Vec<Crossing>> = vec![Vec::new(); SIDE * SIDE];
         for place in &samples {
@@ -159,11 +158,11 @@ impl Tracer<'_> {
         if corners.iter().all(|c| c[2] <= self.near()) {
             return ScreenBounds::Nowhere;
         }
-        let perspective = matches!(self.camera().projection, Projection::Perspective { .. });
+        let perspective = matches!(self.camera.projection, Projection::Perspective { .. });
         if perspective && corners.iter().any(|c| c[2] <= 0.0) {
             return ScreenBounds::Unbounded;
         }
-        let [width, height] = self.camera().size.map(f64::from);
+        let [width, height] = self.camera.size.map(f64::from);
         let mut bounds = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for c in corners {
             let scale = if perspective { c[2] * self.pitch() } else { self.pitch() };
@@ -184,18 +183,4 @@ impl Tracer<'_> {
             ScreenBounds::Unbounded
         }
     }
-}
-
-/// Positions of a pixel's samples from its upper left corner: the middles of n × n equal parts for square
-/// numbers, else the points of Roberts' sequence R₂ (2018), the first in the middle.
-pub(super) fn sample_places(count: u32) -> Vec<[f64; 2]> {
-    let count = count.max(1);
-    let side = (1..=count).find(|n| n * n >= count).unwrap_or(count);
-    if side * side == count {
-        let middle = |k: u32| (f64::from(k) + 0.5) / f64::from(side);
-        return (0..count).map(|k| [middle(k % side), middle(k / side)]).collect();
-    }
-    // 1/x and 1/x² for x³ = x + 1.
-    const STEP: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
-    (0..count).map(|k| STEP.map(|step| (0.5 + step * f64::from(k)).fract())).collect()
 }

@@ -1,17 +1,22 @@
-//! The generated block: constants, and the functions that name a scene's widgets one by one.
+//! Text of the shader of a scene: the pieces of its key behind a generated block of constants and of functions that name the
+//! scene's widgets one by one.
 
-mod members;
-mod tiles;
+use crate::kinds::{Light, Mixing, Snippet};
+use crate::parts::{Access, Layout, PartedArray, Parts, cells_read, grid_text};
+use crate::passes::FramePass;
+use crate::shader_key::{
+    Blend, Combine, CompositorProgram, Method, ShaderKey, TileOrder, WgslCall, WidgetChoice,
+};
+use crate::text::{PIECES, Shader, WgslPiece, compose_pieces_with};
+use std::fmt::Write as _;
 
-use crate::integrator::WgslCall;
-use crate::kinds::{Light, Snippet};
-use crate::parts::{Access, PartedArray, Parts};
-use crate::shader_key::{Combine, CompositorProgram, Method, ShaderKey};
-
-/// The block, and the pieces that it uses.
-pub(crate) struct Generated {
-    pub text: String,
-    pub uses: Vec<&'static str>,
+impl Shader {
+    /// The pieces that are not in it although some scene asks for them: what makes frames is put together apart.
+    pub fn leaves_out(&self) -> Vec<&'static WgslPiece> {
+        let frames: Vec<Shader> = FramePass::ALL.iter().map(|pass| pass.shader(&Layout::WHOLE)).collect();
+        let apart = |piece: &WgslPiece| frames.iter().any(|frame| frame.files().any(|f| f == piece.file));
+        PIECES.iter().filter(|piece| !apart(piece) && !self.files().any(|file| file == piece.file)).collect()
+    }
 }
 
 /// Slots that the block fills. `wave_mean_on_flank` it fills by choosing between the pieces that do.
@@ -39,12 +44,13 @@ struct Block<'a> {
     uses: Vec<&'static str>,
 }
 
-pub(crate) fn generate(shader_key: &ShaderKey) -> Generated {
+/// The shader of a scene.
+pub fn compose(shader_key: &ShaderKey) -> Shader {
     let mut block = Block { shader_key, text: String::new(), uses: vec!["scene"] };
     block.values();
     block.flanks();
     if shader_key.combine == Combine::Ordered
-        || shader_key.widgets.iter().any(|w| shader_key.is_integrated(&w.kind))
+        || shader_key.widgets.iter().any(|w| w.kind.is_integrated(shader_key.constant_emitter))
     {
         block.members();
     }
@@ -59,7 +65,7 @@ pub(crate) fn generate(shader_key: &ShaderKey) -> Generated {
         CompositorProgram::Raster(blend) => block.finish_blended("compositor/raster", blend),
         CompositorProgram::Triangles(blend) => block.finish_blended("compositor/triangles", blend),
     }
-    Generated { text: block.text, uses: block.uses }
+    compose_pieces_with(&block.text, &block.uses, shader_key.method.pieces())
 }
 
 impl Block<'_> {
@@ -192,7 +198,7 @@ impl Block<'_> {
         self.parts();
         self.line("    var depth = 0.0;");
         for (i, widget) in shader_key.widgets.iter().enumerate() {
-            let depth = self.shader_key.snippets(&widget.kind).depth;
+            let depth = widget.kind.snippets(self.shader_key.constant_emitter).depth;
             let depth = self.call(i, &depth);
             self.line(format!("    var depth_{i} = 0.0;"));
             self.line(format!("    if 0.0 < part_share(part_{i}) {{ depth_{i} = {depth}; }}"));
@@ -218,7 +224,7 @@ impl Block<'_> {
         self.line("    var color = vec3f(0.0);");
         let shader_key = self.shader_key;
         for (i, widget) in shader_key.widgets.iter().enumerate() {
-            let light = match self.shader_key.snippets(&widget.kind).light {
+            let light = match widget.kind.snippets(self.shader_key.constant_emitter).light {
                 Light::Closed(call) => self.call(i, &call),
                 Light::Integrated => format!("light_alone_{i}(part_{i}, depth_{i})"),
             };
@@ -291,5 +297,208 @@ impl Block<'_> {
             (true, true) => "surface(found, segment_vector(first), segment_vector(first + 3u))",
         };
         self.line(format!("    return {result};\n}}"));
+    }
+}
+
+impl Block<'_> {
+    /// The widgets as members. Where the only need for them is a widget alone that has no closed form, the list holds
+    /// such widgets, absent ones with an empty range.
+    fn members(&mut self) {
+        let emitter = if self.shader_key.constant_emitter {
+            "overlap/constant_emitter"
+        } else {
+            "overlap/density_emitter"
+        };
+        self.uses(&[emitter]);
+        let shader_key = self.shader_key;
+        let (mut fields, mut breaks, mut lights) = (String::new(), String::new(), String::new());
+        for (i, widget) in shader_key.widgets.iter().enumerate() {
+            if shader_key.combine != Combine::Ordered
+                && !widget.kind.is_integrated(shader_key.constant_emitter)
+            {
+                continue;
+            }
+            let calls = widget.kind.snippets(shader_key.constant_emitter);
+            let (track, next) = (calls.track_type, calls.next_break.replace('#', &i.to_string()));
+            self.uses(&calls.track.pieces);
+            let light = self.call(i, &calls.member_light);
+            let _ = writeln!(fields, "    member_{i}: Member,\n    track_{i}: {track},");
+            let _ =
+                writeln!(breaks, "    next = min(next, member_next_break(members.member_{i}, t, {next}));");
+            let _ = writeln!(lights, "    light += {light};");
+        }
+        self.line(format!("struct Members {{\n{fields}}}"));
+        self.line("fn members_next_break(members: Members, t: f32) -> f32 {\n    var next = 2.0;");
+        self.line(format!("{breaks}    return next;\n}}"));
+        self.line("fn members_light(members: Members, at: vec4f) -> mat4x4f {\n    var light = mat4x4f();");
+        self.line(format!("{lights}    return light;\n}}"));
+    }
+
+    /// The light of each widget alone that has no closed form: the others have an empty range.
+    fn lights_alone(&mut self) {
+        let shader_key = self.shader_key;
+        for (i, widget) in shader_key
+            .widgets
+            .iter()
+            .enumerate()
+            .filter(|(_, w)| w.kind.is_integrated(shader_key.constant_emitter))
+        {
+            let (member, track) = self.member(i, widget);
+            let integral = self.ordered_integral(i, &format!("depth_{i}"));
+            self.line(format!(
+                "fn light_alone_{i}(part_{i}: Part, depth_{i}: f32) -> vec3f {{\n    var members = Members();"
+            ));
+            self.line(format!("    members.track_{i} = {track};\n    members.member_{i} = {member};"));
+            self.line(format!("    return {integral};\n}}"));
+        }
+    }
+
+    /// The variable `members`, filled from the parts of all widgets.
+    fn fill_members(&mut self, indent: &str) {
+        self.line(format!("{indent}var members = Members();"));
+        let shader_key = self.shader_key;
+        for (i, widget) in shader_key.widgets.iter().enumerate() {
+            let (member, track) = self.member(i, widget);
+            self.line(format!("{indent}members.track_{i} = {track};"));
+            self.line(format!("{indent}members.member_{i} = {member};"));
+        }
+    }
+
+    /// The ordered integral over `members`, exact or to the tolerance; `i`: any of the widgets that have a part, `depth`:
+    /// T of those that are in it.
+    fn ordered_integral(&mut self, i: usize, depth: &str) -> String {
+        let constant = self.shader_key.constant_emitter;
+        let scale = if constant { format!("glow_scale(part_{i})") } else { String::new() };
+        let integral = if self.shader_key.method == Method::Adaptive {
+            let stake = if constant { "adaptive/constant_stake" } else { "adaptive/density_stake" };
+            self.uses(&["adaptive/march", stake]);
+            let members = self.shader_key.widgets.len();
+            if constant {
+                format!(
+                    "march(members, {depth}, scene.tolerance / max({scale}, 1e-37), {members}.0 * scene.brightest)"
+                )
+            } else {
+                format!("march(members, {depth}, scene.tolerance, scene.brightest)")
+            }
+        } else {
+            self.uses(&["overlap/ordered"]);
+            "ordered(members)".to_owned()
+        };
+        if constant { format!("{scale} * {integral}") } else { integral }
+    }
+
+    /// The mix where the bound of its error keeps the tolerance, else the ordered integral.
+    fn subdivided(&mut self) {
+        let shader_key = self.shader_key;
+        self.fill_members("    ");
+        let integral = self.ordered_integral(0, "depth");
+        let bounded = |widget: &WidgetChoice| match widget.kind.snippets(shader_key.constant_emitter).mixing {
+            Mixing::Bounded => true,
+            Mixing::DensityOnly => !shader_key.constant_emitter,
+            Mixing::Unbounded => false,
+        };
+        if !shader_key.widgets.iter().all(bounded) {
+            self.line(format!("    let color = {integral};"));
+            return;
+        }
+        self.uses(&["adaptive/mixed"]);
+        let (mut light, mut whole) = (Vec::new(), Vec::new());
+        for i in 0..shader_key.widgets.len() {
+            let color = format!("scene.widgets[{i}].color");
+            let part = if shader_key.constant_emitter {
+                let member = format!("members.member_{i}");
+                format!("mixed_constant({color}, {member}.range, {member}.window, depth)")
+            } else {
+                format!("mixed_density({color}, depth_{i}, depth)")
+            };
+            self.line(format!("    let mixed_{i} = {part};"));
+            light.push(format!("mixed_{i}.light * mixed_{i}.color"));
+            whole.push(format!("mixed_{i}.light"));
+        }
+        self.line(format!("    var color = {};", light.join(" + ")));
+        let mean = if shader_key.constant_emitter {
+            "vec3f(0.0)".to_owned()
+        } else {
+            format!("color / max({}, 1e-37)", whole.join(" + "))
+        };
+        self.line(format!("    let mean = {mean};\n    var slack = MixedError(vec3f(0.0), vec3f(0.0));"));
+        for i in 0..shader_key.widgets.len() {
+            self.line(format!("    slack = mixed_add(slack, mixed_{i}, mean);"));
+        }
+        let scale = if shader_key.constant_emitter { "glow_scale(part_0)" } else { "1.0" };
+        self.line(format!(
+            "    color *= {scale};\n    if scene.tolerance < {scale} * mixed_largest(slack) {{ color = {integral}; }}"
+        ));
+    }
+
+    /// Expressions of a widget's member and track.
+    fn member(&mut self, i: usize, widget: &WidgetChoice) -> (String, String) {
+        let calls = widget.kind.snippets(self.shader_key.constant_emitter);
+        let track = self.call(i, &calls.track);
+        let everywhere = || "vec2f(-1.0, 2.0)".to_owned();
+        let (window, threshold) = if self.shader_key.constant_emitter {
+            let window = calls.window.map_or_else(everywhere, |window| self.call(i, &window));
+            (window, calls.threshold.replace('#', &i.to_string()))
+        } else {
+            (everywhere(), "0.0".to_owned())
+        };
+        (format!("Member(part_range(part_{i}), {window}, {threshold})"), track)
+    }
+}
+
+/// Values of which a workgroup keeps those at the corners of a chunk's cells: with these it takes 14.5 of the 16 KiB that
+/// every device has.
+const VALUES_KEPT: usize = 8;
+
+impl Block<'_> {
+    fn finish_tiles(&mut self, order: TileOrder) {
+        self.uses(&[match order {
+            TileOrder::Exact => "compositor/tiles_exact",
+            TileOrder::Listed => "compositor/tiles_listed",
+            TileOrder::Sum => "compositor/tiles_sum",
+        }]);
+        if order != TileOrder::Exact {
+            let is_kept = self.shader_key.value_count() <= VALUES_KEPT;
+            self.uses(&[if is_kept { "compositor/corners_kept" } else { "compositor/corners_read" }]);
+        }
+        self.finish_pixels(order == TileOrder::Sum);
+    }
+
+    /// Writes the entry points of a blending compositor and the contents of its pixels.
+    fn finish_blended(&mut self, drawing: &'static str, blend: Blend) {
+        let holds = match blend {
+            Blend::Over => "compositor/blend_over",
+            Blend::Sum => "compositor/blend_sum",
+            Blend::Rounded { .. } => "compositor/blend_rounded",
+        };
+        self.uses(&[drawing, holds]);
+        if matches!(blend, Blend::Rounded { .. }) {
+            self.line(format!("const BLENDED_ABOUT = {:.1};", blend.about()));
+        }
+        self.finish_pixels(blend == Blend::Sum);
+    }
+
+    /// Writes the colour of a segment at a pixel: the gradient stands behind the values of its cell's points.
+    fn finish_pixels(&mut self, is_sum: bool) {
+        let shader_key = self.shader_key;
+        self.line(format!("const ATTRIBUTE_STRIDE = {}u;", shader_key.attribute_stride()));
+        let stride = shader_key.attribute_stride();
+        self.text.push_str(&grid_text(cells_read(stride), &shader_key.layout));
+        if stride == 0 {
+            self.line("fn attribute_of(index: u32, slot: u32) -> f32 { return 0.0; }");
+        }
+        if is_sum {
+            self.line(format!("const DEPTHS_ADD_UP = {};", shader_key.depths_add_up()));
+        }
+        self.line("fn finish(found: Contribution, points: vec4u, middle: vec4f, ray: Ray) -> Contribution {");
+        if shader_key.reads_gradient() {
+            let first = shader_key.value_count() - 1;
+            let at = |i: usize| format!("attribute_at(points, middle, {}u)", first + i);
+            self.line(format!("    let gradient = vec3f({}, {}, {});", at(0), at(1), at(2)));
+            let view = if shader_key.silhouette { "ray_direction(ray)" } else { "vec3f(0.0)" };
+            self.line(format!("    return surface(found, gradient, {view});\n}}"));
+        } else {
+            self.line("    return found;\n}");
+        }
     }
 }
