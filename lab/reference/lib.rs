@@ -15,16 +15,12 @@
 
 #![allow(missing_docs, reason = "unpublished: names say what fields and short functions are")]
 
-mod cuts;
 mod features;
-mod layout;
 mod linear_on_segment;
 mod part;
-mod quadrature;
 mod renderer;
 mod segment;
 mod term;
-mod texels;
 
 pub use renderer::{ENGINE, Reference, draw, draw_further, tracer};
 pub use segment::{Integrand, Tolerance, Workspace};
