@@ -17,9 +17,10 @@ const SOURCE: Node = Node {
     run: &|call| {
         let opened = call.keep_for_session(|| Ok(OpenEngines::default()))?;
         let small = |device: Device| {
-            device
-                .with_limits(|limits| limits.max_storage_buffer_binding_size = 2048)
-                .with_buffers_at_a_time(8)
+            device.with_limits(|limits| {
+                limits.max_storage_buffer_binding_size = 2048;
+                limits.max_storage_buffers_per_shader_stage = 8;
+            })
         };
         let engine = Device::open(Some("software"), true)
             .map(|device| Arc::new(GpuEngine::new(Arc::new(small(device)))) as Arc<dyn Engine>);
