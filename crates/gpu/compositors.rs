@@ -98,7 +98,7 @@ fn key(adapter: &str, driver: &str, needs_order: bool) -> String {
     let line = |text: &str| text.replace(['\n', '\r'], " ");
     let scene = if needs_order { "order of centroids" } else { "no order" };
     let version = env!("CARGO_PKG_VERSION");
-    format!("voltet compositors 1\n{}\n{}\nprogram {version}\n{scene}\n", line(adapter), line(driver))
+    format!("voltet compositors 2\n{}\n{}\nprogram {version}\n{scene}\n", line(adapter), line(driver))
 }
 
 impl CompositorTimes {
@@ -108,21 +108,13 @@ impl CompositorTimes {
     }
 
     fn written(&self) -> String {
-        format!("tiles {:e} s\nraster {:e} s\n", self.tiles, self.raster)
+        serde_json::json!([self.tiles, self.raster]).to_string()
     }
 
     /// `None` for what is something else.
     fn read(text: &str) -> Option<CompositorTimes> {
-        let number = |line: &str, name: &str| -> Option<f64> {
-            let seconds: f64 = line.strip_prefix(name)?.strip_suffix(" s")?.trim().parse().ok()?;
-            (seconds.is_finite() && seconds > 0.0).then_some(seconds)
-        };
-        let mut lines = text.lines();
-        let times = CompositorTimes {
-            tiles: number(lines.next()?, "tiles ")?,
-            raster: number(lines.next()?, "raster ")?,
-        };
-        (times.written() == text).then_some(times)
+        let [tiles, raster]: [f64; 2] = serde_json::from_str(text).ok()?;
+        (tiles > 0.0 && raster > 0.0).then_some(CompositorTimes { tiles, raster })
     }
 }
 
@@ -213,9 +205,7 @@ mod tests {
         for place in 0..text.len() {
             assert_eq!(CompositorTimes::read(&text[..place]), None, "cut at {place}");
         }
-        for wrong in
-            ["tiles 0e0 s\nraster 1e0 s\n", "tiles NaN s\nraster 1e0 s\n", "raster 1e0 s\ntiles 1e0 s\n"]
-        {
+        for wrong in ["[0.0,1.0]", "[null,1.0]", "tiles 1e0 s\nraster 1e0 s\n"] {
             assert_eq!(CompositorTimes::read(wrong), None, "{wrong}");
         }
     }

@@ -1,8 +1,8 @@
 //! The device engine as one of the program's engines.
 
 use crate::compositors;
-use crate::device::adapter::{Adapters, no_hardware};
-use crate::device::{Device, WorkCounts, adapter};
+use crate::device::adapter::Adapters;
+use crate::device::{Device, WorkCounts};
 use crate::frame::draw::{SubmittedFrame, begin, draw};
 use crate::frame::inputs::can_serve;
 use crate::frame::output::{FaceOrderReport, FrameOutput, OrderCheckReport};
@@ -16,8 +16,8 @@ use voltet_core::progress::Progress;
 use voltet_core::visibility::FaceOrder;
 use voltet_core::volume::Volume;
 use voltet_optics::engine::{
-    AdapterRequest, Compositor, CompositorChoice, Engine, EngineInfo, KeyValueStore, Pending, PreparedVolume,
-    RenderOptions, RenderOutput,
+    Compositor, CompositorChoice, Engine, EngineInfo, KeyValueStore, Pending, PreparedVolume, RenderOptions,
+    RenderOutput,
 };
 use voltet_optics::scene::Scene;
 
@@ -31,21 +31,11 @@ pub const ENGINE: EngineInfo = EngineInfo {
     compositing: Compositor::ALL,
     can_serve,
     adapters: || Adapters::find().described(),
-    open: |wish, memory| open(wish, memory).map(|opened| Arc::new(opened) as Arc<dyn Engine>),
+    open: |request| {
+        let device = Device::open(request.name.as_deref(), request.hardware)?;
+        Ok(Arc::new(GpuEngine::new(Arc::new(device))))
+    },
 };
-
-fn open(wish: &AdapterRequest, memory: &dyn KeyValueStore) -> Result<GpuEngine> {
-    let any_hardware = wish.hardware && wish.name.is_none();
-    if any_hardware && let Some(listed) = adapter::recall(memory) {
-        return Err(no_hardware(&format!("{listed} (remembered)")));
-    }
-    let adapters = Adapters::find();
-    if any_hardware && !adapters.have_hardware() {
-        adapter::keep(memory, &adapters.listed());
-    }
-    let device = Device::open_on(&adapters, wish.name.as_deref(), wish.hardware, None)?;
-    Ok(GpuEngine::new(Arc::new(device)))
-}
 
 /// The device engine on an open device.
 pub struct GpuEngine {

@@ -35,8 +35,8 @@ pub struct EngineInfo {
     pub can_serve: fn(&TransferFunction, &Shading) -> Result<()>,
     /// The adapters that it finds here, in words.
     pub adapters: fn() -> Vec<String>,
-    /// Opens it; what is looked for may be kept in the memory. Errors: no such adapter, or none at all.
-    pub open: fn(&AdapterRequest, &dyn KeyValueStore) -> Result<Arc<dyn Engine>>,
+    /// Opens it. Errors: no such adapter, or none at all.
+    pub open: fn(&AdapterRequest) -> Result<Arc<dyn Engine>>,
 }
 
 /// The adapter that an engine shall be opened on.
@@ -67,7 +67,7 @@ impl EngineInfo {
             compositing: &[],
             can_serve: |_, _| Ok(()),
             adapters: Vec::new,
-            open: |_, _| Err(Error::run("this build is without the engine")),
+            open: |_| Err(Error::run("this build is without the engine")),
         }
     }
 
@@ -79,18 +79,8 @@ impl EngineInfo {
 
     /// Opens it. Errors: no such adapter, or none at all; a build without it.
     pub fn open(&self, wish: &AdapterRequest) -> Result<Arc<dyn Engine>> {
-        self.open_remembering(wish, &NoStore)
-    }
-
-    /// Opens it; the absence of a hardware adapter is cached while that can be checked to hold still. Errors: those of
-    /// [`EngineInfo::open`].
-    pub fn open_remembering(
-        &self,
-        wish: &AdapterRequest,
-        memory: &dyn KeyValueStore,
-    ) -> Result<Arc<dyn Engine>> {
         self.check()?;
-        (self.open)(wish, memory)
+        (self.open)(wish)
     }
 
     fn check(&self) -> Result<()> {
@@ -355,17 +345,6 @@ pub trait KeyValueStore: Sync {
 
     /// Keeps a text, if it can be kept.
     fn keep(&self, key: &str, text: &str);
-}
-
-/// Keeps nothing.
-pub struct NoStore;
-
-impl KeyValueStore for NoStore {
-    fn recall(&self, _key: &str) -> Option<String> {
-        None
-    }
-
-    fn keep(&self, _key: &str, _text: &str) {}
 }
 
 /// A picture and what it took.

@@ -124,7 +124,7 @@ pub const ENGINE: EngineInfo = EngineInfo {
             .expected(NAME)),
     },
     adapters: Vec::new,
-    open: |_, _| Ok(Arc::new(ReferenceRenderer)),
+    open: |_| Ok(Arc::new(ReferenceRenderer)),
 };
 
 #[derive(Debug, Clone, Copy)]

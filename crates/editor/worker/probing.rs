@@ -9,11 +9,11 @@ use voltet_core::camera::Camera;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_graph::{Observer, TransferFunctionSpec, Value, diagonal};
-use voltet_optics::{CompiledTransferFunction, WidgetBlend};
 use voltet_optics::integrators::Integrator;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Shading, VisibilityOrder};
 use voltet_optics::trace::Tracer;
+use voltet_optics::{CompiledTransferFunction, WidgetBlend};
 
 /// Places of the picture that are asked about.
 #[derive(Debug, Clone, PartialEq)]

@@ -52,22 +52,18 @@ impl Device {
     /// Opens the fastest adapter, or the one that `wish` names (a kind, or a part of its name). With `hardware`,
     /// software devices are passed over unless they are wished for.
     pub fn open(wish: Option<&str>, hardware: bool) -> Result<Device> {
-        Device::open_on(&Adapters::find(), wish, hardware, None)
+        Device::open_within(wish, hardware, None)
     }
 
     /// Like [`Device::open`], with no more than every device of WebGPU has: bindings of 128 MiB, 8 storage buffers of a stage, workgroups of
     /// 256 invocations and 16 KiB. What needs more is an error, as it would be there.
     pub fn open_as_webgpu(wish: Option<&str>) -> Result<Device> {
-        Device::open_on(&Adapters::find(), wish, false, Some(wgpu::Limits::defaults()))
+        Device::open_within(wish, false, Some(wgpu::Limits::defaults()))
     }
 
-    /// Like [`Device::open`], among adapters that were found, and within limits; `None` for those of the adapter.
-    pub(crate) fn open_on(
-        adapters: &Adapters,
-        wish: Option<&str>,
-        hardware: bool,
-        limits: Option<wgpu::Limits>,
-    ) -> Result<Device> {
+    /// `limits`: `None` for those of the adapter.
+    fn open_within(wish: Option<&str>, hardware: bool, limits: Option<wgpu::Limits>) -> Result<Device> {
+        let adapters = Adapters::find();
         let (adapter, reason) = adapters.choose(wish, hardware)?;
         let info = adapter.get_info();
         let limits = limits.unwrap_or_else(|| adapter.limits());

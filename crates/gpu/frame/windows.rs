@@ -57,22 +57,20 @@ impl FrameInputs<'_> {
             if progress.cancelled() {
                 return Err(Error::cancelled());
             }
-            if !self.fits(window) {
+            let counts = match self.fits(window) {
+                true => self.draw_window(window, &mut picture, &mut timing)?,
+                false => None,
+            };
+            let Some(counts) = counts else {
                 open.extend(halves(window)?);
                 continue;
-            }
-            let counts = self.draw_window(window, &mut picture, &mut timing)?;
-            match counts {
-                Some(counts) => {
-                    for (place, (sum, count)) in all.iter_mut().zip(counts).enumerate() {
-                        if is_first || !counters::OF_CELLS.contains(&place) {
-                            *sum += u64::from(count);
-                        }
-                    }
-                    is_first = false;
+            };
+            for (place, (sum, count)) in all.iter_mut().zip(counts).enumerate() {
+                if is_first || !counters::OF_CELLS.contains(&place) {
+                    *sum += u64::from(count);
                 }
-                None => open.extend(halves(window)?),
             }
+            is_first = false;
         }
         Ok(Readback { picture, counts: all, passes: timing.passes() })
     }
