@@ -2,8 +2,7 @@
 //! scene's widgets one by one.
 
 use crate::kinds::{Light, Mixing, Snippet};
-use crate::parts::{Access, Layout, PartedArray, Parts, cells_read, grid_text};
-use crate::passes::FramePass;
+use crate::passes::{Access, FramePass, Layout, PartedArray, Parts, cells_read, grid_text};
 use crate::shader_key::{
     Blend, Combine, CompositorProgram, Method, ShaderKey, TileOrder, WgslCall, WidgetChoice,
 };
@@ -11,32 +10,16 @@ use crate::text::{PIECES, Shader, WgslPiece, compose_pieces_with};
 use std::fmt::Write as _;
 
 impl Shader {
-    /// The pieces that are not in it although some scene asks for them: what makes frames is put together apart.
+    /// The pieces that are not in it although some scene asks for them: what makes frames and what is measured is put together apart.
     pub fn leaves_out(&self) -> Vec<&'static WgslPiece> {
         let frames: Vec<Shader> = FramePass::ALL.iter().map(|pass| pass.shader(&Layout::WHOLE)).collect();
-        let apart = |piece: &WgslPiece| frames.iter().any(|frame| frame.files().any(|f| f == piece.file));
-        PIECES.iter().filter(|piece| !apart(piece) && !self.files().any(|file| file == piece.file)).collect()
+        let holds = |shader: &Shader, piece: &WgslPiece| shader.files().any(|file| file == piece.file);
+        let apart = |piece: &WgslPiece| {
+            piece.name.starts_with("measured/") || frames.iter().any(|frame| holds(frame, piece))
+        };
+        PIECES.iter().filter(|piece| !apart(piece) && !holds(self, piece)).collect()
     }
 }
-
-/// Slots that the block fills. `wave_mean_on_flank` it fills by choosing between the pieces that do.
-#[cfg(test)]
-pub(crate) const FILLS: &[&str] = &[
-    "values",
-    "numbers",
-    "members",
-    "segment",
-    "finish",
-    "wave_mean_on_flank",
-    "positions",
-    "quantity",
-    "seen",
-    "attributes",
-    "tetrahedra",
-    "bounds",
-    "texels",
-    "glows",
-];
 
 struct Block<'a> {
     shader_key: &'a ShaderKey,

@@ -9,9 +9,7 @@
 
 mod generate;
 mod kinds;
-mod limits32;
 mod parameters;
-mod parts;
 mod passes;
 mod resources;
 pub mod segment_list;
@@ -21,10 +19,11 @@ mod writer;
 
 pub use generate::compose;
 pub use kinds::{Kind, Spans};
-pub use limits32::check_32_bits;
-pub use parameters::{Parameters, SceneHead};
-pub use parts::{Access, GRID_GROUP, GridArray, Layout, PartedArray, Parts, cells_read};
-pub use passes::{FramePass, PlacementRecord, RoundRecord, RunRecord, ViewRecord, multiply_adds};
+pub use parameters::{Parameters, SceneHead, check_32_bits};
+pub use passes::{
+    Access, FramePass, GRID_GROUP, GridArray, Layout, PartedArray, Parts, PlacementRecord, RoundRecord,
+    RunRecord, ViewRecord, cells_read, multiply_adds,
+};
 pub use resources::{
     Buffer, Contents, Pass, Places, Resources, TEXEL_BYTES, TableScene, WgslTable, WgslTableExtension, images,
 };

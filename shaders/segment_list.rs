@@ -5,7 +5,7 @@
 //! range.
 
 use crate::kinds::Spans;
-use crate::limits32::check_32_bits;
+use crate::parameters::check_32_bits;
 use crate::shader_key::{Combine, ShaderKey};
 use crate::text::Shader;
 use crate::writer::Axis;

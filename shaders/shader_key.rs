@@ -1,7 +1,7 @@
 //! Key of a shader: everything in a scene that decides the text of its shader; and shader text of integrators from outside.
 
 use crate::kinds::Kind;
-use crate::parts::{Layout, Parts};
+use crate::passes::{Layout, Parts};
 use crate::text::WgslPiece;
 use std::fmt;
 use std::hash::{Hash, Hasher};
@@ -162,7 +162,11 @@ impl ShaderKey {
         compositor: CompositorProgram,
     ) -> Result<ShaderKey> {
         can_serve(&shading.integrator, transfer_function)?;
-        let method = method(&shading.integrator)?;
+        let method = method_of(&shading.integrator).ok_or_else(|| {
+            Error::usage("the integrator has no shader: the CPU draws it")
+                .got(shading.integrator.name())
+                .expected("engine = \"cpu\"")
+        })?;
         let scene = ShaderKey {
             method,
             widgets: Vec::new(),
@@ -277,14 +281,6 @@ fn method_of(integrator: &Integrator) -> Option<Method> {
 /// True if there is a shader for the integrator.
 pub fn has_method(integrator: &Integrator) -> bool {
     method_of(integrator).is_some()
-}
-
-fn method(integrator: &Integrator) -> Result<Method> {
-    method_of(integrator).ok_or_else(|| {
-        Error::usage("the integrator has no shader: the CPU draws it")
-            .got(integrator.name())
-            .expected("engine = \"cpu\"")
-    })
 }
 
 fn choice(widget: &Widget) -> WidgetChoice {

@@ -1,7 +1,7 @@
 //! A grid on a device: points, tetrahedra and the values that transfer functions look at, uploaded once, each array in parts
 //! that fit the device's bindings.
 
-use crate::device::pipelines::fixed_buffers;
+use crate::device::pipelines::storage_buffers;
 use crate::device::{Device, GrowingBuffer, MEBIBYTE, locked};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -64,7 +64,7 @@ impl BufferSizes {
         let of = |arrays: &[(GridArray, Access)]| {
             arrays.iter().map(|(array, _)| layout.parts(*array).count).fold(0, u32::saturating_add)
         };
-        let pass = |pass: &FramePass| of(pass.grid_arrays()).saturating_add(fixed_buffers(*pass));
+        let pass = |pass: &FramePass| of(pass.grid_arrays()).saturating_add(storage_buffers(Some(*pass)));
         let table = if self.texels > 0 { layout.table.count } else { 0 };
         let own = self.own_buffers.saturating_add(self.scene_buffers).saturating_add(table);
         let pixels = of(cells_read(self.stride as usize)).saturating_add(own);
@@ -90,7 +90,7 @@ impl BufferSizes {
             .filter(|array| layout.parts(**array).count > 1)
             .map(|array| {
                 let size = mib(self.count(*array).saturating_mul(array.bytes(self.stride)));
-                format!("{} of {size:.0} MiB in {} parts", name(*array), layout.parts(*array).count)
+                format!("{} of {size:.0} MiB in {} parts", array.label(), layout.parts(*array).count)
             })
             .collect();
         if layout.table.count > 1 {
@@ -119,18 +119,6 @@ impl BufferSizes {
     }
 }
 
-/// Name of an array in errors.
-fn name(array: GridArray) -> &'static str {
-    match array {
-        GridArray::Positions => "the grid's points",
-        GridArray::Quantity => "the grid's values",
-        GridArray::Seen => "the points on the screen",
-        GridArray::Attributes => "the points' values",
-        GridArray::Tetrahedra => "the grid's cells",
-        GridArray::Bounds => "the cells' bounds",
-    }
-}
-
 /// One of the grid's arrays on a device, in its parts.
 pub(crate) type SplitBuffer = Vec<wgpu::Buffer>;
 
@@ -149,7 +137,7 @@ impl GrowingSplitBuffer {
     ) -> Result<SplitBuffer> {
         self.0.resize_with(parts.count as usize, GrowingBuffer::default);
         let bytes = array.bytes(sizes.stride);
-        let make = |size: u64| device.storage(name(array), size);
+        let make = |size: u64| device.storage(array.label(), size);
         let of = |(growing, part): (&mut GrowingBuffer, u32)| {
             growing.at_least(parts.length(part, sizes.count(array)) * bytes, make)
         };
@@ -175,7 +163,7 @@ impl Device {
         let mut first = 0;
         for part in 0..parts.count {
             let length = parts.length(part, count as u64) as usize;
-            buffers.push(self.upload(name(array), length, |i| element(first + i))?);
+            buffers.push(self.upload(array.label(), length, |i| element(first + i))?);
             first += length;
         }
         Ok(buffers)

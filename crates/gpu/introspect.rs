@@ -87,56 +87,17 @@ impl Device {
     }
 }
 
-/// Passes over single segments on a device.
-pub struct SegmentRunner {
-    device: Arc<Device>,
-}
-
 /// Segments that one dispatch composites: a software driver ends loops after 65,535 rounds in all.
 const CHAIN_PART: usize = 1 << 14;
 
-const CHAIN: &str = "
-@group(1) @binding(0) var<storage, read> rows: array<vec4f>;
-@group(1) @binding(1) var<storage, read_write> values: array<f32>;
-@compute @workgroup_size(1)
-fn evaluate() {
-    var sum = Composite(vec3f(values[0], values[1], values[2]), values[3], values[4]);
-    for (var i = 0u; i < arrayLength(&rows); i++) {
-        sum = composite_add(sum, rows[i].rgb, rows[i].a);
-    }
-    values[0] = sum.color.r;
-    values[1] = sum.color.g;
-    values[2] = sum.color.b;
-    values[3] = sum.opacity;
-    values[4] = sum.transparency;
-    values[5] = composite_opacity(sum);
-}";
-
-const PARTIAL: &str = "
-@group(1) @binding(0) var<storage, read> rows: array<vec4f>;
-@group(1) @binding(1) var<storage, read_write> values: array<f32>;
-@compute @workgroup_size(1)
-fn evaluate() {
-    let x = rows[0];
-    let sides = front_back(x.x, x.y);
-    values[0] = psi(x.x, x.y);
-    values[1] = sides.x;
-    values[2] = sides.y;
-    values[3] = exponential(-x.z);
-}";
-
-impl SegmentRunner {
-    /// Runner on an open device.
-    pub fn new(device: Arc<Device>) -> SegmentRunner {
-        SegmentRunner { device }
-    }
-
+/// Single segments.
+impl Device {
     /// Integrates a segment by the closed forms. The inner error is the reason that the device refuses it before it draws.
     ///
     /// # Errors
     ///
     /// - A device that fails on the way.
-    pub fn integrate(
+    pub fn integrate_segment(
         &self,
         transfer_function: &TransferFunction,
         segment: &Segment,
@@ -152,9 +113,8 @@ impl SegmentRunner {
         if holds(&shader_key, transfer_function, segment).is_err() {
             return Ok(Err("the device refuses what 32 bits do not hold, and `auto` takes the CPU"));
         }
-        let device = &self.device;
-        let scene = device.uniform("the scene", parameters.scene_bytes().len() as u64)?;
-        device.write(&scene, 0, &parameters.scene_bytes());
+        let scene = self.uniform("the scene", parameters.scene_bytes().len() as u64)?;
+        self.write(&scene, 0, &parameters.scene_bytes());
         // Closed forms read no table of lengths.
         let extent = Extent { scalar: [0.0; 2], longest: 1.0 };
         let numbers = &parameters.numbers;
@@ -163,15 +123,12 @@ impl SegmentRunner {
         let mut read = vec![(0, Bound::Uniform, scene)];
         for buffer in &resources.buffers {
             if let Some(binding) = buffer.binding {
-                read.push((
-                    binding,
-                    Bound::Read,
-                    self.upload("the scene's numbers", &buffer.contents.bytes)?,
-                ));
+                let numbers = self.upload_items("the scene's numbers", &buffer.contents.bytes)?;
+                read.push((binding, Bound::Read, numbers));
             }
         }
         let shader = compose(&shader_key);
-        let rows = self.upload("a segment", &row(&shader_key, &axes, length, segment))?;
+        let rows = self.upload_items("a segment", &row(&shader_key, &axes, length, segment))?;
         let kinds: Vec<(u32, Bound)> = read.iter().map(|(binding, kind, _)| (*binding, *kind)).collect();
         let program = Program {
             shader: &shader,
@@ -181,51 +138,50 @@ impl SegmentRunner {
         };
         let read: Vec<(u32, &wgpu::Buffer)> =
             read.iter().map(|(binding, _, buffer)| (*binding, buffer)).collect();
-        let found = self.run(&program, &read, &rows, &[f32::NAN; CONTRIBUTION])?;
+        let found = self.run_on_rows(&program, &read, &rows, &[f32::NAN; CONTRIBUTION])?;
         Ok(Ok(contributions(&found)[0]))
     }
 
-    fn upload<U: bytemuck::Pod + Send + Sync>(&self, what: &str, items: &[U]) -> Result<wgpu::Buffer> {
-        self.device.upload(what, items.len(), |i| items[i])
+    fn upload_items<U: bytemuck::Pod + Send + Sync>(&self, what: &str, items: &[U]) -> Result<wgpu::Buffer> {
+        self.upload(what, items.len(), |i| items[i])
     }
 
     /// A pass of one workgroup over rows; `values`: what its output holds before.
-    fn run(
+    fn run_on_rows(
         &self,
         program: &Program,
         read: &[(u32, &wgpu::Buffer)],
         rows: &wgpu::Buffer,
         values: &[f32],
     ) -> Result<Vec<f32>> {
-        let device = &self.device;
-        let pipeline = device.pipeline(program)?;
+        let pipeline = self.pipeline(program)?;
         let bytes = size_of_val(values) as u64;
-        let output = self.upload("the values", values)?;
+        let output = self.upload_items("the values", values)?;
         let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
-        let returned = device.buffer("the values on their way back", bytes, usage)?;
-        let mut groups = vec![(1, device.bind(&pipeline, 1, &[(0, rows), (1, &output)]))];
+        let returned = self.buffer("the values on their way back", bytes, usage)?;
+        let mut groups = vec![(1, self.bind(&pipeline, 1, &[(0, rows), (1, &output)]))];
         if !read.is_empty() {
-            groups.push((0, device.bind(&pipeline, 0, read)));
+            groups.push((0, self.bind(&pipeline, 0, read)));
         }
-        device.guarded("a segment", || {
-            let mut encoder = device.device.create_command_encoder(&Default::default());
+        self.guarded("a segment", || {
+            let mut encoder = self.device.create_command_encoder(&Default::default());
             let mut compute = encoder.begin_compute_pass(&Default::default());
             compute.set_pipeline(&pipeline);
             groups.iter().for_each(|(number, group)| compute.set_bind_group(*number, group, &[]));
             compute.dispatch_workgroups(1, 1, 1);
             drop(compute);
             encoder.copy_buffer_to_buffer(&output, 0, &returned, 0, bytes);
-            device.queue.submit([encoder.finish()]);
+            self.queue.submit([encoder.finish()]);
         })?;
-        device.read("the values", &returned, bytes, bytemuck::pod_collect_to_vec)
+        self.read("the values", &returned, bytes, bytemuck::pod_collect_to_vec)
     }
 
-    /// A pass of pieces alone, over rows of four numbers.
-    fn small(&self, text: &str, pieces: &[&str], rows: &[[f32; 4]], values: &[f32]) -> Result<Vec<f32>> {
-        let shader = compose_pieces(text, pieces);
+    /// The pass `evaluate` of a piece, over rows of four numbers.
+    fn evaluate(&self, piece: &str, rows: &[[f32; 4]], values: &[f32]) -> Result<Vec<f32>> {
+        let shader = compose_pieces("", &[piece]);
         let groups: [&[(u32, Bound)]; 3] = [&[], &[(0, Bound::Read), (1, Bound::Write)], &[]];
         let program = Program { shader: &shader, entry_point: "evaluate", constants: vec![], groups };
-        self.run(&program, &[], &self.upload("the rows", rows)?, values)
+        self.run_on_rows(&program, &[], &self.upload_items("the rows", rows)?, values)
     }
 
     /// Composites segments front to back: r, g, b, A as it is summed, 1 − A, and A.
@@ -239,7 +195,7 @@ impl SegmentRunner {
         // Nothing yet, and a transparency of 1.
         let mut values = vec![0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
         for part in rows.chunks(CHAIN_PART) {
-            values = self.small(CHAIN, &["compositing"], part, &values)?;
+            values = self.evaluate("measured/compositing_chain", part, &values)?;
         }
         Ok(std::array::from_fn(|i| f64::from(values[i])))
     }
@@ -249,10 +205,9 @@ impl SegmentRunner {
     /// # Errors
     ///
     /// - A device that fails on the way.
-    pub fn partial(&self, a: f64, b: f64) -> Result<[f64; 4]> {
+    pub fn partial_integrals(&self, a: f64, b: f64) -> Result<[f64; 4]> {
         let rows = [[a as f32, b as f32, (0.5 * (a + b)) as f32, 0.0]];
-        let pieces = ["linear/psi", "linear/front_back"];
-        let values = self.small(PARTIAL, &pieces, &rows, &[f32::NAN; 4])?;
+        let values = self.evaluate("measured/partial_integrals", &rows, &[f32::NAN; 4])?;
         Ok(std::array::from_fn(|i| f64::from(values[i])))
     }
 }

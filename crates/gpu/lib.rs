@@ -4,7 +4,6 @@
 //! The shaders come from `voltet-shaders`; this crate knows devices, buffers and the order of the passes.
 
 mod bound_pass;
-mod compositors;
 mod device;
 mod engine;
 mod frame;
@@ -12,7 +11,6 @@ mod grid;
 #[doc(hidden)]
 pub mod introspect;
 mod raster;
-mod sort;
 mod tables;
 
 pub use device::adapter::{Adapters, KINDS};

@@ -4,12 +4,12 @@
 //! indices are the same for all runs; so what drawing takes is a picture, one list of indices, and for triangles the corners
 //! of one run, whatever the grid's size.
 
-use crate::bound_pass::{Binder, BoundPass, buffers, folded, kinds, run, scene_kinds};
+use crate::bound_pass::{
+    Binder, BoundPass, ENTRY_BYTES, Items, ROUNDS, SortBuffers, buffers, folded, kinds, run, scene_kinds,
+};
 use crate::device::pipelines::{Bound, Program, in_order};
-use crate::device::timing::Timing;
-use crate::device::{Device, GrowingBuffer};
+use crate::device::{Device, GrowingBuffer, Timing};
 use crate::grid::DeviceArray;
-use crate::sort::{ENTRY_BYTES, Items, ROUNDS, SortBuffers};
 use std::sync::Arc;
 use voltet_core::visibility::FaceOrder;
 use voltet_core::{Error, Result};
@@ -21,42 +21,33 @@ use wgpu::{
 };
 
 /// As what cells are drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum CellPrimitive {
-    /// Outlines of four vertices, which are found while they are drawn.
-    Outlines,
-    /// Triangles round the thick vertex, which a pass splits each run into.
-    Triangles,
+#[derive(Debug, PartialEq)]
+pub(crate) struct CellPrimitive {
+    /// Entry points for vertices and for pixels.
+    entry_points: [&'static str; 2],
+    /// The triangles of a cell, by its vertices.
+    triangles: &'static [[u32; 3]],
+    vertices: u32,
 }
 
+/// Outlines of four vertices in a ring, which are found while they are drawn.
+pub(crate) const OUTLINES: &CellPrimitive = &CellPrimitive {
+    entry_points: ["outline_cell", "blend_cell"],
+    triangles: &[[0, 1, 2], [0, 2, 3]],
+    vertices: 4,
+};
+
+/// Triangles round the thick vertex, the first of five, which a pass splits each run into.
+pub(crate) const TRIANGLES: &CellPrimitive = &CellPrimitive {
+    entry_points: ["place_corner", "blend_triangle"],
+    triangles: &[[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]],
+    vertices: 5,
+};
+
 impl CellPrimitive {
-    /// Entry points for vertices and for pixels.
-    fn entry_points(self) -> [&'static str; 2] {
-        match self {
-            CellPrimitive::Outlines => ["outline_cell", "blend_cell"],
-            CellPrimitive::Triangles => ["place_corner", "blend_triangle"],
-        }
-    }
-
-    /// The triangles of a cell, by its vertices: of a ring of four, or of four round the first.
-    fn triangles(self) -> &'static [[u32; 3]] {
-        match self {
-            CellPrimitive::Outlines => &[[0, 1, 2], [0, 2, 3]],
-            CellPrimitive::Triangles => &[[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]],
-        }
-    }
-
-    /// Vertices of a cell.
-    fn vertices(self) -> u32 {
-        match self {
-            CellPrimitive::Outlines => 4,
-            CellPrimitive::Triangles => 5,
-        }
-    }
-
     /// Indices of a run.
-    fn indices(self, run_length: u32) -> Vec<u32> {
-        let of_cell = |cell| self.triangles().as_flattened().iter().map(move |k| self.vertices() * cell + k);
+    fn indices(&self, run_length: u32) -> Vec<u32> {
+        let of_cell = |cell| self.triangles.as_flattened().iter().map(move |k| self.vertices * cell + k);
         (0..run_length).flat_map(of_cell).collect()
     }
 }
@@ -76,7 +67,7 @@ pub(crate) struct RasterBuffers {
     uploaded: Option<Arc<FaceOrder>>,
     draws: GrowingBuffer,
     /// With the form and the run's length that they are for.
-    indices: Option<((CellPrimitive, u32), Buffer)>,
+    indices: Option<((&'static CellPrimitive, u32), Buffer)>,
     canvases: [Canvas; 2],
     /// The corners of a run's triangles.
     split: GrowingBuffer,
@@ -87,7 +78,7 @@ pub(crate) struct RasterBuffers {
 /// Form that is drawn.
 pub(crate) struct Blending<'a> {
     pub shader: &'a Shader,
-    pub form: CellPrimitive,
+    pub form: &'static CellPrimitive,
     pub blend: Blend,
     /// True if pixels hold 8 bits a channel.
     pub in_8_bits: bool,
@@ -134,12 +125,8 @@ impl Raster {
         let scene_kinds = scene_kinds(scene);
         // A run's corners stand in one binding.
         let fit = (device.most_bytes() / RunRecord::CELL_BYTES).max(1);
-        let run_length = match form {
-            CellPrimitive::Outlines => kept.run_length.unwrap_or(RUN_LENGTH),
-            CellPrimitive::Triangles => {
-                kept.run_length.unwrap_or(RUN_LENGTH).min(fit.try_into().unwrap_or(u32::MAX))
-            }
-        };
+        let most = if form == TRIANGLES { fit.try_into().unwrap_or(u32::MAX) } else { u32::MAX };
+        let run_length = kept.run_length.unwrap_or(RUN_LENGTH).min(most);
         let run_count = cell_count.div_ceil(run_length);
         let rounds = if sorted { ROUNDS } else { 1 };
         let ordered = blending.ordered.map(|order| kept.upload(device, order)).transpose()?;
@@ -151,33 +138,31 @@ impl Raster {
         let mut steps = list.steps;
         let most = device.limits.max_compute_workgroups_per_dimension;
         // The vertices of triangles are those of a run, others count through the list.
-        let vertices = if form == CellPrimitive::Outlines { form.vertices() } else { 0 };
+        let vertices = if form == OUTLINES { form.vertices } else { 0 };
         let constants = vec![
             ("run_length", f64::from(run_length)),
-            ("cell_indices", 3.0 * form.triangles().len() as f64),
+            ("cell_indices", 3.0 * form.triangles.len() as f64),
             ("cell_vertices", f64::from(vertices)),
         ];
         let bindings = [&draws, &list.digit_counts];
         steps.push(binder.step(FramePass::Runs, folded(run_count, most), constants, &bindings, scalar)?);
         let mut split = Vec::new();
         // What vertices are read from.
-        let drawn = match form {
-            CellPrimitive::Outlines => list.sorted.clone(),
-            CellPrimitive::Triangles => {
-                let size = u64::from(run_length.min(cell_count)) * RunRecord::CELL_BYTES;
-                let corners =
-                    kept.split.at_least(size, |size| device.storage("the corners of a run", size))?;
-                for number in 0..run_count {
-                    let record =
-                        RunRecord { first: number * run_length, length: run_length, padding: [0; 2] };
-                    let this = device.uniform("a run", size_of::<RunRecord>() as u64)?;
-                    device.write(&this, 0, bytemuck::bytes_of(&record));
-                    let bindings = [&this, &list.sorted, &list.digit_counts, &corners];
-                    let over_run = folded(run_length.min(cell_count), most);
-                    split.push(binder.step(FramePass::Split, over_run, vec![], &bindings, scalar)?);
-                }
-                corners
+        let drawn = if form == OUTLINES {
+            list.sorted.clone()
+        } else {
+            let run_cells = run_length.min(cell_count);
+            let size = u64::from(run_cells) * RunRecord::CELL_BYTES;
+            let corners = kept.split.at_least(size, |size| device.storage("the corners of a run", size))?;
+            for number in 0..run_count {
+                let record = RunRecord { first: number * run_length, length: run_length, padding: [0; 2] };
+                let this = device.uniform("a run", size_of::<RunRecord>() as u64)?;
+                device.write(&this, 0, bytemuck::bytes_of(&record));
+                let bindings = [&this, &list.sorted, &list.digit_counts, &corners];
+                let over_run = folded(run_cells, most);
+                split.push(binder.step(FramePass::Split, over_run, vec![], &bindings, scalar)?);
             }
+            corners
         };
 
         let target = Target::new(blend, depths_add_up, device.blends_32_bits, in_8_bits);
@@ -189,7 +174,7 @@ impl Raster {
         let in_grid = binder.arrays.buffers(blending.cells_read, scalar);
         let pipeline = device.drawing(&Drawing {
             shader,
-            entry_points: form.entry_points(),
+            entry_points: form.entry_points,
             target,
             groups: [&scene_kinds, &in_order(&[Bound::Uniform, Bound::Read]), &kinds(&in_grid)],
         })?;
@@ -221,7 +206,7 @@ impl Raster {
         Ok(Raster {
             sort: steps,
             split,
-            name: form.entry_points()[1],
+            name: form.entry_points[1],
             pipeline,
             groups,
             canvases,
@@ -307,7 +292,7 @@ impl RasterBuffers {
         Ok(buffer)
     }
 
-    fn indices(&mut self, device: &Device, form: CellPrimitive, run_length: u32) -> Result<Buffer> {
+    fn indices(&mut self, device: &Device, form: &'static CellPrimitive, run_length: u32) -> Result<Buffer> {
         let key = (form, run_length);
         if let Some((_, known)) = self.indices.as_ref().filter(|(known, _)| *known == key) {
             return Ok(known.clone());

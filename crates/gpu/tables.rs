@@ -144,9 +144,7 @@ fn make(device: &Device, buffer: &Buffer) -> Result<(String, wgpu::Buffer)> {
     let made = device.storage("the integrator's tables", buffer.length())?;
     let Contents { filled, bytes } = &buffer.contents;
     if !bytes.is_empty() {
-        let mut whole = bytes.clone();
-        whole.resize(bytes.len().next_multiple_of(4), 0);
-        device.guarded("the integrator's tables", || device.write(&made, *filled, &whole))?;
+        device.guarded("the integrator's tables", || device.write(&made, *filled, bytes))?;
     }
     Ok((buffer.name.clone(), made))
 }

@@ -302,10 +302,6 @@ impl Accumulation {
         ("16-bit", "rounded to multiples of 1/65536 after each cell"),
     ];
 
-    /// Formats of [`Accumulation::NAMES`], in their order.
-    pub const ALL: [Accumulation; 4] =
-        [Accumulation::Float, Accumulation::Bits8, Accumulation::Bits12, Accumulation::Bits16];
-
     /// The name in pipeline files.
     pub fn name(self) -> &'static str {
         Accumulation::NAMES[self as usize].0
@@ -313,7 +309,8 @@ impl Accumulation {
 
     /// The one of that name.
     pub fn named(name: &str) -> Option<Accumulation> {
-        Accumulation::ALL.into_iter().find(|one| one.name() == name)
+        let all = [Accumulation::Float, Accumulation::Bits8, Accumulation::Bits12, Accumulation::Bits16];
+        all.into_iter().find(|one| one.name() == name)
     }
 
     /// Refuses rounding where nothing is blended by the hardware.

@@ -13,7 +13,6 @@ use std::sync::Arc;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
 use voltet_gpu::Device;
-use voltet_gpu::introspect::SegmentRunner;
 use voltet_judge::{
     Chain, Condition, Conditions, EvalOutcome, PartialIntegrals, Precision, SegmentEvaluator,
 };
@@ -23,14 +22,14 @@ use voltet_shaders::segment_list::origin;
 
 /// Composed shaders of a device. A device that fails on the way gives no numbers, which no bound allows.
 pub struct WgslEvaluator {
-    runner: SegmentRunner,
+    device: Arc<Device>,
     name: String,
 }
 
 impl WgslEvaluator {
     pub fn new(device: Arc<Device>) -> WgslEvaluator {
         let name = format!("WGSL on {}", device.name);
-        WgslEvaluator { runner: SegmentRunner::new(device), name }
+        WgslEvaluator { device, name }
     }
 }
 
@@ -59,18 +58,18 @@ impl SegmentEvaluator for WgslEvaluator {
         segment: &Segment,
         overlap: WidgetBlend,
     ) -> Result<EvalOutcome> {
-        let contribution = self.runner.integrate(transfer_function, segment, overlap)?;
+        let contribution = self.device.integrate_segment(transfer_function, segment, overlap)?;
         Ok(contribution.map_or_else(EvalOutcome::Skipped, EvalOutcome::Served))
     }
 
     fn chain(&self, segments: &[Contribution]) -> Chain {
-        let values = self.runner.composite_chain(segments);
+        let values = self.device.composite_chain(segments);
         let [red, green, blue, _, transparency, opacity] = values.unwrap_or([f64::NAN; 6]);
         Chain { color: [red, green, blue], opacity, transparency: Some(transparency) }
     }
 
     fn partial(&self, a: f64, b: f64) -> Result<EvalOutcome<PartialIntegrals>> {
-        let [psi, front, back, zeta] = self.runner.partial(a, b)?;
+        let [psi, front, back, zeta] = self.device.partial_integrals(a, b)?;
         Ok(EvalOutcome::Served(PartialIntegrals { psi, front, back, zeta }))
     }
 }

@@ -40,11 +40,6 @@ fn bound(pass: Option<FramePass>) -> &'static [Bound] {
     }
 }
 
-/// Storage buffers of a pass beside those of the grid.
-pub(crate) fn fixed_buffers(pass: FramePass) -> u32 {
-    storage_buffers(Some(pass))
-}
-
 /// Storage buffers of a compositor of pixels, beside those of the grid and of the scene.
 pub(crate) fn compositor_buffers(compositing: Compositor) -> u32 {
     match compositing {
@@ -54,7 +49,8 @@ pub(crate) fn compositor_buffers(compositing: Compositor) -> u32 {
     }
 }
 
-fn storage_buffers(pass: Option<FramePass>) -> u32 {
+/// Storage buffers of a pass beside those of the grid; without one, of the tiles' compositor.
+pub(crate) fn storage_buffers(pass: Option<FramePass>) -> u32 {
     bound(pass).iter().filter(|bound| **bound != Bound::Uniform).count() as u32
 }
 

@@ -5,8 +5,8 @@
 
 use crate::frame::inputs::{can_serve, compositing, inputs};
 use crate::frame::output::{FaceOrderReport, FrameOutput, OrderCheckReport, PendingStats};
+use crate::frame::passes::SubmittedPicture;
 use crate::frame::renderer::{ReadbackBuffers, Renderer};
-use crate::frame::windows::SubmittedPicture;
 use std::sync::Arc;
 use std::time::Instant;
 use voltet_core::error::ErrorKind;

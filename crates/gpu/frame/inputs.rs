@@ -49,10 +49,6 @@ pub(crate) struct FrameInputs<'a> {
 }
 
 impl<'a> FrameInputs<'a> {
-    pub fn grid(&self) -> &'a DeviceGrid {
-        &self.renderer.grid
-    }
-
     pub fn device(&self) -> &'a Device {
         &self.renderer.grid.device
     }

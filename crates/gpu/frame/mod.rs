@@ -5,4 +5,3 @@ pub(crate) mod inputs;
 pub(crate) mod output;
 pub(crate) mod passes;
 pub(crate) mod renderer;
-pub(crate) mod windows;

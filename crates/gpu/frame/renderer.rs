@@ -51,31 +51,8 @@ impl Renderer {
     ///
     /// Errors: a camera out of range.
     pub(crate) fn along_faces(&self, scene: &Scene) -> Result<(FaceOrderResult, Option<f64>)> {
-        locked(&self.orders).find(scene)
-    }
-
-    pub(crate) fn buffers(&self) -> MutexGuard<'_, FrameBuffers> {
-        locked(&self.buffers)
-    }
-}
-
-/// Cache of a grid's faces, and of the last order with its camera.
-#[derive(Default)]
-pub(crate) struct FaceOrderCache {
-    faces: Option<Faces>,
-    last: Option<(Camera, FaceOrderResult)>,
-}
-
-/// The order, or the reason why there is none.
-pub(crate) type FaceOrderResult = std::result::Result<Arc<FaceOrder>, OrderError>;
-
-impl FaceOrderCache {
-    /// The order for a scene's camera, and the seconds that it took; none where it was there.
-    ///
-    /// Errors: a camera out of range.
-    pub fn find(&mut self, scene: &Scene) -> Result<(FaceOrderResult, Option<f64>)> {
         let (grid, camera) = (&scene.volume.grid, &scene.camera);
-        let FaceOrderCache { faces, last } = self;
+        let FaceOrderCache { faces, last } = &mut *locked(&self.orders);
         let begun = Instant::now();
         let faces = faces.get_or_insert_with(|| Faces::new(grid));
         if let Some((_, found)) = last.as_ref().filter(|(known, found)| serves(faces, known, found, camera)) {
@@ -85,7 +62,21 @@ impl FaceOrderCache {
         *last = Some((*camera, found.clone()));
         Ok((found, Some(begun.elapsed().as_secs_f64())))
     }
+
+    pub(crate) fn buffers(&self) -> MutexGuard<'_, FrameBuffers> {
+        locked(&self.buffers)
+    }
 }
+
+/// Cache of a grid's faces, and of the last order with its camera.
+#[derive(Default)]
+struct FaceOrderCache {
+    faces: Option<Faces>,
+    last: Option<(Camera, FaceOrderResult)>,
+}
+
+/// The order, or the reason why there is none.
+pub(crate) type FaceOrderResult = std::result::Result<Arc<FaceOrder>, OrderError>;
 
 /// True if the order of one camera holds for another: without gaps, and where nothing was made to fit the pixels, only the eye
 /// is of account.

@@ -1,7 +1,7 @@
 //! Integrators: the trait that each kind implements, an integrator as its kind with a number for each parameter of the kind, and
 //! its registration as a variant of a pipeline's parameter.
 
-use crate::{Contribution, Segment, WidgetBlend};
+use crate::{CompiledTransferFunction, Contribution, Segment, WidgetBlend};
 use std::any::Any;
 use std::sync::Arc;
 use voltet_core::parameters::{LocatedValue, Parameter, ParameterType, Parameters, Variant, VariantSchema};
@@ -310,4 +310,54 @@ pub fn can_serve(integrator: &Integrator, transfer_function: &TransferFunction) 
     };
     let what = format!("the integrator '{}' cannot serve this transfer function", integrator.name());
     Err(Error::usage(what).got(found).expected(accepted))
+}
+
+/// The closed forms.
+#[derive(Debug, Clone)]
+pub struct Analytic {
+    prepared: CompiledTransferFunction,
+    overlap: WidgetBlend,
+}
+
+impl Analytic {
+    /// Closed forms of a transfer function.
+    ///
+    /// Errors: a number out of range.
+    pub fn new(transfer_function: &TransferFunction, overlap: WidgetBlend) -> Result<Self> {
+        Ok(Analytic { prepared: CompiledTransferFunction::new(transfer_function)?, overlap })
+    }
+}
+
+impl Integrator {
+    /// Closed forms; quadrature with closed-form optical depth where widgets overlap.
+    pub const ANALYTIC: Integrator = Integrator::with_settings(&AnalyticKind, []);
+}
+
+/// The kind `analytic`.
+pub(super) struct AnalyticKind;
+
+impl IntegratorKind for AnalyticKind {
+    fn schema(&self) -> VariantSchema {
+        VariantSchema {
+            name: "analytic",
+            summary: "closed forms; quadrature with closed-form optical depth where widgets overlap",
+            parameters: &[],
+        }
+    }
+
+    fn compile(
+        &self,
+        _: &Integrator,
+        blend: WidgetBlend,
+        transfer_function: &TransferFunction,
+        _: &Extent,
+    ) -> Result<Box<dyn SegmentIntegrator>> {
+        Ok(Box::new(Analytic::new(transfer_function, blend)?))
+    }
+}
+
+impl SegmentIntegrator for Analytic {
+    fn integrate(&self, segment: &Segment) -> Contribution {
+        self.prepared.integrate(segment, self.overlap)
+    }
 }

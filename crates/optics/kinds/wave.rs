@@ -65,25 +65,17 @@ impl Bell {
     /// A triangle wave.
     pub fn triangle(wave: &Wave) -> Bell {
         let reach = 0.5 * wave.band_width;
-        Bell { form: WaveShape::Triangle, reach, half: 0.5 * reach, ..Bell::from_wave(wave) }
+        Bell::new(wave, WaveShape::Triangle, reach, 0.5 * reach)
     }
 
     /// A sine wave.
     pub fn sine(wave: &Wave) -> Bell {
-        let w = wave.band_width;
-        let reach = sine_half_width(w);
-        Bell { form: WaveShape::Sine, reach, half: sine_half_area(w, reach), ..Bell::from_wave(wave) }
+        let reach = sine_half_width(wave.band_width);
+        Bell::new(wave, WaveShape::Sine, reach, sine_half_area(wave.band_width, reach))
     }
 
-    fn from_wave(wave: &Wave) -> Bell {
-        Bell {
-            form: WaveShape::Triangle,
-            band_width: wave.band_width,
-            reach: 0.0,
-            half: 0.0,
-            step: wave.step(),
-            origin: wave.origin,
-        }
+    fn new(wave: &Wave, form: WaveShape, reach: f64, half: f64) -> Bell {
+        Bell { form, band_width: wave.band_width, reach, half, step: wave.step(), origin: wave.origin }
     }
 
     /// φ at (s, g).

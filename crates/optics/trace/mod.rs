@@ -243,11 +243,6 @@ impl<'a> Tracer<'a> {
         self.camera.near / self.unit
     }
 
-    /// The camera.
-    pub fn camera(&self) -> &Camera {
-        &self.camera
-    }
-
     fn cell_count(&self) -> u32 {
         self.volume.grid.tetrahedra.len() as u32
     }
@@ -259,12 +254,7 @@ impl<'a> Tracer<'a> {
 
     /// The crossing of one cell, if its length is positive.
     pub fn crossing(&self, ray: &Ray, cell: u32) -> Option<Crossing> {
-        self.crossing_from(ray, cell, self.near())
-    }
-
-    /// Like [`Self::crossing`], with the near plane at this depth (internal units).
-    fn crossing_from(&self, ray: &Ray, cell: u32, near: f64) -> Option<Crossing> {
-        cross(ray, cell, &self.corners(cell), near)
+        cross(ray, cell, &self.corners(cell), self.near())
     }
 
     /// All crossings of a ray in the order of the scene. Tries every cell.
@@ -317,21 +307,17 @@ impl<'a> Tracer<'a> {
     /// Length and end values ([s, g, fields …]) of a crossing, world units.
     pub fn segment(&self, ray: &Ray, crossing: &Crossing) -> (f64, [Vec<f64>; 2]) {
         let length = (crossing.depth[1] - crossing.depth[0]) * ray.stretch() * self.unit;
-        let mut ends = [vec![0.0; self.stride], vec![0.0; self.stride]];
-        self.ends(crossing, &mut ends);
-        (length, ends)
-    }
-
-    fn ends(&self, crossing: &Crossing, ends: &mut [Vec<f64>; 2]) {
         let corners = self.volume.grid.tetrahedra[crossing.cell as usize];
-        for (weights, end) in crossing.weights.iter().zip(ends) {
-            for (q, value) in end.iter_mut().enumerate() {
+        let ends = crossing.weights.map(|weights| {
+            let value = |q: usize| {
                 let at = |k: usize| self.quantities[corners[k] as usize * self.stride + q];
                 // From the smallest corner value, so that values that hardly vary keep their differences.
                 let base = (0..4).map(at).fold(f64::INFINITY, f64::min);
-                *value = base + (0..4).map(|k| weights[k] * (at(k) - base)).sum::<f64>();
-            }
-        }
+                base + (0..4).map(|k| weights[k] * (at(k) - base)).sum::<f64>()
+            };
+            (0..self.stride).map(value).collect()
+        });
+        (length, ends)
     }
 
     /// Contribution of one cell to a ray, silhouette and light included.
@@ -506,8 +492,9 @@ impl Tracer<'_> {
 
     /// The crossings of a ray before the near plane, which cuts them away.
     pub fn cut_away(&self, ray: &Ray) -> usize {
-        let whole = |cell| self.crossing_from(ray, cell, 0.0).is_some() && self.crossing(ray, cell).is_none();
-        (0..self.cell_count()).filter(|&cell| whole(cell)).count()
+        let whole = |cell| cross(ray, cell, &self.corners(cell), 0.0).is_some();
+        let is_cut = |&cell: &u32| whole(cell) && self.crossing(ray, cell).is_none();
+        (0..self.cell_count()).filter(is_cut).count()
     }
 
     /// Traces a ray cell by cell. Errors: what cannot be integrated.

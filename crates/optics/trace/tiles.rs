@@ -15,12 +15,8 @@ const SIDE: usize = 16;
 /// Part of the picture in pixel coordinates, row 0 at the top: [left, right], [top, bottom].
 type Box2 = [[f64; 2]; 2];
 
-/// A cell's bounds in pixels; `None` where it reaches before the eye plane and has none.
-enum ScreenBounds {
-    Nowhere,
-    Inside(Box2),
-    Unbounded,
-}
+/// Bounds of a cell that reaches before the eye plane and has none.
+const UNBOUNDED: Box2 = [[f64::NEG_INFINITY, f64::INFINITY]; 2];
 
 /// Tiles of a picture that are drawn, by their numbers from the upper left corner, row by row: what a stopped picture
 /// leaves. Each holds 16 × 16 pixels, row by row.
@@ -81,11 +77,7 @@ impl Tracer<'_> {
             lists.iter_mut().for_each(Vec::clear);
             let position = |k: usize, index: usize| (corner[k] + index) as f64 + place[k];
             for &cell in cells {
-                let bounds = match self.bounds(cell) {
-                    ScreenBounds::Nowhere => continue,
-                    ScreenBounds::Inside(bounds) => bounds,
-                    ScreenBounds::Unbounded => [[f64::NEG_INFINITY, f64::INFINITY]; 2],
-                };
+                let Some(bounds) = self.bounds(cell) else { continue };
                 let covers =
                     |k: usize, index: usize| (bounds[k][0]..=bounds[k][1]).contains(&position(k, index));
                 for row in (0..SIDE).filter(|&row| covers(1, row)) {
@@ -112,28 +104,16 @@ impl Tracer<'_> {
     fn tile_lists(&self, columns: usize, rows: usize) -> Vec<Vec<u32>> {
         let mut lists = vec![Vec::new(); columns * rows];
         for cell in 0..self.cell_count() {
-            match self.bounds(cell) {
-                ScreenBounds::Nowhere => {}
-                ScreenBounds::Inside(bounds) => {
-                    let range = |k: usize, count: usize| {
-                        let tile = |pixel: f64| (pixel / SIDE as f64).clamp(0.0, count as f64);
-                        let [low, high] = bounds[k].map(tile);
-                        low as usize..((high.floor() as usize + 1).min(count))
-                    };
-                    for row in range(1, rows) {
-                        for column in range(0, columns) {
-                            lists[row * columns + column].push(cell);
-                        }
-                    }
-                }
-                ScreenBounds::Unbounded => {
-                    let corners = self.corners(cell);
-                    let beside = |axis: usize, tile: usize| self.beside(&corners, axis, tile);
-                    for row in (0..rows).filter(|&row| !beside(1, row)) {
-                        for column in (0..columns).filter(|&column| !beside(0, column)) {
-                            lists[row * columns + column].push(cell);
-                        }
-                    }
+            let Some(bounds) = self.bounds(cell) else { continue };
+            let corners = self.corners(cell);
+            let range = |k: usize, count: usize| {
+                let [low, high] = bounds[k].map(|pixel| (pixel / SIDE as f64).clamp(0.0, count as f64));
+                low as usize..((high.floor() as usize + 1).min(count))
+            };
+            let touches = |k: usize, tile: usize| bounds != UNBOUNDED || !self.beside(&corners, k, tile);
+            for row in range(1, rows).filter(|&row| touches(1, row)) {
+                for column in range(0, columns).filter(|&column| touches(0, column)) {
+                    lists[row * columns + column].push(cell);
                 }
             }
         }
@@ -152,15 +132,15 @@ impl Tracer<'_> {
         corners.iter().all(|c| c[axis] > high * c[2]) || corners.iter().all(|c| c[axis] < low * c[2])
     }
 
-    /// Bounds of what is seen of a cell, a little too large for rounding.
-    fn bounds(&self, cell: u32) -> ScreenBounds {
+    /// Bounds of what is seen of a cell, a little too large for rounding; `None` where nothing is.
+    fn bounds(&self, cell: u32) -> Option<Box2> {
         let corners = self.corners(cell);
         if corners.iter().all(|c| c[2] <= self.near()) {
-            return ScreenBounds::Nowhere;
+            return None;
         }
         let perspective = matches!(self.camera.projection, Projection::Perspective { .. });
         if perspective && corners.iter().any(|c| c[2] <= 0.0) {
-            return ScreenBounds::Unbounded;
+            return Some(UNBOUNDED);
         }
         let [width, height] = self.camera.size.map(f64::from);
         let mut bounds = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
@@ -175,12 +155,7 @@ impl Tracer<'_> {
         let outside =
             bounds[0][1] < 0.0 || bounds[0][0] > width || bounds[1][1] < 0.0 || bounds[1][0] > height;
         // A corner a hair before the eye plane may project to no number at all.
-        if outside {
-            ScreenBounds::Nowhere
-        } else if bounds.iter().flatten().all(|x| x.is_finite()) {
-            ScreenBounds::Inside(bounds)
-        } else {
-            ScreenBounds::Unbounded
-        }
+        let is_finite = bounds.iter().flatten().all(|x| x.is_finite());
+        (!outside).then_some(if is_finite { bounds } else { UNBOUNDED })
     }
 }

@@ -337,8 +337,8 @@ fn every_piece_is_used_by_some_scene() {
         "compositor/tiles",
         "compositor/triangles",
         "linear/psi",
-        // What a device is measured by.
-        "multiply_adds",
+        // What a device is measured and judged by.
+        "measured/",
         "passes/",
         "pre_integrated/fill_slices",
         "pre_integrated/fill_tiles",
