@@ -280,7 +280,7 @@ mod tests {
         device.queue.write_buffer(&sort.digit_counts, 4 * 256, bytemuck::bytes_of(&count));
         let mut encoder = device.device.create_command_encoder(&Default::default());
         let mut timing = Timing::new(device).expect("has a clock or none");
-        sort.steps.iter().for_each(|step| crate::bound_pass::run(&mut encoder, step, &mut timing));
+        sort.steps.iter().for_each(|step| run(&mut encoder, step, &mut timing));
         let mapped = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
         let bytes = 8 * items.len() as u64;
         let back = device.buffer("the list on its way back", bytes, mapped).expect("fits");

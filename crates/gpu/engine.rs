@@ -10,7 +10,7 @@ use crate::frame::renderer::Renderer;
 use glam::DVec3;
 use serde_json::json;
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{self, AtomicU64};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 use voltet_core::camera::{Camera, Projection};
@@ -127,7 +127,7 @@ impl GpuVolume {
         let after = self.renderer.device().work();
         WorkCounts {
             shader_builds: after.shader_builds - before.shader_builds,
-            uploads: self.uploads.swap(0, Ordering::Relaxed) + after.uploads - before.uploads,
+            uploads: self.uploads.swap(0, atomic::Ordering::Relaxed) + after.uploads - before.uploads,
             bytes_uploaded: after.bytes_uploaded - before.bytes_uploaded,
         }
     }
