@@ -120,7 +120,6 @@ impl Binder<'_> {
     }
 }
 
-/// Runs a pass.
 pub(crate) fn run(encoder: &mut CommandEncoder, step: &BoundPass, timing: &mut Timing) {
     let descriptor =
         wgpu::ComputePassDescriptor { label: Some(step.name.0), timestamp_writes: timing.next(step.name) };

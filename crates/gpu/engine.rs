@@ -288,7 +288,6 @@ fn key(adapter: &str, driver: &str, needs_order: bool) -> String {
 }
 
 impl CompositorTimes {
-    /// The faster one.
     fn faster(&self) -> Compositor {
         if self.raster < self.tiles { Compositor::Raster } else { Compositor::Tiles }
     }

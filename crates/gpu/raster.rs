@@ -45,7 +45,6 @@ pub(crate) const TRIANGLES: &CellPrimitive = &CellPrimitive {
 };
 
 impl CellPrimitive {
-    /// Indices of a run.
     fn indices(&self, run_length: u32) -> Vec<u32> {
         let of_cell = |cell| self.triangles.as_flattened().iter().map(move |k| self.vertices * cell + k);
         (0..run_length).flat_map(of_cell).collect()

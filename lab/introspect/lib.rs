@@ -1,12 +1,4 @@
 //! voltet-introspect: measurements of the engines beyond pictures, which their own traits do not have.
-//!
-//! | file | responsibility |
-//! | --- | --- |
-//! | `lib` | measurements of an engine |
-//! | `segment_probe` | an integrator on single segments of a scene |
-//! | `lanes` | segment formulas of the CPU engine |
-//! | `wgsl` | segment formulas of the GPU engine |
-//! | `operations` | operations counted in a shader's text |
 
 #![allow(missing_docs, reason = "unpublished: names say what fields and short functions are")]
 

@@ -222,7 +222,6 @@ impl Device {
         self.guarded(&memory, || self.device.create_buffer(&descriptor))
     }
 
-    /// A uniform buffer.
     pub(crate) fn uniform(&self, what: &str, size: u64) -> Result<wgpu::Buffer> {
         self.buffer(what, size, BufferUsages::UNIFORM | BufferUsages::COPY_DST)
     }

@@ -44,7 +44,6 @@ pub(crate) fn counts_of(bytes: &[u8]) -> [u32; counters::ALL] {
     std::array::from_fn(|k| bytemuck::pod_read_unaligned(&bytes[4 * k..4 * k + 4]))
 }
 
-/// Bytes of the counts.
 const COUNTS_BYTES: u64 = counters::ALL as u64 * 4;
 
 /// Index behind them at which those of the tiles begin: `COUNTED` of `passes/view.wgsl`.

@@ -73,7 +73,6 @@ impl Integrator {
     }
 }
 
-/// The kind `adaptive`.
 pub(super) struct AdaptiveKind;
 
 impl IntegratorKind for AdaptiveKind {

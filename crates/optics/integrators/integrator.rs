@@ -333,7 +333,6 @@ impl Integrator {
     pub const ANALYTIC: Integrator = Integrator::with_settings(&AnalyticKind, []);
 }
 
-/// The kind `analytic`.
 pub(super) struct AnalyticKind;
 
 impl IntegratorKind for AnalyticKind {
