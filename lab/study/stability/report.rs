@@ -18,7 +18,7 @@ use voltet_optics::integrators::{Extent, Integrator, IntegratorKind};
 use voltet_optics::{CompiledTransferFunction, Contribution, WidgetBlend, integrators};
 use voltet_reference::REFERENCE;
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct IntegratorReport {
     /// The name in pipeline files.
     pub integrator: &'static str,
@@ -81,15 +81,7 @@ pub(super) fn integrators(cases: &[Case], progress: &dyn Progress) -> Result<Vec
     for (k, every) in kinds().enumerate() {
         let (integrator, bound) = settings(every);
         progress.report(integrator.name(), k as f64 / kinds().count() as f64);
-        let mut found = IntegratorReport {
-            integrator: integrator.name(),
-            cases: 0,
-            worst_error: 0.0,
-            worst_case: String::new(),
-            bound,
-            broken: Vec::new(),
-            impossible: Vec::new(),
-        };
+        let mut found = IntegratorReport { integrator: integrator.name(), bound, ..Default::default() };
         for case in cases.iter().chain(&stiff) {
             if progress.cancelled() {
                 return Err(Error::cancelled());
