@@ -7,36 +7,29 @@
 //! A piece is a file under `wgsl/`. Its first line says which pieces it uses, which slot it fills and which slots it
 //! asks for; a slot that no file fills (`values`, `members`, `segment`) is filled by the generated block.
 
-mod compose;
 mod generate;
-mod integrator;
 mod kinds;
-mod limits32;
 mod parameters;
-mod parts;
 mod passes;
-mod pieces;
-mod places;
 mod resources;
-mod segment_extent;
 pub mod segment_list;
 mod shader_key;
 mod text;
 mod writer;
 
-pub use compose::compose;
-pub use integrator::{RegisteredMethod, TableSize, WgslCall, WgslExtension, WgslIntegrator};
-pub use kinds::Kind;
-pub use limits32::check_32_bits;
-pub use parameters::{Parameters, SceneHead};
-pub use parts::{Access, GRID_GROUP, GridArray, Layout, PartedArray, Parts, cells_read};
-pub use passes::{FramePass, PlacementRecord, RoundRecord, RunRecord, ViewRecord, multiply_adds};
-pub use pieces::{PIECES, WgslPiece, piece};
-pub use places::{Places, TEXEL_BYTES, images};
-pub use resources::{Buffer, Contents, Pass, Resources, TableScene, WgslTable, WgslTableExtension};
-pub use segment_extent::Spans;
-pub use shader_key::{
-    Blend, Combine, CompositorProgram, Method, ShaderKey, TileOrder, WidgetChoice, has_method,
+pub use generate::compose;
+pub use kinds::{Kind, Spans};
+pub use parameters::{Parameters, SceneHead, check_32_bits};
+pub use passes::{
+    Access, FramePass, GRID_GROUP, GridArray, Layout, PartedArray, Parts, PlacementRecord, RoundRecord,
+    RunRecord, ViewRecord, cells_read, multiply_adds,
 };
-pub use text::{Shader, compose_pieces, compose_pieces_with};
+pub use resources::{
+    Buffer, Contents, Pass, Places, Resources, TEXEL_BYTES, TableScene, WgslTable, WgslTableExtension, images,
+};
+pub use shader_key::{
+    Blend, Combine, CompositorProgram, Method, ShaderKey, TableSize, TileOrder, WgslCall, WgslExtension,
+    WgslIntegrator, WidgetChoice, has_method,
+};
+pub use text::{PIECES, Shader, WgslPiece, compose_pieces, compose_pieces_with, piece};
 pub use writer::{Axis, WidgetRecord};

@@ -4,8 +4,8 @@
 //! A segment alone is stored about one origin, so that its values lose nothing; a grid is stored about the middle of its
 //! range.
 
-use crate::limits32::check_32_bits;
-use crate::segment_extent::Spans;
+use crate::kinds::Spans;
+use crate::parameters::check_32_bits;
 use crate::shader_key::{Combine, ShaderKey};
 use crate::text::Shader;
 use crate::writer::Axis;

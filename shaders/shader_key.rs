@@ -1,14 +1,15 @@
-//! Key of a shader: everything in a scene that decides the text of its shader.
+//! Key of a shader: everything in a scene that decides the text of its shader; and shader text of integrators from outside.
 
-use crate::integrator::{RegisteredMethod, WgslCall, registered};
-use crate::kinds::{Kind, WidgetSnippets};
-use crate::parts::{Layout, Parts};
-use crate::pieces::WgslPiece;
+use crate::kinds::Kind;
+use crate::passes::{Layout, Parts};
+use crate::text::WgslPiece;
+use std::fmt;
+use std::hash::{Hash, Hasher};
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_optics::WidgetBlend;
-use voltet_optics::integrators::can_serve;
-use voltet_optics::shading::{Integrator, Shading};
+use voltet_optics::integrators::{Integrator, can_serve};
+use voltet_optics::shading::Shading;
 
 /// Numbers of an edge of a region: a normal and a corner.
 const EDGE_NUMBERS: usize = 4;
@@ -73,14 +74,14 @@ pub enum Method {
     /// Closed forms, subdivided to a tolerance.
     Adaptive,
     /// Text from outside.
-    Registered(RegisteredMethod),
+    Registered(&'static dyn WgslIntegrator),
 }
 
 impl Method {
     /// The call of text from outside.
     pub(crate) fn call(self, constant_emitter: bool) -> Option<WgslCall> {
         match self {
-            Method::Registered(RegisteredMethod(text)) => Some(text.call(constant_emitter)),
+            Method::Registered(text) => Some(text.call(constant_emitter)),
             Method::Analytic | Method::Adaptive => None,
         }
     }
@@ -98,7 +99,7 @@ impl Method {
     /// The pieces that the text adds to those that ship.
     pub(crate) fn pieces(self) -> &'static [WgslPiece] {
         match self {
-            Method::Registered(RegisteredMethod(text)) => text.pieces(),
+            Method::Registered(text) => text.pieces(),
             Method::Analytic | Method::Adaptive => &[],
         }
     }
@@ -161,7 +162,11 @@ impl ShaderKey {
         compositor: CompositorProgram,
     ) -> Result<ShaderKey> {
         can_serve(&shading.integrator, transfer_function)?;
-        let method = method(&shading.integrator)?;
+        let method = method_of(&shading.integrator).ok_or_else(|| {
+            Error::usage("the integrator has no shader: the CPU draws it")
+                .got(shading.integrator.name())
+                .expected("engine = \"cpu\"")
+        })?;
         let scene = ShaderKey {
             method,
             widgets: Vec::new(),
@@ -197,16 +202,6 @@ impl ShaderKey {
     /// Values at each end of a segment: s, then g where it is read, then the further fields by name.
     pub fn value_count(&self) -> usize {
         1 + usize::from(self.reads_gradient_magnitude) + self.field_count
-    }
-
-    /// Functions that the generated block calls for a widget of the kind.
-    pub(crate) fn snippets(&self, kind: &Kind) -> WidgetSnippets {
-        kind.snippets(self.constant_emitter)
-    }
-
-    /// True if a widget of the kind has no closed form for its light alone.
-    pub(crate) fn is_integrated(&self, kind: &Kind) -> bool {
-        kind.is_integrated(self.constant_emitter)
     }
 
     /// True if a gradient vector is asked for.
@@ -280,7 +275,7 @@ fn method_of(integrator: &Integrator) -> Option<Method> {
     if integrator.tolerance().is_some() {
         return Some(Method::Adaptive);
     }
-    registered(integrator).map(|text| Method::Registered(RegisteredMethod(text)))
+    registered(integrator).map(Method::Registered)
 }
 
 /// True if there is a shader for the integrator.
@@ -288,16 +283,95 @@ pub fn has_method(integrator: &Integrator) -> bool {
     method_of(integrator).is_some()
 }
 
-fn method(integrator: &Integrator) -> Result<Method> {
-    method_of(integrator).ok_or_else(|| {
-        Error::usage("the integrator has no shader: the CPU draws it")
-            .got(integrator.name())
-            .expected("engine = \"cpu\"")
-    })
-}
-
 fn choice(widget: &Widget) -> WidgetChoice {
     let clipped = widget.region.is_some() || widget.profile.properties().range.is_some();
     let edges = clipped.then(|| widget.half_planes().len());
     WidgetChoice { kind: Kind::from_profile(&widget.profile), edges }
+}
+
+/// Extension by which a kind of integrators has shader text ([`voltet_optics::integrators::IntegratorKind::extensions`]).
+pub struct WgslExtension(pub &'static dyn WgslIntegrator);
+
+/// Shader text of a kind of integrators. Without one, devices do not draw with it.
+pub trait WgslIntegrator: Send + Sync {
+    /// A name of its own: equal names mean equal text.
+    fn name(&self) -> &'static str;
+
+    /// The pieces that the crate of the integrator adds to those that ship ([`crate::PIECES`]).
+    fn pieces(&self) -> &'static [WgslPiece];
+
+    /// The call that integrates a segment.
+    fn call(&self, constant_emitter: bool) -> WgslCall;
+
+    /// Samples or pieces of a segment: `scene.piece_count`.
+    fn piece_count(&self, _integrator: &Integrator) -> Option<usize> {
+        None
+    }
+
+    /// Size of the table that the text reads.
+    fn table_size(&self, _integrator: &Integrator, _transfer_function: &TransferFunction) -> TableSize {
+        TableSize::default()
+    }
+
+    /// The numbers of a table that stand in front of those of the widgets ([`TableSize::entries`] of them).
+    fn entries(&self, _integrator: &Integrator, _transfer_function: &TransferFunction) -> Vec<f32> {
+        Vec::new()
+    }
+}
+
+/// Size of the table that an integrator's text reads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct TableSize {
+    /// Vectors that stand for all widgets ([`WgslCall::Table`]); 0 without such a table.
+    pub vectors: u64,
+    /// Vectors of the table that those are made from, if it is another: it has buffers of its own.
+    pub source_vectors: u64,
+    /// Numbers beside the vectors.
+    pub entries: u64,
+}
+
+/// The call of a function that integrates a segment; the function returns the colour, and the optical depth in the fourth component.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WgslCall {
+    /// A function of the widgets as members (`Members`) and the number of pieces.
+    Samples {
+        /// Its name.
+        function: &'static str,
+        /// The pieces that it stands in.
+        pieces: &'static [&'static str],
+        /// True if the pieces read `numbers`.
+        reads_numbers: bool,
+    },
+    /// A function of length, scalar at the front and scalar at the back, which reads a table that stands for all widgets.
+    Table {
+        /// Its name.
+        function: &'static str,
+        /// The pieces that it stands in.
+        pieces: &'static [&'static str],
+    },
+}
+
+impl fmt::Debug for dyn WgslIntegrator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl PartialEq for dyn WgslIntegrator {
+    fn eq(&self, other: &dyn WgslIntegrator) -> bool {
+        self.name() == other.name()
+    }
+}
+
+impl Eq for dyn WgslIntegrator {}
+
+impl Hash for dyn WgslIntegrator {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.name().hash(state);
+    }
+}
+
+/// The shader text of an integrator's kind.
+pub(crate) fn registered(integrator: &Integrator) -> Option<&'static dyn WgslIntegrator> {
+    integrator.extension().map(|WgslExtension(text)| *text)
 }

@@ -32,7 +32,7 @@ pub const ENGINE: EngineInfo = EngineInfo {
     compositing: &[],
     can_serve: |transfer_function, shading| integrators::can_serve(&shading.integrator, transfer_function),
     adapters: Vec::new,
-    open: |_, _| Ok(Arc::new(Native { lanes: LaneSet::detect()? })),
+    open: |_| Ok(Arc::new(Native { lanes: LaneSet::detect()? })),
 };
 
 /// The engine on one lane set.

@@ -3,21 +3,20 @@
 //! The grid is uploaded once ([`Renderer`]); a frame changes uniforms and reads back the picture and a few counts.
 //! The shaders come from `voltet-shaders`; this crate knows devices, buffers and the order of the passes.
 
-mod compositors;
+mod bound_pass;
 mod device;
 mod engine;
 mod frame;
 mod grid;
 #[doc(hidden)]
 pub mod introspect;
-mod pass;
 mod raster;
+mod tables;
 
 pub use device::adapter::{Adapters, KINDS};
-pub use device::device_handle::{Device, WorkCounts};
+pub use device::{Device, WorkCounts};
 pub use engine::{ENGINE, GpuEngine};
-pub use frame::draw::draw;
-pub use frame::in_flight::{PendingFrame, SubmittedFrame, begin};
-pub use frame::limits::can_serve;
-pub use frame::output::{FaceOrderReport, FrameCounts, FrameOutput, OrderCheckReport};
+pub use frame::draw::{PendingFrame, SubmittedFrame, begin, draw};
+pub use frame::inputs::can_serve;
+pub use frame::output::{FaceOrderReport, FrameOutput, OrderCheckReport};
 pub use frame::renderer::Renderer;

@@ -3,9 +3,9 @@
 use super::clip::ClippedSpan;
 use super::kinds::{CompiledProfile, Cutoff, Path, WidgetLight, WidgetPart};
 use super::overlap::{Glow, Member, Ordered, Quadrature, ordered};
-use super::sample::Samples;
 use super::special::{mean_transmittance, opacity};
 use super::{Contribution, Segment, WidgetBlend};
+use crate::overlap::Samples;
 use voltet_core::Result;
 use voltet_core::transfer::{Convex, TransferFunction};
 

@@ -6,10 +6,10 @@
 //! The error of that is under 1e-12 of the colour; a panel on which one widget of constant colour is alone is
 //! exact.
 
-use super::kinds::{AnyTrack, TrackColor};
-use super::quadrature::GAUSS_12;
-use super::special::{OPAQUE_DEPTH, opacity};
-use super::track::{POINTS, Track, limit_panel};
+use crate::kinds::{AnyTrack, TrackColor};
+use crate::quadrature::GAUSS_12;
+use crate::special::{OPAQUE_DEPTH, opacity};
+use crate::track::{POINTS, Track, limit_panel};
 
 /// A widget that takes part in the ordered integral.
 #[derive(Debug, Clone, Copy)]
@@ -105,8 +105,8 @@ pub fn ordered(members: &[Member], glow: Glow) -> [f64; 3] {
         let next = members.iter().map(|m| m.next_break(t)).fold(f64::INFINITY, f64::min);
         let whole = if next < 1.0 { (next - t).min(rest) } else { rest };
         let middle = t + 0.5 * whole;
-        let present = |m: &&Member| m.range[0] <= middle && middle <= m.range[1];
-        let mut alone = members.iter().filter(present);
+        let present = present_at(middle);
+        let mut alone = members.iter().filter(&present);
         let (first, second) = (alone.next(), alone.next());
         let seen = (-front).exp();
         let (dt, depth) = match (first, second) {
@@ -117,7 +117,7 @@ pub fn ordered(members: &[Member], glow: Glow) -> [f64; 3] {
                 (whole, depth)
             }
             _ => {
-                let total = |f: &dyn Fn(&Member) -> f64| members.iter().filter(present).map(f).sum::<f64>();
+                let total = |f: &dyn Fn(&Member) -> f64| members.iter().filter(&present).map(f).sum::<f64>();
                 let rate = total(&|m| m.track.rate(t));
                 let (dt, depth) = limit_panel(t, whole, rate, |dt| total(&|m| m.track.depth(t, dt)));
                 match blurred(t, dt) {
@@ -141,6 +141,11 @@ pub fn ordered(members: &[Member], glow: Glow) -> [f64; 3] {
     color
 }
 
+/// True if a widget's region holds the place t.
+pub(crate) fn present_at(t: f64) -> impl Fn(&&Member) -> bool {
+    move |m| m.range[0] <= t && t <= m.range[1]
+}
+
 /// A stretch that 12 points resolve.
 pub struct Panel {
     /// Its start.
@@ -156,9 +161,9 @@ pub struct Panel {
 /// Adds the light of one panel.
 pub fn panel(color: &mut [f64; 3], members: &[Member], glow: Glow, panel: &Panel) {
     let &Panel { t, dt, seen, middle } = panel;
-    let present = |m: &&Member| m.range[0] <= middle && middle <= m.range[1];
+    let present = present_at(middle);
     let mut depth = [0.0; POINTS];
-    for member in members.iter().filter(present) {
+    for member in members.iter().filter(&present) {
         for (sum, part) in depth.iter_mut().zip(member.track.depths(t, dt)) {
             *sum += part;
         }
@@ -167,7 +172,7 @@ pub fn panel(color: &mut [f64; 3], members: &[Member], glow: Glow, panel: &Panel
     for ((w, &(_, node_weight)), depth) in weight.iter_mut().zip(&GAUSS_12).zip(depth) {
         *w = seen * dt * node_weight * (-depth).exp();
     }
-    for member in members.iter().filter(present) {
+    for member in members.iter().filter(&present) {
         if let Glow::Constant(scale) = glow {
             if member.track.rate(middle) <= member.threshold * member.unit_rate {
                 continue;
@@ -207,10 +212,10 @@ pub fn blurred(t: f64, dt: f64) -> Option<f64> {
 /// depths. Returns its depth.
 pub fn blur(color: &mut [f64; 3], members: &[Member], glow: Glow, panel: &Panel) -> f64 {
     let &Panel { t, dt, seen, middle } = panel;
-    let present = |m: &&Member| m.range[0] <= middle && middle <= m.range[1];
-    let depth: f64 = members.iter().filter(present).map(|m| m.track.depth(t, dt)).sum();
+    let present = present_at(middle);
+    let depth: f64 = members.iter().filter(&present).map(|m| m.track.depth(t, dt)).sum();
     if depth > 0.0 {
-        for member in members.iter().filter(present) {
+        for member in members.iter().filter(&present) {
             let share = match glow {
                 Glow::Density => member.track.depth(t, dt) / depth,
                 Glow::Constant(_) if member.track.rate(middle) <= member.threshold * member.unit_rate => 0.0,
@@ -223,8 +228,59 @@ pub fn blur(color: &mut [f64; 3], members: &[Member], glow: Glow, panel: &Panel)
 }
 
 #[inline]
-fn add(sum: &mut [f64; 3], weight: f64, color: [f64; 3]) {
+pub(crate) fn add(sum: &mut [f64; 3], weight: f64, color: [f64; 3]) {
     for (s, c) in sum.iter_mut().zip(color) {
         *s += weight * c;
+    }
+}
+
+/// Absorption and emission at a point of the segment, per t ∈ [0, 1].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Sample {
+    /// ρ D.
+    pub rate: f64,
+    /// Σ cᵢ ρᵢ D or Σ cᵢ D/U.
+    pub glow: [f64; 3],
+}
+
+impl Sample {
+    /// Glow by rate: the colour of the stuff here, or where there is none that of `other`.
+    pub fn color(&self, other: &Sample) -> [f64; 3] {
+        let from = if self.rate > 0.0 { self } else { other };
+        if from.rate > 0.0 { from.glow.map(|g| g / from.rate) } else { [0.0; 3] }
+    }
+}
+
+/// The widgets that a segment crosses.
+#[derive(Debug, Clone, Copy)]
+pub struct Samples<'a> {
+    members: &'a [Member<'a>],
+    glow: Glow,
+}
+
+impl<'a> Samples<'a> {
+    pub(super) fn new(members: &'a [Member<'a>], glow: Glow) -> Self {
+        Samples { members, glow }
+    }
+
+    /// The sample at t; the ends of a region belong to it.
+    pub fn at(&self, t: f64) -> Sample {
+        let mut sample = Sample::default();
+        for member in self.members {
+            if t < member.range[0] || t > member.range[1] {
+                continue;
+            }
+            let rate = member.track.rate(t);
+            sample.rate += rate;
+            let strength = match self.glow {
+                Glow::Density => rate,
+                Glow::Constant(scale) if rate > member.threshold * member.unit_rate => scale,
+                Glow::Constant(_) => continue,
+            };
+            for (sum, c) in sample.glow.iter_mut().zip(member.color_at(t)) {
+                *sum += strength * c;
+            }
+        }
+        sample
     }
 }

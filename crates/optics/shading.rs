@@ -133,18 +133,14 @@ pub struct Shading {
 }
 
 impl Shading {
-    /// The factor of every colour, if the light gives all segments the same.
-    pub fn even_light(&self) -> Option<f64> {
-        match self.light {
-            None => Some(1.0),
-            Some(light) => (light.diffuse == 0.0).then_some(light.ambient),
-        }
-    }
-
     /// The one colour of all that is seen, if there is one: then a pixel's colour is that times its opacity, and no order
     /// is needed. `None` under the constant-emitter, where several colours are drawn, and where light falls at an angle.
     pub fn one_color(&self, transfer_function: &TransferFunction) -> Option<[f64; 3]> {
-        let light = self.even_light()?;
+        let light = match self.light {
+            None => 1.0,
+            Some(light) if light.diffuse == 0.0 => light.ambient,
+            Some(_) => return None,
+        };
         transfer_function.uniform_color().map(|color| color.map(|c| c * light))
     }
 }

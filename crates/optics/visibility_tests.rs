@@ -1,9 +1,9 @@
 //! Orders along faces, held against the crossings of the 64-bit ray tracer, which uses no faces.
 
-use crate::WidgetBlend;
 use crate::scene::Scene;
 use crate::shading::{Integrator, Shading, VisibilityOrder};
-use crate::trace::{ClosedForms, Tracer};
+use crate::trace::Tracer;
+use crate::{CompiledTransferFunction, WidgetBlend};
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ const SHADING: Shading =
     Shading { integrator: Integrator::ANALYTIC, overlap: WidgetBlend::Exact, silhouette: None, light: None };
 
 fn tracer(scene: &Scene) -> Tracer<'_> {
-    let forms = ClosedForms::new(&scene.transfer_function, WidgetBlend::Exact).expect("is in range");
+    let forms = CompiledTransferFunction::new(&scene.transfer_function).expect("is in range");
     Tracer::new(scene, Box::new(forms)).expect("is in range")
 }
 

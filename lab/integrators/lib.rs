@@ -16,10 +16,7 @@
     reason = "adapters of iterators are functions where a build inlines little"
 )]
 
-mod gaussian_tables;
-mod partial_table;
 mod pre_integrated;
-mod pre_integrated_shader;
 mod ramp;
 mod riemann;
 mod segments;
@@ -31,17 +28,15 @@ mod tabulated;
 mod tests;
 mod vertex_sampled;
 
-pub use gaussian_tables::{GaussianTables, LIT_REACH, MAX_P, REACH};
-pub use partial_table::PartialTable;
 pub use pre_integrated::{PreIntegrated, from_cylinder, pre_integrated, pre_integrated_cylindrical};
 pub use ramp::{Material, Ramp, last_tile};
 pub use riemann::{Riemann, riemann};
-pub use segments::{Segments, segments};
+pub use segments::{PartialTable, Segments, segments};
 pub use settings::{
     DEFAULT_OVERSAMPLING, DEFAULT_PIECES, DEFAULT_PLANES, DEFAULT_SIDE, MAX_OVERSAMPLING, MAX_PARTIAL_SIDE,
     MAX_PLANES, MAX_TABLE_SIDE,
 };
-pub use tabulated::{Tabulated, tabulated};
+pub use tabulated::{GaussianTables, LIT_REACH, MAX_P, REACH, Tabulated, tabulated};
 pub use vertex_sampled::{
     CLASSIFIED, ClassifiedPoints, VERTEX_SAMPLED, VertexSampled, classified, is_classified,
 };

@@ -24,7 +24,6 @@ pub const fn riemann(count: usize) -> Integrator {
     Integrator::with_settings(&RiemannKind, [count as f64])
 }
 
-/// The kind `riemann`.
 pub(crate) struct RiemannKind;
 
 impl IntegratorKind for RiemannKind {

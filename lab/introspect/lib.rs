@@ -1,18 +1,8 @@
 //! voltet-introspect: measurements of the engines beyond pictures, which their own traits do not have.
-//!
-//! | file | responsibility |
-//! | --- | --- |
-//! | `lib` | measurements of an engine |
-//! | `segment_probe` | an integrator on single segments of a scene |
-//! | `lanes` | segment formulas of the CPU engine |
-//! | `wgsl` | segment formulas of the GPU engine |
-//! | `operations` | operations counted in a shader's text |
 
 #![allow(missing_docs, reason = "unpublished: names say what fields and short functions are")]
 
 mod lanes;
-#[cfg(feature = "gpu")]
-mod operations;
 mod segment_probe;
 #[cfg(feature = "gpu")]
 mod wgsl;
@@ -96,7 +86,7 @@ pub fn compositor_operations(
 ) -> Result<Option<u64>> {
     #[cfg(feature = "gpu")]
     if let (Some(segments), Some(shader)) = (stats.segments, compositor_shader(volume, scene, options)?) {
-        return operations::compositor_operations(&shader, segments).map(Some);
+        return wgsl::compositor_operations(&shader, segments).map(Some);
     }
     #[cfg(not(feature = "gpu"))]
     let _ = (volume, scene, options, stats);

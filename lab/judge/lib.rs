@@ -4,13 +4,6 @@
 //! digits computed with about 90. A result passes when |error| ≤ bound · |exact| + floor, where the bound is
 //! stated from the working precision ε and the case's condition number k (module `bounds`). One run judges
 //! one set of forms, 64-bit or 32-bit.
-//!
-//! | file | what |
-//! | --- | --- |
-//! | `case` | exact values, and those that the program carries |
-//! | `evaluator` | what can be judged: any set of formulas, among them those in 64 bits |
-//! | `bounds` | what each answer may be off by |
-//! | `report` | what came out |
 
 #![allow(missing_docs, reason = "unpublished: names say what fields and short functions are")]
 

@@ -6,7 +6,7 @@ use serde::Serialize;
 use std::fmt;
 
 /// Result for one quantity of one kind and category.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Row {
     /// segment, ray, chain or table.
     pub kind: &'static str,
@@ -97,7 +97,7 @@ pub struct Violation {
 }
 
 /// All that one set of forms did.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Report {
     pub forms: String,
     pub cases: usize,
@@ -111,13 +111,7 @@ pub struct Report {
 
 impl Report {
     pub(super) fn new(forms: &str) -> Self {
-        Report {
-            forms: forms.to_owned(),
-            cases: 0,
-            rows: Vec::new(),
-            exemptions: Vec::new(),
-            broken: Vec::new(),
-        }
+        Report { forms: forms.to_owned(), ..Report::default() }
     }
 
     /// True if every value kept its bound.
@@ -178,15 +172,7 @@ impl Report {
                 formula,
                 category: category.clone(),
                 quantity,
-                judged: 0,
-                only_finite: 0,
-                wider: 0,
-                skipped: 0,
-                broken: 0,
-                worst: 0.0,
-                worst_id: String::new(),
-                worst_inputs: String::new(),
-                worst_error: 0.0,
+                ..Row::default()
             });
             self.rows.len() - 1
         });

@@ -1,7 +1,6 @@
 //! Places along a path of a widget's peaks, kinks and steps, and of a width from its centre.
 
-use crate::cuts::Cuts;
-use crate::linear_on_segment::{LinearOnSegment, Place, Wide, quadratic_crossings};
+use crate::linear_on_segment::{Cuts, LinearOnSegment, Place, Wide, quadratic_crossings};
 use crate::term::{Bands, ReadyProfile, Term};
 use voltet_core::transfer::ControlPoint;
 use voltet_core::{Error, Result};

@@ -4,27 +4,15 @@
 //! The meaning of a picture stands in the book's page on optics, which this crate follows as directly as it can. [`draw`] makes a picture,
 //! [`tracer`] traces single rays, and [`integrate`] integrates single segments. The integrator of a scene is ignored: it is always
 //! quadrature, to 1e-11 of each segment.
-//!
-//! | file | responsibility |
-//! | --- | --- |
-//! | `segment`, `quadrature` | integral of a segment, and its rule |
-//! | `term`, `part`, `texels` | widgets along a segment |
-//! | `layout`, `cuts`, `features` | places where widgets change |
-//! | `linear_on_segment` | numbers with more digits |
-//! | `renderer` | quadrature behind the product's traits; its engine |
 
 #![allow(missing_docs, reason = "unpublished: names say what fields and short functions are")]
 
-mod cuts;
 mod features;
-mod layout;
 mod linear_on_segment;
 mod part;
-mod quadrature;
 mod renderer;
 mod segment;
 mod term;
-mod texels;
 
 pub use renderer::{ENGINE, Reference, draw, draw_further, tracer};
 pub use segment::{Integrand, Tolerance, Workspace};

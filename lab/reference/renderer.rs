@@ -16,7 +16,8 @@ use voltet_optics::engine::{
 };
 use voltet_optics::integrators::{Extent, Integrator, IntegratorKind, SegmentIntegrator};
 use voltet_optics::scene::Scene;
-use voltet_optics::trace::{SegmentIntegral, Tiles, Tracer};
+use voltet_optics::trace::tiles::Tiles;
+use voltet_optics::trace::{SegmentIntegral, Tracer};
 use voltet_optics::{CompiledTransferFunction, Contribution, Segment, WidgetBlend};
 
 /// Kind of the integrator `reference`, which has an engine of its own.
@@ -123,7 +124,7 @@ pub const ENGINE: EngineInfo = EngineInfo {
             .expected(NAME)),
     },
     adapters: Vec::new,
-    open: |_, _| Ok(Arc::new(ReferenceRenderer)),
+    open: |_| Ok(Arc::new(ReferenceRenderer)),
 };
 
 #[derive(Debug, Clone, Copy)]

@@ -14,8 +14,8 @@ use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_graph::{DefaultValue, DemandContext, Parameter, ParameterType, Parameters, RunContext};
 use voltet_optics::engine::{
-    Accumulation, AdapterRequest, Compositor, Engine, EngineInfo, KeyValueStore, NoStore, OrderCheck,
-    PreparedVolume, RenderOptions,
+    Accumulation, AdapterRequest, Compositor, Engine, EngineInfo, KeyValueStore, OrderCheck, PreparedVolume,
+    RenderOptions,
 };
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::Shading;
@@ -270,13 +270,10 @@ pub(super) fn draw_on(
 ) -> Result<Picture> {
     check_engine(declared, call.parameters, &scene.transfer_function, &scene.shading)?;
     let wish = AdapterRequest { name: adapter(call.parameters), hardware };
-    let folder = CacheFolder::named("adapters");
-    let memory: &dyn KeyValueStore = if call.exhaustive() { &NoStore } else { &folder };
     let opened = call.keep_for_session(|| Ok(OpenEngines::default()))?;
-    let engine =
-        stage(call, declared, "device", |_| opened.open(declared, &wish, memory)).map_err(|error| {
-            if wish.name.is_some() { call.parameters.locate("adapter", error) } else { error }
-        })?;
+    let engine = stage(call, declared, "device", |_| opened.open(declared, &wish)).map_err(|error| {
+        if wish.name.is_some() { call.parameters.locate("adapter", error) } else { error }
+    })?;
     let (compositing, why) = compositing(call, scene, declared, engine.as_ref())?;
     let volumes = call.keep(call.revision(port)?, || Ok(PreparedVolumes::default()))?;
     let volume = stage(call, declared, "upload", |_| volumes.prepare(declared, &engine, scene))?;
@@ -356,19 +353,14 @@ impl OpenEngines {
     ///
     /// # Errors
     /// - no such adapter, or none at all.
-    pub fn open(
-        &self,
-        declared: &EngineInfo,
-        wish: &AdapterRequest,
-        memory: &dyn KeyValueStore,
-    ) -> Result<Arc<dyn Engine>> {
+    pub fn open(&self, declared: &EngineInfo, wish: &AdapterRequest) -> Result<Arc<dyn Engine>> {
         let mut opened = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let key = (declared.name, wish.clone());
         if let Some(known) = opened.get(&key).filter(|known| !matches!(known, Ok(engine) if engine.is_lost()))
         {
             return known.clone();
         }
-        let engine = declared.open_remembering(wish, memory);
+        let engine = declared.open(wish);
         opened.insert(key, engine.clone());
         engine
     }

@@ -168,7 +168,7 @@ impl Renderer {
                 return Err(error.expected("Engine::Cpu or Engine::Auto"));
             }
             let picture = render_to_depth(&scene, depth_limit, &progress)?;
-            let adapter = self.engines.open(NATIVE, &AdapterRequest::default(), &engine::NoStore)?.adapter();
+            let adapter = self.engines.open(NATIVE, &AdapterRequest::default())?.adapter();
             return Ok(RenderOutput::new(
                 &scene,
                 NATIVE.name,
@@ -191,7 +191,7 @@ impl Renderer {
     fn open(&self, info: &'static EngineInfo) -> Result<Arc<dyn engine::Engine>> {
         let hardware = self.options.engine == Engine::Auto;
         let request = AdapterRequest { name: self.options.adapter.clone(), hardware };
-        self.engines.open(info, &request, &CacheFolder::named("adapters"))
+        self.engines.open(info, &request)
     }
 
     fn render_on(

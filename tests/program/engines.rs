@@ -61,33 +61,6 @@ fn auto_says_which_engine_it_took_and_why() {
     }
 }
 
-/// Drivers are loaded once to find out that there is no hardware, and again when something of them has changed or everything is to
-/// be done.
-#[test]
-fn that_there_is_no_hardware_is_remembered() {
-    let folder = Folder::new();
-    let cache = folder.join("cache");
-    let reason = |variable: &str, options: &[&str]| {
-        let arguments = [&["run", "slab.toml", "--report", "report.json", "--quiet"], options].concat();
-        let mut command = folder.command(&arguments);
-        assert!(command.env("XDG_CACHE_HOME", &cache).env(variable, "1").status().unwrap().success());
-        let report = folder.report("report.json");
-        (report["engine"] == "cpu").then(|| report["engine_reason"].as_str().unwrap().to_string())
-    };
-    let Some(first) = reason("VK_OF_NO_USE", &[]) else {
-        println!("skipped: there is a hardware adapter");
-        return;
-    };
-    assert!(!first.contains("remembered"), "{first}");
-    if cfg!(target_os = "linux") {
-        let again = reason("VK_OF_NO_USE", &[]).unwrap();
-        assert_eq!(again.replace(" (remembered)", ""), first);
-        assert!(again.contains(" (remembered)"), "{again}");
-    }
-    assert_eq!(reason("VK_OF_NO_USE", &["--exhaustive"]).unwrap(), first);
-    assert_eq!(reason("VK_OF_NO_USE_EITHER", &[]).unwrap(), first);
-}
-
 #[test]
 fn an_adapter_that_is_not_there_is_an_error_with_its_line() {
     let folder = Folder::new();

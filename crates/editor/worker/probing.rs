@@ -9,11 +9,11 @@ use voltet_core::camera::Camera;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_graph::{Observer, TransferFunctionSpec, Value, diagonal};
-use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::Integrator;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Shading, VisibilityOrder};
-use voltet_optics::trace::{ClosedForms, Tracer};
+use voltet_optics::trace::Tracer;
+use voltet_optics::{CompiledTransferFunction, WidgetBlend};
 
 /// Places of the picture that are asked about.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,7 +70,7 @@ impl ProbeQuery {
             },
             order: VisibilityOrder::Exact,
         };
-        let forms = ClosedForms::new(&scene.transfer_function, WidgetBlend::Exact)?;
+        let forms = CompiledTransferFunction::new(&scene.transfer_function)?;
         let tracer = Tracer::new(&scene, Box::new(forms))?;
         let mut probed = PixelProbe { rays: self.places.len(), ..PixelProbe::default() };
         let (mut seen_most, [width, height]) = (0.0, camera.size.map(f64::from));

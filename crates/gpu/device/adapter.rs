@@ -41,12 +41,7 @@ impl Adapters {
         self.found.iter().map(|adapter| describe(&adapter.get_info())).collect()
     }
 
-    /// True if one of them is hardware.
-    pub(crate) fn have_hardware(&self) -> bool {
-        self.found.iter().any(is_hardware)
-    }
-
-    pub(crate) fn listed(&self) -> String {
+    fn listed(&self) -> String {
         if self.found.is_empty() { "no adapter".to_string() } else { self.described().join(", ") }
     }
 
@@ -57,7 +52,9 @@ impl Adapters {
             let fast = |adapter: &&wgpu::Adapter| !hardware || is_hardware(adapter);
             return match self.found.iter().find(fast) {
                 Some(adapter) => Ok((adapter, format!("{} is the fastest kind here", kind_of(adapter)))),
-                None => Err(no_hardware(&self.listed())),
+                None => Err(Error::run("there is no hardware adapter")
+                    .got(self.listed())
+                    .expected("a graphics device with a Vulkan, Metal or DirectX 12 driver")),
             };
         };
         let lower = wish.to_lowercase();
@@ -70,12 +67,6 @@ impl Adapters {
                 .expected("a part of a name, or \"discrete\", \"integrated\", \"virtual\", \"software\"")),
         }
     }
-}
-
-/// The error in place of a device.
-pub(crate) fn no_hardware(listed: &str) -> Error {
-    let error = Error::run("there is no hardware adapter").got(listed);
-    error.expected("a graphics device with a Vulkan, Metal or DirectX 12 driver")
 }
 
 fn kind_of(adapter: &wgpu::Adapter) -> &'static str {

@@ -1,25 +1,24 @@
-//! Inputs of a frame: everything that a scene puts on the device, but the camera's samples one by one.
+//! Inputs of a frame: everything that a scene puts on the device, checked against the limits of the device.
 
-use crate::device::bindings::compositor_buffers;
-use crate::device::device_handle::Device;
+use crate::device::Device;
+use crate::device::pipelines::compositor_buffers;
 use crate::frame::output::PendingStats;
 use crate::frame::renderer::Renderer;
-use crate::frame::{limits, support, view};
-use crate::grid::axes::{axis, offset_parts};
-use crate::grid::device_grid::{DeviceArray, DeviceGrid, ValueArray};
-use crate::grid::split_buffer::BufferSizes;
-use crate::pass::tables::TableKey;
+use crate::grid::{BufferSizes, DeviceArray, DeviceGrid, ValueArray, axis, offset_parts, split};
+use crate::tables::TableKey;
+use glam::DVec3;
 use std::sync::Arc;
-use voltet_core::Result;
-use voltet_core::transfer::TransferFunction;
+use voltet_core::camera::{Camera, Projection};
+use voltet_core::transfer::{Slab, TransferFunction, Widget};
 use voltet_core::visibility::FaceOrder;
+use voltet_core::{Error, Result};
 use voltet_optics::engine::{Accumulation, Compositor, RenderOptions};
 use voltet_optics::integrators::Extent;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Ordering, Shading};
 use voltet_shaders::{
-    Axis, Blend, Combine, CompositorProgram, Parameters, Places, Shader, ShaderKey, TileOrder, ViewRecord,
-    compose,
+    Axis, Blend, Combine, CompositorProgram, Parameters, Places, Shader, ShaderKey, Spans, TileOrder,
+    ViewRecord, check_32_bits, compose,
 };
 
 /// Everything of a scene but the camera's sample.
@@ -30,13 +29,9 @@ pub(crate) struct FrameInputs<'a> {
     pub shading: Shading,
     pub tables: TableKey,
     pub compositor: Shader,
-    /// Read-only buffers that the compositor reads, with their bindings in group 0.
-    pub storage_buffers: Vec<(String, u32)>,
-    /// The scalar.
     pub scalar: Arc<DeviceArray>,
     /// Further values of the points, each with where it is counted from.
     pub attributes: Vec<(Arc<DeviceArray>, [f32; 2])>,
-    pub reads_g: bool,
     pub scene: Vec<u8>,
     pub numbers: Vec<f32>,
     pub support: Vec<u32>,
@@ -49,30 +44,13 @@ pub(crate) struct FrameInputs<'a> {
     /// The order of cells along their faces, where they are blended in it.
     pub ordered: Option<Arc<FaceOrder>>,
     pub samples: Vec<ViewRecord>,
+    /// The output as far as it is known before readback.
+    pub pending: PendingStats,
 }
 
 impl<'a> FrameInputs<'a> {
-    pub fn grid(&self) -> &'a DeviceGrid {
-        &self.renderer.grid
-    }
-
     pub fn device(&self) -> &'a Device {
         &self.renderer.grid.device
-    }
-
-    /// The output of the frame as far as it is known before readback.
-    pub(crate) fn pending_stats(&self, scene: &Scene, options: &RenderOptions) -> PendingStats {
-        let is_counted = compositing(options) == Compositor::Tiles;
-        let (parts_left_out, part_bytes_left_out) = parts_left_out(&self.compositor);
-        PendingStats {
-            is_counted,
-            is_order_known: is_counted || is_free(self.shader_key.compositor) || !scene.needs_order(),
-            parts_left_out,
-            part_bytes_left_out,
-            blended_in_16_bits: !is_counted
-                && options.accumulation == Accumulation::Float
-                && !self.device().blends_32_bits,
-        }
     }
 
     /// Bytes of a window's pixels.
@@ -93,7 +71,7 @@ pub(crate) fn inputs<'a>(
 ) -> Result<FrameInputs<'a>> {
     let Scene { volume, transfer_function, camera, shading, .. } = scene;
     let grid = &renderer.grid;
-    limits::can_serve(transfer_function, shading)?;
+    can_serve(transfer_function, shading)?;
     let compositing = compositing(options);
     let ordering = ordering(scene, options);
     let (shader_key, sizes) = shader_key(renderer, scene, options)?;
@@ -108,13 +86,14 @@ pub(crate) fn inputs<'a>(
     for name in transfer_function.fields() {
         values.push(grid.stored(volume, ValueArray::Field(name.to_string()))?);
     }
-    limits::check(grid, &shader_key, transfer_function, &values)?;
+    check(grid, &shader_key, transfer_function, &values)?;
     let numbered = values.iter().enumerate();
     let axes: Vec<Axis> = numbered.map(|(k, value)| axis(value, transfer_function, k)).collect();
     let parameters = Parameters::new(transfer_function, shading, &axes, grid.length)?;
     let (support, support_count) = match options.exhaustive {
-        false => support::supports(transfer_function, &axes, grid.length),
-        true => support::everywhere(),
+        false => supports(transfer_function, &axes, grid.length),
+        // One support that holds every cell.
+        true => (vec![0, 0], 1),
     };
 
     let first = if shader_key.reads_gradient_magnitude { 1 } else { 2 };
@@ -139,15 +118,25 @@ pub(crate) fn inputs<'a>(
             sort_key,
             scalar_offset: offset_parts(&scalar, &axes[0]),
             widget_count: support_count,
-            ..view::view(grid, camera, *offset)?
+            ..view(grid, camera, *offset)?
         })
     };
     let shader = compose(&shader_key);
+    let is_counted = compositing == Compositor::Tiles;
+    let (parts_left_out, part_bytes_left_out) = parts_left_out(&shader);
+    let is_float = options.accumulation == Accumulation::Float;
+    let pending = PendingStats {
+        is_counted,
+        is_order_known: is_counted || is_free || !scene.needs_order(),
+        exhaustive: options.exhaustive,
+        parts_left_out,
+        part_bytes_left_out,
+        blended_in_16_bits: !is_counted && is_float && !grid.device.blends_32_bits,
+    };
     Ok(FrameInputs {
         renderer,
         compositor: shader,
-        storage_buffers: shader_key.storage_buffers(),
-        reads_g: shader_key.reads_gradient_magnitude,
+        pending,
         tables: TableKey {
             transfer_function: transfer_function.clone(),
             integrator: shading.integrator,
@@ -163,7 +152,7 @@ pub(crate) fn inputs<'a>(
         support,
         in_8_bits: options.accumulation == Accumulation::Bits8,
         stops_where_opaque: !options.exhaustive,
-        sorted: !is_free && (sort_key != 2 || compositing == Compositor::Tiles),
+        sorted: !is_free && (sort_key != 2 || is_counted),
         ordered: along_faces.cloned(),
         samples: camera.sample_offsets().iter().map(sample).collect::<Result<_>>()?,
         scalar: scalar.clone(),
@@ -289,4 +278,112 @@ fn blend(accumulation: Accumulation, free: bool) -> Blend {
         Accumulation::Bits12 => Blend::Rounded { bits: 12 },
         Accumulation::Bits16 => Blend::Rounded { bits: 16 },
     }
+}
+
+/// Checks that the device has shaders for the scene. What depends on the data is found when it is drawn.
+pub fn can_serve(transfer_function: &TransferFunction, shading: &Shading) -> Result<()> {
+    ShaderKey::new(transfer_function, shading, CompositorProgram::Tiles(TileOrder::Exact)).map(drop)
+}
+
+/// Checks that 32 bits hold what segments of this grid can span. `values`: s, g (anything where it is not read), then the
+/// fields, as the transfer function numbers them.
+fn check(
+    grid: &DeviceGrid,
+    shader_key: &ShaderKey,
+    transfer_function: &TransferFunction,
+    values: &[Arc<DeviceArray>],
+) -> Result<()> {
+    let span = |(k, value): (usize, &Arc<DeviceArray>)| match k {
+        1 if !shader_key.reads_gradient_magnitude => 0.0,
+        _ => value.span * value.cell_span,
+    };
+    let spans: Vec<f64> = values.iter().enumerate().map(span).collect();
+    let spans = Spans { values: &spans, longest: grid.longest };
+    check_32_bits(shader_key, transfer_function, &spans).map_err(|error: Error| {
+        let accepted = error.expected.clone().unwrap_or_default();
+        error.expected(format!("{accepted}; engine = \"cpu\" holds it"))
+    })
+}
+
+/// Optical depth that all cells left out together may have along the longest ray.
+const DEPTH_LEFT_OUT: f64 = 1e-7;
+
+/// Supports of widgets as the shader reads them, for the device to leave out the cells that none touches: where each one's slabs
+/// low ≤ a s + b g ≤ high of stored values begin and the last one's end, then four numbers a slab. And how many supports there are.
+///
+/// A cell is kept if for some support its corners reach every slab. That is less sharp than the native engine's hulls, and as
+/// safe.
+fn supports(transfer_function: &TransferFunction, axes: &[Axis], length: f64) -> (Vec<u32>, u32) {
+    let share = DEPTH_LEFT_OUT / transfer_function.widgets.len().max(1) as f64;
+    let longest = length / transfer_function.unit_distance;
+    let of = |widget: &Widget| widget.slabs(longest * widget.peak(), share, transfer_function.model);
+    let supports: Vec<Vec<Slab>> = transfer_function.widgets.iter().flat_map(of).collect();
+    let axis = |k: usize| axes.get(k).map_or([0.0, 1.0], |axis| [axis.offset, axis.scale]);
+    let axes = [axis(0), axis(1)];
+    let (mut starts, mut numbers) = (vec![0u32], Vec::new());
+    for slabs in &supports {
+        numbers.extend(slabs.iter().flat_map(|slab| slab.stored(axes)));
+        starts.push(numbers.len() as u32 / 4);
+    }
+    let count = supports.len() as u32;
+    starts.extend(numbers.iter().map(|x: &f32| x.to_bits()));
+    (starts, count)
+}
+
+/// Rounding error of a point that is allowed (pixels). An ordinary picture changes by less than a tenth in a pixel's
+/// width, so by less than 1e-4 for this.
+const PIXELS_OFF: f64 = 1e-2;
+
+/// Rounding of a position about the base and of its turn into camera axes, in scene lengths.
+const ROUNDING: f64 = 2.0 * f32::EPSILON as f64;
+
+/// The grid as a camera sees it, for the sample at `offset` from the middle of a pixel. What belongs to the window and to
+/// the scene is 0.
+///
+/// Errors: a camera out of range; a view so narrow that 32 bits do not tell its pixels apart.
+fn view(grid: &DeviceGrid, camera: &Camera, offset: [f64; 2]) -> Result<ViewRecord> {
+    camera.check_picture()?;
+    let frame = camera.frame()?;
+    let perspective = matches!(camera.projection, Projection::Perspective { .. });
+    let pixel = if perspective { frame.pixel } else { frame.pixel / grid.length };
+    let eye = (camera.eye - grid.centre) / grid.length;
+    // The view axis from where it can first meet the grid, which lies within half a scene length of its middle; of a flat grid
+    // seen across, within twice its own depth, so that depths in it keep their digits.
+    let depth = 2.0 * grid.half.dot(frame.forward.abs());
+    let distance = (-eye.dot(frame.forward) - (2.0 * depth).min(0.5)).max(0.0);
+    let base = eye + distance * frame.forward;
+    let near = camera.near / grid.length - distance;
+    // The farthest point seen stands a scene length behind the base, where a pixel is as wide as this.
+    let width = if perspective { pixel * (distance + 1.0) } else { pixel };
+    let reach = 1.0 + base.length().min(1.0);
+    if ROUNDING * reach > PIXELS_OFF * width {
+        return Err(Error::run("the view is too narrow for the device's 32 bits")
+            .got(format!("pixels of {:.1e} of the grid's diagonal", width))
+            .expected(format!("at least {:.1e}, or engine = \"cpu\"", ROUNDING * reach / PIXELS_OFF)));
+    }
+    let numbers = [pixel, distance, near, base.x, base.y, base.z];
+    if numbers.iter().any(|x| !x.is_finite() || x.abs() > 1e15) {
+        return Err(Error::run("the camera stands too far from the grid for the device's 32 bits")
+            .got(format!("{:.1e} of the grid's diagonal", eye.length()))
+            .expected("at most 1e15, or engine = \"cpu\""));
+    }
+    let vector = |v: DVec3| v.to_array().map(|x| x as f32);
+    let parts = base.to_array().map(split);
+    let [width, height] = camera.size.map(f64::from);
+    Ok(ViewRecord {
+        right: vector(frame.right),
+        distance: distance as f32,
+        down: vector(-frame.up),
+        pixel: pixel as f32,
+        forward: vector(frame.forward),
+        near: near as f32,
+        base_high: parts.map(|part| part[0]),
+        perspective: if perspective { 1.0 } else { 0.0 },
+        base_low: parts.map(|part| part[1]),
+        axis: [(0.5 * width - 0.5 - offset[0]) as f32, (0.5 * height - 0.5 - offset[1]) as f32],
+        size: camera.size,
+        point_count: grid.point_count,
+        cell_count: grid.cell_count,
+        ..bytemuck::Zeroable::zeroed()
+    })
 }

@@ -1,18 +1,48 @@
 //! Output of a frame: picture, counts, times, and the check of its order.
 
-use crate::frame::counters;
 use std::sync::Arc;
 use voltet_core::picture::Picture;
 use voltet_core::visibility::FaceOrder;
-use voltet_optics::engine::{Accumulation, Compositor, RenderOptions, StageTiming};
+use voltet_optics::engine::{Accumulation, Compositor, RenderOptions, RenderStats, StageTiming};
+
+/// Indices of the numbers that the passes count.
+pub(crate) mod counters {
+    pub const ENTRIES: usize = 0;
+    pub const BY_FUNCTION: usize = 1;
+    pub const BY_FRUSTUM: usize = 2;
+    pub const PROJECTED: usize = 3;
+    pub const SEGMENTS: usize = 4;
+    pub const DISORDERED: usize = 5;
+    pub const SWEEPS: usize = 6;
+    /// Tiles of the last dispatch that are to go on.
+    pub const UNFINISHED: usize = 7;
+    pub const LONGEST: usize = 8;
+    /// Cells in view that cover no pixel's middle.
+    pub const UNDER_A_PIXEL: usize = 9;
+    /// Tiles that were opaque before all their cells had been looked at, and those cells.
+    pub const TILES_STOPPED: usize = 10;
+    pub const CELLS_HIDDEN: usize = 11;
+    /// Cells whose tiles a driver did not go through, since it ended the loops: their lists are wrong.
+    pub const CELLS_CUT_SHORT: usize = 12;
+    /// Pixels likewise, whose colours are wrong.
+    pub const PIXELS_CUT_SHORT: usize = 13;
+    pub const ALL: usize = 14;
+    /// Counts that are the same in every window.
+    pub const OF_CELLS: [usize; 4] = [BY_FUNCTION, BY_FRUSTUM, PROJECTED, UNDER_A_PIXEL];
+}
 
 /// Output of a frame.
 #[derive(Debug, Clone)]
 pub struct FrameOutput {
     /// The picture.
     pub picture: Picture,
-    /// Counts.
-    pub counts: FrameCounts,
+    /// Counts that every engine may have, over all samples. Blending hardware counts no segments, and knows no pixels in disorder
+    /// unless no order is needed.
+    pub counts: RenderStats,
+    /// Cells in the lists of all tiles.
+    pub tile_entries: u64,
+    /// Times that a tile's list was gone through once more, because a pixel had more segments than fit at a time.
+    pub sweeps_further: u64,
     /// The passes with their times, where the adapter has timestamps.
     pub passes: Vec<StageTiming>,
     /// Folders of shader pieces that the scene's shader does not contain.
@@ -69,32 +99,6 @@ impl OrderCheckReport {
     }
 }
 
-/// Counts of a picture, over all samples.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct FrameCounts {
-    /// Cells left out because no widget touches their values.
-    pub culled_by_transfer_function: u64,
-    /// Cells left out because they are outside the view.
-    pub culled_by_frustum: u64,
-    /// Cells left out because they cover no pixel's middle, or have no volume.
-    pub under_a_pixel: u64,
-    /// Cells that may cover a pixel.
-    pub cells_projected: u64,
-    /// Cells in the lists of all tiles.
-    pub tile_entries: u64,
-    /// Ray segments integrated. Blending hardware does not count them.
-    pub segments: Option<u64>,
-    /// Pixels (samples, where a pixel has several) composited in an order that was not exact. Blending hardware does
-    /// not know; where no order is needed, there are none.
-    pub pixels_disordered: Option<u64>,
-    /// Times that a tile's list was gone through once more, because a pixel had more segments than fit at a time.
-    pub sweeps_further: u64,
-    /// Tiles that were opaque before all their cells had been looked at.
-    pub tiles_stopped: u64,
-    /// Cells that such tiles did not look at; a cell counts in each of them.
-    pub cells_hidden: u64,
-}
-
 /// Content read back from the device.
 pub(crate) struct Readback {
     pub picture: Picture,
@@ -108,28 +112,38 @@ pub(crate) struct PendingStats {
     pub is_counted: bool,
     /// True if pixels in disorder are counted, or there can be none.
     pub is_order_known: bool,
+    pub exhaustive: bool,
     pub parts_left_out: Vec<&'static str>,
     pub part_bytes_left_out: u64,
     pub blended_in_16_bits: bool,
 }
 
 impl PendingStats {
-    /// Completes the output with the content read back.
+    /// Completes the output with the content read back. In exhaustive mode cells beside the picture count as those between its
+    /// pixels: their place is found, and there is nothing more that could be done for them.
     pub fn with(self, Readback { picture, counts: counted, passes }: Readback) -> FrameOutput {
+        let [by_frustum, under_a_pixel] = [counted[counters::BY_FRUSTUM], counted[counters::UNDER_A_PIXEL]];
+        let [culled_by_frustum, under_a_pixel] = match self.exhaustive {
+            false => [by_frustum, under_a_pixel],
+            true => [0, by_frustum + under_a_pixel],
+        };
         FrameOutput {
             picture,
-            counts: FrameCounts {
-                culled_by_transfer_function: counted[counters::BY_FUNCTION],
-                culled_by_frustum: counted[counters::BY_FRUSTUM],
-                under_a_pixel: counted[counters::UNDER_A_PIXEL],
-                cells_projected: counted[counters::PROJECTED],
-                tile_entries: counted[counters::ENTRIES],
+            counts: RenderStats {
+                culled_by_transfer_function: Some(counted[counters::BY_FUNCTION]),
+                culled_by_frustum: Some(culled_by_frustum),
+                under_a_pixel: Some(under_a_pixel),
+                cells_projected: Some(counted[counters::PROJECTED]),
                 segments: self.is_counted.then_some(counted[counters::SEGMENTS]),
+                segments_exact: Some(0),
+                evaluations: None,
                 pixels_disordered: self.is_order_known.then_some(counted[counters::DISORDERED]),
-                sweeps_further: counted[counters::SWEEPS],
-                tiles_stopped: counted[counters::TILES_STOPPED],
-                cells_hidden: counted[counters::CELLS_HIDDEN],
+                tiles_stopped: Some(counted[counters::TILES_STOPPED]),
+                cells_hidden: Some(counted[counters::CELLS_HIDDEN]),
+                tables_built: None,
             },
+            tile_entries: counted[counters::ENTRIES],
+            sweeps_further: counted[counters::SWEEPS],
             passes,
             parts_left_out: self.parts_left_out,
             part_bytes_left_out: self.part_bytes_left_out,

@@ -1,17 +1,17 @@
-//! The passes of a frame, bound to their buffers, and their order.
+//! A frame: windows of the picture that fit the device's memory, the samples of each, and the passes over them, bound to their
+//! buffers.
 
-use crate::device::bindings::own_kinds;
-use crate::device::buffers::PendingReadback;
-use crate::device::device_handle::Device;
-use crate::device::pipelines::Program;
-use crate::device::timing::Timing;
-use crate::frame::buffers::{FrameBuffers, ReadbackBuffers};
-use crate::frame::counters;
+use crate::bound_pass::{Binder, BoundPass, GridArrays, folded, kinds, run, scene_kinds};
+use crate::device::pipelines::{Program, own_kinds};
+use crate::device::{Device, PendingReadback, Timing};
 use crate::frame::inputs::FrameInputs;
-use crate::grid::split_buffer::GrowingSplitBuffer;
-use crate::pass::bound_pass::{Binder, BoundPass, GridArrays, folded, kinds, run, scene_kinds};
-use crate::raster::blending::{Blending, CellPrimitive, Raster};
-use voltet_core::Result;
+use crate::frame::output::{FrameOutput, Readback, counters};
+use crate::frame::renderer::{FrameBuffers, ReadbackBuffers};
+use crate::grid::GrowingSplitBuffer;
+use crate::raster::{Blending, OUTLINES, Raster, TRIANGLES};
+use voltet_core::picture::Picture;
+use voltet_core::progress::Progress;
+use voltet_core::{Error, Result};
 use voltet_optics::engine::Stage;
 use voltet_shaders::{CompositorProgram, FramePass, GridArray, PlacementRecord, ViewRecord, cells_read};
 use wgpu::{Buffer, BufferUsages, CommandEncoder, SubmissionIndex};
@@ -44,7 +44,6 @@ pub(crate) fn counts_of(bytes: &[u8]) -> [u32; counters::ALL] {
     std::array::from_fn(|k| bytemuck::pod_read_unaligned(&bytes[4 * k..4 * k + 4]))
 }
 
-/// Bytes of the counts.
 const COUNTS_BYTES: u64 = counters::ALL as u64 * 4;
 
 /// Index behind them at which those of the tiles begin: `COUNTED` of `passes/view.wgsl`.
@@ -59,7 +58,7 @@ impl<'a> Passes<'a> {
         buffers: &mut FrameBuffers,
         returning: &mut ReadbackBuffers,
     ) -> Result<Passes<'a>> {
-        let (device, grid) = (frame.device(), frame.grid());
+        let (device, grid) = (frame.device(), &frame.renderer.grid);
         let (sizes, layout) = (&frame.sizes, &frame.shader_key.layout);
         let tiles = u64::from(window[2]) * u64::from(window[3]);
         let picture_bytes = frame.picture_bytes(window);
@@ -111,10 +110,10 @@ impl<'a> Passes<'a> {
                 stored,
             )?);
         }
-        let reads_g = if frame.reads_g { 1.0 } else { 0.0 };
+        let reads_g = if frame.shader_key.reads_gradient_magnitude { 1.0 } else { 0.0 };
         let blended = match frame.shader_key.compositor {
-            CompositorProgram::Raster(blend) => Some((CellPrimitive::Outlines, blend)),
-            CompositorProgram::Triangles(blend) => Some((CellPrimitive::Triangles, blend)),
+            CompositorProgram::Raster(blend) => Some((OUTLINES, blend)),
+            CompositorProgram::Triangles(blend) => Some((TRIANGLES, blend)),
             CompositorProgram::None | CompositorProgram::Segments | CompositorProgram::Tiles(_) => None,
         };
         let lists_tiles = if blended.is_some() { 0.0 } else { 1.0 };
@@ -129,8 +128,8 @@ impl<'a> Passes<'a> {
             &frame.numbers,
         )?;
         let mut read: Vec<(u32, &Buffer)> = vec![(0, &scene)];
-        for (name, binding) in &frame.storage_buffers {
-            read.push((*binding, tables.named(name)?));
+        for (name, binding) in frame.shader_key.storage_buffers() {
+            read.push((binding, tables.named(&name)?));
         }
         let last = if let Some((form, blend)) = blended {
             let blending = Blending {
@@ -211,7 +210,6 @@ impl<'a> Passes<'a> {
         let submitted = self.device.guarded("the frame", || {
             self.device.write(&self.view, 0, bytemuck::bytes_of(record));
             let mut encoder = self.device.device.create_command_encoder(&Default::default());
-            timing.begin();
             before(&mut encoder, timing);
             // Without states to go on from, one unfinished sample is enough for the caller to begin anew.
             if self.keeps_states {
@@ -261,5 +259,322 @@ impl<'a> Passes<'a> {
             })?;
         }
         self.device.read("the picture", &self.returned, self.picture_bytes, take)
+    }
+}
+
+/// Entries that lists are given room for before their lengths are known.
+const CAPACITY_AT_FIRST: u32 = 1 << 16;
+
+/// Work that a tile does in one dispatch, in cells tested: under a tenth of a second on a slow device, well within the
+/// seconds that a system grants.
+const BUDGET: u32 = 1 << 22;
+
+/// Like `BUDGET`, on a software driver: Mesa's ends loops after 65,535 rounds in all, of which a segment takes several. Where they
+/// were too many, the shader says so, and the frame is drawn again with a quarter of the budget.
+const BUDGET_SOFTWARE: u32 = 1 << 13;
+
+/// Less makes no difference: a chunk of cells is gone through without a pause.
+const MIN_BUDGET: u32 = 1 << 6;
+
+/// Dispatches in which every tile gets further, so that far fewer suffice.
+const MAX_DISPATCHES: u32 = 100_000;
+
+/// Cells of one tile that a software driver sorts within those rounds.
+const LONGEST_SOFTWARE: u32 = 20_000;
+
+impl FrameInputs<'_> {
+    /// Draws the whole picture. Errors: memory, a lost device, a stopped run.
+    pub fn draw(self, progress: &dyn Progress) -> Result<FrameOutput> {
+        let readback = self.draw_windows(vec![self.whole_window()], progress)?;
+        Ok(self.pending.with(readback))
+    }
+
+    /// The window of the whole picture, in tiles.
+    fn whole_window(&self) -> [u32; 4] {
+        let [columns, rows] = self.samples[0].size.map(|n| n.div_ceil(ViewRecord::TILE));
+        [0, 0, columns, rows]
+    }
+
+    /// Draws parts of the picture: windows, in tiles. Errors: as above.
+    pub fn draw_windows(&self, windows: Vec<[u32; 4]>, progress: &dyn Progress) -> Result<Readback> {
+        let [width, height] = self.samples[0].size;
+        let mut picture = Picture::transparent(width as usize, height as usize);
+        let mut all = [0u64; counters::ALL];
+        let mut timing = Timing::new(self.device())?;
+        let mut open = windows;
+        let mut is_first = true;
+        while let Some(window) = open.pop() {
+            if progress.cancelled() {
+                return Err(Error::cancelled());
+            }
+            let counts = match self.fits(window) {
+                true => self.draw_window(window, &mut picture, &mut timing)?,
+                false => None,
+            };
+            let Some(counts) = counts else {
+                open.extend(halves(window)?);
+                continue;
+            };
+            for (place, (sum, count)) in all.iter_mut().zip(counts).enumerate() {
+                if is_first || !counters::OF_CELLS.contains(&place) {
+                    *sum += u64::from(count);
+                }
+            }
+            is_first = false;
+        }
+        Ok(Readback { picture, counts: all, passes: timing.sums })
+    }
+
+    /// True if the device can hold a window's pixels.
+    fn fits(&self, window: [u32; 4]) -> bool {
+        let limits = &self.device().limits;
+        let side = window[2].max(window[3]) * ViewRecord::TILE;
+        self.window_bytes(window, self.keeps_states()) <= self.device().most_bytes()
+            && side <= limits.max_texture_dimension_2d
+    }
+
+    /// True if tiles stop within their lists and go on, by former frames of the grid.
+    fn keeps_states(&self) -> bool {
+        self.renderer.buffers().keeps_states
+    }
+
+    /// Bytes of a window's pixels with their states: a state is two vectors, a pixel one.
+    pub fn window_bytes(&self, window: [u32; 4], keeps_states: bool) -> u64 {
+        self.picture_bytes(window) * if keeps_states { 3 } else { 1 }
+    }
+
+    /// Draws one window; `None` where its lists or its pixels' states do not fit one binding, or a cell has more tiles in it
+    /// than a driver goes through.
+    fn draw_window(
+        &self,
+        window: [u32; 4],
+        picture: &mut Picture,
+        timing: &mut Timing,
+    ) -> Result<Option<[u32; counters::ALL]>> {
+        let device = self.device();
+        let most = self.most_entries();
+        let mut buffers = self.renderer.buffers();
+        loop {
+            let (capacity, budget) = self.room(&mut buffers);
+            let counts = self.run(window, capacity, budget, &mut buffers, picture, timing)?;
+            let needed = counts[counters::ENTRIES];
+            if needed > most || counts[counters::CELLS_CUT_SHORT] != 0 {
+                return Ok(None);
+            }
+            if device.is_software && self.sorted && counts[counters::LONGEST] > LONGEST_SOFTWARE {
+                return Err(Error::run("a software driver does not sort so many cells of one tile")
+                    .got(counts[counters::LONGEST])
+                    .expected(format!("at most {LONGEST_SOFTWARE}, or engine = \"cpu\"")));
+            }
+            if needed > capacity {
+                // Some room for the next frame.
+                buffers.capacity = needed.saturating_add(needed / 4).min(most);
+            } else if counts[counters::PIXELS_CUT_SHORT] != 0 {
+                if budget <= MIN_BUDGET {
+                    return Err(self.ends_loops(counts[counters::PIXELS_CUT_SHORT]));
+                }
+                buffers.budget = Some(budget / 4);
+            } else if counts[counters::UNFINISHED] != 0 {
+                buffers.keeps_states = true;
+                if self.window_bytes(window, true) > device.most_bytes() {
+                    return Ok(None);
+                }
+            } else {
+                return Ok(Some(counts));
+            }
+        }
+    }
+
+    fn ends_loops(&self, pixels: u32) -> Error {
+        let name = &self.device().name;
+        Error::run(format!("{name} ends loops before the segments of 64 cells are integrated"))
+            .got(format!("{pixels} pixels cut short"))
+            .expected(
+                "fewer samples of a segment, fewer control points, another adapter, or engine = \"cpu\"",
+            )
+    }
+
+    /// Entries that lists can have in one binding.
+    fn most_entries(&self) -> u32 {
+        (self.device().most_bytes() / 8).min(u64::from(u32::MAX)) as u32
+    }
+
+    /// Entries that lists have room for, and the work of a tile in one dispatch, as former frames found out.
+    fn room(&self, buffers: &mut FrameBuffers) -> (u32, u32) {
+        buffers.capacity = buffers.capacity.max(CAPACITY_AT_FIRST.min(self.most_entries()));
+        let budget = if self.device().is_software { BUDGET_SOFTWARE } else { BUDGET };
+        (buffers.capacity, *buffers.budget.get_or_insert(budget))
+    }
+
+    /// Uniform of the passes for a sample.
+    fn record(
+        &self,
+        number: usize,
+        sample: &ViewRecord,
+        window: [u32; 4],
+        capacity: u32,
+        budget: u32,
+    ) -> ViewRecord {
+        let weight = 1.0 / self.samples.len() as f32;
+        ViewRecord { window, capacity, weight, is_first: u32::from(number == 0), budget, ..*sample }
+    }
+
+    /// Submits the whole picture without waiting for it. `None` where it has to be drawn in parts, whose numbers come back in
+    /// between. Errors: memory; a lost device.
+    pub fn submit(&self, returning: &mut ReadbackBuffers) -> Result<Option<SubmittedPicture>> {
+        let [width, height] = self.samples[0].size;
+        let window = self.whole_window();
+        if !self.fits(window) || self.keeps_states() {
+            return Ok(None);
+        }
+        let mut buffers = self.renderer.buffers();
+        let (capacity, budget) = self.room(&mut buffers);
+        let passes = Passes::new(self, window, capacity, &mut buffers, returning)?;
+        let mut last = None;
+        for (number, sample) in self.samples.iter().enumerate() {
+            let record = self.record(number, sample, window, capacity, budget);
+            last = Some(passes.submit(&record, &mut Timing::default())?);
+        }
+        let longest = if self.device().is_software && self.sorted { LONGEST_SOFTWARE } else { u32::MAX };
+        Ok(Some(SubmittedPicture {
+            sent: passes.send(last),
+            size: [width, height],
+            window,
+            capacity,
+            longest,
+        }))
+    }
+
+    /// Runs all passes for all samples over a window, and copies its pixels to the picture.
+    fn run(
+        &self,
+        window: [u32; 4],
+        capacity: u32,
+        budget: u32,
+        buffers: &mut FrameBuffers,
+        picture: &mut Picture,
+        timing: &mut Timing,
+    ) -> Result<[u32; counters::ALL]> {
+        let device = self.device();
+        let goes_on = buffers.keeps_states;
+        let mut returning = std::mem::take(&mut buffers.returned);
+        let passes = Passes::new(self, window, capacity, buffers, &mut returning);
+        buffers.returned = returning;
+        let passes = passes?;
+        let mut counted = [0; counters::ALL];
+        let is_right = |counted: &[u32; counters::ALL]| is_right(counted, capacity);
+        for (number, sample) in self.samples.iter().enumerate() {
+            let mut record = self.record(number, sample, window, capacity, budget);
+            passes.submit(&record, timing)?;
+            record.goes_on = 1;
+            // Without states a dispatch cannot go on: the caller finds that out from the counts.
+            if goes_on {
+                counted = passes.counts()?;
+                let mut dispatches = 0;
+                while counted[counters::UNFINISHED] != 0 && is_right(&counted) {
+                    dispatches += 1;
+                    if dispatches > MAX_DISPATCHES {
+                        return Err(Error::run(format!(
+                            "{} does not come to an end with the tiles",
+                            device.name
+                        ))
+                        .got(format!("{} tiles that go on", counted[counters::UNFINISHED]))
+                        .expected("another adapter, or engine = \"cpu\""));
+                    }
+                    passes.submit_tiles(&record, timing)?;
+                    counted = passes.counts()?;
+                }
+                if !is_right(&counted) {
+                    break;
+                }
+            }
+        }
+        if !goes_on {
+            counted = passes.counts()?;
+        }
+        if is_right(&counted) && counted[counters::UNFINISHED] == 0 {
+            passes.picture(|bytes| put_window(picture, window, bytes))?;
+        }
+        Ok(counted)
+    }
+}
+
+/// True if a frame came to its end but for tiles that go on: lists that had room, and loops that nothing ended.
+fn is_right(counted: &[u32; counters::ALL], capacity: u32) -> bool {
+    let cut_short = counted[counters::CELLS_CUT_SHORT] + counted[counters::PIXELS_CUT_SHORT];
+    counted[counters::ENTRIES] <= capacity && cut_short == 0
+}
+
+/// A submitted picture that was not read back yet.
+pub(crate) struct SubmittedPicture {
+    sent: [PendingReadback; 2],
+    size: [u32; 2],
+    window: [u32; 4],
+    capacity: u32,
+    /// Cells of one tile that are put in order, at most.
+    longest: u32,
+}
+
+impl SubmittedPicture {
+    /// The picture; `None` where it has to be drawn again, with more room. Errors: a lost device.
+    pub fn finish(self, device: &Device) -> Result<Option<Readback>> {
+        let [counts, pixels] = self.sent;
+        let counted = counts.take(device, counts_of)?;
+        let mut picture = Picture::transparent(self.size[0] as usize, self.size[1] as usize);
+        pixels.take(device, |bytes| put_window(&mut picture, self.window, bytes))?;
+        let is_whole = is_right(&counted, self.capacity)
+            && counted[counters::UNFINISHED] == 0
+            && counted[counters::LONGEST] <= self.longest;
+        let counts = counted.map(u64::from);
+        Ok(is_whole.then_some(Readback { picture, counts, passes: Vec::new() }))
+    }
+}
+
+/// A window cut in two along its longer side.
+fn halves([x, y, width, height]: [u32; 4]) -> Result<[[u32; 4]; 2]> {
+    if width == 1 && height == 1 {
+        return Err(Error::run("the list of one tile of the picture does not fit one binding of the device")
+            .expected("a closer view, a smaller grid, or engine = \"cpu\""));
+    }
+    Ok(if width >= height {
+        let half = width / 2;
+        [[x, y, half, height], [x + half, y, width - half, height]]
+    } else {
+        let half = height / 2;
+        [[x, y, width, half], [x, y + half, width, height - half]]
+    })
+}
+
+/// Copies a window's pixels to their place.
+fn put_window(picture: &mut Picture, window: [u32; 4], bytes: &[u8]) {
+    let [left, top, width, height] = window.map(|n| (n * ViewRecord::TILE) as usize);
+    let right = (left + width).min(picture.width);
+    for row in 0..height.min(picture.height.saturating_sub(top)) {
+        let from = row * width * 16;
+        let pixels = bytes[from..from + (right - left) * 16].chunks_exact(16);
+        let start = (top + row) * picture.width + left;
+        for (pixel, bytes) in picture.rgba[start..start + right - left].iter_mut().zip(pixels) {
+            *pixel = bytemuck::pod_read_unaligned(bytes);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn windows_are_halved_down_to_a_tile() {
+        let mut open = vec![[0, 0, 5, 3]];
+        let mut tiles = Vec::new();
+        while let Some(window) = open.pop() {
+            match halves(window) {
+                Ok(both) => open.extend(both),
+                Err(_) => tiles.push([window[0], window[1]]),
+            }
+        }
+        tiles.sort_unstable();
+        let every: Vec<[u32; 2]> = (0..5).flat_map(|x| (0..3).map(move |y| [x, y])).collect();
+        assert_eq!(tiles, every);
     }
 }

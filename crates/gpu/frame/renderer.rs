@@ -1,11 +1,15 @@
-//! Renderer of a volume: its grid on a device, and the buffers of its frames.
+//! Renderer of a volume: its grid on a device, the buffers that stay between its frames, and the order of its cells along their
+//! faces, which is found on the CPU and kept while it holds.
 
-use crate::device::device_handle::Device;
-use crate::frame::buffers::FrameBuffers;
-use crate::frame::face_order::{FaceOrderCache, FaceOrderResult};
-use crate::grid::device_grid::DeviceGrid;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use crate::device::{Device, GrowingBuffer, locked};
+use crate::grid::{DeviceGrid, GrowingSplitBuffer};
+use crate::raster::RasterBuffers;
+use crate::tables::Tables;
+use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::Instant;
 use voltet_core::Result;
+use voltet_core::camera::{Camera, Projection};
+use voltet_core::visibility::{FaceOrder, Faces, OrderError};
 use voltet_core::volume::Volume;
 use voltet_optics::scene::Scene;
 
@@ -47,10 +51,73 @@ impl Renderer {
     ///
     /// Errors: a camera out of range.
     pub(crate) fn along_faces(&self, scene: &Scene) -> Result<(FaceOrderResult, Option<f64>)> {
-        self.orders.lock().unwrap_or_else(PoisonError::into_inner).find(scene)
+        let (grid, camera) = (&scene.volume.grid, &scene.camera);
+        let FaceOrderCache { faces, last } = &mut *locked(&self.orders);
+        let begun = Instant::now();
+        let faces = faces.get_or_insert_with(|| Faces::new(grid));
+        if let Some((_, found)) = last.as_ref().filter(|(known, found)| serves(faces, known, found, camera)) {
+            return Ok((found.clone(), None));
+        }
+        let found = faces.order(grid, camera)?.map(Arc::new);
+        *last = Some((*camera, found.clone()));
+        Ok((found, Some(begun.elapsed().as_secs_f64())))
     }
 
     pub(crate) fn buffers(&self) -> MutexGuard<'_, FrameBuffers> {
-        self.buffers.lock().unwrap_or_else(PoisonError::into_inner)
+        locked(&self.buffers)
     }
+}
+
+/// Cache of a grid's faces, and of the last order with its camera.
+#[derive(Default)]
+struct FaceOrderCache {
+    faces: Option<Faces>,
+    last: Option<(Camera, FaceOrderResult)>,
+}
+
+/// The order, or the reason why there is none.
+pub(crate) type FaceOrderResult = std::result::Result<Arc<FaceOrder>, OrderError>;
+
+/// True if the order of one camera holds for another: without gaps, and where nothing was made to fit the pixels, only the eye
+/// is of account.
+fn serves(faces: &Faces, known: &Camera, found: &FaceOrderResult, camera: &Camera) -> bool {
+    let is_same_eye = match (known.projection, camera.projection) {
+        (Projection::Perspective { .. }, Projection::Perspective { .. }) => known.eye == camera.eye,
+        _ => false,
+    };
+    let is_of_eye =
+        faces.is_independent_of_direction() && found.as_ref().is_ok_and(|order| order.taken_out == 0);
+    known == camera || (is_of_eye && is_same_eye)
+}
+
+/// Buffers that a frame is read back by.
+#[derive(Default)]
+pub(crate) struct ReadbackBuffers {
+    pub picture: GrowingBuffer,
+    pub counts: GrowingBuffer,
+}
+
+/// Buffers that stay between frames.
+#[derive(Default)]
+pub(crate) struct FrameBuffers {
+    pub seen: GrowingSplitBuffer,
+    pub attributes: GrowingSplitBuffer,
+    pub bounds: GrowingSplitBuffer,
+    pub entries: GrowingBuffer,
+    pub picture: GrowingBuffer,
+    pub counts: GrowingBuffer,
+    /// Readback buffers of frames that are drawn one at a time.
+    pub returned: ReadbackBuffers,
+    /// Readback buffers for frames in flight that are not in use.
+    pub idle_readbacks: Vec<ReadbackBuffers>,
+    /// Frames in flight.
+    pub in_flight: usize,
+    pub tables: Tables,
+    pub raster: RasterBuffers,
+    /// Work of a tile in one dispatch, as far as former frames of the grid have come.
+    pub budget: Option<u32>,
+    /// Entries of the lists that the last frame needed.
+    pub capacity: u32,
+    /// True if tiles have had more work than one dispatch does, so that their pixels' states are kept.
+    pub keeps_states: bool,
 }

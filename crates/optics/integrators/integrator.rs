@@ -1,12 +1,43 @@
-//! Integrators: the trait that each kind implements, and an integrator as its kind with a number for each parameter of the kind.
+//! Integrators: the trait that each kind implements, an integrator as its kind with a number for each parameter of the kind, and
+//! its registration as a variant of a pipeline's parameter.
 
-use super::{Extent, SegmentIntegrator};
-use crate::WidgetBlend;
+use crate::{CompiledTransferFunction, Contribution, Segment, WidgetBlend};
 use std::any::Any;
-use voltet_core::parameters::{LocatedValue, Parameter, ParameterType, Parameters, VariantSchema};
+use std::sync::Arc;
+use voltet_core::parameters::{LocatedValue, Parameter, ParameterType, Parameters, Variant, VariantSchema};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
+
+/// Computes (C, A) of one segment.
+pub trait SegmentIntegrator: Send + Sync {
+    /// The segment's contribution.
+    fn integrate(&self, segment: &Segment) -> Contribution;
+
+    /// Bytes of its tables.
+    fn table_bytes(&self) -> usize {
+        0
+    }
+
+    /// The table that the integrator looks up, for kernels that share it.
+    fn table(&self) -> Option<&dyn Any> {
+        None
+    }
+
+    /// Reason why a segment could not be integrated so far: a picture drawn with it is invalid.
+    fn failure(&self) -> Option<&Error> {
+        None
+    }
+}
+
+/// Ranges of the segments of a data set: the domain of a table over them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extent {
+    /// Smallest and largest scalar.
+    pub scalar: [f64; 2],
+    /// Length of the longest segment, world units.
+    pub longest: f64,
+}
 
 /// A kind of integrators. Each is a static; a registry that adds its [`variant`](super::variant) makes it known to pipelines.
 pub trait IntegratorKind: Send + Sync {
@@ -145,15 +176,6 @@ impl Integrator {
         integrator
     }
 
-    /// An integrator with the settings that a pipeline states.
-    pub fn from_parameters(kind: &'static dyn IntegratorKind, p: &Parameters) -> Result<Integrator> {
-        let mut integrator = Integrator::with_settings(kind, []);
-        for (parameter, setting) in kind.schema().parameters.iter().zip(&mut integrator.settings) {
-            *setting = p.number(parameter.name)?;
-        }
-        Ok(integrator)
-    }
-
     /// The kind.
     pub fn kind(&self) -> &'static dyn IntegratorKind {
         self.kind
@@ -238,5 +260,103 @@ impl Integrator {
         Error::usage(format!("{what} of the integrator '{}' is out of range", self.name()))
             .got(value)
             .expected(accepted)
+    }
+}
+
+/// The parameter of a pipeline file that names an integrator.
+pub const INTEGRATOR: &str = "integrator";
+
+/// A kind as a variant of the parameter [`INTEGRATOR`], which a registry adds.
+///
+/// Errors: a kind with too many parameters.
+pub fn variant(kind: &'static dyn IntegratorKind) -> Result<Variant> {
+    let schema = kind.schema();
+    if schema.parameters.len() > MAX_SETTINGS {
+        let error = Error::usage("an integrator has too many parameters").got(schema.parameters.len());
+        return Err(error.expected(format!("at most {}", MAX_SETTINGS)).at_item(schema.name));
+    }
+    Ok(Variant { schema, object: Arc::new(kind) })
+}
+
+/// The kinds among variants of a registry, or of a node's parameters.
+pub fn kinds<'a>(variants: impl IntoIterator<Item = &'a Variant>) -> Vec<&'static dyn IntegratorKind> {
+    variants.into_iter().filter_map(kind_of).collect()
+}
+
+/// The integrator that a node's parameters state.
+///
+/// Errors: a name that is not registered.
+pub fn stated(parameters: &Parameters) -> Result<Integrator> {
+    let variant = parameters.variant(INTEGRATOR)?;
+    let kind = kind_of(variant).ok_or_else(|| {
+        parameters.error(INTEGRATOR, format!("'{}' is not registered as an integrator", variant.schema.name))
+    })?;
+    let mut integrator = Integrator::with_settings(kind, []);
+    for (parameter, setting) in kind.schema().parameters.iter().zip(&mut integrator.settings) {
+        *setting = parameters.number(parameter.name)?;
+    }
+    Ok(integrator)
+}
+
+fn kind_of(variant: &Variant) -> Option<&'static dyn IntegratorKind> {
+    variant.object.downcast_ref::<&'static dyn IntegratorKind>().copied()
+}
+
+/// Checks, without any data, that the integrator's settings are in range and that it can integrate the transfer function.
+pub fn can_serve(integrator: &Integrator, transfer_function: &TransferFunction) -> Result<()> {
+    integrator.check()?;
+    let Some(Obstacle { found, accepted }) = integrator.kind().obstacle(transfer_function) else {
+        return Ok(());
+    };
+    let what = format!("the integrator '{}' cannot serve this transfer function", integrator.name());
+    Err(Error::usage(what).got(found).expected(accepted))
+}
+
+/// The closed forms.
+#[derive(Debug, Clone)]
+pub struct Analytic {
+    prepared: CompiledTransferFunction,
+    overlap: WidgetBlend,
+}
+
+impl Analytic {
+    /// Closed forms of a transfer function.
+    ///
+    /// Errors: a number out of range.
+    pub fn new(transfer_function: &TransferFunction, overlap: WidgetBlend) -> Result<Self> {
+        Ok(Analytic { prepared: CompiledTransferFunction::new(transfer_function)?, overlap })
+    }
+}
+
+impl Integrator {
+    /// Closed forms; quadrature with closed-form optical depth where widgets overlap.
+    pub const ANALYTIC: Integrator = Integrator::with_settings(&AnalyticKind, []);
+}
+
+pub(super) struct AnalyticKind;
+
+impl IntegratorKind for AnalyticKind {
+    fn schema(&self) -> VariantSchema {
+        VariantSchema {
+            name: "analytic",
+            summary: "closed forms; quadrature with closed-form optical depth where widgets overlap",
+            parameters: &[],
+        }
+    }
+
+    fn compile(
+        &self,
+        _: &Integrator,
+        blend: WidgetBlend,
+        transfer_function: &TransferFunction,
+        _: &Extent,
+    ) -> Result<Box<dyn SegmentIntegrator>> {
+        Ok(Box::new(Analytic::new(transfer_function, blend)?))
+    }
+}
+
+impl SegmentIntegrator for Analytic {
+    fn integrate(&self, segment: &Segment) -> Contribution {
+        self.prepared.integrate(segment, self.overlap)
     }
 }

@@ -1,32 +1,22 @@
 //! The integrators of one segment behind one trait (docs/src/explanation/optics.md, section 10).
 //!
-//! | integrator | method |
-//! | --- | --- |
-//! | [`Analytic`] | closed forms; overlaps in order or mixed |
-//! | [`Adaptive`] | closed forms, subdivided until the error is under a tolerance |
-//!
-//! Others are registered from outside: each implements [`IntegratorKind`].
+//! [`Analytic`] and [`Adaptive`] ship. Others are registered from outside: each implements [`IntegratorKind`].
 
 mod adaptive;
-mod analytic;
 mod integrator;
-mod registry;
-mod segment_integrator;
 
 pub use adaptive::Adaptive;
-pub use analytic::Analytic;
 pub use integrator::{
-    Integrator, IntegratorKind, MAX_SETTINGS, Obstacle, PreparedScene, ScenePreparation, TableDomain,
+    Analytic, Extent, INTEGRATOR, Integrator, IntegratorKind, MAX_SETTINGS, Obstacle, PreparedScene,
+    ScenePreparation, SegmentIntegrator, TableDomain, can_serve, kinds, stated, variant,
 };
-pub use registry::{INTEGRATOR, can_serve, kinds, stated, variant};
-pub use segment_integrator::{Extent, SegmentIntegrator};
 
 use super::WidgetBlend;
 use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
 
 /// The kinds that ship.
-pub static KINDS: [&dyn IntegratorKind; 2] = [&analytic::AnalyticKind, &adaptive::AdaptiveKind];
+pub static KINDS: [&dyn IntegratorKind; 2] = [&integrator::AnalyticKind, &adaptive::AdaptiveKind];
 
 /// The 64-bit integral of a segment by an integrator. `blend`: the blending of widgets that overlap, for kinds that can mix them; the
 /// others take widgets together in their order.

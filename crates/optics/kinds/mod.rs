@@ -1,15 +1,8 @@
-//! Profiles of widgets in 64 bits: compiled ([`CompiledProfile`]), along one segment ([`Path`]), and as the quadrature
+//! Profiles of widgets in 64 bits: compiled (`CompiledProfile`), along one segment (`Path`), and as the quadrature
 //! sees it ([`AnyTrack`]). The formulas stand in one file a kind.
-
-pub mod gaussian;
-pub mod piecewise_linear;
-pub mod table;
-pub mod triangular_gaussian;
-pub mod wave;
 
 use crate::Segment;
 use crate::clip::ClippedSpan;
-use crate::fields::{Ends, Fields, slot};
 use crate::quadrature::GAUSS_12;
 use crate::special::{mean_transmittance, opacity};
 use crate::track::{POINTS, Track};
@@ -18,8 +11,14 @@ use piecewise_linear::{PiecewisePath, PiecewiseTrack};
 use std::sync::Arc;
 use table::TablePath;
 use triangular_gaussian::TriangularPath;
-use voltet_core::transfer::{ControlPoint, Profile, Table};
+use voltet_core::transfer::{ControlPoint, MAX_FIELDS, Profile, Table};
 use wave::{Bell, WavePath, WaveTrack};
+
+pub mod gaussian;
+pub mod piecewise_linear;
+pub mod table;
+pub mod triangular_gaussian;
+pub mod wave;
 
 /// The constant-emitter's cutoff.
 #[derive(Debug, Clone, Copy)]
@@ -139,11 +138,11 @@ impl CompiledProfile {
                 ))
             }
             CompiledProfile::GaussianNd(fields) => {
-                let Ends { front, back, along } = fields.ends(segment);
+                let [front, back, along] = fields.ends(segment);
                 Path::Gaussian(GaussianPath::new(front, back, along))
             }
             CompiledProfile::TriangularNd(fields, magnitude) => {
-                let Ends { front, back, along } = fields.ends(segment);
+                let [front, back, along] = fields.ends(segment);
                 let magnitude = [segment.fields_front[*magnitude], segment.fields_back[*magnitude]];
                 Path::Triangular(TriangularPath::over_fields(front, back, along, magnitude, peak))
             }
@@ -223,10 +222,7 @@ impl<'a> Path<'a> {
 
     /// True if its colour is the widget's.
     pub fn has_one_color(&self) -> bool {
-        match self {
-            Path::Piecewise(_) | Path::Table(_) => false,
-            Path::Uniform | Path::Gaussian(_) | Path::Triangular(_) | Path::Wave(_) => true,
-        }
+        !matches!(self, Path::Piecewise(_) | Path::Table(_))
     }
 
     /// The t between which the profile exceeds the cutoff, where the track does not break there by itself.
@@ -287,9 +283,7 @@ impl AnyTrack<'_> {
         match self {
             AnyTrack::Piecewise(_) => TrackColor::Linear,
             AnyTrack::Table(_) => TrackColor::Curved,
-            AnyTrack::Uniform(_) | AnyTrack::Gaussian(_) | AnyTrack::Triangular(_) | AnyTrack::Wave(_) => {
-                TrackColor::OfWidget
-            }
+            _ => TrackColor::OfWidget,
         }
     }
 
@@ -298,9 +292,7 @@ impl AnyTrack<'_> {
         match self {
             AnyTrack::Piecewise(track) => Some(track.path.color(t)),
             AnyTrack::Table(track) => Some(track.color(t)),
-            AnyTrack::Uniform(_) | AnyTrack::Gaussian(_) | AnyTrack::Triangular(_) | AnyTrack::Wave(_) => {
-                None
-            }
+            _ => None,
         }
     }
 
@@ -309,20 +301,13 @@ impl AnyTrack<'_> {
         match self {
             // Its depth is that of one piece between control points.
             AnyTrack::Piecewise(track) => track.depth_over(t, dt),
-            AnyTrack::Uniform(_)
-            | AnyTrack::Gaussian(_)
-            | AnyTrack::Triangular(_)
-            | AnyTrack::Wave(_)
-            | AnyTrack::Table(_) => self.depth(t, dt),
+            _ => self.depth(t, dt),
         }
     }
 
     /// True if it may glow on several parts of a segment under the constant-emitter, between which it breaks by itself.
     pub fn glows_in_parts(&self) -> bool {
-        match self {
-            AnyTrack::Wave(_) | AnyTrack::Piecewise(_) | AnyTrack::Table(_) => true,
-            AnyTrack::Uniform(_) | AnyTrack::Gaussian(_) | AnyTrack::Triangular(_) => false,
-        }
+        matches!(self, AnyTrack::Wave(_) | AnyTrack::Piecewise(_) | AnyTrack::Table(_))
     }
 }
 
@@ -370,4 +355,52 @@ impl Track for AnyTrack<'_> {
             AnyTrack::Table(track) => track.depths(t, dt),
         }
     }
+}
+
+/// The fields of a widget over a list of its own, its centre v₀ and K (Kniss et al. 2003, Eq. 11 and 12).
+#[derive(Debug, Clone)]
+pub(crate) struct Fields {
+    /// Indices of its fields among the segment's.
+    slots: [usize; MAX_FIELDS],
+    count: usize,
+    centre: [f64; MAX_FIELDS],
+    matrix: [[f64; MAX_FIELDS]; MAX_FIELDS],
+}
+
+impl Fields {
+    /// `names` are the widget's fields, `fields` those of the segments.
+    pub fn new(names: &[String], centre: &[f64], matrix: &[Vec<f64>], fields: &[&str]) -> Self {
+        let mut own = Fields {
+            slots: [0; MAX_FIELDS],
+            count: names.len(),
+            centre: [0.0; MAX_FIELDS],
+            matrix: [[0.0; MAX_FIELDS]; MAX_FIELDS],
+        };
+        for (i, name) in names.iter().enumerate() {
+            own.slots[i] = slot(name, fields);
+            own.centre[i] = centre[i];
+            own.matrix[i][..names.len()].copy_from_slice(&matrix[i]);
+        }
+        own
+    }
+
+    /// K (v_f − v₀), K (v_b − v₀), and K (v_b − v_f) from the raw difference; unused components are 0.
+    fn ends(&self, segment: &Segment) -> [[f64; MAX_FIELDS]; 3] {
+        let mut ends = [[0.0; MAX_FIELDS]; 3];
+        for j in 0..self.count {
+            let slot = self.slots[j];
+            let (f, b) = (segment.fields_front[slot], segment.fields_back[slot]);
+            for (end, from) in ends.iter_mut().zip([f - self.centre[j], b - self.centre[j], b - f]) {
+                for i in 0..self.count {
+                    end[i] += self.matrix[i][j] * from;
+                }
+            }
+        }
+        ends
+    }
+}
+
+/// Index of a field among the segments'; the transfer function lists all that its widgets read.
+fn slot(name: &str, fields: &[&str]) -> usize {
+    fields.iter().position(|field| *field == name).unwrap_or(0)
 }

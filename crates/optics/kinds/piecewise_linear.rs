@@ -93,35 +93,25 @@ impl<'a> PiecewisePath<'a> {
         (self.front - point.s) * rest + (self.back - point.s) * t
     }
 
-    /// Share of the upper control point of `interval` at t; the interval has two control points.
+    /// Control points at the ends of an interval, and the share of the upper one at t; beyond all of them the last one twice.
     #[inline]
-    fn blend(&self, interval: usize, t: f64, rest: f64) -> f64 {
-        let span = self.points[interval].s - self.points[interval - 1].s;
-        (self.offset(interval - 1, t, rest) / span).clamp(0.0, 1.0)
+    fn ends(&self, interval: usize, t: f64, rest: f64) -> (&'a ControlPoint, &'a ControlPoint, f64) {
+        if interval == 0 || interval == self.points.len() {
+            let point = &self.points[interval.saturating_sub(1)];
+            return (point, point, 0.0);
+        }
+        let (low, high) = (&self.points[interval - 1], &self.points[interval]);
+        (low, high, (self.offset(interval - 1, t, rest) / (high.s - low.s)).clamp(0.0, 1.0))
     }
 
     fn extinction_in(&self, interval: usize, t: f64, rest: f64) -> f64 {
-        if interval == 0 {
-            self.points[0].extinction
-        } else if interval == self.points.len() {
-            self.points[interval - 1].extinction
-        } else {
-            let (low, high) = (&self.points[interval - 1], &self.points[interval]);
-            let x = self.blend(interval, t, rest);
-            low.extinction * (1.0 - x) + high.extinction * x
-        }
+        let (low, high, x) = self.ends(interval, t, rest);
+        low.extinction * (1.0 - x) + high.extinction * x
     }
 
     fn color_in(&self, interval: usize, t: f64, rest: f64) -> [f64; 3] {
-        if interval == 0 {
-            self.points[0].color
-        } else if interval == self.points.len() {
-            self.points[interval - 1].color
-        } else {
-            let (low, high) = (&self.points[interval - 1], &self.points[interval]);
-            let x = self.blend(interval, t, rest);
-            std::array::from_fn(|i| low.color[i] * (1.0 - x) + high.color[i] * x)
-        }
+        let (low, high, x) = self.ends(interval, t, rest);
+        std::array::from_fn(|i| low.color[i] * (1.0 - x) + high.color[i] * x)
     }
 
     /// Calls `f` for each piece from front to back until it returns false.

@@ -1,7 +1,6 @@
 //! The picture: cells put into screen tiles by conservative bounds, tiles drawn on all cores.
 
-use super::crossing::Crossing;
-use super::tracer::Tracer;
+use crate::trace::{Crossing, Tracer, sample_places};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
@@ -16,12 +15,8 @@ const SIDE: usize = 16;
 /// Part of the picture in pixel coordinates, row 0 at the top: [left, right], [top, bottom].
 type Box2 = [[f64; 2]; 2];
 
-/// A cell's bounds in pixels; `None` where it reaches before the eye plane and has none.
-enum ScreenBounds {
-    Nowhere,
-    Inside(Box2),
-    Unbounded,
-}
+/// Bounds of a cell that reaches before the eye plane and has none.
+const UNBOUNDED: Box2 = [[f64::NEG_INFINITY, f64::INFINITY]; 2];
 
 /// Tiles of a picture that are drawn, by their numbers from the upper left corner, row by row: what a stopped picture
 /// leaves. Each holds 16 × 16 pixels, row by row.
@@ -39,7 +34,7 @@ impl Tracer<'_> {
     /// Draws the tiles that are not there yet, and makes the picture of all. Where that ends early, `tiles` holds those that
     /// are drawn.
     pub fn draw_further(&self, tiles: &mut Tiles, progress: &dyn Progress) -> Result<Picture> {
-        let [width, height] = self.camera().size.map(|n| n as usize);
+        let [width, height] = self.camera.size.map(|n| n as usize);
         let columns = width.div_ceil(SIDE);
         let lists = self.tile_lists(columns, height.div_ceil(SIDE));
         tiles.retain(|&tile, pixels| (tile as usize) < lists.len() && pixels.len() == TILE_PIXELS);
@@ -75,18 +70,14 @@ impl Tracer<'_> {
 
     /// Pixels of one tile, row by row. `corner`: its upper left pixel.
     fn draw_tile(&self, corner: [usize; 2], cells: &[u32]) -> Result<Vec<[f32; 4]>> {
-        let samples = sample_places(self.camera().samples);
+        let samples = sample_places(self.camera.samples);
         let mut sums = vec![[0.0; 4]; SIDE * SIDE];
         let mut lists: Vec<Vec<Crossing>> = vec![Vec::new(); SIDE * SIDE];
         for place in &samples {
             lists.iter_mut().for_each(Vec::clear);
             let position = |k: usize, index: usize| (corner[k] + index) as f64 + place[k];
             for &cell in cells {
-                let bounds = match self.bounds(cell) {
-                    ScreenBounds::Nowhere => continue,
-                    ScreenBounds::Inside(bounds) => bounds,
-                    ScreenBounds::Unbounded => [[f64::NEG_INFINITY, f64::INFINITY]; 2],
-                };
+                let Some(bounds) = self.bounds(cell) else { continue };
                 let covers =
                     |k: usize, index: usize| (bounds[k][0]..=bounds[k][1]).contains(&position(k, index));
                 for row in (0..SIDE).filter(|&row| covers(1, row)) {
@@ -113,28 +104,16 @@ impl Tracer<'_> {
     fn tile_lists(&self, columns: usize, rows: usize) -> Vec<Vec<u32>> {
         let mut lists = vec![Vec::new(); columns * rows];
         for cell in 0..self.cell_count() {
-            match self.bounds(cell) {
-                ScreenBounds::Nowhere => {}
-                ScreenBounds::Inside(bounds) => {
-                    let range = |k: usize, count: usize| {
-                        let tile = |pixel: f64| (pixel / SIDE as f64).clamp(0.0, count as f64);
-                        let [low, high] = bounds[k].map(tile);
-                        low as usize..((high.floor() as usize + 1).min(count))
-                    };
-                    for row in range(1, rows) {
-                        for column in range(0, columns) {
-                            lists[row * columns + column].push(cell);
-                        }
-                    }
-                }
-                ScreenBounds::Unbounded => {
-                    let corners = self.corners(cell);
-                    let beside = |axis: usize, tile: usize| self.beside(&corners, axis, tile);
-                    for row in (0..rows).filter(|&row| !beside(1, row)) {
-                        for column in (0..columns).filter(|&column| !beside(0, column)) {
-                            lists[row * columns + column].push(cell);
-                        }
-                    }
+            let Some(bounds) = self.bounds(cell) else { continue };
+            let corners = self.corners(cell);
+            let range = |k: usize, count: usize| {
+                let [low, high] = bounds[k].map(|pixel| (pixel / SIDE as f64).clamp(0.0, count as f64));
+                low as usize..((high.floor() as usize + 1).min(count))
+            };
+            let touches = |k: usize, tile: usize| bounds != UNBOUNDED || !self.beside(&corners, k, tile);
+            for row in range(1, rows).filter(|&row| touches(1, row)) {
+                for column in range(0, columns).filter(|&column| touches(0, column)) {
+                    lists[row * columns + column].push(cell);
                 }
             }
         }
@@ -153,17 +132,17 @@ impl Tracer<'_> {
         corners.iter().all(|c| c[axis] > high * c[2]) || corners.iter().all(|c| c[axis] < low * c[2])
     }
 
-    /// Bounds of what is seen of a cell, a little too large for rounding.
-    fn bounds(&self, cell: u32) -> ScreenBounds {
+    /// Bounds of what is seen of a cell, a little too large for rounding; `None` where nothing is.
+    fn bounds(&self, cell: u32) -> Option<Box2> {
         let corners = self.corners(cell);
         if corners.iter().all(|c| c[2] <= self.near()) {
-            return ScreenBounds::Nowhere;
+            return None;
         }
-        let perspective = matches!(self.camera().projection, Projection::Perspective { .. });
+        let perspective = matches!(self.camera.projection, Projection::Perspective { .. });
         if perspective && corners.iter().any(|c| c[2] <= 0.0) {
-            return ScreenBounds::Unbounded;
+            return Some(UNBOUNDED);
         }
-        let [width, height] = self.camera().size.map(f64::from);
+        let [width, height] = self.camera.size.map(f64::from);
         let mut bounds = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for c in corners {
             let scale = if perspective { c[2] * self.pitch() } else { self.pitch() };
@@ -176,26 +155,7 @@ impl Tracer<'_> {
         let outside =
             bounds[0][1] < 0.0 || bounds[0][0] > width || bounds[1][1] < 0.0 || bounds[1][0] > height;
         // A corner a hair before the eye plane may project to no number at all.
-        if outside {
-            ScreenBounds::Nowhere
-        } else if bounds.iter().flatten().all(|x| x.is_finite()) {
-            ScreenBounds::Inside(bounds)
-        } else {
-            ScreenBounds::Unbounded
-        }
+        let is_finite = bounds.iter().flatten().all(|x| x.is_finite());
+        (!outside).then_some(if is_finite { bounds } else { UNBOUNDED })
     }
-}
-
-/// Positions of a pixel's samples from its upper left corner: the middles of n × n equal parts for square
-/// numbers, else the points of Roberts' sequence R₂ (2018), the first in the middle.
-pub(super) fn sample_places(count: u32) -> Vec<[f64; 2]> {
-    let count = count.max(1);
-    let side = (1..=count).find(|n| n * n >= count).unwrap_or(count);
-    if side * side == count {
-        let middle = |k: u32| (f64::from(k) + 0.5) / f64::from(side);
-        return (0..count).map(|k| [middle(k % side), middle(k / side)]).collect();
-    }
-    // 1/x and 1/x² for x³ = x + 1.
-    const STEP: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
-    (0..count).map(|k| STEP.map(|step| (0.5 + step * f64::from(k)).fract())).collect()
 }

@@ -3,18 +3,12 @@
 
 mod manufactured;
 mod measurements;
-mod options;
-mod plot;
 mod report;
-mod text;
 
-pub use options::{RequirementKind, TestOptions, methods};
-pub use plot::plot;
 pub use report::{
     Convergence, Cost, Exactness, Fault, FilterReport, GradientTest, Invariance, Materials, Noise,
-    PictureError, Requirement, Series,
+    PictureError, Requirement, RequirementKind, Series, TestOptions, methods, page, plot, text,
 };
-pub use text::{page, text};
 
 use manufactured::Mesh;
 use measurements::{Subject, TestRenderer};

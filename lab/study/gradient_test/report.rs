@@ -1,7 +1,125 @@
-//! Results of gradient filters.
+//! Options and results of a test of gradient filters: as tables of plain text, as one HTML page that needs no other file, and as a
+//! plot of error against fineness.
 
-use super::options::{RequirementKind, TestOptions};
+use crate::columns::aligned;
+use crate::gradient_test::manufactured::Mesh;
+use crate::work_precision::canvas::{
+    Anchor, Axis, BLACK, Canvas, Color, Size, Symbol, WHITE, escaped, shown,
+};
+use crate::work_precision::output::{figure, head, line_to as line};
 use serde::Serialize;
+use voltet_core::field::Method;
+use voltet_core::{Error, Result};
+use voltet_graph::{Field, Parameters, Registry, SourceSpan};
+
+#[derive(Debug, Clone)]
+pub struct TestOptions {
+    /// Boxes along a side of each grid, coarse to fine, two at least.
+    pub levels: Vec<usize>,
+    /// Boxes along a side of the grid that is timed.
+    pub timed: usize,
+    /// Number of times each filter is timed, after once that warms up.
+    pub rounds: usize,
+    pub hold_to: Vec<RequirementKind>,
+    /// The least order of convergence inside.
+    pub order: f64,
+    /// The largest error on linear fields, by the largest gradient.
+    pub linear_error: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RequirementKind {
+    /// A finite vector at every point, on every grid.
+    Finite,
+    /// Exact on linear fields, on every grid.
+    Linear,
+    /// Its order of convergence inside, on every family of grids.
+    Order,
+    /// Equal gradients wherever the grid stands and however it is numbered.
+    Invariance,
+}
+
+impl TestOptions {
+    /// Refuses what cannot be measured. `named`: what a number is called where it was given.
+    pub fn check(&self, named: impl Fn(&str) -> String) -> Result<()> {
+        let wrong = |what: &str, found: String, accepted: &str| {
+            let error = Error::usage(format!("{} is out of range", named(what)));
+            Err(error.got(found).expected(accepted))
+        };
+        let rising = self.levels.windows(2).all(|pair| pair[0] < pair[1]);
+        if self.levels.len() < 2 || !rising || self.levels.iter().any(|n| !(2..=128).contains(n)) {
+            let accepted = "two or more rising numbers from 2 to 128, such as 4,8,16";
+            return wrong("levels", format!("{:?}", self.levels), accepted);
+        }
+        if !(2..=200).contains(&self.timed) {
+            return wrong("timed", self.timed.to_string(), "2 to 200 boxes along a side");
+        }
+        if self.rounds == 0 {
+            return wrong("rounds", "0".into(), "1 or more");
+        }
+        if !self.order.is_finite() {
+            return wrong("order", self.order.to_string(), "a number");
+        }
+        if self.linear_error.is_nan() || self.linear_error < 0.0 {
+            return wrong("linear_error", self.linear_error.to_string(), "a number of at least 0");
+        }
+        Ok(())
+    }
+}
+
+impl Default for TestOptions {
+    fn default() -> TestOptions {
+        TestOptions {
+            levels: vec![4, 8, 16, 24],
+            timed: 40,
+            rounds: 5,
+            hold_to: vec![
+                RequirementKind::Finite,
+                RequirementKind::Linear,
+                RequirementKind::Order,
+                RequirementKind::Invariance,
+            ],
+            order: 0.8,
+            linear_error: 1e-9,
+        }
+    }
+}
+
+/// The filter of this name with what is set of its parameters, then those `beside` it with their standard values: all others that can
+/// be tested, without names.
+///
+/// Errors: no such filter or parameter; a filter that reads arrays, of which manufactured grids carry none.
+pub fn methods(
+    name: &str,
+    set: &[Field],
+    beside: Option<&[String]>,
+    registry: &Registry,
+) -> Result<Vec<Method>> {
+    let testable = |method: Method| match method.arrays()?.first() {
+        None => Ok(method),
+        Some(array) => Err(Error::usage("the filter reads a point array, and manufactured grids carry none")
+            .got(format!("'{array}'"))
+            .expected("a filter that computes gradients")),
+    };
+    let filter = registry.find_filter(name)?.clone();
+    let declared = filter.declaration().parameters;
+    let parameters = Parameters::check(declared, set, &SourceSpan::Nowhere, &[])?;
+    let method = testable(Method::new(filter, parameters)?).map_err(|error| error.at_item(name))?;
+    let mut methods = vec![method];
+    let others: Vec<String> = match beside {
+        Some(names) => names.to_vec(),
+        None => registry.filters().map(|filter| filter.declaration().name.to_string()).collect(),
+    };
+    for name in others.iter().filter(|other| *other != name && !other.is_empty()) {
+        // Those that cannot go without parameters or arrays are left out, unless they were asked for.
+        match Method::with_defaults(registry.find_filter(name)?.clone()).and_then(testable) {
+            Ok(other) => methods.push(other),
+            Err(error) if beside.is_some() => return Err(error.at_item(name)),
+            Err(_) => {}
+        }
+    }
+    Ok(methods)
+}
 
 /// Filters measured side by side: the first is the one that was asked about.
 #[derive(Debug, Clone, Serialize)]
@@ -212,4 +330,331 @@ fn invariance(found: &FilterReport) -> Requirement {
     });
     let holds = worst.is_some_and(|worst| share(worst) <= 1.0);
     Requirement { what, found: said.unwrap_or_else(|| NOTHING.into()), holds }
+}
+
+/// Everything, filters side by side.
+pub fn text(test: &GradientTest) -> String {
+    let mut text = String::new();
+    for Table { title, heads, rows, note } in tables(test) {
+        // The first column at least is a name; further ones stand before the filters.
+        let is_name = |k: usize| k == 0 || matches!(heads[k].as_str(), "field" | "where");
+        line(&mut text, &format!("\n{title}"));
+        let rows = [std::slice::from_ref(&heads), &rows].concat();
+        aligned(&rows, is_name).lines().for_each(|row| line(&mut text, &format!("  {row}")));
+        line(&mut text, &format!("  {note}"));
+    }
+    faults(test).for_each(|fault| line(&mut text, &fault));
+    let name = test.filters.first().map_or("", |filter| filter.name.as_str());
+    if !test.requirements.is_empty() {
+        line(&mut text, &format!("\nWhat {name} is held to"));
+    }
+    for requirement in &test.requirements {
+        let mark = if requirement.holds { "held  " } else { "BROKEN" };
+        line(&mut text, &format!("  {mark}  {}; found {}", requirement.what, requirement.found));
+    }
+    text.trim_start().to_string()
+}
+
+/// Failures and fall-backs of all filters, a sentence each.
+fn faults(test: &GradientTest) -> impl Iterator<Item = String> {
+    let each = test.filters.iter().flat_map(|filter| filter.faults.iter().map(move |fault| (filter, fault)));
+    each.map(|(filter, fault)| {
+        let did = if fault.failed { "failed" } else { "fell back" };
+        format!("{} {did}, {}: {}", filter.name, fault.at, fault.what)
+    })
+}
+
+/// A table: its rows begin with what they are of.
+struct Table {
+    title: String,
+    heads: Vec<String>,
+    rows: Vec<Vec<String>>,
+    note: String,
+}
+
+/// A row of one filter: what it is of, and its cell.
+type Cell = (Vec<String>, String);
+
+fn cell<const N: usize>(names: [&str; N], value: String) -> Cell {
+    (names.map(str::to_string).to_vec(), value)
+}
+
+/// A table with one column a filter: rows by what they are of, that of any filter that has it.
+fn table(
+    test: &GradientTest,
+    title: String,
+    heads: &[&str],
+    cells: impl Fn(&FilterReport) -> Vec<Cell>,
+    note: &str,
+) -> Table {
+    let each: Vec<Vec<Cell>> = test.filters.iter().map(cells).collect();
+    let mut keys: Vec<&Vec<String>> = Vec::new();
+    for (key, _) in each.iter().flatten() {
+        if !keys.contains(&key) {
+            keys.push(key);
+        }
+    }
+    let value = |cells: &Vec<Cell>, key: &Vec<String>| {
+        cells.iter().find(|(other, _)| other == key).map_or("failed".into(), |(_, value)| value.clone())
+    };
+    let row = |key: &&Vec<String>| {
+        key.iter().cloned().chain(each.iter().map(|cells| value(cells, key))).collect::<Vec<_>>()
+    };
+    let names = test.filters.iter().map(|filter| filter.name.clone());
+    let heads = heads.iter().map(|head| head.to_string()).chain(names).collect();
+    Table { title, heads, rows: keys.iter().map(row).collect(), note: note.into() }
+}
+
+fn tables(test: &GradientTest) -> Vec<Table> {
+    let order = |order: Option<f64>, error: Option<&f64>| {
+        let order = order.map_or("–".into(), |order| format!("{order:.2}"));
+        format!("{order} ({:.1e})", error.copied().unwrap_or(f64::NAN))
+    };
+    let finest = test.levels.last().copied().unwrap_or(0);
+    let cost = test.filters.iter().find_map(|filter| filter.cost.as_ref());
+    let cost = cost
+        .map_or(String::new(), |cost| format!(": {} points, {} tetrahedra", cost.points, cost.tetrahedra));
+    let picture = test.filters.iter().find_map(|filter| filter.picture.as_ref()).map(|picture| picture.size);
+    let picture = picture.map_or(String::new(), |[w, h]| format!(" of {w} × {h} pixels"));
+    vec![
+        table(
+            test,
+            format!("Order of convergence, and relative error (rms) at {finest} boxes a side"),
+            &["grid", "field", "where"],
+            |found| {
+                let both = found.convergence.iter().flat_map(|one| {
+                    [("inside", &one.inside), ("boundary", &one.boundary)].map(|(place, series)| {
+                        cell(
+                            [one.mesh, one.field, place],
+                            order(series.order, series.root_mean_square.last()),
+                        )
+                    })
+                });
+                both.collect()
+            },
+            &format!(
+                "between the two finest of {:?} boxes a side; relative to the rms of the exact gradient",
+                test.levels
+            ),
+        ),
+        table(
+            test,
+            "Largest error on a linear and a quadratic field".into(),
+            &["grid", "field", "where"],
+            |found| {
+                let each = found.exactness.iter().flat_map(|one| {
+                    [
+                        ("linear", "everywhere", one.linear),
+                        ("quadratic", "inside", one.quadratic_inside),
+                        ("quadratic", "boundary", one.quadratic_boundary),
+                    ]
+                    .map(|(field, place, error)| cell([one.mesh, field, place], format!("{error:.1e}")))
+                });
+                each.collect()
+            },
+            "relative to the largest gradient; 1e-12 and less is rounding",
+        ),
+        table(
+            test,
+            "Two materials: ∂s/∂x jumps from 1 to 10 in a plane of the grid".into(),
+            &["what"],
+            |found| {
+                found.materials.as_ref().map_or(Vec::new(), |one| {
+                    vec![
+                        cell(["order beyond two cells (largest error)"], order(one.order, one.beyond.last())),
+                        cell(["cells that errors of 1 % reach"], one.reach.to_string()),
+                        cell(["overshoot"], format!("{:.1e}", one.overshoot)),
+                    ]
+                })
+            },
+            "by the jump",
+        ),
+        table(
+            test,
+            "What should change nothing: largest difference".into(),
+            &["under", "rounding"],
+            |found| {
+                let each = found.invariance.iter();
+                let each = each.map(|one| {
+                    cell([one.under, &format!("{:.0e}", one.rounding)], format!("{:.1e}", one.difference))
+                });
+                each.collect()
+            },
+            "relative to the largest gradient; rounding: what differences of values may make of the last digit",
+        ),
+        table(
+            test,
+            "Noise of variance 1 at the points: rms of its gradient × spacing".into(),
+            &["grid", "where"],
+            |found| {
+                let both = found.noise.iter().flat_map(|one| {
+                    [("inside", one.inside), ("boundary", one.boundary)]
+                        .map(|(place, size)| cell([one.mesh, place], format!("{size:.2}")))
+                });
+                both.collect()
+            },
+            "less is smoother; it is paid for by errors above",
+        ),
+        table(
+            test,
+            format!("Cost{cost}, {} threads", test.threads),
+            &["what"],
+            |found| {
+                let Some(one) = &found.cost else { return Vec::new() };
+                let ms = |seconds: f64| format!("{:.1}", 1e3 * seconds);
+                let mib = one.memory_bytes.map(|bytes| format!("{:.1}", bytes as f64 / f64::from(1 << 20)));
+                vec![
+                    cell(["median, ms"], ms(one.median_s)),
+                    cell(["fastest, ms"], ms(one.fastest_s)),
+                    cell(["slowest, ms"], ms(one.slowest_s)),
+                    cell(["10⁶ points/s"], format!("{:.2}", 1e-6 * one.points as f64 / one.median_s)),
+                    cell(["memory, MiB"], mib.unwrap_or("–".into())),
+                ]
+            },
+            "filters take turns; memory beyond what the process held",
+        ),
+        table(
+            test,
+            format!(
+                "A picture{picture} whose widgets look at |∇s|, against the same with the exact gradient"
+            ),
+            &["what"],
+            |found| {
+                let Some(one) = &found.picture else { return Vec::new() };
+                vec![
+                    cell(["largest error"], format!("{:.1e}", one.maximum)),
+                    cell(["rms error"], format!("{:.1e}", one.root_mean_square)),
+                    cell(["pixels over 1/255"], one.pixels_over_step.to_string()),
+                ]
+            },
+            &format!("lit, 16 boxes a side, engine {}; 1 is full scale", test.engine),
+        ),
+    ]
+}
+
+/// The page. `plot`: the SVG document.
+pub fn page(test: &GradientTest, plot: &str) -> String {
+    let names: Vec<String> = test.filters.iter().map(|filter| escaped(&filter.name)).collect();
+    let title =
+        names.first().map_or("Gradient filters".to_string(), |name| format!("Gradient filter {name}"));
+    let mut html = head(&title);
+    if let Some(filter) = test.filters.first() {
+        let set: Vec<String> =
+            filter.parameters.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+        let with =
+            if set.is_empty() { String::new() } else { format!(" With {}.", escaped(&set.join(", "))) };
+        line(&mut html, &format!("<p>{}{with}</p>", escaped(&filter.summary)));
+    }
+    let beside =
+        names.get(1..).filter(|rest| !rest.is_empty()).map_or("no other".into(), |rest| rest.join(", "));
+    let version = env!("CARGO_PKG_VERSION");
+    line(&mut html, &format!("<p>Beside {beside}. Every error is against a formula; voltet {version}.</p>"));
+    if !test.requirements.is_empty() {
+        line(&mut html, "<h2>What it is held to</h2>\n<ul>");
+        for requirement in &test.requirements {
+            let (class, mark) =
+                if requirement.holds { ("", "held") } else { (" class=\"broken\"", "BROKEN") };
+            let (what, found) = (escaped(&requirement.what), escaped(&requirement.found));
+            line(&mut html, &format!("<li{class}>{mark}: {what}; found {found}</li>"));
+        }
+        line(&mut html, "</ul>");
+    }
+    line(&mut html, &format!("<h2>Error against fineness</h2>\n{plot}"));
+    for table in tables(test) {
+        let first_figure = table.heads.len() - test.filters.len();
+        let class = |k: usize| if k < first_figure { " class=\"name\"" } else { "" };
+        let cells = |tag: &str, row: &[String]| -> String {
+            let cell = |(k, cell): (usize, &String)| format!("<{tag}{}>{}</{tag}>", class(k), escaped(cell));
+            row.iter().enumerate().map(cell).collect()
+        };
+        line(&mut html, &format!("<h2>{}</h2>\n<div class=\"wide\"><table>", escaped(&table.title)));
+        line(&mut html, &format!("<thead><tr>{}</tr></thead>\n<tbody>", cells("th", &table.heads)));
+        for row in &table.rows {
+            line(&mut html, &format!("<tr>{}</tr>", cells("td", row)));
+        }
+        line(&mut html, &format!("</tbody></table></div>\n<p class=\"note\">{}</p>", escaped(&table.note)));
+    }
+    figure(&mut html, &test.exact_png, "the exact gradient");
+    for filter in &test.filters {
+        if let Some(picture) = &filter.picture {
+            let caption = format!("{}: largest error {:.1e}", filter.name, picture.maximum);
+            figure(&mut html, &picture.png, &caption);
+        }
+    }
+    let faults: Vec<String> = faults(test).map(|fault| format!("<li>{}</li>\n", escaped(&fault))).collect();
+    if !faults.is_empty() {
+        line(&mut html, &format!("<h2>Failures and fall-backs</h2>\n<ul>\n{}</ul>", faults.concat()));
+    }
+    html + "</body>\n</html>\n"
+}
+
+const SIZE: [f64; 2] = [960.0, 760.0];
+/// Left and right ends of the panels in a row, top and bottom of those in a column.
+const ACROSS: [[f64; 2]; 2] = [[80.0, 460.0], [560.0, 940.0]];
+const DOWN: [[f64; 2]; 2] = [[70.0, 310.0], [390.0, 630.0]];
+
+/// Styles of the filters' points (colours of Okabe and Ito 2008, symbols and dashes for those who see none); again from the
+/// first where there are more filters.
+const STYLES: [(Symbol, Color, &[f64]); 6] = [
+    (Symbol::Circle, [0, 0, 0], &[]),
+    (Symbol::Square, [0, 114, 178], &[7.0, 3.0]),
+    (Symbol::TriangleUp, [213, 94, 0], &[2.0, 2.5]),
+    (Symbol::Diamond, [0, 158, 115], &[10.0, 3.0, 2.0, 3.0]),
+    (Symbol::TriangleDown, [204, 121, 167], &[4.0, 4.0]),
+    (Symbol::Cross, [190, 140, 0], &[]),
+];
+
+/// Root-mean-square errors inside on the first smooth field.
+pub fn plot(test: &GradientTest) -> Canvas {
+    let name = test.filters.first().map_or("", |filter| filter.name.as_str());
+    let title = format!("{name}: error of the gradient inside against fineness");
+    let mut canvas = Canvas::new(SIZE, &title);
+    canvas.text([ACROSS[0][0], 26.0], &shown(&title, 90), Size::Large, Anchor::Start, BLACK);
+    let errors = |found: &FilterReport, mesh: Mesh| -> Vec<f64> {
+        let one = found.convergence.iter().find(|one| one.mesh == mesh.name());
+        one.map_or(Vec::new(), |one| one.inside.root_mean_square.clone())
+    };
+    let all =
+        || test.filters.iter().flat_map(|found| Mesh::ALL.into_iter().flat_map(|mesh| errors(found, mesh)));
+    let visible = |e: f64| e.max(LEAST);
+    for (k, mesh) in Mesh::ALL.into_iter().enumerate() {
+        let ([left, right], [top, bottom]) = (ACROSS[k % 2], DOWN[k / 2]);
+        let x = Axis::over(test.levels.iter().map(|&n| n as f64), left, right);
+        let y = Axis::over(all().map(visible), bottom, top);
+        frame(&mut canvas, mesh.name(), [&x, &y], [left, top, right, bottom]);
+        for (found, (symbol, color, dashes)) in test.filters.iter().zip(STYLES.iter().cycle()) {
+            let errors = errors(found, mesh);
+            let places: Vec<[f64; 2]> = test
+                .levels
+                .iter()
+                .zip(&errors)
+                .map(|(&n, &e)| [x.place(n as f64), y.place(visible(e))])
+                .collect();
+            if places.len() > 1 {
+                canvas.line(&places, 1.4, *color, dashes);
+            }
+            for ((at, n), e) in places.iter().zip(&test.levels).zip(&errors) {
+                let hint = format!("{}: {n} boxes a side, error {e:.2e}", found.name);
+                canvas.shape(symbol.corners(*at, 5.0), WHITE, *color, hint);
+            }
+        }
+    }
+    for (k, (found, (symbol, color, dashes))) in test.filters.iter().zip(STYLES.iter().cycle()).enumerate() {
+        let at = [ACROSS[0][0] + 300.0 * (k % 3) as f64, 700.0 + 24.0 * (k / 3) as f64];
+        canvas.line(&[[at[0], at[1]], [at[0] + 34.0, at[1]]], 1.4, *color, dashes);
+        canvas.shape(symbol.corners([at[0] + 17.0, at[1]], 5.0), WHITE, *color, found.name.clone());
+        canvas.text([at[0] + 44.0, at[1]], &shown(&found.name, 36), Size::Small, Anchor::Start, BLACK);
+    }
+    canvas
+}
+
+/// Errors are drawn no lower: less is rounding.
+const LEAST: f64 = 1e-14;
+
+fn frame(canvas: &mut Canvas, name: &str, [x, y]: [&Axis; 2], [left, top, right, bottom]: [f64; 4]) {
+    canvas.plane([x, y], [left, top, right, bottom]);
+    canvas.text([left, top - 14.0], &format!("{name} grid"), Size::Small, Anchor::Start, BLACK);
+    canvas.text([right, top - 14.0], "relative error, rms", Size::Small, Anchor::End, BLACK);
+    let middle = [0.5 * (left + right), bottom + 34.0];
+    canvas.text(middle, "boxes along a side", Size::Small, Anchor::Middle, BLACK);
 }

@@ -2,7 +2,7 @@
 //! visualization", 2003.
 
 use super::bench::{Bench, Scene, TimedRender};
-use super::page::*;
+use crate::papers::bench::*;
 use crate::work_precision::Subject;
 use std::sync::Arc;
 use voltet_core::Result;

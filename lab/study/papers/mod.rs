@@ -6,12 +6,10 @@
 mod bench;
 mod kniss;
 mod moreland;
-mod page;
 mod roettger_ertl;
 mod song;
 
-pub use bench::{OpenPipeline, PapersOptions};
-pub use page::{FOLDER, Figure, Paper, Section, page};
+pub use bench::{FOLDER, Figure, OpenPipeline, Paper, PapersOptions, Section, page};
 
 use bench::Bench;
 use voltet_core::Result;

@@ -1,10 +1,9 @@
 //! K. Moreland, "Fast high accuracy volume rendering", dissertation, 2004: adaptive transfer function sampling.
 
 use super::bench::Bench;
-use super::page::*;
+use crate::papers::bench::*;
 use voltet_core::Result;
-use voltet_integrators::{DEFAULT_OVERSAMPLING, DEFAULT_SIDE};
-use voltet_integrators::{VERTEX_SAMPLED, pre_integrated, segments};
+use voltet_integrators::{DEFAULT_OVERSAMPLING, DEFAULT_SIDE, VERTEX_SAMPLED, pre_integrated, segments};
 use voltet_optics::shading::Integrator;
 
 pub(super) fn section(bench: &Bench) -> Result<Section> {

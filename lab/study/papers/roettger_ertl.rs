@@ -1,7 +1,7 @@
 //! S. Roettger, T. Ertl, "A two-step approach for interactive pre-integrated volume rendering of unstructured grids", 2002.
 
 use super::bench::{Bench, TimedRender};
-use super::page::*;
+use crate::papers::bench::*;
 use crate::work_precision::errors;
 use std::time::Instant;
 use voltet_core::Result;

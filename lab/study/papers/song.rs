@@ -1,14 +1,13 @@
 //! Y. Song, W. Chen, R. Maciejewski, K. Gaither, D. Ebert, "Bivariate transfer functions on unstructured grids", 2009.
 
 use super::bench::Bench;
-use super::page::*;
+use crate::papers::bench::*;
 use crate::work_precision::Subject;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::grid::extent;
 use voltet_core::transfer::{ControlPoint, Profile, TransferFunction, Widget};
-use voltet_integrators::DEFAULT_SIDE;
-use voltet_integrators::segments;
+use voltet_integrators::{DEFAULT_SIDE, segments};
 use voltet_optics::shading::Integrator;
 
 /// The paper's approximation: ten samples a ray segment.

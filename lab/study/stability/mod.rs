@@ -3,20 +3,15 @@
 //!
 //! The cases of the formulas are `voltet_judge`'s, which the program carries.
 
-mod hard;
-mod integrators;
 mod pictures;
 mod printed;
 mod random;
-mod random_scene;
 mod report;
 
-pub use integrators::IntegratorReport;
 pub use pictures::{HardPicture, Subjects, subjects};
 pub use printed::{FormulaRow, PrintedFormula};
-pub use random::{BoundViolation, RandomReport, random};
-pub use random_scene::scene as random_scene;
-pub use report::{StabilityReport, forms_json, forms_text, json, random_text, text};
+pub use random::{BoundViolation, RandomReport, random, scene as random_scene};
+pub use report::{IntegratorReport, StabilityReport, forms_json, forms_text, json, random_text, text};
 
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
@@ -35,7 +30,7 @@ pub fn stability(subjects: &Subjects, progress: &dyn Progress) -> Result<Stabili
         }
         forms.extend(judge_cases(&cases, &[subject.as_ref()])?);
     }
-    let integrators = integrators::integrators(&cases, progress)?;
+    let integrators = report::integrators(&cases, progress)?;
     let pictures = pictures::pictures(&subjects.renderers, progress)?;
     progress.report("printed formulas", 1.0);
     Ok(StabilityReport {

@@ -11,7 +11,7 @@ use voltet_nodes::files::{self, Fnv};
 use voltet_optics::WidgetBlend;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Shading, VisibilityOrder};
-use voltet_optics::trace::{TILE_PIXELS, Tiles};
+use voltet_optics::trace::tiles::{TILE_PIXELS, Tiles};
 use voltet_reference as reference;
 
 #[derive(Debug, Clone)]

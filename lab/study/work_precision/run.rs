@@ -1,15 +1,15 @@
 //! The study itself: setting after setting, and what comes of it.
 
-use super::bench::{Adapter, Benches};
 use super::convergence::{Convergence, convergence};
 use super::errors::{Errors, difference, errors};
 use super::flip::PreparedPicture;
 use super::measure::Cost;
-use super::options::{Measure, StudyOptions};
 use super::reference::Reference;
-use super::refine::{Refinement, Source, refinement};
 use super::settings::Numbers;
 use super::{RenderConfig, RendererVariant, Subject};
+use crate::work_precision::convergence::{Refinement, Source, refinement};
+use crate::work_precision::measure::{Adapter, Benches};
+use crate::work_precision::settings::{Measure, StudyOptions};
 use voltet_core::error::ErrorKind;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};

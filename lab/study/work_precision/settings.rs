@@ -1,16 +1,420 @@
-//! The settings that are tried: every integrator that can serve the scene, over its own numbers.
+//! Settings of a study: its options, its subject (the scene of the pipeline's node that draws), and what is tried: every integrator
+//! that can serve the scene, over its own numbers.
 
-use super::subject::is_studied;
-use super::{RendererVariant, Subject};
+use std::sync::Arc;
+use std::time::Duration;
+use voltet_core::camera::Camera;
 use voltet_core::parameters::Parameter;
-use voltet_graph::{ParameterType, ParameterValue, Registry};
+use voltet_core::{Error, Result};
+use voltet_graph::{
+    Demand, Graph, GraphNode, Observer, ParameterType, ParameterValue, Parameters, Registry, Session, Value,
+    diagonal, suggest,
+};
 use voltet_integrators::{DEFAULT_OVERSAMPLING, DEFAULT_PIECES, DEFAULT_PLANES};
+use voltet_nodes::drawing;
+use voltet_nodes::drawing::{ENGINES, NATIVE};
 use voltet_optics::WidgetBlend;
-use voltet_optics::engine::{Accumulation, Compositor};
+use voltet_optics::engine::{Accumulation, Compositor, EngineInfo};
 use voltet_optics::integrators::{INTEGRATOR, Integrator, can_serve, kinds};
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Shading, VisibilityOrder};
+use voltet_optics::shading::{Ordering, Shading, VisibilityOrder};
 use voltet_reference::REFERENCE;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Measure {
+    #[default]
+    Maximum,
+    RootMeanSquare,
+    /// 99.9th percentile of the pixels' errors.
+    Percentile,
+    Flip,
+}
+
+impl Measure {
+    /// Every measure with its name on the command line and a description.
+    pub const NAMES: [(Measure, &'static str, &'static str); 4] = [
+        (Measure::Maximum, "max", "The largest difference of a channel of premultiplied linear RGBA"),
+        (Measure::RootMeanSquare, "rms", "The root of the mean square of these differences"),
+        (Measure::Percentile, "p99.9", "The 99.9th percentile of these differences"),
+        (Measure::Flip, "flip", "The perceptual difference FLIP, mean over the pixels"),
+    ];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        Measure::NAMES[self as usize].1
+    }
+
+    pub fn label(self) -> &'static str {
+        match self {
+            Measure::Maximum => "largest error of premultiplied linear RGBA (1 = full scale)",
+            Measure::RootMeanSquare => "root-mean-square error of premultiplied linear RGBA (1 = full scale)",
+            Measure::Percentile => {
+                "99.9 percentile of the error of premultiplied linear RGBA (1 = full scale)"
+            }
+            Measure::Flip => "mean FLIP difference (0 = equal, 1 = largest)",
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frames {
+    /// Frames that count, at most, ≥ 1. One before them warms up.
+    pub count: usize,
+    /// No further frame begins once a setting has taken this long. Where the first one already does, it counts.
+    pub patience: Duration,
+    /// Degrees that the camera turns about its target before each frame, so that nothing of the former one can be used
+    /// again; 0: it stands still.
+    pub turn: f64,
+    /// Frames of a device that are in flight at a time while it is measured how fast they follow each other; below 2 that is not
+    /// measured.
+    pub in_flight: usize,
+}
+
+impl Frames {
+    pub(super) fn scene(&self, scene: &Scene, number: usize) -> Scene {
+        let mut turned = scene.clone();
+        let Camera { eye, target, up, .. } = scene.camera;
+        if self.turn != 0.0 {
+            let by = glam::DQuat::from_axis_angle(up.normalize(), (self.turn * number as f64).to_radians());
+            turned.camera.eye = target + by * (eye - target);
+        }
+        turned
+    }
+}
+
+#[derive(Debug, Clone)]
+pub struct StudyOptions {
+    /// Integrators to look at; none for all.
+    pub only: Vec<String>,
+    pub engines: Engines,
+    /// The adapter, by a part of its name or its kind; none for the file's, or the fastest that is hardware.
+    pub adapter: Option<String>,
+    /// Number of times each is drawn.
+    pub frames: Frames,
+    /// Measure of error that decides about the front and the recommendation.
+    pub measure: Measure,
+    pub max_error: Option<f64>,
+    /// Number of times the grid is refined, to tell the integration's error from the data model's; 0: not at all.
+    pub refine: u32,
+}
+
+impl Default for StudyOptions {
+    fn default() -> StudyOptions {
+        let frames = Frames { count: 5, patience: Duration::from_secs(10), turn: 0.0, in_flight: 1 };
+        StudyOptions {
+            only: Vec::new(),
+            engines: Engines::All,
+            adapter: None,
+            frames,
+            measure: Measure::Maximum,
+            max_error: None,
+            refine: 0,
+        }
+    }
+}
+
+impl StudyOptions {
+    /// Refuses what cannot be measured. `integrators`: names of those that can be studied; `named`: the option of a name as it was given.
+    pub fn check(&self, integrators: &[&str], named: impl Fn(&str) -> String) -> Result<()> {
+        if let Some(name) = self.only.iter().find(|name| !integrators.contains(&name.as_str())) {
+            let error = Error::usage(format!("{} names no integrator that can be studied", named("only")));
+            return Err(error.got(name).expected(suggest(name, integrators.iter().copied())));
+        }
+        let wrong = |name: &str, found: String, expected: &str| {
+            Err(Error::usage(format!("{} is out of range", named(name))).got(found).expected(expected))
+        };
+        if let Some(bound) = self.max_error.filter(|bound| !(bound.is_finite() && *bound >= 0.0)) {
+            return wrong("max_error", bound.to_string(), "a number of at least 0");
+        }
+        if !self.frames.turn.is_finite() {
+            return wrong("turn", self.frames.turn.to_string(), "a number of degrees");
+        }
+        if self.frames.count == 0 {
+            return wrong("frames", "0".into(), "1 or more");
+        }
+        let no_device = self.engines.each().all(|engine| !engine.on_device);
+        match self.adapter.as_ref().filter(|_| no_device) {
+            Some(adapter) => {
+                let what = format!(
+                    "{} names a graphics device, and {} asks for none",
+                    named("adapter"),
+                    named("engine")
+                );
+                let without = format!("{} gpu or all, or no {}", named("engine"), named("adapter"));
+                Err(Error::usage(what).got(adapter).expected(without))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// A patience of so many seconds; a year is longer than any, and does not overflow. Errors: a number that is none; `named`: its option.
+pub fn patience(seconds: f64, named: &str) -> Result<Duration> {
+    match seconds.is_finite() && seconds >= 0.0 {
+        true => Ok(Duration::from_secs_f64(seconds.min(3e7))),
+        false => {
+            let error = Error::usage(format!("{named} is out of range"));
+            Err(error.got(seconds).expected("a number of at least 0"))
+        }
+    }
+}
+
+/// Engine and, if it has several, its compositor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RendererVariant {
+    pub engine: &'static EngineInfo,
+    /// Its compositor; `None` if it has one only.
+    pub compositing: Option<Compositor>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Engines {
+    /// This one alone.
+    One(&'static EngineInfo),
+    #[default]
+    All,
+}
+
+impl RendererVariant {
+    pub const NATIVE: RendererVariant = RendererVariant { engine: NATIVE, compositing: None };
+
+    pub fn all_of_engine(engine: &'static EngineInfo) -> impl Iterator<Item = RendererVariant> {
+        let only = engine.compositing.is_empty().then_some(None);
+        let ways = only.into_iter().chain(engine.compositing.iter().copied().map(Some));
+        ways.map(move |compositing| RendererVariant { engine, compositing })
+    }
+
+    pub fn all() -> impl Iterator<Item = RendererVariant> {
+        ENGINES.iter().flat_map(RendererVariant::all_of_engine)
+    }
+
+    /// The compositor's name in pipeline files.
+    pub fn compositor(self) -> Option<&'static str> {
+        self.compositing.map(Compositor::name)
+    }
+
+    /// Both names, for people: "cpu", "gpu tiles".
+    pub fn label(self) -> String {
+        match self.compositor() {
+            None => self.engine.name.into(),
+            Some(compositor) => format!("{} {compositor}", self.engine.name),
+        }
+    }
+
+    /// Its place among all.
+    pub fn number(self) -> usize {
+        RendererVariant::all().position(|known| known == self).unwrap_or_default()
+    }
+}
+
+impl Engines {
+    pub fn each(self) -> impl Iterator<Item = &'static EngineInfo> {
+        ENGINES.iter().filter(move |engine| match self {
+            Engines::One(only) => *engine == only,
+            Engines::All => true,
+        })
+    }
+}
+
+/// Kind of nodes that draw, which decides where an engine can be written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RendererNode {
+    Renderer,
+    GpuRenderer,
+    /// The stages one by one, which are the native engine's.
+    Stages,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SubjectRequest {
+    /// Kind of nodes that draw.
+    pub form: RendererNode,
+    pub engine: String,
+    /// The adapter, where one is named.
+    pub adapter: Option<String>,
+    /// The compositor of the device, or "auto".
+    pub compositor: String,
+    pub accumulation: Accumulation,
+}
+
+/// Subject of a study: a scene, the node that draws it, and its options.
+#[derive(Debug, Clone)]
+pub struct Subject {
+    pub node: String,
+    /// The node whose parameter `order` counts; `None` where the pipeline has none that could be set.
+    pub order_node: Option<String>,
+    /// The scene; integrator, overlap and order are those of the file.
+    pub scene: Scene,
+    pub needs_order: bool,
+    pub asked: SubjectRequest,
+    /// One integrator of each kind that the pipeline may name, with default settings, in the order of registration.
+    pub integrators: Vec<Integrator>,
+    /// Background of the picture where the pipeline writes it (linear RGB).
+    pub background: [f64; 3],
+}
+
+impl Subject {
+    /// Runs what feeds the node that draws. `name`: which one, where the pipeline has several; `gradient`: whether ∇s shall be
+    /// there, by the pipeline's own filter, also where the scene does not look at it.
+    pub fn gather(
+        graph: &Graph,
+        name: Option<&str>,
+        gradient: bool,
+        session: &mut Session,
+        observer: &dyn Observer,
+    ) -> Result<Subject> {
+        let place = drawing_node(graph, name)?;
+        let node = &graph.nodes[place];
+        let blame = |error| node.locate(error);
+        let inputs = session.inputs(graph, place, &Demand { gradient, ..Demand::default() }, observer)?;
+        let shading = drawing::shading(&node.parameters).map_err(blame)?;
+        let unknown = || node.locate(Error::run("the node that draws is fed by values of unknown types"));
+        let (scene, order_node) = match inputs.as_slice() {
+            [volume, Value::TransferFunction(look), Value::Camera(camera)] => {
+                let volume = volume.volume().ok_or_else(unknown)?.map_err(blame)?;
+                let diagonal = if look.auto_unit_distance { diagonal(&volume.grid.points) } else { 0.0 };
+                let transfer_function = Arc::new(look.for_diagonal(diagonal));
+                let order = drawing::order(&node.parameters).map_err(blame)?;
+                (
+                    Scene { volume, transfer_function, camera: **camera, shading, order },
+                    Some(node.name.clone()),
+                )
+            }
+            [Value::Projection(projected), Value::TransferFunction(_)] => {
+                let projected = projected.clone().downcast::<drawing::Projected>().map_err(|_| unknown())?;
+                let cells = projected.projection.cells();
+                let scene = Scene {
+                    volume: cells.volume.clone(),
+                    transfer_function: projected.transfer_function.clone(),
+                    camera: *projected.projection.camera(),
+                    shading,
+                    order: cells.ordering.requested(),
+                };
+                (scene, sorting_node(graph, place))
+            }
+            _ => return Err(unknown()),
+        };
+        Ok(Subject {
+            node: node.name.clone(),
+            order_node,
+            needs_order: scene.needs_order(),
+            integrators: kinds(node.parameters.variants(INTEGRATOR))
+                .into_iter()
+                .map(Integrator::new)
+                .collect(),
+            scene,
+            asked: SubjectRequest::from_node(node.node.name, &node.parameters),
+            background: background(graph, place),
+        })
+    }
+
+    pub fn studied(&self) -> Vec<Integrator> {
+        self.integrators.iter().copied().filter(is_studied).collect()
+    }
+
+    /// An engine as the file has it. `None`: the compositor is left open, and more than one can serve.
+    pub fn painter_on(&self, engine: &'static EngineInfo) -> Option<RendererVariant> {
+        let mut all = RendererVariant::all_of_engine(engine);
+        let exact = self.scene.ordering(false) == Ordering::PerPixel;
+        match self.asked.compositor.as_str() {
+            _ if engine.compositing.is_empty() => all.next(),
+            // Tiles have it of every grid, and are the first.
+            "auto" if exact => all.next(),
+            "auto" => all.next().filter(|_| all.next().is_none()),
+            named => all.find(|variant| variant.compositor() == Some(named)),
+        }
+    }
+}
+
+impl SubjectRequest {
+    pub fn is_auto(&self) -> bool {
+        self.engine == drawing::AUTO
+    }
+
+    fn from_node(node: &str, parameters: &Parameters) -> SubjectRequest {
+        let form = match node {
+            "renderer" => RendererNode::Renderer,
+            "gpu-renderer" => RendererNode::GpuRenderer,
+            _ => RendererNode::Stages,
+        };
+        let text = |name: &str| parameters.optional(name).and_then(|setting| setting.text());
+        let engine = match form {
+            RendererNode::Renderer => text("engine").unwrap_or(drawing::AUTO),
+            RendererNode::GpuRenderer => drawing::DEVICE.name,
+            RendererNode::Stages => NATIVE.name,
+        };
+        let accumulation = text("accumulation").and_then(Accumulation::named).unwrap_or_default();
+        // Rounding is no tiles' matter.
+        let open = match accumulation {
+            Accumulation::Float => drawing::AUTO,
+            _ => Compositor::Raster.name(),
+        };
+        let compositor = text("compositor").filter(|word| *word != drawing::AUTO).unwrap_or(open);
+        SubjectRequest {
+            form,
+            engine: engine.into(),
+            adapter: text("adapter").map(str::to_string),
+            compositor: compositor.into(),
+            accumulation,
+        }
+    }
+}
+
+pub fn drawing_nodes(graph: &Graph) -> Vec<String> {
+    let all = graph.order.iter().map(|&i| &graph.nodes[i]);
+    all.filter(|node| draws(node)).map(|node| node.name.clone()).collect()
+}
+
+fn draws(node: &GraphNode) -> bool {
+    matches!(node.node.name, "renderer" | "gpu-renderer" | "composite")
+}
+
+/// The node that draws: a renderer or a composite node that something written needs.
+fn drawing_node(graph: &Graph, name: Option<&str>) -> Result<usize> {
+    let found: Vec<usize> = graph.order.iter().copied().filter(|&i| draws(&graph.nodes[i])).collect();
+    let names: Vec<&str> = found.iter().map(|&i| graph.nodes[i].name.as_str()).collect();
+    match (name, found.as_slice()) {
+        (Some(name), _) => names.iter().position(|known| *known == name).map(|i| found[i]).ok_or_else(|| {
+            Error::usage("no node of this name draws what the pipeline writes")
+                .got(name)
+                .expected(suggest(name, names.iter().copied()))
+        }),
+        (None, [place]) => Ok(*place),
+        (None, []) => Err(Error::usage("the pipeline draws no volume").expected(
+            "a node of type \"renderer\", \"gpu-renderer\" or \"composite\" that an image-writer needs",
+        )),
+        (None, _) => Err(Error::usage("several nodes of the pipeline draw")
+            .got(names.join(", "))
+            .expected("--node with the name of one of them")),
+    }
+}
+
+/// The sort node that the cells of a composite node run through.
+fn sorting_node(graph: &Graph, place: usize) -> Option<String> {
+    let mut node = &graph.nodes[place];
+    // Its first input each time: projection, cells, cells.
+    while let Some(edge) = node.inputs.first() {
+        node = &graph.nodes[edge.node];
+        if node.node.name == "sort" {
+            return Some(node.name.clone());
+        }
+    }
+    None
+}
+
+/// The background of the first PNG that shows the picture; black where there is none.
+fn background(graph: &Graph, place: usize) -> [f64; 3] {
+    let shows = |node: &&GraphNode| {
+        node.node.name == "image-writer" && node.inputs.iter().any(|edge| edge.node == place)
+    };
+    let given = graph.nodes.iter().filter(shows).find(|node| node.parameters.is_set("background"));
+    given.and_then(|node| node.parameters.vector("background").ok()).unwrap_or([0.0; 3])
+}
+
+/// True for all integrators but the reference, with which the others are compared.
+pub(super) fn is_studied(integrator: &Integrator) -> bool {
+    *integrator != REFERENCE
+}
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderConfig {

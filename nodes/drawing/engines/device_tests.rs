@@ -16,7 +16,12 @@ const SOURCE: Node = Node {
     demand: &|_| Ok(()),
     run: &|call| {
         let opened = call.keep_for_session(|| Ok(OpenEngines::default()))?;
-        let small = |device: Device| device.with_bindings_of(2048).with_buffers_at_a_time(8);
+        let small = |device: Device| {
+            device.with_limits(|limits| {
+                limits.max_storage_buffer_binding_size = 2048;
+                limits.max_storage_buffers_per_shader_stage = 8;
+            })
+        };
         let engine = Device::open(Some("software"), true)
             .map(|device| Arc::new(GpuEngine::new(Arc::new(small(device)))) as Arc<dyn Engine>);
         for hardware in [true, false] {

@@ -144,7 +144,7 @@ fn check_words(
 ) {
     let from_table = shader_key.method.is_table_of_lengths();
     let adaptive = shader_key.method == Method::Adaptive;
-    let named = |name: &str| matches!(shader_key.method, Method::Registered(text) if text.0.name() == name);
+    let named = |name: &str| matches!(shader_key.method, Method::Registered(text) if text.name() == name);
     let samples = named("riemann") || named("segments");
     for (kind, (name, words)) in WORDS.iter().enumerate() {
         for word in *words {
@@ -339,8 +339,8 @@ fn every_piece_is_used_by_some_scene() {
         "compositor/tiles",
         "compositor/triangles",
         "linear/psi",
-        // What a device is measured by.
-        "multiply_adds",
+        // What a device is measured and judged by.
+        "measured/",
         "passes/",
         "pre_integrated/fill_slices",
         "pre_integrated/fill_tiles",

@@ -227,12 +227,14 @@ const fn in_parts(counts: [u32; 7]) -> Layout {
     }
     let [positions, quantity, seen, attributes, tetrahedra, bounds, table] = counts;
     Layout {
-        positions: parts(positions),
-        quantity: parts(quantity),
-        seen: parts(seen),
-        attributes: parts(attributes),
-        tetrahedra: parts(tetrahedra),
-        bounds: parts(bounds),
+        grid: [
+            parts(positions),
+            parts(quantity),
+            parts(seen),
+            parts(attributes),
+            parts(tetrahedra),
+            parts(bounds),
+        ],
         table: parts(table),
     }
 }

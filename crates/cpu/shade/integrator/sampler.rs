@@ -1,5 +1,5 @@
 //! Samples of the transfer function along segments: the widgets that a vector of segments meets, and their values at places of it. Twin
-//! of `optics::sample`.
+//! of `optics::overlap`.
 
 use super::scene::{LaneScene, SegmentResults};
 use crate::fragments::batch::meant;

@@ -128,7 +128,7 @@ fn windows_and_runs_keep_the_order() {
     let runs = Renderer::new(device, &scene.volume).expect("fits").with_runs_of(100);
     let drawn = draw(&runs, &scene, &RenderOptions::with_compositor(Compositor::Raster));
     assert_eq!(drawn.picture.rgba, whole.picture.rgba);
-    let windows = Arc::new(further_device().with_textures_of(16));
+    let windows = Arc::new(further_device().with_limits(|limits| limits.max_texture_dimension_2d = 16));
     let drawn = draw_on(windows, &scene, &SHADING, raster(VisibilityOrder::Exact)).expect("draws");
     // Coordinates within a window round otherwise than those of the picture.
     within("windows", &drawn.picture, &whole.picture, 1e-6);

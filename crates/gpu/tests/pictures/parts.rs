@@ -20,7 +20,10 @@ const LIGHT: Light = Light { direction: DVec3::new(1.0, 2.0, 3.0), ambient: 0.2,
 fn small(bytes: u64, count: u32) -> Device {
     let wish = std::env::var("VOLTET_ADAPTER").ok();
     let device = Device::open(wish.as_deref(), false).expect("opened before");
-    device.with_bindings_of(bytes).with_buffers_at_a_time(count)
+    device.with_limits(|limits| {
+        limits.max_storage_buffer_binding_size = bytes;
+        limits.max_storage_buffers_per_shader_stage = count;
+    })
 }
 
 fn draw_on(

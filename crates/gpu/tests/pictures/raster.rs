@@ -242,7 +242,10 @@ fn runs_and_windows_change_nothing() {
         .expect("draws");
         assert_eq!(drawn.picture.rgba, whole.picture.rgba, "{length}");
     }
-    for windows in [further_device().with_bindings_of(24_000), further_device().with_textures_of(16)] {
+    for windows in [
+        further_device().with_limits(|limits| limits.max_storage_buffer_binding_size = 24_000),
+        further_device().with_limits(|limits| limits.max_texture_dimension_2d = 16),
+    ] {
         let drawn =
             draw_on(Arc::new(windows), &scene, &SHADING, raster(VisibilityOrder::Centroid)).expect("draws");
         // Coordinates within a window round otherwise than those of the picture.
@@ -356,12 +359,18 @@ fn a_grid_in_parts_is_the_same() {
         NamedScene { volume: smooth(cube([5, 5, 5], 0.3)), ..jittered(overlapping(), outside([16, 16])) };
     let whole = draw_on(device, &scene, &SHADING, raster(VisibilityOrder::Centroid)).expect("draws");
     // 750 cells of 16 bytes, and as many places of 8 bytes in the sorted list.
-    let small = further_device().with_bindings_of(6200).with_buffers_at_a_time(32);
+    let small = further_device().with_limits(|limits| {
+        limits.max_storage_buffer_binding_size = 6200;
+        limits.max_storage_buffers_per_shader_stage = 32;
+    });
     let parts = draw_on(Arc::new(small), &scene, &SHADING, raster(VisibilityOrder::Centroid))
         .expect("draws in parts");
     within("parts", &parts.picture, &whole.picture, 1e-6);
     // The sorted list stands in one binding.
-    let smaller = further_device().with_bindings_of(5000).with_buffers_at_a_time(64);
+    let smaller = further_device().with_limits(|limits| {
+        limits.max_storage_buffer_binding_size = 5000;
+        limits.max_storage_buffers_per_shader_stage = 64;
+    });
     let error =
         draw_on(Arc::new(smaller), &scene, &SHADING, raster(VisibilityOrder::Centroid)).expect_err("no room");
     for word in ["sorted cells", "750 cells", "at most 625", "tiles"] {

@@ -210,7 +210,10 @@ fn runs_and_small_bindings_change_nothing() {
         let drawn = voltet_gpu::draw(&runs, &wanted, &options, &NoProgress).expect("draws");
         assert_eq!(drawn.picture.rgba, whole.rgba, "{length}");
     }
-    let small = further_device().with_bindings_of(24_000).with_buffers_at_a_time(32);
+    let small = further_device().with_limits(|limits| {
+        limits.max_storage_buffer_binding_size = 24_000;
+        limits.max_storage_buffers_per_shader_stage = 32;
+    });
     let drawn = draw(&Arc::new(small), &scene, &SHADING, triangles(VisibilityOrder::Centroid)).picture;
     assert_eq!(drawn.rgba, whole.rgba);
 }

@@ -1,0 +1,322 @@
+//! Compiled passes with what is bound to them: the view and what is a pass's own in group 1, the grid's arrays in group
+//! 2; and the sort of all cells by distance, a radix sort on the device, which gathers the cells that can be seen on its way.
+
+use crate::device::pipelines::{Bound, Program, in_order, own_kinds};
+use crate::device::{Device, GrowingBuffer, PassName, Timing};
+use crate::grid::{DeviceArray, DeviceGrid, SplitBuffer};
+use std::sync::Arc;
+use voltet_core::Result;
+use voltet_optics::engine::Stage;
+use voltet_shaders::{Access, FramePass, GRID_GROUP, GridArray, Layout, RoundRecord};
+use wgpu::{Buffer, CommandEncoder, ComputePipeline};
+
+/// A compiled pass and what is bound to it.
+pub(crate) struct BoundPass {
+    pub name: PassName,
+    pub pipeline: Arc<ComputePipeline>,
+    pub groups: Vec<(u32, wgpu::BindGroup)>,
+    pub workgroups: [u32; 2],
+}
+
+/// The stage that a pass is part of.
+fn stage(pass: FramePass) -> Stage {
+    match pass {
+        FramePass::Points | FramePass::Attribute | FramePass::Split => Stage::Project,
+        FramePass::Cells => Stage::Cull,
+        _ => Stage::Sort,
+    }
+}
+
+/// The grid's arrays, and those that the first passes make of them.
+pub(crate) struct GridArrays<'a> {
+    pub grid: &'a DeviceGrid,
+    pub seen: SplitBuffer,
+    pub attributes: SplitBuffer,
+    pub bounds: SplitBuffer,
+}
+
+impl GridArrays<'_> {
+    /// Buffers bound to the group of the grid, in order. `quantity`: the array that [`GridArray::Quantity`] stands for.
+    pub fn buffers<'b>(
+        &'b self,
+        arrays: &[(GridArray, Access)],
+        quantity: &'b DeviceArray,
+    ) -> Vec<(Bound, &'b Buffer)> {
+        let parts = |(array, access): &(GridArray, Access)| {
+            let parted = match array {
+                GridArray::Positions => &self.grid.positions,
+                GridArray::Quantity => &quantity.values,
+                GridArray::Seen => &self.seen,
+                GridArray::Attributes => &self.attributes,
+                GridArray::Tetrahedra => &self.grid.tetrahedra,
+                GridArray::Bounds => &self.bounds,
+            };
+            let kind = if *access == Access::Read { Bound::Read } else { Bound::Write };
+            parted.iter().map(move |buffer| (kind, buffer))
+        };
+        arrays.iter().flat_map(parts).collect()
+    }
+}
+
+/// The kinds of group 0: the scene, and behind it what is only read.
+pub(crate) fn scene_kinds(scene: &[(u32, &Buffer)]) -> Vec<(u32, Bound)> {
+    let kind = |binding| if binding == 0 { Bound::Uniform } else { Bound::Read };
+    scene.iter().map(|(binding, _)| (*binding, kind(*binding))).collect()
+}
+
+/// Bound buffers, by binding.
+pub(crate) fn kinds(bound: &[(Bound, &Buffer)]) -> Vec<(u32, Bound)> {
+    in_order(&bound.iter().map(|b| b.0).collect::<Vec<_>>())
+}
+
+/// The buffers, by binding.
+pub(crate) fn buffers<'b>(bound: &[(Bound, &'b Buffer)]) -> Vec<(u32, &'b Buffer)> {
+    in_order(&bound.iter().map(|b| b.1).collect::<Vec<_>>())
+}
+
+/// Compiles passes over one grid and binds them.
+pub(crate) struct Binder<'a> {
+    pub device: &'a Device,
+    pub view: &'a Buffer,
+    pub arrays: &'a GridArrays<'a>,
+    pub layout: &'a Layout,
+}
+
+impl Binder<'_> {
+    /// A pass that is the same for every scene. `bindings`: those behind the view; `quantity`: see [`GridArrays::buffers`].
+    pub fn step(
+        &self,
+        pass: FramePass,
+        workgroups: [u32; 2],
+        constants: Vec<(&'static str, f64)>,
+        bindings: &[&Buffer],
+        quantity: &DeviceArray,
+    ) -> Result<BoundPass> {
+        let in_grid = self.arrays.buffers(pass.grid_arrays(), quantity);
+        let program = Program {
+            shader: &pass.shader(self.layout),
+            entry_point: pass.entry_point(),
+            constants,
+            groups: [&[], &own_kinds(Some(pass)), &kinds(&in_grid)],
+        };
+        let pipeline = self.device.pipeline(&program)?;
+        let groups = self.groups(&pipeline, bindings, &in_grid);
+        Ok(BoundPass { name: (pass.entry_point(), stage(pass)), pipeline, groups, workgroups })
+    }
+
+    /// Groups 1 and 2 of a pipeline.
+    pub fn groups(
+        &self,
+        pipeline: &ComputePipeline,
+        bindings: &[&Buffer],
+        in_grid: &[(Bound, &Buffer)],
+    ) -> Vec<(u32, wgpu::BindGroup)> {
+        let own = in_order(&[&[self.view], bindings].concat());
+        let mut groups = vec![(1, self.device.bind(pipeline, 1, &own))];
+        if !in_grid.is_empty() {
+            groups.push((GRID_GROUP, self.device.bind(pipeline, GRID_GROUP, &buffers(in_grid))));
+        }
+        groups
+    }
+}
+
+pub(crate) fn run(encoder: &mut CommandEncoder, step: &BoundPass, timing: &mut Timing) {
+    let descriptor =
+        wgpu::ComputePassDescriptor { label: Some(step.name.0), timestamp_writes: timing.next(step.name) };
+    let mut compute = encoder.begin_compute_pass(&descriptor);
+    compute.set_pipeline(&step.pipeline);
+    for (number, group) in &step.groups {
+        compute.set_bind_group(*number, group, &[]);
+    }
+    compute.dispatch_workgroups(step.workgroups[0], step.workgroups[1], 1);
+}
+
+/// Workgroups for so many invocations, folded into rows where one row does not hold them.
+pub(crate) fn folded(count: u32, most: u32) -> [u32; 2] {
+    in_rows(count.div_ceil(64), most)
+}
+
+/// This number of workgroups, or a few more, folded likewise.
+pub(crate) fn in_rows(groups: u32, most: u32) -> [u32; 2] {
+    let groups = groups.max(1);
+    let rows = groups.div_ceil(most);
+    [groups.div_ceil(rows), rows]
+}
+
+/// Bytes of a cell in the sorted list.
+pub(crate) const ENTRY_BYTES: u64 = 8;
+
+/// Rounds that sort every bit of a key; one gathers the cells and leaves them in their order.
+pub(crate) const ROUNDS: u32 = 4;
+
+/// Items to sort.
+#[derive(Clone, Copy)]
+pub(crate) enum Items<'a> {
+    /// The cells of the grid that can be seen.
+    Cells,
+    /// All cells, in the order of this list, nearest first.
+    Ordered(&'a Buffer),
+    /// A list that the first round finds.
+    #[cfg(test)]
+    Listed,
+}
+
+/// Buffers of the sort that stay between frames.
+#[derive(Default)]
+pub(crate) struct SortBuffers {
+    lists: [GrowingBuffer; 2],
+    digit_counts: GrowingBuffer,
+}
+
+/// The passes, and what they leave.
+pub(crate) struct Sort {
+    pub steps: Vec<BoundPass>,
+    /// Numbers of cells with their keys, in order.
+    pub sorted: Buffer,
+    /// Their count, behind one number a digit.
+    pub digit_counts: Buffer,
+}
+
+impl SortBuffers {
+    /// The passes of so many rounds, one or [`ROUNDS`], over at most `capacity` items. `quantity`: any of the grid's.
+    pub fn sort(
+        &mut self,
+        binder: &Binder,
+        capacity: u32,
+        rounds: u32,
+        items: Items,
+        quantity: &DeviceArray,
+    ) -> Result<Sort> {
+        let device = binder.device;
+        let blocks = capacity.div_ceil(RoundRecord::ITEMS);
+        let storage = |size: u64| device.storage("the sorted cells", size);
+        let [first, second] = &mut self.lists;
+        let size = u64::from(capacity) * ENTRY_BYTES;
+        // One round from the cells reads no list.
+        let lists =
+            [first.at_least(size, storage)?, second.at_least(if rounds > 1 { size } else { 0 }, storage)?];
+        let size = 4 * (u64::from(RoundRecord::DIGITS) * (u64::from(blocks) + 1) + 1);
+        let digit_counts =
+            self.digit_counts.at_least(size, |size| device.storage("the counts of digits", size))?;
+        let over_blocks = in_rows(blocks, device.limits.max_compute_workgroups_per_dimension);
+        let mut steps = Vec::new();
+        for number in 0..rounds {
+            let record = RoundRecord {
+                shift: 8 * number,
+                from_cells: match items {
+                    Items::Cells if number == 0 => 1,
+                    Items::Ordered(_) if number == 0 => 2,
+                    Items::Cells | Items::Ordered(_) => 0,
+                    #[cfg(test)]
+                    Items::Listed => 0,
+                },
+                capacity,
+                padding: 0,
+            };
+            let round = device.uniform("a round of the sort", size_of::<RoundRecord>() as u64)?;
+            device.write(&round, 0, bytemuck::bytes_of(&record));
+            let sorted = &lists[number as usize % 2];
+            let unsorted = match items {
+                Items::Ordered(list) if number == 0 => list,
+                _ => &lists[(number as usize + 1) % 2],
+            };
+            let bindings = [&round, unsorted, &digit_counts, sorted];
+            for (pass, workgroups, count) in [
+                (FramePass::CountDigits, over_blocks, 3),
+                (FramePass::PlaceDigits, [RoundRecord::DIGITS, 1], 3),
+                (FramePass::MoveDigits, over_blocks, 4),
+            ] {
+                steps.push(binder.step(pass, workgroups, vec![], &bindings[..count], quantity)?);
+            }
+        }
+        let [first, second] = lists;
+        Ok(Sort { steps, sorted: if rounds % 2 == 1 { first } else { second }, digit_counts })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::device::{Device, Timing};
+    use crate::grid::{DeviceGrid, ValueArray};
+    use std::sync::Arc;
+    use voltet_core::volume::Volume;
+    use voltet_shaders::{Layout, ViewRecord};
+
+    #[test]
+    fn folded_rows_hold_every_invocation() {
+        for (count, most) in [(0, 65535), (1, 65535), (64, 65535), (16_000_000, 65535), (u32::MAX, 65535)] {
+            let [columns, rows] = folded(count, most);
+            assert!(columns <= most && rows <= most);
+            assert!(u64::from(columns) * u64::from(rows) * 64 >= u64::from(count), "{count}");
+        }
+    }
+
+    /// The device of the tests; `None` without one, said loudly; a failure if `VOLTET_REQUIRE_GPU` is 1.
+    fn device() -> Option<Device> {
+        match Device::open(std::env::var("VOLTET_ADAPTER").ok().as_deref(), false) {
+            Ok(device) => Some(device),
+            Err(why) => {
+                voltet_testing::skipped_without_device(why);
+                None
+            }
+        }
+    }
+
+    /// The list that the device makes of `items`, with room for `capacity`.
+    fn sorted(grid: &DeviceGrid, volume: &Volume, items: &[[u32; 2]], capacity: u32) -> Vec<[u32; 2]> {
+        let device: &Device = &grid.device;
+        let mut buffers = SortBuffers::default();
+        let view = device.uniform("the view", size_of::<ViewRecord>() as u64).expect("fits");
+        let nothing = || vec![device.storage("nothing", 16).expect("fits")];
+        let arrays = GridArrays { grid, seen: nothing(), attributes: nothing(), bounds: nothing() };
+        let binder = Binder { device, view: &view, arrays: &arrays, layout: &Layout::WHOLE };
+        let scalar = grid.stored(volume, ValueArray::Scalar).expect("fits");
+        let sort = buffers.sort(&binder, capacity, ROUNDS, Items::Listed, &scalar).expect("compiles");
+        // An even number of rounds ends where it began.
+        device.queue.write_buffer(&sort.sorted, 0, bytemuck::cast_slice(items));
+        let count = items.len() as u32;
+        device.queue.write_buffer(&sort.digit_counts, 4 * 256, bytemuck::bytes_of(&count));
+        let mut encoder = device.device.create_command_encoder(&Default::default());
+        let mut timing = Timing::new(device).expect("has a clock or none");
+        sort.steps.iter().for_each(|step| run(&mut encoder, step, &mut timing));
+        let mapped = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        let bytes = 8 * items.len() as u64;
+        let back = device.buffer("the list on its way back", bytes, mapped).expect("fits");
+        encoder.copy_buffer_to_buffer(&sort.sorted, 0, &back, 0, bytes);
+        device.queue.submit([encoder.finish()]);
+        device.read("the list", &back, bytes, bytemuck::pod_collect_to_vec).expect("is there")
+    }
+
+    /// Random keys, keys with many ties, keys that are all the same: in order, and ties as they came.
+    #[test]
+    fn keys_are_sorted_and_ties_stay() {
+        let Some(device) = device() else { return };
+        let volume = Volume {
+            grid: Arc::default(),
+            scalar: Default::default(),
+            gradient: None,
+            gradient_magnitude: None,
+        };
+        let grid = DeviceGrid::new(Arc::new(device), &volume).expect("fits");
+        let mut state = 1u64;
+        let mut random = || {
+            // Steele, Lea, Flood 2014: SplitMix.
+            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            (z ^ (z >> 31)) as u32
+        };
+        for (count, capacity) in
+            [(1, 1), (2, 100), (255, 255), (4096, 4096), (4097, 4097), (9000, 20_000), (70_000, 70_000)]
+        {
+            for mask in [u32::MAX, 0x0003_0100, 0] {
+                let items: Vec<[u32; 2]> = (0..count).map(|k| [k, random() & mask]).collect();
+                let mut expected = items.clone();
+                expected.sort_by_key(|item| item[1]);
+                let found = sorted(&grid, &volume, &items, capacity);
+                assert!(found == expected, "{count} items, mask {mask:x}");
+            }
+        }
+    }
+}

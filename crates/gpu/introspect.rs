@@ -1,0 +1,213 @@
+//! Measurements of a device, and single ray segments through the composed shaders, for comparison with exact values. No part of the
+//! public interface: it changes with the engine.
+
+use crate::device::Device;
+use crate::device::pipelines::{Bound, Program, in_order};
+use crate::engine::{GpuEngine, GpuVolume};
+use crate::frame::inputs::shader_key;
+use std::any::Any;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use voltet_core::Result;
+use voltet_core::transfer::TransferFunction;
+use voltet_optics::engine::{Engine, PreparedVolume, RenderOptions};
+use voltet_optics::integrators::Extent;
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::{Integrator, Shading};
+use voltet_optics::{Contribution, Segment, WidgetBlend};
+use voltet_shaders::segment_list::{CONTRIBUTION, axes, constants, contributions, holds, row};
+use voltet_shaders::{
+    CompositorProgram, Parameters, Resources, Shader, ShaderKey, compose, compose_pieces, multiply_adds,
+};
+use wgpu::BufferUsages;
+
+/// Device of an engine, if it is this crate's.
+pub fn device_of(engine: &dyn Engine) -> Option<&Arc<Device>> {
+    (engine as &dyn Any).downcast_ref().map(|GpuEngine { device, .. }| device)
+}
+
+/// Shader that composites a scene of a volume that this crate's engine prepared. Errors: those of drawing the scene.
+pub fn compositor_shader(
+    volume: &dyn PreparedVolume,
+    scene: &Scene,
+    options: &RenderOptions,
+) -> Result<Option<Shader>> {
+    let Some(GpuVolume { renderer, .. }) = (volume as &dyn Any).downcast_ref() else { return Ok(None) };
+    Ok(Some(compose(&shader_key(renderer, scene, options)?.0)))
+}
+
+/// A measurement's shortest time: a thousand times what submitting and waiting take.
+const LONG_ENOUGH: Duration = Duration::from_millis(50);
+
+/// Number of tries of each measurement, of which the best counts: other work on the device only slows it down.
+const TRIES: usize = 3;
+
+impl Device {
+    /// 32-bit multiply-adds a second, measured: chains in registers that wait for nothing but themselves.
+    ///
+    /// Errors: a lost device.
+    pub fn multiply_adds_per_second(&self) -> Result<f64> {
+        let (shader, of_workgroup) = multiply_adds();
+        let pipeline = self.pipeline(&Program {
+            shader: &shader,
+            entry_point: "multiply_adds",
+            constants: vec![],
+            groups: [&[(0, Bound::Write)], &[], &[]],
+        })?;
+        let sums = self.storage("the sums", (2 + 64) * 16)?;
+        // Sums stay near 1: no number that a device might treat apart.
+        let start = [[0.5f32; 4], [0.5; 4]];
+        self.guarded("the sums", || self.queue.write_buffer(&sums, 0, bytemuck::bytes_of(&start)))?;
+        let group = self.bind(&pipeline, 0, &in_order(&[&sums]));
+        let run = |workgroups: u32| -> Result<Duration> {
+            let begin = Instant::now();
+            self.guarded("the multiply-adds", || {
+                let mut encoder = self.device.create_command_encoder(&Default::default());
+                let mut compute = encoder.begin_compute_pass(&Default::default());
+                compute.set_pipeline(&pipeline);
+                compute.set_bind_group(0, &group, &[]);
+                compute.dispatch_workgroups(workgroups, 1, 1);
+                drop(compute);
+                self.queue.submit([encoder.finish()]);
+            })?;
+            self.wait("the multiply-adds", None)?;
+            Ok(begin.elapsed())
+        };
+        run(1)?;
+        let most = self.limits.max_compute_workgroups_per_dimension;
+        let mut workgroups = 64.min(most);
+        while run(workgroups)? < LONG_ENOUGH && workgroups < most {
+            workgroups = workgroups.saturating_mul(2).min(most);
+        }
+        let mut best = f64::INFINITY;
+        for _ in 0..TRIES {
+            best = best.min(run(workgroups)?.as_secs_f64());
+        }
+        Ok(workgroups as f64 * of_workgroup as f64 / best)
+    }
+}
+
+/// Segments that one dispatch composites: a software driver ends loops after 65,535 rounds in all.
+const CHAIN_PART: usize = 1 << 14;
+
+/// Single segments.
+impl Device {
+    /// Integrates a segment by the closed forms. The inner error is the reason that the device refuses it before it draws.
+    ///
+    /// # Errors
+    ///
+    /// - A device that fails on the way.
+    pub fn integrate_segment(
+        &self,
+        transfer_function: &TransferFunction,
+        segment: &Segment,
+        overlap: WidgetBlend,
+    ) -> Result<std::result::Result<Contribution, &'static str>> {
+        let shading = Shading { integrator: Integrator::ANALYTIC, overlap, silhouette: None, light: None };
+        let shader_key = ShaderKey::new(transfer_function, &shading, CompositorProgram::Segments)?;
+        let axes = axes(transfer_function, segment);
+        let length = segment.length;
+        let Ok(parameters) = Parameters::new(transfer_function, &shading, &axes, length) else {
+            return Ok(Err("numbers leave the range of 32 bits"));
+        };
+        if holds(&shader_key, transfer_function, segment).is_err() {
+            return Ok(Err("the device refuses what 32 bits do not hold, and `auto` takes the CPU"));
+        }
+        let scene = self.uniform("the scene", parameters.scene_bytes().len() as u64)?;
+        self.write(&scene, 0, &parameters.scene_bytes());
+        // Closed forms read no table of lengths.
+        let extent = Extent { scalar: [0.0; 2], longest: 1.0 };
+        let numbers = &parameters.numbers;
+        let resources =
+            Resources::new(&shader_key, transfer_function, &shading, axes[0], length, &extent, numbers)?;
+        let mut read = vec![(0, Bound::Uniform, scene)];
+        for buffer in &resources.buffers {
+            if let Some(binding) = buffer.binding {
+                let numbers = self.upload_items("the scene's numbers", &buffer.contents.bytes)?;
+                read.push((binding, Bound::Read, numbers));
+            }
+        }
+        let shader = compose(&shader_key);
+        let rows = self.upload_items("a segment", &row(&shader_key, &axes, length, segment))?;
+        let kinds: Vec<(u32, Bound)> = read.iter().map(|(binding, kind, _)| (*binding, *kind)).collect();
+        let program = Program {
+            shader: &shader,
+            entry_point: "integrate_segments",
+            constants: constants(&shader_key, &shader).to_vec(),
+            groups: [&kinds, &[(0, Bound::Read), (1, Bound::Write)], &[]],
+        };
+        let read: Vec<(u32, &wgpu::Buffer)> =
+            read.iter().map(|(binding, _, buffer)| (*binding, buffer)).collect();
+        let found = self.run_on_rows(&program, &read, &rows, &[f32::NAN; CONTRIBUTION])?;
+        Ok(Ok(contributions(&found)[0]))
+    }
+
+    fn upload_items<U: bytemuck::Pod + Send + Sync>(&self, what: &str, items: &[U]) -> Result<wgpu::Buffer> {
+        self.upload(what, items.len(), |i| items[i])
+    }
+
+    /// A pass of one workgroup over rows; `values`: what its output holds before.
+    fn run_on_rows(
+        &self,
+        program: &Program,
+        read: &[(u32, &wgpu::Buffer)],
+        rows: &wgpu::Buffer,
+        values: &[f32],
+    ) -> Result<Vec<f32>> {
+        let pipeline = self.pipeline(program)?;
+        let bytes = size_of_val(values) as u64;
+        let output = self.upload_items("the values", values)?;
+        let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
+        let returned = self.buffer("the values on their way back", bytes, usage)?;
+        let mut groups = vec![(1, self.bind(&pipeline, 1, &[(0, rows), (1, &output)]))];
+        if !read.is_empty() {
+            groups.push((0, self.bind(&pipeline, 0, read)));
+        }
+        self.guarded("a segment", || {
+            let mut encoder = self.device.create_command_encoder(&Default::default());
+            let mut compute = encoder.begin_compute_pass(&Default::default());
+            compute.set_pipeline(&pipeline);
+            groups.iter().for_each(|(number, group)| compute.set_bind_group(*number, group, &[]));
+            compute.dispatch_workgroups(1, 1, 1);
+            drop(compute);
+            encoder.copy_buffer_to_buffer(&output, 0, &returned, 0, bytes);
+            self.queue.submit([encoder.finish()]);
+        })?;
+        self.read("the values", &returned, bytes, bytemuck::pod_collect_to_vec)
+    }
+
+    /// The pass `evaluate` of a piece, over rows of four numbers.
+    fn evaluate(&self, piece: &str, rows: &[[f32; 4]], values: &[f32]) -> Result<Vec<f32>> {
+        let shader = compose_pieces("", &[piece]);
+        let groups: [&[(u32, Bound)]; 3] = [&[], &[(0, Bound::Read), (1, Bound::Write)], &[]];
+        let program = Program { shader: &shader, entry_point: "evaluate", constants: vec![], groups };
+        self.run_on_rows(&program, &[], &self.upload_items("the rows", rows)?, values)
+    }
+
+    /// Composites segments front to back: r, g, b, A as it is summed, 1 − A, and A.
+    ///
+    /// # Errors
+    ///
+    /// - A device that fails on the way.
+    pub fn composite_chain(&self, segments: &[Contribution]) -> Result<[f64; 6]> {
+        let row = |c: &Contribution| [c.color[0], c.color[1], c.color[2], c.opacity].map(|x| x as f32);
+        let rows: Vec<[f32; 4]> = segments.iter().map(row).collect();
+        // Nothing yet, and a transparency of 1.
+        let mut values = vec![0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+        for part in rows.chunks(CHAIN_PART) {
+            values = self.evaluate("measured/compositing_chain", part, &values)?;
+        }
+        Ok(std::array::from_fn(|i| f64::from(values[i])))
+    }
+
+    /// ψ, F, B and ζ of linear extinction from a to b.
+    ///
+    /// # Errors
+    ///
+    /// - A device that fails on the way.
+    pub fn partial_integrals(&self, a: f64, b: f64) -> Result<[f64; 4]> {
+        let rows = [[a as f32, b as f32, (0.5 * (a + b)) as f32, 0.0]];
+        let values = self.evaluate("measured/partial_integrals", &rows, &[f32::NAN; 4])?;
+        Ok(std::array::from_fn(|i| f64::from(values[i])))
+    }
+}

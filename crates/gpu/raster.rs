@@ -1,0 +1,506 @@
+//! The compositors that blend: all cells sorted by distance, drawn farthest first and blended by the hardware.
+//!
+//! The sorted list is drawn in runs. Each is one indirect draw of a fixed number of vertices and triangles a cell, whose
+//! indices are the same for all runs; so what drawing takes is a picture, one list of indices, and for triangles the corners
+//! of one run, whatever the grid's size.
+
+use crate::bound_pass::{
+    Binder, BoundPass, ENTRY_BYTES, Items, ROUNDS, SortBuffers, buffers, folded, kinds, run, scene_kinds,
+};
+use crate::device::pipelines::{Bound, Program, in_order};
+use crate::device::{Device, GrowingBuffer, Timing};
+use crate::grid::DeviceArray;
+use std::sync::Arc;
+use voltet_core::visibility::FaceOrder;
+use voltet_core::{Error, Result};
+use voltet_optics::engine::{Accumulation, Compositor, Stage};
+use voltet_shaders::{Access, Blend, FramePass, GRID_GROUP, GridArray, RunRecord, Shader, ViewRecord};
+use wgpu::{
+    BlendComponent, BlendFactor, Buffer, BufferUsages, CommandEncoder, DownlevelFlags, ShaderStages,
+    TextureFormat,
+};
+
+/// As what cells are drawn.
+#[derive(Debug, PartialEq)]
+pub(crate) struct CellPrimitive {
+    /// Entry points for vertices and for pixels.
+    entry_points: [&'static str; 2],
+    /// The triangles of a cell, by its vertices.
+    triangles: &'static [[u32; 3]],
+    vertices: u32,
+}
+
+/// Outlines of four vertices in a ring, which are found while they are drawn.
+pub(crate) const OUTLINES: &CellPrimitive = &CellPrimitive {
+    entry_points: ["outline_cell", "blend_cell"],
+    triangles: &[[0, 1, 2], [0, 2, 3]],
+    vertices: 4,
+};
+
+/// Triangles round the thick vertex, the first of five, which a pass splits each run into.
+pub(crate) const TRIANGLES: &CellPrimitive = &CellPrimitive {
+    entry_points: ["place_corner", "blend_triangle"],
+    triangles: &[[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]],
+    vertices: 5,
+};
+
+impl CellPrimitive {
+    fn indices(&self, run_length: u32) -> Vec<u32> {
+        let of_cell = |cell| self.triangles.as_flattened().iter().map(move |k| self.vertices * cell + k);
+        (0..run_length).flat_map(of_cell).collect()
+    }
+}
+
+/// Cells of a run.
+const RUN_LENGTH: u32 = 1 << 16;
+
+/// Runs of one submission, so that no system takes a long frame for a hang: 4 million cells.
+const RUNS_AT_A_TIME: u32 = 64;
+
+/// Buffers of the raster that stay between frames.
+#[derive(Default)]
+pub(crate) struct RasterBuffers {
+    sort: SortBuffers,
+    /// An order of cells that was uploaded.
+    ordered: GrowingBuffer,
+    uploaded: Option<Arc<FaceOrder>>,
+    draws: GrowingBuffer,
+    /// With the form and the run's length that they are for.
+    indices: Option<((&'static CellPrimitive, u32), Buffer)>,
+    canvases: [Canvas; 2],
+    /// The corners of a run's triangles.
+    split: GrowingBuffer,
+    /// Cells of a run, where it is not [`RUN_LENGTH`].
+    pub run_length: Option<u32>,
+}
+
+/// Form that is drawn.
+pub(crate) struct Blending<'a> {
+    pub shader: &'a Shader,
+    pub form: &'static CellPrimitive,
+    pub blend: Blend,
+    /// True if pixels hold 8 bits a channel.
+    pub in_8_bits: bool,
+    /// True if optical depths add up; else opacities are composited.
+    pub depths_add_up: bool,
+    pub sorted: bool,
+    /// The order in which the cells are taken, where it is known.
+    pub ordered: Option<&'a Arc<FaceOrder>>,
+    /// The window, in tiles.
+    pub window: [u32; 4],
+    /// Arrays of the grid that are read.
+    pub cells_read: &'static [(GridArray, Access)],
+    pub scalar: &'a DeviceArray,
+    /// Group 0: the scene and its tables.
+    pub scene: &'a [(u32, &'a Buffer)],
+    /// Buffer of the picture.
+    pub pixels: &'a Buffer,
+}
+
+/// The passes over one window.
+pub(crate) struct Raster {
+    sort: Vec<BoundPass>,
+    /// For each run, where cells are split into triangles.
+    split: Vec<BoundPass>,
+    /// The entry point for pixels.
+    name: &'static str,
+    pipeline: Arc<wgpu::RenderPipeline>,
+    groups: [wgpu::BindGroup; 3],
+    canvases: Vec<wgpu::TextureView>,
+    clear: wgpu::Color,
+    indices: Buffer,
+    draws: Buffer,
+    run_count: u32,
+    take: BoundPass,
+}
+
+impl Raster {
+    /// Makes what is missing of the buffers, and binds it.
+    pub fn new(blending: &Blending, kept: &mut RasterBuffers, binder: &Binder) -> Result<Raster> {
+        let &Blending { shader, form, blend, in_8_bits, depths_add_up, sorted, window, scalar, .. } =
+            blending;
+        let &Blending { scene, pixels, .. } = blending;
+        let (device, cell_count) = (binder.device, binder.arrays.grid.cell_count);
+        let scene_kinds = scene_kinds(scene);
+        // A run's corners stand in one binding.
+        let fit = (device.most_bytes() / RunRecord::CELL_BYTES).max(1);
+        let most = if form == TRIANGLES { fit.try_into().unwrap_or(u32::MAX) } else { u32::MAX };
+        let run_length = kept.run_length.unwrap_or(RUN_LENGTH).min(most);
+        let run_count = cell_count.div_ceil(run_length);
+        let rounds = if sorted { ROUNDS } else { 1 };
+        let ordered = blending.ordered.map(|order| kept.upload(device, order)).transpose()?;
+        let items = ordered.as_ref().map_or(Items::Cells, Items::Ordered);
+        let list = kept.sort.sort(binder, cell_count, rounds, items, scalar)?;
+        let usage = BufferUsages::STORAGE | BufferUsages::INDIRECT;
+        let draws_size = 20 * u64::from(run_count);
+        let draws = kept.draws.at_least(draws_size, |size| device.buffer("the draws", size, usage))?;
+        let mut steps = list.steps;
+        let most = device.limits.max_compute_workgroups_per_dimension;
+        // The vertices of triangles are those of a run, others count through the list.
+        let vertices = if form == OUTLINES { form.vertices } else { 0 };
+        let constants = vec![
+            ("run_length", f64::from(run_length)),
+            ("cell_indices", 3.0 * form.triangles.len() as f64),
+            ("cell_vertices", f64::from(vertices)),
+        ];
+        let bindings = [&draws, &list.digit_counts];
+        steps.push(binder.step(FramePass::Runs, folded(run_count, most), constants, &bindings, scalar)?);
+        let mut split = Vec::new();
+        // What vertices are read from.
+        let drawn = if form == OUTLINES {
+            list.sorted.clone()
+        } else {
+            let run_cells = run_length.min(cell_count);
+            let size = u64::from(run_cells) * RunRecord::CELL_BYTES;
+            let corners = kept.split.at_least(size, |size| device.storage("the corners of a run", size))?;
+            for number in 0..run_count {
+                let record = RunRecord { first: number * run_length, length: run_length, padding: [0; 2] };
+                let this = device.uniform("a run", size_of::<RunRecord>() as u64)?;
+                device.write(&this, 0, bytemuck::bytes_of(&record));
+                let bindings = [&this, &list.sorted, &list.digit_counts, &corners];
+                let over_run = folded(run_cells, most);
+                split.push(binder.step(FramePass::Split, over_run, vec![], &bindings, scalar)?);
+            }
+            corners
+        };
+
+        let target = Target::new(blend, depths_add_up, device.blends_32_bits, in_8_bits);
+        let size = [window[2], window[3]].map(|tiles| tiles * ViewRecord::TILE);
+        let made = target.formats.iter().zip(&mut kept.canvases);
+        let canvases: Vec<_> =
+            made.map(|(format, canvas)| canvas.texture(device, size, *format)).collect::<Result<_>>()?;
+        let clear = target.clear;
+        let in_grid = binder.arrays.buffers(blending.cells_read, scalar);
+        let pipeline = device.drawing(&Drawing {
+            shader,
+            entry_points: form.entry_points,
+            target,
+            groups: [&scene_kinds, &in_order(&[Bound::Uniform, Bound::Read]), &kinds(&in_grid)],
+        })?;
+        let group = |number, list: &[(u32, &Buffer)]| {
+            device.bind_group(&pipeline.get_bind_group_layout(number), whole(list))
+        };
+        let groups = [
+            group(0, scene),
+            group(1, &[(0, binder.view), (1, &drawn)]),
+            group(GRID_GROUP, &buffers(&in_grid)),
+        ];
+
+        // Behind the picture, what is rounded has its opacity in a texture of its own.
+        let texels = [2, 4].into_iter().zip(&canvases);
+        let mut take_kinds = vec![(0, Bound::Uniform), (3, Bound::Write)];
+        take_kinds.extend(texels.clone().map(|(binding, _)| (binding, Bound::Texels)));
+        let take = device.pipeline(&Program {
+            shader,
+            entry_point: "take_blended",
+            constants: vec![],
+            groups: [&scene_kinds, &take_kinds, &[]],
+        })?;
+        let mut resources = whole(&[(0, binder.view), (3, pixels)]);
+        resources.extend(texels.map(|(binding, view)| (binding, wgpu::BindingResource::TextureView(view))));
+        let take_groups = vec![
+            (0, device.bind(&take, 0, scene)),
+            (1, device.bind_group(&take.get_bind_group_layout(1), resources)),
+        ];
+        Ok(Raster {
+            sort: steps,
+            split,
+            name: form.entry_points[1],
+            pipeline,
+            groups,
+            canvases,
+            clear,
+            indices: kept.indices(device, form, run_length.min(cell_count))?,
+            draws,
+            run_count,
+            take: BoundPass {
+                name: ("take_blended", Stage::Composite),
+                pipeline: take,
+                groups: take_groups,
+                workgroups: [window[2], window[3]],
+            },
+        })
+    }
+
+    /// Sorts, draws all runs and takes the picture. A long list is submitted in parts.
+    pub fn encode(&self, device: &Device, encoder: &mut CommandEncoder, timing: &mut Timing) {
+        self.sort.iter().for_each(|step| run(encoder, step, timing));
+        let mut first = 0;
+        loop {
+            let end = (first + RUNS_AT_A_TIME).min(self.run_count);
+            if self.split.is_empty() {
+                self.draw(encoder, first..end, timing);
+            } else {
+                for (number, split) in (first..end).zip(&self.split[first as usize..]) {
+                    run(encoder, split, timing);
+                    self.draw(encoder, number..number + 1, timing);
+                }
+            }
+            first = end;
+            if first == self.run_count {
+                break;
+            }
+            let next = device.device.create_command_encoder(&Default::default());
+            device.queue.submit([std::mem::replace(encoder, next).finish()]);
+        }
+        run(encoder, &self.take, timing);
+    }
+
+    fn draw(&self, encoder: &mut CommandEncoder, runs: std::ops::Range<u32>, timing: &mut Timing) {
+        let load = match runs.start {
+            0 => wgpu::LoadOp::Clear(self.clear),
+            _ => wgpu::LoadOp::Load,
+        };
+        let attachment = |view| {
+            let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
+            Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
+        };
+        let attachments: Vec<_> = self.canvases.iter().map(attachment).collect();
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(self.name),
+            color_attachments: &attachments,
+            timestamp_writes: timing.next_drawing((self.name, Stage::Composite)),
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.pipeline);
+        for (number, group) in self.groups.iter().enumerate() {
+            pass.set_bind_group(number as u32, group, &[]);
+        }
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
+        for number in runs {
+            pass.draw_indexed_indirect(&self.draws, 20 * u64::from(number));
+        }
+    }
+}
+
+fn whole<'a>(list: &[(u32, &'a Buffer)]) -> Vec<(u32, wgpu::BindingResource<'a>)> {
+    list.iter().map(|(binding, buffer)| (*binding, buffer.as_entire_binding())).collect()
+}
+
+impl RasterBuffers {
+    /// The cells in their order, nearest first, uploaded if they are not there.
+    fn upload(&mut self, device: &Device, order: &Arc<FaceOrder>) -> Result<Buffer> {
+        let what = "the cells in their order";
+        let bytes: &[u8] = bytemuck::cast_slice(&order.cells);
+        let buffer = self.ordered.at_least(bytes.len() as u64, |size| device.storage(what, size))?;
+        if !self.uploaded.as_ref().is_some_and(|known| Arc::ptr_eq(known, order)) {
+            self.uploaded = None;
+            device.guarded(what, || device.write(&buffer, 0, bytes))?;
+            self.uploaded = Some(order.clone());
+        }
+        Ok(buffer)
+    }
+
+    fn indices(&mut self, device: &Device, form: &'static CellPrimitive, run_length: u32) -> Result<Buffer> {
+        let key = (form, run_length);
+        if let Some((_, known)) = self.indices.as_ref().filter(|(known, _)| *known == key) {
+            return Ok(known.clone());
+        }
+        let indices = form.indices(run_length);
+        let usage = BufferUsages::INDEX | BufferUsages::COPY_DST;
+        let made = device.buffer("the indices of a run", 4 * indices.len() as u64, usage)?;
+        device.guarded("the indices of a run", || {
+            device.write(&made, 0, bytemuck::cast_slice(&indices));
+        })?;
+        self.indices = Some((key, made.clone()));
+        Ok(made)
+    }
+}
+
+/// Blending of the compositor: formats, factors, and the initial content.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Target {
+    /// Format of each picture that is drawn into.
+    pub formats: Vec<TextureFormat>,
+    /// Content of an unseen pixel.
+    pub clear: wgpu::Color,
+    factors: [BlendFactor; 2],
+}
+
+impl Target {
+    /// One number a pixel where the scene has one colour, else four; of 32 bits where the device blends these.
+    ///
+    /// Colours come farthest first, each over what is there: C ← C_seg + (1 − A_seg) C. The other way round, each would
+    /// be weighted by 1 − A of the sum, which has few digits left where little more is seen.
+    ///
+    /// Without 32 bits what is rounded is not served: [`Device::check_blending`].
+    pub fn new(blend: Blend, depths_add_up: bool, wide: bool, in_8_bits: bool) -> Target {
+        let formats = match (blend, wide) {
+            (Blend::Over, _) if in_8_bits => vec![TextureFormat::Rgba8Unorm],
+            (Blend::Over, true) => vec![TextureFormat::Rgba32Float],
+            (Blend::Over, false) => vec![TextureFormat::Rgba16Float],
+            (Blend::Sum, true) => vec![TextureFormat::R32Float],
+            (Blend::Sum, false) => vec![TextureFormat::R16Float],
+            (Blend::Rounded { .. }, _) => vec![TextureFormat::Rgba32Float, TextureFormat::R32Float],
+        };
+        let behind = match blend {
+            Blend::Over | Blend::Rounded { .. } => BlendFactor::OneMinusSrcAlpha,
+            Blend::Sum if depths_add_up => BlendFactor::One,
+            Blend::Sum => BlendFactor::OneMinusSrc,
+        };
+        let about = f64::from(blend.about());
+        let clear = wgpu::Color { r: about, g: about, b: about, a: 0.0 };
+        Target { formats, clear, factors: [BlendFactor::One, behind] }
+    }
+
+    fn blend(&self) -> wgpu::BlendState {
+        let [src_factor, dst_factor] = self.factors;
+        let component = BlendComponent { src_factor, dst_factor, operation: wgpu::BlendOperation::Add };
+        wgpu::BlendState { color: component, alpha: component }
+    }
+}
+
+/// Sources of a render pipeline.
+pub(crate) struct Drawing<'a> {
+    pub shader: &'a Shader,
+    /// Entry points for vertices and for pixels.
+    pub entry_points: [&'static str; 2],
+    pub target: Target,
+    /// Bound buffers, by binding.
+    pub groups: [&'a [(u32, Bound)]; 3],
+}
+
+/// Device capabilities that drawing needs beyond those of the tiles' compositor.
+const NEEDED: [(DownlevelFlags, &str); 2] = [
+    (DownlevelFlags::VERTEX_STORAGE, "storage buffers for vertices"),
+    (DownlevelFlags::INDIRECT_EXECUTION, "draws whose counts stand in a buffer"),
+];
+
+/// An error that names what is lacking.
+fn check_flags(found: DownlevelFlags, device: &str, compositor: &str) -> Result<()> {
+    let lacking = NEEDED.iter().filter(|(flag, _)| !found.contains(*flag));
+    let lacking: Vec<&str> = lacking.map(|(_, what)| *what).collect();
+    if lacking.is_empty() {
+        return Ok(());
+    }
+    Err(Error::run(format!("{device} lacks what compositor = \"{compositor}\" draws with"))
+        .got(format!("no {}", lacking.join(", no ")))
+        .expected("compositor = \"tiles\""))
+}
+
+impl Device {
+    /// An error that names what the device lacks for a compositor that blends, or how many cells its list holds.
+    pub fn check_blending(
+        &self,
+        compositing: Compositor,
+        accumulation: Accumulation,
+        cell_count: u64,
+    ) -> Result<()> {
+        let most = self.most_bytes() / ENTRY_BYTES;
+        if most < cell_count {
+            return Err(Error::run(format!("the sorted cells do not fit one binding of {}", self.name))
+                .got(format!("{cell_count} cells"))
+                .expected(format!("at most {most}, or compositor = \"tiles\"")));
+        }
+        let is_rounded = matches!(accumulation, Accumulation::Bits12 | Accumulation::Bits16);
+        if is_rounded && !self.blends_32_bits {
+            let words = format!("accumulation = \"{}\"", accumulation.name());
+            return Err(Error::run(format!("{} blends no 32-bit floats", self.name))
+                .got(format!("{words}, which is made of these"))
+                .expected("accumulation = \"float\" or \"8-bit\""));
+        }
+        check_flags(self.downlevel, &self.name, compositing.name())
+    }
+
+    /// True if pixels are blended in 32-bit floats, not in 16 bits.
+    pub fn blends_32_bits(&self) -> bool {
+        self.blends_32_bits
+    }
+
+    /// The pipeline, compiled if it is not there.
+    pub(crate) fn drawing(&self, program: &Drawing) -> Result<Arc<wgpu::RenderPipeline>> {
+        let Target { formats, factors, .. } = &program.target;
+        let key = (program.shader.text.clone(), program.entry_points[1], format!("{formats:?} {factors:?}"));
+        self.cached(&self.drawings, key, || self.compile_drawing(program))
+    }
+
+    fn compile_drawing(&self, program: &Drawing) -> Result<wgpu::RenderPipeline> {
+        let Drawing { shader, entry_points: [vertex, fragment], target, groups } = program;
+        let module = self.module(shader, fragment)?;
+        let layouts = groups.map(|group| Some(self.group_layout(group, ShaderStages::VERTEX_FRAGMENT)));
+        self.guarded(fragment, || {
+            let color = |format: &TextureFormat| {
+                Some(wgpu::ColorTargetState {
+                    format: *format,
+                    blend: Some(target.blend()),
+                    write_mask: wgpu::ColorWrites::ALL,
+                })
+            };
+            let targets: Vec<_> = target.formats.iter().map(color).collect();
+            self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(fragment),
+                layout: Some(&self.pipeline_layout(fragment, &layouts)),
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some(vertex),
+                    compilation_options: Default::default(),
+                    buffers: &[],
+                },
+                primitive: wgpu::PrimitiveState::default(),
+                depth_stencil: None,
+                multisample: wgpu::MultisampleState::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module: &module,
+                    entry_point: Some(fragment),
+                    compilation_options: Default::default(),
+                    targets: &targets,
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+        })
+    }
+}
+
+/// A texture to draw into, kept while it is large enough.
+#[derive(Default)]
+pub(crate) struct Canvas {
+    made: Option<wgpu::Texture>,
+}
+
+impl Canvas {
+    /// The texture of exactly this size: a pixel's place in the window is its place in the texture.
+    pub fn texture(
+        &mut self,
+        device: &Device,
+        size: [u32; 2],
+        format: TextureFormat,
+    ) -> Result<wgpu::TextureView> {
+        let [width, height] = size;
+        let fits = |t: &wgpu::Texture| t.width() == width && t.height() == height && t.format() == format;
+        if !self.made.as_ref().is_some_and(fits) {
+            // The old one goes first: there may not be room for both.
+            self.made = None;
+            let descriptor = wgpu::TextureDescriptor {
+                label: Some("what is blended"),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            };
+            let what = format!("the picture that is blended ({width} × {height})");
+            self.made = Some(device.guarded(&what, || device.device.create_texture(&descriptor))?);
+        }
+        let made = self.made.as_ref().expect("made above");
+        Ok(made.create_view(&Default::default()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_device_lacks_is_named() {
+        check_flags(DownlevelFlags::all(), "it", "raster").expect("lacks nothing");
+        let without = DownlevelFlags::all() - DownlevelFlags::VERTEX_STORAGE;
+        let error = check_flags(without, "it", "raster").expect_err("lacks one").to_string();
+        for word in ["it lacks", "raster", "no storage buffers for vertices", "tiles"] {
+            assert!(error.contains(word), "'{word}' is not in: {error}");
+        }
+        assert!(!error.contains("draws whose"), "{error}");
+    }
+}
