@@ -1,16 +1,14 @@
-//! The document: a pipeline file with its history.
+//! The document: a pipeline file with its history of undo steps.
 
-use crate::apply::{EditContext, blank};
 use crate::arrange::{USUAL, tidy};
-use crate::edit::Edit;
-use crate::history::{Gesture, History};
-use crate::text::Syntax;
+use crate::edit::{Edit, EditContext};
+use crate::text::{Draft, Syntax};
 use crate::view::View;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::{Error, Result};
-use voltet_graph::pipeline::{ParsedPipeline, Pipeline, locate};
+use voltet_graph::pipeline::{FORMAT, ParsedPipeline, Pipeline, locate};
 use voltet_graph::{NodeEntry, Stamp};
 
 /// A pipeline file that is edited. It is the text: everything else is read from it.
@@ -32,7 +30,7 @@ pub struct Document {
 impl Document {
     /// A new pipeline without nodes, not in a file yet.
     pub fn new() -> Document {
-        Self::from_text(blank(None), None)
+        Self::from_text(format!("[pipeline]\nformat = {FORMAT}\n"), None)
     }
 
     /// A document of a text that stands so in the file at `path`, if in one. Whatever the text: faults are asked for later.
@@ -43,7 +41,7 @@ impl Document {
             text,
             syntax,
             survey,
-            history: History::of_saved(),
+            history: History { saved: Some(0), ..History::default() },
             path,
             stamp: None,
             revision: 0,
@@ -56,11 +54,6 @@ impl Document {
     /// The text.
     pub fn text(&self) -> &str {
         &self.text
-    }
-
-    /// The text, to be shared with another thread.
-    pub fn shared_text(&self) -> Arc<str> {
-        self.text.clone()
     }
 
     /// The file; none for a document that was never saved.
@@ -98,15 +91,10 @@ impl Document {
         self.edit_all(edit.label(), std::slice::from_ref(edit), None)
     }
 
-    /// Edits as a part of a gesture, such as a drag: all edits of one gesture are one undo step.
-    pub fn edit_in(&mut self, gesture: Gesture, edit: &Edit) -> Result<()> {
-        self.edit_all(edit.label(), std::slice::from_ref(edit), Some(gesture))
-    }
-
     /// Carries out several edits, one after the other, as one step. Errors: one cannot be done; then nothing has changed.
     pub fn edit_all(&mut self, label: String, edits: &[Edit], gesture: Option<Gesture>) -> Result<()> {
         let (text, syntax, survey) = self.worked(edits)?;
-        self.history.record(label, &self.text, &text, gesture)?;
+        self.history.record(label, &self.text, &text, gesture);
         for edit in edits {
             if let Edit::Rename { node, to } = edit
                 && let Some(&at) = self.shown.get(node)
@@ -129,24 +117,22 @@ impl Document {
             return Err(error.expected("the text mended first"));
         }
         let shown = |name: &str| self.shown.get(name).copied();
-        let mut work = EditContext::new(self.text.clone(), self.syntax.clone(), self.survey.clone(), &shown);
+        let draft = Draft::new(self.text.clone(), self.syntax.clone());
+        let mut work = EditContext { draft, survey: self.survey.clone(), shown: &shown };
         edits.iter().try_for_each(|edit| work.apply(edit))?;
-        Ok(work.finish())
+        let (text, syntax) = work.draft.into_text();
+        Ok((text, syntax, work.survey))
     }
 
     /// Undoes the last step; false where there is none.
-    pub fn undo(&mut self) -> Result<bool> {
-        let text = self.history.undo(&self.text)?;
-        Ok(self.go(text))
+    pub fn undo(&mut self) -> bool {
+        let text = self.history.undo();
+        text.map(|text| self.take(read(&text))).is_some()
     }
 
     /// Does the step again that was undone last; false where there is none.
-    pub fn redo(&mut self) -> Result<bool> {
-        let text = self.history.redo(&self.text)?;
-        Ok(self.go(text))
-    }
-
-    fn go(&mut self, text: Option<String>) -> bool {
+    pub fn redo(&mut self) -> bool {
+        let text = self.history.redo();
         text.map(|text| self.take(read(&text))).is_some()
     }
 
@@ -213,8 +199,14 @@ impl Document {
     }
 }
 
+impl Default for Document {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 /// A text, where everything stands in it, and what it states.
-pub(crate) type Reading = (Arc<str>, Arc<Syntax>, Arc<ParsedPipeline>);
+type Reading = (Arc<str>, Arc<Syntax>, Arc<ParsedPipeline>);
 
 fn read(text: &str) -> Reading {
     (text.into(), Arc::new(Syntax::read(text)), Arc::new(Pipeline::survey(text)))
@@ -231,8 +223,135 @@ pub(crate) fn free_name(like: &str, is_taken: &dyn Fn(&str) -> bool) -> String {
     numbered.find(|name| !is_taken(name)).unwrap_or_default()
 }
 
-impl Default for Document {
-    fn default() -> Self {
-        Self::new()
+/// Gesture: all edits of one drag are one undo step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Gesture(pub u64);
+
+#[derive(Debug, Clone)]
+struct EditStep {
+    label: String,
+    before: Arc<str>,
+    after: Arc<str>,
+    gesture: Option<Gesture>,
+}
+
+/// The steps of a document, and how many of them hold now.
+#[derive(Debug, Clone, Default)]
+pub struct History {
+    steps: Vec<EditStep>,
+    /// Number of steps done; later ones are undone.
+    cursor: usize,
+    /// The cursor at which the text is as its file; none where no cursor leads there.
+    saved: Option<usize>,
+}
+
+impl History {
+    /// Takes a step in; what was undone is forgotten. One of the same gesture as the last step becomes part of it.
+    fn record(&mut self, label: String, before: &Arc<str>, after: &Arc<str>, gesture: Option<Gesture>) {
+        if before == after {
+            return;
+        }
+        self.steps.truncate(self.cursor);
+        self.saved = self.saved.filter(|saved| *saved <= self.cursor);
+        let is_saved = self.is_saved();
+        match self.steps.last_mut().filter(|last| gesture.is_some() && last.gesture == gesture && !is_saved) {
+            Some(last) if last.before == *after => drop(self.steps.pop()),
+            Some(last) => last.after = after.clone(),
+            None => {
+                self.steps.push(EditStep { label, before: before.clone(), after: after.clone(), gesture })
+            }
+        }
+        self.cursor = self.steps.len();
+    }
+
+    /// The text before the last step that is done, which is undone now; none where there is none.
+    fn undo(&mut self) -> Option<Arc<str>> {
+        let step = self.steps.get_mut(self.cursor.checked_sub(1)?)?;
+        step.gesture = None;
+        self.cursor -= 1;
+        Some(step.before.clone())
+    }
+
+    /// The text after the first step that is undone, which is done now; none where there is none.
+    fn redo(&mut self) -> Option<Arc<str>> {
+        let step = self.steps.get(self.cursor)?;
+        self.cursor += 1;
+        Some(step.after.clone())
+    }
+
+    /// Description of the step that undo would revert.
+    pub fn undo_label(&self) -> Option<&str> {
+        Some(&self.steps.get(self.cursor.checked_sub(1)?)?.label)
+    }
+
+    /// Description of the step that redo would repeat.
+    pub fn redo_label(&self) -> Option<&str> {
+        Some(&self.steps.get(self.cursor)?.label)
+    }
+
+    pub(crate) fn save(&mut self) {
+        self.saved = Some(self.cursor);
+    }
+
+    /// True if the text is as its file.
+    pub fn is_saved(&self) -> bool {
+        self.saved == Some(self.cursor)
+    }
+
+    /// Number of steps done, and number of steps.
+    pub fn position(&self) -> (usize, usize) {
+        (self.cursor, self.steps.len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn typed(history: &mut History, text: &mut String, new: &str, gesture: Option<Gesture>) {
+        history.record(new.to_string(), &text.as_str().into(), &new.into(), gesture);
+        *text = new.to_string();
+    }
+
+    #[test]
+    fn a_gesture_is_one_step_until_it_is_saved_or_undone() {
+        let (mut history, mut text) = (History { saved: Some(0), ..History::default() }, "a".to_string());
+        let drag = Some(Gesture(1));
+        for new in ["b", "c", "d"] {
+            typed(&mut history, &mut text, new, drag);
+        }
+        assert_eq!(history.position(), (1, 1));
+        history.save();
+        typed(&mut history, &mut text, "e", drag);
+        assert_eq!(history.position(), (2, 2));
+        assert_eq!(history.undo().unwrap().to_string(), "d");
+        assert!(history.is_saved());
+        assert_eq!(history.redo().unwrap().to_string(), "e");
+        assert!(!history.is_saved());
+        typed(&mut history, &mut text, "f", drag);
+        assert_eq!(history.position(), (3, 3), "a gesture ends where it is undone");
+    }
+
+    #[test]
+    fn a_drag_back_to_its_beginning_is_no_step() {
+        let (mut history, mut text) = (History { saved: Some(0), ..History::default() }, "a".to_string());
+        typed(&mut history, &mut text, "b", Some(Gesture(7)));
+        typed(&mut history, &mut text, "a", Some(Gesture(7)));
+        assert_eq!(history.position(), (0, 0));
+        assert!(history.is_saved());
+    }
+
+    #[test]
+    fn a_new_edit_cuts_what_was_undone_and_the_way_to_what_was_saved() {
+        let (mut history, mut text) = (History { saved: Some(0), ..History::default() }, "a".to_string());
+        typed(&mut history, &mut text, "b", None);
+        history.save();
+        text = history.undo().unwrap().to_string();
+        assert_eq!((history.undo_label(), history.redo_label()), (None, Some("b")));
+        typed(&mut history, &mut text, "c", None);
+        assert_eq!(history.redo_label(), None);
+        assert!(!history.is_saved());
+        history.undo();
+        assert!(!history.is_saved(), "what was saved was cut off");
     }
 }

@@ -70,7 +70,6 @@ impl Document {
         faults
     }
 
-    /// The node and the part that stand where an error points.
     fn target(&self, error: &Error) -> (Option<String>, FaultTarget) {
         let Some(span) = &error.location.span else { return (None, FaultTarget::Whole) };
         let path = self.syntax.path_at(span.start);

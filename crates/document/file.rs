@@ -1,13 +1,18 @@
 //! The file of a document: opening, saving whole, also in another folder, and noticing that somebody else wrote it.
+//!
+//! Work that was not saved outlives a crash: its text lies in the user's state folder until it is saved or given up. Beside each text
+//! lies a lock that its window holds as long as it lives; the system releases it however the program ends. A text that is not locked
+//! was left behind.
 
 use crate::Document;
 use crate::edit::Edit;
 use crate::panel::{Control, Row};
-use std::fs::File;
-use std::io::Read;
+use std::fs::{File, OpenOptions};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::SystemTime;
 use voltet_core::{Error, Result};
-use voltet_files::{relative_to, write_whole};
+use voltet_files::{Fnv, relative_to, state_folder, write_whole};
 use voltet_graph::{ParameterValue, Registry, Stamp};
 
 /// The first bytes of a file that is a picture: what pictures carry is opened by others.
@@ -19,11 +24,9 @@ impl Document {
     pub fn open(path: &Path) -> Result<Document> {
         let unreadable =
             |error: std::io::Error| Error::usage("the pipeline file cannot be read").got(error).in_file(path);
-        let mut file = File::open(path).map_err(unreadable)?;
         // Before it is read: a change in between is noticed, at worst one that was read.
         let stamp = stamp(path);
-        let mut bytes = Vec::new();
-        file.read_to_end(&mut bytes).map_err(unreadable)?;
+        let bytes = std::fs::read(path).map_err(unreadable)?;
         if PICTURES.iter().any(|first| bytes.starts_with(first)) {
             let error = Error::usage("the file is a picture, not a pipeline file");
             return Err(error.expected("the pipeline file that it was drawn by").in_file(path));
@@ -87,8 +90,8 @@ impl Document {
     /// paths, stay as they are. What it writes is written beside it, wherever that is.
     pub fn following_to(&self, registry: &Registry, folder: &Path) -> Vec<Edit> {
         let own = self.folder();
-        let same = |a: &Path, b: &Path| absolute(a).is_some_and(|a| absolute(b) == Some(a));
-        if same(&own, folder) {
+        let whole = |folder: &Path| std::fs::canonicalize(Path::new(".").join(folder)).ok();
+        if whole(&own).is_some_and(|own| whole(folder) == Some(own)) {
             return Vec::new();
         }
         let mut edits = Vec::new();
@@ -105,13 +108,6 @@ impl Document {
     }
 }
 
-/// A folder without links; none where it is not there.
-fn absolute(folder: &Path) -> Option<PathBuf> {
-    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    std::fs::canonicalize(folder).ok()
-}
-
-/// The files to read that rows state.
 fn read(rows: &[Row], found: &mut dyn FnMut(&crate::Path, &str)) {
     for row in rows {
         if let (Control::InputFile, Some(ParameterValue::Text(text))) = (&row.control, &row.set_value) {
@@ -126,4 +122,176 @@ fn read(rows: &[Row], found: &mut dyn FnMut(&crate::Path, &str)) {
 pub fn stamp(path: &Path) -> Stamp {
     let metadata = std::fs::metadata(path).ok()?;
     Some((metadata.len(), metadata.modified().ok()?))
+}
+
+const TEXT: &str = "toml";
+const LOCK: &str = "lock";
+/// Windows with documents of one file, or of none, that keep their work at a time.
+const SLOTS: usize = 64;
+/// The first words of a kept text; the file's path follows.
+const OF: &str = "# unsaved work of ";
+/// First line of a draft without a file.
+const NEW: &str = "# unsaved work, not in a file yet";
+
+/// A draft's text, whose lock is held.
+#[derive(Debug)]
+struct Slot {
+    text: PathBuf,
+    _lock: File,
+}
+
+impl Slot {
+    /// `None` where another window holds the lock, or where nothing can be locked and everything may be in use.
+    fn hold(text: PathBuf) -> std::io::Result<Option<Slot>> {
+        let mut options = OpenOptions::new();
+        let options = options.read(true).write(true).create(true).truncate(false);
+        let lock = options.open(text.with_extension(LOCK))?;
+        Ok(lock.try_lock().is_ok().then_some(Slot { text, _lock: lock }))
+    }
+
+    fn remove_text(&self) -> Result<()> {
+        match std::fs::remove_file(&self.text) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                Err(Error::run("unsaved work cannot be taken away").got(error).in_file(&self.text))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Drop for Slot {
+    fn drop(&mut self) {
+        // A lock without a text is of no use; one with a text marks it as left behind.
+        if !self.text.exists() {
+            let _ = std::fs::remove_file(self.text.with_extension(LOCK));
+        }
+    }
+}
+
+/// Folder of drafts of unsaved work.
+#[derive(Debug, Clone)]
+pub struct Recovery {
+    folder: PathBuf,
+}
+
+/// Keeps the unsaved work of one window.
+#[derive(Debug)]
+pub struct Autosave {
+    slot: Slot,
+    of: Option<PathBuf>,
+    kept: Option<Arc<str>>,
+}
+
+/// Work that was left behind.
+#[derive(Debug)]
+pub struct OrphanedDraft {
+    /// The file that it is of.
+    pub path: Option<PathBuf>,
+    /// The text.
+    pub text: String,
+    /// Time of the draft.
+    pub written: SystemTime,
+    slot: Slot,
+}
+
+impl Recovery {
+    /// In the user's state folder.
+    pub fn usual() -> Recovery {
+        Recovery::in_folder(state_folder().join("unsaved"))
+    }
+
+    /// In another folder, which need not exist.
+    pub fn in_folder(folder: PathBuf) -> Recovery {
+        Recovery { folder }
+    }
+
+    /// Begins to keep the work of a window. Errors: the folder cannot be made or written.
+    pub fn keeper(&self, document: &Document) -> Result<Autosave> {
+        let unwritable = |error: std::io::Error| {
+            Error::run("unsaved work cannot be kept")
+                .got(error)
+                .expected("a folder that can be written to")
+                .in_file(&self.folder)
+        };
+        std::fs::create_dir_all(&self.folder).map_err(unwritable)?;
+        // A path that does not depend on where the program runs.
+        let absolute = |path: &Path| std::fs::canonicalize(path).or_else(|_| std::path::absolute(path)).ok();
+        let of = document.path().map(|path| absolute(path).unwrap_or_else(|| path.to_path_buf()));
+        let mut hash = Fnv::default();
+        hash.text(&of.as_deref().map(Path::to_string_lossy).unwrap_or_default());
+        for slot in 0..SLOTS {
+            let text = self.folder.join(format!("{:016x}-{slot}.{TEXT}", hash.0 as u64));
+            // What was left behind there is not written over.
+            if let Some(slot) = Slot::hold(text).map_err(unwritable)?.filter(|slot| !slot.text.exists()) {
+                return Ok(Autosave { slot, of, kept: None });
+            }
+        }
+        Err(Error::run("unsaved work cannot be kept").got(format!("{SLOTS} works of the same file")))
+    }
+
+    /// Orphaned drafts, the newest first.
+    pub fn left_behind(&self) -> Vec<OrphanedDraft> {
+        let entries =
+            std::fs::read_dir(&self.folder).into_iter().flatten().flatten().map(|entry| entry.path());
+        let kept = entries.filter(|path| path.extension().is_some_and(|ending| ending == TEXT));
+        let mut found: Vec<OrphanedDraft> = kept.filter_map(OrphanedDraft::load).collect();
+        found.sort_by_key(|one| std::cmp::Reverse(one.written));
+        found
+    }
+}
+
+impl Autosave {
+    /// Keeps the text as it is now, where it is not saved and was not kept already; takes away what was kept where it is saved.
+    /// Cheap to call often. Errors: it cannot be written.
+    pub fn follow(&mut self, document: &Document) -> Result<()> {
+        if document.is_saved() {
+            return self.give_up();
+        }
+        let text = &document.text;
+        if self.kept.as_ref().is_some_and(|kept| Arc::ptr_eq(kept, text)) {
+            return Ok(());
+        }
+        let head = match &self.of {
+            Some(path) => format!("{OF}{}\n", ParameterValue::Text(path.to_string_lossy().into_owned())),
+            None => format!("{NEW}\n"),
+        };
+        write_whole(&self.slot.text, format!("{head}{text}").as_bytes())?;
+        self.kept = Some(text.clone());
+        Ok(())
+    }
+
+    /// Takes away what was kept: it was saved, or nobody wants it.
+    pub fn give_up(&mut self) -> Result<()> {
+        self.kept = None;
+        self.slot.remove_text()
+    }
+}
+
+impl OrphanedDraft {
+    fn load(place: PathBuf) -> Option<OrphanedDraft> {
+        let slot = Slot::hold(place).ok()??;
+        let whole = std::fs::read_to_string(&slot.text).ok()?;
+        let written = std::fs::metadata(&slot.text).and_then(|metadata| metadata.modified()).ok()?;
+        let (head, text) = whole.split_once('\n')?;
+        let path = match head.strip_prefix(OF) {
+            Some(path) => Some(PathBuf::from(voltet_graph::pipeline::value(path)?.text()?)),
+            None => None,
+        };
+        Some(OrphanedDraft { path, text: text.to_string(), written, slot })
+    }
+
+    /// A document of its file with this text in it, not saved; call [`OrphanedDraft::give_up`] once the document is kept or saved.
+    pub fn document(&self) -> Document {
+        let opened = self.path.as_deref().and_then(|path| Document::open(path).ok());
+        let mut document = opened.unwrap_or_else(|| Document::from_text(String::new(), self.path.clone()));
+        // A text can always be put in place of another.
+        let edit = Edit::Text(self.text.clone());
+        let _ = document.edit_all("take up unsaved work".into(), &[edit], None);
+        document
+    }
+
+    /// Takes it away.
+    pub fn give_up(self) -> Result<()> {
+        self.slot.remove_text()
+    }
 }

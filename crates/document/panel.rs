@@ -107,32 +107,24 @@ impl Document {
         let entry = self.pipeline().nodes.iter().find(|entry| entry.name == node);
         let Some((entry, node)) = entry.zip(self.node_type(registry, node)) else { return Vec::new() };
         let mut rows = rows(registry, node.parameters, &entry.settings, &Path::default());
-        let word = |parameter: &Parameter| match rows
-            .iter()
-            .find(|row| row.parameter.name == parameter.name)?
-            .value()
-        {
-            Some(ParameterValue::Text(word)) => Some(word.clone()),
-            _ => None,
+        let word = |parameter: &Parameter| {
+            let row = rows.iter().find(|row| row.parameter.name == parameter.name)?;
+            LocatedValue::from(row.value()?.clone()).text().map(str::to_string)
         };
         let filter = node.method().and_then(word);
         let variant = node.registered_parameter().and_then(|parameter| {
             let word = word(parameter)?;
-            registry.variants(parameter.name).find(|variant| variant.schema.name == word)
+            let mut variants = registry.variants(parameter.name);
+            Some(variants.find(|variant| variant.schema.name == word)?.schema.parameters)
         });
-        if let Some(variant) = variant {
-            let declared = variant.schema.parameters;
-            rows.extend(self::rows(registry, declared, &entry.settings, &Path::default()));
-        }
-        if let Some(filter) = filter.and_then(|word| registry.find_filter(&word).ok()) {
-            let declared = filter.declaration().parameters;
+        let filter = filter.and_then(|word| Some(registry.find_filter(&word).ok()?.declaration().parameters));
+        for declared in [variant, filter].into_iter().flatten() {
             rows.extend(self::rows(registry, declared, &entry.settings, &Path::default()));
         }
         rows
     }
 }
 
-/// The rows of a table that states some of what is declared.
 fn rows(registry: &Registry, declared: &'static [Parameter], stated: &[Field], path: &Path) -> Vec<Row> {
     let row = |parameter: &'static Parameter| {
         let setting = find_setting(stated, parameter.name);
@@ -150,7 +142,7 @@ fn rows(registry: &Registry, declared: &'static [Parameter], stated: &[Field], p
         Row {
             path,
             parameter,
-            control: Control::from_parameter(parameter, registry),
+            control: Control::of_type(&parameter.parameter_type, parameter.name, false, registry),
             set_value: setting.map(|setting| setting.datum.clone()),
             default: parameter.default.datum(),
             rows: inner,
@@ -180,24 +172,16 @@ pub enum Scale {
     Logarithmic,
 }
 
-/// Control that edits a parameter.
+/// Control that edits a parameter. `relative`: it may be given relative to data, as a text.
 #[derive(Debug, Clone)]
+#[allow(missing_docs, reason = "the fields' names say what they are")]
 pub enum Control {
     /// On or off.
     Toggle,
     /// A whole number.
     Integer(Range),
     /// A number, or the word where there is one.
-    Number {
-        /// Its range.
-        range: Range,
-        /// Scale of the slider.
-        scale: Scale,
-        /// The word that may stand in its place.
-        word: Option<&'static str>,
-        /// True if it may be given relative to data, as a text.
-        relative: bool,
-    },
+    Number { range: Range, scale: Scale, word: Option<&'static str>, relative: bool },
     /// One of some words, each with its meaning.
     Choice(Vec<(&'static str, &'static str)>),
     /// Any text.
@@ -213,26 +197,11 @@ pub enum Control {
     /// A file to write.
     OutputFile,
     /// Linear red, green and blue; `most`: the largest that each may be, infinite for what glows brighter than white.
-    Colour {
-        /// The largest value.
-        most: f64,
-    },
-    /// Several numbers.
-    Vector {
-        /// Number of values; any where `None`.
-        count: Option<usize>,
-        /// The range of each.
-        range: Range,
-        /// True if they are whole.
-        whole: bool,
-        /// True if it may be given relative to data, as a text.
-        relative: bool,
-    },
+    Colour { most: f64 },
+    /// Several numbers, any number of them where `count` is none; `whole`: integers.
+    Vector { count: Option<usize>, range: Range, whole: bool, relative: bool },
     /// Rows of numbers.
-    Rows {
-        /// True if it may be given relative to data, as a text.
-        relative: bool,
-    },
+    Rows { relative: bool },
     /// A table; its rows are in [`Row::rows`].
     Table,
     /// A list of tables of these kinds; they are in [`Row::entries`].
@@ -240,11 +209,6 @@ pub enum Control {
 }
 
 impl Control {
-    /// By a declaration.
-    fn from_parameter(parameter: &Parameter, registry: &Registry) -> Control {
-        Self::of_type(&parameter.parameter_type, parameter.name, false, registry)
-    }
-
     fn of_type(parameter_type: &ParameterType, name: &str, relative: bool, registry: &Registry) -> Control {
         let number =
             |range: Range, word| Control::Number { range, scale: Scale::from_range(&range), word, relative };
@@ -284,10 +248,7 @@ impl Control {
 impl Scale {
     fn from_range(range: &Range) -> Scale {
         let is_wide = range.max.is_infinite() || (range.min > 0.0 && range.max / range.min >= LOGARITHMIC);
-        match range.min >= 0.0 && is_wide {
-            true => Scale::Logarithmic,
-            false => Scale::Linear,
-        }
+        if range.min >= 0.0 && is_wide { Scale::Logarithmic } else { Scale::Linear }
     }
 }
 
@@ -297,7 +258,6 @@ fn names_array(name: &str) -> bool {
         .contains(&name)
 }
 
-/// True if three numbers of this name are a colour.
 fn is_colour(name: &str) -> bool {
     ["color", "background"].contains(&name)
 }
@@ -349,18 +309,9 @@ pub fn typed(row: &Row, text: &str) -> Result<ParameterValue> {
         Control::Text | Control::Array | Control::InputFile | Control::OutputFile | Control::Choice(_) => {
             ParameterValue::Text(text.to_string())
         }
-        Control::Toggle => match text {
-            "on" | "yes" => ParameterValue::Boolean(true),
-            "off" | "no" => ParameterValue::Boolean(false),
-            other => read(other),
-        },
-        Control::Integer(_) | Control::Number { .. } => read(text),
+        Control::Toggle | Control::Integer(_) | Control::Number { .. } => read(text),
         Control::Texts | Control::Arrays => list(text, &|part| ParameterValue::Text(part.to_string())),
-        Control::Colour { .. } => match hexadecimal(text) {
-            Some(colour) => colour,
-            None => list(text, &read),
-        },
-        Control::Vector { .. } => list(text, &read),
+        Control::Colour { .. } | Control::Vector { .. } => list(text, &read),
         Control::Rows { .. } | Control::Table | Control::Entries(_) => {
             value(&text.replace(['\r', '\n'], " "))
                 .map_or_else(|| ParameterValue::Text(text.to_string()), |v| v.datum)
@@ -435,15 +386,4 @@ fn list(text: &str, part: &dyn Fn(&str) -> ParameterValue) -> ParameterValue {
     let parts =
         inner.split(is_separator).map(|part| part.trim().trim_matches('"')).filter(|part| !part.is_empty());
     parts.map(part).collect()
-}
-
-/// "#ff8000" as linear numbers: the file's colours are linear, screens' are sRGB (IEC 61966-2-1).
-fn hexadecimal(text: &str) -> Option<ParameterValue> {
-    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii())?;
-    let channel = |i: usize| {
-        let x = f64::from(u8::from_str_radix(&digits[2 * i..2 * i + 2], 16).ok()?) / 255.0;
-        let linear = if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
-        Some(rounded(linear, 1e-4))
-    };
-    Some((0..3).map(channel).collect::<Option<Vec<f64>>>()?.into_iter().collect())
 }

@@ -34,37 +34,45 @@ pub struct NodeView {
     pub remark: Option<String>,
 }
 
-/// A frame around nodes.
+/// A frame around nodes, or a note: words anywhere in the graph view.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Frame {
-    /// Its title.
-    pub title: String,
-    /// Its upper left corner.
+pub struct Annotation {
+    /// Title of the frame, or words of the note.
+    pub text: String,
+    /// Upper left corner.
     pub position: [f64; 2],
-    /// Its width and height.
-    pub size: [f64; 2],
-    /// Red, green and blue, 0 to 1; none for the usual colour.
+    /// Width and height of a frame; none of a note.
+    pub size: Option<[f64; 2]>,
+    /// Red, green and blue of a frame, 0 to 1; none for the usual colour.
     pub color: Option<[f64; 3]>,
 }
 
-/// Words anywhere in the graph view.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Note {
-    /// The words.
-    pub text: String,
-    /// Their upper left corner.
-    pub position: [f64; 2],
+/// A frame or a note, by its number among its like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[allow(missing_docs, reason = "the variants' names say what they are")]
+pub enum AnnotationId {
+    Frame(usize),
+    Note(usize),
+}
+
+impl AnnotationId {
+    /// Its list in the file, the word for it, and its number.
+    pub(crate) fn parts(self) -> (&'static str, &'static str, usize) {
+        match self {
+            AnnotationId::Frame(number) => ("frames", "a frame", number),
+            AnnotationId::Note(number) => ("notes", "a note", number),
+        }
+    }
 }
 
 /// All that the table `[editor]` says.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[allow(missing_docs, reason = "the fields' names say what they are")]
 pub struct View {
     /// Nodes, by name.
     pub nodes: BTreeMap<String, NodeView>,
-    /// The frames.
-    pub frames: Vec<Frame>,
-    /// The notes.
-    pub notes: Vec<Note>,
+    pub frames: Vec<Annotation>,
+    pub notes: Vec<Annotation>,
     /// Sets of widgets that a digit recalls into a transfer function, 0 to 9.
     pub sets: BTreeMap<u8, Vec<LocatedValue>>,
 }
@@ -76,8 +84,8 @@ impl View {
         let nodes = find_setting(fields, "nodes").and_then(LocatedValue::table).unwrap_or_default();
         View {
             nodes: nodes.iter().map(|field| (field.name.clone(), NodeView::read(&field.setting))).collect(),
-            frames: list("frames").iter().map(Frame::read).collect(),
-            notes: list("notes").iter().map(Note::read).collect(),
+            frames: list("frames").iter().map(|setting| Annotation::read(setting, true)).collect(),
+            notes: list("notes").iter().map(|setting| Annotation::read(setting, false)).collect(),
             sets: find_setting(fields, "sets")
                 .and_then(LocatedValue::table)
                 .unwrap_or_default()
@@ -86,9 +94,14 @@ impl View {
                 .collect(),
         }
     }
+
+    /// The frames and then the notes.
+    pub fn annotations(&self) -> impl Iterator<Item = (AnnotationId, &Annotation)> {
+        let frames = self.frames.iter().enumerate().map(|(i, frame)| (AnnotationId::Frame(i), frame));
+        frames.chain(self.notes.iter().enumerate().map(|(i, note)| (AnnotationId::Note(i), note)))
+    }
 }
 
-/// A set of widgets and its digit.
 fn set(field: &Field) -> Option<(u8, Vec<LocatedValue>)> {
     let digit = field.name.parse().ok().filter(|digit| *digit <= 9 && field.name.len() == 1)?;
     Some((digit, field.setting.list()?.to_vec()))
@@ -119,43 +132,26 @@ impl NodeView {
     }
 }
 
-impl Frame {
-    fn read(setting: &LocatedValue) -> Frame {
+impl Annotation {
+    fn read(setting: &LocatedValue, is_frame: bool) -> Annotation {
         let fields = setting.table().unwrap_or_default();
-        Frame {
-            title: text(fields, "title").unwrap_or_default(),
+        Annotation {
+            text: text(fields, if is_frame { "title" } else { "text" }).unwrap_or_default(),
             position: numbers(fields, "at").unwrap_or_default(),
-            size: numbers(fields, "size").unwrap_or([200.0, 100.0]),
-            color: numbers(fields, "color"),
+            size: is_frame.then(|| numbers(fields, "size").unwrap_or([200.0, 100.0])),
+            color: numbers(fields, "color").filter(|_| is_frame),
         }
     }
 
     pub(crate) fn datum(&self) -> ParameterValue {
         let hundredths = |x: f64| ParameterValue::Number((x * 100.0).round() / 100.0).into();
         let color = self.color.map(|color| ParameterValue::List(color.map(hundredths).to_vec()));
-        let title = Some(ParameterValue::Text(self.title.clone()));
+        let key = if self.size.is_some() { "title" } else { "text" };
         table([
-            ("title", title),
+            (key, Some(ParameterValue::Text(self.text.clone()))),
             ("at", Some(position_value(self.position))),
-            ("size", Some(position_value(self.size))),
+            ("size", self.size.map(position_value)),
             ("color", color),
-        ])
-    }
-}
-
-impl Note {
-    fn read(setting: &LocatedValue) -> Note {
-        let fields = setting.table().unwrap_or_default();
-        Note {
-            text: text(fields, "text").unwrap_or_default(),
-            position: numbers(fields, "at").unwrap_or_default(),
-        }
-    }
-
-    pub(crate) fn datum(&self) -> ParameterValue {
-        table([
-            ("text", Some(ParameterValue::Text(self.text.clone()))),
-            ("at", Some(position_value(self.position))),
         ])
     }
 }

@@ -1,23 +1,27 @@
-//! Application of the actions that the parts of the window requested: edits, commands, the clipboard, runs.
+//! Application of the actions that the parts of the window requested: edits, commands, the clipboard, runs; the document's file, which is
+//! opened or made for data, saved, changed by another program, recovered after a crash.
 
-use crate::actions::{Action, Command, FilePurpose};
 use crate::editor::Editor;
-use crate::file_dialog::FileDialog;
-use crate::graph::Annotation;
+use crate::files::{Disk, FileDialog, Recover, ask, begun, free_path, is_pipeline};
+use crate::graph::GraphView;
 use crate::jobs::Job;
+use crate::parameters::ParameterPanel;
 use crate::picture::milliseconds;
+use crate::scene::{Action, Command, FilePurpose};
+use crate::transfer::TransferPanel;
 use crate::view::View;
 use crate::worker::size_of;
 use eframe::egui::{Context, Event, ThemePreference};
 use glam::DVec3;
 use std::collections::BTreeSet;
 use std::path::Path;
-use voltet_core::{Error, Result};
+use std::time::{Duration, Instant};
+use voltet_core::Result;
 use voltet_document::arrange::{PlacedNode, align, tidy};
-use voltet_document::{Edit, Frame, Note};
+use voltet_document::{Annotation, AnnotationId, Document, Edit, Recovery};
 use voltet_graph::pipeline::Pipeline;
 use voltet_graph::{NodeEntry, ParameterValue};
-use voltet_nodes::files::relative_to;
+use voltet_nodes::files::{folder, refuse_unwritable, relative_to};
 
 /// From a node to what is pasted after it, points.
 const PASTE_OFFSET: f64 = 40.0;
@@ -34,7 +38,7 @@ impl Editor {
             Action::Centre(place) => self.probe(vec![place], true),
             Action::Estimate => self.estimate(),
             Action::Do(command) => self.command(ctx, command),
-            Action::Say(text) => self.message = Some((text, false)),
+            Action::Say(text) => self.say(text),
             Action::Open(path) => self.open_any(ctx, &path),
             Action::Begin(path) => {
                 self.begin_with = Some(path);
@@ -50,14 +54,19 @@ impl Editor {
         }
     }
 
-    pub(crate) fn complain(&mut self, error: &Error) {
-        self.message = Some((error.to_string(), true));
+    /// Value of an outcome; an error is shown.
+    pub(crate) fn check<T>(&mut self, outcome: Result<T>) -> Option<T> {
+        outcome.map_err(|error| self.message = Some((error.to_string(), true))).ok()
+    }
+
+    pub(crate) fn say(&mut self, text: impl Into<String>) {
+        self.message = Some((text.into(), false));
     }
 
     pub(crate) fn edit(&mut self, label: String, edits: &[Edit]) {
         self.message = None;
-        if let Err(error) = self.document.edit_all(label, edits, self.gesture) {
-            self.complain(&error);
+        let outcome = self.document.edit_all(label, edits, self.gesture);
+        if self.check(outcome).is_none() {
             return;
         }
         // What is new is what is worked on next.
@@ -77,6 +86,12 @@ impl Editor {
             {
                 self.selection.insert(to.clone());
             }
+        }
+    }
+
+    pub(crate) fn move_camera(&mut self, to: impl FnOnce(View) -> View) {
+        if let Some(view) = self.camera().and_then(View::from_camera) {
+            self.look(to(view));
         }
     }
 
@@ -102,7 +117,6 @@ impl Editor {
     }
 
     pub(crate) fn command(&mut self, ctx: &Context, command: Command) {
-        let names = || self.selection.iter().cloned().collect::<Vec<_>>();
         match command {
             Command::New | Command::Open | Command::Quit => {
                 self.begin_with = None;
@@ -121,45 +135,42 @@ impl Editor {
             }
             Command::Duplicate => self.duplicate(),
             Command::Delete => {
-                let edits = [Edit::RemoveNodes(names())];
                 if !self.selection.is_empty() {
-                    self.edit(edits[0].label(), &edits);
+                    let edit = Edit::RemoveNodes(self.selected());
+                    self.edit(edit.label(), &[edit]);
                 }
             }
             Command::SelectAll => {
                 self.selection =
                     self.document.pipeline().nodes.iter().map(|node| node.name.clone()).collect();
             }
-            Command::Add => self.graph.open_menu(),
+            Command::Add => self.panels.graph.open_menu(),
             Command::Tidy | Command::Align(_) | Command::Frame | Command::Note => self.arrange_nodes(command),
             Command::Fold => self.fold(),
-            Command::FitGraph => self.graph.fit(),
+            Command::FitGraph => self.panels.graph.fit(),
             Command::Home => {
                 let bounds = self.worker.shown(|shown| shown.bounds);
                 let size = self.camera().and_then(size_of).unwrap_or([4, 3]);
-                if let (Some(view), Some(bounds)) = (self.camera().and_then(View::from_camera), bounds) {
-                    self.look(view.home(bounds, f64::from(size[0]) / f64::from(size[1])));
+                if let Some(bounds) = bounds {
+                    self.move_camera(|view| view.home(bounds, f64::from(size[0]) / f64::from(size[1])));
                 }
             }
             Command::Along(axis, from_positive) => {
-                let Some(view) = self.camera().and_then(View::from_camera) else { return };
                 let towards = DVec3::AXES[axis.min(2)] * if from_positive { 1.0 } else { -1.0 };
                 let up = if axis == 2 { DVec3::Y } else { DVec3::Z };
-                self.look(view.looking_along(towards, up));
+                self.move_camera(|view| view.looking_along(towards, up));
             }
             Command::Roll(left) => {
-                let Some(view) = self.camera().and_then(View::from_camera) else { return };
-                let angle = 15f64.to_radians();
-                self.look(view.rolled(if left { -angle } else { angle }));
+                self.move_camera(|view| view.rolled((if left { -15f64 } else { 15.0 }).to_radians()));
             }
             Command::Theme => {
                 let dark = ctx.style().visuals.dark_mode;
                 ctx.set_theme(if dark { ThemePreference::Light } else { ThemePreference::Dark });
             }
             Command::Costs => self.costs = !self.costs,
-            Command::Widgets => self.transfer.by_keyboard = !self.transfer.by_keyboard,
-            Command::Section => self.section.open = !self.section.open,
-            Command::Study => self.study.open = !self.study.open,
+            Command::Widgets => self.panels.transfer.by_keyboard = !self.panels.transfer.by_keyboard,
+            Command::Section => self.panels.section.open = !self.panels.section.open,
+            Command::Study => self.panels.study.open = !self.panels.study.open,
             Command::ReadAgain => self.read_again(),
             Command::Help => self.help = !self.help,
         }
@@ -169,7 +180,7 @@ impl Editor {
     /// picture; cancels the one in progress.
     fn run(&mut self, ctx: &Context) {
         if self.run.take().is_some() {
-            self.message = Some(("the run is stopped; nothing of it is half written".into(), false));
+            self.say("the run is stopped; nothing of it is half written");
             return;
         }
         let graph = self.document.pipeline().graph(&self.registry, self.document.folder());
@@ -179,59 +190,45 @@ impl Editor {
             graph.stated = stated?;
             Job::start("run", ctx, move |observer| voltet_nodes::session().run(&graph, observer))
         });
-        match started {
-            Ok(run) => {
-                self.run = Some(run);
-                self.message = Some(("running; Ctrl+R stops it".into(), false));
-            }
-            Err(error) => self.complain(&error),
+        if let Some(run) = self.check(started) {
+            self.run = Some(run);
+            self.say("running; Ctrl+R stops it");
         }
     }
 
-    /// Shows the outcome of a run, once it has ended.
     pub(crate) fn show_run(&mut self) {
         let Some(outcome) = self.run.as_ref().and_then(Job::result) else { return };
         self.run = None;
-        match outcome {
-            Ok(report) => {
-                let folder = self.document.folder();
-                let name = |file: &String| relative_to(Path::new(file), &folder).display().to_string();
-                let files = match report.files.is_empty() {
-                    true => "no files".into(),
-                    false => report.files.iter().map(name).collect::<Vec<_>>().join(", "),
-                };
-                let text = format!("written in {}: {files}", milliseconds(report.seconds));
-                self.message = Some((text, false));
-            }
-            Err(error) => self.complain(&error),
-        }
+        let Some(report) = self.check(outcome) else { return };
+        let folder = self.document.folder();
+        let name = |file: &String| relative_to(Path::new(file), &folder).display().to_string();
+        let files = if report.files.is_empty() {
+            "no files".into()
+        } else {
+            report.files.iter().map(name).collect::<Vec<_>>().join(", ")
+        };
+        self.say(format!("written in {}: {files}", milliseconds(report.seconds)));
     }
 
     fn step(&mut self, back: bool) {
-        let label = match back {
-            true => self.document.history().undo_label().map(|label| format!("undone: {label}")),
-            false => self.document.history().redo_label().map(|label| format!("done again: {label}")),
-        };
-        let outcome = if back { self.document.undo() } else { self.document.redo() };
-        match outcome {
-            Ok(true) => self.message = label.map(|label| (label, false)),
-            Ok(false) => self.message = Some(("there is nothing more".into(), false)),
-            Err(error) => self.complain(&error),
-        }
+        let history = self.document.history();
+        let (label, verb) =
+            if back { (history.undo_label(), "undone") } else { (history.redo_label(), "done again") };
+        let text = label.map_or("there is nothing more".into(), |label| format!("{verb}: {label}"));
+        let _ = if back { self.document.undo() } else { self.document.redo() };
+        self.say(text);
     }
 
     fn selected(&self) -> Vec<String> {
         self.selection.iter().cloned().collect()
     }
 
-    /// The selected nodes as text.
     pub(crate) fn copy(&self, ctx: &Context) {
         if !self.selection.is_empty() {
             ctx.copy_text(self.document.copy(&self.selected()));
         }
     }
 
-    /// Copies of the selected nodes beside them.
     pub(crate) fn duplicate(&mut self) {
         if !self.selection.is_empty() {
             let outcome = self.document.duplicate(&self.selected());
@@ -256,15 +253,12 @@ impl Editor {
         self.take_copies(outcome);
     }
 
-    /// Selects the added nodes.
     fn take_copies(&mut self, outcome: Result<Vec<String>>) {
-        match outcome {
-            Ok(names) => self.selection = names.into_iter().collect(),
-            Err(error) => self.complain(&error),
+        if let Some(names) = self.check(outcome) {
+            self.selection = names.into_iter().collect();
         }
     }
 
-    /// The selected nodes show their heads alone; all of them, if all do.
     pub(crate) fn fold(&mut self) {
         let views = &self.document.view().nodes;
         let is_folded = |name: &String| views.get(name).is_some_and(|view| view.folded);
@@ -276,17 +270,17 @@ impl Editor {
         }
     }
 
-    /// Moves nodes, and adds frames and notes.
     pub(crate) fn arrange_nodes(&mut self, command: Command) {
         let all = &self.document.pipeline().nodes;
-        let nodes: Vec<NodeEntry> = match self.selection.is_empty() {
-            true => all.clone(),
-            false => all.iter().filter(|node| self.selection.contains(&node.name)).cloned().collect(),
+        let nodes: Vec<NodeEntry> = if self.selection.is_empty() {
+            all.clone()
+        } else {
+            all.iter().filter(|node| self.selection.contains(&node.name)).cloned().collect()
         };
         let placed = |node: &NodeEntry| PlacedNode {
             name: node.name.clone(),
             position: self.document.position(&node.name),
-            size: self.graph.size_of(&node.name),
+            size: self.panels.graph.size_of(&node.name),
         };
         let placed: Vec<PlacedNode> = nodes.iter().map(placed).collect();
         let least = |axis: usize| placed.iter().map(|node| node.position[axis]).fold(f64::INFINITY, f64::min);
@@ -295,7 +289,7 @@ impl Editor {
         };
         let (label, edit) = match command {
             Command::Tidy if !nodes.is_empty() => {
-                let places = tidy(&nodes, &|name| self.graph.size_of(name));
+                let places = tidy(&nodes, &|name| self.panels.graph.size_of(name));
                 let moved = nodes.iter().zip(places);
                 let moved = moved.map(|(node, [x, y])| (node.name.clone(), [x + least(0), y + least(1)]));
                 ("tidy", Edit::MoveNodes(moved.collect()))
@@ -305,21 +299,21 @@ impl Editor {
                 let at = [least(0) - 20.0, least(1) - 36.0];
                 let size = [most(0) + 20.0 - at[0], most(1) + 20.0 - at[1]];
                 let count = self.document.view().frames.len();
-                let frame = Frame { title: "frame".into(), position: at, size, color: None };
-                ("add a frame", Edit::PutFrame(count, frame))
+                let frame = Annotation { text: "frame".into(), position: at, size: Some(size), color: None };
+                ("add a frame", Edit::Annotate(AnnotationId::Frame(count), frame))
             }
             Command::Note => {
                 let count = self.document.view().notes.len();
                 let at = if nodes.is_empty() { [0.0, 0.0] } else { [least(0), most(1) + 30.0] };
-                ("add a note", Edit::PutNote(count, Note { text: "a note".into(), position: at }))
+                let note = Annotation { text: "a note".into(), position: at, ..Annotation::default() };
+                ("add a note", Edit::Annotate(AnnotationId::Note(count), note))
             }
             _ => return,
         };
         self.edit(label.into(), std::slice::from_ref(&edit));
         match &edit {
-            Edit::PutFrame(number, frame) => self.graph.write_on(Annotation::Frame(*number), &frame.title),
-            Edit::PutNote(number, note) => self.graph.write_on(Annotation::Note(*number), &note.text),
-            _ if command == Command::Tidy => self.graph.fit(),
+            Edit::Annotate(id, thing) => self.panels.graph.write_on(*id, &thing.text),
+            _ if command == Command::Tidy => self.panels.graph.fit(),
             _ => {}
         }
     }
@@ -334,5 +328,166 @@ fn same(a: &ParameterValue, b: &ParameterValue) -> bool {
         (ParameterValue::Integer(a), ParameterValue::Number(b))
         | (ParameterValue::Number(b), ParameterValue::Integer(a)) => *a as f64 == *b,
         _ => a == b,
+    }
+}
+
+/// Shortest interval between two copies of unsaved work.
+const BETWEEN: Duration = Duration::from_secs(2);
+
+impl Editor {
+    /// Opens a pipeline file, or makes a pipeline for another file, on a thread of its own.
+    pub(crate) fn open_any(&mut self, ctx: &Context, path: &Path) {
+        if is_pipeline(path) {
+            if let Some(document) = self.check(Document::open(path)) {
+                self.recent.add(path);
+                self.take(document);
+            }
+            return;
+        }
+        self.recent.add(path);
+        let at = free_path(path);
+        let (start, path) = (self.start.clone(), path.to_path_buf());
+        let name = path.display().to_string();
+        let made = Job::start("start", ctx, move |_| begun(start(&path, &at)?, &at));
+        if let Some(made) = self.check(made) {
+            self.say(format!("making a pipeline for {name} …"));
+            self.made = Some(made);
+        }
+    }
+
+    pub(crate) fn take_made(&mut self) {
+        let Some(made) = self.made.as_ref().and_then(Job::result) else { return };
+        self.made = None;
+        if let Some(document) = self.check(made) {
+            self.take(document);
+        }
+    }
+
+    /// Saves the document in its own file, or asks for one; and asks where another program wrote it meanwhile.
+    pub(crate) fn save(&mut self) {
+        let Some(path) = self.document.path().map(Path::to_path_buf) else {
+            self.file_dialog = Some(FileDialog::new(FilePurpose::SaveAs, None));
+            return;
+        };
+        if self.document.changed_on_disk() {
+            self.disk.is_changed = true;
+            return;
+        }
+        self.save_as(&path);
+    }
+
+    pub(crate) fn settle_with_disk(&mut self, takes_over: bool) {
+        let outcome = if takes_over { self.document.reload() } else { self.document.save_over() };
+        self.disk = Disk::default();
+        self.check(outcome);
+    }
+
+    pub(crate) fn save_as(&mut self, path: &Path) {
+        let mut path = path.to_path_buf();
+        if path.extension().is_none() {
+            path.set_extension("toml");
+        }
+        if self.check(refuse_unwritable(&path)).is_none() {
+            return;
+        }
+        let follow = self.document.following_to(&self.registry, folder(&path));
+        let paths = match follow.len() {
+            0 => String::new(),
+            1 => "; a path in it leads to the same file from there".into(),
+            count => format!("; {count} paths in it lead to the same files from there"),
+        };
+        if !follow.is_empty() {
+            self.edit("paths that lead from the new folder".into(), &follow);
+        }
+        let outcome = self.document.save_as(&path);
+        if self.check(outcome).is_some() {
+            self.recent.add(&path);
+            self.say(format!("saved: {}{paths}", path.display()));
+        }
+    }
+
+    /// Carries out what takes the document away, or asks first.
+    pub(crate) fn unless_unsaved(&mut self, ctx: &Context, command: Command) {
+        if self.document.is_saved() { self.go_on(ctx, command) } else { self.unsaved = Some(command) }
+    }
+
+    pub(crate) fn go_on(&mut self, ctx: &Context, command: Command) {
+        match (command, self.begin_with.take()) {
+            (Command::New, _) => self.take(Document::new()),
+            (Command::Open, Some(path)) => self.open_any(ctx, &path),
+            (Command::Open, None) => {
+                self.file_dialog = Some(FileDialog::new(FilePurpose::Open, self.document.path()))
+            }
+            _ => self.ends = true,
+        }
+    }
+
+    /// Another document in place of this one.
+    pub(crate) fn take(&mut self, document: Document) {
+        self.document = document;
+        self.run = None;
+        self.recover.forget();
+        self.begin();
+        self.disk = Disk::default();
+        self.shown_node = None;
+        (self.asked, self.previews_of) = (None, None);
+        self.worker.forget_previews();
+        // Revisions count from the beginning of each document.
+        self.faults = (None, Vec::new());
+        self.panels.parameters = ParameterPanel::default();
+        self.message = None;
+        self.panels.graph = GraphView::default();
+        self.panels.transfer = TransferPanel::default();
+    }
+
+    pub(crate) fn keep_in(&mut self, place: Recovery) {
+        self.recover = Recover::at(place);
+    }
+
+    /// Keeps the work as it is now; true where there is more to keep a little later.
+    pub(crate) fn keep(&mut self, ctx: &Context) {
+        let Some(place) = &self.recover.place else { return };
+        if self.document.is_saved() {
+            // What is saved is not offered again, however the window ends.
+            if let (Some(_), Some(keeper)) = (self.recover.kept.take(), &mut self.recover.keeper) {
+                let _ = keeper.give_up();
+            }
+            return;
+        }
+        if let Some(kept) = self.recover.kept.filter(|kept| kept.elapsed() < BETWEEN) {
+            ctx.request_repaint_after(BETWEEN - kept.elapsed().min(BETWEEN));
+            return;
+        }
+        if self.recover.keeper.is_none() {
+            // Without a folder to write to, work is not kept; saving says why.
+            self.recover.keeper = place.keeper(&self.document).ok();
+        }
+        let document = &self.document;
+        let outcome = self.recover.keeper.as_mut().map(|keeper| keeper.follow(document));
+        self.recover.kept = Some(Instant::now());
+        outcome.map(|outcome| self.check(outcome));
+    }
+
+    pub(crate) fn offer_left_behind(&mut self, ctx: &Context) {
+        let Some(left) = self.recover.left.first() else { return };
+        let name = left.path.as_ref().map_or("a new pipeline".into(), |path| path.display().to_string());
+        let text = format!("A window ended without saving what was done in {name}.");
+        let answers = [("Open it", 0), ("Throw it away", 1), ("Later", 2)];
+        let Some(answer) = ask(ctx, "Work that was not saved", text, &answers) else { return };
+        let left = self.recover.left.remove(0);
+        match answer {
+            0 => {
+                let document = left.document();
+                self.take(document);
+                // Kept anew under this window's name before it goes.
+                self.recover.kept = None;
+                self.keep(ctx);
+                let _ = left.give_up();
+            }
+            1 => {
+                let _ = left.give_up();
+            }
+            _ => self.recover.left.clear(),
+        }
     }
 }

@@ -1,20 +1,23 @@
-//! The editor: a document, a worker, what is selected and shown; one function a frame, which knows no window.
+//! The editor: a document, a worker, what is selected and shown; and one frame: what happened meanwhile, the layout of the window's parts,
+//! what is requested of the worker.
 
-use crate::actions::Command;
-use crate::arrays::Arrays;
-use crate::file_dialog::FileDialog;
-use crate::files::{BETWEEN, Disk, FileWatcher, Recent, Recover};
+use crate::files::{BETWEEN, Disk, FileDialog, FileWatcher, Recent, Recover, ask, show_dialog};
 use crate::graph::GraphView;
-use crate::input::GestureTracker;
-use crate::jobs::Job;
+use crate::jobs::{Arrays, Job};
+use crate::keys::{self, GestureTracker};
 use crate::parameters::ParameterPanel;
-use crate::picture::PicturePanel;
-use crate::scene::{Scene, pictures};
+use crate::picture::{self, PicturePanel};
+use crate::scene::{Action, Actions, Command, Scene, pictures};
 use crate::section::SectionPanel;
-use crate::study::StudyPanel;
+use crate::study::{StudyPanel, show_costs};
+use crate::theme;
 use crate::transfer::TransferPanel;
 use crate::view::View;
 use crate::worker::{Estimate, NodeState, PixelProbe, RenderRequest, Worker, WorkerOutput, size_of};
+use eframe::egui::{
+    Align, Button, CentralPanel, Context, Frame, Key, Label, Layout, Rect, RichText, SidePanel,
+    TopBottomPanel, Ui, UiBuilder, ViewportCommand, vec2,
+};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -25,20 +28,26 @@ use voltet_graph::{NodeEntry, Registry, RunReport};
 /// Makes the text of a pipeline for a file that is none, such as data; the second path is where it would be saved.
 pub type Start = Arc<dyn Fn(&Path, &Path) -> Result<String> + Send + Sync>;
 
+/// The parts of the window, each with what a hand is doing in it.
+#[derive(Default)]
+pub(crate) struct Panels {
+    pub graph: GraphView,
+    pub picture: PicturePanel,
+    pub parameters: ParameterPanel,
+    pub transfer: TransferPanel,
+    pub section: SectionPanel,
+    pub study: StudyPanel,
+}
+
 /// All that a window shows.
 pub struct Editor {
     pub(crate) document: Document,
     pub(crate) registry: Registry,
     pub(crate) worker: Worker,
     pub(crate) start: Start,
-    /// A pipeline that is being made.
     pub(crate) made: Option<Job<Document>>,
     pub(crate) selection: BTreeSet<String>,
     pub(crate) shown_node: Option<String>,
-    pub(crate) graph: GraphView,
-    pub(crate) picture: PicturePanel,
-    pub(crate) parameters: ParameterPanel,
-    pub(crate) transfer: TransferPanel,
     pub(crate) arrays: Arrays,
     pub(crate) message: Option<(String, bool)>,
     pub(crate) recover: Recover,
@@ -50,9 +59,7 @@ pub struct Editor {
     /// File to open once unsaved work is settled; `None` opens a file dialog.
     pub(crate) begin_with: Option<PathBuf>,
     pub(crate) recent: Recent,
-    /// A whole run that is under way.
     pub(crate) run: Option<Job<RunReport>>,
-    /// Command that waits for a decision about unsaved work.
     pub(crate) unsaved: Option<Command>,
     /// The picture that was asked for last, and its number.
     pub(crate) asked: Option<RenderRequest>,
@@ -62,11 +69,10 @@ pub struct Editor {
     /// True for a probe that is waited for to centre the picture.
     pub(crate) probing: Option<bool>,
     pub(crate) probed: Option<Arc<PixelProbe>>,
-    pub(crate) section: SectionPanel,
-    pub(crate) study: StudyPanel,
+    pub(crate) panels: Panels,
+    pub(crate) actions: Actions,
     pub(crate) faults: (Option<u64>, Vec<Error>),
     pub(crate) gestures: GestureTracker,
-    /// Undo step of the edits of this frame.
     pub(crate) gesture: Option<Gesture>,
     pub(crate) ends: bool,
 }
@@ -90,10 +96,6 @@ impl Editor {
             made: None,
             selection: BTreeSet::new(),
             shown_node: None,
-            graph: GraphView::default(),
-            picture: PicturePanel::default(),
-            parameters: ParameterPanel::default(),
-            transfer: TransferPanel::default(),
             arrays: Arrays::default(),
             message: None,
             recover: Recover::default(),
@@ -111,8 +113,8 @@ impl Editor {
             previews_of: None,
             probing: None,
             probed: None,
-            section: SectionPanel::default(),
-            study: StudyPanel::default(),
+            panels: Panels::default(),
+            actions: Actions::default(),
             faults: (None, Vec::new()),
             gestures: GestureTracker::default(),
             gesture: None,
@@ -160,7 +162,6 @@ impl Editor {
         }
     }
 
-    /// Read-only view of the editor for the window's parts.
     pub(crate) fn scene(&self) -> Scene<'_> {
         let camera = self.camera();
         self.worker.shown(|shown| {
@@ -171,6 +172,7 @@ impl Editor {
                 Some((node.clone(), preview.last()?.as_ref().ok()?.clone()))
             };
             Scene {
+                actions: &self.actions,
                 document: &self.document,
                 registry: &self.registry,
                 arrays: &self.arrays,
@@ -200,7 +202,6 @@ impl Editor {
         })
     }
 
-    /// Asks how wrong the picture is.
     pub(crate) fn estimate(&self) {
         if let Some(asked) = self.asked.clone() {
             self.worker.ask(|output| &mut output.estimate, Estimate(asked));
@@ -208,7 +209,6 @@ impl Editor {
     }
 }
 
-/// Description of the work in progress.
 fn running(shown: &WorkerOutput) -> Option<String> {
     if !shown.is_busy {
         return None;
@@ -221,7 +221,6 @@ fn running(shown: &WorkerOutput) -> Option<String> {
     Some(in_hand.unwrap_or_else(|| "drawing …".into()))
 }
 
-/// Errors of the document, each at its node.
 fn faults(document: &Document, registry: &Registry) -> Vec<Error> {
     if document.pipeline().nodes.is_empty() && document.is_toml() {
         return Vec::new();
@@ -231,4 +230,237 @@ fn faults(document: &Document, registry: &Registry) -> Vec<Error> {
         None => fault.error,
     };
     document.faults(registry).into_iter().map(named).collect()
+}
+
+/// Width of what is offered, points.
+const WIDTH: f32 = 340.0;
+
+impl Editor {
+    /// Shows everything once and carries out what was asked for.
+    pub fn frame(&mut self, ctx: &Context) {
+        self.look_at_disk();
+        self.take_made();
+        self.take_probed();
+        self.panels.study.take_found();
+        self.show_run();
+        self.settle_on_nodes();
+        self.gesture = self.gestures.gesture(ctx);
+        if ctx.input(|input| input.viewport().close_requested()) && !self.ends {
+            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+            self.command(ctx, Command::Quit);
+        }
+        let dropped = ctx.input(|input| input.raw.dropped_files.iter().find_map(|file| file.path.clone()));
+        dropped.into_iter().for_each(|path| self.actions.push(Action::Begin(path)));
+        keys::read(ctx, self.panels.transfer.takes_keys(), &self.actions);
+        show(self, ctx);
+        for action in self.actions.take() {
+            self.apply(ctx, action);
+        }
+        self.paste(ctx);
+        self.keep(ctx);
+        self.settle_on_nodes();
+        if self.panels.picture.room == [0; 2] {
+            // Nothing was shown yet; how large the picture is follows from the next frame.
+            if !self.document.pipeline().nodes.is_empty() {
+                ctx.request_repaint();
+            }
+            return;
+        }
+        self.wish();
+    }
+}
+
+fn show(editor: &mut Editor, ctx: &Context) {
+    changed_on_disk(editor, ctx);
+    // The panels change; everything else is looked at.
+    let mut panels = std::mem::take(&mut editor.panels);
+    let mut open = editor.costs;
+    {
+        let scene = editor.scene();
+        TopBottomPanel::top("menus").show(ctx, |ui| keys::bar(ui, &scene));
+        TopBottomPanel::bottom("status").show(ctx, |ui| status(ui, editor, &scene));
+        if scene.is_empty() {
+            empty(editor, ctx, &mut panels.graph, &scene);
+        } else {
+            parts(ctx, &scene, &mut panels);
+        }
+        show_costs(ctx, &mut open, &scene);
+        panels.section.show(ctx, &scene);
+        panels.study.show(ctx, &scene);
+    }
+    (editor.panels, editor.costs) = (panels, open);
+    keys::sheet(ctx, &mut editor.help);
+    show_dialog(&mut editor.file_dialog, ctx, &editor.actions);
+    unsaved(editor, ctx);
+    editor.offer_left_behind(ctx);
+}
+
+fn empty(editor: &Editor, ctx: &Context, graph: &mut GraphView, scene: &Scene) {
+    let ground = Frame::none().fill(theme::ground(ctx.style().visuals.dark_mode));
+    CentralPanel::default().frame(ground).show(ctx, |ui| {
+        let place = ui.max_rect();
+        graph.show(ui, scene, &|_| None);
+        let recent: Vec<&Path> = editor.recent.paths().collect();
+        invite(ui, scene, place, &recent, editor.made.is_some());
+    });
+}
+
+/// The graph and the parameters at the left, the picture and the transfer function at the right.
+fn parts(ctx: &Context, scene: &Scene, panels: &mut Panels) {
+    let width = ctx.screen_rect().width();
+    SidePanel::right("right")
+        .resizable(true)
+        .default_width(0.5 * width)
+        .width_range(280.0..=0.75 * width)
+        .show(ctx, |ui| {
+            if panels.transfer.is_wanted(scene) {
+                let height = ui.available_height();
+                TopBottomPanel::bottom("transfer")
+                    .resizable(true)
+                    .default_height(0.42 * height)
+                    .height_range(140.0..=0.75 * height)
+                    .frame(Frame::none())
+                    .show_inside(ui, |ui| panels.transfer.show(ui, scene));
+            }
+            panels.picture.show(ui, scene);
+        });
+    let height = ctx.available_rect().height();
+    TopBottomPanel::bottom("parameters")
+        .resizable(true)
+        .default_height(0.42 * height)
+        .height_range(80.0..=0.75 * height)
+        .show(ctx, |ui| panels.parameters.show(ui, scene));
+    let ground = Frame::none().fill(theme::ground(ctx.style().visuals.dark_mode));
+    CentralPanel::default().frame(ground).show(ctx, |ui| {
+        let place = ui.max_rect();
+        panels.graph.show(ui, scene, &|node| panels.picture.texture_of(scene, node));
+        if !scene.document.is_toml() {
+            broken(ui, place, scene.faults);
+        }
+    });
+}
+
+fn status(ui: &mut Ui, editor: &Editor, scene: &Scene) {
+    let dark = ui.visuals().dark_mode;
+    ui.horizontal(|ui| {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            picture::status(ui, scene);
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                let said = match (&editor.message, scene.faults.first()) {
+                    (Some((text, true)), _) => Some((text.clone(), theme::wrong(dark))),
+                    (Some((text, false)), _) => Some((text.clone(), theme::weak(dark))),
+                    (None, Some(fault)) => Some((fault.to_string(), theme::wrong(dark))),
+                    (None, None) => None,
+                };
+                if let Some((text, color)) = said {
+                    let label = Label::new(RichText::new(&text).color(color)).truncate();
+                    ui.add(label).on_hover_text(text);
+                } else {
+                    ui.label(RichText::new("F1: keys and mouse").color(theme::weak(dark)));
+                }
+            });
+        });
+    });
+}
+
+fn changed_on_disk(editor: &mut Editor, ctx: &Context) {
+    if !editor.disk.is_changed {
+        return;
+    }
+    let mut answer = None;
+    TopBottomPanel::top("changed").show(ctx, |ui| {
+        ui.horizontal(|ui| {
+            ui.label("Another program changed the file.");
+            for (text, help, takes_over) in [
+                ("Take it over", "as a step that can be undone", true),
+                ("Write over it", "with what is shown here", false),
+            ] {
+                if ui.button(text).on_hover_text(help).clicked() {
+                    answer = Some(takes_over);
+                }
+            }
+        });
+    });
+    if let Some(takes_over) = answer {
+        editor.settle_with_disk(takes_over);
+    }
+}
+
+fn unsaved(editor: &mut Editor, ctx: &Context) {
+    let Some(command) = editor.unsaved else { return };
+    let name = editor.document().path().map_or("The new pipeline".into(), |path| path.display().to_string());
+    let text = format!("{name} has changes that are not saved.");
+    let answers = [("Save", Some(true)), ("Discard", Some(false)), ("Cancel", None)];
+    let answer = match ask(ctx, "Unsaved work", text, &answers) {
+        _ if ctx.input(|input| input.key_pressed(Key::Escape)) => None,
+        None => return,
+        Some(answer) => answer,
+    };
+    editor.unsaved = None;
+    let Some(saves) = answer else { return };
+    if saves {
+        editor.save();
+    }
+    if !saves || editor.document().is_saved() {
+        editor.go_on(ctx, command);
+    }
+}
+
+/// Message above the graph of a file that is no TOML.
+fn broken(ui: &mut Ui, place: Rect, faults: &[Error]) {
+    let dark = ui.visuals().dark_mode;
+    // At the top, on a ground of its own: what can be read of the file is shown below.
+    let rect = Rect::from_min_size(place.min + vec2(12.0, 8.0), vec2(place.width() - 24.0, 120.0));
+    ui.allocate_new_ui(UiBuilder::new().max_rect(rect), |ui| {
+        Frame::none().fill(ui.visuals().window_fill).inner_margin(8.0).rounding(4.0).show(ui, |ui| {
+            for fault in faults.iter().take(3) {
+                ui.label(RichText::new(fault.to_string()).color(theme::wrong(dark)));
+            }
+            let text = "Mend it in a text editor; once it is saved there, it can be taken over here.";
+            ui.label(RichText::new(text).color(theme::weak(dark)));
+        });
+    });
+}
+
+/// Shows the ways to begin, in the middle of a place. `recent`: files that were opened last; `is_making`: a pipeline is being
+/// made for data.
+fn invite(ui: &mut Ui, scene: &Scene, place: Rect, recent: &[&Path], is_making: bool) {
+    let dark = ui.visuals().dark_mode;
+    let weak = theme::weak(dark);
+    let height = 150.0 + 26.0 * recent.len() as f32;
+    let size = vec2(WIDTH.min(place.width() - 20.0), height.min(place.height() - 10.0));
+    let rect = Rect::from_center_size(place.center(), size);
+    let layout = Layout::top_down(Align::Center);
+    ui.allocate_new_ui(UiBuilder::new().max_rect(rect).layout(layout), |ui| {
+        if is_making {
+            ui.add_space(0.4 * rect.height());
+            ui.label(RichText::new("Looking at the data …").size(16.0));
+            return;
+        }
+        let button =
+            |text: &str| Button::new(RichText::new(text).size(15.0)).min_size(vec2(rect.width(), 34.0));
+        let open = ui.add(button("Open data or a pipeline …"));
+        if open.on_hover_text("for a data file, a pipeline with a picture is made (Ctrl+O)").clicked() {
+            scene.actions.command(Command::Open);
+        }
+        ui.add_space(4.0);
+        if ui.add(button("Add a node …")).on_hover_text("Space").clicked() {
+            scene.actions.command(Command::Add);
+        }
+        ui.add_space(6.0);
+        ui.label(RichText::new("or drop a file here").color(weak));
+        if recent.is_empty() {
+            return;
+        }
+        ui.add_space(8.0);
+        ui.label(RichText::new("Lately opened").color(weak));
+        for path in recent {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let folder = path.parent().unwrap_or(Path::new("")).display().to_string();
+            let entry = Button::new(format!("{name}   in {folder}")).frame(false).truncate();
+            if ui.add(entry).on_hover_text(path.display().to_string()).clicked() {
+                scene.actions.push(Action::Begin(path.to_path_buf()));
+            }
+        }
+    });
 }

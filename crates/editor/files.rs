@@ -1,6 +1,8 @@
-//! Files: what their names say, a document for data, what another program wrote, the files that were opened last, and copies of unsaved
-//! work.
+//! Files: names, changes by other programs, recent ones, copies of unsaved work; and dialogs: a question with a few answers, and the choice
+//! of a file.
 
+use crate::scene::{Action, Actions, FilePurpose};
+use eframe::egui::{Align2, Context, Key, ScrollArea, TextEdit, Ui, Window};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,7 +15,6 @@ use voltet_nodes::files::{state_folder, write_whole};
 /// Interval between two checks of the files.
 pub(crate) const BETWEEN: Duration = Duration::from_secs(1);
 
-/// Files, each as it was found last.
 pub(crate) type FileStamps = BTreeMap<PathBuf, Stamp>;
 
 /// Thread that wakes the window when a file is another than it was: the window need not look while nothing happens. It ends with this.
@@ -84,7 +85,6 @@ pub(crate) fn is_pipeline_ending(ending: &str) -> bool {
 /// Ends of the names of data files.
 pub(crate) const DATA: [&str; 10] = ["vtu", "vtk", "vts", "vtr", "vti", "pvtu", "pvd", "xyz", "p3d", "x"];
 
-/// True if a name is that of a pipeline file.
 pub(crate) fn is_pipeline(path: &Path) -> bool {
     path.extension().is_none_or(|end| end == "toml")
 }
@@ -115,24 +115,20 @@ pub(crate) struct Recent {
 }
 
 impl Recent {
-    /// The user's own.
     pub fn usual() -> Recent {
         Recent::in_file(state_folder().join("recent"))
     }
 
-    /// Kept in a file, a path a line.
     pub fn in_file(file: PathBuf) -> Recent {
         let text = std::fs::read_to_string(&file).unwrap_or_default();
         let paths = text.lines().filter(|line| !line.is_empty()).map(PathBuf::from).take(MAX_COUNT).collect();
         Recent { file: Some(file), paths }
     }
 
-    /// Files of the list that exist.
     pub fn paths(&self) -> impl Iterator<Item = &Path> {
         self.paths.iter().map(PathBuf::as_path).filter(|path| path.is_file())
     }
 
-    /// A file was opened or saved.
     pub fn add(&mut self, path: &Path) {
         let path = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
         if self.paths.first() == Some(&path) {
@@ -171,6 +167,186 @@ impl Recover {
             let _ = keeper.give_up();
         }
         self.kept = None;
+    }
+}
+
+/// Asks a question in the middle of the window; the answer, once a button is clicked.
+pub(crate) fn ask<T: Copy>(ctx: &Context, title: &str, text: String, answers: &[(&str, T)]) -> Option<T> {
+    let mut answer = None;
+    let window = Window::new(title).collapsible(false).resizable(false);
+    window.anchor(Align2::CENTER_CENTER, [0.0, 0.0]).show(ctx, |ui| {
+        ui.label(text);
+        ui.add_space(6.0);
+        ui.horizontal(|ui| {
+            for (text, of_button) in answers {
+                if ui.button(*text).clicked() {
+                    answer = Some(*of_button);
+                }
+            }
+        });
+    });
+    answer
+}
+
+impl FilePurpose {
+    fn title(&self) -> String {
+        match self {
+            FilePurpose::Open => "Open a pipeline or data".into(),
+            FilePurpose::SaveAs => "Save as".into(),
+            FilePurpose::Parameter { node, path, writes: false } => format!("A file to read: {node}.{path}"),
+            FilePurpose::Parameter { node, path, writes: true } => format!("A file to write: {node}.{path}"),
+        }
+    }
+
+    /// True if the choice alone overwrites an existing file.
+    fn overwrites(&self) -> bool {
+        *self == FilePurpose::SaveAs
+    }
+
+    fn accepts(&self, name: &str) -> bool {
+        let end = Path::new(name).extension().map(|end| end.to_string_lossy().to_lowercase());
+        let end = end.unwrap_or_default();
+        match self {
+            FilePurpose::Open => is_pipeline_ending(&end) || DATA.contains(&end.as_str()),
+            FilePurpose::SaveAs => is_pipeline_ending(&end),
+            FilePurpose::Parameter { .. } => true,
+        }
+    }
+
+    fn action(self, file: PathBuf) -> Action {
+        match self {
+            FilePurpose::Open => Action::Open(file),
+            FilePurpose::SaveAs => Action::SaveAs(file),
+            FilePurpose::Parameter { node, path, .. } => Action::Name { node, path, file },
+        }
+    }
+}
+
+#[derive(Debug)]
+pub(crate) struct FileDialog {
+    purpose: FilePurpose,
+    folder: PathBuf,
+    name: String,
+    entries: Vec<(String, bool)>,
+    is_new: bool,
+    warned: bool,
+}
+
+impl FileDialog {
+    /// Starts in the folder of `path`, with its file name where a file is to be written.
+    pub fn new(purpose: FilePurpose, path: Option<&Path>) -> FileDialog {
+        let folder = path.and_then(Path::parent).filter(|folder| !folder.as_os_str().is_empty());
+        let folder = folder.unwrap_or(Path::new("."));
+        let folder =
+            std::fs::canonicalize(folder).unwrap_or_else(|_| std::env::current_dir().unwrap_or_default());
+        let own = path.and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
+        let name = match &purpose {
+            FilePurpose::Open => String::new(),
+            FilePurpose::SaveAs => own.unwrap_or_else(|| "pipeline.toml".into()),
+            FilePurpose::Parameter { .. } => own.unwrap_or_default(),
+        };
+        let mut dialog =
+            FileDialog { purpose, folder, name, entries: Vec::new(), is_new: true, warned: false };
+        dialog.read();
+        dialog
+    }
+
+    fn read(&mut self) {
+        let entries = std::fs::read_dir(&self.folder).into_iter().flatten().flatten();
+        let mut entries: Vec<(String, bool)> = entries
+            .map(|entry| (entry.file_name().to_string_lossy().into_owned(), entry.path().is_dir()))
+            .filter(|(name, is_folder)| !name.starts_with('.') && (*is_folder || self.purpose.accepts(name)))
+            .collect();
+        entries.sort_by_key(|(name, is_folder)| (!is_folder, name.to_lowercase()));
+        self.entries = entries;
+    }
+
+    fn go(&mut self, folder: PathBuf) {
+        self.folder = std::fs::canonicalize(&folder).unwrap_or(folder);
+        self.read();
+    }
+
+    fn show(&mut self, ui: &mut Ui) -> Option<PathBuf> {
+        let mut chosen = None;
+        ui.horizontal(|ui| {
+            if ui.button("⬆").on_hover_text("the folder above").clicked()
+                && let Some(above) = self.folder.parent().map(Path::to_path_buf)
+            {
+                self.go(above);
+            }
+            ui.label(self.folder.display().to_string());
+        });
+        ScrollArea::vertical().max_height(320.0).auto_shrink([false, false]).show(ui, |ui| {
+            let mut into = None;
+            for (name, is_folder) in &self.entries {
+                let text = if *is_folder { format!("🗀  {name}") } else { format!("      {name}") };
+                let row = ui.selectable_label(*name == self.name, text);
+                if row.clicked() && *is_folder {
+                    into = Some(self.folder.join(name));
+                } else if row.clicked() {
+                    self.name = name.clone();
+                    self.warned = false;
+                }
+                if row.double_clicked() && !is_folder {
+                    chosen = Some(self.folder.join(name));
+                }
+            }
+            if self.entries.is_empty() {
+                ui.label("This folder has no files of an accepted kind.");
+            }
+            if let Some(into) = into {
+                self.go(into);
+            }
+        });
+        ui.horizontal(|ui| {
+            let field = ui
+                .add(TextEdit::singleline(&mut self.name).desired_width(360.0).hint_text("a name or a path"));
+            if std::mem::take(&mut self.is_new) {
+                field.request_focus();
+            }
+            let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+            let text = match (&self.purpose, self.warned) {
+                (FilePurpose::Open, _) => "Open",
+                (FilePurpose::SaveAs, false) => "Save",
+                (FilePurpose::SaveAs, true) => "Write over it",
+                (FilePurpose::Parameter { .. }, _) => "Choose",
+            };
+            if (ui.button(text).clicked() || entered) && !self.name.is_empty() {
+                chosen = Some(self.folder.join(&self.name));
+            }
+        });
+        if self.warned {
+            ui.label("There is a file of that name.");
+        }
+        let path = chosen?;
+        if path.is_dir() {
+            self.name.clear();
+            self.go(path);
+            return None;
+        }
+        if self.purpose.overwrites() && path.exists() && !self.warned {
+            self.warned = true;
+            return None;
+        }
+        Some(path)
+    }
+}
+
+pub(crate) fn show_dialog(open_dialog: &mut Option<FileDialog>, ctx: &Context, actions: &Actions) {
+    let Some(mut dialog) = open_dialog.take() else { return };
+    let mut open = true;
+    let mut chosen = None;
+    Window::new(dialog.purpose.title())
+        .id(eframe::egui::Id::new("asking for a file"))
+        .open(&mut open)
+        .collapsible(false)
+        .default_width(460.0)
+        .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
+        .show(ctx, |ui| chosen = dialog.show(ui));
+    match chosen {
+        Some(path) => actions.push(dialog.purpose.action(path)),
+        None if open && !ctx.input(|input| input.key_pressed(Key::Escape)) => *open_dialog = Some(dialog),
+        None => {}
     }
 }
 

@@ -1,13 +1,15 @@
-//! The keys: one table, from which they are read and the help sheet is made; and the bar at the top: menus, and what is done most.
+//! The keys: one table, from which they are read and the help sheet is made; the bar at the top: menus, and what is done most; input events:
+//! their grouping into undo steps, and those that wait for the next frame.
 
-use crate::actions::{Actions, Command};
-use crate::scene::Scene;
+use crate::scene::{Actions, Command, Scene};
 use crate::theme;
 use eframe::egui::{
-    self, Button, Context, Event, Grid, Key, KeyboardShortcut, Label, Layout, Modifiers, RichText,
-    ScrollArea, Ui, Window, menu, vec2,
+    self, Button, Context, Event, Grid, Key, KeyboardShortcut, Label, Layout, Modifiers, RawInput, RichText,
+    ScrollArea, Ui, Vec2, Window, menu, vec2,
 };
 use std::path::Path;
+use std::time::{Duration, Instant};
+use voltet_document::Gesture;
 use voltet_document::arrange::Align;
 
 /// A key of the window: what it does, and the words for it. Where a command has several, help shows the first.
@@ -117,7 +119,7 @@ const MOUSE: &[(&str, &[(&str, &str)])] = &[
 ];
 
 /// Reads the keys that no text field wants. `over_widgets`: what is deleted and duplicated is a widget then, not a node.
-pub(crate) fn read(ctx: &Context, over_widgets: bool, actions: &mut Actions) {
+pub(crate) fn read(ctx: &Context, over_widgets: bool, actions: &Actions) {
     let typing = ctx.wants_keyboard_input();
     ctx.input_mut(|input| {
         for &(command, modifiers, key, _) in KEYS {
@@ -144,7 +146,6 @@ pub(crate) fn read(ctx: &Context, over_widgets: bool, actions: &mut Actions) {
     });
 }
 
-/// The key of a command as menus show it.
 fn shortcut(ctx: &Context, command: Command) -> String {
     match command {
         Command::Copy => return "Ctrl+C".into(),
@@ -157,16 +158,15 @@ fn shortcut(ctx: &Context, command: Command) -> String {
     })
 }
 
-/// The menus, what is done most at a click, and the file.
-pub(crate) fn bar(ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
+pub(crate) fn bar(ui: &mut Ui, scene: &Scene) {
     menu::bar(ui, |ui| {
-        let mut list = |ui: &mut Ui, title: &str, entries: &[(&str, Command)]| {
+        let list = |ui: &mut Ui, title: &str, entries: &[(&str, Command)]| {
             ui.menu_button(title, |ui| {
                 ui.set_min_width(220.0);
                 for (text, command) in entries {
                     let key = shortcut(ui.ctx(), *command);
                     if ui.add(Button::new(*text).shortcut_text(key)).clicked() {
-                        actions.command(*command);
+                        scene.actions.command(*command);
                         ui.close_menu();
                     }
                 }
@@ -232,7 +232,7 @@ pub(crate) fn bar(ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
             ] {
                 let help = format!("{help} ({})", shortcut(ui.ctx(), command));
                 if ui.button(text).on_hover_text(help).clicked() {
-                    actions.command(command);
+                    scene.actions.command(command);
                 }
             }
         });
@@ -263,7 +263,6 @@ fn rows(ctx: &Context) -> Vec<(String, &'static str)> {
     rows
 }
 
-/// The help sheet: the keys, and beside them what the mouse does.
 pub(crate) fn sheet(ctx: &Context, open: &mut bool) {
     let grid = |ui: &mut Ui, name: &str, rows: &[(&str, &str)]| {
         Grid::new(name).num_columns(2).striped(true).min_row_height(0.0).spacing([10.0, 2.0]).show(
@@ -301,9 +300,82 @@ pub(crate) fn sheet(ctx: &Context, open: &mut bool) {
     );
 }
 
+/// Edits by wheel and keys that follow one another within this time are one step.
+const PAUSE: Duration = Duration::from_millis(600);
+
+#[derive(Default)]
+pub(crate) struct GestureTracker {
+    last: u64,
+    pressed: Option<u64>,
+    at: Option<(Instant, u64)>,
+}
+
+impl GestureTracker {
+    fn next(&mut self) -> u64 {
+        self.last += 1;
+        self.last
+    }
+
+    /// The gesture of an edit made now: a mouse button held, or what follows soon after by wheel or key.
+    pub fn gesture(&mut self, ctx: &Context) -> Option<Gesture> {
+        let (down, pressed, released, repeated) = ctx.input(|input| {
+            let pointer = &input.pointer;
+            let wheel = input.smooth_scroll_delta != Vec2::ZERO || input.zoom_delta() != 1.0;
+            let arrows = [Key::ArrowLeft, Key::ArrowRight, Key::ArrowUp, Key::ArrowDown];
+            let nudged = arrows.iter().any(|key| input.keys_down.contains(key));
+            (pointer.any_down(), pointer.any_pressed(), pointer.any_released(), wheel || nudged)
+        });
+        if pressed || (down && self.pressed.is_none()) {
+            self.pressed = Some(self.next());
+        }
+        if down || released {
+            return self.pressed.map(Gesture);
+        }
+        self.pressed = None;
+        if !repeated {
+            return None;
+        }
+        let now = Instant::now();
+        let number = match self.at {
+            Some((before, number)) if now - before < PAUSE => number,
+            _ => self.next(),
+        };
+        self.at = Some((now, number));
+        Some(Gesture(number))
+    }
+}
+
+/// Events that wait. A button pressed and the pointer moved on within one slow frame: what is taken hold of lies where it was
+/// pressed, as is what is let go of. egui looks at a frame's last place alone, so what follows a button waits for the next frame.
+#[derive(Default)]
+pub(crate) struct InputQueue {
+    waiting: Vec<Event>,
+}
+
+impl InputQueue {
+    /// Leaves of a frame's events, after those that waited, those up to the first press, or those before a release: what is dragged
+    /// is brought there first. Whether some wait now, for a frame that is to follow at once.
+    pub fn cut(&mut self, input: &mut RawInput) -> bool {
+        let mut events = std::mem::take(&mut self.waiting);
+        events.append(&mut input.events);
+        let button = |event: &Event| match event {
+            Event::PointerButton { pressed, .. } => Some(*pressed),
+            _ => None,
+        };
+        let first = events.iter().enumerate().find_map(|(place, event)| Some((place, button(event)?)));
+        if let Some((place, pressed)) = first {
+            let moves = events[..place].iter().any(|event| matches!(event, Event::PointerMoved(_)));
+            self.waiting = events.split_off(if !pressed && moves { place } else { place + 1 });
+        }
+        input.events = events;
+        !self.waiting.is_empty()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use eframe::egui::{Modifiers, PointerButton, pos2};
     use std::collections::BTreeSet;
 
     #[test]
@@ -325,5 +397,28 @@ mod tests {
         }
         let missing: Vec<&String> = lines.iter().filter(|line| !page.contains(line.as_str())).collect();
         assert!(missing.is_empty(), "docs/src/reference/editor-keys.md lacks\n{missing:#?}");
+    }
+
+    #[test]
+    fn each_button_ends_a_frame_and_nothing_is_lost() {
+        let button = |x: f32, pressed| Event::PointerButton {
+            pos: pos2(x, 0.0),
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        let moved = |x: f32| Event::PointerMoved(pos2(x, 0.0));
+        let mut presses = InputQueue::default();
+        let mut frame = |events: Vec<Event>| {
+            let mut input = RawInput { events, ..RawInput::default() };
+            let waits = presses.cut(&mut input);
+            (input.events, waits)
+        };
+        let all = vec![moved(1.0), button(1.0, true), moved(2.0), button(2.0, false), moved(3.0)];
+        assert_eq!(frame(all), (vec![moved(1.0), button(1.0, true)], true));
+        assert_eq!(frame(vec![moved(4.0)]), (vec![moved(2.0)], true), "it is brought there");
+        assert_eq!(frame(vec![]), (vec![button(2.0, false)], true), "and let go of");
+        assert_eq!(frame(vec![]), (vec![moved(3.0), moved(4.0)], false));
+        assert_eq!(frame(vec![]), (vec![], false));
     }
 }

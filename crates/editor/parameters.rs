@@ -1,8 +1,7 @@
 //! The parameter panel: the rows that the document makes of the selected node's declaration, as widgets by their controls; lists of
 //! tables; and texts that are being typed.
 
-use crate::actions::{Action, Actions, FilePurpose};
-use crate::scene::Scene;
+use crate::scene::{Action, FilePurpose, Scene};
 use crate::theme;
 use eframe::egui::collapsing_header::CollapsingState;
 use eframe::egui::{
@@ -22,16 +21,13 @@ const SPAN_OF_SLIDER: f64 = 1000.0;
 const SPEED: f64 = 0.01;
 const MIN_STEP: f64 = 1e-3;
 
-/// Width of a reason, points.
 const REASON: f32 = 280.0;
 
-/// Texts being typed, by the keys of their fields.
 #[derive(Default)]
 struct Typing {
     texts: HashMap<String, String>,
     /// A text that says nothing right: whose, itself, why.
     refused: Option<[String; 3]>,
-    /// The field that is to have the keys.
     wants_focus: Option<String>,
 }
 
@@ -41,7 +37,6 @@ impl Typing {
         self.texts.contains_key(key) || self.refused(key).is_some()
     }
 
-    /// A text begins where there was none.
     fn begin(&mut self, key: &str, text: String) {
         self.texts.insert(key.to_string(), text);
         self.wants_focus = Some(key.to_string());
@@ -89,7 +84,6 @@ impl Typing {
         }
     }
 
-    /// Shows why the text of a row is refused.
     fn say_why_refused(&self, ui: &mut Ui, key: &str) {
         if let Some([_, _, why]) = self.refused(key) {
             let color = theme::wrong(ui.visuals().dark_mode);
@@ -99,7 +93,6 @@ impl Typing {
     }
 }
 
-/// The panel, with what is being typed in it.
 #[derive(Default)]
 pub(crate) struct ParameterPanel {
     typing: Typing,
@@ -110,7 +103,6 @@ pub(crate) struct ParameterPanel {
     pub places: HashMap<String, eframe::egui::Rect>,
 }
 
-/// The node whose rows are shown.
 #[derive(Clone, Copy)]
 struct Of<'a> {
     pub scene: &'a Scene<'a>,
@@ -118,24 +110,21 @@ struct Of<'a> {
 }
 
 impl Of<'_> {
-    /// The edit that states a row.
     pub fn set(&self, row: &Row, value: ParameterValue) -> Edit {
         Edit::Set { node: self.node.to_string(), path: row.path.clone(), value }
     }
 
-    /// The edit that takes out what leads somewhere.
     pub fn unset(&self, path: &Path) -> Edit {
         Edit::Unset { node: self.node.to_string(), path: path.clone() }
     }
 
-    /// Unique key of a row.
     pub fn key(&self, row: &Row) -> String {
         format!("{}.{}", self.node, row.path)
     }
 }
 
 impl ParameterPanel {
-    pub fn show(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
+    pub fn show(&mut self, ui: &mut Ui, scene: &Scene) {
         let dark = ui.visuals().dark_mode;
         ui.set_min_height(ui.available_height());
         #[cfg(test)]
@@ -148,27 +137,27 @@ impl ParameterPanel {
             };
             ui.add_space(4.0);
             ui.label(RichText::new(text).color(theme::weak(dark)));
-            self.title(ui, scene, actions);
+            self.title(ui, scene);
             return;
         };
         let Some(entry) = scene.entry(name) else { return };
-        self.head(ui, scene, entry, actions);
+        self.head(ui, scene, entry);
         let rows = self.rows_of(scene, name);
         ScrollArea::vertical().auto_shrink([false, false]).id_salt(("parameters", name)).show(ui, |ui| {
             for fault in scene.faults.iter().filter(|fault| fault.location.node.as_deref() == Some(name)) {
                 ui.label(RichText::new(fault.to_string()).color(theme::wrong(dark)));
             }
-            self.table(ui, Of { scene, node: name }, &Path::default(), &rows, actions);
+            self.table(ui, Of { scene, node: name }, &Path::default(), &rows);
         });
     }
 
     /// The title of the pipeline, which its pictures carry.
-    fn title(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
+    fn title(&mut self, ui: &mut Ui, scene: &Scene) {
         let now = scene.document.pipeline().title.clone().unwrap_or_default();
         ui.horizontal(|ui| {
             ui.label("title").on_hover_text("of the pipeline; its pictures carry it");
             if let Some(title) = self.typing.line(ui, "title!", &now, 320.0, "none") {
-                actions.edit(Edit::Title(Some(title).filter(|title| !title.is_empty())));
+                scene.actions.edit(Edit::Title(Some(title).filter(|title| !title.is_empty())));
             }
         });
     }
@@ -187,7 +176,7 @@ impl ParameterPanel {
     }
 
     /// The node's name, which can be changed, its type and what it does.
-    fn head(&mut self, ui: &mut Ui, scene: &Scene, entry: &NodeEntry, actions: &mut Actions) {
+    fn head(&mut self, ui: &mut Ui, scene: &Scene, entry: &NodeEntry) {
         let dark = ui.visuals().dark_mode;
         ui.add_space(3.0);
         ui.horizontal(|ui| {
@@ -195,7 +184,7 @@ impl ParameterPanel {
             if let Some(name) = self.typing.line(ui, &key, &entry.name, 130.0, "name")
                 && !name.is_empty()
             {
-                actions.edit(Edit::Rename { node: entry.name.clone(), to: name });
+                scene.actions.edit(Edit::Rename { node: entry.name.clone(), to: name });
             }
             ui.strong(entry.node_type.text().unwrap_or("no type"));
             let summary = scene.node_type(entry).map_or("a type that is not known", |node| node.summary);
@@ -208,33 +197,33 @@ impl ParameterPanel {
         let key = format!("{}?", entry.name);
         if let Some(text) = self.typing.line(ui, &key, &now, width, "a remark, shown in the node") {
             let text = Some(text).filter(|text| !text.is_empty());
-            actions.edit(Edit::Remark { node: entry.name.clone(), text });
+            scene.actions.edit(Edit::Remark { node: entry.name.clone(), text });
         }
         ui.separator();
     }
 
     /// One line a row; tables and lists of tables follow.
-    fn table(&mut self, ui: &mut Ui, of: Of, path: &Path, rows: &[Row], actions: &mut Actions) {
+    fn table(&mut self, ui: &mut Ui, of: Of, path: &Path, rows: &[Row]) {
         use Control::{Entries, Table};
         let is_line = |row: &&Row| !matches!(row.control, Table | Entries(_));
         let salt = ("rows", of.node, path.to_string());
         Grid::new(salt).num_columns(3).spacing([8.0, 4.0]).show(ui, |ui| {
             for row in rows.iter().filter(is_line) {
-                self.line(ui, of, row, actions);
+                self.line(ui, of, row);
                 ui.end_row();
             }
         });
         for row in rows {
             match row.control {
-                Entries(kinds) => self.entries(ui, of, row, kinds, actions),
-                Table => self.inner(ui, of, row, actions),
+                Entries(kinds) => self.entries(ui, of, row, kinds),
+                Table => self.inner(ui, of, row),
                 _ => {}
             }
         }
     }
 
     /// Its name, its value, its unit; and the way back to the standard value.
-    fn line(&mut self, ui: &mut Ui, of: Of, row: &Row, actions: &mut Actions) {
+    fn line(&mut self, ui: &mut Ui, of: Of, row: &Row) {
         let dark = ui.visuals().dark_mode;
         let parameter = row.parameter;
         let color = match (row.is_missing(), &row.set_value) {
@@ -253,13 +242,13 @@ impl ParameterPanel {
                 {
                     // A number that is not there is no number.
                     if ui.small_button("set").on_hover_text("states a value to begin with").clicked() {
-                        actions.edit(of.set(row, first));
+                        of.scene.actions.edit(of.set(row, first));
                     }
                     ui.label(RichText::new(meaning).small().color(theme::weak(dark)));
                     return;
                 }
-                if let Some(value) = self.value(ui, of, row, actions) {
-                    actions.edit(of.set(row, value));
+                if let Some(value) = self.value(ui, of, row) {
+                    of.scene.actions.edit(of.set(row, value));
                 }
                 if !parameter.unit.is_empty() {
                     ui.label(RichText::new(parameter.unit).small().color(theme::weak(dark)));
@@ -272,7 +261,7 @@ impl ParameterPanel {
         if row.set_value.is_some() && !matches!(parameter.default, DefaultValue::Required) {
             let standard = format!("back to the standard: {}", row.default_text());
             if ui.small_button("↺").on_hover_text(standard).clicked() {
-                actions.edit(of.unset(&row.path));
+                of.scene.actions.edit(of.unset(&row.path));
             }
         } else {
             ui.label("");
@@ -280,14 +269,7 @@ impl ParameterPanel {
     }
 
     /// Each entry under its kind, with ways to take away, double and move it; and a way to add one.
-    fn entries(
-        &mut self,
-        ui: &mut Ui,
-        of: Of,
-        row: &Row,
-        kinds: &'static [VariantSchema],
-        actions: &mut Actions,
-    ) {
+    fn entries(&mut self, ui: &mut Ui, of: Of, row: &Row, kinds: &'static [VariantSchema]) {
         let (node, list, count) = (|| of.node.to_string(), &row.path, row.entries.len());
         ui.add_space(4.0);
         ui.horizontal(|ui| {
@@ -296,7 +278,7 @@ impl ParameterPanel {
                 for kind in kinds {
                     if ui.button(kind.name).on_hover_text(kind.summary).clicked() {
                         let (list, entry) = (list.clone(), default_value(kind));
-                        actions.edit(Edit::Insert { node: node(), list, place: count, entry });
+                        of.scene.actions.edit(Edit::Insert { node: node(), list, place: count, entry });
                         ui.close_menu();
                     }
                 }
@@ -307,48 +289,45 @@ impl ParameterPanel {
             let state = CollapsingState::load_with_default_open(ui.ctx(), id, count <= 2);
             let head = state.show_header(ui, |ui| {
                 swatch(ui, &entry.rows);
-                ui.label(format!(
-                    "{} {}",
-                    place + 1,
-                    entry.kind.map_or("of no kind that is known", |kind| kind.name)
-                ));
-                let moved = |to| Edit::MoveEntry { node: node(), list: list.clone(), from: place, to };
-                if ui.small_button("⬆").on_hover_text("before the one above").clicked() && place > 0 {
-                    actions.edit(moved(place - 1));
-                }
-                if ui.small_button("⬇").on_hover_text("after the one below").clicked() && place + 1 < count
-                {
-                    actions.edit(moved(place + 1));
+                let kind = entry.kind.map_or("of no kind that is known", |kind| kind.name);
+                ui.label(format!("{} {kind}", place + 1));
+                for (text, help, to) in [
+                    ("⬆", "before the one above", place.saturating_sub(1)),
+                    ("⬇", "after the one below", (place + 1).min(count - 1)),
+                ] {
+                    if ui.small_button(text).on_hover_text(help).clicked() && to != place {
+                        let (node, list) = (node(), list.clone());
+                        of.scene.actions.edit(Edit::MoveEntry { node, list, from: place, to });
+                    }
                 }
                 if ui.small_button("×2").on_hover_text("duplicate").clicked() {
-                    actions.edit(Edit::Duplicate { node: node(), list: list.clone(), place });
+                    of.scene.actions.edit(Edit::Duplicate { node: node(), list: list.clone(), place });
                 }
                 if ui.small_button("✖").on_hover_text("take away").clicked() {
-                    actions.edit(of.unset(&entry.path));
+                    of.scene.actions.edit(of.unset(&entry.path));
                 }
             });
-            head.body(|ui| self.table(ui, of, &entry.path, &entry.rows, actions));
+            head.body(|ui| self.table(ui, of, &entry.path, &entry.rows));
         }
     }
 
-    /// A table within a table.
-    fn inner(&mut self, ui: &mut Ui, of: Of, row: &Row, actions: &mut Actions) {
+    fn inner(&mut self, ui: &mut Ui, of: Of, row: &Row) {
         let parameter = row.parameter;
         let header = CollapsingHeader::new(parameter.name)
             .id_salt((of.node, row.path.to_string()))
             .default_open(row.set_value.is_some());
         let shown = header.show(ui, |ui| {
-            self.table(ui, of, &row.path, &row.rows, actions);
+            self.table(ui, of, &row.path, &row.rows);
             let may_go = row.set_value.is_some() && !matches!(parameter.default, DefaultValue::Required);
             if may_go && ui.small_button("take out").clicked() {
-                actions.edit(of.unset(&row.path));
+                of.scene.actions.edit(of.unset(&row.path));
             }
         });
         shown.header_response.on_hover_text(parameter.help);
     }
 
     /// Shows a value; gives another one where a hand made it.
-    fn value(&mut self, ui: &mut Ui, of: Of, row: &Row, actions: &mut Actions) -> Option<ParameterValue> {
+    fn value(&mut self, ui: &mut Ui, of: Of, row: &Row) -> Option<ParameterValue> {
         let key = of.key(row);
         let now = row.value();
         match &row.control {
@@ -401,7 +380,7 @@ impl ParameterPanel {
             Control::InputFile | Control::OutputFile => {
                 let given = self.typing.value(ui, &key, row, 200.0, "path");
                 if ui.small_button("…").on_hover_text("choose a file").clicked() {
-                    actions.push(browse(of, row));
+                    of.scene.actions.push(browse(of, row));
                 }
                 given
             }
@@ -428,9 +407,10 @@ impl ParameterPanel {
             ComboBox::from_id_salt(("arrays", key)).selected_text("data").width(48.0).show_ui(ui, |ui| {
                 for array in arrays.iter() {
                     let mut is_taken = names.contains(&array.name);
-                    let clicked = match several {
-                        true => ui.checkbox(&mut is_taken, &array.label).changed(),
-                        false => ui.selectable_label(is_taken, &array.label).clicked(),
+                    let clicked = if several {
+                        ui.checkbox(&mut is_taken, &array.label).changed()
+                    } else {
+                        ui.selectable_label(is_taken, &array.label).clicked()
                     };
                     if clicked && several {
                         let others = names.iter().filter(|name| **name != array.name);
@@ -449,7 +429,6 @@ impl ParameterPanel {
     }
 }
 
-/// The widget's colour.
 fn swatch(ui: &mut Ui, rows: &[Row]) {
     let color = rows.iter().find(|row| row.parameter.name == "color").and_then(Row::value).and_then(channels);
     let (rect, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
@@ -460,7 +439,6 @@ fn swatch(ui: &mut Ui, rows: &[Row]) {
     ui.painter().rect_filled(rect, 3.0, color);
 }
 
-/// True if all numbers of a value lie in the range.
 fn holds_all(range: &Range, datum: Option<&ParameterValue>) -> bool {
     match datum {
         Some(ParameterValue::List(list)) => list.iter().all(|part| holds_all(range, Some(&part.datum))),
@@ -522,14 +500,10 @@ fn short(x: f64) -> String {
     ParameterValue::Number(format!("{x:.5e}").parse().unwrap_or(x)).to_string()
 }
 
-/// A number that is dragged and typed.
 fn drag(ui: &mut Ui, before: f64, range: &Range, step: f64, whole: bool) -> (Response, f64) {
     let mut x = before;
     let field = DragValue::new(&mut x).range(range.min..=range.max).speed(step).update_while_editing(false);
-    let field = match whole {
-        true => field.max_decimals(0),
-        false => field.custom_formatter(|x, _| short(x)),
-    };
+    let field = if whole { field.max_decimals(0) } else { field.custom_formatter(|x, _| short(x)) };
     let response = ui.add(field);
     let x = if whole { x.round() } else { meant(&response, x, step) };
     // What is shown shorter than it is stays as it is where nobody typed another number.
@@ -569,7 +543,7 @@ fn numbers(
 fn color(ui: &mut Ui, now: Option<&ParameterValue>, most: f64) -> Option<ParameterValue> {
     let linear = now.and_then(channels).unwrap_or([1.0; 3]);
     match edited_color(ui, linear) {
-        Some(channels) => Some(channels_value(channels)),
+        Some(channels) => Some(channels.into_iter().collect()),
         None => numbers(ui, now, 3, &Range::within(0.0, most), false),
     }
 }
@@ -586,12 +560,6 @@ pub(crate) fn edited_color(ui: &mut Ui, linear: [f64; 3]) -> Option<[f64; 3]> {
     })
 }
 
-/// Three numbers as a value of a parameter.
-pub(crate) fn channels_value(channels: [f64; 3]) -> ParameterValue {
-    channels.into_iter().collect()
-}
-
-/// Three numbers as a colour.
 fn channels(datum: &ParameterValue) -> Option<[f64; 3]> {
     let ParameterValue::List(list) = datum else { return None };
     list.iter().map(LocatedValue::number).collect::<Option<Vec<f64>>>()?.try_into().ok()
@@ -623,7 +591,6 @@ fn number(datum: &ParameterValue) -> Option<f64> {
     }
 }
 
-/// A text, or those of a list.
 fn texts(datum: &ParameterValue) -> Vec<String> {
     match datum {
         ParameterValue::Text(text) => vec![text.clone()],

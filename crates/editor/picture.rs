@@ -1,7 +1,6 @@
 //! The picture: what the worker drew last, and the hand that moves the camera.
 
-use crate::actions::{Action, Actions};
-use crate::scene::Scene;
+use crate::scene::{Action, Scene};
 use crate::theme;
 use crate::view::View;
 use crate::worker::Pixels;
@@ -28,28 +27,24 @@ struct Thumbnail {
     texture: TextureHandle,
 }
 
-/// The large view of a picture.
 #[derive(Default)]
 pub(crate) struct PicturePanel {
     texture: Option<TextureHandle>,
-    /// Small pictures of other nodes, by these.
     previews: HashMap<String, Thumbnail>,
     /// Contents of the texture: the request, and true for its full picture.
     holds: Option<(u64, bool)>,
     /// True if a drag is a box to be probed, as it is with Alt, which some window managers keep for themselves.
     boxes: bool,
-    /// Start of a probe's box.
     boxed: Option<Pos2>,
-    /// Rectangle of the picture (points), for tests.
-    #[cfg(test)]
-    rect: Option<Rect>,
+    /// The picture in the window.
+    pub rect: Option<Rect>,
     /// Pixels that it can show.
     pub room: [u32; 2],
 }
 
 impl PicturePanel {
-    pub fn show(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
-        self.head(ui, scene, actions);
+    pub fn show(&mut self, ui: &mut Ui, scene: &Scene) {
+        self.head(ui, scene);
         let (rect, response) =
             ui.allocate_exact_size(ui.available_size().max(vec2(16.0, 16.0)), Sense::click_and_drag());
         let room = rect.size() * ui.ctx().pixels_per_point();
@@ -63,21 +58,17 @@ impl PicturePanel {
             vec2(rect.width(), rect.width() / aspect)
         };
         let picture = Rect::from_center_size(rect.center(), size);
-        #[cfg(test)]
-        {
-            self.rect = Some(picture);
-        }
+        self.rect = Some(picture);
         if let Some(texture) = self.texture.as_ref().filter(|_| scene.shown_node.is_some()) {
             ui.painter().image(texture.id(), picture, WHOLE, Color32::WHITE);
         }
         self.over(ui, scene, rect);
         if let Some(view) = scene.view {
-            self.hand(ui, &response, view, picture, actions);
+            self.hand(ui, scene, &response, view);
         }
         response.on_hover_cursor(eframe::egui::CursorIcon::Grab);
     }
 
-    /// The texture of a node's picture as the node shows it.
     pub fn texture_of(&self, scene: &Scene, node: &str) -> Option<TextureHandle> {
         if scene.shown_node == Some(node) {
             return self.texture.clone().filter(|_| scene.pixels.is_some());
@@ -85,26 +76,20 @@ impl PicturePanel {
         self.previews.get(node).map(|small| small.texture.clone())
     }
 
-    /// Rectangle of the picture in the window.
-    #[cfg(test)]
-    pub fn rect(&self) -> Option<Rect> {
-        self.rect
-    }
-
     /// Choice of the picture, and of the pointer's mode.
-    fn head(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
+    fn head(&mut self, ui: &mut Ui, scene: &Scene) {
         ui.horizontal(|ui| {
             let pictures = scene.pictures();
             let shown = scene.shown_node.unwrap_or("no picture");
             ComboBox::from_id_salt("shown").selected_text(shown).width(120.0).show_ui(ui, |ui| {
                 for name in pictures {
                     if ui.selectable_label(scene.shown_node == Some(name), name).clicked() {
-                        actions.push(Action::Show(name.to_string()));
+                        scene.actions.push(Action::Show(name.to_string()));
                     }
                 }
             });
             ui.add_enabled_ui(scene.view.is_some(), |ui| {
-                use crate::actions::Command::{Along, Home, Roll, Section};
+                use crate::scene::Command::{Along, Home, Roll, Section};
                 for (text, command, help) in [
                     ("Home", Home, "all of the data into the picture (H)"),
                     ("+x", Along(0, true), "seen from +x (X)"),
@@ -117,7 +102,7 @@ impl PicturePanel {
                     ("⟳", Roll(false), "roll to the right (.)"),
                 ] {
                     if ui.small_button(text).on_hover_text(help).clicked() {
-                        actions.command(command);
+                        scene.actions.command(command);
                     }
                 }
                 let help = "a drag probes the values in a box, as it does with Alt";
@@ -125,13 +110,12 @@ impl PicturePanel {
                     self.boxes = !self.boxes;
                 }
                 if ui.small_button("section").on_hover_text("s on a plane through the data (K)").clicked() {
-                    actions.command(Section);
+                    scene.actions.command(Section);
                 }
             });
         });
     }
 
-    /// Takes over what the worker drew.
     fn take(&mut self, ui: &Ui, scene: &Scene) {
         self.previews.retain(|node, _| scene.previews.contains_key(node));
         for (node, pixels) in &scene.previews {
@@ -160,9 +144,10 @@ impl PicturePanel {
         };
         match (&scene.failure, scene.shown_node) {
             (_, None) => {
-                let text = match scene.document.pipeline().nodes.is_empty() {
-                    true => "Open a pipeline or a data file (Ctrl+O), or add nodes (Space).",
-                    false => "No node gives a picture yet: add a renderer (Space).",
+                let text = if scene.document.pipeline().nodes.is_empty() {
+                    "Open a pipeline or a data file (Ctrl+O), or add nodes (Space)."
+                } else {
+                    "No node gives a picture yet: add a renderer (Space)."
                 };
                 say(text, Color32::from_gray(200));
             }
@@ -178,10 +163,10 @@ impl PicturePanel {
     fn box_of_probe(
         &mut self,
         ui: &Ui,
+        scene: &Scene,
         response: &Response,
         picture: Rect,
         place: &dyn Fn(Pos2) -> [f64; 2],
-        actions: &mut Actions,
     ) -> bool {
         let boxes = self.boxes || ui.input(|input| input.modifiers.alt);
         if response.drag_started_by(PointerButton::Primary) && boxes {
@@ -196,14 +181,15 @@ impl PicturePanel {
         if response.drag_stopped() {
             self.boxed = None;
             if chosen.is_positive() {
-                actions.push(Action::Probe(grid(chosen).into_iter().map(place).collect()));
+                scene.actions.push(Action::Probe(grid(chosen).into_iter().map(place).collect()));
             }
         }
         true
     }
 
     /// Drags and the wheel, as movements of the camera.
-    fn hand(&mut self, ui: &Ui, response: &Response, view: View, picture: Rect, actions: &mut Actions) {
+    fn hand(&mut self, ui: &Ui, scene: &Scene, response: &Response, view: View) {
+        let Some(picture) = self.rect else { return };
         let height = f64::from(picture.height().max(1.0));
         let place = |at: Pos2| {
             let from = at - picture.center();
@@ -211,7 +197,7 @@ impl PicturePanel {
         };
         let delta = response.drag_delta();
         let by = [f64::from(delta.x) / height, -f64::from(delta.y) / height];
-        if self.box_of_probe(ui, response, picture, &place, actions) {
+        if self.box_of_probe(ui, scene, response, picture, &place) {
             return;
         }
         let mut to = view;
@@ -241,12 +227,12 @@ impl PicturePanel {
         }
         let at = response.interact_pointer_pos().filter(|at| picture.contains(*at));
         match at {
-            Some(at) if response.double_clicked() => actions.push(Action::Centre(place(at))),
-            Some(at) if response.clicked() => actions.push(Action::Probe(vec![place(at)])),
+            Some(at) if response.double_clicked() => scene.actions.push(Action::Centre(place(at))),
+            Some(at) if response.clicked() => scene.actions.push(Action::Probe(vec![place(at)])),
             _ => {}
         }
         if to != view {
-            actions.push(Action::MoveCamera(to));
+            scene.actions.push(Action::MoveCamera(to));
         }
     }
 }
@@ -261,7 +247,6 @@ fn grid(of: Rect) -> Vec<Pos2> {
     (0..high).flat_map(row).collect()
 }
 
-/// The line under the picture.
 pub(crate) fn status(ui: &mut Ui, scene: &Scene) {
     let dark = ui.visuals().dark_mode;
     if let Some(running) = &scene.running {
@@ -275,7 +260,6 @@ pub(crate) fn status(ui: &mut Ui, scene: &Scene) {
     }
 }
 
-/// A time as a person reads it.
 pub(crate) fn milliseconds(seconds: f64) -> String {
     match seconds {
         s if s < 1e-3 => "< 1 ms".into(),

@@ -1,15 +1,15 @@
 //! Requests to the worker, and handling of its answers.
 
-use crate::arrays::{self, Arrays};
 use crate::editor::Editor;
+use crate::jobs::{self, Arrays};
 use crate::scene::pictures;
+use crate::section;
 use crate::transfer;
 use crate::view::View;
 use crate::worker::{
     DataScales, DistributionQuery, PixelProbe, PreviewQuery, ProbeQuery, RenderRequest, SectionQuery,
-    ShareQuery, VolumeSource, short, size_of,
+    ShareQuery, VolumeSource, retain_widgets, short, size_of,
 };
-use std::collections::BTreeSet;
 use std::sync::Arc;
 use voltet_document::links::{self, upstream};
 use voltet_graph::{NodeEntry, ParameterValue};
@@ -31,29 +31,28 @@ impl Editor {
         self.arrays = Arrays::default();
     }
 
-    /// Notices what other programs wrote.
     pub(crate) fn look_at_disk(&mut self) {
         let (document, registry) = (&self.document, &self.registry);
         let read = || {
-            let read = document.pipeline().nodes.iter().filter(|entry| arrays::reads(entry, registry));
-            read.filter_map(arrays::path_of).map(|path| document.folder().join(path)).collect()
+            let read = document.pipeline().nodes.iter().filter(|entry| jobs::reads(entry, registry));
+            read.filter_map(jobs::path_of).map(|path| document.folder().join(path)).collect()
         };
         if self.disk.look(document, read, &self.watch) {
             self.read_again();
-            self.message = Some(("the data were written anew: they are read again".into(), false));
+            self.say("the data were written anew: they are read again");
         }
     }
 
     /// Asks the worker for the picture where another is wanted than before.
     fn draw(&mut self) {
         let Some(node) = &self.shown_node else { return };
-        let size = self.camera().and_then(size_of).map(|own| fitted(own, self.picture.room));
+        let size = self.camera().and_then(size_of).map(|own| fitted(own, self.panels.picture.room));
         let mut wanted = self.render_request(node, size, true);
-        if let (Some(look), Some(found)) = (self.transfer.dragged(), self.scene().distribution) {
+        if let (Some(look), Some(found)) = (self.panels.transfer.dragged(), self.scene().distribution) {
             put_in_numbers(&mut wanted.nodes, look, &found.known);
         }
-        if let Some((look, hidden)) = self.transfer.hidden() {
-            remove_hidden_widgets(&mut wanted.nodes, look, hidden);
+        if let Some((look, hidden)) = self.panels.transfer.hidden() {
+            retain_widgets(&mut wanted.nodes, look, |place| !hidden.contains(&place));
         }
         if self.asked.as_ref() != Some(&wanted) {
             self.picture_number = self.worker.draw(wanted.clone());
@@ -61,7 +60,6 @@ impl Editor {
         }
     }
 
-    /// Request for the picture of a node, by the nodes that feed it.
     fn render_request(&self, node: &str, size: Option<[u32; 2]>, coarse_first: bool) -> RenderRequest {
         let all = &self.document.pipeline().nodes;
         let (nodes, folder) = (links::feeding(all, node), self.document.folder());
@@ -86,20 +84,20 @@ impl Editor {
     fn find_distribution(&self) {
         let Some((look, output)) = self.edited() else { return };
         let (fields, of_series) = (transfer::fields_of(look), transfer::is_of_series(look));
-        let (source, axes) = (self.volume_source(output), self.transfer.axes());
+        let (source, axes) = (self.volume_source(output), self.panels.transfer.axes());
         let wanted = DistributionQuery { source, axes, fields, of_series };
         self.worker.ask(|output| &mut output.distribution, wanted);
     }
 
     /// Asks what the widget in hand adds to the picture, once the full one is there.
     fn find_share(&self) {
-        let Some((look, place)) = self.transfer.in_hand() else { return };
+        let Some((look, place)) = self.panels.transfer.in_hand() else { return };
         let picture = self.picture_number;
         let is_due = self.worker.shown(|shown| {
             let asked = shown.share.asked().map(|asked| (asked.picture, asked.look.as_str(), asked.place));
             asked != Some((picture, look, place)) && !shown.is_busy && shown.failure.is_none()
         });
-        let hidden = self.transfer.hidden().filter(|(of, _)| *of == look);
+        let hidden = self.panels.transfer.hidden().filter(|(of, _)| *of == look);
         let is_hidden = |place: &usize| hidden.is_some_and(|(_, hidden)| hidden.contains(place));
         let Some(wanted) = self.asked.as_ref().filter(|_| is_due && !is_hidden(&place)) else { return };
         if wanted.nodes.iter().any(|node| node.name == look) {
@@ -126,22 +124,20 @@ impl Editor {
         self.previews_of = Some(of);
     }
 
-    /// Asks for the section, where it is shown.
     fn find_section(&self) {
-        if !self.section.open {
+        if !self.panels.section.open {
             return;
         }
         let view = self.camera().and_then(View::from_camera);
         let plane = view
             .zip(self.worker.shown(|shown| shown.bounds))
-            .and_then(|(view, bounds)| self.section.wanted(view, bounds));
+            .and_then(|(view, bounds)| self.panels.section.wanted(view, bounds));
         let Some(((_, output), (centre, axes, half))) = self.edited().zip(plane) else { return };
-        let (source, size) = (self.volume_source(output), self.section.size());
+        let (source, size) = (self.volume_source(output), section::SIZE);
         let wanted = SectionQuery { source, centre, axes, half, size };
         self.worker.ask(|output| &mut output.section, wanted);
     }
 
-    /// Asks what lies at places of the picture.
     pub(crate) fn probe(&mut self, places: Vec<[f64; 2]>, centres: bool) {
         let (Some((look, output)), Some(camera)) = (self.edited(), self.camera()) else { return };
         let nodes = self.document.pipeline().nodes.clone();
@@ -154,20 +150,16 @@ impl Editor {
     /// Takes over what a probe found: values in a line, or the centre.
     pub(crate) fn take_probed(&mut self) {
         let Some(centres) = self.probing else { return };
-        match self.worker.shown(|shown| shown.probe.answer().cloned()) {
-            Some(Err(error)) => self.complain(&error),
-            Some(Ok(found)) if centres => {
-                if let (Some(point), Some(view)) = (found.point, self.camera().and_then(View::from_camera)) {
-                    self.look(view.centred(point));
-                }
-            }
-            Some(Ok(found)) => self.show_probed(found),
-            None => return,
-        }
+        let Some(answer) = self.worker.shown(|shown| shown.probe.answer().cloned()) else { return };
         self.probing = None;
+        let Some(found) = self.check(answer) else { return };
+        match found.point {
+            Some(point) if centres => self.move_camera(|view| view.centred(point)),
+            None if centres => {}
+            _ => self.show_probed(found),
+        }
     }
 
-    /// Shows values that were found.
     pub(crate) fn show_probed(&mut self, found: Arc<PixelProbe>) {
         let place = match found.rays {
             0 => "in the section".to_string(),
@@ -185,11 +177,10 @@ impl Editor {
             ),
             None => format!("no cell is met {place}"),
         };
-        self.message = Some((text, false));
+        self.say(text);
         self.probed = Some(found);
     }
 
-    /// The camera node that the shown picture is seen from.
     pub(crate) fn camera(&self) -> Option<&NodeEntry> {
         let nodes = &self.document.pipeline().nodes;
         let feeding = upstream(nodes, self.shown_node.as_deref()?);
@@ -204,19 +195,6 @@ fn put_in_numbers(nodes: &mut [NodeEntry], look: &str, known: &DataScales) {
     if let Some(list) = list.and_then(|list| transfer::in_numbers(list, known)) {
         // Only a path that leads nowhere is refused.
         let _ = node.set("widgets", &[], ParameterValue::List(list).into());
-    }
-}
-
-/// Takes widgets out of a transfer function.
-fn remove_hidden_widgets(nodes: &mut [NodeEntry], look: &str, hidden: &BTreeSet<usize>) {
-    let node = nodes.iter_mut().find(|node| node.name == look);
-    let field = node.and_then(|node| node.settings.iter_mut().find(|field| field.name == "widgets"));
-    if let Some(ParameterValue::List(list)) = field.map(|field| &mut field.setting.datum) {
-        let mut place = 0;
-        list.retain(|_| {
-            place += 1;
-            !hidden.contains(&(place - 1))
-        });
     }
 }
 

@@ -1,55 +1,50 @@
-//! Read-only view of the editor for the window's parts while a frame is shown.
+//! Read-only view of the editor for the window's parts while a frame is shown, and their requests, which are applied after all of them were
+//! shown, so that each shows the same document.
 
-use crate::arrays::Arrays;
+use crate::jobs::Arrays;
 use crate::view::View;
 use crate::worker::{Distribution, NodeStatus, PixelProbe, Pixels, Section, Share};
+use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::path::PathBuf;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
-use voltet_document::Document;
+use voltet_document::arrange::Align;
+use voltet_document::{Document, Edit};
 use voltet_graph::{Node, NodeEntry, PortType, Registry, RunReport};
 
-/// One frame's view of everything.
+/// View of the editor in one frame, and what the parts of the window request.
 pub(crate) struct Scene<'a> {
+    pub actions: &'a Actions,
     pub document: &'a Document,
     pub registry: &'a Registry,
-    /// The arrays that files hold.
     pub arrays: &'a Arrays,
     pub selection: &'a BTreeSet<String>,
-    /// The node whose picture is shown.
     pub shown_node: Option<&'a str>,
-    /// View of that picture.
     pub view: Option<View>,
     /// Its size as the document says.
     pub picture_size: Option<[u32; 2]>,
     pub pixels: Option<Pixels>,
-    /// Small pictures of other nodes.
     pub previews: BTreeMap<String, Pixels>,
     /// True if a question must be answered first, and other input is blocked.
     pub asks: bool,
-    /// The nodes that feed the picture.
     pub nodes: BTreeMap<String, NodeStatus>,
     /// For each output what runs through it.
     pub values: Arc<BTreeMap<String, String>>,
     pub failure: Option<Error>,
-    /// Description of the work in progress.
     pub running: Option<String>,
     pub seconds: Option<f64>,
     /// The distribution of what the selected transfer function is drawn with.
     pub distribution: Option<Arc<Distribution>>,
     /// Reason why there is none.
     pub distribution_fault: Option<Error>,
-    /// Result of the last probe of the picture.
     pub probed: Option<Arc<PixelProbe>>,
     /// Contribution of the selected widget to the picture, or an error message; `None` while unknown.
     pub share: Option<Result<Share>>,
-    /// Section of the data by the plane.
     pub section: Option<Result<Arc<Section>>>,
-    /// The last full run.
     pub report: Option<Arc<RunReport>>,
     /// Estimated error of the picture, if requested.
     pub estimate: Option<Result<[f64; 2]>>,
-    /// True while the error is being estimated.
     pub is_estimating: bool,
     /// Faults of the document, each with the node that it concerns.
     pub faults: &'a [Error],
@@ -58,22 +53,18 @@ pub(crate) struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
-    /// The node of that name.
     pub fn entry(&self, name: &str) -> Option<&'a NodeEntry> {
         self.entries.get(name).copied()
     }
 
-    /// True if the document has no nodes.
     pub fn is_empty(&self) -> bool {
         self.document.pipeline().nodes.is_empty() && self.document.is_toml()
     }
 
-    /// The type of a node, where it is known.
     pub fn node_type(&self, entry: &NodeEntry) -> Option<&'static Node> {
         self.registry.find(entry.node_type.text()?).ok()
     }
 
-    /// The names of the nodes that give pictures.
     pub fn pictures(&self) -> Vec<&'a str> {
         pictures(self.document, self.registry)
     }
@@ -86,4 +77,118 @@ pub(crate) fn pictures<'a>(document: &'a Document, registry: &Registry) -> Vec<&
         node_type.is_some_and(|node| node.outputs.iter().any(|port| port.port_type == PortType::Image))
     };
     document.pipeline().nodes.iter().filter(gives).map(|node| node.name.as_str()).collect()
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum Action {
+    /// Edits of the document, one step in its history; while a mouse button is held, all of them are one.
+    Edit(String, Vec<Edit>),
+    Select(BTreeSet<String>),
+    Show(String),
+    MoveCamera(View),
+    /// The values at places of the picture are asked for (heights from its middle, to the right and up).
+    Probe(Vec<[f64; 2]>),
+    /// Values were found otherwise.
+    PixelProbe(Arc<PixelProbe>),
+    /// Centres the picture on the point at a position.
+    Centre([f64; 2]),
+    Estimate,
+    Do(Command),
+    Say(String),
+    /// A pipeline file is opened, or one that is made for a file that is none.
+    Open(PathBuf),
+    /// Like [`Action::Open`], after a question about unsaved work.
+    Begin(PathBuf),
+    SaveAs(PathBuf),
+    /// Opens a file dialog, at the path of a file if there is one.
+    ChooseFile(FilePurpose, Option<PathBuf>),
+    /// A parameter of a node names this file.
+    Name {
+        node: String,
+        path: voltet_document::Path,
+        file: PathBuf,
+    },
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum FilePurpose {
+    Open,
+    SaveAs,
+    /// Names it in a parameter of a node, which reads or writes it.
+    Parameter {
+        node: String,
+        path: voltet_document::Path,
+        writes: bool,
+    },
+}
+
+/// Commands of keys and menus; the table of keys has words for them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Command {
+    New,
+    Open,
+    Save,
+    SaveAs,
+    ReadAgain,
+    Run,
+    Quit,
+    Undo,
+    Redo,
+    Copy,
+    Cut,
+    Duplicate,
+    Delete,
+    SelectAll,
+    Add,
+    Tidy,
+    Align(Align),
+    Fold,
+    Frame,
+    Note,
+    FitGraph,
+    Home,
+    /// Seen along an axis (0: x, 1: y, 2: z), from its positive or its negative side.
+    Along(usize, bool),
+    /// To the left, or to the right.
+    Roll(bool),
+    Theme,
+    Costs,
+    Widgets,
+    Section,
+    Study,
+    Help,
+}
+
+/// Requests collected while a frame is shown.
+#[derive(Debug, Default)]
+pub struct Actions(RefCell<Vec<Action>>);
+
+impl Actions {
+    pub fn take(&self) -> Vec<Action> {
+        self.0.take()
+    }
+
+    pub fn push(&self, action: Action) {
+        self.0.borrow_mut().push(action);
+    }
+
+    pub fn edit(&self, edit: Edit) {
+        self.edits(edit.label(), vec![edit]);
+    }
+
+    /// Requests several edits as one step.
+    pub fn edits(&self, label: impl Into<String>, edits: Vec<Edit>) {
+        if !edits.is_empty() {
+            self.push(Action::Edit(label.into(), edits));
+        }
+    }
+
+    /// Requests that a line for the user is shown.
+    pub fn say(&self, text: impl ToString) {
+        self.push(Action::Say(text.to_string()));
+    }
+
+    pub fn command(&self, command: Command) {
+        self.push(Action::Do(command));
+    }
 }

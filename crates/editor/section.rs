@@ -1,8 +1,7 @@
 //! The section: s on a plane through the data, where a click or a box finds values.
 
-use crate::actions::{Action, Actions};
 use crate::picture::{WHOLE, set_texture};
-use crate::scene::Scene;
+use crate::scene::{Action, Scene};
 use crate::theme;
 use crate::view::View;
 use crate::worker::{PixelProbe, Section, grouped, short};
@@ -16,9 +15,8 @@ use voltet_graph::ArrayRef;
 use voltet_io::encode::viridis;
 
 /// Pixels of its picture.
-const SIZE: [usize; 2] = [320, 240];
+pub(crate) const SIZE: [usize; 2] = [320, 240];
 
-/// Orientations of the plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 enum Plane {
     /// As the picture does.
@@ -28,7 +26,6 @@ enum Plane {
     Across(usize),
 }
 
-/// The window of the section.
 #[derive(Default)]
 pub(crate) struct SectionPanel {
     pub open: bool,
@@ -38,7 +35,7 @@ pub(crate) struct SectionPanel {
     texture: Option<TextureHandle>,
     shown: Option<Arc<Section>>,
     begun: Option<Pos2>,
-    /// Rectangle of the section's picture, for tests.
+    /// For tests.
     #[cfg(test)]
     pub rect: Option<Rect>,
 }
@@ -58,12 +55,7 @@ impl SectionPanel {
         sound.then(|| (view.target + self.offset * radius * normal, axes, half))
     }
 
-    /// Pixels of its picture.
-    pub fn size(&self) -> [usize; 2] {
-        SIZE
-    }
-
-    pub fn show(&mut self, ctx: &Context, scene: &Scene, actions: &mut Actions) {
+    pub fn show(&mut self, ctx: &Context, scene: &Scene) {
         let mut open = self.open;
         Window::new("Section: s on a plane").open(&mut open).resizable(false).default_pos([20.0, 60.0]).show(
             ctx,
@@ -86,20 +78,18 @@ impl SectionPanel {
                         self.offset = 0.0;
                     }
                 });
-                self.picture(ui, scene, actions);
+                self.picture(ui, scene);
             },
         );
         self.open = open;
     }
 
-    fn picture(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
+    fn picture(&mut self, ui: &mut Ui, scene: &Scene) {
         let size = vec2(1.25 * SIZE[0] as f32, 1.25 * SIZE[1] as f32);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         ui.painter().rect_filled(rect, 0.0, Color32::BLACK);
         #[cfg(test)]
-        {
-            self.rect = Some(rect);
-        }
+        self.rect.replace(rect);
         match &scene.section {
             Some(Ok(section)) => self.take(ui, scene, section),
             Some(Err(error)) => {
@@ -123,12 +113,12 @@ impl SectionPanel {
             if response.drag_stopped() {
                 self.begun = None;
                 let (from, to) = (pixel(from), pixel(to));
-                probe(&section, [0, 1].map(|k: usize| [from[k].min(to[k]), from[k].max(to[k])]), actions);
+                probe(scene, &section, [0, 1].map(|k: usize| [from[k].min(to[k]), from[k].max(to[k])]));
             }
         }
         if let Some(at) = at.filter(|_| response.clicked()) {
             let at = pixel(at);
-            probe(&section, at.map(|x| [x, x]), actions);
+            probe(scene, &section, at.map(|x| [x, x]));
         }
         let weak = theme::weak(ui.visuals().dark_mode);
         let words = match response.hover_pos().map(pixel) {
@@ -182,7 +172,7 @@ fn under(section: &Section, at: [f64; 2]) -> String {
 }
 
 /// The values at the pixels of a box, as what a probe found.
-fn probe(section: &Section, [x, y]: [[f64; 2]; 2], actions: &mut Actions) {
+fn probe(scene: &Scene, section: &Section, [x, y]: [[f64; 2]; 2]) {
     let [width, height] = section.of.size;
     let within =
         |[low, high]: [f64; 2], count: usize| (low as usize).min(count - 1)..=(high as usize).min(count - 1);
@@ -192,7 +182,7 @@ fn probe(section: &Section, [x, y]: [[f64; 2]; 2], actions: &mut Actions) {
         pixels.filter_map(|i| section.values[i].map(|value| (value, 1.0))).collect();
     let middle = section.of.point([0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])]);
     let point = Some(middle).filter(|_| !values.is_empty());
-    actions.push(Action::PixelProbe(Arc::new(PixelProbe { rays: 0, values, point, opacity: 0.0 })));
+    scene.actions.push(Action::PixelProbe(Arc::new(PixelProbe { rays: 0, values, point, opacity: 0.0 })));
 }
 
 #[cfg(test)]

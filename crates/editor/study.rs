@@ -1,9 +1,10 @@
-//! `study` at a click: every integrator on the picture that is shown, its time and its error, off the window's thread.
+//! `study` at a click: every integrator on the picture that is shown, its time and its error; and the costs of the last full picture.
 
 use crate::jobs::Job;
 use crate::picture::milliseconds;
-use crate::scene::Scene;
+use crate::scene::{Action, Scene};
 use crate::theme;
+use crate::worker::grouped;
 use eframe::egui::{
     Align2, Color32, Context, FontId, Grid, ProgressBar, Rect, RichText, ScrollArea, Sense, Stroke, Ui,
     Window, pos2, vec2,
@@ -13,7 +14,7 @@ use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::error::ErrorKind;
 use voltet_core::progress::Progress;
-use voltet_graph::{NodeProgress, Observer};
+use voltet_graph::{NodeProgress, Observer, RunReport};
 
 /// Request for a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,14 +58,13 @@ pub struct StudiedRow {
 /// Makes a study; called on a thread of its own. Errors: those of `voltet study`; a stop.
 pub type Study = Arc<dyn Fn(&StudyRequest, &dyn Progress) -> Result<Studied> + Send + Sync>;
 
-/// The window of the study.
 #[derive(Default)]
 pub(crate) struct StudyPanel {
     pub open: bool,
     /// Function that makes studies, where the program has one.
     pub make: Option<Study>,
     made: Option<Job<Studied>>,
-    found: Option<std::result::Result<Studied, String>>,
+    pub found: Option<std::result::Result<Studied, String>>,
 }
 
 impl StudyPanel {
@@ -90,7 +90,6 @@ impl StudyPanel {
         self.open = open;
     }
 
-    /// Takes over what a study has found.
     pub fn take_found(&mut self) {
         let Some(found) = self.made.as_ref().and_then(Job::result) else { return };
         self.made = None;
@@ -131,7 +130,6 @@ impl StudyPanel {
         }
     }
 
-    /// Begins a study.
     pub fn begin(&mut self, of: StudyRequest, ctx: &Context) {
         let Some(make) = self.make.clone() else { return };
         let work = move |observer: &dyn Observer| make(&of, &NodeProgress { observer, node: "" });
@@ -141,17 +139,10 @@ impl StudyPanel {
         }
     }
 
-    /// Stops the study that is made.
     pub fn stop(&self) {
         if let Some(made) = &self.made {
             made.cancel();
         }
-    }
-
-    /// Result, for tests.
-    #[cfg(test)]
-    pub fn found(&self) -> Option<&std::result::Result<Studied, String>> {
-        self.found.as_ref()
     }
 }
 
@@ -249,4 +240,95 @@ fn plot(ui: &mut Ui, rows: &[StudiedRow]) {
         let words = format!("{}: {}, {:.1e}", row.label, milliseconds(row.seconds), row.max);
         response.on_hover_text_at_pointer(words);
     }
+}
+
+pub(crate) fn show_costs(ctx: &Context, open: &mut bool, scene: &Scene) {
+    let window = Window::new("Costs").open(open).resizable(true);
+    window.default_pos([150.0, 60.0]).default_size([560.0, 400.0]).show(ctx, |ui| {
+        let Some(report) = &scene.report else {
+            ui.label("Nothing was drawn yet.");
+            return;
+        };
+        ui.horizontal(|ui| {
+            ui.strong(format!("the last full picture: {}", milliseconds(report.seconds)));
+            if let Some((engine, why)) = &report.engine {
+                ui.label(engine).on_hover_text(why);
+            }
+        });
+        estimate(ui, scene);
+        ui.separator();
+        ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+            ui.columns(2, |columns| {
+                if let [left, right] = columns {
+                    stages(left, report);
+                    // Columns are justified, which tears short lines of words apart.
+                    right.vertical(|right| left_out(right, report));
+                }
+            });
+        });
+    });
+}
+
+/// Seconds by node and stage, and what was counted.
+fn stages(ui: &mut Ui, report: &RunReport) {
+    let weak = theme::weak(ui.visuals().dark_mode);
+    let weak = |text: String| RichText::new(text).small().color(weak);
+    Grid::new("stages").num_columns(2).striped(true).spacing([24.0, 3.0]).show(ui, |ui| {
+        for node in &report.nodes {
+            ui.label(&node.name);
+            ui.label(if node.reused { "as before".to_string() } else { milliseconds(node.seconds) });
+            ui.end_row();
+            for (stage, seconds) in node.stages.iter().filter(|_| !node.reused) {
+                ui.label(weak(format!("    {stage}")));
+                ui.label(weak(milliseconds(*seconds)));
+                ui.end_row();
+            }
+            for (count, n) in node.counts.iter().filter(|_| !node.reused) {
+                ui.label(weak(format!("    {}", count.replace('_', " "))));
+                ui.label(weak(grouped(*n as usize)));
+                ui.end_row();
+            }
+        }
+    });
+}
+
+/// Skipped work, with reasons and savings; and warnings.
+fn left_out(ui: &mut Ui, report: &RunReport) {
+    let dark = ui.visuals().dark_mode;
+    ui.strong("left out");
+    let all: Vec<_> = report.skipped.iter().filter(|left| left.what != "repetition").collect();
+    if all.is_empty() {
+        ui.label("nothing");
+    }
+    for left in all {
+        let saving = left.saving.map_or(String::new(), |saving| format!(" (saves {saving})"));
+        ui.label(format!("{}: {}{saving}", left.node, left.what));
+        ui.label(RichText::new(&left.why).small().color(theme::weak(dark)));
+    }
+    for warning in &report.warnings {
+        ui.label(RichText::new(warning).color(theme::accent(dark)));
+    }
+}
+
+/// Error of the picture, computed on request, since the reference renderer takes its time.
+fn estimate(ui: &mut Ui, scene: &Scene) {
+    ui.horizontal_wrapped(|ui| {
+        let help = "draws a few thousand pixels again by the 64-bit referee, and compares";
+        if ui.button("How wrong is it?").on_hover_text(help).clicked() {
+            scene.actions.push(Action::Estimate);
+        }
+        match &scene.estimate {
+            None if scene.is_estimating => drop(ui.label("the referee draws …")),
+            None => {}
+            Some(Ok([most, rms])) => {
+                ui.label(format!("largest error {most:.1e}, root mean square {rms:.1e} (1 is full scale)"));
+            }
+            Some(Err(error)) => {
+                ui.label(error.to_string());
+            }
+        }
+        if ui.button("Study …").on_hover_text("error against time of every integrator (U)").clicked() {
+            scene.actions.command(crate::scene::Command::Study);
+        }
+    });
 }

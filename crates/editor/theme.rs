@@ -3,7 +3,6 @@
 use eframe::egui::{Color32, Context, Painter, Pos2, Shape, Stroke, Theme, Visuals, vec2};
 use voltet_graph::PortType;
 
-/// Applies the theme, once.
 pub(crate) fn apply(ctx: &Context) {
     ctx.set_visuals_of(
         Theme::Dark,
@@ -36,7 +35,6 @@ pub(crate) fn apply(ctx: &Context) {
     }
 }
 
-/// Colour of selected items.
 pub(crate) fn accent(dark: bool) -> Color32 {
     if dark { Color32::from_rgb(255, 200, 80) } else { Color32::from_rgb(200, 110, 0) }
 }
@@ -63,7 +61,6 @@ pub(crate) fn weak(dark: bool) -> Color32 {
     if dark { Color32::from_gray(165) } else { Color32::from_gray(85) }
 }
 
-/// The graph's ground.
 pub(crate) fn ground(dark: bool) -> Color32 {
     if dark { Color32::from_gray(22) } else { Color32::from_gray(226) }
 }

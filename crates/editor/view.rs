@@ -162,16 +162,6 @@ impl View {
         let step = point - self.target;
         View { eye: self.eye + step, target: point, ..self }.or(self)
     }
-
-    /// The ray through a place of the picture: where it begins, and its unit direction.
-    pub fn ray(&self, [right, up]: [f64; 2]) -> Option<[DVec3; 2]> {
-        let axes = self.axes()?;
-        let at = self.target + self.height() * (right * axes.right + up * axes.up);
-        match self.projection {
-            Projection::Perspective { .. } => Some([self.eye, (at - self.eye).normalize()]),
-            Projection::Orthographic { .. } => Some([at - axes.forward * self.distance(), axes.forward]),
-        }
-    }
 }
 
 /// To so many digits of the scale that it belongs to, or of its own where it is larger.

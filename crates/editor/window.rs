@@ -2,7 +2,7 @@
 
 use crate::editor::{Editor, Start};
 use crate::files::{Recent, is_pipeline};
-use crate::input::InputQueue;
+use crate::keys::InputQueue;
 use crate::study::Study;
 use crate::theme;
 use eframe::egui::{Context, RawInput, ViewportBuilder, ViewportCommand};
@@ -58,7 +58,7 @@ pub fn run(file: Option<&Path>, registry: &Registry, start: Start, study: Study)
         let ctx = context.egui_ctx.clone();
         let wake = Arc::new(move || ctx.request_repaint());
         let mut editor = Editor::new(document, registry, start, wake)?;
-        editor.study.make = Some(study);
+        editor.panels.study.make = Some(study);
         editor.keep_in(voltet_document::Recovery::usual());
         editor.recent = Recent::usual();
         if let Some(path) = editor.document.path().map(Path::to_path_buf) {

@@ -61,7 +61,7 @@ fn main() {
         |i: usize| Edit::set("look_25", "widgets.0.centre.0", ParameterValue::Number(i as f64 / 7.0));
     told(
         "a widget dragged by one step, in all",
-        median(|i| document.edit_in(Gesture(1), &widget(i)).unwrap()),
+        median(|i| document.edit_all(String::new(), &[widget(i)], Some(Gesture(1))).unwrap()),
     );
     let all: Vec<(String, [f64; 2])> =
         document.pipeline().nodes.iter().map(|node| (node.name.clone(), [0.0; 2])).collect();
@@ -69,7 +69,7 @@ fn main() {
         |i: usize| Edit::MoveNodes(all.iter().map(|(name, _)| (name.clone(), [i as f64, 7.0])).collect());
     told(
         "all nodes dragged by one step, in all",
-        median(|i| document.edit_in(Gesture(2), &moved(i)).unwrap()),
+        median(|i| document.edit_all(String::new(), &[moved(i)], Some(Gesture(2))).unwrap()),
     );
     told(
         "undo, in all",
@@ -81,9 +81,5 @@ fn main() {
     };
     told("a rename, in all", median(|i| document.edit(&rename(i)).unwrap()));
 
-    println!(
-        "kept by the history: {} bytes in {} steps",
-        document.history().size(),
-        document.history().position().1
-    );
+    println!("kept by the history: {} steps", document.history().position().1);
 }

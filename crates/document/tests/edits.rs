@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use voltet_document::{Document, Edit};
+use voltet_document::{AnnotationId, Document, Edit};
 use voltet_graph::{LocatedValue, ParameterValue};
 
 const FILE: &str = "\
@@ -61,9 +61,9 @@ fn changes(text: &str, edits: &[Edit], wanted: &str) {
     let after = document.text().to_string();
     let difference = difference(text, &after);
     assert_eq!(difference, wanted, "the whole:\n{after}");
-    while document.undo().unwrap() {}
+    while document.undo() {}
     assert_eq!(document.text(), text);
-    while document.redo().unwrap() {}
+    while document.redo() {}
     assert_eq!(document.text(), after);
 }
 
@@ -230,13 +230,13 @@ fn what_cannot_be_done_says_why_and_changes_nothing() {
         (Edit::Rename { node: "grid".into(), to: "view".into() }, "there is a node 'view' already"),
         (Edit::Rename { node: "grid".into(), to: "".into() }, "needs a name"),
         (Edit::MoveEntry { node: "look".into(), list: "widgets".into(), from: 0, to: 2 }, "no such entry"),
-        (Edit::RemoveFrame(0), "no such thing"),
+        (Edit::RemoveAnnotation(AnnotationId::Frame(0)), "no such thing"),
     ] {
         let error = document.edit(&edit).unwrap_err().to_string();
         assert!(error.contains(wanted), "{error}");
     }
     // The first of several that can be done is undone with the second.
-    let both = [Edit::Title(Some("a".into())), Edit::RemoveFrame(0)];
+    let both = [Edit::Title(Some("a".into())), Edit::RemoveAnnotation(AnnotationId::Frame(0))];
     assert!(document.edit_all("both".into(), &both, None).is_err());
     assert_eq!((document.text(), document.revision(), document.history().position()), (FILE, 0, (0, 0)));
 }
@@ -271,7 +271,7 @@ fn a_text_that_is_no_toml_can_be_mended() {
     document.edit(&Edit::Text(FILE.into())).unwrap();
     assert!(document.is_toml());
     document.edit(&Edit::Title(Some("t".into()))).unwrap();
-    while document.undo().unwrap() {}
+    while document.undo() {}
     assert_eq!(document.text(), broken);
 }
 

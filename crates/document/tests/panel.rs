@@ -135,8 +135,6 @@ fn what_is_typed_is_read_as_it_is_meant_or_refused_in_words() {
     for text in ["1.0 2.0 3.5", "[1.0, 2.0, 3.5]", "1.0,2.0,3.5,"] {
         assert_eq!(typed(&eye, text).unwrap(), numbers(&[1.0, 2.0, 3.5]), "{text}");
     }
-    let background = row("file", "background");
-    assert_eq!(typed(&background, "#ff0080").unwrap(), numbers(&[1.0, 0.0, 0.21586]));
     assert_eq!(typed(&row("grid", "scalar"), "1.5").unwrap(), ParameterValue::Text("1.5".into()));
     for (row, text, wanted) in [
         (row("view", "fov_y"), "200", "'fov_y' is out of range: found 200"),

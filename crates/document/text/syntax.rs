@@ -59,7 +59,6 @@ pub struct Value {
 /// Kind of a value.
 #[derive(Debug, Clone)]
 pub enum ValueKind {
-    /// A text, a number, a word.
     Scalar,
     /// `[…]`.
     List(Vec<Element>),
@@ -114,7 +113,6 @@ pub enum Match<'a> {
     Value(InsertionPoint<'a>),
     /// A table, or a list of tables, that headers and keys with points make together.
     Pieces(Vec<Piece>),
-    /// Nothing.
     Nothing,
 }
 
@@ -139,7 +137,15 @@ pub enum Piece {
     Assignment(usize, usize),
 }
 
-/// Relation of two paths.
+impl Piece {
+    pub fn section(&self) -> Option<usize> {
+        match self {
+            Piece::Section(i) => Some(*i),
+            Piece::Assignment(..) => None,
+        }
+    }
+}
+
 enum PathMatch {
     /// The path ends within or at the longer one.
     Within,
@@ -201,23 +207,15 @@ impl Syntax {
                     PathMatch::Elsewhere => {}
                     PathMatch::Within if rest.len() < keys.len() => pieces.push(Piece::Assignment(i, k)),
                     PathMatch::Within => {
-                        return Ok(Match::Value(InsertionPoint {
-                            element,
-                            holder: None,
-                            section: i,
-                            assignment: k,
-                        }));
+                        let spot = InsertionPoint { element, holder: None, section: i, assignment: k };
+                        return Ok(Match::Value(spot));
                     }
                     PathMatch::Beyond(steps) => {
                         let rest = &rest[rest.len() - steps..];
                         let found = within(&element.value, rest)?;
                         return Ok(found.map_or(Match::Nothing, |(element, holder)| {
-                            Match::Value(InsertionPoint {
-                                element,
-                                holder: Some(holder),
-                                section: i,
-                                assignment: k,
-                            })
+                            let holder = Some(holder);
+                            Match::Value(InsertionPoint { element, holder, section: i, assignment: k })
                         }));
                     }
                 }
@@ -298,9 +296,10 @@ impl Syntax {
         let mut elements = section.assignments.as_slice();
         let mut is_list = false;
         while let Some(i) = elements.iter().position(|element| element.span().contains(&at)) {
-            match is_list {
-                true => path.push(Step::Entry(i)),
-                false => path.extend(elements[i].path()),
+            if is_list {
+                path.push(Step::Entry(i))
+            } else {
+                path.extend(elements[i].path())
             }
             is_list = elements[i].value.is_list();
             elements = elements[i].value.elements();
@@ -309,7 +308,6 @@ impl Syntax {
     }
 }
 
-/// Finds the part at a path within a value, and its container.
 fn within<'a>(value: &'a Value, path: &[Step]) -> Result<Option<(&'a Element, (&'a Value, usize))>> {
     let Some(first) = path.first() else { return Ok(None) };
     for (i, element) in value.elements().iter().enumerate() {

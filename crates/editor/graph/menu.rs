@@ -1,11 +1,9 @@
 //! The menu of node types: searchable, in groups, and by a wire dropped on empty space only what fits.
 
-use super::places::Port;
-use crate::actions::{Action, Actions};
+use super::package::Port;
 use crate::scene::Scene;
 use crate::theme;
 use eframe::egui::{Area, Frame, Key, Order, Pos2, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
-use std::rc::Rc;
 use voltet_document::{Fitting, Group, giving, search, taking};
 use voltet_graph::Node;
 
@@ -15,12 +13,9 @@ const SIZE: [f32; 2] = [300.0, 360.0];
 /// A type, and the port of it that the wire in hand would go to.
 type Entry = (&'static Node, Option<Fitting>);
 
-/// The menu while it is open.
 pub(super) struct Menu {
-    /// Position in the window.
     pub at: Pos2,
-    /// The wire that it was opened by.
-    wire: Option<Rc<Port>>,
+    wire: Option<Port>,
     typed: String,
     /// The entry that Enter takes.
     chosen: usize,
@@ -28,19 +23,12 @@ pub(super) struct Menu {
 }
 
 impl Menu {
-    pub fn new(at: Pos2, wire: Option<Rc<Port>>) -> Menu {
+    pub fn new(at: Pos2, wire: Option<Port>) -> Menu {
         Menu { at, wire, typed: String::new(), chosen: 0, is_new: true }
     }
 
     /// Shows it; false once it is to close. `at`: where a new node goes in the document.
-    pub fn show(
-        &mut self,
-        ui: &mut Ui,
-        rect: Rect,
-        scene: &Scene,
-        at: [f64; 2],
-        actions: &mut Actions,
-    ) -> bool {
+    pub fn show(&mut self, ui: &mut Ui, rect: Rect, scene: &Scene, at: [f64; 2]) -> bool {
         let entries = self.entries(scene);
         let dark = ui.visuals().dark_mode;
         let corner =
@@ -101,7 +89,7 @@ impl Menu {
             taken = entries.get(self.chosen).copied();
         }
         if let Some(entry) = taken {
-            self.add(scene, entry, at, actions);
+            self.add(scene, entry, at);
             return false;
         }
         let clicked = ui.input(|input| input.pointer.any_pressed());
@@ -113,9 +101,12 @@ impl Menu {
     /// The types that fit, the best of the words that were typed first; without words those of one group together. With the
     /// port that a wire would go to.
     fn entries(&self, scene: &Scene) -> Vec<Entry> {
-        let fitting = self.wire.as_ref().map(|wire| match wire.is_input {
-            true => giving(scene.registry, wire.port_type),
-            false => taking(scene.registry, wire.port_type),
+        let fitting = self.wire.as_ref().map(|wire| {
+            if wire.is_input {
+                giving(scene.registry, wire.port_type)
+            } else {
+                taking(scene.registry, wire.port_type)
+            }
         });
         let with_port = |node: &'static Node| match &fitting {
             None => Some((node, None)),
@@ -132,7 +123,7 @@ impl Menu {
         entries
     }
 
-    fn add(&self, scene: &Scene, (node, fitting): Entry, at: [f64; 2], actions: &mut Actions) {
+    fn add(&self, scene: &Scene, (node, fitting): Entry, at: [f64; 2]) {
         let edits = match (&self.wire, fitting) {
             (Some(wire), Some(fitting)) => {
                 let held = (wire.node.as_str(), wire.name.as_str());
@@ -142,8 +133,8 @@ impl Menu {
             _ => Ok(vec![scene.document.adding(node, at)]),
         };
         match edits {
-            Ok(edits) => actions.edits(edits[0].label(), edits),
-            Err(error) => actions.push(Action::Say(error.to_string())),
+            Ok(edits) => scene.actions.edits(edits[0].label(), edits),
+            Err(error) => scene.actions.say(error),
         }
     }
 }

@@ -3,80 +3,99 @@
 //! One small interface ([`GraphView::show`]) around the package that draws nodes (`package.rs`). Pan and zoom are this
 //! module's, places are the document's; wires, the menu, frames and notes are drawn here.
 
-mod annotations;
-mod dragged_wire;
-mod face;
-mod faces;
 mod frames;
-mod ground;
 mod menu;
+mod nodes;
 mod package;
 mod places;
-mod pointer;
-mod visible_area;
+#[cfg(test)]
+mod tests;
 mod wires;
 
-use crate::actions::{Action, Actions};
-use crate::scene::Scene;
+use crate::scene::{Action, Scene};
 use crate::theme;
-pub(crate) use annotations::Annotation;
-use annotations::{AnnotationDrag, Writing};
 use eframe::egui::{
-    self, Color32, FontId, PointerButton, Rect, Rounding, Stroke, TextureHandle, Ui, Vec2, pos2, vec2,
+    self, Color32, FontId, PointerButton, Pos2, Rect, Rounding, Stroke, TextStyle, Ui, Vec2, pos2, vec2,
 };
-use egui_node_graph2::{AnyParameterId, NodeId};
+use egui_node_graph2::PanZoom;
 use menu::Menu;
-use package::{NoTemplates, State, Written};
+use package::{Face, NodeGraph, Pictures, Port};
+use places::Places;
 pub(crate) use places::usual_size;
-use places::{Places, Port};
-use std::collections::HashMap;
-use std::rc::Rc;
+use std::collections::BTreeSet;
 use std::time::Duration;
-use wires::DraggedWire;
+use voltet_document::{Annotation, AnnotationId};
+use voltet_graph::NodeEntry;
 
 /// Frames until nodes have the sizes that they are fitted by.
 const FRAMES_TO_FIT: u32 = 3;
 
+/// Least and largest scale: the package draws no smaller, and beyond the other nothing else is seen.
+const ZOOM: [f32; 2] = [0.2, 2.0];
+
+/// Height of letters, points, below which they are left out; and that of the names which are drawn then.
+const FAR_LETTERS: f32 = 6.0;
+const MIN_LETTER_HEIGHT: f32 = 9.0;
+
 /// Distance from a port within which a pointer hits it (points).
 const NEAR: f32 = 11.0;
-
-/// Height of the letters of names where others are left out, points.
-const MIN_LETTER_HEIGHT: f32 = 9.0;
 
 /// Time that a pointer rests before a tooltip (seconds). A tooltip that comes while it moves would lie under it in its
 /// first frame, and take the press.
 const REST: f64 = 0.25;
 
-/// The picture of a node, where there is one.
-type Pictures<'a> = dyn Fn(&str) -> Option<TextureHandle> + 'a;
-
 /// A drag of nodes: where they were, and how far it went.
 type Dragged = (Vec<(String, [f64; 2])>, Vec2);
+
+/// Drag of frames and notes as they were, with nodes; and how far it went.
+#[derive(Default)]
+struct AnnotationDrag {
+    things: Vec<(AnnotationId, Annotation)>,
+    nodes: Vec<(String, [f64; 2])>,
+    /// The frame changes its size instead.
+    resizes: bool,
+    way: Vec2,
+}
+
+/// Words of a frame or a note that are being written.
+struct Writing {
+    thing: AnnotationId,
+    text: String,
+    is_new: bool,
+}
+
+/// A wire in the hand, by the port that it comes from.
+struct DraggedWire {
+    port: Port,
+    /// The input that it was taken off from, and its source as the file says it.
+    taken_off: Option<(String, String, String)>,
+}
 
 /// The view, with what a hand is doing in it.
 pub(crate) struct GraphView {
     /// Position of the document's origin (points from the view's corner).
     pan: Vec2,
     zoom: f32,
+    /// The view in the window.
+    rect: Rect,
     /// For so many frames more all nodes are brought into view: their sizes are known once they were drawn.
     fits: u32,
-    state: State,
-    ids: HashMap<String, NodeId>,
-    ports: HashMap<AnyParameterId, Rc<Port>>,
-    /// The document that the known nodes have the ports of, by its revision.
-    ported: Option<u64>,
+    /// The package's scaled style, and the scale and the theme that it was made of.
+    pan_zoom: PanZoom,
+    styled: Option<(f32, bool)>,
+    /// The nodes that were clicked or moved, the last one above the others.
+    raised: Vec<String>,
     places: Places,
     dragged: Option<Dragged>,
     carried: Option<AnnotationDrag>,
     writing: Option<Writing>,
     wire: Option<DraggedWire>,
+    boxed: Option<Pos2>,
     menu: Option<Menu>,
     /// The menu is to be opened at the pointer.
     asked: bool,
     /// Position of the pointer, and the time since when.
-    rests: Option<(egui::Pos2, f64)>,
-    /// The style that the package's scaled one was made of.
-    styled: Option<(f32, bool)>,
+    rests: Option<(Pos2, f64)>,
 }
 
 impl Default for GraphView {
@@ -84,26 +103,25 @@ impl Default for GraphView {
         GraphView {
             pan: vec2(20.0, 20.0),
             zoom: 1.0,
+            rect: Rect::ZERO,
             fits: FRAMES_TO_FIT,
-            state: State::default(),
-            ids: HashMap::new(),
-            ports: HashMap::new(),
-            ported: None,
+            pan_zoom: PanZoom::new(1.0),
+            styled: None,
+            raised: Vec::new(),
             places: Places::default(),
             dragged: None,
             carried: None,
             writing: None,
             wire: None,
+            boxed: None,
             menu: None,
             asked: false,
             rests: None,
-            styled: None,
         }
     }
 }
 
 impl GraphView {
-    /// Opens the menu of node types.
     pub fn open_menu(&mut self) {
         self.asked = true;
     }
@@ -113,57 +131,25 @@ impl GraphView {
         self.places.size_of(node)
     }
 
-    /// Brings all nodes into view.
     pub fn fit(&mut self) {
         self.fits = FRAMES_TO_FIT;
     }
 
-    /// Position of a port as drawn.
-    #[cfg(test)]
-    pub fn port_at(&self, node: &str, name: &str, is_input: bool) -> Option<egui::Pos2> {
-        let is_it = |port: &Rc<Port>| port.node == node && port.name == name && port.is_input == is_input;
-        self.places.seen.iter().find(|(port, _)| is_it(port)).map(|(_, at)| *at)
-    }
-
-    /// True if a port is shown at a position of the window.
-    #[cfg(test)]
-    pub fn shows_port_at(&self, at: egui::Pos2) -> bool {
-        self.places.port_at(at, 1.0).is_some()
-    }
-
-    /// Rectangle of a node as drawn.
-    #[cfg(test)]
-    pub fn frame_of(&self, node: &str) -> Option<Rect> {
-        self.places.drawn.iter().find(|(name, _)| name == node).map(|(_, frame)| *frame)
-    }
-
-    pub fn show(&mut self, ui: &mut Ui, scene: &Scene, pictures: &Pictures, actions: &mut Actions) {
-        let rect = ui.max_rect();
-        ui.set_clip_rect(rect);
-        self.move_view(ui, rect, scene);
-        self.grid(ui, rect);
-        self.frames_and_notes(ui, rect, scene);
+    pub fn show(&mut self, ui: &mut Ui, scene: &Scene, pictures: &Pictures) {
+        self.rect = ui.max_rect();
+        ui.set_clip_rect(self.rect);
+        self.move_view(ui, scene);
+        self.grid(ui);
+        self.frames_and_notes(ui, scene);
         let wires_at = ui.painter().add(egui::Shape::Noop);
-        let visible = self.visible(scene, rect);
-        self.sync(ui, scene, pictures, &visible);
         self.style(ui);
-        let in_hand_before = self.state.connection_in_progress;
-        let is_far = self.is_far(ui);
-        let mut written = Written { zoom: self.zoom, is_far, ..Written::default() };
-        let response = self.state.draw_graph_editor(ui, NoTemplates, &mut written, Vec::new());
-        // The package's own menu knows nothing of what fits.
-        self.state.node_finder = None;
-        self.places.write_down(&self.state, &written, &self.ports, rect.min.to_vec2() + self.pan, self.zoom);
-        wires::draw(ui, wires_at, scene, &self.places, self.wire.as_ref(), self.to_window(rect), self.zoom);
-        self.over_nodes(ui, scene, is_far);
-        for response in response.node_responses {
-            self.respond(ui, scene, response, actions);
-        }
-        self.selected(ui, scene, in_hand_before.is_some(), actions);
-        self.joining(ui, rect, scene, actions);
-        let is_at_ground = self.hold_ground(ui, rect, scene, actions);
-        self.point_at(ui, scene, is_at_ground, actions);
-        self.show_menu(ui, rect, scene, actions);
+        let nodes = self.nodes(ui, scene, pictures);
+        self.wires(ui, wires_at, scene);
+        self.over_nodes(ui, scene);
+        self.joining(ui, scene);
+        let is_at_ground = self.hold_ground(ui, scene);
+        self.point_at(ui, scene, &nodes, is_at_ground);
+        self.show_menu(ui, scene);
         if !ui.input(|input| input.pointer.any_down()) {
             (self.dragged, self.carried) = (None, None);
         }
@@ -173,16 +159,14 @@ impl GraphView {
     fn style(&mut self, ui: &Ui) {
         let key = (self.zoom, ui.visuals().dark_mode);
         if self.styled != Some(key) {
-            let by = self.zoom / self.state.pan_zoom.zoom;
-            self.state.pan_zoom.zoom(ui.clip_rect(), ui.style(), by);
-            self.state.pan_zoom.started = true;
+            self.pan_zoom.zoom(ui.clip_rect(), ui.style(), self.zoom / self.pan_zoom.zoom);
             self.styled = Some(key);
         }
     }
 
     /// Ports in their shapes, and what is selected, over the package's nodes.
-    fn over_nodes(&self, ui: &Ui, scene: &Scene, is_far: bool) {
-        let dark = ui.visuals().dark_mode;
+    fn over_nodes(&self, ui: &Ui, scene: &Scene) {
+        let (dark, is_far) = (ui.visuals().dark_mode, self.is_far(ui));
         for (name, frame) in &self.places.drawn {
             if is_far {
                 let font = FontId::proportional(MIN_LETTER_HEIGHT);
@@ -209,7 +193,7 @@ impl GraphView {
     }
 
     /// Words about what the pointer points at; a double click shows a picture or opens the menu.
-    fn point_at(&mut self, ui: &Ui, scene: &Scene, is_at_ground: bool, actions: &mut Actions) {
+    fn point_at(&mut self, ui: &Ui, scene: &Scene, nodes: &NodeGraph, is_at_ground: bool) {
         let Some(at) = ui.input(|input| input.pointer.hover_pos()) else { return };
         if !ui.rect_contains_pointer(ui.max_rect())
             || self.menu.is_some()
@@ -224,7 +208,7 @@ impl GraphView {
         let node = self.places.node_at(at);
         if let Some(name) = node.filter(|_| double) {
             if scene.pictures().contains(&name) {
-                actions.push(Action::Show(name.to_string()));
+                scene.actions.push(Action::Show(name.to_string()));
             }
         } else if (double || secondary) && node.is_none() && !is_at_ground {
             self.asked = true;
@@ -236,12 +220,11 @@ impl GraphView {
         let left = REST - (now - since);
         let still = left <= 0.0 && !is_down;
         let words = match (port, node) {
-            (Some(port), _) => Some(wires::port_description(scene, &port)),
-            (None, Some(name)) => {
-                let id = self.ids.get(name);
-                id.and_then(|id| self.state.graph.nodes.get(*id)).map(|node| node.user_data.description())
+            (Some(port), _) => Some(port.description(scene)),
+            (None, name) => {
+                let mut faces = nodes.nodes.values().map(|node| &node.user_data);
+                faces.find(|face| Some(face.name.as_str()) == name).map(Face::description)
             }
-            (None, None) => None,
         };
         if words.is_some() && !still && !is_down {
             ui.ctx().request_repaint_after(Duration::from_secs_f64(left));
@@ -254,15 +237,89 @@ impl GraphView {
         }
     }
 
-    fn show_menu(&mut self, ui: &mut Ui, rect: Rect, scene: &Scene, actions: &mut Actions) {
+    fn show_menu(&mut self, ui: &mut Ui, scene: &Scene) {
         if std::mem::take(&mut self.asked) {
-            let at = ui.input(|input| input.pointer.hover_pos()).filter(|at| rect.contains(*at));
-            self.menu = Some(Menu::new(at.unwrap_or(rect.center()), None));
+            let at = ui.input(|input| input.pointer.hover_pos()).filter(|at| self.rect.contains(*at));
+            self.menu = Some(Menu::new(at.unwrap_or(self.rect.center()), None));
         }
         let Some(mut menu) = self.menu.take() else { return };
-        let at = self.to_document(rect, menu.at);
-        if menu.show(ui, rect, scene, at, actions) {
+        let at = self.to_document(menu.at);
+        if menu.show(ui, self.rect, scene, at) {
             self.menu = Some(menu);
         }
+    }
+
+    /// From the document's places to the window's.
+    pub(super) fn to_window(&self) -> impl Fn([f64; 2]) -> Pos2 + use<> {
+        let (pan, zoom, origin) = (self.pan, self.zoom, self.rect.min);
+        move |[x, y]| origin + pan + zoom * vec2(x as f32, y as f32)
+    }
+
+    /// From the window's places to the document's.
+    pub(super) fn to_document(&self, at: Pos2) -> [f64; 2] {
+        let from = (at - self.rect.min - self.pan) / self.zoom;
+        [f64::from(from.x), f64::from(from.y)]
+    }
+
+    /// Wheel, middle drag, and bringing all into view.
+    fn move_view(&mut self, ui: &mut Ui, scene: &Scene) {
+        if self.fits > 0 {
+            self.fits -= 1;
+            self.bring_into_view(scene);
+            ui.ctx().request_repaint();
+        }
+        let over = ui.rect_contains_pointer(self.rect) && self.menu.is_none();
+        let (factor, at, delta, pans) = ui.input(|input| {
+            let pointer = &input.pointer;
+            let pans = pointer.middle_down() || (pointer.primary_down() && input.modifiers.command);
+            let factor = (input.smooth_scroll_delta.y * 0.0025).exp() * input.zoom_delta();
+            (factor, pointer.hover_pos(), pointer.delta(), pans)
+        });
+        if let Some(at) = at.filter(|_| over) {
+            let zoom = (self.zoom * factor).clamp(ZOOM[0], ZOOM[1]);
+            let from = at - self.rect.min;
+            self.pan = from - (from - self.pan) * (zoom / self.zoom);
+            self.zoom = zoom;
+            if pans {
+                self.pan += delta;
+            }
+        }
+    }
+
+    /// True if the letters of nodes are too small to read; then nodes show their names alone, in letters of one size.
+    pub(super) fn is_far(&self, ui: &Ui) -> bool {
+        let body = TextStyle::Body.resolve(ui.style()).size;
+        // On screens of a high density smaller letters can be read, down to a limit.
+        let sharp = ui.ctx().pixels_per_point().clamp(1.0, 1.5);
+        body * self.zoom * sharp < FAR_LETTERS
+    }
+
+    fn bring_into_view(&mut self, scene: &Scene) {
+        let mut all = Rect::NOTHING;
+        for node in &scene.document.pipeline().nodes {
+            all = all.union(self.places.frame(scene, node));
+        }
+        for (_, thing) in scene.document.view().annotations() {
+            let [at, size] =
+                [thing.position, thing.size.unwrap_or_default()].map(|v| vec2(v[0] as f32, v[1] as f32));
+            all = all.union(Rect::from_min_size(at.to_pos2(), size));
+        }
+        if !all.is_finite() || all.is_negative() {
+            (self.pan, self.zoom) = (vec2(20.0, 20.0), 1.0);
+            return;
+        }
+        let room = self.rect.size() - vec2(40.0, 40.0);
+        self.zoom = (room.x / all.width()).min(room.y / all.height()).clamp(ZOOM[0], 1.0);
+        self.pan = self.rect.size() / 2.0 - self.zoom * all.center().to_vec2();
+    }
+
+    fn visible(&self, scene: &Scene) -> BTreeSet<String> {
+        let to_window = self.to_window();
+        let seen = |node: &&NodeEntry| {
+            let frame = self.places.frame(scene, node);
+            let [low, high] = [frame.min, frame.max].map(|at| to_window([f64::from(at.x), f64::from(at.y)]));
+            self.rect.intersects(Rect::from_min_max(low, high).expand(20.0))
+        };
+        scene.document.pipeline().nodes.iter().filter(seen).map(|node| node.name.clone()).collect()
     }
 }

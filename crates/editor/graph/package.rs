@@ -1,143 +1,243 @@
-//! Adapter to `egui_node_graph2`: our nodes as its types. The package draws the nodes that it is given and reports the
-//! pointer's actions. It is given the visible nodes alone, made from the document each frame, and no wires: it would look
-//! for both ends of those, drawn or not, and join by equal types only. It does not report positions of ports, so the
-//! callbacks record them.
+//! Adapter to `egui_node_graph2`: contents of a node and its ports as the package's types. The package draws each node and reports the
+//! pointer's actions on it. It is given no wires: it would look for both ends of those, drawn or not, and join by equal types only.
 
-use super::face::Face;
+use crate::picture::{WHOLE, milliseconds};
+use crate::scene::Scene;
 use crate::theme;
-use eframe::egui::{self, Align, Align2, Color32, FontId, Layout, RichText, TextStyle, Ui, pos2, vec2};
+use crate::worker::NodeState;
+use eframe::egui::{
+    Align, Align2, Color32, FontId, Label, Layout, Rect, RichText, TextStyle, TextureHandle, TextureId, Ui,
+    vec2,
+};
 use egui_node_graph2::{
-    AnyParameterId, DataTypeTrait, Graph, GraphEditorState, NodeDataTrait, NodeId, NodeResponse,
-    NodeTemplateIter, NodeTemplateTrait, UserResponseTrait, WidgetValueTrait,
+    AnyParameterId, DataTypeTrait, Graph, InputParamKind, NodeDataTrait, NodeId, NodeResponse,
+    UserResponseTrait, WidgetValueTrait,
 };
 use std::borrow::Cow;
-use std::collections::HashMap;
-use voltet_graph::PortType;
+use voltet_document::links;
+use voltet_graph::{Node, NodeEntry, PortType};
 
 /// Width of what a node shows, points at the usual scale: the package's 200, less its margins of 15.
 pub(super) const INNER: f32 = 170.0;
 
-/// Height of a picture in its node.
 const PICTURE: f32 = 64.0;
 
 /// Height of the body of a folded node, points at the usual scale.
 const FOLDED: f32 = 10.0;
 
-/// Size of small letters.
 const SMALL: f32 = 11.5;
 
-/// A port's type and its side, so that what may be joined counts as equal: an output serves an input.
-#[derive(Debug, Clone, Copy, Eq)]
-pub(super) struct End {
+/// Letters of a name that fit beside the time.
+const LETTERS: usize = 17;
+
+pub(super) type Pictures<'a> = dyn Fn(&str) -> Option<TextureHandle> + 'a;
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Port {
+    pub node: String,
+    pub name: String,
     pub port_type: PortType,
     pub is_input: bool,
+    /// True if it takes several wires, or none.
+    pub is_optional: bool,
 }
 
-impl PartialEq for End {
-    fn eq(&self, other: &End) -> bool {
-        match (self.is_input, other.is_input) {
-            (false, true) => self.port_type.serves(other.port_type),
-            (true, false) => other.port_type.serves(self.port_type),
-            _ => self.port_type == other.port_type,
+#[derive(Debug, Default)]
+pub(super) struct Face {
+    pub name: String,
+    node_type: String,
+    summary: String,
+    state: Option<NodeState>,
+    seconds: Option<f64>,
+    /// Reason why the picture does not need it.
+    idle: Option<String>,
+    fault: Option<String>,
+    /// With its width by its height.
+    picture: Option<(TextureId, f32)>,
+    is_folded: bool,
+    remark: Option<String>,
+    zoom: f32,
+    /// Texts are too small to be read: they are left out, their room is kept.
+    is_far: bool,
+}
+
+/// Parameters stand in a panel of their own, and nodes report nothing else.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Nothing;
+
+pub(super) type NodeGraph = Graph<Face, Port, Nothing>;
+pub(super) type Response = NodeResponse<Nothing, Face>;
+
+/// Adds a node of the document, with its ports unless it is folded.
+pub(super) fn add(
+    graph: &mut NodeGraph,
+    scene: &Scene,
+    entry: &NodeEntry,
+    pictures: &Pictures,
+    zoom: f32,
+    is_far: bool,
+) -> NodeId {
+    let node = scene.node_type(entry);
+    let face = Face { zoom, is_far, ..Face::new(scene, entry, node, pictures) };
+    let ports = if face.is_folded { Vec::new() } else { ports(entry, node) };
+    let label = match entry.name.char_indices().nth(LETTERS - 1) {
+        _ if is_far => String::new(),
+        Some((end, last)) if end + last.len_utf8() < entry.name.len() => format!("{}…", &entry.name[..end]),
+        _ => entry.name.clone(),
+    };
+    let id = graph.add_node(label, face, |_, _| {});
+    for port in ports {
+        let name = port.name.clone();
+        if port.is_input {
+            graph.add_input_param(id, name, port, Nothing, InputParamKind::ConnectionOnly, true);
+        } else {
+            graph.add_output_param(id, name, port);
         }
     }
+    id
 }
 
-/// Record of the callbacks: for each port its height in the window, for each node its right edge.
-#[derive(Debug, Default)]
-pub(super) struct Written {
-    pub zoom: f32,
-    /// Texts are too small to be read: they are left out, their room is kept.
-    pub is_far: bool,
-    pub rows: HashMap<AnyParameterId, f32>,
-    pub right: HashMap<NodeId, f32>,
-    pub begun: f32,
-    /// For each node the lower end of its title.
-    pub titled: HashMap<NodeId, f32>,
-    /// For each node the lower end of what it shows.
-    pub bottom: HashMap<NodeId, f32>,
+/// The ports of a node in the order in which they are shown.
+fn ports(entry: &NodeEntry, node: Option<&'static Node>) -> Vec<Port> {
+    let Some(node) = node else { return Vec::new() };
+    let of = |port: &voltet_graph::Port, is_input: bool, is_optional: bool| Port {
+        node: entry.name.clone(),
+        name: port.name.to_string(),
+        port_type: port.port_type,
+        is_input,
+        is_optional,
+    };
+    let inputs = node.inputs.iter().map(|port| of(port, true, false));
+    let optional = node.optional_inputs.iter().map(|port| of(port, true, true));
+    inputs.chain(optional).chain(node.outputs.iter().map(|port| of(port, false, false))).collect()
 }
 
-impl Written {
-    /// A row of a node begins.
-    fn begin(&mut self, node: NodeId, ui: &Ui) {
-        self.begun = ui.min_rect().bottom();
-        self.titled.entry(node).or_insert(self.begun);
+fn idle(scene: &Scene, node: Option<&'static Node>) -> String {
+    match (node, scene.shown_node) {
+        (None, _) => "its type is not known".into(),
+        (Some(node), _) if node.outputs.is_empty() => {
+            "it writes a file, which a run does and the window never".into()
+        }
+        (Some(_), Some(shown)) => format!("nothing of it leads to the picture of '{shown}'"),
+        (Some(_), None) => "no picture is shown".into(),
     }
 }
 
 impl Face {
-    /// The room of what [`NodeDataTrait::bottom_ui`] shows where it can be read; the picture is shown all the same.
-    fn far_bottom(&self, ui: &mut Ui, zoom: f32) {
-        let row = ui.fonts(|fonts| fonts.row_height(&FontId::proportional(SMALL * zoom)));
-        if let Some((texture, aspect)) = self.picture.filter(|_| !self.is_folded) {
-            paint_picture(ui, texture, aspect, zoom);
+    fn new(scene: &Scene, entry: &NodeEntry, node: Option<&'static Node>, pictures: &Pictures) -> Face {
+        let status = scene.nodes.get(&entry.name);
+        let is_at = |error: &&voltet_core::Error| error.location.node.as_deref() == Some(&entry.name);
+        let fault = scene.faults.iter().find(is_at).or(scene.failure.as_ref().filter(is_at));
+        let view = scene.document.view().nodes.get(&entry.name);
+        let aspect = |size: eframe::egui::Vec2| size.x / size.y.max(1.0);
+        Face {
+            name: entry.name.clone(),
+            node_type: entry.node_type.text().unwrap_or("no type").to_string(),
+            summary: node.map_or(String::new(), |node| node.summary.to_string()),
+            state: status.map(|status| status.state.clone()),
+            seconds: status.and_then(|status| status.seconds),
+            idle: status.is_none().then(|| idle(scene, node)),
+            fault: fault.map(|error| {
+                error.what.clone() + &error.got.as_ref().map_or(String::new(), |f| format!(": {f}"))
+            }),
+            picture: pictures(&entry.name).map(|texture| (texture.id(), aspect(texture.size_vec2()))),
+            is_folded: view.is_some_and(|view| view.folded),
+            remark: view.and_then(|view| view.remark.clone()),
+            ..Face::default()
         }
-        let has_type = !self.is_folded && self.node_type != self.name;
-        let rows =
-            usize::from(has_type) + usize::from(self.remark.is_some()) + usize::from(self.fault.is_some());
-        for _ in 0..rows {
-            ui.allocate_space(vec2(1.0, row));
+    }
+
+    /// Mark at the right of the title.
+    fn mark(&self, dark: bool) -> (String, Color32) {
+        let weak = theme::weak(dark);
+        match (&self.fault, &self.state) {
+            (Some(_), _) | (None, Some(NodeState::Failed(_))) => ("✖".into(), theme::wrong(dark)),
+            (None, Some(NodeState::Running(_, fraction))) if *fraction > 0.0 => {
+                (format!("{:.0} %", 100.0 * fraction), theme::accent(dark))
+            }
+            (None, Some(NodeState::Running(..))) => ("…".into(), theme::accent(dark)),
+            (None, Some(NodeState::Stale)) => ("stale".into(), weak),
+            (None, Some(NodeState::Fresh)) => (self.seconds.map_or(String::new(), milliseconds), weak),
+            (None, None) => ("–".into(), weak),
         }
     }
-}
 
-fn paint_picture(ui: &mut Ui, texture: egui::TextureId, aspect: f32, zoom: f32) {
-    let height = PICTURE.min(INNER / aspect) * zoom;
-    let (_, rect) = ui.allocate_space(vec2(INNER * zoom, height));
-    let rect = egui::Rect::from_center_size(rect.center(), vec2(height * aspect, height));
-    let whole = egui::Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-    ui.painter().image(texture, rect, whole, Color32::WHITE);
-}
-
-/// Parameters stand in a panel of their own.
-#[derive(Debug, Clone, Default)]
-pub(super) struct NoValue;
-
-#[derive(Debug, Clone)]
-pub(super) struct NoResponse;
-
-impl UserResponseTrait for NoResponse {}
-
-/// Nodes are added by our own menu, which knows what fits.
-#[derive(Clone)]
-pub(super) struct NoTemplate;
-
-pub(super) struct NoTemplates;
-
-pub(super) type State = GraphEditorState<Face, End, NoValue, NoTemplate, Written>;
-
-impl NodeTemplateIter for NoTemplates {
-    type Item = NoTemplate;
-    fn all_kinds(&self) -> Vec<NoTemplate> {
-        Vec::new()
+    pub fn description(&self) -> String {
+        let state = match (&self.state, &self.idle) {
+            (Some(NodeState::Fresh), _) => match self.seconds {
+                Some(seconds) => format!("done; took {}", milliseconds(seconds)),
+                None => "done".into(),
+            },
+            (Some(NodeState::Stale), _) => "stale: will be made again".into(),
+            (Some(NodeState::Running(stage, fraction)), _) => format!("{stage} {:.0} %", 100.0 * fraction),
+            (Some(NodeState::Failed(error)), _) => error.clone(),
+            (None, Some(idle)) => format!("not needed: {idle}"),
+            (None, None) => String::new(),
+        };
+        // The same mistake may be known in other words: what it is stands before the colon.
+        let what = |text: &str| text.split(':').next().map(str::to_string);
+        let fault = self.fault.clone().filter(|fault| what(&state) != what(fault));
+        let title = format!("{} ({})", self.name, self.node_type);
+        let lines = [title, self.summary.clone(), state, fault.unwrap_or_default()];
+        lines.into_iter().filter(|line| !line.is_empty()).collect::<Vec<_>>().join("\n")
     }
 }
 
-impl NodeTemplateTrait for NoTemplate {
-    type NodeData = Face;
-    type DataType = End;
-    type ValueType = NoValue;
-    type UserState = Written;
-    type CategoryType = ();
-
-    fn node_finder_label(&self, _: &mut Written) -> Cow<'_, str> {
-        Cow::Borrowed("")
+impl Port {
+    pub fn description(&self, scene: &Scene) -> String {
+        let entry = scene.entry(&self.node);
+        let node = entry.and_then(|entry| scene.node_type(entry));
+        let declared = node.and_then(|node| {
+            let mut all = node.all_inputs().chain(node.outputs);
+            all.find(|declared| declared.name == self.name && declared.port_type == self.port_type)
+        });
+        let summary = declared.map_or("", |declared| declared.summary);
+        let side = match (self.is_input, self.is_optional) {
+            (true, true) => "optional input",
+            (true, false) => "input",
+            (false, _) => "output",
+        };
+        let full = |text| {
+            let (node, output, _) = giving(scene, text);
+            format!("{node}.{output}")
+        };
+        let sources: Vec<String> = match self.is_input {
+            false => vec![format!("{}.{}", self.node, self.name)],
+            true => {
+                let links = entry.into_iter().flat_map(|entry| &entry.inputs);
+                links.filter(|link| link.port == self.name).flat_map(links::sources).map(full).collect()
+            }
+        };
+        let mut text = format!("{} ({}, {side})\n{summary}", self.name, self.port_type.name());
+        for (source, value) in sources.iter().filter_map(|source| Some((source, scene.values.get(source)?))) {
+            text += &if self.is_input { format!("\nfrom {source}: {value}") } else { format!("\n{value}") };
+        }
+        if sources.is_empty() {
+            text += "\nnot wired";
+        }
+        text
     }
-
-    fn node_graph_label(&self, _: &mut Written) -> String {
-        String::new()
-    }
-
-    fn user_data(&self, _: &mut Written) -> Face {
-        Face::default()
-    }
-
-    fn build_node(&self, _: &mut Graph<Face, End, NoValue>, _: &mut Written, _: NodeId) {}
 }
 
-impl DataTypeTrait<Written> for End {
-    fn data_type_color(&self, _: &mut Written) -> Color32 {
+/// The node and the output that a source names, the first where it names none; and the output's declaration.
+pub(super) fn giving<'a>(
+    scene: &Scene,
+    text: &'a str,
+) -> (&'a str, &'a str, Option<&'static voltet_graph::Port>) {
+    let (name, output) = links::source(text, &scene.document.pipeline().nodes);
+    let node = scene.entry(name).and_then(|entry| scene.node_type(entry));
+    let outputs = node.map_or(&[][..], |node| node.outputs);
+    let given = match output {
+        Some(output) => outputs.iter().find(|port| port.name == output),
+        None => outputs.first(),
+    };
+    (name, output.or(given.map(|port| port.name)).unwrap_or_default(), given)
+}
+
+impl UserResponseTrait for Nothing {}
+
+impl DataTypeTrait<()> for Port {
+    fn data_type_color(&self, _: &mut ()) -> Color32 {
         // The port's own shape is drawn over it.
         Color32::TRANSPARENT
     }
@@ -147,138 +247,101 @@ impl DataTypeTrait<Written> for End {
     }
 }
 
-impl WidgetValueTrait for NoValue {
-    type Response = NoResponse;
-    type UserState = Written;
+impl WidgetValueTrait for Nothing {
+    type Response = Nothing;
+    type UserState = ();
     type NodeData = Face;
 
-    fn value_widget(
-        &mut self,
-        name: &str,
-        node: NodeId,
-        ui: &mut Ui,
-        written: &mut Written,
-        _: &Face,
-    ) -> Vec<NoResponse> {
-        written.begin(node, ui);
-        match written.is_far {
-            true => drop(ui.allocate_space(vec2(1.0, ui.text_style_height(&TextStyle::Body)))),
-            false => drop(ui.label(RichText::new(name).text_style(TextStyle::Body))),
+    fn value_widget(&mut self, name: &str, _: NodeId, ui: &mut Ui, (): &mut (), face: &Face) -> Vec<Nothing> {
+        if face.is_far {
+            ui.allocate_space(vec2(1.0, ui.text_style_height(&TextStyle::Body)));
+        } else {
+            ui.label(RichText::new(name).text_style(TextStyle::Body));
         }
         Vec::new()
     }
 }
 
 impl NodeDataTrait for Face {
-    type Response = NoResponse;
-    type UserState = Written;
-    type DataType = End;
-    type ValueType = NoValue;
+    type Response = Nothing;
+    type UserState = ();
+    type DataType = Port;
+    type ValueType = Nothing;
 
-    fn top_bar_ui(
-        &self,
-        ui: &mut Ui,
-        _: NodeId,
-        _: &Graph<Face, End, NoValue>,
-        written: &mut Written,
-    ) -> Vec<NodeResponse<NoResponse, Face>> {
-        if written.is_far {
-            return Vec::new();
+    fn top_bar_ui(&self, ui: &mut Ui, _: NodeId, _: &NodeGraph, (): &mut ()) -> Vec<Response> {
+        let (text, color) = self.mark(ui.visuals().dark_mode);
+        if !self.is_far && !text.is_empty() {
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                ui.label(RichText::new(text).size(11.0 * self.zoom).color(color));
+            });
         }
-        let dark = ui.visuals().dark_mode;
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let (text, color) = self.mark(dark);
-            if !text.is_empty() {
-                ui.label(RichText::new(text).size(11.0 * written.zoom).color(color));
-            }
-        });
         Vec::new()
     }
 
-    fn output_ui(
-        &self,
-        ui: &mut Ui,
-        node: NodeId,
-        _: &Graph<Face, End, NoValue>,
-        written: &mut Written,
-        name: &str,
-    ) -> Vec<NodeResponse<NoResponse, Face>> {
-        written.begin(node, ui);
+    fn output_ui(&self, ui: &mut Ui, _: NodeId, _: &NodeGraph, (): &mut (), name: &str) -> Vec<Response> {
         let height = ui.text_style_height(&TextStyle::Body);
-        let (_, rect) = ui.allocate_space(vec2(INNER * written.zoom, height));
-        if !written.is_far {
+        let (_, rect) = ui.allocate_space(vec2(INNER * self.zoom, height));
+        if !self.is_far {
             let (font, color) = (TextStyle::Body.resolve(ui.style()), ui.visuals().text_color());
             ui.painter().text(rect.right_top(), Align2::RIGHT_TOP, name, font, color);
         }
         Vec::new()
     }
 
-    fn separator(
-        &self,
-        ui: &mut Ui,
-        _: NodeId,
-        port: AnyParameterId,
-        _: &Graph<Face, End, NoValue>,
-        written: &mut Written,
-    ) {
-        // As the package finds the height of the port that it draws.
-        written.rows.insert(port, 0.5 * (written.begun + ui.min_rect().bottom()));
-    }
-
-    fn bottom_ui(
-        &self,
-        ui: &mut Ui,
-        node: NodeId,
-        _: &Graph<Face, End, NoValue>,
-        written: &mut Written,
-    ) -> Vec<NodeResponse<NoResponse, Face>> {
-        let dark = ui.visuals().dark_mode;
-        let zoom = written.zoom;
-        written.titled.entry(node).or_insert(ui.min_rect().bottom());
+    fn bottom_ui(&self, ui: &mut Ui, _: NodeId, _: &NodeGraph, (): &mut ()) -> Vec<Response> {
+        let (dark, zoom) = (ui.visuals().dark_mode, self.zoom);
         // The package draws the lower half of a title's height again, rounded: without a body it would lie on the title.
         let body = if self.is_folded { FOLDED } else { 0.0 };
         ui.allocate_space(vec2(INNER * zoom, body * zoom));
-        if written.is_far {
-            self.far_bottom(ui, zoom);
-            written.right.insert(node, ui.min_rect().right());
-            written.bottom.insert(node, ui.min_rect().bottom());
-            return Vec::new();
+        if let Some((texture, aspect)) = self.picture.filter(|_| !self.is_folded) {
+            let height = PICTURE.min(INNER / aspect) * zoom;
+            let (_, rect) = ui.allocate_space(vec2(INNER * zoom, height));
+            let rect = Rect::from_center_size(rect.center(), vec2(height * aspect, height));
+            ui.painter().image(texture, rect, WHOLE, Color32::WHITE);
         }
-        let small = |text: &str, color: Color32| RichText::new(text).size(SMALL * zoom).color(color);
-        if !self.is_folded {
-            if let Some((texture, aspect)) = self.picture {
-                paint_picture(ui, texture, aspect, zoom);
+        let row = ui.fonts(|fonts| fonts.row_height(&FontId::proportional(SMALL * zoom)));
+        let line = |ui: &mut Ui, text: RichText, color: Color32, is_one: bool| {
+            let label = Label::new(text.size(SMALL * zoom).color(color));
+            match (self.is_far, is_one) {
+                (true, _) => drop(ui.allocate_space(vec2(1.0, row))),
+                (false, true) => drop(ui.add(label.truncate())),
+                (false, false) => drop(ui.add(label.wrap())),
             }
-            let text = if self.node_type == self.name { "" } else { self.node_type.as_str() };
-            if !text.is_empty() {
-                ui.add(egui::Label::new(small(text, theme::weak(dark))).truncate());
-            }
+        };
+        if !self.is_folded && self.node_type != self.name {
+            line(ui, RichText::new(&self.node_type), theme::weak(dark), true);
         }
         if let Some(remark) = &self.remark {
-            ui.add(egui::Label::new(small(remark, theme::weak(dark)).italics()).wrap());
+            line(ui, RichText::new(remark).italics(), theme::weak(dark), false);
         }
         if let Some(fault) = &self.fault {
             let first: String = fault.chars().take(70).collect();
             let text = if first.len() < fault.len() { format!("{first} …") } else { first };
-            ui.add(egui::Label::new(small(&text, theme::wrong(dark))).wrap());
+            line(ui, RichText::new(text), theme::wrong(dark), false);
         }
-        written.right.insert(node, ui.min_rect().right());
-        written.bottom.insert(node, ui.min_rect().bottom());
         Vec::new()
     }
 
-    fn titlebar_color(
-        &self,
-        ui: &Ui,
-        _: NodeId,
-        _: &Graph<Face, End, NoValue>,
-        _: &mut Written,
-    ) -> Option<Color32> {
-        Some(self.title_color(ui.visuals().dark_mode))
+    fn titlebar_color(&self, ui: &Ui, _: NodeId, _: &NodeGraph, (): &mut ()) -> Option<Color32> {
+        let [on_dark, on_light] = match (&self.fault, &self.state) {
+            (Some(_), _) | (None, Some(NodeState::Failed(_))) => [[120, 40, 36], [240, 180, 175]],
+            (None, Some(NodeState::Running(..))) => [[40, 84, 130], [175, 208, 240]],
+            (None, Some(NodeState::Fresh | NodeState::Stale)) => [[72; 3], [205; 3]],
+            (None, None) => [[52; 3], [220; 3]],
+        };
+        let [r, g, b] = if ui.visuals().dark_mode { on_dark } else { on_light };
+        Some(Color32::from_rgb(r, g, b))
     }
 
-    fn can_delete(&self, _: NodeId, _: &Graph<Face, End, NoValue>, _: &mut Written) -> bool {
+    fn can_delete(&self, _: NodeId, _: &NodeGraph, (): &mut ()) -> bool {
         // By key and menu, so that a click beside the title takes nothing away.
         false
     }
+}
+
+/// The ports of a node that the package drew, each with its key.
+pub(super) fn drawn_ports(graph: &NodeGraph, id: NodeId) -> impl Iterator<Item = (&Port, AnyParameterId)> {
+    let node = &graph[id];
+    let inputs = node.inputs.iter().map(|(_, id)| (&graph[*id].typ, AnyParameterId::Input(*id)));
+    inputs.chain(node.outputs.iter().map(|(_, id)| (&graph[*id].typ, AnyParameterId::Output(*id))))
 }

@@ -1,32 +1,31 @@
-//! The transfer function that the panel shows and edits, the volume that it is drawn with, and the quantities of its plane.
+//! The transfer function that the panel shows and edits, the volume that it is drawn with, and the quantities of its plane; and new widgets:
+//! where most of the volume is, and on the values of a probe.
 
-use super::geometry::{S_AND_G, Scale};
 use super::images::Images;
-use super::plane::Plane;
+use super::kinds::{PlaneContext, gaussian, gaussian_over};
+use super::plane::{Change, Plane, S_AND_G, list, middle, rounded};
 use super::relative;
 use super::screen_widget::{self, ScreenWidget};
-use super::shape::PlaneContext;
-use crate::scene::Scene;
-use crate::worker::DataScales;
+use crate::scene::{Actions, Scene};
+use crate::worker::{DataScales, PixelProbe};
+use eframe::egui::Rect;
 use std::collections::{BTreeMap, BTreeSet};
-use voltet_core::probing::Histogram;
+use std::f64::consts::FRAC_1_SQRT_2;
+use voltet_core::probing::{Histogram, ProbeResult, kernel};
 use voltet_document::links::{self, upstream};
-use voltet_graph::{ArrayRef, LocatedValue, NodeEntry, PortType};
+use voltet_graph::{ArrayRef, Field, LocatedValue, NodeEntry, ParameterValue, PortType};
 
 /// The transfer function in the panel, with the data of its plane.
 pub(super) struct EditedFunction<'a> {
     pub scene: &'a Scene<'a>,
+    pub actions: &'a Actions,
     pub node: &'a NodeEntry,
     pub list: &'a [LocatedValue],
     pub widgets: Vec<ScreenWidget>,
-    /// Quantities of the plane's axes.
     pub axes: [ArrayRef; 2],
     /// Lengths of the axes of the data.
     pub extent: [f64; 2],
-    /// Lengths along the axes that are equal on the screen, for the axes and angles of ellipses.
-    metric: [f64; 2],
-    /// The extinction at the top of the plot, for curves.
-    pub peak: f64,
+    pub plane: Plane,
 }
 
 impl<'a> EditedFunction<'a> {
@@ -51,15 +50,23 @@ impl<'a> EditedFunction<'a> {
             let most = widgets.iter().filter_map(ScreenWidget::peak_of_curve).fold(0.0, f64::max);
             if most > 0.0 { 1.1 * most } else { 1.0 }
         });
-        EditedFunction { scene, node, list, widgets, axes: axes.clone(), extent, metric, peak }
+        let plane = Plane { rect: Rect::ZERO, shown: [[0.0, 1.0]; 2], extent: metric, peak };
+        EditedFunction {
+            scene,
+            actions: scene.actions,
+            node,
+            list,
+            widgets,
+            axes: axes.clone(),
+            extent,
+            plane,
+        }
     }
 
-    /// The volume in each bin of the plane.
     pub fn histogram(&self) -> Option<&Histogram> {
         self.scene.distribution.as_ref().map(|found| &found.histogram)
     }
 
-    /// Statistics of the data, once they are known.
     pub fn known(&self) -> Option<&DataScales> {
         self.scene.distribution.as_ref().map(|found| &found.known)
     }
@@ -69,13 +76,8 @@ impl<'a> EditedFunction<'a> {
         &self.scene.document.view().sets
     }
 
-    /// True if the plane is that of s and g.
     pub fn is_of_s_and_g(&self) -> bool {
         self.axes == S_AND_G
-    }
-
-    pub fn scale(&self, shown: [[f64; 2]; 2]) -> Scale {
-        Scale { extent: self.metric, shown, peak: self.peak }
     }
 }
 
@@ -88,7 +90,6 @@ pub(crate) fn edited_node<'a>(scene: &Scene<'a>) -> Option<&'a NodeEntry> {
     selected.or_else(|| nodes.iter().filter(is_one).find(|node| feeding.contains(&node.name)))
 }
 
-/// The arrays that the widgets of a transfer function name.
 pub(crate) fn fields_of(look: &NodeEntry) -> Vec<String> {
     let all: BTreeSet<String> =
         widgets_of(look).iter().filter_map(LocatedValue::table).flat_map(screen_widget::arrays).collect();
@@ -101,7 +102,6 @@ pub(crate) fn is_of_series(look: &NodeEntry) -> bool {
     says_so && widgets_of(look).iter().filter_map(LocatedValue::table).any(relative::is_relative)
 }
 
-/// The widgets of a transfer function as stated.
 fn widgets_of(look: &NodeEntry) -> &[LocatedValue] {
     look.setting("widgets").and_then(LocatedValue::list).unwrap_or_default()
 }
@@ -140,10 +140,103 @@ pub(super) fn axis_title(look: &EditedFunction, axis: &ArrayRef) -> String {
     }
 }
 
-/// A quantity as an axis names it.
 pub(super) fn axis_name(axis: &ArrayRef) -> String {
     match axis {
         ArrayRef::Array(name) => name.clone(),
         ArrayRef::Named(_) | ArrayRef::Per(..) => axis.to_string(),
     }
+}
+
+/// Deviations of a new Gaussian, as shares of the axes.
+const NEW: [f64; 2] = [0.02, 0.05];
+
+/// Least deviation in any direction of one on probed values, as a share of the axes: what a hand can take hold of.
+const MIN_DEVIATION: f64 = 0.01;
+
+/// Correlations that are so small are none.
+const UPRIGHT: f64 = 0.05;
+
+/// Extinction of a new widget, per unit distance, where no other shows what is usual.
+const EXTINCTION: f64 = 10.0;
+
+/// A Gaussian at the bin with the most volume that no widget holds; `None` on axes that no kind of widget is over.
+pub(super) fn at_peak(look: &EditedFunction) -> Option<ParameterValue> {
+    let (mut centre, mut sigma) = ([0.5, 0.0], [0.1, 0.1]);
+    if let Some(histogram) = look.histogram() {
+        let [s, g] = histogram.axes;
+        let mut most = -1.0;
+        for (k, volume) in histogram.volumes.iter().enumerate() {
+            let at = [middle(s, k % s.bins), middle(g, k / s.bins)];
+            if *volume > most && look.widgets.iter().all(|widget| widget.strength(at) < 0.1) {
+                (most, centre) = (*volume, at);
+            }
+        }
+        sigma = [NEW[0] * (s.high - s.low), NEW[1] * (g.high - g.low)];
+    }
+    if look.is_of_s_and_g() {
+        let k =
+            [[1.0 / sigma[0], 0.0], [0.0, 1.0 / sigma[1]]].map(|row| row.map(|x| x * FRAC_1_SQRT_2).to_vec());
+        return Some(widget(look, gaussian(centre, &k, [1.0; 2])));
+    }
+    Some(widget(look, gaussian_over(&look.axes, centre, sigma)?))
+}
+
+/// A Gaussian by the mean and the covariance of probed values (Kniss et al. 2003, section 6), turned to the covariance's principal
+/// axes. In a direction in which the values hardly vary it is as wide as a hand can take hold of; a quantity that is the same in
+/// all of the data is not looked at. `None` without values.
+pub(super) fn at_probe(look: &EditedFunction, probed: &PixelProbe) -> Option<ParameterValue> {
+    let (mean, covariance) = probed.moments()?;
+    let known = look.known();
+    let extent: Vec<f64> = ["s", "g"]
+        .into_iter()
+        .enumerate()
+        .map(|(k, name)| {
+            let range = known.and_then(|known| known.ranges.get(&ArrayRef::Named(name)));
+            let is_constant = range.is_some_and(|[low, high]| low == high);
+            if is_constant || !look.is_of_s_and_g() {
+                range.map_or(1.0, |[a, b]| b - a)
+            } else {
+                look.extent[k]
+            }
+        })
+        .collect();
+    let share = |i: usize, j: usize| {
+        let by = extent[i] * extent[j];
+        if by > 0.0 { covariance[i][j] / by } else { 0.0 }
+    };
+    let found = ProbeResult {
+        mean: mean.to_vec(),
+        covariance: (0..2).map(|i| (0..2).map(|j| share(i, j)).collect()).collect(),
+        cell_count: 0,
+        volume: 0.0,
+        point_count: probed.values.len() as u64,
+        extent,
+    };
+    let spread = (covariance[0][0] * covariance[1][1]).sqrt();
+    let is_correlated = spread > 0.0 && (covariance[0][1] / spread).abs() > UPRIGHT;
+    let k = kernel(&found, MIN_DEVIATION, 1.0, is_correlated);
+    let extent = [0, 1].map(|k: usize| if found.extent[k] > 0.0 { found.extent[k] } else { 1.0 });
+    Some(widget(look, gaussian(mean, &k, extent)))
+}
+
+fn widget(look: &EditedFunction, (kind, numbers): (&str, Vec<Change>)) -> ParameterValue {
+    let extinction = look.widgets.iter().map(|widget| widget.extinction).fold(0.0, f64::max);
+    let extinction = if extinction > 0.0 { extinction } else { EXTINCTION };
+    // Hues far apart, one after the other.
+    const COLORS: [[f64; 3]; 6] = [
+        [1.0, 0.5, 0.1],
+        [0.1, 0.45, 1.0],
+        [0.2, 0.8, 0.25],
+        [0.9, 0.15, 0.5],
+        [0.95, 0.85, 0.2],
+        [0.3, 0.8, 0.85],
+    ];
+    let color = COLORS[look.widgets.len() % COLORS.len()];
+    let first = [
+        Field::new("kind", kind),
+        Field::new("color", list(&color)),
+        Field::new("extinction", rounded(extinction)),
+    ];
+    let numbers = numbers.into_iter().filter_map(|(key, value)| Some(Field::new(key, value?)));
+    ParameterValue::Table(first.into_iter().chain(numbers).collect())
 }

@@ -12,7 +12,6 @@ const FINEST: usize = 256;
 /// Texels of a picture: width, height, and straight linear RGBA from the top row on.
 type Texels = (usize, usize, Vec<[f32; 4]>);
 
-/// A picture as far as it is known.
 enum State {
     Coming,
     Here { texels: Texels, texture: TextureHandle },
@@ -22,7 +21,6 @@ enum State {
 /// A file, and when it was written.
 type Key = (PathBuf, Option<SystemTime>);
 
-/// The pictures that widgets name.
 #[derive(Clone, Default)]
 pub(super) struct Images {
     ctx: Context,
@@ -45,7 +43,6 @@ impl Images {
         })
     }
 
-    /// Texture of a picture.
     pub fn texture(&self, path: &str) -> Option<TextureId> {
         self.look(path, |state| match state {
             State::Here { texture, .. } => Some(texture.id()),
@@ -53,7 +50,6 @@ impl Images {
         })
     }
 
-    /// Reason why it cannot be read.
     pub fn fault(&self, path: &str) -> Option<String> {
         self.look(path, |state| match state {
             State::Failed(why) => Some(why.clone()),

@@ -1,58 +1,63 @@
-//! Commands of the list of widgets, and their keys over the plane: adding, removing, ordering, hiding, selecting, nudging, sets that
-//! digits recall and, with Ctrl, store; kept in the file under `[editor]`, which runs ignore.
+//! The list of widgets: its commands and their keys over the plane, sets that the file keeps under `[editor]`; and the lines above the plane
+//! with the choice of axes: s, g, arrays of the data, and arrays that widgets name.
 
-use super::edited_function::EditedFunction;
-use super::plane::Plane;
+use super::edited_function::{EditedFunction, at_peak, at_probe, axis_name, volume_of};
+use super::plane::{self, S_AND_G, rounded};
 use super::pointer::FINE;
-use super::{TransferPanel, edit, new};
-use crate::actions::{Action, Actions};
-use eframe::egui::{Key, Modifiers, Ui};
-use std::collections::BTreeSet;
-use voltet_document::{Edit, Path};
-use voltet_graph::{ArrayRef, ParameterValue};
+use super::screen_widget::{self, ScreenWidget};
+use super::{TransferPanel, edit};
+use crate::parameters::edited_color;
+use crate::theme;
+use crate::worker::{grouped, short};
+use eframe::egui::{
+    Button, DragValue, Key, Modifiers, RichText, ScrollArea, Sense, Stroke, TextEdit, Ui, vec2,
+};
+use std::collections::{BTreeMap, BTreeSet};
+use voltet_document::{Edit, Path, links};
+use voltet_graph::{ArrayRef, LocatedValue, ParameterValue, find_setting};
 
 /// A nudge by an arrow key, as a share of the shown axis.
 const NUDGE: f64 = 0.01;
 
-const DIGITS: [Key; 10] = [
-    Key::Num0,
-    Key::Num1,
-    Key::Num2,
-    Key::Num3,
-    Key::Num4,
-    Key::Num5,
-    Key::Num6,
-    Key::Num7,
-    Key::Num8,
-    Key::Num9,
+/// Keys of commands for the widget in hand.
+const KEYS: [(Modifiers, Key, fn(&mut TransferPanel, &EditedFunction)); 10] = [
+    (Modifiers::SHIFT, Key::PageUp, |panel, look| panel.reorder(look, panel.chosen.saturating_sub(1))),
+    (Modifiers::SHIFT, Key::PageDown, |panel, look| panel.reorder(look, panel.chosen + 1)),
+    (Modifiers::NONE, Key::PageUp, |panel, look| panel.choose(panel.chosen + look.widgets.len() - 1, look)),
+    (Modifiers::NONE, Key::PageDown, |panel, look| panel.choose(panel.chosen + 1, look)),
+    (Modifiers::NONE, Key::V, |panel, _| panel.hide(panel.chosen)),
+    (Modifiers::NONE, Key::S, |panel, look| panel.solo(panel.chosen, look.widgets.len())),
+    (Modifiers::NONE, Key::P, TransferPanel::add_at_peak),
+    (Modifiers::COMMAND, Key::D, TransferPanel::duplicate),
+    (Modifiers::NONE, Key::Delete, TransferPanel::take_away),
+    (Modifiers::NONE, Key::Backspace, TransferPanel::take_away),
 ];
 
 impl TransferPanel {
-    pub(super) fn add_at_peak(&mut self, look: &EditedFunction, actions: &mut Actions) {
-        if let Some(entry) = new::at_peak(look) {
-            self.add(look, entry, actions);
+    pub(super) fn add_at_peak(&mut self, look: &EditedFunction) {
+        if let Some(entry) = at_peak(look) {
+            self.add(look, entry);
         }
     }
 
     /// A widget more, which is then in hand.
-    pub(super) fn add(&mut self, look: &EditedFunction, entry: ParameterValue, actions: &mut Actions) {
+    pub(super) fn add(&mut self, look: &EditedFunction, entry: ParameterValue) {
         let (node, place) = (look.node.name.clone(), look.widgets.len());
-        actions.edit(Edit::Insert { node, list: "widgets".into(), place, entry });
+        look.actions.edit(Edit::Insert { node, list: "widgets".into(), place, entry });
         (self.chosen, self.held) = (place, None);
     }
 
-    /// A copy of the widget in hand, which is then in hand.
-    pub(super) fn duplicate(&mut self, look: &EditedFunction, actions: &mut Actions) {
+    pub(super) fn duplicate(&mut self, look: &EditedFunction) {
         let (node, place) = (look.node.name.clone(), self.chosen);
-        actions.edit(Edit::Duplicate { node, list: "widgets".into(), place });
+        look.actions.edit(Edit::Duplicate { node, list: "widgets".into(), place });
         self.hidden = self.hidden.iter().map(|known| known + usize::from(*known > place)).collect();
         (self.chosen, self.held) = (place + 1, None);
     }
 
-    /// The widget in hand goes.
-    pub(super) fn remove(&mut self, look: &EditedFunction, actions: &mut Actions) {
+    pub(super) fn remove(&mut self, look: &EditedFunction) {
         let place = self.chosen;
-        actions.edit(Edit::Unset { node: look.node.name.clone(), path: Path::from("widgets").with(place) });
+        look.actions
+            .edit(Edit::Unset { node: look.node.name.clone(), path: Path::from("widgets").with(place) });
         let kept = self.hidden.iter().filter(|known| **known != place);
         self.hidden = kept.map(|known| known - usize::from(*known > place)).collect();
         self.held = None;
@@ -69,14 +74,16 @@ impl TransferPanel {
     }
 
     pub(super) fn solo(&mut self, place: usize, count: usize) {
-        self.hidden = match self.is_solo(place, count) {
-            true => BTreeSet::new(),
-            false => (0..count).filter(|i| *i != place).collect(),
+        self.hidden = if self.is_solo(place, count) {
+            BTreeSet::new()
+        } else {
+            (0..count).filter(|i| *i != place).collect()
         };
     }
 
-    /// Takes a widget in hand, on axes where it can be seen.
+    /// Takes a widget in hand, on axes where it can be seen; after the last one follows the first.
     pub(super) fn choose(&mut self, place: usize, look: &EditedFunction) {
+        let place = place % look.widgets.len().max(1);
         (self.chosen, self.held) = (place, None);
         let Some(widget) = look.widgets.get(place) else { return };
         if widget.shape.is_none()
@@ -93,14 +100,13 @@ impl TransferPanel {
         }
     }
 
-    /// The widget in hand gets another number.
-    pub(super) fn reorder(&mut self, look: &EditedFunction, to: usize, actions: &mut Actions) {
+    pub(super) fn reorder(&mut self, look: &EditedFunction, to: usize) {
         let from = self.chosen;
         if from == to || to >= look.widgets.len() {
             return;
         }
         let (node, list) = (look.node.name.clone(), Path::from("widgets"));
-        actions.edit(Edit::MoveEntry { node, list, from, to });
+        look.actions.edit(Edit::MoveEntry { node, list, from, to });
         let moved = |place: usize| match place {
             place if place == from => to,
             place if from < place && place <= to => place - 1,
@@ -111,76 +117,49 @@ impl TransferPanel {
         self.chosen = to;
     }
 
-    pub(super) fn store(&mut self, digit: u8, look: &EditedFunction, actions: &mut Actions) {
-        actions.edit(Edit::StoreSet(digit, look.list.to_vec()));
-        actions.push(Action::Say(format!("{} stored as {digit}, in the file", count(look.list.len()))));
+    pub(super) fn store(&mut self, digit: u8, look: &EditedFunction) {
+        look.actions.edit(Edit::StoreSet(digit, look.list.to_vec()));
+        look.actions.say(format!("{} stored as {digit}, in the file", count(look.list.len())));
     }
 
-    pub(super) fn recall(&mut self, digit: u8, look: &EditedFunction, actions: &mut Actions) {
+    pub(super) fn recall(&mut self, digit: u8, look: &EditedFunction) {
         match look.sets().get(&digit) {
             Some(list) => {
                 let edit = Edit::set(&look.node.name, "widgets", ParameterValue::List(list.clone()));
-                actions.edits(format!("recall the widgets {digit}"), vec![edit]);
+                look.actions.edits(format!("recall the widgets {digit}"), vec![edit]);
                 self.hidden.clear();
             }
-            None => actions
-                .push(Action::Say(format!("no widgets are stored as {digit}: Ctrl+{digit} stores these"))),
+            None => look.actions.say(format!("no widgets are stored as {digit}: Ctrl+{digit} stores these")),
         }
     }
 
     /// Handles keys while the pointer is over the panel.
-    pub(super) fn keys(&mut self, ui: &Ui, plane: Plane, look: &EditedFunction, actions: &mut Actions) {
+    pub(super) fn keys(&mut self, ui: &Ui, look: &EditedFunction) {
         if ui.ctx().wants_keyboard_input() || !self.takes_keys() {
             return;
         }
-        self.set_keys(ui, look, actions);
-        let pressed =
-            |modifiers: Modifiers, key: Key| ui.input_mut(|input| input.consume_key(modifiers, key));
-        let count = look.widgets.len();
-        if count == 0 {
+        self.set_keys(ui, look);
+        if look.widgets.is_empty() {
             return;
         }
-        if pressed(Modifiers::SHIFT, Key::PageUp) {
-            self.reorder(look, self.chosen.saturating_sub(1), actions);
+        for (modifiers, key, command) in KEYS {
+            if ui.input_mut(|input| input.consume_key(modifiers, key)) {
+                command(self, look);
+            }
         }
-        if pressed(Modifiers::SHIFT, Key::PageDown) {
-            self.reorder(look, (self.chosen + 1).min(count - 1), actions);
-        }
-        if pressed(Modifiers::NONE, Key::PageUp) {
-            self.choose((self.chosen + count - 1) % count, look);
-        }
-        if pressed(Modifiers::NONE, Key::PageDown) {
-            self.choose((self.chosen + 1) % count, look);
-        }
-        if pressed(Modifiers::NONE, Key::V) {
-            self.hide(self.chosen);
-        }
-        if pressed(Modifiers::NONE, Key::S) {
-            self.solo(self.chosen, count);
-        }
-        if pressed(Modifiers::NONE, Key::P) {
-            self.add_at_peak(look, actions);
-        }
-        if pressed(Modifiers::COMMAND, Key::D) {
-            self.duplicate(look, actions);
-        }
-        if [Key::Delete, Key::Backspace].into_iter().any(|key| pressed(Modifiers::NONE, key)) {
-            self.take_away(look, actions);
-        }
-        self.nudge(ui, plane, look, actions);
+        self.nudge(ui, look);
     }
 
-    /// The point in hand, else the widget.
-    fn take_away(&mut self, look: &EditedFunction, actions: &mut Actions) {
+    fn take_away(&mut self, look: &EditedFunction) {
         let Some(widget) = look.widgets.get(self.chosen) else { return };
         match self.held.take().and_then(|handle| widget.without_point(handle)) {
-            Some(changes) => edit(look, self.chosen, widget, changes, actions),
-            None => self.remove(look, actions),
+            Some(changes) => edit(look, self.chosen, widget, changes),
+            None => self.remove(look),
         }
     }
 
-    /// Arrows move the point in hand, else the widget.
-    fn nudge(&mut self, ui: &Ui, plane: Plane, look: &EditedFunction, actions: &mut Actions) {
+    fn nudge(&mut self, ui: &Ui, look: &EditedFunction) {
+        let plane = look.plane;
         let (modifiers, by) = ui.input(|input| {
             let pressed = |key| f64::from(u8::from(input.key_pressed(key)));
             let by = [
@@ -199,32 +178,300 @@ impl TransferPanel {
         };
         let step = [0, 1].map(|k: usize| by[k] * times * NUDGE * (plane.shown[k][1] - plane.shown[k][0]));
         let Some(widget) = look.widgets.get(self.chosen) else { return };
-        let scale = look.scale(plane.shown);
         let point = self.held.filter(|handle| widget.without_point(*handle).is_some());
         let held =
-            point.and_then(|point| widget.handles(&scale).into_iter().find(|(known, _)| *known == point));
+            point.and_then(|point| widget.handles(&plane).into_iter().find(|(known, _)| *known == point));
         let changes = match held {
-            Some((handle, at)) => widget.moved(handle, [at[0] + step[0], at[1] + step[1]], &scale),
-            None => widget.shifted(step, &scale),
+            Some((handle, at)) => widget.moved(handle, [at[0] + step[0], at[1] + step[1]], &plane),
+            None => widget.shifted(step, &plane),
         };
-        edit(look, self.chosen, widget, changes, actions);
+        edit(look, self.chosen, widget, changes);
     }
 
-    fn set_keys(&mut self, ui: &Ui, look: &EditedFunction, actions: &mut Actions) {
-        for (digit, key) in (0..).zip(DIGITS) {
+    fn set_keys(&mut self, ui: &Ui, look: &EditedFunction) {
+        for digit in 0..10u8 {
+            let Some(key) = Key::from_name(&digit.to_string()) else { continue };
             let (store, recall) = ui.input_mut(|input| {
                 (input.consume_key(Modifiers::COMMAND, key), input.consume_key(Modifiers::NONE, key))
             });
             if store {
-                self.store(digit, look, actions);
+                self.store(digit, look);
             } else if recall {
-                self.recall(digit, look, actions);
+                self.recall(digit, look);
             }
         }
     }
 }
 
-/// Number of widgets in words.
 pub(super) fn count(count: usize) -> String {
     if count == 1 { "1 widget".into() } else { format!("{count} widgets") }
+}
+
+/// Width of one list, and the most of its height, points.
+const WIDTH: f32 = 230.0;
+const HEIGHT: f32 = 220.0;
+
+impl TransferPanel {
+    pub(super) fn head(&mut self, ui: &mut Ui, look: &EditedFunction) {
+        let dark = ui.visuals().dark_mode;
+        ui.horizontal_wrapped(|ui| {
+            ui.strong(look.node.name.as_str());
+            for (place, widget) in look.widgets.iter().enumerate() {
+                self.chip(ui, place, widget, look);
+            }
+            let peak = Button::new("+ at peak").small();
+            let fits =
+                look.is_of_s_and_g() || look.axes.iter().all(|axis| matches!(axis, ArrayRef::Array(_)));
+            let peak = ui
+                .add_enabled(fits, peak)
+                .on_hover_text("a Gaussian where most of the volume is that no widget holds (P)")
+                .on_disabled_hover_text("a widget is over s and g, or over arrays");
+            if peak.clicked() {
+                self.add_at_peak(look);
+            }
+            if let Some(entry) = look.scene.probed.as_ref().and_then(|probed| at_probe(look, probed)) {
+                let found = ui
+                    .small_button("+ at probe")
+                    .on_hover_text("a Gaussian on the values of the probe: their mean and covariance");
+                if found.clicked() {
+                    self.add(look, entry);
+                }
+            }
+            if self.shown.is_some()
+                && ui.small_button("all").on_hover_text("all of the data into view").clicked()
+            {
+                self.shown = None;
+            }
+            self.set_menu(ui, look);
+            self.axes_menu(ui, look);
+            if !self.hidden.is_empty() {
+                let text = format!("{} hidden in this window", self.hidden.len());
+                ui.label(RichText::new(text).small().color(theme::accent(dark)));
+            }
+        });
+        ui.horizontal_wrapped(|ui| {
+            let Some(widget) = look.widgets.get(self.chosen) else { return };
+            self.of_widget(ui, look, widget);
+        });
+        self.figures(ui, look);
+    }
+
+    fn of_widget(&mut self, ui: &mut Ui, look: &EditedFunction, widget: &ScreenWidget) {
+        let (place, count) = (self.chosen, look.widgets.len());
+        ui.label(format!("{} {}", place + 1, widget.kind));
+        self.color_and_strength(ui, look, widget);
+        if ui.small_button("×2").on_hover_text("duplicate the widget (Ctrl+D over the plane)").clicked() {
+            self.duplicate(look);
+        }
+        if ui.small_button("✖").on_hover_text("take the widget away (Delete over the plane)").clicked() {
+            self.remove(look);
+        }
+        for (text, to, help) in [
+            ("◀", place.saturating_sub(1), "earlier in the list (Shift+PageUp)"),
+            ("▶", (place + 1).min(count - 1), "later in the list (Shift+PageDown)"),
+        ] {
+            let button = Button::new(text).small();
+            if ui.add_enabled(to != place, button).on_hover_text(help).clicked() {
+                self.reorder(look, to);
+            }
+        }
+        let hide = ui
+            .selectable_label(self.hidden.contains(&place), "hide")
+            .on_hover_text("leave it out of this window's picture; the file keeps it (V)");
+        if hide.clicked() {
+            self.hide(place);
+        }
+        let solo = ui
+            .selectable_label(self.is_solo(place, count), "solo")
+            .on_hover_text("this widget alone in this window's picture (S)");
+        if solo.clicked() {
+            self.solo(place, count);
+        }
+    }
+
+    /// Share of the data in the selected widget, and its contribution to the picture.
+    fn figures(&self, ui: &mut Ui, look: &EditedFunction) {
+        let Some(widget) = look.widgets.get(self.chosen) else { return };
+        let color = theme::weak(ui.visuals().dark_mode);
+        let weak = |text: String| RichText::new(text).small().color(color);
+        let percent = |share: f64| short((1e4 * share).round() / 100.0);
+        let mut texts: Vec<(String, String)> = Vec::new();
+        match (&widget.fault, &widget.shape, widget.natural_axes()) {
+            (Some(fault), ..) => texts.push((fault.clone(), "what is wrong, or not known yet".into())),
+            (None, None, Some(axes)) => {
+                let [x, y] = axes.map(|axis| axis_name(&axis));
+                let text = format!("lies on the axes {x} and {y}");
+                texts.push((text, "choose the axes above, or click on the widget's colour".into()));
+            }
+            (None, ..) => {}
+        }
+        if let Some(level) = widget.shape.as_ref().and_then(|shape| shape.level()) {
+            let text = format!("drawn where the magnitude is {}", short(level));
+            texts.push((
+                text,
+                "its widths are shares of the magnitude of all gradients; half of the largest is shown"
+                    .into(),
+            ));
+        }
+        if let Some(held) = look.histogram().and_then(|histogram| widget.held(histogram)) {
+            let text = format!("holds {} % of the volume", percent(held));
+            texts.push((text, "where the widget is at half of its peak or more".into()));
+        }
+        match &look.scene.share {
+            _ if self.hidden.contains(&self.chosen) => {}
+            None => {}
+            Some(Err(error)) => texts.push((error.to_string(), "its share of the picture".into())),
+            Some(Ok(share)) => {
+                let cells = share.cells.map(|cells| {
+                    let [own, all] = cells.map(|count| grouped(count as usize));
+                    format!("in {own} of {all} cells, ")
+                });
+                let text = format!(
+                    "{}{} % of the picture's opacity, {} % of its light",
+                    cells.unwrap_or_default(),
+                    percent(share.opacity),
+                    percent(share.light)
+                );
+                let help = format!(
+                    "what a picture of {} pixels loses without the widget; what it hides comes to light instead",
+                    grouped(share.pixels)
+                );
+                texts.push((text, help));
+            }
+        }
+        ui.horizontal_wrapped(|ui| {
+            for (i, (text, help)) in texts.into_iter().enumerate() {
+                let text = if i > 0 { format!("· {text}") } else { text };
+                ui.label(weak(text)).on_hover_text(help);
+            }
+        });
+    }
+
+    /// A widget by its colour; the one in hand has a frame.
+    fn chip(&mut self, ui: &mut Ui, place: usize, widget: &ScreenWidget, look: &EditedFunction) {
+        let dark = ui.visuals().dark_mode;
+        let (rect, response) = ui.allocate_exact_size(vec2(18.0, 14.0), Sense::click());
+        let color = plane::color(widget.color);
+        let color = if self.hidden.contains(&place) { color.gamma_multiply(0.3) } else { color };
+        ui.painter().rect_filled(rect.shrink(2.0), 2.0, color);
+        if place == self.chosen {
+            ui.painter().rect_stroke(rect, 3.0, Stroke::new(1.5, theme::accent(dark)));
+        }
+        if response.on_hover_text(format!("{} {}", place + 1, widget.kind)).clicked() {
+            self.choose(place, look);
+        }
+    }
+
+    fn color_and_strength(&self, ui: &mut Ui, look: &EditedFunction, widget: &ScreenWidget) {
+        let fields = look.list.get(self.chosen).and_then(LocatedValue::table).unwrap_or_default();
+        let is_stated = |key: &str| find_setting(fields, key).is_some();
+        let path = |key: &str| Path::from("widgets").with(self.chosen).with(key);
+        let set = |key: &str, value: ParameterValue| {
+            look.actions.edit(Edit::Set { node: look.node.name.clone(), path: path(key), value });
+        };
+        if is_stated("color")
+            && let Some(color) = edited_color(ui, widget.color)
+        {
+            set("color", color.into_iter().collect());
+        }
+        if is_stated("extinction") {
+            let mut extinction = widget.extinction;
+            let speed = (extinction * 0.01).max(1e-3);
+            // What a file states stays until a hand changes it, however wrong.
+            let least = extinction.min(0.0);
+            let field = DragValue::new(&mut extinction).range(least..=f64::MAX);
+            let field = field.speed(speed).max_decimals(4);
+            let response = ui.add(field.update_while_editing(false));
+            if response.on_hover_text("extinction, per unit_distance").changed() {
+                set("extinction", ParameterValue::Number(rounded(extinction)));
+            }
+        }
+    }
+
+    pub(super) fn set_menu(&mut self, ui: &mut Ui, look: &EditedFunction) {
+        ui.menu_button("sets", |ui| {
+            ui.set_min_width(210.0);
+            for digit in 0..10 {
+                if let Some(list) = look.sets().get(&digit) {
+                    let text = format!("recall {digit}: {}", count(list.len()));
+                    if ui.add(Button::new(text).shortcut_text(digit.to_string())).clicked() {
+                        self.recall(digit, look);
+                        ui.close_menu();
+                    }
+                }
+            }
+            let free = (1..10).chain([0]).find(|digit| !look.sets().contains_key(digit));
+            if let Some(digit) = free {
+                let store = Button::new(format!("store as {digit}")).shortcut_text(format!("Ctrl+{digit}"));
+                if ui.add(store).clicked() {
+                    self.store(digit, look);
+                    ui.close_menu();
+                }
+            }
+        })
+        .response
+        .on_hover_text("all widgets, kept in the file under a digit: Ctrl+0 … 9 stores, 0 … 9 recalls");
+    }
+
+    pub(super) fn axes_menu(&mut self, ui: &mut Ui, look: &EditedFunction) {
+        let [x, y] = self.axes.each_ref().map(axis_name);
+        ui.menu_button(format!("axes {x}, {y}"), |ui| {
+            if ui.button("s, g").on_hover_text("the scalar and its gradient magnitude").clicked() {
+                self.set_axes(S_AND_G);
+                ui.close_menu();
+            }
+            ui.separator();
+            let choices = choices(ui, look);
+            ui.horizontal_top(|ui| {
+                for (k, title) in ["to the right", "up"].into_iter().enumerate() {
+                    ui.vertical(|ui| {
+                        ui.set_width(WIDTH);
+                        ui.label(title);
+                        self.list_of_axis(ui, k, &choices);
+                    });
+                }
+            });
+        })
+        .response
+        .on_hover_text("the quantities that the plane is over; widgets of several fields lie on theirs");
+    }
+
+    fn list_of_axis(&mut self, ui: &mut Ui, k: usize, choices: &[(ArrayRef, String)]) {
+        let mut taken = None;
+        ScrollArea::vertical().id_salt(("axis", k)).max_height(HEIGHT).show(ui, |ui| {
+            for (axis, label) in choices {
+                if ui.selectable_label(self.axes[k] == *axis, label).clicked() {
+                    taken = Some(axis.clone());
+                }
+            }
+        });
+        let typed = TextEdit::singleline(&mut self.typed_axis[k]).hint_text("another, by its name");
+        let response = ui.add(typed.desired_width(WIDTH - 20.0));
+        let enters = ui.input(|input| input.key_pressed(Key::Enter));
+        if response.lost_focus() && enters && !self.typed_axis[k].is_empty() {
+            taken = Some(ArrayRef::Array(std::mem::take(&mut self.typed_axis[k])));
+        }
+        if let Some(axis) = taken {
+            let mut axes = self.axes.clone();
+            axes[k] = axis;
+            self.set_axes(axes);
+            ui.close_menu();
+        }
+    }
+}
+
+/// Choices for an axis, labelled with kind and range where the data have it.
+fn choices(ui: &Ui, look: &EditedFunction) -> Vec<(ArrayRef, String)> {
+    let scene = look.scene;
+    let nodes = &scene.document.pipeline().nodes;
+    let source = volume_of(scene, &look.node.name);
+    let source = source.as_deref().map(|source| links::source(source, nodes).0);
+    let of_data = source
+        .map(|node| scene.arrays.feeding(ui.ctx(), scene.document, scene.registry, node))
+        .unwrap_or_default();
+    let named = look.list.iter().filter_map(LocatedValue::table).flat_map(screen_widget::arrays);
+    let mut arrays: BTreeMap<String, String> = named.map(|name| (name.clone(), name)).collect();
+    arrays.extend(of_data.iter().map(|array| (array.name.clone(), array.label.clone())));
+    let named = S_AND_G.into_iter().map(|axis| (axis.clone(), axis_name(&axis)));
+    named.chain(arrays.into_iter().map(|(name, label)| (ArrayRef::Array(name), label))).collect()
 }

@@ -1,40 +1,25 @@
 //! The transfer function editor: the volume-weighted histogram over s and g, or over two arrays, and every widget on it, edited
 //! where it lies.
-//!
-//! | file | responsibility |
-//! | --- | --- |
-//! | `edited_function` | the transfer function in the panel, its volume and quantities |
-//! | `screen_widget`, `shape`, `kinds`, `region` | widgets in the plane, one file a kind; their regions |
-//! | `images` | pictures of tables |
-//! | `geometry`, `plane` | scale, handles and numbers; axes, histogram, painter |
-//! | `relative` | numbers relative to data |
-//! | `pointer`, `list` | mouse; list of widgets, and keys |
-//! | `head`, `new` | lines above the plane; new widgets |
 
 mod edited_function;
-mod geometry;
-mod head;
 mod images;
 mod kinds;
 mod list;
-mod new;
 mod plane;
 mod pointer;
-mod region;
 mod relative;
 mod screen_widget;
-mod shape;
+#[cfg(test)]
+mod tests;
 
-use crate::actions::Actions;
 use crate::scene::Scene;
 use crate::theme;
 use crate::worker::short;
 use edited_function::{EditedFunction, axis_name, axis_title};
 pub(crate) use edited_function::{edited_node, fields_of, is_of_series, volume_of};
 use eframe::egui::{self, Align2, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
-use geometry::{Change, Handle, S_AND_G};
 use images::Images;
-use plane::{Counts, Plane};
+use plane::{Change, Counts, Handle, Plane, S_AND_G};
 pub(crate) use relative::in_numbers;
 use screen_widget::{Drag, ScreenWidget};
 use std::collections::BTreeSet;
@@ -46,7 +31,6 @@ const MARGIN: [f32; 3] = [52.0, 18.0, 44.0];
 
 /// The panel, with what a hand is doing in it.
 pub(crate) struct TransferPanel {
-    /// Quantities of the plane's axes.
     axes: [ArrayRef; 2],
     typed_axis: [String; 2],
     /// The shown part of the plane; all of the data until a hand chose another.
@@ -54,7 +38,6 @@ pub(crate) struct TransferPanel {
     /// The widget in hand, by its place, and the one before the last click.
     chosen: usize,
     before_click: usize,
-    /// The handle that was taken last.
     held: Option<Handle>,
     drag: Option<Drag>,
     counts: Counts,
@@ -66,7 +49,6 @@ pub(crate) struct TransferPanel {
     has_pointer: bool,
     /// True if keys go to the widgets wherever the pointer is.
     pub by_keyboard: bool,
-    /// The plane of the last frame.
     plane: Option<Plane>,
 }
 
@@ -92,12 +74,10 @@ impl Default for TransferPanel {
 }
 
 impl TransferPanel {
-    /// True if there is a transfer function to edit.
     pub fn is_wanted(&self, scene: &Scene) -> bool {
         edited_node(scene).is_some()
     }
 
-    /// True if keys go to the widgets.
     pub fn takes_keys(&self) -> bool {
         self.has_pointer || self.by_keyboard
     }
@@ -107,12 +87,10 @@ impl TransferPanel {
         self.of.as_deref().filter(|_| !self.hidden.is_empty()).map(|of| (of, &self.hidden))
     }
 
-    /// The transfer function whose widgets are dragged.
     pub fn dragged(&self) -> Option<&str> {
         self.of.as_deref().filter(|_| self.drag.is_some())
     }
 
-    /// Quantities of the plane's axes.
     pub fn axes(&self) -> [ArrayRef; 2] {
         self.axes.clone()
     }
@@ -122,39 +100,7 @@ impl TransferPanel {
         self.of.as_deref().filter(|_| self.drag.is_none()).map(|of| (of, self.chosen))
     }
 
-    /// Position at which a value was drawn.
-    #[cfg(test)]
-    pub fn place_of(&self, value: [f64; 2]) -> Option<egui::Pos2> {
-        self.plane.map(|plane| plane.to_window(value))
-    }
-
-    /// The axes that were drawn.
-    #[cfg(test)]
-    pub fn shown_axes(&self) -> [[f64; 2]; 2] {
-        self.plane.map_or([[0.0; 2]; 2], |plane| plane.shown)
-    }
-
-    /// The value that was drawn at a place.
-    #[cfg(test)]
-    pub fn value_at(&self, place: egui::Pos2) -> Option<[f64; 2]> {
-        self.plane.map(|plane| plane.to_values(place))
-    }
-
-    /// Another plane.
-    #[cfg(test)]
-    pub fn choose_for_tests(&mut self, axes: [ArrayRef; 2]) {
-        self.set_axes(axes);
-    }
-
-    /// The widget that a probe would make.
-    #[cfg(test)]
-    pub fn at_probe_for_tests(&self, scene: &Scene) -> Option<voltet_graph::ParameterValue> {
-        let look =
-            EditedFunction::new(scene, edited_node(scene)?, &self.axes, self.plane, None, &self.images);
-        new::at_probe(&look, scene.probed.as_ref()?)
-    }
-
-    pub fn show(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
+    pub fn show(&mut self, ui: &mut Ui, scene: &Scene) {
         self.has_pointer = ui.rect_contains_pointer(ui.max_rect());
         if self.by_keyboard && ui.input(|input| input.key_pressed(egui::Key::Escape)) {
             self.by_keyboard = false;
@@ -170,14 +116,14 @@ impl TransferPanel {
         }
         let images = self.images.in_folder(ui.ctx(), scene.document.folder());
         let peak = self.drag.as_ref().map(|drag| drag.peak);
-        let look = EditedFunction::new(scene, node, &self.axes, self.plane, peak, &images);
+        let mut look = EditedFunction::new(scene, node, &self.axes, self.plane, peak, &images);
         self.chosen = self.chosen.min(look.widgets.len().saturating_sub(1));
         if is_another {
             self.choose(0, &look);
         }
         self.hidden.retain(|place| *place < look.widgets.len());
         ui.add_space(3.0);
-        self.head(ui, &look, actions);
+        self.head(ui, &look);
         let (whole, response) =
             ui.allocate_exact_size(ui.available_size().max(vec2(60.0, 60.0)), Sense::click_and_drag());
         let in_hand = look.widgets.get(self.chosen);
@@ -187,20 +133,20 @@ impl TransferPanel {
             pos2(whole.right() - if has_curve { MARGIN[2] } else { 8.0 }, whole.bottom() - MARGIN[1]),
         );
         let shown = self.shown.or_else(|| look.histogram().map(plane::whole));
-        let plane = Plane { rect, shown: shown.unwrap_or([[0.0, 1.0], [0.0, 1.0]]) };
-        self.plane = Some(plane);
-        self.draw(ui, plane, &look);
+        look.plane = Plane { rect, shown: shown.unwrap_or([[0.0, 1.0]; 2]), ..look.plane };
+        self.plane = Some(look.plane);
+        self.draw(ui, &look);
         if has_curve {
-            plane::extinctions(ui, plane, look.peak);
+            plane::extinctions(ui, look.plane);
         }
-        self.move_plane(ui, &response, plane);
-        self.hand(ui, &response, plane, &look, actions);
-        self.keys(ui, plane, &look, actions);
-        self.readout(ui, &response, plane, &look);
+        self.move_plane(ui, &response, look.plane);
+        self.hand(ui, &response, &look);
+        self.keys(ui, &look);
+        self.readout(ui, &response, &look);
     }
 
-    /// The histogram, its axes, and the widgets on it.
-    fn draw(&mut self, ui: &Ui, plane: Plane, look: &EditedFunction) {
+    fn draw(&mut self, ui: &Ui, look: &EditedFunction) {
+        let plane = look.plane;
         let (rect, dark) = (plane.rect, ui.visuals().dark_mode);
         ui.painter().rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
         if let Some(found) = &look.scene.distribution {
@@ -214,13 +160,12 @@ impl TransferPanel {
         if let Some(probed) = look.scene.probed.as_ref().filter(|_| look.is_of_s_and_g()) {
             plane::probed(ui, plane, probed);
         }
-        let scale = look.scale(plane.shown);
         // The one in hand above the others.
         let others = (0..look.widgets.len()).filter(|place| *place != self.chosen);
         for place in others.chain([self.chosen]) {
             let Some(widget) = look.widgets.get(place) else { continue };
             let handles = (place == self.chosen).then_some(self.held);
-            screen_widget::draw(ui, plane, widget, &scale, handles, self.hidden.contains(&place));
+            screen_widget::draw(ui, plane, widget, handles, self.hidden.contains(&place));
         }
         if look.scene.distribution.is_none() {
             let fault = look.scene.distribution_fault.as_ref().map(ToString::to_string);
@@ -233,7 +178,8 @@ impl TransferPanel {
     }
 
     /// The value and the share of the volume under the pointer.
-    fn readout(&self, ui: &Ui, response: &egui::Response, plane: Plane, look: &EditedFunction) {
+    fn readout(&self, ui: &Ui, response: &egui::Response, look: &EditedFunction) {
+        let plane = look.plane;
         let Some(at) = response.hover_pos().filter(|at| plane.rect.contains(*at)) else { return };
         let value = plane.to_values(at);
         let share = look.histogram().and_then(|histogram| plane::share_at(histogram, value));
@@ -249,13 +195,7 @@ impl TransferPanel {
 }
 
 /// The changes of a widget (as it was when they began) as edits of its node, one step.
-fn edit(
-    look: &EditedFunction,
-    place: usize,
-    before: &ScreenWidget,
-    changes: Vec<Change>,
-    actions: &mut Actions,
-) {
+fn edit(look: &EditedFunction, place: usize, before: &ScreenWidget, changes: Vec<Change>) {
     let Some(entry) = look.list.get(place).and_then(LocatedValue::table) else { return };
     let is_stated = |key: &str| find_setting(entry, key).is_some();
     let known = look.known();
@@ -268,5 +208,5 @@ fn edit(
         }
         None => is_stated(key).then(|| Edit::Unset { node: node(), path: path(key) }),
     });
-    actions.edits(format!("move widget {} of '{}'", place + 1, look.node.name), edits.collect());
+    look.actions.edits(format!("move widget {} of '{}'", place + 1, look.node.name), edits.collect());
 }

@@ -1,7 +1,6 @@
-//! The plane of s and g: from values to the window and back, its ticks, the histogram as a texture, probed values, and the painter of
-//! widgets.
+//! The plane of s and g: from values to the window and back, its ticks, the histogram as a texture, probed values, the painter of widgets,
+//! their handles, and numbers of a widget's table as they are read and written.
 
-use super::geometry::{Scale, height_of};
 use crate::picture::{WHOLE, set_texture};
 use crate::theme;
 use crate::worker::{Distribution, PixelProbe, short};
@@ -12,6 +11,7 @@ use eframe::egui::{
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use voltet_core::probing::{Axis, Histogram};
+use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue, find_setting};
 
 /// Largest number of probed values that are drawn one by one.
 const FEW: usize = 300;
@@ -28,6 +28,10 @@ pub(super) struct Plane {
     pub rect: Rect,
     /// From low to high, of s and of g.
     pub shown: [[f64; 2]; 2],
+    /// Lengths along both axes that are equal on the screen, for the axes and angles of ellipses.
+    pub extent: [f64; 2],
+    /// The extinction at the top of the plot, for curves.
+    pub peak: f64,
 }
 
 impl Plane {
@@ -50,6 +54,11 @@ impl Plane {
         [s[0] + x * (s[1] - s[0]), g[0] + y * (g[1] - g[0])]
     }
 
+    /// The largest value shown along the second axis, where a curve reaches its peak.
+    pub fn top(&self) -> f64 {
+        self.shown[1][1]
+    }
+
     /// Lengths along both axes that are equal on the screen, about as long as the axes.
     pub fn metric(self) -> [f64; 2] {
         let side = self.rect.width().max(1.0);
@@ -65,7 +74,6 @@ impl Plane {
     }
 }
 
-/// The value in the middle of a bin.
 pub(super) fn middle(axis: Axis, i: usize) -> f64 {
     0.5 * axis.edge(i) + 0.5 * axis.edge(i + 1)
 }
@@ -97,7 +105,6 @@ fn ticks([low, high]: [f64; 2], count: f64) -> Vec<f64> {
     (0..40).map(|i| (first + f64::from(i)) * step).take_while(|x| *x <= high).collect()
 }
 
-/// Lines and numbers of the axes.
 pub(super) fn axes(ui: &Ui, plane: Plane, names: [&str; 2]) {
     let dark = ui.visuals().dark_mode;
     let (line, text) = (Stroke::new(1.0, theme::weak(dark).gamma_multiply(0.25)), theme::weak(dark));
@@ -125,10 +132,10 @@ pub(super) fn axes(ui: &Ui, plane: Plane, names: [&str; 2]) {
 }
 
 /// Extinctions at the right, as curves have them: small ones are told apart by the cube root.
-pub(super) fn extinctions(ui: &Ui, plane: Plane, peak: f64) {
+pub(super) fn extinctions(ui: &Ui, plane: Plane) {
     let text = theme::weak(ui.visuals().dark_mode);
     let font = FontId::proportional(10.5);
-    let (rect, top) = (plane.rect, plane.shown[1][1]);
+    let (rect, top, peak) = (plane.rect, plane.top(), plane.peak);
     let power = 10f64.powf(peak.log10().floor());
     let mut last = f32::INFINITY;
     for tick in [0.0, 1e-3, 1e-2, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0].map(|k| k * power) {
@@ -214,18 +221,16 @@ pub(super) fn color(linear: [f64; 3]) -> Color32 {
     Color32::from(Rgba::from_rgb(r, g, b))
 }
 
-/// Painter of a widget.
-pub(super) struct WidgetPainter<'a> {
+pub(super) struct WidgetPainter {
     pub painter: Painter,
     pub plane: Plane,
-    pub scale: &'a Scale,
     pub stroke: Stroke,
     pub is_chosen: bool,
     pub is_hidden: bool,
     pub dark: bool,
 }
 
-impl WidgetPainter<'_> {
+impl WidgetPainter {
     /// Ranges, as far as they are shown.
     pub fn rectangle(&self, [s, g]: [[f64; 2]; 2], stroke: Stroke, fill: Color32) {
         let within = |axis: usize, [low, high]: [f64; 2]| {
@@ -264,6 +269,90 @@ pub(super) fn probed(ui: &Ui, plane: Plane, probed: &PixelProbe) {
     }
 }
 
+/// The plane of the scalar and its gradient magnitude.
+pub(super) const S_AND_G: [ArrayRef; 2] = [ArrayRef::Named("s"), ArrayRef::Named("g")];
+
+/// The height in the plot of an extinction, 0 to 1: its cube root, so that small ones are told apart.
+pub(super) fn height_of(extinction: f64, peak: f64) -> f64 {
+    (extinction / peak).max(0.0).cbrt()
+}
+
+pub(super) fn extinction_at(height: f64, peak: f64) -> f64 {
+    let height = height.clamp(0.0, 1.5);
+    // At the foot it is none at all.
+    if height < 0.01 { 0.0 } else { rounded(height.powi(3) * peak) }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Handle {
+    Centre,
+    /// The end of a half axis.
+    Width(usize),
+    Angle,
+    /// Width of the bands around a wave's peaks.
+    Band,
+    Rim(usize),
+    /// A side of a picture's ranges: along which axis, and whether the upper end.
+    Edge(usize, bool),
+    Corner(usize),
+    /// A side of the region, as of an edge.
+    Side(usize, bool),
+    Point(usize),
+}
+
+/// The corners of a box, against the clock from the lower left.
+pub(super) fn corners([s, g]: [[f64; 2]; 2]) -> [[f64; 2]; 4] {
+    [[s[0], g[0]], [s[1], g[0]], [s[1], g[1]], [s[0], g[1]]]
+}
+
+/// The ranges with a corner elsewhere; the lower end stays the lower one.
+pub(super) fn with_corner([mut s, mut g]: [[f64; 2]; 2], corner: usize, to: [f64; 2]) -> [[f64; 2]; 2] {
+    let (right, upper) = (corner == 1 || corner == 2, corner >= 2);
+    s[usize::from(right)] = to[0];
+    g[usize::from(upper)] = to[1];
+    [s, g].map(|[a, b]| [a.min(b), a.max(b)])
+}
+
+/// The sides of a box that limit, each in the middle of what is shown of it: along which axis, whether the upper end, and where.
+pub(super) fn edges(limits: [[f64; 2]; 2], plane: &Plane) -> impl Iterator<Item = (usize, bool, [f64; 2])> {
+    let shown = plane.shown;
+    (0..2).flat_map(move |axis| {
+        let other = 1 - axis;
+        let [low, high] = shown[other];
+        let middle = 0.5 * (limits[other][0].clamp(low, high) + limits[other][1].clamp(low, high));
+        let ends = limits[axis].into_iter().enumerate().filter(|(_, limit)| limit.is_finite());
+        ends.map(move |(end, limit)| {
+            let mut at = [middle; 2];
+            at[axis] = limit;
+            (axis, end == 1, at)
+        })
+    })
+}
+
+pub(super) fn array<const N: usize>(fields: &[Field], name: &str) -> Option<[f64; N]> {
+    find_setting(fields, name)?.array()
+}
+
+pub(super) fn number(fields: &[Field], name: &str) -> Option<f64> {
+    find_setting(fields, name).and_then(LocatedValue::number)
+}
+
+/// A change of a widget's table: a key, and its value or none to take it out.
+pub(super) type Change = (&'static str, Option<ParameterValue>);
+
+pub(super) fn list(numbers: &[f64]) -> ParameterValue {
+    numbers.iter().map(|x| rounded(*x)).collect()
+}
+
+pub(super) fn rows<Row: AsRef<[f64]>>(rows: &[Row]) -> ParameterValue {
+    rows.iter().map(|row| list(row.as_ref())).collect()
+}
+
+/// Six digits: finer than a pixel of any screen.
+pub(super) fn rounded(x: f64) -> f64 {
+    if x.is_finite() { format!("{x:.5e}").parse().unwrap_or(x) } else { x }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -271,7 +360,7 @@ mod tests {
     #[test]
     fn the_window_and_the_values_are_inverse() {
         let rect = Rect::from_min_size(pos2(50.0, 20.0), vec2(400.0, 200.0));
-        let plane = Plane { rect, shown: [[-2.0, 6.0], [0.0, 1e-3]] };
+        let plane = Plane { rect, shown: [[-2.0, 6.0], [0.0, 1e-3]], extent: [1.0; 2], peak: 1.0 };
         let [s, g] = plane.to_values(plane.to_window([1.5, 4e-4]));
         assert!((s - 1.5).abs() < 1e-5 && (g - 4e-4).abs() < 1e-9);
         assert_eq!(plane.to_window([-2.0, 0.0]), rect.left_bottom());

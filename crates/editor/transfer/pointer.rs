@@ -1,12 +1,9 @@
 //! Mouse in the plane: panning and zooming, dragging widgets, adding and removing points.
 
 use super::edited_function::EditedFunction;
-use super::geometry::{Handle, Scale, height_of};
-use super::plane::{self, Plane};
-use super::region::Region;
-use super::screen_widget::{Drag, ScreenWidget};
+use super::plane::{self, Handle, Plane, height_of};
+use super::screen_widget::{Drag, Region, ScreenWidget};
 use super::{TransferPanel, edit};
-use crate::actions::Actions;
 use eframe::egui::{self, PointerButton, Pos2, Ui, Vec2};
 
 /// Distance from a handle, or from a curve, within which a pointer hits it (points).
@@ -47,34 +44,26 @@ impl TransferPanel {
         }
     }
 
-    /// Choosing and dragging widgets, and points of them.
-    pub(super) fn hand(
-        &mut self,
-        ui: &Ui,
-        response: &egui::Response,
-        plane: Plane,
-        look: &EditedFunction,
-        actions: &mut Actions,
-    ) {
+    pub(super) fn hand(&mut self, ui: &Ui, response: &egui::Response, look: &EditedFunction) {
+        let plane = look.plane;
         let modifiers = ui.input(|input| input.modifiers);
         let press = ui.input(|input| input.pointer.press_origin());
-        let scale = look.scale(plane.shown);
         let at = response.interact_pointer_pos();
         if let Some(at) = at.filter(|_| response.double_clicked()) {
-            self.add_point_or_show_all(plane.to_values(at), look, &scale, actions);
+            self.add_point_or_show_all(plane.to_values(at), look);
             return;
         }
         if let Some(at) = at.filter(|_| response.clicked()) {
             self.before_click = self.chosen;
-            self.take(at, plane, look, &scale);
+            self.take(at, look);
             self.drag = None;
         }
         if let Some(at) = at.filter(|_| response.secondary_clicked()) {
-            self.take_point_away(at, plane, look, &scale, actions);
+            self.take_point_away(at, look);
         }
         let begins = response.drag_started_by(PointerButton::Primary) && !modifiers.shift;
         if let Some(at) = press.filter(|_| begins) {
-            self.take(at, plane, look, &scale);
+            self.take(at, look);
         }
         let Some(drag) = &mut self.drag else { return };
         if response.drag_stopped() || !ui.input(|input| input.pointer.primary_down()) {
@@ -94,21 +83,15 @@ impl TransferPanel {
         let times = if modifiers.alt { FINE } else { 1.0 };
         (0..2).for_each(|k| drag.at[k] += times * way[k]);
         let changes = match drag.handle {
-            Some(handle) => drag.widget.moved(handle, drag.at, &scale),
-            None => drag.widget.shifted([0, 1].map(|k: usize| drag.at[k] - drag.from[k]), &scale),
+            Some(handle) => drag.widget.moved(handle, drag.at, &plane),
+            None => drag.widget.shifted([0, 1].map(|k: usize| drag.at[k] - drag.from[k]), &plane),
         };
         let before = drag.widget.clone();
-        edit(look, self.chosen, &before, changes, actions);
+        edit(look, self.chosen, &before, changes);
     }
 
     /// A double click adds a point to a curve or polygon in hand, else all of the data is shown.
-    fn add_point_or_show_all(
-        &mut self,
-        at: [f64; 2],
-        look: &EditedFunction,
-        scale: &Scale,
-        actions: &mut Actions,
-    ) {
+    fn add_point_or_show_all(&mut self, at: [f64; 2], look: &EditedFunction) {
         let has_points = |place: usize| look.widgets.get(place).is_some_and(ScreenWidget::has_points);
         let Some(place) = [self.chosen, self.before_click].into_iter().find(|place| has_points(*place))
         else {
@@ -117,41 +100,34 @@ impl TransferPanel {
         };
         self.chosen = place;
         let widget = &look.widgets[place];
-        if let Some((changes, handle)) = widget.with_point(at, scale) {
+        if let Some((changes, handle)) = widget.with_point(at, &look.plane) {
             self.held = Some(handle);
-            edit(look, place, widget, changes, actions);
+            edit(look, place, widget, changes);
         }
     }
 
-    /// A right click on a point takes it away.
-    fn take_point_away(
-        &mut self,
-        at: Pos2,
-        plane: Plane,
-        look: &EditedFunction,
-        scale: &Scale,
-        actions: &mut Actions,
-    ) {
+    fn take_point_away(&mut self, at: Pos2, look: &EditedFunction) {
         let Some(widget) = look.widgets.get(self.chosen) else { return };
-        let handle = nearest(widget, at, plane, scale);
+        let handle = nearest(widget, at, look.plane);
         if let Some(changes) = handle.and_then(|handle| widget.without_point(handle)) {
             self.held = None;
-            edit(look, self.chosen, widget, changes, actions);
+            edit(look, self.chosen, widget, changes);
         }
     }
 
     /// Starts a drag of the target of a press: a handle of the selected widget, another widget, or nothing.
-    fn take(&mut self, at: Pos2, plane: Plane, look: &EditedFunction, scale: &Scale) {
+    fn take(&mut self, at: Pos2, look: &EditedFunction) {
+        let plane = look.plane;
         let value = plane.to_values(at);
         let hold = |widget: &ScreenWidget, handle: Option<Handle>| {
             let place =
-                |handle: Handle| widget.handles(scale).into_iter().find(|(known, _)| *known == handle);
+                |handle: Handle| widget.handles(&plane).into_iter().find(|(known, _)| *known == handle);
             let from = handle.and_then(place).map_or(value, |(_, place)| place);
-            Some(Drag { widget: widget.clone(), handle, from, at: from, peak: look.peak })
+            Some(Drag { widget: widget.clone(), handle, from, at: from, peak: plane.peak })
         };
         self.held = None;
         if let Some(widget) = look.widgets.get(self.chosen)
-            && let Some(handle) = nearest(widget, at, plane, scale)
+            && let Some(handle) = nearest(widget, at, plane)
         {
             self.held = Some(handle);
             self.drag = hold(widget, Some(handle));
@@ -162,13 +138,13 @@ impl TransferPanel {
             .widgets
             .iter()
             .enumerate()
-            .find_map(|(place, widget)| nearest(widget, at, plane, scale).map(|handle| (place, handle)));
+            .find_map(|(place, widget)| nearest(widget, at, plane).map(|handle| (place, handle)));
         if let Some((place, handle)) = by_handle {
             (self.chosen, self.held) = (place, Some(handle));
             self.drag = hold(&look.widgets[place], Some(handle));
             return;
         }
-        let on_curve = |widget: &&ScreenWidget| is_on_curve(widget, at, plane, scale);
+        let on_curve = |widget: &&ScreenWidget| is_on_curve(widget, at, plane);
         if let Some(place) = look.widgets.iter().position(|widget| on_curve(&widget)) {
             self.chosen = place;
             self.drag = hold(&look.widgets[place], None);
@@ -189,18 +165,17 @@ impl TransferPanel {
 }
 
 /// The handle that a pointer means.
-pub(super) fn nearest(widget: &ScreenWidget, at: Pos2, plane: Plane, scale: &Scale) -> Option<Handle> {
-    let handles = widget.handles(scale).into_iter();
+pub(super) fn nearest(widget: &ScreenWidget, at: Pos2, plane: Plane) -> Option<Handle> {
+    let handles = widget.handles(&plane).into_iter();
     let by_distance = handles.map(|(handle, place)| (plane.to_window(place).distance(at), handle));
     let near = by_distance.filter(|(distance, _)| *distance <= NEAR);
     near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, handle)| handle)
 }
 
-/// True if a pointer is on the line of a curve.
-fn is_on_curve(widget: &ScreenWidget, at: Pos2, plane: Plane, scale: &Scale) -> bool {
+fn is_on_curve(widget: &ScreenWidget, at: Pos2, plane: Plane) -> bool {
     let Some(peak) = widget.peak_of_curve() else { return false };
     let value = plane.to_values(at);
-    let height = height_of(peak * widget.strength(value), scale.peak) * scale.top();
+    let height = height_of(peak * widget.strength(value), plane.peak) * plane.top();
     (plane.to_window([value[0], height]).y - at.y).abs() <= NEAR
 }
 

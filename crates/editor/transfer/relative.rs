@@ -19,7 +19,6 @@ const IN_PLACE_OF_EACH_OTHER: [[&str; 2]; 2] = [["sigma", "matrix"], ["matrix", 
 const PERCENTILE_DIGITS: usize = 6;
 const NEAR: f64 = 2e-4;
 
-/// The widget's parameters as its kind declares them.
 fn parameters(fields: &[Field]) -> Option<Parameters> {
     let kind = find_setting(fields, "kind")?.text()?;
     let kind = WIDGET_KINDS.iter().find(|known| known.name == kind)?;
@@ -27,7 +26,6 @@ fn parameters(fields: &[Field]) -> Option<Parameters> {
     Some(Parameters::survey(kind.parameters, fields, &SourceSpan::Nowhere, &["kind"], &mut Vec::new()))
 }
 
-/// True if a widget's table has numbers relative to data.
 pub(super) fn is_relative(fields: &[Field]) -> bool {
     parameters(fields).is_some_and(|parameters| !parameters.relative_numbers().is_empty())
 }
@@ -99,10 +97,8 @@ fn carried(fields: &[Field], from: &str, to: &str, new: &ParameterValue) -> Opti
         };
         stated.get(place).is_some_and(|part| part.text().is_some()) || stated.iter().any(of)
     };
-    let one = |place: usize| match is_text(place) {
-        true => ParameterValue::from("100 %"),
-        false => ParameterValue::from(0.0),
-    };
+    let one =
+        |place: usize| if is_text(place) { ParameterValue::from("100 %") } else { ParameterValue::from(0.0) };
     let ParameterValue::List(parts) = new else { return None };
     let list = |count: usize| (0..count).map(one).collect::<ParameterValue>();
     let setting = match parts.first()?.list() {
@@ -143,7 +139,7 @@ fn written(
         return ParameterValue::List(parts.collect());
     }
     let (Some(was), Some(is)) = (now.number(), LocatedValue::from(new.clone()).number()) else { return new };
-    if is == was || (is - was).abs() <= 1e-9 * was.abs() || is == super::geometry::rounded(was) {
+    if is == was || (is - was).abs() <= 1e-9 * was.abs() || is == super::plane::rounded(was) {
         return old.datum.clone();
     }
     let mark = marked.and_then(LocatedValue::number).map(|mark| mark as usize);

@@ -1,13 +1,13 @@
-//! Widgets as they lie in the plane, drawn and dragged there.
+//! Widgets as they lie in the plane, drawn and dragged there; and their regions, outside of which a widget is 0.
 
-use super::geometry::{Change, Handle, Scale, array, number};
-use super::kinds::{natural_axes, shape};
-use super::plane::{Plane, WidgetPainter, color, middle};
-use super::region::Region;
+use super::kinds::{PlaneContext, Shape, natural_axes, shape};
+use super::plane::{
+    Change, Handle, Plane, WidgetPainter, array, color, corners, edges, list, middle, number, rows,
+    with_corner,
+};
 use super::relative;
-use super::shape::{PlaneContext, Shape};
 use crate::theme;
-use eframe::egui::{Color32, Painter, Pos2, Rect, Stroke, Ui, vec2};
+use eframe::egui::{self, Color32, Painter, Pos2, Rect, Stroke, Ui, vec2};
 use std::sync::Arc;
 use voltet_core::parameters::Parameters;
 use voltet_core::probing::Histogram;
@@ -15,10 +15,8 @@ use voltet_core::transfer::{self, ColorSource, WIDGET_KINDS, Widget};
 use voltet_core::{Error, Result};
 use voltet_graph::{ArrayRef, Field, LocatedValue, SourceSpan, find_setting};
 
-/// A widget in the plane.
 #[derive(Debug, Clone)]
 pub(super) struct ScreenWidget {
-    /// Its kind's name.
     pub kind: String,
     /// The widget, with placeholders for unknown numbers; `None` if it is invalid.
     widget: Option<Widget>,
@@ -28,7 +26,6 @@ pub(super) struct ScreenWidget {
     /// Linear RGB.
     pub color: [f64; 3],
     pub extinction: f64,
-    /// Its table as the file states it.
     pub stated: Vec<Field>,
     /// Error, or the reason for which it is not known yet.
     pub fault: Option<String>,
@@ -86,12 +83,10 @@ impl ScreenWidget {
         !is_line || self.region != Region::Whole
     }
 
-    /// True if it is strong in all of its region.
     pub fn is_its_region(&self) -> bool {
         self.widget.as_ref().is_some_and(|widget| widget.profile.properties().needs_region)
     }
 
-    /// The axes on which it is seen.
     pub fn natural_axes(&self) -> Option<[ArrayRef; 2]> {
         self.widget.as_ref().map(natural_axes)
     }
@@ -122,55 +117,47 @@ impl ScreenWidget {
         Some(sum / histogram.total)
     }
 
-    /// The handles, each with its place.
-    pub fn handles(&self, scale: &Scale) -> Vec<(Handle, [f64; 2])> {
-        let mut handles = self.shape.as_ref().map_or(Vec::new(), |shape| shape.handles(scale));
-        handles.extend(self.region.handles(scale));
+    pub fn handles(&self, plane: &Plane) -> Vec<(Handle, [f64; 2])> {
+        let mut handles = self.shape.as_ref().map_or(Vec::new(), |shape| shape.handles(plane));
+        handles.extend(self.region.handles(plane));
         handles
     }
 
-    /// Changes of the numbers when a handle moves to a position.
-    pub fn moved(&self, handle: Handle, to: [f64; 2], scale: &Scale) -> Vec<Change> {
-        let of_shape = || self.shape.as_ref().map_or(Vec::new(), |shape| shape.moved(handle, to, scale));
+    pub fn moved(&self, handle: Handle, to: [f64; 2], plane: &Plane) -> Vec<Change> {
+        let of_shape = || self.shape.as_ref().map_or(Vec::new(), |shape| shape.moved(handle, to, plane));
         self.region.moved(handle, to).unwrap_or_else(of_shape)
     }
 
-    /// Changes of the numbers when the whole widget is moved.
-    pub fn shifted(&self, by: [f64; 2], scale: &Scale) -> Vec<Change> {
-        let mut changes = self.shape.as_ref().map_or(Vec::new(), |shape| shape.shifted(by, scale));
+    pub fn shifted(&self, by: [f64; 2], plane: &Plane) -> Vec<Change> {
+        let mut changes = self.shape.as_ref().map_or(Vec::new(), |shape| shape.shifted(by, plane));
         changes.extend(self.region.shifted(by));
         changes
     }
 
-    /// True if points can be added.
     pub fn has_points(&self) -> bool {
         self.shape.as_ref().is_some_and(|shape| shape.has_points())
             || matches!(self.region, Region::Polygon(_))
     }
 
-    /// With a point more at a place, and which one that is.
-    pub fn with_point(&self, at: [f64; 2], scale: &Scale) -> Option<(Vec<Change>, Handle)> {
+    pub fn with_point(&self, at: [f64; 2], plane: &Plane) -> Option<(Vec<Change>, Handle)> {
         match self.shape.as_ref().filter(|shape| shape.has_points()) {
-            Some(shape) => shape.with_point(at, scale),
-            None => self.region.with_point(at, scale),
+            Some(shape) => shape.with_point(at, plane),
+            None => self.region.with_point(at, plane),
         }
     }
 
-    /// Without the point of a handle; `None` where it is none, or is needed.
     pub fn without_point(&self, handle: Handle) -> Option<Vec<Change>> {
         let of_shape = self.shape.as_ref().and_then(|shape| shape.without_point(handle));
         of_shape.or_else(|| self.region.without_point(handle))
     }
 }
 
-/// The arrays that a widget's table names.
 pub(super) fn arrays(fields: &[Field]) -> Vec<String> {
     let widget = with_placeholders(fields);
     let names = widget.as_ref().map_or(Vec::new(), |widget| widget.profile.properties().fields);
     names.into_iter().map(str::to_string).collect()
 }
 
-/// The widget's kind and keys.
 fn keys(fields: &[Field]) -> Result<(&'static str, Parameters)> {
     let kind = find_setting(fields, "kind").and_then(LocatedValue::text).unwrap_or_default();
     let known = WIDGET_KINDS.iter().find(|known| known.name == kind);
@@ -216,7 +203,6 @@ pub(super) fn draw(
     ui: &Ui,
     plane: Plane,
     widget: &ScreenWidget,
-    scale: &Scale,
     handles: Option<Option<Handle>>,
     is_hidden: bool,
 ) {
@@ -225,13 +211,13 @@ pub(super) fn draw(
     let base = if is_hidden { base.gamma_multiply(0.35) } else { base };
     let stroke = Stroke::new(if is_chosen { 2.2 } else { 1.4 }, base);
     let painter = ui.painter().with_clip_rect(plane.rect.expand(1.0));
-    let pen = WidgetPainter { painter, plane, scale, stroke, is_chosen, is_hidden, dark };
+    let pen = WidgetPainter { painter, plane, stroke, is_chosen, is_hidden, dark };
     if let Some(shape) = &widget.shape {
         shape.draw(&pen);
     }
     widget.region.draw(&pen, widget.is_its_region());
     if let Some(held) = handles {
-        for (handle, at) in widget.handles(scale) {
+        for (handle, at) in widget.handles(&plane) {
             grip(&pen.painter, plane.to_window(at), handle, held == Some(handle), base, dark);
         }
     }
@@ -266,3 +252,152 @@ fn grip(painter: &Painter, at: Pos2, handle: Handle, is_held: bool, base: Color3
 #[cfg(test)]
 #[path = "screen_widget_tests.rs"]
 mod tests;
+
+/// Support of a widget, as its table states it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Region {
+    Whole,
+    /// Ranges of s and g; infinite ones are no limit.
+    Box([[f64; 2]; 2]),
+    Polygon(Vec<[f64; 2]>),
+}
+
+const RANGES: [&str; 2] = ["region.s", "region.g"];
+
+impl Region {
+    /// Region of a widget's table, without numbers relative to data.
+    pub fn parse(fields: &[Field]) -> Region {
+        let Some(region) = find_setting(fields, "region").and_then(LocatedValue::table) else {
+            return Region::Whole;
+        };
+        let corners: Option<Vec<[f64; 2]>> = find_setting(region, "polygon")
+            .and_then(LocatedValue::list)
+            .and_then(|list| list.iter().map(|row| row.numbers()?.try_into().ok()).collect());
+        let limits = |name: &str| array(region, name).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+        corners.map_or_else(|| Region::Box([limits("s"), limits("g")]), Region::Polygon)
+    }
+
+    pub fn handles(&self, plane: &Plane) -> Vec<(Handle, [f64; 2])> {
+        match self {
+            Region::Whole => Vec::new(),
+            Region::Box(limits) => {
+                let is_closed = limits.as_flattened().iter().all(|x| x.is_finite());
+                let all = corners(*limits).into_iter().enumerate().filter(|_| is_closed);
+                let sides = edges(*limits, plane).map(|(axis, upper, at)| (Handle::Side(axis, upper), at));
+                all.map(|(i, at)| (Handle::Corner(i), at)).chain(sides).collect()
+            }
+            Region::Polygon(corners) => {
+                corners.iter().enumerate().map(|(i, at)| (Handle::Corner(i), *at)).collect()
+            }
+        }
+    }
+
+    /// Changes of the numbers when a handle moves to a position; `None` if the handle is none of a region.
+    pub fn moved(&self, handle: Handle, to: [f64; 2]) -> Option<Vec<Change>> {
+        match (handle, self) {
+            (Handle::Corner(i), Region::Box(limits)) => {
+                let after = with_corner(*limits, i, to);
+                Some((0..2).map(|k| (RANGES[k], Some(list(&after[k])))).collect())
+            }
+            (Handle::Corner(i), Region::Polygon(corners)) => {
+                let mut corners = corners.clone();
+                if let Some(corner) = corners.get_mut(i) {
+                    *corner = to;
+                }
+                // A region is convex: a hand that would dent it waits at its bounds.
+                let is_convex = is_convex(&corners);
+                Some(if is_convex { stated(&corners) } else { Vec::new() })
+            }
+            (Handle::Side(axis, upper), Region::Box(limits)) => {
+                let mut limits = limits[axis];
+                limits[usize::from(upper)] = to[axis];
+                let limits = [limits[0].min(limits[1]), limits[0].max(limits[1])];
+                Some(vec![(RANGES[axis], Some(list(&limits)))])
+            }
+            _ => None,
+        }
+    }
+
+    pub fn shifted(&self, by: [f64; 2]) -> Vec<Change> {
+        match self {
+            Region::Whole => Vec::new(),
+            Region::Box(limits) => {
+                let moves = |k: &usize| limits[*k].iter().any(|x| x.is_finite()) && by[*k] != 0.0;
+                let moved = |k: usize| (RANGES[k], Some(list(&limits[k].map(|x| x + by[k]))));
+                (0..2).filter(moves).map(moved).collect()
+            }
+            Region::Polygon(corners) => {
+                let moved: Vec<[f64; 2]> = corners.iter().map(|&[s, g]| [s + by[0], g + by[1]]).collect();
+                stated(&moved)
+            }
+        }
+    }
+
+    /// With a corner more at a place, and which one that is: on the nearest side, or there where that keeps it convex.
+    pub fn with_point(&self, at: [f64; 2], plane: &Plane) -> Option<(Vec<Change>, Handle)> {
+        let Region::Polygon(corners) = self else { return None };
+        let (place, on_side) = nearest_side(corners, at, plane.extent)?;
+        let with = |corner: [f64; 2]| {
+            let mut corners = corners.clone();
+            corners.insert(place, corner);
+            corners
+        };
+        let corners = if is_convex(&with(at)) { with(at) } else { with(on_side) };
+        Some((stated(&corners), Handle::Corner(place)))
+    }
+
+    pub fn without_point(&self, handle: Handle) -> Option<Vec<Change>> {
+        match (handle, self) {
+            (Handle::Corner(i), Region::Polygon(corners)) if corners.len() > 3 && i < corners.len() => {
+                let mut corners = corners.clone();
+                corners.remove(i);
+                Some(stated(&corners))
+            }
+            _ => None,
+        }
+    }
+
+    /// `is_all`: of a widget that is its region.
+    pub fn draw(&self, pen: &WidgetPainter, is_all: bool) {
+        let thin = Stroke::new(pen.stroke.width * 0.6, pen.stroke.color);
+        let fill = if is_all { pen.stroke.color.gamma_multiply(0.15) } else { Color32::TRANSPARENT };
+        match self {
+            Region::Whole => {}
+            Region::Box(limits) => pen.rectangle(*limits, thin, fill),
+            Region::Polygon(corners) => {
+                let points: Vec<Pos2> = corners.iter().map(|at| pen.plane.to_window(*at)).collect();
+                pen.painter.add(egui::Shape::convex_polygon(points, fill, thin));
+            }
+        }
+    }
+}
+
+fn stated(corners: &[[f64; 2]]) -> Vec<Change> {
+    vec![("region.polygon", Some(rows(corners)))]
+}
+
+/// True if a polygon turns one way at all of its corners.
+fn is_convex(corners: &[[f64; 2]]) -> bool {
+    let n = corners.len();
+    let turn = |i: usize| {
+        let [a, b, c] = [0, 1, 2].map(|k| corners[(i + k) % n]);
+        (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
+    };
+    n >= 3 && ((0..n).all(|i| turn(i) > 0.0) || (0..n).all(|i| turn(i) < 0.0))
+}
+
+/// The number that a corner on the nearest side would have, and its place there.
+fn nearest_side(corners: &[[f64; 2]], at: [f64; 2], extent: [f64; 2]) -> Option<(usize, [f64; 2])> {
+    let side = |i: usize| {
+        let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
+        let v = [0, 1].map(|k| (b[k] - a[k]) / extent[k]);
+        let w = [0, 1].map(|k| (at[k] - a[k]) / extent[k]);
+        let length = v[0] * v[0] + v[1] * v[1];
+        let share = if length > 0.0 { ((v[0] * w[0] + v[1] * w[1]) / length).clamp(0.0, 1.0) } else { 0.0 };
+        let place = [0, 1].map(|k: usize| a[k] + share * (b[k] - a[k]));
+        let apart = ((at[0] - place[0]) / extent[0]).hypot((at[1] - place[1]) / extent[1]);
+        (i + 1, place, apart)
+    };
+    let nearest = (0..corners.len()).map(side).min_by(|a, b| a.2.total_cmp(&b.2))?;
+    Some((nearest.0, nearest.1))
+}

@@ -1,5 +1,5 @@
-use super::super::geometry::{Change, Handle, S_AND_G, Scale, list, rows};
 use super::super::images::Images;
+use super::super::plane::{Change, Handle, Plane, S_AND_G, list, rows};
 use super::*;
 use crate::worker::DataScales;
 use voltet_graph::ParameterValue;
@@ -28,7 +28,8 @@ fn changed(mut fields: Vec<Field>, changes: Vec<Change>) -> Vec<Field> {
 }
 
 const EXTENT: [f64; 2] = [100.0, 10.0];
-const SCALE: Scale = Scale { extent: EXTENT, shown: [[0.0, 100.0], [0.0, 10.0]], peak: 50.0 };
+const PLANE: Plane =
+    Plane { rect: Rect::ZERO, extent: EXTENT, shown: [[0.0, 100.0], [0.0, 10.0]], peak: 50.0 };
 
 fn read(fields: &[Field]) -> ScreenWidget {
     read_with(fields, None)
@@ -41,7 +42,7 @@ fn read_with(fields: &[Field], known: Option<&DataScales>) -> ScreenWidget {
 
 /// Positions of its handles.
 fn places(drawn: &ScreenWidget) -> Vec<[f64; 2]> {
-    drawn.handles(&SCALE).into_iter().map(|(_, at)| at).collect()
+    drawn.handles(&PLANE).into_iter().map(|(_, at)| at).collect()
 }
 
 fn assert_near(found: &[[f64; 2]], wanted: &[[f64; 2]]) {
@@ -63,8 +64,8 @@ fn a_handle_goes_where_the_hand_brings_it() {
     let moves =
         [(Handle::Centre, [12.0, 3.0]), (Handle::Width(0), [13.0, 2.0]), (Handle::Width(1), [10.0, 4.5])];
     for (handle, to) in moves {
-        let after = read(&changed(fields.clone(), drawn.moved(handle, to, &SCALE)));
-        let (_, at) = after.handles(&SCALE).into_iter().find(|(other, _)| *other == handle).unwrap();
+        let after = read(&changed(fields.clone(), drawn.moved(handle, to, &PLANE)));
+        let (_, at) = after.handles(&PLANE).into_iter().find(|(other, _)| *other == handle).unwrap();
         assert!((at[0] - to[0]).abs() < 1e-6 && (at[1] - to[1]).abs() < 1e-6, "{handle:?}: {at:?}");
     }
 }
@@ -77,7 +78,7 @@ fn a_turned_gaussian_is_a_matrix_and_an_upright_one_is_not() {
     // 30° in the plane where both axes are as long.
     let (sin, cos) = 30f64.to_radians().sin_cos();
     let to = [10.0 + 5.0 * cos * EXTENT[0], 2.0 + 5.0 * sin * EXTENT[1]];
-    let turned = changed(fields.clone(), drawn.moved(Handle::Angle, to, &SCALE));
+    let turned = changed(fields.clone(), drawn.moved(Handle::Angle, to, &PLANE));
     assert!(
         turned.iter().any(|field| field.name == "matrix")
             && !turned.iter().any(|field| field.name == "sigma")
@@ -87,7 +88,7 @@ fn a_turned_gaussian_is_a_matrix_and_an_upright_one_is_not() {
     let length = 0.5 / EXTENT[0];
     let on_axis = [10.0 + length * cos * EXTENT[0], 2.0 + length * sin * EXTENT[1]];
     assert!((again.strength(on_axis) - (-0.5f64).exp()).abs() < 1e-4, "{}", again.strength(on_axis));
-    let upright = changed(turned, drawn.moved(Handle::Angle, [60.0, 2.01], &SCALE));
+    let upright = changed(turned, drawn.moved(Handle::Angle, [60.0, 2.01], &PLANE));
     assert!(upright.iter().any(|field| field.name == "sigma") && upright.len() == 5);
     assert_near(&places(&read(&upright)), &places(&drawn));
 }
@@ -105,7 +106,7 @@ fn a_matrix_and_its_half_axes_say_the_same() {
     ];
     let drawn = read(&fields);
     // At the ends of its half axes it is at one standard deviation.
-    let ends = drawn.handles(&SCALE).into_iter().filter(|(handle, _)| matches!(handle, Handle::Width(_)));
+    let ends = drawn.handles(&PLANE).into_iter().filter(|(handle, _)| matches!(handle, Handle::Width(_)));
     for (_, at) in ends {
         assert!((drawn.strength(at) - (-0.5f64).exp()).abs() < 1e-12, "{at:?}");
     }
@@ -121,9 +122,9 @@ fn an_infinite_deviation_has_no_handle_and_stays() {
     let mut fields = gaussian_widget();
     fields[4] = field("sigma", list(&[0.5, f64::INFINITY]));
     let drawn = read(&fields);
-    let handles: Vec<Handle> = drawn.handles(&SCALE).into_iter().map(|(handle, _)| handle).collect();
+    let handles: Vec<Handle> = drawn.handles(&PLANE).into_iter().map(|(handle, _)| handle).collect();
     assert_eq!(handles, [Handle::Centre, Handle::Width(0)]);
-    let after = changed(fields, drawn.moved(Handle::Width(0), [11.5, 2.0], &SCALE));
+    let after = changed(fields, drawn.moved(Handle::Width(0), [11.5, 2.0], &PLANE));
     let sigma = after.iter().find(|field| field.name == "sigma").unwrap().setting.numbers().unwrap();
     assert_eq!(sigma, [1.5, f64::INFINITY]);
 }
@@ -134,10 +135,10 @@ fn points_of_a_curve_keep_their_order_and_reach_zero() {
     let fields =
         vec![field("kind", ParameterValue::Text("piecewise-linear".into())), field("points", rows(&points))];
     let drawn = read(&fields);
-    let (_, at) = drawn.handles(&Scale { peak: 8.0, ..SCALE })[1];
+    let (_, at) = drawn.handles(&Plane { peak: 8.0, ..PLANE })[1];
     assert_eq!(at, [5.0, 10.0]);
     let after =
-        read(&changed(fields, drawn.moved(Handle::Point(1), [20.0, 0.02], &Scale { peak: 8.0, ..SCALE })));
+        read(&changed(fields, drawn.moved(Handle::Point(1), [20.0, 0.02], &Plane { peak: 8.0, ..PLANE })));
     let [s, height] = places(&after)[1];
     assert!(s < 9.0 && s > 8.9);
     assert_eq!(height, 0.0);
@@ -152,9 +153,9 @@ fn regions_follow_their_corners_and_the_widget() {
     assert_eq!(drawn.strength([2.0, 1.0]), 1.0);
     assert_eq!(drawn.strength([3.5, 1.0]), 0.0);
     // Past the other corner, the ends change places.
-    let changes = drawn.moved(Handle::Corner(2), [0.5, 1.0], &SCALE);
+    let changes = drawn.moved(Handle::Corner(2), [0.5, 1.0], &PLANE);
     assert_eq!(changes[0], ("region.s", Some(list(&[0.5, 1.0]))));
-    assert_eq!(drawn.shifted([1.0, 0.5], &SCALE)[1], ("region.g", Some(list(&[0.5, 2.5]))));
+    assert_eq!(drawn.shifted([1.0, 0.5], &PLANE)[1], ("region.g", Some(list(&[0.5, 2.5]))));
 }
 
 #[test]
@@ -163,10 +164,10 @@ fn sides_move_alone_and_a_polygon_stays_convex() {
     let mut fields = vec![field("kind", ParameterValue::Text("uniform".into())), field("region", region)];
     fields.extend(look());
     let drawn = read(&fields);
-    let handles: Vec<Handle> = drawn.handles(&SCALE).into_iter().map(|(handle, _)| handle).collect();
+    let handles: Vec<Handle> = drawn.handles(&PLANE).into_iter().map(|(handle, _)| handle).collect();
     assert_eq!(handles, [Handle::Side(0, false), Handle::Side(0, true)], "there is no limit of g");
     assert_eq!(
-        drawn.moved(Handle::Side(0, true), [7.0, 4.0], &SCALE),
+        drawn.moved(Handle::Side(0, true), [7.0, 4.0], &PLANE),
         [("region.s", Some(list(&[1.0, 7.0])))]
     );
     let corners = [[0.0, 0.0], [10.0, 0.0], [10.0, 5.0], [0.0, 5.0]];
@@ -174,13 +175,13 @@ fn sides_move_alone_and_a_polygon_stays_convex() {
     let mut fields = vec![field("kind", ParameterValue::Text("uniform".into())), field("region", region)];
     fields.extend(look());
     let drawn = read(&fields);
-    assert!(drawn.moved(Handle::Corner(2), [1.0, 1.0], &SCALE).is_empty(), "it would be dented");
+    assert!(drawn.moved(Handle::Corner(2), [1.0, 1.0], &PLANE).is_empty(), "it would be dented");
     // A point near the right side goes there, one outside stays where it is.
-    let (changes, handle) = drawn.with_point([9.0, 2.0], &SCALE).unwrap();
+    let (changes, handle) = drawn.with_point([9.0, 2.0], &PLANE).unwrap();
     assert_eq!(handle, Handle::Corner(2));
     let Some(ParameterValue::List(polygon)) = changes[0].1.clone() else { panic!("no polygon") };
     assert_eq!(polygon[2].numbers().unwrap(), [10.0, 2.0]);
-    let (changes, _) = drawn.with_point([11.0, 2.0], &SCALE).unwrap();
+    let (changes, _) = drawn.with_point([11.0, 2.0], &PLANE).unwrap();
     let Some(ParameterValue::List(polygon)) = changes[0].1.clone() else { panic!("no polygon") };
     assert_eq!(polygon[2].numbers().unwrap(), [11.0, 2.0]);
     assert!(drawn.without_point(Handle::Corner(0)).is_some_and(|changes| changes.len() == 1));
@@ -197,11 +198,11 @@ fn bands_are_as_wide_as_the_profile_says() {
         fields.extend(look());
         let drawn = read(&fields);
         assert!((drawn.strength([20.0, 3.0]) - 1.0).abs() < 1e-12, "{kind}: the peak of the first band");
-        let changes = drawn.moved(Handle::Band, [24.0, 1.0], &SCALE);
+        let changes = drawn.moved(Handle::Band, [24.0, 1.0], &PLANE);
         fields.push(field("band_width", changes[0].1.clone().unwrap()));
         let narrow = read(&fields);
         // It ends where the hand is.
-        let place = narrow.handles(&SCALE).into_iter().find(|(handle, _)| *handle == Handle::Band).unwrap().1;
+        let place = narrow.handles(&PLANE).into_iter().find(|(handle, _)| *handle == Handle::Band).unwrap().1;
         assert!((place[0] - 24.0).abs() < 1e-3, "{kind}: {place:?}");
         assert!(narrow.strength([24.1, 0.0]) == 0.0 && narrow.strength([23.0, 0.0]) > 0.0, "{kind}");
     }
@@ -209,7 +210,8 @@ fn bands_are_as_wide_as_the_profile_says() {
 
 /// The axis is 0 to 100, half of the volume below 20.
 fn known() -> DataScales {
-    let spread = crate::worker::Spread::from_knots(vec![0.0, 20.0, 100.0], vec![0.0, 0.5, 1.0]);
+    let spread =
+        crate::worker::Spread { values: vec![0.0, 20.0, 100.0], below: vec![0.0, 0.5, 1.0], total: 1.0 };
     let [s, g] = S_AND_G;
     DataScales { ranges: [(s.clone(), [0.0, 100.0]), (g, [0.0, 10.0])].into(), spreads: [(s, spread)].into() }
 }
@@ -229,12 +231,12 @@ fn relative_numbers_stay_relative_and_others_as_they_are_written() {
         let datum = relative::as_written(&fields, Some(&known), key, change.1.unwrap());
         datum.to_string()
     };
-    assert_eq!(written(drawn.moved(Handle::Centre, [60.0, 5.0], &SCALE), "centre"), "[\"p75.0\", \"50 %\"]");
-    assert_eq!(written(drawn.moved(Handle::Centre, [60.0, 2.5], &SCALE), "centre"), "[\"p75.0\", \"25 %\"]");
-    let wider = drawn.moved(Handle::Width(0), [60.0, 2.5], &SCALE);
+    assert_eq!(written(drawn.moved(Handle::Centre, [60.0, 5.0], &PLANE), "centre"), "[\"p75.0\", \"50 %\"]");
+    assert_eq!(written(drawn.moved(Handle::Centre, [60.0, 2.5], &PLANE), "centre"), "[\"p75.0\", \"25 %\"]");
+    let wider = drawn.moved(Handle::Width(0), [60.0, 2.5], &PLANE);
     assert_eq!(written(wider, "sigma"), "[\"40 %\", 0.123456789]");
     // Turned, it is a matrix whose first column stays relative, and the same widget.
-    let turned = drawn.moved(Handle::Angle, [60.0, 7.0], &SCALE);
+    let turned = drawn.moved(Handle::Angle, [60.0, 7.0], &PLANE);
     let matrix = written(turned.clone(), "matrix");
     assert_eq!(matrix.matches('%').count(), 2, "{matrix}");
     let as_written = |key: &str, change: Option<ParameterValue>| {
@@ -252,13 +254,13 @@ fn relative_numbers_stay_relative_and_others_as_they_are_written() {
     assert!((strength(&known, 1.0) / strength(&wider, 2.0) - 1.0).abs() < 1e-9);
     // Upright again, the deviations are relative as they were.
     let drawn = read_with(&after, Some(&known));
-    let ring = drawn.handles(&SCALE).into_iter().find(|(handle, _)| *handle == Handle::Angle).unwrap().1;
+    let ring = drawn.handles(&PLANE).into_iter().find(|(handle, _)| *handle == Handle::Angle).unwrap().1;
     let slope = |at: [f64; 2]| (at[1] - 2.5) / (at[0] - 20.0);
     assert!(
         (slope(ring) / slope([60.0, 7.0]) - 1.0).abs() < 1e-3 && ring[0] > 20.0,
         "the ring is where it was left"
     );
-    let upright = drawn.moved(Handle::Angle, [60.0, 2.51], &SCALE);
+    let upright = drawn.moved(Handle::Angle, [60.0, 2.51], &PLANE);
     let sigma = relative::as_written(&after, Some(&known), "sigma", upright[0].1.clone().unwrap());
     assert_eq!(sigma.to_string(), "[\"10 %\", 0.123457]");
     after.retain(|field| field.name != "matrix");
@@ -301,12 +303,12 @@ fn a_table_is_drawn_as_its_picture_and_moved_and_scaled_by_its_ranges() {
     assert_eq!([drawn.strength([2.5, 2.0]), drawn.strength([5.5, 2.0])], [1.0, 0.0]);
     assert_eq!(drawn.strength([4.0, 3.0]), 0.5, "between the texels");
     assert_eq!(
-        drawn.moved(Handle::Rim(2), [8.0, 7.0], &SCALE),
+        drawn.moved(Handle::Rim(2), [8.0, 7.0], &PLANE),
         [("s", Some(list(&[2.0, 8.0]))), ("g", Some(list(&[1.0, 7.0])))]
     );
-    assert_eq!(drawn.moved(Handle::Edge(0, true), [9.0, 77.0], &SCALE), [("s", Some(list(&[2.0, 9.0])))]);
-    assert_eq!(drawn.moved(Handle::Centre, [5.0, 3.0], &SCALE), [("s", Some(list(&[3.0, 7.0])))]);
-    assert_eq!(drawn.moved(Handle::Edge(0, true), [2.0, 3.0], &SCALE), [], "a range would be empty");
+    assert_eq!(drawn.moved(Handle::Edge(0, true), [9.0, 77.0], &PLANE), [("s", Some(list(&[2.0, 9.0])))]);
+    assert_eq!(drawn.moved(Handle::Centre, [5.0, 3.0], &PLANE), [("s", Some(list(&[3.0, 7.0])))]);
+    assert_eq!(drawn.moved(Handle::Edge(0, true), [2.0, 3.0], &PLANE), [], "a range would be empty");
     // Without its picture it can still be moved, and says what is wrong.
     fields[2] = field("image", ParameterValue::Text("none.png".into()));
     while images.fault("none.png").is_none() {
@@ -315,5 +317,5 @@ fn a_table_is_drawn_as_its_picture_and_moved_and_scaled_by_its_ranges() {
     }
     let drawn = read(&fields);
     assert!(drawn.fault.as_ref().is_some_and(|fault| fault.contains("none.png")), "{:?}", drawn.fault);
-    assert_eq!(drawn.shifted([1.0, 0.0], &SCALE), [("s", Some(list(&[3.0, 7.0])))]);
+    assert_eq!(drawn.shifted([1.0, 0.0], &PLANE), [("s", Some(list(&[3.0, 7.0])))]);
 }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::actions::Action;
+use crate::scene::Action;
 use voltet_graph::ArrayRef;
 
 #[test]
@@ -30,7 +30,7 @@ fn the_file_of_a_parameter_is_chosen_in_a_list() {
     let mut hand = Hand::new(TEXT);
     std::fs::create_dir(hand.folder.path().join("pictures")).unwrap();
     std::fs::write(hand.folder.path().join("pictures/other.png"), "").unwrap();
-    let title = hand.editor.graph.frame_of("file").unwrap().min + vec2(30.0, 8.0);
+    let title = hand.editor.panels.graph.frame_of("file").unwrap().min + vec2(30.0, 8.0);
     hand.click(title);
     hand.frames(3);
     hand.click_on("…");

@@ -1,5 +1,5 @@
 use super::*;
-use crate::actions::Command;
+use crate::scene::Command;
 
 /// A window with a frame around two nodes that is named.
 fn framed() -> Hand {
@@ -53,17 +53,17 @@ fn a_frame_is_named_moved_with_what_it_holds_and_resized() {
 #[test]
 fn nodes_are_folded_and_keep_their_wires() {
     let mut hand = Hand::new(TEXT);
-    let before = hand.editor.graph.frame_of("picture").unwrap();
+    let before = hand.editor.panels.graph.frame_of("picture").unwrap();
     hand.editor.selection = ["picture", "view"].map(String::from).into();
     hand.key(Key::B, Modifiers::NONE);
     hand.frames(3);
-    let after = hand.editor.graph.frame_of("picture").unwrap();
+    let after = hand.editor.panels.graph.frame_of("picture").unwrap();
     assert!(after.height() < 0.6 * before.height(), "{before:?} {after:?}");
-    assert!(hand.editor.graph.port_at("picture", "camera", true).is_none(), "the head alone");
+    assert!(hand.editor.panels.graph.port_at("picture", "camera", true).is_none(), "the head alone");
     assert!(hand.text().contains("folded = true"), "{}", hand.text());
     hand.key(Key::B, Modifiers::NONE);
     hand.frames(3);
-    assert!(hand.editor.graph.port_at("picture", "camera", true).is_some());
+    assert!(hand.editor.panels.graph.port_at("picture", "camera", true).is_some());
     hand.key(Key::Z, Modifiers::COMMAND);
     hand.key(Key::Z, Modifiers::COMMAND);
     assert_eq!(hand.text(), TEXT);
@@ -73,14 +73,14 @@ fn nodes_are_folded_and_keep_their_wires() {
 fn far_away_nodes_show_their_names_alone_and_are_still_moved() {
     let mut hand = Hand::new(TEXT);
     assert_eq!(hand.texts("transfer_function").len(), 2, "ports have names");
-    let ground = hand.editor.graph.frame_of("view").unwrap().max + vec2(40.0, 40.0);
+    let ground = hand.editor.panels.graph.frame_of("view").unwrap().max + vec2(40.0, 40.0);
     hand.move_to(ground, Modifiers::NONE);
     let delta = vec2(0.0, -12.0);
     let unit = eframe::egui::MouseWheelUnit::Line;
     hand.frame(vec![Event::MouseWheel { unit, delta, modifiers: Modifiers::NONE }], Modifiers::NONE);
     hand.frames(30);
     assert_eq!(hand.texts("transfer_function").len(), 0);
-    let frame = hand.editor.graph.frame_of("picture").unwrap();
+    let frame = hand.editor.panels.graph.frame_of("picture").unwrap();
     let names = hand.texts("picture");
     assert!(names.iter().any(|at| frame.contains(*at)) && frame.width() < 90.0, "{frame:?} {names:?}");
     let before = hand.editor.document().position("picture");
@@ -98,7 +98,7 @@ fn a_node_has_a_remark_and_the_pipeline_a_title() {
     hand.key(Key::Enter, Modifiers::NONE);
     hand.frames(3);
     assert!(hand.text().contains("remark = \"from the south\""), "{}", hand.text());
-    let frame = hand.editor.graph.frame_of("view").unwrap();
+    let frame = hand.editor.panels.graph.frame_of("view").unwrap();
     assert!(hand.texts("from the south").iter().any(|at| frame.contains(*at)), "it stands in the node");
     hand.editor.selection.clear();
     hand.frames(2);

@@ -14,7 +14,7 @@ mod transfer_axes;
 mod transfer_more;
 
 use crate::editor::Editor;
-use crate::input::InputQueue;
+use crate::keys::InputQueue;
 use eframe::egui::epaint::ClippedShape;
 use eframe::egui::{Context, Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, pos2, vec2};
 use std::path::{Path, PathBuf};

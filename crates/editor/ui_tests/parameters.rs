@@ -3,13 +3,13 @@ use std::sync::Arc;
 
 /// The value of a row; the panel shows it once its node is selected.
 fn row(hand: &Hand, key: &str) -> Rect {
-    let places = &hand.editor.parameters.places;
+    let places = &hand.editor.panels.parameters.places;
     *places.get(key).unwrap_or_else(|| panic!("{key} is not shown: {:?}", places.keys()))
 }
 
 /// Selects a node.
 fn select(hand: &mut Hand, node: &str) {
-    let title = hand.editor.graph.frame_of(node).unwrap().min + vec2(30.0, 8.0);
+    let title = hand.editor.panels.graph.frame_of(node).unwrap().min + vec2(30.0, 8.0);
     hand.click(title);
     hand.frames(3);
 }
@@ -153,7 +153,7 @@ fn a_wrong_number_stays_until_another_is_typed() {
     let at = field(&hand);
     hand.click(at);
     hand.frames(2);
-    let ground = hand.editor.graph.frame_of("view").unwrap().max + vec2(60.0, 30.0);
+    let ground = hand.editor.panels.graph.frame_of("view").unwrap().max + vec2(60.0, 30.0);
     hand.key(Key::Tab, Modifiers::NONE);
     hand.click(ground);
     assert_eq!(hand.text(), text, "a look at it changes nothing");

@@ -1,7 +1,7 @@
 use super::*;
 
 fn middle(hand: &Hand) -> Pos2 {
-    hand.editor.picture.rect().unwrap().center()
+    hand.editor.panels.picture.rect.unwrap().center()
 }
 
 #[test]

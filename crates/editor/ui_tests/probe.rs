@@ -2,7 +2,7 @@
 
 use super::transfer::with_distribution;
 use super::*;
-use crate::actions::Command;
+use crate::scene::Command;
 use crate::study::{Studied, StudyRequest};
 use voltet_core::progress::Progress;
 use voltet_graph::LocatedValue;
@@ -17,7 +17,7 @@ fn last_widget(hand: &Hand) -> Vec<voltet_graph::Field> {
 #[test]
 fn a_box_in_the_picture_finds_the_values_on_its_rays() {
     let mut hand = Hand::new(TEXT);
-    let middle = hand.editor.picture.rect().unwrap().center();
+    let middle = hand.editor.panels.picture.rect.unwrap().center();
     let corner = middle - vec2(20.0, 15.0);
     hand.drag_with(corner, middle + vec2(20.0, 15.0), PointerButton::Primary, Modifiers::ALT);
     until(&mut hand, "no answer comes", |hand| hand.editor.scene().probed.is_some());
@@ -40,14 +40,14 @@ fn values_in_the_section_make_a_widget_of_their_mean_and_covariance() {
     assert!(section.cells > 50 && section.values.iter().flatten().count() > 5000, "{}", section.cells);
     // The wavelet's own formula is not linear, but its values stay within its range: 37 to 277.
     assert!(section.values.iter().flatten().all(|[s, g]| (30.0..280.0).contains(s) && *g >= 0.0));
-    let rect = hand.editor.section.rect.unwrap();
+    let rect = hand.editor.panels.section.rect.unwrap();
     let from = rect.center() - vec2(40.0, 40.0);
     hand.drag(from, rect.center() + vec2(30.0, 20.0));
     let probed = hand.editor.scene().probed.clone().unwrap();
     assert!(probed.values.len() > 1000 && probed.rays == 0, "{}", probed.values.len());
     assert!(hand.said().contains("in the section"), "{}", hand.said());
     let (mean, covariance) = probed.moments().unwrap();
-    let entry = hand.editor.transfer.at_probe_for_tests(&hand.editor.scene()).unwrap();
+    let entry = hand.editor.panels.transfer.at_probe_for_tests(&hand.editor.scene()).unwrap();
     let edit = voltet_document::Edit::Insert { node: "look".into(), list: "widgets".into(), place: 1, entry };
     hand.editor.edit("probe".into(), &[edit]);
     let widget = last_widget(&hand);
@@ -76,7 +76,7 @@ fn values_in_the_section_make_a_widget_of_their_mean_and_covariance() {
     let at = rect.center();
     hand.click(at);
     assert_eq!(hand.editor.scene().probed.clone().unwrap().values.len(), 1);
-    let entry = hand.editor.transfer.at_probe_for_tests(&hand.editor.scene()).unwrap();
+    let entry = hand.editor.panels.transfer.at_probe_for_tests(&hand.editor.scene()).unwrap();
     let sigma = entry.table_for_tests("sigma");
     assert!(sigma.iter().all(|sigma| *sigma > 0.0 && sigma.is_finite()), "{sigma:?}");
 }
@@ -97,9 +97,9 @@ fn a_probe_of_a_constant_field_makes_a_widget_that_draws() {
     hand.editor.command(&hand.ctx.clone(), Command::Section);
     until(&mut hand, "no section comes", |hand| matches!(hand.editor.scene().section, Some(Ok(_))));
     hand.frames(3);
-    let rect = hand.editor.section.rect.unwrap();
+    let rect = hand.editor.panels.section.rect.unwrap();
     hand.drag(rect.center() - vec2(30.0, 30.0), rect.center() + vec2(30.0, 30.0));
-    let entry = hand.editor.transfer.at_probe_for_tests(&hand.editor.scene()).unwrap();
+    let entry = hand.editor.panels.transfer.at_probe_for_tests(&hand.editor.scene()).unwrap();
     assert_eq!(entry.table_for_tests("centre"), [5.0, 0.0]);
     assert!(entry.table_for_tests("sigma").iter().all(|sigma| *sigma > 0.0));
     let edit = voltet_document::Edit::Insert { node: "look".into(), list: "widgets".into(), place: 1, entry };
@@ -125,7 +125,7 @@ impl Entry for voltet_graph::ParameterValue {
 #[test]
 fn a_study_runs_beside_the_window_and_can_be_stopped() {
     let mut hand = Hand::new(TEXT);
-    hand.editor.study.make = Some(Arc::new(|of: &StudyRequest, progress: &dyn Progress| {
+    hand.editor.panels.study.make = Some(Arc::new(|of: &StudyRequest, progress: &dyn Progress| {
         assert!(of.text.contains("wavelet") && of.node.as_deref() == Some("picture"));
         for i in 0..2000 {
             progress.report("settings", f64::from(i) / 2000.0);
@@ -143,17 +143,26 @@ fn a_study_runs_beside_the_window_and_can_be_stopped() {
         path: hand.path(),
         node: hand.editor.scene().shown_node.map(str::to_string),
     };
-    hand.editor.study.begin(of.clone(), &hand.ctx.clone());
+    hand.editor.panels.study.begin(of.clone(), &hand.ctx.clone());
     let begun = std::time::Instant::now();
     hand.frames(5);
-    assert!(hand.editor.study.found().is_none());
-    hand.editor.study.stop();
-    until(&mut hand, "it does not stop", |hand| hand.editor.study.found().is_some());
+    assert!(hand.editor.panels.study.found.as_ref().is_none());
+    hand.editor.panels.study.stop();
+    until(&mut hand, "it does not stop", |hand| hand.editor.panels.study.found.as_ref().is_some());
     assert!(begun.elapsed() < Duration::from_secs(15));
-    assert_eq!(hand.editor.study.found().unwrap().as_ref().unwrap_err(), "stopped");
-    hand.editor.study.make = Some(Arc::new(|_: &StudyRequest, _: &dyn Progress| panic!("a mistake")));
-    hand.editor.study.begin(of, &hand.ctx.clone());
-    until(&mut hand, "no end", |hand| hand.editor.study.found().is_some());
-    assert!(hand.editor.study.found().unwrap().as_ref().is_err_and(|error| error.contains("mistake")));
+    assert_eq!(hand.editor.panels.study.found.as_ref().unwrap().as_ref().unwrap_err(), "stopped");
+    hand.editor.panels.study.make = Some(Arc::new(|_: &StudyRequest, _: &dyn Progress| panic!("a mistake")));
+    hand.editor.panels.study.begin(of, &hand.ctx.clone());
+    until(&mut hand, "no end", |hand| hand.editor.panels.study.found.as_ref().is_some());
+    assert!(
+        hand.editor
+            .panels
+            .study
+            .found
+            .as_ref()
+            .unwrap()
+            .as_ref()
+            .is_err_and(|error| error.contains("mistake"))
+    );
     hand.frames(3);
 }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::actions::Command;
+use crate::scene::Command;
 
 /// A window with room for so much.
 fn on(size: [f32; 2], pixels_per_point: f32, text: &str) -> Hand {

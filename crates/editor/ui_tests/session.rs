@@ -1,11 +1,11 @@
 use super::*;
-use crate::actions::Command;
+use crate::scene::Command;
 use voltet_graph::NoObserver;
 
 #[test]
 fn a_file_saved_here_runs_headless_to_the_picture_that_was_shown() {
     let mut hand = Hand::new(TEXT);
-    let at = hand.editor.picture.rect().unwrap().center();
+    let at = hand.editor.panels.picture.rect.unwrap().center();
     hand.drag(at, at + vec2(30.0, 45.0));
     hand.settle();
     hand.key(Key::S, Modifiers::COMMAND);
@@ -113,7 +113,7 @@ fn a_file_that_another_program_wrote_is_asked_about_and_never_written_over_unask
 #[test]
 fn how_wrong_the_picture_is_can_be_asked() {
     let mut hand = Hand::new(TEXT);
-    hand.editor.apply(&hand.ctx.clone(), crate::actions::Action::Estimate);
+    hand.editor.apply(&hand.ctx.clone(), crate::scene::Action::Estimate);
     for _ in 0..4000 {
         hand.frames(1);
         if let Some(found) = hand.editor.scene().estimate {
@@ -175,5 +175,5 @@ fn a_file_that_is_no_toml_says_where_and_is_taken_over_once_it_is_mended() {
     hand.frames(2);
     hand.click_on("Take it over");
     assert_eq!(hand.text(), TEXT);
-    assert!(hand.editor.graph.frame_of("view").is_some());
+    assert!(hand.editor.panels.graph.frame_of("view").is_some());
 }

@@ -19,7 +19,7 @@ fn what_is_taken_hold_of_lies_where_the_button_was_pressed() {
         modifiers: Modifiers::NONE,
     };
     // The last place lies on the picture above, which would be turned.
-    let picture = hand.editor.picture.rect().unwrap().center();
+    let picture = hand.editor.panels.picture.rect.unwrap().center();
     let moved = Event::PointerMoved;
     let events =
         vec![moved(from), button(from, true), moved(picture), moved(to), button(to, false), moved(picture)];
@@ -52,9 +52,9 @@ fn axes_are_chosen_among_the_arrays_that_the_data_have() {
     let right = both.into_iter().min_by(|a, b| a.x.total_cmp(&b.x)).unwrap();
     hand.click(right);
     hand.frames(4);
-    assert_eq!(hand.editor.transfer.axes(), [ArrayRef::Array("b".into()), ArrayRef::Named("g")]);
+    assert_eq!(hand.editor.panels.transfer.axes(), [ArrayRef::Array("b".into()), ArrayRef::Named("g")]);
     with_distribution(&mut hand);
-    let [[low, high], _] = hand.editor.transfer.shown_axes();
+    let [[low, high], _] = hand.editor.panels.transfer.shown_axes();
     assert!(low < 0.0 && high > 4.0 && high < 4.3, "{low} {high}");
 }
 
@@ -133,7 +133,7 @@ fn numbers_relative_to_a_series_are_drawn_and_stay_relative() {
     let s = ArrayRef::Named("s");
     assert_eq!(known.known.ranges[&s], [0.0, 4.0], "of both steps");
     assert!((known.known.spreads[&s].below(1.0) - 0.375).abs() < 1e-3, "half and a quarter");
-    let [_, high] = hand.editor.transfer.shown_axes()[0];
+    let [_, high] = hand.editor.panels.transfer.shown_axes()[0];
     assert!(high < 2.2, "the plane is that of the step that is shown");
     let from = place(&hand, [2.0, 0.5]);
     hand.drag(from, place(&hand, [1.0, 0.5]));

@@ -19,7 +19,7 @@ fn points(hand: &Hand) -> Vec<Vec<f64>> {
 }
 
 pub(super) fn place(hand: &Hand, value: [f64; 2]) -> Pos2 {
-    hand.editor.transfer.place_of(value).unwrap()
+    hand.editor.panels.transfer.place_of(value).unwrap()
 }
 
 fn double_click(hand: &mut Hand, at: Pos2) {
@@ -52,7 +52,7 @@ fn points_of_a_curve_are_added_and_taken_away() {
     let text = with_curve();
     let mut hand = Hand::new(&text);
     with_distribution(&mut hand);
-    let [_, [_, top]] = hand.editor.transfer.shown_axes();
+    let [_, [_, top]] = hand.editor.panels.transfer.shown_axes();
     // Half way up by the cube root: an eighth of the scale, which reaches a tenth over the largest.
     let at = place(&hand, [150.0, 0.5 * top]);
     double_click(&mut hand, at);
@@ -93,18 +93,18 @@ fn keys_over_the_plane_are_for_widgets_and_elsewhere_for_nodes() {
     assert_eq!(of(&widgets(&hand)[1], "color"), last, "its place in the list");
     hand.key(Key::V, Modifiers::NONE);
     assert_eq!(
-        hand.editor.transfer.hidden().map(|(_, hidden)| hidden.iter().copied().collect()),
+        hand.editor.panels.transfer.hidden().map(|(_, hidden)| hidden.iter().copied().collect()),
         Some(vec![1])
     );
     hand.key(Key::PageUp, Modifiers::NONE);
     hand.key(Key::Delete, Modifiers::NONE);
     assert_eq!(widgets(&hand).len(), 2);
     assert_eq!(
-        hand.editor.transfer.hidden().map(|(_, hidden)| hidden.iter().copied().collect()),
+        hand.editor.panels.transfer.hidden().map(|(_, hidden)| hidden.iter().copied().collect()),
         Some(vec![0])
     );
     assert!(hand.editor.document().pipeline().nodes.iter().any(|node| node.name == "look"));
-    let picture = hand.editor.picture.rect().unwrap().center();
+    let picture = hand.editor.panels.picture.rect.unwrap().center();
     hand.move_to(picture, Modifiers::NONE);
     hand.frames(2);
     // By the keyboard alone, wherever the pointer is.
@@ -159,7 +159,7 @@ fn relative_numbers_stay_relative_where_a_hand_moves_them() {
         );
     let mut hand = Hand::new(&text);
     with_distribution(&mut hand);
-    let axes = hand.editor.transfer.shown_axes();
+    let axes = hand.editor.panels.transfer.shown_axes();
     let known = hand.editor.scene().distribution.clone().unwrap();
     let of_s = &known.known.spreads[&ArrayRef::Named("s")];
     let [_, high] = known.known.ranges[&ArrayRef::Named("g")];
@@ -188,7 +188,7 @@ fn relative_numbers_stay_relative_where_a_hand_moves_them() {
     hand.settle();
     let report = hand.editor.worker().shown(|shown| shown.report.clone().unwrap());
     let said = format!("{:?}", report.findings);
-    let to = hand.editor.transfer.value_at(from + vec2(40.0, -12.0)).unwrap();
+    let to = hand.editor.panels.transfer.value_at(from + vec2(40.0, -12.0)).unwrap();
     let percent: f64 = texts[0][1..].parse().unwrap();
     let landed = of_s.value_at(percent / 100.0);
     assert!((meanwhile[0] - landed).abs() < 1e-9 * landed, "{meanwhile:?} {landed}");
@@ -217,10 +217,10 @@ fn a_widget_over_several_fields_is_moved_on_the_plane_of_two_of_them() {
     );
     let mut hand = Hand::with_file(&text, "cube.vtk", CUBE);
     with_distribution(&mut hand);
-    hand.editor.transfer.choose_for_tests(["b", "a"].map(|name| ArrayRef::Array(name.into())));
+    hand.editor.panels.transfer.choose_for_tests(["b", "a"].map(|name| ArrayRef::Array(name.into())));
     hand.frames(4);
     with_distribution(&mut hand);
-    let [[low, high], _] = hand.editor.transfer.shown_axes();
+    let [[low, high], _] = hand.editor.panels.transfer.shown_axes();
     assert!(low < 0.0 && low > -0.3 && high > 4.0 && high < 4.3, "{low} {high}");
     let at = place(&hand, [2.0, 0.5]);
     let to = place(&hand, [3.0, 0.25]);
@@ -251,7 +251,7 @@ fn the_share_of_the_widget_in_hand_is_found() {
     let [own, all] = alone.cells.unwrap();
     assert!(own > 0 && own <= all, "{alone:?}");
     // Of two the same, one is what makes it denser.
-    let at = hand.editor.picture.rect().unwrap().center() + vec2(0.0, 200.0);
+    let at = hand.editor.panels.picture.rect.unwrap().center() + vec2(0.0, 200.0);
     hand.move_to(at, Modifiers::NONE);
     hand.editor.edit(
         "two".into(),
@@ -273,11 +273,11 @@ fn a_late_distribution_leaves_the_picture_as_it_is() {
         })
     };
     let before = picture(&hand);
-    let empty = hand.editor.transfer.shown_axes();
+    let empty = hand.editor.panels.transfer.shown_axes();
     with_distribution(&mut hand);
     hand.settle();
     assert_eq!(picture(&hand), before, "not even drawn again");
-    assert!(empty == hand.editor.transfer.shown_axes() || empty == [[0.0, 1.0]; 2]);
+    assert!(empty == hand.editor.panels.transfer.shown_axes() || empty == [[0.0, 1.0]; 2]);
 }
 
 /// On the screen: the ring follows the hand, both half axes stay as long as they are, at a right angle.
@@ -300,7 +300,7 @@ fn an_ellipse_is_turned_as_it_is_seen() {
     let rows = of(&widgets(&hand)[0], "matrix");
     let k: Vec<Vec<f64>> = rows.list().unwrap().iter().map(|row| row.numbers().unwrap()).collect();
     let strength = |at: Pos2| {
-        let value = hand.editor.transfer.value_at(at).unwrap();
+        let value = hand.editor.panels.transfer.value_at(at).unwrap();
         let v = [value[0] - 150.0, value[1] - 20.0];
         (-k.iter().map(|row| (row[0] * v[0] + row[1] * v[1]).powi(2)).sum::<f64>()).exp()
     };

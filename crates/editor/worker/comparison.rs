@@ -1,13 +1,11 @@
 //! Pictures beside the shown one: without a widget, by the 64-bit reference, and small ones of other nodes.
 
-use super::pixels::Pixels;
-use super::query::{Query, QueryRun};
-use super::request::RenderRequest;
+use super::request::{Pixels, Query, QueryRun, RenderRequest, retain_widgets};
 use std::sync::Arc;
 use voltet_core::error::ErrorKind;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
-use voltet_graph::{Demand, Graph, ParameterValue, Registry, RunReport, Value};
+use voltet_graph::{Demand, Graph, Registry, RunReport, Value};
 
 /// Pixels that are compared, at most.
 const PIXELS: f64 = 3072.0;
@@ -43,7 +41,6 @@ impl Query for Estimate {
     }
 }
 
-/// The graphs of both pictures.
 fn graphs(wanted: &RenderRequest, registry: &Registry) -> Result<[Graph; 2]> {
     let divisor = wanted.divisor_for(PIXELS);
     let mut better = wanted.clone();
@@ -56,8 +53,7 @@ fn graphs(wanted: &RenderRequest, registry: &Registry) -> Result<[Graph; 2]> {
     };
     drawing.set(INTEGRATOR, &[], REFERENCE.into())?;
     // The reference has an engine of its own.
-    let has_engine = known.parameter("engine").is_some();
-    if has_engine {
+    if known.parameter("engine").is_some() {
         drawing.set("engine", &[], "auto".into())?;
     }
     drawing.settings.retain(|field| !["compositor", "adapter"].contains(&field.name.as_str()));
@@ -75,10 +71,8 @@ fn difference(a: &Picture, b: &Picture) -> [f64; 2] {
     [most, (sum / (4 * a.rgba.len().max(1)) as f64).sqrt()]
 }
 
-/// A widget that is asked about.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ShareQuery {
-    /// The number of the picture that is shown.
     pub picture: u64,
     /// The transfer function, and the widget's place in the list that the document states.
     pub look: String,
@@ -88,7 +82,6 @@ pub(crate) struct ShareQuery {
     pub widget: usize,
 }
 
-/// Contribution of a widget to the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Share {
     /// Fraction of the picture's opacity that is gone without the widget, 0 to 1; parts that it hides come to light
@@ -96,7 +89,6 @@ pub(crate) struct Share {
     pub opacity: f64,
     /// Fraction of the picture's light that changes without the widget; above 1 where more comes to light than it gave.
     pub light: f64,
-    /// Pixels that were compared.
     pub pixels: usize,
     /// Cells that it may contribute in, of all; none where no engine counts them.
     pub cells: Option<[u64; 2]>,
@@ -121,15 +113,9 @@ impl Share {
 }
 
 impl ShareQuery {
-    /// The nodes with those widgets alone that `keeps` says.
-    fn with(&self, keeps: &dyn Fn(usize) -> bool) -> RenderRequest {
+    fn with(&self, keeps: impl Fn(usize) -> bool) -> RenderRequest {
         let mut wanted = self.wanted.clone();
-        let node = wanted.nodes.iter_mut().find(|node| node.name == self.look);
-        let field = node.and_then(|node| node.settings.iter_mut().find(|field| field.name == "widgets"));
-        if let Some(ParameterValue::List(list)) = field.map(|field| &mut field.setting.datum) {
-            let mut place = 0..;
-            list.retain(|_| place.next().is_some_and(keeps));
-        }
+        retain_widgets(&mut wanted.nodes, &self.look, keeps);
         wanted
     }
 }
@@ -147,20 +133,18 @@ impl Query for ShareQuery {
             Ok((wanted.picture_of(&report)?, report))
         };
         let (with, _) = draw(&self.wanted)?;
-        let (without, _) = draw(&self.with(&|place| place != self.widget))?;
-        let (_, alone) = draw(&self.with(&|place| place == self.widget))?;
+        let (without, _) = draw(&self.with(|place| place != self.widget))?;
+        let (_, alone) = draw(&self.with(|place| place == self.widget))?;
         Ok(Share { cells: cells(&alone), ..Share::between(&with, &without) })
     }
 }
 
-/// Cells that were drawn, of all.
 fn cells(report: &RunReport) -> Option<[u64; 2]> {
     let count = |name: &str| report.nodes.iter().find_map(|node| node.counts.get(name).copied());
     let all = count("cells_total")?;
     Some([all.saturating_sub(count("cells_culled")?), all])
 }
 
-/// Query for a small picture of a node.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PreviewQuery(pub RenderRequest);
 

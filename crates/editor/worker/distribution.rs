@@ -1,9 +1,7 @@
 //! The distribution of the data over two quantities, weighted by volume, and statistics of the quantities (of this volume, or of all
 //! steps of its series): ranges, and the volume below each value, by which numbers relative to data become absolute ones and back.
 
-use super::query::{Query, QueryRun};
-use super::request::VolumeSource;
-use super::values;
+use super::request::{Query, QueryRun, VolumeSource, WIRES, worker_node};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -19,32 +17,26 @@ use voltet_graph::{
 };
 use voltet_nodes::relative;
 
-/// Bins along each axis.
 const BINS: usize = 256;
 
-/// The distribution of the data that is wanted.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct DistributionQuery {
     pub source: VolumeSource,
     /// Along which quantities: "s", "g", or arrays.
     pub axes: [ArrayRef; 2],
-    /// Further arrays whose ranges are wanted.
     pub fields: Vec<String>,
     /// True if numbers are relative to all steps of a time series together.
     pub of_series: bool,
 }
 
-/// Distribution of the data.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Distribution {
-    /// The volume in each bin.
     pub histogram: Histogram,
     /// Ranges, and the volume below each value of the axes: of this volume, or of all steps of its series.
     pub known: DataScales,
 }
 
 impl DistributionQuery {
-    /// The arrays of the axes, and the further ones.
     fn arrays(&self) -> Vec<&String> {
         let of_axes = self.axes.iter().filter_map(|axis| match axis {
             ArrayRef::Array(name) => Some(name),
@@ -56,7 +48,6 @@ impl DistributionQuery {
         arrays
     }
 
-    /// The quantities that something is asked of: the axes first.
     fn quantities(&self) -> Vec<ArrayRef> {
         let mut all = self.axes.to_vec();
         let arrays = self.fields.iter().map(|name| ArrayRef::Array(name.clone()));
@@ -129,11 +120,11 @@ const KNOTS: [usize; 2] = [1024, 64];
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Spread {
     /// Rising.
-    values: Vec<f64>,
+    pub values: Vec<f64>,
     /// The volume below each: 0 to 1, rising, once it is finished.
-    below: Vec<f64>,
+    pub below: Vec<f64>,
     /// All of it, in the same measure.
-    total: f64,
+    pub total: f64,
 }
 
 impl Spread {
@@ -153,7 +144,6 @@ impl Spread {
         Spread { below: vec![0.0; values.len()], total: 0.0, values }
     }
 
-    /// Adds the values of a volume's points.
     fn add(&mut self, grid: &Grid, values: &[f64], progress: &dyn Progress) -> Result<()> {
         let volumes = Volumes::new(grid, values, progress)?;
         let own = volumes.below_each(&self.values);
@@ -171,18 +161,10 @@ impl Spread {
         Spread { total: 1.0, ..self }
     }
 
-    /// From what is known already, for tests.
-    #[cfg(test)]
-    pub(crate) fn from_knots(values: Vec<f64>, below: Vec<f64>) -> Spread {
-        Spread { values, below, total: 1.0 }
-    }
-
-    /// The share of the volume below a value.
     pub fn below(&self, value: f64) -> f64 {
         between(&self.values, &self.below, value)
     }
 
-    /// The value that so much of the volume lies below.
     pub fn value_at(&self, share: f64) -> f64 {
         between(&self.below, &self.values, share)
     }
@@ -202,12 +184,9 @@ fn between(from: &[f64], to: &[f64], x: f64) -> f64 {
     }
 }
 
-/// Statistics of the data.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct DataScales {
-    /// Least and largest values.
     pub ranges: BTreeMap<ArrayRef, [f64; 2]>,
-    /// Spreads of the plane's quantities.
     pub spreads: BTreeMap<ArrayRef, Spread>,
 }
 
@@ -262,7 +241,6 @@ const QUANTITIES: &str = "quantities";
 const SHOWN: &str = "shown";
 const GRADIENT: &str = "gradient";
 
-/// Name of a quantity in the parameters.
 fn named(quantity: &ArrayRef) -> String {
     match quantity {
         ArrayRef::Array(name) => format!("/{name}"),
@@ -351,11 +329,10 @@ fn series_settings(quantities: &[ArrayRef], shown: [Axis; 2], gradient: bool) ->
     ]
 }
 
-/// Statistics of quantities over all steps of the series that feeds an output.
 fn series_scales(run: &mut QueryRun, source: &VolumeSource, settings: Vec<Field>) -> Result<DataScales> {
     let mut nodes = source.nodes(&SERIES, settings, Vec::new())?;
     let output = ("cells".to_string(), format!("{}.known", SERIES.name));
-    nodes.push(values::entry(&values::NODE, Vec::new(), vec![output]));
+    nodes.push(worker_node(&WIRES, Vec::new(), vec![output]));
     let found = source.feed(run, &nodes)?.into_iter().find_map(|value| match value {
         Value::Cells(found) => found.downcast::<DataScales>().ok(),
         _ => None,

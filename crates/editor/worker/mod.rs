@@ -1,38 +1,19 @@
 //! The worker: one thread that owns a session and draws the picture at a node of a graph, apart from any window.
 //!
 //! It takes the newest request alone. A picture is drawn coarse at once (fewer pixels) and in full when nothing newer is
-//! wanted; a newer request stops what is being drawn, but for two things that would only be lost (see [`superseding`]): a node
+//! wanted; a newer request stops what is being drawn, but for two things that would only be lost (see [`work::Pass`]): a node
 //! that the change does not touch, and the first picture while a hand moves. Nothing is written: a preview runs what feeds the
-//! picture, and a node that writes feeds nothing. Each [`query`](query::Query) waits until no picture is wanted, and is given up for one.
-//!
-//! | file | responsibility |
-//! | --- | --- |
-//! | `request` | pictures that are wanted, and their graphs |
-//! | `query`, `output` | questions beside pictures and their newest answers; all that is shown of the work |
-//! | `shared`, `work` | state of both threads; the thread |
-//! | `superseding`, `coarse` | when a pass is stopped; how many pixels a coarse picture has |
-//! | `values` | a node that takes what runs through the wires, and words for it |
-//! | `pixels` | a picture as a screen shows it |
-//! | `distribution` | the volume over two quantities, their ranges and percentiles, those of all time steps |
-//! | `probing`, `section` | the values on rays, and on a plane through the data |
-//! | `comparison` | other pictures: what a widget adds, how wrong one is, small ones of other nodes |
+//! picture, and a node that writes feeds nothing. Each [query](request::Query) waits until no picture is wanted, and is given up for one.
 
-mod coarse;
 mod comparison;
 mod distribution;
 mod output;
-mod pixels;
 mod probing;
-mod query;
 mod request;
-mod section;
-mod shared;
-mod superseding;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
 mod tests_superseding;
-mod values;
 mod work;
 
 pub(crate) use comparison::{Estimate, PreviewQuery, Share, ShareQuery};
@@ -41,22 +22,17 @@ pub(crate) use distribution::Spread;
 pub(crate) use distribution::{DataScales, Distribution, DistributionQuery};
 pub use output::WorkerOutput;
 pub(crate) use output::{NodeState, NodeStatus, Preview};
-pub use pixels::Pixels;
-pub(crate) use probing::{PixelProbe, ProbeQuery};
-pub use request::RenderRequest;
-pub(crate) use request::{VolumeSource, size_of};
-pub(crate) use section::{Section, SectionQuery};
-pub use shared::RepaintCallback;
-pub(crate) use values::{grouped, short};
-
-use query::{Exchange, Query};
-use shared::{Shared, lock};
+pub(crate) use probing::{PixelProbe, ProbeQuery, Section, SectionQuery};
+use request::{Exchange, Query};
+pub use request::{Pixels, RenderRequest};
+pub(crate) use request::{VolumeSource, grouped, retain_widgets, short, size_of};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::thread::JoinHandle;
 use voltet_core::{Error, Result};
 use voltet_graph::Registry;
-use work::WorkerState;
+pub use work::RepaintCallback;
+use work::{Shared, WorkerState, lock};
 
 /// The handle of the thread; dropped, it stops what runs and waits for its end.
 pub struct Worker {
@@ -68,7 +44,7 @@ impl Worker {
     /// Begins the thread. `registry`: the node types and filters that graphs may name.
     pub fn start(registry: &Registry, wake: RepaintCallback) -> Result<Worker> {
         let mut registry = registry.clone();
-        registry.add(&values::NODE)?;
+        registry.add(&request::WIRES)?;
         registry.add(&distribution::SERIES)?;
         let shared = Arc::new(Shared::new(wake));
         let of_thread = shared.clone();
@@ -83,7 +59,7 @@ impl Worker {
         let mut state = lock(&self.shared.state);
         let number = self.shared.newest.fetch_add(1, Ordering::SeqCst) + 1;
         state.output.begin(number, &wanted);
-        state.picture = Some(wanted);
+        (state.picture, state.has_news) = (Some(wanted), true);
         drop(state);
         self.shared.changed.notify_one();
         number
@@ -91,7 +67,10 @@ impl Worker {
 
     /// Asks something beside pictures, unless it was asked last; `of`: the place of such queries.
     pub(crate) fn ask<Q: Query>(&self, of: impl FnOnce(&mut WorkerOutput) -> &mut Exchange<Q>, query: Q) {
-        of(&mut lock(&self.shared.state).output).ask(query);
+        let mut state = lock(&self.shared.state);
+        of(&mut state.output).ask(query);
+        state.has_news = true;
+        drop(state);
         self.shared.changed.notify_one();
     }
 
@@ -116,7 +95,9 @@ impl Worker {
 
 impl Drop for Worker {
     fn drop(&mut self) {
-        lock(&self.shared.state).ends = true;
+        let mut state = lock(&self.shared.state);
+        (state.ends, state.has_news) = (true, true);
+        drop(state);
         self.shared.newest.fetch_add(1, Ordering::SeqCst);
         self.shared.changed.notify_one();
         if let Some(thread) = self.thread.take() {

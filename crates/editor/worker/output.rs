@@ -2,21 +2,16 @@
 
 use super::comparison::{Estimate, PreviewQuery, ShareQuery};
 use super::distribution::DistributionQuery;
-use super::pixels::Pixels;
-use super::probing::ProbeQuery;
-use super::query::{Exchange, Query, QueryRun};
-use super::request::RenderRequest;
-use super::section::SectionQuery;
-use super::values::{self, Values};
+use super::probing::{ProbeQuery, SectionQuery};
+use super::request::{Exchange, Pixels, RenderRequest, Values, WIRES};
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use voltet_core::Error;
 use voltet_core::error::ErrorKind;
-use voltet_core::{Error, Result};
 use voltet_document::links::upstream;
 use voltet_graph::RunReport;
 
-/// States of a node.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum NodeState {
     /// It did not run yet for what is wanted now.
@@ -25,11 +20,9 @@ pub(crate) enum NodeState {
     Running(String, f64),
     /// Its outputs are those of what is wanted.
     Fresh,
-    /// It failed.
     Failed(String),
 }
 
-/// A node that feeds the picture.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct NodeStatus {
     pub state: NodeState,
@@ -37,7 +30,6 @@ pub(crate) struct NodeStatus {
     pub seconds: Option<f64>,
 }
 
-/// The small picture of a node.
 pub(crate) type Preview = Exchange<PreviewQuery>;
 
 /// Latest output of the worker.
@@ -71,20 +63,6 @@ pub struct WorkerOutput {
 }
 
 impl WorkerOutput {
-    /// The query to be answered next: what a hand asks for first.
-    pub(super) fn next_job(&mut self) -> Option<Box<dyn PendingQuery>> {
-        job(self, |output| &mut output.probe)
-            .or_else(|| job(self, |output| &mut output.section))
-            .or_else(|| job(self, |output| &mut output.estimate))
-            .or_else(|| job(self, |output| &mut output.distribution))
-            .or_else(|| job(self, |output| &mut output.share))
-            .or_else(|| {
-                let nodes: Vec<String> = self.previews.keys().cloned().collect();
-                nodes.into_iter().find_map(|node| job(self, move |output| output.preview(&node)))
-            })
-    }
-
-    /// The small picture of a node.
     pub(crate) fn preview(&mut self, node: &str) -> &mut Preview {
         self.previews.entry(node.to_string()).or_default()
     }
@@ -150,7 +128,7 @@ impl WorkerOutput {
         self.pixels = Some(pixels);
         if is_full {
             let mut report = RunReport { pictures: Vec::new(), ..report.clone() };
-            report.nodes.retain(|node| node.name != values::NODE.name);
+            report.nodes.retain(|node| node.name != WIRES.name);
             self.report = Some(Arc::new(report));
             let values = values.unwrap_or_default();
             (self.values, self.bounds) = (Arc::new(values.words), values.bounds);
@@ -177,44 +155,5 @@ impl WorkerOutput {
         }
         self.failure = Some(error);
         self.is_busy = false;
-    }
-}
-
-/// A query of any kind that is being answered.
-pub(super) trait PendingQuery {
-    /// Finds the answer.
-    fn work(&mut self, run: &mut QueryRun) -> Result<()>;
-
-    /// Puts the answer, or the error of finding it, into the output.
-    fn settle(self: Box<Self>, outcome: Result<()>, output: &mut WorkerOutput);
-}
-
-struct Pending<Q: Query, F> {
-    number: u64,
-    query: Q,
-    found: Option<Q::Reply>,
-    /// The place of such queries.
-    of: F,
-}
-
-/// The open query of a kind.
-fn job<Q: Query, F>(output: &mut WorkerOutput, of: F) -> Option<Box<dyn PendingQuery>>
-where
-    F: Fn(&mut WorkerOutput) -> &mut Exchange<Q> + 'static,
-{
-    let (number, query) = of(output).take()?;
-    Some(Box::new(Pending { number, query, found: None, of }))
-}
-
-impl<Q: Query, F: Fn(&mut WorkerOutput) -> &mut Exchange<Q>> PendingQuery for Pending<Q, F> {
-    fn work(&mut self, run: &mut QueryRun) -> Result<()> {
-        self.found = Some(self.query.answer(run)?);
-        Ok(())
-    }
-
-    fn settle(self: Box<Self>, outcome: Result<()>, output: &mut WorkerOutput) {
-        let Pending { number, found, of, .. } = *self;
-        let none = || Error::run("nothing was found");
-        of(output).settle(number, outcome.and_then(|()| found.ok_or_else(none)));
     }
 }

@@ -1,15 +1,23 @@
-//! Requests to the worker: nodes as a document states them, and the output to show.
+//! Requests to the worker: pictures, of nodes as a document states them, as a screen shows them; and queries beside them. A node that takes
+//! every output and does nothing lets a run be made for a picture and nothing else, and gives what runs through the wires.
 
-use super::query::QueryRun;
-use super::values;
-use std::collections::BTreeSet;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
+use voltet_core::error::ErrorKind;
+use voltet_core::grid::extent::{bounds, range};
 use voltet_core::picture::Picture;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_document::links::{self, upstream};
-use voltet_graph::{Demand, Field, Graph, Node, NodeEntry, ParameterValue, Registry, RunReport, Value};
+use voltet_graph::{
+    DefaultValue, Demand, Field, Graph, LinkEntry, LocatedValue, NoObserver, Node, NodeEntry, Observer,
+    Parameter, ParameterType, ParameterValue, Port, PortType, Registry, RunReport, Session, SourceSpan,
+    Value,
+};
+use voltet_io::encode::srgb_from_linear;
 
 /// The node type that says where a picture is seen from, and its parameters that coarse pictures change.
 const CAMERA: &str = "camera";
@@ -39,7 +47,6 @@ impl RenderRequest {
         upstream(&self.nodes, &self.node)
     }
 
-    /// The nodes that say where it is seen from.
     pub(super) fn cameras(&self) -> Vec<NodeEntry> {
         let names = self.upstream();
         self.nodes.iter().filter(|node| is_camera(node) && names.contains(&node.name)).cloned().collect()
@@ -82,11 +89,10 @@ impl RenderRequest {
                 );
             }
         }
-        nodes.push(values::entry(&values::NODE, Vec::new(), outputs));
+        nodes.push(worker_node(&WIRES, Vec::new(), outputs));
         Graph::build(&nodes, registry, self.folder.clone())
     }
 
-    /// The picture that a run gave.
     pub(super) fn picture_of(&self, report: &RunReport) -> Result<Arc<Picture>> {
         let picture = report.pictures.iter().rev().find(|(node, _)| *node == self.node);
         picture.map(|(_, picture)| picture.clone()).ok_or_else(|| self.no_picture())
@@ -104,6 +110,16 @@ pub(super) fn feeding(nodes: &[NodeEntry], name: &str) -> Result<Vec<NodeEntry>>
             Err(Error::usage(format!("there is no node '{name}' to show the picture of")))
         }
         nodes => Ok(nodes),
+    }
+}
+
+/// Leaves those widgets of a transfer function alone whose places `keeps` names.
+pub(crate) fn retain_widgets(nodes: &mut [NodeEntry], look: &str, keeps: impl Fn(usize) -> bool) {
+    let node = nodes.iter_mut().find(|node| node.name == look);
+    let field = node.and_then(|node| node.settings.iter_mut().find(|field| field.name == "widgets"));
+    if let Some(ParameterValue::List(list)) = field.map(|field| &mut field.setting.datum) {
+        let mut place = 0..;
+        list.retain(|_| place.next().is_some_and(&keeps));
     }
 }
 
@@ -137,7 +153,7 @@ impl VolumeSource {
                 }
             }
         }
-        nodes.push(values::entry(node, settings, fed));
+        nodes.push(worker_node(node, settings, fed));
         Ok(nodes)
     }
 
@@ -151,7 +167,7 @@ impl VolumeSource {
     /// The volume with arrays, and with *g* where what feeds it has a gradient.
     pub(super) fn volume(&self, run: &mut QueryRun, arrays: &[&String]) -> Result<Arc<Volume>> {
         let arrays: ParameterValue = arrays.iter().map(|name| name.as_str()).collect();
-        let nodes = self.nodes(&values::NODE, vec![Field::new(values::ARRAYS, arrays)], Vec::new())?;
+        let nodes = self.nodes(&WIRES, vec![Field::new(ARRAYS, arrays)], Vec::new())?;
         let found = self.feed(run, &nodes)?;
         let none = || Error::run("the node gives no volume").at_node(&self.output);
         found.first().and_then(Value::volume).ok_or_else(none)?
@@ -184,4 +200,311 @@ fn resize(node: &mut NodeEntry, size: Option<[u32; 2]>, divisor: u32) -> Result<
         node.set(SAMPLES, &[], ParameterValue::Integer(1).into())?;
     }
     Ok(())
+}
+
+const fn port(name: &'static str, port_type: PortType) -> Port {
+    Port { name, port_type, summary: "what is looked at" }
+}
+
+/// The node, whose name no pipeline file can be meant to name. One input a type, each fed by any number of outputs. It asks for
+/// nothing but arrays: what nobody else needs is not made for it.
+pub(super) static WIRES: Node = Node {
+    name: "(looks on)",
+    summary: "Looks on.",
+    optional_inputs: &[
+        port("grid", PortType::Grid),
+        port("volume", PortType::Volume),
+        port("transfer-function", PortType::TransferFunction),
+        port("camera", PortType::Camera),
+        port("cells", PortType::Cells),
+        port("projection", PortType::Projection),
+        port("image", PortType::Image),
+        port("report", PortType::Report),
+        port("cell-values", PortType::CellValues),
+    ],
+    parameters: &[Parameter {
+        name: ARRAYS,
+        parameter_type: ParameterType::Texts,
+        unit: "",
+        default: DefaultValue::Unset("no arrays"),
+        help: "names of point arrays",
+    }],
+    demand: &|asking| {
+        if !asking.parameters.is_set(ARRAYS) {
+            return Ok(());
+        }
+        let arrays = asking.parameters.texts(ARRAYS)?.into_iter().collect();
+        asking.ask("volume", &Demand { arrays, ..Demand::default() })
+    },
+    ..Node::BLANK
+};
+
+/// Parameter of the node: arrays that the volume is to have.
+pub(super) const ARRAYS: &str = "arrays";
+
+/// A node of a type of the worker's that is fed by these outputs, each a port's name and `"node.port"`.
+pub(super) fn worker_node(node: &Node, settings: Vec<Field>, fed: Vec<(String, String)>) -> NodeEntry {
+    let mut sources: BTreeMap<String, Vec<LocatedValue>> = BTreeMap::new();
+    for (port, source) in fed {
+        sources.entry(port).or_default().push(source.into());
+    }
+    let inputs = sources.into_iter().map(|(port, mut sources)| {
+        let several = sources.len() > 1;
+        let source = if several { ParameterValue::List(sources).into() } else { sources.remove(0) };
+        LinkEntry { port, origin: SourceSpan::Nowhere, source }
+    });
+    NodeEntry {
+        name: node.name.into(),
+        origin: SourceSpan::Nowhere,
+        node_type: node.name.into(),
+        settings,
+        inputs: inputs.collect(),
+    }
+}
+
+#[derive(Default)]
+pub(super) struct Values {
+    /// For each output, `"node.port"`, in words.
+    pub words: BTreeMap<String, String>,
+    /// Least and greatest coordinates of the data.
+    pub bounds: Option<[DVec3; 2]>,
+}
+
+/// Descriptions of the values on the wires, from the session's cache.
+pub(super) fn wire_values(session: &mut Session, graph: &Graph) -> Option<Values> {
+    let place = graph.nodes.iter().position(|node| node.node.name == WIRES.name)?;
+    let values = session.inputs(graph, place, &Demand::default(), &NoObserver).ok()?;
+    let mut seen = Values::default();
+    for (edge, value) in graph.nodes[place].inputs.iter().zip(values) {
+        let giving = &graph.nodes[edge.node];
+        let output = format!("{}.{}", giving.name, giving.node.outputs[edge.output].name);
+        seen.words.insert(output, describe(&value));
+        seen.bounds = seen.bounds.or_else(|| match &value {
+            Value::Grid(grid) => bounds(&grid.points),
+            Value::Volume(volume) => bounds(&volume.grid.points),
+            _ => None,
+        });
+    }
+    Some(seen)
+}
+
+fn describe(value: &Value) -> String {
+    let grid = |grid: &voltet_core::grid::Grid| {
+        format!("{} tetrahedra, {} points", grouped(grid.tetrahedra.len()), grouped(grid.points.len()))
+    };
+    match value {
+        Value::Grid(of) => match of.scalar.as_ref().and_then(|s| range(s)) {
+            Some([low, high]) => format!("{}\ns from {} to {}", grid(of), short(low), short(high)),
+            None => grid(of),
+        },
+        Value::Volume(volume) => {
+            let Volume { scalar, gradient_magnitude, .. } = &**volume;
+            let mut text = grid(&volume.grid);
+            if let Some([low, high]) = range(scalar) {
+                text += &format!("\ns from {} to {}", short(low), short(high));
+            }
+            if let Some([low, high]) = gradient_magnitude.as_deref().and_then(range) {
+                text += &format!("\ng from {} to {}", short(low), short(high));
+            }
+            text
+        }
+        Value::TransferFunction(look) => match look.transfer_function.widgets.len() {
+            1 => "1 widget".into(),
+            count => format!("{count} widgets"),
+        },
+        Value::Camera(camera) => format!("{} × {} pixels", camera.size[0], camera.size[1]),
+        Value::Cells(_) => "cells that can contribute".into(),
+        Value::Projection(_) => "projected cells".into(),
+        Value::Image(picture) => format!("{} × {} pixels", picture.width, picture.height),
+        Value::Report(report) => format!("{} characters of JSON", report.len()),
+        Value::CellValues(values) => match values.arrays.keys().cloned().collect::<Vec<_>>().join(", ") {
+            names if names.is_empty() => "no arrays asked for".into(),
+            names => names,
+        },
+    }
+}
+
+/// Four digits, as a person reads them.
+pub fn short(x: f64) -> String {
+    let size = x.abs();
+    if x == 0.0 || (1e-3..1e5).contains(&size) {
+        let digits = if size >= 1.0 { 3 - (size.log10().floor() as i32).min(3) } else { 4 };
+        let text = format!("{x:.*}", digits.max(0) as usize);
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
+    } else {
+        let text = format!("{x:.3e}");
+        match text.split_once('e') {
+            Some((digits, power)) => {
+                format!("{}e{power}", digits.trim_end_matches('0').trim_end_matches('.'))
+            }
+            None => text,
+        }
+    }
+}
+
+/// A count with its thousands apart.
+pub fn grouped(count: usize) -> String {
+    let digits = count.to_string();
+    let groups: Vec<&str> =
+        digits.as_bytes().rchunks(3).rev().filter_map(|group| std::str::from_utf8(group).ok()).collect();
+    groups.join(",")
+}
+
+/// Steps of the table from linear to sRGB: finer than the steepest of 256 levels (12.92 × 255) by a factor of five.
+const STEPS: usize = 1 << 14;
+
+static SRGB: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    let level = |i: usize| (srgb_from_linear(i as f32 / STEPS as f32) * 255.0).round() as u8;
+    (0..=STEPS).map(level).collect()
+});
+
+/// A drawn picture.
+#[derive(Debug, Clone)]
+pub struct Pixels {
+    /// As the engine gave it.
+    pub picture: Arc<Picture>,
+    /// 8-bit sRGB over the background, opaque.
+    pub rgba: Arc<Vec<[u8; 4]>>,
+    /// Side of a pixel in pixels of the full picture; 1 for the full picture.
+    pub divisor: u32,
+    /// True if it is a preview from the engine's cache, which differs from the full picture by rounding.
+    pub is_passing: bool,
+    /// The number of the request that it was drawn for.
+    pub number: u64,
+}
+
+impl Pixels {
+    pub(super) fn new(picture: Arc<Picture>, background: [f64; 3], divisor: u32, number: u64) -> Pixels {
+        let behind = background.map(|channel| channel as f32);
+        let srgb = |v: f32| SRGB[(v.clamp(0.0, 1.0) * STEPS as f32 + 0.5) as usize];
+        let rgba: Vec<[u8; 4]> = picture
+            .rgba
+            .par_iter()
+            .with_min_len(4096)
+            .map(|&[r, g, b, a]| {
+                let channel = |v: f32, k: usize| srgb(v + (1.0 - a) * behind[k]);
+                [channel(r, 0), channel(g, 1), channel(b, 2), 255]
+            })
+            .collect();
+        Pixels { picture, rgba: Arc::new(rgba), divisor, is_passing: false, number }
+    }
+
+    /// True if it is the picture that a run of the document gives.
+    pub fn is_full(&self) -> bool {
+        self.divisor == 1 && !self.is_passing
+    }
+
+    /// Width and height.
+    pub fn size(&self) -> [usize; 2] {
+        [self.picture.width, self.picture.height]
+    }
+
+    pub(super) fn count(&self) -> f64 {
+        self.rgba.len() as f64
+    }
+}
+
+/// A question that is answered while no picture is wanted.
+pub(crate) trait Query: Clone + PartialEq + 'static {
+    type Reply;
+
+    /// True if it is asked again after the picture that it was given up for.
+    const WAITS: bool;
+
+    /// The answer, found on the worker's thread. Errors: a newer picture is wanted; those of a run.
+    fn answer(&self, run: &mut QueryRun) -> Result<Self::Reply>;
+}
+
+pub(crate) struct QueryRun<'a> {
+    pub session: &'a mut Session,
+    pub registry: &'a Registry,
+    /// Reports that a newer picture is wanted.
+    pub observer: &'a dyn Observer,
+}
+
+/// The newest query of a kind, and the newest answer.
+pub(crate) struct Exchange<Q: Query> {
+    asked: Option<Q>,
+    number: u64,
+    is_open: bool,
+    answer: Option<(u64, Result<Q::Reply>)>,
+}
+
+impl<Q: Query> Default for Exchange<Q> {
+    fn default() -> Self {
+        Exchange { asked: None, number: 0, is_open: false, answer: None }
+    }
+}
+
+impl<Q: Query> Exchange<Q> {
+    pub fn asked(&self) -> Option<&Q> {
+        self.asked.as_ref()
+    }
+
+    pub fn answer(&self) -> Option<&Result<Q::Reply>> {
+        self.answer.as_ref().filter(|(number, _)| *number == self.number).map(|(_, found)| found)
+    }
+
+    /// The newest answer, whatever was asked since.
+    pub fn last(&self) -> Option<&Result<Q::Reply>> {
+        self.answer.as_ref().map(|(_, found)| found)
+    }
+
+    pub fn is_waiting(&self) -> bool {
+        self.asked.is_some() && self.answer().is_none()
+    }
+
+    pub(super) fn ask(&mut self, query: Q) {
+        if self.asked.as_ref() != Some(&query) {
+            self.asked = Some(query);
+            self.number += 1;
+            self.is_open = true;
+        }
+    }
+
+    /// As if nothing had been asked; the answer stays.
+    pub(super) fn forget_query(&mut self) {
+        (self.asked, self.is_open) = (None, false);
+    }
+
+    /// Takes over what was found for the query of a number.
+    pub(super) fn settle(&mut self, number: u64, found: Result<Q::Reply>) {
+        match found {
+            Err(error) if error.kind == ErrorKind::Cancelled => match Q::WAITS {
+                true => self.is_open = self.asked.is_some(),
+                false if number == self.number => self.forget_query(),
+                false => {}
+            },
+            found => self.answer = Some((number, found)),
+        }
+    }
+
+    /// The query to be answered next, with its number, if it is open.
+    pub(super) fn take(&mut self) -> Option<(u64, Q)> {
+        let query = self.asked.clone().filter(|_| std::mem::take(&mut self.is_open))?;
+        Some((self.number, query))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Within one level of what a PNG file of the picture holds.
+    #[test]
+    fn pixels_are_those_of_a_png() {
+        let rgba: Vec<[f32; 4]> = (0..=1000).map(|i| [i as f32 / 1000.0, 0.0, 0.0, 1.0]).collect();
+        let picture = Arc::new(Picture { width: 1001, height: 1, rgba });
+        for (i, pixel) in Pixels::new(picture, [0.0; 3], 1, 1).rgba.iter().enumerate() {
+            let exact = srgb_from_linear(i as f32 / 1000.0) * 255.0;
+            assert!((f32::from(pixel[0]) - exact).abs() <= 0.7, "{i}: {} for {exact}", pixel[0]);
+        }
+    }
+
+    #[test]
+    fn the_background_shows_where_nothing_is_drawn() {
+        let picture = Arc::new(Picture { width: 1, height: 1, rgba: vec![[0.0; 4]] });
+        let pixels = Pixels::new(picture, [1.0, 0.0, 0.5], 1, 1);
+        assert_eq!(pixels.rgba[0], [255, 0, 188, 255]);
+    }
 }

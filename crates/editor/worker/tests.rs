@@ -274,6 +274,6 @@ fn the_distribution_comes_late_and_leaves_the_picture_as_it_is() {
 fn memory_is_what_the_program_may_take() {
     let never = |_: &dyn Fn() -> Option<String>| false;
     let shared = Shared::new(Arc::new(|| {}));
-    let following = shared::Following::new(&shared, &never, true);
+    let following = work::Following::new(&shared, &never, true);
     assert_eq!(Observer::memory_left(&following).is_some(), voltet_io::memory::available().is_some());
 }

@@ -1,25 +1,23 @@
-//! The thread's own work: the newest wish first, panics caught.
+//! The thread's own work: the newest request first, panics caught; the state that it shares with the window's thread; when a pass is
+//! stopped for a newer request; and how many pixels a coarse picture has.
 
-use super::coarse::FrameTimeModel;
-use super::output::PendingQuery;
-use super::pixels::Pixels;
-use super::query::QueryRun;
-use super::request::RenderRequest;
-use super::shared::{Following, Shared, lock};
-use super::superseding::Pass;
-use super::values;
+use super::output::WorkerOutput;
+use super::request::{Exchange, Pixels, Query, QueryRun, RenderRequest, wire_values};
+use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::PoisonError;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use voltet_core::{Error, Result};
-use voltet_graph::{Registry, Session};
+use voltet_document::links::upstream;
+use voltet_graph::{NodeEntry, Observer, Registry, Session};
+use voltet_io::memory;
 
 /// A session whose widgets a hand moves.
 fn session() -> Session {
     voltet_nodes::session().widgets_move()
 }
 
-/// The thread's own state.
 pub(super) struct WorkerState<'a> {
     shared: &'a Shared,
     registry: &'a Registry,
@@ -36,20 +34,38 @@ impl<'a> WorkerState<'a> {
     pub fn until_the_end(&mut self) {
         loop {
             let mut state = lock(&self.shared.state);
-            if state.ends {
+            while !std::mem::take(&mut state.has_news) {
+                state = self.shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+            }
+            drop(state);
+            while self.work() {}
+            if lock(&self.shared.state).ends {
                 return;
             }
-            if let Some(wanted) = state.picture.take() {
-                let number = self.shared.newest();
-                drop(state);
-                self.picture(number, &wanted);
-            } else if let Some(job) = state.output.next_job() {
-                drop(state);
-                self.query(job);
-            } else {
-                drop(self.shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner));
-            }
         }
+    }
+
+    /// Draws the picture that is wanted, else answers a query: what a hand asks for first. False if there is nothing to do.
+    fn work(&mut self) -> bool {
+        let mut state = lock(&self.shared.state);
+        if state.ends {
+            return false;
+        }
+        if let Some(wanted) = state.picture.take() {
+            let number = self.shared.newest();
+            drop(state);
+            self.picture(number, &wanted);
+            return true;
+        }
+        let previews: Vec<String> = state.output.previews.keys().cloned().collect();
+        let newest = self.shared.newest();
+        drop(state);
+        self.query(newest, |output| &mut output.probe)
+            || self.query(newest, |output| &mut output.section)
+            || self.query(newest, |output| &mut output.estimate)
+            || self.query(newest, |output| &mut output.distribution)
+            || self.query(newest, |output| &mut output.share)
+            || previews.iter().any(|node| self.query(newest, |output| output.preview(node)))
     }
 
     /// Draws what is wanted: coarse first where the full picture takes longer than a person waits for, and from what the engine kept of
@@ -114,7 +130,7 @@ impl<'a> WorkerState<'a> {
             return Err(Error::cancelled());
         }
         let is_full = pixels.is_full();
-        let values = is_full.then(|| values::seen(&mut self.session, &graph)).flatten();
+        let values = is_full.then(|| wire_values(&mut self.session, &graph)).flatten();
         self.shared.show(|shown| shown.finished(pixels, &report, values, seconds));
         Ok(is_full)
     }
@@ -135,15 +151,428 @@ impl<'a> WorkerState<'a> {
         })
     }
 
-    /// Answers a query; it is given up for a newer picture.
-    fn query(&mut self, mut job: Box<dyn PendingQuery>) {
+    /// Answers the open query of a kind, unless there is none; it is given up for a newer picture.
+    fn query<Q: Query>(&mut self, newest: u64, of: impl Fn(&mut WorkerOutput) -> &mut Exchange<Q>) -> bool {
         let (shared, registry) = (self.shared, self.registry);
-        let before = shared.newest();
-        let stop = |_: &dyn Fn() -> Option<String>| shared.newest() != before;
+        let Some((number, query)) = of(&mut lock(&shared.state).output).take() else { return false };
+        let stop = |_: &dyn Fn() -> Option<String>| shared.newest() != newest;
         let following = Following::new(shared, &stop, false);
         let outcome = self.guarded(&following, |session| {
-            job.work(&mut QueryRun { session, registry, observer: &following })
+            query.answer(&mut QueryRun { session, registry, observer: &following })
         });
-        shared.show(|output| job.settle(outcome, output));
+        shared.show(|output| of(output).settle(number, outcome));
+        true
+    }
+}
+
+/// Progress is shown no more often than a screen does.
+const BETWEEN: Duration = Duration::from_millis(50);
+
+/// Wakes whoever shows what changed; called from any thread.
+pub type RepaintCallback = Arc<dyn Fn() + Send + Sync>;
+
+pub(super) struct Shared {
+    pub state: Mutex<SharedState>,
+    pub changed: Condvar,
+    pub newest: AtomicU64,
+    wake: RepaintCallback,
+}
+
+#[derive(Default)]
+pub(super) struct SharedState {
+    /// The newest request, until it is worked at.
+    pub picture: Option<RenderRequest>,
+    pub output: WorkerOutput,
+    /// True if something was requested since the thread waited.
+    pub has_news: bool,
+    pub ends: bool,
+}
+
+impl Shared {
+    pub fn new(wake: RepaintCallback) -> Shared {
+        Shared { state: Mutex::default(), changed: Condvar::new(), newest: AtomicU64::new(0), wake }
+    }
+
+    /// Changes what is shown, and has it shown.
+    pub fn show(&self, change: impl FnOnce(&mut WorkerOutput)) {
+        change(&mut lock(&self.state).output);
+        (self.wake)();
+    }
+
+    pub fn newest(&self) -> u64 {
+        self.newest.load(Ordering::SeqCst)
+    }
+}
+
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Says whether a run is to stop, given what tells the node that runs; none between two.
+pub(super) type Stop<'a> = &'a (dyn Fn(&dyn Fn() -> Option<String>) -> bool + Sync);
+
+pub(super) struct Following<'a> {
+    shared: &'a Shared,
+    stop: Stop<'a>,
+    told: bool,
+    node: Mutex<Option<String>>,
+    last: Mutex<Instant>,
+}
+
+impl<'a> Following<'a> {
+    pub fn new(shared: &'a Shared, stop: Stop<'a>, told: bool) -> Self {
+        Following { shared, stop, told, node: Mutex::default(), last: Mutex::new(Instant::now()) }
+    }
+
+    pub fn node(&self) -> Option<String> {
+        lock(&self.node).clone()
+    }
+}
+
+impl Observer for Following<'_> {
+    fn started(&self, node: &str, _place: usize, _count: usize) {
+        *lock(&self.node) = Some(node.to_string());
+        if self.told {
+            lock(&self.shared.state).output.started(node);
+        }
+    }
+
+    fn finished(&self, node: &str, seconds: f64) {
+        *lock(&self.node) = None;
+        if self.told {
+            lock(&self.shared.state).output.done(node, seconds);
+        }
+    }
+
+    fn progress(&self, node: &str, stage: &str, fraction: f64) {
+        let mut last = lock(&self.last);
+        if self.told && last.elapsed() >= BETWEEN {
+            *last = Instant::now();
+            drop(last);
+            self.shared.show(|shown| shown.progress(node, stage, fraction));
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        (self.stop)(&|| self.node())
+    }
+
+    fn memory_left(&self) -> Option<u64> {
+        memory::available()
+    }
+}
+
+/// A pass that may be superseded: it is stopped for a newer request at once, but for two cases:
+///
+/// - The node that runs is not touched by the change: its output will serve, and the pass ends after it.
+/// - The picture is the first of its request, coarse or quick, and the change is a hand's movement (numbers of cameras and transfer
+///   functions): stopped each time, a steady drag would never show any. It has about the time that such a picture takes.
+///
+/// A picture that was drawn to its end after another kind of change is not shown.
+pub(super) struct Pass<'a> {
+    shared: &'a Shared,
+    number: u64,
+    wanted: &'a RenderRequest,
+    begun: Instant,
+    /// Time limit while the user moves on; `None` for a picture after a coarse one.
+    patience: Option<Duration>,
+    /// Changes of the newest request, by its number.
+    judged: Mutex<Option<(u64, Arc<Change>)>>,
+}
+
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Change {
+    /// The nodes whose output is another, or is not needed any more.
+    touched: BTreeSet<String>,
+    moves: bool,
+}
+
+impl<'a> Pass<'a> {
+    pub fn new(
+        shared: &'a Shared,
+        number: u64,
+        wanted: &'a RenderRequest,
+        patience: Option<Duration>,
+    ) -> Self {
+        Pass { shared, number, wanted, begun: Instant::now(), patience, judged: Mutex::default() }
+    }
+
+    /// True if the pass is to stop. `running`: the node that runs; none between two.
+    pub fn stops(&self, running: &dyn Fn() -> Option<String>) -> bool {
+        let newest = self.shared.newest();
+        if newest == self.number {
+            return false;
+        }
+        let Some(change) = self.change(newest) else { return true };
+        if change.moves && self.patience.is_some_and(|patience| self.begun.elapsed() < patience) {
+            return false;
+        }
+        running().is_none_or(|node| change.touched.contains(&node))
+    }
+
+    /// True if its picture is useless, even during a movement.
+    pub fn is_stale(&self) -> bool {
+        let newest = self.shared.newest();
+        newest != self.number && self.change(newest).is_none_or(|change| !change.moves)
+    }
+
+    /// Changes of the newest request; `None` if the worker ends.
+    fn change(&self, newest: u64) -> Option<Arc<Change>> {
+        let mut judged = lock(&self.judged);
+        if let Some((number, change)) = &*judged
+            && *number == newest
+        {
+            return Some(change.clone());
+        }
+        let state = lock(&self.shared.state);
+        let change = Arc::new(Change::between(self.wanted, state.picture.as_ref()?));
+        *judged = Some((newest, change.clone()));
+        Some(change)
+    }
+}
+
+impl Change {
+    fn between(before: &RenderRequest, now: &RenderRequest) -> Change {
+        let elsewhere = before.folder != now.folder;
+        let needed = now.upstream();
+        let is_other = |name: &String| elsewhere || find(&before.nodes, name) != find(&now.nodes, name);
+        let touched = before
+            .upstream()
+            .into_iter()
+            .filter(|name| !needed.contains(name) || upstream(&before.nodes, name).iter().any(is_other));
+        let moves = !elsewhere
+            && (&before.node, before.size, before.background) == (&now.node, now.size, now.background)
+            && before.nodes.len() == now.nodes.len()
+            && before.nodes.iter().zip(&now.nodes).all(|(a, b)| a == b || is_movement(a, b));
+        Change { touched: touched.collect(), moves }
+    }
+}
+
+fn find<'a>(nodes: &'a [NodeEntry], name: &str) -> Option<&'a NodeEntry> {
+    nodes.iter().find(|node| node.name == name)
+}
+
+/// True if two states of a node differ in numbers that the pointer moves in the picture or over the histogram.
+fn is_movement(before: &NodeEntry, now: &NodeEntry) -> bool {
+    let is_moved = ["camera", "transfer-function"].iter().any(|name| before.node_type.text() == Some(name));
+    is_moved && NodeEntry { settings: now.settings.clone(), ..before.clone() } == *now
+}
+
+/// Time of a coarse picture (seconds): 25 a second, of which the wires take some.
+const COARSE_SECONDS: f64 = 0.035;
+
+/// A full picture that takes no longer needs no coarse one before it, seconds.
+const FULL_SECONDS: f64 = 0.045;
+
+/// Along each side a coarse picture has at least an eighth of the pixels, or a person sees nothing in it.
+const MAX_DIVISOR: u32 = 8;
+
+/// Before anything was drawn.
+const FIRST_DIVISOR: u32 = 4;
+
+/// Shortest time limit of the first picture of a request that the user has moved on from (seconds), so that 20 a second are
+/// shown.
+const MIN_TIME_LIMIT: f64 = 0.05;
+
+/// Time limit before any picture was drawn (seconds).
+const FIRST_TIME_LIMIT: f64 = 0.2;
+
+/// Model of drawing times, fitted to the pictures drawn: a constant a picture, and a constant a pixel. It gives the resolution of coarse
+/// pictures: as many pixels as are drawn in a time that the user does not notice.
+///
+/// While widgets change and the view does not, the engine draws from its cache of the view ([`Manner::passing`]). It caches
+/// pictures of one size alone, so that another size costs some slow pictures first.
+///
+/// [`Manner::passing`]: voltet_optics::engine::Manner::passing
+#[derive(Debug, Default)]
+pub(super) struct FrameTimeModel {
+    full: Option<(f64, f64)>,
+    coarse: Option<(f64, f64)>,
+    /// Drawing from the engine's cache of the view.
+    kept: Option<CachedDrawing>,
+    cameras: Vec<NodeEntry>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct CachedDrawing {
+    seconds_a_pixel: f64,
+    /// Pictures since then that were not.
+    others: u32,
+}
+
+/// Pictures of a new size after which the engine has kept it, or will not.
+const UNTIL_KEPT: u32 = 3;
+
+impl FrameTimeModel {
+    /// By how much the sides of a coarse picture of so many pixels in full are divided; 1 where the full one is quick enough.
+    pub fn divisor(&self, pixels: f64) -> u32 {
+        self.divisor_of_kept(pixels).unwrap_or(MAX_DIVISOR).min(self.divisor_of_cells(pixels))
+    }
+
+    fn divisor_of_kept(&self, pixels: f64) -> Option<u32> {
+        let whole = self.kept?.seconds_a_pixel * pixels;
+        if whole <= FULL_SECONDS {
+            return Some(1);
+        }
+        (2..MAX_DIVISOR).find(|divisor| whole / f64::from(divisor * divisor) <= COARSE_SECONDS)
+    }
+
+    fn divisor_of_cells(&self, pixels: f64) -> u32 {
+        let Some([fixed, each]) = self.law() else { return FIRST_DIVISOR };
+        // The full picture itself is the better witness.
+        let as_measured = self.full.map_or(f64::INFINITY, |(count, seconds)| seconds * pixels / count);
+        if as_measured.min(fixed + each * pixels) <= FULL_SECONDS {
+            return 1;
+        }
+        let fits = |divisor: &u32| fixed + each * pixels / f64::from(divisor * divisor) <= COARSE_SECONDS;
+        (2..MAX_DIVISOR).find(fits).unwrap_or(MAX_DIVISOR)
+    }
+
+    /// Time limit of the first picture of a request that the user has moved on from: twice the time of the last such
+    /// picture.
+    pub fn patience(&self, divisor: u32) -> Duration {
+        let last = if divisor == 1 { self.full } else { self.coarse };
+        let usual = last.map_or(FIRST_TIME_LIMIT, |(_, seconds)| 2.0 * seconds);
+        Duration::from_secs_f64(usual.max(MIN_TIME_LIMIT))
+    }
+
+    /// Seconds of a picture and of a pixel, through what was measured last.
+    fn law(&self) -> Option<[f64; 2]> {
+        match (self.full, self.coarse) {
+            (Some((many, long)), Some((few, short))) if many > few => {
+                let each = ((long - short) / (many - few)).max(0.0);
+                Some([(short - each * few).max(0.0), each])
+            }
+            (Some((pixels, seconds)), _) | (None, Some((pixels, seconds))) => Some([0.0, seconds / pixels]),
+            (None, None) => None,
+        }
+    }
+
+    /// A picture of so many pixels took so long.
+    pub fn learn(&mut self, divisor: u32, pixels: f64, seconds: f64) {
+        let measured = Some((pixels.max(1.0), seconds));
+        if divisor == 1 {
+            self.full = measured
+        } else {
+            self.coarse = measured
+        }
+        self.kept = self.kept.map(|kept| CachedDrawing { others: kept.others + 1, ..kept });
+        self.kept = self.kept.filter(|kept| kept.others <= UNTIL_KEPT);
+    }
+
+    /// Records the time of a picture that was drawn from the cache of the view.
+    pub fn learn_of_kept(&mut self, pixels: f64, seconds: f64) {
+        let seconds_a_pixel = match self.kept {
+            // The first of its size: what is kept was found, too.
+            Some(CachedDrawing { seconds_a_pixel, others: 1.. }) => seconds_a_pixel,
+            _ => seconds / pixels.max(1.0),
+        };
+        self.kept = Some(CachedDrawing { seconds_a_pixel, others: 0 });
+    }
+
+    /// The next picture is seen from here: nothing is kept of another view.
+    pub fn look_from(&mut self, cameras: Vec<NodeEntry>) {
+        if self.cameras != cameras {
+            (self.cameras, self.kept) = (cameras, None);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::PathBuf;
+    use voltet_graph::pipeline::Pipeline;
+    use voltet_graph::{LocatedValue, ParameterValue};
+
+    fn wanted() -> RenderRequest {
+        RenderRequest {
+            nodes: Pipeline::parse(include_str!("../ui_tests/scene.toml")).unwrap().nodes,
+            folder: PathBuf::new(),
+            node: "picture".into(),
+            size: None,
+            background: [0.0; 3],
+            coarse_first: true,
+        }
+    }
+
+    fn with(node: &str, key: &str, datum: ParameterValue) -> RenderRequest {
+        let mut wanted = wanted();
+        let node = wanted.nodes.iter_mut().find(|entry| entry.name == node).unwrap();
+        node.set(key, &[], LocatedValue::from(datum)).unwrap();
+        wanted
+    }
+
+    fn touched(now: &RenderRequest) -> (Vec<String>, bool) {
+        let change = Change::between(&wanted(), now);
+        (change.touched.into_iter().collect(), change.moves)
+    }
+
+    #[test]
+    fn a_moved_camera_or_widget_touches_what_follows_and_is_a_movement() {
+        let of = |names: &[&str]| names.iter().map(|name| name.to_string()).collect::<Vec<_>>();
+        assert_eq!(touched(&wanted()), (of(&[]), true));
+        assert_eq!(
+            touched(&with("view", "fov_y", ParameterValue::Number(20.0))),
+            (of(&["picture", "view"]), true)
+        );
+        assert_eq!(
+            touched(&with("look", "unit_distance", ParameterValue::Number(2.0))),
+            (of(&["look", "picture"]), true)
+        );
+        let other = with("gradient", "method", ParameterValue::Text("cell-average".into()));
+        assert_eq!(touched(&other), (of(&["gradient", "picture"]), false));
+        let elsewhere = RenderRequest { folder: "elsewhere".into(), ..wanted() };
+        assert_eq!(touched(&elsewhere).0.len(), 5);
+        let other_node = RenderRequest { node: "gradient".into(), ..wanted() };
+        assert_eq!(touched(&other_node), (of(&["look", "picture", "view"]), false));
+    }
+
+    #[test]
+    fn slow_pictures_are_made_coarser_and_quick_ones_are_not() {
+        let mut pace = FrameTimeModel::default();
+        assert_eq!(pace.divisor(786_432.0), FIRST_DIVISOR, "nothing is known yet");
+        pace.learn(1, 786_432.0, 0.4);
+        // 0.4 s / 16 = 0.025 s, / 9 = 0.044 s.
+        assert_eq!(pace.divisor(786_432.0), 4);
+        pace.learn(4, 49_152.0, 0.1);
+        // 0.08 s of each picture do not follow the pixels: nothing is quick enough.
+        assert_eq!(pace.divisor(786_432.0), MAX_DIVISOR);
+        pace.learn(1, 786_432.0, 0.04);
+        assert_eq!(pace.divisor(786_432.0), 1);
+    }
+
+    #[test]
+    fn while_a_view_is_kept_pictures_are_finer() {
+        let view = |angle: u32| {
+            let text = format!("[pipeline]\nformat = 1\n[nodes.view]\ntype = \"camera\"\nfov_y = {angle}");
+            Pipeline::parse(&text).unwrap().nodes
+        };
+        let mut pace = FrameTimeModel::default();
+        pace.look_from(view(30));
+        pace.learn(1, 786_432.0, 0.4);
+        assert_eq!(pace.divisor(786_432.0), 4);
+        // 0.16 s for the full one, of which a ninth is quick.
+        pace.learn_of_kept(49_152.0, 0.01);
+        assert_eq!(pace.divisor(786_432.0), 3);
+        // The first ones of the new size are drawn from the cells, one keeps.
+        pace.learn(3, 87_381.0, 0.06);
+        pace.learn(3, 87_381.0, 0.06);
+        assert_eq!(pace.divisor(786_432.0), 3);
+        pace.learn_of_kept(87_381.0, 0.1);
+        assert_eq!(pace.divisor(786_432.0), 3);
+        pace.learn_of_kept(87_381.0, 0.004);
+        assert_eq!(pace.divisor(786_432.0), 1);
+        // The engine does not keep so much.
+        for _ in 0..=UNTIL_KEPT {
+            assert_eq!(pace.divisor(786_432.0), 1);
+            pace.learn(1, 786_432.0, 0.4);
+        }
+        assert_ne!(pace.divisor(786_432.0), 1);
+        pace.learn_of_kept(786_432.0, 0.02);
+        pace.look_from(view(30));
+        assert_eq!(pace.divisor(786_432.0), 1);
+        pace.look_from(view(31));
+        assert_ne!(pace.divisor(786_432.0), 1, "nothing is kept of another view");
     }
 }

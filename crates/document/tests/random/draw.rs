@@ -3,7 +3,7 @@
 use crate::lot::Lot;
 use crate::model::{Model, part};
 use std::collections::BTreeSet;
-use voltet_document::{Document, Edit, Frame, Note, Path, Step};
+use voltet_document::{Annotation, AnnotationId, Document, Edit, Path, Step};
 use voltet_graph::{Field, LocatedValue, ParameterValue};
 
 impl Model {
@@ -102,11 +102,15 @@ impl Model {
             (22, _) => {
                 let (count, at) = (self.view.frames.len(), [lot.below(900) as f64, -5.0]);
                 match lot.below(3) {
-                    0 if count > 0 => Edit::RemoveFrame(lot.below(count)),
+                    0 if count > 0 => Edit::RemoveAnnotation(AnnotationId::Frame(lot.below(count))),
                     _ => {
-                        let frame =
-                            Frame { title: "F # \"".into(), position: at, size: [30.0, 40.0], color: None };
-                        Edit::PutFrame(lot.below(count + 1), frame)
+                        let frame = Annotation {
+                            text: "F # \"".into(),
+                            position: at,
+                            size: Some([30.0, 40.0]),
+                            color: None,
+                        };
+                        Edit::Annotate(AnnotationId::Frame(lot.below(count + 1)), frame)
                     }
                 }
             }
@@ -117,8 +121,11 @@ impl Model {
             _ => {
                 let (count, at) = (self.view.notes.len(), [lot.below(900) as f64, -5.0]);
                 match lot.below(3) {
-                    0 if count > 0 => Edit::RemoveNote(lot.below(count)),
-                    _ => Edit::PutNote(lot.below(count + 1), Note { text: "n\nn".into(), position: at }),
+                    0 if count > 0 => Edit::RemoveAnnotation(AnnotationId::Note(lot.below(count))),
+                    _ => Edit::Annotate(
+                        AnnotationId::Note(lot.below(count + 1)),
+                        Annotation { text: "n\nn".into(), position: at, ..Annotation::default() },
+                    ),
                 }
             }
         }

@@ -23,7 +23,7 @@ fn edit_at_random(name: &str, text: &str, seed: u64, count: usize) {
         let before = document.text().to_string();
         // Some edits belong to drags.
         let outcome = match lot.below(4) {
-            0 => document.edit_in(Gesture(i as u64 / 8), &edit),
+            0 => document.edit_all(edit.label(), std::slice::from_ref(&edit), Some(Gesture(i as u64 / 8))),
             _ => document.edit(&edit),
         };
         outcome.unwrap_or_else(|error| panic!("{name}, edit {i}: {edit:?}\n{error}\n{before}"));
@@ -39,16 +39,16 @@ fn edit_at_random(name: &str, text: &str, seed: u64, count: usize) {
         if lot.below(16) == 0 {
             let now = document.text().to_string();
             let steps = lot.below(5);
-            let back = (0..steps).filter(|_| document.undo().unwrap()).count();
-            (0..back).for_each(|_| assert!(document.redo().unwrap()));
+            let back = (0..steps).filter(|_| document.undo()).count();
+            (0..back).for_each(|_| assert!(document.redo()));
             assert_eq!(document.text(), now, "{name}, edit {i}");
         }
     }
     let last = document.text().to_string();
-    while document.undo().unwrap() {}
+    while document.undo() {}
     assert_eq!(document.text(), text, "{name}: undone to the first byte");
     assert!(document.is_saved());
-    while document.redo().unwrap() {}
+    while document.redo() {}
     assert_eq!(document.text(), last, "{name}: done again to the last byte");
     if text.contains("\r\n") && !text.replace("\r\n", "").contains('\n') {
         assert!(!last.replace("\r\n", "").contains('\n'), "{name}: line ends");

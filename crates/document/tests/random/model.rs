@@ -1,7 +1,7 @@
 //! Model of a document's contents, without any text.
 
 use std::collections::BTreeMap;
-use voltet_document::{Document, Edit, Step, View, links};
+use voltet_document::{AnnotationId, Document, Edit, Step, View, links};
 use voltet_graph::{Field, LinkEntry, LocatedValue, NodeEntry, ParameterValue};
 
 /// Nodes by name, what feeds them, what the view says.
@@ -132,10 +132,14 @@ impl Model {
                 view.position = view.position.or(at.map(|at| at.map(f64::round)));
                 view.remark = text.clone();
             }
-            Edit::PutFrame(number, frame) => put(&mut self.view.frames, *number, frame.clone()),
-            Edit::RemoveFrame(number) => drop(self.view.frames.remove(*number)),
-            Edit::PutNote(number, note) => put(&mut self.view.notes, *number, note.clone()),
-            Edit::RemoveNote(number) => drop(self.view.notes.remove(*number)),
+            Edit::Annotate(AnnotationId::Frame(number), frame) => {
+                put(&mut self.view.frames, *number, frame.clone());
+            }
+            Edit::RemoveAnnotation(AnnotationId::Frame(number)) => drop(self.view.frames.remove(*number)),
+            Edit::Annotate(AnnotationId::Note(number), note) => {
+                put(&mut self.view.notes, *number, note.clone());
+            }
+            Edit::RemoveAnnotation(AnnotationId::Note(number)) => drop(self.view.notes.remove(*number)),
             Edit::StoreSet(digit, widgets) => drop(self.view.sets.insert(*digit, widgets.clone())),
             Edit::Title(title) => self.title = title.clone(),
             Edit::AddLines(_) | Edit::Text(_) => unreachable!("not drawn here"),

@@ -1,19 +1,15 @@
 //! Widgets over a list of fields, on the plane of two of them: what lies outside of the plane stays as it is.
 
-use super::super::geometry::{Change, Handle, Scale, list, rounded, rows};
-use super::super::plane::WidgetPainter;
-use super::super::shape::{PlaneContext, Shape};
 use super::gaussian::Ellipse;
-use super::triangle::Triangle;
+use super::shapes::{PlaneContext, Shape, Triangle};
+use crate::transfer::plane::{Change, Handle, Plane, WidgetPainter, list, rounded, rows};
 use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue, find_setting};
 
-/// The numbers of such a widget.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FieldShape {
     /// The fields along the plane's axes, by their places in the list.
     at: [Option<usize>; 2],
     centre: Vec<f64>,
-    /// Deviations, if the table has them.
     sigma: Option<Vec<f64>>,
     /// K of exp(−|K (v − centre)|²), or with the magnitude as 1.
     kernel: Vec<Vec<f64>>,
@@ -21,7 +17,6 @@ pub(super) struct FieldShape {
     figure: Figure,
 }
 
-/// Figures of a widget in the plane.
 #[derive(Debug, Clone, PartialEq)]
 enum Figure {
     Ellipse(Ellipse),
@@ -31,7 +26,6 @@ enum Figure {
 /// The magnitude of all gradients, which the widths are shares of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Magnitude {
-    /// The axis of the plane that it is.
     axis: Option<usize>,
     /// The one at which ellipses over two fields are drawn: in the middle of its range.
     level: f64,
@@ -90,7 +84,6 @@ impl FieldShape {
         Some(FieldShape { at, centre: centre.to_vec(), sigma, kernel: kernel.to_vec(), magnitude, figure })
     }
 
-    /// The middle elsewhere in the plane.
     fn centred(&self, to: [f64; 2]) -> Vec<Change> {
         let mut centre = self.centre.clone();
         for (axis, place) in self.at.iter().enumerate() {
@@ -130,7 +123,6 @@ impl FieldShape {
         vec![("matrix", Some(rows(&kernel))), ("sigma", None)]
     }
 
-    /// Wider by factors along the plane's axes.
     fn scaled(&self, by: [f64; 2]) -> Vec<Change> {
         let factor = |field: usize| {
             let own = (0..2).filter(|axis| self.at[*axis] == Some(field));
@@ -154,20 +146,20 @@ impl FieldShape {
 }
 
 impl Shape for FieldShape {
-    fn handles(&self, scale: &Scale) -> Vec<(Handle, [f64; 2])> {
+    fn handles(&self, plane: &Plane) -> Vec<(Handle, [f64; 2])> {
         match &self.figure {
             Figure::Ellipse(ellipse) => ellipse.handles(),
-            Figure::Triangle(triangle) => triangle.handles(scale),
+            Figure::Triangle(triangle) => triangle.handles(plane),
         }
     }
 
-    fn moved(&self, handle: Handle, to: [f64; 2], scale: &Scale) -> Vec<Change> {
+    fn moved(&self, handle: Handle, to: [f64; 2], plane: &Plane) -> Vec<Change> {
         match (&self.figure, handle) {
             (Figure::Ellipse(ellipse), Handle::Width(_) | Handle::Angle) => ellipse
-                .stretched(handle, to, scale)
+                .stretched(handle, to, plane)
                 .map_or(Vec::new(), |after| self.stretched(ellipse.axes, after)),
             (Figure::Triangle(triangle), Handle::Width(_)) => {
-                self.scaled([triangle.widened(to, scale) / triangle.sigma, 1.0])
+                self.scaled([triangle.widened(to, plane) / triangle.sigma, 1.0])
             }
             _ => self.centred(to),
         }

@@ -1,8 +1,7 @@
 //! Gaussians over s and g, and the ellipses that Gaussians are in the plane.
 
-use super::super::geometry::{Change, Handle, Scale, array, list, rows};
-use super::super::plane::WidgetPainter;
-use super::super::shape::{PlaneContext, Shape};
+use super::shapes::{PlaneContext, Shape};
+use crate::transfer::plane::{Change, Handle, Plane, WidgetPainter, array, list, rows};
 use eframe::egui::{self, Color32, Stroke};
 use std::f64::consts::TAU;
 use voltet_graph::Field;
@@ -10,7 +9,6 @@ use voltet_graph::Field;
 /// Position of the handle of a turned axis (half axes).
 const ARM: f64 = 1.7;
 
-/// Points that it is drawn with.
 const ROUND: u32 = 72;
 
 /// Its middle and its two half axes at one standard deviation; an infinite one ignores its axis.
@@ -55,9 +53,9 @@ impl Ellipse {
     }
 
     /// The half axes when the handle of one, or that of the angle, is brought to a place; `None` of other handles.
-    pub fn stretched(&self, handle: Handle, to: [f64; 2], scale: &Scale) -> Option<[[f64; 2]; 2]> {
+    pub fn stretched(&self, handle: Handle, to: [f64; 2], plane: &Plane) -> Option<[[f64; 2]; 2]> {
         let Ellipse { centre, axes } = self;
-        let extent = scale.extent;
+        let extent = plane.extent;
         match handle {
             Handle::Width(i) => {
                 let v = [(to[0] - centre[0]) / extent[0], (to[1] - centre[1]) / extent[1]];
@@ -164,12 +162,12 @@ impl Gaussian {
 }
 
 impl Shape for Gaussian {
-    fn handles(&self, _: &Scale) -> Vec<(Handle, [f64; 2])> {
+    fn handles(&self, _: &Plane) -> Vec<(Handle, [f64; 2])> {
         self.0.handles()
     }
 
-    fn moved(&self, handle: Handle, to: [f64; 2], scale: &Scale) -> Vec<Change> {
-        match self.0.stretched(handle, to, scale) {
+    fn moved(&self, handle: Handle, to: [f64; 2], plane: &Plane) -> Vec<Change> {
+        match self.0.stretched(handle, to, plane) {
             Some(after) => spread(after),
             None => vec![("centre", Some(list(&to)))],
         }

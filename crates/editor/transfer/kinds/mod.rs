@@ -1,29 +1,22 @@
-//! The kinds of widgets as they lie in the plane, one file a kind: what is drawn, what a hand takes hold of, and what a drag makes
-//! of the numbers. What a widget is says [`voltet_core::transfer`].
+//! The kinds of widgets as they lie in the plane. What a widget is says [`voltet_core::transfer`].
 //!
-//! To add a kind, add its arm in [`shape`] and, where no shape here is its own, a file; nothing else of the editor knows kinds.
+//! To add a kind, add its arm in [`shape`] and, where no shape here is its own, one that implements [`Shape`]; nothing else of the
+//! editor knows kinds.
 
-mod curve;
 mod fields;
 mod gaussian;
-mod table;
-mod triangle;
-mod wave;
+mod shapes;
 
-pub(super) use fields::gaussian_over;
-pub(super) use gaussian::gaussian;
-
-use super::geometry::S_AND_G;
-use super::shape::{PlaneContext, Shape};
-use curve::Curve;
+use super::plane::S_AND_G;
 use fields::FieldShape;
+pub(super) use fields::gaussian_over;
 use gaussian::Gaussian;
+pub(super) use gaussian::gaussian;
+use shapes::{Bands, Curve, Everywhere, Picture, Triangle};
+pub(super) use shapes::{PlaneContext, Shape};
 use std::sync::Arc;
-use table::Picture;
-use triangle::Triangle;
 use voltet_core::transfer::{Profile, Widget};
 use voltet_graph::{ArrayRef, Field};
-use wave::Bands;
 
 /// The shape of a widget; `None` where it lies along other axes. `numbers`: its table, without numbers relative to data.
 pub(super) fn shape(widget: &Widget, numbers: &[Field], on: &PlaneContext) -> Option<Arc<dyn Shape>> {
@@ -64,9 +57,3 @@ pub(super) fn natural_axes(widget: &Widget) -> [ArrayRef; 2] {
         [first, second, ..] => [array(first), array(second)],
     }
 }
-
-/// A widget without a shape.
-#[derive(Debug)]
-struct Everywhere;
-
-impl Shape for Everywhere {}

@@ -1,0 +1,136 @@
+//! Nodes: drawn by the package, moved and selected by the pointer.
+
+use super::GraphView;
+use super::package::{self, Face, NodeGraph, Pictures, Response};
+use crate::scene::{Action, Scene};
+use eframe::egui::{Color32, PointerButton, Rect, Sense, Stroke, Ui, Vec2, pos2};
+use egui_node_graph2::{
+    ConnLocations, GraphNodeWidget, NodeId, NodeRects, NodeResponse, PortLocations, show_zoomed,
+};
+use std::collections::BTreeSet;
+use voltet_document::Edit;
+
+impl GraphView {
+    /// Draws the visible nodes and handles the pointer's actions on them and on the ground; returns them as drawn.
+    ///
+    /// The package's graph is made anew in each frame, with an empty node for each that is out of view: so each node has the key of
+    /// its place in the document, by which egui knows it again.
+    pub(super) fn nodes(&mut self, ui: &mut Ui, scene: &Scene, pictures: &Pictures) -> NodeGraph {
+        let (visible, is_far) = (self.visible(scene), self.is_far(ui));
+        let mut graph = NodeGraph::new();
+        let mut order: Vec<(usize, NodeId)> = Vec::new();
+        for entry in &scene.document.pipeline().nodes {
+            if !visible.contains(&entry.name) {
+                graph.add_node(String::new(), Face::default(), |_, _| {});
+                continue;
+            }
+            let place = self.raised.iter().position(|name| *name == entry.name).map_or(0, |place| place + 1);
+            order.push((place, package::add(&mut graph, scene, entry, pictures, self.zoom, is_far)));
+        }
+        order.sort_by_key(|(place, _)| *place);
+        let order: Vec<NodeId> = order.into_iter().map(|(_, id)| id).collect();
+        // Before the nodes, which lie above and take precedence.
+        let ground = ui.interact(self.rect, ui.id().with("ground"), Sense::click_and_drag());
+        let (mut frames, mut ports) = (NodeRects::new(), PortLocations::new());
+        let mut responses = Vec::new();
+        show_zoomed(ui.style().clone(), self.pan_zoom.zoomed_style.clone(), ui, |ui| {
+            for id in &order {
+                let name = graph[*id].user_data.name.clone();
+                let at = scene.document.position(&name).map(|x| x as f32 * self.zoom);
+                let widget = GraphNodeWidget {
+                    position: &mut pos2(at[0], at[1]),
+                    graph: &mut graph,
+                    port_locations: &mut ports,
+                    conn_locations: &mut ConnLocations::new(),
+                    node_rects: &mut frames,
+                    node_id: *id,
+                    ongoing_drag: None,
+                    selected: scene.selection.contains(&name),
+                    pan: self.pan + self.rect.min.to_vec2(),
+                };
+                responses.extend(widget.show(&self.pan_zoom, ui, &mut ()));
+            }
+        });
+        self.places.write_down(&graph, &order, &frames, &ports, self.zoom);
+        let mut selected: Option<BTreeSet<String>> = ground.clicked().then(BTreeSet::new);
+        for response in responses {
+            self.respond(ui, scene, &graph, response, &mut selected);
+        }
+        if ground.drag_started_by(PointerButton::Primary) && !ui.input(|input| input.modifiers.command_only())
+        {
+            self.boxed = ui.input(|input| input.pointer.press_origin());
+        }
+        if let (Some(from), Some(to)) = (self.boxed, ui.input(|input| input.pointer.hover_pos())) {
+            let chosen = Rect::from_two_pos(from, to);
+            let gray = |alpha| Color32::from_rgba_unmultiplied(200, 200, 200, alpha);
+            ui.painter().rect(chosen, 2.0, gray(20), Stroke::new(3.0, gray(180)));
+            let inside = self.places.drawn.iter().filter(|(_, frame)| chosen.intersects(*frame));
+            selected = Some(inside.map(|(name, _)| name.clone()).collect());
+        }
+        if !ui.input(|input| input.pointer.primary_down()) {
+            self.boxed = None;
+        }
+        if let Some(mut selected) = selected.filter(|_| self.menu.is_none() && self.wire.is_none()) {
+            if ui.input(|input| input.modifiers.shift || input.modifiers.command) {
+                selected.extend(scene.selection.iter().cloned());
+            }
+            if selected != *scene.selection {
+                scene.actions.push(Action::Select(selected));
+            }
+        }
+        graph
+    }
+
+    fn respond(
+        &mut self,
+        ui: &Ui,
+        scene: &Scene,
+        graph: &NodeGraph,
+        response: Response,
+        selected: &mut Option<BTreeSet<String>>,
+    ) {
+        let name_of = |id: NodeId| graph[id].user_data.name.clone();
+        match response {
+            NodeResponse::MoveNode { node, drag_delta } => {
+                self.drag(ui, scene, &name_of(node), drag_delta);
+            }
+            NodeResponse::SelectNode(node) => *selected = Some(BTreeSet::from([name_of(node)])),
+            NodeResponse::RaiseNode(node) => {
+                let name = name_of(node);
+                self.raised.retain(|known| *known != name);
+                self.raised.push(name);
+            }
+            NodeResponse::ConnectEventStarted(_, end) => {
+                if let Ok(port) = graph.any_param_type(end) {
+                    self.begin_wire(scene, port);
+                }
+            }
+            NodeResponse::ConnectEventEnded { .. }
+            | NodeResponse::CreatedNode(_)
+            | NodeResponse::DeleteNodeUi(_)
+            | NodeResponse::DeleteNodeFull { .. }
+            | NodeResponse::DisconnectEvent { .. }
+            | NodeResponse::User(_) => {}
+        }
+    }
+
+    fn drag(&mut self, ui: &Ui, scene: &Scene, name: &str, delta: Vec2) {
+        if ui.input(|input| input.pointer.button_down(PointerButton::Middle)) {
+            return;
+        }
+        let (origins, way) = self.dragged.get_or_insert_with(|| {
+            let with: BTreeSet<String> = if scene.selection.contains(name) {
+                scene.selection.clone()
+            } else {
+                BTreeSet::from([name.to_string()])
+            };
+            let at = |name: &String| (name.clone(), scene.document.position(name));
+            (with.iter().map(at).collect(), Vec2::ZERO)
+        });
+        *way += delta / self.zoom;
+        let moved = |at: &[f64; 2]| [at[0] + f64::from(way.x), at[1] + f64::from(way.y)];
+        scene
+            .actions
+            .edit(Edit::MoveNodes(origins.iter().map(|(name, at)| (name.clone(), moved(at))).collect()));
+    }
+}
