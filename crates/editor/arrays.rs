@@ -10,7 +10,7 @@ use voltet_document::Document;
 use voltet_document::links::upstream;
 use voltet_graph::{LocatedValue, NodeEntry, Registry};
 use voltet_io::formats::{self, Association, Request};
-use voltet_nodes::added;
+use voltet_nodes::external_formats;
 
 /// An array that may be chosen.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,7 +66,9 @@ impl Arrays {
                 };
                 // Names come from the headers at once; ranges take a reading of the file.
                 // A file that cannot be read has no arrays to choose from; the run says what is wrong with it.
-                let Ok(request) = added::request(Request::default(), &path, &registry) else { return };
+                let Ok(request) = external_formats::request(Request::default(), &path, &registry) else {
+                    return;
+                };
                 tell(heads(&path, &request));
                 if let Some(found) = ranges(&path, &request) {
                     tell(found);
