@@ -1,7 +1,6 @@
 //! Findings of the nodes that draw: counts of a picture, whatever engine counted them; bands of the transfer function that are finer than
 //! the cells; parts of a scene that a picture does not show, with the reason and the remedy.
 
-use super::scene::record_unsorted;
 use rayon::prelude::*;
 use serde_json::json;
 use std::sync::Arc;
@@ -11,7 +10,7 @@ use voltet_core::probing::{BandCounts, bands};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Result, SharedSlice};
-use voltet_graph::{RunContext, SavedWork};
+use voltet_graph::{Diagnostics, RunContext, SavedWork};
 use voltet_optics::engine::RenderStats;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::Ordering;
@@ -49,6 +48,12 @@ pub fn note(call: &mut RunContext, counts: &RenderStats) {
         let saving = counts.cells_hidden.map(SavedWork::Cells);
         notes.record_skipped(what, "every pixel of the tile is opaque", saving);
     }
+}
+
+/// Records that no order is needed; `segment_count`: of the segments that are not sorted, where it is known.
+pub fn record_unsorted(notes: &mut Diagnostics, segment_count: Option<u64>) {
+    let why = "one colour and no light: the picture does not depend on the order";
+    notes.record_skipped("visibility order", why, segment_count.map(SavedWork::Segments));
 }
 
 /// Notes that a picture needed no order.

@@ -1,8 +1,8 @@
 //! The engines that there are: parameters that choose one, its choice with the reason in the report, and scenes on opened engines: an
 //! engine is opened once a session for each adapter, and takes in a volume once a revision.
 
-use super::diagnostics::{self, note, note_unsorted};
-use super::scene::{ask, check_engine, record_unsorted, shading};
+use super::diagnostics::{self, note, note_unsorted, record_unsorted};
+use super::scene::{ask, check_engine, shading};
 use crate::files::{Fnv, cache_folder, write_whole};
 use std::collections::HashMap;
 use std::fs;

@@ -5,6 +5,6 @@ mod engines;
 mod scene;
 
 pub use diagnostics::warnings as picture_warnings;
-pub(crate) use diagnostics::{note, note_bands, note_unsorted};
+pub(crate) use diagnostics::{note, note_bands, note_unsorted, record_unsorted};
 pub use engines::*;
 pub use scene::*;

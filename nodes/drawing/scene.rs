@@ -8,8 +8,8 @@ use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_cpu::{Cells, Projection, needs_gradient};
 use voltet_graph::{
-    DefaultValue, Demand, DemandContext, Diagnostics, Parameter, ParameterType, Parameters, Range, Revision,
-    RunContext, SavedWork, TransferFunctionSpec, diagonal,
+    DefaultValue, Demand, DemandContext, Parameter, ParameterType, Parameters, Range, Revision, RunContext,
+    TransferFunctionSpec, diagonal,
 };
 use voltet_optics::WidgetBlend;
 use voltet_optics::engine::EngineInfo;
@@ -105,12 +105,6 @@ pub const ORDER: Parameter = Parameter {
 /// The order that the parameters request.
 pub fn order(p: &Parameters) -> Result<VisibilityOrder> {
     p.text("order")?.parse()
-}
-
-/// Records that no order is needed; `segment_count`: of the segments that are not sorted, where it is known.
-pub fn record_unsorted(notes: &mut Diagnostics, segment_count: Option<u64>) {
-    let why = "one colour and no light: the picture does not depend on the order";
-    notes.record_skipped("visibility order", why, segment_count.map(SavedWork::Segments));
 }
 
 /// Asks at `port` for what drawing the transfer function at `look_port` with the node's parameters needs; gives what
