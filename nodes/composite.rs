@@ -2,9 +2,14 @@
 
 use crate::drawing;
 use std::sync::Arc;
+use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
+use voltet_cpu::{Projection, prepare};
 use voltet_graph::{DemandContext, Node, Outputs, Parameters, Port, PortType, RunContext, Value};
+use voltet_optics::engine::{RenderStats, Stage};
 use voltet_optics::integrators::stated;
+use voltet_optics::scene::Scene;
+use voltet_simd::LaneSet;
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -55,12 +60,30 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
         );
     }
     drawing::note_bands(call, &cells.volume, &transfer_function)?;
+    let scene = projected.scene(shading);
     let picture = match shading.integrator.extension() {
-        Some(engine) => {
-            let projection = &projected.projection;
-            drawing::composite_registered(call, engine, projection, &transfer_function, &shading)?
-        }
-        None => drawing::composite(call, &projected.projection, &transfer_function, &shading)?,
+        // Every projected cell is drawn.
+        Some(engine) => drawing::draw_on(call, &scene, "projection", engine, false)?,
+        None => composite(call, &projected.projection, &scene)?,
     };
     Ok(vec![Value::Image(Arc::new(picture))])
+}
+
+/// Integrates and composites on the CPU engine.
+fn composite(call: &mut RunContext, projection: &Projection, scene: &Scene) -> Result<Picture> {
+    let Scene { transfer_function, shading, .. } = scene;
+    let ready = call.stage(Stage::SetUp.name(), |_| prepare(projection, transfer_function, shading))?;
+    let (picture, composited) = call.stage(Stage::Composite.name(), |progress| ready.composite(progress))?;
+    let mut counts = RenderStats::default();
+    composited.count(&mut counts);
+    composited.note(&mut call.notes);
+    drawing::note(call, &counts);
+    drawing::note_unsorted(call, scene, &counts);
+    // Of all stages: what the former ones left out may be the reason.
+    projection.cells().count(&mut counts);
+    projection.count(&mut counts);
+    call.notes.warnings.extend(drawing::picture_warnings(scene, &counts, &picture));
+    let threads = rayon::current_num_threads();
+    call.notes.adapter = Some(format!("{}, {threads} threads", LaneSet::detect()?.name()));
+    Ok(picture)
 }

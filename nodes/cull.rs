@@ -3,7 +3,9 @@
 use crate::drawing;
 use std::sync::Arc;
 use voltet_core::Result;
+use voltet_cpu::VolumeCache;
 use voltet_graph::{Demand, DemandContext, Node, Outputs, Port, PortType, RunContext, Value};
+use voltet_optics::engine::{RenderStats, Stage};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -41,6 +43,18 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let look = call.look("transfer_function")?;
     let camera = call.camera("camera")?;
     let transfer_function = drawing::for_data(call, &look, &volume, call.revision("volume")?)?;
-    let cells = drawing::cull(call, &volume, &transfer_function, &camera)?;
+    let (exhaustive, each) = (call.exhaustive(), call.demand.kept_cells);
+    let known = call.keep(call.revision("volume")?, || VolumeCache::new(&volume))?;
+    let cells = call.stage(Stage::Cull.name(), |progress| match exhaustive {
+        // That is what is asked for, and leaves nothing out.
+        _ if each => known.cull_exact(&transfer_function, &camera, progress),
+        true => known.all(&transfer_function, &camera),
+        false => known.cull(&transfer_function, &camera, progress),
+    })?;
+    call.notes.counts.insert("cells_total", volume.grid.tetrahedra.len() as u64);
+    let mut counts = RenderStats::default();
+    cells.count(&mut counts);
+    cells.note(&mut call.notes);
+    drawing::note(call, &counts);
     Ok(vec![Value::Cells(Arc::new(drawing::Culled { cells, transfer_function }))])
 }

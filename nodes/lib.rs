@@ -2,20 +2,18 @@
 //!
 //! | folder | what |
 //! | --- | --- |
-//! | [`added`] | nodes of formats that come from outside |
+//! | [`external_formats`] | nodes of formats that come from outside |
 //! | [`drawing`] | what the nodes that draw share |
 //! | [`files`] | writing whole files |
 //! | [`in_memory_grid`] | grids that a program holds in memory |
-//! | [`memory`] | what a grid takes, and what is left |
-//! | [`probing`] | parts of the node `probe` |
 //! | [`relative`] | numbers relative to data: ranges and percentiles |
 
-pub mod added;
 mod bands;
 mod camera;
 mod composite;
 mod cull;
 pub mod drawing;
+pub mod external_formats;
 pub mod files;
 mod gpu_renderer;
 mod gradient_magnitude;
@@ -23,7 +21,6 @@ mod grid_writer;
 mod histogram;
 mod image_writer;
 pub mod in_memory_grid;
-pub mod memory;
 mod multi_gradient;
 mod probe;
 mod project;

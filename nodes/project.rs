@@ -1,9 +1,10 @@
 //! `project`: cells to the picture plane.
 
-use crate::drawing;
+use crate::drawing::{self, Culled, Projected};
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_graph::{DemandContext, Node, Outputs, Port, PortType, RunContext, Value};
+use voltet_optics::engine::{RenderStats, Stage};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -24,9 +25,16 @@ pub const NODE: Node = Node {
 };
 
 fn run(call: &mut RunContext) -> Result<Outputs> {
-    let (culled, camera) = (call.cells::<drawing::Culled>("cells")?, call.camera("camera")?);
-    let transfer_function = culled.transfer_function.clone();
-    let projection =
-        drawing::project(call, &culled.cells, &transfer_function, &camera, call.demand.gradient)?;
-    Ok(vec![Value::Projection(Arc::new(drawing::Projected { projection, transfer_function }))])
+    let (culled, camera) = (call.cells::<Culled>("cells")?, call.camera("camera")?);
+    let Culled { cells, transfer_function } = &*culled;
+    // For comparison everything that there is goes along.
+    let gradient = call.demand.gradient || (call.exhaustive() && cells.volume.gradient.is_some());
+    let projection = call.stage(Stage::Project.name(), |progress| {
+        voltet_cpu::project(cells, transfer_function, &camera, gradient, progress)
+    })?;
+    let mut counts = RenderStats::default();
+    projection.count(&mut counts);
+    drawing::note(call, &counts);
+    let transfer_function = transfer_function.clone();
+    Ok(vec![Value::Projection(Arc::new(Projected { projection, transfer_function }))])
 }

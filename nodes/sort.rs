@@ -4,6 +4,7 @@ use crate::drawing;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_graph::{DemandContext, Node, Outputs, Port, PortType, RunContext, Value};
+use voltet_optics::engine::Stage;
 use voltet_optics::shading::Ordering;
 
 /// The declaration.
@@ -34,7 +35,8 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let ordering = Ordering::new(drawing::order(call.parameters)?, call.demand.order);
     let culled = call.cells::<drawing::Culled>("cells")?;
     let camera = call.camera("camera")?;
-    let cells = drawing::sort(call, &culled.cells, &camera, ordering)?;
+    let cells = call.stage(Stage::Sort.name(), |_| voltet_cpu::sort(&culled.cells, &camera, ordering))?;
+    cells.note_order(&mut call.notes);
     let transfer_function = culled.transfer_function.clone();
     Ok(vec![Value::Cells(Arc::new(drawing::Culled { cells, transfer_function }))])
 }

@@ -12,6 +12,19 @@ use voltet_io::formats::files_beside;
 use voltet_io::provenance::{DataFile, PluginRecord, Provenance};
 use voltet_nodes::files::{Use, collision};
 
+/// An error with the text that its location points into.
+#[derive(Debug)]
+pub(crate) struct LocatedError {
+    pub error: Error,
+    pub text: Option<String>,
+}
+
+impl From<Error> for LocatedError {
+    fn from(error: Error) -> Self {
+        LocatedError { error, text: None }
+    }
+}
+
 /// A pipeline, read and checked.
 #[derive(Debug)]
 pub struct Document {
@@ -61,6 +74,12 @@ impl Document {
     /// Completes an error of a run with its location in this file.
     pub fn locate(&self, error: Error) -> Error {
         locate(error, &self.text, &self.path)
+    }
+
+    /// Completes an error of a run with its location in this file, and with its text.
+    #[cfg(feature = "cli")]
+    pub(crate) fn failure(&self, error: Error) -> LocatedError {
+        LocatedError { error: self.locate(error), text: Some(self.text.clone()) }
     }
 
     /// Checks, before any work, that the data files that a picture names exist.
@@ -241,7 +260,7 @@ impl Document {
     /// # Errors
     /// - an output that is an input, or another output.
     pub fn refuse_collisions(&self) -> Result<()> {
-        refuse_conflicts([self], true, &[]).map_err(|(error, _)| error)
+        refuse_conflicts([self], true, &[]).map_err(|failure| failure.error)
     }
 
     /// The file itself, those that nodes name, and those that are read beside these. `nodes_write`: true if the writers run.
@@ -270,13 +289,12 @@ impl Document {
     }
 }
 
-/// Refuses a call that would overwrite its inputs or outputs. `nodes_write`: true if the writers run. The error comes with the text
-/// that it points into.
-pub fn refuse_conflicts<'a>(
+/// Refuses a call that would overwrite its inputs or outputs. `nodes_write`: true if the writers run.
+pub(crate) fn refuse_conflicts<'a>(
     documents: impl IntoIterator<Item = &'a Document>,
     nodes_write: bool,
     options: &'a [OptionFile],
-) -> std::result::Result<(), (Error, Option<&'a str>)> {
+) -> std::result::Result<(), LocatedError> {
     let of_option = |OptionFile { path, option }: &OptionFile| Entry {
         file: Use { path: path.clone(), written: true },
         by: option.clone(),
@@ -304,5 +322,6 @@ pub fn refuse_conflicts<'a>(
         _ => "a file of its own for every output".into(),
     };
     let error = Error::usage(what).got(format!("'{own}'{spelled}, which {} {verb}", other.place()));
-    Err((writer.locate(error.expected(expected)), writer.document.map(|document| document.text.as_str())))
+    let text = writer.document.map(|document| document.text.clone());
+    Err(LocatedError { error: writer.locate(error.expected(expected)), text })
 }

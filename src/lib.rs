@@ -57,13 +57,7 @@ mod facade;
 #[cfg(feature = "cli")]
 pub use cli::{ExitOnOutOfMemory, registry, run};
 pub use document::{Document, Source};
-pub use facade::{
-    Band, BorrowedGrid, Camera, CellArrays, Colormap, Engine, Gaussian, Grid, GridIndex, Image, Integrator,
-    Light, NamedArray, Piecewise, Pipeline, PipelineSource, PointNumbers, RenderOptions, RenderOutput,
-    RenderPlan, Renderer, RendererOptions, RunRecord, RunStatus, Scene, Session, Shading, TransferFunction,
-    Uniform, UnitDistance, Volume, build_grid, panic_message, render_to_depth, run_in_background,
-    unnamed_scalar,
-};
+pub use facade::*;
 pub use voltet_core as core;
 pub use voltet_core::grid::{Array, CellSet, Cells};
 pub use voltet_core::progress::Progress;

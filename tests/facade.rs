@@ -173,7 +173,7 @@ fn a_pipeline_is_changed_and_run() -> Result<()> {
                    extinction = 9.0\n";
     let mut pipeline = Pipeline::parse(&pipeline(None, widgets, "", view), "")?.with_grid("grid", grid())?;
     pipeline.set_camera(None, &Camera::framing([[0.0; 3].into(), [1.2, 1.1, 2.0].into()]).size(20, 10))?;
-    assert_eq!(pipeline.size(Some("picture"))?, [20, 10]);
+    assert_eq!(pipeline.render_plan(Some("picture"))?.size, [20, 10]);
     let image = pipeline.render("picture")?;
     assert_eq!([image.width(), image.height()], [20, 10]);
     assert_eq!(pipeline.run(&NoObserver)?, [("picture".to_string(), image)]);

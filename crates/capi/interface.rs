@@ -171,7 +171,8 @@ pub unsafe extern "C" fn voltet_set_grid(
     // SAFETY: as the header says.
     unsafe {
         with(session, |pipeline| {
-            pipeline.set_grid(optional_text(node, "the node")?, grid.as_ref().map(|handle| &handle.grid))
+            let grid = grid.as_ref().map(|handle| &handle.grid);
+            pipeline.set_grid(optional_text(node, "the node")?, grid).map(drop)
         })
     }
 }
@@ -190,9 +191,10 @@ pub unsafe extern "C" fn voltet_picture_size(
             if width.is_null() || height.is_null() {
                 return Err(null("the place of the size"));
             }
-            let size = pipeline.size(optional_text(node, "the node")?)?;
-            width.write(size[0]);
-            height.write(size[1]);
+            let [picture_width, picture_height] =
+                pipeline.render_plan(optional_text(node, "the node")?)?.size;
+            width.write(picture_width);
+            height.write(picture_height);
             Ok(())
         })
     }

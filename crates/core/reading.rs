@@ -1,4 +1,4 @@
-//! Readers of further file formats: the trait that a format from outside implements. `voltet_nodes::added::reader` makes a node of one.
+//! Readers of further file formats: the trait that a format from outside implements. `voltet_nodes::external_formats::reader` makes a node of one.
 
 use crate::Result;
 use crate::field::Plugin;

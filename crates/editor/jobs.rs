@@ -14,7 +14,7 @@ use voltet_document::links::upstream;
 use voltet_graph::{LocatedValue, NodeEntry, Observer, Registry};
 use voltet_io::formats::{self, Association, Request};
 use voltet_io::memory;
-use voltet_nodes::added;
+use voltet_nodes::external_formats;
 
 /// A job in progress; cancelled when dropped.
 pub(crate) struct Job<T> {
@@ -157,7 +157,9 @@ impl Arrays {
                 };
                 // Names come from the headers at once; ranges take a reading of the file.
                 // A file that cannot be read has no arrays to choose from; the run says what is wrong with it.
-                let Ok(request) = added::request(Request::default(), &path, &registry) else { return };
+                let Ok(request) = external_formats::request(Request::default(), &path, &registry) else {
+                    return;
+                };
                 let heads = formats::arrays(&path, &request).unwrap_or_default();
                 tell(heads.iter().flat_map(|head| choices(head, None)).collect());
                 if let Ok(found) = formats::inspect(&path, &request, &NoProgress) {

@@ -71,7 +71,7 @@ pub struct Contents {
     pub plugin: Option<Plugin>,
     /// Gradient filters.
     pub filters: Vec<Arc<dyn GradientFilter>>,
-    /// Readers; `voltet_nodes::added::reader` makes nodes of them.
+    /// Readers; `voltet_nodes::external_formats::reader` makes nodes of them.
     pub readers: Vec<&'static dyn GridReader>,
     /// Grid filters and image filters.
     pub nodes: Vec<&'static Node>,

@@ -1,7 +1,6 @@
 //! Findings of the nodes that draw: counts of a picture, whatever engine counted them; bands of the transfer function that are finer than
 //! the cells; parts of a scene that a picture does not show, with the reason and the remedy.
 
-use super::shading::record_unsorted;
 use rayon::prelude::*;
 use serde_json::json;
 use std::sync::Arc;
@@ -17,7 +16,7 @@ use voltet_optics::scene::Scene;
 use voltet_optics::shading::Ordering;
 
 /// Notes what was counted: of a whole picture, or of one stage.
-pub(super) fn note(call: &mut RunContext, counts: &RenderStats) {
+pub fn note(call: &mut RunContext, counts: &RenderStats) {
     let notes = &mut call.notes;
     let culled = counts.culled_by_transfer_function.zip(counts.culled_by_frustum).map(|(a, b)| a + b);
     for (name, count) in [
@@ -32,13 +31,9 @@ pub(super) fn note(call: &mut RunContext, counts: &RenderStats) {
     ] {
         notes.counts.extend(count.map(|count| (name, count)));
     }
-    record_skipped_cells(notes, counts);
     if let Some(count @ 1..) = counts.pixels_disordered {
         notes.warnings.push(format!("{count} pixels were composited in an order that is not exact"));
     }
-}
-
-fn record_skipped_cells(notes: &mut Diagnostics, counts: &RenderStats) {
     for (which, why, count) in [
         ("that show nothing", "no widget touches their values", counts.culled_by_transfer_function),
         ("out of view", "they lie outside the view", counts.culled_by_frustum),
@@ -55,12 +50,17 @@ fn record_skipped_cells(notes: &mut Diagnostics, counts: &RenderStats) {
     }
 }
 
-/// Notes the order that was not made.
-pub(super) fn note_whole(call: &mut RunContext, scene: &Scene, counts: &RenderStats) -> Result<()> {
+/// Records that no order is needed; `segment_count`: of the segments that are not sorted, where it is known.
+pub fn record_unsorted(notes: &mut Diagnostics, segment_count: Option<u64>) {
+    let why = "one colour and no light: the picture does not depend on the order";
+    notes.record_skipped("visibility order", why, segment_count.map(SavedWork::Segments));
+}
+
+/// Notes that a picture needed no order.
+pub fn note_unsorted(call: &mut RunContext, scene: &Scene, counts: &RenderStats) {
     if scene.ordering(call.exhaustive()) == Ordering::Independent {
         record_unsorted(&mut call.notes, counts.segments);
     }
-    Ok(())
 }
 
 /// Band counts of one transfer function over one volume, kept between runs.
@@ -72,11 +72,9 @@ struct VolumeBands {
 
 impl VolumeBands {
     fn is_of(&self, volume: &Volume) -> bool {
-        let same_g = match (&self.gradient_magnitude, &volume.gradient_magnitude) {
-            (Some(a), Some(b)) => a.is(b),
-            (None, None) => true,
-            _ => false,
-        };
+        let (own, other) = (&self.gradient_magnitude, &volume.gradient_magnitude);
+        let same_g =
+            own.as_ref().zip(other.as_ref()).map_or(own.is_none() && other.is_none(), |(a, b)| a.is(b));
         self.scalar.is(&volume.scalar) && same_g
     }
 }

@@ -1,8 +1,8 @@
 //! The engines that there are: parameters that choose one, its choice with the reason in the report, and scenes on opened engines: an
 //! engine is opened once a session for each adapter, and takes in a volume once a revision.
 
-use super::diagnostics::{self, note, note_whole};
-use super::shading::{ask, check_engine, record_unsorted, shading};
+use super::diagnostics::{self, note, note_unsorted, record_unsorted};
+use super::scene::{ask, check_engine, shading};
 use crate::files::{Fnv, cache_folder, write_whole};
 use std::collections::HashMap;
 use std::fs;
@@ -245,23 +245,9 @@ pub fn draw(call: &mut RunContext, scene: &Scene, wanted: &str) -> Result<Pictur
     Err(Error::run("no engine draws the scene").got(wanted))
 }
 
-/// An engine by its name and what was wished for.
-type Wished = (&'static str, AdapterRequest);
-
-/// Cache of opened engines by name and adapter. Failures are cached too, since the search for adapters takes a while.
-#[derive(Default)]
-pub struct OpenEngines(Mutex<HashMap<Wished, Result<Arc<dyn Engine>>>>);
-
-/// An engine, and the volume on it.
-type EngineVolume = (Arc<dyn Engine>, Arc<dyn PreparedVolume>);
-
-/// One volume on the engines that hold it, by engine and adapter.
-#[derive(Default)]
-pub struct PreparedVolumes(Mutex<HashMap<(&'static str, String), EngineVolume>>);
-
 /// Draws on one engine, on the adapter that the node's parameters name, or the fastest. `port`: the input that the scene's volume
 /// came by; `hardware`: programs that stand in for devices will not do unless they are named.
-pub(super) fn draw_on(
+pub(crate) fn draw_on(
     call: &mut RunContext,
     scene: &Scene,
     port: &str,
@@ -306,7 +292,7 @@ pub(super) fn draw_on(
     call.notes.counts.insert("cells_total", scene.volume.grid.tetrahedra.len() as u64);
     call.notes.add(drawn.notes);
     note(call, &drawn.counts);
-    note_whole(call, scene, &drawn.counts)?;
+    note_unsorted(call, scene, &drawn.counts);
     call.notes.warnings.extend(diagnostics::warnings(scene, &drawn.counts, &drawn.picture));
     Ok(drawn.picture)
 }
@@ -348,6 +334,12 @@ fn compositing(
     Ok((Some(chosen.compositing), Some(chosen.why)))
 }
 
+/// Cache of opened engines by name and adapter. Failures are cached too, since the search for adapters takes a while.
+#[derive(Default)]
+pub struct OpenEngines(Mutex<HashMap<EngineKey, Result<Arc<dyn Engine>>>>);
+
+type EngineKey = (&'static str, AdapterRequest);
+
 impl OpenEngines {
     /// The engine, opened if it is not there or was lost.
     ///
@@ -364,13 +356,13 @@ impl OpenEngines {
         opened.insert(key, engine.clone());
         engine
     }
-
-    /// Lets an engine stand for what would be opened.
-    #[cfg(test)]
-    pub fn insert(&self, name: &'static str, wish: AdapterRequest, engine: Result<Arc<dyn Engine>>) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).insert((name, wish), engine);
-    }
 }
+
+/// One volume on the engines that hold it, by engine and adapter.
+#[derive(Default)]
+pub struct PreparedVolumes(Mutex<HashMap<(&'static str, String), EngineVolume>>);
+
+type EngineVolume = (Arc<dyn Engine>, Arc<dyn PreparedVolume>);
 
 impl PreparedVolumes {
     /// The scene's volume on the engine, uploaded if it is not there.

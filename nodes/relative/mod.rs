@@ -7,7 +7,7 @@
 
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 use voltet_core::probing::{Volumes, value_range};
 use voltet_core::progress::Progress;
 use voltet_core::transfer::{
@@ -15,15 +15,13 @@ use voltet_core::transfer::{
 };
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_graph::{
-    ArrayRef, Demand, DemandContext, Diagnostics, LocatedValue, ParameterValue, Parameters, RunContext,
-};
+use voltet_graph::{ArrayRef, Demand, DemandContext, Diagnostics, ParameterValue, Parameters, RunContext};
 
 /// Widgets: their kinds and keys.
-pub type Widgets = Vec<(&'static str, Parameters)>;
+pub(crate) type Widgets = Vec<(&'static str, Parameters)>;
 
 /// The widgets before any data are known.
-pub fn stood_in(p: &Parameters) -> Result<Widgets> {
+pub(crate) fn stood_in(p: &Parameters) -> Result<Widgets> {
     p.kinds("widgets")?.into_iter().map(|(kind, keys)| Ok((kind, with_placeholders(&keys)?))).collect()
 }
 
@@ -40,8 +38,8 @@ fn wanted_of(widgets: &Widgets) -> StatisticsRequest {
     all
 }
 
-/// Asks for what the widgets' numbers are relative to.
-pub fn ask(asking: &mut DemandContext) -> Result<()> {
+/// Demand for the data that the widgets' numbers are relative to.
+pub(crate) fn ask(asking: &mut DemandContext) -> Result<()> {
     let widgets = asking.parameters.kinds("widgets")?;
     let request = wanted_of(&widgets);
     if request.is_empty() {
@@ -65,7 +63,7 @@ fn unwired(widgets: &Widgets) -> Error {
 }
 
 /// The widgets with numbers for those that were relative to data, each noted.
-pub fn known(call: &mut RunContext) -> Result<Widgets> {
+pub(crate) fn known(call: &mut RunContext) -> Result<Widgets> {
     let widgets = call.parameters.kinds("widgets")?;
     let request = wanted_of(&widgets);
     if request.is_empty() {
@@ -74,36 +72,22 @@ pub fn known(call: &mut RunContext) -> Result<Widgets> {
     if !call.is_wired("volume")? {
         return Err(unwired(&widgets));
     }
-    let (found, over) = match call.parameters.text("relative_to")? {
-        "series" => {
-            let found = of_series(call, &request)?;
-            (found, format!("over {} time steps", call.step_count("volume")?))
-        }
-        _ => (of_volume(call, &request)?, "over the volume".to_string()),
+    let of_series = call.parameters.text("relative_to")? == "series";
+    let found = found(call, &request, of_series)?;
+    let over = match of_series {
+        true => format!("over {} time steps", call.step_count("volume")?),
+        false => "over the volume".to_string(),
     };
-    note_found(&mut call.notes, &over, &found);
+    found.note(&mut call.notes, &over);
     let mut known = Vec::new();
     for (number, (kind, keys)) in widgets.into_iter().enumerate() {
         let own = resolved(&keys, &found)?;
         if own != keys {
-            let thing = format!("widget {number} ({kind})");
-            note_numbers(&mut call.notes, &thing, &over, &keys, &own);
+            note_numbers(&mut call.notes, &format!("widget {number} ({kind})"), &over, &keys, &own);
         }
         known.push((kind, own));
     }
     Ok(known)
-}
-
-/// The parameters that were relative, as a file could hold them now: "centre = [60.8, 0.012], sigma = [0.35, 0.025]".
-fn shown(before: &Parameters, after: &Parameters) -> String {
-    let changed = changed(before, after);
-    changed.iter().map(|(name, setting)| format!("{name} = {}", setting.datum)).collect::<Vec<_>>().join(", ")
-}
-
-fn changed<'a>(before: &'a Parameters, after: &'a Parameters) -> Vec<(&'static str, &'a LocatedValue)> {
-    let pairs = before.iter().zip(after.iter());
-    let changed = pairs.filter(|((_, old, _), (_, new, _))| old != new);
-    changed.filter_map(|((parameter, ..), (_, new, _))| Some((parameter.name, new?))).collect()
 }
 
 fn json_of(datum: &ParameterValue) -> Value {
@@ -120,89 +104,57 @@ fn json_of(datum: &ParameterValue) -> Value {
     }
 }
 
-/// Notes what the relative numbers of a thing ("widget 0 (gaussian)") became. `over`: of what.
-pub fn note_numbers(
+/// Notes what the relative numbers of a thing ("widget 0 (gaussian)") became, as a file could hold them now:
+/// "centre = [60.8, 0.012], sigma = [0.35, 0.025]". `over`: of what.
+pub(crate) fn note_numbers(
     notes: &mut Diagnostics,
     thing: &str,
     over: &str,
     before: &Parameters,
     after: &Parameters,
 ) {
-    let numbers: Map<String, Value> = changed(before, after)
-        .into_iter()
-        .map(|(name, setting)| (name.to_string(), json_of(&setting.datum)))
-        .collect();
+    let changed = before.iter().zip(after.iter()).filter(|((_, old, _), (_, new, _))| old != new);
+    let changed: Vec<(&str, &ParameterValue)> =
+        changed.filter_map(|(_, (parameter, new, _))| Some((parameter.name, &new?.datum))).collect();
+    let shown: Vec<String> = changed.iter().map(|(name, datum)| format!("{name} = {datum}")).collect();
+    let numbers = changed.into_iter().map(|(name, datum)| (name.to_string(), json_of(datum)));
+    let numbers: Map<String, Value> = numbers.collect();
     let figures = json!({ "relative": { "of": thing, "over": over, "numbers": numbers }});
-    notes.find(format!("{thing}: {} ({over})", shown(before, after)), figures);
+    notes.find(format!("{thing}: {} ({over})", shown.join(", ")), figures);
 }
 
-/// Notes the ranges and percentiles that relative numbers were found from.
-pub fn note_found(notes: &mut Diagnostics, over: &str, found: &FoundStatistics) {
-    let ranges: Map<String, Value> =
-        found.ranges.iter().map(|(quantity, range)| (quantity.to_string(), json!(range))).collect();
-    let percentiles: Vec<Value> = (found.percentiles.iter())
-        .map(|((quantity, bits), value)| json!([quantity.to_string(), f64::from_bits(*bits), value]))
-        .collect();
-    let ends =
-        found.ranges.iter().map(|(quantity, [low, high])| format!("{quantity} from {low:?} to {high:?}"));
-    let within = found.percentiles.iter();
-    let within = within.map(|((q, bits), value)| format!("p{} of {q} = {value:?}", f64::from_bits(*bits)));
-    let said: Vec<String> = ends.chain(within).collect();
-    let figures = json!({ "relative_to": { "over": over, "ranges": ranges, "percentiles": percentiles }});
-    notes.find(format!("{} ({over})", said.join(", ")), figures);
-}
-
-/// Statistics found so far, of one volume or one series.
-#[derive(Default)]
-struct StatisticsCache(Mutex<FoundStatistics>);
-
-impl StatisticsCache {
-    /// Statistics requested, computed as far as they are missing. Returns the count of percentiles computed.
-    fn with(
-        &self,
-        wanted: &StatisticsRequest,
-        find: impl FnOnce(&StatisticsRequest) -> Result<FoundStatistics>,
-    ) -> Result<(FoundStatistics, u64)> {
-        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let missing = known.missing(wanted);
-        if !missing.is_empty() {
-            known.add(find(&missing)?);
-        }
-        let count = missing.percentiles.values().map(BTreeSet::len).sum::<usize>();
-        Ok((known.clone(), count as u64))
-    }
-}
-
-/// Statistics of the volume at the input `volume`.
-pub fn of_volume(call: &mut RunContext, wanted: &StatisticsRequest) -> Result<FoundStatistics> {
-    let volume = call.volume("volume")?;
-    let kept: Arc<StatisticsCache> =
-        call.keep(call.revision("volume")?, || Ok(StatisticsCache::default()))?;
-    let (found, computed) =
-        call.stage("range", |progress| kept.with(wanted, |missing| measure(&volume, missing, progress)))?;
-    call.notes.counts.insert("percentiles_computed", computed);
-    Ok(found)
-}
-
-/// Statistics of all steps of the time series that feeds the input `volume`; one step is read at a time.
-pub fn of_series(call: &mut RunContext, wanted: &StatisticsRequest) -> Result<FoundStatistics> {
-    let demand = demand(wanted);
-    let kept: Arc<StatisticsCache> =
-        call.keep_over_steps("volume", &demand, || Ok(StatisticsCache::default()))?;
-    let mut read = 0;
-    let (found, computed) = kept.with(wanted, |missing| measure_series(call, missing, &demand, &mut read))?;
-    call.notes.counts.insert("percentiles_computed", computed);
-    call.notes.counts.insert("steps_read", read);
-    Ok(found)
+/// Statistics of the volume at the input `volume`, or of all steps of the time series that feeds it, of which one is read at a time.
+/// Statistics of former runs are not computed again.
+fn found(call: &mut RunContext, wanted: &StatisticsRequest, of_series: bool) -> Result<FoundStatistics> {
+    let (demand, none) = (demand(wanted), || Ok(Mutex::<FoundStatistics>::default()));
+    let kept = match of_series {
+        true => call.keep_over_steps("volume", &demand, none)?,
+        false => call.keep(call.revision("volume")?, none)?,
+    };
+    let mut known = kept.lock().unwrap_or_else(PoisonError::into_inner);
+    let missing = known.missing(wanted);
+    let new = if of_series {
+        let mut read = 0;
+        let new = measure_series(call, &missing, &demand, &mut read)?;
+        call.notes.counts.insert("steps_read", read);
+        new
+    } else {
+        let volume = call.volume("volume")?;
+        call.stage("range", |progress| measure(&volume, &missing, progress))?
+    };
+    known.ranges.extend(new.ranges);
+    known.percentiles.extend(new.percentiles);
+    let computed: usize = missing.percentiles.values().map(BTreeSet::len).sum();
+    call.notes.counts.insert("percentiles_computed", computed as u64);
+    Ok(known.clone())
 }
 
 /// Statistics found in the data.
 #[derive(Debug, Clone, Default)]
-pub struct FoundStatistics {
-    /// The range of each quantity that was asked for.
-    pub ranges: BTreeMap<ArrayRef, [f64; 2]>,
+struct FoundStatistics {
+    ranges: BTreeMap<ArrayRef, [f64; 2]>,
     /// Each percentile, by the bits of its percentage.
-    pub percentiles: BTreeMap<(ArrayRef, u64), f64>,
+    percentiles: BTreeMap<(ArrayRef, u64), f64>,
 }
 
 impl DataStatistics for FoundStatistics {
@@ -222,28 +174,37 @@ fn not_found(quantity: &ArrayRef) -> Error {
 
 impl FoundStatistics {
     /// Part of `wanted` that is missing here.
-    pub fn missing(&self, wanted: &StatisticsRequest) -> StatisticsRequest {
-        let mut missing = StatisticsRequest::default();
-        missing.ranges.extend(wanted.ranges.iter().filter(|q| !self.ranges.contains_key(q)).cloned());
-        for (quantity, percents) in &wanted.percentiles {
-            let open = percents.iter().filter(|&&p| !self.percentiles.contains_key(&(quantity.clone(), p)));
-            let open: BTreeSet<u64> = open.copied().collect();
-            if !open.is_empty() {
-                missing.percentiles.insert(quantity.clone(), open);
-            }
-        }
+    fn missing(&self, wanted: &StatisticsRequest) -> StatisticsRequest {
+        let mut missing = wanted.clone();
+        missing.ranges.retain(|quantity| !self.ranges.contains_key(quantity));
+        missing.percentiles.retain(|quantity, percents| {
+            percents.retain(|&bits| !self.percentiles.contains_key(&(quantity.clone(), bits)));
+            !percents.is_empty()
+        });
         missing
     }
 
-    /// Adds what else was found.
-    pub fn add(&mut self, other: FoundStatistics) {
-        self.ranges.extend(other.ranges);
-        self.percentiles.extend(other.percentiles);
+    /// Notes the ranges and percentiles that relative numbers were found from.
+    fn note(&self, notes: &mut Diagnostics, over: &str) {
+        let mut said = Vec::new();
+        let mut ranges = Map::new();
+        for (quantity, [low, high]) in &self.ranges {
+            said.push(format!("{quantity} from {low:?} to {high:?}"));
+            ranges.insert(quantity.to_string(), json!([low, high]));
+        }
+        let mut percentiles = Vec::new();
+        for ((quantity, bits), value) in &self.percentiles {
+            let percent = f64::from_bits(*bits);
+            said.push(format!("p{percent} of {quantity} = {value:?}"));
+            percentiles.push(json!([quantity.to_string(), percent, value]));
+        }
+        let figures = json!({ "relative_to": { "over": over, "ranges": ranges, "percentiles": percentiles }});
+        notes.find(format!("{} ({over})", said.join(", ")), figures);
     }
 }
 
 /// Demand on a volume for these statistics.
-pub fn demand(wanted: &StatisticsRequest) -> Demand {
+fn demand(wanted: &StatisticsRequest) -> Demand {
     let mut demand = Demand::default();
     for quantity in wanted.quantities() {
         match quantity {
@@ -267,18 +228,20 @@ pub fn values<'a>(volume: &'a Volume, quantity: &ArrayRef) -> Result<&'a [f64]> 
     }
 }
 
+/// The volume below each value of a quantity.
+fn volumes(volume: &Volume, quantity: &ArrayRef, progress: &dyn Progress) -> Result<Volumes> {
+    Volumes::new(&volume.grid, values(volume, quantity)?, progress)
+        .map_err(|error| with_array_name(quantity, error))
+}
+
 /// An error with the name of the quantity that it is about.
-pub fn with_array_name(quantity: &ArrayRef, error: Error) -> Error {
+fn with_array_name(quantity: &ArrayRef, error: Error) -> Error {
     let what = format!("{}, of {quantity}", error.what);
     Error { what, ..error }
 }
 
 /// Statistics of one volume: only what is requested is computed.
-pub fn measure(
-    volume: &Volume,
-    wanted: &StatisticsRequest,
-    progress: &dyn Progress,
-) -> Result<FoundStatistics> {
+fn measure(volume: &Volume, wanted: &StatisticsRequest, progress: &dyn Progress) -> Result<FoundStatistics> {
     let mut found = FoundStatistics::default();
     for quantity in &wanted.ranges {
         let range =
@@ -286,8 +249,7 @@ pub fn measure(
         found.ranges.insert(quantity.clone(), range);
     }
     for (quantity, percents) in &wanted.percentiles {
-        let volumes = Volumes::new(&volume.grid, values(volume, quantity)?, progress);
-        let volumes = volumes.map_err(|error| with_array_name(quantity, error))?;
+        let volumes = volumes(volume, quantity, progress)?;
         for &bits in percents {
             let value = volumes.percentile(f64::from_bits(bits), progress)?;
             found.percentiles.insert((quantity.clone(), bits), value);
@@ -327,17 +289,26 @@ impl Sums {
     }
 }
 
-/// `read` counts the steps that were read.
-pub fn measure_series(
+/// Statistics of all steps of the series; `read` counts the steps that were read.
+fn measure_series(
     call: &RunContext,
     wanted: &StatisticsRequest,
     demand: &Demand,
     read: &mut u64,
 ) -> Result<FoundStatistics> {
     let mut found = FoundStatistics::default();
+    if wanted.is_empty() {
+        return Ok(found);
+    }
+    let mut each = |of_step: &mut dyn FnMut(&Volume) -> Result<()>| {
+        call.each_step("volume", demand, &mut |_, value: voltet_graph::Value| {
+            *read += 1;
+            value.volume().map_or(Ok(()), |volume| of_step(&*volume?))
+        })
+    };
     let mut intervals: BTreeMap<(ArrayRef, u64), [f64; 2]> = BTreeMap::new();
     let wider = |[low, high]: [f64; 2], [a, b]: [f64; 2]| [low.min(a), high.max(b)];
-    each(call, demand, read, &mut |volume| {
+    each(&mut |volume| {
         let own = measure(volume, wanted, call.progress())?;
         for (quantity, range) in own.ranges {
             let known = found.ranges.entry(quantity).or_insert(range);
@@ -360,14 +331,13 @@ pub fn measure_series(
         }
     }
     if !sums.is_empty() {
-        each(call, demand, read, &mut |volume| {
+        each(&mut |volume| {
             for quantity in wanted.percentiles.keys() {
                 let mut own = sums.iter_mut().filter(|((array, _), _)| array == quantity).peekable();
                 if own.peek().is_none() {
                     continue;
                 }
-                let volumes = Volumes::new(&volume.grid, values(volume, quantity)?, call.progress());
-                let volumes = volumes.map_err(|error| with_array_name(quantity, error))?;
+                let volumes = volumes(volume, quantity, call.progress())?;
                 for (_, sums) in own {
                     let edges: Vec<f64> = (0..=EDGES).map(|i| sums.edge(i)).collect();
                     sums.below.iter_mut().zip(volumes.below_each(&edges)).for_each(|(sum, own)| *sum += own);
@@ -382,19 +352,4 @@ pub fn measure_series(
         found.percentiles.insert(key, value);
     }
     Ok(found)
-}
-
-fn each(
-    call: &RunContext,
-    demand: &Demand,
-    read: &mut u64,
-    of_step: &mut dyn FnMut(&Volume) -> Result<()>,
-) -> Result<()> {
-    call.each_step("volume", demand, &mut |_, value: voltet_graph::Value| {
-        *read += 1;
-        match value.volume() {
-            Some(volume) => of_step(&*volume?),
-            None => Ok(()),
-        }
-    })
 }

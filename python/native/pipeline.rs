@@ -33,7 +33,7 @@ impl Pipeline {
             Err(TryLockError::Poisoned(poisoned)) => {
                 // Half-done work is dropped.
                 let mut state = poisoned.into_inner();
-                state.runs.reset();
+                state.pipeline.reset();
                 self.state.clear_poison();
                 Ok(state)
             }
@@ -80,19 +80,19 @@ impl Pipeline {
 
     /// The text.
     fn text(&self, py: Python<'_>) -> PyResult<String> {
-        self.with(py, |state| Ok(state.source.document.text().to_string()))
+        self.with(py, |state| Ok(state.pipeline.source.text()))
     }
 
     /// The file, or the picture that it came from.
     fn path(&self, py: Python<'_>) -> PyResult<Option<PathBuf>> {
         self.with(py, |state| {
-            let file = state.source.document.path().map(Path::to_path_buf);
-            Ok(state.source.picture.as_ref().map(|picture| picture.0.clone()).or(file))
+            let file = state.pipeline.source.document.path().map(Path::to_path_buf);
+            Ok(state.pipeline.source.picture.as_ref().map(|picture| picture.0.clone()).or(file))
         })
     }
 
     fn title(&self, py: Python<'_>) -> PyResult<Option<String>> {
-        self.with(py, |state| Ok(state.source.pipeline().title.clone()))
+        self.with(py, |state| Ok(state.pipeline.source.nodes().title.clone()))
     }
 
     fn set_title(&self, py: Python<'_>, title: Option<String>) -> PyResult<()> {
@@ -103,7 +103,7 @@ impl Pipeline {
     /// The names of the nodes.
     fn nodes(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         self.with(py, |state| {
-            Ok(state.source.pipeline().nodes.iter().map(|node| node.name.clone()).collect())
+            Ok(state.pipeline.source.nodes().nodes.iter().map(|node| node.name.clone()).collect())
         })
     }
 
@@ -186,7 +186,7 @@ impl Pipeline {
 
     /// Takes the last change back; false where there is none.
     fn undo(&self, py: Python<'_>) -> PyResult<bool> {
-        self.with(py, |state| state.source.document.undo())
+        self.with(py, |state| state.pipeline.source.document.undo())
     }
 
     /// Saves the text: see [`State::save`].
@@ -204,9 +204,7 @@ impl Pipeline {
         let grid = grid.map(|grid| grid.get().grid.clone());
         self.with(py, |state| {
             state.check_text()?;
-            let name = state.runs.grid_node(&state.source, node)?;
-            state.runs.set_grid(&state.source, Some(&name), grid.as_ref())?;
-            Ok(name)
+            state.pipeline.set_grid(node, grid.as_ref())
         })
     }
 
@@ -214,8 +212,7 @@ impl Pipeline {
     fn check(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         self.with(py, |state| {
             let document = state.document()?;
-            let State { runs, source, .. } = state;
-            let mut warnings = runs.plan(source, &document.graph)?;
+            let mut warnings = state.pipeline.plan(&document.graph)?;
             warnings.extend(document.changed_data().into_iter().chain(document.changed_plugins()));
             Ok(warnings.iter().map(Error::to_string).collect())
         })
@@ -225,7 +222,7 @@ impl Pipeline {
     fn size(&self, py: Python<'_>, node: Option<&str>) -> PyResult<[usize; 2]> {
         self.with(py, |state| {
             state.check_text()?;
-            state.runs.size(&state.source, node)
+            Ok(state.pipeline.render_plan(node)?.size)
         })
     }
 
@@ -248,10 +245,9 @@ impl Pipeline {
         let state = &mut *state;
         let drawn = run_with_side_work(py, progress.as_ref(), &mut side_work, |observer| {
             state.check_text()?;
-            let State { runs, source, .. } = state;
-            let plan = runs.render_plan(source, node)?;
-            let drawn = runs.render_owned(source, &plan, observer)?;
-            Ok((drawn, state.record()))
+            let plan = state.pipeline.render_plan(node)?;
+            let drawn = state.pipeline.render_owned(&plan, observer)?;
+            Ok((drawn, state.pipeline.record()))
         })?;
         if changed || py.detach(|| any_changed(open.as_slice())) {
             return Ok(None);
@@ -273,8 +269,7 @@ impl Pipeline {
         let ends = ends.values().to_vec();
         let drawn = self.long(py, progress.as_ref(), |state, observer| {
             state.check_text()?;
-            let State { runs, source, .. } = state;
-            runs.with_graph(source, Some(node), |graph, session| {
+            state.pipeline.with_graph(Some(node), |graph, session| {
                 render_to_depths(graph, session, node, &ends, observer)
             })
         })?;
@@ -290,10 +285,9 @@ impl Pipeline {
         let (pictures, record) = self.long(py, progress.as_ref(), |state, observer| {
             let document = state.document()?;
             document.refuse_missing_data()?;
-            let State { runs, source, .. } = state;
             let pictures: Vec<(String, Arc<Picture>)> =
-                runs.run(source, &document.graph, observer)?.pictures.clone();
-            Ok((pictures, state.record()))
+                state.pipeline.run_graph(&document.graph, observer)?.pictures.clone();
+            Ok((pictures, state.pipeline.record()))
         })?;
         let images = PyDict::new(py);
         for (name, drawn) in pictures {
@@ -306,8 +300,7 @@ impl Pipeline {
     fn figures(&self, py: Python<'_>, node: &str, progress: Option<Py<PyAny>>) -> PyResult<String> {
         self.long(py, progress.as_ref(), |state, observer| {
             state.check_text()?;
-            let State { runs, source, .. } = state;
-            match runs.value(source, (node, "report"), &Demand::default(), observer)? {
+            match state.pipeline.value((node, "report"), &Demand::default(), observer)? {
                 Value::Report(text) => Ok(text.to_string()),
                 _ => Err(Error::usage("the node gives no figures").at_node(node)),
             }
@@ -325,10 +318,9 @@ impl Pipeline {
     ) -> PyResult<Bound<'py, PyDict>> {
         let found = self.long(py, progress.as_ref(), |state, observer| {
             state.check_text()?;
-            let State { runs, source, .. } = state;
             let asked =
                 Demand { gradient_magnitude: magnitude, gradient, file_cells: true, ..Demand::default() };
-            let value = runs.value(source, (node, "volume"), &asked, observer)?;
+            let value = state.pipeline.value((node, "volume"), &asked, observer)?;
             let none = || Error::usage("the node gives no volume").at_node(node);
             value.volume().ok_or_else(none)?
         })?;
@@ -350,9 +342,8 @@ impl Pipeline {
     ) -> PyResult<Rendition> {
         self.long(py, progress.as_ref(), |state, observer| {
             state.check_text()?;
-            let State { runs, source, .. } = state;
             let progress = NodeProgress { observer, node: "pixel" };
-            let found = runs.with_graph(source, None, |graph, session| {
+            let found = state.pipeline.with_graph(None, |graph, session| {
                 trace(graph, node, [x, y], sample, session, (observer, &progress))
             })?;
             Ok(rendition(&found, all))
@@ -380,8 +371,7 @@ impl Pipeline {
             let document = state.document()?;
             let title = document.pipeline.title.clone().unwrap_or_default();
             measure_study(&document.graph, &title, node.as_deref(), options, output.as_deref(), observer)
-                .map_err(|error| state.source.locate(error))
-                .map_err(|error| state.source.locate(error))
+                .map_err(|error| state.pipeline.source.locate(error))
         })?;
         Ok((text, handed_over(py, reference)?))
     }

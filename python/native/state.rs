@@ -2,7 +2,7 @@
 
 use crate::filter;
 use std::path::{Path, PathBuf};
-use voltet::{PipelineSource, RunRecord, Session};
+use voltet::{Pipeline, PipelineSource};
 use voltet_core::{Error, Result};
 use voltet_document::{Diagnostic, Document, Edit, FaultTarget, Path as Place};
 use voltet_graph::pipeline::Pipeline as Nodes;
@@ -10,23 +10,22 @@ use voltet_graph::{Field, NodeEntry, ParameterValue, SourceSpan};
 use voltet_io::encode::Source;
 use voltet_io::provenance::Provenance;
 
-/// Text of a pipeline, and the results that its runs left.
+/// A pipeline, and the results that its runs left.
 pub struct State {
-    pub source: PipelineText,
-    pub runs: Session,
+    pub pipeline: Pipeline<DocumentSource>,
     /// Version of the registered filters.
     epoch: u64,
 }
 
 /// Text of a pipeline, and its origin.
-pub struct PipelineText {
+pub struct DocumentSource {
     pub document: Document,
     /// The picture that carries it, in place of a file, with its provenance.
     pub picture: Option<(PathBuf, Provenance)>,
 }
 
-impl PipelineSource for PipelineText {
-    fn pipeline(&self) -> &Nodes {
+impl PipelineSource for DocumentSource {
+    fn nodes(&self) -> &Nodes {
         self.document.pipeline()
     }
 
@@ -41,6 +40,10 @@ impl PipelineSource for PipelineText {
         let file = self.document.path().map(Path::to_path_buf);
         let picture = self.picture.as_ref().map(|picture| picture.0.clone());
         picture.or(file).unwrap_or("a new pipeline".into())
+    }
+
+    fn text(&self) -> String {
+        self.document.text().to_string()
     }
 
     fn locate(&self, error: Error) -> Error {
@@ -67,8 +70,8 @@ impl State {
             (None, None) => (Document::new(), None),
         };
         let epoch = filter::epoch();
-        let runs = Session::new(filter::registry()?)?;
-        let mut state = State { source: PipelineText { document, picture }, runs, epoch };
+        let source = DocumentSource { document, picture };
+        let mut state = State { pipeline: Pipeline::with_source(source, filter::registry()?)?, epoch };
         // Nodes are added later.
         if !empty {
             state.check_text()?;
@@ -80,7 +83,7 @@ impl State {
     fn refresh(&mut self) -> Result<()> {
         let epoch = filter::epoch();
         if epoch != self.epoch {
-            self.runs.set_registry(filter::registry()?)?;
+            self.pipeline.set_registry(filter::registry()?)?;
             self.epoch = epoch;
         }
         Ok(())
@@ -89,7 +92,7 @@ impl State {
     /// Checks that the text is a pipeline.
     pub fn check_text(&mut self) -> Result<()> {
         self.refresh()?;
-        let faults = self.source.document.faults_of(&[], self.runs.registry());
+        let faults = self.pipeline.source.document.faults_of(&[], self.pipeline.registry());
         faults.into_iter().find(|fault| fault.node.is_none()).map_or(Ok(()), |fault| Err(fault.error))
     }
 
@@ -97,13 +100,13 @@ impl State {
     pub fn edit(&mut self, nodes: &[&str], label: String, edits: &[Edit]) -> Result<()> {
         self.refresh()?;
         let before = self.faults(nodes);
-        let document = &mut self.source.document;
+        let document = &mut self.pipeline.source.document;
         document.edit_all(label, edits, None).map_err(|error| document.locate(error))?;
         let is_new = |fault: &Diagnostic| !before.iter().any(|known| known.error.what == fault.error.what);
         match self.faults(nodes).into_iter().find(is_new) {
             None => Ok(()),
             Some(fault) => {
-                self.source.document.undo()?;
+                self.pipeline.source.document.undo()?;
                 Err(fault.error)
             }
         }
@@ -115,13 +118,13 @@ impl State {
             return Vec::new();
         }
         let concerns = |fault: &Diagnostic| fault.node.as_deref().is_some_and(|name| nodes.contains(&name));
-        let mut faults = self.source.document.faults_of(nodes, self.runs.registry());
+        let mut faults = self.pipeline.source.document.faults_of(nodes, self.pipeline.registry());
         faults.retain(|fault| concerns(fault) && !matches!(fault.target, FaultTarget::Input(_)));
         faults
     }
 
     pub fn node(&self, name: &str) -> Result<&NodeEntry> {
-        let nodes = &self.source.pipeline().nodes;
+        let nodes = &self.pipeline.source.nodes().nodes;
         nodes.iter().find(|node| node.name == name).ok_or_else(|| {
             let error = Error::usage(format!("there is no node '{name}'"));
             error.expected(voltet_graph::suggest(name, nodes.iter().map(|node| node.name.as_str())))
@@ -133,13 +136,13 @@ impl State {
     /// so that the file can be run.
     pub fn save(&mut self, path: Option<PathBuf>, readers: Vec<(String, String, String)>) -> Result<PathBuf> {
         self.check_text()?;
-        let own = self.source.document.path().map(Path::to_path_buf);
+        let own = self.pipeline.source.document.path().map(Path::to_path_buf);
         let nowhere = || Error::usage("the pipeline has no file yet").expected("a path to save it to");
         let to = path.or(own).ok_or_else(nowhere)?;
-        if let Some((picture, _)) = self.source.picture.take() {
+        if let Some((picture, _)) = self.pipeline.source.picture.take() {
             // From now on it is a file's, which was in the picture's folder.
-            let text = self.source.document.text().to_string();
-            self.source.document = Document::from_text(text, Some(picture));
+            let text = self.pipeline.source.text();
+            self.pipeline.source.document = Document::from_text(text, Some(picture));
         }
         let mut edits = Vec::new();
         for (name, file, scalar) in readers {
@@ -153,24 +156,24 @@ impl State {
             }
         }
         let folder = to.parent().unwrap_or(Path::new(""));
-        edits.extend(self.source.document.following_to(self.runs.registry(), folder));
+        edits.extend(self.pipeline.source.document.following_to(self.pipeline.registry(), folder));
         edits.extend(self.writer(&to));
         if !edits.is_empty() {
-            let document = &mut self.source.document;
+            let document = &mut self.pipeline.source.document;
             document
                 .edit_all("save elsewhere".into(), &edits, None)
                 .map_err(|error| document.locate(error))?;
         }
-        self.source.document.save_as(&to)?;
+        self.pipeline.source.document.save_as(&to)?;
         Ok(to)
     }
 
     /// Edits that add a node `file` that writes the only picture beside the file `to`, where no node writes anything.
     fn writer(&self, to: &Path) -> Vec<Edit> {
-        let nodes = &self.source.pipeline().nodes;
-        let node_type = |entry: &NodeEntry| self.runs.registry().find(entry.node_type.text()?).ok();
+        let nodes = &self.pipeline.source.nodes().nodes;
+        let node_type = |entry: &NodeEntry| self.pipeline.registry().find(entry.node_type.text()?).ok();
         let writes = nodes.iter().filter_map(node_type).any(|node| node.outputs.is_empty());
-        let (Ok(source), Some(stem)) = (self.runs.picture(&self.source, None), to.file_stem()) else {
+        let (Ok(source), Some(stem)) = (self.pipeline.picture_node(None), to.file_stem()) else {
             return Vec::new();
         };
         let name = "file".to_string();
@@ -187,20 +190,15 @@ impl State {
     /// The pipeline as `voltet run` checks it: outputs that would overwrite inputs are refused.
     pub fn document(&mut self) -> Result<voltet::Document> {
         self.check_text()?;
-        let mut graph = self.runs.whole_graph(&self.source)?;
-        let text = self.source.document.text().to_string();
-        if let Ok(stated) = Nodes::stated(text.clone(), self.runs.registry()) {
+        let mut graph = self.pipeline.whole_graph()?;
+        let text = self.pipeline.source.text();
+        if let Ok(stated) = Nodes::stated(text.clone(), self.pipeline.registry()) {
             graph.stated = stated;
         }
-        let pipeline = self.source.pipeline().clone();
-        let carried = self.source.picture.as_ref().map(|picture| picture.1.clone());
-        let document = voltet::Document { path: self.source.path(), text, pipeline, graph, carried };
+        let pipeline = self.pipeline.source.nodes().clone();
+        let carried = self.pipeline.source.picture.as_ref().map(|picture| picture.1.clone());
+        let document = voltet::Document { path: self.pipeline.source.path(), text, pipeline, graph, carried };
         document.refuse_collisions()?;
         Ok(document)
-    }
-
-    /// Record of the last run.
-    pub fn record(&self) -> Option<RunRecord> {
-        self.runs.record(&self.source, self.source.document.text().to_string())
     }
 }

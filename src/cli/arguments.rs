@@ -1,10 +1,13 @@
 //! The command line: every command with its arguments.
 
+use crate::graph::Registry;
+use crate::io::formats::{Request, TimeStep};
 use crate::nodes::drawing::ENGINES;
+use crate::nodes::external_formats;
 use crate::optics::engine::Compositor;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::slice::from_ref;
 use voltet_study::gradient_test::RequirementKind;
 #[cfg(feature = "papers")]
@@ -95,7 +98,11 @@ pub enum Command {
     GradientTest(GradientTest),
     /// Child process of --plugin-process: loads the library and answers on the standard output.
     #[command(hide = true)]
-    PluginProcess(PluginProcess),
+    PluginProcess {
+        /// The library.
+        #[arg(value_name = "PATH")]
+        path: PathBuf,
+    },
 }
 
 /// Plug-ins that a command requests, and the files that it opens.
@@ -116,16 +123,20 @@ impl Command {
         fn pipelines<'a>(plugins: &'a Plugins, pipelines: &'a [PathBuf], set: &'a Set) -> Inputs<'a> {
             Inputs { plugins, pipelines, options: &set.options, data: &[] }
         }
-        fn data<'a>(plugins: &'a Plugins, data: &'a [PathBuf]) -> Inputs<'a> {
-            Inputs { plugins, pipelines: &[], options: &[], data }
+        let data = |plugins, data| Inputs { plugins, pipelines: &[], options: &[], data };
+        fn file(File { file, set, plugins }: &File) -> Inputs<'_> {
+            pipelines(plugins, from_ref(file), set)
+        }
+        fn files(Files { files, set, plugins }: &Files) -> Inputs<'_> {
+            pipelines(plugins, files, set)
         }
         Some(match self {
-            Command::Run(run) => pipelines(&run.plugins, &run.files, &run.set),
-            Command::Check(check) => pipelines(&check.plugins, &check.files, &check.set),
-            Command::Explain(explain) => pipelines(&explain.plugins, from_ref(&explain.file), &explain.set),
-            Command::Pixel(pixel) => pipelines(&pixel.plugins, from_ref(&pixel.file), &pixel.set),
-            Command::Study(study) => pipelines(&study.plugins, from_ref(&study.file), &study.set),
-            Command::Time(time) => pipelines(&time.plugins, &time.files, &time.set),
+            Command::Run(run) => files(&run.files),
+            Command::Check(check) => files(check),
+            Command::Time(time) => files(&time.files),
+            Command::Explain(explain) => file(&explain.file),
+            Command::Pixel(pixel) => file(&pixel.file),
+            Command::Study(study) => file(&study.file),
             Command::Info(info) if info.of_pipeline() => {
                 pipelines(&info.plugins, from_ref(&info.data), &info.set)
             }
@@ -134,7 +145,7 @@ impl Command {
             Command::Nodes(nodes) => data(&nodes.plugins, &[]),
             Command::Edit(edit) => data(&edit.plugins, &[]),
             Command::GradientTest(test) => data(&test.plugins, &[]),
-            Command::Stability(_) | Command::PluginProcess(_) => return None,
+            Command::Stability(_) | Command::PluginProcess { .. } => return None,
             #[cfg(feature = "papers")]
             Command::Papers(_) => return None,
         })
@@ -150,13 +161,8 @@ impl Info {
 
 #[derive(Debug, Args)]
 pub struct Run {
-    /// Pipeline files.
-    #[arg(required = true, value_name = "FILE")]
-    pub files: Vec<PathBuf>,
     #[command(flatten)]
-    pub set: Set,
-    #[command(flatten)]
-    pub plugins: Plugins,
+    pub files: Files,
     /// Do everything that could be done, needed or not, and say how much longer that takes.
     ///
     /// Runs each file once to warm up, then in turn twice as usual and twice reading every array, computing the gradient and
@@ -170,13 +176,6 @@ pub struct Run {
     /// Print nothing but errors.
     #[arg(long, short)]
     pub quiet: bool,
-}
-
-#[derive(Debug, Args)]
-pub struct PluginProcess {
-    /// The library.
-    #[arg(value_name = "PATH")]
-    pub path: PathBuf,
 }
 
 #[derive(Debug, Default, Args)]
@@ -218,14 +217,20 @@ pub struct Files {
 }
 
 #[derive(Debug, Args)]
-pub struct Explain {
-    /// A pipeline file.
+pub struct File {
+    /// A pipeline file, or a picture that carries one.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     #[command(flatten)]
     pub set: Set,
     #[command(flatten)]
     pub plugins: Plugins,
+}
+
+#[derive(Debug, Args)]
+pub struct Explain {
+    #[command(flatten)]
+    pub file: File,
     /// Explain the run of `voltet run --exhaustive`, which does everything.
     #[arg(long, alias = "no-leave-out")]
     pub exhaustive: bool,
@@ -243,6 +248,24 @@ pub struct Nodes {
     pub plugins: Plugins,
 }
 
+#[derive(Debug, Default, Args)]
+pub struct DataOptions {
+    /// Number of the step of a time series, from 0.
+    #[arg(long, value_name = "N")]
+    pub time_step: Option<usize>,
+    /// PLOT3D: the solution (q) file that belongs to the grid.
+    #[arg(long, value_name = "Q")]
+    pub solution: Option<PathBuf>,
+}
+
+impl DataOptions {
+    /// Request to a data file, with the reader of its format where that comes from outside.
+    pub fn request(&self, data: &Path, registry: &Registry) -> crate::core::Result<Request> {
+        let (time_step, solution) = (self.time_step.map(TimeStep::Index), self.solution.clone());
+        external_formats::request(Request { time_step, solution, ..Request::default() }, data, registry)
+    }
+}
+
 #[derive(Debug, Args)]
 pub struct Info {
     /// A data file, a pipeline file (.toml), or a picture.
@@ -252,12 +275,8 @@ pub struct Info {
     pub set: Set,
     #[command(flatten)]
     pub plugins: Plugins,
-    /// Number of the step of a time series, from 0.
-    #[arg(long, value_name = "N")]
-    pub time_step: Option<usize>,
-    /// PLOT3D: the solution (q) file that belongs to the grid.
-    #[arg(long, value_name = "Q")]
-    pub solution: Option<PathBuf>,
+    #[command(flatten)]
+    pub options: DataOptions,
     /// Write what the data file holds, or the picture carries, as JSON to the standard output.
     #[arg(long)]
     pub json: bool,
@@ -274,12 +293,8 @@ pub struct Start {
     /// The array to draw; "NAME:magnitude" or "NAME:0" for vectors.
     #[arg(long, value_name = "NAME")]
     pub scalar: Option<String>,
-    /// Number of the step of a time series, from 0.
-    #[arg(long, value_name = "N")]
-    pub time_step: Option<usize>,
-    /// PLOT3D: the solution (q) file that belongs to the grid.
-    #[arg(long, value_name = "Q")]
-    pub solution: Option<PathBuf>,
+    #[command(flatten)]
+    pub options: DataOptions,
     /// Write over a pipeline file that is there.
     #[arg(long)]
     pub force: bool,
@@ -298,19 +313,14 @@ pub struct Edit {
 
 #[derive(Debug, Args)]
 pub struct Pixel {
-    /// A pipeline file, or a picture that carries one.
-    #[arg(value_name = "FILE")]
-    pub file: PathBuf,
+    #[command(flatten)]
+    pub file: File,
     /// Column of the pixel, from the left, from 0.
     #[arg(value_name = "X", allow_negative_numbers = true)]
     pub x: i64,
     /// Row of the pixel, from the top, from 0.
     #[arg(value_name = "Y", allow_negative_numbers = true)]
     pub y: i64,
-    #[command(flatten)]
-    pub set: Set,
-    #[command(flatten)]
-    pub plugins: Plugins,
     /// The node that draws, of type renderer, gpu-renderer or composite, where the pipeline has several.
     #[arg(long, value_name = "NODE")]
     pub node: Option<String>,
@@ -374,13 +384,8 @@ pub struct Stability {
 the pipeline file is wrong."
 )]
 pub struct Study {
-    /// A pipeline file.
-    #[arg(value_name = "FILE")]
-    pub file: PathBuf,
     #[command(flatten)]
-    pub set: Set,
-    #[command(flatten)]
-    pub plugins: Plugins,
+    pub file: File,
     /// The node to study, of type renderer, gpu-renderer or composite, where the pipeline has several.
     #[arg(long, value_name = "NODE")]
     pub node: Option<String>,
@@ -437,7 +442,7 @@ pub struct Study {
 #[cfg(feature = "editor")]
 impl Study {
     /// Arguments of `voltet study FILE` without options.
-    pub fn for_file(file: &std::path::Path) -> crate::core::Result<Study> {
+    pub fn for_file(file: &Path) -> crate::core::Result<Study> {
         use clap::FromArgMatches;
         let command = Study::augment_args(clap::Command::new("study"));
         let given = command.try_get_matches_from(["study".as_ref(), file.as_os_str()]);
@@ -448,13 +453,8 @@ impl Study {
 
 #[derive(Debug, Args)]
 pub struct Time {
-    /// Pipeline files.
-    #[arg(required = true, value_name = "FILE")]
-    pub files: Vec<PathBuf>,
     #[command(flatten)]
-    pub set: Set,
-    #[command(flatten)]
-    pub plugins: Plugins,
+    pub files: Files,
     /// Sizes of the picture in pixels, separated by commas; those of the files without it.
     #[arg(long, value_name = "WIDTHxHEIGHT", value_delimiter = ',', value_parser = size)]
     pub size: Vec<[u32; 2]>,

@@ -1,9 +1,8 @@
-//! Pipelines: a file or text that is changed, given in-memory grids, and rendered.
+//! Pipelines: a file or text that is changed, given in-memory grids, and rendered; pictures, figures and reports of its runs.
 
 use super::camera::Camera;
 use super::grid::Grid;
 use super::image::Image;
-use super::session::{PipelineSource, RenderPlan, Session};
 use crate::document::Document;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -13,22 +12,46 @@ use voltet_core::grid::Grid as BuiltGrid;
 use voltet_core::picture::Picture;
 use voltet_core::progress::NoProgress;
 use voltet_core::{Error, Result};
+use voltet_document::links;
 use voltet_graph::pipeline::{Pipeline as Nodes, locate, parameters};
 use voltet_graph::{
-    Graph, LocatedValue, NoObserver, NodeEntry, Observer, ParameterValue, Registry, SourceSpan, suggest,
+    Demand, Graph, LinkEntry, LocatedValue, NoObserver, Node, NodeEntry, NodeOverride, Observer,
+    ParameterValue, Port, PortType, Registry, ResolvedPipeline, RunReport, Session, SourceSpan, Value,
+    suggest,
 };
 use voltet_io::encode::Source;
-use voltet_io::provenance::whole_report;
+use voltet_io::provenance::{run_report, whole_report};
+use voltet_nodes::in_memory_grid;
 
-/// A pipeline that a program changes and renders. Values of nodes that a change does not concern are kept between renders.
-pub struct Pipeline {
+/// A pipeline that a program changes and renders. Values of nodes that a change does not concern are kept between renders. `S`: the
+/// form in which its text is kept.
+pub struct Pipeline<S = PipelineText> {
+    /// The nodes, with the text that errors point at.
+    pub source: S,
+    registry: Registry,
     session: Session,
-    text: Text,
+    /// In-memory grids by the name of the node that they replace.
+    grids: BTreeMap<String, NodeOverride>,
+    last: Option<RunReport>,
 }
 
-/// Nodes of a pipeline, with the texts that errors point at.
+/// Nodes of a pipeline, with the text that errors point at.
+pub trait PipelineSource {
+    /// The nodes.
+    fn nodes(&self) -> &Nodes;
+    /// Folder that its paths are relative to.
+    fn folder(&self) -> PathBuf;
+    /// Its file, or a name for reports.
+    fn path(&self) -> PathBuf;
+    /// A text that states the nodes, for reports.
+    fn text(&self) -> String;
+    /// Completes an error with file, line and column.
+    fn locate(&self, error: Error) -> Error;
+}
+
+/// Nodes of a pipeline that options and texts change, with the texts that errors point at.
 #[derive(Clone, Default)]
-struct Text {
+pub struct PipelineText {
     nodes: Nodes,
     folder: PathBuf,
     /// Its text, and the name of it in errors.
@@ -38,13 +61,52 @@ struct Text {
     node_texts: BTreeMap<String, String>,
 }
 
+/// A graph that renders the picture of one node.
+pub struct RenderPlan {
+    graph: Graph,
+    name: String,
+    /// Width and height in pixels.
+    pub size: [usize; 2],
+}
+
+/// Record of a run, from which a report is made.
+pub struct RunRecord {
+    path: String,
+    stated: ResolvedPipeline,
+    /// Without its pictures.
+    run: RunReport,
+}
+
+impl RunRecord {
+    /// The run's part of a report ([`voltet_io::provenance::whole_report`]).
+    pub fn to_json(&self) -> serde_json::Value {
+        run_report(&self.path, &self.run, &self.stated)
+    }
+}
+
+/// Sink of a run whose result is for the host program.
+static SINK: Node = Node {
+    name: "taker",
+    summary: "Takes a value for the program.",
+    optional_inputs: &[
+        Port { name: "image", port_type: PortType::Image, summary: "a picture" },
+        Port { name: "report", port_type: PortType::Report, summary: "figures" },
+        Port { name: "volume", port_type: PortType::Volume, summary: "a volume" },
+        Port { name: "widgets", port_type: PortType::TransferFunction, summary: "widgets, as of a probe" },
+    ],
+    ..Node::BLANK
+};
+
+/// Name of the sink: no file can state it.
+const SINK_NAME: &str = "(the program)";
+
 impl Pipeline {
     /// An empty pipeline of these node types and filters.
     ///
     /// # Errors
     /// - a registry that has nodes of the facade's own.
     pub fn new(registry: Registry) -> Result<Pipeline> {
-        Ok(Pipeline { session: Session::new(registry)?, text: Text::default() })
+        Self::with_source(PipelineText::default(), registry)
     }
 
     /// Opens a pipeline file, or a picture that carries its pipeline.
@@ -83,9 +145,10 @@ impl Pipeline {
     /// As of [`Pipeline::parse`]; the former pipeline then stays.
     pub fn load(&mut self, text: String, path: &Path, folder: &Path) -> Result<()> {
         let nodes = Nodes::parse(&text).map_err(|error| locate(error, &text, path))?;
-        let node_texts = BTreeMap::new();
-        self.replace(Text { nodes, folder: folder.into(), text, path: path.into(), node_texts })?;
-        self.session.clear_grids();
+        let (folder, path, node_texts) = (folder.into(), path.into(), BTreeMap::new());
+        self.replace(PipelineText { nodes, folder, text, path, node_texts })?;
+        self.grids.clear();
+        self.session.forget();
         Ok(())
     }
 
@@ -94,7 +157,7 @@ impl Pipeline {
     /// # Errors
     /// - a node or parameter that does not exist, a value that is refused.
     pub fn set(&mut self, option: &str) -> Result<()> {
-        let mut text = self.text.clone();
+        let mut text = self.source.clone();
         text.nodes.set(option)?;
         self.replace(text)
     }
@@ -104,7 +167,7 @@ impl Pipeline {
     /// # Errors
     /// As of [`Pipeline::set`].
     pub fn set_parameters(&mut self, node: &str, values: Vec<(&str, Option<ParameterValue>)>) -> Result<()> {
-        let mut text = self.text.clone();
+        let mut text = self.source.clone();
         let entry = text.node(node)?;
         for (name, value) in values {
             match value {
@@ -122,7 +185,7 @@ impl Pipeline {
     pub fn set_node(&mut self, name: &str, toml: &str) -> Result<()> {
         let settings =
             parameters(toml).map_err(|error| locate(error, toml, Path::new(name)).at_node(name))?;
-        let mut text = self.text.clone();
+        let mut text = self.source.clone();
         let node = text.node(name)?;
         node.settings = settings;
         // The text that errors point at is another now.
@@ -173,30 +236,6 @@ impl Pipeline {
         Ok(self)
     }
 
-    /// Replaces the output of a node by a grid that is built, or ends that. `node` is `None`: the only one with a grid.
-    ///
-    /// # Errors
-    /// - no such node.
-    pub fn set_grid(&mut self, node: Option<&str>, grid: Option<&Arc<BuiltGrid>>) -> Result<()> {
-        self.session.set_grid(&self.text, node, grid)
-    }
-
-    /// Name of a camera node: the named one, else the only one.
-    ///
-    /// # Errors
-    /// - no such node.
-    pub fn camera_node(&self, node: Option<&str>) -> Result<String> {
-        self.session.camera(&self.text, node)
-    }
-
-    /// Width and height of the picture of a node (pixels). `node` is `None`: the only one.
-    ///
-    /// # Errors
-    /// - no such node, or a pipeline that cannot run.
-    pub fn size(&self, node: Option<&str>) -> Result<[usize; 2]> {
-        self.session.size(&self.text, node)
-    }
-
     /// Renders the picture of a node; nothing is written.
     ///
     /// # Errors
@@ -207,12 +246,136 @@ impl Pipeline {
         self.render_with(&plan, &NoObserver).map(Image::from)
     }
 
-    /// Graph that renders the picture of a node. `node` is `None`: the only one with a picture.
+    /// Runs the whole pipeline with its writers, and returns the pictures by node.
+    ///
+    /// # Errors
+    /// - an output that is an input, or another output;
+    /// - those of the nodes, and cancellation.
+    pub fn run(&mut self, observer: &dyn Observer) -> Result<Vec<(String, Image)>> {
+        let graph = self.whole_graph()?;
+        let PipelineText { path, text, nodes: pipeline, .. } = self.source.clone();
+        let document = Document { path, text, pipeline, graph, carried: None };
+        document.refuse_collisions()?;
+        let report = self.run_graph(&document.graph, observer)?;
+        Ok(report.pictures.iter().map(|(name, picture)| (name.clone(), picture.clone().into())).collect())
+    }
+
+    /// Takes over a changed text if it is sound.
+    fn replace(&mut self, text: PipelineText) -> Result<()> {
+        match Graph::faults(&text.nodes.nodes, &self.registry).into_iter().next() {
+            Some(fault) => Err(text.locate(fault.error)),
+            None => {
+                self.source = text;
+                Ok(())
+            }
+        }
+    }
+}
+
+impl<S: PipelineSource> Pipeline<S> {
+    /// A pipeline from a source, of these node types and filters.
+    ///
+    /// # Errors
+    /// - a registry that has nodes of the facade's own.
+    pub fn with_source(source: S, registry: Registry) -> Result<Self> {
+        let (session, grids) = (voltet_nodes::session(), BTreeMap::new());
+        let mut pipeline = Pipeline { source, registry: Registry::new(), session, grids, last: None };
+        pipeline.set_registry(registry)?;
+        Ok(pipeline)
+    }
+
+    /// Replaces the node types and filters. Results of former runs are dropped, but not open devices: a filter of one name may be
+    /// another now.
+    pub fn set_registry(&mut self, mut registry: Registry) -> Result<()> {
+        registry.add(&in_memory_grid::NODE)?;
+        registry.add(&SINK)?;
+        self.registry = registry;
+        self.session.forget();
+        Ok(())
+    }
+
+    /// The node types and filters.
+    pub fn registry(&self) -> &Registry {
+        &self.registry
+    }
+
+    /// Drops kept values and open devices, as after a panic.
+    pub fn reset(&mut self) {
+        (self.session, self.last) = (voltet_nodes::session(), None);
+    }
+
+    /// Replaces the output of a node by a grid that is built, or ends that. `node` is `None`: the only one with a grid. Returns the
+    /// node's name.
+    ///
+    /// # Errors
+    /// - no such node.
+    pub fn set_grid(&mut self, node: Option<&str>, grid: Option<&Arc<BuiltGrid>>) -> Result<String> {
+        let name = self.only(node, PortType::Grid, "grid")?;
+        for entry in self.source.nodes().nodes.iter().filter(|entry| entry.name == name) {
+            in_memory_grid::stand_in(&mut entry.clone(), &self.registry)?;
+        }
+        match grid {
+            Some(grid) => self.grids.insert(name.clone(), in_memory_grid::grid(grid.clone())),
+            None => self.grids.remove(&name),
+        };
+        // The lender of the former one gets its memory back.
+        self.session.forget();
+        Ok(name)
+    }
+
+    /// Node of a picture: the named one, else the only one with a picture.
+    ///
+    /// # Errors
+    /// - no such node.
+    pub fn picture_node(&self, node: Option<&str>) -> Result<String> {
+        self.only(node, PortType::Image, "picture")
+    }
+
+    /// Node of a camera: the named one, else the only one.
+    ///
+    /// # Errors
+    /// - no such node.
+    pub fn camera_node(&self, node: Option<&str>) -> Result<String> {
+        self.only(node, PortType::Camera, "camera")
+    }
+
+    /// The named node, else the only one with an output of a type, which messages call `what`.
+    fn only(&self, named: Option<&str>, port_type: PortType, what: &str) -> Result<String> {
+        let nodes = self.nodes_with_output(port_type);
+        let accepted = match &nodes[..] {
+            [] => format!("a pipeline with a node that gives a {what}"),
+            names => format!("a node that gives a {what}: {}", names.join(", ")),
+        };
+        let error = match (named, &nodes[..]) {
+            (Some(name), _) if nodes.iter().any(|known| known == name) => return Ok(name.into()),
+            (None, [one]) => return Ok(one.clone()),
+            (Some(name), _) => Error::usage(format!("the node '{name}' gives no {what}")),
+            (None, []) => Error::usage(format!("the pipeline has no {what}")),
+            (None, _) => {
+                let what = format!("the pipeline has several nodes that give a {what}");
+                Error::usage(what).got("none named")
+            }
+        };
+        Err(error.expected(accepted))
+    }
+
+    /// Names of the nodes with an output of a type, in the order of the pipeline.
+    fn nodes_with_output(&self, port_type: PortType) -> Vec<String> {
+        let gives = |entry: &&NodeEntry| {
+            let node = entry.node_type.text().and_then(|name| self.registry.find(name).ok());
+            node.is_some_and(|node| node.outputs.iter().any(|port| port.port_type == port_type))
+        };
+        self.source.nodes().nodes.iter().filter(gives).map(|entry| entry.name.clone()).collect()
+    }
+
+    /// The graph that renders the picture of a node, with its size. `node` is `None`: the only one with a picture.
     ///
     /// # Errors
     /// - no such node, or a pipeline that cannot run.
     pub fn render_plan(&self, node: Option<&str>) -> Result<RenderPlan> {
-        self.session.render_plan(&self.text, node)
+        let name = self.picture_node(node)?;
+        let graph = self.graph_for(&name, "image")?;
+        Ok(RenderPlan { size: size_of(&graph)?, graph, name })
     }
 
     /// Renders by a plan, and reports progress to an observer, which may cancel.
@@ -220,53 +383,169 @@ impl Pipeline {
     /// # Errors
     /// - those of the nodes, and cancellation.
     pub fn render_with(&mut self, plan: &RenderPlan, observer: &dyn Observer) -> Result<Arc<Picture>> {
-        self.session.render(&self.text, plan, observer)
+        let report = self.run_graph(&plan.graph, observer)?;
+        let picture = report.pictures.iter().find(|(name, _)| *name == plan.name);
+        let none = || Error::run("the node that draws gave no picture").at_node(&plan.name);
+        picture.map(|found| found.1.clone()).ok_or_else(none)
     }
 
-    /// Runs the whole pipeline with its writers, and returns the pictures by node.
+    /// Like [`Pipeline::render_with`], into memory of the caller's own: none of it is kept, so that the same picture is rendered anew
+    /// the next time.
+    pub fn render_owned(&mut self, plan: &RenderPlan, observer: &dyn Observer) -> Result<Picture> {
+        let picture = self.render_with(plan, observer)?;
+        self.session.release(&picture);
+        if let Some(report) = &mut self.last {
+            report.pictures.clear();
+        }
+        Ok(Arc::unwrap_or_clone(picture))
+    }
+
+    /// Runs a graph of the pipeline, such as that of [`Pipeline::whole_graph`].
+    pub fn run_graph(&mut self, graph: &Graph, observer: &dyn Observer) -> Result<&RunReport> {
+        self.last = None;
+        let report = self.session.run(graph, observer).map_err(|error| self.source.locate(error))?;
+        let report = self.last.insert(report);
+        report.nodes.retain(|node| node.node_type != SINK.name);
+        Ok(report)
+    }
+
+    /// Value at a node's output. `demand`: the parts of it that are computed, if it is a volume.
+    pub fn value(
+        &mut self,
+        (node, port): (&str, &str),
+        demand: &Demand,
+        observer: &dyn Observer,
+    ) -> Result<Value> {
+        let graph = self.graph_for(node, port)?;
+        let sink = graph.nodes.len() - 1;
+        let fed = self.session.feed(&graph, sink, demand, observer);
+        let fed = fed.map_err(|error| self.source.locate(error))?;
+        fed.0.into_iter().next().ok_or_else(|| Error::run("the node gave nothing").at_node(node))
+    }
+
+    /// Passes the graph of a node's picture, or of the whole pipeline, and the session that holds its inputs, to `work`.
+    pub fn with_graph<T>(
+        &mut self,
+        node: Option<&str>,
+        work: impl FnOnce(&Graph, &mut Session) -> Result<T>,
+    ) -> Result<T> {
+        let graph = match node {
+            Some(node) => self.graph_for(node, "image")?,
+            None => self.whole_graph()?,
+        };
+        work(&graph, &mut self.session).map_err(|error| self.source.locate(error))
+    }
+
+    /// Plans a graph without data: its warnings, with their locations.
     ///
     /// # Errors
-    /// - an output that is an input, or another output;
-    /// - those of the nodes, and cancellation.
-    pub fn run(&mut self, observer: &dyn Observer) -> Result<Vec<(String, Image)>> {
-        let graph = self.session.whole_graph(&self.text)?;
-        let (path, text, pipeline) =
-            (self.text.path.clone(), self.text.text.clone(), self.text.nodes.clone());
-        let document = Document { path, text, pipeline, graph, carried: None };
-        document.refuse_collisions()?;
-        let report = self.session.run(&self.text, &document.graph, observer)?;
-        Ok(report.pictures.iter().map(|(name, picture)| (name.clone(), picture.clone().into())).collect())
+    /// - those that the plan finds.
+    pub fn plan(&mut self, graph: &Graph) -> Result<Vec<Error>> {
+        self.session.plan(graph).map_err(|error| self.source.locate(error))?;
+        Ok(graph.warnings.iter().map(|warning| self.source.locate(warning.clone())).collect())
+    }
+
+    /// Record of the last run; `None` before there was one.
+    pub fn record(&self) -> Option<RunRecord> {
+        let run = RunReport { pictures: Vec::new(), ..self.last.clone()? };
+        let title = self.source.nodes().title.clone();
+        // It is written to no file, so that the locations of its paths are of no use.
+        let stated = ResolvedPipeline::new(title, self.source.text(), std::iter::empty());
+        Some(RunRecord { path: self.source.path().display().to_string(), stated, run })
     }
 
     /// Report of the last run (JSON); `None` before there was one.
     pub fn report(&self) -> Option<String> {
-        let record = self.session.record(&self.text, self.text.nodes.to_string())?;
-        Some(format!("{:#}", whole_report(vec![record.to_json()])))
+        Some(format!("{:#}", whole_report(vec![self.record()?.to_json()])))
     }
 
     /// Warnings of the last run; `None` before there was one.
     pub fn warnings(&self) -> Option<&[String]> {
-        self.session.last().map(|report| report.warnings.as_slice())
+        self.last.as_ref().map(|report| report.warnings.as_slice())
     }
 
-    /// Drops kept values and open devices, as after a panic.
-    pub fn reset(&mut self) {
-        self.session.reset();
-    }
-
-    /// Takes over a changed text if it is sound.
-    fn replace(&mut self, text: Text) -> Result<()> {
-        match Graph::faults(&text.nodes.nodes, self.session.registry()).into_iter().next() {
-            Some(fault) => Err(text.locate(fault.error)),
-            None => {
-                self.text = text;
-                Ok(())
+    /// The graph of the whole pipeline: its writers, and the pictures and probes that feed nothing.
+    pub fn whole_graph(&self) -> Result<Graph> {
+        let mut entries = self.source.nodes().nodes.clone();
+        let feeds = |name: &String| {
+            let mut wires = entries.iter().flat_map(|entry| entry.inputs.iter().flat_map(links::sources));
+            wires.any(|text| links::source(text, &entries).0 == name)
+        };
+        // Widgets that are made of no data have no findings.
+        let has_inputs = |name: &String| {
+            let entry = entries.iter().find(|entry| entry.name == *name);
+            let node = entry.and_then(|entry| self.registry.find(entry.node_type.text()?).ok());
+            node.is_some_and(|node| !node.inputs.is_empty())
+        };
+        let mut sink = None;
+        for (port, port_type) in [("image", PortType::Image), ("widgets", PortType::TransferFunction)] {
+            let mut open = self.nodes_with_output(port_type);
+            open.retain(|name| !feeds(name) && has_inputs(name));
+            if !open.is_empty() {
+                let request = self.sink(&entries, port, &open);
+                sink.get_or_insert_with(|| NodeEntry { inputs: Vec::new(), ..request.clone() })
+                    .inputs
+                    .extend(request.inputs);
             }
         }
+        entries.extend(sink);
+        self.graph(entries)
+    }
+
+    /// Graph of the nodes that a value depends on, and no others, with the sink.
+    fn graph_for(&self, node: &str, port: &str) -> Result<Graph> {
+        let nodes = &self.source.nodes().nodes;
+        let needed = links::upstream(nodes, node);
+        let mut entries: Vec<NodeEntry> =
+            nodes.iter().filter(|entry| needed.contains(&entry.name)).cloned().collect();
+        entries.push(self.sink(&entries, port, &[node.to_string()]));
+        self.graph(entries)
+    }
+
+    /// Sink of the values of these nodes: of each the first output whose type fits.
+    fn sink(&self, entries: &[NodeEntry], port: &str, nodes: &[String]) -> NodeEntry {
+        let text = |text: &str| LocatedValue::from(ParameterValue::Text(text.into()));
+        let input = SINK.optional_inputs.iter().find(|known| known.name == port);
+        let output = |name: &String| {
+            let entry = entries.iter().find(|entry| entry.name == *name)?;
+            let node = self.registry.find(entry.node_type.text()?).ok()?;
+            let mut fitting =
+                node.outputs.iter().filter(|o| input.is_some_and(|t| o.port_type.serves(t.port_type)));
+            fitting.next().filter(|_| node.outputs.len() > 1)
+        };
+        let source = |name: &String| match output(name) {
+            Some(output) => text(&format!("{name}.{}", output.name)),
+            None => text(name),
+        };
+        NodeEntry {
+            name: SINK_NAME.into(),
+            origin: SourceSpan::Nowhere,
+            node_type: text(SINK.name),
+            settings: Vec::new(),
+            inputs: vec![LinkEntry {
+                port: port.into(),
+                origin: SourceSpan::Nowhere,
+                source: ParameterValue::List(nodes.iter().map(source).collect()).into(),
+            }],
+        }
+    }
+
+    fn graph(&self, mut entries: Vec<NodeEntry>) -> Result<Graph> {
+        for entry in entries.iter_mut().filter(|entry| self.grids.contains_key(&entry.name)) {
+            in_memory_grid::stand_in(entry, &self.registry)?;
+        }
+        let graph = Graph::build(&entries, &self.registry, self.source.folder());
+        let mut graph = graph.map_err(|error| self.source.locate(error))?;
+        for (name, grid) in &self.grids {
+            if graph.nodes.iter().any(|node| node.name == *name) {
+                graph.give(name, grid.clone())?;
+            }
+        }
+        Ok(graph)
     }
 }
 
-impl Text {
+impl PipelineText {
     fn node(&mut self, name: &str) -> Result<&mut NodeEntry> {
         let names: Vec<String> = self.nodes.nodes.iter().map(|node| node.name.clone()).collect();
         self.nodes.nodes.iter_mut().find(|node| node.name == name).ok_or_else(|| {
@@ -276,8 +555,8 @@ impl Text {
     }
 }
 
-impl PipelineSource for Text {
-    fn pipeline(&self) -> &Nodes {
+impl PipelineSource for PipelineText {
+    fn nodes(&self) -> &Nodes {
         &self.nodes
     }
 
@@ -287,6 +566,10 @@ impl PipelineSource for Text {
 
     fn path(&self) -> PathBuf {
         self.path.clone()
+    }
+
+    fn text(&self) -> String {
+        self.nodes.to_string()
     }
 
     fn locate(&self, error: Error) -> Error {
@@ -310,4 +593,13 @@ fn without_span(setting: &LocatedValue) -> LocatedValue {
         other => other.clone(),
     };
     datum.into()
+}
+
+/// Size of the camera's picture (pixels).
+fn size_of(graph: &Graph) -> Result<[usize; 2]> {
+    let gives_camera = |port: &Port| port.port_type == PortType::Camera;
+    let camera = graph.nodes.iter().find(|node| node.node.outputs.iter().any(gives_camera));
+    let none = || Error::usage("the pipeline has no camera").expected("a node of type \"camera\"");
+    let size: [f64; 2] = camera.ok_or_else(none)?.parameters.vector("size")?;
+    Ok(size.map(|side| side as usize))
 }

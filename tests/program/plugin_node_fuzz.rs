@@ -7,7 +7,7 @@ use voltet::Document;
 use voltet::core::Result;
 use voltet::core::picture::Picture;
 use voltet::graph::{Observer, Registry};
-use voltet::nodes::added;
+use voltet::nodes::external_formats;
 use voltet_testing::compilers;
 
 /// Follows nothing; 64 MiB are left.
@@ -37,7 +37,7 @@ fn what_readers_and_filters_give_at_random_is_refused_or_right() {
     std::fs::write(folder.path().join("any.random"), "whatever").unwrap();
     let contents = voltet_plugins::load(&library).unwrap();
     let mut registry = voltet::nodes::registry().unwrap();
-    let readers = contents.readers.iter().map(|reader| added::reader(*reader));
+    let readers = contents.readers.iter().map(|reader| external_formats::reader(*reader));
     readers.chain(contents.nodes.iter().copied()).for_each(|node| registry.add(node).unwrap());
     let (right, said) = picture(folder.path(), &registry, [0; 3]).unwrap();
     assert!(!said && right.rgba.iter().any(|pixel| pixel[3] > 0.2));

@@ -18,7 +18,7 @@ fn registry() -> Result<Registry> {
     let mut registry = voltet::registry()?;
     registry.add(&logarithm::NODE)?;
     registry.add(&grey::NODE)?;
-    registry.add(voltet::nodes::added::reader(&numbers::Numbers))?;
+    registry.add(voltet::nodes::external_formats::reader(&numbers::Numbers))?;
     registry.add_filter(Arc::new(weighted_fit::WeightedFit))?;
     Ok(registry)
 }

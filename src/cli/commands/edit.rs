@@ -1,41 +1,40 @@
 //! `voltet edit`: the node editor.
 
-use crate::cli::arguments::Edit;
+use super::shared::{DONE, Outcome, with_bar};
+use super::{start, study as measured};
+use crate::cli::arguments::{Edit, Start, Study};
 use crate::core::Result;
-#[cfg(feature = "editor")]
-use crate::core::{graph::Observer, progress::Progress};
-use crate::graph::Registry;
-#[cfg(feature = "editor")]
+use crate::core::progress::Progress;
+use crate::document::{self, OptionFile};
+use crate::graph::{Observer, Registry};
+use crate::{Document, Source};
+use std::path::Path;
+use std::sync::Arc;
 use voltet_editor::{Studied, StudiedRow, StudyRequest};
+use voltet_study::work_precision as study;
 
-#[cfg(feature = "editor")]
-pub fn edit(arguments: &Edit, registry: &Registry) -> Result<u8> {
-    use std::sync::Arc;
+pub fn edit(arguments: &Edit, registry: &Registry) -> Outcome {
     let (own, of_start) = (registry.clone(), registry.clone());
-    let study = Arc::new(move |of: &StudyRequest, progress: &dyn Progress| study_of(of, &own, progress));
-    let start = move |path: &std::path::Path, at: &std::path::Path| pipeline_for(path, at, &of_start);
-    voltet_editor::run(arguments.file.as_deref(), registry, Arc::new(start), study)?;
-    Ok(super::exit_status::DONE)
+    let study_of = Arc::new(move |of: &StudyRequest, progress: &dyn Progress| studied(of, &own, progress));
+    let start = move |path: &Path, at: &Path| pipeline_for(path, at, &of_start);
+    voltet_editor::run(arguments.file.as_deref(), registry, Arc::new(start), study_of)?;
+    Ok(DONE)
 }
 
 /// `voltet study` without options, of a pipeline that need not be saved.
-#[cfg(feature = "editor")]
-fn study_of(of: &StudyRequest, registry: &Registry, progress: &dyn Progress) -> Result<Studied> {
-    use crate::Document;
-    use crate::document::{self, OptionFile};
-    use voltet_study::work_precision as study;
+fn studied(of: &StudyRequest, registry: &Registry, progress: &dyn Progress) -> Result<Studied> {
     let document = Document::from_text(&of.path, of.text.clone(), &[], registry)?;
     document.refuse_missing_data()?;
-    let folder = super::study::beside(&of.path);
+    let folder = measured::beside(&of.path);
     let outputs: Vec<OptionFile> =
         study::written(&folder).iter().map(|path| OptionFile::written("the study", path)).collect();
-    document::refuse_conflicts([&document], false, &outputs).map_err(|(error, _)| error)?;
-    super::study::refuse_unwritable(&folder)?;
-    let wish = super::study::wish(&crate::cli::arguments::Study::for_file(&of.path)?, registry)?;
+    document::refuse_conflicts([&document], false, &outputs).map_err(|failure| failure.error)?;
+    measured::refuse_unwritable(&folder)?;
+    let wish = measured::wish(&Study::for_file(&of.path)?, registry)?;
     let followed = (&Gathering(progress) as &dyn Observer, progress);
     let node = of.node.as_deref();
     let folders = [folder.as_path(), &study::cache_folder()];
-    let (found, written) = super::study::make(&document, node, wish, folders, followed, &|| {})?;
+    let (found, written) = measured::make(&document, node, wish, folders, followed, &|| {})?;
     let mut rows: Vec<StudiedRow> = found
         .rows
         .iter()
@@ -58,10 +57,8 @@ fn study_of(of: &StudyRequest, registry: &Registry, progress: &dyn Progress) -> 
 }
 
 /// Follows the run of what feeds the picture.
-#[cfg(feature = "editor")]
 struct Gathering<'a>(&'a dyn Progress);
 
-#[cfg(feature = "editor")]
 impl Observer for Gathering<'_> {
     fn progress(&self, node: &str, stage: &str, fraction: f64) {
         self.0.report(&format!("{node}: {stage}"), fraction);
@@ -78,22 +75,11 @@ impl Observer for Gathering<'_> {
 
 /// The text of a pipeline for a file that is none: what a picture carries, or what is found for data. `at`: where it would be
 /// saved.
-#[cfg(feature = "editor")]
-fn pipeline_for(path: &std::path::Path, at: &std::path::Path, registry: &Registry) -> Result<String> {
-    use crate::Source;
-    use crate::cli::arguments::Start;
-    if crate::cli::commands::info::is_picture(path) {
+fn pipeline_for(path: &Path, at: &Path, registry: &Registry) -> Result<String> {
+    if super::info::is_picture(path) {
         return Ok(Source::read(path)?.text);
     }
     let (data, output) = (path.to_path_buf(), Some(at.to_path_buf()));
     let arguments = Start { data, output, ..Start::default() };
-    let quiet = crate::cli::present::Bar::new(true);
-    super::start::pipeline(&arguments, registry, at, &super::array_choice::bar_progress(&quiet))
-        .map(|(text, _)| text)
-}
-
-#[cfg(not(feature = "editor"))]
-pub fn edit(_: &Edit, _: &Registry) -> Result<u8> {
-    let error = crate::core::Error::usage("this program was built without the node editor");
-    Err(error.expected("one built by `cargo build --release --features editor`"))
+    with_bar(true, |_, progress| start::pipeline(&arguments, registry, at, progress)).map(|(text, _)| text)
 }

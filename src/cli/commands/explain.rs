@@ -1,35 +1,41 @@
-//! `voltet explain`: what will run, on which engine, what is left out and why. Reads headers of data files, no data.
+//! `voltet explain`: what will run, on which engine, what is left out and why; reads headers of data files. `voltet check`: parses,
+//! type-checks and plans; reads no file but the pipelines.
 
-use super::exit_status::{DONE, show, warn};
-use super::pipelines::open;
-use crate::cli::arguments::Explain;
-use crate::cli::present::print;
-use crate::core::Result;
+use super::shared::{DONE, Outcome, open_all, open_file, show, warn};
+use crate::Document;
+use crate::cli::arguments::{Explain, Files};
+use crate::cli::present::{name, print};
+use crate::document::{LocatedError, refuse_conflicts};
 use crate::graph::{Demand, Graph, GraphNode, Plan, PortType, Registry, SkippedWork};
-use crate::{Document, document};
 
-pub fn explain(arguments: &Explain, registry: &Registry) -> Result<u8> {
-    let document = match open(&arguments.file, &arguments.set.options, registry) {
-        Ok(document) => document,
-        Err((error, text)) => return Ok(show(&error, text.as_deref())),
+pub fn check(arguments: &Files, registry: &Registry) -> Outcome {
+    let (documents, mut code) = open_all(&arguments.files, &arguments.set.options, registry);
+    let planned = |document: &Document| -> Result<(), LocatedError> {
+        refuse_conflicts([document], true, &[])?;
+        crate::nodes::session().plan(&document.graph).map_err(|error| document.failure(error))?;
+        let path = name(&document.path.to_string_lossy());
+        print(&format!("{path}: in order, {} nodes\n", document.graph.nodes.len()))?;
+        Ok(())
     };
-    warn(&document);
-    // What is carried in a picture names that picture as its output, and nothing is written here.
-    if let Err((error, text)) = document::refuse_conflicts([&document], document.carried.is_none(), &[]) {
-        return Ok(show(&error, text));
+    for document in &documents {
+        warn(document);
+        code = planned(document).map_or_else(|failure| code.max(show(&failure)), |()| code);
     }
+    Ok(code)
+}
+
+pub fn explain(arguments: &Explain, registry: &Registry) -> Outcome {
+    let document = open_file(&arguments.file, registry, false)?;
+    // What is carried in a picture names that picture as its output, and nothing is written here.
+    refuse_conflicts([&document], document.carried.is_none(), &[])?;
     let mut session = crate::nodes::session();
     if arguments.exhaustive {
         session = session.exhaustive();
     }
-    match session.plan(&document.graph) {
-        Ok(mut plan) => {
-            let unknown = plan.foresee(&document.graph);
-            print(&explained(&document, &plan, &unknown, arguments.exhaustive))?;
-            Ok(DONE)
-        }
-        Err(error) => Ok(show(&document.locate(error), Some(&document.text))),
-    }
+    let mut plan = session.plan(&document.graph).map_err(|error| document.failure(error))?;
+    let unknown = plan.foresee(&document.graph);
+    print(&explained(&document, &plan, &unknown, arguments.exhaustive))?;
+    Ok(DONE)
 }
 
 /// The plan in words.
@@ -61,7 +67,10 @@ fn explained(document: &Document, plan: &Plan, unknown: &[usize], exhaustive: bo
     }
     let left_out: Vec<String> = (graph.order.iter())
         .flat_map(|&i| plan.notes[i].skipped.iter().map(move |left| (&graph.nodes[i].name, left)))
-        .map(|(name, left)| format!("  {name}: no {}: {}{}\n", left.what, left.why, saved(left)))
+        .map(|(name, SkippedWork { what, why, saving, .. })| {
+            let saving = saving.map(|saving| format!(" (saves {saving})")).unwrap_or_default();
+            format!("  {name}: no {what}: {why}{saving}\n")
+        })
         .collect();
     match (left_out.is_empty(), exhaustive) {
         (_, true) => text += "\nNothing is left out, needed or not; the picture is the same.\n",
@@ -83,11 +92,6 @@ fn explained(document: &Document, plan: &Plan, unknown: &[usize], exhaustive: bo
                  that it would not pay), cells out of view or under a pixel's reach. `voltet run --exhaustive` does everything, and says what that costs.\n";
     }
     text
-}
-
-/// Saved work, in brackets.
-fn saved(left: &SkippedWork) -> String {
-    left.saving.map(|saving| format!(" (saves {saving})")).unwrap_or_default()
 }
 
 /// True if a node's numbers, or those of its widgets, are relative to data.

@@ -4,47 +4,41 @@
 //! Of a pipeline writers are left out, and a node of type `bands` is added to each node with a volume and a transfer function as
 //! inputs: its demand is all that is read and computed.
 
-use super::array_choice::{ArrayChoice, bar_progress, differs, request};
-use super::exit_status::{DONE, show};
-use super::pipelines::open;
+use super::shared::{ArrayChoice, DONE, Outcome, differs, open, with_bar};
 use crate::cli::arguments::Info;
-use crate::cli::present::{self, Bar, name, number, print};
+use crate::cli::present::{self, name, number, print};
 use crate::core::grid::CellType;
 use crate::core::{Error, Result};
+use crate::engine::drawing_bytes;
 use crate::graph::pipeline::Pipeline;
 use crate::graph::{Graph, LinkEntry, NodeEntry, ParameterValue, PortType, Registry};
 use crate::io::encode;
 use crate::io::formats::{ArrayHead, ArraySummary, Association, Request, Summary, inspect, unread};
+use crate::io::memory::GridSize;
 use crate::io::provenance::{CameraRecord, DataFile, PluginRecord, Provenance, SidecarFiles};
-use crate::nodes::added;
-use crate::nodes::memory::{Needs, SIDE};
 use crate::{Document, Source};
 use serde_json::{Value, json as object};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-pub fn info(arguments: &Info, registry: &Registry) -> Result<u8> {
+pub fn info(arguments: &Info, registry: &Registry) -> Outcome {
     if is_picture(&arguments.data) {
         return picture_info(arguments);
     }
     if arguments.of_pipeline() {
         if arguments.json {
             let error = Error::usage("--json is for data files, and this is a pipeline");
-            return Err(error.expected("voltet run --report FILE.json").in_file(&arguments.data));
+            return Err(error.expected("voltet run --report FILE.json").in_file(&arguments.data).into());
         }
         return pipeline_info(arguments, registry);
     }
     if let Some(option) = arguments.set.options.first() {
         let error = Error::usage("--set changes a pipeline, and this is a data file").got(option);
-        return Err(error.expected("a pipeline file (.toml), or no --set").in_file(&arguments.data));
+        return Err(error.expected("a pipeline file (.toml), or no --set").in_file(&arguments.data).into());
     }
-    let wanted = request(arguments.time_step, arguments.solution.as_ref());
-    let wanted = added::request(wanted, &arguments.data, registry)?;
-    let bar = Bar::new(false);
-    let summary = inspect(&arguments.data, &wanted, &bar_progress(&bar));
-    bar.clear();
-    let summary = summary?;
+    let wanted = arguments.options.request(&arguments.data, registry)?;
+    let summary = with_bar(false, |_, progress| inspect(&arguments.data, &wanted, progress))?;
     if arguments.json {
         print(&format!("{:#}\n", json(&summary)))?;
         return Ok(DONE);
@@ -68,7 +62,7 @@ fn json(summary: &Summary) -> Value {
         |(&code, &count): (&u8, &u64)| object!({ "vtk_type": code, "name": cell_name(code), "count": count });
     let bounds = summary.bounds.map(|corners| corners.map(|corner| corner.to_array()));
     let memory = summary.has_volume().then(|| {
-        let Needs { reading, drawing, lit } = crate::nodes::memory::needs(&summary.size);
+        let [reading, drawing, lit] = memory_bytes(&summary.size);
         object!({ "reading": reading, "drawing": drawing, "drawing_with_gradient_and_light": lit })
     });
     object!({
@@ -79,6 +73,29 @@ fn json(summary: &Summary) -> Value {
         "active_scalars": summary.active_scalars, "time_steps": summary.time_steps,
         "memory_bytes": memory, "warnings": summary.warnings,
     })
+}
+
+/// Bytes of the program before it has read anything: its code, its threads, and their stacks.
+const PROGRAM_BYTES: u64 = 30 << 20;
+/// Bytes for the neighbours of a point, 14 on average, while `least-squares` solves for its gradient.
+const NEIGHBOURS_BYTES: u64 = 64;
+/// Bytes for the gradient at a point, and its length.
+const GRADIENT_BYTES: u64 = 32;
+/// Side of the picture that [`memory_bytes`] assumes (pixels).
+const SIDE: u32 = 1024;
+
+/// Memory of a whole process (bytes) that reads a grid of this size with one scalar, that draws all of its cells by the scalar
+/// alone, and that draws them by the scalar and the gradient magnitude, with light.
+fn memory_bytes(size: &GridSize) -> [u64; 3] {
+    let grid = PROGRAM_BYTES.saturating_add(size.bytes());
+    let drawn = |attributes| drawing_bytes(size.tetrahedra, size.points, attributes, [SIDE; 2]);
+    let reading = PROGRAM_BYTES.saturating_add(size.reading_bytes());
+    let gradient = size.points.saturating_mul(GRADIENT_BYTES);
+    let solving = size.points.saturating_mul(GRADIENT_BYTES + NEIGHBOURS_BYTES);
+    let drawing = reading.max(grid.saturating_add(drawn(1)));
+    // s, g and the three components of ∇s.
+    let lit = gradient.saturating_add(drawn(5)).max(solving);
+    [reading, drawing, drawing.max(grid.saturating_add(lit))]
 }
 
 /// The name of a VTK cell type.
@@ -96,7 +113,7 @@ fn describe_data(path: &Path, summary: &Summary) -> String {
         if summary.piece_count == 1 { "" } else { "s" },
     );
     if summary.has_volume() {
-        let Needs { reading, drawing, lit } = crate::nodes::memory::needs(&summary.size);
+        let [reading, drawing, lit] = memory_bytes(&summary.size);
         text += &format!(
             "  a run takes about {} of memory to read it with one array, {} to draw all of it ({SIDE} × {SIDE} \
              pixels, on the CPU), {} with gradient and light\n",
@@ -197,7 +214,7 @@ fn pipeline(
     [low, high]: [f64; 2],
     [from, to]: [glam::DVec3; 2],
 ) -> String {
-    let keys = choice.keys(&arguments.data, arguments.time_step, arguments.solution.as_deref());
+    let keys = choice.keys(&arguments.data, &arguments.options);
     let centre = 0.5 * from + 0.5 * to;
     let eye = centre + (to - from).length() * glam::DVec3::new(-0.8, -1.4, 0.9);
     let middle = 0.5 * low + 0.5 * high;
@@ -237,27 +254,18 @@ inputs = {{ image = \"picture\" }}
     )
 }
 
-pub fn pipeline_info(arguments: &Info, registry: &Registry) -> Result<u8> {
-    if arguments.time_step.is_some() || arguments.solution.is_some() {
+fn pipeline_info(arguments: &Info, registry: &Registry) -> Outcome {
+    if arguments.options.time_step.is_some() || arguments.options.solution.is_some() {
         let error = Error::usage("--time-step and --solution are for data files, and this is a pipeline");
-        return Err(error.expected("the reader's parameters, or --set").in_file(&arguments.data));
+        return Err(error.expected("the reader's parameters, or --set").in_file(&arguments.data).into());
     }
-    let document = match open(&arguments.data, &arguments.set.options, registry) {
-        Ok(document) => document,
-        Err((error, text)) => return Ok(show(&error, text.as_deref())),
-    };
+    let document = open(&arguments.data, &arguments.set.options, registry)?;
     let graph = graph(&document, registry)?;
-    let bar = Bar::new(false);
-    let outcome = crate::nodes::session().run(&graph, &bar);
-    bar.clear();
-    match outcome {
-        Ok(report) => {
-            present::say(&present::warnings(&report, graph.warnings.len()));
-            print(&present::findings(&report))?;
-            Ok(DONE)
-        }
-        Err(error) => Ok(show(&document.locate(error), Some(&document.text))),
-    }
+    let report = with_bar(false, |bar, _| crate::nodes::session().run(&graph, bar));
+    let report = report.map_err(|error| document.failure(error))?;
+    present::say(&present::warnings(&report, graph.warnings.len()));
+    print(&present::findings(&report))?;
+    Ok(DONE)
 }
 
 /// Graph of the nodes that make findings.
@@ -318,16 +326,16 @@ pub fn is_picture(path: &Path) -> bool {
     read.is_ok() && encode::format_of(&head).is_some()
 }
 
-pub fn picture_info(arguments: &Info) -> Result<u8> {
+fn picture_info(arguments: &Info) -> Outcome {
     let path = &arguments.data;
     let options = [
-        (arguments.time_step.is_some(), "--time-step"),
-        (arguments.solution.is_some(), "--solution"),
+        (arguments.options.time_step.is_some(), "--time-step"),
+        (arguments.options.solution.is_some(), "--solution"),
         (!arguments.set.options.is_empty(), "--set"),
     ];
     if let Some((_, option)) = options.iter().find(|(given, _)| *given) {
         let error = Error::usage("the option is not for pictures").got(option);
-        return Err(error.expected("voltet info PICTURE, or with --json").in_file(path));
+        return Err(error.expected("voltet info PICTURE, or with --json").in_file(path).into());
     }
     let Source { embedded: carried, .. } = Source::read(path).map_err(|error| {
         error.expected(

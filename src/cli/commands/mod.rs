@@ -1,19 +1,17 @@
 //! The commands, one file each: a function that returns the exit code, or an error.
 
-mod array_choice;
-mod check;
+#[cfg(feature = "editor")]
 mod edit;
-mod exit_status;
 mod explain;
 mod gradient_test;
 mod info;
 mod nodes;
 #[cfg(feature = "papers")]
 mod papers;
-mod pipelines;
 mod pixel;
 mod plugins;
 mod run;
+mod shared;
 mod stability;
 mod start;
 mod study;
@@ -26,7 +24,7 @@ use crate::graph::Registry;
 use crate::io::{formats, memory};
 use crate::lanes::LaneSet;
 use crate::nodes::files;
-use exit_status::{WRONG, show};
+use shared::{Outcome, WRONG, show};
 use std::error::Error as _;
 use std::io::ErrorKind;
 use std::path::PathBuf;
@@ -35,14 +33,12 @@ use std::process::ExitCode;
 /// Carries out the command, shows its error if there is one, and gives the exit code. What the environment asks for is looked
 /// at first.
 pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> ExitCode {
-    let outcome = LaneSet::detect().and(registry).and_then(|registry| {
-        let registry = match arguments.command.inputs() {
-            Some(inputs) => plugins::with(registry, inputs.plugins, |known| is_sufficient(&inputs, known))?,
-            None => registry,
-        };
-        run_command(&arguments.command, &registry)
+    let registry = LaneSet::detect().and(registry).and_then(|registry| match arguments.command.inputs() {
+        Some(inputs) => plugins::with(registry, inputs.plugins, |known| is_sufficient(&inputs, known)),
+        None => Ok(registry),
     });
-    ExitCode::from(outcome.unwrap_or_else(|error| show(&error, None)))
+    let outcome = registry.map_err(Into::into).and_then(|known| run_command(&arguments.command, &known));
+    ExitCode::from(outcome.unwrap_or_else(|failure| show(&failure)))
 }
 
 /// True if the registry suffices for the command: then the user's file of plug-ins is not read, and none of their code runs.
@@ -60,7 +56,7 @@ pub fn answer(answer: &clap::Error) -> u8 {
     let wanted = u8::try_from(answer.exit_code()).unwrap_or(WRONG);
     match answer.print() {
         Err(error) if !answer.use_stderr() && error.kind() != ErrorKind::BrokenPipe => {
-            show(&files::unwritable_output(&error), None)
+            show(&files::unwritable_output(&error).into())
         }
         _ => wanted,
     }
@@ -92,19 +88,25 @@ fn begin_threads() -> Result<()> {
 /// Stack of a thread (bytes), as the standard library reserves it.
 const STACK: u64 = 2 << 20;
 
-fn run_command(command: &Command, registry: &Registry) -> Result<u8> {
+fn run_command(command: &Command, registry: &Registry) -> Outcome {
     // These list, or do what a plug-in does.
-    if !matches!(command, Command::Nodes(_) | Command::PluginProcess(_)) {
+    if !matches!(command, Command::Nodes(_) | Command::PluginProcess { .. }) {
         begin_threads()?;
     }
     match command {
         Command::Run(arguments) => run::run(arguments, registry),
-        Command::Check(arguments) => check::check(arguments, registry),
+        Command::Check(arguments) => explain::check(arguments, registry),
         Command::Explain(arguments) => explain::explain(arguments, registry),
         Command::Nodes(arguments) => nodes::nodes(arguments, registry),
         Command::Info(arguments) => info::info(arguments, registry),
         Command::Start(arguments) => start::start(arguments, registry),
+        #[cfg(feature = "editor")]
         Command::Edit(arguments) => edit::edit(arguments, registry),
+        #[cfg(not(feature = "editor"))]
+        Command::Edit(_) => {
+            let error = Error::usage("this program was built without the node editor");
+            Err(error.expected("one built by `cargo build --release --features editor`").into())
+        }
         Command::Pixel(arguments) => pixel::pixel(arguments, registry),
         Command::Stability(arguments) => stability::stability(arguments),
         Command::Study(arguments) => study::study(arguments, registry),
@@ -112,6 +114,6 @@ fn run_command(command: &Command, registry: &Registry) -> Result<u8> {
         #[cfg(feature = "papers")]
         Command::Papers(arguments) => papers::papers(arguments, registry),
         Command::GradientTest(arguments) => gradient_test::gradient_test(arguments, registry),
-        Command::PluginProcess(arguments) => voltet_plugins::run_child(&arguments.path),
+        Command::PluginProcess { path } => voltet_plugins::run_child(path),
     }
 }

@@ -1,12 +1,12 @@
 //! `voltet nodes`: the reference of node types and gradient filters, as text and as Markdown, made from their declarations.
 
-use super::exit_status::DONE;
+use super::shared::{DONE, Outcome};
 use crate::cli::arguments::Nodes;
 use crate::cli::present::print;
 use crate::core::{Error, Result};
 use crate::graph::{DefaultValue, Node, Parameter, ParameterType, Port, Registry, VariantSchema, suggest};
 
-pub fn nodes(arguments: &Nodes, registry: &Registry) -> Result<u8> {
+pub fn nodes(arguments: &Nodes, registry: &Registry) -> Outcome {
     let page = || registry.iter().map(|node| node_markdown(node, registry) + "\n").collect::<String>();
     print(&match (&arguments.name, arguments.markdown) {
         (Some(name), markdown) => one(name, markdown, registry)?,

@@ -1,11 +1,10 @@
 //! `voltet papers`: the tables and figures of the papers, made anew.
 
-use super::array_choice::bar_progress;
-use super::exit_status::DONE;
+use super::shared::{DONE, Outcome, with_bar};
 use super::study::refuse_unwritable;
 use crate::Document;
 use crate::cli::arguments;
-use crate::cli::present::{Bar, print};
+use crate::cli::present::print;
 use crate::core::{Error, Result};
 use crate::graph::{NoObserver, Registry};
 use crate::nodes::files;
@@ -20,9 +19,9 @@ const TIME_LIMIT: Duration = Duration::from_secs(3);
 /// The page, and the folder of its figures.
 const PAGE: &str = "papers.md";
 
-pub fn papers(arguments: &arguments::Papers, registry: &Registry) -> Result<u8> {
+pub fn papers(arguments: &arguments::Papers, registry: &Registry) -> Outcome {
     if arguments.frames == 0 {
-        return Err(Error::usage("--frames is out of range").got(0).expected("1 or more"));
+        return Err(Error::usage("--frames is out of range").got(0).expected("1 or more").into());
     }
     let papers = if arguments.only.is_empty() { Paper::ALL.to_vec() } else { arguments.only.clone() };
     refuse_unwritable(&arguments.output)?;
@@ -35,10 +34,7 @@ pub fn papers(arguments: &arguments::Papers, registry: &Registry) -> Result<u8> 
         cache: arguments.cache.clone().unwrap_or_else(study::cache_folder),
     };
     let open = |file: &str, options: &[String]| open(&arguments.pipelines, file, options, registry);
-    let bar = Bar::new(arguments.quiet);
-    let made = papers::papers(&options, &open, &bar_progress(&bar));
-    bar.clear();
-    let sections = made?;
+    let sections = with_bar(arguments.quiet, |_, progress| papers::papers(&options, &open, progress))?;
     let written = write(&sections, &arguments.output)?;
     print(&format!("{}: {} files\n", arguments.output.display(), written.len()))?;
     Ok(DONE)

@@ -5,7 +5,7 @@ use crate::cli::present::{say, warning};
 use crate::core::field::Plugin;
 use crate::core::{Error, Result};
 use crate::graph::{Node, Registry};
-use crate::nodes::{added, files};
+use crate::nodes::{external_formats, files};
 use std::path::{Path, PathBuf};
 use voltet_plugins::Contents;
 
@@ -85,7 +85,7 @@ fn add(registry: &Registry, path: &Path, apart: bool) -> Result<(Registry, Strin
     for filter in &contents.filters {
         registry.add_filter(filter.clone()).map_err(in_file)?;
     }
-    let readers = contents.readers.iter().map(|reader| added::reader(*reader));
+    let readers = contents.readers.iter().map(|reader| external_formats::reader(*reader));
     let nodes: Vec<&'static Node> = readers.chain(contents.nodes.iter().copied()).collect();
     nodes.iter().try_for_each(|node| registry.add(node)).map_err(in_file)?;
     Ok((registry, describe(&contents, &nodes)))

@@ -1,50 +1,37 @@
 //! `voltet run`: runs pipeline files headless.
 
-use super::exit_status::{DONE, code, show, warn};
-use super::pipelines::open_all;
+use super::shared::{DONE, FAILED, Outcome, open_all, show, tell, warn};
+use crate::Document;
 use crate::cli::arguments::Run;
-use crate::cli::present::{Bar, json, print, say, summary, warnings};
+use crate::cli::present::{Bar, say, summary, warnings};
 use crate::core::error::ErrorKind;
 use crate::core::{Error, Result};
-use crate::document::OptionFile;
+use crate::document::{self, OptionFile};
 use crate::graph::{Observer, Registry, RunReport};
-use crate::io::provenance::whole_report;
+use crate::io::provenance::{run_report, whole_report};
 use crate::nodes::files;
-use crate::{Document, document};
 use std::path::PathBuf;
 use voltet_study::ExhaustiveComparison;
 
-pub fn run(arguments: &Run, registry: &Registry) -> Result<u8> {
+pub fn run(arguments: &Run, registry: &Registry) -> Outcome {
     // Every file is checked before the first one runs.
-    let (documents, wrong) = open_all(&arguments.files, &arguments.set.options, registry);
+    let (documents, wrong) = open_all(&arguments.files.files, &arguments.files.set.options, registry);
     if wrong != DONE {
         return Ok(wrong);
     }
-    let report =
-        arguments.report.iter().map(|path| OptionFile::written("--report", path)).collect::<Vec<_>>();
-    if let Err((error, text)) = document::refuse_conflicts(&documents, true, &report) {
-        return Ok(show(&error, text));
-    }
+    let report: Vec<OptionFile> =
+        arguments.report.iter().map(|path| OptionFile::written("--report", path)).collect();
+    document::refuse_conflicts(&documents, true, &report)?;
     documents.iter().try_for_each(Document::refuse_missing_data)?;
-    if let Some(path) = &arguments.report {
-        files::refuse_unwritable(path)?;
-    }
+    arguments.report.as_deref().map_or(Ok(()), files::refuse_unwritable)?;
     let streams =
         outputs(&documents).chain(arguments.report.clone()).any(|path| files::is_standard_output(&path));
     if streams && arguments.exhaustive {
         let error = Error::usage(
             "--exhaustive writes every picture several times, and the standard output takes one",
         );
-        return Err(error.expected("the path of a file in place of \"-\""));
+        return Err(error.expected("the path of a file in place of \"-\"").into());
     }
-    // What goes to the standard output stands there alone.
-    let tell = |text: &str| match streams {
-        true => {
-            say(text);
-            Ok(())
-        }
-        false => print(text).map(drop),
-    };
     let bar = Bar::new(arguments.quiet);
     let mut session = crate::nodes::session();
     let mut worst = DONE;
@@ -64,9 +51,10 @@ pub fn run(arguments: &Run, registry: &Registry) -> Result<u8> {
                     say(&warnings(&report, document.graph.warnings.len()));
                     let mut text = summary(&report);
                     text.extend(exhaustive.iter().map(ExhaustiveComparison::to_text));
-                    tell(&text)?;
+                    tell(&text, streams)?;
                 }
-                let mut report = json(document, &report);
+                let path = document.path.display().to_string();
+                let mut report = run_report(&path, &report, &document.graph.stated);
                 if let Some(exhaustive) = exhaustive {
                     report["exhaustive"] = exhaustive.as_json();
                     // The key of former versions.
@@ -75,10 +63,10 @@ pub fn run(arguments: &Run, registry: &Registry) -> Result<u8> {
                 reports.push(report);
             }
             Err(error) => {
-                let error = document.locate(error);
-                worst = worst.max(show(&error, Some(&document.text)));
-                if error.kind == ErrorKind::Cancelled {
-                    return Ok(code(&error));
+                let is_stopped = error.kind == ErrorKind::Cancelled;
+                worst = worst.max(show(&document.failure(error)));
+                if is_stopped {
+                    return Ok(FAILED);
                 }
             }
         }

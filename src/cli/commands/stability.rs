@@ -1,19 +1,15 @@
 //! `voltet stability`: the formulas against exact values, hard cells against the referee, and what papers print.
 
-use super::array_choice::bar_progress;
-use super::exit_status::DONE;
+use super::shared::{DONE, FAILED, Outcome, with_bar};
 use crate::cli::arguments::Stability;
-use crate::cli::present::{Bar, name, print};
-use crate::core::{Error, Result};
+use crate::cli::present::{name, print};
+use crate::core::Error;
 use serde_json::{Value, json};
 use std::path::Path;
 use voltet_judge::{Report, SegmentEvaluator, judge_all};
 use voltet_study::stability;
 
-/// A bound is broken.
-const BROKEN: u8 = 1;
-
-pub fn stability(arguments: &Stability) -> Result<u8> {
+pub fn stability(arguments: &Stability) -> Outcome {
     match (&arguments.cases, arguments.scenes) {
         (Some(path), _) => judge(path, arguments),
         (None, Some(count)) => scenes(count, arguments),
@@ -21,17 +17,15 @@ pub fn stability(arguments: &Stability) -> Result<u8> {
     }
 }
 
+/// Exit code, by whether every bound is kept.
 fn verdict(passed: bool) -> u8 {
-    if passed { DONE } else { BROKEN }
+    if passed { DONE } else { FAILED }
 }
 
 /// Everything that the program has to say of itself.
-fn all(arguments: &Stability) -> Result<u8> {
-    let bar = Bar::new(false);
+fn all(arguments: &Stability) -> Outcome {
     let subjects = stability::subjects(arguments.adapter.as_deref())?;
-    let found = stability::stability(&subjects, &bar_progress(&bar));
-    bar.clear();
-    let found = found?;
+    let found = with_bar(false, |_, progress| stability::stability(&subjects, progress))?;
     print(&match arguments.json {
         true => format!("{:#}\n", stability::json(&found)),
         false => stability::text(&found),
@@ -40,13 +34,11 @@ fn all(arguments: &Stability) -> Result<u8> {
 }
 
 /// Scenes drawn by lot.
-fn scenes(count: u64, arguments: &Stability) -> Result<u8> {
-    let bar = Bar::new(false);
+fn scenes(count: u64, arguments: &Stability) -> Outcome {
     let subjects = stability::subjects(arguments.adapter.as_deref())?;
     let numbers = arguments.first..arguments.first.saturating_add(count);
-    let found = stability::random(&subjects, arguments.seed, numbers, &bar_progress(&bar));
-    bar.clear();
-    let found = found?;
+    let seed = arguments.seed;
+    let found = with_bar(false, |_, progress| stability::random(&subjects, seed, numbers, progress))?;
     print(&match arguments.json {
         true => format!("{:#}\n", json!(found)),
         false => stability::random_text(&found),
@@ -55,7 +47,7 @@ fn scenes(count: u64, arguments: &Stability) -> Result<u8> {
 }
 
 /// A file of cases.
-fn judge(path: &Path, arguments: &Stability) -> Result<u8> {
+fn judge(path: &Path, arguments: &Stability) -> Outcome {
     let read = std::fs::read(path).map_err(|error| {
         Error::usage("the case file cannot be read").got(error).expected("a file of cases").in_file(path)
     })?;
@@ -68,7 +60,7 @@ fn judge(path: &Path, arguments: &Stability) -> Result<u8> {
     let reports = judge_all(&text, &forms).map_err(|error| error.in_file(path))?;
     if reports.iter().all(|report| report.cases == 0) {
         let error = Error::usage("the file holds no case").expected("one JSON object a line");
-        return Err(error.in_file(path));
+        return Err(error.in_file(path).into());
     }
     let passed = reports.iter().all(Report::passed);
     if arguments.json {

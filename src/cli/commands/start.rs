@@ -1,9 +1,8 @@
 //! `voltet start`: a pipeline file for a data file, with a transfer function over (s, g) found from the data.
 
-use super::array_choice::{ArrayChoice, bar_progress, differs, request, scalar};
-use super::exit_status::DONE;
-use crate::cli::arguments::Start;
-use crate::cli::present::{Bar, name, say};
+use super::shared::{ArrayChoice, DONE, Outcome, differs, scalar, with_bar};
+use crate::cli::arguments::{DataOptions, Start};
+use crate::cli::present::{name, say};
 use crate::core::field::{LeastSquares, Method, magnitude};
 use crate::core::grid::Grid;
 use crate::core::grid::extent::{bounds, range, scene_length};
@@ -12,7 +11,6 @@ use crate::core::progress::Progress;
 use crate::core::{Error, Result};
 use crate::graph::{ParameterValue, Registry};
 use crate::io::formats::{ArrayHead, ArraySummary, Association, Request, Summary, arrays, inspect, read};
-use crate::nodes::added;
 use crate::nodes::files::{
     folder, is_standard_output, refuse_unwritable, relative_to, standard_output, write_whole,
 };
@@ -32,7 +30,7 @@ const HAZE: f64 = 0.1;
 /// Vertical angle of view, degrees.
 const FOV_Y: f64 = 30.0;
 
-pub fn start(arguments: &Start, registry: &Registry) -> Result<u8> {
+pub fn start(arguments: &Start, registry: &Registry) -> Outcome {
     let output = arguments.output.clone().unwrap_or_else(|| {
         PathBuf::from(arguments.data.file_stem().unwrap_or_default()).with_extension("toml")
     });
@@ -42,13 +40,11 @@ pub fn start(arguments: &Start, registry: &Registry) -> Result<u8> {
         if output.exists() && !arguments.force {
             return Err(Error::usage("the pipeline file is there already")
                 .got(name(&output.to_string_lossy()))
-                .expected("--force to write over it, or another name after -o"));
+                .expected("--force to write over it, or another name after -o")
+                .into());
         }
     }
-    let bar = Bar::new(false);
-    let text = pipeline(arguments, registry, &output, &bar_progress(&bar));
-    bar.clear();
-    let (text, said) = text?;
+    let (text, said) = with_bar(false, |_, progress| pipeline(arguments, registry, &output, progress))?;
     if to_output {
         standard_output(text.as_bytes())?;
         return Ok(DONE);
@@ -66,8 +62,7 @@ pub fn pipeline(
     output: &Path,
     progress: &dyn Progress,
 ) -> Result<(String, String)> {
-    let asked = request(arguments.time_step, arguments.solution.as_ref());
-    let asked = added::request(asked, &arguments.data, registry)?;
+    let asked = arguments.options.request(&arguments.data, registry)?;
     let choice = match &arguments.scalar {
         Some(name) => ArrayChoice::by_name(name, &arrays(&arguments.data, &asked)?),
         None => first_quantity(arguments, &inspect(&arguments.data, &asked, progress)?)?,
@@ -93,9 +88,10 @@ pub fn pipeline(
     let unit = rounded(diagonal / 10.0);
     let text = |text: &str| ParameterValue::Text(text.into()).to_string();
     let own = if is_standard_output(output) { Path::new(".") } else { folder(output) };
-    let solution = arguments.solution.as_ref().map(|solution| relative_to(solution, own));
+    let solution = arguments.options.solution.as_ref().map(|solution| relative_to(solution, own));
     let node_type = asked.node_type();
-    let keys = choice.keys(&relative_to(&arguments.data, own), arguments.time_step, solution.as_deref());
+    let options = DataOptions { solution, ..arguments.options };
+    let keys = choice.keys(&relative_to(&arguments.data, own), &options);
     let steepest = g.iter().copied().filter(|g| g.is_finite()).fold(g_axis.high, f64::max);
     let region = format!(
         "region = {{ s = [{}, {}], g = [{}, {}] }}\n",

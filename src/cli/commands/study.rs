@@ -1,7 +1,6 @@
 //! `voltet study`: error against time of every integrator on one scene.
 
-use super::exit_status::{DONE, show, warn};
-use super::pipelines::open;
+use super::shared::{DONE, FAILED, Outcome, open_file, show};
 use crate::Document;
 use crate::cli::arguments;
 use crate::cli::present::{Bar, Estimate, print};
@@ -15,20 +14,35 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use voltet_study::work_precision::{self as study, Benches, Frames, Study, StudyOptions, Subject};
 
-/// Stopped before the end, or nothing keeps the error allowed.
-const SHORT: u8 = 1;
-
-pub fn study(arguments: &arguments::Study, registry: &Registry) -> Result<u8> {
+pub fn study(arguments: &arguments::Study, registry: &Registry) -> Outcome {
     let wish = wish(arguments, registry)?;
-    let document = match open(&arguments.file, &arguments.set.options, registry) {
-        Ok(document) => document,
-        Err((error, text)) => return Ok(show(&error, text.as_deref())),
-    };
-    if !arguments.quiet {
-        warn(&document);
+    let document = open_file(&arguments.file, registry, arguments.quiet)?;
+    document.refuse_missing_data().map_err(|error| document.failure(error))?;
+    if arguments.apply && document.carried.is_some() {
+        let error = Error::usage("--apply writes into a pipeline file, and this is a picture");
+        return Err(error
+            .expected("a pipeline file (.toml); `voltet info` of the picture prints it")
+            .in_file(&document.path)
+            .into());
     }
-    let outcome = measure(arguments, wish, &document, registry);
-    outcome.or_else(|error| Ok(show(&document.locate(error), Some(&document.text))))
+    let folder = arguments.output.clone().unwrap_or_else(|| beside(&document.path));
+    let outputs: Vec<OptionFile> =
+        study::written(&folder).iter().map(|path| OptionFile::written("--output", path)).collect();
+    document::refuse_conflicts([&document], false, &outputs)?;
+    refuse_unwritable(&folder)?;
+    if arguments.apply {
+        files::refuse_unwritable(&document.path)?;
+    }
+    let watch = ProgressPrinter { bar: Bar::new(arguments.quiet), estimate: Mutex::new(Estimate::begin()) };
+    let cache = arguments.cache.clone().unwrap_or_else(study::cache_folder);
+    let node = arguments.node.as_deref();
+    let made = make(&document, node, wish, [&folder, &cache], (&watch.bar, &watch), &|| watch.begin());
+    watch.bar.clear();
+    let (study, written) = made.map_err(|error| document.failure(error))?;
+    if !arguments.quiet {
+        print(&summary(&study, &written, &folder))?;
+    }
+    conclude(arguments, &document, registry, &study).map_err(|error| document.failure(error))
 }
 
 /// Option of a name, as it is given on the command line.
@@ -54,41 +68,6 @@ pub(super) fn wish(arguments: &arguments::Study, registry: &Registry) -> Result<
     let integrators: Vec<&str> = study::studied(registry).iter().map(Integrator::name).collect();
     wish.check(&integrators, option)?;
     Ok(wish)
-}
-
-fn measure(
-    arguments: &arguments::Study,
-    wish: StudyOptions,
-    document: &Document,
-    registry: &Registry,
-) -> Result<u8> {
-    document.refuse_missing_data()?;
-    if arguments.apply && document.carried.is_some() {
-        let error = Error::usage("--apply writes into a pipeline file, and this is a picture");
-        return Err(error
-            .expected("a pipeline file (.toml); `voltet info` of the picture prints it")
-            .in_file(&document.path));
-    }
-    let folder = arguments.output.clone().unwrap_or_else(|| beside(&arguments.file));
-    let outputs: Vec<OptionFile> =
-        study::written(&folder).iter().map(|path| OptionFile::written("--output", path)).collect();
-    if let Err((error, text)) = document::refuse_conflicts([document], false, &outputs) {
-        return Ok(show(&error, text));
-    }
-    refuse_unwritable(&folder)?;
-    if arguments.apply {
-        files::refuse_unwritable(&document.path)?;
-    }
-    let watch = ProgressPrinter { bar: Bar::new(arguments.quiet), estimate: Mutex::new(Estimate::begin()) };
-    let cache = arguments.cache.clone().unwrap_or_else(study::cache_folder);
-    let node = arguments.node.as_deref();
-    let made = make(document, node, wish, [&folder, &cache], (&watch.bar, &watch), &|| watch.begin());
-    watch.bar.clear();
-    let (study, written) = made?;
-    if !arguments.quiet {
-        print(&summary(&study, &written, &folder))?;
-    }
-    conclude(arguments, document, registry, &study)
 }
 
 /// Measures and writes: the study and its files, none where nothing was measured. `folders`: that of the study, and the one that
@@ -162,14 +141,14 @@ fn conclude(
         if study.wish.refine > 0 {
             done += ", the grid was not refined";
         }
-        show(&error.got(done), None);
-        return Ok(SHORT);
+        show(&error.got(done).into());
+        return Ok(FAILED);
     }
     let Some(bound) = study.wish.max_error else { return Ok(DONE) };
     let Some(row) = study.recommended.map(|i| &study.rows[i]) else {
         let least = study.rows.iter().map(|row| row.error(study.wish.measure)).fold(f64::INFINITY, f64::min);
         let error = Error::run("no setting keeps the error allowed").got(format!("{least:.1e} at best"));
-        return Ok(show(&error.expected(format!("at most {bound}")), None));
+        return Ok(show(&error.expected(format!("at most {bound}")).into()));
     };
     if arguments.apply {
         let text = study::apply(&document.text, study, &row.setting)?;

@@ -1,22 +1,20 @@
 //! `voltet time`: what a frame costs on each engine, with a camera that turns.
 
-use super::array_choice::bar_progress;
-use super::exit_status::{DONE, show, warn};
-use super::pipelines::open_all;
+use super::shared::{DONE, Outcome, open_all, show, warn};
 use super::study::option;
 use crate::Document;
 use crate::cli::arguments;
 use crate::cli::present::{Bar, print};
 use crate::core::progress::CancelOnly;
 use crate::core::{Error, Result};
-use crate::graph::{Observer, Registry};
+use crate::graph::{NodeProgress, Observer, Registry};
 use voltet_study::work_precision::{
     self as study, Benches, Cost, Frames, RenderConfig, RendererVariant, StudyOptions, Subject, Times,
 };
 
-pub fn time(arguments: &arguments::Time, registry: &Registry) -> Result<u8> {
+pub fn time(arguments: &arguments::Time, registry: &Registry) -> Outcome {
     let wish = wish(arguments)?;
-    let (documents, wrong) = open_all(&arguments.files, &arguments.set.options, registry);
+    let (documents, wrong) = open_all(&arguments.files.files, &arguments.files.set.options, registry);
     if wrong != DONE {
         return Ok(wrong);
     }
@@ -27,7 +25,7 @@ pub fn time(arguments: &arguments::Time, registry: &Registry) -> Result<u8> {
         let done = measure(arguments, &wish, document, &bar);
         bar.clear();
         if let Err(error) = done {
-            worst = worst.max(show(&document.locate(error), Some(&document.text)));
+            worst = worst.max(show(&document.failure(error)));
         }
     }
     Ok(worst)
@@ -107,7 +105,7 @@ fn rows(
         subject.scene.camera.size = size;
         for setting in settings(arguments, &subject, benches) {
             // Progress is not shown, since that takes time.
-            let watch = CancelOnly(&bar_progress(bar));
+            let watch = CancelOnly(&NodeProgress { observer: bar, node: "" });
             let line = match benches.measure(&subject, &setting, &wish.frames, &watch) {
                 Ok((_, cost)) => row(&subject, &setting, &cost),
                 Err(error) if bar.cancelled() => return Err(error),

@@ -5,14 +5,11 @@ mod progress;
 
 pub use progress::{Bar, Estimate};
 
-use crate::Document;
 use crate::core::{Error, Result};
 use crate::graph::{DataFinding, RunReport};
-use crate::io::provenance::run_report;
 use crate::nodes::files;
 use annotate_snippets::renderer::DecorStyle;
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
-use serde_json::Value;
 use std::io::{IsTerminal, Write};
 
 /// The error as shown. `text`: the pipeline file that its span points into.
@@ -66,11 +63,6 @@ fn title(error: &Error, is_pointed: bool) -> String {
         title += &format!(" ({})", name(&places.join(", ")));
     }
     title
-}
-
-/// JSON record of one run of a pipeline.
-pub fn json(document: &Document, report: &RunReport) -> Value {
-    run_report(&document.path.display().to_string(), report, &document.graph.stated)
 }
 
 /// Warnings, a line each, but for the first `shown` of them: those of the graph are shown with their location before the run.

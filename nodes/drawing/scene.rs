@@ -1,16 +1,20 @@
-//! Shading and order: their parameters, declared once for the nodes that draw, and the demand of a scene on its data.
+//! Scenes: shading and order with their parameters, declared once for the nodes that draw; the demand of a scene on its data; values
+//! that pass from stage to stage.
 
+use super::diagnostics::note_bands;
+use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
-use voltet_cpu::needs_gradient;
+use voltet_core::volume::Volume;
+use voltet_cpu::{Cells, Projection, needs_gradient};
 use voltet_graph::{
-    DefaultValue, Demand, DemandContext, Diagnostics, Parameter, ParameterType, Parameters, Range, SavedWork,
-    TransferFunctionSpec,
+    DefaultValue, Demand, DemandContext, Parameter, ParameterType, Parameters, Range, Revision, RunContext,
+    TransferFunctionSpec, diagonal,
 };
 use voltet_optics::WidgetBlend;
 use voltet_optics::engine::EngineInfo;
 use voltet_optics::integrators::{INTEGRATOR, Integrator, kinds, stated};
-use voltet_optics::scene::needs_order;
+use voltet_optics::scene::{Scene, needs_order};
 use voltet_optics::shading::{Light, Shading, VisibilityOrder};
 
 /// The parameters of shading, for the declarations of `composite` and `renderer`; those of the integrators stand beside them.
@@ -103,12 +107,6 @@ pub fn order(p: &Parameters) -> Result<VisibilityOrder> {
     p.text("order")?.parse()
 }
 
-/// Records that no order is needed; `segment_count`: of the segments that are not sorted, where it is known.
-pub fn record_unsorted(notes: &mut Diagnostics, segment_count: Option<u64>) {
-    let why = "one colour and no light: the picture does not depend on the order";
-    notes.record_skipped("visibility order", why, segment_count.map(SavedWork::Segments));
-}
-
 /// Asks at `port` for what drawing the transfer function at `look_port` with the node's parameters needs; gives what
 /// was asked for.
 pub fn ask(asking: &mut DemandContext, port: &str, look_port: &str) -> Result<Demand> {
@@ -152,20 +150,76 @@ pub fn check_engine(
 
 fn demand(look: Option<&TransferFunctionSpec>, shading: &Shading) -> Demand {
     let gradient = needs_gradient(shading);
-    let known = match look {
-        None => Demand::unknown(),
-        Some(look) => {
-            let transfer_function = &look.transfer_function;
-            Demand {
-                arrays: transfer_function.fields().iter().map(|name| name.to_string()).collect(),
-                gradient_magnitude: transfer_function.uses_gradient_magnitude(),
-                gradient: false,
-                order: needs_order(transfer_function, shading),
-                ..Demand::default()
-            }
+    let Some(look) = look else { return Demand { gradient, ..Demand::unknown() } };
+    let transfer_function = &look.transfer_function;
+    Demand {
+        arrays: transfer_function.fields().iter().map(|name| name.to_string()).collect(),
+        gradient_magnitude: transfer_function.uses_gradient_magnitude(),
+        gradient,
+        order: needs_order(transfer_function, shading),
+        ..Demand::default()
+    }
+}
+
+/// The scene at the inputs `volume`, `transfer_function` and `camera`.
+pub fn scene(call: &mut RunContext) -> Result<Scene> {
+    let volume = call.volume("volume")?;
+    let look = call.look("transfer_function")?;
+    let camera = *call.camera("camera")?;
+    let shading = shading(call.parameters)?;
+    let transfer_function = for_data(call, &look, &volume, call.revision("volume")?)?;
+    note_bands(call, &volume, &transfer_function)?;
+    let order = order(call.parameters)?;
+    Ok(Scene { volume, transfer_function, camera, shading, order })
+}
+
+/// Cells that were culled, and for which transfer function: no other one may be drawn from them.
+#[derive(Debug)]
+pub struct Culled {
+    /// The cells that are left.
+    pub cells: Cells,
+    /// The transfer function.
+    pub transfer_function: Arc<TransferFunction>,
+}
+
+/// Projected cells, and for which transfer function.
+#[derive(Debug)]
+pub struct Projected {
+    /// The cells.
+    pub projection: Projection,
+    /// The transfer function.
+    pub transfer_function: Arc<TransferFunction>,
+}
+
+impl Projected {
+    /// The scene with this shading.
+    pub fn scene(&self, shading: Shading) -> Scene {
+        let cells = self.projection.cells();
+        Scene {
+            volume: cells.volume.clone(),
+            transfer_function: self.transfer_function.clone(),
+            camera: *self.projection.camera(),
+            shading,
+            order: cells.ordering.requested(),
         }
+    }
+}
+
+/// The diagonal of the data with one revision, kept between runs.
+struct Diagonal(f64);
+
+/// The transfer function for the data: its unit distance is known from here on. `revision`: that of the data.
+pub fn for_data(
+    call: &RunContext,
+    look: &TransferFunctionSpec,
+    volume: &Volume,
+    revision: Revision,
+) -> Result<Arc<TransferFunction>> {
+    let diagonal = match look.auto_unit_distance {
+        true => call.keep(revision, || Ok(Diagonal(diagonal(&volume.grid.points))))?.0,
+        false => 0.0,
     };
-    Demand { gradient, ..known }
+    Ok(Arc::new(look.for_diagonal(diagonal)))
 }
 
 #[cfg(test)]

@@ -1,0 +1,214 @@
+//! Code that commands share: documents, errors and exit codes, progress, files that options name, and the choice of an array.
+
+use crate::cli::arguments::{DataOptions, File};
+use crate::cli::present::{self, Bar, print, say};
+use crate::core::error::ErrorKind;
+use crate::core::picture::Picture;
+use crate::core::progress::Progress;
+use crate::core::{Error, Result};
+use crate::document::{self, LocatedError, OptionFile};
+use crate::graph::{NodeProgress, ParameterValue, Registry};
+use crate::io::encode;
+use crate::io::formats::{ArrayHead, ArraySummary, Association};
+use crate::nodes::files;
+use crate::{Document, Source};
+use std::path::{Path, PathBuf};
+
+/// Exit code of a command, or its error.
+pub(super) type Outcome = std::result::Result<u8, LocatedError>;
+
+/// Exit code of success.
+pub(super) const DONE: u8 = 0;
+
+/// Exit code of a run that failed or was cancelled, and of a bound that is broken.
+pub(super) const FAILED: u8 = 1;
+
+/// Exit code of a wrong command line or pipeline file.
+pub(super) const WRONG: u8 = 2;
+
+/// Shows an error, once, and returns its exit code.
+pub(super) fn show(failure: &LocatedError) -> u8 {
+    say(&present::error(&failure.error, failure.text.as_deref()));
+    match failure.error.kind {
+        ErrorKind::Usage => WRONG,
+        _ => FAILED,
+    }
+}
+
+/// Shows the graph's warnings, and those about data and plug-ins that have changed since the picture was drawn.
+pub(super) fn warn(document: &Document) {
+    let changed = document.changed_data().into_iter().chain(document.changed_plugins());
+    for warning in document.graph.warnings.iter().cloned().chain(changed) {
+        let located = document.locate(warning);
+        say(&present::warning(&located, Some(&document.text)));
+    }
+}
+
+/// Opens every file, showing each error; with the exit code, which is not [`DONE`] where any is wrong.
+pub(super) fn open_all(files: &[PathBuf], options: &[String], registry: &Registry) -> (Vec<Document>, u8) {
+    let mut documents = Vec::new();
+    let mut worst = DONE;
+    for path in files {
+        match open(path, options, registry) {
+            Ok(document) => documents.push(document),
+            Err(failure) => worst = worst.max(show(&failure)),
+        }
+    }
+    (documents, worst)
+}
+
+/// Opens one file.
+pub(super) fn open(
+    path: &Path,
+    options: &[String],
+    registry: &Registry,
+) -> std::result::Result<Document, LocatedError> {
+    let source = Source::read(path)?;
+    let text = source.text.clone();
+    let opened = Document::from_source(path, source, options, registry);
+    opened.map_err(|error| LocatedError { error, text: Some(text) })
+}
+
+/// Opens the file of a command, and shows its warnings unless `quiet`.
+pub(super) fn open_file(
+    file: &File,
+    registry: &Registry,
+    quiet: bool,
+) -> std::result::Result<Document, LocatedError> {
+    let document = open(&file.file, &file.set.options, registry)?;
+    if !quiet {
+        warn(&document);
+    }
+    Ok(document)
+}
+
+/// Carries out work with a progress bar, which is gone when it ends.
+pub(super) fn with_bar<T>(quiet: bool, work: impl FnOnce(&Bar, &dyn Progress) -> T) -> T {
+    let bar = Bar::new(quiet);
+    let done = work(&bar, &NodeProgress { observer: &bar, node: "" });
+    bar.clear();
+    done
+}
+
+/// Shows text on the standard output; beside it where content of a file goes there, which stands there alone.
+pub(super) fn tell(text: &str, is_taken: bool) -> Result<()> {
+    match is_taken {
+        true => say(text),
+        false => drop(print(text)?),
+    }
+    Ok(())
+}
+
+/// Files that options of a command name to be written.
+pub(super) struct Outputs<'a>(Vec<(&'static str, &'a Path)>);
+
+impl<'a> Outputs<'a> {
+    /// Checks the files of these options, before any work; the option `--plot` among them. `document`: the pipeline that is read.
+    ///
+    /// # Errors
+    /// - a file that is an input or another output, that cannot be written, or a plot of no known format;
+    /// - data of the pipeline that are missing.
+    pub fn check(
+        options: [(&'static str, &'a Option<PathBuf>); 3],
+        document: Option<&Document>,
+    ) -> std::result::Result<Self, LocatedError> {
+        let named = options.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?)));
+        let outputs = Outputs(named.collect());
+        let written: Vec<OptionFile> =
+            outputs.0.iter().map(|(option, path)| OptionFile::written(option, path)).collect();
+        document::refuse_conflicts(document, false, &written)?;
+        document.map_or(Ok(()), Document::refuse_missing_data)?;
+        for (option, path) in &outputs.0 {
+            if *option == "--plot" {
+                is_png(path)?;
+            }
+        }
+        outputs.0.iter().try_for_each(|(_, path)| files::refuse_unwritable(path))?;
+        Ok(outputs)
+    }
+
+    /// Writes the files, and shows a text for people.
+    pub fn write(&self, content: impl Fn(&str, &Path) -> Result<Vec<u8>>, text: &str) -> Result<()> {
+        for (option, path) in &self.0 {
+            files::write_whole(path, &content(option, path)?)?;
+        }
+        tell(text, self.0.iter().any(|(_, path)| files::is_standard_output(path)))
+    }
+}
+
+/// A plot in the format that its path ends in.
+pub(super) fn plot_file(
+    path: &Path,
+    picture: impl FnOnce() -> Picture,
+    svg: impl FnOnce() -> String,
+) -> Result<Vec<u8>> {
+    match is_png(path)? {
+        true => encode::png(&picture(), [1.0; 3], None),
+        false => Ok(svg().into_bytes()),
+    }
+}
+
+/// True if a plot is written as PNG, false for SVG.
+fn is_png(path: &Path) -> Result<bool> {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    match ending.as_deref() {
+        Some("png") => Ok(true),
+        Some("svg") => Ok(false),
+        None if files::is_stream(&path.to_string_lossy()) => Ok(false),
+        _ => Err(Error::usage("the format of the plot is not known")
+            .got(format!("--plot {}", path.display()))
+            .expected("a path that ends in .svg or .png")),
+    }
+}
+
+/// An array, as parameters of a reader name it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ArrayChoice {
+    /// `scalar`: of several components the length.
+    pub scalar: String,
+    /// `association`: said only where an array of the other one has the name too.
+    pub association: Association,
+}
+
+impl ArrayChoice {
+    /// The choice of one of a file's arrays.
+    pub fn from_head(array: &ArrayHead, all: &[ArrayHead]) -> ArrayChoice {
+        let shadowed = |other: &ArrayHead| other.name == array.name && other.association != array.association;
+        let is_shadowed = array.association == Association::Cell && all.iter().any(shadowed);
+        ArrayChoice {
+            scalar: scalar(array),
+            association: if is_shadowed { Association::Cell } else { Association::Auto },
+        }
+    }
+
+    /// The choice of an array by the name in an option; an array of several components is chosen by its length.
+    pub fn by_name(name: &str, all: &[ArrayHead]) -> ArrayChoice {
+        let bare = all.iter().find(|array| array.name == name && array.component_count > 1);
+        let as_it_is = || ArrayChoice { scalar: name.into(), association: Association::Auto };
+        bare.map_or_else(as_it_is, |array| ArrayChoice::from_head(array, all))
+    }
+
+    /// Keys of a `reader` node that reads it from the file `data`.
+    pub fn keys(&self, data: &Path, options: &DataOptions) -> String {
+        let text = |text: &str| ParameterValue::Text(text.into());
+        let mut keys = format!("path = {}\nscalar = {}\n", text(&data.to_string_lossy()), text(&self.scalar));
+        if self.association == Association::Cell {
+            keys += "association = \"cell\"\n";
+        }
+        keys.extend(options.time_step.map(|step| format!("time_step = {step}\n")));
+        let solution = options.solution.as_ref();
+        keys.extend(solution.map(|path| format!("solution = {}\n", text(&path.to_string_lossy()))));
+        keys
+    }
+}
+
+/// Name of the array as a parameter of a reader.
+pub(super) fn scalar(array: &ArrayHead) -> String {
+    let magnitude = if array.component_count > 1 { ":magnitude" } else { "" };
+    format!("{}{magnitude}", array.name)
+}
+
+/// True if its values differ.
+pub(super) fn differs(array: &ArraySummary) -> bool {
+    array.range.is_some_and(|[low, high]| low < high)
+}
