@@ -5,13 +5,10 @@
 //! node editor's own: it is handed on by [`Pipeline::survey`] and looked at by nothing that runs.
 
 mod document;
-mod option;
 mod parse;
-mod write;
 
 pub use document::{FORMAT, Pipeline};
-pub use option::field;
-pub use parse::{EDITOR, ParsedPipeline, parameters, value};
+pub use parse::{EDITOR, ParsedPipeline, field, parameters, value};
 
 use voltet_core::Error;
 
