@@ -186,7 +186,7 @@ impl Pipeline {
 
     /// Takes the last change back; false where there is none.
     fn undo(&self, py: Python<'_>) -> PyResult<bool> {
-        self.with(py, |state| state.pipeline.source.document.undo())
+        self.with(py, |state| Ok(state.pipeline.source.document.undo()))
     }
 
     /// Saves the text: see [`State::save`].

@@ -106,7 +106,7 @@ impl State {
         match self.faults(nodes).into_iter().find(is_new) {
             None => Ok(()),
             Some(fault) => {
-                self.pipeline.source.document.undo()?;
+                self.pipeline.source.document.undo();
                 Err(fault.error)
             }
         }
