@@ -80,7 +80,7 @@ pub use voltet_simd as lanes;
 pub mod prelude {
     pub use crate::{
         Band, Camera, Colormap, Engine, Gaussian, Grid, Image, Light, Piecewise, Pipeline, RenderOptions,
-        Renderer, Result, Scene, Shading, TransferFunction, Uniform, Volume,
+        Renderer, Result, Scene, Shading, TableImage, TransferFunction, Uniform, Volume,
     };
     pub use voltet_core::transfer::Region;
 }

@@ -18,4 +18,6 @@ pub use image::Image;
 pub use pipeline::{Pipeline, PipelineSource, PipelineText, RenderPlan, RunRecord};
 pub use renderer::{Engine, RenderOptions, RenderOutput, Renderer, RendererOptions, render_to_depth};
 pub use scene::{Integrator, Light, Scene, Shading, Volume};
-pub use transfer::{Band, Colormap, Gaussian, Piecewise, TransferFunction, Uniform, UnitDistance};
+pub use transfer::{
+    Band, Colormap, Gaussian, Piecewise, TableImage, TransferFunction, Uniform, UnitDistance,
+};

@@ -1,11 +1,15 @@
 //! Transfer functions: widgets over the scalar s and the gradient magnitude g, each by a builder of its own.
 
+use std::path::Path;
+use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::transfer::{
-    ControlPoint, OpticalModel, Profile, Region, TransferFunction as ScaledTransferFunction, Wave, Widget,
+    ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction as ScaledTransferFunction, Wave,
+    Widget,
 };
 use voltet_graph::diagonal;
 use voltet_io::encode::viridis;
+use voltet_nodes::table_image;
 
 /// Length over which extinction is stated.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -265,6 +269,39 @@ impl From<Piecewise> for Widget {
     }
 }
 
+/// An image over a rectangle of the (s, g) plane: its colour, and its alpha as the share of the extinction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TableImage(Widget);
+
+impl TableImage {
+    /// Texels by row, straight linear RGB and alpha (0 or more), the first row at the largest g; over these ranges of s and g.
+    pub fn new(width: usize, texels: Vec<[f32; 4]>, s: [f64; 2], g: [f64; 2]) -> Self {
+        let height = texels.len() / width.max(1);
+        TableImage(widget(Profile::Table(Arc::new(Table { width, height, texels, s, g }))))
+    }
+
+    /// An image file (PNG, JPEG, …), over these ranges of s and g.
+    ///
+    /// # Errors
+    /// - the file cannot be read, or holds no image.
+    pub fn read(path: impl AsRef<Path>, s: [f64; 2], g: [f64; 2]) -> Result<Self> {
+        let (width, _, texels) = table_image(path.as_ref())?;
+        Ok(Self::new(width, texels, s, g))
+    }
+
+    /// Extinction per unit distance where alpha is 1, 0 or more. Default: 1.
+    pub fn extinction(mut self, extinction: f64) -> Self {
+        self.0.extinction = extinction;
+        self
+    }
+}
+
+impl From<TableImage> for Widget {
+    fn from(image: TableImage) -> Widget {
+        image.0
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -288,5 +325,10 @@ mod tests {
         }
         TransferFunction::new().with(Piecewise::new()).scaled(&[DVec3::ZERO, DVec3::ONE]).unwrap_err();
         TransferFunction::new().with(Uniform::range(0.0, 1.0)).scaled(&[DVec3::ZERO, DVec3::ONE]).unwrap();
+        for (count, is_right) in [(4, true), (3, false)] {
+            let image = TableImage::new(2, vec![[1.0; 4]; count], [0.0, 1.0], [0.0, 2.0]).extinction(3.0);
+            let scaled = TransferFunction::new().with(image).scaled(&[DVec3::ZERO, DVec3::ONE]);
+            assert_eq!(scaled.is_ok(), is_right);
+        }
     }
 }
