@@ -4,8 +4,8 @@ use crate::declaration::{line, required};
 use crate::ffi::{
     CheckResult, Overrun, Sentinel, ValidationError, guarded_vec, remove_guard, several, sized, values,
 };
+use crate::host::CallLabel;
 use crate::interface::{GridBuffers, GridHead, SAME_CELLS, SAME_POINTS, TETRAHEDRA};
-use crate::status::CallLabel;
 use crate::wire::wire;
 use rayon::prelude::*;
 use std::mem::size_of;

@@ -1,16 +1,15 @@
 //! A shared library in this process: checks of its file, loading, its entry and items, and the runner of its functions.
 
+use crate::call::{Outcome, Task};
 use crate::declaration::{Declaration, LibraryItem};
 use crate::ffi::{CheckResult, ValidationError, sized};
-use crate::host::State;
+use crate::guard::CallFailure;
+use crate::host::{CallLabel, CallStatus, State};
 use crate::interface::{
     Deinit, ENTRY, Entry, Factory, GRADIENT_FILTERS, GRID_FILTERS, GetFactory, IMAGE_FILTERS, MAJOR, READERS,
 };
-use crate::runner::Runner;
-use crate::status::{CallLabel, CallStatus};
-use crate::task::{CheckTask, Outcome, Task};
-use crate::watchdog::CallFailure;
-use crate::{crash, declaration, watchdog};
+use crate::item::Runner;
+use crate::{declaration, guard};
 use std::ffi::{CStr, CString, c_void};
 use std::mem::ManuallyDrop;
 use std::path::Path;
@@ -60,7 +59,7 @@ impl Drop for Library {
     fn drop(&mut self) {
         if let Some(deinit) = self.deinit {
             // SAFETY: init was carried out, and no function of the plug-in runs: each holds this library.
-            crash::attribute(&self.plugin, "while it ended (deinit)", || unsafe { deinit() });
+            guard::attribute(&self.plugin, "while it ended (deinit)", || unsafe { deinit() });
         }
     }
 }
@@ -76,8 +75,8 @@ pub(crate) fn load(path: &Path) -> Result<(Library, Vec<LibraryItem>)> {
     let start = Instant::now();
     // Compilers can make a library change how its thread rounds; so that thread is none of ours.
     let nameless = Plugin { name: file_name(path), ..plugin };
-    let open = move || crash::attribute(&nameless, "while it was loaded", || open(&whole, &nameless));
-    let loaded = watchdog::run(open, || start.elapsed() < START_TIME_LIMIT);
+    let open = move || guard::attribute(&nameless, "while it was loaded", || open(&whole, &nameless));
+    let loaded = guard::run(open, || start.elapsed() < START_TIME_LIMIT);
     match loaded {
         Ok(outcome) => outcome.map_err(failed),
         Err(CallFailure::GivenUp) => {
@@ -330,8 +329,8 @@ impl Native {
             std::thread::sleep(Duration::from_millis(5));
         }
         let (busy, when) = (BusyGuard(self.library.clone()), format!("in the {}", label.item()));
-        let work = move || crash::attribute(&busy.0.plugin, &when, work);
-        watchdog::run(work, may_go_on)
+        let work = move || guard::attribute(&busy.0.plugin, &when, work);
+        guard::run(work, may_go_on)
     }
 }
 
@@ -343,14 +342,13 @@ impl Runner for Native {
     fn run(
         &self,
         declaration: &Declaration,
-        task: Box<dyn Task>,
+        task: Task,
         progress: &dyn Progress,
     ) -> Result<(CallStatus, Outcome)> {
         let label = CallLabel::new(declaration, &self.library.plugin);
         let item = self.items.iter().find(|item| item.declaration.schema.name == declaration.schema.name);
         let Some(item) = item.cloned() else { return Err(label.error("is not there any more")) };
-        let (is_check, stage, start) =
-            (task.kind().tag == CheckTask::KIND.tag, task.kind().stage, Instant::now());
+        let (is_check, stage, start) = (matches!(task, Task::Check(_)), task.stage(), Instant::now());
         let state = Arc::new(State::default());
         let mut cancelled: Option<Instant> = None;
         let may_go_on = || {

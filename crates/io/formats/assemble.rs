@@ -273,7 +273,7 @@ fn corners(cells: &Cells, number: usize) -> Box<dyn Iterator<Item = u32> + '_> {
             Box::new(set.connectivity.get(range).unwrap_or(&[]).iter().copied())
         }
         &Cells::Structured(dimensions) => {
-            Box::new(structured_corners(dimensions, number).into_iter().map(|corner| corner as u32))
+            Box::new(cells::structured_corners(dimensions, number).into_iter().map(|corner| corner as u32))
         }
     }
 }
@@ -386,7 +386,7 @@ pub(super) fn merge(mut pieces: Vec<Loaded>, from: &[&Piece]) -> Result<Loaded> 
                 tetrahedra
                     .par_extend(own.into_par_iter().map(|corners: [u32; 4]| corners.map(|c| c + shift)));
             }
-            cells => append(&mut set, into_set(cells), shift),
+            cells => append(&mut set, cells::into_set(cells, code::VOXEL), shift),
         }
         points.append(&mut piece.points);
         if let Some(ghost) = &mut ghost {
@@ -433,38 +433,4 @@ fn append(to: &mut CellSet, own: CellSet, shift: u32) {
         polyhedron.faces.iter_mut().flatten().for_each(|corner| *corner += shift);
         to.polyhedra.push(polyhedron);
     }
-}
-
-/// Any cells as a set.
-fn into_set(cells: Cells) -> CellSet {
-    match cells {
-        Cells::Mixed(set) => set,
-        Cells::Tetrahedra(tetrahedra) => CellSet {
-            types: vec![code::TETRA; tetrahedra.len()],
-            offsets: (0..=tetrahedra.len() as u64).map(|number| 4 * number).collect(),
-            connectivity: tetrahedra.into_flattened(),
-            polyhedra: Vec::new(),
-        },
-        Cells::Structured(dimensions) => {
-            let count = Cells::Structured(dimensions).count();
-            CellSet {
-                types: vec![code::VOXEL; count],
-                offsets: (0..=count as u64).map(|number| 8 * number).collect(),
-                connectivity: (0..count)
-                    .flat_map(|number| structured_corners(dimensions, number))
-                    .map(|corner| corner as u32)
-                    .collect(),
-                polyhedra: Vec::new(),
-            }
-        }
-    }
-}
-
-/// The points of a cell of a structured grid, in a voxel's order.
-pub(super) fn structured_corners([nx, ny, _]: [usize; 3], number: usize) -> [usize; 8] {
-    let (i, rest) = (number % (nx - 1), number / (nx - 1));
-    let (j, k) = (rest % (ny - 1), rest / (ny - 1));
-    std::array::from_fn(|corner| {
-        (i + (corner & 1)) + nx * ((j + (corner >> 1 & 1)) + ny * (k + (corner >> 2)))
-    })
 }

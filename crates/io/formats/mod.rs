@@ -53,6 +53,7 @@ mod xml;
 
 pub use assemble::{SkippedArray, length};
 pub use cells::face_stream;
+pub(crate) use cells::into_set;
 pub use inspect::{ArrayHead, ArraySummary, Summary, arrays, inspect};
 pub use open::{FILES, ships};
 pub use request::{Association, Request, SelectedArrays, TimeStep};
