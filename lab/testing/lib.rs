@@ -22,6 +22,12 @@ pub fn skipped_without_device(why: impl std::fmt::Display) {
     eprintln!("\n*** SKIPPED: {why}; scripts/install-software-vulkan.sh ***\n");
 }
 
+/// True if every case of a long series is tested, as in CI: the environment variable `VOLTET_TEST_SERIES` is `all`. Otherwise one in a
+/// few is, so that `cargo test` stays short.
+pub fn whole_series() -> bool {
+    std::env::var("VOLTET_TEST_SERIES").is_ok_and(|value| value == "all")
+}
+
 pub mod compilers;
 #[cfg(feature = "files")]
 pub mod files;

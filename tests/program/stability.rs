@@ -107,11 +107,14 @@ fn without_a_file_the_program_judges_itself() {
             assert!(row["ours_32"].as_f64().unwrap() < 2e-5, "{entry:#}");
         }
     }
-    let text = folder.voltet(&["stability"]).ok().stdout;
-    for wanted in ["| many bands |", "### Kniss et al. 2003, Eq. 16", "| degenerate cells |"] {
-        assert!(text.contains(wanted), "'{wanted}' is not in\n{text}");
+    // The same work once more.
+    if voltet_testing::whole_series() {
+        let text = folder.voltet(&["stability"]).ok().stdout;
+        for wanted in ["| many bands |", "### Kniss et al. 2003, Eq. 16", "| degenerate cells |"] {
+            assert!(text.contains(wanted), "'{wanted}' is not in\n{text}");
+        }
+        assert!(text.ends_with("\nevery bound kept\n"), "{text}");
     }
-    assert!(text.ends_with("\nevery bound kept\n"), "{text}");
 }
 
 /// Changes a digit of the case's T, the `behind`th after the first that counts; gives the case's name.

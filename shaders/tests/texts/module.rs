@@ -6,18 +6,24 @@ use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use voltet_optics::WidgetBlend;
 use voltet_optics::shading::{Integrator, Shading};
 use voltet_shaders::Shader;
+use voltet_testing::whole_series;
 
 /// Closed forms, without light.
 pub const SHADING: Shading =
     Shading { integrator: Integrator::ANALYTIC, overlap: WidgetBlend::Exact, silhouette: None, light: None };
 
-/// One in so many of a test's texts is translated; all of them where the environment variable `VOLTET_TRANSLATE` is "all".
-const TRANSLATED: usize = 8;
+/// One in so many of a test's texts is validated, and one in so many of all is translated, too: not powers of two,
+/// since texts follow each other in patterns. All of them in a whole series.
+const VALIDATED: usize = 5;
+const TRANSLATED: usize = 3 * VALIDATED;
 
-/// Validates text `number` of a test, and translates it where it is its turn.
-pub fn validate_numbered(shader: &Shader, number: usize) -> naga::Module {
-    let all = std::env::var("VOLTET_TRANSLATE").is_ok_and(|which| which == "all");
-    if all || number.is_multiple_of(TRANSLATED) { validate_everywhere(shader) } else { validate(shader) }
+/// Validates and translates text `number` of a test, or leaves it out.
+pub fn validate_numbered(shader: &Shader, number: usize) -> Option<naga::Module> {
+    if whole_series() || number.is_multiple_of(TRANSLATED) {
+        Some(validate_everywhere(shader))
+    } else {
+        number.is_multiple_of(VALIDATED).then(|| validate(shader))
+    }
 }
 
 /// Validated, and translated for Metal and DirectX 12.

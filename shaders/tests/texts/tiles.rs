@@ -116,14 +116,15 @@ fn tiles_are_valid_for_every_kind_light_and_integrator() {
                 if !texts.insert(shader.text.clone()) {
                     continue;
                 }
-                let module = validate_numbered(&shader, texts.len());
-                check_buffers(&module, &shader_key);
-                assert_eq!(module.entry_points.len(), 1);
                 let lit = shading.light.is_some() || shading.silhouette.is_some();
                 assert_eq!(shader.text.contains("let gradient ="), lit);
                 assert_eq!(shader.text.contains("pending"), order == TileOrder::Exact);
-                let bytes = workgroup_bytes(&module);
-                assert!(bytes <= WORKGROUP_BYTES, "{bytes} bytes: {:?}", transfer_function.widgets);
+                if let Some(module) = validate_numbered(&shader, texts.len()) {
+                    check_buffers(&module, &shader_key);
+                    assert_eq!(module.entry_points.len(), 1);
+                    let bytes = workgroup_bytes(&module);
+                    assert!(bytes <= WORKGROUP_BYTES, "{bytes} bytes: {:?}", transfer_function.widgets);
+                }
             }
         }
     }
@@ -172,18 +173,19 @@ fn what_blends_is_valid_for_every_kind_light_and_integrator() {
                 if !texts.insert(shader.text.clone()) {
                     continue;
                 }
-                let module = validate_numbered(&shader, texts.len());
-                check_buffers(&module, &shader_key);
-                let mut entries: Vec<_> =
-                    module.entry_points.iter().map(|e| (e.name.as_str(), e.stage)).collect();
-                // In the order of the files' names.
-                entries.sort_by_key(|(_, stage)| *stage as u32);
-                let expected = [
-                    (vertices, naga::ShaderStage::Vertex),
-                    (pixels, naga::ShaderStage::Fragment),
-                    ("take_blended", naga::ShaderStage::Compute),
-                ];
-                assert_eq!(entries, expected);
+                if let Some(module) = validate_numbered(&shader, texts.len()) {
+                    check_buffers(&module, &shader_key);
+                    let mut entries: Vec<_> =
+                        module.entry_points.iter().map(|e| (e.name.as_str(), e.stage)).collect();
+                    // In the order of the files' names.
+                    entries.sort_by_key(|(_, stage)| *stage as u32);
+                    let expected = [
+                        (vertices, naga::ShaderStage::Vertex),
+                        (pixels, naga::ShaderStage::Fragment),
+                        ("take_blended", naga::ShaderStage::Compute),
+                    ];
+                    assert_eq!(entries, expected);
+                }
                 let lit = shading.light.is_some() || shading.silhouette.is_some();
                 assert_eq!(shader.text.contains("let gradient ="), lit);
                 let is_sum = matches!(

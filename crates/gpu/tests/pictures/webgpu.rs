@@ -14,6 +14,7 @@ use voltet_testing::pictures::compare::{NamedScene, SHADING, within};
 use voltet_testing::pictures::grids::{cube, smooth, smooth_gradient};
 use voltet_testing::pictures::looks::*;
 use voltet_testing::pictures::widgets::{self, widgets};
+use voltet_testing::whole_series;
 
 fn least() -> Option<Arc<Device>> {
     device()?;
@@ -83,7 +84,7 @@ fn every_compositor_draws_within_the_limits_of_webgpu() {
 }
 
 /// An image, a Gaussian over fields and control points within a region, lit: every array of the grid and everything that a scene reads
-/// beside its uniform. What integrates them adds its tables.
+/// beside its uniform. What integrates them adds its tables. Drawn in each way in a whole series, otherwise each in the next one.
 #[test]
 fn every_integrator_has_room_for_all_that_a_scene_may_have() {
     let (Some(device), Some(least)) = (device(), least()) else { return };
@@ -93,6 +94,14 @@ fn every_integrator_has_room_for_all_that_a_scene_may_have() {
     let widget = |name: &str| known.iter().find(|known| known.0 == name).expect("is there").1.clone();
     let models = [OpticalModel::DensityEmitter, OpticalModel::ConstantEmitter { cutoff: 1.0 / 255.0 }];
     let full = models.map(|model| TransferFunction { model, ..look(full.map(widget).to_vec()) });
+    let ways = [
+        (Compositor::Tiles, VisibilityOrder::Exact),
+        (Compositor::Tiles, VisibilityOrder::Centroid),
+        (Compositor::Raster, VisibilityOrder::Exact),
+        (Compositor::Raster, VisibilityOrder::Unsorted),
+        (Compositor::Triangles, VisibilityOrder::Exact),
+    ];
+    let mut drawn = 0;
     // The smallest tables: arrays are counted here, and a device of WebGPU binds no more than 128 MiB of one.
     for integrator in [
         Integrator::ANALYTIC,
@@ -107,13 +116,12 @@ fn every_integrator_has_room_for_all_that_a_scene_may_have() {
             let shading = Shading { integrator, light, silhouette: Some(0.5), ..SHADING };
             let name = format!("{} {:?}", integrator.name(), look.model);
             let scene = widgets::scene(name, look);
-            for how in [
-                (Compositor::Tiles, VisibilityOrder::Exact),
-                (Compositor::Tiles, VisibilityOrder::Centroid),
-                (Compositor::Raster, VisibilityOrder::Exact),
-                (Compositor::Raster, VisibilityOrder::Unsorted),
-                (Compositor::Triangles, VisibilityOrder::Exact),
-            ] {
+            let chosen = match whole_series() {
+                true => &ways[..],
+                false => &ways[drawn % ways.len()..][..1],
+            };
+            drawn += 1;
+            for &how in chosen {
                 same_on([&device, &least], &scene, &shading, how, 0.0);
             }
         }
