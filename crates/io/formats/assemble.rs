@@ -1,9 +1,8 @@
 //! From the table of contents to the grid: decodes what is asked for, puts pieces together, builds tetrahedra.
 
-use super::contents::{Dataset, ExternalFormat, Geometry, Meter, Piece};
-use super::request::{Association, Request};
-use super::select::{ArraySelection, Component, GHOST_LEVELS, GHOST_TYPE};
-use super::{cells, select};
+use super::contents::{Dataset, ExternalFormat, GHOST_LEVELS, GHOST_TYPE, Geometry, Meter, Piece};
+use super::request::{ArraySelection, Association, Component, Request};
+use super::{cells, request};
 use crate::memory::GridSize;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -125,13 +124,13 @@ fn refuse_beyond_memory(
 
 /// The arrays that a request means: the scalar, those beside it on the points, and those that stay on the cells.
 pub(super) fn choices(dataset: &Dataset, request: &Request) -> Result<Vec<ArraySelection>> {
-    let model = select::model(dataset)?;
-    let mut choices = vec![select::scalar(dataset, request.scalar.as_deref(), request.association)?];
+    let model = request::model(dataset)?;
+    let mut choices = vec![request::scalar(dataset, request.scalar.as_deref(), request.association)?];
     for name in point_names(request) {
-        choices.push(select::array(model, name, Association::Auto)?);
+        choices.push(request::array(model, name, Association::Auto)?);
     }
     for name in cell_names(request) {
-        choices.push(select::array(model, name, Association::Cell)?);
+        choices.push(request::array(model, name, Association::Cell)?);
     }
     Ok(choices)
 }
@@ -294,12 +293,9 @@ fn degrees(piece: &Piece, cells: &Cells, meter: &Meter) -> Result<Option<Vec<[u8
 /// The positions of a piece's points.
 pub(super) fn points(piece: &Piece, meter: &Meter) -> Result<Vec<DVec3>> {
     match &piece.geometry {
-        Geometry::Unstructured { points, .. } | Geometry::Curvilinear { points, .. } => points
-            .load_with::<f64, _>(
-                meter,
-                |n| vec![DVec3::ZERO; n / 3],
-                |points| bytemuck::cast_slice_mut(points),
-            ),
+        Geometry::Unstructured { points, .. } | Geometry::Curvilinear { points, .. } => {
+            points.load_tuples::<f64, _>(meter)
+        }
         Geometry::Added(added, _) => added.points(meter.progress()),
         Geometry::Rectilinear { axes, .. } => {
             let [x, y, z] = &**axes;

@@ -51,7 +51,7 @@ fn tetrahedra(connectivity: &Stored, offsets: &Stored, count: u64, meter: &Meter
     })?;
     let mut connectivity = connectivity.clone();
     (connectivity.tuple_count, connectivity.component_count) = (Some(count), 4);
-    connectivity.load_with::<u32, _>(meter, |n| vec![[0; 4]; n / 4], |cells| bytemuck::cast_slice_mut(cells))
+    connectivity.load_tuples::<u32, _>(meter)
 }
 
 fn wrong_offset_count(found: usize, cell_count: u64) -> Error {
