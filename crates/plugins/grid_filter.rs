@@ -114,7 +114,7 @@ fn output_grid(
     }
     for (array, values) in head.arrays.iter().zip(contents.arrays) {
         let Some(values) = values else { continue };
-        let to = if array.on_cells { &mut on_cells } else { &mut at_points };
+        let to = if array.association == Association::Cell { &mut on_cells } else { &mut at_points };
         to.insert(
             array.name.clone(),
             Array { component_count: array.component_count, values: values.into() },

@@ -135,7 +135,7 @@ mod unix {
 /// Stack that the interface promises (bytes).
 const STACK: usize = 64 << 20;
 
-/// Interval between two calls of `goes_on`.
+/// Interval between two calls of `may_go_on`.
 const INTERVAL: Duration = Duration::from_millis(10);
 
 /// Reason for which a call has no result.
@@ -143,10 +143,8 @@ const INTERVAL: Duration = Duration::from_millis(10);
 pub(crate) enum CallFailure {
     /// It was given up, and still runs.
     GivenUp,
-    /// The system has no thread for it.
+    /// The system has no thread for it, or the thread panicked, and printed why.
     NoThread,
-    /// The thread panicked, and printed why.
-    Ended,
 }
 
 /// Runs `work` on a new thread, and gives it up once `may_go_on`, called every few milliseconds, is false. Changes to the thread's
@@ -171,7 +169,7 @@ pub(crate) fn run<T: Send + 'static>(
         let worked = is_in_pool && rayon::yield_now() == Some(rayon::Yield::Executed);
         match receiver.recv_timeout(if worked { Duration::ZERO } else { INTERVAL }) {
             Ok(outcome) => return Ok(outcome),
-            Err(RecvTimeoutError::Disconnected) => return Err(CallFailure::Ended),
+            Err(RecvTimeoutError::Disconnected) => return Err(CallFailure::NoThread),
             Err(RecvTimeoutError::Timeout) if may_go_on() => {}
             Err(RecvTimeoutError::Timeout) => return Err(CallFailure::GivenUp),
         }

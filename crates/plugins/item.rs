@@ -4,7 +4,7 @@
 use crate::call::{FileStep, GradientTask, ImageTask, Outcome, ReadTask, Task};
 use crate::declaration::{Declaration, Family};
 use crate::ffi::Sentinel;
-use crate::grids::{ArrayRecord, Head};
+use crate::grids::Head;
 use crate::host::{CallLabel, CallStatus};
 use crate::values::{ParameterValues, array_names, named_arrays};
 use rayon::prelude::*;
@@ -13,11 +13,11 @@ use std::path::Path;
 use std::sync::Arc;
 use voltet_core::field::{Gradient, GradientFilter, Plugin, check_scalar};
 use voltet_core::glam::DVec3;
-use voltet_core::grid::{Association, Grid};
+use voltet_core::grid::Grid;
 use voltet_core::parameters::{DefaultValue, Parameters, VariantSchema};
 use voltet_core::picture::Picture;
 use voltet_core::progress::{NoProgress, Progress};
-use voltet_core::reading::{FileArray, GridHead, GridRead, GridReader, OpenGrid};
+use voltet_core::reading::{GridHead, GridRead, GridReader, OpenGrid};
 use voltet_core::{Error, Result};
 use voltet_graph::{Node, Outputs, Port, PortType, RunContext, Value};
 
@@ -225,25 +225,16 @@ impl GridReader for PluginItem {
         let (_, Outcome::Head(described)) = self.run(Task::Inspect(file.clone()), progress)? else {
             return Err(self.unexpected_output());
         };
-        let head = file_head(&described, self.declaration.schema.name);
+        let head = GridHead {
+            format: described.format.clone().unwrap_or_else(|| self.declaration.schema.name.into()),
+            point_count: described.point_count as u64,
+            cell_count: described.cell_count as u64,
+            cell_bytes: described.cell_bytes(),
+            arrays: described.arrays.clone(),
+            scalar: described.scalar.clone(),
+            times: described.times.clone(),
+        };
         Ok(Box::new(DescribedFile { item: self.clone(), file, described, head }))
-    }
-}
-
-fn file_head(head: &Head, name: &str) -> GridHead {
-    let array = |array: &ArrayRecord| FileArray {
-        name: array.name.clone(),
-        association: if array.on_cells { Association::Cell } else { Association::Point },
-        component_count: array.component_count,
-    };
-    GridHead {
-        format: head.format.clone().unwrap_or_else(|| name.into()),
-        point_count: head.point_count as u64,
-        cell_count: head.cell_count as u64,
-        cell_bytes: head.cell_bytes(),
-        arrays: head.arrays.iter().map(array).collect(),
-        scalar: head.scalar.clone(),
-        times: head.times.clone(),
     }
 }
 

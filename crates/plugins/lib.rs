@@ -24,9 +24,8 @@ mod wire;
 
 pub use process::run_child;
 
-use crate::declaration::{Declaration, Family};
+use crate::declaration::Family;
 use crate::item::PluginItem;
-use crate::library::Native;
 use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
@@ -61,9 +60,9 @@ pub fn load(path: &Path) -> Result<Contents> {
     if is_module(path) {
         return load_module(path).map(contents);
     }
-    let (library, items) = library::load(path)?;
-    let declarations: Vec<Declaration> = items.iter().map(|item| item.declaration.clone()).collect();
-    Ok(contents(PluginItem::list(Arc::new(Native::new(library, items)), declarations)))
+    let native = library::load(path)?;
+    let declarations = native.declarations();
+    Ok(contents(PluginItem::list(Arc::new(native), declarations)))
 }
 
 /// Hash of the file at `path`, as pictures record it.

@@ -47,10 +47,10 @@ pub(crate) fn refuse_same_names<'a>(filters: impl IntoIterator<Item = &'a Declar
 const START_TIME_LIMIT: Duration = Duration::from_secs(20);
 
 /// A loaded plug-in. Stays in memory until the program ends: threads of a run-time library that it brought may still be there.
-pub(crate) struct Library {
-    pub plugin: Plugin,
+struct Library {
+    plugin: Plugin,
     /// True while one of its functions runs.
-    pub busy: AtomicBool,
+    busy: AtomicBool,
     deinit: Option<Deinit>,
     _loaded: ManuallyDrop<libloading::Library>,
 }
@@ -67,7 +67,7 @@ impl Drop for Library {
 /// Loads a library and reads what it declares.
 ///
 /// Errors: no library that can be loaded, none of this interface, or what it declares is wrong; each says what.
-pub(crate) fn load(path: &Path) -> Result<(Library, Vec<LibraryItem>)> {
+pub(crate) fn load(path: &Path) -> Result<Native> {
     let failed = |wrong: ValidationError| load_error(path, wrong);
     let (plugin, bytes) = read_file(path)?;
     check_file(&bytes).map_err(failed)?;
@@ -82,7 +82,7 @@ pub(crate) fn load(path: &Path) -> Result<(Library, Vec<LibraryItem>)> {
         Err(CallFailure::GivenUp) => {
             Err(failed(format!("it did not begin within {} s", START_TIME_LIMIT.as_secs())))
         }
-        Err(CallFailure::NoThread | CallFailure::Ended) => Err(failed("there is no thread for it".into())),
+        Err(CallFailure::NoThread) => Err(failed("there is no thread for it".into())),
     }
 }
 
@@ -117,7 +117,7 @@ pub(crate) fn read_file(path: &Path) -> Result<(Plugin, Vec<u8>)> {
     Ok((plugin, bytes))
 }
 
-fn open(whole: &Path, nameless: &Plugin) -> CheckResult<(Library, Vec<LibraryItem>)> {
+fn open(whole: &Path, nameless: &Plugin) -> CheckResult<Native> {
     let loaded = ManuallyDrop::new(open_library(whole).map_err(|error| join_lines(&error.to_string()))?);
     // SAFETY: the symbol is only taken for an address, and what is there read with care.
     let entry = unsafe { loaded.get::<*const Entry>(ENTRY.as_bytes()) };
@@ -141,7 +141,7 @@ fn open(whole: &Path, nameless: &Plugin) -> CheckResult<(Library, Vec<LibraryIte
     let busy = AtomicBool::new(false);
     // From here on it is ended properly.
     let library = Library { plugin, busy, deinit: entry.deinit, _loaded: loaded };
-    Ok((library, items(get_factory)?))
+    Ok(Native { library: Arc::new(library), items: items(get_factory)? })
 }
 
 /// The entry.
@@ -298,7 +298,7 @@ const STOP_TIME_LIMIT: Duration = Duration::from_secs(3);
 /// A loaded library with its items.
 pub(crate) struct Native {
     library: Arc<Library>,
-    items: Vec<LibraryItem>,
+    pub items: Vec<LibraryItem>,
 }
 
 /// Guard of a library while one of its functions runs.
@@ -311,8 +311,8 @@ impl Drop for BusyGuard {
 }
 
 impl Native {
-    pub fn new(library: Library, items: Vec<LibraryItem>) -> Native {
-        Native { library: Arc::new(library), items }
+    pub fn declarations(&self) -> Vec<Declaration> {
+        self.items.iter().map(|item| item.declaration.clone()).collect()
     }
 
     /// Runs a function of the plug-in, one at a time, on a thread of its own, while `may_go_on` is true.
@@ -374,9 +374,7 @@ impl Runner for Native {
                 "it to stop within {} s; only the end of the program ends it, or --plugin-process",
                 STOP_TIME_LIMIT.as_secs()
             )),
-            CallFailure::NoThread | CallFailure::Ended => {
-                label.error("cannot be run: the system gives no thread for it")
-            }
+            CallFailure::NoThread => label.error("cannot be run: the system gives no thread for it"),
         })
     }
 }

@@ -340,20 +340,19 @@ fn reply(path: &Path, output: &mut dyn Write) -> io::Result<()> {
         let _ = io::copy(&mut input.by_ref(), &mut io::sink());
         exit_now(1)
     });
-    let (library, items) = match library::load(path) {
-        Ok(loaded) => loaded,
+    let native = match library::load(path) {
+        Ok(native) => native,
         Err(error) => return Reply::from_error(&error).reply(output),
     };
-    let find = |name: &str| items.iter().find(|item| item.declaration.schema.name == name).cloned();
     let gone = || io::Error::new(io::ErrorKind::NotFound, "there is no such filter any more");
     match request {
         Request::Describe => {
-            let declarations = items.iter().map(|item| item.declaration.clone()).collect();
-            let plugin = (library.plugin.name.clone(), library.plugin.version.clone());
-            Reply::Described(plugin, declarations).reply(output)
+            let Plugin { name, version, .. } = native.plugin().clone();
+            Reply::Described((name, version), native.declarations()).reply(output)
         }
         Request::Run(name, task) => {
-            let item = find(&name).ok_or_else(gone)?;
+            let item = native.items.iter().find(|item| item.declaration.schema.name == name);
+            let item = item.cloned().ok_or_else(gone)?;
             let state = Arc::new(State::default());
             let work = {
                 let state = state.clone();
