@@ -11,7 +11,7 @@ use voltet_graph::{
     DefaultValue, Demand, DemandContext, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType,
     RunContext, suggest,
 };
-use voltet_io::vtu::{self, CellSource, Contents, Precision, Role, TetrahedraSource};
+use voltet_io::vtu::{self, Contents, Precision, Role};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -193,20 +193,20 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
 }
 
 /// Contents of the file.
-fn contents(call: &mut RunContext, volume: &Volume) -> Result<Contents> {
+fn contents<'a>(call: &mut RunContext, volume: &'a Volume) -> Result<Contents<'a>> {
     let p = call.parameters;
     let wanted = wanted(p)?;
     let grid = &*volume.grid;
-    let form = match (p.text("cells")?, &grid.file_cells) {
-        ("tetrahedra", _) | ("auto", None) => CellSource::Tetrahedra,
-        (_, Some(file)) => CellSource::File(file),
+    let file = match (p.text("cells")?, &grid.file_cells) {
+        ("tetrahedra", _) | ("auto", None) => None,
+        (_, Some(file)) => Some(&**file),
         (_, None) => {
             let why = "the grid does not keep the cells of a file: it was not read from one, a node on the way changed them, or \
                        cells keep constant values";
             return Err(p.error("cells", why).expected("cells = \"tetrahedra\", or \"auto\""));
         }
     };
-    let mut contents = vtu::gather(grid, form);
+    let mut contents = Contents::new(grid, file);
     let wants = |word: &str| wanted.as_ref().is_none_or(|words| words.iter().any(|w| w == word));
     let missing = |word: &str, what: &str| -> Result<()> {
         match wanted.is_some() && wants(word) {
@@ -218,11 +218,11 @@ fn contents(call: &mut RunContext, volume: &Volume) -> Result<Contents> {
     };
     let name = &grid.scalar_name;
     if wants("scalar") {
-        contents.add_point_values(form, name, Role::Scalar, &volume.scalar, 1);
+        contents.add_point_values(name, Role::Scalar, &volume.scalar, 1);
     }
     match &volume.gradient_magnitude {
         Some(g) if wants("gradient-magnitude") => {
-            contents.add_point_values(form, &format!("{name}_gradient_magnitude"), Role::Plain, g, 1);
+            contents.add_point_values(&format!("{name}_gradient_magnitude"), Role::Plain, g, 1);
         }
         Some(_) => {}
         None => missing("gradient-magnitude", "gradient magnitude")?,
@@ -230,7 +230,7 @@ fn contents(call: &mut RunContext, volume: &Volume) -> Result<Contents> {
     match &volume.gradient {
         Some(gradient) if wants("gradient") => {
             let vectors: Vec<f64> = gradient.iter().flat_map(|v| v.to_array()).collect();
-            contents.add_point_values(form, &format!("{name}_gradient"), Role::Vectors, &vectors, 3);
+            contents.add_point_values(&format!("{name}_gradient"), Role::Vectors, &vectors, 3);
         }
         Some(_) => {}
         None => missing("gradient", "gradient")?,
@@ -245,25 +245,25 @@ fn contents(call: &mut RunContext, volume: &Volume) -> Result<Contents> {
         // The scalar may have been asked for twice.
         if !written.contains(name) {
             let Array { component_count, values } = &**array;
-            contents.add_point_values(form, name, Role::Plain, values, *component_count);
+            contents.add_point_values(name, Role::Plain, values, *component_count);
         }
     }
     let cells = asked("cell_arrays")?;
     let cell_arrays = grid.cell_arrays.iter().filter(|(name, _)| listed(&cells, name));
-    contents.add_cell_arrays(grid, form, &cell_arrays.map(|(n, a)| (n.clone(), a.clone())).collect());
+    contents.add_cell_arrays(cell_arrays);
     if let Some(culled) = call.optional_cells::<Culled>("cells")?.filter(|_| wants("culled")) {
         let mut kept = vec![false; grid.tetrahedra.len()];
         refuse_other(p, "cells", culled.cells.volume.grid.tetrahedra.len(), kept.len())?;
         culled.cells.selection.ids.iter().for_each(|&tetrahedron| kept[tetrahedron as usize] = true);
-        contents.add_of_tetrahedra(grid, form, "culled", TetrahedraSource::Kept(&kept));
+        contents.add_culled("culled", &kept);
     }
     for values in call.cell_values("cell_values")?.iter().filter(|_| wants("cell-values")) {
         for (name, numbers) in &values.arrays {
             refuse_other(p, "cell_values", numbers.len(), grid.tetrahedra.len())?;
-            contents.add_of_tetrahedra(grid, form, name, TetrahedraSource::Largest(numbers));
+            contents.add_tetrahedra_values(name, numbers);
         }
     }
-    let without = Contents::points_without_values(form);
+    let without = contents.points_without_values();
     if without > 0 {
         let of = contents.points.len();
         let why = "belong to no cell with a volume; their values are written as nan";

@@ -1,207 +1,40 @@
-//! A grid filter of a plug-in: its call, and its node.
+//! The node of a grid filter.
 
-use crate::declaration::{EntryPoint, Family, LibraryItem};
-use crate::ffi::{CheckResult, sized};
-use crate::grids::{Buffers, GridContents, Head};
-use crate::host::State;
-use crate::interface::{ERROR, GivenArray, GridBuffers, GridCall, GridHead, OK, SAME_CELLS, SAME_POINTS};
-use crate::runner;
-use crate::runner::PluginItem;
-use crate::status::{CallLabel, CallStatus};
-use crate::task::{Outcome, Task, TaskKind};
-use crate::values::{NamedArrays, ParameterValues, array_names, array_pointers, named_arrays};
-use crate::wire::wire;
+use crate::call::{GridTask, Outcome, Task};
+use crate::declaration::Family;
+use crate::grids::{GridContents, Head};
+use crate::host::CallLabel;
+use crate::interface::{SAME_CELLS, SAME_POINTS};
+use crate::item::{self, PluginItem};
+use crate::values::{ParameterValues, array_names, named_arrays};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ffi::CString;
-use std::mem::size_of;
-use std::ptr::{from_ref, null};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use voltet_core::glam::DVec3;
 use voltet_core::grid::{Array, Association, Cells, Grid, Options, RawGrid, Scalar};
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result, SharedSlice, grid};
 use voltet_graph::{Demand, DemandContext, Node, Outputs, Port, PortType, RunContext, Value};
 
-/// Filtering of a grid.
-pub(crate) struct GridTask {
-    /// Points and tetrahedra.
-    grid: Grid,
-    /// Point arrays of the grid, the scalar first.
-    carried: Vec<(CString, Array)>,
-    /// True if the first of them is the scalar that is drawn.
-    has_scalar: bool,
-    arrays: NamedArrays,
-    values: ParameterValues,
-    /// Memory that it may take (bytes), if known.
-    memory_left: Option<u64>,
-}
-
-wire!(fields of GridTask { grid, carried, has_scalar, arrays, values, memory_left });
-
-/// The host's side of a call.
-struct HostContext<'a> {
-    state: &'a State,
-    task: &'a GridTask,
-    output: Mutex<Option<OutputGrid>>,
-}
-
-/// Memory handed to the plug-in.
-struct OutputGrid {
-    head: Head,
-    buffers: Buffers,
-    /// Addresses of the arrays, which the plug-in reads.
-    addresses: Vec<*mut f64>,
-}
-
-unsafe extern "C-unwind" fn begin(
-    call: *const GridCall,
-    head: *const GridHead,
-    buffers: *mut GridBuffers,
-) -> i32 {
-    // SAFETY: the plug-in hands over the call that it was given, while it lasts.
-    let host = unsafe { call.as_ref().and_then(|call| call.context.cast::<HostContext>().as_ref()) };
-    let Some(host) = host else { return ERROR };
-    let mut known = host.output.lock().unwrap_or_else(PoisonError::into_inner);
-    let output = match &*known {
-        Some(_) => Err("it began its grid twice".to_string()),
-        None => host.task.allocate(head).and_then(|output| sized(buffers.cast_const()).map(|_| output)),
-    };
-    match output {
-        Ok(output) => {
-            let output = known.insert(output);
-            output.addresses = output.buffers.array_addresses();
-            let header_buffers = output.buffers.header_buffers(&output.head, &output.addresses);
-            // SAFETY: the struct is there and as large, as was just checked; the filter handed it over to be filled.
-            unsafe { buffers.write(header_buffers) };
-            OK
-        }
-        Err(wrong) => {
-            host.state.refuse(wrong);
-            ERROR
-        }
-    }
-}
-
-impl GridTask {
-    pub const KIND: TaskKind = TaskKind::new::<GridTask>(4, "filter");
-
-    /// Errors: an array that is not there.
-    fn new(item: &PluginItem, grid: &Grid, call: &RunContext) -> Result<GridTask> {
-        let text = |name: &str| {
-            CString::new(name).map_err(|_| Error::run("the name of an array has a character 0").got(name))
-        };
-        let mut carried = Vec::new();
-        if let Some(scalar) = &grid.scalar {
-            carried.push((text(&grid.scalar_name)?, Array { component_count: 1, values: scalar.clone() }));
-        }
-        let has_scalar = !carried.is_empty();
-        for (name, array) in
-            grid.point_arrays.iter().filter(|(name, _)| !has_scalar || **name != grid.scalar_name)
-        {
-            carried.push((text(name)?, Array::clone(array)));
-        }
-        let (points, tetrahedra) = (grid.points.clone(), grid.tetrahedra.clone());
-        Ok(GridTask {
-            grid: Grid { points, tetrahedra, ..Grid::default() },
-            carried,
-            has_scalar,
-            arrays: named_arrays(&item.declaration, call.parameters, grid)?,
-            values: ParameterValues::new(&item.declaration, call.parameters)?,
-            memory_left: call.progress().memory_left(),
-        })
-    }
-
-    /// Memory for the grid of that head, with the counts of the parts that it shares with the input.
-    fn allocate(&self, head: *const GridHead) -> CheckResult<OutputGrid> {
-        let mut head = Head::read(head)?;
-        let (points, cells) = (self.grid.points.len(), self.grid.tetrahedra.len());
-        if head.has(SAME_POINTS) {
-            head.point_count = points;
-        }
-        if head.has(SAME_CELLS) {
-            head.cell_count = cells;
-            if head.point_count != points {
-                let own = head.point_count;
-                return Err(format!(
-                    "its cells are those of the input, but it has {own} points and the input {points}"
-                ));
-            }
-        }
-        let buffers = Buffers::new(&head, true, &vec![true; head.arrays.len()], self.memory_left)?;
-        Ok(OutputGrid { head, buffers, addresses: Vec::new() })
-    }
-}
-
-impl Task for GridTask {
-    fn kind(&self) -> &'static TaskKind {
-        &GridTask::KIND
-    }
-
-    fn run(self: Box<Self>, item: &LibraryItem, state: &State) -> (CallStatus, Outcome) {
-        let EntryPoint::GridFilter(function) = item.function else { return Default::default() };
-        let header_array = |(name, array): &(CString, Array)| GivenArray {
-            size: size_of::<GivenArray>() as u32,
-            component_count: array.component_count as u32,
-            name: name.as_ptr(),
-            values: array.values.as_ptr(),
-        };
-        let carried: Vec<GivenArray> = self.carried.iter().map(header_array).collect();
-        let scalar = self.carried.first().filter(|_| self.has_scalar);
-        let arrays = array_pointers(&self.arrays);
-        let pointers = self.values.pointers();
-        let values = self.values.header_values(&pointers);
-        let host = HostContext { state, task: &self, output: Mutex::new(None) };
-        let call = GridCall {
-            size: size_of::<GridCall>() as u32,
-            array_count: carried.len() as u32,
-            point_count: self.grid.points.len() as u64,
-            cell_count: self.grid.tetrahedra.len() as u64,
-            // Three doubles a point and four numbers a cell, side by side.
-            points: self.grid.points.as_ptr().cast(),
-            tetrahedra: self.grid.tetrahedra.as_ptr().cast(),
-            carried: carried.as_ptr(),
-            scalar: scalar.map_or(null(), |(name, _)| name.as_ptr()),
-            arrays: arrays.as_ptr(),
-            values: &values,
-            begin,
-            context: from_ref(&host).cast_mut().cast(),
-        };
-        // SAFETY: the plug-in's own function; what it is given lives through the call and has the sizes stated.
-        let code = unsafe { function(&call, &state.host()) };
-        match host.output.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            Some(OutputGrid { head, mut buffers, .. }) => {
-                let overrun = buffers.close(&head);
-                (CallStatus { overrun, ..CallStatus::new(code, state) }, Outcome::Grid(head, buffers))
-            }
-            None => {
-                if code == OK {
-                    state.refuse("it did not begin one (call->begin)".into());
-                }
-                (CallStatus::new(code, state), Outcome::Nothing)
-            }
-        }
-    }
-}
-
 /// The node of a grid filter.
 pub(crate) fn grid_node(item: PluginItem) -> &'static Node {
     let grid = |summary| Port { name: "grid", port_type: PortType::Grid, summary };
     let [inputs, outputs] =
         [grid("points, cells, arrays"), grid("what it makes of them")].map(|port| [port].to_vec().leak());
-    let example = runner::example(
+    let example = item::example_text(
         item.declaration.schema,
         "grid",
         "grid",
         "grid = \"filtered\", volume = \"filtered\"",
     );
     let (run_item, demand_item) = (item.clone(), item.clone());
-    runner::leaked_node(&item, |node| Node {
+    item::leaked_node(&item, |node| Node {
         inputs,
         outputs,
         example,
-        demand: runner::leak(move |context: &mut DemandContext| demand(&demand_item, context)),
-        run: runner::leak(move |call: &mut RunContext| run(&run_item, call)),
+        demand: item::leak(move |context: &mut DemandContext| demand(&demand_item, context)),
+        run: item::leak(move |call: &mut RunContext| run(&run_item, call)),
         ..node
     })
 }
@@ -218,8 +51,10 @@ fn demand(item: &PluginItem, context: &mut DemandContext) -> Result<()> {
 
 fn run(item: &PluginItem, call: &mut RunContext) -> Result<Outputs> {
     let input = call.grid("grid")?;
-    let task = GridTask::new(item, &input, call)?;
-    let (status, (head, buffers)) = item.run(Box::new(task), call.progress(), Outcome::grid)?;
+    let task = Task::Grid(task(item, &input, call)?);
+    let (status, Outcome::Grid(head, buffers)) = item.run(task, call.progress())? else {
+        return Err(item.unexpected_output());
+    };
     let contents = buffers.validate(&head, head.point_count, item.label())?;
     let grid = output_grid(&input, head, contents, call.demand, item.label(), call.progress())?;
     if !Arc::ptr_eq(&grid.origin, &input.origin) {
@@ -227,6 +62,34 @@ fn run(item: &PluginItem, call: &mut RunContext) -> Result<Outputs> {
     }
     call.notes.warnings.extend(item.label().warnings(&status));
     Ok(vec![Value::Grid(Arc::new(grid))])
+}
+
+/// The call of the filter.
+///
+/// Errors: an array that is not there.
+fn task(item: &PluginItem, grid: &Grid, call: &RunContext) -> Result<GridTask> {
+    let text = |name: &str| {
+        CString::new(name).map_err(|_| Error::run("the name of an array has a character 0").got(name))
+    };
+    let mut carried = Vec::new();
+    if let Some(scalar) = &grid.scalar {
+        carried.push((text(&grid.scalar_name)?, Array { component_count: 1, values: scalar.clone() }));
+    }
+    let has_scalar = !carried.is_empty();
+    for (name, array) in
+        grid.point_arrays.iter().filter(|(name, _)| !has_scalar || **name != grid.scalar_name)
+    {
+        carried.push((text(name)?, Array::clone(array)));
+    }
+    let (points, tetrahedra) = (grid.points.clone(), grid.tetrahedra.clone());
+    Ok(GridTask {
+        grid: Grid { points, tetrahedra, ..Grid::default() },
+        carried,
+        has_scalar,
+        arrays: named_arrays(&item.declaration, call.parameters, grid)?,
+        values: ParameterValues::new(&item.declaration, call.parameters)?,
+        memory_left: call.progress().memory_left(),
+    })
 }
 
 /// Arrays by name.
@@ -251,7 +114,7 @@ fn output_grid(
     }
     for (array, values) in head.arrays.iter().zip(contents.arrays) {
         let Some(values) = values else { continue };
-        let to = if array.on_cells { &mut on_cells } else { &mut at_points };
+        let to = if array.association == Association::Cell { &mut on_cells } else { &mut at_points };
         to.insert(
             array.name.clone(),
             Array { component_count: array.component_count, values: values.into() },

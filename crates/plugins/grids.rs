@@ -1,21 +1,19 @@
 //! Grids that plug-ins give: the head with sizes and names, the buffers that are written to, and checks of what was written.
 
-use crate::declaration::{line, required};
+use crate::declaration::{MAX_TEXT_BYTES, line, required};
 use crate::ffi::{
     CheckResult, Overrun, Sentinel, ValidationError, guarded_vec, remove_guard, several, sized, values,
 };
+use crate::host::CallLabel;
 use crate::interface::{GridBuffers, GridHead, SAME_CELLS, SAME_POINTS, TETRAHEDRA};
-use crate::status::CallLabel;
 use crate::wire::wire;
 use rayon::prelude::*;
 use std::mem::size_of;
 use std::ptr::null_mut;
 use voltet_core::glam::DVec3;
-use voltet_core::grid::{CellSet, CellType, Cells, code};
+use voltet_core::grid::{Association, CellSet, CellType, Cells, code};
+use voltet_core::reading::FileArray;
 use voltet_core::{Error, Result};
-
-/// Longest name of an array or a format (bytes).
-const MAX_TEXT_BYTES: usize = 1024;
 
 /// Largest numbers of arrays, components and steps.
 const MAX_ARRAYS: u32 = 4096;
@@ -32,22 +30,15 @@ pub(crate) struct Head {
     pub point_count: usize,
     pub cell_count: usize,
     pub connectivity_count: usize,
-    pub arrays: Vec<ArrayRecord>,
+    pub arrays: Vec<FileArray>,
     pub scalar: Option<String>,
     pub times: Vec<f64>,
     pub format: Option<String>,
 }
 
-/// `voltet_array_head`.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct ArrayRecord {
-    pub name: String,
-    pub component_count: usize,
-    pub on_cells: bool,
-}
-
 wire!(fields of Head { flags, point_count, cell_count, connectivity_count, arrays, scalar, times, format });
-wire!(fields of ArrayRecord { name, component_count, on_cells });
+wire!(fields of FileArray { name, association, component_count });
+wire!(variants of Association { 0 = Point, 1 = Cell });
 
 /// Errors: flags beside these.
 pub(crate) fn refuse_flags(flags: u32, known: u32) -> CheckResult<()> {
@@ -102,12 +93,15 @@ impl Head {
     }
 
     /// Number of tuples of an array.
-    pub fn tuples(&self, array: &ArrayRecord) -> usize {
-        if array.on_cells { self.cell_count } else { self.point_count }
+    pub fn tuples(&self, array: &FileArray) -> usize {
+        match array.association {
+            Association::Cell => self.cell_count,
+            Association::Point => self.point_count,
+        }
     }
 
     /// Number of values of an array.
-    pub fn numbers(&self, array: &ArrayRecord) -> usize {
+    pub fn numbers(&self, array: &FileArray) -> usize {
         self.tuples(array) * array.component_count
     }
 
@@ -128,12 +122,12 @@ impl Head {
     }
 }
 
-fn arrays(read: &GridHead) -> CheckResult<Vec<ArrayRecord>> {
+fn arrays(read: &GridHead) -> CheckResult<Vec<FileArray>> {
     if read.array_count > MAX_ARRAYS {
         return Err(format!("array_count is {}, at most {MAX_ARRAYS}", read.array_count));
     }
     let heads = several(read.arrays, read.array_count as usize).map_err(|wrong| format!("array {wrong}"))?;
-    let mut arrays: Vec<ArrayRecord> = Vec::new();
+    let mut arrays: Vec<FileArray> = Vec::new();
     for (i, head) in heads.iter().enumerate() {
         let at = |wrong: ValidationError| format!("array {i}: {wrong}");
         let name =
@@ -144,16 +138,16 @@ fn arrays(read: &GridHead) -> CheckResult<Vec<ArrayRecord>> {
                 head.component_count
             )));
         }
-        let on_cells = match head.on_cells {
-            0 => false,
-            1 => true,
+        let association = match head.on_cells {
+            0 => Association::Point,
+            1 => Association::Cell,
             other => return Err(at(format!("'on_cells' of '{name}' is {other}, neither 0 nor 1"))),
         };
-        if arrays.iter().any(|known| known.name == name && known.on_cells == on_cells) {
+        if arrays.iter().any(|known| known.name == name && known.association == association) {
             return Err(at(format!("there are two of the name '{name}'")));
         }
         let component_count = head.component_count as usize;
-        arrays.push(ArrayRecord { name, component_count, on_cells });
+        arrays.push(FileArray { name, association, component_count });
     }
     Ok(arrays)
 }
@@ -281,54 +275,47 @@ impl Buffers {
 
     /// Removes the guards behind the buffers; the first overrun.
     pub fn close(&mut self, head: &Head) -> Option<Overrun> {
-        let (points, cells, connectivity_count) =
-            (head.point_count, head.cell_count, head.connectivity_count);
-        let mut overrun = None;
-        if let Some(points_) = &mut self.points {
-            close::<_, f64>(points_, points, &mut overrun, || {
-                ("the points".into(), per_tuple(3, points, "points"))
-            });
+        let (points, cells, numbers) = (head.point_count, head.cell_count, head.connectivity_count);
+        let mut found = None;
+        if let Some(buffer) = &mut self.points {
+            close::<_, f64>(buffer, points, &mut found, "the points", per_tuple(3, points, "points"));
         }
-        if let Some(tetrahedra) = &mut self.tetrahedra {
-            close::<_, u32>(tetrahedra, cells, &mut overrun, || {
-                ("the tetrahedra".into(), per_tuple(4, cells, "cells"))
-            });
+        if let Some(buffer) = &mut self.tetrahedra {
+            close::<_, u32>(buffer, cells, &mut found, "the tetrahedra", per_tuple(4, cells, "cells"));
         }
         if let Some(MixedCells { types, offsets, connectivity }) = &mut self.cells {
-            close::<_, u8>(types, cells, &mut overrun, || {
-                ("the types".into(), format!("1 for each of the {cells} cells"))
-            });
-            close::<_, i64>(offsets, cells + 1, &mut overrun, || {
-                ("the offsets".into(), format!("{} of them", cells + 1))
-            });
-            close::<_, u32>(connectivity, connectivity_count, &mut overrun, || {
-                ("the connectivity".into(), format!("{connectivity_count} numbers"))
-            });
+            let capacity = format!("1 for each of the {cells} cells");
+            close::<_, u8>(types, cells, &mut found, "the types", capacity);
+            close::<_, i64>(offsets, cells + 1, &mut found, "the offsets", format!("{} of them", cells + 1));
+            close::<_, u32>(
+                connectivity,
+                numbers,
+                &mut found,
+                "the connectivity",
+                format!("{numbers} numbers"),
+            );
         }
         for (buffer, array) in self.arrays.iter_mut().zip(&head.arrays) {
             let Some(buffer) = buffer else { continue };
-            close::<_, f64>(buffer, head.numbers(array), &mut overrun, || {
-                let elements = if array.on_cells { "cells" } else { "points" };
-                let capacity = per_tuple(array.component_count, head.tuples(array), elements);
-                (format!("the array '{}'", array.name), capacity)
-            });
+            let elements = if array.association == Association::Cell { "cells" } else { "points" };
+            let capacity = per_tuple(array.component_count, head.tuples(array), elements);
+            let name = format!("the array '{}'", array.name);
+            close::<_, f64>(buffer, head.numbers(array), &mut found, &name, capacity);
         }
-        overrun
+        found
     }
 }
 
-/// Removes the guard behind `count` tuples, and records an overrun unless there was one.
+/// Removes the guard behind `count` tuples, and records an overrun of the buffer `name` unless there was one.
 fn close<V: bytemuck::Pod, T: Sentinel>(
     buffer: &mut Vec<V>,
     count: usize,
-    overrun: &mut Option<Overrun>,
-    describe: impl FnOnce() -> (String, String),
+    found: &mut Option<Overrun>,
+    name: &str,
+    capacity: String,
 ) {
     if remove_guard::<V, T>(buffer, count) {
-        overrun.get_or_insert_with(|| {
-            let (buffer, capacity) = describe();
-            Overrun { buffer, capacity }
-        });
+        found.get_or_insert_with(|| Overrun { buffer: name.into(), capacity });
     }
 }
 

@@ -3,65 +3,37 @@
 //! A library is loaded only where the user names it: [`load`] is called for paths of the command line and of the user's configuration
 //! file ([`Configured`]), never for those of a pipeline file. Its items then work like built-in ones. Declarations and outputs are
 //! checked, and every message names the plug-in, its file and the item.
-//!
-//! A file uses those above it in this table only.
-//!
-//! | file | responsibility |
-//! | --- | --- |
-//! | `interface` | the structs of the header |
-//! | `wire` | messages between processes |
-//! | `ffi` | memory shared with a plug-in: bounded reads, buffers that show unwritten numbers |
-//! | `host` | functions that a plug-in calls |
-//! | `declaration` | declarations, read and checked |
-//! | `status` | return code and messages |
-//! | `values` | parameters and arrays of a call |
-//! | `grids` | grids that plug-ins give |
-//! | `task` | one call: inputs, outputs |
-//! | `runner` | runner of calls; an item and its node |
-//! | `gradient_filter`, `reader`, `grid_filter`, `image_filter` | the families: task, adapter |
-//! | `crash`, `watchdog` | guards of loading and calling |
-//! | `library` | libraries in this process |
-//! | `process` | libraries in a process of their own |
-//! | `wasm` | modules in a sandbox |
-//! | `configured` | the user's file of plug-ins |
 
-mod configured;
-mod crash;
+mod call;
 mod declaration;
 mod ffi;
-mod gradient_filter;
 mod grid_filter;
 mod grids;
+mod guard;
 mod host;
-mod image_filter;
 mod interface;
 #[cfg(test)]
 mod interface_tests;
+mod item;
 mod library;
 mod process;
-mod reader;
-mod runner;
-mod status;
-mod task;
 mod values;
 #[cfg(feature = "wasm")]
 mod wasm;
-mod watchdog;
 mod wire;
 
-pub use configured::{Configured, configured};
 pub use process::run_child;
 
-use crate::declaration::{Declaration, Family};
-use crate::library::Native;
-use crate::runner::PluginItem;
+use crate::declaration::Family;
+use crate::item::PluginItem;
 use std::fs::File;
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use voltet_core::Result;
+use toml::Value;
 use voltet_core::field::{GradientFilter, Plugin};
 use voltet_core::reading::GridReader;
+use voltet_core::{Error, Result};
 use voltet_graph::Node;
 
 /// Contents of a plug-in.
@@ -88,9 +60,9 @@ pub fn load(path: &Path) -> Result<Contents> {
     if is_module(path) {
         return load_module(path).map(contents);
     }
-    let (library, items) = library::load(path)?;
-    let declarations: Vec<Declaration> = items.iter().map(|item| item.declaration.clone()).collect();
-    Ok(contents(PluginItem::list(Arc::new(Native::new(library, items)), declarations)))
+    let native = library::load(path)?;
+    let declarations = native.declarations();
+    Ok(contents(PluginItem::list(Arc::new(native), declarations)))
 }
 
 /// Hash of the file at `path`, as pictures record it.
@@ -123,9 +95,9 @@ fn contents(items: Vec<PluginItem>) -> Contents {
         contents.plugin.get_or_insert_with(|| item.runner.plugin().clone());
         match item.declaration.family {
             Family::GradientFilter { .. } => contents.filters.push(Arc::new(item)),
-            Family::Reader { .. } => contents.readers.push(runner::leak(item)),
+            Family::Reader { .. } => contents.readers.push(item::leak(item)),
             Family::GridFilter { .. } => contents.nodes.push(grid_filter::grid_node(item)),
-            Family::ImageFilter => contents.nodes.push(image_filter::image_node(item)),
+            Family::ImageFilter => contents.nodes.push(item::image_node(item)),
         }
     }
     contents
@@ -147,8 +119,66 @@ use wasm::load as load_module;
 /// Errors: always; this build has no sandbox.
 #[cfg(not(feature = "wasm"))]
 fn load_module(path: &Path) -> Result<Vec<PluginItem>> {
-    let error = voltet_core::Error::usage(
+    let error = Error::usage(
         "the plug-in is a WebAssembly module, and this program was built without the sandbox for them",
     );
     Err(error.expected("a build with the feature \"wasm\", or a shared library").in_file(path))
+}
+
+/// A library that the file names.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Configured {
+    /// Path; a relative one in the file is relative to the file's folder.
+    pub path: PathBuf,
+    /// Fingerprint that the library must have, as pictures record it; `None` for any.
+    pub fingerprint: Option<String>,
+}
+
+/// The libraries that the file names. None where there is no such file.
+///
+/// Errors: the file is malformed; with the position.
+pub fn configured(file: &Path) -> Result<Vec<Configured>> {
+    let text = match std::fs::read_to_string(file) {
+        Ok(text) => text,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(error) => {
+            return Err(Error::usage("the file of plug-ins cannot be read").got(error).in_file(file));
+        }
+    };
+    let wrong = |what: String| {
+        let expected =
+            "plugins = [\"PATH\", …], or { path = \"PATH\", fingerprint = \"…\" } in place of a path";
+        Error::usage(what).expected(expected).in_file(file)
+    };
+    let table: toml::Table = text.parse().map_err(|error: toml::de::Error| {
+        let wrong = wrong(error.message().to_string());
+        match error.span() {
+            Some(span) => wrong.at_span(&text, span),
+            None => wrong,
+        }
+    })?;
+    if let Some(key) = table.keys().find(|key| *key != "plugins") {
+        return Err(wrong(format!("unknown key '{key}'")));
+    }
+    let Some(list) = table.get("plugins") else { return Ok(Vec::new()) };
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let entries =
+        list.as_array().and_then(|list| list.iter().map(|entry| read_entry(entry, folder)).collect());
+    entries.ok_or_else(|| wrong("'plugins' is no list of paths".into()))
+}
+
+fn read_entry(entry: &Value, folder: &Path) -> Option<Configured> {
+    match entry {
+        Value::String(path) => Some(Configured { path: folder.join(path), fingerprint: None }),
+        Value::Table(table) if table.keys().all(|key| key == "path" || key == "fingerprint") => {
+            let text = |key: &str| Some(table.get(key)?.as_str()?.to_string());
+            // A fingerprint that is no text is none that could be kept to.
+            let fingerprint = match table.contains_key("fingerprint") {
+                true => Some(text("fingerprint")?),
+                false => None,
+            };
+            Some(Configured { path: folder.join(text("path")?), fingerprint })
+        }
+        _ => None,
+    }
 }

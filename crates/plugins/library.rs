@@ -1,16 +1,15 @@
 //! A shared library in this process: checks of its file, loading, its entry and items, and the runner of its functions.
 
+use crate::call::{Outcome, Task};
 use crate::declaration::{Declaration, LibraryItem};
 use crate::ffi::{CheckResult, ValidationError, sized};
-use crate::host::State;
+use crate::guard::CallFailure;
+use crate::host::{CallLabel, CallStatus, State};
 use crate::interface::{
     Deinit, ENTRY, Entry, Factory, GRADIENT_FILTERS, GRID_FILTERS, GetFactory, IMAGE_FILTERS, MAJOR, READERS,
 };
-use crate::runner::Runner;
-use crate::status::{CallLabel, CallStatus};
-use crate::task::{CheckTask, Outcome, Task};
-use crate::watchdog::CallFailure;
-use crate::{crash, declaration, watchdog};
+use crate::item::Runner;
+use crate::{declaration, guard};
 use std::ffi::{CStr, CString, c_void};
 use std::mem::ManuallyDrop;
 use std::path::Path;
@@ -48,10 +47,10 @@ pub(crate) fn refuse_same_names<'a>(filters: impl IntoIterator<Item = &'a Declar
 const START_TIME_LIMIT: Duration = Duration::from_secs(20);
 
 /// A loaded plug-in. Stays in memory until the program ends: threads of a run-time library that it brought may still be there.
-pub(crate) struct Library {
-    pub plugin: Plugin,
+struct Library {
+    plugin: Plugin,
     /// True while one of its functions runs.
-    pub busy: AtomicBool,
+    busy: AtomicBool,
     deinit: Option<Deinit>,
     _loaded: ManuallyDrop<libloading::Library>,
 }
@@ -60,7 +59,7 @@ impl Drop for Library {
     fn drop(&mut self) {
         if let Some(deinit) = self.deinit {
             // SAFETY: init was carried out, and no function of the plug-in runs: each holds this library.
-            crash::attribute(&self.plugin, "while it ended (deinit)", || unsafe { deinit() });
+            guard::attribute(&self.plugin, "while it ended (deinit)", || unsafe { deinit() });
         }
     }
 }
@@ -68,7 +67,7 @@ impl Drop for Library {
 /// Loads a library and reads what it declares.
 ///
 /// Errors: no library that can be loaded, none of this interface, or what it declares is wrong; each says what.
-pub(crate) fn load(path: &Path) -> Result<(Library, Vec<LibraryItem>)> {
+pub(crate) fn load(path: &Path) -> Result<Native> {
     let failed = |wrong: ValidationError| load_error(path, wrong);
     let (plugin, bytes) = read_file(path)?;
     check_file(&bytes).map_err(failed)?;
@@ -76,14 +75,14 @@ pub(crate) fn load(path: &Path) -> Result<(Library, Vec<LibraryItem>)> {
     let start = Instant::now();
     // Compilers can make a library change how its thread rounds; so that thread is none of ours.
     let nameless = Plugin { name: file_name(path), ..plugin };
-    let open = move || crash::attribute(&nameless, "while it was loaded", || open(&whole, &nameless));
-    let loaded = watchdog::run(open, || start.elapsed() < START_TIME_LIMIT);
+    let open = move || guard::attribute(&nameless, "while it was loaded", || open(&whole, &nameless));
+    let loaded = guard::run(open, || start.elapsed() < START_TIME_LIMIT);
     match loaded {
         Ok(outcome) => outcome.map_err(failed),
         Err(CallFailure::GivenUp) => {
             Err(failed(format!("it did not begin within {} s", START_TIME_LIMIT.as_secs())))
         }
-        Err(CallFailure::NoThread | CallFailure::Ended) => Err(failed("there is no thread for it".into())),
+        Err(CallFailure::NoThread) => Err(failed("there is no thread for it".into())),
     }
 }
 
@@ -118,7 +117,7 @@ pub(crate) fn read_file(path: &Path) -> Result<(Plugin, Vec<u8>)> {
     Ok((plugin, bytes))
 }
 
-fn open(whole: &Path, nameless: &Plugin) -> CheckResult<(Library, Vec<LibraryItem>)> {
+fn open(whole: &Path, nameless: &Plugin) -> CheckResult<Native> {
     let loaded = ManuallyDrop::new(open_library(whole).map_err(|error| join_lines(&error.to_string()))?);
     // SAFETY: the symbol is only taken for an address, and what is there read with care.
     let entry = unsafe { loaded.get::<*const Entry>(ENTRY.as_bytes()) };
@@ -142,7 +141,7 @@ fn open(whole: &Path, nameless: &Plugin) -> CheckResult<(Library, Vec<LibraryIte
     let busy = AtomicBool::new(false);
     // From here on it is ended properly.
     let library = Library { plugin, busy, deinit: entry.deinit, _loaded: loaded };
-    Ok((library, items(get_factory)?))
+    Ok(Native { library: Arc::new(library), items: items(get_factory)? })
 }
 
 /// The entry.
@@ -299,7 +298,7 @@ const STOP_TIME_LIMIT: Duration = Duration::from_secs(3);
 /// A loaded library with its items.
 pub(crate) struct Native {
     library: Arc<Library>,
-    items: Vec<LibraryItem>,
+    pub items: Vec<LibraryItem>,
 }
 
 /// Guard of a library while one of its functions runs.
@@ -312,8 +311,8 @@ impl Drop for BusyGuard {
 }
 
 impl Native {
-    pub fn new(library: Library, items: Vec<LibraryItem>) -> Native {
-        Native { library: Arc::new(library), items }
+    pub fn declarations(&self) -> Vec<Declaration> {
+        self.items.iter().map(|item| item.declaration.clone()).collect()
     }
 
     /// Runs a function of the plug-in, one at a time, on a thread of its own, while `may_go_on` is true.
@@ -330,8 +329,8 @@ impl Native {
             std::thread::sleep(Duration::from_millis(5));
         }
         let (busy, when) = (BusyGuard(self.library.clone()), format!("in the {}", label.item()));
-        let work = move || crash::attribute(&busy.0.plugin, &when, work);
-        watchdog::run(work, may_go_on)
+        let work = move || guard::attribute(&busy.0.plugin, &when, work);
+        guard::run(work, may_go_on)
     }
 }
 
@@ -343,14 +342,13 @@ impl Runner for Native {
     fn run(
         &self,
         declaration: &Declaration,
-        task: Box<dyn Task>,
+        task: Task,
         progress: &dyn Progress,
     ) -> Result<(CallStatus, Outcome)> {
         let label = CallLabel::new(declaration, &self.library.plugin);
         let item = self.items.iter().find(|item| item.declaration.schema.name == declaration.schema.name);
         let Some(item) = item.cloned() else { return Err(label.error("is not there any more")) };
-        let (is_check, stage, start) =
-            (task.kind().tag == CheckTask::KIND.tag, task.kind().stage, Instant::now());
+        let (is_check, stage, start) = (matches!(task, Task::Check(_)), task.stage(), Instant::now());
         let state = Arc::new(State::default());
         let mut cancelled: Option<Instant> = None;
         let may_go_on = || {
@@ -376,9 +374,7 @@ impl Runner for Native {
                 "it to stop within {} s; only the end of the program ends it, or --plugin-process",
                 STOP_TIME_LIMIT.as_secs()
             )),
-            CallFailure::NoThread | CallFailure::Ended => {
-                label.error("cannot be run: the system gives no thread for it")
-            }
+            CallFailure::NoThread => label.error("cannot be run: the system gives no thread for it"),
         })
     }
 }

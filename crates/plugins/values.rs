@@ -11,13 +11,13 @@ use voltet_core::grid::{Array, Grid};
 use voltet_core::parameters::{LocatedValue, Parameter, ParameterType, ParameterValue, Parameters};
 use voltet_core::{Error, Result};
 
-/// The values of a filter's parameters, in the order of its declarations.
+/// The values of a filter's parameters, in the order of its declarations: one of each type a parameter.
 #[derive(Clone, Default)]
 pub(crate) struct ParameterValues {
-    integers: Vec<i64>,
-    numbers: Vec<f64>,
-    texts: Vec<Option<CString>>,
-    vectors: Vec<Option<Vec<f64>>>,
+    pub integers: Vec<i64>,
+    pub numbers: Vec<f64>,
+    pub texts: Vec<Option<CString>>,
+    pub vectors: Vec<Option<Vec<f64>>>,
 }
 
 wire!(fields of ParameterValues { integers, numbers, texts, vectors });
@@ -34,15 +34,6 @@ impl Wire for Grid {
         let (points, tetrahedra) = (Wire::receive(from)?, Wire::receive(from)?);
         Ok(Grid { points, tetrahedra, ..Grid::default() })
     }
-}
-
-/// Values by type, one of each type a parameter.
-#[cfg(feature = "wasm")]
-pub(crate) struct ValueSlices<'a> {
-    pub integers: &'a [i64],
-    pub numbers: &'a [f64],
-    pub texts: &'a [Option<CString>],
-    pub vectors: &'a [Option<Vec<f64>>],
 }
 
 /// Pointers of the header's struct to values; valid as long as these.
@@ -77,12 +68,6 @@ impl ParameterValues {
             values.vectors.push(setting.and_then(LocatedValue::numbers));
         }
         Ok(values)
-    }
-
-    #[cfg(feature = "wasm")]
-    pub fn parts(&self) -> ValueSlices<'_> {
-        let ParameterValues { integers, numbers, texts, vectors } = self;
-        ValueSlices { integers, numbers, texts, vectors }
     }
 
     pub fn pointers(&self) -> ValuePointers {

@@ -1,9 +1,8 @@
 //! From the table of contents to the grid: decodes what is asked for, puts pieces together, builds tetrahedra.
 
-use super::contents::{Dataset, ExternalFormat, Geometry, Meter, Piece};
-use super::request::{Association, Request};
-use super::select::{ArraySelection, Component, GHOST_LEVELS, GHOST_TYPE};
-use super::{cells, select};
+use super::contents::{Dataset, ExternalFormat, GHOST_LEVELS, GHOST_TYPE, Geometry, Meter, Piece};
+use super::request::{ArraySelection, Association, Component, Request};
+use super::{cells, request};
 use crate::memory::GridSize;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -125,13 +124,13 @@ fn refuse_beyond_memory(
 
 /// The arrays that a request means: the scalar, those beside it on the points, and those that stay on the cells.
 pub(super) fn choices(dataset: &Dataset, request: &Request) -> Result<Vec<ArraySelection>> {
-    let model = select::model(dataset)?;
-    let mut choices = vec![select::scalar(dataset, request.scalar.as_deref(), request.association)?];
+    let model = request::model(dataset)?;
+    let mut choices = vec![request::scalar(dataset, request.scalar.as_deref(), request.association)?];
     for name in point_names(request) {
-        choices.push(select::array(model, name, Association::Auto)?);
+        choices.push(request::array(model, name, Association::Auto)?);
     }
     for name in cell_names(request) {
-        choices.push(select::array(model, name, Association::Cell)?);
+        choices.push(request::array(model, name, Association::Cell)?);
     }
     Ok(choices)
 }
@@ -273,7 +272,7 @@ fn corners(cells: &Cells, number: usize) -> Box<dyn Iterator<Item = u32> + '_> {
             Box::new(set.connectivity.get(range).unwrap_or(&[]).iter().copied())
         }
         &Cells::Structured(dimensions) => {
-            Box::new(structured_corners(dimensions, number).into_iter().map(|corner| corner as u32))
+            Box::new(cells::structured_corners(dimensions, number).into_iter().map(|corner| corner as u32))
         }
     }
 }
@@ -294,12 +293,9 @@ fn degrees(piece: &Piece, cells: &Cells, meter: &Meter) -> Result<Option<Vec<[u8
 /// The positions of a piece's points.
 pub(super) fn points(piece: &Piece, meter: &Meter) -> Result<Vec<DVec3>> {
     match &piece.geometry {
-        Geometry::Unstructured { points, .. } | Geometry::Curvilinear { points, .. } => points
-            .load_with::<f64, _>(
-                meter,
-                |n| vec![DVec3::ZERO; n / 3],
-                |points| bytemuck::cast_slice_mut(points),
-            ),
+        Geometry::Unstructured { points, .. } | Geometry::Curvilinear { points, .. } => {
+            points.load_tuples::<f64, _>(meter)
+        }
         Geometry::Added(added, _) => added.points(meter.progress()),
         Geometry::Rectilinear { axes, .. } => {
             let [x, y, z] = &**axes;
@@ -386,7 +382,7 @@ pub(super) fn merge(mut pieces: Vec<Loaded>, from: &[&Piece]) -> Result<Loaded> 
                 tetrahedra
                     .par_extend(own.into_par_iter().map(|corners: [u32; 4]| corners.map(|c| c + shift)));
             }
-            cells => append(&mut set, into_set(cells), shift),
+            cells => append(&mut set, cells::into_set(cells, code::VOXEL), shift),
         }
         points.append(&mut piece.points);
         if let Some(ghost) = &mut ghost {
@@ -433,38 +429,4 @@ fn append(to: &mut CellSet, own: CellSet, shift: u32) {
         polyhedron.faces.iter_mut().flatten().for_each(|corner| *corner += shift);
         to.polyhedra.push(polyhedron);
     }
-}
-
-/// Any cells as a set.
-fn into_set(cells: Cells) -> CellSet {
-    match cells {
-        Cells::Mixed(set) => set,
-        Cells::Tetrahedra(tetrahedra) => CellSet {
-            types: vec![code::TETRA; tetrahedra.len()],
-            offsets: (0..=tetrahedra.len() as u64).map(|number| 4 * number).collect(),
-            connectivity: tetrahedra.into_flattened(),
-            polyhedra: Vec::new(),
-        },
-        Cells::Structured(dimensions) => {
-            let count = Cells::Structured(dimensions).count();
-            CellSet {
-                types: vec![code::VOXEL; count],
-                offsets: (0..=count as u64).map(|number| 8 * number).collect(),
-                connectivity: (0..count)
-                    .flat_map(|number| structured_corners(dimensions, number))
-                    .map(|corner| corner as u32)
-                    .collect(),
-                polyhedra: Vec::new(),
-            }
-        }
-    }
-}
-
-/// The points of a cell of a structured grid, in a voxel's order.
-pub(super) fn structured_corners([nx, ny, _]: [usize; 3], number: usize) -> [usize; 8] {
-    let (i, rest) = (number % (nx - 1), number / (nx - 1));
-    let (j, k) = (rest % (ny - 1), rest / (ny - 1));
-    std::array::from_fn(|corner| {
-        (i + (corner & 1)) + nx * ((j + (corner >> 1 & 1)) + ny * (k + (corner >> 2)))
-    })
 }

@@ -51,7 +51,7 @@ fn tetrahedra(connectivity: &Stored, offsets: &Stored, count: u64, meter: &Meter
     })?;
     let mut connectivity = connectivity.clone();
     (connectivity.tuple_count, connectivity.component_count) = (Some(count), 4);
-    connectivity.load_with::<u32, _>(meter, |n| vec![[0; 4]; n / 4], |cells| bytemuck::cast_slice_mut(cells))
+    connectivity.load_tuples::<u32, _>(meter)
 }
 
 fn wrong_offset_count(found: usize, cell_count: u64) -> Error {
@@ -213,6 +213,37 @@ fn counted(list: &Stored, types: &Stored, meter: &Meter) -> Result<Cells> {
         return from_streams(types, &cells.offsets, cells.connectivity).map(Cells::Mixed);
     }
     Ok(Cells::Mixed(CellSet { types, ..cells }))
+}
+
+/// Any cells as a set; those of a structured grid of the type `structured`, [`code::VOXEL`] or [`code::HEXAHEDRON`].
+pub(crate) fn into_set(cells: Cells, structured: u8) -> CellSet {
+    let regular = |code: u8, corners: usize, connectivity: Vec<u32>| {
+        let count = connectivity.len() / corners;
+        let offsets = (0..=count).map(|number| (corners * number) as u64).collect();
+        CellSet { types: vec![code; count], offsets, connectivity, polyhedra: Vec::new() }
+    };
+    match cells {
+        Cells::Mixed(set) => set,
+        Cells::Tetrahedra(tetrahedra) => regular(code::TETRA, 4, tetrahedra.into_flattened()),
+        Cells::Structured(dimensions) => {
+            let order =
+                if structured == code::VOXEL { [0, 1, 2, 3, 4, 5, 6, 7] } else { [0, 1, 3, 2, 4, 5, 7, 6] };
+            let corners = |number: usize| {
+                let corners = structured_corners(dimensions, number);
+                order.map(|corner: usize| corners[corner] as u32)
+            };
+            regular(structured, 8, (0..cells.count()).flat_map(corners).collect())
+        }
+    }
+}
+
+/// The points of a cell of a structured grid, in a voxel's order.
+pub(super) fn structured_corners([nx, ny, _]: [usize; 3], number: usize) -> [usize; 8] {
+    let (i, rest) = (number % (nx - 1), number / (nx - 1));
+    let (j, k) = (rest % (ny - 1), rest / (ny - 1));
+    std::array::from_fn(|corner| {
+        (i + (corner & 1)) + nx * ((j + (corner >> 1 & 1)) + ny * (k + (corner >> 2)))
+    })
 }
 
 #[cfg(test)]

@@ -2,17 +2,20 @@
 
 use super::codec::Codec;
 use super::numbers::{ByteOrder, NumberType};
-use super::request::Request;
 use super::source::Source;
 use glam::{DMat3, DVec3};
 use std::ops::Range;
-use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use voltet_core::grid::{Association, Cells};
 use voltet_core::progress::{Progress, refuse_beyond_memory};
 use voltet_core::reading::{GridRead, OpenGrid};
 use voltet_core::{Error, Result};
+
+/// Arrays with these names flag ghosts and are not offered as quantities.
+pub(super) const GHOST_TYPE: &str = "vtkGhostType";
+/// The flag's older form: the number of layers from the piece's own cells.
+pub(super) const GHOST_LEVELS: &str = "vtkGhostLevels";
 
 /// Everything that one reading may decode.
 #[derive(Debug, Default)]
@@ -188,9 +191,18 @@ impl Stored {
                 .got(format_args!("{tuple_count} tuples of {} components", self.component_count))),
         }
     }
+
+    /// Flags of the points, hidden where this array is 0.
+    pub fn hidden_where_zero(&self) -> Stored {
+        let blanking = self.clone();
+        let hidden = |value: f64| if value == 0.0 { 2.0 } else { 0.0 };
+        let flags: Compute =
+            Arc::new(move |meter| Ok(blanking.load::<f64>(meter)?.into_iter().map(hidden).collect()));
+        Stored { name: GHOST_TYPE.to_owned(), encoding: Encoding::Computed(flags), ..self.clone() }
+    }
 }
 
-/// An open file, and what was read of it and not yet taken.
+/// An open file of a format that comes from outside, and what was read of it and not yet taken.
 pub(super) struct ExternalFormat {
     open: Box<dyn OpenGrid>,
     ready: Mutex<ParsedHead>,
@@ -309,16 +321,4 @@ impl ExternalFormat {
     pub fn warnings(&self) -> Vec<String> {
         self.ready().warnings.clone()
     }
-}
-
-/// A format of files.
-pub(super) struct Format {
-    /// Name of the format's files in messages.
-    pub files: &'static str,
-    /// True if a file is one, by its name and how it begins (a byte order mark and white space left out).
-    pub matches: fn(head: &[u8], path: &Path, request: &Request) -> bool,
-    /// Reads the table of contents.
-    pub open: fn(Arc<Source>, &Request) -> Result<Dataset>,
-    /// True if a file may come with a second one, [`Request::solution`].
-    pub has_solution: bool,
 }

@@ -7,6 +7,7 @@ use super::codec::{Base64Text, Codec, Decompressor};
 use super::contents::{Encoding, Meter, Stored};
 use super::numbers::{self, ByteOrder, NumberType, Target, convert};
 use super::source::Source;
+use bytemuck::Pod;
 use rayon::prelude::*;
 use voltet_core::{Error, Result};
 
@@ -19,62 +20,48 @@ type See<'a, T> = dyn Fn(usize, usize, &[T]) -> Result<()> + Sync + 'a;
 impl Stored {
     /// Reads all values. Allocates once their number is known to lie in the file.
     pub fn load<T: Target>(&self, meter: &Meter) -> Result<Vec<T>> {
-        self.load_checked(meter).map_err(|error| error.at_item(&self.name))
-    }
-
-    /// Reads all values into `to`, whose length must be their number.
-    ///
-    /// The destination is asked for only once that many values are known to lie in the file.
-    pub fn load_with<T: Target, D>(
-        &self,
-        meter: &Meter,
-        allocate: impl FnOnce(usize) -> D,
-        view: impl FnOnce(&mut D) -> &mut [T],
-    ) -> Result<D> {
-        let inner = || -> Result<D> {
-            let found = self.find(meter)?;
-            let count = self.count(&found)?;
-            let mut destination = allocate(count);
-            self.decode(found, view(&mut destination), meter)?;
-            Ok(destination)
+        let inner = || -> Result<Vec<T>> {
+            let values = match self.find(meter)? {
+                Decodable::Text(text) => {
+                    let values = numbers::numbers(self.number_type, &text)?;
+                    meter.advance(text.len() as u64)?;
+                    values
+                }
+                Decodable::Computed(values) => T::all_from(values),
+                found => {
+                    let mut values = vec![T::default(); self.count(&found)?];
+                    let found = self.whole_values(found, meter)?;
+                    values
+                        .par_chunks_mut(self.part_len(&found))
+                        .enumerate()
+                        .try_for_each_init(Buffers::default, |buffers, (part, to)| {
+                            self.decode_range(&found, part, buffers, to, meter)
+                        })?;
+                    return Ok(values);
+                }
+            };
+            self.check_count(values.len() as u64)?;
+            Ok(values)
         };
         inner().map_err(|error| error.at_item(&self.name))
     }
 
-    fn load_checked<T: Target>(&self, meter: &Meter) -> Result<Vec<T>> {
-        let found = self.find(meter)?;
-        if let Decodable::Text(text) = &found {
-            let values = numbers::numbers(self.number_type, text)?;
-            meter.advance(text.len() as u64)?;
-            self.check_count(values.len() as u64)?;
-            return Ok(values);
-        }
-        let count = self.count(&found)?;
-        if let Decodable::Computed(values) = found {
-            return Ok(T::all_from(values));
-        }
-        let mut values = vec![T::default(); count];
-        self.decode(found, &mut values, meter)?;
-        Ok(values)
+    /// Reads all values as tuples of type `D`, which hold the array's components.
+    pub fn load_tuples<T: Target + Pod, D: Pod>(&self, meter: &Meter) -> Result<Vec<D>> {
+        let copied = |(_, values): (_, Vec<T>)| bytemuck::cast_slice(&values).to_vec();
+        Ok(bytemuck::try_cast_vec(self.load(meter)?).unwrap_or_else(copied))
     }
 
-    /// Number of values found, which is the number promised.
+    /// Number of values in the bytes found, which is the number promised.
     fn count(&self, found: &Decodable) -> Result<usize> {
         let byte_count = match found {
-            Decodable::Text(text) => {
-                let count = numbers::words(text).count() as u64;
-                self.check_count(count)?;
-                return Ok(count as usize);
-            }
-            Decodable::Computed(values) => {
-                self.check_count(values.len() as u64)?;
-                return Ok(values.len());
-            }
             Decodable::Plain(payload) => payload.len(),
             Decodable::Blocks { size, last, places, .. } => match places.len() as u64 {
                 0 => 0,
                 count => (count - 1) * size + last,
             },
+            // Counted when they are there.
+            Decodable::Text(_) | Decodable::Computed(_) => 0,
         };
         let promised = self.promised()?;
         let count = match (self.number_type.size(), promised) {
@@ -108,12 +95,13 @@ impl Stored {
 
     /// Shows all values to `see`, part by part and in parallel, without keeping them.
     pub fn visit<T: Target>(&self, meter: &Meter, see: &See<T>) -> Result<()> {
+        let in_array = |error: Error| error.at_item(&self.name);
+        if matches!(self.encoding, Encoding::Text(_) | Encoding::Computed(_)) {
+            let values = self.load(meter)?;
+            return see(values.len(), 0, &values).map_err(in_array);
+        }
         let inner = || -> Result<()> {
             let found = self.find(meter)?;
-            if matches!(found, Decodable::Text(_) | Decodable::Computed(_)) {
-                let values = self.load_checked(meter)?;
-                return see(values.len(), 0, &values);
-            }
             let count = self.count(&found)?;
             let found = self.whole_values(found, meter)?;
             let part_len = self.part_len(&found);
@@ -127,31 +115,7 @@ impl Stored {
                 },
             )
         };
-        inner().map_err(|error| error.at_item(&self.name))
-    }
-
-    /// Decodes what was found into `to`, whose length is the number of values.
-    fn decode<T: Target>(&self, found: Decodable, to: &mut [T], meter: &Meter) -> Result<()> {
-        match found {
-            Decodable::Computed(values) => {
-                for (to, value) in to.iter_mut().zip(values) {
-                    *to = T::from_f64(value).0;
-                }
-                Ok(())
-            }
-            Decodable::Text(text) => {
-                to.copy_from_slice(&numbers::numbers::<T>(self.number_type, &text)?);
-                meter.advance(text.len() as u64)
-            }
-            found => {
-                let found = self.whole_values(found, meter)?;
-                to.par_chunks_mut(self.part_len(&found))
-                    .enumerate()
-                    .try_for_each_init(Buffers::default, |buffers, (part, to)| {
-                        self.decode_range(&found, part, buffers, to, meter)
-                    })
-            }
-        }
+        inner().map_err(in_array)
     }
 
     /// Puts the bytes side by side where values lie across the blocks.

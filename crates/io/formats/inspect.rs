@@ -1,12 +1,11 @@
 //! Summary of a file for people: cells by type, arrays with ranges, bounds, time steps.
 
 use super::contents::{Dataset, Geometry, Meter, Piece, Stored};
-use super::request::{Association, Request};
+use super::request::Association;
 use super::{assemble, cells};
 use crate::memory::GridSize;
 use glam::DVec3;
 use std::collections::BTreeMap;
-use std::path::Path;
 use voltet_core::Result;
 use voltet_core::grid::{CellType, Cells, code};
 use voltet_core::progress::Progress;
@@ -76,12 +75,8 @@ pub struct ArraySummary {
     pub not_finite_count: u64,
 }
 
-/// The arrays of a file, each once, the points' first. Reads headers alone.
-///
-/// # Errors
-/// As [`super::read`], as far as headers show them.
-pub fn arrays(path: &Path, request: &Request) -> Result<Vec<ArrayHead>> {
-    let dataset = super::open::open(path, request)?;
+/// The arrays of a table of contents, each once, the points' first.
+pub(super) fn array_heads(dataset: &Dataset) -> Vec<ArrayHead> {
     let mut heads: Vec<ArrayHead> = Vec::new();
     for array in dataset.pieces.iter().flat_map(|piece| &piece.arrays) {
         let head = head(&array.stored, array.per_cell);
@@ -90,7 +85,7 @@ pub fn arrays(path: &Path, request: &Request) -> Result<Vec<ArrayHead>> {
         }
     }
     heads.sort_by_key(|head| head.association == Association::Cell);
-    Ok(heads)
+    heads
 }
 
 fn head(stored: &Stored, per_cell: bool) -> ArrayHead {
@@ -101,16 +96,8 @@ fn head(stored: &Stored, per_cell: bool) -> ArrayHead {
     }
 }
 
-/// Reads everything that a file holds, one array at a time, and says what it is.
-///
-/// # Errors
-/// As [`super::read`]; a file without three-dimensional cells or without arrays is no error here.
-pub fn inspect(path: &Path, request: &Request, progress: &dyn Progress) -> Result<Summary> {
-    let dataset = super::open::open(path, request)?;
-    summarize(&dataset, progress).map_err(|error| error.in_file(path))
-}
-
-fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Summary> {
+/// Decodes everything, one array at a time, and says what it is.
+pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Summary> {
     let mut sources = Vec::new();
     for source in dataset.pieces.iter().flat_map(Piece::sources) {
         if !sources.iter().any(|known| std::sync::Arc::ptr_eq(known, &source)) {

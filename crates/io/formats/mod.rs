@@ -6,27 +6,12 @@
 //! | .vtk (legacy 2.0 to 5.1, ASCII and binary) | [`legacy`] |
 //! | PLOT3D grid and solution | [`plot3d`] |
 //!
-//! | file | what |
-//! | --- | --- |
-//! | `request`, `select` | what is asked of a file, and which of its arrays that means |
-//! | `open` | the list of formats, and what tells a file's |
-//! | `format` | the declaration of a format: how its files are told, and what reads them |
-//! | `outside`, `added`, `chosen` | formats that come from outside: table of contents, what their reader decodes, which reader |
-//! | `unsupported` | formats that are not read, by name and with what to do |
-//! | `source` | a file, read at positions |
-//! | `piece`, `stored` | the table of contents: counts, geometry, and how each array lies in the file |
-//! | `decodable` | an array's bytes, their number compared with what headers promise |
-//! | `codec`, `base64`, `ascii`, `numbers` | from bytes to numbers |
-//! | `decode` | arrays into memory, in parallel |
-//! | `cells`, `merge`, `assemble` | cells, pieces and the grid |
-//! | `inspect` | what `voltet info` shows |
-//!
-//! Every format is turned into the same table of contents first ([`piece`]: counts, geometry, and for each array its
+//! Every format is turned into the same table of contents first ([`contents`]: counts, geometry, and for each array its
 //! type and where its bytes lie), without decoding anything. What a [`Request`] asks for is then decoded in
-//! parallel straight into its destination ([`decodable`], [`codec`], [`decode`]) and put together ([`assemble`]).
+//! parallel straight into its destination ([`codec`], [`decode`]) and put together ([`assemble`]).
 //! The format is told by the content of the file, not by its name; PLOT3D, which has no magic, by its name or by a
 //! solution file being given. A further format is a module that gives a [`Dataset`] and declares a
-//! [`Format`], and a line in `FORMATS` in `open`.
+//! [`Format`], and a line in `FORMATS`.
 //!
 //! Nothing is allocated because a header says so: a size is believed only after the bytes that back it were found
 //! in the file (with compression, after the greatest ratio that the codec can reach was applied).
@@ -43,27 +28,29 @@ mod decode;
 mod inspect;
 mod legacy;
 mod numbers;
-mod open;
 mod plot3d;
 mod request;
-mod select;
 mod source;
 mod unsupported;
 mod xml;
 
 pub use assemble::{SkippedArray, length};
 pub use cells::face_stream;
-pub use inspect::{ArrayHead, ArraySummary, Summary, arrays, inspect};
-pub use open::{FILES, ships};
-pub use request::{Association, Request, SelectedArrays, TimeStep};
-pub use select::Component;
+pub(crate) use cells::into_set;
+pub use inspect::{ArrayHead, ArraySummary, Summary};
+pub use request::{Association, Component, Request, SelectedArrays, TimeStep};
 pub use voltet_core::grid::CellValues;
 
-use open::open;
+use contents::{Compute, Dataset, Encoding, ExternalFormat, Geometry, Piece, PieceArray, Stored};
+use numbers::{ByteOrder, NumberType};
+use request::Format;
+use source::{Source, printable};
 use std::path::{Path, PathBuf};
-use voltet_core::Result;
+use std::sync::Arc;
 use voltet_core::grid::Grid;
-use voltet_core::progress::Progress;
+use voltet_core::progress::{NoProgress, Progress};
+use voltet_core::reading::FileArray;
+use voltet_core::{Error, Result, grid};
 
 /// Reads a grid and the arrays that `request` names.
 ///
@@ -81,6 +68,23 @@ pub fn read(path: &Path, request: &Request, progress: &dyn Progress) -> Result<G
 pub fn unread(path: &Path, request: &Request) -> Result<SkippedArray> {
     let dataset = open(path, request)?;
     assemble::unread(&dataset, &assemble::choices(&dataset, request)?).map_err(|error| error.in_file(path))
+}
+
+/// The arrays of a file, each once, the points' first. Reads headers alone.
+///
+/// # Errors
+/// As [`read`], as far as headers show them.
+pub fn arrays(path: &Path, request: &Request) -> Result<Vec<ArrayHead>> {
+    Ok(inspect::array_heads(&open(path, request)?))
+}
+
+/// Reads everything that a file holds, one array at a time, and says what it is.
+///
+/// # Errors
+/// As [`read`]; a file without three-dimensional cells or without arrays is no error here.
+pub fn inspect(path: &Path, request: &Request, progress: &dyn Progress) -> Result<Summary> {
+    let dataset = open(path, request)?;
+    inspect::summarize(&dataset, progress).map_err(|error| error.in_file(path))
 }
 
 /// The number of time steps of a file: 1 where it is no series. Reads headers alone.
@@ -102,4 +106,117 @@ pub fn files_beside(path: &Path) -> Vec<PathBuf> {
 pub fn files_read_beside(path: &Path, request: &Request) -> Vec<PathBuf> {
     let solution = plot3d::solution_beside(path, request);
     xml::files_named(path, Some(request)).into_iter().chain(solution).collect()
+}
+
+/// The formats, in the order in which a file is tried as one of them.
+const FORMATS: &[Format] = &[xml::FORMAT, legacy::FORMAT, plot3d::FORMAT];
+
+/// File types of the reader, for its help.
+pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, legacy .vtk) or a PLOT3D grid";
+
+/// File types of several formats, in one phrase.
+fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {
+    let first = formats.next().map_or(String::new(), |format| format.files.to_string());
+    formats.fold(first, |phrase, format| phrase + " or " + format.files)
+}
+
+/// Reads the table of contents of a file by the format that it shows; what is asked for but cannot be of such a file is an
+/// error.
+fn open(path: &Path, request: &Request) -> Result<Dataset> {
+    unsupported::refuse_folder(path)?;
+    let source = Source::open(path)?;
+    let in_file = |error: Error| error.in_file(path);
+    if let Some(chosen) = &request.chosen {
+        let dataset = open_external(&source, request, chosen).map_err(in_file)?;
+        return refuse_no_series(dataset, request, "a file that is a series, or no time step")
+            .map_err(in_file);
+    }
+    unsupported::refuse_by_magic(&source).map_err(in_file)?;
+    let head = source.head(256).map_err(in_file)?;
+    let Some(format) = format_of(&head, path, request) else {
+        unsupported::refuse_by_words(&source).map_err(in_file)?;
+        let error = Error::run("the format of the file is not known").got(printable(&head));
+        let formats = files(FORMATS.iter());
+        return Err(in_file(
+            error.expected(format!("{formats}; formats from outside have nodes of their own")),
+        ));
+    };
+    let dataset = (format.open)(source, request).map_err(in_file)?;
+    let dataset = refuse_no_series(dataset, request, "a .pvd file, or no time step").map_err(in_file)?;
+    if request.solution.is_some() && !format.has_solution {
+        let with = files(FORMATS.iter().filter(|format| format.has_solution));
+        return Err(in_file(
+            Error::run("a solution is named, but the grid is of a format without")
+                .got(&dataset.format)
+                .expected(format!("{with}, or no solution")),
+        ));
+    }
+    Ok(dataset)
+}
+
+/// True if a file is of a format that ships. One that cannot be read is, too: there is nothing to ask others for.
+pub fn ships(path: &Path) -> bool {
+    let head = Source::open(path).and_then(|source| source.head(256));
+    head.is_err() || head.is_ok_and(|head| format_of(&head, path, &Request::default()).is_some())
+}
+
+/// The format that a file shows, by how it begins and its name.
+fn format_of(head: &[u8], path: &Path, request: &Request) -> Option<&'static Format> {
+    let text = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(head).trim_ascii_start();
+    FORMATS.iter().find(|format| (format.matches)(text, path, request))
+}
+
+/// Errors: a step that is none is asked for.
+fn refuse_no_series(dataset: Dataset, request: &Request, accepted: &str) -> Result<Dataset> {
+    let step = request.time_step.filter(|step| *step != TimeStep::Index(0));
+    let Some(step) = step.filter(|_| dataset.time_steps.is_empty()) else { return Ok(dataset) };
+    let found = match step {
+        TimeStep::Index(index) => format!("step {index}"),
+        TimeStep::Time(time) => format!("time {time}"),
+    };
+    let error = Error::run("a time step is asked for, but the file is no time series");
+    Err(error.got(found).expected(accepted))
+}
+
+/// Reads the table of contents.
+fn open_external(source: &Arc<Source>, request: &Request, chosen: &SelectedArrays) -> Result<Dataset> {
+    let SelectedArrays { reader, parameters } = chosen;
+    let at = |step: usize| reader.open(source.path(), step, parameters, &NoProgress);
+    let mut opened = at(0)?;
+    let step = match opened.head().times.as_slice() {
+        [] => 0,
+        times => request.step_index(times)?,
+    };
+    if step > 0 {
+        opened = at(step)?;
+    }
+    let head = opened.head().clone();
+    let added = Arc::new(ExternalFormat::new(opened));
+    let array = |(place, array): (usize, &FileArray)| {
+        let (per_cell, of) = (array.association == grid::Association::Cell, added.clone());
+        let compute: Compute = Arc::new(move |meter| of.array(place, meter.progress()));
+        let stored = Stored {
+            source: source.clone(),
+            name: array.name.clone(),
+            number_type: NumberType::F64,
+            order: ByteOrder::Little,
+            component_count: array.component_count,
+            tuple_count: Some(if per_cell { head.cell_count } else { head.point_count }),
+            encoding: Encoding::Computed(compute),
+        };
+        PieceArray { per_cell, stored }
+    };
+    let piece = Piece {
+        point_count: head.point_count,
+        cell_count: head.cell_count,
+        arrays: head.arrays.iter().enumerate().map(array).collect(),
+        geometry: Geometry::Added(added, source.clone()),
+    };
+    Ok(Dataset {
+        format: head.format,
+        pieces: vec![piece],
+        time_steps: head.times,
+        active_scalars: head.scalar,
+        warnings: Vec::new(),
+    })
 }

@@ -125,35 +125,20 @@ macro_rules! integer_target {
             }
             #[inline]
             fn from_i64(value: i64) -> (Self, bool) {
-                (value as $type, value >= 0 && value as u64 <= <$type>::MAX as u64)
+                (value as $type, <$type>::try_from(value).is_ok())
             }
             #[inline]
             fn from_u64(value: u64) -> (Self, bool) {
-                (value as $type, value <= <$type>::MAX as u64)
+                (value as $type, <$type>::try_from(value).is_ok())
             }
         }
     };
 }
 
-impl Target for i64 {
-    const ACCEPTED: &'static str = "a whole number";
-    #[inline]
-    fn from_f64(value: f64) -> (Self, bool) {
-        (value as i64, value as i64 as f64 == value)
-    }
-    #[inline]
-    fn from_i64(value: i64) -> (Self, bool) {
-        (value, true)
-    }
-    #[inline]
-    fn from_u64(value: u64) -> (Self, bool) {
-        (value as i64, value <= i64::MAX as u64)
-    }
-}
-
 integer_target!(u8, "a whole number from 0 to 255");
 integer_target!(u32, "a whole number from 0 to 4294967295");
 integer_target!(u64, "a whole number, not negative");
+integer_target!(i64, "a whole number");
 
 /// Converts the first `to.len()` values of `bytes`. An error holds the index of the first value that the target
 /// cannot represent.
@@ -241,21 +226,13 @@ fn parse_float(text: &str) -> Option<f64> {
         None => (false, text.strip_prefix('+').unwrap_or(text)),
     };
     let lower = rest.to_ascii_lowercase();
-    if lower.starts_with("nan")
-        || lower.starts_with("1.#ind")
-        || lower.starts_with("1.#qnan")
-        || lower.starts_with("1.#snan")
-    {
-        return Some(f64::NAN);
-    }
-    if lower.starts_with("1.#inf") {
-        return Some(if negative { f64::NEG_INFINITY } else { f64::INFINITY });
-    }
-    if lower.contains('d') {
-        let value: f64 = lower.replacen('d', "e", 1).parse().ok()?;
-        return Some(if negative { -value } else { value });
-    }
-    None
+    let value = match lower.as_str() {
+        text if ["nan", "1.#ind", "1.#qnan", "1.#snan"].iter().any(|nan| text.starts_with(nan)) => f64::NAN,
+        text if text.starts_with("1.#inf") => f64::INFINITY,
+        text if text.contains('d') => text.replacen('d', "e", 1).parse().ok()?,
+        _ => return None,
+    };
+    Some(if negative { -value } else { value })
 }
 
 /// Bytes of text that one task parses.

@@ -8,20 +8,17 @@
 //! R). Symbols, in PLOT3D's dimensionless form: density ρ, momentum ρ**u**, energy e per volume, v² = |**u**|², ratio of specific heats
 //! γ = 1.4, gas constant R = 1.
 
+use self::Formula::{Scalar, Vector};
 use super::contents::{
-    Compute, Dataset, Encoding, Format, Geometry, Meter, Piece, PieceArray, Stored, structured_counts,
+    Compute, Dataset, Encoding, Geometry, Meter, Piece, PieceArray, Stored, structured_counts,
 };
 use super::numbers::{self, ByteOrder, NumberType};
-use super::request::Request;
-use super::select::GHOST_TYPE;
+use super::request::{Format, Request};
 use super::source::Source;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::{Error, Result};
-
-/// Name of the blanking flags as an array.
-const BLANKING: &str = "iblank";
 
 /// The declaration.
 pub(super) const FORMAT: Format = Format { files: "a PLOT3D grid", matches, open, has_solution: true };
@@ -91,15 +88,12 @@ fn piece(source: &Arc<Source>, grid: Block, solution: Option<Block>, request: &R
     };
     let coordinates = [x.clone(), y.clone(), z.clone()];
     let points = computed(source, "coordinates", 3, Arc::new(move |meter| interleave(&coordinates, meter)));
-    if let Some(flags) = rest.first() {
-        let plane = flags.clone();
-        add(computed(source, BLANKING, 1, Arc::new(move |meter| plane.load(meter))));
+    if let Some(flags) = rest.first().cloned() {
+        let flags = computed(source, "iblank", 1, Arc::new(move |meter| flags.load(meter)));
         // 0 marks a point outside the flow; other values say what kind of point it is.
-        let plane = flags.clone();
-        let hidden = |flag: f64| if flag == 0.0 { 2.0 } else { 0.0 };
-        let compute: Compute =
-            Arc::new(move |meter| Ok(plane.load(meter)?.into_iter().map(hidden).collect()));
-        add(computed(source, GHOST_TYPE, 1, compute));
+        let hidden = flags.hidden_where_zero();
+        add(flags);
+        add(hidden);
     }
     if let Some(solution) = solution {
         let planes: Arc<[Plane]> = solution.planes.into();
@@ -107,11 +101,11 @@ fn piece(source: &Arc<Source>, grid: Block, solution: Option<Block>, request: &R
             // The quantity bears the name that the request uses, so that it is found however it is spelled.
             let wanted = request.scalar.iter().chain(&request.point_arrays);
             let stem = |name: &'_ String| name.split(':').next().unwrap_or("").to_owned();
-            let name =
-                wanted.map(stem).find(|name| quantity.is_called(name)).unwrap_or(quantity.name.to_owned());
-            let component_count = if matches!(quantity.formula, Formula::Vector(_)) { 3 } else { 1 };
+            let DerivedQuantity(name, _, formula) = quantity;
+            let name = wanted.map(stem).find(|name| quantity.is_called(name)).unwrap_or(name.to_string());
+            let component_count = if matches!(formula, Vector(_)) { 3 } else { 1 };
             let planes = planes.clone();
-            let compute: Compute = Arc::new(move |meter| derive(&planes, &quantity.formula, meter));
+            let compute: Compute = Arc::new(move |meter| derive(&planes, formula, meter));
             add(computed(source, &name, component_count, compute));
         }
     }
@@ -137,36 +131,21 @@ fn derive(planes: &[Plane], formula: &Formula, meter: &Meter) -> Result<Vec<f64>
     let (density, energy) = (density.load(meter)?, energy.load(meter)?);
     let momentum = [mx.load(meter)?, my.load(meter)?, mz.load(meter)?];
     let points = (0..density.len()).into_par_iter();
-    let at = |i: usize| (density[i], [momentum[0][i], momentum[1][i], momentum[2][i]], energy[i]);
+    let momentum = |i: usize| [momentum[0][i], momentum[1][i], momentum[2][i]];
     Ok(match formula {
-        Formula::Scalar(formula) => points
-            .map(|i| {
-                let (density, momentum, energy) = at(i);
-                formula(density, momentum, energy)
-            })
-            .collect(),
-        Formula::Vector(formula) => points
-            .flat_map_iter(|i| {
-                let (density, momentum, energy) = at(i);
-                formula(density, momentum, energy)
-            })
-            .collect(),
+        Scalar(formula) => points.map(|i| formula(density[i], momentum(i), energy[i])).collect(),
+        Vector(formula) => points.flat_map_iter(|i| formula(density[i], momentum(i), energy[i])).collect(),
     })
 }
 
 /// Ratio of specific heats.
 const GAMMA: f64 = 1.4;
 
-/// A quantity: its name, other names that are understood, components, formula of (ρ, ρu, e).
-pub(super) struct DerivedQuantity {
-    pub name: &'static str,
-    /// Without capitals, spaces, hyphens and underscores.
-    pub aliases: &'static [&'static str],
-    pub formula: Formula,
-}
+/// A quantity: its name, another one that is understood (without capitals, spaces, hyphens and underscores), formula of (ρ, ρu, e).
+struct DerivedQuantity(&'static str, Option<&'static str>, Formula);
 
 /// Formula of a quantity from density, momentum and energy.
-pub(super) enum Formula {
+enum Formula {
     /// One value a point.
     Scalar(fn(f64, [f64; 3], f64) -> f64),
     /// Three values a point.
@@ -187,67 +166,40 @@ fn sound_speed(density: f64, momentum: [f64; 3], energy: f64) -> f64 {
     (GAMMA * pressure(density, momentum, energy) / density).sqrt()
 }
 
+/// s = R / (γ − 1) · ln((p / p∞) / (ρ / ρ∞)^γ) with ρ∞ = 1, p∞ = 1 / γ
+fn entropy(density: f64, momentum: [f64; 3], energy: f64) -> f64 {
+    (pressure(density, momentum, energy) * GAMMA / density.powf(GAMMA)).ln() / (GAMMA - 1.0)
+}
+
 /// All quantities, those of the file first.
-pub(super) const QUANTITIES: &[DerivedQuantity] = &[
-    DerivedQuantity { name: "density", aliases: &["density"], formula: Formula::Scalar(|d, _, _| d) },
-    DerivedQuantity { name: "momentum", aliases: &["momentum"], formula: Formula::Vector(|_, m, _| m) },
-    DerivedQuantity {
-        name: "energy",
-        aliases: &["energy", "stagnationenergy"],
-        formula: Formula::Scalar(|_, _, e| e),
-    },
-    DerivedQuantity { name: "pressure", aliases: &["pressure"], formula: Formula::Scalar(pressure) },
+const QUANTITIES: &[DerivedQuantity] = &[
+    DerivedQuantity("density", None, Scalar(|d, _, _| d)),
+    DerivedQuantity("momentum", None, Vector(|_, m, _| m)),
+    DerivedQuantity("energy", Some("stagnationenergy"), Scalar(|_, _, e| e)),
+    DerivedQuantity("pressure", None, Scalar(pressure)),
     // T = p / (ρ R)
-    DerivedQuantity {
-        name: "temperature",
-        aliases: &["temperature"],
-        formula: Formula::Scalar(|d, m, e| pressure(d, m, e) / d),
-    },
+    DerivedQuantity("temperature", None, Scalar(|d, m, e| pressure(d, m, e) / d)),
     // h = γ (e/ρ − v² / 2)
-    DerivedQuantity {
-        name: "enthalpy",
-        aliases: &["enthalpy"],
-        formula: Formula::Scalar(|d, m, e| GAMMA * (e / d - 0.5 * speed_squared(d, m))),
-    },
-    DerivedQuantity {
-        name: "internal_energy",
-        aliases: &["internalenergy"],
-        formula: Formula::Scalar(|d, m, e| e / d - 0.5 * speed_squared(d, m)),
-    },
-    DerivedQuantity {
-        name: "kinetic_energy",
-        aliases: &["kineticenergy"],
-        formula: Formula::Scalar(|d, m, _| 0.5 * speed_squared(d, m)),
-    },
-    DerivedQuantity {
-        name: "velocity",
-        aliases: &["velocity"],
-        formula: Formula::Vector(|d, m, _| m.map(|m| m / d)),
-    },
-    DerivedQuantity {
-        name: "velocity_magnitude",
-        aliases: &["velocitymagnitude", "speed"],
-        formula: Formula::Scalar(|d, m, _| speed_squared(d, m).sqrt()),
-    },
-    // s = R / (γ − 1) · ln((p / p∞) / (ρ / ρ∞)^γ) with ρ∞ = 1, p∞ = 1 / γ
-    DerivedQuantity {
-        name: "entropy",
-        aliases: &["entropy"],
-        formula: Formula::Scalar(|d, m, e| (pressure(d, m, e) * GAMMA / d.powf(GAMMA)).ln() / (GAMMA - 1.0)),
-    },
-    DerivedQuantity { name: "sound_speed", aliases: &["soundspeed"], formula: Formula::Scalar(sound_speed) },
-    DerivedQuantity {
-        name: "mach",
-        aliases: &["mach", "machnumber"],
-        formula: Formula::Scalar(|d, m, e| speed_squared(d, m).sqrt() / sound_speed(d, m, e)),
-    },
+    DerivedQuantity("enthalpy", None, Scalar(|d, m, e| GAMMA * (e / d - 0.5 * speed_squared(d, m)))),
+    DerivedQuantity("internal_energy", None, Scalar(|d, m, e| e / d - 0.5 * speed_squared(d, m))),
+    DerivedQuantity("kinetic_energy", None, Scalar(|d, m, _| 0.5 * speed_squared(d, m))),
+    DerivedQuantity("velocity", None, Vector(|d, m, _| m.map(|m| m / d))),
+    DerivedQuantity("velocity_magnitude", Some("speed"), Scalar(|d, m, _| speed_squared(d, m).sqrt())),
+    DerivedQuantity("entropy", None, Scalar(entropy)),
+    DerivedQuantity("sound_speed", None, Scalar(sound_speed)),
+    DerivedQuantity(
+        "mach",
+        Some("machnumber"),
+        Scalar(|d, m, e| speed_squared(d, m).sqrt() / sound_speed(d, m, e)),
+    ),
 ];
 
 impl DerivedQuantity {
     /// True if a person means this quantity by `word`, however it is capitalised and joined.
-    pub fn is_called(&self, word: &str) -> bool {
-        let plain: String = word.chars().filter(char::is_ascii_alphanumeric).collect();
-        self.aliases.contains(&plain.to_ascii_lowercase().as_str())
+    fn is_called(&self, word: &str) -> bool {
+        let letters = |text: &str| text.chars().filter(char::is_ascii_alphanumeric).collect::<String>();
+        let plain = letters(word).to_ascii_lowercase();
+        plain == letters(self.0) || self.1 == Some(plain.as_str())
     }
 }
 
@@ -256,7 +208,7 @@ const GREATEST_GRID_COUNT: u64 = 1 << 16;
 
 /// One component of one grid.
 #[derive(Clone)]
-pub(super) enum Plane {
+enum Plane {
     /// Bytes of the file.
     Stored(Stored),
     /// Parsed from text: all numbers of the file, the first of the plane, their count.
@@ -265,7 +217,7 @@ pub(super) enum Plane {
 
 impl Plane {
     /// Reads the values.
-    pub fn load(&self, meter: &Meter) -> Result<Vec<f64>> {
+    fn load(&self, meter: &Meter) -> Result<Vec<f64>> {
         match self {
             Plane::Stored(stored) => stored.load(meter),
             Plane::Text(values, first, count) => Ok(values[*first..first + count].to_vec()),
@@ -273,9 +225,9 @@ impl Plane {
     }
 }
 
-/// Kind of file: grid, solution or function.
+/// Kind of file.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Role {
+enum Role {
     /// x, y, z and perhaps the blanking flags.
     Grid,
     /// Four numbers on the flow, then density, three momenta, energy.
@@ -283,11 +235,11 @@ pub(super) enum Role {
 }
 
 /// A grid of the file: dimensions and planes.
-pub(super) struct Block {
-    pub dimensions: [u64; 3],
-    pub planes: Vec<Plane>,
+struct Block {
+    dimensions: [u64; 3],
+    planes: Vec<Plane>,
     /// The last plane holds blanking flags.
-    pub has_blanking: bool,
+    has_blanking: bool,
 }
 
 /// One way to write a binary file.
@@ -303,7 +255,7 @@ struct Layout {
 }
 
 /// Reads the dimensions and finds the planes; also how the file is written, for people.
-pub(super) fn blocks(source: &Arc<Source>, role: Role) -> Result<(Vec<Block>, String)> {
+fn blocks(source: &Arc<Source>, role: Role) -> Result<(Vec<Block>, String)> {
     let head = source.head(4096)?;
     if head.iter().all(|&b| b.is_ascii_whitespace() || b.is_ascii_digit() || b"+-.,eEdD".contains(&b)) {
         return text(source, role);
@@ -482,9 +434,9 @@ mod tests {
     /// ρ = 2, u = (3, 0, 4), p = 5: v² = 25, e = p / 0.4 + ρ v² / 2 = 37.5.
     #[test]
     fn quantities_follow_from_density_momentum_and_energy() {
-        let value = |name: &str| match &QUANTITIES.iter().find(|q| q.is_called(name)).unwrap().formula {
-            Formula::Scalar(formula) => formula(2.0, [6.0, 0.0, 8.0], 37.5),
-            Formula::Vector(formula) => formula(2.0, [6.0, 0.0, 8.0], 37.5)[2],
+        let value = |name: &str| match &QUANTITIES.iter().find(|q| q.is_called(name)).unwrap().2 {
+            Scalar(formula) => formula(2.0, [6.0, 0.0, 8.0], 37.5),
+            Vector(formula) => formula(2.0, [6.0, 0.0, 8.0], 37.5)[2],
         };
         // Rounding of a handful of operations on numbers below 100.
         let same = |a: f64, b: f64| assert!((a - b).abs() < 1e-13 * b.abs().max(1.0), "{a} {b}");

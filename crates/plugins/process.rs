@@ -3,33 +3,107 @@
 //! The program starts itself again for each piece of work (`voltet plugin-process PATH`, which help does not list), sends the
 //! inputs through a pipe, and receives progress, status and output through another. To cancel the work it ends the process. The
 //! process loads and calls the library as the program would.
-//!
-//! | file | responsibility |
-//! | --- | --- |
-//! | `messages` | requests and replies |
-//! | `child` | side of the process |
 
-mod child;
-mod messages;
-
-pub use child::run_child;
-
-use crate::declaration::Declaration;
-use crate::library::read_file;
-use crate::runner::{PluginItem, Runner};
-use crate::status::{CallLabel, CallStatus};
-use crate::task::{CheckTask, Outcome, Task};
-use crate::wire::Wire;
-use messages::{Reply, Request};
-use std::io::{BufReader, BufWriter, Write};
+use crate::call::{Outcome, Task};
+use crate::declaration::{Declaration, Family};
+use crate::guard;
+use crate::host::{CallLabel, CallStatus, State};
+use crate::item::{PluginItem, Runner};
+use crate::library::{self, read_file};
+use crate::wire::{Wire, garbled, wire};
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 use voltet_core::field::Plugin;
+use voltet_core::parameters::{DefaultValue, Parameter, ParameterType, Range, VariantSchema};
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
+
+/// Request to the process.
+enum Request {
+    Describe,
+    /// A task of the item of that name.
+    Run(String, Task),
+}
+
+/// Reply of the process. `Progress` is followed by more, and `Status` by `Outcome`.
+enum Reply {
+    Progress(f64),
+    /// Name and version of the plug-in, and its items.
+    Described((String, String), Vec<Declaration>),
+    /// Error of loading: what, found, expected.
+    Failed(String, Option<String>, Option<String>),
+    Status(CallStatus),
+    Outcome(Outcome),
+}
+
+wire!(variants of Request { 0 = Describe, 1 = Run(name, task) });
+
+wire!(variants of Reply {
+    0 = Progress(fraction),
+    1 = Described(plugin, items),
+    2 = Failed(what, found, expected),
+    3 = Status(status),
+    4 = Outcome(outcome)
+});
+
+wire!(fields of Declaration { schema, family, checks, components });
+wire!(variants of Family {
+    0 = GradientFilter { needs },
+    1 = Reader { extensions, magic },
+    2 = GridFilter { made },
+    3 = ImageFilter
+});
+wire!(fields of VariantSchema { name, summary, parameters });
+wire!(fields of Parameter { name, parameter_type, unit, default, help });
+wire!(fields of Range { min, max, above_min, below_max, infinite });
+
+// Types and defaults of the parameters that a plug-in can declare.
+wire!(variants of ParameterType {
+    0 = Boolean,
+    1 = Integer(range),
+    2 = Number(range),
+    3 = Choice(words),
+    4 = Numbers(count, range),
+    5 = Text
+});
+wire!(variants of DefaultValue {
+    0 = Required,
+    1 = Unset(meaning),
+    2 = Boolean(flag),
+    3 = Integer(number),
+    4 = Number(number),
+    5 = Text(text),
+    6 = Numbers(numbers)
+});
+
+impl Reply {
+    /// Reply to a request that failed.
+    fn from_error(error: &Error) -> Reply {
+        Reply::Failed(error.what.clone(), error.got.clone(), error.expected.clone())
+    }
+
+    /// Sends it at once.
+    fn reply(&self, to: &mut dyn Write) -> io::Result<()> {
+        self.send(to)?;
+        to.flush()
+    }
+
+    /// The next reply; `None` at the end.
+    fn receive_next(from: &mut impl BufRead) -> io::Result<Option<Reply>> {
+        if from.fill_buf()?.is_empty() {
+            return Ok(None);
+        }
+        match Reply::receive(from)? {
+            Reply::Outcome(outcome) if !outcome.is_consistent() => Err(garbled()),
+            reply => Ok(Some(reply)),
+        }
+    }
+}
 
 /// Longest time of a description or a check.
 const START_TIME_LIMIT: Duration = Duration::from_secs(30);
@@ -72,7 +146,7 @@ impl Runner for Remote {
     fn run(
         &self,
         declaration: &Declaration,
-        task: Box<dyn Task>,
+        task: Task,
         progress: &dyn Progress,
     ) -> Result<(CallStatus, Outcome)> {
         let label = CallLabel::new(declaration, &self.plugin);
@@ -82,8 +156,7 @@ impl Runner for Remote {
             return Err(error.expected("the program begun again"));
         }
         let broken = |how: String| label.error(&how).expected("a plug-in that answers; the program goes on");
-        let (is_check, stage, start) =
-            (task.kind().tag == CheckTask::KIND.tag, task.kind().stage, Instant::now());
+        let (is_check, stage, start) = (matches!(task, Task::Check(_)), task.stage(), Instant::now());
         let request = Request::Run(declaration.schema.name.into(), task);
         let may_go_on = |fraction| {
             if is_check {
@@ -245,4 +318,86 @@ fn exit_message(status: ExitStatus) -> String {
         Some(code) => format!("ended with exit code {code} before it answered"),
         None => "ended before it answered".into(),
     }
+}
+
+/// Loads the library at `path`, runs the request of the standard input, replies on the standard output, and ends the process.
+///
+/// Prints of the library go to the standard error. The process ends when its parent does.
+pub fn run_child(path: &Path) -> ! {
+    guard::disable_crash_messages();
+    // The output stays open until the end: the parent takes its end for that of the process.
+    let output = own_output();
+    let replied = output.and_then(|mut output| reply(path, &mut output).map(|()| output));
+    // An error: the parent is gone.
+    exit_now(i32::from(replied.is_err()))
+}
+
+fn reply(path: &Path, output: &mut dyn Write) -> io::Result<()> {
+    let mut input = io::stdin();
+    let request = Request::receive(&mut input.lock())?;
+    std::thread::spawn(move || {
+        // No more input comes, so this returns when the other end is closed.
+        let _ = io::copy(&mut input.by_ref(), &mut io::sink());
+        exit_now(1)
+    });
+    let native = match library::load(path) {
+        Ok(native) => native,
+        Err(error) => return Reply::from_error(&error).reply(output),
+    };
+    let gone = || io::Error::new(io::ErrorKind::NotFound, "there is no such filter any more");
+    match request {
+        Request::Describe => {
+            let Plugin { name, version, .. } = native.plugin().clone();
+            Reply::Described((name, version), native.declarations()).reply(output)
+        }
+        Request::Run(name, task) => {
+            let item = native.items.iter().find(|item| item.declaration.schema.name == name);
+            let item = item.cloned().ok_or_else(gone)?;
+            let state = Arc::new(State::default());
+            let work = {
+                let state = state.clone();
+                move || task.run(&item, &state)
+            };
+            let mut reported = 0.0;
+            let called = guard::run(work, || {
+                let fraction = state.fraction();
+                let may_go_on = fraction == reported || Reply::Progress(fraction).reply(output).is_ok();
+                reported = fraction;
+                may_go_on
+            });
+            let (status, outcome) = called.map_err(|_| gone())?;
+            Reply::Status(status).reply(output)?;
+            Reply::Outcome(outcome).reply(output)
+        }
+    }
+}
+
+/// The standard output for replies alone: other prints go to the standard error.
+#[cfg(unix)]
+fn own_output() -> io::Result<impl Write> {
+    use std::os::fd::{AsFd, FromRawFd};
+    let own = io::stdout().as_fd().try_clone_to_owned()?;
+    // SAFETY: both are open; nothing in this process has written to the standard output yet.
+    if unsafe { libc::dup2(2, 1) } < 0 {
+        return Err(io::Error::last_os_error());
+    }
+    // SAFETY: the descriptor was just made and belongs to nobody else.
+    Ok(unsafe { File::from_raw_fd(std::os::fd::IntoRawFd::into_raw_fd(own)) })
+}
+
+#[cfg(not(unix))]
+fn own_output() -> io::Result<impl Write> {
+    Ok(io::stdout())
+}
+
+/// Ends the process without the exit handlers of a library, whose functions may still run.
+#[cfg(unix)]
+fn exit_now(code: i32) -> ! {
+    // SAFETY: ends the process.
+    unsafe { libc::_exit(code) }
+}
+
+#[cfg(not(unix))]
+fn exit_now(code: i32) -> ! {
+    std::process::exit(code)
 }

@@ -4,20 +4,20 @@
 //! vtkDataReader.cxx and its kin. Read word by word, as VTK does, so line ends carry meaning only before
 //! the bytes of an array.
 
-mod scanner;
-
 use super::contents::{
-    Dataset, Encoding, Format, Geometry, Piece, PieceArray, Stored, StoredCells, StoredFaces,
-    structured_counts,
+    Dataset, Encoding, Geometry, Piece, PieceArray, Stored, StoredCells, StoredFaces, structured_counts,
 };
-use super::numbers::NumberType;
-use super::request::Request;
-use super::select::GHOST_TYPE;
+use super::numbers::{ByteOrder, NumberType};
+use super::request::{Format, Request};
 use super::source::Source;
 use glam::{DMat3, DVec3};
-use scanner::Scanner;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
+
+/// Bytes of the file that are kept at a time.
+const WINDOW: u64 = 1 << 18;
+/// No word or line outside arrays is longer in a sound file.
+const LONGEST: usize = 1 << 14;
 
 /// First words of every legacy file.
 const MAGIC: &str = "# vtk DataFile Version";
@@ -83,7 +83,7 @@ fn open(source: Arc<Source>, _: &Request) -> Result<Dataset> {
     }
     let (point_count, cell_count) = contents.counts(&kind, &scanner)?;
     if let Some(blanking) = contents.blanking.take() {
-        arrays.push(PieceArray { per_cell: false, stored: ghost_flags(blanking) });
+        arrays.push(PieceArray { per_cell: false, stored: blanking.hidden_where_zero() });
     }
     let geometry = contents.geometry(&kind)?;
     dataset.pieces.push(Piece { point_count, cell_count, geometry, arrays });
@@ -107,10 +107,11 @@ struct Contents {
     first: DVec3,
 }
 
-/// The cells of an unstructured grid.
-enum CellList {
-    Counted { count: u64, list: Stored },
-    Offsets { count: u64, offsets: Stored, connectivity: Stored },
+/// The cells of an unstructured grid: in the old form a list of counts and points, else the connectivity with offsets.
+struct CellList {
+    count: u64,
+    list: Stored,
+    offsets: Option<Stored>,
 }
 
 impl Contents {
@@ -125,8 +126,7 @@ impl Contents {
             "CELLS" => self.cells = Some(cells(scanner)?),
             "CELL_TYPES" => {
                 let count = scanner.number("the number of cells")?;
-                let number_type = Some(NumberType::I32);
-                self.types = Some(scanner.numeric("CELL_TYPES", number_type, 1, count)?);
+                self.types = Some(scanner.numeric("CELL_TYPES", Some(NumberType::I32), 1, count)?);
             }
             "DIMENSIONS" => self.dimensions = Some(scanner.numbers("three numbers of points")?),
             "EXTENT" => {
@@ -168,12 +168,7 @@ impl Contents {
     fn counts(&self, kind: &str, scanner: &Scanner) -> Result<(u64, u64)> {
         let point_count = self.points.as_ref().and_then(|points| points.tuple_count).unwrap_or(0);
         if kind == "UNSTRUCTURED_GRID" {
-            return Ok(match self.cells {
-                None => (point_count, 0),
-                Some(CellList::Counted { count, .. } | CellList::Offsets { count, .. }) => {
-                    (point_count, count)
-                }
-            });
+            return Ok((point_count, self.cells.as_ref().map_or(0, |cells| cells.count)));
         }
         let dimensions = self.dimensions.unwrap_or([0; 3]);
         let counts = structured_counts(dimensions).ok_or_else(|| {
@@ -205,21 +200,15 @@ impl Contents {
             "UNSTRUCTURED_GRID" => {
                 let points = self.points.ok_or_else(|| lacks("POINTS"))?;
                 let types = self.types.ok_or_else(|| lacks("CELL_TYPES"))?;
-                let check = |count: u64| match types.tuple_count {
-                    Some(found) if found != count => {
-                        Err(Error::run("the number of CELL_TYPES is wrong").got(found).expected(count))
-                    }
-                    _ => Ok(()),
-                };
-                let cells = match self.cells.ok_or_else(|| lacks("CELLS"))? {
-                    CellList::Counted { count, list } => {
-                        check(count)?;
-                        StoredCells::Counted { list, types }
-                    }
-                    CellList::Offsets { count, offsets, connectivity } => {
-                        check(count)?;
+                let CellList { count, list, offsets } = self.cells.ok_or_else(|| lacks("CELLS"))?;
+                if let Some(found) = types.tuple_count.filter(|&found| found != count) {
+                    return Err(Error::run("the number of CELL_TYPES is wrong").got(found).expected(count));
+                }
+                let cells = match offsets {
+                    None => StoredCells::Counted { list, types },
+                    Some(offsets) => {
                         let faces = StoredFaces::InConnectivity;
-                        StoredCells::Offsets { connectivity, offsets, types, faces }
+                        StoredCells::Offsets { connectivity: list, offsets, types, faces }
                     }
                 };
                 Ok(Geometry::Unstructured { points, cells: Box::new(cells) })
@@ -260,21 +249,11 @@ fn cells(scanner: &mut Scanner) -> Result<CellList> {
                 .expected("CONNECTIVITY"));
         }
         let number_type = scanner.number_type()?;
-        let connectivity = scanner.numeric("CONNECTIVITY", number_type, 1, size)?;
-        return Ok(CellList::Offsets { count: count.saturating_sub(1), offsets, connectivity });
+        let list = scanner.numeric("CONNECTIVITY", number_type, 1, size)?;
+        return Ok(CellList { count: count.saturating_sub(1), list, offsets: Some(offsets) });
     }
-    let number_type = Some(NumberType::I32);
-    Ok(CellList::Counted { count, list: scanner.numeric("CELLS", number_type, 1, size)? })
-}
-
-/// BLANKING (0: the point is hidden) as flags of the points.
-fn ghost_flags(blanking: Stored) -> Stored {
-    let inner = blanking.clone();
-    let hidden = |value: f64| if value == 0.0 { 2.0 } else { 0.0 };
-    let encoding = Encoding::Computed(Arc::new(move |meter| {
-        Ok(inner.load::<f64>(meter)?.into_iter().map(hidden).collect())
-    }));
-    Stored { name: GHOST_TYPE.to_owned(), encoding, ..blanking }
+    let list = scanner.numeric("CELLS", Some(NumberType::I32), 1, size)?;
+    Ok(CellList { count, list, offsets: None })
 }
 
 /// Reads attributes to the end of the file, from a POINT_DATA or CELL_DATA keyword on; returns the name of the first
@@ -307,8 +286,7 @@ fn read(
             "LOOKUP_TABLE" => {
                 let name = name(scanner)?;
                 let size = scanner.number("the number of colours")?;
-                let number_type = if scanner.binary { NumberType::U8 } else { NumberType::F32 };
-                scanner.array(&name, Some(number_type), 4, size)?;
+                scanner.array(&name, Some(scanner.color_type()), 4, size)?;
             }
             "SCALARS" => {
                 let name = name(scanner)?;
@@ -332,28 +310,28 @@ fn read(
                 }
                 active_scalars = active_scalars.or(Some(name));
             }
-            "COLOR_SCALARS" => {
-                let name = name(scanner)?;
-                let component_count = scanner.number("the number of components")?;
-                let number_type = if scanner.binary { NumberType::U8 } else { NumberType::F32 };
-                add(scanner.array(&name, Some(number_type), component_count, count)?);
-            }
-            "TEXTURE_COORDINATES" => {
-                let name = name(scanner)?;
-                let component_count = scanner.number("the number of components")?;
-                let number_type = scanner.number_type()?;
-                add(scanner.array(&name, number_type, component_count, count)?);
-            }
-            "VECTORS" | "NORMALS" | "TENSORS" | "TENSORS6" | "GLOBAL_IDS" | "PEDIGREE_IDS" | "EDGE_FLAGS"
+            "COLOR_SCALARS"
+            | "TEXTURE_COORDINATES"
+            | "VECTORS"
+            | "NORMALS"
+            | "TENSORS"
+            | "TENSORS6"
+            | "GLOBAL_IDS"
+            | "PEDIGREE_IDS"
+            | "EDGE_FLAGS"
             | "TANGENTS" => {
+                let name = name(scanner)?;
                 let component_count = match keyword.as_str() {
+                    "COLOR_SCALARS" | "TEXTURE_COORDINATES" => scanner.number("the number of components")?,
                     "VECTORS" | "NORMALS" | "TANGENTS" => 3,
                     "TENSORS" => 9,
                     "TENSORS6" => 6,
                     _ => 1,
                 };
-                let name = name(scanner)?;
-                let number_type = scanner.number_type()?;
+                let number_type = match keyword.as_str() {
+                    "COLOR_SCALARS" => Some(scanner.color_type()),
+                    _ => scanner.number_type()?,
+                };
                 add(scanner.array(&name, number_type, component_count, count)?);
             }
             _ => {
@@ -417,4 +395,273 @@ fn name(scanner: &mut Scanner) -> Result<String> {
         }
     }
     Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// A position in a legacy file.
+struct Scanner {
+    source: Arc<Source>,
+    /// True if arrays are bytes; else words.
+    binary: bool,
+    window: Vec<u8>,
+    window_at: u64,
+    at: u64,
+    line: usize,
+}
+
+impl Scanner {
+    /// At the beginning of the file.
+    fn new(source: Arc<Source>) -> Self {
+        Scanner { source, binary: false, window: Vec::new(), window_at: 0, at: 0, line: 1 }
+    }
+
+    /// An error at this place.
+    fn error(&self, what: impl Into<String>) -> Error {
+        let error = Error::run(what);
+        // Lines mean nothing once bytes that look like line ends have been passed.
+        if self.binary { error.at_item(format!("byte {}", self.at)) } else { error.at_line(self.line) }
+    }
+
+    fn peek(&mut self) -> Result<Option<u8>> {
+        let index = self.at.wrapping_sub(self.window_at);
+        if let Some(&byte) = self.window.get(index as usize)
+            && self.at >= self.window_at
+        {
+            return Ok(Some(byte));
+        }
+        if self.at >= self.source.len() {
+            return Ok(None);
+        }
+        self.window = self.source.read(self.at, (self.source.len() - self.at).min(WINDOW))?;
+        self.window_at = self.at;
+        Ok(self.window.first().copied())
+    }
+
+    fn step(&mut self, byte: u8) {
+        self.at += 1;
+        self.line += usize::from(byte == b'\n');
+    }
+
+    /// The next word; `None` at the end of the file.
+    fn word(&mut self) -> Result<Option<String>> {
+        let mut word = Vec::new();
+        while let Some(byte) = self.peek()? {
+            if byte.is_ascii_whitespace() {
+                if !word.is_empty() {
+                    break;
+                }
+                self.step(byte);
+                continue;
+            }
+            word.push(byte);
+            self.step(byte);
+            if word.len() > LONGEST {
+                return Err(self.error("a word is too long"));
+            }
+        }
+        Ok((!word.is_empty()).then(|| String::from_utf8_lossy(&word).into_owned()))
+    }
+
+    /// The next word, which must be there.
+    fn required(&mut self, what: &str) -> Result<String> {
+        self.word()?.ok_or_else(|| self.error("the file ends early").expected(what))
+    }
+
+    /// The next word as a number.
+    fn number<T: std::str::FromStr>(&mut self, what: &str) -> Result<T> {
+        let word = self.required(what)?;
+        word.parse()
+            .map_err(|_| self.error("a number is damaged").got(format_args!("'{word}'")).expected(what))
+    }
+
+    /// The next words as numbers.
+    fn numbers<T: std::str::FromStr + Copy + Default, const N: usize>(
+        &mut self,
+        what: &str,
+    ) -> Result<[T; N]> {
+        let mut numbers = [T::default(); N];
+        for number in &mut numbers {
+            *number = self.number(what)?;
+        }
+        Ok(numbers)
+    }
+
+    /// The rest of the line, without its end.
+    fn rest_of_line(&mut self) -> Result<Option<String>> {
+        let mut line = Vec::new();
+        let mut any = false;
+        while let Some(byte) = self.peek()? {
+            any = true;
+            self.step(byte);
+            if byte == b'\n' {
+                break;
+            }
+            line.push(byte);
+            if line.len() > LONGEST {
+                return Err(self.error("a line is too long"));
+            }
+        }
+        Ok(any.then(|| String::from_utf8_lossy(&line).trim().to_owned()))
+    }
+
+    /// The next word in lower case if it is one of `accepted`; else the position stays.
+    fn word_if(&mut self, accepted: &str) -> Result<bool> {
+        let (at, line) = (self.at, self.line);
+        // What follows may be the bytes of an array: no error if it is no word.
+        if self.word().is_ok_and(|word| word.is_some_and(|word| word.eq_ignore_ascii_case(accepted))) {
+            return Ok(true);
+        }
+        (self.at, self.line) = (at, line);
+        Ok(false)
+    }
+
+    /// Skips a METADATA block, which ends with an empty line.
+    fn skip_metadata(&mut self) -> Result<()> {
+        self.rest_of_line()?;
+        while self.rest_of_line()?.is_some_and(|line| !line.is_empty()) {}
+        Ok(())
+    }
+
+    /// The type of an array by its legacy name; `None`: text.
+    fn number_type(&mut self) -> Result<Option<NumberType>> {
+        let word = self.required("a type of numbers")?;
+        number_type(&word).ok_or_else(|| {
+            self.error("the type of an array is not known").got(format_args!("'{word}'")).expected(
+                "bit, char, unsigned_char, short, unsigned_short, int, unsigned_int, long, unsigned_long, \
+                 vtkIdType, vtktypeint64, float, double",
+            )
+        })
+    }
+
+    /// The type of colours.
+    fn color_type(&self) -> NumberType {
+        if self.binary { NumberType::U8 } else { NumberType::F32 }
+    }
+
+    /// An array whose values begin after this line (binary) or here (words), and steps over it.
+    fn array(
+        &mut self,
+        name: &str,
+        number_type: Option<NumberType>,
+        component_count: usize,
+        tuple_count: u64,
+    ) -> Result<Option<Stored>> {
+        if self.binary {
+            self.rest_of_line()?;
+        }
+        let count = tuple_count.checked_mul(component_count as u64).ok_or_else(|| {
+            self.error(format!("the array '{name}' cannot be that large"))
+                .got(format_args!("{tuple_count} tuples of {component_count} components"))
+        })?;
+        let Some(number_type) = number_type else {
+            self.skip_text(count)?;
+            return Ok(None);
+        };
+        let begin = self.at;
+        let encoding = if self.binary {
+            let len = number_type.byte_count(count).unwrap_or(u64::MAX);
+            self.source.check(begin, len).map_err(|error| error.at_item(name))?;
+            self.at += len;
+            Encoding::Bytes(begin)
+        } else {
+            self.skip_words(count, name)?;
+            Encoding::Text(std::iter::once(begin..self.at).collect())
+        };
+        Ok(Some(Stored {
+            source: self.source.clone(),
+            name: name.to_owned(),
+            number_type,
+            order: ByteOrder::Big,
+            component_count,
+            tuple_count: Some(tuple_count),
+            encoding,
+        }))
+    }
+
+    /// Reads an array that cannot be text.
+    fn numeric(
+        &mut self,
+        name: &str,
+        number_type: Option<NumberType>,
+        component_count: usize,
+        tuple_count: u64,
+    ) -> Result<Stored> {
+        self.array(name, number_type, component_count, tuple_count)?
+            .ok_or_else(|| self.error(format!("the array '{name}' holds text")).expected("numbers"))
+    }
+
+    fn skip_words(&mut self, count: u64, name: &str) -> Result<()> {
+        let (mut seen, mut inside) = (0, false);
+        while seen < count || inside {
+            let Some(_) = self.peek()? else {
+                if inside && seen == count {
+                    break;
+                }
+                return Err(self
+                    .error(format!("the array '{name}' ends early"))
+                    .got(format_args!("{seen} values"))
+                    .expected(count));
+            };
+            // One byte is there; go through all that the window holds.
+            let first = (self.at - self.window_at) as usize;
+            let mut index = first;
+            for &byte in &self.window[first..] {
+                let space = byte.is_ascii_whitespace();
+                if space && seen == count {
+                    inside = false;
+                    break;
+                }
+                seen += u64::from(!space && !inside);
+                inside = !space;
+                self.line += usize::from(byte == b'\n');
+                index += 1;
+            }
+            self.at = self.window_at + index as u64;
+        }
+        Ok(())
+    }
+
+    /// Skips text values: lines, or bytes with their number before them.
+    fn skip_text(&mut self, count: u64) -> Result<()> {
+        if !self.binary {
+            self.rest_of_line()?;
+        }
+        for _ in 0..count {
+            if self.peek()?.is_none() {
+                return Err(self.error("the file ends early").expected(format_args!("{count} texts")));
+            }
+            if !self.binary {
+                self.rest_of_line()?;
+                continue;
+            }
+            // The two highest bits say how many bytes the length takes (vtkDataWriter::WriteArray).
+            let lead = self.peek()?.unwrap_or(0);
+            let width = [8, 4, 2, 1][usize::from(lead >> 6)];
+            let bytes = self.source.read(self.at, width)?;
+            let len = bytes[1..].iter().fold(u64::from(lead & 0x3F), |len, &byte| len << 8 | u64::from(byte));
+            self.at += width;
+            self.source.check(self.at, len)?;
+            self.at += len;
+        }
+        Ok(())
+    }
+}
+
+/// The number type that legacy files call `name`; `Some(None)` for text.
+fn number_type(name: &str) -> Option<Option<NumberType>> {
+    Some(Some(match name.to_ascii_lowercase().as_str() {
+        "bit" => NumberType::Bit,
+        "char" | "signed_char" | "vtktypeint8" => NumberType::I8,
+        "unsigned_char" | "vtktypeuint8" => NumberType::U8,
+        "short" | "vtktypeint16" => NumberType::I16,
+        "unsigned_short" | "vtktypeuint16" => NumberType::U16,
+        // Legacy files hold the program's own index type as 32 bits.
+        "int" | "vtkidtype" | "vtktypeint32" => NumberType::I32,
+        "unsigned_int" | "vtktypeuint32" => NumberType::U32,
+        "long" | "long_long" | "vtktypeint64" | "__int64" => NumberType::I64,
+        "unsigned_long" | "unsigned_long_long" | "vtktypeuint64" | "unsigned___int64" => NumberType::U64,
+        "float" => NumberType::F32,
+        "double" => NumberType::F64,
+        "string" | "utf8_string" | "unicode_string" | "variant" => return Some(None),
+        _ => return None,
+    }))
 }

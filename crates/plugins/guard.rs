@@ -1,6 +1,10 @@
-//! A crash in a plug-in ends the program; its message names the plug-in.
+//! Guards of loading and calling: a crash in a plug-in ends the program with a message that names the plug-in, and work runs on a
+//! thread that can be given up, since a plug-in that does not return cannot be ended.
 
+use std::panic::AssertUnwindSafe;
 use std::sync::atomic::{AtomicPtr, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
 use voltet_core::field::Plugin;
 
 /// Descriptions of crashes, in the order of the signals.
@@ -49,10 +53,10 @@ pub(crate) fn attribute<T>(plugin: &Plugin, when: &str, work: impl FnOnce() -> T
 fn install() {}
 
 #[cfg(not(unix))]
-pub(crate) fn disable() {}
+pub(crate) fn disable_crash_messages() {}
 
 #[cfg(unix)]
-pub(crate) use unix::{disable, install};
+pub(crate) use unix::{disable_crash_messages, install};
 
 #[cfg(unix)]
 mod unix {
@@ -72,7 +76,7 @@ mod unix {
     static ANNOUNCED: AtomicBool = AtomicBool::new(false);
 
     /// Leaves crashes to the parent process, which announces them.
-    pub(crate) fn disable() {
+    pub(crate) fn disable_crash_messages() {
         DISABLED.store(true, Ordering::Relaxed);
     }
 
@@ -124,6 +128,50 @@ mod unix {
         unsafe {
             libc::write(2, text.as_ptr().cast(), text.len());
             libc::_exit(1)
+        }
+    }
+}
+
+/// Stack that the interface promises (bytes).
+const STACK: usize = 64 << 20;
+
+/// Interval between two calls of `may_go_on`.
+const INTERVAL: Duration = Duration::from_millis(10);
+
+/// Reason for which a call has no result.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) enum CallFailure {
+    /// It was given up, and still runs.
+    GivenUp,
+    /// The system has no thread for it, or the thread panicked, and printed why.
+    NoThread,
+}
+
+/// Runs `work` on a new thread, and gives it up once `may_go_on`, called every few milliseconds, is false. Changes to the thread's
+/// state (the rounding of numbers, for example) end with it.
+pub(crate) fn run<T: Send + 'static>(
+    work: impl FnOnce() -> T + Send + 'static,
+    mut may_go_on: impl FnMut() -> bool,
+) -> Result<T, CallFailure> {
+    let (sender, receiver) = channel();
+    let thread = std::thread::Builder::new().name("plug-in".into()).stack_size(STACK);
+    let spawned = thread.spawn(move || {
+        // An exception of another language ends the program here, before the receiver could take the thread for ended.
+        if let Ok(outcome) = std::panic::catch_unwind(AssertUnwindSafe(work)) {
+            // The receiver may have given up.
+            let _ = sender.send(outcome);
+        }
+    });
+    spawned.map_err(|_| CallFailure::NoThread)?;
+    // A thread of the pool must go on with the pool's work, which may be that of the plug-in.
+    let is_in_pool = rayon::current_thread_index().is_some();
+    loop {
+        let worked = is_in_pool && rayon::yield_now() == Some(rayon::Yield::Executed);
+        match receiver.recv_timeout(if worked { Duration::ZERO } else { INTERVAL }) {
+            Ok(outcome) => return Ok(outcome),
+            Err(RecvTimeoutError::Disconnected) => return Err(CallFailure::NoThread),
+            Err(RecvTimeoutError::Timeout) if may_go_on() => {}
+            Err(RecvTimeoutError::Timeout) => return Err(CallFailure::GivenUp),
         }
     }
 }

@@ -1,0 +1,436 @@
+//! One call of a plug-in with its inputs, and its outputs: alike in this process, in one of its own, and in a sandbox. Functions of
+//! loaded libraries are called here.
+
+use crate::declaration::{EntryPoint, Family, LibraryItem};
+use crate::ffi::{CheckResult, Overrun, guarded_vec, remove_guard, sized};
+use crate::grids::{Buffers, Head, refuse_flags};
+use crate::host::{CallStatus, State};
+use crate::interface::{
+    ERROR, FilterGrid, FilterImage, GivenArray, Gradient, GradientCall, GridBuffers, GridCall, GridHead,
+    ImageCall, NEEDS_CELLS_OF_POINTS, NEEDS_NEIGHBOURS, OK, Read, Reading, SAME_CELLS, SAME_POINTS,
+    TETRAHEDRA, Values,
+};
+use crate::values::{NamedArrays, ParameterValues, array_pointers};
+use crate::wire::wire;
+use std::ffi::CString;
+use std::mem::size_of;
+use std::ptr::{from_ref, null, null_mut};
+use std::sync::{Arc, Mutex, PoisonError};
+use voltet_core::glam::DVec3;
+use voltet_core::grid::{Array, Csr, Grid, cells_of_points, points_of_points};
+use voltet_core::picture::Picture;
+
+/// One call with its inputs. These are owned or shared, so that a call that never returns harms nothing.
+pub(crate) enum Task {
+    /// Check of parameter values by the plug-in.
+    Check(ParameterValues),
+    /// Computation of the gradient at every point.
+    Gradient(GradientTask),
+    /// Description of a file: a step of it.
+    Inspect(FileStep),
+    /// Reading of a file.
+    Read(ReadTask),
+    /// Filtering of a grid.
+    Grid(GridTask),
+    /// Filtering of a picture.
+    Image(ImageTask),
+}
+
+wire!(variants of Task {
+    0 = Check(values),
+    1 = Gradient(task),
+    2 = Inspect(file),
+    3 = Read(task),
+    4 = Grid(task),
+    5 = Image(task)
+});
+
+/// Output of a call.
+#[derive(Default)]
+pub(crate) enum Outcome {
+    /// Only the status.
+    #[default]
+    Nothing,
+    /// Vectors of the gradient.
+    Vectors(Vec<DVec3>),
+    /// Contents of a file.
+    Head(Head),
+    /// A grid, or parts of it. The counts of a grid filter are those of the whole grid, whatever it shares with the input.
+    Grid(Head, Buffers),
+    /// Pixels of a picture.
+    Pixels(Vec<[f32; 4]>),
+}
+
+wire!(variants of Outcome { 0 = Nothing, 1 = Vectors(vectors), 2 = Head(head), 3 = Grid(head, buffers), 4 = Pixels(pixels) });
+
+impl Outcome {
+    /// True if the counts of a grid are within their limits, and its arrays as long as they say: a damaged process may send any.
+    pub fn is_consistent(&self) -> bool {
+        match self {
+            Outcome::Head(head) => head.is_within_limits(),
+            Outcome::Grid(head, buffers) => head.is_within_limits() && buffers.fit(head),
+            Outcome::Nothing | Outcome::Vectors(_) | Outcome::Pixels(_) => true,
+        }
+    }
+}
+
+impl Task {
+    /// Stage of the progress reports.
+    pub fn stage(&self) -> &'static str {
+        match self {
+            Task::Check(_) => "check",
+            Task::Gradient(_) => "gradient",
+            Task::Inspect(_) | Task::Read(_) => "reading",
+            Task::Grid(_) | Task::Image(_) => "filter",
+        }
+    }
+
+    /// Calls the function of a loaded library. An item of another family gives no output.
+    pub fn run(self, item: &LibraryItem, state: &State) -> (CallStatus, Outcome) {
+        let called = match (self, item.function, item.declaration.family) {
+            (Task::Check(values), ..) => {
+                let Some(check) = item.check else { return Default::default() };
+                let pointers = values.pointers();
+                // SAFETY: the plug-in's own function; all that it is given lives through the call.
+                let code = unsafe { check(&values.header_values(&pointers), &state.host()) };
+                Ok((code, None, Outcome::Nothing))
+            }
+            (Task::Gradient(task), EntryPoint::Gradient(function), Family::GradientFilter { needs }) => {
+                task.run(function, needs, state)
+            }
+            (Task::Inspect(file), EntryPoint::Reader { inspect, .. }, _) => file.inspect(inspect, state),
+            (Task::Read(task), EntryPoint::Reader { read, .. }, _) => task.run(read, state),
+            (Task::Grid(task), EntryPoint::GridFilter(function), _) => task.run(function, state),
+            (Task::Image(task), EntryPoint::ImageFilter(function), _) => task.run(function, state),
+            _ => return Default::default(),
+        };
+        let (code, overrun, outcome) = called.unwrap_or_else(|refusal| {
+            state.refuse(refusal);
+            (ERROR, None, Outcome::Nothing)
+        });
+        (CallStatus { overrun, ..CallStatus::new(code, state) }, outcome)
+    }
+}
+
+/// Return code, first overrun, and output of a function; or the reason to refuse what it did, or not to call it.
+type Called = CheckResult<(i32, Option<Overrun>, Outcome)>;
+
+/// Computation of the gradient at every point.
+pub(crate) struct GradientTask {
+    /// Points and tetrahedra.
+    pub grid: Grid,
+    pub scalar: Vec<f64>,
+    pub values: ParameterValues,
+    pub arrays: NamedArrays,
+}
+
+wire!(fields of GradientTask { grid, scalar, values, arrays });
+
+/// Rows of a compressed table with starts of 64 bits.
+pub(crate) struct Rows64 {
+    pub starts: Vec<u64>,
+    pub items: Vec<u32>,
+}
+
+impl From<Csr> for Rows64 {
+    fn from(Csr { starts, items }: Csr) -> Rows64 {
+        // The same memory where both are of 64 bits.
+        let widened = |(_, starts): (_, Vec<usize>)| starts.into_iter().map(|start| start as u64).collect();
+        Rows64 { starts: bytemuck::try_cast_vec(starts).unwrap_or_else(widened), items }
+    }
+}
+
+impl GradientTask {
+    /// Neighbours of points, and cells of points, where the flags `needs` have them.
+    pub fn tables(&self, needs: u32) -> [Option<Rows64>; 2] {
+        let [needs_neighbours, needs_cells] =
+            [NEEDS_NEIGHBOURS, NEEDS_CELLS_OF_POINTS].map(|flag| needs & flag != 0);
+        let cells = (needs_neighbours || needs_cells).then(|| cells_of_points(&self.grid));
+        let neighbours = cells.as_ref().filter(|_| needs_neighbours);
+        let neighbours = neighbours.map(|cells| Rows64::from(points_of_points(&self.grid, cells)));
+        [neighbours, cells.filter(|_| needs_cells).map(Rows64::from)]
+    }
+
+    fn run(self, function: Gradient, needs: u32, state: &State) -> Called {
+        let point_count = self.grid.points.len();
+        // The first touch of fresh memory takes its time, too.
+        let (tables, vectors) = rayon::join(|| self.tables(needs), || guarded_vec::<DVec3, f64>(point_count));
+        let [neighbours, cells] = tables;
+        let starts = |rows: &Option<Rows64>| rows.as_ref().map_or(null(), |rows| rows.starts.as_ptr());
+        let items = |rows: &Option<Rows64>| rows.as_ref().map_or(null(), |rows| rows.items.as_ptr());
+        let arrays = array_pointers(&self.arrays);
+        let pointers = self.values.pointers();
+        let values = self.values.header_values(&pointers);
+        let mut vectors = vectors?;
+        let call = GradientCall {
+            size: size_of::<GradientCall>() as u32,
+            reserved: 0,
+            point_count: point_count as u64,
+            cell_count: self.grid.tetrahedra.len() as u64,
+            // Three doubles a point and four numbers a cell, side by side.
+            points: self.grid.points.as_ptr().cast(),
+            cells: self.grid.tetrahedra.as_ptr().cast(),
+            neighbour_starts: starts(&neighbours),
+            neighbours: items(&neighbours),
+            cell_starts: starts(&cells),
+            cells_of_points: items(&cells),
+            scalar: self.scalar.as_ptr(),
+            arrays: arrays.as_ptr(),
+            values: &values,
+            gradient: vectors.as_mut_ptr().cast(),
+        };
+        // SAFETY: the plug-in's own function; what it is given lives through the call and has the sizes stated.
+        let code = unsafe { function(&call, &state.host()) };
+        let overrun =
+            remove_guard::<_, f64>(&mut vectors, point_count).then(|| Overrun::gradient(point_count));
+        Ok((code, overrun, Outcome::Vectors(vectors)))
+    }
+}
+
+/// Description of a file: a step of it.
+#[derive(Clone)]
+pub(crate) struct FileStep {
+    pub path: CString,
+    pub step: u64,
+    pub values: ParameterValues,
+}
+
+/// Reading of a file.
+pub(crate) struct ReadTask {
+    pub file: FileStep,
+    /// Contents of the file, as described.
+    pub head: Head,
+    /// True if points and cells are requested.
+    pub geometry: bool,
+    /// For each array of the head, true if it is requested.
+    pub arrays: Vec<bool>,
+    /// Memory that it may take (bytes), if known.
+    pub memory_left: Option<u64>,
+}
+
+wire!(fields of FileStep { path, step, values });
+wire!(fields of ReadTask { file, head, geometry, arrays, memory_left });
+
+/// The host's side of a description.
+struct DescriptionContext<'a> {
+    state: &'a State,
+    head: Mutex<Option<Head>>,
+}
+
+unsafe extern "C-unwind" fn describe(reading: *const Reading, head: *const GridHead) -> i32 {
+    // SAFETY: the plug-in hands over the reading that it was given, during the call.
+    let host =
+        unsafe { reading.as_ref().and_then(|reading| reading.context.cast::<DescriptionContext>().as_ref()) };
+    let Some(host) = host else { return ERROR };
+    let read = Head::read(head).and_then(|head| refuse_flags(head.flags, TETRAHEDRA).map(|()| head));
+    let mut known = host.head.lock().unwrap_or_else(PoisonError::into_inner);
+    match read {
+        Ok(_) if known.is_some() => host.state.refuse("it described its file twice".into()),
+        Err(wrong) => host.state.refuse(wrong),
+        Ok(head) => {
+            *known = Some(head);
+            return OK;
+        }
+    }
+    ERROR
+}
+
+impl FileStep {
+    fn reading(&self, values: &Values) -> Reading {
+        Reading {
+            size: size_of::<Reading>() as u32,
+            reserved: 0,
+            path: self.path.as_ptr(),
+            step: self.step,
+            values,
+            describe: None,
+            buffers: null(),
+            context: null_mut(),
+        }
+    }
+
+    fn inspect(self, inspect: Read, state: &State) -> Called {
+        let pointers = self.values.pointers();
+        let values = self.values.header_values(&pointers);
+        let host = DescriptionContext { state, head: Mutex::new(None) };
+        let context = from_ref(&host).cast_mut().cast();
+        let reading = Reading { describe: Some(describe), context, ..self.reading(&values) };
+        // SAFETY: the plug-in's own function; what it is given lives through the call.
+        let code = unsafe { inspect(&reading, &state.host()) };
+        let head = host.head.into_inner().unwrap_or_else(PoisonError::into_inner);
+        match head {
+            None if code == OK => Err("it did not say what the file holds (reading->describe)".into()),
+            head => Ok((code, None, head.map(Outcome::Head).unwrap_or_default())),
+        }
+    }
+}
+
+impl ReadTask {
+    fn run(self, read: Read, state: &State) -> Called {
+        let ReadTask { file, head, geometry, arrays, memory_left } = self;
+        let mut buffers = Buffers::new(&head, geometry, &arrays, memory_left)?;
+        let pointers = file.values.pointers();
+        let values = file.values.header_values(&pointers);
+        let addresses = buffers.array_addresses();
+        let header_buffers = buffers.header_buffers(&head, &addresses);
+        let reading = Reading { buffers: &header_buffers, ..file.reading(&values) };
+        // SAFETY: the plug-in's own function; what it is given lives through the call and has the sizes stated.
+        let code = unsafe { read(&reading, &state.host()) };
+        Ok((code, buffers.close(&head), Outcome::Grid(head, buffers)))
+    }
+}
+
+/// Filtering of a grid.
+pub(crate) struct GridTask {
+    /// Points and tetrahedra.
+    pub grid: Grid,
+    /// Point arrays of the grid, the scalar first.
+    pub carried: Vec<(CString, Array)>,
+    /// True if the first of them is the scalar that is drawn.
+    pub has_scalar: bool,
+    pub arrays: NamedArrays,
+    pub values: ParameterValues,
+    /// Memory that it may take (bytes), if known.
+    pub memory_left: Option<u64>,
+}
+
+wire!(fields of GridTask { grid, carried, has_scalar, arrays, values, memory_left });
+
+/// The host's side of the call of a grid filter.
+struct FilterContext<'a> {
+    state: &'a State,
+    task: &'a GridTask,
+    output: Mutex<Option<OutputGrid>>,
+}
+
+/// Memory handed to the plug-in.
+struct OutputGrid {
+    head: Head,
+    buffers: Buffers,
+    /// Addresses of the arrays, which the plug-in reads.
+    addresses: Vec<*mut f64>,
+}
+
+unsafe extern "C-unwind" fn begin(
+    call: *const GridCall,
+    head: *const GridHead,
+    buffers: *mut GridBuffers,
+) -> i32 {
+    // SAFETY: the plug-in hands over the call that it was given, while it lasts.
+    let host = unsafe { call.as_ref().and_then(|call| call.context.cast::<FilterContext>().as_ref()) };
+    let Some(host) = host else { return ERROR };
+    let mut known = host.output.lock().unwrap_or_else(PoisonError::into_inner);
+    let output = match &*known {
+        Some(_) => Err("it began its grid twice".to_string()),
+        None => host.task.allocate(head).and_then(|output| sized(buffers.cast_const()).map(|_| output)),
+    };
+    match output {
+        Ok(output) => {
+            let output = known.insert(output);
+            output.addresses = output.buffers.array_addresses();
+            let header_buffers = output.buffers.header_buffers(&output.head, &output.addresses);
+            // SAFETY: the struct is there and as large, as was just checked; the filter handed it over to be filled.
+            unsafe { buffers.write(header_buffers) };
+            OK
+        }
+        Err(wrong) => {
+            host.state.refuse(wrong);
+            ERROR
+        }
+    }
+}
+
+impl GridTask {
+    /// Memory for the grid of that head, with the counts of the parts that it shares with the input.
+    fn allocate(&self, head: *const GridHead) -> CheckResult<OutputGrid> {
+        let mut head = Head::read(head)?;
+        let (points, cells) = (self.grid.points.len(), self.grid.tetrahedra.len());
+        if head.has(SAME_POINTS) {
+            head.point_count = points;
+        }
+        if head.has(SAME_CELLS) {
+            head.cell_count = cells;
+            if head.point_count != points {
+                let own = head.point_count;
+                return Err(format!(
+                    "its cells are those of the input, but it has {own} points and the input {points}"
+                ));
+            }
+        }
+        let buffers = Buffers::new(&head, true, &vec![true; head.arrays.len()], self.memory_left)?;
+        Ok(OutputGrid { head, buffers, addresses: Vec::new() })
+    }
+
+    fn run(self, function: FilterGrid, state: &State) -> Called {
+        let header_array = |(name, array): &(CString, Array)| GivenArray {
+            size: size_of::<GivenArray>() as u32,
+            component_count: array.component_count as u32,
+            name: name.as_ptr(),
+            values: array.values.as_ptr(),
+        };
+        let carried: Vec<GivenArray> = self.carried.iter().map(header_array).collect();
+        let scalar = self.carried.first().filter(|_| self.has_scalar);
+        let arrays = array_pointers(&self.arrays);
+        let pointers = self.values.pointers();
+        let values = self.values.header_values(&pointers);
+        let host = FilterContext { state, task: &self, output: Mutex::new(None) };
+        let call = GridCall {
+            size: size_of::<GridCall>() as u32,
+            array_count: carried.len() as u32,
+            point_count: self.grid.points.len() as u64,
+            cell_count: self.grid.tetrahedra.len() as u64,
+            // Three doubles a point and four numbers a cell, side by side.
+            points: self.grid.points.as_ptr().cast(),
+            tetrahedra: self.grid.tetrahedra.as_ptr().cast(),
+            carried: carried.as_ptr(),
+            scalar: scalar.map_or(null(), |(name, _)| name.as_ptr()),
+            arrays: arrays.as_ptr(),
+            values: &values,
+            begin,
+            context: from_ref(&host).cast_mut().cast(),
+        };
+        // SAFETY: the plug-in's own function; what it is given lives through the call and has the sizes stated.
+        let code = unsafe { function(&call, &state.host()) };
+        match host.output.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            Some(OutputGrid { head, mut buffers, .. }) => {
+                Ok((code, buffers.close(&head), Outcome::Grid(head, buffers)))
+            }
+            None if code == OK => Err("it did not begin one (call->begin)".into()),
+            None => Ok((code, None, Outcome::Nothing)),
+        }
+    }
+}
+
+/// Filtering of a picture.
+pub(crate) struct ImageTask {
+    pub picture: Arc<Picture>,
+    pub values: ParameterValues,
+}
+
+wire!(fields of ImageTask { picture, values });
+wire!(fields of Picture { width, height, rgba });
+
+impl ImageTask {
+    fn run(self, function: FilterImage, state: &State) -> Called {
+        let Picture { width, height, rgba } = &*self.picture;
+        let mut filtered = guarded_vec::<[f32; 4], f32>(rgba.len())?;
+        let pointers = self.values.pointers();
+        let values = self.values.header_values(&pointers);
+        let call = ImageCall {
+            size: size_of::<ImageCall>() as u32,
+            reserved: 0,
+            width: *width as u64,
+            height: *height as u64,
+            rgba: rgba.as_ptr().cast(),
+            values: &values,
+            filtered: filtered.as_mut_ptr().cast(),
+        };
+        // SAFETY: the plug-in's own function; what it is given lives through the call and has the sizes stated.
+        let code = unsafe { function(&call, &state.host()) };
+        let overrun = remove_guard::<_, f32>(&mut filtered, rgba.len()).then(|| Overrun {
+            buffer: "the picture".into(),
+            capacity: format!("4 numbers for each of the {width} x {height} pixels"),
+        });
+        Ok((code, overrun, Outcome::Pixels(filtered)))
+    }
+}
