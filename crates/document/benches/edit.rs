@@ -73,9 +73,7 @@ fn main() {
     );
     told(
         "undo, in all",
-        median(|i| {
-            black_box(if i % 2 == 0 { document.undo() } else { document.redo() });
-        }),
+        median(|i| assert!(black_box(if i % 2 == 0 { document.undo() } else { document.redo() }))),
     );
     let rename = |i: usize| match i % 2 {
         0 => Edit::Rename { node: "grid_7".into(), to: "mesh".into() },

@@ -19,8 +19,10 @@ use voltet_graph::{ArrayRef, LocatedValue, ParameterValue, find_setting};
 /// A nudge by an arrow key, as a share of the shown axis.
 const NUDGE: f64 = 0.01;
 
+type WidgetCommand = fn(&mut TransferPanel, &EditedFunction);
+
 /// Keys of commands for the widget in hand.
-const KEYS: [(Modifiers, Key, fn(&mut TransferPanel, &EditedFunction)); 10] = [
+const KEYS: [(Modifiers, Key, WidgetCommand); 10] = [
     (Modifiers::SHIFT, Key::PageUp, |panel, look| panel.reorder(look, panel.chosen.saturating_sub(1))),
     (Modifiers::SHIFT, Key::PageDown, |panel, look| panel.reorder(look, panel.chosen + 1)),
     (Modifiers::NONE, Key::PageUp, |panel, look| panel.choose(panel.chosen + look.widgets.len() - 1, look)),

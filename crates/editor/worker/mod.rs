@@ -1,9 +1,9 @@
 //! The worker: one thread that owns a session and draws the picture at a node of a graph, apart from any window.
 //!
 //! It takes the newest request alone. A picture is drawn coarse at once (fewer pixels) and in full when nothing newer is
-//! wanted; a newer request stops what is being drawn, but for two things that would only be lost (see [`work::Pass`]): a node
+//! wanted; a newer request stops what is being drawn, but for two things that would only be lost (see `work::Pass`): a node
 //! that the change does not touch, and the first picture while a hand moves. Nothing is written: a preview runs what feeds the
-//! picture, and a node that writes feeds nothing. Each [query](request::Query) waits until no picture is wanted, and is given up for one.
+//! picture, and a node that writes feeds nothing. Each query waits until no picture is wanted, and is given up for one.
 
 mod comparison;
 mod distribution;

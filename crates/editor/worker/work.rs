@@ -380,10 +380,9 @@ const FIRST_TIME_LIMIT: f64 = 0.2;
 /// Model of drawing times, fitted to the pictures drawn: a constant a picture, and a constant a pixel. It gives the resolution of coarse
 /// pictures: as many pixels as are drawn in a time that the user does not notice.
 ///
-/// While widgets change and the view does not, the engine draws from its cache of the view ([`Manner::passing`]). It caches
-/// pictures of one size alone, so that another size costs some slow pictures first.
-///
-/// [`Manner::passing`]: voltet_optics::engine::Manner::passing
+/// While widgets change and the view does not, the engine draws from its cache of the view
+/// ([`voltet_optics::engine::RenderOptions::passing`]). It caches pictures of one size alone, so that another size costs some slow
+/// pictures first.
 #[derive(Debug, Default)]
 pub(super) struct FrameTimeModel {
     full: Option<(f64, f64)>,
