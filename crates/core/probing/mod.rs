@@ -9,7 +9,8 @@
 //! | `sub_tetrahedron` | a part of a tetrahedron, cut by half-spaces |
 //! | `moments` | mean and covariance, merged without loss of digits |
 //! | `region` | the part of a tetrahedron in a box or a ball |
-//! | `probe` | the moments of fields in a region (Kniss et al. 2003, section 6), and the matrix K of a Gaussian widget from them |
+//! | `probe` | the moments of fields in a region (Kniss et al. 2003, section 6) |
+//! | `kernel` | from moments to the matrix K of a Gaussian widget |
 //! | `histogram` | the distribution over (s, g), weighted by volume |
 //! | `percentile` | percentiles of a field by volume |
 //! | `proposal` | a first transfer function, from the histogram |
@@ -17,6 +18,7 @@
 
 mod bands;
 mod histogram;
+mod kernel;
 mod moments;
 mod percentile;
 mod probe;
@@ -28,7 +30,8 @@ mod tests;
 
 pub use bands::{BandCounts, bands, bands_of_cells};
 pub use histogram::{Axis, Histogram, histogram};
+pub use kernel::kernel;
 pub use percentile::{Volumes, value_range};
-pub use probe::{Mask, ProbeResult, kernel, probe};
+pub use probe::{Mask, ProbeResult, probe};
 pub use proposal::{ProposedWidget, proposal, quiet};
 pub use region::ProbeRegion;

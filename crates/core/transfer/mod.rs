@@ -7,6 +7,7 @@
 //! its support lies. How it is integrated is said by each engine.
 
 mod check;
+mod convex;
 mod function;
 mod hull;
 mod kinds;
@@ -17,13 +18,14 @@ mod slab;
 mod support;
 mod widget;
 
+pub use convex::Convex;
 pub use function::{OpticalModel, TransferFunction};
 pub use kinds::{
     AxisOrigin, BandSpacing, ColorSource, ControlPoint, LoadImage, MAX_FIELDS, Profile, Properties, Table,
     WIDGET_KINDS, Wave,
 };
 pub use read::read;
-pub use region::{Convex, HalfPlane, Region};
+pub use region::{HalfPlane, Region};
 pub use relative::{DataStatistics, StatisticsRequest, resolved, statistics_request, with_placeholders};
 pub use slab::{Slab, SupportRadius};
 pub use support::Support;

@@ -8,3 +8,4 @@ pub(crate) mod origins;
 pub(crate) mod port;
 pub(crate) mod resolved;
 pub(crate) mod value;
+pub(crate) mod wiring;

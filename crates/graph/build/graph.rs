@@ -1,7 +1,7 @@
 //! Builds graphs: finds node types, checks parameters, wires ports, refuses cycles, and finds the order of work.
 
+use super::diagnostic::{Diagnostic, DiagnosticTarget};
 use super::entry::NodeEntry;
-use super::entry::{Diagnostic, DiagnosticTarget};
 use super::method;
 use super::node_override::NodeOverride;
 use super::registry::Registry;
@@ -9,8 +9,8 @@ use super::wiring::wires;
 use crate::api::context::{Outputs, RunContext};
 use crate::api::node::Node;
 use crate::api::port::PortType;
-use crate::api::port::{Edge, Wiring};
 use crate::api::resolved::ResolvedPipeline;
+use crate::api::wiring::{Edge, Wiring};
 use std::path::PathBuf;
 use voltet_core::field::{Method, Plugin};
 use voltet_core::parameters::{Parameters, SourceSpan, suggest};

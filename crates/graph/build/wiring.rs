@@ -1,9 +1,9 @@
 //! Resolves the wires of a node: inputs to outputs of the other nodes.
 
+use super::diagnostic::{Diagnostic, DiagnosticTarget};
 use super::entry::NodeEntry;
-use super::entry::{Diagnostic, DiagnosticTarget};
 use crate::api::node::Node;
-use crate::api::port::Edge;
+use crate::api::wiring::Edge;
 use voltet_core::parameters::{LocatedValue, suggest};
 use voltet_core::{Error, Result};
 

@@ -5,10 +5,13 @@
 //! node editor's own: it is handed on by [`Pipeline::survey`] and looked at by nothing that runs.
 
 mod document;
+mod option;
 mod parse;
+mod write;
 
 pub use document::{FORMAT, Pipeline};
-pub use parse::{EDITOR, ParsedPipeline, field, parameters, value};
+pub use option::field;
+pub use parse::{EDITOR, ParsedPipeline, parameters, value};
 
 use voltet_core::Error;
 

@@ -1,8 +1,7 @@
-//! TOML and options of the command line to [`Pipeline`], every key and value with its place.
+//! TOML to [`Pipeline`], every key and value with its place.
 
 use super::document::{FORMAT, Pipeline};
 use crate::{Field, LinkEntry, LocatedValue, NodeEntry, ParameterValue, SourceSpan, suggest};
-use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 use voltet_core::{Error, Result};
@@ -51,9 +50,9 @@ fn read(text: &str) -> ParsedPipeline {
     let (theirs, ours): (Vec<_>, Vec<_>) =
         in_order(table.get_ref()).partition(|(key, _)| key.get_ref() == EDITOR);
     // Nobody who runs the file is told of mistakes in what belongs to the editor.
-    let fields = theirs.into_iter().map(|(key, value)| toml_field(key, value, &mut Vec::new()));
+    let fields = theirs.into_iter().map(|(key, value)| field(key, value, &mut Vec::new()));
     editor.extend(fields.flat_map(|field| field.setting.table().unwrap_or_default().to_vec()));
-    let top: Vec<Field> = ours.into_iter().map(|(key, value)| toml_field(key, value, faults)).collect();
+    let top: Vec<Field> = ours.into_iter().map(|(key, value)| field(key, value, faults)).collect();
     let known = ["pipeline", "nodes"];
     let unknown = top.iter().filter(|f| !known.contains(&f.name.as_str()));
     faults.extend(unknown.map(|field| unknown_key(field, &known, "a pipeline file")));
@@ -158,7 +157,7 @@ fn in_order<'a, 'i>(
     fields.into_iter()
 }
 
-fn toml_field(key: &TomlKey, value: &Spanned<DeValue>, faults: &mut Vec<Error>) -> Field {
+fn field(key: &TomlKey, value: &Spanned<DeValue>, faults: &mut Vec<Error>) -> Field {
     Field {
         name: key.get_ref().to_string(),
         origin: SourceSpan::Span(key.span()),
@@ -192,9 +191,9 @@ fn setting(value: &DeValue, span: std::ops::Range<usize>, faults: &mut Vec<Error
         DeValue::Array(array) => ParameterValue::List(
             array.iter().map(|part| setting(part.get_ref(), part.span(), faults)).collect(),
         ),
-        DeValue::Table(table) => ParameterValue::Table(
-            in_order(table).map(|(key, value)| toml_field(key, value, faults)).collect(),
-        ),
+        DeValue::Table(table) => {
+            ParameterValue::Table(in_order(table).map(|(key, value)| field(key, value, faults)).collect())
+        }
     };
     LocatedValue { datum, origin }
 }
@@ -205,7 +204,7 @@ pub fn parameters(text: &str) -> Result<Vec<Field>> {
     let (table, errors) = DeTable::parse_recoverable(text);
     let mut faults: Vec<Error> = errors.into_iter().map(|error| not_toml(error, text)).collect();
     let fields: Vec<Field> =
-        in_order(table.get_ref()).map(|(key, value)| toml_field(key, value, &mut faults)).collect();
+        in_order(table.get_ref()).map(|(key, value)| field(key, value, &mut faults)).collect();
     faults.extend(fields.iter().filter(|field| matches!(&*field.name, "type" | "inputs")).map(|field| {
         let what = format!("'{}' is no parameter", field.name);
         field.origin.locate(Error::usage(what).expected("parameters alone: type and wires stay"))
@@ -229,80 +228,9 @@ pub fn value(text: &str) -> Option<LocatedValue> {
     let table = DeTable::parse(&document).ok()?;
     let mut faults = Vec::new();
     let fields: Vec<Field> =
-        in_order(table.get_ref()).map(|(key, value)| toml_field(key, value, &mut faults)).collect();
+        in_order(table.get_ref()).map(|(key, value)| field(key, value, &mut faults)).collect();
     match fields.as_slice() {
         [field] if field.name == "value" && faults.is_empty() => Some(field.setting.clone()),
         _ => None,
-    }
-}
-
-impl Pipeline {
-    /// Carries out an option `node.param=value`: the value is read as TOML, or taken as text where it is none.
-    /// Parts of lists and tables are reached by further points (`look.widgets.0.extinction=2`).
-    pub fn set(&mut self, option: &str) -> Result<()> {
-        let shown: Arc<str> = format!("--set {option}").into();
-        let blame = |error: Error| SourceSpan::Option(shown.clone()).locate(error);
-        let form = "node.parameter=value";
-        let Some((path, value)) = option.split_once('=') else {
-            return Err(blame(Error::usage("the option has no '='").expected(form)));
-        };
-        let keys: Vec<&str> = path.trim().split('.').collect();
-        let (Some((&name, keys)), false) = (keys.split_first(), keys.iter().any(|k| k.is_empty())) else {
-            return Err(blame(Error::usage("the option names no parameter").expected(form)));
-        };
-        let Some((&first, rest)) = keys.split_first() else {
-            return Err(blame(Error::usage("the option names no parameter").got(path).expected(form)));
-        };
-        let names: Vec<String> = self.nodes.iter().map(|n| n.name.clone()).collect();
-        let Some(node) = self.nodes.iter_mut().find(|n| n.name == name) else {
-            let known = suggest(name, names.iter().map(String::as_str));
-            return Err(blame(Error::usage(format!("there is no node '{name}'")).expected(known)));
-        };
-        let setting = given(value, &shown);
-        if matches!(first, "type" | "inputs") {
-            return Err(blame(
-                Error::usage(format!("'{first}' cannot be set from the command line"))
-                    .expected("the name of a parameter"),
-            ));
-        }
-        node.set(first, rest, setting).map_err(blame)
-    }
-}
-
-/// The setting of an option `name=value` where no node need be named: the value is read as TOML, or taken as text where it is
-/// none.
-pub fn field(option: &str) -> Result<Field> {
-    let shown: Arc<str> = format!("--set {option}").into();
-    match option.split_once('=').map(|(name, value)| (name.trim(), value)) {
-        Some((name, value)) if !name.is_empty() => Ok(Field {
-            name: name.into(),
-            origin: SourceSpan::Option(shown.clone()),
-            setting: given(value, &shown),
-        }),
-        _ => {
-            let error = Error::usage("the option sets no parameter").expected("name=value");
-            Err(SourceSpan::Option(shown).locate(error))
-        }
-    }
-}
-
-/// The value that an option gives.
-fn given(value: &str, shown: &Arc<str>) -> LocatedValue {
-    let value = value.trim();
-    let mut setting = self::value(value).unwrap_or_else(|| ParameterValue::Text(value.into()).into());
-    mark(&mut setting, &SourceSpan::Option(shown.clone()));
-    setting
-}
-
-/// Gives a setting and all its parts one origin.
-fn mark(setting: &mut LocatedValue, origin: &SourceSpan) {
-    setting.origin = origin.clone();
-    match &mut setting.datum {
-        ParameterValue::List(list) => list.iter_mut().for_each(|part| mark(part, origin)),
-        ParameterValue::Table(fields) => fields.iter_mut().for_each(|field| {
-            field.origin = origin.clone();
-            mark(&mut field.setting, origin);
-        }),
-        _ => {}
     }
 }

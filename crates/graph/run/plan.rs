@@ -2,9 +2,9 @@
 
 use crate::api::context::PlanContext;
 use crate::api::demand::{Arrays, Demand};
-use crate::api::port::Edge;
 use crate::api::port::PortType;
 use crate::api::value::{Revision, Value};
+use crate::api::wiring::Edge;
 use crate::build::graph::{Graph, GraphNode};
 use voltet_core::diagnostics::Diagnostics;
 use voltet_core::{Error, Result};

@@ -2,7 +2,7 @@
 
 use super::cache::{Cache, Entry, Store, files_of, stamped};
 use super::node_run::NodeRun;
-use super::node_run::{origins, upstream};
+use super::origins::{origins, upstream};
 use super::plan::{Done, Plan, everything_of, inputs_of, refuse_missing_gradient};
 use super::report::RunReport;
 use crate::api::context::{DemandContext, Preparation};
@@ -10,8 +10,8 @@ use crate::api::demand::Demand;
 use crate::api::node::{NamedStub, Steps};
 use crate::api::observer::{NoObserver, Observer};
 use crate::api::origins::FileStamp;
-use crate::api::port::Edge;
 use crate::api::value::{Revision, Value};
+use crate::api::wiring::Edge;
 use crate::build::graph::Graph;
 use std::sync::Arc;
 use std::time::Instant;

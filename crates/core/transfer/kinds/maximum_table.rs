@@ -1,6 +1,6 @@
 //! Upper bounds of an image's alpha over boxes of the (s, g) plane.
 
-use super::keys::Table;
+use super::properties::Table;
 
 /// Largest alpha over blocks of texels, halved in size from level to level, so that any box of the plane is
 /// covered by at most nine blocks.

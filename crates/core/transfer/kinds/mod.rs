@@ -8,14 +8,16 @@ mod gaussian_nd;
 mod keys;
 mod maximum_table;
 mod piecewise_linear;
+mod properties;
 mod table;
 mod triangular_gaussian;
 mod triangular_gaussian_nd;
 mod uniform;
 mod wave;
 
-pub use keys::{
-    AxisOrigin, BandSpacing, ColorSource, ControlPoint, LoadImage, MAX_FIELDS, Properties, Table, Wave,
+pub use keys::LoadImage;
+pub use properties::{
+    AxisOrigin, BandSpacing, ColorSource, ControlPoint, MAX_FIELDS, Properties, Table, Wave,
 };
 pub(super) use wave::ACROSS;
 

@@ -1,7 +1,7 @@
 //! `piecewise-linear`: colour and extinction linear between control points in s (Roettger & Ertl 2002; Moreland 2004).
 
 use super::keys::REGION;
-use super::keys::{AxisOrigin, ColorSource, ControlPoint, Properties};
+use super::properties::{AxisOrigin, ColorSource, ControlPoint, Properties};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, RelativeNumberType, StatisticKind,
     VariantSchema,

@@ -1,7 +1,7 @@
 //! `table`: a picture over the (s, g) plane (Song et al. 2009, section 3.3.2).
 
-use super::keys::{AxisOrigin, ColorSource, Properties, Table};
 use super::keys::{COLOR, EXTINCTION, LoadImage, REGION};
+use super::properties::{AxisOrigin, ColorSource, Properties, Table};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
     VariantSchema,

@@ -1,7 +1,7 @@
 //! `triangular-gaussian`: exp(−((s − centre)/(sigma g))²), 0 where g = 0 (Kniss et al. 2003, section 3.2).
 
-use super::keys::{AxisOrigin, ColorSource, Properties};
 use super::keys::{COLOR, EXTINCTION, REGION};
+use super::properties::{AxisOrigin, ColorSource, Properties};
 use crate::Result;
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Range, RelativeNumberType, StatisticKind, VariantSchema,

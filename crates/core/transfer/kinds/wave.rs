@@ -1,7 +1,7 @@
 //! `triangle-wave` and `sine-wave`: bands across the (s, g) plane (Song et al. 2009, sections 4.3 and 4.4).
 
-use super::keys::{AxisOrigin, BandSpacing, ColorSource, Properties, Wave};
 use super::keys::{COLOR, EXTINCTION, REGION};
+use super::properties::{AxisOrigin, BandSpacing, ColorSource, Properties, Wave};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
     VariantSchema,

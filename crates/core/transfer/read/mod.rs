@@ -1,8 +1,8 @@
 //! A widget from the keys of a pipeline file (docs/src/explanation/optics.md, section 5).
 
 use crate::parameters::Parameters;
+use crate::transfer::convex::Convex;
 use crate::transfer::kinds::{DECLARED, LoadImage, WIDGET_KINDS};
-use crate::transfer::region::Convex;
 use crate::transfer::region::Region;
 use crate::transfer::widget::Widget;
 use crate::{Error, Result};

@@ -8,10 +8,10 @@
 
 mod slabs;
 
+use super::convex::Convex;
 use super::function::{OpticalModel, TransferFunction};
 use super::hull::{Corners, ROUNDING, distance_squared_from_origin, meets, range};
 use super::kinds::ProfileBounds;
-use super::region::Convex;
 use super::widget::Widget;
 use crate::Result;
 
