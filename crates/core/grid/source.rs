@@ -1,11 +1,10 @@
 //! The cells of a file one by one: which are drawn, and the tetrahedra of each.
 
 use super::cell_types::{CellType, code};
-use super::cells::Cell;
 use super::curved::{Curved, is_curved};
-use super::parts::Cells;
-use super::polyhedron::Polyhedra;
+use super::parts::{Cell, Cells};
 use super::split;
+use super::split::Polyhedra;
 use crate::{Error, Result};
 
 /// Classification of a cell on import.
@@ -198,7 +197,7 @@ impl Source<'_> {
         }
         let position = self.polyhedra.choices.added[i - self.curved.origins.len()];
         let Cells::Mixed(set) = self.cells else { return Ok(f(&mut std::iter::empty())) };
-        let corners = super::polyhedron::corners(&set.polyhedra[position]);
+        let corners = split::corners(&set.polyhedra[position]);
         let weight = 1.0 / corners.len() as f64;
         Ok(f(&mut corners.into_iter().map(|c| (c, weight))))
     }

@@ -18,20 +18,16 @@
 
 mod bands;
 mod histogram;
-mod kernel;
-mod moments;
 mod percentile;
 mod probe;
 mod proposal;
-mod region;
 mod sub_tetrahedron;
 #[cfg(test)]
 mod tests;
 
 pub use bands::{BandCounts, bands, bands_of_cells};
 pub use histogram::{Axis, Histogram, histogram};
-pub use kernel::kernel;
 pub use percentile::{Volumes, value_range};
-pub use probe::{Mask, ProbeResult, probe};
+pub use probe::{Mask, ProbeResult, kernel, probe};
 pub use proposal::{ProposedWidget, proposal, quiet};
-pub use region::ProbeRegion;
+pub use sub_tetrahedron::ProbeRegion;

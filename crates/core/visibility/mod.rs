@@ -14,10 +14,8 @@
 //! out by a compositor, pixel by pixel.
 
 mod centroid;
-mod convex;
 mod disorder;
 mod faces;
-mod gaps;
 mod order;
 mod rays;
 

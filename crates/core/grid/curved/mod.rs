@@ -11,10 +11,9 @@
 
 mod basis;
 mod lattice;
-mod nodes;
 
-use super::cell_types::{CellType, code};
-use super::cells::Cell;
+use crate::grid::cell_types::{CellType, code};
+use crate::grid::parts::Cell;
 use crate::{Error, Result};
 use basis::Weights;
 use lattice::LatticeCell;
@@ -66,7 +65,7 @@ pub(super) struct Curved {
 
 /// True if cells of this type are curved.
 pub(super) fn is_curved(code: u8) -> bool {
-    nodes::is_curved(code) || code == code::TRIQUADRATIC_PYRAMID
+    lattice::is_curved(code) || code == code::TRIQUADRATIC_PYRAMID
 }
 
 impl Curved {
@@ -87,7 +86,7 @@ impl Curved {
         let template = if cell.code == code::TRIQUADRATIC_PYRAMID {
             triquadratic_pyramid()
         } else {
-            let nodes = nodes::nodes(cell.code, cell.corners.len(), degrees).ok_or_else(wrong_count)?;
+            let nodes = lattice::nodes(cell.code, cell.corners.len(), degrees).ok_or_else(wrong_count)?;
             let order = nodes.orders.into_iter().max().unwrap_or(1);
             if order > 1 && order * subdivision > MAX_PIECES {
                 return Err(Error::usage(format!("the subdivision is too fine for cells of degree {order}"))
@@ -166,7 +165,7 @@ impl Numbering<'_> {
 }
 
 /// Cuts cells with these nodes.
-fn template(nodes: &nodes::Nodes, subdivision: usize) -> Option<Template> {
+fn template(nodes: &lattice::Nodes, subdivision: usize) -> Option<Template> {
     let orders = nodes.orders;
     let fine = orders.map(|p| if p == 1 { 1 } else { p * subdivision });
     let full = basis::full_lattice(nodes)?;

@@ -1,16 +1,16 @@
 //! `gaussian`: exp(−|K (v − centre)|²) over the (s, g) plane (Song et al. 2009, section 4.2; Kniss et al. 2003, Eq. 12).
 
-use super::keys::{COLOR, EXTINCTION, MATRIX, POSITIVE_OR_INFINITE, REGION, SIGMA, kernel};
-use super::properties::{AxisOrigin, ColorSource, Properties};
+use super::properties::{
+    AxisOrigin, COLOR, ColorSource, EXTINCTION, MATRIX, POSITIVE_OR_INFINITE, Properties, REGION, SIGMA,
+    finite, kernel,
+};
 use crate::Result;
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
     VariantSchema,
 };
-use crate::transfer::check::finite;
-use crate::transfer::hull::distance_squared_from_origin;
-use crate::transfer::hull::{Corners, gaussian, range};
-use crate::transfer::slab::Slab;
+use crate::transfer::hull::{Corners, distance_squared_from_origin, gaussian, range};
+use crate::transfer::region::Slab;
 
 /// The declaration.
 pub(super) const KIND: VariantSchema = VariantSchema {

@@ -1,12 +1,10 @@
 //! `gaussian-nd`: exp(−|K (v − centre)|²) over a list of fields of its own (Kniss et al. 2003, Eq. 11 and 12).
 
-use super::keys::{
-    CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, FieldMatrix, MATRIX_OF_FIELDS, REGION, SIGMA_OF_FIELDS,
-    fields_and_centre, kernel,
+use super::properties::{
+    AxisOrigin, CENTRE_OF_FIELDS, COLOR, ColorSource, EXTINCTION, FIELDS, FieldMatrix, MATRIX_OF_FIELDS,
+    MAX_FIELDS, Properties, REGION, SIGMA_OF_FIELDS, fields_and_centre, finite, kernel,
 };
-use super::properties::{AxisOrigin, ColorSource, MAX_FIELDS, Properties};
 use crate::parameters::{Parameters, VariantSchema};
-use crate::transfer::check::finite;
 use crate::transfer::hull::{Corners, gaussian};
 use crate::{Error, Result};
 

@@ -5,28 +5,25 @@
 
 mod gaussian;
 mod gaussian_nd;
-mod keys;
-mod maximum_table;
 mod piecewise_linear;
-mod properties;
+pub(super) mod properties;
 mod table;
 mod triangular_gaussian;
 mod triangular_gaussian_nd;
 mod uniform;
 mod wave;
 
-pub use keys::LoadImage;
 pub use properties::{
-    AxisOrigin, BandSpacing, ColorSource, ControlPoint, MAX_FIELDS, Properties, Table, Wave,
+    AxisOrigin, BandSpacing, ColorSource, ControlPoint, LoadImage, MAX_FIELDS, Properties, Table, Wave,
 };
 pub(super) use wave::ACROSS;
 
-use super::hull::Corners;
-use super::slab::{Slab, SupportRadius};
 use crate::Result;
 use crate::parameters::{Parameters, VariantSchema};
-use maximum_table::MaximumTable;
+use crate::transfer::hull::Corners;
+use crate::transfer::region::{Slab, SupportRadius};
 use std::sync::Arc;
+use table::MaximumTable;
 
 /// A widget's profile (peak 1). Lengths along s are in units of s, along g in units of g.
 #[derive(Debug, Clone, PartialEq)]

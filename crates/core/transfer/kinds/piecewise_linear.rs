@@ -1,14 +1,12 @@
 //! `piecewise-linear`: colour and extinction linear between control points in s (Roettger & Ertl 2002; Moreland 2004).
 
-use super::keys::REGION;
-use super::properties::{AxisOrigin, ColorSource, ControlPoint, Properties};
+use super::properties::{AxisOrigin, ColorSource, ControlPoint, Properties, REGION, finite, not_negative};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, RelativeNumberType, StatisticKind,
     VariantSchema,
 };
-use crate::transfer::check::{finite, not_negative};
 use crate::transfer::hull::Corners;
-use crate::transfer::slab::Slab;
+use crate::transfer::region::Slab;
 use crate::{Error, Result};
 
 /// The declaration.

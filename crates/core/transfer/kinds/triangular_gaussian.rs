@@ -1,14 +1,12 @@
 //! `triangular-gaussian`: exp(−((s − centre)/(sigma g))²), 0 where g = 0 (Kniss et al. 2003, section 3.2).
 
-use super::keys::{COLOR, EXTINCTION, REGION};
-use super::properties::{AxisOrigin, ColorSource, Properties};
+use super::properties::{AxisOrigin, COLOR, ColorSource, EXTINCTION, Properties, REGION, finite, positive};
 use crate::Result;
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Range, RelativeNumberType, StatisticKind, VariantSchema,
 };
-use crate::transfer::check::{finite, positive};
 use crate::transfer::hull::{Corners, gaussian};
-use crate::transfer::slab::Slab;
+use crate::transfer::region::Slab;
 
 /// The declaration.
 pub(super) const KIND: VariantSchema = VariantSchema {

@@ -3,11 +3,10 @@
 //! `triangular-gaussian`.
 
 use super::gaussian_nd;
-use super::keys::{
-    CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, FieldMatrix, MATRIX_OF_FIELDS, POSITIVE_OR_INFINITE, REGION,
-    SIGMA_OF_FIELDS, fields_and_centre, kernel,
+use super::properties::{
+    AxisOrigin, CENTRE_OF_FIELDS, COLOR, ColorSource, EXTINCTION, FIELDS, FieldMatrix, MATRIX_OF_FIELDS,
+    MAX_FIELDS, POSITIVE_OR_INFINITE, Properties, REGION, SIGMA_OF_FIELDS, fields_and_centre, kernel,
 };
-use super::properties::{AxisOrigin, ColorSource, MAX_FIELDS, Properties};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, RelativeNumberType, StatisticKind,
     VariantSchema,

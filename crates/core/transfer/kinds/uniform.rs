@@ -1,7 +1,6 @@
 //! `uniform`: 1 inside its region (Song et al. 2009, section 4.1).
 
-use super::keys::{COLOR, EXTINCTION, REGION};
-use super::properties::{AxisOrigin, ColorSource, Properties};
+use super::properties::{AxisOrigin, COLOR, ColorSource, EXTINCTION, Properties, REGION};
 use crate::parameters::{DefaultValue, Parameter, VariantSchema};
 
 /// The declaration.

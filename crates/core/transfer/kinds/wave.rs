@@ -1,12 +1,12 @@
 //! `triangle-wave` and `sine-wave`: bands across the (s, g) plane (Song et al. 2009, sections 4.3 and 4.4).
 
-use super::keys::{COLOR, EXTINCTION, REGION};
-use super::properties::{AxisOrigin, BandSpacing, ColorSource, Properties, Wave};
+use super::properties::{
+    AxisOrigin, BandSpacing, COLOR, ColorSource, EXTINCTION, Properties, REGION, Wave, finite, positive,
+};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
     VariantSchema,
 };
-use crate::transfer::check::{finite, positive};
 use crate::transfer::hull::{Corners, ROUNDING, range};
 use crate::{Error, Result};
 use std::f64::consts::PI;
