@@ -324,7 +324,7 @@ fn chunks(count: usize) -> impl IndexedParallelIterator<Item = std::ops::Range<u
 }
 
 /// Goes over all cells once: checks them, counts fates and tetrahedra.
-pub(super) fn tally(source: &Source, progress: &dyn Progress) -> Result<CellCounts> {
+fn tally(source: &Source, progress: &dyn Progress) -> Result<CellCounts> {
     let count = source.cells.count();
     let parts: Vec<Result<CellCounts>> = chunks(count)
         .map(|range| {

@@ -15,7 +15,7 @@ const FLATNESS_TOLERANCE: f64 = 1e-9;
 
 /// Boundary faces of a grid, and counts of faces that show overlapping cells.
 #[derive(Debug, PartialEq)]
-struct BoundaryFaces {
+pub(super) struct BoundaryFaces {
     /// The tetrahedra that lie on the same side of a face as another one does, ascending.
     pub overlapping: Vec<u32>,
     /// The faces of one cell alone, the grid's boundary: the cell and the point opposite (the first at its place),

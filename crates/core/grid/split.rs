@@ -166,7 +166,7 @@ pub(super) struct Polyhedra {
 
 /// Decisions for all polyhedra.
 #[derive(Debug, Default)]
-struct SplitDecisions {
+pub(super) struct SplitDecisions {
     /// Point number of every polyhedron's apex; those above the file's points are added.
     apexes: Vec<u32>,
     /// Polyhedra (positions) that have a point in their middle added, in the order of the points' numbers.

@@ -181,7 +181,7 @@ struct BoundaryFace {
 }
 
 /// True if the boundary is one convex surface. `diagonal`: that of the grid (world units).
-pub(super) fn is_convex(boundary: &[BoundaryFace], points: &[DVec3], diagonal: f64) -> bool {
+fn is_convex(boundary: &[BoundaryFace], points: &[DVec3], diagonal: f64) -> bool {
     // Ends of each edge of each face, and the face.
     let mut edges: Vec<([u32; 2], usize)> = Vec::with_capacity(3 * boundary.len());
     for (number, face) in boundary.iter().enumerate() {

@@ -311,7 +311,7 @@ struct Crossing {
 }
 
 /// The gaps along the rays of a camera's pixels. Errors: a camera out of range.
-pub(super) fn gaps(faces: &Faces, points: &[DVec3], cells: &[[u32; 4]], camera: &Camera) -> Result<Gaps> {
+fn gaps(faces: &Faces, points: &[DVec3], cells: &[[u32; 4]], camera: &Camera) -> Result<Gaps> {
     let mut all = Gaps::default();
     for rays in Rays::per_sample(camera)? {
         let outer = |&(cell, k): &(u32, usize)| {
@@ -385,7 +385,7 @@ fn in_rows(outer: &[OuterTriangle], rays: &Rays, rows: Range<u32>, touch: f64) -
 
 /// Goes along one ray and adds the relations across its gaps. `touch`: the depth within which crossings may have changed places.
 /// Gives whether exits and entries alternate, as they do where the cells are disjoint.
-pub(super) fn follow(crossings: &mut [Crossing], touch: f64, relations: &mut Vec<[u32; 2]>) -> bool {
+fn follow(crossings: &mut [Crossing], touch: f64, relations: &mut Vec<[u32; 2]>) -> bool {
     crossings.sort_unstable_by(|a, b| a.depth.total_cmp(&b.depth));
     // An eye within the grid meets an exit first.
     let entries = crossings.iter().filter(|crossing| crossing.enters).count();

@@ -3,11 +3,9 @@
 use crate::api::context::{FOR_THE_SESSION, Preparation, RetainedValue};
 use crate::api::demand::Demand;
 use crate::api::node::{Node, Steps};
-use crate::api::origins::{FileStamp, Stamp};
-use crate::api::resolved::ResolvedPipeline;
+use crate::api::origins::{FileStamp, ResolvedPipeline, Stamp};
 use crate::api::value::{Revision, Value};
-use crate::build::graph::{Graph, GraphNode};
-use crate::build::node_override::NodeOverride;
+use crate::build::graph::{Graph, GraphNode, NodeOverride};
 use std::any::TypeId;
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};

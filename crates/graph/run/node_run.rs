@@ -1,15 +1,14 @@
-//! Services of a session to one running node, among them the steps of the time series that feed it.
+//! Services of a session to one running node: the origins of values, and the steps of the time series that feed it.
 
-use super::cache::{Key, Store, files_of};
-use super::origins::{origins, upstream};
+use super::cache::{Key, Store, files_beside, files_of};
 use super::plan::{Done, inputs_of, refuse_missing_gradient};
-use crate::api::context::{DemandContext, Preparation, RetainedValue, RunContext, RunServices};
+use crate::api::context::{
+    DemandContext, NodeProgress, Observer, Preparation, RetainedValue, RunContext, RunServices,
+};
 use crate::api::demand::Demand;
 use crate::api::node::Steps;
-use crate::api::observer::{NodeProgress, Observer};
-use crate::api::origins::{FileStamp, Origins};
-use crate::api::resolved::ResolvedPipeline;
-use crate::api::value::{Revision, Value};
+use crate::api::origins::{FileRead, FileStamp, Origins, ResolvedPipeline};
+use crate::api::value::{PortType, Revision, Value, diagonal};
 use crate::build::graph::{Graph, GraphNode};
 use std::any::TypeId;
 use std::cell::Cell;
@@ -240,4 +239,58 @@ fn asks_of(graph: &Graph, node: &GraphNode, asked: &Demand) -> Result<Vec<Demand
     };
     (node.node.demand)(&mut asking).map_err(|error| node.locate(error))?;
     Ok(asking.asks)
+}
+
+/// Origins of the values of these nodes, which ran.
+pub(super) fn origins(graph: &Graph, places: &[usize], done: &[Option<Done>], stamp: FileStamp) -> Origins {
+    let mut origins = Origins::default();
+    for &place in places {
+        let node = &graph.nodes[place];
+        let outputs = done[place].iter().flat_map(|done| &done.outputs);
+        for (value, _) in outputs {
+            if let Value::Camera(camera) = value {
+                origins.cameras.push((node.name.clone(), camera.clone()));
+            }
+            if let Value::TransferFunction(look) = value {
+                let by_data =
+                    || Some(look.for_diagonal(drawn_with(graph, places, place, done)?).unit_distance);
+                let stated = look.transfer_function.unit_distance;
+                let unit = if look.auto_unit_distance { by_data() } else { Some(stated) };
+                origins.unit_distances.push((node.name.clone(), unit));
+            }
+        }
+        origins.plugins.extend(node.plugin().map(|plugin| (node.name.clone(), plugin.clone())));
+        let read = node.parameters.paths().into_iter().filter(|named| !named.written);
+        // The first names the others.
+        let mut beside = files_beside((node.node, &node.parameters), Steps::Read, &graph.folder, stamp);
+        origins.files.extend(read.map(|named| {
+            let path = named.from(&graph.folder);
+            let beside = std::mem::take(&mut beside);
+            FileRead { node: node.name.clone(), stamp: stamp(&path), named, path, beside }
+        }));
+    }
+    origins
+}
+
+/// The diagonal of the volume that is drawn with the transfer function of a node.
+fn drawn_with(graph: &Graph, places: &[usize], look: usize, done: &[Option<Done>]) -> Option<f64> {
+    places.iter().find_map(|&place| {
+        let node = &graph.nodes[place];
+        node.inputs.iter().find(|edge| edge.node == look)?;
+        let port = |k: usize| node.node.all_inputs().nth(k).map(|port| port.port_type);
+        let volume = node.inputs.iter().find(|edge| port(edge.port) == Some(PortType::Volume))?;
+        let (value, _) = done[volume.node].as_ref()?.outputs.get(volume.output)?;
+        Some(diagonal(&value.volume()?.ok()?.grid.points))
+    })
+}
+
+/// A node and all that feeds it, each after what feeds it.
+pub(super) fn upstream(graph: &Graph, place: usize) -> Vec<usize> {
+    let mut needed = vec![false; graph.nodes.len()];
+    needed[place] = true;
+    for &i in graph.order.iter().rev().filter(|&&i| i != place) {
+        needed[i] =
+            (0..needed.len()).any(|k| needed[k] && graph.nodes[k].inputs.iter().any(|edge| edge.node == i));
+    }
+    graph.order.iter().copied().filter(|&i| needed[i]).collect()
 }

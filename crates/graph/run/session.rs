@@ -1,17 +1,13 @@
 //! Sessions run graphs: the two passes, the cache between runs, progress and stopping.
 
 use super::cache::{Cache, Entry, Store, files_of, stamped};
-use super::node_run::NodeRun;
-use super::origins::{origins, upstream};
-use super::plan::{Done, Plan, everything_of, inputs_of, refuse_missing_gradient};
-use super::report::RunReport;
-use crate::api::context::{DemandContext, Preparation};
+use super::node_run::{NodeRun, origins, upstream};
+use super::plan::{Done, Plan, RunReport, everything_of, inputs_of, refuse_missing_gradient};
+use crate::api::context::{DemandContext, NoObserver, Observer, Preparation};
 use crate::api::demand::Demand;
 use crate::api::node::{NamedStub, Steps};
-use crate::api::observer::{NoObserver, Observer};
 use crate::api::origins::FileStamp;
-use crate::api::value::{Revision, Value};
-use crate::api::wiring::Edge;
+use crate::api::value::{Edge, Revision, Value};
 use crate::build::graph::Graph;
 use std::sync::Arc;
 use std::time::Instant;

@@ -289,7 +289,7 @@ pub(super) fn finite(what: &str, values: &[f64]) -> Result<()> {
 }
 
 /// 0 ≤ value < ∞.
-pub(super) fn not_negative(what: &str, value: f64) -> Result<()> {
+pub(in crate::transfer) fn not_negative(what: &str, value: f64) -> Result<()> {
     if value >= 0.0 && value.is_finite() {
         return Ok(());
     }
