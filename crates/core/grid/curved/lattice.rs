@@ -10,7 +10,7 @@
 //! [`nodes`] places the nodes of VTK's curved cells on the lattice of the cell's own order (VTK's classes of the same names; the
 //! Lagrange and Bezier orders are those of vtkHigherOrderHexahedron, …Tetra and …Wedge).
 
-use crate::grid::cell_types::code;
+use crate::grid::cell_types::{CellType, code};
 use crate::grid::split;
 
 /// The reference cells.
@@ -186,134 +186,60 @@ pub(super) struct Nodes {
     pub bezier: bool,
 }
 
-const TETRAHEDRON: [[usize; 3]; 10] = [
-    [0, 0, 0],
-    [2, 0, 0],
-    [0, 2, 0],
-    [0, 0, 2],
-    [1, 0, 0],
-    [1, 1, 0],
-    [0, 1, 0],
-    [0, 0, 1],
-    [1, 0, 1],
-    [0, 1, 1],
-];
-const HEXAHEDRON: [[usize; 3]; 27] = [
-    [0, 0, 0],
-    [2, 0, 0],
-    [2, 2, 0],
-    [0, 2, 0],
-    [0, 0, 2],
-    [2, 0, 2],
-    [2, 2, 2],
-    [0, 2, 2],
-    [1, 0, 0],
-    [2, 1, 0],
-    [1, 2, 0],
-    [0, 1, 0],
-    [1, 0, 2],
-    [2, 1, 2],
-    [1, 2, 2],
-    [0, 1, 2],
-    [0, 0, 1],
-    [2, 0, 1],
-    [2, 2, 1],
-    [0, 2, 1],
-    [0, 1, 1],
-    [2, 1, 1],
-    [1, 0, 1],
-    [1, 2, 1],
-    [1, 1, 0],
-    [1, 1, 2],
-    [1, 1, 1],
-];
-const WEDGE: [[usize; 3]; 18] = [
-    [0, 0, 0],
-    [2, 0, 0],
-    [0, 2, 0],
-    [0, 0, 2],
-    [2, 0, 2],
-    [0, 2, 2],
-    [1, 0, 0],
-    [1, 1, 0],
-    [0, 1, 0],
-    [1, 0, 2],
-    [1, 1, 2],
-    [0, 1, 2],
-    [0, 0, 1],
-    [2, 0, 1],
-    [0, 2, 1],
-    [1, 0, 1],
-    [1, 1, 1],
-    [0, 1, 1],
-];
-const LINEAR_WEDGE: [[usize; 3]; 12] = [
-    [0, 0, 0],
-    [2, 0, 0],
-    [0, 2, 0],
-    [0, 0, 1],
-    [2, 0, 1],
-    [0, 2, 1],
-    [1, 0, 0],
-    [1, 1, 0],
-    [0, 1, 0],
-    [1, 0, 1],
-    [1, 1, 1],
-    [0, 1, 1],
-];
-const PYRAMID: [[usize; 3]; 13] = [
-    [0, 0, 0],
-    [2, 0, 0],
-    [2, 2, 0],
-    [0, 2, 0],
-    [0, 0, 2],
-    [1, 0, 0],
-    [2, 1, 0],
-    [1, 2, 0],
-    [0, 1, 0],
-    [0, 0, 1],
-    [1, 0, 1],
-    [1, 1, 1],
-    [0, 1, 1],
-];
+/// Corners of the quadratic cells, in VTK's order; an edge has two pieces.
+const TETRAHEDRON: &[[usize; 3]] = &[[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]];
+const HEXAHEDRON: &[[usize; 3]] =
+    &[[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [0, 0, 2], [2, 0, 2], [2, 2, 2], [0, 2, 2]];
+const WEDGE: &[[usize; 3]] = &[[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2], [2, 0, 2], [0, 2, 2]];
+const LINEAR_WEDGE: &[[usize; 3]] = &[[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 1], [2, 0, 1], [0, 2, 1]];
+const PYRAMID: &[[usize; 3]] = &[[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [0, 0, 2]];
 
-/// True if the type is one of these.
+/// Further nodes of the quadratic cells, in VTK's order, each in the middle of the corners that its digits name.
+const TETRAHEDRON_MIDDLES: &str = "01 12 02 03 13 23";
+const HEXAHEDRON_MIDDLES: &str = "01 12 23 03 45 56 67 47 04 15 26 37 0347 1256 0145 2367 0123 4567 01234567";
+const WEDGE_MIDDLES: &str = "01 12 02 34 45 35 03 14 25 0134 1245 0235";
+const LINEAR_WEDGE_MIDDLES: &str = "01 12 02 34 45 35";
+const PYRAMID_MIDDLES: &str = "01 12 23 03 04 14 24 34";
+
+/// Lattice positions of corners and of the middles between some of them.
+fn quadratic_positions(corners: &[[usize; 3]], middles: &str) -> Vec<[usize; 3]> {
+    let middle = |digits: &str| -> [usize; 3] {
+        let named = digits.bytes().map(|digit| corners[usize::from(digit - b'0')]);
+        std::array::from_fn(|axis| named.clone().map(|corner| corner[axis]).sum::<usize>() / digits.len())
+    };
+    corners.iter().copied().chain(middles.split(' ').map(middle)).collect()
+}
+
+/// True if [`nodes`] has the type.
 pub(super) fn is_curved(code: u8) -> bool {
     use code::*;
-    matches!(
-        code,
-        QUADRATIC_TETRA
-            | QUADRATIC_HEXAHEDRON
-            | QUADRATIC_WEDGE
-            | QUADRATIC_PYRAMID
-            | TRIQUADRATIC_HEXAHEDRON
-            | QUADRATIC_LINEAR_WEDGE
-            | BIQUADRATIC_QUADRATIC_WEDGE
-            | BIQUADRATIC_QUADRATIC_HEXAHEDRON
-            | LAGRANGE_TETRAHEDRON
-            | LAGRANGE_HEXAHEDRON
-            | LAGRANGE_WEDGE
-            | BEZIER_TETRAHEDRON
-            | BEZIER_HEXAHEDRON
-            | BEZIER_WEDGE
-    )
+    matches!(code, QUADRATIC_TETRA..=QUADRATIC_PYRAMID | QUADRATIC_LINEAR_WEDGE..=BIQUADRATIC_QUADRATIC_HEXAHEDRON)
+        || matches!(code, TRIQUADRATIC_HEXAHEDRON | LAGRANGE_TETRAHEDRON..=LAGRANGE_WEDGE | BEZIER_TETRAHEDRON..=BEZIER_WEDGE)
 }
 
 /// The nodes of a cell with this type, number of points and (for Lagrange and Bezier cells) degrees; `None` where
 /// these do not fit together.
 pub(super) fn nodes(code: u8, point_count: usize, degrees: Option<[u8; 3]>) -> Option<Nodes> {
-    let fixed = |shape, orders, positions: &[[usize; 3]]| {
-        Some(Nodes { shape, orders, positions: positions.to_vec(), bezier: false })
+    let fixed = |shape, orders, corners, middles| {
+        // A cell without the centres of its faces or body has the nodes before them.
+        let mut positions = quadratic_positions(corners, middles);
+        positions.truncate(CellType::from_code(code)?.point_count?.into());
+        Some(Nodes { shape, orders, positions, bezier: false })
     };
     let found = match code {
-        code::QUADRATIC_TETRA => fixed(ReferenceCell::Tetrahedron, [2; 3], &TETRAHEDRON),
-        code::QUADRATIC_HEXAHEDRON => fixed(ReferenceCell::Hexahedron, [2; 3], &HEXAHEDRON[..20]),
-        code::BIQUADRATIC_QUADRATIC_HEXAHEDRON => fixed(ReferenceCell::Hexahedron, [2; 3], &HEXAHEDRON[..24]),
-        code::TRIQUADRATIC_HEXAHEDRON => fixed(ReferenceCell::Hexahedron, [2; 3], &HEXAHEDRON),
-        code::QUADRATIC_WEDGE => fixed(ReferenceCell::Wedge, [2; 3], &WEDGE[..15]),
-        code::BIQUADRATIC_QUADRATIC_WEDGE => fixed(ReferenceCell::Wedge, [2; 3], &WEDGE),
-        code::QUADRATIC_LINEAR_WEDGE => fixed(ReferenceCell::Wedge, [2, 2, 1], &LINEAR_WEDGE),
-        code::QUADRATIC_PYRAMID => fixed(ReferenceCell::Pyramid, [2; 3], &PYRAMID),
+        code::QUADRATIC_TETRA => fixed(ReferenceCell::Tetrahedron, [2; 3], TETRAHEDRON, TETRAHEDRON_MIDDLES),
+        code::QUADRATIC_HEXAHEDRON
+        | code::BIQUADRATIC_QUADRATIC_HEXAHEDRON
+        | code::TRIQUADRATIC_HEXAHEDRON => {
+            fixed(ReferenceCell::Hexahedron, [2; 3], HEXAHEDRON, HEXAHEDRON_MIDDLES)
+        }
+        code::QUADRATIC_WEDGE | code::BIQUADRATIC_QUADRATIC_WEDGE => {
+            fixed(ReferenceCell::Wedge, [2; 3], WEDGE, WEDGE_MIDDLES)
+        }
+        code::QUADRATIC_LINEAR_WEDGE => {
+            fixed(ReferenceCell::Wedge, [2, 2, 1], LINEAR_WEDGE, LINEAR_WEDGE_MIDDLES)
+        }
+        code::QUADRATIC_PYRAMID => fixed(ReferenceCell::Pyramid, [2; 3], PYRAMID, PYRAMID_MIDDLES),
         _ => {
             let (shape, bezier) = match code {
                 code::LAGRANGE_TETRAHEDRON => (ReferenceCell::Tetrahedron, false),

@@ -1,8 +1,8 @@
 //! `gaussian`: exp(−|K (v − centre)|²) over the (s, g) plane (Song et al. 2009, section 4.2; Kniss et al. 2003, Eq. 12).
 
 use super::properties::{
-    AxisOrigin, COLOR, ColorSource, EXTINCTION, MATRIX, POSITIVE_OR_INFINITE, Properties, REGION, SIGMA,
-    finite, kernel,
+    AxisOrigin, COLOR, EXTINCTION, LoadImage, MATRIX, POSITIVE_OR_INFINITE, Profile, Properties, REGION,
+    SIGMA, finite, kernel,
 };
 use crate::Result;
 use crate::parameters::{
@@ -12,7 +12,6 @@ use crate::parameters::{
 use crate::transfer::hull::{Corners, distance_squared_from_origin, gaussian, range};
 use crate::transfer::region::Slab;
 
-/// The declaration.
 pub(super) const KIND: VariantSchema = VariantSchema {
     name: "gaussian",
     summary: "A Gaussian over the scalar and its gradient magnitude.",
@@ -57,26 +56,18 @@ const FACTORS: ParameterType = ParameterType::Measured(&RelativeNumberType {
     axis: AxisRef::Places(&["s", "g"]),
 });
 
-/// Centre and matrix.
-pub(super) fn read(p: &Parameters) -> Result<([f64; 2], [[f64; 2]; 2])> {
+pub(super) fn read(p: &Parameters, _: LoadImage) -> Result<Profile> {
     let rows = kernel(p, 2, std::f64::consts::SQRT_2)?;
     let matrix = [[rows[0][0], rows[0][1]], [rows[1][0], rows[1][1]]];
-    Ok((p.vector("centre")?, matrix))
+    Ok(Profile::Gaussian { centre: p.vector("centre")?, matrix })
 }
 
 pub(super) fn properties(centre: &[f64; 2], matrix: &[[f64; 2]; 2]) -> Properties<'static> {
     Properties {
         name: KIND.name,
-        color: ColorSource::Widget,
-        own_peak: None,
-        fields: Vec::new(),
         depends_on_g: matrix[0][1] != 0.0 || matrix[1][1] != 0.0,
         axes: centre.map(AxisOrigin::Centre).to_vec(),
-        bands: None,
-        jumps: false,
-        range: None,
-        needs_region: false,
-        has_elementary_mean: true,
+        ..Properties::PLAIN
     }
 }
 

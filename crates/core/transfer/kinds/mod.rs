@@ -14,7 +14,8 @@ mod uniform;
 mod wave;
 
 pub use properties::{
-    AxisOrigin, BandSpacing, ColorSource, ControlPoint, LoadImage, MAX_FIELDS, Properties, Table, Wave,
+    AxisOrigin, BandSpacing, ColorSource, ControlPoint, LoadImage, MAX_FIELDS, Profile, Properties, Table,
+    Wave,
 };
 pub(super) use wave::ACROSS;
 
@@ -22,61 +23,14 @@ use crate::Result;
 use crate::parameters::{Parameters, VariantSchema};
 use crate::transfer::hull::Corners;
 use crate::transfer::region::{Slab, SupportRadius};
+use gaussian::{GaussianPlane, Line};
+use gaussian_nd::GaussianNdBounds;
+use piecewise_linear::PiecewiseLinearBounds;
 use std::sync::Arc;
 use table::MaximumTable;
-
-/// A widget's profile (peak 1). Lengths along s are in units of s, along g in units of g.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Profile {
-    /// 1 inside the region (which is required). Song et al. 2009, section 4.1.
-    Uniform,
-    /// exp(−|K (v − centre)|²). Song section 4.2; Kniss et al. 2003, Eq. 12.
-    Gaussian {
-        /// [s, g].
-        centre: [f64; 2],
-        /// K, rows first; the axis-aligned form is diag(1/(√2 σ_s), 1/(√2 σ_g)).
-        matrix: [[f64; 2]; 2],
-    },
-    /// Gaussian over its own list of 1 … [`MAX_FIELDS`] fields. Kniss Eq. 11, 12.
-    GaussianNd {
-        /// Names of the point arrays.
-        fields: Vec<String>,
-        /// One value a field.
-        centre: Vec<f64>,
-        /// K, rows first, `fields.len()` squared.
-        matrix: Vec<Vec<f64>>,
-    },
-    /// exp(−((s − centre)/(sigma g))²), 0 where g = 0. Kniss section 3.2.
-    TriangularGaussian {
-        /// s₀.
-        centre: f64,
-        /// Width per unit of g.
-        sigma: f64,
-    },
-    /// exp(−|K (v − centre)|²/m²) over a list of 1 … [`MAX_FIELDS`] − 1 fields of its own, 0 where m ≤ 0. Kniss section
-    /// 3.2, with m² for the norm of DᵀD, so that one field is the same as above.
-    TriangularGaussianNd {
-        /// Names of the point arrays.
-        fields: Vec<String>,
-        /// Name of the point array m, the magnitude of all their gradients.
-        magnitude: String,
-        /// One value a field.
-        centre: Vec<f64>,
-        /// K, rows first, `fields.len()` squared: the inverse of the widths per unit of m.
-        matrix: Vec<Vec<f64>>,
-    },
-    /// tri(φ). Song section 4.3.
-    TriangleWave(Wave),
-    /// |sin(π φ)|. Song section 4.4.
-    SineWave(Wave),
-    /// Colour and extinction linear between control points in s, constant beyond the ends.
-    PiecewiseLinear {
-        /// In rising s, at least one.
-        points: Vec<ControlPoint>,
-    },
-    /// A W × H image over [s_a, s_b] × [g_a, g_b]. Song section 3.3.2.
-    Table(Arc<Table>),
-}
+use triangular_gaussian::TriangularGaussianBounds;
+use triangular_gaussian_nd::TriangularGaussianNdBounds;
+use wave::WaveBounds;
 
 /// A kind's declaration, and how its profile is read.
 pub(super) struct DeclaredKind {
@@ -87,40 +41,14 @@ pub(super) struct DeclaredKind {
 /// All kinds, in the order in which help lists them.
 pub(super) const DECLARED: &[DeclaredKind] = &[
     DeclaredKind { kind: uniform::KIND, read: |_, _| Ok(Profile::Uniform) },
-    DeclaredKind {
-        kind: gaussian::KIND,
-        read: |p, _| gaussian::read(p).map(|(centre, matrix)| Profile::Gaussian { centre, matrix }),
-    },
-    DeclaredKind {
-        kind: gaussian_nd::KIND,
-        read: |p, _| {
-            let (fields, centre, matrix) = gaussian_nd::read(p)?;
-            Ok(Profile::GaussianNd { fields, centre, matrix })
-        },
-    },
-    DeclaredKind {
-        kind: triangular_gaussian::KIND,
-        read: |p, _| {
-            Ok(Profile::TriangularGaussian { centre: p.number("centre")?, sigma: p.number("sigma")? })
-        },
-    },
-    DeclaredKind {
-        kind: triangular_gaussian_nd::KIND,
-        read: |p, _| {
-            let (fields, magnitude, centre, matrix) = triangular_gaussian_nd::read(p)?;
-            Ok(Profile::TriangularGaussianNd { fields, magnitude, centre, matrix })
-        },
-    },
+    DeclaredKind { kind: gaussian::KIND, read: gaussian::read },
+    DeclaredKind { kind: gaussian_nd::KIND, read: gaussian_nd::read },
+    DeclaredKind { kind: triangular_gaussian::KIND, read: triangular_gaussian::read },
+    DeclaredKind { kind: triangular_gaussian_nd::KIND, read: triangular_gaussian_nd::read },
     DeclaredKind { kind: wave::TRIANGLE, read: |p, _| wave::read(p).map(Profile::TriangleWave) },
     DeclaredKind { kind: wave::SINE, read: |p, _| wave::read(p).map(Profile::SineWave) },
-    DeclaredKind {
-        kind: piecewise_linear::KIND,
-        read: |p, _| Ok(Profile::PiecewiseLinear { points: piecewise_linear::read(p)? }),
-    },
-    DeclaredKind {
-        kind: table::KIND,
-        read: |p, load_image| Ok(Profile::Table(Arc::new(table::read(p, load_image)?))),
-    },
+    DeclaredKind { kind: piecewise_linear::KIND, read: piecewise_linear::read },
+    DeclaredKind { kind: table::KIND, read: table::read },
 ];
 
 /// The kinds of widgets and their keys.
@@ -220,31 +148,24 @@ impl Profile {
     pub(super) fn bounds(&self, names: &[&str]) -> ProfileBounds {
         match self {
             Profile::Uniform => ProfileBounds::Uniform,
-            Profile::Gaussian { centre, matrix } => match gaussian::Line::new(centre, matrix) {
+            Profile::Gaussian { centre, matrix } => match Line::new(centre, matrix) {
                 Some(line) => ProfileBounds::GaussianLine(line),
-                None => {
-                    ProfileBounds::GaussianPlane(gaussian::GaussianPlane { centre: *centre, matrix: *matrix })
-                }
+                None => ProfileBounds::GaussianPlane(GaussianPlane { centre: *centre, matrix: *matrix }),
             },
             Profile::GaussianNd { fields, centre, matrix } => {
-                ProfileBounds::GaussianNd(gaussian_nd::GaussianNdBounds::new(fields, centre, matrix, names))
+                ProfileBounds::GaussianNd(GaussianNdBounds::new(fields, centre, matrix, names))
             }
-            Profile::TriangularGaussian { centre, sigma } => {
-                ProfileBounds::TriangularGaussian(triangular_gaussian::TriangularGaussianBounds {
-                    centre: *centre,
-                    sigma: *sigma,
-                })
+            &Profile::TriangularGaussian { centre, sigma } => {
+                ProfileBounds::TriangularGaussian(TriangularGaussianBounds { centre, sigma })
             }
             Profile::TriangularGaussianNd { fields, magnitude, centre, matrix } => {
-                let fields = gaussian_nd::GaussianNdBounds::new(fields, centre, matrix, names);
-                let bounds =
-                    triangular_gaussian_nd::TriangularGaussianNdBounds::new(fields, magnitude, names);
-                ProfileBounds::TriangularGaussianNd(bounds)
+                let fields = GaussianNdBounds::new(fields, centre, matrix, names);
+                ProfileBounds::TriangularGaussianNd(TriangularGaussianNdBounds::new(fields, magnitude, names))
             }
-            Profile::TriangleWave(wave) => ProfileBounds::Wave(wave::WaveBounds::new(wave, false)),
-            Profile::SineWave(wave) => ProfileBounds::Wave(wave::WaveBounds::new(wave, true)),
+            Profile::TriangleWave(wave) => ProfileBounds::Wave(WaveBounds::new(wave, false)),
+            Profile::SineWave(wave) => ProfileBounds::Wave(WaveBounds::new(wave, true)),
             Profile::PiecewiseLinear { points } => {
-                ProfileBounds::PiecewiseLinear(piecewise_linear::PiecewiseLinearBounds::new(points))
+                ProfileBounds::PiecewiseLinear(PiecewiseLinearBounds::new(points))
             }
             Profile::Table(table) => ProfileBounds::Table(MaximumTable::new(table)),
         }
@@ -276,13 +197,13 @@ impl Profile {
 pub(super) enum ProfileBounds {
     Uniform,
     /// K looks at one axis only.
-    GaussianLine(gaussian::Line),
-    GaussianPlane(gaussian::GaussianPlane),
-    GaussianNd(gaussian_nd::GaussianNdBounds),
-    TriangularGaussian(triangular_gaussian::TriangularGaussianBounds),
-    TriangularGaussianNd(triangular_gaussian_nd::TriangularGaussianNdBounds),
-    Wave(wave::WaveBounds),
-    PiecewiseLinear(piecewise_linear::PiecewiseLinearBounds),
+    GaussianLine(Line),
+    GaussianPlane(GaussianPlane),
+    GaussianNd(GaussianNdBounds),
+    TriangularGaussian(TriangularGaussianBounds),
+    TriangularGaussianNd(TriangularGaussianNdBounds),
+    Wave(WaveBounds),
+    PiecewiseLinear(PiecewiseLinearBounds),
     Table(MaximumTable),
 }
 

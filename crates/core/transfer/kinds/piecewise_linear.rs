@@ -1,6 +1,8 @@
 //! `piecewise-linear`: colour and extinction linear between control points in s (Roettger & Ertl 2002; Moreland 2004).
 
-use super::properties::{AxisOrigin, ColorSource, ControlPoint, Properties, REGION, finite, not_negative};
+use super::properties::{
+    ColorSource, ControlPoint, LoadImage, Profile, Properties, REGION, finite, not_negative,
+};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, RelativeNumberType, StatisticKind,
     VariantSchema,
@@ -9,7 +11,6 @@ use crate::transfer::hull::Corners;
 use crate::transfer::region::Slab;
 use crate::{Error, Result};
 
-/// The declaration.
 pub(super) const KIND: VariantSchema = VariantSchema {
     name: "piecewise-linear",
     summary: "Colour and extinction linear between control points in s, constant beyond the ends.",
@@ -29,7 +30,7 @@ pub(super) const KIND: VariantSchema = VariantSchema {
     ],
 };
 
-pub(super) fn read(p: &Parameters) -> Result<Vec<ControlPoint>> {
+pub(super) fn read(p: &Parameters, _: LoadImage) -> Result<Profile> {
     let rows = p.rows("points")?;
     if rows.is_empty() {
         return Err(p
@@ -46,7 +47,7 @@ pub(super) fn read(p: &Parameters) -> Result<Vec<ControlPoint>> {
     }
     let point =
         |row: &Vec<f64>| ControlPoint { s: row[0], color: [row[1], row[2], row[3]], extinction: row[4] };
-    Ok(rows.iter().map(point).collect())
+    Ok(Profile::PiecewiseLinear { points: rows.iter().map(point).collect() })
 }
 
 fn peak(points: &[ControlPoint]) -> f64 {
@@ -58,14 +59,7 @@ pub(super) fn properties(points: &[ControlPoint]) -> Properties<'_> {
         name: KIND.name,
         color: ColorSource::Points(points),
         own_peak: Some(peak(points)),
-        fields: Vec::new(),
-        depends_on_g: false,
-        axes: vec![AxisOrigin::Any; 2],
-        bands: None,
-        jumps: false,
-        range: None,
-        needs_region: false,
-        has_elementary_mean: true,
+        ..Properties::PLAIN
     }
 }
 
@@ -110,7 +104,6 @@ pub(super) fn slabs(points: &[ControlPoint]) -> Vec<Vec<Slab>> {
     runs
 }
 
-/// Bounds over cells.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::transfer) struct PiecewiseLinearBounds {
     /// Without colours, extinctions by their peak.

@@ -1,14 +1,14 @@
 //! `table`: a picture over the (s, g) plane (Song et al. 2009, section 3.3.2).
 
-use super::properties::{AxisOrigin, COLOR, ColorSource, EXTINCTION, LoadImage, Properties, REGION, Table};
+use super::properties::{COLOR, ColorSource, EXTINCTION, LoadImage, Profile, Properties, REGION, Table};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
     VariantSchema,
 };
 use crate::transfer::region::Region;
 use crate::{Error, Result};
+use std::sync::Arc;
 
-/// The declaration.
 pub(super) const KIND: VariantSchema = VariantSchema {
     name: "table",
     summary: "A picture over the (s, g) plane: its colour, and its alpha times the extinction.",
@@ -51,7 +51,7 @@ const VALUES_OF_S: &RelativeNumberType = &RelativeNumberType {
 };
 const VALUES_OF_G: &RelativeNumberType = &RelativeNumberType { axis: AxisRef::Every("g"), ..*VALUES_OF_S };
 
-pub(super) fn read(p: &Parameters, load_image: LoadImage) -> Result<Table> {
+pub(super) fn read(p: &Parameters, load_image: LoadImage) -> Result<Profile> {
     let (s, g): ([f64; 2], [f64; 2]) = (p.vector("s")?, p.vector("g")?);
     for (name, [low, high]) in [("s", s), ("g", g)] {
         if low >= high {
@@ -60,22 +60,18 @@ pub(super) fn read(p: &Parameters, load_image: LoadImage) -> Result<Table> {
         }
     }
     let (width, height, texels) = load_image(p.text("image")?)?;
-    Ok(Table { width, height, texels, s, g })
+    Ok(Profile::Table(Arc::new(Table { width, height, texels, s, g })))
 }
 
 pub(super) fn properties(table: &Table) -> Properties<'_> {
     Properties {
         name: KIND.name,
         color: ColorSource::Texels(&table.texels),
-        own_peak: None,
-        fields: Vec::new(),
         depends_on_g: true,
-        axes: vec![AxisOrigin::Any; 2],
-        bands: None,
         jumps: true,
         range: Some(Region::rectangle(table.s, table.g)),
-        needs_region: false,
         has_elementary_mean: false,
+        ..Properties::PLAIN
     }
 }
 

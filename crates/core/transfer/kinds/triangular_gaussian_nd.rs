@@ -4,8 +4,8 @@
 
 use super::gaussian_nd;
 use super::properties::{
-    AxisOrigin, CENTRE_OF_FIELDS, COLOR, ColorSource, EXTINCTION, FIELDS, FieldMatrix, MATRIX_OF_FIELDS,
-    MAX_FIELDS, POSITIVE_OR_INFINITE, Properties, REGION, SIGMA_OF_FIELDS, fields_and_centre, kernel,
+    AxisOrigin, CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, LoadImage, MATRIX_OF_FIELDS, MAX_FIELDS,
+    POSITIVE_OR_INFINITE, Profile, Properties, REGION, SIGMA_OF_FIELDS, fields_and_centre, kernel,
 };
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, RelativeNumberType, StatisticKind,
@@ -14,7 +14,6 @@ use crate::parameters::{
 use crate::transfer::hull::Corners;
 use crate::{Error, Result};
 
-/// The declaration.
 pub(super) const KIND: VariantSchema = VariantSchema {
     name: "triangular-gaussian-nd",
     summary: "A Gaussian over one to seven point arrays that widens with the magnitude of all their gradients.",
@@ -61,31 +60,24 @@ pub(super) const KIND: VariantSchema = VariantSchema {
 /// Most fields beside the magnitude.
 const MAX_FURTHER_FIELDS: usize = MAX_FIELDS - 1;
 
-/// Fields, their magnitude, centre and matrix.
-pub(super) fn read(p: &Parameters) -> Result<(Vec<String>, String, Vec<f64>, FieldMatrix)> {
+pub(super) fn read(p: &Parameters, _: LoadImage) -> Result<Profile> {
     let (fields, centre) = fields_and_centre(p, MAX_FURTHER_FIELDS)?;
     let matrix = kernel(p, fields.len(), 1.0)?;
     let magnitude = p.text("magnitude")?.to_owned();
     if magnitude.is_empty() {
         return Err(p.error("magnitude", "the magnitude has no name").expected("the name of a point array"));
     }
-    Ok((fields, magnitude, centre, matrix))
+    Ok(Profile::TriangularGaussianNd { fields, magnitude, centre, matrix })
 }
 
 pub(super) fn properties<'a>(fields: &'a [String], magnitude: &'a str, centre: &[f64]) -> Properties<'a> {
     let centres = centre.iter().map(|&centre| AxisOrigin::Centre(centre));
     Properties {
         name: KIND.name,
-        color: ColorSource::Widget,
-        own_peak: None,
         fields: fields.iter().map(String::as_str).chain([magnitude]).collect(),
-        depends_on_g: false,
         axes: [AxisOrigin::Any; 2].into_iter().chain(centres).chain([AxisOrigin::Zero]).collect(),
-        bands: None,
-        jumps: false,
-        range: None,
-        needs_region: false,
         has_elementary_mean: false,
+        ..Properties::PLAIN
     }
 }
 
@@ -110,7 +102,6 @@ pub(super) fn at(centre: &[f64], matrix: &[Vec<f64>], v: &[f64]) -> f64 {
     }
 }
 
-/// Bounds over cells.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::transfer) struct TriangularGaussianNdBounds {
     fields: gaussian_nd::GaussianNdBounds,
