@@ -4,7 +4,7 @@
 
 use super::cell_types::{CellType, code, describe_counts};
 use super::overlap::{faces, within};
-use super::parts::{Association, CellValues, Cells, FileCells, Options, RawGrid, UNUSED};
+use super::parts::{Association, CellValues, Cells, FileCells, Options, RawGrid, UNUSED, number};
 use super::source::{CellStatus, Source};
 use super::{Array, Grid, ImportStats, cell_values};
 use crate::progress::Progress;
@@ -57,11 +57,7 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
     if tally.tetrahedra() == 0 {
         return Err(nothing_to_draw(&tally));
     }
-    if u32::try_from(tally.tetrahedra()).is_err() {
-        return Err(Error::run("the grid has too many tetrahedra")
-            .got(tally.tetrahedra())
-            .expected(format!("at most {}", u32::MAX)));
-    }
+    number(tally.tetrahedra(), "the grid has too many tetrahedra", "")?;
     let split = if plain { None } else { Some(split_all(&source, &tally, progress)?) };
     // Before points are added, and cells taken apart.
     let file_points = options.keep_cells.then(|| parts.points.clone());
@@ -186,17 +182,9 @@ fn check(parts: &RawGrid, options: &Options) -> Result<()> {
             .at_item("subdivision"));
     }
     let point_count = parts.points.len();
-    if u32::try_from(point_count).is_err() {
-        return Err(Error::run("the grid has too many points")
-            .got(point_count)
-            .expected(format!("at most {}", u32::MAX)));
-    }
+    number(point_count, "the grid has too many points", "")?;
     let cell_count = parts.cells.count();
-    if u32::try_from(cell_count).is_err() {
-        return Err(Error::run("the grid has too many cells")
-            .got(cell_count)
-            .expected(format!("at most {}", u32::MAX)));
-    }
+    number(cell_count, "the grid has too many cells", "")?;
     match &parts.cells {
         Cells::Structured(n) => {
             let product = n.iter().fold(1usize, |product, &n| product.saturating_mul(n));

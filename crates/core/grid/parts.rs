@@ -1,6 +1,6 @@
 //! Parts of a grid as a reader returns them: points, cells in VTK's terms, and arrays; and a file's own cells beside the tetrahedra.
 
-use crate::SharedSlice;
+use crate::{Error, Result, SharedSlice};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -106,6 +106,12 @@ impl RawGrid {
             warnings: Vec::new(),
         }
     }
+}
+
+/// Refuses a count that leaves the 32 bits of point and cell numbers. `what` needs it or has it; `remedy`: another way, or nothing.
+pub(super) fn number(count: usize, what: &str, remedy: &str) -> Result<u32> {
+    u32::try_from(count)
+        .map_err(|_| Error::run(what).got(count).expected(format!("at most {}{remedy}", u32::MAX)))
 }
 
 /// Choices of [`super::build()`].

@@ -19,7 +19,7 @@
 //! first other corner that does. Where none does, the mean is taken all the same and the cell is counted: its
 //! pieces overlap.
 
-use super::parts::{CellSet, Polyhedron};
+use super::parts::{CellSet, Polyhedron, number};
 use crate::{Error, Result};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -220,13 +220,8 @@ impl Polyhedra {
                 Apex::Corner(corner) => corner,
                 Apex::Mean { sees_all } => {
                     choices.overlapping += u64::from(!sees_all);
-                    let number = first_free + choices.added.len();
                     choices.added.push(position);
-                    u32::try_from(number).map_err(|_| {
-                        Error::run("polyhedra need too many points")
-                            .got(number)
-                            .expected(format!("at most {}", u32::MAX))
-                    })?
+                    number(first_free + choices.added.len() - 1, "polyhedra need too many points", "")?
                 }
             };
             choices.apexes.push(apex);

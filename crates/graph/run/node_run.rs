@@ -1,10 +1,8 @@
 //! Services of a session to one running node: the origins of values, and the steps of the time series that feed it.
 
 use super::cache::{Key, Store, files_beside, files_of};
-use super::plan::{Done, inputs_of, refuse_missing_gradient};
-use crate::api::context::{
-    DemandContext, NodeProgress, Observer, Preparation, RetainedValue, RunContext, RunServices,
-};
+use super::plan::{Done, asks_of, inputs_of};
+use crate::api::context::{NodeProgress, Observer, Preparation, RetainedValue, RunContext, RunServices};
 use crate::api::demand::Demand;
 use crate::api::node::Steps;
 use crate::api::origins::{FileRead, FileStamp, Origins, ResolvedPipeline};
@@ -92,8 +90,9 @@ impl<'a> NodeRun<'a> {
             }
             nodes.push(i);
             let node = &graph.nodes[i];
-            for (edge, ask) in node.inputs.iter().zip(asks_of(graph, node, &demands[i])?) {
-                refuse_missing_gradient(graph, node, edge, &ask)?;
+            let notes = &mut Diagnostics::default();
+            let asks = asks_of(graph, node, &demands[i], notes, |_| (None, false))?;
+            for (edge, ask) in node.inputs.iter().zip(asks) {
                 needed[edge.node] = true;
                 demands[edge.node].join(&ask);
             }
@@ -141,14 +140,7 @@ impl<'a> NodeRun<'a> {
                 revision += 1;
                 (value, Revision(revision))
             });
-            let outputs = outputs.collect();
-            all_done[i] = Some(Done {
-                outputs,
-                notes: Diagnostics::default(),
-                seconds: 0.0,
-                reused: None,
-                is_passing: false,
-            });
+            all_done[i] = Some(Done { outputs: outputs.collect(), ..Done::default() });
         }
         let value = all_done[last].as_ref().and_then(|done| done.outputs.get(output)).map(|o| o.0.clone());
         value.ok_or_else(|| Error::run("the node that feeds an input gave nothing"))
@@ -222,23 +214,6 @@ impl RunServices for NodeRun<'_> {
         self.store.keep_over_steps(key, made.clone());
         Ok(made)
     }
-}
-
-/// Demands of a node on its inputs for a demand on it.
-fn asks_of(graph: &Graph, node: &GraphNode, asked: &Demand) -> Result<Vec<Demand>> {
-    let fed = node.inputs.iter().map(|edge| graph.nodes[edge.node].node.outputs[edge.output].port_type);
-    let mut asking = DemandContext {
-        parameters: &node.parameters,
-        asked,
-        notes: &mut Diagnostics::default(),
-        wiring: node.wiring(),
-        early: vec![None; node.inputs.len()],
-        is_known: vec![false; node.inputs.len()],
-        fed: fed.collect(),
-        asks: vec![Demand::default(); node.inputs.len()],
-    };
-    (node.node.demand)(&mut asking).map_err(|error| node.locate(error))?;
-    Ok(asking.asks)
 }
 
 /// Origins of the values of these nodes, which ran.

@@ -1,6 +1,6 @@
 //! The plan of a run, the nodes that ran, and the report.
 
-use crate::api::context::PlanContext;
+use crate::api::context::{DemandContext, PlanContext};
 use crate::api::demand::{Arrays, Demand};
 use crate::api::origins::Origins;
 use crate::api::value::{Edge, PortType, Revision, Value};
@@ -47,7 +47,7 @@ impl Plan {
 }
 
 /// A node that ran.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Done {
     pub(super) outputs: Vec<(Value, Revision)>,
     pub(super) notes: Diagnostics,
@@ -81,13 +81,38 @@ pub(super) fn inputs_of(node: &GraphNode, all_done: &[Option<Done>]) -> Vec<(Val
     made.filter_map(|(done, output)| Some(done?.outputs[output].clone())).collect()
 }
 
-/// A grid wired straight to a volume input has no gradient to give.
-pub(super) fn refuse_missing_gradient(
+/// Demands of a node on its inputs for a demand on it. `early`: the value of an edge or its stand-in, where there is one, and whether
+/// it is the value. Errors: those of the node; a gradient asked of a grid.
+pub(super) fn asks_of(
     graph: &Graph,
     node: &GraphNode,
-    edge: &Edge,
-    ask: &Demand,
-) -> Result<()> {
+    asked: &Demand,
+    notes: &mut Diagnostics,
+    early: impl Fn(&Edge) -> (Option<Value>, bool),
+) -> Result<Vec<Demand>> {
+    let (early, is_known) = node.inputs.iter().map(early).unzip();
+    let output_type = |edge: &Edge| graph.nodes[edge.node].node.outputs[edge.output].port_type;
+    let mut asking = DemandContext {
+        parameters: &node.parameters,
+        asked,
+        notes,
+        wiring: node.wiring(),
+        early,
+        is_known,
+        fed: node.inputs.iter().map(output_type).collect(),
+        asks: vec![Demand::default(); node.inputs.len()],
+    };
+    (node.node.demand)(&mut asking).map_err(|error| node.locate(error))?;
+    let asks = asking.asks;
+    node.inputs
+        .iter()
+        .zip(&asks)
+        .try_for_each(|(edge, ask)| refuse_missing_gradient(graph, node, edge, ask))?;
+    Ok(asks)
+}
+
+/// A grid wired straight to a volume input has no gradient to give.
+fn refuse_missing_gradient(graph: &Graph, node: &GraphNode, edge: &Edge, ask: &Demand) -> Result<()> {
     let giving = &graph.nodes[edge.node];
     let given = giving.node.outputs[edge.output].port_type;
     let Some(taken) = node.node.all_inputs().nth(edge.port) else { return Ok(()) };
@@ -187,15 +212,9 @@ impl RunReport {
         let named = |finding: &DataFinding| DataFinding { node: name.into(), ..finding.clone() };
         self.findings.extend(notes.findings.iter().map(named));
         self.warnings.extend(notes.warnings.iter().map(|warning| format!("{name}: {warning}")));
-        if self.engine.is_none() {
-            self.engine = notes.engine.clone();
-        }
-        if self.adapter.is_none() {
-            self.adapter = notes.adapter.clone();
-        }
-        if self.compositor.is_none() {
-            self.compositor = notes.compositor.clone();
-        }
+        self.engine = self.engine.take().or_else(|| notes.engine.clone());
+        self.adapter = self.adapter.take().or_else(|| notes.adapter.clone());
+        self.compositor = self.compositor.take().or_else(|| notes.compositor.clone());
         self.files.extend(notes.files.iter().cloned());
         self.nodes.push(NodeReport {
             name: name.into(),
@@ -206,10 +225,5 @@ impl RunReport {
             counts: notes.counts.clone(),
             engine: notes.engine.as_ref().map(|e| e.0.clone()),
         });
-    }
-
-    /// The report of a graph with these warnings of its own, nothing having run.
-    pub(super) fn begin(warnings: &[Error]) -> Self {
-        RunReport { warnings: warnings.iter().map(Error::to_string).collect(), ..RunReport::default() }
     }
 }

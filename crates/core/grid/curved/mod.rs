@@ -13,7 +13,7 @@ mod basis;
 mod lattice;
 
 use crate::grid::cell_types::{CellType, code};
-use crate::grid::parts::Cell;
+use crate::grid::parts::{Cell, number};
 use crate::{Error, Result};
 use basis::Weights;
 use lattice::LatticeCell;
@@ -143,11 +143,8 @@ impl Numbering<'_> {
         let Numbering { curved, first_free, known } = self;
         if let Some((cell, kind)) = cell {
             for (added, point) in curved.templates[&kind].added.iter().enumerate() {
-                let next = u32::try_from(*first_free + curved.origins.len()).map_err(|_| {
-                    Error::run("curved cells need too many points")
-                        .got(*first_free + curved.origins.len())
-                        .expected(format!("at most {} (or a lower subdivision)", u32::MAX))
-                })?;
+                let what = "curved cells need too many points";
+                let next = number(*first_free + curved.origins.len(), what, " (or a lower subdivision)")?;
                 let number_of_point = match AddedPointKey::new(&point.surface, cell.corners) {
                     AddedPointKey::Inside => next,
                     AddedPointKey::At(corner) => corner,
