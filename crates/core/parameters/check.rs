@@ -435,7 +435,7 @@ fn check_plain(parameter_type: &ParameterType, name: &str, unit: &str, setting: 
         }
         (ParameterType::Measured(measured), _) => {
             // 1 is in every range of what may be relative; the others are checked beside it.
-            let numbers = measured.replaced(name, setting, &mut |_, _, _| Ok(1.0))?;
+            let numbers = measured.replaced(name, setting, 0, &mut |_, _, _| Ok(1.0))?;
             check_type(&measured.plain, name, unit, &numbers).map_err(|error| match error.expected.clone() {
                 Some(plain) => error.expected(format!("{plain}, {}", measured.describe())),
                 None => error,
@@ -526,7 +526,7 @@ impl Parameters {
     /// These with each relative number replaced by what `find` says.
     pub fn with_numbers(&self, find: &mut dyn FnMut(&RelativeNumber) -> Result<f64>) -> Result<Parameters> {
         self.with_settings(&mut |measured, name, setting, beside| {
-            measured.replaced(name, setting, &mut |place, part, relative| {
+            measured.replaced(name, setting, 0, &mut |place, part, relative| {
                 let quantity = measured.quantity(place, beside);
                 let quantity = quantity.unwrap_or(ArrayRef::Array(String::new()));
                 find(&RelativeNumber { relative, is: measured.statistic, quantity, setting: part.clone() })

@@ -139,17 +139,8 @@ impl RelativeNumberType {
         }
     }
 
-    /// The setting with each relative number replaced. `f` is given the place in the list or row.
+    /// The setting with each relative number replaced. `f` is given the place in the list or row; `place`: that of the setting.
     pub fn replaced(
-        &self,
-        name: &str,
-        setting: &LocatedValue,
-        f: &mut dyn FnMut(usize, &LocatedValue, Relative) -> Result<f64>,
-    ) -> Result<LocatedValue> {
-        self.replaced_at(name, setting, 0, f)
-    }
-
-    fn replaced_at(
         &self,
         name: &str,
         setting: &LocatedValue,
@@ -165,7 +156,7 @@ impl RelativeNumberType {
                 }
             }
             ParameterValue::List(list) => {
-                let part = |(place, part): (usize, &LocatedValue)| self.replaced_at(name, part, place, f);
+                let part = |(place, part): (usize, &LocatedValue)| self.replaced(name, part, place, f);
                 ParameterValue::List(list.iter().enumerate().map(part).collect::<Result<_>>()?)
             }
             other => other.clone(),

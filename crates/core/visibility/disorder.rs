@@ -94,7 +94,7 @@ fn crossed(grid: &Grid, cell: u32, rays: &Rays) -> Option<ProjectedCell> {
 impl ProjectedCell {
     /// The depth at which a pixel's ray enters the cell; `None` where what it sees of the cell is no longer than `least`.
     fn entry(&self, pixel: [u32; 2], rays: &Rays, least: f64) -> Option<f64> {
-        let (mut enters, mut leaves) = (rays.nearest(), f64::INFINITY);
+        let (mut enters, mut leaves) = (rays.near, f64::INFINITY);
         for (plane, is_at_normal) in &self.planes {
             let depth = plane.depth(pixel);
             if (plane.turn(pixel) > 0.0) == *is_at_normal {

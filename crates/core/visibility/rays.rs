@@ -25,8 +25,8 @@ pub(super) struct Rays {
     pixel: f64,
     /// The pixel that the view axis passes through.
     axis: DVec2,
-    /// Depth of the near plane.
-    near: f64,
+    /// Depth of the near plane: nothing nearer is seen.
+    pub near: f64,
     /// Width and height of the picture.
     pub size: [u32; 2],
 }
@@ -73,11 +73,6 @@ impl Rays {
                 below: DVec3::new(0.0, 0.0, forward),
             },
         }
-    }
-
-    /// The depth from which on something is seen.
-    pub fn nearest(&self) -> f64 {
-        self.near
     }
 
     /// True if something at this depth is seen.

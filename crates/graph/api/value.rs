@@ -20,26 +20,18 @@ pub struct Revision(pub(crate) u64);
 /// Data of an engine for its own next stage; opaque to the graph.
 pub type StagePayload = Arc<dyn Any + Send + Sync>;
 
-/// A value at a port.
+/// A value at a port, of the type of its name in [`PortType`]. A report is JSON text.
 #[derive(Debug, Clone)]
+#[allow(missing_docs)]
 pub enum Value {
-    /// See [`PortType::Grid`].
     Grid(Arc<Grid>),
-    /// See [`PortType::Volume`].
     Volume(Arc<Volume>),
-    /// See [`PortType::TransferFunction`].
     TransferFunction(Arc<TransferFunctionSpec>),
-    /// See [`PortType::Camera`].
     Camera(Arc<Camera>),
-    /// See [`PortType::Cells`].
     Cells(StagePayload),
-    /// See [`PortType::Projection`].
     Projection(StagePayload),
-    /// See [`PortType::Image`].
     Image(Arc<Picture>),
-    /// See [`PortType::Report`]; JSON text.
     Report(Arc<str>),
-    /// See [`PortType::CellValues`].
     CellValues(Arc<CellValues>),
 }
 
@@ -63,18 +55,17 @@ impl Value {
     pub fn volume(&self) -> Option<Result<Arc<Volume>>> {
         match self {
             Value::Volume(volume) => Some(Ok(volume.clone())),
-            Value::Grid(grid) => Some(volume_without_gradient(grid).map(Arc::new)),
+            Value::Grid(grid) => Some(match grid.scalar.clone() {
+                Some(scalar) => {
+                    let (grid, gradient, gradient_magnitude) = (grid.clone(), None, None);
+                    Ok(Arc::new(Volume { grid, scalar, gradient, gradient_magnitude }))
+                }
+                None => Err(Error::usage("the grid carries no scalar to draw")
+                    .expected("scalar = \"…\" at the reader")),
+            }),
             _ => None,
         }
     }
-}
-
-/// The volume of a grid: its scalar, without a gradient.
-fn volume_without_gradient(grid: &Arc<Grid>) -> Result<Volume> {
-    let scalar = grid.scalar.clone().ok_or_else(|| {
-        Error::usage("the grid carries no scalar to draw").expected("scalar = \"…\" at the reader")
-    })?;
-    Ok(Volume { grid: grid.clone(), scalar, gradient: None, gradient_magnitude: None })
 }
 
 /// Numbers of tetrahedra, by name: one a tetrahedron in the order of [`Grid::tetrahedra`]. A cell of the file has the largest
