@@ -274,13 +274,11 @@ impl Method {
     }
 
     fn check_count(&self, wanted: usize, found: &Gradient) -> Result<()> {
-        match (found.vectors.len(), wanted) {
-            (count, wanted) if count == wanted => Ok(()),
-            (count, wanted) => {
-                let what = format!("{} did not give one vector a point", self.describe());
-                Err(Error::run(what).got(format!("{count} vectors")).expected(wanted))
-            }
+        if found.vectors.len() == wanted {
+            return Ok(());
         }
+        let what = format!("{} did not give one vector a point", self.describe());
+        Err(Error::run(what).got(format!("{} vectors", found.vectors.len())).expected(wanted))
     }
 
     /// The length counts, which overflows before the components do: it is what widgets look at. Points that no cell uses

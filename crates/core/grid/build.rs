@@ -2,6 +2,7 @@
 //!
 //! Two passes go over all cells, in parallel: one checks and counts, one writes the tetrahedra.
 
+use super::adjacency::split_lengths;
 use super::cell_types::{CellType, code, describe_counts};
 use super::overlap::{faces, within};
 use super::parts::{Association, CellValues, Cells, FileCells, Options, RawGrid, UNUSED, number};
@@ -22,8 +23,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> Result<Grid> {
     check(&parts, options)?;
     progress.report("tetrahedra", 0.0);
-    let point_not_finite = points_not_finite(&parts);
-    let cell_not_finite = cells_not_finite(&parts);
+    let point_not_finite = not_finite(&parts, Association::Point);
+    let cell_not_finite = not_finite(&parts, Association::Cell);
     let cells = std::mem::replace(&mut parts.cells, Cells::Tetrahedra(Vec::new()));
     let (ghost, degrees) = (parts.ghost.take(), parts.degrees.take());
     let mut source = Source {
@@ -43,11 +44,28 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
         && source.cell_not_finite.is_none();
     let tally = if plain { tally_plain(&source)? } else { tally(&source, progress)? };
 
-    let mut origin = tally.origin();
-    origin.arrays_unread = std::mem::take(&mut parts.arrays_unread);
-    (origin.values_unread, origin.arrays_decoded) = (parts.values_unread, parts.arrays_decoded);
-    origin.warnings = std::mem::take(&mut parts.warnings);
-    tally.warn(&mut origin.warnings);
+    let mut origin = ImportStats {
+        cells_by_type: tally.by_type.clone(),
+        cells_not_finite: tally.not_finite,
+        cells_ghost: tally.ghost,
+        cells_not_volume: tally.not_volume,
+        arrays_unread: std::mem::take(&mut parts.arrays_unread),
+        values_unread: parts.values_unread,
+        arrays_decoded: parts.arrays_decoded,
+        warnings: std::mem::take(&mut parts.warnings),
+    };
+    if tally.not_finite > 0 {
+        origin.warnings.push(format!(
+            "{} three-dimensional cells were left out because a position or value is not finite.",
+            tally.not_finite
+        ));
+    }
+    if !tally.unsupported.is_empty() {
+        origin.warnings.push(format!(
+            "{} were left out: cells of this type cannot be split into tetrahedra.",
+            describe_counts(&tally.unsupported)
+        ));
+    }
     if source.polyhedra.choices.overlapping > 0 {
         origin.warnings.push(format!(
             "{} polyhedra are so far from convex that their pieces overlap.",
@@ -265,31 +283,6 @@ impl CellCounts {
         self.chunk_tetrahedra.iter().sum()
     }
 
-    pub fn origin(&self) -> ImportStats {
-        ImportStats {
-            cells_by_type: self.by_type.clone(),
-            cells_not_finite: self.not_finite,
-            cells_ghost: self.ghost,
-            cells_not_volume: self.not_volume,
-            ..ImportStats::default()
-        }
-    }
-
-    pub fn warn(&self, warnings: &mut Vec<String>) {
-        if self.not_finite > 0 {
-            warnings.push(format!(
-                "{} three-dimensional cells were left out because a position or value is not finite.",
-                self.not_finite
-            ));
-        }
-        if !self.unsupported.is_empty() {
-            warnings.push(format!(
-                "{} were left out: cells of this type cannot be split into tetrahedra.",
-                describe_counts(&self.unsupported)
-            ));
-        }
-    }
-
     fn add(&mut self, other: CellCounts) {
         for (mine, theirs) in [(&mut self.by_type, other.by_type), (&mut self.unsupported, other.unsupported)]
         {
@@ -372,14 +365,9 @@ fn split_all(
     let total = tally.tetrahedra();
     let mut tetrahedra = vec![[0_u32; 4]; total];
     let mut source_cells = vec![0_u32; total];
-    let mut slots = Vec::with_capacity(tally.chunk_tetrahedra.len());
-    let (mut rest, mut rest_cells) = (&mut tetrahedra[..], &mut source_cells[..]);
-    for &n in &tally.chunk_tetrahedra {
-        let (head, tail) = rest.split_at_mut(n);
-        let (head_cells, tail_cells) = rest_cells.split_at_mut(n);
-        slots.push((head, head_cells));
-        (rest, rest_cells) = (tail, tail_cells);
-    }
+    let lengths = || tally.chunk_tetrahedra.iter().copied();
+    let slots = split_lengths(&mut tetrahedra, lengths()).into_iter();
+    let slots: Vec<_> = slots.zip(split_lengths(&mut source_cells, lengths())).collect();
     chunks(source.cells.count()).zip(slots).try_for_each(|(range, (tetrahedra, cells))| {
         if progress.cancelled() {
             return Err(Error::cancelled());
@@ -404,63 +392,32 @@ fn split_all(
 /// Values that one task looks at.
 const VALUE_CHUNK: usize = 1 << 15;
 
-/// Marks the points whose position, scalar or further value is not finite; `None` where all are finite.
-fn points_not_finite(parts: &RawGrid) -> Option<Vec<bool>> {
-    let mut marks = LazyBitSet::new(parts.points.len());
-    if !parts.points.par_iter().with_min_len(VALUE_CHUNK).all(|p| p.is_finite()) {
-        marks.mark(|i| !parts.points[i].is_finite());
-    }
-    if let Some(scalar) = &parts.scalar
-        && scalar.association == Association::Point
+/// Marks the points (with their positions) or cells with values that are not finite; `None` where all are finite.
+fn not_finite(parts: &RawGrid, association: Association) -> Option<Vec<bool>> {
+    let (count, arrays) = match association {
+        Association::Point => (parts.points.len(), &parts.point_arrays),
+        Association::Cell => (parts.cells.count(), &parts.cell_arrays),
+    };
+    // Marks are only allocated once there is something to mark.
+    let mut marks: Option<Vec<bool>> = None;
+    let mut mark = |is_bad: &(dyn Fn(usize) -> bool + Sync)| {
+        let marks = marks.get_or_insert_with(|| vec![false; count]);
+        marks.par_iter_mut().with_min_len(VALUE_CHUNK).enumerate().for_each(|(i, mark)| *mark |= is_bad(i));
+    };
+    let points = &parts.points;
+    if association == Association::Point
+        && !points.par_iter().with_min_len(VALUE_CHUNK).all(|p| p.is_finite())
     {
-        marks.mark_values(&scalar.values, 1);
+        mark(&|i| !points[i].is_finite());
     }
-    for array in parts.point_arrays.values() {
-        marks.mark_values(&array.values, array.component_count);
-    }
-    marks.marks
-}
-
-/// Marks the cells whose scalar or further value is not finite; `None` where all are finite.
-pub(super) fn cells_not_finite(parts: &RawGrid) -> Option<Vec<bool>> {
-    let mut marks = LazyBitSet::new(parts.cells.count());
-    if let Some(scalar) = &parts.scalar
-        && scalar.association == Association::Cell
-    {
-        marks.mark_values(&scalar.values, 1);
-    }
-    for array in parts.cell_arrays.values() {
-        marks.mark_values(&array.values, array.component_count);
-    }
-    marks.marks
-}
-
-/// Marks that are only allocated once there is something to mark.
-struct LazyBitSet {
-    count: usize,
-    marks: Option<Vec<bool>>,
-}
-
-impl LazyBitSet {
-    fn new(count: usize) -> Self {
-        LazyBitSet { count, marks: None }
-    }
-
-    fn mark(&mut self, not_finite: impl Fn(usize) -> bool + Sync) {
-        let marks = self.marks.get_or_insert_with(|| vec![false; self.count]);
-        marks
-            .par_iter_mut()
-            .with_min_len(VALUE_CHUNK)
-            .enumerate()
-            .for_each(|(i, mark)| *mark |= not_finite(i));
-    }
-
-    fn mark_values(&mut self, values: &[f64], component_count: usize) {
+    let scalar = parts.scalar.iter().filter(|scalar| scalar.association == association);
+    let arrays = arrays.values().map(|array| (&array.values, array.component_count.max(1)));
+    for (values, n) in scalar.map(|scalar| (&scalar.values, 1)).chain(arrays) {
         if !values.par_iter().with_min_len(VALUE_CHUNK).all(|v| v.is_finite()) {
-            let n = component_count.max(1);
-            self.mark(|i| !values[i * n..(i + 1) * n].iter().all(|v| v.is_finite()));
+            mark(&|i| !values[i * n..(i + 1) * n].iter().all(|v| v.is_finite()));
         }
     }
+    marks
 }
 
 /// Drops the points that no tetrahedron uses, with their values; keeps the order of the others, so that ascending

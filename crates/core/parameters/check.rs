@@ -130,9 +130,14 @@ impl Parameters {
         }
     }
 
+    /// The setting as what `read` makes of it. Errors: it is neither given nor has a standard value, or is of another type.
+    fn typed<'a, T>(&'a self, name: &str, read: impl FnOnce(&'a LocatedValue) -> Option<T>) -> Result<T> {
+        read(self.get(name)?).ok_or_else(|| self.mistyped(name))
+    }
+
     /// A number.
     pub fn number(&self, name: &str) -> Result<f64> {
-        self.get(name)?.number().ok_or_else(|| self.mistyped(name))
+        self.typed(name, LocatedValue::number)
     }
 
     /// A number, where set.
@@ -142,46 +147,43 @@ impl Parameters {
 
     /// A whole number.
     pub fn integer(&self, name: &str) -> Result<i64> {
-        match self.get(name)?.datum {
-            ParameterValue::Integer(n) => Ok(n),
-            _ => Err(self.mistyped(name)),
-        }
+        self.typed(
+            name,
+            |setting| if let ParameterValue::Integer(n) = setting.datum { Some(n) } else { None },
+        )
     }
 
     /// A flag.
     pub fn flag(&self, name: &str) -> Result<bool> {
-        match self.get(name)?.datum {
-            ParameterValue::Boolean(flag) => Ok(flag),
-            _ => Err(self.mistyped(name)),
-        }
+        self.typed(
+            name,
+            |setting| if let ParameterValue::Boolean(flag) = setting.datum { Some(flag) } else { None },
+        )
     }
 
     /// Text, a word or a path.
     pub fn text(&self, name: &str) -> Result<&str> {
-        self.get(name)?.text().ok_or_else(|| self.mistyped(name))
+        self.typed(name, LocatedValue::text)
     }
 
     /// Several numbers.
     pub fn numbers(&self, name: &str) -> Result<Vec<f64>> {
-        self.get(name)?.numbers().ok_or_else(|| self.mistyped(name))
+        self.typed(name, LocatedValue::numbers)
     }
 
     /// Exactly `N` numbers.
     pub fn vector<const N: usize>(&self, name: &str) -> Result<[f64; N]> {
-        self.numbers(name)?.try_into().map_err(|_| self.mistyped(name))
+        self.typed(name, LocatedValue::array)
     }
 
     /// Rows of numbers.
     pub fn rows(&self, name: &str) -> Result<Vec<Vec<f64>>> {
-        let rows = self.get(name)?.list().and_then(|list| list.iter().map(LocatedValue::numbers).collect());
-        rows.ok_or_else(|| self.mistyped(name))
+        self.typed(name, |setting| setting.list()?.iter().map(LocatedValue::numbers).collect())
     }
 
     /// Several texts.
     pub fn texts(&self, name: &str) -> Result<Vec<String>> {
-        let list = self.get(name)?.list();
-        let texts = list.and_then(|list| list.iter().map(|s| s.text().map(str::to_string)).collect());
-        texts.ok_or_else(|| self.mistyped(name))
+        self.typed(name, |setting| setting.list()?.iter().map(|s| s.text().map(str::to_string)).collect())
     }
 
     /// A table within, where set, with the standard values of its own keys.

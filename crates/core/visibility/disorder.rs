@@ -10,9 +10,6 @@ use crate::grid::faces::face_of;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Rows of pixels that are looked at together.
-const ROWS: u32 = 16;
-
 /// Cells that hide each other by less than this share of the grid's diagonal may stand in either order: rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -47,9 +44,7 @@ pub fn disorder(
     for rays in Rays::per_sample(camera)? {
         let crossed: Vec<ProjectedCell> =
             order.par_iter().with_min_len(256).filter_map(|&cell| crossed(grid, cell, &rays)).collect();
-        let [width, height] = rays.size;
-        let bands: Vec<Range<u32>> =
-            (0..height).step_by(ROWS as usize).map(|y| y..(y + ROWS).min(height)).collect();
+        let width = rays.size[0];
         let in_band = |rows: Range<u32>| {
             let place = |[x, y]: [u32; 2]| ((y - rows.start) * width + x) as usize;
             let mut farthest: Vec<Option<f64>> = vec![None; width as usize * rows.len()];
@@ -70,7 +65,7 @@ pub fn disorder(
             let disordered = farthest.iter().flatten().filter(|depth| depth.is_infinite()).count() as u64;
             Disorder { pixels_tested: looked_at, disordered }
         };
-        for band in bands.into_par_iter().map(in_band).collect::<Vec<_>>() {
+        for band in rays.bands().into_par_iter().map(in_band).collect::<Vec<_>>() {
             found.pixels_tested += band.pixels_tested;
             found.disordered += band.disordered;
         }

@@ -279,9 +279,6 @@ impl Relations<'_> {
     }
 }
 
-/// Rows of pixels that are looked at together.
-const ROWS: u32 = 16;
-
 /// Faces that meet within this share of the grid's diagonal touch: parts that lie against each other without sharing faces.
 const TOUCH: f64 = 1e-9;
 
@@ -320,11 +317,9 @@ fn gaps(faces: &Faces, points: &[DVec3], cells: &[[u32; 4]], camera: &Camera) ->
             Some(OuterTriangle { cell, is_at_normal: faces.is_at_normal(cell, k), triangle })
         };
         let outer: Vec<OuterTriangle> = faces.outer.par_iter().with_min_len(256).filter_map(outer).collect();
-        let bands: Vec<Range<u32>> =
-            (0..rays.size[1]).step_by(ROWS as usize).map(|y| y..(y + ROWS).min(rays.size[1])).collect();
         let touch = TOUCH * faces.diagonal;
         let found: Vec<Gaps> =
-            bands.into_par_iter().map(|rows| in_rows(&outer, &rays, rows, touch)).collect();
+            rays.bands().into_par_iter().map(|rows| in_rows(&outer, &rays, rows, touch)).collect();
         for mut band in found {
             all.relations.append(&mut band.relations);
             all.unclear += band.unclear;

@@ -51,6 +51,13 @@ impl Rays {
         Ok(camera.sample_offsets().into_iter().map(rays).collect())
     }
 
+    /// The rows of the picture in bands that are looked at together.
+    pub fn bands(&self) -> Vec<Range<u32>> {
+        const ROWS: u32 = 16;
+        let height = self.size[1];
+        (0..height).step_by(ROWS as usize).map(|y| y..(y + ROWS).min(height)).collect()
+    }
+
     fn pixel_position(&self, point: DVec3) -> DVec3 {
         let from_eye = point - self.eye;
         let across = DVec2::new(from_eye.dot(self.right), from_eye.dot(self.down)) / self.pixel;

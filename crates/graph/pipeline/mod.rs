@@ -210,6 +210,10 @@ fn in_order<'a, 'i>(
     fields.into_iter()
 }
 
+fn toml_fields(table: &DeTable, faults: &mut Vec<Error>) -> Vec<Field> {
+    in_order(table).map(|(key, value)| toml_field(key, value, faults)).collect()
+}
+
 fn toml_field(key: &TomlKey, value: &Spanned<DeValue>, faults: &mut Vec<Error>) -> Field {
     Field {
         name: key.get_ref().to_string(),
@@ -244,9 +248,7 @@ fn setting(value: &DeValue, span: std::ops::Range<usize>, faults: &mut Vec<Error
         DeValue::Array(array) => ParameterValue::List(
             array.iter().map(|part| setting(part.get_ref(), part.span(), faults)).collect(),
         ),
-        DeValue::Table(table) => ParameterValue::Table(
-            in_order(table).map(|(key, value)| toml_field(key, value, faults)).collect(),
-        ),
+        DeValue::Table(table) => ParameterValue::Table(toml_fields(table, faults)),
     };
     LocatedValue { datum, origin }
 }
@@ -256,8 +258,7 @@ fn setting(value: &DeValue, span: std::ops::Range<usize>, faults: &mut Vec<Error
 pub fn parameters(text: &str) -> Result<Vec<Field>> {
     let (table, errors) = DeTable::parse_recoverable(text);
     let mut faults: Vec<Error> = errors.into_iter().map(|error| not_toml(error, text)).collect();
-    let fields: Vec<Field> =
-        in_order(table.get_ref()).map(|(key, value)| toml_field(key, value, &mut faults)).collect();
+    let fields = toml_fields(table.get_ref(), &mut faults);
     faults.extend(fields.iter().filter(|field| matches!(&*field.name, "type" | "inputs")).map(|field| {
         let what = format!("'{}' is no parameter", field.name);
         field.origin.locate(Error::usage(what).expected("parameters alone: type and wires stay"))
@@ -280,8 +281,7 @@ pub fn value(text: &str) -> Option<LocatedValue> {
     let document = format!("value = {text}");
     let table = DeTable::parse(&document).ok()?;
     let mut faults = Vec::new();
-    let fields: Vec<Field> =
-        in_order(table.get_ref()).map(|(key, value)| toml_field(key, value, &mut faults)).collect();
+    let fields = toml_fields(table.get_ref(), &mut faults);
     match fields.as_slice() {
         [field] if field.name == "value" && faults.is_empty() => Some(field.setting.clone()),
         _ => None,

@@ -111,16 +111,6 @@ pub(super) fn files_of(
     stamped(named.chain((node.files_beside)(&Preparation { parameters, folder }, steps)), stamp)
 }
 
-/// The files that a node reads beside those that its parameters name.
-pub(super) fn files_beside(
-    (node, parameters): (&'static Node, &Parameters),
-    steps: Steps,
-    folder: &Path,
-    stamp: FileStamp,
-) -> Vec<(PathBuf, Stamp)> {
-    stamped((node.files_beside)(&Preparation { parameters, folder }, steps), stamp)
-}
-
 /// Files with their state as it is now.
 pub(super) fn stamped(paths: impl IntoIterator<Item = PathBuf>, stamp: FileStamp) -> Vec<(PathBuf, Stamp)> {
     let with_state = |path: PathBuf| {

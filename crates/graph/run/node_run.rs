@@ -1,6 +1,6 @@
 //! Services of a session to one running node: the origins of values, and the steps of the time series that feed it.
 
-use super::cache::{Key, Store, files_beside, files_of};
+use super::cache::{Key, Store, files_of, stamped};
 use super::plan::{Done, asks_of, inputs_of};
 use crate::api::context::{NodeProgress, Observer, Preparation, RetainedValue, RunContext, RunServices};
 use crate::api::demand::Demand;
@@ -237,7 +237,8 @@ pub(super) fn origins(graph: &Graph, places: &[usize], done: &[Option<Done>], st
         origins.plugins.extend(node.plugin().map(|plugin| (node.name.clone(), plugin.clone())));
         let read = node.parameters.paths().into_iter().filter(|named| !named.written);
         // The first names the others.
-        let mut beside = files_beside((node.node, &node.parameters), Steps::Read, &graph.folder, stamp);
+        let preparation = Preparation { parameters: &node.parameters, folder: &graph.folder };
+        let mut beside = stamped((node.node.files_beside)(&preparation, Steps::Read), stamp);
         origins.files.extend(read.map(|named| {
             let path = named.from(&graph.folder);
             let beside = std::mem::take(&mut beside);
