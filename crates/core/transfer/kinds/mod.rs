@@ -14,8 +14,7 @@ mod uniform;
 mod wave;
 
 pub use properties::{
-    AxisOrigin, BandSpacing, ColorSource, ControlPoint, LoadImage, MAX_FIELDS, Profile, Properties, Table,
-    Wave,
+    AxisOrigin, BandSpacing, ColorSource, ControlPoint, LoadImage, MAX_FIELDS, Properties, Table, Wave,
 };
 pub(super) use wave::ACROSS;
 
@@ -32,6 +31,59 @@ use triangular_gaussian::TriangularGaussianBounds;
 use triangular_gaussian_nd::TriangularGaussianNdBounds;
 use wave::WaveBounds;
 
+/// A widget's profile (peak 1). Lengths along s are in units of s, along g in units of g.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Profile {
+    /// 1 inside the region (which is required). Song et al. 2009, section 4.1.
+    Uniform,
+    /// exp(−|K (v − centre)|²). Song section 4.2; Kniss et al. 2003, Eq. 12.
+    Gaussian {
+        /// [s, g].
+        centre: [f64; 2],
+        /// K, rows first; the axis-aligned form is diag(1/(√2 σ_s), 1/(√2 σ_g)).
+        matrix: [[f64; 2]; 2],
+    },
+    /// Gaussian over its own list of 1 … [`MAX_FIELDS`] fields. Kniss Eq. 11, 12.
+    GaussianNd {
+        /// Names of the point arrays.
+        fields: Vec<String>,
+        /// One value a field.
+        centre: Vec<f64>,
+        /// K, rows first, `fields.len()` squared.
+        matrix: Vec<Vec<f64>>,
+    },
+    /// exp(−((s − centre)/(sigma g))²), 0 where g = 0. Kniss section 3.2.
+    TriangularGaussian {
+        /// s₀.
+        centre: f64,
+        /// Width per unit of g.
+        sigma: f64,
+    },
+    /// exp(−|K (v − centre)|²/m²) over a list of 1 … [`MAX_FIELDS`] − 1 fields of its own, 0 where m ≤ 0. Kniss section
+    /// 3.2, with m² for the norm of DᵀD, so that one field is the same as above.
+    TriangularGaussianNd {
+        /// Names of the point arrays.
+        fields: Vec<String>,
+        /// Name of the point array m, the magnitude of all their gradients.
+        magnitude: String,
+        /// One value a field.
+        centre: Vec<f64>,
+        /// K, rows first, `fields.len()` squared: the inverse of the widths per unit of m.
+        matrix: Vec<Vec<f64>>,
+    },
+    /// tri(φ). Song section 4.3.
+    TriangleWave(Wave),
+    /// |sin(π φ)|. Song section 4.4.
+    SineWave(Wave),
+    /// Colour and extinction linear between control points in s, constant beyond the ends.
+    PiecewiseLinear {
+        /// In rising s, at least one.
+        points: Vec<ControlPoint>,
+    },
+    /// A W × H image over [s_a, s_b] × [g_a, g_b]. Song section 3.3.2.
+    Table(Arc<Table>),
+}
+
 /// A kind's declaration, and how its profile is read.
 pub(super) struct DeclaredKind {
     pub kind: VariantSchema,
@@ -41,14 +93,40 @@ pub(super) struct DeclaredKind {
 /// All kinds, in the order in which help lists them.
 pub(super) const DECLARED: &[DeclaredKind] = &[
     DeclaredKind { kind: uniform::KIND, read: |_, _| Ok(Profile::Uniform) },
-    DeclaredKind { kind: gaussian::KIND, read: gaussian::read },
-    DeclaredKind { kind: gaussian_nd::KIND, read: gaussian_nd::read },
-    DeclaredKind { kind: triangular_gaussian::KIND, read: triangular_gaussian::read },
-    DeclaredKind { kind: triangular_gaussian_nd::KIND, read: triangular_gaussian_nd::read },
+    DeclaredKind {
+        kind: gaussian::KIND,
+        read: |p, _| gaussian::read(p).map(|(centre, matrix)| Profile::Gaussian { centre, matrix }),
+    },
+    DeclaredKind {
+        kind: gaussian_nd::KIND,
+        read: |p, _| {
+            let (fields, centre, matrix) = gaussian_nd::read(p)?;
+            Ok(Profile::GaussianNd { fields, centre, matrix })
+        },
+    },
+    DeclaredKind {
+        kind: triangular_gaussian::KIND,
+        read: |p, _| {
+            Ok(Profile::TriangularGaussian { centre: p.number("centre")?, sigma: p.number("sigma")? })
+        },
+    },
+    DeclaredKind {
+        kind: triangular_gaussian_nd::KIND,
+        read: |p, _| {
+            let (fields, magnitude, centre, matrix) = triangular_gaussian_nd::read(p)?;
+            Ok(Profile::TriangularGaussianNd { fields, magnitude, centre, matrix })
+        },
+    },
     DeclaredKind { kind: wave::TRIANGLE, read: |p, _| wave::read(p).map(Profile::TriangleWave) },
     DeclaredKind { kind: wave::SINE, read: |p, _| wave::read(p).map(Profile::SineWave) },
-    DeclaredKind { kind: piecewise_linear::KIND, read: piecewise_linear::read },
-    DeclaredKind { kind: table::KIND, read: table::read },
+    DeclaredKind {
+        kind: piecewise_linear::KIND,
+        read: |p, _| Ok(Profile::PiecewiseLinear { points: piecewise_linear::read(p)? }),
+    },
+    DeclaredKind {
+        kind: table::KIND,
+        read: |p, load_image| Ok(Profile::Table(Arc::new(table::read(p, load_image)?))),
+    },
 ];
 
 /// The kinds of widgets and their keys.

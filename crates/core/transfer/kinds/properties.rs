@@ -8,63 +8,9 @@ use crate::parameters::{
 };
 use crate::transfer::region::Region;
 use crate::{Error, Result};
-use std::sync::Arc;
 
 /// Most fields of a widget that looks at a list of its own.
 pub const MAX_FIELDS: usize = 8;
-
-/// A widget's profile (peak 1). Lengths along s are in units of s, along g in units of g.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Profile {
-    /// 1 inside the region (which is required). Song et al. 2009, section 4.1.
-    Uniform,
-    /// exp(−|K (v − centre)|²). Song section 4.2; Kniss et al. 2003, Eq. 12.
-    Gaussian {
-        /// [s, g].
-        centre: [f64; 2],
-        /// K, rows first; the axis-aligned form is diag(1/(√2 σ_s), 1/(√2 σ_g)).
-        matrix: [[f64; 2]; 2],
-    },
-    /// Gaussian over its own list of 1 … [`MAX_FIELDS`] fields. Kniss Eq. 11, 12.
-    GaussianNd {
-        /// Names of the point arrays.
-        fields: Vec<String>,
-        /// One value a field.
-        centre: Vec<f64>,
-        /// K, rows first, `fields.len()` squared.
-        matrix: Vec<Vec<f64>>,
-    },
-    /// exp(−((s − centre)/(sigma g))²), 0 where g = 0. Kniss section 3.2.
-    TriangularGaussian {
-        /// s₀.
-        centre: f64,
-        /// Width per unit of g.
-        sigma: f64,
-    },
-    /// exp(−|K (v − centre)|²/m²) over a list of 1 … [`MAX_FIELDS`] − 1 fields of its own, 0 where m ≤ 0. Kniss section
-    /// 3.2, with m² for the norm of DᵀD, so that one field is the same as above.
-    TriangularGaussianNd {
-        /// Names of the point arrays.
-        fields: Vec<String>,
-        /// Name of the point array m, the magnitude of all their gradients.
-        magnitude: String,
-        /// One value a field.
-        centre: Vec<f64>,
-        /// K, rows first, `fields.len()` squared: the inverse of the widths per unit of m.
-        matrix: Vec<Vec<f64>>,
-    },
-    /// tri(φ). Song section 4.3.
-    TriangleWave(Wave),
-    /// |sin(π φ)|. Song section 4.4.
-    SineWave(Wave),
-    /// Colour and extinction linear between control points in s, constant beyond the ends.
-    PiecewiseLinear {
-        /// In rising s, at least one.
-        points: Vec<ControlPoint>,
-    },
-    /// A W × H image over [s_a, s_b] × [g_a, g_b]. Song section 3.3.2.
-    Table(Arc<Table>),
-}
 
 /// φ = ((s − s₀) cos θ·w_s + (g − g₀) sin θ·w_g) / period.
 #[derive(Debug, Clone, Copy, PartialEq)]
