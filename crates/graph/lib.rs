@@ -22,22 +22,19 @@ mod run;
 #[cfg(test)]
 mod unit_tests;
 
-pub use api::context::{DemandContext, Outputs, PlanContext, Preparation, RunContext};
+pub use api::context::{
+    DemandContext, NoObserver, NodeProgress, Observer, Outputs, PlanContext, Preparation, RunContext,
+};
 pub use api::demand::{Arrays, Demand};
 pub use api::node::{NamedStub, Node, PlanningStub, Steps};
-pub use api::observer::{NoObserver, NodeProgress, Observer};
-pub use api::origins::{FileRead, FileStamp, Origins, Stamp};
-pub use api::port::{Port, PortType};
-pub use api::resolved::{ResolvedPipeline, relative_path};
-pub use api::value::{CellValues, Revision, StagePayload, TransferFunctionSpec, Value, diagonal};
-pub use api::wiring::Edge;
-pub use build::diagnostic::{Diagnostic, DiagnosticTarget};
-pub use build::entry::{LinkEntry, NodeEntry};
-pub use build::graph::{Graph, GraphNode};
-pub use build::node_override::NodeOverride;
+pub use api::origins::{FileRead, FileStamp, Origins, ResolvedPipeline, Stamp, relative_path};
+pub use api::value::{
+    CellValues, Edge, Port, PortType, Revision, StagePayload, TransferFunctionSpec, Value, diagonal,
+};
+pub use build::entry::{Diagnostic, DiagnosticTarget, LinkEntry, NodeEntry};
+pub use build::graph::{Graph, GraphNode, NodeOverride};
 pub use build::registry::{Registry, VariantAlias};
-pub use run::plan::Plan;
-pub use run::report::{NodeReport, RunReport};
+pub use run::plan::{NodeReport, Plan, RunReport};
 pub use run::session::Session;
 pub use voltet_core::diagnostics::{DataFinding, Diagnostics, SavedWork, SkippedWork};
 pub use voltet_core::parameters::{

@@ -1,4 +1,4 @@
-//! Means of the cells' constant gradients at the points: `cell-average` and `volume-weighted`.
+//! `cell-average` and `volume-weighted`: means of the cells' constant gradients at the points. `array`: the gradient that a solver wrote.
 //!
 //! In a tetrahedron with edges e₁, e₂, e₃ from one corner and differences Δ₁, Δ₂, Δ₃ of the scalar along them the
 //! gradient of the linear interpolant is ∇s = n / d with d = e₁ · (e₂ × e₃) = ±6 V and
@@ -6,13 +6,14 @@
 //! `cell-average` is the plain mean of ∇s over the cells that use the point (as VTK's vtkGradientFilter on
 //! tetrahedra), `volume-weighted` is Σ V ∇s / Σ V = Σ ±n / Σ |d|, which never divides by the volume of one cell.
 
-use super::frame::for_points;
+use super::filter::for_points;
 use super::{Fallback, Gradient, GradientFilter, check_scalar};
 use crate::Result;
 use crate::grid::{Grid, sum_over_cells};
-use crate::parameters::{Parameters, VariantSchema};
+use crate::parameters::{DefaultValue, Parameter, ParameterType, Parameters, VariantSchema};
 use crate::progress::Progress;
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Unweighted mean over the cells that use a point.
 pub struct CellAverage;
@@ -92,7 +93,7 @@ fn cell_means(
 
 /// n and d of a tetrahedron, lengths multiplied by `scale`; `None` where its volume is zero to rounding.
 #[inline]
-pub(super) fn cell_gradient([a, b, c, d]: [DVec3; 4], s: [f64; 4], scale: f64) -> Option<(DVec3, f64)> {
+fn cell_gradient([a, b, c, d]: [DVec3; 4], s: [f64; 4], scale: f64) -> Option<(DVec3, f64)> {
     let (e1, e2, e3) = ((b - a) * scale, (c - a) * scale, (d - a) * scale);
     let (c1, c2, c3) = (e2.cross(e3), e3.cross(e1), e1.cross(e2));
     let determinant = e1.dot(c1);
@@ -107,4 +108,42 @@ pub(super) fn cell_gradient([a, b, c, d]: [DVec3; 4], s: [f64; 4], scale: f64) -
         return None;
     }
     Some(((s[1] - s[0]) * c1 + (s[2] - s[0]) * c2 + (s[3] - s[0]) * c3, determinant))
+}
+
+/// Takes ∇s from a point array of three components.
+pub struct FromArray;
+
+const DECLARATION: VariantSchema = VariantSchema {
+    name: "array",
+    summary: "A point array of three components that holds the gradient already.",
+    parameters: &[Parameter {
+        name: "array",
+        parameter_type: ParameterType::Text,
+        unit: "",
+        default: DefaultValue::Required,
+        help: "name of the point array that holds ∂s/∂x, ∂s/∂y, ∂s/∂z",
+    }],
+};
+
+impl GradientFilter for FromArray {
+    fn declaration(&self) -> VariantSchema {
+        DECLARATION
+    }
+
+    fn arrays(&self, parameters: &Parameters) -> Result<Vec<String>> {
+        Ok(vec![parameters.text("array")?.to_string()])
+    }
+
+    fn gradient(
+        &self,
+        grid: &Grid,
+        s: &[f64],
+        parameters: &Parameters,
+        _: &dyn Progress,
+    ) -> Result<Gradient> {
+        check_scalar(grid, s)?;
+        let array = grid.point_array(parameters.text("array")?, 3).map_err(|error| error.at_item("array"))?;
+        let vectors = array.values.par_chunks_exact(3).with_min_len(1 << 14).map(DVec3::from_slice).collect();
+        Ok(Gradient { vectors, fallbacks: Vec::new() })
+    }
 }

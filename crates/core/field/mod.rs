@@ -3,21 +3,14 @@
 //! Symbols: s the scalar, ∇s its gradient (units of s per world unit), g = |∇s| the gradient magnitude. What each method
 //! finds: docs/src/explanation/optics.md, section 3.
 
-mod array;
 mod cell_mean;
-mod dense;
 mod filter;
-mod frame;
 mod least_squares;
-mod method;
 mod quadratic_fit;
 
-pub use array::FromArray;
-pub use cell_mean::{CellAverage, VolumeWeighted};
-pub use filter::{Fallback, Gradient, GradientFilter, Plugin, check_scalar};
-pub use frame::for_points;
+pub use cell_mean::{CellAverage, FromArray, VolumeWeighted};
+pub use filter::{Fallback, Gradient, GradientFilter, Method, Plugin, check_scalar, for_points};
 pub use least_squares::LeastSquares;
-pub use method::Method;
 pub use quadratic_fit::QuadraticFit;
 
 use glam::DVec3;

@@ -5,9 +5,8 @@
 //! an edge; where these are too few or badly placed, over their neighbours too; where that does not do either, the
 //! linear fit of `least-squares` stands in and is counted. Second order, exact for quadratic fields.
 
-use super::dense::solve_qr;
-use super::frame::for_these;
-use super::least_squares::{CoincidenceTest, Fit, fallbacks};
+use super::filter::for_these;
+use super::least_squares::{CoincidenceTest, Fit, fallbacks, solve_qr};
 use super::{Fallback, Gradient, GradientFilter, check_scalar};
 use crate::Result;
 use crate::grid::{Grid, Neighbours, cells_of_points, points_of_points};

@@ -28,6 +28,11 @@ impl Csr {
     }
 }
 
+/// Parts of these lengths, one behind the other.
+pub(super) fn split_lengths<T>(mut rest: &mut [T], lengths: impl Iterator<Item = usize>) -> Vec<&mut [T]> {
+    lengths.map(|length| rest.split_off_mut(..length).expect("the lengths add up to no more")).collect()
+}
+
 /// Tetrahedra whose lowest and highest point number are looked at together.
 const BLOCK: usize = 4096;
 
@@ -94,15 +99,11 @@ pub fn cells_of_points(grid: &Grid) -> Csr {
         starts[i + 1] += starts[i];
     }
     let mut items = vec![0_u32; starts[point_count]];
-    let mut slots = Vec::new();
-    let mut rest = &mut items[..];
-    for first in (0..point_count).step_by(task_points) {
-        let count = task_points.min(point_count - first);
-        let (head, tail) = rest.split_at_mut(starts[first + count] - starts[first]);
-        slots.push((first, count, head));
-        rest = tail;
-    }
-    slots.into_par_iter().for_each(|(first, count, items)| {
+    let tasks =
+        (0..point_count).step_by(task_points).map(|first| (first, task_points.min(point_count - first)));
+    let lengths = tasks.clone().map(|(first, count)| starts[first + count] - starts[first]);
+    let slots: Vec<_> = tasks.zip(split_lengths(&mut items, lengths)).collect();
+    slots.into_par_iter().for_each(|((first, count), items)| {
         let mut next: Vec<usize> =
             starts[first..first + count].iter().map(|&start| start - starts[first]).collect();
         ranges.each(first, count, |cell, t| {
@@ -194,14 +195,8 @@ pub fn points_of_points(grid: &Grid, cells_of_points: &Csr) -> Csr {
         starts.push(sum);
     }
     let mut items = vec![0; sum];
-    let mut rest = &mut items[..];
-    let mut slots = Vec::with_capacity(parts.len());
-    for (_, part) in &parts {
-        let (slot, after) = rest.split_at_mut(part.len());
-        slots.push((slot, part));
-        rest = after;
-    }
-    slots.into_par_iter().for_each(|(slot, part)| slot.copy_from_slice(part));
+    let slots = split_lengths(&mut items, parts.iter().map(|(_, part)| part.len()));
+    slots.into_par_iter().zip(&parts).for_each(|(slot, (_, part))| slot.copy_from_slice(part));
     Csr { starts, items }
 }
 

@@ -1,18 +1,19 @@
 //! Construction of a grid of tetrahedra from the parts of a file.
+//!
+//! Two passes go over all cells, in parallel: one checks and counts, one writes the tetrahedra.
 
-use super::cell_types::{CellType, describe_counts};
-use super::file_cells::FileCells;
-use super::overlap::faces;
-use super::parts::{Association, CellValues, Cells, Options, RawGrid};
-use super::source::Source;
-use super::tally::{CellCounts, split_all, tally, tally_plain};
-use super::within::within;
-use super::{Grid, cell_values, clean};
-use crate::SharedSlice;
+use super::adjacency::split_lengths;
+use super::cell_types::{CellType, code, describe_counts};
+use super::overlap::{faces, within};
+use super::parts::{Association, CellValues, Cells, FileCells, Options, RawGrid, UNUSED, number};
+use super::source::{CellStatus, Source};
+use super::{Array, Grid, ImportStats, cell_values};
 use crate::progress::Progress;
-use crate::{Error, Result};
+use crate::{Error, Result, SharedSlice};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Builds a grid of tetrahedra from what a reader hands over.
 ///
@@ -22,8 +23,8 @@ use std::sync::Arc;
 pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> Result<Grid> {
     check(&parts, options)?;
     progress.report("tetrahedra", 0.0);
-    let point_not_finite = clean::points_not_finite(&parts);
-    let cell_not_finite = clean::cells_not_finite(&parts);
+    let point_not_finite = not_finite(&parts, Association::Point);
+    let cell_not_finite = not_finite(&parts, Association::Cell);
     let cells = std::mem::replace(&mut parts.cells, Cells::Tetrahedra(Vec::new()));
     let (ghost, degrees) = (parts.ghost.take(), parts.degrees.take());
     let mut source = Source {
@@ -43,11 +44,28 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
         && source.cell_not_finite.is_none();
     let tally = if plain { tally_plain(&source)? } else { tally(&source, progress)? };
 
-    let mut origin = tally.origin();
-    origin.arrays_unread = std::mem::take(&mut parts.arrays_unread);
-    (origin.values_unread, origin.arrays_decoded) = (parts.values_unread, parts.arrays_decoded);
-    origin.warnings = std::mem::take(&mut parts.warnings);
-    tally.warn(&mut origin.warnings);
+    let mut origin = ImportStats {
+        cells_by_type: tally.by_type.clone(),
+        cells_not_finite: tally.not_finite,
+        cells_ghost: tally.ghost,
+        cells_not_volume: tally.not_volume,
+        arrays_unread: std::mem::take(&mut parts.arrays_unread),
+        values_unread: parts.values_unread,
+        arrays_decoded: parts.arrays_decoded,
+        warnings: std::mem::take(&mut parts.warnings),
+    };
+    if tally.not_finite > 0 {
+        origin.warnings.push(format!(
+            "{} three-dimensional cells were left out because a position or value is not finite.",
+            tally.not_finite
+        ));
+    }
+    if !tally.unsupported.is_empty() {
+        origin.warnings.push(format!(
+            "{} were left out: cells of this type cannot be split into tetrahedra.",
+            describe_counts(&tally.unsupported)
+        ));
+    }
     if source.polyhedra.choices.overlapping > 0 {
         origin.warnings.push(format!(
             "{} polyhedra are so far from convex that their pieces overlap.",
@@ -57,11 +75,7 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
     if tally.tetrahedra() == 0 {
         return Err(nothing_to_draw(&tally));
     }
-    if u32::try_from(tally.tetrahedra()).is_err() {
-        return Err(Error::run("the grid has too many tetrahedra")
-            .got(tally.tetrahedra())
-            .expected(format!("at most {}", u32::MAX)));
-    }
+    number(tally.tetrahedra(), "the grid has too many tetrahedra", "")?;
     let split = if plain { None } else { Some(split_all(&source, &tally, progress)?) };
     // Before points are added, and cells taken apart.
     let file_points = options.keep_cells.then(|| parts.points.clone());
@@ -80,7 +94,7 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
     progress.report("tetrahedra", 0.8);
 
     let cell_values = cell_values::take(&mut parts);
-    let numbers = clean::drop_unused_points(&mut parts, &mut tetrahedra)?;
+    let numbers = drop_unused_points(&mut parts, &mut tetrahedra)?;
     origin.warnings.extend(overlaps(&parts.points, &tetrahedra, source_cells.as_deref()));
     let mut grid = Grid {
         points: parts.points,
@@ -186,17 +200,9 @@ fn check(parts: &RawGrid, options: &Options) -> Result<()> {
             .at_item("subdivision"));
     }
     let point_count = parts.points.len();
-    if u32::try_from(point_count).is_err() {
-        return Err(Error::run("the grid has too many points")
-            .got(point_count)
-            .expected(format!("at most {}", u32::MAX)));
-    }
+    number(point_count, "the grid has too many points", "")?;
     let cell_count = parts.cells.count();
-    if u32::try_from(cell_count).is_err() {
-        return Err(Error::run("the grid has too many cells")
-            .got(cell_count)
-            .expected(format!("at most {}", u32::MAX)));
-    }
+    number(cell_count, "the grid has too many cells", "")?;
     match &parts.cells {
         Cells::Structured(n) => {
             let product = n.iter().fold(1usize, |product, &n| product.saturating_mul(n));
@@ -256,4 +262,214 @@ fn nothing_to_draw(tally: &CellCounts) -> Error {
         found.push_str(&format!(" (a {} cannot be split)", cell_type.name));
     }
     Error::run("there is nothing to draw").got(found).expected("at least one three-dimensional cell")
+}
+
+/// Cells that one task handles: large enough to hide a task's cost, small enough to share out evenly.
+const CELL_CHUNK: usize = 8192;
+
+/// Counts of the cells' types and fates, and the tetrahedra of every chunk.
+#[derive(Default)]
+struct CellCounts {
+    pub by_type: BTreeMap<u8, u64>,
+    pub unsupported: BTreeMap<u8, u64>,
+    pub ghost: u64,
+    not_volume: u64,
+    pub not_finite: u64,
+    chunk_tetrahedra: Vec<usize>,
+}
+
+impl CellCounts {
+    pub fn tetrahedra(&self) -> usize {
+        self.chunk_tetrahedra.iter().sum()
+    }
+
+    fn add(&mut self, other: CellCounts) {
+        for (mine, theirs) in [(&mut self.by_type, other.by_type), (&mut self.unsupported, other.unsupported)]
+        {
+            for (code, count) in theirs {
+                *mine.entry(code).or_default() += count;
+            }
+        }
+        self.ghost += other.ghost;
+        self.not_volume += other.not_volume;
+        self.not_finite += other.not_finite;
+        self.chunk_tetrahedra.extend(other.chunk_tetrahedra);
+    }
+}
+
+/// Ranges of cells, one a task.
+fn chunks(count: usize) -> impl IndexedParallelIterator<Item = std::ops::Range<usize>> {
+    (0..count.div_ceil(CELL_CHUNK))
+        .into_par_iter()
+        .map(move |c| c * CELL_CHUNK..((c + 1) * CELL_CHUNK).min(count))
+}
+
+/// Goes over all cells once: checks them, counts fates and tetrahedra.
+fn tally(source: &Source, progress: &dyn Progress) -> Result<CellCounts> {
+    let count = source.cells.count();
+    let parts: Vec<Result<CellCounts>> = chunks(count)
+        .map(|range| {
+            if progress.cancelled() {
+                return Err(Error::cancelled());
+            }
+            let mut tally = CellCounts::default();
+            let mut by_type = [0_u64; 256];
+            let mut tetrahedra = 0;
+            let mut buffer = [0; 8];
+            for number in range {
+                let cell = source.cell(number, &mut buffer)?;
+                by_type[usize::from(cell.code)] += 1;
+                match source.fate(&cell)? {
+                    CellStatus::Drawn => source.tetrahedra(&cell, &mut |_| tetrahedra += 1),
+                    CellStatus::Ghost => tally.ghost += 1,
+                    CellStatus::NotVolume => tally.not_volume += 1,
+                    CellStatus::NotFinite => tally.not_finite += 1,
+                    CellStatus::Unsupported => *tally.unsupported.entry(cell.code).or_default() += 1,
+                }
+            }
+            tally.by_type = (0..=255).zip(by_type).filter(|&(_, count)| count > 0).collect();
+            tally.chunk_tetrahedra.push(tetrahedra);
+            Ok(tally)
+        })
+        .collect();
+    let mut sum = CellCounts::default();
+    for part in parts {
+        sum.add(part?);
+    }
+    Ok(sum)
+}
+
+/// Counts tetrahedra all of which are drawn: only the point numbers are checked.
+fn tally_plain(source: &Source) -> Result<CellCounts> {
+    let Cells::Tetrahedra(tetrahedra) = source.cells else { return Ok(CellCounts::default()) };
+    let point_count = source.point_count;
+    let wrong =
+        tetrahedra.par_iter().with_min_len(CELL_CHUNK).any(|t| t.iter().any(|&p| p as usize >= point_count));
+    if wrong {
+        // The first of them, in a slow pass that makes the message.
+        return tally(source, &crate::progress::NoProgress);
+    }
+    let mut by_type = BTreeMap::new();
+    if !tetrahedra.is_empty() {
+        by_type.insert(code::TETRA, tetrahedra.len() as u64);
+    }
+    Ok(CellCounts { by_type, chunk_tetrahedra: vec![tetrahedra.len()], ..CellCounts::default() })
+}
+
+/// Goes over all cells again and writes the tetrahedra where the counts have made room for them.
+fn split_all(
+    source: &Source,
+    tally: &CellCounts,
+    progress: &dyn Progress,
+) -> Result<(Vec<[u32; 4]>, Vec<u32>)> {
+    let total = tally.tetrahedra();
+    let mut tetrahedra = vec![[0_u32; 4]; total];
+    let mut source_cells = vec![0_u32; total];
+    let lengths = || tally.chunk_tetrahedra.iter().copied();
+    let slots = split_lengths(&mut tetrahedra, lengths()).into_iter();
+    let slots: Vec<_> = slots.zip(split_lengths(&mut source_cells, lengths())).collect();
+    chunks(source.cells.count()).zip(slots).try_for_each(|(range, (tetrahedra, cells))| {
+        if progress.cancelled() {
+            return Err(Error::cancelled());
+        }
+        let mut buffer = [0; 8];
+        let mut at = 0;
+        for number in range {
+            let cell = source.cell(number, &mut buffer)?;
+            if source.fate(&cell)? == CellStatus::Drawn {
+                source.tetrahedra(&cell, &mut |t| {
+                    tetrahedra[at] = t;
+                    cells[at] = number as u32;
+                    at += 1;
+                });
+            }
+        }
+        Ok(())
+    })?;
+    Ok((tetrahedra, source_cells))
+}
+
+/// Values that one task looks at.
+const VALUE_CHUNK: usize = 1 << 15;
+
+/// Marks the points (with their positions) or cells with values that are not finite; `None` where all are finite.
+fn not_finite(parts: &RawGrid, association: Association) -> Option<Vec<bool>> {
+    let (count, arrays) = match association {
+        Association::Point => (parts.points.len(), &parts.point_arrays),
+        Association::Cell => (parts.cells.count(), &parts.cell_arrays),
+    };
+    // Marks are only allocated once there is something to mark.
+    let mut marks: Option<Vec<bool>> = None;
+    let mut mark = |is_bad: &(dyn Fn(usize) -> bool + Sync)| {
+        let marks = marks.get_or_insert_with(|| vec![false; count]);
+        marks.par_iter_mut().with_min_len(VALUE_CHUNK).enumerate().for_each(|(i, mark)| *mark |= is_bad(i));
+    };
+    let points = &parts.points;
+    if association == Association::Point
+        && !points.par_iter().with_min_len(VALUE_CHUNK).all(|p| p.is_finite())
+    {
+        mark(&|i| !points[i].is_finite());
+    }
+    let scalar = parts.scalar.iter().filter(|scalar| scalar.association == association);
+    let arrays = arrays.values().map(|array| (&array.values, array.component_count.max(1)));
+    for (values, n) in scalar.map(|scalar| (&scalar.values, 1)).chain(arrays) {
+        if !values.par_iter().with_min_len(VALUE_CHUNK).all(|v| v.is_finite()) {
+            mark(&|i| !values[i * n..(i + 1) * n].iter().all(|v| v.is_finite()));
+        }
+    }
+    marks
+}
+
+/// Drops the points that no tetrahedron uses, with their values; keeps the order of the others, so that ascending
+/// point numbers stay ascending. Gives each point's new number, [`UNUSED`] for those that are dropped; `None` where all stay.
+fn drop_unused_points(parts: &mut RawGrid, tetrahedra: &mut [[u32; 4]]) -> Result<Option<Vec<u32>>> {
+    let point_count = parts.points.len();
+    let used: Vec<AtomicBool> = (0..point_count).map(|_| AtomicBool::new(false)).collect();
+    tetrahedra.par_iter().with_min_len(VALUE_CHUNK).for_each(|t| {
+        for &p in t {
+            // Looking first keeps cache lines shared between cores that meet at the same points.
+            if !used[p as usize].load(Ordering::Relaxed) {
+                used[p as usize].store(true, Ordering::Relaxed);
+            }
+        }
+    });
+    let used: Vec<bool> = used.into_iter().map(AtomicBool::into_inner).collect();
+    let used_count = used.iter().filter(|&&u| u).count();
+    if used_count == point_count {
+        return Ok(None);
+    }
+    let mut new_number = vec![0_u32; point_count];
+    let mut next = 0_u32;
+    for (slot, &used) in new_number.iter_mut().zip(&used) {
+        *slot = if used { next } else { UNUSED };
+        next += u32::from(used);
+    }
+    tetrahedra
+        .par_iter_mut()
+        .with_min_len(VALUE_CHUNK)
+        .for_each(|t| t.iter_mut().for_each(|p| *p = new_number[*p as usize]));
+    keep(&mut parts.points, 1, &used);
+    if let Some(scalar) = &mut parts.scalar {
+        if scalar.association != Association::Point || scalar.values.len() != point_count {
+            return Err(Error::run("a scalar does not sit on the points").at_item(&scalar.name));
+        }
+        keep(&mut scalar.values, 1, &used);
+    }
+    for Array { component_count, values } in parts.point_arrays.values_mut() {
+        keep(values, *component_count, &used);
+    }
+    Ok(Some(new_number))
+}
+
+/// Keeps the tuples that are used, in place.
+fn keep<T: Copy>(values: &mut SharedSlice<T>, component_count: usize, used: &[bool]) {
+    let values = values.make_mut();
+    let n = component_count.max(1);
+    let mut at = 0;
+    for (i, _) in used.iter().enumerate().filter(|&(_, &used)| used) {
+        values.copy_within(i * n..(i + 1) * n, at);
+        at += n;
+    }
+    values.truncate(at);
+    values.shrink_to_fit();
 }

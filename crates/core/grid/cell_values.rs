@@ -1,9 +1,9 @@
 //! Averages of cell values at the points.
 
-use super::parts::{Association, RawGrid, Scalar};
+use super::parts::{Association, RawGrid, Scalar, number};
 use super::{Array, Grid, cells_of_points, tetrahedron_volume};
+use crate::Result;
 use crate::SharedSlice;
-use crate::{Error, Result};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -17,6 +17,17 @@ pub(super) struct CellArrays {
 impl CellArrays {
     fn is_empty(&self) -> bool {
         self.scalar.is_none() && self.arrays.is_empty()
+    }
+
+    /// Point arrays; `convert` is given the values and the components of a tuple.
+    fn converted(self, convert: impl Fn(&[f64], usize) -> Vec<f64>) -> CellArrays {
+        let convert = |values: &[f64], n| SharedSlice::from(convert(values, n));
+        let scalar = self.scalar.map(|s| Scalar { values: convert(&s.values, 1), ..s });
+        let arrays = self
+            .arrays
+            .into_iter()
+            .map(|(name, a)| (name, Array { values: convert(&a.values, a.component_count), ..a }));
+        CellArrays { scalar, arrays: arrays.collect() }
     }
 }
 
@@ -46,7 +57,7 @@ pub(super) fn average(grid: &mut Grid, cells: CellArrays) {
                 let mut total = 0.0;
                 let mut last = None;
                 for &tetrahedron in rows.row(p) {
-                    let cell = cell_of(grid, tetrahedron as usize);
+                    let cell = grid.source_cell(tetrahedron as usize);
                     // A cell's tetrahedra follow one another.
                     if last == Some(cell) {
                         continue;
@@ -65,22 +76,8 @@ pub(super) fn average(grid: &mut Grid, cells: CellArrays) {
         });
         means
     };
-    let scalar = cells.scalar.map(|s| (s.name, average(&s.values, 1)));
-    let arrays: Vec<(String, Array)> = cells
-        .arrays
-        .into_iter()
-        .map(|(name, a)| {
-            let values = average(&a.values, a.component_count).into();
-            (name, Array { component_count: a.component_count, values })
-        })
-        .collect();
-    set(grid, scalar, arrays);
-}
-
-/// The cell of the file that a tetrahedron is a part of.
-#[inline]
-fn cell_of(grid: &Grid, tetrahedron: usize) -> usize {
-    grid.source_cells.as_ref().map_or(tetrahedron, |s| s[tetrahedron] as usize)
+    let converted = cells.converted(average);
+    set(grid, converted);
 }
 
 /// Volume of every cell of the file up to the last one that is drawn, in units that keep it in the number range.
@@ -99,12 +96,11 @@ fn volumes_of_cells(grid: &Grid) -> Vec<f64> {
     sums
 }
 
-fn set(grid: &mut Grid, scalar: Option<(String, Vec<f64>)>, arrays: Vec<(String, Array)>) {
-    if let Some((name, values)) = scalar {
-        grid.scalar_name = name;
-        grid.scalar = Some(SharedSlice::from(values));
+fn set(grid: &mut Grid, converted: CellArrays) {
+    if let Some(scalar) = converted.scalar {
+        (grid.scalar_name, grid.scalar) = (scalar.name, Some(scalar.values));
     }
-    for (name, array) in arrays {
+    for (name, array) in converted.arrays {
         // A point array of the same name is the better one.
         grid.point_arrays.entry(name).or_insert_with(|| Arc::new(array));
     }
@@ -121,9 +117,9 @@ pub(super) fn keep_constant(grid: &mut Grid, cells: CellArrays) -> Result<()> {
     let mut start = 0;
     let mut i = 0;
     while i < grid.tetrahedra.len() {
-        let cell = cell_of(grid, i);
+        let cell = grid.source_cell(i);
         let mut end = i + 1;
-        while end < grid.tetrahedra.len() && cell_of(grid, end) == cell {
+        while end < grid.tetrahedra.len() && grid.source_cell(end) == cell {
             end += 1;
         }
         for t in &grid.tetrahedra[i..end] {
@@ -146,11 +142,8 @@ pub(super) fn keep_constant(grid: &mut Grid, cells: CellArrays) -> Result<()> {
         start = kept;
         i = end;
     }
-    if u32::try_from(old_points.len()).is_err() {
-        return Err(Error::run("cells that keep constant values need too many points")
-            .got(old_points.len())
-            .expected(format!("at most {} (or values averaged to the points)", u32::MAX)));
-    }
+    let what = "cells that keep constant values need too many points";
+    number(old_points.len(), what, " (or values averaged to the points)")?;
     grid.file_cells = None;
     grid.points = old_points.par_iter().map(|&p| grid.points[p as usize]).collect::<Vec<_>>().into();
     grid.tetrahedra = tetrahedra.into();
@@ -160,16 +153,7 @@ pub(super) fn keep_constant(grid: &mut Grid, cells: CellArrays) -> Result<()> {
         let n = array.component_count;
         *array = Arc::new(Array { component_count: n, values: gather(&array.values, n, &old_points).into() });
     }
-    let scalar = cells.scalar.map(|s| (s.name, gather(&s.values, 1, &owners)));
-    let arrays = cells
-        .arrays
-        .into_iter()
-        .map(|(name, a)| {
-            let values = gather(&a.values, a.component_count, &owners).into();
-            (name, Array { component_count: a.component_count, values })
-        })
-        .collect();
-    set(grid, scalar, arrays);
+    set(grid, cells.converted(|values, component_count| gather(values, component_count, &owners)));
     Ok(())
 }
 

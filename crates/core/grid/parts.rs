@@ -1,8 +1,6 @@
-//! Raw grid: a file's points, cells and arrays, as a reader returns them.
+//! Parts of a grid as a reader returns them: points, cells in VTK's terms, and arrays; and a file's own cells beside the tetrahedra.
 
-use super::Array;
-use super::cells::CellSet;
-use crate::SharedSlice;
+use crate::{Error, Result, SharedSlice};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -110,6 +108,12 @@ impl RawGrid {
     }
 }
 
+/// Refuses a count that leaves the 32 bits of point and cell numbers. `what` needs it or has it; `remedy`: another way, or nothing.
+pub(super) fn number(count: usize, what: &str, remedy: &str) -> Result<u32> {
+    u32::try_from(count)
+        .map_err(|_| Error::run(what).got(count).expected(format!("at most {}{remedy}", u32::MAX)))
+}
+
 /// Choices of [`super::build()`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Options {
@@ -125,5 +129,104 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Options { subdivision: 1, cell_values: CellValues::Average, keep_cells: false }
+    }
+}
+
+/// Cells of a file, in VTK's terms.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CellSet {
+    /// VTK cell type code of every cell.
+    pub types: Vec<u8>,
+    /// `offsets[i] .. offsets[i + 1]` is cell i's part of `connectivity`; `types.len() + 1` entries.
+    pub offsets: Vec<u64>,
+    /// Point numbers, in VTK's vertex order.
+    pub connectivity: Vec<u32>,
+    /// Faces of the polyhedra (type 42); empty where there are none.
+    pub polyhedra: Vec<Polyhedron>,
+}
+
+/// The faces of one polyhedral cell.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Polyhedron {
+    /// Number of the cell.
+    pub cell: u32,
+    /// Each face a closed loop of point numbers.
+    pub faces: Vec<Vec<u32>>,
+}
+
+/// One cell.
+pub(super) struct Cell<'a> {
+    /// Number in the file.
+    pub number: usize,
+    /// VTK type code.
+    pub code: u8,
+    /// Its points.
+    pub corners: &'a [u32],
+}
+
+/// An array with one tuple a point (or cell), components of a tuple side by side.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Array {
+    /// Components of a tuple, at least 1.
+    pub component_count: usize,
+    /// `tuples × component_count` values.
+    pub values: SharedSlice<f64>,
+}
+
+impl From<SharedSlice<f64>> for Array {
+    fn from(values: SharedSlice<f64>) -> Self {
+        Array { component_count: 1, values }
+    }
+}
+
+impl From<Vec<f64>> for Array {
+    fn from(values: Vec<f64>) -> Self {
+        SharedSlice::from(values).into()
+    }
+}
+
+impl From<&[f64]> for Array {
+    fn from(values: &[f64]) -> Self {
+        values.to_vec().into()
+    }
+}
+
+impl From<Vec<f32>> for Array {
+    fn from(values: Vec<f32>) -> Self {
+        values.into_iter().map(f64::from).collect::<Vec<f64>>().into()
+    }
+}
+
+impl From<Vec<[f64; 3]>> for Array {
+    fn from(vectors: Vec<[f64; 3]>) -> Self {
+        Array { component_count: 3, values: vectors.into_flattened().into() }
+    }
+}
+
+/// The number of a point that no tetrahedron uses.
+pub(super) const UNUSED: u32 = u32::MAX;
+
+/// A file's cells and points, in the file's own numbering.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FileCells {
+    /// The cells, also those that are no volume.
+    pub cells: Cells,
+    /// Positions of all points, also of those that no cell uses.
+    pub points: SharedSlice<DVec3>,
+    /// For each point its number in the grid, see [`FileCells::grid_point`]; `None`: the same.
+    pub(super) numbers: Option<Vec<u32>>,
+    /// One flag a cell: true for ghosts and blanked cells.
+    pub ghost: Option<Vec<bool>>,
+    /// Degrees along the three axes of every cell, where the file gives them.
+    pub degrees: Option<Vec<[u8; 3]>>,
+}
+
+impl FileCells {
+    /// The number in the grid of a point of the file; `None` where no tetrahedron uses it.
+    pub fn grid_point(&self, point: usize) -> Option<usize> {
+        match &self.numbers {
+            None => Some(point),
+            Some(numbers) => numbers.get(point).filter(|&&number| number != UNUSED).map(|&n| n as usize),
+        }
     }
 }

@@ -1,11 +1,10 @@
 //! The cells of a file one by one: which are drawn, and the tetrahedra of each.
 
 use super::cell_types::{CellType, code};
-use super::cells::Cell;
 use super::curved::{Curved, is_curved};
-use super::parts::Cells;
-use super::polyhedron::Polyhedra;
+use super::parts::{Cell, Cells};
 use super::split;
+use super::split::Polyhedra;
 use crate::{Error, Result};
 
 /// Classification of a cell on import.
@@ -107,27 +106,19 @@ impl Source<'_> {
         if !is_supported(cell.code) {
             return Ok(CellStatus::Unsupported);
         }
-        if cell.code == code::POLYHEDRON {
-            return self.fate_of_polyhedron(number);
-        }
         let bad_point = |c: &u32| self.point_not_finite.as_ref().is_some_and(|bad| bad[*c as usize]);
-        if self.cell_not_finite.as_ref().is_some_and(|bad| bad[number]) || cell.corners.iter().any(bad_point)
-        {
-            return Ok(CellStatus::NotFinite);
-        }
-        Ok(CellStatus::Drawn)
-    }
-
-    fn fate_of_polyhedron(&self, number: usize) -> Result<CellStatus> {
-        let Cells::Mixed(set) = self.cells else { return Ok(CellStatus::Unsupported) };
-        let Some(polyhedron) = self.polyhedra.polyhedron(set, number) else {
-            return Err(Error::run(format!("cell {number}, a polyhedron, has no faces"))
-                .expected("the faces of every polyhedron"));
+        let has_bad_point = if cell.code == code::POLYHEDRON {
+            let Cells::Mixed(set) = self.cells else { return Ok(CellStatus::Unsupported) };
+            let polyhedron = self.polyhedra.polyhedron(set, number).ok_or_else(|| {
+                Error::run(format!("cell {number}, a polyhedron, has no faces"))
+                    .expected("the faces of every polyhedron")
+            })?;
+            polyhedron.faces.iter().flatten().any(bad_point)
+        } else {
+            cell.corners.iter().any(bad_point)
         };
-        let bad_point = |c: &u32| self.point_not_finite.as_ref().is_some_and(|bad| bad[*c as usize]);
-        let bad_value = self.cell_not_finite.as_ref().is_some_and(|bad| bad[number]);
-        let bad = bad_value || polyhedron.faces.iter().flatten().any(bad_point);
-        Ok(if bad { CellStatus::NotFinite } else { CellStatus::Drawn })
+        let has_bad_value = self.cell_not_finite.as_ref().is_some_and(|bad| bad[number]);
+        Ok(if has_bad_value || has_bad_point { CellStatus::NotFinite } else { CellStatus::Drawn })
     }
 
     /// Key of a curved cell's subdivision.
@@ -198,7 +189,7 @@ impl Source<'_> {
         }
         let position = self.polyhedra.choices.added[i - self.curved.origins.len()];
         let Cells::Mixed(set) = self.cells else { return Ok(f(&mut std::iter::empty())) };
-        let corners = super::polyhedron::corners(&set.polyhedra[position]);
+        let corners = split::corners(&set.polyhedra[position]);
         let weight = 1.0 / corners.len() as f64;
         Ok(f(&mut corners.into_iter().map(|c| (c, weight))))
     }

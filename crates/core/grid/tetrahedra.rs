@@ -1,10 +1,8 @@
 //! A grid of tetrahedra with its arrays, and what it was made from.
 
-use super::array::Array;
 use super::extent;
-use super::file_cells::FileCells;
-use crate::SharedSlice;
-use crate::{Error, Result};
+use super::parts::{Array, FileCells};
+use crate::{Error, Result, SharedSlice};
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -1,9 +1,14 @@
-//! Parameters: settings that were checked against their declarations, with typed getters.
+//! Parameters: settings checked against their declarations, with typed getters, the files that they name, and their relative numbers.
 
-use super::declaration::{Parameter, ParameterType, Variant};
+use super::declaration::{
+    DefaultValue, Parameter, ParameterType, Range, RelativeNumberType, Variant, VariantSchema,
+};
+use super::nearest::suggest;
+use super::relative::{ArrayRef, RelativeNumber};
 use super::setting::{Field, LocatedValue, ParameterValue, SourceSpan};
 use crate::{Error, Result};
 use std::borrow::Cow;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The parameters of a node or a gradient filter, or of a table within one: each declared name with the value that the file gives or
@@ -125,9 +130,14 @@ impl Parameters {
         }
     }
 
+    /// The setting as what `read` makes of it. Errors: it is neither given nor has a standard value, or is of another type.
+    fn typed<'a, T>(&'a self, name: &str, read: impl FnOnce(&'a LocatedValue) -> Option<T>) -> Result<T> {
+        read(self.get(name)?).ok_or_else(|| self.mistyped(name))
+    }
+
     /// A number.
     pub fn number(&self, name: &str) -> Result<f64> {
-        self.get(name)?.number().ok_or_else(|| self.mistyped(name))
+        self.typed(name, LocatedValue::number)
     }
 
     /// A number, where set.
@@ -137,46 +147,43 @@ impl Parameters {
 
     /// A whole number.
     pub fn integer(&self, name: &str) -> Result<i64> {
-        match self.get(name)?.datum {
-            ParameterValue::Integer(n) => Ok(n),
-            _ => Err(self.mistyped(name)),
-        }
+        self.typed(
+            name,
+            |setting| if let ParameterValue::Integer(n) = setting.datum { Some(n) } else { None },
+        )
     }
 
     /// A flag.
     pub fn flag(&self, name: &str) -> Result<bool> {
-        match self.get(name)?.datum {
-            ParameterValue::Boolean(flag) => Ok(flag),
-            _ => Err(self.mistyped(name)),
-        }
+        self.typed(
+            name,
+            |setting| if let ParameterValue::Boolean(flag) = setting.datum { Some(flag) } else { None },
+        )
     }
 
     /// Text, a word or a path.
     pub fn text(&self, name: &str) -> Result<&str> {
-        self.get(name)?.text().ok_or_else(|| self.mistyped(name))
+        self.typed(name, LocatedValue::text)
     }
 
     /// Several numbers.
     pub fn numbers(&self, name: &str) -> Result<Vec<f64>> {
-        self.get(name)?.numbers().ok_or_else(|| self.mistyped(name))
+        self.typed(name, LocatedValue::numbers)
     }
 
     /// Exactly `N` numbers.
     pub fn vector<const N: usize>(&self, name: &str) -> Result<[f64; N]> {
-        self.numbers(name)?.try_into().map_err(|_| self.mistyped(name))
+        self.typed(name, LocatedValue::array)
     }
 
     /// Rows of numbers.
     pub fn rows(&self, name: &str) -> Result<Vec<Vec<f64>>> {
-        let rows = self.get(name)?.list().and_then(|list| list.iter().map(LocatedValue::numbers).collect());
-        rows.ok_or_else(|| self.mistyped(name))
+        self.typed(name, |setting| setting.list()?.iter().map(LocatedValue::numbers).collect())
     }
 
     /// Several texts.
     pub fn texts(&self, name: &str) -> Result<Vec<String>> {
-        let list = self.get(name)?.list();
-        let texts = list.and_then(|list| list.iter().map(|s| s.text().map(str::to_string)).collect());
-        texts.ok_or_else(|| self.mistyped(name))
+        self.typed(name, |setting| setting.list()?.iter().map(|s| s.text().map(str::to_string)).collect())
     }
 
     /// A table within, where set, with the standard values of its own keys.
@@ -204,4 +211,417 @@ impl Parameters {
     pub(super) fn mistyped(&self, name: &str) -> Error {
         self.error(name, format!("the parameter '{name}' is not of the type that its reader expects"))
     }
+}
+
+impl Parameters {
+    /// Checks the fields of a table (written at `origin`) against the declarations: unknown and missing names,
+    /// types, ranges, also within tables and lists of tables. `also` are keys that the caller has taken.
+    pub fn check(
+        declared: impl Into<Cow<'static, [Parameter]>>,
+        fields: &[Field],
+        origin: &SourceSpan,
+        also: &[&str],
+    ) -> Result<Parameters> {
+        let mut faults = Vec::new();
+        let parameters = Self::survey(declared, fields, origin, also, &mut faults);
+        faults.into_iter().next().map_or(Ok(parameters), |fault| Err(fault.error))
+    }
+
+    /// Checks like [`Parameters::check`] and returns every mistake, in the order found. A wrong setting is set nevertheless: parameters
+    /// with mistakes are not to be used.
+    pub fn survey(
+        declared: impl Into<Cow<'static, [Parameter]>>,
+        fields: &[Field],
+        origin: &SourceSpan,
+        also: &[&str],
+        faults: &mut Vec<ParameterFault>,
+    ) -> Parameters {
+        let declared = declared.into();
+        let mut settings: Vec<Option<LocatedValue>> = vec![None; declared.len()];
+        for field in fields {
+            if also.contains(&field.name.as_str()) {
+                continue;
+            }
+            let mut add = |error| faults.push(ParameterFault { parameter: field.name.clone(), error });
+            let Some(i) = declared.iter().position(|p| p.name == field.name) else {
+                let names = also.iter().copied().chain(declared.iter().map(|p| p.name));
+                let error = Error::usage(format!("unknown parameter '{}'", field.name))
+                    .expected(suggest(&field.name, names));
+                add(field.origin.locate(error));
+                continue;
+            };
+            survey_type(
+                &declared[i].parameter_type,
+                declared[i].name,
+                declared[i].unit,
+                &field.setting,
+                &mut add,
+            );
+            settings[i] = Some(field.setting.clone());
+        }
+        let given: Vec<bool> = settings.iter().map(Option::is_some).collect();
+        for (parameter, setting) in declared.iter().zip(&mut settings) {
+            if setting.is_some() {
+                continue;
+            }
+            if let DefaultValue::Required = parameter.default {
+                let error =
+                    Error::usage(format!("the parameter '{}' is missing", parameter.name)).expected(format!(
+                        "{} = … ({}): {}",
+                        parameter.name,
+                        parameter.parameter_type.describe(),
+                        parameter.help
+                    ));
+                faults.push(ParameterFault {
+                    parameter: parameter.name.to_string(),
+                    error: origin.locate(error),
+                });
+            }
+            *setting = parameter.default.datum().map(LocatedValue::from);
+        }
+        Parameters { declared, settings, is_set: given, origin: origin.clone(), variants: None }
+    }
+
+    /// A list of tables of several kinds: each one's kind and parameters. Empty where not set.
+    pub fn kinds(&self, name: &str) -> Result<Vec<(&'static str, Parameters)>> {
+        let Some(setting) = self.optional(name) else { return Ok(Vec::new()) };
+        let declared = self.parameter_type(name);
+        let (Some(ParameterType::Kinds(kinds)), Some(list)) = (declared, setting.list()) else {
+            return Err(self.mistyped(name));
+        };
+        let kind = |setting: &LocatedValue| {
+            let mut faults = Vec::new();
+            let kind = kind_of(kinds, name, setting, &mut |error| faults.push(error));
+            match (kind, faults.into_iter().next()) {
+                (Some(kind), None) => Ok(kind),
+                (_, fault) => Err(fault.unwrap_or_else(|| self.mistyped(name))),
+            }
+        };
+        list.iter().map(kind).collect()
+    }
+}
+
+/// The kind of one entry of a list of tables, and its parameters; `None` where it has no kind that is known.
+fn kind_of(
+    kinds: &'static [VariantSchema],
+    name: &str,
+    setting: &LocatedValue,
+    fault: &mut dyn FnMut(Error),
+) -> Option<(&'static str, Parameters)> {
+    let names = || kinds.iter().map(|k| k.name);
+    let Some(fields) = setting.table() else {
+        fault(setting.error(format!("each entry of '{name}' must be a table"), "[[…]] with a kind"));
+        return None;
+    };
+    let Some(kind) = fields.iter().find(|f| f.name == "kind") else {
+        let error = Error::usage(format!("an entry of '{name}' has no 'kind'"))
+            .expected(format!("kind = one of {}", names().collect::<Vec<_>>().join(", ")));
+        fault(setting.origin.locate(error));
+        return None;
+    };
+    let word = kind.setting.text().unwrap_or_default();
+    let Some(found) = kinds.iter().find(|k| k.name == word) else {
+        fault(kind.setting.error("unknown kind", suggest(word, names())));
+        return None;
+    };
+    let mut faults = Vec::new();
+    let parameters = Parameters::survey(found.parameters, fields, &setting.origin, &["kind"], &mut faults);
+    faults.into_iter().for_each(|one| fault(one.error));
+    Some((found.name, parameters))
+}
+
+/// Checks one setting against its declared type.
+fn check_type(parameter_type: &ParameterType, name: &str, unit: &str, setting: &LocatedValue) -> Result<()> {
+    let mut first = None;
+    survey_type(parameter_type, name, unit, setting, &mut |error| {
+        first.get_or_insert(error);
+    });
+    first.map_or(Ok(()), Err)
+}
+
+/// Checks one value by its type and returns every mistake: a table, or a list of tables, may have several.
+fn survey_type(
+    parameter_type: &ParameterType,
+    name: &str,
+    unit: &str,
+    setting: &LocatedValue,
+    fault: &mut dyn FnMut(Error),
+) {
+    match (parameter_type, &setting.datum) {
+        (ParameterType::Table(declared), ParameterValue::Table(fields)) => {
+            let mut faults = Vec::new();
+            Parameters::survey(*declared, fields, &setting.origin, &[], &mut faults);
+            faults.into_iter().for_each(|one| fault(one.error));
+        }
+        (ParameterType::Kinds(kinds), ParameterValue::List(list)) => {
+            for entry in list {
+                kind_of(kinds, name, entry, fault);
+            }
+        }
+        _ => {
+            if let Err(error) = check_plain(parameter_type, name, unit, setting) {
+                fault(error);
+            }
+        }
+    }
+}
+
+/// Checks a setting that has one mistake at most.
+fn check_plain(parameter_type: &ParameterType, name: &str, unit: &str, setting: &LocatedValue) -> Result<()> {
+    let accepted = || match unit {
+        "" => parameter_type.describe(),
+        unit => format!("{} ({unit})", parameter_type.describe()),
+    };
+    let wrong_type = || Err(setting.error(format!("'{name}' is of the wrong type"), accepted()));
+    let in_range = |part: &LocatedValue, x: f64, range: &Range| match range.holds(x) {
+        true => Ok(()),
+        false => Err(part.error(format!("'{name}' is out of range"), accepted())),
+    };
+    match (parameter_type, &setting.datum) {
+        (ParameterType::Boolean, ParameterValue::Boolean(_)) => Ok(()),
+        (ParameterType::Integer(range), ParameterValue::Integer(n)) => in_range(setting, *n as f64, range),
+        (ParameterType::NumberOr(_, word), ParameterValue::Text(text)) if text == word => Ok(()),
+        (
+            ParameterType::Number(range) | ParameterType::NumberOr(range, _),
+            ParameterValue::Number(_) | ParameterValue::Integer(_),
+        ) => in_range(setting, setting.number().unwrap_or(f64::NAN), range),
+        (
+            ParameterType::Text | ParameterType::GradientFilter | ParameterType::Registered(_),
+            ParameterValue::Text(_),
+        ) => Ok(()),
+        (ParameterType::InputPath | ParameterType::OutputPath, ParameterValue::Text(path)) => {
+            match path.is_empty() {
+                true => Err(setting.error(format!("'{name}' is empty"), "the path of a file")),
+                false => Ok(()),
+            }
+        }
+        (ParameterType::Choice(words), ParameterValue::Text(text)) => match words.iter().any(|w| w.0 == text)
+        {
+            true => Ok(()),
+            false => Err(setting.error(
+                format!("'{name}' does not know this word"),
+                suggest(text, words.iter().map(|w| w.0)),
+            )),
+        },
+        (ParameterType::Numbers(count, range), ParameterValue::List(list)) => {
+            for part in list {
+                let Some(x) = part.number() else { return wrong_type() };
+                in_range(part, x, range)?;
+            }
+            match count.is_none_or(|n| n == list.len()) {
+                true => Ok(()),
+                false => wrong_type(),
+            }
+        }
+        (ParameterType::Integers(count, range), ParameterValue::List(list)) => {
+            for part in list {
+                let ParameterValue::Integer(n) = part.datum else { return wrong_type() };
+                in_range(part, n as f64, range)?;
+            }
+            if *count == list.len() { Ok(()) } else { wrong_type() }
+        }
+        (ParameterType::Rows(width), ParameterValue::List(rows)) => {
+            for row in rows {
+                let Some(numbers) = row.numbers() else { return wrong_type() };
+                if width.is_some_and(|n| n != numbers.len()) {
+                    return Err(row.error(format!("a row of '{name}' has the wrong length"), accepted()));
+                }
+                if numbers.iter().any(|x| !x.is_finite()) {
+                    return Err(row.error(format!("'{name}' is out of range"), "finite numbers"));
+                }
+            }
+            Ok(())
+        }
+        (ParameterType::Texts, ParameterValue::List(list)) if list.iter().all(|s| s.text().is_some()) => {
+            Ok(())
+        }
+        (ParameterType::Measured(measured), _) => {
+            // 1 is in every range of what may be relative; the others are checked beside it.
+            let numbers = measured.replaced(name, setting, 0, &mut |_, _, _| Ok(1.0))?;
+            check_type(&measured.plain, name, unit, &numbers).map_err(|error| match error.expected.clone() {
+                Some(plain) => error.expected(format!("{plain}, {}", measured.describe())),
+                None => error,
+            })
+        }
+        _ => wrong_type(),
+    }
+}
+
+/// A file that a parameter names.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedPath {
+    /// The parameter's name.
+    pub parameter: String,
+    /// The path, as it was written.
+    pub path: String,
+    /// True if the file is written; it is read otherwise.
+    pub written: bool,
+    /// Location of the path in the file.
+    pub origin: SourceSpan,
+}
+
+impl NamedPath {
+    /// True if it depends on the folder of what states it; "-" as an output does not.
+    pub fn is_relative(&self) -> bool {
+        !(self.written && self.path == "-") && Path::new(&self.path).is_relative()
+    }
+
+    /// The path from where the program runs, if it was written for something in this folder.
+    pub fn from(&self, folder: &Path) -> PathBuf {
+        resolved(&self.path, self.written, folder)
+    }
+}
+
+/// "-" as an output is the standard output, which is in no folder.
+fn resolved(path: &str, written: bool, folder: &Path) -> PathBuf {
+    if written && path == "-" { path.into() } else { folder.join(path) }
+}
+
+impl Parameters {
+    /// The path that a parameter gives, from where the program runs; `folder`: what it is relative to.
+    pub fn path(&self, name: &str, folder: &Path) -> Result<PathBuf> {
+        let written = matches!(self.parameter_type(name), Some(ParameterType::OutputPath));
+        Ok(resolved(self.text(name)?, written, folder))
+    }
+
+    /// The files that these name, also within tables and lists of tables.
+    pub fn paths(&self) -> Vec<NamedPath> {
+        let mut paths = Vec::new();
+        for (parameter, setting, _) in self.iter() {
+            match (parameter.parameter_type, setting) {
+                (file @ (ParameterType::InputPath | ParameterType::OutputPath), Some(setting)) => {
+                    paths.extend(setting.text().map(|path| NamedPath {
+                        parameter: parameter.name.to_string(),
+                        path: path.to_string(),
+                        written: matches!(file, ParameterType::OutputPath),
+                        origin: setting.origin.clone(),
+                    }));
+                }
+                (ParameterType::Table(_), Some(_)) => {
+                    let table = self.table(parameter.name).unwrap_or_default();
+                    paths.extend(table.iter().flat_map(Parameters::paths));
+                }
+                (ParameterType::Kinds(_), Some(_)) => {
+                    let entries = self.kinds(parameter.name).unwrap_or_default();
+                    paths.extend(entries.iter().flat_map(|(_, entry)| entry.paths()));
+                }
+                _ => {}
+            }
+        }
+        paths
+    }
+}
+
+impl Parameters {
+    /// The relative numbers among these, also within tables, in their order.
+    pub fn relative_numbers(&self) -> Vec<RelativeNumber> {
+        let mut found = Vec::new();
+        // What is written was checked, so nothing here is an error.
+        let collected = self.with_numbers(&mut |number| {
+            found.push(number.clone());
+            Ok(1.0)
+        });
+        debug_assert!(collected.is_ok());
+        found
+    }
+
+    /// These with each relative number replaced by what `find` says.
+    pub fn with_numbers(&self, find: &mut dyn FnMut(&RelativeNumber) -> Result<f64>) -> Result<Parameters> {
+        self.with_settings(&mut |measured, name, setting, beside| {
+            measured.replaced(name, setting, 0, &mut |place, part, relative| {
+                let quantity = measured.quantity(place, beside);
+                let quantity = quantity.unwrap_or(ArrayRef::Array(String::new()));
+                find(&RelativeNumber { relative, is: measured.statistic, quantity, setting: part.clone() })
+            })
+        })
+    }
+
+    /// These with each setting replaced whose numbers may be relative.
+    pub fn with_settings(&self, change: Change) -> Result<Parameters> {
+        let mut changed = self.clone();
+        for (name, setting) in changed_of(&self.iter().collect::<Vec<_>>(), change)? {
+            changed.put(name, Some(setting));
+        }
+        Ok(changed)
+    }
+}
+
+/// Changes a setting of a type whose numbers may be relative: given the type, the parameter's name, the setting, and what
+/// stands beside it.
+pub type Change<'a> = &'a mut dyn FnMut(
+    &RelativeNumberType,
+    &str,
+    &LocatedValue,
+    &dyn Fn(&str) -> Option<LocatedValue>,
+) -> Result<LocatedValue>;
+
+type DeclaredSetting<'a> = (&'a Parameter, Option<&'a LocatedValue>, bool);
+
+fn changed_of(parameters: &[DeclaredSetting], change: Change) -> Result<Vec<(&'static str, LocatedValue)>> {
+    let beside = |name: &str| -> Option<LocatedValue> {
+        parameters.iter().find(|(p, ..)| p.name == name).and_then(|(_, setting, _)| setting.cloned())
+    };
+    let mut changed = Vec::new();
+    for (parameter, setting, _) in parameters {
+        let Some(setting) = setting else { continue };
+        match parameter.parameter_type {
+            ParameterType::Measured(measured) => {
+                changed.push((parameter.name, change(measured, parameter.name, setting, &beside)?));
+            }
+            ParameterType::Table(declared) => {
+                let Some(fields) = setting.table() else { continue };
+                let find = |p: &Parameter| fields.iter().find(|f| f.name == p.name).map(|f| &f.setting);
+                let own: Vec<DeclaredSetting> = declared.iter().map(|p| (p, find(p), true)).collect();
+                let mut fields: Vec<Field> = fields.to_vec();
+                for (name, setting) in changed_of(&own, change)? {
+                    fields.iter_mut().filter(|f| f.name == name).for_each(|f| f.setting = setting.clone());
+                }
+                changed.push((
+                    parameter.name,
+                    LocatedValue { datum: ParameterValue::Table(fields), origin: setting.origin.clone() },
+                ));
+            }
+            _ => {}
+        }
+    }
+    Ok(changed)
+}
+
+/// The first name that occurs twice.
+pub fn repeated<'a>(names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let mut seen = Vec::new();
+    for name in names {
+        if seen.contains(&name) {
+            return Some(name);
+        }
+        seen.push(name);
+    }
+    None
+}
+
+/// Refuses declarations that contradict themselves, also within tables: names must differ, from those `taken` too, help
+/// must be there, and a standard value must be one that a file could give. `of`: whose they are, for the message.
+pub fn refuse_contradictions(of: &str, parameters: &[Parameter], taken: &[&str]) -> Result<()> {
+    if let Some(twice) = repeated(parameters.iter().map(|p| p.name).chain(taken.iter().copied())) {
+        return Err(Error::usage(format!("{of} declares '{twice}' twice")));
+    }
+    for Parameter { name, parameter_type, unit, default: standard, help } in parameters {
+        if name.is_empty() || help.is_empty() {
+            return Err(Error::usage(format!("the parameter '{name}' of {of} has no name or no help")));
+        }
+        if let Some(datum) = standard.datum() {
+            check_type(parameter_type, name, unit, &LocatedValue::from(datum)).map_err(|error| Error {
+                what: format!("of the standard value of {of}, {}", error.what),
+                ..error
+            })?;
+        }
+        match parameter_type {
+            ParameterType::Table(fields) => refuse_contradictions(of, fields, &[])?,
+            ParameterType::Kinds(kinds) => {
+                kinds.iter().try_for_each(|kind| refuse_contradictions(of, kind.parameters, &["kind"]))?;
+            }
+            _ => {}
+        }
+    }
+    Ok(())
 }

@@ -8,28 +8,18 @@
 //! lists (`String::leak`, `Vec::leak`), a few hundred bytes each time it is loaded.
 
 mod check;
-mod contradictions;
 mod declaration;
-mod fit;
-mod measured;
 mod nearest;
-mod numbers;
-mod paths;
-mod range;
 mod relative;
 mod setting;
 #[cfg(test)]
 mod tests;
 
-pub use check::{ParameterFault, Parameters};
-pub use contradictions::{refuse_contradictions, repeated};
+pub use check::{NamedPath, ParameterFault, Parameters, refuse_contradictions, repeated};
 pub use declaration::{
-    AxisRef, DefaultValue, Parameter, ParameterType, RelativeNumberType, StatisticKind, Variant,
+    AxisRef, DefaultValue, Parameter, ParameterType, Range, RelativeNumberType, StatisticKind, Variant,
     VariantSchema,
 };
-pub use measured::RelativeNumber;
 pub use nearest::{edit_distance, nearest, suggest};
-pub use paths::NamedPath;
-pub use range::Range;
-pub use relative::{ArrayRef, Relative};
+pub use relative::{ArrayRef, Relative, RelativeNumber};
 pub use setting::{Field, LocatedValue, ParameterValue, SourceSpan, find_setting, key_text, replace_field};

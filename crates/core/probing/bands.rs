@@ -32,17 +32,13 @@ pub struct BandCounts {
 /// The bands of every widget whose profile is periodic that some cell's values reach into. Where the volume has no
 /// gradient magnitude, that counts as 0.
 pub fn bands(volume: &Volume, transfer_function: &TransferFunction) -> Result<Vec<BandCounts>> {
-    let mut found = Vec::new();
-    for (place, widget) in transfer_function.widgets.iter().enumerate() {
-        let properties = widget.profile.properties();
-        let Some(bands) = properties.bands else { continue };
-        let mut crossed = crossed(volume, widget, bands.step)?;
+    let all = crossed_by_widget(volume, transfer_function)?;
+    let summaries = all.into_iter().filter_map(|(widget, mut crossed)| {
         crossed.retain(|bands| !bands.is_nan());
-        if let Some(bands) = summary(&mut crossed) {
-            found.push(BandCounts { widget: place, kind: properties.name, ..bands });
-        }
-    }
-    Ok(found)
+        let kind = transfer_function.widgets[widget].profile.name();
+        Some(BandCounts { widget, kind, ..summary(&mut crossed)? })
+    });
+    Ok(summaries.collect())
 }
 
 /// For every widget whose profile is periodic, its place in the transfer function and the bands that each tetrahedron crosses:
@@ -51,14 +47,24 @@ pub fn bands_of_cells(
     volume: &Volume,
     transfer_function: &TransferFunction,
 ) -> Result<Vec<(usize, Vec<f32>)>> {
-    let mut found = Vec::new();
-    for (place, widget) in transfer_function.widgets.iter().enumerate() {
-        let Some(bands) = widget.profile.properties().bands else { continue };
-        let mut crossed = crossed(volume, widget, bands.step)?;
-        crossed.iter_mut().filter(|bands| bands.is_nan()).for_each(|bands| *bands = 0.0);
-        found.push((place, crossed));
-    }
+    let mut found = crossed_by_widget(volume, transfer_function)?;
+    let outside = |bands: &&mut f32| bands.is_nan();
+    found
+        .iter_mut()
+        .for_each(|(_, crossed)| crossed.iter_mut().filter(outside).for_each(|bands| *bands = 0.0));
     Ok(found)
+}
+
+/// Places of the widgets whose profiles are periodic, and the bands that each cell crosses, NaN outside the region.
+fn crossed_by_widget(
+    volume: &Volume,
+    transfer_function: &TransferFunction,
+) -> Result<Vec<(usize, Vec<f32>)>> {
+    let periodic = transfer_function.widgets.iter().enumerate().filter_map(|(place, widget)| {
+        let bands = widget.profile.properties().bands?;
+        Some(crossed(volume, widget, bands.step).map(|crossed| (place, crossed)))
+    });
+    periodic.collect()
 }
 
 /// Bands crossed by each cell, NaN outside the widget's region; `step`: φ per unit of s and of g.

@@ -113,11 +113,11 @@ pub fn histogram(
     let cells = grid.tetrahedra.len();
     let tasks = (BUDGET / (8 * count)).clamp(4, 64);
     let per_task = cells.div_ceil(tasks).max(1);
-    let parts: Vec<Sums> = (0..cells.div_ceil(per_task))
+    let parts: Vec<Histogram> = (0..cells.div_ceil(per_task))
         .into_par_iter()
         .map(|task| {
-            let mut sums =
-                Sums { axes, volumes: vec![0.0; count], total: 0.0, outside: 0.0, not_finite: 0.0 };
+            let volumes = vec![0.0; count];
+            let mut sums = Histogram { axes, volumes, total: 0.0, outside: 0.0, not_finite: 0.0 };
             for i in task * per_task..((task + 1) * per_task).min(cells) {
                 if i % 1024 == 0 && progress.cancelled() {
                     break;
@@ -136,7 +136,7 @@ pub fn histogram(
     volumes.par_iter_mut().with_min_len(1 << 12).enumerate().for_each(|(bin, volume)| {
         *volume = world(parts.iter().map(|part| part.volumes[bin]).sum());
     });
-    let sum = |of: fn(&Sums) -> f64| world(parts.iter().map(of).sum());
+    let sum = |of: fn(&Histogram) -> f64| world(parts.iter().map(of).sum());
     Ok(Histogram {
         axes,
         volumes,
@@ -146,16 +146,8 @@ pub fn histogram(
     })
 }
 
-/// One task's volumes, in the grid's scale.
-struct Sums {
-    axes: [Axis; 2],
-    volumes: Vec<f64>,
-    total: f64,
-    outside: f64,
-    not_finite: f64,
-}
-
-impl Sums {
+/// Sums of one task: volumes in the grid's scale.
+impl Histogram {
     fn add_cell(&mut self, volume: f64, corners: [[f64; 2]; 4]) {
         self.total += volume;
         if volume <= 0.0 {

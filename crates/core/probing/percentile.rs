@@ -37,21 +37,12 @@ struct CellSpan {
 
 impl CellSpan {
     fn below(&self, value: f64) -> f64 {
-        if value <= self.low() {
-            0.0
-        } else if value > self.high() {
-            self.volume
-        } else {
-            self.volume * Distribution::new(self.values).below(value)
+        let [low, .., high] = self.values;
+        match value {
+            _ if value <= low => 0.0,
+            _ if value > high => self.volume,
+            _ => self.volume * Distribution::new(self.values).below(value),
         }
-    }
-
-    fn low(&self) -> f64 {
-        self.values[0]
-    }
-
-    fn high(&self) -> f64 {
-        self.values[3]
     }
 }
 
@@ -110,8 +101,8 @@ impl Volumes {
             .map(|part| {
                 let (mut sums, mut above) = (none(), none());
                 for cell in part {
-                    let first = values.partition_point(|&value| value <= cell.low());
-                    let last = values.partition_point(|&value| value <= cell.high());
+                    let first = values.partition_point(|&value| value <= cell.values[0]);
+                    let last = values.partition_point(|&value| value <= cell.values[3]);
                     let distribution = Distribution::new(cell.values);
                     for (sum, &value) in sums[first..last].iter_mut().zip(&values[first..last]) {
                         *sum += cell.volume * distribution.below(value);
@@ -138,8 +129,8 @@ impl Volumes {
     /// The least value that the field has or falls below in so many percent of the volume: the least of all for 0, the largest
     /// for 100. Where no volume lies between two values, the lower one.
     pub fn percentile(&self, percent: f64, progress: &dyn Progress) -> Result<f64> {
-        let mut low = self.cells.iter().map(CellSpan::low).fold(f64::INFINITY, f64::min);
-        let mut high = self.cells.iter().map(CellSpan::high).fold(f64::NEG_INFINITY, f64::max);
+        let mut low = self.cells.iter().map(|cell| cell.values[0]).fold(f64::INFINITY, f64::min);
+        let mut high = self.cells.iter().map(|cell| cell.values[3]).fold(f64::NEG_INFINITY, f64::max);
         if percent <= 0.0 {
             return Ok(low);
         }
@@ -170,9 +161,11 @@ impl Volumes {
             }
             // What lies whole on one side is known for good. At first that is little, and a list would be as long as that of all.
             if round >= ROUNDS_OVER_ALL {
-                let sure = |cell: &CellSpan| cell.high() <= low;
+                let sure = |cell: &CellSpan| cell.values[3] <= low;
                 under += sum(cells, |cell| if sure(cell) { cell.volume } else { 0.0 });
-                left = Some(cells.iter().filter(|cell| !sure(cell) && cell.low() <= high).copied().collect());
+                left = Some(
+                    cells.iter().filter(|cell| !sure(cell) && cell.values[0] <= high).copied().collect(),
+                );
             }
         }
         Ok(high)

@@ -4,10 +4,22 @@
 //! Here the samples are all points of the cells in the region: integrals, not a sample. Fields are measured from the
 //! middle of their range over the grid and in units of that range, so that neither their units nor a large constant
 //! part costs digits. Sums are made in a fixed order: the same data give the same bits on any number of cores.
+//!
+//! Over a tetrahedron with corner values v_i and mean m = Σ v_i / 4, the covariance of linear fields is
+//! Σ (v_i − m)(v_i − m)ᵀ / 20 exactly (from ∫ λ_i λ_j = (1 + δ_ij) V / 20 of the barycentric coordinates λ). Parts are
+//! merged as Chan, Golub and LeVeque (1979) do, about their own means, so that a small spread around a large value
+//! keeps its digits.
+//!
+//! Matrix K of a Gaussian widget, exp(−|K (v − mean)|²), from moments: with
+//! With the covariance C of the fields, Kᵀ K = C⁻¹ / 2 makes the widget the normal distribution's shape (Kniss et al. 2003,
+//! Eq. 11, 12). From the Cholesky factor C = L Lᵀ follows K = L⁻¹ / √2, a lower triangle.
+//!
+//! Directions in which the fields do not vary (a constant field, fewer points than fields, fields that depend on each
+//! other) have no width. Fields are measured in their extents over the whole grid, and each eigenvalue of C is raised
+//! to at least `least`²: a width of `least` extents. A field that is constant over the whole grid is not looked at
+//! (its row and column of K are 0).
 
-use super::moments::{MAX_DIMENSIONS, Moments};
-use super::region::ProbeRegion;
-use super::sub_tetrahedron::scaled_volume;
+use super::sub_tetrahedron::{ProbeRegion, scaled_volume};
 use crate::grid::Grid;
 use crate::grid::extent::range;
 use crate::progress::Progress;
@@ -270,4 +282,153 @@ fn coordinates([a, b, c, d]: [DVec3; 4], p: DVec3) -> Option<(f64, [f64; 4])> {
     let all = [1.0 - x - y - z, x, y, z];
     let least = all.iter().copied().fold(f64::INFINITY, f64::min);
     (all.iter().all(|c| c.is_finite()) && least >= -ON_FACE).then_some((least, all))
+}
+
+/// Most fields that are looked at together: as many as a gaussian-nd widget has.
+const MAX_DIMENSIONS: usize = 8;
+
+/// Weight, mean and weighted scatter about the mean.
+#[derive(Debug, Clone, Copy)]
+struct Moments {
+    pub weight: f64,
+    pub mean: [f64; MAX_DIMENSIONS],
+    /// Σ w (v − mean)(v − mean)ᵀ.
+    pub scatter: [[f64; MAX_DIMENSIONS]; MAX_DIMENSIONS],
+}
+
+impl Moments {
+    pub const NONE: Moments = Moments {
+        weight: 0.0,
+        mean: [0.0; MAX_DIMENSIONS],
+        scatter: [[0.0; MAX_DIMENSIONS]; MAX_DIMENSIONS],
+    };
+
+    /// Moments of a tetrahedron of volume `weight`, `values[field][corner]`.
+    pub fn of_tetrahedron(weight: f64, values: &[[f64; 4]]) -> Moments {
+        let mut moments = Moments { weight, ..Moments::NONE };
+        let mut centred = [[0.0; 4]; MAX_DIMENSIONS];
+        for (k, v) in values.iter().enumerate() {
+            let mean = 0.25 * ((v[0] + v[1]) + (v[2] + v[3]));
+            moments.mean[k] = mean;
+            centred[k] = v.map(|v| v - mean);
+        }
+        for (i, a) in centred.iter().enumerate().take(values.len()) {
+            for (j, b) in centred.iter().enumerate().take(values.len()) {
+                let sum = (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3]);
+                moments.scatter[i][j] = weight * sum / 20.0;
+            }
+        }
+        moments
+    }
+
+    /// Moments of one point.
+    pub fn of_point(values: &[f64]) -> Moments {
+        let mut moments = Moments { weight: 1.0, ..Moments::NONE };
+        moments.mean[..values.len()].copy_from_slice(values);
+        moments
+    }
+
+    /// Adds other moments of `n` fields.
+    pub fn merge(&mut self, other: &Moments, n: usize) {
+        if other.weight <= 0.0 {
+            return;
+        }
+        let weight = self.weight + other.weight;
+        // The share of the newcomer; self.weight × share is the weight between the two means.
+        let share = other.weight / weight;
+        let mut apart = [0.0; MAX_DIMENSIONS];
+        for (apart, (theirs, ours)) in apart[..n].iter_mut().zip(other.mean.iter().zip(&self.mean)) {
+            *apart = theirs - ours;
+        }
+        for i in 0..n {
+            for j in 0..n {
+                self.scatter[i][j] += other.scatter[i][j] + self.weight * share * apart[i] * apart[j];
+            }
+        }
+        self.mean.iter_mut().zip(apart).for_each(|(mean, apart)| *mean += share * apart);
+        self.weight = weight;
+    }
+}
+
+/// K, n rows of n. `least`: the smallest standard deviation in any direction, as a share of the fields' extents over the
+/// grid, > 0; `scale`: factor on all standard deviations, > 0; `correlated`: false keeps to the axes, K being the
+/// diagonal of 1 / (√2 σ).
+pub fn kernel(found: &ProbeResult, least: f64, scale: f64, correlated: bool) -> Vec<Vec<f64>> {
+    let n = found.mean.len();
+    let varying: Vec<usize> = (0..n).filter(|&i| found.extent[i] > 0.0).collect();
+    let covariance: Vec<Vec<f64>> = (varying.iter())
+        .map(|&i| {
+            varying.iter().map(|&j| if correlated || i == j { found.covariance[i][j] } else { 0.0 }).collect()
+        })
+        .collect();
+    let inverse = inverse_of_factor(&raised(covariance, least));
+    let mut matrix = vec![vec![0.0; n]; n];
+    for (&i, row) in varying.iter().zip(&inverse) {
+        for (&j, entry) in varying.iter().zip(row) {
+            matrix[i][j] = entry / (std::f64::consts::SQRT_2 * scale) / found.extent[j];
+        }
+    }
+    matrix
+}
+
+/// The symmetric matrix with each eigenvalue raised to at least `least`² (cyclic Jacobi rotations).
+fn raised(mut a: Vec<Vec<f64>>, least: f64) -> Vec<Vec<f64>> {
+    let n = a.len();
+    let mut vectors: Vec<Vec<f64>> =
+        (0..n).map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect()).collect();
+    // Convergence is quadratic: eight fields take six to ten sweeps.
+    for _ in 0..64 {
+        let off =
+            (0..n).flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| a[i][j].abs()).fold(0.0, f64::max);
+        if off == 0.0 {
+            break;
+        }
+        for p in 0..n {
+            for q in p + 1..n {
+                if a[p][q] == 0.0 {
+                    continue;
+                }
+                // The angle that makes a[p][q] vanish (Golub and Van Loan, section 8.5).
+                let tau = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+                let t =
+                    if tau.is_finite() { tau.signum() / (tau.abs() + (1.0 + tau * tau).sqrt()) } else { 0.0 };
+                let c = 1.0 / (1.0 + t * t).sqrt();
+                let s = t * c;
+                for row in a.iter_mut().chain(&mut vectors) {
+                    (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
+                }
+                let (upper, lower) = a.split_at_mut(q);
+                for (x, y) in upper[p].iter_mut().zip(&mut lower[0]) {
+                    (*x, *y) = (c * *x - s * *y, s * *x + c * *y);
+                }
+                (a[p][q], a[q][p]) = (0.0, 0.0);
+            }
+        }
+    }
+    let entry = |i: usize, j: usize| {
+        (0..n).map(|k| vectors[i][k] * a[k][k].max(least * least) * vectors[j][k]).sum::<f64>()
+    };
+    (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect()
+}
+
+/// L⁻¹, with L the lower Cholesky factor of a positive definite matrix.
+fn inverse_of_factor(a: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let n = a.len();
+    let mut l = vec![vec![0.0; n]; n];
+    for i in 0..n {
+        for j in 0..=i {
+            let rest = a[i][j] - (0..j).map(|k| l[i][k] * l[j][k]).sum::<f64>();
+            // Positive by the raised eigenvalues, up to rounding.
+            l[i][j] = if i == j { rest.max(f64::MIN_POSITIVE).sqrt() } else { rest / l[j][j] };
+        }
+    }
+    let mut inverse = vec![vec![0.0; n]; n];
+    for j in 0..n {
+        inverse[j][j] = 1.0 / l[j][j];
+        for i in j + 1..n {
+            let sum = (j..i).map(|k| l[i][k] * inverse[k][j]).sum::<f64>();
+            inverse[i][j] = -sum / l[i][i];
+        }
+    }
+    inverse
 }

@@ -1,8 +1,9 @@
-//! A transfer function and its checks.
+//! Transfer functions and widgets: their checks, and a widget from the keys of a pipeline file (docs/src/explanation/optics.md, section 5).
 
-use super::check::not_negative;
-use super::kinds::AxisOrigin;
-use super::widget::Widget;
+use super::kinds::properties::not_negative;
+use super::kinds::{AxisOrigin, ColorSource, DECLARED, LoadImage, Profile, WIDGET_KINDS};
+use super::region::{Convex, HalfPlane, Region};
+use crate::parameters::Parameters;
 use crate::{Error, Result};
 
 /// A transfer function: an optical model and a list of widgets, ρ = Σ ρ_i.
@@ -131,4 +132,139 @@ fn check(widget: &Widget) -> Result<()> {
         return Err(Error::usage(what).expected("a region"));
     }
     Ok(())
+}
+
+/// One widget.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Widget {
+    /// The profile and its parameters.
+    pub profile: Profile,
+    /// Linear RGB, ≥ 0, may exceed 1. Unused by piecewise-linear and table widgets, which hold their own.
+    pub color: [f64; 3],
+    /// Peak extinction per unit distance, ≥ 0. Unused by piecewise-linear widgets, which hold their own.
+    pub extinction: f64,
+    /// Convex polygon in the (s, g) plane outside which ρ = 0; its boundary belongs to it.
+    pub region: Option<Region>,
+}
+
+impl Widget {
+    /// The largest extinction that it may have, per unit distance.
+    pub fn peak(&self) -> f64 {
+        self.profile.properties().own_peak.unwrap_or(self.extinction)
+    }
+
+    /// True if it absorbs or glows anywhere: a widget of extinction 0 does neither, under either model.
+    pub fn is_drawn(&self) -> bool {
+        self.peak() > 0.0
+    }
+
+    /// The largest channel of any of its colours.
+    pub fn max_emission(&self) -> f64 {
+        match self.profile.properties().color {
+            ColorSource::Widget => self.color.into_iter().fold(0.0, f64::max),
+            ColorSource::Points(points) => points.iter().flat_map(|p| p.color).fold(0.0, f64::max),
+            ColorSource::Texels(texels) => {
+                texels.iter().flat_map(|t| [t[0], t[1], t[2]]).fold(0.0, f32::max).into()
+            }
+        }
+    }
+
+    /// True if its colour is a function of s and g.
+    pub fn has_colors_of_its_own(&self) -> bool {
+        match self.profile.properties().color {
+            ColorSource::Widget => false,
+            ColorSource::Points(_) | ColorSource::Texels(_) => true,
+        }
+    }
+
+    /// Its colour, if it is the same wherever the widget is; an image is taken to have several.
+    pub fn uniform_color(&self) -> Option<[f64; 3]> {
+        match self.profile.properties().color {
+            ColorSource::Widget => Some(self.color),
+            ColorSource::Points(points) => {
+                let first = points.first().map(|point| point.color);
+                first.filter(|first| points.iter().all(|point| point.color == *first))
+            }
+            ColorSource::Texels(_) => None,
+        }
+    }
+
+    /// Its profile at a place of the plane, 0 to 1; 0 outside of its region. `fields`: as of [`Profile::eval`].
+    pub fn weight_at(&self, v: [f64; 2], fields: &[f64]) -> f64 {
+        match &self.region {
+            Some(region) if !region.holds(v) => 0.0,
+            _ => self.profile.eval(v, fields),
+        }
+    }
+
+    /// Widget with its extinction, or those of its control points, multiplied.
+    pub fn with_extinction_times(&self, factor: f64) -> Widget {
+        let profile = self.profile.with_extinction_times(factor);
+        Widget { profile, extinction: self.extinction * factor, ..self.clone() }
+    }
+
+    /// Widget in one colour.
+    pub fn in_color(&self, color: [f64; 3]) -> Widget {
+        Widget { profile: self.profile.in_color(color), color, ..self.clone() }
+    }
+
+    /// True if the widget's profile or region depends on the gradient magnitude.
+    pub fn uses_gradient_magnitude(&self) -> bool {
+        self.profile.properties().depends_on_g || self.region.as_ref().is_some_and(Region::depends_on_g)
+    }
+
+    /// The half-planes that limit it: those of its region, and those of the range that its profile has.
+    pub fn half_planes(&self) -> Vec<HalfPlane> {
+        let range = self.profile.properties().range;
+        self.region.iter().chain(&range).flat_map(Region::half_planes).collect()
+    }
+}
+
+/// One widget of the given kind from its keys.
+pub fn read(kind: &str, p: &Parameters, load_image: LoadImage) -> Result<Widget> {
+    let Some(declared) = DECLARED.iter().find(|declared| declared.kind.name == kind) else {
+        let names: Vec<&str> = WIDGET_KINDS.iter().map(|kind| kind.name).collect();
+        return Err(Error::usage("unknown kind of widget").got(kind).expected(names.join(", ")));
+    };
+    let profile = (declared.read)(p, load_image)?;
+    let extinction = match profile.properties().own_peak {
+        Some(peak) => peak,
+        None => p.number("extinction")?,
+    };
+    let color = if p.optional("color").is_some() { p.vector("color")? } else { [1.0; 3] };
+    let region = p.table("region")?.map(|region| polygon(&region)).transpose()?;
+    Ok(Widget { profile, color, extinction, region })
+}
+
+/// The region: a rectangle, whose missing limits are infinite, or a convex polygon.
+fn polygon(p: &Parameters) -> Result<Region> {
+    let limits = |name: &str| -> Result<[f64; 2]> {
+        if p.optional(name).is_none() {
+            return Ok([f64::NEG_INFINITY, f64::INFINITY]);
+        }
+        let [low, high] = p.vector(name)?;
+        if low > high {
+            let error = p.error(name, format!("the range '{name}' of the region is empty"));
+            return Err(error.got(format!("[{low}, {high}]")).expected("the smaller number first"));
+        }
+        Ok([low, high])
+    };
+    if p.optional("polygon").is_none() {
+        if p.optional("s").is_none() && p.optional("g").is_none() {
+            return Err(p
+                .error("s", "the region has no limits")
+                .expected("s = [low, high], g = [low, high] or polygon"));
+        }
+        return Ok(Region::rectangle(limits("s")?, limits("g")?));
+    }
+    if p.optional("s").is_some() || p.optional("g").is_some() {
+        return Err(p.error("polygon", "'polygon' and the ranges 's' and 'g' exclude each other"));
+    }
+    let corners: Vec<[f64; 2]> = p.rows("polygon")?.iter().map(|row| [row[0], row[1]]).collect();
+    let region = Region { corners };
+    if Convex::new(&region).is_err() {
+        let error = p.error("polygon", "the region is not a convex polygon with an area");
+        return Err(error.expected("at least three corners in order around a convex polygon"));
+    }
+    Ok(region)
 }

@@ -1,6 +1,6 @@
 //! The convex hull of the values at a cell's four vertices: its distance from the origin, and whether it meets a region.
 
-use super::convex::Convex;
+use super::region::Convex;
 
 /// The values at a cell's vertices.
 #[derive(Debug, Clone, Copy)]

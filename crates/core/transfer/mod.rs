@@ -6,30 +6,21 @@
 //! What a widget is stands in one file a kind, in `kinds`: its keys in a pipeline file, its checks, its properties, where
 //! its support lies. How it is integrated is said by each engine.
 
-mod check;
-mod convex;
 mod function;
 mod hull;
 mod kinds;
-mod read;
 mod region;
 mod relative;
-mod slab;
 mod support;
-mod widget;
 
-pub use convex::Convex;
-pub use function::{OpticalModel, TransferFunction};
+pub use function::{OpticalModel, TransferFunction, Widget, read};
 pub use kinds::{
     AxisOrigin, BandSpacing, ColorSource, ControlPoint, LoadImage, MAX_FIELDS, Profile, Properties, Table,
     WIDGET_KINDS, Wave,
 };
-pub use read::read;
-pub use region::{HalfPlane, Region};
+pub use region::{Convex, HalfPlane, Region, Slab, SupportRadius};
 pub use relative::{DataStatistics, StatisticsRequest, resolved, statistics_request, with_placeholders};
-pub use slab::{Slab, SupportRadius};
 pub use support::Support;
-pub use widget::Widget;
 
 #[cfg(test)]
 mod tests;

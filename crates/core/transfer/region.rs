@@ -1,4 +1,7 @@
-//! Regions of the (s, g) plane, and their half-planes.
+//! Regions of the (s, g) plane: their half-planes, checked convex polygons, slabs, and the distance up to which a widget counts.
+
+use crate::arithmetic::difference_of_products;
+use crate::{Error, Result};
 
 /// A convex polygon in the (s, g) plane, corners in either orientation, at least three.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,8 +83,200 @@ impl Region {
     }
 }
 
+/// A region whose corners were checked.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Convex {
+    /// Axis-parallel; limits may be infinite.
+    Rectangle {
+        /// Lower corner [s, g].
+        low: [f64; 2],
+        /// Upper corner.
+        high: [f64; 2],
+    },
+    /// Corners counter-clockwise, finite.
+    Polygon(Vec<[f64; 2]>),
+}
+
+impl Convex {
+    /// Checks a region (at least three corners, convex, with an area) and makes it ready.
+    pub fn new(region: &Region) -> Result<Convex> {
+        let corners = &region.corners;
+        if corners.iter().flatten().any(|c| c.is_nan()) {
+            return Err(Error::usage("a region's corner is not a number").expected("finite corners [s, g]"));
+        }
+        if let Some(rectangle) = rectangle(corners) {
+            return Ok(rectangle);
+        }
+        if corners.len() < 3 {
+            return Err(Error::usage("a region has too few corners")
+                .got(corners.len())
+                .expected("a convex polygon of at least 3 corners"));
+        }
+        if corners.iter().flatten().any(|c| c.is_infinite()) {
+            return Err(Error::usage("a region that is no rectangle has an infinite corner")
+                .expected("finite corners [s, g]"));
+        }
+        // Every corner lies on one side of every edge; what is within rounding of an edge lies on it.
+        let (mut left, mut right) = (false, false);
+        for (i, from) in corners.iter().enumerate() {
+            let to = corners[(i + 1) % corners.len()];
+            let edge = [to[0] - from[0], to[1] - from[1]];
+            for corner in corners {
+                let offset = [corner[0] - from[0], corner[1] - from[1]];
+                let side = difference_of_products(edge[0], offset[1], edge[1], offset[0]);
+                let rounding = 1e-9 * ((edge[0] * offset[1]).abs() + (edge[1] * offset[0]).abs());
+                left |= side > rounding;
+                right |= side < -rounding;
+            }
+        }
+        if (left, right) != (false, false) && !goes_once_around(corners) {
+            return Err(Error::usage("a region's corners go around more than once")
+                .expected("a convex polygon, corners in order"));
+        }
+        match (left, right) {
+            (true, false) => Ok(Convex::Polygon(corners.clone())),
+            (false, true) => Ok(Convex::Polygon(corners.iter().rev().copied().collect())),
+            (false, false) => Err(Error::usage("a region has no area").expected("a convex polygon")),
+            (true, true) => Err(Error::usage("a region is not convex").expected("a convex polygon")),
+        }
+    }
+
+    /// True if all of a box of s and g lies inside, as far as rounding can say.
+    pub fn holds(&self, [s, g]: &[[f64; 2]; 2]) -> bool {
+        let corners = [[s[0], g[0]], [s[1], g[0]], [s[1], g[1]], [s[0], g[1]]];
+        corners.iter().all(|&corner| self.distances(corner, corner, |distance, _, _, _| distance >= 0.0))
+    }
+
+    /// Calls `f` with the signed distances of front and back from each edge, positive inside, with the edge's
+    /// axis (2: neither) and level, until it returns false; tells whether it never did.
+    #[inline]
+    pub fn distances(
+        &self,
+        front: [f64; 2],
+        back: [f64; 2],
+        mut f: impl FnMut(f64, f64, u8, f64) -> bool,
+    ) -> bool {
+        match self {
+            Convex::Rectangle { low, high } => (0..2).all(|i| {
+                let axis = i as u8;
+                f(front[i] - low[i], back[i] - low[i], axis, low[i])
+                    && f(high[i] - front[i], high[i] - back[i], axis, high[i])
+            }),
+            Convex::Polygon(corners) => {
+                let mut from = corners[corners.len() - 1];
+                corners.iter().all(|&to| {
+                    let edge = [to[0] - from[0], to[1] - from[1]];
+                    let side = |v: [f64; 2]| {
+                        difference_of_products(edge[0], v[1] - from[1], edge[1], v[0] - from[0])
+                    };
+                    let inside = f(side(front), side(back), 2, 0.0);
+                    from = to;
+                    inside
+                })
+            }
+        }
+    }
+}
+
+/// True if the directions of the edges turn once around: a star, or a polygon taken twice, turns more often.
+fn goes_once_around(corners: &[[f64; 2]]) -> bool {
+    let pairs = corners.iter().zip(corners.iter().cycle().skip(1));
+    let edges: Vec<[f64; 2]> =
+        pairs.map(|(a, b)| [b[0] - a[0], b[1] - a[1]]).filter(|edge| *edge != [0.0; 2]).collect();
+    let turns = edges
+        .iter()
+        .zip(edges.iter().cycle().skip(1))
+        .map(|(a, b)| difference_of_products(a[0], b[1], a[1], b[0]).atan2(a[0] * b[0] + a[1] * b[1]));
+    (turns.sum::<f64>().abs() / std::f64::consts::TAU).round() == 1.0
+}
+
+/// The region as an axis-parallel rectangle, if it is one.
+fn rectangle(corners: &[[f64; 2]]) -> Option<Convex> {
+    let &[a, b, c, d] = corners else { return None };
+    let along_s = a[1] == b[1] && b[0] == c[0] && c[1] == d[1] && d[0] == a[0];
+    let along_g = a[0] == b[0] && b[1] == c[1] && c[0] == d[0] && d[1] == a[1];
+    let low = [a[0].min(c[0]), a[1].min(c[1])];
+    let high = [a[0].max(c[0]), a[1].max(c[1])];
+    ((along_s || along_g) && low[0] < high[0] && low[1] < high[1]).then_some(Convex::Rectangle { low, high })
+}
+
+/// The points v = (s, g) with low ≤ normal · v ≤ high.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slab {
+    /// Normal, of any length but 0.
+    pub normal: [f64; 2],
+    /// −∞ where there is no limit.
+    pub low: f64,
+    /// ∞ where there is no limit.
+    pub high: f64,
+}
+
+/// Room for the rounding of stored values and of the slabs themselves, in units of a value's span: 32 bits leave 1e-7.
+const SLACK: f64 = 1e-6;
+
+impl Slab {
+    /// Slab over values stored in 32 bits, value = offset + scale × stored: [a, b, low, high] with the larger of |a| and
+    /// |b| 1, widened by what rounding can do. `axes`: offset and scale of s and g.
+    pub fn stored(&self, axes: [[f64; 2]; 2]) -> [f32; 4] {
+        let Slab { normal, low, high } = self;
+        let [a, b] = [0, 1].map(|k| normal[k] * axes[k][1]);
+        let largest = a.abs().max(b.abs());
+        if largest == 0.0 || !largest.is_finite() {
+            return [0.0, 0.0, -1.0, 1.0];
+        }
+        let moved = |k: usize| if normal[k] == 0.0 { 0.0 } else { normal[k] * axes[k][0] };
+        let offset = moved(0) + moved(1);
+        // What cancels here lost digits of the offset: they widen the slab.
+        let slack = SLACK + 4.0 * f64::EPSILON * (moved(0).abs() + moved(1).abs()) / largest;
+        let bound = |x: f64, sign: f64| {
+            let x = (x - offset) / largest + sign * slack;
+            (x + sign * SLACK * x.abs()).clamp(-1e30, 1e30) as f32
+        };
+        [(a / largest) as f32, (b / largest) as f32, bound(*low, -1.0), bound(*high, 1.0)]
+    }
+}
+
+/// Squared distance from a widget's centre, in widths, at which a profile exp(−r²) no longer counts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SupportRadius {
+    /// It counts at no distance.
+    Nowhere,
+    /// This is r².
+    Within(f64),
+    /// It counts at any distance.
+    Everywhere,
+}
+
+impl SupportRadius {
+    /// `ratio`: the depth of the profile's peak by the least depth that counts. `cutoff`: the constant-emitter's.
+    pub(super) fn new(ratio: f64, cutoff: Option<f64>) -> SupportRadius {
+        let absorbs = if ratio > 1.0 { ratio.ln() } else { 0.0 };
+        match cutoff {
+            _ if ratio <= 0.0 => SupportRadius::Nowhere,
+            Some(cutoff) if cutoff <= 0.0 => SupportRadius::Everywhere,
+            Some(cutoff) => SupportRadius::Within(absorbs.max(-cutoff.ln())),
+            None if ratio <= 1.0 => SupportRadius::Nowhere,
+            None => SupportRadius::Within(absorbs),
+        }
+    }
+
+    /// The lists of a support without slabs of its own.
+    pub(in crate::transfer) fn everywhere(self) -> Vec<Vec<Slab>> {
+        self.within(|_| Vec::new())
+    }
+
+    /// One list, of the slabs that hold what lies within a distance.
+    pub(in crate::transfer) fn within(self, slabs: impl Fn(f64) -> Vec<Slab>) -> Vec<Vec<Slab>> {
+        match self {
+            SupportRadius::Nowhere => Vec::new(),
+            SupportRadius::Everywhere => vec![Vec::new()],
+            SupportRadius::Within(square) => vec![slabs(square.sqrt())],
+        }
+    }
+}
+
 #[cfg(test)]
-mod tests {
+mod region_tests {
     use super::*;
 
     #[test]
@@ -99,5 +294,28 @@ mod tests {
         let strip = Region::rectangle([1.0, f64::INFINITY], [f64::NEG_INFINITY, f64::INFINITY]);
         assert_eq!(strip.half_planes(), [HalfPlane { normal: [1.0, 0.0], corner: [1.0, 0.0] }]);
         assert!(!strip.depends_on_g());
+    }
+}
+
+#[cfg(test)]
+mod convex_tests {
+    use super::*;
+
+    #[test]
+    fn a_region_that_is_none_is_refused() {
+        let message =
+            |corners: Vec<[f64; 2]>| Convex::new(&Region { corners }).expect_err("refused").to_string();
+        assert!(message(vec![[0.0, 0.0], [1.0, 1.0]]).contains("too few corners"));
+        assert!(message(vec![[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]).contains("no area"));
+        let dart = vec![[0.0, 0.0], [2.0, 1.0], [0.0, 2.0], [1.0, 1.0]];
+        assert!(message(dart).contains("not convex"));
+        let triangle = [[0.0, 0.0], [2.0, 0.0], [1.0, 1e-3]];
+        assert!(message([triangle, triangle].concat()).contains("more than once"));
+        // Corners on an edge, or twice, are allowed; to and fro along an edge is not convex.
+        let corners = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 0.0], [1.0, 1e-3]];
+        assert!(Convex::new(&Region { corners }).is_ok());
+        let to_and_fro = vec![[0.0, 0.0], [2.0, 0.0], [1.0, 0.0], [1.0, 1.0]];
+        assert!(message(to_and_fro).contains("not convex"));
+        assert!(message(vec![[f64::NAN, 0.0], [1.0, 0.0], [0.0, 1.0]]).contains("not a number"));
     }
 }

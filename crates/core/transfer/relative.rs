@@ -143,7 +143,7 @@ impl DataStatistics for Recorder {
 pub fn with_placeholders(p: &Parameters) -> Result<Parameters> {
     p.with_settings(&mut |measured, name, setting, _| {
         let mut sorts = Vec::new();
-        let plain = measured.replaced(name, setting, &mut |_, _, relative| {
+        let plain = measured.replaced(name, setting, 0, &mut |_, _, relative| {
             sorts.push(relative);
             Ok(match relative {
                 Relative::Share(share) => share,

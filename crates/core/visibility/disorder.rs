@@ -10,9 +10,6 @@ use crate::grid::faces::face_of;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Rows of pixels that are looked at together.
-const ROWS: u32 = 16;
-
 /// Cells that hide each other by less than this share of the grid's diagonal may stand in either order: rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -47,9 +44,7 @@ pub fn disorder(
     for rays in Rays::per_sample(camera)? {
         let crossed: Vec<ProjectedCell> =
             order.par_iter().with_min_len(256).filter_map(|&cell| crossed(grid, cell, &rays)).collect();
-        let [width, height] = rays.size;
-        let bands: Vec<Range<u32>> =
-            (0..height).step_by(ROWS as usize).map(|y| y..(y + ROWS).min(height)).collect();
+        let width = rays.size[0];
         let in_band = |rows: Range<u32>| {
             let place = |[x, y]: [u32; 2]| ((y - rows.start) * width + x) as usize;
             let mut farthest: Vec<Option<f64>> = vec![None; width as usize * rows.len()];
@@ -70,7 +65,7 @@ pub fn disorder(
             let disordered = farthest.iter().flatten().filter(|depth| depth.is_infinite()).count() as u64;
             Disorder { pixels_tested: looked_at, disordered }
         };
-        for band in bands.into_par_iter().map(in_band).collect::<Vec<_>>() {
+        for band in rays.bands().into_par_iter().map(in_band).collect::<Vec<_>>() {
             found.pixels_tested += band.pixels_tested;
             found.disordered += band.disordered;
         }
@@ -94,7 +89,7 @@ fn crossed(grid: &Grid, cell: u32, rays: &Rays) -> Option<ProjectedCell> {
 impl ProjectedCell {
     /// The depth at which a pixel's ray enters the cell; `None` where what it sees of the cell is no longer than `least`.
     fn entry(&self, pixel: [u32; 2], rays: &Rays, least: f64) -> Option<f64> {
-        let (mut enters, mut leaves) = (rays.nearest(), f64::INFINITY);
+        let (mut enters, mut leaves) = (rays.near, f64::INFINITY);
         for (plane, is_at_normal) in &self.planes {
             let depth = plane.depth(pixel);
             if (plane.turn(pixel) > 0.0) == *is_at_normal {

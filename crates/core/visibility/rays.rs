@@ -25,8 +25,8 @@ pub(super) struct Rays {
     pixel: f64,
     /// The pixel that the view axis passes through.
     axis: DVec2,
-    /// Depth of the near plane.
-    near: f64,
+    /// Depth of the near plane: nothing nearer is seen.
+    pub near: f64,
     /// Width and height of the picture.
     pub size: [u32; 2],
 }
@@ -51,6 +51,13 @@ impl Rays {
         Ok(camera.sample_offsets().into_iter().map(rays).collect())
     }
 
+    /// The rows of the picture in bands that are looked at together.
+    pub fn bands(&self) -> Vec<Range<u32>> {
+        const ROWS: u32 = 16;
+        let height = self.size[1];
+        (0..height).step_by(ROWS as usize).map(|y| y..(y + ROWS).min(height)).collect()
+    }
+
     fn pixel_position(&self, point: DVec3) -> DVec3 {
         let from_eye = point - self.eye;
         let across = DVec2::new(from_eye.dot(self.right), from_eye.dot(self.down)) / self.pixel;
@@ -73,11 +80,6 @@ impl Rays {
                 below: DVec3::new(0.0, 0.0, forward),
             },
         }
-    }
-
-    /// The depth from which on something is seen.
-    pub fn nearest(&self) -> f64 {
-        self.near
     }
 
     /// True if something at this depth is seen.

@@ -3,9 +3,5 @@
 pub(crate) mod context;
 pub(crate) mod demand;
 pub(crate) mod node;
-pub(crate) mod observer;
 pub(crate) mod origins;
-pub(crate) mod port;
-pub(crate) mod resolved;
 pub(crate) mod value;
-pub(crate) mod wiring;

@@ -2,8 +2,7 @@
 //! the reference of nodes are made from this alone.
 
 use super::context::{DemandContext, Outputs, PlanContext, Preparation, RunContext};
-use super::port::Port;
-use super::value::Value;
+use super::value::{Port, Value};
 use std::path::PathBuf;
 use voltet_core::Result;
 use voltet_core::field::Plugin;

@@ -1,13 +1,13 @@
-//! Values at ports: shared, never modified.
+//! Ports of nodes, the wires between them, and the values at them: shared, never modified.
 
-use super::port::PortType;
 use glam::DVec3;
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
-use voltet_core::grid::Grid;
-use voltet_core::grid::extent;
+use voltet_core::field::Method;
+use voltet_core::grid::{Grid, extent};
+use voltet_core::parameters::SourceSpan;
 use voltet_core::picture::Picture;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
@@ -20,26 +20,18 @@ pub struct Revision(pub(crate) u64);
 /// Data of an engine for its own next stage; opaque to the graph.
 pub type StagePayload = Arc<dyn Any + Send + Sync>;
 
-/// A value at a port.
+/// A value at a port, of the type of its name in [`PortType`]. A report is JSON text.
 #[derive(Debug, Clone)]
+#[allow(missing_docs)]
 pub enum Value {
-    /// See [`PortType::Grid`].
     Grid(Arc<Grid>),
-    /// See [`PortType::Volume`].
     Volume(Arc<Volume>),
-    /// See [`PortType::TransferFunction`].
     TransferFunction(Arc<TransferFunctionSpec>),
-    /// See [`PortType::Camera`].
     Camera(Arc<Camera>),
-    /// See [`PortType::Cells`].
     Cells(StagePayload),
-    /// See [`PortType::Projection`].
     Projection(StagePayload),
-    /// See [`PortType::Image`].
     Image(Arc<Picture>),
-    /// See [`PortType::Report`]; JSON text.
     Report(Arc<str>),
-    /// See [`PortType::CellValues`].
     CellValues(Arc<CellValues>),
 }
 
@@ -63,18 +55,17 @@ impl Value {
     pub fn volume(&self) -> Option<Result<Arc<Volume>>> {
         match self {
             Value::Volume(volume) => Some(Ok(volume.clone())),
-            Value::Grid(grid) => Some(volume_without_gradient(grid).map(Arc::new)),
+            Value::Grid(grid) => Some(match grid.scalar.clone() {
+                Some(scalar) => {
+                    let (grid, gradient, gradient_magnitude) = (grid.clone(), None, None);
+                    Ok(Arc::new(Volume { grid, scalar, gradient, gradient_magnitude }))
+                }
+                None => Err(Error::usage("the grid carries no scalar to draw")
+                    .expected("scalar = \"…\" at the reader")),
+            }),
             _ => None,
         }
     }
-}
-
-/// The volume of a grid: its scalar, without a gradient.
-fn volume_without_gradient(grid: &Arc<Grid>) -> Result<Volume> {
-    let scalar = grid.scalar.clone().ok_or_else(|| {
-        Error::usage("the grid carries no scalar to draw").expected("scalar = \"…\" at the reader")
-    })?;
-    Ok(Volume { grid: grid.clone(), scalar, gradient: None, gradient_magnitude: None })
 }
 
 /// Numbers of tetrahedra, by name: one a tetrahedron in the order of [`Grid::tetrahedra`]. A cell of the file has the largest
@@ -109,6 +100,122 @@ impl TransferFunctionSpec {
 pub fn diagonal(points: &[DVec3]) -> f64 {
     let diagonal = extent::bounds(points).map_or(0.0, extent::diagonal);
     if diagonal > 0.0 && diagonal.is_finite() { diagonal } else { 100.0 }
+}
+
+/// An input or an output of a node.
+#[derive(Debug, Clone, Copy)]
+pub struct Port {
+    /// Its name.
+    pub name: &'static str,
+    /// Type of its values.
+    pub port_type: PortType,
+    /// One sentence.
+    pub summary: &'static str,
+}
+
+/// Type of the values at a port.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum PortType {
+    /// Points, tetrahedra, arrays.
+    Grid,
+    /// A grid with its scalar and, where asked for, the gradient.
+    Volume,
+    /// Widgets and an optical model.
+    TransferFunction,
+    /// The view of the picture.
+    Camera,
+    /// Cells that can contribute.
+    Cells,
+    /// Cells projected to the picture.
+    Projection,
+    /// A picture: premultiplied linear colour and opacity.
+    Image,
+    /// Figures about a run.
+    Report,
+    /// Numbers of tetrahedra.
+    CellValues,
+}
+
+impl PortType {
+    /// The name in help and messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            PortType::Grid => "grid",
+            PortType::Volume => "volume",
+            PortType::TransferFunction => "transfer-function",
+            PortType::Camera => "camera",
+            PortType::Cells => "cells",
+            PortType::Projection => "projection",
+            PortType::Image => "image",
+            PortType::Report => "report",
+            PortType::CellValues => "cell-values",
+        }
+    }
+
+    /// The name with its article, for messages.
+    pub fn with_article(self) -> String {
+        let article = if self == PortType::Image { "an" } else { "a" };
+        format!("{article} {}", self.name())
+    }
+
+    /// True if an output of this type can be wired to an input of type `input`. A grid serves as a volume without
+    /// gradient.
+    pub fn serves(self, input: PortType) -> bool {
+        self == input || (self == PortType::Grid && input == PortType::Volume)
+    }
+}
+
+/// A wire into an input port.
+#[derive(Debug, Clone)]
+pub struct Edge {
+    /// The input port, by its index in `Node::all_inputs`.
+    pub port: usize,
+    /// Its name.
+    pub name: &'static str,
+    /// The node, by its index in `Graph::nodes`.
+    pub node: usize,
+    /// The output of that node.
+    pub output: usize,
+    /// Source span of the wire.
+    pub origin: SourceSpan,
+}
+
+/// Wires and gradient filter of one node, as its functions see them.
+#[derive(Clone, Copy)]
+pub(crate) struct Wiring<'a> {
+    /// Name of the node.
+    pub node: &'a str,
+    /// Name of its type.
+    pub node_type: &'static str,
+    /// Required input ports, then optional ones.
+    pub ports: [&'static [Port]; 2],
+    /// Edges of the node, in the order of its inputs.
+    pub edges: &'a [Edge],
+    /// The gradient filter that a parameter names.
+    pub method: Option<&'a Method>,
+}
+
+impl<'a> Wiring<'a> {
+    /// Indices of the edges that feed a port. Errors: the node type does not declare it.
+    pub fn edges(self, port: &str) -> Result<impl Iterator<Item = usize> + use<'a>> {
+        let index = self.ports.into_iter().flatten().position(|p| p.name == port).ok_or_else(|| {
+            Error::run(format!(
+                "the node type '{}' asks for an input '{port}' it does not declare",
+                self.node_type
+            ))
+        })?;
+        Ok((0..self.edges.len()).filter(move |&i| self.edges[i].port == index))
+    }
+
+    /// The gradient filter that one of the node's parameters names.
+    pub fn method(self) -> Result<&'a Method> {
+        self.method.ok_or_else(|| {
+            Error::run(format!(
+                "the node type '{}' asks for a gradient filter and names none",
+                self.node_type
+            ))
+        })
+    }
 }
 
 #[cfg(test)]

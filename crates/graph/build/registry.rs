@@ -4,7 +4,9 @@
 use crate::api::node::Node;
 use std::sync::Arc;
 use voltet_core::field::GradientFilter;
-use voltet_core::parameters::{Parameter, ParameterType, Variant, refuse_contradictions, repeated, suggest};
+use voltet_core::parameters::{
+    Parameter, ParameterType, Variant, VariantSchema, refuse_contradictions, repeated, suggest,
+};
 use voltet_core::reading::GridReader;
 use voltet_core::{Error, Result};
 
@@ -42,18 +44,13 @@ impl Registry {
     /// Adds a node type. Errors when its name is taken or its declaration contradicts itself.
     pub fn add(&mut self, node: &'static Node) -> Result<()> {
         let wrong = |what: String| Err(Error::usage(what).at_item(node.name));
-        if node.name.is_empty() || node.summary.is_empty() {
-            return wrong("a node type needs a name and a summary".into());
-        }
-        if self.nodes.iter().any(|n| n.name == node.name) {
-            return wrong(format!("there is a node type '{}' already", node.name));
-        }
+        let schema = VariantSchema { name: node.name, summary: node.summary, parameters: node.parameters };
+        check_new("node type", &schema, self.names())?;
         for ports in [node.inputs, node.optional_inputs, node.outputs] {
             if let Some(twice) = repeated(ports.iter().map(|p| p.name)) {
                 return wrong(format!("the node type '{}' declares the port '{twice}' twice", node.name));
             }
         }
-        refuse_contradictions(&format!("the node type '{}'", node.name), node.parameters, &TAKEN)?;
         let methods =
             node.parameters.iter().filter(|p| matches!(p.parameter_type, ParameterType::GradientFilter));
         if methods.count() > 1 {
@@ -67,15 +64,8 @@ impl Registry {
     /// Adds a gradient filter. Errors as those of [`Registry::add`]; its parameters stand beside those of the node that
     /// names it, so they may not have the names of these.
     pub fn add_filter(&mut self, filter: Arc<dyn GradientFilter>) -> Result<()> {
-        let kind = filter.declaration();
-        let wrong = |what: String| Err(Error::usage(what).at_item(kind.name));
-        if kind.name.is_empty() || kind.summary.is_empty() {
-            return wrong("a gradient filter needs a name and a summary".into());
-        }
-        if self.filters.iter().any(|known| known.declaration().name == kind.name) {
-            return wrong(format!("there is a gradient filter '{}' already", kind.name));
-        }
-        refuse_contradictions(&format!("the gradient filter '{}'", kind.name), kind.parameters, &TAKEN)?;
+        let known = self.filters.iter().map(|known| known.declaration().name);
+        check_new("gradient filter", &filter.declaration(), known)?;
         self.nodes.iter().try_for_each(|node| refuse_shared_names(node, filter.as_ref()))?;
         self.filters.push(filter);
         Ok(())
@@ -85,20 +75,15 @@ impl Registry {
     /// is taken or its declaration contradicts itself or the nodes.
     pub fn add_variant(&mut self, parameter: &'static str, variant: Variant) -> Result<()> {
         let schema = &variant.schema;
-        let wrong = |what: String| Err(Error::usage(what).at_item(schema.name));
-        let title = format!("the {parameter} '{}'", schema.name);
-        if schema.name.is_empty() || schema.summary.is_empty() {
-            return wrong(format!("an {parameter} needs a name and a summary"));
-        }
-        if self.variants(parameter).any(|other| other.schema.name == schema.name) {
-            return wrong(format!("there is {title} already"));
-        }
-        refuse_contradictions(&title, schema.parameters, &TAKEN)?;
+        check_new(parameter, schema, self.variants(parameter).map(|other| other.schema.name))?;
         for node in self.nodes.iter().filter(|node| node.parameter(parameter).is_some()) {
             if let Some(shared) = schema.parameters.iter().find(|p| node.parameter(p.name).is_some()) {
-                let what = format!("{title} declares a parameter that the node type '{}' has", node.name);
-                let error = Error::usage(what).got(shared.name).expected("another name");
-                return Err(error.at_item(schema.name));
+                return Err(shared_name(
+                    &format!("{parameter} '{}'", schema.name),
+                    node,
+                    shared,
+                    schema.name,
+                ));
             }
         }
         self.variants.push((parameter, variant));
@@ -187,11 +172,26 @@ impl Registry {
 fn refuse_shared_names(node: &Node, filter: &dyn GradientFilter) -> Result<()> {
     let kind = filter.declaration();
     let shared = kind.parameters.iter().find(|p| node.method().is_some() && node.parameter(p.name).is_some());
-    shared.map_or(Ok(()), |shared| {
-        let what = format!(
-            "the gradient filter '{}' declares a parameter that the node type '{}' has",
-            kind.name, node.name
-        );
-        Err(Error::usage(what).got(shared.name).expected("a name of its own").at_item(kind.name))
-    })
+    let title = format!("gradient filter '{}'", kind.name);
+    shared.map_or(Ok(()), |shared| Err(shared_name(&title, node, shared, kind.name)))
+}
+
+fn shared_name(title: &str, node: &Node, shared: &Parameter, item: &str) -> Error {
+    let what = format!("the {title} declares a parameter that the node type '{}' has", node.name);
+    Error::usage(what).got(shared.name).expected("a name of its own").at_item(item)
+}
+
+/// Refuses a node type, filter or variant without name or summary, with a name that is `taken`, or with parameters that contradict
+/// themselves. `sort`: what it is, for messages.
+fn check_new<'a>(sort: &str, schema: &VariantSchema, mut taken: impl Iterator<Item = &'a str>) -> Result<()> {
+    let VariantSchema { name, summary, parameters } = *schema;
+    let wrong = |what: String| Err(Error::usage(what).at_item(name));
+    if name.is_empty() || summary.is_empty() {
+        return wrong(format!("the {sort} '{name}' needs a name and a summary"));
+    }
+    if taken.any(|known| known == name) {
+        let article = if sort.starts_with(['a', 'e', 'i', 'o']) { "an" } else { "a" };
+        return wrong(format!("there is {article} {sort} '{name}' already"));
+    }
+    refuse_contradictions(&format!("the {sort} '{name}'"), parameters, &TAKEN)
 }

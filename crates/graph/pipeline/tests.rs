@@ -1,5 +1,4 @@
 use super::*;
-use voltet_core::parameters::ParameterValue;
 
 const TEXT: &str = r#"
 [pipeline]

@@ -3,11 +3,9 @@
 use crate::api::context::{FOR_THE_SESSION, Preparation, RetainedValue};
 use crate::api::demand::Demand;
 use crate::api::node::{Node, Steps};
-use crate::api::origins::{FileStamp, Stamp};
-use crate::api::resolved::ResolvedPipeline;
+use crate::api::origins::{FileStamp, ResolvedPipeline, Stamp};
 use crate::api::value::{Revision, Value};
-use crate::build::graph::{Graph, GraphNode};
-use crate::build::node_override::NodeOverride;
+use crate::build::graph::{Graph, GraphNode, NodeOverride};
 use std::any::TypeId;
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
@@ -111,16 +109,6 @@ pub(super) fn files_of(
 ) -> Vec<(PathBuf, Stamp)> {
     let named = parameters.paths().into_iter().map(|named| named.from(folder));
     stamped(named.chain((node.files_beside)(&Preparation { parameters, folder }, steps)), stamp)
-}
-
-/// The files that a node reads beside those that its parameters name.
-pub(super) fn files_beside(
-    (node, parameters): (&'static Node, &Parameters),
-    steps: Steps,
-    folder: &Path,
-    stamp: FileStamp,
-) -> Vec<(PathBuf, Stamp)> {
-    stamped((node.files_beside)(&Preparation { parameters, folder }, steps), stamp)
 }
 
 /// Files with their state as it is now.

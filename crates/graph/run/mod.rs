@@ -2,7 +2,5 @@
 
 mod cache;
 mod node_run;
-mod origins;
 pub(crate) mod plan;
-pub(crate) mod report;
 pub(crate) mod session;

@@ -1,15 +1,12 @@
-//! Services of a session to one running node, among them the steps of the time series that feed it.
+//! Services of a session to one running node: the origins of values, and the steps of the time series that feed it.
 
-use super::cache::{Key, Store, files_of};
-use super::origins::{origins, upstream};
-use super::plan::{Done, inputs_of, refuse_missing_gradient};
-use crate::api::context::{DemandContext, Preparation, RetainedValue, RunContext, RunServices};
+use super::cache::{Key, Store, files_of, stamped};
+use super::plan::{Done, asks_of, inputs_of};
+use crate::api::context::{NodeProgress, Observer, Preparation, RetainedValue, RunContext, RunServices};
 use crate::api::demand::Demand;
 use crate::api::node::Steps;
-use crate::api::observer::{NodeProgress, Observer};
-use crate::api::origins::{FileStamp, Origins};
-use crate::api::resolved::ResolvedPipeline;
-use crate::api::value::{Revision, Value};
+use crate::api::origins::{FileRead, FileStamp, Origins, ResolvedPipeline};
+use crate::api::value::{PortType, Revision, Value, diagonal};
 use crate::build::graph::{Graph, GraphNode};
 use std::any::TypeId;
 use std::cell::Cell;
@@ -93,8 +90,9 @@ impl<'a> NodeRun<'a> {
             }
             nodes.push(i);
             let node = &graph.nodes[i];
-            for (edge, ask) in node.inputs.iter().zip(asks_of(graph, node, &demands[i])?) {
-                refuse_missing_gradient(graph, node, edge, &ask)?;
+            let notes = &mut Diagnostics::default();
+            let asks = asks_of(graph, node, &demands[i], notes, |_| (None, false))?;
+            for (edge, ask) in node.inputs.iter().zip(asks) {
                 needed[edge.node] = true;
                 demands[edge.node].join(&ask);
             }
@@ -142,14 +140,7 @@ impl<'a> NodeRun<'a> {
                 revision += 1;
                 (value, Revision(revision))
             });
-            let outputs = outputs.collect();
-            all_done[i] = Some(Done {
-                outputs,
-                notes: Diagnostics::default(),
-                seconds: 0.0,
-                reused: None,
-                is_passing: false,
-            });
+            all_done[i] = Some(Done { outputs: outputs.collect(), ..Done::default() });
         }
         let value = all_done[last].as_ref().and_then(|done| done.outputs.get(output)).map(|o| o.0.clone());
         value.ok_or_else(|| Error::run("the node that feeds an input gave nothing"))
@@ -225,19 +216,57 @@ impl RunServices for NodeRun<'_> {
     }
 }
 
-/// Demands of a node on its inputs for a demand on it.
-fn asks_of(graph: &Graph, node: &GraphNode, asked: &Demand) -> Result<Vec<Demand>> {
-    let fed = node.inputs.iter().map(|edge| graph.nodes[edge.node].node.outputs[edge.output].port_type);
-    let mut asking = DemandContext {
-        parameters: &node.parameters,
-        asked,
-        notes: &mut Diagnostics::default(),
-        wiring: node.wiring(),
-        early: vec![None; node.inputs.len()],
-        is_known: vec![false; node.inputs.len()],
-        fed: fed.collect(),
-        asks: vec![Demand::default(); node.inputs.len()],
-    };
-    (node.node.demand)(&mut asking).map_err(|error| node.locate(error))?;
-    Ok(asking.asks)
+/// Origins of the values of these nodes, which ran.
+pub(super) fn origins(graph: &Graph, places: &[usize], done: &[Option<Done>], stamp: FileStamp) -> Origins {
+    let mut origins = Origins::default();
+    for &place in places {
+        let node = &graph.nodes[place];
+        let outputs = done[place].iter().flat_map(|done| &done.outputs);
+        for (value, _) in outputs {
+            if let Value::Camera(camera) = value {
+                origins.cameras.push((node.name.clone(), camera.clone()));
+            }
+            if let Value::TransferFunction(look) = value {
+                let by_data =
+                    || Some(look.for_diagonal(drawn_with(graph, places, place, done)?).unit_distance);
+                let stated = look.transfer_function.unit_distance;
+                let unit = if look.auto_unit_distance { by_data() } else { Some(stated) };
+                origins.unit_distances.push((node.name.clone(), unit));
+            }
+        }
+        origins.plugins.extend(node.plugin().map(|plugin| (node.name.clone(), plugin.clone())));
+        let read = node.parameters.paths().into_iter().filter(|named| !named.written);
+        // The first names the others.
+        let preparation = Preparation { parameters: &node.parameters, folder: &graph.folder };
+        let mut beside = stamped((node.node.files_beside)(&preparation, Steps::Read), stamp);
+        origins.files.extend(read.map(|named| {
+            let path = named.from(&graph.folder);
+            let beside = std::mem::take(&mut beside);
+            FileRead { node: node.name.clone(), stamp: stamp(&path), named, path, beside }
+        }));
+    }
+    origins
+}
+
+/// The diagonal of the volume that is drawn with the transfer function of a node.
+fn drawn_with(graph: &Graph, places: &[usize], look: usize, done: &[Option<Done>]) -> Option<f64> {
+    places.iter().find_map(|&place| {
+        let node = &graph.nodes[place];
+        node.inputs.iter().find(|edge| edge.node == look)?;
+        let port = |k: usize| node.node.all_inputs().nth(k).map(|port| port.port_type);
+        let volume = node.inputs.iter().find(|edge| port(edge.port) == Some(PortType::Volume))?;
+        let (value, _) = done[volume.node].as_ref()?.outputs.get(volume.output)?;
+        Some(diagonal(&value.volume()?.ok()?.grid.points))
+    })
+}
+
+/// A node and all that feeds it, each after what feeds it.
+pub(super) fn upstream(graph: &Graph, place: usize) -> Vec<usize> {
+    let mut needed = vec![false; graph.nodes.len()];
+    needed[place] = true;
+    for &i in graph.order.iter().rev().filter(|&&i| i != place) {
+        needed[i] =
+            (0..needed.len()).any(|k| needed[k] && graph.nodes[k].inputs.iter().any(|edge| edge.node == i));
+    }
+    graph.order.iter().copied().filter(|&i| needed[i]).collect()
 }

@@ -1,12 +1,15 @@
-//! The plan of a run: the outcome of the demand pass, and the nodes that ran.
+//! The plan of a run, the nodes that ran, and the report.
 
-use crate::api::context::PlanContext;
+use crate::api::context::{DemandContext, PlanContext};
 use crate::api::demand::{Arrays, Demand};
-use crate::api::port::PortType;
-use crate::api::value::{Revision, Value};
-use crate::api::wiring::Edge;
+use crate::api::origins::Origins;
+use crate::api::value::{Edge, PortType, Revision, Value};
 use crate::build::graph::{Graph, GraphNode};
-use voltet_core::diagnostics::Diagnostics;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use voltet_core::diagnostics::{DataFinding, Diagnostics, SkippedWork};
+use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 
 /// Plan of a run: the outcome of the demand pass, one entry a node of the graph.
@@ -44,7 +47,7 @@ impl Plan {
 }
 
 /// A node that ran.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Done {
     pub(super) outputs: Vec<(Value, Revision)>,
     pub(super) notes: Diagnostics,
@@ -78,13 +81,38 @@ pub(super) fn inputs_of(node: &GraphNode, all_done: &[Option<Done>]) -> Vec<(Val
     made.filter_map(|(done, output)| Some(done?.outputs[output].clone())).collect()
 }
 
-/// A grid wired straight to a volume input has no gradient to give.
-pub(super) fn refuse_missing_gradient(
+/// Demands of a node on its inputs for a demand on it. `early`: the value of an edge or its stand-in, where there is one, and whether
+/// it is the value. Errors: those of the node; a gradient asked of a grid.
+pub(super) fn asks_of(
     graph: &Graph,
     node: &GraphNode,
-    edge: &Edge,
-    ask: &Demand,
-) -> Result<()> {
+    asked: &Demand,
+    notes: &mut Diagnostics,
+    early: impl Fn(&Edge) -> (Option<Value>, bool),
+) -> Result<Vec<Demand>> {
+    let (early, is_known) = node.inputs.iter().map(early).unzip();
+    let output_type = |edge: &Edge| graph.nodes[edge.node].node.outputs[edge.output].port_type;
+    let mut asking = DemandContext {
+        parameters: &node.parameters,
+        asked,
+        notes,
+        wiring: node.wiring(),
+        early,
+        is_known,
+        fed: node.inputs.iter().map(output_type).collect(),
+        asks: vec![Demand::default(); node.inputs.len()],
+    };
+    (node.node.demand)(&mut asking).map_err(|error| node.locate(error))?;
+    let asks = asking.asks;
+    node.inputs
+        .iter()
+        .zip(&asks)
+        .try_for_each(|(edge, ask)| refuse_missing_gradient(graph, node, edge, ask))?;
+    Ok(asks)
+}
+
+/// A grid wired straight to a volume input has no gradient to give.
+fn refuse_missing_gradient(graph: &Graph, node: &GraphNode, edge: &Edge, ask: &Demand) -> Result<()> {
     let giving = &graph.nodes[edge.node];
     let given = giving.node.outputs[edge.output].port_type;
     let Some(taken) = node.node.all_inputs().nth(edge.port) else { return Ok(()) };
@@ -108,4 +136,94 @@ pub(super) fn refuse_missing_gradient(
         return Err(edge.origin.locate(error));
     }
     Ok(())
+}
+
+/// One node in the report of a run.
+#[derive(Debug, Clone, Serialize)]
+pub struct NodeReport {
+    /// Its name in the pipeline.
+    pub name: String,
+    /// Its type.
+    #[serde(rename = "type")]
+    pub node_type: String,
+    /// Seconds it took in this run; 0 where a former output was used.
+    pub seconds: f64,
+    /// True if a former output was used.
+    pub reused: bool,
+    /// Seconds of the stages within.
+    pub stages: BTreeMap<String, f64>,
+    /// Its counts.
+    pub counts: BTreeMap<&'static str, u64>,
+    /// The engine that it took.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub engine: Option<String>,
+}
+
+/// Report of a run.
+#[derive(Debug, Clone, Default)]
+pub struct RunReport {
+    /// The nodes in the order in which they ran.
+    pub nodes: Vec<NodeReport>,
+    /// Counts of all nodes together.
+    pub counts: BTreeMap<&'static str, u64>,
+    /// Skipped work.
+    pub skipped: Vec<SkippedWork>,
+    /// Warnings for the user.
+    pub warnings: Vec<String>,
+    /// Facts about the data.
+    pub findings: Vec<DataFinding>,
+    /// The engine that drew, and the reason for it.
+    pub engine: Option<(String, String)>,
+    /// The device, or the vector units and threads, that it ran on.
+    pub adapter: Option<String>,
+    /// The compositor of a device, and the reason for it.
+    pub compositor: Option<(String, String)>,
+    /// Files written.
+    pub files: Vec<String>,
+    /// The pictures that were made, each with the name of its node.
+    pub pictures: Vec<(String, Arc<Picture>)>,
+    /// Origins of all values.
+    pub origins: Origins,
+    /// Seconds of the whole run.
+    pub seconds: f64,
+    /// True for a preview: the same run by itself would give other outputs by rounding ([`crate::Session::run_preview`]).
+    pub is_passing: bool,
+}
+
+impl RunReport {
+    /// Adds a node that ran, or whose former outputs were used.
+    pub(super) fn add(&mut self, name: &str, node_type: &str, done: &Done) {
+        let Done { notes, seconds, reused, outputs, is_passing } = done;
+        self.is_passing |= is_passing;
+        let pictures = outputs.iter().filter_map(|(value, _)| match value {
+            Value::Image(picture) => Some((name.to_string(), picture.clone())),
+            _ => None,
+        });
+        self.pictures.extend(pictures);
+        let mut stages = BTreeMap::new();
+        for (stage, seconds) in notes.stages.iter().filter(|_| reused.is_none()) {
+            *stages.entry(stage.clone()).or_insert(0.0) += seconds;
+        }
+        for (&count, n) in &notes.counts {
+            *self.counts.entry(count).or_insert(0) += n;
+        }
+        let named = |left: &SkippedWork| SkippedWork { node: name.into(), ..left.clone() };
+        self.skipped.extend(notes.skipped.iter().map(named));
+        let named = |finding: &DataFinding| DataFinding { node: name.into(), ..finding.clone() };
+        self.findings.extend(notes.findings.iter().map(named));
+        self.warnings.extend(notes.warnings.iter().map(|warning| format!("{name}: {warning}")));
+        self.engine = self.engine.take().or_else(|| notes.engine.clone());
+        self.adapter = self.adapter.take().or_else(|| notes.adapter.clone());
+        self.compositor = self.compositor.take().or_else(|| notes.compositor.clone());
+        self.files.extend(notes.files.iter().cloned());
+        self.nodes.push(NodeReport {
+            name: name.into(),
+            node_type: node_type.into(),
+            seconds: *seconds,
+            reused: reused.is_some(),
+            stages,
+            counts: notes.counts.clone(),
+            engine: notes.engine.as_ref().map(|e| e.0.clone()),
+        });
+    }
 }

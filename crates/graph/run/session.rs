@@ -1,17 +1,13 @@
 //! Sessions run graphs: the two passes, the cache between runs, progress and stopping.
 
 use super::cache::{Cache, Entry, Store, files_of, stamped};
-use super::node_run::NodeRun;
-use super::origins::{origins, upstream};
-use super::plan::{Done, Plan, everything_of, inputs_of, refuse_missing_gradient};
-use super::report::RunReport;
-use crate::api::context::{DemandContext, Preparation};
+use super::node_run::{NodeRun, origins, upstream};
+use super::plan::{Done, Plan, RunReport, asks_of, everything_of, inputs_of};
+use crate::api::context::{NoObserver, Observer, Preparation};
 use crate::api::demand::Demand;
 use crate::api::node::{NamedStub, Steps};
-use crate::api::observer::{NoObserver, Observer};
 use crate::api::origins::FileStamp;
-use crate::api::value::{Revision, Value};
-use crate::api::wiring::Edge;
+use crate::api::value::{Edge, Revision, Value};
 use crate::build::graph::Graph;
 use std::sync::Arc;
 use std::time::Instant;
@@ -36,15 +32,8 @@ impl Session {
     /// A session without former runs. `file_stamp` finds the state of the files that parameters name.
     pub fn new(file_stamp: FileStamp) -> Self {
         let (cache, store) = (Cache::default(), Store::default());
-        Session {
-            cache,
-            store,
-            last_revision: 0,
-            file_stamp,
-            exhaustive: false,
-            widgets_move: false,
-            may_pass: false,
-        }
+        let (exhaustive, widgets_move, may_pass) = (false, false, false);
+        Session { cache, store, last_revision: 0, file_stamp, exhaustive, widgets_move, may_pass }
     }
 
     /// Makes it the session of an editor, where a user will move the widgets: values that depend on data alone are computed at all points at once, so
@@ -102,22 +91,12 @@ impl Session {
             if self.exhaustive {
                 plan.demands[i].join(&everything_of(node));
             }
-            let early = node.inputs.iter().map(|edge| outlines[edge.node].get(edge.output).cloned());
-            let output_type = |edge: &Edge| graph.nodes[edge.node].node.outputs[edge.output].port_type;
-            let asked = plan.demands[i].clone();
-            let mut asking = DemandContext {
-                parameters: &node.parameters,
-                asked: &asked,
-                notes: &mut plan.notes[i],
-                wiring: node.wiring(),
-                early: early.collect(),
-                is_known: node.inputs.iter().map(|edge| plan.early[edge.node].is_some()).collect(),
-                fed: node.inputs.iter().map(output_type).collect(),
-                asks: vec![Demand::default(); node.inputs.len()],
+            let early = |edge: &Edge| {
+                let value = outlines[edge.node].get(edge.output).cloned();
+                (value, plan.early[edge.node].is_some())
             };
-            (node.node.demand)(&mut asking).map_err(|error| node.locate(error))?;
-            for (edge, ask) in node.inputs.iter().zip(asking.asks) {
-                refuse_missing_gradient(graph, node, edge, &ask)?;
+            let asks = asks_of(graph, node, &plan.demands[i], &mut plan.notes[i], early)?;
+            for (edge, ask) in node.inputs.iter().zip(asks) {
                 let says_where = node.draws() && !self.widgets_move;
                 let ask = if says_where { ask } else { ask.everywhere() };
                 plan.demands[edge.node].join(&ask);
@@ -188,7 +167,8 @@ impl Session {
         order: &[usize],
         observer: &dyn Observer,
     ) -> Result<(Vec<Option<Done>>, RunReport)> {
-        let mut report = RunReport::begin(&graph.warnings);
+        let warnings = graph.warnings.iter().map(Error::to_string).collect();
+        let mut report = RunReport { warnings, ..RunReport::default() };
         let mut all_done: Vec<Option<Done>> = vec![None; graph.nodes.len()];
         for (place, &i) in order.iter().enumerate() {
             if observer.cancelled() {

@@ -7,8 +7,7 @@
 //! pyramids the rational functions that are polynomials on every face (M. Bergot, G. Cohen, M. Duruflé, "Higher-order
 //! finite elements for hybrid meshes", 2010).
 
-use super::lattice::{Orders, ReferenceCell, points};
-use super::nodes::Nodes;
+use super::lattice::{Nodes, Orders, ReferenceCell, points};
 
 /// Weights of nodes, by their number in the cell; those that vanish are left out.
 pub(super) type Weights = Vec<(usize, f64)>;

@@ -6,8 +6,12 @@
 //! - hexahedron: i ≤ m₀, j ≤ m₁, k ≤ m₂; corners in VTK's order;
 //! - wedge: i + j ≤ m₀, k ≤ m₂; corners 0 … 2 of the triangle at k = 0, then those at k = m₂;
 //! - pyramid: layers k ≤ m of (m − k + 1)² points; corners 0 … 3 of the base in VTK's order, apex 4 at k = m.
+//!
+//! [`nodes`] places the nodes of VTK's curved cells on the lattice of the cell's own order (VTK's classes of the same names; the
+//! Lagrange and Bezier orders are those of vtkHigherOrderHexahedron, …Tetra and …Wedge).
 
-use super::super::split;
+use crate::grid::cell_types::{CellType, code};
+use crate::grid::split;
 
 /// The reference cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -168,4 +172,219 @@ pub(super) fn pieces(shape: ReferenceCell, m: Orders) -> Vec<LatticeCell> {
         }
     }
     out
+}
+
+/// Nodes of one type of cell.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Nodes {
+    pub shape: ReferenceCell,
+    /// The cell's own order along each axis.
+    pub orders: Orders,
+    /// Lattice position of every node, in VTK's order.
+    pub positions: Vec<[usize; 3]>,
+    /// Nodes other than corners are control points of Bernstein polynomials rather than points of the cell.
+    pub bezier: bool,
+}
+
+/// Corners of the quadratic cells, in VTK's order; an edge has two pieces.
+const TETRAHEDRON: &[[usize; 3]] = &[[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]];
+const HEXAHEDRON: &[[usize; 3]] =
+    &[[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [0, 0, 2], [2, 0, 2], [2, 2, 2], [0, 2, 2]];
+const WEDGE: &[[usize; 3]] = &[[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2], [2, 0, 2], [0, 2, 2]];
+const LINEAR_WEDGE: &[[usize; 3]] = &[[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 1], [2, 0, 1], [0, 2, 1]];
+const PYRAMID: &[[usize; 3]] = &[[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [0, 0, 2]];
+
+/// Further nodes of the quadratic cells, in VTK's order, each in the middle of the corners that its digits name.
+const TETRAHEDRON_MIDDLES: &str = "01 12 02 03 13 23";
+const HEXAHEDRON_MIDDLES: &str = "01 12 23 03 45 56 67 47 04 15 26 37 0347 1256 0145 2367 0123 4567 01234567";
+const WEDGE_MIDDLES: &str = "01 12 02 34 45 35 03 14 25 0134 1245 0235";
+const LINEAR_WEDGE_MIDDLES: &str = "01 12 02 34 45 35";
+const PYRAMID_MIDDLES: &str = "01 12 23 03 04 14 24 34";
+
+/// Lattice positions of corners and of the middles between some of them.
+fn quadratic_positions(corners: &[[usize; 3]], middles: &str) -> Vec<[usize; 3]> {
+    let middle = |digits: &str| -> [usize; 3] {
+        let named = digits.bytes().map(|digit| corners[usize::from(digit - b'0')]);
+        std::array::from_fn(|axis| named.clone().map(|corner| corner[axis]).sum::<usize>() / digits.len())
+    };
+    corners.iter().copied().chain(middles.split(' ').map(middle)).collect()
+}
+
+/// True if [`nodes`] has the type.
+pub(super) fn is_curved(code: u8) -> bool {
+    use code::*;
+    matches!(code, QUADRATIC_TETRA..=QUADRATIC_PYRAMID | QUADRATIC_LINEAR_WEDGE..=BIQUADRATIC_QUADRATIC_HEXAHEDRON)
+        || matches!(code, TRIQUADRATIC_HEXAHEDRON | LAGRANGE_TETRAHEDRON..=LAGRANGE_WEDGE | BEZIER_TETRAHEDRON..=BEZIER_WEDGE)
+}
+
+/// The nodes of a cell with this type, number of points and (for Lagrange and Bezier cells) degrees; `None` where
+/// these do not fit together.
+pub(super) fn nodes(code: u8, point_count: usize, degrees: Option<[u8; 3]>) -> Option<Nodes> {
+    let fixed = |shape, orders, corners, middles| {
+        // A cell without the centres of its faces or body has the nodes before them.
+        let mut positions = quadratic_positions(corners, middles);
+        positions.truncate(CellType::from_code(code)?.point_count?.into());
+        Some(Nodes { shape, orders, positions, bezier: false })
+    };
+    let found = match code {
+        code::QUADRATIC_TETRA => fixed(ReferenceCell::Tetrahedron, [2; 3], TETRAHEDRON, TETRAHEDRON_MIDDLES),
+        code::QUADRATIC_HEXAHEDRON
+        | code::BIQUADRATIC_QUADRATIC_HEXAHEDRON
+        | code::TRIQUADRATIC_HEXAHEDRON => {
+            fixed(ReferenceCell::Hexahedron, [2; 3], HEXAHEDRON, HEXAHEDRON_MIDDLES)
+        }
+        code::QUADRATIC_WEDGE | code::BIQUADRATIC_QUADRATIC_WEDGE => {
+            fixed(ReferenceCell::Wedge, [2; 3], WEDGE, WEDGE_MIDDLES)
+        }
+        code::QUADRATIC_LINEAR_WEDGE => {
+            fixed(ReferenceCell::Wedge, [2, 2, 1], LINEAR_WEDGE, LINEAR_WEDGE_MIDDLES)
+        }
+        code::QUADRATIC_PYRAMID => fixed(ReferenceCell::Pyramid, [2; 3], PYRAMID, PYRAMID_MIDDLES),
+        _ => {
+            let (shape, bezier) = match code {
+                code::LAGRANGE_TETRAHEDRON => (ReferenceCell::Tetrahedron, false),
+                code::LAGRANGE_HEXAHEDRON => (ReferenceCell::Hexahedron, false),
+                code::LAGRANGE_WEDGE => (ReferenceCell::Wedge, false),
+                code::BEZIER_TETRAHEDRON => (ReferenceCell::Tetrahedron, true),
+                code::BEZIER_HEXAHEDRON => (ReferenceCell::Hexahedron, true),
+                code::BEZIER_WEDGE => (ReferenceCell::Wedge, true),
+                _ => return None,
+            };
+            let orders = orders(shape, point_count, degrees)?;
+            let positions = match shape {
+                ReferenceCell::Tetrahedron => tetrahedron_positions(orders[0]),
+                ReferenceCell::Hexahedron => hexahedron_positions(orders),
+                _ => wedge_positions(orders[0], orders[2]),
+            };
+            Some(Nodes { shape, orders, positions, bezier })
+        }
+    }?;
+    (found.positions.len() == point_count).then_some(found)
+}
+
+/// Highest degree along an axis; VTK itself stops at 10.
+const MAX_DEGREE: usize = 16;
+
+/// Orders along the axes, from the degrees if given, else alike along all of them.
+fn orders(shape: ReferenceCell, point_count: usize, degrees: Option<[u8; 3]>) -> Option<Orders> {
+    let count = |m: Orders| match shape {
+        ReferenceCell::Tetrahedron => (m[0] + 1) * (m[0] + 2) * (m[0] + 3) / 6,
+        ReferenceCell::Wedge => (m[0] + 1) * (m[0] + 2) / 2 * (m[2] + 1),
+        _ => (m[0] + 1) * (m[1] + 1) * (m[2] + 1),
+    };
+    let given = degrees.map(|d| d.map(usize::from));
+    let tied = given.map(|d| match shape {
+        ReferenceCell::Hexahedron => d,
+        ReferenceCell::Wedge => [d[0], d[0], d[2]],
+        _ => [d[0]; 3],
+    });
+    // Degrees of zero stand for "not given".
+    tied.into_iter()
+        .chain((1..=MAX_DEGREE).map(|m| [m; 3]))
+        .find(|&m| m.iter().all(|n| (1..=MAX_DEGREE).contains(n)) && count(m) == point_count)
+}
+
+/// Points strictly between two lattice points, from the first to the second.
+fn between(a: [usize; 3], b: [usize; 3], pieces: usize) -> impl Iterator<Item = [usize; 3]> {
+    (1..pieces).map(move |t| std::array::from_fn(|axis| (a[axis] * (pieces - t) + b[axis] * t) / pieces))
+}
+
+/// Nodes of a Lagrange hexahedron: corners, edges, faces, inside.
+fn hexahedron_positions([p, q, r]: Orders) -> Vec<[usize; 3]> {
+    let corner = |c: usize| [[0, 0], [p, 0], [p, q], [0, q]].map(|[i, j]| [i, j, c / 4 * r])[c % 4];
+    let mut out: Vec<[usize; 3]> = (0..8).map(corner).collect();
+    for level in [0, 4] {
+        for (a, b, n) in [(0, 1, p), (1, 2, q), (3, 2, p), (0, 3, q)] {
+            out.extend(between(corner(level + a), corner(level + b), n));
+        }
+    }
+    for c in 0..4 {
+        out.extend(between(corner(c), corner(c + 4), r));
+    }
+    let (inner_p, inner_q, inner_r) = (1..p, 1..q, 1..r);
+    for i in [0, p] {
+        out.extend(inner_r.clone().flat_map(|k| inner_q.clone().map(move |j| [i, j, k])));
+    }
+    for j in [0, q] {
+        out.extend(inner_r.clone().flat_map(|k| inner_p.clone().map(move |i| [i, j, k])));
+    }
+    for k in [0, r] {
+        out.extend(inner_q.clone().flat_map(|j| inner_p.clone().map(move |i| [i, j, k])));
+    }
+    for k in inner_r {
+        out.extend(inner_q.clone().flat_map(|j| inner_p.clone().map(move |i| [i, j, k])));
+    }
+    out
+}
+
+/// Nodes of a Lagrange wedge: corners, edges, triangles, quadrilaterals, inside.
+fn wedge_positions(p: usize, r: usize) -> Vec<[usize; 3]> {
+    let corner = |c: usize| [[0, 0, 0], [p, 0, 0], [0, p, 0]].map(|[i, j, _]| [i, j, c / 3 * r])[c % 3];
+    let mut out: Vec<[usize; 3]> = (0..6).map(corner).collect();
+    for level in [0, 3] {
+        for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+            out.extend(between(corner(level + a), corner(level + b), p));
+        }
+    }
+    for c in 0..3 {
+        out.extend(between(corner(c), corner(c + 3), r));
+    }
+    let triangle = |k: usize| (1..p).flat_map(move |j| (1..p.saturating_sub(j)).map(move |i| [i, j, k]));
+    out.extend(triangle(0));
+    out.extend(triangle(r));
+    for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+        for k in 1..r {
+            out.extend(between(corner(a), corner(b), p).map(|[i, j, _]| [i, j, k]));
+        }
+    }
+    for k in 1..r {
+        out.extend(triangle(k));
+    }
+    out
+}
+
+/// Nodes of a Lagrange tetrahedron: corners, edges, faces, then a smaller tetrahedron inside.
+fn tetrahedron_positions(p: usize) -> Vec<[usize; 3]> {
+    let mut out = Vec::new();
+    let (mut p, mut shift) = (p as isize, 0);
+    // The smaller tetrahedron inside starts at (1, 1, 1) and has four pieces less.
+    while p >= 0 {
+        let n = p as usize;
+        let corners = [[0, 0, 0], [n, 0, 0], [0, n, 0], [0, 0, n]].map(|c| c.map(|x| x + shift));
+        if p == 0 {
+            out.push(corners[0]);
+            break;
+        }
+        out.extend(corners);
+        for (a, b) in [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)] {
+            out.extend(between(corners[a], corners[b], n));
+        }
+        for [a, b, c] in [[0, 1, 3], [2, 3, 1], [0, 3, 2], [0, 2, 1]] {
+            triangle_inside(corners[a], corners[b], corners[c], n, &mut out);
+        }
+        p -= 4;
+        shift += 1;
+    }
+    out
+}
+
+/// Nodes inside a triangle with n pieces along an edge: a smaller triangle with three pieces less, corners first.
+fn triangle_inside(a: [usize; 3], b: [usize; 3], c: [usize; 3], n: usize, out: &mut Vec<[usize; 3]>) {
+    let mut n = n;
+    let (mut a, mut b, mut c) = (a, b, c);
+    while n >= 3 {
+        let toward = |from: [usize; 3], x: [usize; 3], y: [usize; 3]| {
+            std::array::from_fn(|axis| (from[axis] * (n - 2) + x[axis] + y[axis]) / n)
+        };
+        (a, b, c) = (toward(a, b, c), toward(b, c, a), toward(c, a, b));
+        n -= 3;
+        if n == 0 {
+            out.push(a);
+            return;
+        }
+        out.extend([a, b, c]);
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            out.extend(between(from, to, n));
+        }
+    }
 }

@@ -11,10 +11,9 @@
 
 mod basis;
 mod lattice;
-mod nodes;
 
-use super::cell_types::{CellType, code};
-use super::cells::Cell;
+use crate::grid::cell_types::{CellType, code};
+use crate::grid::parts::{Cell, number};
 use crate::{Error, Result};
 use basis::Weights;
 use lattice::LatticeCell;
@@ -66,7 +65,7 @@ pub(super) struct Curved {
 
 /// True if cells of this type are curved.
 pub(super) fn is_curved(code: u8) -> bool {
-    nodes::is_curved(code) || code == code::TRIQUADRATIC_PYRAMID
+    lattice::is_curved(code) || code == code::TRIQUADRATIC_PYRAMID
 }
 
 impl Curved {
@@ -87,7 +86,7 @@ impl Curved {
         let template = if cell.code == code::TRIQUADRATIC_PYRAMID {
             triquadratic_pyramid()
         } else {
-            let nodes = nodes::nodes(cell.code, cell.corners.len(), degrees).ok_or_else(wrong_count)?;
+            let nodes = lattice::nodes(cell.code, cell.corners.len(), degrees).ok_or_else(wrong_count)?;
             let order = nodes.orders.into_iter().max().unwrap_or(1);
             if order > 1 && order * subdivision > MAX_PIECES {
                 return Err(Error::usage(format!("the subdivision is too fine for cells of degree {order}"))
@@ -135,7 +134,7 @@ impl Curved {
 pub(super) struct Numbering<'a> {
     curved: &'a mut Curved,
     first_free: usize,
-    known: HashMap<AddedPointKey, u32, BuildHasherDefault<KeyHasher>>,
+    known: HashMap<[(u32, u64); 4], u32, BuildHasherDefault<KeyHasher>>,
 }
 
 impl Numbering<'_> {
@@ -144,14 +143,12 @@ impl Numbering<'_> {
         let Numbering { curved, first_free, known } = self;
         if let Some((cell, kind)) = cell {
             for (added, point) in curved.templates[&kind].added.iter().enumerate() {
-                let next = u32::try_from(*first_free + curved.origins.len()).map_err(|_| {
-                    Error::run("curved cells need too many points")
-                        .got(*first_free + curved.origins.len())
-                        .expected(format!("at most {} (or a lower subdivision)", u32::MAX))
-                })?;
-                let number_of_point = match AddedPointKey::new(&point.surface, cell.corners) {
-                    AddedPointKey::Inside => next,
-                    AddedPointKey::At(corner) => corner,
+                let what = "curved cells need too many points";
+                let next = number(*first_free + curved.origins.len(), what, " (or a lower subdivision)")?;
+                let number_of_point = match place(&point.surface, cell.corners) {
+                    // Inside its cell, or at a corner of a collapsed edge or face.
+                    _ if point.surface.is_empty() => next,
+                    [(corner, _), (_, 0), ..] => corner,
                     place => *known.entry(place).or_insert(next),
                 };
                 if number_of_point == next {
@@ -166,7 +163,7 @@ impl Numbering<'_> {
 }
 
 /// Cuts cells with these nodes.
-fn template(nodes: &nodes::Nodes, subdivision: usize) -> Option<Template> {
+fn template(nodes: &lattice::Nodes, subdivision: usize) -> Option<Template> {
     let orders = nodes.orders;
     let fine = orders.map(|p| if p == 1 { 1 } else { p * subdivision });
     let full = basis::full_lattice(nodes)?;
@@ -205,42 +202,24 @@ fn triquadratic_pyramid() -> Template {
     Template { points: (0..19).map(LatticePoint::Node).collect(), added: Vec::new(), pieces }
 }
 
-/// Key of an added point, equal in all cells that share it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-enum AddedPointKey {
-    /// Inside its cell.
-    Inside,
-    /// At a corner (of a collapsed edge or face).
-    At(u32),
-    /// Between up to four corners, by ascending number, with whole weights without a common factor; unused places
-    /// have weight 0.
-    Between([(u32, u64); 4]),
-}
-
-impl AddedPointKey {
-    fn new(surface: &[(usize, u64)], corners: &[u32]) -> AddedPointKey {
-        if surface.is_empty() {
-            return AddedPointKey::Inside;
-        }
-        let mut between = [(u32::MAX, 0_u64); 4];
-        for (slot, &(corner, weight)) in between.iter_mut().zip(surface) {
-            *slot = (corners[corner], weight);
-        }
-        between.sort_unstable();
-        // A collapsed cell names a corner twice.
-        for i in (1..4).rev() {
-            if between[i].1 > 0 && between[i].0 == between[i - 1].0 {
-                between[i - 1].1 += between[i].1;
-                between[i] = (u32::MAX, 0);
-            }
-        }
-        between.sort_unstable();
-        if between[1].1 == 0 {
-            return AddedPointKey::At(between[0].0);
-        }
-        let divisor = between.iter().fold(0, |a, &(_, weight)| common_divisor(a, weight));
-        AddedPointKey::Between(between.map(|(corner, weight)| (corner, weight / divisor)))
+/// Place of an added point between up to four corners, by ascending number, with whole weights without a common factor, equal in all
+/// cells that share it; unused places have weight 0.
+fn place(surface: &[(usize, u64)], corners: &[u32]) -> [(u32, u64); 4] {
+    let mut between = [(u32::MAX, 0_u64); 4];
+    for (slot, &(corner, weight)) in between.iter_mut().zip(surface) {
+        *slot = (corners[corner], weight);
     }
+    between.sort_unstable();
+    // A collapsed cell names a corner twice.
+    for i in (1..4).rev() {
+        if between[i].1 > 0 && between[i].0 == between[i - 1].0 {
+            between[i - 1].1 += between[i].1;
+            between[i] = (u32::MAX, 0);
+        }
+    }
+    between.sort_unstable();
+    let divisor = between.iter().fold(0, |a, &(_, weight)| common_divisor(a, weight)).max(1);
+    between.map(|(corner, weight)| (corner, weight / divisor))
 }
 
 fn common_divisor(a: u64, b: u64) -> u64 {
@@ -272,10 +251,6 @@ impl Hasher for KeyHasher {
     }
 
     fn write_usize(&mut self, value: usize) {
-        self.write_u64(value as u64);
-    }
-
-    fn write_isize(&mut self, value: isize) {
         self.write_u64(value as u64);
     }
 }

@@ -1,8 +1,7 @@
 //! Cells that overlap are found, and no others.
 
 use crate::grid::generate::box_of_tetrahedra;
-use crate::grid::overlap::faces;
-use crate::grid::within::{BoundaryOverlap, within};
+use crate::grid::overlap::{BoundaryOverlap, faces, within};
 use glam::DVec3;
 
 fn sorted(mut tetrahedra: Vec<[u32; 4]>) -> Vec<[u32; 4]> {

@@ -1,18 +1,16 @@
 //! `gaussian`: exp(−|K (v − centre)|²) over the (s, g) plane (Song et al. 2009, section 4.2; Kniss et al. 2003, Eq. 12).
 
-use super::keys::{COLOR, EXTINCTION, MATRIX, POSITIVE_OR_INFINITE, REGION, SIGMA, kernel};
-use super::properties::{AxisOrigin, ColorSource, Properties};
+use super::properties::{
+    AxisOrigin, COLOR, EXTINCTION, MATRIX, POSITIVE_OR_INFINITE, Properties, REGION, SIGMA, finite, kernel,
+};
 use crate::Result;
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
     VariantSchema,
 };
-use crate::transfer::check::finite;
-use crate::transfer::hull::distance_squared_from_origin;
-use crate::transfer::hull::{Corners, gaussian, range};
-use crate::transfer::slab::Slab;
+use crate::transfer::hull::{Corners, distance_squared_from_origin, gaussian, range};
+use crate::transfer::region::Slab;
 
-/// The declaration.
 pub(super) const KIND: VariantSchema = VariantSchema {
     name: "gaussian",
     summary: "A Gaussian over the scalar and its gradient magnitude.",
@@ -67,16 +65,9 @@ pub(super) fn read(p: &Parameters) -> Result<([f64; 2], [[f64; 2]; 2])> {
 pub(super) fn properties(centre: &[f64; 2], matrix: &[[f64; 2]; 2]) -> Properties<'static> {
     Properties {
         name: KIND.name,
-        color: ColorSource::Widget,
-        own_peak: None,
-        fields: Vec::new(),
         depends_on_g: matrix[0][1] != 0.0 || matrix[1][1] != 0.0,
         axes: centre.map(AxisOrigin::Centre).to_vec(),
-        bands: None,
-        jumps: false,
-        range: None,
-        needs_region: false,
-        has_elementary_mean: true,
+        ..Properties::PLAIN
     }
 }
 

@@ -1,16 +1,13 @@
 //! `gaussian-nd`: exp(−|K (v − centre)|²) over a list of fields of its own (Kniss et al. 2003, Eq. 11 and 12).
 
-use super::keys::{
-    CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, FieldMatrix, MATRIX_OF_FIELDS, REGION, SIGMA_OF_FIELDS,
-    fields_and_centre, kernel,
+use super::properties::{
+    AxisOrigin, CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, MAX_FIELDS, Properties,
+    REGION, SIGMA_OF_FIELDS, fields_and_centre, finite, kernel,
 };
-use super::properties::{AxisOrigin, ColorSource, MAX_FIELDS, Properties};
 use crate::parameters::{Parameters, VariantSchema};
-use crate::transfer::check::finite;
 use crate::transfer::hull::{Corners, gaussian};
 use crate::{Error, Result};
 
-/// The declaration.
 pub(super) const KIND: VariantSchema = VariantSchema {
     name: "gaussian-nd",
     summary: "A Gaussian over one to eight point arrays.",
@@ -18,7 +15,7 @@ pub(super) const KIND: VariantSchema = VariantSchema {
 };
 
 /// Fields, centre and matrix.
-pub(super) fn read(p: &Parameters) -> Result<(Vec<String>, Vec<f64>, FieldMatrix)> {
+pub(super) fn read(p: &Parameters) -> Result<(Vec<String>, Vec<f64>, Vec<Vec<f64>>)> {
     let (fields, centre) = fields_and_centre(p, MAX_FIELDS)?;
     let matrix = kernel(p, fields.len(), std::f64::consts::SQRT_2)?;
     Ok((fields, centre, matrix))
@@ -28,16 +25,9 @@ pub(super) fn properties<'a>(fields: &'a [String], centre: &[f64]) -> Properties
     let centres = centre.iter().map(|&centre| AxisOrigin::Centre(centre));
     Properties {
         name: KIND.name,
-        color: ColorSource::Widget,
-        own_peak: None,
         fields: fields.iter().map(String::as_str).collect(),
-        depends_on_g: false,
         axes: [AxisOrigin::Any; 2].into_iter().chain(centres).collect(),
-        bands: None,
-        jumps: false,
-        range: None,
-        needs_region: false,
-        has_elementary_mean: true,
+        ..Properties::PLAIN
     }
 }
 
@@ -72,7 +62,6 @@ pub(super) fn at(centre: &[f64], matrix: &[Vec<f64>], v: &[f64]) -> f64 {
     (-distance_squared(centre, matrix, v)).exp()
 }
 
-/// Bounds over cells.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::transfer) struct GaussianNdBounds {
     /// Indices of its fields among all fields; past the end where one is unknown.

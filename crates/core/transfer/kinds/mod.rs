@@ -5,28 +5,31 @@
 
 mod gaussian;
 mod gaussian_nd;
-mod keys;
-mod maximum_table;
 mod piecewise_linear;
-mod properties;
+pub(super) mod properties;
 mod table;
 mod triangular_gaussian;
 mod triangular_gaussian_nd;
 mod uniform;
 mod wave;
 
-pub use keys::LoadImage;
 pub use properties::{
-    AxisOrigin, BandSpacing, ColorSource, ControlPoint, MAX_FIELDS, Properties, Table, Wave,
+    AxisOrigin, BandSpacing, ColorSource, ControlPoint, LoadImage, MAX_FIELDS, Properties, Table, Wave,
 };
 pub(super) use wave::ACROSS;
 
-use super::hull::Corners;
-use super::slab::{Slab, SupportRadius};
 use crate::Result;
 use crate::parameters::{Parameters, VariantSchema};
-use maximum_table::MaximumTable;
+use crate::transfer::hull::Corners;
+use crate::transfer::region::{Slab, SupportRadius};
+use gaussian::{GaussianPlane, Line};
+use gaussian_nd::GaussianNdBounds;
+use piecewise_linear::PiecewiseLinearBounds;
 use std::sync::Arc;
+use table::MaximumTable;
+use triangular_gaussian::TriangularGaussianBounds;
+use triangular_gaussian_nd::TriangularGaussianNdBounds;
+use wave::WaveBounds;
 
 /// A widget's profile (peak 1). Lengths along s are in units of s, along g in units of g.
 #[derive(Debug, Clone, PartialEq)]
@@ -223,31 +226,24 @@ impl Profile {
     pub(super) fn bounds(&self, names: &[&str]) -> ProfileBounds {
         match self {
             Profile::Uniform => ProfileBounds::Uniform,
-            Profile::Gaussian { centre, matrix } => match gaussian::Line::new(centre, matrix) {
+            Profile::Gaussian { centre, matrix } => match Line::new(centre, matrix) {
                 Some(line) => ProfileBounds::GaussianLine(line),
-                None => {
-                    ProfileBounds::GaussianPlane(gaussian::GaussianPlane { centre: *centre, matrix: *matrix })
-                }
+                None => ProfileBounds::GaussianPlane(GaussianPlane { centre: *centre, matrix: *matrix }),
             },
             Profile::GaussianNd { fields, centre, matrix } => {
-                ProfileBounds::GaussianNd(gaussian_nd::GaussianNdBounds::new(fields, centre, matrix, names))
+                ProfileBounds::GaussianNd(GaussianNdBounds::new(fields, centre, matrix, names))
             }
-            Profile::TriangularGaussian { centre, sigma } => {
-                ProfileBounds::TriangularGaussian(triangular_gaussian::TriangularGaussianBounds {
-                    centre: *centre,
-                    sigma: *sigma,
-                })
+            &Profile::TriangularGaussian { centre, sigma } => {
+                ProfileBounds::TriangularGaussian(TriangularGaussianBounds { centre, sigma })
             }
             Profile::TriangularGaussianNd { fields, magnitude, centre, matrix } => {
-                let fields = gaussian_nd::GaussianNdBounds::new(fields, centre, matrix, names);
-                let bounds =
-                    triangular_gaussian_nd::TriangularGaussianNdBounds::new(fields, magnitude, names);
-                ProfileBounds::TriangularGaussianNd(bounds)
+                let fields = GaussianNdBounds::new(fields, centre, matrix, names);
+                ProfileBounds::TriangularGaussianNd(TriangularGaussianNdBounds::new(fields, magnitude, names))
             }
-            Profile::TriangleWave(wave) => ProfileBounds::Wave(wave::WaveBounds::new(wave, false)),
-            Profile::SineWave(wave) => ProfileBounds::Wave(wave::WaveBounds::new(wave, true)),
+            Profile::TriangleWave(wave) => ProfileBounds::Wave(WaveBounds::new(wave, false)),
+            Profile::SineWave(wave) => ProfileBounds::Wave(WaveBounds::new(wave, true)),
             Profile::PiecewiseLinear { points } => {
-                ProfileBounds::PiecewiseLinear(piecewise_linear::PiecewiseLinearBounds::new(points))
+                ProfileBounds::PiecewiseLinear(PiecewiseLinearBounds::new(points))
             }
             Profile::Table(table) => ProfileBounds::Table(MaximumTable::new(table)),
         }
@@ -279,13 +275,13 @@ impl Profile {
 pub(super) enum ProfileBounds {
     Uniform,
     /// K looks at one axis only.
-    GaussianLine(gaussian::Line),
-    GaussianPlane(gaussian::GaussianPlane),
-    GaussianNd(gaussian_nd::GaussianNdBounds),
-    TriangularGaussian(triangular_gaussian::TriangularGaussianBounds),
-    TriangularGaussianNd(triangular_gaussian_nd::TriangularGaussianNdBounds),
-    Wave(wave::WaveBounds),
-    PiecewiseLinear(piecewise_linear::PiecewiseLinearBounds),
+    GaussianLine(Line),
+    GaussianPlane(GaussianPlane),
+    GaussianNd(GaussianNdBounds),
+    TriangularGaussian(TriangularGaussianBounds),
+    TriangularGaussianNd(TriangularGaussianNdBounds),
+    Wave(WaveBounds),
+    PiecewiseLinear(PiecewiseLinearBounds),
     Table(MaximumTable),
 }
 

@@ -1,17 +1,14 @@
 //! `piecewise-linear`: colour and extinction linear between control points in s (Roettger & Ertl 2002; Moreland 2004).
 
-use super::keys::REGION;
-use super::properties::{AxisOrigin, ColorSource, ControlPoint, Properties};
+use super::properties::{ColorSource, ControlPoint, Properties, REGION, finite, not_negative};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, RelativeNumberType, StatisticKind,
     VariantSchema,
 };
-use crate::transfer::check::{finite, not_negative};
 use crate::transfer::hull::Corners;
-use crate::transfer::slab::Slab;
+use crate::transfer::region::Slab;
 use crate::{Error, Result};
 
-/// The declaration.
 pub(super) const KIND: VariantSchema = VariantSchema {
     name: "piecewise-linear",
     summary: "Colour and extinction linear between control points in s, constant beyond the ends.",
@@ -60,14 +57,7 @@ pub(super) fn properties(points: &[ControlPoint]) -> Properties<'_> {
         name: KIND.name,
         color: ColorSource::Points(points),
         own_peak: Some(peak(points)),
-        fields: Vec::new(),
-        depends_on_g: false,
-        axes: vec![AxisOrigin::Any; 2],
-        bands: None,
-        jumps: false,
-        range: None,
-        needs_region: false,
-        has_elementary_mean: true,
+        ..Properties::PLAIN
     }
 }
 
@@ -112,7 +102,6 @@ pub(super) fn slabs(points: &[ControlPoint]) -> Vec<Vec<Slab>> {
     runs
 }
 
-/// Bounds over cells.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::transfer) struct PiecewiseLinearBounds {
     /// Without colours, extinctions by their peak.

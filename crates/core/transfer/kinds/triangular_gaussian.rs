@@ -1,16 +1,13 @@
 //! `triangular-gaussian`: exp(−((s − centre)/(sigma g))²), 0 where g = 0 (Kniss et al. 2003, section 3.2).
 
-use super::keys::{COLOR, EXTINCTION, REGION};
-use super::properties::{AxisOrigin, ColorSource, Properties};
+use super::properties::{AxisOrigin, COLOR, EXTINCTION, Properties, REGION, finite, positive};
 use crate::Result;
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Range, RelativeNumberType, StatisticKind, VariantSchema,
 };
-use crate::transfer::check::{finite, positive};
 use crate::transfer::hull::{Corners, gaussian};
-use crate::transfer::slab::Slab;
+use crate::transfer::region::Slab;
 
-/// The declaration.
 pub(super) const KIND: VariantSchema = VariantSchema {
     name: "triangular-gaussian",
     summary: "exp(-((s - centre) / (sigma g))²): a Gaussian in s that widens with the gradient magnitude.",
@@ -46,16 +43,10 @@ pub(super) const KIND: VariantSchema = VariantSchema {
 pub(super) fn properties(centre: f64) -> Properties<'static> {
     Properties {
         name: KIND.name,
-        color: ColorSource::Widget,
-        own_peak: None,
-        fields: Vec::new(),
         depends_on_g: true,
         axes: vec![AxisOrigin::Centre(centre), AxisOrigin::Zero],
-        bands: None,
-        jumps: false,
-        range: None,
-        needs_region: false,
         has_elementary_mean: false,
+        ..Properties::PLAIN
     }
 }
 
@@ -77,7 +68,6 @@ pub(super) fn slabs(centre: f64, sigma: f64, distance: f64) -> Vec<Slab> {
     ]
 }
 
-/// Bounds over cells.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::transfer) struct TriangularGaussianBounds {
     pub centre: f64,

@@ -3,11 +3,10 @@
 //! `triangular-gaussian`.
 
 use super::gaussian_nd;
-use super::keys::{
-    CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, FieldMatrix, MATRIX_OF_FIELDS, POSITIVE_OR_INFINITE, REGION,
-    SIGMA_OF_FIELDS, fields_and_centre, kernel,
+use super::properties::{
+    AxisOrigin, CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, MAX_FIELDS,
+    POSITIVE_OR_INFINITE, Properties, REGION, SIGMA_OF_FIELDS, fields_and_centre, kernel,
 };
-use super::properties::{AxisOrigin, ColorSource, MAX_FIELDS, Properties};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, RelativeNumberType, StatisticKind,
     VariantSchema,
@@ -15,7 +14,6 @@ use crate::parameters::{
 use crate::transfer::hull::Corners;
 use crate::{Error, Result};
 
-/// The declaration.
 pub(super) const KIND: VariantSchema = VariantSchema {
     name: "triangular-gaussian-nd",
     summary: "A Gaussian over one to seven point arrays that widens with the magnitude of all their gradients.",
@@ -63,7 +61,7 @@ pub(super) const KIND: VariantSchema = VariantSchema {
 const MAX_FURTHER_FIELDS: usize = MAX_FIELDS - 1;
 
 /// Fields, their magnitude, centre and matrix.
-pub(super) fn read(p: &Parameters) -> Result<(Vec<String>, String, Vec<f64>, FieldMatrix)> {
+pub(super) fn read(p: &Parameters) -> Result<(Vec<String>, String, Vec<f64>, Vec<Vec<f64>>)> {
     let (fields, centre) = fields_and_centre(p, MAX_FURTHER_FIELDS)?;
     let matrix = kernel(p, fields.len(), 1.0)?;
     let magnitude = p.text("magnitude")?.to_owned();
@@ -77,16 +75,10 @@ pub(super) fn properties<'a>(fields: &'a [String], magnitude: &'a str, centre: &
     let centres = centre.iter().map(|&centre| AxisOrigin::Centre(centre));
     Properties {
         name: KIND.name,
-        color: ColorSource::Widget,
-        own_peak: None,
         fields: fields.iter().map(String::as_str).chain([magnitude]).collect(),
-        depends_on_g: false,
         axes: [AxisOrigin::Any; 2].into_iter().chain(centres).chain([AxisOrigin::Zero]).collect(),
-        bands: None,
-        jumps: false,
-        range: None,
-        needs_region: false,
         has_elementary_mean: false,
+        ..Properties::PLAIN
     }
 }
 
@@ -111,7 +103,6 @@ pub(super) fn at(centre: &[f64], matrix: &[Vec<f64>], v: &[f64]) -> f64 {
     }
 }
 
-/// Bounds over cells.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::transfer) struct TriangularGaussianNdBounds {
     fields: gaussian_nd::GaussianNdBounds,

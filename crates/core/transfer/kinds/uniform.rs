@@ -1,10 +1,8 @@
 //! `uniform`: 1 inside its region (Song et al. 2009, section 4.1).
 
-use super::keys::{COLOR, EXTINCTION, REGION};
-use super::properties::{AxisOrigin, ColorSource, Properties};
+use super::properties::{COLOR, EXTINCTION, Properties, REGION};
 use crate::parameters::{DefaultValue, Parameter, VariantSchema};
 
-/// The declaration.
 pub(super) const KIND: VariantSchema = VariantSchema {
     name: "uniform",
     summary: "The same extinction everywhere in its region.",
@@ -12,17 +10,5 @@ pub(super) const KIND: VariantSchema = VariantSchema {
 };
 
 pub(super) fn properties() -> Properties<'static> {
-    Properties {
-        name: KIND.name,
-        color: ColorSource::Widget,
-        own_peak: None,
-        fields: Vec::new(),
-        depends_on_g: false,
-        axes: vec![AxisOrigin::Any; 2],
-        bands: None,
-        jumps: true,
-        range: None,
-        needs_region: true,
-        has_elementary_mean: true,
-    }
+    Properties { name: KIND.name, jumps: true, needs_region: true, ..Properties::PLAIN }
 }

@@ -1,12 +1,10 @@
 //! `triangle-wave` and `sine-wave`: bands across the (s, g) plane (Song et al. 2009, sections 4.3 and 4.4).
 
-use super::keys::{COLOR, EXTINCTION, REGION};
-use super::properties::{AxisOrigin, BandSpacing, ColorSource, Properties, Wave};
+use super::properties::{BandSpacing, COLOR, EXTINCTION, Properties, REGION, Wave, finite, positive};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
     VariantSchema,
 };
-use crate::transfer::check::{finite, positive};
 use crate::transfer::hull::{Corners, ROUNDING, range};
 use crate::{Error, Result};
 use std::f64::consts::PI;
@@ -120,18 +118,11 @@ impl Wave {
 pub(super) fn properties(name: &'static str, wave: &Wave) -> Properties<'static> {
     Properties {
         name,
-        color: ColorSource::Widget,
-        own_peak: None,
-        fields: Vec::new(),
         depends_on_g: wave.angle.sin() * wave.scale[1] != 0.0,
-        // Whole bands are taken away in 64 bits, wherever the values are counted from.
-        axes: vec![AxisOrigin::Any; 2],
         bands: Some(BandSpacing { origin: wave.origin, step: wave.step() }),
         // The feet of a band that is cut narrower are corners, but tell as jumps to pieces that are wider than a band.
         jumps: wave.band_width < 1.0,
-        range: None,
-        needs_region: false,
-        has_elementary_mean: true,
+        ..Properties::PLAIN
     }
 }
 
@@ -146,7 +137,6 @@ pub(super) fn check(wave: &Wave) -> Result<()> {
     Err(Error::usage("the band width is out of range").got(wave.band_width).expected("0 < band width ≤ 1"))
 }
 
-/// Bounds over cells.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::transfer) struct WaveBounds {
     origin: [f64; 2],
