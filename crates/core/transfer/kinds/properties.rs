@@ -267,8 +267,11 @@ pub(super) fn fields_and_centre(p: &Parameters, most: usize) -> Result<(Vec<Stri
     Ok((fields, centre))
 }
 
+/// A square matrix over the fields of a widget, row by row.
+pub(super) type FieldMatrix = Vec<Vec<f64>>;
+
 /// K from `matrix`, or diag(1/(`per_width` σ)) from `sigma`: n rows of n.
-pub(super) fn kernel(p: &Parameters, n: usize, per_width: f64) -> Result<Vec<Vec<f64>>> {
+pub(super) fn kernel(p: &Parameters, n: usize, per_width: f64) -> Result<FieldMatrix> {
     let rows = match (p.optional("sigma"), p.optional("matrix")) {
         (Some(_), Some(_)) => return Err(p.error("matrix", "'sigma' and 'matrix' exclude each other")),
         (None, None) => return Err(p.error("sigma", "the widget needs 'sigma' or 'matrix'")),

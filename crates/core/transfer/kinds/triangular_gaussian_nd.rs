@@ -4,7 +4,7 @@
 
 use super::gaussian_nd;
 use super::properties::{
-    AxisOrigin, CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, MAX_FIELDS,
+    AxisOrigin, CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, FieldMatrix, MATRIX_OF_FIELDS, MAX_FIELDS,
     POSITIVE_OR_INFINITE, Properties, REGION, SIGMA_OF_FIELDS, fields_and_centre, kernel,
 };
 use crate::parameters::{
@@ -61,7 +61,7 @@ pub(super) const KIND: VariantSchema = VariantSchema {
 const MAX_FURTHER_FIELDS: usize = MAX_FIELDS - 1;
 
 /// Fields, their magnitude, centre and matrix.
-pub(super) fn read(p: &Parameters) -> Result<(Vec<String>, String, Vec<f64>, Vec<Vec<f64>>)> {
+pub(super) fn read(p: &Parameters) -> Result<(Vec<String>, String, Vec<f64>, FieldMatrix)> {
     let (fields, centre) = fields_and_centre(p, MAX_FURTHER_FIELDS)?;
     let matrix = kernel(p, fields.len(), 1.0)?;
     let magnitude = p.text("magnitude")?.to_owned();
