@@ -24,6 +24,7 @@ use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 
 /// Request to the process.
+#[allow(clippy::large_enum_variant, reason = "one is made a call")]
 enum Request {
     Describe,
     /// A task of the item of that name.

@@ -391,8 +391,8 @@ impl Fields {
             let slot = self.slots[j];
             let (f, b) = (segment.fields_front[slot], segment.fields_back[slot]);
             for (end, from) in ends.iter_mut().zip([f - self.centre[j], b - self.centre[j], b - f]) {
-                for i in 0..self.count {
-                    end[i] += self.matrix[i][j] * from;
+                for (end, row) in end.iter_mut().zip(&self.matrix[..self.count]) {
+                    *end += row[j] * from;
                 }
             }
         }

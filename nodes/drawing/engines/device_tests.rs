@@ -26,7 +26,11 @@ const SOURCE: Node = Node {
             .map(|device| Arc::new(GpuEngine::new(Arc::new(small(device)))) as Arc<dyn Engine>);
         for hardware in [true, false] {
             let wish = AdapterRequest { name: Some("software".into()), hardware };
-            opened.0.lock().unwrap().insert((voltet_gpu::ENGINE.name, wish), engine.clone());
+            opened
+                .0
+                .lock()
+                .expect("no test fails while it holds it")
+                .insert((voltet_gpu::ENGINE.name, wish), engine.clone());
         }
         let grid = box_of_tetrahedra([4, 4, 4], [DVec3::ZERO, DVec3::ONE], 0.2);
         Ok(vec![Value::Grid(Arc::new(with_scalar(grid, "s", |p| p.x)))]) as Result<Outputs>
