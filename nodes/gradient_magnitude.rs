@@ -1,4 +1,4 @@
-//! `gradient-magnitude`: the gradient of the scalar at the points, where somebody looks at it.
+//! `gradient-magnitude`: the gradient of the scalar at the points, where a node downstream uses it.
 
 use rayon::prelude::*;
 use std::sync::Arc;

@@ -138,7 +138,7 @@ fn names(p: &Parameters, name: &str) -> Result<Vec<String>> {
 fn demand(asking: &mut DemandContext) -> Result<()> {
     let p = asking.parameters;
     let wanted = wanted(p)?;
-    // A grid alone has no gradient to give, and nobody asked for one.
+    // A grid alone has no gradient to give, and none is requested.
     let given = asking.fed_by("volume")? == Some(PortType::Volume);
     let wants = |word: &str, there: bool| match &wanted {
         Some(words) => words.iter().any(|w| w == word),

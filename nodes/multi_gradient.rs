@@ -1,4 +1,4 @@
-//! `multi-gradient`: how fast several fields change at once, as a point array, where somebody looks at it.
+//! `multi-gradient`: how fast several fields change at once, as a point array, where a node downstream uses it.
 
 use std::sync::Arc;
 use voltet_core::Result;

@@ -1,4 +1,4 @@
-//! `probe`: the statistics of the data where somebody points at them, as a Gaussian widget.
+//! `probe`: the statistics of the data of a region, as a Gaussian widget.
 
 use crate::relative;
 use glam::DVec3;

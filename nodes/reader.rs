@@ -1,4 +1,4 @@
-//! `reader`: a data file to a grid of tetrahedra with the arrays that somebody asked for.
+//! `reader`: a data file to a grid of tetrahedra with the arrays that nodes downstream use.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use voltet_io::formats::{self, Association, CellValues, Request, SelectedArrays,
 /// The declaration.
 pub const NODE: Node = Node {
     name: "reader",
-    summary: "Reads a data file: its cells as tetrahedra, one scalar, and what else somebody asks for.",
+    summary: "Reads a data file: its cells as tetrahedra, one scalar, and the arrays that other nodes use.",
     outputs: &[Port { name: "grid", port_type: PortType::Grid, summary: "points, tetrahedra, arrays" }],
     parameters: &[
         Parameter {
@@ -125,7 +125,7 @@ pub(crate) fn run(call: &mut RunContext, chosen: Option<SelectedArrays>) -> Resu
     Ok(vec![Value::Grid(Arc::new(grid))])
 }
 
-/// Pieces, the files of the step, a solution that nobody named. Mistakes are said when it runs.
+/// Pieces, the files of the step, a solution that no parameter names. Mistakes are reported when it runs.
 fn files_beside(preparation: &Preparation, steps: Steps) -> Vec<PathBuf> {
     let (Ok(path), Ok(mut request)) = (preparation.path("path"), request(preparation.parameters, None))
     else {

@@ -102,7 +102,7 @@ pub(crate) unsafe fn with(handle: *const Handle, work: impl FnOnce(&mut Pipeline
 /// Closes a session.
 ///
 /// # Safety
-/// As of [`with`]; on success nobody may use it any more.
+/// As of [`with`]; on success it must not be used any more.
 pub(crate) unsafe fn close(handle: *mut Handle) -> c_int {
     if handle.is_null() {
         return DONE;

@@ -24,7 +24,7 @@ def reader(
     subdivision: int | None = None,
     solution: str | PathLike[str] | None = None,
 ) -> Node:
-    """Reads a data file: its cells as tetrahedra, one scalar, and what else somebody asks for."""
+    """Reads a data file: its cells as tetrahedra, one scalar, and the arrays that other nodes use."""
 def wavelet(
     pipeline: Pipeline,
     node: str,
