@@ -98,7 +98,7 @@ esac
 display 1280x720
 
 # A picture of 32-bit floats: nothing is lost before it is compared.
-sed 's/picture\.png/picture.exr/' crates/editor/by_hand/scene.toml >"$work/scene.toml"
+sed 's/picture\.png/picture.exr/' crates/editor/ui_tests/scene.toml >"$work/scene.toml"
 cp "$work/scene.toml" "$work/before.toml"
 begin "$work" scene.toml
 shot 01-opened

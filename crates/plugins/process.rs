@@ -23,13 +23,8 @@ use voltet_core::parameters::{DefaultValue, Parameter, ParameterType, Range, Var
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 
-/// Request to the process.
-#[allow(clippy::large_enum_variant, reason = "one is made a call")]
-enum Request {
-    Describe,
-    /// A task of the item of that name.
-    Run(String, Task),
-}
+/// Request to the process: a task of the item of that name, or `None` for a description of the library.
+type Request = Option<(String, Task)>;
 
 /// Reply of the process. `Progress` is followed by more, and `Status` by `Outcome`.
 enum Reply {
@@ -41,8 +36,6 @@ enum Reply {
     Status(CallStatus),
     Outcome(Outcome),
 }
-
-wire!(variants of Request { 0 = Describe, 1 = Run(name, task) });
 
 wire!(variants of Reply {
     0 = Progress(fraction),
@@ -122,7 +115,7 @@ pub(crate) fn load(path: &Path, program: PathBuf) -> Result<Vec<PluginItem>> {
     let broken = |how: String| {
         Error::usage("the plug-in cannot be loaded").got(format!("its process {how}")).in_file(path)
     };
-    let end = exchange(&program, path, &Request::Describe, |_| start.elapsed() < START_TIME_LIMIT);
+    let end = exchange(&program, path, &None, |_| start.elapsed() < START_TIME_LIMIT);
     let replies = match end {
         End::Replied(replies) => replies,
         End::GivenUp => return Err(broken(format!("did not begin within {} s", START_TIME_LIMIT.as_secs()))),
@@ -158,7 +151,7 @@ impl Runner for Remote {
         }
         let broken = |how: String| label.error(&how).expected("a plug-in that answers; the program goes on");
         let (is_check, stage, start) = (matches!(task, Task::Check(_)), task.stage(), Instant::now());
-        let request = Request::Run(declaration.schema.name.into(), task);
+        let request = Some((declaration.schema.name.into(), task));
         let may_go_on = |fraction| {
             if is_check {
                 return start.elapsed() < START_TIME_LIMIT;
@@ -347,11 +340,11 @@ fn reply(path: &Path, output: &mut dyn Write) -> io::Result<()> {
     };
     let gone = || io::Error::new(io::ErrorKind::NotFound, "there is no such filter any more");
     match request {
-        Request::Describe => {
+        None => {
             let Plugin { name, version, .. } = native.plugin().clone();
             Reply::Described((name, version), native.declarations()).reply(output)
         }
-        Request::Run(name, task) => {
+        Some((name, task)) => {
             let item = native.items.iter().find(|item| item.declaration.schema.name == name);
             let item = item.cloned().ok_or_else(gone)?;
             let state = Arc::new(State::default());

@@ -174,7 +174,7 @@ fn figures(bench: &Bench, section: &mut Section) -> Result<()> {
             ["song_triangle.toml", "song_silhouette.toml"],
         ),
     ] {
-        let draw = |file| {
+        let draw = |file| -> Result<_> {
             let subject = bench.sized(file)?;
             Ok((bench.measured(&subject, Integrator::ANALYTIC)?.0, subject.background))
         };
