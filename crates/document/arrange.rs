@@ -12,30 +12,39 @@ const SWEEPS: usize = 4;
 
 /// A node as it is drawn.
 #[derive(Debug, Clone, PartialEq)]
-#[allow(missing_docs, reason = "the fields' names say what they are")]
 pub struct PlacedNode {
+    /// The node.
     pub name: String,
+    /// Its upper left corner.
     pub position: [f64; 2],
+    /// Its width and height.
     pub size: [f64; 2],
 }
 
 /// Alignment of nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "the variants' names say what they are")]
 pub enum Align {
+    /// Left sides.
     Left,
+    /// Right sides.
     Right,
+    /// Middles, one under the other.
     Centre,
+    /// Upper sides.
     Top,
+    /// Lower sides.
     Bottom,
+    /// Middles, one beside the other.
     Middle,
+    /// Equal gaps from left to right.
     Across,
+    /// Equal gaps from top to bottom.
     Down,
 }
 
 /// A place for each node: in the layer that the longest way from a source leads to, a source in the one before the first that it
 /// feeds; within the layers in the order of the mean place of their neighbours, swept back and forth (Sugiyama, Tagawa, Toda
-/// 1981). Equal pipelines have equal places.
+/// 1981), the best order kept. Equal pipelines have equal places.
 pub fn tidy(nodes: &[NodeEntry], size: &dyn Fn(&str) -> [f64; 2]) -> Vec<[f64; 2]> {
     let feeding = feeding(nodes);
     let layer = layer_of(&feeding);
@@ -44,7 +53,6 @@ pub fn tidy(nodes: &[NodeEntry], size: &dyn Fn(&str) -> [f64; 2]) -> Vec<[f64; 2
     for (i, &layer) in layer.iter().enumerate() {
         layers[layer].push(i);
     }
-    layers.retain(|layer| !layer.is_empty());
     order(&mut layers, &feeding);
     let mut places = vec![[0.0; 2]; nodes.len()];
     let mut left = 0.0;
@@ -67,6 +75,7 @@ pub fn tidy(nodes: &[NodeEntry], size: &dyn Fn(&str) -> [f64; 2]) -> Vec<[f64; 2
     places
 }
 
+/// For each node those that feed it, by their numbers.
 fn feeding(nodes: &[NodeEntry]) -> Vec<Vec<usize>> {
     let number = |name: &str| nodes.iter().position(|node| node.name == name);
     let of = |node: &NodeEntry| {
@@ -76,19 +85,38 @@ fn feeding(nodes: &[NodeEntry]) -> Vec<Vec<usize>> {
     nodes.iter().map(of).collect()
 }
 
-/// The layer of each node. Nodes of a circle of wires share the last one.
+/// The layer of each node. Wires that close a circle count for nothing.
 fn layer_of(feeding: &[Vec<usize>]) -> Vec<usize> {
-    let count = feeding.len();
-    let mut layer = vec![0; count];
-    // No way without a circle is longer.
-    for _ in 0..count {
-        for i in 0..count {
-            layer[i] = feeding[i].iter().map(|&k| layer[k] + 1).max().map_or(0, |next| next.min(count - 1));
+    // An order in which what feeds comes first, by depth; a node met again on its own way is not gone into.
+    let (mut order, mut state) = (Vec::new(), vec![0u8; feeding.len()]);
+    let mut before: Vec<Vec<usize>> = vec![Vec::new(); feeding.len()];
+    for start in 0..feeding.len() {
+        let mut way = vec![(start, 0)];
+        while let Some(&mut (i, ref mut next)) = way.last_mut() {
+            if state[i] == 2 || *next == feeding[i].len() {
+                if state[i] != 2 {
+                    order.push(i);
+                }
+                state[i] = 2;
+                way.pop();
+                continue;
+            }
+            state[i] = 1;
+            let k = feeding[i][*next];
+            *next += 1;
+            if state[k] != 1 {
+                before[i].push(k);
+                way.push((k, 0));
+            }
         }
     }
+    let mut layer = vec![0; feeding.len()];
+    for &i in &order {
+        layer[i] = before[i].iter().map(|&k| layer[k] + 1).max().unwrap_or(0);
+    }
     // A source stands by what it feeds.
-    for i in (0..count).filter(|&i| feeding[i].is_empty()) {
-        let fed = (0..count).filter(|&k| feeding[k].contains(&i)).map(|k| layer[k]);
+    for &i in order.iter().filter(|&&i| before[i].is_empty()) {
+        let fed = (0..feeding.len()).filter(|&k| before[k].contains(&i)).map(|k| layer[k]);
         layer[i] = fed.min().map_or(0, |first| first - 1);
     }
     layer
@@ -96,31 +124,60 @@ fn layer_of(feeding: &[Vec<usize>]) -> Vec<usize> {
 
 /// Orders the nodes within layers so that wires cross little.
 fn order(layers: &mut [Vec<usize>], feeding: &[Vec<usize>]) {
-    let mut fed: Vec<Vec<usize>> = vec![Vec::new(); feeding.len()];
+    let count = feeding.len();
+    let mut fed: Vec<Vec<usize>> = vec![Vec::new(); count];
     for (i, from) in feeding.iter().enumerate() {
         from.iter().for_each(|&k| fed[k].push(i));
     }
-    // The place of each node in its layer, from the middle of the layer on.
-    let mut row = vec![0.0; feeding.len()];
-    let place = |layer: &[usize], row: &mut [f64]| {
-        let middle = (layer.len().max(1) - 1) as f64 / 2.0;
-        layer.iter().enumerate().for_each(|(k, &i)| row[i] = k as f64 - middle);
-    };
-    layers.iter().for_each(|layer| place(layer, &mut row));
+    let mut row = rows(layers, count);
+    let mut best = (crossings(layers, feeding, &row), layers.to_vec());
     for sweep in 0..2 * SWEEPS {
-        let (neighbours, is_back) = if sweep % 2 == 0 { (&fed[..], true) } else { (feeding, false) };
-        for l in 0..layers.len() {
-            let l = if is_back { layers.len() - 1 - l } else { l };
+        let neighbours = if sweep % 2 == 0 { feeding } else { &fed };
+        let mut turns: Vec<usize> = (0..layers.len()).collect();
+        if sweep % 2 == 1 {
+            turns.reverse();
+        }
+        for l in turns {
             let mean = |i: usize| {
-                let rows = neighbours[i].iter().map(|&k| row[k]);
-                if neighbours[i].is_empty() { row[i] } else { rows.sum::<f64>() / neighbours[i].len() as f64 }
+                let rows: Vec<f64> = neighbours[i].iter().map(|&k| row[k]).collect();
+                if rows.is_empty() { row[i] } else { rows.iter().sum::<f64>() / rows.len() as f64 }
             };
             let mut keyed: Vec<(f64, usize)> = layers[l].iter().map(|&i| (mean(i), i)).collect();
             keyed.sort_by(|a, b| a.0.total_cmp(&b.0));
             layers[l] = keyed.into_iter().map(|(_, i)| i).collect();
-            place(&layers[l], &mut row);
+            row = rows(layers, count);
+        }
+        let found = crossings(layers, feeding, &row);
+        if found < best.0 {
+            best = (found, layers.to_vec());
         }
     }
+    layers.clone_from_slice(&best.1);
+}
+
+/// The place of each node in its layer, from the middle of the layer on.
+fn rows(layers: &[Vec<usize>], count: usize) -> Vec<f64> {
+    let mut rows = vec![0.0; count];
+    for layer in layers {
+        let middle = (layer.len().max(1) - 1) as f64 / 2.0;
+        layer.iter().enumerate().for_each(|(row, &i)| rows[i] = row as f64 - middle);
+    }
+    rows
+}
+
+/// Number of crossings between wires of the same layers.
+fn crossings(layers: &[Vec<usize>], feeding: &[Vec<usize>], row: &[f64]) -> usize {
+    let mut layer = vec![0; feeding.len()];
+    for (l, nodes) in layers.iter().enumerate() {
+        nodes.iter().for_each(|&i| layer[i] = l);
+    }
+    let wires: Vec<(usize, usize)> =
+        feeding.iter().enumerate().flat_map(|(i, from)| from.iter().map(move |&k| (k, i))).collect();
+    let cross = |&(a, b): &(usize, usize), &(c, d): &(usize, usize)| {
+        let same = layer[a] == layer[c] && layer[b] == layer[d];
+        same && (row[a] - row[c]) * (row[b] - row[d]) < 0.0
+    };
+    wires.iter().enumerate().map(|(n, one)| wires[..n].iter().filter(|other| cross(one, other)).count()).sum()
 }
 
 /// Other places that bring nodes in line; only those that move.

@@ -11,15 +11,22 @@ use voltet_graph::{Node, NodeEntry, Port, PortType, Registry, suggest};
 
 /// A kind of node types, for a menu, in the order in which data runs through them; told from the ports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[allow(missing_docs, reason = "the variants' names say what they are")]
 pub enum Group {
+    /// Readers and other sources of grids.
     Sources,
+    /// Filters of grids and volumes.
     Filters,
+    /// Findings about data: statistics, probes.
     Findings,
+    /// Transfer functions.
     TransferFunctions,
+    /// Cameras.
     Cameras,
+    /// Renderers of whole pictures.
     Drawing,
+    /// Stages of drawing: culling, sorting, projection, compositing.
     Stages,
+    /// Writers of files.
     Writers,
 }
 

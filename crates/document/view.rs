@@ -49,9 +49,10 @@ pub struct Annotation {
 
 /// A frame or a note, by its number among its like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "the variants' names say what they are")]
 pub enum AnnotationId {
+    /// A frame.
     Frame(usize),
+    /// A note.
     Note(usize),
 }
 
@@ -67,11 +68,12 @@ impl AnnotationId {
 
 /// All that the table `[editor]` says.
 #[derive(Debug, Clone, Default, PartialEq)]
-#[allow(missing_docs, reason = "the fields' names say what they are")]
 pub struct View {
     /// Nodes, by name.
     pub nodes: BTreeMap<String, NodeView>,
+    /// Titled rectangles behind nodes, in the order of the file.
     pub frames: Vec<Annotation>,
+    /// Notes, in the order of the file.
     pub notes: Vec<Annotation>,
     /// Sets of widgets that a digit recalls into a transfer function, 0 to 9.
     pub sets: BTreeMap<u8, Vec<LocatedValue>>,

@@ -21,15 +21,22 @@ pub struct Parameter {
 
 /// Value of a parameter that the file does not set. `Required`: the file must set it; `Unset`: none, and the text says what that means.
 #[derive(Debug, Clone, Copy)]
-#[allow(missing_docs)]
 pub enum DefaultValue {
+    /// The file must give it.
     Required,
+    /// Nothing; the text says what that means.
     Unset(&'static str),
+    /// A flag.
     Boolean(bool),
+    /// A whole number.
     Integer(i64),
+    /// A number.
     Number(f64),
+    /// A word or text.
     Text(&'static str),
+    /// A vector.
     Numbers(&'static [f64]),
+    /// A vector of whole numbers.
     Integers(&'static [i64]),
 }
 

@@ -48,13 +48,18 @@ pub struct LocatedValue {
 
 /// A value of a setting; the keys of a table are in the order of the file.
 #[derive(Debug, Clone, PartialEq)]
-#[allow(missing_docs)]
 pub enum ParameterValue {
+    /// `true` or `false`.
     Boolean(bool),
+    /// A whole number.
     Integer(i64),
+    /// A number.
     Number(f64),
+    /// Text.
     Text(String),
+    /// A list.
     List(Vec<LocatedValue>),
+    /// A table, in the order of the file.
     Table(Vec<Field>),
 }
 

@@ -139,11 +139,19 @@ pub enum ProbeRegion {
     /// Whole cells: those that the mask leaves.
     Everywhere,
     /// The parts of cells in a box with these lowest and highest corners.
-    #[allow(missing_docs)]
-    Box { low: DVec3, high: DVec3 },
-    /// The parts of cells in a ball; the radius is above 0.
-    #[allow(missing_docs)]
-    Sphere { centre: DVec3, radius: f64 },
+    Box {
+        /// Lowest coordinates.
+        low: DVec3,
+        /// Highest coordinates.
+        high: DVec3,
+    },
+    /// The parts of cells in a ball.
+    Sphere {
+        /// Its centre.
+        centre: DVec3,
+        /// Its radius, > 0.
+        radius: f64,
+    },
     /// The interpolated values at these points, each counting the same.
     Points(Vec<DVec3>),
 }
