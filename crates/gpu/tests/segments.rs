@@ -25,13 +25,15 @@ fn composed_shaders_keep_every_bound_of_the_exact_values() {
             return;
         }
     };
-    let cases = shipped().expect("the cases are well formed");
+    // One in five in a short series, among them every kind.
+    let stride = if voltet_testing::whole_series() { 1 } else { 5 };
+    let cases: Vec<_> = shipped().expect("the cases are well formed").into_iter().step_by(stride).collect();
     let forms = WgslEvaluator::new(device.clone());
     let report = judge_cases(&cases, &[&forms]).expect("the device draws").remove(0);
     println!("{}{} shaders", table(&report), device.work().shader_builds);
     assert!(report.passed(), "\n{}", table(&report));
     let judged = report.total(|row| row.judged);
-    assert!(judged > 6000, "only {judged} values were judged");
+    assert!(judged > 6000 / stride, "only {judged} values were judged");
     // Refused are 81 cases that span over 100,000 widths of a Gaussian, have more bands than 32 bits tell apart, are too dense
     // for an order or too steep between two colours; 7 leave the range of 32 bits.
     let skipped: usize = report.exemptions.iter().map(|exemption| exemption.count).sum();

@@ -448,7 +448,8 @@ mod tests {
 
     #[test]
     fn every_integrator_gives_what_can_be() {
-        let cases = shipped().expect("well formed");
+        let stride = if voltet_testing::whole_series() { 1 } else { 4 };
+        let cases: Vec<_> = shipped().expect("well formed").into_iter().step_by(stride).collect();
         let all = integrators(&cases, &NoProgress).expect("run");
         assert_eq!(all.len(), kinds().count());
         for found in all {

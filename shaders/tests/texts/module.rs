@@ -14,7 +14,7 @@ pub const SHADING: Shading =
 
 /// One in so many of a test's texts is validated, and one in so many of all is translated, too: not powers of two,
 /// since texts follow each other in patterns. All of them in a whole series.
-const VALIDATED: usize = 5;
+const VALIDATED: usize = 23;
 const TRANSLATED: usize = 3 * VALIDATED;
 
 /// Validates and translates text `number` of a test, or leaves it out.

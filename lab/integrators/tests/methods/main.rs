@@ -89,15 +89,19 @@ fn every_kind_of_widget_is_sampled_and_subdivided() {
     let list = segments(96, 2.0);
     let mut sampled = Found::default();
     let mut subdivided = Found::default();
+    let (extinctions, tolerances): (&[f64], &[f64]) = match voltet_testing::whole_series() {
+        true => (&[1e-12, 0.1, 3.0, 300.0, 1e12], &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6]),
+        false => (&[1e-12, 3.0, 1e12], &[1e-2, 1e-5]),
+    };
     for model in MODELS {
-        for extinction in [1e-12, 0.1, 3.0, 300.0, 1e12] {
+        for &extinction in extinctions {
             for (number, widgets) in overlapping(extinction).into_iter().enumerate() {
                 let (look, name) = (look(model, widgets), format!("{model:?} × {extinction:e}, {number}"));
                 for integrator in SAMPLING {
                     sampled.judge(&name, &look, integrator, &list);
                 }
                 if extinction < 1e3 {
-                    for tolerance in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
+                    for &tolerance in tolerances {
                         subdivided.judge(&name, &look, Integrator::adaptive(tolerance), &list);
                     }
                 }
