@@ -4,7 +4,7 @@ use crate::background::{run_long, run_with_side_work};
 use crate::error::{exception, guarded};
 use crate::grid::Grid;
 use crate::measurements::{Rendition, measure_study, study_options};
-use crate::memory::{Lent, Piece, any_changed, array, handed_over, in_caller_order};
+use crate::memory::{Lent, Piece, any_changed, array, handed_over, in_caller_order, is_changed};
 use crate::state::State;
 use crate::value::{object, settings, table};
 use pyo3::prelude::*;
@@ -242,7 +242,7 @@ impl Pipeline {
         let pieces: Vec<Piece<'_>> = watched.iter().flat_map(|grid| grid.get().pieces()).collect();
         let (mut open, mut changed) = (pieces.iter(), false);
         let mut side_work = open.by_ref().map(|piece| {
-            changed |= piece.is_changed();
+            changed |= is_changed(piece);
             changed
         });
         let mut state = self.state(py)?;

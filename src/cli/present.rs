@@ -189,7 +189,7 @@ pub struct Bar {
     start: Instant,
     shown: AtomicBool,
     place: Mutex<String>,
-    /// Of the current stage.
+    /// Estimate of the current stage.
     estimate: Mutex<Estimate>,
 }
 
