@@ -203,22 +203,6 @@ fn written(text: &str, options: &[String]) -> Option<String> {
     Some(document.text().to_string())
 }
 
-/// A file that an option of the command names to be written.
-#[derive(Debug)]
-pub struct OptionFile {
-    path: PathBuf,
-    /// The option as typed.
-    option: String,
-}
-
-impl OptionFile {
-    /// A file that the option names.
-    #[cfg(feature = "cli")]
-    pub fn written(option: &str, path: &Path) -> Self {
-        OptionFile { path: path.into(), option: format!("{option} {}", path.display()) }
-    }
-}
-
 /// A use of a file, with its description for messages.
 struct Entry<'a> {
     file: Use,
@@ -289,15 +273,16 @@ impl Document {
     }
 }
 
-/// Refuses a call that would overwrite its inputs or outputs. `nodes_write`: true if the writers run.
+/// Refuses a call that would overwrite its inputs or outputs. `nodes_write`: true if the writers run; `options`: options with the files
+/// to be written that they name.
 pub(crate) fn refuse_conflicts<'a>(
     documents: impl IntoIterator<Item = &'a Document>,
     nodes_write: bool,
-    options: &'a [OptionFile],
+    options: &'a [(&'a str, &'a Path)],
 ) -> std::result::Result<(), LocatedError> {
-    let of_option = |OptionFile { path, option }: &OptionFile| Entry {
-        file: Use { path: path.clone(), written: true },
-        by: option.clone(),
+    let of_option = |(option, path): &(&str, &Path)| Entry {
+        file: Use { path: path.to_path_buf(), written: true },
+        by: format!("{option} {}", path.display()),
         document: None,
         node: None,
     };

@@ -2,7 +2,7 @@
 //!
 //! # Safety
 //! Addresses are null or as the header says.
-#![allow(clippy::missing_safety_doc)]
+#![allow(missing_docs, clippy::missing_safety_doc)]
 
 use crate::grid::{self, GridHandle};
 use crate::guard::{self, Handle, guarded, null, optional_text, text, with};
@@ -15,19 +15,16 @@ use voltet::{Error, Pipeline, Result};
 /// `VOLTET_INTERFACE` of the header that this library was made with.
 const INTERFACE: u32 = 1;
 
-/// See the header.
 #[unsafe(no_mangle)]
 pub extern "C" fn voltet_version() -> *const c_char {
     concat!(env!("CARGO_PKG_VERSION"), "\0").as_ptr().cast()
 }
 
-/// See the header.
 #[unsafe(no_mangle)]
 pub extern "C" fn voltet_interface() -> u32 {
     INTERFACE
 }
 
-/// See the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn voltet_open(session: *mut *mut Handle) -> c_int {
     guarded(|| {
@@ -43,28 +40,24 @@ pub unsafe extern "C" fn voltet_open(session: *mut *mut Handle) -> c_int {
     })
 }
 
-/// See the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn voltet_close(session: *mut Handle) -> c_int {
     // SAFETY: as the header says.
     unsafe { guard::close(session) }
 }
 
-/// See the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn voltet_error_text(session: *const Handle) -> *const c_char {
     // SAFETY: as the header says.
     unsafe { guard::error_text(session) }
 }
 
-/// See the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn voltet_load(session: *mut Handle, path: *const c_char) -> c_int {
     // SAFETY: as the header says.
     unsafe { with(session, |pipeline| pipeline.load_file(text(path, "the path")?)) }
 }
 
-/// See the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn voltet_load_text(
     session: *mut Handle,
@@ -80,14 +73,12 @@ pub unsafe extern "C" fn voltet_load_text(
     }
 }
 
-/// See the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn voltet_set(session: *mut Handle, option: *const c_char) -> c_int {
     // SAFETY: as the header says.
     unsafe { with(session, |pipeline| pipeline.set(text(option, "the option")?)) }
 }
 
-/// See the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn voltet_set_node(
     session: *mut Handle,
@@ -102,7 +93,6 @@ pub unsafe extern "C" fn voltet_set_node(
     }
 }
 
-/// See the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn voltet_set_camera(
     session: *mut Handle,
@@ -115,7 +105,6 @@ pub unsafe extern "C" fn voltet_set_camera(
     }
 }
 
-/// See the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn voltet_grid_new(
     session: *mut Handle,
@@ -135,7 +124,6 @@ pub unsafe extern "C" fn voltet_grid_new(
     }
 }
 
-/// See the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn voltet_grid_about(grid: *const GridHandle, info: *mut GridInfo) -> c_int {
     guarded(|| {
@@ -149,7 +137,6 @@ pub unsafe extern "C" fn voltet_grid_about(grid: *const GridHandle, info: *mut G
     })
 }
 
-/// See the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn voltet_grid_release(grid: *mut GridHandle) {
     if !grid.is_null() {
@@ -161,7 +148,6 @@ pub unsafe extern "C" fn voltet_grid_release(grid: *mut GridHandle) {
     }
 }
 
-/// See the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn voltet_set_grid(
     session: *mut Handle,
@@ -177,7 +163,6 @@ pub unsafe extern "C" fn voltet_set_grid(
     }
 }
 
-/// See the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn voltet_picture_size(
     session: *mut Handle,
@@ -200,7 +185,6 @@ pub unsafe extern "C" fn voltet_picture_size(
     }
 }
 
-/// See the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn voltet_render(
     session: *mut Handle,
@@ -219,14 +203,12 @@ pub unsafe extern "C" fn voltet_render(
     }
 }
 
-/// See the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn voltet_report(session: *mut Handle, buffer: *mut c_char, size: usize) -> usize {
     // SAFETY: as the header says.
     unsafe { copied(session, buffer, size, |pipeline| pipeline.report().ok_or_else(not_rendered)) }
 }
 
-/// See the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn voltet_warnings(session: *mut Handle, buffer: *mut c_char, size: usize) -> usize {
     // SAFETY: as the header says.

@@ -1,4 +1,5 @@
 //! Structs of `include/voltet.h`, field by field, and reading them from a caller. `tests/c` compares sizes and offsets.
+#![allow(missing_docs)]
 
 use crate::guard::null;
 use std::ffi::{c_char, c_int, c_void};
@@ -7,7 +8,6 @@ use voltet_core::{Error, Result};
 /// `voltet_array`.
 #[repr(C)]
 #[derive(Clone, Copy)]
-#[allow(missing_docs)]
 pub struct Array {
     pub size: usize,
     pub name: *const c_char,
@@ -19,7 +19,6 @@ pub struct Array {
 /// `voltet_grid_source`.
 #[repr(C)]
 #[derive(Clone, Copy)]
-#[allow(missing_docs)]
 pub struct GridSource {
     pub size: usize,
     pub point_count: usize,
@@ -48,7 +47,6 @@ pub struct GridSource {
 /// `voltet_grid_info`.
 #[repr(C)]
 #[derive(Clone, Copy)]
-#[allow(missing_docs)]
 pub struct GridInfo {
     pub size: usize,
     pub point_count: u64,
@@ -63,7 +61,6 @@ pub struct GridInfo {
 /// `voltet_camera`.
 #[repr(C)]
 #[derive(Clone, Copy)]
-#[allow(missing_docs)]
 pub struct Camera {
     pub size: usize,
     pub eye: [f64; 3],
@@ -79,7 +76,6 @@ pub struct Camera {
 /// `voltet_image`.
 #[repr(C)]
 #[derive(Clone, Copy)]
-#[allow(missing_docs)]
 pub struct Image {
     pub size: usize,
     pub width: usize,
@@ -94,7 +90,6 @@ pub struct Image {
 /// `voltet_follow`.
 #[repr(C)]
 #[derive(Clone, Copy)]
-#[allow(missing_docs)]
 pub struct Follow {
     pub size: usize,
     pub user: *mut c_void,

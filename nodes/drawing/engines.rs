@@ -117,13 +117,6 @@ pub const ORDER_CHECK: Parameter = Parameter {
     help: "on a device that blends (raster, triangles) in exact order: how the order is checked; where it is wrong, tiles draw",
 };
 
-/// Check chosen by the parameters.
-pub fn order_check(p: &Parameters) -> Result<OrderCheck> {
-    // Other nodes draw by the referee alone.
-    let asked = p.optional(ORDER_CHECK.name).and_then(|setting| setting.text());
-    Ok(asked.and_then(OrderCheck::named).unwrap_or_default())
-}
-
 /// Precision chosen by the parameters.
 pub fn accumulation(p: &Parameters) -> Result<Accumulation> {
     Ok(Accumulation::named(p.text(ACCUMULATION.name)?).unwrap_or_default())
@@ -134,11 +127,6 @@ pub fn compositor(p: &Parameters) -> Result<Option<Compositor>> {
     let asked = Compositor::named(p.text(COMPOSITOR.name)?);
     let is_rounded = accumulation(p)? != Accumulation::Float;
     Ok(asked.or(is_rounded.then_some(Compositor::Raster)))
-}
-
-/// The adapter that the parameters name.
-pub fn adapter(p: &Parameters) -> Option<String> {
-    p.optional(ADAPTER.name).and_then(|setting| setting.text()).map(str::to_string)
 }
 
 /// True if an engine is asked where a pipeline says this.
@@ -255,7 +243,9 @@ pub(crate) fn draw_on(
     hardware: bool,
 ) -> Result<Picture> {
     check_engine(declared, call.parameters, &scene.transfer_function, &scene.shading)?;
-    let wish = AdapterRequest { name: adapter(call.parameters), hardware };
+    let parameters = call.parameters;
+    let word = |name: &str| parameters.optional(name).and_then(|setting| setting.text());
+    let wish = AdapterRequest { name: word(ADAPTER.name).map(str::to_string), hardware };
     let opened = call.keep_for_session(|| Ok(OpenEngines::default()))?;
     let engine = stage(call, declared, "device", |_| opened.open(declared, &wish)).map_err(|error| {
         if wish.name.is_some() { call.parameters.locate("adapter", error) } else { error }
@@ -264,7 +254,8 @@ pub(crate) fn draw_on(
     let volumes = call.keep(call.revision(port)?, || Ok(PreparedVolumes::default()))?;
     let volume = stage(call, declared, "upload", |_| volumes.prepare(declared, &engine, scene))?;
     let accumulation = accumulation(call.parameters)?;
-    let order_check = order_check(call.parameters)?;
+    // Other nodes than renderers draw by the referee alone.
+    let order_check = word(ORDER_CHECK.name).and_then(OrderCheck::named).unwrap_or_default();
     let (exhaustive, passing) = (call.exhaustive(), call.allows_preview());
     let manner = RenderOptions { compositing, accumulation, order_check, exhaustive, passing };
     let drawn = stage(call, declared, "draw", |progress| volume.draw(scene, &manner, progress))?;

@@ -1,17 +1,5 @@
 //! voltet._native: the native part of the Python module `voltet`.
 //!
-//! | file | responsibility |
-//! | --- | --- |
-//! | `pipeline`, `state` | pipelines: edit, check, render, save; reports of runs |
-//! | `grid` | grids of borrowed arrays |
-//! | `memory` | borrowed arrays, their changes, arrays for Python |
-//! | `filter` | gradient filters in Python |
-//! | `background` | runs without the interpreter's lock |
-//! | `measurements` | studies, pixels, gradient tests, pictures in front of opaque surfaces |
-//! | `declarations` | node types, filters and widgets |
-//! | `value` | parameter values from and to Python |
-//! | `error` | errors and panics as exceptions |
-//!
 //! The package's Python files hold the documentation for users and the numpy side of arrays.
 
 mod background;

@@ -1,5 +1,4 @@
-//! Measurements and pictures of scenes: one pixel cell by cell, gradient filters by manufactured fields, error against run time as
-//! `voltet study` measures it, and pictures of rays that end at opaque surfaces of other renderers.
+//! Measurements: gradient filters by manufactured fields, and error against run time as `voltet study` measures it.
 
 use crate::background::run_long;
 use crate::error::guarded;
@@ -8,27 +7,20 @@ use crate::value::settings;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::Path;
-use voltet::render_to_depth;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
-use voltet_graph::{Graph, NodeProgress, Observer, Session, suggest};
+use voltet_graph::{Graph, NodeProgress, Observer, suggest};
 use voltet_nodes::drawing::ENGINES;
 use voltet_optics::integrators::Integrator;
 use voltet_study::gradient_test::{
     RequirementKind, TestOptions, gradient_test as measure, methods, page, plot, text,
 };
-use voltet_study::pixel::{self, Pixel};
 use voltet_study::work_precision::{
     self, Benches, Engines, Frames, StudyOptions, Subject, cache_folder, json, reference, study, write,
 };
 
 /// Findings as JSON, as a table for people, and as a plot (SVG).
 pub type Rendition = (String, String, String);
-
-/// Output for a pixel; `all` is true if the table has every cell.
-pub fn rendition(pixel: &Pixel, all: bool) -> Rendition {
-    (pixel::json(pixel).to_string(), pixel::text(pixel, all), pixel::plot(pixel).svg())
-}
 
 /// Measures a gradient filter beside others: the findings, and the page.
 #[pyfunction]
@@ -124,16 +116,4 @@ pub fn measure_study(
         write(&study, title, folder)?;
     }
     Ok((json(&study, title).to_string(), study.reference.picture))
-}
-
-/// Renders the picture of a node, each ray up to its depth.
-pub fn render_to_depths(
-    graph: &Graph,
-    session: &mut Session,
-    node: &str,
-    ends: &[f32],
-    observer: &dyn Observer,
-) -> Result<Picture> {
-    let scene = Subject::gather(graph, Some(node), false, session, observer)?.scene;
-    render_to_depth(&scene, ends, &NodeProgress { observer, node })
 }

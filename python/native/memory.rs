@@ -142,27 +142,21 @@ impl Watched {
 
     /// The pieces.
     pub fn pieces(&self) -> impl Iterator<Item = Piece<'_>> {
-        let pieces = self.memory.values().chunks(TOGETHER).zip(&self.prints);
-        pieces.map(|(bytes, &print)| Piece { bytes, print })
+        self.memory.values().chunks(TOGETHER).zip(self.prints.iter().copied())
     }
 }
 
 /// Bytes, and their former fingerprint.
-pub struct Piece<'a> {
-    bytes: &'a [u8],
-    print: u64,
-}
+pub type Piece<'a> = (&'a [u8], u64);
 
-impl Piece<'_> {
-    /// True if the bytes have changed.
-    pub fn is_changed(&self) -> bool {
-        fingerprint(self.bytes) != self.print
-    }
+/// True if the bytes have changed.
+pub fn is_changed((bytes, print): &Piece<'_>) -> bool {
+    fingerprint(bytes) != *print
 }
 
 /// True if any piece has changed; on all cores.
 pub fn any_changed(pieces: &[Piece<'_>]) -> bool {
-    pieces.par_iter().any(Piece::is_changed)
+    pieces.par_iter().any(is_changed)
 }
 
 /// A number made of all bytes: other bytes have another, but for chance. Eight lanes of 64-bit words, each multiplied by an odd

@@ -3,8 +3,8 @@
 use crate::background::{run_long, run_with_side_work};
 use crate::error::{exception, guarded};
 use crate::grid::Grid;
-use crate::measurements::{Rendition, measure_study, render_to_depths, rendition, study_options};
-use crate::memory::{Lent, Piece, any_changed, array, handed_over, in_caller_order};
+use crate::measurements::{Rendition, measure_study, study_options};
+use crate::memory::{Lent, Piece, any_changed, array, handed_over, in_caller_order, is_changed};
 use crate::state::State;
 use crate::value::{object, settings, table};
 use pyo3::prelude::*;
@@ -12,13 +12,14 @@ use pyo3::types::PyDict;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
-use voltet::{PipelineSource, RunRecord};
+use voltet::{PipelineSource, RunRecord, render_to_depth};
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_document::{Edit, Path as Place};
 use voltet_graph::{Demand, NodeProgress, Value};
 use voltet_io::provenance::whole_report;
-use voltet_study::pixel::pixel as trace;
+use voltet_study::pixel::{self, pixel as trace};
+use voltet_study::work_precision::Subject;
 
 /// A pipeline, and the results that its runs left.
 #[pyclass(frozen, module = "voltet._native")]
@@ -50,7 +51,7 @@ impl Pipeline {
         guarded(py, || work(&mut state))
     }
 
-    /// Like [`Pipeline::with`], for long work.
+    /// Like [`Pipeline::with`], for long work of a text that is a pipeline.
     fn long<T: Send>(
         &self,
         py: Python<'_>,
@@ -59,7 +60,10 @@ impl Pipeline {
     ) -> PyResult<T> {
         let mut state = self.state(py)?;
         let state = &mut *state;
-        run_long(py, progress, |observer| work(state, observer))
+        run_long(py, progress, |observer| {
+            state.check_text()?;
+            work(state, observer)
+        })
     }
 }
 
@@ -238,7 +242,7 @@ impl Pipeline {
         let pieces: Vec<Piece<'_>> = watched.iter().flat_map(|grid| grid.get().pieces()).collect();
         let (mut open, mut changed) = (pieces.iter(), false);
         let mut side_work = open.by_ref().map(|piece| {
-            changed |= piece.is_changed();
+            changed |= is_changed(piece);
             changed
         });
         let mut state = self.state(py)?;
@@ -253,7 +257,7 @@ impl Pipeline {
             return Ok(None);
         }
         let (drawn, record) = drawn?;
-        Ok(Some((handed_over(py, drawn)?, Report::new(record))))
+        Ok(Some((handed_over(py, drawn)?, Report(record))))
     }
 
     /// Renders the picture of a node with rays that end at these depths (one a pixel, row 0 at the top).
@@ -268,9 +272,9 @@ impl Pipeline {
         // A copy: the owner may write them meanwhile.
         let ends = ends.values().to_vec();
         let drawn = self.long(py, progress.as_ref(), |state, observer| {
-            state.check_text()?;
             state.pipeline.with_graph(Some(node), |graph, session| {
-                render_to_depths(graph, session, node, &ends, observer)
+                let scene = Subject::gather(graph, Some(node), false, session, observer)?.scene;
+                render_to_depth(&scene, &ends, &NodeProgress { observer, node })
             })
         })?;
         handed_over(py, drawn)
@@ -293,13 +297,12 @@ impl Pipeline {
         for (name, drawn) in pictures {
             images.set_item(name, picture(py, &drawn)?)?;
         }
-        Ok((images, Report::new(record)))
+        Ok((images, Report(record)))
     }
 
     /// Figures of a node (JSON).
     fn figures(&self, py: Python<'_>, node: &str, progress: Option<Py<PyAny>>) -> PyResult<String> {
         self.long(py, progress.as_ref(), |state, observer| {
-            state.check_text()?;
             match state.pipeline.value((node, "report"), &Demand::default(), observer)? {
                 Value::Report(text) => Ok(text.to_string()),
                 _ => Err(Error::usage("the node gives no figures").at_node(node)),
@@ -317,7 +320,6 @@ impl Pipeline {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let found = self.long(py, progress.as_ref(), |state, observer| {
-            state.check_text()?;
             let asked =
                 Demand { gradient_magnitude: magnitude, gradient, file_cells: true, ..Demand::default() };
             let value = state.pipeline.value((node, "volume"), &asked, observer)?;
@@ -341,12 +343,11 @@ impl Pipeline {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Rendition> {
         self.long(py, progress.as_ref(), |state, observer| {
-            state.check_text()?;
             let progress = NodeProgress { observer, node: "pixel" };
             let found = state.pipeline.with_graph(None, |graph, session| {
                 trace(graph, node, [x, y], sample, session, (observer, &progress))
             })?;
-            Ok(rendition(&found, all))
+            Ok((pixel::json(&found).to_string(), pixel::text(&found, all), pixel::plot(&found).svg()))
         })
     }
 
@@ -391,12 +392,6 @@ fn wires(node: &str, port: &str, sources: Vec<String>) -> impl Iterator<Item = E
 /// Report of a run.
 #[pyclass(frozen, module = "voltet._native")]
 pub struct Report(Option<RunRecord>);
-
-impl Report {
-    pub fn new(record: Option<RunRecord>) -> Report {
-        Report(record)
-    }
-}
 
 #[pymethods]
 impl Report {

@@ -408,7 +408,7 @@ pub struct Study {
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     pub max_error: Option<f64>,
     /// The error that decides about the recommendation and the Pareto front.
-    #[arg(long, value_name = "WHICH", value_parser = measures(), default_value = "max")]
+    #[arg(long, value_name = "WHICH", value_parser = one_of(Measure::NAMES), default_value = "max")]
     pub measure: Measure,
     /// Refine the grid this often (2 without a number), to tell the error of integration from that of taking the data as
     /// linear in each cell.
@@ -439,18 +439,6 @@ pub struct Study {
     pub quiet: bool,
 }
 
-#[cfg(feature = "editor")]
-impl Study {
-    /// Arguments of `voltet study FILE` without options.
-    pub fn for_file(file: &Path) -> crate::core::Result<Study> {
-        use clap::FromArgMatches;
-        let command = Study::augment_args(clap::Command::new("study"));
-        let given = command.try_get_matches_from(["study".as_ref(), file.as_os_str()]);
-        let study = given.and_then(|matches| Study::from_arg_matches(&matches));
-        study.map_err(|error| crate::core::Error::usage("the study has no such file").got(error))
-    }
-}
-
 #[derive(Debug, Args)]
 pub struct Time {
     #[command(flatten)]
@@ -462,7 +450,8 @@ pub struct Time {
     #[arg(long, value_name = "WHICH", value_parser = engines(), default_value = "all")]
     pub engine: Engines,
     /// Compositors of a graphics device, separated by commas: tiles, raster; all without it.
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = compositors())]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',',
+          value_parser = one_of(Compositor::NAMES.iter().filter_map(|(name, help)| Some((Compositor::named(name)?, *name, *help)))))]
     pub compositor: Vec<Compositor>,
     /// The graphics device to measure: a part of its name, or discrete, integrated, virtual, software.
     ///
@@ -487,7 +476,7 @@ pub struct Time {
 #[derive(Debug, Args)]
 pub struct Papers {
     /// Papers, separated by commas; all without it.
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = papers())]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = one_of(Paper::ALL.map(|paper| (paper, paper.name(), ""))))]
     pub only: Vec<Paper>,
     /// The folder of the papers' pipelines.
     #[arg(long, value_name = "FOLDER", default_value = "lab/pipelines/papers")]
@@ -608,24 +597,8 @@ fn size(text: &str) -> Result<[u32; 2], String> {
     both.ok_or_else(|| "a size is WIDTHxHEIGHT in pixels, such as 1024x768".into())
 }
 
-/// The papers by name.
-#[cfg(feature = "papers")]
-fn papers() -> impl TypedValueParser<Value = Paper> {
-    one_of(Paper::ALL.map(|paper| (paper, paper.name(), "")))
-}
-
-/// The ways in which a device composites.
-fn compositors() -> impl TypedValueParser<Value = Compositor> {
-    one_of(Compositor::NAMES.iter().filter_map(|(name, help)| Some((Compositor::named(name)?, *name, *help))))
-}
-
 /// The engines by name, or all of them.
 fn engines() -> impl TypedValueParser<Value = Engines> {
     let all = (Engines::All, "all", "the CPU, and the graphics device where there is one");
     one_of(ENGINES.iter().map(|engine| (Engines::One(engine), engine.name, engine.summary)).chain([all]))
-}
-
-/// The errors of a picture by name.
-fn measures() -> impl TypedValueParser<Value = Measure> {
-    one_of(Measure::NAMES)
 }

@@ -57,12 +57,6 @@ impl Observer for State {
     }
 }
 
-impl State {
-    fn status(&self) -> RunStatus {
-        self.status.lock().unwrap_or_else(PoisonError::into_inner).clone()
-    }
-}
-
 /// Runs `work`. With `stops`, in a thread of its own: meanwhile `stops` is called every 20 ms on the calling thread, and the work is
 /// cancelled once it returns true. `side_work` is done on the calling thread, item by item, as long as the run goes on; an item that
 /// is true cancels the run, and items that are left stay in the iterator.
@@ -77,7 +71,8 @@ pub fn run_in_background<T: Send>(
 ) -> Result<T> {
     let state = State::default();
     let Some(mut stops) = stops else { return work(&state) };
-    if stops(&state.status()) {
+    let status = || state.status.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    if stops(&status()) {
         return Err(Error::cancelled());
     }
     std::thread::scope(|scope| {
@@ -108,7 +103,7 @@ pub fn run_in_background<T: Send>(
             if is_time {
                 polled = Instant::now();
             }
-            if stopped || is_time && stops(&state.status()) {
+            if stopped || is_time && stops(&status()) {
                 state.stop.store(true, Ordering::Relaxed);
             }
         }

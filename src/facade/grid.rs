@@ -39,21 +39,6 @@ enum Source {
     Built(Arc<BuiltGrid>),
 }
 
-/// Integer types of point numbers and offsets.
-pub trait GridIndex: Copy {
-    /// The number in 64 bits; numbers beyond them become the largest, which is refused.
-    fn to_i64(self) -> i64;
-}
-
-macro_rules! grid_index {
-    ($($integer:ty),*) => { $(impl GridIndex for $integer {
-        fn to_i64(self) -> i64 {
-            i64::try_from(self).unwrap_or(i64::MAX)
-        }
-    })* };
-}
-grid_index!(i32, u32, i64, u64, usize);
-
 impl Grid {
     /// Builds a grid from the arrays of a `vtkUnstructuredGrid`: the VTK type of every cell, `types.len() + 1` offsets, and point
     /// numbers in VTK's vertex order. For polyhedra see [`Grid::from_cells`].
@@ -65,11 +50,13 @@ impl Grid {
     pub fn from_vtk_arrays(
         points: impl Into<SharedSlice<DVec3>>,
         types: &[u8],
-        offsets: &[impl GridIndex],
-        connectivity: &[impl GridIndex],
+        offsets: &[impl Copy + TryInto<i64>],
+        connectivity: &[impl Copy + TryInto<i64>],
     ) -> Result<Grid> {
-        let offsets: Vec<i64> = offsets.iter().map(|&offset| offset.to_i64()).collect();
-        let connectivity: Vec<i64> = connectivity.iter().map(|&number| number.to_i64()).collect();
+        // Numbers beyond 64 bits become the largest, which is refused.
+        let offsets: Vec<i64> = offsets.iter().map(|&offset| offset.try_into().unwrap_or(i64::MAX)).collect();
+        let connectivity: Vec<i64> =
+            connectivity.iter().map(|&number| number.try_into().unwrap_or(i64::MAX)).collect();
         let connectivity = PointNumbers::I64(&connectivity);
         let cells =
             CellArrays::Mixed { types, offsets: &offsets, connectivity, faces: &[], face_locations: &[] };
@@ -137,7 +124,7 @@ impl Grid {
     }
 
     fn add(mut self, name: &str, array: Array, on_cells: bool) -> Result<Grid> {
-        let (raw, _) = self.raw("arrays are added")?;
+        let raw = self.raw("arrays are added")?;
         let (tuples, kind) =
             if on_cells { (raw.cells.count(), "cells") } else { (raw.points.len(), "points") };
         let Array { component_count, values } = array;
@@ -157,7 +144,7 @@ impl Grid {
     /// - another number of flags than cells;
     /// - a grid that is no program's.
     pub fn ghost_cells(mut self, flags: Vec<bool>) -> Result<Grid> {
-        let (raw, _) = self.raw("cells are marked as ghosts")?;
+        let raw = self.raw("cells are marked as ghosts")?;
         if flags.len() != raw.cells.count() {
             let error = Error::usage("the ghost flags have the wrong number").got(flags.len());
             return Err(error.expected(format!("{}, one a cell", raw.cells.count())));
@@ -224,9 +211,9 @@ impl Grid {
         })
     }
 
-    fn raw(&mut self, action: &str) -> Result<(&mut RawGrid, &mut Options)> {
+    fn raw(&mut self, action: &str) -> Result<&mut RawGrid> {
         match &mut self.source {
-            Source::Arrays(raw, options) => Ok((raw, options)),
+            Source::Arrays(raw, _) => Ok(raw),
             Source::File(..) | Source::Built(_) => {
                 let error = Error::usage(format!("{action} to a grid that was not made from arrays"));
                 Err(error.expected("Grid::from_vtk_arrays, from_tetrahedra or from_cells"))

@@ -3,7 +3,6 @@
 mod background;
 mod camera;
 mod grid;
-mod image;
 mod pipeline;
 mod renderer;
 mod scene;
@@ -11,12 +10,9 @@ mod transfer;
 
 pub use background::{RunStatus, panic_message, run_in_background};
 pub use camera::Camera;
-pub use grid::{
-    BorrowedGrid, CellArrays, Grid, GridIndex, NamedArray, PointNumbers, build_grid, unnamed_scalar,
-};
-pub use image::Image;
+pub use grid::{BorrowedGrid, CellArrays, Grid, NamedArray, PointNumbers, build_grid, unnamed_scalar};
 pub use pipeline::{Pipeline, PipelineSource, PipelineText, RenderPlan, RunRecord};
-pub use renderer::{Engine, RenderOptions, RenderOutput, Renderer, RendererOptions, render_to_depth};
+pub use renderer::{Engine, Image, RenderOptions, RenderOutput, Renderer, RendererOptions, render_to_depth};
 pub use scene::{Integrator, Light, Scene, Shading, Volume};
 pub use transfer::{
     Band, Colormap, Gaussian, Piecewise, TableImage, TransferFunction, Uniform, UnitDistance,

@@ -2,7 +2,7 @@
 
 use super::camera::Camera;
 use super::grid::Grid;
-use super::image::Image;
+use super::renderer::Image;
 use crate::document::Document;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,8 @@
-//! The renderer: scenes to pictures, on the CPU or a graphics device.
+//! The renderer: scenes to pictures, on the CPU or a graphics device; pixels of pictures, and files of them.
 
-use super::image::Image;
 use super::scene::Scene;
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::error::ErrorKind;
 use voltet_core::picture::Picture;
@@ -10,10 +10,11 @@ use voltet_core::progress::Progress;
 use voltet_core::volume::Volume as BuiltVolume;
 use voltet_core::{Error, Result};
 use voltet_cpu as cpu;
-use voltet_io::memory;
+use voltet_io::{encode, memory};
 use voltet_nodes::drawing::{
     AUTO, CacheFolder, DEVICE, NATIVE, OpenEngines, PreparedVolumes, candidate_engines, picture_warnings,
 };
+use voltet_nodes::files::write_whole;
 use voltet_optics::engine::{self, AdapterRequest, Compositor, EngineInfo, RenderStats, StageTiming};
 use voltet_optics::scene::Scene as CompiledScene;
 
@@ -70,6 +71,64 @@ pub struct RenderOptions<'a> {
     pub depth_limit: Option<&'a [f32]>,
     /// Compositor of a graphics device. Default: the fastest that is right for the scene.
     pub compositor: Option<Compositor>,
+}
+
+/// A picture: premultiplied linear RGBA in 32-bit floats over transparent black, row 0 at the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Image(Arc<Picture>);
+
+impl Image {
+    /// Width (pixels).
+    pub fn width(&self) -> usize {
+        self.0.width
+    }
+
+    /// Height (pixels).
+    pub fn height(&self) -> usize {
+        self.0.height
+    }
+
+    /// Pixels in row-major order: premultiplied linear red, green and blue, and opacity.
+    pub fn pixels(&self) -> &[[f32; 4]] {
+        &self.0.rgba
+    }
+
+    /// 8-bit sRGB of every pixel over a background in linear RGB.
+    pub fn srgb8(&self, background: [f64; 3]) -> Vec<[u8; 3]> {
+        self.0.rgba.iter().map(|&pixel| encode::srgb8(pixel, background)).collect()
+    }
+
+    /// Writes a file whose format its ending states, such as .png (8-bit sRGB over black) or .exr (linear 32-bit RGBA). An existing
+    /// file is replaced in one step.
+    ///
+    /// # Errors
+    /// - an ending of no known format;
+    /// - a path that cannot be written.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
+        self.save_over(path, [0.0; 3])
+    }
+
+    /// Like [`Image::save`], with a background in linear RGB for formats without opacity.
+    ///
+    /// # Errors
+    /// As of [`Image::save`].
+    pub fn save_over(&self, path: impl AsRef<Path>, background: [f64; 3]) -> Result<()> {
+        let path = path.as_ref();
+        let format = encode::format_by_ending(path)?;
+        write_whole(path, &(format.encode)(&self.0, background, None)?)
+    }
+}
+
+impl From<Arc<Picture>> for Image {
+    fn from(picture: Arc<Picture>) -> Self {
+        Image(picture)
+    }
+}
+
+impl From<Image> for Arc<Picture> {
+    fn from(image: Image) -> Self {
+        image.0
+    }
 }
 
 /// A picture with the record of its render.

@@ -2,16 +2,16 @@
 
 use super::shared::{DONE, Outcome, with_bar};
 use super::{start, study as measured};
-use crate::cli::arguments::{Edit, Start, Study};
+use crate::cli::arguments::{Edit, Start};
 use crate::core::Result;
 use crate::core::progress::Progress;
-use crate::document::{self, OptionFile};
+use crate::document;
 use crate::graph::{Observer, Registry};
 use crate::{Document, Source};
 use std::path::Path;
 use std::sync::Arc;
 use voltet_editor::{Studied, StudiedRow, StudyRequest};
-use voltet_study::work_precision as study;
+use voltet_study::work_precision::{self as study, StudyOptions};
 
 pub fn edit(arguments: &Edit, registry: &Registry) -> Outcome {
     let (own, of_start) = (registry.clone(), registry.clone());
@@ -26,15 +26,14 @@ fn studied(of: &StudyRequest, registry: &Registry, progress: &dyn Progress) -> R
     let document = Document::from_text(&of.path, of.text.clone(), &[], registry)?;
     document.refuse_missing_data()?;
     let folder = measured::beside(&of.path);
-    let outputs: Vec<OptionFile> =
-        study::written(&folder).iter().map(|path| OptionFile::written("the study", path)).collect();
+    let outputs = study::written(&folder);
+    let outputs: Vec<_> = outputs.iter().map(|path| ("the study", path.as_path())).collect();
     document::refuse_conflicts([&document], false, &outputs).map_err(|failure| failure.error)?;
     measured::refuse_unwritable(&folder)?;
-    let wish = measured::wish(&Study::for_file(&of.path)?, registry)?;
     let followed = (&Gathering(progress) as &dyn Observer, progress);
     let node = of.node.as_deref();
     let folders = [folder.as_path(), &study::cache_folder()];
-    let (found, written) = measured::make(&document, node, wish, folders, followed, &|| {})?;
+    let (found, written) = measured::make(&document, node, StudyOptions::default(), folders, followed)?;
     let mut rows: Vec<StudiedRow> = found
         .rows
         .iter()

@@ -1,7 +1,7 @@
 //! The plug-ins that a command loads: those of its options, and those of the user's own file.
 
 use crate::cli::arguments::Plugins;
-use crate::cli::present::{say, warning};
+use crate::cli::present::{Level, say, shown};
 use crate::core::field::Plugin;
 use crate::core::{Error, Result};
 use crate::graph::{Node, Registry};
@@ -40,7 +40,7 @@ pub fn with(
                 told.push(plugin);
             }
             Err(error) => {
-                say(&warning(&error, None));
+                say(&shown(&error, None, Level::WARNING));
                 let path = own.path.display();
                 told.push(format!("'{path}', named by {}, cannot be loaded", file.display()));
             }

@@ -6,7 +6,7 @@ use crate::cli::arguments::Run;
 use crate::cli::present::{Bar, say, summary, warnings};
 use crate::core::error::ErrorKind;
 use crate::core::{Error, Result};
-use crate::document::{self, OptionFile};
+use crate::document;
 use crate::graph::{Observer, Registry, RunReport};
 use crate::io::provenance::{run_report, whole_report};
 use crate::nodes::files;
@@ -19,9 +19,8 @@ pub fn run(arguments: &Run, registry: &Registry) -> Outcome {
     if wrong != DONE {
         return Ok(wrong);
     }
-    let report: Vec<OptionFile> =
-        arguments.report.iter().map(|path| OptionFile::written("--report", path)).collect();
-    document::refuse_conflicts(&documents, true, &report)?;
+    let report = arguments.report.as_deref().map(|path| ("--report", path));
+    document::refuse_conflicts(&documents, true, report.as_slice())?;
     documents.iter().try_for_each(Document::refuse_missing_data)?;
     arguments.report.as_deref().map_or(Ok(()), files::refuse_unwritable)?;
     let streams =

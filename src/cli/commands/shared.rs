@@ -1,12 +1,12 @@
 //! Code that commands share: documents, errors and exit codes, progress, files that options name, and the choice of an array.
 
 use crate::cli::arguments::{DataOptions, File};
-use crate::cli::present::{self, Bar, print, say};
+use crate::cli::present::{self, Bar, Level, print, say};
 use crate::core::error::ErrorKind;
 use crate::core::picture::Picture;
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
-use crate::document::{self, LocatedError, OptionFile};
+use crate::document::{self, LocatedError};
 use crate::graph::{NodeProgress, ParameterValue, Registry};
 use crate::io::encode;
 use crate::io::formats::{ArrayHead, ArraySummary, Association};
@@ -28,7 +28,7 @@ pub(super) const WRONG: u8 = 2;
 
 /// Shows an error, once, and returns its exit code.
 pub(super) fn show(failure: &LocatedError) -> u8 {
-    say(&present::error(&failure.error, failure.text.as_deref()));
+    say(&present::shown(&failure.error, failure.text.as_deref(), Level::ERROR));
     match failure.error.kind {
         ErrorKind::Usage => WRONG,
         _ => FAILED,
@@ -40,7 +40,7 @@ pub(super) fn warn(document: &Document) {
     let changed = document.changed_data().into_iter().chain(document.changed_plugins());
     for warning in document.graph.warnings.iter().cloned().chain(changed) {
         let located = document.locate(warning);
-        say(&present::warning(&located, Some(&document.text)));
+        say(&present::shown(&located, Some(&document.text), Level::WARNING));
     }
 }
 
@@ -114,9 +114,7 @@ impl<'a> Outputs<'a> {
     ) -> std::result::Result<Self, LocatedError> {
         let named = options.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?)));
         let outputs = Outputs(named.collect());
-        let written: Vec<OptionFile> =
-            outputs.0.iter().map(|(option, path)| OptionFile::written(option, path)).collect();
-        document::refuse_conflicts(document, false, &written)?;
+        document::refuse_conflicts(document, false, &outputs.0)?;
         document.map_or(Ok(()), Document::refuse_missing_data)?;
         for (option, path) in &outputs.0 {
             if *option == "--plot" {

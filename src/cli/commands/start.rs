@@ -83,7 +83,7 @@ pub fn pipeline(
     if look.is_empty() {
         return Err(without_boundary(arguments, &asked, &named, progress));
     }
-    let view = View::fit(&grid, &scalar, &g, &look);
+    let view = view(&grid, &scalar, &g, &look);
     let diagonal = scene_length(bounds(&grid.points))?;
     let unit = rounded(diagonal / 10.0);
     let text = |text: &str| ParameterValue::Text(text.into()).to_string();
@@ -233,55 +233,41 @@ sigma = [{}, {}]
     )
 }
 
-/// A camera that sees what the widgets hold.
-struct View {
-    eye: DVec3,
-    target: DVec3,
-    up: DVec3,
-}
-
-impl View {
-    /// Looks at the middle of what is drawn, mostly along its shortest side, from where 1024 × 768 pixels hold it.
-    fn fit(grid: &Grid, s: &[f64], g: &[f64], look: &[ProposedWidget]) -> View {
-        let drawn = |i: usize| {
-            let profile = |one: &ProposedWidget| {
-                let q = [(s[i] - one.centre[0]) / one.sigma[0], (g[i] - one.centre[1]) / one.sigma[1]];
-                (-0.5 * (q[0] * q[0] + q[1] * q[1])).exp()
-            };
-            look.iter().map(profile).fold(0.0, f64::max) > 0.1
+/// Keys of a camera that looks at the middle of what the widgets show, mostly along its shortest side, from where 1024 × 768 pixels
+/// hold it.
+fn view(grid: &Grid, s: &[f64], g: &[f64], look: &[ProposedWidget]) -> String {
+    let drawn = |i: usize| {
+        let profile = |one: &ProposedWidget| {
+            let q = [(s[i] - one.centre[0]) / one.sigma[0], (g[i] - one.centre[1]) / one.sigma[1]];
+            (-0.5 * (q[0] * q[0] + q[1] * q[1])).exp()
         };
-        let used = |i: &usize| grid.points[*i].is_finite();
-        let mut shown: Vec<usize> = (0..s.len()).filter(used).filter(|i| drawn(*i)).collect();
-        if shown.len() < 8 {
-            shown = (0..s.len()).filter(used).collect();
-        }
-        // A few points far off must not make the rest small.
-        let extent = |axis: usize| -> [f64; 2] {
-            let mut places: Vec<f64> = shown.iter().map(|i| grid.points[*i][axis]).collect();
-            places.sort_unstable_by(f64::total_cmp);
-            let at = |share: f64| places[(share * (places.len() - 1) as f64) as usize];
-            [at(0.01), at(0.99)]
-        };
-        let [x, y, z] = [extent(0), extent(1), extent(2)];
-        let (low, high) = (DVec3::new(x[0], y[0], z[0]), DVec3::new(x[1], y[1], z[1]));
-        let size = (high - low).max(DVec3::splat(1e-6 * (high - low).max_element().max(f64::MIN_POSITIVE)));
-        let shortest = size.min_element();
-        let towards = DVec3::new(-0.8, -1.4, 0.9) * (0.3 + 0.7 * shortest / size);
-        let towards = towards.normalize();
-        let up = if towards.z.abs() > 0.8 { DVec3::Y } else { DVec3::Z };
-        // The ball about it fits into the height of the picture.
-        let distance = 0.5 * size.length() / (0.5 * FOV_Y).to_radians().sin();
-        let target = 0.5 * low + 0.5 * high;
-        View { eye: target + 0.85 * distance * towards, target, up }
+        look.iter().map(profile).fold(0.0, f64::max) > 0.1
+    };
+    let used = |i: &usize| grid.points[*i].is_finite();
+    let mut shown: Vec<usize> = (0..s.len()).filter(used).filter(|i| drawn(*i)).collect();
+    if shown.len() < 8 {
+        shown = (0..s.len()).filter(used).collect();
     }
-}
-
-impl std::fmt::Display for View {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let vector = |v: DVec3| format!("[{}, {}, {}]", digits(v.x), digits(v.y), digits(v.z));
-        let (eye, target, up) = (vector(self.eye), vector(self.target), vector(self.up));
-        writeln!(f, "eye = {eye}\ntarget = {target}\nup = {up}\nfov_y = {FOV_Y:?}")
-    }
+    // A few points far off must not make the rest small.
+    let extent = |axis: usize| -> [f64; 2] {
+        let mut places: Vec<f64> = shown.iter().map(|i| grid.points[*i][axis]).collect();
+        places.sort_unstable_by(f64::total_cmp);
+        let at = |share: f64| places[(share * (places.len() - 1) as f64) as usize];
+        [at(0.01), at(0.99)]
+    };
+    let [x, y, z] = [extent(0), extent(1), extent(2)];
+    let (low, high) = (DVec3::new(x[0], y[0], z[0]), DVec3::new(x[1], y[1], z[1]));
+    let size = (high - low).max(DVec3::splat(1e-6 * (high - low).max_element().max(f64::MIN_POSITIVE)));
+    let shortest = size.min_element();
+    let towards = DVec3::new(-0.8, -1.4, 0.9) * (0.3 + 0.7 * shortest / size);
+    let towards = towards.normalize();
+    let up = if towards.z.abs() > 0.8 { DVec3::Y } else { DVec3::Z };
+    // The ball about it fits into the height of the picture.
+    let distance = 0.5 * size.length() / (0.5 * FOV_Y).to_radians().sin();
+    let target = 0.5 * low + 0.5 * high;
+    let vector = |v: DVec3| format!("[{}, {}, {}]", digits(v.x), digits(v.y), digits(v.z));
+    let (eye, target, up) = (vector(target + 0.85 * distance * towards), vector(target), vector(up));
+    format!("eye = {eye}\ntarget = {target}\nup = {up}\nfov_y = {FOV_Y:?}\n")
 }
 
 /// One digit.

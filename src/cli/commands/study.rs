@@ -1,56 +1,19 @@
 //! `voltet study`: error against time of every integrator on one scene.
 
-use super::shared::{DONE, FAILED, Outcome, open_file, show};
+use super::shared::{DONE, FAILED, Outcome, open_file, show, with_bar};
 use crate::Document;
 use crate::cli::arguments;
-use crate::cli::present::{Bar, Estimate, print};
+use crate::cli::present::print;
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
-use crate::document::{self, OptionFile};
+use crate::document;
 use crate::graph::{Observer, Registry};
 use crate::nodes::files;
 use crate::optics::integrators::Integrator;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 use voltet_study::work_precision::{self as study, Benches, Frames, Study, StudyOptions, Subject};
 
 pub fn study(arguments: &arguments::Study, registry: &Registry) -> Outcome {
-    let wish = wish(arguments, registry)?;
-    let document = open_file(&arguments.file, registry, arguments.quiet)?;
-    document.refuse_missing_data().map_err(|error| document.failure(error))?;
-    if arguments.apply && document.carried.is_some() {
-        let error = Error::usage("--apply writes into a pipeline file, and this is a picture");
-        return Err(error
-            .expected("a pipeline file (.toml); `voltet info` of the picture prints it")
-            .in_file(&document.path)
-            .into());
-    }
-    let folder = arguments.output.clone().unwrap_or_else(|| beside(&document.path));
-    let outputs: Vec<OptionFile> =
-        study::written(&folder).iter().map(|path| OptionFile::written("--output", path)).collect();
-    document::refuse_conflicts([&document], false, &outputs)?;
-    refuse_unwritable(&folder)?;
-    if arguments.apply {
-        files::refuse_unwritable(&document.path)?;
-    }
-    let watch = ProgressPrinter { bar: Bar::new(arguments.quiet), estimate: Mutex::new(Estimate::begin()) };
-    let cache = arguments.cache.clone().unwrap_or_else(study::cache_folder);
-    let node = arguments.node.as_deref();
-    let made = make(&document, node, wish, [&folder, &cache], (&watch.bar, &watch), &|| watch.begin());
-    watch.bar.clear();
-    let (study, written) = made.map_err(|error| document.failure(error))?;
-    if !arguments.quiet {
-        print(&summary(&study, &written, &folder))?;
-    }
-    conclude(arguments, &document, registry, &study).map_err(|error| document.failure(error))
-}
-
-/// Option of a name, as it is given on the command line.
-pub(super) fn option(name: &str) -> String {
-    format!("--{}", name.replace('_', "-"))
-}
-
-pub(super) fn wish(arguments: &arguments::Study, registry: &Registry) -> Result<StudyOptions> {
     let wish = StudyOptions {
         engines: arguments.engine,
         adapter: arguments.adapter.clone(),
@@ -67,18 +30,48 @@ pub(super) fn wish(arguments: &arguments::Study, registry: &Registry) -> Result<
     };
     let integrators: Vec<&str> = study::studied(registry).iter().map(Integrator::name).collect();
     wish.check(&integrators, option)?;
-    Ok(wish)
+    let document = open_file(&arguments.file, registry, arguments.quiet)?;
+    document.refuse_missing_data().map_err(|error| document.failure(error))?;
+    if arguments.apply && document.carried.is_some() {
+        let error = Error::usage("--apply writes into a pipeline file, and this is a picture");
+        return Err(error
+            .expected("a pipeline file (.toml); `voltet info` of the picture prints it")
+            .in_file(&document.path)
+            .into());
+    }
+    let folder = arguments.output.clone().unwrap_or_else(|| beside(&document.path));
+    let outputs = study::written(&folder);
+    let outputs: Vec<_> = outputs.iter().map(|path| ("--output", path.as_path())).collect();
+    document::refuse_conflicts([&document], false, &outputs)?;
+    refuse_unwritable(&folder)?;
+    if arguments.apply {
+        files::refuse_unwritable(&document.path)?;
+    }
+    let cache = arguments.cache.clone().unwrap_or_else(study::cache_folder);
+    let node = arguments.node.as_deref();
+    let made = with_bar(arguments.quiet, |bar, progress| {
+        make(&document, node, wish, [&folder, &cache], (bar, progress))
+    });
+    let (study, written) = made.map_err(|error| document.failure(error))?;
+    if !arguments.quiet {
+        print(&summary(&study, &written, &folder))?;
+    }
+    conclude(arguments, &document, registry, &study).map_err(|error| document.failure(error))
+}
+
+/// Option of a name, as it is given on the command line.
+pub(super) fn option(name: &str) -> String {
+    format!("--{}", name.replace('_', "-"))
 }
 
 /// Measures and writes: the study and its files, none where nothing was measured. `folders`: that of the study, and the one that
-/// keeps reference pictures; `begin` is called where a new piece of work begins, whose fraction counts from 0.
+/// keeps reference pictures.
 pub(super) fn make(
     document: &Document,
     node: Option<&str>,
     wish: StudyOptions,
     [folder, cache]: [&Path; 2],
     (observer, progress): (&dyn Observer, &dyn Progress),
-    begin: &dyn Fn(),
 ) -> Result<(Study, Vec<PathBuf>)> {
     let mut session = crate::nodes::session();
     let subject = Subject::gather(&document.graph, node, wish.refine > 0, &mut session, observer)?;
@@ -87,9 +80,7 @@ pub(super) fn make(
         study::refuse_too_fine(&subject, wish.refine)?;
     }
     let benches = Benches::open(&subject, &wish)?;
-    begin();
     let reference = study::reference(&subject, cache, progress)?;
-    begin();
     let study = study::study(subject, wish, benches, reference, progress)?;
     let title = document.pipeline.title.clone().unwrap_or_else(|| document.path.display().to_string());
     let written = match study.rows.is_empty() {
@@ -162,36 +153,4 @@ fn conclude(
         }
     }
     Ok(DONE)
-}
-
-/// Shows progress with an estimate of what is left.
-struct ProgressPrinter {
-    bar: Bar,
-    estimate: Mutex<Estimate>,
-}
-
-impl ProgressPrinter {
-    /// A new piece of work begins, whose fraction counts from 0.
-    fn begin(&self) {
-        *self.lock() = Estimate::begin();
-    }
-
-    fn lock(&self) -> std::sync::MutexGuard<'_, Estimate> {
-        self.estimate.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
-    }
-}
-
-impl Progress for ProgressPrinter {
-    fn report(&self, stage: &str, fraction: f64) {
-        let left = self.lock().remaining(fraction);
-        self.bar.show(stage, fraction, left);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.bar.cancelled()
-    }
-
-    fn memory_left(&self) -> Option<u64> {
-        self.bar.memory_left()
-    }
 }

@@ -1,28 +1,21 @@
-//! Output for people: errors with their location, summaries of runs, progress bars, the reference of nodes; all safe to show on a
-//! terminal.
-
-mod progress;
-
-pub use progress::{Bar, Estimate};
+//! Output for people: errors with their location, summaries of runs, progress bars, all safe to show on a terminal; and stopping at a
+//! signal.
 
 use crate::core::{Error, Result};
-use crate::graph::{DataFinding, RunReport};
+use crate::graph::{DataFinding, Observer, RunReport};
+use crate::io::memory;
 use crate::nodes::files;
+pub use annotate_snippets::Level;
 use annotate_snippets::renderer::DecorStyle;
-use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+use annotate_snippets::{AnnotationKind, Group, Renderer, Snippet};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
-/// The error as shown. `text`: the pipeline file that its span points into.
-pub fn error(error: &Error, text: Option<&str>) -> String {
-    shown(error, text, Level::ERROR)
-}
-
-/// A warning as shown.
-pub fn warning(warning: &Error, text: Option<&str>) -> String {
-    shown(warning, text, Level::WARNING)
-}
-
-fn shown(error: &Error, text: Option<&str>, level: Level) -> String {
+/// An error or a warning as shown, by its level. `text`: the pipeline file that its span points into.
+pub fn shown(error: &Error, text: Option<&str>, level: Level) -> String {
     let pointed = error.location.span.clone().zip(text);
     let title = title(error, pointed.is_some());
     let name = name(error.location.file.as_deref().unwrap_or("pipeline"));
@@ -157,6 +150,109 @@ fn is_unsafe(c: char) -> bool {
     c.is_control() || matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
+/// Time before a bar is shown.
+const BAR_DELAY: Duration = Duration::from_secs(1);
+
+/// True after Ctrl-C, or after the system's request to end.
+static STOP: AtomicBool = AtomicBool::new(false);
+
+/// Estimate of the remaining time of a piece of work, from the time of the completed part.
+#[derive(Debug, Clone, Copy)]
+pub struct Estimate {
+    start: Instant,
+    fraction: f64,
+}
+
+impl Estimate {
+    /// An estimate for work that begins now.
+    pub fn begin() -> Self {
+        Estimate { start: Instant::now(), fraction: 0.0 }
+    }
+
+    /// Remaining time (seconds) once `fraction` is done; `None` while too little is done. A fraction that falls starts another piece
+    /// of work.
+    pub fn remaining(&mut self, fraction: f64) -> Option<f64> {
+        // Threads report in no order, so a little less is no beginning.
+        if fraction + 0.1 < self.fraction {
+            *self = Estimate::begin();
+        }
+        self.fraction = self.fraction.max(fraction);
+        let left = self.start.elapsed().as_secs_f64() * (1.0 - fraction) / fraction;
+        (fraction > 0.02 && left.is_finite()).then_some(left)
+    }
+}
+
+/// Progress bar of a run.
+pub struct Bar {
+    bar: ProgressBar,
+    visible: bool,
+    start: Instant,
+    shown: AtomicBool,
+    place: Mutex<String>,
+    /// Estimate of the current stage.
+    estimate: Mutex<Estimate>,
+}
+
+impl Bar {
+    /// A bar, shown only on a terminal and where not `quiet`.
+    pub fn new(quiet: bool) -> Self {
+        // The first Ctrl-C or request to end stops the run cleanly; the second one, should that take long, the program, and
+        // so does the first where the run waits for a reader.
+        let _ = ctrlc::set_handler(|| {
+            if STOP.swap(true, Ordering::Relaxed) || files::is_waiting() {
+                files::end_now(1);
+            }
+        });
+        let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::hidden());
+        if let Ok(style) = ProgressStyle::with_template("{msg:40} {bar:30} {percent:>3} %  {elapsed}") {
+            bar.set_style(style);
+        }
+        let visible = !quiet && std::io::stderr().is_terminal();
+        let (start, shown) = (Instant::now(), AtomicBool::new(false));
+        let estimate = Mutex::new(Estimate::begin());
+        Bar { bar, visible, start, shown, place: Mutex::default(), estimate }
+    }
+
+    /// Removes the bar from the screen.
+    pub fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Observer for Bar {
+    fn started(&self, node: &str, place: usize, count: usize) {
+        let mut shown = self.place.lock().unwrap_or_else(PoisonError::into_inner);
+        *shown = format!("{}/{count} {node}", place + 1);
+    }
+
+    fn progress(&self, node: &str, stage: &str, fraction: f64) {
+        if !self.visible {
+            return;
+        }
+        let left = self.estimate.lock().unwrap_or_else(PoisonError::into_inner).remaining(fraction);
+        if self.start.elapsed() < BAR_DELAY {
+            return;
+        }
+        if !self.shown.swap(true, Ordering::Relaxed) {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
+        let place = self.place.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let what = if node.is_empty() { stage.to_string() } else { format!("{place}: {stage}") };
+        // Less than a second says nothing to a person.
+        let left = left.filter(|left| *left >= 1.0).map(|left| format!(", about {left:.0} s left"));
+        self.bar.set_message(format!("{what}{}", left.unwrap_or_default()));
+        self.bar.set_position((fraction.clamp(0.0, 1.0) * 1000.0) as u64);
+    }
+
+    fn cancelled(&self) -> bool {
+        STOP.load(Ordering::Relaxed)
+    }
+
+    fn memory_left(&self) -> Option<u64> {
+        memory::available()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -168,5 +264,19 @@ mod tests {
         assert_eq!(printable("a\u{7}\nb"), "a\\u{7}\nb");
         assert_eq!(without_controls(text).len(), text.len(), "places in the text stay");
         assert_eq!(without_controls(text), "a.[31m·1m.\r\tb‥ü\n");
+    }
+
+    #[test]
+    fn what_is_left_follows_from_what_is_done_and_begins_anew() {
+        let ago = |seconds: u64| Instant::now().checked_sub(Duration::from_secs(seconds)).unwrap();
+        let mut estimate = Estimate { start: ago(30), fraction: 0.0 };
+        assert_eq!(estimate.remaining(0.01), None, "too little to tell");
+        // The test itself takes some of the time, on a busy machine seconds.
+        let least = 3.0 * estimate.start.elapsed().as_secs_f64();
+        let left = estimate.remaining(0.25).unwrap();
+        assert!((least..=3.0 * estimate.start.elapsed().as_secs_f64()).contains(&left), "{left}");
+        assert!(least >= 90.0, "{least}");
+        assert!(estimate.remaining(1.0).unwrap() < 1.0);
+        assert!(estimate.remaining(0.5).unwrap() < 25.0, "another piece of work began just now");
     }
 }
