@@ -29,9 +29,10 @@ pub struct Material {
 pub struct Ramp {
     /// Least and largest node.
     pub range: [f64; 2],
-    nodes: Vec<Material>,
-    parts: usize,
-    pieces: Vec<Material>,
+    pub nodes: Vec<Material>,
+    /// Pieces of a step: the paper's oversampling factor.
+    pub parts: usize,
+    pub pieces: Vec<Material>,
 }
 
 impl Ramp {
@@ -58,19 +59,6 @@ impl Ramp {
         let part = |k: usize| at(k as f64 / parts as f64);
         let pieces = (0..(size - 1) * parts).map(|k| mean(part(k), part(k + 1))).collect();
         Ok(Ramp { range: [low, high], nodes, parts, pieces })
-    }
-
-    pub fn nodes(&self) -> &[Material] {
-        &self.nodes
-    }
-
-    /// Pieces of a step: the paper's oversampling factor.
-    pub fn parts(&self) -> usize {
-        self.parts
-    }
-
-    pub fn pieces(&self) -> &[Material] {
-        &self.pieces
     }
 
     fn extinction_of(step: &[Material]) -> f64 {

@@ -125,10 +125,10 @@ impl WgslIntegrator for SegmentsKind {
     fn entries(&self, integrator: &Integrator, transfer_function: &TransferFunction) -> Vec<f32> {
         let density = transfer_function.model == OpticalModel::DensityEmitter;
         let table = PartialTable::new(density, count(integrator, SIDE));
-        let mut entries = vec![table.size() as f32];
-        for (k, front) in table.front().iter().enumerate() {
+        let mut entries = vec![table.size as f32];
+        for (k, front) in table.front.iter().enumerate() {
             entries.push(*front);
-            entries.extend(table.back().get(k));
+            entries.extend(table.back.get(k));
         }
         entries
     }
@@ -222,25 +222,16 @@ impl LaneKernel for Pieces {
             batch,
             count + 1,
             #[inline(always)]
-            |crossed| pieces::<L>(table, count, crossed, batch.depth_only()),
+            |crossed| {
+                crossed.by_depth(
+                    batch.depth_only(),
+                    #[inline(always)]
+                    |crossed, colors| walk(table, count, crossed, colors),
+                )
+            },
             results,
         );
     }
-}
-
-/// Colour and optical depth. `depth_only`: no colour.
-#[inline(always)]
-fn pieces<L: Lanes>(
-    table: &LanePartialTable,
-    count: usize,
-    crossed: &mut SampledSegments<'_, '_, L>,
-    depth_only: bool,
-) -> ([L::F; 3], L::F) {
-    crossed.by_depth(
-        depth_only,
-        #[inline(always)]
-        |crossed, colors| walk(table, count, crossed, colors),
-    )
 }
 
 #[derive(Clone, Copy)]
@@ -250,6 +241,7 @@ struct End<L: Lanes> {
     light: [L::F; 3],
 }
 
+/// Colour, unless `colors` is false, and optical depth.
 #[inline(always)]
 fn walk<L: Lanes>(
     table: &LanePartialTable,
@@ -266,10 +258,7 @@ fn walk<L: Lanes>(
     let share = SIDE_BY_SIDE as f32 / count as f32;
     for block in 0..count.div_ceil(SIDE_BY_SIDE) {
         let first = block * SIDE_BY_SIDE;
-        let t = array(
-            #[inline(always)]
-            |j| ((first + j + 1).min(count) as f64 / count as f64) as f32,
-        );
+        let t = array!(|j| ((first + j + 1).min(count) as f64 / count as f64) as f32);
         let samples = if count == 1 {
             let one = crossed.at::<1>([1.0], colors);
             Samples { rate: [one.rate[0]; SIDE_BY_SIDE], glow: [one.glow[0]; SIDE_BY_SIDE] }
@@ -320,24 +309,18 @@ fn least<L: Lanes>() -> L::F {
 
 #[inline(always)]
 fn ends<L: Lanes, const N: usize>(samples: &Samples<L, N>, step: L::F, density: bool) -> [End<L>; N] {
-    array(
-        #[inline(always)]
-        |j| {
-            let rate = samples.rate[j];
-            let scale = if density { L::F::splat(1.0) / rate.max(least::<L>()) } else { step };
-            let light = array(
-                #[inline(always)]
-                |c| samples.glow[j][c] * scale,
-            );
-            End { rate: rate * step, light }
-        },
-    )
+    array!(|j| {
+        let rate = samples.rate[j];
+        let scale = if density { L::F::splat(1.0) / rate.max(least::<L>()) } else { step };
+        let light = array!(|c| samples.glow[j][c] * scale);
+        End { rate: rate * step, light }
+    })
 }
 
 #[derive(Debug, Clone)]
 pub struct PartialTable {
     size: usize,
-    /// φ, or F (1 + √T); rows of equal u.
+    /// φ, or F (1 + √T), by (u, √r); rows of equal u.
     front: Vec<f32>,
     /// Empty, or B (1 + √T).
     back: Vec<f32>,
@@ -364,36 +347,19 @@ impl PartialTable {
             });
             entries
         };
-        let mut table = if density_emitter {
-            PartialTable { size, front: fill(&front_share), back: Vec::new() }
-        } else {
-            PartialTable {
-                size,
-                front: fill(&|a, b, root| front_back(a, b).0 * (1.0 + root)),
-                back: fill(&|a, b, root| front_back(a, b).1 * (1.0 + root)),
-            }
-        };
-        if density_emitter {
-            // Thin limit: ∫ (1 − x) ρ over ∫ ρ.
-            for (column, entry) in table.front[..size].iter_mut().enumerate() {
-                *entry = ((1.0 + (column as f64 * step).powi(2)) / 3.0) as f32;
-            }
+        if !density_emitter {
+            let front = fill(&|a, b, root| front_back(a, b).0 * (1.0 + root));
+            return PartialTable { size, front, back: fill(&|a, b, root| front_back(a, b).1 * (1.0 + root)) };
         }
-        table
-    }
-
-    pub fn size(&self) -> usize {
-        self.size
-    }
-
-    /// φ, or F (1 + √T), by (u, √r).
-    pub fn front(&self) -> &[f32] {
-        &self.front
-    }
-
-    /// Empty, or B (1 + √T).
-    pub fn back(&self) -> &[f32] {
-        &self.back
+        let mut front = fill(&|a, b, _| {
+            let (front, back) = emission_weights(a, b);
+            front / (front + back)
+        });
+        // Thin limit: ∫ (1 − x) ρ over ∫ ρ.
+        for (column, entry) in front[..size].iter_mut().enumerate() {
+            *entry = ((1.0 + (column as f64 * step).powi(2)) / 3.0) as f32;
+        }
+        PartialTable { size, front, back: Vec::new() }
     }
 
     pub fn bytes_of(density_emitter: bool, size: usize) -> usize {
@@ -426,11 +392,6 @@ impl PartialTable {
     }
 }
 
-fn front_share(a: f64, b: f64, _: f64) -> f64 {
-    let (front, back) = emission_weights(a, b);
-    front / (front + back)
-}
-
 #[derive(Debug, Clone)]
 pub struct LanePartialTable {
     /// The front colour's share of the light, or F (1 + √T).
@@ -441,11 +402,9 @@ pub struct LanePartialTable {
 
 impl LanePartialTable {
     pub fn new(table: &PartialTable) -> LanePartialTable {
-        let square = |entries: &[f32]| LaneSquare::new(entries, table.size());
-        LanePartialTable {
-            front: square(table.front()),
-            back: (!table.back().is_empty()).then(|| square(table.back())),
-        }
+        let square = |entries: &[f32]| LaneSquare::new(entries, table.size);
+        let back = (!table.back.is_empty()).then(|| square(&table.back));
+        LanePartialTable { front: square(&table.front), back }
     }
 
     /// φ, the front colour's share of a piece's light (density-emitter).
@@ -475,10 +434,7 @@ impl LanePartialTable {
         let ratio = L::F::select(whole.lt(least), splat(0.5), a / whole.max(least)).min(one);
         let root = (splat(0.5) * whole).sqrt();
         let last = splat(self.front.last());
-        let within = inlined(
-            #[inline(always)]
-            |x: L::F| (x * last).max(zero).min(last),
-        );
+        let within = inlined!(|x: L::F| (x * last).max(zero).min(last));
         (self.front.place(within(root / (one + root)), within(ratio.sqrt())), root)
     }
 }

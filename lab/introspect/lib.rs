@@ -3,12 +3,10 @@
 #![allow(missing_docs, reason = "unpublished: names say what fields and short functions are")]
 
 mod lanes;
-mod segment_probe;
 #[cfg(feature = "gpu")]
 mod wgsl;
 
 pub use lanes::LaneEvaluator;
-pub use segment_probe::SegmentProbe;
 #[cfg(feature = "gpu")]
 pub use wgsl::WgslEvaluator;
 

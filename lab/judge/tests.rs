@@ -17,7 +17,7 @@ fn read(name: &str) -> String {
 }
 
 fn table(report: &Report) -> String {
-    report.rows.iter().map(|row| format!("{row}\n")).collect()
+    report.rows.iter().map(|row| format!("{row:?}\n")).collect()
 }
 
 #[test]

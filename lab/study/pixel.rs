@@ -11,6 +11,7 @@ use voltet_core::grid::{CellType, Grid};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
+use voltet_cpu::cull;
 use voltet_graph::{Graph, Observer, Session};
 use voltet_io::encode::srgb_from_linear;
 use voltet_optics::Segment;
@@ -216,8 +217,16 @@ fn all_integrators(
     progress: &dyn Progress,
 ) -> Result<Vec<IntegratorPixel>> {
     let own = scene.shading.integrator;
-    let segments: Vec<Vec<Traced>> = rays.iter().map(|ray| traced(tracer, ray)).collect();
-    let alone = voltet_introspect::SegmentProbe::new(scene, progress)?;
+    let traced = |ray: &Ray| -> Vec<Traced> {
+        let of = |crossing| {
+            let (length, ends) = tracer.segment(ray, crossing);
+            (length, ends, tracer.surface(ray, crossing))
+        };
+        tracer.crossings(ray).iter().map(of).collect()
+    };
+    let segments: Vec<Vec<Traced>> = rays.iter().map(traced).collect();
+    // The cells that the native engine draws decide what an integrator's tables hold.
+    let cells = cull(&scene.volume, &scene.transfer_function, &scene.camera, progress)?;
     let mut all = Vec::new();
     for (number, kind) in integrators.iter().enumerate() {
         if progress.cancelled() {
@@ -226,7 +235,8 @@ fn all_integrators(
         progress.report("integrators", number as f64 / integrators.len() as f64);
         let is_own = kind.is_kind_of(&own);
         let integrator = if is_own { own } else { usual(kind) };
-        let ready = alone.integrator(&Shading { integrator, ..scene.shading });
+        let shading = Shading { integrator, ..scene.shading };
+        let ready = voltet_cpu::integrator(&cells, &scene.transfer_function, &shading);
         let rgba = ready.and_then(|ready| composite_rays(ready.as_ref(), &segments)).map_err(why);
         let numbers = Numbers::of(&integrator).labels().join(", ");
         all.push(IntegratorPixel { name: integrator.name(), numbers, own: is_own, rgba });
@@ -239,25 +249,13 @@ fn why(error: Error) -> String {
     error.got.unwrap_or(error.what)
 }
 
-/// A segment with the factors of its opacity and colour.
-struct Traced {
-    length: f64,
-    ends: [Vec<f64>; 2],
-    surface: [f64; 2],
-}
-
-fn traced(tracer: &Tracer, ray: &Ray) -> Vec<Traced> {
-    let of = |crossing| {
-        let (length, ends) = tracer.segment(ray, crossing);
-        Traced { length, ends, surface: tracer.surface(ray, crossing) }
-    };
-    tracer.crossings(ray).iter().map(of).collect()
-}
+/// Length and ends of a segment, and the factors of its opacity and colour.
+type Traced = (f64, [Vec<f64>; 2], [f64; 2]);
 
 fn composite_rays(integrator: &dyn SegmentIntegrator, rays: &[Vec<Traced>]) -> Result<[f64; 4]> {
     let of = |ray: &Vec<Traced>| {
         let mut sum = Composite::default();
-        for Traced { length, ends: [front, back], surface: [silhouette, light] } in ray {
+        for (length, [front, back], [silhouette, light]) in ray {
             let part = integrator.integrate(&Segment {
                 length: *length,
                 front: [front[0], front[1]],

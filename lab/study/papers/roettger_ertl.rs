@@ -130,7 +130,7 @@ fn oversampling(section: &mut Section) {
 
 fn table_2(bench: &Bench, section: &mut Section) -> Result<()> {
     section.part("Table 2: seconds for the table");
-    let subject = bench.subject("roettger_ertl_sphere.toml", &[])?;
+    let subject = (bench.open)("roettger_ertl_sphere.toml", &[])?;
     let extent = Extent { scalar: [0.0, 10.0], longest: 2.5 };
     let (mut rows, mut speeds) = (Vec::new(), Vec::new());
     for (side, printed) in TABLE_2 {
@@ -166,8 +166,8 @@ fn plain(ramp: &Ramp, length: f64, slice: &mut [[f32; 4]]) {
     let n = ramp.size();
     for (k, entry) in slice.iter_mut().enumerate() {
         let (i, j) = (k / n, k % n);
-        let lowest = i.min(j) * ramp.parts();
-        let pieces = &ramp.pieces()[lowest..i.max(j) * ramp.parts()];
+        let lowest = i.min(j) * ramp.parts;
+        let pieces = &ramp.pieces[lowest..i.max(j) * ramp.parts];
         let step = length / pieces.len().max(1) as f64;
         let (mut light, mut depth) = ([0.0; 3], 0.0_f64);
         for m in 0..pieces.len() {
@@ -308,7 +308,7 @@ fn cylinder(bench: &Bench, section: &mut Section) -> Result<()> {
          S_f leaves the table",
         &[(&tiles(&lookup), [0.0; 3])],
     )?;
-    let subject = bench.subject("roettger_ertl_sphere.toml", &[])?;
+    let subject = (bench.open)("roettger_ertl_sphere.toml", &[])?;
     let cells = subject.scene.volume.grid.tetrahedra.len();
     let scene = bench.referred(subject)?;
     let shot = |integrator| bench.shot(&scene, integrator);
@@ -383,7 +383,7 @@ fn tiles(lookup: &Lookup) -> Picture {
 
 /// Figure 12: as many cells, in a scene of another kind.
 fn many(bench: &Bench, section: &mut Section) -> Result<()> {
-    let subject = bench.subject("roettger_ertl_many.toml", &["grid.resolution=[58,58,59]".into()])?;
+    let subject = (bench.open)("roettger_ertl_many.toml", &["grid.resolution=[58,58,59]".into()])?;
     let cells = subject.scene.volume.grid.tetrahedra.len();
     let planes = pre_integrated_cylindrical(256, 2, 1);
     let (exact, closed) = bench.measured(&subject, Integrator::ANALYTIC)?;

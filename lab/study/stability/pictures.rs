@@ -114,16 +114,6 @@ pub(super) struct OpenRenderer {
     pub engine: Arc<dyn Engine>,
 }
 
-impl OpenRenderer {
-    /// Its ways of compositing; the one that it has, where it has no choice.
-    pub fn ways(&self) -> Vec<Option<Compositor>> {
-        match self.declared.compositing {
-            [] => vec![None],
-            several => several.iter().copied().map(Some).collect(),
-        }
-    }
-}
-
 /// Everything that can be judged here. `adapter`: a device by its kind or a part of its name; without it the fastest that is
 /// hardware, and what is left out where there is none.
 ///

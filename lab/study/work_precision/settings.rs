@@ -266,7 +266,7 @@ impl Subject {
         let place = drawing_node(graph, name)?;
         let node = &graph.nodes[place];
         let blame = |error| node.locate(error);
-        let inputs = session.inputs(graph, place, &Demand { gradient, ..Demand::default() }, observer)?;
+        let (inputs, _) = session.feed(graph, place, &Demand { gradient, ..Demand::default() }, observer)?;
         let shading = drawing::shading(&node.parameters).map_err(blame)?;
         let unknown = || node.locate(Error::run("the node that draws is fed by values of unknown types"));
         let (scene, order_node) = match inputs.as_slice() {
@@ -522,6 +522,17 @@ fn accumulation(subject: &Subject, variant: RendererVariant) -> Accumulation {
 }
 
 impl RenderConfig {
+    /// Configuration of the native engine in exact order.
+    pub const fn native(integrator: Integrator) -> RenderConfig {
+        RenderConfig {
+            variant: RendererVariant::NATIVE,
+            integrator,
+            overlap: WidgetBlend::Exact,
+            order: VisibilityOrder::Exact,
+            accumulation: Accumulation::Float,
+        }
+    }
+
     /// Configuration by which the file would draw the scene with this variant.
     pub fn of_file(subject: &Subject, variant: RendererVariant) -> RenderConfig {
         let Scene { shading, order, .. } = subject.scene;
