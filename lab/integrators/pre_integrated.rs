@@ -73,10 +73,7 @@ impl PreIntegratedKind {
         extent: &Extent,
     ) -> Result<PreIntegrated> {
         let [side, oversampling, planes] = [SIDE, OVERSAMPLING, PLANES].map(|name| count(integrator, name));
-        match self.tiles {
-            false => PreIntegrated::new(function, side, oversampling, extent),
-            true => PreIntegrated::tiles(function, side, oversampling, planes, extent),
-        }
+        PreIntegrated::new(function, side, oversampling, self.tiles.then_some(planes), extent)
     }
 }
 
@@ -208,11 +205,14 @@ pub struct PreIntegrated {
 impl PreIntegrated {
     /// Fills the table on all cores. Serves transfer functions of the scalar alone; `table_size` entries a side,
     /// 2 … [`super::MAX_TABLE_SIDE`], `oversampling` pieces from one to the next, 1 … [`super::MAX_OVERSAMPLING`].
-    /// Segments longer than the extent's longest take the colour of that one.
+    /// Segments longer than the extent's longest take the colour of that one. With `planes` it is resampled to `planes` × `table_size`
+    /// (rounded up to a multiple of 4) and one more tiles: with 1 they take as much memory as the table. The paper holds four times
+    /// its side for enough to lose nothing.
     pub fn new(
         transfer_function: &TransferFunction,
         table_size: usize,
         oversampling: usize,
+        planes: Option<usize>,
         extent: &Extent,
     ) -> Result<Self> {
         can_serve(&pre_integrated(table_size, oversampling), transfer_function)?;
@@ -225,19 +225,8 @@ impl PreIntegrated {
             ramp.fill(share * share, slice);
             slice.iter_mut().zip(&extinction).for_each(|(entry, mean)| entry[3] = *mean);
         });
-        Ok(PreIntegrated { extinction, longest: extent.longest, ramp, last_tile: None, glow })
-    }
-
-    /// Fills tiles on all cores: `planes` × `table_size` (rounded up to a multiple of 4) and one more of them; with
-    /// `planes` = 1 they take as much memory as the table. The paper holds four times its side for enough to lose nothing.
-    pub fn tiles(
-        transfer_function: &TransferFunction,
-        table_size: usize,
-        oversampling: usize,
-        planes: usize,
-        extent: &Extent,
-    ) -> Result<Self> {
-        let table = PreIntegrated::new(transfer_function, table_size, oversampling, extent)?;
+        let table = PreIntegrated { extinction, longest: extent.longest, ramp, last_tile: None, glow };
+        let Some(planes) = planes else { return Ok(table) };
         let last = last_tile(table_size, planes);
         let mut tiles = vec![[0.0; 4]; table_size * table_size * (last + 1)];
         let step = (table_size - 1) as f64;

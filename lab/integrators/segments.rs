@@ -73,7 +73,11 @@ impl IntegratorKind for SegmentsKind {
         transfer_function: &TransferFunction,
         _: &Extent,
     ) -> Result<Box<dyn SegmentIntegrator>> {
-        Ok(Box::new(Segments::new(transfer_function, count(integrator, PIECES), count(integrator, SIDE))?))
+        Ok(Box::new(Segments::new(
+            transfer_function,
+            count(integrator, PIECES),
+            Some(count(integrator, SIDE)),
+        )?))
     }
 
     fn extensions(&self) -> &'static [&'static (dyn Any + Send + Sync)] {
@@ -145,19 +149,18 @@ pub struct Segments {
 }
 
 impl Segments {
-    /// Serves every transfer function; `count` ≥ 1, `table_size` ≥ 2 entries a side.
-    pub fn new(transfer_function: &TransferFunction, count: usize, table_size: usize) -> Result<Self> {
-        can_serve(&segments(count, table_size), transfer_function)?;
-        let plain = Segments::with_closed_forms(transfer_function, count)?;
-        Ok(Segments { table: Some(PartialTable::new(plain.density, table_size)), ..plain })
-    }
-
-    /// Integrator without a table: several times slower, and without the table's error.
-    pub fn with_closed_forms(transfer_function: &TransferFunction, count: usize) -> Result<Self> {
-        can_serve(&segments(count, 2), transfer_function)?;
+    /// Serves every transfer function; `count` ≥ 1, `table_size` ≥ 2 entries a side. Without a table it is several times slower,
+    /// and has not the table's error.
+    pub fn new(
+        transfer_function: &TransferFunction,
+        count: usize,
+        table_size: Option<usize>,
+    ) -> Result<Self> {
+        can_serve(&segments(count, table_size.unwrap_or(2)), transfer_function)?;
         let density = transfer_function.model == OpticalModel::DensityEmitter;
         let prepared = CompiledTransferFunction::new(transfer_function)?;
-        Ok(Segments { prepared, count, density, table: None })
+        let table = table_size.map(|size| PartialTable::new(density, size));
+        Ok(Segments { prepared, count, density, table })
     }
 
     /// Light of a piece of length `step`.

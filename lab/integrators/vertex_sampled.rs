@@ -85,10 +85,7 @@ impl VertexSampled {
         let fields = transfer_function.fields();
         let slot = |name: &&str| fields.iter().position(|field| field == name);
         let slots: Vec<usize> = CLASSIFIED.iter().filter_map(slot).collect();
-        Ok(VertexSampled {
-            slots: slots.try_into().ok(),
-            ends: Segments::with_closed_forms(transfer_function, 1)?,
-        })
+        Ok(VertexSampled { slots: slots.try_into().ok(), ends: Segments::new(transfer_function, 1, None)? })
     }
 }
 

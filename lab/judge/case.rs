@@ -208,14 +208,9 @@ fn ray<'de, D: Deserializer<'de>>(input: D) -> Read<'de, Ray, D> {
 #[derive(Deserialize)]
 struct Medium {
     model: Model,
-    #[serde(default = "usual_cutoff")]
-    cutoff: f64,
+    cutoff: Option<f64>,
     unit_distance: f64,
     widgets: Vec<WidgetLine>,
-}
-
-fn usual_cutoff() -> f64 {
-    1.0 / 255.0
 }
 
 #[derive(Deserialize)]
@@ -297,23 +292,19 @@ fn rows<'de, D: Deserializer<'de>>(input: D) -> Read<'de, Vec<Vec<f64>>, D> {
 
 fn wave<'de, D: Deserializer<'de>>(input: D) -> Read<'de, Wave, D> {
     #[derive(Deserialize)]
-    #[serde(default)]
     struct Line {
-        s0: f64,
-        g0: f64,
-        theta: f64,
-        w_s: f64,
-        w_g: f64,
-        period: f64,
-        band_width: f64,
+        s0: Option<f64>,
+        g0: Option<f64>,
+        theta: Option<f64>,
+        w_s: Option<f64>,
+        w_g: Option<f64>,
+        period: Option<f64>,
+        band_width: Option<f64>,
     }
-    impl Default for Line {
-        fn default() -> Line {
-            Line { s0: 0.0, g0: 0.0, theta: 0.0, w_s: 1.0, w_g: 1.0, period: 1.0, band_width: 1.0 }
-        }
-    }
-    let Line { s0, g0, theta: angle, w_s, w_g, period, band_width } = Line::deserialize(input)?;
-    Ok(Wave { origin: [s0, g0], angle, scale: [w_s, w_g], period, band_width })
+    let Line { s0, g0, theta, w_s, w_g, period, band_width } = Line::deserialize(input)?;
+    let [origin, scale] = [[s0, g0].map(Option::unwrap_or_default), [w_s, w_g].map(|w| w.unwrap_or(1.0))];
+    let [period, band_width] = [period, band_width].map(|number| number.unwrap_or(1.0));
+    Ok(Wave { origin, angle: theta.unwrap_or_default(), scale, period, band_width })
 }
 
 /// Control points, each as (s, extinction, r, g, b).
@@ -359,7 +350,7 @@ fn transfer_function<'de, D: Deserializer<'de>>(input: D) -> Read<'de, TransferF
     };
     let model = match model {
         Model::Density => OpticalModel::DensityEmitter,
-        Model::Constant => OpticalModel::ConstantEmitter { cutoff },
+        Model::Constant => OpticalModel::ConstantEmitter { cutoff: cutoff.unwrap_or(1.0 / 255.0) },
     };
     let widgets = widgets.into_iter().map(widget).collect::<Read<'de, _, D>>()?;
     Ok(TransferFunction { model, unit_distance, widgets })

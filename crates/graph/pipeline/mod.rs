@@ -97,9 +97,7 @@ impl Pipeline {
         let fields = theirs.into_iter().map(|(key, value)| toml_field(key, value, &mut Vec::new()));
         editor.extend(fields.flat_map(|field| field.setting.table().unwrap_or_default().to_vec()));
         let top: Vec<Field> = ours.into_iter().map(|(key, value)| toml_field(key, value, faults)).collect();
-        let known = ["pipeline", "nodes"];
-        let unknown = top.iter().filter(|f| !known.contains(&f.name.as_str()));
-        faults.extend(unknown.map(|field| unknown_key(field, &known, "a pipeline file")));
+        faults.extend(unknown_keys(&top, &["pipeline", "nodes"], "a pipeline file"));
         let find = |name: &str| top.iter().find(|f| f.name == name);
         pipeline.title = read_header(find("pipeline"), faults);
         if let Some(field) = find("nodes") {
@@ -139,9 +137,7 @@ fn read_header(header: Option<&Field>, faults: &mut Vec<Error>) -> Option<String
         faults.push(header.setting.error("'pipeline' must be a table", form));
         return None;
     };
-    let known = ["format", "title"];
-    let unknown = fields.iter().filter(|f| !known.contains(&f.name.as_str()));
-    faults.extend(unknown.map(|field| unknown_key(field, &known, "[pipeline]")));
+    faults.extend(unknown_keys(fields, &["format", "title"], "[pipeline]"));
     let find = |name: &str| fields.iter().find(|f| f.name == name).map(|f| &f.setting);
     match find("format") {
         None => {
@@ -188,9 +184,12 @@ fn read_node(entry: &Field, faults: &mut Vec<Error>) -> Option<NodeEntry> {
     Some(NodeEntry { name: entry.name.clone(), origin: entry.origin.clone(), node_type, settings, inputs })
 }
 
-fn unknown_key(field: &Field, known: &[&str], place: &str) -> Error {
-    let what = format!("unknown key '{}' in {place}", field.name);
-    field.origin.locate(Error::usage(what).expected(suggest(&field.name, known.iter().copied())))
+fn unknown_keys(fields: &[Field], known: &[&str], place: &str) -> impl Iterator<Item = Error> {
+    let unknown = fields.iter().filter(|field| !known.contains(&field.name.as_str()));
+    unknown.map(move |field| {
+        let what = format!("unknown key '{}' in {place}", field.name);
+        field.origin.locate(Error::usage(what).expected(suggest(&field.name, known.iter().copied())))
+    })
 }
 
 type TomlKey<'i> = Spanned<DeString<'i>>;

@@ -245,15 +245,12 @@ fn setting_json(study: &Study, setting: &RenderConfig) -> Value {
     set("accumulation", accumulation.map(|one| one.name().into()));
     set("adapter", adapter.map(|adapter| adapter.name.as_str().into()));
     for (name, value) in setting.keys() {
-        set(
-            name,
-            match value {
-                ParameterValue::Text(word) => Some(word.into()),
-                ParameterValue::Integer(n) => Some(n.into()),
-                ParameterValue::Number(x) => Some(x.into()),
-                _ => None,
-            },
-        );
+        keys[name] = match value {
+            ParameterValue::Text(word) => word.into(),
+            ParameterValue::Integer(n) => n.into(),
+            ParameterValue::Number(x) => x.into(),
+            _ => continue,
+        };
     }
     keys
 }

@@ -115,9 +115,9 @@ fn the_device_fills_tables_as_the_host_does() {
             found.truncate(places.first_entry() as usize);
             found
         });
-        let host = PreIntegrated::new(&transfer_function, side, PARTS, &EXTENT).expect("serves");
+        let host = PreIntegrated::new(&transfer_function, side, PARTS, None, &EXTENT).expect("serves");
         let host_tiles =
-            PreIntegrated::tiles(&transfer_function, side, PARTS, PLANES, &EXTENT).expect("serves");
+            PreIntegrated::new(&transfer_function, side, PARTS, Some(PLANES), &EXTENT).expect("serves");
         let found = [difference(&table, &host.glow), difference(&tiles, &host_tiles.glow)];
         let ramp = Ramp::new(&transfer_function, side, PARTS, &EXTENT).expect("valid");
         let plain = difference(&table, &four_loops(&ramp));
@@ -190,7 +190,7 @@ fn figures_of_tables() {
         let ramp = Ramp::new(&transfer_function, side, PARTS, &EXTENT).expect("valid");
         let (plain, _) = timed(|| four_loops(&ramp));
         let (windows, _) =
-            timed(|| PreIntegrated::new(&transfer_function, side, PARTS, &EXTENT).expect("serves"));
+            timed(|| PreIntegrated::new(&transfer_function, side, PARTS, None, &EXTENT).expect("serves"));
         let mut row = Vec::new();
         for integrator in both(side) {
             let ready = ready(&transfer_function, integrator);
