@@ -185,7 +185,13 @@ impl WgslIntegrator for PreIntegratedKind {
 
 impl WgslTable for PreIntegratedKind {
     fn fill(&self, resources: &mut Resources, scene: &TableScene<'_>) -> Result<()> {
-        fill(resources, self.last_tile(scene.integrator), scene)
+        let TableScene { integrator, transfer_function, axis, length, extent, numbers, .. } = *scene;
+        let side = count(integrator, SIDE);
+        let last_tile = self.last_tile(integrator);
+        let ramp = Ramp::new(transfer_function, side, count(integrator, OVERSAMPLING), extent)?;
+        let entries = mean_extinctions(&ramp, last_tile, axis, length / extent.longest)?;
+        add_passes(resources, &ramp, last_tile, scene, &[&entries, numbers].concat());
+        Ok(())
     }
 }
 
@@ -463,20 +469,6 @@ const GROUP_SIDE: u32 = 8;
 /// Numbers before the entries of mean extinctions: side, tiles less 1, where the first node is stored, nodes a stored unit, longest
 /// segments a scene length.
 pub(crate) const MEAN_HEAD: u64 = 5;
-
-/// Adds the buffers and passes of a pre-integrated table, or of its tiles.
-pub(crate) fn fill(
-    resources: &mut Resources,
-    last_tile: Option<usize>,
-    scene: &TableScene<'_>,
-) -> Result<()> {
-    let TableScene { integrator, transfer_function, axis, length, extent, numbers, .. } = *scene;
-    let side = count(integrator, SIDE);
-    let ramp = Ramp::new(transfer_function, side, count(integrator, OVERSAMPLING), extent)?;
-    let entries = mean_extinctions(&ramp, last_tile, axis, length / extent.longest)?;
-    add_passes(resources, &ramp, last_tile, scene, &[&entries, numbers].concat());
-    Ok(())
-}
 
 /// The passes that fill the table over (D, s_f, s_b), and for tiles the one that resamples it.
 fn add_passes(

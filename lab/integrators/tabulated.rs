@@ -424,7 +424,14 @@ pub struct GaussianTables {
 impl GaussianTables {
     /// Fills them, `size` ≥ 2 entries a side; `light`: also that of light.
     pub fn new(size: usize, light: bool) -> Self {
-        GaussianTables { size, means: means(size), light: if light { lights(size) } else { Vec::new() } }
+        let place = |k: usize| REACH * (2.0 * k as f64 / (size - 1) as f64 - 1.0);
+        let entry = |k: usize| {
+            let (a, b) = (place(k / size), place(k % size));
+            let (mean, exponent) = gaussian_mean(a.min(b), a.max(b), (b - a).abs());
+            (mean * (-exponent).exp() * f64::from(u16::MAX)).round() as u16
+        };
+        let means = (0..size * size).map(entry).collect();
+        GaussianTables { size, means, light: if light { lights(size) } else { Vec::new() } }
     }
 
     pub fn bytes(&self) -> usize {
@@ -443,17 +450,6 @@ impl GaussianTables {
         let at = Bilinear::new(p / MAX_P * last, (x + LIT_REACH) / (2.0 * LIT_REACH) * last, self.size);
         at.read(|k| f64::from(self.light[k]))
     }
-}
-
-/// IGauss in 16 bits.
-fn means(size: usize) -> Vec<u16> {
-    let place = |k: usize| REACH * (2.0 * k as f64 / (size - 1) as f64 - 1.0);
-    let entry = |k: usize| {
-        let (a, b) = (place(k / size), place(k % size));
-        let (mean, exponent) = gaussian_mean(a.min(b), a.max(b), (b - a).abs());
-        (mean * (-exponent).exp() * f64::from(u16::MAX)).round() as u16
-    };
-    (0..size * size).map(entry).collect()
 }
 
 /// J, from its end backward: each step adds ∫ e^(−P (erf u − erf x)) du over it to what is behind, dimmed.

@@ -344,15 +344,12 @@ pub fn text(pixel: &Pixel, all: bool) -> String {
 fn shown(steps: &[CellCrossing], most: usize) -> Vec<usize> {
     let mut places: Vec<usize> = (0..steps.len()).collect();
     if places.len() > most {
-        places.sort_by(|&a, &b| adds(&steps[b]).total_cmp(&adds(&steps[a])));
+        let adds = |k: usize| steps[k].contribution().into_iter().fold(0.0, f64::max);
+        places.sort_by(|&a, &b| adds(b).total_cmp(&adds(a)));
         places.truncate(most);
         places.sort_unstable();
     }
     places
-}
-
-fn adds(step: &CellCrossing) -> f64 {
-    step.contribution().into_iter().fold(0.0, f64::max)
 }
 
 fn left_out(pixel: &Pixel, shown: &[usize]) -> String {

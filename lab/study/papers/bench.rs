@@ -150,12 +150,7 @@ impl Paper {
     pub const ALL: [Paper; 4] = [Paper::Song, Paper::Moreland, Paper::RoettgerErtl, Paper::Kniss];
 
     pub fn name(self) -> &'static str {
-        match self {
-            Paper::Song => "song",
-            Paper::Moreland => "moreland",
-            Paper::RoettgerErtl => "roettger-ertl",
-            Paper::Kniss => "kniss",
-        }
+        ["song", "moreland", "roettger-ertl", "kniss"][self as usize]
     }
 }
 

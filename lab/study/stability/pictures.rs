@@ -16,7 +16,7 @@ use voltet_core::transfer::{
 };
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, SharedSlice};
-use voltet_introspect::MeasuredEngine;
+use voltet_introspect::evaluator;
 use voltet_judge::{Evaluator64, SegmentEvaluator};
 use voltet_nodes::drawing::ENGINES;
 use voltet_optics::WidgetBlend;
@@ -127,7 +127,7 @@ pub fn subjects(adapter: Option<&str>) -> Result<Subjects> {
     for declared in ENGINES {
         match devices::open_variants_of(declared, adapter.filter(|_| declared.on_device)) {
             Ok(each) => {
-                subjects.forms.extend(each.iter().filter_map(|engine| engine.evaluator()));
+                subjects.forms.extend(each.iter().filter_map(|engine| evaluator(engine.as_ref())));
                 subjects.renderers.extend(each.into_iter().map(|engine| OpenRenderer { declared, engine }));
             }
             Err(error) if adapter.is_some() => return Err(error),

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
 use voltet_core::{Error, Result};
-use voltet_introspect::MeasuredEngine;
+use voltet_introspect::evaluator;
 use voltet_judge::{EvalOutcome, Evaluator64, PartialIntegrals, SegmentEvaluator};
 use voltet_nodes::drawing::NATIVE;
 use voltet_optics::engine::AdapterRequest;
@@ -147,7 +147,7 @@ fn computed<T>(
 
 /// Formulas of the CPU engine on this processor.
 fn native() -> Result<Box<dyn SegmentEvaluator>> {
-    let forms = NATIVE.open(&AdapterRequest::default())?.evaluator();
+    let forms = evaluator(NATIVE.open(&AdapterRequest::default())?.as_ref());
     forms.ok_or_else(|| Error::run("the engine has no forms of segments").got(NATIVE.name))
 }
 

@@ -29,7 +29,7 @@ use voltet_core::transfer::{
 };
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, SharedSlice};
-use voltet_introspect::MeasuredEngine;
+use voltet_introspect::clear_caches;
 use voltet_optics::WidgetBlend;
 use voltet_optics::engine::Compositor;
 use voltet_optics::scene::Scene;
@@ -104,7 +104,7 @@ pub fn random(
         found.drawn += 1;
         found.shown += u64::from(exact.rgba.iter().any(|pixel| pixel[3] > 1.0 / 255.0));
         // Hardly two scenes share compiled shaders.
-        subjects.renderers.iter().for_each(|renderer| renderer.engine.clear_caches());
+        subjects.renderers.iter().for_each(|renderer| clear_caches(renderer.engine.as_ref()));
         let mut explained = None;
         let variants = |renderer: &OpenRenderer| RendererVariant::all_of_engine(renderer.declared);
         let each = subjects.renderers.iter().flat_map(|one| variants(one).map(move |variant| (one, variant)));

@@ -448,7 +448,10 @@ pub fn settings(subject: &Subject, only: &[String], variant: RendererVariant) ->
     let wanted = |integrator: &Integrator| only.is_empty() || only.iter().any(|n| n == integrator.name());
     let mut settings = Vec::new();
     for integrator in integrators.filter(|i| serves(i) && wanted(i)) {
-        for overlap in overlaps(subject, &integrator) {
+        // Both ways with overlaps where the integrator knows them and the scene has several widgets.
+        let several = integrator == Integrator::ANALYTIC && subject.scene.transfer_function.widgets.len() > 1;
+        let overlaps = [Some(WidgetBlend::Exact), several.then_some(WidgetBlend::Mix)];
+        for overlap in overlaps.into_iter().flatten() {
             for order in orders(subject, &integrator, variant) {
                 let accumulation = accumulation(subject, variant);
                 settings.push(RenderConfig { variant, integrator, overlap, order, accumulation });
@@ -492,14 +495,6 @@ fn sweep(kind: &Integrator) -> Vec<Integrator> {
             sides(*kind, &SIDES).into_iter().chain(finer).chain(more).collect()
         }
         _ => vec![*kind],
-    }
-}
-
-/// Both ways with overlaps where the integrator knows them and the scene has several widgets.
-fn overlaps(subject: &Subject, integrator: &Integrator) -> Vec<WidgetBlend> {
-    match *integrator == Integrator::ANALYTIC && subject.scene.transfer_function.widgets.len() > 1 {
-        true => vec![WidgetBlend::Exact, WidgetBlend::Mix],
-        false => vec![WidgetBlend::Exact],
     }
 }
 
