@@ -39,7 +39,7 @@ fn demand(asking: &mut DemandContext) -> Result<()> {
     let mut demand = Demand { arrays, cell_arrays, file_cells, ..Demand::default() };
     record_unneeded(asking.notes, asked, None);
     if asked.gradient_magnitude || asked.gradient {
-        demand.arrays.extend(asking.method()?.arrays()?);
+        demand.arrays.named.extend(asking.method()?.arrays()?);
     }
     asking.ask("grid", &demand)
 }

@@ -94,10 +94,10 @@ impl MultiGradientOptions {
 fn demand(asking: &mut DemandContext) -> Result<()> {
     let wish = MultiGradientOptions::new(asking.parameters)?;
     let mut demand = asking.asked.clone();
-    demand.arrays.remove(&wish.name);
+    demand.arrays.named.remove(&wish.name);
     if asking.exhaustive() || asking.asked.arrays.contains(&wish.name) {
-        demand.arrays.extend(asking.method()?.arrays()?);
-        demand.arrays.extend(wish.fields);
+        demand.arrays.named.extend(asking.method()?.arrays()?);
+        demand.arrays.named.extend(wish.fields);
     } else {
         record_unneeded(asking.notes, &wish, None);
     }

@@ -181,10 +181,10 @@ fn asked(
     resolve: &dyn Fn(&str) -> PathBuf,
 ) -> Result<Request> {
     let mut request = request(p, chosen)?;
-    request.point_arrays = demand.arrays.named().map(str::to_string).collect();
-    request.cell_arrays = demand.cell_arrays.named().map(str::to_string).collect();
+    request.point_arrays = demand.arrays.named.iter().cloned().collect();
+    request.cell_arrays = demand.cell_arrays.named.iter().cloned().collect();
     request.keep_cells = demand.file_cells;
-    request.every_array = demand.arrays.and_all_others() || demand.cell_arrays.and_all_others();
+    request.every_array = demand.arrays.and_all_others || demand.cell_arrays.and_all_others;
     if p.is_set("solution") {
         request.solution = Some(resolve(p.text("solution")?));
     }

@@ -65,7 +65,7 @@ fn field(p: glam::DVec3) -> f64 {
 }
 
 fn run(call: &mut RunContext) -> Result<Outputs> {
-    if let Some(name) = call.demand.arrays.named().chain(call.demand.cell_arrays.named()).next() {
+    if let Some(name) = call.demand.arrays.named.iter().chain(&call.demand.cell_arrays.named).next() {
         return Err(Error::run("a wavelet has no array of this name")
             .got(name)
             .expected("its scalar alone, or a reader"));

@@ -151,7 +151,7 @@ fn a_stopped_reference_picture_goes_on_where_it_was() {
     assert_eq!(resumed.picture, whole.picture);
     assert!(reference(&subject, cache.path(), &rest).unwrap().cached);
     let left: Vec<_> = std::fs::read_dir(cache.path()).unwrap().collect();
-    assert_eq!(left.len(), 1, "the tiles are gone: {left:?}");
+    assert_eq!(left.len(), 1, "one file a picture: {left:?}");
 }
 
 /// A smooth field on a box of tetrahedra, with its gradient, drawn as one soft Gaussian over s.

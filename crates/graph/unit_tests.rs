@@ -139,7 +139,7 @@ const DRAW: Node = Node {
     demand: &|asking| {
         let unit = asking.look("look").unwrap().transfer_function.unit_distance;
         let mut demand = Demand { gradient_magnitude: unit > 1.0, ..Demand::default() };
-        demand.arrays.insert("p".into());
+        demand.arrays.named.insert("p".into());
         asking.ask("volume", &demand)
     },
     run: &|call| {

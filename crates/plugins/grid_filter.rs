@@ -43,9 +43,9 @@ pub(crate) fn grid_node(item: PluginItem) -> &'static Node {
 fn demand(item: &PluginItem, context: &mut DemandContext) -> Result<()> {
     let mut demand = context.asked.clone();
     if let Family::GridFilter { made } = item.declaration.family {
-        made.iter().for_each(|name| demand.arrays.remove(name));
+        demand.arrays.named.retain(|name| !made.contains(&name.as_str()));
     }
-    demand.arrays.extend(array_names(&item.declaration, context.parameters));
+    demand.arrays.named.extend(array_names(&item.declaration, context.parameters));
     context.ask("grid", &demand)
 }
 
@@ -125,14 +125,14 @@ fn output_grid(
         let found = if has.is_empty() { "no arrays".into() } else { has.join(", ") };
         label.error(&format!("did not give the array '{name}', which is asked for")).got(found)
     };
-    let named = demand.arrays.named();
+    let named = demand.arrays.named.iter();
     if let Some(name) =
         named.into_iter().find(|name| !at_points.contains_key(*name) && !on_cells.contains_key(*name))
     {
         return Err(missing(name));
     }
     let keeps_cells = head.has(SAME_CELLS);
-    if let Some(name) = demand.cell_arrays.named().find(|_| !keeps_cells) {
+    if let Some(name) = demand.cell_arrays.named.iter().find(|_| !keeps_cells) {
         let error = label
             .error(&format!("gives other cells, and so not the cell array '{name}', which is asked for"));
         return Err(error.expected("no cell array of the file behind it"));

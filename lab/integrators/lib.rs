@@ -37,9 +37,7 @@ pub use settings::{
     MAX_PLANES, MAX_TABLE_SIDE,
 };
 pub use tabulated::{GaussianTables, LIT_REACH, MAX_P, REACH, Tabulated, tabulated};
-pub use vertex_sampled::{
-    CLASSIFIED, ClassifiedPoints, VERTEX_SAMPLED, VertexSampled, classified, is_classified,
-};
+pub use vertex_sampled::{CLASSIFIED, ClassifiedPoints, VERTEX_SAMPLED, VertexSampled, classified};
 
 use voltet_core::Result;
 use voltet_graph::Registry;

@@ -73,10 +73,7 @@ impl PreIntegratedKind {
         extent: &Extent,
     ) -> Result<PreIntegrated> {
         let [side, oversampling, planes] = [SIDE, OVERSAMPLING, PLANES].map(|name| count(integrator, name));
-        match self.tiles {
-            false => PreIntegrated::new(function, side, oversampling, extent),
-            true => PreIntegrated::tiles(function, side, oversampling, planes, extent),
-        }
+        PreIntegrated::new(function, side, oversampling, self.tiles.then_some(planes), extent)
     }
 }
 
@@ -188,7 +185,13 @@ impl WgslIntegrator for PreIntegratedKind {
 
 impl WgslTable for PreIntegratedKind {
     fn fill(&self, resources: &mut Resources, scene: &TableScene<'_>) -> Result<()> {
-        fill(resources, self.last_tile(scene.integrator), scene)
+        let TableScene { integrator, transfer_function, axis, length, extent, numbers, .. } = *scene;
+        let side = count(integrator, SIDE);
+        let last_tile = self.last_tile(integrator);
+        let ramp = Ramp::new(transfer_function, side, count(integrator, OVERSAMPLING), extent)?;
+        let entries = mean_extinctions(&ramp, last_tile, axis, length / extent.longest)?;
+        add_passes(resources, &ramp, last_tile, scene, &[&entries, numbers].concat());
+        Ok(())
     }
 }
 
@@ -202,17 +205,20 @@ pub struct PreIntegrated {
     /// Number of tiles less 1, a multiple of 4, so that the mapping's creases lie on tiles.
     pub(crate) last_tile: Option<usize>,
     /// C/(D E₁) and ρ̄ by (D, s_f, s_b); of tiles C/(D E₁) by (α, s, t).
-    pub(crate) glow: Vec<[f32; 4]>,
+    pub glow: Vec<[f32; 4]>,
 }
 
 impl PreIntegrated {
     /// Fills the table on all cores. Serves transfer functions of the scalar alone; `table_size` entries a side,
     /// 2 … [`super::MAX_TABLE_SIDE`], `oversampling` pieces from one to the next, 1 … [`super::MAX_OVERSAMPLING`].
-    /// Segments longer than the extent's longest take the colour of that one.
+    /// Segments longer than the extent's longest take the colour of that one. With `planes` it is resampled to `planes` × `table_size`
+    /// (rounded up to a multiple of 4) and one more tiles: with 1 they take as much memory as the table. The paper holds four times
+    /// its side for enough to lose nothing.
     pub fn new(
         transfer_function: &TransferFunction,
         table_size: usize,
         oversampling: usize,
+        planes: Option<usize>,
         extent: &Extent,
     ) -> Result<Self> {
         can_serve(&pre_integrated(table_size, oversampling), transfer_function)?;
@@ -225,19 +231,8 @@ impl PreIntegrated {
             ramp.fill(share * share, slice);
             slice.iter_mut().zip(&extinction).for_each(|(entry, mean)| entry[3] = *mean);
         });
-        Ok(PreIntegrated { extinction, longest: extent.longest, ramp, last_tile: None, glow })
-    }
-
-    /// Fills tiles on all cores: `planes` × `table_size` (rounded up to a multiple of 4) and one more of them; with
-    /// `planes` = 1 they take as much memory as the table. The paper holds four times its side for enough to lose nothing.
-    pub fn tiles(
-        transfer_function: &TransferFunction,
-        table_size: usize,
-        oversampling: usize,
-        planes: usize,
-        extent: &Extent,
-    ) -> Result<Self> {
-        let table = PreIntegrated::new(transfer_function, table_size, oversampling, extent)?;
+        let table = PreIntegrated { extinction, longest: extent.longest, ramp, last_tile: None, glow };
+        let Some(planes) = planes else { return Ok(table) };
         let last = last_tile(table_size, planes);
         let mut tiles = vec![[0.0; 4]; table_size * table_size * (last + 1)];
         let step = (table_size - 1) as f64;
@@ -251,11 +246,6 @@ impl PreIntegrated {
             }
         });
         Ok(PreIntegrated { last_tile: Some(last), glow: tiles, ..table })
-    }
-
-    /// C/(D E₁) in front of another number, slice by slice or tile by tile.
-    pub fn glow(&self) -> &[[f32; 4]] {
-        &self.glow
     }
 
     /// C/(D E₁) at places in s, and the share of the longest segment.
@@ -365,35 +355,23 @@ impl LaneTable {
     #[inline(always)]
     fn read<L: Lanes>(&self, row: L::F, column: L::F, plane: L::F) -> [L::F; 4] {
         let splat = L::F::splat;
-        let split = inlined(
-            #[inline(always)]
-            |x: L::F, last: usize| {
-                let low = x.floor().min(splat((last - 1) as f32));
-                (low.to_unsigned(), x - low)
-            },
-        );
+        let split = inlined!(|x: L::F, last: usize| {
+            let low = x.floor().min(splat((last - 1) as f32));
+            (low.to_unsigned(), x - low)
+        });
         let size = self.table.ramp.size();
         let last_plane = self.table.last_tile.unwrap_or(size - 1);
         let ((i, u), (j, v), (k, w)) =
             (split(row, size - 1), split(column, size - 1), split(plane, last_plane));
         let [next_row, next_plane] = [size, size * size].map(|n| L::U::splat(n as u32));
         let first = k * next_plane + i * next_row + j;
-        let mix = inlined(
-            #[inline(always)]
-            |a: [L::F; 4], b: [L::F; 4], share: L::F| -> [L::F; 4] {
-                array(
-                    #[inline(always)]
-                    |c| share.mul_add(b[c] - a[c], a[c]),
-                )
-            },
-        );
-        let corner = inlined(
-            #[inline(always)]
-            |at: L::U| {
-                let near = L::F::gather_parts(&self.table.glow, at);
-                mix(near, L::F::gather_parts(&self.table.glow, at + next_plane), w)
-            },
-        );
+        let mix = inlined!(|a: [L::F; 4], b: [L::F; 4], share: L::F| -> [L::F; 4] {
+            array!(|c| share.mul_add(b[c] - a[c], a[c]))
+        });
+        let corner = inlined!(|at: L::U| {
+            let near = L::F::gather_parts(&self.table.glow, at);
+            mix(near, L::F::gather_parts(&self.table.glow, at + next_plane), w)
+        });
         let next_column = L::U::splat(1);
         let low = mix(corner(first), corner(first + next_column), v);
         let second = first + next_row;
@@ -414,13 +392,10 @@ impl LaneKernel for LaneTable {
         for at in (0..batch.count()).step_by(L::WIDTH) {
             let segments = batch.segments::<L>(at);
             let (front_values, back_values) = (segments.front, segments.back);
-            let [front, back]: [L::F; 2] = array(
-                #[inline(always)]
-                |end| {
-                    let s = if end == 0 { front_values[0] } else { back_values[0] };
-                    ((s - splat(self.start)) * splat(self.per_value)).max(zero).min(last)
-                },
-            );
+            let [front, back]: [L::F; 2] = array!(|end| {
+                let s = if end == 0 { front_values[0] } else { back_values[0] };
+                ((s - splat(self.start)) * splat(self.per_value)).max(zero).min(last)
+            });
             // Values that are not numbers contribute nothing.
             let numbers = front_values[0].le(front_values[0]).and(back_values[0].le(back_values[0]));
             let reach = splat(if self.means.is_some() { TILES_REACH } else { 0.0 });
@@ -460,8 +435,8 @@ impl LaneKernel for LaneTable {
 fn filled(ramp: &Ramp, longest: f64, leave_out: bool) -> Vec<f32> {
     let least = if leave_out { NEGLIGIBLE_DEPTH } else { 0.0 };
     let most = |matter: &Material| matter.glow.into_iter().fold(matter.extinction, f64::max) * longest;
-    let (nodes, parts) = (ramp.nodes(), ramp.parts());
-    let pieces = |k: usize| &ramp.pieces()[k * parts..(k + 1) * parts];
+    let (nodes, parts) = (&ramp.nodes, ramp.parts);
+    let pieces = |k: usize| &ramp.pieces[k * parts..(k + 1) * parts];
     let holds = |k: usize| nodes[k..=k + 1].iter().chain(pieces(k)).any(|matter| most(matter) > least);
     let mut next = nodes.len() as f32 + 1.0 + TILES_REACH;
     let mut filled = vec![next; nodes.len() - 1];
@@ -495,20 +470,6 @@ const GROUP_SIDE: u32 = 8;
 /// segments a scene length.
 pub(crate) const MEAN_HEAD: u64 = 5;
 
-/// Adds the buffers and passes of a pre-integrated table, or of its tiles.
-pub(crate) fn fill(
-    resources: &mut Resources,
-    last_tile: Option<usize>,
-    scene: &TableScene<'_>,
-) -> Result<()> {
-    let TableScene { integrator, transfer_function, axis, length, extent, numbers, .. } = *scene;
-    let side = count(integrator, SIDE);
-    let ramp = Ramp::new(transfer_function, side, count(integrator, OVERSAMPLING), extent)?;
-    let entries = mean_extinctions(&ramp, last_tile, axis, length / extent.longest)?;
-    add_passes(resources, &ramp, last_tile, scene, &[&entries, numbers].concat());
-    Ok(())
-}
-
 /// The passes that fill the table over (D, s_f, s_b), and for tiles the one that resamples it.
 fn add_passes(
     resources: &mut Resources,
@@ -536,7 +497,7 @@ fn add_passes(
     };
     let array = |name, parts| PartedArray { name, element: "vec4f", stride: None, parts };
     let written = array("slices", sliced);
-    let mut text = format!("const SIDE = {side}u;\nconst PARTS = {}u;\n", ramp.parts());
+    let mut text = format!("const SIDE = {side}u;\nconst PARTS = {}u;\n", ramp.parts);
     text += &written.declared(Access::Write, 0, |part| 1 + part);
     text += &written.written_by("put_slice");
     resources.passes.push(Pass {
@@ -585,7 +546,7 @@ fn mean_extinctions(ramp: &Ramp, last_tile: Option<usize>, axis: Axis, per_lengt
 
 /// Glow and extinction of the nodes, then of the pieces of each step.
 fn matter(ramp: &Ramp) -> Vec<[f32; 4]> {
-    let all = ramp.nodes().iter().chain(ramp.pieces());
+    let all = ramp.nodes.iter().chain(&ramp.pieces);
     all.map(|m| [m.glow[0], m.glow[1], m.glow[2], m.extinction].map(single)).collect()
 }
 

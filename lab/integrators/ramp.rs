@@ -29,9 +29,10 @@ pub struct Material {
 pub struct Ramp {
     /// Least and largest node.
     pub range: [f64; 2],
-    nodes: Vec<Material>,
-    parts: usize,
-    pieces: Vec<Material>,
+    pub nodes: Vec<Material>,
+    /// Pieces of a step: the paper's oversampling factor.
+    pub parts: usize,
+    pub pieces: Vec<Material>,
 }
 
 impl Ramp {
@@ -52,25 +53,22 @@ impl Ramp {
         let [low, high] = extent.scalar;
         let high = if high > low { high } else { low + low.abs().max(1.0) };
         let unit = transfer_function.unit_distance;
-        let mean = |front: f64, back: f64| matter(&prepared, unit, extent.longest, front, back);
+        // Means over the path between two values.
+        let mean = |front: f64, back: f64| {
+            let (front, back) = ([front, 0.0], [back, 0.0]);
+            let segment = |length: f64| Segment { length, front, back, fields_front: &[], fields_back: &[] };
+            let extinction = prepared.optical_depth(&segment(unit)) / unit;
+            // Light of a path so short that nothing of it is absorbed, to 1e-9.
+            let short = (1e-9 / extinction).min(unit);
+            let light = prepared.integrate(&segment(short), WidgetBlend::Exact);
+            let glow = light.color.map(|c| c / short * extent.longest);
+            Material { extinction: extinction * extent.longest, glow }
+        };
         let at = |x: f64| low + (high - low) * (x / (size - 1) as f64).min(1.0);
         let nodes = (0..size).map(|i| mean(at(i as f64), at(i as f64))).collect();
         let part = |k: usize| at(k as f64 / parts as f64);
         let pieces = (0..(size - 1) * parts).map(|k| mean(part(k), part(k + 1))).collect();
         Ok(Ramp { range: [low, high], nodes, parts, pieces })
-    }
-
-    pub fn nodes(&self) -> &[Material] {
-        &self.nodes
-    }
-
-    /// Pieces of a step: the paper's oversampling factor.
-    pub fn parts(&self) -> usize {
-        self.parts
-    }
-
-    pub fn pieces(&self) -> &[Material] {
-        &self.pieces
     }
 
     fn extinction_of(step: &[Material]) -> f64 {
@@ -145,28 +143,6 @@ pub const fn last_tile(table_size: usize, planes: usize) -> usize {
 /// In 32 bits, finite.
 pub(crate) fn single(x: f64) -> f32 {
     x.min(f64::from(f32::MAX)) as f32
-}
-
-/// Means over the path from `front` to `back`.
-fn matter(
-    prepared: &CompiledTransferFunction,
-    unit_distance: f64,
-    longest: f64,
-    front: f64,
-    back: f64,
-) -> Material {
-    let segment = |length: f64| Segment {
-        length,
-        front: [front, 0.0],
-        back: [back, 0.0],
-        fields_front: &[],
-        fields_back: &[],
-    };
-    let extinction = prepared.optical_depth(&segment(unit_distance)) / unit_distance;
-    // Light of a path so short that nothing of it is absorbed, to 1e-9.
-    let short = (1e-9 / extinction).min(unit_distance);
-    let light = prepared.integrate(&segment(short), WidgetBlend::Exact);
-    Material { extinction: extinction * longest, glow: light.color.map(|c| c / short * longest) }
 }
 
 /// Emission of a stretch (divided by D), and its optical depth.

@@ -125,27 +125,19 @@ impl<const N: usize> LaneKernel for RiemannKernel<N> {
             batch,
             count,
             #[inline(always)]
-            |crossed| samples::<L, N>(count, crossed, batch.depth_only()),
+            |crossed| {
+                crossed.by_depth(
+                    batch.depth_only(),
+                    #[inline(always)]
+                    |crossed, colors| match N {
+                        0 => in_steps(count, crossed, colors),
+                        _ => together::<L, N>(count, crossed, colors),
+                    },
+                )
+            },
             results,
         );
     }
-}
-
-/// Colour and optical depth. `depth_only`: no colour.
-#[inline(always)]
-fn samples<L: Lanes, const N: usize>(
-    count: usize,
-    crossed: &mut SampledSegments<'_, '_, L>,
-    depth_only: bool,
-) -> ([L::F; 3], L::F) {
-    crossed.by_depth(
-        depth_only,
-        #[inline(always)]
-        |crossed, colors| match N {
-            0 => in_steps(count, crossed, colors),
-            _ => together::<L, N>(count, crossed, colors),
-        },
-    )
 }
 
 #[inline(always)]
@@ -159,10 +151,7 @@ fn together<L: Lanes, const N: usize>(
     crossed: &mut SampledSegments<'_, '_, L>,
     colors: bool,
 ) -> ([L::F; 3], L::F) {
-    let places = array(
-        #[inline(always)]
-        |j| middle(j, count),
-    );
+    let places = array!(|j| middle(j, count));
     let samples = crossed.at::<N>(places, colors);
     let mut sum = Front::<L>::new();
     let step = crossed.length() * L::F::splat(1.0 / count as f32);
@@ -183,15 +172,9 @@ fn in_steps<L: Lanes>(
     for block in 0..count.div_ceil(SIDE_BY_SIDE) {
         let first = block * SIDE_BY_SIDE;
         // What lies behind the back counts for nothing.
-        let t = array(
-            #[inline(always)]
-            |j| middle((first + j).min(count - 1), count),
-        );
+        let t = array!(|j| middle((first + j).min(count - 1), count));
         let samples = crossed.in_step(block, share, [0.125, 0.375, 0.625, 0.875], t, colors);
-        let lengths = array(
-            #[inline(always)]
-            |j| if first + j < count { step } else { splat(0.0) },
-        );
+        let lengths = array!(|j| if first + j < count { step } else { splat(0.0) });
         sum.add(&samples, lengths, colors);
         sum.through = exp::<L>(-sum.depth);
     }

@@ -73,7 +73,11 @@ impl IntegratorKind for SegmentsKind {
         transfer_function: &TransferFunction,
         _: &Extent,
     ) -> Result<Box<dyn SegmentIntegrator>> {
-        Ok(Box::new(Segments::new(transfer_function, count(integrator, PIECES), count(integrator, SIDE))?))
+        Ok(Box::new(Segments::new(
+            transfer_function,
+            count(integrator, PIECES),
+            Some(count(integrator, SIDE)),
+        )?))
     }
 
     fn extensions(&self) -> &'static [&'static (dyn Any + Send + Sync)] {
@@ -125,10 +129,10 @@ impl WgslIntegrator for SegmentsKind {
     fn entries(&self, integrator: &Integrator, transfer_function: &TransferFunction) -> Vec<f32> {
         let density = transfer_function.model == OpticalModel::DensityEmitter;
         let table = PartialTable::new(density, count(integrator, SIDE));
-        let mut entries = vec![table.size() as f32];
-        for (k, front) in table.front().iter().enumerate() {
+        let mut entries = vec![table.size as f32];
+        for (k, front) in table.front.iter().enumerate() {
             entries.push(*front);
-            entries.extend(table.back().get(k));
+            entries.extend(table.back.get(k));
         }
         entries
     }
@@ -145,19 +149,18 @@ pub struct Segments {
 }
 
 impl Segments {
-    /// Serves every transfer function; `count` ≥ 1, `table_size` ≥ 2 entries a side.
-    pub fn new(transfer_function: &TransferFunction, count: usize, table_size: usize) -> Result<Self> {
-        can_serve(&segments(count, table_size), transfer_function)?;
-        let plain = Segments::with_closed_forms(transfer_function, count)?;
-        Ok(Segments { table: Some(PartialTable::new(plain.density, table_size)), ..plain })
-    }
-
-    /// Integrator without a table: several times slower, and without the table's error.
-    pub fn with_closed_forms(transfer_function: &TransferFunction, count: usize) -> Result<Self> {
-        can_serve(&segments(count, 2), transfer_function)?;
+    /// Serves every transfer function; `count` ≥ 1, `table_size` ≥ 2 entries a side. Without a table it is several times slower,
+    /// and has not the table's error.
+    pub fn new(
+        transfer_function: &TransferFunction,
+        count: usize,
+        table_size: Option<usize>,
+    ) -> Result<Self> {
+        can_serve(&segments(count, table_size.unwrap_or(2)), transfer_function)?;
         let density = transfer_function.model == OpticalModel::DensityEmitter;
         let prepared = CompiledTransferFunction::new(transfer_function)?;
-        Ok(Segments { prepared, count, density, table: None })
+        let table = table_size.map(|size| PartialTable::new(density, size));
+        Ok(Segments { prepared, count, density, table })
     }
 
     /// Light of a piece of length `step`.
@@ -222,25 +225,16 @@ impl LaneKernel for Pieces {
             batch,
             count + 1,
             #[inline(always)]
-            |crossed| pieces::<L>(table, count, crossed, batch.depth_only()),
+            |crossed| {
+                crossed.by_depth(
+                    batch.depth_only(),
+                    #[inline(always)]
+                    |crossed, colors| walk(table, count, crossed, colors),
+                )
+            },
             results,
         );
     }
-}
-
-/// Colour and optical depth. `depth_only`: no colour.
-#[inline(always)]
-fn pieces<L: Lanes>(
-    table: &LanePartialTable,
-    count: usize,
-    crossed: &mut SampledSegments<'_, '_, L>,
-    depth_only: bool,
-) -> ([L::F; 3], L::F) {
-    crossed.by_depth(
-        depth_only,
-        #[inline(always)]
-        |crossed, colors| walk(table, count, crossed, colors),
-    )
 }
 
 #[derive(Clone, Copy)]
@@ -250,6 +244,7 @@ struct End<L: Lanes> {
     light: [L::F; 3],
 }
 
+/// Colour, unless `colors` is false, and optical depth.
 #[inline(always)]
 fn walk<L: Lanes>(
     table: &LanePartialTable,
@@ -266,10 +261,7 @@ fn walk<L: Lanes>(
     let share = SIDE_BY_SIDE as f32 / count as f32;
     for block in 0..count.div_ceil(SIDE_BY_SIDE) {
         let first = block * SIDE_BY_SIDE;
-        let t = array(
-            #[inline(always)]
-            |j| ((first + j + 1).min(count) as f64 / count as f64) as f32,
-        );
+        let t = array!(|j| ((first + j + 1).min(count) as f64 / count as f64) as f32);
         let samples = if count == 1 {
             let one = crossed.at::<1>([1.0], colors);
             Samples { rate: [one.rate[0]; SIDE_BY_SIDE], glow: [one.glow[0]; SIDE_BY_SIDE] }
@@ -320,24 +312,18 @@ fn least<L: Lanes>() -> L::F {
 
 #[inline(always)]
 fn ends<L: Lanes, const N: usize>(samples: &Samples<L, N>, step: L::F, density: bool) -> [End<L>; N] {
-    array(
-        #[inline(always)]
-        |j| {
-            let rate = samples.rate[j];
-            let scale = if density { L::F::splat(1.0) / rate.max(least::<L>()) } else { step };
-            let light = array(
-                #[inline(always)]
-                |c| samples.glow[j][c] * scale,
-            );
-            End { rate: rate * step, light }
-        },
-    )
+    array!(|j| {
+        let rate = samples.rate[j];
+        let scale = if density { L::F::splat(1.0) / rate.max(least::<L>()) } else { step };
+        let light = array!(|c| samples.glow[j][c] * scale);
+        End { rate: rate * step, light }
+    })
 }
 
 #[derive(Debug, Clone)]
 pub struct PartialTable {
     size: usize,
-    /// φ, or F (1 + √T); rows of equal u.
+    /// φ, or F (1 + √T), by (u, √r); rows of equal u.
     front: Vec<f32>,
     /// Empty, or B (1 + √T).
     back: Vec<f32>,
@@ -364,36 +350,19 @@ impl PartialTable {
             });
             entries
         };
-        let mut table = if density_emitter {
-            PartialTable { size, front: fill(&front_share), back: Vec::new() }
-        } else {
-            PartialTable {
-                size,
-                front: fill(&|a, b, root| front_back(a, b).0 * (1.0 + root)),
-                back: fill(&|a, b, root| front_back(a, b).1 * (1.0 + root)),
-            }
-        };
-        if density_emitter {
-            // Thin limit: ∫ (1 − x) ρ over ∫ ρ.
-            for (column, entry) in table.front[..size].iter_mut().enumerate() {
-                *entry = ((1.0 + (column as f64 * step).powi(2)) / 3.0) as f32;
-            }
+        if !density_emitter {
+            let front = fill(&|a, b, root| front_back(a, b).0 * (1.0 + root));
+            return PartialTable { size, front, back: fill(&|a, b, root| front_back(a, b).1 * (1.0 + root)) };
         }
-        table
-    }
-
-    pub fn size(&self) -> usize {
-        self.size
-    }
-
-    /// φ, or F (1 + √T), by (u, √r).
-    pub fn front(&self) -> &[f32] {
-        &self.front
-    }
-
-    /// Empty, or B (1 + √T).
-    pub fn back(&self) -> &[f32] {
-        &self.back
+        let mut front = fill(&|a, b, _| {
+            let (front, back) = emission_weights(a, b);
+            front / (front + back)
+        });
+        // Thin limit: ∫ (1 − x) ρ over ∫ ρ.
+        for (column, entry) in front[..size].iter_mut().enumerate() {
+            *entry = ((1.0 + (column as f64 * step).powi(2)) / 3.0) as f32;
+        }
+        PartialTable { size, front, back: Vec::new() }
     }
 
     pub fn bytes_of(density_emitter: bool, size: usize) -> usize {
@@ -426,11 +395,6 @@ impl PartialTable {
     }
 }
 
-fn front_share(a: f64, b: f64, _: f64) -> f64 {
-    let (front, back) = emission_weights(a, b);
-    front / (front + back)
-}
-
 #[derive(Debug, Clone)]
 pub struct LanePartialTable {
     /// The front colour's share of the light, or F (1 + √T).
@@ -441,11 +405,9 @@ pub struct LanePartialTable {
 
 impl LanePartialTable {
     pub fn new(table: &PartialTable) -> LanePartialTable {
-        let square = |entries: &[f32]| LaneSquare::new(entries, table.size());
-        LanePartialTable {
-            front: square(table.front()),
-            back: (!table.back().is_empty()).then(|| square(table.back())),
-        }
+        let square = |entries: &[f32]| LaneSquare::new(entries, table.size);
+        let back = (!table.back.is_empty()).then(|| square(&table.back));
+        LanePartialTable { front: square(&table.front), back }
     }
 
     /// φ, the front colour's share of a piece's light (density-emitter).
@@ -475,10 +437,7 @@ impl LanePartialTable {
         let ratio = L::F::select(whole.lt(least), splat(0.5), a / whole.max(least)).min(one);
         let root = (splat(0.5) * whole).sqrt();
         let last = splat(self.front.last());
-        let within = inlined(
-            #[inline(always)]
-            |x: L::F| (x * last).max(zero).min(last),
-        );
+        let within = inlined!(|x: L::F| (x * last).max(zero).min(last));
         (self.front.place(within(root / (one + root)), within(ratio.sqrt())), root)
     }
 }

@@ -115,10 +115,12 @@ struct Tabled {
     /// Per world unit.
     extinction: f64,
     clip: Option<Convex>,
-    profile: Profile,
-    /// Indices of its fields among the segments', and that of m.
-    slots: Vec<usize>,
-    magnitude: usize,
+    /// Columns of its coordinates among a value's [s, g, fields …]; none of a uniform one.
+    columns: Vec<usize>,
+    centre: Vec<f64>,
+    matrix: Vec<Vec<f64>>,
+    /// Column of the magnitude that widths grow with, and the factor on it.
+    width: Option<(usize, f64)>,
 }
 
 /// A widget's path in widths: the ends along it, their distance, and its distance from the centre squared.
@@ -135,24 +137,29 @@ impl Tabulated {
         can_serve(&tabulated(table_size), transfer_function)?;
         transfer_function.check()?;
         let fields = transfer_function.fields();
-        let slot = |name: &str| fields.iter().position(|field| *field == name).unwrap_or(0);
+        let column = |name: &String| 2 + fields.iter().position(|field| field == name).unwrap_or(0);
         let mut widgets = Vec::new();
         for widget in &transfer_function.widgets {
-            let (slots, magnitude) = match &widget.profile {
-                Profile::GaussianNd { fields, .. } => (fields.iter().map(|name| slot(name)).collect(), 0),
-                Profile::TriangularGaussianNd { fields, magnitude, .. } => {
-                    (fields.iter().map(|name| slot(name)).collect(), slot(magnitude))
+            let (columns, centre, matrix, width) = match &widget.profile {
+                Profile::Gaussian { centre, matrix } => {
+                    (vec![0, 1], centre.to_vec(), matrix.map(Vec::from).into(), None)
                 }
-                _ => (Vec::new(), 0),
+                Profile::GaussianNd { fields, centre, matrix } => {
+                    (fields.iter().map(column).collect(), centre.clone(), matrix.clone(), None)
+                }
+                Profile::TriangularGaussian { centre, sigma } => {
+                    (vec![0], vec![*centre], vec![vec![1.0]], Some((1, *sigma)))
+                }
+                Profile::TriangularGaussianNd { fields, magnitude, centre, matrix } => {
+                    let width = Some((column(magnitude), 1.0));
+                    (fields.iter().map(column).collect(), centre.clone(), matrix.clone(), width)
+                }
+                // Uniform: others are refused by `obstacle` of the kind.
+                _ => (Vec::new(), Vec::new(), Vec::new(), None),
             };
-            widgets.push(Tabled {
-                color: widget.color,
-                extinction: widget.extinction / transfer_function.unit_distance,
-                clip: widget.region.as_ref().map(Convex::new).transpose()?,
-                profile: widget.profile.clone(),
-                slots,
-                magnitude,
-            });
+            let extinction = widget.extinction / transfer_function.unit_distance;
+            let clip = widget.region.as_ref().map(Convex::new).transpose()?;
+            widgets.push(Tabled { color: widget.color, extinction, clip, columns, centre, matrix, width });
         }
         let cutoff = transfer_function.model.cutoff();
         Ok(Tabulated {
@@ -219,7 +226,7 @@ impl SegmentIntegrator for Tabulated {
                 continue;
             }
             // Light over E₁ of the widget's own depth, for Eq. 15.
-            let light = match self.tables.light().is_empty() {
+            let light = match self.tables.light.is_empty() {
                 true => own,
                 false => {
                     let scale = segment.length / self.unit_distance;
@@ -239,43 +246,20 @@ impl SegmentIntegrator for Tabulated {
 impl Tabled {
     /// The widget's path over a stretch; `Some(None)` where its profile is 1, `None` where it is nothing.
     fn path(&self, segment: &Segment, stretch: &ClippedSpan) -> Option<Option<Path>> {
-        let of = |values: &[f64]| -> Vec<f64> { self.slots.iter().map(|&slot| values[slot]).collect() };
-        let ends = || (of(segment.fields_front), of(segment.fields_back));
-        let moved = |matrix: &[Vec<f64>], centre: &[f64], value: &[f64]| -> Vec<f64> {
-            let row = |row: &Vec<f64>| row.iter().zip(value).zip(centre).map(|((k, v), c)| k * (v - c)).sum();
-            matrix.iter().map(row).collect()
-        };
-        let (front, back): (Vec<f64>, Vec<f64>) = match &self.profile {
-            Profile::Uniform => return Some(None),
-            Profile::Gaussian { centre, matrix } => {
-                let matrix = matrix.map(|row| row.to_vec());
-                (moved(&matrix, centre, &segment.front), moved(&matrix, centre, &segment.back))
-            }
-            Profile::GaussianNd { centre, matrix, .. } => {
-                let (front, back) = ends();
-                (moved(matrix, centre, &front), moved(matrix, centre, &back))
-            }
-            Profile::TriangularGaussian { centre, sigma } => {
-                let width = sigma * 0.5 * (segment.front[1] + segment.back[1]);
-                let place = |s: f64| vec![(s - centre) / width];
-                if width <= 0.0 || width.is_nan() {
-                    return None;
-                }
-                (place(segment.front[0]), place(segment.back[0]))
-            }
-            Profile::TriangularGaussianNd { centre, matrix, .. } => {
-                let (front, back) = ends();
-                let m = |values: &[f64]| values[self.magnitude];
-                let width = 0.5 * (m(segment.fields_front) + m(segment.fields_back));
-                if width <= 0.0 || width.is_nan() {
-                    return None;
-                }
-                let place = |v: &[f64]| moved(matrix, centre, v).into_iter().map(|x| x / width).collect();
-                (place(&front), place(&back))
-            }
-            // Refused by `obstacle` of the kind.
-            _ => return None,
-        };
+        if self.columns.is_empty() {
+            return Some(None);
+        }
+        let front = [&segment.front, segment.fields_front].concat();
+        let back = [&segment.back, segment.fields_back].concat();
+        let width = self.width.map_or(1.0, |(column, factor)| factor * 0.5 * (front[column] + back[column]));
+        if width <= 0.0 || width.is_nan() {
+            return None;
+        }
+        let [front, back] = [front, back].map(|value| -> Vec<f64> {
+            let part = |((k, column), c): ((&f64, &usize), &f64)| k * (value[*column] - c);
+            let row = |row: &Vec<f64>| row.iter().zip(&self.columns).zip(&self.centre).map(part).sum::<f64>();
+            self.matrix.iter().map(|factors| row(factors) / width).collect()
+        });
         let at = |cut: fn(&ClippedSpan, f64, f64) -> f64| -> Vec<f64> {
             front.iter().zip(&back).map(|(f, b)| cut(stretch, *f, *b)).collect()
         };
@@ -402,10 +386,7 @@ impl LaneKernel for TabulatedKernel {
             let mut whole = depth;
             if !depth_only {
                 let dimmed = mean_transparency::<L>(depth);
-                let [r, g, b]: [L::F; 3] = array(
-                    #[inline(always)]
-                    |c| light[c] * dimmed,
-                );
+                let [r, g, b]: [L::F; 3] = array!(|c| light[c] * dimmed);
                 // A number that is none, or has left 32 bits, makes the sum one.
                 whole = depth + (r + (g + b));
                 results.put::<L>(at, [r, g, b], depth);
@@ -434,28 +415,23 @@ pub const LIT_REACH: f64 = 3.6;
 #[derive(Debug, Clone)]
 pub struct GaussianTables {
     size: usize,
+    /// IGauss × 65535, by (x₁, x₂), each from −[`REACH`] to [`REACH`].
     means: Vec<u16>,
+    /// J by (P, x), P from 0 to [`MAX_P`] and x from −[`LIT_REACH`] to [`LIT_REACH`]; empty where it was not asked for.
     light: Vec<f32>,
 }
 
 impl GaussianTables {
     /// Fills them, `size` ≥ 2 entries a side; `light`: also that of light.
     pub fn new(size: usize, light: bool) -> Self {
-        GaussianTables { size, means: means(size), light: if light { lights(size) } else { Vec::new() } }
-    }
-
-    pub fn size(&self) -> usize {
-        self.size
-    }
-
-    /// IGauss × 65535, by (x₁, x₂), each from −[`REACH`] to [`REACH`].
-    pub fn means(&self) -> &[u16] {
-        &self.means
-    }
-
-    /// J by (P, x), P from 0 to [`MAX_P`] and x from −[`LIT_REACH`] to [`LIT_REACH`]; empty where it was not asked for.
-    pub fn light(&self) -> &[f32] {
-        &self.light
+        let place = |k: usize| REACH * (2.0 * k as f64 / (size - 1) as f64 - 1.0);
+        let entry = |k: usize| {
+            let (a, b) = (place(k / size), place(k % size));
+            let (mean, exponent) = gaussian_mean(a.min(b), a.max(b), (b - a).abs());
+            (mean * (-exponent).exp() * f64::from(u16::MAX)).round() as u16
+        };
+        let means = (0..size * size).map(entry).collect();
+        GaussianTables { size, means, light: if light { lights(size) } else { Vec::new() } }
     }
 
     pub fn bytes(&self) -> usize {
@@ -474,17 +450,6 @@ impl GaussianTables {
         let at = Bilinear::new(p / MAX_P * last, (x + LIT_REACH) / (2.0 * LIT_REACH) * last, self.size);
         at.read(|k| f64::from(self.light[k]))
     }
-}
-
-/// IGauss in 16 bits.
-fn means(size: usize) -> Vec<u16> {
-    let place = |k: usize| REACH * (2.0 * k as f64 / (size - 1) as f64 - 1.0);
-    let entry = |k: usize| {
-        let (a, b) = (place(k / size), place(k % size));
-        let (mean, exponent) = gaussian_mean(a.min(b), a.max(b), (b - a).abs());
-        (mean * (-exponent).exp() * f64::from(u16::MAX)).round() as u16
-    };
-    (0..size * size).map(entry).collect()
 }
 
 /// J, from its end backward: each step adds ∫ e^(−P (erf u − erf x)) du over it to what is behind, dimmed.
@@ -521,11 +486,11 @@ pub struct LaneGaussianTables {
 
 impl LaneGaussianTables {
     pub fn new(tables: &GaussianTables) -> LaneGaussianTables {
-        let size = tables.size();
-        let means: Vec<f32> = tables.means().iter().map(|x| f32::from(*x) / f32::from(u16::MAX)).collect();
+        let size = tables.size;
+        let means: Vec<f32> = tables.means.iter().map(|x| f32::from(*x) / f32::from(u16::MAX)).collect();
         LaneGaussianTables {
             means: LaneSquare::new(&means, size),
-            light: (!tables.light().is_empty()).then(|| LaneSquare::new(tables.light(), size)),
+            light: (!tables.light.is_empty()).then(|| LaneSquare::new(&tables.light, size)),
         }
     }
 
@@ -546,10 +511,7 @@ impl LaneGaussianTables {
         let splat = L::F::splat;
         let row = p * splat(light.last() / MAX_P as f32);
         let row = row.max(splat(0.0)).min(splat(light.last()));
-        array(
-            #[inline(always)]
-            |end| light.read(&light.place::<L>(row, place::<L>(light, x[end], LIT_REACH))),
-        )
+        array!(|end| light.read(&light.place::<L>(row, place::<L>(light, x[end], LIT_REACH))))
     }
 
     /// ∫ e^(−T) dt over the part of a path of such a `length` (t) where the profile exceeds e^(−`level`), T from the path's start;

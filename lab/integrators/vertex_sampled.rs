@@ -85,10 +85,7 @@ impl VertexSampled {
         let fields = transfer_function.fields();
         let slot = |name: &&str| fields.iter().position(|field| field == name);
         let slots: Vec<usize> = CLASSIFIED.iter().filter_map(slot).collect();
-        Ok(VertexSampled {
-            slots: slots.try_into().ok(),
-            ends: Segments::with_closed_forms(transfer_function, 1)?,
-        })
+        Ok(VertexSampled { slots: slots.try_into().ok(), ends: Segments::new(transfer_function, 1, None)? })
     }
 }
 
@@ -142,13 +139,9 @@ impl ScenePreparation for VertexSampledKind {
     }
 
     fn is_prepared(&self, transfer_function: &TransferFunction) -> bool {
-        is_classified(transfer_function)
+        let fields = transfer_function.fields();
+        CLASSIFIED.iter().all(|name| fields.contains(name))
     }
-}
-
-pub fn is_classified(transfer_function: &TransferFunction) -> bool {
-    let fields = transfer_function.fields();
-    CLASSIFIED.iter().all(|name| fields.contains(name))
 }
 
 /// Applies the transfer function at points: `values` gives s, g and its further fields of each.
@@ -236,17 +229,14 @@ impl LaneKernel for VertexSampledKernel {
             let crossing = zero.lt(length);
             let length = L::F::select(crossing, length, zero);
             // Interpolation may leave less than nothing; what is no number stays none.
-            let ends: [[L::F; 2]; 4] = array(
-                #[inline(always)]
-                |k| {
-                    let [front, back] = batch.ends::<L>(self.places[k], at);
-                    let (scale, offset) = (splat(self.scales[k]), splat(self.offsets[k]));
-                    [front, back].map(
-                        #[inline(always)]
-                        |stored| zero.max(stored.mul_add(scale, offset)) * length,
-                    )
-                },
-            );
+            let ends: [[L::F; 2]; 4] = array!(|k| {
+                let [front, back] = batch.ends::<L>(self.places[k], at);
+                let (scale, offset) = (splat(self.scales[k]), splat(self.offsets[k]));
+                [front, back].map(
+                    #[inline(always)]
+                    |stored| zero.max(stored.mul_add(scale, offset)) * length,
+                )
+            });
             let (front, back) = (ends.map(|[front, _]| front), ends.map(|[_, back]| back));
             let depth = half.mul_add(front[3], half * back[3]);
             results.put_depth::<L>(at, depth);
@@ -262,10 +252,7 @@ impl LaneKernel for VertexSampledKernel {
                     [zero; 3]
                 } else {
                     let (near, far) = lane_front_back::<L>(front[3], back[3]);
-                    array(
-                        #[inline(always)]
-                        |c| near.mul_add(front[c], far * back[c]),
-                    )
+                    array!(|c| near.mul_add(front[c], far * back[c]))
                 };
                 let whole = depth + (color[0] + (color[1] + color[2]));
                 unsure |= whole.le(splat(f32::MAX)).not().bits();

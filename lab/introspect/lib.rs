@@ -3,12 +3,10 @@
 #![allow(missing_docs, reason = "unpublished: names say what fields and short functions are")]
 
 mod lanes;
-mod segment_probe;
 #[cfg(feature = "gpu")]
 mod wgsl;
 
 pub use lanes::LaneEvaluator;
-pub use segment_probe::SegmentProbe;
 #[cfg(feature = "gpu")]
 pub use wgsl::WgslEvaluator;
 
@@ -33,44 +31,35 @@ pub fn open_variants(engine: &EngineInfo, request: &AdapterRequest) -> Result<Ve
     Ok(vec![engine.open(request)?])
 }
 
-/// Measurements of an engine. Each has no result for engines that it does not apply to, among them all from outside.
-pub trait MeasuredEngine {
-    /// Formulas that the engine integrates segments with; `None` where only its pictures can be judged.
-    fn evaluator(&self) -> Option<Box<dyn SegmentEvaluator>>;
-
-    /// Drops what is cached for further scenes, so that the next set-up starts from nothing.
-    fn clear_caches(&self);
-
-    /// Rate of 32-bit multiply-adds (1/s), measured. Errors: a lost device.
-    fn multiply_adds_per_second(&self) -> Result<Option<f64>>;
+/// Formulas that the engine integrates segments with; `None` where only its pictures can be judged.
+pub fn evaluator(engine: &dyn Engine) -> Option<Box<dyn SegmentEvaluator>> {
+    if let Some(lanes) = lanes_of(engine) {
+        return Some(Box::new(LaneEvaluator::new(lanes)));
+    }
+    #[cfg(feature = "gpu")]
+    if let Some(device) = device_of(engine) {
+        return Some(Box::new(WgslEvaluator::new(device.clone())));
+    }
+    None
 }
 
-impl MeasuredEngine for dyn Engine {
-    fn evaluator(&self) -> Option<Box<dyn SegmentEvaluator>> {
-        if let Some(lanes) = lanes_of(self) {
-            return Some(Box::new(LaneEvaluator::new(lanes)));
-        }
-        #[cfg(feature = "gpu")]
-        if let Some(device) = device_of(self) {
-            return Some(Box::new(WgslEvaluator::new(device.clone())));
-        }
-        None
+/// Drops what a device caches for further scenes, so that the next set-up starts from nothing.
+pub fn clear_caches(#[cfg_attr(not(feature = "gpu"), expect(unused))] engine: &dyn Engine) {
+    #[cfg(feature = "gpu")]
+    if let Some(device) = device_of(engine) {
+        device.forget_pipelines();
     }
+}
 
-    fn clear_caches(&self) {
-        #[cfg(feature = "gpu")]
-        if let Some(device) = device_of(self) {
-            device.forget_pipelines();
-        }
+/// Rate of 32-bit multiply-adds of a device (1/s), measured; `None` of other engines. Errors: a lost device.
+pub fn multiply_adds_per_second(
+    #[cfg_attr(not(feature = "gpu"), expect(unused))] engine: &dyn Engine,
+) -> Result<Option<f64>> {
+    #[cfg(feature = "gpu")]
+    if let Some(device) = device_of(engine) {
+        return device.multiply_adds_per_second().map(Some);
     }
-
-    fn multiply_adds_per_second(&self) -> Result<Option<f64>> {
-        #[cfg(feature = "gpu")]
-        if let Some(device) = device_of(self) {
-            return device.multiply_adds_per_second().map(Some);
-        }
-        Ok(None)
-    }
+    Ok(None)
 }
 
 /// Lower bound of the floating-point operations of the compositor in a picture with these statistics, where it is known.

@@ -1,7 +1,9 @@
 //! Cases: exact values of segments, rays, chains and integrals, one JSON object a line; and those that the program carries.
 
+use crate::evaluator::{Read, exact, number};
 use crate::{Conditions, PartialIntegrals};
-use serde::Deserialize;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
 use serde_json::Value;
 use std::sync::Arc;
 use voltet_core::transfer::{
@@ -10,19 +12,24 @@ use voltet_core::transfer::{
 use voltet_core::{Error, Result};
 use voltet_optics::{Contribution, Segment};
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Deserialize)]
 pub struct Case {
     pub id: String,
     /// The category: ordinary, stiff, narrow, …
+    #[serde(rename = "cat")]
     pub category: String,
+    #[serde(rename = "sub", default)]
     pub subject: String,
+    #[serde(flatten)]
     pub kind: Kind,
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
 pub enum Kind {
     Segment(Box<SegmentCase>),
     /// Cells in front-to-back order.
+    #[serde(deserialize_with = "ray")]
     Ray {
         /// Each cell, without exact values of its own.
         segments: Vec<SegmentCase>,
@@ -31,15 +38,22 @@ pub enum Kind {
     },
     Chain {
         /// Front to back; optical depths unused.
+        #[serde(deserialize_with = "contributions")]
         segments: Vec<Contribution>,
+        #[serde(rename = "C", deserialize_with = "exact_color")]
         color: [f64; 3],
+        #[serde(rename = "A", deserialize_with = "exact")]
         opacity: f64,
+        #[serde(deserialize_with = "exact")]
         transparency: f64,
     },
     /// ψ, F, B, ζ of a stretch with linear extinction, whose ends times D are a and b.
     Table {
+        #[serde(rename = "tau_f")]
         a: f64,
+        #[serde(rename = "tau_b")]
         b: f64,
+        #[serde(flatten)]
         exact: PartialIntegrals,
     },
 }
@@ -93,14 +107,20 @@ impl Case {
     }
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Deserialize)]
 pub struct SegmentCase {
+    #[serde(flatten, deserialize_with = "transfer_function")]
     pub transfer_function: TransferFunction,
+    #[serde(rename = "D")]
     pub length: f64,
     /// Values at the front: (s, g), or the fields of a gaussian-nd widget.
+    #[serde(rename = "v_f")]
     pub front: Vec<f64>,
+    #[serde(rename = "v_b")]
     pub back: Vec<f64>,
+    #[serde(flatten, with = "ExactContribution")]
     pub exact: Contribution,
+    #[serde(flatten)]
     pub conditions: Conditions,
 }
 
@@ -129,142 +149,60 @@ impl SegmentCase {
 
 /// Reads a case from its line.
 pub fn parse(line: &str) -> Result<Case> {
-    let line: Line = serde_json::from_str(line)
-        .map_err(|e| Error::usage("a case cannot be read").got(e).expected("one JSON object a line"))?;
-    let kind = line.kind.read().map_err(|e| e.at_item(&line.id))?;
-    Ok(Case { id: line.id, category: line.cat, subject: line.sub, kind })
+    serde_json::from_str(line)
+        .map_err(|e| Error::usage("a case cannot be read").got(e).expected("one JSON object a line"))
+}
+
+fn exact_color<'de, D: Deserializer<'de>>(input: D) -> Read<'de, [f64; 3], D> {
+    let [r, g, b] = &<[Value; 3]>::deserialize(input)?;
+    Ok([number(r)?, number(g)?, number(b)?])
 }
 
 #[derive(Deserialize)]
-struct Line {
-    id: String,
-    cat: String,
-    #[serde(default)]
-    sub: String,
-    #[serde(flatten)]
-    kind: KindLine,
-}
-
-#[derive(Deserialize)]
-#[serde(tag = "kind", rename_all = "lowercase")]
-enum KindLine {
-    Segment {
-        #[serde(flatten)]
-        medium: Medium,
-        #[serde(rename = "D")]
-        length: f64,
-        v_f: Vec<f64>,
-        v_b: Vec<f64>,
-        #[serde(flatten)]
-        exact: ExactContribution,
-        #[serde(flatten)]
-        conditions: Conditions,
-    },
-    Ray {
-        #[serde(flatten)]
-        medium: Medium,
-        /// (l, s, g) each.
-        knots: Vec<[f64; 3]>,
-        #[serde(flatten)]
-        exact: ExactContribution,
-    },
-    Chain {
-        segments: Vec<[f64; 4]>,
-        #[serde(rename = "C")]
-        color: [Exact; 3],
-        #[serde(rename = "A")]
-        opacity: Exact,
-        transparency: Exact,
-    },
-    Table {
-        tau_f: f64,
-        tau_b: f64,
-        psi: Exact,
-        #[serde(rename = "F")]
-        front: Exact,
-        #[serde(rename = "B")]
-        back: Exact,
-        zeta: Exact,
-    },
-}
-
-/// A decimal string (or a number), ≥ 0, which may be too small for doubles.
-#[derive(Deserialize, Clone, Copy)]
-#[serde(try_from = "Value")]
-struct Exact(f64);
-
-impl TryFrom<Value> for Exact {
-    type Error = String;
-    fn try_from(value: Value) -> std::result::Result<Exact, String> {
-        let number: Option<f64> = value.as_str().map_or_else(|| value.as_f64(), |text| text.parse().ok());
-        let number = number.filter(|number| *number >= 0.0 && number.is_finite());
-        number
-            .map(Exact)
-            .ok_or_else(|| format!("{value} is no exact value: a decimal string of a number ≥ 0"))
-    }
-}
-
-#[derive(Deserialize)]
+#[serde(remote = "Contribution")]
 struct ExactContribution {
-    #[serde(rename = "T")]
-    optical_depth: Exact,
-    #[serde(rename = "C")]
-    color: [Exact; 3],
-    #[serde(rename = "A")]
-    opacity: Exact,
+    #[serde(rename = "T", deserialize_with = "exact")]
+    optical_depth: f64,
+    #[serde(rename = "C", deserialize_with = "exact_color")]
+    color: [f64; 3],
+    #[serde(rename = "A", deserialize_with = "exact")]
+    opacity: f64,
 }
 
-impl KindLine {
-    fn read(self) -> Result<Kind> {
-        let exact = |exact: ExactContribution| Contribution {
-            optical_depth: exact.optical_depth.0,
-            color: exact.color.map(|c| c.0),
-            opacity: exact.opacity.0,
-        };
-        Ok(match self {
-            KindLine::Segment { medium, length, v_f, v_b, exact: values, conditions } => {
-                Kind::Segment(Box::new(SegmentCase {
-                    transfer_function: medium.read()?,
-                    length,
-                    front: v_f,
-                    back: v_b,
-                    exact: exact(values),
-                    conditions,
-                }))
-            }
-            KindLine::Ray { medium, knots, exact: values } => {
-                let transfer_function = medium.read()?;
-                let part = |from: &[f64; 3], to: &[f64; 3], exact: Contribution| SegmentCase {
-                    transfer_function: transfer_function.clone(),
-                    length: to[0] - from[0],
-                    front: from[1..].to_vec(),
-                    back: to[1..].to_vec(),
-                    exact,
-                    conditions: Conditions::default(),
-                };
-                let (Some(first), Some(last)) = (knots.first(), knots.last()) else {
-                    return Err(Error::usage("a ray has no knots").expected("[[l, s, g], …]"));
-                };
-                let segments =
-                    knots.windows(2).map(|k| part(&k[0], &k[1], Contribution::default())).collect();
-                Kind::Ray { segments, exact: Box::new(part(first, last, exact(values))) }
-            }
-            KindLine::Chain { segments, color, opacity, transparency } => Kind::Chain {
-                segments: segments
-                    .into_iter()
-                    .map(|[r, g, b, opacity]| Contribution { optical_depth: 0.0, color: [r, g, b], opacity })
-                    .collect(),
-                color: color.map(|c| c.0),
-                opacity: opacity.0,
-                transparency: transparency.0,
-            },
-            KindLine::Table { tau_f, tau_b, psi, front, back, zeta } => Kind::Table {
-                a: tau_f,
-                b: tau_b,
-                exact: PartialIntegrals { psi: psi.0, front: front.0, back: back.0, zeta: zeta.0 },
-            },
-        })
-    }
+/// Segments, each as (r, g, b, opacity).
+fn contributions<'de, D: Deserializer<'de>>(input: D) -> Read<'de, Vec<Contribution>, D> {
+    let part = |[r, g, b, opacity]: [f64; 4]| Contribution { optical_depth: 0.0, color: [r, g, b], opacity };
+    Ok(Vec::deserialize(input)?.into_iter().map(part).collect())
+}
+
+#[derive(Deserialize)]
+struct RayLine {
+    #[serde(flatten, deserialize_with = "transfer_function")]
+    transfer_function: TransferFunction,
+    /// (l, s, g) each.
+    knots: Vec<[f64; 3]>,
+    #[serde(flatten, with = "ExactContribution")]
+    exact: Contribution,
+}
+
+/// The segments of a ray, and the whole.
+type Ray = (Vec<SegmentCase>, Box<SegmentCase>);
+
+fn ray<'de, D: Deserializer<'de>>(input: D) -> Read<'de, Ray, D> {
+    let RayLine { transfer_function, knots, exact } = RayLine::deserialize(input)?;
+    let part = |from: &[f64; 3], to: &[f64; 3], exact: Contribution| SegmentCase {
+        transfer_function: transfer_function.clone(),
+        length: to[0] - from[0],
+        front: from[1..].to_vec(),
+        back: to[1..].to_vec(),
+        exact,
+        conditions: Conditions::default(),
+    };
+    let (Some(first), Some(last)) = (knots.first(), knots.last()) else {
+        return Err(D::Error::custom("a ray has no knots [l, s, g]"));
+    };
+    let segments = knots.windows(2).map(|k| part(&k[0], &k[1], Contribution::default())).collect();
+    Ok((segments, Box::new(part(first, last, exact))))
 }
 
 #[derive(Deserialize)]
@@ -282,145 +220,140 @@ enum Model {
     Constant,
 }
 
-impl Medium {
-    fn read(self) -> Result<TransferFunction> {
-        let model = match self.model {
-            Model::Density => OpticalModel::DensityEmitter,
-            Model::Constant => OpticalModel::ConstantEmitter { cutoff: self.cutoff.unwrap_or(1.0 / 255.0) },
-        };
-        let widgets = self.widgets.into_iter().map(WidgetLine::read).collect::<Result<_>>()?;
-        Ok(TransferFunction { model, unit_distance: self.unit_distance, widgets })
-    }
-}
-
 #[derive(Deserialize)]
 struct WidgetLine {
     /// Without one: control points and images hold extinctions and colours of their own.
     color: Option<[f64; 3]>,
     extinction: Option<f64>,
     region: Option<Vec<[f64; 2]>>,
-    #[serde(flatten)]
-    profile: ProfileLine,
+    #[serde(flatten, with = "ProfileLine")]
+    profile: Profile,
 }
 
 #[derive(Deserialize)]
-#[serde(tag = "type", rename_all = "kebab-case")]
+#[serde(remote = "Profile", tag = "type", rename_all = "kebab-case")]
 enum ProfileLine {
     Uniform,
     Gaussian {
-        center: [f64; 2],
+        #[serde(rename = "center")]
+        centre: [f64; 2],
         #[serde(rename = "K")]
         matrix: [[f64; 2]; 2],
     },
-    GaussianNd(OverFields),
+    GaussianNd {
+        /// Named by [`transfer_function`].
+        #[serde(skip)]
+        fields: Vec<String>,
+        #[serde(rename = "center")]
+        centre: Vec<f64>,
+        #[serde(rename = "K", deserialize_with = "rows")]
+        matrix: Vec<Vec<f64>>,
+    },
     TriangularGaussian {
-        center: f64,
+        #[serde(rename = "center")]
+        centre: f64,
         sigma: f64,
     },
-    TriangularGaussianNd(OverFields),
-    TriangleWave(WaveLine),
-    SineWave(WaveLine),
-    /// (s, extinction, r, g, b) each.
-    PiecewiseLinear {
-        points: Vec<[f64; 5]>,
+    TriangularGaussianNd {
+        #[serde(skip)]
+        fields: Vec<String>,
+        #[serde(skip)]
+        magnitude: String,
+        #[serde(rename = "center")]
+        centre: Vec<f64>,
+        #[serde(rename = "K", deserialize_with = "rows")]
+        matrix: Vec<Vec<f64>>,
     },
-    Table {
+    TriangleWave(#[serde(deserialize_with = "wave")] Wave),
+    SineWave(#[serde(deserialize_with = "wave")] Wave),
+    PiecewiseLinear {
+        #[serde(deserialize_with = "control_points")]
+        points: Vec<ControlPoint>,
+    },
+    Table(#[serde(deserialize_with = "table")] Arc<Table>),
+}
+
+/// Rows of a matrix, or its diagonal.
+fn rows<'de, D: Deserializer<'de>>(input: D) -> Read<'de, Vec<Vec<f64>>, D> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Matrix {
+        Diagonal(Vec<f64>),
+        Full(Vec<Vec<f64>>),
+    }
+    Ok(match Matrix::deserialize(input)? {
+        Matrix::Full(rows) => rows,
+        Matrix::Diagonal(d) => {
+            let row = |i: usize| (0..d.len()).map(|j| if i == j { d[i] } else { 0.0 }).collect();
+            (0..d.len()).map(row).collect()
+        }
+    })
+}
+
+fn wave<'de, D: Deserializer<'de>>(input: D) -> Read<'de, Wave, D> {
+    #[derive(Deserialize)]
+    struct Line {
+        s0: Option<f64>,
+        g0: Option<f64>,
+        theta: Option<f64>,
+        w_s: Option<f64>,
+        w_g: Option<f64>,
+        period: Option<f64>,
+        band_width: Option<f64>,
+    }
+    let Line { s0, g0, theta, w_s, w_g, period, band_width } = Line::deserialize(input)?;
+    let [origin, scale] = [[s0, g0].map(Option::unwrap_or_default), [w_s, w_g].map(|w| w.unwrap_or(1.0))];
+    let [period, band_width] = [period, band_width].map(|number| number.unwrap_or(1.0));
+    Ok(Wave { origin, angle: theta.unwrap_or_default(), scale, period, band_width })
+}
+
+/// Control points, each as (s, extinction, r, g, b).
+fn control_points<'de, D: Deserializer<'de>>(input: D) -> Read<'de, Vec<ControlPoint>, D> {
+    let point = |[s, extinction, r, g, b]: [f64; 5]| ControlPoint { s, color: [r, g, b], extinction };
+    Ok(Vec::deserialize(input)?.into_iter().map(point).collect())
+}
+
+fn table<'de, D: Deserializer<'de>>(input: D) -> Read<'de, Arc<Table>, D> {
+    #[derive(Deserialize)]
+    #[serde(remote = "Table")]
+    struct Line {
         width: usize,
         height: usize,
         texels: Vec<[f32; 4]>,
         s: [f64; 2],
         g: [f64; 2],
-    },
-}
-
-/// A widget over fields, whose order is that of the case's values.
-#[derive(Deserialize)]
-struct OverFields {
-    center: Vec<f64>,
-    #[serde(rename = "K")]
-    matrix: Matrix,
-}
-
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum Matrix {
-    Diagonal(Vec<f64>),
-    Full(Vec<Vec<f64>>),
-}
-
-#[derive(Deserialize)]
-#[serde(default)]
-struct WaveLine {
-    s0: f64,
-    g0: f64,
-    theta: f64,
-    w_s: f64,
-    w_g: f64,
-    period: f64,
-    band_width: f64,
-}
-
-impl Default for WaveLine {
-    fn default() -> WaveLine {
-        WaveLine { s0: 0.0, g0: 0.0, theta: 0.0, w_s: 1.0, w_g: 1.0, period: 1.0, band_width: 1.0 }
     }
+    Line::deserialize(input).map(Arc::new)
 }
 
-impl WidgetLine {
-    fn read(self) -> Result<Widget> {
-        let wave = |wave: WaveLine| Wave {
-            origin: [wave.s0, wave.g0],
-            angle: wave.theta,
-            scale: [wave.w_s, wave.w_g],
-            period: wave.period,
-            band_width: wave.band_width,
-        };
-        let over = |OverFields { center, matrix }| {
-            let matrix = match matrix {
-                Matrix::Full(rows) => rows,
-                Matrix::Diagonal(d) => {
-                    let row = |i: usize| (0..d.len()).map(|j| if i == j { d[i] } else { 0.0 }).collect();
-                    (0..d.len()).map(row).collect()
-                }
-            };
-            let fields: Vec<String> = (0..center.len()).map(|i| format!("field{i}")).collect();
-            (fields, center, matrix)
-        };
-        let profile = match self.profile {
-            ProfileLine::Uniform => Profile::Uniform,
-            ProfileLine::Gaussian { center: centre, matrix } => Profile::Gaussian { centre, matrix },
-            ProfileLine::GaussianNd(line) => {
-                let (fields, centre, matrix) = over(line);
-                Profile::GaussianNd { fields, centre, matrix }
-            }
-            ProfileLine::TriangularGaussian { center: centre, sigma } => {
-                Profile::TriangularGaussian { centre, sigma }
-            }
-            ProfileLine::TriangularGaussianNd(line) => {
-                let (fields, centre, matrix) = over(line);
+/// Fields are named in the order of the case's values.
+fn transfer_function<'de, D: Deserializer<'de>>(input: D) -> Read<'de, TransferFunction, D> {
+    let Medium { model, cutoff, unit_distance, widgets } = Medium::deserialize(input)?;
+    let names = |centre: &[f64]| (0..centre.len()).map(|i| format!("field{i}")).collect();
+    let widget = |WidgetLine { color, extinction, region, mut profile }| {
+        match &mut profile {
+            Profile::GaussianNd { fields, centre, .. } => *fields = names(centre),
+            Profile::TriangularGaussianNd { fields, magnitude, centre, .. } => {
                 // Behind the fields in the case's values, as in the order of names.
-                Profile::TriangularGaussianNd { fields, magnitude: "magnitude".into(), centre, matrix }
+                (*fields, *magnitude) = (names(centre), "magnitude".into());
             }
-            ProfileLine::TriangleWave(line) => Profile::TriangleWave(wave(line)),
-            ProfileLine::SineWave(line) => Profile::SineWave(wave(line)),
-            ProfileLine::PiecewiseLinear { points } => {
-                let point =
-                    |[s, extinction, r, g, b]: [f64; 5]| ControlPoint { s, color: [r, g, b], extinction };
-                Profile::PiecewiseLinear { points: points.into_iter().map(point).collect() }
-            }
-            ProfileLine::Table { width, height, texels, s, g } => {
-                Profile::Table(Arc::new(Table { width, height, texels, s, g }))
-            }
+            _ => {}
+        }
+        let (color, extinction) = match profile.properties().own_peak {
+            Some(_) => ([0.0; 3], 0.0),
+            None => (
+                color.ok_or_else(|| D::Error::missing_field("color"))?,
+                extinction.ok_or_else(|| D::Error::missing_field("extinction"))?,
+            ),
         };
-        let missing = |key| move || Error::usage("a widget of a case lacks a key").expected(key);
-        let own = profile.properties().own_peak.is_some();
-        Ok(Widget {
-            color: if own { [0.0; 3] } else { self.color.ok_or_else(missing("color"))? },
-            extinction: if own { 0.0 } else { self.extinction.ok_or_else(missing("extinction"))? },
-            region: self.region.map(|corners| Region { corners }),
-            profile,
-        })
-    }
+        Ok(Widget { color, extinction, region: region.map(|corners| Region { corners }), profile })
+    };
+    let model = match model {
+        Model::Density => OpticalModel::DensityEmitter,
+        Model::Constant => OpticalModel::ConstantEmitter { cutoff: cutoff.unwrap_or(1.0 / 255.0) },
+    };
+    let widgets = widgets.into_iter().map(widget).collect::<Read<'de, _, D>>()?;
+    Ok(TransferFunction { model, unit_distance, widgets })
 }
 
 /// 1,519 cases, computed with 90 digits and checked by a second route.

@@ -1,6 +1,7 @@
 //! Segment formulas of an engine, apart from any picture: the subject that exact values judge.
 
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
+use serde_json::Value;
 use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
 use voltet_optics::{CompiledTransferFunction, Contribution, Segment, WidgetBlend, compositing, linear};
@@ -49,12 +50,31 @@ pub struct Chain {
 }
 
 /// Integrals of a segment of linear extinction (module `linear` of `voltet_optics`).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct PartialIntegrals {
+    #[serde(deserialize_with = "exact")]
     pub psi: f64,
+    #[serde(rename = "F", deserialize_with = "exact")]
     pub front: f64,
+    #[serde(rename = "B", deserialize_with = "exact")]
     pub back: f64,
+    #[serde(deserialize_with = "exact")]
     pub zeta: f64,
+}
+
+/// Result of reading a part of a case.
+pub(crate) type Read<'de, T, D> = std::result::Result<T, <D as Deserializer<'de>>::Error>;
+
+/// The number of a decimal string (or a number), ≥ 0, which may be too small for doubles.
+pub(crate) fn number<E: serde::de::Error>(value: &Value) -> std::result::Result<f64, E> {
+    let number: Option<f64> = value.as_str().map_or_else(|| value.as_f64(), |text| text.parse().ok());
+    number
+        .filter(|number| *number >= 0.0 && number.is_finite())
+        .ok_or_else(|| E::custom(format!("{value} is no exact value: a decimal string of a number ≥ 0")))
+}
+
+pub(crate) fn exact<'de, D: Deserializer<'de>>(input: D) -> Read<'de, f64, D> {
+    number(&Value::deserialize(input)?)
 }
 
 /// Condition numbers of T, C and A; `None` where the result is discontinuous.

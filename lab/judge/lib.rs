@@ -54,11 +54,6 @@ fn enter(case: &Case, forms: &[&dyn SegmentEvaluator], reports: &mut [Report]) -
     Ok(())
 }
 
-/// Judges every case of `text`, the content of a case file. Errors name the line.
-pub fn judge(text: &str, forms: &dyn SegmentEvaluator) -> Result<Report> {
-    judge_all(text, &[forms]).map(|mut reports| reports.remove(0))
-}
-
 fn judge_case(case: &Case, forms: &dyn SegmentEvaluator, report: &mut Report) -> Result<()> {
     let precision = forms.precision();
     match &case.kind {

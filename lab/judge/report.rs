@@ -3,7 +3,6 @@
 use super::bounds::Rule;
 use super::case::{Case, Kind};
 use serde::Serialize;
-use std::fmt;
 
 /// Result for one quantity of one kind and category.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -49,25 +48,6 @@ impl Row {
             (self.category, self.formula) = (other.category.clone(), other.formula.clone());
             (self.worst_id, self.worst_inputs) = (other.worst_id.clone(), other.worst_inputs.clone());
         }
-    }
-}
-
-impl fmt::Display for Row {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{:8} {:9} {:12} judged {:5} finite {:4} skipped {:4} broken {:4} worst {:9.3} {} ({:.1e})",
-            self.kind,
-            self.category,
-            self.quantity,
-            self.judged,
-            self.only_finite,
-            self.skipped,
-            self.broken,
-            self.worst,
-            self.worst_id,
-            self.worst_error
-        )
     }
 }
 

@@ -11,13 +11,17 @@ fn variations() -> String {
     read("variations.jsonl")
 }
 
+fn judge(text: &str, forms: &dyn SegmentEvaluator) -> Result<Report> {
+    judge_all(text, &[forms]).map(|mut reports| reports.remove(0))
+}
+
 fn read(name: &str) -> String {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures").join(name);
     std::fs::read_to_string(path).expect("the case file is part of the source")
 }
 
 fn table(report: &Report) -> String {
-    report.rows.iter().map(|row| format!("{row}\n")).collect()
+    report.rows.iter().map(|row| format!("{row:?}\n")).collect()
 }
 
 #[test]

@@ -15,7 +15,7 @@ mod segment;
 mod term;
 
 pub use renderer::{ENGINE, Reference, draw, draw_further, tracer};
-pub use segment::{Integrand, Tolerance, Workspace};
+pub use segment::{Integrand, PICTURE_TOLERANCE, SEGMENT_TOLERANCE, Workspace};
 
 use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
@@ -41,7 +41,7 @@ pub fn integrate(
     transfer_function: &TransferFunction,
     overlap: WidgetBlend,
 ) -> Result<Contribution> {
-    let integrand = Integrand::new(transfer_function, overlap, Tolerance::SEGMENT)?;
+    let integrand = Integrand::new(transfer_function, overlap, SEGMENT_TOLERANCE)?;
     let values = |ends: [f64; 2], fields: &[f64]| [&ends, fields].concat();
     let front = values(segment.front, segment.fields_front);
     let back = values(segment.back, segment.fields_back);
@@ -50,7 +50,7 @@ pub fn integrate(
 
 /// Optical depth of each widget by itself in the cells of a ray. Errors: what cannot be integrated.
 pub fn widget_depths(transfer_function: &TransferFunction, cells: &[CellCrossing]) -> Result<Vec<Vec<f64>>> {
-    let alone = Integrand::new(transfer_function, WidgetBlend::Mix, Tolerance::PICTURE)?;
+    let alone = Integrand::new(transfer_function, WidgetBlend::Mix, PICTURE_TOLERANCE)?;
     let mut work = Workspace::default();
     let depths = |cell: &CellCrossing| {
         let depths = alone.widget_depths(cell.length, &cell.front, &cell.back, &mut work);

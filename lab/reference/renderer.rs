@@ -1,6 +1,6 @@
 //! Quadrature of segments behind the traits of integrators, of the ray tracer and of engines.
 
-use crate::segment::{Integrand, Tolerance, Workspace};
+use crate::segment::{Integrand, PICTURE_TOLERANCE, Workspace};
 use std::any::Any;
 use std::cell::RefCell;
 use std::sync::{Arc, OnceLock};
@@ -57,7 +57,7 @@ impl Reference {
     pub fn new(transfer_function: &TransferFunction, overlap: WidgetBlend) -> Result<Self> {
         Ok(Reference {
             prepared: CompiledTransferFunction::new(transfer_function)?,
-            integrand: Integrand::new(transfer_function, overlap, Tolerance::PICTURE)?,
+            integrand: Integrand::new(transfer_function, overlap, PICTURE_TOLERANCE)?,
             overlap,
             failure: OnceLock::new(),
         })
@@ -158,7 +158,7 @@ impl PreparedVolume for ReferenceRenderer {
 
 /// Ray tracer of a scene. Errors: arrays that are missing, numbers out of range.
 pub fn tracer(scene: &Scene) -> Result<Tracer<'_>> {
-    let integrand = Integrand::new(&scene.transfer_function, scene.shading.overlap, Tolerance::PICTURE)?;
+    let integrand = Integrand::new(&scene.transfer_function, scene.shading.overlap, PICTURE_TOLERANCE)?;
     Tracer::new(scene, Box::new(integrand))
 }
 

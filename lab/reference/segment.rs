@@ -12,7 +12,7 @@
 //! and the walk takes steps of about equal dA/A, whatever ρ is. On a piece C = ∫ κ e^(−T) is integrated by the 15-point
 //! rule with T by the running integral of the same points.
 //!
-//! **Errors.** With ε = [`Tolerance::relative`], S a first estimate of the segment's depth (at most twice of it, as at
+//! **Errors.** With ε = [`RELATIVE`], S a first estimate of the segment's depth (at most twice of it, as at
 //! least half of a monotone part is above its middle's value), l a piece's share of the length and T' its depth:
 //!
 //! - depth, while light is left: ε (T' + l min(S, 1)). An error δ of T moves C by δ C at most, so this is 3 ε C in all.
@@ -66,25 +66,21 @@ const UNDERFLOW: f64 = 1e-305;
 /// Depth in a blurred stretch that can be noticed.
 const NOTICED: f64 = 1e-11;
 
-/// Stopping criterion of a piece: estimated error ≤ relative × its value + absolute, and the rule of the module's head.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tolerance {
-    pub relative: f64,
-    pub absolute: f64,
-}
+/// Stopping criterion of a piece: estimated error ≤ this × its value + an absolute tolerance, and the rule of the module's head.
+const RELATIVE: f64 = 1e-11;
 
-impl Tolerance {
-    /// For one segment that is judged by relative error however small it is.
-    pub const SEGMENT: Tolerance = Tolerance { relative: 1e-11, absolute: 1e-300 };
-    /// For pictures: ten thousand segments in a pixel leave 1e-11.
-    pub const PICTURE: Tolerance = Tolerance { relative: 1e-11, absolute: 1e-15 };
-}
+/// Absolute tolerance for one segment that is judged by relative error however small it is.
+pub const SEGMENT_TOLERANCE: f64 = 1e-300;
+
+/// Absolute tolerance for pictures: ten thousand segments in a pixel leave 1e-11.
+pub const PICTURE_TOLERANCE: f64 = 1e-15;
 
 pub struct Integrand {
     terms: Vec<Term>,
     model: OpticalModel,
     unit_distance: f64,
-    tolerance: Tolerance,
+    /// Absolute tolerance.
+    tolerance: f64,
     /// The densest that all widgets together can be, 1/L.
     densest: f64,
     /// For the mix of several widgets: each by itself; else empty.
@@ -115,11 +111,7 @@ struct Sums {
 
 impl Integrand {
     /// Errors: a widget without its region or fields, an optical model's number out of range.
-    pub fn new(
-        transfer_function: &TransferFunction,
-        overlap: WidgetBlend,
-        tolerance: Tolerance,
-    ) -> Result<Self> {
+    pub fn new(transfer_function: &TransferFunction, overlap: WidgetBlend, tolerance: f64) -> Result<Self> {
         let unit_distance = transfer_function.unit_distance;
         if !(unit_distance > 0.0 && unit_distance.is_finite()) {
             return Err(Error::usage("unit_distance is out of range")
@@ -231,7 +223,7 @@ impl Integrand {
         in_front: &mut Wide,
         found: &mut [f64; 3],
     ) -> Result<()> {
-        let Tolerance { relative, absolute } = self.tolerance;
+        let absolute = self.tolerance;
         let mut halvings = 0;
         pending.clear();
         pending.push([0.0, 1.0]);
@@ -258,14 +250,14 @@ impl Integrand {
             let underflow = UNDERFLOW * self.densest * share * whole.length;
             let noise = underflow + absolute;
             let scale = if seen { whole.depth.min(1.0) } else { whole.depth };
-            let deep = relative * (depth + scale * share) + noise;
+            let deep = RELATIVE * (depth + scale * share) + noise;
             let lit = || {
                 let most = sums.color.iter().map(|c| c[0]).fold(0.0, f64::max);
                 depth <= DEPTH_AT_ONCE
                     && sums.color.iter().zip(*found).all(|(&[color, gauss], before)| {
                         let before = before / light * depth / DEPTH_OF_LIGHT;
                         let dimmest = ROUNDING * most + underflow * whole.brightest + absolute;
-                        let allowed = relative * (color + before) + dimmest;
+                        let allowed = RELATIVE * (color + before) + dimmest;
                         estimated_error(color, gauss, color) <= allowed
                     })
             };

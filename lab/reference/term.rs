@@ -22,24 +22,17 @@ impl Side {
     pub(crate) fn on_segment(&self, front: &[f64], back: &[f64]) -> LinearOnSegment {
         LinearOnSegment::new(front, back, (0..2).map(|axis| (axis, self.normal[axis], self.origin[axis])))
     }
-
-    /// The side of the limit on an axis (0: s, 1: g) where values are larger, or smaller.
-    fn of_limit(axis: usize, limit: f64, larger: bool) -> Side {
-        let mut side = Side { origin: [0.0; 2], normal: [Wide::ZERO; 2] };
-        side.origin[axis] = limit;
-        side.normal[axis] = Wide::from(if larger { 1.0 } else { -1.0 });
-        side
-    }
 }
 
 /// The half planes of a rectangle; infinite limits give none.
 fn sides_of_rectangle(limits: [[f64; 2]; 2]) -> Vec<Side> {
-    let mut sides = Vec::new();
-    for (axis, [low, high]) in limits.into_iter().enumerate() {
-        let limits = [(low, true), (high, false)].into_iter().filter(|(limit, _)| limit.is_finite());
-        sides.extend(limits.map(|(limit, larger)| Side::of_limit(axis, limit, larger)));
-    }
-    sides
+    let side = |axis: usize, limit: f64, sign: f64| {
+        let mut side = Side { origin: [0.0; 2], normal: [Wide::ZERO; 2] };
+        (side.origin[axis], side.normal[axis]) = (limit, Wide::from(sign));
+        limit.is_finite().then_some(side)
+    };
+    let axes = limits.into_iter().enumerate();
+    axes.flat_map(|(axis, [low, high])| [side(axis, low, 1.0), side(axis, high, -1.0)]).flatten().collect()
 }
 
 /// The half planes of a region. Rectangles may have infinite limits, which give none.
@@ -262,17 +255,11 @@ impl Term {
             ReadyProfile::Triangular { columns, centre, matrix, width: (column, factor) } => {
                 out.extend(matrix.iter().map(|row| {
                     let parts = row.iter().zip(columns).zip(centre);
-                    LinearOnSegment::new(
-                        front,
-                        back,
-                        parts.map(|((k, column), v0)| (*column, Wide::from(*k), *v0)),
-                    )
+                    let parts = parts.map(|((k, column), v0)| (*column, Wide::from(*k), *v0));
+                    LinearOnSegment::new(front, back, parts)
                 }));
-                out.push(LinearOnSegment::new(
-                    front,
-                    back,
-                    std::iter::once((*column, Wide::from(*factor), 0.0)),
-                ));
+                let width = [(*column, Wide::from(*factor), 0.0)].into_iter();
+                out.push(LinearOnSegment::new(front, back, width));
             }
             ReadyProfile::Bands(bands) => {
                 let parts = (0..2).map(|axis| (axis, bands.slope[axis], bands.origin[axis]));

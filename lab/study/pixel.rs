@@ -2,7 +2,7 @@
 //! terminal, CSV, JSON and a drawing.
 
 use crate::columns::{aligned, csv_cell};
-use crate::work_precision::canvas::{Anchor, Canvas, Color, Size, hex};
+use crate::work_precision::canvas::{Anchor, Axis, Canvas, Color, Size, hex};
 use crate::work_precision::{Numbers, Subject};
 use serde_json::{Value, json as object};
 use std::fmt::Write;
@@ -11,6 +11,7 @@ use voltet_core::grid::{CellType, Grid};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
+use voltet_cpu::cull;
 use voltet_graph::{Graph, Observer, Session};
 use voltet_io::encode::srgb_from_linear;
 use voltet_optics::Segment;
@@ -216,8 +217,16 @@ fn all_integrators(
     progress: &dyn Progress,
 ) -> Result<Vec<IntegratorPixel>> {
     let own = scene.shading.integrator;
-    let segments: Vec<Vec<Traced>> = rays.iter().map(|ray| traced(tracer, ray)).collect();
-    let alone = voltet_introspect::SegmentProbe::new(scene, progress)?;
+    let traced = |ray: &Ray| -> Vec<Traced> {
+        let of = |crossing| {
+            let (length, ends) = tracer.segment(ray, crossing);
+            (length, ends, tracer.surface(ray, crossing))
+        };
+        tracer.crossings(ray).iter().map(of).collect()
+    };
+    let segments: Vec<Vec<Traced>> = rays.iter().map(traced).collect();
+    // The cells that the native engine draws decide what an integrator's tables hold.
+    let cells = cull(&scene.volume, &scene.transfer_function, &scene.camera, progress)?;
     let mut all = Vec::new();
     for (number, kind) in integrators.iter().enumerate() {
         if progress.cancelled() {
@@ -225,39 +234,29 @@ fn all_integrators(
         }
         progress.report("integrators", number as f64 / integrators.len() as f64);
         let is_own = kind.is_kind_of(&own);
-        let integrator = if is_own { own } else { usual(kind) };
-        let ready = alone.integrator(&Shading { integrator, ..scene.shading });
-        let rgba = ready.and_then(|ready| composite_rays(ready.as_ref(), &segments)).map_err(why);
+        let integrator = match is_own {
+            true => own,
+            false if kind.has_table_of_lengths() => kind.with("table_size", CUBE_SIDE as f64),
+            false => *kind,
+        };
+        let shading = Shading { integrator, ..scene.shading };
+        let ready = voltet_cpu::integrator(&cells, &scene.transfer_function, &shading);
+        let rgba = ready.and_then(|ready| composite_rays(ready.as_ref(), &segments));
+        // The reason, without alternatives.
+        let rgba = rgba.map_err(|error| error.got.unwrap_or(error.what));
         let numbers = Numbers::of(&integrator).labels().join(", ");
         all.push(IntegratorPixel { name: integrator.name(), numbers, own: is_own, rgba });
     }
     Ok(all)
 }
 
-/// Reason why an integrator is not supported, without alternatives.
-fn why(error: Error) -> String {
-    error.got.unwrap_or(error.what)
-}
-
-/// A segment with the factors of its opacity and colour.
-struct Traced {
-    length: f64,
-    ends: [Vec<f64>; 2],
-    surface: [f64; 2],
-}
-
-fn traced(tracer: &Tracer, ray: &Ray) -> Vec<Traced> {
-    let of = |crossing| {
-        let (length, ends) = tracer.segment(ray, crossing);
-        Traced { length, ends, surface: tracer.surface(ray, crossing) }
-    };
-    tracer.crossings(ray).iter().map(of).collect()
-}
+/// Length and ends of a segment, and the factors of its opacity and colour.
+type Traced = (f64, [Vec<f64>; 2], [f64; 2]);
 
 fn composite_rays(integrator: &dyn SegmentIntegrator, rays: &[Vec<Traced>]) -> Result<[f64; 4]> {
     let of = |ray: &Vec<Traced>| {
         let mut sum = Composite::default();
-        for Traced { length, ends: [front, back], surface: [silhouette, light] } in ray {
+        for (length, [front, back], [silhouette, light]) in ray {
             let part = integrator.integrate(&Segment {
                 length: *length,
                 front: [front[0], front[1]],
@@ -274,14 +273,6 @@ fn composite_rays(integrator: &dyn SegmentIntegrator, rays: &[Vec<Traced>]) -> R
     match integrator.failure() {
         Some(error) => Err(error.clone()),
         None => Ok(pixel),
-    }
-}
-
-/// An integrator with the settings that a pipeline does not state.
-fn usual(kind: &Integrator) -> Integrator {
-    match kind.has_table_of_lengths() {
-        true => kind.with("table_size", CUBE_SIDE as f64),
-        false => *kind,
     }
 }
 
@@ -353,15 +344,12 @@ pub fn text(pixel: &Pixel, all: bool) -> String {
 fn shown(steps: &[CellCrossing], most: usize) -> Vec<usize> {
     let mut places: Vec<usize> = (0..steps.len()).collect();
     if places.len() > most {
-        places.sort_by(|&a, &b| adds(&steps[b]).total_cmp(&adds(&steps[a])));
+        let adds = |k: usize| steps[k].contribution().into_iter().fold(0.0, f64::max);
+        places.sort_by(|&a, &b| adds(b).total_cmp(&adds(a)));
         places.truncate(most);
         places.sort_unstable();
     }
     places
-}
-
-fn adds(step: &CellCrossing) -> f64 {
-    step.contribution().into_iter().fold(0.0, f64::max)
 }
 
 fn left_out(pixel: &Pixel, shown: &[usize]) -> String {
@@ -590,10 +578,10 @@ pub fn plot(pixel: &Pixel) -> Canvas {
         canvas.text([ACROSS[0], 60.0], &why, Size::Small, Anchor::Start, INK);
         return canvas;
     };
-    let along = Axis::new([first.distance[0], last.distance[1]], ACROSS);
+    let along = Axis::linear([first.distance[0], last.distance[1]], ACROSS);
     for (q, color) in [(0, BLUE), (1, GREEN)] {
         let values = steps.iter().flat_map(|step| [step.front[q], step.back[q]]);
-        let axis = Axis::over(values, PANELS[q]);
+        let axis = axis_over(values, PANELS[q]);
         frame(&mut canvas, PANELS[q], &pixel.names[q], &axis);
         // A line for each cell: neighbours meet, and gaps stay gaps.
         for step in steps {
@@ -603,7 +591,7 @@ pub fn plot(pixel: &Pixel) -> Canvas {
     }
     contributions(&mut canvas, steps, &along);
     for k in 0..=4 {
-        let distance = along.from + (along.to - along.from) * f64::from(k) / 4.0;
+        let distance = along.low + (along.high - along.low) * f64::from(k) / 4.0;
         let at = [along.place(distance), PANELS[2][1] + 14.0];
         canvas.text(at, &number(distance), Size::Small, Anchor::Middle, INK);
     }
@@ -612,36 +600,18 @@ pub fn plot(pixel: &Pixel) -> Canvas {
     canvas
 }
 
-/// Values of an axis and where its ends are drawn.
-struct Axis {
-    from: f64,
-    to: f64,
-    places: [f64; 2],
-}
-
-impl Axis {
-    fn new([from, to]: [f64; 2], places: [f64; 2]) -> Axis {
-        Axis { from, to, places }
-    }
-
-    /// Upward over all of these, in a panel.
-    fn over(values: impl Iterator<Item = f64>, [top, bottom]: [f64; 2]) -> Axis {
-        let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)]);
-        // One value lies in the middle.
-        let margin = if high > low { 0.0 } else { low.abs().max(1.0) };
-        Axis { from: low - margin, to: high + margin, places: [bottom, top] }
-    }
-
-    fn place(&self, value: f64) -> f64 {
-        let share = if self.to > self.from { (value - self.from) / (self.to - self.from) } else { 0.5 };
-        self.places[0] + share * (self.places[1] - self.places[0])
-    }
+/// A linear axis upward over all of these values, in a panel.
+fn axis_over(values: impl Iterator<Item = f64>, [top, bottom]: [f64; 2]) -> Axis {
+    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)]);
+    // One value lies in the middle.
+    let margin = if high > low { 0.0 } else { low.abs().max(1.0) };
+    Axis::linear([low - margin, high + margin], [bottom, top])
 }
 
 fn frame(canvas: &mut Canvas, [top, bottom]: [f64; 2], name: &str, axis: &Axis) {
     let [left, right] = ACROSS;
     canvas.ring(vec![[left, top], [right, top], [right, bottom], [left, bottom]], 1.0, PALE);
-    for value in [axis.from, axis.to] {
+    for value in [axis.low, axis.high] {
         canvas.text([left - 6.0, axis.place(value)], &number(value), Size::Small, Anchor::End, INK);
     }
     canvas.text([left - 6.0, 0.5 * (top + bottom)], name, Size::Small, Anchor::End, INK);
@@ -652,7 +622,7 @@ fn contributions(canvas: &mut Canvas, steps: &[CellCrossing], along: &Axis) {
     let rate =
         |step: &CellCrossing| if step.length > 0.0 { step.contribution()[3] / step.length } else { 0.0 };
     let most = steps.iter().map(rate).fold(0.0, f64::max);
-    let axis = Axis::new([0.0, if most > 0.0 { most } else { 1.0 }], [bottom, top]);
+    let axis = Axis::linear([0.0, if most > 0.0 { most } else { 1.0 }], [bottom, top]);
     for step in steps.iter().filter(|step| rate(step) > 0.0) {
         let ([left, right], height) = (step.distance.map(|d| along.place(d)), axis.place(rate(step)));
         let fill = srgb(step.part.color.map(|c| c / step.part.opacity));
@@ -661,7 +631,7 @@ fn contributions(canvas: &mut Canvas, steps: &[CellCrossing], along: &Axis) {
         canvas.shape(corners, fill, fill, format!("tetrahedron {}: adds {adds} to the opacity", step.cell));
     }
     frame(canvas, PANELS[2], "adds/length", &axis);
-    let light = Axis::new([0.0, 1.0], [bottom, top]);
+    let light = Axis::linear([0.0, 1.0], [bottom, top]);
     let mut points: Vec<[f64; 2]> =
         steps.iter().map(|step| [along.place(step.distance[0]), light.place(step.transmittance)]).collect();
     if let Some(last) = steps.last() {

@@ -51,10 +51,12 @@ fn run(call: &mut RunContext, given: &Grid) -> Result<Outputs> {
     }
     let asked = &call.demand.arrays;
     grid.point_arrays.retain(|name, _| asked.contains(name));
-    for name in asked.named() {
+    for name in &asked.named {
         grid.point_arrays.insert(name.to_string(), point_array(given, name)?);
     }
-    if let Some(name) = call.demand.cell_arrays.named().find(|name| !given.cell_arrays.contains_key(*name)) {
+    if let Some(name) =
+        call.demand.cell_arrays.named.iter().find(|name| !given.cell_arrays.contains_key(*name))
+    {
         return Err(missing(name, given.cell_arrays.keys()));
     }
     call.notes.warnings.extend(given.origin.warnings.iter().cloned());

@@ -208,7 +208,7 @@ fn demand(wanted: &StatisticsRequest) -> Demand {
     let mut demand = Demand::default();
     for quantity in wanted.quantities() {
         match quantity {
-            ArrayRef::Array(name) => demand.arrays.insert(name.clone()),
+            ArrayRef::Array(name) => demand.arrays.named.extend([name.clone()]),
             ArrayRef::Named("g") => demand.gradient_magnitude = true,
             ArrayRef::Named(_) | ArrayRef::Per(..) => {}
         }

@@ -3,7 +3,7 @@
 use super::support::Folder;
 use voltet::nodes::drawing::ENGINES;
 use voltet::optics::engine::AdapterRequest;
-use voltet_introspect::{MeasuredEngine, open_variants};
+use voltet_introspect::{evaluator, open_variants};
 
 /// Cases of every kind, each line with a key that no reader knows.
 fn cases() -> Vec<String> {
@@ -58,7 +58,7 @@ fn without_a_file_the_program_judges_itself() {
         .filter_map(|engine| open_variants(engine, &AdapterRequest::hardware(None)).ok())
         .collect();
     let ways: Vec<_> = opened.iter().flatten().collect();
-    assert_eq!(names.len(), 1 + ways.iter().filter(|engine| engine.evaluator().is_some()).count());
+    assert_eq!(names.len(), 1 + ways.iter().filter(|engine| evaluator(engine.as_ref()).is_some()).count());
     assert_eq!(found["left_out"].as_array().unwrap().len() + opened.len(), ENGINES.len(), "{names:?}");
     for forms in forms {
         let rows = forms["rows"].as_array().unwrap();

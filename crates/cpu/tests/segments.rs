@@ -11,7 +11,7 @@ use voltet_optics::{Segment, WidgetBlend};
 /// Each value that broke its bound, and why the lanes left cases to 64 bits.
 fn shown(report: &Report) -> String {
     let mut text = format!("{}\n", report.forms);
-    text.extend(report.rows.iter().filter(|row| row.broken > 0).map(|row| format!("{row}\n")));
+    text.extend(report.rows.iter().filter(|row| row.broken > 0).map(|row| format!("{row:?}\n")));
     for broken in &report.broken {
         text += &format!(
             "{} {}: {:e} for {:e}, {:.2} of the bound\n",

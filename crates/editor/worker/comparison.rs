@@ -158,7 +158,7 @@ impl Query for PreviewQuery {
         let divisor = wanted.divisor_for(PREVIEW_PIXELS);
         let graph = wanted.graph(run.registry, divisor)?;
         let place = graph.nodes.len() - 1;
-        let fed = run.session.inputs(&graph, place, &Demand::default(), run.observer)?;
+        let (fed, _) = run.session.feed(&graph, place, &Demand::default(), run.observer)?;
         let mut pictures =
             graph.nodes[place].inputs.iter().zip(fed).filter_map(|(edge, value)| match value {
                 Value::Image(picture) if graph.nodes[edge.node].name == wanted.node => Some(picture),

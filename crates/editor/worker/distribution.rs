@@ -265,7 +265,7 @@ fn run_series(call: &mut RunContext) -> Result<Outputs> {
     let quantities: Vec<ArrayRef> = names.iter().map(|name| quantity(name)).collect();
     for quantity in &quantities {
         if let ArrayRef::Array(name) = quantity {
-            demand.arrays.insert(name.clone());
+            demand.arrays.named.insert(name.clone());
         }
     }
     let kept: Arc<SeriesCache> = call.keep_over_steps("volume", &demand, || Ok(SeriesCache::default()))?;

@@ -161,7 +161,7 @@ impl VolumeSource {
     pub(super) fn feed(&self, run: &mut QueryRun, nodes: &[NodeEntry]) -> Result<Vec<Value>> {
         let graph = Graph::build(nodes, run.registry, self.folder.clone())?;
         let of_volumes = Demand { gradient_magnitude: true, ..Demand::default() };
-        run.session.inputs(&graph, graph.nodes.len() - 1, &of_volumes, run.observer)
+        Ok(run.session.feed(&graph, graph.nodes.len() - 1, &of_volumes, run.observer)?.0)
     }
 
     /// The volume with arrays, and with *g* where what feeds it has a gradient.
@@ -273,7 +273,7 @@ pub(super) struct Values {
 /// Descriptions of the values on the wires, from the session's cache.
 pub(super) fn wire_values(session: &mut Session, graph: &Graph) -> Option<Values> {
     let place = graph.nodes.iter().position(|node| node.node.name == WIRES.name)?;
-    let values = session.inputs(graph, place, &Demand::default(), &NoObserver).ok()?;
+    let (values, _) = session.feed(graph, place, &Demand::default(), &NoObserver).ok()?;
     let mut seen = Values::default();
     for (edge, value) in graph.nodes[place].inputs.iter().zip(values) {
         let giving = &graph.nodes[edge.node];

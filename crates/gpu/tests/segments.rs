@@ -6,7 +6,7 @@ use voltet_introspect::WgslEvaluator;
 use voltet_judge::{Report, judge_cases, shipped};
 
 fn table(report: &Report) -> String {
-    let mut text: String = report.rows.iter().map(|row| format!("{row}\n")).collect();
+    let mut text: String = report.rows.iter().map(|row| format!("{row:?}\n")).collect();
     for broken in &report.broken {
         text += &format!(
             "{} {}: {:e} for {:e}, {:.2} of the bound\n",

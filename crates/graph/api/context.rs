@@ -129,14 +129,8 @@ pub(crate) const FOR_THE_SESSION: Revision = Revision(0);
 pub(crate) trait RunServices {
     /// Origins of the values at the node's inputs.
     fn origins(&self) -> Origins;
-    /// The text that states the graph.
-    fn pipeline(&self) -> &ResolvedPipeline;
     /// The value kept under a key, made if there is none.
-    fn get_or_make(
-        &self,
-        key: (Revision, TypeId),
-        make: &mut dyn FnMut() -> Result<RetainedValue>,
-    ) -> Result<RetainedValue>;
+    fn get_or_make(&self, key: (Revision, TypeId), make: Make) -> Result<RetainedValue>;
     /// See [`RunContext::step_count`].
     fn step_count(&self, edge: usize) -> Result<usize>;
     /// See [`RunContext::each_step`].
@@ -151,25 +145,20 @@ pub(crate) trait RunServices {
         &self,
         edge: usize,
         demand: &Demand,
-        make: &mut dyn FnMut() -> Result<RetainedValue>,
+        value_type: TypeId,
+        make: Make,
     ) -> Result<RetainedValue>;
 }
 
-/// Calls a service that keeps values of any type, for one of type `T`; one of another type is made anew.
-fn erased<T: Send + Sync + 'static>(
-    make: impl FnOnce() -> Result<T>,
-    keep: impl FnOnce(&mut dyn FnMut() -> Result<RetainedValue>) -> Result<RetainedValue>,
-) -> Result<Arc<T>> {
-    let mut make = Some(make);
-    let kept = keep(&mut || match make.take() {
-        Some(make) => Ok(Arc::new(make()?)),
-        None => Err(Error::run("a kept value was made twice")),
-    })?;
-    match (kept.downcast(), make) {
-        (Ok(kept), _) => Ok(kept),
-        (Err(_), Some(make)) => Ok(Arc::new(make()?)),
-        (Err(_), None) => Err(Error::run("a kept value is of another type")),
-    }
+/// Work that makes a value to be kept.
+pub(crate) type Make<'a> = Box<dyn FnOnce() -> Result<RetainedValue> + 'a>;
+
+fn boxed<'a, T: Send + Sync + 'static>(make: impl FnOnce() -> Result<T> + 'a) -> Make<'a> {
+    Box::new(|| Ok(Arc::new(make()?)))
+}
+
+fn typed<T: Send + Sync + 'static>(kept: RetainedValue) -> Result<Arc<T>> {
+    kept.downcast().map_err(|_| Error::run("a kept value is of another type"))
 }
 
 /// Context of one run of a node.
@@ -183,6 +172,7 @@ pub struct RunContext<'a> {
     pub(crate) wiring: Wiring<'a>,
     pub(crate) inputs: Vec<(Value, Revision)>,
     pub(crate) folder: &'a Path,
+    pub(crate) stated: &'a ResolvedPipeline,
     pub(crate) progress: NodeProgress<'a>,
     pub(crate) services: &'a dyn RunServices,
     /// True once the node read its origins or the pipeline: then it runs again where the graph is another.
@@ -201,7 +191,7 @@ impl RunContext<'_> {
     /// The text that states the graph, and the folder that its paths are relative to.
     pub fn stated(&self) -> (&ResolvedPipeline, &Path) {
         self.reads_pipeline.set(true);
-        (self.services.pipeline(), self.folder)
+        (self.stated, self.folder)
     }
 
     /// True in an exhaustive session: the node does all work, needed or not; its outputs mean the same.
@@ -278,8 +268,7 @@ impl RunContext<'_> {
         revision: Revision,
         make: impl FnOnce() -> Result<T>,
     ) -> Result<Arc<T>> {
-        let key = (revision, TypeId::of::<T>());
-        erased(make, |make| self.services.get_or_make(key, make))
+        typed(self.services.get_or_make((revision, TypeId::of::<T>()), boxed(make))?)
     }
 
     /// The number of steps of the time series that feeds an input; 1 where none does.
@@ -310,8 +299,7 @@ impl RunContext<'_> {
         if self.exhaustive() {
             return Ok(Arc::new(make()?));
         }
-        let edge = self.edge(port)?;
-        erased(make, |make| self.services.keep_over_steps(edge, demand, make))
+        typed(self.services.keep_over_steps(self.edge(port)?, demand, TypeId::of::<T>(), boxed(make))?)
     }
 
     fn edge(&self, port: &str) -> Result<usize> {
@@ -321,10 +309,9 @@ impl RunContext<'_> {
 
     /// The grid at an input.
     pub fn grid(&self, port: &str) -> Result<Arc<Grid>> {
-        match self.value(port)? {
-            Value::Grid(grid) => Ok(grid.clone()),
-            other => Err(self.miswired(port, PortType::Grid, other)),
-        }
+        let value = self.value(port)?;
+        let Value::Grid(grid) = value else { return Err(self.miswired(port, PortType::Grid, value)) };
+        Ok(grid.clone())
     }
 
     /// The volume at an input. A grid counts as one without gradient.
@@ -335,10 +322,11 @@ impl RunContext<'_> {
 
     /// The transfer function at an input, as the pipeline states it.
     pub fn look(&self, port: &str) -> Result<Arc<TransferFunctionSpec>> {
-        match self.value(port)? {
-            Value::TransferFunction(look) => Ok(look.clone()),
-            other => Err(self.miswired(port, PortType::TransferFunction, other)),
-        }
+        let value = self.value(port)?;
+        let Value::TransferFunction(look) = value else {
+            return Err(self.miswired(port, PortType::TransferFunction, value));
+        };
+        Ok(look.clone())
     }
 
     /// True if something feeds an input.
@@ -357,26 +345,25 @@ impl RunContext<'_> {
 
     /// The camera at an input.
     pub fn camera(&self, port: &str) -> Result<Arc<Camera>> {
-        match self.value(port)? {
-            Value::Camera(camera) => Ok(camera.clone()),
-            other => Err(self.miswired(port, PortType::Camera, other)),
-        }
+        let value = self.value(port)?;
+        let Value::Camera(camera) = value else { return Err(self.miswired(port, PortType::Camera, value)) };
+        Ok(camera.clone())
     }
 
     /// The cells at an input, as the engine of type `T` prepared them.
     pub fn cells<T: Any + Send + Sync>(&self, port: &str) -> Result<Arc<T>> {
-        match self.value(port)? {
-            Value::Cells(cells) => self.prepared(port, cells),
-            other => Err(self.miswired(port, PortType::Cells, other)),
-        }
+        let value = self.value(port)?;
+        let Value::Cells(cells) = value else { return Err(self.miswired(port, PortType::Cells, value)) };
+        self.prepared(port, cells)
     }
 
     /// The projection at an input, as the engine of type `T` prepared it.
     pub fn projection<T: Any + Send + Sync>(&self, port: &str) -> Result<Arc<T>> {
-        match self.value(port)? {
-            Value::Projection(projection) => self.prepared(port, projection),
-            other => Err(self.miswired(port, PortType::Projection, other)),
-        }
+        let value = self.value(port)?;
+        let Value::Projection(projection) = value else {
+            return Err(self.miswired(port, PortType::Projection, value));
+        };
+        self.prepared(port, projection)
     }
 
     fn prepared<T: Any + Send + Sync>(&self, port: &str, value: &StagePayload) -> Result<Arc<T>> {
@@ -389,10 +376,9 @@ impl RunContext<'_> {
 
     /// The picture at an input.
     pub fn image(&self, port: &str) -> Result<Arc<Picture>> {
-        match self.value(port)? {
-            Value::Image(picture) => Ok(picture.clone()),
-            other => Err(self.miswired(port, PortType::Image, other)),
-        }
+        let value = self.value(port)?;
+        let Value::Image(picture) = value else { return Err(self.miswired(port, PortType::Image, value)) };
+        Ok(picture.clone())
     }
 
     /// The cells at an optional input, as the engine of type `T` prepared them; `None` where it is not wired.
@@ -411,10 +397,9 @@ impl RunContext<'_> {
 
     /// The figures at an input, JSON text.
     pub fn report(&self, port: &str) -> Result<Arc<str>> {
-        match self.value(port)? {
-            Value::Report(report) => Ok(report.clone()),
-            other => Err(self.miswired(port, PortType::Report, other)),
-        }
+        let value = self.value(port)?;
+        let Value::Report(report) = value else { return Err(self.miswired(port, PortType::Report, value)) };
+        Ok(report.clone())
     }
 
     fn value(&self, port: &str) -> Result<&Value> {

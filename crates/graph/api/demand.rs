@@ -32,61 +32,28 @@ pub struct Demand {
 /// Requested arrays: some by name, or those and all others of the file.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Arrays {
-    named: BTreeSet<String>,
-    all: bool,
+    /// Arrays that some node named, also one of several components or a length (`velocity:0`, `velocity:magnitude`): each must
+    /// be there.
+    pub named: BTreeSet<String>,
+    /// True if all other arrays are requested, too.
+    pub and_all_others: bool,
 }
 
 impl Arrays {
-    /// All arrays of the file.
-    pub(crate) fn all() -> Self {
-        Arrays { named: BTreeSet::new(), all: true }
-    }
-
-    /// Arrays that some node named, also one of several components or a length (`velocity:0`, `velocity:magnitude`): each must
-    /// be there.
-    pub fn named(&self) -> impl Iterator<Item = &str> {
-        self.named.iter().map(String::as_str)
-    }
-
-    /// True if all other arrays are requested, too.
-    pub fn and_all_others(&self) -> bool {
-        self.all
-    }
-
     /// True if this array is requested, by name or with all.
     pub fn contains(&self, name: &str) -> bool {
-        self.all || self.named.contains(name)
-    }
-
-    /// Adds an array.
-    pub fn insert(&mut self, name: String) {
-        self.named.insert(name);
-    }
-
-    /// Removes an array that a node makes of others.
-    pub fn remove(&mut self, name: &str) {
-        self.named.remove(name);
+        self.and_all_others || self.named.contains(name)
     }
 
     fn join(&mut self, other: &Arrays) {
         self.named.extend(other.named.iter().cloned());
-        self.all |= other.all;
-    }
-
-    fn covers(&self, other: &Arrays) -> bool {
-        self.named.is_superset(&other.named) && self.all >= other.all
+        self.and_all_others |= other.and_all_others;
     }
 }
 
 impl FromIterator<String> for Arrays {
     fn from_iter<I: IntoIterator<Item = String>>(names: I) -> Self {
-        Arrays { named: names.into_iter().collect(), all: false }
-    }
-}
-
-impl Extend<String> for Arrays {
-    fn extend<I: IntoIterator<Item = String>>(&mut self, names: I) {
-        self.named.extend(names);
+        Arrays { named: names.into_iter().collect(), and_all_others: false }
     }
 }
 
@@ -119,17 +86,11 @@ impl Demand {
         self.kept_cells |= other.kept_cells;
     }
 
-    /// True if an output made for this demand satisfies the other one.
+    /// True if an output made for this demand satisfies the other one, which then adds nothing to it.
     pub fn covers(&self, other: &Demand) -> bool {
-        self.arrays.covers(&other.arrays)
-            && self.cell_arrays.covers(&other.cell_arrays)
-            && self.gradient_magnitude >= other.gradient_magnitude
-            && self.gradient >= other.gradient
-            && self.order >= other.order
-            && self.file_cells >= other.file_cells
-            && self.cell_values >= other.cell_values
-            && self.kept_cells >= other.kept_cells
-            && self.covers_places(other)
+        let mut both = self.clone();
+        both.join(other);
+        both == *self
     }
 
     /// This demand with g and ∇s at all points, where they are requested.
@@ -139,14 +100,5 @@ impl Demand {
 
     fn looks_at_gradient(&self) -> bool {
         self.gradient_magnitude || self.gradient
-    }
-
-    /// True if g and ∇s are computed at all points where the other demand reads them.
-    fn covers_places(&self, other: &Demand) -> bool {
-        match (&self.gradient_for, &other.gradient_for) {
-            (None, _) => true,
-            (Some(ours), Some(theirs)) => theirs.iter().all(|look| ours.contains(look)),
-            (Some(_), None) => !other.looks_at_gradient(),
-        }
     }
 }

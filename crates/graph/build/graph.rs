@@ -177,29 +177,13 @@ impl Graph {
     /// The order of work, from the sinks; warns of nodes that no sink needs.
     fn order_work(&mut self) -> Result<()> {
         let sinks = (0..self.nodes.len()).filter(|&i| self.nodes[i].node.is_sink());
-        let mut placed = vec![false; self.nodes.len()];
-        let mut order = Vec::new();
-        for sink in sinks {
-            let mut path = vec![(sink, 0)];
-            while let Some(&mut (i, ref mut next)) = path.last_mut() {
-                if !placed[i] && *next < self.nodes[i].inputs.len() {
-                    let feeding = self.nodes[i].inputs[*next].node;
-                    *next += 1;
-                    path.push((feeding, 0));
-                    continue;
-                }
-                if !std::mem::replace(&mut placed[i], true) {
-                    order.push(i);
-                }
-                path.pop();
-            }
-        }
+        let edges: Vec<&[Edge]> = self.nodes.iter().map(|node| node.inputs.as_slice()).collect();
+        let order = depth_first(&edges, sinks, |_, _| {});
         if order.is_empty() {
             return Err(Error::usage("the pipeline writes nothing")
                 .expected("at least one node that writes a file, such as type = \"image-writer\""));
         }
-        for (i, node) in self.nodes.iter().enumerate().filter(|(i, _)| !placed[*i]) {
-            debug_assert!(!order.contains(&i));
+        for (_, node) in self.nodes.iter().enumerate().filter(|(i, _)| !order.contains(i)) {
             let warning = Error::usage(format!(
                 "the node '{}' is not used: nothing that is written needs it",
                 node.name
@@ -253,39 +237,48 @@ fn find_type(entry: &NodeEntry, registry: &Registry) -> Result<&'static Node> {
     registry.find(name).map_err(|error| entry.node_type.origin.locate(error))
 }
 
-/// Depth-first from every node; an edge back into the path is a cycle, which is named. Each is found once.
+/// Refuses edges back into a path, and names their cycles. Each is found once.
 fn refuse_cycles(entries: &[NodeEntry], edges: &[Vec<Edge>], faults: &mut Vec<Diagnostic>) {
-    let mut done = vec![false; entries.len()];
-    for start in 0..entries.len() {
-        // The path from the start, each node with the next of its inputs to follow.
-        let mut path: Vec<(usize, usize)> = vec![(start, 0)];
+    let edges: Vec<&[Edge]> = edges.iter().map(Vec::as_slice).collect();
+    depth_first(&edges, 0..entries.len(), |path, edge| {
+        // Data runs against the path: the last node on it feeds the one before.
+        let names = path.iter().rev().chain(path.last()).map(|&(n, _)| entries[n].name.as_str());
+        let error = Error::usage("the graph has a cycle")
+            .got(names.collect::<Vec<_>>().join(" → "))
+            .expected("inputs that lead back to sources");
+        let entry = &entries[path[path.len() - 1].0];
+        let error = edge.origin.locate(error.at_node(&entry.name));
+        faults.push(Diagnostic::new(entry, DiagnosticTarget::Input(edge.name.to_string()), error));
+    });
+}
+
+/// The nodes that these starts lead to against the edges, each after everything that feeds it. `on_cycle` is given a path, each of
+/// its nodes with the next of its edges to follow, and the edge from its end back to its begin.
+fn depth_first(
+    edges: &[&[Edge]],
+    starts: impl Iterator<Item = usize>,
+    mut on_cycle: impl FnMut(&[(usize, usize)], &Edge),
+) -> Vec<usize> {
+    let (mut done, mut order) = (vec![false; edges.len()], Vec::new());
+    for start in starts {
+        let mut path = vec![(start, 0)];
         while let Some(&mut (i, ref mut next)) = path.last_mut() {
             if done[i] || *next == edges[i].len() {
-                done[i] = true;
+                if !std::mem::replace(&mut done[i], true) {
+                    order.push(i);
+                }
                 path.pop();
                 continue;
             }
             let edge = &edges[i][*next];
             *next += 1;
-            if let Some(first) = path.iter().position(|&(n, _)| n == edge.node) {
-                // Data runs against the path: the last node on it feeds the one before.
-                let mut names: Vec<&str> =
-                    path[first..].iter().rev().map(|&(n, _)| entries[n].name.as_str()).collect();
-                names.push(names[0]);
-                let error = Error::usage("the graph has a cycle")
-                    .got(names.join(" → "))
-                    .expected("inputs that lead back to sources");
-                let error = edge.origin.locate(error.at_node(&entries[i].name));
-                faults.push(Diagnostic::new(
-                    &entries[i],
-                    DiagnosticTarget::Input(edge.name.to_string()),
-                    error,
-                ));
-                continue;
+            match path.iter().position(|&(n, _)| n == edge.node) {
+                Some(first) => on_cycle(&path[first..], edge),
+                None => path.push((edge.node, 0)),
             }
-            path.push((edge.node, 0));
         }
     }
+    order
 }
 
 /// Work that a program does in place of a node's own. Clones are the same work: a session uses its former outputs again.

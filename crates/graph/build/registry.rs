@@ -56,7 +56,10 @@ impl Registry {
         if methods.count() > 1 {
             return wrong(format!("the node type '{}' names several gradient filters", node.name));
         }
-        self.filters.iter().try_for_each(|filter| refuse_shared_names(node, filter.as_ref()))?;
+        let filters = self.filters.iter().filter(|_| node.method().is_some());
+        filters
+            .map(|filter| filter.declaration())
+            .try_for_each(|filter| refuse_shared_names("gradient filter", &filter, node))?;
         self.nodes.push(node);
         Ok(())
     }
@@ -64,9 +67,10 @@ impl Registry {
     /// Adds a gradient filter. Errors as those of [`Registry::add`]; its parameters stand beside those of the node that
     /// names it, so they may not have the names of these.
     pub fn add_filter(&mut self, filter: Arc<dyn GradientFilter>) -> Result<()> {
-        let known = self.filters.iter().map(|known| known.declaration().name);
-        check_new("gradient filter", &filter.declaration(), known)?;
-        self.nodes.iter().try_for_each(|node| refuse_shared_names(node, filter.as_ref()))?;
+        let (sort, schema) = ("gradient filter", filter.declaration());
+        check_new(sort, &schema, self.filters.iter().map(|known| known.declaration().name))?;
+        let mut nodes = self.nodes.iter().filter(|node| node.method().is_some());
+        nodes.try_for_each(|node| refuse_shared_names(sort, &schema, node))?;
         self.filters.push(filter);
         Ok(())
     }
@@ -76,16 +80,8 @@ impl Registry {
     pub fn add_variant(&mut self, parameter: &'static str, variant: Variant) -> Result<()> {
         let schema = &variant.schema;
         check_new(parameter, schema, self.variants(parameter).map(|other| other.schema.name))?;
-        for node in self.nodes.iter().filter(|node| node.parameter(parameter).is_some()) {
-            if let Some(shared) = schema.parameters.iter().find(|p| node.parameter(p.name).is_some()) {
-                return Err(shared_name(
-                    &format!("{parameter} '{}'", schema.name),
-                    node,
-                    shared,
-                    schema.name,
-                ));
-            }
-        }
+        let mut nodes = self.nodes.iter().filter(|node| node.parameter(parameter).is_some());
+        nodes.try_for_each(|node| refuse_shared_names(parameter, schema, node))?;
         self.variants.push((parameter, variant));
         Ok(())
     }
@@ -127,24 +123,20 @@ impl Registry {
 
     /// The node type of that name; an error that suggests the nearest otherwise.
     pub fn find(&self, name: &str) -> Result<&'static Node> {
-        self.nodes.iter().copied().find(|n| n.name == name).ok_or_else(|| {
-            Error::usage(format!("unknown node type '{name}'"))
-                .expected(suggest(name, self.names()) + &self.plugin_list())
-        })
+        let found = self.nodes.iter().copied().find(|n| n.name == name);
+        found.ok_or_else(|| self.unknown("node type", name, self.names()))
     }
 
     /// The gradient filter of that name; an error that suggests the nearest otherwise.
     pub fn find_filter(&self, name: &str) -> Result<&Arc<dyn GradientFilter>> {
-        self.filters.iter().find(|filter| filter.declaration().name == name).ok_or_else(|| {
-            let names = self.filters.iter().map(|filter| filter.declaration().name);
-            Error::usage(format!("unknown gradient filter '{name}'"))
-                .expected(suggest(name, names) + &self.plugin_list())
-        })
+        let names = self.filters.iter().map(|filter| filter.declaration().name);
+        let found = self.filters.iter().find(|filter| filter.declaration().name == name);
+        found.ok_or_else(|| self.unknown("gradient filter", name, names))
     }
 
-    /// The clause behind the known names in an error.
-    fn plugin_list(&self) -> String {
-        self.plugins.as_ref().map(|clause| format!("; {clause}")).unwrap_or_default()
+    fn unknown<'a>(&self, sort: &str, name: &str, known: impl Iterator<Item = &'a str>) -> Error {
+        let plugins = self.plugins.as_ref().map(|clause| format!("; {clause}")).unwrap_or_default();
+        Error::usage(format!("unknown {sort} '{name}'")).expected(suggest(name, known) + &plugins)
     }
 
     /// Every node type, in the order of registration.
@@ -168,17 +160,13 @@ impl Registry {
     }
 }
 
-/// Refuses names that a filter and a node share: their parameters stand in one table.
-fn refuse_shared_names(node: &Node, filter: &dyn GradientFilter) -> Result<()> {
-    let kind = filter.declaration();
-    let shared = kind.parameters.iter().find(|p| node.method().is_some() && node.parameter(p.name).is_some());
-    let title = format!("gradient filter '{}'", kind.name);
-    shared.map_or(Ok(()), |shared| Err(shared_name(&title, node, shared, kind.name)))
-}
-
-fn shared_name(title: &str, node: &Node, shared: &Parameter, item: &str) -> Error {
-    let what = format!("the {title} declares a parameter that the node type '{}' has", node.name);
-    Error::usage(what).got(shared.name).expected("a name of its own").at_item(item)
+/// Refuses names that a filter or a variant and a node share: their parameters stand in one table. `sort`: what it is, for messages.
+fn refuse_shared_names(sort: &str, schema: &VariantSchema, node: &Node) -> Result<()> {
+    let shared = schema.parameters.iter().find(|p| node.parameter(p.name).is_some());
+    let Some(shared) = shared else { return Ok(()) };
+    let VariantSchema { name, .. } = *schema;
+    let what = format!("the {sort} '{name}' declares a parameter that the node type '{}' has", node.name);
+    Err(Error::usage(what).got(shared.name).expected("a name of its own").at_item(name))
 }
 
 /// Refuses a node type, filter or variant without name or summary, with a name that is `taken`, or with parameters that contradict

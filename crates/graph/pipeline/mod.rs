@@ -18,16 +18,19 @@ use voltet_core::{Error, Result};
 
 /// Completes an error about a pipeline file: its path, and line and column for the byte range it points at.
 /// Errors about other files are left as they are.
-pub fn locate(mut error: Error, text: &str, path: &std::path::Path) -> Error {
+pub fn locate(error: Error, text: &str, path: &std::path::Path) -> Error {
     if error.location.file.is_some() {
         return error;
     }
-    if error.location.line_column.is_none()
-        && let Some(span) = error.location.span.take()
-    {
-        error = error.at_span(text, span);
+    placed(error, text).in_file(path)
+}
+
+/// Adds line and column to an error that points at a byte range of the text.
+fn placed(mut error: Error, text: &str) -> Error {
+    match error.location.span.take().filter(|_| error.location.line_column.is_none()) {
+        Some(span) => error.at_span(text, span),
+        None => error,
     }
-    error.in_file(path)
 }
 
 /// The format that this program reads and writes.
@@ -84,47 +87,36 @@ impl Pipeline {
 
     /// Like [`Pipeline::parse`], for a text with mistakes: its readable part, and every mistake.
     pub fn survey(text: &str) -> ParsedPipeline {
-        let mut survey = read(text);
-        for fault in &mut survey.faults {
-            // Errors carry the byte range only; line and column follow from the text.
-            if let Some(span) = fault.location.span.take() {
-                *fault = fault.clone().at_span(text, span);
+        let (table, errors) = DeTable::parse_recoverable(text);
+        let mut survey = ParsedPipeline { is_toml: errors.is_empty(), ..ParsedPipeline::default() };
+        let ParsedPipeline { pipeline, editor, faults, .. } = &mut survey;
+        faults.extend(errors.into_iter().map(|error| not_toml(error, text)));
+        let (theirs, ours): (Vec<_>, Vec<_>) =
+            in_order(table.get_ref()).partition(|(key, _)| key.get_ref() == EDITOR);
+        // Nobody who runs the file is told of mistakes in what belongs to the editor.
+        let fields = theirs.into_iter().map(|(key, value)| toml_field(key, value, &mut Vec::new()));
+        editor.extend(fields.flat_map(|field| field.setting.table().unwrap_or_default().to_vec()));
+        let top: Vec<Field> = ours.into_iter().map(|(key, value)| toml_field(key, value, faults)).collect();
+        faults.extend(unknown_keys(&top, &["pipeline", "nodes"], "a pipeline file"));
+        let find = |name: &str| top.iter().find(|f| f.name == name);
+        pipeline.title = read_header(find("pipeline"), faults);
+        if let Some(field) = find("nodes") {
+            match field.setting.table() {
+                None => faults
+                    .push(field.setting.error("'nodes' must hold a table for each node", "[nodes.NAME]")),
+                Some(entries) => {
+                    pipeline.nodes.extend(entries.iter().filter_map(|entry| read_node(entry, faults)))
+                }
             }
         }
+        if pipeline.nodes.is_empty() && faults.is_empty() {
+            let error = Error::usage("the pipeline has no nodes");
+            faults.push(error.expected("a table [nodes.NAME] for each node"));
+        }
+        // Errors carry the byte range only; line and column follow from the text.
+        faults.iter_mut().for_each(|fault| *fault = placed(fault.clone(), text));
         survey
     }
-}
-
-fn read(text: &str) -> ParsedPipeline {
-    let (table, errors) = DeTable::parse_recoverable(text);
-    let mut survey = ParsedPipeline { is_toml: errors.is_empty(), ..ParsedPipeline::default() };
-    let ParsedPipeline { pipeline, editor, faults, .. } = &mut survey;
-    faults.extend(errors.into_iter().map(|error| not_toml(error, text)));
-    let (theirs, ours): (Vec<_>, Vec<_>) =
-        in_order(table.get_ref()).partition(|(key, _)| key.get_ref() == EDITOR);
-    // Nobody who runs the file is told of mistakes in what belongs to the editor.
-    let fields = theirs.into_iter().map(|(key, value)| toml_field(key, value, &mut Vec::new()));
-    editor.extend(fields.flat_map(|field| field.setting.table().unwrap_or_default().to_vec()));
-    let top: Vec<Field> = ours.into_iter().map(|(key, value)| toml_field(key, value, faults)).collect();
-    let known = ["pipeline", "nodes"];
-    let unknown = top.iter().filter(|f| !known.contains(&f.name.as_str()));
-    faults.extend(unknown.map(|field| unknown_key(field, &known, "a pipeline file")));
-    let find = |name: &str| top.iter().find(|f| f.name == name);
-    pipeline.title = read_header(find("pipeline"), faults);
-    if let Some(field) = find("nodes") {
-        match field.setting.table() {
-            None => {
-                faults.push(field.setting.error("'nodes' must hold a table for each node", "[nodes.NAME]"));
-            }
-            Some(entries) => {
-                pipeline.nodes.extend(entries.iter().filter_map(|entry| read_node(entry, faults)))
-            }
-        }
-    }
-    if pipeline.nodes.is_empty() && faults.is_empty() {
-        faults.push(Error::usage("the pipeline has no nodes").expected("a table [nodes.NAME] for each node"));
-    }
-    survey
 }
 
 fn not_toml(error: toml::de::Error, text: &str) -> Error {
@@ -145,9 +137,7 @@ fn read_header(header: Option<&Field>, faults: &mut Vec<Error>) -> Option<String
         faults.push(header.setting.error("'pipeline' must be a table", form));
         return None;
     };
-    let known = ["format", "title"];
-    let unknown = fields.iter().filter(|f| !known.contains(&f.name.as_str()));
-    faults.extend(unknown.map(|field| unknown_key(field, &known, "[pipeline]")));
+    faults.extend(unknown_keys(fields, &["format", "title"], "[pipeline]"));
     let find = |name: &str| fields.iter().find(|f| f.name == name).map(|f| &f.setting);
     match find("format") {
         None => {
@@ -194,9 +184,12 @@ fn read_node(entry: &Field, faults: &mut Vec<Error>) -> Option<NodeEntry> {
     Some(NodeEntry { name: entry.name.clone(), origin: entry.origin.clone(), node_type, settings, inputs })
 }
 
-fn unknown_key(field: &Field, known: &[&str], place: &str) -> Error {
-    let what = format!("unknown key '{}' in {place}", field.name);
-    field.origin.locate(Error::usage(what).expected(suggest(&field.name, known.iter().copied())))
+fn unknown_keys(fields: &[Field], known: &[&str], place: &str) -> impl Iterator<Item = Error> {
+    let unknown = fields.iter().filter(|field| !known.contains(&field.name.as_str()));
+    unknown.map(move |field| {
+        let what = format!("unknown key '{}' in {place}", field.name);
+        field.origin.locate(Error::usage(what).expected(suggest(&field.name, known.iter().copied())))
+    })
 }
 
 type TomlKey<'i> = Spanned<DeString<'i>>;
@@ -263,13 +256,7 @@ pub fn parameters(text: &str) -> Result<Vec<Field>> {
         let what = format!("'{}' is no parameter", field.name);
         field.origin.locate(Error::usage(what).expected("parameters alone: type and wires stay"))
     }));
-    match faults.into_iter().next() {
-        None => Ok(fields),
-        Some(mut fault) => Err(match fault.location.span.take() {
-            Some(span) => fault.at_span(text, span),
-            None => fault,
-        }),
-    }
+    faults.into_iter().next().map_or(Ok(fields), |fault| Err(placed(fault, text)))
 }
 
 /// Text read as one TOML value; `None` where it is none.
@@ -399,10 +386,7 @@ fn write_node(f: &mut fmt::Formatter<'_>, node: &NodeEntry) -> fmt::Result {
 
 /// True if a value is a list of tables.
 fn is_tables(datum: &ParameterValue) -> bool {
-    match datum {
-        ParameterValue::List(list) => !list.is_empty() && list.iter().all(|part| part.table().is_some()),
-        _ => false,
-    }
+    matches!(datum, ParameterValue::List(list) if !list.is_empty() && list.iter().all(|part| part.table().is_some()))
 }
 
 #[cfg(test)]

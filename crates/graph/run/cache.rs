@@ -1,17 +1,17 @@
 //! Former outputs of nodes, and values made from a revision.
 
-use crate::api::context::{FOR_THE_SESSION, Preparation, RetainedValue};
+use super::plan::Done;
+use crate::api::context::{FOR_THE_SESSION, Make, Preparation, RetainedValue};
 use crate::api::demand::Demand;
 use crate::api::node::{Node, Steps};
 use crate::api::origins::{FileStamp, ResolvedPipeline, Stamp};
-use crate::api::value::{Revision, Value};
+use crate::api::value::Revision;
 use crate::build::graph::{Graph, GraphNode, NodeOverride};
 use std::any::TypeId;
 use std::collections::{BTreeSet, HashMap};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 use voltet_core::Result;
-use voltet_core::diagnostics::Diagnostics;
 use voltet_core::field::Plugin;
 use voltet_core::parameters::Parameters;
 
@@ -30,10 +30,7 @@ pub(super) struct Entry {
     pub(super) files: Vec<(PathBuf, Stamp)>,
     /// Text of its graph, where the node read it.
     pub(super) carried: Option<ResolvedPipeline>,
-    pub(super) outputs: Vec<(Value, Revision)>,
-    pub(super) notes: Diagnostics,
-    /// Seconds of the run.
-    pub(super) seconds: f64,
+    pub(super) done: Done,
 }
 
 /// Former runs. They are found by what they were made from, not by the node's name, so that pipelines that read
@@ -88,7 +85,7 @@ impl Cache {
             });
             let keep = wanted && entry.inputs.iter().all(|(_, r)| alive.contains(r));
             if keep {
-                alive.extend(entry.outputs.iter().map(|o| o.1));
+                alive.extend(entry.done.outputs.iter().map(|o| o.1));
             }
             keep
         });
@@ -96,19 +93,20 @@ impl Cache {
 
     /// The revisions of all outputs held.
     pub(super) fn revisions(&self) -> BTreeSet<Revision> {
-        self.entries.iter().flat_map(|e| e.outputs.iter().map(|o| o.1)).collect()
+        self.entries.iter().flat_map(|e| e.done.outputs.iter().map(|o| o.1)).collect()
     }
 }
 
 /// The files that a node's parameters name, those that it reads beside them, and their state.
 pub(super) fn files_of(
-    (node, parameters): (&'static Node, &Parameters),
+    graph: &Graph,
+    node: &GraphNode,
     steps: Steps,
-    folder: &Path,
     stamp: FileStamp,
 ) -> Vec<(PathBuf, Stamp)> {
+    let (parameters, folder) = (&node.parameters, graph.folder.as_path());
     let named = parameters.paths().into_iter().map(|named| named.from(folder));
-    stamped(named.chain((node.files_beside)(&Preparation { parameters, folder }, steps)), stamp)
+    stamped(named.chain((node.node.files_beside)(&Preparation { parameters, folder }, steps)), stamp)
 }
 
 /// Files with their state as it is now.
@@ -120,8 +118,8 @@ pub(super) fn stamped(paths: impl IntoIterator<Item = PathBuf>, stamp: FileStamp
     paths.into_iter().map(with_state).collect()
 }
 
-/// A node's type, its parameters, what feeds which port, its files, the plug-in of its filter, and what a program does in place
-/// of its work.
+/// A node's type, its parameters, what feeds which port, its files, the plug-in of its filter, what a program does in place
+/// of its work, and the demand on it.
 type NodeKey = (
     &'static str,
     Vec<Parameters>,
@@ -129,14 +127,15 @@ type NodeKey = (
     Vec<(PathBuf, Stamp)>,
     Option<Plugin>,
     Option<NodeOverride>,
+    Demand,
 );
 
 /// Key of a value made over all steps: everything that it was made from.
 #[derive(PartialEq)]
 pub(super) struct Key {
     pub(super) nodes: Vec<NodeKey>,
-    pub(super) demands: Vec<Demand>,
     pub(super) port: (usize, usize),
+    pub(super) value_type: TypeId,
 }
 
 /// Values made from a revision, by the revision and their own type.
@@ -148,11 +147,7 @@ pub(super) struct Store {
 
 impl Store {
     /// The value of this type made from this revision; made now if it is not there.
-    pub(super) fn get_or_make(
-        &self,
-        key: (Revision, TypeId),
-        make: &mut dyn FnMut() -> Result<RetainedValue>,
-    ) -> Result<RetainedValue> {
+    pub(super) fn get_or_make(&self, key: (Revision, TypeId), make: Make) -> Result<RetainedValue> {
         if let Some(kept) = self.lock().get(&key) {
             return Ok(kept.clone());
         }
@@ -161,16 +156,16 @@ impl Store {
         Ok(made)
     }
 
-    /// The value made over all steps of a time series.
-    pub(super) fn over_steps(&self, key: &Key) -> Option<RetainedValue> {
-        let kept = self.over_steps.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.iter().find(|(known, _)| known == key).map(|(_, kept)| kept.clone())
-    }
-
-    pub(super) fn keep_over_steps(&self, key: Key, made: RetainedValue) {
-        let mut kept = self.over_steps.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.retain(|(known, _)| *known != key);
-        kept.push((key, made));
+    /// The value made over all steps of a time series; made now if it is not there.
+    pub(super) fn keep_over_steps(&self, key: Key, make: Make) -> Result<RetainedValue> {
+        let lock = || self.over_steps.lock().unwrap_or_else(PoisonError::into_inner);
+        let kept = lock().iter().find(|(known, _)| *known == key).map(|(_, kept)| kept.clone());
+        if let Some(kept) = kept {
+            return Ok(kept);
+        }
+        let made = make()?;
+        lock().push((key, made.clone()));
+        Ok(made)
     }
 
     /// Drops values made from revisions that are gone.

@@ -2,10 +2,12 @@
 
 use super::cache::{Key, Store, files_of, stamped};
 use super::plan::{Done, asks_of, inputs_of};
-use crate::api::context::{NodeProgress, Observer, Preparation, RetainedValue, RunContext, RunServices};
+use crate::api::context::{
+    Make, NodeProgress, Observer, Preparation, RetainedValue, RunContext, RunServices,
+};
 use crate::api::demand::Demand;
 use crate::api::node::Steps;
-use crate::api::origins::{FileRead, FileStamp, Origins, ResolvedPipeline};
+use crate::api::origins::{FileRead, FileStamp, Origins};
 use crate::api::value::{PortType, Revision, Value, diagonal};
 use crate::build::graph::{Graph, GraphNode};
 use std::any::TypeId;
@@ -15,14 +17,13 @@ use voltet_core::parameters::Parameters;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 
-/// Nodes upstream of an input, with their parameters at each step and their demands.
-struct Feeding {
-    /// Places in the graph, in the order of work.
-    nodes: Vec<usize>,
-    /// The parameters at each step; one for a node that reads no series.
-    parameters: Vec<Vec<Parameters>>,
-    demands: Vec<Demand>,
-    step_count: usize,
+/// A node upstream of an input.
+struct FeedingNode {
+    /// Its index in the graph.
+    place: usize,
+    /// Its parameters at each step; those alone where it reads no series.
+    parameters: Vec<Parameters>,
+    demand: Demand,
 }
 
 /// One run of a node by a session.
@@ -58,6 +59,7 @@ impl<'a> NodeRun<'a> {
             wiring: self.node().wiring(),
             inputs,
             folder: &self.graph.folder,
+            stated: &self.graph.stated,
             progress: self.progress(),
             services: self,
             reads_pipeline: Cell::new(false),
@@ -76,35 +78,28 @@ impl<'a> NodeRun<'a> {
         (edge.node, edge.output)
     }
 
-    fn feeding(&self, edge: usize, demand: &Demand) -> Result<Feeding> {
+    /// The nodes upstream of an edge, in the order of work, and the number of steps.
+    fn feeding(&self, edge: usize, demand: &Demand) -> Result<(Vec<FeedingNode>, usize)> {
         let graph = self.graph;
-        let (last, _) = self.source(edge);
-        let mut needed = vec![false; graph.nodes.len()];
-        needed[last] = true;
-        let mut demands = vec![Demand::default(); graph.nodes.len()];
-        demands[last] = demand.clone();
-        let mut nodes = Vec::new();
-        for &i in graph.order.iter().rev() {
-            if !needed[i] {
-                continue;
-            }
-            nodes.push(i);
-            let node = &graph.nodes[i];
-            let notes = &mut Diagnostics::default();
-            let asks = asks_of(graph, node, &demands[i], notes, |_| (None, false))?;
+        let mut demands: Vec<Option<Demand>> = vec![None; graph.nodes.len()];
+        demands[self.source(edge).0] = Some(demand.clone());
+        let mut feeding = Vec::new();
+        for &place in graph.order.iter().rev() {
+            let Some(demand) = demands[place].take() else { continue };
+            let node = &graph.nodes[place];
+            let asks = asks_of(graph, node, &demand, &mut Diagnostics::default(), |_| (None, false))?;
             for (edge, ask) in node.inputs.iter().zip(asks) {
-                needed[edge.node] = true;
-                demands[edge.node].join(&ask);
+                demands[edge.node].get_or_insert_default().join(&ask);
             }
+            feeding.push(FeedingNode { place, parameters: Vec::new(), demand });
         }
-        nodes.reverse();
-        let mut parameters = Vec::new();
+        feeding.reverse();
         let mut series: Option<(&str, usize)> = None;
-        for &i in &nodes {
-            let node = &graph.nodes[i];
+        for FeedingNode { place, parameters, .. } in &mut feeding {
+            let node = &graph.nodes[*place];
             let preparation = Preparation { parameters: &node.parameters, folder: &graph.folder };
-            let steps = (node.node.steps)(&preparation).map_err(|error| node.locate(error))?;
-            match (series, steps.len()) {
+            *parameters = (node.node.steps)(&preparation).map_err(|error| node.locate(error))?;
+            match (series, parameters.len()) {
                 (_, 1) => {}
                 (Some((other, count)), own) if own != count => {
                     let error = Error::usage("two time series have different numbers of steps");
@@ -113,21 +108,22 @@ impl<'a> NodeRun<'a> {
                 }
                 (_, own) => series = Some((&node.name, own)),
             }
-            parameters.push(steps);
         }
-        let step_count = series.map_or(1, |(_, count)| count);
-        let demands = nodes.iter().map(|&i| demands[i].clone()).collect();
-        Ok(Feeding { nodes, parameters, demands, step_count })
+        Ok((feeding, series.map_or(1, |(_, count)| count)))
     }
 
     /// Runs what feeds a port, at one step.
-    fn value_at(&self, feeding: &Feeding, (last, output): (usize, usize), step: usize) -> Result<Value> {
+    fn value_at(
+        &self,
+        feeding: &[FeedingNode],
+        (last, output): (usize, usize),
+        step: usize,
+    ) -> Result<Value> {
         // Nothing that is kept would serve another step.
         let store = Store::default();
         let mut revision = 0;
         let mut all_done: Vec<Option<Done>> = vec![None; self.graph.nodes.len()];
-        for ((&i, parameters), demand) in feeding.nodes.iter().zip(&feeding.parameters).zip(&feeding.demands)
-        {
+        for &FeedingNode { place: i, ref parameters, ref demand } in feeding {
             if self.progress().cancelled() {
                 return Err(Error::cancelled());
             }
@@ -146,18 +142,18 @@ impl<'a> NodeRun<'a> {
         value.ok_or_else(|| Error::run("the node that feeds an input gave nothing"))
     }
 
-    fn key(&self, edge: usize, feeding: &Feeding) -> Result<Key> {
-        let place = |node: usize| feeding.nodes.iter().position(|&i| i == node).unwrap_or_default();
-        let of = |(&i, parameters): (&usize, &Vec<Parameters>)| {
+    fn key(&self, edge: usize, feeding: Vec<FeedingNode>, value_type: TypeId) -> Key {
+        let places: Vec<usize> = feeding.iter().map(|node| node.place).collect();
+        let place = |node: usize| places.iter().position(|&i| i == node).unwrap_or_default();
+        let of = |FeedingNode { place: i, parameters, demand }: FeedingNode| {
             let node = &self.graph.nodes[i];
             let edges = node.inputs.iter().map(|edge| (edge.port, place(edge.node), edge.output)).collect();
-            let files =
-                files_of((node.node, &node.parameters), Steps::All, &self.graph.folder, self.file_stamp);
-            (node.node.name, parameters.clone(), edges, files, node.plugin().cloned(), node.given.clone())
+            let files = files_of(self.graph, node, Steps::All, self.file_stamp);
+            let (plugin, given) = (node.plugin().cloned(), node.given.clone());
+            (node.node.name, parameters, edges, files, plugin, given, demand)
         };
-        let nodes = feeding.nodes.iter().zip(&feeding.parameters).map(of).collect();
         let (last, output) = self.source(edge);
-        Ok(Key { nodes, demands: feeding.demands.clone(), port: (place(last), output) })
+        Key { nodes: feeding.into_iter().map(of).collect(), port: (place(last), output), value_type }
     }
 }
 
@@ -166,20 +162,12 @@ impl RunServices for NodeRun<'_> {
         origins(self.graph, &upstream(self.graph, self.place), self.done, self.file_stamp)
     }
 
-    fn pipeline(&self) -> &ResolvedPipeline {
-        &self.graph.stated
-    }
-
-    fn get_or_make(
-        &self,
-        key: (Revision, TypeId),
-        make: &mut dyn FnMut() -> Result<RetainedValue>,
-    ) -> Result<RetainedValue> {
+    fn get_or_make(&self, key: (Revision, TypeId), make: Make) -> Result<RetainedValue> {
         self.store.get_or_make(key, make)
     }
 
     fn step_count(&self, edge: usize) -> Result<usize> {
-        Ok(self.feeding(edge, &Demand::default())?.step_count)
+        Ok(self.feeding(edge, &Demand::default())?.1)
     }
 
     fn each_step(
@@ -188,10 +176,10 @@ impl RunServices for NodeRun<'_> {
         demand: &Demand,
         of_step: &mut dyn FnMut(usize, Value) -> Result<()>,
     ) -> Result<()> {
-        let feeding = self.feeding(edge, demand)?;
-        for step in 0..feeding.step_count {
-            let fraction = step as f64 / feeding.step_count as f64;
-            self.progress().report(&format!("step {} of {}", step + 1, feeding.step_count), fraction);
+        let (feeding, step_count) = self.feeding(edge, demand)?;
+        for step in 0..step_count {
+            let fraction = step as f64 / step_count as f64;
+            self.progress().report(&format!("step {} of {step_count}", step + 1), fraction);
             let value = self
                 .value_at(&feeding, self.source(edge), step)
                 .map_err(|error| Error { what: format!("at time step {step}: {}", error.what), ..error })?;
@@ -204,15 +192,11 @@ impl RunServices for NodeRun<'_> {
         &self,
         edge: usize,
         demand: &Demand,
-        make: &mut dyn FnMut() -> Result<RetainedValue>,
+        value_type: TypeId,
+        make: Make,
     ) -> Result<RetainedValue> {
-        let key = self.key(edge, &self.feeding(edge, demand)?)?;
-        if let Some(kept) = self.store.over_steps(&key) {
-            return Ok(kept);
-        }
-        let made = make()?;
-        self.store.keep_over_steps(key, made.clone());
-        Ok(made)
+        let (feeding, _) = self.feeding(edge, demand)?;
+        self.store.keep_over_steps(self.key(edge, feeding, value_type), make)
     }
 }
 

@@ -62,7 +62,7 @@ pub(super) struct Done {
 /// every gradient.
 pub(super) fn everything_of(node: &GraphNode) -> Demand {
     let (grid, gradient) = (node.gives(PortType::Grid), node.makes_volume());
-    let arrays = if grid { Arrays::all() } else { Arrays::default() };
+    let arrays = Arrays { and_all_others: grid, ..Arrays::default() };
     Demand {
         cell_arrays: arrays.clone(),
         arrays,

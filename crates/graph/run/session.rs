@@ -57,7 +57,7 @@ impl Session {
     /// Drops the former runs that gave this picture, so that its owner may modify it.
     pub fn release(&mut self, picture: &Arc<Picture>) {
         let is_it = |value: &Value| matches!(value, Value::Image(known) if Arc::ptr_eq(known, picture));
-        self.cache.entries.retain(|entry| !entry.outputs.iter().any(|(value, _)| is_it(value)));
+        self.cache.entries.retain(|entry| !entry.done.outputs.iter().any(|(value, _)| is_it(value)));
     }
 
     /// Runs the demand pass, and the early nodes only.
@@ -132,19 +132,8 @@ impl Session {
     }
 
     /// Runs what feeds a node (its place in [`Graph::nodes`]) and gives the values at its inputs, in the order of
-    /// its edges: for programs that do with them what no node does. The node itself and what follows do not run. `of_volumes`:
-    /// what is asked, beside what nodes ask for, of those that make a volume of a grid.
-    pub fn inputs(
-        &mut self,
-        graph: &Graph,
-        place: usize,
-        of_volumes: &Demand,
-        observer: &dyn Observer,
-    ) -> Result<Vec<Value>> {
-        Ok(self.feed(graph, place, of_volumes, observer)?.0)
-    }
-
-    /// Like [`Session::inputs`], with the report of the run.
+    /// its edges, with the report of the run: for programs that do with them what no node does. The node itself and what follows
+    /// do not run. `of_volumes`: what is asked, beside what nodes ask for, of those that make a volume of a grid.
     pub fn feed(
         &mut self,
         graph: &Graph,
@@ -209,12 +198,10 @@ impl Session {
         let node = &graph.nodes[i];
         let revisions: Vec<(usize, Revision)> =
             node.inputs.iter().zip(&inputs).map(|(edge, input)| (edge.port, input.1)).collect();
-        let files = files_of((node.node, &node.parameters), Steps::Read, &graph.folder, self.file_stamp);
+        let files = files_of(graph, node, Steps::Read, self.file_stamp);
         let former = self.cache.find(node, &revisions, |former| former.covers(demand), &files, &graph.stated);
         if let Some(entry) = former.filter(|_| !self.exhaustive) {
-            let (outputs, notes) = (entry.outputs.clone(), entry.notes.clone());
-            let (seconds, reused) = (0.0, Some(entry.seconds));
-            return Ok(Done { outputs, notes, seconds, reused, is_passing: false });
+            return Ok(Done { seconds: 0.0, reused: Some(entry.done.seconds), ..entry.done.clone() });
         }
         // Who is asked for the gradient in other places than before will be so again: now everywhere.
         let elsewhere = |former: &Demand| former.everywhere().covers(demand);
@@ -235,23 +222,21 @@ impl Session {
         let outputs: Vec<(Value, Revision)> =
             values.into_iter().map(|value| (value, self.next_revision())).collect();
         let seconds = start.elapsed().as_secs_f64();
-        if is_passing {
-            return Ok(Done { outputs, notes, seconds, reused: None, is_passing });
+        let done = Done { outputs, notes, seconds, reused: None, is_passing };
+        if !is_passing {
+            self.cache.add(Entry {
+                node: node.node,
+                parameters: node.parameters.clone(),
+                plugin: node.plugin().cloned(),
+                given: node.given.clone(),
+                inputs: revisions,
+                demand: demand.clone(),
+                files: stamped(files.into_iter().map(|(path, _)| path), self.file_stamp),
+                carried,
+                done: done.clone(),
+            });
         }
-        self.cache.add(Entry {
-            node: node.node,
-            parameters: node.parameters.clone(),
-            plugin: node.plugin().cloned(),
-            given: node.given.clone(),
-            inputs: revisions,
-            demand: demand.clone(),
-            files: stamped(files.into_iter().map(|(path, _)| path), self.file_stamp),
-            carried,
-            outputs: outputs.clone(),
-            notes: notes.clone(),
-            seconds,
-        });
-        Ok(Done { outputs, notes, seconds, reused: None, is_passing })
+        Ok(done)
     }
 
     fn next_revision(&mut self) -> Revision {

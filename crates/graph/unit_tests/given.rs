@@ -66,7 +66,7 @@ fn former_outputs_of_one_are_not_those_of_another() {
         let mut graph = graph(SCENE).unwrap();
         graph.give("grid", given.clone()).unwrap();
         let place = graph.nodes.iter().position(|node| node.name == "gradient").unwrap();
-        let values = session.inputs(&graph, place, &Demand::default(), &NoObserver).unwrap();
+        let (values, _) = session.feed(&graph, place, &Demand::default(), &NoObserver).unwrap();
         values[0].volume().unwrap().unwrap().scalar[0]
     };
     let [first, second] = [7.0, 8.0].map(|number| given(number, &held));

@@ -17,7 +17,7 @@ const CUBE: Node = Node {
         count("cube");
         let mut grid =
             with_scalar(box_of_tetrahedra([2, 2, 2], [DVec3::ZERO, DVec3::ONE], 0.0), "s", |p| p.x);
-        for name in call.demand.arrays.named() {
+        for name in &call.demand.arrays.named {
             let array = Array { component_count: 1, values: vec![1.0; grid.points.len()].into() };
             grid.point_arrays.insert(name.to_string(), Arc::new(array));
         }

@@ -15,7 +15,7 @@ const FOUND: Node = Node {
     },
     demand: &|asking| {
         let mut demand = Demand::default();
-        demand.cell_arrays.insert("zone".into());
+        demand.cell_arrays.named.insert("zone".into());
         asking.ask("volume", &demand)
     },
     run: &|call| {

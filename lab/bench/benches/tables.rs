@@ -150,13 +150,13 @@ fn print_pre_integrated() -> Result<()> {
     let transfer_function = piecewise_linear(DENSITY);
     let exact = exact(&transfer_function)?;
     for side in [16, 32, 64, 128, 256] {
-        let (fill, table) = milliseconds(|| PreIntegrated::new(&transfer_function, side, 2, &EXTENT));
+        let (fill, table) = milliseconds(|| PreIntegrated::new(&transfer_function, side, 2, None, &EXTENT));
         let table = table?;
         let (largest, mean) = errors(&table, &exact);
         let mib = table.table_bytes() as f64 / f64::from(1 << 20);
         drop(table);
         let (tile_fill, tiles) =
-            milliseconds(|| PreIntegrated::tiles(&transfer_function, side, 2, 1, &EXTENT));
+            milliseconds(|| PreIntegrated::new(&transfer_function, side, 2, Some(1), &EXTENT));
         let (tile_largest, tile_mean) = errors(&tiles?, &exact);
         println!(
             "| {side} | {mib:.1} | {fill:.0} | {largest:.1e} | {mean:.1e} | {tile_fill:.0} | {tile_largest:.1e} \
@@ -191,7 +191,7 @@ fn integrators(name: &str, transfer_function: &TransferFunction) -> Result<()> {
         let made = new(&integrator, WidgetBlend::Exact, transfer_function, &EXTENT)?;
         row(&format!("segments, {count}"), made.as_ref());
     }
-    row("segments, 16, closed forms", &Segments::with_closed_forms(transfer_function, 16)?);
+    row("segments, 16, closed forms", &Segments::new(transfer_function, 16, None)?);
     for count in [4, 16, 64] {
         let made = new(&riemann(count), WidgetBlend::Exact, transfer_function, &EXTENT)?;
         row(&format!("riemann, {count}"), made.as_ref());

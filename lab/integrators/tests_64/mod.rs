@@ -63,9 +63,7 @@ fn sampling_converges_to_the_closed_forms_with_second_order() {
         let error = |name: &str, count: usize| {
             let found = match name {
                 "riemann" => Riemann::new(&transfer_function, count).expect("valid").integrate(&ACROSS),
-                _ => {
-                    Segments::with_closed_forms(&transfer_function, count).expect("valid").integrate(&ACROSS)
-                }
+                _ => Segments::new(&transfer_function, count, None).expect("valid").integrate(&ACROSS),
             };
             largest_error(&exact, &found)
         };
@@ -97,7 +95,7 @@ fn piecewise() -> TransferFunction {
 fn one_piece_of_a_linear_function_is_exact() {
     let transfer_function = piecewise();
     let inside = Segment { front: [0.25, 0.0], back: [0.4, 0.0], ..ACROSS };
-    let one = Segments::with_closed_forms(&transfer_function, 1).expect("valid").integrate(&inside);
+    let one = Segments::new(&transfer_function, 1, None).expect("valid").integrate(&inside);
     let exact = Analytic::new(&transfer_function, WidgetBlend::Exact).expect("valid").integrate(&inside);
     // ψ to a few roundings.
     assert!(largest_error(&one, &exact) < 1e-14);

@@ -82,8 +82,8 @@ fn pre_integrated_errors_fall_with_the_square_of_the_size() {
     for model in [OpticalModel::DensityEmitter, OpticalModel::ConstantEmitter { cutoff: 1e-9 }] {
         let transfer_function = waves_of_colour(model);
         let error = |size: usize| {
-            let table = PreIntegrated::new(&transfer_function, size, 2, &extent).expect("serves");
-            let tiles = PreIntegrated::tiles(&transfer_function, size, 2, 1, &extent).expect("serves");
+            let table = PreIntegrated::new(&transfer_function, size, 2, None, &extent).expect("serves");
+            let tiles = PreIntegrated::new(&transfer_function, size, 2, Some(1), &extent).expect("serves");
             [largest(&table, &transfer_function, 3.0), largest(&tiles, &transfer_function, 3.0)]
         };
         let errors = [32, 64, 128].map(error);
@@ -101,7 +101,7 @@ fn corners_of_the_function_leave_an_error_of_first_order() {
     let extent = Extent { scalar: [0.0, 1.0], longest: 1.0 };
     let transfer_function = piecewise();
     let error = |size: usize| {
-        let table = PreIntegrated::new(&transfer_function, size, 2, &extent).expect("serves");
+        let table = PreIntegrated::new(&transfer_function, size, 2, None, &extent).expect("serves");
         largest(&table, &transfer_function, 1.0)
     };
     for size in [24, 48, 96] {
@@ -141,7 +141,7 @@ fn a_peak_between_nodes_keeps_its_depth() {
         extinction: 3e3,
         region: None,
     };
-    let table = PreIntegrated::new(&transfer_function, 9, 2, &EXTENT).expect("serves");
+    let table = PreIntegrated::new(&transfer_function, 9, 2, None, &EXTENT).expect("serves");
     let across = Segment { front: [0.125, 0.0], back: [0.875, 0.0], ..ACROSS };
     let exact = Analytic::new(&transfer_function, WidgetBlend::Exact).expect("valid").integrate(&across);
     assert!(exact.opacity > 0.5);
@@ -153,8 +153,8 @@ fn a_peak_between_nodes_keeps_its_depth() {
 fn of_resampling(table_size: usize, planes: usize) -> f64 {
     let transfer_function = waves_of_colour(OpticalModel::DensityEmitter);
     let extent = Extent { scalar: [0.0, 1.0], longest: 3.0 };
-    let table = PreIntegrated::new(&transfer_function, table_size, 2, &extent).expect("serves");
-    let tiles = PreIntegrated::tiles(&transfer_function, table_size, 2, planes, &extent).expect("serves");
+    let table = PreIntegrated::new(&transfer_function, table_size, 2, None, &extent).expect("serves");
+    let tiles = PreIntegrated::new(&transfer_function, table_size, 2, Some(planes), &extent).expect("serves");
     let mut worst = 0.0_f64;
     for (i, j, k) in (0..40).flat_map(|i| (0..40).flat_map(move |j| (1..20).map(move |k| (i, j, k)))) {
         let [front, back, length] = [i, j, k].map(|n| (f64::from(n) + 0.37) / 41.0);
@@ -183,7 +183,7 @@ fn oversampling_resolves_what_lies_between_two_entries() {
     let across = Segment { front: [0.25, 0.0], back: [0.75, 0.0], ..ACROSS };
     let exact = Analytic::new(&transfer_function, WidgetBlend::Exact).expect("valid").integrate(&across);
     let errors = [1, 2, 8, 32].map(|oversampling| {
-        let table = PreIntegrated::new(&transfer_function, 9, oversampling, &EXTENT).expect("serves");
+        let table = PreIntegrated::new(&transfer_function, 9, oversampling, None, &EXTENT).expect("serves");
         largest_error(&exact, &table.integrate(&across))
     });
     println!("{errors:?}");

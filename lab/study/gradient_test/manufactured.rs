@@ -98,12 +98,7 @@ impl Mesh {
     pub const ALL: [Mesh; 4] = [Mesh::Regular, Mesh::Distorted, Mesh::Stretched, Mesh::Anisotropic];
 
     pub fn name(self) -> &'static str {
-        match self {
-            Mesh::Regular => "regular",
-            Mesh::Distorted => "distorted",
-            Mesh::Stretched => "stretched",
-            Mesh::Anisotropic => "anisotropic",
-        }
+        ["regular", "distorted", "stretched", "anisotropic"][self as usize]
     }
 
     /// With `count` boxes a side.

@@ -3,7 +3,7 @@
 
 use crate::columns::markdown;
 use crate::work_precision::{
-    self as work, Benches, Engines, Errors, Frames, RenderConfig, RendererVariant, StudyOptions, Subject,
+    self as work, Benches, Engines, Errors, Frames, RenderConfig, StudyOptions, Subject,
 };
 use std::path::PathBuf;
 use std::time::SystemTime;
@@ -14,9 +14,7 @@ use voltet_core::progress::Progress;
 use voltet_io::encode;
 use voltet_io::provenance::iso_date;
 use voltet_nodes::drawing::NATIVE;
-use voltet_optics::WidgetBlend;
-use voltet_optics::engine::Accumulation;
-use voltet_optics::shading::{Integrator, VisibilityOrder};
+use voltet_optics::shading::Integrator;
 use voltet_simd::LaneSet;
 
 #[derive(Debug, Clone)]
@@ -152,12 +150,7 @@ impl Paper {
     pub const ALL: [Paper; 4] = [Paper::Song, Paper::Moreland, Paper::RoettgerErtl, Paper::Kniss];
 
     pub fn name(self) -> &'static str {
-        match self {
-            Paper::Song => "song",
-            Paper::Moreland => "moreland",
-            Paper::RoettgerErtl => "roettger-ertl",
-            Paper::Kniss => "kniss",
-        }
+        ["song", "moreland", "roettger-ertl", "kniss"][self as usize]
     }
 }
 
@@ -197,6 +190,7 @@ pub type OpenPipeline<'a> = dyn Fn(&str, &[String]) -> Result<Subject> + 'a;
 
 pub(super) struct Bench<'a> {
     pub wish: &'a PapersOptions,
+    /// Opens one of the pipelines, as it is but for some options.
     pub open: &'a OpenPipeline<'a>,
     pub progress: &'a dyn Progress,
 }
@@ -217,14 +211,9 @@ pub(super) struct Scene {
 }
 
 impl Bench<'_> {
-    /// One of the pipelines, as it is but for these options.
-    pub fn subject(&self, file: &str, options: &[String]) -> Result<Subject> {
-        (self.open)(file, options)
-    }
-
     pub fn sized(&self, file: &str) -> Result<Subject> {
         let [width, height] = self.wish.size;
-        self.subject(file, &[format!("view.size=[{width},{height}]")])
+        (self.open)(file, &[format!("view.size=[{width},{height}]")])
     }
 
     /// One of the pipelines in the figures' size, with its reference picture.
@@ -250,13 +239,7 @@ impl Bench<'_> {
             frames: self.wish.frames,
             ..StudyOptions::default()
         };
-        let setting = RenderConfig {
-            variant: RendererVariant::NATIVE,
-            integrator,
-            overlap: WidgetBlend::Exact,
-            order: VisibilityOrder::Exact,
-            accumulation: Accumulation::Float,
-        };
+        let setting = RenderConfig::native(integrator);
         Benches::open(subject, &wish)?.measure(subject, &setting, &wish.frames, self.progress)
     }
 

@@ -130,7 +130,7 @@ fn oversampling(section: &mut Section) {
 
 fn table_2(bench: &Bench, section: &mut Section) -> Result<()> {
     section.part("Table 2: seconds for the table");
-    let subject = bench.subject("roettger_ertl_sphere.toml", &[])?;
+    let subject = (bench.open)("roettger_ertl_sphere.toml", &[])?;
     let extent = Extent { scalar: [0.0, 10.0], longest: 2.5 };
     let (mut rows, mut speeds) = (Vec::new(), Vec::new());
     for (side, printed) in TABLE_2 {
@@ -166,8 +166,8 @@ fn plain(ramp: &Ramp, length: f64, slice: &mut [[f32; 4]]) {
     let n = ramp.size();
     for (k, entry) in slice.iter_mut().enumerate() {
         let (i, j) = (k / n, k % n);
-        let lowest = i.min(j) * ramp.parts();
-        let pieces = &ramp.pieces()[lowest..i.max(j) * ramp.parts()];
+        let lowest = i.min(j) * ramp.parts;
+        let pieces = &ramp.pieces[lowest..i.max(j) * ramp.parts];
         let step = length / pieces.len().max(1) as f64;
         let (mut light, mut depth) = ([0.0; 3], 0.0_f64);
         for m in 0..pieces.len() {
@@ -214,12 +214,8 @@ impl Lookup {
         self.composited(front, back, length, [count; 2], &|x| x)
     }
 
-    /// RGB and opacity by blending `count` rectangles in a frame buffer of so many bits a channel.
-    fn hardware(&self, front: f64, back: f64, length: f64, count: usize, bits: u32) -> [f64; 4] {
-        self.blended([front, back, length], [count; 2], bits)
-    }
-
-    /// Value after the first of so many; the ends, and the length.
+    /// RGB and opacity by blending the first of so many rectangles in a frame buffer of so many bits a channel; the ends, and the
+    /// length.
     fn blended(&self, [front, back, length]: [f64; 3], steps: [usize; 2], bits: u32) -> [f64; 4] {
         let most = f64::from((1_u32 << bits) - 1);
         self.composited(front, back, length, steps, &|x: f64| (x.clamp(0.0, 1.0) * most).round() / most)
@@ -252,7 +248,11 @@ impl Lookup {
     /// Difference of hardware from software, which oversamples twice.
     fn of_hardware(&self, bits: u32, side: usize) -> [f64; 2] {
         let count = self.entries.len();
-        deviation(side, |f, b, l| self.hardware(f, b, l, count, bits), |f, b, l| self.software(f, b, l, 2.0))
+        deviation(
+            side,
+            |f, b, l| self.blended([f, b, l], [count; 2], bits),
+            |f, b, l| self.software(f, b, l, 2.0),
+        )
     }
 
     /// Difference of software that oversamples so often from one that does 64 times.
@@ -308,7 +308,7 @@ fn cylinder(bench: &Bench, section: &mut Section) -> Result<()> {
          S_f leaves the table",
         &[(&tiles(&lookup), [0.0; 3])],
     )?;
-    let subject = bench.subject("roettger_ertl_sphere.toml", &[])?;
+    let subject = (bench.open)("roettger_ertl_sphere.toml", &[])?;
     let cells = subject.scene.volume.grid.tetrahedra.len();
     let scene = bench.referred(subject)?;
     let shot = |integrator| bench.shot(&scene, integrator);
@@ -383,7 +383,7 @@ fn tiles(lookup: &Lookup) -> Picture {
 
 /// Figure 12: as many cells, in a scene of another kind.
 fn many(bench: &Bench, section: &mut Section) -> Result<()> {
-    let subject = bench.subject("roettger_ertl_many.toml", &["grid.resolution=[58,58,59]".into()])?;
+    let subject = (bench.open)("roettger_ertl_many.toml", &["grid.resolution=[58,58,59]".into()])?;
     let cells = subject.scene.volume.grid.tetrahedra.len();
     let planes = pre_integrated_cylindrical(256, 2, 1);
     let (exact, closed) = bench.measured(&subject, Integrator::ANALYTIC)?;
@@ -444,7 +444,7 @@ mod tests {
         // Eq. 6 is of first order: ρ l/2n, n = 512.
         assert!((red / (0.25 * exact) - 1.0).abs() < 2.1 / 1024.0 && (green / red - 0.5).abs() < 1e-12);
         assert_eq!(blue, 0.0);
-        let [red, .., opacity] = lookup.hardware(0.0, 1.0, 1.0, 256, 30);
+        let [red, .., opacity] = lookup.blended([0.0, 1.0, 1.0], [256; 2], 30);
         assert!((opacity - exact).abs() < 1e-6 && (red / (0.25 * exact) - 1.0).abs() < 2.1 / 512.0);
     }
 
@@ -456,7 +456,6 @@ mod tests {
         // A quarter of the length, from S_b = 0 up to a quarter.
         assert!((opacity - (1.0 - (-0.25_f64).exp())).abs() < 1e-6, "{opacity}");
         assert!(green > 4.0 * red && red > 0.0, "{red} {green}");
-        assert_eq!(lookup.blended([1.0, 0.0, 1.0], [128; 2], 12), lookup.hardware(1.0, 0.0, 1.0, 128, 12));
     }
 
     /// More steps in few bits make it worse: steps fall below what a channel can hold.

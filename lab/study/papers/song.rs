@@ -103,13 +103,13 @@ fn subject(bench: &Bench, name: &str, hexahedra: Option<[u64; 3]>) -> Result<Opt
                 "view.eye=[-12.0314, -30.8182, 24.7259]".into(),
                 "view.target=[3.2732, 4.1638, 2.8621]".into(),
             ];
-            bench.subject("song_gaussian.toml", &options).map(Some)
+            (bench.open)("song_gaussian.toml", &options).map(Some)
         }
         (Some(counts), _) if 6 * counts.iter().product::<u64>() > bench.wish.max_cells => Ok(None),
         (Some(counts), _) => {
-            bench.subject("song_table.toml", &[format!("grid.resolution={counts:?}")]).map(Some)
+            (bench.open)("song_table.toml", &[format!("grid.resolution={counts:?}")]).map(Some)
         }
-        (None, _) => bench.subject("song_gaussian.toml", &[]).map(Some),
+        (None, _) => (bench.open)("song_gaussian.toml", &[]).map(Some),
     }
 }
 

@@ -16,7 +16,7 @@ use voltet_core::transfer::{
 };
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, SharedSlice};
-use voltet_introspect::MeasuredEngine;
+use voltet_introspect::evaluator;
 use voltet_judge::{Evaluator64, SegmentEvaluator};
 use voltet_nodes::drawing::ENGINES;
 use voltet_optics::WidgetBlend;
@@ -52,29 +52,32 @@ impl HardPicture {
 pub(super) fn pictures(renderers: &[OpenRenderer], progress: &dyn Progress) -> Result<Vec<HardPicture>> {
     let scenes = hard_scenes();
     let mut all = Vec::new();
-    for (k, scene) in scenes.iter().enumerate() {
-        progress.report(scene.category, k as f64 / scenes.len() as f64);
+    for (k, hard) in scenes.iter().enumerate() {
+        progress.report(hard.category, k as f64 / scenes.len() as f64);
         if progress.cancelled() {
             return Err(Error::cancelled());
         }
-        all.extend(drawn(scene, renderers, progress)?);
+        let exact = reference::draw(&hard.scene, &CancelOnly(progress))?;
+        for renderer in renderers {
+            let ((worst_error, worst_pixel), refused) = match picture(renderer, None, &hard.scene, progress) {
+                Ok(found) => (worst(&found, &exact), None),
+                // What a device does not hold `auto` leaves to the native engine.
+                Err(error) if may_refuse(renderer, progress) => ((0.0, [0; 2]), Some(error.to_string())),
+                Err(error) => return Err(error),
+            };
+            let (category, scene, engine) = (hard.category, hard.name.clone(), renderer.engine.label());
+            all.push(HardPicture {
+                category,
+                scene,
+                engine,
+                refused,
+                worst_error,
+                worst_pixel,
+                bound: BOUND,
+            });
+        }
     }
     Ok(all)
-}
-
-fn drawn(hard: &HardScene, renderers: &[OpenRenderer], progress: &dyn Progress) -> Result<Vec<HardPicture>> {
-    let exact = reference::draw(&hard.scene, &CancelOnly(progress))?;
-    let draw = |renderer: &OpenRenderer| {
-        let ((worst_error, worst_pixel), refused) = match picture(renderer, None, &hard.scene, progress) {
-            Ok(found) => (worst(&found, &exact), None),
-            // What a device does not hold `auto` leaves to the native engine.
-            Err(error) if may_refuse(renderer, progress) => ((0.0, [0; 2]), Some(error.to_string())),
-            Err(error) => return Err(error),
-        };
-        let (category, scene, engine) = (hard.category, hard.name.clone(), renderer.engine.label());
-        Ok(HardPicture { category, scene, engine, refused, worst_error, worst_pixel, bound: BOUND })
-    };
-    renderers.iter().map(draw).collect()
 }
 
 /// Draws it. `way`: how a device composites; an order that hardware blends is not held against tiles, so that what is wrong shows.
@@ -114,16 +117,6 @@ pub(super) struct OpenRenderer {
     pub engine: Arc<dyn Engine>,
 }
 
-impl OpenRenderer {
-    /// Its ways of compositing; the one that it has, where it has no choice.
-    pub fn ways(&self) -> Vec<Option<Compositor>> {
-        match self.declared.compositing {
-            [] => vec![None],
-            several => several.iter().copied().map(Some).collect(),
-        }
-    }
-}
-
 /// Everything that can be judged here. `adapter`: a device by its kind or a part of its name; without it the fastest that is
 /// hardware, and what is left out where there is none.
 ///
@@ -134,7 +127,7 @@ pub fn subjects(adapter: Option<&str>) -> Result<Subjects> {
     for declared in ENGINES {
         match devices::open_variants_of(declared, adapter.filter(|_| declared.on_device)) {
             Ok(each) => {
-                subjects.forms.extend(each.iter().filter_map(|engine| engine.evaluator()));
+                subjects.forms.extend(each.iter().filter_map(|engine| evaluator(engine.as_ref())));
                 subjects.renderers.extend(each.into_iter().map(|engine| OpenRenderer { declared, engine }));
             }
             Err(error) if adapter.is_some() => return Err(error),

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
 use voltet_core::{Error, Result};
-use voltet_introspect::MeasuredEngine;
+use voltet_introspect::evaluator;
 use voltet_judge::{EvalOutcome, Evaluator64, PartialIntegrals, SegmentEvaluator};
 use voltet_nodes::drawing::NATIVE;
 use voltet_optics::engine::AdapterRequest;
@@ -107,38 +107,13 @@ impl Real for f32 {
     }
 }
 
-/// Inputs of a formula in 32 bits.
-trait Narrow {
-    type Narrowed;
-    fn narrow(self) -> Self::Narrowed;
-}
-
-impl Narrow for f64 {
-    type Narrowed = f32;
-    fn narrow(self) -> f32 {
-        self as f32
-    }
-}
-
-impl<const N: usize> Narrow for [f64; N] {
-    type Narrowed = [f32; N];
-    fn narrow(self) -> [f32; N] {
-        self.map(|x| x as f32)
-    }
-}
-
-impl Narrow for u32 {
-    type Narrowed = u32;
-    fn narrow(self) -> u32 {
-        self
-    }
-}
-
 /// A formula in 64 and in 32 bits.
-macro_rules! both {
-    ($formula:ident($($input:expr),*)) => {
-        [$formula::<f64>($($input),*), f64::from($formula::<f32>($(Narrow::narrow($input)),*))]
-    };
+fn both<const N: usize>(
+    wide: impl Fn([f64; N]) -> f64,
+    narrow: impl Fn([f32; N]) -> f32,
+    inputs: [f64; N],
+) -> [f64; 2] {
+    [wide(inputs), f64::from(narrow(inputs.map(|x| x as f32)))]
 }
 
 /// ∫ f over [from, to] by Simpson's rule on many steps, in the precision of `T`: as good as any table could be filled.
@@ -172,7 +147,7 @@ fn computed<T>(
 
 /// Formulas of the CPU engine on this processor.
 fn native() -> Result<Box<dyn SegmentEvaluator>> {
-    let forms = NATIVE.open(&AdapterRequest::default())?.evaluator();
+    let forms = evaluator(NATIVE.open(&AdapterRequest::default())?.as_ref());
     forms.ok_or_else(|| Error::run("the engine has no forms of segments").got(NATIVE.name))
 }
 
@@ -235,20 +210,23 @@ const GLOWING: OpticalModel = OpticalModel::ConstantEmitter { cutoff: 1.0 / 255.
 // ---- Optical depth and opacity.
 
 /// Kniss Eq. 11 and 12, from q = K (v − c) at both ends.
-fn gaussian_depth<T: Real>(front: [T; 2], back: [T; 2]) -> T {
-    let d = [back[0] - front[0], back[1] - front[1]];
+fn gaussian_depth<T: Real>([u, v, back_u, back_v]: [T; 4]) -> T {
+    let d = [back_u - u, back_v - v];
     let length = (d[0] * d[0] + d[1] * d[1]).sqrt();
-    let a = (front[0] * d[0] + front[1] * d[1]) / length;
+    let a = (u * d[0] + v * d[1]) / length;
     let b = a + length;
-    let s = (a * a - (front[0] * front[0] + front[1] * front[1])).exp();
+    let s = (a * a - (u * u + v * v)).exp();
     T::round(PI.sqrt() / 2.0) * s / length * (b.erf() - a.erf())
 }
 
 fn gaussian() -> Result<Vec<FormulaRow>> {
     let at = |[a, d, h]: [f64; 3]| {
-        let [front, back] = [[a, h], [a + d, h]];
-        let values = segment(&one_gaussian([0.0; 2], 1.0), [front, back], |c| c.optical_depth)?;
-        Ok(row(format!("a = {a:?}, |d| = {d:?}, h = {h:?}"), both!(gaussian_depth(front, back)), values))
+        let values = segment(&one_gaussian([0.0; 2], 1.0), [[a, h], [a + d, h]], |c| c.optical_depth)?;
+        Ok(row(
+            format!("a = {a:?}, |d| = {d:?}, h = {h:?}"),
+            both(gaussian_depth, gaussian_depth, [a, h, a + d, h]),
+            values,
+        ))
     };
     let inputs = [
         [-0.5, 1.0, 0.3],
@@ -264,9 +242,9 @@ fn gaussian() -> Result<Vec<FormulaRow>> {
 }
 
 /// Kniss Table 2, line 1: the difference after the product.
-fn offset_depth<T: Real>(k: T, [front, back]: [T; 2], centre: T) -> T {
+fn offset_depth<T: Real>([k, front, back, centre]: [T; 4]) -> T {
     let zero = T::round(0.0);
-    gaussian_depth([k * front - k * centre, zero], [k * back - k * centre, zero])
+    gaussian_depth([k * front - k * centre, zero, k * back - k * centre, zero])
 }
 
 fn offset() -> Result<Vec<FormulaRow>> {
@@ -275,14 +253,14 @@ fn offset() -> Result<Vec<FormulaRow>> {
         let (centre, [front, back]) = (offset + 0.25 * width, [offset, offset + width]);
         let ends = [[front, 0.0], [back, 0.0]];
         let values = segment(&one_gaussian([centre, 0.0], width), ends, |c| c.optical_depth)?;
-        let printed = both!(offset_depth(1.0 / width, [front, back], centre));
+        let printed = both(offset_depth, offset_depth, [1.0 / width, front, back, centre]);
         Ok(row(format!("values near {offset:?}, width {width:?}"), printed, values))
     };
     rows([0.0, 1e4, 1e8], at)
 }
 
 /// Kniss Eq. 16.
-fn igauss<T: Real>(x1: T, x2: T) -> T {
+fn igauss<T: Real>([x1, x2]: [T; 2]) -> T {
     if x1 == x2 {
         return (-(x1 * x1)).exp();
     }
@@ -292,7 +270,7 @@ fn igauss<T: Real>(x1: T, x2: T) -> T {
 fn mean() -> Result<Vec<FormulaRow>> {
     let at = |[x1, x2]: [f64; 2]| {
         let values = segment(&one_gaussian([0.0; 2], 1.0), [[x2, 0.0], [x1, 0.0]], |c| c.optical_depth)?;
-        Ok(row(format!("x₁ = {x1:?}, x₂ = {x2:?}"), both!(igauss(x1, x2)), values))
+        Ok(row(format!("x₁ = {x1:?}, x₂ = {x2:?}"), both(igauss, igauss, [x1, x2]), values))
     };
     rows([[1.0, 0.0], [1.001, 1.0], [1.0 + 1e-8, 1.0], [5.01, 5.0], [8.01, 8.0]], at)
 }
@@ -308,7 +286,7 @@ fn triangular() -> Result<Vec<FormulaRow>> {
             let (exact, ours) =
                 segment(&function, [[start, front], [start + 1.0, 1.0]], |c| c.optical_depth)?;
             let g = 0.5 * (front + 1.0);
-            let [wide, narrow] = both!(igauss((start + 1.0) / g, start / g));
+            let [wide, narrow] = both(igauss, igauss, [(start + 1.0) / g, start / g]);
             for (worst, value) in worst.iter_mut().zip([wide, narrow, ours.unwrap_or(f64::NAN)]) {
                 *worst = worst.max((value - exact).abs());
             }
@@ -320,7 +298,7 @@ fn triangular() -> Result<Vec<FormulaRow>> {
     rows([0.9, 0.5, 0.1], at)
 }
 
-fn plain_opacity<T: Real>(depth: T) -> T {
+fn plain_opacity<T: Real>([depth]: [T; 1]) -> T {
     T::round(1.0) - (-depth).exp()
 }
 
@@ -328,13 +306,13 @@ fn opacity() -> Result<Vec<FormulaRow>> {
     let at = |depth: f64| {
         let function = white(OpticalModel::DensityEmitter, Profile::Uniform, depth);
         let values = segment(&function, [[0.0; 2], [1.0, 0.0]], |c| c.opacity)?;
-        Ok(row(format!("T = {depth:?}"), both!(plain_opacity(depth)), values))
+        Ok(row(format!("T = {depth:?}"), both(plain_opacity, plain_opacity, [depth]), values))
     };
     rows([1.0, 1e-3, 1e-5, 1e-8, 1e-16], at)
 }
 
 /// Transparency after so many segments of one opacity.
-fn composited<T: Real>(count: u32, opacity: T) -> T {
+fn composited<T: Real>(count: u32, [opacity]: [T; 1]) -> T {
     let one = T::round(1.0);
     one - (0..count).fold(T::round(0.0), |sum, _| sum + (one - sum) * opacity)
 }
@@ -346,14 +324,15 @@ fn chain() -> Result<Vec<FormulaRow>> {
         let exact = (-depth * f64::from(count)).exp();
         let parts = vec![Contribution { opacity, ..Contribution::default() }; count as usize];
         let values = (exact, forms.chain(&parts).transparency);
-        Ok(row(format!("{count} segments of T = {depth:?}"), both!(composited(count, opacity)), values))
+        let printed = both(|x| composited(count, x), |x| composited(count, x), [opacity]);
+        Ok(row(format!("{count} segments of T = {depth:?}"), printed, values))
     };
     rows([(100, 0.05), (1000, 0.01), (1000, 0.02), (1000, 0.04)], at)
 }
 
 // ---- Colours: the constant-emitter's closed forms, the integrals of linear extinction, the mix.
 
-fn uniform_color<T: Real>(depth: T) -> T {
+fn uniform_color<T: Real>([depth]: [T; 1]) -> T {
     (T::round(1.0) - (-depth).exp()) / depth
 }
 
@@ -361,14 +340,14 @@ fn uniform_glow() -> Result<Vec<FormulaRow>> {
     let at = |depth: f64| {
         let values =
             segment(&white(GLOWING, Profile::Uniform, depth), [[0.0; 2], [1.0, 0.0]], |c| c.color[0])?;
-        Ok(row(format!("a D = {depth:?}"), both!(uniform_color(depth)), values))
+        Ok(row(format!("a D = {depth:?}"), both(uniform_color, uniform_color, [depth]), values))
     };
     rows([1.0, 1e-3, 1e-8, 1e-20], at)
 }
 
 /// Song section 4.2 for a path at distance 0 from the centre: C = e^(P erf B)/A (table(P, A + B) − table(P, B)), with
 /// table(P, t) = ∫₀ᵗ e^(−P erf x) dx as exact as the precision holds it.
-fn gaussian_color<T: Real>(peak: T, a: T, b: T) -> T {
+fn gaussian_color<T: Real>([peak, a, b]: [T; 3]) -> T {
     let d = b - a;
     let p = peak * T::round(PI.sqrt() / 2.0) / d;
     let table = |t: T| integral(T::round(0.0), t, |x| (-(p * x.erf())).exp());
@@ -379,7 +358,8 @@ fn gaussian_glow() -> Result<Vec<FormulaRow>> {
     let at = |(peak, a, b): (f64, f64, f64)| {
         let profile = Profile::Gaussian { centre: [0.0; 2], matrix: [[1.0, 0.0], [0.0, 1.0]] };
         let values = segment(&white(GLOWING, profile, peak), [[a, 0.0], [b, 0.0]], |c| c.color[0])?;
-        Ok(row(format!("ρ₀ D = {peak:?}, x from {a:?} to {b:?}"), both!(gaussian_color(peak, a, b)), values))
+        let printed = both(gaussian_color, gaussian_color, [peak, a, b]);
+        Ok(row(format!("ρ₀ D = {peak:?}, x from {a:?} to {b:?}"), printed, values))
     };
     let inputs =
         [(1.0, -0.5, 0.5), (1.0, 0.5, 0.51), (1.0, 0.5, 0.501), (10.0, 0.0, 0.05), (1.0, 1.0, 1.0 + 1e-6)];
@@ -387,7 +367,7 @@ fn gaussian_glow() -> Result<Vec<FormulaRow>> {
 }
 
 /// Song section 4.3, the increasing part: extinction k x for x from d1 to d2.
-fn rising<T: Real>(k: T, d1: T, d2: T) -> T {
+fn rising<T: Real>([k, d1, d2]: [T; 3]) -> T {
     let half = k / T::round(2.0);
     let root = half.sqrt();
     let factor = (T::round(PI) / (T::round(2.0) * k)).sqrt() * (half * d1 * d1).exp();
@@ -398,7 +378,7 @@ fn rising_flank() -> Result<Vec<FormulaRow>> {
     let at = |[k, d1, d2]: [f64; 3]| {
         let length = d2 - d1;
         let values = partial(k * d1 * length, k * d2 * length, |found| found.psi * length)?;
-        Ok(row(format!("α/Δt = {k:?}, from {d1:?} to {d2:?}"), both!(rising(k, d1, d2)), values))
+        Ok(row(format!("α/Δt = {k:?}, from {d1:?} to {d2:?}"), both(rising, rising, [k, d1, d2]), values))
     };
     let inputs =
         [[3.08, 0.1, 0.9], [50.0, 0.5, 0.9], [50.0, 1.0, 1.1], [200.0, 0.9, 1.0], [2000.0, 0.9, 1.0]];
@@ -407,7 +387,7 @@ fn rising_flank() -> Result<Vec<FormulaRow>> {
 
 /// Song section 4.3, the decreasing part: extinction α (1 − x/Δt) for x/Δt from u3 to u4, in units of Δt. `front` and `table`:
 /// α Δt/2 of the factor and of the integral, which a table holds as exactly as the precision does.
-fn falling<T: Real>(front: T, table: T, [u3, u4]: [T; 2]) -> T {
+fn falling<T: Real>([front, table, u3, u4]: [T; 4]) -> T {
     let left = |u: T| (T::round(1.0) - u) * (T::round(1.0) - u);
     (-(front * left(u3))).exp() * integral(u3, u4, |u| (table * left(u)).exp())
 }
@@ -421,7 +401,7 @@ fn falling_flank() -> Result<Vec<FormulaRow>> {
         if made_for != depth {
             inputs += &format!(", the table's entry made at {made_for:?}");
         }
-        Ok(row(inputs, both!(falling(0.5 * depth, 0.5 * made_for, [u3, u4])), values))
+        Ok(row(inputs, both(falling, falling, [0.5 * depth, 0.5 * made_for, u3, u4]), values))
     };
     let whole = [0.0, 0.5];
     let inputs = [
@@ -435,7 +415,7 @@ fn falling_flank() -> Result<Vec<FormulaRow>> {
 }
 
 /// Song Eq. 10: one band from t1 to t2 (its phase by π), α/k the peak depth of the band by 2.
-fn band<T: Real>(alpha_by_k: T, t1: T, t2: T) -> T {
+fn band<T: Real>([alpha_by_k, t1, t2]: [T; 3]) -> T {
     let inner = integral(t1, t2, |t| (alpha_by_k * t.cos()).exp());
     (-(alpha_by_k * t1.cos())).exp() * inner / (t2 - t1)
 }
@@ -449,13 +429,13 @@ fn sine() -> Result<Vec<FormulaRow>> {
         let values = segment(&function, [[from, 0.0], [to, 0.0]], |c| c.color[0])?;
         let alpha_by_k = peak / (PI * (to - from));
         let inputs = format!("α D = {peak:?}, α/k = {alpha_by_k:.1}, 0.05 to 0.95 of a band");
-        Ok(row(inputs, both!(band(alpha_by_k, PI * from, PI * to)), values))
+        Ok(row(inputs, both(band, band, [alpha_by_k, PI * from, PI * to]), values))
     };
     rows([1.0, 100.0, 200.0, 2000.0], at)
 }
 
 /// ψ for b > a as erf: e^(u²) (√π/2k) (erf v − erf u).
-fn psi_erf<T: Real>(a: T, b: T) -> T {
+fn psi_erf<T: Real>([a, b]: [T; 2]) -> T {
     let two = T::round(2.0);
     let k = ((b - a) / two).sqrt();
     let (u, v) = (a / (two * k), b / (two * k));
@@ -465,20 +445,20 @@ fn psi_erf<T: Real>(a: T, b: T) -> T {
 fn psi() -> Result<Vec<FormulaRow>> {
     let at = |[a, b]: [f64; 2]| {
         let values = partial(a, b, |found| found.psi)?;
-        Ok(row(format!("depths {a:?} and {b:?}"), both!(psi_erf(a, b)), values))
+        Ok(row(format!("depths {a:?} and {b:?}"), both(psi_erf, psi_erf, [a, b]), values))
     };
     rows([[1.0, 2.0], [1.0, 1.1], [5.0, 5.1], [30.0, 31.0], [30.0, 30.1]], at)
 }
 
 /// B from ψ, which is as good as the precision holds it, and ζ.
-fn back_weight<T: Real>(a: T, b: T, psi: T) -> T {
+fn back_weight<T: Real>([a, b, psi]: [T; 3]) -> T {
     (T::round(1.0) - (-(T::round(0.5) * (a + b))).exp() - a * psi) / (b - a)
 }
 
 fn back() -> Result<Vec<FormulaRow>> {
     let at = |[a, b]: [f64; 2]| {
         let values = partial(a, b, |found| found.back)?;
-        let printed = both!(back_weight(a, b, linear::psi(a, b)));
+        let printed = both(back_weight, back_weight, [a, b, linear::psi(a, b)]);
         Ok(row(format!("depths {a:?} and {b:?}"), printed, values))
     };
     rows([[0.1, 1.0], [1.0, 1.001], [1.0, 1.000001], [100.0, 101.0], [1e-3, 2e-3]], at)
@@ -518,7 +498,7 @@ fn steps() -> Result<Vec<FormulaRow>> {
     let at = |(count, front, back): (u32, f64, f64)| {
         let values = segment(&function, [[front, 0.0], [back, 0.0]], |c| c.optical_depth)?;
         let inputs = format!("a Gaussian of width 1, S from {front:?} to {back:?}, {count} steps");
-        Ok(row(inputs, both!(both_ends(count, [front, back])), values))
+        Ok(row(inputs, both(|x| both_ends(count, x), |x| both_ends(count, x), [front, back]), values))
     };
     let inputs =
         [(0, 0.5, 0.5), (1, 0.0, 1.0), (2, 0.0, 1.0), (8, 0.0, 1.0), (64, 0.0, 1.0), (1024, 0.0, 1.0)];
@@ -526,7 +506,7 @@ fn steps() -> Result<Vec<FormulaRow>> {
 }
 
 /// Light of so many steps of depth h, κ = ρ.
-fn stepped<T: Real>(count: u32, h: T) -> T {
+fn stepped<T: Real>(count: u32, [h]: [T; 1]) -> T {
     (0..count).fold(T::round(0.0), |sum, i| sum + h * (-(h * T::round(f64::from(i)))).exp())
 }
 
@@ -534,7 +514,7 @@ fn emission() -> Result<Vec<FormulaRow>> {
     let at = |(depth, count): (f64, u32)| {
         // Constant κ = ρ: C = 1 − e^(−T).
         let values = (-(-depth).exp_m1(), None);
-        let printed = both!(stepped(count, depth / f64::from(count)));
+        let printed = both(|x| stepped(count, x), |x| stepped(count, x), [depth / f64::from(count)]);
         Ok(row(format!("ρ l = {depth:?}, {count} steps"), printed, values))
     };
     rows([(1.0, 8), (10.0, 8), (100.0, 8), (100.0, 1024)], at)
@@ -582,7 +562,7 @@ fn tiles() -> Vec<FormulaRow> {
         FormulaRow {
             inputs: format!("S_f = {front:?}, S_b = {back:?}, l = {length:?}, there and back, absolute"),
             printed_64: max_difference(from_tile(to_tile(place)), place),
-            printed_32: max_difference(from_tile(to_tile(place.narrow())), place),
+            printed_32: max_difference(from_tile(to_tile(place.map(|x| x as f32))), place),
             ours_32: None,
         }
     };
@@ -594,8 +574,8 @@ fn tiles() -> Vec<FormulaRow> {
         FormulaRow {
             inputs: format!("α of the thick vertex at a pixel whose ray is turned by {degrees:?}°, absolute"),
             printed_64: max_difference([to_tile(thick)[0]], exact),
-            printed_32: max_difference([to_tile(thick.narrow())[0]], exact),
-            ours_32: Some(max_difference([to_tile(pixel.narrow())[0]], exact)),
+            printed_32: max_difference([to_tile(thick.map(|x| x as f32))[0]], exact),
+            ours_32: Some(max_difference([to_tile(pixel.map(|x| x as f32))[0]], exact)),
         }
     };
     let mut rows: Vec<FormulaRow> =

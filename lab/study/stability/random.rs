@@ -12,8 +12,8 @@
 //! Scenes drawn by lot: a grid of up to some hundred cells, fields on it, a transfer function over their values, shading and a camera. All
 //! follow from a seed and the scene's number alone.
 
-use crate::stability::pictures::{BOUND, Subjects, may_refuse, picture};
-use crate::work_precision::pixel_errors;
+use crate::stability::pictures::{BOUND, OpenRenderer, Subjects, may_refuse, picture};
+use crate::work_precision::{RendererVariant, pixel_errors};
 use glam::{DQuat, DVec3};
 use serde::Serialize;
 use std::sync::Arc;
@@ -29,7 +29,7 @@ use voltet_core::transfer::{
 };
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, SharedSlice};
-use voltet_introspect::MeasuredEngine;
+use voltet_introspect::clear_caches;
 use voltet_optics::WidgetBlend;
 use voltet_optics::engine::Compositor;
 use voltet_optics::scene::Scene;
@@ -104,13 +104,11 @@ pub fn random(
         found.drawn += 1;
         found.shown += u64::from(exact.rgba.iter().any(|pixel| pixel[3] > 1.0 / 255.0));
         // Hardly two scenes share compiled shaders.
-        subjects.renderers.iter().for_each(|renderer| renderer.engine.clear_caches());
+        subjects.renderers.iter().for_each(|renderer| clear_caches(renderer.engine.as_ref()));
         let mut explained = None;
-        let each = subjects
-            .renderers
-            .iter()
-            .flat_map(|renderer| renderer.ways().into_iter().map(move |way| (renderer, way)));
-        for (renderer, way) in each {
+        let variants = |renderer: &OpenRenderer| RendererVariant::all_of_engine(renderer.declared);
+        let each = subjects.renderers.iter().flat_map(|one| variants(one).map(move |variant| (one, variant)));
+        for (renderer, RendererVariant { compositing: way, .. }) in each {
             let engine = match way {
                 None => renderer.engine.label(),
                 Some(way) => format!("{}, {}", renderer.engine.label(), way.name()),
@@ -130,15 +128,14 @@ pub fn random(
             if errors.iter().all(|error| *error <= BOUND) {
                 continue;
             }
-            let changed = explained.get_or_insert_with(|| changes(&scene, &exact, progress));
+            let mut most =
+                explained.get_or_insert_with(|| largest(&neighbours_of(&scene), &exact, progress)).clone();
             if way == Some(Compositor::Triangles) {
-                let further = changes_of_triangles(&scene, progress);
                 // A sum over all cells is a bound already.
-                let most: Vec<f64> = changed.iter().zip(further).map(|(a, b)| a.max(b / LIKE)).collect();
-                found.beyond.push(beyond(number, engine, &errors, &most, exact.width));
-            } else {
-                found.beyond.push(beyond(number, engine, &errors, changed, exact.width));
+                let further = changes_of_triangles(&scene, progress);
+                most.iter_mut().zip(further).for_each(|(most, further)| *most = most.max(further / LIKE));
             }
+            found.beyond.push(beyond(number, engine, &errors, &most, exact.width));
         }
     }
     Ok(found)
@@ -167,16 +164,11 @@ const RASTER: f64 = 1.0 / 256.0;
 /// Change by rounding to 32 bits in a number from a half to one.
 const HALF_STEP: f64 = 1.0 / (1 << 25) as f64;
 
-/// By how much each pixel changes at most when the camera moves by a thousandth of a pixel, or the data are rounded.
-pub(super) fn changes(scene: &Scene, exact: &Picture, progress: &dyn Progress) -> Vec<f64> {
-    largest(&neighbours_of(scene), exact, progress)
-}
-
 /// By how much each pixel may change when the corners of every cell's triangles move by a step of the raster, each cell for
 /// itself: its thick vertex is no point that it shares with others, so what one loses no other gains. The sum, over the cells,
 /// of what each changes when it is drawn alone and moves. As it hides and is hidden by others at most wholly, the picture
 /// changes by no more.
-pub(super) fn changes_of_triangles(scene: &Scene, progress: &dyn Progress) -> Vec<f64> {
+fn changes_of_triangles(scene: &Scene, progress: &dyn Progress) -> Vec<f64> {
     let size = scene.camera.size.map(|n| n as usize);
     let mut sum = vec![0.0; size[0] * size[1]];
     for &cell in scene.volume.grid.tetrahedra.iter() {

@@ -377,31 +377,14 @@ pub fn forms_text(report: &Report) -> String {
         "kind", "category", "quantity", "judged", "finite", "64 bits", "skipped", "broken", "worst",
         "of case",
     ];
-    let mut rows = vec![heads.map(String::from)];
+    let mut rows = vec![heads.map(String::from).to_vec()];
     for row in report.gathered(|row| (row.kind, row.category.clone(), row.quantity)) {
+        let names = [row.kind.into(), row.category, row.quantity.into()];
         let counts = [row.judged, row.only_finite, row.wider, row.skipped, row.broken].map(|n| n.to_string());
-        let [judged, finite, wider, skipped, broken] = counts;
-        let (worst, kind, quantity) = (format!("{:.3}", row.worst), row.kind.into(), row.quantity.into());
-        rows.push([
-            kind,
-            row.category,
-            quantity,
-            judged,
-            finite,
-            wider,
-            skipped,
-            broken,
-            worst,
-            row.worst_id,
-        ]);
+        rows.push([&names[..], &counts, &[format!("{:.3}", row.worst), row.worst_id]].concat());
     }
-    let rows: Vec<Vec<String>> = rows.into_iter().map(Vec::from).collect();
-    format!(
-        "{} forms\n{}{}",
-        report.forms,
-        aligned(&rows, |column| !(3..9).contains(&column)),
-        conclusion(report)
-    )
+    let table = aligned(&rows, |column| !(3..9).contains(&column));
+    format!("{} forms\n{table}{}", report.forms, conclusion(report))
 }
 
 fn counted(count: usize, noun: &str) -> String {

@@ -189,18 +189,24 @@ impl Canvas {
     }
 }
 
-/// An axis in powers of ten.
+/// An axis, linear or in powers of ten.
 pub struct Axis {
-    /// Decadic logarithm of its least value.
+    /// Its least value, or the decadic logarithm of it.
     pub low: f64,
-    /// Decadic logarithm of its largest value.
+    /// Its largest value, or the decadic logarithm of it.
     pub high: f64,
     start: f64,
     end: f64,
+    scale: fn(f64) -> f64,
 }
 
 impl Axis {
-    /// Covers the values with some room, one power of ten at least.
+    /// Linear between two values, whose places are given.
+    pub fn linear([low, high]: [f64; 2], [start, end]: [f64; 2]) -> Axis {
+        Axis { low, high, start, end, scale: |value| value }
+    }
+
+    /// Powers of ten: covers the values with some room, one power at least.
     pub fn over(values: impl Iterator<Item = f64>, start: f64, end: f64) -> Axis {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for value in values.filter(|v| v.is_finite() && *v > 0.0) {
@@ -210,11 +216,13 @@ impl Axis {
             (low, high) = (-0.5, 0.5);
         }
         let room = (0.06 * (high - low)).max(0.5 * (1.0 - (high - low))).max(0.05);
-        Axis { low: low - room, high: high + room, start, end }
+        Axis { low: low - room, high: high + room, start, end, scale: f64::log10 }
     }
 
     pub fn place(&self, value: f64) -> f64 {
-        self.start + (value.log10() - self.low) / (self.high - self.low) * (self.end - self.start)
+        let Axis { low, high, start, end, scale } = *self;
+        let share = if high > low { (scale(value) - low) / (high - low) } else { 0.5 };
+        start + share * (end - start)
     }
 
     /// Ticks with their labels: the powers of ten, between them 2 … 9, labelled where there is room.

@@ -28,10 +28,8 @@ use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, SharedSlice};
 use voltet_integrators::{riemann, segments};
-use voltet_optics::WidgetBlend;
-use voltet_optics::engine::{Accumulation, AdapterRequest, RenderOptions};
+use voltet_optics::engine::{AdapterRequest, RenderOptions};
 use voltet_optics::integrators::Integrator;
-use voltet_optics::shading::VisibilityOrder;
 
 /// Errors under this many times the floor are left out: the floor is then more than a quarter of what the square of the error
 /// holds, and what is left after it little more than a guess.
@@ -175,16 +173,10 @@ pub fn refinement(
 ) -> Result<Refinement> {
     refuse_too_fine(subject, levels)?;
     let count = subject.scene.volume.grid.tetrahedra.len() as u64;
-    let exact = RenderConfig {
-        variant: RendererVariant::NATIVE,
-        integrator: Integrator::ANALYTIC,
-        overlap: WidgetBlend::Exact,
-        order: VisibilityOrder::Exact,
-        accumulation: Accumulation::Float,
-    };
+    let exact = RenderConfig::native(Integrator::ANALYTIC);
     let tried = [
-        ("riemann, 4 samples", RenderConfig { integrator: riemann(4), ..exact }),
-        ("segments, 1 piece", RenderConfig { integrator: segments(1, 256), ..exact }),
+        ("riemann, 4 samples", RenderConfig::native(riemann(4))),
+        ("segments, 1 piece", RenderConfig::native(segments(1, 256))),
         ("closed forms", exact),
     ];
     let mut errors_of: Vec<Vec<(usize, f64)>> = vec![Vec::new(); tried.len()];

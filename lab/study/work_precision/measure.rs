@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use voltet_core::picture::Picture;
 use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::{Error, Result};
-use voltet_introspect::{MeasuredEngine, compositor_operations};
+use voltet_introspect::{clear_caches, compositor_operations, multiply_adds_per_second};
 use voltet_io::memory;
 use voltet_nodes::drawing::{ENGINES, NATIVE, is_asked_by};
 use voltet_optics::engine::{Engine, EngineInfo, PreparedVolume, RenderOptions, RenderOutput, Stage};
@@ -84,7 +84,7 @@ impl Benches {
     /// Each device's name and its 32-bit multiply-adds a second, measured. Errors: a lost device.
     pub fn multiply_adds_per_second(&self) -> Result<Vec<(String, f64)>> {
         let rate = |bench: &Bench| {
-            let rate = bench.engine.multiply_adds_per_second().transpose()?;
+            let rate = multiply_adds_per_second(bench.engine.as_ref()).transpose()?;
             Some(rate.map(|rate| (bench.engine.adapter(), rate)))
         };
         self.benches.iter().filter_map(rate).collect()
@@ -243,7 +243,7 @@ pub(super) fn measure(
     };
     let keeps = setting.variant.engine.on_device;
     let fresh = memory::forget_peak();
-    engine.clear_caches();
+    clear_caches(engine);
     let start = Instant::now();
     let volume = engine.prepare(&scene.volume)?;
     let draw = |scene: &Scene| {

@@ -245,15 +245,12 @@ fn setting_json(study: &Study, setting: &RenderConfig) -> Value {
     set("accumulation", accumulation.map(|one| one.name().into()));
     set("adapter", adapter.map(|adapter| adapter.name.as_str().into()));
     for (name, value) in setting.keys() {
-        set(
-            name,
-            match value {
-                ParameterValue::Text(word) => Some(word.into()),
-                ParameterValue::Integer(n) => Some(n.into()),
-                ParameterValue::Number(x) => Some(x.into()),
-                _ => None,
-            },
-        );
+        keys[name] = match value {
+            ParameterValue::Text(word) => word.into(),
+            ParameterValue::Integer(n) => n.into(),
+            ParameterValue::Number(x) => x.into(),
+            _ => continue,
+        };
     }
     keys
 }
@@ -340,19 +337,17 @@ pub fn page(study: &Study, title: &str, plot: &str, reference: &[u8]) -> String 
     html += "<h2>Error against time</h2>\n";
     html += plot;
     html += &table(study);
-    if study.refinement.is_some() {
-        html += "<h2>Integration and data model</h2>\n<ul>\n";
-        for line in refinement_lines(study) {
-            line_to(&mut html, &format!("<li>{}</li>", escaped(&line)));
+    for (heading, lines) in [
+        ("Integration and data model", refinement_lines(study)),
+        ("Order of convergence", convergence_lines(study)),
+    ] {
+        if !lines.is_empty() {
+            line_to(&mut html, &format!("<h2>{heading}</h2>\n<ul>"));
+            lines.iter().for_each(|line| line_to(&mut html, &format!("<li>{}</li>", escaped(line))));
+            html += "</ul>\n";
         }
-        html += "</ul>\n";
     }
     if !study.convergence.is_empty() {
-        html += "<h2>Order of convergence</h2>\n<ul>\n";
-        for line in convergence_lines(study) {
-            line_to(&mut html, &format!("<li>{}</li>", escaped(&line)));
-        }
-        html += "</ul>\n";
         paragraph(
             &mut html,
             "With an error of c·N<sup>−p</sup> for N pieces of a ray segment, p = log(e(N₁)/e(N₂)) / \

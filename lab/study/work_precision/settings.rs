@@ -266,7 +266,7 @@ impl Subject {
         let place = drawing_node(graph, name)?;
         let node = &graph.nodes[place];
         let blame = |error| node.locate(error);
-        let inputs = session.inputs(graph, place, &Demand { gradient, ..Demand::default() }, observer)?;
+        let (inputs, _) = session.feed(graph, place, &Demand { gradient, ..Demand::default() }, observer)?;
         let shading = drawing::shading(&node.parameters).map_err(blame)?;
         let unknown = || node.locate(Error::run("the node that draws is fed by values of unknown types"));
         let (scene, order_node) = match inputs.as_slice() {
@@ -448,7 +448,10 @@ pub fn settings(subject: &Subject, only: &[String], variant: RendererVariant) ->
     let wanted = |integrator: &Integrator| only.is_empty() || only.iter().any(|n| n == integrator.name());
     let mut settings = Vec::new();
     for integrator in integrators.filter(|i| serves(i) && wanted(i)) {
-        for overlap in overlaps(subject, &integrator) {
+        // Both ways with overlaps where the integrator knows them and the scene has several widgets.
+        let several = integrator == Integrator::ANALYTIC && subject.scene.transfer_function.widgets.len() > 1;
+        let overlaps = [Some(WidgetBlend::Exact), several.then_some(WidgetBlend::Mix)];
+        for overlap in overlaps.into_iter().flatten() {
             for order in orders(subject, &integrator, variant) {
                 let accumulation = accumulation(subject, variant);
                 settings.push(RenderConfig { variant, integrator, overlap, order, accumulation });
@@ -495,14 +498,6 @@ fn sweep(kind: &Integrator) -> Vec<Integrator> {
     }
 }
 
-/// Both ways with overlaps where the integrator knows them and the scene has several widgets.
-fn overlaps(subject: &Subject, integrator: &Integrator) -> Vec<WidgetBlend> {
-    match *integrator == Integrator::ANALYTIC && subject.scene.transfer_function.widgets.len() > 1 {
-        true => vec![WidgetBlend::Exact, WidgetBlend::Mix],
-        false => vec![WidgetBlend::Exact],
-    }
-}
-
 /// The centroid order too for the integrators without an error of their own, so that the order's shows.
 fn orders(subject: &Subject, integrator: &Integrator, variant: RendererVariant) -> Vec<VisibilityOrder> {
     let exact_integrals = *integrator == Integrator::ANALYTIC;
@@ -522,6 +517,17 @@ fn accumulation(subject: &Subject, variant: RendererVariant) -> Accumulation {
 }
 
 impl RenderConfig {
+    /// Configuration of the native engine in exact order.
+    pub const fn native(integrator: Integrator) -> RenderConfig {
+        RenderConfig {
+            variant: RendererVariant::NATIVE,
+            integrator,
+            overlap: WidgetBlend::Exact,
+            order: VisibilityOrder::Exact,
+            accumulation: Accumulation::Float,
+        }
+    }
+
     /// Configuration by which the file would draw the scene with this variant.
     pub fn of_file(subject: &Subject, variant: RendererVariant) -> RenderConfig {
         let Scene { shading, order, .. } = subject.scene;

@@ -32,7 +32,7 @@ fn run(graph: &Graph) -> RunReport {
 /// Volume at the writer's input.
 fn volume(graph: &Graph) -> Arc<Volume> {
     let place = graph.nodes.iter().position(|node| node.node.name == "grid-writer").unwrap();
-    let inputs = session().inputs(graph, place, &Demand::default(), &NoObserver).unwrap();
+    let (inputs, _) = session().feed(graph, place, &Demand::default(), &NoObserver).unwrap();
     inputs.iter().find_map(Value::volume).unwrap().unwrap()
 }
 

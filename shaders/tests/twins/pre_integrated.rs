@@ -49,13 +49,13 @@ fn four_loops(ramp: &Ramp) -> Vec<[f32; 3]> {
         let length = (k as f64 / (n - 1) as f64).powi(2);
         for i in 0..n {
             for j in 0..n {
-                let lowest = i.min(j) * ramp.parts();
-                let count = i.abs_diff(j) * ramp.parts();
+                let lowest = i.min(j) * ramp.parts;
+                let count = i.abs_diff(j) * ramp.parts;
                 let step = length / count.max(1) as f64;
                 let (mut emission, mut depth) = ([0.0; 3], 0.0_f64);
                 for m in 0..count {
                     let at = lowest + if j < i { count - 1 - m } else { m };
-                    let piece: &Material = &ramp.pieces()[at];
+                    let piece: &Material = &ramp.pieces[at];
                     let held = piece.extinction * step;
                     let light = (-depth).exp() * mean_transmittance(held) / count as f64;
                     for (sum, glow) in emission.iter_mut().zip(piece.glow) {
@@ -64,7 +64,7 @@ fn four_loops(ramp: &Ramp) -> Vec<[f32; 3]> {
                     depth += held;
                 }
                 let mean = mean_transmittance(depth);
-                let glow = if count == 0 { ramp.nodes()[i].glow } else { emission.map(|e| e / mean) };
+                let glow = if count == 0 { ramp.nodes[i].glow } else { emission.map(|e| e / mean) };
                 table.push(glow.map(|g| g as f32));
             }
         }
@@ -115,10 +115,10 @@ fn the_device_fills_tables_as_the_host_does() {
             found.truncate(places.first_entry() as usize);
             found
         });
-        let host = PreIntegrated::new(&transfer_function, side, PARTS, &EXTENT).expect("serves");
+        let host = PreIntegrated::new(&transfer_function, side, PARTS, None, &EXTENT).expect("serves");
         let host_tiles =
-            PreIntegrated::tiles(&transfer_function, side, PARTS, PLANES, &EXTENT).expect("serves");
-        let found = [difference(&table, host.glow()), difference(&tiles, host_tiles.glow())];
+            PreIntegrated::new(&transfer_function, side, PARTS, Some(PLANES), &EXTENT).expect("serves");
+        let found = [difference(&table, &host.glow), difference(&tiles, &host_tiles.glow)];
         let ramp = Ramp::new(&transfer_function, side, PARTS, &EXTENT).expect("valid");
         let plain = difference(&table, &four_loops(&ramp));
         println!("{model:?}: {found:?}, {plain:e} from the plain loop");
@@ -190,7 +190,7 @@ fn figures_of_tables() {
         let ramp = Ramp::new(&transfer_function, side, PARTS, &EXTENT).expect("valid");
         let (plain, _) = timed(|| four_loops(&ramp));
         let (windows, _) =
-            timed(|| PreIntegrated::new(&transfer_function, side, PARTS, &EXTENT).expect("serves"));
+            timed(|| PreIntegrated::new(&transfer_function, side, PARTS, None, &EXTENT).expect("serves"));
         let mut row = Vec::new();
         for integrator in both(side) {
             let ready = ready(&transfer_function, integrator);

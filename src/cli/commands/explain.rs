@@ -113,9 +113,9 @@ fn asked(node: &GraphNode, demand: &Demand) -> Option<String> {
     let first = node.node.outputs.first()?.port_type;
     let mut asked: Vec<String> = Vec::new();
     if first == PortType::Grid || first == PortType::Volume {
-        asked.extend(demand.arrays.named().map(|name| format!("array \"{name}\"")));
-        asked.extend(demand.cell_arrays.named().map(|name| format!("cell array \"{name}\"")));
-        asked.extend(demand.arrays.and_all_others().then(|| "every array".to_string()));
+        asked.extend(demand.arrays.named.iter().map(|name| format!("array \"{name}\"")));
+        asked.extend(demand.cell_arrays.named.iter().map(|name| format!("cell array \"{name}\"")));
+        asked.extend(demand.arrays.and_all_others.then(|| "every array".to_string()));
     }
     if first == PortType::Volume {
         asked.extend(demand.gradient_magnitude.then(|| "gradient magnitude".to_string()));
