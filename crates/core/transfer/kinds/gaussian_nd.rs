@@ -1,8 +1,9 @@
 //! `gaussian-nd`: exp(−|K (v − centre)|²) over a list of fields of its own (Kniss et al. 2003, Eq. 11 and 12).
 
+use super::Profile;
 use super::properties::{
-    AxisOrigin, CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, FieldMatrix, MATRIX_OF_FIELDS, MAX_FIELDS,
-    Properties, REGION, SIGMA_OF_FIELDS, fields_and_centre, finite, kernel,
+    AxisOrigin, CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, MAX_FIELDS, Properties,
+    REGION, SIGMA_OF_FIELDS, fields_of, finite,
 };
 use crate::parameters::{Parameters, VariantSchema};
 use crate::transfer::hull::{Corners, gaussian};
@@ -14,11 +15,9 @@ pub(super) const KIND: VariantSchema = VariantSchema {
     parameters: &[COLOR, EXTINCTION, FIELDS, CENTRE_OF_FIELDS, SIGMA_OF_FIELDS, MATRIX_OF_FIELDS, REGION],
 };
 
-/// Fields, centre and matrix.
-pub(super) fn read(p: &Parameters) -> Result<(Vec<String>, Vec<f64>, FieldMatrix)> {
-    let (fields, centre) = fields_and_centre(p, MAX_FIELDS)?;
-    let matrix = kernel(p, fields.len(), std::f64::consts::SQRT_2)?;
-    Ok((fields, centre, matrix))
+pub(super) fn read(p: &Parameters) -> Result<Profile> {
+    let (fields, centre, matrix) = fields_of(p, MAX_FIELDS, std::f64::consts::SQRT_2)?;
+    Ok(Profile::GaussianNd { fields, centre, matrix })
 }
 
 pub(super) fn properties<'a>(fields: &'a [String], centre: &[f64]) -> Properties<'a> {
