@@ -127,16 +127,6 @@ impl Support {
     }
 }
 
-impl Widget {
-    /// An upper bound of the profile (peak 1) over the convex hull of four points of the (s, g) plane; 0
-    /// where the hull is outside the region. To ask this of many cells, make a [`Support`] once.
-    pub fn profile_bound(&self, s: &[f64; 4], g: &[f64; 4]) -> Result<f64> {
-        let clip = self.region.as_ref().map(Convex::new).transpose()?;
-        let widget = WidgetSupport { bounds: self.profile.bounds(&[]), clip, strength: 1.0, glow: None };
-        Ok(widget.profile_bound(&Corners { s, g, fields: &[] }))
-    }
-}
-
 impl WidgetSupport {
     fn new(widget: &Widget, transfer_function: &TransferFunction, fields: &[&str]) -> Result<Self> {
         let (peak, brightest) = (widget.peak(), widget.max_emission());
