@@ -1,6 +1,5 @@
 //! `gaussian`: exp(−|K (v − centre)|²) over the (s, g) plane (Song et al. 2009, section 4.2; Kniss et al. 2003, Eq. 12).
 
-use super::Profile;
 use super::properties::{
     AxisOrigin, COLOR, EXTINCTION, MATRIX, POSITIVE_OR_INFINITE, Properties, REGION, SIGMA, finite, kernel,
 };
@@ -56,10 +55,11 @@ const FACTORS: ParameterType = ParameterType::Measured(&RelativeNumberType {
     axis: AxisRef::Places(&["s", "g"]),
 });
 
-pub(super) fn read(p: &Parameters) -> Result<Profile> {
+/// Centre and matrix.
+pub(super) fn read(p: &Parameters) -> Result<([f64; 2], [[f64; 2]; 2])> {
     let rows = kernel(p, 2, std::f64::consts::SQRT_2)?;
     let matrix = [[rows[0][0], rows[0][1]], [rows[1][0], rows[1][1]]];
-    Ok(Profile::Gaussian { centre: p.vector("centre")?, matrix })
+    Ok((p.vector("centre")?, matrix))
 }
 
 pub(super) fn properties(centre: &[f64; 2], matrix: &[[f64; 2]; 2]) -> Properties<'static> {

@@ -1,11 +1,10 @@
 //! `gaussian-nd`: exp(−|K (v − centre)|²) over a list of fields of its own (Kniss et al. 2003, Eq. 11 and 12).
 
-use super::Profile;
 use super::properties::{
     AxisOrigin, CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, MAX_FIELDS, Properties,
-    REGION, SIGMA_OF_FIELDS, fields_of, finite,
+    REGION, SIGMA_OF_FIELDS, finite,
 };
-use crate::parameters::{Parameters, VariantSchema};
+use crate::parameters::VariantSchema;
 use crate::transfer::hull::{Corners, gaussian};
 use crate::{Error, Result};
 
@@ -14,11 +13,6 @@ pub(super) const KIND: VariantSchema = VariantSchema {
     summary: "A Gaussian over one to eight point arrays.",
     parameters: &[COLOR, EXTINCTION, FIELDS, CENTRE_OF_FIELDS, SIGMA_OF_FIELDS, MATRIX_OF_FIELDS, REGION],
 };
-
-pub(super) fn read(p: &Parameters) -> Result<Profile> {
-    let (fields, centre, matrix) = fields_of(p, MAX_FIELDS, std::f64::consts::SQRT_2)?;
-    Ok(Profile::GaussianNd { fields, centre, matrix })
-}
 
 pub(super) fn properties<'a>(fields: &'a [String], centre: &[f64]) -> Properties<'a> {
     let centres = centre.iter().map(|&centre| AxisOrigin::Centre(centre));

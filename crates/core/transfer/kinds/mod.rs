@@ -25,6 +25,7 @@ use crate::transfer::region::{Slab, SupportRadius};
 use gaussian::{GaussianPlane, Line};
 use gaussian_nd::GaussianNdBounds;
 use piecewise_linear::PiecewiseLinearBounds;
+use properties::fields_of;
 use std::sync::Arc;
 use table::MaximumTable;
 use triangular_gaussian::TriangularGaussianBounds;
@@ -87,14 +88,22 @@ pub enum Profile {
 /// All kinds, in the order in which help lists them, each with the function that reads its profile.
 pub(super) const DECLARED: &[(VariantSchema, fn(&Parameters, LoadImage) -> Result<Profile>)] = &[
     (uniform::KIND, |_, _| Ok(Profile::Uniform)),
-    (gaussian::KIND, |p, _| gaussian::read(p)),
-    (gaussian_nd::KIND, |p, _| gaussian_nd::read(p)),
-    (triangular_gaussian::KIND, |p, _| triangular_gaussian::read(p)),
-    (triangular_gaussian_nd::KIND, |p, _| triangular_gaussian_nd::read(p)),
+    (gaussian::KIND, |p, _| gaussian::read(p).map(|(centre, matrix)| Profile::Gaussian { centre, matrix })),
+    (gaussian_nd::KIND, |p, _| {
+        let (fields, centre, matrix) = fields_of(p, MAX_FIELDS, std::f64::consts::SQRT_2)?;
+        Ok(Profile::GaussianNd { fields, centre, matrix })
+    }),
+    (triangular_gaussian::KIND, |p, _| {
+        Ok(Profile::TriangularGaussian { centre: p.number("centre")?, sigma: p.number("sigma")? })
+    }),
+    (triangular_gaussian_nd::KIND, |p, _| {
+        let (magnitude, (fields, centre, matrix)) = triangular_gaussian_nd::read(p)?;
+        Ok(Profile::TriangularGaussianNd { fields, magnitude, centre, matrix })
+    }),
     (wave::TRIANGLE, |p, _| wave::read(p).map(Profile::TriangleWave)),
     (wave::SINE, |p, _| wave::read(p).map(Profile::SineWave)),
-    (piecewise_linear::KIND, |p, _| piecewise_linear::read(p)),
-    (table::KIND, table::read),
+    (piecewise_linear::KIND, |p, _| Ok(Profile::PiecewiseLinear { points: piecewise_linear::read(p)? })),
+    (table::KIND, |p, load_image| Ok(Profile::Table(Arc::new(table::read(p, load_image)?)))),
 ];
 
 /// The kinds of widgets and their keys.

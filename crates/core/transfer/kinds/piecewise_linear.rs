@@ -1,6 +1,5 @@
 //! `piecewise-linear`: colour and extinction linear between control points in s (Roettger & Ertl 2002; Moreland 2004).
 
-use super::Profile;
 use super::properties::{ColorSource, ControlPoint, Properties, REGION, finite, not_negative};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, RelativeNumberType, StatisticKind,
@@ -29,7 +28,7 @@ pub(super) const KIND: VariantSchema = VariantSchema {
     ],
 };
 
-pub(super) fn read(p: &Parameters) -> Result<Profile> {
+pub(super) fn read(p: &Parameters) -> Result<Vec<ControlPoint>> {
     let rows = p.rows("points")?;
     if rows.is_empty() {
         return Err(p
@@ -46,7 +45,7 @@ pub(super) fn read(p: &Parameters) -> Result<Profile> {
     }
     let point =
         |row: &Vec<f64>| ControlPoint { s: row[0], color: [row[1], row[2], row[3]], extinction: row[4] };
-    Ok(Profile::PiecewiseLinear { points: rows.iter().map(point).collect() })
+    Ok(rows.iter().map(point).collect())
 }
 
 fn peak(points: &[ControlPoint]) -> f64 {

@@ -1,6 +1,5 @@
 //! `table`: a picture over the (s, g) plane (Song et al. 2009, section 3.3.2).
 
-use super::Profile;
 use super::properties::{COLOR, ColorSource, EXTINCTION, LoadImage, Properties, REGION, Table};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
@@ -8,7 +7,6 @@ use crate::parameters::{
 };
 use crate::transfer::region::Region;
 use crate::{Error, Result};
-use std::sync::Arc;
 
 pub(super) const KIND: VariantSchema = VariantSchema {
     name: "table",
@@ -52,7 +50,7 @@ const VALUES_OF_S: &RelativeNumberType = &RelativeNumberType {
 };
 const VALUES_OF_G: &RelativeNumberType = &RelativeNumberType { axis: AxisRef::Every("g"), ..*VALUES_OF_S };
 
-pub(super) fn read(p: &Parameters, load_image: LoadImage) -> Result<Profile> {
+pub(super) fn read(p: &Parameters, load_image: LoadImage) -> Result<Table> {
     let (s, g): ([f64; 2], [f64; 2]) = (p.vector("s")?, p.vector("g")?);
     for (name, [low, high]) in [("s", s), ("g", g)] {
         if low >= high {
@@ -61,7 +59,7 @@ pub(super) fn read(p: &Parameters, load_image: LoadImage) -> Result<Profile> {
         }
     }
     let (width, height, texels) = load_image(p.text("image")?)?;
-    Ok(Profile::Table(Arc::new(Table { width, height, texels, s, g })))
+    Ok(Table { width, height, texels, s, g })
 }
 
 pub(super) fn properties(table: &Table) -> Properties<'_> {

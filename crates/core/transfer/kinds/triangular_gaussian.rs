@@ -1,11 +1,9 @@
 //! `triangular-gaussian`: exp(−((s − centre)/(sigma g))²), 0 where g = 0 (Kniss et al. 2003, section 3.2).
 
-use super::Profile;
 use super::properties::{AxisOrigin, COLOR, EXTINCTION, Properties, REGION, finite, positive};
 use crate::Result;
 use crate::parameters::{
-    AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
-    VariantSchema,
+    AxisRef, DefaultValue, Parameter, ParameterType, Range, RelativeNumberType, StatisticKind, VariantSchema,
 };
 use crate::transfer::hull::{Corners, gaussian};
 use crate::transfer::region::Slab;
@@ -41,10 +39,6 @@ pub(super) const KIND: VariantSchema = VariantSchema {
         REGION,
     ],
 };
-
-pub(super) fn read(p: &Parameters) -> Result<Profile> {
-    Ok(Profile::TriangularGaussian { centre: p.number("centre")?, sigma: p.number("sigma")? })
-}
 
 pub(super) fn properties(centre: f64) -> Properties<'static> {
     Properties {

@@ -2,11 +2,11 @@
 //! all their gradients; 0 where m ≤ 0 (Kniss et al. 2003, section 3.2). Over one field with K = 1/σ and m = |∇v| it is
 //! `triangular-gaussian`.
 
+use super::gaussian_nd;
 use super::properties::{
-    AxisOrigin, CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, MAX_FIELDS,
+    AxisOrigin, CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, FieldsOfWidget, MATRIX_OF_FIELDS, MAX_FIELDS,
     POSITIVE_OR_INFINITE, Properties, REGION, SIGMA_OF_FIELDS, fields_of,
 };
-use super::{Profile, gaussian_nd};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, RelativeNumberType, StatisticKind,
     VariantSchema,
@@ -60,13 +60,14 @@ pub(super) const KIND: VariantSchema = VariantSchema {
 /// Most fields beside the magnitude.
 const MAX_FURTHER_FIELDS: usize = MAX_FIELDS - 1;
 
-pub(super) fn read(p: &Parameters) -> Result<Profile> {
-    let (fields, centre, matrix) = fields_of(p, MAX_FURTHER_FIELDS, 1.0)?;
+/// Magnitude; and fields, centre and matrix.
+pub(super) fn read(p: &Parameters) -> Result<(String, FieldsOfWidget)> {
+    let own = fields_of(p, MAX_FURTHER_FIELDS, 1.0)?;
     let magnitude = p.text("magnitude")?.to_owned();
     if magnitude.is_empty() {
         return Err(p.error("magnitude", "the magnitude has no name").expected("the name of a point array"));
     }
-    Ok(Profile::TriangularGaussianNd { fields, magnitude, centre, matrix })
+    Ok((magnitude, own))
 }
 
 pub(super) fn properties<'a>(fields: &'a [String], magnitude: &'a str, centre: &[f64]) -> Properties<'a> {
