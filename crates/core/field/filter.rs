@@ -84,14 +84,12 @@ pub trait GradientFilter: Send + Sync {
     }
 
     /// Checks what single declarations cannot say (parameters that exclude each other). Touches no file.
-    fn check(&self, parameters: &Parameters) -> Result<()> {
-        let _ = parameters;
+    fn check(&self, _parameters: &Parameters) -> Result<()> {
         Ok(())
     }
 
     /// Names of the point arrays that it reads with these parameters. The grid then has them.
-    fn arrays(&self, parameters: &Parameters) -> Result<Vec<String>> {
-        let _ = parameters;
+    fn arrays(&self, _parameters: &Parameters) -> Result<Vec<String>> {
         Ok(Vec::new())
     }
 
@@ -109,13 +107,12 @@ pub trait GradientFilter: Send + Sync {
     /// where this takes as long as all of them.
     fn gradient_at(
         &self,
-        grid: &Grid,
-        scalar: &[f64],
-        points: &[u32],
-        parameters: &Parameters,
-        progress: &dyn Progress,
+        _grid: &Grid,
+        _scalar: &[f64],
+        _points: &[u32],
+        _parameters: &Parameters,
+        _progress: &dyn Progress,
     ) -> Option<Result<Gradient>> {
-        let _ = (grid, scalar, points, parameters, progress);
         None
     }
 }
