@@ -59,17 +59,10 @@ const MAX_IMAGE_SIDE: u32 = 1 << 15;
 impl Camera {
     /// Checks the picture's size and number of samples: errors name one that is out of range.
     pub fn check_picture(&self) -> Result<()> {
-        if self.size.iter().any(|&n| n == 0 || n > MAX_IMAGE_SIDE) {
-            return Err(Error::usage("the picture's size is out of range")
-                .got(format!("{} × {}", self.size[0], self.size[1]))
-                .expected("1 to 32,768 pixels a side"));
-        }
-        if self.samples == 0 || self.samples > 256 {
-            return Err(Error::usage("samples is out of range")
-                .got(self.samples)
-                .expected("1 to 256 a pixel"));
-        }
-        Ok(())
+        let is_side = |&n: &u32| (1..=MAX_IMAGE_SIDE).contains(&n);
+        let size = format!("{} × {}", self.size[0], self.size[1]);
+        check("the picture's size", self.size.iter().all(is_side), size, "1 to 32,768 pixels a side")?;
+        check("samples", (1..=256).contains(&self.samples), self.samples, "1 to 256 a pixel")
     }
 
     /// The camera's axes. Errors when eye and target coincide, when up is parallel to the view, or when a
@@ -100,27 +93,15 @@ impl Camera {
         let height = f64::from(self.size[1]);
         let pixel = match self.projection {
             Projection::Perspective { fov_y } => {
-                if !(fov_y > 0.0 && fov_y < 180.0) {
-                    return Err(Error::usage("fov_y is out of range")
-                        .got(fov_y)
-                        .expected("degrees between 0 and 180"));
-                }
+                check("fov_y", fov_y > 0.0 && fov_y < 180.0, fov_y, "degrees between 0 and 180")?;
                 2.0 * (0.5 * fov_y).to_radians().tan() / height
             }
             Projection::Orthographic { height: world } => {
-                if !(world > 0.0 && world.is_finite()) {
-                    return Err(Error::usage("height is out of range")
-                        .got(world)
-                        .expected("world units above 0"));
-                }
+                check("height", world > 0.0 && world.is_finite(), world, "world units above 0")?;
                 world / height
             }
         };
-        if !(self.near >= 0.0 && self.near.is_finite()) {
-            return Err(Error::usage("near is out of range")
-                .got(self.near)
-                .expected("world units, 0 or more"));
-        }
+        check("near", self.near >= 0.0 && self.near.is_finite(), self.near, "world units, 0 or more")?;
         Ok(Frame { right, up, forward, pixel })
     }
 
@@ -135,5 +116,13 @@ impl Camera {
         }
         const STEP: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
         (0..count).map(|k| STEP.map(|step| (0.5 + step * f64::from(k)).fract() - 0.5)).collect()
+    }
+}
+
+/// Refuses a value out of its range.
+fn check(name: &str, is_in_range: bool, value: impl std::fmt::Display, range: &str) -> Result<()> {
+    match is_in_range {
+        true => Ok(()),
+        false => Err(Error::usage(format!("{name} is out of range")).got(value).expected(range)),
     }
 }

@@ -325,7 +325,7 @@ pub fn typed(row: &Row, text: &str) -> Result<ParameterValue> {
         return Err(error.expected(suggest(text, words.iter().map(|(word, _)| *word))));
     }
     let field = Field::new(row.parameter.name, datum.clone());
-    Parameters::check(vec![*row.parameter], &[field], &Default::default(), &[]).map_err(
+    Parameters::check(&[*row.parameter], &[field], &Default::default(), &[]).map_err(
         |error| match &datum {
             ParameterValue::Text(text)
                 if text.contains(',') && text.replace(',', ".").parse::<f64>().is_ok() =>

@@ -174,40 +174,18 @@ impl CompiledTransferFunction {
                 std::array::from_fn(|i| sum[i] + share * alone[i])
             });
         }
-        self.with_members(active(), |members| quadrature.color(members, self.glow(length)))
+        quadrature.color(&self.members(active()), self.glow(length))
     }
 
-    /// Calls `f` with the widgets as tracks, without allocation for up to [`INLINE`] of them.
-    fn with_members<'a, R>(
-        &self,
-        active: impl Iterator<Item = &'a Active<'a>>,
-        f: impl FnOnce(&[Member]) -> R,
-    ) -> R {
-        let mut inline = [Member::NOTHING; INLINE];
-        let mut spilled = Vec::new();
-        let mut count = 0;
-        for a in active {
-            let member = self.member(a);
-            match inline.get_mut(count) {
-                Some(slot) => *slot = member,
-                None => {
-                    if spilled.is_empty() {
-                        spilled.extend_from_slice(&inline);
-                    }
-                    spilled.push(member);
-                }
-            }
-            count += 1;
-        }
-        f(if spilled.is_empty() { &inline[..count] } else { &spilled[..] })
+    fn members<'a>(&self, active: impl Iterator<Item = &'a Active<'a>>) -> Vec<Member<'a>> {
+        active.map(|active| self.member(active)).collect()
     }
 
     /// Calls `f` with point samples along the segment.
     pub fn sampled<R>(&self, segment: &Segment, f: impl FnOnce(Samples) -> R) -> R {
         let active: Vec<Active> =
             self.widgets.iter().filter_map(|widget| self.cross(widget, segment)).collect();
-        let glow = self.glow(segment.length);
-        self.with_members(active.iter(), |members| f(Samples::new(members, glow)))
+        f(Samples::new(&self.members(active.iter()), self.glow(segment.length)))
     }
 
     fn glow(&self, length: f64) -> Glow {

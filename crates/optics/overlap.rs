@@ -29,16 +29,6 @@ pub struct Member<'a> {
 }
 
 impl Member<'_> {
-    /// A widget that does nothing, to fill arrays.
-    pub const NOTHING: Member<'static> = Member {
-        track: AnyTrack::Uniform(0.0),
-        range: [0.0, 0.0],
-        window: [0.0, 0.0],
-        color: [0.0; 3],
-        threshold: 0.0,
-        unit_rate: 0.0,
-    };
-
     /// The first t' > t before which one panel resolves the widget; ∞ if there is none.
     pub fn next_break(&self, t: f64) -> f64 {
         if t < self.range[0] {

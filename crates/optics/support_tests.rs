@@ -12,10 +12,24 @@ fn gaussian(sigma: f64) -> Widget {
     widget(Profile::Gaussian { centre: [0.5, 0.5], matrix: [[k, 0.0], [0.0, k]] })
 }
 
+/// Bound of a widget of extinction 1, which is that of its profile.
+fn profile_bound(widget: &Widget, s: [f64; 4], g: [f64; 4]) -> f64 {
+    let (model, widgets) = (OpticalModel::DensityEmitter, vec![widget.clone()]);
+    let look = TransferFunction { model, unit_distance: 1.0, widgets };
+    Support::new(&look).expect("a valid widget").bound(&Corners { s: &s, g: &g, fields: &[] })
+}
+
+fn touches(support: &Support, corners: &Corners, least: f64) -> bool {
+    support.first_overlapping_widget(0, corners, least).is_some()
+}
+
+/// Values that are the same at all corners.
+const EVEN: Corners = Corners { s: &[0.5; 4], g: &[0.5; 4], fields: &[] };
+
 #[test]
 fn a_narrow_widget_between_the_vertices_is_seen() {
     let narrow = gaussian(1e-6);
-    let bound = |s, g| narrow.profile_bound(&s, &g).expect("a valid widget");
+    let bound = |s, g| profile_bound(&narrow, s, g);
     assert_eq!(bound([0.0, 1.0, 0.0, 1.0], [0.0, 0.0, 1.0, 1.0]), 1.0, "inside the hull");
     assert_eq!(bound([0.0, 1.0, 0.2, 0.3], [0.0, 1.0, 0.1, 0.2]), 1.0, "on an edge");
     assert_eq!(bound([0.0, 0.4, 0.2, 0.3], [0.0, 1.0, 0.1, 0.2]), 0.0, "beside the hull");
@@ -26,7 +40,7 @@ fn a_narrow_widget_between_the_vertices_is_seen() {
 fn a_region_that_only_its_corner_box_meets_is_left_out() {
     let mut uniform = widget(Profile::Uniform);
     uniform.region = Some(Region::rectangle([0.0, 1.0], [f64::NEG_INFINITY, 1.0]));
-    let bound = |s, g| uniform.profile_bound(&s, &g).expect("a valid widget");
+    let bound = |s, g| profile_bound(&uniform, s, g);
     // A sliver along s + g = 2.2 passes the corner (1, 1).
     assert_eq!(bound([0.5, 1.7, 1.1, 1.2], [1.7, 0.5, 1.1, 1.0]), 0.0);
     assert_eq!(bound([0.5, 1.7, 0.9, 1.2], [1.7, 0.5, 1.0, 1.0]), 1.0);
@@ -41,7 +55,7 @@ fn values_on_an_edge_of_a_region_are_in_it() {
     let five = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.5, 1.0], [0.0, 1.0]];
     for corners in [square.to_vec(), five.to_vec()] {
         uniform.region = Some(Region { corners });
-        let bound = |s, g| uniform.profile_bound(&s, &g).expect("a valid widget");
+        let bound = |s, g| profile_bound(&uniform, s, g);
         for (on, beyond) in [(0.0, -0.1), (1.0, 1.1)] {
             assert_eq!(bound([on; 4], [0.2, 0.4, 0.6, 0.8]), 1.0, "s stays at {on}");
             assert_eq!(bound([0.2, 0.4, 0.6, 0.8], [on; 4]), 1.0, "g stays at {on}");
@@ -61,7 +75,7 @@ fn widgets_that_are_too_thin_alone_count_together() {
         let widgets = vec![thin(profile); 3];
         let look = TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets };
         let support = Support::new(&look).expect("valid");
-        let touches = |least| support.touches(&[0.5; 4], &[0.5; 4], &[], least);
+        let touches = |least| touches(&support, &EVEN, least);
         assert!(touches(3e-7) && touches(5.9e-7) && !touches(6.1e-7));
     }
 }
@@ -98,7 +112,7 @@ fn widgets_without_extinction_touch_no_cell() {
     let model = OpticalModel::DensityEmitter;
     let none = Widget { extinction: 0.0, ..gaussian(0.1) };
     let look = TransferFunction { model, unit_distance: 1.0, widgets: vec![none] };
-    assert!(!Support::new(&look).expect("valid").touches(&[0.5; 4], &[0.5; 4], &[], 1e-7));
+    assert!(!touches(&Support::new(&look).expect("valid"), &EVEN, 1e-7));
 }
 
 #[test]
@@ -158,15 +172,16 @@ proptest! {
         // Values of the further fields that a gaussian-nd widget looks at.
         let all_fields = [s, g, [s[3], s[2], s[1], s[0]]];
         let fields = &all_fields[..transfer_function.fields().len()];
-        let bound = support.bound(&s, &g, fields);
+        let corners = Corners { s: &s, g: &g, fields };
+        let bound = support.bound(&corners);
         // The quick test agrees with the bound.
         if bound > 0.0 {
-            prop_assert!(support.touches(&s, &g, fields, bound * 0.999));
-            prop_assert!(!support.touches(&s, &g, fields, bound * 1.001));
+            prop_assert!(touches(&support, &corners, bound * 0.999));
+            prop_assert!(!touches(&support, &corners, bound * 1.001));
         }
         // Steps keep every cell that is kept without them, and a box that is covered has no other.
         let stepped = support.clone().in_steps(bound * 0.999);
-        prop_assert!(bound == 0.0 || stepped.touches(&s, &g, fields, bound * 0.999));
+        prop_assert!(bound == 0.0 || touches(&stepped, &corners, bound * 0.999));
         let least = bound * share;
         let over = |[low, high]: [f64; 2], x: &f64| [low.min(*x), high.max(*x)];
         let ranges = [s, g].map(|values| values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], over));
@@ -174,7 +189,8 @@ proptest! {
             if support.cover(&ranges, least).is_some() {
                 for s_at in s {
                     for g_at in g {
-                        prop_assert!(support.touches(&[s_at; 4], &[g_at; 4], fields, least));
+                        let at = Corners { s: &[s_at; 4], g: &[g_at; 4], fields };
+                        prop_assert!(touches(support, &at, least));
                     }
                 }
             }
@@ -182,10 +198,11 @@ proptest! {
         // Whatever g is, nothing counts at an s outside of the intervals.
         let intervals = transfer_function.intervals_of_s(1.0, least);
         for s_at in s.into_iter().filter(|s| intervals.iter().all(|[low, high]| s < low || high < s)) {
-            prop_assert!(support.bound(&[s_at; 4], &g, fields) <= least * (1.0 + 1e-9));
+            let at = Corners { s: &[s_at; 4], g: &g, fields };
+            prop_assert!(support.bound(&at) <= least * (1.0 + 1e-9));
         }
         for first in 0..3 {
-            let toucher = support.first_overlapping_widget(first, &s, &g, fields, bound * 0.999);
+            let toucher = support.first_overlapping_widget(first, &corners, bound * 0.999);
             prop_assert_eq!(toucher.is_some(), bound > 0.0);
         }
         // A path through the inside, and paths that stay at a vertex: there the bound is often reached.

@@ -84,14 +84,12 @@ pub trait GradientFilter: Send + Sync {
     }
 
     /// Checks what single declarations cannot say (parameters that exclude each other). Touches no file.
-    fn check(&self, parameters: &Parameters) -> Result<()> {
-        let _ = parameters;
+    fn check(&self, _parameters: &Parameters) -> Result<()> {
         Ok(())
     }
 
     /// Names of the point arrays that it reads with these parameters. The grid then has them.
-    fn arrays(&self, parameters: &Parameters) -> Result<Vec<String>> {
-        let _ = parameters;
+    fn arrays(&self, _parameters: &Parameters) -> Result<Vec<String>> {
         Ok(Vec::new())
     }
 
@@ -109,25 +107,19 @@ pub trait GradientFilter: Send + Sync {
     /// where this takes as long as all of them.
     fn gradient_at(
         &self,
-        grid: &Grid,
-        scalar: &[f64],
-        points: &[u32],
-        parameters: &Parameters,
-        progress: &dyn Progress,
+        _grid: &Grid,
+        _scalar: &[f64],
+        _points: &[u32],
+        _parameters: &Parameters,
+        _progress: &dyn Progress,
     ) -> Option<Result<Gradient>> {
-        let _ = (grid, scalar, points, parameters, progress);
         None
     }
 }
 
 /// The error for a scalar whose number of values is not the grid's number of points.
 pub fn check_scalar(grid: &Grid, scalar: &[f64]) -> Result<()> {
-    if scalar.len() == grid.points.len() {
-        return Ok(());
-    }
-    Err(Error::run("the scalar does not have one value a point")
-        .got(scalar.len())
-        .expected(grid.points.len()))
+    grid.check_values("the scalar", scalar)
 }
 
 /// Points that one task handles.
@@ -248,10 +240,7 @@ impl Method {
     /// Errors: those of the filter; vectors in another number than points, or not finite where position and value are.
     pub fn gradient(&self, grid: &Grid, scalar: &[f64], progress: &dyn Progress) -> Result<Gradient> {
         check_scalar(grid, scalar)?;
-        let found = self.filter.gradient(grid, scalar, &self.parameters, progress)?;
-        self.check_count(grid.points.len(), &found)?;
-        self.check_finite(grid, scalar, &found.vectors, |p| p)?;
-        Ok(found)
+        self.checked(grid, scalar, None, self.filter.gradient(grid, scalar, &self.parameters, progress)?)
     }
 
     /// Gradient at some points alone, a vector each, in their order; `None` where that takes as long as all of them.
@@ -265,50 +254,44 @@ impl Method {
         progress: &dyn Progress,
     ) -> Option<Result<Gradient>> {
         let found = self.filter.gradient_at(grid, scalar, points, &self.parameters, progress)?;
-        let checked = |found: Gradient| {
-            self.check_count(points.len(), &found)?;
-            self.check_finite(grid, scalar, &found.vectors, |place| points[place] as usize)?;
-            Ok(found)
-        };
-        Some(found.and_then(checked))
+        Some(found.and_then(|found| self.checked(grid, scalar, Some(points), found)))
     }
 
-    fn check_count(&self, wanted: usize, found: &Gradient) -> Result<()> {
-        if found.vectors.len() == wanted {
-            return Ok(());
-        }
-        let what = format!("{} did not give one vector a point", self.describe());
-        Err(Error::run(what).got(format!("{} vectors", found.vectors.len())).expected(wanted))
-    }
-
-    /// The length counts, which overflows before the components do: it is what widgets look at. Points that no cell uses
-    /// may hold anything: the reader left out what is not finite.
-    fn check_finite(
+    /// Checks that there is a vector for each point, finite where it must be. The length counts, which overflows before the components
+    /// do: it is what widgets look at. Points that no cell uses may hold anything: the reader left out what is not finite.
+    fn checked(
         &self,
         grid: &Grid,
         scalar: &[f64],
-        vectors: &[DVec3],
-        point_of: impl Fn(usize) -> usize + Sync,
-    ) -> Result<()> {
+        points: Option<&[u32]>,
+        found: Gradient,
+    ) -> Result<Gradient> {
+        let vectors = &found.vectors;
+        let wanted = points.map_or(grid.points.len(), <[u32]>::len);
+        if vectors.len() != wanted {
+            let what = format!("{} did not give one vector a point", self.describe());
+            return Err(Error::run(what).got(format!("{} vectors", vectors.len())).expected(wanted));
+        }
+        let point_of = |place: usize| points.map_or(place, |points| points[place] as usize);
         let is_bad = |place: usize| {
             let p = point_of(place);
             !length(vectors[place]).is_finite() && grid.points[p].is_finite() && scalar[p].is_finite()
         };
         let places = (0..vectors.len()).into_par_iter().with_min_len(1 << 14);
         if !places.clone().any(is_bad) {
-            return Ok(());
+            return Ok(found);
         }
         let mut used = vec![false; grid.points.len()];
         grid.tetrahedra.iter().flatten().for_each(|&p| used[p as usize] = true);
         let is_found = |&place: &usize| used[point_of(place)] && is_bad(place);
-        let Some(place) = places.find_first(is_found) else { return Ok(()) };
+        let Some(place) = places.find_first(is_found) else { return Ok(found) };
         let p = point_of(place);
         let (v, at) = (vectors[place], grid.points[p]);
         let what = format!("{} gave a vector that is not finite", self.describe());
-        let found = format!(
+        let value = format!(
             "({}, {}, {}) at point {p}, which lies at ({}, {}, {}) and has the value {}",
             v.x, v.y, v.z, at.x, at.y, at.z, scalar[p]
         );
-        Err(Error::run(what).got(found).expected("a finite length wherever position and value are finite"))
+        Err(Error::run(what).got(value).expected("a finite length wherever position and value are finite"))
     }
 }

@@ -89,24 +89,12 @@ impl Fit {
         p: usize,
         neighbours: &[u32],
     ) -> (DVec3, Option<usize>) {
-        let (x, s_p) = (grid.points[p], s[p]);
-        let apart = CoincidenceTest::new(x);
         let mut m = [0.0; 6];
         let mut b = DVec3::ZERO;
         let mut trace = 0.0;
-        for &q in neighbours {
-            let (y, delta) = (grid.points[q as usize], s[q as usize] - s_p);
-            let d = (y - x) * scale;
-            let square = d.length_squared();
-            if !apart.holds(y, d, scale, square) {
-                continue;
-            }
+        for Difference { d, square, delta, .. } in differences(grid, s, scale, p, neighbours) {
             let wd = d / square;
-            for (slot, product) in
-                m.iter_mut().zip([wd.x * d.x, wd.x * d.y, wd.x * d.z, wd.y * d.y, wd.y * d.z, wd.z * d.z])
-            {
-                *slot += product;
-            }
+            m.iter_mut().zip(products(wd, d)).for_each(|(slot, product)| *slot += product);
             b += wd * delta;
             trace += 1.0;
         }
@@ -133,22 +121,14 @@ impl Fit {
     ) -> (DVec3, Option<usize>) {
         self.columns.iter_mut().for_each(Vec::clear);
         self.right.clear();
-        let x = grid.points[p];
-        let apart = CoincidenceTest::new(x);
         let mut noise = 0.0_f64;
-        for &q in neighbours {
-            let (y, delta) = (grid.points[q as usize], s[q as usize] - s[p]);
-            let d = (y - x) * scale;
-            let square = d.length_squared();
-            if !apart.holds(y, d, scale, square) {
-                continue;
-            }
+        for Difference { d, square, delta, resolution } in differences(grid, s, scale, p, neighbours) {
             let length = square.sqrt();
             for (column, v) in self.columns.iter_mut().zip((d / length).to_array()) {
                 column.push(v);
             }
             self.right.push(delta / length);
-            noise = noise.max(apart.resolution(y) * scale / length);
+            noise = noise.max(resolution * scale / length);
         }
         if self.right.is_empty() {
             return (DVec3::ZERO, Some(1));
@@ -165,27 +145,43 @@ impl Fit {
     }
 }
 
-/// Tells points apart from coincident ones.
-pub(super) struct CoincidenceTest {
-    /// |x| in its largest component.
-    size: f64,
+/// Difference of position and value between a point and another.
+pub(super) struct Difference {
+    /// Difference of the positions, multiplied by the scale.
+    pub d: DVec3,
+    /// |d|².
+    pub square: f64,
+    /// Difference of the values.
+    pub delta: f64,
+    /// Smallest difference that the coordinates of the two points resolve.
+    resolution: f64,
 }
 
-impl CoincidenceTest {
-    pub fn new(x: DVec3) -> Self {
-        CoincidenceTest { size: x.abs().max_element() }
-    }
+/// Differences from point `p` to those of the others that lie apart from it by more than rounding of the coordinates.
+#[inline]
+pub(super) fn differences<'a>(
+    grid: &'a Grid,
+    s: &'a [f64],
+    scale: f64,
+    p: usize,
+    others: &'a [u32],
+) -> impl Iterator<Item = Difference> + 'a {
+    let x = grid.points[p];
+    let size = x.abs().max_element();
+    others.iter().filter_map(move |&q| {
+        let (y, delta) = (grid.points[q as usize], s[q as usize] - s[p]);
+        let d = (y - x) * scale;
+        let square = d.length_squared();
+        let resolution = f64::EPSILON * size.max(y.abs().max_element());
+        let is_apart = d.abs().max_element() > 2.0 * resolution * scale && square >= f64::MIN_POSITIVE;
+        is_apart.then_some(Difference { d, square, delta, resolution })
+    })
+}
 
-    /// Smallest difference that the coordinates of the two points resolve.
-    fn resolution(&self, y: DVec3) -> f64 {
-        f64::EPSILON * self.size.max(y.abs().max_element())
-    }
-
-    /// True if the difference d (times `scale`, with this square) is more than rounding of the coordinates.
-    #[inline]
-    pub fn holds(&self, y: DVec3, d: DVec3, scale: f64, square: f64) -> bool {
-        d.abs().max_element() > 2.0 * self.resolution(y) * scale && square >= f64::MIN_POSITIVE
-    }
+/// Products of the components of two vectors: xx, xy, xz, yy, yz, zz.
+#[inline]
+pub(super) fn products(a: DVec3, b: DVec3) -> [f64; 6] {
+    [a.x * b.x, a.x * b.y, a.x * b.z, a.y * b.y, a.y * b.z, a.z * b.z]
 }
 
 /// Solves the normal equations by Cholesky's method (as L D Lᵀ) with one step of refinement; `None` where a pivot

@@ -6,7 +6,7 @@
 //! linear fit of `least-squares` stands in and is counted. Second order, exact for quadratic fields.
 
 use super::filter::for_these;
-use super::least_squares::{CoincidenceTest, Fit, fallbacks, solve_qr};
+use super::least_squares::{Difference, Fit, differences, fallbacks, products, solve_qr};
 use super::{Fallback, Gradient, GradientFilter, check_scalar};
 use crate::Result;
 use crate::grid::{Grid, Neighbours, cells_of_points, points_of_points};
@@ -106,26 +106,11 @@ impl QuadraticPoint {
         surroundings: &[u32],
         small_pivot: f64,
     ) -> Option<DVec3> {
-        let x = grid.points[p];
-        let apart = CoincidenceTest::new(x);
         self.differences.clear();
         let mut covariance = [0.0; 6];
-        for &q in surroundings {
-            let y = grid.points[q as usize];
-            let d = (y - x) * scale;
-            if apart.holds(y, d, scale, d.length_squared()) {
-                for (slot, product) in covariance.iter_mut().zip([
-                    d.x * d.x,
-                    d.x * d.y,
-                    d.x * d.z,
-                    d.y * d.y,
-                    d.y * d.z,
-                    d.z * d.z,
-                ]) {
-                    *slot += product;
-                }
-                self.differences.push((d, s[q as usize] - s[p]));
-            }
+        for Difference { d, delta, .. } in differences(grid, s, scale, p, surroundings) {
+            covariance.iter_mut().zip(products(d, d)).for_each(|(slot, product)| *slot += product);
+            self.differences.push((d, delta));
         }
         let rows = self.differences.len();
         if rows < UNKNOWNS {
@@ -138,17 +123,8 @@ impl QuadraticPoint {
         for (row, &(d, delta)) in self.differences.iter().enumerate() {
             let d = stretch.undo(d);
             let weight = 1.0 / d.length();
-            let terms = [
-                d.x,
-                d.y,
-                d.z,
-                0.5 * d.x * d.x,
-                0.5 * d.y * d.y,
-                0.5 * d.z * d.z,
-                d.x * d.y,
-                d.x * d.z,
-                d.y * d.z,
-            ];
+            let [xx, xy, xz, yy, yz, zz] = products(d, d);
+            let terms = [d.x, d.y, d.z, 0.5 * xx, 0.5 * yy, 0.5 * zz, xy, xz, yz];
             for (column, term) in terms.into_iter().enumerate() {
                 self.matrix[column * rows + row] = weight * term;
             }

@@ -7,7 +7,7 @@ use super::cell_types::{CellType, code, describe_counts};
 use super::overlap::{faces, within};
 use super::parts::{Association, CellValues, Cells, FileCells, Options, RawGrid, UNUSED, number};
 use super::source::{CellStatus, Source};
-use super::{Array, Grid, ImportStats, cell_values};
+use super::{Array, Grid, cell_values};
 use crate::progress::Progress;
 use crate::{Error, Result, SharedSlice};
 use rayon::prelude::*;
@@ -44,16 +44,10 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
         && source.cell_not_finite.is_none();
     let tally = if plain { tally_plain(&source)? } else { tally(&source, progress)? };
 
-    let mut origin = ImportStats {
-        cells_by_type: tally.by_type.clone(),
-        cells_not_finite: tally.not_finite,
-        cells_ghost: tally.ghost,
-        cells_not_volume: tally.not_volume,
-        arrays_unread: std::mem::take(&mut parts.arrays_unread),
-        values_unread: parts.values_unread,
-        arrays_decoded: parts.arrays_decoded,
-        warnings: std::mem::take(&mut parts.warnings),
-    };
+    let mut origin = std::mem::take(&mut parts.origin);
+    origin.cells_by_type = tally.by_type.clone();
+    (origin.cells_not_finite, origin.cells_ghost) = (tally.not_finite, tally.ghost);
+    origin.cells_not_volume = tally.not_volume;
     if tally.not_finite > 0 {
         origin.warnings.push(format!(
             "{} three-dimensional cells were left out because a position or value is not finite.",
@@ -66,10 +60,10 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
             describe_counts(&tally.unsupported)
         ));
     }
-    if source.polyhedra.choices.overlapping > 0 {
+    if source.polyhedra.overlapping > 0 {
         origin.warnings.push(format!(
             "{} polyhedra are so far from convex that their pieces overlap.",
-            source.polyhedra.choices.overlapping
+            source.polyhedra.overlapping
         ));
     }
     if tally.tetrahedra() == 0 {

@@ -114,33 +114,21 @@ pub(super) fn keep_constant(grid: &mut Grid, cells: CellArrays) -> Result<()> {
     let mut old_points: Vec<u32> = Vec::with_capacity(grid.tetrahedra.len() * 4);
     let mut owners: Vec<u32> = Vec::with_capacity(grid.tetrahedra.len() * 4);
     let mut tetrahedra = Vec::with_capacity(grid.tetrahedra.len());
-    let mut start = 0;
+    let mut own: Vec<u32> = Vec::new();
     let mut i = 0;
     while i < grid.tetrahedra.len() {
         let cell = grid.source_cell(i);
-        let mut end = i + 1;
-        while end < grid.tetrahedra.len() && grid.source_cell(end) == cell {
-            end += 1;
-        }
-        for t in &grid.tetrahedra[i..end] {
-            old_points.extend_from_slice(t);
-        }
-        old_points[start..].sort_unstable();
-        let mut kept = start;
-        for k in start..old_points.len() {
-            if k == start || old_points[k] != old_points[kept - 1] {
-                old_points[kept] = old_points[k];
-                kept += 1;
-            }
-        }
-        old_points.truncate(kept);
-        owners.resize(kept, cell as u32);
-        for t in &grid.tetrahedra[i..end] {
-            let own = &old_points[start..];
-            tetrahedra.push(t.map(|p| (start + own.partition_point(|&q| q < p)) as u32));
-        }
-        start = kept;
-        i = end;
+        let end = (i..grid.tetrahedra.len()).find(|&k| grid.source_cell(k) != cell);
+        let parts = &grid.tetrahedra[i..end.unwrap_or(grid.tetrahedra.len())];
+        own.clear();
+        own.extend(parts.as_flattened());
+        own.sort_unstable();
+        own.dedup();
+        let number = |p: u32| (old_points.len() + own.partition_point(|&q| q < p)) as u32;
+        tetrahedra.extend(parts.iter().map(|t| t.map(number)));
+        old_points.extend_from_slice(&own);
+        owners.resize(old_points.len(), cell as u32);
+        i += parts.len();
     }
     let what = "cells that keep constant values need too many points";
     number(old_points.len(), what, " (or values averaged to the points)")?;

@@ -19,10 +19,11 @@ pub use adjacency::{Csr, Neighbours, cells_of_faces, cells_of_points, points_of_
 pub use build::build;
 pub use cell_types::{CellType, code, describe_counts};
 pub use parts::{
-    Array, Association, CellSet, CellValues, Cells, FileCells, Options, Polyhedron, RawGrid, Scalar,
+    Array, Association, CellSet, CellValues, Cells, FileCells, ImportStats, Options, Polyhedron, RawGrid,
+    Scalar,
 };
 pub use refine::{RefinedGrid, refine};
-pub use tetrahedra::{Grid, ImportStats, tetrahedron_volume};
+pub use tetrahedra::{Grid, tetrahedron_volume};
 
 #[cfg(test)]
 mod tests;

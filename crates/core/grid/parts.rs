@@ -58,6 +58,27 @@ pub struct Scalar {
     pub values: SharedSlice<f64>,
 }
 
+/// Counts of a grid's import, for `info` and the report.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ImportStats {
+    /// Cells of the file by VTK type code.
+    pub cells_by_type: BTreeMap<u8, u64>,
+    /// Three-dimensional cells left out because a position or the scalar is not finite.
+    pub cells_not_finite: u64,
+    /// Ghost cells left out.
+    pub cells_ghost: u64,
+    /// Cells that are not three-dimensional (vertices, lines, triangles, …), which a volume picture ignores.
+    pub cells_not_volume: u64,
+    /// Arrays of the file that nobody asked for and that were not decoded.
+    pub arrays_unread: Vec<String>,
+    /// Numbers that they hold, as far as the file's headers say.
+    pub values_unread: u64,
+    /// Arrays that were decoded: the scalar and those beside it.
+    pub arrays_decoded: u64,
+    /// Warnings for the user, each a sentence.
+    pub warnings: Vec<String>,
+}
+
 /// Result of a reader, in the file's own numbering.
 #[derive(Debug, Clone)]
 pub struct RawGrid {
@@ -78,14 +99,8 @@ pub struct RawGrid {
     /// Degrees along the three axes of every cell, for Lagrange and Bezier cells whose degrees differ between axes;
     /// `None`: the same along all, found from the number of points.
     pub degrees: Option<Vec<[u8; 3]>>,
-    /// Names of arrays of the file that nobody asked for.
-    pub arrays_unread: Vec<String>,
-    /// Numbers that they hold.
-    pub values_unread: u64,
-    /// Arrays that were decoded.
-    pub arrays_decoded: u64,
-    /// Warnings of the reader, each a sentence.
-    pub warnings: Vec<String>,
+    /// The reader's counts of arrays, and its warnings; [`super::build()`] adds those of the cells.
+    pub origin: ImportStats,
 }
 
 impl RawGrid {
@@ -100,10 +115,7 @@ impl RawGrid {
             cell_arrays: BTreeMap::new(),
             kept_cell_arrays: BTreeMap::new(),
             degrees: None,
-            arrays_unread: Vec::new(),
-            values_unread: 0,
-            arrays_decoded: 0,
-            warnings: Vec::new(),
+            origin: ImportStats::default(),
         }
     }
 }

@@ -2,10 +2,11 @@
 
 use super::cell_types::{CellType, code};
 use super::curved::{Curved, is_curved};
-use super::parts::{Cell, Cells};
+use super::parts::{Cell, Cells, Polyhedron};
 use super::split;
 use super::split::Polyhedra;
 use crate::{Error, Result};
+use rayon::prelude::*;
 
 /// Classification of a cell on import.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -156,23 +157,22 @@ impl Source<'_> {
         }
         if !set.polyhedra.is_empty() {
             self.polyhedra = Polyhedra::index(set, self.point_count)?;
-            let drawn = |number: u32| {
-                let number = number as usize;
+            let is_drawn = |polyhedron: &Polyhedron| {
+                let number = polyhedron.cell as usize;
                 number < set.types.len()
-                    && self
-                        .cell(number, &mut [0; 8])
-                        .and_then(|cell| self.fate(&cell))
-                        .is_ok_and(|fate| fate == CellStatus::Drawn)
+                    && self.cell(number, &mut [0; 8]).and_then(|cell| self.fate(&cell)).ok()
+                        == Some(CellStatus::Drawn)
             };
+            let drawn: Vec<bool> = set.polyhedra.par_iter().map(is_drawn).collect();
             let first_free = self.point_count + self.curved.origins.len();
-            self.polyhedra.choices = Polyhedra::choose(set, points, drawn, first_free)?;
+            self.polyhedra.choose(set, points, &drawn, first_free)?;
         }
         Ok(())
     }
 
     /// Number of points that the cells add to the file's.
     pub fn added_count(&self) -> usize {
-        self.curved.origins.len() + self.polyhedra.choices.added.len()
+        self.curved.origins.len() + self.polyhedra.added.len()
     }
 
     /// Calls `f` with the points of the file and their weights that make added point `i`.
@@ -187,7 +187,7 @@ impl Source<'_> {
             let weights = self.curved.weights(self.kind(&cell), added);
             return Ok(f(&mut weights.iter().map(|&(node, w)| (cell.corners[node], w))));
         }
-        let position = self.polyhedra.choices.added[i - self.curved.origins.len()];
+        let position = self.polyhedra.added[i - self.curved.origins.len()];
         let Cells::Mixed(set) = self.cells else { return Ok(f(&mut std::iter::empty())) };
         let corners = split::corners(&set.polyhedra[position]);
         let weight = 1.0 / corners.len() as f64;

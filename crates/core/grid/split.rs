@@ -148,25 +148,11 @@ pub(super) fn hexahedron(v: &[u32; 8], emit: &mut impl FnMut([u32; 4])) {
     }
 }
 
-/// The point that a polyhedron's triangles are joined to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Apex {
-    Corner(u32),
-    Mean { sees_all: bool },
-}
-
 /// Subdivision of the polyhedra of a file, in the order of [`CellSet::polyhedra`].
 #[derive(Debug, Default)]
 pub(super) struct Polyhedra {
     /// By cell number: position in `CellSet::polyhedra`.
     positions: HashMap<u32, usize>,
-    /// Subdivision of each.
-    pub choices: SplitDecisions,
-}
-
-/// Decisions for all polyhedra.
-#[derive(Debug, Default)]
-pub(super) struct SplitDecisions {
     /// Point number of every polyhedron's apex; those above the file's points are added.
     apexes: Vec<u32>,
     /// Polyhedra (positions) that have a point in their middle added, in the order of the points' numbers.
@@ -195,38 +181,33 @@ impl Polyhedra {
         Ok(Polyhedra { positions, ..Polyhedra::default() })
     }
 
-    /// Decides how each polyhedron that is drawn is split, and numbers the added points from `first_free`.
+    /// Decides how each polyhedron is split whose flag among the `drawn` is set, and numbers the added points from `first_free`.
     pub fn choose(
+        &mut self,
         set: &CellSet,
         points: &[DVec3],
-        drawn: impl Fn(u32) -> bool + Sync,
+        drawn: &[bool],
         first_free: usize,
-    ) -> Result<SplitDecisions> {
-        let (fans, apexes): (Vec<Vec<u16>>, Vec<Apex>) = set
-            .polyhedra
-            .par_iter()
-            .map(|polyhedron| {
-                if !drawn(polyhedron.cell) {
-                    return (Vec::new(), Apex::Corner(0));
-                }
-                let fans: Vec<u16> = polyhedron.faces.iter().map(|face| fan_start(face, points)).collect();
-                let apex = apex(polyhedron, &fans, points);
-                (fans, apex)
-            })
-            .unzip();
-        let mut choices = SplitDecisions { fans, ..SplitDecisions::default() };
-        for (position, apex) in apexes.into_iter().enumerate() {
-            let apex = match apex {
-                Apex::Corner(corner) => corner,
-                Apex::Mean { sees_all } => {
-                    choices.overlapping += u64::from(!sees_all);
-                    choices.added.push(position);
-                    number(first_free + choices.added.len() - 1, "polyhedra need too many points", "")?
-                }
-            };
-            choices.apexes.push(apex);
+    ) -> Result<()> {
+        let choice = |(polyhedron, &drawn): (&Polyhedron, &bool)| {
+            if !drawn {
+                return (Vec::new(), (Some(0), true));
+            }
+            let fans: Vec<u16> = polyhedron.faces.iter().map(|face| fan_start(face, points)).collect();
+            let apex = apex(polyhedron, &fans, points);
+            (fans, apex)
+        };
+        let apexes: Vec<(Option<u32>, bool)>;
+        (self.fans, apexes) = set.polyhedra.par_iter().zip(drawn).map(choice).unzip();
+        for (position, (corner, sees_all)) in apexes.into_iter().enumerate() {
+            self.overlapping += u64::from(!sees_all);
+            let next = first_free + self.added.len();
+            if corner.is_none() {
+                self.added.push(position);
+            }
+            self.apexes.push(corner.map_or_else(|| number(next, "polyhedra need too many points", ""), Ok)?);
         }
-        Ok(choices)
+        Ok(())
     }
 
     /// The faces of a cell.
@@ -237,10 +218,10 @@ impl Polyhedra {
     /// Hands out the tetrahedra of a cell.
     pub fn tetrahedra(&self, set: &CellSet, cell: usize, emit: &mut impl FnMut([u32; 4])) {
         let Some(&position) = self.positions.get(&(cell as u32)) else { return };
-        let apex = self.choices.apexes[position];
-        triangles(&set.polyhedra[position], &self.choices.fans[position], |[a, b, c]| {
-            emit_distinct([apex, a, b, c], emit);
-        });
+        let apex = self.apexes[position];
+        for (face, &start) in set.polyhedra[position].faces.iter().zip(&self.fans[position]) {
+            fan(face, start, |[a, b, c]| emit_distinct([apex, a, b, c], emit));
+        }
     }
 }
 
@@ -250,12 +231,6 @@ pub(super) fn corners(polyhedron: &Polyhedron) -> Vec<u32> {
     corners.sort_unstable();
     corners.dedup();
     corners
-}
-
-fn triangles(polyhedron: &Polyhedron, fans: &[u16], mut f: impl FnMut([u32; 3])) {
-    for (face, &start) in polyhedron.faces.iter().zip(fans) {
-        fan(face, start, &mut f);
-    }
 }
 
 fn fan(face: &[u32], start: u16, mut f: impl FnMut([u32; 3])) {
@@ -289,10 +264,10 @@ fn fan_start(face: &[u32], points: &[DVec3]) -> u16 {
     start as u16
 }
 
-/// Chooses the point that sees all triangles.
-fn apex(polyhedron: &Polyhedron, fans: &[u16], points: &[DVec3]) -> Apex {
+/// Corner that the triangles are joined to, `None` for the mean of the corners, and true if it sees all of them.
+fn apex(polyhedron: &Polyhedron, fans: &[u16], points: &[DVec3]) -> (Option<u32>, bool) {
     let corners = corners(polyhedron);
-    let Some(&lowest) = corners.first() else { return Apex::Mean { sees_all: true } };
+    let Some(&lowest) = corners.first() else { return (None, true) };
     let origin = points[lowest as usize];
     let at = |p: u32| points[p as usize] - origin;
     let mut oriented = Vec::new();
@@ -312,16 +287,14 @@ fn apex(polyhedron: &Polyhedron, fans: &[u16], points: &[DVec3]) -> Apex {
             .all(|&t| sign * volume(from, t) >= tolerance)
     };
     if sees_all(DVec3::ZERO, Some(lowest)) {
-        return Apex::Corner(lowest);
+        return (Some(lowest), true);
     }
     let mean = corners.iter().map(|&c| at(c)).sum::<DVec3>() / corners.len() as f64;
     if sees_all(mean, None) {
-        return Apex::Mean { sees_all: true };
+        return (None, true);
     }
-    match corners.iter().find(|&&c| sees_all(at(c), Some(c))) {
-        Some(&corner) => Apex::Corner(corner),
-        None => Apex::Mean { sees_all: false },
-    }
+    let other = corners.into_iter().find(|&c| sees_all(at(c), Some(c)));
+    (other, other.is_some())
 }
 
 /// Flags of the faces that run the other way round than the first one's neighbours require, so that all turn alike.

@@ -1,7 +1,7 @@
 //! A grid of tetrahedra with its arrays, and what it was made from.
 
 use super::extent;
-use super::parts::{Array, FileCells};
+use super::parts::{Array, FileCells, ImportStats};
 use crate::{Error, Result, SharedSlice};
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -31,27 +31,6 @@ pub struct Grid {
     pub file_cells: Option<Arc<FileCells>>,
     /// Counts of the import.
     pub origin: Arc<ImportStats>,
-}
-
-/// Counts of a grid's import, for `info` and the report.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct ImportStats {
-    /// Cells of the file by VTK type code.
-    pub cells_by_type: BTreeMap<u8, u64>,
-    /// Three-dimensional cells left out because a position or the scalar is not finite.
-    pub cells_not_finite: u64,
-    /// Ghost cells left out.
-    pub cells_ghost: u64,
-    /// Cells that are not three-dimensional (vertices, lines, triangles, …), which a volume picture ignores.
-    pub cells_not_volume: u64,
-    /// Arrays of the file that nobody asked for and that were not decoded.
-    pub arrays_unread: Vec<String>,
-    /// Numbers that they hold, as far as the file's headers say.
-    pub values_unread: u64,
-    /// Arrays that were decoded: the scalar and those beside it.
-    pub arrays_decoded: u64,
-    /// Warnings for the user, each a sentence.
-    pub warnings: Vec<String>,
 }
 
 impl Grid {
@@ -92,6 +71,15 @@ impl Grid {
                 .expected(accepted)),
             None => Err(Error::run("there is no such array").got(format!("'{name}'")).expected(accepted)),
         }
+    }
+
+    /// Refuses values of another number than points; `what` has them.
+    pub(crate) fn check_values(&self, what: &str, values: &[f64]) -> Result<()> {
+        if values.len() == self.points.len() {
+            return Ok(());
+        }
+        let error = Error::run(format!("{what} does not have one value a point")).got(values.len());
+        Err(error.expected(self.points.len()))
     }
 
     /// Lowest and highest coordinates of the finite points; `None` where there is none.

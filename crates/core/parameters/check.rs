@@ -5,9 +5,8 @@ use super::declaration::{
 };
 use super::nearest::suggest;
 use super::relative::{ArrayRef, RelativeNumber};
-use super::setting::{Field, LocatedValue, ParameterValue, SourceSpan};
+use super::setting::{Field, LocatedValue, ParameterValue, SourceSpan, find_setting};
 use crate::{Error, Result};
-use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -15,15 +14,21 @@ use std::sync::Arc;
 /// the standard value. Two are equal when their values are.
 #[derive(Debug, Clone, Default)]
 pub struct Parameters {
-    pub(super) declared: Cow<'static, [Parameter]>,
-    /// One for each declaration; `None` where the file is silent and there is no standard value.
-    pub(super) settings: Vec<Option<LocatedValue>>,
-    /// Flags of the parameters that the file sets.
-    pub(super) is_set: Vec<bool>,
+    entries: Vec<Entry>,
     /// Location of the table in the file.
-    pub(super) origin: SourceSpan,
+    origin: SourceSpan,
     /// The parameter of type [`ParameterType::Registered`], with all variants of it.
-    pub(super) variants: Option<(&'static str, Arc<[Variant]>)>,
+    variants: Option<(&'static str, Arc<[Variant]>)>,
+}
+
+/// A declaration with its value.
+#[derive(Debug, Clone)]
+struct Entry {
+    declared: Parameter,
+    /// `None` where the file is silent and there is no standard value.
+    setting: Option<LocatedValue>,
+    /// True if the file sets it.
+    is_set: bool,
 }
 
 /// A mistake in what a table sets.
@@ -38,29 +43,23 @@ pub struct ParameterFault {
 /// Compares values; the declarations are assumed equal (one node type).
 impl PartialEq for Parameters {
     fn eq(&self, other: &Self) -> bool {
-        self.settings == other.settings
+        self.iter().map(|(_, setting, _)| setting).eq(other.iter().map(|(_, setting, _)| setting))
     }
 }
 
 impl Parameters {
     /// For a program: some values by name, the standard values for the rest.
     pub fn from_values(
-        declared: impl Into<Cow<'static, [Parameter]>>,
+        declared: &[Parameter],
         values: impl IntoIterator<Item = (&'static str, ParameterValue)>,
     ) -> Result<Parameters> {
-        let field = |(name, datum): (&str, ParameterValue)| Field {
-            name: name.to_string(),
-            origin: SourceSpan::Nowhere,
-            setting: LocatedValue::from(datum),
-        };
-        Self::check(declared, &values.into_iter().map(field).collect::<Vec<_>>(), &SourceSpan::Nowhere, &[])
+        let fields: Vec<Field> = values.into_iter().map(|(name, datum)| Field::new(name, datum)).collect();
+        Self::check(declared, &fields, &SourceSpan::Nowhere, &[])
     }
 
     /// These and others, whose names differ from these: what two declarations ask of one table.
     pub fn and(mut self, others: Parameters) -> Parameters {
-        self.declared.to_mut().extend_from_slice(&others.declared);
-        self.settings.extend(others.settings);
-        self.is_set.extend(others.is_set);
+        self.entries.extend(others.entries);
         self
     }
 
@@ -86,28 +85,31 @@ impl Parameters {
 
     /// The declarations with their values (`None`: not set), and whether the file gave them.
     pub fn iter(&self) -> impl Iterator<Item = (&Parameter, Option<&LocatedValue>, bool)> {
-        self.declared.iter().zip(&self.settings).zip(&self.is_set).map(|((p, s), g)| (p, s.as_ref(), *g))
+        self.entries.iter().map(|entry| (&entry.declared, entry.setting.as_ref(), entry.is_set))
+    }
+
+    fn entry(&self, name: &str) -> Option<&Entry> {
+        self.entries.iter().find(|entry| entry.declared.name == name)
     }
 
     /// These with another value for one, as if the file had given it, or not where it is `None`.
     pub fn with(&self, name: &str, datum: Option<ParameterValue>) -> Parameters {
         let mut changed = self.clone();
-        if let Some(i) = self.declared.iter().position(|p| p.name == name) {
-            changed.is_set[i] = datum.is_some();
+        for entry in changed.entries.iter_mut().filter(|entry| entry.declared.name == name) {
+            entry.is_set = datum.is_some();
+            entry.setting = datum.clone().map(LocatedValue::from);
         }
-        changed.put(name, datum.map(LocatedValue::from));
         changed
     }
 
     /// True if the file (or the command line) gave the parameter.
     pub fn is_set(&self, name: &str) -> bool {
-        self.declared.iter().position(|p| p.name == name).is_some_and(|i| self.is_set[i])
+        self.entry(name).is_some_and(|entry| entry.is_set)
     }
 
     /// The setting, if there is one.
     pub fn optional(&self, name: &str) -> Option<&LocatedValue> {
-        let i = self.declared.iter().position(|p| p.name == name)?;
-        self.settings[i].as_ref()
+        self.entry(name)?.setting.as_ref()
     }
 
     /// The setting; an error when it is neither given nor has a standard value.
@@ -197,27 +199,18 @@ impl Parameters {
         }
     }
 
-    pub(super) fn parameter_type(&self, name: &str) -> Option<ParameterType> {
-        self.declared.iter().find(|p| p.name == name).map(|p| p.parameter_type)
+    fn parameter_type(&self, name: &str) -> Option<ParameterType> {
+        self.entry(name).map(|entry| entry.declared.parameter_type)
     }
 
-    /// Puts another setting in the place of one.
-    pub(super) fn put(&mut self, name: &str, setting: Option<LocatedValue>) {
-        if let Some(i) = self.declared.iter().position(|p| p.name == name) {
-            self.settings[i] = setting;
-        }
-    }
-
-    pub(super) fn mistyped(&self, name: &str) -> Error {
+    fn mistyped(&self, name: &str) -> Error {
         self.error(name, format!("the parameter '{name}' is not of the type that its reader expects"))
     }
-}
 
-impl Parameters {
     /// Checks the fields of a table (written at `origin`) against the declarations: unknown and missing names,
     /// types, ranges, also within tables and lists of tables. `also` are keys that the caller has taken.
     pub fn check(
-        declared: impl Into<Cow<'static, [Parameter]>>,
+        declared: &[Parameter],
         fields: &[Field],
         origin: &SourceSpan,
         also: &[&str],
@@ -230,56 +223,38 @@ impl Parameters {
     /// Checks like [`Parameters::check`] and returns every mistake, in the order found. A wrong setting is set nevertheless: parameters
     /// with mistakes are not to be used.
     pub fn survey(
-        declared: impl Into<Cow<'static, [Parameter]>>,
+        declared: &[Parameter],
         fields: &[Field],
         origin: &SourceSpan,
         also: &[&str],
         faults: &mut Vec<ParameterFault>,
     ) -> Parameters {
-        let declared = declared.into();
-        let mut settings: Vec<Option<LocatedValue>> = vec![None; declared.len()];
-        for field in fields {
-            if also.contains(&field.name.as_str()) {
-                continue;
-            }
-            let mut add = |error| faults.push(ParameterFault { parameter: field.name.clone(), error });
-            let Some(i) = declared.iter().position(|p| p.name == field.name) else {
+        let unset = |&declared: &Parameter| Entry { declared, setting: None, is_set: false };
+        let mut entries: Vec<Entry> = declared.iter().map(unset).collect();
+        for field in fields.iter().filter(|field| !also.contains(&field.name.as_str())) {
+            let mut errors = Vec::new();
+            if let Some(entry) = entries.iter_mut().find(|entry| entry.declared.name == field.name) {
+                survey_type(&entry.declared, &field.setting, &mut errors);
+                (entry.setting, entry.is_set) = (Some(field.setting.clone()), true);
+            } else {
                 let names = also.iter().copied().chain(declared.iter().map(|p| p.name));
                 let error = Error::usage(format!("unknown parameter '{}'", field.name))
                     .expected(suggest(&field.name, names));
-                add(field.origin.locate(error));
-                continue;
-            };
-            survey_type(
-                &declared[i].parameter_type,
-                declared[i].name,
-                declared[i].unit,
-                &field.setting,
-                &mut add,
-            );
-            settings[i] = Some(field.setting.clone());
-        }
-        let given: Vec<bool> = settings.iter().map(Option::is_some).collect();
-        for (parameter, setting) in declared.iter().zip(&mut settings) {
-            if setting.is_some() {
-                continue;
+                errors.push(field.origin.locate(error));
             }
-            if let DefaultValue::Required = parameter.default {
-                let error =
-                    Error::usage(format!("the parameter '{}' is missing", parameter.name)).expected(format!(
-                        "{} = … ({}): {}",
-                        parameter.name,
-                        parameter.parameter_type.describe(),
-                        parameter.help
-                    ));
-                faults.push(ParameterFault {
-                    parameter: parameter.name.to_string(),
-                    error: origin.locate(error),
-                });
-            }
-            *setting = parameter.default.datum().map(LocatedValue::from);
+            let fault = |error| ParameterFault { parameter: field.name.clone(), error };
+            faults.extend(errors.into_iter().map(fault));
         }
-        Parameters { declared, settings, is_set: given, origin: origin.clone(), variants: None }
+        for Entry { declared, setting, .. } in entries.iter_mut().filter(|entry| !entry.is_set) {
+            let Parameter { name, parameter_type, default, help, .. } = declared;
+            if let DefaultValue::Required = default {
+                let error = Error::usage(format!("the parameter '{name}' is missing"))
+                    .expected(format!("{name} = … ({}): {help}", parameter_type.describe()));
+                faults.push(ParameterFault { parameter: name.to_string(), error: origin.locate(error) });
+            }
+            *setting = default.datum().map(LocatedValue::from);
+        }
+        Parameters { entries, origin: origin.clone(), variants: None }
     }
 
     /// A list of tables of several kinds: each one's kind and parameters. Empty where not set.
@@ -291,7 +266,7 @@ impl Parameters {
         };
         let kind = |setting: &LocatedValue| {
             let mut faults = Vec::new();
-            let kind = kind_of(kinds, name, setting, &mut |error| faults.push(error));
+            let kind = kind_of(kinds, name, setting, &mut faults);
             match (kind, faults.into_iter().next()) {
                 (Some(kind), None) => Ok(kind),
                 (_, fault) => Err(fault.unwrap_or_else(|| self.mistyped(name))),
@@ -306,76 +281,69 @@ fn kind_of(
     kinds: &'static [VariantSchema],
     name: &str,
     setting: &LocatedValue,
-    fault: &mut dyn FnMut(Error),
+    faults: &mut Vec<Error>,
 ) -> Option<(&'static str, Parameters)> {
     let names = || kinds.iter().map(|k| k.name);
     let Some(fields) = setting.table() else {
-        fault(setting.error(format!("each entry of '{name}' must be a table"), "[[…]] with a kind"));
+        faults.push(setting.error(format!("each entry of '{name}' must be a table"), "[[…]] with a kind"));
         return None;
     };
-    let Some(kind) = fields.iter().find(|f| f.name == "kind") else {
+    let Some(kind) = find_setting(fields, "kind") else {
         let error = Error::usage(format!("an entry of '{name}' has no 'kind'"))
             .expected(format!("kind = one of {}", names().collect::<Vec<_>>().join(", ")));
-        fault(setting.origin.locate(error));
+        faults.push(setting.origin.locate(error));
         return None;
     };
-    let word = kind.setting.text().unwrap_or_default();
+    let word = kind.text().unwrap_or_default();
     let Some(found) = kinds.iter().find(|k| k.name == word) else {
-        fault(kind.setting.error("unknown kind", suggest(word, names())));
+        faults.push(kind.error("unknown kind", suggest(word, names())));
         return None;
     };
-    let mut faults = Vec::new();
-    let parameters = Parameters::survey(found.parameters, fields, &setting.origin, &["kind"], &mut faults);
-    faults.into_iter().for_each(|one| fault(one.error));
+    let mut own = Vec::new();
+    let parameters = Parameters::survey(found.parameters, fields, &setting.origin, &["kind"], &mut own);
+    faults.extend(own.into_iter().map(|one| one.error));
     Some((found.name, parameters))
 }
 
-/// Checks one setting against its declared type.
-fn check_type(parameter_type: &ParameterType, name: &str, unit: &str, setting: &LocatedValue) -> Result<()> {
-    let mut first = None;
-    survey_type(parameter_type, name, unit, setting, &mut |error| {
-        first.get_or_insert(error);
-    });
-    first.map_or(Ok(()), Err)
+/// Checks one setting against its declaration.
+fn check_type(parameter: &Parameter, setting: &LocatedValue) -> Result<()> {
+    let mut faults = Vec::new();
+    survey_type(parameter, setting, &mut faults);
+    faults.into_iter().next().map_or(Ok(()), Err)
 }
 
 /// Checks one value by its type and returns every mistake: a table, or a list of tables, may have several.
-fn survey_type(
-    parameter_type: &ParameterType,
-    name: &str,
-    unit: &str,
-    setting: &LocatedValue,
-    fault: &mut dyn FnMut(Error),
-) {
-    match (parameter_type, &setting.datum) {
+fn survey_type(parameter: &Parameter, setting: &LocatedValue, faults: &mut Vec<Error>) {
+    match (parameter.parameter_type, &setting.datum) {
         (ParameterType::Table(declared), ParameterValue::Table(fields)) => {
-            let mut faults = Vec::new();
-            Parameters::survey(*declared, fields, &setting.origin, &[], &mut faults);
-            faults.into_iter().for_each(|one| fault(one.error));
+            let mut own = Vec::new();
+            Parameters::survey(declared, fields, &setting.origin, &[], &mut own);
+            faults.extend(own.into_iter().map(|one| one.error));
         }
         (ParameterType::Kinds(kinds), ParameterValue::List(list)) => {
             for entry in list {
-                kind_of(kinds, name, entry, fault);
+                kind_of(kinds, parameter.name, entry, faults);
             }
         }
-        _ => {
-            if let Err(error) = check_plain(parameter_type, name, unit, setting) {
-                fault(error);
-            }
-        }
+        _ => faults.extend(check_plain(parameter, setting).err()),
     }
 }
 
 /// Checks a setting that has one mistake at most.
-fn check_plain(parameter_type: &ParameterType, name: &str, unit: &str, setting: &LocatedValue) -> Result<()> {
-    let accepted = || match unit {
+fn check_plain(parameter: &Parameter, setting: &LocatedValue) -> Result<()> {
+    let Parameter { name, parameter_type, unit, .. } = parameter;
+    let accepted = || match *unit {
         "" => parameter_type.describe(),
         unit => format!("{} ({unit})", parameter_type.describe()),
     };
     let wrong_type = || Err(setting.error(format!("'{name}' is of the wrong type"), accepted()));
-    let in_range = |part: &LocatedValue, x: f64, range: &Range| match range.holds(x) {
-        true => Ok(()),
-        false => Err(part.error(format!("'{name}' is out of range"), accepted())),
+    let check =
+        |is_right: bool, part: &LocatedValue, what: &str, accepted: &dyn Fn() -> String| match is_right {
+            true => Ok(()),
+            false => Err(part.error(format!("'{name}' {what}"), accepted())),
+        };
+    let in_range = |part: &LocatedValue, x: f64, range: &Range| {
+        check(range.holds(x), part, "is out of range", &accepted)
     };
     match (parameter_type, &setting.datum) {
         (ParameterType::Boolean, ParameterValue::Boolean(_)) => Ok(()),
@@ -390,28 +358,19 @@ fn check_plain(parameter_type: &ParameterType, name: &str, unit: &str, setting: 
             ParameterValue::Text(_),
         ) => Ok(()),
         (ParameterType::InputPath | ParameterType::OutputPath, ParameterValue::Text(path)) => {
-            match path.is_empty() {
-                true => Err(setting.error(format!("'{name}' is empty"), "the path of a file")),
-                false => Ok(()),
-            }
+            check(!path.is_empty(), setting, "is empty", &|| "the path of a file".into())
         }
-        (ParameterType::Choice(words), ParameterValue::Text(text)) => match words.iter().any(|w| w.0 == text)
-        {
-            true => Ok(()),
-            false => Err(setting.error(
-                format!("'{name}' does not know this word"),
-                suggest(text, words.iter().map(|w| w.0)),
-            )),
-        },
+        (ParameterType::Choice(words), ParameterValue::Text(text)) => {
+            let words = || words.iter().map(|word| word.0);
+            let is_known = words().any(|word| word == text);
+            check(is_known, setting, "does not know this word", &|| suggest(text, words()))
+        }
         (ParameterType::Numbers(count, range), ParameterValue::List(list)) => {
             for part in list {
                 let Some(x) = part.number() else { return wrong_type() };
                 in_range(part, x, range)?;
             }
-            match count.is_none_or(|n| n == list.len()) {
-                true => Ok(()),
-                false => wrong_type(),
-            }
+            if count.is_none_or(|n| n == list.len()) { Ok(()) } else { wrong_type() }
         }
         (ParameterType::Integers(count, range), ParameterValue::List(list)) => {
             for part in list {
@@ -438,7 +397,8 @@ fn check_plain(parameter_type: &ParameterType, name: &str, unit: &str, setting: 
         (ParameterType::Measured(measured), _) => {
             // 1 is in every range of what may be relative; the others are checked beside it.
             let numbers = measured.replaced(name, setting, 0, &mut |_, _, _| Ok(1.0))?;
-            check_type(&measured.plain, name, unit, &numbers).map_err(|error| match error.expected.clone() {
+            let plain = Parameter { parameter_type: measured.plain, ..*parameter };
+            check_type(&plain, &numbers).map_err(|error| match error.expected.clone() {
                 Some(plain) => error.expected(format!("{plain}, {}", measured.describe())),
                 None => error,
             })
@@ -539,8 +499,22 @@ impl Parameters {
     /// These with each setting replaced whose numbers may be relative.
     pub fn with_settings(&self, change: Change) -> Result<Parameters> {
         let mut changed = self.clone();
-        for (name, setting) in changed_of(&self.iter().collect::<Vec<_>>(), change)? {
-            changed.put(name, Some(setting));
+        let beside = |name: &str| self.optional(name).cloned();
+        for Entry { declared, setting, .. } in &mut changed.entries {
+            let Some(setting) = setting else { continue };
+            match (declared.parameter_type, &mut setting.datum) {
+                (ParameterType::Measured(measured), _) => {
+                    *setting = change(measured, declared.name, setting, &beside)?;
+                }
+                (ParameterType::Table(declared), ParameterValue::Table(fields)) => {
+                    let own = Parameters::survey(declared, fields, &setting.origin, &[], &mut Vec::new());
+                    let own = own.with_settings(change)?;
+                    for field in fields {
+                        field.setting = own.optional(&field.name).unwrap_or(&field.setting).clone();
+                    }
+                }
+                _ => {}
+            }
         }
         Ok(changed)
     }
@@ -554,38 +528,6 @@ pub type Change<'a> = &'a mut dyn FnMut(
     &LocatedValue,
     &dyn Fn(&str) -> Option<LocatedValue>,
 ) -> Result<LocatedValue>;
-
-type DeclaredSetting<'a> = (&'a Parameter, Option<&'a LocatedValue>, bool);
-
-fn changed_of(parameters: &[DeclaredSetting], change: Change) -> Result<Vec<(&'static str, LocatedValue)>> {
-    let beside = |name: &str| -> Option<LocatedValue> {
-        parameters.iter().find(|(p, ..)| p.name == name).and_then(|(_, setting, _)| setting.cloned())
-    };
-    let mut changed = Vec::new();
-    for (parameter, setting, _) in parameters {
-        let Some(setting) = setting else { continue };
-        match parameter.parameter_type {
-            ParameterType::Measured(measured) => {
-                changed.push((parameter.name, change(measured, parameter.name, setting, &beside)?));
-            }
-            ParameterType::Table(declared) => {
-                let Some(fields) = setting.table() else { continue };
-                let find = |p: &Parameter| fields.iter().find(|f| f.name == p.name).map(|f| &f.setting);
-                let own: Vec<DeclaredSetting> = declared.iter().map(|p| (p, find(p), true)).collect();
-                let mut fields: Vec<Field> = fields.to_vec();
-                for (name, setting) in changed_of(&own, change)? {
-                    fields.iter_mut().filter(|f| f.name == name).for_each(|f| f.setting = setting.clone());
-                }
-                changed.push((
-                    parameter.name,
-                    LocatedValue { datum: ParameterValue::Table(fields), origin: setting.origin.clone() },
-                ));
-            }
-            _ => {}
-        }
-    }
-    Ok(changed)
-}
 
 /// The first name that occurs twice.
 pub fn repeated<'a>(names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
@@ -605,12 +547,13 @@ pub fn refuse_contradictions(of: &str, parameters: &[Parameter], taken: &[&str])
     if let Some(twice) = repeated(parameters.iter().map(|p| p.name).chain(taken.iter().copied())) {
         return Err(Error::usage(format!("{of} declares '{twice}' twice")));
     }
-    for Parameter { name, parameter_type, unit, default: standard, help } in parameters {
+    for parameter in parameters {
+        let Parameter { name, parameter_type, default, help, .. } = parameter;
         if name.is_empty() || help.is_empty() {
             return Err(Error::usage(format!("the parameter '{name}' of {of} has no name or no help")));
         }
-        if let Some(datum) = standard.datum() {
-            check_type(parameter_type, name, unit, &LocatedValue::from(datum)).map_err(|error| Error {
+        if let Some(datum) = default.datum() {
+            check_type(parameter, &LocatedValue::from(datum)).map_err(|error| Error {
                 what: format!("of the standard value of {of}, {}", error.what),
                 ..error
             })?;

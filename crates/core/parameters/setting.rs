@@ -19,19 +19,12 @@ pub enum SourceSpan {
 impl SourceSpan {
     /// Adds this place to `error`, unless it has a place in the pipeline already.
     pub fn locate(&self, mut error: Error) -> Error {
+        let is_placed = error.location.span.is_some() || error.location.file.is_some();
         match self {
-            SourceSpan::Nowhere => {}
-            SourceSpan::Span(span) => {
-                if error.location.span.is_none() && error.location.file.is_none() {
-                    error.location.span = Some(span.clone());
-                }
-            }
-            SourceSpan::Option(option) => {
-                // The option stands in place of the file.
-                if error.location.span.is_none() && error.location.file.is_none() {
-                    error.location.file = Some(option.to_string());
-                }
-            }
+            SourceSpan::Span(span) if !is_placed => error.location.span = Some(span.clone()),
+            // The option stands in place of the file.
+            SourceSpan::Option(option) if !is_placed => error.location.file = Some(option.to_string()),
+            _ => {}
         }
         error
     }
@@ -203,10 +196,8 @@ pub fn replace_field(fields: &mut Vec<Field>, first: &str, rest: &[&str], new: L
         return field.setting.replace(rest, new);
     }
     let origin = new.origin.clone();
-    let mut setting = if rest.is_empty() { new.clone() } else { ParameterValue::Table(Vec::new()).into() };
-    if !rest.is_empty() {
-        setting.replace(rest, new)?;
-    }
+    let mut setting = LocatedValue::from(ParameterValue::Table(Vec::new()));
+    setting.replace(rest, new)?;
     fields.push(Field { name: first.to_string(), origin, setting });
     Ok(())
 }

@@ -45,9 +45,8 @@ fn declarations_that_contradict_themselves_are_refused() {
 #[test]
 fn a_program_sets_some_values_and_the_others_are_standard() {
     const SIDE: Parameter = Parameter { name: "side", default: DefaultValue::Unset("either"), ..POWER };
-    let set =
-        Parameters::from_values([POWER, SIDE].to_vec(), [("power", ParameterValue::Integer(2))]).unwrap();
+    let set = Parameters::from_values(&[POWER, SIDE], [("power", ParameterValue::Integer(2))]).unwrap();
     assert_eq!((set.number("power").unwrap(), set.optional_number("side")), (2.0, None));
     assert!(set.is_set("power") && !set.is_set("side"));
-    assert!(Parameters::from_values([POWER].to_vec(), [("power", ParameterValue::Number(5.0))]).is_err());
+    assert!(Parameters::from_values(&[POWER], [("power", ParameterValue::Number(5.0))]).is_err());
 }

@@ -6,7 +6,7 @@
 //! interpolation: where cells cross many bands, the bands show the grid's resolution and not the data.
 
 use crate::Result;
-use crate::transfer::{OpticalModel, Profile, Support, TransferFunction, Widget};
+use crate::transfer::{Convex, TransferFunction, Widget, meets};
 use crate::volume::Volume;
 use rayon::prelude::*;
 
@@ -69,22 +69,14 @@ fn crossed_by_widget(
 
 /// Bands crossed by each cell, NaN outside the widget's region; `step`: φ per unit of s and of g.
 fn crossed(volume: &Volume, widget: &Widget, step: [f64; 2]) -> Result<Vec<f32>> {
-    let region = match &widget.region {
-        None => None,
-        Some(region) => {
-            let (profile, region) = (Profile::Uniform, Some(region.clone()));
-            let inside = Widget { profile, color: [1.0; 3], extinction: 1.0, region };
-            let model = OpticalModel::DensityEmitter;
-            Some(Support::new(&TransferFunction { model, unit_distance: 1.0, widgets: vec![inside] })?)
-        }
-    };
+    let region = widget.region.as_ref().map(Convex::new).transpose()?;
     let (s, g) =
         (&volume.scalar, volume.gradient_magnitude.as_ref().filter(|_| widget.uses_gradient_magnitude()));
     let of_cell = |corners: &[u32; 4]| {
         let at = corners.map(|p| p as usize);
         let s = at.map(|p| s[p]);
         let g = g.map_or([0.0; 4], |g| at.map(|p| g[p]));
-        if region.as_ref().is_some_and(|region| !region.touches(&s, &g, &[], 0.0)) {
+        if region.as_ref().is_some_and(|region| !meets(region, &s, &g)) {
             return f32::NAN;
         }
         // From the first corner, since φ itself may be large.

@@ -104,10 +104,7 @@ pub fn histogram(
     progress: &dyn Progress,
 ) -> Result<Histogram> {
     axes.iter().try_for_each(Axis::check)?;
-    if let Some(values) = fields.iter().find(|values| values.len() != grid.points.len()) {
-        let error = Error::run("a field of the histogram does not have one value a point");
-        return Err(error.got(values.len()).expected(grid.points.len()));
-    }
+    fields.iter().try_for_each(|values| grid.check_values("a field of the histogram", values))?;
     let scale = grid.length_scale();
     let count = axes[0].bins * axes[1].bins;
     let cells = grid.tetrahedra.len();

@@ -56,10 +56,7 @@ impl Volumes {
     ///
     /// Errors: no cell with a volume has finite values.
     pub fn new(grid: &Grid, values: &[f64], progress: &dyn Progress) -> Result<Volumes> {
-        if values.len() != grid.points.len() {
-            let error = Error::run("a field does not have one value a point").got(values.len());
-            return Err(error.expected(grid.points.len()));
-        }
+        grid.check_values("a field", values)?;
         let bytes = (grid.tetrahedra.len() * (size_of::<CellSpan>() + size_of::<CellSpan>() / 2)) as u64;
         let what = || format!("the distribution of a field over {} tetrahedra", grid.tetrahedra.len());
         refuse_beyond_memory(progress, what, bytes)?;

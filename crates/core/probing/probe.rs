@@ -87,10 +87,7 @@ pub fn probe(
         let error = Error::usage("the number of fields to probe is out of range").got(fields.len());
         return Err(error.expected(format!("1 to {MAX_DIMENSIONS}")));
     }
-    if let Some(values) = fields.iter().find(|values| values.len() != grid.points.len()) {
-        let error = Error::run("a field to probe does not have one value a point").got(values.len());
-        return Err(error.expected(grid.points.len()));
-    }
+    fields.iter().try_for_each(|values| grid.check_values("a field to probe", values))?;
     let ranges: Vec<[f64; 2]> = fields.iter().map(|values| range(values).unwrap_or([0.0; 2])).collect();
     let fields: Vec<CentredField> = (fields.iter().zip(&ranges))
         .map(|(&values, &[low, high])| CentredField {

@@ -222,11 +222,11 @@ impl Widget {
 
 /// One widget of the given kind from its keys.
 pub fn read(kind: &str, p: &Parameters, load_image: LoadImage) -> Result<Widget> {
-    let Some(declared) = DECLARED.iter().find(|declared| declared.kind.name == kind) else {
+    let Some((_, read)) = DECLARED.iter().find(|(declared, _)| declared.name == kind) else {
         let names: Vec<&str> = WIDGET_KINDS.iter().map(|kind| kind.name).collect();
         return Err(Error::usage("unknown kind of widget").got(kind).expected(names.join(", ")));
     };
-    let profile = (declared.read)(p, load_image)?;
+    let profile = read(p, load_image)?;
     let extinction = match profile.properties().own_peak {
         Some(peak) => peak,
         None => p.number("extinction")?,

@@ -4,21 +4,24 @@ use super::region::Convex;
 
 /// The values at a cell's vertices.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Corners<'a> {
+pub struct Corners<'a> {
+    /// The scalar.
     pub s: &'a [f64; 4],
+    /// The gradient magnitude.
     pub g: &'a [f64; 4],
-    /// The further fields in the order of [`super::TransferFunction::fields`]; empty if unknown.
+    /// The further fields in the order of [`super::TransferFunction::fields`]; empty if unknown: then a widget over fields counts as
+    /// everywhere.
     pub fields: &'a [[f64; 4]],
 }
 
 impl Corners<'_> {
     #[inline]
-    pub fn s_range(&self) -> (f64, f64) {
+    pub(super) fn s_range(&self) -> (f64, f64) {
         range(self.s)
     }
 
     #[inline]
-    pub fn g_range(&self) -> (f64, f64) {
+    pub(super) fn g_range(&self) -> (f64, f64) {
         range(self.g)
     }
 }
@@ -60,14 +63,12 @@ pub fn distance_squared_from_origin(points: &[[f64; 2]; 4]) -> f64 {
         |a: f64, b: f64, c: f64| (a >= 0.0 && b >= 0.0 && c >= 0.0) || (a <= 0.0 && b <= 0.0 && c <= 0.0);
     // A triangle that is flat on a line through the origin passes this test without holding the origin; the
     // bound is then too high by what a degenerate cell is worth, never too low.
-    if around(t01, t12, -t02) || around(t01, t13, -t03) || around(t02, t23, -t03) || around(t12, t23, -t13) {
-        return flat_distance(points, &turn);
+    let is_inside =
+        around(t01, t12, -t02) || around(t01, t13, -t03) || around(t02, t23, -t03) || around(t12, t23, -t13);
+    // Where all is flat the edges decide.
+    if is_inside && turn.iter().any(|&t| t != 0.0) {
+        return 0.0;
     }
-    edge_distance(points, &turn)
-}
-
-#[inline]
-fn edge_distance(points: &[[f64; 2]; 4], turn: &[f64; 6]) -> f64 {
     let mut least = f64::INFINITY;
     for (&(i, j), turn) in PAIRS.iter().zip(turn) {
         let (p, q) = (points[i], points[j]);
@@ -84,12 +85,6 @@ fn edge_distance(points: &[[f64; 2]; 4], turn: &[f64; 6]) -> f64 {
         least = least.min(distance);
     }
     least
-}
-
-/// The origin lies in a triangle, or all is flat: then the edges decide.
-#[inline]
-fn flat_distance(points: &[[f64; 2]; 4], turn: &[f64; 6]) -> f64 {
-    if turn.iter().all(|&t| t == 0.0) { edge_distance(points, turn) } else { 0.0 }
 }
 
 /// True if the hull of the points (s, g) can meet the region: false only where a line separates them.

@@ -14,6 +14,8 @@ mod relative;
 mod support;
 
 pub use function::{OpticalModel, TransferFunction, Widget, read};
+pub use hull::Corners;
+pub(crate) use hull::meets;
 pub use kinds::{
     AxisOrigin, BandSpacing, ColorSource, ControlPoint, LoadImage, MAX_FIELDS, Profile, Properties, Table,
     WIDGET_KINDS, Wave,

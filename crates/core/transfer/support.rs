@@ -74,66 +74,31 @@ impl Support {
 
     /// The most that a ray can lose or gain per world unit inside a cell: an upper bound, over the convex
     /// hull of the vertices' values, of ρ, of Σ cᵢ ρᵢ and of Σ κᵢ.
-    ///
-    /// `s` and `g` are the vertices' values; `fields` the further fields in the order of
-    /// [`TransferFunction::fields`], or empty if unknown: then a widget over fields counts as everywhere.
-    pub fn bound(&self, s: &[f64; 4], g: &[f64; 4], fields: &[[f64; 4]]) -> f64 {
-        let corners = Corners { s, g, fields };
-        self.widgets.iter().map(|widget| widget.bound(&corners)).sum()
+    pub fn bound(&self, corners: &Corners) -> f64 {
+        self.widgets.iter().map(|widget| widget.bound(corners)).sum()
     }
 
-    /// True if the cell can contribute more than `least` per world unit. With `least` = 1e-6 divided by the
-    /// grid's diameter no pixel changes by more than 1e-6 when all other cells are left out.
-    pub fn touches(&self, s: &[f64; 4], g: &[f64; 4], fields: &[[f64; 4]], least: f64) -> bool {
-        self.first_overlapping_widget(0, s, g, fields, least).is_some()
-    }
-
-    /// The widget by which the cell can contribute as much ([`Support::touches`]), `first` asked before the others: cells side
-    /// by side are often touched by the same.
+    /// The widget by which the cell can contribute more than `least` per world unit, `first` asked before the others: cells side by
+    /// side are often touched by the same. With `least` = 1e-6 divided by the grid's diameter no pixel changes by more than 1e-6 when
+    /// the cells without such a widget are left out.
     #[inline]
-    pub fn first_overlapping_widget(
-        &self,
-        first: usize,
-        s: &[f64; 4],
-        g: &[f64; 4],
-        fields: &[[f64; 4]],
-        least: f64,
-    ) -> Option<usize> {
-        let corners = Corners { s, g, fields };
+    pub fn first_overlapping_widget(&self, first: usize, corners: &Corners, least: f64) -> Option<usize> {
         let share = self.relative_extinction(least);
-        let touches = |&number: &usize| self.widgets[number].touches(&corners, share);
+        let touches = |&number: &usize| self.widgets[number].touches(corners, share);
         let others = (0..self.widgets.len()).filter(|&number| number != first);
         (first..self.widgets.len()).take(1).chain(others).find(touches)
     }
 
-    /// True if one widget's share of [`Support::touches`] is exceeded.
-    pub fn widget_touches(
-        &self,
-        widget: usize,
-        s: &[f64; 4],
-        g: &[f64; 4],
-        fields: &[[f64; 4]],
-        least: f64,
-    ) -> bool {
-        let corners = Corners { s, g, fields };
-        self.widgets[widget].touches(&corners, self.relative_extinction(least))
+    /// True if the cell can contribute by this widget ([`Support::first_overlapping_widget`]).
+    pub fn widget_touches(&self, widget: usize, corners: &Corners, least: f64) -> bool {
+        self.widgets[widget].touches(corners, self.relative_extinction(least))
     }
 
-    /// A widget whose share of [`Support::touches`] is exceeded all over a box of s and g, so that it touches every cell of values
+    /// A widget that contributes as much ([`Support::first_overlapping_widget`]) all over a box of s and g, so that it touches every cell of values
     /// in there; `None` also where that is not known.
     pub fn cover(&self, ranges: &[[f64; 2]; 2], least: f64) -> Option<usize> {
         let share = self.relative_extinction(least);
         self.widgets.iter().position(|widget| widget.covers(ranges, share))
-    }
-}
-
-impl Widget {
-    /// An upper bound of the profile (peak 1) over the convex hull of four points of the (s, g) plane; 0
-    /// where the hull is outside the region. To ask this of many cells, make a [`Support`] once.
-    pub fn profile_bound(&self, s: &[f64; 4], g: &[f64; 4]) -> Result<f64> {
-        let clip = self.region.as_ref().map(Convex::new).transpose()?;
-        let widget = WidgetSupport { bounds: self.profile.bounds(&[]), clip, strength: 1.0, glow: None };
-        Ok(widget.profile_bound(&Corners { s, g, fields: &[] }))
     }
 }
 

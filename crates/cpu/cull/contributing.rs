@@ -6,7 +6,7 @@ use crate::selection::CullSample;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
-use voltet_core::transfer::{Support, TransferFunction};
+use voltet_core::transfer::{Corners, Support, TransferFunction};
 use voltet_core::volume::Volume;
 
 /// Cells from which on a grid is sampled first; smaller ones are tested as a whole.
@@ -190,20 +190,21 @@ impl CullQuery<'_> {
     #[inline]
     pub fn first_overlapping_widget(&self, id: usize, first: usize) -> Option<usize> {
         let values = self.values.of(&self.tetrahedra[id]);
-        self.support.first_overlapping_widget(first, &values.s, &values.g, values.fields(), self.min_density)
+        self.support.first_overlapping_widget(first, &values.corners(), self.min_density)
     }
 
     /// True if a widget's support meets a cell.
     pub fn meets(&self, widget: usize, id: u32) -> bool {
         let values = self.values.of(&self.tetrahedra[id as usize]);
-        self.support.widget_touches(widget, &values.s, &values.g, values.fields(), self.min_density)
+        self.support.widget_touches(widget, &values.corners(), self.min_density)
     }
 
     /// Class of a block.
     pub fn classify(&self, block: &Block) -> BlockClass {
         let [s, g] = self.ranges_read(block.ranges);
         let (corners_s, corners_g) = corners(s, g);
-        if self.support.first_overlapping_widget(0, &corners_s, &corners_g, &[], self.min_density).is_none() {
+        let corners = Corners { s: &corners_s, g: &corners_g, fields: &[] };
+        if self.support.first_overlapping_widget(0, &corners, self.min_density).is_none() {
             return BlockClass::Outside;
         }
         self.support.cover(&[s, g], self.min_density).map_or(BlockClass::Straddling, BlockClass::Inside)
@@ -238,7 +239,8 @@ impl CullQuery<'_> {
     fn may_meet(&self, widget: usize, ranges: [[f64; 2]; 2]) -> bool {
         let [s, g] = self.ranges_read(ranges);
         let (corners_s, corners_g) = corners(s, g);
-        self.support.widget_touches(widget, &corners_s, &corners_g, &[], self.min_density)
+        let corners = Corners { s: &corners_s, g: &corners_g, fields: &[] };
+        self.support.widget_touches(widget, &corners, self.min_density)
     }
 
     /// Ranges of values: where no widget reads g it counts as 0, as it does of cells.
@@ -301,7 +303,7 @@ impl<'a> CornerValues<'a> {
 
 impl CellValues {
     #[inline]
-    fn fields(&self) -> &[[f64; 4]] {
-        &self.fields[..self.field_count]
+    fn corners(&self) -> Corners<'_> {
+        Corners { s: &self.s, g: &self.g, fields: &self.fields[..self.field_count] }
     }
 }

@@ -26,7 +26,7 @@ pub(super) fn survey(
     };
     let declared = registry.parameters(node, chosen.as_deref());
     let own = |fields: &[Field], faults: &mut Vec<ParameterFault>| {
-        let own = Parameters::survey(declared.clone(), fields, &entry.origin, &[], faults);
+        let own = Parameters::survey(&declared, fields, &entry.origin, &[], faults);
         match node.registered_parameter() {
             Some(parameter) => {
                 own.with_variants(parameter.name, registry.variants(parameter.name).cloned().collect())

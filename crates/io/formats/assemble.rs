@@ -54,17 +54,17 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
 
     let mut parts = RawGrid::new(points, cells);
     (parts.ghost, parts.degrees) = (ghost, degrees);
-    parts.warnings = dataset.warnings.clone();
+    parts.origin.warnings = dataset.warnings.clone();
     for piece in &pieces {
         if let Geometry::Added(added, _) = &piece.geometry {
-            parts.warnings.extend(added.warnings());
+            parts.origin.warnings.extend(added.warnings());
         }
     }
-    parts.arrays_decoded = choices.len() as u64;
+    parts.origin.arrays_decoded = choices.len() as u64;
     if request.every_array {
-        parts.arrays_decoded += left.arrays.len() as u64;
+        parts.origin.arrays_decoded += left.arrays.len() as u64;
     } else {
-        (parts.arrays_unread, parts.values_unread) = (left.arrays, left.value_count);
+        (parts.origin.arrays_unread, parts.origin.values_unread) = (left.arrays, left.value_count);
     }
     let (names, kept) = (point_names(request), cell_names(request));
     let mut columns = choices.iter().zip(columns);

@@ -186,80 +186,46 @@ pub(super) struct Nodes {
     pub bezier: bool,
 }
 
-/// Corners of the quadratic cells, in VTK's order; an edge has two pieces.
-const TETRAHEDRON: &[[usize; 3]] = &[[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]];
-const HEXAHEDRON: &[[usize; 3]] =
-    &[[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [0, 0, 2], [2, 0, 2], [2, 2, 2], [0, 2, 2]];
-const WEDGE: &[[usize; 3]] = &[[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2], [2, 0, 2], [0, 2, 2]];
-const LINEAR_WEDGE: &[[usize; 3]] = &[[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 1], [2, 0, 1], [0, 2, 1]];
-const PYRAMID: &[[usize; 3]] = &[[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [0, 0, 2]];
-
-/// Further nodes of the quadratic cells, in VTK's order, each in the middle of the corners that its digits name.
-const TETRAHEDRON_MIDDLES: &str = "01 12 02 03 13 23";
-const HEXAHEDRON_MIDDLES: &str = "01 12 23 03 45 56 67 47 04 15 26 37 0347 1256 0145 2367 0123 4567 01234567";
-const WEDGE_MIDDLES: &str = "01 12 02 34 45 35 03 14 25 0134 1245 0235";
-const LINEAR_WEDGE_MIDDLES: &str = "01 12 02 34 45 35";
-const PYRAMID_MIDDLES: &str = "01 12 23 03 04 14 24 34";
-
-/// Lattice positions of corners and of the middles between some of them.
-fn quadratic_positions(corners: &[[usize; 3]], middles: &str) -> Vec<[usize; 3]> {
-    let middle = |digits: &str| -> [usize; 3] {
-        let named = digits.bytes().map(|digit| corners[usize::from(digit - b'0')]);
-        std::array::from_fn(|axis| named.clone().map(|corner| corner[axis]).sum::<usize>() / digits.len())
-    };
-    corners.iter().copied().chain(middles.split(' ').map(middle)).collect()
-}
+/// Shape and, where the type fixes them, orders of the curved cells whose nodes lie on a lattice.
+const CURVED: [(u8, ReferenceCell, Option<Orders>); 14] = [
+    (code::QUADRATIC_TETRA, ReferenceCell::Tetrahedron, Some([2; 3])),
+    (code::QUADRATIC_HEXAHEDRON, ReferenceCell::Hexahedron, Some([2; 3])),
+    (code::BIQUADRATIC_QUADRATIC_HEXAHEDRON, ReferenceCell::Hexahedron, Some([2; 3])),
+    (code::TRIQUADRATIC_HEXAHEDRON, ReferenceCell::Hexahedron, Some([2; 3])),
+    (code::QUADRATIC_WEDGE, ReferenceCell::Wedge, Some([2; 3])),
+    (code::BIQUADRATIC_QUADRATIC_WEDGE, ReferenceCell::Wedge, Some([2; 3])),
+    (code::QUADRATIC_LINEAR_WEDGE, ReferenceCell::Wedge, Some([2, 2, 1])),
+    (code::QUADRATIC_PYRAMID, ReferenceCell::Pyramid, Some([2; 3])),
+    (code::LAGRANGE_TETRAHEDRON, ReferenceCell::Tetrahedron, None),
+    (code::LAGRANGE_HEXAHEDRON, ReferenceCell::Hexahedron, None),
+    (code::LAGRANGE_WEDGE, ReferenceCell::Wedge, None),
+    (code::BEZIER_TETRAHEDRON, ReferenceCell::Tetrahedron, None),
+    (code::BEZIER_HEXAHEDRON, ReferenceCell::Hexahedron, None),
+    (code::BEZIER_WEDGE, ReferenceCell::Wedge, None),
+];
 
 /// True if [`nodes`] has the type.
 pub(super) fn is_curved(code: u8) -> bool {
-    use code::*;
-    matches!(code, QUADRATIC_TETRA..=QUADRATIC_PYRAMID | QUADRATIC_LINEAR_WEDGE..=BIQUADRATIC_QUADRATIC_HEXAHEDRON)
-        || matches!(code, TRIQUADRATIC_HEXAHEDRON | LAGRANGE_TETRAHEDRON..=LAGRANGE_WEDGE | BEZIER_TETRAHEDRON..=BEZIER_WEDGE)
+    CURVED.iter().any(|kind| kind.0 == code)
 }
 
 /// The nodes of a cell with this type, number of points and (for Lagrange and Bezier cells) degrees; `None` where
 /// these do not fit together.
 pub(super) fn nodes(code: u8, point_count: usize, degrees: Option<[u8; 3]>) -> Option<Nodes> {
-    let fixed = |shape, orders, corners, middles| {
-        // A cell without the centres of its faces or body has the nodes before them.
-        let mut positions = quadratic_positions(corners, middles);
-        positions.truncate(CellType::from_code(code)?.point_count?.into());
-        Some(Nodes { shape, orders, positions, bezier: false })
+    let &(_, shape, fixed) = CURVED.iter().find(|kind| kind.0 == code)?;
+    let orders = fixed.or_else(|| orders(shape, point_count, degrees))?;
+    let mut positions = match shape {
+        ReferenceCell::Tetrahedron => tetrahedron_positions(orders[0]),
+        ReferenceCell::Hexahedron => hexahedron_positions(orders),
+        ReferenceCell::Wedge => wedge_positions(orders[0], orders[2]),
+        ReferenceCell::Pyramid => pyramid_positions(orders[0]),
     };
-    let found = match code {
-        code::QUADRATIC_TETRA => fixed(ReferenceCell::Tetrahedron, [2; 3], TETRAHEDRON, TETRAHEDRON_MIDDLES),
-        code::QUADRATIC_HEXAHEDRON
-        | code::BIQUADRATIC_QUADRATIC_HEXAHEDRON
-        | code::TRIQUADRATIC_HEXAHEDRON => {
-            fixed(ReferenceCell::Hexahedron, [2; 3], HEXAHEDRON, HEXAHEDRON_MIDDLES)
-        }
-        code::QUADRATIC_WEDGE | code::BIQUADRATIC_QUADRATIC_WEDGE => {
-            fixed(ReferenceCell::Wedge, [2; 3], WEDGE, WEDGE_MIDDLES)
-        }
-        code::QUADRATIC_LINEAR_WEDGE => {
-            fixed(ReferenceCell::Wedge, [2, 2, 1], LINEAR_WEDGE, LINEAR_WEDGE_MIDDLES)
-        }
-        code::QUADRATIC_PYRAMID => fixed(ReferenceCell::Pyramid, [2; 3], PYRAMID, PYRAMID_MIDDLES),
-        _ => {
-            let (shape, bezier) = match code {
-                code::LAGRANGE_TETRAHEDRON => (ReferenceCell::Tetrahedron, false),
-                code::LAGRANGE_HEXAHEDRON => (ReferenceCell::Hexahedron, false),
-                code::LAGRANGE_WEDGE => (ReferenceCell::Wedge, false),
-                code::BEZIER_TETRAHEDRON => (ReferenceCell::Tetrahedron, true),
-                code::BEZIER_HEXAHEDRON => (ReferenceCell::Hexahedron, true),
-                code::BEZIER_WEDGE => (ReferenceCell::Wedge, true),
-                _ => return None,
-            };
-            let orders = orders(shape, point_count, degrees)?;
-            let positions = match shape {
-                ReferenceCell::Tetrahedron => tetrahedron_positions(orders[0]),
-                ReferenceCell::Hexahedron => hexahedron_positions(orders),
-                _ => wedge_positions(orders[0], orders[2]),
-            };
-            Some(Nodes { shape, orders, positions, bezier })
-        }
-    }?;
-    (found.positions.len() == point_count).then_some(found)
+    if let Some(count) = CellType::from_code(code)?.point_count {
+        // A cell without the centres of its faces or body has the nodes before them, in the order of the Lagrange cell.
+        positions.truncate(count.into());
+    }
+    let bezier = code >= code::BEZIER_TETRAHEDRON;
+    (positions.len() == point_count).then_some(Nodes { shape, orders, positions, bezier })
 }
 
 /// Highest degree along an axis; VTK itself stops at 10.
@@ -341,6 +307,14 @@ fn wedge_positions(p: usize, r: usize) -> Vec<[usize; 3]> {
         out.extend(triangle(k));
     }
     out
+}
+
+/// Nodes of a pyramid of order p: corners, edges.
+fn pyramid_positions(p: usize) -> Vec<[usize; 3]> {
+    let corners = [[0, 0, 0], [p, 0, 0], [p, p, 0], [0, p, 0], [0, 0, p]];
+    let edges = [(0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 4), (2, 4), (3, 4)];
+    let inner = edges.into_iter().flat_map(|(a, b)| between(corners[a], corners[b], p));
+    corners.into_iter().chain(inner).collect()
 }
 
 /// Nodes of a Lagrange tetrahedron: corners, edges, faces, then a smaller tetrahedron inside.

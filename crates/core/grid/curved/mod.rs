@@ -18,7 +18,6 @@ use crate::{Error, Result};
 use basis::Weights;
 use lattice::LatticeCell;
 use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
 
 /// Pieces along an edge of a curved cell at most: its degree × the subdivision.
 const MAX_PIECES: usize = 64;
@@ -108,7 +107,7 @@ impl Curved {
         }
         self.starts = Vec::with_capacity(count + 1);
         self.starts.push(0);
-        Some(Numbering { curved: self, first_free, known: HashMap::default() })
+        Some(Numbering { curved: self, first_free, known: HashMap::new() })
     }
 
     /// Hands out the tetrahedra of a curved cell.
@@ -134,7 +133,7 @@ impl Curved {
 pub(super) struct Numbering<'a> {
     curved: &'a mut Curved,
     first_free: usize,
-    known: HashMap<[(u32, u64); 4], u32, BuildHasherDefault<KeyHasher>>,
+    known: HashMap<[(u32, u64); 4], u32>,
 }
 
 impl Numbering<'_> {
@@ -224,33 +223,4 @@ fn place(surface: &[(usize, u64)], corners: &[u32]) -> [(u32, u64); 4] {
 
 fn common_divisor(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { common_divisor(b, a % b) }
-}
-
-/// A quick hash of whole numbers, each mixed in by a multiplication (as rustc's own FxHasher).
-#[derive(Default)]
-struct KeyHasher(u64);
-
-impl Hasher for KeyHasher {
-    fn finish(&self) -> u64 {
-        // The table looks at the top and bottom bits; the bottom ones of a product are weak.
-        self.0 ^ (self.0 >> 32)
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            self.write_u64(u64::from(byte));
-        }
-    }
-
-    fn write_u32(&mut self, value: u32) {
-        self.write_u64(u64::from(value));
-    }
-
-    fn write_u64(&mut self, value: u64) {
-        self.0 = (self.0.rotate_left(5) ^ value).wrapping_mul(0x517C_C1B7_2722_0A95);
-    }
-
-    fn write_usize(&mut self, value: usize) {
-        self.write_u64(value as u64);
-    }
 }

@@ -1,10 +1,10 @@
 //! `gaussian-nd`: exp(−|K (v − centre)|²) over a list of fields of its own (Kniss et al. 2003, Eq. 11 and 12).
 
 use super::properties::{
-    AxisOrigin, CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, FieldMatrix, MATRIX_OF_FIELDS, MAX_FIELDS,
-    Properties, REGION, SIGMA_OF_FIELDS, fields_and_centre, finite, kernel,
+    AxisOrigin, CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, MAX_FIELDS, Properties,
+    REGION, SIGMA_OF_FIELDS, finite,
 };
-use crate::parameters::{Parameters, VariantSchema};
+use crate::parameters::VariantSchema;
 use crate::transfer::hull::{Corners, gaussian};
 use crate::{Error, Result};
 
@@ -13,13 +13,6 @@ pub(super) const KIND: VariantSchema = VariantSchema {
     summary: "A Gaussian over one to eight point arrays.",
     parameters: &[COLOR, EXTINCTION, FIELDS, CENTRE_OF_FIELDS, SIGMA_OF_FIELDS, MATRIX_OF_FIELDS, REGION],
 };
-
-/// Fields, centre and matrix.
-pub(super) fn read(p: &Parameters) -> Result<(Vec<String>, Vec<f64>, FieldMatrix)> {
-    let (fields, centre) = fields_and_centre(p, MAX_FIELDS)?;
-    let matrix = kernel(p, fields.len(), std::f64::consts::SQRT_2)?;
-    Ok((fields, centre, matrix))
-}
 
 pub(super) fn properties<'a>(fields: &'a [String], centre: &[f64]) -> Properties<'a> {
     let centres = centre.iter().map(|&centre| AxisOrigin::Centre(centre));

@@ -25,6 +25,7 @@ use crate::transfer::region::{Slab, SupportRadius};
 use gaussian::{GaussianPlane, Line};
 use gaussian_nd::GaussianNdBounds;
 use piecewise_linear::PiecewiseLinearBounds;
+use properties::fields_of;
 use std::sync::Arc;
 use table::MaximumTable;
 use triangular_gaussian::TriangularGaussianBounds;
@@ -84,57 +85,33 @@ pub enum Profile {
     Table(Arc<Table>),
 }
 
-/// A kind's declaration, and how its profile is read.
-pub(super) struct DeclaredKind {
-    pub kind: VariantSchema,
-    pub read: fn(&Parameters, LoadImage) -> Result<Profile>,
-}
-
-/// All kinds, in the order in which help lists them.
-pub(super) const DECLARED: &[DeclaredKind] = &[
-    DeclaredKind { kind: uniform::KIND, read: |_, _| Ok(Profile::Uniform) },
-    DeclaredKind {
-        kind: gaussian::KIND,
-        read: |p, _| gaussian::read(p).map(|(centre, matrix)| Profile::Gaussian { centre, matrix }),
-    },
-    DeclaredKind {
-        kind: gaussian_nd::KIND,
-        read: |p, _| {
-            let (fields, centre, matrix) = gaussian_nd::read(p)?;
-            Ok(Profile::GaussianNd { fields, centre, matrix })
-        },
-    },
-    DeclaredKind {
-        kind: triangular_gaussian::KIND,
-        read: |p, _| {
-            Ok(Profile::TriangularGaussian { centre: p.number("centre")?, sigma: p.number("sigma")? })
-        },
-    },
-    DeclaredKind {
-        kind: triangular_gaussian_nd::KIND,
-        read: |p, _| {
-            let (fields, magnitude, centre, matrix) = triangular_gaussian_nd::read(p)?;
-            Ok(Profile::TriangularGaussianNd { fields, magnitude, centre, matrix })
-        },
-    },
-    DeclaredKind { kind: wave::TRIANGLE, read: |p, _| wave::read(p).map(Profile::TriangleWave) },
-    DeclaredKind { kind: wave::SINE, read: |p, _| wave::read(p).map(Profile::SineWave) },
-    DeclaredKind {
-        kind: piecewise_linear::KIND,
-        read: |p, _| Ok(Profile::PiecewiseLinear { points: piecewise_linear::read(p)? }),
-    },
-    DeclaredKind {
-        kind: table::KIND,
-        read: |p, load_image| Ok(Profile::Table(Arc::new(table::read(p, load_image)?))),
-    },
+/// All kinds, in the order in which help lists them, each with the function that reads its profile.
+pub(super) const DECLARED: &[(VariantSchema, fn(&Parameters, LoadImage) -> Result<Profile>)] = &[
+    (uniform::KIND, |_, _| Ok(Profile::Uniform)),
+    (gaussian::KIND, |p, _| gaussian::read(p).map(|(centre, matrix)| Profile::Gaussian { centre, matrix })),
+    (gaussian_nd::KIND, |p, _| {
+        let (fields, centre, matrix) = fields_of(p, MAX_FIELDS, std::f64::consts::SQRT_2)?;
+        Ok(Profile::GaussianNd { fields, centre, matrix })
+    }),
+    (triangular_gaussian::KIND, |p, _| {
+        Ok(Profile::TriangularGaussian { centre: p.number("centre")?, sigma: p.number("sigma")? })
+    }),
+    (triangular_gaussian_nd::KIND, |p, _| {
+        let (magnitude, (fields, centre, matrix)) = triangular_gaussian_nd::read(p)?;
+        Ok(Profile::TriangularGaussianNd { fields, magnitude, centre, matrix })
+    }),
+    (wave::TRIANGLE, |p, _| wave::read(p).map(Profile::TriangleWave)),
+    (wave::SINE, |p, _| wave::read(p).map(Profile::SineWave)),
+    (piecewise_linear::KIND, |p, _| Ok(Profile::PiecewiseLinear { points: piecewise_linear::read(p)? })),
+    (table::KIND, |p, load_image| Ok(Profile::Table(Arc::new(table::read(p, load_image)?)))),
 ];
 
 /// The kinds of widgets and their keys.
 pub const WIDGET_KINDS: &[VariantSchema] = &{
-    let mut kinds = [DECLARED[0].kind; DECLARED.len()];
+    let mut kinds = [DECLARED[0].0; DECLARED.len()];
     let mut i = 0;
     while i < kinds.len() {
-        kinds[i] = DECLARED[i].kind;
+        kinds[i] = DECLARED[i].0;
         i += 1;
     }
     kinds

@@ -250,8 +250,11 @@ pub(super) const MATRIX_OF_FIELDS: Parameter = Parameter {
     ..MATRIX
 };
 
-/// `fields` and `centre` of a widget over so many fields at most.
-pub(super) fn fields_and_centre(p: &Parameters, most: usize) -> Result<(Vec<String>, Vec<f64>)> {
+/// Fields, centre and matrix, row by row, of a widget over a list of fields.
+pub(super) type FieldsOfWidget = (Vec<String>, Vec<f64>, Vec<Vec<f64>>);
+
+/// `fields`, `centre` and K ([`kernel`]) of a widget over so many fields at most.
+pub(super) fn fields_of(p: &Parameters, most: usize, per_width: f64) -> Result<FieldsOfWidget> {
     let fields = p.texts("fields")?;
     if !(1..=most).contains(&fields.len()) || fields.iter().any(String::is_empty) {
         return Err(p
@@ -264,14 +267,12 @@ pub(super) fn fields_and_centre(p: &Parameters, most: usize) -> Result<(Vec<Stri
         let error = p.error("centre", "'centre' has the wrong length").got(centre.len());
         return Err(error.expected(format!("{}, one number a field", fields.len())));
     }
-    Ok((fields, centre))
+    let matrix = kernel(p, fields.len(), per_width)?;
+    Ok((fields, centre, matrix))
 }
 
-/// A square matrix over the fields of a widget, row by row.
-pub(super) type FieldMatrix = Vec<Vec<f64>>;
-
 /// K from `matrix`, or diag(1/(`per_width` σ)) from `sigma`: n rows of n.
-pub(super) fn kernel(p: &Parameters, n: usize, per_width: f64) -> Result<FieldMatrix> {
+pub(super) fn kernel(p: &Parameters, n: usize, per_width: f64) -> Result<Vec<Vec<f64>>> {
     let rows = match (p.optional("sigma"), p.optional("matrix")) {
         (Some(_), Some(_)) => return Err(p.error("matrix", "'sigma' and 'matrix' exclude each other")),
         (None, None) => return Err(p.error("sigma", "the widget needs 'sigma' or 'matrix'")),

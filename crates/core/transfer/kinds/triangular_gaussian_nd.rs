@@ -4,8 +4,8 @@
 
 use super::gaussian_nd;
 use super::properties::{
-    AxisOrigin, CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, FieldMatrix, MATRIX_OF_FIELDS, MAX_FIELDS,
-    POSITIVE_OR_INFINITE, Properties, REGION, SIGMA_OF_FIELDS, fields_and_centre, kernel,
+    AxisOrigin, CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, FieldsOfWidget, MATRIX_OF_FIELDS, MAX_FIELDS,
+    POSITIVE_OR_INFINITE, Properties, REGION, SIGMA_OF_FIELDS, fields_of,
 };
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, RelativeNumberType, StatisticKind,
@@ -60,15 +60,14 @@ pub(super) const KIND: VariantSchema = VariantSchema {
 /// Most fields beside the magnitude.
 const MAX_FURTHER_FIELDS: usize = MAX_FIELDS - 1;
 
-/// Fields, their magnitude, centre and matrix.
-pub(super) fn read(p: &Parameters) -> Result<(Vec<String>, String, Vec<f64>, FieldMatrix)> {
-    let (fields, centre) = fields_and_centre(p, MAX_FURTHER_FIELDS)?;
-    let matrix = kernel(p, fields.len(), 1.0)?;
+/// Magnitude; and fields, centre and matrix.
+pub(super) fn read(p: &Parameters) -> Result<(String, FieldsOfWidget)> {
+    let own = fields_of(p, MAX_FURTHER_FIELDS, 1.0)?;
     let magnitude = p.text("magnitude")?.to_owned();
     if magnitude.is_empty() {
         return Err(p.error("magnitude", "the magnitude has no name").expected("the name of a point array"));
     }
-    Ok((fields, magnitude, centre, matrix))
+    Ok((magnitude, own))
 }
 
 pub(super) fn properties<'a>(fields: &'a [String], magnitude: &'a str, centre: &[f64]) -> Properties<'a> {

@@ -3,7 +3,7 @@
 use super::*;
 use voltet_core::camera::Projection;
 use voltet_core::grid::Array;
-use voltet_core::transfer::{OpticalModel, Support};
+use voltet_core::transfer::{Corners, OpticalModel, Support};
 use voltet_cpu::{CellSelection, Cells, CullSample, VolumeCache, draw};
 
 /// 20³ cubes: 40,000 tetrahedra and more, so that a sample is taken.
@@ -117,7 +117,8 @@ fn every_cell_that_is_touched_is_kept_and_hardly_another() {
                 (at(&volume.scalar), fields.iter().map(|values| at(values)).collect::<Vec<_>>());
             let g = if look.uses_gradient_magnitude() { at(g) } else { [0.0; 4] };
             let is_kept = kept.next_if_eq(&(id as u32)).is_some();
-            let touched = |support: &Support| support.touches(&s, &g, &fields, least);
+            let corners = Corners { s: &s, g: &g, fields: &fields };
+            let touched = |support: &Support| support.first_overlapping_widget(0, &corners, least).is_some();
             assert!(is_kept || !touched(&support), "cell {id} of {look:?}");
             // An extinction counts for up to twice as much.
             let spared = cells.culling_skipped.is_some();
@@ -128,7 +129,8 @@ fn every_cell_that_is_touched_is_kept_and_hardly_another() {
                 let at = |values: &[f64]| corners.map(|p| values[p as usize]);
                 let fields: Vec<_> = fields.iter().map(|values| at(values)).collect();
                 let g = if look.uses_gradient_magnitude() { at(g) } else { [0.0; 4] };
-                stepped.widget_touches(widget, &at(&volume.scalar), &g, &fields, least)
+                let corners = Corners { s: &at(&volume.scalar), g: &g, fields: &fields };
+                stepped.widget_touches(widget, &corners, least)
             };
             let any = volume.grid.tetrahedra.iter().any(touched);
             assert_eq!(cells.inactive_widgets.contains(&widget), !any, "widget {widget} of {look:?}");
