@@ -1,6 +1,6 @@
 //! Edge functions, the side of an edge on which a ray passes, and perspective-correct barycentric interpolation with them.
 
-use super::points::{PERSPECTIVE, Points, SPREAD_BITS};
+use super::points::{Points, SPREAD_BITS};
 use crate::tolerances::MIN_CORNER_WEIGHT;
 use voltet_simd::{Float, Lanes, Mask, Unsigned, array, inlined};
 
@@ -62,18 +62,13 @@ pub(super) struct Barycentric<L: Lanes> {
 impl<L: Lanes> Barycentric<L> {
     /// Weights for corners at some depths; `near`: the corner depth that depths are counted from.
     #[inline(always)]
-    pub fn new<const DEPTHS: u8>(
-        points: &Points,
-        functions: [L::F; 3],
-        depth: [L::U; 3],
-        near: L::U,
-    ) -> Self {
+    pub fn new(points: &Points, functions: [L::F; 3], depth: [L::U; 3], near: L::U) -> Self {
         let one = L::F::splat(1.0);
         let weights = [functions[1], functions[2], functions[0]];
         let total = weights[0] + weights[1] + (weights[2] + L::F::splat(MIN_CORNER_WEIGHT));
         let higher: [L::F; 3] = array!(|k| (depth[k] - near).to_float());
         let above = weights[0].mul_add(higher[0], weights[1].mul_add(higher[1], weights[2] * higher[2]));
-        if DEPTHS != PERSPECTIVE {
+        if !points.perspective {
             let by_total = one / total;
             return Barycentric { weights, by_total, by_sum: by_total, above, distance: one };
         }

@@ -22,11 +22,6 @@ const STEPS: f64 = (1u32 << 31) as f64 - 1024.0;
 /// Binary digits of depth steps below a step of positions, where rays spread from an eye among the cells.
 pub(super) const SPREAD_BITS: u32 = 8;
 
-/// Kinds of depths: linear on the screen; with linear inverses; linear as each ray sees them, of cells that the near plane may cut.
-pub(super) const PARALLEL: u8 = 0;
-pub(super) const PERSPECTIVE: u8 = 1;
-pub(super) const CUT: u8 = 2;
-
 /// Steps of a scene length along the view axis and across it, below which their rounding would be seen.
 const MIN_STEPS: f64 = (1u32 << 25) as f64;
 
@@ -39,6 +34,8 @@ pub(crate) struct Points {
     pub quads: Vec<Vec<[f32; 4]>>,
     /// A step of screen positions is 2^−`pixel_bits` pixel, where rays do not spread.
     pub pixel_bits: u32,
+    /// True if inverses of depths are linear on the screen; else depths are, or are as each ray sees them.
+    pub perspective: bool,
     /// 1 / depth of step 0 and how much it falls with each step; or with linear depths depth of step 0 and a step.
     pub nearest: f32,
     pub step: f32,
@@ -123,6 +120,7 @@ impl Points {
         });
         Some(Points {
             quads,
+            perspective: view.perspective,
             pixel_bits,
             nearest: nearest as f32,
             step: if per_step > 0.0 { 1.0 / per_step } else { 0.0 } as f32,
@@ -162,6 +160,7 @@ impl Points {
         });
         Some(Points {
             quads,
+            perspective: false,
             pixel_bits: 0,
             nearest: nearest as f32,
             step: (1.0 / per_depth) as f32,

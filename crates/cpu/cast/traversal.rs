@@ -3,7 +3,7 @@
 use super::edge_functions::{Barycentric, Offset, edge_function, edges_inside, moved_by_depth};
 use super::half_faces::{EXIT_FLAG, ROTATION_BITS};
 use super::packet::{MAX_TRAVERSAL_STEPS, PACKETS_IN_FLIGHT, PacketState, RayPacket, SLICES};
-use super::points::{CUT, PARALLEL, PERSPECTIVE, Points};
+use super::points::Points;
 use super::ray_caster::MAX_RAYCAST_ATTRIBUTES;
 use crate::fragments::batch::{Batch, MAX_LANES};
 use crate::tile::TILE;
@@ -15,7 +15,6 @@ use voltet_simd::{
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PacketConfig {
     pub lanes: LaneSet,
-    pub perspective: bool,
     pub attribute_count: usize,
     /// True if pixels, entries and exits are needed.
     pub depths: bool,
@@ -36,35 +35,25 @@ pub(crate) fn next_segments(
     if !any_active || packets.iter().any(|packet| packet.is_mistracked) {
         return [0; PACKETS_IN_FLIGHT];
     }
+    let PacketConfig { lanes, attribute_count, depths } = config;
     let is_cut = packets[0].caster.points.near.is_some();
-    if is_cut {
-        advance::<CUT>(config, packets, batches)
-    } else if config.perspective {
-        advance::<PERSPECTIVE>(config, packets, batches)
-    } else {
-        advance::<PARALLEL>(config, packets, batches)
-    }
-}
-
-fn advance<const DEPTHS: u8>(
-    PacketConfig { lanes, attribute_count, depths, .. }: PacketConfig,
-    packets: &mut [RayPacket<'_>; PACKETS_IN_FLIGHT],
-    batches: [&mut Batch; PACKETS_IN_FLIGHT],
-) -> [usize; PACKETS_IN_FLIGHT] {
     match attribute_count {
-        1 => dispatch(lanes, Advance::<DEPTHS, 1> { packets, depths, batches }),
-        2 => dispatch(lanes, Advance::<DEPTHS, 2> { packets, depths, batches }),
-        _ => dispatch(lanes, Advance::<DEPTHS, MAX_RAYCAST_ATTRIBUTES> { packets, depths, batches }),
+        // One serves all numbers of attributes where rays spread or the near plane cuts: a kernel takes long to compile.
+        _ if is_cut => dispatch(lanes, Advance::<true, MAX_RAYCAST_ATTRIBUTES> { packets, depths, batches }),
+        1 => dispatch(lanes, Advance::<false, 1> { packets, depths, batches }),
+        2 => dispatch(lanes, Advance::<false, 2> { packets, depths, batches }),
+        _ => dispatch(lanes, Advance::<false, MAX_RAYCAST_ATTRIBUTES> { packets, depths, batches }),
     }
 }
 
-struct Advance<'a, 'b, const DEPTHS: u8, const N: usize> {
+/// Kernel that advances rays; with `CUT`, where the near plane may cut cells ([`Points::near`]).
+struct Advance<'a, 'b, const CUT: bool, const N: usize> {
     packets: &'a mut [RayPacket<'b>; PACKETS_IN_FLIGHT],
     depths: bool,
     batches: [&'a mut Batch; PACKETS_IN_FLIGHT],
 }
 
-impl<const DEPTHS: u8, const N: usize> Kernel for Advance<'_, '_, DEPTHS, N> {
+impl<const CUT: bool, const N: usize> Kernel for Advance<'_, '_, CUT, N> {
     type Output = [usize; PACKETS_IN_FLIGHT];
 
     #[inline(always)]
@@ -75,10 +64,10 @@ impl<const DEPTHS: u8, const N: usize> Kernel for Advance<'_, '_, DEPTHS, N> {
         for (number, half) in (0..TILE).step_by(L::WIDTH).enumerate() {
             let [packet_0, packet_1, packet_2, packet_3] = &mut *packets;
             let mut traversals = [
-                PacketTraversal::<L, DEPTHS, N>::begin(packet_0, half, depths),
-                PacketTraversal::<L, DEPTHS, N>::begin(packet_1, half, depths),
-                PacketTraversal::<L, DEPTHS, N>::begin(packet_2, half, depths),
-                PacketTraversal::<L, DEPTHS, N>::begin(packet_3, half, depths),
+                PacketTraversal::<L, CUT, N>::begin(packet_0, half, depths),
+                PacketTraversal::<L, CUT, N>::begin(packet_1, half, depths),
+                PacketTraversal::<L, CUT, N>::begin(packet_2, half, depths),
+                PacketTraversal::<L, CUT, N>::begin(packet_3, half, depths),
             ];
             // In turns, so that the gathers of one are hidden by the work of the others.
             let mut is_active = true;
@@ -119,7 +108,7 @@ impl<const DEPTHS: u8, const N: usize> Kernel for Advance<'_, '_, DEPTHS, N> {
 }
 
 /// Traversal of one SIMD half of a ray packet, until the batch is full.
-pub(super) struct PacketTraversal<'a, 'b, L: Lanes, const DEPTHS: u8, const N: usize> {
+pub(super) struct PacketTraversal<'a, 'b, L: Lanes, const CUT: bool, const N: usize> {
     packet: &'a mut RayPacket<'b>,
     half: usize,
     depths: bool,
@@ -155,7 +144,7 @@ pub(super) struct ExitFace<L: Lanes> {
     functions: [L::F; 3],
 }
 
-impl<'a, 'b, L: Lanes, const DEPTHS: u8, const N: usize> PacketTraversal<'a, 'b, L, DEPTHS, N> {
+impl<'a, 'b, L: Lanes, const CUT: bool, const N: usize> PacketTraversal<'a, 'b, L, CUT, N> {
     #[inline(always)]
     pub fn begin(packet: &'a mut RayPacket<'b>, half: usize, depths: bool) -> Self {
         let mine = u32::MAX >> (32 - L::WIDTH);
@@ -164,7 +153,8 @@ impl<'a, 'b, L: Lanes, const DEPTHS: u8, const N: usize> PacketTraversal<'a, 'b,
             records: PrefetchedGather::first(&packet.caster.half_faces.records),
             points,
             first: &points.quads[0],
-            further: points.quads.get(1).map_or(&[], Vec::as_slice),
+            // Without further attributes what is gathered is not used.
+            further: points.quads.get(1).unwrap_or(&points.quads[0]),
             of_ray: array!(|axis| L::U::load(&packet.position[axis][half..])),
             near: L::U::splat(points.near.unwrap_or(0)),
             state: PacketState::load(&packet.state, half),
@@ -214,7 +204,7 @@ impl<'a, 'b, L: Lanes, const DEPTHS: u8, const N: usize> PacketTraversal<'a, 'b,
         let [x, y, depth, value] = L::F::gather_parts(self.first, number);
         let relative = inlined!(|position: L::F, axis: usize| {
             let mut position = position.to_bits() - self.of_ray[axis];
-            if DEPTHS == CUT {
+            if CUT {
                 let spread = L::U::load(&self.packet.spread[axis][self.half..]);
                 position = position - moved_by_depth::<L>(depth.to_bits(), spread);
             }
@@ -297,7 +287,7 @@ impl<'a, 'b, L: Lanes, const DEPTHS: u8, const N: usize> PacketTraversal<'a, 'b,
             L::F::select(without_2, fa, L::F::select(without_0, fc, state.functions[2])).abs(),
         ];
 
-        let weights = Barycentric::<L>::new::<DEPTHS>(points, state.functions, state.depth, depth);
+        let weights = Barycentric::<L>::new(points, state.functions, state.depth, depth);
         let mut steps = weights.above.mul_add(weights.by_total, (depth - state.at).to_float()).max(zero);
         let at = state.at + (steps + L::F::splat(0.5)).to_unsigned();
         let distance = weights.distance;
@@ -308,7 +298,7 @@ impl<'a, 'b, L: Lanes, const DEPTHS: u8, const N: usize> PacketTraversal<'a, 'b,
             a += 1;
         }
         let (mut begin, mut end) = (state.at, at);
-        if DEPTHS == CUT {
+        if CUT {
             let later = inlined!(|depth: L::U| depth + *near - depth.min(*near));
             (begin, end) = (later(begin), later(end));
             let is_cut = begin.equal(state.at).not();
@@ -325,7 +315,7 @@ impl<'a, 'b, L: Lanes, const DEPTHS: u8, const N: usize> PacketTraversal<'a, 'b,
             }
         }
         let length = steps * (L::F::load(&packet.length_per_depth[half..]) * L::F::splat(points.step));
-        let length = if DEPTHS == PERSPECTIVE { length * (state.distance * distance) } else { length };
+        let length = if points.perspective { length * (state.distance * distance) } else { length };
 
         let slot = self.slice * TILE + half;
         L::F::select(active, length, zero).store(&mut batch.length[slot..]);
@@ -339,7 +329,7 @@ impl<'a, 'b, L: Lanes, const DEPTHS: u8, const N: usize> PacketTraversal<'a, 'b,
             L::U::load(&packet.pixels[half..]).store(&mut batch.pixel[slot..]);
             let depth_of = inlined!(|at: L::U, distance: L::F| {
                 let parallel = at.to_float().mul_add(L::F::splat(points.step), L::F::splat(points.nearest));
-                let depth = if DEPTHS == PERSPECTIVE { distance } else { parallel };
+                let depth = if points.perspective { distance } else { parallel };
                 depth - L::F::splat(packet.distance_origin as f32)
             });
             depth_of(begin, state.distance).store(&mut batch.entry[slot..]);
@@ -389,12 +379,8 @@ impl<'a, 'b, L: Lanes, const DEPTHS: u8, const N: usize> PacketTraversal<'a, 'b,
         let [a, b, c] = [corners[0].at, corners[1].at, corners[2].at];
         let functions =
             [edge_function::<L>(a, b).abs(), edge_function::<L>(b, c).abs(), edge_function::<L>(c, a).abs()];
-        let weights = Barycentric::<L>::new::<DEPTHS>(
-            self.points,
-            functions,
-            array!(|k| corners[k].depth),
-            corners[2].depth,
-        );
+        let weights =
+            Barycentric::<L>::new(self.points, functions, array!(|k| corners[k].depth), corners[2].depth);
         let entered = mask_of::<L>(rays);
         let state = &mut self.state;
         let mut k = 0;

@@ -84,7 +84,6 @@ pub(crate) fn draw_cast(
     let (mut entered, mut terminated) = (0, 0);
     let config = PacketConfig {
         lanes: frame.lanes,
-        perspective: frame.view.perspective,
         attribute_count: frame.attribute_count(),
         depths: frame.needs_depths(),
     };

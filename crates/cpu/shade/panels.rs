@@ -53,11 +53,12 @@ impl PanelQuadrature {
         }
     }
 
-    /// Integrates the segments `which` of a batch; those that fall back are queued, each with the reason. `THICK`: in panels for
+    /// Integrates the segments `which` of a batch; those that fall back are queued, each with the reason. `thick`: in panels for
     /// optically thick segments, which cost more.
     #[inline(always)]
-    pub fn integrate_all<L: Lanes, const THICK: bool>(
+    pub fn integrate_all<L: Lanes>(
         &self,
+        thick: bool,
         widgets: &[LaneWidget],
         batch: &Batch,
         which: &[usize],
@@ -70,7 +71,7 @@ impl PanelQuadrature {
             let segments = gather.segments::<L>();
             let fields = gather.fields::<L>();
             let (results, left, overlapping) =
-                self.integrate::<L, THICK>(widgets, &segments, &fields, &mut out.evaluation_count);
+                self.integrate::<L>(thick, widgets, &segments, &fields, &mut out.evaluation_count);
             let unsure = left.iter().fold(0, |all, (lanes, _)| all | lanes);
             let mut rows = [[0f32; MAX_LANES]; 5];
             for (row, value) in rows.iter_mut().zip(results) {
@@ -99,8 +100,9 @@ impl PanelQuadrature {
     /// Colour, opacity and optical depth, the lanes (bits) for the 64-bit path by their reasons, and those where widgets
     /// overlap.
     #[inline(always)]
-    fn integrate<L: Lanes, const THICK: bool>(
+    fn integrate<L: Lanes>(
         &self,
+        thick: bool,
         widgets: &[LaneWidget],
         segments: &SegmentLanes<L>,
         fields: &FieldLanes<L>,
@@ -157,7 +159,7 @@ impl PanelQuadrature {
             None => crossing & (splat(self.ordered_from).lt(product).bits() | varies),
         };
         let delicate = in_order & delicate;
-        let max = if THICK { MAX_DENSE_RATE } else { MAX_RATE };
+        let max = if thick { MAX_DENSE_RATE } else { MAX_RATE };
         let mut too_dense = in_order & splat(max).lt(densest).bits();
         if in_order & !(narrow | overflow | delicate | too_dense) != 0 {
             let scale = segments.length * splat(self.scale);
@@ -173,7 +175,7 @@ impl PanelQuadrature {
                     members.push(member);
                 }
             }
-            let walked = if THICK {
+            let walked = if thick {
                 let (color, light, unsure) = dense::<L>(&members);
                 too_dense |= in_order & unsure.bits();
                 // All light together is known in closed form.

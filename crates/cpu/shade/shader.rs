@@ -253,14 +253,14 @@ pub(crate) fn finish(shader: &Shader, lanes: LaneSet, batch: &Batch, out: &mut S
         dispatch(lanes, ThickPieces { shader, batch, out });
     }
     if !out.fallback_queue.is_empty() {
-        dispatch(lanes, PanelKernel::<false> { shader, batch, out });
+        dispatch(lanes, PanelKernel { thick: false, shader, batch, out });
         // Those of the density-emitter alone.
         if shader.has_closed_forms {
             out.move_optically_thick();
         }
     }
     if !out.optically_thick.is_empty() {
-        dispatch(lanes, PanelKernel::<true> { shader, batch, out });
+        dispatch(lanes, PanelKernel { thick: true, shader, batch, out });
     }
     if !out.fallback_queue.is_empty() {
         shader.integrate_in_64_bits(batch, out);
@@ -312,24 +312,25 @@ impl Kernel for ThickPieces<'_> {
     }
 }
 
-/// Integrates the other queued segments in panels: with `THICK` those that are optically thick. Segments that fall back join the queue
+/// Integrates the other queued segments in panels: with `thick` those that are optically thick. Segments that fall back join the queue
 /// for 64 bits.
-struct PanelKernel<'a, const THICK: bool> {
+struct PanelKernel<'a> {
+    thick: bool,
     shader: &'a Shader,
     batch: &'a Batch,
     out: &'a mut ShadedBatch,
 }
 
-impl<const THICK: bool> Kernel for PanelKernel<'_, THICK> {
+impl Kernel for PanelKernel<'_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let PanelKernel { shader, batch, out } = self;
+        let PanelKernel { thick, shader, batch, out } = self;
         let before = std::mem::take(&mut out.scratch);
         let mut which =
-            std::mem::replace(if THICK { &mut out.optically_thick } else { &mut out.fallback_queue }, before);
+            std::mem::replace(if thick { &mut out.optically_thick } else { &mut out.fallback_queue }, before);
         match &shader.panels {
-            Ok(panels) => panels.integrate_all::<L, THICK>(&shader.widgets, batch, &which, out),
+            Ok(panels) => panels.integrate_all::<L>(thick, &shader.widgets, batch, &which, out),
             Err(why) => {
                 out.fallback_queue.extend(&which);
                 out.reasons.resize(out.fallback_queue.len(), *why);
