@@ -1,7 +1,6 @@
 //! Memory shared with a plug-in: bounded reads of what it points to, checked by the system where it can; and buffers that it writes to,
 //! filled with numbers that no computation gives, and with a guard behind them, so that missing numbers and writes beyond the end show.
 
-use crate::interface;
 use std::mem::MaybeUninit;
 
 /// A struct of the interface that begins with its size.
@@ -12,29 +11,6 @@ use std::mem::MaybeUninit;
 pub(crate) unsafe trait Sized32: Copy {
     /// Name in messages.
     const NAME: &'static str;
-}
-
-macro_rules! sized32 {
-    ($([$($space:ident)?] $kind:ident $name:literal)*) => {
-        // SAFETY: numbers, raw pointers, optional functions.
-        $(unsafe impl$(<$space: AddressSpace>)? Sized32 for interface::$kind$(<$space>)? {
-            const NAME: &'static str = $name;
-        })*
-    };
-}
-
-sized32! {
-    [A] Entry "voltet_entry"
-    [A] Plugin "voltet_plugin"
-    [A] Factory "a factory"
-    [A] GradientFilter "voltet_gradient_filter"
-    [A] Parameter "voltet_parameter"
-    [] Reader "voltet_reader"
-    [] GridFilter "voltet_grid_filter"
-    [] ImageFilter "voltet_image_filter"
-    [] GridHead "voltet_grid_head"
-    [] ArrayHead "voltet_array_head"
-    [] GridBuffers "voltet_grid_buffers"
 }
 
 /// Largest struct of any version of the interface (bytes).

@@ -1,7 +1,7 @@
 //! The structs and constants of `include/voltet_plugin.h`, which says what they mean. A test compares the layout of both. Structs that
 //! a module in the sandbox has, too, are generic over the address space, which decides how wide a pointer is.
 
-use crate::ffi::{AddressSpace, Process};
+use crate::ffi::{AddressSpace, Process, Sized32};
 use std::ffi::{CStr, c_char, c_void};
 
 pub const MAJOR: u32 = 1;
@@ -291,4 +291,27 @@ pub struct Entry<A: AddressSpace = Process> {
     pub init: A::Function<Init>,
     pub deinit: A::Function<Deinit>,
     pub get_factory: A::Function<GetFactory>,
+}
+
+macro_rules! sized32 {
+    ($([$($space:ident)?] $kind:ident $name:literal)*) => {
+        // SAFETY: numbers, raw pointers, optional functions.
+        $(unsafe impl$(<$space: AddressSpace>)? Sized32 for $kind$(<$space>)? {
+            const NAME: &'static str = $name;
+        })*
+    };
+}
+
+sized32! {
+    [A] Entry "voltet_entry"
+    [A] Plugin "voltet_plugin"
+    [A] Factory "a factory"
+    [A] GradientFilter "voltet_gradient_filter"
+    [A] Parameter "voltet_parameter"
+    [] Reader "voltet_reader"
+    [] GridFilter "voltet_grid_filter"
+    [] ImageFilter "voltet_image_filter"
+    [] GridHead "voltet_grid_head"
+    [] ArrayHead "voltet_array_head"
+    [] GridBuffers "voltet_grid_buffers"
 }

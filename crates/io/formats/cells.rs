@@ -43,7 +43,7 @@ fn tetrahedra(connectivity: &Stored, offsets: &Stored, count: usize, meter: &Met
     connectivity.load_tuples::<u32, _>(meter)
 }
 
-/// Where each cell's part of the connectivity begins, and where the last one ends. Most writers leave the first, 0, out.
+/// Beginning of each cell's part of the connectivity, and the end of the last one. Most writers leave the first, 0, out.
 fn bounds(offsets: &Stored, cell_count: usize, meter: &Meter) -> Result<Vec<u64>> {
     let mut bounds: Vec<u64> = offsets.load(meter)?;
     let found = bounds.len();

@@ -40,6 +40,7 @@ pub(crate) use cells::into_set;
 pub use inspect::{ArraySummary, Summary};
 pub use request::{Component, Request, SelectedArrays, TimeStep};
 pub use voltet_core::grid::{Association, CellValues};
+pub use voltet_core::reading::FileArray;
 
 use contents::{Compute, Dataset, Encoding, ExternalFormat, Geometry, Piece, PieceArray, Stored};
 use numbers::{ByteOrder, NumberType};
@@ -49,7 +50,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::Grid;
 use voltet_core::progress::{NoProgress, Progress};
-use voltet_core::reading::FileArray;
 use voltet_core::{Error, Result};
 
 /// Reads a grid and the arrays that `request` names.
