@@ -62,7 +62,9 @@ pub(crate) trait AddressSpace: Copy {
         let address: usize = address.try_into().unwrap_or(0);
         let wrong = |what| format!("{} {what}", T::NAME);
         let size = self.values::<u32>(address, 1).map_err(wrong)?[0];
-        if (size as usize) < size_of::<T>() || size > MAX_STRUCT_BYTES || size as usize % align_of::<T>() != 0
+        if (size as usize) < size_of::<T>()
+            || size > MAX_STRUCT_BYTES
+            || !(size as usize).is_multiple_of(align_of::<T>())
         {
             let (name, min) = (T::NAME, size_of::<T>());
             return Err(format!("{name} says that its size is {size} bytes, in place of {min} (sizeof)"));

@@ -100,8 +100,9 @@ fn open(source: Arc<Source>, _: &Request) -> Result<Dataset> {
             }
             (_, Some((_, count))) => {
                 let found = attribute(&mut scanner, &keyword, count)?;
-                let scalars = found.iter().filter(|_| keyword == "SCALARS").map(|array| array.name.clone());
-                dataset.active_scalars = dataset.active_scalars.or(scalars.last());
+                if keyword == "SCALARS" && dataset.active_scalars.is_none() {
+                    dataset.active_scalars = found.as_ref().map(|array| array.name.clone());
+                }
                 found.into_iter().collect()
             }
         };

@@ -239,7 +239,8 @@ impl AddressSpace for Guest<'_> {
     }
 
     fn copy(self, address: usize, into: &mut [MaybeUninit<u8>]) -> Option<()> {
-        into.write_copy_of_slice(self.bytes.get(address..address.checked_add(into.len())?)?);
+        let bytes = self.bytes.get(address..address.checked_add(into.len())?)?;
+        into.iter_mut().zip(bytes).for_each(|(to, byte)| _ = to.write(*byte));
         Some(())
     }
 }
