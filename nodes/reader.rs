@@ -194,9 +194,9 @@ fn asked(
 /// Request to the file from the parameters.
 pub(crate) fn request(p: &Parameters, chosen: Option<SelectedArrays>) -> Result<Request> {
     let association = match p.text("association")? {
-        "point" => Association::Point,
-        "cell" => Association::Cell,
-        _ => Association::Auto,
+        "point" => Some(Association::Point),
+        "cell" => Some(Association::Cell),
+        _ => None,
     };
     let cell_values = match p.text("cell_values")? {
         "constant" => CellValues::Constant,

@@ -71,8 +71,18 @@ pub struct GridHead {
     pub times: Vec<f64>,
 }
 
+impl GridHead {
+    /// Number of tuples of an array.
+    pub fn tuple_count(&self, array: &FileArray) -> u64 {
+        match array.association {
+            Association::Cell => self.cell_count,
+            Association::Point => self.point_count,
+        }
+    }
+}
+
 /// An array of a file.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileArray {
     /// Its name. No two at points, and no two at cells, share one.
     pub name: String,

@@ -172,7 +172,7 @@ impl Arrays {
     }
 }
 
-fn choices(head: &formats::ArrayHead, range: Option<[f64; 2]>) -> Vec<ArrayChoice> {
+fn choices(head: &voltet_core::reading::FileArray, range: Option<[f64; 2]>) -> Vec<ArrayChoice> {
     let place = if head.association == Association::Cell { "cells" } else { "points" };
     let range = range.map_or(String::new(), |[low, high]| format!(", {} to {}", short(low), short(high)));
     if head.component_count == 1 {

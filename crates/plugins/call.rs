@@ -2,7 +2,7 @@
 //! loaded libraries are called here.
 
 use crate::declaration::{EntryPoint, Family, LibraryItem};
-use crate::ffi::{CheckResult, Overrun, guarded_vec, remove_guard, sized};
+use crate::ffi::{AddressSpace, CheckResult, Overrun, Process, guarded_vec, remove_guard};
 use crate::grids::{Buffers, Head, refuse_flags};
 use crate::host::{CallStatus, State};
 use crate::interface::{
@@ -95,13 +95,17 @@ impl Task {
                 let code = unsafe { check(&values.header_values(&pointers), &state.host()) };
                 Ok((code, None, Outcome::Nothing))
             }
-            (Task::Gradient(task), EntryPoint::Gradient(function), Family::GradientFilter { needs }) => {
-                task.run(function, needs, state)
+            (
+                Task::Gradient(task),
+                EntryPoint::Gradient(Some(function)),
+                Family::GradientFilter { needs },
+            ) => task.run(function, needs, state),
+            (Task::Inspect(file), EntryPoint::Reader { inspect: Some(inspect), .. }, _) => {
+                file.inspect(inspect, state)
             }
-            (Task::Inspect(file), EntryPoint::Reader { inspect, .. }, _) => file.inspect(inspect, state),
-            (Task::Read(task), EntryPoint::Reader { read, .. }, _) => task.run(read, state),
-            (Task::Grid(task), EntryPoint::GridFilter(function), _) => task.run(function, state),
-            (Task::Image(task), EntryPoint::ImageFilter(function), _) => task.run(function, state),
+            (Task::Read(task), EntryPoint::Reader { read: Some(read), .. }, _) => task.run(read, state),
+            (Task::Grid(task), EntryPoint::GridFilter(Some(function)), _) => task.run(function, state),
+            (Task::Image(task), EntryPoint::ImageFilter(Some(function)), _) => task.run(function, state),
             _ => return Default::default(),
         };
         let (code, overrun, outcome) = called.unwrap_or_else(|refusal| {
@@ -322,7 +326,10 @@ unsafe extern "C-unwind" fn begin(
     let mut known = host.output.lock().unwrap_or_else(PoisonError::into_inner);
     let output = match &*known {
         Some(_) => Err("it began its grid twice".to_string()),
-        None => host.task.allocate(head).and_then(|output| sized(buffers.cast_const()).map(|_| output)),
+        None => host
+            .task
+            .allocate(head)
+            .and_then(|output| Process.sized::<GridBuffers>(buffers as usize).map(|_| output)),
     };
     match output {
         Ok(output) => {

@@ -1,8 +1,7 @@
 //! Declarations of a plug-in's items and their parameters, read from the header's structs and checked.
 
-use crate::ffi::{CheckResult, ValidationError, several, sized, text, values};
+use crate::ffi::{AddressSpace, CheckResult, Process, ValidationError};
 use crate::interface::{self, Check, FilterGrid, FilterImage, Gradient, Read};
-use std::ffi::c_char;
 use voltet_core::parameters::{DefaultValue, Parameter, ParameterType, Range, VariantSchema};
 
 /// Largest number of extensions of a reader, and of bytes that its files begin with.
@@ -53,46 +52,56 @@ pub(crate) struct LibraryItem {
     pub function: EntryPoint,
 }
 
-/// Function of a library that does an item's work.
+/// Function of a library that does an item's work; declared ones are there.
 #[derive(Clone, Copy)]
 pub(crate) enum EntryPoint {
     /// Function of a gradient filter.
-    Gradient(Gradient),
+    Gradient(Option<Gradient>),
     /// Functions of a reader.
-    Reader { inspect: Read, read: Read },
+    Reader { inspect: Option<Read>, read: Option<Read> },
     /// Function of a grid filter.
-    GridFilter(FilterGrid),
+    GridFilter(Option<FilterGrid>),
     /// Function of an image filter.
-    ImageFilter(FilterImage),
+    ImageFilter(Option<FilterImage>),
 }
 
 /// Name and version of the plug-in at an address.
-pub(crate) fn plugin(address: *const interface::Plugin) -> CheckResult<[String; 2]> {
-    let (read, _) = sized(address)?;
-    let name = line("the name of the plug-in", read.name, MAX_NAME_BYTES)?;
-    let version = line("the version of the plug-in", read.version, MAX_NAME_BYTES)?;
-    Ok([required("the name of the plug-in", name)?, required("the version of the plug-in", version)?])
+pub(crate) fn plugin<A: AddressSpace>(space: A, address: A::Address) -> CheckResult<[String; 2]> {
+    let (read, _) = space.sized::<interface::Plugin<A>>(address)?;
+    let name = space.required_line("the name of the plug-in", read.name, MAX_NAME_BYTES)?;
+    Ok([name, space.required_line("the version of the plug-in", read.version, MAX_NAME_BYTES)?])
 }
 
-/// The gradient filter at an address; its texts and lists live from now on as long as the program.
-pub(crate) fn gradient_filter(address: *const interface::GradientFilter) -> CheckResult<LibraryItem> {
-    let (read, _) = sized(address)?;
-    item("filter", read.name, read.summary, (read.parameters, read.parameter_count), read.check, || {
-        let known = interface::NEEDS_NEIGHBOURS | interface::NEEDS_CELLS_OF_POINTS;
-        if read.needs & !known != 0 {
-            return Err(format!("'needs' has flags that this version does not know: {:#x}", read.needs));
+/// The gradient filter at an address, and the struct there.
+pub(crate) fn gradient_filter<A: AddressSpace>(
+    space: A,
+    address: A::Address,
+) -> CheckResult<(Declaration, interface::GradientFilter<A>)> {
+    let (read, _) = space.sized::<interface::GradientFilter<A>>(address)?;
+    let declaration = declaration(space, "filter", &read.item, || {
+        let needs = read.item.needs;
+        if needs & !(interface::NEEDS_NEIGHBOURS | interface::NEEDS_CELLS_OF_POINTS) != 0 {
+            return Err(format!("'needs' has flags that this version does not know: {needs:#x}"));
         }
-        let gradient = present("gradient", read.gradient)?;
-        Ok((Family::GradientFilter { needs: read.needs }, EntryPoint::Gradient(gradient)))
-    })
+        refuse_null::<A, Gradient>("gradient", read.gradient)?;
+        Ok(Family::GradientFilter { needs })
+    })?;
+    Ok((declaration, read))
+}
+
+/// The gradient filter of a library at an address.
+pub(crate) fn library_gradient_filter(address: usize) -> CheckResult<LibraryItem> {
+    let (declaration, read) = gradient_filter(Process, address)?;
+    Ok(LibraryItem { declaration, check: read.item.check, function: EntryPoint::Gradient(read.gradient) })
 }
 
 /// The reader at an address.
-pub(crate) fn reader(address: *const interface::Reader) -> CheckResult<LibraryItem> {
-    let (read, _) = sized(address)?;
-    item("reader", read.name, read.summary, (read.parameters, read.parameter_count), read.check, || {
-        let (inspect, read_) = (present("inspect", read.inspect)?, present("read", read.read)?);
-        let extensions = names("an extension", read.extensions, read.extension_count, MAX_EXTENSIONS)?;
+pub(crate) fn reader(address: usize) -> CheckResult<LibraryItem> {
+    let (read, _) = Process.sized::<interface::Reader>(address)?;
+    let declaration = declaration(Process, "reader", &read.item, || {
+        refuse_null::<Process, Read>("inspect", read.inspect)?;
+        refuse_null::<Process, Read>("read", read.read)?;
+        let extensions = names("an extension", read.extensions, read.item.name_count, MAX_EXTENSIONS)?;
         let wrong = |name: &&&str| !name.chars().all(|c| c.is_ascii_graphic() && !c.is_ascii_uppercase());
         if let Some(name) = extensions.iter().find(wrong) {
             return Err(format!("the extension '{name}' is not in lower-case letters without spaces"));
@@ -100,55 +109,53 @@ pub(crate) fn reader(address: *const interface::Reader) -> CheckResult<LibraryIt
         let magic = match read.magic_length {
             0 => Vec::new(),
             length @ 1..=MAX_MAGIC_BYTES => {
-                values(read.magic, length as usize).map_err(|wrong| format!("'magic' {wrong}"))?
+                Process.values(read.magic, length as usize).map_err(|wrong| format!("'magic' {wrong}"))?
             }
             length => return Err(format!("'magic_length' is {length}, at most {MAX_MAGIC_BYTES}")),
         };
-        let family = Family::Reader { extensions: extensions.leak(), magic: magic.leak() };
-        Ok((family, EntryPoint::Reader { inspect, read: read_ }))
-    })
+        Ok(Family::Reader { extensions: extensions.leak(), magic: magic.leak() })
+    })?;
+    let function = EntryPoint::Reader { inspect: read.inspect, read: read.read };
+    Ok(LibraryItem { declaration, check: read.item.check, function })
 }
 
 /// The grid filter at an address.
-pub(crate) fn grid_filter(address: *const interface::GridFilter) -> CheckResult<LibraryItem> {
-    let (read, _) = sized(address)?;
-    item("grid filter", read.name, read.summary, (read.parameters, read.parameter_count), read.check, || {
-        let filter = present("filter", read.filter)?;
-        let made = names("an array that it makes", read.made, read.made_count, MAX_PARAMETERS)?;
-        Ok((Family::GridFilter { made: made.leak() }, EntryPoint::GridFilter(filter)))
-    })
+pub(crate) fn grid_filter(address: usize) -> CheckResult<LibraryItem> {
+    let (read, _) = Process.sized::<interface::GridFilter>(address)?;
+    let declaration = declaration(Process, "grid filter", &read.item, || {
+        refuse_null::<Process, FilterGrid>("filter", read.filter)?;
+        let made = names("an array that it makes", read.made, read.item.name_count, MAX_PARAMETERS)?;
+        Ok(Family::GridFilter { made: made.leak() })
+    })?;
+    Ok(LibraryItem { declaration, check: read.item.check, function: EntryPoint::GridFilter(read.filter) })
 }
 
 /// The image filter at an address.
-pub(crate) fn image_filter(address: *const interface::ImageFilter) -> CheckResult<LibraryItem> {
-    let (read, _) = sized(address)?;
-    item("image filter", read.name, read.summary, (read.parameters, read.parameter_count), read.check, || {
-        Ok((Family::ImageFilter, EntryPoint::ImageFilter(present("filter", read.filter)?)))
-    })
+pub(crate) fn image_filter(address: usize) -> CheckResult<LibraryItem> {
+    let (read, _) = Process.sized::<interface::ImageFilter>(address)?;
+    let declaration = declaration(Process, "image filter", &read.item, || {
+        refuse_null::<Process, FilterImage>("filter", read.filter).map(|()| Family::ImageFilter)
+    })?;
+    Ok(LibraryItem { declaration, check: read.item.check, function: EntryPoint::ImageFilter(read.filter) })
 }
 
-/// An item from the fields that the structs of all families share, and from `read_family`, which reads the others.
-fn item(
+/// A declaration from the fields that the structs of all families share, and from `read_family`, which reads the others. Its texts
+/// and lists live from now on as long as the program.
+fn declaration<A: AddressSpace>(
+    space: A,
     what: &str,
-    name: *const c_char,
-    summary: *const c_char,
-    (parameters, parameter_count): (*const interface::Parameter, u32),
-    check: Option<Check>,
-    read_family: impl FnOnce() -> CheckResult<(Family, EntryPoint)>,
-) -> CheckResult<LibraryItem> {
-    let name = identifier(&format!("the name of the {what}"), name)?;
+    item: &interface::Item<A>,
+    read_family: impl FnOnce() -> CheckResult<Family>,
+) -> CheckResult<Declaration> {
+    let name = identifier(space, &format!("the name of the {what}"), item.name)?;
     let located = |wrong: ValidationError| format!("of the {what} '{name}', {wrong}");
-    let summary = line("the summary", summary, MAX_TEXT_BYTES).map_err(located)?;
-    let summary = required("the summary", summary).map_err(located)?;
-    let (family, function) = read_family().map_err(located)?;
-    if parameter_count > MAX_PARAMETERS {
-        return Err(located(format!(
-            "there are {} parameters, at most {MAX_PARAMETERS} can be",
-            parameter_count
-        )));
+    let summary = space.required_line("the summary", item.summary, MAX_TEXT_BYTES).map_err(located)?;
+    let family = read_family().map_err(located)?;
+    let count = item.parameter_count;
+    if count > MAX_PARAMETERS {
+        return Err(located(format!("there are {count} parameters, at most {MAX_PARAMETERS} can be")));
     }
-    let read = self::parameters(parameters, parameter_count as usize);
-    let (parameters, components) = read.map_err(located)?;
+    let (parameters, components) = parameters(space, item.parameters, count as usize).map_err(located)?;
     match family {
         Family::Reader { .. } | Family::ImageFilter if components.iter().any(|&count| count > 0) => {
             return Err(located(format!(
@@ -160,27 +167,29 @@ fn item(
     }
     let schema =
         VariantSchema { name: name.clone().leak(), summary: summary.leak(), parameters: parameters.leak() };
-    let declaration = Declaration { schema, family, checks: check.is_some(), components };
-    Ok(LibraryItem { declaration, check, function })
+    Ok(Declaration { schema, family, checks: !A::is_null::<Check>(item.check), components })
 }
 
-/// A function pointer that must not be null.
-fn present<T>(name: &str, function: Option<T>) -> CheckResult<T> {
-    function.ok_or_else(|| format!("the function '{name}' is a null pointer"))
+/// Errors: the function is a null pointer.
+fn refuse_null<A: AddressSpace, F: Copy>(name: &str, function: A::Function<F>) -> CheckResult<()> {
+    match A::is_null::<F>(function) {
+        true => Err(format!("the function '{name}' is a null pointer")),
+        false => Ok(()),
+    }
 }
 
 /// A list of texts without duplicates.
-fn names(what: &str, address: *const *const c_char, count: u32, max: u32) -> CheckResult<Vec<&'static str>> {
+fn names(what: &str, address: usize, count: u32, max: u32) -> CheckResult<Vec<&'static str>> {
     if count > max {
         return Err(format!("{what}: there are {count}, at most {max} can be"));
     }
     if count == 0 {
         return Ok(Vec::new());
     }
-    let texts = values(address, count as usize).map_err(|wrong| format!("{what}: the list {wrong}"))?;
+    let texts = Process.values::<usize>(address, count as usize);
     let mut found: Vec<&str> = Vec::new();
-    for text in texts {
-        let name = required(what, line(what, text, MAX_NAME_BYTES)?)?;
+    for text in texts.map_err(|wrong| format!("{what}: the list {wrong}"))? {
+        let name = Process.required_line(what, text, MAX_NAME_BYTES)?;
         if found.contains(&name.as_str()) {
             return Err(format!("{what}: '{name}' is there twice"));
         }
@@ -190,18 +199,21 @@ fn names(what: &str, address: *const *const c_char, count: u32, max: u32) -> Che
 }
 
 /// Longest vector.
-pub(crate) const MAX_VECTOR_LENGTH: u32 = 1024;
+const MAX_VECTOR_LENGTH: u32 = 1024;
 
 /// The parameters at an address, and the components of the point array that each names; 0 for parameters that name none.
-pub(crate) fn parameters(
-    address: *const interface::Parameter,
+fn parameters<A: AddressSpace>(
+    space: A,
+    address: A::Address,
     count: usize,
 ) -> CheckResult<(Vec<Parameter>, Vec<u32>)> {
     let (mut parameters, mut components) = (Vec::new(), Vec::new());
-    let all = several(address, count);
+    let all = space.several::<interface::Parameter<A>>(address, count);
     for (i, read) in all.map_err(|wrong| format!("parameter {wrong}"))?.iter().enumerate() {
-        let name = identifier("the name", read.name).map_err(|wrong| format!("parameter {i}: {wrong}"))?;
-        let parameter = parameter(read, &name).map_err(|wrong| format!("parameter '{name}': {wrong}"))?;
+        let name =
+            identifier(space, "the name", read.name).map_err(|wrong| format!("parameter {i}: {wrong}"))?;
+        let parameter =
+            parameter(space, read, &name).map_err(|wrong| format!("parameter '{name}': {wrong}"))?;
         parameters.push(parameter);
         let of_array = read.parameter_type == interface::POINT_ARRAY;
         components.push(if of_array { read.length } else { 0 });
@@ -209,60 +221,69 @@ pub(crate) fn parameters(
     Ok((parameters, components))
 }
 
-fn parameter(read: &interface::Parameter, name: &str) -> CheckResult<Parameter> {
-    let unit = line("the unit", read.unit, MAX_NAME_BYTES)?.unwrap_or_default();
-    let help = required("the help", line("the help", read.help, MAX_TEXT_BYTES)?)?;
+fn parameter<A: AddressSpace>(
+    space: A,
+    read: &interface::Parameter<A>,
+    name: &str,
+) -> CheckResult<Parameter> {
+    let unit = space.line("the unit", read.unit, MAX_NAME_BYTES)?.unwrap_or_default();
+    let help = space.required_line("the help", read.help, MAX_TEXT_BYTES)?;
     let known = interface::REQUIRED | interface::EXCLUSIVE_MIN | interface::EXCLUSIVE_MAX;
     if read.flags & !known != 0 {
         return Err(format!("'flags' has some that this version does not know: {:#x}", read.flags));
     }
-    let required_ = read.flags & interface::REQUIRED != 0;
-    let unless_required = |standard| if required_ { DefaultValue::Required } else { standard };
-    let (parameter_type, standard) = match read.parameter_type {
-        interface::BOOLEAN if read.number == 0.0 || read.number == 1.0 => {
-            (ParameterType::Boolean, unless_required(DefaultValue::Boolean(read.number == 1.0)))
+    let is_required = read.flags & interface::REQUIRED != 0;
+    // A default text, or what leaving it out means.
+    let text_or_unset = |address: Option<A::Address>| {
+        let text = address.map_or(Ok(None), |address| space.line("the default", address, MAX_TEXT_BYTES))?;
+        if let Some(text) = text {
+            return Ok(DefaultValue::Text(text.leak()));
         }
-        interface::BOOLEAN => return Err(format!("the default is {}, neither 0 nor 1", read.number)),
+        match space.line("'unset'", read.unset, MAX_TEXT_BYTES)?.filter(|text| !text.is_empty()) {
+            Some(meaning) => Ok(DefaultValue::Unset(meaning.leak())),
+            None if is_required => Ok(DefaultValue::Required),
+            None => Err("there is no default, and 'unset' does not say what that means".to_string()),
+        }
+    };
+    let (parameter_type, default) = match read.parameter_type {
+        interface::BOOLEAN if read.number != 0.0 && read.number != 1.0 => {
+            return Err(format!("the default is {}, neither 0 nor 1", read.number));
+        }
+        interface::BOOLEAN => (ParameterType::Boolean, DefaultValue::Boolean(read.number == 1.0)),
+        interface::INTEGER if read.number as i64 as f64 != read.number && !is_required => {
+            return Err(format!("the default is {}, no whole number", read.number));
+        }
         interface::INTEGER => {
-            let whole = read.number as i64;
-            if whole as f64 != read.number && !required_ {
-                return Err(format!("the default is {}, no whole number", read.number));
-            }
-            (ParameterType::Integer(range(read)?), unless_required(DefaultValue::Integer(whole)))
+            (ParameterType::Integer(range(read)?), DefaultValue::Integer(read.number as i64))
         }
-        interface::NUMBER => {
-            (ParameterType::Number(range(read)?), unless_required(DefaultValue::Number(read.number)))
-        }
+        interface::NUMBER => (ParameterType::Number(range(read)?), DefaultValue::Number(read.number)),
         interface::CHOICE => {
-            let words = words(read)?;
-            let given = line("the default", read.text, MAX_NAME_BYTES)?;
-            let standard = match given {
-                _ if required_ => DefaultValue::Required,
-                Some(word) => DefaultValue::Text(word.leak()),
-                None => return Err("there is no default, and it is not required".into()),
-            };
-            (ParameterType::Choice(words.leak()), standard)
+            let words = words(space, read)?;
+            match space.line("the default", read.text, MAX_NAME_BYTES)? {
+                None if !is_required => return Err("there is no default, and it is not required".into()),
+                word => {
+                    let word = word.unwrap_or_default();
+                    (ParameterType::Choice(words.leak()), DefaultValue::Text(word.leak()))
+                }
+            }
         }
-        interface::TEXT => (ParameterType::Text, unless_required(text_or_unset(read)?)),
-        interface::POINT_ARRAY if (1..=9).contains(&read.length) => {
-            (ParameterType::Text, unless_required(text_or_unset(read)?))
-        }
-        interface::POINT_ARRAY => {
+        interface::POINT_ARRAY if !(1..=9).contains(&read.length) => {
             return Err(format!("'length' is {}, and a point array has 1 to 9 components", read.length));
         }
+        interface::TEXT | interface::POINT_ARRAY => (ParameterType::Text, text_or_unset(Some(read.text))?),
         interface::VECTOR if read.length > MAX_VECTOR_LENGTH => {
             return Err(format!("'length' is {}, at most {MAX_VECTOR_LENGTH}", read.length));
         }
         interface::VECTOR => {
             let length = (read.length > 0).then_some(read.length as usize);
-            let standard = match read.numbers.is_null() {
-                true => unset(read)?,
-                false => {
-                    let numbers = values(read.numbers, read.length as usize);
+            let default = match TryInto::<usize>::try_into(read.numbers) {
+                Ok(0) => text_or_unset(None)?,
+                _ => {
+                    let numbers = space.values(read.numbers, read.length as usize);
                     DefaultValue::Numbers(numbers.map_err(|wrong| format!("'numbers' {wrong}"))?.leak())
                 }
             };
-            (ParameterType::Numbers(length, range(read)?), unless_required(standard))
+            (ParameterType::Numbers(length, range(read)?), default)
         }
         other => return Err(format!("its type is {other}, which this version does not know")),
     };
@@ -270,31 +291,13 @@ fn parameter(read: &interface::Parameter, name: &str) -> CheckResult<Parameter> 
         name: name.to_string().leak(),
         parameter_type,
         unit: unit.leak(),
-        default: standard,
+        default: if is_required { DefaultValue::Required } else { default },
         help: help.leak(),
     })
 }
 
-/// A default text, or what leaving it out means.
-fn text_or_unset(read: &interface::Parameter) -> CheckResult<DefaultValue> {
-    match line("the default", read.text, MAX_TEXT_BYTES)? {
-        Some(text) => Ok(DefaultValue::Text(text.leak())),
-        None => unset(read),
-    }
-}
-
-fn unset(read: &interface::Parameter) -> CheckResult<DefaultValue> {
-    if read.flags & interface::REQUIRED != 0 {
-        return Ok(DefaultValue::Required);
-    }
-    match line("'unset'", read.unset, MAX_TEXT_BYTES)?.filter(|text| !text.is_empty()) {
-        Some(meaning) => Ok(DefaultValue::Unset(meaning.leak())),
-        None => Err("there is no default, and 'unset' does not say what that means".into()),
-    }
-}
-
 /// The range of numbers; both ends 0: none.
-fn range(read: &interface::Parameter) -> CheckResult<Range> {
+fn range<A: AddressSpace>(read: &interface::Parameter<A>) -> CheckResult<Range> {
     let (min, max) = (read.min, read.max);
     if min == 0.0 && max == 0.0 {
         return Ok(Range::ANY);
@@ -308,59 +311,43 @@ fn range(read: &interface::Parameter) -> CheckResult<Range> {
 }
 
 /// The words of a choice with their meanings.
-fn words(read: &interface::Parameter) -> CheckResult<Vec<(&'static str, &'static str)>> {
+fn words<A: AddressSpace>(
+    space: A,
+    read: &interface::Parameter<A>,
+) -> CheckResult<Vec<(&'static str, &'static str)>> {
     if !(1..=MAX_PARAMETERS).contains(&read.word_count) {
         return Err(format!("there are {} words, 1 to {MAX_PARAMETERS} can be", read.word_count));
     }
-    let list = |what: &str, address: *const *const c_char| {
-        values(address, read.word_count as usize).map_err(|wrong| format!("'{what}' {wrong}"))
+    let list = |what: &str, address: A::Address| {
+        space
+            .values::<A::Address>(address, read.word_count as usize)
+            .map_err(|wrong| format!("'{what}' {wrong}"))
     };
     let (words, meanings) = (list("words", read.words)?, list("meanings", read.meanings)?);
     let mut found: Vec<(&str, &str)> = Vec::new();
     for (word, meaning) in words.into_iter().zip(meanings) {
-        let word = identifier("a word", word)?;
+        let word = identifier(space, "a word", word)?;
         if found.iter().any(|(known, _)| *known == word) {
             return Err(format!("there are two words '{word}'"));
         }
-        let meaning =
-            required("the meaning of a word", line("the meaning of a word", meaning, MAX_TEXT_BYTES)?)?;
+        let meaning = space.required_line("the meaning of a word", meaning, MAX_TEXT_BYTES)?;
         found.push((word.leak(), meaning.leak()));
     }
     Ok(found)
 }
 
 /// Longest name, word or unit (bytes).
-pub(crate) const MAX_NAME_BYTES: usize = 64;
+const MAX_NAME_BYTES: usize = 64;
 
 /// Longest summary, help or version (bytes).
 pub(crate) const MAX_TEXT_BYTES: usize = 1024;
 
 /// Largest number of parameters of a filter, and of words of a choice.
-pub(crate) const MAX_PARAMETERS: u32 = 64;
-
-/// A text of one line; `None` for a null pointer.
-pub(crate) fn line(what: &str, address: *const c_char, most: usize) -> CheckResult<Option<String>> {
-    let text = text(address, most).map_err(|wrong| format!("{what} {wrong}"))?;
-    match text {
-        Some(text) if text.chars().any(char::is_control) => {
-            Err(format!("{what} has control characters: {text:?}"))
-        }
-        text => Ok(text),
-    }
-}
-
-/// A text that is neither absent nor empty.
-pub(crate) fn required(what: &str, text: Option<String>) -> CheckResult<String> {
-    match text {
-        None => Err(format!("{what} is a null pointer")),
-        Some(text) if text.trim().is_empty() => Err(format!("{what} is empty")),
-        Some(text) => Ok(text),
-    }
-}
+const MAX_PARAMETERS: u32 = 64;
 
 /// A name that a pipeline file can spell without quotes.
-pub(crate) fn identifier(what: &str, address: *const c_char) -> CheckResult<String> {
-    let name = required(what, line(what, address, MAX_NAME_BYTES)?)?;
+fn identifier<A: AddressSpace>(space: A, what: &str, address: A::Address) -> CheckResult<String> {
+    let name = space.required_line(what, address, MAX_NAME_BYTES)?;
     let fits = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-' || c == '_';
     match name.starts_with(|c: char| c.is_ascii_lowercase()) && name.chars().all(fits) {
         true => Ok(name),

@@ -1,11 +1,11 @@
 //! Grids that plug-ins give: the head with sizes and names, the buffers that are written to, and checks of what was written.
 
-use crate::declaration::{MAX_TEXT_BYTES, line, required};
+use crate::declaration::MAX_TEXT_BYTES;
 use crate::ffi::{
-    CheckResult, Overrun, Sentinel, ValidationError, guarded_vec, remove_guard, several, sized, values,
+    AddressSpace, CheckResult, Overrun, Process, Sentinel, ValidationError, guarded_vec, remove_guard,
 };
 use crate::host::CallLabel;
-use crate::interface::{GridBuffers, GridHead, SAME_CELLS, SAME_POINTS, TETRAHEDRA};
+use crate::interface::{ArrayHead, GridBuffers, GridHead, SAME_CELLS, SAME_POINTS, TETRAHEDRA};
 use crate::wire::wire;
 use rayon::prelude::*;
 use std::mem::size_of;
@@ -51,7 +51,7 @@ pub(crate) fn refuse_flags(flags: u32, known: u32) -> CheckResult<()> {
 impl Head {
     /// The head at an address. Counts that a flag leaves out are 0.
     pub fn read(address: *const GridHead) -> CheckResult<Head> {
-        let (read, _) = sized(address)?;
+        let (read, _) = Process.sized::<GridHead>(address as usize)?;
         refuse_flags(read.flags, TETRAHEDRA | SAME_POINTS | SAME_CELLS)?;
         let [same_points, same_cells, tetrahedra] =
             [SAME_POINTS, SAME_CELLS, TETRAHEDRA].map(|flag| read.flags & flag != 0);
@@ -75,9 +75,9 @@ impl Head {
             cell_count,
             connectivity_count,
             arrays: arrays(&read)?,
-            scalar: line("the name of its scalar", read.scalar, MAX_TEXT_BYTES)?,
+            scalar: Process.line("the name of its scalar", read.scalar, MAX_TEXT_BYTES)?,
             times: times(&read)?,
-            format: line("its format", read.format, MAX_TEXT_BYTES)?,
+            format: Process.line("its format", read.format, MAX_TEXT_BYTES)?,
         };
         match &head.scalar {
             Some(name) if !head.arrays.iter().any(|array| array.name == *name) => {
@@ -126,12 +126,12 @@ fn arrays(read: &GridHead) -> CheckResult<Vec<FileArray>> {
     if read.array_count > MAX_ARRAYS {
         return Err(format!("array_count is {}, at most {MAX_ARRAYS}", read.array_count));
     }
-    let heads = several(read.arrays, read.array_count as usize).map_err(|wrong| format!("array {wrong}"))?;
+    let heads = Process.several::<ArrayHead>(read.arrays, read.array_count as usize);
+    let heads = heads.map_err(|wrong| format!("array {wrong}"))?;
     let mut arrays: Vec<FileArray> = Vec::new();
     for (i, head) in heads.iter().enumerate() {
         let at = |wrong: ValidationError| format!("array {i}: {wrong}");
-        let name =
-            required("the name", line("the name", head.name, MAX_TEXT_BYTES).map_err(at)?).map_err(at)?;
+        let name = Process.required_line("the name", head.name, MAX_TEXT_BYTES).map_err(at)?;
         if !(1..=MAX_COMPONENTS).contains(&head.component_count) {
             return Err(at(format!(
                 "'{name}' has {} components, 1 to {MAX_COMPONENTS} can be",
@@ -159,7 +159,8 @@ fn times(read: &GridHead) -> CheckResult<Vec<f64>> {
     if read.step_count == 0 {
         return Ok(Vec::new());
     }
-    let times = values(read.times, read.step_count as usize).map_err(|wrong| format!("'times' {wrong}"))?;
+    let times = Process.values::<f64>(read.times, read.step_count as usize);
+    let times = times.map_err(|wrong| format!("'times' {wrong}"))?;
     match times.windows(2).position(|pair| pair[0] >= pair[1]) {
         _ if !times.iter().all(|time| time.is_finite()) => Err("a time is not finite".into()),
         Some(i) => Err(format!("times do not ascend: {} after {}", times[i + 1], times[i])),

@@ -1,7 +1,7 @@
 //! Functions of the host that a plug-in calls and their state; the result of a call, and the beginning of messages about it.
 
 use crate::declaration::Declaration;
-use crate::ffi::{Overrun, ValidationError, message};
+use crate::ffi::{AddressSpace, Overrun, Process, ValidationError};
 use crate::interface::{CANCELLED, ERROR, Host, LoopBody, MAJOR, MINOR, OK, PATCH};
 use crate::wire::wire;
 use rayon::prelude::*;
@@ -13,9 +13,6 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use voltet_core::error::ErrorKind;
 use voltet_core::field::{Fallback, Plugin};
 use voltet_core::{Error, Result};
-
-/// Longest error or note (bytes).
-const MAX_TEXT_BYTES: usize = 4096;
 
 /// Largest number of different texts of fall-backs.
 const MAX_FALLBACKS: usize = 32;
@@ -144,14 +141,14 @@ unsafe extern "C-unwind" fn cancelled(host: *const Host) -> i32 {
 unsafe extern "C-unwind" fn error(host: *const Host, text: *const c_char) {
     // SAFETY: as in `progress`.
     if let Some(state) = unsafe { state(host) } {
-        state.set_error(message(text, MAX_TEXT_BYTES));
+        state.set_error(Process.message(text as usize));
     }
 }
 
 unsafe extern "C-unwind" fn fallback(host: *const Host, what: *const c_char, point_count: u64) {
     // SAFETY: as in `progress`.
     let Some(state) = (unsafe { state(host) }) else { return };
-    state.add_fallback(message(what, MAX_TEXT_BYTES), point_count);
+    state.add_fallback(Process.message(what as usize), point_count);
 }
 
 thread_local! {

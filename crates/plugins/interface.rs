@@ -1,5 +1,7 @@
-//! The structs and constants of `include/voltet_plugin.h`, which says what they mean. A test compares the layout of both.
+//! The structs and constants of `include/voltet_plugin.h`, which says what they mean. A test compares the layout of both. Structs that
+//! a module in the sandbox has, too, are generic over the address space, which decides how wide a pointer is.
 
+use crate::ffi::{AddressSpace, Process, Sized32};
 use std::ffi::{CStr, c_char, c_void};
 
 pub const MAJOR: u32 = 1;
@@ -72,24 +74,24 @@ pub struct Host {
 
 #[repr(C)]
 #[derive(Clone, Copy)]
-pub struct Parameter {
+pub struct Parameter<A: AddressSpace = Process> {
     pub size: u32,
     pub parameter_type: u32,
-    pub name: *const c_char,
-    pub unit: *const c_char,
-    pub help: *const c_char,
+    pub name: A::Address,
+    pub unit: A::Address,
+    pub help: A::Address,
     pub flags: u32,
     pub length: u32,
     pub min: f64,
     pub max: f64,
     pub number: f64,
-    pub text: *const c_char,
-    pub numbers: *const f64,
-    pub unset: *const c_char,
+    pub text: A::Address,
+    pub numbers: A::Address,
+    pub unset: A::Address,
     pub word_count: u32,
     pub reserved: u32,
-    pub words: *const *const c_char,
-    pub meanings: *const *const c_char,
+    pub words: A::Address,
+    pub meanings: A::Address,
 }
 
 #[repr(C)]
@@ -121,28 +123,37 @@ pub struct GradientCall {
     pub gradient: *mut f64,
 }
 
+/// Fields that the descriptions of all items begin with.
 #[repr(C)]
 #[derive(Clone, Copy)]
-pub struct GradientFilter {
+pub struct Item<A: AddressSpace = Process> {
     pub size: u32,
+    /// `needs` of a gradient filter, else reserved.
     pub needs: u32,
-    pub name: *const c_char,
-    pub summary: *const c_char,
+    pub name: A::Address,
+    pub summary: A::Address,
     pub parameter_count: u32,
-    pub reserved: u32,
-    pub parameters: *const Parameter,
-    pub check: Option<Check>,
-    pub gradient: Option<Gradient>,
+    /// `extension_count` of a reader, `made_count` of a grid filter, else reserved.
+    pub name_count: u32,
+    pub parameters: A::Address,
+    pub check: A::Function<Check>,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct GradientFilter<A: AddressSpace = Process> {
+    pub item: Item<A>,
+    pub gradient: A::Function<Gradient>,
 }
 
 /// A factory of any kind: they are alike but for what the descriptions are.
 #[repr(C)]
 #[derive(Clone, Copy)]
-pub struct Factory {
+pub struct Factory<A: AddressSpace = Process> {
     pub size: u32,
     pub reserved: u32,
-    pub count: Option<Count>,
-    pub at: Option<At>,
+    pub count: A::Function<Count>,
+    pub at: A::Function<At>,
 }
 
 #[repr(C)]
@@ -150,7 +161,7 @@ pub struct Factory {
 pub struct ArrayHead {
     pub size: u32,
     pub component_count: u32,
-    pub name: *const c_char,
+    pub name: usize,
     pub on_cells: u32,
     pub reserved: u32,
 }
@@ -165,10 +176,10 @@ pub struct GridHead {
     pub connectivity_count: u64,
     pub array_count: u32,
     pub step_count: u32,
-    pub arrays: *const ArrayHead,
-    pub scalar: *const c_char,
-    pub times: *const f64,
-    pub format: *const c_char,
+    pub arrays: usize,
+    pub scalar: usize,
+    pub times: usize,
+    pub format: usize,
 }
 
 #[repr(C)]
@@ -202,20 +213,13 @@ pub struct Reading {
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Reader {
-    pub size: u32,
-    pub reserved: u32,
-    pub name: *const c_char,
-    pub summary: *const c_char,
-    pub parameter_count: u32,
-    pub extension_count: u32,
-    pub parameters: *const Parameter,
-    pub check: Option<Check>,
+    pub item: Item,
     pub inspect: Option<Read>,
     pub read: Option<Read>,
-    pub extensions: *const *const c_char,
-    pub magic: *const u8,
+    pub extensions: usize,
+    pub magic: usize,
     pub magic_length: u32,
-    pub reserved_too: u32,
+    pub reserved: u32,
 }
 
 #[repr(C)]
@@ -245,16 +249,9 @@ pub struct GridCall {
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct GridFilter {
-    pub size: u32,
-    pub reserved: u32,
-    pub name: *const c_char,
-    pub summary: *const c_char,
-    pub parameter_count: u32,
-    pub made_count: u32,
-    pub parameters: *const Parameter,
-    pub check: Option<Check>,
+    pub item: Item,
     pub filter: Option<FilterGrid>,
-    pub made: *const *const c_char,
+    pub made: usize,
 }
 
 #[repr(C)]
@@ -271,34 +268,50 @@ pub struct ImageCall {
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct ImageFilter {
-    pub size: u32,
-    pub reserved: u32,
-    pub name: *const c_char,
-    pub summary: *const c_char,
-    pub parameter_count: u32,
-    pub reserved_too: u32,
-    pub parameters: *const Parameter,
-    pub check: Option<Check>,
+    pub item: Item,
     pub filter: Option<FilterImage>,
 }
 
 #[repr(C)]
 #[derive(Clone, Copy)]
-pub struct Plugin {
+pub struct Plugin<A: AddressSpace = Process> {
     pub size: u32,
     pub reserved: u32,
-    pub name: *const c_char,
-    pub version: *const c_char,
+    pub name: A::Address,
+    pub version: A::Address,
 }
 
 #[repr(C)]
 #[derive(Clone, Copy)]
-pub struct Entry {
+pub struct Entry<A: AddressSpace = Process> {
     pub size: u32,
     pub major: u32,
     pub minor: u32,
     pub patch: u32,
-    pub init: Option<Init>,
-    pub deinit: Option<Deinit>,
-    pub get_factory: Option<GetFactory>,
+    pub init: A::Function<Init>,
+    pub deinit: A::Function<Deinit>,
+    pub get_factory: A::Function<GetFactory>,
+}
+
+macro_rules! sized32 {
+    ($([$($space:ident)?] $kind:ident $name:literal)*) => {
+        // SAFETY: numbers, raw pointers, optional functions.
+        $(unsafe impl$(<$space: AddressSpace>)? Sized32 for $kind$(<$space>)? {
+            const NAME: &'static str = $name;
+        })*
+    };
+}
+
+sized32! {
+    [A] Entry "voltet_entry"
+    [A] Plugin "voltet_plugin"
+    [A] Factory "a factory"
+    [A] GradientFilter "voltet_gradient_filter"
+    [A] Parameter "voltet_parameter"
+    [] Reader "voltet_reader"
+    [] GridFilter "voltet_grid_filter"
+    [] ImageFilter "voltet_image_filter"
+    [] GridHead "voltet_grid_head"
+    [] ArrayHead "voltet_array_head"
+    [] GridBuffers "voltet_grid_buffers"
 }

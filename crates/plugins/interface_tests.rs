@@ -7,10 +7,10 @@ use voltet_testing::compilers;
 
 /// Each struct with its fields: their offsets as Rust has them, and C's expressions for the same.
 macro_rules! layout {
-    ($($c:ident = $rust:ident { $($field:ident $(as $named:ident)?),* })*) => {
+    ($($c:ident = $rust:ident { $($($field:ident).+ $(as $named:ident)?),* })*) => {
         vec![$(
             (format!("sizeof({})", stringify!($c)), size_of::<$rust>()),
-            $((format!("offsetof({}, {})", stringify!($c), name!($field $($named)?)), offset_of!($rust, $field)),)*
+            $((format!("offsetof({}, {})", stringify!($c), name!($($field).+ $($named)?)), offset_of!($rust, $($field).+)),)*
         )*]
     };
 }
@@ -19,7 +19,7 @@ macro_rules! name {
     ($field:ident) => {
         stringify!($field)
     };
-    ($field:ident $named:ident) => {
+    ($($field:ident).+ $named:ident) => {
         stringify!($named)
     };
 }
@@ -34,8 +34,10 @@ fn the_header_has_the_same_layout() {
         voltet_values = Values { size, count, integers, numbers, texts, vectors, lengths }
         voltet_call = GradientCall { size, reserved, point_count, cell_count, points, cells, neighbour_starts, neighbours, cell_starts,
                              cells_of_points, scalar, arrays, values, gradient }
-        voltet_gradient_filter = GradientFilter { size, needs, name, summary, parameter_count, reserved, parameters, check,
-                                                  gradient }
+        voltet_gradient_filter = GradientFilter { item.size as size, item.needs as needs, item.name as name,
+                                                  item.summary as summary, item.parameter_count as parameter_count,
+                                                  item.name_count as reserved, item.parameters as parameters,
+                                                  item.check as check, gradient }
         voltet_gradient_factory = Factory { size, reserved, count as filter_count, at as filter }
         voltet_array_head = ArrayHead { size, component_count, name, on_cells, reserved }
         voltet_grid_head = GridHead { size, flags, point_count, cell_count, connectivity_count, array_count, step_count, arrays,
@@ -43,18 +45,23 @@ fn the_header_has_the_same_layout() {
         voltet_grid_buffers = GridBuffers { size, array_count, point_count, cell_count, connectivity_count, points, tetrahedra,
                                             types, offsets, connectivity_u32, arrays }
         voltet_reading = Reading { size, reserved, path, step, values, describe, buffers, context }
-        voltet_reader = Reader { size, reserved, name, summary, parameter_count, extension_count, parameters, check, inspect,
-                                 read, extensions, magic, magic_length, reserved_too }
+        voltet_reader = Reader { item.size as size, item.needs as reserved, item.name as name, item.summary as summary,
+                                 item.parameter_count as parameter_count, item.name_count as extension_count,
+                                 item.parameters as parameters, item.check as check, inspect, read, extensions, magic,
+                                 magic_length, reserved as reserved_too }
         voltet_reader_factory = Factory { size, reserved, count as reader_count, at as reader }
         voltet_given_array = GivenArray { size, component_count, name, values }
         voltet_grid_call = GridCall { size, array_count, point_count, cell_count, points, tetrahedra, carried, scalar, arrays,
                                       values, begin, context }
-        voltet_grid_filter = GridFilter { size, reserved, name, summary, parameter_count, made_count, parameters, check, filter,
-                                          made }
+        voltet_grid_filter = GridFilter { item.size as size, item.needs as reserved, item.name as name, item.summary as summary,
+                                          item.parameter_count as parameter_count, item.name_count as made_count,
+                                          item.parameters as parameters, item.check as check, filter, made }
         voltet_grid_factory = Factory { size, reserved, count as filter_count, at as filter }
         voltet_image_call = ImageCall { size, reserved, width, height, rgba, values, filtered }
-        voltet_image_filter = ImageFilter { size, reserved, name, summary, parameter_count, reserved_too, parameters, check,
-                                            filter }
+        voltet_image_filter = ImageFilter { item.size as size, item.needs as reserved, item.name as name,
+                                            item.summary as summary, item.parameter_count as parameter_count,
+                                            item.name_count as reserved_too, item.parameters as parameters,
+                                            item.check as check, filter }
         voltet_image_factory = Factory { size, reserved, count as filter_count, at as filter }
         voltet_plugin = Plugin { size, reserved, name, version }
         voltet_entry = Entry { size, major, minor, patch, init, deinit, get_factory }

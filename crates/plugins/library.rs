@@ -2,7 +2,7 @@
 
 use crate::call::{Outcome, Task};
 use crate::declaration::{Declaration, LibraryItem};
-use crate::ffi::{CheckResult, ValidationError, sized};
+use crate::ffi::{AddressSpace, CheckResult, Process, ValidationError};
 use crate::guard::CallFailure;
 use crate::host::{CallLabel, CallStatus, State};
 use crate::interface::{
@@ -10,7 +10,7 @@ use crate::interface::{
 };
 use crate::item::Runner;
 use crate::{declaration, guard};
-use std::ffi::{CStr, CString, c_void};
+use std::ffi::{CStr, CString};
 use std::mem::ManuallyDrop;
 use std::path::Path;
 use std::sync::Arc;
@@ -123,8 +123,8 @@ fn open(whole: &Path, nameless: &Plugin) -> CheckResult<Native> {
     let entry = unsafe { loaded.get::<*const Entry>(ENTRY.as_bytes()) };
     let entry = entry.map_err(|_| format!("it does not export the symbol '{ENTRY}'"))?;
     // SAFETY: the address of a data symbol.
-    let address = unsafe { entry.into_raw() }.into_raw().cast::<Entry>().cast_const();
-    let entry = read_entry(address)?;
+    let address = unsafe { entry.into_raw() }.into_raw() as usize;
+    let entry = read_entry(Process, address)?;
     let (Some(init), Some(get_factory)) = (entry.init, entry.get_factory) else {
         let missing = if entry.init.is_none() { "init" } else { "get_factory" };
         return Err(format!("the function '{missing}' of its entry is a null pointer"));
@@ -136,7 +136,7 @@ fn open(whole: &Path, nameless: &Plugin) -> CheckResult<Native> {
     if said.is_null() {
         return Err(state.init_failure());
     }
-    let [name, version] = declaration::plugin(said)?;
+    let [name, version] = declaration::plugin(Process, said as usize)?;
     let plugin = Plugin { name, version, ..nameless.clone() };
     let busy = AtomicBool::new(false);
     // From here on it is ended properly.
@@ -147,27 +147,27 @@ fn open(whole: &Path, nameless: &Plugin) -> CheckResult<Native> {
 /// The entry.
 ///
 /// Errors: it is of another version of the interface.
-fn read_entry(address: *const Entry) -> CheckResult<Entry> {
+pub(crate) fn read_entry<A: AddressSpace>(space: A, address: A::Address) -> CheckResult<Entry<A>> {
     // The version stands where it always will, whatever the size.
-    let head = crate::ffi::values(address.cast::<u32>(), 4).map_err(|wrong| format!("its entry {wrong}"))?;
+    let head = space.values::<u32>(address, 4).map_err(|wrong| format!("its entry {wrong}"))?;
     let [_, major, minor, patch] = head[..] else { return Err("its entry is too short".into()) };
     if major != MAJOR {
         return Err(format!(
             "its interface is version {major}.{minor}.{patch}, and this program's {MAJOR}.x"
         ));
     }
-    Ok(sized(address)?.0)
+    Ok(space.sized(address)?.0)
 }
 
 /// Reader of a description at an address.
-type Describe = fn(*const c_void) -> CheckResult<LibraryItem>;
+type Describe = fn(usize) -> CheckResult<LibraryItem>;
 
 /// Families: name of the factory, name of an item in messages, and reader of its description.
 const FAMILIES: [(&CStr, &str, Describe); 4] = [
-    (GRADIENT_FILTERS, "filter", |at| declaration::gradient_filter(at.cast())),
-    (READERS, "reader", |at| declaration::reader(at.cast())),
-    (GRID_FILTERS, "grid filter", |at| declaration::grid_filter(at.cast())),
-    (IMAGE_FILTERS, "image filter", |at| declaration::image_filter(at.cast())),
+    (GRADIENT_FILTERS, "filter", declaration::library_gradient_filter),
+    (READERS, "reader", declaration::reader),
+    (GRID_FILTERS, "grid filter", declaration::grid_filter),
+    (IMAGE_FILTERS, "image filter", declaration::image_filter),
 ];
 
 /// The items of all families.
@@ -181,7 +181,7 @@ fn items(get_factory: GetFactory) -> CheckResult<Vec<LibraryItem>> {
             continue;
         }
         known.push(factory);
-        items.extend(factory_items(factory.cast(), what, describe)?);
+        items.extend(factory_items(factory as usize, what, describe)?);
     }
     if items.is_empty() {
         let kinds = "gradient filters, readers, grid filters or image filters";
@@ -191,8 +191,8 @@ fn items(get_factory: GetFactory) -> CheckResult<Vec<LibraryItem>> {
     Ok(items)
 }
 
-fn factory_items(factory: *const Factory, what: &str, describe: Describe) -> CheckResult<Vec<LibraryItem>> {
-    let (factory, _) = sized(factory).map_err(|wrong| format!("{what}s: {wrong}"))?;
+fn factory_items(factory: usize, what: &str, describe: Describe) -> CheckResult<Vec<LibraryItem>> {
+    let (factory, _) = Process.sized::<Factory>(factory).map_err(|wrong| format!("{what}s: {wrong}"))?;
     let (Some(count), Some(at)) = (factory.count, factory.at) else {
         return Err(format!("a function of its factory is a null pointer ({what}s)"));
     };
@@ -200,7 +200,7 @@ fn factory_items(factory: *const Factory, what: &str, describe: Describe) -> Che
     let count = check_filter_count(unsafe { count() })?;
     let one = |place: u32| {
         // SAFETY: the same, with a place below the count.
-        describe(unsafe { at(place) }).map_err(|wrong| format!("{what} {place}: {wrong}"))
+        describe(unsafe { at(place) } as usize).map_err(|wrong| format!("{what} {place}: {wrong}"))
     };
     (0..count).map(one).collect()
 }

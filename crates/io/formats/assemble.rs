@@ -1,14 +1,13 @@
 //! From the table of contents to the grid: decodes what is asked for, puts pieces together, builds tetrahedra.
 
-use super::contents::{Dataset, ExternalFormat, GHOST_LEVELS, GHOST_TYPE, Geometry, Meter, Piece};
-use super::request::{ArraySelection, Association, Component, Request};
+use super::contents::{Dataset, GHOST_LEVELS, GHOST_TYPE, Geometry, Meter, Piece};
+use super::request::{ArraySelection, Component, Request};
 use super::{cells, request};
 use crate::memory::GridSize;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
-use voltet_core::grid::{Array, CellSet, CellType, Cells, Grid, RawGrid, Scalar, code};
+use voltet_core::grid::{Array, Association, CellSet, CellType, Cells, Grid, RawGrid, Scalar, code};
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result, grid, progress};
 
@@ -23,14 +22,16 @@ const DEGREES: &str = "HigherOrderDegrees";
 
 /// Reads and builds.
 pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Progress) -> Result<Grid> {
-    let total = dataset.pieces.iter().flat_map(Piece::sources).map(|source| source.len());
-    let meter = Meter::new(progress, total.sum());
+    let meter = Meter::new(progress, dataset.file_bytes);
     let pieces: Vec<&Piece> =
         dataset.pieces.iter().filter(|p| p.cell_count > 0 && p.point_count > 0).collect();
-    for piece in &pieces {
-        if let Geometry::Added(added, _) = &piece.geometry {
-            fetch(added, dataset, request, progress)?;
-        }
+    let external = pieces.iter().find_map(|piece| match &piece.geometry {
+        Geometry::Added(external) => Some(external),
+        _ => None,
+    });
+    if let Some(external) = external {
+        let choices = choices(dataset, request)?;
+        external.fetch(|name, association| is_read(&choices, name, association), progress)?;
     }
     let cells: Vec<Cells> = pieces.iter().map(|piece| cells::load(piece, &meter)).collect::<Result<_>>()?;
     check_dimension(&cells)?;
@@ -55,29 +56,26 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     let mut parts = RawGrid::new(points, cells);
     (parts.ghost, parts.degrees) = (ghost, degrees);
     parts.origin.warnings = dataset.warnings.clone();
-    for piece in &pieces {
-        if let Geometry::Added(added, _) = &piece.geometry {
-            parts.origin.warnings.extend(added.warnings());
-        }
-    }
+    parts.origin.warnings.extend(external.into_iter().flat_map(|external| external.ready().warnings.clone()));
     parts.origin.arrays_decoded = choices.len() as u64;
     if request.every_array {
         parts.origin.arrays_decoded += left.arrays.len() as u64;
     } else {
         (parts.origin.arrays_unread, parts.origin.values_unread) = (left.arrays, left.value_count);
     }
-    let (names, kept) = (point_names(request), cell_names(request));
+    let (names, kept) = (unique(&request.point_arrays), unique(&request.cell_arrays));
     let mut columns = choices.iter().zip(columns);
     if let Some((choice, values)) = columns.next() {
         let name = request.scalar.clone().unwrap_or_else(|| choice.name.clone());
-        let association = if choice.per_cell { grid::Association::Cell } else { grid::Association::Point };
-        parts.scalar = Some(Scalar { name, association, values: values.into() });
+        parts.scalar = Some(Scalar { name, association: choice.association, values: values.into() });
     }
     for (i, (choice, values)) in columns.enumerate() {
         let component_count = if choice.component == Component::All { choice.component_count } else { 1 };
         let array = Array { component_count, values: values.into() };
         match names.get(i) {
-            Some(name) if choice.per_cell => parts.cell_arrays.insert(name.to_string(), array),
+            Some(name) if choice.association == Association::Cell => {
+                parts.cell_arrays.insert(name.to_string(), array)
+            }
             Some(name) => parts.point_arrays.insert(name.to_string(), array),
             None => parts.kept_cell_arrays.insert(kept[i - names.len()].clone(), array),
         };
@@ -87,23 +85,10 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     grid::build(parts, &options, progress)
 }
 
-/// Has a reader from outside read all that is asked for at once.
-fn fetch(
-    added: &ExternalFormat,
-    dataset: &Dataset,
-    request: &Request,
-    progress: &dyn Progress,
-) -> Result<()> {
-    let choices = choices(dataset, request)?;
-    let chosen = |name: &str, per_cell: bool| {
-        choices.iter().any(|choice| choice.per_cell == per_cell && choice.name == name)
-    };
-    added.fetch(|name, per_cell| chosen(name, per_cell) || is_part_of_cells(name), progress)
-}
-
-/// True if an array is read with every grid.
-fn is_part_of_cells(name: &str) -> bool {
-    [GHOST_TYPE, GHOST_LEVELS, DEGREES].contains(&name)
+/// True if an array is read: it is chosen, or a part of every grid.
+fn is_read(choices: &[ArraySelection], name: &str, association: Association) -> bool {
+    choices.iter().any(|choice| choice.association == association && choice.name == name)
+        || [GHOST_TYPE, GHOST_LEVELS, DEGREES].contains(&name)
 }
 
 /// An early error where the grid would not fit into memory. The cells of the file are there already.
@@ -126,29 +111,18 @@ fn refuse_beyond_memory(
 pub(super) fn choices(dataset: &Dataset, request: &Request) -> Result<Vec<ArraySelection>> {
     let model = request::model(dataset)?;
     let mut choices = vec![request::scalar(dataset, request.scalar.as_deref(), request.association)?];
-    for name in point_names(request) {
-        choices.push(request::array(model, name, Association::Auto)?);
+    for name in unique(&request.point_arrays) {
+        choices.push(request::array(model, name, None)?);
     }
-    for name in cell_names(request) {
-        choices.push(request::array(model, name, Association::Cell)?);
+    for name in unique(&request.cell_arrays) {
+        choices.push(request::array(model, name, Some(Association::Cell))?);
     }
     Ok(choices)
 }
 
-/// Further arrays, each once.
-fn point_names(request: &Request) -> Vec<&String> {
-    let mut names: Vec<&String> = Vec::new();
-    for name in &request.point_arrays {
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
-    names
-}
-
-/// Arrays that stay on the cells, each once.
-fn cell_names(request: &Request) -> Vec<&String> {
-    request.cell_arrays.iter().collect::<BTreeSet<_>>().into_iter().collect()
+/// Names in ascending order, each once.
+fn unique(names: &[String]) -> Vec<&String> {
+    names.iter().collect::<BTreeSet<_>>().into_iter().collect()
 }
 
 /// An early error where no cell is three-dimensional, before anything else is read.
@@ -186,9 +160,7 @@ pub(super) fn unread(dataset: &Dataset, choices: &[ArraySelection]) -> Result<Sk
     let (mut arrays, mut value_count) = (Vec::new(), 0u64);
     for array in dataset.pieces.iter().flat_map(|piece| &piece.arrays) {
         let name = &array.stored.name;
-        let is_read = choices.iter().any(|choice| choice.per_cell == array.per_cell && choice.name == *name)
-            || is_part_of_cells(name);
-        if !is_read {
+        if !is_read(choices, name, array.association) {
             value_count = value_count.saturating_add(array.stored.promised()?.unwrap_or(0));
             if !arrays.contains(name) {
                 arrays.push(name.clone());
@@ -208,12 +180,11 @@ fn load(piece: &Piece, cells: Cells, choices: &[ArraySelection], meter: &Meter) 
 
 /// The values of a choice.
 pub(super) fn column(piece: &Piece, choice: &ArraySelection, meter: &Meter) -> Result<Vec<f64>> {
-    let array = piece.arrays_of(choice.per_cell).find(|array| array.stored.name == choice.name);
-    let Some(array) = array else {
+    let Some(stored) = piece.array(choice.association, &choice.name) else {
         return Err(Error::run(format!("a piece of the file lacks the array '{}'", choice.name))
             .expected("the same arrays in every piece"));
     };
-    let count = array.stored.component_count;
+    let count = stored.component_count;
     if count != choice.component_count {
         return Err(Error::run(format!(
             "the array '{}' differs between the pieces of the file",
@@ -222,7 +193,7 @@ pub(super) fn column(piece: &Piece, choice: &ArraySelection, meter: &Meter) -> R
         .got(format_args!("{count} components"))
         .expected(choice.component_count));
     }
-    let values: Vec<f64> = array.stored.load(meter)?;
+    let values: Vec<f64> = stored.load(meter)?;
     Ok(match choice.component {
         Component::All => values,
         Component::Index(_) if count == 1 => values,
@@ -242,18 +213,15 @@ pub fn length(vector: &[f64]) -> f64 {
 
 /// Flags of the cells that are to be left out.
 fn ghosts(piece: &Piece, cells: &Cells, meter: &Meter) -> Result<Option<Vec<bool>>> {
-    let flags = |per_cell: bool, name: &str| -> Result<Option<Vec<u64>>> {
-        let array = piece.arrays_of(per_cell).find(|array| array.stored.name == name);
-        array.map(|array| array.stored.load(meter)).transpose()
+    let flags = |association, name, is_set: fn(u64) -> bool| -> Result<Option<Vec<bool>>> {
+        let Some(array) = piece.array(association, name) else { return Ok(None) };
+        Ok(Some(array.load::<u64>(meter)?.into_iter().map(is_set).collect()))
     };
-    let mut ghost = match flags(true, GHOST_TYPE)? {
-        Some(flags) => Some(flags.iter().map(|flag| flag & GHOST_CELL != 0).collect()),
-        None => {
-            flags(true, GHOST_LEVELS)?.map(|levels| levels.iter().map(|&level| level > 0).collect::<Vec<_>>())
-        }
-    };
-    let hidden: Option<Vec<bool>> =
-        flags(false, GHOST_TYPE)?.map(|flags| flags.iter().map(|flag| flag & HIDDEN_POINT != 0).collect());
+    let mut ghost = flags(Association::Cell, GHOST_TYPE, |flag| flag & GHOST_CELL != 0)?;
+    if ghost.is_none() {
+        ghost = flags(Association::Cell, GHOST_LEVELS, |level| level > 0)?;
+    }
+    let hidden = flags(Association::Point, GHOST_TYPE, |flag| flag & HIDDEN_POINT != 0)?;
     if let Some(hidden) = hidden.filter(|hidden| hidden.contains(&true)) {
         let ghost = ghost.get_or_insert_with(|| vec![false; cells.count()]);
         for (number, ghost) in ghost.iter_mut().enumerate() {
@@ -279,11 +247,9 @@ fn corners(cells: &Cells, number: usize) -> Box<dyn Iterator<Item = u32> + '_> {
 
 fn degrees(piece: &Piece, cells: &Cells, meter: &Meter) -> Result<Option<Vec<[u8; 3]>>> {
     let Cells::Mixed(set) = cells else { return Ok(None) };
-    let array =
-        piece.arrays_of(true).find(|array| array.stored.name == DEGREES && array.stored.component_count == 3);
-    match array {
+    match piece.array(Association::Cell, DEGREES).filter(|array| array.component_count == 3) {
         Some(array) if set.types.iter().any(|&code| code >= code::LAGRANGE_TETRAHEDRON) => {
-            let values: Vec<u8> = array.stored.load(meter)?;
+            let values: Vec<u8> = array.load(meter)?;
             Ok(Some(values.as_chunks().0.to_vec()))
         }
         _ => Ok(None),
@@ -296,7 +262,7 @@ pub(super) fn points(piece: &Piece, meter: &Meter) -> Result<Vec<DVec3>> {
         Geometry::Unstructured { points, .. } | Geometry::Curvilinear { points, .. } => {
             points.load_tuples::<f64, _>(meter)
         }
-        Geometry::Added(added, _) => added.points(meter.progress()),
+        Geometry::Added(external) => external.take(None, |read| read.points.take(), meter.progress()),
         Geometry::Rectilinear { axes, .. } => {
             let [x, y, z] = &**axes;
             let (x, y, z): (Vec<f64>, Vec<f64>, Vec<f64>) = (x.load(meter)?, y.load(meter)?, z.load(meter)?);
@@ -320,27 +286,6 @@ fn lattice([nx, ny, nz]: [usize; 3], position: impl Fn([usize; 3]) -> DVec3 + Sy
         }
     });
     points
-}
-
-impl Piece {
-    /// The files of this piece, each once.
-    pub fn sources(&self) -> Vec<Arc<super::source::Source>> {
-        let mut sources = Vec::new();
-        let own = match &self.geometry {
-            Geometry::Unstructured { points, .. } | Geometry::Curvilinear { points, .. } => Some(points),
-            Geometry::Rectilinear { axes, .. } => Some(&axes[0]),
-            Geometry::Uniform { .. } | Geometry::Added(..) => None,
-        };
-        if let Geometry::Added(_, source) = &self.geometry {
-            sources.push(source.clone());
-        }
-        for stored in self.arrays.iter().map(|array| &array.stored).chain(own) {
-            if !sources.iter().any(|source| Arc::ptr_eq(source, &stored.source)) {
-                sources.push(stored.source.clone());
-            }
-        }
-        sources
-    }
 }
 
 /// Requested contents of one piece.

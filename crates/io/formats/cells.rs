@@ -12,14 +12,13 @@ pub(super) fn load(piece: &Piece, meter: &Meter) -> Result<Cells> {
             StoredCells::Offsets { connectivity, offsets, types, faces } => {
                 let types: Vec<u8> = types.load(meter)?;
                 if all_tetrahedra(&types) {
-                    return tetrahedra(connectivity, offsets, types.len() as u64, meter)
-                        .map(Cells::Tetrahedra);
+                    return tetrahedra(connectivity, offsets, types.len(), meter).map(Cells::Tetrahedra);
                 }
                 mixed(types, connectivity, offsets, faces, meter).map(Cells::Mixed)
             }
             StoredCells::Counted { list, types } => counted(list, types, meter),
         },
-        Geometry::Added(added, _) => added.cells(meter.progress()),
+        Geometry::Added(external) => external.take(None, |read| read.cells.take(), meter.progress()),
         Geometry::Curvilinear { dimensions, .. }
         | Geometry::Rectilinear { dimensions, .. }
         | Geometry::Uniform { dimensions, .. } => Ok(Cells::Structured(dimensions.map(|n| n as usize))),
@@ -31,31 +30,30 @@ fn all_tetrahedra(types: &[u8]) -> bool {
 }
 
 /// Connectivity of tetrahedra alone, straight into its destination.
-fn tetrahedra(connectivity: &Stored, offsets: &Stored, count: u64, meter: &Meter) -> Result<Vec<[u32; 4]>> {
-    offsets.visit(meter, &|total, first, ends: &[u64]| {
-        // Offsets are the ends of the cells; some writers put the beginning of the first one before them.
-        let shift = match (total as u64).wrapping_sub(count) {
-            0 => 1,
-            1 => 0,
-            _ => return Err(wrong_offset_count(total, count)),
-        };
-        match ends.iter().enumerate().find(|&(index, &end)| end != 4 * (first + index + shift) as u64) {
-            None => Ok(()),
-            Some((index, end)) => {
-                let number = (first + index + shift).saturating_sub(1);
-                Err(Error::run(format!("the offset of cell {number}, a tetrahedron, is wrong"))
-                    .got(end)
-                    .expected(4 * (first + index + shift)))
-            }
-        }
-    })?;
+fn tetrahedra(connectivity: &Stored, offsets: &Stored, count: usize, meter: &Meter) -> Result<Vec<[u32; 4]>> {
+    let bounds = bounds(offsets, count, meter)?;
+    if let Some((number, end)) = bounds.iter().enumerate().find(|&(i, &bound)| bound != 4 * i as u64) {
+        let cell = number.saturating_sub(1);
+        let error = Error::run(format!("the offset of cell {cell}, a tetrahedron, is wrong"));
+        return Err(error.got(end).expected(4 * number).at_item(&offsets.name));
+    }
+    drop(bounds);
     let mut connectivity = connectivity.clone();
-    (connectivity.tuple_count, connectivity.component_count) = (Some(count), 4);
+    (connectivity.tuple_count, connectivity.component_count) = (Some(count as u64), 4);
     connectivity.load_tuples::<u32, _>(meter)
 }
 
-fn wrong_offset_count(found: usize, cell_count: u64) -> Error {
-    Error::run("the cells have the wrong number of offsets").got(found).expected(cell_count)
+/// Beginning of each cell's part of the connectivity, and the end of the last one. Most writers leave the first, 0, out.
+fn bounds(offsets: &Stored, cell_count: usize, meter: &Meter) -> Result<Vec<u64>> {
+    let mut bounds: Vec<u64> = offsets.load(meter)?;
+    let found = bounds.len();
+    if found == cell_count {
+        bounds.insert(0, 0);
+    } else if found != cell_count + 1 {
+        let error = Error::run("the cells have the wrong number of offsets");
+        return Err(error.got(found).expected(cell_count).at_item(&offsets.name));
+    }
+    Ok(bounds)
 }
 
 /// Cells of any types.
@@ -66,13 +64,7 @@ fn mixed(
     faces: &StoredFaces,
     meter: &Meter,
 ) -> Result<CellSet> {
-    let mut offsets: Vec<u64> = offsets.load(meter)?;
-    if offsets.len() == types.len() {
-        offsets.insert(0, 0);
-    }
-    if offsets.len() != types.len() + 1 {
-        return Err(wrong_offset_count(offsets.len(), types.len() as u64));
-    }
+    let offsets = bounds(offsets, types.len(), meter)?;
     let connectivity: Vec<u32> = connectivity.load(meter)?;
     check_offsets(&offsets, connectivity.len())?;
     if !types.contains(&code::POLYHEDRON) {

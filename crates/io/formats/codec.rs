@@ -20,76 +20,55 @@ pub(super) enum Codec {
     Lzma,
 }
 
+/// The codecs in their order: value of the attribute `compressor`, name shown to people, and the most bytes that one byte can
+/// become: what a header promises beyond it is a lie.
+///
+/// Deflate: 258 bytes from 2 bits. LZ4: 255 bytes from one. LZMA: a match of 273 bytes takes at least about 0.3 bits, 7,100 : 1
+/// measured on zeros.
+const CODECS: [(Codec, &str, &str, u64); 3] = [
+    (Codec::Zlib, "vtkZLibDataCompressor", "zlib", 1032),
+    (Codec::Lz4, "vtkLZ4DataCompressor", "lz4", 255),
+    (Codec::Lzma, "vtkLZMADataCompressor", "lzma", 8192),
+];
+
 impl Codec {
     /// The codec that the attribute `compressor` names.
     pub fn from_name(name: &str) -> Result<Option<Codec>> {
-        match name {
-            "" => Ok(None),
-            "vtkZLibDataCompressor" => Ok(Some(Codec::Zlib)),
-            "vtkLZ4DataCompressor" => Ok(Some(Codec::Lz4)),
-            "vtkLZMADataCompressor" => Ok(Some(Codec::Lzma)),
-            _ => Err(Error::run("the compressor is not known")
+        match CODECS.iter().find(|codec| codec.1 == name) {
+            None if !name.is_empty() => Err(Error::run("the compressor is not known")
                 .got(format_args!("'{name}'"))
                 .expected("vtkZLibDataCompressor, vtkLZ4DataCompressor or vtkLZMADataCompressor")),
+            codec => Ok(codec.map(|codec| codec.0)),
         }
     }
 
     /// The name shown to people.
     pub fn name(self) -> &'static str {
-        match self {
-            Codec::Zlib => "zlib",
-            Codec::Lz4 => "lz4",
-            Codec::Lzma => "lzma",
-        }
+        CODECS[self as usize].2
     }
 
-    /// The most bytes that `compressed` bytes can become: what a header promises beyond it is a lie.
-    ///
-    /// Deflate: 258 bytes from 2 bits, 1032 : 1. LZ4: 255 bytes from one. LZMA: a match of 273 bytes takes at
-    /// least about 0.3 bits, 7,100 : 1 measured on zeros; 8,192 here.
+    /// The most bytes that `compressed` bytes can become.
     pub fn greatest_size(self, compressed: u64) -> u64 {
-        let ratio = match self {
-            Codec::Zlib => 1032,
-            Codec::Lz4 => 255,
-            Codec::Lzma => 8192,
-        };
-        compressed.saturating_mul(ratio)
-    }
-}
-
-/// Decompresses blocks; one a thread, reused from block to block.
-pub(super) struct Decompressor {
-    codec: Codec,
-    zlib: flate2::Decompress,
-}
-
-impl Decompressor {
-    /// A decompressor of one codec.
-    pub fn new(codec: Codec) -> Self {
-        Decompressor { codec, zlib: flate2::Decompress::new(true) }
+        compressed.saturating_mul(CODECS[self as usize].3)
     }
 
-    /// Decompresses `from` into `to`, which it must fill exactly.
-    pub fn decompress(&mut self, from: &[u8], to: &mut [u8]) -> Result<()> {
-        let damaged = |reason: String| {
-            Error::run(format!("a compressed block is damaged ({}: {reason})", self.codec.name()))
+    /// Decompresses a block into `to`, which it must fill exactly. `zlib` is reused from block to block.
+    pub fn decompress(self, zlib: &mut Option<flate2::Decompress>, from: &[u8], to: &mut [u8]) -> Result<()> {
+        let damaged = |reason: &dyn std::fmt::Display| {
+            Error::run(format!("a compressed block is damaged ({}: {reason})", self.name()))
         };
-        let count = match self.codec {
+        let count = match self {
             Codec::Zlib => {
-                self.zlib.reset(true);
-                let status = self
-                    .zlib
-                    .decompress(from, to, flate2::FlushDecompress::Finish)
-                    .map_err(|error| damaged(error.to_string()))?;
-                if status != flate2::Status::StreamEnd {
-                    return Err(damaged("the block does not end where it should".into()));
+                let zlib = zlib.get_or_insert_with(|| flate2::Decompress::new(true));
+                zlib.reset(true);
+                let status = zlib.decompress(from, to, flate2::FlushDecompress::Finish);
+                if status.map_err(|error| damaged(&error))? != flate2::Status::StreamEnd {
+                    return Err(damaged(&"the block does not end where it should"));
                 }
-                self.zlib.total_out() as usize
+                zlib.total_out() as usize
             }
-            Codec::Lz4 => {
-                lz4_flex::block::decompress_into(from, to).map_err(|error| damaged(error.to_string()))?
-            }
-            Codec::Lzma => xz(from, to).map_err(|error| damaged(error.to_string()))?,
+            Codec::Lz4 => lz4_flex::block::decompress_into(from, to).map_err(|error| damaged(&error))?,
+            Codec::Lzma => xz(from, to).map_err(|error| damaged(&error))?,
         };
         if count != to.len() {
             return Err(Error::run("a compressed block has the wrong size")
@@ -121,33 +100,26 @@ fn xz(from: &[u8], to: &mut [u8]) -> std::io::Result<usize> {
 /// A position in base64 text.
 #[derive(Clone)]
 pub(super) struct Base64Text<'a> {
-    source: &'a Source,
-    at: u64,
-    end: u64,
+    pub source: &'a Source,
+    pub at: u64,
+    pub end: u64,
 }
 
-impl<'a> Base64Text<'a> {
-    /// The text in the bytes `at .. end` of the file.
-    pub fn new(source: &'a Source, at: u64, end: u64) -> Self {
-        Base64Text { source, at, end }
-    }
-
-    /// The most bytes that the rest of the text can hold.
-    pub fn greatest_size(&self) -> u64 {
-        (self.end - self.at) / 4 * 3 + 3
-    }
-
+impl Base64Text<'_> {
     /// Decodes one run of `count` bytes: the characters that hold them and its padding.
     pub fn run(&mut self, count: u64) -> Result<Vec<u8>> {
+        let most = (self.end - self.at) / 4 * 3 + 3;
+        let ends_early = || {
+            Error::run("the base64 text ends early")
+                .got(format_args!("at most {most} bytes"))
+                .expected(format_args!("{count} bytes"))
+        };
         let character_count = count.div_ceil(3).checked_mul(4).filter(|&n| n <= self.end - self.at);
-        let Some(character_count) = character_count else { return Err(self.ends_early(count)) };
-        let text = self.characters(character_count as usize)?;
-        if (text.len() as u64) < character_count {
-            return Err(self.ends_early(count));
-        }
-        let mut bytes = decode(&text)?;
+        let character_count = character_count.ok_or_else(ends_early)? as usize;
+        let text = self.characters(character_count)?;
+        let mut bytes = if text.len() < character_count { Vec::new() } else { decode(&text)? };
         if (bytes.len() as u64) < count {
-            return Err(self.ends_early(count));
+            return Err(ends_early());
         }
         bytes.truncate(count as usize);
         Ok(bytes)
@@ -173,12 +145,6 @@ impl<'a> Base64Text<'a> {
             text.extend(buffer.iter().copied().filter(|b| !b.is_ascii_whitespace()));
         }
         Ok(text)
-    }
-
-    fn ends_early(&self, count: u64) -> Error {
-        Error::run("the base64 text ends early")
-            .got(format_args!("at most {} bytes", self.greatest_size()))
-            .expected(format_args!("{count} bytes"))
     }
 }
 
@@ -212,7 +178,7 @@ mod tests {
     #[test]
     fn an_xz_stream_of_another_length_is_refused() {
         for len in [0, 10, 1002, 1004] {
-            let error = Decompressor::new(Codec::Lzma).decompress(STREAM, &mut vec![0; len]);
+            let error = Codec::Lzma.decompress(&mut None, STREAM, &mut vec![0; len]);
             let error = error.expect_err("another length").to_string();
             let said = if len < 1003 { "more bytes than the array needs" } else { "1003 bytes" };
             assert!(error.contains(said), "{error}");

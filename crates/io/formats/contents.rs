@@ -4,12 +4,13 @@ use super::codec::Codec;
 use super::numbers::{ByteOrder, NumberType};
 use super::source::Source;
 use glam::{DMat3, DVec3};
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use voltet_core::grid::{Association, Cells};
 use voltet_core::progress::{Progress, refuse_beyond_memory};
-use voltet_core::reading::{GridRead, OpenGrid};
+use voltet_core::reading::{FileArray, OpenGrid};
 use voltet_core::{Error, Result};
 
 /// Arrays with these names flag ghosts and are not offered as quantities.
@@ -18,7 +19,7 @@ pub(super) const GHOST_TYPE: &str = "vtkGhostType";
 pub(super) const GHOST_LEVELS: &str = "vtkGhostLevels";
 
 /// Everything that one reading may decode.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub(super) struct Dataset {
     /// Format and encoding, for people: "VTK XML UnstructuredGrid, appended raw, zlib, little-endian".
     pub format: String,
@@ -30,10 +31,11 @@ pub(super) struct Dataset {
     pub active_scalars: Option<String>,
     /// Sentences for the user.
     pub warnings: Vec<String>,
+    /// Bytes of the files that hold points, cells and arrays.
+    pub file_bytes: u64,
 }
 
 /// One part: its own points and cells.
-#[derive(Debug)]
 pub(super) struct Piece {
     pub point_count: u64,
     pub cell_count: u64,
@@ -42,22 +44,19 @@ pub(super) struct Piece {
 }
 
 /// An array of a piece.
-#[derive(Debug)]
 pub(super) struct PieceArray {
-    /// True: one tuple a cell; false: one a point.
-    pub per_cell: bool,
+    pub association: Association,
     pub stored: Stored,
 }
 
 /// Points and cells.
-#[derive(Debug)]
 pub(super) enum Geometry {
     /// Points and cells of any type.
     Unstructured { points: Stored, cells: Box<StoredCells> },
     /// A box of hexahedra; `dimensions` counts points. `points`: first coordinate fastest.
     Curvilinear { dimensions: [u64; 3], points: Stored },
-    /// Grid of a reader from outside, from that file.
-    Added(Arc<ExternalFormat>, Arc<Source>),
+    /// Grid of a reader from outside.
+    Added(Arc<ExternalFormat>),
     /// Axis-parallel boxes between coordinates.
     Rectilinear { dimensions: [u64; 3], axes: Box<[Stored; 3]> },
     /// Equal boxes: point (i, j, k) lies at `origin + direction · (spacing · (first + (i, j, k)))`.
@@ -65,7 +64,6 @@ pub(super) enum Geometry {
 }
 
 /// Cells as a file stores them.
-#[derive(Debug)]
 pub(super) enum StoredCells {
     /// Connectivity with the end (or the bounds) of every cell's part; faces of polyhedra.
     Offsets { connectivity: Stored, offsets: Stored, types: Stored, faces: StoredFaces },
@@ -74,7 +72,6 @@ pub(super) enum StoredCells {
 }
 
 /// Faces of polyhedra as a file stores them.
-#[derive(Debug)]
 pub(super) enum StoredFaces {
     /// There are none.
     None,
@@ -87,10 +84,23 @@ pub(super) enum StoredFaces {
     InConnectivity,
 }
 
+impl PieceArray {
+    /// Its header.
+    pub fn head(&self) -> FileArray {
+        let Stored { name, component_count, .. } = &self.stored;
+        FileArray { name: name.clone(), association: self.association, component_count: *component_count }
+    }
+}
+
 impl Piece {
-    /// The arrays of points (`per_cell` false) or cells.
-    pub fn arrays_of(&self, per_cell: bool) -> impl Iterator<Item = &PieceArray> {
-        self.arrays.iter().filter(move |array| array.per_cell == per_cell)
+    /// The arrays of points or of cells.
+    pub fn arrays_of(&self, association: Association) -> impl Iterator<Item = &PieceArray> {
+        self.arrays.iter().filter(move |array| array.association == association)
+    }
+
+    /// The first array there of that name.
+    pub fn array(&self, association: Association, name: &str) -> Option<&Stored> {
+        self.arrays_of(association).map(|array| &array.stored).find(|stored| stored.name == name)
     }
 }
 
@@ -154,21 +164,8 @@ pub(super) enum Encoding {
     Computed(Compute),
 }
 
-impl std::fmt::Debug for Encoding {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Encoding::Bytes(at) => write!(f, "bytes from {at}"),
-            Encoding::Text(parts) => write!(f, "text in {parts:?}"),
-            Encoding::Xml { at, base64, codec, .. } => {
-                write!(f, "XML binary at {at}, base64 {base64}, {codec:?}")
-            }
-            Encoding::Computed(_) => write!(f, "computed"),
-        }
-    }
-}
-
 /// An array that lies in a file.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub(super) struct Stored {
     pub source: Arc<Source>,
     pub name: String,
@@ -205,120 +202,80 @@ impl Stored {
 /// An open file of a format that comes from outside, and what was read of it and not yet taken.
 pub(super) struct ExternalFormat {
     open: Box<dyn OpenGrid>,
-    ready: Mutex<ParsedHead>,
+    ready: Mutex<ExternalRead>,
 }
 
+/// Parts of a file that were read.
 #[derive(Default)]
-struct ParsedHead {
-    points: Option<Vec<DVec3>>,
-    cells: Option<Cells>,
-    arrays: Vec<Option<Vec<f64>>>,
-    warnings: Vec<String>,
-}
-
-impl std::fmt::Debug for ExternalFormat {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Added").field("head", self.open.head()).finish_non_exhaustive()
-    }
+pub(super) struct ExternalRead {
+    pub points: Option<Vec<DVec3>>,
+    pub cells: Option<Cells>,
+    /// By their places in the head.
+    pub arrays: BTreeMap<usize, Vec<f64>>,
+    pub warnings: Vec<String>,
 }
 
 impl ExternalFormat {
     /// Wraps an open file of which nothing was read yet.
     pub fn new(open: Box<dyn OpenGrid>) -> ExternalFormat {
-        let ready = ParsedHead { arrays: vec![None; open.head().arrays.len()], ..ParsedHead::default() };
-        ExternalFormat { open, ready: Mutex::new(ready) }
+        ExternalFormat { open, ready: Mutex::default() }
     }
 
-    fn ready(&self) -> MutexGuard<'_, ParsedHead> {
+    /// Parts that were read and not yet taken.
+    pub fn ready(&self) -> MutexGuard<'_, ExternalRead> {
         self.ready.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Reads the grid and the arrays with these names, at once, as they are taken afterwards.
+    /// Reads the grid and the arrays that are `wanted`, at once, as they are taken afterwards.
     ///
     /// Errors: memory ends before they are there.
-    pub fn fetch(&self, wanted: impl Fn(&str, bool) -> bool, progress: &dyn Progress) -> Result<()> {
+    pub fn fetch(&self, wanted: impl Fn(&str, Association) -> bool, progress: &dyn Progress) -> Result<()> {
         let head = self.open.head();
-        let is_wanted = |place: &usize| {
-            let array = &head.arrays[*place];
-            wanted(&array.name, array.association == Association::Cell)
-        };
-        let places: Vec<usize> = (0..head.arrays.len()).filter(is_wanted).collect();
-        let numbers = |place: &usize| {
-            let array = &head.arrays[*place];
-            let on_cells = array.association == Association::Cell;
-            let tuples = if on_cells { head.cell_count } else { head.point_count };
-            tuples.saturating_mul(array.component_count as u64)
-        };
-        let arrays = places.iter().map(numbers).fold(0u64, u64::saturating_add);
-        let bytes = head.point_count.saturating_mul(24).saturating_add(head.cell_bytes);
+        let mut bytes = head.point_count.saturating_mul(24).saturating_add(head.cell_bytes);
+        let mut places = Vec::new();
+        for (place, array) in head.arrays.iter().enumerate() {
+            if wanted(&array.name, array.association) {
+                places.push(place);
+                let numbers = head.tuple_count(array).saturating_mul(array.component_count as u64);
+                bytes = bytes.saturating_add(numbers.saturating_mul(8));
+            }
+        }
         let what = || format!("a grid of {} points and {} cells", head.point_count, head.cell_count);
-        refuse_beyond_memory(progress, what, bytes.saturating_add(arrays.saturating_mul(8)))?;
+        refuse_beyond_memory(progress, what, bytes)?;
         self.read(true, &places, progress)
     }
 
+    /// Errors: the reader fails, or gives more or less than its head says.
     fn read(&self, geometry: bool, places: &[usize], progress: &dyn Progress) -> Result<()> {
-        let read = self.open.read(geometry, places, progress)?;
-        self.check(&read, geometry, places)?;
+        let (head, read) = (self.open.head(), self.open.read(geometry, places, progress)?);
+        let points = (read.points.as_ref().map_or(0, Vec::len), head.point_count, "all points");
+        let cells = (read.cells.as_ref().map_or(0, Cells::count), head.cell_count, "all cells");
+        let arrays = (read.arrays.len(), places.len() as u64, "all arrays");
+        let parts = if geometry { &[points, cells, arrays][..] } else { &[arrays] };
+        if let Some((found, accepted, what)) = parts.iter().find(|part| part.0 as u64 != part.1) {
+            let error = Error::run(format!("the reader did not give {what}, as it had said"));
+            return Err(error.got(found).expected(accepted));
+        }
         let mut ready = self.ready();
         if geometry {
             (ready.points, ready.cells) = (read.points, read.cells);
         }
-        for (&place, values) in places.iter().zip(read.arrays) {
-            ready.arrays[place] = Some(values);
-        }
+        ready.arrays.extend(places.iter().copied().zip(read.arrays));
         ready.warnings.extend(read.warnings);
         Ok(())
     }
 
-    /// Errors: the reader gave more or less than its head says.
-    fn check(&self, read: &GridRead, geometry: bool, places: &[usize]) -> Result<()> {
-        let head = self.open.head();
-        let expect = |what: &str, found: Option<usize>, accepted: u64| match found {
-            Some(found) if found as u64 == accepted => Ok(()),
-            found => {
-                let error = Error::run(format!("the reader did not give {what}, as it had said"));
-                Err(error.got(found.unwrap_or(0)).expected(accepted))
-            }
-        };
-        if geometry {
-            expect("all points", read.points.as_ref().map(Vec::len), head.point_count)?;
-            expect("all cells", read.cells.as_ref().map(Cells::count), head.cell_count)?;
-        }
-        expect("all arrays", Some(read.arrays.len()), places.len() as u64)
-    }
-
-    /// The points; read now if they are not there.
-    pub fn points(&self, progress: &dyn Progress) -> Result<Vec<DVec3>> {
-        self.checked(|ready| ready.points.take(), true, &[], progress)
-    }
-
-    /// The cells.
-    pub fn cells(&self, progress: &dyn Progress) -> Result<Cells> {
-        self.checked(|ready| ready.cells.take(), true, &[], progress)
-    }
-
-    /// The values of an array.
-    pub fn array(&self, place: usize, progress: &dyn Progress) -> Result<Vec<f64>> {
-        self.checked(|ready| ready.arrays[place].take(), false, &[place], progress)
-    }
-
-    fn checked<T>(
+    /// A part by the function that takes it from what was read: the geometry, or the array at a place. Read now if it is not there.
+    pub fn take<T>(
         &self,
-        take: impl Fn(&mut ParsedHead) -> Option<T>,
-        geometry: bool,
-        places: &[usize],
+        array: Option<usize>,
+        take: impl Fn(&mut ExternalRead) -> Option<T>,
         progress: &dyn Progress,
     ) -> Result<T> {
         if let Some(taken) = take(&mut self.ready()) {
             return Ok(taken);
         }
-        self.read(geometry, places, progress)?;
-        let gone = || Error::run("the reader did not give what was asked for");
-        take(&mut self.ready()).ok_or_else(gone)
-    }
-
-    /// Warnings of the reader.
-    pub fn warnings(&self) -> Vec<String> {
-        self.ready().warnings.clone()
+        self.read(array.is_none(), array.as_slice(), progress)?;
+        take(&mut self.ready()).ok_or_else(|| Error::run("the reader did not give what was asked for"))
     }
 }

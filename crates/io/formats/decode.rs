@@ -3,7 +3,7 @@
 //! [`Stored::load`] finds an array's bytes, compares their number with what the headers promise, and only then allocates
 //! and decodes, in parallel, block by block straight into the destination.
 
-use super::codec::{Base64Text, Codec, Decompressor};
+use super::codec::{Base64Text, Codec};
 use super::contents::{Encoding, Meter, Stored};
 use super::numbers::{self, ByteOrder, NumberType, Target, convert};
 use super::source::Source;
@@ -14,36 +14,56 @@ use voltet_core::{Error, Result};
 /// Values that one task decodes from data that is not cut into blocks: 2 MB of 64-bit values.
 const PART: usize = 1 << 18;
 
-/// Looks at a part of an array: the number of all values, that of the part's first, and the part.
-type See<'a, T> = dyn Fn(usize, usize, &[T]) -> Result<()> + Sync + 'a;
-
 impl Stored {
     /// Reads all values. Allocates once their number is known to lie in the file.
     pub fn load<T: Target>(&self, meter: &Meter) -> Result<Vec<T>> {
-        let inner = || -> Result<Vec<T>> {
-            let values = match self.find(meter)? {
-                Decodable::Text(text) => {
-                    let values = numbers::numbers(self.number_type, &text)?;
-                    meter.advance(text.len() as u64)?;
-                    values
+        self.load_values(meter).map_err(|error| error.at_item(&self.name))
+    }
+
+    fn load_values<T: Target>(&self, meter: &Meter) -> Result<Vec<T>> {
+        let promised = self.promised()?;
+        let values = match self.find(meter)? {
+            Decodable::Text(text) => {
+                let values = numbers::numbers(self.number_type, &text)?;
+                meter.advance(text.len() as u64)?;
+                values
+            }
+            Decodable::Computed(values) => T::all_from(values),
+            Decodable::Plain(payload) => {
+                let mut values = vec![T::default(); self.count(payload.len(), promised)?];
+                self.decode(&Decodable::Plain(payload), PART, &mut values, meter)?;
+                values
+            }
+            blocks @ Decodable::Blocks { size, total, .. } => {
+                let mut values = vec![T::default(); self.count(total, promised)?];
+                match self.number_type.size().filter(|&value| size.is_multiple_of(value as u64)) {
+                    Some(value_size) => {
+                        self.decode(&blocks, (size as usize / value_size).max(1), &mut values, meter)?;
+                    }
+                    // Values lie across the blocks, whose bytes are put side by side.
+                    None => {
+                        let mut bytes = vec![0; total as usize];
+                        let parts = bytes.chunks_mut((size as usize).max(1)).enumerate();
+                        let mut buffers = Buffers::default();
+                        for (index, to) in parts {
+                            self.block(&blocks, index, &mut buffers, to, meter)?;
+                        }
+                        let plain = Decodable::Plain(Payload::Memory(bytes));
+                        self.decode(&plain, PART, &mut values, meter)?;
+                    }
                 }
-                Decodable::Computed(values) => T::all_from(values),
-                found => {
-                    let mut values = vec![T::default(); self.count(&found)?];
-                    let found = self.whole_values(found, meter)?;
-                    values
-                        .par_chunks_mut(self.part_len(&found))
-                        .enumerate()
-                        .try_for_each_init(Buffers::default, |buffers, (part, to)| {
-                            self.decode_range(&found, part, buffers, to, meter)
-                        })?;
-                    return Ok(values);
-                }
-            };
-            self.check_count(values.len() as u64)?;
-            Ok(values)
+                values
+            }
         };
-        inner().map_err(|error| error.at_item(&self.name))
+        match promised {
+            Some(promised) if promised != values.len() as u64 => {
+                let (tuples, components) = (self.tuple_count.unwrap_or(0), self.component_count);
+                Err(Error::run("the array has the wrong number of values")
+                    .got(values.len())
+                    .expected(format_args!("{promised} ({tuples} tuples of {components} components)")))
+            }
+            _ => Ok(values),
+        }
     }
 
     /// Reads all values as tuples of type `D`, which hold the array's components.
@@ -52,95 +72,31 @@ impl Stored {
         Ok(bytemuck::try_cast_vec(self.load(meter)?).unwrap_or_else(copied))
     }
 
-    /// Number of values in the bytes found, which is the number promised.
-    fn count(&self, found: &Decodable) -> Result<usize> {
-        let byte_count = match found {
-            Decodable::Plain(payload) => payload.len(),
-            Decodable::Blocks { size, last, places, .. } => match places.len() as u64 {
-                0 => 0,
-                count => (count - 1) * size + last,
-            },
-            // Counted when they are there.
-            Decodable::Text(_) | Decodable::Computed(_) => 0,
-        };
-        let promised = self.promised()?;
-        let count = match (self.number_type.size(), promised) {
-            (Some(size), _) if byte_count.is_multiple_of(size as u64) => byte_count / size as u64,
-            (None, Some(promised)) if promised.div_ceil(8) == byte_count => promised,
-            _ => {
-                return Err(Error::run("the array has the wrong size")
-                    .got(format_args!("{byte_count} bytes"))
-                    .expected(match promised.and_then(|count| self.number_type.byte_count(count)) {
-                        Some(bytes) => format!("{bytes} bytes of {}", self.number_type.name()),
-                        None => format!("whole values of {}", self.number_type.name()),
-                    }));
-            }
-        };
-        self.check_count(count)?;
-        Ok(count as usize)
-    }
-
-    fn check_count(&self, count: u64) -> Result<()> {
-        match self.promised()? {
-            Some(promised) if promised != count => {
-                Err(Error::run("the array has the wrong number of values").got(count).expected(format_args!(
-                    "{promised} ({} tuples of {} components)",
-                    self.tuple_count.unwrap_or(0),
-                    self.component_count
-                )))
-            }
-            _ => Ok(()),
+    /// Number of values in the bytes found. Where one is promised, [`Stored::find`] has compared the bytes with it.
+    fn count(&self, byte_count: u64, promised: Option<u64>) -> Result<usize> {
+        match (promised, self.number_type.size()) {
+            (Some(promised), _) => Ok(promised as usize),
+            (None, Some(size)) if byte_count.is_multiple_of(size as u64) => Ok(byte_count as usize / size),
+            _ => Err(Error::run("the array has the wrong size")
+                .got(format_args!("{byte_count} bytes"))
+                .expected(format_args!("whole values of {}", self.number_type.name()))),
         }
     }
 
-    /// Shows all values to `see`, part by part and in parallel, without keeping them.
-    pub fn visit<T: Target>(&self, meter: &Meter, see: &See<T>) -> Result<()> {
-        let in_array = |error: Error| error.at_item(&self.name);
-        if matches!(self.encoding, Encoding::Text(_) | Encoding::Computed(_)) {
-            let values = self.load(meter)?;
-            return see(values.len(), 0, &values).map_err(in_array);
-        }
-        let inner = || -> Result<()> {
-            let found = self.find(meter)?;
-            let count = self.count(&found)?;
-            let found = self.whole_values(found, meter)?;
-            let part_len = self.part_len(&found);
-            (0..count.div_ceil(part_len)).into_par_iter().try_for_each_init(
-                || (Buffers::default(), Vec::new()),
-                |(buffers, values), part| {
-                    let first = part * part_len;
-                    values.resize((count - first).min(part_len), T::default());
-                    self.decode_range(&found, part, buffers, values, meter)?;
-                    see(count, first, values)
-                },
-            )
-        };
-        inner().map_err(in_array)
-    }
-
-    /// Puts the bytes side by side where values lie across the blocks.
-    fn whole_values(&self, found: Decodable, meter: &Meter) -> Result<Decodable> {
-        let Decodable::Blocks { size, last, places, .. } = &found else { return Ok(found) };
-        if self.number_type.size().is_some_and(|value_size| size.is_multiple_of(value_size as u64)) {
-            return Ok(found);
-        }
-        let total = (places.len().saturating_sub(1)) * *size as usize + *last as usize;
-        let mut bytes = vec![0; if places.is_empty() { 0 } else { total }];
-        bytes
-            .par_chunks_mut((*size as usize).max(1))
+    /// Decodes parts of `part_len` values in parallel; those of blocks are one block each.
+    fn decode<T: Target>(
+        &self,
+        found: &Decodable,
+        part_len: usize,
+        values: &mut [T],
+        meter: &Meter,
+    ) -> Result<()> {
+        values
+            .par_chunks_mut(part_len)
             .enumerate()
-            .try_for_each_init(Buffers::default, |buffers, (index, to)| {
-                self.block(&found, index, buffers, to, meter)
-            })?;
-        Ok(Decodable::Plain(Payload::Memory(bytes)))
-    }
-
-    /// Values of a part that one task decodes.
-    fn part_len(&self, found: &Decodable) -> usize {
-        match (found, self.number_type.size()) {
-            (Decodable::Blocks { size, .. }, Some(value_size)) => (*size as usize / value_size).max(1),
-            _ => PART,
-        }
+            .try_for_each_init(Buffers::default, |buffers, (part, to)| {
+                self.decode_range(found, part, part * part_len, buffers, to, meter)
+            })
     }
 
     /// Decodes one part.
@@ -148,11 +104,11 @@ impl Stored {
         &self,
         found: &Decodable,
         part: usize,
+        first: usize,
         buffers: &mut Buffers,
         to: &mut [T],
         meter: &Meter,
     ) -> Result<()> {
-        let first = part * self.part_len(found);
         let convert_to = |bytes: &[u8], to: &mut [T]| {
             convert(self.number_type, self.order, bytes, to).map_err(|index| {
                 Error::run(format!("value {} of the array is out of range", first + index))
@@ -192,10 +148,9 @@ impl Stored {
     ) -> Result<()> {
         let Decodable::Blocks { payload, codec, places, .. } = found else { return Ok(()) };
         let (at, len) = places[index];
-        let decompressor = buffers.decompressor.get_or_insert_with(|| Decompressor::new(*codec));
         let bytes = payload.get(&self.source, at, len as usize, &mut buffers.read)?;
-        decompressor
-            .decompress(bytes, to)
+        codec
+            .decompress(&mut buffers.zlib, bytes, to)
             .map_err(|error| error.got(format_args!("block {index} of {}", places.len())))?;
         meter.advance(u64::from(len))
     }
@@ -206,7 +161,7 @@ impl Stored {
 struct Buffers {
     read: Vec<u8>,
     decompressed: Vec<u8>,
-    decompressor: Option<Decompressor>,
+    zlib: Option<flate2::Decompress>,
 }
 
 /// The bytes of an array, found and counted.
@@ -215,13 +170,13 @@ pub(super) enum Decodable {
     Text(Vec<u8>),
     /// Values side by side.
     Plain(Payload),
-    /// Compressed blocks of `size` bytes, the last one of `last` bytes; `places` in the payload.
-    Blocks { payload: Payload, codec: Codec, size: u64, last: u64, places: Vec<(u64, u32)> },
+    /// Compressed blocks of `size` bytes each, `total` in all; `places` in the payload.
+    Blocks { payload: Payload, codec: Codec, size: u64, total: u64, places: Vec<(u64, u32)> },
     /// Made by a function.
     Computed(Vec<f64>),
 }
 
-/// Bytes of a block, bytes of the last one, place and compressed length of each.
+/// Bytes of a block, bytes of all, place and compressed length of each.
 type BlockTable = (u64, u64, Vec<(u64, u32)>);
 
 /// Bytes in the file or in memory.
@@ -285,7 +240,7 @@ impl Stored {
             }
             &Encoding::Xml { at, end, base64, wide, codec } => {
                 let width = if wide { 8 } else { 4 };
-                let mut text = base64.then(|| Base64Text::new(source, at, end));
+                let mut text = base64.then_some(Base64Text { source, at, end });
                 let head_len = width * if codec.is_some() { 3 } else { 1 };
                 let head = match &text {
                     Some(text) => text.clone().run(head_len)?,
@@ -312,13 +267,13 @@ impl Stored {
                     Some(text) => text.run(table_len)?,
                     None => source.read(at, table_len)?,
                 };
-                let (size, last, places) = self.places(&table, wide, codec)?;
+                let (size, total, places) = self.places(&table, wide, codec)?;
                 let len = places.last().map_or(0, |&(at, len)| at + u64::from(len));
                 let payload = match &mut text {
                     Some(text) => Payload::Memory(text.run(len)?),
                     None => Payload::in_file(source, at + table_len, len)?,
                 };
-                Ok(Decodable::Blocks { payload, codec, size, last, places })
+                Ok(Decodable::Blocks { payload, codec, size, total, places })
             }
         }
     }
@@ -338,7 +293,7 @@ impl Stored {
         }
     }
 
-    /// Reads a block table: bytes of a block, bytes of the last one, place and compressed length of each.
+    /// Reads a block table.
     fn places(&self, table: &[u8], wide: bool, codec: Codec) -> Result<BlockTable> {
         let at = |index| word(table, index, wide, self.order);
         let (block_count, size, last) = (at(0), at(1), at(2));
@@ -360,16 +315,14 @@ impl Stored {
             places.push((begin, short));
             begin += len;
         }
-        let total =
-            if block_count == 0 { Some(0) } else { size.checked_mul(block_count - 1).map(|n| n + last) };
-        match total {
-            Some(total) => self.check_len(total)?,
-            None => return Err(wrong(format!("{block_count} blocks of {size} bytes"))),
-        }
+        let all_but_last = size.checked_mul(block_count.saturating_sub(1));
+        let total = all_but_last.and_then(|n| if block_count == 0 { Some(0) } else { n.checked_add(last) });
+        let total = total.ok_or_else(|| wrong(format!("{block_count} blocks of {size} bytes")))?;
+        self.check_len(total)?;
         if usize::try_from(size).is_err() {
             return Err(wrong(format!("blocks of {size} bytes")));
         }
-        Ok((size, last, places))
+        Ok((size, total, places))
     }
 }
 

@@ -1,14 +1,14 @@
 //! Summary of a file for people: cells by type, arrays with ranges, bounds, time steps.
 
-use super::contents::{Dataset, Geometry, Meter, Piece, Stored};
-use super::request::Association;
+use super::contents::{Dataset, Geometry, Meter, PieceArray};
 use super::{assemble, cells};
 use crate::memory::GridSize;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use voltet_core::Result;
-use voltet_core::grid::{CellType, Cells, code};
+use voltet_core::grid::{Association, CellType, Cells, code};
 use voltet_core::progress::Progress;
+use voltet_core::reading::FileArray;
 
 /// Contents of a file.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -49,22 +49,11 @@ impl Summary {
     }
 }
 
-/// Header of an array.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ArrayHead {
-    /// Its name.
-    pub name: String,
-    /// [`Association::Point`] or [`Association::Cell`].
-    pub association: Association,
-    /// Components of a tuple.
-    pub component_count: usize,
-}
-
 /// One array of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArraySummary {
     /// Header.
-    pub head: ArrayHead,
+    pub head: FileArray,
     /// Type of the numbers as the XML formats call it: "Float32".
     pub number_type: &'static str,
     /// Tuples of all pieces.
@@ -76,10 +65,9 @@ pub struct ArraySummary {
 }
 
 /// The arrays of a table of contents, each once, the points' first.
-pub(super) fn array_heads(dataset: &Dataset) -> Vec<ArrayHead> {
-    let mut heads: Vec<ArrayHead> = Vec::new();
-    for array in dataset.pieces.iter().flat_map(|piece| &piece.arrays) {
-        let head = head(&array.stored, array.per_cell);
+pub(super) fn array_heads(dataset: &Dataset) -> Vec<FileArray> {
+    let mut heads: Vec<FileArray> = Vec::new();
+    for head in dataset.pieces.iter().flat_map(|piece| &piece.arrays).map(PieceArray::head) {
         if !heads.contains(&head) {
             heads.push(head);
         }
@@ -88,30 +76,15 @@ pub(super) fn array_heads(dataset: &Dataset) -> Vec<ArrayHead> {
     heads
 }
 
-fn head(stored: &Stored, per_cell: bool) -> ArrayHead {
-    ArrayHead {
-        name: stored.name.clone(),
-        association: if per_cell { Association::Cell } else { Association::Point },
-        component_count: stored.component_count,
-    }
-}
-
 /// Decodes everything, one array at a time, and says what it is.
 pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Summary> {
-    let mut sources = Vec::new();
-    for source in dataset.pieces.iter().flat_map(Piece::sources) {
-        if !sources.iter().any(|known| std::sync::Arc::ptr_eq(known, &source)) {
-            sources.push(source);
-        }
-    }
-    let file_bytes = sources.iter().map(|source| source.len()).sum();
-    let meter = Meter::new(progress, file_bytes);
+    let meter = Meter::new(progress, dataset.file_bytes);
     let mut summary = Summary {
         format: dataset.format.clone(),
         piece_count: dataset.pieces.len(),
         active_scalars: dataset.active_scalars.clone(),
         time_steps: dataset.time_steps.clone(),
-        file_bytes,
+        file_bytes: dataset.file_bytes,
         warnings: dataset.warnings.clone(),
         ..Summary::default()
     };
@@ -119,7 +92,7 @@ pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Su
         summary.point_count = summary.point_count.saturating_add(piece.point_count);
         summary.cell_count = summary.cell_count.saturating_add(piece.cell_count);
         for array in &piece.arrays {
-            add_array(&mut summary.arrays, &array.stored, array.per_cell, &meter)?;
+            add_array(&mut summary.arrays, array, &meter)?;
         }
         if piece.cell_count > 0 {
             let cells = cells::load(piece, &meter)?;
@@ -169,8 +142,8 @@ fn add_points(summary: &mut Summary, points: &[DVec3]) {
 }
 
 /// Adds a piece's array to that of the same name of the pieces before.
-fn add_array(arrays: &mut Vec<ArraySummary>, stored: &Stored, per_cell: bool, meter: &Meter) -> Result<()> {
-    let head = head(stored, per_cell);
+fn add_array(arrays: &mut Vec<ArraySummary>, array: &PieceArray, meter: &Meter) -> Result<()> {
+    let (head, stored) = (array.head(), &array.stored);
     let values: Vec<f64> = stored.load(meter)?;
     let number_type = stored.number_type.name();
     let known = |array: &ArraySummary| array.head == head && array.number_type == number_type;

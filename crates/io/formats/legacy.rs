@@ -5,13 +5,15 @@
 //! the bytes of an array.
 
 use super::contents::{
-    Dataset, Encoding, Geometry, Piece, PieceArray, Stored, StoredCells, StoredFaces, structured_counts,
+    Dataset, Encoding, Geometry, Piece, PieceArray, Stored, StoredCells, StoredFaces, extent_dimensions,
+    structured_counts,
 };
 use super::numbers::{ByteOrder, NumberType};
 use super::request::{Format, Request};
 use super::source::Source;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
+use voltet_core::grid::Association;
 use voltet_core::{Error, Result};
 
 /// Bytes of the file that are kept at a time.
@@ -67,23 +69,51 @@ fn open(source: Arc<Source>, _: &Request) -> Result<Dataset> {
     }
     let mut contents = Contents::default();
     let mut arrays = Vec::new();
-    let mut dataset = Dataset::default();
+    let mut dataset = Dataset { file_bytes: scanner.source.len(), ..Dataset::default() };
+    // Location and number of the tuples of attributes, which are the rest of the file.
+    let mut section = None;
     while let Some(word) = scanner.word()? {
         let keyword = word.to_ascii_uppercase();
-        match keyword.as_str() {
-            "METADATA" => scanner.skip_metadata()?,
-            "FIELD" => drop(field(&mut scanner)?),
-            "POINT_DATA" | "CELL_DATA" => {
-                // The attributes are the rest of the file.
-                let counts = contents.counts(&kind, &scanner)?;
-                dataset.active_scalars = read(&mut scanner, &keyword, counts, &mut arrays)?;
+        let found = match (keyword.as_str(), section) {
+            ("METADATA", _) => {
+                scanner.skip_metadata()?;
+                Vec::new()
             }
-            _ => contents.read(&keyword, &mut scanner)?,
+            ("FIELD", _) => field(&mut scanner)?,
+            ("POINT_DATA" | "CELL_DATA", _) => {
+                let (point_count, cell_count) = contents.counts(&kind, &scanner)?;
+                let (association, accepted) = match keyword.as_str() {
+                    "POINT_DATA" => (Association::Point, point_count),
+                    _ => (Association::Cell, cell_count),
+                };
+                let count = scanner.number("the number of tuples")?;
+                if count != accepted {
+                    let what = format!("the number of {keyword} does not fit the grid");
+                    return Err(scanner.error(what).got(count).expected(accepted));
+                }
+                section = Some((association, count));
+                Vec::new()
+            }
+            (_, None) => {
+                contents.read(&keyword, &mut scanner)?;
+                Vec::new()
+            }
+            (_, Some((_, count))) => {
+                let found = attribute(&mut scanner, &keyword, count)?;
+                if keyword == "SCALARS" && dataset.active_scalars.is_none() {
+                    dataset.active_scalars = found.as_ref().map(|array| array.name.clone());
+                }
+                found.into_iter().collect()
+            }
+        };
+        if let Some((association, _)) = section {
+            arrays.extend(found.into_iter().map(|stored| PieceArray { association, stored }));
         }
     }
     let (point_count, cell_count) = contents.counts(&kind, &scanner)?;
     if let Some(blanking) = contents.blanking.take() {
-        arrays.push(PieceArray { per_cell: false, stored: blanking.hidden_where_zero() });
+        let stored = blanking.hidden_where_zero();
+        arrays.push(PieceArray { association: Association::Point, stored });
     }
     let geometry = contents.geometry(&kind)?;
     dataset.pieces.push(Piece { point_count, cell_count, geometry, arrays });
@@ -119,9 +149,7 @@ impl Contents {
     fn read(&mut self, keyword: &str, scanner: &mut Scanner) -> Result<()> {
         match keyword {
             "POINTS" => {
-                let count = scanner.number("the number of points")?;
-                let number_type = scanner.number_type()?;
-                self.points = Some(scanner.numeric("POINTS", number_type, 3, count)?);
+                self.points = Some(scanner.counted(keyword, "the number of points", 3)?);
             }
             "CELLS" => self.cells = Some(cells(scanner)?),
             "CELL_TYPES" => {
@@ -131,7 +159,7 @@ impl Contents {
             "DIMENSIONS" => self.dimensions = Some(scanner.numbers("three numbers of points")?),
             "EXTENT" => {
                 let extent: [i64; 6] = scanner.numbers("six indices")?;
-                self.dimensions = Some(crate::formats::contents::extent_dimensions(extent));
+                self.dimensions = Some(extent_dimensions(extent));
                 self.first = DVec3::new(extent[0] as f64, extent[2] as f64, extent[4] as f64);
             }
             "ORIGIN" => self.origin = DVec3::from_array(scanner.numbers("three coordinates")?),
@@ -143,15 +171,11 @@ impl Contents {
                 self.direction = Some(DMat3::from_cols_array(&rows).transpose());
             }
             "X_COORDINATES" | "Y_COORDINATES" | "Z_COORDINATES" => {
-                let count = scanner.number("the number of coordinates")?;
-                let number_type = scanner.number_type()?;
                 let axis = usize::from(keyword.as_bytes()[0] - b'X');
-                self.axes[axis] = Some(scanner.numeric(keyword, number_type, 1, count)?);
+                self.axes[axis] = Some(scanner.counted(keyword, "the number of coordinates", 1)?);
             }
             "BLANKING" => {
-                let count = scanner.number("the number of points")?;
-                let number_type = scanner.number_type()?;
-                self.blanking = Some(scanner.numeric("BLANKING", number_type, 1, count)?);
+                self.blanking = Some(scanner.counted(keyword, "the number of points", 1)?);
             }
             _ => {
                 let found = format!("'{keyword}'");
@@ -256,97 +280,64 @@ fn cells(scanner: &mut Scanner) -> Result<CellList> {
     Ok(CellList { count, list, offsets: None })
 }
 
-/// Reads attributes to the end of the file, from a POINT_DATA or CELL_DATA keyword on; returns the name of the first
-/// SCALARS.
-fn read(
-    scanner: &mut Scanner,
-    keyword: &str,
-    (point_count, cell_count): (u64, u64),
-    arrays: &mut Vec<PieceArray>,
-) -> Result<Option<String>> {
-    let mut active_scalars = None;
-    let mut keyword = keyword.to_owned();
-    let (mut per_cell, mut count) = (false, 0);
-    loop {
-        let mut add = |stored: Option<Stored>| {
-            arrays.extend(stored.map(|stored| PieceArray { per_cell, stored }));
-        };
-        match keyword.as_str() {
-            "POINT_DATA" | "CELL_DATA" => {
-                per_cell = keyword == "CELL_DATA";
-                count = scanner.number("the number of tuples")?;
-                let accepted = if per_cell { cell_count } else { point_count };
-                if count != accepted {
-                    let what = format!("the number of {keyword} does not fit the grid");
-                    return Err(scanner.error(what).got(count).expected(accepted));
-                }
-            }
-            "METADATA" => scanner.skip_metadata()?,
-            "FIELD" => field(scanner)?.into_iter().for_each(|stored| add(Some(stored))),
-            "LOOKUP_TABLE" => {
-                let name = name(scanner)?;
-                let size = scanner.number("the number of colours")?;
-                scanner.array(&name, Some(scanner.color_type()), 4, size)?;
-            }
-            "SCALARS" => {
-                let name = name(scanner)?;
-                let number_type = scanner.number_type()?;
-                let rest = scanner.rest_of_line()?.unwrap_or_default();
-                let component_count = match rest.as_str() {
-                    "" => 1,
-                    rest => rest.parse().ok().filter(|n| (1..=1 << 16).contains(n)).ok_or_else(|| {
-                        scanner
-                            .error(format!("the number of components of '{name}' is wrong"))
-                            .got(format_args!("'{rest}'"))
-                            .expected("1 to 65536")
-                    })?,
-                };
-                if scanner.word_if("LOOKUP_TABLE")? {
-                    scanner.required("the name of a look-up table")?;
-                    add(scanner.array(&name, number_type, component_count, count)?);
-                } else {
-                    let what = format!("the scalars '{name}' do not name their look-up table");
-                    return Err(scanner.error(what).expected("LOOKUP_TABLE default"));
-                }
-                active_scalars = active_scalars.or(Some(name));
-            }
-            "COLOR_SCALARS"
-            | "TEXTURE_COORDINATES"
-            | "VECTORS"
-            | "NORMALS"
-            | "TENSORS"
-            | "TENSORS6"
-            | "GLOBAL_IDS"
-            | "PEDIGREE_IDS"
-            | "EDGE_FLAGS"
-            | "TANGENTS" => {
-                let name = name(scanner)?;
-                let component_count = match keyword.as_str() {
-                    "COLOR_SCALARS" | "TEXTURE_COORDINATES" => scanner.number("the number of components")?,
-                    "VECTORS" | "NORMALS" | "TANGENTS" => 3,
-                    "TENSORS" => 9,
-                    "TENSORS6" => 6,
-                    _ => 1,
-                };
-                let number_type = match keyword.as_str() {
-                    "COLOR_SCALARS" => Some(scanner.color_type()),
-                    _ => scanner.number_type()?,
-                };
-                add(scanner.array(&name, number_type, component_count, count)?);
-            }
-            _ => {
-                let found = format!("'{}'", keyword.escape_default());
-                return Err(scanner.error("an unknown keyword").got(found).expected(
-                    "SCALARS, VECTORS, NORMALS, TENSORS, TEXTURE_COORDINATES, COLOR_SCALARS, LOOKUP_TABLE, FIELD, \
-                     GLOBAL_IDS, METADATA, POINT_DATA or CELL_DATA",
-                ));
-            }
-        }
-        match scanner.word()? {
-            Some(word) => keyword = word.to_ascii_uppercase(),
-            None => return Ok(active_scalars),
-        }
+/// Attributes by their keywords, with the components of a tuple; 0: a number after the name states them.
+const ATTRIBUTES: [(&str, usize); 10] = [
+    ("COLOR_SCALARS", 0),
+    ("TEXTURE_COORDINATES", 0),
+    ("VECTORS", 3),
+    ("NORMALS", 3),
+    ("TANGENTS", 3),
+    ("TENSORS", 9),
+    ("TENSORS6", 6),
+    ("GLOBAL_IDS", 1),
+    ("PEDIGREE_IDS", 1),
+    ("EDGE_FLAGS", 1),
+];
+
+/// Reads the attribute of a keyword with `count` tuples; `None` for text and for colours.
+fn attribute(scanner: &mut Scanner, keyword: &str, count: u64) -> Result<Option<Stored>> {
+    if keyword == "LOOKUP_TABLE" {
+        let name = name(scanner)?;
+        let size = scanner.number("the number of colours")?;
+        return scanner.array(&name, Some(scanner.color_type()), 4, size).map(|_| None);
     }
+    if keyword == "SCALARS" {
+        let name = name(scanner)?;
+        let number_type = scanner.number_type()?;
+        let rest = scanner.rest_of_line()?.unwrap_or_default();
+        let component_count = match rest.as_str() {
+            "" => 1,
+            rest => rest.parse().ok().filter(|n| (1..=1 << 16).contains(n)).ok_or_else(|| {
+                scanner
+                    .error(format!("the number of components of '{name}' is wrong"))
+                    .got(format_args!("'{rest}'"))
+                    .expected("1 to 65536")
+            })?,
+        };
+        if !scanner.word_if("LOOKUP_TABLE")? {
+            let what = format!("the scalars '{name}' do not name their look-up table");
+            return Err(scanner.error(what).expected("LOOKUP_TABLE default"));
+        }
+        scanner.required("the name of a look-up table")?;
+        return scanner.array(&name, number_type, component_count, count);
+    }
+    let Some(&(_, component_count)) = ATTRIBUTES.iter().find(|attribute| attribute.0 == keyword) else {
+        let found = format!("'{}'", keyword.escape_default());
+        return Err(scanner.error("an unknown keyword").got(found).expected(
+            "SCALARS, VECTORS, NORMALS, TENSORS, TEXTURE_COORDINATES, COLOR_SCALARS, LOOKUP_TABLE, FIELD, \
+             GLOBAL_IDS, METADATA, POINT_DATA or CELL_DATA",
+        ));
+    };
+    let name = name(scanner)?;
+    let component_count = match component_count {
+        0 => scanner.number("the number of components")?,
+        count => count,
+    };
+    let number_type = match keyword {
+        "COLOR_SCALARS" => Some(scanner.color_type()),
+        _ => scanner.number_type()?,
+    };
+    scanner.array(&name, number_type, component_count, count)
 }
 
 /// The arrays of a FIELD, without those of text.
@@ -524,7 +515,12 @@ impl Scanner {
     /// The type of an array by its legacy name; `None`: text.
     fn number_type(&mut self) -> Result<Option<NumberType>> {
         let word = self.required("a type of numbers")?;
-        number_type(&word).ok_or_else(|| {
+        if ["string", "utf8_string", "unicode_string", "variant"]
+            .contains(&word.to_ascii_lowercase().as_str())
+        {
+            return Ok(None);
+        }
+        NumberType::from_legacy(&word).map(Some).ok_or_else(|| {
             self.error("the type of an array is not known").got(format_args!("'{word}'")).expected(
                 "bit, char, unsigned_char, short, unsigned_short, int, unsigned_int, long, unsigned_long, \
                  vtkIdType, vtktypeint64, float, double",
@@ -589,6 +585,13 @@ impl Scanner {
             .ok_or_else(|| self.error(format!("the array '{name}' holds text")).expected("numbers"))
     }
 
+    /// Reads the number of tuples, their type, and an array that cannot be text.
+    fn counted(&mut self, name: &str, what: &str, component_count: usize) -> Result<Stored> {
+        let count = self.number(what)?;
+        let number_type = self.number_type()?;
+        self.numeric(name, number_type, component_count, count)
+    }
+
     fn skip_words(&mut self, count: u64, name: &str) -> Result<()> {
         let (mut seen, mut inside) = (0, false);
         while seen < count || inside {
@@ -644,24 +647,4 @@ impl Scanner {
         }
         Ok(())
     }
-}
-
-/// The number type that legacy files call `name`; `Some(None)` for text.
-fn number_type(name: &str) -> Option<Option<NumberType>> {
-    Some(Some(match name.to_ascii_lowercase().as_str() {
-        "bit" => NumberType::Bit,
-        "char" | "signed_char" | "vtktypeint8" => NumberType::I8,
-        "unsigned_char" | "vtktypeuint8" => NumberType::U8,
-        "short" | "vtktypeint16" => NumberType::I16,
-        "unsigned_short" | "vtktypeuint16" => NumberType::U16,
-        // Legacy files hold the program's own index type as 32 bits.
-        "int" | "vtkidtype" | "vtktypeint32" => NumberType::I32,
-        "unsigned_int" | "vtktypeuint32" => NumberType::U32,
-        "long" | "long_long" | "vtktypeint64" | "__int64" => NumberType::I64,
-        "unsigned_long" | "unsigned_long_long" | "vtktypeuint64" | "unsigned___int64" => NumberType::U64,
-        "float" => NumberType::F32,
-        "double" => NumberType::F64,
-        "string" | "utf8_string" | "unicode_string" | "variant" => return Some(None),
-        _ => return None,
-    }))
 }

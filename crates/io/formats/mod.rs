@@ -37,9 +37,10 @@ mod xml;
 pub use assemble::{SkippedArray, length};
 pub use cells::face_stream;
 pub(crate) use cells::into_set;
-pub use inspect::{ArrayHead, ArraySummary, Summary};
-pub use request::{Association, Component, Request, SelectedArrays, TimeStep};
-pub use voltet_core::grid::CellValues;
+pub use inspect::{ArraySummary, Summary};
+pub use request::{Component, Request, SelectedArrays, TimeStep};
+pub use voltet_core::grid::{Association, CellValues};
+pub use voltet_core::reading::FileArray;
 
 use contents::{Compute, Dataset, Encoding, ExternalFormat, Geometry, Piece, PieceArray, Stored};
 use numbers::{ByteOrder, NumberType};
@@ -49,8 +50,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::Grid;
 use voltet_core::progress::{NoProgress, Progress};
-use voltet_core::reading::FileArray;
-use voltet_core::{Error, Result, grid};
+use voltet_core::{Error, Result};
 
 /// Reads a grid and the arrays that `request` names.
 ///
@@ -74,7 +74,7 @@ pub fn unread(path: &Path, request: &Request) -> Result<SkippedArray> {
 ///
 /// # Errors
 /// As [`read`], as far as headers show them.
-pub fn arrays(path: &Path, request: &Request) -> Result<Vec<ArrayHead>> {
+pub fn arrays(path: &Path, request: &Request) -> Result<Vec<FileArray>> {
     Ok(inspect::array_heads(&open(path, request)?))
 }
 
@@ -131,10 +131,10 @@ fn open(path: &Path, request: &Request) -> Result<Dataset> {
         return refuse_no_series(dataset, request, "a file that is a series, or no time step")
             .map_err(in_file);
     }
-    unsupported::refuse_by_magic(&source).map_err(in_file)?;
+    unsupported::refuse(&source, unsupported::BY_MAGIC).map_err(in_file)?;
     let head = source.head(256).map_err(in_file)?;
     let Some(format) = format_of(&head, path, request) else {
-        unsupported::refuse_by_words(&source).map_err(in_file)?;
+        unsupported::refuse(&source, unsupported::BY_WORDS).map_err(in_file)?;
         let error = Error::run("the format of the file is not known").got(printable(&head));
         let formats = files(FORMATS.iter());
         return Err(in_file(
@@ -193,24 +193,25 @@ fn open_external(source: &Arc<Source>, request: &Request, chosen: &SelectedArray
     let head = opened.head().clone();
     let added = Arc::new(ExternalFormat::new(opened));
     let array = |(place, array): (usize, &FileArray)| {
-        let (per_cell, of) = (array.association == grid::Association::Cell, added.clone());
-        let compute: Compute = Arc::new(move |meter| of.array(place, meter.progress()));
+        let of = added.clone();
+        let compute: Compute =
+            Arc::new(move |meter| of.take(Some(place), |read| read.arrays.remove(&place), meter.progress()));
         let stored = Stored {
             source: source.clone(),
             name: array.name.clone(),
             number_type: NumberType::F64,
             order: ByteOrder::Little,
             component_count: array.component_count,
-            tuple_count: Some(if per_cell { head.cell_count } else { head.point_count }),
+            tuple_count: Some(head.tuple_count(array)),
             encoding: Encoding::Computed(compute),
         };
-        PieceArray { per_cell, stored }
+        PieceArray { association: array.association, stored }
     };
     let piece = Piece {
         point_count: head.point_count,
         cell_count: head.cell_count,
         arrays: head.arrays.iter().enumerate().map(array).collect(),
-        geometry: Geometry::Added(added, source.clone()),
+        geometry: Geometry::Added(added),
     };
     Ok(Dataset {
         format: head.format,
@@ -218,5 +219,6 @@ fn open_external(source: &Arc<Source>, request: &Request, chosen: &SelectedArray
         time_steps: head.times,
         active_scalars: head.scalar,
         warnings: Vec::new(),
+        file_bytes: source.len(),
     })
 }

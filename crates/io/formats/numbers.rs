@@ -23,13 +23,7 @@ pub(super) enum NumberType {
 impl NumberType {
     /// Bits of one value.
     fn bits(self) -> u64 {
-        match self {
-            Self::Bit => 1,
-            Self::I8 | Self::U8 => 8,
-            Self::I16 | Self::U16 => 16,
-            Self::I32 | Self::U32 | Self::F32 => 32,
-            Self::I64 | Self::U64 | Self::F64 => 64,
-        }
+        TYPES[self as usize].1
     }
 
     /// Bytes of one value; `None` for bits.
@@ -49,28 +43,40 @@ impl NumberType {
 
     /// The name shown to people, as the XML formats write it.
     pub fn name(self) -> &'static str {
-        NAMES.iter().find(|(number_type, _)| *number_type == self).map_or("", |(_, name)| name)
+        TYPES[self as usize].2
     }
 
     /// The type that the XML formats call `name`.
     pub fn from_xml(name: &str) -> Option<Self> {
-        NAMES.iter().find(|(_, known)| *known == name).map(|(number_type, _)| *number_type)
+        TYPES.iter().find(|known| known.2 == name).map(|known| known.0)
+    }
+
+    /// The type that legacy files call `name`.
+    pub fn from_legacy(name: &str) -> Option<Self> {
+        let name = name.to_ascii_lowercase();
+        TYPES.iter().find(|known| known.3.contains(&name.as_str())).map(|known| known.0)
     }
 }
 
-/// Names of the types in the XML formats.
-const NAMES: [(NumberType, &str); 11] = [
-    (NumberType::I8, "Int8"),
-    (NumberType::U8, "UInt8"),
-    (NumberType::I16, "Int16"),
-    (NumberType::U16, "UInt16"),
-    (NumberType::I32, "Int32"),
-    (NumberType::U32, "UInt32"),
-    (NumberType::I64, "Int64"),
-    (NumberType::U64, "UInt64"),
-    (NumberType::F32, "Float32"),
-    (NumberType::F64, "Float64"),
-    (NumberType::Bit, "Bit"),
+/// The types in their order: bits of a value, name in the XML formats, names in legacy files.
+const TYPES: [(NumberType, u64, &str, &[&str]); 11] = [
+    (NumberType::I8, 8, "Int8", &["char", "signed_char", "vtktypeint8"]),
+    (NumberType::U8, 8, "UInt8", &["unsigned_char", "vtktypeuint8"]),
+    (NumberType::I16, 16, "Int16", &["short", "vtktypeint16"]),
+    (NumberType::U16, 16, "UInt16", &["unsigned_short", "vtktypeuint16"]),
+    // Legacy files hold the program's own index type as 32 bits.
+    (NumberType::I32, 32, "Int32", &["int", "vtkidtype", "vtktypeint32"]),
+    (NumberType::U32, 32, "UInt32", &["unsigned_int", "vtktypeuint32"]),
+    (NumberType::I64, 64, "Int64", &["long", "long_long", "vtktypeint64", "__int64"]),
+    (
+        NumberType::U64,
+        64,
+        "UInt64",
+        &["unsigned_long", "unsigned_long_long", "vtktypeuint64", "unsigned___int64"],
+    ),
+    (NumberType::F32, 32, "Float32", &["float"]),
+    (NumberType::F64, 64, "Float64", &["double"]),
+    (NumberType::Bit, 1, "Bit", &["bit"]),
 ];
 
 /// Byte order of a file.

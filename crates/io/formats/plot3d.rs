@@ -18,6 +18,7 @@ use super::source::Source;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use voltet_core::grid::Association;
 use voltet_core::{Error, Result};
 
 /// The declaration.
@@ -43,12 +44,14 @@ pub(super) fn solution_beside(path: &Path, request: &Request) -> Option<PathBuf>
 
 /// Reads the tables of contents of a grid file and its solution.
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
-    let (grids, format) = blocks(&source, Role::Grid)?;
-    let mut dataset = Dataset { format: format!("PLOT3D, {format}"), ..Dataset::default() };
+    let (grids, format) = blocks(&source, &GRID)?;
+    let format = format!("PLOT3D, {format}");
+    let mut dataset = Dataset { format, file_bytes: source.len(), ..Dataset::default() };
     let mut solutions = Vec::new();
     if let Some(path) = solution(source.path(), request) {
         let mut inner = || -> Result<Vec<Block>> {
-            let (blocks, format) = blocks(&Source::open(&path)?, Role::Solution)?;
+            let source = Source::open(&path)?;
+            let (blocks, format) = blocks(&source, &SOLUTION)?;
             let sizes = |blocks: &[Block]| blocks.iter().map(|block| block.dimensions).collect::<Vec<_>>();
             if sizes(&blocks) != sizes(&grids) {
                 return Err(Error::run("the solution does not fit the grid")
@@ -56,6 +59,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
                     .expected(format_args!("{:?}", sizes(&grids))));
             }
             dataset.format = format!("{}; solution {format}", dataset.format);
+            dataset.file_bytes += source.len();
             Ok(blocks)
         };
         solutions = inner().map_err(|error| error.in_file(&path))?;
@@ -72,31 +76,25 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
 fn piece(source: &Arc<Source>, grid: Block, solution: Option<Block>, request: &Request) -> Result<Piece> {
     let (point_count, cell_count) =
         structured_counts(grid.dimensions).ok_or_else(|| Error::run("the grid cannot be that large"))?;
-    let computed = |source: &Arc<Source>, name: &str, component_count: usize, compute: Compute| Stored {
-        source: source.clone(),
-        name: name.to_owned(),
-        number_type: NumberType::F64,
-        order: ByteOrder::Little,
-        component_count,
-        tuple_count: Some(point_count),
-        encoding: Encoding::Computed(compute),
+    let computed = |name: &str, component_count: usize, compute: Compute| {
+        stored(source, name, component_count, point_count, Encoding::Computed(compute))
     };
     let mut arrays = Vec::new();
-    let mut add = |stored: Stored| arrays.push(PieceArray { per_cell: false, stored });
+    let mut add = |stored: Stored| arrays.push(PieceArray { association: Association::Point, stored });
     let [x, y, z, rest @ ..] = &grid.planes[..] else {
         return Err(Error::run("a PLOT3D grid lacks coordinates"));
     };
     let coordinates = [x.clone(), y.clone(), z.clone()];
-    let points = computed(source, "coordinates", 3, Arc::new(move |meter| interleave(&coordinates, meter)));
-    if let Some(flags) = rest.first().cloned() {
-        let flags = computed(source, "iblank", 1, Arc::new(move |meter| flags.load(meter)));
+    let points = computed("coordinates", 3, Arc::new(move |meter| interleave(&coordinates, meter)));
+    if let Some(flags) = rest.first() {
+        let flags = Stored { name: "iblank".to_owned(), ..flags.clone() };
         // 0 marks a point outside the flow; other values say what kind of point it is.
         let hidden = flags.hidden_where_zero();
         add(flags);
         add(hidden);
     }
     if let Some(solution) = solution {
-        let planes: Arc<[Plane]> = solution.planes.into();
+        let planes: Arc<[Stored]> = solution.planes.into();
         for quantity in QUANTITIES {
             // The quantity bears the name that the request uses, so that it is found however it is spelled.
             let wanted = request.scalar.iter().chain(&request.point_arrays);
@@ -106,7 +104,7 @@ fn piece(source: &Arc<Source>, grid: Block, solution: Option<Block>, request: &R
             let component_count = if matches!(formula, Vector(_)) { 3 } else { 1 };
             let planes = planes.clone();
             let compute: Compute = Arc::new(move |meter| derive(&planes, formula, meter));
-            add(computed(source, &name, component_count, compute));
+            add(computed(&name, component_count, compute));
         }
     }
     Ok(Piece {
@@ -117,14 +115,34 @@ fn piece(source: &Arc<Source>, grid: Block, solution: Option<Block>, request: &R
     })
 }
 
+/// An array of 64-bit numbers.
+fn stored(
+    source: &Arc<Source>,
+    name: &str,
+    component_count: usize,
+    tuple_count: u64,
+    encoding: Encoding,
+) -> Stored {
+    let (number_type, order, tuple_count) = (NumberType::F64, ByteOrder::Little, Some(tuple_count));
+    Stored {
+        source: source.clone(),
+        name: name.to_owned(),
+        number_type,
+        order,
+        component_count,
+        tuple_count,
+        encoding,
+    }
+}
+
 /// Planes of three components as tuples.
-fn interleave(planes: &[Plane; 3], meter: &Meter) -> Result<Vec<f64>> {
+fn interleave(planes: &[Stored; 3], meter: &Meter) -> Result<Vec<f64>> {
     let [x, y, z] = [planes[0].load(meter)?, planes[1].load(meter)?, planes[2].load(meter)?];
     Ok(x.into_par_iter().zip(y).zip(z).flat_map_iter(|((x, y), z)| [x, y, z]).collect())
 }
 
 /// A quantity from the planes of a solution.
-fn derive(planes: &[Plane], formula: &Formula, meter: &Meter) -> Result<Vec<f64>> {
+fn derive(planes: &[Stored], formula: &Formula, meter: &Meter) -> Result<Vec<f64>> {
     let [density, mx, my, mz, energy] = planes else {
         return Err(Error::run("a PLOT3D solution lacks planes"));
     };
@@ -206,45 +224,31 @@ impl DerivedQuantity {
 /// More grids than any file holds.
 const GREATEST_GRID_COUNT: u64 = 1 << 16;
 
-/// One component of one grid.
-#[derive(Clone)]
-enum Plane {
-    /// Bytes of the file.
-    Stored(Stored),
-    /// Parsed from text: all numbers of the file, the first of the plane, their count.
-    Text(Arc<Vec<f64>>, usize, usize),
+/// A kind of file: its name, the numbers that stand before the planes of a grid, and the planes.
+struct Role {
+    name: &'static str,
+    head_count: u64,
+    plane_count: u64,
 }
 
-impl Plane {
-    /// Reads the values.
-    fn load(&self, meter: &Meter) -> Result<Vec<f64>> {
-        match self {
-            Plane::Stored(stored) => stored.load(meter),
-            Plane::Text(values, first, count) => Ok(values[*first..first + count].to_vec()),
-        }
-    }
-}
-
-/// Kind of file.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Role {
-    /// x, y, z and perhaps the blanking flags.
-    Grid,
-    /// Four numbers on the flow, then density, three momenta, energy.
-    Solution,
-}
+/// x, y, z and perhaps the blanking flags.
+const GRID: Role = Role { name: "grid", head_count: 0, plane_count: 3 };
+/// Four numbers on the flow, then density, three momenta, energy.
+const SOLUTION: Role = Role { name: "solution", head_count: 4, plane_count: 5 };
 
 /// A grid of the file: dimensions and planes.
 struct Block {
     dimensions: [u64; 3],
-    planes: Vec<Plane>,
+    /// Components, one value a point.
+    planes: Vec<Stored>,
     /// The last plane holds blanking flags.
     has_blanking: bool,
 }
 
-/// One way to write a binary file.
-#[derive(Clone, Copy)]
+/// One way to write a file.
 struct Layout {
+    /// All numbers of a text; `None`: the file is binary.
+    text: Option<Arc<Vec<f64>>>,
     order: ByteOrder,
     /// Fortran's length marks.
     marks: bool,
@@ -255,42 +259,73 @@ struct Layout {
 }
 
 /// Reads the dimensions and finds the planes; also how the file is written, for people.
-fn blocks(source: &Arc<Source>, role: Role) -> Result<(Vec<Block>, String)> {
+fn blocks(source: &Arc<Source>, role: &Role) -> Result<(Vec<Block>, String)> {
     let head = source.head(4096)?;
-    if head.iter().all(|&b| b.is_ascii_whitespace() || b.is_ascii_digit() || b"+-.,eEdD".contains(&b)) {
-        return text(source, role);
+    let is_in_text = |b: &u8| b.is_ascii_whitespace() || b.is_ascii_digit() || b"+-.,eEdD".contains(b);
+    let mut text = None;
+    if head.iter().all(is_in_text) {
+        let mut bytes = source.read(0, source.len())?;
+        bytes.iter_mut().filter(|byte| **byte == b',').for_each(|byte| *byte = b' ');
+        text = Some(Arc::new(numbers::numbers(NumberType::F64, &bytes)?));
     }
-    for marks in [true, false] {
-        for order in [ByteOrder::Little, ByteOrder::Big] {
-            for counted in [false, true] {
-                for (double, blanking) in [(false, false), (false, true), (true, false), (true, true)] {
-                    let layout = Layout { order, marks, counted, double, blanking };
-                    if (role == Role::Grid || !blanking)
-                        && let Some(blocks) = layout.read(source, role)
-                    {
-                        return Ok((blocks, layout.describe()));
-                    }
-                }
-            }
+    // Of a text only the count of grids and the blanking are open.
+    for bits in (0..32).filter(|bits| text.is_none() || bits & 0b11010 == 0b10000) {
+        let layout = Layout {
+            text: text.clone(),
+            marks: bits & 16 == 0,
+            order: if bits & 8 == 0 { ByteOrder::Little } else { ByteOrder::Big },
+            counted: bits & 4 != 0,
+            double: bits & 2 != 0,
+            blanking: bits & 1 != 0,
+        };
+        if layout.blanking && role.head_count > 0 {
+            continue;
+        }
+        if let Some(blocks) = layout.read(source, role) {
+            return Ok((blocks, layout.describe()));
         }
     }
+    let (found, accepted) = match text {
+        Some(values) => (format!("{} numbers", values.len()), "three-dimensional grids as text"),
+        None => (
+            format!("a length of {} bytes", source.len()),
+            "three-dimensional grids, single or double precision, either byte order, with or without record marks",
+        ),
+    };
     Err(Error::run("this is no PLOT3D file, or a damaged one")
-        .got(format_args!("a length of {} bytes, which fits no way of writing one", source.len()))
-        .expected("three-dimensional grids, single or double precision, either byte order, with or without record marks"))
+        .got(format!("{found}, which fits no way of writing one"))
+        .expected(accepted))
 }
 
 impl Layout {
-    fn describe(self) -> String {
+    fn describe(&self) -> String {
+        let blanking = if self.blanking { ", blanking" } else { "" };
+        if self.text.is_some() {
+            return format!("ASCII{blanking}");
+        }
         format!(
-            "{}, {} precision{}{}",
+            "{}, {} precision{}{blanking}",
             if self.order == ByteOrder::Little { "little-endian" } else { "big-endian" },
             if self.double { "double" } else { "single" },
             if self.marks { ", record marks" } else { "" },
-            if self.blanking { ", blanking" } else { "" },
         )
     }
 
-    fn words(self, source: &Source, at: u64, count: u64) -> Option<Vec<u64>> {
+    /// Lengths of the file, of a 32-bit word and of a number: bytes, or of a text numbers.
+    fn lengths(&self, source: &Source) -> [u64; 3] {
+        match &self.text {
+            Some(values) => [values.len() as u64, 1, 1],
+            None => [source.len(), 4, if self.double { 8 } else { 4 }],
+        }
+    }
+
+    fn words(&self, source: &Source, at: u64, count: u64) -> Option<Vec<u64>> {
+        if let Some(values) = &self.text {
+            let words = values.get(at as usize..at.checked_add(count)? as usize)?;
+            let word =
+                |&v: &f64| (v >= 0.0 && v <= f64::from(u32::MAX) && v.fract() == 0.0).then_some(v as u64);
+            return words.iter().map(word).collect();
+        }
         let bytes = source.check(at, count * 4).ok().and_then(|()| source.read(at, count * 4).ok())?;
         let mut words = vec![0_u64; count as usize];
         numbers::convert(NumberType::U32, self.order, &bytes, &mut words).ok()?;
@@ -298,7 +333,7 @@ impl Layout {
     }
 
     /// The planes, if the file is written in this way.
-    fn read(self, source: &Arc<Source>, role: Role) -> Option<Vec<Block>> {
+    fn read(&self, source: &Arc<Source>, role: &Role) -> Option<Vec<Block>> {
         let mut at = 0;
         let mut grid_count = 1;
         if self.counted {
@@ -311,23 +346,23 @@ impl Layout {
         let dimensions = self.record(source, &mut at, 3 * grid_count)?;
         let mut blocks = Vec::new();
         for &dimensions in dimensions.as_chunks::<3>().0 {
-            let block = self.block(source, role, dimensions, &mut at)?;
-            blocks.push(block);
+            blocks.push(self.block(source, role, dimensions, &mut at)?);
         }
-        (at == source.len()).then_some(blocks)
+        (at == self.lengths(source)[0]).then_some(blocks)
     }
 
     /// Reads a record of 32-bit words.
-    fn record(self, source: &Source, at: &mut u64, count: u64) -> Option<Vec<u64>> {
-        self.mark(source, at, count * 4)?;
+    fn record(&self, source: &Source, at: &mut u64, count: u64) -> Option<Vec<u64>> {
+        let len = count * self.lengths(source)[1];
+        self.mark(source, at, len)?;
         let words = self.words(source, *at, count)?;
-        *at += count * 4;
-        self.mark(source, at, count * 4)?;
+        *at += len;
+        self.mark(source, at, len)?;
         Some(words)
     }
 
     /// Steps over a mark, which must hold the length of the record.
-    fn mark(self, source: &Source, at: &mut u64, len: u64) -> Option<()> {
+    fn mark(&self, source: &Source, at: &mut u64, len: u64) -> Option<()> {
         if self.marks {
             let [found] = self.words(source, *at, 1)?[..] else { return None };
             // Records of 4 GB and more have marks that cannot hold their length.
@@ -339,92 +374,46 @@ impl Layout {
         Some(())
     }
 
-    fn block(self, source: &Arc<Source>, role: Role, dimensions: [u64; 3], at: &mut u64) -> Option<Block> {
+    fn block(&self, source: &Arc<Source>, role: &Role, dimensions: [u64; 3], at: &mut u64) -> Option<Block> {
         if dimensions.iter().any(|n| !(1..=1 << 31).contains(n)) {
             return None;
         }
+        let [file_len, word_len, number_len] = self.lengths(source);
         let count = dimensions[0].checked_mul(dimensions[1])?.checked_mul(dimensions[2])?;
-        let number_type = if self.double { NumberType::F64 } else { NumberType::F32 };
-        let plane_len = number_type.byte_count(count).filter(|&len| len <= source.len())?;
-        if role == Role::Solution {
-            let len = number_type.byte_count(4)?;
+        let plane_len = count.checked_mul(number_len).filter(|&len| len <= file_len)?;
+        if role.head_count > 0 {
+            let len = role.head_count * number_len;
             self.mark(source, at, len)?;
             *at += len;
             self.mark(source, at, len)?;
         }
-        let plane_count = if role == Role::Grid { 3 } else { 5 };
-        let len = plane_len * plane_count + if self.blanking { count * 4 } else { 0 };
+        let len = plane_len * role.plane_count + if self.blanking { count * word_len } else { 0 };
         self.mark(source, at, len)?;
-        let mut planes = Vec::new();
-        let mut plane = |number_type: NumberType, at: u64| {
-            planes.push(Plane::Stored(Stored {
-                source: source.clone(),
-                name: if role == Role::Grid { "grid" } else { "solution" }.to_owned(),
-                number_type,
-                order: self.order,
-                component_count: 1,
-                tuple_count: Some(count),
-                encoding: Encoding::Bytes(at),
-            }));
-        };
-        for index in 0..plane_count {
-            plane(number_type, *at + index * plane_len);
-        }
-        if self.blanking {
-            plane(NumberType::I32, *at + plane_count * plane_len);
-        }
+        let begin = *at;
         *at += len;
-        if *at > source.len() {
+        if *at > file_len {
             return None;
         }
         self.mark(source, at, len)?;
+        let plane = |index: u64| {
+            let first = begin + index * plane_len;
+            let encoding = match self.text.clone() {
+                None => Encoding::Bytes(first),
+                Some(values) => {
+                    let own = first as usize..(first + count) as usize;
+                    Encoding::Computed(Arc::new(move |_| Ok(values[own.clone()].to_vec())))
+                }
+            };
+            let number_type = match () {
+                () if index == role.plane_count => NumberType::I32,
+                () if self.double => NumberType::F64,
+                () => NumberType::F32,
+            };
+            Stored { number_type, order: self.order, ..stored(source, role.name, 1, count, encoding) }
+        };
+        let planes = (0..role.plane_count + u64::from(self.blanking)).map(plane).collect();
         Some(Block { dimensions, planes, has_blanking: self.blanking })
     }
-}
-
-/// A file of text: the same order of numbers, told by their count.
-fn text(source: &Arc<Source>, role: Role) -> Result<(Vec<Block>, String)> {
-    let mut bytes = source.read(0, source.len())?;
-    bytes.iter_mut().filter(|byte| **byte == b',').for_each(|byte| *byte = b' ');
-    let values: Arc<Vec<f64>> = Arc::new(numbers::numbers(NumberType::F64, &bytes)?);
-    for counted in [false, true] {
-        for blanking in [false, true] {
-            if (role == Role::Grid || !blanking)
-                && let Some(blocks) = text_blocks(&values, role, counted, blanking)
-            {
-                return Ok((blocks, format!("ASCII{}", if blanking { ", blanking" } else { "" })));
-            }
-        }
-    }
-    Err(Error::run("this is no PLOT3D file, or a damaged one")
-        .got(format_args!("{} numbers, which fits no way of writing one", values.len()))
-        .expected("three-dimensional grids as text"))
-}
-
-fn text_blocks(values: &Arc<Vec<f64>>, role: Role, counted: bool, blanking: bool) -> Option<Vec<Block>> {
-    let whole = |index: usize| {
-        values
-            .get(index)
-            .copied()
-            .filter(|v| (1.0..=2147483648.0).contains(v) && v.fract() == 0.0)
-            .map(|v| v as usize)
-    };
-    let grid_count = if counted { whole(0)? } else { 1 };
-    let mut at = usize::from(counted) + grid_count.checked_mul(3).filter(|&n| n < values.len())?;
-    let mut blocks = Vec::new();
-    for grid in 0..grid_count {
-        let first = usize::from(counted) + 3 * grid;
-        let dimensions = [whole(first)?, whole(first + 1)?, whole(first + 2)?];
-        let count = dimensions[0].checked_mul(dimensions[1])?.checked_mul(dimensions[2])?;
-        at += if role == Role::Solution { 4 } else { 0 };
-        let plane_count = if role == Role::Grid { 3 } else { 5 } + usize::from(blanking);
-        let end = count.checked_mul(plane_count)?.checked_add(at).filter(|&end| end <= values.len())?;
-        let planes =
-            (0..plane_count).map(|plane| Plane::Text(values.clone(), at + plane * count, count)).collect();
-        blocks.push(Block { dimensions: dimensions.map(|n| n as u64), planes, has_blanking: blanking });
-        at = end;
-    }
-    (at == values.len()).then_some(blocks)
 }
 
 #[cfg(test)]

@@ -6,22 +6,10 @@ use super::source::Source;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use voltet_core::grid::CellValues;
+use voltet_core::grid::{Association, CellValues};
 use voltet_core::parameters::{Parameters, edit_distance};
 use voltet_core::reading::GridReader;
 use voltet_core::{Error, Result};
-
-/// Location of an array's values: points, cells, or whichever has the array.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Association {
-    /// The point array of that name, or, if there is none, the cell array.
-    #[default]
-    Auto,
-    /// One tuple a point.
-    Point,
-    /// One tuple a cell.
-    Cell,
-}
 
 /// A step of a time series.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,8 +26,8 @@ pub struct Request {
     /// The scalar: an array's name (`density`), or for arrays of several components `NAME:magnitude` or `NAME:0`.
     /// `None`: the only array of the file, or the one that the file marks as its scalars.
     pub scalar: Option<String>,
-    /// Location to search for the scalar.
-    pub association: Association,
+    /// Location of the scalar; `None`: the point array of that name, or, if there is none, the cell array.
+    pub association: Option<Association>,
     /// Conversion of a scalar per cell.
     pub cell_values: CellValues,
     /// Further arrays, per point (cell arrays are averaged); all components, or one as in `scalar`.
@@ -98,7 +86,7 @@ impl Default for Request {
     fn default() -> Self {
         Request {
             scalar: None,
-            association: Association::Auto,
+            association: None,
             cell_values: CellValues::Average,
             point_arrays: Vec::new(),
             cell_arrays: Vec::new(),
@@ -196,7 +184,7 @@ impl Component {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct ArraySelection {
     pub name: String,
-    pub per_cell: bool,
+    pub association: Association,
     pub component_count: usize,
     pub component: Component,
 }
@@ -209,16 +197,12 @@ pub(super) fn model(dataset: &Dataset) -> Result<&Piece> {
 }
 
 /// Names of the arrays that are quantities, points' first.
-fn names(piece: &Piece, association: Association) -> Vec<(&str, bool)> {
-    [false, true]
+fn names(piece: &Piece, association: Option<Association>) -> Vec<(&str, Association)> {
+    [Association::Point, Association::Cell]
         .into_iter()
-        .filter(|&per_cell| match association {
-            Association::Auto => true,
-            Association::Point => !per_cell,
-            Association::Cell => per_cell,
-        })
-        .flat_map(|per_cell| piece.arrays_of(per_cell))
-        .map(|array| (array.stored.name.as_str(), array.per_cell))
+        .filter(|&own| association.is_none_or(|association| own == association))
+        .flat_map(|own| piece.arrays_of(own))
+        .map(|array| (array.stored.name.as_str(), array.association))
         .filter(|(name, _)| ![GHOST_TYPE, GHOST_LEVELS].contains(name))
         .collect()
 }
@@ -227,15 +211,15 @@ fn names(piece: &Piece, association: Association) -> Vec<(&str, bool)> {
 pub(super) fn scalar(
     dataset: &Dataset,
     wanted: Option<&str>,
-    association: Association,
+    association: Option<Association>,
 ) -> Result<ArraySelection> {
     let piece = model(dataset)?;
     let all = names(piece, association);
     if all.is_empty() {
         let (found, accepted) = match association {
-            Association::Auto => ("no arrays", "an array with one value a point or cell"),
-            Association::Point => ("no point arrays", "an array with one value a point"),
-            Association::Cell => ("no cell arrays", "an array with one value a cell"),
+            None => ("no arrays", "an array with one value a point or cell"),
+            Some(Association::Point) => ("no point arrays", "an array with one value a point"),
+            Some(Association::Cell) => ("no cell arrays", "an array with one value a cell"),
         };
         return Err(Error::run("the file holds no quantity to draw").got(found).expected(accepted));
     }
@@ -264,17 +248,15 @@ pub(super) fn scalar(
 }
 
 /// The array that `wanted` (`NAME`, `NAME:magnitude` or `NAME:0`) means.
-pub(super) fn array(piece: &Piece, wanted: &str, association: Association) -> Result<ArraySelection> {
+pub(super) fn array(piece: &Piece, wanted: &str, association: Option<Association>) -> Result<ArraySelection> {
     let all = names(piece, association);
     let find = |name: &str| all.iter().find(|entry| entry.0 == name).copied();
-    let (name, per_cell, suffix) = match (find(wanted), wanted.rsplit_once(':')) {
-        (Some((name, per_cell)), _) => (name, per_cell, None),
-        (None, Some((stem, suffix))) if let Some((name, per_cell)) = find(stem) => {
-            (name, per_cell, Some(suffix))
-        }
+    let (name, own, suffix) = match (find(wanted), wanted.rsplit_once(':')) {
+        (Some((name, own)), _) => (name, own, None),
+        (None, Some((stem, suffix))) if let Some((name, own)) = find(stem) => (name, own, Some(suffix)),
         _ => return Err(unknown(piece, wanted, association, &all)),
     };
-    let mut same = piece.arrays_of(per_cell).filter(|array| array.stored.name == name);
+    let mut same = piece.arrays_of(own).filter(|array| array.stored.name == name);
     let component_count = same.next().map_or(1, |array| array.stored.component_count);
     if same.next().is_some() {
         return Err(Error::run(format!("the file holds several arrays of the name '{name}'"))
@@ -284,23 +266,23 @@ pub(super) fn array(piece: &Piece, wanted: &str, association: Association) -> Re
         None => Component::All,
         Some(suffix) => Component::parse(name, suffix, component_count)?,
     };
-    Ok(ArraySelection { name: name.to_owned(), per_cell, component_count, component })
+    Ok(ArraySelection { name: name.to_owned(), association: own, component_count, component })
 }
 
 /// The error about a name that is not in the file.
-fn unknown(piece: &Piece, wanted: &str, association: Association, all: &[(&str, bool)]) -> Error {
+fn unknown(
+    piece: &Piece,
+    wanted: &str,
+    association: Option<Association>,
+    all: &[(&str, Association)],
+) -> Error {
     let stem = wanted.rsplit_once(':').map_or(wanted, |(stem, _)| stem);
-    let elsewhere =
-        names(piece, Association::Auto).into_iter().find(|&(name, _)| name == wanted || name == stem);
-    let error = match (association, elsewhere) {
-        (Association::Point, Some(_)) => {
-            Error::run(format!("'{stem}' is an array of the cells, not of the points"))
-        }
-        (Association::Cell, Some(_)) => {
-            Error::run(format!("'{stem}' is an array of the points, not of the cells"))
-        }
-        _ => Error::run(format!("the file holds no array '{wanted}'")),
-    };
+    let is_elsewhere = names(piece, None).iter().any(|&(name, _)| name == wanted || name == stem);
+    let error = Error::run(match association.filter(|_| is_elsewhere) {
+        Some(Association::Point) => format!("'{stem}' is an array of the cells, not of the points"),
+        Some(Association::Cell) => format!("'{stem}' is an array of the points, not of the cells"),
+        None => format!("the file holds no array '{wanted}'"),
+    });
     if all.is_empty() {
         return error.got("no arrays");
     }

@@ -1,35 +1,16 @@
 //! Formats that are not read, told by their content: what a file is, and what to do with it.
 
-use self::Sign::{Ending, Hdf5, Line, Magic, Start, Tag, Test};
 use super::source::Source;
 use std::path::Path;
 use voltet_core::{Error, Result};
 
 /// A format that is not read: its name with an article, a remedy (a clause that can follow "expected"), and what tells its files.
-type UnsupportedFormat = (&'static str, &'static str, Sign);
-
-/// Sign by which the files of a format are told.
-enum Sign {
-    /// Bytes at a place of the file.
-    Magic(usize, &'static [u8]),
-    /// Text that begins in one of these ways, after a byte order mark.
-    Start(&'static [&'static str]),
-    /// HDF5 with one of these names anywhere.
-    Hdf5(&'static [&'static str]),
-    /// XML with this element at its root.
-    Tag(&'static str),
-    /// One of these endings of the file's name.
-    Ending(&'static [&'static str]),
-    /// A line of text.
-    Line(fn(&str) -> bool),
-    /// Something else.
-    Test(fn(&FileStart) -> bool),
-}
+pub(super) type UnsupportedFormat = (&'static str, &'static str, fn(&FileStart) -> bool);
 
 /// First bytes of a file.
-struct FileStart<'a> {
+pub(super) struct FileStart {
     /// Its first bytes; of containers, with names somewhere within, more of them.
-    bytes: &'a [u8],
+    bytes: Vec<u8>,
     /// Its length.
     len: u64,
     /// The ending of its name, in small letters.
@@ -57,99 +38,79 @@ const TABLE: &str =
     "a grid with cells: points alone have no volume; ParaView's Delaunay3D joins them to tetrahedra";
 
 /// Formats that their first bytes tell for sure. Of containers those that are told by what is inside stand first.
-const BY_MAGIC: &[UnsupportedFormat] = &[
-    ("a VTKHDF file (VTK's data in HDF5)", PARAVIEW, Hdf5(&["VTKHDF"])),
-    ("a CGNS file", PARAVIEW, Hdf5(&["CGNSLibraryVersion", "CGNSBase_t"])),
-    (
-        "an Exodus II file",
-        PARAVIEW,
-        Test(|seen| seen.is_container() && seen.holds(&["num_el_blk", "eb_prop1"])),
-    ),
-    ("a MED file (Salome)", SALOME, Hdf5(&["ENS_MAA", "INFOS_GENERALES"])),
-    ("an HDF5 file", HDF5, Test(|seen| seen.is_hdf5())),
-    (
-        "a netCDF file",
-        "a .vtu or .vts file: ParaView reads it and saves its data so",
-        Test(|seen| seen.is_container()),
-    ),
-    ("a mesh of Gmsh", MESHIO, Start(&["$MeshFormat"])),
-    ("data of Abaqus (.odb)", ABAQUS, Start(&["HKSRD0"])),
-    ("a file of OpenFOAM", OPENFOAM, Line(|line| line.trim() == "FoamFile")),
-    ("a mesh or case of Ansys Fluent", PARAVIEW, Start(&["(0 ", "(1 ", "(2 "])),
-    (
-        "an EnSight case",
-        PARAVIEW,
-        Test(|seen| {
-            seen.has_line(|line| line.trim().eq_ignore_ascii_case("format"))
-                && seen.has_line(|line| line.to_lowercase().replace(' ', "").starts_with("type:ensight"))
-        }),
-    ),
-    ("a geometry file of EnSight", ENSIGHT, Start(&["C Binary", "Fortran Binary"])),
-    ("a Tecplot file", PARAVIEW, Start(&["#!TDV"])),
-    ("an XDMF file", PARAVIEW, Tag("Xdmf")),
-    ("a mesh of FEniCS (XML)", MESHIO, Tag("dolfin")),
-    ("a surface (PLY)", SURFACE, Start(&["ply\n", "ply\r"])),
-    ("a surface (STL)", SURFACE, Test(|seen| seen.is_stl())),
-    ("a surface (OFF)", SURFACE, Start(&["OFF\n", "OFF\r"])),
-    ("a surface (glTF)", SURFACE, Start(&["glTF"])),
-    ("an image (PNG)", IMAGE, Magic(0, b"\x89PNG")),
-    ("an image (JPEG)", IMAGE, Magic(0, b"\xff\xd8\xff")),
-    ("an image (TIFF)", IMAGE, Magic(0, b"II*\0")),
-    ("an image (TIFF)", IMAGE, Magic(0, b"MM\0*")),
-    ("an image (NRRD)", IMAGE, Start(&["NRRD000"])),
-    ("an image (DICOM)", IMAGE, Magic(128, b"DICM")),
-    ("an image (NIfTI)", IMAGE, Magic(344, b"n+1\0")),
-    ("an image (NIfTI)", IMAGE, Magic(344, b"ni1\0")),
-    ("an image (MetaImage)", IMAGE, Line(|line| line.starts_with("ObjectType = Image"))),
-    ("an OpenVDB file", IMAGE, Magic(0, b" BDV\0\0\0\0")),
-    ("a gzip archive", ARCHIVE, Magic(0, b"\x1f\x8b\x08")),
-    ("a zip archive", ARCHIVE, Magic(0, b"PK\x03\x04")),
-    ("an xz archive", ARCHIVE, Magic(0, b"\xfd7zXZ\0")),
-    ("a bzip2 archive", ARCHIVE, Start(&["BZh"])),
-    ("a zstd archive", ARCHIVE, Magic(0, b"\x28\xb5\x2f\xfd")),
+pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
+    ("a VTKHDF file (VTK's data in HDF5)", PARAVIEW, |file| file.is_hdf5() && file.holds(&["VTKHDF"])),
+    ("a CGNS file", PARAVIEW, |file| file.is_hdf5() && file.holds(&["CGNSLibraryVersion", "CGNSBase_t"])),
+    ("an Exodus II file", PARAVIEW, |file| file.is_container() && file.holds(&["num_el_blk", "eb_prop1"])),
+    ("a MED file (Salome)", SALOME, |file| file.is_hdf5() && file.holds(&["ENS_MAA", "INFOS_GENERALES"])),
+    ("an HDF5 file", HDF5, |file| file.is_hdf5()),
+    ("a netCDF file", "a .vtu or .vts file: ParaView reads it and saves its data so", |file| {
+        file.is_container()
+    }),
+    ("a mesh of Gmsh", MESHIO, |file| file.begins(&["$MeshFormat"])),
+    ("data of Abaqus (.odb)", ABAQUS, |file| file.begins(&["HKSRD0"])),
+    ("a file of OpenFOAM", OPENFOAM, |file| file.has_line(|line| line.trim() == "FoamFile")),
+    ("a mesh or case of Ansys Fluent", PARAVIEW, |file| file.begins(&["(0 ", "(1 ", "(2 "])),
+    ("an EnSight case", PARAVIEW, |file| {
+        file.has_line(|line| line.trim().eq_ignore_ascii_case("format"))
+            && file.has_line(|line| line.to_lowercase().replace(' ', "").starts_with("type:ensight"))
+    }),
+    ("a geometry file of EnSight", ENSIGHT, |file| file.begins(&["C Binary", "Fortran Binary"])),
+    ("a Tecplot file", PARAVIEW, |file| file.begins(&["#!TDV"])),
+    ("an XDMF file", PARAVIEW, |file| file.has_tag("Xdmf")),
+    ("a mesh of FEniCS (XML)", MESHIO, |file| file.has_tag("dolfin")),
+    ("a surface (PLY)", SURFACE, |file| file.begins(&["ply\n", "ply\r"])),
+    ("a surface (STL)", SURFACE, |file| file.is_stl()),
+    ("a surface (OFF)", SURFACE, |file| file.begins(&["OFF\n", "OFF\r"])),
+    ("a surface (glTF)", SURFACE, |file| file.begins(&["glTF"])),
+    ("an image (PNG)", IMAGE, |file| file.has_magic_at(0, b"\x89PNG")),
+    ("an image (JPEG)", IMAGE, |file| file.has_magic_at(0, b"\xff\xd8\xff")),
+    ("an image (TIFF)", IMAGE, |file| file.has_magic_at(0, b"II*\0")),
+    ("an image (TIFF)", IMAGE, |file| file.has_magic_at(0, b"MM\0*")),
+    ("an image (NRRD)", IMAGE, |file| file.begins(&["NRRD000"])),
+    ("an image (DICOM)", IMAGE, |file| file.has_magic_at(128, b"DICM")),
+    ("an image (NIfTI)", IMAGE, |file| file.has_magic_at(344, b"n+1\0")),
+    ("an image (NIfTI)", IMAGE, |file| file.has_magic_at(344, b"ni1\0")),
+    ("an image (MetaImage)", IMAGE, |file| file.has_line(|line| line.starts_with("ObjectType = Image"))),
+    ("an OpenVDB file", IMAGE, |file| file.has_magic_at(0, b" BDV\0\0\0\0")),
+    ("a gzip archive", ARCHIVE, |file| file.has_magic_at(0, b"\x1f\x8b\x08")),
+    ("a zip archive", ARCHIVE, |file| file.has_magic_at(0, b"PK\x03\x04")),
+    ("an xz archive", ARCHIVE, |file| file.has_magic_at(0, b"\xfd7zXZ\0")),
+    ("a bzip2 archive", ARCHIVE, |file| file.begins(&["BZh"])),
+    ("a zstd archive", ARCHIVE, |file| file.has_magic_at(0, b"\x28\xb5\x2f\xfd")),
 ];
 
 /// Formats of plain text that only words tell; asked where nothing else is meant.
-const BY_WORDS: &[UnsupportedFormat] = &[
-    ("input of LS-DYNA", LS_DYNA, Line(|line| line.to_lowercase().starts_with("*keyword"))),
-    (
-        "input of Abaqus (.inp)",
-        MESHIO,
-        Line(|line| {
+pub(super) const BY_WORDS: &[UnsupportedFormat] = &[
+    ("input of LS-DYNA", LS_DYNA, |file| file.has_line(|line| line.to_lowercase().starts_with("*keyword"))),
+    ("input of Abaqus (.inp)", MESHIO, |file| {
+        file.has_line(|line| {
             let words = ["*heading", "*node", "*part", "*element", "*preprint"];
             words.iter().any(|word| line.to_lowercase().starts_with(word))
-        }),
-    ),
-    (
-        "input of Ansys (.cdb)",
-        ANSYS,
-        Line(|line| ["/COM,", "/PREP7", "NBLOCK,"].iter().any(|word| line.starts_with(word))),
-    ),
+        })
+    }),
+    ("input of Ansys (.cdb)", ANSYS, |file| {
+        file.has_line(|line| ["/COM,", "/PREP7", "NBLOCK,"].iter().any(|word| line.starts_with(word)))
+    }),
     (
         "results of Ansys",
         "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it and saves it by save_as_vtk",
-        Ending(&["rst", "rth", "rfl"]),
+        |file| ["rst", "rth", "rfl"].contains(&file.ending.as_str()),
     ),
-    (
-        "input of Nastran",
-        MESHIO,
-        Line(|line| ["BEGIN BULK", "GRID  ", "GRID,"].iter().any(|word| line.starts_with(word))),
-    ),
-    ("a Tecplot file", PARAVIEW, Line(|line| line.to_uppercase().replace(' ', "").starts_with("VARIABLES="))),
-    (
-        "data of COMSOL as text",
-        "a .vtu file: COMSOL exports VTK (.vtu) by Export › Data",
-        Start(&["% Model:", "# Created by COMSOL"]),
-    ),
-    (
-        "a surface (OBJ)",
-        SURFACE,
-        Test(|seen| {
-            seen.has_line(|line| line.starts_with("v "))
-                && (seen.ending == "obj" || seen.has_line(|line| line.starts_with("f ")))
-        }),
-    ),
-    ("a table as text", TABLE, Ending(&["csv", "tsv"])),
+    ("input of Nastran", MESHIO, |file| {
+        file.has_line(|line| ["BEGIN BULK", "GRID  ", "GRID,"].iter().any(|word| line.starts_with(word)))
+    }),
+    ("a Tecplot file", PARAVIEW, |file| {
+        file.has_line(|line| line.to_uppercase().replace(' ', "").starts_with("VARIABLES="))
+    }),
+    ("data of COMSOL as text", "a .vtu file: COMSOL exports VTK (.vtu) by Export › Data", |file| {
+        file.begins(&["% Model:", "# Created by COMSOL"])
+    }),
+    ("a surface (OBJ)", SURFACE, |file| {
+        file.has_line(|line| line.starts_with("v "))
+            && (file.ending == "obj" || file.has_line(|line| line.starts_with("f ")))
+    }),
+    ("a table as text", TABLE, |file| ["csv", "tsv"].contains(&file.ending.as_str())),
 ];
 
 /// Refuses folders, and files that stand for a folder, with what they are.
@@ -165,37 +126,18 @@ pub(super) fn refuse_folder(path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Refuses what its first bytes tell to be of a format that is not read.
-pub(super) fn refuse_by_magic(source: &Source) -> Result<()> {
-    refuse(source, BY_MAGIC)
-}
-
-/// Refuses what words in it tell to be of a format that is not read.
-pub(super) fn refuse_by_words(source: &Source) -> Result<()> {
-    refuse(source, BY_WORDS)
-}
-
 /// Bytes searched of a text; names in HDF5 and netCDF stand anywhere, for the most part early.
 const HEAD: u64 = 4096;
 const CONTAINER_HEAD: u64 = 4 << 20;
 
-fn refuse(source: &Source, formats: &[UnsupportedFormat]) -> Result<()> {
+/// Refuses a file of one of these formats.
+pub(super) fn refuse(source: &Source, formats: &[UnsupportedFormat]) -> Result<()> {
     let ending = source.path().extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    let mut bytes = source.head(HEAD)?;
-    if (FileStart { bytes: &bytes, len: source.len(), ending: String::new() }).is_container() {
-        bytes = source.head(CONTAINER_HEAD)?;
+    let mut file = FileStart { bytes: source.head(HEAD)?, len: source.len(), ending };
+    if file.is_container() {
+        file.bytes = source.head(CONTAINER_HEAD)?;
     }
-    let seen = FileStart { bytes: &bytes, len: source.len(), ending };
-    let shows = |(.., sign): &&UnsupportedFormat| match *sign {
-        Magic(place, magic) => seen.has_magic_at(place, magic),
-        Start(words) => words.iter().any(|word| seen.text().starts_with(word.as_bytes())),
-        Hdf5(names) => seen.is_hdf5() && seen.holds(names),
-        Tag(tag) => seen.text().trim_ascii_start().starts_with(b"<") && seen.holds(&[&format!("<{tag}")]),
-        Ending(endings) => endings.contains(&seen.ending.as_str()),
-        Line(is_one) => seen.has_line(is_one),
-        Test(matches) => matches(&seen),
-    };
-    match formats.iter().find(shows) {
+    match formats.iter().find(|(_, _, is_one)| is_one(&file)) {
         Some((what, remedy, _)) => Err(refusal(what, remedy)),
         None => Ok(()),
     }
@@ -205,13 +147,23 @@ fn refusal(what: &str, remedy: &str) -> Error {
     Error::run("the format of the file is known, but not read").got(what).expected(remedy)
 }
 
-impl FileStart<'_> {
+impl FileStart {
     fn text(&self) -> &[u8] {
-        self.bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(self.bytes)
+        self.bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&self.bytes)
     }
 
     fn has_magic_at(&self, place: usize, magic: &[u8]) -> bool {
         self.bytes.get(place..).is_some_and(|rest| rest.starts_with(magic))
+    }
+
+    /// True if the text begins in one of these ways.
+    fn begins(&self, words: &[&str]) -> bool {
+        words.iter().any(|word| self.text().starts_with(word.as_bytes()))
+    }
+
+    /// True if it is XML with this element.
+    fn has_tag(&self, tag: &str) -> bool {
+        self.text().trim_ascii_start().starts_with(b"<") && self.holds(&[&format!("<{tag}")])
     }
 
     /// True if one of the words stands anywhere.

@@ -1,20 +1,19 @@
 //! The interface of `include/voltet_plugin.h` in a sandbox: WebAssembly modules of 32-bit addresses. They see
 //! their inputs and the functions of the host, and nothing else: no files, no network, no clock. Each call starts a fresh module.
-//! Declarations are copied to the header's structs of this program, which [`crate::declaration`] reads and checks.
 
 mod sandbox;
 
 use crate::call::{GradientTask, Outcome, Task};
-use crate::declaration::{Declaration, Family, MAX_PARAMETERS, MAX_VECTOR_LENGTH};
-use crate::ffi::{CheckResult, GUARD_COUNT, Overrun, UNSET, ValidationError, remove_guard};
+use crate::declaration::{Declaration, Family};
+use crate::ffi::{AddressSpace, CheckResult, GUARD_COUNT, Overrun, UNSET, ValidationError, remove_guard};
 use crate::host::{CallLabel, CallStatus, State};
-use crate::interface::{self, Check, GRADIENT_FILTERS, Gradient, GradientCall, Host, Values};
+use crate::interface::{self, GRADIENT_FILTERS};
 use crate::item::{PluginItem, Runner};
-use crate::library::{check_filter_count, file_name, load_error, read_file, refuse_same_names};
+use crate::library::{check_filter_count, file_name, load_error, read_entry, read_file, refuse_same_names};
 use crate::values::ParameterValues;
 use crate::{declaration, guard};
-use sandbox::{Guest, GuestArgs, RunningModule, Sandbox, entry, message};
-use std::ffi::{CString, c_char};
+use sandbox::{Guest, GuestArgs, RunningModule, Sandbox, message};
+use std::ffi::CString;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -23,6 +22,7 @@ use voltet_core::glam::DVec3;
 use voltet_core::grid::Array;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
+use wasmtime::TypedFunc;
 
 /// The gradient filters of a module.
 ///
@@ -115,15 +115,15 @@ fn call(
     state: &State,
 ) -> CheckResult<(CallStatus, Outcome)> {
     let mut arguments = GuestArgs::behind(running.memory, &running.store);
-    let (name, offset, inputs, output) = match (task, family) {
-        (Task::Check(values), _) => ("check", filter::CHECK, put_values(values, &mut arguments), None),
+    let [check, gradient] = functions(running, filter)?;
+    let (name, function, inputs, output) = match (task, family) {
+        (Task::Check(values), _) => ("check", check, put_values(values, &mut arguments), None),
         (Task::Gradient(task), Family::GradientFilter { needs }) => {
             let (inputs, vectors) = put_call(task, needs, &mut arguments);
-            ("gradient", filter::GRADIENT, inputs, Some((vectors, task.grid.points.len())))
+            ("gradient", gradient, inputs, Some((vectors, task.grid.points.len())))
         }
         _ => return Ok(Default::default()),
     };
-    let function = running.function::<(u32, u32), i32>(name, filter + offset)?;
     let function = function.ok_or_else(|| format!("its function '{name}' is gone"))?;
     if !arguments.write_to(running.memory, &mut running.store) {
         return Err("there is no memory for its inputs: a module has 4 GiB at most".into());
@@ -131,7 +131,7 @@ fn call(
     let code = function.call(&mut running.store, (inputs, host)).map_err(|error| message(&error))?;
     let status = CallStatus::new(code, state);
     let Some((vectors, count)) = output else { return Ok((status, Outcome::Nothing)) };
-    let mut vectors: Vec<DVec3> = running.guest().list(vectors, count + GUARD_COUNT)?;
+    let mut vectors: Vec<DVec3> = running.guest().values(vectors, count + GUARD_COUNT)?;
     let overrun = remove_guard::<_, f64>(&mut vectors, count).then(|| Overrun::gradient(count));
     Ok((CallStatus { overrun, ..status }, Outcome::Vectors(vectors)))
 }
@@ -181,26 +181,34 @@ fn halves(count: usize) -> [u32; 2] {
 fn declarations(sandbox: &Sandbox) -> CheckResult<([String; 2], Vec<Declaration>)> {
     let state = Arc::default();
     let (mut running, _) = sandbox.start(&state, None)?;
-    let plugin_ = initialize(&mut running, &state)?;
-    let mut copies = Copies::default();
-    let named = copies.plugin(&running, plugin_.plugin)?;
-    let names = declaration::plugin(&named)?;
+    let module = initialize(&mut running, &state)?;
+    let names = declaration::plugin(running.guest(), module.plugin)?;
     let mut filters: Vec<Declaration> = Vec::new();
-    for place in 0..plugin_.count {
+    for place in 0..module.count {
         let at = |wrong: ValidationError| format!("filter {place}: {wrong}");
-        let address = plugin_.filter(&mut running, place).map_err(at)?;
-        let described = copies.filter(&mut running, address).map_err(at)?;
-        filters.push(declaration::gradient_filter(&described).map_err(at)?.declaration);
+        let address = module.filter(&mut running, place).map_err(at)?;
+        filters.push(declaration::gradient_filter(running.guest(), address).map_err(at)?.0);
+        functions(&mut running, address).map_err(at)?;
     }
     refuse_same_names(&filters)?;
     Ok((names, filters))
+}
+
+/// A function of a filter: of values or a call, and the host.
+type FilterFunction = TypedFunc<(u32, u32), i32>;
+
+/// The functions of the filter at an address: its check, and its gradient.
+fn functions(running: &mut RunningModule, address: u32) -> CheckResult<[Option<FilterFunction>; 2]> {
+    let (read, _) = running.guest().sized::<interface::GradientFilter<Guest>>(address)?;
+    let (check, gradient) = (read.item.check, read.gradient);
+    Ok([running.function("check", check)?, running.function("gradient", gradient)?])
 }
 
 /// A module after init.
 struct InitializedModule {
     plugin: u32,
     count: u32,
-    filter: wasmtime::TypedFunc<u32, u32>,
+    filter: TypedFunc<u32, u32>,
     /// Address of the host's struct.
     pub host: u32,
 }
@@ -215,10 +223,11 @@ impl InitializedModule {
 /// Calls init, and requests the factory of filters.
 fn initialize(running: &mut RunningModule, state: &State) -> CheckResult<InitializedModule> {
     let missing = |name: &str| format!("the function '{name}' is a null pointer");
-    let entry = running.entry()?;
-    let init =
-        running.function::<(u32, u32), u32>("init", entry + entry::INIT)?.ok_or_else(|| missing("init"))?;
-    let get_factory = running.function::<u32, u32>("get_factory", entry + entry::GET_FACTORY)?;
+    let address = running.entry()?;
+    let entry = read_entry(running.guest(), address)?;
+    let (init, get_factory) = (entry.init, entry.get_factory);
+    let init = running.function::<(u32, u32), u32>("init", init)?.ok_or_else(|| missing("init"))?;
+    let get_factory = running.function::<u32, u32>("get_factory", get_factory)?;
     let get_factory = get_factory.ok_or_else(|| missing("get_factory"))?;
     let mut arguments = GuestArgs::behind(running.memory, &running.store);
     // The path of the file is not disclosed to a sandbox.
@@ -237,190 +246,12 @@ fn initialize(running: &mut RunningModule, state: &State) -> CheckResult<Initial
         return Err("it has no gradient filters (get_factory gave nothing), and a sandbox runs these alone: readers, grid filters and image \
                     filters need a shared library".into());
     }
-    running.sized(factory, "voltet_gradient_factory", factory::SIZE)?;
-    let count = running.function::<(), u32>("filter_count", factory + factory::FILTER_COUNT)?;
+    let (factory, _) = running.guest().sized::<interface::Factory<Guest>>(factory)?;
+    let (count, filter) = (factory.count, factory.at);
+    let count = running.function::<(), u32>("filter_count", count)?;
     let count = count.ok_or_else(|| missing("filter_count"))?;
-    let filter = running.function::<u32, u32>("filter", factory + factory::FILTER)?;
+    let filter = running.function::<u32, u32>("filter", filter)?;
     let filter = filter.ok_or_else(|| missing("filter"))?;
     let count = count.call(&mut running.store, ()).map_err(|error| message(&error))?;
     Ok(InitializedModule { plugin, count: check_filter_count(count)?, filter, host })
-}
-
-/// Memory that the copied structs point to.
-#[derive(Default)]
-struct Copies {
-    texts: Vec<Vec<u8>>,
-    numbers: Vec<Vec<f64>>,
-    lists: Vec<Vec<*const c_char>>,
-    parameters: Vec<Vec<interface::Parameter>>,
-}
-
-impl Copies {
-    fn text(&mut self, guest: Guest<'_>, address: u32) -> CheckResult<*const c_char> {
-        let Some(mut text) = guest.text(address)? else { return Ok(std::ptr::null()) };
-        text.push(0);
-        let pointer = text.as_ptr().cast();
-        self.texts.push(text);
-        Ok(pointer)
-    }
-
-    fn plugin(&mut self, running: &RunningModule, address: u32) -> CheckResult<interface::Plugin> {
-        running.sized(address, "voltet_plugin", plugin::SIZE)?;
-        let guest = running.guest();
-        let name = self.text(guest, guest.read(address + plugin::NAME)?)?;
-        let version = self.text(guest, guest.read(address + plugin::VERSION)?)?;
-        Ok(interface::Plugin { size: size_of::<interface::Plugin>() as u32, reserved: 0, name, version })
-    }
-
-    fn filter(
-        &mut self,
-        running: &mut RunningModule,
-        address: u32,
-    ) -> CheckResult<interface::GradientFilter> {
-        running.sized(address, "voltet_gradient_filter", filter::SIZE)?;
-        let guest = running.guest();
-        let name = self.text(guest, guest.read(address + filter::NAME)?)?;
-        let summary = self.text(guest, guest.read(address + filter::SUMMARY)?)?;
-        let parameter_count = guest.read::<u32>(address + filter::PARAMETER_COUNT)?;
-        let (needs, begin): (u32, u32) =
-            (guest.read(address + filter::NEEDS)?, guest.read(address + filter::PARAMETERS)?);
-        let mut parameters = Vec::new();
-        let mut stride: u32 = 0;
-        // More are refused unread.
-        for i in 0..if parameter_count > MAX_PARAMETERS { 0u32 } else { parameter_count } {
-            let address = begin.wrapping_add(i.wrapping_mul(stride));
-            let size = running.sized(address, "voltet_parameter", parameter::SIZE)?;
-            if i > 0 && size != stride {
-                return Err(format!(
-                    "parameter {i}: its size is {size} bytes, and that of the first {stride}"
-                ));
-            }
-            stride = size;
-            parameters.push(
-                self.parameter(running.guest(), address)
-                    .map_err(|wrong| format!("parameter {i}: {wrong}"))?,
-            );
-        }
-        let [check, gradient] =
-            [("check", filter::CHECK), ("gradient", filter::GRADIENT)].map(|(name, at)| {
-                running.function::<(u32, u32), i32>(name, address + at).map(|found| found.is_some())
-            });
-        let pointer = parameters.as_ptr();
-        self.parameters.push(parameters);
-        Ok(interface::GradientFilter {
-            size: size_of::<interface::GradientFilter>() as u32,
-            needs,
-            name,
-            summary,
-            parameter_count,
-            reserved: 0,
-            parameters: pointer,
-            check: check?.then_some(no_check as Check),
-            gradient: gradient?.then_some(no_gradient as Gradient),
-        })
-    }
-
-    fn parameter(&mut self, guest: Guest<'_>, address: u32) -> CheckResult<interface::Parameter> {
-        let number = |at: u32| guest.read::<u32>(address + at);
-        let float = |at: u32| guest.read::<f64>(address + at);
-        let mut text = |at: u32| self.text(guest, number(at)?);
-        let [name, unit, help] = [text(parameter::NAME)?, text(parameter::UNIT)?, text(parameter::HELP)?];
-        let [default, unset] = [text(parameter::TEXT)?, text(parameter::UNSET)?];
-        let (length, word_count) = (number(parameter::LENGTH)?, number(parameter::WORD_COUNT)?);
-        let numbers = match number(parameter::NUMBERS)? {
-            0 => std::ptr::null(),
-            // A longer one is refused unread.
-            at => {
-                let numbers = guest.list::<f64>(at, length.min(MAX_VECTOR_LENGTH) as usize)?;
-                let pointer = numbers.as_ptr();
-                self.numbers.push(numbers);
-                pointer
-            }
-        };
-        let mut words = |at: u32| -> CheckResult<*const *const c_char> {
-            let list = number(at)?;
-            if list == 0 {
-                return Ok(std::ptr::null());
-            }
-            let words = guest.list::<u32>(list, word_count.min(MAX_PARAMETERS) as usize)?;
-            let words =
-                words.into_iter().map(|word| self.text(guest, word)).collect::<CheckResult<Vec<_>>>()?;
-            let pointer = words.as_ptr();
-            self.lists.push(words);
-            Ok(pointer)
-        };
-        let (words, meanings) = (words(parameter::NAMES)?, words(parameter::MEANINGS)?);
-        Ok(interface::Parameter {
-            size: size_of::<interface::Parameter>() as u32,
-            parameter_type: number(parameter::TYPE)?,
-            name,
-            unit,
-            help,
-            flags: number(parameter::FLAGS)?,
-            length,
-            min: float(parameter::MIN)?,
-            max: float(parameter::MAX)?,
-            number: float(parameter::NUMBER)?,
-            text: default,
-            numbers,
-            unset,
-            word_count,
-            reserved: 0,
-            words,
-            meanings,
-        })
-    }
-}
-
-/// Placeholder of the module's check.
-unsafe extern "C-unwind" fn no_check(_: *const Values, _: *const Host) -> i32 {
-    interface::ERROR
-}
-
-/// Placeholder of the module's gradient function.
-unsafe extern "C-unwind" fn no_gradient(_: *const GradientCall, _: *const Host) -> i32 {
-    interface::ERROR
-}
-
-/// Size of a struct and offsets of its fields (bytes).
-mod plugin {
-    pub const SIZE: u32 = 16;
-    pub const NAME: u32 = 8;
-    pub const VERSION: u32 = 12;
-}
-
-mod factory {
-    pub const SIZE: u32 = 16;
-    pub const FILTER_COUNT: u32 = 8;
-    pub const FILTER: u32 = 12;
-}
-
-mod filter {
-    pub const SIZE: u32 = 36;
-    pub const NEEDS: u32 = 4;
-    pub const NAME: u32 = 8;
-    pub const SUMMARY: u32 = 12;
-    pub const PARAMETER_COUNT: u32 = 16;
-    pub const PARAMETERS: u32 = 24;
-    pub const CHECK: u32 = 28;
-    pub const GRADIENT: u32 = 32;
-}
-
-mod parameter {
-    pub const SIZE: u32 = 88;
-    pub const TYPE: u32 = 4;
-    pub const NAME: u32 = 8;
-    pub const UNIT: u32 = 12;
-    pub const HELP: u32 = 16;
-    pub const FLAGS: u32 = 20;
-    pub const LENGTH: u32 = 24;
-    pub const MIN: u32 = 32;
-    pub const MAX: u32 = 40;
-    pub const NUMBER: u32 = 48;
-    pub const TEXT: u32 = 56;
-    pub const NUMBERS: u32 = 60;
-    pub const UNSET: u32 = 64;
-    pub const WORD_COUNT: u32 = 68;
-    pub const NAMES: u32 = 76;
-    pub const MEANINGS: u32 = 80;
 }

@@ -1,22 +1,16 @@
 //! A module: compiled once, started afresh for each use, stopped from outside.
 
-use crate::ffi::{CheckResult, ValidationError};
+use crate::ffi::{AddressSpace, CheckResult};
 use crate::host::State;
 use crate::interface::{CANCELLED, ENTRY, ERROR, MAJOR, MINOR, OK, PATCH};
 use bytemuck::Pod;
+use std::mem::MaybeUninit;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use wasmtime::{
     AsContext, AsContextMut, Caller, Config, Engine, Extern, Func, Instance, Linker, Memory, Module, Ref,
     Store, StoreLimits, StoreLimitsBuilder, Table, Trap, TypedFunc, UpdateDeadline, WasmParams, WasmResults,
 };
-
-/// Size and offsets of `voltet_entry` (bytes).
-pub(super) mod entry {
-    pub const SIZE: u32 = 28;
-    pub const INIT: u32 = 16;
-    pub const GET_FACTORY: u32 = 24;
-}
 
 /// A compiled module.
 pub(super) struct Sandbox {
@@ -123,52 +117,23 @@ impl RunningModule {
     }
 
     /// The address of the entry.
-    ///
-    /// Errors: it is of another version of the interface.
     pub fn entry(&mut self) -> CheckResult<u32> {
         let entry = self.instance.get_global(&mut self.store, ENTRY);
         let entry = entry.ok_or_else(|| format!("it does not export the symbol '{ENTRY}'"))?;
-        let address =
-            entry.get(&mut self.store).i32().ok_or_else(|| format!("'{ENTRY}' is no address"))? as u32;
-        let wrong = |wrong: ValidationError| format!("its entry {wrong}");
-        let head: Vec<u32> = self.guest().list(address, 4).map_err(wrong)?;
-        if head[1] != MAJOR {
-            let [_, major, minor, patch] = head[..] else { return Err("its entry is too short".into()) };
-            return Err(format!(
-                "its interface is version {major}.{minor}.{patch}, and this program's {MAJOR}.x"
-            ));
-        }
-        self.sized(address, "voltet_entry", entry::SIZE)?;
-        Ok(address)
+        let address = entry.get(&mut self.store).i32().ok_or_else(|| format!("'{ENTRY}' is no address"))?;
+        Ok(address as u32)
     }
 
-    /// The size in a struct's first field.
-    ///
-    /// Errors: smaller than in version 1.0 of the interface.
-    pub fn sized(&self, address: u32, name: &str, min: u32) -> CheckResult<u32> {
-        let size = match address {
-            0 => Err("is a null pointer".into()),
-            _ => self.guest().read::<u32>(address),
-        };
-        let size = size.map_err(|wrong: ValidationError| format!("{name} {wrong}"))?;
-        match (min..=4096).contains(&size) && size % 4 == 0 {
-            true => Ok(size),
-            false => Err(format!("{name} says that its size is {size} bytes, in place of {min} (sizeof)")),
-        }
-    }
-
-    /// The function whose index is at an address; `None` for a null pointer.
+    /// The function of that index in the table; `None` for a null pointer.
     pub fn function<P: WasmParams, R: WasmResults>(
         &mut self,
         name: &str,
-        at: u32,
+        index: u32,
     ) -> CheckResult<Option<TypedFunc<P, R>>> {
-        let number =
-            self.guest().read::<u32>(at).map_err(|wrong| format!("the function '{name}' {wrong}"))?;
-        if number == 0 {
+        if index == 0 {
             return Ok(None);
         }
-        let found = self.table.get(&mut self.store, u64::from(number));
+        let found = self.table.get(&mut self.store, u64::from(index));
         let Some(Ref::Func(Some(function))) = found else {
             return Err(format!("the function '{name}' is none"));
         };
@@ -253,9 +218,6 @@ pub(super) fn message(error: &wasmtime::Error) -> String {
 /// Page of WebAssembly (bytes).
 const PAGE: u64 = 1 << 16;
 
-/// Longest text that is read; descriptions have smaller limits (bytes).
-const MAX_TEXT_BYTES: usize = 4096;
-
 /// Current memory of a module.
 #[derive(Clone, Copy)]
 pub(super) struct Guest<'a> {
@@ -266,48 +228,20 @@ impl<'a> Guest<'a> {
     pub fn new<T: 'static>(memory: Memory, store: &'a impl AsContext<Data = T>) -> Guest<'a> {
         Guest { bytes: memory.data(store) }
     }
+}
 
-    fn slice(&self, address: u32, length: usize) -> CheckResult<&'a [u8]> {
-        let begin = address as usize;
-        let part = begin.checked_add(length).and_then(|end| self.bytes.get(begin..end));
-        part.ok_or_else(|| "points to memory that is not there".to_string())
+impl AddressSpace for Guest<'_> {
+    type Address = u32;
+    type Function<F: Copy> = u32;
+
+    fn is_null<F: Copy>(function: u32) -> bool {
+        function == 0
     }
 
-    /// A number at an address.
-    pub fn read<T: Pod>(&self, address: u32) -> CheckResult<T> {
-        Ok(bytemuck::pod_read_unaligned(self.slice(address, size_of::<T>())?))
-    }
-
-    /// Several numbers side by side.
-    pub fn list<T: Pod>(&self, address: u32, count: usize) -> CheckResult<Vec<T>> {
-        if address == 0 {
-            return Err("is a null pointer".into());
-        }
-        let part = self.slice(address, count.saturating_mul(size_of::<T>()))?;
-        Ok(part.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect())
-    }
-
-    /// The bytes of a text without the 0 that ends it, cut where they are too many; `None` for a null pointer.
-    pub fn text(&self, address: u32) -> CheckResult<Option<Vec<u8>>> {
-        if address == 0 {
-            return Ok(None);
-        }
-        let rest = self.bytes.get(address as usize..).ok_or("points to memory that is not there")?;
-        let max = rest.len().min(MAX_TEXT_BYTES + 1);
-        let end = rest[..max].iter().position(|&byte| byte == 0);
-        if end.is_none() && max == rest.len() {
-            return Err("points to memory that is not there".into());
-        }
-        Ok(Some(rest[..end.unwrap_or(max)].to_vec()))
-    }
-
-    /// The readable part of a text, for a message.
-    pub fn message(&self, address: u32) -> String {
-        match self.text(address) {
-            Ok(Some(bytes)) => String::from_utf8_lossy(&bytes).into_owned(),
-            Ok(None) => "(a null pointer in place of a text)".into(),
-            Err(wrong) => format!("(a text that {wrong})"),
-        }
+    fn copy(self, address: usize, into: &mut [MaybeUninit<u8>]) -> Option<()> {
+        let bytes = self.bytes.get(address..address.checked_add(into.len())?)?;
+        into.iter_mut().zip(bytes).for_each(|(to, byte)| _ = to.write(*byte));
+        Some(())
     }
 }
 

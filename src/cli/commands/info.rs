@@ -13,7 +13,7 @@ use crate::engine::drawing_bytes;
 use crate::graph::pipeline::Pipeline;
 use crate::graph::{Graph, LinkEntry, NodeEntry, ParameterValue, PortType, Registry};
 use crate::io::encode;
-use crate::io::formats::{ArrayHead, ArraySummary, Association, Request, Summary, inspect, unread};
+use crate::io::formats::{ArraySummary, Association, FileArray, Request, Summary, inspect, unread};
 use crate::io::memory::GridSize;
 use crate::io::provenance::{CameraRecord, DataFile, PluginRecord, Provenance, SidecarFiles};
 use crate::{Document, Source};
@@ -177,7 +177,7 @@ fn suggestion(arguments: &Info, wanted: &Request, summary: &Summary, registry: &
     let (Some(bounds), true) = (summary.bounds, summary.arrays.iter().any(differs)) else {
         return "\nNo array whose values differ: nothing to draw.\n".into();
     };
-    let heads: Vec<ArrayHead> = summary.arrays.iter().map(|array| array.head.clone()).collect();
+    let heads: Vec<FileArray> = summary.arrays.iter().map(|array| array.head.clone()).collect();
     let mut refusal = None;
     for array in summary.arrays.iter().filter(|array| differs(array)) {
         let choice = ArrayChoice::from_head(&array.head, &heads);

@@ -9,7 +9,7 @@ use crate::core::{Error, Result};
 use crate::document::{self, LocatedError};
 use crate::graph::{NodeProgress, ParameterValue, Registry};
 use crate::io::encode;
-use crate::io::formats::{ArrayHead, ArraySummary, Association};
+use crate::io::formats::{ArraySummary, Association, FileArray};
 use crate::nodes::files;
 use crate::{Document, Source};
 use std::path::{Path, PathBuf};
@@ -165,24 +165,21 @@ pub(super) struct ArrayChoice {
     /// `scalar`: of several components the length.
     pub scalar: String,
     /// `association`: said only where an array of the other one has the name too.
-    pub association: Association,
+    pub association: Option<Association>,
 }
 
 impl ArrayChoice {
     /// The choice of one of a file's arrays.
-    pub fn from_head(array: &ArrayHead, all: &[ArrayHead]) -> ArrayChoice {
-        let shadowed = |other: &ArrayHead| other.name == array.name && other.association != array.association;
+    pub fn from_head(array: &FileArray, all: &[FileArray]) -> ArrayChoice {
+        let shadowed = |other: &FileArray| other.name == array.name && other.association != array.association;
         let is_shadowed = array.association == Association::Cell && all.iter().any(shadowed);
-        ArrayChoice {
-            scalar: scalar(array),
-            association: if is_shadowed { Association::Cell } else { Association::Auto },
-        }
+        ArrayChoice { scalar: scalar(array), association: is_shadowed.then_some(Association::Cell) }
     }
 
     /// The choice of an array by the name in an option; an array of several components is chosen by its length.
-    pub fn by_name(name: &str, all: &[ArrayHead]) -> ArrayChoice {
+    pub fn by_name(name: &str, all: &[FileArray]) -> ArrayChoice {
         let bare = all.iter().find(|array| array.name == name && array.component_count > 1);
-        let as_it_is = || ArrayChoice { scalar: name.into(), association: Association::Auto };
+        let as_it_is = || ArrayChoice { scalar: name.into(), association: None };
         bare.map_or_else(as_it_is, |array| ArrayChoice::from_head(array, all))
     }
 
@@ -190,7 +187,7 @@ impl ArrayChoice {
     pub fn keys(&self, data: &Path, options: &DataOptions) -> String {
         let text = |text: &str| ParameterValue::Text(text.into());
         let mut keys = format!("path = {}\nscalar = {}\n", text(&data.to_string_lossy()), text(&self.scalar));
-        if self.association == Association::Cell {
+        if self.association == Some(Association::Cell) {
             keys += "association = \"cell\"\n";
         }
         keys.extend(options.time_step.map(|step| format!("time_step = {step}\n")));
@@ -201,7 +198,7 @@ impl ArrayChoice {
 }
 
 /// Name of the array as a parameter of a reader.
-pub(super) fn scalar(array: &ArrayHead) -> String {
+pub(super) fn scalar(array: &FileArray) -> String {
     let magnitude = if array.component_count > 1 { ":magnitude" } else { "" };
     format!("{}{magnitude}", array.name)
 }

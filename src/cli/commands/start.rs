@@ -10,7 +10,7 @@ use crate::core::probing::{Axis, Histogram, ProposedWidget, histogram, proposal,
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
 use crate::graph::{ParameterValue, Registry};
-use crate::io::formats::{ArrayHead, ArraySummary, Association, Request, Summary, arrays, inspect, read};
+use crate::io::formats::{ArraySummary, Association, FileArray, Request, Summary, arrays, inspect, read};
 use crate::nodes::files::{
     folder, is_standard_output, refuse_unwritable, relative_to, standard_output, write_whole,
 };
@@ -170,7 +170,7 @@ fn first_quantity(arguments: &Start, summary: &Summary) -> Result<ArrayChoice> {
     if !summary.has_volume() {
         return Err(Error::run("no cell has a volume, so there is nothing to draw").in_file(&arguments.data));
     }
-    let heads: Vec<ArrayHead> = summary.arrays.iter().map(|array| array.head.clone()).collect();
+    let heads: Vec<FileArray> = summary.arrays.iter().map(|array| array.head.clone()).collect();
     let quantity = |array: &&ArraySummary| differs(array) && !is_label(array);
     let mut arrays: Vec<&ArraySummary> = summary.arrays.iter().filter(quantity).collect();
     // The file's own first, then scalars of the points, scalars of the cells, vectors.

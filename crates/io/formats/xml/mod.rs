@@ -13,8 +13,10 @@ use super::request::{Format, Request};
 use super::source::Source;
 use glam::{DMat3, DVec3};
 use header::{Appended, Element};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use voltet_core::grid::Association;
 use voltet_core::{Error, Result};
 
 /// The declaration.
@@ -38,7 +40,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let (root, appended) = header::read(&source)?;
     match root.required("type")? {
         SERIES => open_series(&source, &root, request),
-        _ => open_step(source, &root, appended),
+        _ => open_step(source, &root, appended, true),
     }
 }
 
@@ -47,17 +49,24 @@ fn open_series(source: &Source, root: &Element, request: &Request) -> Result<Dat
     let (time_steps, files) = step(root, request)?;
     let mut dataset = Dataset::default();
     for file in files {
-        add(source, file, open_step, &mut dataset)?;
+        add(source, file, true, &mut dataset)?;
     }
     dataset.format = format!("VTK time series of {} steps; {}", time_steps.len(), dataset.format);
     dataset.time_steps = time_steps;
     Ok(dataset)
 }
 
-/// One file of a step.
-fn open_step(source: Arc<Source>, root: &Element, appended: Option<Appended>) -> Result<Dataset> {
+/// One file of a step, or of a piece of it, which may not be in pieces again.
+fn open_step(
+    source: Arc<Source>,
+    root: &Element,
+    appended: Option<Appended>,
+    may_have_pieces: bool,
+) -> Result<Dataset> {
     match root.required("type")? {
-        SERIES => Err(misplaced(SERIES)),
+        kind if kind == SERIES || !may_have_pieces && names_pieces(kind) => {
+            Err(Error::run("a file names another of a kind that cannot stand there").got(kind))
+        }
         kind if names_pieces(kind) => open_parallel(&source, root),
         _ => open_serial(source, root, appended),
     }
@@ -69,15 +78,12 @@ fn open_parallel(source: &Source, root: &Element) -> Result<Dataset> {
     if !["PUnstructuredGrid", "PStructuredGrid", "PRectilinearGrid", "PImageData"].contains(&kind) {
         return Err(refusal(kind, root));
     }
-    let grid = root
-        .child(kind)
-        .ok_or_else(|| Error::run(format!("the file holds no <{kind}>")).expected("what its type says"))?;
-    let mut dataset = Dataset::default();
-    let scalars = |tag| grid.child(tag).and_then(|section| section.attribute("Scalars"));
-    dataset.active_scalars = scalars("PPointData").or_else(|| scalars("PCellData")).map(str::to_owned);
+    let grid = grid(root, kind)?;
+    let mut dataset =
+        Dataset { active_scalars: active_scalars(grid, ["PPointData", "PCellData"]), ..Dataset::default() };
     let mut count = 0;
     for piece in grid.children_of("Piece") {
-        add(source, piece.required("Source")?, open_piece, &mut dataset)?;
+        add(source, piece.required("Source")?, false, &mut dataset)?;
         count += 1;
     }
     if count == 0 {
@@ -88,40 +94,33 @@ fn open_parallel(source: &Source, root: &Element) -> Result<Dataset> {
     Ok(dataset)
 }
 
-/// One piece's file.
-fn open_piece(source: Arc<Source>, root: &Element, appended: Option<Appended>) -> Result<Dataset> {
-    match root.required("type")? {
-        kind if kind == SERIES || names_pieces(kind) => Err(misplaced(kind)),
-        _ => open_serial(source, root, appended),
-    }
+/// The element that bears the name of the file's type.
+fn grid<'a>(root: &'a Element, kind: &str) -> Result<&'a Element> {
+    let missing = || Error::run(format!("the file holds no <{kind}>")).expected("what its type says");
+    root.child(kind).ok_or_else(missing)
 }
 
-/// Reads the file `name`, a path relative to the file that names it, by `open`, and adds its pieces.
-fn add(
-    by: &Source,
-    name: &str,
-    open: impl FnOnce(Arc<Source>, &Element, Option<Appended>) -> Result<Dataset>,
-    to: &mut Dataset,
-) -> Result<()> {
+/// Name of the array that is marked as the scalars in one of these sections.
+fn active_scalars(element: &Element, sections: [&str; 2]) -> Option<String> {
+    let marked = |tag: &&str| element.child(tag)?.attribute("Scalars").map(str::to_owned);
+    sections.iter().find_map(marked)
+}
+
+/// Reads the file `name`, a path relative to the file that names it, and adds its pieces.
+fn add(by: &Source, name: &str, may_have_pieces: bool, to: &mut Dataset) -> Result<()> {
     let path = by.path().parent().unwrap_or(Path::new("")).join(name);
     let source = Source::open(&path)?;
-    let inner = || {
-        let (root, appended) = header::read(&source)?;
-        open(source.clone(), &root, appended)
-    };
-    let part = inner().map_err(|error| error.in_file(&path))?;
+    let read = header::read(&source);
+    let part = read.and_then(|(root, appended)| open_step(source, &root, appended, may_have_pieces));
+    let part = part.map_err(|error| error.in_file(&path))?;
     to.pieces.extend(part.pieces);
     to.warnings.extend(part.warnings);
+    to.file_bytes += part.file_bytes;
     to.active_scalars = to.active_scalars.take().or(part.active_scalars);
     if to.format.is_empty() {
         to.format = part.format;
     }
     Ok(())
-}
-
-/// The error about a named file of a kind that cannot be named there.
-fn misplaced(kind: &str) -> Error {
-    Error::run("a file names another of a kind that cannot stand there").got(kind)
 }
 
 /// The times of all steps, and the files of that asked for.
@@ -185,26 +184,28 @@ fn files_marked(path: &Path, marks: &[&str], request: Option<&Request>) -> Vec<P
 
 /// Reads the table of contents of a serial file.
 fn open_serial(source: Arc<Source>, root: &Element, appended: Option<Appended>) -> Result<Dataset> {
+    let file_bytes = source.len();
     let context = Context::new(source, root, appended)?;
     let kind = root.required("type")?;
-    let piece_of = match kind {
+    let geometry_of = match kind {
         "UnstructuredGrid" => unstructured,
         "StructuredGrid" => structured,
         "RectilinearGrid" => rectilinear,
         "ImageData" => uniform,
         _ => return Err(refusal(kind, root)),
     };
-    let grid = root
-        .child(kind)
-        .ok_or_else(|| Error::run(format!("the file holds no <{kind}>")).expected("what its type says"))?;
-    let mut dataset =
-        Dataset { format: format!("VTK XML {kind}, {}", context.describe()), ..Dataset::default() };
+    let grid = grid(root, kind)?;
+    let format = format!("VTK XML {kind}, {}", context.describe());
+    let mut dataset = Dataset { format, file_bytes, ..Dataset::default() };
     for (index, element) in grid.children_of("Piece").enumerate() {
-        let piece =
-            piece_of(&context, grid, element).map_err(|error| error.at_item(format!("piece {index}")))?;
-        dataset.pieces.push(piece);
-        let scalars = |tag| element.child(tag).and_then(|section| section.attribute("Scalars"));
-        let active = scalars("PointData").or_else(|| scalars("CellData")).map(str::to_owned);
+        let piece = || {
+            let ((point_count, cell_count), geometry) = geometry_of(&context, grid, element)?;
+            let mut arrays = context.section(element, "PointData", Association::Point, point_count)?;
+            arrays.extend(context.section(element, "CellData", Association::Cell, cell_count)?);
+            Ok(Piece { point_count, cell_count, geometry, arrays })
+        };
+        dataset.pieces.push(piece().map_err(|error: Error| error.at_item(format!("piece {index}")))?);
+        let active = active_scalars(element, ["PointData", "CellData"]);
         dataset.active_scalars = dataset.active_scalars.or(active);
     }
     if dataset.pieces.is_empty() {
@@ -231,14 +232,10 @@ fn points(context: &Context, piece: &Element, count: u64) -> Result<Stored> {
     Ok(stored)
 }
 
-fn piece(context: &Context, element: &Element, counts: (u64, u64), geometry: Geometry) -> Result<Piece> {
-    let (point_count, cell_count) = counts;
-    let mut arrays = context.section(element, false, point_count)?;
-    arrays.extend(context.section(element, true, cell_count)?);
-    Ok(Piece { point_count, cell_count, geometry, arrays })
-}
+/// Numbers of points and cells, and where they are stored.
+type CountedGeometry = ((u64, u64), Geometry);
 
-fn unstructured(context: &Context, _grid: &Element, element: &Element) -> Result<Piece> {
+fn unstructured(context: &Context, _grid: &Element, element: &Element) -> Result<CountedGeometry> {
     let count = |name: &str| -> Result<u64> {
         element.required(name)?;
         Ok(element.number(name)?.unwrap_or(0))
@@ -254,7 +251,7 @@ fn unstructured(context: &Context, _grid: &Element, element: &Element) -> Result
     };
     let geometry =
         Geometry::Unstructured { points: points(context, element, point_count)?, cells: Box::new(cells) };
-    piece(context, element, (point_count, cell_count), geometry)
+    Ok(((point_count, cell_count), geometry))
 }
 
 /// The faces of polyhedra, in either of the forms that VTK has written.
@@ -291,14 +288,14 @@ fn counts(dimensions: [u64; 3]) -> Result<(u64, u64)> {
     })
 }
 
-fn structured(context: &Context, grid: &Element, element: &Element) -> Result<Piece> {
+fn structured(context: &Context, grid: &Element, element: &Element) -> Result<CountedGeometry> {
     let dimensions = extent_dimensions(extent(grid, element)?);
     let counts = counts(dimensions)?;
     let geometry = Geometry::Curvilinear { dimensions, points: points(context, element, counts.0)? };
-    piece(context, element, counts, geometry)
+    Ok((counts, geometry))
 }
 
-fn rectilinear(context: &Context, grid: &Element, element: &Element) -> Result<Piece> {
+fn rectilinear(context: &Context, grid: &Element, element: &Element) -> Result<CountedGeometry> {
     let dimensions = extent_dimensions(extent(grid, element)?);
     let section =
         element.child("Coordinates").ok_or_else(|| Error::run("the piece holds no <Coordinates>"))?;
@@ -313,10 +310,10 @@ fn rectilinear(context: &Context, grid: &Element, element: &Element) -> Result<P
         context.stored(y, Some(dimensions[1]))?,
         context.stored(z, Some(dimensions[2]))?,
     ]);
-    piece(context, element, counts(dimensions)?, Geometry::Rectilinear { dimensions, axes })
+    Ok((counts(dimensions)?, Geometry::Rectilinear { dimensions, axes }))
 }
 
-fn uniform(context: &Context, grid: &Element, element: &Element) -> Result<Piece> {
+fn uniform(_context: &Context, grid: &Element, element: &Element) -> Result<CountedGeometry> {
     let extent = extent(grid, element)?;
     let dimensions = extent_dimensions(extent);
     let vector = |name: &str, otherwise: DVec3| -> Result<DVec3> {
@@ -334,7 +331,7 @@ fn uniform(context: &Context, grid: &Element, element: &Element) -> Result<Piece
         spacing: vector("Spacing", DVec3::ONE)?,
         direction,
     };
-    piece(context, element, counts(dimensions)?, geometry)
+    Ok((counts(dimensions)?, geometry))
 }
 
 /// Encoding of all arrays of a file, from its root element.
@@ -388,20 +385,13 @@ impl Context {
         let encoding = match element.attribute("format").unwrap_or("ascii") {
             "ascii" => Encoding::Text(element.text.clone()),
             "binary" => {
-                let mut parts = element.text.iter();
-                let part = match (parts.next(), parts.next()) {
-                    (Some(part), None) => part.clone(),
-                    (None, _) if tuple_count == Some(0) => 0..0,
-                    (None, _) => return Err(Error::run("the array holds no base64 text")),
+                let part = match &element.text[..] {
+                    [part] => part.clone(),
+                    [] if tuple_count == Some(0) => 0..0,
+                    [] => return Err(Error::run("the array holds no base64 text")),
                     _ => return Err(Error::run("the base64 text is not in one part")),
                 };
-                Encoding::Xml {
-                    at: part.start,
-                    end: part.end,
-                    base64: true,
-                    wide: self.wide,
-                    codec: self.codec,
-                }
+                self.binary(part, true)
             }
             "appended" => {
                 let Some(appended) = self.appended else {
@@ -418,21 +408,23 @@ impl Context {
                         .got(format_args!("offset {offset}"))
                         .expected(format_args!("at most {}", self.source.len() - appended.offset)));
                 };
-                let end = self.source.len();
-                Encoding::Xml { at, end, base64: appended.base64, wide: self.wide, codec: self.codec }
+                self.binary(at..self.source.len(), appended.base64)
             }
             _ => return Err(element.wrong("format", "ascii, binary or appended")),
         };
-        let order = self.order;
         Ok(Stored {
             source: self.source.clone(),
             name: name.to_owned(),
             number_type,
-            order,
+            order: self.order,
             component_count,
             tuple_count,
             encoding,
         })
+    }
+
+    fn binary(&self, Range { start, end }: Range<u64>, base64: bool) -> Encoding {
+        Encoding::Xml { at: start, end, base64, wide: self.wide, codec: self.codec }
     }
 
     /// The array of a section (`Cells`, `Coordinates`) that bears a name.
@@ -451,13 +443,18 @@ impl Context {
     }
 
     /// The arrays of `<PointData>` or `<CellData>`; arrays of text are not among them.
-    fn section(&self, piece: &Element, per_cell: bool, count: u64) -> Result<Vec<PieceArray>> {
-        let tag = if per_cell { "CellData" } else { "PointData" };
+    fn section(
+        &self,
+        piece: &Element,
+        tag: &str,
+        association: Association,
+        count: u64,
+    ) -> Result<Vec<PieceArray>> {
         let Some(section) = piece.child(tag) else { return Ok(Vec::new()) };
         section
             .children_of("DataArray")
             .filter(|array| array.attribute("type") != Some("String"))
-            .map(|array| Ok(PieceArray { per_cell, stored: self.stored(array, Some(count))? }))
+            .map(|array| Ok(PieceArray { association, stored: self.stored(array, Some(count))? }))
             .collect()
     }
 }

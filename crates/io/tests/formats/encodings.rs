@@ -86,11 +86,11 @@ fn cell_arrays_are_found_by_association_and_kept_constant_on_request() {
     let path = file(&folder, "grid.vtu", &unstructured(encodings()[4], 3, false));
     let request =
         |association| Request { scalar: Some("cell".to_owned()), association, ..Request::default() };
-    assert!(read(&path, &request(Association::Auto), &NoProgress).is_ok());
-    let error = read(&path, &request(Association::Point), &NoProgress).unwrap_err().to_string();
+    assert!(read(&path, &request(None), &NoProgress).is_ok());
+    let error = read(&path, &request(Some(Association::Point)), &NoProgress).unwrap_err().to_string();
     assert!(error.contains("an array of the cells, not of the points"), "{error}");
     let constant =
-        Request { cell_values: voltet_io::formats::CellValues::Constant, ..request(Association::Cell) };
+        Request { cell_values: voltet_io::formats::CellValues::Constant, ..request(Some(Association::Cell)) };
     let grid = read(&path, &constant, &NoProgress).unwrap();
     for (cell, corners) in grid.tetrahedra.iter().enumerate() {
         assert!(corners.iter().all(|&c| grid.scalar.as_ref().unwrap()[c as usize] == cell as f64));

@@ -36,7 +36,7 @@ fn unstructured_grids_of_all_versions_read_the_same() {
                 assert_eq!(scalar("in=field:1"), 11.0, "{what}");
                 assert_eq!(scalar("colour:0"), 1.0, "{what}");
                 assert_eq!([scalar("bits"), grid(&path, "bits").scalar.unwrap()[4]], [0.0, 1.0], "{what}");
-                let cells = Request { association: Association::Cell, ..Request::default() };
+                let cells = Request { association: Some(Association::Cell), ..Request::default() };
                 assert_eq!(read(&path, &cells, &NoProgress).unwrap().scalar_name, "per cell");
                 let summary = inspect(&path, &Request::default(), &NoProgress).unwrap();
                 assert_eq!(summary.active_scalars.as_deref(), Some("per cell"));
