@@ -23,7 +23,7 @@ fn parameters(fields: &[Field]) -> Option<Parameters> {
     let kind = find_setting(fields, "kind")?.text()?;
     let kind = WIDGET_KINDS.iter().find(|known| known.name == kind)?;
     // What is wrong is said elsewhere; what is not set has no numbers.
-    Some(Parameters::survey(kind.parameters, fields, &SourceSpan::Nowhere, &["kind"], &mut Vec::new()))
+    Some(Parameters::survey(kind.parameters, fields, &SourceSpan::Nowhere, &["kind"], &mut |_, _| {}))
 }
 
 pub(super) fn is_relative(fields: &[Field]) -> bool {
