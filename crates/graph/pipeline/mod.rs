@@ -26,8 +26,8 @@ pub fn locate(error: Error, text: &str, path: &std::path::Path) -> Error {
 }
 
 /// Adds line and column to an error that points at a byte range of the text.
-fn placed(mut error: Error, text: &str) -> Error {
-    match error.location.span.take().filter(|_| error.location.line_column.is_none()) {
+fn placed(error: Error, text: &str) -> Error {
+    match error.location.span.clone().filter(|_| error.location.line_column.is_none()) {
         Some(span) => error.at_span(text, span),
         None => error,
     }
