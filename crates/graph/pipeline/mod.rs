@@ -261,10 +261,6 @@ pub fn parameters(text: &str) -> Result<Vec<Field>> {
 
 /// Text read as one TOML value; `None` where it is none.
 pub fn value(text: &str) -> Option<LocatedValue> {
-    // One line only: what follows a line break would be read as further keys.
-    if text.contains('\n') {
-        return None;
-    }
     let document = format!("value = {text}");
     let table = DeTable::parse(&document).ok()?;
     let mut faults = Vec::new();
