@@ -25,11 +25,14 @@ pub fn locate(error: Error, text: &str, path: &std::path::Path) -> Error {
     placed(error, text).in_file(path)
 }
 
-/// Adds line and column to an error that points at a byte range of the text.
-fn placed(error: Error, text: &str) -> Error {
-    match error.location.span.clone().filter(|_| error.location.line_column.is_none()) {
-        Some(span) => error.at_span(text, span),
-        None => error,
+/// Adds line and column to an error that has none and points at a byte range of the text.
+fn placed(mut error: Error, text: &str) -> Error {
+    match error.location.line_column {
+        None => match error.location.span.take() {
+            Some(span) => error.at_span(text, span),
+            None => error,
+        },
+        Some(_) => error,
     }
 }
 
