@@ -103,7 +103,7 @@ pub fn diagonal(points: &[DVec3]) -> f64 {
 }
 
 /// An input or an output of a node.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Port {
     /// Its name.
     pub name: &'static str,
