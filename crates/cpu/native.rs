@@ -9,11 +9,11 @@ use crate::segment_cache::{Plan, SegmentCache};
 use crate::selection::CullSample;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
+use voltet_core::Result;
 use voltet_core::diagnostics::Diagnostics;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
-use voltet_core::Result;
 use voltet_optics::engine::{
     self, Engine, EngineInfo, PreparedVolume, RenderOptions, RenderOutput, Stage, StageTiming,
 };

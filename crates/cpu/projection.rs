@@ -12,10 +12,10 @@ use crate::tile::{Area, TILE};
 use crate::view::{ScreenVertex, View};
 use rayon::prelude::*;
 use std::sync::Arc;
+use voltet_core::Result;
 use voltet_core::camera::Camera;
 use voltet_core::grid::Grid;
 use voltet_core::progress::Progress;
-use voltet_core::Result;
 
 /// Cells prepared for the compositor: one projection for each sample of a pixel. Of more cells than are resident at once
 /// ([`crate::CellSelection::max_resident_cells`]) it holds the region of the picture that each touches; the compositor projects them region

@@ -32,7 +32,7 @@ struct Entry {
 }
 
 /// Receiver of the mistakes in what a table sets: the parameter, or the unknown key, and the error with its location.
-pub type OnFault<'a> = &'a mut dyn FnMut(&str, Error);
+pub type FaultSink<'a> = &'a mut dyn FnMut(&str, Error);
 
 /// Compares values; the declarations are assumed equal (one node type).
 impl PartialEq for Parameters {
@@ -219,7 +219,7 @@ impl Parameters {
         fields: &[Field],
         origin: &SourceSpan,
         also: &[&str],
-        fault: OnFault,
+        fault: FaultSink,
     ) -> Parameters {
         let unset = |&declared: &Parameter| Entry { declared, setting: None, is_set: false };
         let mut entries: Vec<Entry> = declared.iter().map(unset).collect();
@@ -288,7 +288,7 @@ fn kind_of(
         fault(kind.error("unknown kind", suggest(word, names())));
         return None;
     };
-    let on_fault: OnFault = &mut |_, error| fault(error);
+    let on_fault: FaultSink = &mut |_, error| fault(error);
     Some((found.name, Parameters::survey(found.parameters, fields, &setting.origin, &["kind"], on_fault)))
 }
 

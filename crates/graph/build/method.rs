@@ -7,8 +7,8 @@ use crate::api::node::Node;
 use voltet_core::Error;
 use voltet_core::field::Method;
 use voltet_core::parameters::{
-    Field, LocatedValue, OnFault, Parameter, ParameterValue, Parameters, SourceSpan, VariantSchema, nearest,
-    suggest,
+    FaultSink, Field, LocatedValue, Parameter, ParameterValue, Parameters, SourceSpan, VariantSchema,
+    nearest, suggest,
 };
 
 /// Checks what an entry sets: against what the node declares, and what the filter or the variant that it names does. `None` where that
@@ -17,7 +17,7 @@ pub(super) fn survey(
     entry: &NodeEntry,
     node: &'static Node,
     registry: &Registry,
-    fault: OnFault,
+    fault: FaultSink,
 ) -> Option<(Parameters, Option<Method>)> {
     let mut settings = entry.settings.clone();
     let chosen = match node.registered_parameter() {
@@ -25,7 +25,7 @@ pub(super) fn survey(
         None => None,
     };
     let declared = registry.parameters(node, chosen.as_deref());
-    let own = |fields: &[Field], fault: OnFault| {
+    let own = |fields: &[Field], fault: FaultSink| {
         let own = Parameters::survey(&declared, fields, &entry.origin, &[], fault);
         match node.registered_parameter() {
             Some(parameter) => {
@@ -76,7 +76,7 @@ fn variant(
     parameter: &Parameter,
     settings: &mut [Field],
     registry: &Registry,
-    fault: OnFault,
+    fault: FaultSink,
 ) -> Option<Option<String>> {
     let default = parameter.default.datum().map(LocatedValue::from);
     let given =

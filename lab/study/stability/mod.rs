@@ -13,8 +13,8 @@ pub use printed::{FormulaRow, PrintedFormula};
 pub use random::{BoundViolation, RandomReport, random, scene as random_scene};
 pub use report::{IntegratorReport, StabilityReport, forms_json, forms_text, json, random_text, text};
 
-use voltet_core::progress::Progress;
 use voltet_core::Result;
+use voltet_core::progress::Progress;
 use voltet_judge::{judge_cases, shipped};
 
 /// Judges all of the forms by the cases that the program carries, draws the pictures, evaluates what papers print.

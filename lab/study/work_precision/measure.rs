@@ -250,7 +250,7 @@ pub(super) fn measure(
         progress.check_cancelled()?;
         let begun = Instant::now();
         let drawn = volume.draw(scene, &manner, &CancelOnly(progress))?;
-        Ok(TimedPicture { drawn, seconds: begun.elapsed().as_secs_f64() })
+        Result::Ok(TimedPicture { drawn, seconds: begun.elapsed().as_secs_f64() })
     };
     let first = draw(&scene)?;
     if let Some(instead) = &first.drawn.instead {
