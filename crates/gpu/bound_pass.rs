@@ -1,22 +1,13 @@
-//! Compiled passes with what is bound to them: the view and what is a pass's own in group 1, the grid's arrays in group
+//! Passes that are the same for every scene, bound: the view and what is a pass's own in group 1, the grid's arrays in group
 //! 2; and the sort of all cells by distance, a radix sort on the device, which gathers the cells that can be seen on its way.
 
-use crate::device::pipelines::{Bound, Program, in_order, own_kinds};
-use crate::device::{Device, GrowingBuffer, PassName, Timing};
+use crate::device::pipelines::{Binding, Bound, BoundPass, Program, bound, in_order};
+use crate::device::{Device, GrowingBuffer};
 use crate::grid::{DeviceArray, DeviceGrid, SplitBuffer};
-use std::sync::Arc;
 use voltet_core::Result;
 use voltet_optics::engine::Stage;
-use voltet_shaders::{Access, FramePass, GRID_GROUP, GridArray, Layout, RoundRecord};
-use wgpu::{Buffer, CommandEncoder, ComputePipeline};
-
-/// A compiled pass and what is bound to it.
-pub(crate) struct BoundPass {
-    pub name: PassName,
-    pub pipeline: Arc<ComputePipeline>,
-    pub groups: Vec<(u32, wgpu::BindGroup)>,
-    pub workgroups: [u32; 2],
-}
+use voltet_shaders::{Access, FramePass, GridArray, Layout, RoundRecord};
+use wgpu::Buffer;
 
 /// The stage that a pass is part of.
 fn stage(pass: FramePass) -> Stage {
@@ -36,12 +27,12 @@ pub(crate) struct GridArrays<'a> {
 }
 
 impl GridArrays<'_> {
-    /// Buffers bound to the group of the grid, in order. `quantity`: the array that [`GridArray::Quantity`] stands for.
-    pub fn buffers<'b>(
+    /// Bindings of the group of the grid. `quantity`: the array that [`GridArray::Quantity`] stands for.
+    pub fn bindings<'b>(
         &'b self,
         arrays: &[(GridArray, Access)],
         quantity: &'b DeviceArray,
-    ) -> Vec<(Bound, &'b Buffer)> {
+    ) -> Vec<Binding<'b>> {
         let parts = |(array, access): &(GridArray, Access)| {
             let parted = match array {
                 GridArray::Positions => &self.grid.positions,
@@ -54,24 +45,8 @@ impl GridArrays<'_> {
             let kind = if *access == Access::Read { Bound::Read } else { Bound::Write };
             parted.iter().map(move |buffer| (kind, buffer))
         };
-        arrays.iter().flat_map(parts).collect()
+        in_order(arrays.iter().flat_map(parts))
     }
-}
-
-/// The kinds of group 0: the scene, and behind it what is only read.
-pub(crate) fn scene_kinds(scene: &[(u32, &Buffer)]) -> Vec<(u32, Bound)> {
-    let kind = |binding| if binding == 0 { Bound::Uniform } else { Bound::Read };
-    scene.iter().map(|(binding, _)| (*binding, kind(*binding))).collect()
-}
-
-/// Bound buffers, by binding.
-pub(crate) fn kinds(bound: &[(Bound, &Buffer)]) -> Vec<(u32, Bound)> {
-    in_order(&bound.iter().map(|b| b.0).collect::<Vec<_>>())
-}
-
-/// The buffers, by binding.
-pub(crate) fn buffers<'b>(bound: &[(Bound, &'b Buffer)]) -> Vec<(u32, &'b Buffer)> {
-    in_order(&bound.iter().map(|b| b.1).collect::<Vec<_>>())
 }
 
 /// Compiles passes over one grid and binds them.
@@ -83,64 +58,42 @@ pub(crate) struct Binder<'a> {
 }
 
 impl Binder<'_> {
-    /// A pass that is the same for every scene. `bindings`: those behind the view; `quantity`: see [`GridArrays::buffers`].
+    /// A pass that is the same for every scene. `own`: see [`Binder::own`]; `quantity`: see [`GridArrays::bindings`].
     pub fn step(
         &self,
         pass: FramePass,
-        workgroups: [u32; 2],
+        workgroups: [u32; 3],
         constants: Vec<(&'static str, f64)>,
-        bindings: &[&Buffer],
+        own: &[&Buffer],
         quantity: &DeviceArray,
     ) -> Result<BoundPass> {
-        let in_grid = self.arrays.buffers(pass.grid_arrays(), quantity);
-        let program = Program {
+        let in_grid = self.arrays.bindings(pass.grid_arrays(), quantity);
+        self.device.pass(&Program {
+            name: (pass.entry_point(), stage(pass)),
             shader: &pass.shader(self.layout),
-            entry_point: pass.entry_point(),
             constants,
-            groups: [&[], &own_kinds(Some(pass)), &kinds(&in_grid)],
-        };
-        let pipeline = self.device.pipeline(&program)?;
-        let groups = self.groups(&pipeline, bindings, &in_grid);
-        Ok(BoundPass { name: (pass.entry_point(), stage(pass)), pipeline, groups, workgroups })
+            groups: [&[], &self.own(Some(pass), own), &in_grid],
+            workgroups,
+        })
     }
 
-    /// Groups 1 and 2 of a pipeline.
-    pub fn groups(
-        &self,
-        pipeline: &ComputePipeline,
-        bindings: &[&Buffer],
-        in_grid: &[(Bound, &Buffer)],
-    ) -> Vec<(u32, wgpu::BindGroup)> {
-        let own = in_order(&[&[self.view], bindings].concat());
-        let mut groups = vec![(1, self.device.bind(pipeline, 1, &own))];
-        if !in_grid.is_empty() {
-            groups.push((GRID_GROUP, self.device.bind(pipeline, GRID_GROUP, &buffers(in_grid))));
-        }
-        groups
+    /// Group 1 of a pass, or without one of the tiles' compositor: the view, and behind it as many of the buffers as it binds.
+    pub fn own<'b>(&'b self, pass: Option<FramePass>, buffers: &[&'b Buffer]) -> Vec<Binding<'b>> {
+        let own = bound(pass).iter().zip(buffers).map(|(kind, buffer)| (*kind, *buffer));
+        in_order(std::iter::once((Bound::Uniform, self.view)).chain(own))
     }
-}
-
-pub(crate) fn run(encoder: &mut CommandEncoder, step: &BoundPass, timing: &mut Timing) {
-    let descriptor =
-        wgpu::ComputePassDescriptor { label: Some(step.name.0), timestamp_writes: timing.next(step.name) };
-    let mut compute = encoder.begin_compute_pass(&descriptor);
-    compute.set_pipeline(&step.pipeline);
-    for (number, group) in &step.groups {
-        compute.set_bind_group(*number, group, &[]);
-    }
-    compute.dispatch_workgroups(step.workgroups[0], step.workgroups[1], 1);
 }
 
 /// Workgroups for so many invocations, folded into rows where one row does not hold them.
-pub(crate) fn folded(count: u32, most: u32) -> [u32; 2] {
+pub(crate) fn folded(count: u32, most: u32) -> [u32; 3] {
     in_rows(count.div_ceil(64), most)
 }
 
 /// This number of workgroups, or a few more, folded likewise.
-pub(crate) fn in_rows(groups: u32, most: u32) -> [u32; 2] {
+pub(crate) fn in_rows(groups: u32, most: u32) -> [u32; 3] {
     let groups = groups.max(1);
     let rows = groups.div_ceil(most);
-    [groups.div_ceil(rows), rows]
+    [groups.div_ceil(rows), rows, 1]
 }
 
 /// Bytes of a cell in the sorted list.
@@ -213,20 +166,19 @@ impl SortBuffers {
                 capacity,
                 padding: 0,
             };
-            let round = device.uniform("a round of the sort", size_of::<RoundRecord>() as u64)?;
-            device.write(&round, 0, bytemuck::bytes_of(&record));
+            let round = device.uniform("a round of the sort", bytemuck::bytes_of(&record))?;
             let sorted = &lists[number as usize % 2];
             let unsorted = match items {
                 Items::Ordered(list) if number == 0 => list,
                 _ => &lists[(number as usize + 1) % 2],
             };
-            let bindings = [&round, unsorted, &digit_counts, sorted];
-            for (pass, workgroups, count) in [
-                (FramePass::CountDigits, over_blocks, 3),
-                (FramePass::PlaceDigits, [RoundRecord::DIGITS, 1], 3),
-                (FramePass::MoveDigits, over_blocks, 4),
+            let own = [&round, unsorted, &digit_counts, sorted];
+            for (pass, workgroups) in [
+                (FramePass::CountDigits, over_blocks),
+                (FramePass::PlaceDigits, [RoundRecord::DIGITS, 1, 1]),
+                (FramePass::MoveDigits, over_blocks),
             ] {
-                steps.push(binder.step(pass, workgroups, vec![], &bindings[..count], quantity)?);
+                steps.push(binder.step(pass, workgroups, vec![], &own, quantity)?);
             }
         }
         let [first, second] = lists;
@@ -246,7 +198,7 @@ mod tests {
     #[test]
     fn folded_rows_hold_every_invocation() {
         for (count, most) in [(0, 65535), (1, 65535), (64, 65535), (16_000_000, 65535), (u32::MAX, 65535)] {
-            let [columns, rows] = folded(count, most);
+            let [columns, rows, _] = folded(count, most);
             assert!(columns <= most && rows <= most);
             assert!(u64::from(columns) * u64::from(rows) * 64 >= u64::from(count), "{count}");
         }
@@ -267,7 +219,7 @@ mod tests {
     fn sorted(grid: &DeviceGrid, volume: &Volume, items: &[[u32; 2]], capacity: u32) -> Vec<[u32; 2]> {
         let device: &Device = &grid.device;
         let mut buffers = SortBuffers::default();
-        let view = device.uniform("the view", size_of::<ViewRecord>() as u64).expect("fits");
+        let view = device.uniform("the view", &[0; size_of::<ViewRecord>()]).expect("fits");
         let nothing = || vec![device.storage("nothing", 16).expect("fits")];
         let arrays = GridArrays { grid, seen: nothing(), attributes: nothing(), bounds: nothing() };
         let binder = Binder { device, view: &view, arrays: &arrays, layout: &Layout::WHOLE };
@@ -279,7 +231,7 @@ mod tests {
         device.queue.write_buffer(&sort.digit_counts, 4 * 256, bytemuck::bytes_of(&count));
         let mut encoder = device.device.create_command_encoder(&Default::default());
         let mut timing = Timing::new(device).expect("has a clock or none");
-        sort.steps.iter().for_each(|step| run(&mut encoder, step, &mut timing));
+        sort.steps.iter().for_each(|step| step.run(&mut encoder, &mut timing));
         let mapped = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
         let bytes = 8 * items.len() as u64;
         let back = device.buffer("the list on its way back", bytes, mapped).expect("fits");

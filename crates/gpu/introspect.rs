@@ -1,8 +1,8 @@
 //! Measurements of a device, and single ray segments through the composed shaders, for comparison with exact values. No part of the
 //! public interface: it changes with the engine.
 
-use crate::device::Device;
-use crate::device::pipelines::{Bound, Program, in_order};
+use crate::device::pipelines::{Binding, Bound, Program, in_order};
+use crate::device::{Device, Timing};
 use crate::engine::{GpuEngine, GpuVolume};
 use crate::frame::inputs::shader_key;
 use std::any::Any;
@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
-use voltet_optics::engine::{Engine, PreparedVolume, RenderOptions};
+use voltet_optics::engine::{Engine, PreparedVolume, RenderOptions, Stage};
 use voltet_optics::integrators::Extent;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Integrator, Shading};
@@ -48,28 +48,21 @@ impl Device {
     /// Errors: a lost device.
     pub fn multiply_adds_per_second(&self) -> Result<f64> {
         let (shader, of_workgroup) = multiply_adds();
-        let pipeline = self.pipeline(&Program {
-            shader: &shader,
-            entry_point: "multiply_adds",
-            constants: vec![],
-            groups: [&[(0, Bound::Write)], &[], &[]],
-        })?;
         let sums = self.storage("the sums", (2 + 64) * 16)?;
         // Sums stay near 1: no number that a device might treat apart.
         let start = [[0.5f32; 4], [0.5; 4]];
         self.guarded("the sums", || self.queue.write_buffer(&sums, 0, bytemuck::bytes_of(&start)))?;
-        let group = self.bind(&pipeline, 0, &in_order(&[&sums]));
-        let run = |workgroups: u32| -> Result<Duration> {
+        let mut pass = self.pass(&Program {
+            name: ("multiply_adds", Stage::Composite),
+            shader: &shader,
+            constants: vec![],
+            groups: [&in_order([(Bound::Write, &sums)]), &[], &[]],
+            workgroups: [1; 3],
+        })?;
+        let mut run = |workgroups: u32| -> Result<Duration> {
             let begin = Instant::now();
-            self.guarded("the multiply-adds", || {
-                let mut encoder = self.device.create_command_encoder(&Default::default());
-                let mut compute = encoder.begin_compute_pass(&Default::default());
-                compute.set_pipeline(&pipeline);
-                compute.set_bind_group(0, &group, &[]);
-                compute.dispatch_workgroups(workgroups, 1, 1);
-                drop(compute);
-                self.queue.submit([encoder.finish()]);
-            })?;
+            pass.workgroups[0] = workgroups;
+            self.submit("the multiply-adds", |encoder| pass.run(encoder, &mut Timing::default()))?;
             self.wait("the multiply-adds", None)?;
             Ok(begin.elapsed())
         };
@@ -113,32 +106,25 @@ impl Device {
         if holds(&shader_key, transfer_function, segment).is_err() {
             return Ok(Err("the device refuses what 32 bits do not hold, and `auto` takes the CPU"));
         }
-        let scene = self.uniform("the scene", parameters.scene_bytes().len() as u64)?;
-        self.write(&scene, 0, &parameters.scene_bytes());
+        let scene = self.uniform("the scene", &parameters.scene_bytes())?;
         // Closed forms read no table of lengths.
         let extent = Extent { scalar: [0.0; 2], longest: 1.0 };
         let numbers = &parameters.numbers;
         let resources =
             Resources::new(&shader_key, transfer_function, &shading, axes[0], length, &extent, numbers)?;
-        let mut read = vec![(0, Bound::Uniform, scene)];
+        let mut numbers = Vec::new();
         for buffer in &resources.buffers {
             if let Some(binding) = buffer.binding {
-                let numbers = self.upload_items("the scene's numbers", &buffer.contents.bytes)?;
-                read.push((binding, Bound::Read, numbers));
+                numbers.push((binding, self.upload_items("the scene's numbers", &buffer.contents.bytes)?));
             }
         }
+        let mut read = in_order([(Bound::Uniform, &scene)]);
+        read.extend(numbers.iter().map(|(at, buffer)| (*at, Bound::Read, buffer.as_entire_binding())));
         let shader = compose(&shader_key);
         let rows = self.upload_items("a segment", &row(&shader_key, &axes, length, segment))?;
-        let kinds: Vec<(u32, Bound)> = read.iter().map(|(binding, kind, _)| (*binding, *kind)).collect();
-        let program = Program {
-            shader: &shader,
-            entry_point: "integrate_segments",
-            constants: constants(&shader_key, &shader).to_vec(),
-            groups: [&kinds, &[(0, Bound::Read), (1, Bound::Write)], &[]],
-        };
-        let read: Vec<(u32, &wgpu::Buffer)> =
-            read.iter().map(|(binding, _, buffer)| (*binding, buffer)).collect();
-        let found = self.run_on_rows(&program, &read, &rows, &[f32::NAN; CONTRIBUTION])?;
+        let constants = constants(&shader_key, &shader);
+        let initial = [f32::NAN; CONTRIBUTION];
+        let found = self.run_on_rows("integrate_segments", &shader, constants, &read, &rows, &initial)?;
         Ok(Ok(contributions(&found)[0]))
     }
 
@@ -149,29 +135,27 @@ impl Device {
     /// A pass of one workgroup over rows; `values`: what its output holds before.
     fn run_on_rows(
         &self,
-        program: &Program,
-        read: &[(u32, &wgpu::Buffer)],
+        entry_point: &'static str,
+        shader: &Shader,
+        constants: &[(&'static str, f64)],
+        read: &[Binding],
         rows: &wgpu::Buffer,
         values: &[f32],
     ) -> Result<Vec<f32>> {
-        let pipeline = self.pipeline(program)?;
         let bytes = size_of_val(values) as u64;
         let output = self.upload_items("the values", values)?;
         let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
         let returned = self.buffer("the values on their way back", bytes, usage)?;
-        let mut groups = vec![(1, self.bind(&pipeline, 1, &[(0, rows), (1, &output)]))];
-        if !read.is_empty() {
-            groups.push((0, self.bind(&pipeline, 0, read)));
-        }
-        self.guarded("a segment", || {
-            let mut encoder = self.device.create_command_encoder(&Default::default());
-            let mut compute = encoder.begin_compute_pass(&Default::default());
-            compute.set_pipeline(&pipeline);
-            groups.iter().for_each(|(number, group)| compute.set_bind_group(*number, group, &[]));
-            compute.dispatch_workgroups(1, 1, 1);
-            drop(compute);
+        let pass = self.pass(&Program {
+            name: (entry_point, Stage::Composite),
+            shader,
+            constants: constants.to_vec(),
+            groups: [read, &in_order([(Bound::Read, rows), (Bound::Write, &output)]), &[]],
+            workgroups: [1; 3],
+        })?;
+        self.submit("a segment", |encoder| {
+            pass.run(encoder, &mut Timing::default());
             encoder.copy_buffer_to_buffer(&output, 0, &returned, 0, bytes);
-            self.queue.submit([encoder.finish()]);
         })?;
         self.read("the values", &returned, bytes, bytemuck::pod_collect_to_vec)
     }
@@ -179,9 +163,8 @@ impl Device {
     /// The pass `evaluate` of a piece, over rows of four numbers.
     fn evaluate(&self, piece: &str, rows: &[[f32; 4]], values: &[f32]) -> Result<Vec<f32>> {
         let shader = compose_pieces("", &[piece]);
-        let groups: [&[(u32, Bound)]; 3] = [&[], &[(0, Bound::Read), (1, Bound::Write)], &[]];
-        let program = Program { shader: &shader, entry_point: "evaluate", constants: vec![], groups };
-        self.run_on_rows(&program, &[], &self.upload_items("the rows", rows)?, values)
+        let rows = self.upload_items("the rows", rows)?;
+        self.run_on_rows("evaluate", &shader, &[], &[], &rows, values)
     }
 
     /// Composites segments front to back: r, g, b, A as it is summed, 1 − A, and A.

@@ -4,20 +4,18 @@
 //! indices are the same for all runs; so what drawing takes is a picture, one list of indices, and for triangles the corners
 //! of one run, whatever the grid's size.
 
-use crate::bound_pass::{
-    Binder, BoundPass, ENTRY_BYTES, Items, ROUNDS, SortBuffers, buffers, folded, kinds, run, scene_kinds,
-};
-use crate::device::pipelines::{Bound, Program, in_order};
+use crate::bound_pass::{Binder, ENTRY_BYTES, Items, ROUNDS, SortBuffers, folded};
+use crate::device::pipelines::{Binding, Bound, BoundGroups, BoundPass, Program, in_order};
 use crate::device::{Device, GrowingBuffer, Timing};
 use crate::grid::DeviceArray;
 use std::sync::Arc;
 use voltet_core::visibility::FaceOrder;
 use voltet_core::{Error, Result};
 use voltet_optics::engine::{Accumulation, Compositor, Stage};
-use voltet_shaders::{Access, Blend, FramePass, GRID_GROUP, GridArray, RunRecord, Shader, ViewRecord};
+use voltet_shaders::{Blend, FramePass, RunRecord, Shader, ViewRecord};
 use wgpu::{
-    BlendComponent, BlendFactor, Buffer, BufferUsages, CommandEncoder, DownlevelFlags, ShaderStages,
-    TextureFormat,
+    BindingResource, BlendComponent, BlendFactor, Buffer, BufferUsages, CommandEncoder, DownlevelFlags,
+    ShaderStages, TextureFormat,
 };
 
 /// As what cells are drawn.
@@ -78,21 +76,17 @@ pub(crate) struct RasterBuffers {
 pub(crate) struct Blending<'a> {
     pub shader: &'a Shader,
     pub form: &'static CellPrimitive,
-    pub blend: Blend,
-    /// True if pixels hold 8 bits a channel.
-    pub in_8_bits: bool,
-    /// True if optical depths add up; else opacities are composited.
-    pub depths_add_up: bool,
+    pub target: Target,
     pub sorted: bool,
     /// The order in which the cells are taken, where it is known.
     pub ordered: Option<&'a Arc<FaceOrder>>,
     /// The window, in tiles.
     pub window: [u32; 4],
-    /// Arrays of the grid that are read.
-    pub cells_read: &'static [(GridArray, Access)],
     pub scalar: &'a DeviceArray,
     /// Group 0: the scene and its tables.
-    pub scene: &'a [(u32, &'a Buffer)],
+    pub scene: &'a [Binding<'a>],
+    /// Group 2: arrays of the grid that are read.
+    pub in_grid: &'a [Binding<'a>],
     /// Buffer of the picture.
     pub pixels: &'a Buffer,
 }
@@ -105,7 +99,7 @@ pub(crate) struct Raster {
     /// The entry point for pixels.
     name: &'static str,
     pipeline: Arc<wgpu::RenderPipeline>,
-    groups: [wgpu::BindGroup; 3],
+    groups: BoundGroups,
     canvases: Vec<wgpu::TextureView>,
     clear: wgpu::Color,
     indices: Buffer,
@@ -117,11 +111,9 @@ pub(crate) struct Raster {
 impl Raster {
     /// Makes what is missing of the buffers, and binds it.
     pub fn new(blending: &Blending, kept: &mut RasterBuffers, binder: &Binder) -> Result<Raster> {
-        let &Blending { shader, form, blend, in_8_bits, depths_add_up, sorted, window, scalar, .. } =
+        let &Blending { shader, form, ref target, sorted, window, scalar, scene, in_grid, pixels, .. } =
             blending;
-        let &Blending { scene, pixels, .. } = blending;
         let (device, cell_count) = (binder.device, binder.arrays.grid.cell_count);
-        let scene_kinds = scene_kinds(scene);
         // A run's corners stand in one binding.
         let fit = (device.most_bytes() / RunRecord::CELL_BYTES).max(1);
         let most = if form == TRIANGLES { fit.try_into().unwrap_or(u32::MAX) } else { u32::MAX };
@@ -143,8 +135,8 @@ impl Raster {
             ("cell_indices", 3.0 * form.triangles.len() as f64),
             ("cell_vertices", f64::from(vertices)),
         ];
-        let bindings = [&draws, &list.digit_counts];
-        steps.push(binder.step(FramePass::Runs, folded(run_count, most), constants, &bindings, scalar)?);
+        let own = [&draws, &list.digit_counts];
+        steps.push(binder.step(FramePass::Runs, folded(run_count, most), constants, &own, scalar)?);
         let mut split = Vec::new();
         // What vertices are read from.
         let drawn = if form == OUTLINES {
@@ -155,53 +147,35 @@ impl Raster {
             let corners = kept.split.at_least(size, |size| device.storage("the corners of a run", size))?;
             for number in 0..run_count {
                 let record = RunRecord { first: number * run_length, length: run_length, padding: [0; 2] };
-                let this = device.uniform("a run", size_of::<RunRecord>() as u64)?;
-                device.write(&this, 0, bytemuck::bytes_of(&record));
-                let bindings = [&this, &list.sorted, &list.digit_counts, &corners];
+                let this = device.uniform("a run", bytemuck::bytes_of(&record))?;
+                let own = [&this, &list.sorted, &list.digit_counts, &corners];
                 let over_run = folded(run_cells, most);
-                split.push(binder.step(FramePass::Split, over_run, vec![], &bindings, scalar)?);
+                split.push(binder.step(FramePass::Split, over_run, vec![], &own, scalar)?);
             }
             corners
         };
 
-        let target = Target::new(blend, depths_add_up, device.blends_32_bits, in_8_bits);
         let size = [window[2], window[3]].map(|tiles| tiles * ViewRecord::TILE);
         let made = target.formats.iter().zip(&mut kept.canvases);
         let canvases: Vec<_> =
             made.map(|(format, canvas)| canvas.texture(device, size, *format)).collect::<Result<_>>()?;
-        let clear = target.clear;
-        let in_grid = binder.arrays.buffers(blending.cells_read, scalar);
-        let pipeline = device.drawing(&Drawing {
-            shader,
-            entry_points: form.entry_points,
-            target,
-            groups: [&scene_kinds, &in_order(&[Bound::Uniform, Bound::Read]), &kinds(&in_grid)],
-        })?;
-        let group = |number, list: &[(u32, &Buffer)]| {
-            device.bind_group(&pipeline.get_bind_group_layout(number), whole(list))
-        };
-        let groups = [
-            group(0, scene),
-            group(1, &[(0, binder.view), (1, &drawn)]),
-            group(GRID_GROUP, &buffers(&in_grid)),
-        ];
+        let own = in_order([(Bound::Uniform, binder.view), (Bound::Read, &drawn)]);
+        let groups = [scene, &own, in_grid];
+        let pipeline = device.drawing(shader, form.entry_points, target, &groups)?;
+        let groups = device.bind(&groups, |number| pipeline.get_bind_group_layout(number));
 
+        let mut own = in_order([(Bound::Uniform, binder.view)]);
+        own.push((3, Bound::Write, pixels.as_entire_binding()));
         // Behind the picture, what is rounded has its opacity in a texture of its own.
         let texels = [2, 4].into_iter().zip(&canvases);
-        let mut take_kinds = vec![(0, Bound::Uniform), (3, Bound::Write)];
-        take_kinds.extend(texels.clone().map(|(binding, _)| (binding, Bound::Texels)));
-        let take = device.pipeline(&Program {
+        own.extend(texels.map(|(at, view)| (at, Bound::Texels, BindingResource::TextureView(view))));
+        let take = device.pass(&Program {
+            name: ("take_blended", Stage::Composite),
             shader,
-            entry_point: "take_blended",
             constants: vec![],
-            groups: [&scene_kinds, &take_kinds, &[]],
+            groups: [scene, &own, &[]],
+            workgroups: [window[2], window[3], 1],
         })?;
-        let mut resources = whole(&[(0, binder.view), (3, pixels)]);
-        resources.extend(texels.map(|(binding, view)| (binding, wgpu::BindingResource::TextureView(view))));
-        let take_groups = vec![
-            (0, device.bind(&take, 0, scene)),
-            (1, device.bind_group(&take.get_bind_group_layout(1), resources)),
-        ];
         Ok(Raster {
             sort: steps,
             split,
@@ -209,22 +183,17 @@ impl Raster {
             pipeline,
             groups,
             canvases,
-            clear,
+            clear: target.clear,
             indices: kept.indices(device, form, run_length.min(cell_count))?,
             draws,
             run_count,
-            take: BoundPass {
-                name: ("take_blended", Stage::Composite),
-                pipeline: take,
-                groups: take_groups,
-                workgroups: [window[2], window[3]],
-            },
+            take,
         })
     }
 
     /// Sorts, draws all runs and takes the picture. A long list is submitted in parts.
     pub fn encode(&self, device: &Device, encoder: &mut CommandEncoder, timing: &mut Timing) {
-        self.sort.iter().for_each(|step| run(encoder, step, timing));
+        self.sort.iter().for_each(|step| step.run(encoder, timing));
         let mut first = 0;
         loop {
             let end = (first + RUNS_AT_A_TIME).min(self.run_count);
@@ -232,7 +201,7 @@ impl Raster {
                 self.draw(encoder, first..end, timing);
             } else {
                 for (number, split) in (first..end).zip(&self.split[first as usize..]) {
-                    run(encoder, split, timing);
+                    split.run(encoder, timing);
                     self.draw(encoder, number..number + 1, timing);
                 }
             }
@@ -243,7 +212,7 @@ impl Raster {
             let next = device.device.create_command_encoder(&Default::default());
             device.queue.submit([std::mem::replace(encoder, next).finish()]);
         }
-        run(encoder, &self.take, timing);
+        self.take.run(encoder, timing);
     }
 
     fn draw(&self, encoder: &mut CommandEncoder, runs: std::ops::Range<u32>, timing: &mut Timing) {
@@ -256,25 +225,24 @@ impl Raster {
             Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
         };
         let attachments: Vec<_> = self.canvases.iter().map(attachment).collect();
+        let times = timing.next((self.name, Stage::Composite));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(self.name),
             color_attachments: &attachments,
-            timestamp_writes: timing.next_drawing((self.name, Stage::Composite)),
+            timestamp_writes: times.map(|times| wgpu::RenderPassTimestampWrites {
+                query_set: times.query_set,
+                beginning_of_pass_write_index: times.beginning_of_pass_write_index,
+                end_of_pass_write_index: times.end_of_pass_write_index,
+            }),
             ..Default::default()
         });
         pass.set_pipeline(&self.pipeline);
-        for (number, group) in self.groups.iter().enumerate() {
-            pass.set_bind_group(number as u32, group, &[]);
-        }
+        self.groups.iter().for_each(|(number, group)| pass.set_bind_group(*number, group, &[]));
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
         for number in runs {
             pass.draw_indexed_indirect(&self.draws, 20 * u64::from(number));
         }
     }
-}
-
-fn whole<'a>(list: &[(u32, &'a Buffer)]) -> Vec<(u32, wgpu::BindingResource<'a>)> {
-    list.iter().map(|(binding, buffer)| (*binding, buffer.as_entire_binding())).collect()
 }
 
 impl RasterBuffers {
@@ -350,16 +318,6 @@ impl Target {
     }
 }
 
-/// Sources of a render pipeline.
-pub(crate) struct Drawing<'a> {
-    pub shader: &'a Shader,
-    /// Entry points for vertices and for pixels.
-    pub entry_points: [&'static str; 2],
-    pub target: Target,
-    /// Bound buffers, by binding.
-    pub groups: [&'a [(u32, Bound)]; 3],
-}
-
 /// Device capabilities that drawing needs beyond those of the tiles' compositor.
 const NEEDED: [(DownlevelFlags, &str); 2] = [
     (DownlevelFlags::VERTEX_STORAGE, "storage buffers for vertices"),
@@ -407,17 +365,27 @@ impl Device {
         self.blends_32_bits
     }
 
-    /// The pipeline, compiled if it is not there.
-    pub(crate) fn drawing(&self, program: &Drawing) -> Result<Arc<wgpu::RenderPipeline>> {
-        let Target { formats, factors, .. } = &program.target;
-        let key = (program.shader.text.clone(), program.entry_points[1], format!("{formats:?} {factors:?}"));
-        self.cached(&self.drawings, key, || self.compile_drawing(program))
+    /// The pipeline, compiled if it is not there. `entry_points`: for vertices and for pixels.
+    fn drawing(
+        &self,
+        shader: &Shader,
+        entry_points: [&'static str; 2],
+        target: &Target,
+        groups: &[&[Binding]; 3],
+    ) -> Result<Arc<wgpu::RenderPipeline>> {
+        let key =
+            (shader.text.clone(), entry_points[1], format!("{:?} {:?}", target.formats, target.factors));
+        self.cached(&self.drawings, key, || self.compile_drawing(shader, entry_points, target, groups))
     }
 
-    fn compile_drawing(&self, program: &Drawing) -> Result<wgpu::RenderPipeline> {
-        let Drawing { shader, entry_points: [vertex, fragment], target, groups } = program;
+    fn compile_drawing(
+        &self,
+        shader: &Shader,
+        [vertex, fragment]: [&'static str; 2],
+        target: &Target,
+        groups: &[&[Binding]; 3],
+    ) -> Result<wgpu::RenderPipeline> {
         let module = self.module(shader, fragment)?;
-        let layouts = groups.map(|group| Some(self.group_layout(group, ShaderStages::VERTEX_FRAGMENT)));
         self.guarded(fragment, || {
             let color = |format: &TextureFormat| {
                 Some(wgpu::ColorTargetState {
@@ -429,7 +397,7 @@ impl Device {
             let targets: Vec<_> = target.formats.iter().map(color).collect();
             self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(fragment),
-                layout: Some(&self.pipeline_layout(fragment, &layouts)),
+                layout: Some(&self.pipeline_layout(fragment, groups, ShaderStages::VERTEX_FRAGMENT)),
                 vertex: wgpu::VertexState {
                     module: &module,
                     entry_point: Some(vertex),

@@ -1,11 +1,12 @@
 //! Data that a scene's shader reads beside its uniform: tables, filled on the device and kept while the scene needs the same ones,
 //! and behind them the widgets' numbers, which are written where they change.
 
-use crate::device::Device;
 use crate::device::pipelines::{Bound, Program, in_order};
+use crate::device::{Device, Timing};
 use std::sync::Arc;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
+use voltet_optics::engine::Stage;
 use voltet_optics::integrators::{Extent, Integrator};
 use voltet_optics::shading::Shading;
 use voltet_shaders::{Axis, Buffer, Contents, Pass, Places, Resources, ShaderKey, TEXEL_BYTES, images};
@@ -96,26 +97,18 @@ impl Tables {
 
     fn fill(&self, device: &Device, pass: &Pass) -> Result<()> {
         let read = pass.buffers.len() - pass.written;
-        let kinds: Vec<Bound> =
-            (0..pass.buffers.len()).map(|i| if i < read { Bound::Read } else { Bound::Write }).collect();
-        let pipeline = device.pipeline(&Program {
+        let bound = pass.buffers.iter().enumerate().map(|(i, number)| {
+            let kind = if i < read { Bound::Read } else { Bound::Write };
+            (kind, &self.buffers[*number].1)
+        });
+        let filling = device.pass(&Program {
+            name: (pass.entry_point, Stage::SetUp),
             shader: &pass.shader,
-            entry_point: pass.entry_point,
             constants: vec![],
-            groups: [&in_order(&kinds), &[], &[]],
+            groups: [&in_order(bound), &[], &[]],
+            workgroups: pass.workgroups,
         })?;
-        let buffers: Vec<&wgpu::Buffer> = pass.buffers.iter().map(|i| &self.buffers[*i].1).collect();
-        let group = device.bind(&pipeline, 0, &in_order(&buffers));
-        let [x, y, z] = pass.workgroups;
-        device.guarded("the tables", || {
-            let mut encoder = device.device.create_command_encoder(&Default::default());
-            let mut compute = encoder.begin_compute_pass(&Default::default());
-            compute.set_pipeline(&pipeline);
-            compute.set_bind_group(0, &group, &[]);
-            compute.dispatch_workgroups(x, y, z);
-            drop(compute);
-            device.queue.submit([encoder.finish()]);
-        })
+        device.submit("the tables", |encoder| filling.run(encoder, &mut Timing::default())).map(drop)
     }
 }
 

@@ -143,6 +143,19 @@ impl Device {
         }
     }
 
+    /// Submits what `encode` records; see [`Device::guarded`].
+    pub(crate) fn submit(
+        &self,
+        what: &str,
+        encode: impl FnOnce(&mut wgpu::CommandEncoder),
+    ) -> Result<SubmissionIndex> {
+        self.guarded(what, || {
+            let mut encoder = self.device.create_command_encoder(&Default::default());
+            encode(&mut encoder);
+            self.queue.submit([encoder.finish()])
+        })
+    }
+
     /// An error if the device is lost.
     pub(crate) fn check(&self, what: &str) -> Result<()> {
         match &*locked(&self.lost) {
@@ -222,8 +235,12 @@ impl Device {
         self.guarded(&memory, || self.device.create_buffer(&descriptor))
     }
 
-    pub(crate) fn uniform(&self, what: &str, size: u64) -> Result<wgpu::Buffer> {
-        self.buffer(what, size, BufferUsages::UNIFORM | BufferUsages::COPY_DST)
+    /// A uniform buffer with content.
+    pub(crate) fn uniform(&self, what: &str, bytes: &[u8]) -> Result<wgpu::Buffer> {
+        let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+        let buffer = self.buffer(what, bytes.len() as u64, usage)?;
+        self.write(&buffer, 0, bytes);
+        Ok(buffer)
     }
 
     /// Sends bytes to a buffer, and counts them.
@@ -384,35 +401,19 @@ impl Timing {
         Ok(Timing { clock, ..Timing::default() })
     }
 
-    /// Timestamp writes of the next compute pass.
+    /// Timestamp writes of the next pass.
     pub fn next(&mut self, pass: PassName) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
-        let (query_set, at) = self.place(pass)?;
+        let query_set = &self.clock.as_ref()?.queries;
+        let at = 2 * self.begun.len() as u32;
+        if at == 2 * PASSES {
+            return None;
+        }
+        self.begun.push(pass);
         Some(wgpu::ComputePassTimestampWrites {
             query_set,
             beginning_of_pass_write_index: Some(at),
             end_of_pass_write_index: Some(at + 1),
         })
-    }
-
-    /// Timestamp writes of the next render pass.
-    pub fn next_drawing(&mut self, pass: PassName) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
-        let (query_set, at) = self.place(pass)?;
-        Some(wgpu::RenderPassTimestampWrites {
-            query_set,
-            beginning_of_pass_write_index: Some(at),
-            end_of_pass_write_index: Some(at + 1),
-        })
-    }
-
-    /// Index at which the next pass writes its begin, and behind it its end.
-    fn place(&mut self, pass: PassName) -> Option<(&wgpu::QuerySet, u32)> {
-        let clock = self.clock.as_ref()?;
-        let at = self.begun.len() as u32;
-        if at == PASSES {
-            return None;
-        }
-        self.begun.push(pass);
-        Some((&clock.queries, 2 * at))
     }
 
     /// Behind the passes of a submission.

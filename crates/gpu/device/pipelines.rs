@@ -1,11 +1,11 @@
 //! Pipelines, compiled once for each text, entry point and set of constants, and their bindings.
 
-use crate::device::{Device, PipelineCache, PipelineKey, locked};
+use crate::device::{Device, PassName, PipelineCache, PipelineKey, Timing, locked};
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_optics::engine::Compositor;
 use voltet_shaders::{FramePass, Shader};
-use wgpu::{BufferBindingType, ShaderStages};
+use wgpu::{BindingResource, Buffer, BufferBindingType, CommandEncoder, ShaderStages};
 
 /// Kind of a binding, in the order of the bindings of a group.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -17,13 +17,16 @@ pub(crate) enum Bound {
     Texels,
 }
 
-/// Things bound at 0, 1, …
-pub(crate) fn in_order<T: Copy>(things: &[T]) -> Vec<(u32, T)> {
-    things.iter().enumerate().map(|(binding, thing)| (binding as u32, *thing)).collect()
+/// A resource in a group, with its binding and kind.
+pub(crate) type Binding<'a> = (u32, Bound, BindingResource<'a>);
+
+/// Buffers bound at 0, 1, …
+pub(crate) fn in_order<'a>(buffers: impl IntoIterator<Item = (Bound, &'a Buffer)>) -> Vec<Binding<'a>> {
+    (0..).zip(buffers).map(|(binding, (kind, buffer))| (binding, kind, buffer.as_entire_binding())).collect()
 }
 
 /// Bindings of a pass, or without one of the tiles' compositor, in group 1 behind the view.
-fn bound(pass: Option<FramePass>) -> &'static [Bound] {
+pub(crate) fn bound(pass: Option<FramePass>) -> &'static [Bound] {
     use Bound::{Read, Uniform, Write};
     match pass {
         Some(FramePass::Points) => &[],
@@ -54,25 +57,48 @@ pub(crate) fn storage_buffers(pass: Option<FramePass>) -> u32 {
     bound(pass).iter().filter(|bound| **bound != Bound::Uniform).count() as u32
 }
 
-/// Bindings of group 1 of a pass, or of the tiles' compositor.
-pub(crate) fn own_kinds(pass: Option<FramePass>) -> Vec<(u32, Bound)> {
-    in_order(&[&[Bound::Uniform], bound(pass)].concat())
+/// A pass to compile.
+pub(crate) struct Program<'a> {
+    /// Entry point and stage.
+    pub name: PassName,
+    pub shader: &'a Shader,
+    pub constants: Vec<(&'static str, f64)>,
+    /// Groups 0, 1 and 2.
+    pub groups: [&'a [Binding<'a>]; 3],
+    pub workgroups: [u32; 3],
 }
 
-/// A pass to compile: groups 0, 1 and 2.
-pub(crate) struct Program<'a> {
-    pub shader: &'a Shader,
-    pub entry_point: &'static str,
-    pub constants: Vec<(&'static str, f64)>,
-    /// Bindings, in their order.
-    pub groups: [&'a [(u32, Bound)]; 3],
+/// A compiled pass and what is bound to it.
+pub(crate) struct BoundPass {
+    name: PassName,
+    pipeline: Arc<wgpu::ComputePipeline>,
+    groups: BoundGroups,
+    pub workgroups: [u32; 3],
+}
+
+/// The groups of a pass that bind anything, by number.
+pub(crate) type BoundGroups = Vec<(u32, wgpu::BindGroup)>;
+
+impl BoundPass {
+    pub fn run(&self, encoder: &mut CommandEncoder, timing: &mut Timing) {
+        let (label, timestamp_writes) = (Some(self.name.0), timing.next(self.name));
+        let mut compute =
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
+        compute.set_pipeline(&self.pipeline);
+        self.groups.iter().for_each(|(number, group)| compute.set_bind_group(*number, group, &[]));
+        let [x, y, z] = self.workgroups;
+        compute.dispatch_workgroups(x, y, z);
+    }
 }
 
 impl Device {
-    /// The pipeline, compiled if it is not there. A compiler's complaint comes at the piece's own file and line.
-    pub(crate) fn pipeline(&self, program: &Program) -> Result<Arc<wgpu::ComputePipeline>> {
-        let key = (program.shader.text.clone(), program.entry_point, format!("{:?}", program.constants));
-        self.cached(&self.passes, key, || self.compile(program))
+    /// The pass, compiled if it is not there. A compiler's complaint comes at the piece's own file and line.
+    pub(crate) fn pass(&self, program: &Program) -> Result<BoundPass> {
+        let Program { name, shader, constants, groups, workgroups } = program;
+        let key = (shader.text.clone(), name.0, format!("{constants:?}"));
+        let pipeline = self.cached(&self.passes, key, || self.compile(program))?;
+        let groups = self.bind(groups, |number| pipeline.get_bind_group_layout(number));
+        Ok(BoundPass { name: *name, pipeline, groups, workgroups: *workgroups })
     }
 
     /// The pipeline of that key, compiled if it is not there; compiling blocks no other thread.
@@ -107,14 +133,12 @@ impl Device {
     }
 
     fn compile(&self, program: &Program) -> Result<wgpu::ComputePipeline> {
-        let Program { shader, entry_point, constants, groups } = program;
+        let &Program { name: (entry_point, _), shader, ref constants, ref groups, .. } = program;
         let module = self.module(shader, entry_point)?;
-        let layouts =
-            groups.map(|group| (!group.is_empty()).then(|| self.group_layout(group, ShaderStages::COMPUTE)));
         self.guarded(entry_point, || {
             self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(entry_point),
-                layout: Some(&self.pipeline_layout(entry_point, &layouts)),
+                layout: Some(&self.pipeline_layout(entry_point, groups, ShaderStages::COMPUTE)),
                 module: &module,
                 entry_point: Some(entry_point),
                 compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
@@ -134,22 +158,11 @@ impl Device {
     pub(crate) fn pipeline_layout(
         &self,
         label: &str,
-        groups: &[Option<wgpu::BindGroupLayout>; 3],
-    ) -> wgpu::PipelineLayout {
-        self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(label),
-            bind_group_layouts: &groups.each_ref().map(Option::as_ref),
-            immediate_size: 0,
-        })
-    }
-
-    pub(crate) fn group_layout(
-        &self,
-        group: &[(u32, Bound)],
+        groups: &[&[Binding]; 3],
         visibility: ShaderStages,
-    ) -> wgpu::BindGroupLayout {
+    ) -> wgpu::PipelineLayout {
         let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
-        let entry = |(binding, bound): &(u32, Bound)| wgpu::BindGroupLayoutEntry {
+        let entry = |(binding, bound, _): &Binding| wgpu::BindGroupLayoutEntry {
             binding: *binding,
             visibility,
             ty: match bound {
@@ -164,33 +177,34 @@ impl Device {
             },
             count: None,
         };
-        let entries: Vec<_> = group.iter().map(entry).collect();
-        let descriptor = wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries };
-        self.device.create_bind_group_layout(&descriptor)
+        let layouts = groups.map(|group| {
+            let entries: Vec<_> = group.iter().map(entry).collect();
+            let descriptor = wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries };
+            (!group.is_empty()).then(|| self.device.create_bind_group_layout(&descriptor))
+        });
+        self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(label),
+            bind_group_layouts: &layouts.each_ref().map(Option::as_ref),
+            immediate_size: 0,
+        })
     }
 
-    /// Buffers bound to group `number` of a pipeline.
+    /// Binds the groups of a pipeline that are not empty.
     pub(crate) fn bind(
         &self,
-        pipeline: &wgpu::ComputePipeline,
-        number: u32,
-        buffers: &[(u32, &wgpu::Buffer)],
-    ) -> wgpu::BindGroup {
-        let mut resources = Vec::with_capacity(buffers.len());
-        for (binding, buffer) in buffers {
-            resources.push((*binding, buffer.as_entire_binding()));
-        }
-        self.bind_group(&pipeline.get_bind_group_layout(number), resources)
-    }
-
-    pub(crate) fn bind_group(
-        &self,
-        layout: &wgpu::BindGroupLayout,
-        resources: Vec<(u32, wgpu::BindingResource)>,
-    ) -> wgpu::BindGroup {
-        let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
-        let entries: Vec<_> = resources.into_iter().map(entry).collect();
-        let descriptor = wgpu::BindGroupDescriptor { label: None, layout, entries: &entries };
-        self.device.create_bind_group(&descriptor)
+        groups: &[&[Binding]; 3],
+        layout: impl Fn(u32) -> wgpu::BindGroupLayout,
+    ) -> BoundGroups {
+        let bind = |(number, group): (u32, &&[Binding])| {
+            let entries = group.iter().map(|(binding, _, resource)| wgpu::BindGroupEntry {
+                binding: *binding,
+                resource: resource.clone(),
+            });
+            let entries: Vec<_> = entries.collect();
+            let descriptor =
+                wgpu::BindGroupDescriptor { label: None, layout: &layout(number), entries: &entries };
+            (number, self.device.create_bind_group(&descriptor))
+        };
+        (0..).zip(groups).filter(|(_, group)| !group.is_empty()).map(bind).collect()
     }
 }

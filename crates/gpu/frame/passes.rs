@@ -1,14 +1,14 @@
 //! A frame: windows of the picture that fit the device's memory, the samples of each, and the passes over them, bound to their
 //! buffers.
 
-use crate::bound_pass::{Binder, BoundPass, GridArrays, folded, kinds, run, scene_kinds};
-use crate::device::pipelines::{Program, own_kinds};
+use crate::bound_pass::{Binder, GridArrays, folded};
+use crate::device::pipelines::{Bound, BoundPass, Program, in_order};
 use crate::device::{Device, PendingReadback, Timing};
 use crate::frame::inputs::FrameInputs;
 use crate::frame::output::{FrameOutput, Readback, counters};
 use crate::frame::renderer::{FrameBuffers, ReadbackBuffers};
 use crate::grid::GrowingSplitBuffer;
-use crate::raster::{Blending, OUTLINES, Raster, TRIANGLES};
+use crate::raster::{Blending, OUTLINES, Raster, TRIANGLES, Target};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
@@ -81,34 +81,28 @@ impl<'a> Passes<'a> {
         let back = |size: u64| device.buffer("the picture on its way back", size, mapped);
         let returned = returning.picture.at_least(picture_bytes, back)?;
         let returned_counts = returning.counts.at_least(COUNTS_BYTES, back)?;
-        let view = device.uniform("the view", size_of::<ViewRecord>() as u64)?;
-        let scene = device.uniform("the scene", frame.scene.len() as u64)?;
-        device.write(&scene, 0, &frame.scene);
+        let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+        let view = device.buffer("the view", size_of::<ViewRecord>() as u64, usage)?;
+        let scene = device.uniform("the scene", &frame.scene)?;
         let support = device.upload("the widgets' supports", frame.support.len(), |i| frame.support[i])?;
 
         let most = device.limits.max_compute_workgroups_per_dimension;
         let over_points = folded(grid.point_count, most);
         let over_cells = folded(grid.cell_count, most);
-        let over_tiles = [window[2], window[3]];
+        let over_tiles = [window[2], window[3], 1];
         let binder = Binder { device, view: &view, arrays: &arrays, layout };
-        let step = |pass, workgroups, constants, bindings: &[&Buffer], quantity| {
-            binder.step(pass, workgroups, constants, bindings, quantity)
-        };
         let scalar = &frame.scalar;
+        let step = |pass, workgroups, constants, own: &[&Buffer]| {
+            binder.step(pass, workgroups, constants, own, scalar)
+        };
         let stride = ("ATTRIBUTE_STRIDE", sizes.stride as f64);
-        let points_step = step(FramePass::Points, over_points, vec![], &[], scalar)?;
-        let mut attribute_steps = Vec::new();
+        let points = step(FramePass::Points, over_points, vec![], &[])?;
+        let mut attributes = Vec::new();
         for (slot, (stored, offset)) in frame.attributes.iter().enumerate() {
             let record = PlacementRecord { offset: *offset, slot: slot as u32, padding: 0 };
-            let placement = device.uniform("the place of a value", size_of::<PlacementRecord>() as u64)?;
-            device.write(&placement, 0, bytemuck::bytes_of(&record));
-            attribute_steps.push(step(
-                FramePass::Attribute,
-                over_points,
-                vec![stride],
-                &[&placement],
-                stored,
-            )?);
+            let placement = device.uniform("the place of a value", bytemuck::bytes_of(&record))?;
+            let own = [&placement];
+            attributes.push(binder.step(FramePass::Attribute, over_points, vec![stride], &own, stored)?);
         }
         let reads_g = if frame.shader_key.reads_gradient_magnitude { 1.0 } else { 0.0 };
         let blended = match frame.shader_key.compositor {
@@ -118,7 +112,7 @@ impl<'a> Passes<'a> {
         };
         let lists_tiles = if blended.is_some() { 0.0 } else { 1.0 };
         let constants = vec![stride, ("reads_g", reads_g), ("lists_tiles", lists_tiles)];
-        let mut lists = vec![step(FramePass::Cells, over_cells, constants, &[&support, &counts], scalar)?];
+        let mut lists = vec![step(FramePass::Cells, over_cells, constants, &[&support, &counts])?];
 
         let tables = buffers.tables.update(
             device,
@@ -127,50 +121,50 @@ impl<'a> Passes<'a> {
             &frame.shading,
             &frame.numbers,
         )?;
-        let mut read: Vec<(u32, &Buffer)> = vec![(0, &scene)];
+        let mut read = in_order([(Bound::Uniform, &scene)]);
         for (name, binding) in frame.shader_key.storage_buffers() {
-            read.push((binding, tables.named(&name)?));
+            read.push((binding, Bound::Read, tables.named(&name)?.as_entire_binding()));
         }
+        let in_grid = arrays.bindings(cells_read(sizes.stride as usize), scalar);
         let last = if let Some((form, blend)) = blended {
             let blending = Blending {
                 shader: &frame.compositor,
                 form,
-                blend,
-                in_8_bits: frame.in_8_bits,
-                depths_add_up: frame.shader_key.depths_add_up(),
+                target: Target::new(
+                    blend,
+                    frame.shader_key.depths_add_up(),
+                    device.blends_32_bits,
+                    frame.in_8_bits,
+                ),
                 sorted: frame.sorted,
                 ordered: frame.ordered.as_ref(),
                 window,
-                cells_read: cells_read(sizes.stride as usize),
                 scalar,
                 scene: &read,
+                in_grid: &in_grid,
                 pixels: &pixels,
             };
             Last::Raster(Box::new(Raster::new(&blending, &mut buffers.raster, &binder)?))
         } else {
-            lists.push(step(FramePass::Starts, [1, 1], vec![], &[&counts], scalar)?);
-            lists.push(step(FramePass::Lists, over_cells, vec![], &[&counts, &entries], scalar)?);
+            let own = [&counts, &entries, &pixels];
+            lists.push(step(FramePass::Starts, [1; 3], vec![], &own)?);
+            lists.push(step(FramePass::Lists, over_cells, vec![], &own)?);
             if frame.sorted {
-                lists.push(step(FramePass::Sort, over_tiles, vec![], &[&counts, &entries], scalar)?);
+                lists.push(step(FramePass::Sort, over_tiles, vec![], &own)?);
             }
-            let in_grid = arrays.buffers(cells_read(sizes.stride as usize), scalar);
-            let pipeline = device.pipeline(&Program {
+            Last::Tiles(device.pass(&Program {
+                name: ("composite_tiles", Stage::Composite),
                 shader: &frame.compositor,
-                entry_point: "composite_tiles",
                 // No transparency is less than this.
                 constants: if frame.stops_where_opaque { vec![] } else { vec![("OPAQUE", -1.0)] },
-                groups: [&scene_kinds(&read), &own_kinds(None), &kinds(&in_grid)],
-            })?;
-            let bindings = [&counts, &entries, &pixels];
-            let mut groups = binder.groups(&pipeline, &bindings, &in_grid);
-            groups.push((0, device.bind(&pipeline, 0, &read)));
-            let name = ("composite_tiles", Stage::Composite);
-            Last::Tiles(BoundPass { name, pipeline, groups, workgroups: over_tiles })
+                groups: [&read, &binder.own(None, &own), &in_grid],
+                workgroups: over_tiles,
+            })?)
         };
         Ok(Passes {
             device,
-            points: points_step,
-            attributes: attribute_steps,
+            points,
+            attributes,
             lists,
             last,
             view,
@@ -188,11 +182,11 @@ impl<'a> Passes<'a> {
         self.encode(record, timing, |encoder, timing| {
             let kept = if record.is_first == 1 { 0 } else { TILES_COUNTED_AT };
             encoder.clear_buffer(&self.counts, kept, None);
-            run(encoder, &self.points, timing);
+            self.points.run(encoder, timing);
             if record.is_first == 1 {
-                self.attributes.iter().for_each(|step| run(encoder, step, timing));
+                self.attributes.iter().for_each(|step| step.run(encoder, timing));
             }
-            self.lists.iter().for_each(|step| run(encoder, step, timing));
+            self.lists.iter().for_each(|step| step.run(encoder, timing));
         })
     }
 
@@ -207,25 +201,23 @@ impl<'a> Passes<'a> {
         timing: &mut Timing,
         before: impl FnOnce(&mut CommandEncoder, &mut Timing),
     ) -> Result<SubmissionIndex> {
-        let submitted = self.device.guarded("the frame", || {
+        let submitted = self.device.submit("the frame", |encoder| {
             self.device.write(&self.view, 0, bytemuck::bytes_of(record));
-            let mut encoder = self.device.device.create_command_encoder(&Default::default());
-            before(&mut encoder, timing);
+            before(encoder, timing);
             // Without states to go on from, one unfinished sample is enough for the caller to begin anew.
             if self.keeps_states {
                 encoder.clear_buffer(&self.counts, 4 * counters::UNFINISHED as u64, Some(4));
             }
             match &self.last {
-                Last::Tiles(tiles) => run(&mut encoder, tiles, timing),
-                Last::Raster(raster) => raster.encode(self.device, &mut encoder, timing),
+                Last::Tiles(tiles) => tiles.run(encoder, timing),
+                Last::Raster(raster) => raster.encode(self.device, encoder, timing),
             }
-            timing.end(&mut encoder);
+            timing.end(encoder);
             encoder.copy_buffer_to_buffer(&self.counts, 0, &self.returned_counts, 0, COUNTS_BYTES);
             // Where tiles go on, this is seldom the last time.
             if !self.keeps_states {
-                self.copy_pixels(&mut encoder);
+                self.copy_pixels(encoder);
             }
-            self.device.queue.submit([encoder.finish()])
         })?;
         timing.take(self.device)?;
         Ok(submitted)
@@ -252,11 +244,7 @@ impl<'a> Passes<'a> {
     /// The window's pixels after the last submission.
     pub fn picture(&self, take: impl FnOnce(&[u8])) -> Result<()> {
         if self.keeps_states {
-            self.device.guarded("the frame", || {
-                let mut encoder = self.device.device.create_command_encoder(&Default::default());
-                self.copy_pixels(&mut encoder);
-                self.device.queue.submit([encoder.finish()]);
-            })?;
+            self.device.submit("the frame", |encoder| self.copy_pixels(encoder))?;
         }
         self.device.read("the picture", &self.returned, self.picture_bytes, take)
     }
