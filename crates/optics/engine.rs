@@ -150,17 +150,6 @@ pub trait Engine: Any + Send + Sync {
 
     /// Takes in a volume: what frames of it share is made once. Errors: what the device cannot hold.
     fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn PreparedVolume>>;
-
-    /// Best compositor for the scene on this device, if the engine has several. It may measure; the result is
-    /// kept in `memory`. Errors: a stopped run.
-    fn choose(
-        &self,
-        _scene: &Scene,
-        _memory: &dyn KeyValueStore,
-        _progress: &dyn Progress,
-    ) -> Result<Option<CompositorChoice>> {
-        Ok(None)
-    }
 }
 
 /// A picture under way: others can be begun before it is taken.
@@ -327,17 +316,6 @@ pub struct CompositorChoice {
     pub compositing: Compositor,
     /// Why.
     pub why: String,
-    /// Seconds that measuring took, where it was measured for this choice.
-    pub measured_secs: Option<f64>,
-}
-
-/// Short texts that outlast the program, each under the text of its key.
-pub trait KeyValueStore: Sync {
-    /// Value stored under the key; `None` where there is nothing or it is damaged.
-    fn recall(&self, key: &str) -> Option<String>;
-
-    /// Keeps a text, if it can be kept.
-    fn keep(&self, key: &str, text: &str);
 }
 
 /// A picture and what it took.

@@ -3,10 +3,7 @@
 
 use super::diagnostics::{self, note, note_unsorted, record_unsorted};
 use super::scene::{ask, check_engine, shading};
-use crate::files::{Fnv, cache_folder, write_whole};
 use std::collections::HashMap;
-use std::fs;
-use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::error::ErrorKind;
 use voltet_core::picture::Picture;
@@ -14,11 +11,11 @@ use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_graph::{DefaultValue, DemandContext, Parameter, ParameterType, Parameters, RunContext};
 use voltet_optics::engine::{
-    Accumulation, AdapterRequest, Compositor, Engine, EngineInfo, KeyValueStore, OrderCheck, PreparedVolume,
-    RenderOptions,
+    Accumulation, AdapterRequest, Compositor, CompositorChoice, Engine, EngineInfo, OrderCheck,
+    PreparedVolume, RenderOptions,
 };
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::Shading;
+use voltet_optics::shading::{Ordering, Shading};
 
 /// The device engine.
 #[cfg(feature = "gpu")]
@@ -94,7 +91,7 @@ pub const COMPOSITOR: Parameter = Parameter {
 };
 
 const COMPOSITOR_WORDS: [(&str, &str); Compositor::NAMES.len() + 1] = words!(
-    "tiles where each pixel needs its exact order, else what a short measurement finds faster there",
+    "tiles, or raster where tiles lack the accumulation that is asked for",
     Compositor::NAMES,
     |word| *word
 );
@@ -250,13 +247,14 @@ pub(crate) fn draw_on(
     let engine = stage(call, declared, "device", |_| opened.open(declared, &wish)).map_err(|error| {
         if wish.name.is_some() { call.parameters.locate("adapter", error) } else { error }
     })?;
-    let (compositing, why) = compositing(call, scene, declared, engine.as_ref())?;
+    let choice = compositing(call, scene, declared)?;
     let volumes = call.keep(call.revision(port)?, || Ok(PreparedVolumes::default()))?;
     let volume = stage(call, declared, "upload", |_| volumes.prepare(declared, &engine, scene))?;
     let accumulation = accumulation(call.parameters)?;
     // Other nodes than renderers draw by the referee alone.
     let order_check = word(ORDER_CHECK.name).and_then(OrderCheck::named).unwrap_or_default();
     let (exhaustive, passing) = (call.exhaustive(), call.allows_preview());
+    let compositing = choice.as_ref().map(|choice| choice.compositing);
     let manner = RenderOptions { compositing, accumulation, order_check, exhaustive, passing };
     let drawn = stage(call, declared, "draw", |progress| volume.draw(scene, &manner, progress))?;
     if drawn.is_passing {
@@ -267,11 +265,8 @@ pub(crate) fn draw_on(
         false => (part.name().to_string(), part.seconds),
     });
     call.notes.stages.extend(stages);
-    let (compositing, why) = match drawn.instead {
-        Some(instead) => (Some(instead.compositing), Some(instead.why)),
-        None => (compositing, why),
-    };
-    call.notes.compositor = compositing.map(|one| one.name().to_string()).zip(why);
+    let choice = drawn.instead.or(choice);
+    call.notes.compositor = choice.map(|choice| (choice.compositing.name().to_string(), choice.why));
     call.notes.adapter = Some(engine.adapter());
     if let Some(reason) = engine.reason() {
         call.notes.engine = Some((declared.name.into(), reason.into()));
@@ -302,27 +297,18 @@ fn stage<T>(
 }
 
 /// Compositor for the scene, and the reason, where the engine has several.
-fn compositing(
-    call: &mut RunContext,
-    scene: &Scene,
-    declared: &EngineInfo,
-    engine: &dyn Engine,
-) -> Result<(Option<Compositor>, Option<String>)> {
-    if declared.compositing.is_empty() {
-        return Ok((None, None));
+fn compositing(call: &RunContext, scene: &Scene, engine: &EngineInfo) -> Result<Option<CompositorChoice>> {
+    if engine.compositing.is_empty() {
+        return Ok(None);
     }
-    if let Some(asked) = compositor(call.parameters)? {
-        let why = match call.parameters.text(COMPOSITOR.name)? {
-            AUTO => "the pipeline asks for an accumulation that tiles do not have",
-            _ => "the pipeline asks for it",
-        };
-        return Ok((Some(asked), Some(why.into())));
-    }
-    let memory = CacheFolder::named("compositors");
-    let Some(chosen) = engine.choose(scene, &memory, call.progress())? else { return Ok((None, None)) };
-    let measured = chosen.measured_secs.map(|seconds| ("measure compositors".to_string(), seconds));
-    call.notes.stages.extend(measured);
-    Ok((Some(chosen.compositing), Some(chosen.why)))
+    let asked = compositor(call.parameters)?;
+    let why = match call.parameters.text(COMPOSITOR.name)? {
+        AUTO if asked.is_some() => "the pipeline asks for an accumulation that tiles do not have",
+        AUTO if scene.ordering(call.exhaustive()) == Ordering::PerPixel => "each pixel needs its exact order",
+        AUTO => "it is the standard one",
+        _ => "the pipeline asks for it",
+    };
+    Ok(Some(CompositorChoice { compositing: asked.unwrap_or(Compositor::Tiles), why: why.into() }))
 }
 
 /// Cache of opened engines by name and adapter. Failures are cached too, since the search for adapters takes a while.
@@ -374,92 +360,5 @@ impl PreparedVolumes {
         let volume = engine.prepare(&scene.volume)?;
         volumes.insert(key, (engine.clone(), volume.clone()));
         Ok(volume)
-    }
-}
-
-/// A folder of such files. A damaged file counts as none; a measurement that cannot be kept is made again the next time.
-pub struct CacheFolder(PathBuf);
-
-impl CacheFolder {
-    /// The store of this name within the user's cache folder.
-    pub fn named(name: &str) -> CacheFolder {
-        CacheFolder(cache_folder().join(name))
-    }
-
-    fn path(&self, key: &str) -> PathBuf {
-        let mut name = Fnv::default();
-        name.text(key);
-        self.0.join(format!("{:032x}.txt", name.0))
-    }
-}
-
-impl KeyValueStore for CacheFolder {
-    fn recall(&self, key: &str) -> Option<String> {
-        let file = fs::read_to_string(self.path(key)).ok()?;
-        let (content, _) = file.split_at_checked(file.len().checked_sub(CHECK_LENGTH)?)?;
-        let text = content.strip_prefix(key)?;
-        (checked(content.to_string()) == file).then(|| text.to_string())
-    }
-
-    fn keep(&self, key: &str, text: &str) {
-        let file = checked(format!("{key}{text}"));
-        let _ = fs::create_dir_all(&self.0).map(|()| write_whole(&self.path(key), file.as_bytes()));
-    }
-}
-
-/// "check ", 32 digits, a line end.
-const CHECK_LENGTH: usize = 39;
-
-/// The content with a hash of it behind.
-fn checked(content: String) -> String {
-    let mut check = Fnv::default();
-    check.bytes(content.as_bytes());
-    format!("{content}check {:032x}\n", check.0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const KEY: &str = "what was measured 1\nSome GPU (discrete, vulkan)\n";
-    const TEXT: &str = "tiles 1.25e-3 s\nraster 3.5e-4 s\n";
-
-    #[test]
-    fn what_was_kept_is_found_again_under_its_own_key() {
-        let folder = tempfile::tempdir().unwrap();
-        let memory = CacheFolder(folder.path().join("not there yet"));
-        assert_eq!(memory.recall(KEY), None);
-        memory.keep(KEY, TEXT);
-        assert_eq!(memory.recall(KEY).as_deref(), Some(TEXT));
-        assert_eq!(memory.recall(&KEY.replace("Some", "Another")), None);
-    }
-
-    #[test]
-    fn a_damaged_file_is_as_none_and_is_mended() {
-        let folder = tempfile::tempdir().unwrap();
-        let memory = CacheFolder(folder.path().into());
-        memory.keep(KEY, TEXT);
-        let file = fs::read_dir(folder.path()).unwrap().next().unwrap().unwrap().path();
-        let whole = fs::read(&file).unwrap();
-        for place in 0..whole.len() {
-            let mut damaged = whole.clone();
-            damaged[place] ^= 1;
-            for content in [&damaged[..], &whole[..place]] {
-                fs::write(&file, content).unwrap();
-                assert_eq!(memory.recall(KEY), None, "byte {place}");
-            }
-        }
-        memory.keep(KEY, TEXT);
-        assert_eq!(memory.recall(KEY).as_deref(), Some(TEXT));
-    }
-
-    #[test]
-    fn a_folder_that_cannot_be_written_is_no_error() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("a file");
-        fs::write(&file, "in the way").unwrap();
-        let memory = CacheFolder(file.join("below"));
-        memory.keep(KEY, TEXT);
-        assert_eq!(memory.recall(KEY), None);
     }
 }

@@ -12,7 +12,7 @@ use voltet_core::{Error, Result};
 use voltet_cpu as cpu;
 use voltet_io::{encode, memory};
 use voltet_nodes::drawing::{
-    AUTO, CacheFolder, DEVICE, NATIVE, OpenEngines, PreparedVolumes, candidate_engines, picture_warnings,
+    AUTO, DEVICE, NATIVE, OpenEngines, PreparedVolumes, candidate_engines, picture_warnings,
 };
 use voltet_nodes::files::write_whole;
 use voltet_optics::engine::{self, AdapterRequest, Compositor, EngineInfo, RenderStats, StageTiming};
@@ -69,7 +69,7 @@ pub struct RenderOptions<'a> {
     /// Depth of each pixel's opaque background along the view direction, row by row from the top (world units); infinite where
     /// there is none. Such pictures are rendered on the CPU.
     pub depth_limit: Option<&'a [f32]>,
-    /// Compositor of a graphics device. Default: the fastest that is right for the scene.
+    /// Compositor of a graphics device. Default: tiles.
     pub compositor: Option<Compositor>,
 }
 
@@ -264,11 +264,7 @@ impl Renderer {
         let opened = self.open(info)?;
         let compositing = match options.compositor {
             _ if info.compositing.is_empty() => None,
-            Some(compositor) => Some(compositor),
-            None => {
-                let choice = opened.choose(scene, &CacheFolder::named("compositors"), progress)?;
-                choice.map(|choice| choice.compositing)
-            }
+            asked => asked.or(Some(Compositor::Tiles)),
         };
         let volume = self.volumes(&scene.volume).prepare(info, &opened, scene)?;
         let options = engine::RenderOptions {
