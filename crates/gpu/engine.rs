@@ -89,7 +89,43 @@ impl Engine for GpuEngine {
         memory: &dyn KeyValueStore,
         progress: &dyn Progress,
     ) -> Result<Option<CompositorChoice>> {
-        choose(&self.device, &self.compositors, scene, memory, progress).map(Some)
+        let tiles =
+            |why: String| Some(CompositorChoice { compositing: Compositor::Tiles, why, measured_secs: None });
+        let device = &self.device;
+        let needs_order = scene.needs_order();
+        if scene.ordering(false) == Ordering::PerPixel {
+            return Ok(tiles("each pixel needs its exact order".into()));
+        }
+        if !device.blends_32_bits() {
+            return Ok(tiles("the device blends no 32-bit floats".into()));
+        }
+        let cell_count = scene.volume.grid.tetrahedra.len() as u64;
+        if let Err(error) = device.check_blending(Compositor::Raster, Accumulation::Float, cell_count) {
+            return Ok(tiles(error.to_string()));
+        }
+        let mut known = locked(&self.compositors);
+        let begun = Instant::now();
+        let mut measured_secs = None;
+        let (times, from_before) = match known.get(&needs_order) {
+            Some(found) => *found,
+            None => match remembered(device, needs_order, memory, progress) {
+                Ok(found) => {
+                    measured_secs = Some(begun.elapsed().as_secs_f64());
+                    *known.entry(needs_order).or_insert(found)
+                }
+                Err(error) if error.kind == ErrorKind::Cancelled => return Err(error),
+                Err(error) => return Ok(tiles(format!("the other one cannot be measured: {error}"))),
+            },
+        };
+        let why = format!(
+            "the faster one here: on a small grid{} tiles take {:.3} ms, raster {:.3} ms{}",
+            if needs_order { " in the order of centroids" } else { " that needs no order" },
+            1e3 * times.tiles,
+            1e3 * times.raster,
+            if from_before { " (remembered)" } else { "" }
+        );
+        let compositing = if times.raster < times.tiles { Compositor::Raster } else { Compositor::Tiles };
+        Ok(Some(CompositorChoice { compositing, why, measured_secs }))
     }
 }
 
@@ -217,52 +253,6 @@ pub(crate) struct CompositorTimes {
 /// Cache of measured times, for scenes that need an order and those that do not; true where they come from an earlier process.
 pub(crate) type TimingCache = Mutex<HashMap<bool, (CompositorTimes, bool)>>;
 
-/// The compositor for a scene, and the reason for it.
-///
-/// Errors: a stopped run.
-pub(crate) fn choose(
-    device: &Arc<Device>,
-    known: &TimingCache,
-    scene: &Scene,
-    memory: &dyn KeyValueStore,
-    progress: &dyn Progress,
-) -> Result<CompositorChoice> {
-    let tiles = |why: String| CompositorChoice { compositing: Compositor::Tiles, why, measured_secs: None };
-    let needs_order = scene.needs_order();
-    if scene.ordering(false) == Ordering::PerPixel {
-        return Ok(tiles("each pixel needs its exact order".into()));
-    }
-    if !device.blends_32_bits() {
-        return Ok(tiles("the device blends no 32-bit floats".into()));
-    }
-    let cell_count = scene.volume.grid.tetrahedra.len() as u64;
-    if let Err(error) = device.check_blending(Compositor::Raster, Accumulation::Float, cell_count) {
-        return Ok(tiles(error.to_string()));
-    }
-    let mut known = locked(known);
-    let begun = Instant::now();
-    let mut measured_secs = None;
-    let (times, from_before) = match known.get(&needs_order) {
-        Some(found) => *found,
-        None => match remembered(device, needs_order, memory, progress) {
-            Ok(found) => {
-                measured_secs = Some(begun.elapsed().as_secs_f64());
-                *known.entry(needs_order).or_insert(found)
-            }
-            Err(error) if error.kind == ErrorKind::Cancelled => return Err(error),
-            Err(error) => return Ok(tiles(format!("the other one cannot be measured: {error}"))),
-        },
-    };
-    let why = format!(
-        "the faster one here: on a small grid{} tiles take {:.3} ms, raster {:.3} ms{}",
-        if needs_order { " in the order of centroids" } else { " that needs no order" },
-        1e3 * times.tiles,
-        1e3 * times.raster,
-        if from_before { " (remembered)" } else { "" }
-    );
-    Ok(CompositorChoice { compositing: times.faster(), why, measured_secs })
-}
-
 /// The times that the memory holds, or else new ones, which it then holds; and whether they were there.
 fn remembered(
     device: &Arc<Device>,
@@ -288,10 +278,6 @@ fn key(adapter: &str, driver: &str, needs_order: bool) -> String {
 }
 
 impl CompositorTimes {
-    fn faster(&self) -> Compositor {
-        if self.raster < self.tiles { Compositor::Raster } else { Compositor::Tiles }
-    }
-
     fn written(&self) -> String {
         serde_json::json!([self.tiles, self.raster]).to_string()
     }
