@@ -6,9 +6,13 @@ use crate::{Error, Result};
 pub trait Progress: Sync {
     /// A stage is `fraction` (0 … 1) done. May be called from any thread, often; cheap when ignored.
     fn report(&self, stage: &str, fraction: f64);
-    /// True once the user asked to stop; long loops ask now and then and return [`crate::Error::cancelled`].
+    /// True once the user asked to stop; long loops call [`Progress::check_cancelled`] now and then.
     fn cancelled(&self) -> bool {
         false
+    }
+    /// The error of a stopped run, once the user asked to stop.
+    fn check_cancelled(&self) -> Result<()> {
+        if self.cancelled() { Err(Error::cancelled()) } else { Ok(()) }
     }
     /// Bytes that the work may still take, where somebody knows.
     fn memory_left(&self) -> Option<u64> {

@@ -117,9 +117,7 @@ impl FrameRenderer<'_> {
         let outputs: Vec<Result<WorkerOutput>> =
             rayon::broadcast(|_| Worker { frame, next: &next, recording, progress }.run());
         let outputs: Vec<WorkerOutput> = outputs.into_iter().collect::<Result<_>>()?;
-        if progress.cancelled() {
-            return Err(Error::cancelled());
-        }
+        progress.check_cancelled()?;
         match self.shader.failure() {
             Some(error) => Err(error.clone()),
             None => Ok(outputs),

@@ -9,11 +9,11 @@ use crate::segment_cache::{Plan, SegmentCache};
 use crate::selection::CullSample;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
+use voltet_core::Result;
 use voltet_core::diagnostics::Diagnostics;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
-use voltet_core::{Error, Result};
 use voltet_optics::engine::{
     self, Engine, EngineInfo, PreparedVolume, RenderOptions, RenderOutput, Stage, StageTiming,
 };
@@ -101,9 +101,7 @@ impl NativeVolume {
 
 impl PreparedVolume for NativeVolume {
     fn draw(&self, scene: &Scene, manner: &RenderOptions, progress: &dyn Progress) -> Result<RenderOutput> {
-        if progress.cancelled() {
-            return Err(Error::cancelled());
-        }
+        progress.check_cancelled()?;
         let preparation = scene.shading.integrator.kind().scene_preparation();
         let prepared = preparation.map(|preparation| self.prepared(scene, preparation)).transpose()?;
         let Scene { volume, transfer_function, camera, shading, .. } = scene;

@@ -11,10 +11,10 @@ use crate::tile::{Area, TILE};
 use crate::view::{ScreenVertex, View};
 use rayon::prelude::*;
 use std::sync::Arc;
+use voltet_core::Result;
 use voltet_core::camera::Camera;
 use voltet_core::grid::Grid;
 use voltet_core::progress::Progress;
-use voltet_core::{Error, Result};
 
 /// Cells prepared for the compositor: one projection for each sample of a pixel. Of more cells than are resident at once
 /// ([`crate::CellSelection::max_resident_cells`]) it holds the region of the picture that each touches; the compositor projects them region
@@ -136,9 +136,7 @@ impl SubpixelView {
             Some(caster) => SegmentSource::RayCast(caster),
             None => SegmentSource::new(cells, &input, cells.max_resident_cells)?,
         };
-        if progress.cancelled() {
-            return Err(Error::cancelled());
-        }
+        progress.check_cancelled()?;
         let near = (nearest < view.near && (!view.perspective || view.near > 0.0)).then(|| {
             // From the distance, not the depth: far from the eye, depth / near − 1 has no digits left in 32 bits.
             let scale = if view.perspective { 1.0 / view.near } else { 1.0 };

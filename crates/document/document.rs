@@ -120,8 +120,7 @@ impl Document {
         let draft = Draft::new(self.text.clone(), self.syntax.clone());
         let mut work = EditContext { draft, survey: self.survey.clone(), shown: &shown };
         edits.iter().try_for_each(|edit| work.apply(edit))?;
-        let (text, syntax) = work.draft.into_text();
-        Ok((text, syntax, work.survey))
+        Ok((work.draft.text, work.draft.syntax, work.survey))
     }
 
     /// Undoes the last step; false where there is none.

@@ -109,7 +109,7 @@ impl EditContext<'_> {
     pub fn apply(&mut self, edit: &Edit) -> Result<()> {
         self.change(edit)?;
         self.draft.reparse()?;
-        self.survey = Arc::new(Pipeline::survey(self.draft.text()));
+        self.survey = Arc::new(Pipeline::survey(&self.draft.text));
         if !self.survey.is_toml {
             // A form that this does not know how to change.
             let error = Error::run(format!(

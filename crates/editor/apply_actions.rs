@@ -19,8 +19,8 @@ use std::time::{Duration, Instant};
 use voltet_core::Result;
 use voltet_document::arrange::{PlacedNode, align, tidy};
 use voltet_document::{Annotation, AnnotationId, Document, Edit, Recovery};
+use voltet_graph::NodeEntry;
 use voltet_graph::pipeline::Pipeline;
-use voltet_graph::{NodeEntry, ParameterValue};
 use voltet_nodes::files::{folder, refuse_unwritable, relative_to};
 
 /// From a node to what is pasted after it, points.
@@ -39,17 +39,22 @@ impl Editor {
             Action::Estimate => self.estimate(),
             Action::Do(command) => self.command(ctx, command),
             Action::Say(text) => self.say(text),
-            Action::Open(path) => self.open_any(ctx, &path),
             Action::Begin(path) => {
                 self.begin_with = Some(path);
                 self.unless_unsaved(ctx, Command::Open);
             }
-            Action::SaveAs(path) => self.save_as(&path),
             Action::ChooseFile(asked, at) => self.file_dialog = Some(FileDialog::new(asked, at.as_deref())),
-            Action::Name { node, path, file } => {
-                let text = relative_to(&file, &self.document.folder()).to_string_lossy().into_owned();
-                let edit = Edit::Set { node, path, value: ParameterValue::Text(text) };
-                self.edit(edit.label(), &[edit]);
+        }
+    }
+
+    /// A file was chosen in the dialog.
+    pub(crate) fn chosen(&mut self, ctx: &Context, purpose: FilePurpose, file: &Path) {
+        match purpose {
+            FilePurpose::Open => self.open_any(ctx, file),
+            FilePurpose::SaveAs => self.save_as(file),
+            FilePurpose::Parameter { node, path, .. } => {
+                let text = relative_to(file, &self.document.folder()).to_string_lossy().into_owned();
+                self.edit_one(Edit::Set { node, path, value: text.into() });
             }
         }
     }
@@ -63,29 +68,29 @@ impl Editor {
         self.message = Some((text.into(), false));
     }
 
+    fn edit_one(&mut self, edit: Edit) {
+        self.edit(edit.label(), &[edit]);
+    }
+
     pub(crate) fn edit(&mut self, label: String, edits: &[Edit]) {
         self.message = None;
         let outcome = self.document.edit_all(label, edits, self.gesture);
         if self.check(outcome).is_none() {
             return;
         }
+        let mut added = BTreeSet::new();
+        for edit in edits {
+            match edit {
+                Edit::AddNode { name, .. } => drop(added.insert(name.clone())),
+                Edit::Rename { node, to } if self.selection.remove(node) => {
+                    self.selection.insert(to.clone());
+                }
+                _ => {}
+            }
+        }
         // What is new is what is worked on next.
-        let added: BTreeSet<String> = edits
-            .iter()
-            .filter_map(|edit| match edit {
-                Edit::AddNode { name, .. } => Some(name.clone()),
-                _ => None,
-            })
-            .collect();
         if !added.is_empty() {
             self.selection = added;
-        }
-        for edit in edits {
-            if let Edit::Rename { node, to } = edit
-                && self.selection.remove(node)
-            {
-                self.selection.insert(to.clone());
-            }
         }
     }
 
@@ -99,18 +104,10 @@ impl Editor {
     pub(crate) fn look(&mut self, view: View) {
         let Some(camera) = self.camera() else { return };
         let name = camera.name.clone();
-        // A standard value that stays needs not be written.
-        let standing = View::from_camera(camera);
-        let is_other = |key: &str| {
-            standing.is_none_or(|before| match key {
-                "up" => before.up != view.up,
-                _ => before.projection != view.projection,
-            })
-        };
-        let needed = view.settings().into_iter().filter(|(key, datum)| {
-            camera.setting(key).map_or_else(|| is_other(key), |stated| !same(&stated.datum, datum))
-        });
-        let edits: Vec<Edit> = needed.map(|(key, datum)| Edit::set(&name, [key], datum)).collect();
+        // What stays as it is, stated or not, needs not be written.
+        let before = View::from_camera(camera).map(|before| before.settings()).unwrap_or_default();
+        let other = view.settings().into_iter().filter(|setting| !before.contains(setting));
+        let edits: Vec<Edit> = other.map(|(key, datum)| Edit::set(&name, [key], datum)).collect();
         if !edits.is_empty() {
             self.edit(format!("move the camera '{name}'"), &edits);
         }
@@ -136,15 +133,14 @@ impl Editor {
             Command::Duplicate => self.duplicate(),
             Command::Delete => {
                 if !self.selection.is_empty() {
-                    let edit = Edit::RemoveNodes(self.selected());
-                    self.edit(edit.label(), &[edit]);
+                    self.edit_one(Edit::RemoveNodes(self.selected()));
                 }
             }
             Command::SelectAll => {
                 self.selection =
                     self.document.pipeline().nodes.iter().map(|node| node.name.clone()).collect();
             }
-            Command::Add => self.panels.graph.open_menu(),
+            Command::Add => self.panels.graph.opens_menu = true,
             Command::Tidy | Command::Align(_) | Command::Frame | Command::Note => self.arrange_nodes(command),
             Command::Fold => self.fold(),
             Command::FitGraph => self.panels.graph.fit(),
@@ -167,12 +163,12 @@ impl Editor {
                 let dark = ctx.style().visuals.dark_mode;
                 ctx.set_theme(if dark { ThemePreference::Light } else { ThemePreference::Dark });
             }
-            Command::Costs => self.costs = !self.costs,
+            Command::Costs => self.panels.costs = !self.panels.costs,
             Command::Widgets => self.panels.transfer.by_keyboard = !self.panels.transfer.by_keyboard,
             Command::Section => self.panels.section.open = !self.panels.section.open,
             Command::Study => self.panels.study.open = !self.panels.study.open,
             Command::ReadAgain => self.read_again(),
-            Command::Help => self.help = !self.help,
+            Command::Help => self.panels.help = !self.panels.help,
         }
     }
 
@@ -316,18 +312,6 @@ impl Editor {
             _ if command == Command::Tidy => self.panels.graph.fit(),
             _ => {}
         }
-    }
-}
-
-/// True if two values are equal; 2 and 2.0 are.
-fn same(a: &ParameterValue, b: &ParameterValue) -> bool {
-    match (a, b) {
-        (ParameterValue::List(a), ParameterValue::List(b)) => {
-            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same(&a.datum, &b.datum))
-        }
-        (ParameterValue::Integer(a), ParameterValue::Number(b))
-        | (ParameterValue::Number(b), ParameterValue::Integer(a)) => *a as f64 == *b,
-        _ => a == b,
     }
 }
 

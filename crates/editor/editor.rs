@@ -37,6 +37,8 @@ pub(crate) struct Panels {
     pub transfer: TransferPanel,
     pub section: SectionPanel,
     pub study: StudyPanel,
+    pub costs: bool,
+    pub help: bool,
 }
 
 /// All that a window shows.
@@ -53,8 +55,6 @@ pub struct Editor {
     pub(crate) recover: Recover,
     pub(crate) disk: Disk,
     pub(crate) watch: FileWatcher,
-    pub(crate) help: bool,
-    pub(crate) costs: bool,
     pub(crate) file_dialog: Option<FileDialog>,
     /// File to open once unsaved work is settled; `None` opens a file dialog.
     pub(crate) begin_with: Option<PathBuf>,
@@ -101,8 +101,6 @@ impl Editor {
             recover: Recover::default(),
             disk: Disk::default(),
             watch,
-            help: false,
-            costs: false,
             file_dialog: None,
             begin_with: None,
             recent: Recent::default(),
@@ -274,7 +272,6 @@ fn show(editor: &mut Editor, ctx: &Context) {
     changed_on_disk(editor, ctx);
     // The panels change; everything else is looked at.
     let mut panels = std::mem::take(&mut editor.panels);
-    let mut open = editor.costs;
     {
         let scene = editor.scene();
         TopBottomPanel::top("menus").show(ctx, |ui| keys::bar(ui, &scene));
@@ -284,13 +281,15 @@ fn show(editor: &mut Editor, ctx: &Context) {
         } else {
             parts(ctx, &scene, &mut panels);
         }
-        show_costs(ctx, &mut open, &scene);
+        show_costs(ctx, &mut panels.costs, &scene);
         panels.section.show(ctx, &scene);
         panels.study.show(ctx, &scene);
     }
-    (editor.panels, editor.costs) = (panels, open);
-    keys::sheet(ctx, &mut editor.help);
-    show_dialog(&mut editor.file_dialog, ctx, &editor.actions);
+    keys::sheet(ctx, &mut panels.help);
+    editor.panels = panels;
+    if let Some((purpose, path)) = show_dialog(&mut editor.file_dialog, ctx) {
+        editor.chosen(ctx, purpose, &path);
+    }
     unsaved(editor, ctx);
     editor.offer_left_behind(ctx);
 }

@@ -1,7 +1,7 @@
 //! Files: names, changes by other programs, recent ones, copies of unsaved work; and dialogs: a question with a few answers, and the choice
 //! of a file.
 
-use crate::scene::{Action, Actions, FilePurpose};
+use crate::scene::FilePurpose;
 use eframe::egui::{Align2, Context, Key, ScrollArea, TextEdit, Ui, Window};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -198,11 +198,6 @@ impl FilePurpose {
         }
     }
 
-    /// True if the choice alone overwrites an existing file.
-    fn overwrites(&self) -> bool {
-        *self == FilePurpose::SaveAs
-    }
-
     fn accepts(&self, name: &str) -> bool {
         let end = Path::new(name).extension().map(|end| end.to_string_lossy().to_lowercase());
         let end = end.unwrap_or_default();
@@ -210,14 +205,6 @@ impl FilePurpose {
             FilePurpose::Open => is_pipeline_ending(&end) || DATA.contains(&end.as_str()),
             FilePurpose::SaveAs => is_pipeline_ending(&end),
             FilePurpose::Parameter { .. } => true,
-        }
-    }
-
-    fn action(self, file: PathBuf) -> Action {
-        match self {
-            FilePurpose::Open => Action::Open(file),
-            FilePurpose::SaveAs => Action::SaveAs(file),
-            FilePurpose::Parameter { node, path, .. } => Action::Name { node, path, file },
         }
     }
 }
@@ -324,7 +311,8 @@ impl FileDialog {
             self.go(path);
             return None;
         }
-        if self.purpose.overwrites() && path.exists() && !self.warned {
+        // The choice alone overwrites an existing file.
+        if self.purpose == FilePurpose::SaveAs && path.exists() && !self.warned {
             self.warned = true;
             return None;
         }
@@ -332,8 +320,12 @@ impl FileDialog {
     }
 }
 
-pub(crate) fn show_dialog(open_dialog: &mut Option<FileDialog>, ctx: &Context, actions: &Actions) {
-    let Some(mut dialog) = open_dialog.take() else { return };
+/// Shows the dialog that is open; the file, once one is chosen.
+pub(crate) fn show_dialog(
+    open_dialog: &mut Option<FileDialog>,
+    ctx: &Context,
+) -> Option<(FilePurpose, PathBuf)> {
+    let mut dialog = open_dialog.take()?;
     let mut open = true;
     let mut chosen = None;
     Window::new(dialog.purpose.title())
@@ -343,11 +335,11 @@ pub(crate) fn show_dialog(open_dialog: &mut Option<FileDialog>, ctx: &Context, a
         .default_width(460.0)
         .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
         .show(ctx, |ui| chosen = dialog.show(ui));
-    match chosen {
-        Some(path) => actions.push(dialog.purpose.action(path)),
-        None if open && !ctx.input(|input| input.key_pressed(Key::Escape)) => *open_dialog = Some(dialog),
-        None => {}
+    if chosen.is_none() && open && !ctx.input(|input| input.key_pressed(Key::Escape)) {
+        *open_dialog = Some(dialog);
+        return None;
     }
+    Some((dialog.purpose, chosen?))
 }
 
 #[cfg(test)]

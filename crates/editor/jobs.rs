@@ -3,9 +3,10 @@
 use crate::worker::short;
 use eframe::egui::Context;
 use std::collections::HashMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::progress::NoProgress;
 use voltet_core::{Error, Result};
@@ -61,10 +62,11 @@ impl<T> Job<T> {
         });
         let of_thread = observer.clone();
         let spawned = std::thread::Builder::new().name(name.into()).spawn(move || {
-            // The window is shown anew also where the work ends by a panic, which drops the sender.
-            let _at_end = RepaintAtEnd(of_thread.ctx.clone());
+            let found = catch_unwind(AssertUnwindSafe(|| work(&*of_thread)));
+            let mistake = |_| Err(Error::run("the work ended by a mistake of its own"));
             // The receiver is gone if the job was cancelled.
-            let _ = sender.send(work(&*of_thread));
+            let _ = sender.send(found.unwrap_or_else(mistake));
+            of_thread.ctx.request_repaint();
         });
         spawned.map_err(|error| Error::run("no thread can be had").got(error))?;
         Ok(Job { result, observer })
@@ -72,13 +74,7 @@ impl<T> Job<T> {
 
     /// The result, once there is one; it is given once.
     pub fn result(&self) -> Option<Result<T>> {
-        match self.result.try_recv() {
-            Err(TryRecvError::Empty) => None,
-            Ok(result) => Some(result),
-            Err(TryRecvError::Disconnected) => {
-                Some(Err(Error::run("the work ended by a mistake of its own")))
-            }
-        }
+        self.result.try_recv().ok()
     }
 
     /// The stage that the job is at, and how much of it is done (0 … 1).
@@ -94,14 +90,6 @@ impl<T> Job<T> {
 impl<T> Drop for Job<T> {
     fn drop(&mut self) {
         self.cancel();
-    }
-}
-
-struct RepaintAtEnd(Context);
-
-impl Drop for RepaintAtEnd {
-    fn drop(&mut self) {
-        self.0.request_repaint();
     }
 }
 
@@ -175,17 +163,11 @@ impl Arrays {
 fn choices(head: &voltet_core::reading::FileArray, range: Option<[f64; 2]>) -> Vec<ArrayChoice> {
     let place = if head.association == Association::Cell { "cells" } else { "points" };
     let range = range.map_or(String::new(), |[low, high]| format!(", {} to {}", short(low), short(high)));
+    let choice = |name: String, range: &str| ArrayChoice { label: format!("{name}  ({place}{range})"), name };
     if head.component_count == 1 {
-        return vec![ArrayChoice {
-            name: head.name.clone(),
-            label: format!("{}  ({place}{range})", head.name),
-        }];
+        return vec![choice(head.name.clone(), &range)];
     }
-    let length = format!("{}:magnitude", head.name);
-    let all = std::iter::once(ArrayChoice { label: format!("{length}  ({place}{range})"), name: length });
-    let parts = (0..head.component_count).map(|i| {
-        let name = format!("{}:{i}", head.name);
-        ArrayChoice { label: format!("{name}  ({place})"), name }
-    });
+    let all = std::iter::once(choice(format!("{}:magnitude", head.name), &range));
+    let parts = (0..head.component_count).map(|i| choice(format!("{}:{i}", head.name), ""));
     all.chain(parts).collect()
 }

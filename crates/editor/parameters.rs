@@ -105,20 +105,20 @@ pub(crate) struct ParameterPanel {
 
 #[derive(Clone, Copy)]
 struct Of<'a> {
-    pub scene: &'a Scene<'a>,
-    pub node: &'a str,
+    scene: &'a Scene<'a>,
+    node: &'a str,
 }
 
 impl Of<'_> {
-    pub fn set(&self, row: &Row, value: ParameterValue) -> Edit {
-        Edit::Set { node: self.node.to_string(), path: row.path.clone(), value }
+    fn set(&self, row: &Row, value: ParameterValue) {
+        self.scene.actions.edit(Edit::set(self.node, row.path.clone(), value));
     }
 
-    pub fn unset(&self, path: &Path) -> Edit {
-        Edit::Unset { node: self.node.to_string(), path: path.clone() }
+    fn unset(&self, path: &Path) {
+        self.scene.actions.edit(Edit::Unset { node: self.node.to_string(), path: path.clone() });
     }
 
-    pub fn key(&self, row: &Row) -> String {
+    fn key(&self, row: &Row) -> String {
         format!("{}.{}", self.node, row.path)
     }
 }
@@ -242,13 +242,13 @@ impl ParameterPanel {
                 {
                     // A number that is not there is no number.
                     if ui.small_button("set").on_hover_text("states a value to begin with").clicked() {
-                        of.scene.actions.edit(of.set(row, first));
+                        of.set(row, first);
                     }
                     ui.label(RichText::new(meaning).small().color(theme::weak(dark)));
                     return;
                 }
                 if let Some(value) = self.value(ui, of, row) {
-                    of.scene.actions.edit(of.set(row, value));
+                    of.set(row, value);
                 }
                 if !parameter.unit.is_empty() {
                     ui.label(RichText::new(parameter.unit).small().color(theme::weak(dark)));
@@ -261,7 +261,7 @@ impl ParameterPanel {
         if row.set_value.is_some() && !matches!(parameter.default, DefaultValue::Required) {
             let standard = format!("back to the standard: {}", row.default_text());
             if ui.small_button("↺").on_hover_text(standard).clicked() {
-                of.scene.actions.edit(of.unset(&row.path));
+                of.unset(&row.path);
             }
         } else {
             ui.label("");
@@ -304,7 +304,7 @@ impl ParameterPanel {
                     of.scene.actions.edit(Edit::Duplicate { node: node(), list: list.clone(), place });
                 }
                 if ui.small_button("✖").on_hover_text("take away").clicked() {
-                    of.scene.actions.edit(of.unset(&entry.path));
+                    of.unset(&entry.path);
                 }
             });
             head.body(|ui| self.table(ui, of, &entry.path, &entry.rows));
@@ -320,7 +320,7 @@ impl ParameterPanel {
             self.table(ui, of, &row.path, &row.rows);
             let may_go = row.set_value.is_some() && !matches!(parameter.default, DefaultValue::Required);
             if may_go && ui.small_button("take out").clicked() {
-                of.scene.actions.edit(of.unset(&row.path));
+                of.unset(&row.path);
             }
         });
         shown.header_response.on_hover_text(parameter.help);
@@ -348,11 +348,7 @@ impl ParameterPanel {
                 if let Some(word) = word {
                     let mut is_word = matches!(now, Some(ParameterValue::Text(text)) if text == word);
                     if ui.checkbox(&mut is_word, *word).changed() {
-                        return if is_word {
-                            Some(ParameterValue::Text(word.to_string()))
-                        } else {
-                            row.begin()
-                        };
+                        return if is_word { Some((*word).into()) } else { row.begin() };
                     }
                     if is_word {
                         return None;
@@ -407,36 +403,25 @@ impl ParameterPanel {
             ComboBox::from_id_salt(("arrays", key)).selected_text("data").width(48.0).show_ui(ui, |ui| {
                 for array in arrays.iter() {
                     let mut is_taken = names.contains(&array.name);
-                    let clicked = if several {
-                        ui.checkbox(&mut is_taken, &array.label).changed()
-                    } else {
-                        ui.selectable_label(is_taken, &array.label).clicked()
-                    };
-                    if clicked && several {
+                    if several && ui.checkbox(&mut is_taken, &array.label).changed() {
                         let others = names.iter().filter(|name| **name != array.name);
                         let all = others.chain(is_taken.then_some(&array.name));
                         taken = Some(all.map(String::as_str).collect());
-                    } else if clicked {
+                    } else if !several && ui.selectable_label(is_taken, &array.label).clicked() {
                         taken = Some(ParameterValue::Text(array.name.clone()));
                     }
                 }
             });
         }
-        let width = if several { 260.0 } else { 160.0 };
-        taken.or_else(|| {
-            self.typing.value(ui, key, row, width, if several { "all that are named" } else { "" })
-        })
+        let (width, hint) = if several { (260.0, "all that are named") } else { (160.0, "") };
+        taken.or_else(|| self.typing.value(ui, key, row, width, hint))
     }
 }
 
 fn swatch(ui: &mut Ui, rows: &[Row]) {
     let color = rows.iter().find(|row| row.parameter.name == "color").and_then(Row::value).and_then(channels);
     let (rect, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
-    let color = color.map_or(Color32::TRANSPARENT, |channels| {
-        let [r, g, b] = channels.map(|x| x.min(1.0) as f32);
-        Rgba::from_rgb(r, g, b).into()
-    });
-    ui.painter().rect_filled(rect, 3.0, color);
+    ui.painter().rect_filled(rect, 3.0, color.map_or(Color32::TRANSPARENT, theme::on_screen));
 }
 
 fn holds_all(range: &Range, datum: Option<&ParameterValue>) -> bool {
@@ -449,17 +434,14 @@ fn holds_all(range: &Range, datum: Option<&ParameterValue>) -> bool {
 
 /// Asks for the file of a row, beginning where the one lies that it names.
 fn browse(of: Of, row: &Row) -> Action {
-    let named = row.value().and_then(|datum| LocatedValue::from(datum.clone()).text().map(str::to_string));
+    let named = row.value().map(texts).unwrap_or_default().into_iter().find(|name| !name.is_empty());
     let document = of.scene.document;
-    let at = match named.filter(|name| !name.is_empty()) {
+    let at = match named {
         Some(name) => Some(document.folder().join(name)),
         None => document.path().map(|path| path.with_file_name("")),
     };
-    let writes = matches!(row.control, Control::OutputFile);
-    Action::ChooseFile(
-        FilePurpose::Parameter { node: of.node.to_string(), path: row.path.clone(), writes },
-        at,
-    )
+    let (node, writes) = (of.node.to_string(), matches!(row.control, Control::OutputFile));
+    Action::ChooseFile(FilePurpose::Parameter { node, path: row.path.clone(), writes }, at)
 }
 
 /// True if the user changed it; rounding for display, or clamping to its range, is no change.
@@ -517,10 +499,8 @@ fn numbers(
     range: &Range,
     whole: bool,
 ) -> Option<ParameterValue> {
-    let mut list: Vec<f64> = match now {
-        Some(ParameterValue::List(list)) => {
-            list.iter().map(|setting| setting.number().unwrap_or(0.0)).collect()
-        }
+    let mut list = match now {
+        Some(ParameterValue::List(list)) => list.iter().map(|part| part.number().unwrap_or(0.0)).collect(),
         _ => vec![range.min.max(0.0).min(range.max); count],
     };
     list.resize(list.len().max(count), 0.0);
@@ -561,8 +541,7 @@ pub(crate) fn edited_color(ui: &mut Ui, linear: [f64; 3]) -> Option<[f64; 3]> {
 }
 
 fn channels(datum: &ParameterValue) -> Option<[f64; 3]> {
-    let ParameterValue::List(list) = datum else { return None };
-    list.iter().map(LocatedValue::number).collect::<Option<Vec<f64>>>()?.try_into().ok()
+    LocatedValue::from(datum.clone()).array()
 }
 
 fn choice(
@@ -576,7 +555,7 @@ fn choice(
     ComboBox::from_id_salt(("choice", key)).selected_text(&now).width(150.0).show_ui(ui, |ui| {
         for (word, meaning) in words {
             if ui.selectable_label(now == *word, *word).on_hover_text(*meaning).clicked() {
-                taken = Some(ParameterValue::Text(word.to_string()));
+                taken = Some((*word).into());
             }
         }
     });
@@ -584,19 +563,11 @@ fn choice(
 }
 
 fn number(datum: &ParameterValue) -> Option<f64> {
-    match datum {
-        ParameterValue::Integer(x) => Some(*x as f64),
-        ParameterValue::Number(x) => Some(*x),
-        _ => None,
-    }
+    LocatedValue::from(datum.clone()).number()
 }
 
 fn texts(datum: &ParameterValue) -> Vec<String> {
-    match datum {
-        ParameterValue::Text(text) => vec![text.clone()],
-        ParameterValue::List(list) => {
-            list.iter().filter_map(|part| part.text().map(str::to_string)).collect()
-        }
-        _ => Vec::new(),
-    }
+    let value = LocatedValue::from(datum.clone());
+    let parts = value.list().unwrap_or(std::slice::from_ref(&value));
+    parts.iter().filter_map(|part| part.text().map(str::to_string)).collect()
 }

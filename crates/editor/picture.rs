@@ -144,12 +144,7 @@ impl PicturePanel {
         };
         match (&scene.failure, scene.shown_node) {
             (_, None) => {
-                let text = if scene.document.pipeline().nodes.is_empty() {
-                    "Open a pipeline or a data file (Ctrl+O), or add nodes (Space)."
-                } else {
-                    "No node gives a picture yet: add a renderer (Space)."
-                };
-                say(text, Color32::from_gray(200));
+                say("No node gives a picture yet: add a renderer (Space).", Color32::from_gray(200));
             }
             (Some(failure), Some(_)) => say(&failure.to_string(), theme::wrong(dark)),
             (None, Some(_)) if scene.pixels.is_none() => {

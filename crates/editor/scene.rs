@@ -95,19 +95,10 @@ pub enum Action {
     Estimate,
     Do(Command),
     Say(String),
-    /// A pipeline file is opened, or one that is made for a file that is none.
-    Open(PathBuf),
-    /// Like [`Action::Open`], after a question about unsaved work.
+    /// A pipeline file is opened, or one that is made for a file that is none, after a question about unsaved work.
     Begin(PathBuf),
-    SaveAs(PathBuf),
     /// Opens a file dialog, at the path of a file if there is one.
     ChooseFile(FilePurpose, Option<PathBuf>),
-    /// A parameter of a node names this file.
-    Name {
-        node: String,
-        path: voltet_document::Path,
-        file: PathBuf,
-    },
 }
 
 #[derive(Debug, Clone, PartialEq)]

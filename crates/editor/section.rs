@@ -17,19 +17,11 @@ use voltet_io::encode::viridis;
 /// Pixels of its picture.
 pub(crate) const SIZE: [usize; 2] = [320, 240];
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-enum Plane {
-    /// As the picture does.
-    #[default]
-    Camera,
-    /// Across an axis.
-    Across(usize),
-}
-
 #[derive(Default)]
 pub(crate) struct SectionPanel {
     pub open: bool,
-    plane: Plane,
+    /// Axis (0: x, 1: y, 2: z) that the plane is across; none where it is parallel to the picture.
+    across: Option<usize>,
     /// From the centre that was picked, as a share of half of the data's diagonal.
     offset: f64,
     texture: Option<TextureHandle>,
@@ -44,11 +36,9 @@ impl SectionPanel {
     /// The section that is wanted of a volume: its middle, the plane's axes and half of its height.
     pub fn wanted(&self, view: View, bounds: [DVec3; 2]) -> Option<(DVec3, [DVec3; 2], f64)> {
         let radius = 0.5 * (bounds[1] - bounds[0]).length();
-        let (axes, half) = match self.plane {
-            Plane::Camera => (view.sides()?, (0.5 * view.height()).min(radius)),
-            Plane::Across(0) => ([DVec3::Y, DVec3::Z], radius),
-            Plane::Across(1) => ([DVec3::X, DVec3::Z], radius),
-            Plane::Across(_) => ([DVec3::X, DVec3::Y], radius),
+        let (axes, half) = match self.across {
+            None => (view.sides()?, (0.5 * view.height()).min(radius)),
+            Some(axis) => ([[1, 2], [0, 2], [0, 1]][axis].map(|other: usize| DVec3::AXES[other]), radius),
         };
         let normal = axes[0].cross(axes[1]);
         let sound = half > 0.0 && half.is_finite();
@@ -61,15 +51,13 @@ impl SectionPanel {
             ctx,
             |ui| {
                 ui.horizontal(|ui| {
-                    for (plane, text, help) in [
-                        (Plane::Camera, "as seen", "parallel to the picture"),
-                        (Plane::Across(0), "x", "across the x axis"),
-                        (Plane::Across(1), "y", "across the y axis"),
-                        (Plane::Across(2), "z", "across the z axis"),
+                    for (across, text, help) in [
+                        (None, "as seen", "parallel to the picture"),
+                        (Some(0), "x", "across the x axis"),
+                        (Some(1), "y", "across the y axis"),
+                        (Some(2), "z", "across the z axis"),
                     ] {
-                        if ui.selectable_label(self.plane == plane, text).on_hover_text(help).clicked() {
-                            self.plane = plane;
-                        }
+                        ui.selectable_value(&mut self.across, across, text).on_hover_text(help);
                     }
                     ui.add(Slider::new(&mut self.offset, -1.0..=1.0).show_value(false)).on_hover_text(
                         "how far from the centre that was picked (double click in the picture)",

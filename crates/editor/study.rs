@@ -5,10 +5,7 @@ use crate::picture::milliseconds;
 use crate::scene::{Action, Scene};
 use crate::theme;
 use crate::worker::grouped;
-use eframe::egui::{
-    Align2, Color32, Context, FontId, Grid, ProgressBar, Rect, RichText, ScrollArea, Sense, Stroke, Ui,
-    Window, pos2, vec2,
-};
+use eframe::egui::{Context, Grid, ProgressBar, RichText, ScrollArea, Ui, Window};
 use std::path::PathBuf;
 use std::sync::Arc;
 use voltet_core::Result;
@@ -149,11 +146,11 @@ impl StudyPanel {
 fn results(ui: &mut Ui, studied: &Studied) {
     if let Some(folder) = &studied.folder {
         ui.label(format!("Written: {} (study.html, study.csv, plot.svg …)", folder.display()));
+        ui.hyperlink_to("error against time", format!("file://{}", folder.join("plot.svg").display()));
     }
     for note in &studied.notes {
         ui.label(note);
     }
-    plot(ui, &studied.rows);
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
         Grid::new("settings").num_columns(4).striped(true).spacing([18.0, 3.0]).show(ui, |ui| {
             for title in ["setting", "time", "largest error", "root mean square"] {
@@ -175,71 +172,6 @@ fn results(ui: &mut Ui, studied: &Studied) {
             }
         });
     });
-}
-
-/// Least and largest decade of values above 0.
-fn decades(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    let logs = values.filter(|x| *x > 0.0 && x.is_finite()).map(f64::log10);
-    let [low, high] =
-        logs.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
-    if low > high { [0.0, 1.0] } else { [(low - 0.05).floor(), (high + 0.05).ceil().max(low.floor() + 1.0)] }
-}
-
-/// Largest error over time, both by decades; a setting's name under the pointer.
-fn plot(ui: &mut Ui, rows: &[StudiedRow]) {
-    let (whole, response) = ui.allocate_exact_size(vec2(ui.available_width(), 190.0), Sense::hover());
-    let rect = Rect::from_min_max(whole.min + vec2(48.0, 6.0), whole.max - vec2(10.0, 30.0));
-    let dark = ui.visuals().dark_mode;
-    let (text, font) = (theme::weak(dark), FontId::proportional(10.5));
-    let painter = ui.painter();
-    painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
-    let (x, y) = (decades(rows.iter().map(|row| row.seconds)), decades(rows.iter().map(|row| row.max)));
-    let share = |value: f64, [low, high]: [f64; 2]| {
-        // No error at all stands at the foot.
-        (((value.max(1e-300).log10() - low) / (high - low)) as f32).clamp(0.0, 1.0)
-    };
-    let place = |seconds: f64, most: f64| {
-        pos2(rect.left() + share(seconds, x) * rect.width(), rect.bottom() - share(most, y) * rect.height())
-    };
-    let line = Stroke::new(1.0, text.gamma_multiply(0.3));
-    for decade in (x[0] as i32)..=(x[1] as i32) {
-        let seconds = 10f64.powi(decade);
-        let at = place(seconds, 0.0);
-        painter.vline(at.x, rect.y_range(), line);
-        let name = if decade < 0 { format!("{} ms", 1000.0 * seconds) } else { format!("{seconds} s") };
-        painter.text(pos2(at.x, rect.bottom() + 2.0), Align2::CENTER_TOP, name, font.clone(), text);
-    }
-    for decade in (y[0] as i32)..=(y[1] as i32) {
-        let at = place(1e-300, 10f64.powi(decade));
-        painter.hline(rect.x_range(), at.y, line);
-        let name = format!("1e{decade}");
-        painter.text(pos2(rect.left() - 4.0, at.y), Align2::RIGHT_CENTER, name, font.clone(), text);
-    }
-    painter.text(
-        pos2(rect.center().x, whole.bottom() - 1.0),
-        Align2::CENTER_BOTTOM,
-        "time of a picture; upward: largest error (1 is full scale)",
-        font.clone(),
-        text,
-    );
-    let mut nearest: Option<(f32, &StudiedRow)> = None;
-    for row in rows {
-        let at = place(row.seconds, row.max);
-        let color = match (row.of_file, row.on_front) {
-            (true, _) => theme::wrong(dark),
-            (false, true) => theme::accent(dark),
-            (false, false) => text,
-        };
-        painter.circle(at, 4.0, color, Stroke::new(1.0, Color32::BLACK));
-        let apart = response.hover_pos().map_or(f32::INFINITY, |pointer| pointer.distance(at));
-        if apart < 12.0 && nearest.is_none_or(|(least, _)| apart < least) {
-            nearest = Some((apart, row));
-        }
-    }
-    if let Some((_, row)) = nearest {
-        let words = format!("{}: {}, {:.1e}", row.label, milliseconds(row.seconds), row.max);
-        response.on_hover_text_at_pointer(words);
-    }
 }
 
 pub(crate) fn show_costs(ctx: &Context, open: &mut bool, scene: &Scene) {

@@ -1,6 +1,6 @@
 //! Colours, light and dark, and the shapes of ports.
 
-use eframe::egui::{Color32, Context, Painter, Pos2, Shape, Stroke, Theme, Visuals, vec2};
+use eframe::egui::{Color32, Context, Painter, Pos2, Rgba, Shape, Stroke, Theme, Visuals, vec2};
 use voltet_graph::PortType;
 
 pub(crate) fn apply(ctx: &Context) {
@@ -54,6 +54,12 @@ pub(crate) fn readable(color: Color32, dark: bool) -> Color32 {
     let darker = (most / luma.max(1.0)).min(1.0);
     let [r, g, b] = [r, g, b].map(|x| (darker * (x + lighter * (255.0 - x))).round() as u8);
     Color32::from_rgb(r, g, b)
+}
+
+/// A linear colour on the screen; what is brighter than it is clamped.
+pub(crate) fn on_screen(linear: [f64; 3]) -> Color32 {
+    let [r, g, b] = linear.map(|x| x.clamp(0.0, 1.0) as f32);
+    Rgba::from_rgb(r, g, b).into()
 }
 
 /// Colour of secondary text, still easy to read.

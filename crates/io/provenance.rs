@@ -169,9 +169,9 @@ impl Provenance {
             program: concat!("voltet ", env!("CARGO_PKG_VERSION")).into(),
             title,
             pipeline,
-            data: origins.files.iter().map(DataFile::new).collect(),
-            plugins: origins.plugins.iter().map(|(node, plugin)| PluginRecord::new(node, plugin)).collect(),
-            cameras: origins.cameras.iter().map(|(node, camera)| CameraRecord::new(node, camera)).collect(),
+            data: origins.files.iter().map(data_file).collect(),
+            plugins: origins.plugins.iter().map(|(node, plugin)| plugin_record(node, plugin)).collect(),
+            cameras: origins.cameras.iter().map(|(node, camera)| camera_record(node, camera)).collect(),
             units: Units {
                 length: "that of the data".into(),
                 gradient_magnitude: "unit of the scalar per length".into(),
@@ -221,64 +221,56 @@ fn path_from_folder(stated: &ResolvedPipeline, folder: &Path, given: &str, path:
     }
 }
 
-impl DataFile {
-    fn new(file: &FileRead) -> DataFile {
-        DataFile {
-            node: file.node.clone(),
-            parameter: file.named.parameter.clone(),
-            path: file.named.path.clone(),
-            bytes: file.stamp.map(|(bytes, _)| bytes),
-            modified: file.stamp.map(|(_, time)| iso_date(time)),
-            sidecars: (!file.beside.is_empty()).then(|| SidecarFiles::new(file)),
-        }
+fn data_file(file: &FileRead) -> DataFile {
+    DataFile {
+        node: file.node.clone(),
+        parameter: file.named.parameter.clone(),
+        path: file.named.path.clone(),
+        bytes: file.stamp.map(|(bytes, _)| bytes),
+        modified: file.stamp.map(|(_, time)| iso_date(time)),
+        sidecars: (!file.beside.is_empty()).then(|| sidecar_files(file)),
     }
 }
 
-impl PluginRecord {
-    fn new(node: &str, plugin: &Plugin) -> PluginRecord {
-        PluginRecord {
-            node: node.into(),
-            name: plugin.name.clone(),
-            version: plugin.version.clone(),
-            path: plugin.path.display().to_string(),
-            bytes: plugin.bytes,
-            fingerprint: plugin.fingerprint_text(),
-            modified: plugin.modified.map(iso_date),
-        }
+fn plugin_record(node: &str, plugin: &Plugin) -> PluginRecord {
+    PluginRecord {
+        node: node.into(),
+        name: plugin.name.clone(),
+        version: plugin.version.clone(),
+        path: plugin.path.display().to_string(),
+        bytes: plugin.bytes,
+        fingerprint: plugin.fingerprint_text(),
+        modified: plugin.modified.map(iso_date),
     }
 }
 
-impl SidecarFiles {
-    fn new(file: &FileRead) -> SidecarFiles {
-        let folder = files::folder(&file.path);
-        let name = |path: &PathBuf| path.strip_prefix(folder).unwrap_or(path).to_string_lossy().into_owned();
-        let there = file.beside.iter().filter_map(|(_, stamp)| *stamp);
-        SidecarFiles {
-            files: file.beside.len() as u64,
-            bytes: there.clone().map(|(bytes, _)| bytes).sum(),
-            modified: there.map(|(_, time)| time).max().map(iso_date),
-            names: file.beside.iter().take(MAX_NAMED).map(|(path, _)| name(path)).collect(),
-        }
+fn sidecar_files(file: &FileRead) -> SidecarFiles {
+    let folder = files::folder(&file.path);
+    let name = |path: &PathBuf| path.strip_prefix(folder).unwrap_or(path).to_string_lossy().into_owned();
+    let there = file.beside.iter().filter_map(|(_, stamp)| *stamp);
+    SidecarFiles {
+        files: file.beside.len() as u64,
+        bytes: there.clone().map(|(bytes, _)| bytes).sum(),
+        modified: there.map(|(_, time)| time).max().map(iso_date),
+        names: file.beside.iter().take(MAX_NAMED).map(|(path, _)| name(path)).collect(),
     }
 }
 
-impl CameraRecord {
-    fn new(node: &str, camera: &Camera) -> CameraRecord {
-        let (fov_y, height) = match camera.projection {
-            Projection::Perspective { fov_y } => (Some(fov_y), None),
-            Projection::Orthographic { height } => (None, Some(height)),
-        };
-        CameraRecord {
-            node: node.into(),
-            eye: camera.eye.into(),
-            target: camera.target.into(),
-            up: camera.up.into(),
-            fov_y,
-            height,
-            near: camera.near,
-            size: camera.size,
-            samples: camera.samples,
-        }
+fn camera_record(node: &str, camera: &Camera) -> CameraRecord {
+    let (fov_y, height) = match camera.projection {
+        Projection::Perspective { fov_y } => (Some(fov_y), None),
+        Projection::Orthographic { height } => (None, Some(height)),
+    };
+    CameraRecord {
+        node: node.into(),
+        eye: camera.eye.into(),
+        target: camera.target.into(),
+        up: camera.up.into(),
+        fov_y,
+        height,
+        near: camera.near,
+        size: camera.size,
+        samples: camera.samples,
     }
 }
 

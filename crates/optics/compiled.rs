@@ -38,9 +38,6 @@ struct Active<'a> {
     depth: f64,
 }
 
-/// Widgets kept without allocation; more than this many on one segment cost one allocation.
-const INLINE: usize = 8;
-
 impl CompiledTransferFunction {
     /// Checks the transfer function and makes it ready.
     pub fn new(transfer_function: &TransferFunction) -> Result<CompiledTransferFunction> {
@@ -85,33 +82,17 @@ impl CompiledTransferFunction {
         overlap: WidgetBlend,
         quadrature: &Q,
     ) -> Contribution {
-        let mut inline: [Option<Active>; INLINE] = [None; INLINE];
-        let mut spilled: Vec<Active> = Vec::new();
-        let (mut count, mut optical_depth) = (0, 0.0);
-        for widget in &self.widgets {
-            let Some(active) = self.cross(widget, segment) else { continue };
-            if active.depth == 0.0 && self.cutoff.is_none() {
-                continue;
-            }
-            optical_depth += active.depth;
-            match inline.get_mut(count) {
-                Some(slot) => *slot = Some(active),
-                None => spilled.push(active),
-            }
-            count += 1;
-        }
-        let active = || inline.iter().flatten().chain(&spilled);
+        let crossed = self.widgets.iter().filter_map(|widget| self.cross(widget, segment));
+        let active: Vec<Active> = crossed.filter(|one| one.depth != 0.0 || self.cutoff.is_some()).collect();
+        let optical_depth = active.iter().map(|one| one.depth).fold(0.0, |sum, depth| sum + depth);
         let opacity = opacity(optical_depth);
-        let color = match count {
-            0 => [0.0; 3],
-            1 => active().next().map_or([0.0; 3], |single| {
-                if Q::ALONE && single.path.is_integrated(self.cutoff.is_some()) {
-                    quadrature.color(&[self.member(single)], self.glow(segment.length))
-                } else {
-                    self.color_alone(single, segment.length)
-                }
-            }),
-            _ => self.color_together(&active, segment.length, optical_depth, overlap, quadrature),
+        let color = match &active[..] {
+            [] => [0.0; 3],
+            [single] if Q::ALONE && single.path.is_integrated(self.cutoff.is_some()) => {
+                quadrature.color(&[self.member(single)], self.glow(segment.length))
+            }
+            [single] => self.color_alone(single, segment.length),
+            several => self.color_together(several, segment.length, optical_depth, overlap, quadrature),
         };
         Contribution { optical_depth, color, opacity }
     }
@@ -150,17 +131,17 @@ impl CompiledTransferFunction {
     }
 
     /// C of several widgets.
-    fn color_together<'a, I: Iterator<Item = &'a Active<'a>>>(
+    fn color_together(
         &self,
-        active: &impl Fn() -> I,
+        active: &[Active],
         length: f64,
         optical_depth: f64,
         overlap: WidgetBlend,
         quadrature: &impl Quadrature,
     ) -> [f64; 3] {
         if self.cutoff.is_none() {
-            let first = active().next().map_or([0.0; 3], |a| a.widget.color);
-            if active().all(|a| a.path.has_one_color() && a.widget.color == first) {
+            let first = active[0].widget.color;
+            if active.iter().all(|a| a.path.has_one_color() && a.widget.color == first) {
                 return first.map(|c| c * opacity(optical_depth));
             }
         }
@@ -168,24 +149,24 @@ impl CompiledTransferFunction {
             // Kniss et al. 2003, Eq. 15: each widget's own light, dimmed by what all of them absorb on the
             // mean. For one colour and the density-emitter this is c Tᵢ/T (1 − e^(−T)).
             let dimmed = mean_transmittance(optical_depth);
-            return active().fold([0.0; 3], |sum, a| {
+            return active.iter().fold([0.0; 3], |sum, a| {
                 let share = dimmed / mean_transmittance(a.depth);
                 let alone = self.color_alone(a, length);
                 std::array::from_fn(|i| sum[i] + share * alone[i])
             });
         }
-        quadrature.color(&self.members(active()), self.glow(length))
+        quadrature.color(&self.members(active), self.glow(length))
     }
 
-    fn members<'a>(&self, active: impl Iterator<Item = &'a Active<'a>>) -> Vec<Member<'a>> {
-        active.map(|active| self.member(active)).collect()
+    fn members<'a>(&self, active: &[Active<'a>]) -> Vec<Member<'a>> {
+        active.iter().map(|active| self.member(active)).collect()
     }
 
     /// Calls `f` with point samples along the segment.
     pub fn sampled<R>(&self, segment: &Segment, f: impl FnOnce(Samples) -> R) -> R {
         let active: Vec<Active> =
             self.widgets.iter().filter_map(|widget| self.cross(widget, segment)).collect();
-        f(Samples::new(&self.members(active.iter()), self.glow(segment.length)))
+        f(Samples::new(&self.members(&active), self.glow(segment.length)))
     }
 
     fn glow(&self, length: f64) -> Glow {

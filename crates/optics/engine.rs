@@ -239,11 +239,7 @@ impl Compositor {
 
     /// The name in pipeline files.
     pub fn name(self) -> &'static str {
-        match self {
-            Compositor::Tiles => "tiles",
-            Compositor::Raster => "raster",
-            Compositor::Triangles => "triangles",
-        }
+        ["tiles", "raster", "triangles"][self as usize]
     }
 
     /// The one of that name.
@@ -434,13 +430,7 @@ pub struct StageTiming {
 impl Stage {
     /// Its name in reports.
     pub fn name(self) -> &'static str {
-        match self {
-            Stage::Cull => "cull",
-            Stage::Sort => "sort",
-            Stage::Project => "project",
-            Stage::SetUp => "set-up",
-            Stage::Composite => "composite",
-        }
+        ["cull", "sort", "project", "set-up", "composite"][self as usize]
     }
 }
 

@@ -63,6 +63,9 @@ pub(crate) enum Outcome {
 
 wire!(variants of Outcome { 0 = Nothing, 1 = Vectors(vectors), 2 = Head(head), 3 = Grid(head, buffers), 4 = Pixels(pixels) });
 
+/// Status and output of a call.
+pub(crate) type CallOutput = (CallStatus, Outcome);
+
 impl Outcome {
     /// True if the counts of a grid are within their limits, and its arrays as long as they say: a damaged process may send any.
     pub fn is_consistent(&self) -> bool {
@@ -86,7 +89,7 @@ impl Task {
     }
 
     /// Calls the function of a loaded library. An item of another family gives no output.
-    pub fn run(self, item: &LibraryItem, state: &State) -> (CallStatus, Outcome) {
+    pub fn run(self, item: &LibraryItem, state: &State) -> CallOutput {
         let called = match (self, item.function, item.declaration.family) {
             (Task::Check(values), ..) => {
                 let Some(check) = item.check else { return Default::default() };
@@ -130,18 +133,13 @@ pub(crate) struct GradientTask {
 
 wire!(fields of GradientTask { grid, scalar, values, arrays });
 
-/// Rows of a compressed table with starts of 64 bits.
-pub(crate) struct Rows64 {
-    pub starts: Vec<u64>,
-    pub items: Vec<u32>,
-}
+/// Starts and items of the rows of a compressed table.
+type Rows64 = (Vec<u64>, Vec<u32>);
 
-impl From<Csr> for Rows64 {
-    fn from(Csr { starts, items }: Csr) -> Rows64 {
-        // The same memory where both are of 64 bits.
-        let widened = |(_, starts): (_, Vec<usize>)| starts.into_iter().map(|start| start as u64).collect();
-        Rows64 { starts: bytemuck::try_cast_vec(starts).unwrap_or_else(widened), items }
-    }
+fn rows_64(Csr { starts, items }: Csr) -> Rows64 {
+    // The same memory where both are of 64 bits.
+    let widened = |(_, starts): (_, Vec<usize>)| starts.into_iter().map(|start| start as u64).collect();
+    (bytemuck::try_cast_vec(starts).unwrap_or_else(widened), items)
 }
 
 impl GradientTask {
@@ -151,8 +149,8 @@ impl GradientTask {
             [NEEDS_NEIGHBOURS, NEEDS_CELLS_OF_POINTS].map(|flag| needs & flag != 0);
         let cells = (needs_neighbours || needs_cells).then(|| cells_of_points(&self.grid));
         let neighbours = cells.as_ref().filter(|_| needs_neighbours);
-        let neighbours = neighbours.map(|cells| Rows64::from(points_of_points(&self.grid, cells)));
-        [neighbours, cells.filter(|_| needs_cells).map(Rows64::from)]
+        let neighbours = neighbours.map(|cells| rows_64(points_of_points(&self.grid, cells)));
+        [neighbours, cells.filter(|_| needs_cells).map(rows_64)]
     }
 
     fn run(self, function: Gradient, needs: u32, state: &State) -> Called {
@@ -160,8 +158,8 @@ impl GradientTask {
         // The first touch of fresh memory takes its time, too.
         let (tables, vectors) = rayon::join(|| self.tables(needs), || guarded_vec::<DVec3, f64>(point_count));
         let [neighbours, cells] = tables;
-        let starts = |rows: &Option<Rows64>| rows.as_ref().map_or(null(), |rows| rows.starts.as_ptr());
-        let items = |rows: &Option<Rows64>| rows.as_ref().map_or(null(), |rows| rows.items.as_ptr());
+        let starts = |rows: &Option<Rows64>| rows.as_ref().map_or(null(), |rows| rows.0.as_ptr());
+        let items = |rows: &Option<Rows64>| rows.as_ref().map_or(null(), |rows| rows.1.as_ptr());
         let arrays = array_pointers(&self.arrays);
         let pointers = self.values.pointers();
         let values = self.values.header_values(&pointers);

@@ -168,26 +168,20 @@ fn times(read: &GridHead) -> CheckResult<Vec<f64>> {
     }
 }
 
-/// `voltet_grid_buffers`; parts that are `None` or empty are not requested.
+/// `voltet_grid_buffers`; parts that are `None` or empty are not requested. Of the cells either the tetrahedra are there, or types,
+/// offsets and connectivity.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Buffers {
     pub points: Option<Vec<DVec3>>,
     pub tetrahedra: Option<Vec<[u32; 4]>>,
-    pub cells: Option<MixedCells>,
+    pub types: Option<Vec<u8>>,
+    pub offsets: Option<Vec<i64>>,
+    pub connectivity: Option<Vec<u32>>,
     /// One for each array of the head.
     pub arrays: Vec<Option<Vec<f64>>>,
 }
 
-/// Cells of any types.
-#[derive(Debug, Default, PartialEq)]
-pub(crate) struct MixedCells {
-    pub types: Vec<u8>,
-    pub offsets: Vec<i64>,
-    pub connectivity: Vec<u32>,
-}
-
-wire!(fields of Buffers { points, tetrahedra, cells, arrays });
-wire!(fields of MixedCells { types, offsets, connectivity });
+wire!(fields of Buffers { points, tetrahedra, types, offsets, connectivity, arrays });
 
 impl Buffers {
     /// Buffers for the requested arrays of a grid, and with `geometry` for its points and cells.
@@ -207,121 +201,108 @@ impl Buffers {
                 left >> 20
             ));
         }
-        let mut buffers = Buffers::default();
-        if geometry && !head.has(SAME_POINTS) {
-            buffers.points = Some(guarded_vec::<_, f64>(head.point_count)?);
-        }
-        if geometry && !head.has(SAME_CELLS) {
-            match head.has(TETRAHEDRA) {
-                true => buffers.tetrahedra = Some(guarded_vec::<_, u32>(head.cell_count)?),
-                false => {
-                    buffers.cells = Some(MixedCells {
-                        types: guarded_vec::<_, u8>(head.cell_count)?,
-                        offsets: guarded_vec::<_, i64>(head.cell_count + 1)?,
-                        connectivity: guarded_vec::<_, u32>(head.connectivity_count)?,
-                    });
-                }
-            }
-        }
-        for (array, &requested) in head.arrays.iter().zip(requested) {
-            let buffer = requested.then(|| guarded_vec::<_, f64>(head.numbers(array)));
-            buffers.arrays.push(buffer.transpose()?);
-        }
-        Ok(buffers)
+        let [points, cells] = [SAME_POINTS, SAME_CELLS].map(|flag| geometry && !head.has(flag));
+        let mixed = cells && !head.has(TETRAHEDRA);
+        let array = |(array, &requested)| allocate::<_, f64>(requested, head.numbers(array));
+        Ok(Buffers {
+            points: allocate::<_, f64>(points, head.point_count)?,
+            tetrahedra: allocate::<_, u32>(cells && !mixed, head.cell_count)?,
+            types: allocate::<_, u8>(mixed, head.cell_count)?,
+            offsets: allocate::<_, i64>(mixed, head.cell_count + 1)?,
+            connectivity: allocate::<_, u32>(mixed, head.connectivity_count)?,
+            arrays: head.arrays.iter().zip(requested).map(array).collect::<CheckResult<_>>()?,
+        })
     }
 
     /// True if every buffer is as long as the head says.
     pub fn fit(&self, head: &Head) -> bool {
-        let is_right = |cells: &MixedCells| {
-            [cells.types.len(), cells.offsets.len(), cells.connectivity.len()]
-                == [head.cell_count, head.cell_count + 1, head.connectivity_count]
-        };
-        self.points.as_ref().is_none_or(|points| points.len() == head.point_count)
-            && self.tetrahedra.as_ref().is_none_or(|tetrahedra| tetrahedra.len() == head.cell_count)
-            && self.cells.as_ref().is_none_or(is_right)
+        is_as_long(&self.points, head.point_count)
+            && is_as_long(&self.tetrahedra, head.cell_count)
+            && is_as_long(&self.types, head.cell_count)
+            && is_as_long(&self.offsets, head.cell_count + 1)
+            && is_as_long(&self.connectivity, head.connectivity_count)
             && (self.arrays.is_empty() || self.arrays.len() == head.arrays.len())
-            && self.arrays.iter().zip(&head.arrays).all(|(buffer, array)| {
-                buffer.as_ref().is_none_or(|buffer| buffer.len() == head.numbers(array))
-            })
+            && self
+                .arrays
+                .iter()
+                .zip(&head.arrays)
+                .all(|(buffer, array)| is_as_long(buffer, head.numbers(array)))
     }
 
     /// Addresses of the arrays; valid until the buffers are closed or dropped.
     pub fn array_addresses(&mut self) -> Vec<*mut f64> {
-        let address = |array: &mut Option<Vec<f64>>| array.as_mut().map_or(null_mut(), |a| a.as_mut_ptr());
         self.arrays.iter_mut().map(address).collect()
     }
 
     /// The struct of the header. `addresses`: those of the arrays.
     pub fn header_buffers(&mut self, head: &Head, addresses: &[*mut f64]) -> GridBuffers {
-        let (types, offsets, connectivity_u32) = match &mut self.cells {
-            Some(MixedCells { types, offsets, connectivity }) => {
-                (types.as_mut_ptr(), offsets.as_mut_ptr(), connectivity.as_mut_ptr())
-            }
-            None => (null_mut(), null_mut(), null_mut()),
-        };
         GridBuffers {
             size: size_of::<GridBuffers>() as u32,
             array_count: addresses.len() as u32,
             point_count: head.point_count as u64,
             cell_count: head.cell_count as u64,
             connectivity_count: head.connectivity_count as u64,
-            points: self.points.as_mut().map_or(null_mut(), |points| points.as_mut_ptr().cast()),
-            tetrahedra: self.tetrahedra.as_mut().map_or(null_mut(), |cells| cells.as_mut_ptr().cast()),
-            types,
-            offsets,
-            connectivity_u32,
+            points: address(&mut self.points),
+            tetrahedra: address(&mut self.tetrahedra),
+            types: address(&mut self.types),
+            offsets: address(&mut self.offsets),
+            connectivity_u32: address(&mut self.connectivity),
             arrays: addresses.as_ptr(),
         }
     }
 
     /// Removes the guards behind the buffers; the first overrun.
     pub fn close(&mut self, head: &Head) -> Option<Overrun> {
-        let (points, cells, numbers) = (head.point_count, head.cell_count, head.connectivity_count);
-        let mut found = None;
-        if let Some(buffer) = &mut self.points {
-            close::<_, f64>(buffer, points, &mut found, "the points", per_tuple(3, points, "points"));
-        }
-        if let Some(buffer) = &mut self.tetrahedra {
-            close::<_, u32>(buffer, cells, &mut found, "the tetrahedra", per_tuple(4, cells, "cells"));
-        }
-        if let Some(MixedCells { types, offsets, connectivity }) = &mut self.cells {
-            let capacity = format!("1 for each of the {cells} cells");
-            close::<_, u8>(types, cells, &mut found, "the types", capacity);
-            close::<_, i64>(offsets, cells + 1, &mut found, "the offsets", format!("{} of them", cells + 1));
+        let Head { point_count: points, cell_count: cells, connectivity_count: numbers, .. } = *head;
+        let per_tuple = |components: usize, tuples: usize, elements: &str| {
+            format!("{components} numbers for each of the {tuples} {elements}")
+        };
+        let one_a_cell = format!("1 for each of the {cells} cells");
+        let found = [
+            close::<_, f64>(&mut self.points, points, "the points", per_tuple(3, points, "points")),
+            close::<_, u32>(&mut self.tetrahedra, cells, "the tetrahedra", per_tuple(4, cells, "cells")),
+            close::<_, u8>(&mut self.types, cells, "the types", one_a_cell),
+            close::<_, i64>(&mut self.offsets, cells + 1, "the offsets", format!("{} of them", cells + 1)),
             close::<_, u32>(
-                connectivity,
+                &mut self.connectivity,
                 numbers,
-                &mut found,
                 "the connectivity",
                 format!("{numbers} numbers"),
-            );
-        }
-        for (buffer, array) in self.arrays.iter_mut().zip(&head.arrays) {
-            let Some(buffer) = buffer else { continue };
+            ),
+        ];
+        let in_arrays = self.arrays.iter_mut().zip(&head.arrays).map(|(buffer, array)| {
             let elements = if array.association == Association::Cell { "cells" } else { "points" };
             let capacity = per_tuple(array.component_count, head.tuples(array), elements);
-            let name = format!("the array '{}'", array.name);
-            close::<_, f64>(buffer, head.numbers(array), &mut found, &name, capacity);
-        }
-        found
+            close::<_, f64>(buffer, head.numbers(array), &format!("the array '{}'", array.name), capacity)
+        });
+        // Every guard is removed, whatever was found before.
+        found.into_iter().chain(in_arrays).fold(None, Option::or)
     }
 }
 
-/// Removes the guard behind `count` tuples, and records an overrun of the buffer `name` unless there was one.
+/// Buffer of `count` tuples with its guard, where it is requested.
+fn allocate<V: bytemuck::Pod, T: Sentinel>(requested: bool, count: usize) -> CheckResult<Option<Vec<V>>> {
+    requested.then(|| guarded_vec::<V, T>(count)).transpose()
+}
+
+fn is_as_long<V>(buffer: &Option<Vec<V>>, count: usize) -> bool {
+    buffer.as_ref().is_none_or(|buffer| buffer.len() == count)
+}
+
+/// Address of the numbers of a buffer; null for one that is not requested.
+fn address<V, T>(buffer: &mut Option<Vec<V>>) -> *mut T {
+    buffer.as_mut().map_or(null_mut(), |buffer| buffer.as_mut_ptr().cast())
+}
+
+/// Removes the guard behind `count` tuples of the buffer `name`; an overrun.
 fn close<V: bytemuck::Pod, T: Sentinel>(
-    buffer: &mut Vec<V>,
+    buffer: &mut Option<Vec<V>>,
     count: usize,
-    found: &mut Option<Overrun>,
     name: &str,
     capacity: String,
-) {
-    if remove_guard::<V, T>(buffer, count) {
-        found.get_or_insert_with(|| Overrun { buffer: name.into(), capacity });
-    }
-}
-
-fn per_tuple(components: usize, tuples: usize, elements: &str) -> String {
-    format!("{components} numbers for each of the {tuples} {elements}")
+) -> Option<Overrun> {
+    let overran = buffer.as_mut().is_some_and(|buffer| remove_guard::<V, T>(buffer, count));
+    overran.then(|| Overrun { buffer: name.into(), capacity })
 }
 
 fn buffer_bytes(head: &Head, geometry: bool, requested: &[bool]) -> u64 {
@@ -349,14 +330,16 @@ impl Buffers {
         if let Some(points) = &self.points {
             refuse_unset::<f64>(bytemuck::cast_slice(points), 3, "the positions of points", label)?;
         }
-        let cells = match (self.tetrahedra, self.cells) {
-            (Some(tetrahedra), _) => {
+        let cells = match (self.tetrahedra, self.types, self.offsets, self.connectivity) {
+            (Some(tetrahedra), ..) => {
                 refuse_unset::<u32>(tetrahedra.as_flattened(), 4, "the tetrahedra", label)?;
                 refuse_out_of_range(tetrahedra.as_flattened(), point_count, "tetrahedra", label)?;
                 Some(Cells::Tetrahedra(tetrahedra))
             }
-            (None, Some(mixed)) => Some(Cells::Mixed(validate_cells(mixed, point_count, label)?)),
-            (None, None) => None,
+            (None, Some(types), Some(offsets), Some(connectivity)) => {
+                Some(Cells::Mixed(mixed_cells(types, offsets, connectivity, point_count, label)?))
+            }
+            _ => None,
         };
         for (buffer, array) in self.arrays.iter().zip(&head.arrays) {
             if let Some(buffer) = buffer {
@@ -393,8 +376,14 @@ fn out_of_range(label: CallLabel, what: &str, found: impl std::fmt::Display) -> 
     label.error(&format!("gave a number that is out of range: {what}")).got(found)
 }
 
-fn validate_cells(mixed: MixedCells, point_count: usize, label: CallLabel) -> Result<CellSet> {
-    let MixedCells { types, offsets, connectivity } = mixed;
+/// Cells of any types.
+fn mixed_cells(
+    types: Vec<u8>,
+    offsets: Vec<i64>,
+    connectivity: Vec<u32>,
+    point_count: usize,
+    label: CallLabel,
+) -> Result<CellSet> {
     refuse_unset(&types, 1, "the types", label)?;
     refuse_unset(&offsets, 1, "the offsets", label)?;
     refuse_unset(&connectivity, 1, "the connectivity", label)?;

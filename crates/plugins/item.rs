@@ -1,11 +1,11 @@
 //! An item that a plug-in offers: the runner of its functions (this process, one of its own, or a sandbox), its adapters to the
 //! program's [`GradientFilter`] and [`GridReader`], and the node of an image filter.
 
-use crate::call::{FileStep, GradientTask, ImageTask, Outcome, ReadTask, Task};
+use crate::call::{CallOutput, FileStep, GradientTask, ImageTask, Outcome, ReadTask, Task};
 use crate::declaration::{Declaration, Family};
 use crate::ffi::Sentinel;
 use crate::grids::Head;
-use crate::host::{CallLabel, CallStatus};
+use crate::host::CallLabel;
 use crate::values::{ParameterValues, array_names, named_arrays};
 use rayon::prelude::*;
 use std::ffi::CString;
@@ -28,12 +28,7 @@ pub(crate) trait Runner: Send + Sync {
     /// Runs a task of an item. A check of parameters is given up after seconds. The status is not judged.
     ///
     /// Errors: nothing came back.
-    fn run(
-        &self,
-        declaration: &Declaration,
-        task: Task,
-        progress: &dyn Progress,
-    ) -> Result<(CallStatus, Outcome)>;
+    fn run(&self, declaration: &Declaration, task: Task, progress: &dyn Progress) -> Result<CallOutput>;
 }
 
 /// A filter or reader of a plug-in.
@@ -68,7 +63,7 @@ impl PluginItem {
     /// Runs a task.
     ///
     /// Errors: the call failed.
-    pub fn run(&self, task: Task, progress: &dyn Progress) -> Result<(CallStatus, Outcome)> {
+    pub fn run(&self, task: Task, progress: &dyn Progress) -> Result<CallOutput> {
         let (status, outcome) = self.runner.run(&self.declaration, task, progress)?;
         self.label().check_call(&status, progress.cancelled())?;
         Ok((status, outcome))

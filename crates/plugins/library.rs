@@ -1,10 +1,10 @@
 //! A shared library in this process: checks of its file, loading, its entry and items, and the runner of its functions.
 
-use crate::call::{Outcome, Task};
+use crate::call::{CallOutput, Task};
 use crate::declaration::{Declaration, LibraryItem};
 use crate::ffi::{AddressSpace, CheckResult, Process, ValidationError};
 use crate::guard::CallFailure;
-use crate::host::{CallLabel, CallStatus, State};
+use crate::host::{CallLabel, State};
 use crate::interface::{
     Deinit, ENTRY, Entry, Factory, GRADIENT_FILTERS, GRID_FILTERS, GetFactory, IMAGE_FILTERS, MAJOR, READERS,
 };
@@ -339,12 +339,7 @@ impl Runner for Native {
         &self.library.plugin
     }
 
-    fn run(
-        &self,
-        declaration: &Declaration,
-        task: Task,
-        progress: &dyn Progress,
-    ) -> Result<(CallStatus, Outcome)> {
+    fn run(&self, declaration: &Declaration, task: Task, progress: &dyn Progress) -> Result<CallOutput> {
         let label = CallLabel::new(declaration, &self.library.plugin);
         let item = self.items.iter().find(|item| item.declaration.schema.name == declaration.schema.name);
         let Some(item) = item.cloned() else { return Err(label.error("is not there any more")) };

@@ -4,7 +4,7 @@
 //! inputs through a pipe, and receives progress, status and output through another. To cancel the work it ends the process. The
 //! process loads and calls the library as the program would.
 
-use crate::call::{Outcome, Task};
+use crate::call::{CallOutput, Outcome, Task};
 use crate::declaration::{Declaration, Family};
 use crate::guard;
 use crate::host::{CallLabel, CallStatus, State};
@@ -137,12 +137,7 @@ impl Runner for Remote {
         &self.plugin
     }
 
-    fn run(
-        &self,
-        declaration: &Declaration,
-        task: Task,
-        progress: &dyn Progress,
-    ) -> Result<(CallStatus, Outcome)> {
+    fn run(&self, declaration: &Declaration, task: Task, progress: &dyn Progress) -> Result<CallOutput> {
         let label = CallLabel::new(declaration, &self.plugin);
         let (now, _) = read_file(&self.plugin.path)?;
         if now.fingerprint != self.plugin.fingerprint {

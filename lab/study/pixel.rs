@@ -229,9 +229,7 @@ fn all_integrators(
     let cells = cull(&scene.volume, &scene.transfer_function, &scene.camera, progress)?;
     let mut all = Vec::new();
     for (number, kind) in integrators.iter().enumerate() {
-        if progress.cancelled() {
-            return Err(Error::cancelled());
-        }
+        progress.check_cancelled()?;
         progress.report("integrators", number as f64 / integrators.len() as f64);
         let is_own = kind.is_kind_of(&own);
         let integrator = match is_own {

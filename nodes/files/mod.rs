@@ -3,7 +3,7 @@
 pub use voltet_files::*;
 
 use std::path::Path;
-use voltet_core::{Error, Result};
+use voltet_core::Result;
 use voltet_graph::{DefaultValue, Parameter, ParameterType, Parameters, Preparation, RunContext};
 
 /// The word for a format that the path decides.
@@ -53,9 +53,7 @@ pub fn prepare(preparation: &Preparation) -> Result<()> {
 
 /// Writes it whole, and notes it. Errors: also a stop, since encoding takes seconds in which one may have been asked for.
 pub fn write(call: &mut RunContext, content: &[u8]) -> Result<()> {
-    if call.progress().cancelled() {
-        return Err(Error::cancelled());
-    }
+    call.progress().check_cancelled()?;
     let path = call.path(PATH.name)?;
     write_whole(&path, content).map_err(|error| call.parameters.locate(PATH.name, error))?;
     call.notes.files.push(display_path(&path));

@@ -171,7 +171,8 @@ pub(super) fn for_these<S: Send, const N: usize>(
             counts
         })
         .reduce(|| [0; N], |a, b| std::array::from_fn(|i| a[i] + b[i]));
-    if progress.cancelled() { Err(Error::cancelled()) } else { Ok((vectors, counts)) }
+    progress.check_cancelled()?;
+    Ok((vectors, counts))
 }
 
 /// A gradient filter with its parameters. Whatever it gives was checked.

@@ -56,7 +56,9 @@ fn fit(grid: &Grid, s: &[f64], points: Option<&[u32]>, progress: &dyn Progress) 
         (grid.points.len(), points),
         progress,
         || (Neighbours::default(), Fit::default()),
-        |(neighbours, fit), p| fit.at(grid, s, scale, p, neighbours.around(grid, &cells, p)),
+        |(neighbours, fit), p| {
+            fit.at(Neighbourhood { grid, s, scale, p, others: neighbours.around(grid, &cells, p) })
+        },
     )?;
     Ok(Gradient { vectors, fallbacks: fallbacks(flat, none) })
 }
@@ -80,19 +82,12 @@ pub(super) struct Fit {
 }
 
 impl Fit {
-    /// ∇s at point `p` from `neighbours`; and the fall-back taken: 0 flat, 1 none.
-    pub fn at(
-        &mut self,
-        grid: &Grid,
-        s: &[f64],
-        scale: f64,
-        p: usize,
-        neighbours: &[u32],
-    ) -> (DVec3, Option<usize>) {
+    /// ∇s at a point from its neighbours; and the fall-back taken: 0 flat, 1 none.
+    pub fn at(&mut self, around: Neighbourhood) -> (DVec3, Option<usize>) {
         let mut m = [0.0; 6];
         let mut b = DVec3::ZERO;
         let mut trace = 0.0;
-        for Difference { d, square, delta, .. } in differences(grid, s, scale, p, neighbours) {
+        for Difference { d, square, delta, .. } in around.differences() {
             let wd = d / square;
             m.iter_mut().zip(products(wd, d)).for_each(|(slot, product)| *slot += product);
             b += wd * delta;
@@ -101,34 +96,27 @@ impl Fit {
         if trace > 0.0
             && let Some(gradient) = solve_normal(m, b, trace)
         {
-            let gradient = gradient * scale;
+            let gradient = gradient * around.scale;
             if gradient.is_finite() {
                 return (gradient, None);
             }
         }
-        self.careful(grid, s, scale, p, neighbours)
+        self.careful(around)
     }
 
     /// Solves by singular values, for neighbourhoods that are flat or nearly so.
     #[cold]
-    fn careful(
-        &mut self,
-        grid: &Grid,
-        s: &[f64],
-        scale: f64,
-        p: usize,
-        neighbours: &[u32],
-    ) -> (DVec3, Option<usize>) {
+    fn careful(&mut self, around: Neighbourhood) -> (DVec3, Option<usize>) {
         self.columns.iter_mut().for_each(Vec::clear);
         self.right.clear();
         let mut noise = 0.0_f64;
-        for Difference { d, square, delta, resolution } in differences(grid, s, scale, p, neighbours) {
+        for Difference { d, square, delta, resolution } in around.differences() {
             let length = square.sqrt();
             for (column, v) in self.columns.iter_mut().zip((d / length).to_array()) {
                 column.push(v);
             }
             self.right.push(delta / length);
-            noise = noise.max(resolution * scale / length);
+            noise = noise.max(resolution * around.scale / length);
         }
         if self.right.is_empty() {
             return (DVec3::ZERO, Some(1));
@@ -137,7 +125,7 @@ impl Fit {
         let tolerance = (4.0 * noise).clamp(1e-12, 0.1);
         let [x, y, z] = &mut self.columns;
         let (solution, rank) = solve3([x, y, z], &self.right, tolerance);
-        let gradient = DVec3::from_array(solution) * scale;
+        let gradient = DVec3::from_array(solution) * around.scale;
         if !gradient.is_finite() {
             return (DVec3::ZERO, Some(1));
         }
@@ -157,25 +145,36 @@ pub(super) struct Difference {
     resolution: f64,
 }
 
-/// Differences from point `p` to those of the others that lie apart from it by more than rounding of the coordinates.
-#[inline]
-pub(super) fn differences<'a>(
-    grid: &'a Grid,
-    s: &'a [f64],
-    scale: f64,
-    p: usize,
-    others: &'a [u32],
-) -> impl Iterator<Item = Difference> + 'a {
-    let x = grid.points[p];
-    let size = x.abs().max_element();
-    others.iter().filter_map(move |&q| {
-        let (y, delta) = (grid.points[q as usize], s[q as usize] - s[p]);
-        let d = (y - x) * scale;
-        let square = d.length_squared();
-        let resolution = f64::EPSILON * size.max(y.abs().max_element());
-        let is_apart = d.abs().max_element() > 2.0 * resolution * scale && square >= f64::MIN_POSITIVE;
-        is_apart.then_some(Difference { d, square, delta, resolution })
-    })
+/// A point with others near it.
+#[derive(Clone, Copy)]
+pub(super) struct Neighbourhood<'a> {
+    pub grid: &'a Grid,
+    /// The scalar at every point.
+    pub s: &'a [f64],
+    /// Factor on lengths.
+    pub scale: f64,
+    /// Number of the point.
+    pub p: usize,
+    /// Numbers of the others.
+    pub others: &'a [u32],
+}
+
+impl<'a> Neighbourhood<'a> {
+    /// Differences from the point to those of the others that lie apart from it by more than rounding of the coordinates.
+    #[inline]
+    pub fn differences(self) -> impl Iterator<Item = Difference> + 'a {
+        let Neighbourhood { grid, s, scale, p, others } = self;
+        let x = grid.points[p];
+        let size = x.abs().max_element();
+        others.iter().filter_map(move |&q| {
+            let (y, delta) = (grid.points[q as usize], s[q as usize] - s[p]);
+            let d = (y - x) * scale;
+            let square = d.length_squared();
+            let resolution = f64::EPSILON * size.max(y.abs().max_element());
+            let is_apart = d.abs().max_element() > 2.0 * resolution * scale && square >= f64::MIN_POSITIVE;
+            is_apart.then_some(Difference { d, square, delta, resolution })
+        })
+    }
 }
 
 /// Products of the components of two vectors: xx, xy, xz, yy, yz, zz.

@@ -6,7 +6,7 @@
 //! linear fit of `least-squares` stands in and is counted. Second order, exact for quadratic fields.
 
 use super::filter::for_these;
-use super::least_squares::{Difference, Fit, differences, fallbacks, products, solve_qr};
+use super::least_squares::{Difference, Fit, Neighbourhood, fallbacks, products, solve_qr};
 use super::{Fallback, Gradient, GradientFilter, check_scalar};
 use crate::Result;
 use crate::grid::{Grid, Neighbours, cells_of_points, points_of_points};
@@ -66,17 +66,17 @@ fn fit(grid: &Grid, s: &[f64], points: Option<&[u32]>, progress: &dyn Progress) 
         progress,
         || (Neighbours::default(), QuadraticPoint::default(), Fit::default()),
         |(ring, quadratic, fit), p| {
-            let first = neighbours.row(p);
-            if first.len() >= FEWEST
-                && let Some(gradient) = quadratic.at(grid, s, scale, p, first, SMALL_PIVOT)
+            let first = Neighbourhood { grid, s, scale, p, others: neighbours.row(p) };
+            if first.others.len() >= FEWEST
+                && let Some(gradient) = quadratic.at(first, SMALL_PIVOT)
             {
                 return (gradient, None);
             }
-            let second = ring.second_ring(&neighbours, p);
-            if let Some(gradient) = quadratic.at(grid, s, scale, p, second, SMALL_PIVOT_SECOND_RING) {
+            let second = Neighbourhood { others: ring.second_ring(&neighbours, p), ..first };
+            if let Some(gradient) = quadratic.at(second, SMALL_PIVOT_SECOND_RING) {
                 return (gradient, None);
             }
-            let (gradient, fallback) = fit.at(grid, s, scale, p, first);
+            let (gradient, fallback) = fit.at(first);
             (gradient, Some(fallback.map_or(0, |which| which + 1)))
         },
     )?;
@@ -97,18 +97,10 @@ struct QuadraticPoint {
 }
 
 impl QuadraticPoint {
-    fn at(
-        &mut self,
-        grid: &Grid,
-        s: &[f64],
-        scale: f64,
-        p: usize,
-        surroundings: &[u32],
-        small_pivot: f64,
-    ) -> Option<DVec3> {
+    fn at(&mut self, around: Neighbourhood, small_pivot: f64) -> Option<DVec3> {
         self.differences.clear();
         let mut covariance = [0.0; 6];
-        for Difference { d, delta, .. } in differences(grid, s, scale, p, surroundings) {
+        for Difference { d, delta, .. } in around.differences() {
             covariance.iter_mut().zip(products(d, d)).for_each(|(slot, product)| *slot += product);
             self.differences.push((d, delta));
         }
@@ -131,7 +123,7 @@ impl QuadraticPoint {
             self.right.push(weight * delta);
         }
         let x = solve_qr::<UNKNOWNS>(&mut self.matrix, &mut self.right, small_pivot)?;
-        let gradient = stretch.undo_for_gradient(DVec3::new(x[0], x[1], x[2])) * scale;
+        let gradient = stretch.undo_for_gradient(DVec3::new(x[0], x[1], x[2])) * around.scale;
         gradient.is_finite().then_some(gradient)
     }
 }

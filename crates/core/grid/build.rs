@@ -303,9 +303,7 @@ fn tally(source: &Source, progress: &dyn Progress) -> Result<CellCounts> {
     let count = source.cells.count();
     let parts: Vec<Result<CellCounts>> = chunks(count)
         .map(|range| {
-            if progress.cancelled() {
-                return Err(Error::cancelled());
-            }
+            progress.check_cancelled()?;
             let mut tally = CellCounts::default();
             let mut by_type = [0_u64; 256];
             let mut tetrahedra = 0;
@@ -363,9 +361,7 @@ fn split_all(
     let slots = split_lengths(&mut tetrahedra, lengths()).into_iter();
     let slots: Vec<_> = slots.zip(split_lengths(&mut source_cells, lengths())).collect();
     chunks(source.cells.count()).zip(slots).try_for_each(|(range, (tetrahedra, cells))| {
-        if progress.cancelled() {
-            return Err(Error::cancelled());
-        }
+        progress.check_cancelled()?;
         let mut buffer = [0; 8];
         let mut at = 0;
         for number in range {
@@ -378,7 +374,7 @@ fn split_all(
                 });
             }
         }
-        Ok(())
+        Result::Ok(())
     })?;
     Ok((tetrahedra, source_cells))
 }

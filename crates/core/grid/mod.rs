@@ -20,7 +20,7 @@ pub use build::build;
 pub use cell_types::{CellType, code, describe_counts};
 pub use parts::{
     Array, Association, CellSet, CellValues, Cells, FileCells, ImportStats, Options, Polyhedron, RawGrid,
-    Scalar,
+    Scalar, structured_corners,
 };
 pub use refine::{RefinedGrid, refine};
 pub use tetrahedra::{Grid, tetrahedron_volume};

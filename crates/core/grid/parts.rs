@@ -47,6 +47,16 @@ impl Cells {
     }
 }
 
+/// The points of a cell of a structured grid, in a voxel's order. `points`: those along each axis, whose product fits 32 bits.
+#[inline]
+pub fn structured_corners([nx, ny, _]: [usize; 3], number: usize) -> [u32; 8] {
+    let (i, rest) = (number % (nx - 1), number / (nx - 1));
+    let (j, k) = (rest % (ny - 1), rest / (ny - 1));
+    std::array::from_fn(|corner| {
+        ((i + (corner & 1)) + nx * ((j + (corner >> 1 & 1)) + ny * (k + (corner >> 2)))) as u32
+    })
+}
+
 /// The scalar that is to be drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scalar {

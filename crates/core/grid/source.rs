@@ -2,7 +2,7 @@
 
 use super::cell_types::{CellType, code};
 use super::curved::{Curved, is_curved};
-use super::parts::{Cell, Cells, Polyhedron};
+use super::parts::{Cell, Cells, Polyhedron, structured_corners};
 use super::split;
 use super::split::Polyhedra;
 use crate::{Error, Result};
@@ -61,14 +61,7 @@ impl Source<'_> {
                 Ok(Cell { number, code: cells.types[number], corners })
             }
             Cells::Structured(points) => {
-                let (nx, ny) = (points[0], points[1]);
-                let (i, rest) = (number % (nx - 1), number / (nx - 1));
-                let (j, k) = (rest % (ny - 1), rest / (ny - 1));
-                for (corner, slot) in buffer.iter_mut().enumerate() {
-                    let at = (i + (corner & 1)) + nx * ((j + (corner >> 1 & 1)) + ny * (k + (corner >> 2)));
-                    // `build` has checked that the number of points fits.
-                    *slot = at as u32;
-                }
+                *buffer = structured_corners(*points, number);
                 Ok(Cell { number, code: code::VOXEL, corners: &buffer[..] })
             }
         }

@@ -31,14 +31,8 @@ struct Entry {
     is_set: bool,
 }
 
-/// A mistake in what a table sets.
-#[derive(Debug, Clone)]
-pub struct ParameterFault {
-    /// The parameter, or the unknown key.
-    pub parameter: String,
-    /// Error, with its location.
-    pub error: Error,
-}
+/// Receiver of the mistakes in what a table sets: the parameter, or the unknown key, and the error with its location.
+pub type FaultSink<'a> = &'a mut dyn FnMut(&str, Error);
 
 /// Compares values; the declarations are assumed equal (one node type).
 impl PartialEq for Parameters {
@@ -149,18 +143,14 @@ impl Parameters {
 
     /// A whole number.
     pub fn integer(&self, name: &str) -> Result<i64> {
-        self.typed(
-            name,
-            |setting| if let ParameterValue::Integer(n) = setting.datum { Some(n) } else { None },
-        )
+        let ParameterValue::Integer(n) = self.get(name)?.datum else { return Err(self.mistyped(name)) };
+        Ok(n)
     }
 
     /// A flag.
     pub fn flag(&self, name: &str) -> Result<bool> {
-        self.typed(
-            name,
-            |setting| if let ParameterValue::Boolean(flag) = setting.datum { Some(flag) } else { None },
-        )
+        let ParameterValue::Boolean(flag) = self.get(name)?.datum else { return Err(self.mistyped(name)) };
+        Ok(flag)
     }
 
     /// Text, a word or a path.
@@ -215,42 +205,41 @@ impl Parameters {
         origin: &SourceSpan,
         also: &[&str],
     ) -> Result<Parameters> {
-        let mut faults = Vec::new();
-        let parameters = Self::survey(declared, fields, origin, also, &mut faults);
-        faults.into_iter().next().map_or(Ok(parameters), |fault| Err(fault.error))
+        let mut first = None;
+        let parameters = Self::survey(declared, fields, origin, also, &mut |_, error| {
+            first.get_or_insert(error);
+        });
+        first.map_or(Ok(parameters), Err)
     }
 
-    /// Checks like [`Parameters::check`] and returns every mistake, in the order found. A wrong setting is set nevertheless: parameters
+    /// Checks like [`Parameters::check`] and reports every mistake, in the order found. A wrong setting is set nevertheless: parameters
     /// with mistakes are not to be used.
     pub fn survey(
         declared: &[Parameter],
         fields: &[Field],
         origin: &SourceSpan,
         also: &[&str],
-        faults: &mut Vec<ParameterFault>,
+        fault: FaultSink,
     ) -> Parameters {
         let unset = |&declared: &Parameter| Entry { declared, setting: None, is_set: false };
         let mut entries: Vec<Entry> = declared.iter().map(unset).collect();
         for field in fields.iter().filter(|field| !also.contains(&field.name.as_str())) {
-            let mut errors = Vec::new();
             if let Some(entry) = entries.iter_mut().find(|entry| entry.declared.name == field.name) {
-                survey_type(&entry.declared, &field.setting, &mut errors);
+                survey_type(&entry.declared, &field.setting, &mut |error| fault(&field.name, error));
                 (entry.setting, entry.is_set) = (Some(field.setting.clone()), true);
             } else {
                 let names = also.iter().copied().chain(declared.iter().map(|p| p.name));
                 let error = Error::usage(format!("unknown parameter '{}'", field.name))
                     .expected(suggest(&field.name, names));
-                errors.push(field.origin.locate(error));
+                fault(&field.name, field.origin.locate(error));
             }
-            let fault = |error| ParameterFault { parameter: field.name.clone(), error };
-            faults.extend(errors.into_iter().map(fault));
         }
         for Entry { declared, setting, .. } in entries.iter_mut().filter(|entry| !entry.is_set) {
             let Parameter { name, parameter_type, default, help, .. } = declared;
             if let DefaultValue::Required = default {
                 let error = Error::usage(format!("the parameter '{name}' is missing"))
                     .expected(format!("{name} = … ({}): {help}", parameter_type.describe()));
-                faults.push(ParameterFault { parameter: name.to_string(), error: origin.locate(error) });
+                fault(name, origin.locate(error));
             }
             *setting = default.datum().map(LocatedValue::from);
         }
@@ -265,9 +254,9 @@ impl Parameters {
             return Err(self.mistyped(name));
         };
         let kind = |setting: &LocatedValue| {
-            let mut faults = Vec::new();
-            let kind = kind_of(kinds, name, setting, &mut faults);
-            match (kind, faults.into_iter().next()) {
+            let mut first = None;
+            let kind = kind_of(kinds, name, setting, &mut |error| _ = first.get_or_insert(error));
+            match (kind, first) {
                 (Some(kind), None) => Ok(kind),
                 (_, fault) => Err(fault.unwrap_or_else(|| self.mistyped(name))),
             }
@@ -281,51 +270,47 @@ fn kind_of(
     kinds: &'static [VariantSchema],
     name: &str,
     setting: &LocatedValue,
-    faults: &mut Vec<Error>,
+    fault: &mut dyn FnMut(Error),
 ) -> Option<(&'static str, Parameters)> {
     let names = || kinds.iter().map(|k| k.name);
     let Some(fields) = setting.table() else {
-        faults.push(setting.error(format!("each entry of '{name}' must be a table"), "[[…]] with a kind"));
+        fault(setting.error(format!("each entry of '{name}' must be a table"), "[[…]] with a kind"));
         return None;
     };
     let Some(kind) = find_setting(fields, "kind") else {
         let error = Error::usage(format!("an entry of '{name}' has no 'kind'"))
             .expected(format!("kind = one of {}", names().collect::<Vec<_>>().join(", ")));
-        faults.push(setting.origin.locate(error));
+        fault(setting.origin.locate(error));
         return None;
     };
     let word = kind.text().unwrap_or_default();
     let Some(found) = kinds.iter().find(|k| k.name == word) else {
-        faults.push(kind.error("unknown kind", suggest(word, names())));
+        fault(kind.error("unknown kind", suggest(word, names())));
         return None;
     };
-    let mut own = Vec::new();
-    let parameters = Parameters::survey(found.parameters, fields, &setting.origin, &["kind"], &mut own);
-    faults.extend(own.into_iter().map(|one| one.error));
-    Some((found.name, parameters))
+    let on_fault: FaultSink = &mut |_, error| fault(error);
+    Some((found.name, Parameters::survey(found.parameters, fields, &setting.origin, &["kind"], on_fault)))
 }
 
 /// Checks one setting against its declaration.
 fn check_type(parameter: &Parameter, setting: &LocatedValue) -> Result<()> {
-    let mut faults = Vec::new();
-    survey_type(parameter, setting, &mut faults);
-    faults.into_iter().next().map_or(Ok(()), Err)
+    let mut first = None;
+    survey_type(parameter, setting, &mut |error| _ = first.get_or_insert(error));
+    first.map_or(Ok(()), Err)
 }
 
-/// Checks one value by its type and returns every mistake: a table, or a list of tables, may have several.
-fn survey_type(parameter: &Parameter, setting: &LocatedValue, faults: &mut Vec<Error>) {
+/// Checks one value by its type and reports every mistake: a table, or a list of tables, may have several.
+fn survey_type(parameter: &Parameter, setting: &LocatedValue, fault: &mut dyn FnMut(Error)) {
     match (parameter.parameter_type, &setting.datum) {
         (ParameterType::Table(declared), ParameterValue::Table(fields)) => {
-            let mut own = Vec::new();
-            Parameters::survey(declared, fields, &setting.origin, &[], &mut own);
-            faults.extend(own.into_iter().map(|one| one.error));
+            Parameters::survey(declared, fields, &setting.origin, &[], &mut |_, error| fault(error));
         }
         (ParameterType::Kinds(kinds), ParameterValue::List(list)) => {
             for entry in list {
-                kind_of(kinds, parameter.name, entry, faults);
+                kind_of(kinds, parameter.name, entry, fault);
             }
         }
-        _ => faults.extend(check_plain(parameter, setting).err()),
+        _ => check_plain(parameter, setting).unwrap_or_else(fault),
     }
 }
 
@@ -507,7 +492,7 @@ impl Parameters {
                     *setting = change(measured, declared.name, setting, &beside)?;
                 }
                 (ParameterType::Table(declared), ParameterValue::Table(fields)) => {
-                    let own = Parameters::survey(declared, fields, &setting.origin, &[], &mut Vec::new());
+                    let own = Parameters::survey(declared, fields, &setting.origin, &[], &mut |_, _| {});
                     let own = own.with_settings(change)?;
                     for field in fields {
                         field.setting = own.optional(&field.name).unwrap_or(&field.setting).clone();

@@ -1,6 +1,6 @@
 //! Declaration of a parameter: name, type, unit, range, default value, help.
 
-use super::setting::{LocatedValue, ParameterValue};
+use super::setting::ParameterValue;
 use std::any::Any;
 use std::sync::Arc;
 
@@ -149,19 +149,14 @@ impl std::fmt::Debug for Variant {
 impl DefaultValue {
     /// The value, if this is one.
     pub fn datum(&self) -> Option<ParameterValue> {
-        let list = |list: Vec<ParameterValue>| {
-            ParameterValue::List(list.into_iter().map(LocatedValue::from).collect())
-        };
         match *self {
             DefaultValue::Required | DefaultValue::Unset(_) => None,
             DefaultValue::Boolean(flag) => Some(ParameterValue::Boolean(flag)),
             DefaultValue::Integer(n) => Some(ParameterValue::Integer(n)),
             DefaultValue::Number(x) => Some(ParameterValue::Number(x)),
             DefaultValue::Text(text) => Some(ParameterValue::Text(text.to_string())),
-            DefaultValue::Numbers(xs) => Some(list(xs.iter().map(|&x| ParameterValue::Number(x)).collect())),
-            DefaultValue::Integers(ns) => {
-                Some(list(ns.iter().map(|&n| ParameterValue::Integer(n)).collect()))
-            }
+            DefaultValue::Numbers(xs) => Some(xs.iter().copied().collect()),
+            DefaultValue::Integers(ns) => Some(ns.iter().map(|&n| ParameterValue::Integer(n)).collect()),
         }
     }
 }

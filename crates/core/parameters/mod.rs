@@ -15,7 +15,7 @@ mod setting;
 #[cfg(test)]
 mod tests;
 
-pub use check::{NamedPath, ParameterFault, Parameters, refuse_contradictions, repeated};
+pub use check::{FaultSink, NamedPath, Parameters, refuse_contradictions, repeated};
 pub use declaration::{
     AxisRef, DefaultValue, Parameter, ParameterType, Range, RelativeNumberType, StatisticKind, Variant,
     VariantSchema,

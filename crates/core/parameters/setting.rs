@@ -134,18 +134,14 @@ impl LocatedValue {
 
     /// The value as text.
     pub fn text(&self) -> Option<&str> {
-        match &self.datum {
-            ParameterValue::Text(text) => Some(text),
-            _ => None,
-        }
+        let ParameterValue::Text(text) = &self.datum else { return None };
+        Some(text)
     }
 
     /// The value as a list.
     pub fn list(&self) -> Option<&[LocatedValue]> {
-        match &self.datum {
-            ParameterValue::List(list) => Some(list),
-            _ => None,
-        }
+        let ParameterValue::List(list) = &self.datum else { return None };
+        Some(list)
     }
 
     /// The value as a list of numbers.
@@ -160,10 +156,8 @@ impl LocatedValue {
 
     /// The value as a table.
     pub fn table(&self) -> Option<&[Field]> {
-        match &self.datum {
-            ParameterValue::Table(fields) => Some(fields),
-            _ => None,
-        }
+        let ParameterValue::Table(fields) = &self.datum else { return None };
+        Some(fields)
     }
 
     /// Replaces the value at `path` (keys of tables, numbers of list entries), making keys that are not there.

@@ -125,9 +125,7 @@ pub fn histogram(
             sums
         })
         .collect();
-    if progress.cancelled() {
-        return Err(Error::cancelled());
-    }
+    progress.check_cancelled()?;
     let world = |volume: f64| volume / scale / scale / scale;
     let mut volumes = vec![0.0; count];
     volumes.par_iter_mut().with_min_len(1 << 12).enumerate().for_each(|(bin, volume)| {

@@ -68,9 +68,7 @@ impl Volumes {
             (volume > 0.0 && values.iter().all(|v| v.is_finite())).then_some(CellSpan { volume, values })
         };
         let cells: Vec<CellSpan> = (0..grid.tetrahedra.len()).into_par_iter().filter_map(cell).collect();
-        if progress.cancelled() {
-            return Err(Error::cancelled());
-        }
+        progress.check_cancelled()?;
         let total = sum(&cells, |cell| cell.volume);
         match total > 0.0 {
             true => Ok(Volumes { cells, world: (1.0 / scale).powi(3), total }),
@@ -142,9 +140,7 @@ impl Volumes {
             return Ok(low);
         }
         for round in 0.. {
-            if progress.cancelled() {
-                return Err(Error::cancelled());
-            }
+            progress.check_cancelled()?;
             let middle = 0.5 * low + 0.5 * high;
             if middle <= low || middle >= high {
                 break;

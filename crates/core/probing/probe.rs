@@ -102,10 +102,7 @@ pub fn probe(
     }
     let (moments, cell_count, point_count) = match region {
         ProbeRegion::Points(points) => at_points(grid, &fields, points, mask, progress)?,
-        _ => {
-            let (moments, cell_count) = in_region(grid, &fields, region, mask, progress)?;
-            (moments, cell_count, 0)
-        }
+        _ => in_region(grid, &fields, region, mask, progress)?,
     };
     let n = fields.len();
     let mean = |k: usize| fields[k].zero + moments.mean[k] * fields[k].extent;
@@ -138,7 +135,7 @@ fn in_region(
     region: &ProbeRegion,
     mask: Option<Mask>,
     progress: &dyn Progress,
-) -> Result<(Moments, u64)> {
+) -> Result<(Moments, u64, u64)> {
     let n = fields.len();
     let scale = grid.length_scale();
     let parts: Vec<(Moments, u64, bool)> = (0..grid.tetrahedra.len().div_ceil(CHUNK))
@@ -166,13 +163,11 @@ fn in_region(
             (sum, count, masked)
         })
         .collect();
-    if progress.cancelled() {
-        return Err(Error::cancelled());
-    }
+    progress.check_cancelled()?;
     let mut sum = Moments::NONE;
     parts.iter().for_each(|(part, ..)| sum.merge(part, n));
     if sum.weight > 0.0 {
-        return Ok((sum, parts.iter().map(|part| part.1).sum()));
+        return Ok((sum, parts.iter().map(|part| part.1).sum(), 0));
     }
     if !parts.iter().any(|part| part.2) {
         return Err(Error::run("the mask leaves no cell").expected("a mask that holds for at least one cell"));
@@ -245,9 +240,7 @@ fn at_points(
             || vec![None; points.len()],
             |a, b| a.into_iter().zip(b).map(|(a, b)| better(a, b)).collect(),
         );
-    if progress.cancelled() {
-        return Err(Error::cancelled());
-    }
+    progress.check_cancelled()?;
     let mut sum = Moments::NONE;
     let mut cells: Vec<usize> = Vec::new();
     for (i, _, at) in holds.into_iter().flatten() {

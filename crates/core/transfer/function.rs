@@ -171,10 +171,7 @@ impl Widget {
 
     /// True if its colour is a function of s and g.
     pub fn has_colors_of_its_own(&self) -> bool {
-        match self.profile.properties().color {
-            ColorSource::Widget => false,
-            ColorSource::Points(_) | ColorSource::Texels(_) => true,
-        }
+        self.profile.properties().color != ColorSource::Widget
     }
 
     /// Its colour, if it is the same wherever the widget is; an image is taken to have several.

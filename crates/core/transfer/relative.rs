@@ -2,9 +2,9 @@
 
 use super::kinds::ACROSS;
 use crate::parameters::{
-    ArrayRef, LocatedValue, ParameterType, Parameters, Relative, RelativeNumber, StatisticKind,
+    ArrayRef, LocatedValue, ParameterType, ParameterValue, Parameters, Relative, RelativeNumber,
+    RelativeNumberType, StatisticKind,
 };
-use crate::parameters::{ParameterValue, RelativeNumberType};
 use crate::{Error, Result};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -187,8 +187,6 @@ fn ascending(plain: &LocatedValue, rows: bool, measured: &RelativeNumberType) ->
 
 /// A polygon in the place of one whose corners are not known.
 fn triangle(setting: &LocatedValue) -> LocatedValue {
-    let number = |x: f64| LocatedValue::from(ParameterValue::Number(x));
-    let corner = |[s, g]: [f64; 2]| LocatedValue::from(ParameterValue::List(vec![number(s), number(g)]));
-    let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(corner);
-    LocatedValue { datum: ParameterValue::List(corners.to_vec()), origin: setting.origin.clone() }
+    let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(ParameterValue::from_iter);
+    LocatedValue { datum: corners.into_iter().collect(), origin: setting.origin.clone() }
 }

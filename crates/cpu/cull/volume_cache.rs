@@ -138,9 +138,7 @@ impl VolumeCache {
             ranges: self.ranges,
         };
         let contributing = self.contributing(&query, transfer_function.fields(), exact);
-        if progress.cancelled() {
-            return Err(Error::cancelled());
-        }
+        progress.check_cancelled()?;
         let in_view = |id: u32| points.is_in_view(&self.volume.grid.tetrahedra[id as usize]);
         let cells = &contributing.cells;
         let ids = match points.any_outside && (exact || is_worth_testing(cells, in_view)) {

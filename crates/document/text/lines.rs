@@ -64,10 +64,10 @@ pub fn with_comments_below(text: &str, at: usize, ceiling: usize) -> usize {
     to.min(ceiling)
 }
 
-/// The range with the blank lines before it, not before `floor`; where it begins the text, with those after it.
-pub fn with_blanks(text: &str, range: Range<usize>, floor: usize) -> Range<usize> {
+/// The range with the blank lines before it; where it begins the text, with those after it.
+pub fn with_blanks(text: &str, range: Range<usize>) -> Range<usize> {
     let Range { start: mut from, end: mut to } = range;
-    while from > floor && is_blank(&text[start(text, from - 1)..from]) {
+    while from > 0 && is_blank(&text[start(text, from - 1)..from]) {
         from = start(text, from - 1);
     }
     if from == 0 {

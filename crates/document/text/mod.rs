@@ -23,8 +23,8 @@ use voltet_graph::{Field, LocatedValue, ParameterValue};
 /// Changes that follow each other without [`Draft::reparse`] are all of the text as it was: they may not touch the same bytes, and
 /// do not see each other.
 pub struct Draft {
-    text: Arc<str>,
-    syntax: Arc<Syntax>,
+    pub text: Arc<str>,
+    pub syntax: Arc<Syntax>,
     replaced: Vec<(Range<usize>, String)>,
 }
 
@@ -71,21 +71,6 @@ impl Draft {
         self.syntax = Arc::new(Syntax::read(&later));
         self.text = later.into();
         Ok(())
-    }
-
-    /// The text as of the last [`reparse`](Draft::reparse), and where everything stands in it.
-    pub fn into_text(self) -> (Arc<str>, Arc<Syntax>) {
-        (self.text, self.syntax)
-    }
-
-    /// The text as of the last [`reparse`](Draft::reparse).
-    pub fn text(&self) -> &str {
-        &self.text
-    }
-
-    /// Value at a range; none where it spans lines.
-    fn datum(&self, place: &Range<usize>) -> Option<ParameterValue> {
-        voltet_graph::pipeline::value(&self.text[place.clone()]).map(|setting| setting.datum)
     }
 
     /// Sets what a path leads to, and makes tables that are not there. Of lists and tables only the parts are written that differ.
@@ -195,22 +180,8 @@ impl Draft {
 
     /// True if a value says this already, in whatever words.
     fn is(&self, value: &Value, datum: &ParameterValue) -> bool {
-        match (&value.kind, datum) {
-            (ValueKind::List(elements), ParameterValue::List(list)) => {
-                elements.len() == list.len()
-                    && elements.iter().zip(list).all(|(element, part)| self.is(&element.value, &part.datum))
-            }
-            (ValueKind::Table(elements), ParameterValue::Table(fields)) => {
-                let is = |(element, field): (&Element, &Field)| {
-                    let [key] = element.keys.as_slice() else { return false };
-                    key.name == field.name && self.is(&element.value, &field.setting.datum)
-                };
-                elements.len() == fields.len() && elements.iter().zip(fields).all(is)
-            }
-            (ValueKind::Scalar, ParameterValue::List(_) | ParameterValue::Table(_)) => false,
-            (ValueKind::Scalar, _) => self.datum(&value.span).as_ref() == Some(datum),
-            (ValueKind::List(_) | ValueKind::Table(_), _) => false,
-        }
+        let written = voltet_graph::pipeline::value(&self.text[value.span.clone()]);
+        written.is_some_and(|setting| setting.datum == *datum)
     }
 
     /// Takes out what a path leads to; nothing where there is nothing.
@@ -240,8 +211,7 @@ impl Draft {
                     }
                 }
                 for (_, block) in blocks {
-                    let range = lines::with_blanks(&self.text, block, 0);
-                    self.replace(range, "");
+                    self.replace(lines::with_blanks(&self.text, block), "");
                 }
             }
         }
@@ -411,8 +381,7 @@ impl Draft {
             Match::Pieces(pieces) => {
                 let below = syntax.below(&pieces, parent.0.len());
                 if below.iter().any(|step| matches!(step, Step::Entry(_))) {
-                    let error = Error::usage("there is no such entry in the list").got(path);
-                    return Err(error.expected(format!("a number below {}", below.len())));
+                    return Err(no_entry(path, below.len()));
                 }
                 self.add_line(&parent, &pieces, &last.key(), value)
             }
@@ -441,9 +410,7 @@ impl Draft {
                 self.add_elements(holder, elements.len(), &[value.to_string()]);
                 Ok(())
             }
-            (ValueKind::List(elements), _) => Err(Error::usage("there is no such entry in the list")
-                .got(path)
-                .expected(format!("a number below {}", elements.len()))),
+            (ValueKind::List(elements), _) => Err(no_entry(path, elements.len())),
             (ValueKind::Scalar, _) => {
                 Err(Error::usage("a part is asked for of a value that has no parts").got(path))
             }
@@ -642,12 +609,10 @@ impl Draft {
         order.insert(to, moved);
         let text = self.text.clone();
         // The last block may lack its line end, which belongs to the place, not to the entry.
-        let ends = |range: &Range<usize>| text[range.clone()].ends_with('\n');
-        let is_lines = slots.iter().any(ends);
-        for (slot, &i) in slots.iter().zip(&order) {
-            let entry = text[slots[i].clone()].trim_end_matches(['\r', '\n']);
-            let end = &text[slot.clone()][text[slot.clone()].trim_end_matches(['\r', '\n']).len()..];
-            self.replace(slot.clone(), &if is_lines { format!("{entry}{end}") } else { entry.to_string() });
+        let without_end = |slot: &Range<usize>| text[slot.clone()].trim_end_matches(['\r', '\n']);
+        for (slot, i) in slots.iter().zip(order) {
+            let end = &text[slot.start + without_end(slot).len()..slot.end];
+            self.replace(slot.clone(), &format!("{}{end}", without_end(&slots[i])));
         }
         Ok(())
     }
@@ -706,9 +671,13 @@ impl Draft {
         if place < count {
             return Ok(());
         }
-        let error = Error::usage("there is no such entry in the list").got(format!("{list}.{place}"));
-        Err(error.expected(format!("a number below {count}")))
+        Err(no_entry(&list.with(place), count))
     }
+}
+
+fn no_entry(path: &Path, count: usize) -> Error {
+    let error = Error::usage("there is no such entry in the list").got(path);
+    error.expected(format!("a number below {count}"))
 }
 
 fn nothing_at(path: &Path) -> Error {

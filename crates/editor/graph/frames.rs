@@ -1,7 +1,7 @@
 //! Background of the graph: a grid, frames with their titles, and notes; in a hand these are moved (a frame with all that it holds),
 //! resized, written on, coloured, taken away.
 
-use super::{AnnotationDrag, GraphView, Writing};
+use super::{Dragged, GraphView, Writing};
 use crate::scene::Scene;
 use crate::theme;
 use eframe::egui::text::{CCursor, CCursorRange};
@@ -21,17 +21,17 @@ const MIN_TITLE_HEIGHT: f32 = 12.0;
 
 impl GraphView {
     pub(super) fn grid(&self, ui: &Ui) {
-        let step = 40.0 * self.zoom * if self.zoom < 0.5 { 4.0 } else { 1.0 };
+        let step = 40.0 * self.view.zoom * if self.view.zoom < 0.5 { 4.0 } else { 1.0 };
         let color = if ui.visuals().dark_mode { Color32::from_gray(30) } else { Color32::from_gray(216) };
         let stroke = Stroke::new(1.0, color);
         let lines = |pan: f32, length: f32| {
             (0..).map(move |i| pan.rem_euclid(step) + i as f32 * step).take_while(move |x| *x < length)
         };
-        for x in lines(self.pan.x, self.rect.width()) {
-            ui.painter().vline(self.rect.left() + x, self.rect.y_range(), stroke);
+        for x in lines(self.view.pan.x, self.view.clip_rect.width()) {
+            ui.painter().vline(self.view.clip_rect.left() + x, self.view.clip_rect.y_range(), stroke);
         }
-        for y in lines(self.pan.y, self.rect.height()) {
-            ui.painter().hline(self.rect.x_range(), self.rect.top() + y, stroke);
+        for y in lines(self.view.pan.y, self.view.clip_rect.height()) {
+            ui.painter().hline(self.view.clip_rect.x_range(), self.view.clip_rect.top() + y, stroke);
         }
     }
 
@@ -42,7 +42,7 @@ impl GraphView {
             let color = frame.color.map_or(theme::weak(dark), of_channels);
             let (fill, stroke) = (color.gamma_multiply(0.12), Stroke::new(1.0, color));
             ui.painter().rect(place, Rounding::same(6.0), fill, stroke);
-            let corner = place.min + vec2(8.0, 4.0) * self.zoom;
+            let corner = place.min + vec2(8.0, 4.0) * self.view.zoom;
             let clipped = ui.painter().with_clip_rect(place.intersect(ui.clip_rect()));
             let font = FontId::proportional(self.letters());
             clipped.text(corner, Align2::LEFT_TOP, &frame.text, font, theme::weak(dark));
@@ -56,27 +56,27 @@ impl GraphView {
     }
 
     fn letters(&self) -> f32 {
-        (12.0 * self.zoom).max(8.0)
+        (12.0 * self.view.zoom).max(8.0)
     }
 
     fn frame_place(&self, frame: &Annotation) -> Rect {
         let [width, height] = frame.size.unwrap_or_default().map(|x| x as f32);
-        let size = self.zoom * vec2(width, height);
+        let size = self.view.zoom * vec2(width, height);
         Rect::from_min_size(self.to_window()(frame.position), size)
     }
 
     fn title_place(&self, frame: &Annotation) -> Rect {
         let place = self.frame_place(frame);
-        let height = (TITLE * self.zoom).max(MIN_TITLE_HEIGHT).min(place.height());
+        let height = (TITLE * self.view.zoom).max(MIN_TITLE_HEIGHT).min(place.height());
         Rect::from_min_size(place.min, vec2(place.width(), height))
     }
 
     fn note_place(&self, ui: &Ui, note: &Annotation) -> (Rect, Arc<Galley>) {
         let (font, color) = (FontId::proportional(self.letters()), theme::weak(ui.visuals().dark_mode));
-        let galley = ui.painter().layout(note.text.clone(), font, color, NOTE * self.zoom.max(0.6));
+        let galley = ui.painter().layout(note.text.clone(), font, color, NOTE * self.view.zoom.max(0.6));
         // An empty note can be found, too.
         let size = galley.size().max(Vec2::splat(self.letters()));
-        (Rect::from_min_size(self.to_window()(note.position), size).expand(5.0 * self.zoom), galley)
+        (Rect::from_min_size(self.to_window()(note.position), size).expand(5.0 * self.view.zoom), galley)
     }
 }
 
@@ -108,22 +108,24 @@ impl GraphView {
         let is_covered = pointer.is_some_and(|at| self.places.node_at(at).is_some()) || self.wire.is_some();
         let sense = if is_covered { Sense::hover() } else { Sense::click_and_drag() };
         for (id, thing) in scene.document.view().annotations() {
-            let place = self.words_place(ui, thing).intersect(self.rect);
+            let place = self.words_place(ui, thing).intersect(self.view.clip_rect);
             if place.is_positive() {
                 let response = ui.interact(place, ui.id().with(id), sense);
                 is_at_one |= response.contains_pointer();
                 self.hold_thing(ui, scene, id, thing, &response);
             }
             let corner = self.frame_place(thing).max;
-            let corner = Rect::from_min_max(corner - Vec2::splat(CORNER), corner).intersect(self.rect);
+            let corner =
+                Rect::from_min_max(corner - Vec2::splat(CORNER), corner).intersect(self.view.clip_rect);
             if thing.size.is_some() && corner.is_positive() {
                 let response = ui.interact(corner, ui.id().with(("corner", id)), sense);
                 if response.drag_started() {
                     let things = vec![(id, thing.clone())];
-                    self.carried =
-                        Some(AnnotationDrag { things, resizes: true, ..AnnotationDrag::default() });
+                    self.dragged = Some(Dragged { things, resizes: true, ..Dragged::default() });
                 }
-                self.carry(scene, &response);
+                if response.dragged() {
+                    self.carry(scene, response.drag_delta());
+                }
                 response.on_hover_cursor(CursorIcon::ResizeNwSe);
             }
         }
@@ -142,9 +144,11 @@ impl GraphView {
         // The middle button and Ctrl move the view.
         let moves_view = ui.input(|input| input.modifiers.command || input.pointer.middle_down());
         if response.drag_started() && !moves_view {
-            self.carried = Some(self.held_by(scene, id, thing));
+            self.dragged = Some(self.held_by(scene, id, thing));
         }
-        self.carry(scene, response);
+        if response.dragged() {
+            self.carry(scene, response.drag_delta());
+        }
         if response.double_clicked() {
             self.write_on(id, &thing.text);
         }
@@ -168,7 +172,7 @@ impl GraphView {
     }
 
     /// A note, or a frame with what stands wholly in it.
-    fn held_by(&self, scene: &Scene, id: AnnotationId, thing: &Annotation) -> AnnotationDrag {
+    fn held_by(&self, scene: &Scene, id: AnnotationId, thing: &Annotation) -> Dragged {
         let holds = |at: [f64; 2], size: [f64; 2]| {
             let own = thing.size.unwrap_or([f64::NEG_INFINITY; 2]);
             (0..2).all(|i| at[i] >= thing.position[i] && at[i] + size[i] <= thing.position[i] + own[i])
@@ -179,19 +183,17 @@ impl GraphView {
             scene.document.view().annotations().filter(|(known, other)| {
                 *known == id || holds(other.position, other.size.unwrap_or_default())
             });
-        AnnotationDrag {
+        Dragged {
             nodes: nodes.filter(|(name, at)| holds(*at, self.places.size_of(name))).collect(),
             things: things.map(|(id, thing)| (id, thing.clone())).collect(),
-            ..AnnotationDrag::default()
+            ..Dragged::default()
         }
     }
 
-    fn carry(&mut self, scene: &Scene, response: &Response) {
-        let Some(carried) = self.carried.as_mut().filter(|_| response.dragged()) else { return };
-        if response.drag_delta() == Vec2::ZERO {
-            return;
-        }
-        carried.way += response.drag_delta() / self.zoom;
+    /// Moves what is dragged by so much of the window.
+    pub(super) fn carry(&mut self, scene: &Scene, delta: Vec2) {
+        let Some(carried) = self.dragged.as_mut().filter(|_| delta != Vec2::ZERO) else { return };
+        carried.way += delta / self.view.zoom;
         let by = [f64::from(carried.way.x), f64::from(carried.way.y)];
         let moved = |at: [f64; 2]| [at[0] + by[0], at[1] + by[1]];
         let thing = |(id, thing): &(AnnotationId, Annotation)| {
@@ -208,9 +210,10 @@ impl GraphView {
             edits.push(Edit::MoveNodes(nodes.collect()));
         }
         let label = match carried.things.iter().any(|(_, thing)| thing.size.is_some()) {
-            _ if carried.resizes => "resize a frame",
-            true => "move a frame",
-            false => "move a note",
+            _ if carried.resizes => "resize a frame".into(),
+            true => "move a frame".into(),
+            false if carried.things.is_empty() => edits[0].label(),
+            false => "move a note".into(),
         };
         scene.actions.edits(label, edits);
     }
@@ -219,7 +222,10 @@ impl GraphView {
         let Some(mut writing) = self.writing.take() else { return };
         let mut things = scene.document.view().annotations();
         let Some((id, thing)) = things.find(|(id, _)| *id == writing.thing) else { return };
-        let at = self.words_place(ui, thing).min.clamp(self.rect.min, self.rect.max - vec2(230.0, 60.0));
+        let at = self
+            .words_place(ui, thing)
+            .min
+            .clamp(self.view.clip_rect.min, self.view.clip_rect.max - vec2(230.0, 60.0));
         let area = Area::new(ui.id().with("writing")).order(Order::Foreground).fixed_pos(at);
         let response = area.show(ui.ctx(), |ui| {
             let field = match id {

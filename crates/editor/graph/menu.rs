@@ -46,7 +46,7 @@ impl Menu {
                 ui.set_width(SIZE[0]);
                 if let Some(wire) = &self.wire {
                     let verb = if wire.is_input { "gives" } else { "takes" };
-                    let words = format!("what {verb} {}", wire.port_type.with_article());
+                    let words = format!("what {verb} {}", wire.declared.port_type.with_article());
                     ui.label(RichText::new(words).color(theme::weak(dark)));
                 }
                 let field =
@@ -101,22 +101,16 @@ impl Menu {
     /// The types that fit, the best of the words that were typed first; without words those of one group together. With the
     /// port that a wire would go to.
     fn entries(&self, scene: &Scene) -> Vec<Entry> {
-        let fitting = self.wire.as_ref().map(|wire| {
-            if wire.is_input {
-                giving(scene.registry, wire.port_type)
-            } else {
-                taking(scene.registry, wire.port_type)
-            }
-        });
-        let with_port = |node: &'static Node| match &fitting {
-            None => Some((node, None)),
-            Some(fitting) => {
-                let fitting = fitting.iter().find(|fitting| fitting.node.name == node.name)?;
-                Some((node, Some(*fitting)))
+        let found = search(scene.registry, &self.typed).into_iter();
+        let mut entries: Vec<Entry> = match &self.wire {
+            None => found.map(|node| (node, None)).collect(),
+            Some(wire) => {
+                let fitting = if wire.is_input { giving } else { taking };
+                let fitting = fitting(scene.registry, wire.declared.port_type);
+                let of = |node: &Node| fitting.iter().find(|fitting| fitting.node.name == node.name).copied();
+                found.filter_map(|node| Some((node, Some(of(node)?)))).collect()
             }
         };
-        let found = search(scene.registry, &self.typed);
-        let mut entries: Vec<Entry> = found.into_iter().filter_map(with_port).collect();
         if self.typed.trim().is_empty() {
             entries.sort_by_key(|(node, _)| Group::from_node(node));
         }
@@ -126,7 +120,7 @@ impl Menu {
     fn add(&self, scene: &Scene, (node, fitting): Entry, at: [f64; 2]) {
         let edits = match (&self.wire, fitting) {
             (Some(wire), Some(fitting)) => {
-                let held = (wire.node.as_str(), wire.name.as_str());
+                let held = (wire.node.as_str(), wire.declared.name);
                 let edits = scene.document.adding_joined(scene.registry, fitting, at, held, wire.is_input);
                 edits.map(|edits| edits.to_vec())
             }

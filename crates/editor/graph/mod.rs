@@ -42,14 +42,11 @@ const NEAR: f32 = 11.0;
 
 /// Time that a pointer rests before a tooltip (seconds). A tooltip that comes while it moves would lie under it in its
 /// first frame, and take the press.
-const REST: f64 = 0.25;
+const REST: f32 = 0.25;
 
-/// A drag of nodes: where they were, and how far it went.
-type Dragged = (Vec<(String, [f64; 2])>, Vec2);
-
-/// Drag of frames and notes as they were, with nodes; and how far it went.
+/// Drag of nodes, frames and notes from where they were; and how far it went.
 #[derive(Default)]
-struct AnnotationDrag {
+struct Dragged {
     things: Vec<(AnnotationId, Annotation)>,
     nodes: Vec<(String, [f64; 2])>,
     /// The frame changes its size instead.
@@ -68,76 +65,43 @@ struct Writing {
 struct DraggedWire {
     port: Port,
     /// The input that it was taken off from, and its source as the file says it.
-    taken_off: Option<(String, String, String)>,
+    taken_off: Option<(String, &'static str, String)>,
 }
 
 /// The view, with what a hand is doing in it.
+#[derive(Default)]
 pub(crate) struct GraphView {
-    /// Position of the document's origin (points from the view's corner).
-    pan: Vec2,
-    zoom: f32,
-    /// The view in the window.
-    rect: Rect,
-    /// For so many frames more all nodes are brought into view: their sizes are known once they were drawn.
-    fits: u32,
-    /// The package's scaled style, and the scale and the theme that it was made of.
-    pan_zoom: PanZoom,
+    /// The view in the window, its scale, and where the document's origin is (points from the view's corner).
+    view: PanZoom,
+    /// The scale and the theme of the view's style.
     styled: Option<(f32, bool)>,
+    /// Frames since all nodes were to be brought into view, which goes on until they were drawn and their sizes are known.
+    fitted: u32,
     /// The nodes that were clicked or moved, the last one above the others.
     raised: Vec<String>,
     places: Places,
     dragged: Option<Dragged>,
-    carried: Option<AnnotationDrag>,
     writing: Option<Writing>,
     wire: Option<DraggedWire>,
     boxed: Option<Pos2>,
     menu: Option<Menu>,
-    /// The menu is to be opened at the pointer.
-    asked: bool,
-    /// Position of the pointer, and the time since when.
-    rests: Option<(Pos2, f64)>,
-}
-
-impl Default for GraphView {
-    fn default() -> Self {
-        GraphView {
-            pan: vec2(20.0, 20.0),
-            zoom: 1.0,
-            rect: Rect::ZERO,
-            fits: FRAMES_TO_FIT,
-            pan_zoom: PanZoom::new(1.0),
-            styled: None,
-            raised: Vec::new(),
-            places: Places::default(),
-            dragged: None,
-            carried: None,
-            writing: None,
-            wire: None,
-            boxed: None,
-            menu: None,
-            asked: false,
-            rests: None,
-        }
-    }
+    /// True if the menu is to be opened at the pointer.
+    pub opens_menu: bool,
 }
 
 impl GraphView {
-    pub fn open_menu(&mut self) {
-        self.asked = true;
-    }
-
     /// Width and height of a node as it was drawn; of one that was not, the usual ones.
     pub fn size_of(&self, node: &str) -> [f64; 2] {
         self.places.size_of(node)
     }
 
     pub fn fit(&mut self) {
-        self.fits = FRAMES_TO_FIT;
+        self.fitted = 0;
     }
 
     pub fn show(&mut self, ui: &mut Ui, scene: &Scene, pictures: &Pictures) {
-        self.rect = ui.max_rect();
-        ui.set_clip_rect(self.rect);
+        self.view.clip_rect = ui.max_rect();
+        ui.set_clip_rect(self.view.clip_rect);
         self.move_view(ui, scene);
         self.grid(ui);
         self.frames_and_notes(ui, scene);
@@ -151,15 +115,15 @@ impl GraphView {
         self.point_at(ui, scene, &nodes, is_at_ground);
         self.show_menu(ui, scene);
         if !ui.input(|input| input.pointer.any_down()) {
-            (self.dragged, self.carried) = (None, None);
+            self.dragged = None;
         }
     }
 
     /// The package scales a copy of the style; it is made again where the scale or the theme is another.
     fn style(&mut self, ui: &Ui) {
-        let key = (self.zoom, ui.visuals().dark_mode);
+        let key = (self.view.zoom, ui.visuals().dark_mode);
         if self.styled != Some(key) {
-            self.pan_zoom.zoom(ui.clip_rect(), ui.style(), self.zoom / self.pan_zoom.zoom);
+            self.view.zoom(self.view.clip_rect, ui.style(), 1.0);
             self.styled = Some(key);
         }
     }
@@ -177,18 +141,16 @@ impl GraphView {
             }
             if scene.selection.contains(name) {
                 let stroke = Stroke::new(2.0, theme::accent(dark));
-                ui.painter().rect_stroke(frame.expand(2.0), Rounding::same(5.0 * self.zoom), stroke);
+                ui.painter().rect_stroke(frame.expand(2.0), Rounding::same(5.0 * self.view.zoom), stroke);
             }
         }
         for (port, at) in &self.places.seen {
             if self.places.is_under(&port.node, *at) {
                 continue;
             }
-            let fed = !port.is_input
-                || scene
-                    .entry(&port.node)
-                    .is_some_and(|entry| entry.inputs.iter().any(|l| l.port == port.name));
-            theme::port(ui.painter(), *at, 5.0 * self.zoom, port.port_type, dark, fed);
+            let inputs = || scene.entry(&port.node).into_iter().flat_map(|entry| &entry.inputs);
+            let fed = !port.is_input || inputs().any(|link| link.port == port.declared.name);
+            theme::port(ui.painter(), *at, 5.0 * self.view.zoom, port.declared.port_type, dark, fed);
         }
     }
 
@@ -204,21 +166,21 @@ impl GraphView {
         }
         let double = ui.input(|input| input.pointer.button_double_clicked(PointerButton::Primary));
         let secondary = ui.input(|input| input.pointer.secondary_clicked());
-        let port = self.places.port_at(at, NEAR * self.zoom.max(0.6));
+        let port = self.places.port_at(at, NEAR * self.view.zoom.max(0.6));
         let node = self.places.node_at(at);
         if let Some(name) = node.filter(|_| double) {
             if scene.pictures().contains(&name) {
                 scene.actions.push(Action::Show(name.to_string()));
             }
         } else if (double || secondary) && node.is_none() && !is_at_ground {
-            self.asked = true;
+            self.opens_menu = true;
         }
         let id = ui.id().with("words");
-        let (now, is_down) = ui.input(|input| (input.time, input.pointer.any_down()));
-        let since = self.rests.filter(|(place, _)| *place == at && !is_down).map_or(now, |(_, since)| since);
-        self.rests = Some((at, since));
-        let left = REST - (now - since);
-        let still = left <= 0.0 && !is_down;
+        let (rest, is_down) = ui.input(|input| {
+            let pointer = &input.pointer;
+            (pointer.time_since_last_movement().min(pointer.time_since_last_click()), pointer.any_down())
+        });
+        let still = rest >= REST && !is_down;
         let words = match (port, node) {
             (Some(port), _) => Some(port.description(scene)),
             (None, name) => {
@@ -227,7 +189,7 @@ impl GraphView {
             }
         };
         if words.is_some() && !still && !is_down {
-            ui.ctx().request_repaint_after(Duration::from_secs_f64(left));
+            ui.ctx().request_repaint_after(Duration::from_secs_f32(REST - rest));
         }
         if let Some(words) = words.filter(|_| still) {
             egui::show_tooltip_at_pointer(ui.ctx(), ui.layer_id(), id, |ui| {
@@ -238,37 +200,38 @@ impl GraphView {
     }
 
     fn show_menu(&mut self, ui: &mut Ui, scene: &Scene) {
-        if std::mem::take(&mut self.asked) {
-            let at = ui.input(|input| input.pointer.hover_pos()).filter(|at| self.rect.contains(*at));
-            self.menu = Some(Menu::new(at.unwrap_or(self.rect.center()), None));
+        if std::mem::take(&mut self.opens_menu) {
+            let at =
+                ui.input(|input| input.pointer.hover_pos()).filter(|at| self.view.clip_rect.contains(*at));
+            self.menu = Some(Menu::new(at.unwrap_or(self.view.clip_rect.center()), None));
         }
         let Some(mut menu) = self.menu.take() else { return };
         let at = self.to_document(menu.at);
-        if menu.show(ui, self.rect, scene, at) {
+        if menu.show(ui, self.view.clip_rect, scene, at) {
             self.menu = Some(menu);
         }
     }
 
     /// From the document's places to the window's.
     pub(super) fn to_window(&self) -> impl Fn([f64; 2]) -> Pos2 + use<> {
-        let (pan, zoom, origin) = (self.pan, self.zoom, self.rect.min);
+        let (pan, zoom, origin) = (self.view.pan, self.view.zoom, self.view.clip_rect.min);
         move |[x, y]| origin + pan + zoom * vec2(x as f32, y as f32)
     }
 
     /// From the window's places to the document's.
     pub(super) fn to_document(&self, at: Pos2) -> [f64; 2] {
-        let from = (at - self.rect.min - self.pan) / self.zoom;
+        let from = (at - self.view.clip_rect.min - self.view.pan) / self.view.zoom;
         [f64::from(from.x), f64::from(from.y)]
     }
 
     /// Wheel, middle drag, and bringing all into view.
     fn move_view(&mut self, ui: &mut Ui, scene: &Scene) {
-        if self.fits > 0 {
-            self.fits -= 1;
+        if self.fitted < FRAMES_TO_FIT {
+            self.fitted += 1;
             self.bring_into_view(scene);
             ui.ctx().request_repaint();
         }
-        let over = ui.rect_contains_pointer(self.rect) && self.menu.is_none();
+        let over = ui.rect_contains_pointer(self.view.clip_rect) && self.menu.is_none();
         let (factor, at, delta, pans) = ui.input(|input| {
             let pointer = &input.pointer;
             let pans = pointer.middle_down() || (pointer.primary_down() && input.modifiers.command);
@@ -276,12 +239,12 @@ impl GraphView {
             (factor, pointer.hover_pos(), pointer.delta(), pans)
         });
         if let Some(at) = at.filter(|_| over) {
-            let zoom = (self.zoom * factor).clamp(ZOOM[0], ZOOM[1]);
-            let from = at - self.rect.min;
-            self.pan = from - (from - self.pan) * (zoom / self.zoom);
-            self.zoom = zoom;
+            let zoom = (self.view.zoom * factor).clamp(ZOOM[0], ZOOM[1]);
+            let from = at - self.view.clip_rect.min;
+            self.view.pan = from - (from - self.view.pan) * (zoom / self.view.zoom);
+            self.view.zoom = zoom;
             if pans {
-                self.pan += delta;
+                self.view.pan += delta;
             }
         }
     }
@@ -291,7 +254,7 @@ impl GraphView {
         let body = TextStyle::Body.resolve(ui.style()).size;
         // On screens of a high density smaller letters can be read, down to a limit.
         let sharp = ui.ctx().pixels_per_point().clamp(1.0, 1.5);
-        body * self.zoom * sharp < FAR_LETTERS
+        body * self.view.zoom * sharp < FAR_LETTERS
     }
 
     fn bring_into_view(&mut self, scene: &Scene) {
@@ -305,12 +268,12 @@ impl GraphView {
             all = all.union(Rect::from_min_size(at.to_pos2(), size));
         }
         if !all.is_finite() || all.is_negative() {
-            (self.pan, self.zoom) = (vec2(20.0, 20.0), 1.0);
+            (self.view.pan, self.view.zoom) = (vec2(20.0, 20.0), 1.0);
             return;
         }
-        let room = self.rect.size() - vec2(40.0, 40.0);
-        self.zoom = (room.x / all.width()).min(room.y / all.height()).clamp(ZOOM[0], 1.0);
-        self.pan = self.rect.size() / 2.0 - self.zoom * all.center().to_vec2();
+        let room = self.view.clip_rect.size() - vec2(40.0, 40.0);
+        self.view.zoom = (room.x / all.width()).min(room.y / all.height()).clamp(ZOOM[0], 1.0);
+        self.view.pan = self.view.clip_rect.size() / 2.0 - self.view.zoom * all.center().to_vec2();
     }
 
     fn visible(&self, scene: &Scene) -> BTreeSet<String> {
@@ -318,7 +281,7 @@ impl GraphView {
         let seen = |node: &&NodeEntry| {
             let frame = self.places.frame(scene, node);
             let [low, high] = [frame.min, frame.max].map(|at| to_window([f64::from(at.x), f64::from(at.y)]));
-            self.rect.intersects(Rect::from_min_max(low, high).expand(20.0))
+            self.view.clip_rect.intersects(Rect::from_min_max(low, high).expand(20.0))
         };
         scene.document.pipeline().nodes.iter().filter(seen).map(|node| node.name.clone()).collect()
     }

@@ -1,14 +1,13 @@
 //! Nodes: drawn by the package, moved and selected by the pointer.
 
-use super::GraphView;
 use super::package::{self, Face, NodeGraph, Pictures, Response};
+use super::{Dragged, GraphView};
 use crate::scene::{Action, Scene};
 use eframe::egui::{Color32, PointerButton, Rect, Sense, Stroke, Ui, Vec2, pos2};
 use egui_node_graph2::{
     ConnLocations, GraphNodeWidget, NodeId, NodeRects, NodeResponse, PortLocations, show_zoomed,
 };
 use std::collections::BTreeSet;
-use voltet_document::Edit;
 
 impl GraphView {
     /// Draws the visible nodes and handles the pointer's actions on them and on the ground; returns them as drawn.
@@ -25,18 +24,18 @@ impl GraphView {
                 continue;
             }
             let place = self.raised.iter().position(|name| *name == entry.name).map_or(0, |place| place + 1);
-            order.push((place, package::add(&mut graph, scene, entry, pictures, self.zoom, is_far)));
+            order.push((place, package::add(&mut graph, scene, entry, pictures, self.view.zoom, is_far)));
         }
         order.sort_by_key(|(place, _)| *place);
         let order: Vec<NodeId> = order.into_iter().map(|(_, id)| id).collect();
         // Before the nodes, which lie above and take precedence.
-        let ground = ui.interact(self.rect, ui.id().with("ground"), Sense::click_and_drag());
+        let ground = ui.interact(self.view.clip_rect, ui.id().with("ground"), Sense::click_and_drag());
         let (mut frames, mut ports) = (NodeRects::new(), PortLocations::new());
         let mut responses = Vec::new();
-        show_zoomed(ui.style().clone(), self.pan_zoom.zoomed_style.clone(), ui, |ui| {
+        show_zoomed(ui.style().clone(), self.view.zoomed_style.clone(), ui, |ui| {
             for id in &order {
                 let name = graph[*id].user_data.name.clone();
-                let at = scene.document.position(&name).map(|x| x as f32 * self.zoom);
+                let at = scene.document.position(&name).map(|x| x as f32 * self.view.zoom);
                 let widget = GraphNodeWidget {
                     position: &mut pos2(at[0], at[1]),
                     graph: &mut graph,
@@ -46,12 +45,12 @@ impl GraphView {
                     node_id: *id,
                     ongoing_drag: None,
                     selected: scene.selection.contains(&name),
-                    pan: self.pan + self.rect.min.to_vec2(),
+                    pan: self.view.pan + self.view.clip_rect.min.to_vec2(),
                 };
-                responses.extend(widget.show(&self.pan_zoom, ui, &mut ()));
+                responses.extend(widget.show(&self.view, ui, &mut ()));
             }
         });
-        self.places.write_down(&graph, &order, &frames, &ports, self.zoom);
+        self.places.write_down(&graph, &order, &frames, &ports, self.view.zoom);
         let mut selected: Option<BTreeSet<String>> = ground.clicked().then(BTreeSet::new);
         for response in responses {
             self.respond(ui, scene, &graph, response, &mut selected);
@@ -118,19 +117,12 @@ impl GraphView {
         if ui.input(|input| input.pointer.button_down(PointerButton::Middle)) {
             return;
         }
-        let (origins, way) = self.dragged.get_or_insert_with(|| {
-            let with: BTreeSet<String> = if scene.selection.contains(name) {
-                scene.selection.clone()
-            } else {
-                BTreeSet::from([name.to_string()])
-            };
+        self.dragged.get_or_insert_with(|| {
+            let alone = BTreeSet::from([name.to_string()]);
+            let with = if scene.selection.contains(name) { scene.selection } else { &alone };
             let at = |name: &String| (name.clone(), scene.document.position(name));
-            (with.iter().map(at).collect(), Vec2::ZERO)
+            Dragged { nodes: with.iter().map(at).collect(), ..Dragged::default() }
         });
-        *way += delta / self.zoom;
-        let moved = |at: &[f64; 2]| [at[0] + f64::from(way.x), at[1] + f64::from(way.y)];
-        scene
-            .actions
-            .edit(Edit::MoveNodes(origins.iter().map(|(name, at)| (name.clone(), moved(at))).collect()));
+        self.carry(scene, delta);
     }
 }

@@ -15,7 +15,7 @@ use egui_node_graph2::{
 };
 use std::borrow::Cow;
 use voltet_document::links;
-use voltet_graph::{Node, NodeEntry, PortType};
+use voltet_graph::{Node, NodeEntry};
 
 /// Width of what a node shows, points at the usual scale: the package's 200, less its margins of 15.
 pub(super) const INNER: f32 = 170.0;
@@ -35,8 +35,7 @@ pub(super) type Pictures<'a> = dyn Fn(&str) -> Option<TextureHandle> + 'a;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Port {
     pub node: String,
-    pub name: String,
-    pub port_type: PortType,
+    pub declared: &'static voltet_graph::Port,
     pub is_input: bool,
     /// True if it takes several wires, or none.
     pub is_optional: bool,
@@ -87,7 +86,7 @@ pub(super) fn add(
     };
     let id = graph.add_node(label, face, |_, _| {});
     for port in ports {
-        let name = port.name.clone();
+        let name = port.declared.name.to_string();
         if port.is_input {
             graph.add_input_param(id, name, port, Nothing, InputParamKind::ConnectionOnly, true);
         } else {
@@ -100,16 +99,13 @@ pub(super) fn add(
 /// The ports of a node in the order in which they are shown.
 fn ports(entry: &NodeEntry, node: Option<&'static Node>) -> Vec<Port> {
     let Some(node) = node else { return Vec::new() };
-    let of = |port: &voltet_graph::Port, is_input: bool, is_optional: bool| Port {
-        node: entry.name.clone(),
-        name: port.name.to_string(),
-        port_type: port.port_type,
-        is_input,
-        is_optional,
+    let groups =
+        [(node.inputs, true, false), (node.optional_inputs, true, true), (node.outputs, false, false)];
+    let of = |(ports, is_input, is_optional): (&'static [voltet_graph::Port], bool, bool)| {
+        let node = entry.name.clone();
+        ports.iter().map(move |declared| Port { node: node.clone(), declared, is_input, is_optional })
     };
-    let inputs = node.inputs.iter().map(|port| of(port, true, false));
-    let optional = node.optional_inputs.iter().map(|port| of(port, true, true));
-    inputs.chain(optional).chain(node.outputs.iter().map(|port| of(port, false, false))).collect()
+    groups.into_iter().flat_map(of).collect()
 }
 
 fn idle(scene: &Scene, node: Option<&'static Node>) -> String {
@@ -186,12 +182,7 @@ impl Face {
 impl Port {
     pub fn description(&self, scene: &Scene) -> String {
         let entry = scene.entry(&self.node);
-        let node = entry.and_then(|entry| scene.node_type(entry));
-        let declared = node.and_then(|node| {
-            let mut all = node.all_inputs().chain(node.outputs);
-            all.find(|declared| declared.name == self.name && declared.port_type == self.port_type)
-        });
-        let summary = declared.map_or("", |declared| declared.summary);
+        let voltet_graph::Port { name, port_type, summary } = self.declared;
         let side = match (self.is_input, self.is_optional) {
             (true, true) => "optional input",
             (true, false) => "input",
@@ -202,13 +193,13 @@ impl Port {
             format!("{node}.{output}")
         };
         let sources: Vec<String> = match self.is_input {
-            false => vec![format!("{}.{}", self.node, self.name)],
+            false => vec![format!("{}.{name}", self.node)],
             true => {
                 let links = entry.into_iter().flat_map(|entry| &entry.inputs);
-                links.filter(|link| link.port == self.name).flat_map(links::sources).map(full).collect()
+                links.filter(|link| link.port == *name).flat_map(links::sources).map(full).collect()
             }
         };
-        let mut text = format!("{} ({}, {side})\n{summary}", self.name, self.port_type.name());
+        let mut text = format!("{name} ({}, {side})\n{summary}", port_type.name());
         for (source, value) in sources.iter().filter_map(|source| Some((source, scene.values.get(source)?))) {
             text += &if self.is_input { format!("\nfrom {source}: {value}") } else { format!("\n{value}") };
         }
@@ -243,7 +234,7 @@ impl DataTypeTrait<()> for Port {
     }
 
     fn name(&self) -> Cow<'_, str> {
-        Cow::Borrowed(self.port_type.name())
+        Cow::Borrowed(self.declared.port_type.name())
     }
 }
 

@@ -90,7 +90,7 @@ impl Places {
     pub fn port(&self, scene: &Scene, entry: &NodeEntry, name: &str, is_input: bool) -> [f64; 2] {
         let [x, y] = scene.document.position(&entry.name);
         let known = self.known.get(&entry.name).and_then(|known| {
-            let is_it = |(port, _): &&(Port, Vec2)| port.name == name && port.is_input == is_input;
+            let is_it = |(port, _): &&(Port, Vec2)| port.declared.name == name && port.is_input == is_input;
             known.ports.iter().find(is_it).map(|(_, from)| *from)
         });
         let from = known.unwrap_or_else(|| {

@@ -6,7 +6,8 @@ use eframe::egui::{Pos2, Rect};
 
 impl GraphView {
     pub fn port_at(&self, node: &str, name: &str, is_input: bool) -> Option<Pos2> {
-        let is_it = |port: &Port| port.node == node && port.name == name && port.is_input == is_input;
+        let is_it =
+            |port: &Port| port.node == node && port.declared.name == name && port.is_input == is_input;
         self.places.seen.iter().find(|(port, _)| is_it(port)).map(|(_, at)| *at)
     }
 

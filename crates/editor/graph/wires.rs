@@ -35,7 +35,8 @@ impl GraphView {
                 let selected =
                     [&feeding.name, &entry.name].iter().any(|name| scene.selection.contains(*name));
                 let (width, color) = if selected { (3.0, color) } else { (2.0, color.gamma_multiply(0.75)) };
-                let curve = curve(from, to, Stroke::new(width * self.zoom.max(0.5), color), self.zoom);
+                let curve =
+                    curve(from, to, Stroke::new(width * self.view.zoom.max(0.5), color), self.view.zoom);
                 if curve.visual_bounding_rect().intersects(clip) {
                     shapes.push(curve);
                 }
@@ -46,10 +47,10 @@ impl GraphView {
             (&self.wire, ui.input(|input| input.pointer.interact_pos()))
             && let Some(entry) = scene.entry(&port.node)
         {
-            let own = to_window(self.places.port(scene, entry, &port.name, port.is_input));
+            let own = to_window(self.places.port(scene, entry, port.declared.name, port.is_input));
             let (from, to) = if port.is_input { (pointer, own) } else { (own, pointer) };
-            let stroke = Stroke::new(2.5, theme::port_color(port.port_type, dark));
-            ui.painter().add(curve(from, to, stroke, self.zoom));
+            let stroke = Stroke::new(2.5, theme::port_color(port.declared.port_type, dark));
+            ui.painter().add(curve(from, to, stroke, self.view.zoom));
         }
     }
 
@@ -57,14 +58,11 @@ impl GraphView {
     pub(super) fn begin_wire(&mut self, scene: &Scene, port: &Port) {
         let fed = || {
             let entry = scene.entry(&port.node).filter(|_| port.is_input)?;
-            let text = links::sources(entry.inputs.iter().find(|link| link.port == port.name)?).last()?;
-            let (node, name, given) = giving(scene, text);
-            let (node, name, port_type) = (node.to_string(), name.to_string(), given?.port_type);
-            let held = Port { node, name, port_type, is_input: false, is_optional: false };
-            Some(DraggedWire {
-                port: held,
-                taken_off: Some((port.node.clone(), port.name.clone(), text.into())),
-            })
+            let name = port.declared.name;
+            let text = links::sources(entry.inputs.iter().find(|link| link.port == name)?).last()?;
+            let (node, _, given) = giving(scene, text);
+            let held = Port { node: node.into(), declared: given?, is_input: false, is_optional: false };
+            Some(DraggedWire { port: held, taken_off: Some((port.node.clone(), name, text.into())) })
         };
         self.wire = Some(fed().unwrap_or_else(|| DraggedWire { port: port.clone(), taken_off: None }));
     }
@@ -73,16 +71,18 @@ impl GraphView {
     pub(super) fn joining(&mut self, ui: &mut Ui, scene: &Scene) {
         let Some(wire) = &self.wire else { return };
         let Some(at) = ui.input(|input| input.pointer.interact_pos()) else { return };
-        let target = self.places.port_at(at, NEAR * self.zoom.max(0.6));
+        let target = self.places.port_at(at, NEAR * self.view.zoom.max(0.6));
         let is_own = |port: &Port| {
-            let is_end =
-                |(node, name, _): &(String, String, String)| (node, name) == (&port.node, &port.name);
-            *port == wire.port || (port.is_input && wire.taken_off.as_ref().is_some_and(is_end))
+            let end = wire.taken_off.as_ref().filter(|_| port.is_input);
+            let is_end = end.is_some_and(|(node, name, _)| (node, *name) == (&port.node, port.declared.name));
+            *port == wire.port || is_end
         };
         let edit = target.filter(|port| !is_own(port)).map(|port| connect_edit(scene, &wire.port, port));
         if ui.input(|input| input.pointer.any_down()) {
             let words = match (target, &edit) {
-                (Some(port), Some(Ok(_))) => RichText::new(format!("to {}.{}", port.node, port.name)),
+                (Some(port), Some(Ok(_))) => {
+                    RichText::new(format!("to {}.{}", port.node, port.declared.name))
+                }
                 (_, Some(Err(error))) => {
                     RichText::new(error.to_string()).color(theme::wrong(ui.visuals().dark_mode))
                 }
@@ -95,15 +95,20 @@ impl GraphView {
         }
         let is_free = target.is_none();
         let Some(DraggedWire { port, taken_off }) = self.wire.take() else { return };
-        let disconnect =
-            taken_off.map(|(node, port, source)| Edit::Disconnect { node, port, source: Some(source) });
+        let disconnect = taken_off.map(|(node, port, source)| Edit::Disconnect {
+            node,
+            port: port.into(),
+            source: Some(source),
+        });
         match (edit, disconnect) {
             (Some(Ok(edit)), disconnect) => {
                 scene.actions.edits(edit.label(), disconnect.into_iter().chain([edit]).collect());
             }
             (Some(Err(error)), _) => scene.actions.say(error),
             (None, Some(edit)) if is_free => scene.actions.edit(edit),
-            (None, None) if is_free && self.rect.contains(at) && self.places.node_at(at).is_none() => {
+            (None, None)
+                if is_free && self.view.clip_rect.contains(at) && self.places.node_at(at).is_none() =>
+            {
                 self.menu = Some(Menu::new(at, Some(port)));
             }
             (None, _) => {}
@@ -127,5 +132,5 @@ fn connect_edit(scene: &Scene, held: &Port, target: &Port) -> Result<Edit> {
             return Err(Error::usage(format!("both are {both}: a wire leads from an output to an input")));
         }
     };
-    scene.document.join(scene.registry, (&from.node, &from.name), (&to.node, &to.name))
+    scene.document.join(scene.registry, (&from.node, from.declared.name), (&to.node, to.declared.name))
 }

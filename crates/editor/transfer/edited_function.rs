@@ -33,7 +33,7 @@ impl<'a> EditedFunction<'a> {
     pub fn new(
         scene: &'a Scene<'a>,
         node: &'a NodeEntry,
-        axes: &[ArrayRef; 2],
+        axes: [ArrayRef; 2],
         plane: Option<Plane>,
         former_peak: Option<f64>,
         images: &Images,
@@ -43,7 +43,7 @@ impl<'a> EditedFunction<'a> {
         let extent = found.map_or([1.0; 2], |found| found.histogram.axes.map(|axis| axis.high - axis.low));
         let metric = plane.map_or(extent, Plane::metric);
         let known = found.map(|found| &found.known);
-        let on = PlaneContext { axes, extent: metric, known, images };
+        let on = PlaneContext { axes: &axes, extent: metric, known, images };
         let widget = |entry: &LocatedValue| ScreenWidget::new(entry.table().unwrap_or_default(), &on);
         let widgets: Vec<ScreenWidget> = list.iter().map(widget).collect();
         let peak = former_peak.unwrap_or_else(|| {
@@ -51,16 +51,7 @@ impl<'a> EditedFunction<'a> {
             if most > 0.0 { 1.1 * most } else { 1.0 }
         });
         let plane = Plane { rect: Rect::ZERO, shown: [[0.0, 1.0]; 2], extent: metric, peak };
-        EditedFunction {
-            scene,
-            actions: scene.actions,
-            node,
-            list,
-            widgets,
-            axes: axes.clone(),
-            extent,
-            plane,
-        }
+        EditedFunction { scene, actions: scene.actions, node, list, widgets, axes, extent, plane }
     }
 
     pub fn histogram(&self) -> Option<&Histogram> {

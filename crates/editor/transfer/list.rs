@@ -2,13 +2,13 @@
 //! with the choice of axes: s, g, arrays of the data, and arrays that widgets name.
 
 use super::edited_function::{EditedFunction, at_peak, at_probe, axis_name, volume_of};
-use super::plane::{self, S_AND_G, rounded};
+use super::plane::{S_AND_G, rounded};
 use super::pointer::FINE;
 use super::screen_widget::{self, ScreenWidget};
 use super::{TransferPanel, edit};
 use crate::parameters::edited_color;
 use crate::theme;
-use crate::worker::{grouped, short};
+use crate::worker::{grouped, short, widget_count};
 use eframe::egui::{
     Button, DragValue, Key, Modifiers, RichText, ScrollArea, Sense, Stroke, TextEdit, Ui, vec2,
 };
@@ -97,8 +97,8 @@ impl TransferPanel {
 
     /// Another plane, all of it shown.
     pub(super) fn set_axes(&mut self, axes: [ArrayRef; 2]) {
-        if self.axes != axes {
-            (self.axes, self.shown, self.drag) = (axes, None, None);
+        if self.axes() != axes {
+            (self.axes, self.shown, self.drag) = (Some(axes), None, None);
         }
     }
 
@@ -121,7 +121,7 @@ impl TransferPanel {
 
     pub(super) fn store(&mut self, digit: u8, look: &EditedFunction) {
         look.actions.edit(Edit::StoreSet(digit, look.list.to_vec()));
-        look.actions.say(format!("{} stored as {digit}, in the file", count(look.list.len())));
+        look.actions.say(format!("{} stored as {digit}, in the file", widget_count(look.list.len())));
     }
 
     pub(super) fn recall(&mut self, digit: u8, look: &EditedFunction) {
@@ -203,10 +203,6 @@ impl TransferPanel {
             }
         }
     }
-}
-
-pub(super) fn count(count: usize) -> String {
-    if count == 1 { "1 widget".into() } else { format!("{count} widgets") }
 }
 
 /// Width of one list, and the most of its height, points.
@@ -353,7 +349,7 @@ impl TransferPanel {
     fn chip(&mut self, ui: &mut Ui, place: usize, widget: &ScreenWidget, look: &EditedFunction) {
         let dark = ui.visuals().dark_mode;
         let (rect, response) = ui.allocate_exact_size(vec2(18.0, 14.0), Sense::click());
-        let color = plane::color(widget.color);
+        let color = theme::on_screen(widget.color);
         let color = if self.hidden.contains(&place) { color.gamma_multiply(0.3) } else { color };
         ui.painter().rect_filled(rect.shrink(2.0), 2.0, color);
         if place == self.chosen {
@@ -395,7 +391,7 @@ impl TransferPanel {
             ui.set_min_width(210.0);
             for digit in 0..10 {
                 if let Some(list) = look.sets().get(&digit) {
-                    let text = format!("recall {digit}: {}", count(list.len()));
+                    let text = format!("recall {digit}: {}", widget_count(list.len()));
                     if ui.add(Button::new(text).shortcut_text(digit.to_string())).clicked() {
                         self.recall(digit, look);
                         ui.close_menu();
@@ -416,7 +412,7 @@ impl TransferPanel {
     }
 
     pub(super) fn axes_menu(&mut self, ui: &mut Ui, look: &EditedFunction) {
-        let [x, y] = self.axes.each_ref().map(axis_name);
+        let [x, y] = look.axes.each_ref().map(axis_name);
         ui.menu_button(format!("axes {x}, {y}"), |ui| {
             if ui.button("s, g").on_hover_text("the scalar and its gradient magnitude").clicked() {
                 self.set_axes(S_AND_G);
@@ -439,10 +435,10 @@ impl TransferPanel {
     }
 
     fn list_of_axis(&mut self, ui: &mut Ui, k: usize, choices: &[(ArrayRef, String)]) {
-        let mut taken = None;
+        let (mut axes, mut taken) = (self.axes(), None);
         ScrollArea::vertical().id_salt(("axis", k)).max_height(HEIGHT).show(ui, |ui| {
             for (axis, label) in choices {
-                if ui.selectable_label(self.axes[k] == *axis, label).clicked() {
+                if ui.selectable_label(axes[k] == *axis, label).clicked() {
                     taken = Some(axis.clone());
                 }
             }
@@ -454,7 +450,6 @@ impl TransferPanel {
             taken = Some(ArrayRef::Array(std::mem::take(&mut self.typed_axis[k])));
         }
         if let Some(axis) = taken {
-            let mut axes = self.axes.clone();
             axes[k] = axis;
             self.set_axes(axes);
             ui.close_menu();

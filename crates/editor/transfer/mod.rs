@@ -30,8 +30,10 @@ use voltet_graph::{ArrayRef, LocatedValue, find_setting};
 const MARGIN: [f32; 3] = [52.0, 18.0, 44.0];
 
 /// The panel, with what a hand is doing in it.
+#[derive(Default)]
 pub(crate) struct TransferPanel {
-    axes: [ArrayRef; 2],
+    /// The quantities of the plane; s and g until a hand chose others.
+    axes: Option<[ArrayRef; 2]>,
     typed_axis: [String; 2],
     /// The shown part of the plane; all of the data until a hand chose another.
     shown: Option<[[f64; 2]; 2]>,
@@ -50,27 +52,6 @@ pub(crate) struct TransferPanel {
     /// True if keys go to the widgets wherever the pointer is.
     pub by_keyboard: bool,
     plane: Option<Plane>,
-}
-
-impl Default for TransferPanel {
-    fn default() -> Self {
-        TransferPanel {
-            axes: S_AND_G,
-            typed_axis: Default::default(),
-            shown: None,
-            chosen: 0,
-            before_click: 0,
-            held: None,
-            drag: None,
-            counts: Counts::default(),
-            images: Images::default(),
-            hidden: BTreeSet::new(),
-            of: None,
-            has_pointer: false,
-            by_keyboard: false,
-            plane: None,
-        }
-    }
 }
 
 impl TransferPanel {
@@ -92,7 +73,7 @@ impl TransferPanel {
     }
 
     pub fn axes(&self) -> [ArrayRef; 2] {
-        self.axes.clone()
+        self.axes.clone().unwrap_or(S_AND_G)
     }
 
     /// The transfer function and the place of the widget in hand, while nobody drags it.
@@ -116,7 +97,7 @@ impl TransferPanel {
         }
         let images = self.images.in_folder(ui.ctx(), scene.document.folder());
         let peak = self.drag.as_ref().map(|drag| drag.peak);
-        let mut look = EditedFunction::new(scene, node, &self.axes, self.plane, peak, &images);
+        let mut look = EditedFunction::new(scene, node, self.axes(), self.plane, peak, &images);
         self.chosen = self.chosen.min(look.widgets.len().saturating_sub(1));
         if is_another {
             self.choose(0, &look);
@@ -155,7 +136,7 @@ impl TransferPanel {
         if self.by_keyboard {
             ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, theme::accent(dark)));
         }
-        let [x, y] = self.axes.each_ref().map(|axis| axis_title(look, axis));
+        let [x, y] = look.axes.each_ref().map(|axis| axis_title(look, axis));
         plane::axes(ui, plane, [&x, &y]);
         if let Some(probed) = look.scene.probed.as_ref().filter(|_| look.is_of_s_and_g()) {
             plane::probed(ui, plane, probed);
@@ -185,7 +166,7 @@ impl TransferPanel {
         let share = look.histogram().and_then(|histogram| plane::share_at(histogram, value));
         let share =
             share.map_or(String::new(), |share| format!("   {} % of the volume a bin", short(100.0 * share)));
-        let [x, y] = self.axes.each_ref().map(axis_name);
+        let [x, y] = look.axes.each_ref().map(axis_name);
         let text = format!("{x} {}   {y} {}{share}", short(value[0]), short(value[1]));
         let color = ui.visuals().text_color();
         let galley = ui.painter().layout_no_wrap(text, FontId::proportional(11.5), color);

@@ -5,8 +5,8 @@ use crate::picture::{WHOLE, set_texture};
 use crate::theme;
 use crate::worker::{Distribution, PixelProbe, short};
 use eframe::egui::{
-    Align2, Color32, ColorImage, FontId, Galley, Painter, Pos2, Rect, Rgba, Stroke, TextureHandle,
-    TextureOptions, Ui, Vec2, pos2, vec2,
+    Align2, Color32, ColorImage, FontId, Galley, Painter, Pos2, Rect, Stroke, TextureHandle, TextureOptions,
+    Ui, Vec2, pos2, vec2,
 };
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -215,12 +215,6 @@ pub(super) fn share_at(histogram: &Histogram, [s, g]: [f64; 2]) -> Option<f64> {
     Some(histogram.volumes[j * histogram.axes[0].bins + i] / histogram.total)
 }
 
-/// The colour on the screen; what is brighter than it is clamped.
-pub(super) fn color(linear: [f64; 3]) -> Color32 {
-    let [r, g, b] = linear.map(|x| x.clamp(0.0, 1.0) as f32);
-    Color32::from(Rgba::from_rgb(r, g, b))
-}
-
 pub(super) struct WidgetPainter {
     pub painter: Painter,
     pub plane: Plane,
@@ -300,33 +294,53 @@ pub(super) enum Handle {
     Point(usize),
 }
 
-/// The corners of a box, against the clock from the lower left.
-pub(super) fn corners([s, g]: [[f64; 2]; 2]) -> [[f64; 2]; 4] {
-    [[s[0], g[0]], [s[1], g[0]], [s[1], g[1]], [s[0], g[1]]]
+/// Handles of ranges that may be infinite: of the corners, against the clock from the lower left, where all ends are finite; and of the
+/// finite sides, each in the middle of what is shown of it.
+pub(super) fn range_handles(
+    ranges: [[f64; 2]; 2],
+    plane: &Plane,
+    corner: fn(usize) -> Handle,
+    side: fn(usize, bool) -> Handle,
+) -> Vec<(Handle, [f64; 2])> {
+    let [s, g] = ranges;
+    let corners = [[s[0], g[0]], [s[1], g[0]], [s[1], g[1]], [s[0], g[1]]];
+    let is_closed = ranges.as_flattened().iter().all(|x| x.is_finite());
+    let corners = corners.into_iter().enumerate().filter(|_| is_closed).map(|(i, at)| (corner(i), at));
+    let sides = [(0, 0), (0, 1), (1, 0), (1, 1)].into_iter().filter_map(|(axis, end)| {
+        let [low, high] = plane.shown[1 - axis];
+        let [a, b] = ranges[1 - axis].map(|x| x.clamp(low, high));
+        let mut at = [0.5 * (a + b); 2];
+        at[axis] = ranges[axis][end];
+        at[axis].is_finite().then(|| (side(axis, end == 1), at))
+    });
+    corners.chain(sides).collect()
 }
 
-/// The ranges with a corner elsewhere; the lower end stays the lower one.
-pub(super) fn with_corner([mut s, mut g]: [[f64; 2]; 2], corner: usize, to: [f64; 2]) -> [[f64; 2]; 2] {
-    let (right, upper) = (corner == 1 || corner == 2, corner >= 2);
-    s[usize::from(right)] = to[0];
-    g[usize::from(upper)] = to[1];
-    [s, g].map(|[a, b]| [a.min(b), a.max(b)])
+/// Ranges when a corner or a side of theirs is brought to a place: the lower end stays the lower one. `None` of other handles.
+pub(super) fn stretched(mut ranges: [[f64; 2]; 2], handle: Handle, to: [f64; 2]) -> Option<[[f64; 2]; 2]> {
+    match handle {
+        Handle::Rim(i) | Handle::Corner(i) => {
+            ranges[0][usize::from(i == 1 || i == 2)] = to[0];
+            ranges[1][usize::from(i >= 2)] = to[1];
+        }
+        Handle::Edge(axis, upper) | Handle::Side(axis, upper) => ranges[axis][usize::from(upper)] = to[axis],
+        _ => return None,
+    }
+    Some(ranges.map(|[a, b]| [a.min(b), a.max(b)]))
 }
 
-/// The sides of a box that limit, each in the middle of what is shown of it: along which axis, whether the upper end, and where.
-pub(super) fn edges(limits: [[f64; 2]; 2], plane: &Plane) -> impl Iterator<Item = (usize, bool, [f64; 2])> {
-    let shown = plane.shown;
-    (0..2).flat_map(move |axis| {
-        let other = 1 - axis;
-        let [low, high] = shown[other];
-        let middle = 0.5 * (limits[other][0].clamp(low, high) + limits[other][1].clamp(low, high));
-        let ends = limits[axis].into_iter().enumerate().filter(|(_, limit)| limit.is_finite());
-        ends.map(move |(end, limit)| {
-            let mut at = [middle; 2];
-            at[axis] = limit;
-            (axis, end == 1, at)
-        })
-    })
+/// Ranges moved along both axes.
+pub(super) fn shifted(ranges: [[f64; 2]; 2], by: [f64; 2]) -> [[f64; 2]; 2] {
+    [0, 1].map(|k: usize| ranges[k].map(|x| x + by[k]))
+}
+
+/// The ranges as a file states them under these keys, as far as they changed.
+pub(super) fn changed_ranges(
+    keys: [&'static str; 2],
+    before: [[f64; 2]; 2],
+    after: [[f64; 2]; 2],
+) -> Vec<Change> {
+    (0..2).filter(|&k| before[k] != after[k]).map(|k| (keys[k], Some(list(&after[k])))).collect()
 }
 
 pub(super) fn array<const N: usize>(fields: &[Field], name: &str) -> Option<[f64; N]> {

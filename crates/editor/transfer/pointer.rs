@@ -119,48 +119,27 @@ impl TransferPanel {
     fn take(&mut self, at: Pos2, look: &EditedFunction) {
         let plane = look.plane;
         let value = plane.to_values(at);
-        let hold = |widget: &ScreenWidget, handle: Option<Handle>| {
-            let place =
-                |handle: Handle| widget.handles(&plane).into_iter().find(|(known, _)| *known == handle);
-            let from = handle.and_then(place).map_or(value, |(_, place)| place);
-            Some(Drag { widget: widget.clone(), handle, from, at: from, peak: plane.peak })
-        };
-        self.held = None;
-        if let Some(widget) = look.widgets.get(self.chosen)
-            && let Some(handle) = nearest(widget, at, plane)
-        {
-            self.held = Some(handle);
-            self.drag = hold(widget, Some(handle));
-            return;
-        }
         // Handles and lines of others come before what others cover; of what covers the place, the strongest.
-        let by_handle = look
-            .widgets
-            .iter()
-            .enumerate()
-            .find_map(|(place, widget)| nearest(widget, at, plane).map(|handle| (place, handle)));
-        if let Some((place, handle)) = by_handle {
-            (self.chosen, self.held) = (place, Some(handle));
-            self.drag = hold(&look.widgets[place], Some(handle));
-            return;
-        }
-        let on_curve = |widget: &&ScreenWidget| is_on_curve(widget, at, plane);
-        if let Some(place) = look.widgets.iter().position(|widget| on_curve(&widget)) {
-            self.chosen = place;
-            self.drag = hold(&look.widgets[place], None);
-            return;
-        }
-        let strengths = look.widgets.iter().enumerate();
-        let strengths = strengths.map(|(place, widget)| (place, widget.strength(value)));
+        let mut in_turn = [self.chosen].into_iter().chain(0..look.widgets.len());
+        let by_handle =
+            in_turn.find_map(|place| Some((place, Some(nearest(look.widgets.get(place)?, at, plane)?))));
+        let on_curve = || look.widgets.iter().position(|widget| is_on_curve(widget, at, plane));
         // What is everywhere, and lines, are taken by what is drawn of them alone.
-        let local = strengths.filter(|(place, strength)| {
-            let widget = &look.widgets[*place];
-            *strength > COVERS && widget.is_area() && !is_everywhere(widget, look)
-        });
-        if let Some((place, _)) = local.max_by(|a, b| a.1.total_cmp(&b.1)) {
-            self.chosen = place;
-            self.drag = hold(&look.widgets[place], None);
-        }
+        let local = || {
+            let widgets = look.widgets.iter().enumerate();
+            let strengths = widgets.filter(|(_, widget)| widget.is_area() && !is_everywhere(widget, look));
+            let strengths = strengths.map(|(place, widget)| (place, widget.strength(value)));
+            strengths.filter(|(_, strength)| *strength > COVERS).max_by(|a, b| a.1.total_cmp(&b.1))
+        };
+        let other = || on_curve().or_else(|| local().map(|(place, _)| place));
+        let taken = by_handle.or_else(|| other().map(|place| (place, None)));
+        self.held = taken.and_then(|(_, handle)| handle);
+        let Some((place, handle)) = taken else { return };
+        let widget = &look.widgets[place];
+        let is_held = |(known, _): &(Handle, [f64; 2])| Some(*known) == handle;
+        let from = widget.handles(&plane).into_iter().find(is_held).map_or(value, |(_, place)| place);
+        self.chosen = place;
+        self.drag = Some(Drag { widget: widget.clone(), handle, from, at: from, peak: plane.peak });
     }
 }
 

@@ -1,6 +1,6 @@
 //! Numbers relative to data among those of a widget: what they are, and how a hand's numbers are written in their place.
 
-use crate::worker::DataScales;
+use crate::worker::{DataScales, without_zeros};
 use voltet_core::parameters::{Parameters, Relative, RelativeNumber, StatisticKind};
 use voltet_core::transfer::{self, DataStatistics, WIDGET_KINDS};
 use voltet_core::{Error, Result};
@@ -23,7 +23,7 @@ fn parameters(fields: &[Field]) -> Option<Parameters> {
     let kind = find_setting(fields, "kind")?.text()?;
     let kind = WIDGET_KINDS.iter().find(|known| known.name == kind)?;
     // What is wrong is said elsewhere; what is not set has no numbers.
-    Some(Parameters::survey(kind.parameters, fields, &SourceSpan::Nowhere, &["kind"], &mut Vec::new()))
+    Some(Parameters::survey(kind.parameters, fields, &SourceSpan::Nowhere, &["kind"], &mut |_, _| {}))
 }
 
 pub(super) fn is_relative(fields: &[Field]) -> bool {
@@ -153,11 +153,8 @@ fn written(
 
 /// The number relative to data that says so; `None` where there is none.
 fn relative(number: &RelativeNumber, was: f64, is: f64, known: &DataScales) -> Option<String> {
-    let with_digits = |share: f64, digits: usize| {
-        let text = format!("{:.digits$}", 100.0 * share);
-        let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-        format!("{text} %")
-    };
+    let with_digits =
+        |share: f64, digits: usize| format!("{} %", without_zeros(&format!("{:.digits$}", 100.0 * share)));
     // Of a width as many digits count, however narrow it is.
     let width = |share: f64| {
         let before = (100.0 * share.abs()).log10().floor() as i32 + 1;

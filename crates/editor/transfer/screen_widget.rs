@@ -2,8 +2,8 @@
 
 use super::kinds::{PlaneContext, Shape, natural_axes, shape};
 use super::plane::{
-    Change, Handle, Plane, WidgetPainter, array, color, corners, edges, list, middle, number, rows,
-    with_corner,
+    Change, Handle, Plane, WidgetPainter, array, changed_ranges, middle, number, range_handles, rows,
+    shifted, stretched,
 };
 use super::relative;
 use crate::theme;
@@ -207,7 +207,7 @@ pub(super) fn draw(
     is_hidden: bool,
 ) {
     let (dark, is_chosen) = (ui.visuals().dark_mode, handles.is_some());
-    let base = theme::readable(color(widget.color), dark);
+    let base = theme::readable(theme::on_screen(widget.color), dark);
     let base = if is_hidden { base.gamma_multiply(0.35) } else { base };
     let stroke = Stroke::new(if is_chosen { 2.2 } else { 1.4 }, base);
     let painter = ui.painter().with_clip_rect(plane.rect.expand(1.0));
@@ -280,12 +280,7 @@ impl Region {
     pub fn handles(&self, plane: &Plane) -> Vec<(Handle, [f64; 2])> {
         match self {
             Region::Whole => Vec::new(),
-            Region::Box(limits) => {
-                let is_closed = limits.as_flattened().iter().all(|x| x.is_finite());
-                let all = corners(*limits).into_iter().enumerate().filter(|_| is_closed);
-                let sides = edges(*limits, plane).map(|(axis, upper, at)| (Handle::Side(axis, upper), at));
-                all.map(|(i, at)| (Handle::Corner(i), at)).chain(sides).collect()
-            }
+            Region::Box(limits) => range_handles(*limits, plane, Handle::Corner, Handle::Side),
             Region::Polygon(corners) => {
                 corners.iter().enumerate().map(|(i, at)| (Handle::Corner(i), *at)).collect()
             }
@@ -295,9 +290,8 @@ impl Region {
     /// Changes of the numbers when a handle moves to a position; `None` if the handle is none of a region.
     pub fn moved(&self, handle: Handle, to: [f64; 2]) -> Option<Vec<Change>> {
         match (handle, self) {
-            (Handle::Corner(i), Region::Box(limits)) => {
-                let after = with_corner(*limits, i, to);
-                Some((0..2).map(|k| (RANGES[k], Some(list(&after[k])))).collect())
+            (Handle::Corner(_) | Handle::Side(..), Region::Box(limits)) => {
+                Some(changed_ranges(RANGES, *limits, stretched(*limits, handle, to)?))
             }
             (Handle::Corner(i), Region::Polygon(corners)) => {
                 let mut corners = corners.clone();
@@ -308,12 +302,6 @@ impl Region {
                 let is_convex = is_convex(&corners);
                 Some(if is_convex { stated(&corners) } else { Vec::new() })
             }
-            (Handle::Side(axis, upper), Region::Box(limits)) => {
-                let mut limits = limits[axis];
-                limits[usize::from(upper)] = to[axis];
-                let limits = [limits[0].min(limits[1]), limits[0].max(limits[1])];
-                Some(vec![(RANGES[axis], Some(list(&limits)))])
-            }
             _ => None,
         }
     }
@@ -321,11 +309,7 @@ impl Region {
     pub fn shifted(&self, by: [f64; 2]) -> Vec<Change> {
         match self {
             Region::Whole => Vec::new(),
-            Region::Box(limits) => {
-                let moves = |k: &usize| limits[*k].iter().any(|x| x.is_finite()) && by[*k] != 0.0;
-                let moved = |k: usize| (RANGES[k], Some(list(&limits[k].map(|x| x + by[k]))));
-                (0..2).filter(moves).map(moved).collect()
-            }
+            Region::Box(limits) => changed_ranges(RANGES, *limits, shifted(*limits, by)),
             Region::Polygon(corners) => {
                 let moved: Vec<[f64; 2]> = corners.iter().map(|&[s, g]| [s + by[0], g + by[1]]).collect();
                 stated(&moved)

@@ -25,7 +25,7 @@ impl TransferPanel {
 
     pub fn at_probe_for_tests(&self, scene: &Scene) -> Option<ParameterValue> {
         let look =
-            EditedFunction::new(scene, edited_node(scene)?, &self.axes, self.plane, None, &self.images);
+            EditedFunction::new(scene, edited_node(scene)?, self.axes(), self.plane, None, &self.images);
         at_probe(&look, scene.probed.as_ref()?)
     }
 }

@@ -1,5 +1,4 @@
 use super::*;
-use crate::scene::Action;
 use voltet_graph::ArrayRef;
 
 #[test]
@@ -12,14 +11,13 @@ fn saved_in_another_folder_the_file_means_the_same_data_and_says_so() {
     std::fs::write(hand.folder.path().join("data.vtu"), "").unwrap();
     let other = hand.folder.path().join("in");
     std::fs::create_dir(&other).unwrap();
-    let ctx = hand.ctx.clone();
-    hand.editor.apply(&ctx, Action::SaveAs(other.join("scene")));
+    hand.editor.save_as(&other.join("scene"));
     let saved = std::fs::read_to_string(other.join("scene.toml")).unwrap();
     assert_eq!(saved, text.replace("\"data.vtu\"", "\"../data.vtu\""));
     assert!(hand.said().contains("a path in it leads to the same file"), "{}", hand.said());
     assert!(hand.editor.document().is_saved());
     // Where the file cannot be written, nothing changes.
-    hand.editor.apply(&ctx, Action::SaveAs(hand.folder.path().join("none/scene.toml")));
+    hand.editor.save_as(&hand.folder.path().join("none/scene.toml"));
     assert!(hand.editor.document().is_saved() && hand.text() == saved, "{}", hand.said());
     hand.key(Key::Z, Modifiers::COMMAND);
     assert_eq!(hand.text(), text, "it is a step that can be undone");

@@ -129,9 +129,7 @@ fn a_study_runs_beside_the_window_and_can_be_stopped() {
         assert!(of.text.contains("wavelet") && of.node.as_deref() == Some("picture"));
         for i in 0..2000 {
             progress.report("settings", f64::from(i) / 2000.0);
-            if progress.cancelled() {
-                return Err(Error::cancelled());
-            }
+            progress.check_cancelled()?;
             std::thread::sleep(Duration::from_millis(10));
         }
         Ok(Studied { rows: Vec::new(), notes: Vec::new(), folder: None })

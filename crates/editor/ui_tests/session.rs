@@ -58,7 +58,7 @@ fn a_node_that_fails_shows_its_error_and_the_window_goes_on() {
     hand.frames(3);
     hand.key(Key::F1, Modifiers::NONE);
     hand.frames(2);
-    assert!(hand.editor.help);
+    assert!(hand.editor.panels.help);
 }
 
 #[test]

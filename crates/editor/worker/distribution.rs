@@ -3,7 +3,7 @@
 
 use super::request::{Query, QueryRun, VolumeSource, WIRES, worker_node};
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::grid::Grid;
 use voltet_core::probing::{Axis, Histogram, Volumes, histogram, value_range};
@@ -37,17 +37,6 @@ pub(crate) struct Distribution {
 }
 
 impl DistributionQuery {
-    fn arrays(&self) -> Vec<&String> {
-        let of_axes = self.axes.iter().filter_map(|axis| match axis {
-            ArrayRef::Array(name) => Some(name),
-            ArrayRef::Named(_) | ArrayRef::Per(..) => None,
-        });
-        let mut arrays: Vec<&String> = of_axes.chain(&self.fields).collect();
-        arrays.sort_unstable();
-        arrays.dedup();
-        arrays
-    }
-
     fn quantities(&self) -> Vec<ArrayRef> {
         let mut all = self.axes.to_vec();
         let arrays = self.fields.iter().map(|name| ArrayRef::Array(name.clone()));
@@ -68,21 +57,21 @@ impl DistributionQuery {
         for axis in (0..2).filter(|axis| self.axes[*axis] == ArrayRef::Named("g")) {
             axes[axis] = of_nearly_all(grid, if axis == 0 { &x } else { &y }, progress)?;
         }
-        let found = histogram(grid, [&x, &y], axes, progress)?;
-        let mut known = DataScales::default();
-        if self.of_series {
-            return Ok(Distribution { histogram: found, known });
-        }
-        for quantity in self.quantities() {
-            known.ranges.insert(quantity.clone(), value_range(&values_of(volume, &quantity)?)?);
-        }
-        for (k, (values, quantity)) in [x, y].iter().zip(&self.axes).enumerate() {
-            let mut spread = Spread::new([axes[k].low, axes[k].high], known.ranges[quantity]);
-            spread.add(grid, values, progress)?;
-            known.spreads.insert(quantity.clone(), spread.finished());
-        }
-        Ok(Distribution { histogram: found, known })
+        let histogram = histogram(grid, [&x, &y], axes, progress)?;
+        let known = match self.of_series {
+            true => DataScales::default(),
+            false => DataScales::find(&self.quantities(), &ends(axes), progress, |look| look(volume))?,
+        };
+        Ok(Distribution { histogram, known })
     }
+}
+
+fn arrays(quantities: &[ArrayRef]) -> BTreeSet<String> {
+    let name = |quantity: &ArrayRef| match quantity {
+        ArrayRef::Array(name) => Some(name.clone()),
+        ArrayRef::Named(_) | ArrayRef::Per(..) => None,
+    };
+    quantities.iter().filter_map(name).collect()
 }
 
 /// The axis from 0 to what nearly all of the volume lies below.
@@ -102,12 +91,11 @@ impl Query for DistributionQuery {
     const WAITS: bool = true;
 
     fn answer(&self, run: &mut QueryRun) -> Result<Arc<Distribution>> {
-        let volume = self.source.volume(run, &self.arrays())?;
+        let volume = self.source.volume(run, &arrays(&self.quantities()))?;
         let mut found = self.find(&volume, &NodeProgress { observer: run.observer, node: "" })?;
         if self.of_series {
-            let has_gradient = volume.gradient_magnitude.is_some();
-            let settings = series_settings(&self.quantities(), found.histogram.axes, has_gradient);
-            found.known = series_scales(run, &self.source, settings)?;
+            let (gradient, shown) = (volume.gradient_magnitude.is_some(), found.histogram.axes);
+            found.known = series_scales(run, &self.source, &self.quantities(), shown, gradient)?;
         }
         Ok(Arc::new(found))
     }
@@ -190,6 +178,43 @@ pub(crate) struct DataScales {
     pub spreads: BTreeMap<ArrayRef, Spread>,
 }
 
+impl DataScales {
+    /// Scales of all volumes that `each` calls a function with. It is called twice: for the ranges, and for the volumes below values
+    /// within them. `quantities`: those of the plane's axes first; `shown`: the ends of these axes.
+    fn find(
+        quantities: &[ArrayRef],
+        shown: &[f64],
+        progress: &dyn Progress,
+        each: impl Fn(&mut dyn FnMut(&Volume) -> Result<()>) -> Result<()>,
+    ) -> Result<DataScales> {
+        let mut known = DataScales::default();
+        each(&mut |volume| {
+            for quantity in quantities {
+                let [low, high] = value_range(&values_of(volume, quantity)?)?;
+                let range = known.ranges.entry(quantity.clone()).or_insert([low, high]);
+                *range = [range[0].min(low), range[1].max(high)];
+            }
+            Ok(())
+        })?;
+        for (quantity, shown) in quantities.iter().zip(shown.chunks_exact(2)) {
+            let spread = Spread::new([shown[0], shown[1]], known.ranges[quantity]);
+            known.spreads.insert(quantity.clone(), spread);
+        }
+        each(&mut |volume| {
+            for (quantity, spread) in &mut known.spreads {
+                spread.add(&volume.grid, &values_of(volume, quantity)?, progress)?;
+            }
+            Ok(())
+        })?;
+        known.spreads.values_mut().for_each(|spread| *spread = std::mem::take(spread).finished());
+        Ok(known)
+    }
+}
+
+fn ends(axes: [Axis; 2]) -> Vec<f64> {
+    axes.into_iter().flat_map(|axis| [axis.low, axis.high]).collect()
+}
+
 impl DataStatistics for DataScales {
     fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]> {
         self.ranges.get(quantity).copied().ok_or_else(|| unknown(quantity))
@@ -263,18 +288,19 @@ fn run_series(call: &mut RunContext) -> Result<Outputs> {
     let shown = call.parameters.numbers(SHOWN)?;
     let mut demand = Demand { gradient_magnitude: call.parameters.flag(GRADIENT)?, ..Demand::default() };
     let quantities: Vec<ArrayRef> = names.iter().map(|name| quantity(name)).collect();
-    for quantity in &quantities {
-        if let ArrayRef::Array(name) = quantity {
-            demand.arrays.named.insert(name.clone());
-        }
-    }
+    demand.arrays.named.extend(arrays(&quantities));
     let kept: Arc<SeriesCache> = call.keep_over_steps("volume", &demand, || Ok(SeriesCache::default()))?;
     let key = (names, shown.iter().map(|x| x.to_bits()).collect::<Vec<_>>());
     let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
     let known = match kept.iter().find(|(of, _)| *of == key) {
         Some((_, known)) => known.clone(),
         None => {
-            let known = find_series(call, &demand, &quantities, &shown)?;
+            let known = DataScales::find(&quantities, &shown, call.progress(), |look| {
+                call.each_step("volume", &demand, &mut |_, value| match value.volume() {
+                    Some(volume) => look(&*volume?),
+                    None => Ok(()),
+                })
+            })?;
             kept.push((key, known.clone()));
             known
         }
@@ -282,54 +308,19 @@ fn run_series(call: &mut RunContext) -> Result<Outputs> {
     Ok(vec![Value::Cells(Arc::new(known))])
 }
 
-/// Every step is read twice: for the ranges, and for the volumes below values within them.
-fn find_series(
-    call: &RunContext,
-    demand: &Demand,
+/// Scales of all steps of a series. `quantities`: those of the plane's axes first; `shown`: these axes.
+fn series_scales(
+    run: &mut QueryRun,
+    source: &VolumeSource,
     quantities: &[ArrayRef],
-    shown: &[f64],
+    shown: [Axis; 2],
+    gradient: bool,
 ) -> Result<DataScales> {
-    let each = |look: &mut dyn FnMut(&Volume) -> Result<()>| {
-        call.each_step("volume", demand, &mut |_, value| match value.volume() {
-            Some(volume) => look(&*volume?),
-            None => Ok(()),
-        })
-    };
-    let mut known = DataScales::default();
-    each(&mut |volume| {
-        for quantity in quantities {
-            let [low, high] = value_range(&values_of(volume, quantity)?)?;
-            let range = known.ranges.entry(quantity.clone()).or_insert([low, high]);
-            *range = [range[0].min(low), range[1].max(high)];
-        }
-        Ok(())
-    })?;
-    let of_axes = || quantities.iter().zip(shown.chunks_exact(2));
-    for (quantity, shown) in of_axes() {
-        let spread = Spread::new([shown[0], shown[1]], known.ranges[quantity]);
-        known.spreads.insert(quantity.clone(), spread);
-    }
-    each(&mut |volume| {
-        for (quantity, spread) in &mut known.spreads {
-            spread.add(&volume.grid, &values_of(volume, quantity)?, call.progress())?;
-        }
-        Ok(())
-    })?;
-    known.spreads.values_mut().for_each(|spread| *spread = std::mem::take(spread).finished());
-    Ok(known)
-}
-
-/// Parameters of the node. `quantities`: those of the plane's axes first; `shown`: these axes.
-fn series_settings(quantities: &[ArrayRef], shown: [Axis; 2], gradient: bool) -> Vec<Field> {
-    let ends = shown.into_iter().flat_map(|axis| [axis.low, axis.high]);
-    vec![
+    let settings = vec![
         Field::new(QUANTITIES, quantities.iter().map(named).collect::<ParameterValue>()),
-        Field::new(SHOWN, ends.collect::<ParameterValue>()),
+        Field::new(SHOWN, ends(shown).into_iter().collect::<ParameterValue>()),
         Field::new(GRADIENT, ParameterValue::Boolean(gradient)),
-    ]
-}
-
-fn series_scales(run: &mut QueryRun, source: &VolumeSource, settings: Vec<Field>) -> Result<DataScales> {
+    ];
     let mut nodes = source.nodes(&SERIES, settings, Vec::new())?;
     let output = ("cells".to_string(), format!("{}.known", SERIES.name));
     nodes.push(worker_node(&WIRES, Vec::new(), vec![output]));

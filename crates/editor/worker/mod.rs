@@ -25,14 +25,16 @@ pub(crate) use output::{NodeState, NodeStatus, Preview};
 pub(crate) use probing::{PixelProbe, ProbeQuery, Section, SectionQuery};
 use request::{Exchange, Query};
 pub use request::{Pixels, RenderRequest};
-pub(crate) use request::{VolumeSource, grouped, retain_widgets, short, size_of};
+pub(crate) use request::{
+    VolumeSource, grouped, retain_widgets, short, size_of, widget_count, without_zeros,
+};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::thread::JoinHandle;
 use voltet_core::{Error, Result};
 use voltet_graph::Registry;
 pub use work::RepaintCallback;
-use work::{Shared, WorkerState, lock};
+use work::{Shared, lock};
 
 /// The handle of the thread; dropped, it stops what runs and waits for its end.
 pub struct Worker {
@@ -48,7 +50,7 @@ impl Worker {
         registry.add(&distribution::SERIES)?;
         let shared = Arc::new(Shared::new(wake));
         let of_thread = shared.clone();
-        let work = move || WorkerState::new(&of_thread, &registry).until_the_end();
+        let work = move || work::run(&of_thread, &registry);
         let spawned = std::thread::Builder::new().name("worker".into()).spawn(work);
         let thread = spawned.map_err(|error| Error::run("no thread can be had to draw with").got(error))?;
         Ok(Worker { shared, thread: Some(thread) })

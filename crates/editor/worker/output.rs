@@ -3,13 +3,12 @@
 use super::comparison::{Estimate, PreviewQuery, ShareQuery};
 use super::distribution::DistributionQuery;
 use super::probing::{ProbeQuery, SectionQuery};
-use super::request::{Exchange, Pixels, RenderRequest, Values, WIRES};
+use super::request::{Change, Exchange, Pixels, RenderRequest, Values, WIRES};
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use voltet_core::Error;
 use voltet_core::error::ErrorKind;
-use voltet_document::links::upstream;
 use voltet_graph::RunReport;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -71,21 +70,16 @@ impl WorkerOutput {
     pub(super) fn begin(&mut self, number: u64, wanted: &RenderRequest) {
         (self.number, self.is_busy) = (number, true);
         let former = self.wanted.replace(wanted.clone());
-        let before = |name: &str| former.as_ref().and_then(|f| f.nodes.iter().find(|node| node.name == name));
-        let is_changed = |name: &str| {
-            wanted.nodes.iter().find(|node| node.name == name).is_none_or(|now| before(name) != Some(now))
+        let touched = former.map(|former| Change::between(&former, wanted).touched).unwrap_or_default();
+        let status = |name: String| {
+            let new = NodeStatus { state: NodeState::Stale, seconds: None };
+            let mut status = self.nodes.remove(&name).unwrap_or(new);
+            if touched.contains(&name) {
+                status.state = NodeState::Stale;
+            }
+            (name, status)
         };
-        let mut nodes = BTreeMap::new();
-        for name in wanted.upstream() {
-            let stale = upstream(&wanted.nodes, &name).iter().any(|feeding| is_changed(feeding));
-            let known = self.nodes.get(&name);
-            let state = match known.map(|known| &known.state) {
-                Some(state) if !stale => state.clone(),
-                _ => NodeState::Stale,
-            };
-            nodes.insert(name.clone(), NodeStatus { state, seconds: known.and_then(|known| known.seconds) });
-        }
-        self.nodes = nodes;
+        self.nodes = wanted.upstream().into_iter().map(status).collect();
     }
 
     fn set(&mut self, node: &str, state: NodeState) {

@@ -241,7 +241,7 @@ impl Query for SectionQuery {
     const WAITS: bool = true;
 
     fn answer(&self, run: &mut QueryRun) -> Result<Arc<Section>> {
-        let volume = self.source.volume(run, &[])?;
+        let volume = self.source.volume(run, &Default::default())?;
         self.cut(&volume, run.observer).map(Arc::new)
     }
 }

@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
 use voltet_core::error::ErrorKind;
+use voltet_core::grid::Grid;
 use voltet_core::grid::extent::{bounds, range};
 use voltet_core::picture::Picture;
 use voltet_core::volume::Volume;
@@ -103,6 +104,42 @@ impl RenderRequest {
     }
 }
 
+/// Changes from a request to a newer one.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Change {
+    /// The nodes whose output is another, or is not needed any more.
+    pub touched: BTreeSet<String>,
+    /// True if a hand's movement makes all of them: numbers of cameras and transfer functions.
+    pub moves: bool,
+}
+
+impl Change {
+    pub fn between(before: &RenderRequest, now: &RenderRequest) -> Change {
+        let elsewhere = before.folder != now.folder;
+        let needed = now.upstream();
+        let is_other = |name: &String| elsewhere || find(&before.nodes, name) != find(&now.nodes, name);
+        let touched = before
+            .upstream()
+            .into_iter()
+            .filter(|name| !needed.contains(name) || upstream(&before.nodes, name).iter().any(is_other));
+        let moves = !elsewhere
+            && (&before.node, before.size, before.background) == (&now.node, now.size, now.background)
+            && before.nodes.len() == now.nodes.len()
+            && before.nodes.iter().zip(&now.nodes).all(|(a, b)| a == b || is_movement(a, b));
+        Change { touched: touched.collect(), moves }
+    }
+}
+
+fn find<'a>(nodes: &'a [NodeEntry], name: &str) -> Option<&'a NodeEntry> {
+    nodes.iter().find(|node| node.name == name)
+}
+
+/// True if two states of a node differ in numbers that the pointer moves in the picture or over the histogram.
+fn is_movement(before: &NodeEntry, now: &NodeEntry) -> bool {
+    let is_moved = ["camera", "transfer-function"].iter().any(|name| before.node_type.text() == Some(name));
+    is_moved && NodeEntry { settings: now.settings.clone(), ..before.clone() } == *now
+}
+
 /// The nodes that feed one, and it; in the order of the document.
 pub(super) fn feeding(nodes: &[NodeEntry], name: &str) -> Result<Vec<NodeEntry>> {
     match links::feeding(nodes, name) {
@@ -165,7 +202,7 @@ impl VolumeSource {
     }
 
     /// The volume with arrays, and with *g* where what feeds it has a gradient.
-    pub(super) fn volume(&self, run: &mut QueryRun, arrays: &[&String]) -> Result<Arc<Volume>> {
+    pub(super) fn volume(&self, run: &mut QueryRun, arrays: &BTreeSet<String>) -> Result<Arc<Volume>> {
         let arrays: ParameterValue = arrays.iter().map(|name| name.as_str()).collect();
         let nodes = self.nodes(&WIRES, vec![Field::new(ARRAYS, arrays)], Vec::new())?;
         let found = self.feed(run, &nodes)?;
@@ -289,29 +326,18 @@ pub(super) fn wire_values(session: &mut Session, graph: &Graph) -> Option<Values
 }
 
 fn describe(value: &Value) -> String {
-    let grid = |grid: &voltet_core::grid::Grid| {
-        format!("{} tetrahedra, {} points", grouped(grid.tetrahedra.len()), grouped(grid.points.len()))
+    let grid = |grid: &Grid, s: Option<&[f64]>, g: Option<&[f64]>| {
+        let ranges =
+            [("s", s), ("g", g)].into_iter().filter_map(|(name, of)| Some((name, of.and_then(range)?)));
+        let ranges =
+            ranges.map(|(name, [low, high])| format!("\n{name} from {} to {}", short(low), short(high)));
+        let (cells, points) = (grouped(grid.tetrahedra.len()), grouped(grid.points.len()));
+        format!("{cells} tetrahedra, {points} points{}", ranges.collect::<String>())
     };
     match value {
-        Value::Grid(of) => match of.scalar.as_ref().and_then(|s| range(s)) {
-            Some([low, high]) => format!("{}\ns from {} to {}", grid(of), short(low), short(high)),
-            None => grid(of),
-        },
-        Value::Volume(volume) => {
-            let Volume { scalar, gradient_magnitude, .. } = &**volume;
-            let mut text = grid(&volume.grid);
-            if let Some([low, high]) = range(scalar) {
-                text += &format!("\ns from {} to {}", short(low), short(high));
-            }
-            if let Some([low, high]) = gradient_magnitude.as_deref().and_then(range) {
-                text += &format!("\ng from {} to {}", short(low), short(high));
-            }
-            text
-        }
-        Value::TransferFunction(look) => match look.transfer_function.widgets.len() {
-            1 => "1 widget".into(),
-            count => format!("{count} widgets"),
-        },
+        Value::Grid(of) => grid(of, of.scalar.as_deref(), None),
+        Value::Volume(of) => grid(&of.grid, Some(&of.scalar), of.gradient_magnitude.as_deref()),
+        Value::TransferFunction(look) => widget_count(look.transfer_function.widgets.len()),
         Value::Camera(camera) => format!("{} × {} pixels", camera.size[0], camera.size[1]),
         Value::Cells(_) => "cells that can contribute".into(),
         Value::Projection(_) => "projected cells".into(),
@@ -324,22 +350,23 @@ fn describe(value: &Value) -> String {
     }
 }
 
+pub fn widget_count(count: usize) -> String {
+    if count == 1 { "1 widget".into() } else { format!("{count} widgets") }
+}
+
 /// Four digits, as a person reads them.
 pub fn short(x: f64) -> String {
     let size = x.abs();
-    if x == 0.0 || (1e-3..1e5).contains(&size) {
-        let digits = if size >= 1.0 { 3 - (size.log10().floor() as i32).min(3) } else { 4 };
-        let text = format!("{x:.*}", digits.max(0) as usize);
-        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
-    } else {
-        let text = format!("{x:.3e}");
-        match text.split_once('e') {
-            Some((digits, power)) => {
-                format!("{}e{power}", digits.trim_end_matches('0').trim_end_matches('.'))
-            }
-            None => text,
-        }
-    }
+    let digits = if size >= 1.0 { 3 - (size.log10().floor() as i32).min(3) } else { 4 };
+    let is_plain = x == 0.0 || (1e-3..1e5).contains(&size);
+    let text = if is_plain { format!("{x:.*}", digits as usize) } else { format!("{x:.3e}") };
+    let (digits, power) = text.split_at(text.find('e').unwrap_or(text.len()));
+    without_zeros(digits).to_string() + power
+}
+
+/// A number without the zeros at the end of its fraction.
+pub fn without_zeros(text: &str) -> &str {
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
 }
 
 /// A count with its thousands apart.

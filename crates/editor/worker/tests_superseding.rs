@@ -31,9 +31,7 @@ static SLOW: Node = Node {
         }
         for step in 0..3000 {
             call.progress().report("waiting", f64::from(step) / 3000.0);
-            if call.progress().cancelled() {
-                return Err(Error::cancelled());
-            }
+            call.progress().check_cancelled()?;
             std::thread::sleep(Duration::from_millis(10));
         }
         Ok(vec![Value::Image(Arc::new(Picture::transparent(2, 2)))])
@@ -90,9 +88,7 @@ static STEADY_SOURCE: Node = Node {
     run: &|call| -> Result<Outputs> {
         STEADY[0].fetch_add(1, Ordering::SeqCst);
         for _ in 0..100 {
-            if call.progress().cancelled() {
-                return Err(Error::cancelled());
-            }
+            call.progress().check_cancelled()?;
             std::thread::sleep(Duration::from_millis(10));
         }
         STEADY[1].fetch_add(1, Ordering::SeqCst);
@@ -169,9 +165,7 @@ static TIMED: Node = Node {
     demand: &|asking| asking.ask("camera", &voltet_graph::Demand::default()),
     run: &|call| -> Result<Outputs> {
         for _ in 0..30 {
-            if call.progress().cancelled() {
-                return Err(Error::cancelled());
-            }
+            call.progress().check_cancelled()?;
             std::thread::sleep(Duration::from_millis(1));
         }
         let [width, height] = call.camera("camera")?.size.map(|side| side as usize);

@@ -2,14 +2,12 @@
 //! stopped for a newer request; and how many pixels a coarse picture has.
 
 use super::output::WorkerOutput;
-use super::request::{Exchange, Pixels, Query, QueryRun, RenderRequest, wire_values};
-use std::collections::BTreeSet;
+use super::request::{Change, Exchange, Pixels, Query, QueryRun, RenderRequest, wire_values};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use voltet_core::{Error, Result};
-use voltet_document::links::upstream;
 use voltet_graph::{NodeEntry, Observer, Registry, Session};
 use voltet_io::memory;
 
@@ -18,33 +16,30 @@ fn session() -> Session {
     voltet_nodes::session().widgets_move()
 }
 
-pub(super) struct WorkerState<'a> {
+struct WorkerState<'a> {
     shared: &'a Shared,
     registry: &'a Registry,
     session: Session,
     pace: FrameTimeModel,
 }
 
-impl<'a> WorkerState<'a> {
-    pub fn new(shared: &'a Shared, registry: &'a Registry) -> Self {
-        WorkerState { shared, registry, session: session(), pace: FrameTimeModel::default() }
-    }
-
-    /// Works at the newest request, and at queries where there is none.
-    pub fn until_the_end(&mut self) {
-        loop {
-            let mut state = lock(&self.shared.state);
-            while !std::mem::take(&mut state.has_news) {
-                state = self.shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
-            }
-            drop(state);
-            while self.work() {}
-            if lock(&self.shared.state).ends {
-                return;
-            }
+/// Works at the newest request, and at queries where there is none, until the worker ends.
+pub(super) fn run(shared: &Shared, registry: &Registry) {
+    let mut own = WorkerState { shared, registry, session: session(), pace: FrameTimeModel::default() };
+    loop {
+        let mut state = lock(&shared.state);
+        while !std::mem::take(&mut state.has_news) {
+            state = shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+        drop(state);
+        while own.work() {}
+        if lock(&shared.state).ends {
+            return;
         }
     }
+}
 
+impl WorkerState<'_> {
     /// Draws the picture that is wanted, else answers a query: what a hand asks for first. False if there is nothing to do.
     fn work(&mut self) -> bool {
         let mut state = lock(&self.shared.state);
@@ -72,31 +67,18 @@ impl<'a> WorkerState<'a> {
     /// the view where it can; at last the picture that a run gives.
     fn picture(&mut self, number: u64, wanted: &RenderRequest) {
         self.pace.look_from(wanted.cameras());
-        let mut is_full = false;
         // The first picture of a wish is for a hand that moves, whether it is coarse or quick enough to have all pixels.
-        if wanted.coarse_first {
-            let divisor = self.pace.divisor(wanted.pixels());
-            let outcome = self.pass(number, wanted, divisor, Some(self.pace.patience(divisor)));
-            match self.keep(number, outcome) {
-                Some(found) => is_full = found,
-                None => return,
+        let first = wanted.coarse_first.then(|| self.pace.divisor(wanted.pixels()));
+        let passes = first.map(|divisor| (divisor, Some(self.pace.patience(divisor)))).into_iter();
+        for (divisor, patience) in passes.chain([(1, None)]) {
+            match self.pass(number, wanted, divisor, patience) {
+                Ok(true) => return self.shared.show(|shown| shown.settled(number)),
+                // What is newer comes before the full picture.
+                Ok(false) if self.shared.newest() != number => return,
+                Ok(false) => {}
+                Err(error) => return self.shared.show(|shown| shown.failed(number, error)),
             }
         }
-        if !is_full {
-            if self.shared.newest() != number {
-                return;
-            }
-            let outcome = self.pass(number, wanted, 1, None);
-            if self.keep(number, outcome).is_none() {
-                return;
-            }
-        }
-        self.shared.show(|shown| shown.settled(number));
-    }
-
-    /// Result of a pass; shows the error of one that failed.
-    fn keep<T>(&self, number: u64, outcome: Result<T>) -> Option<T> {
-        outcome.map_err(|error| self.shared.show(|shown| shown.failed(number, error))).ok()
     }
 
     /// One run, with so many pixels less along each side; `patience`: how long it goes on while a hand moves, for one that may be
@@ -110,9 +92,10 @@ impl<'a> WorkerState<'a> {
     ) -> Result<bool> {
         let start = Instant::now();
         let graph = wanted.graph(self.registry, divisor)?;
-        let pass = Pass::new(self.shared, number, wanted, patience);
+        let (shared, begun) = (self.shared, Instant::now());
+        let pass = Pass { shared, number, wanted, begun, patience, judged: Mutex::default() };
         let stop = |running: &dyn Fn() -> Option<String>| pass.stops(running);
-        let following = Following::new(self.shared, &stop, true);
+        let following = Following::new(shared, &stop, true);
         let report = self.guarded(&following, |session| match patience {
             Some(_) => session.run_preview(&graph, &following),
             None => session.run(&graph, &following),
@@ -269,7 +252,7 @@ impl Observer for Following<'_> {
 ///   functions): stopped each time, a steady drag would never show any. It has about the time that such a picture takes.
 ///
 /// A picture that was drawn to its end after another kind of change is not shown.
-pub(super) struct Pass<'a> {
+struct Pass<'a> {
     shared: &'a Shared,
     number: u64,
     wanted: &'a RenderRequest,
@@ -280,23 +263,7 @@ pub(super) struct Pass<'a> {
     judged: Mutex<Option<(u64, Arc<Change>)>>,
 }
 
-#[derive(Debug, Default, PartialEq)]
-pub(super) struct Change {
-    /// The nodes whose output is another, or is not needed any more.
-    touched: BTreeSet<String>,
-    moves: bool,
-}
-
-impl<'a> Pass<'a> {
-    pub fn new(
-        shared: &'a Shared,
-        number: u64,
-        wanted: &'a RenderRequest,
-        patience: Option<Duration>,
-    ) -> Self {
-        Pass { shared, number, wanted, begun: Instant::now(), patience, judged: Mutex::default() }
-    }
-
+impl Pass<'_> {
     /// True if the pass is to stop. `running`: the node that runs; none between two.
     pub fn stops(&self, running: &dyn Fn() -> Option<String>) -> bool {
         let newest = self.shared.newest();
@@ -331,33 +298,6 @@ impl<'a> Pass<'a> {
     }
 }
 
-impl Change {
-    fn between(before: &RenderRequest, now: &RenderRequest) -> Change {
-        let elsewhere = before.folder != now.folder;
-        let needed = now.upstream();
-        let is_other = |name: &String| elsewhere || find(&before.nodes, name) != find(&now.nodes, name);
-        let touched = before
-            .upstream()
-            .into_iter()
-            .filter(|name| !needed.contains(name) || upstream(&before.nodes, name).iter().any(is_other));
-        let moves = !elsewhere
-            && (&before.node, before.size, before.background) == (&now.node, now.size, now.background)
-            && before.nodes.len() == now.nodes.len()
-            && before.nodes.iter().zip(&now.nodes).all(|(a, b)| a == b || is_movement(a, b));
-        Change { touched: touched.collect(), moves }
-    }
-}
-
-fn find<'a>(nodes: &'a [NodeEntry], name: &str) -> Option<&'a NodeEntry> {
-    nodes.iter().find(|node| node.name == name)
-}
-
-/// True if two states of a node differ in numbers that the pointer moves in the picture or over the histogram.
-fn is_movement(before: &NodeEntry, now: &NodeEntry) -> bool {
-    let is_moved = ["camera", "transfer-function"].iter().any(|name| before.node_type.text() == Some(name));
-    is_moved && NodeEntry { settings: now.settings.clone(), ..before.clone() } == *now
-}
-
 /// Time of a coarse picture (seconds): 25 a second, of which the wires take some.
 const COARSE_SECONDS: f64 = 0.035;
 
@@ -384,7 +324,7 @@ const FIRST_TIME_LIMIT: f64 = 0.2;
 /// ([`voltet_optics::engine::RenderOptions::passing`]). It caches pictures of one size alone, so that another size costs some slow
 /// pictures first.
 #[derive(Debug, Default)]
-pub(super) struct FrameTimeModel {
+struct FrameTimeModel {
     full: Option<(f64, f64)>,
     coarse: Option<(f64, f64)>,
     /// Drawing from the engine's cache of the view.
@@ -405,26 +345,16 @@ const UNTIL_KEPT: u32 = 3;
 impl FrameTimeModel {
     /// By how much the sides of a coarse picture of so many pixels in full are divided; 1 where the full one is quick enough.
     pub fn divisor(&self, pixels: f64) -> u32 {
-        self.divisor_of_kept(pixels).unwrap_or(MAX_DIVISOR).min(self.divisor_of_cells(pixels))
-    }
-
-    fn divisor_of_kept(&self, pixels: f64) -> Option<u32> {
-        let whole = self.kept?.seconds_a_pixel * pixels;
-        if whole <= FULL_SECONDS {
-            return Some(1);
-        }
-        (2..MAX_DIVISOR).find(|divisor| whole / f64::from(divisor * divisor) <= COARSE_SECONDS)
-    }
-
-    fn divisor_of_cells(&self, pixels: f64) -> u32 {
-        let Some([fixed, each]) = self.law() else { return FIRST_DIVISOR };
+        let coarsest = |[fixed, each]: [f64; 2], full: f64| {
+            let fits = |divisor: &u32| fixed + each * pixels / f64::from(divisor * divisor) <= COARSE_SECONDS;
+            let coarser = || (2..MAX_DIVISOR).find(fits).unwrap_or(MAX_DIVISOR);
+            if full.min(fixed + each * pixels) <= FULL_SECONDS { 1 } else { coarser() }
+        };
+        let of_kept = self.kept.map(|kept| coarsest([0.0, kept.seconds_a_pixel], f64::INFINITY));
         // The full picture itself is the better witness.
         let as_measured = self.full.map_or(f64::INFINITY, |(count, seconds)| seconds * pixels / count);
-        if as_measured.min(fixed + each * pixels) <= FULL_SECONDS {
-            return 1;
-        }
-        let fits = |divisor: &u32| fixed + each * pixels / f64::from(divisor * divisor) <= COARSE_SECONDS;
-        (2..MAX_DIVISOR).find(fits).unwrap_or(MAX_DIVISOR)
+        let of_cells = self.law().map_or(FIRST_DIVISOR, |law| coarsest(law, as_measured));
+        of_kept.unwrap_or(MAX_DIVISOR).min(of_cells)
     }
 
     /// Time limit of the first picture of a request that the user has moved on from: twice the time of the last such
@@ -449,12 +379,8 @@ impl FrameTimeModel {
 
     /// A picture of so many pixels took so long.
     pub fn learn(&mut self, divisor: u32, pixels: f64, seconds: f64) {
-        let measured = Some((pixels.max(1.0), seconds));
-        if divisor == 1 {
-            self.full = measured
-        } else {
-            self.coarse = measured
-        }
+        let known = if divisor == 1 { &mut self.full } else { &mut self.coarse };
+        *known = Some((pixels.max(1.0), seconds));
         self.kept = self.kept.map(|kept| CachedDrawing { others: kept.others + 1, ..kept });
         self.kept = self.kept.filter(|kept| kept.others <= UNTIL_KEPT);
     }

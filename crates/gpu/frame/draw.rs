@@ -229,9 +229,7 @@ pub fn begin(
     options: &RenderOptions,
     progress: &dyn Progress,
 ) -> Result<SubmittedFrame> {
-    if progress.cancelled() {
-        return Err(Error::cancelled());
-    }
+    progress.check_cancelled()?;
     if let Ok(order) = find_order(renderer, scene, options)?
         && let Some(mut slot) = FrameSlot::take(renderer)
     {

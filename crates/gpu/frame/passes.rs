@@ -293,9 +293,7 @@ impl FrameInputs<'_> {
         let mut open = windows;
         let mut is_first = true;
         while let Some(window) = open.pop() {
-            if progress.cancelled() {
-                return Err(Error::cancelled());
-            }
+            progress.check_cancelled()?;
             let counts = match self.fits(window) {
                 true => self.draw_window(window, &mut picture, &mut timing)?,
                 false => None,

@@ -309,22 +309,19 @@ impl RunContext<'_> {
 
     /// The grid at an input.
     pub fn grid(&self, port: &str) -> Result<Arc<Grid>> {
-        let value = self.value(port)?;
-        let Value::Grid(grid) = value else { return Err(self.miswired(port, PortType::Grid, value)) };
+        let Value::Grid(grid) = self.value(port)? else { return Err(self.miswired(port, PortType::Grid)) };
         Ok(grid.clone())
     }
 
     /// The volume at an input. A grid counts as one without gradient.
     pub fn volume(&self, port: &str) -> Result<Arc<Volume>> {
-        let value = self.value(port)?;
-        value.volume().unwrap_or_else(|| Err(self.miswired(port, PortType::Volume, value)))
+        self.value(port)?.volume().unwrap_or_else(|| Err(self.miswired(port, PortType::Volume)))
     }
 
     /// The transfer function at an input, as the pipeline states it.
     pub fn look(&self, port: &str) -> Result<Arc<TransferFunctionSpec>> {
-        let value = self.value(port)?;
-        let Value::TransferFunction(look) = value else {
-            return Err(self.miswired(port, PortType::TransferFunction, value));
+        let Value::TransferFunction(look) = self.value(port)? else {
+            return Err(self.miswired(port, PortType::TransferFunction));
         };
         Ok(look.clone())
     }
@@ -338,30 +335,29 @@ impl RunContext<'_> {
     pub fn looks(&self, port: &str) -> Result<Vec<Arc<TransferFunctionSpec>>> {
         let look = |edge: usize| match &self.inputs[edge].0 {
             Value::TransferFunction(look) => Ok(look.clone()),
-            other => Err(self.miswired(port, PortType::TransferFunction, other)),
+            _ => Err(self.miswired(port, PortType::TransferFunction)),
         };
         self.wiring.edges(port)?.map(look).collect()
     }
 
     /// The camera at an input.
     pub fn camera(&self, port: &str) -> Result<Arc<Camera>> {
-        let value = self.value(port)?;
-        let Value::Camera(camera) = value else { return Err(self.miswired(port, PortType::Camera, value)) };
+        let Value::Camera(camera) = self.value(port)? else {
+            return Err(self.miswired(port, PortType::Camera));
+        };
         Ok(camera.clone())
     }
 
     /// The cells at an input, as the engine of type `T` prepared them.
     pub fn cells<T: Any + Send + Sync>(&self, port: &str) -> Result<Arc<T>> {
-        let value = self.value(port)?;
-        let Value::Cells(cells) = value else { return Err(self.miswired(port, PortType::Cells, value)) };
+        let Value::Cells(cells) = self.value(port)? else { return Err(self.miswired(port, PortType::Cells)) };
         self.prepared(port, cells)
     }
 
     /// The projection at an input, as the engine of type `T` prepared it.
     pub fn projection<T: Any + Send + Sync>(&self, port: &str) -> Result<Arc<T>> {
-        let value = self.value(port)?;
-        let Value::Projection(projection) = value else {
-            return Err(self.miswired(port, PortType::Projection, value));
+        let Value::Projection(projection) = self.value(port)? else {
+            return Err(self.miswired(port, PortType::Projection));
         };
         self.prepared(port, projection)
     }
@@ -376,8 +372,9 @@ impl RunContext<'_> {
 
     /// The picture at an input.
     pub fn image(&self, port: &str) -> Result<Arc<Picture>> {
-        let value = self.value(port)?;
-        let Value::Image(picture) = value else { return Err(self.miswired(port, PortType::Image, value)) };
+        let Value::Image(picture) = self.value(port)? else {
+            return Err(self.miswired(port, PortType::Image));
+        };
         Ok(picture.clone())
     }
 
@@ -390,15 +387,16 @@ impl RunContext<'_> {
     pub fn cell_values(&self, port: &str) -> Result<Vec<Arc<CellValues>>> {
         let values = |edge: usize| match &self.inputs[edge].0 {
             Value::CellValues(values) => Ok(values.clone()),
-            other => Err(self.miswired(port, PortType::CellValues, other)),
+            _ => Err(self.miswired(port, PortType::CellValues)),
         };
         self.wiring.edges(port)?.map(values).collect()
     }
 
     /// The figures at an input, JSON text.
     pub fn report(&self, port: &str) -> Result<Arc<str>> {
-        let value = self.value(port)?;
-        let Value::Report(report) = value else { return Err(self.miswired(port, PortType::Report, value)) };
+        let Value::Report(report) = self.value(port)? else {
+            return Err(self.miswired(port, PortType::Report));
+        };
         Ok(report.clone())
     }
 
@@ -411,9 +409,10 @@ impl RunContext<'_> {
         Ok(&self.inputs[self.edge(port)?])
     }
 
-    fn miswired(&self, port: &str, wanted: PortType, found: &Value) -> Error {
+    fn miswired(&self, port: &str, wanted: PortType) -> Error {
+        let found = self.value(port).map_or("nothing", |value| value.port_type().name());
         Error::usage(format!("the node asks its input '{port}' for another type than it declares"))
-            .got(found.port_type().name())
+            .got(found)
             .expected(wanted.name())
     }
 }

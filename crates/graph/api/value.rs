@@ -21,25 +21,17 @@ pub struct Revision(pub(crate) u64);
 pub type StagePayload = Arc<dyn Any + Send + Sync>;
 
 /// A value at a port, of the type of its name in [`PortType`]. A report is JSON text.
+#[allow(missing_docs)]
 #[derive(Debug, Clone)]
 pub enum Value {
-    /// See [`PortType::Grid`].
     Grid(Arc<Grid>),
-    /// See [`PortType::Volume`].
     Volume(Arc<Volume>),
-    /// See [`PortType::TransferFunction`].
     TransferFunction(Arc<TransferFunctionSpec>),
-    /// See [`PortType::Camera`].
     Camera(Arc<Camera>),
-    /// See [`PortType::Cells`].
     Cells(StagePayload),
-    /// See [`PortType::Projection`].
     Projection(StagePayload),
-    /// See [`PortType::Image`].
     Image(Arc<Picture>),
-    /// See [`PortType::Report`]; JSON text.
     Report(Arc<str>),
-    /// See [`PortType::CellValues`].
     CellValues(Arc<CellValues>),
 }
 
@@ -111,7 +103,7 @@ pub fn diagonal(points: &[DVec3]) -> f64 {
 }
 
 /// An input or an output of a node.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Port {
     /// Its name.
     pub name: &'static str,

@@ -202,15 +202,11 @@ fn check(
     registry: &Registry,
     faults: &mut Vec<Diagnostic>,
 ) -> Option<(Parameters, Option<Method>)> {
-    let mut wrong = Vec::new();
-    let surveyed = method::survey(entry, node, registry, &mut wrong);
-    let is_right = wrong.is_empty();
-    faults.extend(
-        wrong
-            .into_iter()
-            .map(|wrong| Diagnostic::new(entry, DiagnosticTarget::Parameter(wrong.parameter), wrong.error)),
-    );
-    let checked = surveyed.filter(|_| is_right)?;
+    let before = faults.len();
+    let surveyed = method::survey(entry, node, registry, &mut |name, error| {
+        faults.push(Diagnostic::new(entry, DiagnosticTarget::Parameter(name.to_string()), error));
+    });
+    let checked = surveyed.filter(|_| faults.len() == before)?;
     if let Err(error) = (node.check)(&checked.0) {
         faults.push(Diagnostic::new(entry, DiagnosticTarget::Node, error));
     }

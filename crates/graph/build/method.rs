@@ -7,7 +7,7 @@ use crate::api::node::Node;
 use voltet_core::Error;
 use voltet_core::field::Method;
 use voltet_core::parameters::{
-    Field, LocatedValue, Parameter, ParameterFault, ParameterValue, Parameters, SourceSpan, VariantSchema,
+    FaultSink, Field, LocatedValue, Parameter, ParameterValue, Parameters, SourceSpan, VariantSchema,
     nearest, suggest,
 };
 
@@ -17,16 +17,16 @@ pub(super) fn survey(
     entry: &NodeEntry,
     node: &'static Node,
     registry: &Registry,
-    faults: &mut Vec<ParameterFault>,
+    fault: FaultSink,
 ) -> Option<(Parameters, Option<Method>)> {
     let mut settings = entry.settings.clone();
     let chosen = match node.registered_parameter() {
-        Some(parameter) => variant(parameter, &mut settings, registry, faults)?,
+        Some(parameter) => variant(parameter, &mut settings, registry, fault)?,
         None => None,
     };
     let declared = registry.parameters(node, chosen.as_deref());
-    let own = |fields: &[Field], faults: &mut Vec<ParameterFault>| {
-        let own = Parameters::survey(&declared, fields, &entry.origin, &[], faults);
+    let own = |fields: &[Field], fault: FaultSink| {
+        let own = Parameters::survey(&declared, fields, &entry.origin, &[], fault);
         match node.registered_parameter() {
             Some(parameter) => {
                 own.with_variants(parameter.name, registry.variants(parameter.name).cloned().collect())
@@ -34,20 +34,19 @@ pub(super) fn survey(
             None => own,
         }
     };
-    let Some(parameter) = node.method() else { return Some((own(&settings, faults), None)) };
+    let Some(parameter) = node.method() else { return Some((own(&settings, fault), None)) };
     let given = settings.iter().find(|field| field.name == parameter.name).map(|field| &field.setting);
     let standard = parameter.default.datum().map(Into::into);
-    let Some(named) = given.or(standard.as_ref()) else { return Some((own(&settings, faults), None)) };
-    let wrong = |error| ParameterFault { parameter: parameter.name.to_string(), error };
+    let Some(named) = given.or(standard.as_ref()) else { return Some((own(&settings, fault), None)) };
     let Some(name) = named.text() else {
         let what = format!("'{}' is of the wrong type", parameter.name);
-        faults.push(wrong(named.error(what, parameter.parameter_type.describe())));
+        fault(parameter.name, named.error(what, parameter.parameter_type.describe()));
         return None;
     };
     let filter = match registry.find_filter(name) {
         Ok(filter) => filter,
         Err(error) => {
-            faults.push(wrong(named.origin.locate(error)));
+            fault(parameter.name, named.origin.locate(error));
             return None;
         }
     };
@@ -56,17 +55,18 @@ pub(super) fn survey(
         settings.iter().cloned().partition(|field| declares(kind.parameters, field));
     let (ours, strange): (Vec<Field>, Vec<Field>) =
         rest.into_iter().partition(|field| declares(&declared, field));
-    faults.extend(strange.iter().map(|field| ParameterFault {
-        parameter: field.name.clone(),
-        error: field.origin.locate(unknown(field, node, parameter, &kind, registry)),
-    }));
+    for field in &strange {
+        fault(&field.name, field.origin.locate(unknown(field, node, parameter, &kind, registry)));
+    }
     // What is missing is missing because of the word.
-    let before = faults.len();
-    let theirs = Parameters::survey(kind.parameters, &theirs, &named.origin, &[], faults);
-    let is_right = faults.len() == before;
+    let mut is_right = true;
+    let theirs = Parameters::survey(kind.parameters, &theirs, &named.origin, &[], &mut |name, error| {
+        is_right = false;
+        fault(name, error);
+    });
     let method = is_right.then(|| Method::new(filter.clone(), theirs.clone()));
-    let method = method.and_then(|method| method.map_err(|error| faults.push(wrong(error))).ok());
-    let ours = own(&ours, faults);
+    let method = method.and_then(|method| method.map_err(|error| fault(parameter.name, error)).ok());
+    let ours = own(&ours, fault);
     Some((ours.and(theirs), Some(method?)))
 }
 
@@ -76,7 +76,7 @@ fn variant(
     parameter: &Parameter,
     settings: &mut [Field],
     registry: &Registry,
-    faults: &mut Vec<ParameterFault>,
+    fault: FaultSink,
 ) -> Option<Option<String>> {
     let default = parameter.default.datum().map(LocatedValue::from);
     let given =
@@ -98,7 +98,7 @@ fn variant(
     }
     let names = registry.variants(parameter.name).map(|variant| variant.schema.name);
     let error = Error::usage(format!("unknown {} '{word}'", parameter.name)).expected(suggest(&word, names));
-    faults.push(ParameterFault { parameter: parameter.name.to_string(), error: origin.locate(error) });
+    fault(parameter.name, origin.locate(error));
     None
 }
 

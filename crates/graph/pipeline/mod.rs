@@ -25,11 +25,14 @@ pub fn locate(error: Error, text: &str, path: &std::path::Path) -> Error {
     placed(error, text).in_file(path)
 }
 
-/// Adds line and column to an error that points at a byte range of the text.
+/// Adds line and column to an error that has none and points at a byte range of the text.
 fn placed(mut error: Error, text: &str) -> Error {
-    match error.location.span.take().filter(|_| error.location.line_column.is_none()) {
-        Some(span) => error.at_span(text, span),
-        None => error,
+    match error.location.line_column {
+        None => match error.location.span.take() {
+            Some(span) => error.at_span(text, span),
+            None => error,
+        },
+        Some(_) => error,
     }
 }
 
@@ -261,10 +264,6 @@ pub fn parameters(text: &str) -> Result<Vec<Field>> {
 
 /// Text read as one TOML value; `None` where it is none.
 pub fn value(text: &str) -> Option<LocatedValue> {
-    // One line only: what follows a line break would be read as further keys.
-    if text.contains('\n') {
-        return None;
-    }
     let document = format!("value = {text}");
     let table = DeTable::parse(&document).ok()?;
     let mut faults = Vec::new();

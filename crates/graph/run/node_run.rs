@@ -124,9 +124,7 @@ impl<'a> NodeRun<'a> {
         let mut revision = 0;
         let mut all_done: Vec<Option<Done>> = vec![None; self.graph.nodes.len()];
         for &FeedingNode { place: i, ref parameters, ref demand } in feeding {
-            if self.progress().cancelled() {
-                return Err(Error::cancelled());
-            }
+            self.progress().check_cancelled()?;
             let node = &self.graph.nodes[i];
             let run = NodeRun { graph: self.graph, place: i, done: &all_done, store: &store, ..*self };
             let parameters = parameters.get(step).unwrap_or(&parameters[0]);

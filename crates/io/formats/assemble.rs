@@ -7,7 +7,9 @@ use crate::memory::GridSize;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
-use voltet_core::grid::{Array, Association, CellSet, CellType, Cells, Grid, RawGrid, Scalar, code};
+use voltet_core::grid::{
+    Array, Association, CellSet, CellType, Cells, Grid, RawGrid, Scalar, code, structured_corners,
+};
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result, grid, progress};
 
@@ -239,9 +241,7 @@ fn corners(cells: &Cells, number: usize) -> Box<dyn Iterator<Item = u32> + '_> {
             let range = set.offsets[number] as usize..set.offsets[number + 1] as usize;
             Box::new(set.connectivity.get(range).unwrap_or(&[]).iter().copied())
         }
-        &Cells::Structured(dimensions) => {
-            Box::new(cells::structured_corners(dimensions, number).into_iter().map(|corner| corner as u32))
-        }
+        &Cells::Structured(dimensions) => Box::new(structured_corners(dimensions, number).into_iter()),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::contents::{Geometry, Meter, Piece, Stored, StoredCells, StoredFaces};
 use rayon::prelude::*;
-use voltet_core::grid::{CellSet, Cells, Polyhedron, code};
+use voltet_core::grid::{CellSet, Cells, Polyhedron, code, structured_corners};
 use voltet_core::{Error, Result};
 
 /// Reads the cells of a piece.
@@ -222,20 +222,11 @@ pub(crate) fn into_set(cells: Cells, structured: u8) -> CellSet {
                 if structured == code::VOXEL { [0, 1, 2, 3, 4, 5, 6, 7] } else { [0, 1, 3, 2, 4, 5, 7, 6] };
             let corners = |number: usize| {
                 let corners = structured_corners(dimensions, number);
-                order.map(|corner: usize| corners[corner] as u32)
+                order.map(|corner: usize| corners[corner])
             };
             regular(structured, 8, (0..cells.count()).flat_map(corners).collect())
         }
     }
-}
-
-/// The points of a cell of a structured grid, in a voxel's order.
-pub(super) fn structured_corners([nx, ny, _]: [usize; 3], number: usize) -> [usize; 8] {
-    let (i, rest) = (number % (nx - 1), number / (nx - 1));
-    let (j, k) = (rest % (ny - 1), rest / (ny - 1));
-    std::array::from_fn(|corner| {
-        (i + (corner & 1)) + nx * ((j + (corner >> 1 & 1)) + ny * (k + (corner >> 2)))
-    })
 }
 
 #[cfg(test)]

@@ -104,13 +104,14 @@ impl Piece {
     }
 }
 
-/// Points and cells of a structured extent, by its numbers of points; `None` on overflow.
-pub(super) fn structured_counts(dimensions: [u64; 3]) -> Option<(u64, u64)> {
+/// Points and cells of a structured extent, by its numbers of points. Errors: they leave 64 bits.
+pub(super) fn structured_counts(dimensions: [u64; 3]) -> Result<(u64, u64)> {
+    let too_large = || Error::run("the grid cannot be that large").got(format_args!("{dimensions:?} points"));
     let product = |n: [u64; 3]| n[0].checked_mul(n[1])?.checked_mul(n[2]);
-    let points = product(dimensions)?;
-    // As in VTK, an axis with one point gives cells of a lower dimension.
-    let cells = if points == 0 { 0 } else { product(dimensions.map(|n| (n - 1).max(1)))? };
-    Some((points, cells))
+    let points = product(dimensions).ok_or_else(too_large)?;
+    // As in VTK, an axis with one point gives cells of a lower dimension, of which there are no more than points.
+    let cells = if points == 0 { None } else { product(dimensions.map(|n| (n - 1).max(1))) };
+    Ok((points, cells.unwrap_or(0)))
 }
 
 /// Dimensions from an extent (first and last index of each axis).
@@ -143,7 +144,7 @@ impl<'a> Meter<'a> {
     pub fn advance(&self, bytes: u64) -> Result<()> {
         let done = self.done.fetch_add(bytes, Ordering::Relaxed) + bytes;
         self.progress.report("reading", (done as f64 / self.total as f64).min(1.0));
-        if self.progress.cancelled() { Err(Error::cancelled()) } else { Ok(()) }
+        self.progress.check_cancelled()
     }
 }
 
@@ -179,6 +180,25 @@ pub(super) struct Stored {
 }
 
 impl Stored {
+    /// An array of 64-bit numbers.
+    pub fn of_f64(
+        source: &Arc<Source>,
+        name: &str,
+        component_count: usize,
+        tuple_count: u64,
+        encoding: Encoding,
+    ) -> Stored {
+        Stored {
+            source: source.clone(),
+            name: name.to_owned(),
+            number_type: NumberType::F64,
+            order: ByteOrder::Little,
+            component_count,
+            tuple_count: Some(tuple_count),
+            encoding,
+        }
+    }
+
     /// Number of values that the headers promise.
     pub(super) fn promised(&self) -> Result<Option<u64>> {
         let Some(tuple_count) = self.tuple_count else { return Ok(None) };

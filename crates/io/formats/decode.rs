@@ -91,50 +91,32 @@ impl Stored {
         values: &mut [T],
         meter: &Meter,
     ) -> Result<()> {
-        values
-            .par_chunks_mut(part_len)
-            .enumerate()
-            .try_for_each_init(Buffers::default, |buffers, (part, to)| {
-                self.decode_range(found, part, part * part_len, buffers, to, meter)
-            })
-    }
-
-    /// Decodes one part.
-    fn decode_range<T: Target>(
-        &self,
-        found: &Decodable,
-        part: usize,
-        first: usize,
-        buffers: &mut Buffers,
-        to: &mut [T],
-        meter: &Meter,
-    ) -> Result<()> {
-        let convert_to = |bytes: &[u8], to: &mut [T]| {
-            convert(self.number_type, self.order, bytes, to).map_err(|index| {
-                Error::run(format!("value {} of the array is out of range", first + index))
-                    .expected(T::ACCEPTED)
-            })
-        };
-        match found {
-            Decodable::Plain(payload) => {
-                // A part is a multiple of 8 values, so parts of bit arrays begin with a byte.
-                let (at, end) = match self.number_type.size() {
-                    Some(size) => (first * size, (first + to.len()) * size),
-                    None => (first / 8, (first + to.len()).div_ceil(8)),
-                };
-                convert_to(payload.get(&self.source, at as u64, end - at, &mut buffers.read)?, to)?;
-                meter.advance((end - at) as u64)
-            }
-            _ => {
+        let decode_part = |buffers: &mut Buffers, (part, to): (usize, &mut [T])| {
+            let first = part * part_len;
+            let convert_to = |bytes: &[u8], to: &mut [T]| {
+                convert(self.number_type, self.order, bytes, to).map_err(|index| {
+                    Error::run(format!("value {} of the array is out of range", first + index))
+                        .expected(T::ACCEPTED)
+                })
+            };
+            let Decodable::Plain(payload) = found else {
                 let len = to.len() * self.number_type.size().unwrap_or(1);
                 let mut bytes = std::mem::take(&mut buffers.decompressed);
                 bytes.resize(len, 0);
                 self.block(found, part, buffers, &mut bytes, meter)?;
                 convert_to(&bytes, to)?;
                 buffers.decompressed = bytes;
-                Ok(())
-            }
-        }
+                return Ok(());
+            };
+            // A part is a multiple of 8 values, so parts of bit arrays begin with a byte.
+            let (at, end) = match self.number_type.size() {
+                Some(size) => (first * size, (first + to.len()) * size),
+                None => (first / 8, (first + to.len()).div_ceil(8)),
+            };
+            convert_to(payload.get(&self.source, at as u64, end - at, &mut buffers.read)?, to)?;
+            meter.advance((end - at) as u64)
+        };
+        values.par_chunks_mut(part_len).enumerate().try_for_each_init(Buffers::default, decode_part)
     }
 
     /// Decompresses block `index` into `to`, which has its size.

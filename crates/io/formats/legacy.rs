@@ -195,9 +195,7 @@ impl Contents {
             return Ok((point_count, self.cells.as_ref().map_or(0, |cells| cells.count)));
         }
         let dimensions = self.dimensions.unwrap_or([0; 3]);
-        let counts = structured_counts(dimensions).ok_or_else(|| {
-            scanner.error("the grid cannot be that large").got(format_args!("{dimensions:?} points"))
-        })?;
+        let counts = structured_counts(dimensions).map_err(|error| scanner.locate(error))?;
         let wrong = |what: &str, found: u64, accepted: u64| {
             Err(Error::run(format!("the number of {what} does not fit DIMENSIONS"))
                 .got(found)
@@ -407,7 +405,10 @@ impl Scanner {
 
     /// An error at this place.
     fn error(&self, what: impl Into<String>) -> Error {
-        let error = Error::run(what);
+        self.locate(Error::run(what))
+    }
+
+    fn locate(&self, error: Error) -> Error {
         // Lines mean nothing once bytes that look like line ends have been passed.
         if self.binary { error.at_item(format!("byte {}", self.at)) } else { error.at_line(self.line) }
     }

@@ -43,7 +43,6 @@ pub use voltet_core::grid::{Association, CellValues};
 pub use voltet_core::reading::FileArray;
 
 use contents::{Compute, Dataset, Encoding, ExternalFormat, Geometry, Piece, PieceArray, Stored};
-use numbers::{ByteOrder, NumberType};
 use request::Format;
 use source::{Source, printable};
 use std::path::{Path, PathBuf};
@@ -196,15 +195,8 @@ fn open_external(source: &Arc<Source>, request: &Request, chosen: &SelectedArray
         let of = added.clone();
         let compute: Compute =
             Arc::new(move |meter| of.take(Some(place), |read| read.arrays.remove(&place), meter.progress()));
-        let stored = Stored {
-            source: source.clone(),
-            name: array.name.clone(),
-            number_type: NumberType::F64,
-            order: ByteOrder::Little,
-            component_count: array.component_count,
-            tuple_count: Some(head.tuple_count(array)),
-            encoding: Encoding::Computed(compute),
-        };
+        let (tuple_count, encoding) = (head.tuple_count(array), Encoding::Computed(compute));
+        let stored = Stored::of_f64(source, &array.name, array.component_count, tuple_count, encoding);
         PieceArray { association: array.association, stored }
     };
     let piece = Piece {

@@ -74,10 +74,9 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
 }
 
 fn piece(source: &Arc<Source>, grid: Block, solution: Option<Block>, request: &Request) -> Result<Piece> {
-    let (point_count, cell_count) =
-        structured_counts(grid.dimensions).ok_or_else(|| Error::run("the grid cannot be that large"))?;
+    let (point_count, cell_count) = structured_counts(grid.dimensions)?;
     let computed = |name: &str, component_count: usize, compute: Compute| {
-        stored(source, name, component_count, point_count, Encoding::Computed(compute))
+        Stored::of_f64(source, name, component_count, point_count, Encoding::Computed(compute))
     };
     let mut arrays = Vec::new();
     let mut add = |stored: Stored| arrays.push(PieceArray { association: Association::Point, stored });
@@ -113,26 +112,6 @@ fn piece(source: &Arc<Source>, grid: Block, solution: Option<Block>, request: &R
         geometry: Geometry::Curvilinear { dimensions: grid.dimensions, points },
         arrays,
     })
-}
-
-/// An array of 64-bit numbers.
-fn stored(
-    source: &Arc<Source>,
-    name: &str,
-    component_count: usize,
-    tuple_count: u64,
-    encoding: Encoding,
-) -> Stored {
-    let (number_type, order, tuple_count) = (NumberType::F64, ByteOrder::Little, Some(tuple_count));
-    Stored {
-        source: source.clone(),
-        name: name.to_owned(),
-        number_type,
-        order,
-        component_count,
-        tuple_count,
-        encoding,
-    }
 }
 
 /// Planes of three components as tuples.
@@ -409,7 +388,7 @@ impl Layout {
                 () if self.double => NumberType::F64,
                 () => NumberType::F32,
             };
-            Stored { number_type, order: self.order, ..stored(source, role.name, 1, count, encoding) }
+            Stored { number_type, order: self.order, ..Stored::of_f64(source, role.name, 1, count, encoding) }
         };
         let planes = (0..role.plane_count + u64::from(self.blanking)).map(plane).collect();
         Some(Block { dimensions, planes, has_blanking: self.blanking })

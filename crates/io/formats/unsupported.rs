@@ -71,7 +71,7 @@ pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
     ("an image (DICOM)", IMAGE, |file| file.has_magic_at(128, b"DICM")),
     ("an image (NIfTI)", IMAGE, |file| file.has_magic_at(344, b"n+1\0")),
     ("an image (NIfTI)", IMAGE, |file| file.has_magic_at(344, b"ni1\0")),
-    ("an image (MetaImage)", IMAGE, |file| file.has_line(|line| line.starts_with("ObjectType = Image"))),
+    ("an image (MetaImage)", IMAGE, |file| file.has_line_with(&["ObjectType = Image"])),
     ("an OpenVDB file", IMAGE, |file| file.has_magic_at(0, b" BDV\0\0\0\0")),
     ("a gzip archive", ARCHIVE, |file| file.has_magic_at(0, b"\x1f\x8b\x08")),
     ("a zip archive", ARCHIVE, |file| file.has_magic_at(0, b"PK\x03\x04")),
@@ -89,17 +89,13 @@ pub(super) const BY_WORDS: &[UnsupportedFormat] = &[
             words.iter().any(|word| line.to_lowercase().starts_with(word))
         })
     }),
-    ("input of Ansys (.cdb)", ANSYS, |file| {
-        file.has_line(|line| ["/COM,", "/PREP7", "NBLOCK,"].iter().any(|word| line.starts_with(word)))
-    }),
+    ("input of Ansys (.cdb)", ANSYS, |file| file.has_line_with(&["/COM,", "/PREP7", "NBLOCK,"])),
     (
         "results of Ansys",
         "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it and saves it by save_as_vtk",
         |file| ["rst", "rth", "rfl"].contains(&file.ending.as_str()),
     ),
-    ("input of Nastran", MESHIO, |file| {
-        file.has_line(|line| ["BEGIN BULK", "GRID  ", "GRID,"].iter().any(|word| line.starts_with(word)))
-    }),
+    ("input of Nastran", MESHIO, |file| file.has_line_with(&["BEGIN BULK", "GRID  ", "GRID,"])),
     ("a Tecplot file", PARAVIEW, |file| {
         file.has_line(|line| line.to_uppercase().replace(' ', "").starts_with("VARIABLES="))
     }),
@@ -107,8 +103,7 @@ pub(super) const BY_WORDS: &[UnsupportedFormat] = &[
         file.begins(&["% Model:", "# Created by COMSOL"])
     }),
     ("a surface (OBJ)", SURFACE, |file| {
-        file.has_line(|line| line.starts_with("v "))
-            && (file.ending == "obj" || file.has_line(|line| line.starts_with("f ")))
+        file.has_line_with(&["v "]) && (file.ending == "obj" || file.has_line_with(&["f "]))
     }),
     ("a table as text", TABLE, |file| ["csv", "tsv"].contains(&file.ending.as_str())),
 ];
@@ -175,6 +170,11 @@ impl FileStart {
     fn has_line(&self, is_one: impl Fn(&str) -> bool) -> bool {
         let head = &self.text()[..self.text().len().min(HEAD as usize)];
         !head.contains(&0) && String::from_utf8_lossy(head).lines().any(is_one)
+    }
+
+    /// True if some line begins with one of the words.
+    fn has_line_with(&self, words: &[&str]) -> bool {
+        self.has_line(|line| words.iter().any(|word| line.starts_with(word)))
     }
 
     fn is_hdf5(&self) -> bool {

@@ -4,10 +4,10 @@ use crate::trace::{Crossing, Tracer, sample_places};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
+use voltet_core::Result;
 use voltet_core::camera::Projection;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
-use voltet_core::{Error, Result};
 
 /// Side of a tile, pixels.
 const SIDE: usize = 16;
@@ -43,9 +43,7 @@ impl Tracer<'_> {
         let there = Mutex::new(tiles);
         let lock = || there.lock().unwrap_or_else(PoisonError::into_inner);
         missing.par_iter().try_for_each(|&tile| {
-            if progress.cancelled() {
-                return Err(Error::cancelled());
-            }
+            progress.check_cancelled()?;
             let pixels = self.draw_tile([tile % columns * SIDE, tile / columns * SIDE], &lists[tile])?;
             let finished = {
                 let mut tiles = lock();
@@ -53,7 +51,7 @@ impl Tracer<'_> {
                 tiles.len()
             };
             progress.report("reference", finished as f64 / lists.len() as f64);
-            Ok(())
+            Result::Ok(())
         })?;
         let mut picture = Picture::transparent(width, height);
         for (&tile, pixels) in lock().iter() {

@@ -3,7 +3,7 @@
 
 mod sandbox;
 
-use crate::call::{GradientTask, Outcome, Task};
+use crate::call::{CallOutput, GradientTask, Outcome, Task};
 use crate::declaration::{Declaration, Family};
 use crate::ffi::{AddressSpace, CheckResult, GUARD_COUNT, Overrun, UNSET, ValidationError, remove_guard};
 use crate::host::{CallLabel, CallStatus, State};
@@ -56,12 +56,7 @@ impl Runner for SandboxRunner {
         &self.plugin
     }
 
-    fn run(
-        &self,
-        declaration: &Declaration,
-        task: Task,
-        progress: &dyn Progress,
-    ) -> Result<(CallStatus, Outcome)> {
+    fn run(&self, declaration: &Declaration, task: Task, progress: &dyn Progress) -> Result<CallOutput> {
         let label = CallLabel::new(declaration, &self.plugin);
         let failed = |wrong: ValidationError| label.error("failed in its sandbox").got(wrong);
         let (state, start) = (Arc::<State>::default(), Instant::now());
@@ -113,7 +108,7 @@ fn call(
     filter: u32,
     host: u32,
     state: &State,
-) -> CheckResult<(CallStatus, Outcome)> {
+) -> CheckResult<CallOutput> {
     let mut arguments = GuestArgs::behind(running.memory, &running.store);
     let [check, gradient] = functions(running, filter)?;
     let (name, function, inputs, output) = match (task, family) {
@@ -154,7 +149,7 @@ fn put_values(values: &ParameterValues, arguments: &mut GuestArgs) -> u32 {
 /// Appends `voltet_call`; returns its address and that of the gradient.
 fn put_call(task: &GradientTask, needs: u32, arguments: &mut GuestArgs) -> (u32, u32) {
     let [neighbours, cells_of_points] = task.tables(needs).map(|table| match table {
-        Some(table) => [arguments.put(&table.starts), arguments.put(&table.items)],
+        Some((starts, items)) => [arguments.put(&starts), arguments.put(&items)],
         None => [0; 2],
     });
     let (points, cells) = (arguments.put(&task.grid.points), arguments.put(&task.grid.tetrahedra));

@@ -13,8 +13,8 @@ pub use printed::{FormulaRow, PrintedFormula};
 pub use random::{BoundViolation, RandomReport, random, scene as random_scene};
 pub use report::{IntegratorReport, StabilityReport, forms_json, forms_text, json, random_text, text};
 
+use voltet_core::Result;
 use voltet_core::progress::Progress;
-use voltet_core::{Error, Result};
 use voltet_judge::{judge_cases, shipped};
 
 /// Judges all of the forms by the cases that the program carries, draws the pictures, evaluates what papers print.
@@ -25,9 +25,7 @@ pub fn stability(subjects: &Subjects, progress: &dyn Progress) -> Result<Stabili
     let mut forms = Vec::new();
     for (k, subject) in subjects.forms.iter().enumerate() {
         progress.report(subject.name(), k as f64 / subjects.forms.len() as f64);
-        if progress.cancelled() {
-            return Err(Error::cancelled());
-        }
+        progress.check_cancelled()?;
         forms.extend(judge_cases(&cases, &[subject.as_ref()])?);
     }
     let integrators = report::integrators(&cases, progress)?;

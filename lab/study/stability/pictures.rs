@@ -15,7 +15,7 @@ use voltet_core::transfer::{
     ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
 };
 use voltet_core::volume::Volume;
-use voltet_core::{Error, Result, SharedSlice};
+use voltet_core::{Result, SharedSlice};
 use voltet_introspect::evaluator;
 use voltet_judge::{Evaluator64, SegmentEvaluator};
 use voltet_nodes::drawing::ENGINES;
@@ -54,9 +54,7 @@ pub(super) fn pictures(renderers: &[OpenRenderer], progress: &dyn Progress) -> R
     let mut all = Vec::new();
     for (k, hard) in scenes.iter().enumerate() {
         progress.report(hard.category, k as f64 / scenes.len() as f64);
-        if progress.cancelled() {
-            return Err(Error::cancelled());
-        }
+        progress.check_cancelled()?;
         let exact = reference::draw(&hard.scene, &CancelOnly(progress))?;
         for renderer in renderers {
             let ((worst_error, worst_pixel), refused) = match picture(renderer, None, &hard.scene, progress) {

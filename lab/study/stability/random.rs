@@ -89,9 +89,7 @@ pub fn random(
     let (first, count) = (scenes.start, scenes.end.saturating_sub(scenes.start));
     for number in scenes {
         progress.report("random scenes", (number - first) as f64 / count as f64);
-        if progress.cancelled() {
-            return Err(Error::cancelled());
-        }
+        progress.check_cancelled()?;
         let scene = scene(seed, number)?;
         let exact = match reference::draw(&scene, &CancelOnly(progress)) {
             Ok(exact) => exact,

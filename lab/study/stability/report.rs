@@ -9,9 +9,9 @@ use crate::stability::printed::PrintedFormula;
 use crate::stability::random::{BoundViolation, RandomReport};
 use serde::Serialize;
 use serde_json::{Value, json as object};
+use voltet_core::Result;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::{OpticalModel, Widget};
-use voltet_core::{Error, Result};
 use voltet_integrators::{pre_integrated, pre_integrated_cylindrical, riemann, segments, tabulated};
 use voltet_judge::{Case, Exemption, Kind, Report, Row, SegmentCase, stiff};
 use voltet_optics::integrators::{Extent, Integrator, IntegratorKind};
@@ -83,9 +83,7 @@ pub(super) fn integrators(cases: &[Case], progress: &dyn Progress) -> Result<Vec
         progress.report(integrator.name(), k as f64 / kinds().count() as f64);
         let mut found = IntegratorReport { integrator: integrator.name(), bound, ..Default::default() };
         for case in cases.iter().chain(&stiff) {
-            if progress.cancelled() {
-                return Err(Error::cancelled());
-            }
+            progress.check_cancelled()?;
             if let Kind::Segment(segment) = &case.kind {
                 found.add(&integrator, &case.id, segment)?;
             }

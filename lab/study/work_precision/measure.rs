@@ -247,12 +247,10 @@ pub(super) fn measure(
     let start = Instant::now();
     let volume = engine.prepare(&scene.volume)?;
     let draw = |scene: &Scene| {
-        if progress.cancelled() {
-            return Err(Error::cancelled());
-        }
+        progress.check_cancelled()?;
         let begun = Instant::now();
         let drawn = volume.draw(scene, &manner, &CancelOnly(progress))?;
-        Ok(TimedPicture { drawn, seconds: begun.elapsed().as_secs_f64() })
+        Result::Ok(TimedPicture { drawn, seconds: begun.elapsed().as_secs_f64() })
     };
     let first = draw(&scene)?;
     if let Some(instead) = &first.drawn.instead {
@@ -322,9 +320,7 @@ fn in_flight(
     let mut under_way = VecDeque::new();
     let begun = Instant::now();
     for number in 0..count {
-        if progress.cancelled() {
-            return Err(Error::cancelled());
-        }
+        progress.check_cancelled()?;
         under_way.push_back(volume.begin(&frames.scene(scene, number + 1), manner, &quiet)?);
         if under_way.len() == frames.in_flight {
             under_way.pop_front().map(|frame| frame.collect(&quiet)).transpose()?;

@@ -1,11 +1,12 @@
 //! `gaussian`: exp(−|K (v − centre)|²) over the (s, g) plane (Song et al. 2009, section 4.2; Kniss et al. 2003, Eq. 12).
 
 use super::properties::{
-    AxisOrigin, COLOR, EXTINCTION, MATRIX, POSITIVE_OR_INFINITE, Properties, REGION, SIGMA, finite, kernel,
+    AxisOrigin, COLOR, EXTINCTION, MATRIX, PLACE, POSITIVE_OR_INFINITE, Properties, REGION, SIGMA, finite,
+    kernel,
 };
 use crate::Result;
 use crate::parameters::{
-    AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
+    AxisRef, DefaultValue, Parameter, ParameterType, Parameters, RelativeNumberType, StatisticKind,
     VariantSchema,
 };
 use crate::transfer::hull::{Corners, distance_squared_from_origin, gaussian, range};
@@ -19,7 +20,7 @@ pub(super) const KIND: VariantSchema = VariantSchema {
         EXTINCTION,
         Parameter {
             name: "centre",
-            parameter_type: VALUES,
+            parameter_type: PLACE,
             unit: "(s, g)",
             default: DefaultValue::Required,
             help: "the middle of the widget, [s, g]",
@@ -34,13 +35,6 @@ pub(super) const KIND: VariantSchema = VariantSchema {
         REGION,
     ],
 };
-
-/// [s, g].
-const VALUES: ParameterType = ParameterType::Measured(&RelativeNumberType {
-    plain: ParameterType::Numbers(Some(2), Range::ANY),
-    statistic: StatisticKind::Value,
-    axis: AxisRef::Places(&["s", "g"]),
-});
 
 const WIDTHS: ParameterType = ParameterType::Measured(&RelativeNumberType {
     plain: ParameterType::Numbers(Some(2), POSITIVE_OR_INFINITE),

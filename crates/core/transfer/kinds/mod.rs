@@ -85,8 +85,11 @@ pub enum Profile {
     Table(Arc<Table>),
 }
 
-/// All kinds, in the order in which help lists them, each with the function that reads its profile.
-pub(super) const DECLARED: &[(VariantSchema, fn(&Parameters, LoadImage) -> Result<Profile>)] = &[
+/// Function that reads the profile of a kind.
+type ReadProfile = fn(&Parameters, LoadImage) -> Result<Profile>;
+
+/// All kinds, in the order in which help lists them.
+pub(super) const DECLARED: &[(VariantSchema, ReadProfile)] = &[
     (uniform::KIND, |_, _| Ok(Profile::Uniform)),
     (gaussian::KIND, |p, _| gaussian::read(p).map(|(centre, matrix)| Profile::Gaussian { centre, matrix })),
     (gaussian_nd::KIND, |p, _| {

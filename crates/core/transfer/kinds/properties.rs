@@ -190,6 +190,13 @@ const LIMITS: RelativeNumberType = RelativeNumberType {
     axis: AxisRef::Every("s"),
 };
 
+/// [s, g], each a value of its axis.
+pub(super) const PLACE: ParameterType = ParameterType::Measured(&RelativeNumberType {
+    plain: ParameterType::Numbers(Some(2), Range::ANY),
+    statistic: StatisticKind::Value,
+    axis: AxisRef::Places(&["s", "g"]),
+});
+
 /// Valid standard deviations: an infinite one ignores its axis.
 pub(super) const POSITIVE_OR_INFINITE: Range = Range { infinite: true, ..Range::above(0.0) };
 

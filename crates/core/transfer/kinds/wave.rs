@@ -1,6 +1,6 @@
 //! `triangle-wave` and `sine-wave`: bands across the (s, g) plane (Song et al. 2009, sections 4.3 and 4.4).
 
-use super::properties::{BandSpacing, COLOR, EXTINCTION, Properties, REGION, Wave, finite, positive};
+use super::properties::{BandSpacing, COLOR, EXTINCTION, PLACE, Properties, REGION, Wave, finite, positive};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
     VariantSchema,
@@ -26,11 +26,7 @@ const KEYS: &[Parameter] = &[
     EXTINCTION,
     Parameter {
         name: "origin",
-        parameter_type: ParameterType::Measured(&RelativeNumberType {
-            plain: ParameterType::Numbers(Some(2), Range::ANY),
-            statistic: StatisticKind::Value,
-            axis: AxisRef::Places(&["s", "g"]),
-        }),
+        parameter_type: PLACE,
         unit: "(s, g)",
         default: DefaultValue::Numbers(&[0.0, 0.0]),
         help: "a point where the wave is 0",

@@ -1,8 +1,8 @@
-//! Widgets over a list of fields, on the plane of two of them: what lies outside of the plane stays as it is.
+//! Widgets over s and g or over a list of fields, on the plane of two of them: what lies outside of the plane stays as it is.
 
-use super::gaussian::Ellipse;
+use super::gaussian::{Ellipse, spread};
 use super::shapes::{PlaneContext, Shape, Triangle};
-use crate::transfer::plane::{Change, Handle, Plane, WidgetPainter, list, rounded, rows};
+use crate::transfer::plane::{Change, Handle, Plane, S_AND_G, WidgetPainter, list, rounded, rows};
 use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue, find_setting};
 
 #[derive(Debug, Clone, PartialEq)]
@@ -15,6 +15,8 @@ pub(super) struct FieldShape {
     kernel: Vec<Vec<f64>>,
     magnitude: Option<Magnitude>,
     figure: Figure,
+    /// True over s and g, where the half axes say all.
+    is_flat: bool,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -35,16 +37,12 @@ impl FieldShape {
     /// `None` of one that has no field along either axis, or would lie on its side. `magnitude`: the name of the array, where its
     /// widths are shares of one.
     pub fn read(
-        (names, centre, kernel): (&[String], &[f64], &[Vec<f64>]),
+        (fields, centre, kernel): (&[ArrayRef], &[f64], Vec<Vec<f64>>),
         magnitude: Option<&String>,
         numbers: &[Field],
         on: &PlaneContext,
     ) -> Option<FieldShape> {
-        let place = |axis: &ArrayRef| match axis {
-            ArrayRef::Array(name) => names.iter().position(|known| known == name),
-            ArrayRef::Named(_) | ArrayRef::Per(..) => None,
-        };
-        let at = on.axes.each_ref().map(place);
+        let at = on.axes.each_ref().map(|axis| fields.iter().position(|known| known == axis));
         if at == [None; 2] {
             return None;
         }
@@ -58,7 +56,7 @@ impl FieldShape {
         });
         let sigma = find_setting(numbers, "sigma").and_then(LocatedValue::numbers);
         let middle = at.map(|place| place.map_or(0.0, |i| centre[i]));
-        let ellipse = Ellipse::new(middle, kernel, at, on.extent);
+        let ellipse = Ellipse::new(middle, &kernel, at, on.extent);
         let figure = match magnitude {
             Some(Magnitude { axis: Some(1), .. }) => {
                 let width = kernel.iter().map(|row| at[0].map_or(0.0, |i| row[i] * row[i])).sum::<f64>();
@@ -81,7 +79,8 @@ impl FieldShape {
                 Figure::Ellipse(ellipse)
             }
         };
-        Some(FieldShape { at, centre: centre.to_vec(), sigma, kernel: kernel.to_vec(), magnitude, figure })
+        let (centre, is_flat) = (centre.to_vec(), *fields == S_AND_G);
+        Some(FieldShape { at, centre, sigma, kernel, magnitude, figure, is_flat })
     }
 
     fn centred(&self, to: [f64; 2]) -> Vec<Change> {
@@ -97,6 +96,9 @@ impl FieldShape {
     /// Other half axes in the plane, in place of those `before`. K is brought along by the linear map from the ones to the others,
     /// so that it stays what it is across the plane.
     fn stretched(&self, before: [[f64; 2]; 2], after: [[f64; 2]; 2]) -> Vec<Change> {
+        if self.is_flat {
+            return spread(after);
+        }
         let is_upright = |axes: [[f64; 2]; 2]| {
             axes[0][1].abs() <= 1e-9 * axes[0][0].abs() && axes[1][0].abs() <= 1e-9 * axes[1][1].abs()
         };
@@ -219,7 +221,7 @@ mod tests {
         magnitude: bool,
         on: [&str; 2],
     ) -> Option<FieldShape> {
-        let names = ["a", "b", "c"].map(String::from);
+        let names = ["a", "b", "c"].map(|name| ArrayRef::Array(name.into()));
         let numbers = sigma.map(|sigma| Field {
             name: "sigma".into(),
             origin: Default::default(),
@@ -228,7 +230,12 @@ mod tests {
         let (images, name) = (Images::default(), "multi-gradient".to_string());
         let on = PlaneContext { axes: &axes(on), extent: [1.0, 1.0], known: None, images: &images };
         let numbers: Vec<Field> = numbers.into_iter().collect();
-        FieldShape::read((&names, &[1.0, 2.0, 3.0], kernel), magnitude.then_some(&name), &numbers, &on)
+        FieldShape::read(
+            (&names, &[1.0, 2.0, 3.0], kernel.to_vec()),
+            magnitude.then_some(&name),
+            &numbers,
+            &on,
+        )
     }
 
     fn diagonal(numbers: [f64; 3]) -> Vec<Vec<f64>> {

@@ -1,10 +1,8 @@
-//! Gaussians over s and g, and the ellipses that Gaussians are in the plane.
+//! The ellipses that Gaussians are in the plane, and Gaussians over s and g as a file states them.
 
-use super::shapes::{PlaneContext, Shape};
-use crate::transfer::plane::{Change, Handle, Plane, WidgetPainter, array, list, rows};
+use crate::transfer::plane::{Change, Handle, Plane, WidgetPainter, list, rows};
 use eframe::egui::{self, Color32, Stroke};
 use std::f64::consts::TAU;
-use voltet_graph::Field;
 
 /// Position of the handle of a turned axis (half axes).
 const ARM: f64 = 1.7;
@@ -147,37 +145,6 @@ fn metric(k: &[Vec<f64>], columns: [Option<usize>; 2]) -> [f64; 3] {
     [product(0, 0), product(0, 1), product(1, 1)]
 }
 
-#[derive(Debug)]
-pub(super) struct Gaussian(Ellipse);
-
-impl Gaussian {
-    pub fn new(centre: [f64; 2], matrix: &[[f64; 2]; 2], numbers: &[Field], on: &PlaneContext) -> Gaussian {
-        // Deviations that are stated need no inverse.
-        if let Some([s, g]) = array(numbers, "sigma") {
-            return Gaussian(Ellipse { centre, axes: [[s, 0.0], [0.0, g]] });
-        }
-        let matrix = matrix.map(Vec::from);
-        Gaussian(Ellipse::new(centre, &matrix, [Some(0), Some(1)], on.extent))
-    }
-}
-
-impl Shape for Gaussian {
-    fn handles(&self, _: &Plane) -> Vec<(Handle, [f64; 2])> {
-        self.0.handles()
-    }
-
-    fn moved(&self, handle: Handle, to: [f64; 2], plane: &Plane) -> Vec<Change> {
-        match self.0.stretched(handle, to, plane) {
-            Some(after) => spread(after),
-            None => vec![("centre", Some(list(&to)))],
-        }
-    }
-
-    fn draw(&self, pen: &WidgetPainter) {
-        self.0.draw(pen);
-    }
-}
-
 /// A Gaussian by |K (v − centre)|²: its kind and its keys. `extent`: of the plane, where its half axes are at right angles.
 pub(in crate::transfer) fn gaussian(
     centre: [f64; 2],
@@ -189,7 +156,7 @@ pub(in crate::transfer) fn gaussian(
 }
 
 /// Half axes as a file states them: upright ones as sigma, turned ones as a matrix.
-fn spread(axes: [[f64; 2]; 2]) -> Vec<Change> {
+pub(super) fn spread(axes: [[f64; 2]; 2]) -> Vec<Change> {
     let [[a, b], [c, d]] = axes;
     let small = |x: f64, of: f64| x.abs() <= 1e-9 * of.abs();
     if small(b, d) && small(c, a) {

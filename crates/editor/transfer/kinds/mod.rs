@@ -10,7 +10,6 @@ mod shapes;
 use super::plane::S_AND_G;
 use fields::FieldShape;
 pub(super) use fields::gaussian_over;
-use gaussian::Gaussian;
 pub(super) use gaussian::gaussian;
 use shapes::{Bands, Curve, Everywhere, Picture, Triangle};
 pub(super) use shapes::{PlaneContext, Shape};
@@ -21,22 +20,23 @@ use voltet_graph::{ArrayRef, Field};
 /// The shape of a widget; `None` where it lies along other axes. `numbers`: its table, without numbers relative to data.
 pub(super) fn shape(widget: &Widget, numbers: &[Field], on: &PlaneContext) -> Option<Arc<dyn Shape>> {
     let flat = |shape: Option<Arc<dyn Shape>>| shape.filter(|_| on.is_of_s_and_g());
-    let over = |fields: &[String], centre: &[f64], matrix: &[Vec<f64>], magnitude: Option<&String>| {
+    let over = |fields: &[ArrayRef], centre: &[f64], matrix: Vec<Vec<f64>>, magnitude: Option<&String>| {
         let shape = FieldShape::read((fields, centre, matrix), magnitude, numbers, on)?;
         Some(Arc::new(shape) as Arc<dyn Shape>)
     };
+    let arrays = |names: &[String]| names.iter().cloned().map(ArrayRef::Array).collect::<Vec<_>>();
     match &widget.profile {
         // Its region is all that there is to see.
         Profile::Uniform => flat(Some(Arc::new(Everywhere))),
         Profile::Gaussian { centre, matrix } => {
-            flat(Some(Arc::new(Gaussian::new(*centre, matrix, numbers, on))))
+            flat(over(&S_AND_G, centre, matrix.map(Vec::from).to_vec(), None))
         }
-        Profile::GaussianNd { fields, centre, matrix } => over(fields, centre, matrix, None),
+        Profile::GaussianNd { fields, centre, matrix } => over(&arrays(fields), centre, matrix.clone(), None),
         Profile::TriangularGaussian { centre, sigma } => {
             flat(Some(Arc::new(Triangle { centre: *centre, sigma: *sigma })))
         }
         Profile::TriangularGaussianNd { fields, magnitude, centre, matrix } => {
-            over(fields, centre, matrix, Some(magnitude))
+            over(&arrays(fields), centre, matrix.clone(), Some(magnitude))
         }
         Profile::TriangleWave(wave) => flat(Some(Arc::new(Bands { wave: *wave, sine: false }))),
         Profile::SineWave(wave) => flat(Some(Arc::new(Bands { wave: *wave, sine: true }))),

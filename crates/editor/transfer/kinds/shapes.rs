@@ -4,8 +4,8 @@ use crate::picture::WHOLE;
 use crate::theme;
 use crate::transfer::images::Images;
 use crate::transfer::plane::{
-    Change, Handle, Plane, S_AND_G, WidgetPainter, color, corners, edges, extinction_at, height_of, list,
-    rounded, rows, with_corner,
+    Change, Handle, Plane, S_AND_G, WidgetPainter, changed_ranges, extinction_at, height_of, list,
+    range_handles, rounded, rows, shifted, stretched,
 };
 use crate::worker::DataScales;
 use eframe::egui::{self, Color32, Rect, Stroke, TextureId};
@@ -216,41 +216,27 @@ impl Picture {
         let path = find_setting(numbers, "image").and_then(LocatedValue::text);
         Picture { ranges: [table.s, table.g], texture: path.and_then(|path| on.images.texture(path)) }
     }
-}
 
-/// The ranges as a file states them, as far as they changed.
-fn changed_ranges(before: [[f64; 2]; 2], after: [[f64; 2]; 2]) -> Vec<Change> {
-    let of = |k: usize| (before[k] != after[k]).then(|| (["s", "g"][k], Some(list(&after[k]))));
-    (0..2).filter_map(of).collect()
+    fn middle(&self) -> [f64; 2] {
+        self.ranges.map(|[low, high]| 0.5 * low + 0.5 * high)
+    }
 }
 
 impl Shape for Picture {
     fn handles(&self, plane: &Plane) -> Vec<(Handle, [f64; 2])> {
-        let middle = self.ranges.map(|[low, high]| 0.5 * low + 0.5 * high);
-        let corners = corners(self.ranges).into_iter().enumerate().map(|(i, at)| (Handle::Rim(i), at));
-        let edges = edges(self.ranges, plane).map(|(axis, upper, at)| (Handle::Edge(axis, upper), at));
-        std::iter::once((Handle::Centre, middle)).chain(corners).chain(edges).collect()
+        let sides = range_handles(self.ranges, plane, Handle::Rim, Handle::Edge);
+        std::iter::once((Handle::Centre, self.middle())).chain(sides).collect()
     }
 
     fn moved(&self, handle: Handle, to: [f64; 2], plane: &Plane) -> Vec<Change> {
-        let mut after = self.ranges;
-        match handle {
-            Handle::Rim(i) => after = with_corner(self.ranges, i, to),
-            Handle::Edge(axis, upper) => {
-                after[axis][usize::from(upper)] = to[axis];
-                after[axis] = [after[axis][0].min(after[axis][1]), after[axis][0].max(after[axis][1])];
-            }
-            _ => {
-                let by = [0, 1].map(|k: usize| to[k] - (0.5 * self.ranges[k][0] + 0.5 * self.ranges[k][1]));
-                return changed_ranges(self.ranges, [0, 1].map(|k: usize| self.ranges[k].map(|x| x + by[k])));
-            }
-        }
+        let middle = self.middle();
+        let moved = || shifted(self.ranges, [to[0] - middle[0], to[1] - middle[1]]);
         let least = |k: usize| MIN_SIDE * (plane.shown[k][1] - plane.shown[k][0]);
-        if (0..2).all(|k| after[k][1] - after[k][0] >= least(k)) {
-            changed_ranges(self.ranges, after)
-        } else {
-            Vec::new()
-        }
+        let after = match stretched(self.ranges, handle, to) {
+            Some(after) if (0..2).any(|k| after[k][1] - after[k][0] < least(k)) => return Vec::new(),
+            after => after.unwrap_or_else(moved),
+        };
+        changed_ranges(["s", "g"], self.ranges, after)
     }
 
     fn draw(&self, pen: &WidgetPainter) {
@@ -321,7 +307,7 @@ impl Shape for Curve {
             for i in 0..PIECES {
                 let t = (f64::from(i) + 0.5) / f64::from(PIECES);
                 let mixed = [0, 1, 2].map(|k: usize| a.color[k] + t * (b.color[k] - a.color[k]));
-                let shade = theme::readable(color(mixed), pen.dark);
+                let shade = theme::readable(theme::on_screen(mixed), pen.dark);
                 pen.painter.line_segment([along(i), along(i + 1)], Stroke::new(width, shade));
             }
         }

@@ -282,15 +282,9 @@ fn extent(grid: &Element, element: &Element) -> Result<[i64; 6]> {
     })
 }
 
-fn counts(dimensions: [u64; 3]) -> Result<(u64, u64)> {
-    structured_counts(dimensions).ok_or_else(|| {
-        Error::run("the extent cannot be that large").got(format_args!("{dimensions:?} points"))
-    })
-}
-
 fn structured(context: &Context, grid: &Element, element: &Element) -> Result<CountedGeometry> {
     let dimensions = extent_dimensions(extent(grid, element)?);
-    let counts = counts(dimensions)?;
+    let counts = structured_counts(dimensions)?;
     let geometry = Geometry::Curvilinear { dimensions, points: points(context, element, counts.0)? };
     Ok((counts, geometry))
 }
@@ -310,7 +304,7 @@ fn rectilinear(context: &Context, grid: &Element, element: &Element) -> Result<C
         context.stored(y, Some(dimensions[1]))?,
         context.stored(z, Some(dimensions[2]))?,
     ]);
-    Ok((counts(dimensions)?, Geometry::Rectilinear { dimensions, axes }))
+    Ok((structured_counts(dimensions)?, Geometry::Rectilinear { dimensions, axes }))
 }
 
 fn uniform(_context: &Context, grid: &Element, element: &Element) -> Result<CountedGeometry> {
@@ -331,7 +325,7 @@ fn uniform(_context: &Context, grid: &Element, element: &Element) -> Result<Coun
         spacing: vector("Spacing", DVec3::ONE)?,
         direction,
     };
-    Ok((counts(dimensions)?, geometry))
+    Ok((structured_counts(dimensions)?, geometry))
 }
 
 /// Encoding of all arrays of a file, from its root element.
