@@ -1,7 +1,7 @@
 //! Text of the shader of a scene: the pieces of its key behind a generated block of constants and of functions that name the
 //! scene's widgets one by one.
 
-use crate::kinds::{Light, Mixing, Snippet};
+use crate::kinds::Snippet;
 use crate::passes::{Access, FramePass, Layout, PartedArray, Parts, cells_read, grid_text};
 use crate::shader_key::{
     Blend, Combine, CompositorProgram, Method, ShaderKey, TileOrder, WgslCall, WidgetChoice,
@@ -208,8 +208,8 @@ impl Block<'_> {
         let shader_key = self.shader_key;
         for (i, widget) in shader_key.widgets.iter().enumerate() {
             let light = match widget.kind.snippets(self.shader_key.constant_emitter).light {
-                Light::Closed(call) => self.call(i, &call),
-                Light::Integrated => format!("light_alone_{i}(part_{i}, depth_{i})"),
+                Some(call) => self.call(i, &call),
+                None => format!("light_alone_{i}(part_{i}, depth_{i})"),
             };
             let share = share.replace('#', &i.to_string());
             self.line(format!("    if 0.0 < part_share(part_{i}) {{ color += {share} * {light}; }}"));
@@ -287,21 +287,15 @@ impl Block<'_> {
     /// The widgets as members. Where the only need for them is a widget alone that has no closed form, the list holds
     /// such widgets, absent ones with an empty range.
     fn members(&mut self) {
-        let emitter = if self.shader_key.constant_emitter {
-            "overlap/constant_emitter"
-        } else {
-            "overlap/density_emitter"
-        };
-        self.uses(&[emitter]);
         let shader_key = self.shader_key;
+        let constant = shader_key.constant_emitter;
+        self.uses(&[if constant { "overlap/constant_emitter" } else { "overlap/density_emitter" }]);
         let (mut fields, mut breaks, mut lights) = (String::new(), String::new(), String::new());
         for (i, widget) in shader_key.widgets.iter().enumerate() {
-            if shader_key.combine != Combine::Ordered
-                && !widget.kind.is_integrated(shader_key.constant_emitter)
-            {
+            if shader_key.combine != Combine::Ordered && !widget.kind.is_integrated(constant) {
                 continue;
             }
-            let calls = widget.kind.snippets(shader_key.constant_emitter);
+            let calls = widget.kind.snippets(constant);
             let (track, next) = (calls.track_type, calls.next_break.replace('#', &i.to_string()));
             self.uses(&calls.track.pieces);
             let light = self.call(i, &calls.member_light);
@@ -320,12 +314,10 @@ impl Block<'_> {
     /// The light of each widget alone that has no closed form: the others have an empty range.
     fn lights_alone(&mut self) {
         let shader_key = self.shader_key;
-        for (i, widget) in shader_key
-            .widgets
-            .iter()
-            .enumerate()
-            .filter(|(_, w)| w.kind.is_integrated(shader_key.constant_emitter))
-        {
+        for (i, widget) in shader_key.widgets.iter().enumerate() {
+            if !widget.kind.is_integrated(shader_key.constant_emitter) {
+                continue;
+            }
             let (member, track) = self.member(i, widget);
             let integral = self.ordered_integral(i, &format!("depth_{i}"));
             self.line(format!(
@@ -375,11 +367,8 @@ impl Block<'_> {
         let shader_key = self.shader_key;
         self.fill_members("    ");
         let integral = self.ordered_integral(0, "depth");
-        let bounded = |widget: &WidgetChoice| match widget.kind.snippets(shader_key.constant_emitter).mixing {
-            Mixing::Bounded => true,
-            Mixing::DensityOnly => !shader_key.constant_emitter,
-            Mixing::Unbounded => false,
-        };
+        let bounded =
+            |widget: &WidgetChoice| widget.kind.snippets(shader_key.constant_emitter).is_mix_bounded;
         if !shader_key.widgets.iter().all(bounded) {
             self.line(format!("    let color = {integral};"));
             return;
@@ -464,8 +453,8 @@ impl Block<'_> {
     /// Writes the colour of a segment at a pixel: the gradient stands behind the values of its cell's points.
     fn finish_pixels(&mut self, is_sum: bool) {
         let shader_key = self.shader_key;
-        self.line(format!("const ATTRIBUTE_STRIDE = {}u;", shader_key.attribute_stride()));
         let stride = shader_key.attribute_stride();
+        self.line(format!("const ATTRIBUTE_STRIDE = {stride}u;"));
         self.text.push_str(&grid_text(cells_read(stride), &shader_key.layout));
         if stride == 0 {
             self.line("fn attribute_of(index: u32, slot: u32) -> f32 { return 0.0; }");

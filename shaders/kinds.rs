@@ -42,33 +42,13 @@ pub(crate) struct Snippet {
     pub text: String,
 }
 
-/// C of a widget that is alone on the segment.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Light {
-    /// In closed form.
-    Closed(Snippet),
-    /// By the ordered integral.
-    Integrated,
-}
-
-/// Error bound of mixed widgets, which exists for a colour that does not vary.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Mixing {
-    /// Under either model.
-    Bounded,
-    /// Under the density-emitter: under the other it glows in many windows.
-    DensityOnly,
-    /// Never.
-    Unbounded,
-}
-
 /// Functions that the generated block calls for a widget of one kind.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct WidgetSnippets {
     /// T of its part.
     pub depth: Snippet,
-    /// C where it is alone, under the model that was asked for.
-    pub light: Light,
+    /// C where it is alone, under the model that was asked for; `None` where it has no closed form, only the ordered integral.
+    pub light: Option<Snippet>,
     /// Makes its track, over the whole segment.
     pub track: Snippet,
     /// The type of the track.
@@ -81,8 +61,8 @@ pub(crate) struct WidgetSnippets {
     pub window: Option<Snippet>,
     /// The rate above which it glows under the constant-emitter.
     pub threshold: &'static str,
-    /// Error bound of its mix with others.
-    pub mixing: Mixing,
+    /// True if the error of its mix with others has a bound: its colour does not vary, and it glows in one window.
+    pub is_mix_bounded: bool,
 }
 
 /// The rate at the cutoff, for a profile of peak 1.
@@ -115,13 +95,11 @@ impl Kind {
         match self {
             Kind::Uniform => {
                 let pieces = ["uniform/depth", "uniform/track", "uniform/track"];
-                let uniform = common_snippets("uniform", "UniformTrack", pieces);
-                let light = snippet(&["uniform/light"], "uniform_light(#u, part_#, depth_#)");
+                let mut uniform = common_snippets("uniform", "UniformTrack", pieces);
                 if constant_emitter {
-                    WidgetSnippets { light: Light::Closed(light), ..uniform }
-                } else {
-                    uniform
+                    uniform.light = Some(snippet(&["uniform/light"], "uniform_light(#u, part_#, depth_#)"));
                 }
+                uniform
             }
             Kind::GaussianLine => {
                 gaussian_snippets("gaussian/widget_line", "gaussian_line", "", constant_emitter)
@@ -153,23 +131,24 @@ impl Kind {
                 let wave = common_snippets("wave", "WaveTrack", pieces);
                 let light = match constant_emitter {
                     false => wave.light,
-                    true => Light::Closed(snippet(&["wave/widget_light"], "wave_light(#u, part_#)")),
+                    true => Some(snippet(&["wave/widget_light"], "wave_light(#u, part_#)")),
                 };
                 let track = snippet(&["wave/widget_track"], "wave_widget_track(#u, part_#)");
-                WidgetSnippets { light, track, mixing: Mixing::DensityOnly, ..wave }
+                // Under the constant-emitter it glows in many windows.
+                WidgetSnippets { light, track, is_mix_bounded: !constant_emitter, ..wave }
             }
             Kind::PiecewiseLinear(count) => piecewise_snippets(*count, constant_emitter),
             Kind::Table => {
                 let cutoff = if constant_emitter { "scene.cutoff" } else { "-1.0" };
                 WidgetSnippets {
-                    light: Light::Integrated,
+                    light: None,
                     track: snippet(&["table/widget"], format!("table_track(#u, {cutoff}, part_#)")),
                     member_light: snippet(
                         &["overlap/member_colors", "table/track"],
                         "member_texels_light(members.member_#, table_texels(members.track_#, at), at, \
                          members.track_#.peak)",
                     ),
-                    mixing: Mixing::Unbounded,
+                    is_mix_bounded: false,
                     ..common_snippets("table", "TableTrack", ["table/widget", "table/widget", "table/track"])
                 }
             }
@@ -178,7 +157,7 @@ impl Kind {
 
     /// True if its light alone has no closed form under the model.
     pub(crate) fn is_integrated(&self, constant_emitter: bool) -> bool {
-        self.snippets(constant_emitter).light == Light::Integrated
+        self.snippets(constant_emitter).light.is_none()
     }
 
     /// Count of its `numbers` beside its region's edges.
@@ -189,11 +168,6 @@ impl Kind {
             Kind::PiecewiseLinear(count) => POINT_NUMBERS * count,
             _ => 0,
         }
-    }
-
-    /// True if it reads an image.
-    pub(crate) fn reads_texels(&self) -> bool {
-        *self == Kind::Table
     }
 
     /// The piece that fills the slot `wave_mean_on_flank`, and its function, of a kind that asks for it.
@@ -216,14 +190,14 @@ fn common_snippets(
     let colors = format!("scene.widgets[#].color, at, {stem}_rates(members.track_#, at)");
     WidgetSnippets {
         depth: snippet(&[depth], format!("{stem}_depth(#u, part_#)")),
-        light: Light::Closed(snippet(&["widgets/density_light"], "density_light(#u, depth_#)")),
+        light: Some(snippet(&["widgets/density_light"], "density_light(#u, depth_#)")),
         track: snippet(&[track], format!("{stem}_track(#u, part_#)")),
         track_type,
         next_break: format!("{stem}_next_break(members.track_#, t)"),
         member_light: snippet(&[rates], format!("member_light(members.member_#, {colors})")),
         window: None,
         threshold: CUTOFF_RATE,
-        mixing: Mixing::Bounded,
+        is_mix_bounded: true,
     }
 }
 
@@ -239,7 +213,7 @@ fn gaussian_snippets(piece: &'static str, stem: &str, count: &str, constant_emit
         depth: with("gaussian/depth", format!("gaussian_depth(#u, part_#, {inside})")),
         light: match constant_emitter {
             false => common.light,
-            true => Light::Closed(with("gaussian/light", format!("gaussian_light(#u, part_#, {inside})"))),
+            true => Some(with("gaussian/light", format!("gaussian_light(#u, part_#, {inside})"))),
         },
         track: with("gaussian/track", format!("gaussian_track({whole}, widget_rate(#u, part_#))")),
         window: Some(with("gaussian/path", format!("gaussian_window_ends({whole}, scene.level)"))),
@@ -254,7 +228,7 @@ fn triangular_snippets(constant_emitter: bool) -> WidgetSnippets {
     let common = common_snippets("triangular", "TriangularTrack", pieces);
     let window = "triangular_window_ends(members.track_#, scene.level)";
     WidgetSnippets {
-        light: if constant_emitter { Light::Integrated } else { common.light },
+        light: common.light.filter(|_| !constant_emitter),
         window: Some(snippet(&["triangular_gaussian/track"], window)),
         threshold: ANY_RATE,
         ..common
@@ -265,7 +239,7 @@ fn piecewise_snippets(count: usize, constant_emitter: bool) -> WidgetSnippets {
     let call = |piece, function: &str| snippet(&[piece], format!("{function}(#u, {count}u, part_#)"));
     WidgetSnippets {
         depth: call("piecewise_linear/widget_depth", "piecewise_depth"),
-        light: Light::Closed(match constant_emitter {
+        light: Some(match constant_emitter {
             false => call("piecewise_linear/widget_density_light", "piecewise_density_light"),
             true => call("piecewise_linear/widget_light", "piecewise_light"),
         }),
@@ -279,7 +253,7 @@ fn piecewise_snippets(count: usize, constant_emitter: bool) -> WidgetSnippets {
         ),
         window: None,
         threshold: "widget_rate(#u, part_#) * scene.widgets[#].matrix.x",
-        mixing: Mixing::Unbounded,
+        is_mix_bounded: false,
     }
 }
 
@@ -441,11 +415,6 @@ pub(crate) struct SegmentExtent<'a> {
 }
 
 impl SegmentExtent<'_> {
-    /// Span of s (0) or g (1).
-    pub fn span(&self, axis: usize) -> f64 {
-        self.spans.values[axis]
-    }
-
     /// Span of a further field.
     pub fn span_of(&self, field: &str) -> f64 {
         let place = self.transfer_function.fields().iter().position(|name| *name == field);
@@ -461,18 +430,13 @@ impl SegmentExtent<'_> {
     pub fn depth(&self, widget: &Widget) -> f64 {
         self.length() * widget.peak()
     }
-
-    /// Cutoff of the constant-emitter.
-    pub fn cutoff(&self) -> Option<f64> {
-        self.transfer_function.model.cutoff()
-    }
 }
 
 /// Checks that 32 bits hold the widget on every segment of a data set.
 pub(crate) fn check_32_bits(widget: &Widget, extent: &SegmentExtent) -> Result<()> {
     match &widget.profile {
         Profile::Gaussian { matrix, .. } => {
-            let [s, g] = [0, 1].map(|axis| extent.span(axis));
+            let (s, g) = (extent.spans.values[0], extent.spans.values[1]);
             check_widths(matrix.iter().map(|row| (row[0] * s).abs() + (row[1] * g).abs()))
         }
         Profile::GaussianNd { fields, matrix, .. } => {
@@ -502,7 +466,8 @@ fn check_widths(rows: impl Iterator<Item = f64>) -> Result<()> {
 }
 
 fn check_wave(widget: &Widget, wave: &Wave, extent: &SegmentExtent) -> Result<()> {
-    let bands: f64 = wave.step().iter().enumerate().map(|(a, step)| (step * extent.span(a)).abs()).sum();
+    let bands: f64 =
+        wave.step().iter().enumerate().map(|(a, step)| (step * extent.spans.values[a]).abs()).sum();
     let by_width = bands / wave.band_width;
     let refuse = |why: &str, found: f64, most: f64| {
         Err(Error::run(why)
@@ -521,7 +486,7 @@ fn check_wave(widget: &Widget, wave: &Wave, extent: &SegmentExtent) -> Result<()
     }
     // On a part of one band the place has all its digits.
     let whole = bands.round() / wave.band_width;
-    if let Some(most) = extent.cutoff().map(|cutoff| SUDDEN_BANDS * cutoff)
+    if let Some(most) = extent.transfer_function.model.cutoff().map(|cutoff| SUDDEN_BANDS * cutoff)
         && extent.depth(widget) > OPAQUE
         && whole > most
     {
@@ -534,7 +499,7 @@ fn check_wave(widget: &Widget, wave: &Wave, extent: &SegmentExtent) -> Result<()
 /// A ramp of depth P over the share w of the segment has the depth P t²/2w at t, so at most the rate √(2P/w) where that is 1.
 fn check_ramps(points: &[ControlPoint], extent: &SegmentExtent) -> Result<()> {
     for (low, high) in points.iter().zip(points.iter().skip(1)) {
-        let share = ((high.s - low.s) / extent.span(0)).min(1.0);
+        let share = ((high.s - low.s) / extent.spans.values[0]).min(1.0);
         let depth = extent.length() * low.extinction.max(high.extinction);
         let rate = depth.min((2.0 * depth / share).sqrt());
         if low.color != high.color && high.s > low.s && rate > MAX_RAMP_RATE {

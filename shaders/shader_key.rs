@@ -257,7 +257,7 @@ impl ShaderKey {
         if self.method.is_table_of_lengths() {
             return Some("glow");
         }
-        let has_images = self.widgets.iter().any(|widget| widget.kind.reads_texels());
+        let has_images = self.widgets.iter().any(|widget| widget.kind == Kind::Table);
         has_images.then_some("texel")
     }
 

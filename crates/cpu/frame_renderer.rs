@@ -4,7 +4,7 @@ use crate::attribute::{Attribute, gradient_attributes};
 use crate::composite::frame::{FrameContext, SegmentSource};
 use crate::composite::worker::{Worker, WorkerOutput};
 use crate::counts::Counts;
-use crate::projection::{PreparedSource, Projection, SubpixelView};
+use crate::projection::{Projection, SubpixelView};
 use crate::segment_cache::{CacheBudget, SegmentCache};
 use crate::shade::shader::Shader;
 use crate::tile::{TILE, TilePicture};
@@ -54,23 +54,14 @@ impl FrameRenderer<'_> {
         self.draw(depth_limit, None, progress)
     }
 
-    /// Like [`FrameRenderer::composite`], from cached segments of this view: the projection is one of no cell.
-    pub(crate) fn composite_cached(
-        &self,
-        cache: &SegmentCache,
-        progress: &dyn Progress,
-    ) -> Result<(Picture, Counts)> {
-        self.draw(None, Some(cache), progress)
-    }
-
     /// Records the segments in place of drawing them: of one sample a pixel. `None` where they take more than `limit` bytes, or a
     /// pixel has too many.
     pub(crate) fn record(&self, limit: u64, progress: &dyn Progress) -> Result<Option<SegmentCache>> {
         let Some(sample) = self.projection.samples.first() else { return Ok(None) };
         let budget = CacheBudget::new(limit);
         let tiles = sample.queue();
-        let source = sample.source(&tiles, None);
-        let frame = FrameContext { sorted: true, ..self.frame(sample, source, &self.attributes, None) };
+        let frame = self.frame(sample, &tiles, &self.attributes, (None, None));
+        let frame = FrameContext { sorted: true, ..frame };
         let outputs = self.run(&frame, Some(&budget), progress)?;
         if budget.is_exhausted() {
             return Ok(None);
@@ -84,15 +75,15 @@ impl FrameRenderer<'_> {
     fn frame<'b>(
         &'b self,
         sample: &'b SubpixelView,
-        source: SegmentSource<'b>,
+        tiles: &'b [u32],
         attributes: &'b [Attribute<'b>],
-        depth_limit: Option<&'b [f32]>,
+        (depth_limit, cache): (Option<&'b [f32]>, Option<&'b SegmentCache>),
     ) -> FrameContext<'b> {
         let cells = &self.projection.cells;
         let grid = &cells.volume.grid;
         let sorted = match cells.ordering {
             // Cached segments are sorted.
-            _ if matches!(source, SegmentSource::Cached(_)) => false,
+            _ if cache.is_some() => false,
             // The cells may have been ordered for another shading.
             Ordering::Independent | Ordering::PerPixel => self.shader.one_color.is_none(),
             Ordering::CellCentroid | Ordering::Submission => false,
@@ -101,7 +92,9 @@ impl FrameRenderer<'_> {
             view: &sample.view,
             lanes: cells.lanes,
             shader: &self.shader,
-            source,
+            source: &sample.source,
+            tiles,
+            cache,
             input: sample.input(grid, attributes),
             points: &grid.points,
             near: sample.near,
@@ -131,7 +124,8 @@ impl FrameRenderer<'_> {
         }
     }
 
-    fn draw(
+    /// [`FrameRenderer::composite_with_depth`], or from cached segments of this view, for a projection of no cell.
+    pub(crate) fn draw(
         &self,
         depth_limit: Option<&[f32]>,
         cache: Option<&SegmentCache>,
@@ -162,23 +156,16 @@ impl FrameRenderer<'_> {
                 }
             };
             let tiles = sample.queue();
-            let source = match cache {
-                Some(cache) => SegmentSource::Cached(cache),
-                None => sample.source(&tiles, None),
-            };
-            let mut outputs = self.run(&self.frame(sample, source, &all, depth_limit), None, progress)?;
+            let frame = self.frame(sample, &tiles, &all, (depth_limit, cache));
+            let mut outputs = self.run(&frame, None, progress)?;
             let mut mistracked: Vec<u32> =
                 outputs.iter().flat_map(|output| output.mistracked.iter().copied()).collect();
             mistracked.sort_unstable();
             if !mistracked.is_empty() {
                 let projected = sample.projected(cells, &all, &mistracked)?;
-                let source = projected.source(&mistracked, Some(&mistracked));
                 counts.tiles_lost += mistracked.len() as u64;
-                outputs.extend(self.run(
-                    &self.frame(&projected, source, &all, depth_limit),
-                    None,
-                    progress,
-                )?);
+                let frame = self.frame(&projected, &mistracked, &all, (depth_limit, None));
+                outputs.extend(self.run(&frame, None, progress)?);
             }
             let tiles_wide = width.div_ceil(TILE);
             let mut pictures: Vec<Option<&TilePicture>> = vec![None; tiles_wide * height.div_ceil(TILE)];
@@ -198,18 +185,9 @@ impl SubpixelView {
     /// Tiles that have work, numbered row by row, those with most work first; none where regions are projected one by one.
     fn queue(&self) -> Vec<u32> {
         match &self.source {
-            PreparedSource::Tiles(bins) => bins.queue(self.view.size[0]),
-            PreparedSource::Regions(_) => Vec::new(),
-            PreparedSource::RayCast(caster) => caster.queue(),
-        }
-    }
-
-    /// Source of segments, for `tiles`. `only`: the tiles of regions that are drawn; `None`: all.
-    fn source<'a>(&'a self, tiles: &'a [u32], only: Option<&'a [u32]>) -> SegmentSource<'a> {
-        match &self.source {
-            PreparedSource::Tiles(bins) => SegmentSource::Tiles { bins, tiles },
-            PreparedSource::Regions(regions) => SegmentSource::Regions { regions: &regions.list, only },
-            PreparedSource::RayCast(caster) => SegmentSource::RayCast { caster, tiles },
+            SegmentSource::Tiles(bins) => bins.queue(self.view.size[0]),
+            SegmentSource::Regions(_) => Vec::new(),
+            SegmentSource::RayCast(caster) => caster.queue(),
         }
     }
 }

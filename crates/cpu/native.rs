@@ -204,7 +204,7 @@ impl NativeVolume {
         let projection = project(&cells, transfer_function, camera, false, progress)?;
         let renderer = prepare(&projection, transfer_function, shading)?;
         timer.end(Stage::SetUp);
-        let (picture, counts) = renderer.composite_cached(segments, progress)?;
+        let (picture, counts) = renderer.draw(None, Some(segments), progress)?;
         timer.end(Stage::Composite);
         let mut drawn = RenderOutput { is_passing: true, ..RenderOutput::new(picture, timer.stages) };
         let why = "the segments of this view were kept when its widgets changed";

@@ -3,11 +3,10 @@
 use crate::attribute::Attribute;
 use crate::cast::{RayCastPolicy, RayCaster};
 use crate::cells::Cells;
-use crate::composite::frame::BufferPool;
+use crate::composite::frame::{BufferPool, SegmentSource};
 use crate::fragments::crossing::Near;
 use crate::project::cells::Input;
 use crate::project::regions::Regions;
-use crate::project::tile_bins::TileBins;
 use crate::tile::{Area, TILE};
 use crate::view::{ScreenVertex, View};
 use rayon::prelude::*;
@@ -76,7 +75,7 @@ pub(crate) fn cells_of_region(max_resident_cells: usize) -> usize {
 pub(crate) struct SubpixelView {
     pub view: View,
     screen_vertices: Arc<Vec<ScreenVertex>>,
-    pub source: PreparedSource,
+    pub source: SegmentSource,
     buffers: Arc<BufferPool>,
     /// See [`Input::max_optical_depth`].
     max_optical_depth: f64,
@@ -85,30 +84,19 @@ pub(crate) struct SubpixelView {
     pub attribute_count: usize,
 }
 
-/// Source of segments, as far as it is prepared before the compositor begins.
-#[derive(Debug)]
-pub(crate) enum PreparedSource {
-    /// All cells are projected.
-    Tiles(TileBins),
-    /// No cell is projected: workers project region by region.
-    Regions(Regions),
-    /// No cell is projected: rays go from cell to cell.
-    RayCast(RayCaster),
-}
-
-impl PreparedSource {
+impl SegmentSource {
     /// Projects the selected cells for an area, or bins them by regions of it where they are more than `max_resident_cells`.
     ///
     /// Errors: those of [`TileBins::fill_on_all`].
-    fn new(cells: &Cells, input: &Input<'_>, max_resident_cells: usize) -> Result<PreparedSource> {
+    fn new(cells: &Cells, input: &Input<'_>, max_resident_cells: usize) -> Result<SegmentSource> {
         let (ids, lanes, points) = (cells.ids.as_slice(), cells.lanes, &cells.volume.grid.points);
         if max_resident_cells < ids.len() {
             let count = cells_of_region(max_resident_cells);
-            return Ok(PreparedSource::Regions(Regions::new(input, lanes, points, ids, count)));
+            return Ok(SegmentSource::Regions(Regions::new(input, lanes, points, ids, count)));
         }
         let mut bins = cells.buffers.bins.take();
         bins.fill_on_all(input, lanes, points, ids)?;
-        Ok(PreparedSource::Tiles(bins))
+        Ok(SegmentSource::Tiles(bins))
     }
 }
 
@@ -145,8 +133,8 @@ impl SubpixelView {
 
         let faces = cells.faces.as_ref();
         let source = match faces.and_then(|faces| RayCaster::new(cells, faces, &input, policy)) {
-            Some(caster) => PreparedSource::RayCast(caster),
-            None => PreparedSource::new(cells, &input, cells.max_resident_cells)?,
+            Some(caster) => SegmentSource::RayCast(caster),
+            None => SegmentSource::new(cells, &input, cells.max_resident_cells)?,
         };
         progress.check_cancelled()?;
         let near = (nearest < view.near && (!view.perspective || view.near > 0.0)).then(|| {
@@ -180,8 +168,8 @@ impl SubpixelView {
         let input =
             Input { area: Area::around(self.view.size, tiles), ..self.input(&cells.volume.grid, attributes) };
         let max_resident_cells = cells.max_resident_cells.min(MAX_RESIDENT_CELLS_OF_FALLBACK);
-        let mut source = PreparedSource::new(cells, &input, max_resident_cells)?;
-        if let PreparedSource::Regions(regions) = &mut source {
+        let mut source = SegmentSource::new(cells, &input, max_resident_cells)?;
+        if let SegmentSource::Regions(regions) = &mut source {
             regions.retain(tiles, self.view.size[0].div_ceil(TILE));
         }
         let (screen_vertices, buffers) = (self.screen_vertices.clone(), self.buffers.clone());
@@ -204,16 +192,16 @@ impl SubpixelView {
     /// Cells that cover a pixel centre. `None` where no cell is projected, since rays go from cell to cell.
     pub fn cell_count(&self) -> Option<u64> {
         match &self.source {
-            PreparedSource::Tiles(bins) => Some(bins.cell_count()),
-            PreparedSource::Regions(regions) => Some(regions.cell_count),
-            PreparedSource::RayCast(_) => None,
+            SegmentSource::Tiles(bins) => Some(bins.cell_count()),
+            SegmentSource::Regions(regions) => Some(regions.cell_count),
+            SegmentSource::RayCast(_) => None,
         }
     }
 }
 
 impl Drop for SubpixelView {
     fn drop(&mut self) {
-        if let PreparedSource::Tiles(bins) = &mut self.source {
+        if let SegmentSource::Tiles(bins) = &mut self.source {
             self.buffers.bins.put(std::mem::take(bins));
         }
     }

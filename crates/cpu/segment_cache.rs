@@ -29,7 +29,7 @@ pub(crate) struct SegmentCache {
 }
 
 /// Cached segments of a tile, slice by slice: the lengths of 16 pixels, each attribute at their entries, each at their exits.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct CachedTile {
     /// The first slice of each row; then the end of the last.
     pub(super) begins: [u32; TILE + 1],
@@ -82,49 +82,16 @@ impl CacheBudget {
         self.exhausted.store(true, Ordering::Relaxed);
     }
 
-    /// Takes bytes of the budget. Returns false, and exhausts it, where they are too many.
-    fn take(&self, bytes: u64) -> bool {
+    /// Takes a recorded tile's bytes of the budget. Returns `None`, and exhausts it, where they are too many.
+    pub fn take(&self, mut tile: CachedTile) -> Option<CachedTile> {
+        tile.numbers.shrink_to_fit();
+        let bytes = size_of_val(tile.numbers.as_slice()) as u64;
         let less = |remaining: u64| remaining.checked_sub(bytes);
         let taken = self.remaining.fetch_update(Ordering::Relaxed, Ordering::Relaxed, less).is_ok();
         if !taken {
             self.exhaust();
         }
-        taken
-    }
-}
-
-/// Recorder of a tile's segments, in order.
-pub(crate) struct TileRecorder {
-    tile: CachedTile,
-    scalar_count: usize,
-}
-
-impl TileRecorder {
-    pub fn new(scalar_count: usize) -> TileRecorder {
-        TileRecorder { tile: CachedTile { begins: [0; TILE + 1], numbers: Vec::new() }, scalar_count }
-    }
-
-    /// Takes the first `count` segments of a batch, slices of a row.
-    pub fn take(&mut self, row: usize, batch: &Batch, count: usize) {
-        let columns = || {
-            let ends = batch.front[..self.scalar_count].iter().chain(&batch.back[..self.scalar_count]);
-            std::iter::once(&*batch.length).chain(ends)
-        };
-        for at in (0..count).step_by(TILE) {
-            for column in columns() {
-                self.tile.numbers.extend_from_slice(&column[at..][..TILE]);
-            }
-        }
-        let slices = (count / TILE) as u32;
-        self.tile.begins[row + 1..].iter_mut().for_each(|begin| *begin += slices);
-    }
-
-    /// The recorded tile; `None` where the budget is exhausted.
-    pub fn end(self, budget: &CacheBudget) -> Option<CachedTile> {
-        let TileRecorder { mut tile, .. } = self;
-        let bytes = tile.numbers.len() * size_of::<f32>();
-        tile.numbers.shrink_to_fit();
-        budget.take(bytes as u64).then_some(tile)
+        taken.then_some(tile)
     }
 }
 
@@ -140,6 +107,18 @@ pub(crate) struct CachedSlices<'a> {
 }
 
 impl CachedTile {
+    /// Records the first `count` segments of a batch, slices of a row, behind those of the rows before.
+    pub fn record(&mut self, row: usize, batch: &Batch, count: usize) {
+        let ends = [&batch.front, &batch.back].map(|columns| &columns[..batch.scalar_count]);
+        for at in (0..count).step_by(TILE) {
+            for column in std::iter::once(&*batch.length).chain(ends.into_iter().flatten()) {
+                self.numbers.extend_from_slice(&column[at..][..TILE]);
+            }
+        }
+        let slices = (count / TILE) as u32;
+        self.begins[row + 1..].iter_mut().for_each(|begin| *begin += slices);
+    }
+
     /// Slices of a row.
     pub fn slices(&self, row: usize, scalar_count: usize) -> CachedSlices<'_> {
         let columns = 1 + 2 * scalar_count;

@@ -1,8 +1,8 @@
 //! Passes that are the same for every scene, bound: the view and what is a pass's own in group 1, the grid's arrays in group
 //! 2; and the sort of all cells by distance, a radix sort on the device, which gathers the cells that can be seen on its way.
 
+use crate::device::GrowingBuffer;
 use crate::device::pipelines::{Binding, Bound, BoundPass, Program, bound, in_order};
-use crate::device::{Device, GrowingBuffer};
 use crate::grid::{DeviceArray, DeviceGrid, SplitBuffer};
 use voltet_core::Result;
 use voltet_optics::engine::Stage;
@@ -18,15 +18,17 @@ fn stage(pass: FramePass) -> Stage {
     }
 }
 
-/// The grid's arrays, and those that the first passes make of them.
-pub(crate) struct GridArrays<'a> {
+/// Compiles passes over one grid, with the arrays that the first of them make, and binds them.
+pub(crate) struct Binder<'a> {
     pub grid: &'a DeviceGrid,
+    pub view: &'a Buffer,
+    pub layout: &'a Layout,
     pub seen: SplitBuffer,
     pub attributes: SplitBuffer,
     pub bounds: SplitBuffer,
 }
 
-impl GridArrays<'_> {
+impl Binder<'_> {
     /// Bindings of the group of the grid. `quantity`: the array that [`GridArray::Quantity`] stands for.
     pub fn bindings<'b>(
         &'b self,
@@ -47,18 +49,8 @@ impl GridArrays<'_> {
         };
         in_order(arrays.iter().flat_map(parts))
     }
-}
 
-/// Compiles passes over one grid and binds them.
-pub(crate) struct Binder<'a> {
-    pub device: &'a Device,
-    pub view: &'a Buffer,
-    pub arrays: &'a GridArrays<'a>,
-    pub layout: &'a Layout,
-}
-
-impl Binder<'_> {
-    /// A pass that is the same for every scene. `own`: see [`Binder::own`]; `quantity`: see [`GridArrays::bindings`].
+    /// A pass that is the same for every scene. `own`: see [`Binder::own`]; `quantity`: see [`Binder::bindings`].
     pub fn step(
         &self,
         pass: FramePass,
@@ -67,8 +59,8 @@ impl Binder<'_> {
         own: &[&Buffer],
         quantity: &DeviceArray,
     ) -> Result<BoundPass> {
-        let in_grid = self.arrays.bindings(pass.grid_arrays(), quantity);
-        self.device.pass(&Program {
+        let in_grid = self.bindings(pass.grid_arrays(), quantity);
+        self.grid.device.pass(&Program {
             name: (pass.entry_point(), stage(pass)),
             shader: &pass.shader(self.layout),
             constants,
@@ -140,7 +132,7 @@ impl SortBuffers {
         items: Items,
         quantity: &DeviceArray,
     ) -> Result<Sort> {
-        let device = binder.device;
+        let device = &binder.grid.device;
         let blocks = capacity.div_ceil(RoundRecord::ITEMS);
         let storage = |size: u64| device.storage("the sorted cells", size);
         let [first, second] = &mut self.lists;
@@ -221,8 +213,8 @@ mod tests {
         let mut buffers = SortBuffers::default();
         let view = device.uniform("the view", &[0; size_of::<ViewRecord>()]).expect("fits");
         let nothing = || vec![device.storage("nothing", 16).expect("fits")];
-        let arrays = GridArrays { grid, seen: nothing(), attributes: nothing(), bounds: nothing() };
-        let binder = Binder { device, view: &view, arrays: &arrays, layout: &Layout::WHOLE };
+        let (seen, attributes, bounds) = (nothing(), nothing(), nothing());
+        let binder = Binder { grid, view: &view, layout: &Layout::WHOLE, seen, attributes, bounds };
         let scalar = grid.stored(volume, ValueArray::Scalar).expect("fits");
         let sort = buffers.sort(&binder, capacity, ROUNDS, Items::Listed, &scalar).expect("compiles");
         // An even number of rounds ends where it began.

@@ -113,7 +113,7 @@ impl Raster {
     pub fn new(blending: &Blending, kept: &mut RasterBuffers, binder: &Binder) -> Result<Raster> {
         let &Blending { shader, form, ref target, sorted, window, scalar, scene, in_grid, pixels, .. } =
             blending;
-        let (device, cell_count) = (binder.device, binder.arrays.grid.cell_count);
+        let (device, cell_count) = (&binder.grid.device, binder.grid.cell_count);
         // A run's corners stand in one binding.
         let fit = (device.most_bytes() / RunRecord::CELL_BYTES).max(1);
         let most = if form == TRIANGLES { fit.try_into().unwrap_or(u32::MAX) } else { u32::MAX };

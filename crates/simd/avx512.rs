@@ -152,24 +152,32 @@ impl Unsigned for U {
     }
 }
 
-impl Mask for M {
-    #[inline(always)]
-    fn and(self, other: M) -> M {
-        M(self.0 & other.0)
-    }
-    #[inline(always)]
-    fn or(self, other: M) -> M {
-        M(self.0 | other.0)
-    }
-    #[inline(always)]
-    fn not(self) -> M {
-        M(!self.0)
-    }
-    #[inline(always)]
-    fn bits(self) -> u32 {
-        u32::from(self.0)
-    }
+/// Masks whose register is a number of one bit a lane.
+macro_rules! mask {
+    ($type:ident) => {
+        impl Mask for $type {
+            #[inline(always)]
+            fn and(self, other: $type) -> $type {
+                $type(self.0 & other.0)
+            }
+            #[inline(always)]
+            fn or(self, other: $type) -> $type {
+                $type(self.0 | other.0)
+            }
+            #[inline(always)]
+            fn not(self) -> $type {
+                $type(!self.0)
+            }
+            #[inline(always)]
+            fn bits(self) -> u32 {
+                self.0.into()
+            }
+        }
+    };
 }
+
+mask!(M);
+mask!(MD);
 
 operator!(D, Add, add, _mm512_add_pd);
 operator!(D, Sub, sub, _mm512_sub_pd);
@@ -195,24 +203,5 @@ impl Double for D {
         fn lt(self, other: D) -> MD = _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0);
         fn le(self, other: D) -> MD = _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0);
         fn select(mask: MD, yes: D, no: D) -> D = _mm512_mask_blend_pd(mask.0, no.0, yes.0);
-    }
-}
-
-impl Mask for MD {
-    #[inline(always)]
-    fn and(self, other: MD) -> MD {
-        MD(self.0 & other.0)
-    }
-    #[inline(always)]
-    fn or(self, other: MD) -> MD {
-        MD(self.0 | other.0)
-    }
-    #[inline(always)]
-    fn not(self) -> MD {
-        MD(!self.0)
-    }
-    #[inline(always)]
-    fn bits(self) -> u32 {
-        u32::from(self.0)
     }
 }

@@ -111,19 +111,6 @@ impl Float for F {
         on_processor!(vst1q_f32(b.as_mut_ptr(), self.0[1]))
     }
     #[inline(always)]
-    fn min(self, other: F) -> F {
-        // Not FMIN, which gives NaN where either is.
-        F::select(self.lt(other), self, other)
-    }
-    #[inline(always)]
-    fn max(self, other: F) -> F {
-        F::select(other.lt(self), self, other)
-    }
-    #[inline(always)]
-    fn permute(self, index: U) -> F {
-        F::from_bits(self.to_bits().permute(index))
-    }
-    #[inline(always)]
     fn gather(values: &[f32], index: U) -> F {
         let mut places = [0; WIDTH];
         inside::<Neon>(index, values.len()).store(&mut places);
@@ -277,14 +264,6 @@ impl Double for D {
         let [a, b]: &mut [[f32; 2]; VECTORS] = first_mut(values);
         on_processor!(vst1_f32(a.as_mut_ptr(), vcvt_f32_f64(self.0[0])));
         on_processor!(vst1_f32(b.as_mut_ptr(), vcvt_f32_f64(self.0[1])))
-    }
-    #[inline(always)]
-    fn min(self, other: D) -> D {
-        D::select(self.lt(other), self, other)
-    }
-    #[inline(always)]
-    fn max(self, other: D) -> D {
-        D::select(other.lt(self), self, other)
     }
 
     operations! {

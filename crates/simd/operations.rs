@@ -44,9 +44,15 @@ pub trait Double:
     /// self × b + c, fused where the processor can.
     fn mul_add(self, b: Self, c: Self) -> Self;
     /// The smaller lane; the second operand where either is NaN.
-    fn min(self, other: Self) -> Self;
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self::select(self.lt(other), self, other)
+    }
     /// The larger lane; the second operand where either is NaN.
-    fn max(self, other: Self) -> Self;
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self::select(other.lt(self), self, other)
+    }
     /// Absolute value.
     fn abs(self) -> Self;
     /// Smallest integer not below.
@@ -75,9 +81,15 @@ pub trait Float:
     /// self × b + c, fused where the processor can.
     fn mul_add(self, b: Self, c: Self) -> Self;
     /// The smaller lane; the second operand where either is NaN.
-    fn min(self, other: Self) -> Self;
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self::select(self.lt(other), self, other)
+    }
     /// The larger lane; the second operand where either is NaN.
-    fn max(self, other: Self) -> Self;
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self::select(other.lt(self), self, other)
+    }
     /// Absolute value.
     fn abs(self) -> Self;
     /// Square root, correctly rounded.
@@ -99,7 +111,10 @@ pub trait Float:
     /// Truncated to an integer; values must lie in 0 … 2³¹ − 1.
     fn to_unsigned(self) -> <Self::Lanes as Lanes>::U;
     /// Lane i is `self[index[i]]`; indices must be below `WIDTH`.
-    fn permute(self, index: <Self::Lanes as Lanes>::U) -> Self;
+    #[inline(always)]
+    fn permute(self, index: <Self::Lanes as Lanes>::U) -> Self {
+        Self::from_bits(self.to_bits().permute(index))
+    }
     /// Lane i is `values[index[i]]`. An index past the end would be the caller's mistake: it takes the last value, and
     /// stops a build with debug assertions. The slice must hold something, and at most 2³¹ values.
     fn gather(values: &[f32], index: <Self::Lanes as Lanes>::U) -> Self;
@@ -327,14 +342,6 @@ impl Double for f64 {
     #[inline(always)]
     fn mul_add(self, b: f64, c: f64) -> f64 {
         f64::mul_add(self, b, c)
-    }
-    #[inline(always)]
-    fn min(self, other: f64) -> f64 {
-        if self < other { self } else { other }
-    }
-    #[inline(always)]
-    fn max(self, other: f64) -> f64 {
-        if other < self { self } else { other }
     }
     #[inline(always)]
     fn abs(self) -> f64 {

@@ -94,14 +94,6 @@ impl Float for F {
         if FUSED { each!(F, |i| self.0[i].mul_add(b.0[i], c.0[i])) } else { self * b + c }
     }
     #[inline(always)]
-    fn min(self, other: F) -> F {
-        F::select(self.lt(other), self, other)
-    }
-    #[inline(always)]
-    fn max(self, other: F) -> F {
-        F::select(other.lt(self), self, other)
-    }
-    #[inline(always)]
     fn gather(values: &[f32], index: U) -> F {
         let index = inside::<Portable>(index, values.len());
         each!(F, |i| values[index.0[i] as usize])
@@ -132,7 +124,6 @@ impl Float for F {
         fn to_bits(self) -> U = |i| self.0[i].to_bits();
         fn from_bits(bits: U) -> F = |i| f32::from_bits(bits.0[i]);
         fn to_unsigned(self) -> U = |i| self.0[i] as u32;
-        fn permute(self, index: U) -> F = |i| self.0[index.0[i] as usize % WIDTH];
     }
 }
 
@@ -219,14 +210,6 @@ impl Double for D {
     #[inline(always)]
     fn mul_add(self, b: D, c: D) -> D {
         if FUSED { each!(D, |i| self.0[i].mul_add(b.0[i], c.0[i])) } else { self * b + c }
-    }
-    #[inline(always)]
-    fn min(self, other: D) -> D {
-        D::select(self.lt(other), self, other)
-    }
-    #[inline(always)]
-    fn max(self, other: D) -> D {
-        D::select(other.lt(self), self, other)
     }
 
     operations! {

@@ -99,10 +99,6 @@ impl Float for F {
         F(on_processor!(_mm_sub_ps(nearest.0, _mm_and_ps(self.lt(nearest).0, _mm_set1_ps(1.0)))))
     }
     #[inline(always)]
-    fn permute(self, index: U) -> F {
-        F::from_bits(self.to_bits().permute(index))
-    }
-    #[inline(always)]
     fn gather(values: &[f32], index: U) -> F {
         let mut places = [0; WIDTH];
         inside::<Sse2>(index, values.len()).store(&mut places);

@@ -100,9 +100,8 @@ impl HalfFaces {
                 let mut boundary = Vec::new();
                 for (k, (&cell, records)) in cells.iter().zip(records.chunks_exact_mut(4)).enumerate() {
                     let corners = &tetrahedra[cell as usize];
-                    let of_cell =
-                        CellCorners { index: (chunk * CHUNK + k) as u32, cell: cell as usize, corners };
-                    of_cell.add(mesh, index_of, records, &mut boundary);
+                    let numbers = ((chunk * CHUNK + k) as u32, cell as usize);
+                    mesh.add_half_faces(numbers, corners, index_of, records, &mut boundary);
                 }
                 boundary
             })
@@ -120,23 +119,17 @@ impl HalfFaces {
     }
 }
 
-/// A cell, and its index among the drawn cells.
-struct CellCorners<'a> {
-    index: u32,
-    cell: usize,
-    corners: &'a [u32; 4],
-}
-
-impl CellCorners<'_> {
-    /// Adds its half-faces to the records and the boundary.
-    fn add(
+impl Mesh {
+    /// Adds a cell's half-faces to the records and the boundary. `index`: that of the cell among the drawn ones.
+    fn add_half_faces(
         &self,
-        mesh: &Mesh,
+        (index, cell): (u32, usize),
+        corners: &[u32; 4],
         index_of: impl Fn(u32) -> u32,
         records: &mut [[f32; 4]],
         boundary: &mut Vec<BoundaryFace>,
     ) {
-        let side = match mesh.sides[self.cell] {
+        let side = match self.sides[cell] {
             Side::Positive => 0,
             Side::Negative => 1,
             // No ray comes in.
@@ -145,18 +138,18 @@ impl CellCorners<'_> {
         let order = ORDER.map(|[a, b, c]| if side == 0 { [a, b, c] } else { [a, c, b] });
         let mut behind = [EXIT_FLAG; 4];
         for (face, behind) in behind.iter_mut().enumerate() {
-            let there = mesh.neighbours[4 * self.cell + face];
-            let index = if there == NO_FACE { NO_FACE } else { index_of(there / 4) };
-            if index == NO_FACE {
-                let half_face = 4 * self.index + face as u32;
+            let there = self.neighbours[4 * cell + face];
+            let other = if there == NO_FACE { NO_FACE } else { index_of(there / 4) };
+            if other == NO_FACE {
+                let half_face = 4 * index + face as u32;
                 *behind = EXIT_FLAG | half_face;
-                boundary.push(BoundaryFace { half_face, corners: order[face].map(|k| self.corners[k]) });
+                boundary.push(BoundaryFace { half_face, corners: order[face].map(|k| corners[k]) });
             } else {
-                *behind = (4 * index + there % 4) << ROTATION_BITS;
+                *behind = (4 * other + there % 4) << ROTATION_BITS;
             }
         }
         for (face, record) in records.iter_mut().enumerate() {
-            let mut words = [self.corners[face], 0, 0, 0];
+            let mut words = [corners[face], 0, 0, 0];
             for (slot, word) in words[1..].iter_mut().enumerate() {
                 // Out by the face that lacks this corner.
                 let next = behind[order[face][slot]];

@@ -27,7 +27,5 @@ pub(crate) mod ray_caster;
 mod tests;
 pub(crate) mod traversal;
 
-pub(crate) use half_faces::FaceCache;
-pub(crate) use half_faces::{BYTES_PER_CELL, MAX_CELLS};
-pub(crate) use ray_caster::RayCastPolicy;
-pub(crate) use ray_caster::RayCaster;
+pub(crate) use half_faces::{BYTES_PER_CELL, FaceCache, MAX_CELLS};
+pub(crate) use ray_caster::{RayCastPolicy, RayCaster};

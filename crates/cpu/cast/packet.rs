@@ -104,7 +104,7 @@ impl<'a> RayPacket<'a> {
                 self.spread[axis][ray] = n as u32 * ray_spread;
             }
             self.length_per_depth[ray] = length_per_depth[pixel];
-            self.exit_checksum[ray] = self.hits.exit_checksum(pixel);
+            self.exit_checksum[ray] = self.hits.exit_checksum[pixel];
         }
         for ray in 0..TILE {
             self.enter_grid(ray);

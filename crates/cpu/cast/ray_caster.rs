@@ -76,7 +76,12 @@ impl RayCaster {
 
     /// Tiles that rays enter at, numbered row by row, those with most boundary faces first.
     pub fn queue(&self) -> Vec<u32> {
-        self.boundary.queue()
+        let starts = &self.boundary.starts;
+        let count = |tile: usize| starts[tile + 1] - starts[tile];
+        let mut queue: Vec<u32> =
+            (0..starts.len() - 1).filter(|&tile| count(tile) > 0).map(|tile| tile as u32).collect();
+        queue.sort_by_key(|&tile| std::cmp::Reverse(count(tile as usize)));
+        queue
     }
 }
 
@@ -191,20 +196,9 @@ impl Boundary {
                 touches
             })
             .collect();
-        let mut starts = vec![0u32; area.tile_count() + 1];
-        for (tile, _) in touches.iter().flatten() {
-            starts[*tile as usize + 1] += 1;
-        }
-        for tile in 0..area.tile_count() {
-            starts[tile + 1] += starts[tile];
-        }
-        let mut next = starts.clone();
-        let mut faces = vec![0; starts[area.tile_count()] as usize];
-        for &(tile, face) in touches.iter().flatten() {
-            let slot = &mut next[tile as usize];
-            faces[*slot as usize] = face;
-            *slot += 1;
-        }
+        let (mut starts, mut faces) = (vec![0; area.tile_count() + 1], Vec::new());
+        let touches = touches.iter().flatten();
+        counting_sort(touches.map(|(tile, face)| (*tile as usize, *face)), &mut starts, &mut faces);
         Boundary { starts, faces }
     }
 
@@ -212,15 +206,29 @@ impl Boundary {
     pub fn faces_of(&self, tile: usize) -> &[u32] {
         &self.faces[self.starts[tile] as usize..self.starts[tile + 1] as usize]
     }
+}
 
-    /// Tiles that boundary faces touch, those with most faces first.
-    pub fn queue(&self) -> Vec<u32> {
-        let count = |tile: usize| self.starts[tile + 1] - self.starts[tile];
-        let mut queue: Vec<u32> =
-            (0..self.starts.len() - 1).filter(|&tile| count(tile) > 0).map(|tile| tile as u32).collect();
-        queue.sort_by_key(|&tile| std::cmp::Reverse(count(tile as usize)));
-        queue
+/// Sorts values by their keys, in their order. `starts`: the first value of each key, then the end of the last.
+fn counting_sort<T: Copy + Default>(
+    values: impl Iterator<Item = (usize, T)> + Clone,
+    starts: &mut [u32],
+    sorted: &mut Vec<T>,
+) {
+    starts.fill(0);
+    for (key, _) in values.clone() {
+        starts[key + 1] += 1;
     }
+    for key in 1..starts.len() {
+        starts[key] += starts[key - 1];
+    }
+    sorted.resize(starts.last().map_or(0, |end| *end as usize), T::default());
+    for (key, value) in values {
+        sorted[starts[key] as usize] = value;
+        starts[key] += 1;
+    }
+    // Each has become the one behind it.
+    starts.copy_within(..starts.len() - 1, 1);
+    starts[0] = 0;
 }
 
 /// Pixels whose centres lie in the boxes of the parts of a face in front of the eye and behind it: x0, y0, x1, y1 (exclusive). A corner is
@@ -311,7 +319,7 @@ pub(crate) struct BoundaryHits {
     /// Entries pixel by pixel, by depth.
     entries: Vec<Entry>,
     /// Sum of the numbers of the half-faces by which each pixel's ray exits, each with [`EXIT_FLAG`].
-    exit_checksum: [u32; PIXELS],
+    pub(super) exit_checksum: [u32; PIXELS],
 }
 
 impl Default for BoundaryHits {
@@ -332,20 +340,8 @@ impl BoundaryHits {
         self.exit_checksum = [0; PIXELS];
         let BoundaryHits { unsorted, exit_checksum, .. } = self;
         dispatch(lanes, FindHits { caster, rect, unsorted, exit_checksum });
-        let mut next = [0u32; PIXELS + 1];
-        for (pixel, _) in &self.unsorted {
-            next[usize::from(*pixel) + 1] += 1;
-        }
-        for pixel in 0..PIXELS {
-            next[pixel + 1] += next[pixel];
-        }
-        self.starts = next;
-        self.entries.resize(self.unsorted.len(), Entry::default());
-        for &(pixel, entry) in &self.unsorted {
-            let slot = &mut next[usize::from(pixel)];
-            self.entries[*slot as usize] = entry;
-            *slot += 1;
-        }
+        let by_pixel = self.unsorted.iter().map(|(pixel, entry)| (usize::from(*pixel), *entry));
+        counting_sort(by_pixel, &mut self.starts, &mut self.entries);
         for pixel in 0..PIXELS {
             self.entries[self.starts[pixel] as usize..self.starts[pixel + 1] as usize].sort_unstable();
         }
@@ -354,11 +350,6 @@ impl BoundaryHits {
     /// Entries of a pixel's ray, the nearest first.
     pub(super) fn entries_of(&self, pixel: usize) -> &[Entry] {
         &self.entries[self.starts[pixel] as usize..self.starts[pixel + 1] as usize]
-    }
-
-    /// Sum of the numbers of the half-faces by which a pixel's ray exits, each with [`EXIT_FLAG`].
-    pub fn exit_checksum(&self, pixel: usize) -> u32 {
-        self.exit_checksum[pixel]
     }
 }
 

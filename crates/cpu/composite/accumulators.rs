@@ -24,13 +24,9 @@ impl TileAccumulator {
     /// Stores colour and opacity of all pixels.
     pub fn store(&self, picture: &mut TilePicture) {
         for (pixel, out) in picture.iter_mut().enumerate() {
-            *out = self.pixel(pixel);
+            let [r, g, b, a] = [0, 1, 2, 3].map(|c: usize| self.rgba[c][pixel]);
+            *out = [r, g, b, a.min(1.0)];
         }
-    }
-
-    fn pixel(&self, pixel: usize) -> [f32; 4] {
-        let [r, g, b, a] = [0, 1, 2, 3].map(|c: usize| self.rgba[c][pixel]);
-        [r, g, b, a.min(1.0)]
     }
 
     /// Transmittance of each pixel in a row; values below [`MIN_TRANSMITTANCE`] are not meaningful.
@@ -75,13 +71,6 @@ impl OpticalDepths {
         let OpticalDepths { sums, opacities } = self;
         dispatch(lanes, Add { sums, row, depths: &shaded.depth[..count], opacities: *opacities });
     }
-
-    /// Stores pixels of one colour.
-    pub fn store(&self, color: [f32; 3], picture: &mut TilePicture) {
-        for (pixel, &sum) in picture.iter_mut().zip(&self.sums) {
-            *pixel = pixel_in_one_color(color, sum, self.opacities);
-        }
-    }
 }
 
 /// Pixels of a tile.
@@ -113,7 +102,11 @@ impl TilePixels {
     /// Stores colour and opacity of all pixels.
     pub fn store(&self, picture: &mut TilePicture) {
         match self {
-            TilePixels::OneColor(color, depths) => depths.store(*color, picture),
+            TilePixels::OneColor(color, OpticalDepths { sums, opacities }) => {
+                for (pixel, &sum) in picture.iter_mut().zip(sums) {
+                    *pixel = pixel_in_one_color(*color, sum, *opacities);
+                }
+            }
             TilePixels::Colors(pixels) => pixels.store(picture),
         }
     }
@@ -263,10 +256,6 @@ pub(crate) struct UnboundedFragmentLists {
 }
 
 impl UnboundedFragmentLists {
-    pub fn clear(&mut self) {
-        self.pixels.iter_mut().for_each(Vec::clear);
-    }
-
     pub fn push(&mut self, column: usize, fragment: Fragment) {
         self.pixels[column].push(fragment);
     }

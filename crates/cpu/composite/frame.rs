@@ -7,7 +7,7 @@ use crate::fragments::batch::{Batch, DepthLimits};
 use crate::fragments::crossing::Near;
 use crate::project::cells::Input;
 use crate::project::precise_cell::{PreciseCell, PreciseCrossing};
-use crate::project::regions::Region;
+use crate::project::regions::{Region, Regions};
 use crate::project::tile_bins::TileBins;
 use crate::segment_cache::SegmentCache;
 use crate::shade::shader::Shader;
@@ -17,17 +17,15 @@ use glam::DVec3;
 use voltet_core::Result;
 use voltet_simd::LaneSet;
 
-/// Source of a view's ray segments, with the tiles that have any.
-#[derive(Clone, Copy)]
-pub(crate) enum SegmentSource<'a> {
-    /// Rays go from cell to cell. `tiles`: numbers of the tiles, those with most work first.
-    RayCast { caster: &'a RayCaster, tiles: &'a [u32] },
-    /// Cells are projected. `tiles`: like those of `RayCast`.
-    Tiles { bins: &'a TileBins, tiles: &'a [u32] },
-    /// A worker projects the cells of one region at a time. `only`: the tiles that are drawn, ascending; `None`: all.
-    Regions { regions: &'a [Region], only: Option<&'a [u32]> },
-    /// Segments are cached from a picture of this view.
-    Cached(&'a SegmentCache),
+/// Source of a view's ray segments, as far as it is prepared before the workers begin.
+#[derive(Debug)]
+pub(crate) enum SegmentSource {
+    /// All cells are projected.
+    Tiles(TileBins),
+    /// No cell is projected: workers project region by region.
+    Regions(Regions),
+    /// No cell is projected: rays go from cell to cell.
+    RayCast(RayCaster),
 }
 
 /// Read-only inputs of a compositor worker for one sub-pixel view.
@@ -37,7 +35,11 @@ pub(crate) struct FrameContext<'a> {
     /// Lane set that the kernels run on.
     pub lanes: LaneSet,
     pub shader: &'a Shader,
-    pub source: SegmentSource<'a>,
+    pub source: &'a SegmentSource,
+    /// Tiles that are drawn: those with most work first, or of regions ascending, none for all.
+    pub tiles: &'a [u32],
+    /// Segments cached from a picture of this view, in place of the source.
+    pub cache: Option<&'a SegmentCache>,
     /// Input of the projection: attributes are those of the widgets, then the gradient where light or silhouettes read it.
     pub input: Input<'a>,
     pub points: &'a [DVec3],

@@ -10,7 +10,6 @@ use crate::counts::Counts;
 use crate::fragments::batch::{BATCH, Batch, DepthLimits, MAX_LANES, clip_to_depth};
 use crate::fragments::crossing::CellPacket;
 use crate::fragments::spans::{Edges, Fragments};
-use crate::segment_cache::CachedSlices;
 use crate::shade::light::{Rays, rays};
 use crate::shade::shaded_batch::ShadedBatch;
 use crate::shade::shader::{finish, integrate_first};
@@ -18,14 +17,6 @@ use crate::tile::{PIXELS, TILE, TileRect};
 use std::ops::Range;
 use voltet_simd::optics::elementary::one_minus_exp;
 use voltet_simd::{Float, Kernel, LaneSet, Lanes, dispatch};
-
-/// A row's segments in order, slice by slice: each the next segment of all pixels.
-pub(crate) enum Slices<'a> {
-    /// From lists that are sorted.
-    Listed(ListedSlices<'a>),
-    /// From cached segments.
-    Cached(CachedSlices<'a>),
-}
 
 /// Slices of a row of sorted lists: see [`FragmentLists::fill`].
 pub(crate) struct ListedSlices<'a> {
@@ -59,24 +50,6 @@ impl<'a> ListedSlices<'a> {
     }
 }
 
-impl Slices<'_> {
-    /// Fills a batch; returns its fragments, none at the end.
-    pub fn next(&mut self, frame: &FrameContext<'_>, batch: &mut Batch) -> usize {
-        match self {
-            Slices::Cached(cached) => cached.next(batch),
-            Slices::Listed(listed) => listed.next(frame.lanes, frame.needs_depths(), batch),
-        }
-    }
-
-    /// Segments that were taken from the cache: those in lists were counted before.
-    pub fn segments(&self) -> u64 {
-        match self {
-            Slices::Cached(cached) => cached.segments,
-            Slices::Listed(_) => 0,
-        }
-    }
-}
-
 /// Shader of a tile's rows.
 pub(crate) struct RowShader {
     pub batch: Batch,
@@ -101,15 +74,16 @@ impl RowShader {
     }
 
     /// Blends a row's segments, or adds up their optical depths, until the row is opaque; some may be deferred to [`RowShader::end`].
+    /// `next`: fills a batch with slices of the row, each the next segment of all pixels, and returns its fragments, none at the end.
     pub fn blend(
         &mut self,
         frame: &FrameContext<'_>,
         row: usize,
-        slices: &mut Slices<'_>,
+        next: &mut dyn FnMut(&mut Batch) -> usize,
         pixels: &mut TilePixels,
     ) {
         while !self.is_opaque(row, pixels) {
-            let count = slices.next(frame, &mut self.batch);
+            let count = next(&mut self.batch);
             if count == 0 {
                 break;
             }
@@ -234,14 +208,16 @@ impl Scratch {
         }
     }
 
-    /// Finds lengths, directions and depth limits of a tile's rays.
-    pub fn begin(&mut self, frame: &FrameContext<'_>, rect: TileRect) {
+    /// Finds lengths, directions and depth limits of a tile's rays. Returns its rectangle.
+    pub fn begin(&mut self, frame: &FrameContext<'_>, tile: usize) -> TileRect {
+        let rect = TileRect::new(tile, frame.view.size);
         frame.lengths_per_depth(rect, &mut self.length_per_depth);
         let RowShader { rays: of_tile, depth_limits, .. } = &mut self.row_shader;
         if frame.shader.surface.is_some_and(|surface| surface.silhouette.is_some()) {
             rays(frame.view, rect.left, rect.top, of_tile);
         }
         frame.depth_limits_of(rect, depth_limits);
+        rect
     }
 }
 

@@ -7,9 +7,10 @@ use crate::composite::accumulators::{TileAccumulator, TilePixels, UnboundedFragm
 use crate::composite::fragment_lists::{Arrange, FragmentLists, Overflow};
 use crate::composite::frame::FrameContext;
 use crate::composite::projected_cells::{fill_lists, walk};
-use crate::composite::row_shader::{ListedSlices, Scratch, Slices};
+use crate::composite::row_shader::{ListedSlices, Scratch};
+use crate::fragments::batch::Batch;
 use crate::project::tile_bins::TileBins;
-use crate::segment_cache::{CacheBudget, CachedTile, SegmentCache, TileRecorder};
+use crate::segment_cache::{CacheBudget, CachedTile, SegmentCache};
 use crate::tile::{PIXELS, TILE, TilePicture, TileRect};
 use crate::tolerances::OPAQUE_OPTICAL_DEPTH;
 use voltet_simd::dispatch;
@@ -23,8 +24,7 @@ pub(crate) fn draw_projected(
     lists: &mut FragmentLists,
     picture: &mut TilePicture,
 ) {
-    let rect = TileRect::new(tile, frame.view.size);
-    scratch.begin(frame, rect);
+    let rect = scratch.begin(frame, tile);
     let mut pixels = TilePixels::new(frame.shader, opaque_outside(rect));
     if let TilePixels::OneColor(_, depths) = &mut pixels {
         walk(frame, bins, rect, 0..rect.size[1], scratch, depths);
@@ -36,9 +36,8 @@ pub(crate) fn draw_projected(
         // Rows are independent: draw them one at a time with lists that grow.
         scratch.counts = before;
         scratch.counts.tiles_deep += 1;
-        let mut growing = UnboundedFragmentLists::default();
         for row in 0..rect.size[1] {
-            growing.clear();
+            let mut growing = UnboundedFragmentLists::default();
             walk(frame, bins, rect, row..row + 1, scratch, &mut growing);
             scratch.counts.pixels_disordered +=
                 growing.composite(frame.sorted, &mut picture[row * TILE..][..TILE]);
@@ -54,14 +53,13 @@ pub(crate) fn draw_cached(
     scratch: &mut Scratch,
     picture: &mut TilePicture,
 ) {
-    let rect = TileRect::new(tile, frame.view.size);
-    scratch.begin(frame, rect);
+    let rect = scratch.begin(frame, tile);
     let mut pixels = TilePixels::new(frame.shader, opaque_outside(rect));
     if let Some(cached) = cache.tile(tile) {
         for row in 0..rect.size[1] {
-            let mut slices = Slices::Cached(cached.slices(row, frame.scalar_count));
-            scratch.row_shader.blend(frame, row, &mut slices, &mut pixels);
-            scratch.counts.segments += slices.segments();
+            let mut slices = cached.slices(row, frame.scalar_count);
+            scratch.row_shader.blend(frame, row, &mut |batch| slices.next(batch), &mut pixels);
+            scratch.counts.segments += slices.segments;
         }
     }
     scratch.row_shader.end(frame, &mut pixels);
@@ -76,8 +74,7 @@ pub(crate) fn draw_cast(
     scratch: &mut Scratch,
     picture: &mut TilePicture,
 ) -> bool {
-    let rect = TileRect::new(tile, frame.view.size);
-    scratch.begin(frame, rect);
+    let rect = scratch.begin(frame, tile);
     let Scratch { row_shader, hits, further, length_per_depth, counts, .. } = scratch;
     hits.find(caster, frame.lanes, rect);
     let mut pixels = TilePixels::new(frame.shader, [0.0; PIXELS]);
@@ -156,8 +153,9 @@ fn draw_in_lists(
     for row in 0..rect.size[1] {
         scratch.counts.pixels_disordered +=
             dispatch(frame.lanes, Arrange { lists, row, sorted: frame.sorted });
-        let slices = ListedSlices::new(lists, row, &scratch.length_per_depth);
-        scratch.row_shader.blend(frame, row, &mut Slices::Listed(slices), &mut pixels);
+        let mut slices = ListedSlices::new(lists, row, &scratch.length_per_depth);
+        let mut next = |batch: &mut Batch| slices.next(frame.lanes, frame.needs_depths(), batch);
+        scratch.row_shader.blend(frame, row, &mut next, &mut pixels);
     }
     scratch.row_shader.end(frame, &mut pixels);
     pixels.store(picture);
@@ -173,13 +171,12 @@ pub(crate) fn record_tile(
     lists: &mut FragmentLists,
     budget: &CacheBudget,
 ) -> Option<CachedTile> {
-    let rect = TileRect::new(tile, frame.view.size);
-    scratch.begin(frame, rect);
+    let rect = scratch.begin(frame, tile);
     if fill_lists(frame, bins, rect, scratch, lists).is_err() {
         budget.exhaust();
         return None;
     }
-    let mut recorder = TileRecorder::new(frame.scalar_count);
+    let mut recorded = CachedTile::default();
     for row in 0..rect.size[1] {
         dispatch(frame.lanes, Arrange { lists, row, sorted: true });
         let mut slices = ListedSlices::new(lists, row, &scratch.length_per_depth);
@@ -189,8 +186,8 @@ pub(crate) fn record_tile(
             if count == 0 {
                 break;
             }
-            recorder.take(row, batch, count);
+            recorded.record(row, batch, count);
         }
     }
-    recorder.end(budget)
+    budget.take(recorded)
 }

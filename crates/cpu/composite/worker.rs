@@ -56,8 +56,14 @@ impl Worker<'_> {
             lists: frame.buffers.lists.take(),
             output: WorkerOutput::default(),
         };
-        match frame.source {
-            SegmentSource::RayCast { caster, tiles } => self.each_tile(tiles, |tile| {
+        match (frame.cache, frame.source) {
+            (Some(cache), _) => self.each_tile(&cache.queue, |tile| {
+                let mut picture = Box::new([[0.0; 4]; PIXELS]);
+                draw_cached(frame, cache, tile as usize, &mut state.scratch, &mut picture);
+                state.output.tiles.push((tile, picture));
+                true
+            }),
+            (None, SegmentSource::RayCast(caster)) => self.each_tile(frame.tiles, |tile| {
                 let WorkerState { scratch, output, .. } = &mut state;
                 let mut picture = Box::new([[0.0; 4]; PIXELS]);
                 match draw_cast(frame, caster, tile as usize, scratch, &mut picture) {
@@ -66,16 +72,10 @@ impl Worker<'_> {
                 }
                 true
             }),
-            SegmentSource::Tiles { bins, tiles } => {
-                self.each_tile(tiles, |tile| self.draw_projected(bins, tile, &mut state));
+            (None, SegmentSource::Tiles(bins)) => {
+                self.each_tile(frame.tiles, |tile| self.draw_projected(bins, tile, &mut state));
             }
-            SegmentSource::Regions { regions, only } => self.draw_regions(regions, only, &mut state)?,
-            SegmentSource::Cached(cache) => self.each_tile(&cache.queue, |tile| {
-                let mut picture = Box::new([[0.0; 4]; PIXELS]);
-                draw_cached(frame, cache, tile as usize, &mut state.scratch, &mut picture);
-                state.output.tiles.push((tile, picture));
-                true
-            }),
+            (None, SegmentSource::Regions(regions)) => self.draw_regions(&regions.list, &mut state)?,
         }
         let WorkerState { scratch, lists, mut output } = state;
         frame.buffers.lists.put(lists);
@@ -107,9 +107,9 @@ impl Worker<'_> {
         {}
     }
 
-    fn draw_regions(&self, regions: &[Region], only: Option<&[u32]>, state: &mut WorkerState) -> Result<()> {
+    fn draw_regions(&self, regions: &[Region], state: &mut WorkerState) -> Result<()> {
         let frame = self.frame;
-        let is_drawn = |tile: &u32| only.is_none_or(|tiles| tiles.binary_search(tile).is_ok());
+        let is_drawn = |tile: &u32| frame.tiles.is_empty() || frame.tiles.binary_search(tile).is_ok();
         let mut bins = frame.buffers.bins.take();
         while let Some(region) = self.take(regions) {
             frame.project(region, &mut bins)?;

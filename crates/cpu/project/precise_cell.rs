@@ -26,9 +26,9 @@ pub(crate) struct PreciseCell {
 
 #[derive(Debug, Clone, Copy)]
 struct Face {
-    normal: [f64; 3],
+    normal: DVec3,
     /// A point of the plane.
-    on: [f64; 3],
+    on: DVec3,
     /// +1 if the cell lies on the normal's side, −1 if not.
     side: f64,
     /// normal · (opposite corner − on).
@@ -46,18 +46,6 @@ pub(crate) struct PreciseCrossing {
     pub weights: [[f64; 4]; 2],
 }
 
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
 impl PreciseCell {
     /// `None` if no ray of the picture can cross the cell over a positive length.
     pub fn new(view: &View, id: u32, corners: [DVec3; 4]) -> Option<PreciseCell> {
@@ -68,15 +56,15 @@ impl PreciseCell {
         let bounds = bounds(view, &e)?;
         let mut faces = Vec::with_capacity(4);
         for opposite in 0..4 {
-            let mut on = [0, 1, 2, 3].into_iter().filter(|&k| k != opposite).map(|k| e[k]);
+            let mut on = (0..4).filter(|&k| k != opposite).map(|k| DVec3::from(e[k]));
             let (Some(a), Some(b), Some(c)) = (on.next(), on.next(), on.next()) else { continue };
-            let normal = cross(sub(b, a), sub(c, a));
-            let height = dot(normal, sub(e[opposite], a));
+            let normal = (b - a).cross(c - a);
+            let height = normal.dot(DVec3::from(e[opposite]) - a);
             if height == 0.0 || !height.is_finite() {
                 return None;
             }
             let side = height.signum();
-            let outline = EdgeOnFace::of(view, [a, b, c], [side * normal[0], side * normal[1]]);
+            let outline = EdgeOnFace::of(view, [a, b, c].map(Into::into), [side * normal.x, side * normal.y]);
             faces.push(Face { normal, on: a, side, height, outline });
         }
         let faces = faces.try_into().ok()?;
@@ -86,6 +74,7 @@ impl PreciseCell {
     /// Crosses the cell with the ray through a pixel.
     pub fn cross(&self, view: &View, i: usize, j: usize) -> Option<PreciseCrossing> {
         let (origin, direction) = view.ray(i as f64, j as f64);
+        let (origin, direction) = (DVec3::from(origin), DVec3::from(direction));
         let (mut enter, mut leave) = (self.near, f64::INFINITY);
         for face in &self.faces {
             match face.outline.as_ref().and_then(|outline| outline.admits([i, j])) {
@@ -93,12 +82,12 @@ impl PreciseCell {
                 Some(false) => return None,
                 None => {}
             }
-            let at = dot(face.normal, sub(origin, face.on));
-            let slope = dot(face.normal, direction);
+            let at = face.normal.dot(origin - face.on);
+            let slope = face.normal.dot(direction);
             if slope == 0.0 {
                 // In a face: as if moved by (ε, ε²) to the right and down, which is the rule of the spans. The faces about an edge
                 // then give the ray to one of their cells.
-                let moved = if face.normal[0] == 0.0 { face.normal[1] } else { face.normal[0] };
+                let moved = if face.normal.x == 0.0 { face.normal.y } else { face.normal.x };
                 let to = if at == 0.0 { moved } else { at };
                 if to * face.side <= 0.0 {
                     return None;
@@ -113,10 +102,8 @@ impl PreciseCell {
             return None;
         }
         let weights = [enter, leave].map(|t| {
-            let mut w = self.faces.map(|face| {
-                let p = std::array::from_fn(|k| origin[k] + t * direction[k] - face.on[k]);
-                (dot(face.normal, p) / face.height).clamp(0.0, 1.0)
-            });
+            let height = |face: Face| face.normal.dot(origin + t * direction - face.on);
+            let mut w = self.faces.map(|face| (height(face) / face.height).clamp(0.0, 1.0));
             let sum: f64 = w.iter().sum();
             w.iter_mut().for_each(|w| *w /= sum);
             w

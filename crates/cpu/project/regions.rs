@@ -104,10 +104,10 @@ impl RegionBinner<'_> {
         let lists: Vec<(Vec<Vec<u32>>, u64)> = pieces
             .par_iter()
             .map(|cells| {
-                let mut binned = Binned { lists: vec![Vec::new(); areas.len()], cell_count: 0 };
-                let kernel = BinKernel { input, points, cells, area, side, columns, binned: &mut binned };
-                dispatch(self.lanes, kernel);
-                (binned.lists, binned.cell_count)
+                let mut lists = vec![Vec::new(); areas.len()];
+                let kernel = BinKernel { input, points, cells, area, side, columns, lists: &mut lists };
+                let cell_count = dispatch(self.lanes, kernel);
+                (lists, cell_count)
             })
             .collect();
         let cell_count = lists.iter().map(|(_, count)| count).sum();
@@ -123,12 +123,6 @@ impl RegionBinner<'_> {
     }
 }
 
-/// Numbers of some cells, region by region, and the count of those that cover a pixel centre.
-struct Binned {
-    lists: Vec<Vec<u32>>,
-    cell_count: u64,
-}
-
 struct BinKernel<'a> {
     input: &'a Input<'a>,
     points: &'a [DVec3],
@@ -137,16 +131,18 @@ struct BinKernel<'a> {
     side: usize,
     /// Columns of regions.
     columns: usize,
-    binned: &'a mut Binned,
+    /// Numbers of the cells, region by region.
+    lists: &'a mut [Vec<u32>],
 }
 
 impl Kernel for BinKernel<'_> {
-    type Output = ();
+    /// Cells that cover a pixel centre.
+    type Output = u64;
 
     #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let BinKernel { input, points, cells, area, side, columns, binned } = self;
-        let view = input.view;
+    fn run<L: Lanes>(self) -> u64 {
+        let BinKernel { input, points, cells, area, side, columns, lists } = self;
+        let (view, mut cell_count) = (input.view, 0);
         let splat = L::D::splat;
         for group in cells.chunks(L::D::COUNT) {
             let corners = Corners::<L::D>::gather(input.screen_vertices, input.tetrahedra, group);
@@ -173,16 +169,15 @@ impl Kernel for BinKernel<'_> {
                 } else {
                     continue;
                 };
-                binned.cell_count += 1;
+                cell_count += 1;
                 let Some([x0, y0, x1, y1]) = area.intersection(tiles_of(pixels)) else { continue };
                 let [x0, y0] = [(x0 - area.from[0]) / side, (y0 - area.from[1]) / side];
                 let [x1, y1] = [(x1 - area.from[0]).div_ceil(side), (y1 - area.from[1]).div_ceil(side)];
                 for y in y0..y1 {
-                    binned.lists[y * columns + x0..y * columns + x1]
-                        .iter_mut()
-                        .for_each(|list| list.push(id));
+                    lists[y * columns + x0..y * columns + x1].iter_mut().for_each(|list| list.push(id));
                 }
             }
         }
+        cell_count
     }
 }

@@ -71,7 +71,7 @@ fn step_through<L: Lanes>(
             let widget = &widgets[*number];
             let found = match rows {
                 Some(rows) if step % STEPS_ON_END != 0 => Some(rows.steps::<L>().next()),
-                _ => widget.steps::<L, 4>(segments, step, share, places),
+                _ => widget.steps::<L, 4>(segments, step, share, places, widget.density()),
             };
             let values = match &found {
                 Some(found) => found.values,

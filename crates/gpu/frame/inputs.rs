@@ -37,8 +37,6 @@ pub(crate) struct FrameInputs<'a> {
     pub support: Vec<u32>,
     /// True if what is blended stands in 8 bits a channel.
     pub in_8_bits: bool,
-    /// True if pixels that are opaque look at no further cells.
-    pub stops_where_opaque: bool,
     /// True if cells are sorted on the device.
     pub sorted: bool,
     /// The order of cells along their faces, where they are blended in it.
@@ -151,7 +149,6 @@ pub(crate) fn inputs<'a>(
         numbers: parameters.numbers,
         support,
         in_8_bits: options.accumulation == Accumulation::Bits8,
-        stops_where_opaque: !options.exhaustive,
         sorted: !is_free && (sort_key != 2 || is_counted),
         ordered: along_faces.cloned(),
         samples: camera.sample_offsets().iter().map(sample).collect::<Result<_>>()?,

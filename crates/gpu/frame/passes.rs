@@ -1,7 +1,7 @@
 //! A frame: windows of the picture that fit the device's memory, the samples of each, and the passes over them, bound to their
 //! buffers.
 
-use crate::bound_pass::{Binder, GridArrays, folded};
+use crate::bound_pass::{Binder, folded};
 use crate::device::pipelines::{Bound, BoundPass, Program, in_order};
 use crate::device::{Device, PendingReadback, Timing};
 use crate::frame::inputs::FrameInputs;
@@ -67,8 +67,12 @@ impl<'a> Passes<'a> {
         let parted = |growing: &mut GrowingSplitBuffer, array| {
             growing.at_least(device, array, sizes, layout.parts(array))
         };
-        let arrays = GridArrays {
+        let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+        let view = device.buffer("the view", size_of::<ViewRecord>() as u64, usage)?;
+        let binder = Binder {
             grid,
+            view: &view,
+            layout,
             seen: parted(&mut buffers.seen, GridArray::Seen)?,
             attributes: parted(&mut buffers.attributes, GridArray::Attributes)?,
             bounds: parted(&mut buffers.bounds, GridArray::Bounds)?,
@@ -81,8 +85,6 @@ impl<'a> Passes<'a> {
         let back = |size: u64| device.buffer("the picture on its way back", size, mapped);
         let returned = returning.picture.at_least(picture_bytes, back)?;
         let returned_counts = returning.counts.at_least(COUNTS_BYTES, back)?;
-        let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
-        let view = device.buffer("the view", size_of::<ViewRecord>() as u64, usage)?;
         let scene = device.uniform("the scene", &frame.scene)?;
         let support = device.upload("the widgets' supports", frame.support.len(), |i| frame.support[i])?;
 
@@ -90,7 +92,6 @@ impl<'a> Passes<'a> {
         let over_points = folded(grid.point_count, most);
         let over_cells = folded(grid.cell_count, most);
         let over_tiles = [window[2], window[3], 1];
-        let binder = Binder { device, view: &view, arrays: &arrays, layout };
         let scalar = &frame.scalar;
         let step = |pass, workgroups, constants, own: &[&Buffer]| {
             binder.step(pass, workgroups, constants, own, scalar)
@@ -125,7 +126,7 @@ impl<'a> Passes<'a> {
         for (name, binding) in frame.shader_key.storage_buffers() {
             read.push((binding, Bound::Read, tables.named(&name)?.as_entire_binding()));
         }
-        let in_grid = arrays.bindings(cells_read(sizes.stride as usize), scalar);
+        let in_grid = binder.bindings(cells_read(sizes.stride as usize), scalar);
         let last = if let Some((form, blend)) = blended {
             let blending = Blending {
                 shader: &frame.compositor,
@@ -156,7 +157,7 @@ impl<'a> Passes<'a> {
                 name: ("composite_tiles", Stage::Composite),
                 shader: &frame.compositor,
                 // No transparency is less than this.
-                constants: if frame.stops_where_opaque { vec![] } else { vec![("OPAQUE", -1.0)] },
+                constants: if frame.pending.exhaustive { vec![("OPAQUE", -1.0)] } else { vec![] },
                 groups: [&read, &binder.own(None, &own), &in_grid],
                 workgroups: over_tiles,
             })?)

@@ -3,7 +3,7 @@
 //! With a = ρ_f D, b = ρ_b D, w(x) = a x + (b − a) x²/2: ψ = ∫₀¹ e^(−w), ζ = e^(−w(1)); the density-emitter colour of
 //! a piece whose colour is linear too is c_f (1 − ψ) + c_b (ψ − ζ) (Moreland & Angel 2004).
 
-use super::elementary::{dawson, erfcx, exp, polynomial};
+use super::elementary::{HALF_SQRT_PI, dawson, erfcx, exp, polynomial};
 use super::quadrature::{PANEL, nodes};
 use crate::{Float, Lanes, Mask};
 use voltet_optics::quadrature::{GAUSS_4, GAUSS_5};
@@ -125,9 +125,6 @@ pub fn deep_piece_weights<L: Lanes>(a: L::F, b: L::F) -> (L::F, L::F, L::F) {
     let psi = (psi * inverse).max(transparency).min(splat(1.0));
     (splat(1.0) - psi, psi - transparency, splat(1.0) - transparency)
 }
-
-/// ½ √π.
-const HALF_SQRT_PI: f32 = 0.886_226_9;
 
 /// (F, B) = (∫₀¹ (1 − x) e^(−w), ∫₀¹ x e^(−w)), the weights of the emission at the front and at the back, for a and b from 0 to
 /// [`DEEPEST`]; within 1e-6.

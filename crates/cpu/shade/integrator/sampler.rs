@@ -299,11 +299,11 @@ impl<L: Lanes> SampledSegments<'_, '_, L> {
                 self.add(number, &t, &values, colors, &mut sum);
             } else {
                 let steps = &mut self.slots[number].steps;
-                if step.is_multiple_of(STEPS_ON_END) {
-                    widget.value_steps(self.segments, step, share, places, steps);
+                *steps = if step.is_multiple_of(STEPS_ON_END) {
+                    widget.steps(self.segments, step, share, places, 1.0).unwrap_or(*steps)
                 } else {
-                    *steps = steps.next();
-                }
+                    steps.next()
+                };
                 let values = steps.values;
                 self.add(number, &t, &values, colors, &mut sum);
             }

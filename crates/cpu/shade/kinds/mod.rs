@@ -10,17 +10,13 @@ mod wave;
 pub(crate) use piecewise_linear::LaneLinear;
 
 use crate::shade::context::WidgetContext;
-use crate::shade::region::{Inside, LaneRegion, range_of};
-use crate::shade::region::{SupportBounds, ValueRange};
+use crate::shade::region::{Inside, LaneRegion, SupportBounds, ValueRange, range_of};
 use crate::shade::segment_lanes::{FieldLanes, SegmentLanes};
-use gaussian::LaneFields;
-use gaussian::LaneGaussian;
+use gaussian::{LaneFields, LaneGaussian};
 use table::LaneTable;
-use triangular_gaussian::LaneTriangular;
-use triangular_gaussian::LaneTriangularNd;
+use triangular_gaussian::{LaneTriangular, LaneTriangularNd};
 use voltet_core::transfer::{Profile, Widget};
-use voltet_simd::optics::gaussian::LaneGaussianSteps;
-use voltet_simd::optics::gaussian::{LaneGaussianPath, LaneGaussianTrack};
+use voltet_simd::optics::gaussian::{LaneGaussianPath, LaneGaussianSteps, LaneGaussianTrack};
 use voltet_simd::optics::overlap::{AnyLaneTrack, LaneMember};
 use voltet_simd::optics::piecewise_linear::LanePiecewiseTrack;
 use voltet_simd::optics::smooth::DensityShape;
@@ -42,8 +38,8 @@ pub struct LaneWidget {
     support: Option<SupportBounds>,
 }
 
-/// A profile compiled for vector lanes. Control points, colours, steps and paths are optional: a kind without them is in the rest of
-/// their `match`es; the others have no rest.
+/// A profile compiled for vector lanes. A kind without control points, colours, steps, a path or a shape is in the rest of their
+/// `match`es; the choices of a kernel have no rest.
 enum VectorProfile {
     Uniform,
     Gaussian(LaneGaussian),
@@ -111,39 +107,30 @@ pub(crate) fn for_each_active_widget<'a, L: Lanes>(
 impl VectorProfile {
     /// `None` where 32 bits do not hold the numbers.
     fn new(profile: &Profile, context: &WidgetContext) -> Option<VectorProfile> {
-        match profile {
-            Profile::Uniform => Some(VectorProfile::Uniform),
+        let WidgetContext { attributes, density_scale, model, .. } = *context;
+        Some(match profile {
+            Profile::Uniform => VectorProfile::Uniform,
             Profile::Gaussian { centre, matrix } => {
-                LaneGaussian::new(centre, matrix, context.attributes).map(VectorProfile::Gaussian)
+                VectorProfile::Gaussian(LaneGaussian::new(centre, matrix, attributes)?)
             }
             Profile::GaussianNd { fields, centre, matrix } => {
-                LaneFields::new(fields, centre, matrix, context).map(Box::new).map(VectorProfile::GaussianNd)
+                VectorProfile::GaussianNd(LaneFields::new(fields, centre, matrix, context)?.into())
             }
             Profile::TriangularGaussian { centre, sigma } => {
-                LaneTriangular::new(*centre, *sigma, context.attributes)
-                    .map(VectorProfile::TriangularGaussian)
+                VectorProfile::TriangularGaussian(LaneTriangular::new(*centre, *sigma, attributes)?)
             }
             Profile::TriangularGaussianNd { fields, magnitude, centre, matrix } => {
-                let nd = LaneTriangularNd::new(fields, magnitude, centre, matrix, context);
-                nd.map(Box::new).map(VectorProfile::TriangularGaussianNd)
+                let nd = LaneTriangularNd::new(fields, magnitude, centre, matrix, context)?;
+                VectorProfile::TriangularGaussianNd(nd.into())
             }
-            Profile::TriangleWave(wave) => {
-                LaneWave::new(wave, false, context.attributes).map(VectorProfile::Wave)
-            }
-            Profile::SineWave(wave) => LaneWave::new(wave, true, context.attributes).map(VectorProfile::Wave),
+            Profile::TriangleWave(wave) => VectorProfile::Wave(LaneWave::new(wave, false, attributes)?),
+            Profile::SineWave(wave) => VectorProfile::Wave(LaneWave::new(wave, true, attributes)?),
             Profile::PiecewiseLinear { points } => {
-                let linear = LaneLinear::new(
-                    points,
-                    &context.attributes[0],
-                    context.density_scale,
-                    context.model.cutoff(),
-                );
-                linear.map(Box::new).map(VectorProfile::PiecewiseLinear)
+                let linear = LaneLinear::new(points, &attributes[0], density_scale, model.cutoff())?;
+                VectorProfile::PiecewiseLinear(linear.into())
             }
-            Profile::Table(table) => {
-                LaneTable::new(table, context.attributes).map(Box::new).map(VectorProfile::Table)
-            }
-        }
+            Profile::Table(table) => VectorProfile::Table(LaneTable::new(table, attributes)?.into()),
+        })
     }
 }
 
@@ -226,6 +213,14 @@ impl LaneWidget {
         L::F::splat(self.density) * segments.length * share
     }
 
+    /// The interval of the segments inside the region, where there is one, and its fraction of each.
+    #[inline(always)]
+    fn stretch<L: Lanes>(&self, segments: &SegmentLanes<L>) -> (Option<[L::F; 2]>, L::F) {
+        let range = range_of::<L>(self.region.as_ref(), segments);
+        let share = (range[1] - range[0]).max(L::F::splat(0.0));
+        (self.region.is_some().then_some(range), share)
+    }
+
     /// Optical depths, and the lanes (bits) that the closed forms do not integrate.
     #[inline(always)]
     pub(super) fn depth<L: Lanes>(&self, segments: &SegmentLanes<L>) -> (L::F, u32) {
@@ -247,15 +242,12 @@ impl LaneWidget {
                 (mean * self.peak_depth(segments, share), unsure)
             }
             VectorProfile::GaussianNd(nd) => {
-                let range = range_of::<L>(self.region.as_ref(), segments);
-                let share = (range[1] - range[0]).max(L::F::splat(0.0));
-                let mean = nd.mean::<L>(fields, self.region.is_some().then_some(range));
-                (mean * self.peak_depth(segments, share), nd.unsure())
+                let (range, share) = self.stretch(segments);
+                (nd.mean::<L>(fields, range) * self.peak_depth(segments, share), nd.unsure())
             }
             VectorProfile::TriangularGaussianNd(nd) => {
-                let range = range_of::<L>(self.region.as_ref(), segments);
-                let share = (range[1] - range[0]).max(L::F::splat(0.0));
-                let (mean, unsure) = nd.mean::<L>(fields, self.region.is_some().then_some(range));
+                let (range, share) = self.stretch(segments);
+                let (mean, unsure) = nd.mean::<L>(fields, range);
                 (mean * self.peak_depth(segments, share), unsure)
             }
             VectorProfile::Table(table) => {
@@ -264,11 +256,7 @@ impl LaneWidget {
                 let there = L::F::splat(0.0).lt(share).and(segments.crossing);
                 (table.track::<L>(&front, &back, peak, None).mean(there) * peak, 0)
             }
-            VectorProfile::Uniform
-            | VectorProfile::Gaussian(_)
-            | VectorProfile::Wave(_)
-            | VectorProfile::PiecewiseLinear(_)
-            | VectorProfile::None => self.depth::<L>(segments),
+            _ => self.depth::<L>(segments),
         }
     }
 
@@ -365,11 +353,7 @@ impl LaneWidget {
                 let depth = linear.depth(segments);
                 (DensityShape::even(depth).cut(L::F::splat(0.0).lt(depth)), 0)
             }
-            VectorProfile::TriangularGaussian(_)
-            | VectorProfile::GaussianNd(_)
-            | VectorProfile::TriangularGaussianNd(_)
-            | VectorProfile::Table(_)
-            | VectorProfile::None => (DensityShape::even(L::F::splat(0.0)), u32::MAX),
+            _ => (DensityShape::even(L::F::splat(0.0)), u32::MAX),
         }
     }
 
@@ -393,8 +377,8 @@ impl LaneWidget {
         L::F::select(whole.lt(splat(1.0)), splat(f32::INFINITY), rough)
     }
 
-    /// Densities at places of equal steps, each a `share` of the segment, from step `first` on, where those of a step follow from
-    /// those of the step before. Regions are ignored: see [`LaneWidget::roughness`].
+    /// Values at places of equal steps, each a `share` of the segment, from step `first` on, where those of a step follow from
+    /// those of the step before; `peak`: the value at the centre. Regions are ignored: see [`LaneWidget::roughness`].
     #[inline(always)]
     pub(super) fn steps<L: Lanes, const N: usize>(
         &self,
@@ -402,10 +386,11 @@ impl LaneWidget {
         first: usize,
         share: f32,
         places: [f32; N],
+        peak: f32,
     ) -> Option<LaneGaussianSteps<L, N>> {
         match &self.profile {
             VectorProfile::Gaussian(gaussian) => {
-                Some(gaussian.steps(segments, first, share, places, L::F::splat(self.density)))
+                Some(gaussian.steps(segments, first, share, places, L::F::splat(peak)))
             }
             _ => None,
         }
@@ -424,13 +409,7 @@ impl LaneWidget {
             VectorProfile::Wave(wave) => {
                 array!(|j| wave.value::<L>(&segments.at(L::F::splat(t[j]))) * density)
             }
-            VectorProfile::Gaussian(_)
-            | VectorProfile::PiecewiseLinear(_)
-            | VectorProfile::TriangularGaussian(_)
-            | VectorProfile::GaussianNd(_)
-            | VectorProfile::TriangularGaussianNd(_)
-            | VectorProfile::Table(_)
-            | VectorProfile::None => [L::F::splat(0.0); N],
+            _ => [L::F::splat(0.0); N],
         }
     }
 }
@@ -458,42 +437,31 @@ impl LaneWidget {
     #[inline(always)]
     pub fn path<L: Lanes>(&self, segments: &SegmentLanes<L>, fields: &FieldLanes<L>) -> RegionPath<L> {
         let region = self.region.as_ref();
-        match &self.profile {
+        let mut present = segments.crossing;
+        let (path, fraction) = match &self.profile {
             VectorProfile::GaussianNd(nd) => {
-                let range = range_of::<L>(region, segments);
-                let path = nd.path::<L>(fields, region.is_some().then_some(range));
-                RegionPath::new(Some(path), range[1] - range[0], segments.crossing)
+                let (range, share) = self.stretch(segments);
+                (Some(nd.path::<L>(fields, range)), share)
             }
             VectorProfile::TriangularGaussianNd(nd) => {
-                let range = range_of::<L>(region, segments);
-                let (path, there) = nd.path::<L>(fields, region.is_some().then_some(range));
-                RegionPath::new(Some(path), range[1] - range[0], segments.crossing.and(there))
+                let (range, share) = self.stretch(segments);
+                let (path, there) = nd.path::<L>(fields, range);
+                present = present.and(there);
+                (Some(path), share)
             }
             VectorProfile::Gaussian(gaussian) => {
                 let Inside { front, back, share, .. } = segments.inside(region);
-                RegionPath::new(Some(gaussian.path::<L>(&front, &back)), share, segments.crossing)
+                (Some(gaussian.path::<L>(&front, &back)), share)
             }
             VectorProfile::TriangularGaussian(triangular) => {
                 let Inside { front, back, share, .. } = segments.inside(region);
                 let (path, there) = triangular.path::<L>(segments, &front, &back);
-                RegionPath::new(Some(path), share, segments.crossing.and(there))
+                present = present.and(there);
+                (Some(path), share)
             }
-            VectorProfile::Uniform
-            | VectorProfile::Wave(_)
-            | VectorProfile::PiecewiseLinear(_)
-            | VectorProfile::Table(_)
-            | VectorProfile::None => {
-                let Inside { share, .. } = segments.inside(region);
-                RegionPath::new(None, share, segments.crossing)
-            }
-        }
-    }
-}
-
-impl<L: Lanes> RegionPath<L> {
-    #[inline(always)]
-    fn new(path: Option<LaneGaussianPath<L>>, fraction: L::F, present: L::M) -> Self {
-        RegionPath { path, fraction: fraction.max(L::F::splat(0.0)), present }
+            _ => (None, segments.inside(region).share),
+        };
+        RegionPath { path, fraction, present }
     }
 }
 
@@ -516,17 +484,13 @@ impl LaneWidget {
 
     /// True if its profile is e^(−x²) of something, which 32 bits round to 0 far out.
     pub(super) fn is_exponential(&self) -> bool {
-        match self.profile {
+        matches!(
+            self.profile,
             VectorProfile::Gaussian(_)
-            | VectorProfile::TriangularGaussian(_)
-            | VectorProfile::GaussianNd(_)
-            | VectorProfile::TriangularGaussianNd(_) => true,
-            VectorProfile::Uniform
-            | VectorProfile::Wave(_)
-            | VectorProfile::PiecewiseLinear(_)
-            | VectorProfile::Table(_)
-            | VectorProfile::None => false,
-        }
+                | VectorProfile::TriangularGaussian(_)
+                | VectorProfile::GaussianNd(_)
+                | VectorProfile::TriangularGaussianNd(_)
+        )
     }
 
     /// Value at its peak; `density_scale`: as in [`WidgetContext`](crate::shade::context::WidgetContext).
@@ -543,13 +507,7 @@ impl LaneWidget {
         match &self.profile {
             VectorProfile::Gaussian(gaussian) => gaussian.unsure(segments),
             VectorProfile::GaussianNd(nd) => nd.unsure(),
-            VectorProfile::Uniform
-            | VectorProfile::Wave(_)
-            | VectorProfile::PiecewiseLinear(_)
-            | VectorProfile::Table(_)
-            | VectorProfile::TriangularGaussian(_)
-            | VectorProfile::TriangularGaussianNd(_)
-            | VectorProfile::None => 0,
+            _ => 0,
         }
     }
 
@@ -581,9 +539,7 @@ impl LaneWidget {
             }
             VectorProfile::GaussianNd(nd) => array!(|j| nd.value::<L>(fields, t[j])),
             VectorProfile::TriangularGaussianNd(nd) => array!(|j| nd.value::<L>(fields, t[j])),
-            VectorProfile::PiecewiseLinear(_) | VectorProfile::Table(_) | VectorProfile::None => {
-                [L::F::splat(0.0); N]
-            }
+            _ => [L::F::splat(0.0); N],
         }
     }
 
@@ -611,21 +567,6 @@ impl LaneWidget {
                 step.le(L::F::splat(MAX_STEP_SQUARED)).bits() == u32::MAX >> (32 - L::WIDTH)
             }
             _ => false,
-        }
-    }
-
-    /// Values in step `first`; see [`LaneWidget::has_steps`].
-    #[inline(always)]
-    pub(super) fn value_steps<L: Lanes, const N: usize>(
-        &self,
-        segments: &SegmentLanes<L>,
-        first: usize,
-        share: f32,
-        places: [f32; N],
-        out: &mut LaneGaussianSteps<L, N>,
-    ) {
-        if let VectorProfile::Gaussian(gaussian) = &self.profile {
-            *out = gaussian.steps(segments, first, share, places, L::F::splat(1.0));
         }
     }
 }
