@@ -33,11 +33,6 @@ impl WgslPiece {
         self.list("Fills: ")
     }
 
-    /// Slots that must be filled for it.
-    pub fn asks_for(&self) -> Vec<&'static str> {
-        self.list("Asks for: ")
-    }
-
     /// The names behind `key` in the first line.
     fn list(&self, key: &str) -> Vec<&'static str> {
         let header = self.text.lines().next().unwrap_or("");
@@ -150,7 +145,7 @@ mod tests {
             for name in piece.uses() {
                 assert!(super::piece(name).is_some(), "{} uses '{name}', which is no piece", piece.file);
             }
-            for slot in piece.asks_for() {
+            for slot in piece.list("Asks for: ") {
                 let filled = PIECES.iter().any(|other| other.fills().contains(&slot));
                 let filled = filled || FILLS.contains(&slot);
                 assert!(filled, "{} asks for '{slot}', which nothing fills", piece.file);

@@ -360,11 +360,6 @@ impl Device {
         check_flags(self.downlevel, &self.name, compositing.name())
     }
 
-    /// True if pixels are blended in 32-bit floats, not in 16 bits.
-    pub fn blends_32_bits(&self) -> bool {
-        self.blends_32_bits
-    }
-
     /// The pipeline, compiled if it is not there. `entry_points`: for vertices and for pixels.
     fn drawing(
         &self,

@@ -111,18 +111,6 @@ pub struct RenderOptions {
     pub passing: bool,
 }
 
-impl RenderOptions {
-    /// Options with a compositor.
-    pub fn with_compositor(compositing: Compositor) -> RenderOptions {
-        RenderOptions { compositing: Some(compositing), ..RenderOptions::default() }
-    }
-
-    /// One of many pictures of a view that follow each other.
-    pub fn passing() -> RenderOptions {
-        RenderOptions { passing: true, ..RenderOptions::default() }
-    }
-}
-
 /// An engine that is open: what it runs on is there. `Any`: a crate that knows an engine's own type finds it again.
 pub trait Engine: Any + Send + Sync {
     /// Name of its device, or of its vector units and threads.

@@ -262,10 +262,7 @@ impl Renderer {
     ) -> Result<RenderOutput> {
         info.can_serve(&scene.transfer_function, &scene.shading)?;
         let opened = self.open(info)?;
-        let compositing = match options.compositor {
-            _ if info.compositing.is_empty() => None,
-            asked => asked.or(Some(Compositor::Tiles)),
-        };
+        let compositing = options.compositor.filter(|_| !info.compositing.is_empty());
         let volume = self.volumes(&scene.volume).prepare(info, &opened, scene)?;
         let options = engine::RenderOptions {
             compositing,

@@ -103,7 +103,10 @@ fn kept(scene: &NamedScene, shading: &Shading) -> Picture {
             shading: *shading,
             order: VisibilityOrder::Exact,
         };
-        prepared.draw(&scene, &RenderOptions::passing(), &NoProgress).expect("draws").picture
+        prepared
+            .draw(&scene, &RenderOptions { passing: true, ..RenderOptions::default() }, &NoProgress)
+            .expect("draws")
+            .picture
     };
     [0.5, 0.75].into_iter().for_each(|share| drop(draw(share)));
     draw(1.0)

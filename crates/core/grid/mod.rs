@@ -10,7 +10,6 @@ pub(crate) mod faces;
 pub mod generate;
 pub(crate) mod overlap;
 mod parts;
-mod refine;
 mod source;
 mod split;
 mod tetrahedra;
@@ -22,7 +21,6 @@ pub use parts::{
     Array, Association, CellSet, CellValues, Cells, FileCells, ImportStats, Options, Polyhedron, RawGrid,
     Scalar, structured_corners,
 };
-pub use refine::{RefinedGrid, refine};
 pub use tetrahedra::{Grid, tetrahedron_volume};
 
 #[cfg(test)]

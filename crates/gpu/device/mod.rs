@@ -14,8 +14,6 @@ pub(crate) mod pipelines;
 pub struct Device {
     /// Name and kind of the adapter, for people.
     pub name: String,
-    /// The driver and its version, as it calls itself.
-    pub driver: String,
     /// Why this adapter was taken.
     pub reason: String,
     /// True if the device is a program on the CPU.
@@ -96,7 +94,6 @@ impl Device {
         let is_software = kind(info.device_type).1 == "software";
         Ok(Device {
             name: describe(&info),
-            driver: format!("{} {}", info.driver, info.driver_info),
             reason,
             is_software,
             tick: features.contains(wgpu::Features::TIMESTAMP_QUERY).then(|| queue.get_timestamp_period()),

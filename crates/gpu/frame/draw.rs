@@ -296,8 +296,11 @@ mod tests {
             for (order_check, words) in
                 [(OrderCheck::Sample, "from that of tiles"), (OrderCheck::Count, "out of order at")]
             {
-                let options =
-                    RenderOptions { order_check, ..RenderOptions::with_compositor(Compositor::Raster) };
+                let options = RenderOptions {
+                    order_check,
+                    compositing: Some(Compositor::Raster),
+                    ..RenderOptions::default()
+                };
                 let output = inputs(&renderer, &scene, &options, Some(&order)).expect("serves");
                 let output = output.draw(&NoProgress).expect("draws");
                 let checked = check_order(&renderer, &scene, &options, &order, &output, &NoProgress);
@@ -321,7 +324,7 @@ mod tests {
         let scene =
             NamedScene { name: "cube".into(), volume, look: overlapping(), camera: outside([40, 32]) };
         let scene = scene.drawn_by(&SHADING, VisibilityOrder::Exact);
-        let options = RenderOptions::with_compositor(Compositor::Tiles);
+        let options = RenderOptions { compositing: Some(Compositor::Tiles), ..RenderOptions::default() };
         let start = || begin(&renderer, &scene, &options, &NoProgress);
         draw(&renderer, &scene, &options, &NoProgress).expect("draws");
         let frames: Vec<SubmittedFrame> = (0..3).map(|_| start().expect("begins")).collect();

@@ -16,12 +16,13 @@
 //! each edge from the gradients at its ends) the exact picture changes: by what the linear model leaves out.
 
 use crate::work_precision::errors::errors;
+use crate::work_precision::refine::{RefinedGrid, refine};
 use crate::work_precision::{Reference, RenderConfig, RendererVariant, Subject};
 use glam::DVec3;
 use serde::Serialize;
 use std::sync::Arc;
 use voltet_core::field::{LeastSquares, Method};
-use voltet_core::grid::{Array, RefinedGrid, refine};
+use voltet_core::grid::Array;
 use voltet_core::picture::Picture;
 use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::transfer::{OpticalModel, TransferFunction};

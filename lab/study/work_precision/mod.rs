@@ -9,6 +9,7 @@ mod measure;
 pub(crate) mod output;
 mod plot;
 mod reference;
+mod refine;
 mod run;
 mod settings;
 

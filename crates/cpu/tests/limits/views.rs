@@ -65,7 +65,9 @@ fn drawn(prepared: &dyn PreparedVolume, scene: &Scene) -> RenderOutput {
 }
 
 fn passing(prepared: &dyn PreparedVolume, scene: &Scene) -> RenderOutput {
-    prepared.draw(scene, &RenderOptions::passing(), &NoProgress).expect("draws")
+    prepared
+        .draw(scene, &RenderOptions { passing: true, ..RenderOptions::default() }, &NoProgress)
+        .expect("draws")
 }
 
 /// Whether it was drawn from what was kept.

@@ -14,7 +14,11 @@ use voltet_testing::pictures::looks::*;
 
 /// Blended in exact order, checked at every pixel.
 fn counted(compositing: Compositor) -> RenderOptions {
-    RenderOptions { order_check: OrderCheck::Count, ..RenderOptions::with_compositor(compositing) }
+    RenderOptions {
+        order_check: OrderCheck::Count,
+        compositing: Some(compositing),
+        ..RenderOptions::default()
+    }
 }
 
 /// Cells of every shape, none of which is turned over.
@@ -80,7 +84,8 @@ fn circles_are_drawn_by_tiles() {
     let renderer = Renderer::new(device, &scene.volume).expect("fits");
     let eight = RenderOptions {
         accumulation: Accumulation::Bits8,
-        ..RenderOptions::with_compositor(Compositor::Raster)
+        compositing: Some(Compositor::Raster),
+        ..RenderOptions::default()
     };
     let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Exact);
     let error = voltet_gpu::draw(&renderer, &wanted, &eight, &NoProgress).expect_err("refused").to_string();
@@ -101,7 +106,11 @@ fn an_order_is_kept() {
     let renderer = Renderer::new(device.clone(), &scene.volume).expect("fits");
     let sent = |scene: &NamedScene| {
         let before = device.work().bytes_uploaded;
-        let drawn = draw(&renderer, scene, &RenderOptions::with_compositor(Compositor::Raster));
+        let drawn = draw(
+            &renderer,
+            scene,
+            &RenderOptions { compositing: Some(Compositor::Raster), ..RenderOptions::default() },
+        );
         let made = drawn.passes.iter().any(|part| part.pass == Some("faces (CPU)"));
         (made, device.work().bytes_uploaded - before)
     };
@@ -126,7 +135,11 @@ fn windows_and_runs_keep_the_order() {
     let scene = jittered(overlapping(), outside([48, 40]));
     let whole = draw_on(device.clone(), &scene, &SHADING, raster(VisibilityOrder::Exact)).expect("draws");
     let runs = Renderer::new(device, &scene.volume).expect("fits").with_runs_of(100);
-    let drawn = draw(&runs, &scene, &RenderOptions::with_compositor(Compositor::Raster));
+    let drawn = draw(
+        &runs,
+        &scene,
+        &RenderOptions { compositing: Some(Compositor::Raster), ..RenderOptions::default() },
+    );
     assert_eq!(drawn.picture.rgba, whole.picture.rgba);
     let windows = Arc::new(further_device().with_limits(|limits| limits.max_texture_dimension_2d = 16));
     let drawn = draw_on(windows, &scene, &SHADING, raster(VisibilityOrder::Exact)).expect("draws");

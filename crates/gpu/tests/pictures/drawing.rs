@@ -61,7 +61,7 @@ pub fn draw_tiles(
     voltet_gpu::draw(
         renderer,
         &scene.drawn_by(shading, order),
-        &RenderOptions::with_compositor(Compositor::Tiles),
+        &RenderOptions { compositing: Some(Compositor::Tiles), ..RenderOptions::default() },
         &NoProgress,
     )
 }
@@ -109,7 +109,7 @@ pub fn draw_on(device: Arc<Device>, scene: &NamedScene, shading: &Shading, how: 
     voltet_gpu::draw(
         &renderer,
         &scene.drawn_by(shading, order),
-        &RenderOptions::with_compositor(compositing),
+        &RenderOptions { compositing: Some(compositing), ..RenderOptions::default() },
         &NoProgress,
     )
 }

@@ -36,8 +36,11 @@ fn frames_in_flight_are_those_drawn_alone() {
         let scene = NamedScene { volume, ..jittered(overlapping(), outside([40, 32])) };
         let renderer = Arc::new(Renderer::new(device.clone(), &scene.volume).expect("fits"));
         let scenes = scenes(&scene.drawn_by(&SHADING, order));
-        let options =
-            RenderOptions { order_check: OrderCheck::Sample, ..RenderOptions::with_compositor(compositing) };
+        let options = RenderOptions {
+            order_check: OrderCheck::Sample,
+            compositing: Some(compositing),
+            ..RenderOptions::default()
+        };
         let alone: Vec<_> = scenes
             .iter()
             .map(|scene| draw(&renderer, scene, &options, &NoProgress).expect("draws"))
@@ -76,7 +79,7 @@ fn frames_in_flight_are_bounded() {
     let scene = jittered(overlapping(), outside([40, 32]));
     let renderer = Arc::new(Renderer::new(device, &scene.volume).expect("fits"));
     let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Exact);
-    let options = RenderOptions::with_compositor(Compositor::Tiles);
+    let options = RenderOptions { compositing: Some(Compositor::Tiles), ..RenderOptions::default() };
     let alone = draw(&renderer, &wanted, &options, &NoProgress).expect("draws");
     for _ in 0..3 {
         let all: Vec<SubmittedFrame> =
@@ -97,7 +100,7 @@ fn a_first_frame_may_be_in_flight() {
     let Some(device) = device() else { return };
     let scene = jittered(overlapping(), outside([160, 120]));
     let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Exact);
-    let options = RenderOptions::with_compositor(Compositor::Tiles);
+    let options = RenderOptions { compositing: Some(Compositor::Tiles), ..RenderOptions::default() };
     let renderer = || Arc::new(Renderer::new(device.clone(), &scene.volume).expect("fits"));
     let alone = draw(&renderer(), &wanted, &options, &NoProgress).expect("draws");
     let first = begin(&renderer(), &wanted, &options, &NoProgress).expect("begins");

@@ -81,7 +81,7 @@ fn a_moved_camera_or_widget_uploads_parameters_alone() {
                 voltet_gpu::draw(
                     &renderer,
                     &wanted,
-                    &RenderOptions::with_compositor(compositing),
+                    &RenderOptions { compositing: Some(compositing), ..RenderOptions::default() },
                     &NoProgress,
                 )
                 .expect("draws");

@@ -236,7 +236,7 @@ fn runs_and_windows_change_nothing() {
         let drawn = voltet_gpu::draw(
             &runs,
             &wanted,
-            &RenderOptions::with_compositor(Compositor::Raster),
+            &RenderOptions { compositing: Some(Compositor::Raster), ..RenderOptions::default() },
             &NoProgress,
         )
         .expect("draws");

@@ -203,7 +203,7 @@ fn runs_and_small_bindings_change_nothing() {
     let Some(device) = device() else { return };
     let scene = jittered(overlapping(), outside([24, 20]));
     let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Centroid);
-    let options = RenderOptions::with_compositor(Compositor::Triangles);
+    let options = RenderOptions { compositing: Some(Compositor::Triangles), ..RenderOptions::default() };
     let whole = draw(&device, &scene, &SHADING, triangles(VisibilityOrder::Centroid)).picture;
     for length in [300, 1296] {
         let runs = Renderer::new(device.clone(), &scene.volume).expect("fits").with_runs_of(length);
@@ -229,7 +229,8 @@ fn few_bits_a_channel_round_after_each_cell() {
     const CELLS: f64 = 36.0;
     for compositing in [Compositor::Raster, Compositor::Triangles] {
         let picture = |accumulation| {
-            let options = RenderOptions { accumulation, ..RenderOptions::with_compositor(compositing) };
+            let options =
+                RenderOptions { accumulation, compositing: Some(compositing), ..RenderOptions::default() };
             voltet_gpu::draw(&renderer, &wanted, &options, &NoProgress).expect("draws").picture
         };
         let float = picture(Accumulation::Float);
@@ -252,7 +253,8 @@ fn few_bits_a_channel_round_after_each_cell() {
     }
     let tiles = RenderOptions {
         accumulation: Accumulation::Bits8,
-        ..RenderOptions::with_compositor(Compositor::Tiles)
+        compositing: Some(Compositor::Tiles),
+        ..RenderOptions::default()
     };
     let error = voltet_gpu::draw(&renderer, &wanted, &tiles, &NoProgress).expect_err("refused").to_string();
     assert!(error.contains("8-bit") && error.contains("raster"), "{error}");
@@ -260,7 +262,8 @@ fn few_bits_a_channel_round_after_each_cell() {
     let renderer = Renderer::new(narrow, &scene.volume).expect("fits");
     let twelve = RenderOptions {
         accumulation: Accumulation::Bits12,
-        ..RenderOptions::with_compositor(Compositor::Triangles)
+        compositing: Some(Compositor::Triangles),
+        ..RenderOptions::default()
     };
     let error = voltet_gpu::draw(&renderer, &wanted, &twelve, &NoProgress).expect_err("refused").to_string();
     assert!(error.contains("no 32-bit floats") && error.contains("12-bit"), "{error}");

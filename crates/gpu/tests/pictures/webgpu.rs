@@ -72,7 +72,11 @@ fn every_compositor_draws_within_the_limits_of_webgpu() {
     let scene = scene("few bits", overlapping());
     let renderer = Renderer::new(least, &scene.volume).expect("fits");
     for accumulation in [Accumulation::Bits8, Accumulation::Bits12] {
-        let options = RenderOptions { accumulation, ..RenderOptions::with_compositor(Compositor::Triangles) };
+        let options = RenderOptions {
+            accumulation,
+            compositing: Some(Compositor::Triangles),
+            ..RenderOptions::default()
+        };
         voltet_gpu::draw(
             &renderer,
             &scene.drawn_by(&SHADING, VisibilityOrder::Centroid),

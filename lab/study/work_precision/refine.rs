@@ -4,11 +4,10 @@
 //! that they leave. Every face is cut in four by the middles of its edges, so neighbours match whatever the diagonal; the
 //! shortest one is taken, which keeps cells from getting thin.
 
-use super::Grid;
-use crate::SharedSlice;
-use crate::{Error, Result};
 use glam::DVec3;
 use rayon::prelude::*;
+use voltet_core::grid::Grid;
+use voltet_core::{Error, Result, SharedSlice};
 
 /// A refined grid: points and tetrahedra alone, no values.
 #[derive(Debug, Clone)]
@@ -105,9 +104,9 @@ fn eight(cell: &[u32; 4], middle: &[u32; 6], points: &[DVec3]) -> [[u32; 4]; 8] 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::generate::box_of_tetrahedra;
-    use crate::grid::tetrahedron_volume;
     use std::collections::HashMap;
+    use voltet_core::grid::generate::box_of_tetrahedra;
+    use voltet_core::grid::tetrahedron_volume;
 
     #[test]
     fn eight_parts_fill_each_cell_and_neighbours_match() {
