@@ -9,7 +9,6 @@ mod measure;
 pub(crate) mod output;
 mod plot;
 mod reference;
-mod refine;
 mod run;
 mod settings;
 

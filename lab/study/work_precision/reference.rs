@@ -115,16 +115,11 @@ fn decode(bytes: &[u8]) -> Option<(Tiles, f64)> {
     let (content, behind) = bytes.split_last_chunk()?;
     let content = content.strip_prefix(MAGIC).filter(|_| check(content) == *behind)?;
     let (seconds, tiles) = content.split_first_chunk()?;
-    let each = tiles.chunks_exact(4 + 16 * TILE_PIXELS);
-    let whole = each.remainder().is_empty();
-    let float = |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-    let tiles = each.map(|bytes| {
-        let (number, pixels) = bytes.split_at(4);
-        let pixel = |bytes: &[u8]| std::array::from_fn(|k| float(&bytes[4 * k..]));
-        let number = u32::from_le_bytes([number[0], number[1], number[2], number[3]]);
-        (number, pixels.chunks_exact(16).map(pixel).collect())
+    let tiles = tiles.as_chunks().0.chunks_exact(1 + 4 * TILE_PIXELS).map(|words| {
+        let pixels = words[1..].as_chunks().0.iter().map(|pixel: &[_; 4]| pixel.map(f32::from_le_bytes));
+        (u32::from_le_bytes(words[0]), pixels.collect())
     });
-    whole.then(|| (tiles.collect(), f64::from_le_bytes(*seconds)))
+    Some((tiles.collect(), f64::from_le_bytes(*seconds)))
 }
 
 #[cfg(test)]
