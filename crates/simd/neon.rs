@@ -5,7 +5,7 @@
 //!
 //! Why its instructions may run: the crate's head.
 
-use super::operations::{Double, Float, Lanes, Mask, Unsigned, inlined, inside, parts_inside, sealed};
+use super::operations::{Double, Float, Lanes, Mask, Unsigned, inside, parts_inside, sealed};
 use std::arch::aarch64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
