@@ -87,7 +87,7 @@ pub(crate) struct SubpixelView {
 impl SegmentSource {
     /// Projects the selected cells for an area, or bins them by regions of it where they are more than `max_resident_cells`.
     ///
-    /// Errors: those of [`TileBins::fill_on_all`].
+    /// Errors: those of [`crate::project::tile_bins::TileBins::fill_on_all`].
     fn new(cells: &Cells, input: &Input<'_>, max_resident_cells: usize) -> Result<SegmentSource> {
         let (ids, lanes, points) = (cells.ids.as_slice(), cells.lanes, &cells.volume.grid.points);
         if max_resident_cells < ids.len() {
@@ -158,7 +158,7 @@ impl SubpixelView {
     /// The view with cells projected for some tiles, where rays were mistracked: few at a time, since the ray caster's memory is in use,
     /// too.
     ///
-    /// Errors: those of [`TileBins::fill_on_all`].
+    /// Errors: those of [`crate::project::tile_bins::TileBins::fill_on_all`].
     pub fn projected(
         &self,
         cells: &Cells,

@@ -201,6 +201,7 @@ pub struct Set {
     /// The value is read as TOML, or taken as text where it is none; parts of lists and tables are reached by
     /// further points. Paths are relative to the pipeline file, as those within it.
     /// Examples: view.size=[512,512]  file.path=small.png  look.widgets.0.extinction=2
+    #[allow(rustdoc::broken_intra_doc_links, reason = "help shows the brackets as they are")]
     #[arg(long = "set", value_name = "node.param=value", verbatim_doc_comment)]
     pub options: Vec<String>,
 }

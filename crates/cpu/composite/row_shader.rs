@@ -18,7 +18,7 @@ use std::ops::Range;
 use voltet_simd::optics::elementary::one_minus_exp;
 use voltet_simd::{Float, Kernel, LaneSet, Lanes, dispatch};
 
-/// Slices of a row of sorted lists: see [`FragmentLists::fill`].
+/// Slices of a row of sorted lists.
 pub(crate) struct ListedSlices<'a> {
     lists: &'a FragmentLists,
     row: usize,

@@ -199,7 +199,7 @@ pub struct Cost {
     pub passes: Vec<Pass>,
     /// Ray segments integrated in a frame; blending hardware does not count them.
     pub segments: Option<u64>,
-    /// Number of times the transfer function was asked in a frame: see [`voltet_optics::engine::Counts::evaluations`]; `None` where an engine
+    /// Number of times the transfer function was asked in a frame: see [`voltet_optics::engine::RenderStats::evaluations`]; `None` where an engine
     /// does not count.
     pub evaluations: Option<u64>,
     /// Segments of these that the engine left to 64 bits.
