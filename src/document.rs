@@ -14,6 +14,7 @@ use voltet_nodes::files::{Use, collision};
 
 /// An error with the text that its location points into.
 #[derive(Debug)]
+#[cfg_attr(not(feature = "cli"), allow(dead_code, reason = "the command line alone shows the text"))]
 pub(crate) struct LocatedError {
     pub error: Error,
     pub text: Option<String>,
