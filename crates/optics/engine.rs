@@ -216,7 +216,11 @@ impl Compositor {
 
     /// The name in pipeline files.
     pub fn name(self) -> &'static str {
-        ["tiles", "raster", "triangles"][self as usize]
+        match self {
+            Compositor::Tiles => "tiles",
+            Compositor::Raster => "raster",
+            Compositor::Triangles => "triangles",
+        }
     }
 
     /// The one of that name.
@@ -396,7 +400,13 @@ pub struct StageTiming {
 impl Stage {
     /// Its name in reports.
     pub fn name(self) -> &'static str {
-        ["cull", "sort", "project", "set-up", "composite"][self as usize]
+        match self {
+            Stage::Cull => "cull",
+            Stage::Sort => "sort",
+            Stage::Project => "project",
+            Stage::SetUp => "set-up",
+            Stage::Composite => "composite",
+        }
     }
 }
 

@@ -84,12 +84,14 @@ pub trait GradientFilter: Send + Sync {
     }
 
     /// Checks what single declarations cannot say (parameters that exclude each other). Touches no file.
-    fn check(&self, _parameters: &Parameters) -> Result<()> {
+    fn check(&self, parameters: &Parameters) -> Result<()> {
+        let _ = parameters;
         Ok(())
     }
 
     /// Names of the point arrays that it reads with these parameters. The grid then has them.
-    fn arrays(&self, _parameters: &Parameters) -> Result<Vec<String>> {
+    fn arrays(&self, parameters: &Parameters) -> Result<Vec<String>> {
+        let _ = parameters;
         Ok(Vec::new())
     }
 
@@ -107,12 +109,13 @@ pub trait GradientFilter: Send + Sync {
     /// where this takes as long as all of them.
     fn gradient_at(
         &self,
-        _grid: &Grid,
-        _scalar: &[f64],
-        _points: &[u32],
-        _parameters: &Parameters,
-        _progress: &dyn Progress,
+        grid: &Grid,
+        scalar: &[f64],
+        points: &[u32],
+        parameters: &Parameters,
+        progress: &dyn Progress,
     ) -> Option<Result<Gradient>> {
+        let _ = (grid, scalar, points, parameters, progress);
         None
     }
 }

@@ -256,6 +256,10 @@ pub(crate) struct UnboundedFragmentLists {
 }
 
 impl UnboundedFragmentLists {
+    pub fn clear(&mut self) {
+        self.pixels.iter_mut().for_each(Vec::clear);
+    }
+
     pub fn push(&mut self, column: usize, fragment: Fragment) {
         self.pixels[column].push(fragment);
     }

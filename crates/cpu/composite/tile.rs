@@ -36,8 +36,9 @@ pub(crate) fn draw_projected(
         // Rows are independent: draw them one at a time with lists that grow.
         scratch.counts = before;
         scratch.counts.tiles_deep += 1;
+        let mut growing = UnboundedFragmentLists::default();
         for row in 0..rect.size[1] {
-            let mut growing = UnboundedFragmentLists::default();
+            growing.clear();
             walk(frame, bins, rect, row..row + 1, scratch, &mut growing);
             scratch.counts.pixels_disordered +=
                 growing.composite(frame.sorted, &mut picture[row * TILE..][..TILE]);

@@ -38,8 +38,8 @@ pub struct LaneWidget {
     support: Option<SupportBounds>,
 }
 
-/// A profile compiled for vector lanes. A kind without control points, colours, steps, a path or a shape is in the rest of their
-/// `match`es; the choices of a kernel have no rest.
+/// A profile compiled for vector lanes. Control points, colours, steps and paths are optional: a kind without them is in the rest of
+/// their `match`es; the others have no rest.
 enum VectorProfile {
     Uniform,
     Gaussian(LaneGaussian),
@@ -256,7 +256,11 @@ impl LaneWidget {
                 let there = L::F::splat(0.0).lt(share).and(segments.crossing);
                 (table.track::<L>(&front, &back, peak, None).mean(there) * peak, 0)
             }
-            _ => self.depth::<L>(segments),
+            VectorProfile::Uniform
+            | VectorProfile::Gaussian(_)
+            | VectorProfile::Wave(_)
+            | VectorProfile::PiecewiseLinear(_)
+            | VectorProfile::None => self.depth::<L>(segments),
         }
     }
 
@@ -353,7 +357,11 @@ impl LaneWidget {
                 let depth = linear.depth(segments);
                 (DensityShape::even(depth).cut(L::F::splat(0.0).lt(depth)), 0)
             }
-            _ => (DensityShape::even(L::F::splat(0.0)), u32::MAX),
+            VectorProfile::TriangularGaussian(_)
+            | VectorProfile::GaussianNd(_)
+            | VectorProfile::TriangularGaussianNd(_)
+            | VectorProfile::Table(_)
+            | VectorProfile::None => (DensityShape::even(L::F::splat(0.0)), u32::MAX),
         }
     }
 
@@ -409,7 +417,13 @@ impl LaneWidget {
             VectorProfile::Wave(wave) => {
                 array!(|j| wave.value::<L>(&segments.at(L::F::splat(t[j]))) * density)
             }
-            _ => [L::F::splat(0.0); N],
+            VectorProfile::Gaussian(_)
+            | VectorProfile::PiecewiseLinear(_)
+            | VectorProfile::TriangularGaussian(_)
+            | VectorProfile::GaussianNd(_)
+            | VectorProfile::TriangularGaussianNd(_)
+            | VectorProfile::Table(_)
+            | VectorProfile::None => [L::F::splat(0.0); N],
         }
     }
 }
@@ -459,7 +473,11 @@ impl LaneWidget {
                 present = present.and(there);
                 (Some(path), share)
             }
-            _ => (None, segments.inside(region).share),
+            VectorProfile::Uniform
+            | VectorProfile::Wave(_)
+            | VectorProfile::PiecewiseLinear(_)
+            | VectorProfile::Table(_)
+            | VectorProfile::None => (None, segments.inside(region).share),
         };
         RegionPath { path, fraction, present }
     }
@@ -484,13 +502,17 @@ impl LaneWidget {
 
     /// True if its profile is e^(−x²) of something, which 32 bits round to 0 far out.
     pub(super) fn is_exponential(&self) -> bool {
-        matches!(
-            self.profile,
+        match self.profile {
             VectorProfile::Gaussian(_)
-                | VectorProfile::TriangularGaussian(_)
-                | VectorProfile::GaussianNd(_)
-                | VectorProfile::TriangularGaussianNd(_)
-        )
+            | VectorProfile::TriangularGaussian(_)
+            | VectorProfile::GaussianNd(_)
+            | VectorProfile::TriangularGaussianNd(_) => true,
+            VectorProfile::Uniform
+            | VectorProfile::Wave(_)
+            | VectorProfile::PiecewiseLinear(_)
+            | VectorProfile::Table(_)
+            | VectorProfile::None => false,
+        }
     }
 
     /// Value at its peak; `density_scale`: as in [`WidgetContext`](crate::shade::context::WidgetContext).
@@ -507,7 +529,13 @@ impl LaneWidget {
         match &self.profile {
             VectorProfile::Gaussian(gaussian) => gaussian.unsure(segments),
             VectorProfile::GaussianNd(nd) => nd.unsure(),
-            _ => 0,
+            VectorProfile::Uniform
+            | VectorProfile::Wave(_)
+            | VectorProfile::PiecewiseLinear(_)
+            | VectorProfile::Table(_)
+            | VectorProfile::TriangularGaussian(_)
+            | VectorProfile::TriangularGaussianNd(_)
+            | VectorProfile::None => 0,
         }
     }
 
@@ -539,7 +567,9 @@ impl LaneWidget {
             }
             VectorProfile::GaussianNd(nd) => array!(|j| nd.value::<L>(fields, t[j])),
             VectorProfile::TriangularGaussianNd(nd) => array!(|j| nd.value::<L>(fields, t[j])),
-            _ => [L::F::splat(0.0); N],
+            VectorProfile::PiecewiseLinear(_) | VectorProfile::Table(_) | VectorProfile::None => {
+                [L::F::splat(0.0); N]
+            }
         }
     }
 
