@@ -8,7 +8,16 @@ use super::operations::{
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-lane_set!(Avx2, 8, F(__m256), U(__m256i), M(__m256), D(__m256d), MD(__m256d));
+lane_set!(
+    #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2,lzcnt")]
+    Avx2,
+    8,
+    F(__m256),
+    U(__m256i),
+    M(__m256),
+    D(__m256d),
+    MD(__m256d)
+);
 
 operator!(F, Add, add, _mm256_add_ps);
 operator!(F, Sub, sub, _mm256_sub_ps);

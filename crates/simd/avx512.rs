@@ -8,7 +8,16 @@ use super::operations::{
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-lane_set!(Avx512, 16, F(__m512), U(__m512i), M(__mmask16), D(__m512d), MD(__mmask8));
+lane_set!(
+    #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,popcnt,bmi1,bmi2,lzcnt")]
+    Avx512,
+    16,
+    F(__m512),
+    U(__m512i),
+    M(__mmask16),
+    D(__m512d),
+    MD(__mmask8)
+);
 
 operator!(F, Add, add, _mm512_add_ps);
 operator!(F, Sub, sub, _mm512_sub_ps);

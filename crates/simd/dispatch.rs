@@ -130,32 +130,24 @@ struct CacheLine(#[expect(dead_code, reason = "it stands for its address")] u8);
 
 /// Runs a kernel on a lane set; one that the processor lacks is replaced by the portable set.
 pub fn dispatch<K: Kernel>(lanes: LaneSet, kernel: K) -> K::Output {
-    #[cfg(target_arch = "x86_64")]
-    {
-        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,popcnt,bmi1,bmi2,lzcnt")]
-        fn avx512<K: Kernel>(kernel: K) -> K::Output {
-            std::hint::black_box(&mut CacheLine(0));
-            kernel.run::<Avx512>()
-        }
-        #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2,lzcnt")]
-        fn avx2<K: Kernel>(kernel: K) -> K::Output {
-            std::hint::black_box(&mut CacheLine(0));
-            kernel.run::<Avx2>()
-        }
-        match lanes.or_portable() {
-            // SAFETY: the features were just found on this processor.
-            LaneSet::Avx512 => return unsafe { avx512(kernel) },
-            // SAFETY: the features were just found on this processor.
-            LaneSet::Avx2 => return unsafe { avx2(kernel) },
-            LaneSet::Neon | LaneSet::Portable => {}
-        }
+    match lanes.or_portable() {
+        #[cfg(target_arch = "x86_64")]
+        LaneSet::Avx512 => run::<Avx512, K>(kernel),
+        #[cfg(target_arch = "x86_64")]
+        LaneSet::Avx2 => run::<Avx2, K>(kernel),
+        #[cfg(all(target_arch = "aarch64", target_endian = "little"))]
+        LaneSet::Neon => run::<Neon, K>(kernel),
+        _ => run::<FourLanes, K>(kernel),
     }
-    #[cfg(all(target_arch = "aarch64", target_endian = "little"))]
-    if lanes.or_portable() == LaneSet::Neon {
-        return kernel.run::<Neon>();
-    }
-    let _ = lanes;
-    kernel.run::<FourLanes>()
+}
+
+/// Runs a kernel on lanes that the processor has.
+fn run<L: Lanes, K: Kernel>(kernel: K) -> K::Output {
+    L::call(inlined!(|| {
+        #[cfg(target_arch = "x86_64")]
+        std::hint::black_box(&mut CacheLine(0));
+        kernel.run::<L>()
+    }))
 }
 
 #[cfg(test)]

@@ -82,9 +82,10 @@ macro_rules! operator {
     };
 }
 
-/// A lane set: its width, and the registers of its floats, integers, booleans, 64-bit floats and their booleans.
+/// A lane set: the processor features of its instructions, its width, and the registers of its floats, integers, booleans, 64-bit floats
+/// and their booleans.
 macro_rules! lane_set {
-    ($set:ident, $width:expr, $($name:ident($register:ty)),*) => {
+    ($(#[$features:meta])? $set:ident, $width:expr, $($name:ident($register:ty)),*) => {
         #[derive(Clone, Copy)]
         pub(super) struct $set;
 
@@ -96,6 +97,17 @@ macro_rules! lane_set {
             type U = U;
             type M = M;
             type D = D;
+
+            #[inline(always)]
+            fn call<R>(part: impl FnOnce() -> R) -> R {
+                $(#[$features])?
+                #[inline(never)]
+                unsafe fn outlined<R>(part: impl FnOnce() -> R) -> R {
+                    part()
+                }
+                // SAFETY: it needs the features of these lanes, as their other methods do (see the crate's head).
+                unsafe { outlined(part) }
+            }
         }
 
         $(

@@ -22,6 +22,10 @@ pub trait Lanes: sealed::Sealed + Copy + Send + Sync + 'static {
     type M: Mask;
     /// 64-bit floats, half as many.
     type D: Double;
+
+    /// Runs a part of a kernel, a closure marked by [`inlined!`](crate::inlined), as a function of its own: the time to compile a
+    /// function grows faster than its size.
+    fn call<R>(part: impl FnOnce() -> R) -> R;
 }
 
 /// Lanes of 64-bit floats, [`Double::COUNT`] = `WIDTH / 2` of them.

@@ -15,7 +15,7 @@ use voltet_simd::limits::{MAX_DENSE_RATE, MAX_RATE, MIN_WALKED_LENGTH};
 use voltet_simd::optics::dense::dense;
 use voltet_simd::optics::elementary::one_minus_exp;
 use voltet_simd::optics::overlap::ordered;
-use voltet_simd::{Float, Lanes, Mask, array, mask_of};
+use voltet_simd::{Float, Lanes, Mask, array, inlined, mask_of};
 
 /// Quadrature in panels.
 pub(crate) struct PanelQuadrature {
@@ -120,7 +120,7 @@ impl PanelQuadrature {
             if !meets.any() {
                 continue;
             }
-            let (depth, no) = widget.any_depth::<L>(&segments.only(meets), fields);
+            let (depth, no) = L::call(inlined!(|| widget.any_depth::<L>(&segments.only(meets), fields)));
             let depth = L::F::select(meets, depth, zero);
             narrow |= no & meets.bits();
             product = depth.mul_add(total, product);
@@ -167,7 +167,8 @@ impl PanelQuadrature {
             for widget in widgets {
                 let meets = widget.meets::<L>(&spread);
                 if meets.any() {
-                    let mut member = widget.member::<L>(segments, fields, scale, self.cutoff);
+                    let mut member =
+                        L::call(inlined!(|| widget.member::<L>(segments, fields, scale, self.cutoff)));
                     let nowhere = nothing::<L>().range;
                     for (end, nowhere) in member.range.iter_mut().zip(nowhere) {
                         *end = L::F::select(meets, *end, nowhere);
@@ -176,13 +177,14 @@ impl PanelQuadrature {
                 }
             }
             let walked = if thick {
-                let (color, light, unsure) = dense::<L>(&members);
+                let (color, light, unsure) = L::call(inlined!(|| dense::<L>(&members)));
                 too_dense |= in_order & unsure.bits();
                 // All light together is known in closed form.
                 let exact = opacity / light.max(splat(f32::MIN_POSITIVE));
                 array!(|i| color[i] * exact)
             } else {
-                let (color, points) = ordered::<L>(&members, self.cutoff.map(|_| scale));
+                let glow = self.cutoff.map(|_| scale);
+                let (color, points) = L::call(inlined!(|| ordered::<L>(&members, glow)));
                 *evaluations += points;
                 color
             };
