@@ -143,11 +143,12 @@ pub fn dispatch<K: Kernel>(lanes: LaneSet, kernel: K) -> K::Output {
 
 /// Runs a kernel on lanes that the processor has.
 fn run<L: Lanes, K: Kernel>(kernel: K) -> K::Output {
-    L::call(inlined!(|| {
+    let run = inlined!(|kernel: K| {
         #[cfg(target_arch = "x86_64")]
         std::hint::black_box(&mut CacheLine(0));
         kernel.run::<L>()
-    }))
+    });
+    L::call(run, kernel)
 }
 
 #[cfg(test)]

@@ -99,14 +99,14 @@ macro_rules! lane_set {
             type D = D;
 
             #[inline(always)]
-            fn call<R>(part: impl FnOnce() -> R) -> R {
+            fn call<A, R>(part: impl Fn(A) -> R, argument: A) -> R {
                 $(#[$features])?
                 #[inline(never)]
-                unsafe fn outlined<R>(part: impl FnOnce() -> R) -> R {
-                    part()
+                unsafe fn outlined<A, R>(part: impl Fn(A) -> R, argument: A) -> R {
+                    part(argument)
                 }
                 // SAFETY: it needs the features of these lanes, as their other methods do (see the crate's head).
-                unsafe { outlined(part) }
+                unsafe { outlined(part, argument) }
             }
         }
 

@@ -24,8 +24,9 @@ pub trait Lanes: sealed::Sealed + Copy + Send + Sync + 'static {
     type D: Double;
 
     /// Runs a part of a kernel, a closure marked by [`inlined!`](crate::inlined), as a function of its own: the time to compile a
-    /// function grows faster than its size.
-    fn call<R>(part: impl FnOnce() -> R) -> R;
+    /// function grows faster than its size. `Fn`, since as `FnOnce` it would be called by way of a function without these lanes'
+    /// instructions.
+    fn call<A, R>(part: impl Fn(A) -> R, argument: A) -> R;
 }
 
 /// Lanes of 64-bit floats, [`Double::COUNT`] = `WIDTH / 2` of them.
