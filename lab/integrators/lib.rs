@@ -23,18 +23,17 @@ mod segments;
 mod settings;
 mod square;
 mod tabulated;
-#[cfg(test)]
-#[path = "tests_64/mod.rs"]
-mod tests;
 mod vertex_sampled;
 
-pub use pre_integrated::{PreIntegrated, from_cylinder, pre_integrated, pre_integrated_cylindrical};
+pub use pre_integrated::{
+    PreIntegrated, from_cylinder, pre_integrated, pre_integrated_cylindrical, to_cylinder,
+};
 pub use ramp::{Material, Ramp, last_tile};
 pub use riemann::{Riemann, riemann};
 pub use segments::{PartialTable, Segments, segments};
 pub use settings::{
     DEFAULT_OVERSAMPLING, DEFAULT_PIECES, DEFAULT_PLANES, DEFAULT_SIDE, MAX_OVERSAMPLING, MAX_PARTIAL_SIDE,
-    MAX_PLANES, MAX_TABLE_SIDE,
+    MAX_PLANES, MAX_TABLE_SIDE, WGSL_PIECES,
 };
 pub use tabulated::{GaussianTables, LIT_REACH, MAX_P, REACH, Tabulated, tabulated};
 pub use vertex_sampled::{CLASSIFIED, ClassifiedPoints, VERTEX_SAMPLED, VertexSampled, classified};

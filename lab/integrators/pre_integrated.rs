@@ -303,7 +303,7 @@ pub fn from_cylinder(angle: f64, s: f64, t: f64) -> [f64; 3] {
 }
 
 /// f⁻¹: (α, s, t).
-fn to_cylinder(front: f64, back: f64, length: f64) -> [f64; 3] {
+pub fn to_cylinder(front: f64, back: f64, length: f64) -> [f64; 3] {
     let fall = front - back;
     let (angle, s) = if length <= 0.0 && fall == 0.0 {
         (0.5, 0.0)
@@ -548,27 +548,4 @@ fn mean_extinctions(ramp: &Ramp, last_tile: Option<usize>, axis: Axis, per_lengt
 fn matter(ramp: &Ramp) -> Vec<[f32; 4]> {
     let all = ramp.nodes.iter().chain(&ramp.pieces);
     all.map(|m| [m.glow[0], m.glow[1], m.glow[2], m.extinction].map(single)).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn the_mapping_is_its_inverse(front in 0.0..1.0_f64, back in 0.0..1.0_f64, length in 1e-6..1.0_f64) {
-            let [angle, s, t] = to_cylinder(front, back, length);
-            prop_assert!((0.0..=1.0).contains(&angle) && (0.0..=1.0).contains(&s));
-            let [f, b, l] = from_cylinder(angle, s, t);
-            // A few roundings of numbers up to 1.
-            prop_assert!((f - front).abs() < 1e-15 && b == back && (l - length).abs() < 1e-15);
-        }
-    }
-
-    #[test]
-    fn at_the_axis_every_plane_serves() {
-        let [angle, s, t] = to_cylinder(0.3, 0.3, 0.0);
-        assert_eq!((angle, s, t), (0.5, 0.0, 0.3));
-    }
 }

@@ -125,7 +125,7 @@ macro_rules! piece {
 }
 
 /// Shader text: the pieces under `wgsl/`, by name.
-pub(crate) static WGSL_PIECES: &[WgslPiece] = &[
+pub static WGSL_PIECES: &[WgslPiece] = &[
     piece!("pre_integrated/bilinear"),
     piece!("pre_integrated/cylinder"),
     piece!("pre_integrated/fill_slices"),
@@ -141,20 +141,3 @@ pub(crate) static WGSL_PIECES: &[WgslPiece] = &[
     piece!("sampled/riemann"),
     piece!("sampled/segments"),
 ];
-
-#[cfg(test)]
-mod tests {
-    use super::WGSL_PIECES;
-
-    #[test]
-    fn every_header_is_complete_and_names_pieces() {
-        for piece in WGSL_PIECES {
-            let header = piece.text.lines().next().unwrap_or("");
-            assert!(header.starts_with("// Uses: ") && header.contains(". Fills: "), "{}", piece.file);
-            for name in piece.uses() {
-                let known = WGSL_PIECES.iter().any(|other| other.name == name);
-                assert!(known || voltet_shaders::piece(name).is_some(), "{} uses '{name}'", piece.file);
-            }
-        }
-    }
-}

@@ -3,12 +3,13 @@
 mod tables;
 mod tabulated;
 
-use super::*;
 use proptest::prelude::*;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Widget};
+use voltet_integrators::*;
 use voltet_optics::WidgetBlend;
 use voltet_optics::arbitrary::segment;
+use voltet_optics::integrators::IntegratorKind;
 use voltet_optics::integrators::{self, Analytic, Extent, Integrator, SegmentIntegrator, can_serve, new};
 use voltet_optics::{Contribution, Segment};
 
@@ -202,6 +203,35 @@ proptest! {
                 let most = 1.5 * (1.0 + 1e-6);
                 prop_assert!(found.color.into_iter().all(|c| c <= most), "{integrator:?} {:?}", found.color);
             }
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn the_mapping_is_its_inverse(front in 0.0..1.0_f64, back in 0.0..1.0_f64, length in 1e-6..1.0_f64) {
+        let [angle, s, t] = to_cylinder(front, back, length);
+        prop_assert!((0.0..=1.0).contains(&angle) && (0.0..=1.0).contains(&s));
+        let [f, b, l] = from_cylinder(angle, s, t);
+        // A few roundings of numbers up to 1.
+        prop_assert!((f - front).abs() < 1e-15 && b == back && (l - length).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn at_the_axis_every_plane_serves() {
+    let [angle, s, t] = to_cylinder(0.3, 0.3, 0.0);
+    assert_eq!((angle, s, t), (0.5, 0.0, 0.3));
+}
+
+#[test]
+fn every_header_is_complete_and_names_pieces() {
+    for piece in WGSL_PIECES {
+        let header = piece.text.lines().next().unwrap_or("");
+        assert!(header.starts_with("// Uses: ") && header.contains(". Fills: "), "{}", piece.file);
+        for name in piece.uses() {
+            let known = WGSL_PIECES.iter().any(|other| other.name == name);
+            assert!(known || voltet_shaders::piece(name).is_some(), "{} uses '{name}'", piece.file);
         }
     }
 }
