@@ -10,13 +10,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 lane_set!(
     #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2,lzcnt")]
-    Avx2,
-    8,
-    F(__m256),
-    U(__m256i),
-    M(__m256),
-    D(__m256d),
-    MD(__m256d)
+    Avx2: 8, F(__m256), U(__m256i), M(__m256), D(__m256d), MD(__m256d)
 );
 
 operator!(F, Add, add, _mm256_add_ps);

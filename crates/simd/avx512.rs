@@ -10,13 +10,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 lane_set!(
     #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,popcnt,bmi1,bmi2,lzcnt")]
-    Avx512,
-    16,
-    F(__m512),
-    U(__m512i),
-    M(__mmask16),
-    D(__m512d),
-    MD(__mmask8)
+    Avx512: 16, F(__m512), U(__m512i), M(__mmask16), D(__m512d), MD(__mmask8)
 );
 
 operator!(F, Add, add, _mm512_add_ps);

@@ -85,7 +85,7 @@ macro_rules! operator {
 /// A lane set: the processor features of its instructions, its width, and the registers of its floats, integers, booleans, 64-bit floats
 /// and their booleans.
 macro_rules! lane_set {
-    ($(#[$features:meta])? $set:ident, $width:expr, $($name:ident($register:ty)),*) => {
+    ($(#[$features:meta])? $set:ident: $width:expr, $($name:ident($register:ty)),*) => {
         #[derive(Clone, Copy)]
         pub(super) struct $set;
 

@@ -15,13 +15,8 @@ const VECTORS: usize = 2;
 const WIDTH: usize = 4 * VECTORS;
 
 lane_set!(
-    Neon,
-    WIDTH,
-    F([float32x4_t; VECTORS]),
-    U([uint32x4_t; VECTORS]),
-    M([uint32x4_t; VECTORS]),
-    D([float64x2_t; VECTORS]),
-    MD([uint64x2_t; VECTORS])
+    Neon: WIDTH, F([float32x4_t; VECTORS]), U([uint32x4_t; VECTORS]), M([uint32x4_t; VECTORS]),
+    D([float64x2_t; VECTORS]), MD([uint64x2_t; VECTORS])
 );
 
 /// Both vectors, by instructions upon values.

@@ -8,7 +8,7 @@ const WIDTH: usize = 4;
 /// True if the build has an instruction that fuses a multiply-add: else it would be a slow library call.
 const FUSED: bool = cfg!(any(target_feature = "fma", all(target_arch = "aarch64", target_feature = "neon")));
 
-lane_set!(Portable, WIDTH, F([f32; WIDTH]), U([u32; WIDTH]), M([bool; WIDTH]), D([f64; 2]), MD([bool; 2]));
+lane_set!(Portable: WIDTH, F([f32; WIDTH]), U([u32; WIDTH]), M([bool; WIDTH]), D([f64; 2]), MD([bool; 2]));
 
 /// Lanes by an expression of a lane's number.
 macro_rules! each {

@@ -9,7 +9,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 const WIDTH: usize = 4;
 
-lane_set!(Sse2, WIDTH, F(__m128), U(__m128i), M(__m128), D(__m128d), MD(__m128d));
+lane_set!(Sse2: WIDTH, F(__m128), U(__m128i), M(__m128), D(__m128d), MD(__m128d));
 
 operator!(F, Add, add, _mm_add_ps);
 operator!(F, Sub, sub, _mm_sub_ps);

@@ -100,10 +100,10 @@ impl PanelQuadrature {
     /// Colour, opacity and optical depth, the lanes (bits) for the 64-bit path by their reasons, and those where widgets
     /// overlap.
     #[inline(always)]
-    fn integrate<'w, L: Lanes>(
+    fn integrate<L: Lanes>(
         &self,
         thick: bool,
-        widgets: &'w [LaneWidget],
+        widgets: &[LaneWidget],
         segments: &SegmentLanes<L>,
         fields: &FieldLanes<L>,
         evaluations: &mut u64,
@@ -120,10 +120,8 @@ impl PanelQuadrature {
             if !meets.any() {
                 continue;
             }
-            let (depth, no) = L::call(
-                inlined!(|widget: &LaneWidget| widget.any_depth::<L>(&segments.only(meets), fields)),
-                widget,
-            );
+            let (depth, no) =
+                L::call(inlined!(|()| widget.any_depth::<L>(&segments.only(meets), fields)), ());
             let depth = L::F::select(meets, depth, zero);
             narrow |= no & meets.bits();
             product = depth.mul_add(total, product);
@@ -170,15 +168,8 @@ impl PanelQuadrature {
             for widget in widgets {
                 let meets = widget.meets::<L>(&spread);
                 if meets.any() {
-                    let mut member = L::call(
-                        inlined!(|widget: &'w LaneWidget| widget.member::<L>(
-                            segments,
-                            fields,
-                            scale,
-                            self.cutoff
-                        )),
-                        widget,
-                    );
+                    let mut member =
+                        L::call(inlined!(|()| widget.member::<L>(segments, fields, scale, self.cutoff)), ());
                     let nowhere = nothing::<L>().range;
                     for (end, nowhere) in member.range.iter_mut().zip(nowhere) {
                         *end = L::F::select(meets, *end, nowhere);
@@ -187,16 +178,14 @@ impl PanelQuadrature {
                 }
             }
             let walked = if thick {
-                let (color, light, unsure) =
-                    L::call(inlined!(|members: &[_]| dense::<L>(members)), &members[..]);
+                let (color, light, unsure) = L::call(inlined!(|()| dense::<L>(&members)), ());
                 too_dense |= in_order & unsure.bits();
                 // All light together is known in closed form.
                 let exact = opacity / light.max(splat(f32::MIN_POSITIVE));
                 array!(|i| color[i] * exact)
             } else {
                 let glow = self.cutoff.map(|_| scale);
-                let (color, points) =
-                    L::call(inlined!(|members: &[_]| ordered::<L>(members, glow)), &members[..]);
+                let (color, points) = L::call(inlined!(|()| ordered::<L>(&members, glow)), ());
                 *evaluations += points;
                 color
             };

@@ -4,13 +4,13 @@ mod tables;
 mod tabulated;
 
 use proptest::prelude::*;
-use voltet_core::transfer::TransferFunction;
-use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Widget};
+use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
 use voltet_integrators::*;
 use voltet_optics::WidgetBlend;
 use voltet_optics::arbitrary::segment;
-use voltet_optics::integrators::IntegratorKind;
-use voltet_optics::integrators::{self, Analytic, Extent, Integrator, SegmentIntegrator, can_serve, new};
+use voltet_optics::integrators::{
+    self, Analytic, Extent, Integrator, IntegratorKind, SegmentIntegrator, can_serve, new,
+};
 use voltet_optics::{Contribution, Segment};
 
 fn smooth(model: OpticalModel) -> TransferFunction {

@@ -48,7 +48,7 @@ fn a_gaussian_much_narrower_than_a_cell_is_three_times_too_dense() {
     assert!((ratio - 3.0).abs() < 1e-3, "{ratio}");
 }
 
-/// The mean gradient magnitude in place of the linear one, as `crates/core/optics/triangular_gaussian.rs` measures it.
+/// The mean gradient magnitude in place of the linear one, as `crates/optics/kinds/triangular_gaussian.rs` measures it.
 #[test]
 fn a_triangular_gaussian_takes_one_width_for_all_of_a_segment() {
     let profile = Profile::TriangularGaussian { centre: 0.5, sigma: 0.4 };
