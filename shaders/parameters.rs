@@ -49,7 +49,7 @@ pub struct Parameters {
     pub head: SceneHead,
     /// One a widget; one of zeros where there is none, since no array is empty.
     pub widgets: Vec<WidgetRecord>,
-    /// Edges, control points, matrices: what [`Places`](crate::Places) has them for.
+    /// Edges, control points, matrices: what [`Places`] has them for.
     pub numbers: Vec<f32>,
 }
 

@@ -23,7 +23,7 @@ pub trait Lanes: sealed::Sealed + Copy + Send + Sync + 'static {
     /// 64-bit floats, half as many.
     type D: Double;
 
-    /// Runs a part of a kernel, a closure marked by [`inlined!`](crate::inlined), as a function of its own: the time to compile a
+    /// Runs a part of a kernel, a closure marked by [`inlined!`](crate::inlined!), as a function of its own: the time to compile a
     /// function grows faster than its size. `Fn`, since as `FnOnce` it would be called by way of a function without these lanes'
     /// instructions.
     fn call<A, R>(part: impl Fn(A) -> R, argument: A) -> R;

@@ -10,7 +10,7 @@
 //!
 //! Uniform widgets are closed forms without a table. What waves would take is refused.
 //!
-//! Integrals of Gaussians in tables, for [`Tabulated`](super::Tabulated).
+//! Integrals of Gaussians in tables, for [`Tabulated`].
 //!
 //! IGauss(x₁, x₂) (Kniss et al. 2003, Eq. 16), the mean of e^(−x²) between two places: 16-bit numbers over [−10, 10]² whose ends
 //! hold on beyond.

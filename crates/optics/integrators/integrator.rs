@@ -39,7 +39,7 @@ pub struct Extent {
     pub longest: f64,
 }
 
-/// A kind of integrators. Each is a static; a registry that adds its [`variant`](super::variant) makes it known to pipelines.
+/// A kind of integrators. Each is a static; a registry that adds its [`variant`] makes it known to pipelines.
 pub trait IntegratorKind: Send + Sync {
     /// Name in pipeline files, summary and parameters: whole numbers and numbers, at most [`super::MAX_SETTINGS`] of them.
     fn schema(&self) -> VariantSchema;

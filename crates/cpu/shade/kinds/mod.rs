@@ -515,7 +515,7 @@ impl LaneWidget {
         }
     }
 
-    /// Value at its peak; `density_scale`: as in [`WidgetContext`](crate::shade::context::WidgetContext).
+    /// Value at its peak; `density_scale`: as in [`WidgetContext`].
     pub(super) fn peak_value(&self, density_scale: f64) -> f64 {
         match &self.profile {
             VectorProfile::PiecewiseLinear(linear) => f64::from(linear.peak) * density_scale,
