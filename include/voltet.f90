@@ -42,6 +42,9 @@ module voltet
     integer(c_int) :: constant_cells = 0
     type(c_funptr) :: release = c_null_funptr
     type(c_ptr) :: user = c_null_ptr
+    type(c_ptr) :: global_ids = c_null_ptr
+    type(c_ptr) :: further_pieces = c_null_ptr
+    integer(c_size_t) :: further_piece_count = 0
   end type
 
   type, bind(c) :: voltet_grid_info

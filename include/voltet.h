@@ -163,7 +163,8 @@ typedef struct voltet_grid_source {
     size_t faces_count;
 
     const uint8_t *degrees; /* Of Lagrange and Bezier cells: 3 a cell, along its axes; null: the same along all. */
-    const uint8_t *ghost;   /* A number a cell: cells other than 0 are left out; or null. */
+    const uint8_t *ghost;   /* vtkGhostType of each cell, or null: 1 a ghost of another piece, which serves gradients and means of
+                             * arrays on cells and is not drawn; 8 or 32 left out. */
 
     int subdivision;    /* Pieces along each stretch of a curved cell's edge, 1 to 64; 0: 1. */
     int constant_cells; /* Not 0: arrays on cells are constant in each cell, with jumps between them. */
@@ -173,6 +174,13 @@ typedef struct voltet_grid_source {
      * of yours, maybe by another thread, and must not call the library. May be null. */
     void (*release)(void *user);
     void *user; /* Handed to release. */
+
+    /* A grid in pieces: points of different pieces are one where their global ids are equal, or without ids at equal positions with
+     * equal values; ghost cells of which a piece has the original are left out. All pieces have the same arrays. Of the further
+     * ones scalar, subdivision, constant_cells, release and further_pieces are not looked at. */
+    const int64_t *global_ids; /* A number a point, or null. */
+    const struct voltet_grid_source *further_pieces;
+    size_t further_piece_count;
 } voltet_grid_source;
 
 /* Makes a grid. The session only carries the error; the grid belongs to no session. On failure *grid is null. */

@@ -152,7 +152,7 @@ fn what_does_not_fit_is_refused_where_it_is_given() {
     refused(Grid::from_vtk_arrays(points.clone(), &types, &[0, 9, 8], &connectivity), "offsets[2]");
     refused(grid().point_data("t", values[1..].to_vec()), "wrong number of values");
     refused(grid().cell_data("s", vec![0.0; 2]), "the same name");
-    refused(grid().ghost_cells(vec![true]), "ghost flags");
+    refused(grid().ghost_cells(vec![1]), "ghost flags");
     refused(Grid::read("no such file.vtu"), "no such file.vtu");
     for name in ["t", "s:magnitude:0"] {
         Volume::new(grid(), name).unwrap_err();

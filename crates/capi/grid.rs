@@ -5,7 +5,7 @@ use crate::structs::{Array as GivenArray, GridInfo, GridSource, read, stated_siz
 use std::ffi::{c_int, c_void};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use voltet::{BorrowedGrid, CellArrays, NamedArray, PointNumbers, build_grid, unnamed_scalar};
+use voltet::{BorrowedGrid, BorrowedPiece, CellArrays, NamedArray, PointNumbers, build_grid, unnamed_scalar};
 use voltet_core::grid::{CellValues, Grid, Options, extent};
 use voltet_core::progress::NoProgress;
 use voltet_core::{Error, Result, SharedSlice};
@@ -51,13 +51,14 @@ pub(crate) unsafe fn make(source: *const GridSource) -> Result<GridHandle> {
     let keep: Arc<dyn Send + Sync> = lender.clone();
     // SAFETY: the caller's promise for all of these.
     let source = unsafe {
+        let mut pieces = vec![piece(&source, &keep)?];
+        for number in 0..source.further_piece_count {
+            let further = source.further_pieces.byte_add(number * source.size);
+            pieces.push(piece(&read(further)?, &keep)?);
+        }
         BorrowedGrid {
-            points: lent(source.points, product(source.point_count, 3, "points")?, "points")?,
-            cells: cells(&source)?,
-            arrays: arrays(&source, &keep)?,
+            pieces,
             scalar: optional_text(source.scalar, "the name of the scalar")?.map(str::to_string),
-            ghost: flags(source.ghost, source.cell_count, "ghost")?,
-            degrees: flags(source.degrees, product(source.cell_count, 3, "degrees")?, "degrees")?,
             options: Options {
                 subdivision: subdivision(source.subdivision)?,
                 cell_values: match source.constant_cells {
@@ -144,6 +145,23 @@ unsafe fn lent<T>(values: *const T, count: usize, what: &str) -> Result<&'static
     }
     // SAFETY: not null, aligned, of a size that an object can have; the rest is the caller's promise.
     Ok(unsafe { std::slice::from_raw_parts(values, count) })
+}
+
+/// # Safety
+/// As of [`make`].
+unsafe fn piece(source: &GridSource, keep: &Arc<dyn Send + Sync>) -> Result<BorrowedPiece> {
+    // SAFETY: the caller's promise for all of these.
+    unsafe {
+        Ok(BorrowedPiece {
+            points: lent(source.points, product(source.point_count, 3, "points")?, "points")?,
+            cells: cells(source)?,
+            arrays: arrays(source, keep)?,
+            ghost: optional(source.ghost, source.cell_count, "ghost")?,
+            block: 0,
+            global_ids: optional(source.global_ids, source.point_count, "global_ids")?,
+            degrees: optional(source.degrees, product(source.cell_count, 3, "degrees")?, "degrees")?,
+        })
+    }
 }
 
 /// # Safety
@@ -242,10 +260,10 @@ unsafe fn mixed(source: &GridSource) -> Result<CellArrays<'static>> {
 
 /// # Safety
 /// As of [`make`].
-unsafe fn flags(flags: *const u8, count: usize, what: &str) -> Result<Option<&'static [u8]>> {
-    if flags.is_null() {
+unsafe fn optional<T>(values: *const T, count: usize, what: &str) -> Result<Option<&'static [T]>> {
+    if values.is_null() {
         return Ok(None);
     }
     // SAFETY: the caller's promise.
-    unsafe { lent(flags, count, what) }.map(Some)
+    unsafe { lent(values, count, what) }.map(Some)
 }

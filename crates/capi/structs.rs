@@ -42,6 +42,9 @@ pub struct GridSource {
     pub constant_cells: c_int,
     pub release: Option<unsafe extern "C" fn(*mut c_void)>,
     pub user: *mut c_void,
+    pub global_ids: *const i64,
+    pub further_pieces: *const GridSource,
+    pub further_piece_count: usize,
 }
 
 /// `voltet_grid_info`.

@@ -8,6 +8,23 @@ pub fn difference_of_products(p: f64, q: f64, r: f64, s: f64) -> f64 {
     p.mul_add(q, -rs) + error
 }
 
+/// The number with the fewest decimal places that is as near as half of `step`: written in full, it comes back as it is.
+pub fn decimal(x: f64, step: f64) -> f64 {
+    if !(step > 0.0 && x.abs() < 1e15 * step) {
+        return x;
+    }
+    let places = (-step.log10()).ceil() as i32;
+    let rounded = match usize::try_from(places) {
+        Ok(places) => format!("{x:.*}", places.min(340)).parse(),
+        Err(_) => {
+            let zeros = places.unsigned_abs() as i32;
+            format!("{:.0}e{zeros}", x / 10f64.powi(zeros)).parse()
+        }
+    };
+    // Minus zero is no place.
+    rounded.map_or(x, |x: f64| x + 0.0)
+}
+
 /// The exact sign of the edge function of a → b; 0 only where both project to the same point.
 pub fn edge_sign(a: [f64; 3], b: [f64; 3]) -> i8 {
     let compare = |x: f64, y: f64| i8::from(x > y) - i8::from(x < y);

@@ -1,9 +1,8 @@
 //! Grids with results to VTK files (.vtu).
 
-use crate::formats::into_set;
 use glam::DVec3;
 use std::sync::Arc;
-use voltet_core::grid::{Array, CellSet, Cells, FileCells, Grid, code};
+use voltet_core::grid::{Array, CellSet, Cells, FileCells, Grid, code, into_set};
 use voltet_core::{Error, Result, SharedSlice};
 use vtkio::model::{Attribute, ByteOrder, DataArray, DataSet, IOBuffer, Version, VertexNumbers, Vtk};
 use vtkio::xml::{Compressor, Data, EncodingInfo, ScalarType};
@@ -103,8 +102,7 @@ impl<'a> Contents<'a> {
             return contents;
         };
         if let Some(ghost) = &file.ghost {
-            let flags = ghost.iter().map(|&ghost| u8::from(ghost)).collect();
-            contents.add_to_cells("vtkGhostType", 1, IOBuffer::U8(flags));
+            contents.add_to_cells("vtkGhostType", 1, IOBuffer::U8(ghost.clone()));
         }
         if let Some(degrees) = &file.degrees {
             contents.add_to_cells(DEGREES, 3, IOBuffer::U8(degrees.as_flattened().to_vec()));

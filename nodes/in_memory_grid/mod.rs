@@ -92,7 +92,7 @@ pub fn point_array(grid: &Grid, name: &str) -> Result<Arc<Array>> {
     let Some((stem, suffix, array)) = part else { return Err(missing(name, grid.point_arrays.keys())) };
     let count = array.component_count;
     let tuples = array.values.par_chunks_exact(count);
-    let values: Vec<f64> = match Component::parse(stem, suffix, count)? {
+    let values: Vec<f64> = match Component::parse(stem, suffix, count, &[])? {
         Component::All => return Ok(array.clone()),
         Component::Index(index) => tuples.map(|tuple| tuple[index]).collect(),
         Component::Magnitude => tuples.map(length).collect(),

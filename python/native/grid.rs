@@ -1,11 +1,12 @@
 //! A grid of borrowed arrays.
 
-use crate::error::guarded;
+use crate::error::{guarded, refuse_forked};
 use crate::memory::{Lent, Piece, Watched, any_changed};
+use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Arc, OnceLock};
-use voltet::{BorrowedGrid, CellArrays, NamedArray, PointNumbers, build_grid};
+use voltet::{BorrowedGrid, BorrowedPiece, CellArrays, NamedArray, PointNumbers, build_grid};
 use voltet_core::grid::{CellValues, Options, extent};
 use voltet_core::progress::NoProgress;
 use voltet_core::{Error, SharedSlice, grid};
@@ -28,66 +29,43 @@ impl Grid {
 
 #[pymethods]
 impl Grid {
-    /// From arrays that `voltet.Grid` has brought into form: C-contiguous, points of 64-bit floats, connectivity of 32-bit or
+    /// From pieces that `voltet.Grid` has brought into form: C-contiguous arrays, points of 64-bit floats, connectivity of 32-bit or
     /// 64-bit whole numbers. `watch` lists the bytes of the arrays whose changes [`Grid::changed`] finds.
     #[new]
-    #[pyo3(signature = (points, cells, arrays, *, scalar, ghost, degrees, subdivision, constant_cells, keep_cells, watch))]
-    #[allow(clippy::too_many_arguments)]
+    #[pyo3(signature = (pieces, *, scalar, subdivision, constant_cells, keep_cells, watch))]
     fn new(
         py: Python<'_>,
-        points: &Bound<'_, PyAny>,
-        cells: &Bound<'_, PyDict>,
-        arrays: Vec<(String, Bound<'_, PyAny>, usize, bool)>,
+        pieces: Vec<Bound<'_, PyDict>>,
         scalar: Option<String>,
-        ghost: Option<Bound<'_, PyAny>>,
-        degrees: Option<Bound<'_, PyAny>>,
         subdivision: u32,
         constant_cells: bool,
         keep_cells: bool,
         watch: Vec<Bound<'_, PyAny>>,
     ) -> PyResult<Grid> {
+        guarded(py, refuse_forked)?;
         // Before the grid is built from them: a change in between is found later.
         let watched: Vec<Lent<u8>> =
             watch.iter().map(|array| Lent::borrow("an array", array)).collect::<PyResult<_>>()?;
         let watched = py.detach(|| watched.into_iter().map(Watched::new).collect());
-        let points: Lent<f64> = Lent::borrow("points", points)?;
-        let mut keep = Keep(vec![points.keep()]);
-        let arrays = arrays.into_iter().map(|(name, values, component_count, on_cells)| {
-            let lent: Lent<f64> = Lent::borrow(&format!("array '{name}'"), &values)?;
-            let values = SharedSlice::from_borrowed(lent.values(), lent.keep());
-            Ok(NamedArray { name, values, component_count, on_cells })
-        });
-        let arrays = arrays.collect::<PyResult<Vec<NamedArray>>>()?;
-        let cells = cells_of(cells, &mut keep)?;
-        let mut bytes = |name: &str, object: Option<Bound<'_, PyAny>>| -> PyResult<Option<&'static [u8]>> {
-            let lent: Option<Lent<u8>> = object.map(|object| Lent::borrow(name, &object)).transpose()?;
-            Ok(lent.map(|lent| keep.hold(lent)))
-        };
-        let (ghost, degrees) = (bytes("ghost", ghost)?, bytes("degrees", degrees)?);
+        let mut keep = Keep(Vec::new());
+        let pieces = pieces.iter().map(|piece| piece_of(piece, &mut keep)).collect::<PyResult<_>>()?;
         let cell_values = if constant_cells { CellValues::Constant } else { CellValues::Average };
         let options = Options { subdivision, cell_values, keep_cells };
-        let source = BorrowedGrid {
-            points: points.values(),
-            cells,
-            arrays,
-            scalar,
-            ghost,
-            degrees,
-            options,
-            keep: Arc::new(keep),
-        };
+        let source = BorrowedGrid { pieces, scalar, options, keep: Arc::new(keep) };
         let grid = guarded(py, || py.detach(|| build_grid(source, &NoProgress)))?;
         Ok(Grid { grid: Arc::new(grid), watched, about: OnceLock::new() })
     }
 
     /// True if a watched array has changed.
-    fn changed(&self, py: Python<'_>) -> bool {
-        py.detach(|| any_changed(&self.pieces().collect::<Vec<Piece<'_>>>()))
+    fn changed(&self, py: Python<'_>) -> PyResult<bool> {
+        guarded(py, refuse_forked)?;
+        Ok(py.detach(|| any_changed(&self.pieces().collect::<Vec<Piece<'_>>>())))
     }
 
     /// Summary (JSON), made once: ranges read all of the arrays.
-    fn about(&self) -> &str {
-        self.about.get_or_init(|| about(&self.grid))
+    fn about(&self, py: Python<'_>) -> PyResult<&str> {
+        guarded(py, refuse_forked)?;
+        Ok(self.about.get_or_init(|| about(&self.grid)))
     }
 }
 
@@ -133,6 +111,39 @@ impl Keep {
         self.0.push(lent.keep());
         lent.values()
     }
+
+    fn hold_optional<T: pyo3::buffer::Element + Sync + Send>(
+        &mut self,
+        name: &str,
+        object: Bound<'_, PyAny>,
+    ) -> PyResult<Option<&'static [T]>> {
+        if object.is_none() {
+            return Ok(None);
+        }
+        Ok(Some(self.hold(Lent::borrow(name, &object)?)))
+    }
+}
+
+/// A piece: `points`, `cells`, `arrays` as (name, values, components of a tuple, on cells), `block`; `ghost`, `degrees`, `global_ids`.
+fn piece_of(piece: &Bound<'_, PyDict>, keep: &mut Keep) -> PyResult<BorrowedPiece> {
+    let get = |name: &str| -> PyResult<Bound<'_, PyAny>> {
+        piece.get_item(name)?.ok_or_else(|| PyKeyError::new_err(name.to_string()))
+    };
+    let arrays: Vec<(String, Bound<'_, PyAny>, usize, bool)> = get("arrays")?.extract()?;
+    let arrays = arrays.into_iter().map(|(name, values, component_count, on_cells)| {
+        let lent: Lent<f64> = Lent::borrow(&format!("array '{name}'"), &values)?;
+        let values = SharedSlice::from_borrowed(lent.values(), lent.keep());
+        Ok(NamedArray { name, values, component_count, on_cells })
+    });
+    Ok(BorrowedPiece {
+        arrays: arrays.collect::<PyResult<_>>()?,
+        points: keep.hold(Lent::borrow("points", &get("points")?)?),
+        cells: cells_of(get("cells")?.cast::<PyDict>()?, keep)?,
+        block: get("block")?.extract()?,
+        ghost: keep.hold_optional("ghost", get("ghost")?)?,
+        degrees: keep.hold_optional("degrees", get("degrees")?)?,
+        global_ids: keep.hold_optional("global_ids", get("global_ids")?)?,
+    })
 }
 
 /// The cells: `tetrahedra`, or `types`, `offsets`, `connectivity`, and for polyhedra `faces` and `face_locations`.

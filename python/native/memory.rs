@@ -117,6 +117,7 @@ pub fn encode<'py>(
     let lent: Lent<f32> = Lent::borrow("the picture", rgba)?;
     let rgba = lent.values().as_chunks::<4>().0.to_vec();
     let bytes = crate::error::guarded(py, || {
+        crate::error::refuse_forked()?;
         let picture = Picture { width, height, rgba };
         let format = voltet_io::encode::format_by_ending(path.as_ref())?;
         (format.encode)(&picture, background, None)
@@ -186,11 +187,13 @@ pub fn in_caller_order<'py>(
     gradient: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
     let grid = &*volume.grid;
+    let joined = grid.file_cells.as_ref().and_then(|cells| cells.joined_points.as_ref());
     let grid_point = |point: usize| match &grid.file_cells {
-        Some(cells) => cells.grid_point(point),
+        Some(cells) => cells.grid_point(joined.map_or(point, |joined| joined[point] as usize)),
         None => Some(point),
     };
     let count = grid.file_cells.as_ref().map_or(grid.points.len(), |cells| cells.points.len());
+    let count = joined.map_or(count, Vec::len);
     let numbers = |values: &[f64]| -> Vec<f64> {
         (0..count).map(|point| grid_point(point).map_or(f64::NAN, |p| values[p])).collect()
     };

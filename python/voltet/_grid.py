@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -36,7 +36,8 @@ class Grid:
     scalar : str
         The quantity that is drawn where the pipeline names none. Default: the only one of one component, if there is one.
     ghost : array, m
-        What is not 0 leaves the cell out.
+        VTK's `vtkGhostType`: 1 is a ghost of another piece, which serves gradients and means of cell data and is not drawn; 8 and 32
+        leave the cell out.
     degrees : array, m × 3
         Degrees of Lagrange and Bézier cells along their axes, where they differ.
     subdivision : int
@@ -76,7 +77,7 @@ class Grid:
         constant_cells: bool = False,
         watch: bool = True,
     ):
-        self._given: dict[str, Any] = {
+        given = {
             "points": points,
             "tetrahedra": tetrahedra,
             "types": types,
@@ -85,14 +86,57 @@ class Grid:
             "cells": cells,
             "faces": faces,
             "face_locations": face_locations,
+            "point_data": point_data,
+            "cell_data": cell_data,
             "ghost": ghost,
             "degrees": degrees,
         }
-        self._data = [
-            (str(name), values, on_cells)
-            for data, on_cells in ((point_data, False), (cell_data, True))
-            for name, values in (data or {}).items()
-        ]
+        self._set([given], scalar=scalar, subdivision=subdivision, constant_cells=constant_cells, watch=watch)
+
+    @classmethod
+    def from_pieces(
+        cls,
+        pieces: Iterable[Mapping[str, Any]],
+        *,
+        scalar: str | None = None,
+        subdivision: int = 1,
+        constant_cells: bool = False,
+        watch: bool = True,
+    ) -> Grid:
+        """The grid that was cut into these pieces: points of different pieces become one where their global ids are equal, or without
+        ids at equal positions with equal values. Ghost cells of which a piece has the original are left out.
+
+        Parameters
+        ----------
+        pieces : list of mappings
+            Of each piece the arguments of `Grid` from `points` to `degrees`, and `global_ids`, an array of n whole numbers. Pieces of
+            different `block`, a whole number, are different grids, whose points stay apart.
+        scalar, subdivision, constant_cells, watch
+            As of `Grid`.
+
+        >>> import voltet
+        >>> halves = [
+        ...     {"points": [[0, 0, z], [1, 0, 0], [0, 1, 0], [0, 0, 0]], "tetrahedra": [[0, 1, 2, 3]], "point_data": {"T": [z, 1, 1, 0]}}
+        ...     for z in (-1.0, 1.0)
+        ... ]
+        >>> voltet.Grid.from_pieces(halves).point_count
+        5
+        """
+        grid = cls.__new__(cls)
+        given = [dict(piece) for piece in pieces]
+        known = {*cls.__init__.__kwdefaults__, "points", "global_ids", "block"} - {"scalar", "subdivision", "constant_cells", "watch"}
+        for number, piece in enumerate(given):
+            if wrong := sorted(set(piece) - known):
+                raise usage(f"piece {number} has an argument that is not known", wrong[0], ", ".join(sorted(known)))
+            if "points" not in piece:
+                raise usage(f"piece {number} has no points", None, "points and cells")
+        grid._set(given, scalar=scalar, subdivision=subdivision, constant_cells=constant_cells, watch=watch)
+        return grid
+
+    def _set(
+        self, pieces: list[dict[str, Any]], *, scalar: str | None, subdivision: int, constant_cells: bool, watch: bool
+    ) -> None:
+        self._pieces = pieces
         self._options: dict[str, Any] = {
             "scalar": scalar,
             "subdivision": _count("subdivision", subdivision),
@@ -114,27 +158,9 @@ class Grid:
 
     def _make(self, keep_cells: bool) -> _native.Grid:
         taken = _Taken()
-        given = self._given
-        points = taken.floats("points", given["points"])
-        if points.ndim != 2 or points.shape[1] != 3:
-            raise usage("the points are not three numbers each", f"shape {points.shape}", "(n, 3)", "points")
-        cells, cell_count = _cells(given, taken)
-        arrays = []
-        for name, values, on_cells in self._data:
-            array = taken.floats(name, values)
-            count, what = (cell_count, "cell") if on_cells else (len(points), "point")
-            if array.ndim not in (1, 2) or len(array) != count or array.ndim == 2 and array.shape[1] == 0:
-                expected = f"({count},) or ({count}, k), a row a {what}"
-                raise usage("an array has the wrong shape", f"shape {array.shape}", expected, name)
-            arrays.append((name, array, array.shape[1] if array.ndim == 2 else 1, on_cells))
-        flags: dict[str, Any] = {}
-        for name, shape in (("ghost", (cell_count,)), ("degrees", (cell_count, 3))):
-            values = given[name]
-            flags[name] = None if values is None else taken.bytes(name, values, shape)
+        pieces = [_piece(given, taken) for given in self._pieces]
         watch = taken.sources if self._watch else []
-        return _native.Grid(
-            points, cells, arrays, keep_cells=keep_cells, watch=watch, **flags, **self._options
-        )
+        return _native.Grid(pieces, keep_cells=keep_cells, watch=watch, **self._options)
 
     def modified(self) -> None:
         """Says that an array was changed in place: what was made of the arrays is made anew."""
@@ -183,6 +209,32 @@ class Grid:
         return table("Grid", rows, about["warnings"])
 
 
+def _piece(given: Mapping[str, Any], taken: _Taken) -> dict[str, Any]:
+    """A piece in the form in which it is lent."""
+    points = taken.floats("points", given["points"])
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise usage("the points are not three numbers each", f"shape {points.shape}", "(n, 3)", "points")
+    cells, cell_count = _cells(given, taken)
+    arrays = []
+    for key, count, what in (("point_data", len(points), "point"), ("cell_data", cell_count, "cell")):
+        for name, values in (given.get(key) or {}).items():
+            array = taken.floats(str(name), values)
+            if array.ndim not in (1, 2) or len(array) != count or array.ndim == 2 and array.shape[1] == 0:
+                expected = f"({count},) or ({count}, k), a row a {what}"
+                raise usage("an array has the wrong shape", f"shape {array.shape}", expected, str(name))
+            arrays.append((str(name), array, array.shape[1] if array.ndim == 2 else 1, what == "cell"))
+    piece: dict[str, Any] = {"points": points, "cells": cells, "arrays": arrays, "block": _count("block", given.get("block", 0))}
+    for name, shape in (("ghost", (cell_count,)), ("degrees", (cell_count, 3))):
+        values = given.get(name)
+        piece[name] = None if values is None else taken.bytes(name, values, shape)
+    ids = given.get("global_ids")
+    piece["global_ids"] = None if ids is None else taken.whole("global_ids", ids)
+    if ids is not None and piece["global_ids"].shape != (len(points),):
+        found = f"shape {piece['global_ids'].shape}"
+        raise usage("an array has the wrong shape", found, f"({len(points)},), one a point", "global_ids")
+    return piece
+
+
 class _Taken:
     """Brings arrays into the form in which they are lent, and notes what is to be watched."""
 
@@ -228,9 +280,9 @@ class _Taken:
         return np.require(array, np.uint8, ["C", "A"])
 
 
-def _cells(given: dict[str, Any], taken: _Taken) -> tuple[dict[str, Any], int]:
+def _cells(given: Mapping[str, Any], taken: _Taken) -> tuple[dict[str, Any], int]:
     """The cells in the form that is lent, and their number."""
-    stated = {name for name in ("tetrahedra", "types", "offsets", "connectivity", "cells") if given[name] is not None}
+    stated = {name for name in ("tetrahedra", "types", "offsets", "connectivity", "cells") if given.get(name) is not None}
     if stated == {"tetrahedra"}:
         tetrahedra = taken.whole("tetrahedra", given["tetrahedra"], narrow=True)
         if tetrahedra.ndim != 2 or tetrahedra.shape[1] != 4:
@@ -262,7 +314,7 @@ def _cells(given: dict[str, Any], taken: _Taken) -> tuple[dict[str, Any], int]:
         raise usage("the cells have the wrong number of offsets", len(offsets), f"{len(types) + 1}, one more than types")
     cells = {"types": types.astype(np.uint8), "offsets": offsets, "connectivity": connectivity}
     for name in ("faces", "face_locations"):
-        if given[name] is not None:
+        if given.get(name) is not None:
             cells[name] = taken.whole(name, given[name]).reshape(-1)
     return cells, len(types)
 

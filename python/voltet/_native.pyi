@@ -41,13 +41,9 @@ def register_filter(
 class Grid:
     def __new__(
         cls,
-        points: NDArray[np.float64],
-        cells: dict[str, Any],
-        arrays: list[tuple[str, NDArray[np.float64], int, bool]],
+        pieces: list[dict[str, Any]],
         *,
         scalar: str | None,
-        ghost: NDArray[np.uint8] | None,
-        degrees: NDArray[np.uint8] | None,
         subdivision: int,
         constant_cells: bool,
         keep_cells: bool,

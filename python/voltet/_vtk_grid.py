@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,11 @@ from vtkmodules.vtkCommonDataModel import (
     vtkDataObject,
     vtkDataSet,
     vtkDataSetAttributes,
+    vtkGenericCell,
+    vtkMultiBlockDataSet,
     vtkPartitionedDataSet,
+    vtkPartitionedDataSetCollection,
+    vtkPolyData,
     vtkUnstructuredGrid,
 )
 from vtkmodules.vtkFiltersCore import vtkAppendFilter
@@ -25,8 +30,8 @@ POINT, CELL = vtkDataObject.FIELD_ASSOCIATION_POINTS, vtkDataObject.FIELD_ASSOCI
 
 _POLYHEDRON = 42
 _GHOSTS = vtkDataSetAttributes.GhostArrayName()
-#: Cells that another piece draws, that a finer one replaces, or that are blanked.
-_LEFT_OUT = vtkDataSetAttributes.DUPLICATECELL | vtkDataSetAttributes.REFINEDCELL | vtkDataSetAttributes.HIDDENCELL
+#: Names of global ids of points, where none are marked as such.
+_GLOBAL_IDS = ("GlobalPointIds", "vtkGlobalPointIds", "GlobalNodeIds", "GlobalNodeId")
 
 
 def numbers(array: vtkDataArray) -> np.ndarray:
@@ -38,27 +43,71 @@ def numbers(array: vtkDataArray) -> np.ndarray:
     return vtk_to_numpy(array)
 
 
-def unstructured(data: vtkDataObject | None) -> vtkUnstructuredGrid:
-    """A data set as an unstructured grid: itself, its cells as such, or all parts of a composite one together.
+def _pieces(data: vtkDataObject | None, blocks: Iterator[int]) -> Iterator[tuple[vtkDataSet, int]]:
+    """The data sets of a composite one, each with the number of its block: partitions of one data set share theirs."""
+    if isinstance(data, vtkDataSet):
+        yield data, next(blocks)
+    elif isinstance(data, vtkPartitionedDataSet):
+        block = next(blocks)
+        for i in range(data.GetNumberOfPartitions()):
+            if isinstance(part := data.GetPartition(i), vtkDataSet):
+                yield part, block
+    elif isinstance(data, vtkPartitionedDataSetCollection):
+        for i in range(data.GetNumberOfPartitionedDataSets()):
+            yield from _pieces(data.GetPartitionedDataSet(i), blocks)
+    elif isinstance(data, vtkMultiBlockDataSet):
+        for i in range(data.GetNumberOfBlocks()):
+            yield from _pieces(data.GetBlock(i), blocks)
+    elif isinstance(data, vtkCompositeDataSet):
+        for leaf in _leaves(data):
+            yield from _pieces(leaf, blocks)
 
-    Points of the partitions of one data set that lie at the same place become one; blocks keep their own."""
+
+def parts(data: vtkDataObject) -> list[vtkDataSet]:
+    """The data sets whose points a grid of these data holds, one after the other."""
+    return [part for part, _ in _drawn(data)]
+
+
+def copy_shallow(data: vtkDataObject, to: vtkDataObject) -> None:
+    """Shares all arrays, so that others can be added: partitions, which VTK shares as they are, become objects of their own."""
+    to.ShallowCopy(data)
+    if isinstance(data, vtkPartitionedDataSet):
+        for i in range(data.GetNumberOfPartitions()):
+            if (part := data.GetPartition(i)) is not None:
+                own = part.NewInstance()
+                own.ShallowCopy(part)
+                to.SetPartition(i, own)
+
+
+def _drawn(data: vtkDataObject) -> list[tuple[vtkDataSet, int]]:
+    """The data sets with cells, each with the number of its block; none of surfaces beside volumes, as several formats give them."""
+    with_cells = [(part, block) for part, block in _pieces(data, count()) if part.GetNumberOfCells()]
+    if len(with_cells) < 2:
+        return with_cells
+    return [(part, block) for part, block in with_cells if _has_volume(part)] or with_cells
+
+
+def _unstructured(data: vtkDataSet) -> vtkUnstructuredGrid:
+    """A data set as an unstructured grid: itself, or its cells as such."""
     if isinstance(data, vtkUnstructuredGrid):
         return data
     append = vtkAppendFilter()
-    if isinstance(data, vtkDataSet):
-        append.AddInputData(data)
-    elif isinstance(data, vtkCompositeDataSet):
-        append.SetMergePoints(isinstance(data, vtkPartitionedDataSet))
-        parts = [part for part in _leaves(data) if isinstance(part, vtkDataSet) and part.GetNumberOfCells()]
-        if not parts:
-            raise usage("there is nothing to draw", "a composite data set without cells", "at least one three-dimensional cell")
-        for part in parts:
-            append.AddInputData(part)
-    else:
-        found = "nothing" if data is None else f"a {data.GetClassName()}"
-        raise usage("this is no data set with cells", found, "a vtkDataSet, or a composite one of these")
+    append.AddInputData(data)
     append.Update()
     return append.GetOutput()
+
+
+def _has_volume(data: vtkDataSet) -> bool:
+    if isinstance(data, vtkPolyData):
+        return False
+    if not isinstance(data, vtkUnstructuredGrid):
+        return True
+    cell = vtkGenericCell()
+    for code in np.unique(_types(data)):
+        cell.SetCellType(int(code))
+        if cell.GetCellDimension() == 3:
+            return True
+    return False
 
 
 def has_cells(data: vtkDataObject | None) -> bool:
@@ -102,31 +151,49 @@ def grid(
     **options
         As of `voltet.Grid`: `subdivision`, `constant_cells`.
     """
-    given = unstructured(data)
-    points = given.GetPoints()
-    if points is None or given.GetNumberOfCells() == 0:
-        raise usage("there is nothing to draw", "a grid without cells", "at least one three-dimensional cell")
-    cells = given.GetCells()
-    # Deprecated where the other gives the array itself.
-    types = given.GetCellTypes() if isinstance(_call(given.GetCellTypes), vtkDataArray) else given.GetCellTypesArray()
-    types = numbers(types)
+    if not isinstance(data, (vtkDataSet, vtkCompositeDataSet)):
+        found = "nothing" if data is None else f"a {data.GetClassName()}"
+        raise usage("this is no data set with cells", found, "a vtkDataSet, or a composite one of these")
+    first = CELL if association == CELL else POINT
     names = list(arrays) if arrays is not None else None
-    taken: dict[str, Any] = _quantities(given, names, CELL if association == CELL else POINT)
+    parts = [(_unstructured(part), block) for part, block in _drawn(data)]
+    if not parts:
+        raise usage("there is nothing to draw", "a grid without cells", "at least one three-dimensional cell")
+    several = len({block for _, block in parts}) > 1
+    wheres = [f"block {block}" if several else "the data set" for _, block in parts]
+    pieces = [_piece(part, block, names, first, where) for (part, block), where in zip(parts, wheres)]
+    if len(pieces) == 1:
+        piece = pieces[0]
+        del piece["block"], piece["global_ids"]
+        return Grid(**piece, scalar=scalar, watch=watch, **options)
+    return Grid.from_pieces(pieces, scalar=scalar, watch=watch, **options)
+
+
+def _piece(given: vtkUnstructuredGrid, block: int, names: list[str] | None, first: int, where: str) -> dict[str, Any]:
+    """The arguments of `Grid.from_pieces` for one piece."""
+    cells, types = given.GetCells(), _types(given)
     ghosts = given.GetCellData().GetArray(_GHOSTS)
     degrees = given.GetCellData().GetHigherOrderDegrees()
-    return Grid(
-        numbers(points.GetData()),
-        types=types,
-        offsets=numbers(cells.GetOffsetsArray()),
-        connectivity=numbers(cells.GetConnectivityArray()),
+    found = [given.GetPointData().GetGlobalIds(), *map(given.GetPointData().GetArray, _GLOBAL_IDS)]
+    ids = next((array for array in found if array is not None), None)
+    return {
+        "points": numbers(given.GetPoints().GetData()),
+        "types": types,
+        "offsets": numbers(cells.GetOffsetsArray()),
+        "connectivity": numbers(cells.GetConnectivityArray()),
         **_faces(given, types),
-        **taken,
-        scalar=scalar,
-        ghost=None if ghosts is None else numbers(ghosts) & _LEFT_OUT,
-        degrees=None if degrees is None else numbers(degrees).astype(np.uint8),
-        watch=watch,
-        **options,
-    )
+        **_quantities(given, names, first, where),
+        "ghost": None if ghosts is None else numbers(ghosts),
+        "degrees": None if degrees is None else numbers(degrees).astype(np.uint8),
+        "global_ids": None if ids is None else numbers(ids),
+        "block": block,
+    }
+
+
+def _types(given: vtkUnstructuredGrid) -> np.ndarray:
+    # Deprecated where the other gives the array itself.
+    plain = isinstance(_call(given.GetCellTypes), vtkDataArray)
+    return numbers(given.GetCellTypes() if plain else given.GetCellTypesArray())
 
 
 def _call(function: Any) -> Any:
@@ -137,7 +204,7 @@ def _call(function: Any) -> Any:
         return None
 
 
-def _quantities(given: vtkUnstructuredGrid, names: list[str] | None, first: int) -> dict[str, dict[str, np.ndarray]]:
+def _quantities(given: vtkUnstructuredGrid, names: list[str] | None, first: int, where: str) -> dict[str, dict[str, np.ndarray]]:
     found: dict[int, dict[str, np.ndarray]] = {POINT: {}, CELL: {}}
     order = (first, POINT + CELL - first)
     for association in order:
@@ -158,7 +225,7 @@ def _quantities(given: vtkUnstructuredGrid, names: list[str] | None, first: int)
                     for attributes in (given.GetPointData(), given.GetCellData())
                     for i in range(attributes.GetNumberOfArrays())
                 ]
-                raise usage(f"the data set has no array '{name}'", None, "one of " + ", ".join(map(str, known)) if known else None)
+                raise usage(f"{where} has no array '{name}'", None, "one of " + ", ".join(map(str, known)) if known else None)
     return {"point_data": found[POINT], "cell_data": found[CELL]}
 
 

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonCore import vtkDoubleArray, vtkStringArray
-from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkDataSet, vtkTable
+from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkTable
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm
 
+from . import _vtk_grid
 from ._pipeline import Pipeline
 from ._vtk_filter import Filter, changed
 
@@ -47,8 +48,9 @@ class VoltetGradientMagnitude(Filter):
         return component != before
 
     def FillInputPortInformation(self, port, info):
-        """Composite data are taken block by block, as VTK's own filters do."""
+        """Partitions are taken together; other composite data block by block, as VTK's own filters do."""
         info.Set(vtkAlgorithm.INPUT_REQUIRED_DATA_TYPE(), "vtkDataSet")
+        info.Append(vtkAlgorithm.INPUT_REQUIRED_DATA_TYPE(), "vtkPartitionedDataSet")
         return 1
 
     def RequestDataObject(self, request, inInfo, outInfo):
@@ -62,9 +64,9 @@ class VoltetGradientMagnitude(Filter):
 
     def _execute(self, inInfo, outInfo):
         data = self.GetInputData(inInfo, 0, 0)
-        output = vtkDataSet.GetData(outInfo)
-        output.ShallowCopy(data)
-        if data.GetNumberOfCells() == 0:
+        output = vtkDataObject.GetData(outInfo)
+        _vtk_grid.copy_shallow(data, output)
+        if not _vtk_grid.has_cells(data):
             return 1
         name, association = self._quantity(data)
         given, _ = self._grid(data, [name], association)
@@ -75,11 +77,15 @@ class VoltetGradientMagnitude(Filter):
         pipeline.add("gradient", "gradient-magnitude", grid="grid", **self._method)
         pipeline.give(given)
         found = pipeline.volume("gradient", gradient=self._vectors, progress=self._follow)
-        for key in ("gradient_magnitude", *(["gradient"] if self._vectors else [])):
-            # VTK's own memory: it may outlive what computed it.
-            array = numpy_to_vtk(found[key], deep=True)
-            array.SetName(f"{scalar}_{key}")
-            output.GetPointData().AddArray(array)
+        begin = 0
+        for part in _vtk_grid.parts(output):
+            end = begin + part.GetNumberOfPoints()
+            for key in ("gradient_magnitude", *(["gradient"] if self._vectors else [])):
+                # VTK's own memory: it may outlive what computed it.
+                array = numpy_to_vtk(found[key][begin:end], deep=True)
+                array.SetName(f"{scalar}_{key}")
+                part.GetPointData().AddArray(array)
+            begin = end
         return 1
 
 

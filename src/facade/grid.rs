@@ -138,12 +138,13 @@ impl Grid {
         Ok(self)
     }
 
-    /// Leaves out the cells whose flag is set: ghosts of other pieces, blanked cells.
+    /// Marks cells by VTK's `vtkGhostType`: with bit 1 a ghost of another piece, which serves gradients and means of cell data and is
+    /// not drawn; with bits 8 or 32 a cell that is left out.
     ///
     /// # Errors
     /// - another number of flags than cells;
     /// - a grid that is no program's.
-    pub fn ghost_cells(mut self, flags: Vec<bool>) -> Result<Grid> {
+    pub fn ghost_cells(mut self, flags: Vec<u8>) -> Result<Grid> {
         let raw = self.raw("cells are marked as ghosts")?;
         if flags.len() != raw.cells.count() {
             let error = Error::usage("the ghost flags have the wrong number").got(flags.len());
@@ -151,6 +152,46 @@ impl Grid {
         }
         raw.ghost = Some(flags);
         Ok(self)
+    }
+
+    /// Gives each point a number that the same point has in other pieces: [`Grid::from_pieces`].
+    ///
+    /// # Errors
+    /// - another number of ids than points;
+    /// - a grid that is no program's.
+    pub fn global_ids(mut self, ids: Vec<i64>) -> Result<Grid> {
+        let raw = self.raw("points are given global ids")?;
+        if ids.len() != raw.points.len() {
+            let error = Error::usage("the global ids have the wrong number").got(ids.len());
+            return Err(error.expected(format!("{}, one a point", raw.points.len())));
+        }
+        raw.global_ids = Some(ids);
+        Ok(self)
+    }
+
+    /// Puts pieces of one grid together: points of different pieces become one where their global ids are equal, or without ids at
+    /// equal positions with equal values. Ghost cells of which a piece has the original are left out.
+    ///
+    /// # Errors
+    /// - no piece, or one that was not made from arrays;
+    /// - an array that a piece lacks.
+    pub fn from_pieces(pieces: impl IntoIterator<Item = Grid>) -> Result<Grid> {
+        let mut options = Options::default();
+        let mut raw = Vec::new();
+        for piece in pieces {
+            match piece.source {
+                Source::Arrays(own, of_piece) => {
+                    options = if raw.is_empty() { of_piece } else { options };
+                    raw.push(*own);
+                }
+                Source::File(..) | Source::Built(_) => {
+                    let error = Error::usage("a piece of a grid was not made from arrays");
+                    return Err(error.expected("Grid::from_vtk_arrays, from_tetrahedra or from_cells"));
+                }
+            }
+        }
+        let joined = grid::join(raw)?;
+        Ok(Grid { source: Source::Arrays(Box::new(joined), options) })
     }
 
     /// Number of straight pieces between two nodes of a curved cell's edge, 1 … 64.
@@ -260,22 +301,32 @@ impl From<&Grid> for Grid {
 /// A grid in borrowed memory. The slices must stay valid and unchanged as long as `keep` lives: that is the promise of the code that
 /// made them.
 pub struct BorrowedGrid {
+    /// The grid, or the pieces of it, which are put together.
+    pub pieces: Vec<BorrowedPiece>,
+    /// The array that is drawn; `None`: the only one of one component.
+    pub scalar: Option<String>,
+    /// Options of the import.
+    pub options: Options,
+    /// Owner of the memory, dropped after the last use.
+    pub keep: Arc<dyn Send + Sync>,
+}
+
+/// Points and cells in borrowed memory.
+pub struct BorrowedPiece {
     /// Three numbers a point.
     pub points: &'static [f64],
     /// The cells.
     pub cells: CellArrays<'static>,
     /// The arrays, at least one.
     pub arrays: Vec<NamedArray>,
-    /// The array that is drawn; `None`: the only one of one component.
-    pub scalar: Option<String>,
-    /// One flag a cell: cells whose flag is not 0 are left out.
+    /// `vtkGhostType` of every cell.
     pub ghost: Option<&'static [u8]>,
+    /// Numbers of the points that the same points have in other pieces.
+    pub global_ids: Option<&'static [i64]>,
+    /// Number of the grid that it is a piece of: points of different ones stay apart.
+    pub block: usize,
     /// Degrees along the three axes of every cell.
     pub degrees: Option<&'static [u8]>,
-    /// Options of the import.
-    pub options: Options,
-    /// Owner of the memory, dropped after the last use.
-    pub keep: Arc<dyn Send + Sync>,
 }
 
 /// Cells in memory of a host program.
@@ -322,20 +373,14 @@ pub struct NamedArray {
 
 /// Builds the grid. Its scalar is left open where none is named and several are possible.
 pub fn build_grid(source: BorrowedGrid, progress: &dyn Progress) -> Result<BuiltGrid> {
-    let cells = raw_cells(source.cells)?;
-    let points = SharedSlice::from_borrowed(points_of(source.points)?, source.keep.clone());
-    let mut parts = RawGrid::new(points, cells);
-    if source.arrays.is_empty() {
-        return Err(Error::usage("the grid has no arrays").expected("at least the scalar that is drawn"));
-    }
-    source.arrays.into_iter().try_for_each(|array| add_array(&mut parts, array))?;
-    parts.ghost = source.ghost.map(|flags| flags.iter().map(|&flag| flag != 0).collect());
-    parts.degrees = source.degrees.map(|degrees| degrees.as_chunks::<3>().0.to_vec());
+    let cells: Vec<CellArrays> = source.pieces.iter().map(|piece| piece.cells).collect();
+    let pieces = source.pieces.into_iter().map(|piece| raw_grid(piece, &source.keep));
+    let parts = grid::join(pieces.collect::<Result<_>>()?)?;
     let scalar = scalar(source.scalar, &parts)?;
     let mut grid = grid::build(parts, &source.options, progress)?;
     // Tetrahedra whose points were in ascending order are used in place.
-    if let Some(borrowed) =
-        plain_tetrahedra(source.cells).filter(|cells| grid.tetrahedra.as_slice() == *cells)
+    if let [cells] = cells[..]
+        && let Some(borrowed) = plain_tetrahedra(cells).filter(|cells| grid.tetrahedra.as_slice() == *cells)
     {
         grid.tetrahedra = SharedSlice::from_borrowed(borrowed, source.keep);
     }
@@ -344,6 +389,21 @@ pub fn build_grid(source: BorrowedGrid, progress: &dyn Progress) -> Result<Built
         grid.scalar_name = name;
     }
     Ok(grid)
+}
+
+/// A piece as the import takes it.
+fn raw_grid(piece: BorrowedPiece, keep: &Arc<dyn Send + Sync>) -> Result<RawGrid> {
+    let points = SharedSlice::from_borrowed(points_of(piece.points)?, keep.clone());
+    let mut raw = RawGrid::new(points, raw_cells(piece.cells)?);
+    if piece.arrays.is_empty() {
+        return Err(Error::usage("the grid has no arrays").expected("at least the scalar that is drawn"));
+    }
+    piece.arrays.into_iter().try_for_each(|array| add_array(&mut raw, array))?;
+    raw.ghost = piece.ghost.map(<[u8]>::to_vec);
+    raw.global_ids = piece.global_ids.map(<[i64]>::to_vec);
+    raw.block = piece.block;
+    raw.degrees = piece.degrees.map(|degrees| degrees.as_chunks::<3>().0.to_vec());
+    Ok(raw)
 }
 
 /// Error for a grid whose scalar must be named.

@@ -243,6 +243,7 @@ impl Method {
     ///
     /// Errors: those of the filter; vectors in another number than points, or not finite where position and value are.
     pub fn gradient(&self, grid: &Grid, scalar: &[f64], progress: &dyn Progress) -> Result<Gradient> {
+        let grid = &*grid.with_ghosts();
         check_scalar(grid, scalar)?;
         self.checked(grid, scalar, None, self.filter.gradient(grid, scalar, &self.parameters, progress)?)
     }
@@ -257,6 +258,7 @@ impl Method {
         points: &[u32],
         progress: &dyn Progress,
     ) -> Option<Result<Gradient>> {
+        let grid = &*grid.with_ghosts();
         let found = self.filter.gradient_at(grid, scalar, points, &self.parameters, progress)?;
         Some(found.and_then(|found| self.checked(grid, scalar, Some(points), found)))
     }

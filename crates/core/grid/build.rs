@@ -5,9 +5,11 @@
 use super::adjacency::split_lengths;
 use super::cell_types::{CellType, code, describe_counts};
 use super::overlap::{faces, within};
-use super::parts::{Association, CellValues, Cells, FileCells, Options, RawGrid, UNUSED, number};
+use super::parts::{
+    Association, CellValues, Cells, FileCells, Options, RawGrid, UNUSED, as_given, is_ghost, number,
+};
 use super::source::{CellStatus, Source};
-use super::{Array, Grid, cell_values};
+use super::{Array, GhostCells, Grid, cell_values};
 use crate::progress::Progress;
 use crate::{Error, Result, SharedSlice};
 use rayon::prelude::*;
@@ -17,8 +19,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Builds a grid of tetrahedra from what a reader hands over.
 ///
-/// Cells of fewer dimensions, ghosts, and cells that touch a position or value that is not finite are left out and
-/// counted in [`Grid::origin`]. Points that no tetrahedron uses are dropped, so the grid's point numbers are not
+/// Cells of fewer dimensions, hidden ones, and cells that touch a position or value that is not finite are left out and
+/// counted in [`Grid::origin`]. Ghost cells serve means of cell values and, as [`Grid::ghosts`], gradients. Points that no tetrahedron uses are dropped, so the grid's point numbers are not
 /// the file's where there are such; their order is kept.
 pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> Result<Grid> {
     check(&parts, options)?;
@@ -27,6 +29,7 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
     let cell_not_finite = not_finite(&parts, Association::Cell);
     let cells = std::mem::replace(&mut parts.cells, Cells::Tetrahedra(Vec::new()));
     let (ghost, degrees) = (parts.ghost.take(), parts.degrees.take());
+    let joined_points = parts.joined_points.take();
     let mut source = Source {
         cells: &cells,
         point_count: parts.points.len(),
@@ -46,12 +49,19 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
 
     let mut origin = std::mem::take(&mut parts.origin);
     origin.cells_by_type = tally.by_type.clone();
-    (origin.cells_not_finite, origin.cells_ghost) = (tally.not_finite, tally.ghost);
+    (origin.cells_not_finite, origin.cells_ghost) = (tally.not_finite, tally.ghost + tally.without_owner);
+    origin.ghosts_without_owner = tally.without_owner;
     origin.cells_not_volume = tally.not_volume;
     if tally.not_finite > 0 {
         origin.warnings.push(format!(
             "{} three-dimensional cells were left out because a position or value is not finite.",
             tally.not_finite
+        ));
+    }
+    if tally.without_owner > 0 {
+        origin.warnings.push(format!(
+            "{} ghost cells have no owner in any piece that was read, and are not drawn: is a piece missing?",
+            tally.without_owner
         ));
     }
     if !tally.unsupported.is_empty() {
@@ -62,11 +72,12 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
     }
     if source.polyhedra.overlapping > 0 {
         origin.warnings.push(format!(
-            "{} polyhedra are so far from convex that their pieces overlap.",
+            "{} polyhedra are so far from convex that the tetrahedra they are split into overlap and fill their notches: cut \
+             them into convex cells.",
             source.polyhedra.overlapping
         ));
     }
-    if tally.tetrahedra() == 0 {
+    if tally.drawn == 0 {
         return Err(nothing_to_draw(&tally));
     }
     number(tally.tetrahedra(), "the grid has too many tetrahedra", "")?;
@@ -76,6 +87,7 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
     if source.added_count() > 0 {
         add_points(&mut parts, &source)?;
     }
+    let are_folded = source.polyhedra.overlapping > 0;
     drop(source);
     let file_cells = options.keep_cells.then(|| cells.clone());
     let (mut tetrahedra, source_cells) = match (split, cells) {
@@ -88,8 +100,7 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
     progress.report("tetrahedra", 0.8);
 
     let cell_values = cell_values::take(&mut parts);
-    let numbers = drop_unused_points(&mut parts, &mut tetrahedra)?;
-    origin.warnings.extend(overlaps(&parts.points, &tetrahedra, source_cells.as_deref()));
+    let mut numbers = drop_unused_points(&mut parts, &mut tetrahedra)?;
     let mut grid = Grid {
         points: parts.points,
         tetrahedra: SharedSlice::from(tetrahedra),
@@ -98,24 +109,80 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
         scalar_name: String::new(),
         point_arrays: parts.point_arrays.into_iter().map(|(name, a)| (name, Arc::new(a))).collect(),
         cell_arrays: parts.kept_cell_arrays.into_iter().map(|(name, a)| (name, Arc::new(a))).collect(),
+        ghosts: None,
         file_cells: None,
-        origin: Arc::new(origin),
+        origin: Arc::default(),
     };
-    if let Some((cells, points)) = file_cells.zip(file_points) {
-        let same = numbers.is_none() && points.len() == grid.points.len();
-        let points = if same { grid.points.clone() } else { points };
-        grid.file_cells = Some(Arc::new(FileCells { cells, points, numbers, ghost, degrees }));
-    }
     if let Some(scalar) = parts.scalar {
         grid.scalar_name = scalar.name;
         grid.scalar = Some(scalar.values);
     }
-    match options.cell_values {
-        CellValues::Average => cell_values::average(&mut grid, cell_values),
-        CellValues::Constant => cell_values::keep_constant(&mut grid, cell_values)?,
+    let constant = match options.cell_values {
+        CellValues::Average => {
+            cell_values::average(&mut grid, cell_values);
+            None
+        }
+        CellValues::Constant => Some(cell_values),
+    };
+    if tally.without_owner > 0 {
+        let order = set_ghosts_apart(&mut grid, ghost.as_deref().unwrap_or_default());
+        numbers = match numbers {
+            None => Some(order),
+            Some(mut numbers) => {
+                numbers.iter_mut().filter(|p| **p != UNUSED).for_each(|p| *p = order[*p as usize]);
+                Some(numbers)
+            }
+        };
     }
+    if let Some((cells, points)) = file_cells.zip(file_points) {
+        let same = numbers.is_none() && points.len() == grid.points.len();
+        let points = if same { grid.points.clone() } else { points };
+        let ghost = ghost.map(|flags| flags.into_iter().map(as_given).collect());
+        grid.file_cells = Some(Arc::new(FileCells { cells, points, numbers, joined_points, ghost, degrees }));
+    }
+    if !are_folded {
+        let source_cells = grid.source_cells.as_deref().map(Vec::as_slice);
+        origin.warnings.extend(overlaps(&grid.points, &grid.tetrahedra, source_cells));
+    }
+    if let Some(values) = constant {
+        cell_values::keep_constant(&mut grid, values)?;
+    }
+    grid.origin = Arc::new(origin);
     progress.report("tetrahedra", 1.0);
     Ok(grid)
+}
+
+/// Takes the ghost cells from among those that are drawn, and gives each point its new number: those that ghosts alone use come last.
+fn set_ghosts_apart(grid: &mut Grid, flags: &[u8]) -> Vec<u32> {
+    let (ghosts, drawn): (Vec<usize>, Vec<usize>) =
+        (0..grid.tetrahedra.len()).partition(|&i| is_ghost(flags[grid.source_cell(i)]));
+    let mut is_drawn = vec![false; grid.points.len()];
+    drawn.iter().flat_map(|&i| grid.tetrahedra[i]).for_each(|p| is_drawn[p as usize] = true);
+    let (first, last): (Vec<u32>, Vec<u32>) =
+        (0..grid.points.len() as u32).partition(|&p| is_drawn[p as usize]);
+    let drawn_points = first.len();
+    let old: Vec<u32> = first.into_iter().chain(last).collect();
+    let mut order = vec![0; old.len()];
+    old.iter().zip(0..).for_each(|(&old, new)| order[old as usize] = new);
+
+    let renumbered = |i: &usize| {
+        let mut corners = grid.tetrahedra[*i].map(|p| order[p as usize]);
+        corners.sort_unstable();
+        corners
+    };
+    let tetrahedra: Vec<[u32; 4]> = drawn.iter().map(renumbered).collect();
+    grid.ghosts =
+        Some(Arc::new(GhostCells { tetrahedra: ghosts.iter().map(renumbered).collect(), drawn_points }));
+    grid.source_cells = Some(Arc::new(drawn.iter().map(|&i| grid.source_cell(i) as u32).collect()));
+    grid.tetrahedra = tetrahedra.into();
+    grid.points = old.iter().map(|&p| grid.points[p as usize]).collect();
+    let values = |values: &SharedSlice<f64>, n| SharedSlice::from(cell_values::gather(values, n, &old));
+    grid.scalar = grid.scalar.as_ref().map(|scalar| values(scalar, 1));
+    for array in grid.point_arrays.values_mut() {
+        let Array { component_count, values: own } = &**array;
+        *array = Arc::new(Array { component_count: *component_count, values: values(own, *component_count) });
+    }
+    order
 }
 
 /// Says which cells overlap others, where there are such.
@@ -185,7 +252,7 @@ fn add_points(parts: &mut RawGrid, source: &Source) -> Result<()> {
     Ok(())
 }
 
-/// Lengths and limits that everything after relies on.
+/// Limits that everything after relies on.
 fn check(parts: &RawGrid, options: &Options) -> Result<()> {
     if !(1..=64).contains(&options.subdivision) {
         return Err(Error::usage("the subdivision of curved cells is out of range")
@@ -193,59 +260,13 @@ fn check(parts: &RawGrid, options: &Options) -> Result<()> {
             .expected("a whole number from 1 to 64")
             .at_item("subdivision"));
     }
-    let point_count = parts.points.len();
-    number(point_count, "the grid has too many points", "")?;
-    let cell_count = parts.cells.count();
-    number(cell_count, "the grid has too many cells", "")?;
-    match &parts.cells {
-        Cells::Structured(n) => {
-            let product = n.iter().fold(1usize, |product, &n| product.saturating_mul(n));
-            if product != point_count {
-                return Err(Error::run("a structured grid has the wrong number of points")
-                    .got(point_count)
-                    .expected(format!("{} × {} × {}", n[0], n[1], n[2])));
-            }
-        }
-        Cells::Mixed(cells) if cells.offsets.len() != cell_count + 1 => {
-            return Err(Error::run("the cells have the wrong number of offsets")
-                .got(cells.offsets.len())
-                .expected(cell_count + 1));
-        }
-        _ => {}
-    }
-    let expect = |name: &str, found: usize, accepted: usize| {
-        if found == accepted {
-            return Ok(());
-        }
-        Err(Error::run("an array has the wrong number of values").got(found).expected(accepted).at_item(name))
-    };
-    let count_of = |association| if association == Association::Point { point_count } else { cell_count };
-    if let Some(scalar) = &parts.scalar {
-        expect(&scalar.name, scalar.values.len(), count_of(scalar.association))?;
-    }
-    for (arrays, association) in [
-        (&parts.point_arrays, Association::Point),
-        (&parts.cell_arrays, Association::Cell),
-        (&parts.kept_cell_arrays, Association::Cell),
-    ] {
-        for (name, array) in arrays {
-            let tuples = count_of(association);
-            expect(name, array.values.len(), tuples.saturating_mul(array.component_count.max(1)))?;
-        }
-    }
-    if let Some(ghost) = &parts.ghost {
-        expect("ghost flags", ghost.len(), cell_count)?;
-    }
-    if let Some(degrees) = &parts.degrees {
-        expect("degrees", degrees.len(), cell_count)?;
-    }
-    Ok(())
+    parts.check_lengths()
 }
 
 /// The error where no tetrahedron is left.
 fn nothing_to_draw(tally: &CellCounts) -> Error {
     let mut found = describe_counts(&tally.by_type);
-    for (count, why) in [(tally.ghost, "ghosts"), (tally.not_finite, "not finite")] {
+    for (count, why) in [(tally.ghost + tally.without_owner, "ghosts"), (tally.not_finite, "not finite")] {
         if count > 0 {
             found.push_str(&format!(" ({count} {why})"));
         }
@@ -267,6 +288,10 @@ struct CellCounts {
     pub by_type: BTreeMap<u8, u64>,
     pub unsupported: BTreeMap<u8, u64>,
     pub ghost: u64,
+    /// Ghosts that no piece draws.
+    without_owner: u64,
+    /// Cells that are drawn.
+    drawn: u64,
     not_volume: u64,
     pub not_finite: u64,
     chunk_tetrahedra: Vec<usize>,
@@ -285,6 +310,8 @@ impl CellCounts {
             }
         }
         self.ghost += other.ghost;
+        self.without_owner += other.without_owner;
+        self.drawn += other.drawn;
         self.not_volume += other.not_volume;
         self.not_finite += other.not_finite;
         self.chunk_tetrahedra.extend(other.chunk_tetrahedra);
@@ -312,7 +339,11 @@ fn tally(source: &Source, progress: &dyn Progress) -> Result<CellCounts> {
                 let cell = source.cell(number, &mut buffer)?;
                 by_type[usize::from(cell.code)] += 1;
                 match source.fate(&cell)? {
-                    CellStatus::Drawn => source.tetrahedra(&cell, &mut |_| tetrahedra += 1),
+                    CellStatus::Drawn => {
+                        let is_ghost = source.ghost.is_some_and(|flags| is_ghost(flags[number]));
+                        *(if is_ghost { &mut tally.without_owner } else { &mut tally.drawn }) += 1;
+                        source.tetrahedra(&cell, &mut |_| tetrahedra += 1);
+                    }
                     CellStatus::Ghost => tally.ghost += 1,
                     CellStatus::NotVolume => tally.not_volume += 1,
                     CellStatus::NotFinite => tally.not_finite += 1,
@@ -345,7 +376,8 @@ fn tally_plain(source: &Source) -> Result<CellCounts> {
     if !tetrahedra.is_empty() {
         by_type.insert(code::TETRA, tetrahedra.len() as u64);
     }
-    Ok(CellCounts { by_type, chunk_tetrahedra: vec![tetrahedra.len()], ..CellCounts::default() })
+    let (chunk_tetrahedra, drawn) = (vec![tetrahedra.len()], tetrahedra.len() as u64);
+    Ok(CellCounts { by_type, chunk_tetrahedra, drawn, ..CellCounts::default() })
 }
 
 /// Goes over all cells again and writes the tetrahedra where the counts have made room for them.

@@ -132,7 +132,7 @@ pub(super) fn keep_constant(grid: &mut Grid, cells: CellArrays) -> Result<()> {
     }
     let what = "cells that keep constant values need too many points";
     number(old_points.len(), what, " (or values averaged to the points)")?;
-    grid.file_cells = None;
+    (grid.file_cells, grid.ghosts) = (None, None);
     grid.points = old_points.par_iter().map(|&p| grid.points[p as usize]).collect::<Vec<_>>().into();
     grid.tetrahedra = tetrahedra.into();
     let scalar_on_points = grid.scalar.take();
@@ -146,7 +146,7 @@ pub(super) fn keep_constant(grid: &mut Grid, cells: CellArrays) -> Result<()> {
 }
 
 /// The tuples with these numbers.
-fn gather(values: &[f64], component_count: usize, numbers: &[u32]) -> Vec<f64> {
+pub(super) fn gather(values: &[f64], component_count: usize, numbers: &[u32]) -> Vec<f64> {
     let n = component_count.max(1);
     let mut out = vec![0.0; numbers.len() * n];
     out.par_chunks_mut(n).with_min_len(4096).zip(numbers).for_each(|(tuple, &number)| {

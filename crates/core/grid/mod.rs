@@ -10,6 +10,7 @@ pub(crate) mod faces;
 pub mod generate;
 pub(crate) mod overlap;
 mod parts;
+mod pieces;
 mod source;
 mod split;
 mod tetrahedra;
@@ -19,9 +20,10 @@ pub use build::build;
 pub use cell_types::{CellType, code, describe_counts};
 pub use parts::{
     Array, Association, CellSet, CellValues, Cells, FileCells, ImportStats, Options, Polyhedron, RawGrid,
-    Scalar, structured_corners,
+    Scalar, is_drawn, structured_corners,
 };
-pub use tetrahedra::{Grid, tetrahedron_volume};
+pub use pieces::{into_set, join};
+pub use tetrahedra::{GhostCells, Grid, tetrahedron_volume};
 
 #[cfg(test)]
 mod tests;

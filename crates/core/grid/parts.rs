@@ -77,6 +77,10 @@ pub struct ImportStats {
     pub cells_not_finite: u64,
     /// Ghost cells left out.
     pub cells_ghost: u64,
+    /// Ghost cells whose original is in no piece.
+    pub ghosts_without_owner: u64,
+    /// Points of pieces that are another piece's, too.
+    pub points_joined: u64,
     /// Cells that are not three-dimensional (vertices, lines, triangles, …), which a volume picture ignores.
     pub cells_not_volume: u64,
     /// Arrays of the file that nobody asked for and that were not decoded.
@@ -96,8 +100,15 @@ pub struct RawGrid {
     pub points: SharedSlice<DVec3>,
     /// The cells.
     pub cells: Cells,
-    /// One flag a cell: true leaves it out as a ghost (it is drawn by another piece) or a blanked cell.
-    pub ghost: Option<Vec<bool>>,
+    /// `vtkGhostType` of every cell: bit 1 marks a ghost, which serves gradients and means of cell values and is not drawn; bits 8
+    /// and 32 leave a cell out.
+    pub ghost: Option<Vec<u8>>,
+    /// Numbers of the points that the same points have in other pieces; read by [`super::join`] alone.
+    pub global_ids: Option<Vec<i64>>,
+    /// Number of the grid that it is a piece of: [`super::join`] leaves the points of different blocks apart.
+    pub block: usize,
+    /// Numbers among `points` of the points of the pieces that were joined, one piece after the other; `None`: it was whole.
+    pub joined_points: Option<Vec<u32>>,
     /// The scalar asked for.
     pub scalar: Option<Scalar>,
     /// Further arrays that sit on points; they keep their names.
@@ -120,6 +131,9 @@ impl RawGrid {
             points: points.into(),
             cells,
             ghost: None,
+            global_ids: None,
+            block: 0,
+            joined_points: None,
             scalar: None,
             point_arrays: BTreeMap::new(),
             cell_arrays: BTreeMap::new(),
@@ -128,6 +142,95 @@ impl RawGrid {
             origin: ImportStats::default(),
         }
     }
+
+    /// Refuses arrays whose lengths do not fit the points and cells.
+    pub(super) fn check_lengths(&self) -> Result<()> {
+        let point_count = self.points.len();
+        number(point_count, "the grid has too many points", "")?;
+        let cell_count = self.cells.count();
+        number(cell_count, "the grid has too many cells", "")?;
+        match &self.cells {
+            Cells::Structured(n) => {
+                let product = n.iter().fold(1usize, |product, &n| product.saturating_mul(n));
+                if product != point_count {
+                    return Err(Error::run("a structured grid has the wrong number of points")
+                        .got(point_count)
+                        .expected(format!("{} × {} × {}", n[0], n[1], n[2])));
+                }
+            }
+            Cells::Mixed(cells) if cells.offsets.len() != cell_count + 1 => {
+                return Err(Error::run("the cells have the wrong number of offsets")
+                    .got(cells.offsets.len())
+                    .expected(cell_count + 1));
+            }
+            _ => {}
+        }
+        let expect = |name: &str, found: usize, accepted: usize| {
+            if found == accepted {
+                return Ok(());
+            }
+            Err(Error::run("an array has the wrong number of values")
+                .got(found)
+                .expected(accepted)
+                .at_item(name))
+        };
+        let count_of = |association| if association == Association::Point { point_count } else { cell_count };
+        if let Some(scalar) = &self.scalar {
+            expect(&scalar.name, scalar.values.len(), count_of(scalar.association))?;
+        }
+        for (arrays, association) in [
+            (&self.point_arrays, Association::Point),
+            (&self.cell_arrays, Association::Cell),
+            (&self.kept_cell_arrays, Association::Cell),
+        ] {
+            for (name, array) in arrays {
+                let tuples = count_of(association);
+                expect(name, array.values.len(), tuples.saturating_mul(array.component_count.max(1)))?;
+            }
+        }
+        if let Some(ghost) = &self.ghost {
+            expect("ghost flags", ghost.len(), cell_count)?;
+        }
+        if let Some(ids) = &self.global_ids {
+            expect("global ids", ids.len(), point_count)?;
+        }
+        if let Some(degrees) = &self.degrees {
+            expect("degrees", degrees.len(), cell_count)?;
+        }
+        Ok(())
+    }
+
+    /// Ghost cells whose original is in no piece.
+    pub fn ghosts_without_owner(&self) -> u64 {
+        self.ghost.iter().flatten().filter(|&&flags| is_ghost(flags)).count() as u64
+    }
+}
+
+/// Bit of `vtkGhostType` at a cell of which another piece has the original: DUPLICATECELL.
+pub(super) const DUPLICATE: u8 = 1;
+/// Bits of `vtkGhostType` at cells that a finer grid replaces or that are blanked: REFINEDCELL, HIDDENCELL.
+const HIDDEN: u8 = 8 | 32;
+/// A ghost cell whose original is there. VTK gives this bit no meaning.
+pub(super) const OWNED: u8 = 128;
+
+/// True if a cell with this `vtkGhostType` is not drawn but serves gradients and means of cell values: no piece has its original.
+pub(super) fn is_ghost(flags: u8) -> bool {
+    flags & (DUPLICATE | HIDDEN | OWNED) == DUPLICATE
+}
+
+/// True if a cell with this `vtkGhostType` serves nothing.
+pub(super) fn is_left_out(flags: u8) -> bool {
+    flags & (HIDDEN | OWNED) != 0
+}
+
+/// True if a cell with this `vtkGhostType` is drawn: it is no ghost, and not hidden.
+pub fn is_drawn(flags: u8) -> bool {
+    flags & (DUPLICATE | HIDDEN) == 0
+}
+
+/// `vtkGhostType` as it was given.
+pub(super) fn as_given(flags: u8) -> u8 {
+    flags & !OWNED
 }
 
 /// Refuses a count that leaves the 32 bits of point and cell numbers. `what` needs it or has it; `remedy`: another way, or nothing.
@@ -237,8 +340,10 @@ pub struct FileCells {
     pub points: SharedSlice<DVec3>,
     /// For each point its number in the grid, see [`FileCells::grid_point`]; `None`: the same.
     pub(super) numbers: Option<Vec<u32>>,
-    /// One flag a cell: true for ghosts and blanked cells.
-    pub ghost: Option<Vec<bool>>,
+    /// For each point of the pieces, one after the other, its number among `points`; `None`: the file was one piece.
+    pub joined_points: Option<Vec<u32>>,
+    /// `vtkGhostType` of every cell.
+    pub ghost: Option<Vec<u8>>,
     /// Degrees along the three axes of every cell, where the file gives them.
     pub degrees: Option<Vec<[u8; 3]>>,
 }

@@ -2,7 +2,7 @@
 
 use super::cell_types::{CellType, code};
 use super::curved::{Curved, is_curved};
-use super::parts::{Cell, Cells, Polyhedron, structured_corners};
+use super::parts::{Cell, Cells, Polyhedron, is_left_out, structured_corners};
 use super::split;
 use super::split::Polyhedra;
 use crate::{Error, Result};
@@ -11,9 +11,9 @@ use rayon::prelude::*;
 /// Classification of a cell on import.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum CellStatus {
-    /// It is drawn.
+    /// It is drawn, or a ghost that serves those that are.
     Drawn,
-    /// Left out: a ghost.
+    /// Left out: another piece draws it, or it is hidden.
     Ghost,
     /// Left out: not three-dimensional.
     NotVolume,
@@ -28,8 +28,8 @@ pub(super) struct Source<'a> {
     pub cells: &'a Cells,
     /// Number of points of the file.
     pub point_count: usize,
-    /// Cells to leave out.
-    pub ghost: Option<&'a [bool]>,
+    /// `vtkGhostType` of every cell.
+    pub ghost: Option<&'a [u8]>,
     /// True at points whose position or value is not finite; `None`: all are finite.
     pub point_not_finite: Option<Vec<bool>>,
     /// Flags of cells with a value that is not finite.
@@ -94,7 +94,7 @@ impl Source<'_> {
                 .got(wrong)
                 .expected(format!("a point number below {point_count}")));
         }
-        if self.ghost.is_some_and(|g| g[number]) {
+        if self.ghost.is_some_and(|flags| is_left_out(flags[number])) {
             return Ok(CellStatus::Ghost);
         }
         if !is_supported(cell.code) {

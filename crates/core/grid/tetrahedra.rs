@@ -4,6 +4,7 @@ use super::extent;
 use super::parts::{Array, FileCells, ImportStats};
 use crate::{Error, Result, SharedSlice};
 use glam::DVec3;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -26,6 +27,8 @@ pub struct Grid {
     /// Arrays of the file's cells that somebody asked for as they are: one tuple a cell of the file (see
     /// [`Grid::source_cell`]). Their values need not be finite.
     pub cell_arrays: BTreeMap<String, Arc<Array>>,
+    /// Ghost cells that serve those that are drawn, where there are such.
+    pub ghosts: Option<Arc<GhostCells>>,
     /// The file's own cells and points, where somebody asked for them and every point of the file is one point here
     /// (cells that keep constant values have points of their own).
     pub file_cells: Option<Arc<FileCells>>,
@@ -33,7 +36,29 @@ pub struct Grid {
     pub origin: Arc<ImportStats>,
 }
 
+/// Cells of other pieces beside those that are drawn: gradients at the points of both look at them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct GhostCells {
+    /// Four point numbers each, ascending.
+    pub tetrahedra: Vec<[u32; 4]>,
+    /// Number of points that drawn cells use; those after them are of ghosts alone.
+    pub drawn_points: usize,
+}
+
 impl Grid {
+    /// Number of points that drawn cells use: the first of all.
+    pub fn drawn_points(&self) -> usize {
+        self.ghosts.as_ref().map_or(self.points.len(), |ghosts| ghosts.drawn_points)
+    }
+
+    /// The grid whose cells are those that are drawn and the ghosts.
+    pub fn with_ghosts(&self) -> Cow<'_, Grid> {
+        let Some(ghosts) = &self.ghosts else { return Cow::Borrowed(self) };
+        let tetrahedra = self.tetrahedra.iter().chain(&ghosts.tetrahedra).copied().collect();
+        let (points, point_arrays) = (self.points.clone(), self.point_arrays.clone());
+        Cow::Owned(Grid { points, tetrahedra, point_arrays, ..Grid::default() })
+    }
+
     /// Positions of the four corners of tetrahedron `i`.
     #[inline]
     pub fn corners(&self, i: usize) -> [DVec3; 4] {
@@ -82,9 +107,9 @@ impl Grid {
         Err(error.expected(self.points.len()))
     }
 
-    /// Lowest and highest coordinates of the finite points; `None` where there is none.
+    /// Lowest and highest coordinates of the finite points of drawn cells; `None` where there is none.
     pub fn bounds(&self) -> Option<[DVec3; 2]> {
-        extent::bounds(&self.points)
+        extent::bounds(&self.points[..self.drawn_points()])
     }
 
     /// The power of two that brings the largest extent of the grid to between 0.5 and 1, so that products of lengths

@@ -10,6 +10,7 @@ pub use colors::{linear_from_srgb, srgb_from_linear, srgb8, viridis};
 pub use format::{EncodePicture, PictureFormat};
 pub use png::png;
 
+use crate::formats::is_data;
 use crate::provenance::{PIPELINE, PROVENANCE, Provenance};
 use format::PictureFile;
 use std::fs::File;
@@ -64,6 +65,10 @@ impl Source {
             file.rewind().map_err(unreadable)?;
             let carried = read(format, BufReader::new(file)).map_err(|error| error.in_file(path))?;
             return Ok(Source { text: carried.pipeline.clone(), embedded: Some(carried) });
+        }
+        if is_data(path) {
+            let start = format!("`voltet start {}`, which writes a pipeline that draws it", path.display());
+            return Err(Error::usage("this is a data file, not a pipeline").expected(start).in_file(path));
         }
         file.read_to_end(&mut bytes).map_err(unreadable)?;
         let text = String::from_utf8(bytes).map_err(|error| {

@@ -1,26 +1,23 @@
-//! From the table of contents to the grid: decodes what is asked for, puts pieces together, builds tetrahedra.
+//! From the table of contents to the grid: decodes what is asked for, has pieces put together and tetrahedra built.
 
-use super::contents::{Dataset, GHOST_LEVELS, GHOST_TYPE, Geometry, Meter, Piece};
+use super::contents::{DEGREES, Dataset, GHOST_LEVELS, GHOST_TYPE, GLOBAL_IDS, Geometry, Meter, Piece};
 use super::request::{ArraySelection, Component, Request};
-use super::{cells, request};
+use super::{cells, hexahedra, request};
 use crate::memory::GridSize;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use voltet_core::grid::{
-    Array, Association, CellSet, CellType, Cells, Grid, RawGrid, Scalar, code, structured_corners,
+    Array, Association, CellType, Cells, Grid, RawGrid, Scalar, code, structured_corners,
 };
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result, grid, progress};
 
-/// Cell flags that leave a cell out: it is another piece's, it is refined elsewhere, it is hidden
-/// (vtkDataSetAttributes::DUPLICATECELL, REFINEDCELL, HIDDENCELL).
-const GHOST_CELL: u64 = 1 | 8 | 32;
+/// Cell flags of ghosts and of hidden cells (vtkDataSetAttributes::DUPLICATECELL, HIDDENCELL).
+const DUPLICATE_CELL: u8 = 1;
+const HIDDEN_CELL: u8 = 32;
 /// Point flag that leaves out the cells of a point (vtkDataSetAttributes::HIDDENPOINT).
 const HIDDEN_POINT: u64 = 2;
-
-/// The degrees of Lagrange and Bezier cells along their axes, as a cell array.
-const DEGREES: &str = "HigherOrderDegrees";
 
 /// Reads and builds.
 pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Progress) -> Result<Grid> {
@@ -49,15 +46,19 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
         }
     }
     refuse_beyond_memory(&pieces, &cells, choices.len(), progress)?;
-    let mut loaded = Vec::new();
-    for (piece, cells) in pieces.iter().zip(cells) {
-        loaded.push(load(piece, cells, &choices, &meter)?);
-    }
-    let Loaded { points, cells, ghost, degrees, columns } = merge(loaded, &pieces)?;
-
-    let mut parts = RawGrid::new(points, cells);
-    (parts.ghost, parts.degrees) = (ghost, degrees);
-    parts.origin.warnings = dataset.warnings.clone();
+    let ids = global_ids(dataset);
+    let wanted = PieceRequest { request, choices: &choices, ids };
+    let loaded: Vec<RawGrid> = pieces
+        .iter()
+        .zip(cells)
+        .enumerate()
+        .map(|(index, (piece, cells))| {
+            let block = if dataset.has_blocks { index } else { 0 };
+            Ok(RawGrid { block, ..load(piece, cells, &wanted, &meter)? })
+        })
+        .collect::<Result<_>>()?;
+    let mut parts = grid::join(loaded)?;
+    parts.origin.warnings.extend(dataset.warnings.iter().cloned());
     parts.origin.warnings.extend(external.into_iter().flat_map(|external| external.ready().warnings.clone()));
     parts.origin.arrays_decoded = choices.len() as u64;
     if request.every_array {
@@ -65,26 +66,20 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     } else {
         (parts.origin.arrays_unread, parts.origin.values_unread) = (left.arrays, left.value_count);
     }
-    let (names, kept) = (unique(&request.point_arrays), unique(&request.cell_arrays));
-    let mut columns = choices.iter().zip(columns);
-    if let Some((choice, values)) = columns.next() {
-        let name = request.scalar.clone().unwrap_or_else(|| choice.name.clone());
-        parts.scalar = Some(Scalar { name, association: choice.association, values: values.into() });
-    }
-    for (i, (choice, values)) in columns.enumerate() {
-        let component_count = if choice.component == Component::All { choice.component_count } else { 1 };
-        let array = Array { component_count, values: values.into() };
-        match names.get(i) {
-            Some(name) if choice.association == Association::Cell => {
-                parts.cell_arrays.insert(name.to_string(), array)
-            }
-            Some(name) => parts.point_arrays.insert(name.to_string(), array),
-            None => parts.kept_cell_arrays.insert(kept[i - names.len()].clone(), array),
-        };
-    }
     let &Request { subdivision, cell_values, keep_cells, .. } = request;
     let options = grid::Options { subdivision, cell_values, keep_cells };
     grid::build(parts, &options, progress)
+}
+
+/// Name of the array that numbers the points of all pieces; `None` where there is one piece, or a piece lacks it.
+pub(super) fn global_ids(dataset: &Dataset) -> Option<&str> {
+    let in_all = |name: &&str| {
+        dataset.pieces.iter().filter(|piece| piece.point_count > 0).all(|piece| {
+            piece.array(Association::Point, name).is_some_and(|stored| stored.component_count == 1)
+        })
+    };
+    let names = dataset.global_ids.as_deref().into_iter().chain(GLOBAL_IDS);
+    names.filter(|_| dataset.pieces.len() > 1 && !dataset.has_blocks).find(in_all)
 }
 
 /// True if an array is read: it is chosen, or a part of every grid.
@@ -160,9 +155,10 @@ pub struct SkippedArray {
 /// Arrays that the selection skips.
 pub(super) fn unread(dataset: &Dataset, choices: &[ArraySelection]) -> Result<SkippedArray> {
     let (mut arrays, mut value_count) = (Vec::new(), 0u64);
+    let ids = global_ids(dataset);
     for array in dataset.pieces.iter().flat_map(|piece| &piece.arrays) {
         let name = &array.stored.name;
-        if !is_read(choices, name, array.association) {
+        if !is_read(choices, name, array.association) && ids != Some(name) {
             value_count = value_count.saturating_add(array.stored.promised()?.unwrap_or(0));
             if !arrays.contains(name) {
                 arrays.push(name.clone());
@@ -172,12 +168,44 @@ pub(super) fn unread(dataset: &Dataset, choices: &[ArraySelection]) -> Result<Sk
     Ok(SkippedArray { arrays, value_count })
 }
 
-fn load(piece: &Piece, cells: Cells, choices: &[ArraySelection], meter: &Meter) -> Result<Loaded> {
+/// A request with the arrays that it means.
+struct PieceRequest<'a> {
+    request: &'a Request,
+    /// The scalar, and the arrays that the request names.
+    choices: &'a [ArraySelection],
+    /// The array that numbers the points of all pieces.
+    ids: Option<&'a str>,
+}
+
+fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter: &Meter) -> Result<RawGrid> {
     // The values first: their bytes are there to be counted, those of a uniform grid's points are not.
-    let columns = choices.iter().map(|choice| column(piece, choice, meter)).collect::<Result<_>>()?;
+    let columns = wanted.choices.iter().map(|choice| column(piece, choice, meter));
+    let mut columns = wanted.choices.iter().zip(columns.collect::<Result<Vec<_>>>()?);
     let ghost = ghosts(piece, &cells, meter)?;
     let degrees = degrees(piece, &cells, meter)?;
-    Ok(Loaded { points: points(piece, meter)?, cells, ghost, degrees, columns })
+    let ids = wanted.ids.and_then(|name| piece.array(Association::Point, name));
+    let global_ids = ids.map(|ids| ids.load(meter)).transpose()?;
+    let points = points(piece, meter)?;
+    let warning = hexahedra::restore_order(&mut cells, &points, degrees.as_deref(), piece.is_old_order);
+    let mut raw = RawGrid { ghost, degrees, global_ids, ..RawGrid::new(points, cells) };
+    raw.origin.warnings.extend(warning);
+    if let Some((choice, values)) = columns.next() {
+        let name = wanted.request.scalar.clone().unwrap_or_else(|| choice.name.clone());
+        raw.scalar = Some(Scalar { name, association: choice.association, values: values.into() });
+    }
+    let (names, kept) = (unique(&wanted.request.point_arrays), unique(&wanted.request.cell_arrays));
+    for (i, (choice, values)) in columns.enumerate() {
+        let component_count = if choice.component == Component::All { choice.component_count } else { 1 };
+        let array = Array { component_count, values: values.into() };
+        match names.get(i) {
+            Some(name) if choice.association == Association::Cell => {
+                raw.cell_arrays.insert(name.to_string(), array)
+            }
+            Some(name) => raw.point_arrays.insert(name.to_string(), array),
+            None => raw.kept_cell_arrays.insert(kept[i - names.len()].clone(), array),
+        };
+    }
+    Ok(raw)
 }
 
 /// The values of a choice.
@@ -213,28 +241,31 @@ pub fn length(vector: &[f64]) -> f64 {
     scale * vector.iter().map(|value| (value / scale).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Flags of the cells that are to be left out.
-fn ghosts(piece: &Piece, cells: &Cells, meter: &Meter) -> Result<Option<Vec<bool>>> {
-    let flags = |association, name, is_set: fn(u64) -> bool| -> Result<Option<Vec<bool>>> {
-        let Some(array) = piece.array(association, name) else { return Ok(None) };
-        Ok(Some(array.load::<u64>(meter)?.into_iter().map(is_set).collect()))
+/// `vtkGhostType` of the cells, those at hidden points hidden; `None` where all are 0.
+pub(super) fn ghosts(piece: &Piece, cells: &Cells, meter: &Meter) -> Result<Option<Vec<u8>>> {
+    let of = |association, name| -> Result<Option<Vec<u64>>> {
+        piece.array(association, name).map(|array| array.load(meter)).transpose()
     };
-    let mut ghost = flags(Association::Cell, GHOST_TYPE, |flag| flag & GHOST_CELL != 0)?;
-    if ghost.is_none() {
-        ghost = flags(Association::Cell, GHOST_LEVELS, |level| level > 0)?;
-    }
-    let hidden = flags(Association::Point, GHOST_TYPE, |flag| flag & HIDDEN_POINT != 0)?;
+    let mut ghost: Option<Vec<u8>> = match of(Association::Cell, GHOST_TYPE)? {
+        Some(flags) => Some(flags.into_iter().map(|flags| flags as u8).collect()),
+        None => of(Association::Cell, GHOST_LEVELS)?
+            .map(|levels| levels.into_iter().map(|level| u8::from(level > 0) * DUPLICATE_CELL).collect()),
+    };
+    let hidden = of(Association::Point, GHOST_TYPE)?
+        .map(|flags| flags.into_iter().map(|flags| flags & HIDDEN_POINT != 0).collect::<Vec<bool>>());
     if let Some(hidden) = hidden.filter(|hidden| hidden.contains(&true)) {
-        let ghost = ghost.get_or_insert_with(|| vec![false; cells.count()]);
+        let ghost = ghost.get_or_insert_with(|| vec![0; cells.count()]);
         for (number, ghost) in ghost.iter_mut().enumerate() {
-            *ghost |= corners(cells, number).any(|corner| hidden.get(corner as usize) == Some(&true));
+            if corners(cells, number).any(|corner| hidden.get(corner as usize) == Some(&true)) {
+                *ghost |= HIDDEN_CELL;
+            }
         }
     }
-    Ok(ghost.filter(|ghost| ghost.contains(&true)))
+    Ok(ghost.filter(|ghost| ghost.iter().any(|&flags| flags != 0)))
 }
 
 /// The points of a cell; what is damaged is found out when the grid is built.
-fn corners(cells: &Cells, number: usize) -> Box<dyn Iterator<Item = u32> + '_> {
+pub(super) fn corners(cells: &Cells, number: usize) -> Box<dyn Iterator<Item = u32> + '_> {
     match cells {
         Cells::Tetrahedra(tetrahedra) => Box::new(tetrahedra[number].into_iter()),
         Cells::Mixed(set) => {
@@ -286,92 +317,4 @@ fn lattice([nx, ny, nz]: [usize; 3], position: impl Fn([usize; 3]) -> DVec3 + Sy
         }
     });
     points
-}
-
-/// Requested contents of one piece.
-pub(super) struct Loaded {
-    pub points: Vec<DVec3>,
-    pub cells: Cells,
-    pub ghost: Option<Vec<bool>>,
-    pub degrees: Option<Vec<[u8; 3]>>,
-    /// One entry a choice.
-    pub columns: Vec<Vec<f64>>,
-}
-
-/// Puts pieces together; a single one is handed through.
-pub(super) fn merge(mut pieces: Vec<Loaded>, from: &[&Piece]) -> Result<Loaded> {
-    if pieces.len() == 1 {
-        return Ok(pieces.remove(0));
-    }
-    let all_tetrahedra = pieces.iter().all(|piece| matches!(piece.cells, Cells::Tetrahedra(_)));
-    let has_ghost = pieces.iter().any(|piece| piece.ghost.is_some());
-    let has_degrees = pieces.iter().any(|piece| piece.degrees.is_some());
-    let mut points = Vec::new();
-    let mut tetrahedra = Vec::new();
-    let mut set = CellSet { offsets: vec![0], ..CellSet::default() };
-    let mut ghost = has_ghost.then(Vec::new);
-    let mut degrees = has_degrees.then(Vec::new);
-    let mut columns: Vec<Vec<f64>> = Vec::new();
-    for (mut piece, from) in pieces.into_iter().zip(from) {
-        let shift = u32::try_from(points.len())
-            .ok()
-            .filter(|shift| u64::from(*shift) + from.point_count <= u64::from(u32::MAX))
-            .ok_or_else(|| {
-                Error::run("the grid has too many points")
-                    .expected(format_args!("at most {} in all", u32::MAX))
-            })?;
-        let cell_count = piece.cells.count();
-        check_numbers(&piece.cells, piece.points.len())?;
-        match piece.cells {
-            Cells::Tetrahedra(own) if all_tetrahedra => {
-                tetrahedra
-                    .par_extend(own.into_par_iter().map(|corners: [u32; 4]| corners.map(|c| c + shift)));
-            }
-            cells => append(&mut set, cells::into_set(cells, code::VOXEL), shift),
-        }
-        points.append(&mut piece.points);
-        if let Some(ghost) = &mut ghost {
-            ghost.extend(piece.ghost.unwrap_or_else(|| vec![false; cell_count]));
-        }
-        if let Some(degrees) = &mut degrees {
-            degrees.extend(piece.degrees.unwrap_or_else(|| vec![[0; 3]; cell_count]));
-        }
-        columns.resize_with(piece.columns.len(), Vec::new);
-        for (all, own) in columns.iter_mut().zip(&mut piece.columns) {
-            all.append(own);
-        }
-    }
-    let cells = if all_tetrahedra { Cells::Tetrahedra(tetrahedra) } else { Cells::Mixed(set) };
-    Ok(Loaded { points, cells, ghost, degrees, columns })
-}
-
-/// That cells name points of their own piece, before the numbers are shifted into another one's.
-fn check_numbers(cells: &Cells, point_count: usize) -> Result<()> {
-    let wrong = |&&corner: &&u32| corner as usize >= point_count;
-    let found = match cells {
-        Cells::Tetrahedra(tetrahedra) => tetrahedra.as_flattened().iter().find(wrong),
-        Cells::Mixed(set) => {
-            let faces = set.polyhedra.iter().flat_map(|polyhedron| polyhedron.faces.iter().flatten());
-            set.connectivity.iter().chain(faces).find(wrong)
-        }
-        Cells::Structured(_) => None,
-    };
-    match found {
-        None => Ok(()),
-        Some(corner) => Err(Error::run("a cell names a point that its piece does not hold")
-            .got(corner)
-            .expected(format_args!("a point number below {point_count}"))),
-    }
-}
-
-fn append(to: &mut CellSet, own: CellSet, shift: u32) {
-    let (first_cell, begin) = (to.types.len() as u32, to.connectivity.len() as u64);
-    to.types.extend(own.types);
-    to.offsets.extend(own.offsets[1..].iter().map(|offset| offset + begin));
-    to.connectivity.extend(own.connectivity.iter().map(|corner| corner + shift));
-    for mut polyhedron in own.polyhedra {
-        polyhedron.cell += first_cell;
-        polyhedron.faces.iter_mut().flatten().for_each(|corner| *corner += shift);
-        to.polyhedra.push(polyhedron);
-    }
 }

@@ -2,7 +2,7 @@
 
 use super::contents::{Geometry, Meter, Piece, Stored, StoredCells, StoredFaces};
 use rayon::prelude::*;
-use voltet_core::grid::{CellSet, Cells, Polyhedron, code, structured_corners};
+use voltet_core::grid::{CellSet, Cells, Polyhedron, code};
 use voltet_core::{Error, Result};
 
 /// Reads the cells of a piece.
@@ -205,28 +205,6 @@ fn counted(list: &Stored, types: &Stored, meter: &Meter) -> Result<Cells> {
         return from_streams(types, &cells.offsets, cells.connectivity).map(Cells::Mixed);
     }
     Ok(Cells::Mixed(CellSet { types, ..cells }))
-}
-
-/// Any cells as a set; those of a structured grid of the type `structured`, [`code::VOXEL`] or [`code::HEXAHEDRON`].
-pub(crate) fn into_set(cells: Cells, structured: u8) -> CellSet {
-    let regular = |code: u8, corners: usize, connectivity: Vec<u32>| {
-        let count = connectivity.len() / corners;
-        let offsets = (0..=count).map(|number| (corners * number) as u64).collect();
-        CellSet { types: vec![code; count], offsets, connectivity, polyhedra: Vec::new() }
-    };
-    match cells {
-        Cells::Mixed(set) => set,
-        Cells::Tetrahedra(tetrahedra) => regular(code::TETRA, 4, tetrahedra.into_flattened()),
-        Cells::Structured(dimensions) => {
-            let order =
-                if structured == code::VOXEL { [0, 1, 2, 3, 4, 5, 6, 7] } else { [0, 1, 3, 2, 4, 5, 7, 6] };
-            let corners = |number: usize| {
-                let corners = structured_corners(dimensions, number);
-                order.map(|corner: usize| corners[corner])
-            };
-            regular(structured, 8, (0..cells.count()).flat_map(corners).collect())
-        }
-    }
 }
 
 #[cfg(test)]

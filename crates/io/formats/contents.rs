@@ -17,6 +17,11 @@ use voltet_core::{Error, Result};
 pub(super) const GHOST_TYPE: &str = "vtkGhostType";
 /// The flag's older form: the number of layers from the piece's own cells.
 pub(super) const GHOST_LEVELS: &str = "vtkGhostLevels";
+/// The degrees of Lagrange and Bézier cells along their axes: the name of the cell array, and of the attribute that marks one.
+pub(super) const DEGREES: &str = "HigherOrderDegrees";
+/// Names that VTK and its readers give to the array that numbers the points of all pieces, where none is marked as such.
+pub(super) const GLOBAL_IDS: [&str; 4] =
+    ["GlobalPointIds", "vtkGlobalPointIds", "GlobalNodeIds", "GlobalNodeId"];
 
 /// Everything that one reading may decode.
 #[derive(Default)]
@@ -25,8 +30,14 @@ pub(super) struct Dataset {
     pub format: String,
     /// The parts, whose cells are put together.
     pub pieces: Vec<Piece>,
+    /// True if the parts are different grids, whose points stay apart.
+    pub has_blocks: bool,
+    /// Name of the array that the file marks as the global ids of the points.
+    pub global_ids: Option<String>,
     /// Times of a series' steps; empty where there is no series.
     pub time_steps: Vec<f64>,
+    /// The time that the file says it is of.
+    pub time: Option<f64>,
     /// Name of the array that the file marks as its scalars.
     pub active_scalars: Option<String>,
     /// Sentences for the user.
@@ -41,12 +52,16 @@ pub(super) struct Piece {
     pub cell_count: u64,
     pub geometry: Geometry,
     pub arrays: Vec<PieceArray>,
+    /// True if the file is of a version in which Lagrange and Bézier hexahedra had two edges in the other order.
+    pub is_old_order: bool,
 }
 
 /// An array of a piece.
 pub(super) struct PieceArray {
     pub association: Association,
     pub stored: Stored,
+    /// Names of the components, where the file gives them.
+    pub component_names: Vec<String>,
 }
 
 /// Points and cells.
@@ -85,6 +100,11 @@ pub(super) enum StoredFaces {
 }
 
 impl PieceArray {
+    /// An array whose components have no names.
+    pub fn new(association: Association, stored: Stored) -> PieceArray {
+        PieceArray { association, stored, component_names: Vec::new() }
+    }
+
     /// Its header.
     pub fn head(&self) -> FileArray {
         let Stored { name, component_count, .. } = &self.stored;

@@ -1,14 +1,15 @@
-//! Summary of a file for people: cells by type, arrays with ranges, bounds, time steps.
+//! Summary of a file for people: cells by type, arrays with ranges, bounds, time steps. Ranges and bounds are those of what is drawn:
+//! not of ghosts, hidden cells, surfaces beside a volume, or points that no cell uses.
 
 use super::contents::{Dataset, Geometry, Meter, PieceArray};
-use super::{assemble, cells};
+use super::{assemble, cells, request};
 use crate::memory::GridSize;
 use glam::DVec3;
 use std::collections::BTreeMap;
-use voltet_core::Result;
-use voltet_core::grid::{Association, CellType, Cells, code};
+use voltet_core::grid::{self, Association, CellType, Cells, RawGrid, Scalar, code, is_drawn};
 use voltet_core::progress::Progress;
 use voltet_core::reading::FileArray;
+use voltet_core::{Result, SharedSlice};
 
 /// Contents of a file.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -23,6 +24,10 @@ pub struct Summary {
     pub cell_count: u64,
     /// Cells by VTK type code.
     pub cells_by_type: BTreeMap<u8, u64>,
+    /// Points that several pieces hold.
+    pub points_joined: u64,
+    /// Ghost cells whose original is in no piece.
+    pub ghosts_without_owner: u64,
     /// Least and greatest coordinates; `None` where no point is finite.
     pub bounds: Option<[DVec3; 2]>,
     /// Points with a position that is not finite.
@@ -31,6 +36,8 @@ pub struct Summary {
     pub arrays: Vec<ArraySummary>,
     /// Name of the array that the file marks as its scalars.
     pub active_scalars: Option<String>,
+    /// The time that the file says it is of.
+    pub time: Option<f64>,
     /// Times of the steps of a series; empty where the file is none.
     pub time_steps: Vec<f64>,
     /// Bytes of the files.
@@ -83,29 +90,94 @@ pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Su
         format: dataset.format.clone(),
         piece_count: dataset.pieces.len(),
         active_scalars: dataset.active_scalars.clone(),
+        time: dataset.time,
         time_steps: dataset.time_steps.clone(),
         file_bytes: dataset.file_bytes,
         warnings: dataset.warnings.clone(),
         ..Summary::default()
     };
-    for piece in &dataset.pieces {
+    // Of what is drawn; of all, where nothing is.
+    let (mut drawn_bounds, mut all_bounds) = (None, None);
+    let mut arrays = Vec::new();
+    let mut pieces = Vec::new();
+    let scalar = request::scalar(dataset, None, None).ok();
+    for (index, piece) in dataset.pieces.iter().enumerate() {
         summary.point_count = summary.point_count.saturating_add(piece.point_count);
         summary.cell_count = summary.cell_count.saturating_add(piece.cell_count);
-        for array in &piece.arrays {
-            add_array(&mut summary.arrays, array, &meter)?;
-        }
+        let mut raw = RawGrid::new(SharedSlice::default(), Cells::Tetrahedra(Vec::new()));
         if piece.cell_count > 0 {
-            let cells = cells::load(piece, &meter)?;
-            count_cells(&cells, &piece.geometry, &mut summary.cells_by_type);
-            summary.size.add(&cells);
+            raw.cells = cells::load(piece, &meter)?;
+            raw.ghost = assemble::ghosts(piece, &raw.cells, &meter)?;
+            count_cells(&raw.cells, &piece.geometry, &mut summary.cells_by_type);
+            summary.size.add(&raw.cells);
+        }
+        let drawn = DrawnParts::of_piece(&raw, piece.point_count as usize);
+        for array in &piece.arrays {
+            add_array(&mut arrays, array, &drawn, &meter)?;
         }
         if piece.point_count > 0 {
-            add_points(&mut summary, &assemble::points(piece, &meter)?);
+            let points = assemble::points(piece, &meter)?;
+            summary.points_not_finite += points.iter().filter(|point| !point.is_finite()).count() as u64;
+            let of_drawn = points.iter().zip(&drawn.points).filter(|(_, is_drawn)| **is_drawn);
+            add_points(&mut drawn_bounds, of_drawn.map(|(point, _)| point));
+            add_points(&mut all_bounds, points.iter());
+            raw.points = points.into();
         }
+        raw.block = if dataset.has_blocks { index } else { 0 };
+        raw.global_ids = assemble::global_ids(dataset)
+            .and_then(|name| piece.array(Association::Point, name))
+            .map(|ids| ids.load(&meter))
+            .transpose()?;
+        if let Some(choice) = scalar.as_ref().filter(|choice| choice.association == Association::Point) {
+            let values = assemble::column(piece, choice, &meter)?.into();
+            raw.scalar = Some(Scalar { name: choice.name.clone(), association: Association::Point, values });
+        }
+        pieces.push(raw);
     }
+    // A single piece's ghosts are nobody else's; what is damaged is said by what reads it to draw it.
+    if let Ok(joined) = grid::join(pieces) {
+        summary.points_joined = joined.origin.points_joined;
+        summary.ghosts_without_owner = joined.ghosts_without_owner();
+    }
+    let is_drawn = drawn_bounds.is_some();
+    summary.bounds = if is_drawn { drawn_bounds } else { all_bounds };
+    summary.arrays = arrays
+        .into_iter()
+        .map(|(array, of_all)| if is_drawn { array } else { ArraySummary { range: of_all, ..array } })
+        .collect();
     summary.arrays.sort_by_key(|array| array.head.association == Association::Cell);
     summary.size.points = summary.point_count;
     Ok(summary)
+}
+
+/// The points and cells of a piece that are drawn.
+struct DrawnParts {
+    points: Vec<bool>,
+    cells: Vec<bool>,
+}
+
+impl DrawnParts {
+    fn of_piece(piece: &RawGrid, point_count: usize) -> DrawnParts {
+        let count = piece.cells.count();
+        let mut drawn = DrawnParts { points: vec![false; point_count], cells: vec![false; count] };
+        for cell in 0..count {
+            let is_volume = match &piece.cells {
+                Cells::Mixed(set) => {
+                    CellType::from_code(set.types[cell]).is_some_and(|cell| cell.dimension == 3)
+                }
+                _ => true,
+            };
+            if is_volume && piece.ghost.as_ref().is_none_or(|flags| is_drawn(flags[cell])) {
+                drawn.cells[cell] = true;
+                for corner in assemble::corners(&piece.cells, cell) {
+                    if let Some(point) = drawn.points.get_mut(corner as usize) {
+                        *point = true;
+                    }
+                }
+            }
+        }
+        drawn
+    }
 }
 
 /// Counts a piece's cells.
@@ -130,37 +202,49 @@ fn count_cells(cells: &Cells, geometry: &Geometry, by_type: &mut BTreeMap<u8, u6
     }
 }
 
-fn add_points(summary: &mut Summary, points: &[DVec3]) {
-    for &point in points {
-        if point.is_finite() {
-            let [low, high] = summary.bounds.unwrap_or([point; 2]);
-            summary.bounds = Some([low.min(point), high.max(point)]);
-        } else {
-            summary.points_not_finite += 1;
-        }
+fn add_points<'a>(bounds: &mut Option<[DVec3; 2]>, points: impl Iterator<Item = &'a DVec3>) {
+    for &point in points.filter(|point| point.is_finite()) {
+        let [low, high] = bounds.unwrap_or([point; 2]);
+        *bounds = Some([low.min(point), high.max(point)]);
     }
 }
 
+/// An array, and its range over all values.
+type WithRange = (ArraySummary, Option<[f64; 2]>);
+
 /// Adds a piece's array to that of the same name of the pieces before.
-fn add_array(arrays: &mut Vec<ArraySummary>, array: &PieceArray, meter: &Meter) -> Result<()> {
+fn add_array(
+    arrays: &mut Vec<WithRange>,
+    array: &PieceArray,
+    drawn: &DrawnParts,
+    meter: &Meter,
+) -> Result<()> {
     let (head, stored) = (array.head(), &array.stored);
     let values: Vec<f64> = stored.load(meter)?;
     let number_type = stored.number_type.name();
-    let known = |array: &ArraySummary| array.head == head && array.number_type == number_type;
+    let known = |(array, _): &WithRange| array.head == head && array.number_type == number_type;
     let place = arrays.iter().position(known).unwrap_or_else(|| {
         let (tuple_count, range, not_finite_count) = (0, None, 0);
-        arrays.push(ArraySummary { head: head.clone(), number_type, tuple_count, range, not_finite_count });
+        let array = ArraySummary { head: head.clone(), number_type, tuple_count, range, not_finite_count };
+        arrays.push((array, None));
         arrays.len() - 1
     });
-    let array = &mut arrays[place];
-    for tuple in values.chunks(stored.component_count) {
+    let (array, of_all) = &mut arrays[place];
+    let are_drawn = if head.association == Association::Cell { &drawn.cells } else { &drawn.points };
+    for (number, tuple) in values.chunks(stored.component_count).enumerate() {
         let value = if let [only] = tuple { *only } else { assemble::length(tuple) };
         array.tuple_count += 1;
-        if value.is_finite() {
-            let [low, high] = array.range.unwrap_or([value; 2]);
-            array.range = Some([low.min(value), high.max(value)]);
-        } else {
+        if !value.is_finite() {
             array.not_finite_count += 1;
+            continue;
+        }
+        let widen = |range: &mut Option<[f64; 2]>| {
+            let [low, high] = range.unwrap_or([value; 2]);
+            *range = Some([low.min(value), high.max(value)]);
+        };
+        widen(of_all);
+        if are_drawn.get(number) == Some(&true) {
+            widen(&mut array.range);
         }
     }
     Ok(())

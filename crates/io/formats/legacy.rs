@@ -11,6 +11,7 @@ use super::contents::{
 use super::numbers::{ByteOrder, NumberType};
 use super::request::{Format, Request};
 use super::source::Source;
+use super::xml::is_before;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 use voltet_core::grid::Association;
@@ -107,16 +108,18 @@ fn open(source: Arc<Source>, _: &Request) -> Result<Dataset> {
             }
         };
         if let Some((association, _)) = section {
-            arrays.extend(found.into_iter().map(|stored| PieceArray { association, stored }));
+            arrays.extend(found.into_iter().map(|stored| PieceArray::new(association, stored)));
         }
     }
     let (point_count, cell_count) = contents.counts(&kind, &scanner)?;
     if let Some(blanking) = contents.blanking.take() {
         let stored = blanking.hidden_where_zero();
-        arrays.push(PieceArray { association: Association::Point, stored });
+        arrays.push(PieceArray::new(Association::Point, stored));
     }
     let geometry = contents.geometry(&kind)?;
-    dataset.pieces.push(Piece { point_count, cell_count, geometry, arrays });
+    // "Version 4.2".
+    let is_old_order = version.split(' ').next_back().is_some_and(|version| is_before(version, [5, 0]));
+    dataset.pieces.push(Piece { point_count, cell_count, geometry, arrays, is_old_order });
     let mode = if scanner.binary { "binary" } else { "ASCII" };
     dataset.format = format!("legacy VTK {version} {kind}, {mode}");
     Ok(dataset)

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | .vtu .vts .vtr .vti, .pvtu .pvts .pvtr .pvti, .pvd | [`xml`] |
 //! | .vtk (legacy 2.0 to 5.1, ASCII and binary) | [`legacy`] |
+//! | .vtu.series, .vtk.series | [`series`] |
 //! | PLOT3D grid and solution | [`plot3d`] |
 //!
 //! Every format is turned into the same table of contents first ([`contents`]: counts, geometry, and for each array its
@@ -25,18 +26,19 @@ mod cells;
 mod codec;
 mod contents;
 mod decode;
+mod hexahedra;
 mod inspect;
 mod legacy;
 mod numbers;
 mod plot3d;
 mod request;
+mod series;
 mod source;
 mod unsupported;
 mod xml;
 
 pub use assemble::{SkippedArray, length};
 pub use cells::face_stream;
-pub(crate) use cells::into_set;
 pub use inspect::{ArraySummary, Summary};
 pub use request::{Component, Request, SelectedArrays, TimeStep};
 pub use voltet_core::grid::{Association, CellValues};
@@ -98,20 +100,35 @@ pub fn step_count(path: &Path, request: &Request) -> Result<usize> {
 /// a PLOT3D grid. What cannot be read names none.
 pub fn files_beside(path: &Path) -> Vec<PathBuf> {
     let solution = Some(path.with_extension("q")).filter(|solution| solution != path && solution.is_file());
-    xml::files_named(path, None).into_iter().chain(solution).collect()
+    let named = xml::files_named(path, None).into_iter().chain(series::files_named(path, None));
+    named.chain(solution).collect()
 }
 
 /// Further files that reading for this request opens: of a series the files of one step.
 pub fn files_read_beside(path: &Path, request: &Request) -> Vec<PathBuf> {
     let solution = plot3d::solution_beside(path, request);
-    xml::files_named(path, Some(request)).into_iter().chain(solution).collect()
+    let of_series = series::files_named(path, Some(request));
+    xml::files_named(path, Some(request)).into_iter().chain(of_series).chain(solution).collect()
 }
 
 /// The formats, in the order in which a file is tried as one of them.
-const FORMATS: &[Format] = &[xml::FORMAT, legacy::FORMAT, plot3d::FORMAT];
+const FORMATS: &[Format] = &[xml::FORMAT, legacy::FORMAT, SERIES, plot3d::FORMAT];
+
+/// The declaration of series of files, each of any format.
+const SERIES: Format = Format {
+    files: "a series of files (.vtu.series, .vtk.series)",
+    matches: |head, _, _| series::is_series(head),
+    open: |source, request| {
+        let series::Step { path, times } = series::step(&source, request)?;
+        let dataset = open(&path, &Request { time_step: None, ..request.clone() })?;
+        let format = format!("series of {} files; {}", times.len(), dataset.format);
+        Ok(Dataset { format, time_steps: times, ..dataset })
+    },
+    has_solution: false,
+};
 
 /// File types of the reader, for its help.
-pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, legacy .vtk) or a PLOT3D grid";
+pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, .vtu.series, legacy .vtk) or a PLOT3D grid";
 
 /// File types of several formats, in one phrase.
 fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {
@@ -151,6 +168,12 @@ fn open(path: &Path, request: &Request) -> Result<Dataset> {
         ));
     }
     Ok(dataset)
+}
+
+/// True if a file shows that it is of a format that ships.
+pub fn is_data(path: &Path) -> bool {
+    let is_of_format = |head: Vec<u8>| format_of(&head, path, &Request::default()).is_some();
+    path.is_file() && Source::open(path).and_then(|source| source.head(256)).is_ok_and(is_of_format)
 }
 
 /// True if a file is of a format that ships. One that cannot be read is, too: there is nothing to ask others for.
@@ -197,17 +220,21 @@ fn open_external(source: &Arc<Source>, request: &Request, chosen: &SelectedArray
             Arc::new(move |meter| of.take(Some(place), |read| read.arrays.remove(&place), meter.progress()));
         let (tuple_count, encoding) = (head.tuple_count(array), Encoding::Computed(compute));
         let stored = Stored::of_f64(source, &array.name, array.component_count, tuple_count, encoding);
-        PieceArray { association: array.association, stored }
+        PieceArray::new(array.association, stored)
     };
     let piece = Piece {
         point_count: head.point_count,
         cell_count: head.cell_count,
         arrays: head.arrays.iter().enumerate().map(array).collect(),
         geometry: Geometry::Added(added),
+        is_old_order: false,
     };
     Ok(Dataset {
         format: head.format,
         pieces: vec![piece],
+        has_blocks: false,
+        time: None,
+        global_ids: None,
         time_steps: head.times,
         active_scalars: head.scalar,
         warnings: Vec::new(),

@@ -46,7 +46,7 @@ pub(super) fn solution_beside(path: &Path, request: &Request) -> Option<PathBuf>
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let (grids, format) = blocks(&source, &GRID)?;
     let format = format!("PLOT3D, {format}");
-    let mut dataset = Dataset { format, file_bytes: source.len(), ..Dataset::default() };
+    let mut dataset = Dataset { format, file_bytes: source.len(), has_blocks: true, ..Dataset::default() };
     let mut solutions = Vec::new();
     if let Some(path) = solution(source.path(), request) {
         let mut inner = || -> Result<Vec<Block>> {
@@ -79,7 +79,7 @@ fn piece(source: &Arc<Source>, grid: Block, solution: Option<Block>, request: &R
         Stored::of_f64(source, name, component_count, point_count, Encoding::Computed(compute))
     };
     let mut arrays = Vec::new();
-    let mut add = |stored: Stored| arrays.push(PieceArray { association: Association::Point, stored });
+    let mut add = |stored: Stored| arrays.push(PieceArray::new(Association::Point, stored));
     let [x, y, z, rest @ ..] = &grid.planes[..] else {
         return Err(Error::run("a PLOT3D grid lacks coordinates"));
     };
@@ -111,6 +111,7 @@ fn piece(source: &Arc<Source>, grid: Block, solution: Option<Block>, request: &R
         cell_count,
         geometry: Geometry::Curvilinear { dimensions: grid.dimensions, points },
         arrays,
+        is_old_order: false,
     })
 }
 

@@ -168,14 +168,20 @@ pub enum Component {
 }
 
 impl Component {
-    /// Parses the suffix of `NAME:suffix` for an array of so many components.
-    pub fn parse(name: &str, suffix: &str, component_count: usize) -> Result<Component> {
+    /// Parses the suffix of `NAME:suffix` for an array of so many components, which may have names.
+    pub fn parse(name: &str, suffix: &str, component_count: usize, names: &[String]) -> Result<Component> {
+        if let Some(index) = names.iter().position(|name| name == suffix) {
+            return Ok(Component::Index(index));
+        }
         match suffix.parse::<usize>() {
             _ if suffix == "magnitude" => Ok(Component::Magnitude),
             Ok(index) if index < component_count => Ok(Component::Index(index)),
-            _ => Err(Error::run(format!("the array '{name}' has no such component"))
-                .got(format_args!("'{suffix}'"))
-                .expected(format_args!("'magnitude' or 0 to {}", component_count - 1))),
+            _ => {
+                let names: String = names.iter().map(|name| format!("'{name}', ")).collect();
+                Err(Error::run(format!("the array '{name}' has no such component"))
+                    .got(format_args!("'{suffix}'"))
+                    .expected(format_args!("{names}'magnitude' or 0 to {}", component_count - 1)))
+            }
         }
     }
 }
@@ -257,14 +263,20 @@ pub(super) fn array(piece: &Piece, wanted: &str, association: Option<Association
         _ => return Err(unknown(piece, wanted, association, &all)),
     };
     let mut same = piece.arrays_of(own).filter(|array| array.stored.name == name);
-    let component_count = same.next().map_or(1, |array| array.stored.component_count);
+    let chosen = same.next();
+    let component_count = chosen.map_or(1, |array| array.stored.component_count);
     if same.next().is_some() {
         return Err(Error::run(format!("the file holds several arrays of the name '{name}'"))
             .expected("one array of each name"));
     }
     let component = match suffix {
         None => Component::All,
-        Some(suffix) => Component::parse(name, suffix, component_count)?,
+        Some(suffix) => Component::parse(
+            name,
+            suffix,
+            component_count,
+            chosen.map_or(&[], |array| &array.component_names),
+        )?,
     };
     Ok(ArraySelection { name: name.to_owned(), association: own, component_count, component })
 }

@@ -1,6 +1,7 @@
 //! A file that is read at positions, from several threads.
 
 use std::fs::File;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::{Error, Result};
@@ -31,7 +32,29 @@ impl Source {
         if metadata.len() == 0 {
             return Err(Error::run("the file is empty").expected("a data file").in_file(path));
         }
-        Ok(Arc::new(Source { file, path: path.to_owned(), len: metadata.len() }))
+        let source = Source { file, path: path.to_owned(), len: metadata.len() };
+        let wide: Option<fn([u8; 2]) -> u16> = match source.head(4)?[..] {
+            [0xff, 0xfe, b'<', 0] => Some(u16::from_le_bytes),
+            [0xfe, 0xff, 0, b'<'] => Some(u16::from_be_bytes),
+            _ => None,
+        };
+        match wide {
+            Some(word) => source.in_utf_8(word).map(Arc::new),
+            None => Ok(Arc::new(source)),
+        }
+    }
+
+    /// A file of UTF-16 as one of UTF-8 without a name, `word`: from its bytes.
+    fn in_utf_8(&self, word: fn([u8; 2]) -> u16) -> Result<Source> {
+        let bytes = self.read(2, self.len - 2)?;
+        let words: Vec<u16> = bytes.as_chunks().0.iter().map(|&bytes| word(bytes)).collect();
+        let text = String::from_utf16(&words).map_err(|error| {
+            Error::run("the file is damaged").got(error).expected("UTF-16 text").in_file(&self.path)
+        })?;
+        let kept = |error| Error::run("the file cannot be kept as UTF-8").got(error).in_file(&self.path);
+        let mut file = tempfile::tempfile().map_err(kept)?;
+        file.write_all(text.as_bytes()).map_err(kept)?;
+        Ok(Source { file, path: self.path.clone(), len: text.len() as u64 })
     }
 
     /// The path as the user wrote it.

@@ -18,7 +18,7 @@ fn structs_have_the_headers_layout() {
         "voltet_grid_source" = GridSource {
             size, point_count, points, array_count, arrays, scalar, cell_count, tetrahedra, types, offsets, connectivity,
             connectivity_u32, connectivity_count, faces, face_locations, faces_count, degrees, ghost, subdivision,
-            constant_cells, release, user
+            constant_cells, release, user, global_ids, further_pieces, further_piece_count
         }
         "voltet_grid_info" = GridInfo {
             size, point_count, tetrahedron_count, bytes_lent, bytes_copied, low, high, scalar

@@ -5,6 +5,7 @@ mod curved;
 mod higher_order;
 mod linear;
 mod overlap;
+mod pieces;
 mod polyhedra;
 mod values;
 

@@ -133,8 +133,9 @@ fn ghosts_and_surfaces_are_left_out_and_unused_points_dropped() {
         set.connectivity.extend(corners);
         set.offsets.push(set.connectivity.len() as u64);
     }
-    let mut ghost = vec![false; 15];
-    ghost[..6].fill(true);
+    let mut ghost = vec![0; 15];
+    ghost[..3].fill(8);
+    ghost[3..6].fill(32);
     parts.ghost = Some(ghost);
     let grid = built(parts).unwrap();
     let origin = &grid.origin;

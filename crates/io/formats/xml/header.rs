@@ -5,8 +5,10 @@
 
 use crate::formats::source::Source;
 use quick_xml::events::{BytesStart, Event};
+use std::cell::RefCell;
 use std::io::{BufReader, Read};
 use std::ops::Range;
+use std::rc::Rc;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 
@@ -85,20 +87,28 @@ pub(super) struct Appended {
 
 /// Reads the header: its root, and where the appended data begins.
 pub(super) fn read(source: &Arc<Source>) -> Result<(Element, Option<Appended>)> {
-    let stream = BufReader::with_capacity(1 << 16, Stream { source, at: 0 });
+    let mark = if source.head(3)? == *BYTE_ORDER_MARK { BYTE_ORDER_MARK.len() as u64 } else { 0 };
+    let widened = Rc::new(RefCell::new(Vec::new()));
+    let latin = is_latin(&source.head(256)?).then(|| Latin { widened: widened.clone(), given: 0 });
+    let stream = BufReader::with_capacity(1 << 16, Stream { source, at: mark, latin });
     let mut reader = quick_xml::Reader::from_reader(stream);
+    // The byte of the file from a byte of what is parsed.
+    let place = |position: u64| {
+        let more = widened.borrow().partition_point(|&widened| widened < position);
+        mark + position - more as u64
+    };
     let mut open: Vec<Element> = vec![Element::default()];
     let mut buffer = Vec::new();
     let mut count = 0;
     loop {
         buffer.clear();
-        let start = reader.buffer_position();
+        let start = place(reader.buffer_position());
         let event = reader.read_event_into(&mut buffer);
-        let end = reader.buffer_position();
+        let end = place(reader.buffer_position());
         let event = match event {
             Ok(event) => event,
             Err(error) => {
-                let line = line_of(source, reader.error_position().max(start));
+                let line = line_of(source, place(reader.error_position()).max(start));
                 return Err(Error::run("the XML is damaged").got(error).at_line(line));
             }
         };
@@ -201,7 +211,7 @@ fn appended(source: &Source, element: &Element, at: u64) -> Result<Appended> {
 
 /// The 1-based line of a byte.
 fn line_of(source: &Source, at: u64) -> usize {
-    let mut stream = Stream { source, at: 0 }.take(at);
+    let mut stream = Stream { source, at: 0, latin: None }.take(at);
     let mut buffer = vec![0; 1 << 16];
     let mut line = 1;
     while let Ok(count @ 1..) = stream.read(&mut buffer) {
@@ -210,17 +220,47 @@ fn line_of(source: &Source, at: u64) -> usize {
     line
 }
 
-/// A file read in order.
+/// The mark of UTF-8 at the head of a file.
+const BYTE_ORDER_MARK: &[u8; 3] = b"\xEF\xBB\xBF";
+
+/// True if the head of a file declares that each byte is a character.
+fn is_latin(head: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(head).to_ascii_lowercase();
+    let declaration = text.split("?>").next().unwrap_or_default();
+    let encoding = declaration.split_once("encoding=").map(|(_, rest)| rest.trim_start_matches(['"', '\'']));
+    let names = ["iso-8859-1", "iso8859-1", "latin-1", "latin1", "windows-1252", "cp1252"];
+    encoding.is_some_and(|encoding| names.iter().any(|name| encoding.starts_with(name)))
+}
+
+/// A file read in order, as UTF-8.
 struct Stream<'a> {
     source: &'a Source,
     at: u64,
+    /// For files each byte of which is a character.
+    latin: Option<Latin>,
+}
+
+/// Characters that take two bytes as UTF-8.
+struct Latin {
+    /// Their second bytes, by their places in what was given.
+    widened: Rc<RefCell<Vec<u64>>>,
+    /// Bytes given so far.
+    given: u64,
 }
 
 impl Read for Stream<'_> {
     fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
-        let count = (bytes.len() as u64).min(self.source.len().saturating_sub(self.at)) as usize;
+        // Each byte may become two.
+        let room = if self.latin.is_some() { bytes.len() / 2 } else { bytes.len() };
+        let count = (room as u64).min(self.source.len().saturating_sub(self.at)) as usize;
         self.source.read_at(self.at, &mut bytes[..count]).map_err(std::io::Error::other)?;
         self.at += count as u64;
-        Ok(count)
+        let Some(latin) = &mut self.latin else { return Ok(count) };
+        let text: String = bytes[..count].iter().map(|&byte| char::from(byte)).collect();
+        let second = |(place, byte): (usize, u8)| (byte & 0xc0 == 0x80).then_some(latin.given + place as u64);
+        latin.widened.borrow_mut().extend(text.bytes().enumerate().filter_map(second));
+        latin.given += text.len() as u64;
+        bytes[..text.len()].copy_from_slice(text.as_bytes());
+        Ok(text.len())
     }
 }

@@ -5,8 +5,8 @@ mod header;
 
 use super::codec::Codec;
 use super::contents::{
-    Dataset, Encoding, Geometry, Piece, PieceArray, Stored, StoredCells, StoredFaces, extent_dimensions,
-    structured_counts,
+    DEGREES, Dataset, Encoding, Geometry, Meter, Piece, PieceArray, Stored, StoredCells, StoredFaces,
+    extent_dimensions, structured_counts,
 };
 use super::numbers::{ByteOrder, NumberType};
 use super::request::{Format, Request};
@@ -17,6 +17,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::Association;
+use voltet_core::progress::NoProgress;
 use voltet_core::{Error, Result};
 
 /// The declaration.
@@ -40,7 +41,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let (root, appended) = header::read(&source)?;
     match root.required("type")? {
         SERIES => open_series(&source, &root, request),
-        _ => open_step(source, &root, appended, true),
+        _ => open_step(source, &root, appended, request, true),
     }
 }
 
@@ -48,8 +49,9 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
 fn open_series(source: &Source, root: &Element, request: &Request) -> Result<Dataset> {
     let (time_steps, files) = step(root, request)?;
     let mut dataset = Dataset::default();
+    let inner = Request { time_step: None, ..request.clone() };
     for file in files {
-        add(source, file, true, &mut dataset)?;
+        add(source, file, &inner, true, &mut dataset)?;
     }
     dataset.format = format!("VTK time series of {} steps; {}", time_steps.len(), dataset.format);
     dataset.time_steps = time_steps;
@@ -61,29 +63,32 @@ fn open_step(
     source: Arc<Source>,
     root: &Element,
     appended: Option<Appended>,
+    request: &Request,
     may_have_pieces: bool,
 ) -> Result<Dataset> {
     match root.required("type")? {
         kind if kind == SERIES || !may_have_pieces && names_pieces(kind) => {
             Err(Error::run("a file names another of a kind that cannot stand there").got(kind))
         }
-        kind if names_pieces(kind) => open_parallel(&source, root),
-        _ => open_serial(source, root, appended),
+        kind if names_pieces(kind) => open_parallel(&source, root, request),
+        _ => open_serial(source, root, appended, request),
     }
 }
 
 /// Reads the tables of contents of all pieces.
-fn open_parallel(source: &Source, root: &Element) -> Result<Dataset> {
+fn open_parallel(source: &Source, root: &Element, request: &Request) -> Result<Dataset> {
     let kind = root.required("type")?;
     if !["PUnstructuredGrid", "PStructuredGrid", "PRectilinearGrid", "PImageData"].contains(&kind) {
         return Err(refusal(kind, root));
     }
     let grid = grid(root, kind)?;
-    let mut dataset =
-        Dataset { active_scalars: active_scalars(grid, ["PPointData", "PCellData"]), ..Dataset::default() };
+    let mut dataset = Dataset {
+        active_scalars: marked(grid, &["PPointData", "PCellData"], "Scalars"),
+        ..Dataset::default()
+    };
     let mut count = 0;
     for piece in grid.children_of("Piece") {
-        add(source, piece.required("Source")?, false, &mut dataset)?;
+        add(source, piece.required("Source")?, request, false, &mut dataset)?;
         count += 1;
     }
     if count == 0 {
@@ -100,23 +105,32 @@ fn grid<'a>(root: &'a Element, kind: &str) -> Result<&'a Element> {
     root.child(kind).ok_or_else(missing)
 }
 
-/// Name of the array that is marked as the scalars in one of these sections.
-fn active_scalars(element: &Element, sections: [&str; 2]) -> Option<String> {
-    let marked = |tag: &&str| element.child(tag)?.attribute("Scalars").map(str::to_owned);
-    sections.iter().find_map(marked)
+/// Name of the array that one of these sections marks by an attribute: as `Scalars` or `GlobalIds`.
+fn marked(element: &Element, sections: &[&str], attribute: &str) -> Option<String> {
+    sections.iter().find_map(|tag| element.child(tag)?.attribute(attribute).map(str::to_owned))
+}
+
+/// The path of a file that another names. Programs under Windows write backslashes, which are parts of names elsewhere.
+pub(super) fn beside(by: &Path, name: &str) -> PathBuf {
+    let folder = by.parent().unwrap_or(Path::new(""));
+    let path = folder.join(name);
+    if !path.exists() && name.contains('\\') { folder.join(name.replace('\\', "/")) } else { path }
 }
 
 /// Reads the file `name`, a path relative to the file that names it, and adds its pieces.
-fn add(by: &Source, name: &str, may_have_pieces: bool, to: &mut Dataset) -> Result<()> {
-    let path = by.path().parent().unwrap_or(Path::new("")).join(name);
+fn add(by: &Source, name: &str, request: &Request, may_have_pieces: bool, to: &mut Dataset) -> Result<()> {
+    let path = beside(by.path(), name);
     let source = Source::open(&path)?;
     let read = header::read(&source);
-    let part = read.and_then(|(root, appended)| open_step(source, &root, appended, may_have_pieces));
+    let part = read.and_then(|(root, appended)| open_step(source, &root, appended, request, may_have_pieces));
     let part = part.map_err(|error| error.in_file(&path))?;
     to.pieces.extend(part.pieces);
     to.warnings.extend(part.warnings);
+    to.time_steps = part.time_steps;
+    to.time = to.time.or(part.time);
     to.file_bytes += part.file_bytes;
     to.active_scalars = to.active_scalars.take().or(part.active_scalars);
+    to.global_ids = to.global_ids.take().or(part.global_ids);
     if to.format.is_empty() {
         to.format = part.format;
     }
@@ -162,18 +176,18 @@ fn files_marked(path: &Path, marks: &[&str], request: Option<&Request>) -> Vec<P
     let Ok(source) = Source::open(path) else { return Vec::new() };
     let head = source.head(HEAD).unwrap_or_default();
     let names_others = |mark: &[u8]| head.windows(mark.len()).any(|window| window == mark);
-    if !head.trim_ascii_start().starts_with(b"<") || !marks.iter().any(|mark| names_others(mark.as_bytes())) {
+    let text = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&head).trim_ascii_start();
+    if !text.starts_with(b"<") || !marks.iter().any(|mark| names_others(mark.as_bytes())) {
         return Vec::new();
     }
     let Ok((root, _)) = header::read(&source) else { return Vec::new() };
-    let folder = path.parent().unwrap_or(Path::new(""));
     // A series may name parallel files; these name no further ones.
     let is_series = root.attribute("type") == Some(SERIES);
     let names = match request.filter(|_| is_series) {
         Some(request) => step(&root, request).map(|(_, files)| files).unwrap_or_default(),
         None => root.attributes_below(&["file", "Source"]),
     };
-    let mut paths: Vec<PathBuf> = names.into_iter().map(|name| folder.join(name)).collect();
+    let mut paths: Vec<PathBuf> = names.into_iter().map(|name| beside(path, name)).collect();
     if is_series {
         let further: Vec<PathBuf> =
             paths.iter().flat_map(|path| files_marked(path, &MARKS[1..], None)).collect();
@@ -183,9 +197,14 @@ fn files_marked(path: &Path, marks: &[&str], request: Option<&Request>) -> Vec<P
 }
 
 /// Reads the table of contents of a serial file.
-fn open_serial(source: Arc<Source>, root: &Element, appended: Option<Appended>) -> Result<Dataset> {
+fn open_serial(
+    source: Arc<Source>,
+    root: &Element,
+    appended: Option<Appended>,
+    request: &Request,
+) -> Result<Dataset> {
     let file_bytes = source.len();
-    let context = Context::new(source, root, appended)?;
+    let mut context = Context::new(source, root, appended)?;
     let kind = root.required("type")?;
     let geometry_of = match kind {
         "UnstructuredGrid" => unstructured,
@@ -196,17 +215,34 @@ fn open_serial(source: Arc<Source>, root: &Element, appended: Option<Appended>) 
     };
     let grid = grid(root, kind)?;
     let format = format!("VTK XML {kind}, {}", context.describe());
+    let is_old_order = root.attribute("version").is_some_and(|version| is_before(version, [2, 1]));
     let mut dataset = Dataset { format, file_bytes, ..Dataset::default() };
+    // Arrays of several times in one file.
+    if let Some(times) = grid.attribute("TimeValues") {
+        let times: Option<Vec<f64>> = times.split_ascii_whitespace().map(|time| time.parse().ok()).collect();
+        dataset.time_steps = times.ok_or_else(|| grid.wrong("TimeValues", "numbers"))?;
+        if !dataset.time_steps.is_empty() {
+            context.step = Some(request.step_index(&dataset.time_steps)?);
+        }
+    }
+    if let Some(section) = grid.child("FieldData")
+        && let Some(time) = context.named(section, "TimeValue", None)?
+    {
+        // What is damaged here is of no consequence for the grid.
+        dataset.time =
+            time.load::<f64>(&Meter::new(&NoProgress, 1)).ok().and_then(|time| time.first().copied());
+    }
     for (index, element) in grid.children_of("Piece").enumerate() {
         let piece = || {
             let ((point_count, cell_count), geometry) = geometry_of(&context, grid, element)?;
             let mut arrays = context.section(element, "PointData", Association::Point, point_count)?;
             arrays.extend(context.section(element, "CellData", Association::Cell, cell_count)?);
-            Ok(Piece { point_count, cell_count, geometry, arrays })
+            Ok(Piece { point_count, cell_count, geometry, arrays, is_old_order })
         };
         dataset.pieces.push(piece().map_err(|error: Error| error.at_item(format!("piece {index}")))?);
-        let active = active_scalars(element, ["PointData", "CellData"]);
+        let active = marked(element, &["PointData", "CellData"], "Scalars");
         dataset.active_scalars = dataset.active_scalars.or(active);
+        dataset.global_ids = dataset.global_ids.or(marked(element, &["PointData"], "GlobalIds"));
     }
     if dataset.pieces.is_empty() {
         return Err(Error::run(format!("<{kind}> holds no pieces")).expected("at least one <Piece>"));
@@ -214,10 +250,17 @@ fn open_serial(source: Arc<Source>, root: &Element, appended: Option<Appended>) 
     Ok(dataset)
 }
 
+/// True if a version, "major.minor", comes before another; what is no version does not.
+pub(super) fn is_before(version: &str, other: [u32; 2]) -> bool {
+    let mut numbers = version.trim().splitn(2, '.').map(|number| number.parse::<u32>().ok());
+    let (major, minor) = (numbers.next().flatten(), numbers.next().flatten());
+    major.is_some_and(|major| [major, minor.unwrap_or(0)] < other)
+}
+
 /// Finds `<Points>` and its array.
 fn points(context: &Context, piece: &Element, count: u64) -> Result<Stored> {
     let section = piece.child("Points").ok_or_else(|| Error::run("the piece holds no <Points>"))?;
-    let array = section.child("DataArray").ok_or_else(|| Error::run("<Points> holds no array"))?;
+    let array = context.arrays(section).next().ok_or_else(|| Error::run("<Points> holds no array"))?;
     let mut stored = context.stored(array, Some(count))?;
     if stored.component_count != 3 {
         // Points always have three coordinates; some writers leave the attribute out.
@@ -337,6 +380,8 @@ struct Context {
     wide: bool,
     codec: Option<Codec>,
     appended: Option<Appended>,
+    /// The step of a file that holds arrays of several times.
+    step: Option<usize>,
 }
 
 impl Context {
@@ -353,7 +398,7 @@ impl Context {
             Some(_) => return Err(root.wrong("header_type", "UInt32 or UInt64")),
         };
         let codec = Codec::from_name(root.attribute("compressor").unwrap_or(""))?;
-        Ok(Context { source, order, wide, codec, appended })
+        Ok(Context { source, order, wide, codec, appended, step: None })
     }
 
     /// Format and encoding of the file, for people.
@@ -421,10 +466,18 @@ impl Context {
         Encoding::Xml { at: start, end, base64, wide: self.wide, codec: self.codec }
     }
 
+    /// The arrays of a section: of all times, and of the step that is read.
+    fn arrays<'a>(&self, section: &'a Element) -> impl Iterator<Item = &'a Element> + use<'a> {
+        let step = self.step;
+        section.children_of("DataArray").filter(move |array| {
+            let own = array.attribute("TimeStep").and_then(|own| own.trim().parse::<usize>().ok());
+            own.is_none() || step.is_none() || own == step
+        })
+    }
+
     /// The array of a section (`Cells`, `Coordinates`) that bears a name.
     fn named(&self, section: &Element, name: &str, tuple_count: Option<u64>) -> Result<Option<Stored>> {
-        section
-            .children_of("DataArray")
+        self.arrays(section)
             .find(|array| array.attribute("Name") == Some(name))
             .map(|array| self.stored(array, tuple_count))
             .transpose()
@@ -445,10 +498,17 @@ impl Context {
         count: u64,
     ) -> Result<Vec<PieceArray>> {
         let Some(section) = piece.child(tag) else { return Ok(Vec::new()) };
-        section
-            .children_of("DataArray")
+        self.arrays(section)
             .filter(|array| array.attribute("type") != Some("String"))
-            .map(|array| Ok(PieceArray { association, stored: self.stored(array, Some(count))? }))
+            .map(|array| {
+                let mut own = PieceArray::new(association, self.stored(array, Some(count))?);
+                if section.attribute(DEGREES) == Some(&own.stored.name) {
+                    own.stored.name = DEGREES.to_owned();
+                }
+                let name = |component: usize| array.attribute(&format!("ComponentName{component}"));
+                let names = (0..own.stored.component_count).map_while(name).map(str::to_owned);
+                Ok(PieceArray { component_names: names.collect(), ..own })
+            })
             .collect()
     }
 }

@@ -7,3 +7,4 @@ mod legacy;
 mod pieces;
 mod plot3d;
 mod real_files;
+mod writers;

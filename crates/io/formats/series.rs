@@ -1,0 +1,76 @@
+//! Series of files (`.vtu.series`, `.vtk.series`, …): JSON that names a file for each time, as ParaView writes it.
+
+use super::request::Request;
+use super::source::Source;
+use super::xml::beside;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+use voltet_core::{Error, Result};
+
+/// The key that every writer puts first.
+const KEY: &[u8] = b"file-series-version";
+
+/// True if the head of a file is that of a series.
+pub(super) fn is_series(head: &[u8]) -> bool {
+    head.starts_with(b"{") && head.windows(KEY.len()).any(|window| window == KEY)
+}
+
+#[derive(Deserialize)]
+struct Series {
+    files: Vec<Entry>,
+}
+
+#[derive(Deserialize)]
+struct Entry {
+    name: String,
+    #[serde(default)]
+    time: f64,
+}
+
+/// Its entries by ascending time.
+fn entries(source: &Source) -> Result<Vec<Entry>> {
+    let bytes = source.read(0, source.len())?;
+    let series: Series = serde_json::from_slice(&bytes).map_err(|error| {
+        Error::run("the series is damaged")
+            .got(error)
+            .expected("\"files\": [{ \"name\": …, \"time\": … }, …]")
+    })?;
+    let mut entries = series.files;
+    if entries.is_empty() {
+        return Err(Error::run("the series is empty").expected("at least one file"));
+    }
+    entries.sort_by(|a, b| a.time.total_cmp(&b.time));
+    Ok(entries)
+}
+
+/// A step of a series.
+pub(super) struct Step {
+    /// The file of its data.
+    pub path: PathBuf,
+    /// Times of all steps, ascending.
+    pub times: Vec<f64>,
+}
+
+/// The step that a request means.
+pub(super) fn step(source: &Source, request: &Request) -> Result<Step> {
+    let entries = entries(source)?;
+    let times: Vec<f64> = entries.iter().map(|entry| entry.time).collect();
+    let path = beside(source.path(), &entries[request.step_index(&times)?].name);
+    if is_series(&Source::open(&path)?.head(256)?) {
+        return Err(Error::run("a series names another").got(path.display()).expected("files of data"));
+    }
+    Ok(Step { path, times })
+}
+
+/// The files that a series names, of every step or of that asked for; none for other files.
+pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf> {
+    let Ok(source) = Source::open(path) else { return Vec::new() };
+    if !source.head(256).is_ok_and(|head| is_series(&head)) {
+        return Vec::new();
+    }
+    let Ok(entries) = entries(&source) else { return Vec::new() };
+    let times: Vec<f64> = entries.iter().map(|entry| entry.time).collect();
+    let step = request.and_then(|request| request.step_index(&times).ok());
+    let is_named = |&(index, _): &(usize, &Entry)| step.is_none_or(|step| step == index);
+    entries.iter().enumerate().filter(is_named).map(|(_, entry)| beside(path, &entry.name)).collect()
+}

@@ -1,0 +1,246 @@
+"""A grid in pieces is the grid that was cut, by every door: files, pieces of arrays, partitions of VTK."""
+
+import numpy as np
+import pytest
+
+vtk = pytest.importorskip("vtk")
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy  # noqa: E402
+
+import voltet  # noqa: E402
+import voltet.vtk as vv  # noqa: E402
+
+N = 6
+CORNERS = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+
+
+def whole():
+    """Hexahedra and wedges: points, cells, values at points and at cells."""
+    axis = np.linspace(0.0, 1.0, N + 1)
+    z, y, x = np.meshgrid(axis, axis, axis, indexing="ij")
+    points = np.stack([x, y, z], -1).reshape(-1, 3)
+    cells = []
+    for number in range(N**3):
+        i, j, k = number % N, number // N % N, number // N**2
+        a, b, c, d, e, f, g, h = [i + u + (N + 1) * (j + v + (N + 1) * (k + w)) for u, v, w in CORNERS]
+        # A wedge's triangles are cut as the hexahedron's quadrilateral, from its lowest corner.
+        cells += [(12, [a, b, c, d, e, f, g, h])] if number % 3 else [(13, [a, b, c, e, f, g]), (13, [a, c, d, e, g, h])]
+    s = np.sin(5 * points[:, 0]) * np.cos(4 * points[:, 1]) + points[:, 2]
+    centre = np.array([points[corners].mean(0) for _, corners in cells])
+    return points, cells, s, np.sin(9 * centre[:, 0]) + centre[:, 1], centre
+
+
+def cut(count, way, ids, ghosts):
+    """Arguments of `Grid.from_pieces`, cells in the grid's order within each piece."""
+    points, cells, s, at_cells, centre = whole()
+    if way == "slabs":
+        part = np.minimum((centre[:, 2] * count).astype(int), count - 1)
+    else:
+        part = np.random.default_rng(3).integers(0, count, len(cells))
+    pieces = []
+    for own in range(count):
+        touched = {p for (_, corners), q in zip(cells, part) if q == own for p in corners}
+        kept = [i for i in range(len(cells)) if part[i] == own or ghosts and touched & set(cells[i][1])]
+        used = sorted({p for i in kept for p in cells[i][1]})
+        number = {p: n for n, p in enumerate(used)}
+        piece = {
+            "points": points[used],
+            "types": np.array([cells[i][0] for i in kept], np.uint8),
+            "offsets": np.cumsum([0] + [len(cells[i][1]) for i in kept]),
+            "connectivity": np.array([number[p] for i in kept for p in cells[i][1]]),
+            "point_data": {"s": s[used]},
+            "cell_data": {"c": at_cells[kept]},
+            "ghost": np.array([part[i] != own for i in kept], np.uint8) if ghosts else None,
+            "global_ids": np.array(used) * 3 + 5 if ids else None,
+        }
+        pieces.append(piece)
+    return pieces
+
+
+def unstructured(piece):
+    data = vtk.vtkUnstructuredGrid()
+    points = vtk.vtkPoints()
+    points.SetData(numpy_to_vtk(piece["points"], deep=True))
+    data.SetPoints(points)
+    cells = vtk.vtkCellArray()
+    cells.SetData(*(numpy_to_vtk(piece[name].astype(np.int64), deep=True) for name in ("offsets", "connectivity")))
+    data.SetCells(numpy_to_vtk(piece["types"], deep=True), cells)
+
+    def add(attributes, name, values):
+        array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
+        array.SetName(name)
+        attributes.AddArray(array)
+        return array
+
+    add(data.GetPointData(), "s", piece["point_data"]["s"])
+    add(data.GetCellData(), "c", piece["cell_data"]["c"])
+    if piece["ghost"] is not None:
+        add(data.GetCellData(), "vtkGhostType", piece["ghost"])
+    if piece["global_ids"] is not None:
+        data.GetPointData().SetGlobalIds(add(data.GetPointData(), "numbers", piece["global_ids"].astype(np.int64)))
+    return data
+
+
+def write(folder, pieces):
+    """A .pvtu with its pieces, and one .vtu with all of them as elements."""
+    elements = []
+    for number, piece in enumerate(pieces):
+        writer = vtk.vtkXMLUnstructuredGridWriter()
+        writer.SetFileName(str(folder / f"{number}.vtu"))
+        writer.SetInputData(unstructured(piece))
+        writer.SetDataModeToAscii()
+        writer.Write()
+        text = (folder / f"{number}.vtu").read_text()
+        elements.append(text[text.index("<Piece") : text.index("</Piece>") + len("</Piece>")])
+    sources = "".join(f'<Piece Source="{number}.vtu"/>' for number in range(len(pieces)))
+    (folder / "pieces.pvtu").write_text(
+        f'<VTKFile type="PUnstructuredGrid" version="1.0"><PUnstructuredGrid>{sources}</PUnstructuredGrid></VTKFile>'
+    )
+    (folder / "pieces.vtu").write_text(
+        '<VTKFile type="UnstructuredGrid" version="2.2" byte_order="LittleEndian" header_type="UInt64"><UnstructuredGrid>'
+        + "".join(elements)
+        + "</UnstructuredGrid></VTKFile>"
+    )
+    return [folder / "pieces.pvtu", folder / "pieces.vtu"]
+
+
+CAMERA = {"eye": [1.9, -2.2, 1.7], "target": [0.5, 0.5, 0.5], "up": [0, 0, 1], "fov_y": 30.0}
+SIZE = (48, 40)
+
+
+def widgets(scalar):
+    if scalar == "s":
+        return [voltet.widgets.gaussian(color=[1, 0.5, 0.2], extinction=6.0, centre=[0.6, 3.0], sigma=[0.3, 1.0])]
+    return [voltet.widgets.gaussian(color=[0.2, 0.5, 1], extinction=6.0, centre=[0.9, 4.0], sigma=[0.3, 3.0])]
+
+
+def drawn(pipeline, scalar):
+    pipeline.add("gradient", "gradient-magnitude", grid="grid")
+    pipeline.add("look", "transfer-function", widgets=widgets(scalar), unit_distance=1.0)
+    pipeline.add("view", "camera", **CAMERA, size=list(SIZE))
+    pipeline.add("picture", "renderer", engine="cpu", volume="gradient", transfer_function="look", camera="view")
+    return np.asarray(pipeline.render("picture"))
+
+
+def of_grid(grid, scalar):
+    pipeline = voltet.Pipeline()
+    pipeline.add("grid", "given-grid", scalar=scalar)
+    pipeline.give(grid)
+    return drawn(pipeline, scalar)
+
+
+def of_file(path, scalar):
+    pipeline = voltet.Pipeline()
+    pipeline.add("grid", "reader", path=str(path), scalar=scalar)
+    return drawn(pipeline, scalar)
+
+
+def partitioned(pieces):
+    data = vtk.vtkPartitionedDataSet()
+    for number, piece in enumerate(pieces):
+        data.SetPartition(number, unstructured(piece))
+    return data
+
+
+def of_vtk(data, scalar):
+    renderer = vv.VoltetRenderer()
+    renderer.SetInputData(data)
+    renderer.SetInputArrayToProcess(0, 0, 0, 0 if scalar == "s" else 1, scalar)
+    renderer.SetWidgets(widgets(scalar))
+    renderer.SetUnitDistance(1.0)
+    renderer.SetSize(*SIZE)
+    renderer.SetParameter("picture.engine", "cpu")
+    renderer.SetOutputScalarTypeToFloat()
+    camera = vtk.vtkCamera()
+    camera.SetPosition(*CAMERA["eye"])
+    camera.SetFocalPoint(*CAMERA["target"])
+    camera.SetViewUp(0, 0, 1)
+    camera.SetViewAngle(CAMERA["fov_y"])
+    renderer.SetCamera(camera)
+    renderer.Update()
+    values = vtk_to_numpy(renderer.GetOutput().GetPointData().GetScalars())
+    return values.reshape(SIZE[1], SIZE[0], 4)[::-1]
+
+
+WAYS = [(count, way, ids, ghosts) for count in (2, 8, 64) for way in ("slabs", "scattered") for ids in (0, 1) for ghosts in (0, 1)]
+
+
+@pytest.mark.parametrize("count, way, ids, ghosts", WAYS)
+@pytest.mark.parametrize("scalar", ["s", "c"])
+def test_pieces_are_one_grid(tmp_path, count, way, ids, ghosts, scalar):
+    if count == 64 and way == "slabs":
+        count = N
+    (one,) = cut(1, way, False, False)
+    one.pop("global_ids")
+    expected = of_grid(voltet.Grid(**one), scalar)
+    assert expected[..., 3].max() > 0.3
+    pieces = cut(count, way, ids, ghosts)
+    doors = {"from_pieces": of_grid(voltet.Grid.from_pieces(pieces), scalar), "VTK": of_vtk(partitioned(pieces), scalar)}
+    for path in write(tmp_path, pieces):
+        doors[path.name] = of_file(path, scalar)
+    for door, found in doors.items():
+        assert np.abs(found - expected).max() <= 1e-6, door
+
+
+@pytest.mark.parametrize("ghosts", [False, True])
+def test_the_gradient_of_partitions_is_that_of_the_grid(ghosts):
+    def gradients(data):
+        g = vv.VoltetGradientMagnitude()
+        g.SetInputData(data)
+        g.SetInputArrayToProcess(0, 0, 0, 0, "s")
+        g.SetComputeGradient(True)
+        g.Update()
+        return g.GetOutputDataObject(0)
+
+    (one,) = cut(1, "slabs", False, False)
+    found = gradients(unstructured(one)).GetPointData()
+    points = {tuple(point): row for row, point in enumerate(one["points"])}
+    data = partitioned(cut(3, "scattered", False, ghosts))
+    output = gradients(data)
+    assert output.GetNumberOfPartitions() == 3
+    for i in range(3):
+        part = output.GetPartition(i)
+        rows = [points[tuple(point)] for point in vtk_to_numpy(part.GetPoints().GetData())]
+        for name in ("s_gradient_magnitude", "s_gradient"):
+            own, of_whole = (vtk_to_numpy(where.GetArray(name)) for where in (part.GetPointData(), found))
+            assert np.abs(own - of_whole[rows]).max() <= 1e-12, name
+        # The input stays as it was.
+        assert data.GetPartition(i).GetPointData().GetArray("s_gradient") is None
+
+
+def test_blocks_stay_apart_and_surfaces_are_passed_over():
+    pieces = cut(2, "slabs", False, False)
+    blocks = vtk.vtkMultiBlockDataSet()
+    for number, piece in enumerate(pieces):
+        blocks.SetBlock(number, unstructured(piece))
+    sphere = vtk.vtkSphereSource()
+    sphere.Update()
+    blocks.SetBlock(2, sphere.GetOutput())
+    renderer = vv.VoltetRenderer()
+    renderer.SetInputData(blocks)
+    renderer.SetInputArrayToProcess(0, 0, 0, 0, "s")
+    renderer.SetSize(8, 8)
+    renderer.Update()
+    points = sum(len(piece["points"]) for piece in pieces)
+    assert renderer._taken[1].point_count == points
+    assert voltet.Grid.from_pieces(pieces).point_count == (N + 1) ** 3 < points
+
+
+def test_what_a_piece_lacks_is_said():
+    pieces = cut(2, "slabs", False, False)
+    for wrong, words in [
+        ({"point_data": {"other": pieces[1]["point_data"]["s"]}}, "lacks the array"),
+        ({"global_ids": [1, 2]}, "wrong shape"),
+        ({"scalar": "s"}, "not known"),
+    ]:
+        with pytest.raises(voltet.Error, match=words):
+            voltet.Grid.from_pieces([pieces[0], {**pieces[1], **wrong}])
+    with pytest.raises(voltet.Error, match="nothing to join"):
+        voltet.Grid.from_pieces([])
+
+
+def test_ghosts_without_owner_are_counted():
+    (one,) = cut(1, "slabs", False, False)
+    one.pop("global_ids")
+    one["ghost"] = (np.arange(len(one["types"])) % 4 == 0).astype(np.uint8)
+    warnings = voltet.Grid(**one).about["warnings"]
+    assert any(f"{one['ghost'].sum()} ghost cells have no owner" in warning for warning in warnings)
