@@ -3,11 +3,12 @@
 //! Distances in the picture are in heights of it, from its middle, to the right and up.
 
 use glam::{DQuat, DVec3};
+use voltet_core::arithmetic::decimal;
 use voltet_core::camera::{Camera, Frame, Projection};
 use voltet_graph::{LocatedValue, NodeEntry, ParameterValue};
 
-/// Digits that a moved camera is written with: a picture of 30,000 pixels does not show the rest.
-const DIGITS: usize = 7;
+/// Share of the distance to the target that a moved camera is written to: a picture of 30,000 pixels does not show the rest.
+const STEP: f64 = 1e-6;
 
 /// Position and direction of the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,14 +38,17 @@ impl View {
         view.axes().map(|_| view)
     }
 
-    /// The parameters of a camera node that say so: a name and a value each. Numbers are written with seven digits.
+    /// The parameters of a camera node that say so: a name and a value each. Numbers are written as finely as a picture shows.
     pub fn settings(&self) -> Vec<(&'static str, ParameterValue)> {
         let scale = (self.eye - self.target).length();
-        let vector = |v: DVec3, scale: f64| v.to_array().into_iter().map(|x| written(x, scale)).collect();
+        let vector =
+            |v: DVec3, scale: f64| v.to_array().into_iter().map(|x| decimal(x, STEP * scale)).collect();
         let projection = match self.projection {
-            Projection::Perspective { fov_y } => ("fov_y", ParameterValue::Number(written(fov_y, fov_y))),
+            Projection::Perspective { fov_y } => {
+                ("fov_y", ParameterValue::Number(decimal(fov_y, STEP * fov_y)))
+            }
             Projection::Orthographic { height } => {
-                ("height", ParameterValue::Number(written(height, height)))
+                ("height", ParameterValue::Number(decimal(height, STEP * height)))
             }
         };
         vec![
@@ -161,20 +165,6 @@ impl View {
     pub fn centred(self, point: DVec3) -> View {
         let step = point - self.target;
         View { eye: self.eye + step, target: point, ..self }.or(self)
-    }
-}
-
-/// To so many digits of the scale that it belongs to, or of its own where it is larger.
-fn written(x: f64, scale: f64) -> f64 {
-    let largest = x.abs().max(scale.abs());
-    if largest == 0.0 || !largest.is_finite() {
-        return x;
-    }
-    let places = DIGITS as i32 - 1 - largest.log10().floor() as i32;
-    match usize::try_from(places) {
-        // Minus zero is no place.
-        Ok(places) => format!("{x:.*}", places.min(300)).parse().map_or(x, |x: f64| x + 0.0),
-        Err(_) => format!("{x:.*e}", DIGITS).parse().unwrap_or(x),
     }
 }
 

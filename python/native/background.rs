@@ -1,12 +1,11 @@
 //! Runs without the interpreter's lock, with callbacks for progress, cancelled by Ctrl-C.
 
-use crate::error::{exception, guarded};
+use crate::error::{exception, guarded, refuse_forked};
 use crate::filter::{self, Run};
 use pyo3::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::OnceLock;
 use voltet::{RunStatus, run_in_background};
-use voltet_core::{Error, Result};
+use voltet_core::Result;
 use voltet_graph::Observer;
 
 /// Runs long work. Every 20 ms signals are checked (Ctrl-C raises `KeyboardInterrupt`, on the main thread) and
@@ -66,14 +65,4 @@ pub fn run_with_side_work<T: Send>(
         Ok(Err(error)) => Err(exception(py, &error)),
         Err(panic) => guarded(py, || resume_unwind(panic)),
     })
-}
-
-/// Refuses a forked process: worker threads belong to the process that began them, and work in a fork would block for ever.
-fn refuse_forked() -> Result<()> {
-    static FIRST_PROCESS: OnceLock<u32> = OnceLock::new();
-    if *FIRST_PROCESS.get_or_init(std::process::id) == std::process::id() {
-        return Ok(());
-    }
-    Err(Error::usage("this process was forked from one that had used voltet, and has none of its threads")
-        .expected("multiprocessing.get_context(\"spawn\"), or voltet used in the forked processes alone"))
 }

@@ -4,6 +4,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::OnceLock;
 use voltet_core::error::{ErrorKind, Location};
 use voltet_core::{Error, Result};
 
@@ -54,4 +55,14 @@ pub fn guarded<T>(py: Python<'_>, work: impl FnOnce() -> Result<T>) -> PyResult<
             Err(new_exception(py, "bug", &text, &fields)?)
         }
     }
+}
+
+/// Refuses a forked process: worker threads belong to the process that began them, and work in a fork would block for ever.
+pub fn refuse_forked() -> Result<()> {
+    static FIRST_PROCESS: OnceLock<u32> = OnceLock::new();
+    if *FIRST_PROCESS.get_or_init(std::process::id) == std::process::id() {
+        return Ok(());
+    }
+    Err(Error::usage("this process was forked from one that had used voltet, and has none of its threads")
+        .expected("multiprocessing.get_context(\"spawn\"), or voltet used in the forked processes alone"))
 }

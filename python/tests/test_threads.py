@@ -146,23 +146,37 @@ def test_ctrl_c_interrupts_a_filter_that_never_returns():
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
-def test_a_forked_process_is_told(slab):
+def test_a_forked_process_is_told(slab, cube, tmp_path):
     slab.render()
     reading, writing = os.pipe()
+    picture, grid = slab.render(), voltet.Grid(**cube)
+
+    def draw():
+        slab["view"]["size"] = [5, 5]
+        slab.render()
+
+    # Every entry that works on several threads.
+    entries = [draw, lambda: voltet.Grid(**cube), lambda: grid.about, lambda: picture.save(str(tmp_path / "picture.png"))]
+    entries += [lambda: voltet.gradient_test("least-squares")]
     child = os.fork()
     if child == 0:
-        try:
-            slab["view"]["size"] = [5, 5]
-            slab.render()
-            os.write(writing, b"drawn")
-        except voltet.UsageError as error:
-            os.write(writing, str(error).encode())
-        finally:
-            os._exit(0)
+        for entry in entries:
+            try:
+                entry()
+                os.write(writing, b"done;")
+            except voltet.UsageError as error:
+                os.write(writing, (str(error) + ";").encode())
+            except BaseException as error:
+                os.write(writing, f"{error!r};".encode())
+        os._exit(0)
     os.close(writing)
-    text = os.read(reading, 4096).decode()
+    text = b""
+    while part := os.read(reading, 4096):
+        text += part
     os.waitpid(child, 0)
-    assert "forked" in text and "spawn" in text
+    said = text.decode().split(";")[:-1]
+    assert len(said) == len(entries)
+    assert all("forked" in one and "spawn" in one for one in said), said
 
 
 def test_the_interpreter_ends_while_something_is_drawn():

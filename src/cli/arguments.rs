@@ -296,6 +296,9 @@ pub struct Start {
     pub scalar: Option<String>,
     #[command(flatten)]
     pub options: DataOptions,
+    /// Look at what the boundaries show alone, not at the whole grid.
+    #[arg(long)]
+    pub fit: bool,
     /// Write over a pipeline file that is there.
     #[arg(long)]
     pub force: bool,

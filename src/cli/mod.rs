@@ -38,7 +38,10 @@ pub fn run(registry: Result<Registry>) -> ExitCode {
             note_former_options();
             commands::dispatch(&arguments, registry)
         }
-        Err(answer) => ExitCode::from(commands::answer(&answer)),
+        Err(answer) => match commands::help_of_node(&registry) {
+            Some(exit_code) => ExitCode::from(exit_code),
+            None => ExitCode::from(commands::answer(&answer)),
+        },
     }))
     .unwrap_or(ExitCode::from(panic_hook::FAILED))
 }

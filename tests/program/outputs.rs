@@ -233,8 +233,11 @@ fn a_signal_ends_the_work_and_the_wait_for_a_reader_and_leaves_nothing() {
         "view.size=[3000, 3000]",
     ];
     for signal in ["-TERM", "-INT", "-HUP"] {
-        stopped(signal, &drawing, Come::Computes);
         stopped(signal, &waiting, Come::Waits);
-        stopped(signal, &printing, Come::Waits);
+        // All signals have one handler: a short series sends one to the runs that take long.
+        if signal == "-TERM" || voltet_testing::whole_series() {
+            stopped(signal, &drawing, Come::Computes);
+            stopped(signal, &printing, Come::Waits);
+        }
     }
 }

@@ -1,7 +1,9 @@
 //! `voltet start`: from a data file to a picture in two commands.
 
 use super::support::{Folder, cube};
+use rayon::prelude::*;
 use std::path::Path;
+use voltet::core::grid::generate::Random;
 
 /// The heat sink that ships.
 fn heat_sink(folder: &Folder) -> String {
@@ -70,4 +72,122 @@ fn of_a_scalar_that_is_named_nothing_else_is_decoded() {
     assert!(text.contains("scalar = \"x\""), "{text}");
     let length = folder.voltet(&["start", "cube.vtu", "-o", "-", "--scalar", "gradient"]);
     length.fails(1, &["'gradient:magnitude' has no boundary"]);
+}
+
+/// A grid drawn by lot: any scale, place, flatness, type of numbers and association, with unused points and values that are none.
+fn random_grid(random: &mut Random) -> String {
+    let mut between = |low: f64, high: f64| low + (high - low) * random.next();
+    let counts: [usize; 3] = std::array::from_fn(|_| between(2.0, 7.0) as usize);
+    let scale = 10f64.powf(between(-9.0, 9.0));
+    let aspect = if between(0.0, 1.0) < 0.5 { 0.5 } else { 2.0 };
+    let sides: [f64; 3] = std::array::from_fn(|_| scale * 10f64.powf(between(-aspect, aspect)));
+    let longest = sides.iter().copied().fold(0.0, f64::max);
+    let far = if between(0.0, 1.0) < 0.5 { 0.0 } else { longest * 10f64.powf(between(0.0, 8.0)) };
+    let offset: [f64; 3] = std::array::from_fn(|_| far * between(-1.0, 1.0));
+    let direction: [f64; 3] = std::array::from_fn(|_| between(-1.0, 1.0));
+    let kind = between(0.0, 5.0) as usize;
+    let (number_type, at_cells) = (between(0.0, 5.0) as usize, between(0.0, 1.0) < 0.3);
+    let number_type = ["Float64", "Float32", "Int32", "UInt8", "Int64"][number_type];
+    let (size, start) = (10f64.powf(between(-9.0, 9.0)), 10f64.powf(between(-4.0, 7.0)));
+    let with_start = between(0.0, 1.0) < 0.5;
+    let value = |x: [f64; 3], noise: f64| {
+        let along: f64 = (0..3).map(|k| direction[k] * x[k]).sum();
+        let f = match kind {
+            0 => along,
+            1 => (6.0 * along).sin(),
+            2 => f64::from(along > 0.0),
+            3 => (0..3).map(|k| (x[k] - 0.5).powi(2)).sum::<f64>().sqrt(),
+            _ => noise,
+        };
+        match number_type {
+            "Float64" if with_start => size * (f + start),
+            "Float64" => size * f,
+            "Float32" => size * f,
+            _ => (100.0 + 60.0 * f).clamp(0.0, 255.0).round(),
+        }
+    };
+    let n = counts.map(|n| n + 1);
+    let mut points = Vec::new();
+    let mut values = Vec::new();
+    for point in 0..n[0] * n[1] * n[2] {
+        let at = [point % n[0], point / n[0] % n[1], point / n[0] / n[1]];
+        let x: [f64; 3] = std::array::from_fn(|k| at[k] as f64 / counts[k] as f64);
+        points.push(std::array::from_fn(|k| offset[k] + sides[k] * x[k]));
+        values.push(value(x, between(-1.0, 1.0)));
+    }
+    // Points that no cell uses, as far away as the grid is long.
+    for _ in 0..between(0.0, 3.0) as usize {
+        points.push(offset.map(|x| x + 1000.0 * longest));
+        values.push(1e30);
+    }
+    let mut cells = Vec::new();
+    for cell in 0..counts[0] * counts[1] * counts[2] {
+        let [i, j, k] = [cell % counts[0], cell / counts[0] % counts[1], cell / counts[0] / counts[1]];
+        let corner = |[a, b, c]: [usize; 3]| (i + a) + n[0] * ((j + b) + n[1] * (k + c));
+        cells.push(
+            [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]
+                .map(corner),
+        );
+    }
+    if at_cells {
+        values = cells.iter().map(|corners| corners.iter().map(|&p| values[p]).sum::<f64>() / 8.0).collect();
+        if !number_type.starts_with("Float") {
+            values.iter_mut().for_each(|value| *value = value.round());
+        }
+    }
+    let bad = number_type.starts_with("Float") && between(0.0, 1.0) < 0.2;
+    if bad {
+        values[0] = f64::NAN;
+    }
+    let text =
+        |numbers: &mut dyn Iterator<Item = f64>| numbers.map(|x| format!("{x:?} ")).collect::<String>();
+    let whole =
+        |numbers: &mut dyn Iterator<Item = usize>| numbers.map(|x| format!("{x} ")).collect::<String>();
+    let shown = match number_type.starts_with("Float") {
+        true => text(&mut values.iter().copied()),
+        false => whole(&mut values.iter().map(|&value| value.clamp(0.0, 255.0) as usize)),
+    };
+    let section = if at_cells { "CellData" } else { "PointData" };
+    format!(
+        "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\
+         <{section}><DataArray type=\"{number_type}\" Name=\"quantity\">{shown}</DataArray></{section}>\
+         <Points><DataArray type=\"Float64\" NumberOfComponents=\"3\">{}</DataArray></Points>\
+         <Cells><DataArray type=\"Int64\" Name=\"connectivity\">{}</DataArray>\
+         <DataArray type=\"Int64\" Name=\"offsets\">{}</DataArray>\
+         <DataArray type=\"UInt8\" Name=\"types\">{}</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>",
+        points.len(),
+        cells.len(),
+        text(&mut points.iter().flatten().copied()),
+        whole(&mut cells.iter().flatten().copied()),
+        whole(&mut (1..=cells.len()).map(|cell| 8 * cell)),
+        whole(&mut cells.iter().map(|_| 12)),
+    )
+}
+
+/// Two commands draw any grid: all of it, in the middle of the picture, and something of it is seen.
+#[test]
+fn any_grid_is_seen_whole() {
+    let folder = Folder::new();
+    let count = if voltet_testing::whole_series() { 2000 } else { 50 };
+    let drawn = |number: u64| {
+        let mut random = Random(number.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
+        (0..8).for_each(|_| drop(random.next()));
+        let [data, scene, picture] = ["vtu", "toml", "png"].map(|ending| format!("{number}.{ending}"));
+        folder.write(&data, random_grid(&mut random));
+        folder.voltet(&["start", &data, "-o", &scene]).ok();
+        let ran =
+            folder.voltet(&["run", &scene, "--set", "view.size=[96, 72]", "--set", "picture.engine=cpu"]);
+        ran.ok();
+        let seen = image::open(folder.join(&picture)).unwrap().to_rgb8();
+        let is_lit = |pixel: &image::Rgb<u8>| pixel.0.iter().any(|&channel| channel > 0);
+        let lit = seen.pixels().filter(|pixel| is_lit(pixel)).count() as f64 / (96.0 * 72.0);
+        assert!((0.1..0.98).contains(&lit), "{data}: {lit} of the picture is lit\n{}", read(&folder, &scene));
+        let at_border = |x: u32, y: u32| x == 0 || y == 0 || x == 95 || y == 71;
+        let cut = seen.enumerate_pixels().filter(|(x, y, pixel)| at_border(*x, *y) && is_lit(pixel)).count();
+        assert_eq!(cut, 0, "{data}: pixels at the border are lit\n{}", read(&folder, &scene));
+        for name in [data, scene, picture] {
+            std::fs::remove_file(folder.join(&name)).unwrap();
+        }
+    };
+    (0..count).into_par_iter().for_each(drawn);
 }

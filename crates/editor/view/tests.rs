@@ -136,9 +136,10 @@ fn a_node_that_states_a_view_states_it_again() {
         };
         assert_eq!(View::from_camera(&node), Some(view));
     }
-    assert_eq!(written(1.0 / 3.0, 1.0), 0.333333);
-    assert_eq!(written(1e-9, 10.0), 0.0);
-    assert_eq!(written(123_456_789.123, 1.0), 123_456_790.0);
+    assert_eq!(decimal(1.0 / 3.0, 1e-6), 0.333333);
+    assert_eq!(decimal(1e-9, 1e-5), 0.0);
+    assert_eq!(decimal(123_456_789.123_456, 1e-3), 123_456_789.123);
+    assert_eq!(decimal(123_456_789.123, 100.0), 123_456_800.0);
 }
 
 proptest! {

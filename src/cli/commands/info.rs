@@ -67,10 +67,11 @@ fn json(summary: &Summary) -> Value {
     });
     object!({
         "format": summary.format, "pieces": summary.piece_count, "file_bytes": summary.file_bytes,
-        "points": summary.point_count, "points_not_finite": summary.points_not_finite,
+        "points": summary.point_count, "points_joined": summary.points_joined,
+        "ghosts_without_owner": summary.ghosts_without_owner, "points_not_finite": summary.points_not_finite,
         "cells": summary.cell_count, "cells_by_type": summary.cells_by_type.iter().map(cells).collect::<Vec<_>>(),
         "bounds": bounds, "arrays": summary.arrays.iter().map(array).collect::<Vec<_>>(),
-        "active_scalars": summary.active_scalars, "time_steps": summary.time_steps,
+        "active_scalars": summary.active_scalars, "time": summary.time, "time_steps": summary.time_steps,
         "memory_bytes": memory, "warnings": summary.warnings,
     })
 }
@@ -123,6 +124,14 @@ fn describe_data(path: &Path, summary: &Summary) -> String {
         );
     }
     text += &format!("\n{} points, {} cells\n", number(summary.point_count), number(summary.cell_count));
+    if summary.points_joined > 0 {
+        let joined = number(summary.points_joined);
+        text += &format!("  {joined:>12}  points are another piece's, too, and are joined with those\n");
+    }
+    if summary.ghosts_without_owner > 0 {
+        let ghosts = number(summary.ghosts_without_owner);
+        text += &format!("  {ghosts:>12}  ghost cells have no owner in any piece, and are not drawn\n");
+    }
     for (&code, &count) in &summary.cells_by_type {
         text += &format!("  {:>12}  {}\n", number(count), cell_name(code));
     }
@@ -137,6 +146,9 @@ fn describe_data(path: &Path, summary: &Summary) -> String {
     let width = summary.arrays.iter().map(|a| name(&a.head.name).chars().count()).max().unwrap_or(0);
     for array in &summary.arrays {
         text += &array_line(array, width);
+    }
+    if let Some(time) = summary.time {
+        text += &format!("\nTime {time}\n");
     }
     if !summary.time_steps.is_empty() {
         let (first, last) = (summary.time_steps.first(), summary.time_steps.last());

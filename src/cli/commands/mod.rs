@@ -18,13 +18,14 @@ mod study;
 mod time;
 
 use super::arguments::{Arguments, Command, Inputs};
+use super::present::print;
 use crate::Document;
 use crate::core::{Error, Result};
 use crate::graph::Registry;
 use crate::io::{formats, memory};
 use crate::lanes::LaneSet;
 use crate::nodes::files;
-use shared::{Outcome, WRONG, show};
+use shared::{DONE, Outcome, WRONG, show};
 use std::error::Error as _;
 use std::io::ErrorKind;
 use std::path::PathBuf;
@@ -49,6 +50,14 @@ fn is_sufficient(inputs: &Inputs, registry: &Registry) -> bool {
     let opens = |file: &PathBuf| file.is_file() && Document::open(file, inputs.options, registry).is_ok();
     let has_files = !(inputs.pipelines.is_empty() && inputs.data.is_empty());
     has_files && inputs.pipelines.iter().all(opens) && inputs.data.iter().all(is_plain)
+}
+
+/// Carries out `help NAME` where that is no command but a node type or a gradient filter; `None` for other command lines.
+pub fn help_of_node(registry: &Result<Registry>) -> Option<u8> {
+    let mut words = std::env::args().skip(1);
+    let name = words.next().filter(|word| word == "help").and_then(|_| words.next())?;
+    let text = nodes::one(&name, false, registry.as_ref().ok()?).ok()?;
+    Some(print(&text).map_or_else(|error| show(&error.into()), |_| DONE))
 }
 
 /// Shows clap's answer to the command line, help or an error, and returns the exit code.

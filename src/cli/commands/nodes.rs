@@ -21,7 +21,7 @@ fn filters(registry: &Registry) -> impl Iterator<Item = VariantSchema> {
 }
 
 /// The node type of that name, or else the gradient filter.
-fn one(name: &str, markdown: bool, registry: &Registry) -> Result<String> {
+pub(super) fn one(name: &str, markdown: bool, registry: &Registry) -> Result<String> {
     if let Some(node) = registry.iter().find(|node| node.name == name) {
         return Ok(if markdown { node_markdown(node, registry) } else { node_text(node, registry) });
     }

@@ -203,7 +203,20 @@ pub(super) fn scalar(array: &FileArray) -> String {
     format!("{}{magnitude}", array.name)
 }
 
-/// True if its values differ.
+/// Roundings of the largest value within which values are the same: what sums in a solver leave of a constant.
+const ROUNDINGS: f64 = 64.0;
+
+/// True if its values differ by more than rounding.
 pub(super) fn differs(array: &ArraySummary) -> bool {
-    array.range.is_some_and(|[low, high]| low < high)
+    let epsilon = match array.number_type {
+        // Sums are of 64 bits, as a rule, and their result is rounded once.
+        "Float32" => f64::from(f32::EPSILON) / 32.0,
+        _ => f64::EPSILON,
+    };
+    array.range.is_some_and(|[low, high]| differ(low, high, epsilon))
+}
+
+/// True if two values differ by more than the rounding of numbers of this relative precision.
+pub(super) fn differ(low: f64, high: f64, epsilon: f64) -> bool {
+    high - low > ROUNDINGS * epsilon * low.abs().max(high.abs())
 }

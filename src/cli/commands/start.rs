@@ -1,8 +1,9 @@
 //! `voltet start`: a pipeline file for a data file, with a transfer function over (s, g) found from the data.
 
-use super::shared::{ArrayChoice, DONE, Outcome, differs, scalar, with_bar};
+use super::shared::{ArrayChoice, DONE, Outcome, differ, differs, scalar, with_bar};
 use crate::cli::arguments::{DataOptions, Start};
 use crate::cli::present::{name, say};
+use crate::core::arithmetic::decimal;
 use crate::core::field::{LeastSquares, Method, magnitude};
 use crate::core::grid::Grid;
 use crate::core::grid::extent::{bounds, range, scene_length};
@@ -24,11 +25,23 @@ const BINS: usize = 256;
 /// Linear RGB of the boundaries, in rising s.
 const COLORS: [[f64; 3]; 4] = [[0.08, 0.25, 0.9], [0.05, 0.65, 0.45], [0.95, 0.6, 0.08], [0.9, 0.1, 0.06]];
 
-/// Opacity along the diagonal of a haze over everything, which shows the grid's shape.
+/// Opacity of a haze over everything, along a ray of mean length: it shows the grid's shape.
 const HAZE: f64 = 0.1;
 
 /// Vertical angle of view, degrees.
 const FOV_Y: f64 = 30.0;
+
+/// Width and height of the picture, pixels.
+const PICTURE: [f64; 2] = [1024.0, 768.0];
+
+/// Share of the picture's half sides within which everything lies.
+const MARGIN: f64 = 0.94;
+
+/// Direction to the eye: from the front, the side and above.
+const OBLIQUE: DVec3 = DVec3::new(-0.8, -1.4, 0.9);
+
+/// Share of the picture under which another direction is tried.
+const FILLED: f64 = 0.25;
 
 pub fn start(arguments: &Start, registry: &Registry) -> Outcome {
     let output = arguments.output.clone().unwrap_or_else(|| {
@@ -72,20 +85,23 @@ pub fn pipeline(
     let grid = read(&arguments.data, &wanted, progress)?;
     let scalar = grid.scalar.clone().unwrap_or_default();
     // Gradients of what is the same everywhere are roundings.
-    if !range(&scalar).is_some_and(|[low, high]| low < high) {
+    let Some([low, high]) = range(&scalar).filter(|&[low, high]| differ(low, high, f64::EPSILON)) else {
         return Err(without_boundary(arguments, &asked, &named, progress));
-    }
+    };
     let gradient = Method::with_defaults(Arc::new(LeastSquares))?.gradient(&grid, &scalar, progress)?;
     let g = magnitude(&gradient.vectors);
     let found = histogram_of(&grid, &scalar, &g, progress)?;
     let look = proposal(&found, COLORS.len());
     let [s_axis, g_axis] = found.axes;
-    if look.is_empty() {
-        return Err(without_boundary(arguments, &asked, &named, progress));
-    }
-    let view = view(&grid, &scalar, &g, &look);
-    let diagonal = scene_length(bounds(&grid.points))?;
-    let unit = rounded(diagonal / 10.0);
+    let points = match arguments.fit {
+        true => shown_points(&grid, &scalar, &g, &look),
+        false => grid.points[..grid.drawn_points()].to_vec(),
+    };
+    let none =
+        || Error::run("no cell has an extent, so there is nothing to look at").in_file(&arguments.data);
+    let view = view(&points).ok_or_else(none)?;
+    let chord = if view.chord > 0.0 { view.chord } else { scene_length(grid.bounds())? };
+    let unit = one_digit(chord / 5.0);
     let text = |text: &str| ParameterValue::Text(text.into()).to_string();
     let own = if is_standard_output(output) { Path::new(".") } else { folder(output) };
     let solution = arguments.options.solution.as_ref().map(|solution| relative_to(solution, own));
@@ -93,19 +109,45 @@ pub fn pipeline(
     let options = DataOptions { solution, ..arguments.options };
     let keys = choice.keys(&relative_to(&arguments.data, own), &options);
     let steepest = g.iter().copied().filter(|g| g.is_finite()).fold(g_axis.high, f64::max);
+    // Finer than what can be told apart along either axis.
+    let steps = [1e-6 * (high - low), 1e-6 * steepest];
+    let [at_s, at_g] = [0, 1].map(|axis| move |x: f64| format!("{:?}", decimal(x, steps[axis])));
     let region = format!(
         "region = {{ s = [{}, {}], g = [{}, {}] }}\n",
-        digits(s_axis.low - (s_axis.high - s_axis.low)),
-        digits(s_axis.high + (s_axis.high - s_axis.low)),
-        digits(g_axis.low),
-        digits(2.0 * steepest)
+        at_s(s_axis.low - (s_axis.high - s_axis.low)),
+        at_s(s_axis.high + (s_axis.high - s_axis.low)),
+        at_g(g_axis.low),
+        at_g(2.0 * steepest)
     );
-    let widgets: String =
-        look.iter().zip(COLORS).map(|(one, color)| widget(one, color, unit) + &region).collect();
+    let depth = |extinction: f64| (extinction * unit).max(unit / chord);
+    let mut widgets = String::new();
+    for (one, color) in look.iter().zip(COLORS) {
+        // No ray is longer within a boundary than within the grid.
+        widgets += &widget(one, color, depth(one.extinction), steps);
+        widgets += &region;
+    }
+    if look.is_empty() {
+        // Values that differ in no direction have no boundaries.
+        let ends = [at_s(low), at_s(high)];
+        widgets = format!(
+            "\n[[nodes.look.widgets]]\nkind = \"piecewise-linear\"\npoints = [[{}, 0.08, 0.25, 0.9, 0.0], [{}, 0.9, 0.1, 0.06, {:?}]]\n",
+            ends[0],
+            ends[1],
+            decimal(unit / chord, 1e-6)
+        );
+    }
     let haze = ProposedWidget {
-        centre: [0.5 * s_axis.low + 0.5 * s_axis.high, 0.0],
-        sigma: [s_axis.high - s_axis.low, f64::INFINITY],
-        extinction: -(1.0 - HAZE).ln() / diagonal,
+        centre: [0.5 * low + 0.5 * high, 0.0],
+        sigma: [high - low, f64::INFINITY],
+        extinction: -(1.0 - HAZE).ln() / chord,
+    };
+    let linearly = if low > 0.0 && high / low >= 1e3 {
+        let decades = (high / low).log10();
+        format!(
+            "# s spans {decades:.0} decades and is looked at linearly: what is far below {high:?} looks alike.\n"
+        )
+    } else {
+        String::new()
     };
     let stem = if is_standard_output(output) { arguments.data.file_stem() } else { output.file_stem() };
     let picture = PathBuf::from(stem.unwrap_or_default()).with_extension("png");
@@ -113,7 +155,7 @@ pub fn pipeline(
         "# Boundaries of {named}, told apart by its value s and its gradient magnitude g: the widgets are Gaussians at equal
 # shares of the level surfaces' area, found from the data. What is
 # quieter than g = {} is left out. Ranges: s {} to {}, g to {} in 99.9 % of the volume.
-
+{linearly}
 [pipeline]
 format = 1
 
@@ -133,7 +175,7 @@ unit_distance = {}
 {}
 [nodes.view]
 type = \"camera\"
-{view}size = [1024, 768]
+{}size = [1024, 768]
 
 [nodes.picture]
 type = \"renderer\"
@@ -145,15 +187,22 @@ path = {}
 background = [0.0, 0.0, 0.0]
 inputs = {{ image = \"picture\" }}
 ",
-        digits(g_axis.low),
-        digits(s_axis.low),
-        digits(s_axis.high),
-        digits(g_axis.high),
-        digits(unit),
-        widget(&haze, [0.5, 0.55, 0.6], unit).trim_start(),
+        at_g(g_axis.low),
+        at_s(s_axis.low),
+        at_s(s_axis.high),
+        at_g(g_axis.high),
+        format_args!("{unit:?}"),
+        widget(&haze, [0.5, 0.55, 0.6], haze.extinction * unit, steps).trim_start(),
+        view.keys(),
         text(&picture.to_string_lossy()),
     );
-    let said = format!("{} boundaries of '{}' found", look.len(), name(&named));
+    let mut said = match look.len() {
+        1 => format!("1 boundary of '{}' found", name(&named)),
+        count => format!("{count} boundaries of '{}' found", name(&named)),
+    };
+    if let Some(note) = linearly.strip_prefix("# ") {
+        said += &format!("; {}", note.trim_end().trim_end_matches('.'));
+    }
     Ok((text, said))
 }
 
@@ -165,18 +214,19 @@ fn without_boundary(arguments: &Start, asked: &Request, named: &str, progress: &
     error.expected(format!("another array after --scalar: {}", others.join(", "))).in_file(&arguments.data)
 }
 
-/// The file's own scalar, or the first that is a quantity (not a flag, a number of something, or the same everywhere).
+/// The file's own scalar, or the first that is a quantity; a flag or a number of something where nothing else differs.
 fn first_quantity(arguments: &Start, summary: &Summary) -> Result<ArrayChoice> {
     if !summary.has_volume() {
         return Err(Error::run("no cell has a volume, so there is nothing to draw").in_file(&arguments.data));
     }
     let heads: Vec<FileArray> = summary.arrays.iter().map(|array| array.head.clone()).collect();
-    let quantity = |array: &&ArraySummary| differs(array) && !is_label(array);
-    let mut arrays: Vec<&ArraySummary> = summary.arrays.iter().filter(quantity).collect();
-    // The file's own first, then scalars of the points, scalars of the cells, vectors.
+    let mut arrays: Vec<&ArraySummary> = summary.arrays.iter().filter(|array| differs(array)).collect();
+    // Labels last; the file's own first, then scalars of the points, scalars of the cells, vectors, whole numbers.
     arrays.sort_by_key(|array| {
         let own = summary.active_scalars.as_deref() == Some(array.head.name.as_str());
-        (!own, array.head.component_count > 1, array.head.association == Association::Cell)
+        let is_whole = !array.number_type.starts_with("Float");
+        let is_cell = array.head.association == Association::Cell;
+        (is_label(&array.head.name), !own, is_whole, array.head.component_count > 1, is_cell)
     });
     arrays.first().map(|array| ArrayChoice::from_head(&array.head, &heads)).ok_or_else(|| {
         let names: Vec<&str> = heads.iter().map(|array| array.name.as_str()).collect();
@@ -188,15 +238,14 @@ fn first_quantity(arguments: &Start, summary: &Summary) -> Result<ArrayChoice> {
     })
 }
 
-/// True if it holds numbers or marks of things, and no quantity.
-fn is_label(array: &ArraySummary) -> bool {
+/// True if an array of this name holds numbers or marks of things, and no quantity.
+fn is_label(name: &str) -> bool {
     const LABELS: &str =
         "id ids flag flags mask ghost ghosttype rank part partition material index block region";
-    let lower = array.head.name.to_lowercase();
+    let lower = name.to_lowercase();
     let words = lower.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
     let mut words = words.map(|word| word.trim_start_matches("vtk"));
-    !array.number_type.starts_with("Float")
-        || words.any(|word| LABELS.split(' ').any(|label| label == word) || word.ends_with("ids"))
+    words.any(|word| LABELS.split(' ').any(|label| label == word) || word.ends_with("ids"))
 }
 
 /// Over all of s, and g from where the data are not quiet to where nearly all of the volume is.
@@ -214,28 +263,113 @@ fn histogram_of(grid: &Grid, s: &[f64], g: &[f64], progress: &dyn Progress) -> R
     histogram(grid, [s, g], [s_axis, Axis { low, high, bins: BINS }], progress)
 }
 
-fn widget(one: &ProposedWidget, [red, green, blue]: [f64; 3], unit: f64) -> String {
-    let ProposedWidget { centre: [s, g], sigma: [along_s, along_g], extinction } = one;
+/// A Gaussian of this extinction; `steps`: finer than what is told apart along s and g.
+fn widget(one: &ProposedWidget, [red, green, blue]: [f64; 3], extinction: f64, steps: [f64; 2]) -> String {
+    let [s, g] = [0, 1].map(|axis| decimal(one.centre[axis], steps[axis]));
+    let [along_s, along_g] = [0, 1].map(|axis| decimal(one.sigma[axis], 1e-5 * one.sigma[axis]));
+    let along_g = if along_g.is_infinite() { "inf".to_string() } else { format!("{along_g:?}") };
+    let extinction = decimal(extinction, 1e-5 * extinction);
     format!(
         "
 [[nodes.look.widgets]]
 kind = \"gaussian\"
 color = [{red}, {green}, {blue}]
-extinction = {}
-centre = [{}, {}]
-sigma = [{}, {}]
-",
-        digits(extinction * unit),
-        digits(*s),
-        digits(*g),
-        digits(*along_s),
-        digits(*along_g)
+extinction = {extinction:?}
+centre = [{s:?}, {g:?}]
+sigma = [{along_s:?}, {along_g}]
+"
     )
 }
 
-/// Keys of a camera that looks at the middle of what the widgets show, mostly along its shortest side, from where 1024 × 768 pixels
-/// hold it.
-fn view(grid: &Grid, s: &[f64], g: &[f64], look: &[ProposedWidget]) -> String {
+/// A camera of a picture of 1024 × 768 pixels.
+struct FirstView {
+    eye: DVec3,
+    target: DVec3,
+    up: DVec3,
+    /// Mean length of rays through the box of what is seen.
+    chord: f64,
+    /// Share of the picture that the box fills.
+    filled: f64,
+}
+
+/// A view of all points, mostly along the shortest side of their box; along another where that leaves the picture empty, as of a rod.
+fn view(points: &[DVec3]) -> Option<FirstView> {
+    let [low, high] = bounds(points)?;
+    let largest = (high - low).max_element().max(f64::MIN_POSITIVE);
+    let size = (high - low).max(DVec3::splat(1e-9 * largest));
+    let oblique = OBLIQUE * (0.3 + 0.7 * size.min_element() / size);
+    let along = |axis: DVec3| OBLIQUE * (0.05 + 0.95 * axis);
+    let mut views = [oblique, along(DVec3::X), along(DVec3::Y), along(DVec3::Z)]
+        .into_iter()
+        .map(|towards| FirstView::from_direction(towards.normalize(), points, low, size));
+    let first = views.next()?;
+    if first.filled >= FILLED {
+        return Some(first);
+    }
+    views.fold(Some(first), |best, view| best.filter(|best| best.filled >= view.filled).or(Some(view)))
+}
+
+impl FirstView {
+    /// From where the picture holds all points, with a margin.
+    fn from_direction(towards: DVec3, points: &[DVec3], low: DVec3, size: DVec3) -> FirstView {
+        let up = if towards.z.abs() > 0.8 { DVec3::Y } else { DVec3::Z };
+        let right = up.cross(towards).normalize();
+        let above = towards.cross(right);
+        let tan_y = MARGIN * (0.5 * FOV_Y).to_radians().tan();
+        let tan_x = tan_y * PICTURE[0] / PICTURE[1];
+        // A point p is in the picture of an eye e where |(p − e)·right| ≤ tan_x (e − p)·towards, and alike above: of each side of the
+        // picture the point that is farthest out counts. Positions are those from the box's middle.
+        let middle = low + 0.5 * size;
+        let mut out = [f64::NEG_INFINITY; 4];
+        for point in points.iter().filter(|point| point.is_finite()) {
+            let p = *point - middle;
+            let (x, y, z) = (p.dot(right), p.dot(above), p.dot(towards));
+            let own = [x + tan_x * z, -x + tan_x * z, y + tan_y * z, -y + tan_y * z];
+            out.iter_mut().zip(own).for_each(|(out, own)| *out = out.max(own));
+        }
+        let [east, west, north, south] = out;
+        let (x, y) = (0.5 * (east - west), 0.5 * (north - south));
+        let distance = (0.5 * (east + west) / tan_x).max(0.5 * (north + south) / tan_y);
+        let eye = x * right + y * above + distance * towards;
+        let (chord, filled) = rays(eye, [right, above, towards], -0.5 * size, 0.5 * size);
+        let target = middle + eye - towards * distance.max(0.5 * size.min_element());
+        FirstView { eye: middle + eye, target, up, chord, filled }
+    }
+
+    /// Its keys in a pipeline file.
+    fn keys(&self) -> String {
+        // A thousandth of a pixel.
+        let step = 1e-6 * self.eye.distance(self.target);
+        let vector = |v: DVec3| {
+            let [x, y, z] = v.to_array().map(|x| decimal(x, step));
+            format!("[{x:?}, {y:?}, {z:?}]")
+        };
+        let (eye, target, up) = (vector(self.eye), vector(self.target), self.up.to_array());
+        format!("eye = {eye}\ntarget = {target}\nup = {up:?}\nfov_y = {FOV_Y:?}\n")
+    }
+}
+
+/// Mean length of the rays of a picture through a box, and the share of them that meet it.
+fn rays(eye: DVec3, [right, above, towards]: [DVec3; 3], low: DVec3, high: DVec3) -> (f64, f64) {
+    const RAYS: [usize; 2] = [64, 48];
+    let tan = (0.5 * FOV_Y).to_radians().tan();
+    let (mut sum, mut met) = (0.0, 0_u32);
+    for ray in 0..RAYS[0] * RAYS[1] {
+        let [x, y] = [ray % RAYS[0], ray / RAYS[0]].map(|i| i as f64 + 0.5);
+        let x = (2.0 * x / RAYS[0] as f64 - 1.0) * tan * PICTURE[0] / PICTURE[1];
+        let y = (2.0 * y / RAYS[1] as f64 - 1.0) * tan;
+        let direction = (x * right + y * above - towards).normalize();
+        let (a, b) = ((low - eye) / direction, (high - eye) / direction);
+        let (enter, leave) = (a.min(b).max_element().max(0.0), a.max(b).min_element());
+        if leave > enter {
+            (sum, met) = (sum + (leave - enter), met + 1);
+        }
+    }
+    (sum / f64::from(met.max(1)), f64::from(met) / (RAYS[0] * RAYS[1]) as f64)
+}
+
+/// Points of what the widgets show; a few far off, which would make the rest small, are no part of it.
+fn shown_points(grid: &Grid, s: &[f64], g: &[f64], look: &[ProposedWidget]) -> Vec<DVec3> {
     let drawn = |i: usize| {
         let profile = |one: &ProposedWidget| {
             let q = [(s[i] - one.centre[0]) / one.sigma[0], (g[i] - one.centre[1]) / one.sigma[1]];
@@ -243,43 +377,20 @@ fn view(grid: &Grid, s: &[f64], g: &[f64], look: &[ProposedWidget]) -> String {
         };
         look.iter().map(profile).fold(0.0, f64::max) > 0.1
     };
-    let used = |i: &usize| grid.points[*i].is_finite();
-    let mut shown: Vec<usize> = (0..s.len()).filter(used).filter(|i| drawn(*i)).collect();
-    if shown.len() < 8 {
-        shown = (0..s.len()).filter(used).collect();
+    let places = 0..grid.drawn_points();
+    let mut shown: Vec<DVec3> = places.filter(|i| drawn(*i)).map(|i| grid.points[i]).collect();
+    for axis in 0..3 {
+        let count = shown.len();
+        if count < 8 {
+            return grid.points[..grid.drawn_points()].to_vec();
+        }
+        shown.sort_unstable_by(|a, b| a[axis].total_cmp(&b[axis]));
+        shown = shown[count / 100..count - count / 100].to_vec();
     }
-    // A few points far off must not make the rest small.
-    let extent = |axis: usize| -> [f64; 2] {
-        let mut places: Vec<f64> = shown.iter().map(|i| grid.points[*i][axis]).collect();
-        places.sort_unstable_by(f64::total_cmp);
-        let at = |share: f64| places[(share * (places.len() - 1) as f64) as usize];
-        [at(0.01), at(0.99)]
-    };
-    let [x, y, z] = [extent(0), extent(1), extent(2)];
-    let (low, high) = (DVec3::new(x[0], y[0], z[0]), DVec3::new(x[1], y[1], z[1]));
-    let size = (high - low).max(DVec3::splat(1e-6 * (high - low).max_element().max(f64::MIN_POSITIVE)));
-    let shortest = size.min_element();
-    let towards = DVec3::new(-0.8, -1.4, 0.9) * (0.3 + 0.7 * shortest / size);
-    let towards = towards.normalize();
-    let up = if towards.z.abs() > 0.8 { DVec3::Y } else { DVec3::Z };
-    // The ball about it fits into the height of the picture.
-    let distance = 0.5 * size.length() / (0.5 * FOV_Y).to_radians().sin();
-    let target = 0.5 * low + 0.5 * high;
-    let vector = |v: DVec3| format!("[{}, {}, {}]", digits(v.x), digits(v.y), digits(v.z));
-    let (eye, target, up) = (vector(target + 0.85 * distance * towards), vector(target), vector(up));
-    format!("eye = {eye}\ntarget = {target}\nup = {up}\nfov_y = {FOV_Y:?}\n")
+    shown
 }
 
 /// One digit.
-fn rounded(x: f64) -> f64 {
+fn one_digit(x: f64) -> f64 {
     format!("{x:.0e}").parse().unwrap_or(x)
-}
-
-/// Six digits, as TOML writes a number.
-fn digits(x: f64) -> String {
-    if x.is_infinite() {
-        return if x > 0.0 { "inf".into() } else { "-inf".into() };
-    }
-    let rounded: f64 = format!("{x:.5e}").parse().unwrap_or(x);
-    format!("{rounded:?}")
 }
