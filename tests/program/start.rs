@@ -95,7 +95,7 @@ fn random_grid(random: &mut Random) -> String {
         let f = match kind {
             0 => along,
             1 => (6.0 * along).sin(),
-            2 => f64::from(along > 0.0),
+            2 => f64::from(along > 0.5 * direction.iter().sum::<f64>()),
             3 => (0..3).map(|k| (x[k] - 0.5).powi(2)).sum::<f64>().sqrt(),
             _ => noise,
         };

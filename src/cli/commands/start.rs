@@ -40,8 +40,11 @@ const MARGIN: f64 = 0.94;
 /// Direction to the eye: from the front, the side and above.
 const OBLIQUE: DVec3 = DVec3::new(-0.8, -1.4, 0.9);
 
-/// Share of the picture under which another direction is tried.
-const FILLED: f64 = 0.25;
+/// Share of the picture under which other directions are tried.
+const FILLED: f64 = 0.3;
+
+/// Shares of the oblique direction in those that are tried: the rest is along an axis.
+const TILTS: [f64; 4] = [0.02, 0.08, 0.2, 0.5];
 
 pub fn start(arguments: &Start, registry: &Registry) -> Outcome {
     let output = arguments.output.clone().unwrap_or_else(|| {
@@ -297,16 +300,23 @@ fn view(points: &[DVec3]) -> Option<FirstView> {
     let [low, high] = bounds(points)?;
     let largest = (high - low).max_element().max(f64::MIN_POSITIVE);
     let size = (high - low).max(DVec3::splat(1e-9 * largest));
-    let oblique = OBLIQUE * (0.3 + 0.7 * size.min_element() / size);
-    let along = |axis: DVec3| OBLIQUE * (0.05 + 0.95 * axis);
-    let mut views = [oblique, along(DVec3::X), along(DVec3::Y), along(DVec3::Z)]
-        .into_iter()
-        .map(|towards| FirstView::from_direction(towards.normalize(), points, low, size));
-    let first = views.next()?;
-    if first.filled >= FILLED {
-        return Some(first);
+    let corners: Vec<DVec3> = (0..8_u32)
+        .map(|corner| low + size * DVec3::from([0, 1, 2].map(|axis| f64::from(corner >> axis & 1))))
+        .collect();
+    let seen =
+        |towards: DVec3, points: &[DVec3]| FirstView::from_direction(towards.normalize(), points, low, size);
+    let mut best = OBLIQUE * (0.3 + 0.7 * size.min_element() / size);
+    let mut filled = seen(best, &corners).filled;
+    if filled < FILLED {
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+        for towards in
+            axes.into_iter().flat_map(|axis| TILTS.map(|tilt| OBLIQUE * (tilt + (1.0 - tilt) * axis)))
+        {
+            let other = seen(towards, &corners).filled;
+            (best, filled) = if other > filled { (towards, other) } else { (best, filled) };
+        }
     }
-    views.fold(Some(first), |best, view| best.filter(|best| best.filled >= view.filled).or(Some(view)))
+    Some(seen(best, points))
 }
 
 impl FirstView {
