@@ -135,6 +135,9 @@ fn random_grid(random: &mut Random) -> String {
             values.iter_mut().for_each(|value| *value = value.round());
         }
     }
+    if values.iter().all(|&value| value == values[0]) {
+        values.iter_mut().zip(0..).for_each(|(value, i)| *value = f64::from(i % 200));
+    }
     let bad = number_type.starts_with("Float") && between(0.0, 1.0) < 0.2;
     if bad {
         values[0] = f64::NAN;

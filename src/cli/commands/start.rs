@@ -43,8 +43,8 @@ const OBLIQUE: DVec3 = DVec3::new(-0.8, -1.4, 0.9);
 /// Share of the picture under which other directions are tried.
 const FILLED: f64 = 0.3;
 
-/// Shares of the oblique direction in those that are tried: the rest is along an axis.
-const TILTS: [f64; 4] = [0.02, 0.08, 0.2, 0.5];
+/// Shares of the components of the oblique direction in those that are tried.
+const TILTS: [f64; 5] = [0.01, 0.05, 0.2, 0.5, 1.0];
 
 pub fn start(arguments: &Start, registry: &Registry) -> Outcome {
     let output = arguments.output.clone().unwrap_or_else(|| {
@@ -308,10 +308,10 @@ fn view(points: &[DVec3]) -> Option<FirstView> {
     let mut best = OBLIQUE * (0.3 + 0.7 * size.min_element() / size);
     let mut filled = seen(best, &corners).filled;
     if filled < FILLED {
-        let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-        for towards in
-            axes.into_iter().flat_map(|axis| TILTS.map(|tilt| OBLIQUE * (tilt + (1.0 - tilt) * axis)))
-        {
+        let shares = || TILTS.into_iter();
+        let tilted = shares()
+            .flat_map(|x| shares().flat_map(move |y| shares().map(move |z| OBLIQUE * DVec3::new(x, y, z))));
+        for towards in tilted {
             let other = seen(towards, &corners).filled;
             (best, filled) = if other > filled { (towards, other) } else { (best, filled) };
         }
