@@ -174,7 +174,9 @@ fn any_grid_is_seen_whole() {
     let count = if voltet_testing::whole_series() { 2000 } else { 50 };
     let drawn = |number: u64| {
         let mut random = Random(number.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
-        (0..8).for_each(|_| drop(random.next()));
+        for _ in 0..8 {
+            let _ = random.next();
+        }
         let [data, scene, picture] = ["vtu", "toml", "png"].map(|ending| format!("{number}.{ending}"));
         folder.write(&data, random_grid(&mut random));
         folder.voltet(&["start", &data, "-o", &scene]).ok();

@@ -13,7 +13,7 @@ static uint32_t tetrahedra[] = {0, 1, 2, 3, 1, 2, 3, 4};
 static int64_t ids[] = {10, 11, 12, 13, 14};
 static const uint8_t ghosts[2][2] = {{0, 1}, {1, 0}};
 static float expected[4 * SIDE * SIDE], found[4 * SIDE * SIDE];
-static voltet_array array = {sizeof array, "s", values, 1, 0};
+static voltet_array array;
 
 static voltet_grid_source source_of(size_t first, size_t count)
 {
@@ -33,7 +33,7 @@ static int draw(voltet_session *session, const voltet_grid_source *source, float
 {
     static const char *look = "unit_distance = 1.0\n[[widgets]]\nkind = \"gaussian\"\ncolor = [1.0, 0.5, 0.25]\n"
                               "extinction = 3.0\ncentre = [0.5, 0.6]\nsigma = [0.2, 0.2]\n";
-    voltet_image image = {sizeof image, SIDE, SIDE};
+    voltet_image image;
     voltet_camera camera;
     voltet_grid *grid;
     int status;
@@ -43,6 +43,9 @@ static int draw(voltet_session *session, const voltet_grid_source *source, float
     camera.eye[1] = -3.0;
     camera.eye[2] = 1.5;
     camera.pixels[0] = camera.pixels[1] = SIDE;
+    memset(&image, 0, sizeof image);
+    image.size = sizeof image;
+    image.width = image.height = SIDE;
     image.rgba = rgba;
     if ((status = voltet_grid_new(session, source, &grid)) != VOLTET_DONE) {
         return status;
@@ -64,6 +67,10 @@ int main(void)
     int with_ids, with_ghosts, status;
     float sum = 0.0f;
     size_t i;
+    array.size = sizeof array;
+    array.name = "s";
+    array.values = values;
+    array.component_count = 1;
     status = voltet_open(&session);
     if (status == VOLTET_DONE) {
         status = draw(session, &whole, expected);
