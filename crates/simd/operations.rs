@@ -70,6 +70,23 @@ pub trait Double:
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 }
 
+/// [`Float::difference_of_products`] without a fused multiply-add: the roundings of both products from the halves of their factors' digits
+/// (Dekker 1971).
+#[allow(dead_code, reason = "sets with a fused multiply-add do without")]
+#[inline(always)]
+pub(crate) fn unfused_difference_of_products<F: Float>(a: F, b: F, c: F, d: F) -> F {
+    let halves = inlined!(|x: F| {
+        let shifted = x * F::splat(4097.0);
+        let high = shifted - (shifted - x);
+        (high, x - high)
+    });
+    let (one, other) = (a * b, c * d);
+    let ((ah, al), (bh, bl), (ch, cl), (dh, dl)) = (halves(a), halves(b), halves(c), halves(d));
+    let rest = ((ah * bh - one) + ah * bl + al * bh) + al * bl;
+    let other_rest = ((ch * dh - other) + ch * dl + cl * dh) + cl * dl;
+    (one - other) + (rest - other_rest)
+}
+
 /// Lanes of 32-bit floats.
 pub trait Float:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
@@ -85,6 +102,14 @@ pub trait Float:
     fn store(self, values: &mut [f32]);
     /// self × b + c, fused where the processor can.
     fn mul_add(self, b: Self, c: Self) -> Self;
+    /// self × b − c × d, to the last digits also where the products nearly cancel: two products of which the rounding of one is made good
+    /// (Kahan; Jeannerod, Louvet and Muller 2013).
+    #[inline(always)]
+    fn difference_of_products(self, b: Self, c: Self, d: Self) -> Self {
+        let product = c * d;
+        let rest = c.mul_add(d, -product);
+        self.mul_add(b, -product) - rest
+    }
     /// The smaller lane; the second operand where either is NaN.
     #[inline(always)]
     fn min(self, other: Self) -> Self {

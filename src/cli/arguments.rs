@@ -362,12 +362,13 @@ pub struct Stability {
     /// CPU (software) is judged only when it is named. Cases that a device refuses beforehand are counted as skipped.
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
-    /// Draw this many scenes by lot instead (grids, fields, transfer functions, cameras), and name those on which an engine is
-    /// beyond its bound.
+    /// Draw this many scenes by lot instead (grids, fields, transfer functions, cameras), each in general and once in special
+    /// position, and name those on which an engine is beyond its bound.
     ///
-    /// Each is a picture of up to 32 × 32 pixels, held against the 64-bit referee. A pixel beyond the bound is explained where
-    /// the referee changes by as much when the camera moves by a thousandth of a pixel, or the data are rounded to 32 bits.
-    /// Some 40 scenes a second on two cores. A device draws each in every way of compositing, a software driver in seconds; its
+    /// In special position rays lie in faces and along edges, the eye is a vertex, layers are thin, near planes far away, values near
+    /// 1e8. Each is a picture of up to 32 × 32 pixels, held against the 64-bit referee. A pixel beyond the bound is explained where
+    /// the referee changes by as much when rays move by a thousandth of a pixel, the data are rounded to 32 bits, or cells alone move
+    /// by 1/32768 of a pixel. Some 40 scenes a second on two cores. A device draws each in every way of compositing, a software driver in seconds; its
     /// triangles may be off by what their cells, one by one, change when corners move by 1/256 of a pixel.
     #[arg(long, value_name = "COUNT", conflicts_with = "cases")]
     pub scenes: Option<u64>,

@@ -15,13 +15,11 @@ pub(super) fn moved_by_depth<L: Lanes>(depth: L::U, spread: L::U) -> L::U {
 }
 
 /// Edge function: twice the area of the triangle of two positions and the ray, positive where they turn clockwise about it on the
-/// screen. Exchanged positions give a number of the opposite sign, and 0 gives 0. Two products of which the rounding of one is made good (Kahan; Jeannerod,
-/// Louvet and Muller 2013): where the edge passes close by the ray, all digits of the difference count.
+/// screen. Exchanged positions give a number of the opposite sign, and 0 gives 0. Where the edge passes close by the ray, all digits of the
+/// difference count.
 #[inline(always)]
 pub(super) fn edge_function<L: Lanes>(a: Offset<L>, b: Offset<L>) -> L::F {
-    let product = a[1] * b[0];
-    let rest = a[1].mul_add(b[0], -product);
-    a[0].mul_add(b[1], -product) - rest
+    a[0].difference_of_products(b[1], a[1], b[0])
 }
 
 /// Inside test of three edges with a tie rule: true for each edge that is clockwise about rays that are moved right by next to nothing and

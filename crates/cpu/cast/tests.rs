@@ -92,6 +92,20 @@ impl Kernel for Both {
     }
 }
 
+/// Edge function of two places.
+struct EdgeFunction([[f32; 2]; 2]);
+
+impl Kernel for EdgeFunction {
+    type Output = f32;
+
+    fn run<L: Lanes>(self) -> f32 {
+        let [a, b] = self.0.map(|place| place.map(L::F::splat));
+        let mut found = [0.0; 64];
+        edge_function::<L>(a, b).store(&mut found);
+        found[0]
+    }
+}
+
 /// Steps of places, such that some edges pass through the ray.
 fn place() -> impl Strategy<Value = [f32; 2]> {
     let near = (-4..5i32, -4..5i32).prop_map(|(x, y)| [x as f32, y as f32]);
@@ -101,6 +115,19 @@ fn place() -> impl Strategy<Value = [f32; 2]> {
 }
 
 proptest! {
+    /// Also without a fused multiply-add: the edge runs from far on one side of the ray to far on the other and passes close by it.
+    #[test]
+    fn an_edge_function_keeps_its_digits(a in prop::array::uniform2(-50.0f32..50.0), by in 0.1f32..10.0) {
+        let b = a.map(|x| -by * x);
+        let [[ax, ay], [bx, by]] = [a, b].map(|place| place.map(f64::from));
+        let exact = ax * by - ay * bx;
+        for lanes in LaneSet::ALL.into_iter().filter(|lanes| lanes.is_supported()) {
+            let found = dispatch(lanes, EdgeFunction([a, b]));
+            let error = (f64::from(found) - exact).abs();
+            prop_assert!(error <= 2e-7 * exact.abs(), "{}: {found:e} for {exact:e}", lanes.name());
+        }
+    }
+
     /// The same holds where an edge passes through the ray.
     #[test]
     fn a_ray_passes_an_edge_on_one_side(a in place(), b in place()) {

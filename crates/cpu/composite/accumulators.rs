@@ -243,7 +243,7 @@ impl Fragment {
 
     /// True if this segment comes behind the other: [`is_behind`].
     fn is_behind(&self, other: &Fragment) -> bool {
-        is_behind([self.entry, self.exit], [other.entry, other.exit])
+        is_behind([self.entry, other.entry], self.exit - other.exit)
     }
 }
 

@@ -14,12 +14,12 @@ use crate::tolerances::ENTRY_NOISE;
 use voltet_simd::sort::sort_columns;
 use voltet_simd::{Float, Kernel, Lanes, Mask, Unsigned, inlined};
 
-/// True if a segment comes behind another of its pixel: by entry, then by exit, which is by length where entries are equal. Entries
-/// within rounding count as equal: disjoint cells are in the same order by their exits, and of cells that overlap behind a shared face
-/// the one that ends first comes first. Both by entry and length.
-pub(crate) fn is_behind([entry, length]: [f32; 2], [other_entry, other_length]: [f32; 2]) -> bool {
+/// True if a segment comes behind another of its pixel: by entry, then by exit. `exit_difference`: by how far it ends behind the other.
+/// Entries within rounding count as equal: disjoint cells are in the same order by their exits, and of cells that overlap behind a shared
+/// face the one that ends first comes first.
+pub(crate) fn is_behind([entry, other_entry]: [f32; 2], exit_difference: f32) -> bool {
     let noise = ENTRY_NOISE * entry.abs().max(other_entry.abs());
-    if (entry - other_entry).abs() <= noise { length > other_length } else { entry > other_entry }
+    if (entry - other_entry).abs() <= noise { exit_difference > 0.0 } else { entry > other_entry }
 }
 
 /// Fragment lists of one tile.
@@ -195,7 +195,10 @@ impl FragmentLists {
         while to > 0 {
             let before = self.keys[(to - 1) * TILE + x];
             let apart = (key >> SLOT_BITS).abs_diff(before >> SLOT_BITS) > 1;
-            if apart || !is_behind(at(before), at(key)) {
+            let ([entry, length], [other_entry, other_length]) = (at(before), at(key));
+            // Cells may be thinner than the rounding of their sum.
+            let exit_difference = (entry - other_entry) + (length - other_length);
+            if apart || !is_behind([entry, other_entry], exit_difference) {
                 break;
             }
             self.keys[to * TILE + x] = before;

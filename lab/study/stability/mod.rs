@@ -10,7 +10,7 @@ mod report;
 
 pub use pictures::{HardPicture, Subjects, subjects};
 pub use printed::{FormulaRow, PrintedFormula};
-pub use random::{BoundViolation, RandomReport, random, scene as random_scene};
+pub use random::{BoundViolation, Position, RandomReport, random, scene as random_scene};
 pub use report::{IntegratorReport, StabilityReport, forms_json, forms_text, json, random_text, text};
 
 use voltet_core::Result;

@@ -358,10 +358,12 @@ pub fn random_text(report: &RandomReport) -> String {
         text += &format!("  {without_reference} more that the referee says it cannot integrate\n");
     }
     refused.iter().for_each(|(engine, scenes)| text += &format!("  {scenes} that {engine} refuses\n"));
-    for BoundViolation { scene, engine, pixels, wrong, worst_error, worst_pixel: [i, j] } in beyond {
+    for one in beyond {
+        let BoundViolation { scene, position, engine, pixels, wrong, worst_error, worst_pixel: [i, j] } = one;
         let verdict = if *wrong == 0 { "explained".into() } else { format!("{wrong} NOT EXPLAINED") };
         text += &format!(
-            "    scene {scene:>6}  {engine}: {pixels} pixels beyond, {verdict}, {worst_error:.1e} at pixel {i}, {j}\n"
+            "    {} scene {scene:>6}  {engine}: {pixels} pixels beyond, {verdict}, {worst_error:.1e} at pixel {i}, {j}\n",
+            position.name()
         );
     }
     let wrong = beyond.iter().filter(|scene| scene.wrong > 0).count();
