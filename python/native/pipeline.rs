@@ -8,6 +8,7 @@ use crate::memory::{Lent, Piece, any_changed, array, handed_over, in_caller_orde
 use crate::state::State;
 use crate::value::{object, settings, table};
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -51,20 +52,38 @@ impl Pipeline {
         guarded(py, || work(&mut state))
     }
 
-    /// Like [`Pipeline::with`], for long work of a text that is a pipeline.
+    /// Like [`Pipeline::with`], for long work of a text that is a pipeline. Its result comes with the warnings of the run, which
+    /// Python shows.
     fn long<T: Send>(
         &self,
         py: Python<'_>,
         progress: Option<&Py<PyAny>>,
-        work: impl FnOnce(&mut State, &dyn voltet_graph::Observer) -> Result<T> + Send,
+        work: impl FnOnce(&mut State, &dyn voltet_graph::Observer) -> Result<(T, Vec<String>)> + Send,
     ) -> PyResult<T> {
-        let mut state = self.state(py)?;
-        let state = &mut *state;
-        run_long(py, progress, |observer| {
+        let mut guard = self.state(py)?;
+        let state = &mut *guard;
+        let (done, warnings) = run_long(py, progress, |observer| {
             state.check_text()?;
             work(state, observer)
-        })
+        })?;
+        drop(guard);
+        show(py, warnings)?;
+        Ok(done)
     }
+}
+
+/// Shows warnings as Python does, which may make exceptions of them.
+fn show(py: Python<'_>, warnings: Vec<String>) -> PyResult<()> {
+    static SHOW: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    if !warnings.is_empty() {
+        SHOW.import(py, "voltet._errors", "warn")?.call1((warnings,))?;
+    }
+    Ok(())
+}
+
+/// Warnings of the last run.
+fn warnings(state: &State) -> Vec<String> {
+    state.pipeline.warnings().unwrap_or_default().to_vec()
 }
 
 /// A picture as a float32 array, height × width × 4.
@@ -245,18 +264,20 @@ impl Pipeline {
             changed |= is_changed(piece);
             changed
         });
-        let mut state = self.state(py)?;
-        let state = &mut *state;
+        let mut guard = self.state(py)?;
+        let state = &mut *guard;
         let drawn = run_with_side_work(py, progress.as_ref(), &mut side_work, |observer| {
             state.check_text()?;
             let plan = state.pipeline.render_plan(node)?;
             let drawn = state.pipeline.render_owned(&plan, observer)?;
-            Ok((drawn, state.pipeline.record()))
+            Ok((drawn, state.pipeline.record(), warnings(state)))
         })?;
+        drop(guard);
         if changed || py.detach(|| any_changed(open.as_slice())) {
             return Ok(None);
         }
-        let (drawn, record) = drawn?;
+        let (drawn, record, warnings) = drawn?;
+        show(py, warnings)?;
         Ok(Some((handed_over(py, drawn)?, Report(record))))
     }
 
@@ -273,8 +294,9 @@ impl Pipeline {
         let ends = ends.values().to_vec();
         let drawn = self.long(py, progress.as_ref(), |state, observer| {
             state.pipeline.with_graph(Some(node), |graph, session| {
-                let scene = Subject::gather(graph, Some(node), false, session, observer)?.scene;
-                render_to_depth(&scene, &ends, &NodeProgress { observer, node })
+                let Subject { scene, warnings, .. } =
+                    Subject::gather(graph, Some(node), false, session, observer)?;
+                Ok((render_to_depth(&scene, &ends, &NodeProgress { observer, node })?, warnings))
             })
         })?;
         handed_over(py, drawn)
@@ -291,7 +313,7 @@ impl Pipeline {
             document.refuse_missing_data()?;
             let pictures: Vec<(String, Arc<Picture>)> =
                 state.pipeline.run_graph(&document.graph, observer)?.pictures.clone();
-            Ok((pictures, state.pipeline.record()))
+            Ok(((pictures, state.pipeline.record()), warnings(state)))
         })?;
         let images = PyDict::new(py);
         for (name, drawn) in pictures {
@@ -304,7 +326,7 @@ impl Pipeline {
     fn figures(&self, py: Python<'_>, node: &str, progress: Option<Py<PyAny>>) -> PyResult<String> {
         self.long(py, progress.as_ref(), |state, observer| {
             match state.pipeline.value((node, "report"), &Demand::default(), observer)? {
-                Value::Report(text) => Ok(text.to_string()),
+                Value::Report(text) => Ok((text.to_string(), warnings(state))),
                 _ => Err(Error::usage("the node gives no figures").at_node(node)),
             }
         })
@@ -324,7 +346,7 @@ impl Pipeline {
                 Demand { gradient_magnitude: magnitude, gradient, file_cells: true, ..Demand::default() };
             let value = state.pipeline.value((node, "volume"), &asked, observer)?;
             let none = || Error::usage("the node gives no volume").at_node(node);
-            value.volume().ok_or_else(none)?
+            Ok((value.volume().ok_or_else(none)??, warnings(state)))
         })?;
         in_caller_order(py, &found, magnitude, gradient)
     }
@@ -347,7 +369,9 @@ impl Pipeline {
             let found = state.pipeline.with_graph(None, |graph, session| {
                 trace(graph, node, [x, y], sample, session, (observer, &progress))
             })?;
-            Ok((pixel::json(&found).to_string(), pixel::text(&found, all), pixel::plot(&found).svg()))
+            let shown =
+                (pixel::json(&found).to_string(), pixel::text(&found, all), pixel::plot(&found).svg());
+            Ok((shown, Vec::new()))
         })
     }
 
@@ -371,8 +395,10 @@ impl Pipeline {
         let (text, reference) = self.long(py, progress.as_ref(), |state, observer| {
             let document = state.document()?;
             let title = document.pipeline.title.clone().unwrap_or_default();
-            measure_study(&document.graph, &title, node.as_deref(), options, output.as_deref(), observer)
-                .map_err(|error| state.pipeline.source.locate(error))
+            let found =
+                measure_study(&document.graph, &title, node.as_deref(), options, output.as_deref(), observer)
+                    .map_err(|error| state.pipeline.source.locate(error))?;
+            Ok((found, Vec::new()))
         })?;
         Ok((text, handed_over(py, reference)?))
     }
