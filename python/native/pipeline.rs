@@ -1,7 +1,7 @@
 //! A pipeline: its text changed, checked, drawn, saved; and the report of a run, which is made when it is read.
 
 use crate::background::{run_long, run_with_side_work};
-use crate::error::{exception, guarded};
+use crate::error::{exception, guarded, is_forked, refuse_freeing};
 use crate::grid::Grid;
 use crate::measurements::{Rendition, measure_study, study_options};
 use crate::memory::{Lent, Piece, any_changed, array, handed_over, in_caller_order, is_changed};
@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 use std::collections::BTreeSet;
+use std::mem::ManuallyDrop;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use voltet::{PipelineSource, RunRecord, render_to_depth};
@@ -25,7 +26,16 @@ use voltet_study::work_precision::Subject;
 /// A pipeline, and the results that its runs left.
 #[pyclass(frozen, module = "voltet._native")]
 pub struct Pipeline {
-    state: Mutex<State>,
+    state: ManuallyDrop<Mutex<State>>,
+}
+
+impl Drop for Pipeline {
+    fn drop(&mut self) {
+        if !is_forked() {
+            // SAFETY: nobody uses it after this, and it is dropped once.
+            unsafe { ManuallyDrop::drop(&mut self.state) }
+        }
+    }
 }
 
 impl Pipeline {
@@ -98,7 +108,7 @@ impl Pipeline {
     #[pyo3(signature = (path, text))]
     fn new(py: Python<'_>, path: Option<PathBuf>, text: Option<String>) -> PyResult<Pipeline> {
         let state = guarded(py, || State::open(path, text));
-        Ok(Pipeline { state: Mutex::new(state?) })
+        Ok(Pipeline { state: ManuallyDrop::new(Mutex::new(state?)) })
     }
 
     /// The text.
@@ -226,6 +236,8 @@ impl Pipeline {
     fn give(&self, py: Python<'_>, node: Option<&str>, grid: Option<&Bound<'_, Grid>>) -> PyResult<String> {
         let grid = grid.map(|grid| grid.get().grid.clone());
         self.with(py, |state| {
+            // The former grid is freed, on a device, too.
+            refuse_freeing()?;
             state.check_text()?;
             state.pipeline.set_grid(node, grid.as_ref())
         })
