@@ -182,11 +182,13 @@ def test_pieces_are_one_grid(tmp_path, count, way, ids, ghosts, scalar):
 
 
 @pytest.mark.parametrize("ghosts", [False, True])
-def test_the_gradient_of_partitions_is_that_of_the_grid(ghosts):
+@pytest.mark.parametrize("ids", [False, True])
+@pytest.mark.parametrize("scalar", ["s", "c"])
+def test_the_gradient_of_pieces_is_that_of_the_grid(scalar, ids, ghosts):
     def gradients(data):
         g = vv.VoltetGradientMagnitude()
         g.SetInputData(data)
-        g.SetInputArrayToProcess(0, 0, 0, 0, "s")
+        g.SetInputArrayToProcess(0, 0, 0, 0 if scalar == "s" else 1, scalar)
         g.SetComputeGradient(True)
         g.Update()
         return g.GetOutputDataObject(0)
@@ -194,17 +196,27 @@ def test_the_gradient_of_partitions_is_that_of_the_grid(ghosts):
     (one,) = cut(1, "slabs", False, False)
     found = gradients(unstructured(one)).GetPointData()
     points = {tuple(point): row for row, point in enumerate(one["points"])}
-    data = partitioned(cut(3, "scattered", False, ghosts))
+    pieces = cut(3, "scattered", ids, ghosts)
+    data = partitioned(pieces)
     output = gradients(data)
     assert output.GetNumberOfPartitions() == 3
+    given = voltet.Pipeline()
+    given.add("grid", "given-grid", scalar=scalar)
+    given.add("gradient", "gradient-magnitude", grid="grid")
+    given.give(voltet.Grid.from_pieces(pieces))
+    values = given.volume("gradient", gradient=True)
+    begin = 0
     for i in range(3):
         part = output.GetPartition(i)
         rows = [points[tuple(point)] for point in vtk_to_numpy(part.GetPoints().GetData())]
-        for name in ("s_gradient_magnitude", "s_gradient"):
-            own, of_whole = (vtk_to_numpy(where.GetArray(name)) for where in (part.GetPointData(), found))
-            assert np.abs(own - of_whole[rows]).max() <= 1e-12, name
+        for name in ("gradient_magnitude", "gradient"):
+            of_part, of_whole = (vtk_to_numpy(where.GetArray(f"{scalar}_{name}")) for where in (part.GetPointData(), found))
+            for own in (of_part, values[name][begin : begin + len(rows)]):
+                assert np.abs(own - of_whole[rows]).max() <= 1e-11, name
+        begin += len(rows)
         # The input stays as it was.
-        assert data.GetPartition(i).GetPointData().GetArray("s_gradient") is None
+        assert data.GetPartition(i).GetPointData().GetArray(f"{scalar}_gradient") is None
+    assert begin == len(values["gradient"])
 
 
 def blocks(*named):

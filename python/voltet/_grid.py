@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
+from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -122,8 +123,8 @@ class Grid:
         >>> voltet.Grid.from_pieces(halves).point_count
         5
         """
-        known = {*cls.__init__.__kwdefaults__, "points", "global_ids", "block", "name"}
-        known -= {"scalar", "subdivision", "constant_cells", "watch"}
+        of_all = {"self", "scalar", "subdivision", "constant_cells", "watch"}
+        known = {*signature(cls.__init__).parameters, "global_ids", "block", "name"} - of_all
         given = [{"name": f"piece {number}", **piece} for number, piece in enumerate(pieces)]
         for piece in given:
             if wrong := sorted(set(piece) - known):

@@ -122,7 +122,7 @@ def find_array(among: Sequence[Part], name: str, associations: Sequence[int]) ->
             return place
     place = max(associations, key=lambda place: sum(has[place]))
     lacking = among[has[place].index(False)]
-    words = {POINT: " on points", CELL: " on cells"}
+    words: dict[int, str] = {POINT: " on points", CELL: " on cells"}
     known = [f"'{name}'{words[other]}" for other in words for name in array_names(lacking.data, other)]
     what = f"{lacking.where} has no array '{name}'" + (words[place] if len(associations) == 1 or any(has[place]) else "")
     raise usage(what, None, "one of " + ", ".join(known) if known else "arrays on points or cells")
