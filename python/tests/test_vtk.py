@@ -473,6 +473,29 @@ def test_errors_of_other_updates_are_raised_too():
             update()
 
 
+def test_nothing_of_a_former_result_stays_where_an_update_fails():
+    r, probe, file = renderer(cube()), vv.VoltetProbe(), vv.VoltetPipeline()
+    probe.SetInputData(cube())
+    file.SetFileName(PIPELINES / "quickstart.toml")
+    file.SetParameter("view.size", [8, 6])
+    for filter in (r, probe, file):
+        filter.AddObserver("ErrorEvent", lambda *_: None)
+        filter.Update()
+    assert r.GetPicture() is not None and probe.GetFigures() and file.GetPicture() is not None
+    for filter in (r, probe):
+        filter.SetInputArrayToProcess(0, 0, 0, 0, "nope")
+    file.SetFileName("nowhere.toml")
+    for filter in (r, probe, file):
+        with pytest.raises(voltet.UsageError):
+            filter.Update()
+        assert filter.GetOutput().GetNumberOfElements(0) == filter.GetOutput().GetNumberOfElements(6) == 0
+    assert r.GetPicture() is file.GetPicture() is None and r.GetReport() == probe.GetFigures() == {}
+    for filter in (r, probe):
+        filter.SetInputArrayToProcess(0, 0, 0, 0, "T")
+        filter.Update()
+    assert r.GetPicture() is not None and probe.GetFigures()
+
+
 def test_an_array_on_the_other_association_is_said_to_be_there():
     r = renderer(cube())
     for association, name, words in ((0, "c", "'c' on cells"), (1, "T", "'T' on points")):

@@ -78,10 +78,14 @@ class Filter(VTKPythonAlgorithmBase):
     def _update(self, update: Callable[..., Any], *args: Any) -> None:
         if self._missing_input() is None:
             update(*args)
-        elif (output := self.GetOutputDataObject(0)) is not None:
-            # VTK would leave the former output as it is.
-            output.Initialize()
+        else:
+            self._empty()
         self.RaiseError()
+
+    def _empty(self) -> None:
+        """Leaves nothing of a former result, where there is no new one: VTK keeps it where nothing was begun."""
+        if (output := self.GetOutputDataObject(0)) is not None:
+            output.Initialize()
 
     def RaiseError(self) -> None:
         """Raises what the last execution raised, if it did: for programs that update a later filter."""
@@ -94,6 +98,7 @@ class Filter(VTKPythonAlgorithmBase):
             return super().ProcessRequest(request, inInfo, outInfo)
         except BaseException as error:
             self._error = error
+            self._empty()
             self._tell(error)
             return 0
 
@@ -112,8 +117,7 @@ class Filter(VTKPythonAlgorithmBase):
         try:
             done = self._execute(inInfo, outInfo)
         except _Aborted:
-            # What there is of the output is nothing.
-            self.GetOutputData(outInfo, 0).Initialize()
+            self._empty()
             self._error = None
             return 1
         self._error = None

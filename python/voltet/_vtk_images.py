@@ -39,12 +39,17 @@ class _Images(Filter):
         return before
 
     def GetPicture(self) -> Picture | None:
-        """The last picture: a float32 array, height × width × 4, premultiplied linear RGBA, row 0 at the top; with its report."""
+        """The picture of the last update: a float32 array, height × width × 4, premultiplied linear RGBA, row 0 at the top; with its
+        report. None where the update failed or was aborted."""
         return self._picture
 
     def GetReport(self) -> dict[str, Any]:
         """What was done for it, as `voltet run --report` says it."""
         return {} if self._picture is None else self._picture.report
+
+    def _empty(self) -> None:
+        super()._empty()
+        self._picture = None
 
     def _inform(self, outInfo, size: Sequence[int]) -> None:
         info = outInfo.GetInformationObject(0)

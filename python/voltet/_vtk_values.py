@@ -143,8 +143,12 @@ class VoltetProbe(Filter):
         return repr(given) != repr(before)
 
     def GetFigures(self) -> dict[str, Any]:
-        """What was found: fields, centre, sigma, covariance, matrix, cells, volume."""
+        """What was found: fields, centre, sigma, covariance, matrix, cells, volume. Nothing where the last update failed."""
         return self._figures
+
+    def _empty(self) -> None:
+        super()._empty()
+        self._figures = {}
 
     def _execute(self, inInfo, outInfo):
         data = self.GetInputData(inInfo, 0, 0)
