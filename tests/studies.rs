@@ -195,6 +195,7 @@ fn smooth_subject() -> Subject {
             accumulation: Accumulation::Float,
         },
         background: [0.0; 3],
+        warnings: Vec::new(),
     }
 }
 

@@ -57,9 +57,21 @@ pub fn guarded<T>(py: Python<'_>, work: impl FnOnce() -> Result<T>) -> PyResult<
     }
 }
 
+/// The process that began the worker threads.
+static FIRST_PROCESS: OnceLock<u32> = OnceLock::new();
+
+/// True in a process that was forked from one with worker threads. To free what they serve, such as a device, would block for ever.
+pub fn is_forked() -> bool {
+    FIRST_PROCESS.get().is_some_and(|&process| process != std::process::id())
+}
+
+/// Refuses to free what worker threads may serve in a forked process; does not count as a use of them.
+pub fn refuse_freeing() -> Result<()> {
+    if is_forked() { refuse_forked() } else { Ok(()) }
+}
+
 /// Refuses a forked process: worker threads belong to the process that began them, and work in a fork would block for ever.
 pub fn refuse_forked() -> Result<()> {
-    static FIRST_PROCESS: OnceLock<u32> = OnceLock::new();
     if *FIRST_PROCESS.get_or_init(std::process::id) == std::process::id() {
         return Ok(());
     }

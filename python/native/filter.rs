@@ -198,14 +198,14 @@ fn parameter(declared: &Bound<'_, PyDict>) -> PyResult<Parameter> {
 }
 
 impl Function {
-    /// Calls the function with arrays of its own, and takes what it gives.
+    /// Calls the function with arrays of its own, and takes what it gives; the inner error is that of another array than a gradient.
     fn call(
         &self,
         py: Python<'_>,
         grid: &Grid,
         scalar: &[f64],
         parameters: &Parameters,
-    ) -> PyResult<Vec<DVec3>> {
+    ) -> PyResult<Result<Vec<DVec3>>> {
         let (points, tetrahedra) = (&grid.points, &grid.tetrahedra);
         let points = array(py, "f8", points, &[points.len(), 3])?;
         let tetrahedra = array(py, "u4", tetrahedra, &[tetrahedra.len(), 4])?;
@@ -230,8 +230,16 @@ impl Function {
             let _called = Called::new(py)?;
             self.call.call1(py, (points, tetrahedra, values, arrays, set))?
         };
-        let given: Lent<f64> = Lent::borrow("the gradient", given.bind(py))?;
-        Ok(given.values().chunks_exact(3).map(DVec3::from_slice).collect())
+        let given = given.bind(py);
+        let (shape, dtype) = (given.getattr("shape")?, given.getattr("dtype")?.to_string());
+        let count = scalar.len();
+        if dtype != "float64" || shape.extract::<Vec<usize>>()? != [count, 3] {
+            let error = Error::run(format!("the gradient filter '{}' gave no gradient", self.kind.name));
+            let expected = format!("({count}, 3), real numbers: the gradient at every point");
+            return Ok(Err(error.got(format!("shape {shape}, dtype {dtype}")).expected(expected)));
+        }
+        let given: Lent<f64> = Lent::borrow("the gradient", given)?;
+        Ok(Ok(given.values().chunks_exact(3).map(DVec3::from_slice).collect()))
     }
 }
 
@@ -264,7 +272,7 @@ impl GradientFilter for Function {
             })
         });
         match found {
-            Ok(vectors) => Ok(Gradient { vectors, fallbacks: Vec::new() }),
+            Ok(vectors) => Ok(Gradient { vectors: vectors?, fallbacks: Vec::new() }),
             Err(raised) => {
                 let error =
                     Error::run(format!("the gradient filter '{}' raised an exception", self.kind.name));

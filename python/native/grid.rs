@@ -30,9 +30,11 @@ impl Grid {
 #[pymethods]
 impl Grid {
     /// From pieces that `voltet.Grid` has brought into form: C-contiguous arrays, points of 64-bit floats, connectivity of 32-bit or
-    /// 64-bit whole numbers. `watch` lists the bytes of the arrays whose changes [`Grid::changed`] finds.
+    /// 64-bit whole numbers. `watch` lists the bytes of the arrays whose changes [`Grid::changed`] finds, `warnings` what Python
+    /// left out.
     #[new]
-    #[pyo3(signature = (pieces, *, scalar, subdivision, constant_cells, keep_cells, watch))]
+    #[pyo3(signature = (pieces, *, scalar, subdivision, constant_cells, keep_cells, watch, warnings))]
+    #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
         pieces: Vec<Bound<'_, PyDict>>,
@@ -41,6 +43,7 @@ impl Grid {
         constant_cells: bool,
         keep_cells: bool,
         watch: Vec<Bound<'_, PyAny>>,
+        warnings: Vec<String>,
     ) -> PyResult<Grid> {
         guarded(py, refuse_forked)?;
         // Before the grid is built from them: a change in between is found later.
@@ -52,7 +55,8 @@ impl Grid {
         let cell_values = if constant_cells { CellValues::Constant } else { CellValues::Average };
         let options = Options { subdivision, cell_values, keep_cells };
         let source = BorrowedGrid { pieces, scalar, options, keep: Arc::new(keep) };
-        let grid = guarded(py, || py.detach(|| build_grid(source, &NoProgress)))?;
+        let mut grid = guarded(py, || py.detach(|| build_grid(source, &NoProgress)))?;
+        Arc::make_mut(&mut grid.origin).warnings.extend(warnings);
         Ok(Grid { grid: Arc::new(grid), watched, about: OnceLock::new() })
     }
 

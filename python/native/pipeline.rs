@@ -1,15 +1,17 @@
 //! A pipeline: its text changed, checked, drawn, saved; and the report of a run, which is made when it is read.
 
 use crate::background::{run_long, run_with_side_work};
-use crate::error::{exception, guarded};
+use crate::error::{exception, guarded, is_forked, refuse_freeing};
 use crate::grid::Grid;
 use crate::measurements::{Rendition, measure_study, study_options};
 use crate::memory::{Lent, Piece, any_changed, array, handed_over, in_caller_order, is_changed};
 use crate::state::State;
 use crate::value::{object, settings, table};
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 use std::collections::BTreeSet;
+use std::mem::ManuallyDrop;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use voltet::{PipelineSource, RunRecord, render_to_depth};
@@ -24,7 +26,16 @@ use voltet_study::work_precision::Subject;
 /// A pipeline, and the results that its runs left.
 #[pyclass(frozen, module = "voltet._native")]
 pub struct Pipeline {
-    state: Mutex<State>,
+    state: ManuallyDrop<Mutex<State>>,
+}
+
+impl Drop for Pipeline {
+    fn drop(&mut self) {
+        if !is_forked() {
+            // SAFETY: nobody uses it after this, and it is dropped once.
+            unsafe { ManuallyDrop::drop(&mut self.state) }
+        }
+    }
 }
 
 impl Pipeline {
@@ -51,20 +62,38 @@ impl Pipeline {
         guarded(py, || work(&mut state))
     }
 
-    /// Like [`Pipeline::with`], for long work of a text that is a pipeline.
+    /// Like [`Pipeline::with`], for long work of a text that is a pipeline. Its result comes with the warnings of the run, which
+    /// Python shows.
     fn long<T: Send>(
         &self,
         py: Python<'_>,
         progress: Option<&Py<PyAny>>,
-        work: impl FnOnce(&mut State, &dyn voltet_graph::Observer) -> Result<T> + Send,
+        work: impl FnOnce(&mut State, &dyn voltet_graph::Observer) -> Result<(T, Vec<String>)> + Send,
     ) -> PyResult<T> {
-        let mut state = self.state(py)?;
-        let state = &mut *state;
-        run_long(py, progress, |observer| {
+        let mut guard = self.state(py)?;
+        let state = &mut *guard;
+        let (done, warnings) = run_long(py, progress, |observer| {
             state.check_text()?;
             work(state, observer)
-        })
+        })?;
+        drop(guard);
+        show(py, warnings)?;
+        Ok(done)
     }
+}
+
+/// Shows warnings as Python does, which may make exceptions of them.
+fn show(py: Python<'_>, warnings: Vec<String>) -> PyResult<()> {
+    static SHOW: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    if !warnings.is_empty() {
+        SHOW.import(py, "voltet._errors", "warn")?.call1((warnings,))?;
+    }
+    Ok(())
+}
+
+/// Warnings of the last run.
+fn warnings(state: &State) -> Vec<String> {
+    state.pipeline.warnings().unwrap_or_default().to_vec()
 }
 
 /// A picture as a float32 array, height × width × 4.
@@ -79,7 +108,7 @@ impl Pipeline {
     #[pyo3(signature = (path, text))]
     fn new(py: Python<'_>, path: Option<PathBuf>, text: Option<String>) -> PyResult<Pipeline> {
         let state = guarded(py, || State::open(path, text));
-        Ok(Pipeline { state: Mutex::new(state?) })
+        Ok(Pipeline { state: ManuallyDrop::new(Mutex::new(state?)) })
     }
 
     /// The text.
@@ -207,6 +236,8 @@ impl Pipeline {
     fn give(&self, py: Python<'_>, node: Option<&str>, grid: Option<&Bound<'_, Grid>>) -> PyResult<String> {
         let grid = grid.map(|grid| grid.get().grid.clone());
         self.with(py, |state| {
+            // The former grid is freed, on a device, too.
+            refuse_freeing()?;
             state.check_text()?;
             state.pipeline.set_grid(node, grid.as_ref())
         })
@@ -245,18 +276,20 @@ impl Pipeline {
             changed |= is_changed(piece);
             changed
         });
-        let mut state = self.state(py)?;
-        let state = &mut *state;
+        let mut guard = self.state(py)?;
+        let state = &mut *guard;
         let drawn = run_with_side_work(py, progress.as_ref(), &mut side_work, |observer| {
             state.check_text()?;
             let plan = state.pipeline.render_plan(node)?;
             let drawn = state.pipeline.render_owned(&plan, observer)?;
-            Ok((drawn, state.pipeline.record()))
+            Ok((drawn, state.pipeline.record(), warnings(state)))
         })?;
+        drop(guard);
         if changed || py.detach(|| any_changed(open.as_slice())) {
             return Ok(None);
         }
-        let (drawn, record) = drawn?;
+        let (drawn, record, warnings) = drawn?;
+        show(py, warnings)?;
         Ok(Some((handed_over(py, drawn)?, Report(record))))
     }
 
@@ -273,8 +306,9 @@ impl Pipeline {
         let ends = ends.values().to_vec();
         let drawn = self.long(py, progress.as_ref(), |state, observer| {
             state.pipeline.with_graph(Some(node), |graph, session| {
-                let scene = Subject::gather(graph, Some(node), false, session, observer)?.scene;
-                render_to_depth(&scene, &ends, &NodeProgress { observer, node })
+                let Subject { scene, warnings, .. } =
+                    Subject::gather(graph, Some(node), false, session, observer)?;
+                Ok((render_to_depth(&scene, &ends, &NodeProgress { observer, node })?, warnings))
             })
         })?;
         handed_over(py, drawn)
@@ -291,7 +325,7 @@ impl Pipeline {
             document.refuse_missing_data()?;
             let pictures: Vec<(String, Arc<Picture>)> =
                 state.pipeline.run_graph(&document.graph, observer)?.pictures.clone();
-            Ok((pictures, state.pipeline.record()))
+            Ok(((pictures, state.pipeline.record()), warnings(state)))
         })?;
         let images = PyDict::new(py);
         for (name, drawn) in pictures {
@@ -304,7 +338,7 @@ impl Pipeline {
     fn figures(&self, py: Python<'_>, node: &str, progress: Option<Py<PyAny>>) -> PyResult<String> {
         self.long(py, progress.as_ref(), |state, observer| {
             match state.pipeline.value((node, "report"), &Demand::default(), observer)? {
-                Value::Report(text) => Ok(text.to_string()),
+                Value::Report(text) => Ok((text.to_string(), warnings(state))),
                 _ => Err(Error::usage("the node gives no figures").at_node(node)),
             }
         })
@@ -324,7 +358,7 @@ impl Pipeline {
                 Demand { gradient_magnitude: magnitude, gradient, file_cells: true, ..Demand::default() };
             let value = state.pipeline.value((node, "volume"), &asked, observer)?;
             let none = || Error::usage("the node gives no volume").at_node(node);
-            value.volume().ok_or_else(none)?
+            Ok((value.volume().ok_or_else(none)??, warnings(state)))
         })?;
         in_caller_order(py, &found, magnitude, gradient)
     }
@@ -347,7 +381,9 @@ impl Pipeline {
             let found = state.pipeline.with_graph(None, |graph, session| {
                 trace(graph, node, [x, y], sample, session, (observer, &progress))
             })?;
-            Ok((pixel::json(&found).to_string(), pixel::text(&found, all), pixel::plot(&found).svg()))
+            let shown =
+                (pixel::json(&found).to_string(), pixel::text(&found, all), pixel::plot(&found).svg());
+            Ok((shown, Vec::new()))
         })
     }
 
@@ -371,8 +407,10 @@ impl Pipeline {
         let (text, reference) = self.long(py, progress.as_ref(), |state, observer| {
             let document = state.document()?;
             let title = document.pipeline.title.clone().unwrap_or_default();
-            measure_study(&document.graph, &title, node.as_deref(), options, output.as_deref(), observer)
-                .map_err(|error| state.pipeline.source.locate(error))
+            let found =
+                measure_study(&document.graph, &title, node.as_deref(), options, output.as_deref(), observer)
+                    .map_err(|error| state.pipeline.source.locate(error))?;
+            Ok((found, Vec::new()))
         })?;
         Ok((text, handed_over(py, reference)?))
     }

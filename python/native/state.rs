@@ -1,5 +1,6 @@
 //! State of a pipeline: its text as a document, and the results that its runs left.
 
+use crate::error::refuse_freeing;
 use crate::filter;
 use std::path::{Path, PathBuf};
 use voltet::{Pipeline, PipelineSource};
@@ -83,6 +84,8 @@ impl State {
     fn refresh(&mut self) -> Result<()> {
         let epoch = filter::epoch();
         if epoch != self.epoch {
+            // Results of former filters are freed, on a device, too.
+            refuse_freeing()?;
             self.pipeline.set_registry(filter::registry()?)?;
             self.epoch = epoch;
         }

@@ -23,8 +23,10 @@ def parse(module: str) -> ast.Module:
 
 def homes() -> dict[str, str]:
     """Module of each public name, as the package declares them."""
-    found = {"Error": "_errors", "UsageError": "_errors", "RunError": "_errors", "Cancelled": "_errors", "Bug": "_errors"}
+    found = {}
     for node in parse("__init__").body:
+        if isinstance(node, ast.ImportFrom) and node.module == "_errors":
+            found |= {alias.name: node.module for alias in node.names}
         if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "_HOMES":
             found |= ast.literal_eval(node.value)
     return found
@@ -94,7 +96,7 @@ def describe_class(node: ast.ClassDef, module: str, level: str) -> list[str]:
 def describe(module: str, name: str, level: str) -> list[str]:
     for node in parse(module).body:
         if isinstance(node, ast.ClassDef) and node.name == name:
-            bases = ", ".join(f"`{base}`" for base in map(ast.unparse, node.bases) if base.endswith(("Error", "Exception")) or base in VTK_BASES)
+            bases = ", ".join(f"`{base}`" for base in map(ast.unparse, node.bases) if base.endswith(("Error", "Exception", "Warning")) or base in VTK_BASES)
             head = [f"{level} {name}"] + ([f"A kind of {bases}."] if bases else [])
             return head + describe_class(node, module, level)
         if isinstance(node, ast.FunctionDef) and node.name == name and not is_decorated(node, "overload"):

@@ -39,6 +39,17 @@ picture.Method = "cell-average"
 picture.UpdatePipeline()
 before = pixels(picture)
 
+# Blocks, with a surface among them.
+group = simple.GroupDatasets(Input=[simple.Sphere(), wavelet])
+of_blocks = VoltetGradientMagnitude(Input=group, Scalar=["POINTS", "RTData"])  # noqa: F821
+of_blocks.UpdatePipeline()
+blocks = simple.servermanager.Fetch(of_blocks)
+magnitudes = [vtk_to_numpy(blocks.GetBlock(i).GetPointData().GetArray("RTData_gradient_magnitude")) for i in range(2)]
+assert np.isnan(magnitudes[0]).all() and np.isfinite(magnitudes[1]).all()
+simple.Delete(of_blocks)
+simple.Delete(group)
+del of_blocks, group
+
 # A table of a region.
 probe = VoltetProbe(Input=wavelet, Scalar=["POINTS", "RTData"])  # noqa: F821
 

@@ -101,6 +101,12 @@ assert screenshot(view).mean() < shown.mean()
 simple.Hide(volume, view)
 assert screenshot(view).max() == 0
 simple.Show(volume, view)
+# An array that there is not: the overlay holds what is wrong, and the view goes on.
+volume.Scalar = ["POINTS", "nope"]
+screenshot(view)
+(failed,) = voltet.paraview.overlays(view)
+assert "no array 'nope'" in str(failed.error) and "'RTData' on points" in failed.error.expected, failed.error
+volume.Scalar = ["POINTS", "RTData"]
 volume.Extinction = 1.0
 assert np.abs(screenshot(view) - shown).max() <= 1
 

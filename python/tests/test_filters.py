@@ -70,18 +70,21 @@ def test_what_it_raises_is_the_cause(cube):
 @pytest.mark.parametrize(
     "given, match",
     [
-        (np.zeros((3, 3)), "shape"), (np.zeros(216), "shape"), (None, "shape"), ("text", "shape"),
+        (np.zeros((3, 3)), "shape"), (np.zeros(216), "shape"), (None, "shape"), ("text", "shape"), ([[1.0, 2.0], [3.0]], "shape"),
         (np.zeros((216, 3), complex), "complex"), (np.full((216, 3), np.nan), "finite"),
     ],
-    ids=["few", "flat", "none", "text", "complex", "nan"],
+    ids=["few", "flat", "none", "text", "ragged", "complex", "nan"],
 )
 def test_wrong_gradients_are_refused(cube, given, match):
     @voltet.gradient_filter("wrong-gradient")
     def wrong(points, tetrahedra, scalar):
         return given
 
-    with pytest.raises(voltet.RunError, match=match):
+    with pytest.raises(voltet.RunError, match=match) as raised:
         scene(cube, "wrong-gradient").volume("gradient")
+    if match != "finite":
+        assert raised.value.what == "the gradient filter 'wrong-gradient' gave no gradient" and raised.value.node == "gradient"
+        assert raised.value.expected == "(216, 3), real numbers: the gradient at every point" and raised.value.__cause__ is None
 
 
 def test_names_that_are_taken_and_defaults_that_are_none():

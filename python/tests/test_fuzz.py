@@ -3,10 +3,13 @@
 import os
 
 import numpy as np
+import pytest
 from conftest import box, uniform
 
 import voltet
 
+# What is drawn by lot is left out or blank now and then.
+pytestmark = pytest.mark.filterwarnings("ignore::voltet.VoltetWarning")
 ROUNDS = int(os.environ.get("VOLTET_FUZZ", "300"))
 
 

@@ -182,11 +182,13 @@ def test_pieces_are_one_grid(tmp_path, count, way, ids, ghosts, scalar):
 
 
 @pytest.mark.parametrize("ghosts", [False, True])
-def test_the_gradient_of_partitions_is_that_of_the_grid(ghosts):
+@pytest.mark.parametrize("ids", [False, True])
+@pytest.mark.parametrize("scalar", ["s", "c"])
+def test_the_gradient_of_pieces_is_that_of_the_grid(scalar, ids, ghosts):
     def gradients(data):
         g = vv.VoltetGradientMagnitude()
         g.SetInputData(data)
-        g.SetInputArrayToProcess(0, 0, 0, 0, "s")
+        g.SetInputArrayToProcess(0, 0, 0, 0 if scalar == "s" else 1, scalar)
         g.SetComputeGradient(True)
         g.Update()
         return g.GetOutputDataObject(0)
@@ -194,41 +196,170 @@ def test_the_gradient_of_partitions_is_that_of_the_grid(ghosts):
     (one,) = cut(1, "slabs", False, False)
     found = gradients(unstructured(one)).GetPointData()
     points = {tuple(point): row for row, point in enumerate(one["points"])}
-    data = partitioned(cut(3, "scattered", False, ghosts))
+    pieces = cut(3, "scattered", ids, ghosts)
+    data = partitioned(pieces)
     output = gradients(data)
     assert output.GetNumberOfPartitions() == 3
+    given = voltet.Pipeline()
+    given.add("grid", "given-grid", scalar=scalar)
+    given.add("gradient", "gradient-magnitude", grid="grid")
+    given.give(voltet.Grid.from_pieces(pieces))
+    values = given.volume("gradient", gradient=True)
+    begin = 0
     for i in range(3):
         part = output.GetPartition(i)
         rows = [points[tuple(point)] for point in vtk_to_numpy(part.GetPoints().GetData())]
-        for name in ("s_gradient_magnitude", "s_gradient"):
-            own, of_whole = (vtk_to_numpy(where.GetArray(name)) for where in (part.GetPointData(), found))
-            assert np.abs(own - of_whole[rows]).max() <= 1e-12, name
+        for name in ("gradient_magnitude", "gradient"):
+            of_part, of_whole = (vtk_to_numpy(where.GetArray(f"{scalar}_{name}")) for where in (part.GetPointData(), found))
+            for own in (of_part, values[name][begin : begin + len(rows)]):
+                assert np.abs(own - of_whole[rows]).max() <= 1e-11, name
+        begin += len(rows)
         # The input stays as it was.
-        assert data.GetPartition(i).GetPointData().GetArray("s_gradient") is None
+        assert data.GetPartition(i).GetPointData().GetArray(f"{scalar}_gradient") is None
+    assert begin == len(values["gradient"])
 
 
-def test_blocks_stay_apart_and_surfaces_are_passed_over():
+def blocks(*named):
+    """A multi-block data set of blocks by name."""
+    data = vtk.vtkMultiBlockDataSet()
+    for number, (name, block) in enumerate(named):
+        data.SetBlock(number, block)
+        data.GetMetaData(number).Set(vtk.vtkCompositeDataSet.NAME(), name)
+    return data
+
+
+def inlet():
+    source = vtk.vtkSphereSource()
+    source.Update()
+    return source.GetOutput()
+
+
+def outlet():
+    """A surface of triangles in an unstructured grid, as readers of Exodus give it, without the arrays of volumes."""
+    append = vtk.vtkAppendFilter()
+    append.AddInputData(inlet())
+    append.Update()
+    return append.GetOutput()
+
+
+def wall():
+    """A side of a structured block, as readers of CGNS give it."""
+    grid = vtk.vtkStructuredGrid()
+    grid.SetDimensions(3, 3, 1)
+    points = vtk.vtkPoints()
+    for i in range(9):
+        points.InsertNextPoint(i % 3, i // 3, 0)
+    grid.SetPoints(points)
+    return grid
+
+
+def halves():
+    return [unstructured(piece) for piece in cut(2, "slabs", False, False)]
+
+
+def test_blocks_stay_apart_and_surfaces_are_passed_over_and_counted():
     pieces = cut(2, "slabs", False, False)
-    blocks = vtk.vtkMultiBlockDataSet()
-    for number, piece in enumerate(pieces):
-        blocks.SetBlock(number, unstructured(piece))
-    sphere = vtk.vtkSphereSource()
-    sphere.Update()
-    blocks.SetBlock(2, sphere.GetOutput())
-    renderer = vv.VoltetRenderer()
-    renderer.SetInputData(blocks)
-    renderer.SetInputArrayToProcess(0, 0, 0, 0, "s")
-    renderer.SetSize(8, 8)
-    renderer.Update()
+    lower, upper = halves()
+    nested = blocks(("inlet", inlet()), ("upper", upper), ("outlet", outlet()))
+    data = blocks(("inlet", inlet()), ("wall", wall()), ("lower", lower), ("rest", nested), ("empty", vtk.vtkUnstructuredGrid()))
+    words = (
+        r"passed over, as they have no volume cells: 4 of 6 parts \(block 0 'inlet'; block 1 'wall'; "
+        r"block 3 'rest', block 0 'inlet'; block 3 'rest', block 2 'outlet'\)"
+    )
+    expected = of_vtk(blocks(("lower", lower), ("upper", upper)), "s")
+    assert expected[..., 3].max() > 0.3
+    with pytest.warns(voltet.VoltetWarning, match=words):
+        assert np.array_equal(of_vtk(data, "s"), expected)
     points = sum(len(piece["points"]) for piece in pieces)
-    assert renderer._taken[1].point_count == points
+    grid = vv.grid(data, ["s"])
+    assert grid.point_count == points and any("4 of 6 parts" in text for text in grid.about["warnings"])
     assert voltet.Grid.from_pieces(pieces).point_count == (N + 1) ** 3 < points
+    # Surfaces have the arrays, too, so that filters behind find them everywhere.
+    gradient = vv.VoltetGradientMagnitude()
+    gradient.SetInputData(data)
+    gradient.SetInputArrayToProcess(0, 0, 0, 0, "s")
+    with pytest.warns(voltet.VoltetWarning, match=words):
+        gradient.Update()
+    output = gradient.GetOutputDataObject(0)
+    names = [output.GetMetaData(i).Get(vtk.vtkCompositeDataSet.NAME()) for i in range(5)]
+    assert names == ["inlet", "wall", "lower", "rest", "empty"]
+    for block, is_finite in ((output.GetBlock(0), False), (output.GetBlock(2), True), (output.GetBlock(3).GetBlock(1), True)):
+        found = vtk_to_numpy(block.GetPointData().GetArray("s_gradient_magnitude"))
+        assert np.isfinite(found).all() == is_finite and np.isnan(found).all() != is_finite
+    assert data.GetBlock(2).GetPointData().GetArray("s_gradient_magnitude") is None
+    probe = vv.VoltetProbe()
+    probe.SetInputData(data)
+    probe.SetInputArrayToProcess(0, 0, 0, 0, "s")
+    with pytest.warns(voltet.VoltetWarning, match=words):
+        probe.Update()
+    assert probe.GetFigures()["volume"] == pytest.approx(1.0, rel=1e-9)
+
+
+def test_partitions_of_several_collections_are_named():
+    lower, upper = halves()
+    data = vtk.vtkPartitionedDataSetCollection()
+    data.SetPartition(0, 0, inlet())
+    data.SetPartition(1, 0, lower)
+    data.SetPartition(1, 1, outlet())
+    data.SetPartition(2, 0, upper)
+    data.GetMetaData(1).Set(vtk.vtkCompositeDataSet.NAME(), "lower")
+    with pytest.warns(voltet.VoltetWarning, match=r"2 of 4 parts \(block 0, partition 0; block 1 'lower', partition 1\)"):
+        of_vtk(data, "s")
+    upper.GetPointData().RemoveArray("s")
+    with pytest.raises(voltet.UsageError, match="block 2, partition 0 has no array 's'"):
+        of_vtk(data, "s")
+
+
+def test_an_array_that_a_block_lacks_is_said_with_the_block():
+    lower, upper = halves()
+    upper.GetPointData().RemoveArray("s")
+    data = blocks(("inlet", inlet()), ("lower", lower), ("upper", upper))
+    filters = [vv.VoltetRenderer(), vv.VoltetGradientMagnitude(), vv.VoltetProbe(), vv.VoltetVolume()]
+    for filter in filters:
+        filter.SetInputData(data)
+        filter.SetInputArrayToProcess(0, 0, 0, 0, "s")
+        with pytest.raises(voltet.UsageError, match="block 2 'upper' has no array 's' on points") as raised:
+            filter.Update()
+        assert raised.value.expected == "one of 'c' on cells" and filter.GetError() is raised.value
+        # Cells where points are meant.
+        filter.SetInputArrayToProcess(0, 0, 0, 0, "c")
+        with pytest.raises(voltet.UsageError, match="block 1 'lower' has no array 'c' on points") as raised:
+            filter.Update()
+        assert raised.value.expected == "one of 's' on points, 'c' on cells"
+        filter.SetInputArrayToProcess(0, 0, 0, 1, "c")
+        with pytest.warns(voltet.VoltetWarning, match="1 of 3 parts"):
+            filter.Update()
+    with pytest.raises(voltet.UsageError, match="block 2 'upper' has no array 's'"):
+        vv.grid(data, ["s"])
+    # All arrays are those that all have.
+    grid = vv.grid(data)
+    assert list(grid.arrays) == ["c"]
+    assert any(text == "left out, as not all parts have them: 1 of 2 arrays ('s')" for text in grid.about["warnings"])
+    # On points of one and cells of another.
+    values = numpy_to_vtk(np.zeros(upper.GetNumberOfCells()), deep=True)
+    values.SetName("s")
+    upper.GetCellData().AddArray(values)
+    with pytest.raises(voltet.UsageError, match="block 2 'upper' has no array 's' on points; expected one of 'c' on cells, 's' on cells"):
+        vv.grid(data, ["s"])
+
+
+def test_a_surface_alone_is_refused():
+    for data in (inlet(), outlet(), blocks(("inlet", inlet()), ("outlet", outlet()))):
+        for part in [data] if data.IsA("vtkDataSet") else [data.GetBlock(0), data.GetBlock(1)]:
+            values = numpy_to_vtk(np.zeros(part.GetNumberOfPoints()), deep=True)
+            values.SetName("s")
+            part.GetPointData().AddArray(values)
+        with pytest.raises(voltet.Error, match="nothing to draw"):
+            of_vtk(data, "s")
 
 
 def test_what_a_piece_lacks_is_said():
     pieces = cut(2, "slabs", False, False)
     for wrong, words in [
-        ({"point_data": {"other": pieces[1]["point_data"]["s"]}}, "lacks the array"),
+        ({"point_data": {"other": pieces[1]["point_data"]["s"]}}, "piece 1 lacks the array 's'"),
+        ({"point_data": {"s": pieces[1]["points"]}}, "piece 1 has another array 's' than piece 0"),
+        ({"cell_data": {**pieces[1]["cell_data"], "more": pieces[1]["cell_data"]["c"]}}, "piece 0 lacks the array 'more'"),
+        ({"name": "upper", "cell_data": {}}, "upper lacks the array 'c'"),
         ({"global_ids": [1, 2]}, "wrong shape"),
         ({"scalar": "s"}, "not known"),
     ]:

@@ -205,3 +205,51 @@ def test_rays_that_end_see_what_is_before_their_end(slab):
     slab["look"]["widgets"] = look + [{**look[0], "color": [0.0, 1.0, 0.0], "extinction": 1.0}]
     rgba = slab.render_until(depths)
     assert np.allclose(rgba[5, 3, 3], 1 - np.exp(-3 * 0.25), atol=1e-5)
+
+
+def test_warnings_of_reports_are_warnings_of_python(cube):
+    import warnings
+
+    cube["point_data"]["T"][:] = 4.0
+    grid = voltet.Grid(**cube)
+    flat = voltet.scene(grid, size=(8, 8), engine="cpu")
+    for draw in (flat.render, flat.run):
+        with pytest.warns(voltet.VoltetWarning, match="picture: the picture is empty") as told:
+            done = draw()
+        assert [str(warning.message) for warning in told] == done.report["warnings"]
+        assert [warning.filename for warning in told] == [__file__]
+    # What a grid leaves out, at each entry that gives numbers or a picture.
+    cube["point_data"]["T"][:] = cube["points"][:, 0]
+    cube["point_data"]["T"][40] = np.nan
+    some = voltet.scene(voltet.Grid(**cube), size=(8, 8), engine="cpu")
+    some.add("seen", "histogram", volume="gradient")
+    ends = np.full((8, 8), np.inf)
+    entries = (lambda: some.render("picture"), lambda: some.volume("gradient"), lambda: some.figures("seen"), lambda: some.render_until(ends))
+    for entry in entries:
+        with pytest.warns(voltet.VoltetWarning, match="finite"):
+            entry()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        cube["point_data"]["T"][40] = 0.0
+        some.render("picture")
+
+
+def test_whole_numbers_are_not_rounded(cube, slab):
+    grid = voltet.Grid(**cube)
+    for call in (
+        lambda: voltet.scene(grid, size=(2.5, 3)), lambda: voltet.scene(grid, size=8), lambda: slab.pixel(1.5, 2), lambda: slab.pixel(1, "2"),
+        lambda: slab.pixel(1, 2, sample=0.0), lambda: slab.study(frames=2.5), lambda: voltet.Grid(**cube, subdivision=2.0),
+        lambda: voltet.Grid(**cube, subdivision=True), lambda: voltet.gradient_test("least-squares", levels=[2.5]),
+        lambda: voltet.gradient_test("least-squares", timed=4.0), lambda: voltet.gradient_test("least-squares", rounds="1"),
+        lambda: voltet.Grid.from_pieces([{**{key: cube[key] for key in ("points", "tetrahedra", "point_data")}, "block": 0.5}]),
+    ):
+        with pytest.raises(TypeError, match="whole number") as raised:
+            call()
+        assert isinstance(raised.value, voltet.UsageError) and raised.value.expected
+    for call in (lambda: slab.study(frames=-1), lambda: slab.pixel(1, 2, sample=-1), lambda: voltet.scene(grid, size=(0, 3))):
+        with pytest.raises(voltet.UsageError, match="out of range"):
+            call()
+    # Parameters of pipelines are checked by their declarations.
+    for path, value in (("view.size", [2.5, 3]), ("view.size", [8.0, 8.0]), ("picture.segments", 2.5)):
+        with pytest.raises(voltet.UsageError, match=path.partition(".")[2]):
+            slab.set({path: value})

@@ -164,6 +164,38 @@ def test_closed_plotters_and_wrong_words():
     p.close()
 
 
+def test_whole_numbers_are_not_rounded():
+    for words in ({"window_size": (40.5, 30)}, {"window_size": 40}, {"n_colors": 64.0}):
+        with pytest.raises(TypeError, match="whole number") as raised:
+            cube().voltet.render("T", **words)
+        assert isinstance(raised.value, voltet.UsageError)
+
+
+def test_a_frame_of_a_volume_that_shows_nothing_warns():
+    grid = cube()
+    grid["T"][:] = 4.0
+    p = plotter()
+    p.voltet.add_volume(grid, "T", show_scalar_bar=False, engine="cpu")
+    with pytest.warns(voltet.VoltetWarning, match="the picture is empty"):
+        shown(p)
+    p.close()
+
+
+def test_blocks_of_surfaces_are_passed_over_and_an_array_that_a_block_lacks_is_said():
+    one, two = cube(), cube()
+    two.points += [2.0, 0.0, 0.0]
+    blocks = pv.MultiBlock({"inlet": pv.Sphere(), "one": one, "two": two})
+    one.set_active_scalars("T")
+    with pytest.warns(voltet.VoltetWarning, match=r"1 of 3 parts \(block 0 'inlet'\)"):
+        assert blocks.voltet.render(window_size=(8, 8), engine="cpu")[..., 3].any()
+    with pytest.warns(voltet.VoltetWarning, match="1 of 3 parts"):
+        assert "T_gradient" in blocks.voltet.gradient("T")["two"].array_names
+    del two.point_data["T"]
+    for call in (lambda: blocks.voltet.render("T"), lambda: blocks.voltet.gradient("T"), lambda: blocks.voltet.grid(["T"])):
+        with pytest.raises(voltet.UsageError, match="block 2 'two' has no array 'T'"):
+            call()
+
+
 def test_what_a_frame_raises_is_kept():
     p = plotter()
     grid = cube()
@@ -227,3 +259,93 @@ def test_pictures_larger_than_the_window_show_the_volume_where_it_is():
     difference = np.abs(large.reshape(90, 2, 120, 2, 3).mean((1, 3)) - small)
     # Edges of surfaces fall otherwise.
     assert np.median(difference) < 1 and difference.mean() < 3, difference.mean()
+
+
+WAYS = {
+    "clear": lambda p, v: p.clear(),
+    "clear_actors": lambda p, v: p.clear_actors(),
+    "remove_actor": lambda p, v: p.remove_actor(v),
+    "remove_actor before the next render": lambda p, v: p.remove_actor(v, render=False),
+    "remove_actor by name": lambda p, v: p.remove_actor(v.name),
+    "remove": lambda p, v: v.remove(),
+    "hide": lambda p, v: v.SetVisibility(False),
+    "visibility": lambda p, v: setattr(v, "visibility", False),
+}
+
+
+@pytest.mark.parametrize("rendered", [False, True], ids=["at once", "after a frame"])
+@pytest.mark.parametrize("way", WAYS)
+def test_a_volume_goes_as_other_actors_do(way, rendered):
+    def volume():
+        return p.voltet.add_volume(cube(), "T", name="v", opacity=[0.9, 0.9], show_scalar_bar=way not in ("hide", "visibility"), engine="cpu")
+
+    p = plotter()
+    p.camera_position = [(3, -2, 2), (0.5, 0.5, 0.5), (0, 0, 1)]
+    v = volume()
+    if rendered:
+        assert (shown(p)[30:60, 45:75] != 255).any(-1).any()
+    WAYS[way](p, v)
+    is_hidden = way in ("hide", "visibility")
+    assert list(p.voltet.volumes) == (["v"] if is_hidden else [])
+    assert is_hidden or not p.scalar_bars.keys()
+    # The next frame, and what is added to it.
+    draws = v.draws
+    p.render()
+    assert (p.screenshot(return_img=True)[:70] == 255).all()
+    p.add_mesh(pv.Plane(center=(0.5, 0.5, 0.5), direction=(1, 1, 1), i_size=9, j_size=9), color="blue", lighting=False)
+    p.reset_camera_clipping_range()
+    p.render()
+    assert (p.screenshot(return_img=True)[45, 60] == [0, 0, 255]).all()
+    assert v.draws == draws
+    # What is removed can come again.
+    if is_hidden:
+        v.visibility = True
+    else:
+        assert volume() is p.voltet.volumes["v"]
+        p.remove_actor("v")
+        p.add_actor(v, name="v")
+    p.render()
+    assert v.draws > draws and v.error is None
+    assert (p.screenshot(return_img=True)[45, 60] != [0, 0, 255]).any()
+    p.close()
+
+
+def test_nothing_stays_of_a_volume_that_is_cleared():
+    p = plotter()
+    v = p.voltet.add_volume(cube(), "T", engine="cpu")
+    shown(p)
+    gone = weakref.ref(v.pipeline)
+    p.clear()
+    del v
+    gc.collect()
+    assert gone() is None
+    # One that nobody but the plotter has is drawn.
+    p.voltet.add_volume(cube(), "T", opacity=[1.0, 1.0], show_scalar_bar=False, engine="cpu")
+    gc.collect()
+    p.render()
+    (v,) = p.voltet.volumes.values()
+    assert v.draws == 1 and (p.screenshot(return_img=True) != 255).any()
+    p.close()
+
+
+def test_a_volume_of_a_name_is_replaced_in_every_renderer():
+    p = plotter(shape=(1, 2))
+    old = p.voltet.add_volume(cube(), "T", name="v", show_scalar_bar=False, engine="cpu")
+    p.subplot(0, 1)
+    new = p.voltet.add_volume(cube(), "T", name="v", show_scalar_bar=False, engine="cpu")
+    shown(p)
+    assert p.voltet.volumes == {"v": new} and (old.draws, new.draws) == (0, 1)
+    p.close()
+
+
+def test_a_volume_that_is_moved_as_an_actor_says_so():
+    p = plotter()
+    v = p.voltet.add_volume(cube(), "T", engine="cpu")
+    v.position = (1.0, 0.0, 0.0)
+    shown(p)
+    with pytest.raises(voltet.UsageError, match="'voltet 0' was moved"):
+        v.raise_error()
+    v.position = (0.0, 0.0, 0.0)
+    p.render()
+    assert v.error is None
+    p.close()

@@ -1,5 +1,6 @@
 """Threads, signals, forks, and arrays that change while they are drawn."""
 
+import gc
 import os
 import signal
 import subprocess
@@ -145,38 +146,170 @@ def test_ctrl_c_interrupts_a_filter_that_never_returns():
     assert out.strip() == "(8, 8, 4)" and run.returncode == 0, err
 
 
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
-def test_a_forked_process_is_told(slab, cube, tmp_path):
-    slab.render()
+def forked(work, seconds=30):
+    """Does work in a fork of this process: what it says, or how it was ended."""
     reading, writing = os.pipe()
-    picture, grid = slab.render(), voltet.Grid(**cube)
-
-    def draw():
-        slab["view"]["size"] = [5, 5]
-        slab.render()
-
-    # Every entry that works on several threads.
-    entries = [draw, lambda: voltet.Grid(**cube), lambda: grid.about, lambda: picture.save(str(tmp_path / "picture.png"))]
-    entries += [lambda: voltet.gradient_test("least-squares")]
     child = os.fork()
     if child == 0:
-        for entry in entries:
-            try:
-                entry()
-                os.write(writing, b"done;")
-            except voltet.UsageError as error:
-                os.write(writing, (str(error) + ";").encode())
-            except BaseException as error:
-                os.write(writing, f"{error!r};".encode())
+        os.close(reading)
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)
+        # Ends a child that hangs, whatever it holds.
+        signal.alarm(seconds)
+        try:
+            work()
+            said = "done"
+        except voltet.UsageError as error:
+            said = f"refused: {error}"
+        except BaseException as error:
+            said = repr(error)
+        os.write(writing, said.encode())
         os._exit(0)
     os.close(writing)
     text = b""
     while part := os.read(reading, 4096):
         text += part
-    os.waitpid(child, 0)
-    said = text.decode().split(";")[:-1]
-    assert len(said) == len(entries)
-    assert all("forked" in one and "spawn" in one for one in said), said
+    os.close(reading)
+    status = os.waitpid(child, 0)[1]
+    return text.decode() if status == 0 else f"ended by {status}"
+
+
+def is_told(said):
+    return said.startswith("refused: this process was forked") and "spawn" in said
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
+def test_every_entry_of_a_forked_process_works_or_is_refused(slab, cube, tmp_path):
+    picture, grid = slab.render(), voltet.Grid(**cube)
+    slab.save(tmp_path / "slab.toml")
+    result = voltet.run(tmp_path / "slab.toml")
+
+    @voltet.gradient_filter("before-the-fork")
+    def before(points, tetrahedra, scalar):
+        return np.zeros((len(points), 3))
+
+    drawn, file = slab.render(), voltet.Pipeline.open(tmp_path / "slab.toml")
+
+    def register():
+        voltet.gradient_filter("after-the-fork")(before)
+
+    def change():
+        slab["view"]["size"] = [5, 5]
+
+    works = {
+        "text": lambda: slab.text, "nodes": lambda: list(slab), "change": change, "undo": slab.undo, "check": slab.check, "size": slab.size,
+        "add": lambda: slab.add("other", "camera", eye=[0, -9, 0], target=[0, 0, 0]), "rename": lambda: slab.rename("view", "seen"),
+        "open": lambda: voltet.Pipeline.open(tmp_path / "slab.png"), "repr": lambda: slab._repr_html_(),
+        "file check": lambda: voltet.check(tmp_path / "slab.toml"), "file save": lambda: file.save(tmp_path / "again.toml"),
+        "report": lambda: drawn.report["seconds"], "result": lambda: repr(result), "pixels": lambda: picture.rgba8(),
+        "register": register, "new": voltet.Pipeline, "widget": lambda: voltet.widgets.uniform(color=[1, 1, 1], extinction=1.0),
+        "forget": grid.modified, "collect": lambda: (slab.__dict__.clear(), grid.__dict__.clear(), gc.collect()),
+    }
+    refused = {
+        "give": lambda: slab.give(grid, "grid"), "render": lambda: (change(), slab.render()), "same picture": slab.render, "run": slab.run, "render until": lambda: slab.render_until(np.full((16, 16), 9.0)),
+        "volume": lambda: slab.volume("gradient"), "figures": lambda: slab.figures("gradient"), "pixel": lambda: slab.pixel(2, 2), "study": slab.study,
+        "after a new filter": lambda: (register(), change()), "save": lambda: slab.save(tmp_path / "other.toml"), "grid": lambda: voltet.Grid(**cube), "about": lambda: grid.about, "count": lambda: grid.cell_count,
+        "pieces": lambda: voltet.Grid.from_pieces([{key: cube[key] for key in ("points", "tetrahedra", "point_data")}]),
+        "scene": lambda: voltet.scene(grid), "run of a file": lambda: voltet.run(tmp_path / "slab.toml"), "png": lambda: picture.save(tmp_path / "p.png"),
+        "exr": lambda: picture.save(tmp_path / "p.exr"), "shown": picture._repr_png_, "test": lambda: voltet.gradient_test("least-squares"),
+    }
+    said = {name: forked(entry) for name, entry in [*works.items(), *refused.items()]}
+    assert {name: said[name] for name in works} == dict.fromkeys(works, "done")
+    assert not {name: said[name] for name in refused if not is_told(said[name])}
+    assert slab.render().shape == (16, 16, 4)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
+def test_filters_of_vtk_in_a_forked_process_say_so(cube):
+    vtk = pytest.importorskip("vtk")
+    import voltet.vtk as vv
+
+    source = vtk.vtkRTAnalyticSource(whole_extent=(-3, 3, -3, 3, -3, 3))
+    source.Update()
+    kinds = [vv.VoltetRenderer, vv.VoltetGradientMagnitude, vv.VoltetProbe, vv.VoltetVolume]
+    filters = [kind() for kind in kinds]
+    for filter in filters:
+        filter.SetInputData(source.GetOutput())
+        filter.Update()
+        filter.AddObserver("ErrorEvent", lambda *_: None)
+
+    def update(filter):
+        filter.Update()
+        assert filter.GetError() is None
+        filter.Modified()
+        try:
+            filter.Update()
+        finally:
+            assert isinstance(filter.GetError(), voltet.UsageError)
+
+    assert not [said for said in (forked(lambda: update(filter)) for filter in filters) if not is_told(said)]
+
+
+FORKS = """
+import concurrent.futures, multiprocessing, os, signal, sys, numpy as np, voltet
+sys.path.insert(0, {tests!r})
+from conftest import box, uniform
+points, tetrahedra = box()
+slab = uniform(voltet.Grid(points, tetrahedra=tetrahedra, point_data={{"T": points[:, 0]}}))
+
+def draw(number):
+    try:
+        return slab.render().shape
+    except voltet.UsageError as error:
+        return str(error)
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
+@pytest.mark.parametrize("engine", ["cpu", "gpu"])
+def test_processes_of_multiprocessing_are_told_and_end(engine):
+    text = FORKS.format(tests=os.path.dirname(__file__)) + f"slab['picture']['engine'] = {engine!r}" + textwrap.dedent("""
+    try:
+        slab.render()
+    except voltet.RunError as error:
+        sys.exit(f"no device: {error}")
+    fork = multiprocessing.get_context("fork")
+    with fork.Pool(2) as pool:
+        print(*pool.map(draw, range(4)), sep="\\n")
+    with concurrent.futures.ProcessPoolExecutor(2, fork) as pool:
+        print(*pool.map(draw, range(4)), sep="\\n")
+    process = fork.Process(target=draw, args=(1,))
+    process.start()
+    process.join(20)
+    assert process.exitcode == 0, process.exitcode
+    # One that ends as programs do, with all that it has.
+    child = os.fork()
+    if child == 0:
+        signal.alarm(20)
+        draw(1)
+        sys.exit(0)
+    assert os.waitpid(child, 0)[1] == 0
+    print(slab.render().shape)
+    """)
+    out, err = script(text).communicate(timeout=120)
+    if "no device" in err and engine == "gpu":
+        pytest.skip(err)
+    lines = out.splitlines()
+    assert len(lines) == 9 and all("forked" in line and "spawn" in line for line in lines[:8]) and lines[8] == "(16, 16, 4)", out + err
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
+def test_what_is_only_read_before_a_fork_is_drawn_in_it(tmp_path, slab):
+    slab.save(tmp_path / "slab.toml")
+    voltet.run(tmp_path / "slab.toml")
+    text = textwrap.dedent(f"""
+    import multiprocessing, voltet
+    file = voltet.Pipeline.open({str(tmp_path / "slab.png")!r})
+    file.size(), voltet.nodes, voltet.widgets, file.save({str(tmp_path / "again.toml")!r})
+    voltet.gradient_filter("zero")(lambda points, tetrahedra, scalar: 0.0 * points)
+
+    def draw(number):
+        return file.render().shape
+
+    with multiprocessing.get_context("fork").Pool(2) as pool:
+        print(pool.map(draw, range(2)))
+    """)
+    out, err = script(text).communicate(timeout=120)
+    assert out == "[(16, 16, 4), (16, 16, 4)]\n", out + err
 
 
 def test_the_interpreter_ends_while_something_is_drawn():

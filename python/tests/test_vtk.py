@@ -442,6 +442,136 @@ def test_mixed_cells_and_polyhedra():
         assert len(found) == data.GetNumberOfPoints(), kind
 
 
+@pytest.mark.parametrize("kind", [vv.VoltetRenderer, vv.VoltetGradientMagnitude, vv.VoltetProbe, vv.VoltetVolume])
+@pytest.mark.parametrize("way", ["RemoveAllInputConnections", "RemoveAllInputs", "SetInputConnection", "SetInputDataObject"])
+def test_a_filter_whose_input_was_taken_away_says_so(kind, way):
+    f = kind()
+    with pytest.raises(voltet.UsageError, match=f"{kind.__name__} has no input"):
+        f.Update()
+    f.SetInputData(cube())
+    f.Update()
+    assert f.GetError() is None and f.GetOutput().GetNumberOfElements(0) + f.GetOutput().GetNumberOfElements(6) > 0
+    getattr(f, way)(*{"RemoveAllInputConnections": [0], "RemoveAllInputs": []}.get(way, [None]))
+    assert "no input" in str(f.GetError())
+    for update in (f.Update, f.UpdateWholeExtent, lambda: f.UpdateTimeStep(0.0)):
+        with pytest.raises(voltet.UsageError, match="no input") as raised:
+            update()
+    assert "SetInputData" in raised.value.expected
+    # The former output would be taken for the new one.
+    assert f.GetOutput().GetNumberOfElements(0) == f.GetOutput().GetNumberOfElements(6) == 0
+    f.SetInputData(cube())
+    f.Update()
+    assert f.GetError() is None and f.GetOutput().GetNumberOfElements(0) + f.GetOutput().GetNumberOfElements(6) > 0
+
+
+def test_errors_of_other_updates_are_raised_too():
+    r = renderer(cube())
+    r.SetInputArrayToProcess(0, 0, 0, 0, "nope")
+    for update in (r.UpdateWholeExtent, lambda: r.UpdateTimeStep(0.0), lambda: r.UpdatePiece(0, 1, 0), lambda: r.UpdateExtent([0, 1, 0, 1, 0, 0])):
+        r.Modified()
+        with pytest.raises(voltet.UsageError, match="no array 'nope'"):
+            update()
+
+
+def test_nothing_of_a_former_result_stays_where_an_update_fails():
+    r, probe, file = renderer(cube()), vv.VoltetProbe(), vv.VoltetPipeline()
+    probe.SetInputData(cube())
+    file.SetFileName(PIPELINES / "quickstart.toml")
+    file.SetParameter("view.size", [8, 6])
+    for filter in (r, probe, file):
+        filter.AddObserver("ErrorEvent", lambda *_: None)
+        filter.Update()
+    assert r.GetPicture() is not None and probe.GetFigures() and file.GetPicture() is not None
+    for filter in (r, probe):
+        filter.SetInputArrayToProcess(0, 0, 0, 0, "nope")
+    file.SetFileName("nowhere.toml")
+    for filter in (r, probe, file):
+        with pytest.raises(voltet.UsageError):
+            filter.Update()
+        assert filter.GetOutput().GetNumberOfElements(0) == filter.GetOutput().GetNumberOfElements(6) == 0
+    assert r.GetPicture() is file.GetPicture() is None and r.GetReport() == probe.GetFigures() == {}
+    for filter in (r, probe):
+        filter.SetInputArrayToProcess(0, 0, 0, 0, "T")
+        filter.Update()
+    assert r.GetPicture() is not None and probe.GetFigures()
+
+
+def test_an_array_on_the_other_association_is_said_to_be_there():
+    r = renderer(cube())
+    for association, name, words in ((0, "c", "'c' on cells"), (1, "T", "'T' on points")):
+        r.SetInputArrayToProcess(0, 0, 0, association, name)
+        with pytest.raises(voltet.UsageError, match=f"no array '{name}' on {('points', 'cells')[association]}") as raised:
+            r.Update()
+        assert words in raised.value.expected
+
+
+def test_a_constant_field_is_said_to_be_blank_at_the_line_that_updates():
+    data = cube()
+    vtk_to_numpy(data.GetPointData().GetArray("T"))[:] = 4.0
+    r = vv.VoltetRenderer()
+    r.SetInputData(data)
+    r.SetSize(8, 8)
+    with pytest.warns(voltet.VoltetWarning, match="the picture is empty") as told:
+        r.Update()
+    assert [warning.filename for warning in told] == [__file__] and r.GetReport()["warnings"] == [str(told[0].message)]
+    # Made an error, it is one.
+    import warnings
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", voltet.VoltetWarning)
+        r.Modified()
+        with pytest.raises(voltet.VoltetWarning, match="the picture is empty"):
+            r.Update()
+
+
+def test_an_overlay_holds_the_error_of_its_filter():
+    from voltet._overlay import VolumeOverlay
+
+    v = vv.VoltetVolume()
+    v.SetInputData(cube())
+    overlay, window, view = VolumeOverlay(v), vtk.vtkRenderWindow(), vtk.vtkRenderer()
+    window.OffScreenRenderingOn()
+    window.SetSize(16, 12)
+    window.AddRenderer(view)
+    view.AddObserver("EndEvent", lambda *_: overlay.frame(view))
+    view.GetActiveCamera().SetPosition(0.5, -4, 0.5)
+    view.GetActiveCamera().SetFocalPoint(0.5, 0.5, 0.5)
+    view.GetActiveCamera().SetViewUp(0, 0, 1)
+    v.Update()
+    window.Render()
+    assert overlay.error is None and overlay.draws == 1
+    v.SetInputArrayToProcess(0, 0, 0, 0, "nope")
+    with pytest.raises(voltet.UsageError):
+        v.Update()
+    window.Render()
+    assert overlay.error is v.GetError() and "no array 'nope'" in str(overlay.error) and overlay.draws == 1
+    v.SetInputArrayToProcess(0, 0, 0, 0, "V")
+    v.Update()
+    window.Render()
+    assert overlay.error is None and overlay.draws == 2
+    v.RemoveAllInputConnections(0)
+    window.Render()
+    assert "no input" in str(overlay.error)
+
+
+def test_whole_numbers_are_not_rounded():
+    r, g, camera = renderer(cube()), vv.VoltetGradientMagnitude(), vtk.vtkCamera()
+    size = r.GetSize()
+    for call in (
+        lambda: r.SetSize(2.5, 3), lambda: r.SetSize((3, 2.0)), lambda: r.SetSize("12"), lambda: r.SetSize(3), lambda: r.SetSize(True, 3),
+        lambda: r.SetComponent(0.5), lambda: r.SetComponent("x"), lambda: g.SetComponent(1.0), lambda: vv.camera_parameters(camera, (4.5, 3)),
+    ):
+        with pytest.raises(TypeError, match="whole number") as raised:
+            call()
+        assert isinstance(raised.value, voltet.UsageError) and raised.value.expected
+    for call in (lambda: r.SetSize(0, 3), lambda: r.SetSize(3, 40_000), lambda: r.SetComponent(-1)):
+        with pytest.raises(voltet.UsageError, match="out of range"):
+            call()
+    assert r.GetSize() == size
+    r.SetSize(np.int32(5), np.uint8(4))
+    assert r.GetSize() == (5, 4)
+
+
 def test_disconnected_and_deleted_in_any_order():
     data = cube()
     r = renderer(data)
@@ -492,6 +622,11 @@ def test_a_pipeline_file_is_a_filter(tmp_path):
     p.SetInputData(data)
     p.Update()
     assert not np.array_equal(p.GetPicture(), expected.images["picture"])
+    # Taken away, the file's own data are drawn again.
+    p.RemoveAllInputConnections(0)
+    p.SetParameter("view.size", [40, 30])
+    p.Update()
+    assert np.array_equal(p.GetPicture(), expected.images["picture"])
     p.SetFileName("nowhere.toml")
     with pytest.raises(voltet.UsageError, match="cannot be read"):
         p.Update()

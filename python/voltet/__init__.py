@@ -15,6 +15,7 @@ and its gradient magnitude.
 `gradient_filter`     gradient filters that are Python functions
 `gradient_test`       how right a gradient filter is, and what it costs
 `Error`               what everything here raises, with place and remedy
+`VoltetWarning`       the category of warnings: of an empty picture, of cells that are left out
 `voltet.vtk`          the same as VTK filters (needs the package vtk)
 `voltet.pyvista`      accessors of grids and plotters (loaded by PyVista itself)
 ====================  =====================================================================================
@@ -26,7 +27,7 @@ units, angles in degrees.
 import os as _os
 from typing import TYPE_CHECKING
 
-from ._errors import Bug, Cancelled, Error, RunError, UsageError
+from ._errors import ArgumentTypeError, Bug, Cancelled, Error, RunError, UsageError, VoltetWarning
 from ._native import VERSION as __version__
 
 if TYPE_CHECKING:
@@ -64,7 +65,7 @@ _HOMES = {
     "widgets": "",
 }
 
-__all__ = ["Bug", "Cancelled", "Error", "RunError", "UsageError", *_HOMES]
+__all__ = ["ArgumentTypeError", "Bug", "Cancelled", "Error", "RunError", "UsageError", "VoltetWarning", *_HOMES]
 
 
 def __getattr__(name: str):

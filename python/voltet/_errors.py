@@ -1,6 +1,12 @@
-"""The one family of exceptions."""
+"""The one family of exceptions, and the category of warnings."""
 
 from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import Iterable
+from operator import index
+from typing import Any
 
 
 class Error(Exception):
@@ -54,6 +60,10 @@ class UsageError(Error, ValueError):
     """A mistake in a pipeline, a parameter or an argument: nothing ran."""
 
 
+class ArgumentTypeError(UsageError, TypeError):
+    """An argument of a wrong type, such as 2.5 where a whole number is due."""
+
+
 class RunError(Error, RuntimeError):
     """A failure of the run: a file that is damaged, memory that ends, a filter that raised."""
 
@@ -66,6 +76,10 @@ class Bug(Error, RuntimeError):
     """A mistake of voltet itself. The pipeline can be used again; please report it."""
 
 
+class VoltetWarning(UserWarning):
+    """What should be known of a picture or grid that was made all the same: the category of Python's warnings."""
+
+
 KINDS = {"usage": UsageError, "run": RunError, "cancelled": Cancelled, "bug": Bug}
 
 
@@ -76,6 +90,47 @@ def exception(kind: str, text: str, fields: dict) -> Error:
 
 def usage(what: str, found: object = None, expected: str | None = None, item: str | None = None) -> UsageError:
     """The exception for a wrong argument, worded as the program words its own."""
+    return _worded(UsageError, what, found, expected, item)
+
+
+def whole(name: str, value: object, low: int = 0, high: int = 2**32 - 1) -> int:
+    """A whole number within limits, of any integer type. Others are refused: nothing is rounded."""
+    expected = f"a whole number, {low} or more" if high == 2**32 - 1 else f"a whole number, {low} to {high}"
+    try:
+        number = None if isinstance(value, bool) else index(value)  # type: ignore[arg-type]
+    except TypeError:
+        number = None
+    if number is None:
+        raise _worded(ArgumentTypeError, f"'{name}' is no whole number", repr(value), expected, None)
+    if not low <= number <= high:
+        raise usage(f"'{name}' is out of range", number, expected)
+    return number
+
+
+def picture_size(name: str, value: Any) -> tuple[int, int]:
+    """Width and height of a picture, pixels."""
+    try:
+        width, height = value
+    except (TypeError, ValueError):
+        what = f"'{name}' is no pair of whole numbers"
+        raise _worded(ArgumentTypeError, what, repr(value), "width and height, 1 to 32768 pixels", None) from None
+    return whole(name, width, 1, 32768), whole(name, height, 1, 32768)
+
+
+def warn(texts: Iterable[str]) -> None:
+    """Shows warnings at the line of the program that called the package."""
+    level, frame = 1, sys._getframe()
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] in _OWN:
+        level, frame = level + 1, frame.f_back
+    for text in texts:
+        warnings.warn(text, VoltetWarning, stacklevel=level)
+
+
+#: Packages whose lines a user did not write.
+_OWN = {"voltet", "vtkmodules", "pyvista", "paraview"}
+
+
+def _worded(kind: type[UsageError], what: str, found: object, expected: str | None, item: str | None) -> UsageError:
     text = what
     if found is not None:
         text += f": found {found}"
@@ -83,7 +138,7 @@ def usage(what: str, found: object = None, expected: str | None = None, item: st
         text += f"; expected {expected}"
     if item is not None:
         text += f" ('{item}')"
-    return UsageError(text, what=what, found=None if found is None else str(found), expected=expected, item=item)
+    return kind(text, what=what, found=None if found is None else str(found), expected=expected, item=item)
 
 
 def _rebuilt(kind: type[Error], text: str, state: dict) -> Error:

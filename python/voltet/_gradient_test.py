@@ -7,6 +7,7 @@ from os import PathLike, fspath
 from typing import Any
 
 from . import _native
+from ._errors import whole
 from ._progress import Progress, followed
 from ._shown import Shown
 
@@ -60,9 +61,10 @@ def gradient_test(
     (True, 'least-squares')
     """
     others = None if beside is None else [str(other) for other in beside]
+    counts = [whole("levels", level) for level in levels], whole("timed", timed), whole("rounds", rounds)
     with followed(progress) as told:
         shown, passed, page = _native.gradient_test(
-            str(name), dict(set or {}), others, list(hold_to), float(order), float(linear_error), list(levels), int(timed), int(rounds), told
+            str(name), dict(set or {}), others, list(hold_to), float(order), float(linear_error), *counts, told
         )
     if output is not None:
         with open(fspath(output), "w", encoding="utf-8") as file:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _native
-from ._errors import usage
+from ._errors import usage, whole
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -110,7 +111,7 @@ class Grid:
         ----------
         pieces : list of mappings
             Of each piece the arguments of `Grid` from `points` to `degrees`, and `global_ids`, an array of n whole numbers. Pieces of
-            different `block`, a whole number, are different grids, whose points stay apart.
+            different `block`, a whole number, are different grids, whose points stay apart. `name`: what messages call it.
         scalar, subdivision, constant_cells, watch
             As of `Grid`.
 
@@ -122,25 +123,38 @@ class Grid:
         >>> voltet.Grid.from_pieces(halves).point_count
         5
         """
-        grid = cls.__new__(cls)
-        given = [dict(piece) for piece in pieces]
-        known = {*cls.__init__.__kwdefaults__, "points", "global_ids", "block"} - {"scalar", "subdivision", "constant_cells", "watch"}
-        for number, piece in enumerate(given):
+        of_all = {"self", "scalar", "subdivision", "constant_cells", "watch"}
+        known = {*signature(cls.__init__).parameters, "global_ids", "block", "name"} - of_all
+        given = [{"name": f"piece {number}", **piece} for number, piece in enumerate(pieces)]
+        for piece in given:
             if wrong := sorted(set(piece) - known):
-                raise usage(f"piece {number} has an argument that is not known", wrong[0], ", ".join(sorted(known)))
+                raise usage(f"{piece['name']} has an argument that is not known", wrong[0], ", ".join(sorted(known)))
             if "points" not in piece:
-                raise usage(f"piece {number} has no points", None, "points and cells")
-        grid._set(given, scalar=scalar, subdivision=subdivision, constant_cells=constant_cells, watch=watch)
+                raise usage(f"{piece['name']} has no points", None, "points and cells")
+        return cls._of_pieces(given, scalar=scalar, subdivision=subdivision, constant_cells=constant_cells, watch=watch)
+
+    @classmethod
+    def _of_pieces(cls, pieces: list[dict[str, Any]], **options: Any) -> Grid:
+        grid = cls.__new__(cls)
+        grid._set(pieces, **options)
         return grid
 
     def _set(
-        self, pieces: list[dict[str, Any]], *, scalar: str | None, subdivision: int, constant_cells: bool, watch: bool
+        self,
+        pieces: list[dict[str, Any]],
+        *,
+        scalar: str | None = None,
+        subdivision: int = 1,
+        constant_cells: bool = False,
+        watch: bool = True,
+        warnings: Sequence[str] = (),
     ) -> None:
         self._pieces = pieces
         self._options: dict[str, Any] = {
             "scalar": scalar,
-            "subdivision": _count("subdivision", subdivision),
+            "subdivision": whole("subdivision", subdivision),
             "constant_cells": bool(constant_cells),
+            "warnings": list(warnings),
         }
         self._watch = bool(watch)
         self._made: dict[bool, _native.Grid] = {}
@@ -159,6 +173,7 @@ class Grid:
     def _make(self, keep_cells: bool) -> _native.Grid:
         taken = _Taken()
         pieces = [_piece(given, taken) for given in self._pieces]
+        _check_same_arrays(self._pieces, pieces)
         watch = taken.sources if self._watch else []
         return _native.Grid(pieces, keep_cells=keep_cells, watch=watch, **self._options)
 
@@ -223,7 +238,8 @@ def _piece(given: Mapping[str, Any], taken: _Taken) -> dict[str, Any]:
                 expected = f"({count},) or ({count}, k), a row a {what}"
                 raise usage("an array has the wrong shape", f"shape {array.shape}", expected, str(name))
             arrays.append((str(name), array, array.shape[1] if array.ndim == 2 else 1, what == "cell"))
-    piece: dict[str, Any] = {"points": points, "cells": cells, "arrays": arrays, "block": _count("block", given.get("block", 0))}
+    piece: dict[str, Any] = {"points": points, "cells": cells, "arrays": arrays, "block": whole("block", given.get("block", 0))}
+    piece["cell_count"] = cell_count
     for name, shape in (("ghost", (cell_count,)), ("degrees", (cell_count, 3))):
         values = given.get(name)
         piece[name] = None if values is None else taken.bytes(name, values, shape)
@@ -233,6 +249,26 @@ def _piece(given: Mapping[str, Any], taken: _Taken) -> dict[str, Any]:
         found = f"shape {piece['global_ids'].shape}"
         raise usage("an array has the wrong shape", found, f"({len(points)},), one a point", "global_ids")
     return piece
+
+
+def _check_same_arrays(given: Sequence[Mapping[str, Any]], pieces: Sequence[Mapping[str, Any]]) -> None:
+    """Refuses pieces whose arrays differ. Those without cells have none that count."""
+    first: tuple[str, dict[str, str]] | None = None
+    for piece, form in zip(given, pieces):
+        if not form["cell_count"]:
+            continue
+        kinds = {
+            name: f"on {'cells' if on_cells else 'points'}, components: {components}"
+            for name, _, components, on_cells in form["arrays"]
+        }
+        own = (piece.get("name", "the grid"), kinds)
+        first = first or own
+        for (where, has), (other, of_other) in ((own, first), (first, own)):
+            for name, kind in of_other.items():
+                if name not in has:
+                    raise usage(f"{where} lacks the array '{name}'", None, f"the same arrays in every piece: {other} has it")
+                if has[name] != kind:
+                    raise usage(f"{where} has another array '{name}' than {other}", has[name], kind)
 
 
 class _Taken:
@@ -246,7 +282,8 @@ class _Taken:
             array = np.asarray(values)
         except Exception as error:
             raise usage("an array cannot be made of this", error, expected, name) from error
-        if array.dtype.kind not in kinds:
+        # An empty list has no type of its own.
+        if array.dtype.kind not in kinds and (array.size or array.dtype.kind != "f"):
             raise usage("an array has the wrong type", f"dtype {array.dtype}", expected, name)
         if np.ma.isMaskedArray(values) and np.ma.is_masked(values):
             raise usage("an array is masked", None, "numbers; NaN where there is none, for quantities", name)
@@ -340,9 +377,3 @@ def _unpadded(cells: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
         place += 1 + count
     offsets = np.concatenate([[0], np.cumsum(counts, dtype=np.int64)]).astype(np.int64)
     return offsets, np.delete(cells, places)
-
-
-def _count(name: str, value: Any) -> int:
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)) or not 0 <= value < 2**32:
-        raise usage("a whole number is asked for", repr(value), "0 or more", name)
-    return int(value)

@@ -9,7 +9,7 @@ import numpy as np
 import pyvista as pv
 
 from . import _vtk_grid
-from ._errors import usage
+from ._errors import usage, whole
 from ._grid import Grid
 
 #: Opacity beyond which nothing behind is seen in eight bits: it stands for 1, whose extinction has no end.
@@ -47,9 +47,7 @@ class Look:
         grid = self.grid()
         known = grid.about["arrays"][self.name]
         self.scalar = self.name if known["components"] == 1 else f"{self.name}:magnitude"
-        self._cmap, self._n_colors, self._opacity = cmap, int(n_colors), opacity
-        if not 2 <= self._n_colors <= 65536:
-            raise usage("'n_colors' is out of range", n_colors, "2 to 65536")
+        self._cmap, self._n_colors, self._opacity = cmap, whole("n_colors", n_colors, 2, 65536), opacity
         self.range = known["range"] or self._range_of_magnitude()
         self.clim = _limits(clim, self.range)
         self.unit_distance = self._distance(opacity_unit_distance, widgets)
@@ -73,9 +71,8 @@ class Look:
 
     def _named(self, scalars: Any) -> str:
         if scalars is None:
-            leaf = self.data if isinstance(self.data, pv.DataSet) else next(iter(_vtk_grid._leaves(self.data)), None)
-            wrapped = pv.wrap(leaf) if leaf is not None else None
-            name = wrapped.active_scalars_name if wrapped is not None else None
+            drawn, _ = _vtk_grid.parts(self.data)
+            name = pv.wrap(drawn[0].data).active_scalars_name if drawn else None
             if name is None:
                 raise usage("the data set has no active scalars", None, "scalars=NAME")
             return str(name)

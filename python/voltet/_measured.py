@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any
 
+from ._errors import whole
 from ._picture import picture
 from ._progress import Progress, followed
 from ._shown import Shown
@@ -82,9 +83,10 @@ class Measured:
             What `--json` writes: `cells` from the eye on, each with `entry`, `exit`, `at_entry`, `at_exit`, `widgets`, `opacity`, `adds`;
             `referee_rgba`, the pixel by the 64-bit referee; `drawn`, as the pipeline draws it; `integrators`, by every one. `print`
             shows the table, notebooks that and a plot along the ray. Cells are numbered as yours are."""
+        column, row, ray = whole("x", x, -(2**63), 2**63 - 1), whole("y", y, -(2**63), 2**63 - 1), whole("sample", sample)
         self._lend(keep_cells=True)
         with followed(progress) as told:
-            return Shown(self._native.pixel(int(x), int(y), node, int(sample), bool(all), told))
+            return Shown(self._native.pixel(column, row, node, ray, bool(all), told))
 
     def study(
         self,
@@ -122,6 +124,7 @@ class Measured:
             What its study.json holds: `rows` with `label`, `setting`, `cost` (`picture`: milliseconds), `errors`, …; and
             `reference`, the picture of the 64-bit referee.
         """
+        frames = whole("frames", frames)
         self._lend()
         output = None if output is None else fspath(output)
         with followed(progress) as told:

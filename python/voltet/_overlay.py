@@ -45,7 +45,7 @@ class Overlay:
         self.error: BaseException | None = None
         self.draws = 0
         #: Pixels of the picture per pixel of the window.
-        self.scale = scale
+        self._scale = scale
         self._linear = linear
         self._seen: tuple | None = None
         self._pixels: Any = None
@@ -61,13 +61,16 @@ class Overlay:
 
     def frame(self, renderer: Any) -> None:
         """Lays it over what the renderer has drawn; to be called when it has, while its window is current."""
+        error: BaseException | None = None
         try:
             self._draw(renderer)
-            self.error = None
-        except BaseException as error:
-            self.error = error
-            if not isinstance(error, KeyboardInterrupt):
-                vtkOutputWindow.GetInstance().DisplayErrorText(f"ERROR: In voltet: {error}\n")
+        except BaseException as raised:
+            error = raised
+        # Each frame raises the same until something is changed.
+        is_new = error is not None and str(error) != str(self.error)
+        self.error = error
+        if is_new and not isinstance(error, KeyboardInterrupt):
+            vtkOutputWindow.GetInstance().DisplayErrorText(f"ERROR: In voltet: {error}\n")
 
     def _current(self) -> Any:
         """Brings the pipeline up to date; what changes where it did."""
@@ -82,7 +85,7 @@ class Overlay:
         place, part = _places(window, renderer)
         if min(width, height, part[2] - part[0], part[3] - part[1]) < 1:
             return
-        size = (max(1, round(width * self.scale)), max(1, round(height * self.scale)))
+        size = (max(1, round(width * self._scale)), max(1, round(height * self._scale)))
         current = self._current()
         camera = renderer.GetActiveCamera()
         ends = _ends(window, camera, place, part, (width, height), size)
@@ -167,11 +170,14 @@ class VolumeOverlay(Overlay):
 
     def _draw(self, renderer: Any) -> None:
         volume = self._volume()
-        if volume is None or volume.IsEmpty() or (pipeline := volume.GetPipeline()) is None or volume.GetError() is not None:
+        if volume is None:
             return
-        self.pipeline, self.scale = pipeline, volume.GetScale()
+        volume.RaiseError()
+        if volume.IsEmpty() or (pipeline := volume.GetPipeline()) is None:
+            return
+        self.pipeline, self._scale = pipeline, volume.GetScale()
         super()._draw(renderer)
 
     def _current(self) -> Any:
         volume = self._volume()
-        return volume and (volume.GetVersion(), self.scale)
+        return volume and (volume.GetVersion(), self._scale)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import pyvista as pv
 
+from ._errors import usage
 from ._overlay import Overlay
 from ._scene import scene
 
@@ -14,48 +16,50 @@ if TYPE_CHECKING:
     from ._look import Look
 
 
-class Plotted(Overlay):
-    """A volume in a plotter."""
+class Plotted(Overlay, pv.Actor):
+    """A volume in a plotter: an actor of it, which is hidden and removed as others are. What VTK draws of it is the outline of its
+    bounds, fully transparent; the picture is laid over the frames of the renderers that have the actor, while it is visible.
 
-    __doc__ = Overlay.__doc__
+    Attributes
+    ----------
+    picture : Picture or None
+        The last picture: what is seen of the volume; row 0 at the top.
+    pipeline : voltet.Pipeline
+        What draws it; changes of it are drawn after `modified()`.
+    error : Exception or None
+        What the last frame raised: VTK draws frames, and would forget it. `raise_error()` raises it.
+    draws : int
+        How often it was drawn.
+    """
 
-    def __init__(self, owner: Any, name: str, plotter: Any, look: Look, method: Any, scale: float, options: Mapping[str, Any]):
-        super().__init__(scale, look.linear)
-        self.name = name
-        self.scalar_bar: Any = None
-        self._owner, self._plotter, self._look = owner, plotter, look
-        self._renderer = plotter.renderer
+    def __init__(self, plotter: Any, look: Look, method: Any, scale: float, options: Mapping[str, Any]):
+        Overlay.__init__(self, scale, look.linear)
+        self._plotter = weakref.ref(plotter)
+        self._look = look
         self._given = look.grid()
         self.pipeline = scene(
             self._given, look.scalar, widgets=look.widgets, unit_distance=look.unit_distance, method=method, **options
         )
-        self._tag: int | None = None
-        self._bounds: Any = None
-
-    def begin(self, reset_camera: bool | None) -> None:
-        """Follows the renderer; its bounds are those of the volume, too."""
         low, high = self._given.bounds
         box = pv.Box(tuple(value for pair in zip(low, high) for value in pair)).outline()
-        self._bounds = self._plotter.add_mesh(
-            box, opacity=0.0, pickable=False, show_scalar_bar=False, name=f"{self.name} bounds",
-            reset_camera=reset_camera, render=False,
-        )
-        self._tag = self._renderer.AddObserver("EndEvent", lambda *_: self.frame(self._renderer))
-
-    def end(self) -> None:
-        """Follows no longer; the plotter closes."""
-        if self._tag is not None:
-            self._renderer.RemoveObserver(self._tag)
-            self._tag = None
+        mapper = pv.DataSetMapper(box)
+        # The scalar bar's; it goes with the actor.
+        mapper.lookup_table = look.lookup_table()
+        mapper.scalar_range = look.clim
+        mapper.scalar_visibility = False
+        pv.Actor.__init__(self, mapper, pv.Property(opacity=0.0))
 
     def remove(self) -> None:
         """Takes the volume out of the plotter."""
-        self.end()
-        self._owner._overlays.pop(self.name, None)
-        if self._plotter.render_window is not None:
-            self._plotter.remove_actor(self._bounds, render=False)
-            if self.scalar_bar is not None:
-                self._plotter.remove_actor(self.scalar_bar, render=False)
+        plotter = self._plotter()
+        if plotter is not None and plotter.render_window is not None:
+            plotter.remove_actor(self, render=False)
+
+    def _draw(self, renderer: Any) -> None:
+        if not self.GetMatrix().IsIdentity():
+            what = f"the volume '{self.name}' was moved, turned or scaled as an actor"
+            raise usage(what, None, "the data set moved, turned or scaled, and its plotter's scale left at 1")
+        super()._draw(renderer)
 
     def _current(self) -> int:
         grid = self._look.grid()
@@ -63,3 +67,10 @@ class Plotted(Overlay):
             self.pipeline.give(grid, "grid")
             self._given = grid
         return id(grid)
+
+
+def draw_volumes(renderer: Any, _: str) -> None:
+    """Lays the volumes of a renderer that are visible over its frame."""
+    for prop in renderer.GetViewProps():
+        if isinstance(prop, Plotted) and prop.GetVisibility():
+            prop.frame(renderer)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ._errors import usage
+from ._errors import picture_size, usage
 from ._grid import Grid
 from ._pipeline import Pipeline
 
@@ -62,6 +62,7 @@ def scene(
     >>> voltet.scene(grid, size=(32, 24), engine="cpu").render().shape
     (24, 32, 4)
     """
+    size = picture_size("size", size)
     about = grid.about
     scalar = scalar or about["scalar"]
     if scalar is None:
@@ -103,5 +104,5 @@ def _fitted(bounds: Sequence[Sequence[float]], size: tuple[int, int]) -> dict[st
         "target": middle.tolist(),
         "up": [0.0, 0.0, 1.0],
         "fov_y": fov,
-        "size": [int(side) for side in size],
+        "size": list(size),
     }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import weakref
+from collections.abc import Callable
 from typing import Any
 
 from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
@@ -44,23 +45,52 @@ class Filter(VTKPythonAlgorithmBase):
     # --- errors
 
     def GetError(self) -> BaseException | None:
-        """What the last execution raised; None where it was done."""
-        return self._error
+        """What the last execution raised; None where it was done. Of a filter whose input was taken away, that it is missing."""
+        return self._missing_input() or self._error
+
+    def _missing_input(self) -> Error | None:
+        for port in range(self.GetNumberOfInputPorts()):
+            is_optional = self.GetInputPortInformation(port).Get(vtkAlgorithm.INPUT_IS_OPTIONAL())
+            if not is_optional and not self.GetNumberOfInputConnections(port):
+                return usage(f"{type(self).__name__} has no input", None, "SetInputConnection(port) or SetInputData(data set)")
+        return None
 
     def Update(self, *args: Any) -> None:
         """Brings the output up to date. Raises what was wrong here; of filters before it, whoever updates sees theirs."""
-        super().Update(*args)
-        self.RaiseError()
+        self._update(super().Update, *args)
 
     def UpdateWholeExtent(self) -> None:
         """As `Update`, for the whole extent."""
-        super().UpdateWholeExtent()
+        self._update(super().UpdateWholeExtent)
+
+    def UpdateTimeStep(self, *args: Any) -> None:
+        """As `Update`, for a time."""
+        self._update(super().UpdateTimeStep, *args)
+
+    def UpdatePiece(self, *args: Any) -> None:
+        """As `Update`, for a piece: the output is all of it."""
+        self._update(super().UpdatePiece, *args)
+
+    def UpdateExtent(self, *args: Any) -> None:
+        """As `Update`, for an extent: the output is all of it."""
+        self._update(super().UpdateExtent, *args)
+
+    def _update(self, update: Callable[..., Any], *args: Any) -> None:
+        if self._missing_input() is None:
+            update(*args)
+        else:
+            self._empty()
         self.RaiseError()
+
+    def _empty(self) -> None:
+        """Leaves nothing of a former result, where there is no new one: VTK keeps it where nothing was begun."""
+        if (output := self.GetOutputDataObject(0)) is not None:
+            output.Initialize()
 
     def RaiseError(self) -> None:
         """Raises what the last execution raised, if it did: for programs that update a later filter."""
-        if self._error is not None:
-            raise self._error
+        if (error := self.GetError()) is not None:
+            raise error
 
     def ProcessRequest(self, request, inInfo, outInfo):
         """Carries out a pass; an exception of it is kept, as VTK would print and forget it."""
@@ -68,6 +98,7 @@ class Filter(VTKPythonAlgorithmBase):
             return super().ProcessRequest(request, inInfo, outInfo)
         except BaseException as error:
             self._error = error
+            self._empty()
             self._tell(error)
             return 0
 
@@ -86,8 +117,7 @@ class Filter(VTKPythonAlgorithmBase):
         try:
             done = self._execute(inInfo, outInfo)
         except _Aborted:
-            # What there is of the output is nothing.
-            self.GetOutputData(outInfo, 0).Initialize()
+            self._empty()
             self._error = None
             return 1
         self._error = None
@@ -114,31 +144,21 @@ class Filter(VTKPythonAlgorithmBase):
     def _quantity(self, data: Any) -> tuple[str, int]:
         """The name of the array to process and where it sits: as SetInputArrayToProcess says, else the active scalars, else the
         only array of one component."""
-        leaf = data
-        if not hasattr(data, "GetPointData"):
-            leaf = next(iter(_vtk_grid._leaves(data)), None) if data is not None else None
-            if leaf is None:
-                raise usage("there is nothing to draw", "no data", "a data set with cells")
+        drawn, _ = _vtk_grid.parts(data)
+        if not drawn:
+            raise usage("there is nothing to draw", "no data", "a data set with cells")
+        both = (_vtk_grid.POINT, _vtk_grid.CELL)
         name, association = self._asked()
-        places = ((_vtk_grid.POINT, leaf.GetPointData()), (_vtk_grid.CELL, leaf.GetCellData()))
         if name is not None:
-            for place, attributes in places:
-                if attributes.GetArray(name) is not None and association in (place, None):
-                    return name, place
-            known = [f"{attributes.GetArrayName(i)!r}" for _, attributes in places for i in range(attributes.GetNumberOfArrays())]
-            what = f"the input has no array '{name}'" + ("" if association is None else (" on points", " on cells")[association])
-            raise usage(what, None, "one of " + ", ".join(known) if known else "arrays on points or cells")
-        for place, attributes in places:
-            active = attributes.GetScalars()
+            return name, _vtk_grid.find_array(drawn, name, both if association is None else (association,))
+        for place in both:
+            active = drawn[0].data.GetAttributes(place).GetScalars()
             if active is not None and active.GetName():
-                return active.GetName(), place
+                return active.GetName(), _vtk_grid.find_array(drawn, active.GetName(), (place,))
         single = [
-            (attributes.GetArrayName(i), place)
-            for place, attributes in places
-            for i in range(attributes.GetNumberOfArrays())
-            if attributes.GetArray(i) is not None
-            and attributes.GetArray(i).GetNumberOfComponents() == 1
-            and attributes.GetArrayName(i) not in (None, "vtkGhostType")
+            (name, place)
+            for name, place in _vtk_grid.common_arrays(drawn).items()
+            if drawn[0].data.GetAttributes(place).GetArray(name).GetNumberOfComponents() == 1
         ]
         if len(single) == 1:
             return single[0]

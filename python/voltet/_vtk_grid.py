@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import count
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
@@ -15,10 +15,13 @@ from vtkmodules.vtkCommonDataModel import (
     vtkDataSet,
     vtkDataSetAttributes,
     vtkGenericCell,
+    vtkImageData,
     vtkMultiBlockDataSet,
     vtkPartitionedDataSet,
     vtkPartitionedDataSetCollection,
     vtkPolyData,
+    vtkRectilinearGrid,
+    vtkStructuredGrid,
     vtkUnstructuredGrid,
 )
 from vtkmodules.vtkFiltersCore import vtkAppendFilter
@@ -43,48 +46,98 @@ def numbers(array: vtkDataArray) -> np.ndarray:
     return vtk_to_numpy(array)
 
 
-def _pieces(data: vtkDataObject | None, blocks: Iterator[int]) -> Iterator[tuple[vtkDataSet, int]]:
-    """The data sets of a composite one, each with the number of its block: partitions of one data set share theirs."""
+class Part(NamedTuple):
+    """A data set of a composite one, or all of one that is not."""
+
+    data: vtkDataSet
+    #: Number of its block: partitions of one data set share theirs.
+    block: int
+    #: Where it is, for messages.
+    where: str
+
+
+def _parts(data: vtkDataObject | None, blocks: Iterator[int], path: tuple[str, ...] = ()) -> Iterator[Part]:
+    """The data sets of a composite one."""
     if isinstance(data, vtkDataSet):
-        yield data, next(blocks)
+        yield Part(data, next(blocks), ", ".join(path) or "the data set")
     elif isinstance(data, vtkPartitionedDataSet):
         block = next(blocks)
         for i in range(data.GetNumberOfPartitions()):
             if isinstance(part := data.GetPartition(i), vtkDataSet):
-                yield part, block
-    elif isinstance(data, vtkPartitionedDataSetCollection):
-        for i in range(data.GetNumberOfPartitionedDataSets()):
-            yield from _pieces(data.GetPartitionedDataSet(i), blocks)
-    elif isinstance(data, vtkMultiBlockDataSet):
-        for i in range(data.GetNumberOfBlocks()):
-            yield from _pieces(data.GetBlock(i), blocks)
+                yield Part(part, block, ", ".join([*path, f"partition {i}"]))
+    elif isinstance(data, (vtkPartitionedDataSetCollection, vtkMultiBlockDataSet)):
+        is_multi_block = isinstance(data, vtkMultiBlockDataSet)
+        for i in range(data.GetNumberOfBlocks() if is_multi_block else data.GetNumberOfPartitionedDataSets()):
+            block = data.GetBlock(i) if is_multi_block else data.GetPartitionedDataSet(i)
+            about = data.GetMetaData(i) if data.HasMetaData(i) else None
+            name = about.Get(vtkCompositeDataSet.NAME()) if about and about.Has(vtkCompositeDataSet.NAME()) else None
+            yield from _parts(block, blocks, (*path, f"block {i}" + (f" '{name}'" if name else "")))
     elif isinstance(data, vtkCompositeDataSet):
-        for leaf in _leaves(data):
-            yield from _pieces(leaf, blocks)
+        for i, leaf in enumerate(_leaves(data)):
+            yield from _parts(leaf, blocks, (*path, f"part {i}"))
 
 
-def parts(data: vtkDataObject) -> list[vtkDataSet]:
-    """The data sets whose points a grid of these data holds, one after the other."""
-    return [part for part, _ in _drawn(data)]
+def parts(data: vtkDataObject | None) -> tuple[list[Part], list[Part]]:
+    """The data sets whose points a grid of these data holds, one after the other; and those without volume cells that are passed
+    over beside them, as several formats give surfaces."""
+    with_cells = [part for part in _parts(data, count()) if part.data.GetNumberOfCells()]
+    if len(with_cells) < 2:
+        return with_cells, []
+    has_volume = [_has_volume(part.data) for part in with_cells]
+    if not any(has_volume):
+        return with_cells, []
+    drawn, passed = ([part for part, has in zip(with_cells, has_volume) if has is kind] for kind in (True, False))
+    return drawn, passed
 
 
 def copy_shallow(data: vtkDataObject, to: vtkDataObject) -> None:
-    """Shares all arrays, so that others can be added: partitions, which VTK shares as they are, become objects of their own."""
-    to.ShallowCopy(data)
-    if isinstance(data, vtkPartitionedDataSet):
-        for i in range(data.GetNumberOfPartitions()):
-            if (part := data.GetPartition(i)) is not None:
-                own = part.NewInstance()
-                own.ShallowCopy(part)
-                to.SetPartition(i, own)
+    """Shares all arrays, so that others can be added: data sets of composite ones become objects of their own."""
+    if not isinstance(data, vtkCompositeDataSet):
+        to.ShallowCopy(data)
+        return
+    to.CopyStructure(data)
+    iterator = data.NewIterator()
+    iterator.InitTraversal()
+    while not iterator.IsDoneWithTraversal():
+        own = iterator.GetCurrentDataObject().NewInstance()
+        own.ShallowCopy(iterator.GetCurrentDataObject())
+        to.SetDataSet(iterator, own)
+        iterator.GoToNextItem()
+    to.GetFieldData().ShallowCopy(data.GetFieldData())
 
 
-def _drawn(data: vtkDataObject) -> list[tuple[vtkDataSet, int]]:
-    """The data sets with cells, each with the number of its block; none of surfaces beside volumes, as several formats give them."""
-    with_cells = [(part, block) for part, block in _pieces(data, count()) if part.GetNumberOfCells()]
-    if len(with_cells) < 2:
-        return with_cells
-    return [(part, block) for part, block in with_cells if _has_volume(part)] or with_cells
+def array_names(data: vtkDataSet, association: int) -> list[str]:
+    """The arrays of numbers on points or cells."""
+    attributes = data.GetAttributes(association)
+    arrays = (attributes.GetArray(i) for i in range(attributes.GetNumberOfArrays()))
+    names = [array.GetName() for array in arrays if array is not None]
+    return [name for name in dict.fromkeys(names) if name and name != _GHOSTS]
+
+
+def find_array(among: Sequence[Part], name: str, associations: Sequence[int]) -> int:
+    """Whether all parts have an array on points or on cells: the first of these associations where they have it."""
+    has = {place: [part.data.GetAttributes(place).GetArray(name) is not None for part in among] for place in associations}
+    for place in associations:
+        if all(has[place]):
+            return place
+    place = max(associations, key=lambda place: sum(has[place]))
+    lacking = among[has[place].index(False)]
+    words: dict[int, str] = {POINT: " on points", CELL: " on cells"}
+    known = [f"'{name}'{words[other]}" for other in words for name in array_names(lacking.data, other)]
+    what = f"{lacking.where} has no array '{name}'" + (words[place] if len(associations) == 1 or any(has[place]) else "")
+    raise usage(what, None, "one of " + ", ".join(known) if known else "arrays on points or cells")
+
+
+def common_arrays(among: Sequence[Part], first: int = POINT) -> dict[str, int]:
+    """The arrays that all parts have, each on points or on cells; `first`: where one is taken that both have."""
+    found: dict[str, int] = {}
+    if not among:
+        return found
+    for place in (first, POINT + CELL - first):
+        for name in array_names(among[0].data, place):
+            if all(part.data.GetAttributes(place).GetArray(name) is not None for part in among):
+                found.setdefault(name, place)
+    return found
 
 
 def _unstructured(data: vtkDataSet) -> vtkUnstructuredGrid:
@@ -98,10 +151,10 @@ def _unstructured(data: vtkDataSet) -> vtkUnstructuredGrid:
 
 
 def _has_volume(data: vtkDataSet) -> bool:
-    if isinstance(data, vtkPolyData):
-        return False
+    if isinstance(data, (vtkImageData, vtkRectilinearGrid, vtkStructuredGrid)):
+        return data.GetDataDimension() == 3
     if not isinstance(data, vtkUnstructuredGrid):
-        return True
+        return not isinstance(data, vtkPolyData)
     cell = vtkGenericCell()
     for code in np.unique(_types(data)):
         cell.SetCellType(int(code))
@@ -112,8 +165,7 @@ def _has_volume(data: vtkDataSet) -> bool:
 
 def has_cells(data: vtkDataObject | None) -> bool:
     """Whether a data set, or a part of a composite one, has cells of any kind."""
-    parts = _leaves(data) if isinstance(data, vtkCompositeDataSet) else [data]
-    return any(isinstance(part, vtkDataSet) and part.GetNumberOfCells() > 0 for part in parts)
+    return any(part.data.GetNumberOfCells() > 0 for part in _parts(data, count()))
 
 
 def _leaves(data: vtkCompositeDataSet) -> Iterable[vtkDataObject]:
@@ -141,7 +193,7 @@ def grid(
     data : vtkDataSet or composite data set
         Unstructured grids share their memory; cells of others are written out.
     arrays : list of str
-        The quantities that are taken. Default: all of numbers.
+        The quantities that are taken. Default: all of numbers that every block and partition has.
     scalar : str
         The quantity that is drawn where a pipeline names none.
     association : FIELD_ASSOCIATION_POINTS or _CELLS
@@ -155,38 +207,55 @@ def grid(
         found = "nothing" if data is None else f"a {data.GetClassName()}"
         raise usage("this is no data set with cells", found, "a vtkDataSet, or a composite one of these")
     first = CELL if association == CELL else POINT
-    names = list(arrays) if arrays is not None else None
-    parts = [(_unstructured(part), block) for part, block in _drawn(data)]
-    if not parts:
+    drawn, passed = parts(data)
+    if not drawn:
         raise usage("there is nothing to draw", "a grid without cells", "at least one three-dimensional cell")
-    several = len({block for _, block in parts}) > 1
-    wheres = [f"block {block}" if several else "the data set" for _, block in parts]
-    pieces = [_piece(part, block, names, first, where) for (part, block), where in zip(parts, wheres)]
-    if len(pieces) == 1:
-        piece = pieces[0]
-        del piece["block"], piece["global_ids"]
-        return Grid(**piece, scalar=scalar, watch=watch, **options)
-    return Grid.from_pieces(pieces, scalar=scalar, watch=watch, **options)
+    notes = []
+    if passed:
+        of_all = f"{len(passed)} of {len(drawn) + len(passed)} parts"
+        notes.append(f"passed over, as they have no volume cells: {of_all} ({_listed(part.where for part in passed)})")
+    if arrays is None:
+        places = common_arrays(drawn, first)
+        every = [name for part in drawn for place in (POINT, CELL) for name in array_names(part.data, place)]
+        if others := [f"'{name}'" for name in dict.fromkeys(every) if name not in places]:
+            of_all = f"{len(others)} of {len(others) + len(places)} arrays"
+            notes.append(f"left out, as not all parts have them: {of_all} ({_listed(others)})")
+    else:
+        places = {name: find_array(drawn, name, (first, POINT + CELL - first)) for name in arrays}
+    pieces = [_piece(part, places) for part in drawn]
+    return Grid._of_pieces(pieces, scalar=scalar, watch=watch, warnings=notes, **options)
 
 
-def _piece(given: vtkUnstructuredGrid, block: int, names: list[str] | None, first: int, where: str) -> dict[str, Any]:
-    """The arguments of `Grid.from_pieces` for one piece."""
+def _listed(names: Iterable[str]) -> str:
+    """The first few of some names."""
+    names = list(names)
+    return "; ".join(names[:5]) + ("; …" if len(names) > 5 else "")
+
+
+def _piece(part: Part, places: Mapping[str, int]) -> dict[str, Any]:
+    """The arguments of `Grid.from_pieces` for one piece; `places`: its arrays, on points or cells."""
+    given = _unstructured(part.data)
     cells, types = given.GetCells(), _types(given)
     ghosts = given.GetCellData().GetArray(_GHOSTS)
     degrees = given.GetCellData().GetHigherOrderDegrees()
     found = [given.GetPointData().GetGlobalIds(), *map(given.GetPointData().GetArray, _GLOBAL_IDS)]
     ids = next((array for array in found if array is not None), None)
+    quantities: dict[int, dict[str, np.ndarray]] = {POINT: {}, CELL: {}}
+    for name, place in places.items():
+        quantities[place][name] = numbers(given.GetAttributes(place).GetArray(name))
     return {
         "points": numbers(given.GetPoints().GetData()),
         "types": types,
         "offsets": numbers(cells.GetOffsetsArray()),
         "connectivity": numbers(cells.GetConnectivityArray()),
         **_faces(given, types),
-        **_quantities(given, names, first, where),
+        "point_data": quantities[POINT],
+        "cell_data": quantities[CELL],
         "ghost": None if ghosts is None else numbers(ghosts),
         "degrees": None if degrees is None else numbers(degrees).astype(np.uint8),
         "global_ids": None if ids is None else numbers(ids),
-        "block": block,
+        "block": part.block,
+        "name": part.where,
     }
 
 
@@ -202,31 +271,6 @@ def _call(function: Any) -> Any:
         return function()
     except TypeError:
         return None
-
-
-def _quantities(given: vtkUnstructuredGrid, names: list[str] | None, first: int, where: str) -> dict[str, dict[str, np.ndarray]]:
-    found: dict[int, dict[str, np.ndarray]] = {POINT: {}, CELL: {}}
-    order = (first, POINT + CELL - first)
-    for association in order:
-        attributes = given.GetAttributes(association)
-        for i in range(attributes.GetNumberOfArrays()):
-            array = attributes.GetArray(i)
-            name = None if array is None else array.GetName()
-            if not name or name == _GHOSTS or names is not None and name not in names:
-                continue
-            if association == order[1] and name in found[first]:
-                continue
-            found[association][name] = numbers(array)
-    if names is not None:
-        for name in names:
-            if name not in found[POINT] and name not in found[CELL]:
-                known = [
-                    attributes.GetArrayName(i)
-                    for attributes in (given.GetPointData(), given.GetCellData())
-                    for i in range(attributes.GetNumberOfArrays())
-                ]
-                raise usage(f"{where} has no array '{name}'", None, "one of " + ", ".join(map(str, known)) if known else None)
-    return {"point_data": found[POINT], "cell_data": found[CELL]}
 
 
 def _faces(given: vtkUnstructuredGrid, types: np.ndarray) -> dict[str, Any]:

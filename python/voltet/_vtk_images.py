@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonCore import VTK_FLOAT, VTK_UNSIGNED_CHAR
-from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkDataSet, vtkImageData
+from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm, vtkStreamingDemandDrivenPipeline as executive
 
 from . import _vtk_grid
-from ._errors import usage
+from ._errors import picture_size, usage
 from ._picture import Picture
 from ._pipeline import Pipeline
 from ._vtk_filter import Filter, Watched, changed
@@ -39,12 +39,17 @@ class _Images(Filter):
         return before
 
     def GetPicture(self) -> Picture | None:
-        """The last picture: a float32 array, height × width × 4, premultiplied linear RGBA, row 0 at the top; with its report."""
+        """The picture of the last update: a float32 array, height × width × 4, premultiplied linear RGBA, row 0 at the top; with its
+        report. None where the update failed or was aborted."""
         return self._picture
 
     def GetReport(self) -> dict[str, Any]:
         """What was done for it, as `voltet run --report` says it."""
         return {} if self._picture is None else self._picture.report
+
+    def _empty(self) -> None:
+        super()._empty()
+        self._picture = None
 
     def _inform(self, outInfo, size: Sequence[int]) -> None:
         info = outInfo.GetInformationObject(0)
@@ -81,9 +86,7 @@ class VoltetRenderer(_Images, Scene):
     @changed
     def SetSize(self, width, height=None):
         """Width and height of the picture, pixels."""
-        size = tuple(map(int, width if height is None else (width, height)))
-        if len(size) != 2 or min(size) < 1:
-            raise usage("the picture's size is out of range", size, "width and height, 1 to 32768 pixels")
+        size = picture_size("size", width if height is None else (width, height))
         self._size, before = size, self._size
         return size != before
 
@@ -194,20 +197,14 @@ class VoltetPipeline(_Images):
         count = inInfo[0].GetNumberOfInformationObjects()
         data = self.GetInputData(inInfo, 0, 0) if count else None
         if data is not None:
-            name, association = self._asked()
-            names = _all_names(data)
-            given, other = self._grid(data, names, _vtk_grid.POINT if association is None else association)
+            _, association = self._asked()
+            first = _vtk_grid.POINT if association is None else association
+            drawn, _ = _vtk_grid.parts(data)
+            given, other = self._grid(data, list(_vtk_grid.common_arrays(drawn, first)), first)
             if other:
                 pipeline.give(given, self._grid_node)
+        elif self._taken is not None:
+            # The input was taken away: the file's own data are drawn again.
+            self._taken = None
+            pipeline.give(None, self._grid_node)
         return self._give(outInfo, pipeline.render(self._node, self._follow))
-
-
-def _all_names(data: Any) -> list[str]:
-    """The names of all arrays of numbers of a data set, or of the first part of one."""
-    leaf = data if isinstance(data, vtkDataSet) else next(iter(_vtk_grid._leaves(data)), None)
-    if leaf is None:
-        return []
-    attributes = (leaf.GetPointData(), leaf.GetCellData())
-    arrays = [found.GetArray(i) for found in attributes for i in range(found.GetNumberOfArrays())]
-    names = [array.GetName() for array in arrays if array is not None]
-    return [name for name in dict.fromkeys(names) if name and name != "vtkGhostType"]

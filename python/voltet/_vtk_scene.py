@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from ._errors import picture_size, whole
 from ._pipeline import Pipeline
 from ._scene import scene
 from ._vtk_filter import Filter, changed
@@ -27,7 +28,7 @@ def camera_parameters(camera: vtkCamera, size: Sequence[int], tiles: int = 1) ->
         "eye": list(camera.GetPosition()),
         "target": list(camera.GetFocalPoint()),
         "up": list(camera.GetViewUp()),
-        "size": [int(side) for side in size],
+        "size": list(picture_size("size", size)),
     }
     if camera.GetParallelProjection():
         return {**seen, "height": 2.0 * camera.GetParallelScale() * tiles, "fov_y": None}
@@ -76,6 +77,7 @@ class Scene(Filter):
     @changed
     def SetComponent(self, component):
         """The component that is drawn of an array of several. None: the magnitude."""
+        component = None if component is None else whole("component", component)
         self._component, before = component, self._component
         return component != before
 

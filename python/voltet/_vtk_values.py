@@ -8,9 +8,9 @@ import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonCore import vtkDoubleArray, vtkStringArray
 from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkTable
-from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm
 
 from . import _vtk_grid
+from ._errors import whole
 from ._pipeline import Pipeline
 from ._vtk_filter import Filter, changed
 
@@ -18,7 +18,8 @@ from ._vtk_filter import Filter, changed
 class VoltetGradientMagnitude(Filter):
     """A grid in, the same grid out with the gradient magnitude of an array at its points, and the gradient where asked for.
 
-    Arrays, points and cells of the input are shared. Names: `NAME_gradient_magnitude`, `NAME_gradient`. NaN at points of no cell."""
+    Arrays, points and cells of the input are shared. Names: `NAME_gradient_magnitude`, `NAME_gradient`. NaN at points of no cell of
+    a volume. Partitions of a data set are one grid; blocks are grids of their own."""
 
     SHARES = {"grid": (0.0, 0.2), "gradient": (0.2, 1.0)}
 
@@ -26,7 +27,7 @@ class VoltetGradientMagnitude(Filter):
         self._method: dict[str, Any] = {"method": "least-squares"}
         self._vectors = False
         self._component: int | None = None
-        super().__init__(1, "vtkDataSet", "vtkDataSet")
+        super().__init__(1, "vtkDataSet", "vtkDataObject")
 
     @changed
     def SetMethod(self, method, **parameters):
@@ -44,14 +45,9 @@ class VoltetGradientMagnitude(Filter):
     @changed
     def SetComponent(self, component):
         """The component of an array of several. None: the magnitude."""
+        component = None if component is None else whole("component", component)
         self._component, before = component, self._component
         return component != before
-
-    def FillInputPortInformation(self, port, info):
-        """Partitions are taken together; other composite data block by block, as VTK's own filters do."""
-        info.Set(vtkAlgorithm.INPUT_REQUIRED_DATA_TYPE(), "vtkDataSet")
-        info.Append(vtkAlgorithm.INPUT_REQUIRED_DATA_TYPE(), "vtkPartitionedDataSet")
-        return 1
 
     def RequestDataObject(self, request, inInfo, outInfo):
         """The output is of the input's type."""
@@ -77,12 +73,16 @@ class VoltetGradientMagnitude(Filter):
         pipeline.add("gradient", "gradient-magnitude", grid="grid", **self._method)
         pipeline.give(given)
         found = pipeline.volume("gradient", gradient=self._vectors, progress=self._follow)
+        drawn, passed = _vtk_grid.parts(output)
         begin = 0
-        for part in _vtk_grid.parts(output):
+        for part in [part.data for part in drawn + passed]:
             end = begin + part.GetNumberOfPoints()
             for key in ("gradient_magnitude", *(["gradient"] if self._vectors else [])):
+                values = found[key][begin:end]
+                if end > len(found[key]):
+                    values = np.full((part.GetNumberOfPoints(), *values.shape[1:]), np.nan)
                 # VTK's own memory: it may outlive what computed it.
-                array = numpy_to_vtk(found[key][begin:end], deep=True)
+                array = numpy_to_vtk(values, deep=True)
                 array.SetName(f"{scalar}_{key}")
                 part.GetPointData().AddArray(array)
             begin = end
@@ -143,8 +143,12 @@ class VoltetProbe(Filter):
         return repr(given) != repr(before)
 
     def GetFigures(self) -> dict[str, Any]:
-        """What was found: fields, centre, sigma, covariance, matrix, cells, volume."""
+        """What was found: fields, centre, sigma, covariance, matrix, cells, volume. Nothing where the last update failed."""
         return self._figures
+
+    def _empty(self) -> None:
+        super()._empty()
+        self._figures = {}
 
     def _execute(self, inInfo, outInfo):
         data = self.GetInputData(inInfo, 0, 0)

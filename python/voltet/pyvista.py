@@ -15,16 +15,17 @@ True
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import count
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pyvista as pv
 
 from . import _vtk_grid
-from ._errors import usage
+from ._errors import picture_size, usage
 from ._grid import Grid
 from ._look import Look
-from ._plotted import Plotted
+from ._plotted import Plotted, draw_volumes
 from ._picture import Picture
 from ._pipeline import Pipeline
 from ._scene import scene
@@ -86,9 +87,9 @@ class GridAccessor:
             Parameters of the node `renderer`: `integrator`, `engine`, `light`, ….
         """
         look = Look(self._data, scalars, preference, clim, cmap, opacity, n_colors, opacity_unit_distance, widgets)
-        size = [int(side) for side in (window_size or pv.global_theme.window_size)]
+        size = picture_size("window_size", pv.global_theme.window_size if window_size is None else window_size)
         pipeline = scene(
-            look.grid(), look.scalar, widgets=look.widgets, unit_distance=look.unit_distance, size=(size[0], size[1]),
+            look.grid(), look.scalar, widgets=look.widgets, unit_distance=look.unit_distance, size=size,
             method=method, **renderer,
         )
         look_from(pipeline, _camera(self._data, camera, size), size)
@@ -144,7 +145,8 @@ class PlotterAccessor:
 
     def __init__(self, plotter: Any):
         self._plotter = plotter
-        self._overlays: dict[str, Plotted] = {}
+        #: Addresses of the renderers whose frames are followed.
+        self._followed: set[str] = set()
 
     def add_volume(
         self,
@@ -195,7 +197,8 @@ class PlotterAccessor:
         Returns
         -------
         Plotted
-            With `picture`, `pipeline`, `modified()` and `remove()`.
+            The actor, with `picture`, `pipeline`, `modified()` and `remove()`: it is hidden (`volume.visibility = False`), removed
+            (`remove_actor`, `clear`) and added again as other actors. Moved it cannot be.
 
         It is drawn again when camera, window, data (by VTK's modified times) or opaque surfaces in it change, and not otherwise.
         Before and behind opaque surfaces it stands as it should: rays end where they meet one (on the CPU, by the native engine).
@@ -205,18 +208,18 @@ class PlotterAccessor:
         if getattr(plotter, "_closed", False) or getattr(plotter, "render_window", None) is None:
             raise usage("the plotter is closed", None, "a plotter that is open")
         look = Look(volume, scalars, preference, clim, cmap, opacity, n_colors, opacity_unit_distance, widgets)
-        name = name or f"voltet {len(self._overlays)}"
-        if name in self._overlays:
-            self._overlays[name].remove()
-        overlay = Plotted(self, name, plotter, look, method, scale, renderer)
-        self._overlays[name] = overlay
-        overlay.begin(reset_camera)
+        overlay = Plotted(plotter, look, method, scale, renderer)
+        name = name or next(name for i in count() if (name := f"voltet {i}") not in self.volumes)
+        for follower in plotter.renderers:
+            if (address := follower.GetAddressAsString("")) not in self._followed:
+                self._followed.add(address)
+                follower.AddObserver("EndEvent", draw_volumes)
+        # Replaces the one of this name, in whichever renderer it is.
+        plotter.remove_actor(self.volumes.get(name), render=False)
+        plotter.add_actor(overlay, name=name, reset_camera=reset_camera, pickable=False, render=False)
         if show_scalar_bar and widgets is None:
-            mapper = pv.DataSetMapper()
-            mapper.lookup_table = look.lookup_table()
-            mapper.scalar_range = look.clim
-            overlay.scalar_bar = plotter.add_scalar_bar(
-                **{"title": look.name, **dict(scalar_bar_args or {})}, mapper=mapper, render=False
+            plotter.add_scalar_bar(
+                **{"title": look.name, **dict(scalar_bar_args or {})}, mapper=overlay.mapper, render=False
             )
         if render and plotter.render_window is not None and getattr(plotter, "_rendered_once", False):
             plotter.render()
@@ -224,10 +227,6 @@ class PlotterAccessor:
 
     @property
     def volumes(self) -> dict[str, Plotted]:
-        """The volumes, by name."""
-        return dict(self._overlays)
-
-    def __plotter_close__(self) -> None:
-        for overlay in list(self._overlays.values()):
-            overlay.end()
-        self._overlays.clear()
+        """The volumes of all renderers, by name."""
+        props = [prop for renderer in self._plotter.renderers for prop in renderer.GetViewProps()]
+        return {prop.name: prop for prop in props if isinstance(prop, Plotted)}

@@ -419,8 +419,9 @@ impl<S: PipelineSource> Pipeline<S> {
         let graph = self.graph_for(node, port)?;
         let sink = graph.nodes.len() - 1;
         let fed = self.session.feed(&graph, sink, demand, observer);
-        let fed = fed.map_err(|error| self.source.locate(error))?;
-        fed.0.into_iter().next().ok_or_else(|| Error::run("the node gave nothing").at_node(node))
+        let (values, report) = fed.map_err(|error| self.source.locate(error))?;
+        self.last = Some(report);
+        values.into_iter().next().ok_or_else(|| Error::run("the node gave nothing").at_node(node))
     }
 
     /// Passes the graph of a node's picture, or of the whole pipeline, and the session that holds its inputs, to `work`.

@@ -251,6 +251,8 @@ pub struct Subject {
     pub integrators: Vec<Integrator>,
     /// Background of the picture where the pipeline writes it (linear RGB).
     pub background: [f64; 3],
+    /// Warnings of the nodes that feed it.
+    pub warnings: Vec<String>,
 }
 
 impl Subject {
@@ -266,7 +268,8 @@ impl Subject {
         let place = drawing_node(graph, name)?;
         let node = &graph.nodes[place];
         let blame = |error| node.locate(error);
-        let (inputs, _) = session.feed(graph, place, &Demand { gradient, ..Demand::default() }, observer)?;
+        let (inputs, report) =
+            session.feed(graph, place, &Demand { gradient, ..Demand::default() }, observer)?;
         let shading = drawing::shading(&node.parameters).map_err(blame)?;
         let unknown = || node.locate(Error::run("the node that draws is fed by values of unknown types"));
         let (scene, order_node) = match inputs.as_slice() {
@@ -305,6 +308,7 @@ impl Subject {
             scene,
             asked: SubjectRequest::from_node(node.node.name, &node.parameters),
             background: background(graph, place),
+            warnings: report.warnings,
         })
     }
 
