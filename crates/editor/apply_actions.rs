@@ -1,14 +1,11 @@
 //! Application of the actions that the parts of the window requested: edits, commands, the clipboard, runs; the document's file, which is
 //! opened or made for data, saved, changed by another program, recovered after a crash.
 
-use crate::editor::Editor;
+use crate::editor::{Editor, Panels};
 use crate::files::{Disk, FileDialog, Recover, ask, begun, free_path, is_pipeline};
-use crate::graph::GraphView;
-use crate::jobs::Job;
-use crate::parameters::ParameterPanel;
+use crate::jobs::{Arrays, Job};
 use crate::picture::milliseconds;
 use crate::scene::{Action, Command, FilePurpose};
-use crate::transfer::TransferPanel;
 use crate::view::View;
 use crate::worker::size_of;
 use eframe::egui::{Context, Event, ThemePreference};
@@ -34,7 +31,7 @@ impl Editor {
             Action::Show(name) => self.shown_node = Some(name),
             Action::MoveCamera(view) => self.look(view),
             Action::Probe(places) => self.probe(places, false),
-            Action::PixelProbe(found) => self.show_probed(found),
+            Action::PixelProbe(source, found) => self.show_probed(source, found),
             Action::Centre(place) => self.probe(vec![place], true),
             Action::Estimate => self.estimate(),
             Action::Do(command) => self.command(ctx, command),
@@ -409,19 +406,19 @@ impl Editor {
     /// Another document in place of this one.
     pub(crate) fn take(&mut self, document: Document) {
         self.document = document;
-        self.run = None;
+        (self.run, self.made) = (None, None);
         self.recover.forget();
         self.begin();
-        self.disk = Disk::default();
+        (self.disk, self.arrays) = (Disk::default(), Arrays::default());
         self.shown_node = None;
-        (self.asked, self.previews_of) = (None, None);
-        self.worker.forget_previews();
+        self.forget_answers();
         // Revisions count from the beginning of each document.
         self.faults = (None, Vec::new());
-        self.panels.parameters = ParameterPanel::default();
         self.message = None;
-        self.panels.graph = GraphView::default();
-        self.panels.transfer = TransferPanel::default();
+        // Which windows are open is the user's; what they show was the other document's.
+        let Panels { section, study, costs, help, .. } = std::mem::take(&mut self.panels);
+        self.panels =
+            Panels { section: section.emptied(), study: study.emptied(), costs, help, ..Panels::default() };
     }
 
     pub(crate) fn keep_in(&mut self, place: Recovery) {

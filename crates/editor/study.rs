@@ -2,7 +2,7 @@
 
 use crate::jobs::Job;
 use crate::picture::milliseconds;
-use crate::scene::{Action, Scene};
+use crate::scene::{Action, EARLIER, Scene};
 use crate::theme;
 use crate::worker::grouped;
 use eframe::egui::{Context, Grid, ProgressBar, RichText, ScrollArea, Ui, Window};
@@ -65,6 +65,11 @@ pub(crate) struct StudyPanel {
 }
 
 impl StudyPanel {
+    /// The panel of another document; a study in progress is stopped.
+    pub fn emptied(self) -> StudyPanel {
+        StudyPanel { open: self.open, make: self.make, ..StudyPanel::default() }
+    }
+
     /// Shows the window; begins a study where that is asked for.
     pub fn show(&mut self, ctx: &Context, scene: &Scene) {
         let mut open = self.open;
@@ -182,7 +187,8 @@ pub(crate) fn show_costs(ctx: &Context, open: &mut bool, scene: &Scene) {
             return;
         };
         ui.horizontal(|ui| {
-            ui.strong(format!("the last full picture: {}", milliseconds(report.seconds)));
+            let earlier = if scene.is_earlier() { format!(", {EARLIER}") } else { String::new() };
+            ui.strong(format!("the last full picture{earlier}: {}", milliseconds(report.seconds)));
             if let Some((engine, why)) = &report.engine {
                 ui.label(engine).on_hover_text(why);
             }

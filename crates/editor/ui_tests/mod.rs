@@ -1,5 +1,6 @@
 //! The window's logic, driven by raw input events without a display.
 
+mod earlier;
 mod files;
 mod graph;
 mod ground;

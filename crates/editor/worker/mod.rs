@@ -84,9 +84,16 @@ impl Worker {
         output.previews.values_mut().for_each(Exchange::forget_query);
     }
 
-    /// Drops all small pictures, as of another document.
-    pub(crate) fn forget_previews(&self) {
-        lock(&self.shared.state).output.previews.clear();
+    /// Forgets all output and stops what is being drawn, as of another document.
+    pub(crate) fn forget(&self) {
+        let mut state = lock(&self.shared.state);
+        let first = self.shared.newest.fetch_add(1, Ordering::SeqCst) + 1;
+        (state.picture, state.output) = (None, WorkerOutput::from(first));
+    }
+
+    /// Forgets a query and its answer; `of`: the place of such queries.
+    pub(crate) fn forget_query<Q: Query>(&self, of: impl FnOnce(&mut WorkerOutput) -> &mut Exchange<Q>) {
+        of(&mut lock(&self.shared.state).output).forget();
     }
 
     /// Calls a function with the worker's output.

@@ -398,11 +398,13 @@ pub struct Pixels {
     pub is_passing: bool,
     /// The number of the request that it was drawn for.
     pub number: u64,
+    /// The node whose picture it is.
+    pub node: String,
 }
 
 impl Pixels {
-    pub(super) fn new(picture: Arc<Picture>, background: [f64; 3], divisor: u32, number: u64) -> Pixels {
-        let behind = background.map(|channel| channel as f32);
+    pub(super) fn new(picture: Arc<Picture>, wanted: &RenderRequest, divisor: u32, number: u64) -> Pixels {
+        let behind = wanted.background.map(|channel| channel as f32);
         let srgb = |v: f32| SRGB[(v.clamp(0.0, 1.0) * STEPS as f32 + 0.5) as usize];
         let rgba: Vec<[u8; 4]> = picture
             .rgba
@@ -413,7 +415,8 @@ impl Pixels {
                 [channel(r, 0), channel(g, 1), channel(b, 2), 255]
             })
             .collect();
-        Pixels { picture, rgba: Arc::new(rgba), divisor, is_passing: false, number }
+        let (rgba, node) = (Arc::new(rgba), wanted.node.clone());
+        Pixels { picture, rgba, divisor, is_passing: false, number, node }
     }
 
     /// True if it is the picture that a run of the document gives.
@@ -489,9 +492,21 @@ impl<Q: Query> Exchange<Q> {
         }
     }
 
-    /// As if nothing had been asked; the answer stays.
+    /// Numbers of the newest query, and of the one that the newest answer is to.
+    pub fn numbers(&self) -> [u64; 2] {
+        [self.number, self.answer.as_ref().map_or(0, |(number, _)| *number)]
+    }
+
+    /// As if nothing had been asked; the answer stays as that of an earlier query.
     pub(super) fn forget_query(&mut self) {
         (self.asked, self.is_open) = (None, false);
+        self.number += 1;
+    }
+
+    /// Forgets the query and its answer, which belong to nothing that is shown.
+    pub(super) fn forget(&mut self) {
+        self.forget_query();
+        self.answer = None;
     }
 
     /// Takes over what was found for the query of a number.
@@ -517,12 +532,17 @@ impl<Q: Query> Exchange<Q> {
 mod tests {
     use super::*;
 
+    fn over(background: [f64; 3]) -> RenderRequest {
+        let (nodes, folder, node) = (Vec::new(), PathBuf::new(), "picture".into());
+        RenderRequest { nodes, folder, node, size: None, background, coarse_first: false }
+    }
+
     /// Within one level of what a PNG file of the picture holds.
     #[test]
     fn pixels_are_those_of_a_png() {
         let rgba: Vec<[f32; 4]> = (0..=1000).map(|i| [i as f32 / 1000.0, 0.0, 0.0, 1.0]).collect();
         let picture = Arc::new(Picture { width: 1001, height: 1, rgba });
-        for (i, pixel) in Pixels::new(picture, [0.0; 3], 1, 1).rgba.iter().enumerate() {
+        for (i, pixel) in Pixels::new(picture, &over([0.0; 3]), 1, 1).rgba.iter().enumerate() {
             let exact = srgb_from_linear(i as f32 / 1000.0) * 255.0;
             assert!((f32::from(pixel[0]) - exact).abs() <= 0.7, "{i}: {} for {exact}", pixel[0]);
         }
@@ -531,7 +551,7 @@ mod tests {
     #[test]
     fn the_background_shows_where_nothing_is_drawn() {
         let picture = Arc::new(Picture { width: 1, height: 1, rgba: vec![[0.0; 4]] });
-        let pixels = Pixels::new(picture, [1.0, 0.0, 0.5], 1, 1);
+        let pixels = Pixels::new(picture, &over([1.0, 0.0, 0.5]), 1, 1);
         assert_eq!(pixels.rgba[0], [255, 0, 188, 255]);
     }
 }

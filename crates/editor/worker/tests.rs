@@ -270,6 +270,29 @@ fn the_distribution_comes_late_and_leaves_the_picture_as_it_is() {
     assert_eq!(worker.shown(|shown| shown.pixels.clone().unwrap().picture), before);
 }
 
+/// However far it has come when its document is forgotten.
+#[test]
+fn a_forgotten_picture_does_not_come_after_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let worker = worker();
+    let mut missing = nodes(&TEXT);
+    missing[0] =
+        nodes("[pipeline]\nformat = 1\n[nodes.grid]\ntype = \"reader\"\npath = \"none.vtu\"").remove(0);
+    for step in 0..40 {
+        worker.draw(RenderRequest { coarse_first: true, ..wanted(nodes(&TEXT), folder.path()) });
+        let query = RenderRequest { node: "picture".into(), ..wanted(nodes(&TEXT), folder.path()) };
+        worker.ask(|output| output.preview("picture"), PreviewQuery(query));
+        std::thread::sleep(Duration::from_millis(step));
+        worker.forget();
+        worker.draw(wanted(missing.clone(), folder.path()));
+        settle(&worker);
+        worker.shown(|shown| {
+            assert!(shown.pixels.is_none() && shown.report.is_none() && shown.previews.is_empty());
+            assert!(shown.failure.is_some());
+        });
+    }
+}
+
 #[test]
 fn memory_is_what_the_program_may_take() {
     let never = |_: &dyn Fn() -> Option<String>| false;
