@@ -1,6 +1,6 @@
 //! Work on threads of their own, whose results the window takes over in a later frame; among it the arrays of data files.
 
-use crate::worker::short;
+use crate::worker::short_by;
 use eframe::egui::Context;
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -162,7 +162,10 @@ impl Arrays {
 
 fn choices(head: &voltet_core::reading::FileArray, range: Option<[f64; 2]>) -> Vec<ArrayChoice> {
     let place = if head.association == Association::Cell { "cells" } else { "points" };
-    let range = range.map_or(String::new(), |[low, high]| format!(", {} to {}", short(low), short(high)));
+    let range = range.map_or(String::new(), |[low, high]| {
+        let number = |x: f64| short_by(x, 1e-2 * (high - low));
+        format!(", {} to {}", number(low), number(high))
+    });
     let choice = |name: String, range: &str| ArrayChoice { label: format!("{name}  ({place}{range})"), name };
     if head.component_count == 1 {
         return vec![choice(head.name.clone(), &range)];

@@ -8,7 +8,7 @@ use crate::transfer;
 use crate::view::View;
 use crate::worker::{
     DataScales, DistributionQuery, PixelProbe, Preview, PreviewQuery, ProbeQuery, RenderRequest,
-    SectionQuery, ShareQuery, VolumeSource, retain_widgets, short, size_of,
+    SectionQuery, ShareQuery, VolumeSource, retain_widgets, short, short_by, size_of,
 };
 use eframe::egui::Context;
 use std::collections::BTreeSet;
@@ -239,9 +239,9 @@ impl Editor {
             Some(([s, g], [[ss, _], [_, gg]])) => format!(
                 "{} values {place}: s {} ± {}, g {} ± {}; \"+ at probe\" makes a widget of them",
                 found.values.len(),
-                short(s),
+                short_by(s, 0.1 * ss.sqrt()),
                 short(ss.sqrt()),
-                short(g),
+                short_by(g, 0.1 * gg.sqrt()),
                 short(gg.sqrt()),
             ),
             None => format!("no cell is met {place}"),

@@ -57,7 +57,7 @@ pub(crate) struct Scene<'a> {
     pub entries: HashMap<&'a str, &'a NodeEntry>,
 }
 
-/// What pictures are called that are [earlier](Scene::earlier).
+/// Words for pictures that are [earlier](Scene::earlier).
 pub(crate) const EARLIER: &str = "of an earlier state";
 
 /// Time for which what is shown may be of an earlier request: while a hand moves, each picture is one behind.

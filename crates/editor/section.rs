@@ -4,7 +4,7 @@ use crate::picture::{WHOLE, set_texture};
 use crate::scene::{Action, EARLIER, Scene};
 use crate::theme;
 use crate::view::View;
-use crate::worker::{PixelProbe, Section, grouped, short};
+use crate::worker::{PixelProbe, Section, grouped, short, short_by};
 use eframe::egui::{
     Color32, ColorImage, Context, Pos2, Rect, Rgba, RichText, Sense, Slider, Stroke, TextureHandle,
     TextureOptions, Ui, Window, vec2,
@@ -162,9 +162,12 @@ fn value_at(section: &Section, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
 }
 
 fn under(section: &Section, at: [f64; 2]) -> String {
-    let point = section.of.point(at).to_array().map(short).join(", ");
+    let pixel = 2.0 * section.of.half / section.of.size[1] as f64;
+    let point = section.of.point(at).to_array().map(|x| short_by(x, pixel)).join(", ");
+    let found = section.values.iter().flatten().map(|value| value[0]);
+    let [low, high] = found.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], s| [a.min(s), b.max(s)]);
     match value_at(section, at) {
-        Some([s, g]) => format!("s {}   g {}   at ({point})", short(s), short(g)),
+        Some([s, g]) => format!("s {}   g {}   at ({point})", short_by(s, 1e-3 * (high - low)), short(g)),
         None => format!("no cell at ({point})"),
     }
 }

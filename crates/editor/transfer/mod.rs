@@ -14,7 +14,7 @@ mod tests;
 
 use crate::scene::Scene;
 use crate::theme;
-use crate::worker::short;
+use crate::worker::{short, short_by};
 use edited_function::{EditedFunction, axis_name, axis_title};
 pub(crate) use edited_function::{edited_node, fields_of, is_of_series, volume_of};
 use eframe::egui::{self, Align2, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
@@ -167,7 +167,8 @@ impl TransferPanel {
         let share =
             share.map_or(String::new(), |share| format!("   {} % of the volume a bin", short(100.0 * share)));
         let [x, y] = look.axes.each_ref().map(axis_name);
-        let text = format!("{x} {}   {y} {}{share}", short(value[0]), short(value[1]));
+        let number = |axis: usize| short_by(value[axis], plane.step(axis));
+        let text = format!("{x} {}   {y} {}{share}", number(0), number(1));
         let color = ui.visuals().text_color();
         let galley = ui.painter().layout_no_wrap(text, FontId::proportional(11.5), color);
         let place = Align2::RIGHT_TOP.anchor_size(plane.rect.right_top() + vec2(-6.0, 4.0), galley.size());

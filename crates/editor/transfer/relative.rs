@@ -83,7 +83,13 @@ pub(super) fn as_written(
         let fields: Vec<Field> = set.map(|(name, setting)| Field::new(name, setting.clone())).collect();
         at(&fields, key).cloned()
     });
-    written(old, now, marked.as_ref(), &numbers, known, new)
+    // What is computed of lengths and angles comes back rounded; a place comes back as it was.
+    let is_place = ["centre", "origin", "points", "s", "g"].contains(&key) || key.starts_with("region.");
+    let is_same = |was: f64, is: f64| {
+        let is_near = || (is - was).abs() <= 1e-9 * was.abs() || is == super::plane::rounded(was);
+        is == was || (!is_place && is_near())
+    };
+    written(old, now, marked.as_ref(), &numbers, known, &is_same, new)
 }
 
 /// The table with a key in place of the other that says the same: 100 % for each number of a quantity that has relative ones there,
@@ -124,6 +130,7 @@ fn written(
     marked: Option<&LocatedValue>,
     numbers: &[RelativeNumber],
     known: Option<&DataScales>,
+    is_same: &dyn Fn(f64, f64) -> bool,
     new: ParameterValue,
 ) -> ParameterValue {
     if let (ParameterValue::List(olds), ParameterValue::List(nows), ParameterValue::List(news)) =
@@ -134,12 +141,13 @@ fn written(
         let marks = marked.and_then(LocatedValue::list);
         let parts = (0..news.len()).map(|i| {
             let mark = marks.and_then(|marks| marks.get(i));
-            LocatedValue::from(written(&olds[i], &nows[i], mark, numbers, known, news[i].datum.clone()))
+            let new = news[i].datum.clone();
+            LocatedValue::from(written(&olds[i], &nows[i], mark, numbers, known, is_same, new))
         });
         return ParameterValue::List(parts.collect());
     }
     let (Some(was), Some(is)) = (now.number(), LocatedValue::from(new.clone()).number()) else { return new };
-    if is == was || (is - was).abs() <= 1e-9 * was.abs() || is == super::plane::rounded(was) {
+    if is_same(was, is) {
         return old.datum.clone();
     }
     let mark = marked.and_then(LocatedValue::number).map(|mark| mark as usize);

@@ -144,6 +144,27 @@ fn points_of_a_curve_keep_their_order_and_reach_zero() {
     assert_eq!(height, 0.0);
 }
 
+/// Six digits of a place far from 0 are none of the range that it lies in.
+#[test]
+fn what_is_not_moved_is_written_as_it_was_and_what_is_as_finely_as_a_point_shows() {
+    let rect = Rect::from_min_size(Pos2::ZERO, vec2(400.0, 200.0));
+    let plane = Plane { rect, shown: [[101_325.0, 101_325.02], [0.0, 10.0]], ..PLANE };
+    let points = [[101_325.001_234_567_89, 0.123_456_789, 0.0, 0.0, 2.0], [101_325.01, 1.0, 1.0, 0.0, 8.0]];
+    let fields =
+        vec![field("kind", ParameterValue::Text("piecewise-linear".into())), field("points", rows(&points))];
+    let to = plane.moved_place([101_325.01, 1.0], [0.003_000_1, 0.0]);
+    assert_eq!(to, [101_325.013, 1.0]);
+    let changes = read(&fields).moved(Handle::Point(1), to, &plane);
+    let written = relative::as_written(&fields, None, "points", changes[0].1.clone().unwrap());
+    let found = LocatedValue::from(written).list().unwrap().to_vec();
+    assert_eq!(found[0].numbers().unwrap(), points[0]);
+    assert_eq!(found[1].numbers().unwrap()[0], 101_325.013);
+    // A place that is moved to its own six digits was moved.
+    let fields = changed(gaussian_widget(), vec![("centre", Some(list(&[101_325.012_3, 2.0])))]);
+    let to = list(&[101_325.0, 2.0]);
+    assert_eq!(relative::as_written(&fields, None, "centre", to.clone()), to);
+}
+
 #[test]
 fn regions_follow_their_corners_and_the_widget() {
     let region = ParameterValue::Table(vec![field("s", list(&[1.0, 3.0])), field("g", list(&[0.0, 2.0]))]);

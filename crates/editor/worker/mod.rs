@@ -26,7 +26,7 @@ pub(crate) use probing::{PixelProbe, ProbeQuery, Section, SectionQuery};
 use request::{Exchange, Query};
 pub use request::{Pixels, RenderRequest};
 pub(crate) use request::{
-    VolumeSource, grouped, retain_widgets, short, size_of, widget_count, without_zeros,
+    VolumeSource, grouped, retain_widgets, short, short_by, size_of, widget_count, without_zeros,
 };
 use std::sync::Arc;
 use std::sync::atomic::Ordering;

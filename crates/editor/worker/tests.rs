@@ -294,6 +294,21 @@ fn a_forgotten_picture_does_not_come_after_all() {
 }
 
 #[test]
+fn output_of_a_document_takes_no_picture_of_the_one_before() {
+    let folder = tempfile::tempdir().unwrap();
+    let worker = worker();
+    worker.draw(wanted(nodes(&TEXT), folder.path()));
+    settle(&worker);
+    let pixels = worker.shown(|shown| shown.pixels.clone().unwrap());
+    let report = worker.shown(|shown| shown.report.clone().unwrap());
+    let mut output = WorkerOutput::from(pixels.number + 1);
+    output.finished(pixels.clone(), &report, None, 0.1);
+    assert!(output.pixels.is_none() && output.report.is_none() && output.since(pixels.number).is_none());
+    output.finished(Pixels { number: pixels.number + 1, ..pixels }, &report, None, 0.1);
+    assert!(output.pixels.is_some() && output.report.is_some());
+}
+
+#[test]
 fn memory_is_what_the_program_may_take() {
     let never = |_: &dyn Fn() -> Option<String>| false;
     let shared = Shared::new(Arc::new(|| {}));
