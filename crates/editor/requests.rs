@@ -87,7 +87,7 @@ impl Editor {
         };
         if self.disk.look(document, read, &self.watch) {
             self.read_again();
-            self.say("the data were written anew: they are read again");
+            self.say("a data file has changed: the data are read again");
         }
     }
 

@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+use voltet_document::Document;
 use voltet_document::panel::{Control, Row, Scale, to_text, typed};
-use voltet_document::{Document, Edit};
 use voltet_graph::{LocatedValue, ParameterValue, Registry};
 
 const FILE: &str = r#"

@@ -172,11 +172,11 @@ impl Face {
             (None, Some(idle)) => format!("not needed: {idle}"),
             (None, None) => String::new(),
         };
-        // The same mistake may be known in other words: what it is stands before the colon.
-        let what = |text: &str| text.split(':').next().map(str::to_string);
+        // The same mistake may be known in other words: what it is stands before the colon or semicolon.
+        let what = |text: &str| text.split([':', ';']).next().map(str::to_string);
         let fault = self.fault.clone().filter(|fault| what(&state) != what(fault));
         let title = format!("{} ({})", self.name, self.node_type);
-        let earlier = self.is_picture_earlier.then(|| format!("picture {EARLIER}")).unwrap_or_default();
+        let earlier = if self.is_picture_earlier { format!("picture {EARLIER}") } else { String::new() };
         let lines = [title, self.summary.clone(), state, fault.unwrap_or_default(), earlier];
         lines.into_iter().filter(|line| !line.is_empty()).collect::<Vec<_>>().join("\n")
     }

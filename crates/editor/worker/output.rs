@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use voltet_core::Error;
 use voltet_core::error::ErrorKind;
+use voltet_document::links::upstream;
 use voltet_graph::RunReport;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -162,7 +163,12 @@ impl WorkerOutput {
         if error.kind == ErrorKind::Cancelled || number != self.number {
             return;
         }
-        if let Some(node) = &error.location.node {
+        if let (Some(node), Some(wanted)) = (&error.location.node, &self.wanted) {
+            // What follows from the node is of an earlier state, where the same request was fresh before the data changed.
+            let follows = |name: &String| upstream(&wanted.nodes, name).contains(node);
+            for (_, known) in self.nodes.iter_mut().filter(|(name, _)| follows(name)) {
+                known.state = NodeState::Stale;
+            }
             self.set(node, NodeState::Failed(error.to_string()));
         }
         (self.failure, self.answered) = (Some(error), number);
