@@ -183,9 +183,13 @@ fn edit(look: &EditedFunction, place: usize, before: &ScreenWidget, changes: Vec
     let known = look.known();
     let path = |key: &str| Path::from("widgets").with(place).and(&Path::from(key));
     let node = || look.node.name.clone();
+    let step = |quantity: &ArrayRef| {
+        let axis = look.axes.iter().position(|axis| axis == quantity);
+        axis.map_or(f64::INFINITY, |axis| 0.1 * look.plane.step(axis))
+    };
     let edits = changes.into_iter().filter_map(|(key, value)| match value {
         Some(value) => {
-            let value = relative::as_written(&before.stated, known, key, value);
+            let value = relative::as_written(&before.stated, known, &step, key, value);
             Some(Edit::Set { node: node(), path: path(key), value })
         }
         None => is_stated(key).then(|| Edit::Unset { node: node(), path: path(key) }),
