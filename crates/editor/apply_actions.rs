@@ -37,7 +37,7 @@ impl Editor {
             Action::Do(command) => self.command(ctx, command),
             Action::Say(text) => self.say(text),
             Action::Begin(path) => {
-                self.begin_with = Some(path);
+                (self.begin_with, self.made_document) = (Some(path), None);
                 self.unless_unsaved(ctx, Command::Open);
             }
             Action::ChooseFile(asked, at) => self.file_dialog = Some(FileDialog::new(asked, at.as_deref())),
@@ -113,7 +113,7 @@ impl Editor {
     pub(crate) fn command(&mut self, ctx: &Context, command: Command) {
         match command {
             Command::New | Command::Open | Command::Quit => {
-                self.begin_with = None;
+                (self.begin_with, self.made_document) = (None, None);
                 self.unless_unsaved(ctx, command);
             }
             Command::Run => self.run(ctx),
@@ -332,15 +332,18 @@ impl Editor {
         let made = Job::start("start", ctx, move |_| begun(start(&path, &at)?, &at));
         if let Some(made) = self.check(made) {
             self.say(format!("making a pipeline for {name} …"));
-            self.made = Some(made);
+            (self.made, self.made_at) = (Some(made), self.document.revision());
         }
     }
 
     pub(crate) fn take_made(&mut self) {
         let Some(made) = self.made.as_ref().and_then(Job::result) else { return };
         self.made = None;
-        if let Some(document) = self.check(made) {
+        let Some(document) = self.check(made) else { return };
+        if self.document.is_saved() || self.document.revision() == self.made_at {
             self.take(document);
+        } else {
+            (self.made_document, self.unsaved) = (Some(document), Some(Command::Open));
         }
     }
 
@@ -393,6 +396,9 @@ impl Editor {
     }
 
     pub(crate) fn go_on(&mut self, ctx: &Context, command: Command) {
+        if let Some(document) = self.made_document.take() {
+            return self.take(document);
+        }
         match (command, self.begin_with.take()) {
             (Command::New, _) => self.take(Document::new()),
             (Command::Open, Some(path)) => self.open_any(ctx, &path),

@@ -50,6 +50,10 @@ pub struct Editor {
     pub(crate) worker: Worker,
     pub(crate) start: Start,
     pub(crate) made: Option<Job<Document>>,
+    /// Revision of the document when that was asked for.
+    pub(crate) made_at: u64,
+    /// Document that was made, while what was done meanwhile is asked about.
+    pub(crate) made_document: Option<Document>,
     pub(crate) selection: BTreeSet<String>,
     pub(crate) shown_node: Option<String>,
     pub(crate) arrays: Arrays,
@@ -101,6 +105,8 @@ impl Editor {
             registry: registry.clone(),
             start,
             made: None,
+            made_at: 0,
+            made_document: None,
             selection: BTreeSet::new(),
             shown_node: None,
             arrays: Arrays::default(),

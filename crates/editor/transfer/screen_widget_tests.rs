@@ -301,7 +301,7 @@ fn relative_numbers_stay_relative_and_others_as_they_are_written() {
     let fine = relative::as_written(&fields, Some(&known), &|_| 1e-6, "centre", list(&[s, g]));
     fields[3] = field("centre", fine.clone());
     let [at, ..] = places(&read_with(&fields, Some(&known)))[..] else { panic!("no handles") };
-    assert!((at[0] - s).abs() <= 1e-6 && (at[1] - g).abs() <= 1e-6, "{at:?}: {}", fine.to_string());
+    assert!((at[0] - s).abs() <= 1e-6 && (at[1] - g).abs() <= 1e-6, "{at:?}: {fine}");
     // Where nothing is known of the data, it is not drawn, and says why.
     let unknown = read(&fields);
     assert!(unknown.shape.is_none() && unknown.fault.is_some());
