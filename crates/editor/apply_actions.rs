@@ -173,7 +173,7 @@ impl Editor {
     /// picture; cancels the one in progress.
     fn run(&mut self, ctx: &Context) {
         if self.run.take().is_some() {
-            self.say("the run is stopped; nothing of it is half written");
+            self.say("the run is stopped; no file is half written");
             return;
         }
         let graph = self.document.pipeline().graph(&self.registry, self.document.folder());
@@ -205,9 +205,11 @@ impl Editor {
 
     fn step(&mut self, back: bool) {
         let history = self.document.history();
-        let (label, verb) =
-            if back { (history.undo_label(), "undone") } else { (history.redo_label(), "done again") };
-        let text = label.map_or("there is nothing more".into(), |label| format!("{verb}: {label}"));
+        let (label, verb, none) = match back {
+            true => (history.undo_label(), "undone", "nothing to undo"),
+            false => (history.redo_label(), "redone", "nothing to redo"),
+        };
+        let text = label.map_or(none.into(), |label| format!("{verb}: {label}"));
         let _ = if back { self.document.undo() } else { self.document.redo() };
         self.say(text);
     }
@@ -459,7 +461,7 @@ impl Editor {
         let Some(left) = self.recover.left.first() else { return };
         let name = left.path.as_ref().map_or("a new pipeline".into(), |path| path.display().to_string());
         let text = format!("A window ended without saving what was done in {name}.");
-        let answers = [("Open it", 0), ("Throw it away", 1), ("Later", 2)];
+        let answers = [("Open it", 0), ("Discard it", 1), ("Later", 2)];
         let Some(answer) = ask(ctx, "Work that was not saved", text, &answers) else { return };
         let left = self.recover.left.remove(0);
         match answer {

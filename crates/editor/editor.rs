@@ -97,7 +97,7 @@ impl Editor {
         wake: crate::worker::RepaintCallback,
     ) -> Result<Editor> {
         let wakes = wake.clone();
-        let no_thread = |error| Error::run("no thread can be had to look at files with").got(error);
+        let no_thread = |error| Error::run("no thread can be started to watch files").got(error);
         let watch = FileWatcher::start(BETWEEN, move || wakes()).map_err(no_thread)?;
         let mut editor = Editor {
             document,
@@ -404,8 +404,8 @@ fn changed_on_disk(editor: &mut Editor, ctx: &Context) {
         ui.horizontal(|ui| {
             ui.label("Another program changed the file.");
             for (text, help, takes_over) in [
-                ("Take it over", "as a step that can be undone", true),
-                ("Write over it", "with what is shown here", false),
+                ("Reload", "can be undone", true),
+                ("Overwrite", "with the document that is shown here", false),
             ] {
                 if ui.button(text).on_hover_text(help).clicked() {
                     answer = Some(takes_over);
@@ -448,7 +448,7 @@ fn broken(ui: &mut Ui, place: Rect, faults: &[Error]) {
             for fault in faults.iter().take(3) {
                 ui.label(RichText::new(fault.to_string()).color(theme::wrong(dark)));
             }
-            let text = "Mend it in a text editor; once it is saved there, it can be taken over here.";
+            let text = "Mend it in a text editor; once it is saved there, reload it here.";
             ui.label(RichText::new(text).color(theme::weak(dark)));
         });
     });
@@ -466,7 +466,7 @@ fn invite(ui: &mut Ui, scene: &Scene, place: Rect, recent: &[&Path], is_making: 
     ui.allocate_new_ui(UiBuilder::new().max_rect(rect).layout(layout), |ui| {
         if is_making {
             ui.add_space(0.4 * rect.height());
-            ui.label(RichText::new("Looking at the data …").size(16.0));
+            ui.label(RichText::new("Reading the data …").size(16.0));
             return;
         }
         let button =
@@ -485,7 +485,7 @@ fn invite(ui: &mut Ui, scene: &Scene, place: Rect, recent: &[&Path], is_making: 
             return;
         }
         ui.add_space(8.0);
-        ui.label(RichText::new("Lately opened").color(weak));
+        ui.label(RichText::new("Recent files").color(weak));
         for path in recent {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             let folder = path.parent().unwrap_or(Path::new("")).display().to_string();

@@ -45,7 +45,7 @@ impl Observer for JobObserver {
 }
 
 impl<T> Job<T> {
-    /// Begins the work. Errors: no thread can be had.
+    /// Begins the work. Errors: no thread can be started.
     pub fn start(
         name: &str,
         ctx: &Context,
@@ -63,12 +63,12 @@ impl<T> Job<T> {
         let of_thread = observer.clone();
         let spawned = std::thread::Builder::new().name(name.into()).spawn(move || {
             let found = catch_unwind(AssertUnwindSafe(|| work(&*of_thread)));
-            let mistake = |_| Err(Error::run("the work ended by a mistake of its own"));
+            let mistake = |_| Err(Error::run("the work panicked, which is a fault of the program"));
             // The receiver is gone if the job was cancelled.
             let _ = sender.send(found.unwrap_or_else(mistake));
             of_thread.ctx.request_repaint();
         });
-        spawned.map_err(|error| Error::run("no thread can be had").got(error))?;
+        spawned.map_err(|error| Error::run("no thread can be started").got(error))?;
         Ok(Job { result, observer })
     }
 

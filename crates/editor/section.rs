@@ -91,7 +91,7 @@ impl SectionPanel {
             }
             None => {
                 self.shown = None;
-                drop(ui.label("the section is made …"));
+                drop(ui.label("computing the section …"));
             }
         }
         let (Some(section), Some(texture)) = (self.shown.clone(), &self.texture) else { return };
@@ -119,7 +119,7 @@ impl SectionPanel {
         }
         let weak = theme::weak(ui.visuals().dark_mode);
         let words = match response.hover_pos().map(pixel) {
-            _ if scene.is_section_earlier => format!("{EARLIER}; the section is made …"),
+            _ if scene.is_section_earlier => format!("{EARLIER}; computing the section …"),
             Some(at) => under(&section, at),
             None => {
                 format!("{} cells are cut; click or drag a box: the values there", grouped(section.cells))

@@ -113,9 +113,9 @@ fn idle(scene: &Scene, node: Option<&'static Node>) -> String {
     match (node, scene.shown_node) {
         (None, _) => "its type is not known".into(),
         (Some(node), _) if node.outputs.is_empty() => {
-            "it writes a file, which a run does and the window never".into()
+            "it writes a file, and only a run (Ctrl+R) does that".into()
         }
-        (Some(_), Some(shown)) => format!("nothing of it leads to the picture of '{shown}'"),
+        (Some(_), Some(shown)) => format!("the picture of '{shown}' does not use it"),
         (Some(_), None) => "no picture is shown".into(),
     }
 }
@@ -166,7 +166,7 @@ impl Face {
                 Some(seconds) => format!("done; took {}", milliseconds(seconds)),
                 None => "done".into(),
             },
-            (Some(NodeState::Stale), _) => "stale: will be made again".into(),
+            (Some(NodeState::Stale), _) => "stale: will be computed again".into(),
             (Some(NodeState::Running(stage, fraction)), _) => format!("{stage} {:.0} %", 100.0 * fraction),
             (Some(NodeState::Failed(error)), _) => error.clone(),
             (None, Some(idle)) => format!("not needed: {idle}"),

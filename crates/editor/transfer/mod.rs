@@ -150,7 +150,7 @@ impl TransferPanel {
         }
         if look.scene.distribution.is_none() {
             let fault = look.scene.distribution_fault.as_ref().map(ToString::to_string);
-            let text = fault.unwrap_or_else(|| "the distribution of the data comes …".into());
+            let text = fault.unwrap_or_else(|| "computing the histogram …".into());
             let galley =
                 ui.painter().layout(text, FontId::proportional(12.0), theme::weak(dark), rect.width() - 20.0);
             let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());

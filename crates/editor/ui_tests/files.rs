@@ -90,7 +90,7 @@ fn an_empty_window_offers_the_files_opened_last_and_takes_dropped_ones() {
     hand.editor.recent = crate::files::Recent::in_file(list);
     hand.frames(2);
     assert_eq!(hand.texts("Open data or a pipeline …").len(), 1);
-    assert!(hand.texts("Lately opened").len() == 1);
+    assert!(hand.texts("Recent files").len() == 1);
     assert_eq!(hand.editor.recent.paths().count(), 1, "what is gone is not offered");
     let folder = other.parent().unwrap().canonicalize().unwrap();
     let entry = hand.shown_beginning(&format!("other.toml   in {}", &folder.display().to_string()[..3]));

@@ -199,7 +199,7 @@ fn a_file_that_is_no_toml_says_where_and_is_taken_over_once_it_is_mended() {
     // The file is looked at once a second.
     std::thread::sleep(Duration::from_millis(1100));
     hand.frames(2);
-    hand.click_on("Take it over");
+    hand.click_on("Reload");
     assert_eq!(hand.text(), TEXT);
     assert!(hand.editor.panels.graph.frame_of("view").is_some());
 }

@@ -52,7 +52,7 @@ impl Worker {
         let of_thread = shared.clone();
         let work = move || work::run(&of_thread, &registry);
         let spawned = std::thread::Builder::new().name("worker".into()).spawn(work);
-        let thread = spawned.map_err(|error| Error::run("no thread can be had to draw with").got(error))?;
+        let thread = spawned.map_err(|error| Error::run("no thread can be started to draw").got(error))?;
         Ok(Worker { shared, thread: Some(thread) })
     }
 

@@ -129,7 +129,7 @@ impl WorkerState<'_> {
             self.session = session();
             let text = payload.downcast_ref::<&str>().map(|text| (*text).to_string());
             let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();
-            let error = Error::run("the node ended by a mistake of its own").got(text);
+            let error = Error::run("the node panicked, which is a fault of its program").got(text);
             Err(following.node().into_iter().fold(error, |error, node| error.at_node(node)))
         })
     }
