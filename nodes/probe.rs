@@ -381,7 +381,11 @@ fn with_deviation(mean: f64, sigma: f64) -> String {
     let decimals = 2.0 - sigma.log10().floor();
     match (0.0..=9.0).contains(&decimals) && mean.abs() < 1e9 {
         true => format!("{mean:.0$} ± {sigma:.0$}", decimals as usize),
-        false => format!("{mean:.8e} ± {sigma:.2e}"),
+        // Far from 0 as many as tell the deviation, of the 17 that there are.
+        false => {
+            let digits = (2.0 + (mean.abs() / sigma).log10()).clamp(8.0, 16.0) as usize;
+            format!("{mean:.digits$e} ± {sigma:.2e}")
+        }
     }
 }
 
@@ -415,6 +419,7 @@ mod tests {
             (5.0, 0.0, "5.0 ± 0"),
             (-2.5e-20, 3e-21, "-2.50000000e-20 ± 3.00e-21"),
             (7e6, 12345.0, "7.00000000e6 ± 1.23e4"),
+            (5e12 + 3.0, 1.5, "5.00000000000300e12 ± 1.50e0"),
         ] {
             assert_eq!(with_deviation(mean, sigma), wanted);
         }

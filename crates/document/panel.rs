@@ -351,17 +351,6 @@ pub fn to_text(datum: &ParameterValue) -> String {
     }
 }
 
-/// A number dragged to, with so many digits as a step of the drag makes a difference in: 0.30000000000000004 by steps of 0.01
-/// is 0.3.
-pub fn rounded(x: f64, step: f64) -> f64 {
-    if !x.is_finite() || !step.is_finite() || step <= 0.0 {
-        return x;
-    }
-    // A digit more than the step has; f64 has 17 in all.
-    let decimals = (1.0 - step.log10()).ceil().clamp(0.0, 17.0) as usize;
-    format!("{x:.decimals$}").parse().unwrap_or(x)
-}
-
 /// A word as a number or a flag, else as a text.
 fn read(text: &str) -> ParameterValue {
     match value(text) {

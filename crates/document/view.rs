@@ -146,8 +146,7 @@ impl Annotation {
     }
 
     pub(crate) fn datum(&self) -> ParameterValue {
-        let hundredths = |x: f64| ParameterValue::Number((x * 100.0).round() / 100.0).into();
-        let color = self.color.map(|color| ParameterValue::List(color.map(hundredths).to_vec()));
+        let color = self.color.map(|color| color.into_iter().collect());
         let key = if self.size.is_some() { "title" } else { "text" };
         table([
             (key, Some(ParameterValue::Text(self.text.clone()))),

@@ -1,14 +1,11 @@
 //! Application of the actions that the parts of the window requested: edits, commands, the clipboard, runs; the document's file, which is
 //! opened or made for data, saved, changed by another program, recovered after a crash.
 
-use crate::editor::Editor;
+use crate::editor::{Editor, Panels};
 use crate::files::{Disk, FileDialog, Recover, ask, begun, free_path, is_pipeline};
-use crate::graph::GraphView;
-use crate::jobs::Job;
-use crate::parameters::ParameterPanel;
+use crate::jobs::{Arrays, Job};
 use crate::picture::milliseconds;
 use crate::scene::{Action, Command, FilePurpose};
-use crate::transfer::TransferPanel;
 use crate::view::View;
 use crate::worker::size_of;
 use eframe::egui::{Context, Event, ThemePreference};
@@ -34,13 +31,13 @@ impl Editor {
             Action::Show(name) => self.shown_node = Some(name),
             Action::MoveCamera(view) => self.look(view),
             Action::Probe(places) => self.probe(places, false),
-            Action::PixelProbe(found) => self.show_probed(found),
+            Action::PixelProbe(source, found) => self.show_probed(source, found),
             Action::Centre(place) => self.probe(vec![place], true),
             Action::Estimate => self.estimate(),
             Action::Do(command) => self.command(ctx, command),
             Action::Say(text) => self.say(text),
             Action::Begin(path) => {
-                self.begin_with = Some(path);
+                (self.begin_with, self.made_document) = (Some(path), None);
                 self.unless_unsaved(ctx, Command::Open);
             }
             Action::ChooseFile(asked, at) => self.file_dialog = Some(FileDialog::new(asked, at.as_deref())),
@@ -116,7 +113,7 @@ impl Editor {
     pub(crate) fn command(&mut self, ctx: &Context, command: Command) {
         match command {
             Command::New | Command::Open | Command::Quit => {
-                self.begin_with = None;
+                (self.begin_with, self.made_document) = (None, None);
                 self.unless_unsaved(ctx, command);
             }
             Command::Run => self.run(ctx),
@@ -176,7 +173,7 @@ impl Editor {
     /// picture; cancels the one in progress.
     fn run(&mut self, ctx: &Context) {
         if self.run.take().is_some() {
-            self.say("the run is stopped; nothing of it is half written");
+            self.say("the run is stopped; no file is half written");
             return;
         }
         let graph = self.document.pipeline().graph(&self.registry, self.document.folder());
@@ -208,9 +205,11 @@ impl Editor {
 
     fn step(&mut self, back: bool) {
         let history = self.document.history();
-        let (label, verb) =
-            if back { (history.undo_label(), "undone") } else { (history.redo_label(), "done again") };
-        let text = label.map_or("there is nothing more".into(), |label| format!("{verb}: {label}"));
+        let (label, verb, none) = match back {
+            true => (history.undo_label(), "undone", "nothing to undo"),
+            false => (history.redo_label(), "redone", "nothing to redo"),
+        };
+        let text = label.map_or(none.into(), |label| format!("{verb}: {label}"));
         let _ = if back { self.document.undo() } else { self.document.redo() };
         self.say(text);
     }
@@ -335,15 +334,18 @@ impl Editor {
         let made = Job::start("start", ctx, move |_| begun(start(&path, &at)?, &at));
         if let Some(made) = self.check(made) {
             self.say(format!("making a pipeline for {name} …"));
-            self.made = Some(made);
+            (self.made, self.made_at) = (Some(made), self.document.revision());
         }
     }
 
     pub(crate) fn take_made(&mut self) {
         let Some(made) = self.made.as_ref().and_then(Job::result) else { return };
         self.made = None;
-        if let Some(document) = self.check(made) {
+        let Some(document) = self.check(made) else { return };
+        if self.document.is_saved() || self.document.revision() == self.made_at {
             self.take(document);
+        } else {
+            (self.made_document, self.unsaved) = (Some(document), Some(Command::Open));
         }
     }
 
@@ -396,6 +398,9 @@ impl Editor {
     }
 
     pub(crate) fn go_on(&mut self, ctx: &Context, command: Command) {
+        if let Some(document) = self.made_document.take() {
+            return self.take(document);
+        }
         match (command, self.begin_with.take()) {
             (Command::New, _) => self.take(Document::new()),
             (Command::Open, Some(path)) => self.open_any(ctx, &path),
@@ -409,19 +414,19 @@ impl Editor {
     /// Another document in place of this one.
     pub(crate) fn take(&mut self, document: Document) {
         self.document = document;
-        self.run = None;
+        (self.run, self.made) = (None, None);
         self.recover.forget();
         self.begin();
-        self.disk = Disk::default();
+        (self.disk, self.arrays) = (Disk::default(), Arrays::default());
         self.shown_node = None;
-        (self.asked, self.previews_of) = (None, None);
-        self.worker.forget_previews();
+        self.forget_answers();
         // Revisions count from the beginning of each document.
         self.faults = (None, Vec::new());
-        self.panels.parameters = ParameterPanel::default();
         self.message = None;
-        self.panels.graph = GraphView::default();
-        self.panels.transfer = TransferPanel::default();
+        // Which windows are open is the user's; what they show was the other document's.
+        let Panels { section, study, costs, help, .. } = std::mem::take(&mut self.panels);
+        self.panels =
+            Panels { section: section.emptied(), study: study.emptied(), costs, help, ..Panels::default() };
     }
 
     pub(crate) fn keep_in(&mut self, place: Recovery) {
@@ -456,7 +461,7 @@ impl Editor {
         let Some(left) = self.recover.left.first() else { return };
         let name = left.path.as_ref().map_or("a new pipeline".into(), |path| path.display().to_string());
         let text = format!("A window ended without saving what was done in {name}.");
-        let answers = [("Open it", 0), ("Throw it away", 1), ("Later", 2)];
+        let answers = [("Open it", 0), ("Discard it", 1), ("Later", 2)];
         let Some(answer) = ask(ctx, "Work that was not saved", text, &answers) else { return };
         let left = self.recover.left.remove(0);
         match answer {

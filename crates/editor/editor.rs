@@ -7,13 +7,15 @@ use crate::jobs::{Arrays, Job};
 use crate::keys::{self, GestureTracker};
 use crate::parameters::ParameterPanel;
 use crate::picture::{self, PicturePanel};
-use crate::scene::{Action, Actions, Command, Scene, pictures};
+use crate::scene::{Action, Actions, Command, Lag, Scene, pictures};
 use crate::section::SectionPanel;
 use crate::study::{StudyPanel, show_costs};
 use crate::theme;
 use crate::transfer::TransferPanel;
 use crate::view::View;
-use crate::worker::{Estimate, NodeState, PixelProbe, RenderRequest, Worker, WorkerOutput, size_of};
+use crate::worker::{
+    Estimate, NodeState, PixelProbe, RenderRequest, VolumeSource, Worker, WorkerOutput, size_of,
+};
 use eframe::egui::{
     Align, Button, CentralPanel, Context, Frame, Key, Label, Layout, Rect, RichText, SidePanel,
     TopBottomPanel, Ui, UiBuilder, ViewportCommand, vec2,
@@ -48,6 +50,10 @@ pub struct Editor {
     pub(crate) worker: Worker,
     pub(crate) start: Start,
     pub(crate) made: Option<Job<Document>>,
+    /// Revision of the document when that was asked for.
+    pub(crate) made_at: u64,
+    /// Document that was made, while what was done meanwhile is asked about.
+    pub(crate) made_document: Option<Document>,
     pub(crate) selection: BTreeSet<String>,
     pub(crate) shown_node: Option<String>,
     pub(crate) arrays: Arrays,
@@ -68,7 +74,12 @@ pub struct Editor {
     pub(crate) previews_of: Option<(u64, Option<String>)>,
     /// True for a probe that is waited for to centre the picture.
     pub(crate) probing: Option<bool>,
-    pub(crate) probed: Option<Arc<PixelProbe>>,
+    /// Values that were probed, and the volume that they are of.
+    pub(crate) probed: Option<(VolumeSource, Arc<PixelProbe>)>,
+    /// Small pictures of an earlier state, which are not asked for anew yet; found at the revision.
+    pub(crate) outdated: (Option<u64>, BTreeSet<String>),
+    pub(crate) picture_lag: Lag,
+    pub(crate) section_lag: Lag,
     pub(crate) panels: Panels,
     pub(crate) actions: Actions,
     pub(crate) faults: (Option<u64>, Vec<Error>),
@@ -86,7 +97,7 @@ impl Editor {
         wake: crate::worker::RepaintCallback,
     ) -> Result<Editor> {
         let wakes = wake.clone();
-        let no_thread = |error| Error::run("no thread can be had to look at files with").got(error);
+        let no_thread = |error| Error::run("no thread can be started to watch files").got(error);
         let watch = FileWatcher::start(BETWEEN, move || wakes()).map_err(no_thread)?;
         let mut editor = Editor {
             document,
@@ -94,6 +105,8 @@ impl Editor {
             registry: registry.clone(),
             start,
             made: None,
+            made_at: 0,
+            made_document: None,
             selection: BTreeSet::new(),
             shown_node: None,
             arrays: Arrays::default(),
@@ -111,6 +124,9 @@ impl Editor {
             previews_of: None,
             probing: None,
             probed: None,
+            outdated: (None, BTreeSet::new()),
+            picture_lag: Lag::default(),
+            section_lag: Lag::default(),
             panels: Panels::default(),
             actions: Actions::default(),
             faults: (None, Vec::new()),
@@ -158,6 +174,7 @@ impl Editor {
         if self.faults.0 != Some(self.document.revision()) {
             self.faults = (Some(self.document.revision()), faults(&self.document, &self.registry));
         }
+        self.settle_on_earlier();
     }
 
     pub(crate) fn scene(&self) -> Scene<'_> {
@@ -169,6 +186,19 @@ impl Editor {
             let preview = |(node, preview): (&String, &crate::worker::Preview)| {
                 Some((node.clone(), preview.last()?.as_ref().ok()?.clone()))
             };
+            let pixels = shown.pixels.clone().filter(|pixels| self.shown_node.as_ref() == Some(&pixels.node));
+            let is_late = self.picture_lag.is_long;
+            let failure = shown.failure.clone().filter(|_| !is_late);
+            let is_earlier = |node: &&str| match self.shown_node.as_deref() == Some(*node) {
+                true => pixels.as_ref().is_some_and(|pixels| {
+                    pixels.number != self.picture_number && (is_late || failure.is_some())
+                }),
+                false => shown.previews.get(*node).is_some_and(|preview| {
+                    preview.last().is_some()
+                        && (preview.answer().is_none() || self.outdated.1.contains(*node))
+                }),
+            };
+            let earlier = pictures(&self.document, &self.registry).into_iter().filter(is_earlier).collect();
             Scene {
                 actions: &self.actions,
                 document: &self.document,
@@ -178,19 +208,21 @@ impl Editor {
                 shown_node: self.shown_node.as_deref(),
                 view: camera.and_then(View::from_camera),
                 picture_size: camera.and_then(size_of),
-                pixels: shown.pixels.clone().filter(|_| self.shown_node.is_some()),
+                seconds: pixels.as_ref().and_then(|pixels| shown.seconds[usize::from(!pixels.is_full())]),
+                pixels,
+                earlier,
                 previews: previews.filter_map(preview).collect(),
                 asks: self.unsaved.is_some() || self.file_dialog.is_some(),
                 nodes: shown.nodes.clone(),
                 values: shown.values.clone(),
-                failure: shown.failure.clone(),
+                failure,
                 running: running(shown),
-                seconds: shown.pixels.as_ref().and_then(|p| shown.seconds[usize::from(!p.is_full())]),
                 distribution: distribution.and_then(|found| found.as_ref().ok().cloned()),
                 distribution_fault: distribution.and_then(|found| found.as_ref().err().cloned()),
-                probed: self.probed.clone(),
+                probed: self.probed.as_ref().map(|(_, found)| found.clone()),
                 share: shown.share.answer().filter(|_| is_newest).cloned(),
                 section: shown.section.last().cloned(),
+                is_section_earlier: self.section_lag.is_long,
                 report: shown.report.clone(),
                 estimate: shown.estimate.answer().cloned(),
                 is_estimating: shown.estimate.is_waiting(),
@@ -242,6 +274,7 @@ impl Editor {
         self.panels.study.take_found();
         self.show_run();
         self.settle_on_nodes();
+        self.follow_answers(ctx);
         self.gesture = self.gestures.gesture(ctx);
         if ctx.input(|input| input.viewport().close_requested()) && !self.ends {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
@@ -371,8 +404,8 @@ fn changed_on_disk(editor: &mut Editor, ctx: &Context) {
         ui.horizontal(|ui| {
             ui.label("Another program changed the file.");
             for (text, help, takes_over) in [
-                ("Take it over", "as a step that can be undone", true),
-                ("Write over it", "with what is shown here", false),
+                ("Reload", "can be undone", true),
+                ("Overwrite", "with the document that is shown here", false),
             ] {
                 if ui.button(text).on_hover_text(help).clicked() {
                     answer = Some(takes_over);
@@ -415,7 +448,7 @@ fn broken(ui: &mut Ui, place: Rect, faults: &[Error]) {
             for fault in faults.iter().take(3) {
                 ui.label(RichText::new(fault.to_string()).color(theme::wrong(dark)));
             }
-            let text = "Mend it in a text editor; once it is saved there, it can be taken over here.";
+            let text = "Mend it in a text editor; once it is saved there, reload it here.";
             ui.label(RichText::new(text).color(theme::weak(dark)));
         });
     });
@@ -433,7 +466,7 @@ fn invite(ui: &mut Ui, scene: &Scene, place: Rect, recent: &[&Path], is_making: 
     ui.allocate_new_ui(UiBuilder::new().max_rect(rect).layout(layout), |ui| {
         if is_making {
             ui.add_space(0.4 * rect.height());
-            ui.label(RichText::new("Looking at the data …").size(16.0));
+            ui.label(RichText::new("Reading the data …").size(16.0));
             return;
         }
         let button =
@@ -452,7 +485,7 @@ fn invite(ui: &mut Ui, scene: &Scene, place: Rect, recent: &[&Path], is_making: 
             return;
         }
         ui.add_space(8.0);
-        ui.label(RichText::new("Lately opened").color(weak));
+        ui.label(RichText::new("Recent files").color(weak));
         for path in recent {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             let folder = path.parent().unwrap_or(Path::new("")).display().to_string();

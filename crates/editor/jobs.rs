@@ -1,6 +1,6 @@
 //! Work on threads of their own, whose results the window takes over in a later frame; among it the arrays of data files.
 
-use crate::worker::short;
+use crate::worker::short_by;
 use eframe::egui::Context;
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -45,7 +45,7 @@ impl Observer for JobObserver {
 }
 
 impl<T> Job<T> {
-    /// Begins the work. Errors: no thread can be had.
+    /// Begins the work. Errors: no thread can be started.
     pub fn start(
         name: &str,
         ctx: &Context,
@@ -63,12 +63,12 @@ impl<T> Job<T> {
         let of_thread = observer.clone();
         let spawned = std::thread::Builder::new().name(name.into()).spawn(move || {
             let found = catch_unwind(AssertUnwindSafe(|| work(&*of_thread)));
-            let mistake = |_| Err(Error::run("the work ended by a mistake of its own"));
+            let mistake = |_| Err(Error::run("the work panicked, which is a fault of the program"));
             // The receiver is gone if the job was cancelled.
             let _ = sender.send(found.unwrap_or_else(mistake));
             of_thread.ctx.request_repaint();
         });
-        spawned.map_err(|error| Error::run("no thread can be had").got(error))?;
+        spawned.map_err(|error| Error::run("no thread can be started").got(error))?;
         Ok(Job { result, observer })
     }
 
@@ -162,7 +162,10 @@ impl Arrays {
 
 fn choices(head: &voltet_core::reading::FileArray, range: Option<[f64; 2]>) -> Vec<ArrayChoice> {
     let place = if head.association == Association::Cell { "cells" } else { "points" };
-    let range = range.map_or(String::new(), |[low, high]| format!(", {} to {}", short(low), short(high)));
+    let range = range.map_or(String::new(), |[low, high]| {
+        let number = |x: f64| short_by(x, 1e-2 * (high - low));
+        format!(", {} to {}", number(low), number(high))
+    });
     let choice = |name: String, range: &str| ArrayChoice { label: format!("{name}  ({place}{range})"), name };
     if head.component_count == 1 {
         return vec![choice(head.name.clone(), &range)];

@@ -58,7 +58,7 @@ const KEYS: &[Binding] = &[
     (Command::Along(2, true), NONE, Key::Z, "seen from +z"),
     (Command::Roll(true), NONE, Key::Comma, "roll to the left"),
     (Command::Roll(false), NONE, Key::Period, "roll to the right"),
-    (Command::Costs, NONE, Key::C, "what the picture costs, and how wrong it is"),
+    (Command::Costs, NONE, Key::C, "times and error of the picture"),
     (
         Command::Widgets,
         NONE,
@@ -90,7 +90,7 @@ const MOUSE: &[(&str, &[(&str, &str)])] = &[
         &[
             ("drag a node", "move it, and all that are selected"),
             ("drag from a port", "wire; dropped on empty space: nodes that fit"),
-            ("drag from a fed input", "take the wire off"),
+            ("drag from a fed input", "detach the wire"),
             ("drag on empty space", "select nodes in a box"),
             ("drag the title of a frame", "move it with what it holds; its corner: its size"),
             ("double click on a title, a note", "write on it"),
@@ -104,9 +104,9 @@ const MOUSE: &[(&str, &[(&str, &str)])] = &[
         "Transfer function",
         &[
             ("drag a widget", "move it; its handles: widths, angle, corners, bands"),
-            ("Alt-drag", "the same, a fifth of the hand's way"),
-            ("double click", "a point more of the curve or polygon in hand; else show all"),
-            ("right click on a point", "take it away"),
+            ("Alt-drag", "the same at a fifth of the speed"),
+            ("double click", "add a point to the selected curve or polygon; elsewhere show all"),
+            ("right click on a point", "remove it"),
             ("wheel, Alt-wheel", "zoom to the right, zoom up"),
             ("Shift-drag", "pan"),
             ("arrows", "nudge the point or widget; Shift: five times, Alt: a fifth"),

@@ -10,7 +10,8 @@ use eframe::egui::{
 };
 use std::collections::HashMap;
 use std::rc::Rc;
-use voltet_document::panel::{Control, Row, Scale, default_value, rounded, to_text, typed};
+use voltet_core::arithmetic::decimal;
+use voltet_document::panel::{Control, Row, Scale, default_value, to_text, typed};
 use voltet_document::{Edit, Path};
 use voltet_graph::{DefaultValue, LocatedValue, NodeEntry, ParameterValue, Range, VariantSchema};
 
@@ -445,14 +446,14 @@ fn browse(of: Of, row: &Row) -> Action {
 }
 
 /// True if the user changed it; rounding for display, or clamping to its range, is no change.
-fn by_hand(response: &Response) -> bool {
+pub(crate) fn by_hand(response: &Response) -> bool {
     response.changed()
         && (response.dragged() || response.drag_stopped() || response.lost_focus() || response.has_focus())
 }
 
 /// Result of a drag, with the digits that its step resolves; a typed number stays as it is.
 fn meant(response: &Response, x: f64, step: f64) -> f64 {
-    if response.dragged() || response.drag_stopped() { rounded(x, step) } else { x }
+    if response.dragged() || response.drag_stopped() { decimal(x, 0.1 * step) } else { x }
 }
 
 /// A field for one number; a whole one where it has no scale. With a slider where the range has two ends that are not too far.
@@ -477,19 +478,19 @@ fn number_field(ui: &mut Ui, now: Option<f64>, range: &Range, scale: Option<Scal
     slid.or((by_hand(&response) && x != before && range.holds(x)).then_some(x))
 }
 
-/// A number with no more digits than six, as a file would have it.
-fn short(x: f64) -> String {
-    ParameterValue::Number(format!("{x:.5e}").parse().unwrap_or(x)).to_string()
+/// A number as a file has it, with all its digits: what is edited from there loses none.
+fn stated(x: f64) -> String {
+    ParameterValue::Number(x).to_string()
 }
 
-fn drag(ui: &mut Ui, before: f64, range: &Range, step: f64, whole: bool) -> (Response, f64) {
+/// A field for a number, and the number that a hand leaves there.
+pub(crate) fn drag(ui: &mut Ui, before: f64, range: &Range, step: f64, whole: bool) -> (Response, f64) {
     let mut x = before;
     let field = DragValue::new(&mut x).range(range.min..=range.max).speed(step).update_while_editing(false);
-    let field = if whole { field.max_decimals(0) } else { field.custom_formatter(|x, _| short(x)) };
+    let field = if whole { field.max_decimals(0) } else { field.custom_formatter(|x, _| stated(x)) };
     let response = ui.add(field);
     let x = if whole { x.round() } else { meant(&response, x, step) };
-    // What is shown shorter than it is stays as it is where nobody typed another number.
-    (response, if short(x) == short(before) { before } else { x })
+    (response, x)
 }
 
 fn numbers(
@@ -536,7 +537,7 @@ pub(crate) fn edited_color(ui: &mut Ui, linear: [f64; 3]) -> Option<[f64; 3]> {
     ui.color_edit_button_srgba(&mut display).changed().then(|| {
         let linear = Rgba::from(display);
         // A screen has 256 levels of each.
-        [linear.r(), linear.g(), linear.b()].map(|x| rounded(f64::from(x) * brightest, 1e-4))
+        [linear.r(), linear.g(), linear.b()].map(|x| decimal(f64::from(x) * brightest, 1e-5 * brightest))
     })
 }
 

@@ -1,6 +1,6 @@
 //! The picture: what the worker drew last, and the hand that moves the camera.
 
-use crate::scene::{Action, Scene};
+use crate::scene::{Action, EARLIER, Scene};
 use crate::theme;
 use crate::view::View;
 use crate::worker::Pixels;
@@ -59,8 +59,8 @@ impl PicturePanel {
         };
         let picture = Rect::from_center_size(rect.center(), size);
         self.rect = Some(picture);
-        if let Some(texture) = self.texture.as_ref().filter(|_| scene.shown_node.is_some()) {
-            ui.painter().image(texture.id(), picture, WHOLE, Color32::WHITE);
+        if let Some(texture) = self.texture.as_ref().filter(|_| scene.pixels.is_some()) {
+            ui.painter().image(texture.id(), picture, WHOLE, theme::tint(scene.is_earlier()));
         }
         self.over(ui, scene, rect);
         if let Some(view) = scene.view {
@@ -151,6 +151,13 @@ impl PicturePanel {
                 say(scene.running.as_deref().unwrap_or("drawing …"), Color32::from_gray(200));
             }
             (None, Some(_)) => {}
+        }
+        if scene.is_earlier() {
+            let (font, color) = (FontId::proportional(12.0), Color32::from_gray(230));
+            let galley = ui.painter().layout_no_wrap(format!("picture {EARLIER}"), font, color);
+            let place = Rect::from_min_size(rect.min + vec2(10.0, 8.0), galley.size());
+            ui.painter().rect_filled(place.expand(4.0), 4.0, Color32::from_black_alpha(200));
+            ui.painter().galley(place.min, galley, color);
         }
     }
 
@@ -251,7 +258,9 @@ pub(crate) fn status(ui: &mut Ui, scene: &Scene) {
         let seconds = scene.seconds.map_or(String::new(), |s| format!(" · {}", milliseconds(s)));
         let engine = scene.report.as_ref().and_then(|report| report.engine.as_ref());
         let engine = engine.map_or(String::new(), |(engine, _)| format!(" · {engine}"));
-        ui.label(RichText::new(format!("{width} × {height}{seconds}{engine}")).color(theme::weak(dark)));
+        let earlier = if scene.is_earlier() { format!(" · {EARLIER}") } else { String::new() };
+        let text = format!("{width} × {height}{seconds}{engine}{earlier}");
+        ui.label(RichText::new(text).color(theme::weak(dark)));
     }
 }
 

@@ -7,10 +7,13 @@ use crate::section;
 use crate::transfer;
 use crate::view::View;
 use crate::worker::{
-    DataScales, DistributionQuery, PixelProbe, PreviewQuery, ProbeQuery, RenderRequest, SectionQuery,
-    ShareQuery, VolumeSource, retain_widgets, short, size_of,
+    DataScales, DistributionQuery, PixelProbe, Preview, PreviewQuery, ProbeQuery, RenderRequest,
+    SectionQuery, ShareQuery, VolumeSource, retain_widgets, short, short_by, size_of,
 };
+use eframe::egui::Context;
+use std::collections::BTreeSet;
 use std::sync::Arc;
+use std::time::Instant;
 use voltet_document::links::{self, upstream};
 use voltet_graph::{NodeEntry, ParameterValue};
 
@@ -22,6 +25,51 @@ impl Editor {
         self.find_share();
         self.find_section();
         self.find_previews();
+    }
+
+    /// Finds which small pictures are of an earlier state, and drops probed values of another volume.
+    pub(crate) fn settle_on_earlier(&mut self) {
+        let revision = Some(self.document.revision());
+        if self.outdated.0 == revision {
+            return;
+        }
+        let asked: Vec<(String, Option<RenderRequest>)> = self.worker.shown(|shown| {
+            let asked = |(node, preview): (&String, &Preview)| {
+                (node.clone(), preview.asked().map(|query| query.0.clone()))
+            };
+            shown.previews.iter().map(asked).collect()
+        });
+        let is_other = |(node, asked): &(String, Option<RenderRequest>)| {
+            *asked != Some(self.render_request(node, None, false))
+        };
+        let others = asked.into_iter().filter(is_other).map(|(node, _)| node).collect();
+        self.outdated = (revision, others);
+        if self.probed.as_ref().is_some_and(|(source, _)| !self.is_current(source)) {
+            self.probed = None;
+        }
+    }
+
+    /// True if the document still gives this volume.
+    fn is_current(&self, source: &VolumeSource) -> bool {
+        let now = self.volume_source(source.output.clone());
+        let before = links::feeding(&source.nodes, links::source(&source.output, &source.nodes).0);
+        (now.folder, now.nodes) == (source.folder.clone(), before)
+    }
+
+    /// Looks how far the worker's answers are behind, and has the window shown again once that is long.
+    pub(crate) fn follow_answers(&mut self, ctx: &Context) {
+        let (answered, section) = self.worker.shown(|shown| (shown.answered, shown.section.numbers()));
+        let newest = if self.asked.is_some() { self.picture_number } else { answered };
+        let now = Instant::now();
+        let left = [self.picture_lag.follow([newest, answered], now), self.section_lag.follow(section, now)];
+        left.into_iter().flatten().for_each(|left| ctx.request_repaint_after(left));
+    }
+
+    /// Forgets what the worker found, which belongs to nothing that is shown any more.
+    pub(crate) fn forget_answers(&mut self) {
+        self.worker.forget();
+        (self.asked, self.previews_of, self.probing, self.probed) = (None, None, None, None);
+        (self.picture_number, self.outdated) = (0, (None, BTreeSet::new()));
     }
 
     /// Asks anew for all that is read from files; what they still say is not done again.
@@ -39,13 +87,18 @@ impl Editor {
         };
         if self.disk.look(document, read, &self.watch) {
             self.read_again();
-            self.say("the data were written anew: they are read again");
+            self.say("a data file has changed: the data are read again");
         }
     }
 
     /// Asks the worker for the picture where another is wanted than before.
     fn draw(&mut self) {
-        let Some(node) = &self.shown_node else { return };
+        let Some(node) = &self.shown_node else {
+            if self.asked.is_some() {
+                self.forget_answers();
+            }
+            return;
+        };
         let size = self.camera().and_then(size_of).map(|own| fitted(own, self.panels.picture.room));
         let mut wanted = self.render_request(node, size, true);
         if let (Some(look), Some(found)) = (self.panels.transfer.dragged(), self.scene().distribution) {
@@ -81,12 +134,17 @@ impl Editor {
     }
 
     /// Asks for the distribution of what the edited transfer function is drawn with.
-    fn find_distribution(&self) {
-        let Some((look, output)) = self.edited() else { return };
+    fn find_distribution(&mut self) {
+        let Some((look, output)) = self.edited() else {
+            return self.worker.forget_query(|output| &mut output.distribution);
+        };
         let (fields, of_series) = (transfer::fields_of(look), transfer::is_of_series(look));
-        let (source, axes) = (self.volume_source(output), self.panels.transfer.axes());
+        let (source, axes) = (self.volume_source(output.clone()), self.panels.transfer.axes());
         let wanted = DistributionQuery { source, axes, fields, of_series };
         self.worker.ask(|output| &mut output.distribution, wanted);
+        if self.probed.as_ref().is_some_and(|(source, _)| source.output != output) {
+            self.probed = None;
+        }
     }
 
     /// Asks what the widget in hand adds to the picture, once the full one is there.
@@ -122,6 +180,7 @@ impl Editor {
             }
         }
         self.previews_of = Some(of);
+        self.outdated.1.clear();
     }
 
     fn find_section(&self) {
@@ -132,7 +191,9 @@ impl Editor {
         let plane = view
             .zip(self.worker.shown(|shown| shown.bounds))
             .and_then(|(view, bounds)| self.panels.section.wanted(view, bounds));
-        let Some(((_, output), (centre, axes, half))) = self.edited().zip(plane) else { return };
+        let Some(((_, output), (centre, axes, half))) = self.edited().zip(plane) else {
+            return self.worker.forget_query(|output| &mut output.section);
+        };
         let (source, size) = (self.volume_source(output), section::SIZE);
         let wanted = SectionQuery { source, centre, axes, half, size };
         self.worker.ask(|output| &mut output.section, wanted);
@@ -150,17 +211,25 @@ impl Editor {
     /// Takes over what a probe found: values in a line, or the centre.
     pub(crate) fn take_probed(&mut self) {
         let Some(centres) = self.probing else { return };
-        let Some(answer) = self.worker.shown(|shown| shown.probe.answer().cloned()) else { return };
+        let answer = self.worker.shown(|shown| {
+            let probe = &shown.probe;
+            probe.answer().cloned().zip(probe.asked().map(|query| query.source.clone()))
+        });
+        let Some((answer, source)) = answer else { return };
         self.probing = None;
         let Some(found) = self.check(answer) else { return };
         match found.point {
             Some(point) if centres => self.move_camera(|view| view.centred(point)),
             None if centres => {}
-            _ => self.show_probed(found),
+            _ => self.show_probed(source, found),
         }
     }
 
-    pub(crate) fn show_probed(&mut self, found: Arc<PixelProbe>) {
+    /// Shows what a probe of a volume found.
+    pub(crate) fn show_probed(&mut self, source: VolumeSource, found: Arc<PixelProbe>) {
+        if !self.is_current(&source) {
+            return self.say("what was probed has changed since: probe again");
+        }
         let place = match found.rays {
             0 => "in the section".to_string(),
             1 => "on the ray".to_string(),
@@ -170,15 +239,15 @@ impl Editor {
             Some(([s, g], [[ss, _], [_, gg]])) => format!(
                 "{} values {place}: s {} ± {}, g {} ± {}; \"+ at probe\" makes a widget of them",
                 found.values.len(),
-                short(s),
+                short_by(s, 0.1 * ss.sqrt()),
                 short(ss.sqrt()),
-                short(g),
+                short_by(g, 0.1 * gg.sqrt()),
                 short(gg.sqrt()),
             ),
             None => format!("no cell is met {place}"),
         };
         self.say(text);
-        self.probed = Some(found);
+        self.probed = Some((source, found));
     }
 
     pub(crate) fn camera(&self) -> Option<&NodeEntry> {

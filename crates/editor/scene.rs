@@ -3,11 +3,12 @@
 
 use crate::jobs::Arrays;
 use crate::view::View;
-use crate::worker::{Distribution, NodeStatus, PixelProbe, Pixels, Section, Share};
+use crate::worker::{Distribution, NodeStatus, PixelProbe, Pixels, Section, Share, VolumeSource};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 use voltet_core::{Error, Result};
 use voltet_document::arrange::Align;
 use voltet_document::{Document, Edit};
@@ -26,6 +27,8 @@ pub(crate) struct Scene<'a> {
     pub picture_size: Option<[u32; 2]>,
     pub pixels: Option<Pixels>,
     pub previews: BTreeMap<String, Pixels>,
+    /// The nodes whose pictures, at large or small, are of an earlier state of the document or the data.
+    pub earlier: BTreeSet<&'a str>,
     /// True if a question must be answered first, and other input is blocked.
     pub asks: bool,
     pub nodes: BTreeMap<String, NodeStatus>,
@@ -42,6 +45,8 @@ pub(crate) struct Scene<'a> {
     /// Contribution of the selected widget to the picture, or an error message; `None` while unknown.
     pub share: Option<Result<Share>>,
     pub section: Option<Result<Arc<Section>>>,
+    /// True if the section is of an earlier state.
+    pub is_section_earlier: bool,
     pub report: Option<Arc<RunReport>>,
     /// Estimated error of the picture, if requested.
     pub estimate: Option<Result<[f64; 2]>>,
@@ -52,7 +57,39 @@ pub(crate) struct Scene<'a> {
     pub entries: HashMap<&'a str, &'a NodeEntry>,
 }
 
+/// Words for pictures that are [earlier](Scene::earlier).
+pub(crate) const EARLIER: &str = "of an earlier state";
+
+/// Time for which what is shown may be of an earlier request: while a hand moves, each picture is one behind.
+const GRACE: Duration = Duration::from_millis(300);
+
+/// Time since which an answer is not that to the newest request.
+#[derive(Debug, Default)]
+pub(crate) struct Lag {
+    /// Number of the request that was answered, and the time.
+    since: Option<(u64, Instant)>,
+    pub is_long: bool,
+}
+
+impl Lag {
+    /// Takes the numbers of the newest request and of the answered one; returns the time until the lag is long, if there is one.
+    pub fn follow(&mut self, [newest, answered]: [u64; 2], now: Instant) -> Option<Duration> {
+        self.since = self.since.filter(|(number, _)| *number == answered && newest != answered);
+        if newest != answered && self.since.is_none() {
+            self.since = Some((answered, now));
+        }
+        let left = self.since.map(|(_, since)| GRACE.saturating_sub(now.duration_since(since)));
+        self.is_long = left.is_some_and(|left| left.is_zero());
+        left.filter(|left| !left.is_zero())
+    }
+}
+
 impl<'a> Scene<'a> {
+    /// True if the large picture is of an earlier state.
+    pub fn is_earlier(&self) -> bool {
+        self.shown_node.is_some_and(|node| self.earlier.contains(node))
+    }
+
     pub fn entry(&self, name: &str) -> Option<&'a NodeEntry> {
         self.entries.get(name).copied()
     }
@@ -88,8 +125,8 @@ pub enum Action {
     MoveCamera(View),
     /// The values at places of the picture are asked for (heights from its middle, to the right and up).
     Probe(Vec<[f64; 2]>),
-    /// Values were found otherwise.
-    PixelProbe(Arc<PixelProbe>),
+    /// Values of a volume were found otherwise.
+    PixelProbe(VolumeSource, Arc<PixelProbe>),
     /// Centres the picture on the point at a position.
     Centre([f64; 2]),
     Estimate,
@@ -181,5 +218,25 @@ impl Actions {
 
     pub fn command(&self, command: Command) {
         self.push(Action::Do(command));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lag_is_long_where_no_answer_comes_and_not_where_each_is_one_behind() {
+        let begin = Instant::now();
+        let at = |share: f64| begin + GRACE.mul_f64(share);
+        let mut lag = Lag::default();
+        assert_eq!((lag.follow([7, 7], at(0.0)), lag.is_long), (None, false));
+        for step in 0..10u64 {
+            let left = lag.follow([8 + step, 7 + step], at(0.5 * step as f64));
+            assert_eq!((left, lag.is_long), (Some(GRACE), false));
+        }
+        assert!(lag.follow([18, 16], at(5.0)).is_some_and(|left| left < GRACE) && !lag.is_long);
+        assert_eq!((lag.follow([18, 16], at(5.6)), lag.is_long), (None, true));
+        assert_eq!((lag.follow([18, 18], at(5.7)), lag.is_long), (None, false));
     }
 }

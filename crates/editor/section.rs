@@ -1,10 +1,10 @@
 //! The section: s on a plane through the data, where a click or a box finds values.
 
 use crate::picture::{WHOLE, set_texture};
-use crate::scene::{Action, Scene};
+use crate::scene::{Action, EARLIER, Scene};
 use crate::theme;
 use crate::view::View;
-use crate::worker::{PixelProbe, Section, grouped, short};
+use crate::worker::{PixelProbe, Section, grouped, short, short_by};
 use eframe::egui::{
     Color32, ColorImage, Context, Pos2, Rect, Rgba, RichText, Sense, Slider, Stroke, TextureHandle,
     TextureOptions, Ui, Window, vec2,
@@ -33,6 +33,11 @@ pub(crate) struct SectionPanel {
 }
 
 impl SectionPanel {
+    /// The panel of another document.
+    pub fn emptied(self) -> SectionPanel {
+        SectionPanel { open: self.open, ..SectionPanel::default() }
+    }
+
     /// The section that is wanted of a volume: its middle, the plane's axes and half of its height.
     pub fn wanted(&self, view: View, bounds: [DVec3; 2]) -> Option<(DVec3, [DVec3; 2], f64)> {
         let radius = 0.5 * (bounds[1] - bounds[0]).length();
@@ -81,12 +86,16 @@ impl SectionPanel {
         match &scene.section {
             Some(Ok(section)) => self.take(ui, scene, section),
             Some(Err(error)) => {
+                self.shown = None;
                 drop(ui.colored_label(theme::wrong(ui.visuals().dark_mode), error.to_string()))
             }
-            None => drop(ui.label("the section is made …")),
+            None => {
+                self.shown = None;
+                drop(ui.label("computing the section …"));
+            }
         }
         let (Some(section), Some(texture)) = (self.shown.clone(), &self.texture) else { return };
-        ui.painter().image(texture.id(), rect, WHOLE, Color32::WHITE);
+        ui.painter().image(texture.id(), rect, WHOLE, theme::tint(scene.is_section_earlier));
         let pixel = |at: Pos2| {
             let share = (at - rect.min) / rect.size();
             [share.x * SIZE[0] as f32, share.y * SIZE[1] as f32].map(|x| f64::from(x.max(0.0)))
@@ -110,6 +119,7 @@ impl SectionPanel {
         }
         let weak = theme::weak(ui.visuals().dark_mode);
         let words = match response.hover_pos().map(pixel) {
+            _ if scene.is_section_earlier => format!("{EARLIER}; computing the section …"),
             Some(at) => under(&section, at),
             None => {
                 format!("{} cells are cut; click or drag a box: the values there", grouped(section.cells))
@@ -152,9 +162,12 @@ fn value_at(section: &Section, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
 }
 
 fn under(section: &Section, at: [f64; 2]) -> String {
-    let point = section.of.point(at).to_array().map(short).join(", ");
+    let pixel = 2.0 * section.of.half / section.of.size[1] as f64;
+    let point = section.of.point(at).to_array().map(|x| short_by(x, pixel)).join(", ");
+    let found = section.values.iter().flatten().map(|value| value[0]);
+    let [low, high] = found.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], s| [a.min(s), b.max(s)]);
     match value_at(section, at) {
-        Some([s, g]) => format!("s {}   g {}   at ({point})", short(s), short(g)),
+        Some([s, g]) => format!("s {}   g {}   at ({point})", short_by(s, 1e-3 * (high - low)), short(g)),
         None => format!("no cell at ({point})"),
     }
 }
@@ -170,7 +183,8 @@ fn probe(scene: &Scene, section: &Section, [x, y]: [[f64; 2]; 2]) {
         pixels.filter_map(|i| section.values[i].map(|value| (value, 1.0))).collect();
     let middle = section.of.point([0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])]);
     let point = Some(middle).filter(|_| !values.is_empty());
-    scene.actions.push(Action::PixelProbe(Arc::new(PixelProbe { rays: 0, values, point, opacity: 0.0 })));
+    let found = PixelProbe { rays: 0, values, point, opacity: 0.0 };
+    scene.actions.push(Action::PixelProbe(section.of.source.clone(), Arc::new(found)));
 }
 
 #[cfg(test)]

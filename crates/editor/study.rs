@@ -2,7 +2,7 @@
 
 use crate::jobs::Job;
 use crate::picture::milliseconds;
-use crate::scene::{Action, Scene};
+use crate::scene::{Action, EARLIER, Scene};
 use crate::theme;
 use crate::worker::grouped;
 use eframe::egui::{Context, Grid, ProgressBar, RichText, ScrollArea, Ui, Window};
@@ -65,6 +65,11 @@ pub(crate) struct StudyPanel {
 }
 
 impl StudyPanel {
+    /// The panel of another document; a study in progress is stopped.
+    pub fn emptied(self) -> StudyPanel {
+        StudyPanel { open: self.open, make: self.make, ..StudyPanel::default() }
+    }
+
     /// Shows the window; begins a study where that is asked for.
     pub fn show(&mut self, ctx: &Context, scene: &Scene) {
         let mut open = self.open;
@@ -77,9 +82,9 @@ impl StudyPanel {
                 Some(Err(error)) => drop(ui.colored_label(theme::wrong(ui.visuals().dark_mode), error)),
                 None => {
                     ui.label(
-                        "Draws the picture with every integrator and setting on every engine, and holds each against the \
-                         64-bit referee. That takes seconds to minutes; leave the window alone meanwhile, as what else runs \
-                         is in the times.",
+                        "Draws the picture with every integrator and setting on every engine, and compares each with the \
+                         64-bit reference. That takes seconds to minutes; leave the window alone meanwhile, since other work \
+                         slows what is measured.",
                     );
                 }
             }
@@ -159,8 +164,8 @@ fn results(ui: &mut Ui, studied: &Studied) {
             ui.end_row();
             for row in &studied.rows {
                 let mark = match (row.of_file, row.on_front) {
-                    (true, _) => "  (as the file draws)",
-                    (false, true) => "  (nothing is cheaper and better)",
+                    (true, _) => "  (the pipeline's)",
+                    (false, true) => "  (Pareto-optimal)",
                     (false, false) => "",
                 };
                 let label = RichText::new(format!("{}{mark}", row.label));
@@ -182,7 +187,8 @@ pub(crate) fn show_costs(ctx: &Context, open: &mut bool, scene: &Scene) {
             return;
         };
         ui.horizontal(|ui| {
-            ui.strong(format!("the last full picture: {}", milliseconds(report.seconds)));
+            let earlier = if scene.is_earlier() { format!(", {EARLIER}") } else { String::new() };
+            ui.strong(format!("the last full picture{earlier}: {}", milliseconds(report.seconds)));
             if let Some((engine, why)) = &report.engine {
                 ui.label(engine).on_hover_text(why);
             }
@@ -208,7 +214,7 @@ fn stages(ui: &mut Ui, report: &RunReport) {
     Grid::new("stages").num_columns(2).striped(true).spacing([24.0, 3.0]).show(ui, |ui| {
         for node in &report.nodes {
             ui.label(&node.name);
-            ui.label(if node.reused { "as before".to_string() } else { milliseconds(node.seconds) });
+            ui.label(if node.reused { "cached".to_string() } else { milliseconds(node.seconds) });
             ui.end_row();
             for (stage, seconds) in node.stages.iter().filter(|_| !node.reused) {
                 ui.label(weak(format!("    {stage}")));
@@ -245,12 +251,12 @@ fn left_out(ui: &mut Ui, report: &RunReport) {
 /// Error of the picture, computed on request, since the reference renderer takes its time.
 fn estimate(ui: &mut Ui, scene: &Scene) {
     ui.horizontal_wrapped(|ui| {
-        let help = "draws a few thousand pixels again by the 64-bit referee, and compares";
-        if ui.button("How wrong is it?").on_hover_text(help).clicked() {
+        let help = "draws a few thousand pixels with the 64-bit reference, and compares";
+        if ui.button("Estimate the error").on_hover_text(help).clicked() {
             scene.actions.push(Action::Estimate);
         }
         match &scene.estimate {
-            None if scene.is_estimating => drop(ui.label("the referee draws …")),
+            None if scene.is_estimating => drop(ui.label("drawing the reference …")),
             None => {}
             Some(Ok([most, rms])) => {
                 ui.label(format!("largest error {most:.1e}, root mean square {rms:.1e} (1 is full scale)"));

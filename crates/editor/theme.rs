@@ -44,6 +44,11 @@ pub(crate) fn wrong(dark: bool) -> Color32 {
     if dark { Color32::from_rgb(255, 110, 100) } else { Color32::from_rgb(190, 20, 20) }
 }
 
+/// Tint of a picture: darker where it is of an earlier state.
+pub(crate) fn tint(is_earlier: bool) -> Color32 {
+    if is_earlier { Color32::from_gray(90) } else { Color32::WHITE }
+}
+
 /// A colour as it can be told from the ground that it is drawn on: a dark one lighter, a bright one darker, of the same hue.
 pub(crate) fn readable(color: Color32, dark: bool) -> Color32 {
     let [r, g, b] = [color.r(), color.g(), color.b()].map(f32::from);

@@ -90,10 +90,10 @@ class _Look:
         self.SetParameter("picture.integrator", _INTEGRATORS[number])
 
     def SetCentre(self, s, g):
-        self._set_widget(centre=[f"p{s:g}", f"{g:g} %"])
+        self._set_widget(centre=[f"p{s}", f"{g} %"])
 
     def SetWidth(self, s, g):
-        self._set_widget(sigma=[f"{s:g} %", f"{g:g} %"])
+        self._set_widget(sigma=[f"{s} %", f"{g} %"])
 
     def SetExtinction(self, extinction):
         self._set_widget(extinction=extinction)

@@ -219,7 +219,7 @@ class Grid:
         rows.append(("bounds", " … ".join(str(corner) for corner in self.bounds)))
         for name, known in about["arrays"].items():
             size = f"{known['components']} components"
-            rows.append((name, "{:g} … {:g}".format(*known["range"]) if known["range"] else size))
+            rows.append((name, "{:.9g} … {:.9g}".format(*known["range"]) if known["range"] else size))
         rows.append(("lent, copied", f"{about['bytes_lent']:,} and {about['bytes_copied']:,} bytes"))
         return table("Grid", rows, about["warnings"])
 

@@ -10,6 +10,7 @@ use eframe::egui::{
     TextEdit, Ui, Vec2, vec2,
 };
 use std::sync::Arc;
+use voltet_core::arithmetic::decimal;
 use voltet_document::{Annotation, AnnotationId, Edit};
 
 /// Height of a frame's title and width of a note, points at the usual scale.
@@ -160,7 +161,8 @@ impl GraphView {
             if thing.size.is_some() {
                 let mut color = thing.color.unwrap_or([0.5; 3]).map(|x| x as f32);
                 if ui.color_edit_button_rgb(&mut color).on_hover_text("colour").changed() {
-                    let color = Some(color.map(f64::from));
+                    // A screen has 256 levels of each.
+                    let color = Some(color.map(|x| decimal(f64::from(x), 1e-3)));
                     scene.actions.edit(Edit::Annotate(id, Annotation { color, ..thing.clone() }));
                 }
             }

@@ -2,7 +2,7 @@
 //! pointer's actions on it. It is given no wires: it would look for both ends of those, drawn or not, and join by equal types only.
 
 use crate::picture::{WHOLE, milliseconds};
-use crate::scene::Scene;
+use crate::scene::{EARLIER, Scene};
 use crate::theme;
 use crate::worker::NodeState;
 use eframe::egui::{
@@ -53,6 +53,7 @@ pub(super) struct Face {
     fault: Option<String>,
     /// With its width by its height.
     picture: Option<(TextureId, f32)>,
+    is_picture_earlier: bool,
     is_folded: bool,
     remark: Option<String>,
     zoom: f32,
@@ -112,9 +113,9 @@ fn idle(scene: &Scene, node: Option<&'static Node>) -> String {
     match (node, scene.shown_node) {
         (None, _) => "its type is not known".into(),
         (Some(node), _) if node.outputs.is_empty() => {
-            "it writes a file, which a run does and the window never".into()
+            "it writes a file, and only a run (Ctrl+R) does that".into()
         }
-        (Some(_), Some(shown)) => format!("nothing of it leads to the picture of '{shown}'"),
+        (Some(_), Some(shown)) => format!("the picture of '{shown}' does not use it"),
         (Some(_), None) => "no picture is shown".into(),
     }
 }
@@ -137,6 +138,7 @@ impl Face {
                 error.what.clone() + &error.got.as_ref().map_or(String::new(), |f| format!(": {f}"))
             }),
             picture: pictures(&entry.name).map(|texture| (texture.id(), aspect(texture.size_vec2()))),
+            is_picture_earlier: scene.earlier.contains(entry.name.as_str()),
             is_folded: view.is_some_and(|view| view.folded),
             remark: view.and_then(|view| view.remark.clone()),
             ..Face::default()
@@ -164,17 +166,18 @@ impl Face {
                 Some(seconds) => format!("done; took {}", milliseconds(seconds)),
                 None => "done".into(),
             },
-            (Some(NodeState::Stale), _) => "stale: will be made again".into(),
+            (Some(NodeState::Stale), _) => "stale: will be computed again".into(),
             (Some(NodeState::Running(stage, fraction)), _) => format!("{stage} {:.0} %", 100.0 * fraction),
             (Some(NodeState::Failed(error)), _) => error.clone(),
             (None, Some(idle)) => format!("not needed: {idle}"),
             (None, None) => String::new(),
         };
-        // The same mistake may be known in other words: what it is stands before the colon.
-        let what = |text: &str| text.split(':').next().map(str::to_string);
+        // The same mistake may be known in other words: what it is stands before the colon or semicolon.
+        let what = |text: &str| text.split([':', ';']).next().map(str::to_string);
         let fault = self.fault.clone().filter(|fault| what(&state) != what(fault));
         let title = format!("{} ({})", self.name, self.node_type);
-        let lines = [title, self.summary.clone(), state, fault.unwrap_or_default()];
+        let earlier = if self.is_picture_earlier { format!("picture {EARLIER}") } else { String::new() };
+        let lines = [title, self.summary.clone(), state, fault.unwrap_or_default(), earlier];
         lines.into_iter().filter(|line| !line.is_empty()).collect::<Vec<_>>().join("\n")
     }
 }
@@ -201,7 +204,11 @@ impl Port {
         };
         let mut text = format!("{name} ({}, {side})\n{summary}", port_type.name());
         for (source, value) in sources.iter().filter_map(|source| Some((source, scene.values.get(source)?))) {
-            text += &if self.is_input { format!("\nfrom {source}: {value}") } else { format!("\n{value}") };
+            let node = scene.nodes.get(giving(scene, source).0);
+            let is_fresh = node.is_some_and(|status| status.state == NodeState::Fresh);
+            let earlier = if is_fresh { String::new() } else { format!(" ({EARLIER})") };
+            let from = if self.is_input { format!("from {source}: ") } else { String::new() };
+            text += &format!("\n{from}{value}{earlier}");
         }
         if sources.is_empty() {
             text += "\nnot wired";
@@ -288,7 +295,7 @@ impl NodeDataTrait for Face {
             let height = PICTURE.min(INNER / aspect) * zoom;
             let (_, rect) = ui.allocate_space(vec2(INNER * zoom, height));
             let rect = Rect::from_center_size(rect.center(), vec2(height * aspect, height));
-            ui.painter().image(texture, rect, WHOLE, Color32::WHITE);
+            ui.painter().image(texture, rect, WHOLE, theme::tint(self.is_picture_earlier));
         }
         let row = ui.fonts(|fonts| fonts.row_height(&FontId::proportional(SMALL * zoom)));
         let line = |ui: &mut Ui, text: RichText, color: Color32, is_one: bool| {

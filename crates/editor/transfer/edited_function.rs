@@ -3,7 +3,7 @@
 
 use super::images::Images;
 use super::kinds::{PlaneContext, gaussian, gaussian_over};
-use super::plane::{Change, Plane, S_AND_G, list, middle, rounded};
+use super::plane::{Change, Plane, S_AND_G, list, middle};
 use super::relative;
 use super::screen_widget::{self, ScreenWidget};
 use crate::scene::{Actions, Scene};
@@ -223,11 +223,8 @@ fn widget(look: &EditedFunction, (kind, numbers): (&str, Vec<Change>)) -> Parame
         [0.3, 0.8, 0.85],
     ];
     let color = COLORS[look.widgets.len() % COLORS.len()];
-    let first = [
-        Field::new("kind", kind),
-        Field::new("color", list(&color)),
-        Field::new("extinction", rounded(extinction)),
-    ];
+    let first =
+        [Field::new("kind", kind), Field::new("color", list(&color)), Field::new("extinction", extinction)];
     let numbers = numbers.into_iter().filter_map(|(key, value)| Some(Field::new(key, value?)));
     ParameterValue::Table(first.into_iter().chain(numbers).collect())
 }

@@ -75,7 +75,7 @@ impl Images {
             };
             match std::thread::Builder::new().name("image".into()).spawn(read) {
                 Ok(_) => State::Coming,
-                Err(error) => State::Failed(format!("no thread can be had: {error}")),
+                Err(error) => State::Failed(format!("no thread can be started: {error}")),
             }
         });
         look(state)

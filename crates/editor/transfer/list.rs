@@ -2,19 +2,17 @@
 //! with the choice of axes: s, g, arrays of the data, and arrays that widgets name.
 
 use super::edited_function::{EditedFunction, at_peak, at_probe, axis_name, volume_of};
-use super::plane::{S_AND_G, rounded};
+use super::plane::S_AND_G;
 use super::pointer::FINE;
 use super::screen_widget::{self, ScreenWidget};
 use super::{TransferPanel, edit};
-use crate::parameters::edited_color;
+use crate::parameters::{by_hand, drag, edited_color};
 use crate::theme;
 use crate::worker::{grouped, short, widget_count};
-use eframe::egui::{
-    Button, DragValue, Key, Modifiers, RichText, ScrollArea, Sense, Stroke, TextEdit, Ui, vec2,
-};
+use eframe::egui::{Button, Key, Modifiers, RichText, ScrollArea, Sense, Stroke, TextEdit, Ui, vec2};
 use std::collections::{BTreeMap, BTreeSet};
 use voltet_document::{Edit, Path, links};
-use voltet_graph::{ArrayRef, LocatedValue, ParameterValue, find_setting};
+use voltet_graph::{ArrayRef, LocatedValue, ParameterValue, Range, find_setting};
 
 /// A nudge by an arrow key, as a share of the shown axis.
 const NUDGE: f64 = 0.01;
@@ -184,7 +182,7 @@ impl TransferPanel {
         let held =
             point.and_then(|point| widget.handles(&plane).into_iter().find(|(known, _)| *known == point));
         let changes = match held {
-            Some((handle, at)) => widget.moved(handle, [at[0] + step[0], at[1] + step[1]], &plane),
+            Some((handle, at)) => widget.moved(handle, plane.moved_place(at, step), &plane),
             None => widget.shifted(step, &plane),
         };
         edit(look, self.chosen, widget, changes);
@@ -373,16 +371,14 @@ impl TransferPanel {
             set("color", color.into_iter().collect());
         }
         if is_stated("extinction") {
-            let mut extinction = widget.extinction;
-            let speed = (extinction * 0.01).max(1e-3);
+            let before = widget.extinction;
             // What a file states stays until a hand changes it, however wrong.
-            let least = extinction.min(0.0);
-            let field = DragValue::new(&mut extinction).range(least..=f64::MAX);
-            let field = field.speed(speed).max_decimals(4);
-            let response = ui.add(field.update_while_editing(false));
-            if response.on_hover_text("extinction, per unit_distance").changed() {
-                set("extinction", ParameterValue::Number(rounded(extinction)));
+            let range = Range::at_least(before.min(0.0));
+            let (response, extinction) = drag(ui, before, &range, (0.01 * before).max(1e-3), false);
+            if by_hand(&response) && extinction != before {
+                set("extinction", ParameterValue::Number(extinction));
             }
+            response.on_hover_text("extinction, per unit_distance");
         }
     }
 

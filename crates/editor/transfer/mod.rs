@@ -14,7 +14,7 @@ mod tests;
 
 use crate::scene::Scene;
 use crate::theme;
-use crate::worker::short;
+use crate::worker::{short, short_by};
 use edited_function::{EditedFunction, axis_name, axis_title};
 pub(crate) use edited_function::{edited_node, fields_of, is_of_series, volume_of};
 use eframe::egui::{self, Align2, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
@@ -150,7 +150,7 @@ impl TransferPanel {
         }
         if look.scene.distribution.is_none() {
             let fault = look.scene.distribution_fault.as_ref().map(ToString::to_string);
-            let text = fault.unwrap_or_else(|| "the distribution of the data comes …".into());
+            let text = fault.unwrap_or_else(|| "computing the histogram …".into());
             let galley =
                 ui.painter().layout(text, FontId::proportional(12.0), theme::weak(dark), rect.width() - 20.0);
             let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
@@ -167,7 +167,8 @@ impl TransferPanel {
         let share =
             share.map_or(String::new(), |share| format!("   {} % of the volume a bin", short(100.0 * share)));
         let [x, y] = look.axes.each_ref().map(axis_name);
-        let text = format!("{x} {}   {y} {}{share}", short(value[0]), short(value[1]));
+        let number = |axis: usize| short_by(value[axis], plane.step(axis));
+        let text = format!("{x} {}   {y} {}{share}", number(0), number(1));
         let color = ui.visuals().text_color();
         let galley = ui.painter().layout_no_wrap(text, FontId::proportional(11.5), color);
         let place = Align2::RIGHT_TOP.anchor_size(plane.rect.right_top() + vec2(-6.0, 4.0), galley.size());
@@ -182,9 +183,13 @@ fn edit(look: &EditedFunction, place: usize, before: &ScreenWidget, changes: Vec
     let known = look.known();
     let path = |key: &str| Path::from("widgets").with(place).and(&Path::from(key));
     let node = || look.node.name.clone();
+    let step = |quantity: &ArrayRef| {
+        let axis = look.axes.iter().position(|axis| axis == quantity);
+        axis.map_or(f64::INFINITY, |axis| 0.1 * look.plane.step(axis))
+    };
     let edits = changes.into_iter().filter_map(|(key, value)| match value {
         Some(value) => {
-            let value = relative::as_written(&before.stated, known, key, value);
+            let value = relative::as_written(&before.stated, known, &step, key, value);
             Some(Edit::Set { node: node(), path: path(key), value })
         }
         None => is_stated(key).then(|| Edit::Unset { node: node(), path: path(key) }),

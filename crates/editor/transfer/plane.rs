@@ -3,13 +3,14 @@
 
 use crate::picture::{WHOLE, set_texture};
 use crate::theme;
-use crate::worker::{Distribution, PixelProbe, short};
+use crate::worker::{Distribution, PixelProbe, short, short_by};
 use eframe::egui::{
     Align2, Color32, ColorImage, FontId, Galley, Painter, Pos2, Rect, Stroke, TextureHandle, TextureOptions,
     Ui, Vec2, pos2, vec2,
 };
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use voltet_core::arithmetic::decimal;
 use voltet_core::probing::{Axis, Histogram};
 use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue, find_setting};
 
@@ -52,6 +53,24 @@ impl Plane {
         let y = f64::from((self.rect.bottom() - at.y) / self.rect.height());
         let [s, g] = self.shown;
         [s[0] + x * (s[1] - s[0]), g[0] + y * (g[1] - g[0])]
+    }
+
+    /// Length of a point of the window along an axis.
+    pub fn step(self, axis: usize) -> f64 {
+        let size = [self.rect.width(), self.rect.height()][axis];
+        (self.shown[axis][1] - self.shown[axis][0]) / f64::from(size)
+    }
+
+    /// A value moved along an axis, as finely as a tenth of a point shows; one that is not moved stays as it is.
+    pub fn moved(self, axis: usize, x: f64, by: f64) -> f64 {
+        let step = 0.1 * self.step(axis);
+        // An infinite end stays one; a plane without a size has no steps.
+        if by == 0.0 || !x.is_finite() || !step.is_finite() { x + by } else { decimal(x + by, step) }
+    }
+
+    /// A place moved along both axes.
+    pub fn moved_place(self, at: [f64; 2], by: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis: usize| self.moved(axis, at[axis], by[axis]))
     }
 
     /// The largest value shown along the second axis, where a curve reaches its peak.
@@ -113,19 +132,25 @@ pub(super) fn axes(ui: &Ui, plane: Plane, names: [&str; 2]) {
     let [x_name, y_name] =
         names.map(|name| ui.painter().layout_no_wrap(name.into(), FontId::proportional(12.0), text));
     let name_at = rect.right_bottom() + vec2(4.0 - x_name.size().x, 1.0);
-    for s in ticks(plane.shown[0], f64::from(rect.width()) / 90.0) {
+    let (across, up) = (
+        ticks(plane.shown[0], f64::from(rect.width()) / 90.0),
+        ticks(plane.shown[1], f64::from(rect.height()) / 45.0),
+    );
+    let step = |ticks: &[f64]| if let [a, b, ..] = ticks { b - a } else { f64::INFINITY };
+    for &s in &across {
         let x = plane.to_window([s, 0.0]).x;
         ui.painter().vline(x, rect.y_range(), line);
-        let number = ui.painter().layout_no_wrap(short(s), font.clone(), text);
+        let number = ui.painter().layout_no_wrap(short_by(s, step(&across)), font.clone(), text);
         // The axis' name comes before a number where both have no room.
         if x + 0.5 * number.size().x < name_at.x - 4.0 {
             ui.painter().galley(pos2(x - 0.5 * number.size().x, rect.bottom() + 2.0), number, text);
         }
     }
-    for g in ticks(plane.shown[1], f64::from(rect.height()) / 45.0) {
+    for &g in &up {
         let y = plane.to_window([0.0, g]).y;
         ui.painter().hline(rect.x_range(), y, line);
-        ui.painter().text(pos2(rect.left() - 4.0, y), Align2::RIGHT_CENTER, short(g), font.clone(), text);
+        let number = short_by(g, step(&up));
+        ui.painter().text(pos2(rect.left() - 4.0, y), Align2::RIGHT_CENTER, number, font.clone(), text);
     }
     ui.painter().galley(name_at, x_name, text);
     on_ground(ui, rect.left_top() + vec2(5.0, 3.0), y_name);
@@ -330,8 +355,8 @@ pub(super) fn stretched(mut ranges: [[f64; 2]; 2], handle: Handle, to: [f64; 2])
 }
 
 /// Ranges moved along both axes.
-pub(super) fn shifted(ranges: [[f64; 2]; 2], by: [f64; 2]) -> [[f64; 2]; 2] {
-    [0, 1].map(|k: usize| ranges[k].map(|x| x + by[k]))
+pub(super) fn shifted(ranges: [[f64; 2]; 2], by: [f64; 2], plane: &Plane) -> [[f64; 2]; 2] {
+    [0, 1].map(|k: usize| ranges[k].map(|x| plane.moved(k, x, by[k])))
 }
 
 /// The ranges as a file states them under these keys, as far as they changed.
@@ -354,15 +379,17 @@ pub(super) fn number(fields: &[Field], name: &str) -> Option<f64> {
 /// A change of a widget's table: a key, and its value or none to take it out.
 pub(super) type Change = (&'static str, Option<ParameterValue>);
 
+/// A list of all digits of each number: what is not moved is written as it was.
 pub(super) fn list(numbers: &[f64]) -> ParameterValue {
-    numbers.iter().map(|x| rounded(*x)).collect()
+    numbers.iter().copied().collect()
 }
 
 pub(super) fn rows<Row: AsRef<[f64]>>(rows: &[Row]) -> ParameterValue {
     rows.iter().map(|row| list(row.as_ref())).collect()
 }
 
-/// Six digits: finer than a pixel of any screen.
+/// Six digits, of a length, an angle or a factor: finer than a pixel of any screen. A place may lie far from 0 in a small range, and
+/// takes as many as [`Plane::moved`] gives it.
 pub(super) fn rounded(x: f64) -> f64 {
     if x.is_finite() { format!("{x:.5e}").parse().unwrap_or(x) } else { x }
 }

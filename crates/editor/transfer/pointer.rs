@@ -82,9 +82,10 @@ impl TransferPanel {
         let way = plane.drag_in_values(delta);
         let times = if modifiers.alt { FINE } else { 1.0 };
         (0..2).for_each(|k| drag.at[k] += times * way[k]);
+        let by = [0, 1].map(|k: usize| drag.at[k] - drag.from[k]);
         let changes = match drag.handle {
-            Some(handle) => drag.widget.moved(handle, drag.at, &plane),
-            None => drag.widget.shifted([0, 1].map(|k: usize| drag.at[k] - drag.from[k]), &plane),
+            Some(handle) => drag.widget.moved(handle, plane.moved_place(drag.from, by), &plane),
+            None => drag.widget.shifted(by, &plane),
         };
         let before = drag.widget.clone();
         edit(look, self.chosen, &before, changes);
@@ -100,6 +101,7 @@ impl TransferPanel {
         };
         self.chosen = place;
         let widget = &look.widgets[place];
+        let at = [0, 1].map(|axis: usize| look.plane.moved(axis, 0.0, at[axis]));
         if let Some((changes, handle)) = widget.with_point(at, &look.plane) {
             self.held = Some(handle);
             edit(look, place, widget, changes);

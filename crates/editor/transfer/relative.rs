@@ -4,7 +4,7 @@ use crate::worker::{DataScales, without_zeros};
 use voltet_core::parameters::{Parameters, Relative, RelativeNumber, StatisticKind};
 use voltet_core::transfer::{self, DataStatistics, WIDGET_KINDS};
 use voltet_core::{Error, Result};
-use voltet_graph::{Field, LocatedValue, ParameterValue, SourceSpan, find_setting};
+use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue, SourceSpan, find_setting};
 
 /// Digits after the point of a percentage of a range: of a value, and at least of a width.
 const SHARE_DIGITS: usize = 3;
@@ -15,8 +15,10 @@ const WIDTH_DIGITS: i32 = 5;
 /// Two keys that say the same in two ways: deviations, and a matrix whose columns belong to the same quantities.
 const IN_PLACE_OF_EACH_OTHER: [[&str; 2]; 2] = [["sigma", "matrix"], ["matrix", "sigma"]];
 
-/// Digits after the point of a percentile, at most, and how much of the range it may be off by.
-const PERCENTILE_DIGITS: usize = 6;
+/// Digits after the point of a percentage or a percentile, at most: more are none of 64 bits.
+const MAX_DIGITS: usize = 14;
+
+/// Share of the range that a percentile may be off by, where the pointer does not resolve less.
 const NEAR: f64 = 2e-4;
 
 fn parameters(fields: &[Field]) -> Option<Parameters> {
@@ -58,10 +60,11 @@ pub(crate) fn in_numbers(list: &[LocatedValue], known: &DataScales) -> Option<Ve
 }
 
 /// Value to write at a key of the table ("centre", "region.s") after an edit by the pointer: relative numbers stay
-/// relative, and unchanged ones stay as they are written.
+/// relative, and unchanged ones stay as they are written. `step`: the length along the axis of a quantity that the pointer resolves.
 pub(super) fn as_written(
     fields: &[Field],
     known: Option<&DataScales>,
+    step: &dyn Fn(&ArrayRef) -> f64,
     key: &str,
     new: ParameterValue,
 ) -> ParameterValue {
@@ -83,7 +86,16 @@ pub(super) fn as_written(
         let fields: Vec<Field> = set.map(|(name, setting)| Field::new(name, setting.clone())).collect();
         at(&fields, key).cloned()
     });
-    written(old, now, marked.as_ref(), &numbers, known, new)
+    // What is computed of lengths and angles comes back rounded; a place comes back as it was.
+    let is_place = ["centre", "origin", "points", "s", "g"].contains(&key) || key.starts_with("region.");
+    let is_same = |was: f64, is: f64| {
+        let is_near = || (is - was).abs() <= 1e-9 * was.abs() || is == super::plane::rounded(was);
+        is == was || (!is_place && is_near())
+    };
+    let relative = |number: &RelativeNumber, was: f64, is: f64| {
+        relative(number, was, is, known?, step(&number.quantity))
+    };
+    written(old, now, marked.as_ref(), &numbers, &relative, &is_same, new)
 }
 
 /// The table with a key in place of the other that says the same: 100 % for each number of a quantity that has relative ones there,
@@ -123,7 +135,8 @@ fn written(
     now: &LocatedValue,
     marked: Option<&LocatedValue>,
     numbers: &[RelativeNumber],
-    known: Option<&DataScales>,
+    relative: &dyn Fn(&RelativeNumber, f64, f64) -> Option<String>,
+    is_same: &dyn Fn(f64, f64) -> bool,
     new: ParameterValue,
 ) -> ParameterValue {
     if let (ParameterValue::List(olds), ParameterValue::List(nows), ParameterValue::List(news)) =
@@ -134,25 +147,26 @@ fn written(
         let marks = marked.and_then(LocatedValue::list);
         let parts = (0..news.len()).map(|i| {
             let mark = marks.and_then(|marks| marks.get(i));
-            LocatedValue::from(written(&olds[i], &nows[i], mark, numbers, known, news[i].datum.clone()))
+            let new = news[i].datum.clone();
+            LocatedValue::from(written(&olds[i], &nows[i], mark, numbers, relative, is_same, new))
         });
         return ParameterValue::List(parts.collect());
     }
     let (Some(was), Some(is)) = (now.number(), LocatedValue::from(new.clone()).number()) else { return new };
-    if is == was || (is - was).abs() <= 1e-9 * was.abs() || is == super::plane::rounded(was) {
+    if is_same(was, is) {
         return old.datum.clone();
     }
     let mark = marked.and_then(LocatedValue::number).map(|mark| mark as usize);
-    match (&old.datum, mark.and_then(|mark| numbers.get(mark)), known) {
-        (ParameterValue::Text(_), Some(number), Some(known)) => {
-            relative(number, was, is, known).map_or(new, ParameterValue::Text)
+    match (&old.datum, mark.and_then(|mark| numbers.get(mark))) {
+        (ParameterValue::Text(_), Some(number)) => {
+            relative(number, was, is).map_or(new, ParameterValue::Text)
         }
         _ => new,
     }
 }
 
 /// The number relative to data that says so; `None` where there is none.
-fn relative(number: &RelativeNumber, was: f64, is: f64, known: &DataScales) -> Option<String> {
+fn relative(number: &RelativeNumber, was: f64, is: f64, known: &DataScales, step: f64) -> Option<String> {
     let with_digits =
         |share: f64, digits: usize| format!("{} %", without_zeros(&format!("{:.digits$}", 100.0 * share)));
     // Of a width as many digits count, however narrow it is.
@@ -163,7 +177,9 @@ fn relative(number: &RelativeNumber, was: f64, is: f64, known: &DataScales) -> O
     match (number.relative, number.is) {
         (Relative::Share(_), StatisticKind::Value | StatisticKind::Place) => {
             let [low, high] = known.range(&number.quantity).ok()?;
-            (high > low).then(|| with_digits((is - low) / (high - low), SHARE_DIGITS))
+            let resolved = (-(100.0 * step / (high - low)).log10()).ceil();
+            let digits = resolved.clamp(SHARE_DIGITS as f64, MAX_DIGITS as f64) as usize;
+            (high > low).then(|| with_digits((is - low) / (high - low), digits))
         }
         // Widths are in proportion to their shares, factors the other way round.
         (Relative::Share(share), StatisticKind::Width) => {
@@ -183,9 +199,9 @@ fn relative(number: &RelativeNumber, was: f64, is: f64, known: &DataScales) -> O
             let is_near = |digits: &usize| {
                 let percent: f64 = text(*digits).parse().unwrap_or(0.0);
                 let found = known.percentile(&number.quantity, percent);
-                found.is_ok_and(|found| (found - is).abs() <= NEAR * (high - low))
+                found.is_ok_and(|found| (found - is).abs() <= (NEAR * (high - low)).min(step))
             };
-            let digits = (1..PERCENTILE_DIGITS).find(is_near).unwrap_or(PERCENTILE_DIGITS);
+            let digits = (1..MAX_DIGITS).find(is_near).unwrap_or(MAX_DIGITS);
             Some(format!("p{}", text(digits)))
         }
     }

@@ -130,7 +130,7 @@ impl ScreenWidget {
 
     pub fn shifted(&self, by: [f64; 2], plane: &Plane) -> Vec<Change> {
         let mut changes = self.shape.as_ref().map_or(Vec::new(), |shape| shape.shifted(by, plane));
-        changes.extend(self.region.shifted(by));
+        changes.extend(self.region.shifted(by, plane));
         changes
     }
 
@@ -306,12 +306,12 @@ impl Region {
         }
     }
 
-    pub fn shifted(&self, by: [f64; 2]) -> Vec<Change> {
+    pub fn shifted(&self, by: [f64; 2], plane: &Plane) -> Vec<Change> {
         match self {
             Region::Whole => Vec::new(),
-            Region::Box(limits) => changed_ranges(RANGES, *limits, shifted(*limits, by)),
+            Region::Box(limits) => changed_ranges(RANGES, *limits, shifted(*limits, by, plane)),
             Region::Polygon(corners) => {
-                let moved: Vec<[f64; 2]> = corners.iter().map(|&[s, g]| [s + by[0], g + by[1]]).collect();
+                let moved: Vec<[f64; 2]> = corners.iter().map(|at| plane.moved_place(*at, by)).collect();
                 stated(&moved)
             }
         }

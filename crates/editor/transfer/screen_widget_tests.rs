@@ -144,6 +144,28 @@ fn points_of_a_curve_keep_their_order_and_reach_zero() {
     assert_eq!(height, 0.0);
 }
 
+/// Six digits of a place far from 0 are none of the range that it lies in.
+#[test]
+fn what_is_not_moved_is_written_as_it_was_and_what_is_as_finely_as_a_point_shows() {
+    let rect = Rect::from_min_size(Pos2::ZERO, vec2(400.0, 200.0));
+    let plane = Plane { rect, shown: [[101_325.0, 101_325.02], [0.0, 10.0]], ..PLANE };
+    let points = [[101_325.001_234_567_89, 0.123_456_789, 0.0, 0.0, 2.0], [101_325.01, 1.0, 1.0, 0.0, 8.0]];
+    let fields =
+        vec![field("kind", ParameterValue::Text("piecewise-linear".into())), field("points", rows(&points))];
+    let to = plane.moved_place([101_325.01, 1.0], [0.003_000_1, 0.0]);
+    assert_eq!(to, [101_325.013, 1.0]);
+    let changes = read(&fields).moved(Handle::Point(1), to, &plane);
+    let written =
+        relative::as_written(&fields, None, &|_| f64::INFINITY, "points", changes[0].1.clone().unwrap());
+    let found = LocatedValue::from(written).list().unwrap().to_vec();
+    assert_eq!(found[0].numbers().unwrap(), points[0]);
+    assert_eq!(found[1].numbers().unwrap()[0], 101_325.013);
+    // A place that is moved to its own six digits was moved.
+    let fields = changed(gaussian_widget(), vec![("centre", Some(list(&[101_325.012_3, 2.0])))]);
+    let to = list(&[101_325.0, 2.0]);
+    assert_eq!(relative::as_written(&fields, None, &|_| f64::INFINITY, "centre", to.clone()), to);
+}
+
 #[test]
 fn regions_follow_their_corners_and_the_widget() {
     let region = ParameterValue::Table(vec![field("s", list(&[1.0, 3.0])), field("g", list(&[0.0, 2.0]))]);
@@ -228,7 +250,7 @@ fn relative_numbers_stay_relative_and_others_as_they_are_written() {
     assert_eq!(places(&drawn)[..3], [[20.0, 2.5], [30.0, 2.5], [20.0, 2.5 + 0.123456789]]);
     let written = |changes: Vec<Change>, key: &str| {
         let change = changes.into_iter().find(|(name, _)| *name == key).unwrap();
-        let datum = relative::as_written(&fields, Some(&known), key, change.1.unwrap());
+        let datum = relative::as_written(&fields, Some(&known), &|_| f64::INFINITY, key, change.1.unwrap());
         datum.to_string()
     };
     assert_eq!(written(drawn.moved(Handle::Centre, [60.0, 5.0], &PLANE), "centre"), "[\"p75.0\", \"50 %\"]");
@@ -240,7 +262,7 @@ fn relative_numbers_stay_relative_and_others_as_they_are_written() {
     let matrix = written(turned.clone(), "matrix");
     assert_eq!(matrix.matches('%').count(), 2, "{matrix}");
     let as_written = |key: &str, change: Option<ParameterValue>| {
-        change.map(|new| relative::as_written(&fields, Some(&known), key, new))
+        change.map(|new| relative::as_written(&fields, Some(&known), &|_| f64::INFINITY, key, new))
     };
     let changes = turned.iter().map(|(key, change)| (*key, as_written(key, change.clone()))).collect();
     let mut after = changed(fields.clone(), changes);
@@ -261,10 +283,25 @@ fn relative_numbers_stay_relative_and_others_as_they_are_written() {
         "the ring is where it was left"
     );
     let upright = drawn.moved(Handle::Angle, [60.0, 2.51], &PLANE);
-    let sigma = relative::as_written(&after, Some(&known), "sigma", upright[0].1.clone().unwrap());
+    let sigma = relative::as_written(
+        &after,
+        Some(&known),
+        &|_| f64::INFINITY,
+        "sigma",
+        upright[0].1.clone().unwrap(),
+    );
     assert_eq!(sigma.to_string(), "[\"10 %\", 0.123457]");
     after.retain(|field| field.name != "matrix");
-    assert_eq!(relative::as_written(&after, Some(&known), "sigma", list(&[1.0, 2.0])), list(&[1.0, 2.0]));
+    assert_eq!(
+        relative::as_written(&after, Some(&known), &|_| f64::INFINITY, "sigma", list(&[1.0, 2.0])),
+        list(&[1.0, 2.0])
+    );
+    // Where the pointer resolves a ten-millionth of the range, so do the numbers.
+    let [s, g] = [20.0 + 3e-5, 2.5 - 3e-6];
+    let fine = relative::as_written(&fields, Some(&known), &|_| 1e-6, "centre", list(&[s, g]));
+    fields[3] = field("centre", fine.clone());
+    let [at, ..] = places(&read_with(&fields, Some(&known)))[..] else { panic!("no handles") };
+    assert!((at[0] - s).abs() <= 1e-6 && (at[1] - g).abs() <= 1e-6, "{at:?}: {fine}");
     // Where nothing is known of the data, it is not drawn, and says why.
     let unknown = read(&fields);
     assert!(unknown.shape.is_none() && unknown.fault.is_some());

@@ -90,7 +90,7 @@ fn an_empty_window_offers_the_files_opened_last_and_takes_dropped_ones() {
     hand.editor.recent = crate::files::Recent::in_file(list);
     hand.frames(2);
     assert_eq!(hand.texts("Open data or a pipeline …").len(), 1);
-    assert!(hand.texts("Lately opened").len() == 1);
+    assert!(hand.texts("Recent files").len() == 1);
     assert_eq!(hand.editor.recent.paths().count(), 1, "what is gone is not offered");
     let folder = other.parent().unwrap().canonicalize().unwrap();
     let entry = hand.shown_beginning(&format!("other.toml   in {}", &folder.display().to_string()[..3]));
@@ -140,6 +140,15 @@ fn data_that_come_or_change_are_read_again() {
     let least =
         |hand: &Hand| hand.editor.scene().distribution.and_then(|found| Some(found.known.ranges.get(&s)?[0]));
     until(&mut hand, "a distribution", |hand| least(hand) == Some(1.0));
+    // Gone, what follows from them is stale.
+    std::fs::remove_file(&data).unwrap();
+    hand.key(Key::F5, Modifiers::NONE);
+    hand.settle();
+    for (node, status) in hand.editor.scene().nodes {
+        let is_fresh = status.state == crate::worker::NodeState::Fresh;
+        assert_eq!(is_fresh, ["look", "view"].contains(&node.as_str()), "{node}: {:?}", status.state);
+    }
+    assert!(hand.editor.scene().is_earlier());
     // By hand.
     std::fs::write(&data, tetrahedron(0)).unwrap();
     hand.key(Key::F5, Modifiers::NONE);

@@ -1,5 +1,7 @@
 //! The window's logic, driven by raw input events without a display.
 
+mod digits;
+mod earlier;
 mod files;
 mod graph;
 mod ground;

@@ -160,7 +160,7 @@ fn a_study_runs_beside_the_window_and_can_be_stopped() {
             .as_ref()
             .unwrap()
             .as_ref()
-            .is_err_and(|error| error.contains("mistake"))
+            .is_err_and(|error| error.contains("panicked"))
     );
     hand.frames(3);
 }

@@ -59,7 +59,7 @@ fn work_that_nobody_wants_is_thrown_away_and_what_is_put_off_is_offered_again() 
     let mut next = Hand::new(TEXT);
     next.editor.keep_in(place(&kept));
     next.frames(2);
-    next.click_on("Throw it away");
+    next.click_on("Discard it");
     assert_eq!(next.text(), TEXT);
     drop(next);
     assert_eq!(place(&kept).left_behind().len(), 0);

@@ -148,6 +148,32 @@ fn data_are_opened_with_a_pipeline_made_for_them() {
 }
 
 #[test]
+fn work_that_is_done_while_a_pipeline_is_made_is_asked_about() {
+    let mut hand = Hand::new(TEXT);
+    let (go, wait) = std::sync::mpsc::channel::<()>();
+    let wait = std::sync::Mutex::new(wait);
+    hand.editor.start = Arc::new(move |_: &Path, _: &Path| {
+        wait.lock().unwrap().recv().unwrap();
+        Ok(TEXT.replace("The wavelet", "A data file"))
+    });
+    let data = hand.folder.path().join("data.vtu");
+    std::fs::write(&data, "").unwrap();
+    for (answer, is_taken) in [("Cancel", false), ("Discard", true)] {
+        hand.editor.open_any(&hand.ctx.clone(), &data);
+        hand.key(Key::X, Modifiers::NONE);
+        hand.key(Key::X, Modifiers::SHIFT);
+        let text = hand.text();
+        go.send(()).unwrap();
+        until(&mut hand, "nothing is asked", |hand| hand.editor.unsaved.is_some());
+        hand.frames(2);
+        assert_eq!(hand.text(), text);
+        hand.click_on(answer);
+        assert_eq!(hand.text().contains("A data file"), is_taken);
+        assert!(is_taken || hand.text() == text);
+    }
+}
+
+#[test]
 fn faults_are_those_of_the_document_that_is_shown() {
     let mut hand = Hand::new(TEXT);
     let broken = hand.folder.path().join("broken.toml");
@@ -173,7 +199,7 @@ fn a_file_that_is_no_toml_says_where_and_is_taken_over_once_it_is_mended() {
     // The file is looked at once a second.
     std::thread::sleep(Duration::from_millis(1100));
     hand.frames(2);
-    hand.click_on("Take it over");
+    hand.click_on("Reload");
     assert_eq!(hand.text(), TEXT);
     assert!(hand.editor.panels.graph.frame_of("view").is_some());
 }

@@ -2,7 +2,6 @@
 
 use super::request::{Pixels, Query, QueryRun, RenderRequest, retain_widgets};
 use std::sync::Arc;
-use voltet_core::error::ErrorKind;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_graph::{Demand, Graph, Registry, RunReport, Value};
@@ -29,12 +28,7 @@ impl Query for Estimate {
     fn answer(&self, run: &mut QueryRun) -> Result<[f64; 2]> {
         let mut pictures = Vec::new();
         for graph in &graphs(&self.0, run.registry)? {
-            let report = run.session.run(graph, run.observer).map_err(|error| match error.kind {
-                ErrorKind::Cancelled => {
-                    Error::run("given up for a newer picture").expected("to be asked again")
-                }
-                _ => error,
-            })?;
+            let report = run.session.run(graph, run.observer)?;
             pictures.push(self.0.picture_of(&report)?);
         }
         Ok(difference(&pictures[0], &pictures[1]))
@@ -165,7 +159,7 @@ impl Query for PreviewQuery {
                 _ => None,
             });
         let picture = pictures.next().ok_or_else(|| wanted.no_picture())?;
-        Ok(Pixels::new(picture, wanted.background, divisor, 0))
+        Ok(Pixels::new(picture, wanted, divisor, 0))
     }
 }
 

@@ -26,7 +26,7 @@ pub(crate) use probing::{PixelProbe, ProbeQuery, Section, SectionQuery};
 use request::{Exchange, Query};
 pub use request::{Pixels, RenderRequest};
 pub(crate) use request::{
-    VolumeSource, grouped, retain_widgets, short, size_of, widget_count, without_zeros,
+    VolumeSource, grouped, retain_widgets, short, short_by, size_of, widget_count, without_zeros,
 };
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -52,7 +52,7 @@ impl Worker {
         let of_thread = shared.clone();
         let work = move || work::run(&of_thread, &registry);
         let spawned = std::thread::Builder::new().name("worker".into()).spawn(work);
-        let thread = spawned.map_err(|error| Error::run("no thread can be had to draw with").got(error))?;
+        let thread = spawned.map_err(|error| Error::run("no thread can be started to draw").got(error))?;
         Ok(Worker { shared, thread: Some(thread) })
     }
 
@@ -84,9 +84,16 @@ impl Worker {
         output.previews.values_mut().for_each(Exchange::forget_query);
     }
 
-    /// Drops all small pictures, as of another document.
-    pub(crate) fn forget_previews(&self) {
-        lock(&self.shared.state).output.previews.clear();
+    /// Forgets all output and stops what is being drawn, as of another document.
+    pub(crate) fn forget(&self) {
+        let mut state = lock(&self.shared.state);
+        let first = self.shared.newest.fetch_add(1, Ordering::SeqCst) + 1;
+        (state.picture, state.output) = (None, WorkerOutput::from(first));
+    }
+
+    /// Forgets a query and its answer; `of`: the place of such queries.
+    pub(crate) fn forget_query<Q: Query>(&self, of: impl FnOnce(&mut WorkerOutput) -> &mut Exchange<Q>) {
+        of(&mut lock(&self.shared.state).output).forget();
     }
 
     /// Calls a function with the worker's output.

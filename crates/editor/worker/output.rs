@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use voltet_core::Error;
 use voltet_core::error::ErrorKind;
+use voltet_document::links::upstream;
 use voltet_graph::RunReport;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -40,6 +41,8 @@ pub struct WorkerOutput {
     pub(crate) nodes: BTreeMap<String, NodeStatus>,
     /// Reason why there is no newer picture.
     pub failure: Option<Error>,
+    /// The number of the newest request that came to a picture or failed.
+    pub(crate) answered: u64,
     /// True if something newer than the picture is being drawn.
     pub is_busy: bool,
     /// Seconds of the last full picture, and of the last that was coarse or drawn in passing.
@@ -59,16 +62,29 @@ pub struct WorkerOutput {
     pub(crate) previews: BTreeMap<String, Preview>,
     number: u64,
     wanted: Option<RenderRequest>,
+    /// Requests of lower numbers are of a document that was forgotten.
+    first: u64,
 }
 
 impl WorkerOutput {
+    /// Output of a document whose requests have this number or higher ones.
+    pub(super) fn from(first: u64) -> WorkerOutput {
+        WorkerOutput { first, ..WorkerOutput::default() }
+    }
+
+    /// The output, unless the request of that number is of a document that was forgotten since.
+    pub(super) fn since(&mut self, number: u64) -> Option<&mut WorkerOutput> {
+        (number >= self.first).then_some(self)
+    }
+
     pub(crate) fn preview(&mut self, node: &str) -> &mut Preview {
         self.previews.entry(node.to_string()).or_default()
     }
 
-    /// A picture is wanted: what changed, and what follows from it, is stale.
+    /// A picture is wanted: what changed, and what follows from it, is stale. An estimate is of the picture before.
     pub(super) fn begin(&mut self, number: u64, wanted: &RenderRequest) {
         (self.number, self.is_busy) = (number, true);
+        self.estimate.forget();
         let former = self.wanted.replace(wanted.clone());
         let touched = former.map(|former| Change::between(&former, wanted).touched).unwrap_or_default();
         let status = |name: String| {
@@ -116,8 +132,11 @@ impl WorkerOutput {
         values: Option<Values>,
         seconds: f64,
     ) {
+        if self.since(pixels.number).is_none() {
+            return;
+        }
         let is_full = pixels.is_full();
-        self.failure = None;
+        (self.failure, self.answered) = (None, pixels.number);
         self.seconds[usize::from(!is_full)] = Some(seconds);
         self.pixels = Some(pixels);
         if is_full {
@@ -144,10 +163,15 @@ impl WorkerOutput {
         if error.kind == ErrorKind::Cancelled || number != self.number {
             return;
         }
-        if let Some(node) = &error.location.node {
+        if let (Some(node), Some(wanted)) = (&error.location.node, &self.wanted) {
+            // What follows from the node is of an earlier state, where the same request was fresh before the data changed.
+            let follows = |name: &String| upstream(&wanted.nodes, name).contains(node);
+            for (_, known) in self.nodes.iter_mut().filter(|(name, _)| follows(name)) {
+                known.state = NodeState::Stale;
+            }
             self.set(node, NodeState::Failed(error.to_string()));
         }
-        self.failure = Some(error);
+        (self.failure, self.answered) = (Some(error), number);
         self.is_busy = false;
     }
 }

@@ -329,8 +329,10 @@ fn describe(value: &Value) -> String {
     let grid = |grid: &Grid, s: Option<&[f64]>, g: Option<&[f64]>| {
         let ranges =
             [("s", s), ("g", g)].into_iter().filter_map(|(name, of)| Some((name, of.and_then(range)?)));
-        let ranges =
-            ranges.map(|(name, [low, high])| format!("\n{name} from {} to {}", short(low), short(high)));
+        let ranges = ranges.map(|(name, [low, high])| {
+            let number = |x: f64| short_by(x, 1e-2 * (high - low));
+            format!("\n{name} from {} to {}", number(low), number(high))
+        });
         let (cells, points) = (grouped(grid.tetrahedra.len()), grouped(grid.points.len()));
         format!("{cells} tetrahedra, {points} points{}", ranges.collect::<String>())
     };
@@ -356,10 +358,22 @@ pub fn widget_count(count: usize) -> String {
 
 /// Four digits, as a person reads them.
 pub fn short(x: f64) -> String {
-    let size = x.abs();
-    let digits = if size >= 1.0 { 3 - (size.log10().floor() as i32).min(3) } else { 4 };
-    let is_plain = x == 0.0 || (1e-3..1e5).contains(&size);
-    let text = if is_plain { format!("{x:.*}", digits as usize) } else { format!("{x:.3e}") };
+    short_by(x, f64::INFINITY)
+}
+
+/// Four digits, or as many as tell numbers apart that differ by a step.
+pub fn short_by(x: f64, step: f64) -> String {
+    if !x.is_finite() {
+        return x.to_string();
+    }
+    let (size, power) = (x.abs(), |x: f64| x.log10().floor() as i32);
+    let needed =
+        if step > 0.0 && step.is_finite() && size > step { power(size) - power(step) + 1 } else { 0 };
+    let digits = needed.clamp(4, 17);
+    let decimals = if size >= 1.0 { digits - 1 - power(size) } else { digits }.max(0) as usize;
+    let most = if digits > 4 { 1e9 } else { 1e5 };
+    let is_plain = x == 0.0 || (1e-3..most).contains(&size);
+    let text = if is_plain { format!("{x:.decimals$}") } else { format!("{x:.*e}", digits as usize - 1) };
     let (digits, power) = text.split_at(text.find('e').unwrap_or(text.len()));
     without_zeros(digits).to_string() + power
 }
@@ -398,11 +412,13 @@ pub struct Pixels {
     pub is_passing: bool,
     /// The number of the request that it was drawn for.
     pub number: u64,
+    /// The node whose picture it is.
+    pub node: String,
 }
 
 impl Pixels {
-    pub(super) fn new(picture: Arc<Picture>, background: [f64; 3], divisor: u32, number: u64) -> Pixels {
-        let behind = background.map(|channel| channel as f32);
+    pub(super) fn new(picture: Arc<Picture>, wanted: &RenderRequest, divisor: u32, number: u64) -> Pixels {
+        let behind = wanted.background.map(|channel| channel as f32);
         let srgb = |v: f32| SRGB[(v.clamp(0.0, 1.0) * STEPS as f32 + 0.5) as usize];
         let rgba: Vec<[u8; 4]> = picture
             .rgba
@@ -413,7 +429,8 @@ impl Pixels {
                 [channel(r, 0), channel(g, 1), channel(b, 2), 255]
             })
             .collect();
-        Pixels { picture, rgba: Arc::new(rgba), divisor, is_passing: false, number }
+        let (rgba, node) = (Arc::new(rgba), wanted.node.clone());
+        Pixels { picture, rgba, divisor, is_passing: false, number, node }
     }
 
     /// True if it is the picture that a run of the document gives.
@@ -489,9 +506,21 @@ impl<Q: Query> Exchange<Q> {
         }
     }
 
-    /// As if nothing had been asked; the answer stays.
+    /// Numbers of the newest query, and of the one that the newest answer is to.
+    pub fn numbers(&self) -> [u64; 2] {
+        [self.number, self.answer.as_ref().map_or(0, |(number, _)| *number)]
+    }
+
+    /// As if nothing had been asked; the answer stays as that of an earlier query.
     pub(super) fn forget_query(&mut self) {
         (self.asked, self.is_open) = (None, false);
+        self.number += 1;
+    }
+
+    /// Forgets the query and its answer, which belong to nothing that is shown.
+    pub(super) fn forget(&mut self) {
+        self.forget_query();
+        self.answer = None;
     }
 
     /// Takes over what was found for the query of a number.
@@ -517,21 +546,40 @@ impl<Q: Query> Exchange<Q> {
 mod tests {
     use super::*;
 
+    fn over(background: [f64; 3]) -> RenderRequest {
+        let (nodes, folder, node) = (Vec::new(), PathBuf::new(), "picture".into());
+        RenderRequest { nodes, folder, node, size: None, background, coarse_first: false }
+    }
+
     /// Within one level of what a PNG file of the picture holds.
     #[test]
     fn pixels_are_those_of_a_png() {
         let rgba: Vec<[f32; 4]> = (0..=1000).map(|i| [i as f32 / 1000.0, 0.0, 0.0, 1.0]).collect();
         let picture = Arc::new(Picture { width: 1001, height: 1, rgba });
-        for (i, pixel) in Pixels::new(picture, [0.0; 3], 1, 1).rgba.iter().enumerate() {
+        for (i, pixel) in Pixels::new(picture, &over([0.0; 3]), 1, 1).rgba.iter().enumerate() {
             let exact = srgb_from_linear(i as f32 / 1000.0) * 255.0;
             assert!((f32::from(pixel[0]) - exact).abs() <= 0.7, "{i}: {} for {exact}", pixel[0]);
         }
     }
 
     #[test]
+    fn numbers_have_four_digits_or_as_many_as_tell_them_apart() {
+        let four =
+            [(0.0, "0"), (0.01234, "0.0123"), (1.23456, "1.235"), (12345.0, "12345"), (1.5e6, "1.5e6")];
+        for (x, text) in four {
+            assert_eq!(short(x), text);
+        }
+        assert_eq!([101_325.01, 101_325.02].map(|x| short_by(x, 0.005)), ["101325.01", "101325.02"]);
+        assert_eq!(short_by(0.5, 0.1), "0.5");
+        assert_eq!(short_by(0.500_002, 1e-6), "0.500002");
+        assert_eq!(short_by(-5e12 - 2.0, 1.0), "-5.000000000002e12");
+        assert_eq!([f64::NAN, f64::INFINITY].map(|x| short_by(x, 0.1)), ["NaN", "inf"]);
+    }
+
+    #[test]
     fn the_background_shows_where_nothing_is_drawn() {
         let picture = Arc::new(Picture { width: 1, height: 1, rgba: vec![[0.0; 4]] });
-        let pixels = Pixels::new(picture, [1.0, 0.0, 0.5], 1, 1);
+        let pixels = Pixels::new(picture, &over([1.0, 0.0, 0.5]), 1, 1);
         assert_eq!(pixels.rgba[0], [255, 0, 188, 255]);
     }
 }

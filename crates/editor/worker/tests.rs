@@ -270,6 +270,44 @@ fn the_distribution_comes_late_and_leaves_the_picture_as_it_is() {
     assert_eq!(worker.shown(|shown| shown.pixels.clone().unwrap().picture), before);
 }
 
+/// However far it has come when its document is forgotten.
+#[test]
+fn a_forgotten_picture_does_not_come_after_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let worker = worker();
+    let mut missing = nodes(&TEXT);
+    missing[0] =
+        nodes("[pipeline]\nformat = 1\n[nodes.grid]\ntype = \"reader\"\npath = \"none.vtu\"").remove(0);
+    for step in 0..40 {
+        worker.draw(RenderRequest { coarse_first: true, ..wanted(nodes(&TEXT), folder.path()) });
+        let query = RenderRequest { node: "picture".into(), ..wanted(nodes(&TEXT), folder.path()) };
+        worker.ask(|output| output.preview("picture"), PreviewQuery(query));
+        std::thread::sleep(Duration::from_millis(step));
+        worker.forget();
+        worker.draw(wanted(missing.clone(), folder.path()));
+        settle(&worker);
+        worker.shown(|shown| {
+            assert!(shown.pixels.is_none() && shown.report.is_none() && shown.previews.is_empty());
+            assert!(shown.failure.is_some());
+        });
+    }
+}
+
+#[test]
+fn output_of_a_document_takes_no_picture_of_the_one_before() {
+    let folder = tempfile::tempdir().unwrap();
+    let worker = worker();
+    worker.draw(wanted(nodes(&TEXT), folder.path()));
+    settle(&worker);
+    let pixels = worker.shown(|shown| shown.pixels.clone().unwrap());
+    let report = worker.shown(|shown| shown.report.clone().unwrap());
+    let mut output = WorkerOutput::from(pixels.number + 1);
+    output.finished(pixels.clone(), &report, None, 0.1);
+    assert!(output.pixels.is_none() && output.report.is_none() && output.since(pixels.number).is_none());
+    output.finished(Pixels { number: pixels.number + 1, ..pixels }, &report, None, 0.1);
+    assert!(output.pixels.is_some() && output.report.is_some());
+}
+
 #[test]
 fn memory_is_what_the_program_may_take() {
     let never = |_: &dyn Fn() -> Option<String>| false;

@@ -102,7 +102,7 @@ impl WorkerState<'_> {
         })?;
         let seconds = start.elapsed().as_secs_f64();
         let drew_alone = report.nodes.iter().all(|node| node.reused || wanted.is_cheap(&node.name));
-        let drawn = Pixels::new(wanted.picture_of(&report)?, wanted.background, divisor, number);
+        let drawn = Pixels::new(wanted.picture_of(&report)?, wanted, divisor, number);
         let pixels = Pixels { is_passing: report.is_passing, ..drawn };
         match report.is_passing {
             _ if !drew_alone => {}
@@ -129,7 +129,7 @@ impl WorkerState<'_> {
             self.session = session();
             let text = payload.downcast_ref::<&str>().map(|text| (*text).to_string());
             let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();
-            let error = Error::run("the node ended by a mistake of its own").got(text);
+            let error = Error::run("the node panicked, which is a fault of its program").got(text);
             Err(following.node().into_iter().fold(error, |error, node| error.at_node(node)))
         })
     }
@@ -137,13 +137,19 @@ impl WorkerState<'_> {
     /// Answers the open query of a kind, unless there is none; it is given up for a newer picture.
     fn query<Q: Query>(&mut self, newest: u64, of: impl Fn(&mut WorkerOutput) -> &mut Exchange<Q>) -> bool {
         let (shared, registry) = (self.shared, self.registry);
-        let Some((number, query)) = of(&mut lock(&shared.state).output).take() else { return false };
+        // Queries of another document than that of the newest request are none of this document's.
+        let taken = lock(&shared.state).output.since(newest).and_then(|output| of(output).take());
+        let Some((number, query)) = taken else { return false };
         let stop = |_: &dyn Fn() -> Option<String>| shared.newest() != newest;
         let following = Following::new(shared, &stop, false);
         let outcome = self.guarded(&following, |session| {
             query.answer(&mut QueryRun { session, registry, observer: &following })
         });
-        shared.show(|output| of(output).settle(number, outcome));
+        shared.show(|output| {
+            if let Some(output) = output.since(newest) {
+                of(output).settle(number, outcome);
+            }
+        });
         true
     }
 }
@@ -283,7 +289,7 @@ impl Pass<'_> {
         newest != self.number && self.change(newest).is_none_or(|change| !change.moves)
     }
 
-    /// Changes of the newest request; `None` if the worker ends.
+    /// Changes of the newest request; `None` if the worker ends or the picture is of a forgotten document.
     fn change(&self, newest: u64) -> Option<Arc<Change>> {
         let mut judged = lock(&self.judged);
         if let Some((number, change)) = &*judged
@@ -291,7 +297,8 @@ impl Pass<'_> {
         {
             return Some(change.clone());
         }
-        let state = lock(&self.shared.state);
+        let mut state = lock(&self.shared.state);
+        state.output.since(self.number)?;
         let change = Arc::new(Change::between(self.wanted, state.picture.as_ref()?));
         *judged = Some((newest, change.clone()));
         Some(change)

@@ -1,6 +1,6 @@
 //! Widgets over s and g or over a list of fields, on the plane of two of them: what lies outside of the plane stays as it is.
 
-use super::gaussian::{Ellipse, spread};
+use super::gaussian::{Ellipse, finely, spread};
 use super::shapes::{PlaneContext, Shape, Triangle};
 use crate::transfer::plane::{Change, Handle, Plane, S_AND_G, WidgetPainter, list, rounded, rows};
 use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue, find_setting};
@@ -87,7 +87,7 @@ impl FieldShape {
         let mut centre = self.centre.clone();
         for (axis, place) in self.at.iter().enumerate() {
             if let Some(place) = place {
-                centre[*place] = rounded(to[axis]);
+                centre[*place] = to[axis];
             }
         }
         vec![("centre", Some(list(&centre)))]
@@ -120,7 +120,8 @@ impl FieldShape {
         let mut kernel = self.kernel.clone();
         for row in &mut kernel {
             let (x, y) = (row[i], row[j]);
-            (row[i], row[j]) = (x * back[0][0] + y * back[1][0], x * back[0][1] + y * back[1][1]);
+            let along = |k: usize| rounded(x * back[0][k] + y * back[1][k]);
+            (row[i], row[j]) = (along(0), along(1));
         }
         vec![("matrix", Some(rows(&kernel))), ("sigma", None)]
     }
@@ -130,16 +131,17 @@ impl FieldShape {
             let own = (0..2).filter(|axis| self.at[*axis] == Some(field));
             own.map(|axis| by[axis]).product::<f64>()
         };
+        let scaled = |x: f64, by: f64| if by == 1.0 { x } else { rounded(x * by) };
         match &self.sigma {
             Some(sigma) => {
                 let sigma: Vec<f64> =
-                    sigma.iter().enumerate().map(|(i, sigma)| rounded(sigma * factor(i))).collect();
+                    sigma.iter().enumerate().map(|(i, sigma)| scaled(*sigma, factor(i))).collect();
                 vec![("sigma", Some(list(&sigma)))]
             }
             None => {
                 let mut kernel = self.kernel.clone();
                 for row in &mut kernel {
-                    row.iter_mut().enumerate().for_each(|(i, x)| *x /= factor(i));
+                    row.iter_mut().enumerate().for_each(|(i, x)| *x = scaled(*x, 1.0 / factor(i)));
                 }
                 vec![("matrix", Some(rows(&kernel)))]
             }
@@ -200,7 +202,8 @@ pub(in crate::transfer) fn gaussian_over(
 ) -> Option<(&'static str, Vec<Change>)> {
     let [ArrayRef::Array(x), ArrayRef::Array(y)] = axes else { return None };
     let names: ParameterValue = [x, y].into_iter().map(String::as_str).collect();
-    let (centre, sigma) = (("centre", Some(list(&centre))), ("sigma", Some(list(&sigma))));
+    let centre = finely(centre, sigma);
+    let (centre, sigma) = (("centre", Some(list(&centre))), ("sigma", Some(list(&sigma.map(rounded)))));
     Some(("gaussian-nd", vec![("fields", Some(names)), centre, sigma]))
 }
 

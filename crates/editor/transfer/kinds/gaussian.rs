@@ -1,8 +1,9 @@
 //! The ellipses that Gaussians are in the plane, and Gaussians over s and g as a file states them.
 
-use crate::transfer::plane::{Change, Handle, Plane, WidgetPainter, list, rows};
+use crate::transfer::plane::{Change, Handle, Plane, WidgetPainter, list, rounded, rows};
 use eframe::egui::{self, Color32, Stroke};
 use std::f64::consts::TAU;
+use voltet_core::arithmetic::decimal;
 
 /// Position of the handle of a turned axis (half axes).
 const ARM: f64 = 1.7;
@@ -152,7 +153,17 @@ pub(in crate::transfer) fn gaussian(
     extent: [f64; 2],
 ) -> (&'static str, Vec<Change>) {
     let ellipse = Ellipse::new(centre, k, [Some(0), Some(1)], extent);
+    let reach = |k: usize| ellipse.axes[0][k].hypot(ellipse.axes[1][k]);
+    let centre = finely(centre, [reach(0), reach(1)]);
     ("gaussian", std::iter::once(("centre", Some(list(&centre)))).chain(spread(ellipse.axes)).collect())
+}
+
+/// A centre as finely as deviations need it.
+pub(super) fn finely(centre: [f64; 2], deviations: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|k: usize| match deviations[k].is_finite() {
+        true => decimal(centre[k], 1e-4 * deviations[k]),
+        false => centre[k],
+    })
 }
 
 /// Half axes as a file states them: upright ones as sigma, turned ones as a matrix.
@@ -160,13 +171,13 @@ pub(super) fn spread(axes: [[f64; 2]; 2]) -> Vec<Change> {
     let [[a, b], [c, d]] = axes;
     let small = |x: f64, of: f64| x.abs() <= 1e-9 * of.abs();
     if small(b, d) && small(c, a) {
-        return vec![("sigma", Some(list(&[a.abs(), d.abs()]))), ("matrix", None)];
+        return vec![("sigma", Some(list(&[a.abs(), d.abs()].map(rounded)))), ("matrix", None)];
     }
     if small(a, c) && small(d, b) {
-        return vec![("sigma", Some(list(&[c.abs(), b.abs()]))), ("matrix", None)];
+        return vec![("sigma", Some(list(&[c.abs(), b.abs()].map(rounded)))), ("matrix", None)];
     }
     // K = A⁻¹ / √2, where the half axes are the columns of A: |K v|² = ½ at one standard deviation.
     let det = (a * d - c * b) * std::f64::consts::SQRT_2;
-    let matrix = [[d / det, -c / det], [-b / det, a / det]];
+    let matrix = [[d / det, -c / det], [-b / det, a / det]].map(|row| row.map(rounded));
     vec![("matrix", Some(rows(&matrix))), ("sigma", None)]
 }

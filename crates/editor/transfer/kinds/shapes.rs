@@ -27,7 +27,7 @@ pub(in crate::transfer) trait Shape: Debug {
     /// Changes of the numbers when the whole shape is moved: by its centre.
     fn shifted(&self, by: [f64; 2], plane: &Plane) -> Vec<Change> {
         let centre = self.handles(plane).into_iter().find(|(handle, _)| *handle == Handle::Centre);
-        centre.map_or(Vec::new(), |(handle, at)| self.moved(handle, [at[0] + by[0], at[1] + by[1]], plane))
+        centre.map_or(Vec::new(), |(handle, at)| self.moved(handle, plane.moved_place(at, by), plane))
     }
 
     fn draw(&self, _pen: &WidgetPainter) {}
@@ -106,7 +106,7 @@ impl Shape for Triangle {
             Handle::Width(_) => {
                 vec![("sigma", Some(ParameterValue::Number(rounded(self.widened(to, plane)))))]
             }
-            _ => vec![("centre", Some(ParameterValue::Number(rounded(to[0]))))],
+            _ => vec![("centre", Some(ParameterValue::Number(to[0])))],
         }
     }
 
@@ -230,7 +230,7 @@ impl Shape for Picture {
 
     fn moved(&self, handle: Handle, to: [f64; 2], plane: &Plane) -> Vec<Change> {
         let middle = self.middle();
-        let moved = || shifted(self.ranges, [to[0] - middle[0], to[1] - middle[1]]);
+        let moved = || shifted(self.ranges, [to[0] - middle[0], to[1] - middle[1]], plane);
         let least = |k: usize| MIN_SIDE * (plane.shown[k][1] - plane.shown[k][0]);
         let after = match stretched(self.ranges, handle, to) {
             Some(after) if (0..2).any(|k| after[k][1] - after[k][0] < least(k)) => return Vec::new(),
@@ -283,8 +283,9 @@ impl Shape for Curve {
         changed_points(&points)
     }
 
-    fn shifted(&self, by: [f64; 2], _: &Plane) -> Vec<Change> {
-        changed_points(&self.points.iter().map(|p| ControlPoint { s: p.s + by[0], ..*p }).collect::<Vec<_>>())
+    fn shifted(&self, by: [f64; 2], plane: &Plane) -> Vec<Change> {
+        let moved = |p: &ControlPoint| ControlPoint { s: plane.moved(0, p.s, by[0]), ..*p };
+        changed_points(&self.points.iter().map(moved).collect::<Vec<_>>())
     }
 
     fn draw(&self, pen: &WidgetPainter) {
