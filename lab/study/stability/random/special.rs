@@ -149,7 +149,7 @@ fn through_a_keyhole(rng: &mut Rng) -> Result<Scene> {
     let grid = Grid { points: points.into(), tetrahedra: cells.into(), ..Grid::default() };
     let scalar = general::field(rng, &grid);
     let towards = rng.direction();
-    let eye = DVec3::splat(0.5) - rng.between(0.0, 100.0) * towards;
+    let eye = DVec3::splat(0.5) - rng.power(-1.0, 2.0) * towards;
     let fov_y = rng.power(-1.0, 0.1);
     let camera = perspective(rng, eye, towards, fov_y);
     Ok(Scene { camera, ..scene_of(rng, grid, scalar)? })
@@ -192,8 +192,13 @@ fn delaunay_in_parallel(rng: &mut Rng) -> Result<Scene> {
             widget.region = Some(Region::rectangle(s.interval(rng), [f64::NEG_INFINITY, f64::INFINITY]));
         }
     });
-    scene.shading.silhouette = Some(rng.between(0.5, 6.0));
+    scene.shading.silhouette = Some(rng.power(-0.5, 0.8));
     scene.camera.projection = Projection::Orthographic { height: rng.between(0.3, 2.0) };
+    // At times all is seen face on.
+    if rng.chance(0.3) {
+        scene.camera.eye = scene.camera.target - along;
+        scene.camera.up = up(along);
+    }
     Ok(scene)
 }
 
@@ -234,7 +239,7 @@ fn graded_with_steps(rng: &mut Rng) -> Result<Scene> {
         let profile = Profile::PiecewiseLinear { points };
         look.widgets.push(Widget { profile, color: [1.0; 3], extinction: 1.0, region: None });
     });
-    scene.shading.silhouette = Some(rng.between(0.5, 6.0));
+    scene.shading.silhouette = Some(rng.power(-0.5, 0.8));
     Ok(scene)
 }
 
