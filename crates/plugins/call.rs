@@ -17,6 +17,7 @@ use std::ffi::CString;
 use std::mem::size_of;
 use std::ptr::{from_ref, null, null_mut};
 use std::sync::{Arc, Mutex, PoisonError};
+use voltet_core::counted;
 use voltet_core::glam::DVec3;
 use voltet_core::grid::{Array, Csr, Grid, cells_of_points, points_of_points};
 use voltet_core::picture::Picture;
@@ -377,9 +378,9 @@ impl GridTask {
         if head.has(SAME_CELLS) {
             head.cell_count = cells;
             if head.point_count != points {
-                let own = head.point_count;
+                let own = counted(head.point_count, "point");
                 return Err(format!(
-                    "its cells are those of the input, but it has {own} points and the input {points}"
+                    "its cells are those of the input, but it has {own} and the input {points}"
                 ));
             }
         }

@@ -285,8 +285,7 @@ impl<'a> CallLabel<'a> {
 
     /// Sentences about the points at which the item fell back to something simpler.
     pub fn warnings(&self, status: &CallStatus) -> impl Iterator<Item = String> {
-        status.reports.fallbacks.iter().map(|Fallback { what, point_count }| {
-            format!("The {} of the {}: {what} at {point_count} points.", self.item(), self.plugin)
-        })
+        let fallbacks = status.reports.fallbacks.iter();
+        fallbacks.map(|fallback| format!("The {} of the {}: {fallback}.", self.item(), self.plugin))
     }
 }

@@ -189,7 +189,7 @@ fn what_it_says_of_itself_is_bounded_and_what_it_prints_is_not_taken_for_the_gra
         let ran = folder.voltet(&[&LOADED[..], &["slab.toml"], own_process].concat()).ok();
         assert!(ran.stderr.len() < 40 * 4400, "{}", ran.stderr.len());
         assert!(!ran.stderr.contains('\u{1}'));
-        assert_eq!(ran.stderr.contains("at 1 points"), fault == "notes", "{}", ran.stderr);
+        assert_eq!(ran.stderr.contains("at 1 point\n"), fault == "notes", "{}", ran.stderr);
     }
 }
 

@@ -118,8 +118,8 @@ fn what_a_reader_reads_wrongly_is_said() {
 fn what_is_not_finite_in_a_file_is_left_out_and_counted_as_of_any_file() {
     let Some(folder) = folder() else { return };
     for (fault, wanted) in [
-        ("not finite", "1 three-dimensional cells were left out because a position or value is not finite"),
-        ("value", "1 three-dimensional cells were left out because a position or value is not finite"),
+        ("not finite", "1 three-dimensional cell was left out because a position or value is not finite"),
+        ("value", "1 three-dimensional cell was left out because a position or value is not finite"),
         ("notes", "(faulty.so): rounded to what the file holds at 3 points."),
     ] {
         for own_process in [&[][..], &["--plugin-process"]] {
