@@ -16,7 +16,8 @@
  * - Size: every struct begins with its size in bytes, as its maker knows it: `sizeof`. Structs grow at their ends only. Before
  *   you read what came after version 1.0 of a host's struct, compare its size.
  * - Memory: nobody frees or keeps what the other side allocated. What a description points to stays as it is until deinit. What
- *   the host hands over is valid during that call, is constant but for the output, and is not to be written otherwise.
+ *   the host hands over is valid during that call, is constant but for the output, and is not to be written otherwise. The host
+ *   compares it after the call, 65536 elements of each array at most, and fails a call that wrote into it.
  * - Text is UTF-8 and ends with a 0 byte. Limits, in bytes: names, words and units 64; summaries, help, versions, meanings 1024;
  *   errors and notes 4096. Names of filters and parameters are lower-case letters, digits, '-' and '_', beginning with a letter.
  * - Threads: the host calls the functions of one plug-in one at a time, not always from the same thread. Threads of your own
@@ -24,7 +25,7 @@
  *   thread that calls has a stack of 64 MiB, those of `parallel_for` 2 MiB.
  * - Exceptions (C++), longjmp and whatever unwinds must not leave a plug-in's function: catch them and call host->error. One that
  *   does leave ends the program, with a message that names the plug-in.
- * - A crash ends the program, too. `voltet --plugin-process` runs plug-ins in a process of their own, which may crash.
+ * - A crash or a call of exit ends the program, too. `voltet --plugin-process` runs plug-ins in a process of their own, which may end.
  * - Standard output belongs to the program: a picture may be on its way there. Say what there is to say by the host's functions.
  */
 #ifndef VOLTET_PLUGIN_H

@@ -3,7 +3,7 @@
 use crate::drawing;
 use std::sync::Arc;
 use voltet_core::picture::Picture;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 use voltet_cpu::{Projection, prepare};
 use voltet_graph::{DemandContext, Node, Outputs, Parameters, Port, PortType, RunContext, Value};
 use voltet_optics::engine::{RenderStats, Stage};
@@ -83,7 +83,7 @@ fn composite(call: &mut RunContext, projection: &Projection, scene: &Scene) -> R
     projection.cells().count(&mut counts);
     projection.count(&mut counts);
     call.notes.warnings.extend(drawing::picture_warnings(scene, &counts, &picture));
-    let threads = rayon::current_num_threads();
-    call.notes.adapter = Some(format!("{}, {threads} threads", LaneSet::detect()?.name()));
+    let threads = counted(rayon::current_num_threads(), "thread");
+    call.notes.adapter = Some(format!("{}, {threads}", LaneSet::detect()?.name()));
     Ok(picture)
 }

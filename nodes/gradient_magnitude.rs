@@ -86,8 +86,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     if wants_magnitude || wants_vectors {
         let gradient = gradient(call, &grid, &volume.scalar)?;
         for fallback in &gradient.fallbacks {
-            let what = format!("{} at {} points", fallback.what, fallback.point_count);
-            call.notes.warnings.push(what);
+            call.notes.warnings.push(fallback.to_string());
         }
         let fallbacks = gradient.fallbacks.iter().map(|fallback| fallback.point_count).sum();
         if fallbacks > 0 {

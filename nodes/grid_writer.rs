@@ -6,7 +6,7 @@ use std::path::Path;
 use voltet_core::grid::Array;
 use voltet_core::progress::refuse_beyond_memory;
 use voltet_core::volume::Volume;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, agreeing, counted};
 use voltet_graph::{
     DefaultValue, Demand, DemandContext, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType,
     RunContext, suggest,
@@ -172,8 +172,8 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let volume = call.volume("volume")?;
     let contents = contents(call, &volume)?;
     let bytes = vtu::encoding_bytes(&contents);
-    let what =
-        || format!("writing {} points and {} cells", contents.points.len(), contents.cells.types.len());
+    let [points, cells] = [contents.points.len(), contents.cells.types.len()];
+    let what = || format!("writing {} and {}", counted(points, "point"), counted(cells, "cell"));
     refuse_beyond_memory(call.progress(), what, bytes)?;
     let precision = match call.parameters.text("precision")? {
         "single" => Precision::Single,
@@ -212,7 +212,7 @@ fn contents<'a>(call: &mut RunContext, volume: &'a Volume) -> Result<Contents<'a
         match wanted.is_some() && wants(word) {
             true => Err(p
                 .error("arrays", format!("the volume has no {what}"))
-                .expected("a node that computes it")),
+                .expected(format!("inputs from a node that computes it, or arrays without \"{word}\""))),
             false => Ok(()),
         }
     };
@@ -265,9 +265,10 @@ fn contents<'a>(call: &mut RunContext, volume: &'a Volume) -> Result<Contents<'a
     }
     let without = contents.points_without_values();
     if without > 0 {
-        let of = contents.points.len();
-        let why = "belong to no cell with a volume; their values are written as nan";
-        call.notes.warnings.push(format!("{without} of {of} points {why}"));
+        let of = counted(contents.points.len(), "point");
+        let (belong, their) = (agreeing(&without, "belongs", "belong"), agreeing(&without, "its", "their"));
+        let why = format!("{belong} to no cell with a volume; {their} values are written as nan");
+        call.notes.warnings.push(format!("{without} of {of} {why}"));
     }
     Ok(contents)
 }
@@ -278,5 +279,5 @@ fn refuse_other(p: &Parameters, port: &str, found: usize, expected: usize) -> Re
         return Ok(());
     }
     let error = Error::usage(format!("the inputs 'volume' and '{port}' are of different grids"));
-    Err(p.locate("path", error.got(format!("{found} tetrahedra")).expected(expected)))
+    Err(p.locate("path", error.got(counted(found, "tetrahedron")).expected(expected)))
 }

@@ -1,10 +1,10 @@
 //! `multi-gradient`: how fast several fields change at once, as a point array, where a node downstream uses it.
 
 use std::sync::Arc;
-use voltet_core::Result;
 use voltet_core::field::spectral_norms;
 use voltet_core::grid::{Array, Grid};
 use voltet_core::volume::Volume;
+use voltet_core::{Result, counted};
 use voltet_graph::{
     DefaultValue, DemandContext, Diagnostics, Node, Outputs, Parameter, ParameterType, Parameters, Port,
     PortType, Range, RunContext, SavedWork, Value,
@@ -76,7 +76,11 @@ impl MultiGradientOptions {
             (false, 1) => vec![1.0],
             (false, count) => {
                 let error = p.error("scale", "fields of several units have no common gradient");
-                return Err(error.expected(format!("scale = [{}, …]: {count} numbers", fields[0])));
+                return Err(error.expected(format!(
+                    "scale = [{}, …]: {}",
+                    fields[0],
+                    counted(count, "number")
+                )));
             }
         };
         if scale.len() != fields.len() {
@@ -124,7 +128,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
         let values: Vec<f64> = array.values.iter().map(|value| value / scale).collect();
         let gradient = call.method()?.gradient(&volume.grid, &values, call.progress())?;
         for fallback in &gradient.fallbacks {
-            let what = format!("'{field}': {} at {} points", fallback.what, fallback.point_count);
+            let what = format!("'{field}': {fallback}");
             call.notes.warnings.push(what);
         }
         gradients.push(gradient.vectors);

@@ -6,12 +6,13 @@ use serde_json::json;
 use std::sync::Arc;
 use voltet_core::error::ErrorKind;
 use voltet_core::grid::{Grid, extent};
+use voltet_core::parameters::suggest;
 use voltet_core::probing::{ProbeRegion, ProbeResult, kernel, probe};
 use voltet_core::transfer::{
     DataStatistics, OpticalModel, Profile, TransferFunction, Widget, resolved, with_placeholders,
 };
 use voltet_core::volume::Volume;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, agreeing, counted};
 use voltet_graph::{
     ArrayRef, AxisRef, DefaultValue, Demand, DemandContext, Field, LocatedValue, Node, Outputs, Parameter,
     ParameterType, ParameterValue, Parameters, Port, PortType, Range, RelativeNumberType, RunContext,
@@ -75,7 +76,8 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
         && found.point_count < points.len() as u64
     {
         let outside = points.len() as u64 - found.point_count;
-        call.notes.warnings.push(format!("{outside} of {} points lie in no cell that counts", points.len()));
+        let (of, lie) = (counted(points.len(), "point"), agreeing(&outside, "lies", "lie"));
+        call.notes.warnings.push(format!("{outside} of {of} {lie} in no cell that counts"));
     }
     let matrix = kernel(&found, p.number("least_sigma")?, p.number("sigma_scale")?, p.flag("correlated")?);
     let names_shown = names.clone().unwrap_or_else(|| vec!["s".into(), "g".into()]);
@@ -104,16 +106,7 @@ fn values<'a>(volume: &'a Volume, names: Option<&[String]>) -> Result<Vec<&'a [f
         })?;
         return Ok(vec![&volume.scalar, g]);
     };
-    let array = |name: &String| match volume.grid.point_arrays.get(name) {
-        Some(array) if array.component_count == 1 => Ok(array.values.as_slice()),
-        Some(array) => Err(Error::usage(format!("the field '{name}' is not a scalar"))
-            .got(format!("{} components", array.component_count))
-            .expected(format!("'{name}:magnitude', or '{name}:0' for a component"))),
-        None => Err(Error::usage("the probe looks at a field that the volume does not have")
-            .got(name)
-            .expected("a point array that the reader was asked for")),
-    };
-    names.iter().map(array).collect()
+    names.iter().map(|name| volume.grid.field("the probe", name)).collect()
 }
 
 /// The widget alone: its extinction counts per unit distance of whatever it is wired into.
@@ -354,7 +347,11 @@ pub fn mask<'a>(p: &Parameters, volume: &'a Volume) -> Result<Option<Holds<'a>>>
     let grid = &volume.grid;
     let Some(array) = grid.cell_arrays.get(name).filter(|array| array.component_count == 1) else {
         let error = table.error("array", format!("the mask '{name}' is not an array with one number a cell"));
-        return Err(error.expected("a cell array of one component, or \"NAME:0\" for a component"));
+        let scalars = grid.cell_arrays.iter().filter(|(_, array)| array.component_count == 1);
+        let known = suggest(name, scalars.map(|(name, _)| name.as_str()));
+        return Err(
+            error.expected(format!("a cell array of one component ({known}), or \"NAME:0\" for a component"))
+        );
     };
     let equals = table.optional_number("equals");
     let counts = move |value: f64| equals.map_or(value != 0.0 && !value.is_nan(), |wanted| value == wanted);
@@ -367,8 +364,8 @@ pub fn sentence(found: &ProbeResult, names: &[String]) -> String {
     let field = |k: usize| format!("{} {}", names[k], with_deviation(found.mean[k], sigma[k]));
     let fields: Vec<String> = (0..names.len()).map(field).collect();
     let place = match found.point_count {
-        0 => format!("{} cells, volume {:.6e}", found.cell_count, found.volume),
-        count => format!("{count} points in {} cells", found.cell_count),
+        0 => format!("{}, volume {:.6e}", counted(found.cell_count, "cell"), found.volume),
+        count => format!("{} in {}", counted(count, "point"), counted(found.cell_count, "cell")),
     };
     format!("{} ({place})", fields.join(", "))
 }

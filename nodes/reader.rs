@@ -5,9 +5,9 @@ use std::sync::Arc;
 use voltet_core::{Error, Result};
 use voltet_graph::{
     DefaultValue, Demand, Diagnostics, Node, Outputs, Parameter, ParameterType, ParameterValue, Parameters,
-    PlanContext, Port, PortType, Preparation, Range, RunContext, SavedWork, Steps, Value, nearest,
+    PlanContext, Port, PortType, Preparation, Range, RunContext, SavedWork, Steps, Value,
 };
-use voltet_io::formats::{self, Association, CellValues, Request, SelectedArrays, TimeStep};
+use voltet_io::formats::{self, Association, CellValues, Request, SelectedArrays, TimeStep, existing_file};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -215,14 +215,6 @@ pub(crate) fn request(p: &Parameters, chosen: Option<SelectedArrays>) -> Result<
 /// Finds out before any work whether the file is there, and which name was meant if not.
 fn refuse_missing(path: &Path) -> Result<()> {
     let Err(error) = std::fs::File::open(path) else { return Ok(()) };
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let names = std::fs::read_dir(folder.unwrap_or(Path::new("."))).into_iter().flatten().flatten();
-    let names: Vec<String> = names.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
-    let wanted = path.file_name().unwrap_or_default().to_string_lossy();
-    let error = Error::run("the data file cannot be opened").got(error);
-    Err(match nearest(&wanted, names.iter().map(String::as_str)) {
-        Some(near) => error.expected(format!("a file that is there, such as '{near}' beside it")),
-        None => error.expected("the path of a file, relative to the pipeline file"),
-    }
-    .in_file(path))
+    let expected = format!("{} (paths are relative to the pipeline file)", existing_file(path));
+    Err(Error::run("the data file cannot be opened").got(error).expected(expected).in_file(path))
 }

@@ -3,6 +3,7 @@
 
 pub use voltet_io::encode::Source;
 
+use crate::core::counted;
 use std::path::{Path, PathBuf};
 use voltet_core::{Error, Result};
 use voltet_document::{Document as DocumentText, Edit, Path as KeyPath};
@@ -165,7 +166,7 @@ fn describe_plugin(plugin: &PluginRecord) -> String {
 
 /// " (12 bytes, of 2026-11-22T14:51:03Z, when the picture was drawn)".
 fn state(former: &DataFile) -> String {
-    let bytes = former.bytes.map(|bytes| format!("{bytes} bytes"));
+    let bytes = former.bytes.map(|bytes| counted(bytes, "byte"));
     let date = former.modified.as_ref().map(|date| format!("of {date}"));
     let parts: Vec<String> = bytes.into_iter().chain(date).collect();
     if parts.is_empty() {

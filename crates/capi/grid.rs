@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use voltet::{BorrowedGrid, BorrowedPiece, CellArrays, NamedArray, PointNumbers, build_grid, unnamed_scalar};
 use voltet_core::grid::{CellValues, Grid, Options, extent};
 use voltet_core::progress::NoProgress;
-use voltet_core::{Error, Result, SharedSlice};
+use voltet_core::{Error, Result, SharedSlice, counted};
 
 /// `voltet_grid`.
 pub struct GridHandle {
@@ -119,7 +119,7 @@ fn product(count: usize, each: usize, what: &str) -> Result<usize> {
     let numbers = count.checked_mul(each).filter(|&numbers| numbers <= isize::MAX as usize / 8);
     numbers.ok_or_else(|| {
         Error::usage(format!("the count of {what} is out of range"))
-            .got(format!("{count} of {each} numbers"))
+            .got(format!("{count} of {}", counted(each, "number")))
             .expected("what memory can hold")
     })
 }
@@ -133,7 +133,7 @@ unsafe fn lent<T>(values: *const T, count: usize, what: &str) -> Result<&'static
         return Ok(&[]);
     }
     if values.is_null() {
-        return Err(null(what).got(format!("a null pointer for {count} numbers")));
+        return Err(null(what).got(format!("a null pointer for {}", counted(count, "number"))));
     }
     if !values.is_aligned() {
         return Err(Error::usage(format!("{what} are at an odd address"))

@@ -4,8 +4,8 @@ use crate::structs::{Camera, Follow, Image};
 use std::ffi::CString;
 use std::sync::Arc;
 use voltet::{Pipeline, RenderPlan, Result, RunStatus, run_in_background};
-use voltet_core::Error;
 use voltet_core::picture::Picture;
+use voltet_core::{Error, counted};
 use voltet_graph::ParameterValue;
 use voltet_io::encode::srgb8;
 
@@ -92,7 +92,7 @@ impl Target {
             if stride < min || !stride.is_multiple_of(unit) || !fits {
                 let multiple = if unit > 1 { format!(", a multiple of {unit}") } else { String::new() };
                 return Err(Error::usage(format!("{name} is out of range"))
-                    .got(format!("{given} bytes"))
+                    .got(counted(given, "byte"))
                     .expected(format!("0, or at least {min} bytes from row to row{multiple}")));
             }
             Ok(stride)

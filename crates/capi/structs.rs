@@ -3,7 +3,7 @@
 
 use crate::guard::null;
 use std::ffi::{c_char, c_int, c_void};
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 
 /// `voltet_array`.
 #[repr(C)]
@@ -161,7 +161,7 @@ pub(crate) unsafe fn read<T: Sized0>(from: *const T) -> Result<T> {
     let newer = unsafe { std::slice::from_raw_parts(from.cast::<u8>(), size) };
     if newer[size_of::<T>()..].iter().any(|&byte| byte != 0) {
         return Err(Error::usage(format!("a {} has fields that this library does not know", T::NAME))
-            .got(format!("{size} bytes"))
+            .got(counted(size, "byte"))
             .expected(format!("0 in all beyond {} bytes, or a newer library", size_of::<T>())));
     }
     // SAFETY: it is all there, and any bytes are values of it.

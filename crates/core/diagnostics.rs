@@ -1,5 +1,6 @@
 //! Diagnostics of a piece of work: counts, warnings, findings, and the work that was skipped. Nodes and engines write them.
 
+use crate::counted;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -38,9 +39,9 @@ impl fmt::Display for SavedWork {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             SavedWork::Bytes(bytes) => write!(f, "{:.1} MB", *bytes as f64 * 1e-6),
-            SavedWork::Cells(count) => write!(f, "{count} cells"),
-            SavedWork::Points(count) => write!(f, "{count} points"),
-            SavedWork::Segments(count) => write!(f, "{count} segments"),
+            SavedWork::Cells(count) => f.write_str(&counted(*count, "cell")),
+            SavedWork::Points(count) => f.write_str(&counted(*count, "point")),
+            SavedWork::Segments(count) => f.write_str(&counted(*count, "segment")),
             SavedWork::Seconds(seconds) => write!(f, "{seconds:.3} s"),
         }
     }

@@ -4,6 +4,7 @@
 
 pub mod arithmetic;
 pub mod camera;
+mod counted;
 pub mod diagnostics;
 pub mod error;
 pub mod field;
@@ -18,6 +19,7 @@ pub mod transfer;
 pub mod visibility;
 pub mod volume;
 
+pub use counted::{agreeing, counted, noun_of};
 pub use error::{Error, Result};
 /// Vectors and matrices, in the version that the types here are made of.
 pub use glam;

@@ -3,7 +3,7 @@
 use crate::selection::CellSelection;
 use voltet_core::grid::extent;
 use voltet_core::transfer::TransferFunction;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 
 /// A point array scaled so that the grid's values lie within about −½ … ½. Scales are powers of two: a value of few
 /// binary digits is stored as it is, and lies on the edge of a region where it lies on it in 64 bits.
@@ -79,17 +79,8 @@ pub(crate) fn attributes_of<'a>(
         }
     }
     for (i, name) in fields.into_iter().enumerate() {
-        let array = volume.grid.point_arrays.get(name).filter(|array| array.component_count == 1);
-        let Some(array) = array else {
-            return Err(Error::usage("the transfer function reads a field that the volume does not have")
-                .got(name)
-                .expected("a point array of one component that the reader was asked for"));
-        };
-        attributes.push(attribute(
-            &array.values,
-            extent::range(&array.values).unwrap_or_default(),
-            about(2 + i),
-        ));
+        let values = volume.grid.field("the transfer function", name)?;
+        attributes.push(attribute(values, extent::range(values).unwrap_or_default(), about(2 + i)));
     }
     Ok(attributes)
 }
@@ -102,7 +93,7 @@ pub(crate) fn gradient_attributes(cells: &CellSelection) -> Result<Vec<Attribute
     let Some(gradient) = gradient else {
         let count = volume.gradient.as_ref().map_or(0, |g| g.len());
         return Err(Error::usage("light and silhouettes need a gradient at every point")
-            .got(format!("{count} gradients, {} points", volume.grid.points.len()))
+            .got(format!("{} at {}", counted(count, "gradient"), counted(volume.grid.points.len(), "point")))
             .expected("a gradient-magnitude node before this one"));
     };
     let scale = if cells.max_gradient > 0.0 { cells.max_gradient } else { 1.0 };

@@ -18,7 +18,7 @@ use voltet_core::grid::extent::longest_edge_squared;
 use voltet_core::picture::Picture;
 use voltet_core::progress::{Progress, refuse_beyond_memory};
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 use voltet_optics::integrators::{self, Extent, SegmentIntegrator};
 use voltet_optics::shading::{Integrator, Ordering, Shading};
 
@@ -59,7 +59,7 @@ pub fn project(
         cells.traversal = Traversal::Project;
     }
     if cells.traversal == Traversal::Project {
-        refuse_beyond_memory(progress, || format!("drawing {count} cells"), bytes(None))?;
+        refuse_beyond_memory(progress, || format!("drawing {}", counted(count, "cell")), bytes(None))?;
     }
     let max_optical_depth = max_optical_depth(transfer_function, cells.length).max(cells.optical_depth_floor);
     let policy = RayCastPolicy::new(transfer_function, max_optical_depth);

@@ -9,11 +9,11 @@ use crate::segment_cache::{Plan, SegmentCache};
 use crate::selection::CullSample;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
-use voltet_core::Result;
 use voltet_core::diagnostics::Diagnostics;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
+use voltet_core::{Result, counted};
 use voltet_optics::engine::{
     self, Engine, EngineInfo, PreparedVolume, RenderOptions, RenderOutput, Stage, StageTiming,
 };
@@ -43,7 +43,7 @@ pub(crate) struct Native {
 
 impl Engine for Native {
     fn adapter(&self) -> String {
-        format!("{}, {} threads", self.lanes.name(), rayon::current_num_threads())
+        format!("{}, {}", self.lanes.name(), counted(rayon::current_num_threads(), "thread"))
     }
 
     fn label(&self) -> String {

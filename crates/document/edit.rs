@@ -5,7 +5,7 @@ use crate::path::Path;
 use crate::text::Draft;
 use crate::view::{Annotation, AnnotationId, NodeView, View, position_value};
 use std::sync::Arc;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 use voltet_graph::pipeline::{EDITOR, ParsedPipeline, Pipeline};
 use voltet_graph::{Field, LocatedValue, NodeEntry, ParameterValue, find_setting, suggest};
 
@@ -67,7 +67,7 @@ impl Edit {
     pub fn label(&self) -> String {
         let nodes = |names: &[String]| match names {
             [one] => format!("'{one}'"),
-            many => format!("{} nodes", many.len()),
+            many => counted(many.len(), "node"),
         };
         match self {
             Edit::AddNode { name, .. } => format!("add '{name}'"),
@@ -89,7 +89,9 @@ impl Edit {
             Edit::Remark { node, .. } => format!("remark on '{node}'"),
             Edit::Annotate(id, _) => format!("change {}", id.parts().1),
             Edit::RemoveAnnotation(id) => format!("remove {}", id.parts().1),
-            Edit::StoreSet(digit, widgets) => format!("store {} widgets as {digit}", widgets.len()),
+            Edit::StoreSet(digit, widgets) => {
+                format!("store {} as {digit}", counted(widgets.len(), "widget"))
+            }
             Edit::Title(_) => "change the title".into(),
             Edit::Text(_) => "edit the text".into(),
         }

@@ -11,6 +11,7 @@ use eframe::egui::{
 };
 use glam::DVec3;
 use std::sync::Arc;
+use voltet_core::{agreeing, noun_of};
 use voltet_graph::ArrayRef;
 use voltet_io::encode::viridis;
 
@@ -122,7 +123,8 @@ impl SectionPanel {
             _ if scene.is_section_earlier => format!("{EARLIER}; computing the section …"),
             Some(at) => under(&section, at),
             None => {
-                format!("{} cells are cut; click or drag a box: the values there", grouped(section.cells))
+                let (cells, are) = (noun_of(&section.cells, "cell"), agreeing(&section.cells, "is", "are"));
+                format!("{} {cells} {are} cut; click or drag a box: the values there", grouped(section.cells))
             }
         };
         ui.label(RichText::new(words).small().color(weak));

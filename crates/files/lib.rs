@@ -34,6 +34,13 @@ fn user_folder(variable: &str, usual: &str, on_macos: &str) -> PathBuf {
     base.unwrap_or_else(std::env::temp_dir).join("voltet")
 }
 
+/// Names of what is in the folder of a path: where there is no such file, one of them may be meant.
+pub fn names_beside(path: &Path) -> Vec<String> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect()
+}
+
 /// A path to write, as people are told of it.
 pub fn display_path(path: &Path) -> String {
     match path == Path::new(STDOUT) {

@@ -9,11 +9,11 @@ use crate::frame::renderer::Renderer;
 use serde_json::json;
 use std::sync::Arc;
 use std::sync::atomic::{self, AtomicU64};
-use voltet_core::Result;
 use voltet_core::diagnostics::{Diagnostics, SavedWork};
 use voltet_core::progress::Progress;
 use voltet_core::visibility::FaceOrder;
 use voltet_core::volume::Volume;
+use voltet_core::{Result, agreeing, counted};
 use voltet_optics::engine::{
     Compositor, CompositorChoice, Engine, EngineInfo, Pending, PreparedVolume, RenderOptions, RenderOutput,
 };
@@ -160,25 +160,27 @@ fn of_engine(device: &Device, drawn: FrameOutput, options: &RenderOptions, work:
 /// Adds the facts about an exact order that was blended.
 fn note_order(notes: &mut Diagnostics, FaceOrderReport { order, checked }: &FaceOrderReport) {
     let FaceOrder { cells, across_gaps, taken_out } = &**order;
-    let mut said = format!("{} cells blended in exact order along their faces", cells.len());
+    let mut said = format!("{} blended in exact order along their faces", counted(cells.len(), "cell"));
     if *across_gaps > 0 {
-        said += &format!(", and across the gaps of the grid ({across_gaps} pairs of cells)");
+        said += &format!(", and across the gaps of the grid (cells that follow across one: {across_gaps})");
     }
     if *taken_out > 0 {
-        said += &format!("; {taken_out} faces in circles are crossed by no pixel's ray");
+        let (faces, are) = (counted(*taken_out, "face"), agreeing(taken_out, "is", "are"));
+        said += &format!("; {faces} in circles {are} crossed by no pixel's ray");
     }
     let mut figures = json!({ "across_gaps": across_gaps, "taken_out": taken_out });
     if let Some(OrderCheckReport { pixels, largest, disordered, without_tiles }) = checked {
         match without_tiles {
             None => {
-                said += &format!("; {pixels} pixels differ by at most {largest:.1e} from those of tiles");
+                let (shown, differ) = (counted(*pixels, "pixel"), agreeing(pixels, "differs", "differ"));
+                said += &format!("; {shown} {differ} by at most {largest:.1e} from those of tiles");
                 figures["pixels_checked"] = json!(pixels);
                 figures["largest_difference"] = json!(largest);
             }
             Some(why) => notes.warnings.push(format!("the order was not held against tiles: {why}")),
         }
         if let Some(count) = disordered {
-            said += &format!("; cells are out of order at {count} pixels");
+            said += &format!("; cells are out of order at {}", counted(*count, "pixel"));
         }
     }
     notes.find(said, json!({ "order_along_faces": figures }));

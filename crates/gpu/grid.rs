@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex};
 use voltet_core::grid::extent;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 use voltet_shaders::{Access, Axis, FramePass, GridArray, Layout, Parts, TEXEL_BYTES, cells_read};
 
 /// Points, cells or a table's numbers that can be counted, so that no dispatch over them passes the last number of 32 bits.
@@ -99,7 +99,7 @@ impl BufferSizes {
         }
         let bytes = mib(room.bytes);
         let found = match parts.is_empty() {
-            true => format!("{} buffers, {} cells", self.buffers(room), self.cells),
+            true => format!("{}, {}", counted(self.buffers(room), "buffer"), counted(self.cells, "cell")),
             false => format!("{} buffers: {}", self.buffers(room), parts.join(", ")),
         };
         // The largest grid of this kind that would do, to a thousandth.
@@ -266,13 +266,7 @@ impl DeviceGrid {
                 self.store(volume, found.ok_or_else(|| needs_gradient(what))?, 1, 0)
             }
             ValueArray::Field(name) => {
-                let found = volume.grid.point_arrays.get(name).filter(|array| array.component_count == 1);
-                let missing = || {
-                    Error::usage("the transfer function looks at a field that the volume does not have")
-                        .got(name)
-                        .expected("a point array of one component that the reader was asked for")
-                };
-                self.store(volume, &found.ok_or_else(missing)?.values, 1, 0)
+                self.store(volume, volume.grid.field("the transfer function", name)?, 1, 0)
             }
             ValueArray::Gradient(component) => {
                 let what = "light and silhouettes need a gradient at every point";

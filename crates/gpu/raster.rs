@@ -10,7 +10,7 @@ use crate::device::{Device, GrowingBuffer, Timing};
 use crate::grid::DeviceArray;
 use std::sync::Arc;
 use voltet_core::visibility::FaceOrder;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 use voltet_optics::engine::{Accumulation, Compositor, Stage};
 use voltet_shaders::{Blend, FramePass, RunRecord, Shader, ViewRecord};
 use wgpu::{
@@ -347,7 +347,7 @@ impl Device {
         let most = self.most_bytes() / ENTRY_BYTES;
         if most < cell_count {
             return Err(Error::run(format!("the sorted cells do not fit one binding of {}", self.name))
-                .got(format!("{cell_count} cells"))
+                .got(counted(cell_count, "cell"))
                 .expected(format!("at most {most}, or compositor = \"tiles\"")));
         }
         let is_rounded = matches!(accumulation, Accumulation::Bits12 | Accumulation::Bits16);

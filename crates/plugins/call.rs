@@ -5,17 +5,19 @@ use crate::declaration::{EntryPoint, Family, LibraryItem};
 use crate::ffi::{AddressSpace, CheckResult, Overrun, Process, guarded_vec, remove_guard};
 use crate::grids::{Buffers, Head, refuse_flags};
 use crate::host::{CallStatus, State};
+use crate::inputs::Inputs;
 use crate::interface::{
     ERROR, FilterGrid, FilterImage, GivenArray, Gradient, GradientCall, GridBuffers, GridCall, GridHead,
     ImageCall, NEEDS_CELLS_OF_POINTS, NEEDS_NEIGHBOURS, OK, Read, Reading, SAME_CELLS, SAME_POINTS,
     TETRAHEDRA, Values,
 };
-use crate::values::{NamedArrays, ParameterValues, array_pointers};
+use crate::values::{NamedArrays, ParameterValues, add_arrays, array_pointers};
 use crate::wire::wire;
 use std::ffi::CString;
 use std::mem::size_of;
 use std::ptr::{from_ref, null, null_mut};
 use std::sync::{Arc, Mutex, PoisonError};
+use voltet_core::counted;
 use voltet_core::glam::DVec3;
 use voltet_core::grid::{Array, Csr, Grid, cells_of_points, points_of_points};
 use voltet_core::picture::Picture;
@@ -93,9 +95,10 @@ impl Task {
         let called = match (self, item.function, item.declaration.family) {
             (Task::Check(values), ..) => {
                 let Some(check) = item.check else { return Default::default() };
-                let pointers = values.pointers();
+                let (pointers, inputs) = (values.pointers(), values.inputs());
                 // SAFETY: the plug-in's own function; all that it is given lives through the call.
                 let code = unsafe { check(&values.header_values(&pointers), &state.host()) };
+                inputs.refuse_changes(state);
                 Ok((code, None, Outcome::Nothing))
             }
             (
@@ -164,6 +167,16 @@ impl GradientTask {
         let pointers = self.values.pointers();
         let values = self.values.header_values(&pointers);
         let mut vectors = vectors?;
+        let mut inputs = self.values.inputs();
+        inputs.add("the points", &self.grid.points);
+        inputs.add("the cells", &self.grid.tetrahedra);
+        inputs.add("the values of the scalar", &self.scalar);
+        for (name, rows) in [("the neighbours of points", &neighbours), ("the cells of points", &cells)] {
+            let Some((starts, items)) = rows else { continue };
+            inputs.add(name, starts);
+            inputs.add(name, items);
+        }
+        add_arrays(&mut inputs, &self.arrays);
         let call = GradientCall {
             size: size_of::<GradientCall>() as u32,
             reserved: 0,
@@ -183,6 +196,7 @@ impl GradientTask {
         };
         // SAFETY: the plug-in's own function; what it is given lives through the call and has the sizes stated.
         let code = unsafe { function(&call, &state.host()) };
+        inputs.refuse_changes(state);
         let overrun =
             remove_guard::<_, f64>(&mut vectors, point_count).then(|| Overrun::gradient(point_count));
         Ok((code, overrun, Outcome::Vectors(vectors)))
@@ -251,14 +265,21 @@ impl FileStep {
         }
     }
 
+    fn inputs(&self) -> Inputs {
+        let mut inputs = self.values.inputs();
+        inputs.add("the characters of the path", self.path.as_bytes_with_nul());
+        inputs
+    }
+
     fn inspect(self, inspect: Read, state: &State) -> Called {
-        let pointers = self.values.pointers();
+        let (pointers, inputs) = (self.values.pointers(), self.inputs());
         let values = self.values.header_values(&pointers);
         let host = DescriptionContext { state, head: Mutex::new(None) };
         let context = from_ref(&host).cast_mut().cast();
         let reading = Reading { describe: Some(describe), context, ..self.reading(&values) };
         // SAFETY: the plug-in's own function; what it is given lives through the call.
         let code = unsafe { inspect(&reading, &state.host()) };
+        inputs.refuse_changes(state);
         let head = host.head.into_inner().unwrap_or_else(PoisonError::into_inner);
         match head {
             None if code == OK => Err("it did not say what the file holds (reading->describe)".into()),
@@ -271,13 +292,14 @@ impl ReadTask {
     fn run(self, read: Read, state: &State) -> Called {
         let ReadTask { file, head, geometry, arrays, memory_left } = self;
         let mut buffers = Buffers::new(&head, geometry, &arrays, memory_left)?;
-        let pointers = file.values.pointers();
+        let (pointers, inputs) = (file.values.pointers(), file.inputs());
         let values = file.values.header_values(&pointers);
         let addresses = buffers.array_addresses();
         let header_buffers = buffers.header_buffers(&head, &addresses);
         let reading = Reading { buffers: &header_buffers, ..file.reading(&values) };
         // SAFETY: the plug-in's own function; what it is given lives through the call and has the sizes stated.
         let code = unsafe { read(&reading, &state.host()) };
+        inputs.refuse_changes(state);
         Ok((code, buffers.close(&head), Outcome::Grid(head, buffers)))
     }
 }
@@ -356,9 +378,9 @@ impl GridTask {
         if head.has(SAME_CELLS) {
             head.cell_count = cells;
             if head.point_count != points {
-                let own = head.point_count;
+                let own = counted(head.point_count, "point");
                 return Err(format!(
-                    "its cells are those of the input, but it has {own} points and the input {points}"
+                    "its cells are those of the input, but it has {own} and the input {points}"
                 ));
             }
         }
@@ -378,6 +400,14 @@ impl GridTask {
         let arrays = array_pointers(&self.arrays);
         let pointers = self.values.pointers();
         let values = self.values.header_values(&pointers);
+        let mut inputs = self.values.inputs();
+        inputs.add("the points", &self.grid.points);
+        inputs.add("the tetrahedra", &self.grid.tetrahedra);
+        for (name, array) in &self.carried {
+            inputs.add("the names of the arrays", name.as_bytes_with_nul());
+            inputs.add("the values of the arrays", &array.values);
+        }
+        add_arrays(&mut inputs, &self.arrays);
         let host = FilterContext { state, task: &self, output: Mutex::new(None) };
         let call = GridCall {
             size: size_of::<GridCall>() as u32,
@@ -396,6 +426,7 @@ impl GridTask {
         };
         // SAFETY: the plug-in's own function; what it is given lives through the call and has the sizes stated.
         let code = unsafe { function(&call, &state.host()) };
+        inputs.refuse_changes(state);
         match host.output.into_inner().unwrap_or_else(PoisonError::into_inner) {
             Some(OutputGrid { head, mut buffers, .. }) => {
                 Ok((code, buffers.close(&head), Outcome::Grid(head, buffers)))
@@ -421,6 +452,8 @@ impl ImageTask {
         let mut filtered = guarded_vec::<[f32; 4], f32>(rgba.len())?;
         let pointers = self.values.pointers();
         let values = self.values.header_values(&pointers);
+        let mut inputs = self.values.inputs();
+        inputs.add("the pixels", rgba);
         let call = ImageCall {
             size: size_of::<ImageCall>() as u32,
             reserved: 0,
@@ -432,6 +465,7 @@ impl ImageTask {
         };
         // SAFETY: the plug-in's own function; what it is given lives through the call and has the sizes stated.
         let code = unsafe { function(&call, &state.host()) };
+        inputs.refuse_changes(state);
         let overrun = remove_guard::<_, f32>(&mut filtered, rgba.len()).then(|| Overrun {
             buffer: "the picture".into(),
             capacity: format!("4 numbers for each of the {width} x {height} pixels"),

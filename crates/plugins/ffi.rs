@@ -2,6 +2,7 @@
 //! filled with numbers that no computation gives, and with a guard behind them, so that missing numbers and writes beyond the end show.
 
 use std::mem::MaybeUninit;
+use voltet_core::counted;
 
 /// A struct of the interface that begins with its size.
 ///
@@ -217,7 +218,7 @@ crate::wire::wire!(fields of Overrun { buffer, capacity });
 impl Overrun {
     /// Overrun of the gradient at `point_count` points.
     pub fn gradient(point_count: usize) -> Overrun {
-        let capacity = format!("3 numbers for each of the {point_count} points");
+        let capacity = format!("3 numbers for each of the {}", counted(point_count, "point"));
         Overrun { buffer: "the gradient".into(), capacity }
     }
 }
@@ -247,9 +248,9 @@ sentinels!(u8 = u8::MAX, u32 = u32::MAX, i64 = i64::MIN, f32 = f32::from_bits(0x
 pub(crate) fn guarded_vec<V: bytemuck::Pod, T: Sentinel>(count: usize) -> CheckResult<Vec<V>> {
     let mut tuples = Vec::<V>::new();
     let total = count + GUARD_COUNT;
-    tuples
-        .try_reserve_exact(total)
-        .map_err(|_| format!("there is no memory for {total} tuples of {} bytes", size_of::<V>()))?;
+    tuples.try_reserve_exact(total).map_err(|_| {
+        format!("there is no memory for {total} tuples of {}", counted(size_of::<V>(), "byte"))
+    })?;
     let mut unset = [V::zeroed()];
     bytemuck::cast_slice_mut::<V, T>(&mut unset).fill(T::UNSET);
     tuples.resize(total, unset[0]);

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use voltet_core::glam::DVec3;
 use voltet_core::grid::{Array, Association, Cells, Grid, Options, RawGrid, Scalar};
 use voltet_core::progress::Progress;
-use voltet_core::{Error, Result, SharedSlice, grid};
+use voltet_core::{Error, Result, SharedSlice, counted, grid};
 use voltet_graph::{Demand, DemandContext, Node, Outputs, Port, PortType, RunContext, Value};
 
 /// The node of a grid filter.
@@ -184,7 +184,7 @@ fn scalar(
         1 => Ok(Scalar { name, association, values: array.values.clone() }),
         n => {
             let error = label.error("names an array as the scalar that is none");
-            Err(error.got(format!("'{name}' of {n} components")).expected("one of 1 component"))
+            Err(error.got(format!("'{name}' of {}", counted(n, "component"))).expected("one of 1 component"))
         }
     }
 }

@@ -13,7 +13,7 @@ use std::ptr::null_mut;
 use voltet_core::glam::DVec3;
 use voltet_core::grid::{Association, CellSet, CellType, Cells, code};
 use voltet_core::reading::FileArray;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 
 /// Largest numbers of arrays, components and steps.
 const MAX_ARRAYS: u32 = 4096;
@@ -134,8 +134,8 @@ fn arrays(read: &GridHead) -> CheckResult<Vec<FileArray>> {
         let name = Process.required_line("the name", head.name, MAX_TEXT_BYTES).map_err(at)?;
         if !(1..=MAX_COMPONENTS).contains(&head.component_count) {
             return Err(at(format!(
-                "'{name}' has {} components, 1 to {MAX_COMPONENTS} can be",
-                head.component_count
+                "'{name}' has {}, 1 to {MAX_COMPONENTS} can be",
+                counted(head.component_count, "component")
             )));
         }
         let association = match head.on_cells {
@@ -255,23 +255,18 @@ impl Buffers {
     pub fn close(&mut self, head: &Head) -> Option<Overrun> {
         let Head { point_count: points, cell_count: cells, connectivity_count: numbers, .. } = *head;
         let per_tuple = |components: usize, tuples: usize, elements: &str| {
-            format!("{components} numbers for each of the {tuples} {elements}")
+            format!("{} for each of the {}", counted(components, "number"), counted(tuples, elements))
         };
-        let one_a_cell = format!("1 for each of the {cells} cells");
+        let one_a_cell = format!("1 for each of the {}", counted(cells, "cell"));
         let found = [
-            close::<_, f64>(&mut self.points, points, "the points", per_tuple(3, points, "points")),
-            close::<_, u32>(&mut self.tetrahedra, cells, "the tetrahedra", per_tuple(4, cells, "cells")),
+            close::<_, f64>(&mut self.points, points, "the points", per_tuple(3, points, "point")),
+            close::<_, u32>(&mut self.tetrahedra, cells, "the tetrahedra", per_tuple(4, cells, "cell")),
             close::<_, u8>(&mut self.types, cells, "the types", one_a_cell),
             close::<_, i64>(&mut self.offsets, cells + 1, "the offsets", format!("{} of them", cells + 1)),
-            close::<_, u32>(
-                &mut self.connectivity,
-                numbers,
-                "the connectivity",
-                format!("{numbers} numbers"),
-            ),
+            close::<_, u32>(&mut self.connectivity, numbers, "the connectivity", counted(numbers, "number")),
         ];
         let in_arrays = self.arrays.iter_mut().zip(&head.arrays).map(|(buffer, array)| {
-            let elements = if array.association == Association::Cell { "cells" } else { "points" };
+            let elements = if array.association == Association::Cell { "cell" } else { "point" };
             let capacity = per_tuple(array.component_count, head.tuples(array), elements);
             close::<_, f64>(buffer, head.numbers(array), &format!("the array '{}'", array.name), capacity)
         });
@@ -358,7 +353,8 @@ fn refuse_unset<T: Sentinel>(numbers: &[T], components: usize, what: &str, label
     };
     let missing = numbers.par_iter().with_min_len(CHUNK).filter(|number| number.is_unset()).count();
     let tuple = first / components;
-    let found = format!("{missing} of {} numbers unset, the first of tuple {tuple}", numbers.len());
+    let found =
+        format!("{missing} of {} unset, the first of tuple {tuple}", counted(numbers.len(), "number"));
     Err(label.error(&format!("did not write all of {what}")).got(found).expected("every number"))
 }
 

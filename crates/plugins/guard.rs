@@ -1,7 +1,9 @@
-//! Guards of loading and calling: a crash in a plug-in ends the program with a message that names the plug-in, and work runs on a
-//! thread that can be given up, since a plug-in that does not return cannot be ended.
+//! Guards of loading and calling: a crash in a plug-in, or its call of `exit`, ends the program with a message that names the
+//! plug-in, and work runs on a thread that can be given up, since a plug-in that does not return cannot be ended.
 
+use std::cell::Cell;
 use std::panic::AssertUnwindSafe;
+use std::ptr::null_mut;
 use std::sync::atomic::{AtomicPtr, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
@@ -16,33 +18,72 @@ const CAUSES: [&str; 5] = [
     "SIGABRT, it gave up, by an exception perhaps",
 ];
 
-/// Message of a crash by each signal.
-type Messages = [String; CAUSES.len()];
+/// Last words of the program about a plug-in.
+#[cfg_attr(not(unix), expect(dead_code, reason = "nothing is announced there"))]
+struct Messages {
+    /// Message of a crash, by each signal.
+    crashes: [String; CAUSES.len()],
+    /// Message of a call of `exit`.
+    exit: String,
+}
 
 /// Messages of the plug-ins that run; null where a slot is free.
-static MESSAGES: [AtomicPtr<Messages>; 16] = [const { AtomicPtr::new(std::ptr::null_mut()) }; 16];
+static MESSAGES: [AtomicPtr<Messages>; 16] = [const { AtomicPtr::new(null_mut()) }; 16];
 
-/// Runs `work` of the plug-in; a crash meanwhile is announced as the plug-in's. `when`: a clause such as "in the gradient filter
+thread_local! {
+    /// Messages of the plug-in that this thread runs; null for none. A program may exit while a plug-in that was given up runs on
+    /// another thread.
+    static CURRENT: Cell<*mut Messages> = const { Cell::new(null_mut()) };
+}
+
+/// The plug-in that this thread runs, for parts of its work on other threads.
+#[derive(Clone, Copy)]
+pub(crate) struct Caller(*mut Messages);
+// SAFETY: the messages are read only, within the call that they are of.
+unsafe impl Send for Caller {}
+// SAFETY: the same.
+unsafe impl Sync for Caller {}
+
+impl Caller {
+    /// The caller of this thread.
+    pub fn current() -> Caller {
+        Caller(CURRENT.get())
+    }
+
+    /// Runs `work` as part of the caller's.
+    pub fn run<T>(self, work: impl FnOnce() -> T) -> T {
+        let outer = CURRENT.replace(self.0);
+        let outcome = work();
+        CURRENT.set(outer);
+        outcome
+    }
+}
+
+/// Runs `work` of the plug-in; a crash or a call of `exit` meanwhile is announced as the plug-in's. `when`: a clause such as "in the gradient filter
 /// 'x'".
 ///
 /// An exception of another language that unwinds out of it ends the program a little later, and is announced, too.
 pub(crate) fn attribute<T>(plugin: &Plugin, when: &str, work: impl FnOnce() -> T) -> T {
     install();
     // Written at once, and beginning with a new line: another thread may be printing its own crash.
-    let messages: Messages = CAUSES.map(|how| {
+    let message = |what: &str, expected: &str| {
         format!(
-            "\nerror: a crash ({how}) {when} of the {plugin}: the program ends\n |\n = help: expected a plug-in that does not crash; \
+            "\nerror: {what} {when} of the {plugin}: the program ends\n |\n = help: expected a plug-in that {expected}; \
              --plugin-process runs it in a process of its own, which may\n"
         )
-    });
+    };
+    let messages = Messages {
+        crashes: CAUSES.map(|how| message(&format!("a crash ({how})"), "does not crash")),
+        exit: message("a call of exit", "does not end the program"),
+    };
     let own = Box::into_raw(Box::new(messages));
     let is_free = |place: &&AtomicPtr<Messages>| {
-        place.compare_exchange(std::ptr::null_mut(), own, Ordering::SeqCst, Ordering::SeqCst).is_ok()
+        place.compare_exchange(null_mut(), own, Ordering::SeqCst, Ordering::SeqCst).is_ok()
     };
     let place = MESSAGES.iter().find(is_free);
-    let outcome = work();
+    let outcome = Caller(own).run(work);
     if let Some(place) = place {
-        place.store(std::ptr::null_mut(), Ordering::SeqCst);
+        place.store(null_mut(), Ordering::SeqCst);
     }
     // SAFETY: made above and taken back once; a handler that reads it still ends the program.
     drop(unsafe { Box::from_raw(own) });
@@ -60,7 +101,7 @@ pub(crate) use unix::{disable_crash_messages, install};
 
 #[cfg(unix)]
 mod unix {
-    use super::{CAUSES, MESSAGES};
+    use super::{CAUSES, CURRENT, MESSAGES};
     use std::sync::OnceLock;
     use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -83,7 +124,12 @@ mod unix {
     /// Installs the handlers, once for the process.
     pub(crate) fn install() {
         if !DISABLED.load(Ordering::Relaxed) {
-            FORMER.get_or_init(|| SIGNALS.map(handle));
+            FORMER.get_or_init(|| {
+                // SAFETY: the handler calls only what may be called while the program ends. If there is no room for it, exits go
+                // unannounced.
+                let _ = unsafe { libc::atexit(on_exit) };
+                SIGNALS.map(handle)
+            });
         }
     }
 
@@ -123,7 +169,19 @@ mod unix {
             }
         }
         // SAFETY: whoever made the texts is in the call that crashed.
-        let text = unsafe { &(*messages)[place] };
+        end(unsafe { &(*messages).crashes[place] })
+    }
+
+    /// Announces the exit of a program whose plug-in called `exit`.
+    extern "C" fn on_exit() {
+        let messages = CURRENT.get();
+        if !messages.is_null() {
+            // SAFETY: whoever made the texts is in the call that exits.
+            end(unsafe { &(*messages).exit })
+        }
+    }
+
+    fn end(text: &str) -> ! {
         // SAFETY: `write` and `_exit` may be called from a handler.
         unsafe {
             libc::write(2, text.as_ptr().cast(), text.len());

@@ -2,6 +2,7 @@
 
 use crate::declaration::Declaration;
 use crate::ffi::{AddressSpace, Overrun, Process, ValidationError};
+use crate::guard::Caller;
 use crate::interface::{CANCELLED, ERROR, Host, LoopBody, MAJOR, MINOR, OK, PATCH};
 use crate::wire::wire;
 use rayon::prelude::*;
@@ -188,7 +189,7 @@ unsafe extern "C-unwind" fn parallel_for(
         0 => (count / (16 * threads)).clamp(1, 4096),
         chunk => chunk,
     };
-    let user = User(user);
+    let (user, caller) = (User(user), Caller::current());
     let part = |number: u64| {
         if state.is_cancelled() {
             return;
@@ -196,8 +197,9 @@ unsafe extern "C-unwind" fn parallel_for(
         let first = number * chunk;
         let thread = rayon::current_thread_index().unwrap_or(0) as u32;
         let outer = IN_BODY.replace(true);
+        let end = first.saturating_add(chunk).min(count);
         // SAFETY: the plug-in's own function with its own pointer, as it asked for.
-        unsafe { body(user.get(), first, first.saturating_add(chunk).min(count), thread) };
+        caller.run(|| unsafe { body(user.get(), first, end, thread) });
         IN_BODY.set(outer);
     };
     let parts = 0..count.div_ceil(chunk);
@@ -283,8 +285,7 @@ impl<'a> CallLabel<'a> {
 
     /// Sentences about the points at which the item fell back to something simpler.
     pub fn warnings(&self, status: &CallStatus) -> impl Iterator<Item = String> {
-        status.reports.fallbacks.iter().map(|Fallback { what, point_count }| {
-            format!("The {} of the {}: {what} at {point_count} points.", self.item(), self.plugin)
-        })
+        let fallbacks = status.reports.fallbacks.iter();
+        fallbacks.map(|fallback| format!("The {} of the {}: {fallback}.", self.item(), self.plugin))
     }
 }

@@ -18,7 +18,7 @@ use voltet_core::parameters::{DefaultValue, Parameters, VariantSchema};
 use voltet_core::picture::Picture;
 use voltet_core::progress::{NoProgress, Progress};
 use voltet_core::reading::{GridHead, GridRead, GridReader, OpenGrid};
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 use voltet_graph::{Node, Outputs, Port, PortType, RunContext, Value};
 
 /// Runner of the functions of one plug-in.
@@ -159,7 +159,7 @@ fn refuse_missing(grid: &Grid, mut vectors: Vec<DVec3>, label: CallLabel) -> Res
     let mut unset = (0..vectors.len()).filter(|&p| used[p] && is_unset(&vectors[p]));
     if let Some(first) = unset.next() {
         let found = format!("{} without, the first of them point {first}", 1 + unset.count());
-        let expected = format!("one for each of the {} points", vectors.len());
+        let expected = format!("one for each of the {}", counted(vectors.len(), "point"));
         return Err(label.error("did not give every point a vector").got(found).expected(expected));
     }
     vectors.iter_mut().filter(|v| is_unset(v)).for_each(|v| *v = DVec3::ZERO);

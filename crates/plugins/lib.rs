@@ -11,6 +11,7 @@ mod grid_filter;
 mod grids;
 mod guard;
 mod host;
+mod inputs;
 mod interface;
 #[cfg(test)]
 mod interface_tests;

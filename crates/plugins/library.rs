@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use voltet_core::field::Plugin;
 use voltet_core::progress::Progress;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 
 /// Largest number of items of a family.
 const MAX_FILTERS: u32 = 256;
@@ -27,7 +27,7 @@ const MAX_FILTERS: u32 = 256;
 pub(crate) fn check_filter_count(count: u32) -> CheckResult<u32> {
     match (1..=MAX_FILTERS).contains(&count) {
         true => Ok(count),
-        false => Err(format!("it says that it has {count} filters, 1 to {MAX_FILTERS} can be")),
+        false => Err(format!("it says that it has {}, 1 to {MAX_FILTERS} can be", counted(count, "filter"))),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Inputs of a call: values of the parameters, and the arrays that they name.
 
 use crate::declaration::Declaration;
+use crate::inputs::Inputs;
 use crate::interface;
 use crate::wire::{Wire, wire};
 use std::ffi::{CString, c_char};
@@ -78,6 +79,17 @@ impl ParameterValues {
         ValuePointers { texts: texts.collect(), vectors: vectors.collect(), lengths: lengths.collect() }
     }
 
+    /// These as inputs of a call.
+    pub fn inputs(&self) -> Inputs {
+        const NAME: &str = "the values of its parameters";
+        let mut inputs = Inputs::default();
+        inputs.add(NAME, &self.integers);
+        inputs.add(NAME, &self.numbers);
+        self.texts.iter().flatten().for_each(|text| inputs.add(NAME, text.as_bytes_with_nul()));
+        self.vectors.iter().flatten().for_each(|vector| inputs.add(NAME, vector));
+        inputs
+    }
+
     /// The struct of the header; valid as long as the values and the pointers.
     pub fn header_values(&self, pointers: &ValuePointers) -> interface::Values {
         interface::Values {
@@ -116,6 +128,14 @@ pub(crate) fn named_arrays(
         Ok(grid.point_arrays.get(&name).cloned())
     };
     array_references(declaration, parameters).into_iter().map(find).collect()
+}
+
+/// Adds the arrays to the inputs of a call.
+pub(crate) fn add_arrays(inputs: &mut Inputs, arrays: &[Option<Arc<Array>>]) {
+    arrays
+        .iter()
+        .flatten()
+        .for_each(|array| inputs.add("the arrays that its parameters name", &array.values));
 }
 
 /// Addresses of the values of each array; valid as long as the arrays.

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use voltet_core::grid::{CellType, Grid};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, agreeing, counted};
 use voltet_cpu::cull;
 use voltet_graph::{Graph, Observer, Session};
 use voltet_io::encode::srgb_from_linear;
@@ -296,7 +296,7 @@ fn why_invisible(tracer: &Tracer, ray: &Ray, walk: &Walk, scene: &Scene) -> Opti
         let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)]);
         format!("{low:.6} to {high:.6}")
     };
-    let met = format!("the ray crosses {} cells with s from {}", walk.steps.len(), range(0));
+    let met = format!("the ray crosses {} with s from {}", counted(walk.steps.len(), "cell"), range(0));
     let met = match scene.transfer_function.uses_gradient_magnitude() {
         true => format!("{met} and g from {}", range(1)),
         false => met,
@@ -360,12 +360,13 @@ fn left_out(pixel: &Pixel, shown: &[usize]) -> String {
     });
     if count > 0 {
         let [r, g, b, a] = sum.map(number);
-        text += &format!(
-            "{count} cells that add less are left out, together {r} {g} {b} {a}; --all shows them\n"
-        );
+        let (cells, add) = (counted(count, "cell"), agreeing(&count, "adds less is", "add less are"));
+        let them = agreeing(&count, "it", "them");
+        text += &format!("{cells} that {add} left out, together {r} {g} {b} {a}; --all shows {them}\n");
     }
     if pixel.walk.hidden > 0 {
-        text += &format!("{} cells behind these are hidden by them\n", pixel.walk.hidden);
+        let (cells, are) = (counted(pixel.walk.hidden, "cell"), agreeing(&pixel.walk.hidden, "is", "are"));
+        text += &format!("{cells} behind these {are} hidden by them\n");
     }
     text
 }

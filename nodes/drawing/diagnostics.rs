@@ -7,9 +7,9 @@ use std::sync::Arc;
 use voltet_core::grid::extent;
 use voltet_core::picture::Picture;
 use voltet_core::probing::{BandCounts, bands};
-use voltet_core::transfer::TransferFunction;
+use voltet_core::transfer::{TransferFunction, Widget};
 use voltet_core::volume::Volume;
-use voltet_core::{Result, SharedSlice};
+use voltet_core::{Result, SharedSlice, agreeing, counted};
 use voltet_graph::{Diagnostics, RunContext, SavedWork};
 use voltet_optics::engine::RenderStats;
 use voltet_optics::scene::Scene;
@@ -32,7 +32,8 @@ pub fn note(call: &mut RunContext, counts: &RenderStats) {
         notes.counts.extend(count.map(|count| (name, count)));
     }
     if let Some(count @ 1..) = counts.pixels_disordered {
-        notes.warnings.push(format!("{count} pixels were composited in an order that is not exact"));
+        let (pixels, were) = (counted(count, "pixel"), agreeing(&count, "was", "were"));
+        notes.warnings.push(format!("{pixels} {were} composited in an order that is not exact"));
     }
     for (which, why, count) in [
         ("that show nothing", "no widget touches their values", counts.culled_by_transfer_function),
@@ -44,7 +45,7 @@ pub fn note(call: &mut RunContext, counts: &RenderStats) {
         }
     }
     if let Some(tiles @ 1..) = counts.tiles_stopped {
-        let what = format!("cells of {tiles} tiles that stopped early");
+        let what = format!("cells of {} that stopped early", counted(tiles, "tile"));
         let saving = counts.cells_hidden.map(SavedWork::Cells);
         notes.record_skipped(what, "every pixel of the tile is opaque", saving);
     }
@@ -110,8 +111,9 @@ fn sentence(bands: &BandCounts) -> String {
         false => "none crosses more than one".to_string(),
     };
     format!(
-        "bands of widget {widget} ({kind}): of {cell_count} cells half cross at most {median:.3}, 99 % at most \
-         {percent_99:.3}, the widest {most:.3}; {finer}"
+        "bands of widget {widget} ({kind}): of {} half cross at most {median:.3}, 99 % at most {percent_99:.3}, the \
+         widest {most:.3}; {finer}",
+        counted(*cell_count, "cell")
     )
 }
 
@@ -140,6 +142,8 @@ pub fn warnings(scene: &Scene, counts: &RenderStats, picture: &Picture) -> Vec<S
     let Some(seen) = PictureStatistics::from_picture(picture).filter(|_| !widgets.is_empty()) else {
         return warnings;
     };
+    // An empty picture says why it is.
+    warnings.extend(beside_values(scene).filter(|_| seen.max > 0.0));
     warnings.extend(match seen.max {
         0.0 => Some(format!("the picture is empty: {}", why_empty(scene, counts))),
         most if most < STEP => Some(nearly_empty(most, seen.opacity)),
@@ -151,6 +155,23 @@ pub fn warnings(scene: &Scene, counts: &RenderStats, picture: &Picture) -> Vec<S
         _ => None,
     });
     warnings
+}
+
+/// The words for widgets that all lie beside the values of the scalar: they were made for another, as a rule.
+fn beside_values(scene: &Scene) -> Option<String> {
+    let [low, high] = extent::range(&scene.volume.scalar)?;
+    let drawn = scene.transfer_function.widgets.iter().filter(|widget| widget.is_drawn());
+    let ranges: Vec<[f64; 2]> = drawn.map(Widget::scalar_range).collect();
+    let is_beside = |range: &[f64; 2]| range[1] < low || range[0] > high;
+    if ranges.is_empty() || !ranges.iter().all(is_beside) {
+        return None;
+    }
+    let [first, last] = extent::range(ranges.as_flattened())?;
+    let name = &scene.volume.grid.scalar_name;
+    Some(format!(
+        "every widget lies outside the values of '{name}': these are from {low} to {high}, the widgets from {first} to {last}. \
+         Were they made for another array? `voltet info` shows ranges, the node histogram where the volume lies"
+    ))
 }
 
 /// Statistics of a picture's pixels.
@@ -203,21 +224,25 @@ fn why_empty(scene: &Scene, counts: &RenderStats) -> String {
         return "the extinction of every widget is 0. Give one an extinction above it".into();
     }
     let total = scene.volume.grid.tetrahedra.len() as u64;
+    let cells = counted(total, "cell");
     let untouched = counts.culled_by_transfer_function.unwrap_or(0);
     let out_of_view = counts.culled_by_frustum.unwrap_or(0);
     let values = || values(scene);
     if untouched == total {
+        if let Some(why) = beside_values(scene) {
+            return why;
+        }
         return format!(
-            "no widget reaches any of the {total} cells ({}). Move the widgets there; `voltet info` shows ranges, the node \
+            "no widget reaches any of the {cells} ({}). Move the widgets there; `voltet info` shows ranges, the node \
              histogram where the volume lies",
             values()
         );
     }
     if untouched + out_of_view == total {
         let rest = match untouched {
-            0 => format!("all {total} cells lie out of the camera's view"),
+            0 => format!("all {cells} lie out of the camera's view"),
             _ => format!(
-                "no widget reaches {untouched} of the {total} cells ({}), and the others lie out of the camera's view",
+                "no widget reaches {untouched} of the {cells} ({}), and the others lie out of the camera's view",
                 values()
             ),
         };

@@ -4,7 +4,7 @@ use crate::reader::SCALAR;
 use rayon::prelude::*;
 use std::sync::Arc;
 use voltet_core::grid::{Array, Grid};
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 use voltet_graph::{
     Node, NodeEntry, NodeOverride, Outputs, ParameterValue, Port, PortType, Registry, RunContext, Value,
     suggest,
@@ -71,7 +71,7 @@ fn run(call: &mut RunContext, given: &Grid) -> Result<Outputs> {
 pub fn set_scalar(grid: &mut Grid, name: &str) -> Result<()> {
     let array = point_array(grid, name)?;
     if array.component_count != 1 {
-        let found = format!("'{name}' of {} components", array.component_count);
+        let found = format!("'{name}' of {}", counted(array.component_count, "component"));
         let error = Error::usage("the array is not a scalar").got(found);
         return Err(error.expected(format!("'{name}:magnitude', or '{name}:0' for a component")));
     }

@@ -14,7 +14,7 @@ use voltet_core::transfer::{
     DataStatistics, StatisticsRequest, resolved, statistics_request, with_placeholders,
 };
 use voltet_core::volume::Volume;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 use voltet_graph::{ArrayRef, Demand, DemandContext, Diagnostics, ParameterValue, Parameters, RunContext};
 
 /// Widgets: their kinds and keys.
@@ -75,7 +75,7 @@ pub(crate) fn known(call: &mut RunContext) -> Result<Widgets> {
     let of_series = call.parameters.text("relative_to")? == "series";
     let found = found(call, &request, of_series)?;
     let over = match of_series {
-        true => format!("over {} time steps", call.step_count("volume")?),
+        true => format!("over {}", counted(call.step_count("volume")?, "time step")),
         false => "over the volume".to_string(),
     };
     found.note(&mut call.notes, &over);

@@ -40,7 +40,7 @@ pub fn run(registry: Result<Registry>) -> ExitCode {
         }
         Err(answer) => match commands::help_of_node(&registry) {
             Some(exit_code) => ExitCode::from(exit_code),
-            None => ExitCode::from(commands::answer(&answer)),
+            None => ExitCode::from(commands::answer(&answer, &registry)),
         },
     }))
     .unwrap_or(ExitCode::from(panic_hook::FAILED))

@@ -1,7 +1,7 @@
 //! Output for people: errors with their location, summaries of runs, progress bars, all safe to show on a terminal; and stopping at a
 //! signal.
 
-use crate::core::{Error, Result};
+use crate::core::{Error, Result, noun_of};
 use crate::graph::{DataFinding, Observer, RunReport};
 use crate::io::memory;
 use crate::nodes::files;
@@ -71,9 +71,9 @@ pub fn summary(report: &RunReport) -> String {
     if let Some(total) = count("cells_total") {
         let culled = count("cells_culled").filter(|&n| n > 0);
         let culled = culled.map(|n| format!(" ({} culled)", number(n))).unwrap_or_default();
-        figures.push(format!("{} cells{culled}", number(total)));
+        figures.push(format!("{}{culled}", grouped(total, "cell")));
     }
-    figures.extend(count("segments").map(|n| format!("{} segments", number(n))));
+    figures.extend(count("segments").map(|n| grouped(n, "segment")));
     figures.extend(report.engine.as_ref().map(|(engine, _)| format!("engine {engine}")));
     figures.push(format!("{:.2} s", report.seconds));
     text + &format!("{}: {}\n", report.files.join(", "), figures.join(", "))
@@ -83,6 +83,11 @@ pub fn summary(report: &RunReport) -> String {
 pub fn findings(report: &RunReport) -> String {
     let line = |found: &DataFinding| format!("{}: {}\n", found.node, found.what.replace('\n', "\n  "));
     report.findings.iter().map(line).collect()
+}
+
+/// A count with commas and its noun, which is given in the singular.
+pub fn grouped(count: u64, noun: &str) -> String {
+    format!("{} {}", number(count), noun_of(&count, noun))
 }
 
 /// A whole number with commas.

@@ -1,5 +1,7 @@
 //! Grids for a program: built from arrays in the program's own numbering, without a copy where the layout allows, or read from a file.
 
+use crate::core::counted;
+use crate::core::parameters::nearest_first;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -125,13 +127,16 @@ impl Grid {
 
     fn add(mut self, name: &str, array: Array, on_cells: bool) -> Result<Grid> {
         let raw = self.raw("arrays are added")?;
-        let (tuples, kind) =
-            if on_cells { (raw.cells.count(), "cells") } else { (raw.points.len(), "points") };
+        let (tuples, kind) = if on_cells { (raw.cells.count(), "cell") } else { (raw.points.len(), "point") };
         let Array { component_count, values } = array;
         if component_count == 0 || Some(values.len()) != tuples.checked_mul(component_count) {
             return Err(Error::usage("an array has the wrong number of values")
-                .got(format!("{} values of {component_count} components", values.len()))
-                .expected(format!("{component_count} for each of {tuples} {kind}"))
+                .got(format!(
+                    "{} of {}",
+                    counted(values.len(), "value"),
+                    counted(component_count, "component")
+                ))
+                .expected(format!("{component_count} for each of {}", counted(tuples, kind)))
                 .at_item(name));
         }
         add_array(raw, NamedArray { name: name.into(), values, component_count, on_cells })?;
@@ -410,14 +415,16 @@ fn raw_grid(piece: BorrowedPiece, keep: &Arc<dyn Send + Sync>) -> Result<RawGrid
 pub fn unnamed_scalar(grid: &BuiltGrid) -> Error {
     let scalars = grid.point_arrays.iter().filter(|(_, array)| array.component_count == 1);
     let names: Vec<&str> = scalars.map(|(name, _)| name.as_str()).collect();
-    Error::usage("the scalar is not named").expected(one_of(&names))
+    Error::usage("the scalar is not named").expected(one_of("", &names))
 }
 
-/// "an array of one component: a, b".
-fn one_of(names: &[&str]) -> String {
+/// "an array of one component: a, b", the nearest to a name first.
+fn one_of(wanted: &str, names: &[&str]) -> String {
     match names.is_empty() {
         true => "an array of one component".to_string(),
-        false => format!("an array of one component: {}", names.join(", ")),
+        false => {
+            format!("an array of one component: {}", nearest_first(wanted, names.iter().copied()).join(", "))
+        }
     }
 }
 
@@ -456,10 +463,10 @@ fn scalar(name: Option<String>, parts: &RawGrid) -> Result<Option<String>> {
         (Some(name), _) if scalars.contains(&name.as_str()) => Ok(Some(name)),
         (Some(name), _) => {
             let found = match all.get(name.as_str()) {
-                Some(count) => format!("'{name}' of {count} components"),
+                Some(count) => format!("'{name}' of {}", counted(*count, "component")),
                 None => format!("'{name}'"),
             };
-            Err(Error::usage("the grid has no such scalar").got(found).expected(one_of(&scalars)))
+            Err(Error::usage("the grid has no such scalar").got(found).expected(one_of(&name, &scalars)))
         }
         (None, [only]) => Ok(Some(only.to_string())),
         (None, _) => Ok(None),
@@ -560,8 +567,11 @@ fn polyhedra(cells: CellArrays) -> Result<Vec<Polyhedron>> {
         return Ok(polyhedra);
     }
     if face_locations.len() != types.len() {
-        let found =
-            format!("{} places for {} cells, polyhedra among them", face_locations.len(), types.len());
+        let found = format!(
+            "{} for {}, polyhedra among them",
+            counted(face_locations.len(), "place"),
+            counted(types.len(), "cell")
+        );
         let what = if face_locations.is_empty() { "is missing" } else { "has the wrong length" };
         let error = Error::usage(format!("face_locations {what}")).got(found);
         return Err(error.expected("the place of each polyhedron's faces, one number a cell"));
@@ -571,7 +581,7 @@ fn polyhedra(cells: CellArrays) -> Result<Vec<Polyhedron>> {
         let place = face_locations[number];
         let damaged = || {
             Error::usage(format!("the faces of cell {number}, a polyhedron, are damaged"))
-                .got(format!("face_locations[{number}] = {place} of {} numbers", faces.len()))
+                .got(format!("face_locations[{number}] = {place} of {}", counted(faces.len(), "number")))
                 .expected(
                     "the place of its number of faces, then each face's count and points, all within faces",
                 )

@@ -3,6 +3,7 @@
 use super::camera::Camera;
 use super::grid::Grid;
 use super::renderer::Image;
+use crate::core::parameters::nearest_first;
 use crate::document::Document;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -344,7 +345,10 @@ impl<S: PipelineSource> Pipeline<S> {
         let nodes = self.nodes_with_output(port_type);
         let accepted = match &nodes[..] {
             [] => format!("a pipeline with a node that gives a {what}"),
-            names => format!("a node that gives a {what}: {}", names.join(", ")),
+            names => {
+                let names = nearest_first(named.unwrap_or_default(), names.iter().map(String::as_str));
+                format!("a node that gives a {what}: {}", names.join(", "))
+            }
         };
         let error = match (named, &nodes[..]) {
             (Some(name), _) if nodes.iter().any(|known| known == name) => return Ok(name.into()),

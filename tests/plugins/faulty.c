@@ -24,6 +24,11 @@ static void body(void *user, uint64_t first, uint64_t end, uint32_t thread) {
     for (uint64_t p = first; p < end; p++) memcpy(gradient + 3 * p, right, sizeof right);
 }
 
+static void leave(void *user, uint64_t first, uint64_t end, uint32_t thread) {
+    (void)user, (void)end, (void)thread;
+    if (first == 500) exit(3);
+}
+
 static int recurse(volatile int depth) {
     volatile char room[4096];
     room[0] = (char)depth;
@@ -47,10 +52,18 @@ static int32_t gradient(const voltet_call *call, const voltet_host *host) {
         while (!host->cancelled(host)) usleep(1000);
         return VOLTET_CANCELLED;
     }
+    /* Inputs that are written to. */
+    if (!strcmp(fault, "points")) ((double *)call->points)[7] += 1;
+    if (!strcmp(fault, "cells")) ((uint32_t *)call->cells)[3] = 0;
+    if (!strcmp(fault, "scalar")) memset((double *)call->scalar, 0, 8 * call->point_count);
+    if (!strcmp(fault, "neighbours")) ((uint32_t *)call->neighbours)[0] += 1;
+    if (!strcmp(fault, "cells of points")) ((uint64_t *)call->cell_starts)[call->point_count] = 0;
+    if (!strcmp(fault, "values")) ((double *)call->values->numbers)[2] = 9;
     int *volatile nowhere = (int *)8;
     if (!strcmp(fault, "crash")) *nowhere = 1;
     if (!strcmp(fault, "abort")) abort();
     if (!strcmp(fault, "exit")) exit(0);
+    if (!strcmp(fault, "exit in a loop")) host->parallel_for(host, 1000, 1, leave, NULL);
     if (!strcmp(fault, "deep")) recurse(0);
     if (!strcmp(fault, "prints")) puts("a plug-in prints"), fflush(stdout);
     if (!strcmp(fault, "notes")) {
@@ -108,6 +121,7 @@ static voltet_parameter parameters[] = {
 static voltet_gradient_filter filters[] = {
     {.size = sizeof(voltet_gradient_filter),
      .name = "faulty",
+     .needs = VOLTET_NEEDS_NEIGHBOURS | VOLTET_NEEDS_CELLS_OF_POINTS,
      .summary = "Gives the gradient of 2 x + 3 y - z, or what its parameter says.",
      .parameter_count = 3,
      .parameters = parameters,
@@ -199,6 +213,8 @@ __attribute__((unused)) static const voltet_plugin *init(const char *path, const
     filters[0].summary = (const char *)16;
 #elif FAULT == 30
     abort();
+#elif FAULT == 38
+    exit(3);
 #elif FAULT == 31
     factory.filter = NULL;
 #elif FAULT == 32

@@ -21,6 +21,7 @@ static int32_t finish(const char *fault, const voltet_host *host) {
     if (IS("stopped")) return VOLTET_CANCELLED;
     if (IS("notes")) host->fallback(host, "rounded to what the file holds", 3);
     if (IS("crash")) abort();
+    if (IS("exit")) exit(3);
     while (IS("endless")) {
     }
     return VOLTET_OK;
@@ -49,6 +50,7 @@ static int32_t inspect(const voltet_reading *reading, const voltet_host *host) {
     if (IS("wild")) head.arrays = (const voltet_array_head *)(uintptr_t)0x1234560;
     if (IS("backwards") || IS("not a time")) head.step_count = 2, head.times = times, times[0] = IS("backwards") ? 2 : NAN;
     if (IS("steps")) head.step_count = 2;
+    if (IS("path")) ((char *)reading->path)[0] = 'A';
     if (IS("silent")) return VOLTET_OK;
     if (IS("inspect")) return finish("error", host);
     int32_t code = reading->describe(reading, &head);
@@ -95,6 +97,10 @@ static int32_t filter_grid(const voltet_grid_call *call, const voltet_host *host
     voltet_grid_head head = {.size = sizeof head, .flags = VOLTET_TETRAHEDRA, .point_count = call->point_count,
                              .cell_count = call->cell_count, .array_count = 2, .arrays = arrays};
     voltet_grid_buffers buffers = {.size = sizeof buffers};
+    if (IS("input points")) ((double *)call->points)[0] = 7;
+    if (IS("input cells")) ((uint32_t *)call->tetrahedra)[7] = 0;
+    if (IS("input arrays")) ((double *)call->carried[0].values)[4] = -1;
+    if (IS("input names")) ((char *)call->scalar)[0] = 'z';
     if (IS("silent")) return VOLTET_OK;
     if (IS("counts")) head.flags |= VOLTET_SAME_CELLS;
     if (IS("points")) head.flags |= VOLTET_SAME_POINTS;
@@ -127,6 +133,7 @@ static int32_t filter_image(const voltet_image_call *call, const voltet_host *ho
     const uint64_t count = call->width * call->height;
     memcpy(call->filtered, call->rgba, 16 * (count - 3 * (uint64_t)IS("few")));
     if (IS("not finite")) call->filtered[9] = NAN;
+    if (IS("input")) ((float *)call->rgba)[4 * count - 1] = 2;
     if (IS("opaque")) call->filtered[7] = 1.5f;
     if (IS("beyond")) call->filtered[4 * count + 2] = 0;
     return finish(fault, host);

@@ -1,6 +1,8 @@
-// A plug-in that lets exceptions leave it: from its filter (WHERE 1), from the body of a loop (2), from init (3).
+// A plug-in that lets exceptions leave it: from its filter (WHERE 1), from the body of a loop (2), from init (3). Or it ends the
+// program (4).
 #include "voltet_plugin.h"
 
+#include <cstdlib>
 #include <stdexcept>
 
 #ifndef WHERE
@@ -13,6 +15,7 @@ static void throws(int where) {
 
 static std::int32_t gradient(const voltet_call *call, const voltet_host *host) {
     throws(1);
+    if (WHERE == 4) std::exit(0);
     return host->parallel_for(host, call->point_count, 1, [](void *, std::uint64_t, std::uint64_t, std::uint32_t) { throws(2); },
                               nullptr);
 }

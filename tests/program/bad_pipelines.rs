@@ -74,6 +74,19 @@ fn every_kind_of_mistake_is_placed() {
             &["unknown kind: found \"unifrom\"", "'uniform', the nearest"],
         ),
         ("region = { s = [-1.0, 2.0] }", "", &["the parameter 'region' is missing", ":19:1"]),
+        (
+            "s = [-1.0, 2.0]",
+            "s = [1, 1]",
+            &["the range 's' of the region is empty: found [1, 1]", "the smaller first", ":23:16"],
+        ),
+        ("s = [-1.0, 2.0]", "g = [inf, inf]", &["the range 'g' of the region is empty", ":23:16"]),
+        ("s = [-1.0, 2.0]", "s = [\"p50\", \"p50\"]", &["the range 's' of the region is empty", ":23:16"]),
+        (
+            "s = [-1.0, 2.0]",
+            "polygon = [[0, 0], [1, 1], [2, 2]]",
+            &["the region is not a convex polygon with an area", ":23:22"],
+        ),
+        ("s = [-1.0, 2.0]", "polygon = [[0, 0], [1, 0]]", &["not a convex polygon", ":23:22"]),
         ("height = 2.0", "height = 2.0\nfov_y = 30", &["exclude each other", ":30:10"]),
         (
             "height = 2.0",
@@ -137,7 +150,7 @@ fn every_kind_of_mistake_is_placed() {
         folder.write("slab.toml", SLAB.replacen(from, to, 1));
         let ran = folder.voltet(&["check", "slab.toml"]).fails(2, wanted);
         assert!(ran.stderr.contains("slab.toml:") && ran.stderr.contains('^'), "{}", ran.stderr);
-        folder.voltet(&["run", "slab.toml"]).fails(2, wanted);
+        assert_eq!(folder.voltet(&["run", "slab.toml"]).fails(2, wanted).stderr, ran.stderr);
         assert_eq!(folder.names(), ["cube.vtu", "slab.toml"]);
     }
 }
@@ -210,7 +223,7 @@ fn a_file_that_is_no_pipeline_file_is_refused() {
     folder.write("binary.toml", [0xff, 0xfe, 0x00]);
     folder.voltet(&["run", "binary.toml"]).fails(2, &["no pipeline file", "byte 0 is no UTF-8"]);
     folder.voltet(&["run", "."]).fails(2, &["the pipeline file cannot be read"]);
-    folder.voltet(&["run", "cube.vtu"]).fails(2, &["not valid TOML", "cube.vtu:1:"]);
+    folder.voltet(&["run", "cube.vtu"]).fails(2, &["this is a data file", "voltet start cube.vtu"]);
     folder.write("empty.toml", "");
     folder.voltet(&["run", "empty.toml"]).fails(2, &["does not state its format", "[pipeline]"]);
 }

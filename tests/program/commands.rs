@@ -1,6 +1,6 @@
 //! The commands beside `run`.
 
-use super::support::{Folder, SLAB};
+use super::support::{Folder, SLAB, cube, cube_of};
 
 #[test]
 fn check_reads_no_data_and_names_every_wrong_file() {
@@ -106,7 +106,7 @@ fn info_describes_a_file_and_suggests_a_pipeline_that_runs() {
     let text = folder.voltet(&["info", "cube.vtu"]).ok().stdout;
     for wanted in [
         "64 points, 27 cells",
-        "27  hexahedron",
+        "27  hexahedra",
         "x  [0, 1]",
         "gradient  Float64 × 3  length [1, 1]",
         "cell   layer",
@@ -119,6 +119,91 @@ fn info_describes_a_file_and_suggests_a_pipeline_that_runs() {
     let picture = image::open(folder.join("picture.png")).unwrap().into_rgb8();
     assert!(picture.pixels().any(|pixel| pixel.0 != [0; 3]), "the suggested picture shows something");
     folder.voltet(&["info", "cubs.vtu"]).fails(1, &["cubs.vtu"]);
+    folder.write("cube.vtu", cube(1));
+    let text = folder.voltet(&["info", "cube.vtu"]).ok().stdout;
+    for wanted in ["8 points, 1 cell\n", "             1  hexahedron\n", "in 1 piece\n"] {
+        assert!(text.contains(wanted), "'{wanted}' is not in\n{text}");
+    }
+    // A type that VTK does not have is given by its number.
+    let unknown =
+        cube(1).replace("Name=\"types\" format=\"ascii\">12<", "Name=\"types\" format=\"ascii\">99<");
+    folder.write("cube.vtu", unknown);
+    let ran = folder.voltet(&["info", "cube.vtu"]);
+    assert!(
+        (ran.stdout.clone() + &ran.stderr).contains("cell of unknown type (99)"),
+        "{}{}",
+        ran.stdout,
+        ran.stderr
+    );
+}
+
+#[test]
+fn a_name_that_is_wrong_is_answered_with_those_that_are_right_the_nearest_first() {
+    let folder = Folder::new();
+    let constant = cube_of(1, "x", |_| 1.0);
+    let constant: Vec<&str> = constant.lines().filter(|line| !line.contains("Name=\"y\"")).collect();
+    folder.write("constant.vtu", constant.join("\n"));
+    folder.write("one.vtu", cube(3).replace("Name=\"gradient\"", "Name=\"x gradient\""));
+    let set = |option: &'static str| vec!["run", "slab.toml", "--set", option];
+    let nodes = "one of grid, gradient, look, view, picture, file";
+    for (arguments, hint) in [
+        (vec!["rnu"], "'run', the nearest name, or one of run, check, explain, nodes, info, start"),
+        (vec!["draw"], "one of run, check, explain"),
+        (vec!["help", "rendrer"], "'renderer', the nearest name, or one of renderer, "),
+        (vec!["help", "least"], "'least-squares', the nearest name, or one of least-squares, "),
+        (vec!["nodes", "rendrer"], "'renderer', the nearest name, or one of reader, "),
+        (vec!["run", "slab.tml"], "'slab.toml'"),
+        (vec!["info", "cub.vtu"], "a file that is there, such as 'cube.vtu' beside it"),
+        (vec!["start", "cub.vtu", "-o", "new.toml"], "a file that is there, such as 'cube.vtu' beside it"),
+        (set("grid.path=cub.vtu"), "a file that is there, such as 'cube.vtu' beside it"),
+        (
+            vec!["start", "cube.vtu", "-o", "new.toml", "--scalar", "Y"],
+            "--scalar NAME: y, x, ones, layer, gradient",
+        ),
+        (
+            vec!["start", "cube.vtu", "-o", "new.toml", "--scalar", "ones"],
+            "another array after --scalar: x, y, layer",
+        ),
+        (vec!["start", "one.vtu", "-o", "new.toml", "--scalar", "gradeint"], "--scalar NAME: x gradient, "),
+        (
+            vec!["start", "constant.vtu", "-o", "new.toml", "--scalar", "x"],
+            "a file with an array whose values differ: this one has none",
+        ),
+        (vec!["start", "constant.vtu", "-o", "new.toml"], "a file with an array whose values differ"),
+        (set("x"), &format!("NODE.PARAMETER=value, where NODE is {nodes}")),
+        (set("grdi=3"), &format!("NODE.PARAMETER=value, where NODE is 'grid', the nearest name, or {nodes}")),
+        (set("grid=3"), "grid.PARAMETER=value; `voltet nodes reader` shows the parameters"),
+        (set("grid.type=3"), "the name of a parameter: grid.PARAMETER=value; `voltet nodes reader`"),
+        (set("grdi.path=3"), &format!("'grid', the nearest name, or {nodes}")),
+        (set("grid.pat=3"), "'path', the nearest name, or one of path, scalar, "),
+        (set("grid.scalar=one"), "'ones', 'x', 'y', "),
+        (set("grid.scalar=x:7"), "'magnitude' or 0"),
+        (set("gradient.method=least"), "'least-squares', the nearest name, or one of least-squares, "),
+        (set("look.widgets.0.kind=gausian"), "'gaussian', the nearest name, or one of uniform, "),
+        (
+            set(
+                "look.widgets.0={ kind = \"gaussian-nd\", fields = [\"gradient\"], centre = [0], sigma = [1], color = [1, 1, 1], extinction = 1 }",
+            ),
+            "'gradient:magnitude', or 'gradient:0' for a component",
+        ),
+        (set("picture.engine=gpuu"), "'gpu', the nearest name, or one of auto, cpu, gpu"),
+        (set("picture.integrator=segment"), "'segments', the nearest name, or one of analytic, "),
+        (set("file.format=jpg"), "one of auto, png, exr"),
+        (vec!["study", "slab.toml", "--only", "riemannn"], "'riemann', the nearest name, or one of "),
+        (vec!["study", "slab.toml", "--node", "foto"], "'picture'"),
+        (vec!["pixel", "slab.toml", "1", "1", "--node", "foto"], "'picture'"),
+        (vec!["gradient-test", "least"], "'least-squares', the nearest name, or one of least-squares, "),
+        (vec!["gradient-test", "least-squares", "--set", "power=1"], "no parameter: there are none"),
+    ] {
+        let ran = folder.voltet(&arguments);
+        let hint = format!(" = help: expected {hint}");
+        assert!(
+            ran.code != 0 && ran.errors() == 1 && ran.stderr.contains(&hint),
+            "{}: '{hint}' is not in\n{}",
+            ran.command,
+            ran.stderr
+        );
+    }
 }
 
 #[test]

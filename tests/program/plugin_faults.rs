@@ -21,6 +21,17 @@ fn folder(fault: u32) -> Option<Folder> {
     Some(folder)
 }
 
+#[test]
+fn a_test_of_a_filter_names_the_inputs_that_it_wrote_to() {
+    let Some(folder) = folder(0) else { return };
+    let test = ["gradient-test", "faulty", "--plugin", "filter.so", "--set", "fault=scalar"];
+    let quick = ["--beside", "", "--levels", "4,8", "--timed", "4", "--rounds", "1"];
+    let ran = folder.voltet(&[&test[..], &quick].concat());
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    let said = "plug-in 'faulty' (filter.so) is refused: found it wrote into the values of the scalar";
+    assert!(ran.stdout.contains(said), "{}\n{}", ran.stdout, ran.stderr);
+}
+
 fn library(folder: &Folder, fault: u32) -> Option<()> {
     let source = compilers::source("tests/plugins/faulty.c");
     let options = [&format!("-DFAULT={fault}")[..], "-D_DEFAULT_SOURCE"];
@@ -134,6 +145,16 @@ fn what_a_filter_gives_wrongly_is_said() {
     said("mute", &["failed and did not say why: found code 77"]);
     said("stopped", &["stopped, and nobody asked it to"]);
     said("beyond", &["wrote beyond the end of the gradient", "3 numbers for each of the 64 points"]);
+    for (fault, input) in [
+        ("points", "the points, which it must leave as they are (element 2 of 64)"),
+        ("cells", "the cells"),
+        ("scalar", "the values of the scalar"),
+        ("neighbours", "the neighbours of points"),
+        ("cells of points", "the cells of points, which it must leave as they are (element 64 of 65)"),
+        ("values", "the values of its parameters, which it must leave as they are (element 2 of 3)"),
+    ] {
+        said(fault, &["is refused: found it wrote into", input, "node 'gradient'"]);
+    }
     for fault in ["nan", "infinite", "huge"] {
         said(fault, &["gave a vector that is not finite", "at point 1"]);
     }
@@ -168,7 +189,7 @@ fn what_it_says_of_itself_is_bounded_and_what_it_prints_is_not_taken_for_the_gra
         let ran = folder.voltet(&[&LOADED[..], &["slab.toml"], own_process].concat()).ok();
         assert!(ran.stderr.len() < 40 * 4400, "{}", ran.stderr.len());
         assert!(!ran.stderr.contains('\u{1}'));
-        assert_eq!(ran.stderr.contains("at 1 points"), fault == "notes", "{}", ran.stderr);
+        assert_eq!(ran.stderr.contains("at 1 point\n"), fault == "notes", "{}", ran.stderr);
     }
 }
 
@@ -204,10 +225,20 @@ fn a_crash_is_said_to_be_the_plugins_and_stays_in_a_process_of_its_own() {
         assert!(folder.names().contains(&"other.exr".into()) && !folder.names().contains(&"slab.exr".into()));
         std::fs::remove_file(folder.join("other.exr")).unwrap();
     }
+    for fault in ["exit", "exit in a loop"] {
+        folder.write("slab.toml", slab(fault));
+        let ran = folder.voltet(&[&LOADED[..], &["slab.toml"]].concat());
+        let whose = "a call of exit in the gradient filter 'faulty' of the plug-in 'faulty' (filter.so)";
+        ran.fails(1, &[whose, "--plugin-process"]);
+    }
     folder.write("slab.toml", slab("exit"));
     folder
         .voltet(&[&LOADED[..], &["slab.toml", "--plugin-process"]].concat())
         .fails(1, &["(filter.so) did not answer"]);
+    library(&folder, 38);
+    folder
+        .voltet(&[&LOADED[..], &["slab.toml"]].concat())
+        .fails(1, &["a call of exit while it was loaded of the plug-in 'filter.so' (filter.so)"]);
     library(&folder, 30);
     let ran = folder.voltet(&[&LOADED[..], &["slab.toml", "--plugin-process"]].concat());
     ran.fails(
@@ -223,10 +254,12 @@ fn an_exception_that_leaves_a_plugin_is_said_to_be_its() {
     let method = "method = \"throwing\"";
     folder.write("slab.toml", slab("").replace("method = \"faulty\"\nfault = \"\"", method));
     let source = compilers::source("tests/plugins/throws.cpp");
-    for (place, in_filter) in [(1, true), (2, true), (3, false)] {
+    let build = |place: u32| {
         let option = format!("-DWHERE={place}");
-        if compilers::library(folder.path(), "filter.so", std::slice::from_ref(&source), &[&option]).is_none()
-        {
+        compilers::library(folder.path(), "filter.so", std::slice::from_ref(&source), &[&option])
+    };
+    for (place, in_filter) in [(1, true), (2, true), (3, false)] {
+        if build(place).is_none() {
             return;
         }
         let ran = folder.voltet(&[&LOADED[..], &["slab.toml"]].concat());
@@ -235,6 +268,9 @@ fn an_exception_that_leaves_a_plugin_is_said_to_be_its() {
         let ran = folder.voltet(&[&LOADED[..], &["slab.toml", "--plugin-process"]].concat());
         ran.fails(if in_filter { 1 } else { 2 }, &["crashed with signal 6 (SIGABRT)", "filter.so"]);
     }
+    build(4);
+    let ran = folder.voltet(&[&LOADED[..], &["slab.toml"]].concat());
+    ran.fails(1, &["a call of exit in the gradient filter 'throwing' of the plug-in 'throwing' (filter.so)"]);
 }
 
 /// Starts a run, stops it after a while, and gives its message with the seconds that stopping took.

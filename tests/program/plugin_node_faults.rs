@@ -118,8 +118,8 @@ fn what_a_reader_reads_wrongly_is_said() {
 fn what_is_not_finite_in_a_file_is_left_out_and_counted_as_of_any_file() {
     let Some(folder) = folder() else { return };
     for (fault, wanted) in [
-        ("not finite", "1 three-dimensional cells were left out because a position or value is not finite"),
-        ("value", "1 three-dimensional cells were left out because a position or value is not finite"),
+        ("not finite", "1 three-dimensional cell was left out because a position or value is not finite"),
+        ("value", "1 three-dimensional cell was left out because a position or value is not finite"),
         ("notes", "(faulty.so): rounded to what the file holds at 3 points."),
     ] {
         for own_process in [&[][..], &["--plugin-process"]] {
@@ -161,6 +161,10 @@ fn what_a_grid_filter_gives_wrongly_is_said() {
             ("nothing", &["there is nothing to draw"]),
             ("not finite", &["a position that is not finite: found (inf, 0, 0) of point 1"]),
             ("far", &["out of range: tetrahedra[5]: found 5", "a point number below 5"]),
+            ("input points", &["it wrote into the points, which it must leave as they are (element 0 of 5)"]),
+            ("input cells", &["it wrote into the tetrahedra", "(element 1 of 2)"]),
+            ("input arrays", &["it wrote into the values of the arrays", "(element 4 of 5)"]),
+            ("input names", &["it wrote into the names of the arrays", "(element 0 of 2)"]),
             ("few", &["did not write all of the tetrahedra: found 1 of 8 numbers unset"]),
             ("beyond", &["wrote beyond the end of the tetrahedra", "4 numbers for each of the 2 cells"]),
             ("error", &["says: found line 7 is torn"]),
@@ -182,6 +186,7 @@ fn what_an_image_filter_gives_wrongly_is_said() {
             ),
             ("not finite", &["gave a pixel that is none", "NaN", "at column 2 of row 0"]),
             ("opaque", &["gave a pixel that is none", "1.5", "opacity"]),
+            ("input", &["it wrote into the pixels", "(element 255 of 256)"]),
             ("beyond", &["wrote beyond the end of the picture", "16 x 16 pixels"]),
             ("error", &["says: found line 7 is torn"]),
             ("mute", &["failed and did not say why: found code 77"]),
@@ -203,6 +208,8 @@ fn a_crash_is_said_to_be_the_plugins() {
         let whole = format!("{whose} of the plug-in 'faulty nodes' (faulty.so)");
         let ran = folder.voltet(&[&LOADED[..], &["--set", &set]].concat());
         ran.fails(1, &["SIGABRT", &format!("in {whole}"), "--plugin-process"]);
+        let ran = folder.voltet(&[&LOADED[..], &["--set", &format!("{node}.fault=exit")]].concat());
+        ran.fails(1, &[&format!("a call of exit in {whole}"), "--plugin-process"]);
         let ran = folder.voltet(&[&LOADED[..], &["--set", &set, "--plugin-process"]].concat());
         ran.fails(1, &[&format!("{whole} crashed with signal 6 (SIGABRT)"), &format!("node '{node}'")]);
     }

@@ -119,7 +119,7 @@ fn a_filter_is_given_what_the_header_promises() {
     wrong("gradient.number=10", &["'number' is out of range", "between 0 and 10"]);
     wrong("gradient.vector=[1,2]", &["'vector' is of the wrong type", "3 numbers"]);
     wrong("gradient.text=other", &["says: found line", "plug-in 'examine' (filter.so)"]);
-    for (option, wanted) in [("gradient.one=gone", "gone"), ("gradient.three=y", "'y' of 1 components")] {
+    for (option, wanted) in [("gradient.one=gone", "gone"), ("gradient.three=y", "'y' of 1 component (")] {
         let options = ["--plugin", "filter.so", "--set", "gradient.flag=false", "--set", option];
         let ran = folder.voltet(&[&["run", "slab.toml"], &options[..]].concat());
         assert!(ran.code > 0 && ran.stderr.contains(wanted), "{}", ran.stderr);

@@ -90,7 +90,7 @@ fn what_is_read_beside_a_named_file_is_said() {
     );
     let said = folder.voltet(&["info", "slab.exr"]).ok();
     assert!(
-        said.stdout.contains("and 1 beside it, ") && said.stdout.contains(": cube.vtu\n"),
+        said.stdout.contains("and 1 file beside it, ") && said.stdout.contains(": cube.vtu\n"),
         "{}",
         said.stdout
     );

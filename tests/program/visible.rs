@@ -38,8 +38,40 @@ fn a_picture_that_shows_nothing_says_why() {
         (
             &["look.widgets.0.region={ s = [5.0, 6.0] }"],
             Some(
-                "the picture is empty: no widget reaches any of the 162 cells (s lies within [0, 1]). Move the widgets there",
+                "the picture is empty: every widget lies outside the values of 'x': these are from 0 to 1, the widgets from 5 to 6. Were",
             ),
+        ),
+        // A curve is constant beyond its ends.
+        (
+            &[
+                "look.widgets=[{ kind = \"piecewise-linear\", points = [[5, 1, 0, 0, 0.1], [6, 0, 1, 0, 0.2]] }]",
+            ],
+            Some(
+                "picture: every widget lies outside the values of 'x': these are from 0 to 1, the widgets from 5 to 6.",
+            ),
+        ),
+        (&["look.widgets=[{ kind = \"piecewise-linear\", points = [[5, 1, 0, 0, 0.1]] }]"], None),
+        (
+            &[
+                "look.widgets=[{ kind = \"piecewise-linear\", points = [[1, 1, 0, 0, 0.1], [6, 0, 1, 0, 0.2]] }]",
+            ],
+            None,
+        ),
+        (
+            &[
+                "grid.scalar=ones",
+                "look.widgets.0={ kind = \"gaussian\", centre = [0.0, 0.0], sigma = [0.1, inf], color = [1, 1, 1], extinction = 1e3 }",
+            ],
+            Some(
+                "the picture is empty: every widget lies outside the values of 'ones': these are from 1 to 1, the widgets from -0.52",
+            ),
+        ),
+        (
+            &[
+                "grid.scalar=ones",
+                "look.widgets.0={ kind = \"gaussian\", centre = [0.0, 0.0], sigma = [0.2, inf], color = [1, 1, 1], extinction = 1e3 }",
+            ],
+            None,
         ),
         (
             &["look.widgets.0.region={ s = [-1.0, 2.0], g = [5.0, 6.0] }"],

@@ -4,7 +4,7 @@ use super::length;
 use crate::grid::Grid;
 use crate::parameters::{Parameters, VariantSchema};
 use crate::progress::Progress;
-use crate::{Error, Result};
+use crate::{Error, Result, counted};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::fmt;
@@ -29,6 +29,12 @@ pub struct Fallback {
     pub what: String,
     /// Number of points, > 0.
     pub point_count: u64,
+}
+
+impl fmt::Display for Fallback {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} at {}", self.what, counted(self.point_count, "point"))
+    }
 }
 
 impl Fallback {
@@ -276,7 +282,7 @@ impl Method {
         let wanted = points.map_or(grid.points.len(), <[u32]>::len);
         if vectors.len() != wanted {
             let what = format!("{} did not give one vector a point", self.describe());
-            return Err(Error::run(what).got(format!("{} vectors", vectors.len())).expected(wanted));
+            return Err(Error::run(what).got(counted(vectors.len(), "vector")).expected(wanted));
         }
         let point_of = |place: usize| points.map_or(place, |points| points[place] as usize);
         let is_bad = |place: usize| {

@@ -11,7 +11,7 @@ use super::parts::{
 use super::source::{CellStatus, Source};
 use super::{Array, GhostCells, Grid, cell_values};
 use crate::progress::Progress;
-use crate::{Error, Result, SharedSlice};
+use crate::{Error, Result, SharedSlice, agreeing, counted, noun_of};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -54,27 +54,31 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
     origin.cells_not_volume = tally.not_volume;
     if tally.not_finite > 0 {
         origin.warnings.push(format!(
-            "{} three-dimensional cells were left out because a position or value is not finite.",
-            tally.not_finite
+            "{} {} left out because a position or value is not finite.",
+            counted(tally.not_finite, "three-dimensional cell"),
+            agreeing(&tally.not_finite, "was", "were")
         ));
     }
     if tally.without_owner > 0 {
         origin.warnings.push(format!(
-            "{} ghost cells have no owner in any piece that was read, and are not drawn: is a piece missing?",
-            tally.without_owner
+            "{} {} no owner in any piece that was read, and {} not drawn: is a piece missing?",
+            counted(tally.without_owner, "ghost cell"),
+            agreeing(&tally.without_owner, "has", "have"),
+            agreeing(&tally.without_owner, "is", "are")
         ));
     }
     if !tally.unsupported.is_empty() {
         origin.warnings.push(format!(
-            "{} were left out: cells of this type cannot be split into tetrahedra.",
-            describe_counts(&tally.unsupported)
+            "{} {} left out: cells of this type cannot be split into tetrahedra.",
+            describe_counts(&tally.unsupported),
+            agreeing(&tally.unsupported.values().sum::<u64>(), "was", "were")
         ));
     }
     if source.polyhedra.overlapping > 0 {
         origin.warnings.push(format!(
-            "{} polyhedra are so far from convex that the tetrahedra they are split into overlap and fill their notches: cut \
-             them into convex cells.",
-            source.polyhedra.overlapping
+            "{} {} so far from convex that the tetrahedra of a split overlap and fill notches: cut such cells into convex ones.",
+            counted(source.polyhedra.overlapping, "polyhedron"),
+            agreeing(&source.polyhedra.overlapping, "is", "are")
         ));
     }
     if tally.drawn == 0 {
@@ -189,16 +193,17 @@ fn set_ghosts_apart(grid: &mut Grid, flags: &[u8]) -> Vec<u32> {
 fn overlaps(points: &[glam::DVec3], tetrahedra: &[[u32; 4]], source_cells: Option<&[u32]>) -> Option<String> {
     let found = faces(points, tetrahedra);
     let cell = |tetrahedron: u32| source_cells.map_or(tetrahedron, |cells| cells[tetrahedron as usize]);
-    let remedy = "and are drawn twice as dense there";
     if let Some(&first) = found.overlapping.first() {
         let mut cells: Vec<u32> = found.overlapping.iter().map(|&tetrahedron| cell(tetrahedron)).collect();
         cells.sort_unstable();
         cells.dedup();
         let middle: glam::DVec3 = tetrahedra[first as usize].map(|p| points[p as usize] * 0.25).iter().sum();
         return Some(format!(
-            "{} cells overlap others (the same side of a shared face is theirs too) {remedy}; the first is cell {}, about \
-             [{}, {}, {}]. Leave out what is there twice, such as ghost cells of pieces",
-            cells.len(),
+            "{} {} others (two cells on one side of a shared face) and {} drawn twice as dense there; the first is cell {}, \
+             about [{}, {}, {}]. Leave out what is there twice, such as ghost cells of pieces",
+            counted(cells.len(), "cell"),
+            agreeing(&cells.len(), "overlaps", "overlap"),
+            agreeing(&cells.len(), "is", "are"),
             cell(first),
             middle.x,
             middle.y,
@@ -208,8 +213,8 @@ fn overlaps(points: &[glam::DVec3], tetrahedra: &[[u32; 4]], source_cells: Optio
     let within = within(points, tetrahedra, &found.boundary);
     let (place, [own, other]) = within.first?;
     Some(format!(
-        "cells overlap others that they share no face with {remedy}: of {} places on the grid's boundary {} lie in another cell; \
-         the first is [{}, {}, {}], of cell {} and within cell {}. Leave out what is there twice, such as parts of overset grids",
+        "cells overlap others that they share no face with and are drawn twice as dense there: of {} places on the grid's \
+         boundary {} lie in another cell; the first is [{}, {}, {}], of cell {} and within cell {}. Leave out what is there twice, such as parts of overset grids",
         within.tried,
         within.inside,
         place.x,
@@ -266,7 +271,8 @@ fn check(parts: &RawGrid, options: &Options) -> Result<()> {
 /// The error where no tetrahedron is left.
 fn nothing_to_draw(tally: &CellCounts) -> Error {
     let mut found = describe_counts(&tally.by_type);
-    for (count, why) in [(tally.ghost + tally.without_owner, "ghosts"), (tally.not_finite, "not finite")] {
+    let ghosts = tally.ghost + tally.without_owner;
+    for (count, why) in [(ghosts, &*noun_of(&ghosts, "ghost")), (tally.not_finite, "not finite")] {
         if count > 0 {
             found.push_str(&format!(" ({count} {why})"));
         }

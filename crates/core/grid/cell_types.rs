@@ -1,5 +1,7 @@
 //! VTK's cell types: codes, names, numbers of points (VTK's `vtkCellType.h`).
 
+use crate::noun_of;
+
 /// VTK type codes of the three-dimensional cells that can be drawn, and of a few that a file may hold besides.
 #[allow(missing_docs)]
 pub mod code {
@@ -122,18 +124,12 @@ impl CellType {
         CELL_TYPES.binary_search_by_key(&code, |t| t.code).ok().map(|i| &CELL_TYPES[i])
     }
 
-    /// "12 hexahedra", "1 wedge": a count with the name in the right number.
-    pub fn counted(&self, count: u64) -> String {
-        if count == 1 {
-            return format!("1 {}", self.name);
+    /// Name of the type with this code in the number of a count: "hexahedra", "wedge", "cells of unknown type (99)".
+    pub fn name_of(code: u8, count: u64) -> String {
+        match CellType::from_code(code) {
+            Some(known) => noun_of(&count, known.name),
+            None => format!("{} of unknown type ({code})", noun_of(&count, "cell")),
         }
-        let name = self.name;
-        let plural = match name.strip_suffix("hedron") {
-            Some(stem) => format!("{stem}hedra"),
-            None if name.ends_with("vertex") => format!("{}vertices", &name[..name.len() - "vertex".len()]),
-            None => format!("{name}s"),
-        };
-        format!("{count} {plural}")
     }
 }
 
@@ -141,10 +137,7 @@ impl CellType {
 pub fn describe_counts<'a>(counts: impl IntoIterator<Item = (&'a u8, &'a u64)>) -> String {
     let parts: Vec<String> = counts
         .into_iter()
-        .map(|(&code, &count)| match CellType::from_code(code) {
-            Some(cell_type) => cell_type.counted(count),
-            None => format!("{count} of type {code}"),
-        })
+        .map(|(&code, &count)| format!("{count} {}", CellType::name_of(code, count)))
         .collect();
     if parts.is_empty() { "no cells".into() } else { parts.join(", ") }
 }

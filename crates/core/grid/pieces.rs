@@ -8,7 +8,7 @@ use super::parts::{
     structured_corners,
 };
 use super::{code, extent};
-use crate::{Error, Result, SharedSlice};
+use crate::{Error, Result, SharedSlice, counted};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -439,7 +439,7 @@ fn join_arrays(joined: &mut RawGrid, mut pieces: Vec<RawGrid>, targets: &[u32], 
                 let n = *component_count.get_or_insert(own.component_count);
                 if own.component_count != n {
                     let error = Error::run(format!("the array '{name}' differs between the pieces"));
-                    return Err(error.got(format_args!("{} components", own.component_count)).expected(n));
+                    return Err(error.got(counted(own.component_count, "component")).expected(n));
                 }
                 all.push(own.values);
             }

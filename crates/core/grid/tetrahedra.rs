@@ -2,7 +2,9 @@
 
 use super::extent;
 use super::parts::{Array, FileCells, ImportStats};
-use crate::{Error, Result, SharedSlice};
+use crate::error::ErrorKind;
+use crate::parameters::suggest;
+use crate::{Error, Result, SharedSlice, counted};
 use glam::DVec3;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -71,14 +73,22 @@ impl Grid {
         self.source_cells.as_ref().map_or(i, |cells| cells[i] as usize)
     }
 
+    /// Values of the scalar point array of that name, for messages of what reads it: "the probe".
+    ///
+    /// Errors: there is none; says which there are.
+    pub fn field(&self, reader: &str, name: &str) -> Result<&[f64]> {
+        let array = self.point_array(name, 1).map_err(|error| {
+            let what = format!("{reader} reads the field '{name}': {}", error.what);
+            Error { kind: ErrorKind::Usage, what, ..error }
+        })?;
+        Ok(&array.values)
+    }
+
     /// The point array of that name with so many components a tuple.
     ///
     /// Errors: there is none; says which there are.
     pub fn point_array(&self, name: &str, component_count: usize) -> Result<&Array> {
-        let of = match component_count {
-            1 => "a point array of one component".to_string(),
-            n => format!("a point array of {n} components"),
-        };
+        let of = format!("a point array of {}", counted(component_count, "component"));
         let fits = |array: &Array| {
             array.component_count == component_count
                 && array.values.len() == component_count * self.points.len()
@@ -86,13 +96,18 @@ impl Grid {
         let fitting = self.point_arrays.iter().filter(|(_, array)| fits(array));
         let names: Vec<&str> = fitting.map(|(name, _)| name.as_str()).collect();
         let accepted = match names.is_empty() {
-            true => of,
-            false => format!("{of}, one of: {}", names.join(", ")),
+            true => format!("{of}, and there is none"),
+            false => format!("{of}: {}", suggest(name, names)),
         };
         match self.point_arrays.get(name) {
             Some(array) if fits(array) => Ok(array),
+            Some(array) if component_count == 1 && array.component_count > 1 => {
+                Err(Error::run("an array has several components")
+                    .got(format!("'{name}' of {}", counted(array.component_count, "component")))
+                    .expected(format!("'{name}:magnitude', or '{name}:0' for a component")))
+            }
             Some(array) => Err(Error::run("an array has the wrong shape")
-                .got(format!("'{name}' of {} components", array.component_count))
+                .got(format!("'{name}' of {}", counted(array.component_count, "component")))
                 .expected(accepted)),
             None => Err(Error::run("there is no such array").got(format!("'{name}'")).expected(accepted)),
         }

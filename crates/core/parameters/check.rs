@@ -72,8 +72,8 @@ impl Parameters {
         let word = self.text(name)?;
         let variants = self.variants(name);
         variants.iter().find(|variant| variant.schema.name == word).ok_or_else(|| {
-            let names: Vec<&str> = variants.iter().map(|variant| variant.schema.name).collect();
-            self.error(name, format!("'{word}' is not registered")).expected(names.join(", "))
+            let names = variants.iter().map(|variant| variant.schema.name);
+            self.error(name, format!("'{word}' is not registered")).expected(suggest(word, names))
         })
     }
 
@@ -228,9 +228,12 @@ impl Parameters {
                 survey_type(&entry.declared, &field.setting, &mut |error| fault(&field.name, error));
                 (entry.setting, entry.is_set) = (Some(field.setting.clone()), true);
             } else {
-                let names = also.iter().copied().chain(declared.iter().map(|p| p.name));
-                let error = Error::usage(format!("unknown parameter '{}'", field.name))
-                    .expected(suggest(&field.name, names));
+                let names: Vec<&str> = also.iter().copied().chain(declared.iter().map(|p| p.name)).collect();
+                let expected = match names.is_empty() {
+                    true => "no parameter: there are none".into(),
+                    false => suggest(&field.name, names),
+                };
+                let error = Error::usage(format!("unknown parameter '{}'", field.name)).expected(expected);
                 fault(&field.name, field.origin.locate(error));
             }
         }

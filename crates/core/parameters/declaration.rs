@@ -1,6 +1,7 @@
 //! Declaration of a parameter: name, type, unit, range, default value, help.
 
 use super::setting::ParameterValue;
+use crate::counted;
 use std::any::Any;
 use std::sync::Arc;
 
@@ -176,10 +177,10 @@ impl ParameterType {
             ParameterType::Text => "text".into(),
             ParameterType::Choice(words) => words.iter().map(|w| w.0).collect::<Vec<_>>().join(" | "),
             ParameterType::InputPath | ParameterType::OutputPath => "path".into(),
-            ParameterType::Numbers(Some(n), range) => ranged(&format!("{n} numbers"), range),
+            ParameterType::Numbers(Some(n), range) => ranged(&counted(*n, "number"), range),
             ParameterType::Numbers(None, range) => ranged("list of numbers", range),
-            ParameterType::Integers(n, range) => ranged(&format!("{n} whole numbers"), range),
-            ParameterType::Rows(Some(n)) => format!("list of rows of {n} numbers"),
+            ParameterType::Integers(n, range) => ranged(&counted(*n, "whole number"), range),
+            ParameterType::Rows(Some(n)) => format!("list of rows of {}", counted(*n, "number")),
             ParameterType::Rows(None) => "list of rows of numbers".into(),
             ParameterType::Texts => "list of texts".into(),
             ParameterType::Table(fields) => {

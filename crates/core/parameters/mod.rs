@@ -20,6 +20,6 @@ pub use declaration::{
     AxisRef, DefaultValue, Parameter, ParameterType, Range, RelativeNumberType, StatisticKind, Variant,
     VariantSchema,
 };
-pub use nearest::{edit_distance, nearest, suggest};
+pub use nearest::{edit_distance, nearest, nearest_first, suggest};
 pub use relative::{ArrayRef, Relative, RelativeNumber};
 pub use setting::{Field, LocatedValue, ParameterValue, SourceSpan, find_setting, key_text, replace_field};

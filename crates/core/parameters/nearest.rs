@@ -1,4 +1,6 @@
-//! The nearest known name to a mistyped one.
+//! The nearest known names to a mistyped one.
+
+use std::collections::BTreeSet;
 
 /// Characters of a name that are compared.
 const COMPARED: usize = 64;
@@ -41,15 +43,32 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     best.map(|(_, candidate)| candidate)
 }
 
-/// A clause for an error's `accepted`: the nearest of the candidates, and all of them where they are few.
+/// The candidates, each once, the nearest to `name` first; equally near ones stay in their order.
+pub fn nearest_first<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut seen = BTreeSet::new();
+    let mut candidates: Vec<&str> = candidates.into_iter().filter(|name| seen.insert(*name)).collect();
+    candidates.sort_by_cached_key(|candidate| edit_distance(name, candidate));
+    if let Some(near) = nearest(name, candidates.iter().copied()) {
+        // A name that begins with the other is the nearest, whatever its length.
+        candidates.sort_by_key(|candidate| *candidate != near);
+    }
+    candidates
+}
+
+/// A clause for an error's `expected`: the nearest of the candidates, and all of them where they are few; otherwise those that are
+/// nearest.
 pub fn suggest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
     const SHOWN: usize = 24;
-    let candidates: Vec<&str> = candidates.into_iter().collect();
-    let listed = match candidates.len() {
-        0 => "nothing here".to_string(),
-        1 => format!("'{}'", candidates[0]),
-        n if n <= SHOWN => format!("one of {}", candidates.join(", ")),
-        n => format!("one of {} and {} more", candidates[..SHOWN].join(", "), n - SHOWN),
+    let mut seen = BTreeSet::new();
+    let candidates: Vec<&str> = candidates.into_iter().filter(|name| seen.insert(*name)).collect();
+    let listed = match candidates[..] {
+        [] => "another: there are no names to choose from".to_string(),
+        [only] => format!("'{only}'"),
+        _ if candidates.len() <= SHOWN => format!("one of {}", candidates.join(", ")),
+        _ => {
+            let first = &nearest_first(name, candidates.iter().copied())[..SHOWN];
+            format!("one of {} and {} more", first.join(", "), candidates.len() - SHOWN)
+        }
     };
     match nearest(name, candidates.iter().copied()) {
         Some(_) if candidates.len() == 1 => listed,
@@ -71,6 +90,23 @@ mod tests {
         assert_eq!(nearest("Path", names), Some("path"));
         assert_eq!(nearest("colour", names), None);
         assert_eq!(nearest("x", ["y"]), None);
+    }
+
+    #[test]
+    fn of_many_names_the_nearest_are_listed_first() {
+        let names: Vec<String> = (0..100).map(|i| format!("array_{i}")).collect();
+        let names = || names.iter().map(String::as_str);
+        let suggested = suggest("array_97x", names());
+        assert!(
+            suggested.starts_with("'array_97', the nearest name, or one of array_97, array_7, "),
+            "{suggested}"
+        );
+        assert!(suggested.ends_with(" and 76 more"), "{suggested}");
+        assert_eq!(
+            nearest_first("pres", ["Temperature", "Press", "Pressure", "Press"]),
+            ["Press", "Pressure", "Temperature"]
+        );
+        assert_eq!(suggest("Pres", ["b", "a"]), "one of b, a");
     }
 
     #[test]

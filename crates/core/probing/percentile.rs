@@ -8,7 +8,7 @@ use super::sub_tetrahedron::{Distribution, scaled_volume};
 use crate::grid::Grid;
 use crate::grid::extent::range;
 use crate::progress::{Progress, refuse_beyond_memory};
-use crate::{Error, Result};
+use crate::{Error, Result, counted};
 use rayon::prelude::*;
 
 /// Cells that one task looks at: sums are made in a fixed order, the same on any number of cores.
@@ -58,7 +58,8 @@ impl Volumes {
     pub fn new(grid: &Grid, values: &[f64], progress: &dyn Progress) -> Result<Volumes> {
         grid.check_values("a field", values)?;
         let bytes = (grid.tetrahedra.len() * (size_of::<CellSpan>() + size_of::<CellSpan>() / 2)) as u64;
-        let what = || format!("the distribution of a field over {} tetrahedra", grid.tetrahedra.len());
+        let what =
+            || format!("the distribution of a field over {}", counted(grid.tetrahedra.len(), "tetrahedron"));
         refuse_beyond_memory(progress, what, bytes)?;
         let scale = grid.length_scale();
         let cell = |i: usize| {

@@ -3,7 +3,7 @@
 use super::kinds::properties::not_negative;
 use super::kinds::{AxisOrigin, ColorSource, DECLARED, LoadImage, Profile, WIDGET_KINDS};
 use super::region::{Convex, HalfPlane, Region};
-use crate::parameters::Parameters;
+use crate::parameters::{Parameters, suggest};
 use crate::{Error, Result};
 
 /// A transfer function: an optical model and a list of widgets, ρ = Σ ρ_i.
@@ -131,7 +131,7 @@ fn check(widget: &Widget) -> Result<()> {
         let what = format!("a {} widget has no region", properties.name);
         return Err(Error::usage(what).expected("a region"));
     }
-    Ok(())
+    widget.region.as_ref().map_or(Ok(()), |region| Convex::new(region).map(drop))
 }
 
 /// One widget.
@@ -186,6 +186,14 @@ impl Widget {
         }
     }
 
+    /// Values of s between which it changes, or beyond which it is below a millionth of its peak; infinite where there are no such ends.
+    pub fn scalar_range(&self) -> [f64; 2] {
+        let parts = self.region.iter().map(|region| region.limits(0)).chain([self.profile.scalar_range()]);
+        parts.fold([f64::NEG_INFINITY, f64::INFINITY], |[low, high], part| {
+            [low.max(part[0]), high.min(part[1])]
+        })
+    }
+
     /// Its profile at a place of the plane, 0 to 1; 0 outside of its region. `fields`: as of [`Profile::eval`].
     pub fn weight_at(&self, v: [f64; 2], fields: &[f64]) -> f64 {
         match &self.region {
@@ -220,8 +228,8 @@ impl Widget {
 /// One widget of the given kind from its keys.
 pub fn read(kind: &str, p: &Parameters, load_image: LoadImage) -> Result<Widget> {
     let Some((_, read)) = DECLARED.iter().find(|(declared, _)| declared.name == kind) else {
-        let names: Vec<&str> = WIDGET_KINDS.iter().map(|kind| kind.name).collect();
-        return Err(Error::usage("unknown kind of widget").got(kind).expected(names.join(", ")));
+        let known = suggest(kind, WIDGET_KINDS.iter().map(|kind| kind.name));
+        return Err(Error::usage("unknown kind of widget").got(kind).expected(known));
     };
     let profile = read(p, load_image)?;
     let extinction = match profile.properties().own_peak {
@@ -240,9 +248,9 @@ fn polygon(p: &Parameters) -> Result<Region> {
             return Ok([f64::NEG_INFINITY, f64::INFINITY]);
         }
         let [low, high] = p.vector(name)?;
-        if low > high {
+        if low >= high {
             let error = p.error(name, format!("the range '{name}' of the region is empty"));
-            return Err(error.got(format!("[{low}, {high}]")).expected("the smaller number first"));
+            return Err(error.got(format!("[{low}, {high}]")).expected("two numbers, the smaller first"));
         }
         Ok([low, high])
     };

@@ -104,8 +104,11 @@ impl Convex {
         if corners.iter().flatten().any(|c| c.is_nan()) {
             return Err(Error::usage("a region's corner is not a number").expected("finite corners [s, g]"));
         }
-        if let Some(rectangle) = rectangle(corners) {
-            return Ok(rectangle);
+        if let Some([low, high]) = rectangle(corners) {
+            return match low[0] < high[0] && low[1] < high[1] {
+                true => Ok(Convex::Rectangle { low, high }),
+                false => Err(without_area()),
+            };
         }
         if corners.len() < 3 {
             return Err(Error::usage("a region has too few corners")
@@ -136,7 +139,7 @@ impl Convex {
         match (left, right) {
             (true, false) => Ok(Convex::Polygon(corners.clone())),
             (false, true) => Ok(Convex::Polygon(corners.iter().rev().copied().collect())),
-            (false, false) => Err(Error::usage("a region has no area").expected("a convex polygon")),
+            (false, false) => Err(without_area()),
             (true, true) => Err(Error::usage("a region is not convex").expected("a convex polygon")),
         }
     }
@@ -191,13 +194,17 @@ fn goes_once_around(corners: &[[f64; 2]]) -> bool {
 }
 
 /// The region as an axis-parallel rectangle, if it is one.
-fn rectangle(corners: &[[f64; 2]]) -> Option<Convex> {
+fn rectangle(corners: &[[f64; 2]]) -> Option<[[f64; 2]; 2]> {
     let &[a, b, c, d] = corners else { return None };
     let along_s = a[1] == b[1] && b[0] == c[0] && c[1] == d[1] && d[0] == a[0];
     let along_g = a[0] == b[0] && b[1] == c[1] && c[0] == d[0] && d[1] == a[1];
     let low = [a[0].min(c[0]), a[1].min(c[1])];
     let high = [a[0].max(c[0]), a[1].max(c[1])];
-    ((along_s || along_g) && low[0] < high[0] && low[1] < high[1]).then_some(Convex::Rectangle { low, high })
+    (along_s || along_g).then_some([low, high])
+}
+
+fn without_area() -> Error {
+    Error::usage("a region has no area").expected("a convex polygon")
 }
 
 /// The points v = (s, g) with low ≤ normal · v ≤ high.

@@ -12,10 +12,10 @@
 
 use super::faces::{CHUNK, Faces, NO_CELL};
 use super::rays::{Rays, Triangle};
-use crate::Result;
 use crate::camera::{Camera, Projection};
 use crate::grid::Grid;
 use crate::grid::faces::face_of;
+use crate::{Result, agreeing, counted};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::fmt;
@@ -51,10 +51,22 @@ pub enum OrderError {
 impl fmt::Display for OrderError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            OrderError::Crowded(count) => write!(f, "{count} faces have more than two cells"),
-            OrderError::Folded(count) => write!(f, "the cells of {count} faces lie on one side of them"),
-            OrderError::Unclear(count) => write!(f, "parts of the grid lie in each other at {count} pixels"),
-            OrderError::Cyclic(count) => write!(f, "{count} cells hide each other in circles"),
+            OrderError::Crowded(count) => {
+                write!(
+                    f,
+                    "{} {} more than two cells",
+                    counted(*count, "face"),
+                    agreeing(count, "has", "have")
+                )
+            }
+            OrderError::Folded(count) => {
+                let them = agreeing(count, "it", "them");
+                write!(f, "the cells of {} lie on one side of {them}", counted(*count, "face"))
+            }
+            OrderError::Unclear(count) => {
+                write!(f, "parts of the grid lie in each other at {}", counted(*count, "pixel"))
+            }
+            OrderError::Cyclic(count) => write!(f, "{} hide each other in circles", counted(*count, "cell")),
         }
     }
 }

@@ -11,7 +11,7 @@ use voltet_core::grid::Grid;
 use voltet_core::grid::extent::{bounds, range};
 use voltet_core::picture::Picture;
 use voltet_core::volume::Volume;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted, noun_of};
 use voltet_document::links::{self, upstream};
 use voltet_graph::{
     DefaultValue, Demand, Field, Graph, LinkEntry, LocatedValue, NoObserver, Node, NodeEntry, Observer,
@@ -333,8 +333,10 @@ fn describe(value: &Value) -> String {
             let number = |x: f64| short_by(x, 1e-2 * (high - low));
             format!("\n{name} from {} to {}", number(low), number(high))
         });
-        let (cells, points) = (grouped(grid.tetrahedra.len()), grouped(grid.points.len()));
-        format!("{cells} tetrahedra, {points} points{}", ranges.collect::<String>())
+        let count = |count: usize, noun| format!("{} {}", grouped(count), noun_of(&count, noun));
+        let (cells, points) =
+            (count(grid.tetrahedra.len(), "tetrahedron"), count(grid.points.len(), "point"));
+        format!("{cells}, {points}{}", ranges.collect::<String>())
     };
     match value {
         Value::Grid(of) => grid(of, of.scalar.as_deref(), None),
@@ -353,7 +355,7 @@ fn describe(value: &Value) -> String {
 }
 
 pub fn widget_count(count: usize) -> String {
-    if count == 1 { "1 widget".into() } else { format!("{count} widgets") }
+    counted(count, "widget")
 }
 
 /// Four digits, as a person reads them.

@@ -1,6 +1,7 @@
 //! Output of a frame: picture, counts, times, and the check of its order.
 
 use std::sync::Arc;
+use voltet_core::counted;
 use voltet_core::picture::Picture;
 use voltet_core::visibility::FaceOrder;
 use voltet_optics::engine::{Accumulation, Compositor, RenderOptions, RenderStats, StageTiming};
@@ -89,10 +90,13 @@ impl OrderCheckReport {
             && options.accumulation == Accumulation::Float
             && !output.blended_in_16_bits;
         match self.disordered {
-            Some(count @ 1..) => Some(format!("cells are out of order at {count} pixels")),
+            Some(count @ 1..) => Some(format!("cells are out of order at {}", counted(count, "pixel"))),
             _ if is_exact && self.largest > ROUNDING => {
                 let OrderCheckReport { pixels, largest, .. } = self;
-                Some(format!("of {pixels} pixels one differs by {largest:.1e} from that of tiles"))
+                Some(format!(
+                    "of {} one differs by {largest:.1e} from that of tiles",
+                    counted(*pixels, "pixel")
+                ))
             }
             _ => None,
         }

@@ -11,7 +11,7 @@ use crate::grid::GrowingSplitBuffer;
 use crate::raster::{Blending, OUTLINES, Raster, TRIANGLES, Target};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 use voltet_optics::engine::Stage;
 use voltet_shaders::{CompositorProgram, FramePass, GridArray, PlacementRecord, ViewRecord, cells_read};
 use wgpu::{Buffer, BufferUsages, CommandEncoder, SubmissionIndex};
@@ -375,7 +375,7 @@ impl FrameInputs<'_> {
     fn ends_loops(&self, pixels: u32) -> Error {
         let name = &self.device().name;
         Error::run(format!("{name} ends loops before the segments of 64 cells are integrated"))
-            .got(format!("{pixels} pixels cut short"))
+            .got(format!("{} cut short", counted(pixels, "pixel")))
             .expected(
                 "fewer samples of a segment, fewer control points, another adapter, or engine = \"cpu\"",
             )

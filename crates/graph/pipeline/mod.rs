@@ -275,15 +275,30 @@ pub fn value(text: &str) -> Option<LocatedValue> {
 }
 
 impl Pipeline {
+    /// Form of an option, as far as `path` says what it means.
+    fn option_form(&self, path: &str) -> String {
+        let name = path.trim().split('.').next().unwrap_or_default();
+        match self.nodes.iter().find(|node| node.name == name) {
+            Some(NodeEntry { node_type, .. }) => {
+                let node_type = node_type.text().unwrap_or("TYPE");
+                format!("{name}.PARAMETER=value; `voltet nodes {node_type}` shows the parameters")
+            }
+            None => {
+                let known = suggest(name, self.nodes.iter().map(|node| node.name.as_str()));
+                format!("NODE.PARAMETER=value, where NODE is {known}")
+            }
+        }
+    }
+
     /// Carries out an option `node.param=value`: the value is read as TOML, or taken as text where it is none.
     /// Parts of lists and tables are reached by further points (`look.widgets.0.extinction=2`).
     pub fn set(&mut self, option: &str) -> Result<()> {
         let shown: Arc<str> = format!("--set {option}").into();
         let blame = |error: Error| SourceSpan::Option(shown.clone()).locate(error);
-        let form = "node.parameter=value";
         let Some((path, value)) = option.split_once('=') else {
-            return Err(blame(Error::usage("the option has no '='").expected(form)));
+            return Err(blame(Error::usage("the option has no '='").expected(self.option_form(option))));
         };
+        let form = self.option_form(path);
         let keys: Vec<&str> = path.trim().split('.').collect();
         let (Some((&name, keys)), false) = (keys.split_first(), keys.iter().any(|k| k.is_empty())) else {
             return Err(blame(Error::usage("the option names no parameter").expected(form)));
@@ -300,7 +315,7 @@ impl Pipeline {
         if matches!(first, "type" | "inputs") {
             return Err(blame(
                 Error::usage(format!("'{first}' cannot be set from the command line"))
-                    .expected("the name of a parameter"),
+                    .expected(format!("the name of a parameter: {form}")),
             ));
         }
         node.set(first, rest, setting).map_err(blame)

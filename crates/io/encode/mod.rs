@@ -17,6 +17,7 @@ use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 use voltet_core::{Error, Result};
+use voltet_files::names_beside;
 use voltet_graph::suggest;
 
 /// All formats; the first is written to streams.
@@ -83,9 +84,7 @@ impl Source {
 
 /// The error where a pipeline file cannot be read.
 fn unreadable(path: &Path, error: std::io::Error) -> Error {
-    let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let names: Vec<String> = entries.map(|e| e.file_name().to_string_lossy().into_owned()).collect();
+    let names = names_beside(path);
     let pipelines = names.iter().map(String::as_str).filter(|name| name.ends_with(".toml"));
     let wanted = path.file_name().unwrap_or_default().to_string_lossy();
     let error = Error::usage("the pipeline file cannot be read").got(error).in_file(path);

@@ -11,7 +11,7 @@ use voltet_core::grid::{
     Array, Association, CellType, Cells, Grid, RawGrid, Scalar, code, structured_corners,
 };
 use voltet_core::progress::Progress;
-use voltet_core::{Error, Result, grid, progress};
+use voltet_core::{Error, Result, counted, grid, progress};
 
 /// Cell flags of ghosts and of hidden cells (vtkDataSetAttributes::DUPLICATECELL, HIDDENCELL).
 const DUPLICATE_CELL: u8 = 1;
@@ -100,7 +100,7 @@ fn refuse_beyond_memory(
     cells.iter().for_each(|cells| size.add(cells));
     let further =
         (array_count as u64 - 1).saturating_mul(size.points.saturating_mul(size_of::<f64>() as u64));
-    let what = || format!("a grid of about {} tetrahedra", size.tetrahedra);
+    let what = || format!("a grid of about {}", counted(size.tetrahedra, "tetrahedron"));
     progress::refuse_beyond_memory(progress, what, size.bytes().saturating_add(further))
 }
 
@@ -220,7 +220,7 @@ pub(super) fn column(piece: &Piece, choice: &ArraySelection, meter: &Meter) -> R
             "the array '{}' differs between the pieces of the file",
             choice.name
         ))
-        .got(format_args!("{count} components"))
+        .got(counted(count, "component"))
         .expected(choice.component_count));
     }
     let values: Vec<f64> = stored.load(meter)?;

@@ -193,7 +193,7 @@ fn counted(list: &Stored, types: &Stored, meter: &Meter) -> Result<Cells> {
         let own = rest.split_first().and_then(|(&count, after)| after.split_at_checked(count as usize));
         let Some((own, after)) = own else {
             return Err(Error::run(format!("the list of cells ends within cell {number}"))
-                .got(format_args!("{} numbers", list.len()))
+                .got(voltet_core::counted(list.len(), "number"))
                 .expected("each cell's count and its points")
                 .at_item("CELLS"));
         };

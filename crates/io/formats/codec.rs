@@ -10,7 +10,7 @@
 use super::source::Source;
 use lzma_rust2::XzReader;
 use std::io::Read;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 
 /// Compression of an array's blocks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,8 +72,8 @@ impl Codec {
         };
         if count != to.len() {
             return Err(Error::run("a compressed block has the wrong size")
-                .got(format_args!("{count} bytes"))
-                .expected(format_args!("{} bytes", to.len())));
+                .got(counted(count, "byte"))
+                .expected(counted(to.len(), "byte")));
         }
         Ok(())
     }
@@ -112,7 +112,7 @@ impl Base64Text<'_> {
         let ends_early = || {
             Error::run("the base64 text ends early")
                 .got(format_args!("at most {most} bytes"))
-                .expected(format_args!("{count} bytes"))
+                .expected(counted(count, "byte"))
         };
         let character_count = count.div_ceil(3).checked_mul(4).filter(|&n| n <= self.end - self.at);
         let character_count = character_count.ok_or_else(ends_early)? as usize;

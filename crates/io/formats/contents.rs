@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use voltet_core::grid::{Association, Cells};
 use voltet_core::progress::{Progress, refuse_beyond_memory};
 use voltet_core::reading::{FileArray, OpenGrid};
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 
 /// Arrays with these names flag ghosts and are not offered as quantities.
 pub(super) const GHOST_TYPE: &str = "vtkGhostType";
@@ -224,8 +224,10 @@ impl Stored {
         let Some(tuple_count) = self.tuple_count else { return Ok(None) };
         match tuple_count.checked_mul(self.component_count as u64).filter(|&n| n <= isize::MAX as u64 / 32) {
             Some(count) => Ok(Some(count)),
-            None => Err(Error::run("the array cannot be that large")
-                .got(format_args!("{tuple_count} tuples of {} components", self.component_count))),
+            None => {
+                Err(Error::run("the array cannot be that large")
+                    .got(tuples(tuple_count, self.component_count)))
+            }
         }
     }
 
@@ -280,7 +282,10 @@ impl ExternalFormat {
                 bytes = bytes.saturating_add(numbers.saturating_mul(8));
             }
         }
-        let what = || format!("a grid of {} points and {} cells", head.point_count, head.cell_count);
+        let what = || {
+            let (points, cells) = (counted(head.point_count, "point"), counted(head.cell_count, "cell"));
+            format!("a grid of {points} and {cells}")
+        };
         refuse_beyond_memory(progress, what, bytes)?;
         self.read(true, &places, progress)
     }
@@ -318,4 +323,9 @@ impl ExternalFormat {
         self.read(array.is_none(), array.as_slice(), progress)?;
         take(&mut self.ready()).ok_or_else(|| Error::run("the reader did not give what was asked for"))
     }
+}
+
+/// "64 tuples of 3 components".
+pub(super) fn tuples(tuple_count: u64, component_count: usize) -> String {
+    format!("{} of {}", counted(tuple_count, "tuple"), counted(component_count, "component"))
 }

@@ -4,12 +4,12 @@
 //! and decodes, in parallel, block by block straight into the destination.
 
 use super::codec::{Base64Text, Codec};
-use super::contents::{Encoding, Meter, Stored};
+use super::contents::{Encoding, Meter, Stored, tuples};
 use super::numbers::{self, ByteOrder, NumberType, Target, convert};
 use super::source::Source;
 use bytemuck::Pod;
 use rayon::prelude::*;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 
 /// Values that one task decodes from data that is not cut into blocks: 2 MB of 64-bit values.
 const PART: usize = 1 << 18;
@@ -57,10 +57,10 @@ impl Stored {
         };
         match promised {
             Some(promised) if promised != values.len() as u64 => {
-                let (tuples, components) = (self.tuple_count.unwrap_or(0), self.component_count);
+                let tuples = tuples(self.tuple_count.unwrap_or(0), self.component_count);
                 Err(Error::run("the array has the wrong number of values")
                     .got(values.len())
-                    .expected(format_args!("{promised} ({tuples} tuples of {components} components)")))
+                    .expected(format_args!("{promised} ({tuples})")))
             }
             _ => Ok(values),
         }
@@ -78,7 +78,7 @@ impl Stored {
             (Some(promised), _) => Ok(promised as usize),
             (None, Some(size)) if byte_count.is_multiple_of(size as u64) => Ok(byte_count as usize / size),
             _ => Err(Error::run("the array has the wrong size")
-                .got(format_args!("{byte_count} bytes"))
+                .got(counted(byte_count, "byte"))
                 .expected(format_args!("whole values of {}", self.number_type.name()))),
         }
     }
@@ -264,11 +264,11 @@ impl Stored {
     fn check_len(&self, len: u64) -> Result<()> {
         match self.promised()?.and_then(|count| self.number_type.byte_count(count)) {
             Some(promised) if promised != len => Err(Error::run("the array has the wrong size")
-                .got(format_args!("{len} bytes"))
+                .got(counted(len, "byte"))
                 .expected(format_args!(
-                    "{promised} bytes ({} tuples of {} components of {})",
-                    self.tuple_count.unwrap_or(0),
-                    self.component_count,
+                    "{} ({} of {})",
+                    counted(promised, "byte"),
+                    tuples(self.tuple_count.unwrap_or(0), self.component_count),
                     self.number_type.name()
                 ))),
             _ => Ok(()),

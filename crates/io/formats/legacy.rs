@@ -6,7 +6,7 @@
 
 use super::contents::{
     Dataset, Encoding, Geometry, Piece, PieceArray, Stored, StoredCells, StoredFaces, extent_dimensions,
-    structured_counts,
+    structured_counts, tuples,
 };
 use super::numbers::{ByteOrder, NumberType};
 use super::request::{Format, Request};
@@ -15,7 +15,7 @@ use super::xml::is_before;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 use voltet_core::grid::Association;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 
 /// Bytes of the file that are kept at a time.
 const WINDOW: u64 = 1 << 18;
@@ -550,7 +550,7 @@ impl Scanner {
         }
         let count = tuple_count.checked_mul(component_count as u64).ok_or_else(|| {
             self.error(format!("the array '{name}' cannot be that large"))
-                .got(format_args!("{tuple_count} tuples of {component_count} components"))
+                .got(tuples(tuple_count, component_count))
         })?;
         let Some(number_type) = number_type else {
             self.skip_text(count)?;
@@ -605,7 +605,7 @@ impl Scanner {
                 }
                 return Err(self
                     .error(format!("the array '{name}' ends early"))
-                    .got(format_args!("{seen} values"))
+                    .got(counted(seen, "value"))
                     .expected(count));
             };
             // One byte is there; go through all that the window holds.

@@ -41,6 +41,7 @@ pub use assemble::{SkippedArray, length};
 pub use cells::face_stream;
 pub use inspect::{ArraySummary, Summary};
 pub use request::{Component, Request, SelectedArrays, TimeStep};
+pub use source::existing_file;
 pub use voltet_core::grid::{Association, CellValues};
 pub use voltet_core::reading::FileArray;
 
@@ -51,7 +52,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::Grid;
 use voltet_core::progress::{NoProgress, Progress};
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 
 /// Reads a grid and the arrays that `request` names.
 ///
@@ -121,7 +122,7 @@ const SERIES: Format = Format {
     open: |source, request| {
         let series::Step { path, times } = series::step(&source, request)?;
         let dataset = open(&path, &Request { time_step: None, ..request.clone() })?;
-        let format = format!("series of {} files; {}", times.len(), dataset.format);
+        let format = format!("series of {}; {}", counted(times.len(), "file"), dataset.format);
         Ok(Dataset { format, time_steps: times, ..dataset })
     },
     has_solution: false,

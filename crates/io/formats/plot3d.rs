@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::Association;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 
 /// The declaration.
 pub(super) const FORMAT: Format = Format { files: "a PLOT3D grid", matches, open, has_solution: true };
@@ -266,7 +266,7 @@ fn blocks(source: &Arc<Source>, role: &Role) -> Result<(Vec<Block>, String)> {
         }
     }
     let (found, accepted) = match text {
-        Some(values) => (format!("{} numbers", values.len()), "three-dimensional grids as text"),
+        Some(values) => (counted(values.len(), "number"), "three-dimensional grids as text"),
         None => (
             format!("a length of {} bytes", source.len()),
             "three-dimensional grids, single or double precision, either byte order, with or without record marks",

@@ -7,9 +7,9 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::{Association, CellValues};
-use voltet_core::parameters::{Parameters, edit_distance};
+use voltet_core::parameters::{Parameters, nearest_first};
 use voltet_core::reading::GridReader;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 
 /// A step of a time series.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,7 +66,7 @@ impl Request {
             Some(TimeStep::Index(index)) if index < times.len() => Ok(index),
             Some(TimeStep::Index(index)) => Err(Error::run("the time series has no such step")
                 .got(format_args!("step {index}"))
-                .expected(format_args!("0 to {}", times.len() - 1))),
+                .expected(up_to(times.len() - 1))),
             Some(TimeStep::Time(time)) => {
                 // The span of the series with a margin for times that were rounded when they were written.
                 let margin = 1e-6 * (last - first).abs().max(last.abs());
@@ -156,6 +156,11 @@ pub(super) struct Format {
     pub has_solution: bool,
 }
 
+/// "0", or "0 to 7".
+fn up_to(last: usize) -> String {
+    if last == 0 { "0".into() } else { format!("0 to {last}") }
+}
+
 /// Component of a tuple.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Component {
@@ -180,7 +185,7 @@ impl Component {
                 let names: String = names.iter().map(|name| format!("'{name}', ")).collect();
                 Err(Error::run(format!("the array '{name}' has no such component"))
                     .got(format_args!("'{suffix}'"))
-                    .expected(format_args!("{names}'magnitude' or 0 to {}", component_count - 1)))
+                    .expected(format_args!("{names}'magnitude' or {}", up_to(component_count - 1))))
             }
         }
     }
@@ -243,7 +248,7 @@ pub(super) fn scalar(
     let choice = array(piece, name, association)?;
     if choice.component == Component::All && choice.component_count > 1 {
         return Err(Error::run(format!("the array '{}' is not a scalar", choice.name))
-            .got(format_args!("{} components", choice.component_count))
+            .got(counted(choice.component_count, "component"))
             .expected(format_args!(
                 "'{0}:magnitude', or '{0}:0' to '{0}:{1}' for a component",
                 choice.name,
@@ -298,9 +303,7 @@ fn unknown(
     if all.is_empty() {
         return error.got("no arrays");
     }
-    let mut names: Vec<&str> = all.iter().map(|entry| entry.0).collect();
-    names.sort_by_cached_key(|name| edit_distance(name, stem));
-    error.expected(list(names))
+    error.expected(list(nearest_first(stem, all.iter().map(|entry| entry.0))))
 }
 
 /// Names in quotes, each once, shortened where there are many.

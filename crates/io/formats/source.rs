@@ -4,7 +4,9 @@ use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use voltet_core::{Error, Result};
+use voltet_core::parameters::nearest;
+use voltet_core::{Error, Result, counted};
+use voltet_files::names_beside;
 
 /// An open file of known length.
 #[derive(Debug)]
@@ -14,13 +16,23 @@ pub(super) struct Source {
     len: u64,
 }
 
+/// A clause for an error's `expected` where there is no file at `path`: the file beside it that was meant, if any.
+pub fn existing_file(path: &Path) -> String {
+    let names = names_beside(path);
+    let wanted = path.file_name().unwrap_or_default().to_string_lossy();
+    match nearest(&wanted, names.iter().map(String::as_str)) {
+        Some(near) => format!("a file that is there, such as '{near}' beside it"),
+        None => "the path of a file that is there".into(),
+    }
+}
+
 impl Source {
     /// Opens a file; a folder or a missing file is an error that names the path.
     pub fn open(path: &Path) -> Result<Arc<Source>> {
         let failed = |what: &str, error: std::io::Error| Error::run(what).got(error).in_file(path);
         let file = File::open(path).map_err(|error| {
             if error.kind() == std::io::ErrorKind::NotFound {
-                Error::run("there is no such file").expected("the path of an existing file").in_file(path)
+                Error::run("there is no such file").expected(existing_file(path)).in_file(path)
             } else {
                 failed("the file cannot be opened", error)
             }
@@ -92,7 +104,7 @@ impl Source {
         match offset.checked_add(len) {
             Some(end) if end <= self.len => Ok(()),
             _ => Err(Error::run("the file ends early")
-                .got(format_args!("{} bytes", self.len))
+                .got(counted(self.len, "byte"))
                 .expected(format_args!("{len} bytes from byte {offset} on"))
                 .in_file(&self.path)),
         }

@@ -20,7 +20,7 @@ use voltet_core::arithmetic::edge_sign;
 use voltet_core::camera::{Camera, Frame, Projection};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 
 /// A ray through the picture: positions on it are z·(x, y, 1) (perspective) or (x, y, z) (orthographic).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -196,8 +196,11 @@ impl<'a> Tracer<'a> {
         if shading.light.is_some() || shading.silhouette.is_some() {
             let count = volume.gradient.as_ref().map_or(0, |g| g.len());
             if count != world.len() {
-                return Err(Error::run("light and silhouettes need a gradient at every point")
-                    .got(format!("{count} gradients, {} points", world.len())));
+                return Err(Error::run("light and silhouettes need a gradient at every point").got(format!(
+                    "{} at {}",
+                    counted(count, "gradient"),
+                    counted(world.len(), "point")
+                )));
             }
         }
         let used = || volume.grid.tetrahedra.iter().flatten().map(|&p| world[p as usize] - camera.eye);
@@ -434,8 +437,11 @@ fn quantities(volume: &Volume, transfer_function: &TransferFunction) -> Result<(
         columns.push(&array.values);
     }
     if let Some(wrong) = columns.iter().find(|c| c.len() != count) {
-        return Err(Error::run("a point array has not one value for every point")
-            .got(format!("{} values, {count} points", wrong.len())));
+        return Err(Error::run("a point array has not one value for every point").got(format!(
+            "{} at {}",
+            counted(wrong.len(), "value"),
+            counted(count, "point")
+        )));
     }
     let values = (0..count).flat_map(|p| columns.iter().map(move |c| c[p])).collect();
     Ok((values, columns.len()))

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::error::ErrorKind;
-use voltet_core::field::{Method, magnitude};
+use voltet_core::field::{Fallback, Method, magnitude};
 use voltet_core::grid::Grid;
 use voltet_core::grid::generate::{Random, sample};
 use voltet_core::picture::Picture;
@@ -70,8 +70,7 @@ impl<'a> Subject<'a> {
             }
             Ok(gradient) if gradient.fallbacks.is_empty() => Ok(Some(gradient.vectors)),
             Ok(gradient) => {
-                let each = gradient.fallbacks.iter();
-                let each = each.map(|one| format!("{} at {} points", one.what, one.point_count));
+                let each = gradient.fallbacks.iter().map(Fallback::to_string);
                 note(each.collect::<Vec<_>>().join("; "), false);
                 Ok(Some(gradient.vectors))
             }

@@ -9,7 +9,7 @@ use crate::work_precision::canvas::{
 use crate::work_precision::output::{figure, head, line_to as line};
 use serde::Serialize;
 use voltet_core::field::Method;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 use voltet_graph::{Field, Parameters, Registry, SourceSpan};
 
 #[derive(Debug, Clone)]
@@ -412,8 +412,9 @@ fn tables(test: &GradientTest) -> Vec<Table> {
     };
     let finest = test.levels.last().copied().unwrap_or(0);
     let cost = test.filters.iter().find_map(|filter| filter.cost.as_ref());
-    let cost = cost
-        .map_or(String::new(), |cost| format!(": {} points, {} tetrahedra", cost.points, cost.tetrahedra));
+    let cost = cost.map_or(String::new(), |cost| {
+        format!(": {}, {}", counted(cost.points, "point"), counted(cost.tetrahedra, "tetrahedron"))
+    });
     let picture = test.filters.iter().find_map(|filter| filter.picture.as_ref()).map(|picture| picture.size);
     let picture = picture.map_or(String::new(), |[w, h]| format!(" of {w} × {h} pixels"));
     vec![
@@ -497,7 +498,7 @@ fn tables(test: &GradientTest) -> Vec<Table> {
         ),
         table(
             test,
-            format!("Cost{cost}, {} threads", test.threads),
+            format!("Cost{cost}, {}", counted(test.threads, "thread")),
             &["what"],
             |found| {
                 let Some(one) = &found.cost else { return Vec::new() };

@@ -9,9 +9,9 @@ use crate::stability::printed::PrintedFormula;
 use crate::stability::random::{BoundViolation, RandomReport};
 use serde::Serialize;
 use serde_json::{Value, json as object};
-use voltet_core::Result;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::{OpticalModel, Widget};
+use voltet_core::{Result, counted};
 use voltet_integrators::{pre_integrated, pre_integrated_cylindrical, riemann, segments, tabulated};
 use voltet_judge::{Case, Exemption, Kind, Report, Row, SegmentCase, stiff};
 use voltet_optics::integrators::{Extent, Integrator, IntegratorKind};
@@ -360,9 +360,10 @@ pub fn random_text(report: &RandomReport) -> String {
     refused.iter().for_each(|(engine, scenes)| text += &format!("  {scenes} that {engine} refuses\n"));
     for one in beyond {
         let BoundViolation { scene, position, engine, pixels, wrong, worst_error, worst_pixel: [i, j] } = one;
+        let pixels = counted(*pixels, "pixel");
         let verdict = if *wrong == 0 { "explained".into() } else { format!("{wrong} NOT EXPLAINED") };
         text += &format!(
-            "    {} scene {scene:>6}  {engine}: {pixels} pixels beyond, {verdict}, {worst_error:.1e} at pixel {i}, {j}\n",
+            "    {} scene {scene:>6}  {engine}: {pixels} beyond, {verdict}, {worst_error:.1e} at pixel {i}, {j}\n",
             position.name()
         );
     }
@@ -385,10 +386,6 @@ pub fn forms_text(report: &Report) -> String {
     }
     let table = aligned(&rows, |column| !(3..9).contains(&column));
     format!("{} forms\n{table}{}", report.forms, conclusion(report))
-}
-
-fn counted(count: usize, noun: &str) -> String {
-    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
 /// Sums, exemptions, broken values and the verdict.

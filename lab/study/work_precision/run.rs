@@ -97,7 +97,7 @@ pub fn study(
     if settings.is_empty() {
         return Err(Error::usage("none of the integrators asked for can serve this scene")
             .got(wish.only.join(", "))
-            .expected("others, or none, for all that can"));
+            .expected("no choice of integrators, for all that can"));
     }
     let seen = PreparedPicture::new(&reference.picture, subject.background);
     let whole: f64 = settings.iter().map(RenderConfig::weight).sum();

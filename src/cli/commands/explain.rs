@@ -5,6 +5,7 @@ use super::shared::{DONE, Outcome, open_all, open_file, show, warn};
 use crate::Document;
 use crate::cli::arguments::{Explain, Files};
 use crate::cli::present::{name, print};
+use crate::core::counted;
 use crate::document::{LocatedError, refuse_conflicts};
 use crate::graph::{Demand, Graph, GraphNode, Plan, PortType, Registry, SkippedWork};
 
@@ -14,7 +15,7 @@ pub fn check(arguments: &Files, registry: &Registry) -> Outcome {
         refuse_conflicts([document], true, &[])?;
         crate::nodes::session().plan(&document.graph).map_err(|error| document.failure(error))?;
         let path = name(&document.path.to_string_lossy());
-        print(&format!("{path}: in order, {} nodes\n", document.graph.nodes.len()))?;
+        print(&format!("{path}: in order, {}\n", counted(document.graph.nodes.len(), "node")))?;
         Ok(())
     };
     for document in &documents {

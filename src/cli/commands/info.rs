@@ -6,9 +6,9 @@
 
 use super::shared::{ArrayChoice, DONE, Outcome, differs, open, with_bar};
 use crate::cli::arguments::Info;
-use crate::cli::present::{self, name, number, print};
+use crate::cli::present::{self, grouped, name, number, print};
 use crate::core::grid::CellType;
-use crate::core::{Error, Result};
+use crate::core::{Error, Result, agreeing, counted, noun_of};
 use crate::engine::drawing_bytes;
 use crate::graph::pipeline::Pipeline;
 use crate::graph::{Graph, LinkEntry, NodeEntry, ParameterValue, PortType, Registry};
@@ -58,8 +58,7 @@ fn json(summary: &Summary) -> Value {
             "range": array.range, "not_finite": array.not_finite_count,
         })
     };
-    let cells =
-        |(&code, &count): (&u8, &u64)| object!({ "vtk_type": code, "name": cell_name(code), "count": count });
+    let cells = |(&code, &count): (&u8, &u64)| object!({ "vtk_type": code, "name": CellType::name_of(code, 1), "count": count });
     let bounds = summary.bounds.map(|corners| corners.map(|corner| corner.to_array()));
     let memory = summary.has_volume().then(|| {
         let [reading, drawing, lit] = memory_bytes(&summary.size);
@@ -99,19 +98,13 @@ fn memory_bytes(size: &GridSize) -> [u64; 3] {
     [reading, drawing, drawing.max(grid.saturating_add(lit))]
 }
 
-/// The name of a VTK cell type.
-fn cell_name(code: u8) -> String {
-    CellType::from_code(code).map_or_else(|| format!("VTK cell type {code}"), |known| known.name.into())
-}
-
 fn describe_data(path: &Path, summary: &Summary) -> String {
     let mut text = format!("{}\n  {}\n", name(&path.to_string_lossy()), name(&summary.format));
     let mebibytes = |bytes: u64| format!("{:.0} MiB", bytes as f64 / f64::from(1 << 20));
     text += &format!(
-        "  {:.1} MiB in {} piece{}\n",
+        "  {:.1} MiB in {}\n",
         summary.file_bytes as f64 / f64::from(1 << 20),
-        summary.piece_count,
-        if summary.piece_count == 1 { "" } else { "s" },
+        counted(summary.piece_count, "piece"),
     );
     if summary.has_volume() {
         let [reading, drawing, lit] = memory_bytes(&summary.size);
@@ -123,17 +116,21 @@ fn describe_data(path: &Path, summary: &Summary) -> String {
             mebibytes(lit)
         );
     }
-    text += &format!("\n{} points, {} cells\n", number(summary.point_count), number(summary.cell_count));
+    text +=
+        &format!("\n{}, {}\n", grouped(summary.point_count, "point"), grouped(summary.cell_count, "cell"));
     if summary.points_joined > 0 {
-        let joined = number(summary.points_joined);
-        text += &format!("  {joined:>12}  points are another piece's, too, and are joined with those\n");
+        let (joined, count) = (number(summary.points_joined), summary.points_joined);
+        let (points, are) = (noun_of(&count, "point"), agreeing(&count, "is", "are"));
+        text += &format!("  {joined:>12}  {points} {are} another piece's, too, and {are} joined with it\n");
     }
     if summary.ghosts_without_owner > 0 {
-        let ghosts = number(summary.ghosts_without_owner);
-        text += &format!("  {ghosts:>12}  ghost cells have no owner in any piece, and are not drawn\n");
+        let (ghosts, count) = (number(summary.ghosts_without_owner), summary.ghosts_without_owner);
+        let (cells, have) = (noun_of(&count, "ghost cell"), agreeing(&count, "has", "have"));
+        let are = agreeing(&count, "is", "are");
+        text += &format!("  {ghosts:>12}  {cells} {have} no owner in any piece, and {are} not drawn\n");
     }
     for (&code, &count) in &summary.cells_by_type {
-        text += &format!("  {:>12}  {}\n", number(count), cell_name(code));
+        text += &format!("  {:>12}  {}\n", number(count), CellType::name_of(code, count));
     }
     if let Some([low, high]) = summary.bounds {
         text += "\nBounds (world units)\n";
@@ -153,10 +150,12 @@ fn describe_data(path: &Path, summary: &Summary) -> String {
     if !summary.time_steps.is_empty() {
         let (first, last) = (summary.time_steps.first(), summary.time_steps.last());
         let ends = first.zip(last).map(|(a, b)| format!(", times {a} to {b}")).unwrap_or_default();
-        text += &format!("\n{} time steps{ends}\n", summary.time_steps.len());
+        text += &format!("\n{}{ends}\n", counted(summary.time_steps.len(), "time step"));
     }
     if summary.points_not_finite > 0 {
-        text += &format!("warning: {} points are not finite\n", number(summary.points_not_finite));
+        let count = summary.points_not_finite;
+        text +=
+            &format!("warning: {} {} not finite\n", grouped(count, "point"), agreeing(&count, "is", "are"));
     }
     text.extend(summary.warnings.iter().map(|warning| format!("warning: {}\n", name(warning))));
     text
@@ -400,16 +399,16 @@ fn known(text: &str) -> &str {
 
 fn of_data(file: &DataFile) -> String {
     let DataFile { node, path, bytes, modified, sidecars: beside, .. } = file;
-    let bytes = bytes.map(|bytes| format!(", {} bytes", number(bytes))).unwrap_or_default();
+    let bytes = bytes.map(|bytes| format!(", {}", grouped(bytes, "byte"))).unwrap_or_default();
     let date = modified.as_ref().map(|date| format!(", of {date}")).unwrap_or_default();
     let beside = beside.iter().map(|beside| {
         let SidecarFiles { files, bytes, modified, names } = beside;
         let date = modified.as_ref().map(|date| format!(", the last of {date}")).unwrap_or_default();
         let more = if names.len() as u64 == *files { "" } else { ", …" };
         format!(
-            "  and {} beside it, {} bytes{date}: {}{more}\n",
-            number(*files),
-            number(*bytes),
+            "  and {} beside it, {}{date}: {}{more}\n",
+            grouped(*files, "file"),
+            grouped(*bytes, "byte"),
             names.join(", ")
         )
     });
@@ -419,7 +418,7 @@ fn of_data(file: &DataFile) -> String {
 fn of_plugin(plugin: &PluginRecord) -> String {
     let PluginRecord { node, name, version, path, bytes, fingerprint, modified } = plugin;
     let date = modified.as_ref().map(|date| format!(", of {date}")).unwrap_or_default();
-    format!("plug-in ({node}): {name} {version}, {path}, {} bytes{date}, {fingerprint}\n", number(*bytes))
+    format!("plug-in ({node}): {name} {version}, {path}, {}{date}, {fingerprint}\n", grouped(*bytes, "byte"))
 }
 
 fn of_camera(camera: &CameraRecord) -> String {

@@ -20,11 +20,13 @@ mod time;
 use super::arguments::{Arguments, Command, Inputs};
 use super::present::print;
 use crate::Document;
-use crate::core::{Error, Result};
-use crate::graph::Registry;
+use crate::core::{Error, Result, counted};
+use crate::graph::{Registry, suggest};
 use crate::io::{formats, memory};
 use crate::lanes::LaneSet;
 use crate::nodes::files;
+use clap::CommandFactory;
+use clap::error::{ContextKind, ContextValue};
 use shared::{DONE, Outcome, WRONG, show};
 use std::error::Error as _;
 use std::io::ErrorKind;
@@ -61,7 +63,10 @@ pub fn help_of_node(registry: &Result<Registry>) -> Option<u8> {
 }
 
 /// Shows clap's answer to the command line, help or an error, and returns the exit code.
-pub fn answer(answer: &clap::Error) -> u8 {
+pub fn answer(answer: &clap::Error, registry: &Result<Registry>) -> u8 {
+    if let Some(ContextValue::String(name)) = answer.get(ContextKind::InvalidSubcommand) {
+        return show(&unknown_command(name, registry).into());
+    }
     let wanted = u8::try_from(answer.exit_code()).unwrap_or(WRONG);
     match answer.print() {
         Err(error) if !answer.use_stderr() && error.kind() != ErrorKind::BrokenPipe => {
@@ -69,6 +74,22 @@ pub fn answer(answer: &clap::Error) -> u8 {
         }
         _ => wanted,
     }
+}
+
+/// The error for a command that there is not, or a name that `help` does not know.
+fn unknown_command(name: &str, registry: &Result<Registry>) -> Error {
+    let commands = Arguments::command();
+    let shown = commands.get_subcommands().filter(|command| !command.is_hide_set());
+    let mut names: Vec<&str> = shown.map(|command| command.get_name()).collect();
+    let is_help = std::env::args().nth(1).as_deref() == Some("help");
+    let what = match registry {
+        Ok(registry) if is_help => {
+            nodes::names(registry).for_each(|name| names.push(name));
+            "command, node type or gradient filter"
+        }
+        _ => "command",
+    };
+    Error::usage(format!("unknown {what} '{name}'")).expected(suggest(name, names))
 }
 
 /// Starts the worker threads while there is memory for them: later their failure would look like a defect of the program. A
@@ -85,7 +106,10 @@ fn begin_threads() -> Result<()> {
         && left < count.saturating_mul(STACK)
     {
         let (stack, left) = (STACK >> 20, left >> 20);
-        return none(&format!("{count} threads with stacks of {stack} MiB each, {left} MiB are left"));
+        return none(&format!(
+            "{} with stacks of {stack} MiB each, {left} MiB are left",
+            counted(count, "thread")
+        ));
     }
     let begun = rayon::ThreadPoolBuilder::new().build_global();
     match begun.as_ref().err().and_then(|error| error.source()) {

@@ -20,6 +20,11 @@ fn filters(registry: &Registry) -> impl Iterator<Item = VariantSchema> {
     registry.filters().map(|filter| filter.declaration())
 }
 
+/// Names of all node types and gradient filters.
+pub(super) fn names(registry: &Registry) -> impl Iterator<Item = &'static str> {
+    registry.names().chain(filters(registry).map(|filter| filter.name))
+}
+
 /// The node type of that name, or else the gradient filter.
 pub(super) fn one(name: &str, markdown: bool, registry: &Registry) -> Result<String> {
     if let Some(node) = registry.iter().find(|node| node.name == name) {
@@ -28,9 +33,8 @@ pub(super) fn one(name: &str, markdown: bool, registry: &Registry) -> Result<Str
     match filters(registry).find(|filter| filter.name == name) {
         Some(filter) => Ok(if markdown { filter_markdown(&filter) } else { filter_text(&filter) }),
         None => {
-            let names = registry.names().chain(filters(registry).map(|filter| filter.name));
             let error = Error::usage(format!("unknown node type or gradient filter '{name}'"));
-            Err(error.expected(suggest(name, names)))
+            Err(error.expected(suggest(name, names(registry))))
         }
     }
 }

@@ -5,7 +5,7 @@ use super::study::refuse_unwritable;
 use crate::Document;
 use crate::cli::arguments;
 use crate::cli::present::print;
-use crate::core::{Error, Result};
+use crate::core::{Error, Result, counted};
 use crate::graph::{NoObserver, Registry};
 use crate::nodes::files;
 use std::path::{Path, PathBuf};
@@ -36,7 +36,7 @@ pub fn papers(arguments: &arguments::Papers, registry: &Registry) -> Outcome {
     let open = |file: &str, options: &[String]| open(&arguments.pipelines, file, options, registry);
     let sections = with_bar(arguments.quiet, |_, progress| papers::papers(&options, &open, progress))?;
     let written = write(&sections, &arguments.output)?;
-    print(&format!("{}: {} files\n", arguments.output.display(), written.len()))?;
+    print(&format!("{}: {}\n", arguments.output.display(), counted(written.len(), "file")))?;
     Ok(DONE)
 }
 

@@ -3,7 +3,7 @@
 use super::shared::{DONE, FAILED, Outcome, with_bar};
 use crate::cli::arguments::Stability;
 use crate::cli::present::{name, print};
-use crate::core::Error;
+use crate::core::{Error, counted};
 use serde_json::{Value, json};
 use std::path::Path;
 use voltet_judge::{Report, SegmentEvaluator, judge_all};
@@ -75,7 +75,7 @@ fn judge(path: &Path, arguments: &Stability) -> Outcome {
     } else {
         let cases = reports.first().map_or(0, |report| report.cases);
         let path = name(&path.to_string_lossy());
-        let mut text = format!("{path}: {cases} case{}\n", if cases == 1 { "" } else { "s" });
+        let mut text = format!("{path}: {}\n", counted(cases, "case"));
         text.extend(reports.iter().map(|report| format!("\n{}", stability::forms_text(report))));
         text.extend(subjects.left_out.iter().map(|what| format!("\nnot judged: {what}\n")));
         print(&text)?;

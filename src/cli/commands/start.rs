@@ -7,9 +7,10 @@ use crate::core::arithmetic::decimal;
 use crate::core::field::{LeastSquares, Method, magnitude};
 use crate::core::grid::Grid;
 use crate::core::grid::extent::{bounds, range, scene_length};
+use crate::core::parameters::nearest_first;
 use crate::core::probing::{Axis, Histogram, ProposedWidget, histogram, proposal, quiet};
 use crate::core::progress::Progress;
-use crate::core::{Error, Result};
+use crate::core::{Error, Result, agreeing};
 use crate::graph::{ParameterValue, Registry};
 use crate::io::formats::{ArraySummary, Association, FileArray, Request, Summary, arrays, inspect, read};
 use crate::nodes::files::{
@@ -80,7 +81,7 @@ pub fn pipeline(
 ) -> Result<(String, String)> {
     let asked = arguments.options.request(&arguments.data, registry)?;
     let choice = match &arguments.scalar {
-        Some(name) => ArrayChoice::by_name(name, &arrays(&arguments.data, &asked)?),
+        Some(name) => named_array(arguments, name, &arrays(&arguments.data, &asked)?)?,
         None => first_quantity(arguments, &inspect(&arguments.data, &asked, progress)?)?,
     };
     let ArrayChoice { scalar: named, association } = choice.clone();
@@ -199,10 +200,12 @@ inputs = {{ image = \"picture\" }}
         view.keys(),
         text(&picture.to_string_lossy()),
     );
-    let mut said = match look.len() {
-        1 => format!("1 boundary of '{}' found", name(&named)),
-        count => format!("{count} boundaries of '{}' found", name(&named)),
-    };
+    let mut said = format!(
+        "{} {} of '{}' found",
+        look.len(),
+        agreeing(&look.len(), "boundary", "boundaries"),
+        name(&named)
+    );
     if let Some(note) = linearly.strip_prefix("# ") {
         said += &format!("; {}", note.trim_end().trim_end_matches('.'));
     }
@@ -214,7 +217,29 @@ fn without_boundary(arguments: &Start, asked: &Request, named: &str, progress: &
     let error = Error::run(format!("'{named}' has no boundary: it is the same everywhere"));
     let found = inspect(&arguments.data, asked, progress).map(|summary| summary.arrays).unwrap_or_default();
     let others: Vec<String> = found.iter().filter(|a| differs(a)).map(|a| scalar(&a.head)).collect();
-    error.expected(format!("another array after --scalar: {}", others.join(", "))).in_file(&arguments.data)
+    let expected = match others.is_empty() {
+        true => "a file with an array whose values differ: this one has none".into(),
+        false => format!("another array after --scalar: {}", others.join(", ")),
+    };
+    error.expected(expected).in_file(&arguments.data)
+}
+
+/// The array of the option `--scalar`.
+///
+/// Errors: the file has none of this name.
+fn named_array(arguments: &Start, named: &str, all: &[FileArray]) -> Result<ArrayChoice> {
+    let stem = named.rsplit_once(':').map_or(named, |(stem, _)| stem);
+    if all.iter().any(|array| array.name == named || array.name == stem) {
+        return Ok(ArrayChoice::by_name(named, all));
+    }
+    let names = nearest_first(stem, all.iter().map(|array| array.name.as_str()));
+    let expected = match names.is_empty() {
+        true => "a file with an array".into(),
+        false => format!("--scalar NAME: {}", names.join(", ")),
+    };
+    Err(Error::usage(format!("the file holds no array '{named}'"))
+        .expected(expected)
+        .in_file(&arguments.data))
 }
 
 /// The file's own scalar, or the first that is a quantity; a flag or a number of something where nothing else differs.
@@ -236,7 +261,7 @@ fn first_quantity(arguments: &Start, summary: &Summary) -> Result<ArrayChoice> {
         let found = if names.is_empty() { "no arrays".into() } else { name(&names.join(", ")) };
         Error::run("no array is a quantity that varies")
             .got(found)
-            .expected("--scalar NAME")
+            .expected("a file with an array whose values differ")
             .in_file(&arguments.data)
     })
 }

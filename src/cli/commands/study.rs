@@ -5,7 +5,7 @@ use crate::Document;
 use crate::cli::arguments;
 use crate::cli::present::print;
 use crate::core::progress::Progress;
-use crate::core::{Error, Result};
+use crate::core::{Error, Result, counted};
 use crate::document;
 use crate::graph::{Observer, Registry};
 use crate::nodes::files;
@@ -114,7 +114,7 @@ fn summary(study: &Study, written: &[PathBuf], folder: &Path) -> String {
     }
     text.extend(study::recommendation(study).filter(|_| !study.rows.is_empty()).map(|line| line + "\n"));
     if !written.is_empty() {
-        text += &format!("{}: {} files\n", folder.display(), written.len());
+        text += &format!("{}: {}\n", folder.display(), counted(written.len(), "file"));
     }
     text
 }

@@ -6,7 +6,7 @@ use crate::Document;
 use crate::cli::arguments;
 use crate::cli::present::{Bar, print};
 use crate::core::progress::CancelOnly;
-use crate::core::{Error, Result};
+use crate::core::{Error, Result, counted};
 use crate::graph::{NodeProgress, Observer, Registry};
 use voltet_study::work_precision::{
     self as study, Benches, Cost, Frames, RenderConfig, RendererVariant, StudyOptions, Subject, Times,
@@ -68,7 +68,8 @@ fn measure(arguments: &arguments::Time, wish: &StudyOptions, document: &Document
         let mut benches = Benches::open(&subject, wish)?;
         bar.clear();
         if number == 0 {
-            let mut head = format!("\n{title}: {} tetrahedra\n", subject.scene.volume.grid.tetrahedra.len());
+            let cells = counted(subject.scene.volume.grid.tetrahedra.len(), "tetrahedron");
+            let mut head = format!("\n{title}: {cells}\n");
             head.extend(benches.left_out.iter().map(|what| format!("\nnot measured: {what}\n")));
             head += &devices(&benches)?;
             print(&format!("{head}\n{HEAD}\n"))?;

@@ -75,6 +75,19 @@ pub(super) fn at(centre: &[f64; 2], matrix: &[[f64; 2]; 2], v: [f64; 2]) -> f64 
     (-matrix.iter().map(|row| (row[0] * d[0] + row[1] * d[1]).powi(2)).sum::<f64>()).exp()
 }
 
+/// Values of s beyond which exp(−|K (v − centre)|²) is below a millionth at every g: the extent of an ellipse, or of a strip.
+pub(super) fn scalar_range(centre: &[f64; 2], matrix: &[[f64; 2]; 2]) -> [f64; 2] {
+    // |K (v − centre)|² = ln 10⁶.
+    let distance = (6.0 * std::f64::consts::LN_10).sqrt();
+    let norm = |axis: usize| matrix[0][axis].hypot(matrix[1][axis]);
+    let determinant = (matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0]).abs();
+    let half = match norm(1) {
+        0.0 => distance / norm(0),
+        across => distance * across / determinant,
+    };
+    [centre[0] - half, centre[0] + half]
+}
+
 /// Two slabs, one a row of K: |K (v − centre)| ≤ distance lies within both.
 pub(super) fn slabs(centre: &[f64; 2], matrix: &[[f64; 2]; 2], distance: f64) -> Vec<Slab> {
     let row = |row: &[f64; 2]| {

@@ -6,7 +6,7 @@ use super::properties::{
 };
 use crate::parameters::VariantSchema;
 use crate::transfer::hull::{Corners, gaussian};
-use crate::{Error, Result};
+use crate::{Error, Result, counted};
 
 pub(super) const KIND: VariantSchema = VariantSchema {
     name: "gaussian-nd",
@@ -34,12 +34,12 @@ pub(super) fn check(fields: &[String], centre: &[f64], matrix: &[Vec<f64>]) -> R
     if centre.len() != n {
         return Err(Error::usage("the centre does not fit the fields")
             .got(centre.len())
-            .expected(format!("{n} numbers, one a field")));
+            .expected(format!("{}, one a field", counted(n, "number"))));
     }
     if matrix.len() != n || matrix.iter().any(|row| row.len() != n) {
         return Err(Error::usage("the matrix does not fit the fields")
-            .got(format!("{} rows", matrix.len()))
-            .expected(format!("{n} × {n} numbers")));
+            .got(counted(matrix.len(), "row"))
+            .expected(format!("{n} × {n} matrix")));
     }
     finite("the centre", centre)?;
     matrix.iter().try_for_each(|row| finite("the matrix", row))

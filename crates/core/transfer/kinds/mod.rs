@@ -161,6 +161,23 @@ impl Profile {
         }
     }
 
+    /// As of [`Widget::scalar_range`](super::Widget::scalar_range), without the region.
+    pub(super) fn scalar_range(&self) -> [f64; 2] {
+        const EVERYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+        match self {
+            Profile::Gaussian { centre, matrix } => gaussian::scalar_range(centre, matrix),
+            Profile::PiecewiseLinear { points } => piecewise_linear::scalar_range(points),
+            Profile::Table(table) => table.s,
+            // Of these s is one of several fields, or the width depends on g, or they have no end.
+            Profile::Uniform
+            | Profile::GaussianNd { .. }
+            | Profile::TriangularGaussian { .. }
+            | Profile::TriangularGaussianNd { .. }
+            | Profile::TriangleWave(_)
+            | Profile::SineWave(_) => EVERYWHERE,
+        }
+    }
+
     /// Checks its numbers.
     pub(super) fn check(&self) -> Result<()> {
         match self {

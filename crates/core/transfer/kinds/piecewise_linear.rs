@@ -80,6 +80,15 @@ pub(super) fn check(points: &[ControlPoint]) -> Result<()> {
     }
 }
 
+/// From the first control point to the last; everywhere for one that is the same everywhere.
+pub(super) fn scalar_range(points: &[ControlPoint]) -> [f64; 2] {
+    let is_same = |pair: &[ControlPoint]| pair[0] == ControlPoint { s: pair[0].s, ..pair[1] };
+    match points {
+        [first, .., last] if !points.windows(2).all(is_same) => [first.s, last.s],
+        _ => [f64::NEG_INFINITY, f64::INFINITY],
+    }
+}
+
 /// The ranges of s in which the function absorbs, a list of one slab each.
 pub(super) fn slabs(points: &[ControlPoint]) -> Vec<Vec<Slab>> {
     let lit = |k: usize| points.get(k).is_some_and(|point| point.extinction > 0.0);

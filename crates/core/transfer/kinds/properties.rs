@@ -7,7 +7,7 @@ use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
 };
 use crate::transfer::region::Region;
-use crate::{Error, Result};
+use crate::{Error, Result, counted};
 
 /// Most fields of a widget that looks at a list of its own.
 pub const MAX_FIELDS: usize = 8;
@@ -272,7 +272,7 @@ pub(super) fn fields_of(p: &Parameters, most: usize, per_width: f64) -> Result<F
     let centre = p.numbers("centre")?;
     if centre.len() != fields.len() {
         let error = p.error("centre", "'centre' has the wrong length").got(centre.len());
-        return Err(error.expected(format!("{}, one number a field", fields.len())));
+        return Err(error.expected(format!("{}, one a field", counted(fields.len(), "number"))));
     }
     let matrix = kernel(p, fields.len(), per_width)?;
     Ok((fields, centre, matrix))

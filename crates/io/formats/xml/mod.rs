@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::Association;
 use voltet_core::progress::NoProgress;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 
 /// The declaration.
 pub(super) const FORMAT: Format = Format {
@@ -53,7 +53,7 @@ fn open_series(source: &Source, root: &Element, request: &Request) -> Result<Dat
     for file in files {
         add(source, file, &inner, true, &mut dataset)?;
     }
-    dataset.format = format!("VTK time series of {} steps; {}", time_steps.len(), dataset.format);
+    dataset.format = format!("VTK time series of {}; {}", counted(time_steps.len(), "step"), dataset.format);
     dataset.time_steps = time_steps;
     Ok(dataset)
 }
@@ -95,7 +95,7 @@ fn open_parallel(source: &Source, root: &Element, request: &Request) -> Result<D
         let error = Error::run(format!("<{kind}> names no pieces"));
         return Err(error.expected("at least one <Piece Source=\"…\">"));
     }
-    dataset.format = format!("VTK XML {kind} of {count} pieces; {}", dataset.format);
+    dataset.format = format!("VTK XML {kind} of {}; {}", counted(count, "piece"), dataset.format);
     Ok(dataset)
 }
 
