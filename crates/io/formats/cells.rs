@@ -52,6 +52,9 @@ fn bounds(offsets: &Stored, cell_count: usize, meter: &Meter) -> Result<Vec<u64>
     } else if found != cell_count + 1 {
         let error = Error::run("the cells have the wrong number of offsets");
         return Err(error.got(found).expected(cell_count).at_item(&offsets.name));
+    } else if bounds[0] != 0 {
+        let error = Error::run("the offsets, one more than cells, do not begin at 0").got(bounds[0]);
+        return Err(error.expected(format!("0, or {cell_count} offsets")).at_item(&offsets.name));
     }
     Ok(bounds)
 }
@@ -64,9 +67,10 @@ fn mixed(
     faces: &StoredFaces,
     meter: &Meter,
 ) -> Result<CellSet> {
+    let names = [&offsets.name, &connectivity.name];
     let offsets = bounds(offsets, types.len(), meter)?;
     let connectivity: Vec<u32> = connectivity.load(meter)?;
-    check_offsets(&offsets, connectivity.len())?;
+    check_offsets(&offsets, connectivity.len(), names)?;
     if !types.contains(&code::POLYHEDRON) {
         return Ok(CellSet { types, offsets, connectivity, polyhedra: Vec::new() });
     }
@@ -105,12 +109,13 @@ fn mixed(
     }
 }
 
-/// That offsets begin at 0, never descend and end with the connectivity.
-fn check_offsets(offsets: &[u64], connectivity_len: usize) -> Result<()> {
+/// Refuses offsets that descend or do not end with the connectivity. `names`: of both arrays.
+fn check_offsets(offsets: &[u64], connectivity_len: usize, [name, connectivity]: [&String; 2]) -> Result<()> {
     let wrong = |number: usize, accepted: String| {
         Err(Error::run(format!("the offset of cell {number} is wrong"))
             .got(offsets[number + 1])
-            .expected(accepted))
+            .expected(accepted)
+            .at_item(name))
     };
     if let Some(number) = offsets.windows(2).position(|pair| pair[1] < pair[0]) {
         return wrong(number, format!("at least {}", offsets[number]));
@@ -122,6 +127,13 @@ fn check_offsets(offsets: &[u64], connectivity_len: usize) -> Result<()> {
                 number.saturating_sub(1),
                 format!("at most {connectivity_len}, the length of the connectivity"),
             )
+        }
+        Some(&end) if end < connectivity_len as u64 => {
+            let error = Error::run("the connectivity holds more point numbers than the cells take");
+            Err(error
+                .got(connectivity_len)
+                .expected(format!("{end}, the last of the {name}"))
+                .at_item(connectivity))
         }
         _ => Ok(()),
     }
