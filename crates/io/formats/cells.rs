@@ -88,6 +88,10 @@ fn mixed(
                 polyhedra.push(Polyhedron { cell: number as u32, faces: face_stream(stream, number)? });
                 begin = end;
             }
+            if begin < faces.len() {
+                let error = Error::run("the faces hold more numbers than the polyhedra take");
+                return Err(error.got(faces.len()).expected(begin).at_item("faces"));
+            }
             Ok(CellSet { types, offsets, connectivity, polyhedra })
         }
         StoredFaces::Indexed { points, point_offsets, faces, face_offsets } => {
@@ -213,6 +217,12 @@ fn counted(list: &Stored, types: &Stored, meter: &Meter) -> Result<Cells> {
         cells.offsets.push(cells.connectivity.len() as u64);
         rest = after;
     }
+    if !rest.is_empty() {
+        return Err(Error::run("the list of cells holds more numbers than the cells take")
+            .got(list.len())
+            .expected(list.len() - rest.len())
+            .at_item("CELLS"));
+    }
     if types.contains(&code::POLYHEDRON) {
         return from_streams(types, &cells.offsets, cells.connectivity).map(Cells::Mixed);
     }
@@ -283,6 +293,15 @@ mod tests {
         let list = array("CELLS", &format!("4 0 1 2 3 17 {stream} 4 2 3 4 5 17 {stream}"));
         let codes = array("CELL_TYPES", "10 42 10 42");
         assert_eq!(counted(&list, &codes, &meter).unwrap(), Cells::Mixed(expected));
+        let long = array("CELLS", &format!("4 0 1 2 3 17 {stream} 4 2 3 4 5 17 {stream} 1 0"));
+        let long = counted(&long, &codes, &meter).unwrap_err().to_string();
+        assert!(long.contains("more numbers") && long.contains("found 48") && long.contains("46"), "{long}");
+        let long = StoredFaces::Stream {
+            faces: boxed("faces", &format!("{stream} {stream} 1")),
+            offsets: boxed("faceoffsets", "-1 17 -1 34"),
+        };
+        let long = mixed(types.clone(), &connectivity, &offsets, &long, &meter).unwrap_err().to_string();
+        assert!(long.contains("more numbers") && long.contains("found 35") && long.contains("34"), "{long}");
         let none = mixed(types.clone(), &connectivity, &offsets, &StoredFaces::None, &meter).unwrap_err();
         assert!(none.to_string().contains("without their faces"), "{none}");
         let short = StoredFaces::Stream {
