@@ -33,16 +33,15 @@ impl Source {
             return Err(Error::run("the file is empty").expected("a data file").in_file(path));
         }
         let source = Source { file, path: path.to_owned(), len: metadata.len() };
-        // With a byte order mark, and without one.
-        let wide: Option<(u64, fn([u8; 2]) -> u16)> = match source.head(4)?[..] {
-            [0xff, 0xfe, b'<', 0] => Some((2, u16::from_le_bytes)),
-            [0xfe, 0xff, 0, b'<'] => Some((2, u16::from_be_bytes)),
-            [b'<', 0, b'?', 0] => Some((0, u16::from_le_bytes)),
-            [0, b'<', 0, b'?'] => Some((0, u16::from_be_bytes)),
+        let head = source.head(4)?;
+        let mark = if head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]) { 2 } else { 0 };
+        let wide: Option<fn([u8; 2]) -> u16> = match head[..] {
+            [0xff, 0xfe, b'<', 0] | [b'<', 0, b'?', 0] => Some(u16::from_le_bytes),
+            [0xfe, 0xff, 0, b'<'] | [0, b'<', 0, b'?'] => Some(u16::from_be_bytes),
             _ => None,
         };
         match wide {
-            Some((start, word)) => source.in_utf_8(start, word).map(Arc::new),
+            Some(word) => source.in_utf_8(mark, word).map(Arc::new),
             None => Ok(Arc::new(source)),
         }
     }

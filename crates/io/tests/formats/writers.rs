@@ -41,8 +41,8 @@ fn text_of_two_bytes_a_character_is_read() {
     let ascii = encodings().into_iter().find(|encoding| encoding.mode == Mode::Ascii).unwrap();
     let text = String::from_utf8(unstructured(ascii, 2, true)).unwrap().replace('\n', "\r\n");
     let expected = of(&file(&folder, "plain.vtu", text.as_bytes()), named("Float32"));
-    let (low, high): (fn(u16) -> [u8; 2], fn(u16) -> [u8; 2]) = (u16::to_le_bytes, u16::to_be_bytes);
-    for (mark, bytes) in [("\u{feff}", low), ("\u{feff}", high), ("", low), ("", high)] {
+    let orders: [fn(u16) -> [u8; 2]; 2] = [u16::to_le_bytes, u16::to_be_bytes];
+    for (mark, bytes) in orders.into_iter().flat_map(|order| [("\u{feff}", order), ("", order)]) {
         let wide: Vec<u8> = (mark.to_owned() + &text).encode_utf16().flat_map(bytes).collect();
         let found = of(&file(&folder, "wide.vtu", &wide), named("Float32"));
         assert_eq!((found.tetrahedra, found.scalar), (expected.tetrahedra.clone(), expected.scalar.clone()));
