@@ -8,6 +8,7 @@ use super::overlap::{faces, within};
 use super::parts::{
     Association, CellValues, Cells, FileCells, Options, RawGrid, UNUSED, as_given, is_ghost, number,
 };
+use super::polyhedra::Polyhedra;
 use super::source::{CellStatus, Source};
 use super::{Array, GhostCells, Grid, cell_values};
 use crate::progress::Progress;
@@ -74,15 +75,9 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
             agreeing(&tally.unsupported.values().sum::<u64>(), "was", "were")
         ));
     }
-    if source.polyhedra.overlapping > 0 {
-        origin.warnings.push(format!(
-            "{} {} so far from convex that the tetrahedra of a split overlap and fill notches: cut such cells into convex ones.",
-            counted(source.polyhedra.overlapping, "polyhedron"),
-            agreeing(&source.polyhedra.overlapping, "is", "are")
-        ));
-    }
+    origin.warnings.extend(source.polyhedra.warnings());
     if tally.drawn == 0 {
-        return Err(nothing_to_draw(&tally));
+        return Err(nothing_to_draw(&tally, &source.polyhedra));
     }
     number(tally.tetrahedra(), "the grid has too many tetrahedra", "")?;
     let split = if plain { None } else { Some(split_all(&source, &tally, progress)?) };
@@ -91,14 +86,13 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
     if source.added_count() > 0 {
         add_points(&mut parts, &source)?;
     }
-    let are_folded = source.polyhedra.overlapping > 0;
     drop(source);
     let file_cells = options.keep_cells.then(|| cells.clone());
     let (mut tetrahedra, source_cells) = match (split, cells) {
         (Some((tetrahedra, source_cells)), _) => (tetrahedra, Some(source_cells)),
         // Nothing is left out and nothing is split: the file's cells are the tetrahedra.
         (None, Cells::Tetrahedra(own)) => (own, None),
-        (None, _) => return Err(nothing_to_draw(&tally)),
+        (None, _) => return Err(nothing_to_draw(&tally, &Polyhedra::default())),
     };
     tetrahedra.par_iter_mut().with_min_len(1 << 13).for_each(|t| t.sort_unstable());
     progress.report("tetrahedra", 0.8);
@@ -144,10 +138,8 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
         let ghost = ghost.map(|flags| flags.into_iter().map(as_given).collect());
         grid.file_cells = Some(Arc::new(FileCells { cells, points, numbers, joined_points, ghost, degrees }));
     }
-    if !are_folded {
-        let source_cells = grid.source_cells.as_deref().map(Vec::as_slice);
-        origin.warnings.extend(overlaps(&grid.points, &grid.tetrahedra, source_cells));
-    }
+    let source_cell_numbers = grid.source_cells.as_deref().map(Vec::as_slice);
+    origin.warnings.extend(overlaps(&grid.points, &grid.tetrahedra, source_cell_numbers));
     if let Some(values) = constant {
         cell_values::keep_constant(&mut grid, values)?;
     }
@@ -269,13 +261,16 @@ fn check(parts: &RawGrid, options: &Options) -> Result<()> {
 }
 
 /// The error where no tetrahedron is left.
-fn nothing_to_draw(tally: &CellCounts) -> Error {
+fn nothing_to_draw(tally: &CellCounts, polyhedra: &Polyhedra) -> Error {
     let mut found = describe_counts(&tally.by_type);
     let ghosts = tally.ghost + tally.without_owner;
     for (count, why) in [(ghosts, &*noun_of(&ghosts, "ghost")), (tally.not_finite, "not finite")] {
         if count > 0 {
             found.push_str(&format!(" ({count} {why})"));
         }
+    }
+    for warning in polyhedra.warnings() {
+        found.push_str(&format!(" ({})", warning.trim_end_matches('.')));
     }
     if let Some((&first, _)) = tally.unsupported.iter().next()
         && let Some(cell_type) = CellType::from_code(first)
@@ -353,6 +348,8 @@ fn tally(source: &Source, progress: &dyn Progress) -> Result<CellCounts> {
                     CellStatus::Ghost => tally.ghost += 1,
                     CellStatus::NotVolume => tally.not_volume += 1,
                     CellStatus::NotFinite => tally.not_finite += 1,
+                    // The warnings count them.
+                    CellStatus::NotSplit => {}
                     CellStatus::Unsupported => *tally.unsupported.entry(cell.code).or_default() += 1,
                 }
             }

@@ -2,6 +2,7 @@
 
 mod adjacency;
 mod build;
+mod carve;
 mod cell_types;
 mod cell_values;
 mod curved;
@@ -11,6 +12,8 @@ pub mod generate;
 pub(crate) mod overlap;
 mod parts;
 mod pieces;
+mod polygon;
+mod polyhedra;
 mod source;
 mod split;
 mod tetrahedra;

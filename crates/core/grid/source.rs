@@ -3,8 +3,8 @@
 use super::cell_types::{CellType, code};
 use super::curved::{Curved, is_curved};
 use super::parts::{Cell, Cells, Polyhedron, is_left_out, structured_corners};
+use super::polyhedra::{self, Added, Polyhedra};
 use super::split;
-use super::split::Polyhedra;
 use crate::{Error, Result};
 use rayon::prelude::*;
 
@@ -21,6 +21,8 @@ pub(super) enum CellStatus {
     NotFinite,
     /// Left out: a type that cannot be split.
     Unsupported,
+    /// Left out: a polyhedron that cannot be split.
+    NotSplit,
 }
 
 /// The cells of a file, checked one by one as they are asked for.
@@ -112,7 +114,13 @@ impl Source<'_> {
             cell.corners.iter().any(bad_point)
         };
         let has_bad_value = self.cell_not_finite.as_ref().is_some_and(|bad| bad[number]);
-        Ok(if has_bad_value || has_bad_point { CellStatus::NotFinite } else { CellStatus::Drawn })
+        Ok(if has_bad_value || has_bad_point {
+            CellStatus::NotFinite
+        } else if cell.code == code::POLYHEDRON && self.polyhedra.is_left_out(number) {
+            CellStatus::NotSplit
+        } else {
+            CellStatus::Drawn
+        })
     }
 
     /// Key of a curved cell's subdivision.
@@ -180,11 +188,15 @@ impl Source<'_> {
             let weights = self.curved.weights(self.kind(&cell), added);
             return Ok(f(&mut weights.iter().map(|&(node, w)| (cell.corners[node], w))));
         }
-        let position = self.polyhedra.added[i - self.curved.origins.len()];
         let Cells::Mixed(set) = self.cells else { return Ok(f(&mut std::iter::empty())) };
-        let corners = split::corners(&set.polyhedra[position]);
-        let weight = 1.0 / corners.len() as f64;
-        Ok(f(&mut corners.into_iter().map(|c| (c, weight))))
+        match &self.polyhedra.added[i - self.curved.origins.len()] {
+            Added::Mean(position) => {
+                let corners = polyhedra::corners(&set.polyhedra[*position]);
+                let weight = 1.0 / corners.len() as f64;
+                Ok(f(&mut corners.into_iter().map(|c| (c, weight))))
+            }
+            Added::Weights(weights) => Ok(f(&mut weights.iter().copied())),
+        }
     }
 
     /// Hands out the tetrahedra of a cell that is drawn.

@@ -52,6 +52,9 @@ fn bounds(offsets: &Stored, cell_count: usize, meter: &Meter) -> Result<Vec<u64>
     } else if found != cell_count + 1 {
         let error = Error::run("the cells have the wrong number of offsets");
         return Err(error.got(found).expected(cell_count).at_item(&offsets.name));
+    } else if bounds[0] != 0 {
+        let error = Error::run("the offsets, one more than cells, do not begin at 0").got(bounds[0]);
+        return Err(error.expected(format!("0, or {cell_count} offsets")).at_item(&offsets.name));
     }
     Ok(bounds)
 }
@@ -64,9 +67,10 @@ fn mixed(
     faces: &StoredFaces,
     meter: &Meter,
 ) -> Result<CellSet> {
+    let names = [&offsets.name, &connectivity.name];
     let offsets = bounds(offsets, types.len(), meter)?;
     let connectivity: Vec<u32> = connectivity.load(meter)?;
-    check_offsets(&offsets, connectivity.len())?;
+    check_offsets(&offsets, connectivity.len(), names)?;
     if !types.contains(&code::POLYHEDRON) {
         return Ok(CellSet { types, offsets, connectivity, polyhedra: Vec::new() });
     }
@@ -83,6 +87,10 @@ fn mixed(
                 let stream = faces.get(begin..end).ok_or_else(|| damaged_faces(number))?;
                 polyhedra.push(Polyhedron { cell: number as u32, faces: face_stream(stream, number)? });
                 begin = end;
+            }
+            if begin < faces.len() {
+                let error = Error::run("the faces hold more numbers than the polyhedra take");
+                return Err(error.got(faces.len()).expected(begin).at_item("faces"));
             }
             Ok(CellSet { types, offsets, connectivity, polyhedra })
         }
@@ -105,12 +113,13 @@ fn mixed(
     }
 }
 
-/// That offsets begin at 0, never descend and end with the connectivity.
-fn check_offsets(offsets: &[u64], connectivity_len: usize) -> Result<()> {
+/// Refuses offsets that descend or do not end with the connectivity. `names`: of both arrays.
+fn check_offsets(offsets: &[u64], connectivity_len: usize, [name, connectivity]: [&String; 2]) -> Result<()> {
     let wrong = |number: usize, accepted: String| {
         Err(Error::run(format!("the offset of cell {number} is wrong"))
             .got(offsets[number + 1])
-            .expected(accepted))
+            .expected(accepted)
+            .at_item(name))
     };
     if let Some(number) = offsets.windows(2).position(|pair| pair[1] < pair[0]) {
         return wrong(number, format!("at least {}", offsets[number]));
@@ -122,6 +131,13 @@ fn check_offsets(offsets: &[u64], connectivity_len: usize) -> Result<()> {
                 number.saturating_sub(1),
                 format!("at most {connectivity_len}, the length of the connectivity"),
             )
+        }
+        Some(&end) if end < connectivity_len as u64 => {
+            let error = Error::run("the connectivity holds more point numbers than the cells take");
+            Err(error
+                .got(connectivity_len)
+                .expected(format!("{end}, the last of the {name}"))
+                .at_item(connectivity))
         }
         _ => Ok(()),
     }
@@ -201,6 +217,12 @@ fn counted(list: &Stored, types: &Stored, meter: &Meter) -> Result<Cells> {
         cells.offsets.push(cells.connectivity.len() as u64);
         rest = after;
     }
+    if !rest.is_empty() {
+        return Err(Error::run("the list of cells holds more numbers than the cells take")
+            .got(list.len())
+            .expected(list.len() - rest.len())
+            .at_item("CELLS"));
+    }
     if types.contains(&code::POLYHEDRON) {
         return from_streams(types, &cells.offsets, cells.connectivity).map(Cells::Mixed);
     }
@@ -271,6 +293,15 @@ mod tests {
         let list = array("CELLS", &format!("4 0 1 2 3 17 {stream} 4 2 3 4 5 17 {stream}"));
         let codes = array("CELL_TYPES", "10 42 10 42");
         assert_eq!(counted(&list, &codes, &meter).unwrap(), Cells::Mixed(expected));
+        let long = array("CELLS", &format!("4 0 1 2 3 17 {stream} 4 2 3 4 5 17 {stream} 1 0"));
+        let long = counted(&long, &codes, &meter).unwrap_err().to_string();
+        assert!(long.contains("more numbers") && long.contains("found 48") && long.contains("46"), "{long}");
+        let long = StoredFaces::Stream {
+            faces: boxed("faces", &format!("{stream} {stream} 1")),
+            offsets: boxed("faceoffsets", "-1 17 -1 34"),
+        };
+        let long = mixed(types.clone(), &connectivity, &offsets, &long, &meter).unwrap_err().to_string();
+        assert!(long.contains("more numbers") && long.contains("found 35") && long.contains("34"), "{long}");
         let none = mixed(types.clone(), &connectivity, &offsets, &StoredFaces::None, &meter).unwrap_err();
         assert!(none.to_string().contains("without their faces"), "{none}");
         let short = StoredFaces::Stream {

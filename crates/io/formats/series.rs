@@ -10,9 +10,13 @@ use voltet_core::{Error, Result};
 /// The key that every writer puts first.
 const KEY: &[u8] = b"file-series-version";
 
+/// A byte order mark in UTF-8.
+const MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// True if the head of a file is that of a series.
 pub(super) fn is_series(head: &[u8]) -> bool {
-    head.starts_with(b"{") && head.windows(KEY.len()).any(|window| window == KEY)
+    head.strip_prefix(MARK).unwrap_or(head).starts_with(b"{")
+        && head.windows(KEY.len()).any(|window| window == KEY)
 }
 
 #[derive(Deserialize)]
@@ -30,7 +34,8 @@ struct Entry {
 /// Its entries by ascending time.
 fn entries(source: &Source) -> Result<Vec<Entry>> {
     let bytes = source.read(0, source.len())?;
-    let series: Series = serde_json::from_slice(&bytes).map_err(|error| {
+    let text = bytes.strip_prefix(MARK).unwrap_or(&bytes);
+    let series: Series = serde_json::from_slice(text).map_err(|error| {
         Error::run("the series is damaged")
             .got(error)
             .expected("\"files\": [{ \"name\": …, \"time\": … }, …]")

@@ -45,20 +45,22 @@ impl Source {
             return Err(Error::run("the file is empty").expected("a data file").in_file(path));
         }
         let source = Source { file, path: path.to_owned(), len: metadata.len() };
-        let wide: Option<fn([u8; 2]) -> u16> = match source.head(4)?[..] {
-            [0xff, 0xfe, b'<', 0] => Some(u16::from_le_bytes),
-            [0xfe, 0xff, 0, b'<'] => Some(u16::from_be_bytes),
+        let head = source.head(4)?;
+        let mark = if head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]) { 2 } else { 0 };
+        let wide: Option<fn([u8; 2]) -> u16> = match head[..] {
+            [0xff, 0xfe, b'<', 0] | [b'<', 0, b'?', 0] => Some(u16::from_le_bytes),
+            [0xfe, 0xff, 0, b'<'] | [0, b'<', 0, b'?'] => Some(u16::from_be_bytes),
             _ => None,
         };
         match wide {
-            Some(word) => source.in_utf_8(word).map(Arc::new),
+            Some(word) => source.in_utf_8(mark, word).map(Arc::new),
             None => Ok(Arc::new(source)),
         }
     }
 
-    /// A file of UTF-16 as one of UTF-8 without a name, `word`: from its bytes.
-    fn in_utf_8(&self, word: fn([u8; 2]) -> u16) -> Result<Source> {
-        let bytes = self.read(2, self.len - 2)?;
+    /// A file of UTF-16 as one of UTF-8 without a name; `start`: of its text, `word`: from its bytes.
+    fn in_utf_8(&self, start: u64, word: fn([u8; 2]) -> u16) -> Result<Source> {
+        let bytes = self.read(start, self.len - start)?;
         let words: Vec<u16> = bytes.as_chunks().0.iter().map(|&bytes| word(bytes)).collect();
         let text = String::from_utf16(&words).map_err(|error| {
             Error::run("the file is damaged").got(error).expected("UTF-16 text").in_file(&self.path)

@@ -41,9 +41,8 @@ fn text_of_two_bytes_a_character_is_read() {
     let ascii = encodings().into_iter().find(|encoding| encoding.mode == Mode::Ascii).unwrap();
     let text = String::from_utf8(unstructured(ascii, 2, true)).unwrap().replace('\n', "\r\n");
     let expected = of(&file(&folder, "plain.vtu", text.as_bytes()), named("Float32"));
-    for (mark, bytes) in
-        [("\u{feff}", u16::to_le_bytes as fn(u16) -> [u8; 2]), ("\u{feff}", u16::to_be_bytes)]
-    {
+    let orders: [fn(u16) -> [u8; 2]; 2] = [u16::to_le_bytes, u16::to_be_bytes];
+    for (mark, bytes) in orders.into_iter().flat_map(|order| [("\u{feff}", order), ("", order)]) {
         let wide: Vec<u8> = (mark.to_owned() + &text).encode_utf16().flat_map(bytes).collect();
         let found = of(&file(&folder, "wide.vtu", &wide), named("Float32"));
         assert_eq!((found.tetrahedra, found.scalar), (expected.tetrahedra.clone(), expected.scalar.clone()));
@@ -62,6 +61,8 @@ fn series_of_files_are_read_by_step_and_time() {
     }
     let series = r#"{ "file-series-version" : "1.0", "files" : [
         { "name" : "steps\\2.vtu", "time" : 0.5 }, { "name" : "steps/1.vtu", "time" : 0 }] }"#;
+    let marked = file(&folder, "marked.vtu.series", format!("\u{feff}{series}").as_bytes());
+    assert_eq!((of(&marked, named("Int8")).tetrahedra.len(), files_beside(&marked).len()), (6, 2));
     let path = file(&folder, "a.vtu.series", series.as_bytes());
     let cells = |time_step| of(&path, Request { time_step, ..named("Int8") }).tetrahedra.len();
     assert_eq!((cells(None), cells(Some(TimeStep::Index(1))), cells(Some(TimeStep::Time(0.4)))), (6, 12, 12));

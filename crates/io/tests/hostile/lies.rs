@@ -108,6 +108,14 @@ fn offsets_connectivity_and_types_are_checked() {
     let mixed = unstructured(ascii, 3, true);
     let descending = replaced(&mixed, "24 32 36", "24 22 36");
     expect(&message("a.vtu", &descending, &request), &["offset of cell 6", "22", "at least 24"]);
+    expect(&message("a.vtu", &descending, &request), &["offsets"]);
+    let long = replaced(&mixed, "52 56", "52 55");
+    expect(
+        &message("a.vtu", &long, &request),
+        &["more point numbers", "found 56", "55", "offsets", "connectivity"],
+    );
+    let shifted = replaced(&mixed, "4 8 12", "4 4 8 12");
+    expect(&message("a.vtu", &shifted, &request), &["do not begin at 0", "found 4", "offsets"]);
     let few = replaced(&sound, "10 10 10", "10 10");
     expect(&message("a.vtu", &few, &request), &["types", "found 17", "18"]);
     let word = replaced(&sound, "10 10 10", "10 1x 10");
