@@ -119,6 +119,8 @@ pub(crate) fn inputs<'a>(
             ..view(grid, camera, *offset)?
         })
     };
+    let samples: Vec<ViewRecord> = camera.sample_offsets().iter().map(sample).collect::<Result<_>>()?;
+    samples.iter().take(1).try_for_each(|view| grid.flat_cells.check(volume, transfer_function, view))?;
     let shader = compose(&shader_key);
     let is_counted = compositing == Compositor::Tiles;
     let (parts_left_out, part_bytes_left_out) = parts_left_out(&shader);
@@ -151,7 +153,7 @@ pub(crate) fn inputs<'a>(
         in_8_bits: options.accumulation == Accumulation::Bits8,
         sorted: !is_free && (sort_key != 2 || is_counted),
         ordered: along_faces.cloned(),
-        samples: camera.sample_offsets().iter().map(sample).collect::<Result<_>>()?,
+        samples,
         scalar: scalar.clone(),
         attributes,
     })
