@@ -82,9 +82,12 @@ impl FlatCells {
         let refused = |flat: &FlatCell| {
             let points = volume.grid.tetrahedra[flat.cell as usize].map(|point| point as usize);
             let seen = points.map(|p| (volume.grid.points[p] - *centre) / *length - base);
-            let farthest = |axis: &DVec3| seen.iter().map(|p| p.dot(*axis).abs()).fold(0.0, f64::max);
-            let moved =
-                ROUNDING * axes.iter().map(|axis| flat.normal.dot(*axis).abs() * farthest(axis)).sum::<f64>();
+            let moved_at =
+                |p: DVec3| axes.iter().map(|axis| (flat.normal.dot(*axis) * p.dot(*axis)).abs()).sum::<f64>();
+            // At the farthest corner alone the face moves where the cell ends in a point.
+            let mut moved = seen.map(moved_at);
+            moved.sort_by(f64::total_cmp);
+            let moved = ROUNDING * moved[2];
             if moved / (flat.height * E) <= MAX_CHANGE {
                 return None;
             }

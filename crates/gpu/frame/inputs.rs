@@ -348,10 +348,12 @@ fn view(grid: &DeviceGrid, camera: &Camera, offset: [f64; 2]) -> Result<ViewReco
     let eye = (camera.eye - grid.centre) / grid.length;
     // The view axis from where it can first meet the grid, which lies within half a scene length of its middle; of a flat grid
     // seen across, within twice its own depth, so that depths in it keep their digits.
+    // A near plane behind that is where the grid is first seen.
     let depth = 2.0 * grid.half.dot(frame.forward.abs());
-    let distance = (-eye.dot(frame.forward) - (2.0 * depth).min(0.5)).max(0.0);
+    let near = camera.near / grid.length;
+    let distance = (-eye.dot(frame.forward) - (2.0 * depth).min(0.5)).max(near).max(0.0);
     let base = eye + distance * frame.forward;
-    let near = camera.near / grid.length - distance;
+    let near = near - distance;
     // The farthest point seen stands a scene length behind the base, where a pixel is as wide as this.
     let width = if perspective { pixel * (distance + 1.0) } else { pixel };
     let reach = 1.0 + base.length().min(1.0);
