@@ -3,6 +3,7 @@
 
 use crate::device::pipelines::storage_buffers;
 use crate::device::{Device, GrowingBuffer, MEBIBYTE, locked};
+use crate::flat_cells::{FlatCell, FlatCells};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -212,6 +213,8 @@ pub(crate) struct DeviceGrid {
     pub(crate) centre: DVec3,
     /// Half the sides of the box, in lengths.
     pub(crate) half: DVec3,
+    /// Cells that rounding may spoil.
+    pub(crate) flat_cells: FlatCells,
     stored: Mutex<HashMap<ValueArray, Arc<DeviceArray>>>,
 }
 
@@ -235,6 +238,12 @@ impl DeviceGrid {
         let cells = grid.tetrahedra.par_iter().with_min_len(1 << 14);
         let longest = length * cells.map(edge).reduce(|| 0.0, f64::max).sqrt();
         let cell = |cell: usize| without_volume(grid.tetrahedra[cell], position_of);
+        let flat = |(number, cell): (usize, &[u32; 4])| {
+            let flat = FlatCell::new(number as u32, cell.map(position_of))?;
+            (without_volume(*cell, position_of) == *cell).then_some(flat)
+        };
+        let numbered = grid.tetrahedra.par_iter().enumerate().with_min_len(1 << 14);
+        let flat_cells = numbered.filter_map(flat).collect();
         device.count(|work| work.uploads += 2);
         Ok(DeviceGrid {
             positions: device.upload_parted(GridArray::Positions, &layout, grid.points.len(), position)?,
@@ -246,6 +255,7 @@ impl DeviceGrid {
             longest: if longest > 0.0 { longest } else { length },
             centre,
             half: 0.5 * (sides / length),
+            flat_cells: FlatCells { cells: flat_cells, centre, length },
             device,
             stored: Mutex::default(),
         })

@@ -6,6 +6,7 @@
 mod bound_pass;
 mod device;
 mod engine;
+mod flat_cells;
 mod frame;
 mod grid;
 #[doc(hidden)]

@@ -119,6 +119,8 @@ pub(crate) fn inputs<'a>(
             ..view(grid, camera, *offset)?
         })
     };
+    let samples: Vec<ViewRecord> = camera.sample_offsets().iter().map(sample).collect::<Result<_>>()?;
+    samples.iter().take(1).try_for_each(|view| grid.flat_cells.check(volume, transfer_function, view))?;
     let shader = compose(&shader_key);
     let is_counted = compositing == Compositor::Tiles;
     let (parts_left_out, part_bytes_left_out) = parts_left_out(&shader);
@@ -151,7 +153,7 @@ pub(crate) fn inputs<'a>(
         in_8_bits: options.accumulation == Accumulation::Bits8,
         sorted: !is_free && (sort_key != 2 || is_counted),
         ordered: along_faces.cloned(),
-        samples: camera.sample_offsets().iter().map(sample).collect::<Result<_>>()?,
+        samples,
         scalar: scalar.clone(),
         attributes,
     })
@@ -346,10 +348,12 @@ fn view(grid: &DeviceGrid, camera: &Camera, offset: [f64; 2]) -> Result<ViewReco
     let eye = (camera.eye - grid.centre) / grid.length;
     // The view axis from where it can first meet the grid, which lies within half a scene length of its middle; of a flat grid
     // seen across, within twice its own depth, so that depths in it keep their digits.
+    // A near plane behind that is where the grid is first seen.
     let depth = 2.0 * grid.half.dot(frame.forward.abs());
-    let distance = (-eye.dot(frame.forward) - (2.0 * depth).min(0.5)).max(0.0);
+    let near = camera.near / grid.length;
+    let distance = (-eye.dot(frame.forward) - (2.0 * depth).min(0.5)).max(near).max(0.0);
     let base = eye + distance * frame.forward;
-    let near = camera.near / grid.length - distance;
+    let near = near - distance;
     // The farthest point seen stands a scene length behind the base, where a pixel is as wide as this.
     let width = if perspective { pixel * (distance + 1.0) } else { pixel };
     let reach = 1.0 + base.length().min(1.0);

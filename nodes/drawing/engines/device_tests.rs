@@ -46,7 +46,18 @@ const END: Node = Node {
     ..Node::BLANK
 };
 
-static NODES: [Node; 2] = [SOURCE, END];
+/// The same grid for any device.
+const GRID: Node = Node {
+    name: "grid-for-any-device",
+    summary: "A grid.",
+    run: &|_| {
+        let grid = box_of_tetrahedra([4, 4, 4], [DVec3::ZERO, DVec3::ONE], 0.2);
+        Ok(vec![Value::Grid(Arc::new(with_scalar(grid, "s", |p| p.x)))]) as Result<Outputs>
+    },
+    ..SOURCE
+};
+
+static NODES: [Node; 3] = [SOURCE, GRID, END];
 
 const PIPELINE: &str = r#"
 [pipeline]
@@ -82,9 +93,13 @@ inputs = { image = "picture" }
 "#;
 
 fn run(engine: &str) -> Result<RunReport> {
+    run_text(PIPELINE, engine)
+}
+
+fn run_text(text: &str, engine: &str) -> Result<RunReport> {
     let mut registry = crate::registry()?;
     NODES.iter().try_for_each(|node| registry.add(node))?;
-    let text = PIPELINE.replace("ENGINE", engine);
+    let text = text.replace("ENGINE", engine);
     let text = if engine == "cpu" {
         text
     } else {
@@ -112,4 +127,36 @@ fn a_grid_that_the_device_cannot_bind_is_drawn_by_the_cpu() {
     assert_eq!(drawn.pictures[0].1.rgba, by_cpu.pictures[0].1.rgba);
     let error = run("gpu").expect_err("refused").to_string();
     assert!(error.contains("more parts than"), "{error}");
+}
+
+/// Widgets too dense for 32 bits are the CPU's picture under `auto`, which says why; asked of the device, they are an error.
+#[test]
+fn a_scene_that_32_bits_do_not_hold_is_drawn_by_the_cpu() {
+    if let Err(why) = Device::open(Some("software"), true) {
+        voltet_testing::skipped_without_device(why);
+        return;
+    }
+    let second = r#"[[nodes.look.widgets]]
+kind = "gaussian"
+color = [0.1, 0.5, 0.9]
+extinction = 1e10
+centre = [0.6, 0.0]
+sigma = [0.2, inf]
+
+[nodes.view]"#;
+    let text = PIPELINE.replace(SOURCE.name, GRID.name).replace("[nodes.view]", second);
+    let drawn = run_text(&text, "auto").expect("draws");
+    let (engine, why) = drawn.engine.expect("is named");
+    assert_eq!(engine, "cpu");
+    for word in ["too dense for 32 bits", "widgets[1]", "at most 2e7"] {
+        assert!(why.contains(word), "'{word}' is not in: {why}");
+    }
+    let by_cpu = run_text(&text, "cpu").expect("draws");
+    assert!(drawn.pictures[0].1.rgba.iter().any(|pixel| pixel[3] > 0.9));
+    assert_eq!(drawn.pictures[0].1.rgba, by_cpu.pictures[0].1.rgba);
+    let error = run_text(&text, "gpu").expect_err("refused").to_string();
+    assert!(error.contains("too dense for 32 bits"), "{error}");
+    // The same grid with a lesser extinction is the device's.
+    let held = run_text(&text.replace("1e10", "5.0"), "auto").expect("draws");
+    assert_eq!(held.engine.expect("is named").0, "gpu");
 }

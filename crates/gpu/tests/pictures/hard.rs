@@ -112,6 +112,24 @@ fn a_cell_before_130_thousand_tiles() {
     assert!(drawn.picture.rgba.iter().all(|pixel| 0.4 < pixel[3] && pixel[3] < 0.6));
 }
 
+/// A near plane that leaves 2e-5 of a dense cube, from far away: rounding would take a thousandth of that.
+#[test]
+fn a_near_plane_close_before_the_back() {
+    let left = 2e-5;
+    let mut camera = perspective([0.45, -1000.0, 0.55], [0.45, 0.0, 0.55], 0.05, [16, 16]);
+    camera.near = 1001.0 - left;
+    let scene = NamedScene {
+        name: "near plane".into(),
+        volume: smooth(cube([3, 3, 3], 0.0)),
+        look: look(vec![everywhere(1.0 / left, [1.0, 0.5, 0.25])]),
+        camera,
+    };
+    Tested.ordinary(&scene);
+    let Some(drawn) = draw(&scene, &SHADING, VisibilityOrder::Exact) else { return };
+    let opacity = -(-1.0f32).exp_m1();
+    assert!(drawn.picture.rgba.iter().any(|pixel| (pixel[3] - opacity).abs() < 1e-5));
+}
+
 #[test]
 fn surfaces() {
     for sigma in [1e-3, 1e-4] {

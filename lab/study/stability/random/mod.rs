@@ -348,6 +348,33 @@ mod tests {
         }
     }
 
+    /// Layers of slivers that the rounding of points makes visibly thicker or thinner: a device refuses them, so that `auto` takes the
+    /// CPU. What is as thin and less dense, or as dense and less thin, it draws.
+    #[test]
+    fn a_device_refuses_slivers_that_rounding_spoils() {
+        let subjects = match subjects(Some("software")) {
+            Ok(subjects) => subjects,
+            Err(why) => return voltet_testing::skipped_without_device(why),
+        };
+        let on_device = subjects.renderers.iter().find(|renderer| renderer.declared.on_device);
+        let device = on_device.expect("it is named");
+        let draw = |number| {
+            let scene = scene(1, number, Position::Special).expect("a scene");
+            clear_caches(device.engine.as_ref());
+            (picture(device, None, &scene, &NoProgress), scene)
+        };
+        for number in [226, 126, 656, 466, 896] {
+            let refused = draw(number).0.expect_err("too dense").to_string();
+            assert!(refused.contains("flat cell") && refused.contains("\"cpu\""), "{number}: {refused}");
+        }
+        for number in [406, 696, 1186] {
+            let (drawn, scene) = draw(number);
+            let exact = reference::draw(&scene, &NoProgress).expect("drawn");
+            let drawn = drawn.expect("held");
+            assert!(pixel_errors(&drawn, &exact).all(|error| error <= BOUND), "{number}");
+        }
+    }
+
     #[test]
     fn a_scene_follows_from_its_number() {
         let look = |seed, number| scene(seed, number, Position::General).expect("a scene").transfer_function;
