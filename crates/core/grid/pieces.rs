@@ -46,7 +46,8 @@ pub fn join(mut pieces: Vec<RawGrid>) -> Result<RawGrid> {
     number(starts[pieces.len()], "the grid has too many points", "")?;
 
     let columns: Vec<Vec<Column>> = pieces.iter().map(columns_of_points).collect();
-    let points = PiecePoints { pieces: &pieces, columns: &columns, starts: &starts };
+    let has_ids = pieces.iter().all(|piece| piece.global_ids.is_some());
+    let points = PiecePoints { pieces: &pieces, columns: &columns, starts: &starts, has_ids };
     let same = points.same();
     let numbers = points.numbers(&same);
     let targets = points.targets(&same, &numbers);
@@ -88,6 +89,8 @@ struct PiecePoints<'a> {
     columns: &'a [Vec<Column<'a>>],
     /// The first number of each piece, and the number of all points.
     starts: &'a [usize],
+    /// True if every piece has global ids.
+    has_ids: bool,
 }
 
 impl PiecePoints<'_> {
@@ -101,29 +104,24 @@ impl PiecePoints<'_> {
         self.pieces[piece].global_ids.as_ref()?.get(point).copied()
     }
 
-    fn has_ids(&self) -> bool {
-        self.pieces.iter().all(|piece| piece.global_ids.is_some())
-    }
-
     /// For each point the first of those that are the same point.
     fn same(&self) -> Vec<u32> {
         let mut same: Vec<u32> = (0..self.starts[self.pieces.len()] as u32).collect();
-        let mut keyed = if self.has_ids() { self.ids() } else { self.places_that_may_be_shared() };
+        let mut keyed = if self.has_ids { self.ids() } else { self.places_that_may_be_shared() };
         keyed.par_sort_unstable();
         let (mut left, mut firsts) = (Vec::new(), Vec::new());
         for equal in keyed.chunk_by(|a, b| a.0 == b.0).filter(|equal| equal.len() > 1) {
             left.clear();
-            left.extend(equal.iter().map(|&(_, point)| point));
+            left.extend(equal.iter().map(|&(_, piece, point)| (piece, point)));
             // Keys may be equal by chance.
             while let Some(&first) = left.first() {
                 firsts.clear();
-                let (mut piece, mut seen) = (usize::MAX, 0);
-                left.retain(|&point| {
-                    if !self.is_same(first, point) {
+                let (mut of_piece, mut seen) = (u32::MAX, 0);
+                left.retain(|&(piece, point)| {
+                    if !self.is_same(first, (piece, point)) {
                         return true;
                     }
-                    let own = self.place(point).0;
-                    (piece, seen) = if own == piece { (piece, seen + 1) } else { (own, 0) };
+                    (of_piece, seen) = if piece == of_piece { (piece, seen + 1) } else { (piece, 0) };
                     // Points of one piece stay apart: its second is the second of others.
                     match firsts.get(seen) {
                         Some(&first) => same[point as usize] = first,
@@ -136,16 +134,18 @@ impl PiecePoints<'_> {
         same
     }
 
-    fn ids(&self) -> Vec<(u64, u32)> {
-        let ids = |piece: &'_ RawGrid| {
-            let block = piece.block as u64;
-            piece.global_ids.clone().into_iter().flatten().map(move |id| mixed(block, id as u64))
-        };
-        self.pieces.iter().flat_map(ids).zip(0..).collect()
+    /// Keys of points that may be shared, with their piece and their number.
+    fn ids(&self) -> Vec<Keyed> {
+        let mut keyed = Vec::with_capacity(self.starts[self.pieces.len()]);
+        for (index, piece) in self.pieces.iter().enumerate() {
+            let ids = piece.global_ids.iter().flatten().zip(self.starts[index] as u32..);
+            keyed.extend(ids.map(|(&id, point)| (mixed(piece.block as u64, id as u64), index as u32, point)));
+        }
+        keyed
     }
 
     /// Keys of positions and values, at the points of each piece that lie in the box of another.
-    fn places_that_may_be_shared(&self) -> Vec<(u64, u32)> {
+    fn places_that_may_be_shared(&self) -> Vec<Keyed> {
         let boxes: Vec<Option<[DVec3; 2]>> =
             self.pieces.iter().map(|piece| extent::bounds(&piece.points)).collect();
         let meets = |[a, b]: [DVec3; 2], [c, d]: [DVec3; 2]| a.cmple(d).all() && c.cmple(b).all();
@@ -157,32 +157,37 @@ impl PiecePoints<'_> {
             let others: Vec<[DVec3; 2]> = others.filter_map(|(_, &b)| b.filter(|&b| meets(own, b))).collect();
             let key = |(point, &at): (usize, &DVec3)| {
                 let may_be_shared = others.iter().any(|&[low, high]| meets([at, at], [low, high]));
-                may_be_shared.then(|| (self.key(index, point), (self.starts[index] + point) as u32))
+                may_be_shared
+                    .then(|| (self.key(index, point), index as u32, (self.starts[index] + point) as u32))
             };
             keyed.par_extend(piece.points.par_iter().enumerate().with_min_len(CHUNK).filter_map(key));
         }
         keyed
     }
 
-    /// The numbers by which points without ids are told apart.
-    fn numbers_at(&self, piece: usize, point: usize) -> impl Iterator<Item = u64> {
-        let bits = |x: f64| if x.is_nan() { u64::MAX } else { (x + 0.0).to_bits() };
-        let values =
-            self.columns[piece].iter().flat_map(move |&(values, n)| &values[point * n..(point + 1) * n]);
-        self.pieces[piece].points[point].to_array().into_iter().chain(values.copied()).map(bits)
-    }
-
+    /// A key of the position and the values of a point, by which points without ids are told apart.
     fn key(&self, piece: usize, point: usize) -> u64 {
-        self.numbers_at(piece, point).fold(self.pieces[piece].block as u64, mixed)
+        let of_place = |key: u64, place: DVec3| place.to_array().map(bits).into_iter().fold(key, mixed);
+        let mut key = of_place(self.pieces[piece].block as u64, self.pieces[piece].points[point]);
+        for &(values, n) in &self.columns[piece] {
+            key = values[point * n..][..n].iter().fold(key, |key, &value| mixed(key, bits(value)));
+        }
+        key
     }
 
-    fn is_same(&self, a: u32, b: u32) -> bool {
-        let ((p, i), (q, j)) = (self.place(a), self.place(b));
-        self.pieces[p].block == self.pieces[q].block
-            && match self.has_ids() {
-                true => self.id(p, i) == self.id(q, j),
-                false => self.numbers_at(p, i).eq(self.numbers_at(q, j)),
-            }
+    fn is_same(&self, (p, a): (u32, u32), (q, b): (u32, u32)) -> bool {
+        let (p, q) = (p as usize, q as usize);
+        let (i, j) = (a as usize - self.starts[p], b as usize - self.starts[q]);
+        let (one, other) = (&self.pieces[p], &self.pieces[q]);
+        if one.block != other.block || self.has_ids {
+            return one.block == other.block && self.id(p, i) == self.id(q, j);
+        }
+        let equal = |(&x, &y): (&f64, &f64)| bits(x) == bits(y);
+        one.points[i].as_ref().iter().zip(other.points[j].as_ref()).all(equal)
+            && self.columns[p]
+                .iter()
+                .zip(&self.columns[q])
+                .all(|(&(these, n), &(those, _))| these[i * n..][..n].iter().zip(&those[j * n..]).all(equal))
     }
 
     /// The number of each point in the grid of all pieces. The order of the points of each piece is kept, so that each face is cut by
@@ -214,7 +219,7 @@ impl PiecePoints<'_> {
                 }
             }
             let Some((first, pieces)) = waiting.pop_first() else { break };
-            if self.has_ids() {
+            if self.has_ids {
                 let mut firsts: Vec<u32> =
                     (0..same.len() as u32).filter(|&p| same[p as usize] == p).collect();
                 let id = |&point: &u32| {
@@ -256,6 +261,14 @@ impl PiecePoints<'_> {
         let target = |point| if is_source(point) { numbers[point] } else { u32::MAX };
         (0..same.len()).into_par_iter().with_min_len(CHUNK).map(target).collect()
     }
+}
+
+/// A key of a point, its piece, and its number among all.
+type Keyed = (u64, u32, u32);
+
+/// Bits of a number: −0 is 0, and all NaNs are one.
+fn bits(x: f64) -> u64 {
+    if x.is_nan() { u64::MAX } else { (x + 0.0).to_bits() }
 }
 
 /// A key made of another and further bits: the finaliser of Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators".
