@@ -9,7 +9,7 @@
 
 use super::polygon::{Triangle, clip_ears};
 use glam::DVec3;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Orders in which the corners are taken, at most: rounding may spoil a mesh of thin tetrahedra.
 const MAX_ATTEMPTS: u64 = 8;
@@ -430,7 +430,7 @@ impl Mesh {
         if around.is_empty() {
             return None;
         }
-        let mut polygons: HashMap<usize, Vec<(u32, u32)>> = HashMap::new();
+        let mut polygons: BTreeMap<usize, Vec<(u32, u32)>> = BTreeMap::new();
         for face in at_point {
             let [_, from, to] = turned_to(face, point);
             polygons.entry(self.owner(face, own)?).or_default().push((from, to));

@@ -11,7 +11,7 @@ use super::carve::{Apex, Pieces, apex, carve, join};
 use super::parts::{CellSet, Polyhedron, number};
 use super::polygon::{Triangle, clip_ears, fan, fan_start};
 use super::split::emit_distinct;
-use crate::{Error, Result};
+use crate::{Error, Result, counted};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
@@ -157,8 +157,14 @@ impl Polyhedra {
     /// Warnings of polyhedra that are left out, one for each reason.
     pub fn warnings(&self) -> impl Iterator<Item = String> {
         self.left_out.iter().map(|(defect, cells)| {
-            let (count, first) = (cells.len(), cells[0]);
-            format!("{count} polyhedra were left out, the first is cell {first}: {}.", defect.reason())
+            let (count, first, why) = (cells.len() as u64, cells[0], defect.reason());
+            match count {
+                1 => format!("1 polyhedron was left out, cell {first}: {why}."),
+                _ => format!(
+                    "{} were left out, the first is cell {first}: {why}.",
+                    counted(count, "polyhedron")
+                ),
+            }
         })
     }
 
