@@ -89,6 +89,10 @@ fn limited(folder: &Folder, mebibytes: usize, threads: &str, set: &str) -> std::
     let program = env!("CARGO_BIN_EXE_voltet");
     let line = format!("ulimit -v {} && exec {program} run wavelet.toml --set '{set}'", mebibytes * 1024);
     let mut shell = std::process::Command::new("sh");
+    // Else the C library reserves 64 MiB of addresses for each of many threads that is there early, and the last may find none.
+    if threads != THREADS.1 {
+        shell.env("MALLOC_ARENA_MAX", "1");
+    }
     shell.args(["-c", &line]).env(THREADS.0, threads).current_dir(folder.path()).output().unwrap()
 }
 
