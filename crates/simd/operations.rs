@@ -72,9 +72,8 @@ pub trait Double:
 
 /// [`Float::difference_of_products`] without a fused multiply-add: the roundings of both products from the halves of their factors' digits
 /// (Dekker 1971).
-#[allow(dead_code, reason = "sets with a fused multiply-add do without")]
 #[inline(always)]
-pub(crate) fn unfused_difference_of_products<F: Float>(a: F, b: F, c: F, d: F) -> F {
+fn unfused_difference_of_products<F: Float>(a: F, b: F, c: F, d: F) -> F {
     let halves = inlined!(|x: F| {
         let shifted = x * F::splat(4097.0);
         let high = shifted - (shifted - x);
@@ -102,10 +101,15 @@ pub trait Float:
     fn store(self, values: &mut [f32]);
     /// self × b + c, fused where the processor can.
     fn mul_add(self, b: Self, c: Self) -> Self;
+    /// True if [`mul_add`](Self::mul_add) is fused.
+    const FUSED: bool = true;
     /// self × b − c × d, to the last digits also where the products nearly cancel: two products of which the rounding of one is made good
     /// (Kahan; Jeannerod, Louvet and Muller 2013).
     #[inline(always)]
     fn difference_of_products(self, b: Self, c: Self, d: Self) -> Self {
+        if !Self::FUSED {
+            return unfused_difference_of_products(self, b, c, d);
+        }
         let product = c * d;
         let rest = c.mul_add(d, -product);
         self.mul_add(b, -product) - rest

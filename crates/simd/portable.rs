@@ -1,8 +1,6 @@
 //! Four lanes that every processor runs: arrays, operation by operation. It has no block that is unsafe.
 
-use super::operations::{
-    Double, Float, Lanes, Mask, Unsigned, inside, parts_inside, sealed, unfused_difference_of_products,
-};
+use super::operations::{Double, Float, Lanes, Mask, Unsigned, inside, parts_inside, sealed};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 const WIDTH: usize = 4;
@@ -78,6 +76,7 @@ fn bits<const N: usize>(lanes: [bool; N]) -> u32 {
 
 impl Float for F {
     type Lanes = Portable;
+    const FUSED: bool = FUSED;
 
     #[inline(always)]
     fn splat(value: f32) -> F {
@@ -94,14 +93,6 @@ impl Float for F {
     #[inline(always)]
     fn mul_add(self, b: F, c: F) -> F {
         if FUSED { each!(F, |i| self.0[i].mul_add(b.0[i], c.0[i])) } else { self * b + c }
-    }
-    #[inline(always)]
-    fn difference_of_products(self, b: F, c: F, d: F) -> F {
-        if !FUSED {
-            return unfused_difference_of_products(self, b, c, d);
-        }
-        let product = c * d;
-        self.mul_add(b, -product) - c.mul_add(d, -product)
     }
     #[inline(always)]
     fn gather(values: &[f32], index: U) -> F {

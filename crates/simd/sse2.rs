@@ -1,8 +1,6 @@
 //! Four lanes: SSE2, which every x86-64 processor has. Its instructions read alike in every function, so that what other
 //! sets do in one instruction and SSE2 lacks (blends, unsigned minima, rounding) is written here in a few.
 
-#[cfg(not(target_feature = "fma"))]
-use super::operations::unfused_difference_of_products;
 use super::operations::{
     Double, Float, Lanes, Mask, PrefetchedGather, Unsigned, first, first_mut, inside, parts_inside, sealed,
 };
@@ -78,6 +76,7 @@ fn parts(four: impl Fn(usize) -> __m128) -> [F; 4] {
 
 impl Float for F {
     type Lanes = Sse2;
+    const FUSED: bool = cfg!(target_feature = "fma");
 
     #[inline(always)]
     fn mul_add(self, b: F, c: F) -> F {
@@ -86,11 +85,6 @@ impl Float for F {
         return F(on_processor!(_mm_fmadd_ps(self.0, b.0, c.0)));
         #[cfg(not(target_feature = "fma"))]
         return self * b + c;
-    }
-    #[cfg(not(target_feature = "fma"))]
-    #[inline(always)]
-    fn difference_of_products(self, b: F, c: F, d: F) -> F {
-        unfused_difference_of_products(self, b, c, d)
     }
     #[inline(always)]
     fn round(self) -> F {
