@@ -159,14 +159,16 @@ pub fn warnings(scene: &Scene, counts: &RenderStats, picture: &Picture) -> Vec<S
 
 /// The words for widgets that all lie beside the values of the scalar: they were made for another, as a rule.
 fn beside_values(scene: &Scene) -> Option<String> {
-    let [low, high] = extent::range(&scene.volume.scalar)?;
+    let scalar = &scene.volume.scalar;
     let drawn = scene.transfer_function.widgets.iter().filter(|widget| widget.is_drawn());
     let ranges: Vec<[f64; 2]> = drawn.map(Widget::scalar_range).collect();
-    let is_beside = |range: &[f64; 2]| range[1] < low || range[0] > high;
+    // The first values tell that a widget is not: all are looked at only where it is.
+    let some = |holds: &dyn Fn(f64) -> bool| scalar.iter().any(|&s| s.is_finite() && holds(s));
+    let is_beside = |&[first, last]: &[f64; 2]| !(some(&|s| s <= last) && some(&|s| first <= s));
     if ranges.is_empty() || !ranges.iter().all(is_beside) {
         return None;
     }
-    let [first, last] = extent::range(ranges.as_flattened())?;
+    let ([low, high], [first, last]) = (extent::range(scalar)?, extent::range(ranges.as_flattened())?);
     let name = &scene.volume.grid.scalar_name;
     Some(format!(
         "every widget lies outside the values of '{name}': these are from {low} to {high}, the widgets from {first} to {last}. \
