@@ -2,12 +2,14 @@
 //!
 //! Some scenes have no picture that 32 bits, or the data's own rounding, determine: a ray within a face, a widget a
 //! millionth as wide as a cell's range. A pixel beyond its bound is *explained* where the referee itself changes by half as much
-//! when the camera moves by a thousandth of a pixel, when s and g or the points are rounded to 32 bits of their ranges, or when s and
+//! when rays move by a thousandth of a pixel, when s and g or the points are rounded to 32 bits of their ranges, or when s and
 //! g all move by as much as that may change the larger half of them. What is not explained is wrong.
 //!
 //! A device draws each scene in all its ways of compositing, in exact order where the cells have one. Hardware moves the corners
 //! of triangles to a raster, those of each cell for itself: there the sum counts of what each cell, drawn alone, changes when it
-//! moves by a step of that raster.
+//! moves by a step of that raster. Other ways of compositing decide by the rounded points of a face, for each face
+//! alone, whether a ray within it meets the cell beside it. Where a face has a cell on one side only, both are right: of such cells,
+//! and of no others, the sum of changes counts as well.
 //!
 //! Every number gives two scenes, one in general position and one in a special one.
 
@@ -21,8 +23,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::sync::Arc;
-use voltet_core::grid::Grid;
 use voltet_core::grid::extent::range;
+use voltet_core::grid::{Grid, cells_of_faces};
 use voltet_core::picture::Picture;
 use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::volume::Volume;
@@ -153,12 +155,13 @@ pub fn random(
             let is_wrong = |most: &[f64]| errors.iter().zip(most).any(|(e, most)| *e > BOUND + LIKE * most);
             let mut most = known.clone();
             // A sum over all cells is a bound already.
+            let grid = &scene.volume.grid;
             let further = match way {
-                Some(Compositor::Triangles) => Some(RASTER),
-                _ => is_wrong(&most).then_some(EDGE_ON_ROUNDING),
+                Some(Compositor::Triangles) => Some((grid.tetrahedra.to_vec(), RASTER)),
+                _ => is_wrong(&most).then(|| (outer_cells(grid), EDGE_ON_ROUNDING)),
             };
-            if let Some(by) = further {
-                let further = changes_of_cells(&scene, by, progress);
+            if let Some((cells, by)) = further {
+                let further = changes_of_cells(&scene, &cells, by, progress);
                 most.iter_mut().zip(further).for_each(|(most, further)| *most = most.max(further / LIKE));
             }
             found.beyond.push(beyond((number, position), engine, &errors, &most, exact.width));
@@ -200,13 +203,20 @@ const EDGE_ON_ROUNDING: f64 = 1.0 / (1 << 15) as f64;
 /// Change by rounding to 32 bits in a number from a half to one.
 const HALF_STEP: f64 = 1.0 / (1 << 25) as f64;
 
-/// By how much each pixel may change when the corners of every cell move by so many pixels, each cell for itself: what one loses no other
+/// Cells that have a face to themselves.
+fn outer_cells(grid: &Grid) -> Vec<[u32; 4]> {
+    let faces = cells_of_faces(grid);
+    let cells = grid.tetrahedra.iter().zip(faces.chunks(4));
+    cells.filter(|(_, neighbours)| neighbours.contains(&u32::MAX)).map(|(cell, _)| *cell).collect()
+}
+
+/// By how much each pixel may change when the corners of these cells move by so many pixels, each cell for itself: what one loses no other
 /// gains. The sum, over the cells, of what each changes when it is drawn alone and moves. As it hides and is hidden by others at most
 /// wholly, the picture changes by no more.
-fn changes_of_cells(scene: &Scene, by: f64, progress: &dyn Progress) -> Vec<f64> {
+fn changes_of_cells(scene: &Scene, cells: &[[u32; 4]], by: f64, progress: &dyn Progress) -> Vec<f64> {
     let size = scene.camera.size.map(|n| n as usize);
     let mut sum = vec![0.0; size[0] * size[1]];
-    for &cell in scene.volume.grid.tetrahedra.iter() {
+    for &cell in cells {
         let grid = Grid { tetrahedra: vec![cell].into(), ..(*scene.volume.grid).clone() };
         let volume = Arc::new(Volume { grid: Arc::new(grid), ..(*scene.volume).clone() });
         let alone = Scene { volume, ..scene.clone() };
