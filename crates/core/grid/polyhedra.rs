@@ -33,7 +33,7 @@ pub(super) enum Defect {
 impl Defect {
     fn reason(self) -> &'static str {
         match self {
-            Defect::Open => "their faces do not enclose a volume (is a face missing?)",
+            Defect::Open => "the faces do not enclose a volume (is a face missing?)",
             Defect::CrossedFace => "the edges of a face cross or touch each other",
             Defect::NotSplit => {
                 "no split into tetrahedra was found that stays inside (do faces cross? Else cut them into convex cells)"
