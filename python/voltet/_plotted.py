@@ -19,18 +19,7 @@ if TYPE_CHECKING:
 class Plotted(Overlay, pv.Actor):
     """A volume in a plotter: an actor of it, which is hidden and removed as others are. What VTK draws of it is the outline of its
     bounds, fully transparent; the picture is laid over the frames of the renderers that have the actor, while it is visible.
-
-    Attributes
-    ----------
-    picture : Picture or None
-        The last picture: what is seen of the volume; row 0 at the top.
-    pipeline : voltet.Pipeline
-        What draws it; changes of it are drawn after `modified()`.
-    error : Exception or None
-        What the last frame raised: VTK draws frames, and would forget it. `raise_error()` raises it.
-    draws : int
-        How often it was drawn.
-    """
+    Its attributes are those of `Overlay`."""
 
     def __init__(self, plotter: Any, look: Look, method: Any, scale: float, options: Mapping[str, Any]):
         Overlay.__init__(self, scale, look.linear)
