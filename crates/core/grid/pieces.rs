@@ -139,7 +139,8 @@ impl PiecePoints<'_> {
         let mut keyed = Vec::with_capacity(self.starts[self.pieces.len()]);
         for (index, piece) in self.pieces.iter().enumerate() {
             let ids = piece.global_ids.iter().flatten().zip(self.starts[index] as u32..);
-            keyed.extend(ids.map(|(&id, point)| (mixed(piece.block as u64, id as u64), index as u32, point)));
+            let block = (piece.block as u64).rotate_right(16);
+            keyed.extend(ids.map(|(&id, point)| (block ^ id as u64, index as u32, point)));
         }
         keyed
     }
@@ -149,6 +150,9 @@ impl PiecePoints<'_> {
         let boxes: Vec<Option<[DVec3; 2]>> =
             self.pieces.iter().map(|piece| extent::bounds(&piece.points)).collect();
         let meets = |[a, b]: [DVec3; 2], [c, d]: [DVec3; 2]| a.cmple(d).all() && c.cmple(b).all();
+        let all = boxes.iter().flatten().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], own| {
+            [low.min(own[0]), high.max(own[1])]
+        });
         let mut keyed = Vec::new();
         for (index, piece) in self.pieces.iter().enumerate() {
             let Some(own) = boxes[index] else { continue };
@@ -158,21 +162,24 @@ impl PiecePoints<'_> {
             let key = |(point, &at): (usize, &DVec3)| {
                 let may_be_shared = others.iter().any(|&[low, high]| meets([at, at], [low, high]));
                 may_be_shared
-                    .then(|| (self.key(index, point), index as u32, (self.starts[index] + point) as u32))
+                    .then(|| (self.key(index, point, all), index as u32, (self.starts[index] + point) as u32))
             };
             keyed.par_extend(piece.points.par_iter().enumerate().with_min_len(CHUNK).filter_map(key));
         }
         keyed
     }
 
-    /// A key of the position and the values of a point, by which points without ids are told apart.
-    fn key(&self, piece: usize, point: usize) -> u64 {
-        let of_place = |key: u64, place: DVec3| place.to_array().map(bits).into_iter().fold(key, mixed);
-        let mut key = of_place(self.pieces[piece].block as u64, self.pieces[piece].points[point]);
+    /// A key of the position and the values of a point, by which points without ids are told apart. Its upper 24 bits are the
+    /// position on a lattice over the box of all points: sorted points are then near each other in memory, too.
+    fn key(&self, piece: usize, point: usize, [low, high]: [DVec3; 2]) -> u64 {
+        let at = self.pieces[piece].points[point];
+        let lattice = (at - low) / (high - low) * 255.0;
+        let lattice = lattice.to_array().into_iter().fold(0, |key, x| key << 8 | x as u64);
+        let mut key = at.to_array().map(bits).into_iter().fold(self.pieces[piece].block as u64, mixed);
         for &(values, n) in &self.columns[piece] {
             key = values[point * n..][..n].iter().fold(key, |key, &value| mixed(key, bits(value)));
         }
-        key
+        lattice << 40 | key >> 24
     }
 
     fn is_same(&self, (p, a): (u32, u32), (q, b): (u32, u32)) -> bool {
@@ -468,7 +475,7 @@ fn join_arrays(joined: &mut RawGrid, mut pieces: Vec<RawGrid>, targets: &[u32], 
 }
 
 fn concatenated(all: &[SharedSlice<f64>]) -> Vec<f64> {
-    all.iter().flat_map(|values| values.iter().copied()).collect()
+    all.iter().map(|values| &values[..]).collect::<Vec<_>>().concat()
 }
 
 fn lacks(name: &str) -> Error {

@@ -32,7 +32,7 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
         let choices = choices(dataset, request)?;
         external.fetch(|name, association| is_read(&choices, name, association), progress)?;
     }
-    let cells: Vec<Cells> = pieces.iter().map(|piece| cells::load(piece, &meter)).collect::<Result<_>>()?;
+    let cells: Vec<Cells> = of_each(pieces.clone(), |piece| cells::load(piece, &meter))?;
     check_dimension(&cells)?;
 
     let choices = choices(dataset, request)?;
@@ -48,15 +48,11 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     refuse_beyond_memory(&pieces, &cells, choices.len(), progress)?;
     let ids = global_ids(dataset);
     let wanted = PieceRequest { request, choices: &choices, ids };
-    let loaded: Vec<RawGrid> = pieces
-        .iter()
-        .zip(cells)
-        .enumerate()
-        .map(|(index, (piece, cells))| {
+    let loaded: Vec<RawGrid> =
+        of_each(pieces.into_iter().zip(cells).enumerate().collect(), |(index, (piece, cells))| {
             let block = if dataset.has_blocks { index } else { 0 };
             Ok(RawGrid { block, ..load(piece, cells, &wanted, &meter)? })
-        })
-        .collect::<Result<_>>()?;
+        })?;
     let mut parts = grid::join(loaded)?;
     parts.origin.warnings.extend(dataset.warnings.iter().cloned());
     parts.origin.warnings.extend(external.into_iter().flat_map(|external| external.ready().warnings.clone()));
@@ -69,6 +65,11 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     let &Request { subdivision, cell_values, keep_cells, .. } = request;
     let options = grid::Options { subdivision, cell_values, keep_cells };
     grid::build(parts, &options, progress)
+}
+
+/// Work on pieces, side by side. Errors: that of the first piece that has one.
+fn of_each<P: Send, T: Send>(pieces: Vec<P>, work: impl Fn(P) -> Result<T> + Sync + Send) -> Result<Vec<T>> {
+    pieces.into_par_iter().map(work).collect::<Vec<_>>().into_iter().collect()
 }
 
 /// Name of the array that numbers the points of all pieces; `None` where there is one piece, or a piece lacks it.
