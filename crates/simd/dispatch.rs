@@ -156,6 +156,8 @@ mod tests {
         for set in LaneSet::ALL {
             assert_eq!(LaneSet::asked(Some(set.name()), |_| true).unwrap(), set);
         }
+        let of_arm = LaneSet::asked(Some("neon"), |_| true).ok();
+        assert_eq!(of_arm, cfg!(target_arch = "aarch64").then_some(LaneSet::Portable));
         let said = |asked: &str| LaneSet::asked(Some(asked), narrow).unwrap_err().to_string();
         let unknown = said("AVX2");
         assert!(unknown.contains("VOLTET_LANES") && unknown.contains("AVX2"), "{unknown}");

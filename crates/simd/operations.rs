@@ -247,6 +247,7 @@ pub(super) fn inside<L: Lanes>(index: L::U, length: usize) -> L::U {
 }
 
 /// Indices into a slice of fours, none past the end and none whose bytes 32 bits do not count.
+#[cfg(target_arch = "x86_64")]
 #[inline(always)]
 pub(super) fn parts_inside<L: Lanes>(index: L::U, values: &[[f32; 4]]) -> L::U {
     last_of_parts(values);
