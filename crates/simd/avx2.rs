@@ -10,8 +10,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 lane_set!(
     #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2,lzcnt")]
-    Avx2: 8, F(__m256), U(__m256i), M(__m256), D(__m256d), MD(__m256d)
+    pub(super) Avx2: 8, F, U, M, D
 );
+registers!(F(__m256), U(__m256i), M(__m256), D(__m256d), MD(__m256d));
 
 operator!(F, Add, add, _mm256_add_ps);
 operator!(F, Sub, sub, _mm256_sub_ps);
@@ -44,7 +45,7 @@ impl Float for F {
     }
     #[inline(always)]
     fn gather_awaited(awaited: &PrefetchedGather<'_>) -> [F; 4] {
-        parts(inlined!(|i| awaited.four(i)))
+        parts(inlined!(|i| on_processor!(_mm_loadu_ps(awaited.four(i).as_ptr()))))
     }
     #[inline(always)]
     fn scatter_parts<const N: usize>(fours: [[F; 4]; N], values: &mut [[[f32; 4]; N]], index: U) {

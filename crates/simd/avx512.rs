@@ -10,8 +10,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 lane_set!(
     #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,popcnt,bmi1,bmi2,lzcnt")]
-    Avx512: 16, F(__m512), U(__m512i), M(__mmask16), D(__m512d), MD(__mmask8)
+    pub(super) Avx512: 16, F, U, M, D
 );
+registers!(F(__m512), U(__m512i), M(__mmask16), D(__m512d), MD(__mmask8));
 
 operator!(F, Add, add, _mm512_add_ps);
 operator!(F, Sub, sub, _mm512_sub_ps);
@@ -44,7 +45,7 @@ impl Float for F {
     }
     #[inline(always)]
     fn gather_awaited(awaited: &PrefetchedGather<'_>) -> [F; 4] {
-        parts(inlined!(|i| awaited.four(i)))
+        parts(inlined!(|i| on_processor!(_mm_loadu_ps(awaited.four(i).as_ptr()))))
     }
     #[inline(always)]
     fn scatter_parts<const N: usize>(fours: [[F; 4]; N], values: &mut [[[f32; 4]; N]], index: U) {

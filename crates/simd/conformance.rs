@@ -209,20 +209,13 @@ fn every_operation_is_what_its_trait_says_on_every_lane_set() {
             eprintln!("skipped: this processor has no {}", lanes.name());
             continue;
         }
-        check(lanes, lanes.name(), |vector| dispatch(lanes, All(vector)));
-    }
-    // Where the processor has four lanes of its own, the arrays that stand for them elsewhere.
-    check(LaneSet::Portable, "arrays", |vector| All(vector).run::<portable::Portable>());
-}
-
-/// Compares what a lane set gives with the models, vector by vector.
-fn check(lanes: LaneSet, name: &str, run: impl Fn(&[Row]) -> Vec<Vec<Found>>) {
-    for vector in vectors(lanes.width()) {
-        let found = run(&vector);
-        assert_eq!(found.len(), operations(lanes).count());
-        for ((operation, model, _), found) in operations(lanes).zip(found) {
-            let expected: Vec<Found> = (0..vector.len()).map(|lane| model(&vector, lane)).collect();
-            assert_eq!(found, expected, "{operation} on {name}");
+        for vector in vectors(lanes.width()) {
+            let found = dispatch(lanes, All(&vector));
+            assert_eq!(found.len(), operations(lanes).count());
+            for ((operation, model, _), found) in operations(lanes).zip(found) {
+                let expected: Vec<Found> = (0..vector.len()).map(|lane| model(&vector, lane)).collect();
+                assert_eq!(found, expected, "{operation} on {}", lanes.name());
+            }
         }
     }
 }

@@ -1,13 +1,11 @@
 //! Lane sets, and what runs a kernel on one.
 
-use super::FourLanes;
 #[cfg(target_arch = "x86_64")]
 use super::avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 use super::avx512::Avx512;
-#[cfg(all(target_arch = "aarch64", target_endian = "little"))]
-use super::neon::Neon;
 use super::operations::Lanes;
+use super::portable::Portable;
 use std::sync::OnceLock;
 use voltet_core::{Error, Result};
 
@@ -29,15 +27,13 @@ pub enum LaneSet {
     Avx512,
     /// 8 lanes: AVX2 and FMA (and the bit operations that came with them).
     Avx2,
-    /// 8 lanes: NEON, two vectors at a time.
-    Neon,
-    /// 4 lanes that every processor has: SSE2 on x86-64, arrays elsewhere.
+    /// 4 lanes that every processor has: SSE2 on x86-64, NEON on AArch64, arrays elsewhere.
     Portable,
 }
 
 impl LaneSet {
     /// All of them, the widest first.
-    pub const ALL: [LaneSet; 4] = [LaneSet::Avx512, LaneSet::Avx2, LaneSet::Neon, LaneSet::Portable];
+    pub const ALL: [LaneSet; 3] = [LaneSet::Avx512, LaneSet::Avx2, LaneSet::Portable];
 
     /// The set that the environment variable `VOLTET_LANES` names (to compare them), or the widest that this processor has.
     ///
@@ -56,7 +52,9 @@ impl LaneSet {
         };
         let names =
             |sets: &mut dyn Iterator<Item = LaneSet>| sets.map(LaneSet::name).collect::<Vec<_>>().join(", ");
-        match LaneSet::ALL.into_iter().find(|set| set.name() == asked) {
+        // What was a set of its own.
+        let name = if asked == "neon" && cfg!(target_arch = "aarch64") { "portable" } else { asked };
+        match LaneSet::ALL.into_iter().find(|set| set.name() == name) {
             Some(set) if is_supported(set) => Ok(set),
             Some(_) => {
                 Err(Error::usage(format!("this processor lacks the vector units that {VARIABLE} names"))
@@ -91,8 +89,6 @@ impl LaneSet {
             }
             #[cfg(not(target_arch = "x86_64"))]
             LaneSet::Avx512 | LaneSet::Avx2 => false,
-            // Every AArch64 processor that the standard library is made for has it.
-            LaneSet::Neon => cfg!(all(target_arch = "aarch64", target_endian = "little")),
             LaneSet::Portable => true,
         }
     }
@@ -106,8 +102,8 @@ impl LaneSet {
     pub fn width(self) -> usize {
         match self.or_portable() {
             LaneSet::Avx512 => 16,
-            LaneSet::Avx2 | LaneSet::Neon => 8,
-            LaneSet::Portable => 4,
+            LaneSet::Avx2 => 8,
+            LaneSet::Portable => Portable::WIDTH,
         }
     }
 
@@ -116,7 +112,6 @@ impl LaneSet {
         match self {
             LaneSet::Avx512 => "avx512",
             LaneSet::Avx2 => "avx2",
-            LaneSet::Neon => "neon",
             LaneSet::Portable => "portable",
         }
     }
@@ -135,10 +130,7 @@ pub fn dispatch<K: Kernel>(lanes: LaneSet, kernel: K) -> K::Output {
         LaneSet::Avx512 => run::<Avx512, K>(kernel),
         #[cfg(target_arch = "x86_64")]
         LaneSet::Avx2 => run::<Avx2, K>(kernel),
-        #[cfg(all(target_arch = "aarch64", target_endian = "little"))]
-        LaneSet::Neon => run::<Neon, K>(kernel),
-        #[expect(unreachable_patterns, reason = "some stand above, by architecture")]
-        LaneSet::Avx512 | LaneSet::Avx2 | LaneSet::Neon | LaneSet::Portable => run::<FourLanes, K>(kernel),
+        _ => run::<Portable, K>(kernel),
     }
 }
 
@@ -164,12 +156,14 @@ mod tests {
         for set in LaneSet::ALL {
             assert_eq!(LaneSet::asked(Some(set.name()), |_| true).unwrap(), set);
         }
+        let of_arm = LaneSet::asked(Some("neon"), |_| true).ok();
+        assert_eq!(of_arm, cfg!(target_arch = "aarch64").then_some(LaneSet::Portable));
         let said = |asked: &str| LaneSet::asked(Some(asked), narrow).unwrap_err().to_string();
         let unknown = said("AVX2");
         assert!(unknown.contains("VOLTET_LANES") && unknown.contains("AVX2"), "{unknown}");
-        assert!(unknown.contains("avx512, avx2, neon, portable"), "{unknown}");
+        assert!(unknown.contains("avx512, avx2, portable"), "{unknown}");
         let lacking = said("avx512");
         assert!(lacking.contains("this processor lacks") && lacking.contains("VOLTET_LANES"), "{lacking}");
-        assert!(lacking.contains("avx512") && lacking.contains("avx2, neon, portable"), "{lacking}");
+        assert!(lacking.contains("avx512") && lacking.contains("avx2, portable"), "{lacking}");
     }
 }

@@ -1,7 +1,7 @@
 //! voltet-simd: vector lanes, and what is written in them: the 32-bit formulas ([`optics`]) and a sorting network ([`sort`]).
 //!
-//! Vector lanes are the few operations the kernels are written in, over 16 (AVX-512), 8 (AVX2 + FMA, NEON) or 4 lanes, which
-//! every processor has: SSE2 on x86-64, arrays elsewhere.
+//! Vector lanes are the few operations the kernels are written in, over 16 (AVX-512), 8 (AVX2 + FMA) or 4 lanes, which
+//! every processor has: SSE2 on x86-64, NEON on AArch64, arrays elsewhere.
 //!
 //! A kernel is one generic function over [`Lanes`], marked `#[inline(always)]`; [`dispatch()`] runs it inside a
 //! function that carries the processor features, chosen once at run time. The implementations agree lane
@@ -10,9 +10,9 @@
 //!
 //! # Why code cannot run instructions that the processor lacks
 //!
-//! The methods of the AVX lanes are safe to call and would be undefined on a processor without the features (NEON is in every
-//! AArch64 processor that the standard library is made for, and SSE2 in every x86-64). So their types are private: outside this crate they have no name, there is no function that gives one, and no type that they could be
-//! reached from. Code meets them only as the type parameter of [`Kernel::run`], which only [`dispatch()`] fills in, after
+//! The methods of the AVX lanes are safe to call and would be undefined on a processor without the features. So their types are
+//! private: outside this crate they have no name, there is no function that gives one, and no type that they could be reached from.
+//! Code meets them only as the type parameter of [`Kernel::run`], which only [`dispatch()`] fills in, after
 //! the processor said that it has the features; and what a processor has, it keeps. [`Lanes`] is sealed, so that unsafe code
 //! may rely on what its traits say.
 //!
@@ -45,7 +45,7 @@ macro_rules! array {
 }
 
 /// Instructions of the lane set.
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(target_arch = "x86_64")]
 macro_rules! on_processor {
     ($instructions:expr) => {{
         // SAFETY: they need a processor that has them, and code over these lanes runs beneath `dispatch` alone, which made sure of
@@ -82,21 +82,20 @@ macro_rules! operator {
     };
 }
 
-/// A lane set: the processor features of its instructions, its width, and the registers of its floats, integers, booleans, 64-bit floats
-/// and their booleans.
+/// A lane set: the processor features of its instructions, its width, and the types of its floats, integers, booleans and 64-bit floats.
 macro_rules! lane_set {
-    ($(#[$features:meta])? $set:ident: $width:expr, $($name:ident($register:ty)),*) => {
+    ($(#[$features:meta])? $visibility:vis $set:ident: $width:expr, $float:ty, $unsigned:ty, $mask:ty, $double:ty) => {
         #[derive(Clone, Copy)]
-        pub(super) struct $set;
+        $visibility struct $set;
 
         impl sealed::Sealed for $set {}
 
         impl Lanes for $set {
             const WIDTH: usize = $width;
-            type F = F;
-            type U = U;
-            type M = M;
-            type D = D;
+            type F = $float;
+            type U = $unsigned;
+            type M = $mask;
+            type D = $double;
 
             #[inline(always)]
             fn call<A, R>(part: impl Fn(A) -> R, argument: A) -> R {
@@ -109,7 +108,13 @@ macro_rules! lane_set {
                 unsafe { outlined(part, argument) }
             }
         }
+    };
+}
 
+/// Types of registers.
+#[cfg(target_arch = "x86_64")]
+macro_rules! registers {
+    ($($name:ident($register:ty)),*) => {
         $(
             #[derive(Clone, Copy)]
             pub(super) struct $name($register);
@@ -125,22 +130,12 @@ mod avx512;
 mod conformance;
 mod dispatch;
 pub mod limits;
-#[cfg(all(target_arch = "aarch64", target_endian = "little"))]
-mod neon;
 mod operations;
 pub mod optics;
-#[cfg(any(test, not(target_arch = "x86_64")))]
 mod portable;
 pub mod sort;
-#[cfg(target_arch = "x86_64")]
-mod sse2;
 
 pub use dispatch::{Kernel, LaneSet, dispatch};
 pub use operations::{
     Double, Float, Lanes, Mask, PrefetchedGather, Unsigned, array, inlined, mask_of, prefetch,
 };
-
-#[cfg(not(target_arch = "x86_64"))]
-use portable::Portable as FourLanes;
-#[cfg(target_arch = "x86_64")]
-use sse2::Sse2 as FourLanes;

@@ -225,14 +225,12 @@ pub trait Mask: Copy {
 }
 
 /// An array at the start of a slice.
-#[cfg(target_arch = "x86_64")]
 #[inline(always)]
 pub(super) fn first<T, const N: usize>(values: &[T]) -> &[T; N] {
     values[..N].try_into().expect("as many values")
 }
 
 /// An array at the start of a slice, to be written.
-#[cfg(target_arch = "x86_64")]
 #[inline(always)]
 pub(super) fn first_mut<T, const N: usize>(values: &mut [T]) -> &mut [T; N] {
     (&mut values[..N]).try_into().expect("as many values")
@@ -249,6 +247,7 @@ pub(super) fn inside<L: Lanes>(index: L::U, length: usize) -> L::U {
 }
 
 /// Indices into a slice of fours, none past the end and none whose bytes 32 bits do not count.
+#[cfg(target_arch = "x86_64")]
 #[inline(always)]
 pub(super) fn parts_inside<L: Lanes>(index: L::U, values: &[[f32; 4]]) -> L::U {
     last_of_parts(values);
@@ -297,14 +296,11 @@ impl<'a> PrefetchedGather<'a> {
         L::U::load(&self.bytes).shr::<4>()
     }
 
-    /// The values of lane `i`; the processor's own way to read four floats.
-    #[cfg(target_arch = "x86_64")]
+    /// The values of lane `i`.
     #[inline(always)]
-    pub(super) fn four(&self, i: usize) -> std::arch::x86_64::__m128 {
-        // SAFETY: places are those of values: of the first, or cut off at the last by `ask`; every x86-64 has the instruction.
-        unsafe {
-            std::arch::x86_64::_mm_loadu_ps(self.values.as_ptr().byte_add(self.bytes[i] as usize).cast())
-        }
+    pub(super) fn four(&self, i: usize) -> &[f32; 4] {
+        // SAFETY: places are those of values: of the first, or cut off at the last by `ask`.
+        unsafe { &*self.values.as_ptr().byte_add(self.bytes[i] as usize) }
     }
 }
 

@@ -1,223 +1,164 @@
-//! Four lanes that every processor runs: arrays, operation by operation. It has no block that is unsafe.
+//! Four lanes that every processor runs: vectors of the crate `wide`, chosen by the build. They are SSE2 on x86-64, NEON on AArch64, and
+//! arrays elsewhere.
 
-use super::operations::{Double, Float, Lanes, Mask, Unsigned, inside, parts_inside, sealed};
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use super::operations::{
+    Double, Float, Lanes, Mask, PrefetchedGather, Unsigned, first, first_mut, inside, sealed,
+};
+use wide::{f32x4, f64x2, u32x4};
 
 const WIDTH: usize = 4;
 
-/// True if the build has an instruction that fuses a multiply-add: else it would be a slow library call.
-const FUSED: bool = cfg!(any(target_feature = "fma", all(target_arch = "aarch64", target_feature = "neon")));
+lane_set!(pub Portable: WIDTH, f32x4, u32x4, f32x4, f64x2);
 
-lane_set!(Portable: WIDTH, F([f32; WIDTH]), U([u32; WIDTH]), M([bool; WIDTH]), D([f64; 2]), MD([bool; 2]));
-
-/// Lanes by an expression of a lane's number.
-macro_rules! each {
-    ($type:ident, |$i:ident| $lane:expr) => {
-        $type(array!(|$i| $lane))
-    };
-}
-
-/// Methods whose results are expressions of each lane.
+/// Methods of an expression each.
 macro_rules! operations {
-    ($(fn $method:ident $(<const $n:ident: u32>)? ($($operand:tt)*) -> $type:ident = |$i:ident| $result:expr;)*) => {$(
+    ($(fn $method:ident $(<const $n:ident: u32>)? ($($operand:tt)*) $(-> $result:ty)? = $value:expr;)*) => {$(
         #[inline(always)]
-        fn $method $(<const $n: u32>)? ($($operand)*) -> $type {
-            each!($type, |$i| $result)
+        fn $method $(<const $n: u32>)? ($($operand)*) $(-> $result)? {
+            $value
         }
     )*};
 }
 
-macro_rules! operator {
-    ($type:ident, $trait:ident, $method:ident, |$a:ident, $b:ident| $lane:expr) => {
-        impl $trait for $type {
-            type Output = $type;
-            operations! {
-                fn $method(self, other: $type) -> $type = |i| {
-                    let ($a, $b) = (self.0[i], other.0[i]);
-                    $lane
-                };
-            }
-        }
-    };
-}
-
-operator!(F, Add, add, |a, b| a + b);
-operator!(F, Sub, sub, |a, b| a - b);
-operator!(F, Mul, mul, |a, b| a * b);
-operator!(F, Div, div, |a, b| a / b);
-operator!(U, Add, add, |a, b| a.wrapping_add(b));
-operator!(U, Sub, sub, |a, b| a.wrapping_sub(b));
-operator!(U, Mul, mul, |a, b| a.wrapping_mul(b));
-operator!(D, Add, add, |a, b| a + b);
-operator!(D, Sub, sub, |a, b| a - b);
-operator!(D, Mul, mul, |a, b| a * b);
-operator!(D, Div, div, |a, b| a / b);
-
-impl Neg for D {
-    type Output = D;
-    operations! { fn neg(self) -> D = |i| -self.0[i]; }
-}
-
-impl Neg for F {
-    type Output = F;
-    operations! { fn neg(self) -> F = |i| -self.0[i]; }
-}
-
-/// One bit a lane, lane 0 the lowest.
+/// The values that an index names.
 #[inline(always)]
-fn bits<const N: usize>(lanes: [bool; N]) -> u32 {
-    let (mut bits, mut i) = (0, 0);
-    while i < N {
-        bits |= u32::from(lanes[i]) << i;
-        i += 1;
-    }
-    bits
+fn gathered<T: Copy>(values: &[T], index: u32x4) -> [T; WIDTH] {
+    let places = inside::<Portable>(index, values.len()).to_array();
+    // SAFETY: every index lies inside the slice.
+    array!(|i| unsafe { *values.get_unchecked(places[i] as usize) })
 }
 
-impl Float for F {
+/// Four floats of each lane, part by part.
+#[inline(always)]
+fn parts(fours: [[f32; 4]; WIDTH]) -> [f32x4; 4] {
+    f32x4::transpose(array!(|i| f32x4::new(fours[i])))
+}
+
+impl Float for f32x4 {
     type Lanes = Portable;
-    const FUSED: bool = FUSED;
+    // Where the build has the instruction; else `wide` multiplies and adds.
+    const FUSED: bool =
+        cfg!(any(target_feature = "fma", all(target_arch = "aarch64", target_feature = "neon")));
 
     #[inline(always)]
-    fn splat(value: f32) -> F {
-        F([value; WIDTH])
+    fn floor(self) -> f32x4 {
+        // `wide` calls a function a lane where the build has no instruction.
+        let nearest = Float::round(self);
+        nearest - (self.simd_lt(nearest) & f32x4::ONE)
     }
     #[inline(always)]
-    fn load(values: &[f32]) -> F {
-        F(values[..WIDTH].try_into().expect("four values"))
-    }
-    #[inline(always)]
-    fn store(self, values: &mut [f32]) {
-        values[..WIDTH].copy_from_slice(&self.0);
-    }
-    #[inline(always)]
-    fn mul_add(self, b: F, c: F) -> F {
-        if FUSED { each!(F, |i| self.0[i].mul_add(b.0[i], c.0[i])) } else { self * b + c }
-    }
-    #[inline(always)]
-    fn gather(values: &[f32], index: U) -> F {
-        let index = inside::<Portable>(index, values.len());
-        each!(F, |i| values[index.0[i] as usize])
-    }
-    #[inline(always)]
-    fn gather_parts(values: &[[f32; 4]], index: U) -> [F; 4] {
-        let index = parts_inside::<Portable>(index, values);
-        array!(|c| each!(F, |i| values[index.0[i] as usize][c]))
-    }
-    #[inline(always)]
-    fn scatter_parts<const N: usize>(fours: [[F; 4]; N], values: &mut [[[f32; 4]; N]], index: U) {
-        let index = inside::<Portable>(index, values.len());
+    fn scatter_parts<const N: usize>(fours: [[f32x4; 4]; N], values: &mut [[[f32; 4]; N]], index: u32x4) {
+        let places = inside::<Portable>(index, values.len()).to_array();
         for (n, parts) in fours.into_iter().enumerate() {
-            for (lane, place) in index.0.into_iter().enumerate() {
-                values[place as usize][n] = parts.map(|part| part.0[lane]);
+            for (place, four) in places.into_iter().zip(f32x4::transpose(parts)) {
+                // SAFETY: every index lies inside the slice.
+                let value = unsafe { values.get_unchecked_mut(place as usize) };
+                value[n] = four.to_array();
             }
         }
     }
 
+    // The processor's, as the trait says; those of other processors differ for NaN.
+    #[cfg(target_arch = "x86_64")]
     operations! {
-        fn abs(self) -> F = |i| self.0[i].abs();
-        fn sqrt(self) -> F = |i| self.0[i].sqrt();
-        fn round(self) -> F = |i| self.0[i].round_ties_even();
-        fn floor(self) -> F = |i| self.0[i].floor();
-        fn lt(self, other: F) -> M = |i| self.0[i] < other.0[i];
-        fn le(self, other: F) -> M = |i| self.0[i] <= other.0[i];
-        fn select(mask: M, yes: F, no: F) -> F = |i| if mask.0[i] { yes.0[i] } else { no.0[i] };
-        fn to_bits(self) -> U = |i| self.0[i].to_bits();
-        fn from_bits(bits: U) -> F = |i| f32::from_bits(bits.0[i]);
-        fn to_unsigned(self) -> U = |i| self.0[i] as u32;
+        fn min(self, other: f32x4) -> f32x4 = self.fast_min(other);
+        fn max(self, other: f32x4) -> f32x4 = self.fast_max(other);
+    }
+    operations! {
+        fn splat(value: f32) -> f32x4 = f32x4::splat(value);
+        fn load(values: &[f32]) -> f32x4 = f32x4::new(*first(values));
+        fn store(self, values: &mut [f32]) = *first_mut(values) = self.to_array();
+        fn mul_add(self, b: f32x4, c: f32x4) -> f32x4 = self.mul_add(b, c);
+        fn abs(self) -> f32x4 = self.abs();
+        fn sqrt(self) -> f32x4 = self.sqrt();
+        // The sign of what is rounded to 0.
+        fn round(self) -> f32x4 = self.round_ties_even() | (self & f32x4::splat(-0.0));
+        fn lt(self, other: f32x4) -> f32x4 = self.simd_lt(other);
+        fn le(self, other: f32x4) -> f32x4 = self.simd_le(other);
+        fn select(mask: f32x4, yes: f32x4, no: f32x4) -> f32x4 = mask.select(yes, no);
+        fn to_bits(self) -> u32x4 = self.to_bits();
+        fn from_bits(bits: u32x4) -> f32x4 = f32x4::from_bits(bits);
+        fn to_unsigned(self) -> u32x4 = self.fast_trunc_int().cast_unsigned();
+        fn gather(values: &[f32], index: u32x4) -> f32x4 = f32x4::new(gathered(values, index));
+        fn gather_parts(values: &[[f32; 4]], index: u32x4) -> [f32x4; 4] = parts(gathered(values, index));
+        fn gather_awaited(awaited: &PrefetchedGather<'_>) -> [f32x4; 4] = parts(array!(|i| *awaited.four(i)));
     }
 }
 
-impl Unsigned for U {
+impl Unsigned for u32x4 {
     type Lanes = Portable;
 
     #[inline(always)]
-    fn splat(value: u32) -> U {
-        U([value; WIDTH])
-    }
-    #[inline(always)]
-    fn iota() -> U {
-        U([0, 1, 2, 3])
-    }
-    #[inline(always)]
-    fn load(values: &[u32]) -> U {
-        U(values[..WIDTH].try_into().expect("four values"))
-    }
-    #[inline(always)]
-    fn load_u16(values: &[u16]) -> U {
-        let values = &values[..WIDTH];
-        each!(U, |i| values[i].into())
-    }
-    #[inline(always)]
-    fn store(self, values: &mut [u32]) {
-        values[..WIDTH].copy_from_slice(&self.0);
+    fn load_u16(values: &[u16]) -> u32x4 {
+        let values: &[u16; WIDTH] = first(values);
+        u32x4::new(array!(|i| values[i].into()))
     }
 
     operations! {
-        fn shl<const N: u32>(self) -> U = |i| self.0[i] << N;
-        fn shr<const N: u32>(self) -> U = |i| self.0[i] >> N;
-        fn and(self, other: U) -> U = |i| self.0[i] & other.0[i];
-        fn or(self, other: U) -> U = |i| self.0[i] | other.0[i];
-        fn min(self, other: U) -> U = |i| self.0[i].min(other.0[i]);
-        fn max(self, other: U) -> U = |i| self.0[i].max(other.0[i]);
-        fn test(self, bits: U) -> M = |i| self.0[i] & bits.0[i] != 0;
-        fn equal(self, other: U) -> M = |i| self.0[i] == other.0[i];
-        fn select(mask: M, yes: U, no: U) -> U = |i| if mask.0[i] { yes.0[i] } else { no.0[i] };
-        fn to_float(self) -> F = |i| self.0[i] as i32 as f32;
-        fn permute(self, index: U) -> U = |i| self.0[index.0[i] as usize % WIDTH];
+        fn splat(value: u32) -> u32x4 = u32x4::splat(value);
+        fn iota() -> u32x4 = u32x4::new([0, 1, 2, 3]);
+        fn load(values: &[u32]) -> u32x4 = u32x4::new(*first(values));
+        fn store(self, values: &mut [u32]) = *first_mut(values) = self.to_array();
+        fn shl<const N: u32>(self) -> u32x4 = self << N;
+        fn shr<const N: u32>(self) -> u32x4 = self >> N;
+        fn and(self, other: u32x4) -> u32x4 = self & other;
+        fn or(self, other: u32x4) -> u32x4 = self | other;
+        // `wide` compares lane by lane where the build has no instruction.
+        fn min(self, other: u32x4) -> u32x4 = self.simd_lt(other).select(self, other);
+        fn max(self, other: u32x4) -> u32x4 = self.simd_lt(other).select(other, self);
+        fn test(self, bits: u32x4) -> f32x4 = !Unsigned::equal(self & bits, u32x4::ZERO);
+        fn equal(self, other: u32x4) -> f32x4 = f32x4::from_bits(self.simd_eq(other));
+        fn select(mask: f32x4, yes: u32x4, no: u32x4) -> u32x4 = mask.select(yes, no);
+        fn to_float(self) -> f32x4 = self.cast_signed().round_float();
+        fn permute(self, index: u32x4) -> u32x4 = self.shuffle_wrapping(index);
     }
 }
 
 macro_rules! mask {
     ($type:ident) => {
         impl Mask for $type {
-            #[inline(always)]
-            fn bits(self) -> u32 {
-                bits(self.0)
-            }
-
             operations! {
-                fn and(self, other: $type) -> $type = |i| self.0[i] & other.0[i];
-                fn or(self, other: $type) -> $type = |i| self.0[i] | other.0[i];
-                fn not(self) -> $type = |i| !self.0[i];
+                fn and(self, other: $type) -> $type = self & other;
+                fn or(self, other: $type) -> $type = self | other;
+                fn not(self) -> $type = !self;
+                fn bits(self) -> u32 = self.to_bitmask();
             }
         }
     };
 }
 
-mask!(M);
-mask!(MD);
+mask!(f32x4);
+mask!(f64x2);
 
-impl Double for D {
+impl Double for f64x2 {
     const COUNT: usize = 2;
-    type Mask = MD;
+    type Mask = f64x2;
 
-    #[inline(always)]
-    fn splat(value: f64) -> D {
-        D([value; 2])
-    }
-    #[inline(always)]
-    fn load(values: &[f64]) -> D {
-        D(values[..2].try_into().expect("two values"))
-    }
-    #[inline(always)]
-    fn store(self, values: &mut [f64]) {
-        values[..2].copy_from_slice(&self.0);
-    }
     #[inline(always)]
     fn store_f32(self, values: &mut [f32]) {
-        values[..2].copy_from_slice(&self.0.map(|value| value as f32));
+        let lanes = self.to_array();
+        *first_mut(values) = [lanes[0] as f32, lanes[1] as f32];
     }
     #[inline(always)]
-    fn mul_add(self, b: D, c: D) -> D {
-        if FUSED { each!(D, |i| self.0[i].mul_add(b.0[i], c.0[i])) } else { self * b + c }
+    fn ceil(self) -> f64x2 {
+        let nearest = self.round_ties_even();
+        // −0 stays, and −0.5 becomes it.
+        (nearest + (nearest.simd_lt(self) & f64x2::ONE)) | (self & f64x2::splat(-0.0))
     }
 
+    #[cfg(target_arch = "x86_64")]
     operations! {
-        fn abs(self) -> D = |i| self.0[i].abs();
-        fn ceil(self) -> D = |i| self.0[i].ceil();
-        fn lt(self, other: D) -> MD = |i| self.0[i] < other.0[i];
-        fn le(self, other: D) -> MD = |i| self.0[i] <= other.0[i];
-        fn select(mask: MD, yes: D, no: D) -> D = |i| if mask.0[i] { yes.0[i] } else { no.0[i] };
+        fn min(self, other: f64x2) -> f64x2 = self.fast_min(other);
+        fn max(self, other: f64x2) -> f64x2 = self.fast_max(other);
+    }
+    operations! {
+        fn splat(value: f64) -> f64x2 = f64x2::splat(value);
+        fn load(values: &[f64]) -> f64x2 = f64x2::new(*first(values));
+        fn store(self, values: &mut [f64]) = *first_mut(values) = self.to_array();
+        fn mul_add(self, b: f64x2, c: f64x2) -> f64x2 = self.mul_add(b, c);
+        fn abs(self) -> f64x2 = self.abs();
+        fn lt(self, other: f64x2) -> f64x2 = self.simd_lt(other);
+        fn le(self, other: f64x2) -> f64x2 = self.simd_le(other);
+        fn select(mask: f64x2, yes: f64x2, no: f64x2) -> f64x2 = mask.select(yes, no);
     }
 }

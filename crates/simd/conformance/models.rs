@@ -3,7 +3,8 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "what a comparison is for NaN is what is tested")]
 
 use super::inputs::Row;
-use crate::LaneSet;
+use crate::portable::Portable;
+use crate::{Float, LaneSet, Lanes};
 
 /// Bits of what one lane gave.
 pub(super) type Found = u64;
@@ -168,9 +169,8 @@ pub(super) const MULTIPLY_ADD: [[(&str, Model, Model); 2]; 2] = {
 
 /// Operations that a lane set is tested with, in the order in which [`All`] answers.
 pub(super) fn operations(lanes: LaneSet) -> impl Iterator<Item = (&'static str, Model, Model)> {
-    // The portable set fuses where the whole build may.
-    let build = cfg!(any(target_feature = "fma", all(target_arch = "aarch64", target_feature = "neon")));
-    let fused = lanes != LaneSet::Portable || build;
+    // The portable set says whether it fuses.
+    let fused = lanes != LaneSet::Portable || <<Portable as Lanes>::F as Float>::FUSED;
     let multiply_add = MULTIPLY_ADD[usize::from(fused)];
     OPERATIONS.into_iter().chain(DOUBLES).chain(multiply_add)
 }

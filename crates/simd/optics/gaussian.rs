@@ -332,8 +332,8 @@ impl<L: Lanes, const N: usize> LaneGaussianSteps<L, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::FourLanes as P;
     use crate::optics::smooth::tests::{lane, uniform};
+    use crate::portable::Portable as P;
 
     type F = <P as Lanes>::F;
 

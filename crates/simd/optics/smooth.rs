@@ -215,9 +215,9 @@ fn add_color<L: Lanes>(sum: &mut [L::F; 4], weight: L::F, color: &[f32; 3]) {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::FourLanes as P;
     use crate::optics::gaussian::shape;
     use crate::optics::smooth::{Sums, Term};
+    use crate::portable::Portable as P;
     use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
     use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
 

@@ -235,9 +235,9 @@ fn one_minus_sinc<L: Lanes>(x: L::F) -> L::F {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::FourLanes as P;
     use crate::optics::smooth::tests::{lane, uniform};
     use crate::optics::smooth::{Sums, Term};
+    use crate::portable::Portable as P;
     use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
     use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
 
