@@ -9,10 +9,9 @@ use voltet_core::error::ErrorKind;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
-use voltet_graph::{DefaultValue, DemandContext, Parameter, ParameterType, Parameters, RunContext};
+use voltet_graph::{DefaultValue, DemandContext, Parameter, ParameterType, RunContext};
 use voltet_optics::engine::{
-    Accumulation, AdapterRequest, Compositor, CompositorChoice, Engine, EngineInfo, OrderCheck,
-    PreparedVolume, RenderOptions,
+    AdapterRequest, Compositor, CompositorChoice, Engine, EngineInfo, PreparedVolume, RenderOptions,
 };
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Ordering, Shading};
@@ -90,41 +89,8 @@ pub const COMPOSITOR: Parameter = Parameter {
     help: "on a device: how pixels are composited; other engines have one way",
 };
 
-const COMPOSITOR_WORDS: [(&str, &str); Compositor::NAMES.len() + 1] = words!(
-    "tiles, or raster where tiles lack the accumulation that is asked for",
-    Compositor::NAMES,
-    |word| *word
-);
-
-/// Precision of the device's accumulation.
-pub const ACCUMULATION: Parameter = Parameter {
-    name: "accumulation",
-    parameter_type: ParameterType::Choice(&Accumulation::NAMES),
-    unit: "",
-    default: DefaultValue::Text(Accumulation::NAMES[0].0),
-    help: "on a device that blends (raster, triangles): what a pixel accumulates in, to see what few bits cost",
-};
-
-/// Check of an exact order that the device blends.
-pub const ORDER_CHECK: Parameter = Parameter {
-    name: "order_check",
-    parameter_type: ParameterType::Choice(&OrderCheck::NAMES),
-    unit: "",
-    default: DefaultValue::Text(OrderCheck::NAMES[0].0),
-    help: "on a device that blends (raster, triangles) in exact order: how the order is checked; where it is wrong, tiles draw",
-};
-
-/// Precision chosen by the parameters.
-pub fn accumulation(p: &Parameters) -> Result<Accumulation> {
-    Ok(Accumulation::named(p.text(ACCUMULATION.name)?).unwrap_or_default())
-}
-
-/// The compositor that the parameters ask for: where they leave it open, one that can do what they ask for besides.
-pub fn compositor(p: &Parameters) -> Result<Option<Compositor>> {
-    let asked = Compositor::named(p.text(COMPOSITOR.name)?);
-    let is_rounded = accumulation(p)? != Accumulation::Float;
-    Ok(asked.or(is_rounded.then_some(Compositor::Raster)))
-}
+const COMPOSITOR_WORDS: [(&str, &str); Compositor::NAMES.len() + 1] =
+    words!("tiles", Compositor::NAMES, |word| *word);
 
 /// True if an engine is asked where a pipeline says this.
 pub fn is_asked_by(engine: &EngineInfo, wanted: &str) -> bool {
@@ -160,18 +126,10 @@ pub fn ask_engine(asking: &mut DemandContext, wanted: &str) -> Result<()> {
     }
     asking.notes.engine = Some(planned(asking, wanted, &engines, &shading)?);
     let needed = ask(asking, "volume", "transfer_function")?;
-    check_accumulation(asking.parameters, &engines)?;
     if !needed.order {
         record_unsorted(asking.notes, None);
     }
     Ok(())
-}
-
-/// Refuses, before anything is read, an accumulation that the compositor does not have, where an engine that may draw has that.
-fn check_accumulation(p: &Parameters, engines: &[&EngineInfo]) -> Result<()> {
-    let has = |one: &Compositor| engines.iter().any(|engine| engine.compositing.contains(one));
-    let Some(asked) = compositor(p)?.filter(has) else { return Ok(()) };
-    accumulation(p)?.check(asked).map_err(|error| p.locate(ACCUMULATION.name, error))
 }
 
 /// The engine that will draw, and why, as far as it can be said before a device is opened. Errors: one that was named does not
@@ -213,7 +171,6 @@ pub fn registered_reason(engine: &EngineInfo) -> String {
 /// Draws on the engine that is wanted.
 pub fn draw(call: &mut RunContext, scene: &Scene, wanted: &str) -> Result<Picture> {
     let engines = candidate_engines(wanted, &scene.shading);
-    check_accumulation(call.parameters, &engines)?;
     let mut refused: Option<String> = None;
     for engine in &engines {
         if wanted != AUTO {
@@ -240,9 +197,8 @@ pub(crate) fn draw_on(
     hardware: bool,
 ) -> Result<Picture> {
     check_engine(declared, call.parameters, &scene.transfer_function, &scene.shading)?;
-    let parameters = call.parameters;
-    let word = |name: &str| parameters.optional(name).and_then(|setting| setting.text());
-    let wish = AdapterRequest { name: word(ADAPTER.name).map(str::to_string), hardware };
+    let adapter = call.parameters.optional(ADAPTER.name).and_then(|setting| setting.text());
+    let wish = AdapterRequest { name: adapter.map(str::to_string), hardware };
     let opened = call.keep_for_session(|| Ok(OpenEngines::default()))?;
     let engine = stage(call, declared, "device", |_| opened.open(declared, &wish)).map_err(|error| {
         if wish.name.is_some() { call.parameters.locate("adapter", error) } else { error }
@@ -250,12 +206,9 @@ pub(crate) fn draw_on(
     let choice = compositing(call, scene, declared)?;
     let volumes = call.keep(call.revision(port)?, || Ok(PreparedVolumes::default()))?;
     let volume = stage(call, declared, "upload", |_| volumes.prepare(declared, &engine, scene))?;
-    let accumulation = accumulation(call.parameters)?;
-    // Other nodes than renderers draw by the referee alone.
-    let order_check = word(ORDER_CHECK.name).and_then(OrderCheck::named).unwrap_or_default();
     let (exhaustive, passing) = (call.exhaustive(), call.allows_preview());
     let compositing = choice.as_ref().map(|choice| choice.compositing);
-    let manner = RenderOptions { compositing, accumulation, order_check, exhaustive, passing };
+    let manner = RenderOptions { compositing, exhaustive, passing };
     let drawn = stage(call, declared, "draw", |progress| volume.draw(scene, &manner, progress))?;
     if drawn.is_passing {
         call.mark_preview();
@@ -301,14 +254,14 @@ fn compositing(call: &RunContext, scene: &Scene, engine: &EngineInfo) -> Result<
     if engine.compositing.is_empty() {
         return Ok(None);
     }
-    let asked = compositor(call.parameters)?;
-    let why = match call.parameters.text(COMPOSITOR.name)? {
-        AUTO if asked.is_some() => "the pipeline asks for an accumulation that tiles do not have",
+    let word = call.parameters.text(COMPOSITOR.name)?;
+    let why = match word {
         AUTO if scene.ordering(call.exhaustive()) == Ordering::PerPixel => "each pixel needs its exact order",
         AUTO => "it is the standard one",
         _ => "the pipeline asks for it",
     };
-    Ok(Some(CompositorChoice { compositing: asked.unwrap_or(Compositor::Tiles), why: why.into() }))
+    let compositing = Compositor::named(word).unwrap_or(Compositor::Tiles);
+    Ok(Some(CompositorChoice { compositing, why: why.into() }))
 }
 
 /// Cache of opened engines by name and adapter. Failures are cached too, since the search for adapters takes a while.

@@ -9,6 +9,6 @@ fn blended_of(found: Contribution) -> Blended {
     return Blended(vec4f(found.color, found.opacity));
 }
 
-fn pixel_of(blended: vec4f, at: vec2u) -> vec4f {
+fn pixel_of(blended: vec4f) -> vec4f {
     return blended;
 }

@@ -10,7 +10,7 @@ fn blended_of(found: Contribution) -> Blended {
     return Blended(vec4f(select(found.opacity, found.optical_depth, DEPTHS_ADD_UP)));
 }
 
-fn pixel_of(blended: vec4f, at: vec2u) -> vec4f {
+fn pixel_of(blended: vec4f) -> vec4f {
     let opacity = select(blended.x, one_minus_exp(blended.x), DEPTHS_ADD_UP);
     return vec4f(scene.widgets[0].color * opacity, opacity);
 }
