@@ -13,7 +13,7 @@ use voltet_core::diagnostics::{Diagnostics, SavedWork};
 use voltet_core::progress::Progress;
 use voltet_core::volume::Volume;
 use voltet_optics::engine::{
-    Compositor, CompositorChoice, Engine, EngineInfo, Pending, PreparedVolume, RenderOptions, RenderOutput,
+    Compositor, Engine, EngineInfo, Pending, PreparedVolume, RenderOptions, RenderOutput,
 };
 use voltet_optics::scene::Scene;
 
@@ -134,15 +134,13 @@ fn of_engine(device: &Device, drawn: FrameOutput, options: &RenderOptions, work:
     notes.counts.insert("bytes_uploaded", work.bytes_uploaded);
     notes.counts.insert("tile_entries", drawn.tile_entries);
     notes.counts.insert("sweeps_further", drawn.sweeps_further);
-    let compositing = drawn.compositing;
-    let instead = options.compositing.filter(|asked| *asked != compositing).map(|asked| {
-        let why = "each pixel needs its exact order";
-        let (drawn, asked) = (compositing.name(), asked.name());
+    if let Some(asked) = options.compositing.filter(|asked| *asked != drawn.compositing) {
+        let (drawn, asked) = (drawn.compositing.name(), asked.name());
         notes.warnings.push(format!(
-            "drawn by {drawn}, in place of compositor = \"{asked}\": {why}; order = \"centroid\" can be blended"
+            "drawn by {drawn}, in place of compositor = \"{asked}\": each pixel needs its exact order; order = \"centroid\" \
+             can be blended"
         ));
-        CompositorChoice { compositing, why: why.into() }
-    });
+    }
     if drawn.blended_in_16_bits {
         let off = "what it draws may be off by some thousandths; compositor = \"tiles\" has 32 bits";
         notes.warnings.push(format!("{} blends no 32-bit floats: {off}", device.name));
@@ -152,5 +150,5 @@ fn of_engine(device: &Device, drawn: FrameOutput, options: &RenderOptions, work:
         let saving = SavedWork::Bytes(drawn.part_bytes_left_out);
         notes.record_skipped(what, "the scene asks for nothing of the kind", Some(saving));
     }
-    RenderOutput { counts: drawn.counts, instead, notes, ..RenderOutput::new(drawn.picture, drawn.passes) }
+    RenderOutput { counts: drawn.counts, notes, ..RenderOutput::new(drawn.picture, drawn.passes) }
 }

@@ -229,15 +229,6 @@ impl Compositor {
     }
 }
 
-/// A way of compositing that an engine chose.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CompositorChoice {
-    /// The way.
-    pub compositing: Compositor,
-    /// Why.
-    pub why: String,
-}
-
 /// A picture and what it took.
 #[derive(Debug, Clone)]
 pub struct RenderOutput {
@@ -247,8 +238,6 @@ pub struct RenderOutput {
     pub counts: RenderStats,
     /// Times of the stages, in the order of work; empty if they are not measured.
     pub stages: Vec<StageTiming>,
-    /// The way in which it was composited, where it is not the one that was asked for, and why.
-    pub instead: Option<CompositorChoice>,
     /// True if it was drawn from cached segments of the view ([`crate::engine::RenderOptions::passing`]): by itself it would differ by
     /// rounding.
     pub is_passing: bool,
@@ -263,7 +252,6 @@ impl RenderOutput {
             picture,
             counts: RenderStats::default(),
             stages,
-            instead: None,
             is_passing: false,
             notes: Diagnostics::default(),
         }

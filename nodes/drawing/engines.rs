@@ -10,9 +10,7 @@ use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_graph::{DefaultValue, DemandContext, Parameter, ParameterType, RunContext};
-use voltet_optics::engine::{
-    AdapterRequest, Compositor, CompositorChoice, Engine, EngineInfo, PreparedVolume, RenderOptions,
-};
+use voltet_optics::engine::{AdapterRequest, Compositor, Engine, EngineInfo, PreparedVolume, RenderOptions};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Ordering, Shading};
 
@@ -197,17 +195,18 @@ pub(crate) fn draw_on(
     hardware: bool,
 ) -> Result<Picture> {
     check_engine(declared, call.parameters, &scene.transfer_function, &scene.shading)?;
-    let adapter = call.parameters.optional(ADAPTER.name).and_then(|setting| setting.text());
-    let wish = AdapterRequest { name: adapter.map(str::to_string), hardware };
+    let parameters = call.parameters;
+    let word = |name: &str| parameters.optional(name).and_then(|setting| setting.text());
+    let wish = AdapterRequest { name: word(ADAPTER.name).map(str::to_string), hardware };
     let opened = call.keep_for_session(|| Ok(OpenEngines::default()))?;
     let engine = stage(call, declared, "device", |_| opened.open(declared, &wish)).map_err(|error| {
         if wish.name.is_some() { call.parameters.locate("adapter", error) } else { error }
     })?;
-    let choice = compositing(call, scene, declared)?;
     let volumes = call.keep(call.revision(port)?, || Ok(PreparedVolumes::default()))?;
     let volume = stage(call, declared, "upload", |_| volumes.prepare(declared, &engine, scene))?;
     let (exhaustive, passing) = (call.exhaustive(), call.allows_preview());
-    let compositing = choice.as_ref().map(|choice| choice.compositing);
+    let asked = word(COMPOSITOR.name).and_then(Compositor::named);
+    let compositing = asked.filter(|asked| declared.compositing.contains(asked));
     let manner = RenderOptions { compositing, exhaustive, passing };
     let drawn = stage(call, declared, "draw", |progress| volume.draw(scene, &manner, progress))?;
     if drawn.is_passing {
@@ -218,8 +217,8 @@ pub(crate) fn draw_on(
         false => (part.name().to_string(), part.seconds),
     });
     call.notes.stages.extend(stages);
-    let choice = drawn.instead.or(choice);
-    call.notes.compositor = choice.map(|choice| (choice.compositing.name().to_string(), choice.why));
+    let has_several = !declared.compositing.is_empty();
+    call.notes.compositor = has_several.then(|| compositor(compositing, scene, exhaustive));
     call.notes.adapter = Some(engine.adapter());
     if let Some(reason) = engine.reason() {
         call.notes.engine = Some((declared.name.into(), reason.into()));
@@ -249,19 +248,15 @@ fn stage<T>(
     }
 }
 
-/// Compositor for the scene, and the reason, where the engine has several.
-fn compositing(call: &RunContext, scene: &Scene, engine: &EngineInfo) -> Result<Option<CompositorChoice>> {
-    if engine.compositing.is_empty() {
-        return Ok(None);
-    }
-    let word = call.parameters.text(COMPOSITOR.name)?;
-    let why = match word {
-        AUTO if scene.ordering(call.exhaustive()) == Ordering::PerPixel => "each pixel needs its exact order",
-        AUTO => "it is the standard one",
-        _ => "the pipeline asks for it",
+/// Compositor that draws the scene, and the reason. `asked`: the one that the pipeline asks for.
+fn compositor(asked: Option<Compositor>, scene: &Scene, exhaustive: bool) -> (String, String) {
+    let served = asked.filter(|asked| asked.makes(scene.ordering(false)));
+    let why = match served {
+        Some(_) => "the pipeline asks for it",
+        None if scene.ordering(exhaustive) == Ordering::PerPixel => "each pixel needs its exact order",
+        None => "it is the standard one",
     };
-    let compositing = Compositor::named(word).unwrap_or(Compositor::Tiles);
-    Ok(Some(CompositorChoice { compositing, why: why.into() }))
+    (served.unwrap_or(Compositor::Tiles).name().into(), why.into())
 }
 
 /// Cache of opened engines by name and adapter. Failures are cached too, since the search for adapters takes a while.

@@ -120,7 +120,7 @@ pub(crate) fn inputs<'a>(
     let (parts_left_out, part_bytes_left_out) = parts_left_out(&shader);
     let pending = PendingStats {
         compositing,
-        is_order_known: by_tiles || is_free || !scene.needs_order(),
+        is_order_known: by_tiles || !scene.needs_order(),
         exhaustive: options.exhaustive,
         parts_left_out,
         part_bytes_left_out,

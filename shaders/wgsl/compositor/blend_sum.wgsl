@@ -2,12 +2,8 @@
 // One colour: C = c A whatever the order, so that one number a pixel is enough. Optical depths are added; where
 // silhouettes give every segment a factor of its own, opacities are composited.
 
-struct Blended {
-    @location(0) sum: vec4f,
-}
-
-fn blended_of(found: Contribution) -> Blended {
-    return Blended(vec4f(select(found.opacity, found.optical_depth, DEPTHS_ADD_UP)));
+fn blended_of(found: Contribution) -> vec4f {
+    return vec4f(select(found.opacity, found.optical_depth, DEPTHS_ADD_UP));
 }
 
 fn pixel_of(blended: vec4f) -> vec4f {
