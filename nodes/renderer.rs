@@ -26,15 +26,13 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-const PARAMETERS: [Parameter; 10] = {
+const PARAMETERS: [Parameter; 8] = {
     let [integrator, overlap, silhouette, light] = drawing::PARAMETERS;
     [
         drawing::ENGINE,
         drawing::ADAPTER,
         drawing::COMPOSITOR,
-        drawing::ACCUMULATION,
         drawing::ORDER,
-        drawing::ORDER_CHECK,
         integrator,
         overlap,
         silhouette,

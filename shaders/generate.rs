@@ -441,12 +441,8 @@ impl Block<'_> {
         let holds = match blend {
             Blend::Over => "compositor/blend_over",
             Blend::Sum => "compositor/blend_sum",
-            Blend::Rounded { .. } => "compositor/blend_rounded",
         };
         self.uses(&[drawing, holds]);
-        if matches!(blend, Blend::Rounded { .. }) {
-            self.line(format!("const BLENDED_ABOUT = {:.1};", blend.about()));
-        }
         self.finish_pixels(blend == Blend::Sum);
     }
 

@@ -37,21 +37,6 @@ pub enum Blend {
     Over,
     /// One number, since there is one colour.
     Sum,
-    /// Colour and opacity, rounded to so many bits after each cell: by 32-bit floats about [`Blend::about`].
-    Rounded {
-        /// Bits of a channel, 1 to 22.
-        bits: u32,
-    },
-}
-
-impl Blend {
-    /// The number that floats are blended about, so that neighbouring ones lie a step of 2⁻ᵇ apart; 0 where none is.
-    pub fn about(self) -> f32 {
-        match self {
-            Blend::Over | Blend::Sum => 0.0,
-            Blend::Rounded { bits } => 2f32.powi(f32::MANTISSA_DIGITS as i32 - 1 - bits as i32),
-        }
-    }
 }
 
 /// Order in which a tile's pixels take their segments.

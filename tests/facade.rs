@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use voltet::graph::NoObserver;
+use voltet::optics::engine::Compositor;
 use voltet::prelude::*;
 use voltet::{Error, RendererOptions};
 
@@ -87,6 +88,36 @@ fn a_picture_of_arrays_is_that_of_the_pipeline() -> Result<()> {
         options.depth_limit = Some(&depths);
         assert_eq!(renderer.render_with(&scene, &options)?.image, expected);
     }
+    Ok(())
+}
+
+/// Two colours need an exact order, which is not blended: the picture is that of tiles, and a warning says so.
+#[test]
+fn a_compositor_that_does_not_make_the_order_is_warned_of() -> Result<()> {
+    let mut options = RendererOptions::default();
+    (options.engine, options.adapter) = (Engine::Gpu, Some("software".into()));
+    let renderer = match Renderer::with(options) {
+        Ok(renderer) => renderer,
+        Err(why) => {
+            voltet_testing::skipped_without_device(why);
+            return Ok(());
+        }
+    };
+    let transfer_function = TransferFunction::new()
+        .with(Gaussian::at(2.0, 3.0).sigma(0.7, 2.5).color([1.0, 0.48, 0.06]).extinction(9.0))
+        .with(Band::triangle(1.5).angle(20.0).width(0.4).color([0.1, 0.3, 1.0]).extinction(2.0));
+    let scene = scene(Volume::new(grid(), "s")?, transfer_function, [[-3.0, -2.5, 3.0], [0.5, 0.5, 1.0]]);
+    let mut options = RenderOptions::default();
+    let tiles = renderer.render_with(&scene, &options)?;
+    options.compositor = Some(Compositor::Raster);
+    let instead = renderer.render_with(&scene, &options)?;
+    assert_eq!(instead.image, tiles.image);
+    assert!(tiles.warnings.is_empty(), "{:?}", tiles.warnings);
+    assert!(
+        matches!(&instead.warnings[..], [said] if said.contains("drawn by tiles")),
+        "{:?}",
+        instead.warnings
+    );
     Ok(())
 }
 

@@ -13,7 +13,6 @@ use voltet::core::progress::{NoProgress, Progress};
 use voltet::core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet::core::volume::Volume;
 use voltet::optics::WidgetBlend;
-use voltet::optics::engine::Accumulation;
 use voltet::optics::scene::Scene;
 use voltet::optics::shading::{Integrator, Shading, VisibilityOrder};
 use voltet_study::work_precision::{
@@ -192,7 +191,6 @@ fn smooth_subject() -> Subject {
             engine: "cpu".into(),
             adapter: None,
             compositor: "auto".into(),
-            accumulation: Accumulation::Float,
         },
         background: [0.0; 3],
         warnings: Vec::new(),

@@ -94,18 +94,6 @@ pub(crate) const ENTRY_BYTES: u64 = 8;
 /// Rounds that sort every bit of a key; one gathers the cells and leaves them in their order.
 pub(crate) const ROUNDS: u32 = 4;
 
-/// Items to sort.
-#[derive(Clone, Copy)]
-pub(crate) enum Items<'a> {
-    /// The cells of the grid that can be seen.
-    Cells,
-    /// All cells, in the order of this list, nearest first.
-    Ordered(&'a Buffer),
-    /// A list that the first round finds.
-    #[cfg(test)]
-    Listed,
-}
-
 /// Buffers of the sort that stay between frames.
 #[derive(Default)]
 pub(crate) struct SortBuffers {
@@ -123,13 +111,14 @@ pub(crate) struct Sort {
 }
 
 impl SortBuffers {
-    /// The passes of so many rounds, one or [`ROUNDS`], over at most `capacity` items. `quantity`: any of the grid's.
+    /// The passes of so many rounds, one or [`ROUNDS`], over at most `capacity` items: the cells that can be seen if they begin
+    /// `from_cells`, else those of a list that the first round finds. `quantity`: any of the grid's.
     pub fn sort(
         &mut self,
         binder: &Binder,
         capacity: u32,
         rounds: u32,
-        items: Items,
+        from_cells: bool,
         quantity: &DeviceArray,
     ) -> Result<Sort> {
         let device = &binder.grid.device;
@@ -148,22 +137,13 @@ impl SortBuffers {
         for number in 0..rounds {
             let record = RoundRecord {
                 shift: 8 * number,
-                from_cells: match items {
-                    Items::Cells if number == 0 => 1,
-                    Items::Ordered(_) if number == 0 => 2,
-                    Items::Cells | Items::Ordered(_) => 0,
-                    #[cfg(test)]
-                    Items::Listed => 0,
-                },
+                from_cells: u32::from(from_cells && number == 0),
                 capacity,
                 padding: 0,
             };
             let round = device.uniform("a round of the sort", bytemuck::bytes_of(&record))?;
             let sorted = &lists[number as usize % 2];
-            let unsorted = match items {
-                Items::Ordered(list) if number == 0 => list,
-                _ => &lists[(number as usize + 1) % 2],
-            };
+            let unsorted = &lists[(number as usize + 1) % 2];
             let own = [&round, unsorted, &digit_counts, sorted];
             for (pass, workgroups) in [
                 (FramePass::CountDigits, over_blocks),
@@ -216,7 +196,7 @@ mod tests {
         let (seen, attributes, bounds) = (nothing(), nothing(), nothing());
         let binder = Binder { grid, view: &view, layout: &Layout::WHOLE, seen, attributes, bounds };
         let scalar = grid.stored(volume, ValueArray::Scalar).expect("fits");
-        let sort = buffers.sort(&binder, capacity, ROUNDS, Items::Listed, &scalar).expect("compiles");
+        let sort = buffers.sort(&binder, capacity, ROUNDS, false, &scalar).expect("compiles");
         // An even number of rounds ends where it began.
         device.queue.write_buffer(&sort.sorted, 0, bytemuck::cast_slice(items));
         let count = items.len() as u32;

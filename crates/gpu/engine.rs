@@ -4,18 +4,16 @@ use crate::device::adapter::Adapters;
 use crate::device::{Device, WorkCounts};
 use crate::frame::draw::{SubmittedFrame, begin, draw};
 use crate::frame::inputs::can_serve;
-use crate::frame::output::{FaceOrderReport, FrameOutput, OrderCheckReport};
+use crate::frame::output::FrameOutput;
 use crate::frame::renderer::Renderer;
-use serde_json::json;
 use std::sync::Arc;
 use std::sync::atomic::{self, AtomicU64};
+use voltet_core::Result;
 use voltet_core::diagnostics::{Diagnostics, SavedWork};
 use voltet_core::progress::Progress;
-use voltet_core::visibility::FaceOrder;
 use voltet_core::volume::Volume;
-use voltet_core::{Result, agreeing, counted};
 use voltet_optics::engine::{
-    Compositor, CompositorChoice, Engine, EngineInfo, Pending, PreparedVolume, RenderOptions, RenderOutput,
+    Compositor, Engine, EngineInfo, Pending, PreparedVolume, RenderOptions, RenderOutput,
 };
 use voltet_optics::scene::Scene;
 
@@ -136,12 +134,12 @@ fn of_engine(device: &Device, drawn: FrameOutput, options: &RenderOptions, work:
     notes.counts.insert("bytes_uploaded", work.bytes_uploaded);
     notes.counts.insert("tile_entries", drawn.tile_entries);
     notes.counts.insert("sweeps_further", drawn.sweeps_further);
-    if let Some(along_faces) = &drawn.along_faces {
-        note_order(&mut notes, along_faces);
-    }
-    if let (Some(why), Some(asked)) = (&drawn.tiles_instead, options.compositing) {
-        let asked = asked.name();
-        notes.warnings.push(format!("drawn by tiles, in place of compositor = \"{asked}\": {why}"));
+    if let Some(asked) = options.compositing.filter(|asked| *asked != drawn.compositing) {
+        let (drawn, asked) = (drawn.compositing.name(), asked.name());
+        notes.warnings.push(format!(
+            "drawn by {drawn}, in place of compositor = \"{asked}\": each pixel needs its exact order; order = \"centroid\" \
+             can be blended"
+        ));
     }
     if drawn.blended_in_16_bits {
         let off = "what it draws may be off by some thousandths; compositor = \"tiles\" has 32 bits";
@@ -152,36 +150,5 @@ fn of_engine(device: &Device, drawn: FrameOutput, options: &RenderOptions, work:
         let saving = SavedWork::Bytes(drawn.part_bytes_left_out);
         notes.record_skipped(what, "the scene asks for nothing of the kind", Some(saving));
     }
-    let compositing = Compositor::Tiles;
-    let instead = drawn.tiles_instead.map(|why| CompositorChoice { compositing, why });
-    RenderOutput { counts: drawn.counts, instead, notes, ..RenderOutput::new(drawn.picture, drawn.passes) }
-}
-
-/// Adds the facts about an exact order that was blended.
-fn note_order(notes: &mut Diagnostics, FaceOrderReport { order, checked }: &FaceOrderReport) {
-    let FaceOrder { cells, across_gaps, taken_out } = &**order;
-    let mut said = format!("{} blended in exact order along their faces", counted(cells.len(), "cell"));
-    if *across_gaps > 0 {
-        said += &format!(", and across the gaps of the grid (cells that follow across one: {across_gaps})");
-    }
-    if *taken_out > 0 {
-        let (faces, are) = (counted(*taken_out, "face"), agreeing(taken_out, "is", "are"));
-        said += &format!("; {faces} in circles {are} crossed by no pixel's ray");
-    }
-    let mut figures = json!({ "across_gaps": across_gaps, "taken_out": taken_out });
-    if let Some(OrderCheckReport { pixels, largest, disordered, without_tiles }) = checked {
-        match without_tiles {
-            None => {
-                let (shown, differ) = (counted(*pixels, "pixel"), agreeing(pixels, "differs", "differ"));
-                said += &format!("; {shown} {differ} by at most {largest:.1e} from those of tiles");
-                figures["pixels_checked"] = json!(pixels);
-                figures["largest_difference"] = json!(largest);
-            }
-            Some(why) => notes.warnings.push(format!("the order was not held against tiles: {why}")),
-        }
-        if let Some(count) = disordered {
-            said += &format!("; cells are out of order at {}", counted(*count, "pixel"));
-        }
-    }
-    notes.find(said, json!({ "order_along_faces": figures }));
+    RenderOutput { counts: drawn.counts, notes, ..RenderOutput::new(drawn.picture, drawn.passes) }
 }

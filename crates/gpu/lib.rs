@@ -19,5 +19,5 @@ pub use device::{Device, WorkCounts};
 pub use engine::{ENGINE, GpuEngine};
 pub use frame::draw::{PendingFrame, SubmittedFrame, begin, draw};
 pub use frame::inputs::can_serve;
-pub use frame::output::{FaceOrderReport, FrameOutput, OrderCheckReport};
+pub use frame::output::FrameOutput;
 pub use frame::renderer::Renderer;

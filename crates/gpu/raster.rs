@@ -4,18 +4,17 @@
 //! indices are the same for all runs; so what drawing takes is a picture, one list of indices, and for triangles the corners
 //! of one run, whatever the grid's size.
 
-use crate::bound_pass::{Binder, ENTRY_BYTES, Items, ROUNDS, SortBuffers, folded};
+use crate::bound_pass::{Binder, ENTRY_BYTES, ROUNDS, SortBuffers, folded};
 use crate::device::pipelines::{Binding, Bound, BoundGroups, BoundPass, Program, in_order};
 use crate::device::{Device, GrowingBuffer, Timing};
 use crate::grid::DeviceArray;
 use std::sync::Arc;
-use voltet_core::visibility::FaceOrder;
 use voltet_core::{Error, Result, counted};
-use voltet_optics::engine::{Accumulation, Compositor, Stage};
+use voltet_optics::engine::{Compositor, Stage};
 use voltet_shaders::{Blend, FramePass, RunRecord, Shader, ViewRecord};
 use wgpu::{
-    BindingResource, BlendComponent, BlendFactor, Buffer, BufferUsages, CommandEncoder, DownlevelFlags,
-    ShaderStages, TextureFormat,
+    BindingResource, BlendComponent, BlendFactor, BlendState, Buffer, BufferUsages, CommandEncoder,
+    DownlevelFlags, ShaderStages, TextureFormat,
 };
 
 /// As what cells are drawn.
@@ -59,13 +58,10 @@ const RUNS_AT_A_TIME: u32 = 64;
 #[derive(Default)]
 pub(crate) struct RasterBuffers {
     sort: SortBuffers,
-    /// An order of cells that was uploaded.
-    ordered: GrowingBuffer,
-    uploaded: Option<Arc<FaceOrder>>,
     draws: GrowingBuffer,
     /// With the form and the run's length that they are for.
     indices: Option<((&'static CellPrimitive, u32), Buffer)>,
-    canvases: [Canvas; 2],
+    canvas: Canvas,
     /// The corners of a run's triangles.
     split: GrowingBuffer,
     /// Cells of a run, where it is not [`RUN_LENGTH`].
@@ -78,8 +74,6 @@ pub(crate) struct Blending<'a> {
     pub form: &'static CellPrimitive,
     pub target: Target,
     pub sorted: bool,
-    /// The order in which the cells are taken, where it is known.
-    pub ordered: Option<&'a Arc<FaceOrder>>,
     /// The window, in tiles.
     pub window: [u32; 4],
     pub scalar: &'a DeviceArray,
@@ -100,8 +94,7 @@ pub(crate) struct Raster {
     name: &'static str,
     pipeline: Arc<wgpu::RenderPipeline>,
     groups: BoundGroups,
-    canvases: Vec<wgpu::TextureView>,
-    clear: wgpu::Color,
+    canvas: wgpu::TextureView,
     indices: Buffer,
     draws: Buffer,
     run_count: u32,
@@ -111,8 +104,7 @@ pub(crate) struct Raster {
 impl Raster {
     /// Makes what is missing of the buffers, and binds it.
     pub fn new(blending: &Blending, kept: &mut RasterBuffers, binder: &Binder) -> Result<Raster> {
-        let &Blending { shader, form, ref target, sorted, window, scalar, scene, in_grid, pixels, .. } =
-            blending;
+        let &Blending { shader, form, ref target, sorted, window, scalar, scene, in_grid, pixels } = blending;
         let (device, cell_count) = (&binder.grid.device, binder.grid.cell_count);
         // A run's corners stand in one binding.
         let fit = (device.most_bytes() / RunRecord::CELL_BYTES).max(1);
@@ -120,9 +112,7 @@ impl Raster {
         let run_length = kept.run_length.unwrap_or(RUN_LENGTH).min(most);
         let run_count = cell_count.div_ceil(run_length);
         let rounds = if sorted { ROUNDS } else { 1 };
-        let ordered = blending.ordered.map(|order| kept.upload(device, order)).transpose()?;
-        let items = ordered.as_ref().map_or(Items::Cells, Items::Ordered);
-        let list = kept.sort.sort(binder, cell_count, rounds, items, scalar)?;
+        let list = kept.sort.sort(binder, cell_count, rounds, true, scalar)?;
         let usage = BufferUsages::STORAGE | BufferUsages::INDIRECT;
         let draws_size = 20 * u64::from(run_count);
         let draws = kept.draws.at_least(draws_size, |size| device.buffer("the draws", size, usage))?;
@@ -156,19 +146,15 @@ impl Raster {
         };
 
         let size = [window[2], window[3]].map(|tiles| tiles * ViewRecord::TILE);
-        let made = target.formats.iter().zip(&mut kept.canvases);
-        let canvases: Vec<_> =
-            made.map(|(format, canvas)| canvas.texture(device, size, *format)).collect::<Result<_>>()?;
+        let canvas = kept.canvas.texture(device, size, target.format)?;
         let own = in_order([(Bound::Uniform, binder.view), (Bound::Read, &drawn)]);
         let groups = [scene, &own, in_grid];
         let pipeline = device.drawing(shader, form.entry_points, target, &groups)?;
         let groups = device.bind(&groups, |number| pipeline.get_bind_group_layout(number));
 
         let mut own = in_order([(Bound::Uniform, binder.view)]);
+        own.push((2, Bound::Texels, BindingResource::TextureView(&canvas)));
         own.push((3, Bound::Write, pixels.as_entire_binding()));
-        // Behind the picture, what is rounded has its opacity in a texture of its own.
-        let texels = [2, 4].into_iter().zip(&canvases);
-        own.extend(texels.map(|(at, view)| (at, Bound::Texels, BindingResource::TextureView(view))));
         let take = device.pass(&Program {
             name: ("take_blended", Stage::Composite),
             shader,
@@ -182,8 +168,7 @@ impl Raster {
             name: form.entry_points[1],
             pipeline,
             groups,
-            canvases,
-            clear: target.clear,
+            canvas,
             indices: kept.indices(device, form, run_length.min(cell_count))?,
             draws,
             run_count,
@@ -217,18 +202,19 @@ impl Raster {
 
     fn draw(&self, encoder: &mut CommandEncoder, runs: std::ops::Range<u32>, timing: &mut Timing) {
         let load = match runs.start {
-            0 => wgpu::LoadOp::Clear(self.clear),
+            0 => wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
             _ => wgpu::LoadOp::Load,
         };
-        let attachment = |view| {
-            let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
-            Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
+        let attachment = wgpu::RenderPassColorAttachment {
+            view: &self.canvas,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
         };
-        let attachments: Vec<_> = self.canvases.iter().map(attachment).collect();
         let times = timing.next((self.name, Stage::Composite));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(self.name),
-            color_attachments: &attachments,
+            color_attachments: &[Some(attachment)],
             timestamp_writes: times.map(|times| wgpu::RenderPassTimestampWrites {
                 query_set: times.query_set,
                 beginning_of_pass_write_index: times.beginning_of_pass_write_index,
@@ -246,19 +232,6 @@ impl Raster {
 }
 
 impl RasterBuffers {
-    /// The cells in their order, nearest first, uploaded if they are not there.
-    fn upload(&mut self, device: &Device, order: &Arc<FaceOrder>) -> Result<Buffer> {
-        let what = "the cells in their order";
-        let bytes: &[u8] = bytemuck::cast_slice(&order.cells);
-        let buffer = self.ordered.at_least(bytes.len() as u64, |size| device.storage(what, size))?;
-        if !self.uploaded.as_ref().is_some_and(|known| Arc::ptr_eq(known, order)) {
-            self.uploaded = None;
-            device.guarded(what, || device.write(&buffer, 0, bytes))?;
-            self.uploaded = Some(order.clone());
-        }
-        Ok(buffer)
-    }
-
     fn indices(&mut self, device: &Device, form: &'static CellPrimitive, run_length: u32) -> Result<Buffer> {
         let key = (form, run_length);
         if let Some((_, known)) = self.indices.as_ref().filter(|(known, _)| *known == key) {
@@ -275,14 +248,11 @@ impl RasterBuffers {
     }
 }
 
-/// Blending of the compositor: formats, factors, and the initial content.
+/// Picture that is drawn into: its format, and how each colour is blended with what is there.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Target {
-    /// Format of each picture that is drawn into.
-    pub formats: Vec<TextureFormat>,
-    /// Content of an unseen pixel.
-    pub clear: wgpu::Color,
-    factors: [BlendFactor; 2],
+    format: TextureFormat,
+    blend: BlendState,
 }
 
 impl Target {
@@ -290,31 +260,18 @@ impl Target {
     ///
     /// Colours come farthest first, each over what is there: C ← C_seg + (1 − A_seg) C. The other way round, each would
     /// be weighted by 1 − A of the sum, which has few digits left where little more is seen.
-    ///
-    /// Without 32 bits what is rounded is not served: [`Device::check_blending`].
-    pub fn new(blend: Blend, depths_add_up: bool, wide: bool, in_8_bits: bool) -> Target {
-        let formats = match (blend, wide) {
-            (Blend::Over, _) if in_8_bits => vec![TextureFormat::Rgba8Unorm],
-            (Blend::Over, true) => vec![TextureFormat::Rgba32Float],
-            (Blend::Over, false) => vec![TextureFormat::Rgba16Float],
-            (Blend::Sum, true) => vec![TextureFormat::R32Float],
-            (Blend::Sum, false) => vec![TextureFormat::R16Float],
-            (Blend::Rounded { .. }, _) => vec![TextureFormat::Rgba32Float, TextureFormat::R32Float],
+    pub fn new(blend: Blend, depths_add_up: bool, wide: bool) -> Target {
+        let (format, dst_factor) = match blend {
+            Blend::Over if wide => (TextureFormat::Rgba32Float, BlendFactor::OneMinusSrcAlpha),
+            Blend::Over => (TextureFormat::Rgba16Float, BlendFactor::OneMinusSrcAlpha),
+            Blend::Sum => (
+                if wide { TextureFormat::R32Float } else { TextureFormat::R16Float },
+                if depths_add_up { BlendFactor::One } else { BlendFactor::OneMinusSrc },
+            ),
         };
-        let behind = match blend {
-            Blend::Over | Blend::Rounded { .. } => BlendFactor::OneMinusSrcAlpha,
-            Blend::Sum if depths_add_up => BlendFactor::One,
-            Blend::Sum => BlendFactor::OneMinusSrc,
-        };
-        let about = f64::from(blend.about());
-        let clear = wgpu::Color { r: about, g: about, b: about, a: 0.0 };
-        Target { formats, clear, factors: [BlendFactor::One, behind] }
-    }
-
-    fn blend(&self) -> wgpu::BlendState {
-        let [src_factor, dst_factor] = self.factors;
-        let component = BlendComponent { src_factor, dst_factor, operation: wgpu::BlendOperation::Add };
-        wgpu::BlendState { color: component, alpha: component }
+        let operation = wgpu::BlendOperation::Add;
+        let component = BlendComponent { src_factor: BlendFactor::One, dst_factor, operation };
+        Target { format, blend: BlendState { color: component, alpha: component } }
     }
 }
 
@@ -338,24 +295,12 @@ fn check_flags(found: DownlevelFlags, device: &str, compositor: &str) -> Result<
 
 impl Device {
     /// An error that names what the device lacks for a compositor that blends, or how many cells its list holds.
-    pub fn check_blending(
-        &self,
-        compositing: Compositor,
-        accumulation: Accumulation,
-        cell_count: u64,
-    ) -> Result<()> {
+    pub fn check_blending(&self, compositing: Compositor, cell_count: u64) -> Result<()> {
         let most = self.most_bytes() / ENTRY_BYTES;
         if most < cell_count {
             return Err(Error::run(format!("the sorted cells do not fit one binding of {}", self.name))
                 .got(counted(cell_count, "cell"))
                 .expected(format!("at most {most}, or compositor = \"tiles\"")));
-        }
-        let is_rounded = matches!(accumulation, Accumulation::Bits12 | Accumulation::Bits16);
-        if is_rounded && !self.blends_32_bits {
-            let words = format!("accumulation = \"{}\"", accumulation.name());
-            return Err(Error::run(format!("{} blends no 32-bit floats", self.name))
-                .got(format!("{words}, which is made of these"))
-                .expected("accumulation = \"float\" or \"8-bit\""));
         }
         check_flags(self.downlevel, &self.name, compositing.name())
     }
@@ -368,8 +313,7 @@ impl Device {
         target: &Target,
         groups: &[&[Binding]; 3],
     ) -> Result<Arc<wgpu::RenderPipeline>> {
-        let key =
-            (shader.text.clone(), entry_points[1], format!("{:?} {:?}", target.formats, target.factors));
+        let key = (shader.text.clone(), entry_points[1], format!("{target:?}"));
         self.cached(&self.drawings, key, || self.compile_drawing(shader, entry_points, target, groups))
     }
 
@@ -382,14 +326,11 @@ impl Device {
     ) -> Result<wgpu::RenderPipeline> {
         let module = self.module(shader, fragment)?;
         self.guarded(fragment, || {
-            let color = |format: &TextureFormat| {
-                Some(wgpu::ColorTargetState {
-                    format: *format,
-                    blend: Some(target.blend()),
-                    write_mask: wgpu::ColorWrites::ALL,
-                })
+            let color = wgpu::ColorTargetState {
+                format: target.format,
+                blend: Some(target.blend),
+                write_mask: wgpu::ColorWrites::ALL,
             };
-            let targets: Vec<_> = target.formats.iter().map(color).collect();
             self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(fragment),
                 layout: Some(&self.pipeline_layout(fragment, groups, ShaderStages::VERTEX_FRAGMENT)),
@@ -406,7 +347,7 @@ impl Device {
                     module: &module,
                     entry_point: Some(fragment),
                     compilation_options: Default::default(),
-                    targets: &targets,
+                    targets: &[Some(color)],
                 }),
                 multiview_mask: None,
                 cache: None,

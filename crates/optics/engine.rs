@@ -4,7 +4,7 @@
 //! The nodes that draw use engines through these types alone, from one list.
 
 use crate::scene::Scene;
-use crate::shading::Shading;
+use crate::shading::{Ordering, Shading};
 use std::any::Any;
 use std::sync::Arc;
 use voltet_core::diagnostics::Diagnostics;
@@ -95,15 +95,11 @@ impl AdapterRequest {
     }
 }
 
-/// Execution options of one render: compositor, accumulation, check of the order, exhaustive and interactive mode.
+/// Execution options of one render: compositor, exhaustive and interactive mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct RenderOptions {
-    /// Compositor of a device; `None` for the one that supports every order.
+    /// Compositor of a device; `None`, and where it does not make the scene's order: the one that supports every order.
     pub compositing: Option<Compositor>,
-    /// Number format in which blending hardware accumulates.
-    pub accumulation: Accumulation,
-    /// Check of the exact order of cells that hardware blends.
-    pub order_check: OrderCheck,
     /// True to do all work, needed or not, for comparison; the picture is the same.
     pub exhaustive: bool,
     /// True if other pictures of the same view follow at once, with other widgets: the engine may cache the view's segments, and the picture
@@ -178,8 +174,7 @@ pub trait PreparedVolume: Any + Send + Sync {
 pub enum Compositor {
     /// Compute passes over tiles of pixels.
     Tiles,
-    /// The cells' silhouettes, drawn farthest first and blended by the hardware: in exact order where the cells have one along
-    /// their faces ([`voltet_core::visibility::Faces`]); else tiles are taken.
+    /// The cells' silhouettes, drawn farthest first and blended by the hardware: one order of whole cells for all pixels.
     Raster,
     /// Each cell as three or four triangles round its thick vertex (Shirley and Tuchman 1990), drawn and blended likewise:
     /// what the hardware interpolates between corners is a little off.
@@ -195,8 +190,8 @@ impl Compositor {
         ),
         (
             "raster",
-            "cells in order, drawn and blended by the hardware: for scenes that need no order, in exact order where the cells \
-             have one along their faces, else by tiles; what order = \"centroid\" or \"none\" gets wrong is not counted",
+            "cells in order, drawn and blended by the hardware: for scenes that need no order and for order = \"centroid\" or \
+             \"none\", whose errors it does not count; where each pixel needs its exact order, tiles draw",
         ),
         #[cfg(feature = "triangles")]
         (
@@ -227,87 +222,11 @@ impl Compositor {
     pub fn named(name: &str) -> Option<Compositor> {
         Compositor::ALL.iter().copied().find(|one| one.name() == name)
     }
-}
 
-/// Check of the exact order of cells that are blended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum OrderCheck {
-    /// Not at all.
-    #[default]
-    None,
-    /// Some pixels are held against those of tiles.
-    Sample,
-    /// That, and at every pixel it is counted whether cells come out of their order.
-    Count,
-}
-
-impl OrderCheck {
-    /// Each of them with its meaning, the usual one first.
-    pub const NAMES: [(&str, &str); 3] = [
-        ("sample", "256 pixels are held against those of tiles"),
-        ("count", "that, and every pixel at which cells are out of order is counted, in 64 bits on the CPU"),
-        ("none", "not at all"),
-    ];
-
-    /// The one of that name.
-    pub fn named(name: &str) -> Option<OrderCheck> {
-        let all = [OrderCheck::Sample, OrderCheck::Count, OrderCheck::None];
-        OrderCheck::NAMES.iter().zip(all).find(|(word, _)| word.0 == name).map(|(_, check)| check)
+    /// True if it makes such an order: what blends whole cells has none of its own for each pixel.
+    pub fn makes(self, ordering: Ordering) -> bool {
+        self == Compositor::Tiles || ordering != Ordering::PerPixel
     }
-}
-
-/// Number format that blending hardware accumulates in. Tiles always have 32-bit floats.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Accumulation {
-    /// Floats.
-    #[default]
-    Float,
-    /// 8 bits a channel, 0 to 1, as a display has them.
-    Bits8,
-    /// 12 bits a channel.
-    Bits12,
-    /// 16 bits a channel.
-    Bits16,
-}
-
-impl Accumulation {
-    /// Each of them with its meaning.
-    pub const NAMES: [(&str, &str); 4] = [
-        ("float", "32-bit floats, or 16-bit ones with a warning where the device blends no others"),
-        ("8-bit", "rounded to 8 bits a channel after each cell, by a texture of these"),
-        ("12-bit", "rounded to multiples of 1/4096 after each cell"),
-        ("16-bit", "rounded to multiples of 1/65536 after each cell"),
-    ];
-
-    /// The name in pipeline files.
-    pub fn name(self) -> &'static str {
-        Accumulation::NAMES[self as usize].0
-    }
-
-    /// The one of that name.
-    pub fn named(name: &str) -> Option<Accumulation> {
-        let all = [Accumulation::Float, Accumulation::Bits8, Accumulation::Bits12, Accumulation::Bits16];
-        all.into_iter().find(|one| one.name() == name)
-    }
-
-    /// Refuses rounding where nothing is blended by the hardware.
-    pub fn check(self, compositing: Compositor) -> Result<()> {
-        if self != Accumulation::Float && compositing == Compositor::Tiles {
-            return Err(Error::usage("compositor = \"tiles\" accumulates in 32-bit floats alone")
-                .got(format!("accumulation = \"{}\"", self.name()))
-                .expected("accumulation = \"float\"; or compositor = \"raster\" or \"triangles\""));
-        }
-        Ok(())
-    }
-}
-
-/// A way of compositing that an engine chose.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CompositorChoice {
-    /// The way.
-    pub compositing: Compositor,
-    /// Why.
-    pub why: String,
 }
 
 /// A picture and what it took.
@@ -319,8 +238,6 @@ pub struct RenderOutput {
     pub counts: RenderStats,
     /// Times of the stages, in the order of work; empty if they are not measured.
     pub stages: Vec<StageTiming>,
-    /// The way in which it was composited, where it is not the one that was asked for, and why.
-    pub instead: Option<CompositorChoice>,
     /// True if it was drawn from cached segments of the view ([`crate::engine::RenderOptions::passing`]): by itself it would differ by
     /// rounding.
     pub is_passing: bool,
@@ -335,7 +252,6 @@ impl RenderOutput {
             picture,
             counts: RenderStats::default(),
             stages,
-            instead: None,
             is_passing: false,
             notes: Diagnostics::default(),
         }

@@ -64,5 +64,3 @@ mod extent_tests;
 mod support_tests;
 #[cfg(test)]
 mod tests;
-#[cfg(test)]
-mod visibility_tests;

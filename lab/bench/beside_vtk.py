@@ -5,8 +5,7 @@ lab/bench/beside_vtk.py [--scenes bluntfin,heatsink] [--sizes 256,512] [--frames
 
 The scenes are piecewise-linear in the scalar: the blunt fin (VOLTET_TEST_DATA/bluntfin.vtu), and the heat sink that ships. Rows:
 the native engine; on a graphics device what the hardware blends, as the cells' outlines (raster) and as the triangles of the
-papers (triangles, by exact order and by centroids, in floats and in few bits a channel); and VTK. Both programs turn
-the camera by one degree before each frame; medians. Errors are those of 8-bit premultiplied colours on black against this program's
+papers (triangles), both in the order of centroids; and VTK. Both programs turn the camera by one degree before each frame; medians. Errors are those of 8-bit premultiplied colours on black against this program's
 64-bit reference, in steps of 1/255. VTK draws off-screen by whatever OpenGL there is: without a graphics card, in software.
 Needs Python 3.11 with the package `vtk` (lab/scripts/compare-vtk.sh makes an environment with it) and the program `voltet`.
 """
@@ -81,19 +80,8 @@ MAPPERS = {
 }
 
 
-# What a device blends: compositor, order, accumulation.
-BLENDED = [
-    ("raster", "exact", "float"),
-    ("raster", "centroid", "float"),
-    ("triangles", "exact", "float"),
-    ("triangles", "exact", "16-bit"),
-    ("triangles", "exact", "12-bit"),
-    ("triangles", "exact", "8-bit"),
-    ("triangles", "centroid", "float"),
-    ("triangles", "centroid", "16-bit"),
-    ("triangles", "centroid", "12-bit"),
-    ("triangles", "centroid", "8-bit"),
-]
+# Compositors that a device blends by, in the order of centroids.
+BLENDED = ["raster", "triangles"]
 
 
 def pipeline(scene: Scene, picture: Path) -> str:
@@ -225,21 +213,15 @@ def by_voltet(program: str, file: Path, size: int, frames: int, *options: str) -
 def on_device(program: str, file: Path, there: list[str], size: int, frames: int, adapter: str | None, picture: Path, report: Path):
     """Rows of the device: name, milliseconds, colours. The first row names the adapter."""
     wish = ["--set", "picture.engine=gpu"] + (["--set", f"picture.adapter={adapter}"] if adapter else [])
-    for accumulation in ("float", "16-bit", "12-bit", "8-bit"):
-        rows = [row for row in BLENDED if row[2] == accumulation]
-        ways = ",".join(sorted({way for way, _, _ in rows}))
-        times = None
-        for way, order, _ in rows:
-            how = ["--set", f"picture.compositor={way}", "--set", f"picture.order={order}", "--set", f"picture.accumulation={accumulation}"]
-            run([program, "run", str(file), *there, *wish, *how, "--report", str(report)])
-            found = json.loads(report.read_text())["runs"][0]
-            if times is None:
-                same = ["--engine", "gpu", "--adapter", found["adapter"].split(" (")[0], "--compositor", ways]
-                times = by_voltet(program, file, size, frames, *same, *wish, *how)
-            name = f"{way}, {order} order" + ("" if accumulation == "float" else f", {accumulation}")
-            # What has no exact order is drawn by tiles, and not timed as this.
-            if found["compositor"] == way:
-                yield f"{name}, {found['adapter']}", times.get((f"gpu {way}", order)), colors(picture)
+    times = None
+    for way in BLENDED:
+        how = ["--set", f"picture.compositor={way}", "--set", "picture.order=centroid"]
+        run([program, "run", str(file), *there, *wish, *how, "--report", str(report)])
+        found = json.loads(report.read_text())["runs"][0]
+        if times is None:
+            same = ["--engine", "gpu", "--adapter", found["adapter"].split(" (")[0], "--compositor", ",".join(BLENDED)]
+            times = by_voltet(program, file, size, frames, *same, *wish, *how)
+        yield f"{way}, centroid order, {found['adapter']}", times.get((f"gpu {way}", "centroid")), colors(picture)
 
 
 def errors(found, wanted) -> str:

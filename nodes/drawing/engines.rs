@@ -9,11 +9,8 @@ use voltet_core::error::ErrorKind;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
-use voltet_graph::{DefaultValue, DemandContext, Parameter, ParameterType, Parameters, RunContext};
-use voltet_optics::engine::{
-    Accumulation, AdapterRequest, Compositor, CompositorChoice, Engine, EngineInfo, OrderCheck,
-    PreparedVolume, RenderOptions,
-};
+use voltet_graph::{DefaultValue, DemandContext, Parameter, ParameterType, RunContext};
+use voltet_optics::engine::{AdapterRequest, Compositor, Engine, EngineInfo, PreparedVolume, RenderOptions};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Ordering, Shading};
 
@@ -90,41 +87,8 @@ pub const COMPOSITOR: Parameter = Parameter {
     help: "on a device: how pixels are composited; other engines have one way",
 };
 
-const COMPOSITOR_WORDS: [(&str, &str); Compositor::NAMES.len() + 1] = words!(
-    "tiles, or raster where tiles lack the accumulation that is asked for",
-    Compositor::NAMES,
-    |word| *word
-);
-
-/// Precision of the device's accumulation.
-pub const ACCUMULATION: Parameter = Parameter {
-    name: "accumulation",
-    parameter_type: ParameterType::Choice(&Accumulation::NAMES),
-    unit: "",
-    default: DefaultValue::Text(Accumulation::NAMES[0].0),
-    help: "on a device that blends (raster, triangles): what a pixel accumulates in, to see what few bits cost",
-};
-
-/// Check of an exact order that the device blends.
-pub const ORDER_CHECK: Parameter = Parameter {
-    name: "order_check",
-    parameter_type: ParameterType::Choice(&OrderCheck::NAMES),
-    unit: "",
-    default: DefaultValue::Text(OrderCheck::NAMES[0].0),
-    help: "on a device that blends (raster, triangles) in exact order: how the order is checked; where it is wrong, tiles draw",
-};
-
-/// Precision chosen by the parameters.
-pub fn accumulation(p: &Parameters) -> Result<Accumulation> {
-    Ok(Accumulation::named(p.text(ACCUMULATION.name)?).unwrap_or_default())
-}
-
-/// The compositor that the parameters ask for: where they leave it open, one that can do what they ask for besides.
-pub fn compositor(p: &Parameters) -> Result<Option<Compositor>> {
-    let asked = Compositor::named(p.text(COMPOSITOR.name)?);
-    let is_rounded = accumulation(p)? != Accumulation::Float;
-    Ok(asked.or(is_rounded.then_some(Compositor::Raster)))
-}
+const COMPOSITOR_WORDS: [(&str, &str); Compositor::NAMES.len() + 1] =
+    words!("tiles", Compositor::NAMES, |word| *word);
 
 /// True if an engine is asked where a pipeline says this.
 pub fn is_asked_by(engine: &EngineInfo, wanted: &str) -> bool {
@@ -160,18 +124,10 @@ pub fn ask_engine(asking: &mut DemandContext, wanted: &str) -> Result<()> {
     }
     asking.notes.engine = Some(planned(asking, wanted, &engines, &shading)?);
     let needed = ask(asking, "volume", "transfer_function")?;
-    check_accumulation(asking.parameters, &engines)?;
     if !needed.order {
         record_unsorted(asking.notes, None);
     }
     Ok(())
-}
-
-/// Refuses, before anything is read, an accumulation that the compositor does not have, where an engine that may draw has that.
-fn check_accumulation(p: &Parameters, engines: &[&EngineInfo]) -> Result<()> {
-    let has = |one: &Compositor| engines.iter().any(|engine| engine.compositing.contains(one));
-    let Some(asked) = compositor(p)?.filter(has) else { return Ok(()) };
-    accumulation(p)?.check(asked).map_err(|error| p.locate(ACCUMULATION.name, error))
 }
 
 /// The engine that will draw, and why, as far as it can be said before a device is opened. Errors: one that was named does not
@@ -213,7 +169,6 @@ pub fn registered_reason(engine: &EngineInfo) -> String {
 /// Draws on the engine that is wanted.
 pub fn draw(call: &mut RunContext, scene: &Scene, wanted: &str) -> Result<Picture> {
     let engines = candidate_engines(wanted, &scene.shading);
-    check_accumulation(call.parameters, &engines)?;
     let mut refused: Option<String> = None;
     for engine in &engines {
         if wanted != AUTO {
@@ -247,15 +202,12 @@ pub(crate) fn draw_on(
     let engine = stage(call, declared, "device", |_| opened.open(declared, &wish)).map_err(|error| {
         if wish.name.is_some() { call.parameters.locate("adapter", error) } else { error }
     })?;
-    let choice = compositing(call, scene, declared)?;
     let volumes = call.keep(call.revision(port)?, || Ok(PreparedVolumes::default()))?;
     let volume = stage(call, declared, "upload", |_| volumes.prepare(declared, &engine, scene))?;
-    let accumulation = accumulation(call.parameters)?;
-    // Other nodes than renderers draw by the referee alone.
-    let order_check = word(ORDER_CHECK.name).and_then(OrderCheck::named).unwrap_or_default();
     let (exhaustive, passing) = (call.exhaustive(), call.allows_preview());
-    let compositing = choice.as_ref().map(|choice| choice.compositing);
-    let manner = RenderOptions { compositing, accumulation, order_check, exhaustive, passing };
+    let asked = word(COMPOSITOR.name).and_then(Compositor::named);
+    let compositing = asked.filter(|asked| declared.compositing.contains(asked));
+    let manner = RenderOptions { compositing, exhaustive, passing };
     let drawn = stage(call, declared, "draw", |progress| volume.draw(scene, &manner, progress))?;
     if drawn.is_passing {
         call.mark_preview();
@@ -265,8 +217,8 @@ pub(crate) fn draw_on(
         false => (part.name().to_string(), part.seconds),
     });
     call.notes.stages.extend(stages);
-    let choice = drawn.instead.or(choice);
-    call.notes.compositor = choice.map(|choice| (choice.compositing.name().to_string(), choice.why));
+    let has_several = !declared.compositing.is_empty();
+    call.notes.compositor = has_several.then(|| compositor(compositing, scene, exhaustive));
     call.notes.adapter = Some(engine.adapter());
     if let Some(reason) = engine.reason() {
         call.notes.engine = Some((declared.name.into(), reason.into()));
@@ -296,19 +248,15 @@ fn stage<T>(
     }
 }
 
-/// Compositor for the scene, and the reason, where the engine has several.
-fn compositing(call: &RunContext, scene: &Scene, engine: &EngineInfo) -> Result<Option<CompositorChoice>> {
-    if engine.compositing.is_empty() {
-        return Ok(None);
-    }
-    let asked = compositor(call.parameters)?;
-    let why = match call.parameters.text(COMPOSITOR.name)? {
-        AUTO if asked.is_some() => "the pipeline asks for an accumulation that tiles do not have",
-        AUTO if scene.ordering(call.exhaustive()) == Ordering::PerPixel => "each pixel needs its exact order",
-        AUTO => "it is the standard one",
-        _ => "the pipeline asks for it",
+/// Compositor that draws the scene, and the reason. `asked`: the one that the pipeline asks for.
+fn compositor(asked: Option<Compositor>, scene: &Scene, exhaustive: bool) -> (String, String) {
+    let served = asked.filter(|asked| asked.makes(scene.ordering(false)));
+    let why = match served {
+        Some(_) => "the pipeline asks for it",
+        None if scene.ordering(exhaustive) == Ordering::PerPixel => "each pixel needs its exact order",
+        None => "it is the standard one",
     };
-    Ok(Some(CompositorChoice { compositing: asked.unwrap_or(Compositor::Tiles), why: why.into() }))
+    (served.unwrap_or(Compositor::Tiles).name().into(), why.into())
 }
 
 /// Cache of opened engines by name and adapter. Failures are cached too, since the search for adapters takes a while.

@@ -368,9 +368,9 @@ pub struct Stability {
     /// In special position rays lie in faces and along edges, the eye is a vertex, layers are thin, near planes far away, values near
     /// 1e8. Each is a picture of up to 32 × 32 pixels, held against the 64-bit referee. A pixel beyond the bound is explained where
     /// the referee changes by as much when rays move by a thousandth of a pixel, the data are rounded to 32 bits, or cells of the
-    /// outer surface move, each for itself, by 1/32768 of a pixel. Some 40 scenes a second on two cores. A device draws each in
-    /// every way of compositing, a software driver in seconds; its triangles may be off by what their cells, one by one, change
-    /// when corners move by 1/256 of a pixel.
+    /// outer surface move, each for itself, by 1/32768 of a pixel. Some 40 scenes a second on two cores. A device draws each by
+    /// tiles, and those of one colour in every way of compositing, a software driver in seconds; its triangles may be off by what
+    /// their cells, one by one, change when corners move by 1/256 of a pixel.
     #[arg(long, value_name = "COUNT", conflicts_with = "cases")]
     pub scenes: Option<u64>,
     /// The number of the first of them.

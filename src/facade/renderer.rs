@@ -69,7 +69,7 @@ pub struct RenderOptions<'a> {
     /// Depth of each pixel's opaque background along the view direction, row by row from the top (world units); infinite where
     /// there is none. Such pictures are rendered on the CPU.
     pub depth_limit: Option<&'a [f32]>,
-    /// Compositor of a graphics device. Default: tiles.
+    /// Compositor of a graphics device. Default: tiles, which also draw, with a warning, where it does not make the scene's order.
     pub compositor: Option<Compositor>,
 }
 
@@ -268,7 +268,6 @@ impl Renderer {
             compositing,
             exhaustive: options.exhaustive,
             passing: options.interactive,
-            ..engine::RenderOptions::default()
         };
         let output = volume.draw(scene, &options, progress)?;
         Ok(RenderOutput::new(scene, info.name, opened.adapter(), output))
@@ -295,8 +294,10 @@ impl RenderOutput {
         adapter: String,
         output: engine::RenderOutput,
     ) -> Self {
+        let mut warnings = output.notes.warnings;
+        warnings.extend(picture_warnings(scene, &output.counts, &output.picture));
         RenderOutput {
-            warnings: picture_warnings(scene, &output.counts, &output.picture),
+            warnings,
             image: Arc::new(output.picture).into(),
             stats: output.counts,
             timings: output.stages,

@@ -154,14 +154,3 @@ fn points_at_one_place(points: &[DVec3]) -> Option<Vec<u32>> {
     }
     first
 }
-
-/// Corners of the face opposite corner `k`, in the order of the cell.
-#[inline]
-pub(crate) fn face_of([a, b, c, d]: [u32; 4], k: usize) -> [u32; 3] {
-    match k {
-        0 => [b, c, d],
-        1 => [a, c, d],
-        2 => [a, b, d],
-        _ => [a, b, c],
-    }
-}

@@ -57,7 +57,7 @@ fn look_at(points: &[DVec3], p: u32, shared: &[Face], found: &mut BoundaryFaces)
 
 /// The side of a face with this normal on which a corner lies, `apart` from a point of the face: 1 or -1; 0 where rounding
 /// could turn it.
-pub(crate) fn side(normal: DVec3, apart: DVec3) -> f64 {
+fn side(normal: DVec3, apart: DVec3) -> f64 {
     let height = normal.dot(apart);
     let is_clear = height.abs() > FLATNESS_TOLERANCE * normal.length() * apart.length();
     if is_clear { height.signum() } else { 0.0 }

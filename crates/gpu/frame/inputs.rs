@@ -10,9 +10,8 @@ use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::transfer::{Slab, TransferFunction, Widget};
-use voltet_core::visibility::FaceOrder;
 use voltet_core::{Error, Result};
-use voltet_optics::engine::{Accumulation, Compositor, RenderOptions};
+use voltet_optics::engine::{Compositor, RenderOptions};
 use voltet_optics::integrators::Extent;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Ordering, Shading};
@@ -35,12 +34,8 @@ pub(crate) struct FrameInputs<'a> {
     pub scene: Vec<u8>,
     pub numbers: Vec<f32>,
     pub support: Vec<u32>,
-    /// True if what is blended stands in 8 bits a channel.
-    pub in_8_bits: bool,
     /// True if cells are sorted on the device.
     pub sorted: bool,
-    /// The order of cells along their faces, where they are blended in it.
-    pub ordered: Option<Arc<FaceOrder>>,
     pub samples: Vec<ViewRecord>,
     /// The output as far as it is known before readback.
     pub pending: PendingStats,
@@ -58,19 +53,18 @@ impl<'a> FrameInputs<'a> {
     }
 }
 
-/// Makes the inputs of a scene's frame. `along_faces`: the order of cells in which hardware blends them.
+/// Makes the inputs of a scene's frame.
 ///
 /// Errors: what the device has no shader for, cannot hold in 32 bits, or has more parts than it binds; memory; a lost device.
 pub(crate) fn inputs<'a>(
     renderer: &'a Renderer,
     scene: &Scene,
     options: &RenderOptions,
-    along_faces: Option<&Arc<FaceOrder>>,
 ) -> Result<FrameInputs<'a>> {
     let Scene { volume, transfer_function, camera, shading, .. } = scene;
     let grid = &renderer.grid;
     can_serve(transfer_function, shading)?;
-    let compositing = compositing(options);
+    let compositing = compositing(scene, options);
     let ordering = ordering(scene, options);
     let (shader_key, sizes) = shader_key(renderer, scene, options)?;
     let compositor = shader_key.compositor;
@@ -122,16 +116,15 @@ pub(crate) fn inputs<'a>(
     let samples: Vec<ViewRecord> = camera.sample_offsets().iter().map(sample).collect::<Result<_>>()?;
     samples.iter().take(1).try_for_each(|view| grid.flat_cells.check(volume, transfer_function, view))?;
     let shader = compose(&shader_key);
-    let is_counted = compositing == Compositor::Tiles;
+    let by_tiles = compositing == Compositor::Tiles;
     let (parts_left_out, part_bytes_left_out) = parts_left_out(&shader);
-    let is_float = options.accumulation == Accumulation::Float;
     let pending = PendingStats {
-        is_counted,
-        is_order_known: is_counted || is_free || !scene.needs_order(),
+        compositing,
+        is_order_known: by_tiles || !scene.needs_order(),
         exhaustive: options.exhaustive,
         parts_left_out,
         part_bytes_left_out,
-        blended_in_16_bits: !is_counted && is_float && !grid.device.blends_32_bits,
+        blended_in_16_bits: !by_tiles && !grid.device.blends_32_bits,
     };
     Ok(FrameInputs {
         renderer,
@@ -150,31 +143,28 @@ pub(crate) fn inputs<'a>(
         scene: parameters.scene_bytes(),
         numbers: parameters.numbers,
         support,
-        in_8_bits: options.accumulation == Accumulation::Bits8,
-        sorted: !is_free && (sort_key != 2 || is_counted),
-        ordered: along_faces.cloned(),
+        sorted: !is_free && (sort_key != 2 || by_tiles),
         samples,
         scalar: scalar.clone(),
         attributes,
     })
 }
 
-/// The compositor; tiles where none is requested.
-pub(crate) fn compositing(options: &RenderOptions) -> Compositor {
-    options.compositing.unwrap_or(Compositor::Tiles)
+/// The compositor; tiles where none is requested, or one that does not make the scene's order.
+fn compositing(scene: &Scene, options: &RenderOptions) -> Compositor {
+    let ordering = scene.ordering(false);
+    options.compositing.filter(|requested| requested.makes(ordering)).unwrap_or(Compositor::Tiles)
 }
 
-/// The order that the compositor makes. Blending hardware makes none where none is needed; in exhaustive mode, and where each
-/// blended cell is rounded and the order shows a little, it makes that of centroids in place of an exact one.
+/// The order that the compositor makes. Blending hardware makes none where none is needed; in exhaustive mode it makes that of
+/// centroids in place of an exact one.
 fn ordering(scene: &Scene, options: &RenderOptions) -> Ordering {
     let ordering = scene.ordering(options.exhaustive);
-    if compositing(options) == Compositor::Tiles || scene.needs_order() {
-        return ordering;
-    }
-    match ordering {
-        _ if !options.exhaustive && options.accumulation == Accumulation::Float => Ordering::Independent,
-        Ordering::Independent | Ordering::PerPixel => Ordering::CellCentroid,
-        ordering => ordering,
+    match compositing(scene, options) {
+        Compositor::Tiles => ordering,
+        _ if !options.exhaustive && !scene.needs_order() => Ordering::Independent,
+        blending if !blending.makes(ordering) => Ordering::CellCentroid,
+        _ => ordering,
     }
 }
 
@@ -186,12 +176,14 @@ pub(crate) fn shader_key(
 ) -> Result<(ShaderKey, BufferSizes)> {
     let grid = &renderer.grid;
     let Scene { transfer_function, shading, .. } = scene;
-    let compositor = compositor(transfer_function, shading, ordering(scene, options), options)?;
-    if compositing(options) != Compositor::Tiles {
-        grid.device.check_blending(compositing(options), options.accumulation, grid.cell_count.into())?;
+    let compositing = compositing(scene, options);
+    let ordering = ordering(scene, options);
+    let compositor = compositor(transfer_function, shading, compositing, ordering, options.exhaustive)?;
+    if compositing != Compositor::Tiles {
+        grid.device.check_blending(compositing, grid.cell_count.into())?;
     }
     let mut shader_key = ShaderKey::new(transfer_function, shading, compositor)?;
-    let sizes = sizes(grid, &shader_key, compositing(options), transfer_function, shading);
+    let sizes = sizes(grid, &shader_key, compositing, transfer_function, shading);
     sizes.check(grid.device.room(), &grid.device.name)?;
     shader_key.layout = sizes.layout(grid.device.room());
     Ok((shader_key, sizes))
@@ -246,16 +238,17 @@ fn is_free(compositor: CompositorProgram) -> bool {
 fn compositor(
     transfer_function: &TransferFunction,
     shading: &Shading,
+    compositing: Compositor,
     ordering: Ordering,
-    options: &RenderOptions,
+    exhaustive: bool,
 ) -> Result<CompositorProgram> {
-    let compositing = compositing(options);
     let shader_key = ShaderKey::new(transfer_function, shading, CompositorProgram::None)?;
     let lit = shading.light.is_some_and(|light| light.diffuse != 0.0);
     let known = !shader_key.method.is_table_of_lengths();
     let needed = !known || !matches!(shader_key.combine, Combine::OneColor | Combine::Nothing) || lit;
-    options.accumulation.check(compositing)?;
-    let free = !needed && !options.exhaustive;
+    let free = !needed && !exhaustive;
+    // One number a pixel is enough where order is of no account.
+    let blend = if free { Blend::Sum } else { Blend::Over };
     Ok(match (compositing, ordering) {
         (Compositor::Tiles, _) if free => CompositorProgram::Tiles(TileOrder::Sum),
         (Compositor::Tiles, Ordering::Independent | Ordering::PerPixel) => {
@@ -264,19 +257,9 @@ fn compositor(
         (Compositor::Tiles, Ordering::CellCentroid | Ordering::Submission) => {
             CompositorProgram::Tiles(TileOrder::Listed)
         }
-        (Compositor::Raster, _) => CompositorProgram::Raster(blend(options.accumulation, free)),
-        (Compositor::Triangles, _) => CompositorProgram::Triangles(blend(options.accumulation, free)),
+        (Compositor::Raster, _) => CompositorProgram::Raster(blend),
+        (Compositor::Triangles, _) => CompositorProgram::Triangles(blend),
     })
-}
-
-/// Content of a pixel: one number where order is of no account, but for frame buffers of few bits, which hold colours.
-fn blend(accumulation: Accumulation, free: bool) -> Blend {
-    match accumulation {
-        Accumulation::Float if free => Blend::Sum,
-        Accumulation::Float | Accumulation::Bits8 => Blend::Over,
-        Accumulation::Bits12 => Blend::Rounded { bits: 12 },
-        Accumulation::Bits16 => Blend::Rounded { bits: 16 },
-    }
 }
 
 /// Checks that the device has shaders for the scene. What depends on the data is found when it is drawn.

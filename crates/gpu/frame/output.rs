@@ -1,10 +1,7 @@
-//! Output of a frame: picture, counts, times, and the check of its order.
+//! Output of a frame: picture, counts, times.
 
-use std::sync::Arc;
-use voltet_core::counted;
 use voltet_core::picture::Picture;
-use voltet_core::visibility::FaceOrder;
-use voltet_optics::engine::{Accumulation, Compositor, RenderOptions, RenderStats, StageTiming};
+use voltet_optics::engine::{Compositor, RenderStats, StageTiming};
 
 /// Indices of the numbers that the passes count.
 pub(crate) mod counters {
@@ -52,55 +49,8 @@ pub struct FrameOutput {
     pub part_bytes_left_out: u64,
     /// True if pixels were blended in 16-bit floats, since the device blends none of 32 bits.
     pub blended_in_16_bits: bool,
-    /// Report of the exact order, where cells were blended in one.
-    pub along_faces: Option<FaceOrderReport>,
-    /// Why tiles composited in place of what blends, where they did.
-    pub tiles_instead: Option<String>,
-}
-
-/// The exact order of a picture that was blended.
-#[derive(Debug, Clone)]
-pub struct FaceOrderReport {
-    /// The order.
-    pub order: Arc<FaceOrder>,
-    /// Report of the check, where one was requested.
-    pub checked: Option<OrderCheckReport>,
-}
-
-/// Blended in 32 bits and composited by tiles, pixels in one order differ by a tenth of this after a thousand segments.
-const ROUNDING: f32 = 1e-3;
-
-/// Report of the check of a picture's order.
-#[derive(Debug, Clone, PartialEq)]
-pub struct OrderCheckReport {
-    /// Pixels that were compared with those of tiles.
-    pub pixels: u64,
-    /// The largest difference of a channel between the two. Other than for "raster" in 32 bits it is not the order's alone.
-    pub largest: f32,
-    /// Pixels, over all samples, at which cells come out of order, where these were counted.
-    pub disordered: Option<u64>,
-    /// Why tiles could not be drawn, where they could not.
-    pub without_tiles: Option<String>,
-}
-
-impl OrderCheckReport {
-    /// The reason why the order is wrong, if it is.
-    pub(crate) fn is_wrong(&self, options: &RenderOptions, output: &FrameOutput) -> Option<String> {
-        let is_exact = options.compositing == Some(Compositor::Raster)
-            && options.accumulation == Accumulation::Float
-            && !output.blended_in_16_bits;
-        match self.disordered {
-            Some(count @ 1..) => Some(format!("cells are out of order at {}", counted(count, "pixel"))),
-            _ if is_exact && self.largest > ROUNDING => {
-                let OrderCheckReport { pixels, largest, .. } = self;
-                Some(format!(
-                    "of {} one differs by {largest:.1e} from that of tiles",
-                    counted(*pixels, "pixel")
-                ))
-            }
-            _ => None,
-        }
-    }
+    /// Compositor that drew it.
+    pub compositing: Compositor,
 }
 
 /// Content read back from the device.
@@ -112,8 +62,7 @@ pub(crate) struct Readback {
 
 /// The output of a frame as far as it is known before readback.
 pub(crate) struct PendingStats {
-    /// True if segments are counted.
-    pub is_counted: bool,
+    pub compositing: Compositor,
     /// True if pixels in disorder are counted, or there can be none.
     pub is_order_known: bool,
     pub exhaustive: bool,
@@ -138,7 +87,7 @@ impl PendingStats {
                 culled_by_frustum: Some(culled_by_frustum),
                 under_a_pixel: Some(under_a_pixel),
                 cells_projected: Some(counted[counters::PROJECTED]),
-                segments: self.is_counted.then_some(counted[counters::SEGMENTS]),
+                segments: (self.compositing == Compositor::Tiles).then_some(counted[counters::SEGMENTS]),
                 segments_exact: Some(0),
                 evaluations: None,
                 pixels_disordered: self.is_order_known.then_some(counted[counters::DISORDERED]),
@@ -152,8 +101,7 @@ impl PendingStats {
             parts_left_out: self.parts_left_out,
             part_bytes_left_out: self.part_bytes_left_out,
             blended_in_16_bits: self.blended_in_16_bits,
-            along_faces: None,
-            tiles_instead: None,
+            compositing: self.compositing,
         }
     }
 }

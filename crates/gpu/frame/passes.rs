@@ -131,14 +131,8 @@ impl<'a> Passes<'a> {
             let blending = Blending {
                 shader: &frame.compositor,
                 form,
-                target: Target::new(
-                    blend,
-                    frame.shader_key.depths_add_up(),
-                    device.blends_32_bits,
-                    frame.in_8_bits,
-                ),
+                target: Target::new(blend, frame.shader_key.depths_add_up(), device.blends_32_bits),
                 sorted: frame.sorted,
-                ordered: frame.ordered.as_ref(),
                 window,
                 scalar,
                 scene: &read,
@@ -274,23 +268,11 @@ const LONGEST_SOFTWARE: u32 = 20_000;
 impl FrameInputs<'_> {
     /// Draws the whole picture. Errors: memory, a lost device, a stopped run.
     pub fn draw(self, progress: &dyn Progress) -> Result<FrameOutput> {
-        let readback = self.draw_windows(vec![self.whole_window()], progress)?;
-        Ok(self.pending.with(readback))
-    }
-
-    /// The window of the whole picture, in tiles.
-    fn whole_window(&self) -> [u32; 4] {
-        let [columns, rows] = self.samples[0].size.map(|n| n.div_ceil(ViewRecord::TILE));
-        [0, 0, columns, rows]
-    }
-
-    /// Draws parts of the picture: windows, in tiles. Errors: as above.
-    pub fn draw_windows(&self, windows: Vec<[u32; 4]>, progress: &dyn Progress) -> Result<Readback> {
         let [width, height] = self.samples[0].size;
         let mut picture = Picture::transparent(width as usize, height as usize);
         let mut all = [0u64; counters::ALL];
         let mut timing = Timing::new(self.device())?;
-        let mut open = windows;
+        let mut open = vec![self.whole_window()];
         let mut is_first = true;
         while let Some(window) = open.pop() {
             progress.check_cancelled()?;
@@ -309,7 +291,13 @@ impl FrameInputs<'_> {
             }
             is_first = false;
         }
-        Ok(Readback { picture, counts: all, passes: timing.sums })
+        Ok(self.pending.with(Readback { picture, counts: all, passes: timing.sums }))
+    }
+
+    /// The window of the whole picture, in tiles.
+    fn whole_window(&self) -> [u32; 4] {
+        let [columns, rows] = self.samples[0].size.map(|n| n.div_ceil(ViewRecord::TILE));
+        [0, 0, columns, rows]
     }
 
     /// True if the device can hold a window's pixels.

@@ -1,33 +1,23 @@
-//! Renderer of a volume: its grid on a device, the buffers that stay between its frames, and the order of its cells along their
-//! faces, which is found on the CPU and kept while it holds.
+//! Renderer of a volume: its grid on a device, and the buffers that stay between its frames.
 
 use crate::device::{Device, GrowingBuffer, locked};
 use crate::grid::{DeviceGrid, GrowingSplitBuffer};
 use crate::raster::RasterBuffers;
 use crate::tables::Tables;
 use std::sync::{Arc, Mutex, MutexGuard};
-use std::time::Instant;
 use voltet_core::Result;
-use voltet_core::camera::{Camera, Projection};
-use voltet_core::visibility::{FaceOrder, Faces, OrderError};
 use voltet_core::volume::Volume;
-use voltet_optics::scene::Scene;
 
 /// A volume on a device, ready to be drawn.
 pub struct Renderer {
     pub(crate) grid: DeviceGrid,
     buffers: Mutex<FrameBuffers>,
-    orders: Mutex<FaceOrderCache>,
 }
 
 impl Renderer {
     /// Uploads the grid. Errors: what has more parts than the device binds at a time; memory.
     pub fn new(device: Arc<Device>, volume: &Volume) -> Result<Renderer> {
-        Ok(Renderer {
-            grid: DeviceGrid::new(device, volume)?,
-            buffers: Mutex::default(),
-            orders: Mutex::default(),
-        })
+        Ok(Renderer { grid: DeviceGrid::new(device, volume)?, buffers: Mutex::default() })
     }
 
     /// Sets the initial work of a tile in one dispatch (cells tested).
@@ -47,47 +37,9 @@ impl Renderer {
         &self.grid.device
     }
 
-    /// The order of the cells along their faces for a scene's camera, and the seconds that finding it took; none where it was kept.
-    ///
-    /// Errors: a camera out of range.
-    pub(crate) fn along_faces(&self, scene: &Scene) -> Result<(FaceOrderResult, Option<f64>)> {
-        let (grid, camera) = (&scene.volume.grid, &scene.camera);
-        let FaceOrderCache { faces, last } = &mut *locked(&self.orders);
-        let begun = Instant::now();
-        let faces = faces.get_or_insert_with(|| Faces::new(grid));
-        if let Some((_, found)) = last.as_ref().filter(|(known, found)| serves(faces, known, found, camera)) {
-            return Ok((found.clone(), None));
-        }
-        let found = faces.order(grid, camera)?.map(Arc::new);
-        *last = Some((*camera, found.clone()));
-        Ok((found, Some(begun.elapsed().as_secs_f64())))
-    }
-
     pub(crate) fn buffers(&self) -> MutexGuard<'_, FrameBuffers> {
         locked(&self.buffers)
     }
-}
-
-/// Cache of a grid's faces, and of the last order with its camera.
-#[derive(Default)]
-struct FaceOrderCache {
-    faces: Option<Faces>,
-    last: Option<(Camera, FaceOrderResult)>,
-}
-
-/// The order, or the reason why there is none.
-pub(crate) type FaceOrderResult = std::result::Result<Arc<FaceOrder>, OrderError>;
-
-/// True if the order of one camera holds for another: without gaps, and where nothing was made to fit the pixels, only the eye
-/// is of account.
-fn serves(faces: &Faces, known: &Camera, found: &FaceOrderResult, camera: &Camera) -> bool {
-    let is_same_eye = match (known.projection, camera.projection) {
-        (Projection::Perspective { .. }, Projection::Perspective { .. }) => known.eye == camera.eye,
-        _ => false,
-    };
-    let is_of_eye =
-        faces.is_independent_of_direction() && found.as_ref().is_ok_and(|order| order.taken_out == 0);
-    known == camera || (is_of_eye && is_same_eye)
 }
 
 /// Buffers that a frame is read back by.

@@ -78,7 +78,7 @@ pub(super) fn pictures(renderers: &[OpenRenderer], progress: &dyn Progress) -> R
     Ok(all)
 }
 
-/// Draws it. `way`: how a device composites; an order that hardware blends is not held against tiles, so that what is wrong shows.
+/// Draws it. `way`: how a device composites.
 pub(super) fn picture(
     renderer: &OpenRenderer,
     way: Option<Compositor>,

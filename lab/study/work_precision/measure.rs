@@ -236,11 +236,7 @@ pub(super) fn measure(
     progress: &dyn Progress,
 ) -> Result<(Picture, Cost)> {
     let scene = setting.scene(subject);
-    let manner = RenderOptions {
-        compositing: setting.variant.compositing,
-        accumulation: setting.accumulation,
-        ..RenderOptions::default()
-    };
+    let manner = RenderOptions { compositing: setting.variant.compositing, ..RenderOptions::default() };
     let keeps = setting.variant.engine.on_device;
     let fresh = memory::forget_peak();
     clear_caches(engine);
@@ -253,9 +249,6 @@ pub(super) fn measure(
         Result::Ok(TimedPicture { drawn, seconds: begun.elapsed().as_secs_f64() })
     };
     let first = draw(&scene)?;
-    if let Some(instead) = &first.drawn.instead {
-        return Err(Error::run(format!("drawn by {}: {}", instead.compositing.name(), instead.why)));
-    }
     let set_up = start.elapsed();
     let patience = frames.patience + if keeps { set_up } else { Duration::ZERO };
     let mut taken: Vec<TimedPicture> = Vec::new();

@@ -17,7 +17,6 @@ use voltet_graph::ParameterValue;
 use voltet_io::encode;
 use voltet_nodes::files;
 use voltet_optics::WidgetBlend;
-use voltet_optics::engine::Accumulation;
 use voltet_optics::integrators::Integrator;
 
 /// Milliseconds, with three digits that tell something.
@@ -241,8 +240,6 @@ fn setting_json(study: &Study, setting: &RenderConfig) -> Value {
     });
     let mut set = |name: &str, value: Option<Value>| value.map(|value| keys[name] = value);
     set("compositor", setting.variant.compositor().map(Value::from));
-    let accumulation = Some(setting.accumulation).filter(|one| *one != Accumulation::Float);
-    set("accumulation", accumulation.map(|one| one.name().into()));
     set("adapter", adapter.map(|adapter| adapter.name.as_str().into()));
     for (name, value) in setting.keys() {
         keys[name] = match value {
@@ -544,9 +541,5 @@ fn engine_keys<'a>(study: &'a Study, setting: &RenderConfig) -> Vec<(&'static st
     let only = asked.compositor == "auto" && variant.engine.compositing.len() == 1;
     let compositor = variant.compositor().filter(|name| *name != asked.compositor && !only);
     keys.extend(compositor.map(|name| ("compositor", name)));
-    // Tiles refuse what the file asks of those that blend.
-    let accumulation = variant.compositing.is_some().then_some(setting.accumulation);
-    let other = accumulation.filter(|one| *one != asked.accumulation);
-    keys.extend(other.map(|one| ("accumulation", one.name())));
     keys
 }

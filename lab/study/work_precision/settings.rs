@@ -14,7 +14,7 @@ use voltet_integrators::{DEFAULT_OVERSAMPLING, DEFAULT_PIECES, DEFAULT_PLANES};
 use voltet_nodes::drawing;
 use voltet_nodes::drawing::{ENGINES, NATIVE};
 use voltet_optics::WidgetBlend;
-use voltet_optics::engine::{Accumulation, Compositor, EngineInfo};
+use voltet_optics::engine::{Compositor, EngineInfo};
 use voltet_optics::integrators::{INTEGRATOR, Integrator, can_serve, kinds};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Ordering, Shading, VisibilityOrder};
@@ -188,6 +188,11 @@ impl RendererVariant {
         ENGINES.iter().flat_map(RendererVariant::all_of_engine)
     }
 
+    /// True if it makes such an order.
+    pub fn makes(self, ordering: Ordering) -> bool {
+        self.compositing.is_none_or(|compositor| compositor.makes(ordering))
+    }
+
     /// The compositor's name in pipeline files.
     pub fn compositor(self) -> Option<&'static str> {
         self.compositing.map(Compositor::name)
@@ -234,7 +239,6 @@ pub struct SubjectRequest {
     pub adapter: Option<String>,
     /// The compositor of the device, or "auto".
     pub compositor: String,
-    pub accumulation: Accumulation,
 }
 
 /// Subject of a study: a scene, the node that draws it, and its options.
@@ -322,8 +326,8 @@ impl Subject {
         let exact = self.scene.ordering(false) == Ordering::PerPixel;
         match self.asked.compositor.as_str() {
             _ if engine.compositing.is_empty() => all.next(),
-            // Tiles have it of every grid, and are the first.
-            "auto" if exact => all.next(),
+            // Tiles alone have it, and are the first.
+            _ if exact => all.next(),
             "auto" => all.next().filter(|_| all.next().is_none()),
             named => all.find(|variant| variant.compositor() == Some(named)),
         }
@@ -347,19 +351,11 @@ impl SubjectRequest {
             RendererNode::GpuRenderer => drawing::DEVICE.name,
             RendererNode::Stages => NATIVE.name,
         };
-        let accumulation = text("accumulation").and_then(Accumulation::named).unwrap_or_default();
-        // Rounding is no tiles' matter.
-        let open = match accumulation {
-            Accumulation::Float => drawing::AUTO,
-            _ => Compositor::Raster.name(),
-        };
-        let compositor = text("compositor").filter(|word| *word != drawing::AUTO).unwrap_or(open);
         SubjectRequest {
             form,
             engine: engine.into(),
             adapter: text("adapter").map(str::to_string),
-            compositor: compositor.into(),
-            accumulation,
+            compositor: text("compositor").unwrap_or(drawing::AUTO).into(),
         }
     }
 }
@@ -426,8 +422,6 @@ pub struct RenderConfig {
     pub integrator: Integrator,
     pub overlap: WidgetBlend,
     pub order: VisibilityOrder,
-    /// Accumulation of a variant that blends, as the file has it.
-    pub accumulation: Accumulation,
 }
 
 /// Sides of the partial pre-integration table beside the standard one, at the standard number of pieces.
@@ -457,13 +451,13 @@ pub fn settings(subject: &Subject, only: &[String], variant: RendererVariant) ->
         let overlaps = [Some(WidgetBlend::Exact), several.then_some(WidgetBlend::Mix)];
         for overlap in overlaps.into_iter().flatten() {
             for order in orders(subject, &integrator, variant) {
-                let accumulation = accumulation(subject, variant);
-                settings.push(RenderConfig { variant, integrator, overlap, order, accumulation });
+                settings.push(RenderConfig { variant, integrator, overlap, order });
             }
         }
     }
     let own = RenderConfig::of_file(subject, variant);
-    let drawn = own.integrator != REFERENCE && wanted(&own.integrator);
+    let makes = variant.makes(own.scene(subject).ordering(false));
+    let drawn = makes && own.integrator != REFERENCE && wanted(&own.integrator);
     if drawn && !settings.iter().any(|setting| setting.draws_as(&own)) {
         settings.push(own);
     }
@@ -502,22 +496,22 @@ fn sweep(kind: &Integrator) -> Vec<Integrator> {
     }
 }
 
-/// The centroid order too for the integrators without an error of their own, so that the order's shows.
+/// The centroid order too for the integrators without an error of their own, so that the order's shows, and alone where the
+/// variant does not make the exact one.
 fn orders(subject: &Subject, integrator: &Integrator, variant: RendererVariant) -> Vec<VisibilityOrder> {
-    let exact_integrals = *integrator == Integrator::ANALYTIC;
-    match exact_integrals && subject.needs_order && subject.order_node.is_some() {
-        true => vec![VisibilityOrder::Exact, VisibilityOrder::Centroid],
-        false if subject.needs_order && subject.order_node.is_none() => {
-            vec![RenderConfig::of_file(subject, variant).order]
-        }
-        false => vec![VisibilityOrder::Exact],
+    if !subject.needs_order {
+        return vec![VisibilityOrder::Exact];
     }
-}
-
-fn accumulation(subject: &Subject, variant: RendererVariant) -> Accumulation {
-    let asked = subject.asked.accumulation;
-    let serves = |way: &Compositor| asked.check(*way).is_ok();
-    variant.compositing.filter(serves).map_or(Accumulation::Float, |_| asked)
+    if subject.order_node.is_none() {
+        return vec![RenderConfig::of_file(subject, variant).order];
+    }
+    match variant.makes(Ordering::PerPixel) {
+        true if *integrator == Integrator::ANALYTIC => {
+            vec![VisibilityOrder::Exact, VisibilityOrder::Centroid]
+        }
+        true => vec![VisibilityOrder::Exact],
+        false => vec![VisibilityOrder::Centroid],
+    }
 }
 
 impl RenderConfig {
@@ -528,21 +522,13 @@ impl RenderConfig {
             integrator,
             overlap: WidgetBlend::Exact,
             order: VisibilityOrder::Exact,
-            accumulation: Accumulation::Float,
         }
     }
 
     /// Configuration by which the file would draw the scene with this variant.
     pub fn of_file(subject: &Subject, variant: RendererVariant) -> RenderConfig {
         let Scene { shading, order, .. } = subject.scene;
-        let accumulation = accumulation(subject, variant);
-        RenderConfig {
-            variant,
-            integrator: shading.integrator,
-            overlap: shading.overlap,
-            order,
-            accumulation,
-        }
+        RenderConfig { variant, integrator: shading.integrator, overlap: shading.overlap, order }
     }
 
     pub fn scene(&self, subject: &Subject) -> Scene {
@@ -578,9 +564,6 @@ impl RenderConfig {
         let mut parts = Numbers::of(&self.integrator).labels();
         if self.overlap == WidgetBlend::Mix && self.integrator == Integrator::ANALYTIC {
             parts.push("overlap mix".into());
-        }
-        if self.accumulation != Accumulation::Float {
-            parts.push(self.accumulation.name().into());
         }
         if self.order != VisibilityOrder::Exact {
             parts.push(format!("order {}", self.order));

@@ -133,7 +133,7 @@ fn tiles_are_valid_for_every_kind_light_and_integrator() {
     assert!(texts.len() > 500, "{}", texts.len());
 }
 
-const BLENDS: [Blend; 3] = [Blend::Over, Blend::Sum, Blend::Rounded { bits: 12 }];
+const BLENDS: [Blend; 2] = [Blend::Over, Blend::Sum];
 
 /// Blending compositors, with their entry points for vertices and pixels.
 fn blending() -> Vec<(CompositorProgram, [&'static str; 2])> {
@@ -141,14 +141,6 @@ fn blending() -> Vec<(CompositorProgram, [&'static str; 2])> {
     let triangles =
         BLENDS.map(|blend| (CompositorProgram::Triangles(blend), ["place_corner", "blend_triangle"]));
     outlines.into_iter().chain(triangles).collect()
-}
-
-fn is_rounded(compositor: CompositorProgram) -> bool {
-    matches!(
-        compositor,
-        CompositorProgram::Raster(Blend::Rounded { .. })
-            | CompositorProgram::Triangles(Blend::Rounded { .. })
-    )
 }
 
 /// A driver compiles those of the three entry points that it is asked for; all are in one text.
@@ -162,9 +154,8 @@ fn what_blends_is_valid_for_every_kind_light_and_integrator() {
             }
             for (compositor, [vertices, pixels]) in blending() {
                 // What a pixel holds is apart from how its segments are integrated: once for each light.
-                let same_apart =
-                    is_rounded(compositor) || compositor == CompositorProgram::Triangles(Blend::Sum);
-                if same_apart && shading.integrator != Integrator::ANALYTIC {
+                let is_apart = compositor == CompositorProgram::Triangles(Blend::Sum);
+                if is_apart && shading.integrator != Integrator::ANALYTIC {
                     continue;
                 }
                 let shader_key =
@@ -193,8 +184,6 @@ fn what_blends_is_valid_for_every_kind_light_and_integrator() {
                     CompositorProgram::Raster(Blend::Sum) | CompositorProgram::Triangles(Blend::Sum)
                 );
                 assert_eq!(shader.text.contains("const DEPTHS_ADD_UP = true;"), !lit && is_sum);
-                let about = shader.text.contains("const BLENDED_ABOUT = 2048.0;");
-                assert_eq!(about, is_rounded(compositor));
                 for word in ["workgroup>", "composite_tiles", "sort_key("] {
                     assert!(!shader.text.contains(word), "{word}");
                 }

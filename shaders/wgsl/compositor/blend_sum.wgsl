@@ -2,15 +2,11 @@
 // One colour: C = c A whatever the order, so that one number a pixel is enough. Optical depths are added; where
 // silhouettes give every segment a factor of its own, opacities are composited.
 
-struct Blended {
-    @location(0) sum: vec4f,
+fn blended_of(found: Contribution) -> vec4f {
+    return vec4f(select(found.opacity, found.optical_depth, DEPTHS_ADD_UP));
 }
 
-fn blended_of(found: Contribution) -> Blended {
-    return Blended(vec4f(select(found.opacity, found.optical_depth, DEPTHS_ADD_UP)));
-}
-
-fn pixel_of(blended: vec4f, at: vec2u) -> vec4f {
+fn pixel_of(blended: vec4f) -> vec4f {
     let opacity = select(blended.x, one_minus_exp(blended.x), DEPTHS_ADD_UP);
     return vec4f(scene.widgets[0].color * opacity, opacity);
 }

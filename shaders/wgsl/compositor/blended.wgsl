@@ -11,7 +11,7 @@ fn take_blended(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_id
     let at = tile.xy * TILE + within.xy;
     let pixel = view.window.xy * TILE + at;
     if is_in_picture(pixel) {
-        let found = pixel_of(textureLoad(blended, at, 0), at);
+        let found = pixel_of(textureLoad(blended, at, 0));
         put(pixel, found.rgb, found.a);
     }
 }

@@ -51,7 +51,7 @@ fn faces_behind(corner: Corner) -> Faces {
 }
 
 @fragment
-fn blend_cell(corner: Corner) -> Blended {
+fn blend_cell(corner: Corner) -> @location(0) vec4f {
     let ray = ray_through(vec2u(corner.position.xy) + view.window.xy * TILE);
     let faces = faces_behind(corner);
     let range = cross_faces(faces, ray);

@@ -50,7 +50,7 @@ fn way_by_corners(found: Interpolated, ray: Ray) -> Way {
 }
 
 @fragment
-fn blend_triangle(found: Interpolated) -> Blended {
+fn blend_triangle(found: Interpolated) -> @location(0) vec4f {
     let ray = ray_through(vec2u(found.position.xy) + view.window.xy * TILE);
     let points = found.points;
     var way = Way();

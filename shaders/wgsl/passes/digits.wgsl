@@ -8,7 +8,7 @@
 struct Round {
     // The digit's first bit.
     shift: u32,
-    // In the first round 1: its items are the cells; or 2: the cells in the order of a list, two of them an entry.
+    // 1 in the first round, whose items are the cells.
     from_cells: u32,
     // Room for so many items.
     capacity: u32,
@@ -47,10 +47,7 @@ fn item_at(index: u32, count: u32) -> Item {
     if sort_round.from_cells == 0u {
         return Item(unsorted[index], true);
     }
-    var cell = count - 1u - index;
-    if sort_round.from_cells == 2u {
-        cell = unsorted[cell / 2u][cell % 2u];
-    }
+    let cell = count - 1u - index;
     if bounds_of(cell).y == 0u {
         return Item(vec2u(0u), false);
     }
@@ -58,7 +55,7 @@ fn item_at(index: u32, count: u32) -> Item {
 }
 
 fn item_count() -> u32 {
-    return select(min(digit_counts[TOTAL], sort_round.capacity), view.cell_count, 0u < sort_round.from_cells);
+    return select(min(digit_counts[TOTAL], sort_round.capacity), view.cell_count, sort_round.from_cells == 1u);
 }
 
 fn digit_of(item: Item) -> u32 {

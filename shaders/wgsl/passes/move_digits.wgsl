@@ -58,7 +58,7 @@ fn move_digits(
         workgroupBarrier();
     }
     // The first round leaves out cells: from here on there are so many items.
-    if 0u < sort_round.from_cells && block == 0u && lane == 0u {
+    if sort_round.from_cells == 1u && block == 0u && lane == 0u {
         digit_counts[TOTAL] = total;
     }
 }

@@ -3,7 +3,6 @@
 //!
 //! Bounds: 2e-4 in premultiplied linear RGBA on ordinary scenes; on stiff ones 99.9 % of the pixels within 1/255.
 
-mod along_faces;
 mod drawing;
 mod flight;
 mod hard;

@@ -20,7 +20,9 @@ use voltet_testing::pictures::looks::*;
 
 fn draw(scene: &NamedScene, shading: &Shading, order: VisibilityOrder) -> Option<FrameOutput> {
     let drawn = draw_on(device()?, scene, shading, raster(order));
-    Some(drawn.unwrap_or_else(|e| panic!("{}: {e}", scene.name)))
+    let drawn = drawn.unwrap_or_else(|e| panic!("{}: {e}", scene.name));
+    assert_eq!(drawn.compositing, Compositor::Raster, "{}", scene.name);
+    Some(drawn)
 }
 
 /// Asserts the bound of ordinary scenes, and that there is something to see.
@@ -217,6 +219,30 @@ fn orders_are_those_of_tiles() {
     }
 }
 
+/// What blends has no order of its own for each pixel: tiles draw, and the output says so.
+#[test]
+fn an_exact_order_is_that_of_tiles() {
+    let Some(device) = device() else { return };
+    let scene = jittered(overlapping(), outside([40, 32]));
+    let expected = draw_on(device.clone(), &scene, &SHADING, tiles(VisibilityOrder::Exact)).expect("draws");
+    for how in [raster(VisibilityOrder::Exact), (Compositor::Triangles, VisibilityOrder::Exact)] {
+        let found = draw_on(device.clone(), &scene, &SHADING, how).expect("draws");
+        assert_eq!(found.compositing, Compositor::Tiles);
+        assert_eq!((found.counts, found.picture.rgba), (expected.counts, expected.picture.rgba.clone()));
+    }
+    // One colour needs none; where nothing is left out, it is blended in that of centroids.
+    let scene = jittered(one_gaussian(), outside([40, 32]));
+    let renderer = Renderer::new(device, &scene.volume).expect("fits");
+    for exhaustive in [false, true] {
+        let options =
+            RenderOptions { exhaustive, compositing: Some(Compositor::Raster), ..RenderOptions::default() };
+        let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Exact);
+        let found = voltet_gpu::draw(&renderer, &wanted, &options, &NoProgress).expect("draws");
+        assert_eq!(found.compositing, Compositor::Raster);
+        within("one colour", &found.picture, &referee_shaded(&scene, &SHADING), ORDINARY);
+    }
+}
+
 #[test]
 fn several_samples_a_pixel() {
     for samples in [4, 3] {
@@ -285,14 +311,12 @@ fn what_is_not_asked_for_is_not_compiled() {
         (overlapping(), tiles(VisibilityOrder::Exact), [&lists[..], &["sort_lists"]].concat()),
         (one_gaussian(), tiles(VisibilityOrder::Exact), lists.to_vec()),
         (overlapping(), raster(VisibilityOrder::Centroid), drawn.to_vec()),
-        (overlapping(), raster(VisibilityOrder::Exact), drawn.to_vec()),
+        (overlapping(), raster(VisibilityOrder::Exact), [&lists[..], &["sort_lists"]].concat()),
         (overlapping(), (Compositor::Triangles, VisibilityOrder::Centroid), triangles.to_vec()),
         (one_gaussian(), raster(VisibilityOrder::Exact), drawn.to_vec()),
     ] {
         let device = Arc::new(further_device());
-        // No cell is turned over, so that there is an order along faces.
-        let volume = smooth(cube([6, 6, 6], 0.2));
-        let scene = NamedScene { volume, ..jittered(look, outside([16, 16])) };
+        let scene = jittered(look, outside([16, 16]));
         let drawn = draw_on(device.clone(), &scene, &SHADING, how).expect("draws");
         // Each pass by its own time, where the adapter has a clock.
         let timed = |pass: &&str| drawn.passes.iter().any(|known| known.pass == Some(pass));

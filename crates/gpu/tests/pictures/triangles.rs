@@ -1,5 +1,5 @@
 //! The triangles round the thick vertex: held tightly where what the hardware interpolates is exact, closely where it is not,
-//! and to the raster compositor in what both share. Also what few bits a channel lose.
+//! and to the raster compositor in what both share.
 
 use crate::drawing::{How, device, draw_on, further_device, raster};
 use crate::raster::{cell, classes, jittered, views};
@@ -12,7 +12,7 @@ use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_gpu::{Device, FrameOutput, Renderer};
 use voltet_integrators::{pre_integrated, pre_integrated_cylindrical, riemann, segments};
-use voltet_optics::engine::{Accumulation, Compositor, RenderOptions};
+use voltet_optics::engine::{Compositor, RenderOptions};
 use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use voltet_testing::pictures::grids::*;
@@ -23,7 +23,10 @@ fn triangles(order: VisibilityOrder) -> How {
 }
 
 fn draw(device: &Arc<Device>, scene: &NamedScene, shading: &Shading, how: How) -> FrameOutput {
-    draw_on(device.clone(), scene, shading, how).unwrap_or_else(|e| panic!("{}: {e}", scene.name))
+    let drawn =
+        draw_on(device.clone(), scene, shading, how).unwrap_or_else(|e| panic!("{}: {e}", scene.name));
+    assert_eq!(drawn.compositing, how.0, "{}", scene.name);
+    drawn
 }
 
 fn uniform() -> TransferFunction {
@@ -216,55 +219,4 @@ fn runs_and_small_bindings_change_nothing() {
     });
     let drawn = draw(&Arc::new(small), &scene, &SHADING, triangles(VisibilityOrder::Centroid)).picture;
     assert_eq!(drawn.rgba, whole.rgba);
-}
-
-/// Pixels are multiples of a step, off by no more than a step a cell, and the more the fewer bits there are.
-#[test]
-fn few_bits_a_channel_round_after_each_cell() {
-    let Some(device) = device() else { return };
-    let scene = jittered(overlapping(), outside([32, 24]));
-    let renderer = Renderer::new(device.clone(), &scene.volume).expect("fits");
-    let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Centroid);
-    // A ray meets three dozen of 1,296 cells at most.
-    const CELLS: f64 = 36.0;
-    for compositing in [Compositor::Raster, Compositor::Triangles] {
-        let picture = |accumulation| {
-            let options =
-                RenderOptions { accumulation, compositing: Some(compositing), ..RenderOptions::default() };
-            voltet_gpu::draw(&renderer, &wanted, &options, &NoProgress).expect("draws").picture
-        };
-        let float = picture(Accumulation::Float);
-        let mut before = f64::INFINITY;
-        for (accumulation, steps) in
-            [(Accumulation::Bits8, 255.0), (Accumulation::Bits12, 4096.0), (Accumulation::Bits16, 65536.0)]
-        {
-            let rounded = picture(accumulation);
-            let values = rounded.rgba.iter().flatten().map(|x| f64::from(*x) * steps);
-            let apart = values.map(|x| (x - x.round()).abs()).fold(0.0, f64::max);
-            assert!(apart < 1e-3, "{accumulation:?}: {apart} of a step");
-            within(&format!("{accumulation:?}"), &rounded, &float, CELLS / steps);
-            let pixels = rounded.rgba.iter().zip(&float.rgba);
-            let squares: f64 = pixels.map(|(a, b)| f64::from(a[0] - b[0]).powi(2)).sum();
-            let off = (squares / rounded.rgba.len() as f64).sqrt();
-            println!("{compositing:?} {accumulation:?}: {off:.2e}");
-            assert!(0.0 < off && 4.0 * off < before, "{accumulation:?}: {off:e} after {before:e}");
-            before = off;
-        }
-    }
-    let tiles = RenderOptions {
-        accumulation: Accumulation::Bits8,
-        compositing: Some(Compositor::Tiles),
-        ..RenderOptions::default()
-    };
-    let error = voltet_gpu::draw(&renderer, &wanted, &tiles, &NoProgress).expect_err("refused").to_string();
-    assert!(error.contains("8-bit") && error.contains("raster"), "{error}");
-    let narrow = Arc::new(further_device().blending_16_bits());
-    let renderer = Renderer::new(narrow, &scene.volume).expect("fits");
-    let twelve = RenderOptions {
-        accumulation: Accumulation::Bits12,
-        compositing: Some(Compositor::Triangles),
-        ..RenderOptions::default()
-    };
-    let error = voltet_gpu::draw(&renderer, &wanted, &twelve, &NoProgress).expect_err("refused").to_string();
-    assert!(error.contains("no 32-bit floats") && error.contains("12-bit"), "{error}");
 }

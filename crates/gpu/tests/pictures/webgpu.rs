@@ -3,12 +3,11 @@
 
 use crate::drawing::{device, draw_on};
 use std::sync::Arc;
-use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::volume::Volume;
-use voltet_gpu::{Device, Renderer};
+use voltet_gpu::Device;
 use voltet_integrators::{pre_integrated, pre_integrated_cylindrical, riemann, segments};
-use voltet_optics::engine::{Accumulation, Compositor, RenderOptions};
+use voltet_optics::engine::Compositor;
 use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 use voltet_testing::pictures::compare::{NamedScene, SHADING, within};
 use voltet_testing::pictures::grids::{cube, smooth, smooth_gradient};
@@ -69,22 +68,6 @@ fn every_compositor_draws_within_the_limits_of_webgpu() {
             same_on([&device, &least], &scene, &shading, how, 1e-6);
         }
     }
-    let scene = scene("few bits", overlapping());
-    let renderer = Renderer::new(least, &scene.volume).expect("fits");
-    for accumulation in [Accumulation::Bits8, Accumulation::Bits12] {
-        let options = RenderOptions {
-            accumulation,
-            compositing: Some(Compositor::Triangles),
-            ..RenderOptions::default()
-        };
-        voltet_gpu::draw(
-            &renderer,
-            &scene.drawn_by(&SHADING, VisibilityOrder::Centroid),
-            &options,
-            &NoProgress,
-        )
-        .expect("draws");
-    }
 }
 
 /// An image, a Gaussian over fields and control points within a region, lit: every array of the grid and everything that a scene reads
@@ -101,9 +84,9 @@ fn every_integrator_has_room_for_all_that_a_scene_may_have() {
     let ways = [
         (Compositor::Tiles, VisibilityOrder::Exact),
         (Compositor::Tiles, VisibilityOrder::Centroid),
-        (Compositor::Raster, VisibilityOrder::Exact),
+        (Compositor::Raster, VisibilityOrder::Centroid),
         (Compositor::Raster, VisibilityOrder::Unsorted),
-        (Compositor::Triangles, VisibilityOrder::Exact),
+        (Compositor::Triangles, VisibilityOrder::Centroid),
     ];
     let mut drawn = 0;
     // The smallest tables: arrays are counted here, and a device of WebGPU binds no more than 128 MiB of one.

@@ -5,7 +5,7 @@
 //! when rays move by a thousandth of a pixel, when s and g or the points are rounded to 32 bits of their ranges, or when s and
 //! g all move by as much as that may change the larger half of them. What is not explained is wrong.
 //!
-//! A device draws each scene in all its ways of compositing, in exact order where the cells have one. Hardware moves the corners
+//! A device draws each scene by tiles, and by what blends where one colour needs no order. Hardware moves the corners
 //! of triangles to a raster, those of each cell for itself: there the sum counts of what each cell, drawn alone, changes when it
 //! moves by a step of that raster. Other ways of compositing decide by the rounded points of a face, for each face
 //! alone, whether a ray within it meets the cell beside it. Where a face has a cell on one side only, both are right: of such cells,
@@ -129,7 +129,10 @@ pub fn random(
         // Hardly two scenes share compiled shaders.
         subjects.renderers.iter().for_each(|renderer| clear_caches(renderer.engine.as_ref()));
         let mut explained = None;
-        let variants = |renderer: &OpenRenderer| RendererVariant::all_of_engine(renderer.declared);
+        let ordering = scene.ordering(false);
+        let variants = |renderer: &OpenRenderer| {
+            RendererVariant::all_of_engine(renderer.declared).filter(move |variant| variant.makes(ordering))
+        };
         let each = subjects.renderers.iter().flat_map(|one| variants(one).map(move |variant| (one, variant)));
         for (renderer, RendererVariant { compositing: way, .. }) in each {
             let engine = match way {

@@ -1,4 +1,6 @@
-//! The order of the cells' centroids.
+//! Visibility order of whole cells, by their centroids: an approximation.
+//!
+//! An exact order of whole cells need not exist: cells may hide each other in a cycle. Compositors make it pixel by pixel.
 
 use crate::Result;
 use crate::camera::{Camera, Projection};
