@@ -62,8 +62,6 @@ pub(crate) struct Answers {
     pub probing: Option<bool>,
     /// Values that were probed, and the volume that they are of.
     pub probed: Option<(VolumeSource, Arc<PixelProbe>)>,
-    /// Small pictures of an earlier state, which are not asked for anew yet; found at the revision.
-    pub outdated: (Option<u64>, BTreeSet<String>),
     pub picture_lag: Lag,
     pub section_lag: Lag,
 }
@@ -173,7 +171,9 @@ impl Editor {
         if self.faults.0 != Some(self.document.revision()) {
             self.faults = (Some(self.document.revision()), faults(&self.document, &self.registry));
         }
-        self.settle_on_earlier();
+        if self.answers.probed.as_ref().is_some_and(|(source, _)| !self.is_current(source)) {
+            self.answers.probed = None;
+        }
     }
 
     pub(crate) fn scene(&self) -> Scene<'_> {
@@ -194,8 +194,10 @@ impl Editor {
                     pixels.number != self.answers.picture_number && (is_late || failure.is_some())
                 }),
                 false => shown.previews.get(*node).is_some_and(|preview| {
+                    let wanted = || self.render_request(node, None, false);
                     preview.last().is_some()
-                        && (preview.answer().is_none() || self.answers.outdated.1.contains(*node))
+                        && (preview.answer().is_none()
+                            || preview.asked().is_some_and(|asked| asked.0 != wanted()))
                 }),
             };
             let earlier = pictures(&self.document, &self.registry).into_iter().filter(is_earlier).collect();

@@ -7,8 +7,8 @@ use crate::section;
 use crate::transfer;
 use crate::view::View;
 use crate::worker::{
-    DataScales, DistributionQuery, PixelProbe, Preview, PreviewQuery, ProbeQuery, RenderRequest,
-    SectionQuery, ShareQuery, VolumeSource, retain_widgets, short, short_by, size_of,
+    DataScales, DistributionQuery, PixelProbe, PreviewQuery, ProbeQuery, RenderRequest, SectionQuery,
+    ShareQuery, VolumeSource, retain_widgets, short, short_by, size_of,
 };
 use eframe::egui::Context;
 use std::sync::Arc;
@@ -26,30 +26,8 @@ impl Editor {
         self.find_previews();
     }
 
-    /// Finds which small pictures are of an earlier state, and drops probed values of another volume.
-    pub(crate) fn settle_on_earlier(&mut self) {
-        let revision = Some(self.document.revision());
-        if self.answers.outdated.0 == revision {
-            return;
-        }
-        let asked: Vec<(String, Option<RenderRequest>)> = self.worker.shown(|shown| {
-            let asked = |(node, preview): (&String, &Preview)| {
-                (node.clone(), preview.asked().map(|query| query.0.clone()))
-            };
-            shown.previews.iter().map(asked).collect()
-        });
-        let is_other = |(node, asked): &(String, Option<RenderRequest>)| {
-            *asked != Some(self.render_request(node, None, false))
-        };
-        let others = asked.into_iter().filter(is_other).map(|(node, _)| node).collect();
-        self.answers.outdated = (revision, others);
-        if self.answers.probed.as_ref().is_some_and(|(source, _)| !self.is_current(source)) {
-            self.answers.probed = None;
-        }
-    }
-
     /// True if the document still gives this volume.
-    fn is_current(&self, source: &VolumeSource) -> bool {
+    pub(crate) fn is_current(&self, source: &VolumeSource) -> bool {
         let now = self.volume_source(source.output.clone());
         let before = links::feeding(&source.nodes, links::source(&source.output, &source.nodes).0);
         (now.folder, now.nodes) == (source.folder.clone(), before)
@@ -114,7 +92,12 @@ impl Editor {
         }
     }
 
-    fn render_request(&self, node: &str, size: Option<[u32; 2]>, coarse_first: bool) -> RenderRequest {
+    pub(crate) fn render_request(
+        &self,
+        node: &str,
+        size: Option<[u32; 2]>,
+        coarse_first: bool,
+    ) -> RenderRequest {
         let all = &self.document.pipeline().nodes;
         let (nodes, folder) = (links::feeding(all, node), self.document.folder());
         let background = background(all, node);
@@ -166,7 +149,7 @@ impl Editor {
     }
 
     /// Asks for small pictures of the other nodes that give one, once the shown one is there and no hand is at work.
-    fn find_previews(&mut self) {
+    fn find_previews(&self) {
         if self.gesture.is_some() || self.worker.shown(|shown| shown.is_busy) {
             return;
         }
@@ -176,7 +159,6 @@ impl Editor {
                 self.worker.ask(|output| output.preview(node), wanted);
             }
         }
-        self.answers.outdated.1.clear();
     }
 
     fn find_section(&self) {
