@@ -14,9 +14,9 @@ use voltet_core::transfer::{
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, agreeing, counted};
 use voltet_graph::{
-    ArrayRef, AxisRef, DefaultValue, Demand, DemandContext, Field, LocatedValue, Node, Outputs, Parameter,
-    ParameterType, ParameterValue, Parameters, Port, PortType, Range, RelativeNumberType, RunContext,
-    SourceSpan, StatisticKind, TransferFunctionSpec, Value,
+    ArrayRef, AxisRef, DefaultValue, Demand, DemandContext, Field, Node, Outputs, Parameter, ParameterType,
+    ParameterValue, Parameters, Port, PortType, Range, RelativeNumberType, RunContext, StatisticKind,
+    TransferFunctionSpec, Value,
 };
 
 /// The declaration.
@@ -277,14 +277,7 @@ pub fn placed(p: &Parameters, grid: &Grid) -> Result<Parameters> {
 /// is not.
 pub fn check_region(p: &Parameters) -> Result<()> {
     let of_box = p.table("box")?.map_or(0, |table| table.relative_numbers().len());
-    let corner = |name: &str, at: f64| {
-        let numbers = vec![LocatedValue::from(ParameterValue::Number(at)); 3];
-        Field {
-            name: name.into(),
-            origin: SourceSpan::Nowhere,
-            setting: ParameterValue::List(numbers).into(),
-        }
-    };
+    let corner = |name: &str, at: f64| Field::new(name, [at; 3].into_iter().collect::<ParameterValue>());
     let any_box = || ParameterValue::Table(vec![corner("low", 0.0), corner("high", 1.0)]);
     let p = if matches!(of_box, 1..=5) { p.with("box", Some(any_box())) } else { p.clone() };
     region(&with_placeholders(&p)?).map(drop)

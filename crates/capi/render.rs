@@ -12,24 +12,21 @@ use voltet_io::encode::srgb8;
 /// Sets all parameters of a camera node. `node` is `None`: the only one.
 pub(crate) fn set_camera(pipeline: &mut Pipeline, node: Option<&str>, camera: &Camera) -> Result<()> {
     let node = pipeline.camera_node(node)?;
-    let list = |values: &[f64]| {
-        ParameterValue::List(values.iter().map(|&value| ParameterValue::Number(value).into()).collect())
-    };
     // 0 stands for the default, or for the other projection.
     let projection = |value: f64| (value != 0.0).then_some(ParameterValue::Number(value));
     let up = if camera.up == [0.0; 3] { [0.0, 0.0, 1.0] } else { camera.up };
     let mut values = vec![
-        ("eye", Some(list(&camera.eye))),
-        ("target", Some(list(&camera.target))),
-        ("up", Some(list(&up))),
+        ("eye", Some(camera.eye.into_iter().collect())),
+        ("target", Some(camera.target.into_iter().collect())),
+        ("up", Some(up.into_iter().collect())),
         ("near", Some(ParameterValue::Number(camera.near_plane))),
         ("samples", Some(ParameterValue::Integer(i64::from(camera.samples.max(1))))),
         ("fov_y", projection(camera.fov_y)),
         ("height", projection(camera.height)),
     ];
     if camera.pixels != [0, 0] {
-        let sides = camera.pixels.map(|side| ParameterValue::Integer(i64::from(side)).into());
-        values.push(("size", Some(ParameterValue::List(sides.to_vec()))));
+        let sides = camera.pixels.into_iter().map(|side| ParameterValue::Integer(side.into()));
+        values.push(("size", Some(sides.collect())));
     }
     pipeline.set_parameters(&node, values)
 }

@@ -8,6 +8,13 @@ pub fn counted<N: Display + PartialEq + From<u8>>(count: N, noun: &str) -> Strin
     format!("{count} {noun}")
 }
 
+/// A whole number with its thousands apart.
+pub fn with_commas(count: impl Display) -> String {
+    let digits = count.to_string().into_bytes();
+    let groups = digits.rchunks(3).rev().map(String::from_utf8_lossy);
+    groups.collect::<Vec<_>>().join(",")
+}
+
 /// A noun, given in the singular, in the number of a count.
 pub fn noun_of<N: PartialEq + From<u8>>(count: &N, noun: &str) -> String {
     agreeing(count, noun, &plural(noun)).into()
@@ -38,6 +45,7 @@ mod tests {
         assert_eq!(counted(0_usize, "cell"), "0 cells");
         assert_eq!(counted(21_u32, "tetrahedron"), "21 tetrahedra");
         assert_eq!(counted(2_u8, "poly-vertex"), "2 poly-vertices");
+        assert_eq!([0, 999, 1000, 12_345_678].map(with_commas), ["0", "999", "1,000", "12,345,678"]);
         assert_eq!([1, 2].map(|count: u64| agreeing(&count, "is", "are")), ["is", "are"]);
     }
 }

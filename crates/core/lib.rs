@@ -19,7 +19,7 @@ pub mod transfer;
 pub mod visibility;
 pub mod volume;
 
-pub use counted::{agreeing, counted, noun_of};
+pub use counted::{agreeing, counted, noun_of, with_commas};
 pub use error::{Error, Result};
 /// Vectors and matrices, in the version that the types here are made of.
 pub use glam;

@@ -1,7 +1,7 @@
 //! Application of the actions that the parts of the window requested: edits, commands, the clipboard, runs; the document's file, which is
 //! opened or made for data, saved, changed by another program, recovered after a crash.
 
-use crate::editor::{Editor, Panels};
+use crate::editor::{Editor, Next, Panels};
 use crate::files::{Disk, FileDialog, Recover, ask, begun, free_path, is_pipeline};
 use crate::jobs::{Arrays, Job};
 use crate::picture::milliseconds;
@@ -37,8 +37,7 @@ impl Editor {
             Action::Do(command) => self.command(ctx, command),
             Action::Say(text) => self.say(text),
             Action::Begin(path) => {
-                (self.begin_with, self.made_document) = (Some(path), None);
-                self.unless_unsaved(ctx, Command::Open);
+                self.unless_unsaved(ctx, Next::Open(Some(path)));
             }
             Action::ChooseFile(asked, at) => self.file_dialog = Some(FileDialog::new(asked, at.as_deref())),
         }
@@ -112,10 +111,9 @@ impl Editor {
 
     pub(crate) fn command(&mut self, ctx: &Context, command: Command) {
         match command {
-            Command::New | Command::Open | Command::Quit => {
-                (self.begin_with, self.made_document) = (None, None);
-                self.unless_unsaved(ctx, command);
-            }
+            Command::New => self.unless_unsaved(ctx, Next::Take(Box::default())),
+            Command::Open => self.unless_unsaved(ctx, Next::Open(None)),
+            Command::Quit => self.unless_unsaved(ctx, Next::Quit),
             Command::Run => self.run(ctx),
             Command::Save => self.save(),
             Command::SaveAs => {
@@ -334,18 +332,20 @@ impl Editor {
         let made = Job::start("start", ctx, move |_| begun(start(&path, &at)?, &at));
         if let Some(made) = self.check(made) {
             self.say(format!("making a pipeline for {name} …"));
-            (self.made, self.made_at) = (Some(made), self.document.revision());
+            self.made = Some((made, self.document.revision()));
         }
     }
 
-    pub(crate) fn take_made(&mut self) {
-        let Some(made) = self.made.as_ref().and_then(Job::result) else { return };
+    pub(crate) fn take_made(&mut self, ctx: &Context) {
+        let Some((made, at)) = self.made.as_ref().and_then(|(job, at)| Some((job.result()?, *at))) else {
+            return;
+        };
         self.made = None;
         let Some(document) = self.check(made) else { return };
-        if self.document.is_saved() || self.document.revision() == self.made_at {
+        if self.document.revision() == at {
             self.take(document);
         } else {
-            (self.made_document, self.unsaved) = (Some(document), Some(Command::Open));
+            self.unless_unsaved(ctx, Next::Take(Box::new(document)));
         }
     }
 
@@ -393,21 +393,18 @@ impl Editor {
     }
 
     /// Carries out what takes the document away, or asks first.
-    pub(crate) fn unless_unsaved(&mut self, ctx: &Context, command: Command) {
-        if self.document.is_saved() { self.go_on(ctx, command) } else { self.unsaved = Some(command) }
+    pub(crate) fn unless_unsaved(&mut self, ctx: &Context, next: Next) {
+        if self.document.is_saved() { self.go_on(ctx, next) } else { self.unsaved = Some(next) }
     }
 
-    pub(crate) fn go_on(&mut self, ctx: &Context, command: Command) {
-        if let Some(document) = self.made_document.take() {
-            return self.take(document);
-        }
-        match (command, self.begin_with.take()) {
-            (Command::New, _) => self.take(Document::new()),
-            (Command::Open, Some(path)) => self.open_any(ctx, &path),
-            (Command::Open, None) => {
+    pub(crate) fn go_on(&mut self, ctx: &Context, next: Next) {
+        match next {
+            Next::Take(document) => self.take(*document),
+            Next::Open(Some(path)) => self.open_any(ctx, &path),
+            Next::Open(None) => {
                 self.file_dialog = Some(FileDialog::new(FilePurpose::Open, self.document.path()))
             }
-            _ => self.ends = true,
+            Next::Quit => self.ends = true,
         }
     }
 

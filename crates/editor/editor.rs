@@ -43,17 +43,37 @@ pub(crate) struct Panels {
     pub help: bool,
 }
 
+/// Step that takes the document away.
+pub(crate) enum Next {
+    /// Another document in its place.
+    Take(Box<Document>),
+    /// A file, or the choice of one.
+    Open(Option<PathBuf>),
+    Quit,
+}
+
+/// Requests to the worker, and how far its answers are behind.
+#[derive(Default)]
+pub(crate) struct Answers {
+    /// The picture that was asked for last, and its number.
+    pub asked: Option<RenderRequest>,
+    pub picture_number: u64,
+    /// True for a probe that is waited for to centre the picture.
+    pub probing: Option<bool>,
+    /// Values that were probed, and the volume that they are of.
+    pub probed: Option<(VolumeSource, Arc<PixelProbe>)>,
+    pub picture_lag: Lag,
+    pub section_lag: Lag,
+}
+
 /// All that a window shows.
 pub struct Editor {
     pub(crate) document: Document,
     pub(crate) registry: Registry,
     pub(crate) worker: Worker,
     pub(crate) start: Start,
-    pub(crate) made: Option<Job<Document>>,
-    /// Revision of the document when that was asked for.
-    pub(crate) made_at: u64,
-    /// Document that was made, while what was done meanwhile is asked about.
-    pub(crate) made_document: Option<Document>,
+    /// Document that is being made, and the revision of the one that was shown when that was asked for.
+    pub(crate) made: Option<(Job<Document>, u64)>,
     pub(crate) selection: BTreeSet<String>,
     pub(crate) shown_node: Option<String>,
     pub(crate) arrays: Arrays,
@@ -62,24 +82,11 @@ pub struct Editor {
     pub(crate) disk: Disk,
     pub(crate) watch: FileWatcher,
     pub(crate) file_dialog: Option<FileDialog>,
-    /// File to open once unsaved work is settled; `None` opens a file dialog.
-    pub(crate) begin_with: Option<PathBuf>,
     pub(crate) recent: Recent,
     pub(crate) run: Option<Job<RunReport>>,
-    pub(crate) unsaved: Option<Command>,
-    /// The picture that was asked for last, and its number.
-    pub(crate) asked: Option<RenderRequest>,
-    pub(crate) picture_number: u64,
-    /// The revision and the shown node that small pictures were asked for last.
-    pub(crate) previews_of: Option<(u64, Option<String>)>,
-    /// True for a probe that is waited for to centre the picture.
-    pub(crate) probing: Option<bool>,
-    /// Values that were probed, and the volume that they are of.
-    pub(crate) probed: Option<(VolumeSource, Arc<PixelProbe>)>,
-    /// Small pictures of an earlier state, which are not asked for anew yet; found at the revision.
-    pub(crate) outdated: (Option<u64>, BTreeSet<String>),
-    pub(crate) picture_lag: Lag,
-    pub(crate) section_lag: Lag,
+    /// Next step, once unsaved work is settled.
+    pub(crate) unsaved: Option<Next>,
+    pub(crate) answers: Answers,
     pub(crate) panels: Panels,
     pub(crate) actions: Actions,
     pub(crate) faults: (Option<u64>, Vec<Error>),
@@ -105,8 +112,6 @@ impl Editor {
             registry: registry.clone(),
             start,
             made: None,
-            made_at: 0,
-            made_document: None,
             selection: BTreeSet::new(),
             shown_node: None,
             arrays: Arrays::default(),
@@ -115,18 +120,10 @@ impl Editor {
             disk: Disk::default(),
             watch,
             file_dialog: None,
-            begin_with: None,
             recent: Recent::default(),
             run: None,
             unsaved: None,
-            asked: None,
-            picture_number: 0,
-            previews_of: None,
-            probing: None,
-            probed: None,
-            outdated: (None, BTreeSet::new()),
-            picture_lag: Lag::default(),
-            section_lag: Lag::default(),
+            answers: Answers::default(),
             panels: Panels::default(),
             actions: Actions::default(),
             faults: (None, Vec::new()),
@@ -174,28 +171,33 @@ impl Editor {
         if self.faults.0 != Some(self.document.revision()) {
             self.faults = (Some(self.document.revision()), faults(&self.document, &self.registry));
         }
-        self.settle_on_earlier();
+        if self.answers.probed.as_ref().is_some_and(|(source, _)| !self.is_current(source)) {
+            self.answers.probed = None;
+        }
     }
 
     pub(crate) fn scene(&self) -> Scene<'_> {
         let camera = self.camera();
         self.worker.shown(|shown| {
             let distribution = shown.distribution.answer();
-            let is_newest = shown.share.asked().is_some_and(|asked| asked.picture == self.picture_number);
+            let is_newest =
+                shown.share.asked().is_some_and(|asked| asked.picture == self.answers.picture_number);
             let previews = shown.previews.iter();
             let preview = |(node, preview): (&String, &crate::worker::Preview)| {
                 Some((node.clone(), preview.last()?.as_ref().ok()?.clone()))
             };
             let pixels = shown.pixels.clone().filter(|pixels| self.shown_node.as_ref() == Some(&pixels.node));
-            let is_late = self.picture_lag.is_long;
+            let is_late = self.answers.picture_lag.is_long;
             let failure = shown.failure.clone().filter(|_| !is_late);
             let is_earlier = |node: &&str| match self.shown_node.as_deref() == Some(*node) {
                 true => pixels.as_ref().is_some_and(|pixels| {
-                    pixels.number != self.picture_number && (is_late || failure.is_some())
+                    pixels.number != self.answers.picture_number && (is_late || failure.is_some())
                 }),
                 false => shown.previews.get(*node).is_some_and(|preview| {
+                    let wanted = || self.render_request(node, None, false);
                     preview.last().is_some()
-                        && (preview.answer().is_none() || self.outdated.1.contains(*node))
+                        && (preview.answer().is_none()
+                            || preview.asked().is_some_and(|asked| asked.0 != wanted()))
                 }),
             };
             let earlier = pictures(&self.document, &self.registry).into_iter().filter(is_earlier).collect();
@@ -219,10 +221,10 @@ impl Editor {
                 running: running(shown),
                 distribution: distribution.and_then(|found| found.as_ref().ok().cloned()),
                 distribution_fault: distribution.and_then(|found| found.as_ref().err().cloned()),
-                probed: self.probed.as_ref().map(|(_, found)| found.clone()),
+                probed: self.answers.probed.as_ref().map(|(_, found)| found.clone()),
                 share: shown.share.answer().filter(|_| is_newest).cloned(),
                 section: shown.section.last().cloned(),
-                is_section_earlier: self.section_lag.is_long,
+                is_section_earlier: self.answers.section_lag.is_long,
                 report: shown.report.clone(),
                 estimate: shown.estimate.answer().cloned(),
                 is_estimating: shown.estimate.is_waiting(),
@@ -233,7 +235,7 @@ impl Editor {
     }
 
     pub(crate) fn estimate(&self) {
-        if let Some(asked) = self.asked.clone() {
+        if let Some(asked) = self.answers.asked.clone() {
             self.worker.ask(|output| &mut output.estimate, Estimate(asked));
         }
     }
@@ -269,7 +271,7 @@ impl Editor {
     /// Shows everything once and carries out what was asked for.
     pub fn frame(&mut self, ctx: &Context) {
         self.look_at_disk();
-        self.take_made();
+        self.take_made(ctx);
         self.take_probed();
         self.panels.study.take_found();
         self.show_run();
@@ -419,22 +421,21 @@ fn changed_on_disk(editor: &mut Editor, ctx: &Context) {
 }
 
 fn unsaved(editor: &mut Editor, ctx: &Context) {
-    let Some(command) = editor.unsaved else { return };
+    let Some(next) = editor.unsaved.take() else { return };
     let name = editor.document().path().map_or("The new pipeline".into(), |path| path.display().to_string());
     let text = format!("{name} has changes that are not saved.");
     let answers = [("Save", Some(true)), ("Discard", Some(false)), ("Cancel", None)];
     let answer = match ask(ctx, "Unsaved work", text, &answers) {
         _ if ctx.input(|input| input.key_pressed(Key::Escape)) => None,
-        None => return,
+        None => return editor.unsaved = Some(next),
         Some(answer) => answer,
     };
-    editor.unsaved = None;
     let Some(saves) = answer else { return };
     if saves {
         editor.save();
     }
     if !saves || editor.document().is_saved() {
-        editor.go_on(ctx, command);
+        editor.go_on(ctx, next);
     }
 }
 

@@ -10,66 +10,77 @@ use eframe::egui::{
 use std::path::Path;
 use std::time::{Duration, Instant};
 use voltet_document::Gesture;
-use voltet_document::arrange::Align;
+use voltet_document::arrange::Align as How;
 
-/// A key of the window: what it does, and the words for it. Where a command has several, help shows the first.
-type Binding = (Command, Modifiers, Key, &'static str);
+/// A command: its menu and the words there; its keys, of which menu and help show the first; and the words for that in help. Empty where
+/// there are none.
+type Binding = (&'static str, Command, &'static str, &'static [(Modifiers, Key)], &'static str);
 
 const NONE: Modifiers = Modifiers::NONE;
 const CTRL: Modifiers = Modifiers::COMMAND;
 const CTRL_SHIFT: Modifiers = Modifiers { shift: true, ..Modifiers::COMMAND };
 const SHIFT: Modifiers = Modifiers::SHIFT;
 
-/// Longer combinations first: a key with Shift is not the key alone.
-const KEYS: &[Binding] = &[
-    (Command::New, CTRL, Key::N, "new pipeline"),
-    (Command::Open, CTRL, Key::O, "open a pipeline, a picture that carries one, or a data file"),
-    (Command::SaveAs, CTRL_SHIFT, Key::S, "save as"),
-    (Command::Save, CTRL, Key::S, "save"),
-    (Command::Run, CTRL, Key::R, "run: write the files of the pipeline; stops a run"),
-    (Command::ReadAgain, NONE, Key::F5, "read again what other programs wrote anew"),
-    (Command::Quit, CTRL, Key::Q, "quit"),
-    (Command::Redo, CTRL_SHIFT, Key::Z, "redo"),
-    (Command::Redo, CTRL, Key::Y, "redo"),
-    (Command::Undo, CTRL, Key::Z, "undo"),
-    (Command::Duplicate, CTRL, Key::D, "duplicate the selected nodes"),
-    (Command::SelectAll, CTRL, Key::A, "select all nodes"),
-    (Command::Frame, CTRL, Key::G, "frame around the selected nodes"),
-    (Command::Delete, NONE, Key::Delete, "delete the selected nodes"),
-    (Command::Delete, NONE, Key::Backspace, "delete the selected nodes"),
-    (Command::Add, NONE, Key::Space, "add a node: type to search, Enter takes the first"),
-    (Command::Add, NONE, Key::Tab, "add a node"),
-    (Command::Tidy, NONE, Key::L, "tidy: lay the nodes out"),
-    (
-        Command::Align(Align::Left),
-        SHIFT,
-        Key::L,
-        "align the selected nodes in a column; other ways in the menu",
-    ),
-    (Command::Fold, NONE, Key::B, "fold the selected nodes, or unfold them"),
-    (Command::Note, NONE, Key::N, "note in the graph"),
-    (Command::FitGraph, NONE, Key::F, "all nodes into view"),
-    (Command::Home, NONE, Key::H, "all of the data into the picture"),
-    (Command::Along(0, false), SHIFT, Key::X, "seen from −x"),
-    (Command::Along(1, false), SHIFT, Key::Y, "seen from −y"),
-    (Command::Along(2, false), SHIFT, Key::Z, "seen from −z"),
-    (Command::Along(0, true), NONE, Key::X, "seen from +x"),
-    (Command::Along(1, true), NONE, Key::Y, "seen from +y"),
-    (Command::Along(2, true), NONE, Key::Z, "seen from +z"),
-    (Command::Roll(true), NONE, Key::Comma, "roll to the left"),
-    (Command::Roll(false), NONE, Key::Period, "roll to the right"),
-    (Command::Costs, NONE, Key::C, "times and error of the picture"),
-    (
-        Command::Widgets,
-        NONE,
-        Key::W,
-        "keys for the widgets wherever the pointer is; again or Escape: no more",
-    ),
-    (Command::Section, NONE, Key::K, "section: s on a plane through the data"),
-    (Command::Study, NONE, Key::U, "study: error against time of every integrator"),
-    (Command::Theme, NONE, Key::T, "light or dark"),
-    (Command::Help, NONE, Key::F1, "this sheet"),
-];
+const COMMANDS: &[Binding] = {
+    use Command::*;
+    &[
+        ("File", New, "New", &[(CTRL, Key::N)], "new pipeline"),
+        ("File", Open, "Open …", &[(CTRL, Key::O)], "open a pipeline, a picture with one, or a data file"),
+        ("File", Save, "Save", &[(CTRL, Key::S)], "save"),
+        ("File", SaveAs, "Save as …", &[(CTRL_SHIFT, Key::S)], "save as"),
+        ("File", Run, "Run: write the files", &[(CTRL, Key::R)], "run: write the files; stops a run"),
+        ("File", Quit, "Quit", &[(CTRL, Key::Q)], "quit"),
+        ("Edit", Undo, "Undo", &[(CTRL, Key::Z)], "undo"),
+        ("Edit", Redo, "Redo", &[(CTRL_SHIFT, Key::Z), (CTRL, Key::Y)], "redo"),
+        ("Edit", Cut, "Cut", &[(CTRL, Key::X)], "cut the selected nodes"),
+        ("Edit", Copy, "Copy", &[(CTRL, Key::C)], "copy the selected nodes, as text of the file"),
+        ("Edit", Duplicate, "Duplicate", &[(CTRL, Key::D)], "duplicate the selected nodes"),
+        ("Edit", Delete, "Delete", &[(NONE, Key::Delete), (NONE, Key::Backspace)], "delete selected nodes"),
+        ("Edit", SelectAll, "Select all", &[(CTRL, Key::A)], "select all nodes"),
+        (
+            "Graph",
+            Add,
+            "Add a node …",
+            &[(NONE, Key::Space), (NONE, Key::Tab)],
+            "add a node: type to search, Enter takes the first",
+        ),
+        ("Graph", Tidy, "Tidy", &[(NONE, Key::L)], "tidy: lay the nodes out"),
+        ("Graph", Frame, "Frame", &[(CTRL, Key::G)], "frame around the selected nodes"),
+        ("Graph", Note, "Note", &[(NONE, Key::N)], "note in the graph"),
+        ("Graph", Fold, "Fold", &[(NONE, Key::B)], "fold the selected nodes, or unfold them"),
+        ("Graph", FitGraph, "All into view", &[(NONE, Key::F)], "all nodes into view"),
+        ("Align", Align(How::Left), "Left sides", &[(SHIFT, Key::L)], "align the selected nodes in a column"),
+        ("Align", Align(How::Centre), "Middles in a column", &[], ""),
+        ("Align", Align(How::Right), "Right sides", &[], ""),
+        ("Align", Align(How::Top), "Upper sides", &[], ""),
+        ("Align", Align(How::Middle), "Middles in a row", &[], ""),
+        ("Align", Align(How::Bottom), "Lower sides", &[], ""),
+        ("Align", Align(How::Across), "Equal gaps across", &[], ""),
+        ("Align", Align(How::Down), "Equal gaps down", &[], ""),
+        ("View", Home, "Home", &[(NONE, Key::H)], "all of the data into the picture"),
+        ("", Along(0, true), "", &[(NONE, Key::X)], "seen from +x"),
+        ("", Along(1, true), "", &[(NONE, Key::Y)], "seen from +y"),
+        ("", Along(2, true), "", &[(NONE, Key::Z)], "seen from +z"),
+        ("", Along(0, false), "", &[(SHIFT, Key::X)], "seen from −x"),
+        ("", Along(1, false), "", &[(SHIFT, Key::Y)], "seen from −y"),
+        ("", Along(2, false), "", &[(SHIFT, Key::Z)], "seen from −z"),
+        ("", Roll(true), "", &[(NONE, Key::Comma)], "roll to the left"),
+        ("", Roll(false), "", &[(NONE, Key::Period)], "roll to the right"),
+        ("View", ReadAgain, "Read again", &[(NONE, Key::F5)], "read again what other programs wrote anew"),
+        ("View", Section, "Section", &[(NONE, Key::K)], "section: s on a plane through the data"),
+        ("View", Costs, "Costs and errors", &[(NONE, Key::C)], "times and error of the picture"),
+        ("View", Study, "Study", &[(NONE, Key::U)], "study: error against time of every integrator"),
+        (
+            "",
+            Widgets,
+            "",
+            &[(NONE, Key::W)],
+            "keys for the widgets wherever the pointer is; again or Escape: no more",
+        ),
+        ("View", Theme, "Light or dark", &[(NONE, Key::T)], "light or dark"),
+        ("View", Help, "Keys and mouse", &[(NONE, Key::F1)], "this sheet"),
+    ]
+};
 
 /// Actions of the mouse, for the help sheet.
 const MOUSE: &[(&str, &[(&str, &str)])] = &[
@@ -122,7 +133,8 @@ const MOUSE: &[(&str, &[(&str, &str)])] = &[
 pub(crate) fn read(ctx: &Context, over_widgets: bool, actions: &Actions) {
     let typing = ctx.wants_keyboard_input();
     ctx.input_mut(|input| {
-        for &(command, modifiers, key, _) in KEYS {
+        // Longer combinations first: a key with Shift is not the key alone.
+        for (command, modifiers, key) in keys(true).chain(keys(false)) {
             // In a text field keys are letters, but for those of the window's own business.
             let anywhere = matches!(
                 command,
@@ -146,91 +158,47 @@ pub(crate) fn read(ctx: &Context, over_widgets: bool, actions: &Actions) {
     });
 }
 
-fn shortcut(ctx: &Context, command: Command) -> String {
-    match command {
-        Command::Copy => return "Ctrl+C".into(),
-        Command::Cut => return "Ctrl+X".into(),
-        _ => {}
-    }
-    let binding = KEYS.iter().find(|binding| binding.0 == command);
-    binding.map_or(String::new(), |&(_, modifiers, key, _)| {
-        ctx.format_shortcut(&KeyboardShortcut::new(modifiers, key))
-    })
+/// Commands with their keys, those with Shift or those without.
+fn keys(shift: bool) -> impl Iterator<Item = (Command, Modifiers, Key)> {
+    let of = |&(_, command, _, keys, _): &Binding| keys.iter().map(move |&(held, key)| (command, held, key));
+    COMMANDS.iter().flat_map(of).filter(move |(_, held, _)| held.shift == shift)
+}
+
+fn shortcut(ctx: &Context, keys: &[(Modifiers, Key)]) -> String {
+    let text = |&(held, key): &(Modifiers, Key)| ctx.format_shortcut(&KeyboardShortcut::new(held, key));
+    keys.first().map(text).unwrap_or_default()
 }
 
 pub(crate) fn bar(ui: &mut Ui, scene: &Scene) {
     menu::bar(ui, |ui| {
-        let list = |ui: &mut Ui, title: &str, entries: &[(&str, Command)]| {
+        let history = scene.document.history();
+        for title in ["File", "Edit", "Graph", "Align", "View"] {
             ui.menu_button(title, |ui| {
                 ui.set_min_width(220.0);
-                for (text, command) in entries {
-                    let key = shortcut(ui.ctx(), *command);
-                    if ui.add(Button::new(*text).shortcut_text(key)).clicked() {
+                for (_, command, text, keys, _) in COMMANDS.iter().filter(|row| row.0 == title) {
+                    let step = match command {
+                        Command::Undo => history.undo_label(),
+                        Command::Redo => history.redo_label(),
+                        _ => None,
+                    };
+                    let text = step.map_or(text.to_string(), |step| format!("{text}: {step}"));
+                    if ui.add(Button::new(text).shortcut_text(shortcut(ui.ctx(), keys))).clicked() {
                         scene.actions.command(*command);
                         ui.close_menu();
                     }
                 }
             });
-        };
-        let file = [
-            ("New", Command::New),
-            ("Open …", Command::Open),
-            ("Save", Command::Save),
-            ("Save as …", Command::SaveAs),
-            ("Run: write the files", Command::Run),
-            ("Quit", Command::Quit),
-        ];
-        let history = scene.document.history();
-        let undo = history.undo_label().map_or("Undo".into(), |label| format!("Undo: {label}"));
-        let redo = history.redo_label().map_or("Redo".into(), |label| format!("Redo: {label}"));
-        let edit = [
-            (undo.as_str(), Command::Undo),
-            (redo.as_str(), Command::Redo),
-            ("Cut", Command::Cut),
-            ("Copy", Command::Copy),
-            ("Duplicate", Command::Duplicate),
-            ("Delete", Command::Delete),
-            ("Select all", Command::SelectAll),
-        ];
-        let graph = [
-            ("Add a node …", Command::Add),
-            ("Tidy", Command::Tidy),
-            ("Frame", Command::Frame),
-            ("Note", Command::Note),
-            ("Fold", Command::Fold),
-            ("All into view", Command::FitGraph),
-        ];
-        let align = [
-            ("Left sides", Command::Align(Align::Left)),
-            ("Middles in a column", Command::Align(Align::Centre)),
-            ("Right sides", Command::Align(Align::Right)),
-            ("Upper sides", Command::Align(Align::Top)),
-            ("Middles in a row", Command::Align(Align::Middle)),
-            ("Lower sides", Command::Align(Align::Bottom)),
-            ("Equal gaps across", Command::Align(Align::Across)),
-            ("Equal gaps down", Command::Align(Align::Down)),
-        ];
-        let view = [
-            ("Home", Command::Home),
-            ("Read again", Command::ReadAgain),
-            ("Section", Command::Section),
-            ("Costs and errors", Command::Costs),
-            ("Study", Command::Study),
-            ("Light or dark", Command::Theme),
-            ("Keys and mouse", Command::Help),
-        ];
-        list(ui, "File", &file);
-        list(ui, "Edit", &edit);
-        list(ui, "Graph", &graph);
-        list(ui, "Align", &align);
-        list(ui, "View", &view);
+        }
         ui.separator();
         ui.add_enabled_ui(!scene.is_empty(), |ui| {
             for (text, command, help) in [
-                ("Save", Command::Save, "save the pipeline"),
-                ("▶ Run", Command::Run, "write the files of the pipeline, such as its picture; stops a run"),
+                ("Save", Command::Save, "save the pipeline (Ctrl+S)"),
+                (
+                    "▶ Run",
+                    Command::Run,
+                    "write the files of the pipeline, such as its picture; stops a run (Ctrl+R)",
+                ),
             ] {
-                let help = format!("{help} ({})", shortcut(ui.ctx(), command));
                 if ui.button(text).on_hover_text(help).clicked() {
                     scene.actions.command(command);
                 }
@@ -250,17 +218,12 @@ pub(crate) fn bar(ui: &mut Ui, scene: &Scene) {
     });
 }
 
-/// The keys with the words for them; of a command that has several, the first.
+/// The keys with the words for them.
 fn rows(ctx: &Context) -> Vec<(String, &'static str)> {
-    let mut rows = Vec::new();
-    let mut last = None;
-    for &(command, modifiers, key, words) in KEYS {
-        if last.replace(command) != Some(command) {
-            rows.push((ctx.format_shortcut(&KeyboardShortcut::new(modifiers, key)), words));
-        }
-    }
-    rows.push(("Ctrl+C, X, V".into(), "copy, cut, paste nodes (as text of the file)"));
-    rows
+    let known = COMMANDS.iter().filter(|row| !row.4.is_empty());
+    let paste: &[(Modifiers, Key)] = &[(CTRL, Key::V)];
+    let all = known.map(|&(_, _, _, keys, words)| (keys, words)).chain([(paste, "paste nodes")]);
+    all.map(|(keys, words)| (shortcut(ctx, keys), words)).collect()
 }
 
 pub(crate) fn sheet(ctx: &Context, open: &mut bool) {
@@ -381,8 +344,8 @@ mod tests {
     #[test]
     fn no_key_means_two_things() {
         let keys: BTreeSet<String> =
-            KEYS.iter().map(|(_, modifiers, key, _)| format!("{modifiers:?} {key:?}")).collect();
-        assert_eq!(keys.len(), KEYS.len());
+            keys(true).chain(keys(false)).map(|(_, held, key)| format!("{held:?} {key:?}")).collect();
+        assert_eq!(keys.len(), COMMANDS.iter().map(|row| row.3.len()).sum::<usize>());
     }
 
     #[test]

@@ -9,7 +9,6 @@ use eframe::egui::{
     Slider, TextEdit, Ui, vec2,
 };
 use std::collections::HashMap;
-use std::rc::Rc;
 use voltet_core::arithmetic::decimal;
 use voltet_document::panel::{Control, Row, Scale, default_value, to_text, typed};
 use voltet_document::{Edit, Path};
@@ -97,8 +96,6 @@ impl Typing {
 #[derive(Default)]
 pub(crate) struct ParameterPanel {
     typing: Typing,
-    /// The rows of a node, as long as the document is the same.
-    rows: Option<(u64, String, Rc<Vec<Row>>)>,
     /// Positions of the values by the keys of their rows, for tests.
     #[cfg(test)]
     pub places: HashMap<String, eframe::egui::Rect>,
@@ -143,7 +140,7 @@ impl ParameterPanel {
         };
         let Some(entry) = scene.entry(name) else { return };
         self.head(ui, scene, entry);
-        let rows = self.rows_of(scene, name);
+        let rows = scene.document.rows(scene.registry, name);
         ScrollArea::vertical().auto_shrink([false, false]).id_salt(("parameters", name)).show(ui, |ui| {
             for fault in scene.faults.iter().filter(|fault| fault.location.node.as_deref() == Some(name)) {
                 ui.label(RichText::new(fault.to_string()).color(theme::wrong(dark)));
@@ -161,19 +158,6 @@ impl ParameterPanel {
                 scene.actions.edit(Edit::Title(Some(title).filter(|title| !title.is_empty())));
             }
         });
-    }
-
-    /// The rows of a node, made anew where the document is another.
-    fn rows_of(&mut self, scene: &Scene, node: &str) -> Rc<Vec<Row>> {
-        let revision = scene.document.revision();
-        match &self.rows {
-            Some((of, name, rows)) if *of == revision && name == node => rows.clone(),
-            _ => {
-                let rows = Rc::new(scene.document.rows(scene.registry, node));
-                self.rows = Some((revision, node.to_string(), rows.clone()));
-                rows
-            }
-        }
     }
 
     /// The node's name, which can be changed, its type and what it does.

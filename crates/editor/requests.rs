@@ -1,17 +1,16 @@
 //! Requests to the worker, and handling of its answers.
 
-use crate::editor::Editor;
+use crate::editor::{Answers, Editor};
 use crate::jobs::{self, Arrays};
 use crate::scene::pictures;
 use crate::section;
 use crate::transfer;
 use crate::view::View;
 use crate::worker::{
-    DataScales, DistributionQuery, PixelProbe, Preview, PreviewQuery, ProbeQuery, RenderRequest,
-    SectionQuery, ShareQuery, VolumeSource, retain_widgets, short, short_by, size_of,
+    DataScales, DistributionQuery, PixelProbe, PreviewQuery, ProbeQuery, RenderRequest, SectionQuery,
+    ShareQuery, VolumeSource, retain_widgets, short, short_by, size_of,
 };
 use eframe::egui::Context;
-use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Instant;
 use voltet_document::links::{self, upstream};
@@ -27,30 +26,8 @@ impl Editor {
         self.find_previews();
     }
 
-    /// Finds which small pictures are of an earlier state, and drops probed values of another volume.
-    pub(crate) fn settle_on_earlier(&mut self) {
-        let revision = Some(self.document.revision());
-        if self.outdated.0 == revision {
-            return;
-        }
-        let asked: Vec<(String, Option<RenderRequest>)> = self.worker.shown(|shown| {
-            let asked = |(node, preview): (&String, &Preview)| {
-                (node.clone(), preview.asked().map(|query| query.0.clone()))
-            };
-            shown.previews.iter().map(asked).collect()
-        });
-        let is_other = |(node, asked): &(String, Option<RenderRequest>)| {
-            *asked != Some(self.render_request(node, None, false))
-        };
-        let others = asked.into_iter().filter(is_other).map(|(node, _)| node).collect();
-        self.outdated = (revision, others);
-        if self.probed.as_ref().is_some_and(|(source, _)| !self.is_current(source)) {
-            self.probed = None;
-        }
-    }
-
     /// True if the document still gives this volume.
-    fn is_current(&self, source: &VolumeSource) -> bool {
+    pub(crate) fn is_current(&self, source: &VolumeSource) -> bool {
         let now = self.volume_source(source.output.clone());
         let before = links::feeding(&source.nodes, links::source(&source.output, &source.nodes).0);
         (now.folder, now.nodes) == (source.folder.clone(), before)
@@ -59,22 +36,24 @@ impl Editor {
     /// Looks how far the worker's answers are behind, and has the window shown again once that is long.
     pub(crate) fn follow_answers(&mut self, ctx: &Context) {
         let (answered, section) = self.worker.shown(|shown| (shown.answered, shown.section.numbers()));
-        let newest = if self.asked.is_some() { self.picture_number } else { answered };
+        let newest = if self.answers.asked.is_some() { self.answers.picture_number } else { answered };
         let now = Instant::now();
-        let left = [self.picture_lag.follow([newest, answered], now), self.section_lag.follow(section, now)];
+        let left = [
+            self.answers.picture_lag.follow([newest, answered], now),
+            self.answers.section_lag.follow(section, now),
+        ];
         left.into_iter().flatten().for_each(|left| ctx.request_repaint_after(left));
     }
 
     /// Forgets what the worker found, which belongs to nothing that is shown any more.
     pub(crate) fn forget_answers(&mut self) {
         self.worker.forget();
-        (self.asked, self.previews_of, self.probing, self.probed) = (None, None, None, None);
-        (self.picture_number, self.outdated) = (0, (None, BTreeSet::new()));
+        self.answers = Answers::default();
     }
 
     /// Asks anew for all that is read from files; what they still say is not done again.
     pub(crate) fn read_again(&mut self) {
-        (self.asked, self.previews_of) = (None, None);
+        self.answers.asked = None;
         self.worker.forget_queries();
         self.arrays = Arrays::default();
     }
@@ -94,7 +73,7 @@ impl Editor {
     /// Asks the worker for the picture where another is wanted than before.
     fn draw(&mut self) {
         let Some(node) = &self.shown_node else {
-            if self.asked.is_some() {
+            if self.answers.asked.is_some() {
                 self.forget_answers();
             }
             return;
@@ -107,13 +86,18 @@ impl Editor {
         if let Some((look, hidden)) = self.panels.transfer.hidden() {
             retain_widgets(&mut wanted.nodes, look, |place| !hidden.contains(&place));
         }
-        if self.asked.as_ref() != Some(&wanted) {
-            self.picture_number = self.worker.draw(wanted.clone());
-            self.asked = Some(wanted);
+        if self.answers.asked.as_ref() != Some(&wanted) {
+            self.answers.picture_number = self.worker.draw(wanted.clone());
+            self.answers.asked = Some(wanted);
         }
     }
 
-    fn render_request(&self, node: &str, size: Option<[u32; 2]>, coarse_first: bool) -> RenderRequest {
+    pub(crate) fn render_request(
+        &self,
+        node: &str,
+        size: Option<[u32; 2]>,
+        coarse_first: bool,
+    ) -> RenderRequest {
         let all = &self.document.pipeline().nodes;
         let (nodes, folder) = (links::feeding(all, node), self.document.folder());
         let background = background(all, node);
@@ -142,35 +126,31 @@ impl Editor {
         let (source, axes) = (self.volume_source(output.clone()), self.panels.transfer.axes());
         let wanted = DistributionQuery { source, axes, fields, of_series };
         self.worker.ask(|output| &mut output.distribution, wanted);
-        if self.probed.as_ref().is_some_and(|(source, _)| source.output != output) {
-            self.probed = None;
+        if self.answers.probed.as_ref().is_some_and(|(source, _)| source.output != output) {
+            self.answers.probed = None;
         }
     }
 
     /// Asks what the widget in hand adds to the picture, once the full one is there.
     fn find_share(&self) {
         let Some((look, place)) = self.panels.transfer.in_hand() else { return };
-        let picture = self.picture_number;
-        let is_due = self.worker.shown(|shown| {
-            let asked = shown.share.asked().map(|asked| (asked.picture, asked.look.as_str(), asked.place));
-            asked != Some((picture, look, place)) && !shown.is_busy && shown.failure.is_none()
-        });
+        let is_due = self.worker.shown(|shown| !shown.is_busy && shown.failure.is_none());
         let hidden = self.panels.transfer.hidden().filter(|(of, _)| *of == look);
         let is_hidden = |place: &usize| hidden.is_some_and(|(_, hidden)| hidden.contains(place));
-        let Some(wanted) = self.asked.as_ref().filter(|_| is_due && !is_hidden(&place)) else { return };
+        let Some(wanted) = self.answers.asked.as_ref().filter(|_| is_due && !is_hidden(&place)) else {
+            return;
+        };
         if wanted.nodes.iter().any(|node| node.name == look) {
             let widget = (0..place).filter(|place| !is_hidden(place)).count();
-            let (look, wanted) = (look.to_string(), wanted.clone());
-            let wanted = ShareQuery { picture, look, place, wanted, widget };
+            let (picture, look, wanted) = (self.answers.picture_number, look.to_string(), wanted.clone());
+            let wanted = ShareQuery { picture, look, wanted, widget };
             self.worker.ask(|output| &mut output.share, wanted);
         }
     }
 
     /// Asks for small pictures of the other nodes that give one, once the shown one is there and no hand is at work.
-    fn find_previews(&mut self) {
-        let of = (self.document.revision(), self.shown_node.clone());
-        let is_asked = self.previews_of.as_ref() == Some(&of);
-        if is_asked || self.gesture.is_some() || self.worker.shown(|shown| shown.is_busy) {
+    fn find_previews(&self) {
+        if self.gesture.is_some() || self.worker.shown(|shown| shown.is_busy) {
             return;
         }
         for node in pictures(&self.document, &self.registry) {
@@ -179,8 +159,6 @@ impl Editor {
                 self.worker.ask(|output| output.preview(node), wanted);
             }
         }
-        self.previews_of = Some(of);
-        self.outdated.1.clear();
     }
 
     fn find_section(&self) {
@@ -205,18 +183,18 @@ impl Editor {
         let source = VolumeSource { nodes, folder: self.document.folder(), output };
         let wanted = ProbeQuery { source, look: look.name.clone(), camera: camera.name.clone(), places };
         self.worker.ask(|output| &mut output.probe, wanted);
-        self.probing = Some(centres);
+        self.answers.probing = Some(centres);
     }
 
     /// Takes over what a probe found: values in a line, or the centre.
     pub(crate) fn take_probed(&mut self) {
-        let Some(centres) = self.probing else { return };
+        let Some(centres) = self.answers.probing else { return };
         let answer = self.worker.shown(|shown| {
             let probe = &shown.probe;
             probe.answer().cloned().zip(probe.asked().map(|query| query.source.clone()))
         });
         let Some((answer, source)) = answer else { return };
-        self.probing = None;
+        self.answers.probing = None;
         let Some(found) = self.check(answer) else { return };
         match found.point {
             Some(point) if centres => self.move_camera(|view| view.centred(point)),
@@ -247,7 +225,7 @@ impl Editor {
             None => format!("no cell is met {place}"),
         };
         self.say(text);
-        self.probed = Some((source, found));
+        self.answers.probed = Some((source, found));
     }
 
     pub(crate) fn camera(&self) -> Option<&NodeEntry> {

@@ -4,14 +4,14 @@ use crate::picture::{WHOLE, set_texture};
 use crate::scene::{Action, EARLIER, Scene};
 use crate::theme;
 use crate::view::View;
-use crate::worker::{PixelProbe, Section, grouped, short, short_by};
+use crate::worker::{PixelProbe, Section, short, short_by};
 use eframe::egui::{
     Color32, ColorImage, Context, Pos2, Rect, Rgba, RichText, Sense, Slider, Stroke, TextureHandle,
     TextureOptions, Ui, Window, vec2,
 };
 use glam::DVec3;
 use std::sync::Arc;
-use voltet_core::{agreeing, noun_of};
+use voltet_core::{agreeing, noun_of, with_commas};
 use voltet_graph::ArrayRef;
 use voltet_io::encode::viridis;
 
@@ -124,7 +124,10 @@ impl SectionPanel {
             Some(at) => under(&section, at),
             None => {
                 let (cells, are) = (noun_of(&section.cells, "cell"), agreeing(&section.cells, "is", "are"));
-                format!("{} {cells} {are} cut; click or drag a box: the values there", grouped(section.cells))
+                format!(
+                    "{} {cells} {are} cut; click or drag a box: the values there",
+                    with_commas(section.cells)
+                )
             }
         };
         ui.label(RichText::new(words).small().color(weak));
@@ -137,10 +140,7 @@ impl SectionPanel {
         }
         let of_data = scene.distribution.as_ref();
         let of_data = of_data.and_then(|found| found.known.ranges.get(&ArrayRef::Named("s")).copied());
-        let found = section.values.iter().flatten().map(|value| value[0]);
-        let [low, high] = of_data.unwrap_or_else(|| {
-            found.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], s| [low.min(s), high.max(s)])
-        });
+        let [low, high] = of_data.unwrap_or_else(|| range_of(section));
         let color = |value: &Option<[f64; 2]>| match value {
             Some([s, _]) => colored((s - low) / (high - low)),
             None => Color32::from_gray(24),
@@ -157,6 +157,12 @@ fn colored(share: f64) -> Color32 {
     Rgba::from_rgb(r, g, b).into()
 }
 
+/// Smallest and largest s.
+fn range_of(section: &Section) -> [f64; 2] {
+    let found = section.values.iter().flatten().map(|value| value[0]);
+    found.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], s| [a.min(s), b.max(s)])
+}
+
 fn value_at(section: &Section, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
     let [width, height] = section.of.size;
     let (column, row) = ((x as usize).min(width - 1), (y as usize).min(height - 1));
@@ -166,8 +172,7 @@ fn value_at(section: &Section, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
 fn under(section: &Section, at: [f64; 2]) -> String {
     let pixel = 2.0 * section.of.half / section.of.size[1] as f64;
     let point = section.of.point(at).to_array().map(|x| short_by(x, pixel)).join(", ");
-    let found = section.values.iter().flatten().map(|value| value[0]);
-    let [low, high] = found.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], s| [a.min(s), b.max(s)]);
+    let [low, high] = range_of(section);
     match value_at(section, at) {
         Some([s, g]) => format!("s {}   g {}   at ({point})", short_by(s, 1e-3 * (high - low)), short(g)),
         None => format!("no cell at ({point})"),

@@ -4,13 +4,12 @@ use crate::jobs::Job;
 use crate::picture::milliseconds;
 use crate::scene::{Action, EARLIER, Scene};
 use crate::theme;
-use crate::worker::grouped;
 use eframe::egui::{Context, Grid, ProgressBar, RichText, ScrollArea, Ui, Window};
 use std::path::PathBuf;
 use std::sync::Arc;
-use voltet_core::Result;
 use voltet_core::error::ErrorKind;
 use voltet_core::progress::Progress;
+use voltet_core::{Result, with_commas};
 use voltet_graph::{NodeProgress, Observer, RunReport};
 
 /// Request for a study.
@@ -223,7 +222,7 @@ fn stages(ui: &mut Ui, report: &RunReport) {
             }
             for (count, n) in node.counts.iter().filter(|_| !node.reused) {
                 ui.label(weak(format!("    {}", count.replace('_', " "))));
-                ui.label(weak(grouped(*n as usize)));
+                ui.label(weak(with_commas(*n)));
                 ui.end_row();
             }
         }

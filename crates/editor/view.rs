@@ -44,12 +44,8 @@ impl View {
         let vector =
             |v: DVec3, scale: f64| v.to_array().into_iter().map(|x| decimal(x, STEP * scale)).collect();
         let projection = match self.projection {
-            Projection::Perspective { fov_y } => {
-                ("fov_y", ParameterValue::Number(decimal(fov_y, STEP * fov_y)))
-            }
-            Projection::Orthographic { height } => {
-                ("height", ParameterValue::Number(decimal(height, STEP * height)))
-            }
+            Projection::Perspective { fov_y } => ("fov_y", decimal(fov_y, STEP * fov_y).into()),
+            Projection::Orthographic { height } => ("height", decimal(height, STEP * height).into()),
         };
         vec![
             ("eye", vector(self.eye, scale)),

@@ -9,7 +9,7 @@ proptest! {
 
     #[test]
     fn a_segment_that_stays_at_a_place_absorbs_what_the_widget_is_there(
-        widget in crate::arbitrary::widget(),
+        widget in voltet_testing::random::widget(),
         v in proptest::array::uniform2(0.0..1.0_f64),
         values in proptest::array::uniform3(0.0..1.0_f64),
     ) {

@@ -56,8 +56,6 @@ pub enum WidgetBlend {
     Mix,
 }
 
-#[cfg(any(test, feature = "arbitrary"))]
-pub mod arbitrary;
 #[cfg(test)]
 mod extent_tests;
 #[cfg(test)]

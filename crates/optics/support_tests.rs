@@ -146,7 +146,7 @@ proptest! {
     /// Along any path through the cell, T and C ≤ bound × length.
     #[test]
     fn no_path_through_the_cell_exceeds_the_bound(
-        widget in crate::arbitrary::widget(),
+        widget in voltet_testing::random::widget(),
         s in proptest::array::uniform4(0.0..1.0_f64),
         g in proptest::array::uniform4(0.0..1.0_f64),
         size in 0.001..1.0_f64,

@@ -1,10 +1,21 @@
 //! What every integral must fulfil, whatever the widgets.
 
-use super::arbitrary::{divide_gradients, fields, segment, transfer_function, widget};
 use super::compositing::Composite;
 use super::{CompiledTransferFunction, Contribution, Segment, WidgetBlend};
 use proptest::prelude::*;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
+use voltet_testing::random::{self, divide_gradients, fields, transfer_function, widget};
+
+/// A random segment, of the type that is tested: to unit tests that of the test support is another.
+pub(crate) fn segment() -> impl Strategy<Value = Segment<'static>> {
+    random::segment().prop_map(|s| Segment {
+        length: s.length,
+        front: s.front,
+        back: s.back,
+        fields_front: s.fields_front,
+        fields_back: s.fields_back,
+    })
+}
 
 /// Quadrature of overlaps and of triangular Gaussians is good to 1e-12 of the brightest colour; where a
 /// narrow window is cut out of a segment, the cut's rounding takes 1e-10 of it.

@@ -5,6 +5,7 @@
 //! | room | what |
 //! | --- | --- |
 //! | `pictures` | scenes that every engine is held to, and the comparison with the referee |
+//! | `random` | random widgets of every kind, transfer functions and segments for property tests |
 //! | `segments` | ray segments drawn by lot, and widgets of every kind for them |
 //! | `twin` | a formula in 32 bits against its 64-bit truth |
 //! | `segment_twin` | an integrator in 32 bits on a segment against its 64-bit truth |
@@ -33,6 +34,8 @@ pub mod compilers;
 pub mod files;
 #[cfg(feature = "pictures")]
 pub mod pictures;
+#[cfg(feature = "segments")]
+pub mod random;
 #[cfg(feature = "segments")]
 pub mod segment_twin;
 #[cfg(feature = "segments")]

@@ -7,8 +7,6 @@ use voltet_core::transfer::{
 };
 use voltet_optics::Segment;
 
-pub use voltet_optics::arbitrary::widget_of_each_kind;
-
 /// Numbers in [0, 1) that 32 bits hold: SplitMix64 (Steele, Lea & Flood 2014).
 pub struct Numbers(pub u64);
 

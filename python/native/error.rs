@@ -38,10 +38,8 @@ pub fn exception(py: Python<'_>, error: &Error) -> PyErr {
 
 fn new_exception(py: Python<'_>, kind: &str, text: &str, fields: &Bound<'_, PyDict>) -> PyResult<PyErr> {
     static CLASS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let class = CLASS.get_or_try_init(py, || {
-        Ok::<_, PyErr>(py.import("voltet._errors")?.getattr("exception")?.unbind())
-    })?;
-    Ok(PyErr::from_value(class.bind(py).call1((kind, text, fields))?))
+    let class = CLASS.import(py, "voltet._errors", "exception")?;
+    Ok(PyErr::from_value(class.call1((kind, text, fields))?))
 }
 
 /// Runs a call. A panic becomes an exception like others.

@@ -6,25 +6,20 @@ use crate::filter::registry;
 use crate::value::settings;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::path::Path;
-use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
-use voltet_graph::{Graph, NodeProgress, Observer, suggest};
+use voltet_graph::{NodeProgress, suggest};
 use voltet_nodes::drawing::ENGINES;
 use voltet_optics::integrators::Integrator;
 use voltet_study::gradient_test::{
     RequirementKind, TestOptions, gradient_test as measure, methods, page, plot, text,
 };
-use voltet_study::work_precision::{
-    self, Benches, Engines, Frames, StudyOptions, Subject, cache_folder, json, reference, study, write,
-};
+use voltet_study::work_precision::{self, Engines, Frames, StudyOptions};
 
 /// Findings as JSON, as a table for people, and as a plot (SVG).
 pub type Rendition = (String, String, String);
 
 /// Measures a gradient filter beside others: the findings, and the page.
 #[pyfunction]
-#[pyo3(signature = (name, set, beside, hold_to, order, linear_error, levels, timed, rounds, progress))]
 #[allow(clippy::too_many_arguments)]
 pub fn gradient_test(
     py: Python<'_>,
@@ -88,32 +83,9 @@ pub fn study_options(
     };
     let patience = work_precision::patience(patience, "'patience'")?;
     let frames = Frames { count: frames, patience, turn: 0.0, in_flight: 1 };
-    Ok(StudyOptions { only, engines, adapter, frames, max_error, ..StudyOptions::default() })
-}
-
-/// Measures: the study as JSON, and the reference picture. `output`: folder of its files.
-pub fn measure_study(
-    graph: &Graph,
-    title: &str,
-    node: Option<&str>,
-    options: StudyOptions,
-    output: Option<&Path>,
-    observer: &dyn Observer,
-) -> Result<(String, Picture)> {
-    let progress = NodeProgress { observer, node: "study" };
-    let mut session = voltet_nodes::session();
-    let subject = Subject::gather(graph, node, false, &mut session, observer)?;
-    let studied = subject.studied();
+    let options = StudyOptions { only, engines, adapter, frames, max_error, ..StudyOptions::default() };
+    let studied = work_precision::studied(&registry()?);
     let names: Vec<&str> = studied.iter().map(Integrator::name).collect();
     options.check(&names, |name| format!("'{name}'"))?;
-    let benches = Benches::open(&subject, &options)?;
-    let reference = reference(&subject, &cache_folder(), &progress)?;
-    let study = study(subject, options, benches, reference, &progress)?;
-    if study.stopped() && observer.cancelled() {
-        return Err(Error::cancelled());
-    }
-    if let Some(folder) = output {
-        write(&study, title, folder)?;
-    }
-    Ok((json(&study, title).to_string(), study.reference.picture))
+    Ok(options)
 }

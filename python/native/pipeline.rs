@@ -3,7 +3,7 @@
 use crate::background::{run_long, run_with_side_work};
 use crate::error::{exception, guarded, is_forked, refuse_freeing};
 use crate::grid::Grid;
-use crate::measurements::{Rendition, measure_study, study_options};
+use crate::measurements::{Rendition, study_options};
 use crate::memory::{Lent, Piece, any_changed, array, handed_over, in_caller_order, is_changed};
 use crate::state::State;
 use crate::value::{object, settings, table};
@@ -14,14 +14,15 @@ use std::collections::BTreeSet;
 use std::mem::ManuallyDrop;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
-use voltet::{PipelineSource, RunRecord, render_to_depth};
+use voltet::{RunRecord, render_to_depth};
 use voltet_core::picture::Picture;
+use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_document::{Edit, Path as Place};
 use voltet_graph::{Demand, NodeProgress, Value};
 use voltet_io::provenance::whole_report;
 use voltet_study::pixel::{self, pixel as trace};
-use voltet_study::work_precision::Subject;
+use voltet_study::work_precision::{Subject, cache_folder, json, measure};
 
 /// A pipeline, and the results that its runs left.
 #[pyclass(frozen, module = "voltet._native")]
@@ -105,7 +106,6 @@ fn picture<'py>(py: Python<'py>, picture: &Picture) -> PyResult<Bound<'py, PyAny
 impl Pipeline {
     /// From a file, or a picture that carries one; from a text; or empty.
     #[new]
-    #[pyo3(signature = (path, text))]
     fn new(py: Python<'_>, path: Option<PathBuf>, text: Option<String>) -> PyResult<Pipeline> {
         let state = guarded(py, || State::open(path, text));
         Ok(Pipeline { state: ManuallyDrop::new(Mutex::new(state?)) })
@@ -113,19 +113,16 @@ impl Pipeline {
 
     /// The text.
     fn text(&self, py: Python<'_>) -> PyResult<String> {
-        self.with(py, |state| Ok(state.pipeline.source.text()))
+        self.with(py, |state| Ok(state.document.text().to_string()))
     }
 
     /// The file, or the picture that it came from.
     fn path(&self, py: Python<'_>) -> PyResult<Option<PathBuf>> {
-        self.with(py, |state| {
-            let file = state.pipeline.source.document.path().map(Path::to_path_buf);
-            Ok(state.pipeline.source.picture.as_ref().map(|picture| picture.0.clone()).or(file))
-        })
+        self.with(py, |state| Ok(state.path().map(Path::to_path_buf)))
     }
 
     fn title(&self, py: Python<'_>) -> PyResult<Option<String>> {
-        self.with(py, |state| Ok(state.pipeline.source.nodes().title.clone()))
+        self.with(py, |state| Ok(state.document.pipeline().title.clone()))
     }
 
     fn set_title(&self, py: Python<'_>, title: Option<String>) -> PyResult<()> {
@@ -136,7 +133,7 @@ impl Pipeline {
     /// The names of the nodes.
     fn nodes(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         self.with(py, |state| {
-            Ok(state.pipeline.source.nodes().nodes.iter().map(|node| node.name.clone()).collect())
+            Ok(state.document.pipeline().nodes.iter().map(|node| node.name.clone()).collect())
         })
     }
 
@@ -219,7 +216,7 @@ impl Pipeline {
 
     /// Takes the last change back; false where there is none.
     fn undo(&self, py: Python<'_>) -> PyResult<bool> {
-        self.with(py, |state| Ok(state.pipeline.source.document.undo()))
+        self.with(py, |state| Ok(state.document.undo()))
     }
 
     /// Saves the text: see [`State::save`].
@@ -364,7 +361,6 @@ impl Pipeline {
     }
 
     /// Cells along the ray of a pixel.
-    #[pyo3(signature = (x, y, node, sample, all, progress))]
     #[allow(clippy::too_many_arguments)]
     fn pixel(
         &self,
@@ -388,7 +384,6 @@ impl Pipeline {
     }
 
     /// Error against run time of every setting: the study as JSON, and the reference picture.
-    #[pyo3(signature = (node, only, engine, adapter, frames, patience, max_error, output, progress))]
     #[allow(clippy::too_many_arguments)]
     fn study<'py>(
         &self,
@@ -407,10 +402,14 @@ impl Pipeline {
         let (text, reference) = self.long(py, progress.as_ref(), |state, observer| {
             let document = state.document()?;
             let title = document.pipeline.title.clone().unwrap_or_default();
-            let found =
-                measure_study(&document.graph, &title, node.as_deref(), options, output.as_deref(), observer)
-                    .map_err(|error| state.pipeline.source.locate(error))?;
-            Ok((found, Vec::new()))
+            let subject = (&document.graph, node.as_deref(), &*title);
+            let followed: (_, &dyn Progress) = (observer, &NodeProgress { observer, node: "study" });
+            let (study, _) = measure(subject, options, output.as_deref(), &cache_folder(), followed)
+                .map_err(|error| state.pipeline.source.locate(error))?;
+            if study.stopped() && observer.cancelled() {
+                return Err(Error::cancelled());
+            }
+            Ok(((json(&study, &title).to_string(), study.reference.picture), Vec::new()))
         })?;
         Ok((text, handed_over(py, reference)?))
     }

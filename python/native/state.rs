@@ -3,56 +3,23 @@
 use crate::error::refuse_freeing;
 use crate::filter;
 use std::path::{Path, PathBuf};
-use voltet::{Pipeline, PipelineSource};
+use voltet::{Pipeline, PipelineText};
 use voltet_core::{Error, Result};
 use voltet_document::{Diagnostic, Document, Edit, FaultTarget, Path as Place};
 use voltet_graph::pipeline::Pipeline as Nodes;
-use voltet_graph::{Field, NodeEntry, ParameterValue, SourceSpan};
+use voltet_graph::{Field, NodeEntry, ParameterValue};
 use voltet_io::encode::Source;
 use voltet_io::provenance::Provenance;
 
 /// A pipeline, and the results that its runs left.
 pub struct State {
-    pub pipeline: Pipeline<DocumentSource>,
+    pub document: Document,
+    /// The picture that carries the text, in place of a file, with its provenance.
+    pub picture: Option<(PathBuf, Provenance)>,
+    /// Nodes of the document as it was checked last.
+    pub pipeline: Pipeline,
     /// Version of the registered filters.
     epoch: u64,
-}
-
-/// Text of a pipeline, and its origin.
-pub struct DocumentSource {
-    pub document: Document,
-    /// The picture that carries it, in place of a file, with its provenance.
-    pub picture: Option<(PathBuf, Provenance)>,
-}
-
-impl PipelineSource for DocumentSource {
-    fn nodes(&self) -> &Nodes {
-        self.document.pipeline()
-    }
-
-    fn folder(&self) -> PathBuf {
-        match &self.picture {
-            Some((path, _)) => path.parent().unwrap_or(Path::new("")).to_path_buf(),
-            None => self.document.folder(),
-        }
-    }
-
-    fn path(&self) -> PathBuf {
-        let file = self.document.path().map(Path::to_path_buf);
-        let picture = self.picture.as_ref().map(|picture| picture.0.clone());
-        picture.or(file).unwrap_or("a new pipeline".into())
-    }
-
-    fn text(&self) -> String {
-        self.document.text().to_string()
-    }
-
-    fn locate(&self, error: Error) -> Error {
-        match &self.picture {
-            Some((path, _)) => voltet_graph::pipeline::locate(error, self.document.text(), path),
-            None => self.document.locate(error),
-        }
-    }
 }
 
 impl State {
@@ -71,8 +38,7 @@ impl State {
             (None, None) => (Document::new(), None),
         };
         let epoch = filter::epoch();
-        let source = DocumentSource { document, picture };
-        let mut state = State { pipeline: Pipeline::with_source(source, filter::registry()?)?, epoch };
+        let mut state = State { document, picture, pipeline: Pipeline::new(filter::registry()?)?, epoch };
         // Nodes are added later.
         if !empty {
             state.check_text()?;
@@ -92,10 +58,22 @@ impl State {
         Ok(())
     }
 
-    /// Checks that the text is a pipeline.
+    /// The file, or the picture that it came from.
+    pub fn path(&self) -> Option<&Path> {
+        self.picture.as_ref().map(|picture| &*picture.0).or(self.document.path())
+    }
+
+    /// Checks that the text is a pipeline, which runs have from now on.
     pub fn check_text(&mut self) -> Result<()> {
         self.refresh()?;
-        let faults = self.pipeline.source.document.faults_of(&[], self.pipeline.registry());
+        let (nodes, text) = (self.document.pipeline().clone(), self.document.text().to_string());
+        let path = self.path().unwrap_or(Path::new("a new pipeline")).to_path_buf();
+        let folder = match &self.picture {
+            Some((path, _)) => path.parent().unwrap_or(Path::new("")).to_path_buf(),
+            None => self.document.folder(),
+        };
+        self.pipeline.source = PipelineText::new(nodes, text, path, folder);
+        let faults = self.document.faults_of(&[], self.pipeline.registry());
         faults.into_iter().find(|fault| fault.node.is_none()).map_or(Ok(()), |fault| Err(fault.error))
     }
 
@@ -103,13 +81,13 @@ impl State {
     pub fn edit(&mut self, nodes: &[&str], label: String, edits: &[Edit]) -> Result<()> {
         self.refresh()?;
         let before = self.faults(nodes);
-        let document = &mut self.pipeline.source.document;
+        let document = &mut self.document;
         document.edit_all(label, edits, None).map_err(|error| document.locate(error))?;
         let is_new = |fault: &Diagnostic| !before.iter().any(|known| known.error.what == fault.error.what);
         match self.faults(nodes).into_iter().find(is_new) {
             None => Ok(()),
             Some(fault) => {
-                self.pipeline.source.document.undo();
+                self.document.undo();
                 Err(fault.error)
             }
         }
@@ -121,13 +99,13 @@ impl State {
             return Vec::new();
         }
         let concerns = |fault: &Diagnostic| fault.node.as_deref().is_some_and(|name| nodes.contains(&name));
-        let mut faults = self.pipeline.source.document.faults_of(nodes, self.pipeline.registry());
+        let mut faults = self.document.faults_of(nodes, self.pipeline.registry());
         faults.retain(|fault| concerns(fault) && !matches!(fault.target, FaultTarget::Input(_)));
         faults
     }
 
     pub fn node(&self, name: &str) -> Result<&NodeEntry> {
-        let nodes = &self.pipeline.source.nodes().nodes;
+        let nodes = &self.document.pipeline().nodes;
         nodes.iter().find(|node| node.name == name).ok_or_else(|| {
             let error = Error::usage(format!("there is no node '{name}'"));
             error.expected(voltet_graph::suggest(name, nodes.iter().map(|node| node.name.as_str())))
@@ -139,13 +117,13 @@ impl State {
     /// so that the file can be run.
     pub fn save(&mut self, path: Option<PathBuf>, readers: Vec<(String, String, String)>) -> Result<PathBuf> {
         self.check_text()?;
-        let own = self.pipeline.source.document.path().map(Path::to_path_buf);
+        let own = self.document.path().map(Path::to_path_buf);
         let nowhere = || Error::usage("the pipeline has no file yet").expected("a path to save it to");
         let to = path.or(own).ok_or_else(nowhere)?;
-        if let Some((picture, _)) = self.pipeline.source.picture.take() {
+        if let Some((picture, _)) = self.picture.take() {
             // From now on it is a file's, which was in the picture's folder.
-            let text = self.pipeline.source.text();
-            self.pipeline.source.document = Document::from_text(text, Some(picture));
+            let text = self.document.text().to_string();
+            self.document = Document::from_text(text, Some(picture));
         }
         let mut edits = Vec::new();
         for (name, file, scalar) in readers {
@@ -159,21 +137,21 @@ impl State {
             }
         }
         let folder = to.parent().unwrap_or(Path::new(""));
-        edits.extend(self.pipeline.source.document.following_to(self.pipeline.registry(), folder));
+        edits.extend(self.document.following_to(self.pipeline.registry(), folder));
         edits.extend(self.writer(&to));
         if !edits.is_empty() {
-            let document = &mut self.pipeline.source.document;
+            let document = &mut self.document;
             document
                 .edit_all("save elsewhere".into(), &edits, None)
                 .map_err(|error| document.locate(error))?;
         }
-        self.pipeline.source.document.save_as(&to)?;
+        self.document.save_as(&to)?;
         Ok(to)
     }
 
     /// Edits that add a node `file` that writes the only picture beside the file `to`, where no node writes anything.
     fn writer(&self, to: &Path) -> Vec<Edit> {
-        let nodes = &self.pipeline.source.nodes().nodes;
+        let nodes = &self.document.pipeline().nodes;
         let node_type = |entry: &NodeEntry| self.pipeline.registry().find(entry.node_type.text()?).ok();
         let writes = nodes.iter().filter_map(node_type).any(|node| node.outputs.is_empty());
         let (Ok(source), Some(stem)) = (self.pipeline.picture_node(None), to.file_stem()) else {
@@ -183,8 +161,7 @@ impl State {
         if writes || nodes.iter().any(|entry| entry.name == name) {
             return Vec::new();
         }
-        let picture = ParameterValue::Text(format!("{}.png", stem.to_string_lossy()));
-        let path = Field { name: "path".into(), origin: SourceSpan::Nowhere, setting: picture.into() };
+        let path = Field::new("path", format!("{}.png", stem.to_string_lossy()));
         let node_type = "image-writer".to_string();
         let add = Edit::AddNode { name: name.clone(), node_type, settings: vec![path], at: None };
         vec![add, Edit::Connect { node: name, port: "image".into(), source, beside: false }]
@@ -194,13 +171,14 @@ impl State {
     pub fn document(&mut self) -> Result<voltet::Document> {
         self.check_text()?;
         let mut graph = self.pipeline.whole_graph()?;
-        let text = self.pipeline.source.text();
+        let text = self.document.text().to_string();
         if let Ok(stated) = Nodes::stated(text.clone(), self.pipeline.registry()) {
             graph.stated = stated;
         }
-        let pipeline = self.pipeline.source.nodes().clone();
-        let carried = self.pipeline.source.picture.as_ref().map(|picture| picture.1.clone());
-        let document = voltet::Document { path: self.pipeline.source.path(), text, pipeline, graph, carried };
+        let path = self.path().unwrap_or(Path::new("a new pipeline")).to_path_buf();
+        let (pipeline, carried) =
+            (self.document.pipeline().clone(), self.picture.as_ref().map(|p| p.1.clone()));
+        let document = voltet::Document { path, text, pipeline, graph, carried };
         document.refuse_collisions()?;
         Ok(document)
     }

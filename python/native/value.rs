@@ -3,7 +3,6 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 use voltet_core::Error;
-use voltet_core::parameters::SourceSpan;
 use voltet_graph::{Field, LocatedValue, ParameterValue};
 
 /// Lists in lists: deeper ones hold themselves, or are no parameter of anything.
@@ -75,7 +74,7 @@ fn fields(table: &Bound<'_, PyDict>, depth: usize) -> PyResult<Vec<Field>> {
             let error = Error::usage("the name of a parameter is no text").got(key.to_string());
             crate::error::exception(key.py(), &error)
         })?;
-        Ok(Field { name, origin: SourceSpan::Nowhere, setting: nested(&value, depth)?.into() })
+        Ok(Field::new(name, nested(&value, depth)?))
     };
     table.iter().map(field).collect()
 }

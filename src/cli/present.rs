@@ -1,7 +1,7 @@
 //! Output for people: errors with their location, summaries of runs, progress bars, all safe to show on a terminal; and stopping at a
 //! signal.
 
-use crate::core::{Error, Result, noun_of};
+use crate::core::{Error, Result, noun_of, with_commas};
 use crate::graph::{DataFinding, Observer, RunReport};
 use crate::io::memory;
 use crate::nodes::files;
@@ -70,7 +70,7 @@ pub fn summary(report: &RunReport) -> String {
     let count = |name: &str| report.counts.get(name).copied();
     if let Some(total) = count("cells_total") {
         let culled = count("cells_culled").filter(|&n| n > 0);
-        let culled = culled.map(|n| format!(" ({} culled)", number(n))).unwrap_or_default();
+        let culled = culled.map(|n| format!(" ({} culled)", with_commas(n))).unwrap_or_default();
         figures.push(format!("{}{culled}", grouped(total, "cell")));
     }
     figures.extend(count("segments").map(|n| grouped(n, "segment")));
@@ -87,20 +87,7 @@ pub fn findings(report: &RunReport) -> String {
 
 /// A count with commas and its noun, which is given in the singular.
 pub fn grouped(count: u64, noun: &str) -> String {
-    format!("{} {}", number(count), noun_of(&count, noun))
-}
-
-/// A whole number with commas.
-pub fn number(n: u64) -> String {
-    let digits = n.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
+    format!("{} {}", with_commas(count), noun_of(&count, noun))
 }
 
 /// Writes text to the standard output; false if it was closed, which is no error.

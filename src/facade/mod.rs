@@ -13,7 +13,7 @@ pub use camera::Camera;
 pub use grid::{
     BorrowedGrid, BorrowedPiece, CellArrays, Grid, NamedArray, PointNumbers, build_grid, unnamed_scalar,
 };
-pub use pipeline::{Pipeline, PipelineSource, PipelineText, RenderPlan, RunRecord};
+pub use pipeline::{Pipeline, PipelineText, RenderPlan, RunRecord};
 pub use renderer::{Engine, Image, RenderOptions, RenderOutput, Renderer, RendererOptions, render_to_depth};
 pub use scene::{Integrator, Light, Scene, Shading, Volume};
 pub use transfer::{

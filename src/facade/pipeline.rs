@@ -16,38 +16,22 @@ use voltet_core::{Error, Result};
 use voltet_document::links;
 use voltet_graph::pipeline::{Pipeline as Nodes, locate, parameters};
 use voltet_graph::{
-    Demand, Graph, LinkEntry, LocatedValue, NoObserver, Node, NodeEntry, NodeOverride, Observer,
-    ParameterValue, Port, PortType, Registry, ResolvedPipeline, RunReport, Session, SourceSpan, Value,
-    suggest,
+    Demand, Graph, LocatedValue, NoObserver, Node, NodeEntry, NodeOverride, Observer, ParameterValue, Port,
+    PortType, Registry, ResolvedPipeline, RunReport, Session, SourceSpan, Value, suggest,
 };
 use voltet_io::encode::Source;
 use voltet_io::provenance::{run_report, whole_report};
 use voltet_nodes::in_memory_grid;
 
-/// A pipeline that a program changes and renders. Values of nodes that a change does not concern are kept between renders. `S`: the
-/// form in which its text is kept.
-pub struct Pipeline<S = PipelineText> {
+/// A pipeline that a program changes and renders. Values of nodes that a change does not concern are kept between renders.
+pub struct Pipeline {
     /// The nodes, with the text that errors point at.
-    pub source: S,
+    pub source: PipelineText,
     registry: Registry,
     session: Session,
     /// In-memory grids by the name of the node that they replace.
     grids: BTreeMap<String, NodeOverride>,
     last: Option<RunReport>,
-}
-
-/// Nodes of a pipeline, with the text that errors point at.
-pub trait PipelineSource {
-    /// The nodes.
-    fn nodes(&self) -> &Nodes;
-    /// Folder that its paths are relative to.
-    fn folder(&self) -> PathBuf;
-    /// Its file, or a name for reports.
-    fn path(&self) -> PathBuf;
-    /// A text that states the nodes, for reports.
-    fn text(&self) -> String;
-    /// Completes an error with file, line and column.
-    fn locate(&self, error: Error) -> Error;
 }
 
 /// Nodes of a pipeline that options and texts change, with the texts that errors point at.
@@ -58,6 +42,8 @@ pub struct PipelineText {
     /// Its text, and the name of it in errors.
     text: String,
     path: PathBuf,
+    /// True once the nodes are others than the text states.
+    is_changed: bool,
     /// Texts of the nodes whose parameters were set by one.
     node_texts: BTreeMap<String, String>,
 }
@@ -85,9 +71,9 @@ impl RunRecord {
     }
 }
 
-/// Sink of a run whose result is for the host program.
+/// Sink of a run whose result is for the host program: no file can state its name.
 static SINK: Node = Node {
-    name: "taker",
+    name: "(the program)",
     summary: "Takes a value for the program.",
     optional_inputs: &[
         Port { name: "image", port_type: PortType::Image, summary: "a picture" },
@@ -98,16 +84,17 @@ static SINK: Node = Node {
     ..Node::BLANK
 };
 
-/// Name of the sink: no file can state it.
-const SINK_NAME: &str = "(the program)";
-
 impl Pipeline {
     /// An empty pipeline of these node types and filters.
     ///
     /// # Errors
     /// - a registry that has nodes of the facade's own.
     pub fn new(registry: Registry) -> Result<Pipeline> {
-        Self::with_source(PipelineText::default(), registry)
+        let (source, session) = (PipelineText::default(), voltet_nodes::session());
+        let (none, grids) = (Registry::new(), BTreeMap::new());
+        let mut pipeline = Pipeline { source, registry: none, session, grids, last: None };
+        pipeline.set_registry(registry)?;
+        Ok(pipeline)
     }
 
     /// Opens a pipeline file, or a picture that carries its pipeline.
@@ -146,8 +133,7 @@ impl Pipeline {
     /// As of [`Pipeline::parse`]; the former pipeline then stays.
     pub fn load(&mut self, text: String, path: &Path, folder: &Path) -> Result<()> {
         let nodes = Nodes::parse(&text).map_err(|error| locate(error, &text, path))?;
-        let (folder, path, node_texts) = (folder.into(), path.into(), BTreeMap::new());
-        self.replace(PipelineText { nodes, folder, text, path, node_texts })?;
+        self.replace(PipelineText::new(nodes, text, path.into(), folder.into()))?;
         self.grids.clear();
         self.session.forget();
         Ok(())
@@ -160,7 +146,7 @@ impl Pipeline {
     pub fn set(&mut self, option: &str) -> Result<()> {
         let mut text = self.source.clone();
         text.nodes.set(option)?;
-        self.replace(text)
+        self.replace(PipelineText { is_changed: true, ..text })
     }
 
     /// Sets parameters of a node; `None` removes one.
@@ -212,14 +198,14 @@ impl Pipeline {
             Projection::Perspective { fov_y } => (Some(ParameterValue::Number(fov_y)), None),
             Projection::Orthographic { height } => (None, Some(ParameterValue::Number(height))),
         };
-        let size = camera.size.map(|side| ParameterValue::Integer(side.into()).into()).to_vec();
+        let size = camera.size.into_iter().map(|side| ParameterValue::Integer(side.into())).collect();
         let values = vec![
-            ("eye", Some(numbers(&camera.eye.to_array()))),
-            ("target", Some(numbers(&camera.target.to_array()))),
-            ("up", Some(numbers(&camera.up.to_array()))),
+            ("eye", Some(camera.eye.to_array().into_iter().collect())),
+            ("target", Some(camera.target.to_array().into_iter().collect())),
+            ("up", Some(camera.up.to_array().into_iter().collect())),
             ("near", Some(ParameterValue::Number(camera.near))),
             ("samples", Some(ParameterValue::Integer(camera.samples.into()))),
-            ("size", Some(ParameterValue::List(size))),
+            ("size", Some(size)),
             ("fov_y", fov_y),
             ("height", height),
         ];
@@ -271,19 +257,6 @@ impl Pipeline {
             }
         }
     }
-}
-
-impl<S: PipelineSource> Pipeline<S> {
-    /// A pipeline from a source, of these node types and filters.
-    ///
-    /// # Errors
-    /// - a registry that has nodes of the facade's own.
-    pub fn with_source(source: S, registry: Registry) -> Result<Self> {
-        let (session, grids) = (voltet_nodes::session(), BTreeMap::new());
-        let mut pipeline = Pipeline { source, registry: Registry::new(), session, grids, last: None };
-        pipeline.set_registry(registry)?;
-        Ok(pipeline)
-    }
 
     /// Replaces the node types and filters. Results of former runs are dropped, but not open devices: a filter of one name may be
     /// another now.
@@ -312,7 +285,7 @@ impl<S: PipelineSource> Pipeline<S> {
     /// - no such node.
     pub fn set_grid(&mut self, node: Option<&str>, grid: Option<&Arc<BuiltGrid>>) -> Result<String> {
         let name = self.only(node, PortType::Grid, "grid")?;
-        for entry in self.source.nodes().nodes.iter().filter(|entry| entry.name == name) {
+        for entry in self.source.nodes.nodes.iter().filter(|entry| entry.name == name) {
             in_memory_grid::stand_in(&mut entry.clone(), &self.registry)?;
         }
         match grid {
@@ -365,11 +338,9 @@ impl<S: PipelineSource> Pipeline<S> {
 
     /// Names of the nodes with an output of a type, in the order of the pipeline.
     fn nodes_with_output(&self, port_type: PortType) -> Vec<String> {
-        let gives = |entry: &&NodeEntry| {
-            let node = entry.node_type.text().and_then(|name| self.registry.find(name).ok());
-            node.is_some_and(|node| node.outputs.iter().any(|port| port.port_type == port_type))
-        };
-        self.source.nodes().nodes.iter().filter(gives).map(|entry| entry.name.clone()).collect()
+        let names = self.source.nodes.nodes.iter().map(|entry| entry.name.clone());
+        let gives = |node: &Node| node.outputs.iter().any(|port| port.port_type == port_type);
+        names.filter(|name| self.node_type(name).is_some_and(gives)).collect()
     }
 
     /// The graph that renders the picture of a node, with its size. `node` is `None`: the only one with a picture.
@@ -453,10 +424,10 @@ impl<S: PipelineSource> Pipeline<S> {
     /// Record of the last run; `None` before there was one.
     pub fn record(&self) -> Option<RunRecord> {
         let run = RunReport { pictures: Vec::new(), ..self.last.clone()? };
-        let title = self.source.nodes().title.clone();
+        let title = self.source.nodes.title.clone();
         // It is written to no file, so that the locations of its paths are of no use.
         let stated = ResolvedPipeline::new(title, self.source.text(), std::iter::empty());
-        Some(RunRecord { path: self.source.path().display().to_string(), stated, run })
+        Some(RunRecord { path: self.source.path.display().to_string(), stated, run })
     }
 
     /// Report of the last run (JSON); `None` before there was one.
@@ -471,75 +442,53 @@ impl<S: PipelineSource> Pipeline<S> {
 
     /// The graph of the whole pipeline: its writers, and the pictures and probes that feed nothing.
     pub fn whole_graph(&self) -> Result<Graph> {
-        let mut entries = self.source.nodes().nodes.clone();
+        let mut entries = self.source.nodes.nodes.clone();
         let feeds = |name: &String| {
             let mut wires = entries.iter().flat_map(|entry| entry.inputs.iter().flat_map(links::sources));
             wires.any(|text| links::source(text, &entries).0 == name)
         };
         // Widgets that are made of no data have no findings.
-        let has_inputs = |name: &String| {
-            let entry = entries.iter().find(|entry| entry.name == *name);
-            let node = entry.and_then(|entry| self.registry.find(entry.node_type.text()?).ok());
-            node.is_some_and(|node| !node.inputs.is_empty())
-        };
-        let mut sink = None;
+        let has_inputs = |name: &String| self.node_type(name).is_some_and(|node| !node.inputs.is_empty());
+        let mut fed = Vec::new();
         for (port, port_type) in [("image", PortType::Image), ("widgets", PortType::TransferFunction)] {
-            let mut open = self.nodes_with_output(port_type);
-            open.retain(|name| !feeds(name) && has_inputs(name));
-            if !open.is_empty() {
-                let request = self.sink(&entries, port, &open);
-                sink.get_or_insert_with(|| NodeEntry { inputs: Vec::new(), ..request.clone() })
-                    .inputs
-                    .extend(request.inputs);
-            }
+            let given = self.nodes_with_output(port_type).into_iter();
+            let open = given.filter(|name| !feeds(name) && has_inputs(name));
+            fed.extend(open.map(|name| (port, self.output(&name, port))));
         }
-        entries.extend(sink);
+        if !fed.is_empty() {
+            entries.push(NodeEntry::of_program(&SINK, Vec::new(), fed));
+        }
         self.graph(entries)
     }
 
     /// Graph of the nodes that a value depends on, and no others, with the sink.
     fn graph_for(&self, node: &str, port: &str) -> Result<Graph> {
-        let nodes = &self.source.nodes().nodes;
-        let needed = links::upstream(nodes, node);
-        let mut entries: Vec<NodeEntry> =
-            nodes.iter().filter(|entry| needed.contains(&entry.name)).cloned().collect();
-        entries.push(self.sink(&entries, port, &[node.to_string()]));
+        let mut entries = links::feeding(&self.source.nodes.nodes, node);
+        entries.push(NodeEntry::of_program(&SINK, Vec::new(), [(port, self.output(node, port))]));
         self.graph(entries)
     }
 
-    /// Sink of the values of these nodes: of each the first output whose type fits.
-    fn sink(&self, entries: &[NodeEntry], port: &str, nodes: &[String]) -> NodeEntry {
-        let text = |text: &str| LocatedValue::from(ParameterValue::Text(text.into()));
+    /// Output of a node for a port of the sink: the first whose type fits.
+    fn output(&self, name: &str, port: &str) -> String {
         let input = SINK.optional_inputs.iter().find(|known| known.name == port);
-        let output = |name: &String| {
-            let entry = entries.iter().find(|entry| entry.name == *name)?;
-            let node = self.registry.find(entry.node_type.text()?).ok()?;
-            let mut fitting =
-                node.outputs.iter().filter(|o| input.is_some_and(|t| o.port_type.serves(t.port_type)));
-            fitting.next().filter(|_| node.outputs.len() > 1)
-        };
-        let source = |name: &String| match output(name) {
-            Some(output) => text(&format!("{name}.{}", output.name)),
-            None => text(name),
-        };
-        NodeEntry {
-            name: SINK_NAME.into(),
-            origin: SourceSpan::Nowhere,
-            node_type: text(SINK.name),
-            settings: Vec::new(),
-            inputs: vec![LinkEntry {
-                port: port.into(),
-                origin: SourceSpan::Nowhere,
-                source: ParameterValue::List(nodes.iter().map(source).collect()).into(),
-            }],
+        let fits = |o: &&Port| input.is_some_and(|input| o.port_type.serves(input.port_type));
+        let node = self.node_type(name).filter(|node| node.outputs.len() > 1);
+        match node.and_then(|node| node.outputs.iter().find(fits)) {
+            Some(output) => format!("{name}.{}", output.name),
+            None => name.into(),
         }
+    }
+
+    fn node_type(&self, name: &str) -> Option<&'static Node> {
+        let entry = self.source.nodes.nodes.iter().find(|entry| entry.name == name)?;
+        self.registry.find(entry.node_type.text()?).ok()
     }
 
     fn graph(&self, mut entries: Vec<NodeEntry>) -> Result<Graph> {
         for entry in entries.iter_mut().filter(|entry| self.grids.contains_key(&entry.name)) {
             in_memory_grid::stand_in(entry, &self.registry)?;
         }
-        let graph = Graph::build(&entries, &self.registry, self.source.folder());
+        let graph = Graph::build(&entries, &self.registry, self.source.folder.clone());
         let mut graph = graph.map_err(|error| self.source.locate(error))?;
         for (name, grid) in &self.grids {
             if graph.nodes.iter().any(|node| node.name == *name) {
@@ -551,44 +500,33 @@ impl<S: PipelineSource> Pipeline<S> {
 }
 
 impl PipelineText {
+    /// Nodes that a text states. `path`: its file, or a name for reports; `folder`: that which paths are relative to.
+    pub fn new(nodes: Nodes, text: String, path: PathBuf, folder: PathBuf) -> Self {
+        PipelineText { nodes, folder, text, path, ..Self::default() }
+    }
+
     fn node(&mut self, name: &str) -> Result<&mut NodeEntry> {
         let names: Vec<String> = self.nodes.nodes.iter().map(|node| node.name.clone()).collect();
+        self.is_changed = true;
         self.nodes.nodes.iter_mut().find(|node| node.name == name).ok_or_else(|| {
             let error = Error::usage(format!("there is no node '{name}'"));
             error.expected(suggest(name, names.iter().map(String::as_str)))
         })
     }
-}
 
-impl PipelineSource for PipelineText {
-    fn nodes(&self) -> &Nodes {
-        &self.nodes
-    }
-
-    fn folder(&self) -> PathBuf {
-        self.folder.clone()
-    }
-
-    fn path(&self) -> PathBuf {
-        self.path.clone()
-    }
-
+    /// A text that states the nodes, for reports.
     fn text(&self) -> String {
-        self.nodes.to_string()
+        if self.is_changed { self.nodes.to_string() } else { self.text.clone() }
     }
 
-    fn locate(&self, error: Error) -> Error {
+    /// Completes an error with file, line and column.
+    pub fn locate(&self, error: Error) -> Error {
         let of_node = error.location.node.as_ref().and_then(|name| self.node_texts.get_key_value(name));
         match of_node {
             Some((name, text)) if error.location.span.is_some() => locate(error, text, Path::new(name)),
             _ => locate(error, &self.text, &self.path),
         }
     }
-}
-
-/// A list of numbers as the value of a parameter.
-fn numbers(values: &[f64]) -> ParameterValue {
-    ParameterValue::List(values.iter().map(|&value| ParameterValue::Number(value).into()).collect())
 }
 
 /// The setting without its location in a text.

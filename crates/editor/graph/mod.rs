@@ -22,7 +22,6 @@ use menu::Menu;
 use package::{Face, NodeGraph, Pictures, Port};
 use places::Places;
 pub(crate) use places::usual_size;
-use std::collections::BTreeSet;
 use std::time::Duration;
 use voltet_document::{Annotation, AnnotationId};
 use voltet_graph::NodeEntry;
@@ -73,8 +72,6 @@ struct DraggedWire {
 pub(crate) struct GraphView {
     /// The view in the window, its scale, and where the document's origin is (points from the view's corner).
     view: PanZoom,
-    /// The scale and the theme of the view's style.
-    styled: Option<(f32, bool)>,
     /// Frames since all nodes were to be brought into view, which goes on until they were drawn and their sizes are known.
     fitted: u32,
     /// The nodes that were clicked or moved, the last one above the others.
@@ -106,7 +103,8 @@ impl GraphView {
         self.grid(ui);
         self.frames_and_notes(ui, scene);
         let wires_at = ui.painter().add(egui::Shape::Noop);
-        self.style(ui);
+        // The package scales a copy of the style.
+        self.view.zoom(self.view.clip_rect, ui.style(), 1.0);
         let nodes = self.nodes(ui, scene, pictures);
         self.wires(ui, wires_at, scene);
         self.over_nodes(ui, scene);
@@ -116,15 +114,6 @@ impl GraphView {
         self.show_menu(ui, scene);
         if !ui.input(|input| input.pointer.any_down()) {
             self.dragged = None;
-        }
-    }
-
-    /// The package scales a copy of the style; it is made again where the scale or the theme is another.
-    fn style(&mut self, ui: &Ui) {
-        let key = (self.view.zoom, ui.visuals().dark_mode);
-        if self.styled != Some(key) {
-            self.view.zoom(self.view.clip_rect, ui.style(), 1.0);
-            self.styled = Some(key);
         }
     }
 
@@ -276,13 +265,10 @@ impl GraphView {
         self.view.pan = self.view.clip_rect.size() / 2.0 - self.view.zoom * all.center().to_vec2();
     }
 
-    fn visible(&self, scene: &Scene) -> BTreeSet<String> {
-        let to_window = self.to_window();
-        let seen = |node: &&NodeEntry| {
-            let frame = self.places.frame(scene, node);
-            let [low, high] = [frame.min, frame.max].map(|at| to_window([f64::from(at.x), f64::from(at.y)]));
-            self.view.clip_rect.intersects(Rect::from_min_max(low, high).expand(20.0))
-        };
-        scene.document.pipeline().nodes.iter().filter(seen).map(|node| node.name.clone()).collect()
+    fn is_visible(&self, scene: &Scene, node: &NodeEntry) -> bool {
+        let frame = self.places.frame(scene, node);
+        let corner = |at: Pos2| self.to_window()([f64::from(at.x), f64::from(at.y)]);
+        let frame = Rect::from_min_max(corner(frame.min), corner(frame.max));
+        self.view.clip_rect.intersects(frame.expand(20.0))
     }
 }

@@ -15,11 +15,11 @@ impl GraphView {
     /// The package's graph is made anew in each frame, with an empty node for each that is out of view: so each node has the key of
     /// its place in the document, by which egui knows it again.
     pub(super) fn nodes(&mut self, ui: &mut Ui, scene: &Scene, pictures: &Pictures) -> NodeGraph {
-        let (visible, is_far) = (self.visible(scene), self.is_far(ui));
+        let is_far = self.is_far(ui);
         let mut graph = NodeGraph::new();
         let mut order: Vec<(usize, NodeId)> = Vec::new();
         for entry in &scene.document.pipeline().nodes {
-            if !visible.contains(&entry.name) {
+            if !self.is_visible(scene, entry) {
                 graph.add_node(String::new(), Face::default(), |_, _| {});
                 continue;
             }

@@ -1,6 +1,6 @@
 //! The pictures of table widgets: read by a thread of their own, and drawn as textures.
 
-use eframe::egui::{Color32, ColorImage, Context, Rgba, TextureHandle, TextureId, TextureOptions};
+use eframe::egui::{Color32, ColorImage, Context, Rgba, TextureHandle, TextureOptions};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,11 +12,14 @@ const FINEST: usize = 256;
 /// Texels of a picture: width, height, and straight linear RGBA from the top row on.
 type Texels = (usize, usize, Vec<[f32; 4]>);
 
-enum State {
-    Coming,
-    Here { texels: Texels, texture: TextureHandle },
-    Failed(String),
+/// A picture as it is drawn.
+pub(super) struct Image {
+    texels: Texels,
+    pub texture: TextureHandle,
 }
+
+/// Result of reading a picture, or the reason why it cannot be read; `None` while it is read.
+type State = Option<Result<Arc<Image>, String>>;
 
 /// A file, and when it was written.
 type Key = (PathBuf, Option<SystemTime>);
@@ -37,66 +40,43 @@ impl Images {
 
     /// Texels of a picture; one clear texel while it is unknown.
     pub fn texels(&self, path: &str) -> Texels {
-        self.look(path, |state| match state {
-            State::Here { texels, .. } => texels.clone(),
-            State::Coming | State::Failed(_) => (1, 1, vec![[0.0; 4]]),
-        })
+        let found = self.get(path).and_then(Result::ok);
+        found.map_or_else(|| (1, 1, vec![[0.0; 4]]), |image| image.texels.clone())
     }
 
-    pub fn texture(&self, path: &str) -> Option<TextureId> {
-        self.look(path, |state| match state {
-            State::Here { texture, .. } => Some(texture.id()),
-            State::Coming | State::Failed(_) => None,
-        })
-    }
-
-    pub fn fault(&self, path: &str) -> Option<String> {
-        self.look(path, |state| match state {
-            State::Failed(why) => Some(why.clone()),
-            State::Coming | State::Here { .. } => None,
-        })
-    }
-
-    /// Looks at a picture; it is read where it was not, or where the file is another since.
-    fn look<T>(&self, path: &str, look: impl FnOnce(&State) -> T) -> T {
+    /// A picture; it is read where it was not, or where the file is another since.
+    pub fn get(&self, path: &str) -> State {
         let path = self.folder.join(path);
         let written = std::fs::metadata(&path).and_then(|data| data.modified()).ok();
         let key = (path, written);
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        let state = known.entry(key.clone()).or_insert_with(|| {
-            let (images, ctx) = (self.known.clone(), self.ctx.clone());
+        let begin = || {
+            let (images, ctx, key) = (self.known.clone(), self.ctx.clone(), key.clone());
             let read = move || {
-                let state = read(&ctx, &key.0);
+                let found = read(&ctx, &key.0);
                 let mut images = images.lock().unwrap_or_else(PoisonError::into_inner);
                 images.retain(|(path, _), _| *path != key.0);
-                images.insert(key, state);
+                images.insert(key, Some(found));
                 drop(images);
                 ctx.request_repaint();
             };
-            match std::thread::Builder::new().name("image".into()).spawn(read) {
-                Ok(_) => State::Coming,
-                Err(error) => State::Failed(format!("no thread can be started: {error}")),
-            }
-        });
-        look(state)
+            let thread = std::thread::Builder::new().name("image".into()).spawn(read);
+            thread.err().map(|error| Err(format!("no thread can be started: {error}")))
+        };
+        known.entry(key.clone()).or_insert_with(begin).clone()
     }
 }
 
-fn read(ctx: &Context, path: &Path) -> State {
-    match voltet_nodes::table_image(path) {
-        Err(error) => State::Failed(error.to_string()),
-        Ok(texels) => {
-            let texels = reduced(texels);
-            let (width, height, all) = &texels;
-            let shown = |&[r, g, b, a]: &[f32; 4]| {
-                let [r, g, b] = [r, g, b].map(|x| x.clamp(0.0, 1.0));
-                Color32::from(Rgba::from_rgba_unmultiplied(r, g, b, a))
-            };
-            let image = ColorImage { size: [*width, *height], pixels: all.iter().map(shown).collect() };
-            let name = path.display().to_string();
-            State::Here { texture: ctx.load_texture(name, image, TextureOptions::LINEAR), texels }
-        }
-    }
+fn read(ctx: &Context, path: &Path) -> Result<Arc<Image>, String> {
+    let texels = reduced(voltet_nodes::table_image(path).map_err(|error| error.to_string())?);
+    let (width, height, all) = &texels;
+    let shown = |&[r, g, b, a]: &[f32; 4]| {
+        let [r, g, b] = [r, g, b].map(|x| x.clamp(0.0, 1.0));
+        Color32::from(Rgba::from_rgba_unmultiplied(r, g, b, a))
+    };
+    let image = ColorImage { size: [*width, *height], pixels: all.iter().map(shown).collect() };
+    let texture = ctx.load_texture(path.display().to_string(), image, TextureOptions::LINEAR);
+    Ok(Arc::new(Image { texels, texture }))
 }
 
 /// The picture by the means of blocks, so that no side has more than the finest; colours weigh as much as they cover.

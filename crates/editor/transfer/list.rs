@@ -8,9 +8,10 @@ use super::screen_widget::{self, ScreenWidget};
 use super::{TransferPanel, edit};
 use crate::parameters::{by_hand, drag, edited_color};
 use crate::theme;
-use crate::worker::{grouped, short, widget_count};
+use crate::worker::{short, widget_count};
 use eframe::egui::{Button, Key, Modifiers, RichText, ScrollArea, Sense, Stroke, TextEdit, Ui, vec2};
 use std::collections::{BTreeMap, BTreeSet};
+use voltet_core::with_commas;
 use voltet_document::{Edit, Path, links};
 use voltet_graph::{ArrayRef, LocatedValue, ParameterValue, Range, find_setting};
 
@@ -319,7 +320,7 @@ impl TransferPanel {
             Some(Err(error)) => texts.push((error.to_string(), "its share of the picture".into())),
             Some(Ok(share)) => {
                 let cells = share.cells.map(|cells| {
-                    let [own, all] = cells.map(|count| grouped(count as usize));
+                    let [own, all] = cells.map(with_commas);
                     format!("in {own} of {all} cells, ")
                 });
                 let text = format!(
@@ -330,7 +331,7 @@ impl TransferPanel {
                 );
                 let help = format!(
                     "what a picture of {} pixels loses without the widget; what it hides comes to light instead",
-                    grouped(share.pixels)
+                    with_commas(share.pixels)
                 );
                 texts.push((text, help));
             }

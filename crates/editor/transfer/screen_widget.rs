@@ -59,7 +59,7 @@ impl ScreenWidget {
                 let region = widget.region.clone().filter(|_| is_flat);
                 drawn.widget = Some(Widget { region, ..widget });
                 let image = find_setting(fields, "image").and_then(LocatedValue::text);
-                drawn.fault = image.and_then(|path| on.images.fault(path));
+                drawn.fault = image.and_then(|path| on.images.get(path)?.err());
             }
             Err(error) => {
                 drawn.widget = with_placeholders(fields);

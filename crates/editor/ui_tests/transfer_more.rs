@@ -170,7 +170,7 @@ fn relative_numbers_stay_relative_where_a_hand_moves_them() {
     hand.button(true, PointerButton::Primary, Modifiers::NONE);
     (1..=10).for_each(|step| hand.move_to(from + step as f32 * vec2(4.0, -1.2), Modifiers::NONE));
     let drawn = |hand: &Hand| {
-        let asked = hand.editor.asked.clone().unwrap();
+        let asked = hand.editor.answers.asked.clone().unwrap();
         let look = asked.nodes.iter().find(|node| node.name == "look").unwrap().clone();
         let widgets = look.settings.iter().find(|field| field.name == "widgets").unwrap().setting.clone();
         of(&widgets.list().unwrap()[0], "centre")

@@ -68,9 +68,7 @@ fn difference(a: &Picture, b: &Picture) -> [f64; 2] {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ShareQuery {
     pub picture: u64,
-    /// The transfer function, and the widget's place in the list that the document states.
     pub look: String,
-    pub place: usize,
     /// The picture, and the widget's place in the list that it is drawn with.
     pub wanted: RenderRequest,
     pub widget: usize,

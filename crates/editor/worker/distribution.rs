@@ -1,7 +1,7 @@
 //! The distribution of the data over two quantities, weighted by volume, and statistics of the quantities (of this volume, or of all
 //! steps of its series): ranges, and the volume below each value, by which numbers relative to data become absolute ones and back.
 
-use super::request::{Query, QueryRun, VolumeSource, WIRES, worker_node};
+use super::request::{Query, QueryRun, VolumeSource};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -11,10 +11,7 @@ use voltet_core::progress::Progress;
 use voltet_core::transfer::DataStatistics;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_graph::{
-    ArrayRef, DefaultValue, Demand, Field, Node, NodeProgress, Outputs, Parameter, ParameterType,
-    ParameterValue, Port, PortType, Range, RunContext, Value,
-};
+use voltet_graph::{ArrayRef, Demand, RunContext};
 use voltet_nodes::relative;
 
 const BINS: usize = 256;
@@ -91,13 +88,16 @@ impl Query for DistributionQuery {
     const WAITS: bool = true;
 
     fn answer(&self, run: &mut QueryRun) -> Result<Arc<Distribution>> {
-        let volume = self.source.volume(run, &arrays(&self.quantities()))?;
-        let mut found = self.find(&volume, &NodeProgress { observer: run.observer, node: "" })?;
-        if self.of_series {
-            let (gradient, shown) = (volume.gradient_magnitude.is_some(), found.histogram.axes);
-            found.known = series_scales(run, &self.source, &self.quantities(), shown, gradient)?;
-        }
-        Ok(Arc::new(found))
+        let quantities = self.quantities();
+        self.source.feed(run, &arrays(&quantities), &[], |call| {
+            let volume = call.volume("volume")?;
+            let mut found = self.find(&volume, call.progress())?;
+            if self.of_series {
+                let (gradient, shown) = (volume.gradient_magnitude.is_some(), ends(found.histogram.axes));
+                found.known = series_scales(call, quantities, shown, gradient)?;
+            }
+            Ok(Arc::new(found))
+        })
     }
 }
 
@@ -238,97 +238,33 @@ fn values_of<'a>(volume: &'a Volume, quantity: &ArrayRef) -> Result<Cow<'a, [f64
     }
 }
 
-const fn parameter(name: &'static str, parameter_type: ParameterType, help: &'static str) -> Parameter {
-    Parameter { name, parameter_type, unit: "", default: DefaultValue::Required, help }
-}
-
-/// Node that looks at every step of a time series, one at a time, as the transfer function does.
-pub(super) static SERIES: Node = Node {
-    name: "(looks at every step)",
-    summary: "Finds ranges and volumes below values over all steps of a time series.",
-    inputs: &[Port { name: "volume", port_type: PortType::Volume, summary: "one step of the series" }],
-    outputs: &[Port { name: "known", port_type: PortType::Cells, summary: "what was found" }],
-    parameters: &[
-        parameter(
-            QUANTITIES,
-            ParameterType::Texts,
-            "\"s\", \"g\", or the name of an array after a slash; the axes first",
-        ),
-        parameter(SHOWN, ParameterType::Numbers(Some(4), Range::ANY), "low and high of both axes"),
-        parameter(GRADIENT, ParameterType::Boolean, "whether there is a g"),
-    ],
-    demand: &|asking| asking.ask("volume", &Demand::default()),
-    run: &run_series,
-    ..Node::BLANK
-};
-
-const QUANTITIES: &str = "quantities";
-const SHOWN: &str = "shown";
-const GRADIENT: &str = "gradient";
-
-fn named(quantity: &ArrayRef) -> String {
-    match quantity {
-        ArrayRef::Array(name) => format!("/{name}"),
-        ArrayRef::Named(_) | ArrayRef::Per(..) => quantity.to_string(),
-    }
-}
-
-fn quantity(text: &str) -> ArrayRef {
-    match text.strip_prefix('/') {
-        Some(name) => ArrayRef::Array(name.to_string()),
-        None => ArrayRef::Named(if text == "g" { "g" } else { "s" }),
-    }
-}
-
 /// Statistics of the series, by the quantities and axes that they were computed for.
-type SeriesCache = Mutex<Vec<((Vec<String>, Vec<u64>), DataScales)>>;
+type SeriesCache = Mutex<Vec<((Vec<ArrayRef>, Vec<u64>), DataScales)>>;
 
-fn run_series(call: &mut RunContext) -> Result<Outputs> {
-    let names = call.parameters.texts(QUANTITIES)?;
-    let shown = call.parameters.numbers(SHOWN)?;
-    let mut demand = Demand { gradient_magnitude: call.parameters.flag(GRADIENT)?, ..Demand::default() };
-    let quantities: Vec<ArrayRef> = names.iter().map(|name| quantity(name)).collect();
+/// Scales of all steps of a series, one at a time, as the transfer function looks at them. `quantities`: those of the plane's axes
+/// first; `shown`: the ends of these axes.
+fn series_scales(
+    call: &RunContext,
+    quantities: Vec<ArrayRef>,
+    shown: Vec<f64>,
+    gradient_magnitude: bool,
+) -> Result<DataScales> {
+    let mut demand = Demand { gradient_magnitude, ..Demand::default() };
     demand.arrays.named.extend(arrays(&quantities));
     let kept: Arc<SeriesCache> = call.keep_over_steps("volume", &demand, || Ok(SeriesCache::default()))?;
-    let key = (names, shown.iter().map(|x| x.to_bits()).collect::<Vec<_>>());
     let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
-    let known = match kept.iter().find(|(of, _)| *of == key) {
-        Some((_, known)) => known.clone(),
-        None => {
-            let known = DataScales::find(&quantities, &shown, call.progress(), |look| {
-                call.each_step("volume", &demand, &mut |_, value| match value.volume() {
-                    Some(volume) => look(&*volume?),
-                    None => Ok(()),
-                })
-            })?;
-            kept.push((key, known.clone()));
-            known
-        }
-    };
-    Ok(vec![Value::Cells(Arc::new(known))])
-}
-
-/// Scales of all steps of a series. `quantities`: those of the plane's axes first; `shown`: these axes.
-fn series_scales(
-    run: &mut QueryRun,
-    source: &VolumeSource,
-    quantities: &[ArrayRef],
-    shown: [Axis; 2],
-    gradient: bool,
-) -> Result<DataScales> {
-    let settings = vec![
-        Field::new(QUANTITIES, quantities.iter().map(named).collect::<ParameterValue>()),
-        Field::new(SHOWN, ends(shown).into_iter().collect::<ParameterValue>()),
-        Field::new(GRADIENT, ParameterValue::Boolean(gradient)),
-    ];
-    let mut nodes = source.nodes(&SERIES, settings, Vec::new())?;
-    let output = ("cells".to_string(), format!("{}.known", SERIES.name));
-    nodes.push(worker_node(&WIRES, Vec::new(), vec![output]));
-    let found = source.feed(run, &nodes)?.into_iter().find_map(|value| match value {
-        Value::Cells(found) => found.downcast::<DataScales>().ok(),
-        _ => None,
-    });
-    found.map(Arc::unwrap_or_clone).ok_or_else(|| Error::run("nothing was found of the series"))
+    let bits = shown.iter().map(|x| x.to_bits()).collect();
+    if let Some((_, known)) = kept.iter().find(|((of, at), _)| (of, at) == (&quantities, &bits)) {
+        return Ok(known.clone());
+    }
+    let known = DataScales::find(&quantities, &shown, call.progress(), |look| {
+        call.each_step("volume", &demand, &mut |_, value| match value.volume() {
+            Some(volume) => look(&*volume?),
+            None => Ok(()),
+        })
+    })?;
+    kept.push(((quantities, bits), known.clone()));
+    Ok(known)
 }
 
 #[cfg(test)]

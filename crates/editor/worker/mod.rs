@@ -26,7 +26,7 @@ pub(crate) use probing::{PixelProbe, ProbeQuery, Section, SectionQuery};
 use request::{Exchange, Query};
 pub use request::{Pixels, RenderRequest};
 pub(crate) use request::{
-    VolumeSource, grouped, retain_widgets, short, short_by, size_of, widget_count, without_zeros,
+    VolumeSource, retain_widgets, short, short_by, size_of, widget_count, without_zeros,
 };
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -47,7 +47,6 @@ impl Worker {
     pub fn start(registry: &Registry, wake: RepaintCallback) -> Result<Worker> {
         let mut registry = registry.clone();
         registry.add(&request::WIRES)?;
-        registry.add(&distribution::SERIES)?;
         let shared = Arc::new(Shared::new(wake));
         let of_thread = shared.clone();
         let work = move || work::run(&of_thread, &registry);

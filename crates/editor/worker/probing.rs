@@ -1,18 +1,19 @@
 //! Values on rays of the picture, weighted by their contribution to it; and a section of the data by a plane: s and g at the pixels of a
 //! picture of it, linear in each cell.
 
-use super::request::{Query, QueryRun, VolumeSource, WIRES};
+use super::request::{Query, QueryRun, VolumeSource};
 use glam::{DMat3, DVec2, DVec3};
+use std::collections::BTreeSet;
 use std::sync::Arc;
+use voltet_core::Result;
 use voltet_core::camera::Camera;
+use voltet_core::progress::Progress;
 use voltet_core::volume::Volume;
-use voltet_core::{Error, Result};
-use voltet_graph::{Observer, TransferFunctionSpec, Value, diagonal};
-use voltet_optics::integrators::Integrator;
+use voltet_graph::{RunContext, diagonal};
+use voltet_optics::CompiledTransferFunction;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Shading, VisibilityOrder};
 use voltet_optics::trace::Tracer;
-use voltet_optics::{CompiledTransferFunction, WidgetBlend};
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ProbeQuery {
@@ -36,20 +37,9 @@ pub(crate) struct PixelProbe {
 }
 
 impl ProbeQuery {
-    fn walk(&self, values: &[Value], observer: &dyn Observer) -> Result<PixelProbe> {
-        let mut volume: Option<Arc<Volume>> = None;
-        let mut look: Option<Arc<TransferFunctionSpec>> = None;
-        let mut camera: Option<Arc<Camera>> = None;
-        for value in values {
-            match value {
-                Value::TransferFunction(of) => look = Some(of.clone()),
-                Value::Camera(of) => camera = Some(of.clone()),
-                other => volume = other.volume().transpose()?,
-            }
-        }
-        let (Some(volume), Some(look), Some(camera)) = (volume, look, camera) else {
-            return Err(Error::run("the picture's volume, transfer function and camera are not all known"));
-        };
+    fn walk(&self, call: &RunContext) -> Result<PixelProbe> {
+        let (volume, look) = (call.volume("volume")?, call.look("transfer-function")?);
+        let camera = call.camera("camera")?;
         let transfer_function = look.for_diagonal(diagonal(&volume.grid.points));
         let camera = Camera { samples: 1, ..*camera };
         let scene = Scene {
@@ -57,12 +47,7 @@ impl ProbeQuery {
             transfer_function: Arc::new(transfer_function),
             camera,
             // What is seen, as the values count: light and silhouettes change colours.
-            shading: Shading {
-                integrator: Integrator::ANALYTIC,
-                overlap: WidgetBlend::Exact,
-                silhouette: None,
-                light: None,
-            },
+            shading: Shading::default(),
             order: VisibilityOrder::Exact,
         };
         let forms = CompiledTransferFunction::new(&scene.transfer_function)?;
@@ -70,9 +55,7 @@ impl ProbeQuery {
         let mut probed = PixelProbe { rays: self.places.len(), ..PixelProbe::default() };
         let (mut seen_most, [width, height]) = (0.0, camera.size.map(f64::from));
         for place in &self.places {
-            if observer.cancelled() {
-                return Err(Error::cancelled());
-            }
+            call.progress().check_cancelled()?;
             let ray = tracer.ray(0.5 * width + place[0] * height, (0.5 - place[1]) * height);
             let walk = tracer.walk(&ray)?;
             probed.opacity += walk.seen.opacity / self.places.len() as f64;
@@ -103,10 +86,8 @@ impl Query for ProbeQuery {
     const WAITS: bool = false;
 
     fn answer(&self, run: &mut QueryRun) -> Result<Arc<PixelProbe>> {
-        let others = [("transfer-function", &self.look), ("camera", &self.camera)];
-        let others = others.map(|(port, node)| (port.to_string(), node.clone()));
-        let nodes = self.source.nodes(&WIRES, Vec::new(), others.to_vec())?;
-        self.walk(&self.source.feed(run, &nodes)?, run.observer).map(Arc::new)
+        let others = [("transfer-function", &*self.look), ("camera", &*self.camera)];
+        self.source.feed(run, &BTreeSet::new(), &others, |call| self.walk(call)).map(Arc::new)
     }
 }
 
@@ -161,15 +142,15 @@ impl SectionQuery {
         DVec2::new(from.dot(self.axes[0]), from.dot(self.axes[1])) / self.step()
     }
 
-    fn cut(&self, volume: &Volume, observer: &dyn Observer) -> Result<Section> {
+    fn cut(&self, volume: &Volume, progress: &dyn Progress) -> Result<Section> {
         let [width, height] = self.size;
         let mut section = Section { of: self.clone(), values: vec![None; width * height], cells: 0 };
         let normal = self.axes[0].cross(self.axes[1]);
         let Volume { grid, scalar, gradient_magnitude, .. } = volume;
         let aside: Vec<f64> = grid.points.iter().map(|point| (*point - self.centre).dot(normal)).collect();
         for (i, cell) in grid.tetrahedra.iter().enumerate() {
-            if i % 4096 == 0 && observer.cancelled() {
-                return Err(Error::cancelled());
+            if i % 4096 == 0 {
+                progress.check_cancelled()?;
             }
             let at = cell.map(|point| point as usize);
             let distances = at.map(|point| aside[point]);
@@ -241,8 +222,8 @@ impl Query for SectionQuery {
     const WAITS: bool = true;
 
     fn answer(&self, run: &mut QueryRun) -> Result<Arc<Section>> {
-        let volume = self.source.volume(run, &Default::default())?;
-        self.cut(&volume, run.observer).map(Arc::new)
+        let cut = |call: &RunContext| self.cut(&*call.volume("volume")?, call.progress());
+        self.source.feed(run, &BTreeSet::new(), &[], cut).map(Arc::new)
     }
 }
 

@@ -10,13 +10,11 @@ use voltet_core::error::ErrorKind;
 use voltet_core::grid::Grid;
 use voltet_core::grid::extent::{bounds, range};
 use voltet_core::picture::Picture;
-use voltet_core::volume::Volume;
-use voltet_core::{Error, Result, counted, noun_of};
+use voltet_core::{Error, Result, counted, noun_of, with_commas};
 use voltet_document::links::{self, upstream};
 use voltet_graph::{
-    DefaultValue, Demand, Field, Graph, LinkEntry, LocatedValue, NoObserver, Node, NodeEntry, Observer,
-    Parameter, ParameterType, ParameterValue, Port, PortType, Registry, RunReport, Session, SourceSpan,
-    Value,
+    DefaultValue, Demand, Field, Graph, NoObserver, Node, NodeEntry, Observer, Parameter, ParameterType,
+    ParameterValue, Port, PortType, Registry, RunContext, RunReport, Session, Value,
 };
 use voltet_io::encode::srgb_from_linear;
 
@@ -84,13 +82,14 @@ impl RenderRequest {
             if let Some(node_type) = node_type.filter(|_| !node.name.contains('.')) {
                 // Each with the input of its type.
                 outputs.extend(
-                    node_type.outputs.iter().map(|port| {
-                        (port.port_type.name().to_string(), format!("{}.{}", node.name, port.name))
-                    }),
+                    node_type
+                        .outputs
+                        .iter()
+                        .map(|port| (port.port_type.name(), format!("{}.{}", node.name, port.name))),
                 );
             }
         }
-        nodes.push(worker_node(&WIRES, Vec::new(), outputs));
+        nodes.push(NodeEntry::of_program(&WIRES, Vec::new(), outputs));
         Graph::build(&nodes, registry, self.folder.clone())
     }
 
@@ -172,42 +171,31 @@ pub(crate) struct VolumeSource {
 }
 
 impl VolumeSource {
-    /// The nodes that feed the volume and other outputs, each a port's name and `"node.port"`, to a node of the worker's, which is
-    /// the last one.
-    pub(super) fn nodes(
+    /// Feeds the volume, with these arrays and with *g* where there is a gradient, and other outputs, each a port's name and
+    /// `"node.port"`, to a function.
+    pub(super) fn feed<T>(
         &self,
-        node: &Node,
-        settings: Vec<Field>,
-        others: Vec<(String, String)>,
-    ) -> Result<Vec<NodeEntry>> {
-        let fed: Vec<_> =
-            std::iter::once(("volume".to_string(), self.output.clone())).chain(others).collect();
+        run: &mut QueryRun,
+        arrays: &BTreeSet<String>,
+        others: &[(&str, &str)],
+        work: impl FnOnce(&RunContext) -> Result<T>,
+    ) -> Result<T> {
+        let fed = [("volume", &*self.output)].into_iter().chain(others.iter().copied());
         let mut nodes: Vec<NodeEntry> = Vec::new();
-        for (_, source) in &fed {
+        for (_, source) in fed.clone() {
             for node in feeding(&self.nodes, links::source(source, &self.nodes).0)? {
                 if !nodes.iter().any(|known| known.name == node.name) {
                     nodes.push(node);
                 }
             }
         }
-        nodes.push(worker_node(node, settings, fed));
-        Ok(nodes)
-    }
-
-    /// The values that feed the last of the nodes, with *g* where there is a gradient.
-    pub(super) fn feed(&self, run: &mut QueryRun, nodes: &[NodeEntry]) -> Result<Vec<Value>> {
-        let graph = Graph::build(nodes, run.registry, self.folder.clone())?;
+        let arrays: ParameterValue = arrays.iter().map(String::as_str).collect();
+        let fed = fed.map(|(port, source)| (port, source.to_string()));
+        nodes.push(NodeEntry::of_program(&WIRES, vec![Field::new(ARRAYS, arrays)], fed));
+        let graph = Graph::build(&nodes, run.registry, self.folder.clone())?;
         let of_volumes = Demand { gradient_magnitude: true, ..Demand::default() };
-        Ok(run.session.feed(&graph, graph.nodes.len() - 1, &of_volumes, run.observer)?.0)
-    }
-
-    /// The volume with arrays, and with *g* where what feeds it has a gradient.
-    pub(super) fn volume(&self, run: &mut QueryRun, arrays: &BTreeSet<String>) -> Result<Arc<Volume>> {
-        let arrays: ParameterValue = arrays.iter().map(|name| name.as_str()).collect();
-        let nodes = self.nodes(&WIRES, vec![Field::new(ARRAYS, arrays)], Vec::new())?;
-        let found = self.feed(run, &nodes)?;
-        let none = || Error::run("the node gives no volume").at_node(&self.output);
-        found.first().and_then(Value::volume).ok_or_else(none)?
+        let place = graph.nodes.len() - 1;
+        Ok(run.session.stand_in(&graph, place, &of_volumes, run.observer, work)?.0)
     }
 }
 
@@ -277,27 +265,7 @@ pub(super) static WIRES: Node = Node {
 };
 
 /// Parameter of the node: arrays that the volume is to have.
-pub(super) const ARRAYS: &str = "arrays";
-
-/// A node of a type of the worker's that is fed by these outputs, each a port's name and `"node.port"`.
-pub(super) fn worker_node(node: &Node, settings: Vec<Field>, fed: Vec<(String, String)>) -> NodeEntry {
-    let mut sources: BTreeMap<String, Vec<LocatedValue>> = BTreeMap::new();
-    for (port, source) in fed {
-        sources.entry(port).or_default().push(source.into());
-    }
-    let inputs = sources.into_iter().map(|(port, mut sources)| {
-        let several = sources.len() > 1;
-        let source = if several { ParameterValue::List(sources).into() } else { sources.remove(0) };
-        LinkEntry { port, origin: SourceSpan::Nowhere, source }
-    });
-    NodeEntry {
-        name: node.name.into(),
-        origin: SourceSpan::Nowhere,
-        node_type: node.name.into(),
-        settings,
-        inputs: inputs.collect(),
-    }
-}
+const ARRAYS: &str = "arrays";
 
 #[derive(Default)]
 pub(super) struct Values {
@@ -333,7 +301,7 @@ fn describe(value: &Value) -> String {
             let number = |x: f64| short_by(x, 1e-2 * (high - low));
             format!("\n{name} from {} to {}", number(low), number(high))
         });
-        let count = |count: usize, noun| format!("{} {}", grouped(count), noun_of(&count, noun));
+        let count = |count: usize, noun| format!("{} {}", with_commas(count), noun_of(&count, noun));
         let (cells, points) =
             (count(grid.tetrahedra.len(), "tetrahedron"), count(grid.points.len(), "point"));
         format!("{cells}, {points}{}", ranges.collect::<String>())
@@ -383,14 +351,6 @@ pub fn short_by(x: f64, step: f64) -> String {
 /// A number without the zeros at the end of its fraction.
 pub fn without_zeros(text: &str) -> &str {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
-}
-
-/// A count with its thousands apart.
-pub fn grouped(count: usize) -> String {
-    let digits = count.to_string();
-    let groups: Vec<&str> =
-        digits.as_bytes().rchunks(3).rev().filter_map(|group| std::str::from_utf8(group).ok()).collect();
-    groups.join(",")
 }
 
 /// Steps of the table from linear to sRGB: finer than the steepest of 256 levels (12.92 × 255) by a factor of five.

@@ -1,6 +1,8 @@
 //! Nodes and wires as a pipeline file or a program states them, unchecked, and their mistakes.
 
-use voltet_core::parameters::{Field, LocatedValue, SourceSpan};
+use crate::api::node::Node;
+use std::collections::BTreeMap;
+use voltet_core::parameters::{Field, LocatedValue, ParameterValue, SourceSpan};
 use voltet_core::{Error, Result};
 
 /// A node as a pipeline file or a program states it, not checked yet.
@@ -19,6 +21,24 @@ pub struct NodeEntry {
 }
 
 impl NodeEntry {
+    /// A node of a program's own, which has the name of its type. `fed`: its inputs, each with an output (`"node"` or `"node.port"`)
+    /// that feeds it; several may feed one.
+    pub fn of_program<'a>(
+        node: &Node,
+        settings: Vec<Field>,
+        fed: impl IntoIterator<Item = (&'a str, String)>,
+    ) -> NodeEntry {
+        let mut sources: BTreeMap<&str, Vec<LocatedValue>> = BTreeMap::new();
+        fed.into_iter().for_each(|(port, source)| sources.entry(port).or_default().push(source.into()));
+        let inputs = sources.into_iter().map(|(port, sources)| LinkEntry {
+            port: port.into(),
+            origin: SourceSpan::Nowhere,
+            source: ParameterValue::List(sources).into(),
+        });
+        let (name, origin, node_type) = (node.name.into(), SourceSpan::Nowhere, node.name.into());
+        NodeEntry { name, origin, node_type, settings, inputs: inputs.collect() }
+    }
+
     /// A parameter as stated.
     pub fn setting(&self, name: &str) -> Option<&LocatedValue> {
         voltet_core::parameters::find_setting(&self.settings, name)

@@ -3,7 +3,7 @@
 use super::cache::{Cache, Entry, Store, files_of, stamped};
 use super::node_run::{NodeRun, origins, upstream};
 use super::plan::{Done, Plan, RunReport, asks_of, everything_of, inputs_of};
-use crate::api::context::{NoObserver, Observer, Preparation};
+use crate::api::context::{NoObserver, Observer, Preparation, RunContext};
 use crate::api::demand::Demand;
 use crate::api::node::{NamedStub, Steps};
 use crate::api::origins::FileStamp;
@@ -141,11 +141,29 @@ impl Session {
         of_volumes: &Demand,
         observer: &dyn Observer,
     ) -> Result<(Vec<Value>, RunReport)> {
+        self.stand_in(graph, place, of_volumes, observer, |call| {
+            Ok(call.inputs.iter().map(|(value, _)| value.clone()).collect())
+        })
+    }
+
+    /// Like [`Session::feed`], with a function in place of the node's own.
+    pub fn stand_in<T>(
+        &mut self,
+        graph: &Graph,
+        place: usize,
+        of_volumes: &Demand,
+        observer: &dyn Observer,
+        work: impl FnOnce(&RunContext) -> Result<T>,
+    ) -> Result<(T, RunReport)> {
         let plan = self.plan_with(graph, of_volumes)?;
         let feeding: Vec<usize> = upstream(graph, place).into_iter().filter(|&i| i != place).collect();
         let (all_done, report) = self.work_through(graph, &plan, &feeding, observer)?;
-        let values = inputs_of(&graph.nodes[place], &all_done);
-        Ok((values.into_iter().map(|(value, _)| value).collect(), report))
+        let (node, nothing) = (&graph.nodes[place], Demand::default());
+        let (store, file_stamp) = (&self.store, self.file_stamp);
+        let run = NodeRun { graph, place, done: &all_done, store, file_stamp, observer };
+        let call =
+            run.context(&node.parameters, &nothing, inputs_of(node, &all_done), (self.exhaustive, false));
+        Ok((work(&call)?, report))
     }
 
     /// Runs these nodes, each after those upstream; returns their outputs and the report.

@@ -489,9 +489,10 @@ fn gauss<const N: usize>(
 #[cfg(test)]
 mod rule_tests {
     use super::*;
-    use crate::arbitrary::{segment, transfer_function};
+    use crate::tests::segment;
     use proptest::strategy::{Strategy, ValueTree};
     use proptest::test_runner::TestRunner;
+    use voltet_testing::random::transfer_function;
 
     /// The largest error of each rule, as a share of what is at stake, over the panels of random segments.
     #[test]

@@ -6,14 +6,16 @@ use crate::work_precision::canvas::escaped;
 use crate::work_precision::measure::Times;
 use crate::work_precision::settings::overlap_name;
 use crate::work_precision::{
-    Convergence, Measure, Refused, RenderConfig, RendererNode, RendererVariant, Row, Study, plot,
+    Benches, Convergence, Measure, Refused, RenderConfig, RendererNode, RendererVariant, Row, Study,
+    StudyOptions, Subject, plot, reference, refuse_too_fine, study,
 };
 use serde_json::{Value, json as object};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_document::{Document, Edit};
-use voltet_graph::ParameterValue;
+use voltet_graph::{Graph, Observer, ParameterValue};
 use voltet_io::encode;
 use voltet_nodes::files;
 use voltet_optics::WidgetBlend;
@@ -459,6 +461,30 @@ const DIFFERENCES: &str = "differences";
 
 /// Files beside the page.
 const FILES: [&str; 6] = ["study.html", "study.csv", "study.json", "plot.svg", "plot.png", "reference.png"];
+
+/// Measures the scene of a node and writes: the study and its files, none where nothing was measured or no folder is given.
+/// `cache`: the folder that keeps reference pictures.
+pub fn measure(
+    (graph, node, title): (&Graph, Option<&str>, &str),
+    wish: StudyOptions,
+    folder: Option<&Path>,
+    cache: &Path,
+    (observer, progress): (&dyn Observer, &dyn Progress),
+) -> Result<(Study, Vec<PathBuf>)> {
+    let subject = Subject::gather(graph, node, wish.refine > 0, &mut voltet_nodes::session(), observer)?;
+    // Before the reference, which takes longest.
+    if wish.refine > 0 {
+        refuse_too_fine(&subject, wish.refine)?;
+    }
+    let benches = Benches::open(&subject, &wish)?;
+    let reference = reference(&subject, cache, progress)?;
+    let study = study(subject, wish, benches, reference, progress)?;
+    let written = match folder.filter(|_| !study.rows.is_empty()) {
+        Some(folder) => write(&study, title, folder)?,
+        None => Vec::new(),
+    };
+    Ok((study, written))
+}
 
 /// Writes everything into `folder`, which is made where it is not there, and gives the paths.
 pub fn write(study: &Study, title: &str, folder: &Path) -> Result<Vec<PathBuf>> {

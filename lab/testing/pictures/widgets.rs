@@ -4,12 +4,12 @@ use super::Engine;
 use super::compare::NamedScene;
 use super::grids::{cube, smooth, smooth_gradient};
 use super::looks::*;
+use crate::random::widget_of_each_kind;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::grid::Array;
 use voltet_core::transfer::{OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget};
 use voltet_core::volume::Volume;
-use voltet_optics::arbitrary::widget_of_each_kind;
 
 /// The smooth field with its gradient, and three further fields: two, and a magnitude that is 0 on a part.
 fn volume() -> Arc<Volume> {

@@ -12,7 +12,7 @@ use voltet_shaders::{
     Access, Blend, CompositorProgram, FramePass, GRID_GROUP, GridArray, Layout, PIECES, Parts,
     PlacementRecord, RoundRecord, RunRecord, ShaderKey, TileOrder, ViewRecord, cells_read, compose,
 };
-use voltet_testing::segments::widget_of_each_kind;
+use voltet_testing::random::widget_of_each_kind;
 
 const ORDERS: [TileOrder; 3] = [TileOrder::Exact, TileOrder::Listed, TileOrder::Sum];
 

@@ -6,9 +6,9 @@
 
 use super::shared::{ArrayChoice, DONE, Outcome, differs, open, with_bar};
 use crate::cli::arguments::Info;
-use crate::cli::present::{self, grouped, name, number, print};
+use crate::cli::present::{self, grouped, name, print};
 use crate::core::grid::CellType;
-use crate::core::{Error, Result, agreeing, counted, noun_of};
+use crate::core::{Error, Result, agreeing, counted, noun_of, with_commas};
 use crate::engine::drawing_bytes;
 use crate::graph::pipeline::Pipeline;
 use crate::graph::{Graph, LinkEntry, NodeEntry, ParameterValue, PortType, Registry};
@@ -119,18 +119,18 @@ fn describe_data(path: &Path, summary: &Summary) -> String {
     text +=
         &format!("\n{}, {}\n", grouped(summary.point_count, "point"), grouped(summary.cell_count, "cell"));
     if summary.points_joined > 0 {
-        let (joined, count) = (number(summary.points_joined), summary.points_joined);
+        let (joined, count) = (with_commas(summary.points_joined), summary.points_joined);
         let (points, are) = (noun_of(&count, "point"), agreeing(&count, "is", "are"));
         text += &format!("  {joined:>12}  {points} {are} another piece's, too, and {are} joined with it\n");
     }
     if summary.ghosts_without_owner > 0 {
-        let (ghosts, count) = (number(summary.ghosts_without_owner), summary.ghosts_without_owner);
+        let (ghosts, count) = (with_commas(summary.ghosts_without_owner), summary.ghosts_without_owner);
         let (cells, have) = (noun_of(&count, "ghost cell"), agreeing(&count, "has", "have"));
         let are = agreeing(&count, "is", "are");
         text += &format!("  {ghosts:>12}  {cells} {have} no owner in any piece, and {are} not drawn\n");
     }
     for (&code, &count) in &summary.cells_by_type {
-        text += &format!("  {:>12}  {}\n", number(count), CellType::name_of(code, count));
+        text += &format!("  {:>12}  {}\n", with_commas(count), CellType::name_of(code, count));
     }
     if let Some([low, high]) = summary.bounds {
         text += "\nBounds (world units)\n";
@@ -174,7 +174,7 @@ fn array_line(array: &ArraySummary, width: usize) -> String {
     };
     let bad = match array.not_finite_count {
         0 => String::new(),
-        n => format!(", {} not finite", number(n)),
+        n => format!(", {} not finite", with_commas(n)),
     };
     let name = name(&array.head.name);
     format!("  {association:5}  {name:width$}  {}{components}  {range}{bad}\n", array.number_type)

@@ -11,7 +11,7 @@ use crate::graph::{Observer, Registry};
 use crate::nodes::files;
 use crate::optics::integrators::Integrator;
 use std::path::{Path, PathBuf};
-use voltet_study::work_precision::{self as study, Benches, Frames, Study, StudyOptions, Subject};
+use voltet_study::work_precision::{self as study, Frames, Study, StudyOptions};
 
 pub fn study(arguments: &arguments::Study, registry: &Registry) -> Outcome {
     let wish = StudyOptions {
@@ -64,30 +64,16 @@ pub(super) fn option(name: &str) -> String {
     format!("--{}", name.replace('_', "-"))
 }
 
-/// Measures and writes: the study and its files, none where nothing was measured. `folders`: that of the study, and the one that
-/// keeps reference pictures.
+/// Measures the picture of a node of a document. `folders`: that of the study, and the one that keeps reference pictures.
 pub(super) fn make(
     document: &Document,
     node: Option<&str>,
     wish: StudyOptions,
     [folder, cache]: [&Path; 2],
-    (observer, progress): (&dyn Observer, &dyn Progress),
+    followed: (&dyn Observer, &dyn Progress),
 ) -> Result<(Study, Vec<PathBuf>)> {
-    let mut session = crate::nodes::session();
-    let subject = Subject::gather(&document.graph, node, wish.refine > 0, &mut session, observer)?;
-    // Before the reference, which takes longest.
-    if wish.refine > 0 {
-        study::refuse_too_fine(&subject, wish.refine)?;
-    }
-    let benches = Benches::open(&subject, &wish)?;
-    let reference = study::reference(&subject, cache, progress)?;
-    let study = study::study(subject, wish, benches, reference, progress)?;
     let title = document.pipeline.title.clone().unwrap_or_else(|| document.path.display().to_string());
-    let written = match study.rows.is_empty() {
-        true => Vec::new(),
-        false => study::write(&study, &title, folder)?,
-    };
-    Ok((study, written))
+    study::measure((&document.graph, node, &title), wish, Some(folder), cache, followed)
 }
 
 /// Finds out, before the work, whether the folder is there or can be made, and can be written to.

@@ -11,7 +11,7 @@ use crate::worker::DataScales;
 use eframe::egui::{self, Color32, Rect, Stroke, TextureId};
 use std::fmt::Debug;
 use voltet_core::transfer::{ControlPoint, Table, Wave};
-use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue, find_setting};
+use voltet_graph::{ArrayRef, Field, LocatedValue, find_setting};
 
 /// A widget in the plane, but for its region. Places are values along the plane's axes.
 pub(in crate::transfer) trait Shape: Debug {
@@ -103,10 +103,8 @@ impl Shape for Triangle {
 
     fn moved(&self, handle: Handle, to: [f64; 2], plane: &Plane) -> Vec<Change> {
         match handle {
-            Handle::Width(_) => {
-                vec![("sigma", Some(ParameterValue::Number(rounded(self.widened(to, plane)))))]
-            }
-            _ => vec![("centre", Some(ParameterValue::Number(to[0])))],
+            Handle::Width(_) => vec![("sigma", Some(rounded(self.widened(to, plane)).into()))],
+            _ => vec![("centre", Some(to[0].into()))],
         }
     }
 
@@ -161,15 +159,12 @@ impl Shape for Bands {
                 let period = v[0].hypot(v[1]).max(1e-6 * plane.extent[0] * factors[0].abs());
                 let angle = v[1].atan2(v[0]).to_degrees();
                 let angle = if angle.abs() < 2.0 { 0.0 } else { angle };
-                vec![
-                    ("period", Some(ParameterValue::Number(rounded(period)))),
-                    ("angle", Some(ParameterValue::Number(rounded(angle)))),
-                ]
+                vec![("period", Some(rounded(period).into())), ("angle", Some(rounded(angle).into()))]
             }
             Handle::Band => {
                 let half = (self.phase(to) - 0.5).clamp(0.005, 0.5);
                 let width = Wave::band_width_of(half, self.sine);
-                vec![("band_width", Some(ParameterValue::Number(rounded(width.min(1.0)))))]
+                vec![("band_width", Some(rounded(width.min(1.0)).into()))]
             }
             _ => vec![("origin", Some(list(&to)))],
         }
@@ -214,7 +209,10 @@ pub(super) struct Picture {
 impl Picture {
     pub fn new(table: &Table, numbers: &[Field], on: &PlaneContext) -> Picture {
         let path = find_setting(numbers, "image").and_then(LocatedValue::text);
-        Picture { ranges: [table.s, table.g], texture: path.and_then(|path| on.images.texture(path)) }
+        Picture {
+            ranges: [table.s, table.g],
+            texture: path.and_then(|path| Some(on.images.get(path)?.ok()?.texture.id())),
+        }
     }
 
     fn middle(&self) -> [f64; 2] {

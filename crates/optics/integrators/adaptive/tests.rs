@@ -1,9 +1,10 @@
 //! The tolerance of `adaptive` is kept, whatever the widgets and the segment.
 
 use super::*;
-use crate::arbitrary::{segment, transfer_function};
 use crate::integrators::Analytic;
+use crate::tests::segment;
 use proptest::prelude::*;
+use voltet_testing::random::transfer_function;
 
 const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 

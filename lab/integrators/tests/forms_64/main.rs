@@ -7,11 +7,11 @@ use proptest::prelude::*;
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
 use voltet_integrators::*;
 use voltet_optics::WidgetBlend;
-use voltet_optics::arbitrary::segment;
 use voltet_optics::integrators::{
     self, Analytic, Extent, Integrator, IntegratorKind, SegmentIntegrator, can_serve, new,
 };
 use voltet_optics::{Contribution, Segment};
+use voltet_testing::random::{segment, transfer_function};
 
 fn smooth(model: OpticalModel) -> TransferFunction {
     let gaussian = |s: f64, color| Widget {
@@ -186,7 +186,7 @@ proptest! {
     /// Whatever the integrator, A is within [0, 1] and C between 0 and the brightest colour.
     #[test]
     fn every_integrator_stays_within_bounds(
-        transfer_function in voltet_optics::arbitrary::transfer_function(),
+        transfer_function in transfer_function(),
         segment in segment(),
     ) {
         for integrator in all() {

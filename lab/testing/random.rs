@@ -1,7 +1,6 @@
 //! Random widgets of every kind, transfer functions and segments for property tests. A new kind gets its entry in [`profile`] and its
 //! arm in [`divide_gradients`].
 
-use super::Segment;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
@@ -10,6 +9,7 @@ use voltet_core::parameters::VariantSchema;
 use voltet_core::transfer::{
     ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, WIDGET_KINDS, Wave, Widget,
 };
+use voltet_optics::Segment;
 
 fn wave() -> impl Strategy<Value = Wave> {
     (-1.0..1.0, -1.0..1.0, 0.0..6.3, 0.05..3.0, prop_oneof![Just(1.0), 0.01..1.0_f64]).prop_map(
