@@ -625,9 +625,10 @@ fn contributions(canvas: &mut Canvas, steps: &[CellCrossing], along: &Axis) {
     for step in steps.iter().filter(|step| rate(step) > 0.0) {
         let ([left, right], height) = (step.distance.map(|d| along.place(d)), axis.place(rate(step)));
         let fill = srgb(step.part.color.map(|c| c / step.part.opacity));
-        let corners = vec![[left, bottom], [left, height], [right, height], [right, bottom]];
+        let corners = [[left, bottom], [left, height], [right, height], [right, bottom]];
         let adds = number(step.contribution()[3]);
-        canvas.shape(corners, fill, fill, format!("tetrahedron {}: adds {adds} to the opacity", step.cell));
+        let hint = format!("tetrahedron {}: adds {adds} to the opacity", step.cell);
+        canvas.shape(&corners, fill, fill, &hint);
     }
     frame(canvas, PANELS[2], "adds/length", &axis);
     let light = Axis::linear([0.0, 1.0], [bottom, top]);

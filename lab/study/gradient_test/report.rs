@@ -636,14 +636,14 @@ pub fn plot(test: &GradientTest) -> Canvas {
             }
             for ((at, n), e) in places.iter().zip(&test.levels).zip(&errors) {
                 let hint = format!("{}: {n} boxes a side, error {e:.2e}", found.name);
-                canvas.shape(symbol.corners(*at, 5.0), WHITE, *color, hint);
+                canvas.shape(&symbol.corners(*at, 5.0), WHITE, *color, &hint);
             }
         }
     }
     for (k, (found, (symbol, color, dashes))) in test.filters.iter().zip(STYLES.iter().cycle()).enumerate() {
         let at = [ACROSS[0][0] + 300.0 * (k % 3) as f64, 700.0 + 24.0 * (k / 3) as f64];
         canvas.line(&[[at[0], at[1]], [at[0] + 34.0, at[1]]], 1.4, *color, dashes);
-        canvas.shape(symbol.corners([at[0] + 17.0, at[1]], 5.0), WHITE, *color, found.name.clone());
+        canvas.shape(&symbol.corners([at[0] + 17.0, at[1]], 5.0), WHITE, *color, &found.name);
         canvas.text([at[0] + 44.0, at[1]], &shown(&found.name, 36), Size::Small, Anchor::Start, BLACK);
     }
     canvas

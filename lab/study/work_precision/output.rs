@@ -461,7 +461,7 @@ pub fn written(folder: &Path) -> Vec<PathBuf> {
 const DIFFERENCES: &str = "differences";
 
 /// Files beside the page.
-const FILES: [&str; 6] = ["study.html", "study.csv", "study.json", "plot.svg", "plot.png", "reference.png"];
+const FILES: [&str; 5] = ["study.html", "study.csv", "study.json", "plot.svg", "reference.png"];
 
 /// Writes everything into `folder`, which is made where it is not there, and gives the paths.
 pub fn write(study: &Study, title: &str, folder: &Path) -> Result<Vec<PathBuf>> {
@@ -470,15 +470,13 @@ pub fn write(study: &Study, title: &str, folder: &Path) -> Result<Vec<PathBuf>> 
         let what = format!("the folder '{}' cannot be made", differences.display());
         Error::run(what).got(error).expected("--output with a folder that can be written to")
     })?;
-    let canvas = plot::plot(study, title);
-    let plot_svg = canvas.svg();
+    let plot_svg = plot::plot(study, title).svg();
     let reference_png = encode::png(&study.reference.picture, study.subject.background, None)?;
     let contents = [
         page(study, title, &plot_svg, &reference_png).into_bytes(),
         csv(study).into_bytes(),
         format!("{:#}\n", json(study, title)).into_bytes(),
         plot_svg.into_bytes(),
-        encode::png(&canvas.picture(), [1.0; 3], None)?,
         reference_png,
     ];
     let mut outputs: Vec<(PathBuf, Vec<u8>)> =

@@ -1,6 +1,6 @@
 //! The work-precision plot: error over time, both in powers of ten, the Pareto front marked.
 
-use super::canvas::{Anchor, Axis, BLACK, Canvas, Color, Mark, Size, Symbol, WHITE, shown};
+use super::canvas::{Anchor, Axis, BLACK, Canvas, Color, Size, Symbol, WHITE, shown};
 use super::settings::Numbers;
 use super::{RendererVariant, Row, Study};
 use voltet_integrators::{DEFAULT_OVERSAMPLING, DEFAULT_PLANES, DEFAULT_SIDE};
@@ -88,7 +88,7 @@ pub fn plot(study: &Study, title: &str) -> Canvas {
             let hint =
                 format!("{}: {:.3} ms, error {:.2e}", row.setting.label(), time(row), row.error(measure));
             let corners = style.symbol.corners(at(row), radius);
-            canvas.shape(corners, fill, style.color, hint);
+            canvas.shape(&corners, fill, style.color, &hint);
             around(&mut canvas, style, row.setting.variant, at(row), radius);
         }
     }
@@ -144,14 +144,7 @@ fn axes(canvas: &mut Canvas, [x, y]: [&Axis; 2], title: &str, [time, error]: [&s
     canvas.text([left, 22.0], &shown(title, 72), Size::Large, Anchor::Start, BLACK);
     let middle = [0.5 * (left + right), bottom + 40.0];
     canvas.text(middle, time, Size::Small, Anchor::Middle, BLACK);
-    canvas.marks.push(Mark::Text {
-        at: [18.0, 0.5 * (top + bottom)],
-        text: error.into(),
-        size: Size::Small,
-        anchor: Anchor::Middle,
-        upward: true,
-        color: BLACK,
-    });
+    canvas.upward_text([18.0, 0.5 * (top + bottom)], error);
 }
 
 /// A broad grey line in steps: what is to the right of it and above is beaten.
@@ -224,8 +217,7 @@ fn labels(canvas: &mut Canvas, study: &Study, at: &dyn Fn(&Row) -> [f64; 2]) {
             taken.push(place);
             // Lines behind a label make it hard to read.
             let [x0, y0, x1, y1] = [place[0] - 1.0, place[1] + 1.0, place[2] + 1.0, place[3] - 1.0];
-            let corners = vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
-            canvas.shape(corners, WHITE, WHITE, String::new());
+            canvas.shape(&[[x0, y0], [x1, y0], [x1, y1], [x0, y1]], WHITE, WHITE, "");
             let middle = [place[0], 0.5 * (place[1] + place[3])];
             canvas.text(middle, &text, Size::Small, Anchor::Start, BLACK);
         }
@@ -236,7 +228,7 @@ fn legend(canvas: &mut Canvas, study: &Study) {
     let x = PLANE[2] + 14.0;
     let mut y = PLANE[1] + 8.0;
     let symbol = |canvas: &mut Canvas, y: f64, symbol: Symbol, fill, outline, text: &str| {
-        canvas.shape(symbol.corners([x + 14.0, y], 5.0), fill, outline, String::new());
+        canvas.shape(&symbol.corners([x + 14.0, y], 5.0), fill, outline, "");
         canvas.text([x + 34.0, y], text, Size::Small, Anchor::Start, BLACK);
     };
     for (kind, style, rows) in kinds(study) {
