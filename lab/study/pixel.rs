@@ -2,7 +2,7 @@
 //! terminal, CSV, JSON and a drawing.
 
 use crate::columns::{aligned, csv_cell};
-use crate::work_precision::canvas::{Anchor, Axis, Canvas, Color, Size, hex};
+use crate::work_precision::canvas::{Anchor, Axis, BLACK, Canvas, Color, hex};
 use crate::work_precision::{Numbers, Subject};
 use serde_json::{Value, json as object};
 use std::fmt::Write;
@@ -559,7 +559,6 @@ const SIZE: [f64; 2] = [900.0, 640.0];
 const ACROSS: [f64; 2] = [80.0, 880.0];
 /// Top and bottom of the panels of s, of g and of contributions.
 const PANELS: [[f64; 2]; 3] = [[50.0, 210.0], [240.0, 400.0], [430.0, 590.0]];
-const INK: Color = [40, 40, 40];
 const PALE: Color = [205, 205, 205];
 const BLUE: Color = [31, 119, 180];
 const GREEN: Color = [44, 120, 44];
@@ -570,11 +569,11 @@ pub fn plot(pixel: &Pixel) -> Canvas {
     let [x, y] = pixel.place;
     let title = format!("{}: pixel X {x}, Y {y}", pixel.node);
     let mut canvas = Canvas::new(SIZE, &title);
-    canvas.text([ACROSS[0], 24.0], &title, Size::Large, Anchor::Start, INK);
+    canvas.heading([ACROSS[0], 24.0], &title);
     let steps = &pixel.walk.steps;
     let (Some(first), Some(last)) = (steps.first(), steps.last()) else {
         let why = pixel.nothing.clone().unwrap_or_else(|| "the ray meets no cell".into());
-        canvas.text([ACROSS[0], 60.0], &why, Size::Small, Anchor::Start, INK);
+        canvas.text([ACROSS[0], 60.0], &why, Anchor::Start);
         return canvas;
     };
     let along = Axis::linear([first.distance[0], last.distance[1]], ACROSS);
@@ -592,10 +591,10 @@ pub fn plot(pixel: &Pixel) -> Canvas {
     for k in 0..=4 {
         let distance = along.low + (along.high - along.low) * f64::from(k) / 4.0;
         let at = [along.place(distance), PANELS[2][1] + 14.0];
-        canvas.text(at, &number(distance), Size::Small, Anchor::Middle, INK);
+        canvas.text(at, &number(distance), Anchor::Middle);
     }
     let middle = 0.5 * (ACROSS[0] + ACROSS[1]);
-    canvas.text([middle, SIZE[1] - 18.0], "distance from the eye", Size::Small, Anchor::Middle, INK);
+    canvas.text([middle, SIZE[1] - 18.0], "distance from the eye", Anchor::Middle);
     canvas
 }
 
@@ -609,11 +608,11 @@ fn axis_over(values: impl Iterator<Item = f64>, [top, bottom]: [f64; 2]) -> Axis
 
 fn frame(canvas: &mut Canvas, [top, bottom]: [f64; 2], name: &str, axis: &Axis) {
     let [left, right] = ACROSS;
-    canvas.ring(vec![[left, top], [right, top], [right, bottom], [left, bottom]], 1.0, PALE);
+    canvas.rectangle([left, top, right, bottom], None, PALE, "");
     for value in [axis.low, axis.high] {
-        canvas.text([left - 6.0, axis.place(value)], &number(value), Size::Small, Anchor::End, INK);
+        canvas.text([left - 6.0, axis.place(value)], &number(value), Anchor::End);
     }
-    canvas.text([left - 6.0, 0.5 * (top + bottom)], name, Size::Small, Anchor::End, INK);
+    canvas.text([left - 6.0, 0.5 * (top + bottom)], name, Anchor::End);
 }
 
 fn contributions(canvas: &mut Canvas, steps: &[CellCrossing], along: &Axis) {
@@ -625,10 +624,9 @@ fn contributions(canvas: &mut Canvas, steps: &[CellCrossing], along: &Axis) {
     for step in steps.iter().filter(|step| rate(step) > 0.0) {
         let ([left, right], height) = (step.distance.map(|d| along.place(d)), axis.place(rate(step)));
         let fill = srgb(step.part.color.map(|c| c / step.part.opacity));
-        let corners = [[left, bottom], [left, height], [right, height], [right, bottom]];
         let adds = number(step.contribution()[3]);
         let hint = format!("tetrahedron {}: adds {adds} to the opacity", step.cell);
-        canvas.shape(&corners, fill, fill, &hint);
+        canvas.rectangle([left, height, right, bottom], Some(fill), fill, &hint);
     }
     frame(canvas, PANELS[2], "adds/length", &axis);
     let light = Axis::linear([0.0, 1.0], [bottom, top]);
@@ -638,10 +636,10 @@ fn contributions(canvas: &mut Canvas, steps: &[CellCrossing], along: &Axis) {
         let behind = last.transmittance * (1.0 - last.part.opacity);
         points.push([along.place(last.distance[1]), light.place(behind)]);
     }
-    canvas.line(&points, 1.2, INK, &[5.0, 4.0]);
+    canvas.line(&points, 1.2, BLACK, &[5.0, 4.0]);
     let [_, right] = ACROSS;
     let dashed = "dashed: light that reaches the eye, 0 to 1";
-    canvas.text([right, top - 10.0], dashed, Size::Small, Anchor::End, INK);
+    canvas.text([right, top - 10.0], dashed, Anchor::End);
 }
 
 #[cfg(test)]

@@ -3,9 +3,7 @@
 
 use crate::columns::aligned;
 use crate::gradient_test::manufactured::Mesh;
-use crate::work_precision::canvas::{
-    Anchor, Axis, BLACK, Canvas, Color, Size, Symbol, WHITE, escaped, shown,
-};
+use crate::work_precision::canvas::{Anchor, Axis, Canvas, STYLES, WHITE, escaped, shown};
 use crate::work_precision::output::{figure, head, line_to as line};
 use serde::Serialize;
 use voltet_core::field::Method;
@@ -594,23 +592,12 @@ const SIZE: [f64; 2] = [960.0, 760.0];
 const ACROSS: [[f64; 2]; 2] = [[80.0, 460.0], [560.0, 940.0]];
 const DOWN: [[f64; 2]; 2] = [[70.0, 310.0], [390.0, 630.0]];
 
-/// Styles of the filters' points (colours of Okabe and Ito 2008, symbols and dashes for those who see none); again from the
-/// first where there are more filters.
-const STYLES: [(Symbol, Color, &[f64]); 6] = [
-    (Symbol::Circle, [0, 0, 0], &[]),
-    (Symbol::Square, [0, 114, 178], &[7.0, 3.0]),
-    (Symbol::TriangleUp, [213, 94, 0], &[2.0, 2.5]),
-    (Symbol::Diamond, [0, 158, 115], &[10.0, 3.0, 2.0, 3.0]),
-    (Symbol::TriangleDown, [204, 121, 167], &[4.0, 4.0]),
-    (Symbol::Cross, [190, 140, 0], &[]),
-];
-
 /// Root-mean-square errors inside on the first smooth field.
 pub fn plot(test: &GradientTest) -> Canvas {
     let name = test.filters.first().map_or("", |filter| filter.name.as_str());
     let title = format!("{name}: error of the gradient inside against fineness");
     let mut canvas = Canvas::new(SIZE, &title);
-    canvas.text([ACROSS[0][0], 26.0], &shown(&title, 90), Size::Large, Anchor::Start, BLACK);
+    canvas.heading([ACROSS[0][0], 26.0], &shown(&title, 90));
     let errors = |found: &FilterReport, mesh: Mesh| -> Vec<f64> {
         let one = found.convergence.iter().find(|one| one.mesh == mesh.name());
         one.map_or(Vec::new(), |one| one.inside.root_mean_square.clone())
@@ -623,7 +610,7 @@ pub fn plot(test: &GradientTest) -> Canvas {
         let x = Axis::over(test.levels.iter().map(|&n| n as f64), left, right);
         let y = Axis::over(all().map(visible), bottom, top);
         frame(&mut canvas, mesh.name(), [&x, &y], [left, top, right, bottom]);
-        for (found, (symbol, color, dashes)) in test.filters.iter().zip(STYLES.iter().cycle()) {
+        for (found, style) in test.filters.iter().zip(STYLES.iter().cycle()) {
             let errors = errors(found, mesh);
             let places: Vec<[f64; 2]> = test
                 .levels
@@ -632,19 +619,17 @@ pub fn plot(test: &GradientTest) -> Canvas {
                 .map(|(&n, &e)| [x.place(n as f64), y.place(visible(e))])
                 .collect();
             if places.len() > 1 {
-                canvas.line(&places, 1.4, *color, dashes);
+                canvas.line(&places, 1.4, style.color, style.dashes);
             }
             for ((at, n), e) in places.iter().zip(&test.levels).zip(&errors) {
                 let hint = format!("{}: {n} boxes a side, error {e:.2e}", found.name);
-                canvas.shape(&symbol.corners(*at, 5.0), WHITE, *color, &hint);
+                canvas.symbol(*at, 5.0, style, WHITE, &hint);
             }
         }
     }
-    for (k, (found, (symbol, color, dashes))) in test.filters.iter().zip(STYLES.iter().cycle()).enumerate() {
+    for (k, (found, style)) in test.filters.iter().zip(STYLES.iter().cycle()).enumerate() {
         let at = [ACROSS[0][0] + 300.0 * (k % 3) as f64, 700.0 + 24.0 * (k / 3) as f64];
-        canvas.line(&[[at[0], at[1]], [at[0] + 34.0, at[1]]], 1.4, *color, dashes);
-        canvas.shape(&symbol.corners([at[0] + 17.0, at[1]], 5.0), WHITE, *color, &found.name);
-        canvas.text([at[0] + 44.0, at[1]], &shown(&found.name, 36), Size::Small, Anchor::Start, BLACK);
+        canvas.entry(at, style, true, &shown(&found.name, 36));
     }
     canvas
 }
@@ -654,8 +639,7 @@ const LEAST: f64 = 1e-14;
 
 fn frame(canvas: &mut Canvas, name: &str, [x, y]: [&Axis; 2], [left, top, right, bottom]: [f64; 4]) {
     canvas.plane([x, y], [left, top, right, bottom]);
-    canvas.text([left, top - 14.0], &format!("{name} grid"), Size::Small, Anchor::Start, BLACK);
-    canvas.text([right, top - 14.0], "relative error, rms", Size::Small, Anchor::End, BLACK);
-    let middle = [0.5 * (left + right), bottom + 34.0];
-    canvas.text(middle, "boxes along a side", Size::Small, Anchor::Middle, BLACK);
+    canvas.text([left, top - 14.0], &format!("{name} grid"), Anchor::Start);
+    canvas.text([right, top - 14.0], "relative error, rms", Anchor::End);
+    canvas.text([0.5 * (left + right), bottom + 34.0], "boxes along a side", Anchor::Middle);
 }

@@ -1,4 +1,4 @@
-//! A drawing of lines, symbols and text in SVG, and the axes of plots.
+//! Plots in SVG: lines, symbols, text and axes.
 //!
 //! Coordinates: x to the right, y downward, in units of an SVG pixel.
 
@@ -24,16 +24,8 @@ pub const BLACK: Color = [20, 20, 20];
 /// Grey of grid lines.
 const FAINT: Color = [225, 225, 225];
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Size {
-    Small,
-    Large,
-}
-
-impl Size {
-    /// Width of a character of labels and height of a line; the font is monospaced.
-    pub const SMALL: [f64; 2] = [6.5, 12.0];
-}
+/// Width of a character of labels and height of a line; the font is monospaced.
+pub const CHARACTER: [f64; 2] = [6.5, 12.0];
 
 /// Part of a text at its anchor position.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,62 +35,40 @@ pub enum Anchor {
     End,
 }
 
-/// Shapes that can be told apart without colour.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Symbol {
-    Circle,
-    Square,
-    /// A square on its corner.
-    Diamond,
-    TriangleUp,
-    TriangleDown,
-    Plus,
-    Cross,
-    /// A star of five points, one up.
-    Star,
-    Bar,
+/// Style of a series of points. Symbols and dashes tell them apart without colour; the colours (Okabe and Ito 2008) differ for the
+/// colour-blind too.
+#[derive(Debug, Clone, Copy)]
+pub struct Style {
+    /// Outline about 0 within a radius of 1, as SVG writes paths.
+    pub symbol: &'static str,
+    pub color: Color,
+    /// Lengths of dashes and gaps of its line, in turn; none for a whole line.
+    pub dashes: &'static [f64],
 }
 
-impl Symbol {
-    /// Its corners around a place.
-    pub fn corners(self, at: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
-        let turned = |points: &[[f64; 2]], degrees: f64| -> Vec<[f64; 2]> {
-            let (sin, cos) = degrees.to_radians().sin_cos();
-            let turn = |p: &[f64; 2]| {
-                [at[0] + radius * (p[0] * cos - p[1] * sin), at[1] + radius * (p[0] * sin + p[1] * cos)]
-            };
-            points.iter().map(turn).collect()
-        };
-        let regular = |count: usize, first: f64| -> Vec<[f64; 2]> {
-            let corner = |k: usize| {
-                let (sin, cos) = (first + 360.0 * k as f64 / count as f64).to_radians().sin_cos();
-                [at[0] + radius * cos, at[1] + radius * sin]
-            };
-            (0..count).map(corner).collect()
-        };
-        const B: f64 = 0.33;
-        // One arm of a plus, the others by quarter turns.
-        let plus = |degrees: f64| -> Vec<[f64; 2]> {
-            let arm = [[-B, -B], [-B, -1.0], [B, -1.0]];
-            (0..4).flat_map(|quarter| turned(&arm, degrees + 90.0 * f64::from(quarter))).collect()
-        };
-        match self {
-            Symbol::Circle => regular(24, 0.0),
-            Symbol::Square => regular(4, 45.0),
-            Symbol::Diamond => regular(4, 0.0),
-            Symbol::TriangleUp => regular(3, -90.0),
-            Symbol::TriangleDown => regular(3, 90.0),
-            Symbol::Plus => plus(0.0),
-            Symbol::Cross => plus(45.0),
-            Symbol::Star => {
-                let (out, inner) = (regular(5, -90.0), regular(5, -54.0));
-                let nearer = |p: &[f64; 2]| [0, 1].map(|i| at[i] + 0.4 * (p[i] - at[i]));
-                out.iter().zip(&inner).flat_map(|(point, notch)| [*point, nearer(notch)]).collect()
-            }
-            Symbol::Bar => turned(&[[-1.0, -B], [1.0, -B], [1.0, B], [-1.0, B]], 0.0),
-        }
-    }
-}
+pub const CIRCLE: &str = "M1,0 A1,1 0 1 1 -1,0 A1,1 0 1 1 1,0 Z";
+const DIAMOND: &str = "M0,-1 L1,0 L0,1 L-1,0 Z";
+const TRIANGLE_UP: &str = "M0,-1 L0.87,0.5 H-0.87 Z";
+const TRIANGLE_DOWN: &str = "M0,1 L-0.87,-0.5 H0.87 Z";
+const PLUS: &str = "M-0.33,-0.33 V-1 H0.33 V-0.33 H1 V0.33 H0.33 V1 H-0.33 V0.33 H-1 V-0.33 Z";
+const CROSS: &str = "M0,-0.47 L0.47,-0.94 L0.94,-0.47 L0.47,0 L0.94,0.47 L0.47,0.94 L0,0.47 L-0.47,0.94 L-0.94,0.47 L-0.47,0 \
+                     L-0.94,-0.47 L-0.47,-0.94 Z";
+const STAR: &str = "M0,-1 L0.24,-0.32 L0.95,-0.31 L0.38,0.12 L0.59,0.81 L0,0.4 L-0.59,0.81 L-0.38,0.12 L-0.95,-0.31 L-0.24,-0.32 Z";
+const BAR: &str = "M-1,-0.33 H1 V0.33 H-1 Z";
+const SQUARE: &str = "M-0.71,-0.71 H0.71 V0.71 H-0.71 Z";
+
+/// Styles in the order of the series; those beyond begin again.
+pub const STYLES: [Style; 9] = [
+    Style { symbol: CIRCLE, color: [0, 0, 0], dashes: &[] },
+    Style { symbol: DIAMOND, color: [0, 114, 178], dashes: &[] },
+    Style { symbol: TRIANGLE_UP, color: [213, 94, 0], dashes: &[7.0, 3.0] },
+    Style { symbol: TRIANGLE_DOWN, color: [0, 158, 115], dashes: &[2.0, 2.5] },
+    Style { symbol: PLUS, color: [86, 180, 233], dashes: &[10.0, 3.0, 2.0, 3.0] },
+    Style { symbol: CROSS, color: [190, 140, 0], dashes: &[4.0, 4.0] },
+    Style { symbol: STAR, color: [150, 60, 60], dashes: &[] },
+    Style { symbol: BAR, color: [90, 90, 160], dashes: &[6.0, 2.0] },
+    Style { symbol: SQUARE, color: [204, 121, 167], dashes: &[] },
+];
 
 impl Canvas {
     pub fn new(size: [f64; 2], title: &str) -> Canvas {
@@ -116,16 +86,87 @@ impl Canvas {
         )
     }
 
+    /// A path as SVG writes it. `further`: attributes; `hint`: tooltip in viewers.
+    fn path(&mut self, path: &str, fill: Option<Color>, line: (f64, Color), further: &str, hint: &str) {
+        let fill = fill.map_or("none".into(), hex);
+        let (width, color) = (line.0, hex(line.1));
+        let hint = match hint.is_empty() {
+            true => String::new(),
+            false => format!("<title>{}</title>", escaped(hint)),
+        };
+        self.elements += &format!(
+            "<path d=\"{path}\" fill=\"{fill}\" stroke=\"{color}\" stroke-width=\"{width:.2}\"{further}>{hint}</path>\n"
+        );
+    }
+
     /// A chain of straight lines. `dashes`: lengths of dashes and gaps, in turn; none for a whole line.
     pub fn line(&mut self, points: &[[f64; 2]], width: f64, color: Color, dashes: &[f64]) {
+        let points: Vec<String> = points.iter().map(|[x, y]| format!("{x:.2},{y:.2}")).collect();
         let dashes: Vec<String> = dashes.iter().map(f64::to_string).collect();
         let dashes = match dashes.is_empty() {
             true => String::new(),
             false => format!(" stroke-dasharray=\"{}\"", dashes.join(" ")),
         };
-        let (points, color) = (places(points), hex(color));
+        self.path(&format!("M{}", points.join(" L")), None, (width, color), &dashes, "");
+    }
+
+    /// A rectangle from left and top to right and bottom. `hint`: tooltip in viewers.
+    pub fn rectangle(
+        &mut self,
+        [left, top, right, bottom]: [f64; 4],
+        fill: Option<Color>,
+        outline: Color,
+        hint: &str,
+    ) {
+        let path = format!("M{left:.2},{top:.2} H{right:.2} V{bottom:.2} H{left:.2} Z");
+        self.path(&path, fill, (1.0, outline), "", hint);
+    }
+
+    /// The symbol of a style, filled. `hint`: tooltip in viewers.
+    pub fn symbol(&mut self, at: [f64; 2], radius: f64, style: &Style, fill: Color, hint: &str) {
+        self.scaled(at, radius, style.symbol, Some(fill), (1.4, style.color), hint);
+    }
+
+    /// The outline of a symbol.
+    pub fn ring(&mut self, at: [f64; 2], radius: f64, symbol: &str, width: f64, color: Color) {
+        self.scaled(at, radius, symbol, None, (width, color), "");
+    }
+
+    fn scaled(
+        &mut self,
+        [x, y]: [f64; 2],
+        radius: f64,
+        symbol: &str,
+        fill: Option<Color>,
+        (width, color): (f64, Color),
+        hint: &str,
+    ) {
+        let place = format!(" transform=\"translate({x:.2} {y:.2}) scale({radius})\"");
+        self.path(symbol, fill, (width / radius, color), &place, hint);
+    }
+
+    /// A line of text with this part of it, on its middle line, at a place.
+    pub fn text(&mut self, at: [f64; 2], text: &str, anchor: Anchor) {
+        self.sized_text(at, text, 10.8, anchor, "");
+    }
+
+    /// A title that begins at a place.
+    pub fn heading(&mut self, at: [f64; 2], text: &str) {
+        self.sized_text(at, text, 14.2, Anchor::Start, "");
+    }
+
+    /// A label that reads upward, its middle at a place.
+    pub fn upward_text(&mut self, at: [f64; 2], text: &str) {
+        let turn = format!(" transform=\"rotate(-90 {:.2} {:.2})\"", at[0], at[1]);
+        self.sized_text(at, text, 10.8, Anchor::Middle, &turn);
+    }
+
+    fn sized_text(&mut self, [x, y]: [f64; 2], text: &str, size: f64, anchor: Anchor, turn: &str) {
+        let anchor = ["start", "middle", "end"][anchor as usize];
+        let (color, text) = (hex(BLACK), escaped(text));
         self.elements += &format!(
-            "<polyline points=\"{points}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\"{dashes}/>\n"
+            "<text x=\"{x:.2}\" y=\"{y:.2}\" dy=\"0.35em\" font-size=\"{size}\" text-anchor=\"{anchor}\" \
+             fill=\"{color}\"{turn}>{text}</text>\n"
         );
     }
 
@@ -135,7 +176,7 @@ impl Canvas {
             let place = x.place(value);
             if let Some(label) = label {
                 self.line(&[[place, top], [place, bottom]], 1.0, FAINT, &[]);
-                self.text([place, bottom + 16.0], &label, Size::Small, Anchor::Middle, BLACK);
+                self.text([place, bottom + 16.0], &label, Anchor::Middle);
             }
             self.line(&[[place, bottom], [place, bottom + 4.0]], 1.0, BLACK, &[]);
         }
@@ -143,64 +184,20 @@ impl Canvas {
             let place = y.place(value);
             if let Some(label) = label {
                 self.line(&[[left, place], [right, place]], 1.0, FAINT, &[]);
-                self.text([left - 8.0, place], &label, Size::Small, Anchor::End, BLACK);
+                self.text([left - 8.0, place], &label, Anchor::End);
             }
             self.line(&[[left - 4.0, place], [left, place]], 1.0, BLACK, &[]);
         }
-        self.ring(vec![[left, top], [right, top], [right, bottom], [left, bottom]], 1.0, BLACK);
+        self.rectangle([left, top, right, bottom], None, BLACK, "");
     }
 
-    pub fn ring(&mut self, mut corners: Vec<[f64; 2]>, width: f64, color: Color) {
-        corners.extend(corners.first().copied());
-        self.line(&corners, width, color, &[]);
-    }
-
-    /// A filled shape. `hint`: tooltip in viewers of SVG.
-    pub fn shape(&mut self, corners: &[[f64; 2]], fill: Color, outline: Color, hint: &str) {
-        let hint = match hint.is_empty() {
-            true => String::new(),
-            false => format!("<title>{}</title>", escaped(hint)),
-        };
-        let (points, fill, stroke) = (places(corners), hex(fill), hex(outline));
-        self.elements += &format!(
-            "<polygon points=\"{points}\" fill=\"{fill}\" stroke=\"{stroke}\" stroke-width=\"1.4\">{hint}</polygon>\n"
-        );
-    }
-
-    /// A line of text with this part of it, on its middle line, at a place.
-    pub fn text(&mut self, at: [f64; 2], text: &str, size: Size, anchor: Anchor, color: Color) {
-        self.turned_text(at, text, size, anchor, color, "");
-    }
-
-    /// A label that reads upward, its middle at a place.
-    pub fn upward_text(&mut self, at: [f64; 2], text: &str) {
-        let turn = format!(" transform=\"rotate(-90 {:.2} {:.2})\"", at[0], at[1]);
-        self.turned_text(at, text, Size::Small, Anchor::Middle, BLACK, &turn);
-    }
-
-    fn turned_text(
-        &mut self,
-        [x, y]: [f64; 2],
-        text: &str,
-        size: Size,
-        anchor: Anchor,
-        color: Color,
-        turn: &str,
-    ) {
-        let anchor = match anchor {
-            Anchor::Start => "start",
-            Anchor::Middle => "middle",
-            Anchor::End => "end",
-        };
-        let size = match size {
-            Size::Small => 10.8,
-            Size::Large => 14.2,
-        };
-        let (color, text) = (hex(color), escaped(text));
-        self.elements += &format!(
-            "<text x=\"{x:.2}\" y=\"{y:.2}\" dy=\"0.35em\" font-size=\"{size}\" text-anchor=\"{anchor}\" \
-             fill=\"{color}\"{turn}>{text}</text>\n"
-        );
+    /// An entry of a legend: the symbol, on its line where it has one, and the name of a series.
+    pub fn entry(&mut self, [x, y]: [f64; 2], style: &Style, has_line: bool, name: &str) {
+        if has_line {
+            self.line(&[[x, y], [x + 28.0, y]], 1.4, style.color, style.dashes);
+        }
+        self.symbol([x + 14.0, y], 5.0, style, WHITE, "");
+        self.text([x + 34.0, y], name, Anchor::Start);
     }
 }
 
@@ -271,10 +268,6 @@ pub fn shown(text: &str, most: usize) -> String {
     text.chars().take(most).collect()
 }
 
-fn places(points: &[[f64; 2]]) -> String {
-    points.iter().map(|[x, y]| format!("{x:.2},{y:.2}")).collect::<Vec<_>>().join(" ")
-}
-
 /// A colour as HTML writes it.
 pub(crate) fn hex([r, g, b]: Color) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
@@ -298,10 +291,17 @@ mod tests {
     }
 
     #[test]
+    fn series_are_told_apart_without_colour() {
+        for (k, style) in STYLES.iter().enumerate() {
+            assert!(STYLES[..k].iter().all(|other| other.symbol != style.symbol), "{}", style.symbol);
+        }
+    }
+
+    #[test]
     fn what_is_drawn_stands_in_its_order_with_its_place_and_look() {
         let mut canvas = Canvas::new([40.0, 20.0], "a < b");
         canvas.line(&[[2.0, 2.5], [12.0, 2.5]], 1.5, [1, 2, 3], &[3.0, 2.5]);
-        canvas.shape(&Symbol::Diamond.corners([30.0, 10.0], 6.0), WHITE, BLACK, "at & about");
+        canvas.symbol([30.0, 10.0], 2.0, &STYLES[7], WHITE, "at & about");
         canvas.upward_text([4.0, 14.0], "I");
         let svg = canvas.svg();
         assert!(svg.contains("viewBox=\"0 0 40 20\"") && svg.contains("<title>a &lt; b</title>"), "{svg}");
@@ -309,10 +309,10 @@ mod tests {
         assert_eq!(
             elements,
             [
-                "<polyline points=\"2.00,2.50 12.00,2.50\" fill=\"none\" stroke=\"#010203\" stroke-width=\"1.5\" \
-                 stroke-dasharray=\"3 2.5\"/>",
-                "<polygon points=\"36.00,10.00 30.00,16.00 24.00,10.00 30.00,4.00\" fill=\"#ffffff\" stroke=\"#141414\" \
-                 stroke-width=\"1.4\"><title>at &amp; about</title></polygon>",
+                "<path d=\"M2.00,2.50 L12.00,2.50\" fill=\"none\" stroke=\"#010203\" stroke-width=\"1.50\" \
+                 stroke-dasharray=\"3 2.5\"></path>",
+                "<path d=\"M-1,-0.33 H1 V0.33 H-1 Z\" fill=\"#ffffff\" stroke=\"#5a5aa0\" stroke-width=\"0.70\" \
+                 transform=\"translate(30.00 10.00) scale(2)\"><title>at &amp; about</title></path>",
                 "<text x=\"4.00\" y=\"14.00\" dy=\"0.35em\" font-size=\"10.8\" text-anchor=\"middle\" fill=\"#141414\" \
                  transform=\"rotate(-90 4.00 14.00)\">I</text>",
                 "</svg>",
