@@ -6,7 +6,7 @@ use crate::work_precision::canvas::escaped;
 use crate::work_precision::measure::Times;
 use crate::work_precision::settings::overlap_name;
 use crate::work_precision::{
-    Convergence, Measure, Refused, RenderConfig, RendererNode, RendererVariant, Row, Study, plot,
+    Convergence, Refused, RenderConfig, RendererNode, RendererVariant, Row, Study, plot,
 };
 use serde_json::{Value, json as object};
 use std::fmt::Write;
@@ -364,15 +364,10 @@ pub fn page(study: &Study, title: &str, plot: &str, reference: &[u8]) -> String 
 /// Recommendation for the allowed error, in a sentence.
 pub fn recommendation(study: &Study) -> Option<String> {
     let (bound, measure) = (study.wish.max_error?, study.wish.measure);
-    let name = match measure {
-        Measure::Maximum => "the largest error",
-        Measure::RootMeanSquare => "the root-mean-square error",
-        Measure::Percentile => "the 99.9 percentile of the error",
-        Measure::Flip => "the mean of FLIP",
-    };
+    let name = measure.words();
     Some(match study.recommended.map(|i| &study.rows[i]) {
         Some(row) => format!(
-            "Cheapest with {name} at most {bound}: {} ({} ms a picture{}, error {:.1e}).",
+            "Cheapest with the {name} at most {bound}: {} ({} ms a picture{}, error {:.1e}).",
             row.setting.label(),
             milliseconds(row.cost.picture.median_ms),
             match row.setting.variant.engine.on_device {
@@ -383,7 +378,7 @@ pub fn recommendation(study: &Study) -> Option<String> {
         ),
         None => {
             let least = study.rows.iter().map(|row| row.error(measure)).fold(f64::INFINITY, f64::min);
-            format!("No setting measured keeps {name} at most {bound}; the least is {least:.1e}.")
+            format!("No setting measured keeps the {name} at most {bound}; the least is {least:.1e}.")
         }
     })
 }

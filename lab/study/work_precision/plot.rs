@@ -46,7 +46,7 @@ pub fn plot(study: &Study, title: &str) -> Canvas {
         true => "time of a picture, set-up included on the CPU, not on the device (ms)",
         false => "time of a picture, set-up included (ms)",
     };
-    axes(&mut canvas, [&x, &y], title, [time_label, measure.label()]);
+    axes(&mut canvas, [&x, &y], title, [time_label, &measure.label()]);
     if let Some(bound) = bound {
         let height = y.place(bound);
         canvas.line(&[[left, height], [right, height]], 1.2, BLACK, &[3.0, 3.0]);

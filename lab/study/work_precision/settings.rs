@@ -44,15 +44,19 @@ impl Measure {
         Measure::NAMES[self as usize].1
     }
 
-    pub fn label(self) -> &'static str {
-        match self {
-            Measure::Maximum => "largest error of premultiplied linear RGBA (1 = full scale)",
-            Measure::RootMeanSquare => "root-mean-square error of premultiplied linear RGBA (1 = full scale)",
-            Measure::Percentile => {
-                "99.9 percentile of the error of premultiplied linear RGBA (1 = full scale)"
-            }
-            Measure::Flip => "mean FLIP difference (0 = equal, 1 = largest)",
-        }
+    /// Its name within a sentence.
+    pub fn words(self) -> &'static str {
+        ["largest error", "root-mean-square error", "99.9 percentile of the error", "mean of FLIP"]
+            [self as usize]
+    }
+
+    /// Label of an axis.
+    pub fn label(self) -> String {
+        let scale = match self {
+            Measure::Flip => "(0 = equal, 1 = largest)",
+            _ => "of premultiplied linear RGBA (1 = full scale)",
+        };
+        format!("{} {scale}", self.words())
     }
 }
 

@@ -47,10 +47,7 @@ pub enum Position {
 
 impl Position {
     pub fn name(self) -> &'static str {
-        match self {
-            Position::General => "general",
-            Position::Special => "special",
-        }
+        ["general", "special"][self as usize]
     }
 }
 
