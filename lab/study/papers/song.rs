@@ -189,20 +189,14 @@ fn figures(bench: &Bench, section: &mut Section) -> Result<()> {
         let ten = bench.shot(&scene, APPROXIMATE)?;
         let with = |count| segments(count, DEFAULT_SIDE);
         let (count, equal) = bench.in_equal_time(&scene, closed.ms, with)?;
-        let background = scene.subject.background;
         if file == "song_gaussian.toml" {
-            let pair = [(&closed.picture, background), (&ten.picture, background)];
-            section.figure(
-                "figure_7",
-                "Figure 7: closed form (left), ten samples a segment (right)",
-                &pair,
-            )?;
+            let caption = "Figure 7: closed form (left), ten samples a segment (right)";
+            section.figure("figure_7", caption, &[closed.shown(), ten.shown()])?;
         } else {
-            let pair = [(&closed.picture, background), (&equal.picture, background)];
             let caption = format!(
                 "In equal time, or one where even that takes longer: closed form (left), samples a segment: {count} (right)"
             );
-            section.figure("equal_time", &caption, &pair)?;
+            section.figure("equal_time", &caption, &[closed.shown(), equal.shown()])?;
         }
         for (way, shot) in [
             ("closed form".into(), &closed),
