@@ -80,7 +80,7 @@ impl Section {
     }
 
     /// Pictures side by side, over their backgrounds.
-    pub(super) fn figure(&mut self, name: &str, caption: &str, pictures: &[Shown<'_>]) -> Result<()> {
+    pub(super) fn figure(&mut self, name: &str, caption: &str, pictures: &[Panel<'_>]) -> Result<()> {
         let png = encode::png(&beside(pictures), [1.0; 3], None)?;
         let name = format!("{}_{name}.png", self.paper.name());
         self.text += &format!("\n![{caption}]({FOLDER}/{name})\n\n{caption}\n");
@@ -90,13 +90,13 @@ impl Section {
 }
 
 /// A picture with the background that it is shown over, linear RGB.
-pub(super) type Shown<'a> = (&'a Picture, [f64; 3]);
+pub(super) type Panel<'a> = (&'a Picture, [f64; 3]);
 
 /// Pixels between two pictures.
 const GAP: usize = 6;
 
 /// Pictures in a row, white between them.
-fn beside(pictures: &[Shown<'_>]) -> Picture {
+fn beside(pictures: &[Panel<'_>]) -> Picture {
     let height = pictures.iter().map(|(picture, _)| picture.height).max().unwrap_or(0);
     let width = pictures.iter().map(|(picture, _)| picture.width + GAP).sum::<usize>().saturating_sub(GAP);
     let mut row = Picture { width, height, rgba: vec![[1.0; 4]; width * height] };
@@ -275,7 +275,7 @@ impl Bench<'_> {
 }
 
 impl TimedRender {
-    pub fn shown(&self) -> Shown<'_> {
+    pub fn panel(&self) -> Panel<'_> {
         (&self.picture, self.background)
     }
 

@@ -51,7 +51,7 @@ fn figure_1(bench: &Bench, section: &mut Section) -> Result<()> {
     section.figure(
         "figure_1",
         "Figure 1: analytic (left), three samples a segment (middle), one (right)",
-        &[exact.shown(), three.shown(), one.shown()],
+        &[exact.panel(), three.panel(), one.panel()],
     )?;
     let rows = [
         exact.row(&["closed forms", "analytic, 128 slices"]),
@@ -131,12 +131,12 @@ fn figure_6(bench: &Bench, section: &mut Section) -> Result<()> {
     section.figure(
         "figure_6",
         "Figure 6: one sample a segment (A), `tabulated` (B), four samples (C)",
-        &[one.shown(), tabled.shown(), four.shown()],
+        &[one.panel(), tabled.panel(), four.panel()],
     )?;
     let caption = format!(
         "In equal time, or one where even that takes longer: closed forms (left), samples a segment: {count} (right)"
     );
-    section.figure("equal_time", &caption, &[exact.shown(), equal.shown()])?;
+    section.figure("equal_time", &caption, &[exact.panel(), equal.panel()])?;
     let rows = [
         one.row(&["1 sample a segment", "A: Riemann sum, 270 slices"]),
         tabled.row(&["`tabulated`", "B: analytic, 270 slices"]),

@@ -25,7 +25,7 @@ pub(super) fn section(bench: &Bench) -> Result<Section> {
     section.figure(
         "figure_1_1",
         "Figure 1.1: left (a) the transfer function at the vertices alone, right (b) clipped at its control points",
-        &[shots[0].shown(), shots[1].shown()],
+        &[shots[0].panel(), shots[1].panel()],
     )?;
     let rows: Vec<_> = ways.iter().zip(&shots).map(|((what, _), shot)| shot.row(&[what])).collect();
     section.table(&["printed", "here: ms", "rms error", "largest error", "pixels over 1/255"], &rows);

@@ -340,7 +340,7 @@ fn cylinder(bench: &Bench, section: &mut Section) -> Result<()> {
     section.figure(
         "figure_11",
         "Figure 11: cut at the control points (left), from the table of 64³ (right)",
-        &[exact.shown(), table.shown()],
+        &[exact.panel(), table.panel()],
     )?;
     section.say(&format!(
         "{cells} tetrahedra; 2,560 in the paper. \"In order to reconstruct the original table exactly, the number of planes must be four times \

@@ -191,12 +191,12 @@ fn figures(bench: &Bench, section: &mut Section) -> Result<()> {
         let (count, equal) = bench.in_equal_time(&scene, closed.ms, with)?;
         if file == "song_gaussian.toml" {
             let caption = "Figure 7: closed form (left), ten samples a segment (right)";
-            section.figure("figure_7", caption, &[closed.shown(), ten.shown()])?;
+            section.figure("figure_7", caption, &[closed.panel(), ten.panel()])?;
         } else {
             let caption = format!(
                 "In equal time, or one where even that takes longer: closed form (left), samples a segment: {count} (right)"
             );
-            section.figure("equal_time", &caption, &[closed.shown(), equal.shown()])?;
+            section.figure("equal_time", &caption, &[closed.panel(), equal.panel()])?;
         }
         for (way, shot) in [
             ("closed form".into(), &closed),
