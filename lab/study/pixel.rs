@@ -14,12 +14,11 @@ use voltet_core::{Error, Result, agreeing, counted};
 use voltet_cpu::cull;
 use voltet_graph::{Graph, Observer, Session};
 use voltet_io::encode::srgb_from_linear;
-use voltet_optics::Segment;
-use voltet_optics::compositing::Composite;
 use voltet_optics::integrators::{Integrator, SegmentIntegrator};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::Shading;
-use voltet_optics::trace::{CellCrossing, Ray, TracedRay, Tracer, Walk};
+use voltet_optics::trace::{CellCrossing, Ray, SegmentIntegral, Tracer, Walk};
+use voltet_optics::{Contribution, Segment};
 use voltet_reference::{REFERENCE, tracer, widget_depths};
 
 #[derive(Debug, Clone)]
@@ -80,11 +79,6 @@ impl Pixel {
     }
 }
 
-fn mean(rays: impl ExactSizeIterator<Item = [f64; 4]>) -> [f64; 4] {
-    let count = rays.len() as f64;
-    rays.fold([0.0; 4], |sum, ray| std::array::from_fn(|c| sum[c] + ray[c] / count))
-}
-
 /// The node that draws, traced.
 ///
 /// `node`: which one, where the pipeline has several; `sample`: which ray of the pixel. Errors: a place outside the picture, no
@@ -107,9 +101,7 @@ pub fn pixel(
     }
     let tracer = tracer(&subject.scene)?;
     let rays = tracer.rays(place);
-    let seen = rays.iter().map(|ray| tracer.trace(ray)).collect::<Result<Vec<TracedRay>>>()?;
-    let of = |seen: &TracedRay| [seen.color[0], seen.color[1], seen.color[2], seen.opacity];
-    let referee = mean(seen.iter().map(of));
+    let referee = tracer.pixel(&rays)?;
     let ray = &rays[sample as usize];
     let walk = tracer.walk(ray)?;
     let depths = widget_depths(transfer_function, &walk.steps)?;
@@ -130,7 +122,7 @@ pub fn pixel(
         cells: source_cells(&volume.grid, &walk.steps),
         widgets: transfer_function.widgets.iter().map(|widget| widget.profile.name()).collect(),
         names: names.into_iter().chain(fields.iter().map(|name| name.to_string())).collect(),
-        integrators: all_integrators(&subject.scene, &subject.integrators, &tracer, &rays, progress)?,
+        integrators: all_integrators(&subject.scene, &subject.integrators, &rays, progress)?,
         background: subject.background,
         node: subject.node.clone(),
         walk,
@@ -212,19 +204,10 @@ const CUBE_SIDE: usize = 64;
 fn all_integrators(
     scene: &Scene,
     integrators: &[Integrator],
-    tracer: &Tracer,
     rays: &[Ray],
     progress: &dyn Progress,
 ) -> Result<Vec<IntegratorPixel>> {
     let own = scene.shading.integrator;
-    let traced = |ray: &Ray| -> Vec<Traced> {
-        let of = |crossing| {
-            let (length, ends) = tracer.segment(ray, crossing);
-            (length, ends, tracer.surface(ray, crossing))
-        };
-        tracer.crossings(ray).iter().map(of).collect()
-    };
-    let segments: Vec<Vec<Traced>> = rays.iter().map(traced).collect();
     // The cells that the native engine draws decide what an integrator's tables hold.
     let cells = cull(&scene.volume, &scene.transfer_function, &scene.camera, progress)?;
     let mut all = Vec::new();
@@ -239,7 +222,7 @@ fn all_integrators(
         };
         let shading = Shading { integrator, ..scene.shading };
         let ready = voltet_cpu::integrator(&cells, &scene.transfer_function, &shading);
-        let rgba = ready.and_then(|ready| composite_rays(ready.as_ref(), &segments));
+        let rgba = ready.and_then(|ready| Tracer::new(scene, Box::new(Integrated(ready)))?.pixel(rays));
         // The reason, without alternatives.
         let rgba = rgba.map_err(|error| error.got.unwrap_or(error.what));
         let numbers = Numbers::of(&integrator).labels().join(", ");
@@ -248,29 +231,20 @@ fn all_integrators(
     Ok(all)
 }
 
-/// Length and ends of a segment, and the factors of its opacity and colour.
-type Traced = (f64, [Vec<f64>; 2], [f64; 2]);
+/// An integrator as rays ask for it.
+struct Integrated(Box<dyn SegmentIntegrator>);
 
-fn composite_rays(integrator: &dyn SegmentIntegrator, rays: &[Vec<Traced>]) -> Result<[f64; 4]> {
-    let of = |ray: &Vec<Traced>| {
-        let mut sum = Composite::default();
-        for (length, [front, back], [silhouette, light]) in ray {
-            let part = integrator.integrate(&Segment {
-                length: *length,
-                front: [front[0], front[1]],
-                back: [back[0], back[1]],
-                fields_front: &front[2..],
-                fields_back: &back[2..],
-            });
-            sum.add(part.color.map(|c| c * silhouette * light), part.opacity * silhouette);
-        }
-        let [r, g, b] = sum.color;
-        [r, g, b, sum.opacity()]
-    };
-    let pixel = mean(rays.iter().map(of));
-    match integrator.failure() {
-        Some(error) => Err(error.clone()),
-        None => Ok(pixel),
+impl SegmentIntegral for Integrated {
+    fn integrate(&self, length: f64, front: &[f64], back: &[f64]) -> Result<Contribution> {
+        let Integrated(integrator) = self;
+        let part = integrator.integrate(&Segment {
+            length,
+            front: [front[0], front[1]],
+            back: [back[0], back[1]],
+            fields_front: &front[2..],
+            fields_back: &back[2..],
+        });
+        integrator.failure().map_or(Ok(part), |error| Err(error.clone()))
     }
 }
 
