@@ -332,16 +332,13 @@ fn invariance(found: &FilterReport) -> Requirement {
 
 /// Everything, filters side by side.
 pub fn text(test: &GradientTest) -> String {
-    let mut text = String::new();
-    for Table { title, heads, rows, note } in tables(test) {
-        // The first column at least is a name; further ones stand before the filters.
-        let is_name = |k: usize| k == 0 || matches!(heads[k].as_str(), "field" | "where");
-        line(&mut text, &format!("\n{title}"));
-        let rows = [std::slice::from_ref(&heads), &rows].concat();
-        aligned(&rows, is_name).lines().for_each(|row| line(&mut text, &format!("  {row}")));
-        line(&mut text, &format!("  {note}"));
+    let mut text = tables(test).concat();
+    for filter in &test.filters {
+        for Fault { at, what, failed } in &filter.faults {
+            let did = if *failed { "failed" } else { "fell back" };
+            line(&mut text, &format!("{} {did}, {at}: {what}", filter.name));
+        }
     }
-    faults(test).for_each(|fault| line(&mut text, &fault));
     let name = test.filters.first().map_or("", |filter| filter.name.as_str());
     if !test.requirements.is_empty() {
         line(&mut text, &format!("\nWhat {name} is held to"));
@@ -353,23 +350,6 @@ pub fn text(test: &GradientTest) -> String {
     text.trim_start().to_string()
 }
 
-/// Failures and fall-backs of all filters, a sentence each.
-fn faults(test: &GradientTest) -> impl Iterator<Item = String> {
-    let each = test.filters.iter().flat_map(|filter| filter.faults.iter().map(move |fault| (filter, fault)));
-    each.map(|(filter, fault)| {
-        let did = if fault.failed { "failed" } else { "fell back" };
-        format!("{} {did}, {}: {}", filter.name, fault.at, fault.what)
-    })
-}
-
-/// A table: its rows begin with what they are of.
-struct Table {
-    title: String,
-    heads: Vec<String>,
-    rows: Vec<Vec<String>>,
-    note: String,
-}
-
 /// A row of one filter: what it is of, and its cell.
 type Cell = (Vec<String>, String);
 
@@ -377,14 +357,14 @@ fn cell<const N: usize>(names: [&str; N], value: String) -> Cell {
     (names.map(str::to_string).to_vec(), value)
 }
 
-/// A table with one column a filter: rows by what they are of, that of any filter that has it.
+/// A table with columns of names and one a filter: rows by what they are of, that of any filter that has it.
 fn table(
     test: &GradientTest,
     title: String,
     heads: &[&str],
     cells: impl Fn(&FilterReport) -> Vec<Cell>,
     note: &str,
-) -> Table {
+) -> String {
     let each: Vec<Vec<Cell>> = test.filters.iter().map(cells).collect();
     let mut keys: Vec<&Vec<String>> = Vec::new();
     for (key, _) in each.iter().flatten() {
@@ -395,15 +375,18 @@ fn table(
     let value = |cells: &Vec<Cell>, key: &Vec<String>| {
         cells.iter().find(|(other, _)| other == key).map_or("failed".into(), |(_, value)| value.clone())
     };
-    let row = |key: &&Vec<String>| {
-        key.iter().cloned().chain(each.iter().map(|cells| value(cells, key))).collect::<Vec<_>>()
-    };
     let names = test.filters.iter().map(|filter| filter.name.clone());
-    let heads = heads.iter().map(|head| head.to_string()).chain(names).collect();
-    Table { title, heads, rows: keys.iter().map(row).collect(), note: note.into() }
+    let mut rows = vec![heads.iter().map(|head| head.to_string()).chain(names).collect::<Vec<_>>()];
+    rows.extend(keys.iter().map(|&key| {
+        key.iter().cloned().chain(each.iter().map(|cells| value(cells, key))).collect::<Vec<_>>()
+    }));
+    // The first column at least is a name; further ones stand before the filters.
+    let table = aligned(&rows, |k| k == 0 || matches!(rows[0][k].as_str(), "field" | "where"));
+    let lines: String = table.lines().map(|row| format!("  {row}\n")).collect();
+    format!("\n{title}\n{lines}  {note}\n")
 }
 
-fn tables(test: &GradientTest) -> Vec<Table> {
+fn tables(test: &GradientTest) -> Vec<String> {
     let order = |order: Option<f64>, error: Option<&f64>| {
         let order = order.map_or("–".into(), |order| format!("{order:.2}"));
         format!("{order} ({:.1e})", error.copied().unwrap_or(f64::NAN))
@@ -531,7 +514,7 @@ fn tables(test: &GradientTest) -> Vec<Table> {
     ]
 }
 
-/// The page. `plot`: the SVG document.
+/// The page: the plot, an SVG document, the tables as text, and the pictures.
 pub fn page(test: &GradientTest, plot: &str) -> String {
     let names: Vec<String> = test.filters.iter().map(|filter| escaped(&filter.name)).collect();
     let title =
@@ -548,41 +531,14 @@ pub fn page(test: &GradientTest, plot: &str) -> String {
         names.get(1..).filter(|rest| !rest.is_empty()).map_or("no other".into(), |rest| rest.join(", "));
     let version = env!("CARGO_PKG_VERSION");
     line(&mut html, &format!("<p>Beside {beside}. Every error is against a formula; voltet {version}.</p>"));
-    if !test.requirements.is_empty() {
-        line(&mut html, "<h2>What it is held to</h2>\n<ul>");
-        for requirement in &test.requirements {
-            let (class, mark) =
-                if requirement.holds { ("", "held") } else { (" class=\"broken\"", "BROKEN") };
-            let (what, found) = (escaped(&requirement.what), escaped(&requirement.found));
-            line(&mut html, &format!("<li{class}>{mark}: {what}; found {found}</li>"));
-        }
-        line(&mut html, "</ul>");
-    }
     line(&mut html, &format!("<h2>Error against fineness</h2>\n{plot}"));
-    for table in tables(test) {
-        let first_figure = table.heads.len() - test.filters.len();
-        let class = |k: usize| if k < first_figure { " class=\"name\"" } else { "" };
-        let cells = |tag: &str, row: &[String]| -> String {
-            let cell = |(k, cell): (usize, &String)| format!("<{tag}{}>{}</{tag}>", class(k), escaped(cell));
-            row.iter().enumerate().map(cell).collect()
-        };
-        line(&mut html, &format!("<h2>{}</h2>\n<div class=\"wide\"><table>", escaped(&table.title)));
-        line(&mut html, &format!("<thead><tr>{}</tr></thead>\n<tbody>", cells("th", &table.heads)));
-        for row in &table.rows {
-            line(&mut html, &format!("<tr>{}</tr>", cells("td", row)));
-        }
-        line(&mut html, &format!("</tbody></table></div>\n<p class=\"note\">{}</p>", escaped(&table.note)));
-    }
+    line(&mut html, &format!("<h2>Tables</h2>\n<pre>{}</pre>", escaped(&text(test))));
     figure(&mut html, &test.exact_png, "the exact gradient");
     for filter in &test.filters {
         if let Some(picture) = &filter.picture {
             let caption = format!("{}: largest error {:.1e}", filter.name, picture.maximum);
             figure(&mut html, &picture.png, &caption);
         }
-    }
-    let faults: Vec<String> = faults(test).map(|fault| format!("<li>{}</li>\n", escaped(&fault))).collect();
-    if !faults.is_empty() {
-        line(&mut html, &format!("<h2>Failures and fall-backs</h2>\n<ul>\n{}</ul>", faults.concat()));
     }
     html + "</body>\n</html>\n"
 }

@@ -115,7 +115,6 @@ fn first(subject: &Subject, count: usize) -> Subject {
     look.widgets.truncate(count);
     let mut subject = subject.clone();
     subject.scene.transfer_function = Arc::new(look);
-    subject.needs_order = subject.scene.needs_order();
     subject
 }
 

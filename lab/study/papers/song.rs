@@ -54,7 +54,6 @@ fn table_1(bench: &Bench, section: &mut Section) -> Result<()> {
         subject.scene.camera.size = [512; 2];
         let mut one = subject.clone();
         one.scene.transfer_function = Arc::new(ramp(&subject));
-        one.needs_order = one.scene.needs_order();
         let ms = |subject, integrator| Ok(bench.measured(subject, integrator)?.1.frame.median_ms);
         let found: [Result<f64>; 3] =
             [ms(&one, Integrator::ANALYTIC), ms(&subject, Integrator::ANALYTIC), ms(&subject, APPROXIMATE)];

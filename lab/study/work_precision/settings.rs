@@ -249,7 +249,6 @@ pub struct Subject {
     pub order_node: Option<String>,
     /// The scene; integrator, overlap and order are those of the file.
     pub scene: Scene,
-    pub needs_order: bool,
     pub asked: SubjectRequest,
     /// One integrator of each kind that the pipeline may name, with default settings, in the order of registration.
     pub integrators: Vec<Integrator>,
@@ -304,7 +303,6 @@ impl Subject {
         Ok(Subject {
             node: node.name.clone(),
             order_node,
-            needs_order: scene.needs_order(),
             integrators: kinds(node.parameters.variants(INTEGRATOR))
                 .into_iter()
                 .map(Integrator::new)
@@ -509,9 +507,10 @@ fn sweep(kind: &Integrator) -> Vec<Integrator> {
 /// The centroid order too for the integrators without an error of their own, so that the order's shows.
 fn orders(subject: &Subject, integrator: &Integrator, variant: RendererVariant) -> Vec<VisibilityOrder> {
     let exact_integrals = *integrator == Integrator::ANALYTIC;
-    match exact_integrals && subject.needs_order && subject.order_node.is_some() {
+    let needs_order = subject.scene.needs_order();
+    match exact_integrals && needs_order && subject.order_node.is_some() {
         true => vec![VisibilityOrder::Exact, VisibilityOrder::Centroid],
-        false if subject.needs_order && subject.order_node.is_none() => {
+        false if needs_order && subject.order_node.is_none() => {
             vec![RenderConfig::of_file(subject, variant).order]
         }
         false => vec![VisibilityOrder::Exact],
@@ -552,7 +551,7 @@ impl RenderConfig {
     pub fn scene(&self, subject: &Subject) -> Scene {
         let shading = Shading { integrator: self.integrator, overlap: self.overlap, ..subject.scene.shading };
         // Exact is no order where none is needed: the same picture without the work.
-        let order = if subject.needs_order { self.order } else { VisibilityOrder::Exact };
+        let order = if subject.scene.needs_order() { self.order } else { VisibilityOrder::Exact };
         Scene { shading, order, ..subject.scene.clone() }
     }
 
