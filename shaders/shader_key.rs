@@ -8,7 +8,7 @@ use std::hash::{Hash, Hasher};
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_optics::WidgetBlend;
-use voltet_optics::integrators::{Integrator, can_serve};
+use voltet_optics::integrators::{Integrator, IntegratorKind, can_serve};
 use voltet_optics::shading::Shading;
 
 /// Numbers of an edge of a region: a normal and a corner.
@@ -277,11 +277,8 @@ fn choice(widget: &Widget) -> WidgetChoice {
 /// Extension by which a kind of integrators has shader text ([`voltet_optics::integrators::IntegratorKind::extensions`]).
 pub struct WgslExtension(pub &'static dyn WgslIntegrator);
 
-/// Shader text of a kind of integrators. Without one, devices do not draw with it.
-pub trait WgslIntegrator: Send + Sync {
-    /// A name of its own: equal names mean equal text.
-    fn name(&self) -> &'static str;
-
+/// Shader text of a kind of integrators. Without one, devices do not draw with it. Equal names of kinds mean equal text.
+pub trait WgslIntegrator: IntegratorKind {
     /// The pieces that the crate of the integrator adds to those that ship ([`crate::PIECES`]).
     fn pieces(&self) -> &'static [WgslPiece];
 
@@ -338,13 +335,13 @@ pub enum WgslCall {
 
 impl fmt::Debug for dyn WgslIntegrator {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
+        f.write_str(self.schema().name)
     }
 }
 
 impl PartialEq for dyn WgslIntegrator {
     fn eq(&self, other: &dyn WgslIntegrator) -> bool {
-        self.name() == other.name()
+        self.schema().name == other.schema().name
     }
 }
 
@@ -352,7 +349,7 @@ impl Eq for dyn WgslIntegrator {}
 
 impl Hash for dyn WgslIntegrator {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        self.name().hash(state);
+        self.schema().name.hash(state);
     }
 }
 

@@ -184,7 +184,6 @@ fn smooth_subject() -> Subject {
         node: "picture".into(),
         order_node: None,
         scene,
-        needs_order: false,
         integrators: vec![Integrator::ANALYTIC],
         asked: SubjectRequest {
             form: RendererNode::Renderer,

@@ -3,16 +3,14 @@
 
 use crate::device::pipelines::{Binding, Bound, Program, in_order};
 use crate::device::{Device, Timing};
-use crate::engine::{GpuEngine, GpuVolume};
-use crate::frame::inputs::shader_key;
+use crate::engine::GpuEngine;
 use std::any::Any;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
-use voltet_optics::engine::{Engine, PreparedVolume, RenderOptions, Stage};
+use voltet_optics::engine::{Engine, Stage};
 use voltet_optics::integrators::Extent;
-use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Integrator, Shading};
 use voltet_optics::{Contribution, Segment, WidgetBlend};
 use voltet_shaders::segment_list::{CONTRIBUTION, axes, constants, contributions, holds, row};
@@ -24,16 +22,6 @@ use wgpu::BufferUsages;
 /// Device of an engine, if it is this crate's.
 pub fn device_of(engine: &dyn Engine) -> Option<&Arc<Device>> {
     (engine as &dyn Any).downcast_ref().map(|GpuEngine { device, .. }| device)
-}
-
-/// Shader that composites a scene of a volume that this crate's engine prepared. Errors: those of drawing the scene.
-pub fn compositor_shader(
-    volume: &dyn PreparedVolume,
-    scene: &Scene,
-    options: &RenderOptions,
-) -> Result<Option<Shader>> {
-    let Some(GpuVolume { renderer, .. }) = (volume as &dyn Any).downcast_ref() else { return Ok(None) };
-    Ok(Some(compose(&shader_key(renderer, scene, options)?.0)))
 }
 
 /// A measurement's shortest time: a thousand times what submitting and waiting take.

@@ -55,8 +55,8 @@ def rows(text):
     """Look, size, order and times of each row that `voltet time` prints."""
     for line in text.splitlines():
         cells = [cell.strip(" *") for cell in line.split("|")][1:-1]
-        if len(cells) > 13 and re.match(r"\d", cells[4]):
-            yield cells[0], cells[1], cells[3], [*cells[7:11], cells[4], cells[13]]
+        if len(cells) > 12 and re.match(r"\d", cells[4]):
+            yield cells[0], cells[1], cells[3], [*cells[7:11], cells[4], cells[12]]
 
 
 def main():

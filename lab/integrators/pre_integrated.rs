@@ -154,10 +154,6 @@ impl LaneIntegratorKind for PreIntegratedKind {
 }
 
 impl WgslIntegrator for PreIntegratedKind {
-    fn name(&self) -> &'static str {
-        self.schema().name
-    }
-
     fn pieces(&self) -> &'static [WgslPiece] {
         WGSL_PIECES
     }

@@ -62,10 +62,6 @@ impl LaneIntegratorKind for RiemannKind {
 }
 
 impl WgslIntegrator for RiemannKind {
-    fn name(&self) -> &'static str {
-        "riemann"
-    }
-
     fn pieces(&self) -> &'static [WgslPiece] {
         WGSL_PIECES
     }

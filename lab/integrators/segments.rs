@@ -96,10 +96,6 @@ impl LaneIntegratorKind for SegmentsKind {
 }
 
 impl WgslIntegrator for SegmentsKind {
-    fn name(&self) -> &'static str {
-        "segments"
-    }
-
     fn pieces(&self) -> &'static [WgslPiece] {
         WGSL_PIECES
     }

@@ -26,7 +26,7 @@ use crate::square::{Bilinear, LaneSquare};
 use std::any::Any;
 use voltet_core::Result;
 use voltet_core::parameters::VariantSchema;
-use voltet_core::transfer::{Convex, Profile, TransferFunction};
+use voltet_core::transfer::{Convex, MAX_FIELDS, Profile, TransferFunction};
 use voltet_cpu::integrator::{
     FallbackReason, FieldLanes, LaneExtension, LaneIntegratorKind, LaneKernel, LaneScene, LaneWidget,
     RegionPath, SegmentBatch, SegmentLanes, SegmentResults,
@@ -35,6 +35,7 @@ use voltet_optics::clip::ClippedSpan;
 use voltet_optics::integrators::{
     Extent, Integrator, IntegratorKind, Obstacle, SegmentIntegrator, TableDomain, can_serve,
 };
+use voltet_optics::kinds::gaussian::GaussianPath;
 use voltet_optics::special::{HALF_SQRT_PI, gaussian_mean, mean_transmittance, opacity};
 use voltet_optics::{Contribution, Segment, WidgetBlend};
 use voltet_simd::limits::MAX_GAUSSIAN_WIDTHS;
@@ -123,14 +124,6 @@ struct Tabled {
     width: Option<(usize, f64)>,
 }
 
-/// A widget's path in widths: the ends along it, their distance, and its distance from the centre squared.
-#[derive(Debug, Clone, Copy)]
-struct Path {
-    front: f64,
-    back: f64,
-    offset_squared: f64,
-}
-
 impl Tabulated {
     /// Fills the tables. Serves uniform widgets and Gaussians of all kinds; `table_size` ≥ 2 entries a side.
     pub fn new(transfer_function: &TransferFunction, table_size: usize) -> Result<Self> {
@@ -171,8 +164,8 @@ impl Tabulated {
     }
 
     /// ∫ e^(−T) dt over the part of a path where it glows; T counts from its start, through `depth` in all.
-    fn glow(&self, path: Option<Path>, length: f64, depth: f64, rate: f64) -> f64 {
-        let Some(Path { front, back, offset_squared }) = path else {
+    fn glow(&self, path: Option<GaussianPath>, length: f64, depth: f64, rate: f64) -> f64 {
+        let Some(GaussianPath { front, back, offset_squared, .. }) = path else {
             return length * mean_transmittance(depth);
         };
         let room = self.level - offset_squared;
@@ -245,7 +238,7 @@ impl SegmentIntegrator for Tabulated {
 
 impl Tabled {
     /// The widget's path over a stretch; `Some(None)` where its profile is 1, `None` where it is nothing.
-    fn path(&self, segment: &Segment, stretch: &ClippedSpan) -> Option<Option<Path>> {
+    fn path(&self, segment: &Segment, stretch: &ClippedSpan) -> Option<Option<GaussianPath>> {
         if self.columns.is_empty() {
             return Some(None);
         }
@@ -255,33 +248,18 @@ impl Tabled {
         if width <= 0.0 || width.is_nan() {
             return None;
         }
-        let [front, back] = [front, back].map(|value| -> Vec<f64> {
+        let [front, back] = [front, back].map(|value| {
             let part = |((k, column), c): ((&f64, &usize), &f64)| k * (value[*column] - c);
             let row = |row: &Vec<f64>| row.iter().zip(&self.columns).zip(&self.centre).map(part).sum::<f64>();
-            self.matrix.iter().map(|factors| row(factors) / width).collect()
+            let mut q = [0.0; MAX_FIELDS];
+            q.iter_mut().zip(&self.matrix).for_each(|(q, factors)| *q = row(factors) / width);
+            q
         });
-        let at = |cut: fn(&ClippedSpan, f64, f64) -> f64| -> Vec<f64> {
-            front.iter().zip(&back).map(|(f, b)| cut(stretch, *f, *b)).collect()
-        };
-        let path = Path::between(&at(ClippedSpan::at_start), &at(ClippedSpan::at_end));
+        // Kniss et al. 2003, Eq. 11.
+        let mut path = GaussianPath::new(front, back, std::array::from_fn(|i| back[i] - front[i]));
+        let (a, b) = (path.front, path.back);
+        (path.front, path.back) = (stretch.at_start(a, b), stretch.at_end(a, b));
         (path.front + path.back + path.offset_squared).is_finite().then_some(Some(path))
-    }
-}
-
-impl Path {
-    /// Kniss et al. 2003, Eq. 11: A and B along the path, and |v₁'|² − A², here without its cancellation.
-    fn between(front: &[f64], back: &[f64]) -> Path {
-        let dot = |p: &[f64], q: &[f64]| p.iter().zip(q).map(|(x, y)| x * y).sum::<f64>();
-        let along: Vec<f64> = front.iter().zip(back).map(|(f, b)| b - f).collect();
-        let length = dot(&along, &along).sqrt();
-        if length == 0.0 {
-            return Path { front: 0.0, back: 0.0, offset_squared: dot(front, front) };
-        }
-        let unit: Vec<f64> = along.iter().map(|x| x / length).collect();
-        let (a, b) = (dot(front, &unit), dot(back, &unit));
-        let (near, x) = if a.abs() <= b.abs() { (front, a) } else { (back, b) };
-        let offset_squared = near.iter().zip(&unit).map(|(q, e)| (q - x * e).powi(2)).sum();
-        Path { front: a, back: b, offset_squared }
     }
 }
 

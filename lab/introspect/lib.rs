@@ -15,10 +15,9 @@ use voltet_cpu::introspect::{
     IntegratedSegment, composite_chain, engine_on, integrate_segments, lane_sets, lanes_of, transmittance,
 };
 #[cfg(feature = "gpu")]
-use voltet_gpu::introspect::{compositor_shader, device_of};
+use voltet_gpu::introspect::device_of;
 use voltet_judge::{Chain, EvalOutcome, PartialIntegrals, Precision, SegmentEvaluator};
-use voltet_optics::engine::{AdapterRequest, Engine, EngineInfo, PreparedVolume, RenderOptions, RenderStats};
-use voltet_optics::scene::Scene;
+use voltet_optics::engine::{AdapterRequest, Engine, EngineInfo};
 use voltet_optics::shading::{Integrator, Shading};
 use voltet_optics::{Contribution, Segment, WidgetBlend};
 use voltet_simd::LaneSet;
@@ -63,26 +62,6 @@ pub fn multiply_adds_per_second(
     if let Some(device) = device_of(engine) {
         return device.multiply_adds_per_second().map(Some);
     }
-    Ok(None)
-}
-
-/// Lower bound of the floating-point operations of the compositor in a picture with these statistics, where it is known.
-///
-/// # Errors
-///
-/// - Those of drawing the scene.
-pub fn compositor_operations(
-    volume: &dyn PreparedVolume,
-    scene: &Scene,
-    options: &RenderOptions,
-    stats: &RenderStats,
-) -> Result<Option<u64>> {
-    #[cfg(feature = "gpu")]
-    if let (Some(segments), Some(shader)) = (stats.segments, compositor_shader(volume, scene, options)?) {
-        return wgsl::compositor_operations(&shader, segments).map(Some);
-    }
-    #[cfg(not(feature = "gpu"))]
-    let _ = (volume, scene, options, stats);
     Ok(None)
 }
 

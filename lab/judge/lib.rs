@@ -59,14 +59,7 @@ fn judge_case(case: &Case, forms: &dyn SegmentEvaluator, report: &mut Report) ->
     match &case.kind {
         Kind::Segment(segment) => {
             let answer = forms.segment(&segment.transfer_function, &segment.segment(), WidgetBlend::Exact)?;
-            let (found, wider) = match answer {
-                EvalOutcome::Served(found) => (found, None),
-                EvalOutcome::Wider(found, reason) => (found, Some(reason)),
-                EvalOutcome::Skipped(reason) => {
-                    report.skip(case, reason);
-                    return Ok(());
-                }
-            };
+            let Some((found, wider)) = served(answer, case, report) else { return Ok(()) };
             let condition = forms.condition(&segment.transfer_function, &segment.conditions);
             let rules = |quantity| rule(precision, case, segment, condition, quantity);
             enter_contribution(report, case, &found, segment, wider, &rules);
@@ -75,17 +68,11 @@ fn judge_case(case: &Case, forms: &dyn SegmentEvaluator, report: &mut Report) ->
             let mut parts = Vec::with_capacity(segments.len());
             let mut wider = None;
             for segment in segments {
-                match forms.segment(&segment.transfer_function, &segment.segment(), WidgetBlend::Exact)? {
-                    EvalOutcome::Served(found) => parts.push(found),
-                    EvalOutcome::Wider(found, reason) => {
-                        parts.push(found);
-                        wider = Some(reason);
-                    }
-                    EvalOutcome::Skipped(reason) => {
-                        report.skip(case, reason);
-                        return Ok(());
-                    }
-                }
+                let answer =
+                    forms.segment(&segment.transfer_function, &segment.segment(), WidgetBlend::Exact)?;
+                let Some((found, reason)) = served(answer, case, report) else { return Ok(()) };
+                parts.push(found);
+                wider = reason.or(wider);
             }
             let chain = forms.chain(&parts);
             let found = Contribution {
@@ -112,17 +99,10 @@ fn judge_case(case: &Case, forms: &dyn SegmentEvaluator, report: &mut Report) ->
             }
         }
         Kind::Table { a, b, exact } => {
-            let (found, wider) = match forms.partial(*a, *b)? {
-                EvalOutcome::Served(found) => (found, false),
-                EvalOutcome::Wider(found, reason) => {
-                    report.exemption(true, reason);
-                    (found, true)
-                }
-                EvalOutcome::Skipped(reason) => {
-                    report.skip(case, reason);
-                    return Ok(());
-                }
-            };
+            let Some((found, wider)) = served(forms.partial(*a, *b)?, case, report) else { return Ok(()) };
+            if let Some(reason) = wider {
+                report.exemption(true, reason);
+            }
             let values = [
                 ("psi", found.psi, exact.psi),
                 ("F", found.front, exact.front),
@@ -131,11 +111,23 @@ fn judge_case(case: &Case, forms: &dyn SegmentEvaluator, report: &mut Report) ->
             ];
             for (quantity, value, exact) in values {
                 let rule = bounds::table_rule(precision, quantity, a + b);
-                report.enter(case, quantity, [value, exact], rule, wider);
+                report.enter(case, quantity, [value, exact], rule, wider.is_some());
             }
         }
     }
     Ok(())
+}
+
+/// Value of an answer, with the reason for a wider precision; `None`, entered as skipped, where the forms do not serve the case.
+fn served<T>(answer: EvalOutcome<T>, case: &Case, report: &mut Report) -> Option<(T, Option<&'static str>)> {
+    match answer {
+        EvalOutcome::Served(found) => Some((found, None)),
+        EvalOutcome::Wider(found, reason) => Some((found, Some(reason))),
+        EvalOutcome::Skipped(reason) => {
+            report.skip(case, reason);
+            None
+        }
+    }
 }
 
 fn enter_contribution(

@@ -110,32 +110,21 @@ struct Sums {
 }
 
 impl Integrand {
-    /// Errors: a widget without its region or fields, an optical model's number out of range.
+    /// Errors: those of [`TransferFunction::check`].
     pub fn new(transfer_function: &TransferFunction, overlap: WidgetBlend, tolerance: f64) -> Result<Self> {
-        let unit_distance = transfer_function.unit_distance;
-        if !(unit_distance > 0.0 && unit_distance.is_finite()) {
-            return Err(Error::usage("unit_distance is out of range")
-                .got(unit_distance)
-                .expected("world units above 0"));
-        }
-        if let OpticalModel::ConstantEmitter { cutoff } = transfer_function.model
-            && !(0.0..1.0).contains(&cutoff)
-        {
-            return Err(Error::usage("cutoff is out of range").got(cutoff).expected("0 or more, below 1"));
-        }
+        transfer_function.check()?;
+        let &TransferFunction { model, unit_distance, ref widgets } = transfer_function;
         let fields = transfer_function.fields();
-        let of = |widgets: &[Widget]| -> Result<Integrand> {
-            let terms = widgets.iter().map(|w| Term::new(w, unit_distance, &fields));
-            let (terms, model) = (terms.collect::<Result<Vec<_>>>()?, transfer_function.model);
-            let densest = terms.iter().map(|term: &Term| term.densest).sum();
-            Ok(Integrand { terms, model, unit_distance, tolerance, densest, alone: Vec::new() })
+        let of = |widgets: &[Widget]| {
+            let terms: Vec<Term> = widgets.iter().map(|w| Term::new(w, unit_distance, &fields)).collect();
+            let densest = terms.iter().map(|term| term.densest).sum();
+            Integrand { terms, model, unit_distance, tolerance, densest, alone: Vec::new() }
         };
-        let all = of(&transfer_function.widgets)?;
         let alone = match overlap {
-            WidgetBlend::Mix => transfer_function.widgets.chunks(1).map(of).collect::<Result<_>>()?,
+            WidgetBlend::Mix => widgets.chunks(1).map(of).collect(),
             WidgetBlend::Exact => Vec::new(),
         };
-        Ok(Integrand { alone, ..all })
+        Ok(Integrand { alone, ..of(widgets) })
     }
 
     /// The pair (C, A) and T of a segment of the given length, world units; `front` and `back` are

@@ -9,7 +9,6 @@ use crate::linear_on_segment::{Cuts, LinearOnSegment, Place, Wide, quadratic_cro
 use std::f64::consts::PI;
 use std::sync::Arc;
 use voltet_core::transfer::{ControlPoint, Profile, Region, Table, Wave, Widget};
-use voltet_core::{Error, Result};
 
 /// The half plane normal · (v − origin) ≥ 0; its boundary belongs to it.
 pub(crate) struct Side {
@@ -36,17 +35,10 @@ fn sides_of_rectangle(limits: [[f64; 2]; 2]) -> Vec<Side> {
 }
 
 /// The half planes of a region. Rectangles may have infinite limits, which give none.
-pub(crate) fn sides_of(region: &Region) -> Result<Vec<Side>> {
+fn sides_of(region: &Region) -> Vec<Side> {
     let corners = &region.corners;
-    let refuse = |what: &str| Err(Error::usage(what.to_owned()).got(format!("{corners:?}")));
-    if corners.len() < 3 || corners.iter().flatten().any(|c| c.is_nan()) {
-        return refuse("a region has fewer than three corners, or one that is not a number");
-    }
     if let Some(limits) = rectangle(corners) {
-        return Ok(sides_of_rectangle(limits));
-    }
-    if !corners.iter().flatten().all(|c| c.is_finite()) {
-        return refuse("a region that is not a rectangle has an infinite corner");
+        return sides_of_rectangle(limits);
     }
     let twice_area: f64 = (1..corners.len() - 1)
         .map(|k| {
@@ -55,9 +47,6 @@ pub(crate) fn sides_of(region: &Region) -> Result<Vec<Side>> {
             a[0] * b[1] - a[1] * b[0]
         })
         .sum();
-    if twice_area == 0.0 {
-        return refuse("a region has no area");
-    }
     let edge = |k: usize| {
         // Counted from the same corner in every region that has this edge, so that all pass it at one place.
         let ends = [corners[k], corners[(k + 1) % corners.len()]];
@@ -67,7 +56,7 @@ pub(crate) fn sides_of(region: &Region) -> Result<Vec<Side>> {
         let normal = [Wide::difference(a[1], b[1]) * sign, Wide::difference(b[0], a[0]) * sign];
         (a != b).then_some(Side { origin: a, normal })
     };
-    Ok((0..corners.len()).filter_map(edge).collect())
+    (0..corners.len()).filter_map(edge).collect()
 }
 
 /// [[s_low, s_high], [g_low, g_high]] when the corners are those of a rectangle along the axes.
@@ -153,19 +142,15 @@ impl Bands {
 }
 
 impl Term {
-    /// `fields` are the names of the point quantities that follow s and g in a value.
-    pub(crate) fn new(widget: &Widget, unit_distance: f64, fields: &[&str]) -> Result<Self> {
-        let properties = widget.profile.properties();
-        let mut sides = match &widget.region {
-            Some(region) => sides_of(region)?,
-            None if properties.needs_region => {
-                return Err(Error::usage(format!("a {} widget has no region", properties.name)));
-            }
-            None => Vec::new(),
+    /// A widget that was checked. `fields`: names of the point quantities that follow s and g in a value.
+    pub(crate) fn new(widget: &Widget, unit_distance: f64, fields: &[&str]) -> Self {
+        let column = |name: &String| {
+            2 + fields.iter().position(|field| field == name).expect("the fields are those of all widgets")
         };
-        if let Some(range) = &properties.range {
-            sides.extend(sides_of(range)?);
-        }
+        let columns = |own: &[String]| own.iter().map(column).collect();
+        let properties = widget.profile.properties();
+        let regions = widget.region.iter().chain(&properties.range);
+        let sides = regions.flat_map(sides_of).collect();
         let mut extinction = widget.extinction;
         let shape = match &widget.profile {
             Profile::Uniform => ReadyProfile::Uniform,
@@ -174,44 +159,40 @@ impl Term {
                 centre: centre.to_vec(),
                 matrix: matrix.iter().map(|row| row.to_vec()).collect(),
             },
-            Profile::GaussianNd { fields: own, centre, matrix } => {
-                let columns = columns(own, centre, matrix, fields)?;
-                ReadyProfile::Gaussian { columns, centre: centre.clone(), matrix: matrix.clone() }
-            }
+            Profile::GaussianNd { fields, centre, matrix } => ReadyProfile::Gaussian {
+                columns: columns(fields),
+                centre: centre.clone(),
+                matrix: matrix.clone(),
+            },
             Profile::TriangularGaussian { centre, sigma } => ReadyProfile::Triangular {
                 columns: vec![0],
                 centre: vec![*centre],
                 matrix: vec![vec![1.0]],
                 width: (1, *sigma),
             },
-            Profile::TriangularGaussianNd { fields: own, magnitude, centre, matrix } => {
-                ReadyProfile::Triangular {
-                    columns: columns(own, centre, matrix, fields)?,
-                    centre: centre.clone(),
-                    matrix: matrix.clone(),
-                    width: (column(magnitude, fields)?, 1.0),
-                }
-            }
+            Profile::TriangularGaussianNd { fields, magnitude, centre, matrix } => ReadyProfile::Triangular {
+                columns: columns(fields),
+                centre: centre.clone(),
+                matrix: matrix.clone(),
+                width: (column(magnitude), 1.0),
+            },
             Profile::TriangleWave(wave) => ReadyProfile::Bands(Bands::new(wave, false)),
             Profile::SineWave(wave) => ReadyProfile::Bands(Bands::new(wave, true)),
             Profile::PiecewiseLinear { points } => {
-                if points.is_empty() {
-                    return Err(Error::usage("a piecewise-linear widget has no control points"));
-                }
                 extinction = 1.0;
                 let peak = points.iter().map(|p| p.extinction).fold(0.0, f64::max);
                 ReadyProfile::Linear { points: points.clone(), peak }
             }
             Profile::Table(table) => ReadyProfile::Table(Texels::new(table.clone())),
         };
-        Ok(Term {
+        Term {
             shape,
             peak: extinction / unit_distance,
             densest: widget.peak() / unit_distance,
             color: widget.color,
             brightest: widget.max_emission(),
             sides,
-        })
+        }
     }
 
     /// Between which places the path is inside the region; `None` where it is nowhere, and for a widget that is
@@ -271,22 +252,6 @@ impl Term {
             }
         }
     }
-}
-
-fn column(name: &str, fields: &[&str]) -> Result<usize> {
-    fields.iter().position(|f| *f == name).map(|k| k + 2).ok_or_else(|| {
-        Error::usage("a widget names a field that is not at hand").got(name).expected(fields.join(", "))
-    })
-}
-
-/// The columns of a widget's fields, of which its numbers must be as many.
-fn columns(own: &[String], centre: &[f64], matrix: &[Vec<f64>], fields: &[&str]) -> Result<Vec<usize>> {
-    let n = own.len();
-    if centre.len() != n || matrix.len() != n || matrix.iter().any(|row| row.len() != n) {
-        return Err(Error::usage("a widget's centre or matrix has not its fields' number")
-            .expected(format!("{n} numbers and {n} × {n} numbers")));
-    }
-    own.iter().map(|name| column(name, fields)).collect()
 }
 
 pub(crate) struct Texels {

@@ -2,7 +2,7 @@
 //! terminal, CSV, JSON and a drawing.
 
 use crate::columns::{aligned, csv_cell};
-use crate::work_precision::canvas::{Anchor, Axis, Canvas, Color, Size, hex};
+use crate::work_precision::canvas::{Anchor, Axis, BLACK, Canvas, Color, hex};
 use crate::work_precision::{Numbers, Subject};
 use serde_json::{Value, json as object};
 use std::fmt::Write;
@@ -14,12 +14,11 @@ use voltet_core::{Error, Result, agreeing, counted};
 use voltet_cpu::cull;
 use voltet_graph::{Graph, Observer, Session};
 use voltet_io::encode::srgb_from_linear;
-use voltet_optics::Segment;
-use voltet_optics::compositing::Composite;
 use voltet_optics::integrators::{Integrator, SegmentIntegrator};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::Shading;
-use voltet_optics::trace::{CellCrossing, Ray, TracedRay, Tracer, Walk};
+use voltet_optics::trace::{CellCrossing, Ray, SegmentIntegral, Tracer, Walk};
+use voltet_optics::{Contribution, Segment};
 use voltet_reference::{REFERENCE, tracer, widget_depths};
 
 #[derive(Debug, Clone)]
@@ -80,11 +79,6 @@ impl Pixel {
     }
 }
 
-fn mean(rays: impl ExactSizeIterator<Item = [f64; 4]>) -> [f64; 4] {
-    let count = rays.len() as f64;
-    rays.fold([0.0; 4], |sum, ray| std::array::from_fn(|c| sum[c] + ray[c] / count))
-}
-
 /// The node that draws, traced.
 ///
 /// `node`: which one, where the pipeline has several; `sample`: which ray of the pixel. Errors: a place outside the picture, no
@@ -107,9 +101,7 @@ pub fn pixel(
     }
     let tracer = tracer(&subject.scene)?;
     let rays = tracer.rays(place);
-    let seen = rays.iter().map(|ray| tracer.trace(ray)).collect::<Result<Vec<TracedRay>>>()?;
-    let of = |seen: &TracedRay| [seen.color[0], seen.color[1], seen.color[2], seen.opacity];
-    let referee = mean(seen.iter().map(of));
+    let referee = tracer.pixel(&rays)?;
     let ray = &rays[sample as usize];
     let walk = tracer.walk(ray)?;
     let depths = widget_depths(transfer_function, &walk.steps)?;
@@ -130,7 +122,7 @@ pub fn pixel(
         cells: source_cells(&volume.grid, &walk.steps),
         widgets: transfer_function.widgets.iter().map(|widget| widget.profile.name()).collect(),
         names: names.into_iter().chain(fields.iter().map(|name| name.to_string())).collect(),
-        integrators: all_integrators(&subject.scene, &subject.integrators, &tracer, &rays, progress)?,
+        integrators: all_integrators(&subject.scene, &subject.integrators, &rays, progress)?,
         background: subject.background,
         node: subject.node.clone(),
         walk,
@@ -212,19 +204,10 @@ const CUBE_SIDE: usize = 64;
 fn all_integrators(
     scene: &Scene,
     integrators: &[Integrator],
-    tracer: &Tracer,
     rays: &[Ray],
     progress: &dyn Progress,
 ) -> Result<Vec<IntegratorPixel>> {
     let own = scene.shading.integrator;
-    let traced = |ray: &Ray| -> Vec<Traced> {
-        let of = |crossing| {
-            let (length, ends) = tracer.segment(ray, crossing);
-            (length, ends, tracer.surface(ray, crossing))
-        };
-        tracer.crossings(ray).iter().map(of).collect()
-    };
-    let segments: Vec<Vec<Traced>> = rays.iter().map(traced).collect();
     // The cells that the native engine draws decide what an integrator's tables hold.
     let cells = cull(&scene.volume, &scene.transfer_function, &scene.camera, progress)?;
     let mut all = Vec::new();
@@ -239,7 +222,7 @@ fn all_integrators(
         };
         let shading = Shading { integrator, ..scene.shading };
         let ready = voltet_cpu::integrator(&cells, &scene.transfer_function, &shading);
-        let rgba = ready.and_then(|ready| composite_rays(ready.as_ref(), &segments));
+        let rgba = ready.and_then(|ready| Tracer::new(scene, Box::new(Integrated(ready)))?.pixel(rays));
         // The reason, without alternatives.
         let rgba = rgba.map_err(|error| error.got.unwrap_or(error.what));
         let numbers = Numbers::of(&integrator).labels().join(", ");
@@ -248,29 +231,20 @@ fn all_integrators(
     Ok(all)
 }
 
-/// Length and ends of a segment, and the factors of its opacity and colour.
-type Traced = (f64, [Vec<f64>; 2], [f64; 2]);
+/// An integrator as rays ask for it.
+struct Integrated(Box<dyn SegmentIntegrator>);
 
-fn composite_rays(integrator: &dyn SegmentIntegrator, rays: &[Vec<Traced>]) -> Result<[f64; 4]> {
-    let of = |ray: &Vec<Traced>| {
-        let mut sum = Composite::default();
-        for (length, [front, back], [silhouette, light]) in ray {
-            let part = integrator.integrate(&Segment {
-                length: *length,
-                front: [front[0], front[1]],
-                back: [back[0], back[1]],
-                fields_front: &front[2..],
-                fields_back: &back[2..],
-            });
-            sum.add(part.color.map(|c| c * silhouette * light), part.opacity * silhouette);
-        }
-        let [r, g, b] = sum.color;
-        [r, g, b, sum.opacity()]
-    };
-    let pixel = mean(rays.iter().map(of));
-    match integrator.failure() {
-        Some(error) => Err(error.clone()),
-        None => Ok(pixel),
+impl SegmentIntegral for Integrated {
+    fn integrate(&self, length: f64, front: &[f64], back: &[f64]) -> Result<Contribution> {
+        let Integrated(integrator) = self;
+        let part = integrator.integrate(&Segment {
+            length,
+            front: [front[0], front[1]],
+            back: [back[0], back[1]],
+            fields_front: &front[2..],
+            fields_back: &back[2..],
+        });
+        integrator.failure().map_or(Ok(part), |error| Err(error.clone()))
     }
 }
 
@@ -559,7 +533,6 @@ const SIZE: [f64; 2] = [900.0, 640.0];
 const ACROSS: [f64; 2] = [80.0, 880.0];
 /// Top and bottom of the panels of s, of g and of contributions.
 const PANELS: [[f64; 2]; 3] = [[50.0, 210.0], [240.0, 400.0], [430.0, 590.0]];
-const INK: Color = [40, 40, 40];
 const PALE: Color = [205, 205, 205];
 const BLUE: Color = [31, 119, 180];
 const GREEN: Color = [44, 120, 44];
@@ -570,11 +543,11 @@ pub fn plot(pixel: &Pixel) -> Canvas {
     let [x, y] = pixel.place;
     let title = format!("{}: pixel X {x}, Y {y}", pixel.node);
     let mut canvas = Canvas::new(SIZE, &title);
-    canvas.text([ACROSS[0], 24.0], &title, Size::Large, Anchor::Start, INK);
+    canvas.heading([ACROSS[0], 24.0], &title);
     let steps = &pixel.walk.steps;
     let (Some(first), Some(last)) = (steps.first(), steps.last()) else {
         let why = pixel.nothing.clone().unwrap_or_else(|| "the ray meets no cell".into());
-        canvas.text([ACROSS[0], 60.0], &why, Size::Small, Anchor::Start, INK);
+        canvas.text([ACROSS[0], 60.0], &why, Anchor::Start);
         return canvas;
     };
     let along = Axis::linear([first.distance[0], last.distance[1]], ACROSS);
@@ -592,10 +565,10 @@ pub fn plot(pixel: &Pixel) -> Canvas {
     for k in 0..=4 {
         let distance = along.low + (along.high - along.low) * f64::from(k) / 4.0;
         let at = [along.place(distance), PANELS[2][1] + 14.0];
-        canvas.text(at, &number(distance), Size::Small, Anchor::Middle, INK);
+        canvas.text(at, &number(distance), Anchor::Middle);
     }
     let middle = 0.5 * (ACROSS[0] + ACROSS[1]);
-    canvas.text([middle, SIZE[1] - 18.0], "distance from the eye", Size::Small, Anchor::Middle, INK);
+    canvas.text([middle, SIZE[1] - 18.0], "distance from the eye", Anchor::Middle);
     canvas
 }
 
@@ -609,11 +582,11 @@ fn axis_over(values: impl Iterator<Item = f64>, [top, bottom]: [f64; 2]) -> Axis
 
 fn frame(canvas: &mut Canvas, [top, bottom]: [f64; 2], name: &str, axis: &Axis) {
     let [left, right] = ACROSS;
-    canvas.ring(vec![[left, top], [right, top], [right, bottom], [left, bottom]], 1.0, PALE);
+    canvas.rectangle([left, top, right, bottom], None, PALE, "");
     for value in [axis.low, axis.high] {
-        canvas.text([left - 6.0, axis.place(value)], &number(value), Size::Small, Anchor::End, INK);
+        canvas.text([left - 6.0, axis.place(value)], &number(value), Anchor::End);
     }
-    canvas.text([left - 6.0, 0.5 * (top + bottom)], name, Size::Small, Anchor::End, INK);
+    canvas.text([left - 6.0, 0.5 * (top + bottom)], name, Anchor::End);
 }
 
 fn contributions(canvas: &mut Canvas, steps: &[CellCrossing], along: &Axis) {
@@ -625,9 +598,9 @@ fn contributions(canvas: &mut Canvas, steps: &[CellCrossing], along: &Axis) {
     for step in steps.iter().filter(|step| rate(step) > 0.0) {
         let ([left, right], height) = (step.distance.map(|d| along.place(d)), axis.place(rate(step)));
         let fill = srgb(step.part.color.map(|c| c / step.part.opacity));
-        let corners = vec![[left, bottom], [left, height], [right, height], [right, bottom]];
         let adds = number(step.contribution()[3]);
-        canvas.shape(corners, fill, fill, format!("tetrahedron {}: adds {adds} to the opacity", step.cell));
+        let hint = format!("tetrahedron {}: adds {adds} to the opacity", step.cell);
+        canvas.rectangle([left, height, right, bottom], Some(fill), fill, &hint);
     }
     frame(canvas, PANELS[2], "adds/length", &axis);
     let light = Axis::linear([0.0, 1.0], [bottom, top]);
@@ -637,10 +610,10 @@ fn contributions(canvas: &mut Canvas, steps: &[CellCrossing], along: &Axis) {
         let behind = last.transmittance * (1.0 - last.part.opacity);
         points.push([along.place(last.distance[1]), light.place(behind)]);
     }
-    canvas.line(&points, 1.2, INK, &[5.0, 4.0]);
+    canvas.line(&points, 1.2, BLACK, &[5.0, 4.0]);
     let [_, right] = ACROSS;
     let dashed = "dashed: light that reaches the eye, 0 to 1";
-    canvas.text([right, top - 10.0], dashed, Size::Small, Anchor::End, INK);
+    canvas.text([right, top - 10.0], dashed, Anchor::End);
 }
 
 #[cfg(test)]

@@ -73,15 +73,14 @@ pub enum Command {
     /// Draw a pipeline's scene with every integrator and setting on every engine, and say what each costs and how wrong it is.
     ///
     /// Each picture is compared with a 64-bit reference, which is drawn once and kept. Writes an HTML page that holds
-    /// everything, the figures as CSV and JSON, a plot of error against time as SVG and PNG, and difference pictures.
+    /// everything, the figures as CSV and JSON, a plot of error against time as SVG, and difference pictures.
     /// Ctrl-C ends the study and keeps what is done; a stopped reference picture goes on where it was.
     Study(Study),
     /// Draw pipelines' scenes again and again with a camera that turns, and print how long a frame takes on each engine.
     ///
     /// The integrator, light and overlaps are those of the file; where the scene needs an order, the exact and the centroid
-    /// order are measured. Nothing is written but the table (Markdown) on the standard output. Of a device that times its
-    /// passes the table has the compositor's floating-point rate too (counted in the shader's text, each loop once), and
-    /// above it stands the rate of multiply-adds that the device reaches at most, measured.
+    /// order are measured. Nothing is written but the table (Markdown) on the standard output. Above the rows of a
+    /// device stands the rate of multiply-adds that it reaches at most, measured.
     Time(Time),
     /// Make the tables and figures of the papers anew that the program follows: what is printed beside what is found here.
     ///
@@ -340,7 +339,7 @@ pub struct Pixel {
     /// Write everything to this file, as JSON.
     #[arg(long, value_name = "FILE.json")]
     pub json: Option<PathBuf>,
-    /// Plot s and g along the ray, and what each cell adds; .svg or .png.
+    /// Plot s and g along the ray, and what each cell adds, as SVG.
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
 }
@@ -557,7 +556,7 @@ pub struct GradientTest {
     /// Write everything to this file, as JSON.
     #[arg(long, value_name = "FILE.json")]
     pub json: Option<PathBuf>,
-    /// Plot the error against fineness; .svg or .png.
+    /// Plot the error against fineness, as SVG.
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
     /// Print nothing but errors.

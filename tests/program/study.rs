@@ -67,9 +67,7 @@ fn a_study_writes_its_files_and_says_what_is_worth_taking() {
     let width = csv.lines().next().unwrap().split(',').count();
     assert_eq!(csv.lines().count(), rows.len() + 1);
     assert!(csv.lines().all(|line| line.split(',').count() == width), "{csv}");
-    for name in
-        ["plot.png", "reference.png", "differences/analytic.png", "differences/riemann_16_samples.png"]
-    {
+    for name in ["reference.png", "differences/analytic.png", "differences/riemann_16_samples.png"] {
         assert!(image::open(folder.join("scene.study").join(name)).is_ok(), "{name}");
     }
     let svg = std::fs::read_to_string(folder.join("scene.study/plot.svg")).unwrap();

@@ -14,13 +14,13 @@ use crate::track::{POINTS, Track, mean_transmittance_along};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GaussianPath {
     /// a, ≤ b.
-    front: f64,
+    pub front: f64,
     /// b.
-    back: f64,
+    pub back: f64,
     /// d.
     length: f64,
     /// h².
-    offset_squared: f64,
+    pub offset_squared: f64,
 }
 
 impl GaussianPath {

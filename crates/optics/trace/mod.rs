@@ -398,6 +398,16 @@ impl<'a> Tracer<'a> {
         self.composite(ray, &self.crossings(ray), |_, _, _| {})
     }
 
+    /// C and A of a pixel: the mean of its rays.
+    pub fn pixel(&self, rays: &[Ray]) -> Result<[f64; 4]> {
+        let mut sum = [0.0; 4];
+        for ray in rays {
+            let TracedRay { color: [r, g, b], opacity, .. } = self.trace(ray)?;
+            sum.iter_mut().zip([r, g, b, opacity]).for_each(|(sum, channel)| *sum += channel);
+        }
+        Ok(sum.map(|channel| channel / rays.len() as f64))
+    }
+
     /// Origin and unit direction of a ray (world units).
     pub fn world(&self, ray: &Ray) -> [[f64; 3]; 2] {
         let Frame { right, up, forward, .. } = self.frame;

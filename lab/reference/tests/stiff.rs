@@ -213,4 +213,8 @@ fn what_it_cannot_integrate_is_said() {
     assert!(refusal(1.0, 0.0, wave(1e-7, 0.0)).contains("more bands"));
     assert!(refusal(1.0, 0.0, wave(1e-3, 1e13)).contains("too far from its origin"));
     assert!(refusal(1.0, f64::NAN, gaussian(1.0)).contains("no number"));
+    let notched = Region { corners: vec![[-2.0, 0.0], [2.0, 0.0], [0.0, 0.1], [-2.0, 1.0]] };
+    assert!(
+        refusal(1.0, 0.0, Widget { region: Some(notched), ..of(Profile::Uniform) }).contains("not convex")
+    );
 }

@@ -2,9 +2,8 @@
 //! cube, from even to stretched, each at any fineness.
 
 use glam::{DMat3, DVec3};
-use voltet_core::SharedSlice;
 use voltet_core::grid::Grid;
-use voltet_core::grid::generate::box_of_tetrahedra;
+use voltet_core::grid::generate::{box_of_tetrahedra, sample};
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Field {
@@ -117,11 +116,7 @@ impl Mesh {
                 }
             }
         };
-        let grid = Grid {
-            points: SharedSlice::from(grid.points.iter().map(|&p| place(p)).collect::<Vec<_>>()),
-            ..grid
-        };
-        Meshed { grid, at_boundary }
+        Meshed { grid: Grid { points: sample(&grid, place).into(), ..grid }, at_boundary }
     }
 }
 

@@ -201,10 +201,8 @@ impl<'a> Subject<'a> {
         let Some(usual) = usual else { return Ok(()) };
         let [_, scale] = sizes(usual.iter().map(|v| v.length()));
         let [_, reach] = sizes(FAR.to_array().into_iter());
-        let moved = |place: &dyn Fn(DVec3) -> DVec3| Grid {
-            points: SharedSlice::from(grid.points.iter().map(|&p| place(p)).collect::<Vec<_>>()),
-            ..grid.clone()
-        };
+        let moved =
+            |place: &dyn Fn(DVec3) -> DVec3| Grid { points: sample(&grid, place).into(), ..grid.clone() };
         let with = |change: &dyn Fn(f64) -> f64| scalar.iter().map(|&s| change(s)).collect::<Vec<f64>>();
         let (turn, spacing) = (out_of_axes(), 1.0 / COUNT as f64);
         let numbering = Numbering::new(&grid);

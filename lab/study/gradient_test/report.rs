@@ -3,9 +3,7 @@
 
 use crate::columns::aligned;
 use crate::gradient_test::manufactured::Mesh;
-use crate::work_precision::canvas::{
-    Anchor, Axis, BLACK, Canvas, Color, Size, Symbol, WHITE, escaped, shown,
-};
+use crate::work_precision::canvas::{Anchor, Axis, Canvas, STYLES, WHITE, escaped, shown};
 use crate::work_precision::output::{figure, head, line_to as line};
 use serde::Serialize;
 use voltet_core::field::Method;
@@ -334,16 +332,13 @@ fn invariance(found: &FilterReport) -> Requirement {
 
 /// Everything, filters side by side.
 pub fn text(test: &GradientTest) -> String {
-    let mut text = String::new();
-    for Table { title, heads, rows, note } in tables(test) {
-        // The first column at least is a name; further ones stand before the filters.
-        let is_name = |k: usize| k == 0 || matches!(heads[k].as_str(), "field" | "where");
-        line(&mut text, &format!("\n{title}"));
-        let rows = [std::slice::from_ref(&heads), &rows].concat();
-        aligned(&rows, is_name).lines().for_each(|row| line(&mut text, &format!("  {row}")));
-        line(&mut text, &format!("  {note}"));
+    let mut text = tables(test).concat();
+    for filter in &test.filters {
+        for Fault { at, what, failed } in &filter.faults {
+            let did = if *failed { "failed" } else { "fell back" };
+            line(&mut text, &format!("{} {did}, {at}: {what}", filter.name));
+        }
     }
-    faults(test).for_each(|fault| line(&mut text, &fault));
     let name = test.filters.first().map_or("", |filter| filter.name.as_str());
     if !test.requirements.is_empty() {
         line(&mut text, &format!("\nWhat {name} is held to"));
@@ -355,23 +350,6 @@ pub fn text(test: &GradientTest) -> String {
     text.trim_start().to_string()
 }
 
-/// Failures and fall-backs of all filters, a sentence each.
-fn faults(test: &GradientTest) -> impl Iterator<Item = String> {
-    let each = test.filters.iter().flat_map(|filter| filter.faults.iter().map(move |fault| (filter, fault)));
-    each.map(|(filter, fault)| {
-        let did = if fault.failed { "failed" } else { "fell back" };
-        format!("{} {did}, {}: {}", filter.name, fault.at, fault.what)
-    })
-}
-
-/// A table: its rows begin with what they are of.
-struct Table {
-    title: String,
-    heads: Vec<String>,
-    rows: Vec<Vec<String>>,
-    note: String,
-}
-
 /// A row of one filter: what it is of, and its cell.
 type Cell = (Vec<String>, String);
 
@@ -379,14 +357,14 @@ fn cell<const N: usize>(names: [&str; N], value: String) -> Cell {
     (names.map(str::to_string).to_vec(), value)
 }
 
-/// A table with one column a filter: rows by what they are of, that of any filter that has it.
+/// A table with columns of names and one a filter: rows by what they are of, that of any filter that has it.
 fn table(
     test: &GradientTest,
     title: String,
     heads: &[&str],
     cells: impl Fn(&FilterReport) -> Vec<Cell>,
     note: &str,
-) -> Table {
+) -> String {
     let each: Vec<Vec<Cell>> = test.filters.iter().map(cells).collect();
     let mut keys: Vec<&Vec<String>> = Vec::new();
     for (key, _) in each.iter().flatten() {
@@ -397,15 +375,18 @@ fn table(
     let value = |cells: &Vec<Cell>, key: &Vec<String>| {
         cells.iter().find(|(other, _)| other == key).map_or("failed".into(), |(_, value)| value.clone())
     };
-    let row = |key: &&Vec<String>| {
-        key.iter().cloned().chain(each.iter().map(|cells| value(cells, key))).collect::<Vec<_>>()
-    };
     let names = test.filters.iter().map(|filter| filter.name.clone());
-    let heads = heads.iter().map(|head| head.to_string()).chain(names).collect();
-    Table { title, heads, rows: keys.iter().map(row).collect(), note: note.into() }
+    let mut rows = vec![heads.iter().map(|head| head.to_string()).chain(names).collect::<Vec<_>>()];
+    rows.extend(keys.iter().map(|&key| {
+        key.iter().cloned().chain(each.iter().map(|cells| value(cells, key))).collect::<Vec<_>>()
+    }));
+    // The first column at least is a name; further ones stand before the filters.
+    let table = aligned(&rows, |k| k == 0 || matches!(rows[0][k].as_str(), "field" | "where"));
+    let lines: String = table.lines().map(|row| format!("  {row}\n")).collect();
+    format!("\n{title}\n{lines}  {note}\n")
 }
 
-fn tables(test: &GradientTest) -> Vec<Table> {
+fn tables(test: &GradientTest) -> Vec<String> {
     let order = |order: Option<f64>, error: Option<&f64>| {
         let order = order.map_or("–".into(), |order| format!("{order:.2}"));
         format!("{order} ({:.1e})", error.copied().unwrap_or(f64::NAN))
@@ -533,7 +514,7 @@ fn tables(test: &GradientTest) -> Vec<Table> {
     ]
 }
 
-/// The page. `plot`: the SVG document.
+/// The page: the plot, an SVG document, the tables as text, and the pictures.
 pub fn page(test: &GradientTest, plot: &str) -> String {
     let names: Vec<String> = test.filters.iter().map(|filter| escaped(&filter.name)).collect();
     let title =
@@ -550,41 +531,14 @@ pub fn page(test: &GradientTest, plot: &str) -> String {
         names.get(1..).filter(|rest| !rest.is_empty()).map_or("no other".into(), |rest| rest.join(", "));
     let version = env!("CARGO_PKG_VERSION");
     line(&mut html, &format!("<p>Beside {beside}. Every error is against a formula; voltet {version}.</p>"));
-    if !test.requirements.is_empty() {
-        line(&mut html, "<h2>What it is held to</h2>\n<ul>");
-        for requirement in &test.requirements {
-            let (class, mark) =
-                if requirement.holds { ("", "held") } else { (" class=\"broken\"", "BROKEN") };
-            let (what, found) = (escaped(&requirement.what), escaped(&requirement.found));
-            line(&mut html, &format!("<li{class}>{mark}: {what}; found {found}</li>"));
-        }
-        line(&mut html, "</ul>");
-    }
     line(&mut html, &format!("<h2>Error against fineness</h2>\n{plot}"));
-    for table in tables(test) {
-        let first_figure = table.heads.len() - test.filters.len();
-        let class = |k: usize| if k < first_figure { " class=\"name\"" } else { "" };
-        let cells = |tag: &str, row: &[String]| -> String {
-            let cell = |(k, cell): (usize, &String)| format!("<{tag}{}>{}</{tag}>", class(k), escaped(cell));
-            row.iter().enumerate().map(cell).collect()
-        };
-        line(&mut html, &format!("<h2>{}</h2>\n<div class=\"wide\"><table>", escaped(&table.title)));
-        line(&mut html, &format!("<thead><tr>{}</tr></thead>\n<tbody>", cells("th", &table.heads)));
-        for row in &table.rows {
-            line(&mut html, &format!("<tr>{}</tr>", cells("td", row)));
-        }
-        line(&mut html, &format!("</tbody></table></div>\n<p class=\"note\">{}</p>", escaped(&table.note)));
-    }
+    line(&mut html, &format!("<h2>Tables</h2>\n<pre>{}</pre>", escaped(&text(test))));
     figure(&mut html, &test.exact_png, "the exact gradient");
     for filter in &test.filters {
         if let Some(picture) = &filter.picture {
             let caption = format!("{}: largest error {:.1e}", filter.name, picture.maximum);
             figure(&mut html, &picture.png, &caption);
         }
-    }
-    let faults: Vec<String> = faults(test).map(|fault| format!("<li>{}</li>\n", escaped(&fault))).collect();
-    if !faults.is_empty() {
-        line(&mut html, &format!("<h2>Failures and fall-backs</h2>\n<ul>\n{}</ul>", faults.concat()));
     }
     html + "</body>\n</html>\n"
 }
@@ -594,23 +548,12 @@ const SIZE: [f64; 2] = [960.0, 760.0];
 const ACROSS: [[f64; 2]; 2] = [[80.0, 460.0], [560.0, 940.0]];
 const DOWN: [[f64; 2]; 2] = [[70.0, 310.0], [390.0, 630.0]];
 
-/// Styles of the filters' points (colours of Okabe and Ito 2008, symbols and dashes for those who see none); again from the
-/// first where there are more filters.
-const STYLES: [(Symbol, Color, &[f64]); 6] = [
-    (Symbol::Circle, [0, 0, 0], &[]),
-    (Symbol::Square, [0, 114, 178], &[7.0, 3.0]),
-    (Symbol::TriangleUp, [213, 94, 0], &[2.0, 2.5]),
-    (Symbol::Diamond, [0, 158, 115], &[10.0, 3.0, 2.0, 3.0]),
-    (Symbol::TriangleDown, [204, 121, 167], &[4.0, 4.0]),
-    (Symbol::Cross, [190, 140, 0], &[]),
-];
-
 /// Root-mean-square errors inside on the first smooth field.
 pub fn plot(test: &GradientTest) -> Canvas {
     let name = test.filters.first().map_or("", |filter| filter.name.as_str());
     let title = format!("{name}: error of the gradient inside against fineness");
     let mut canvas = Canvas::new(SIZE, &title);
-    canvas.text([ACROSS[0][0], 26.0], &shown(&title, 90), Size::Large, Anchor::Start, BLACK);
+    canvas.heading([ACROSS[0][0], 26.0], &shown(&title, 90));
     let errors = |found: &FilterReport, mesh: Mesh| -> Vec<f64> {
         let one = found.convergence.iter().find(|one| one.mesh == mesh.name());
         one.map_or(Vec::new(), |one| one.inside.root_mean_square.clone())
@@ -623,7 +566,7 @@ pub fn plot(test: &GradientTest) -> Canvas {
         let x = Axis::over(test.levels.iter().map(|&n| n as f64), left, right);
         let y = Axis::over(all().map(visible), bottom, top);
         frame(&mut canvas, mesh.name(), [&x, &y], [left, top, right, bottom]);
-        for (found, (symbol, color, dashes)) in test.filters.iter().zip(STYLES.iter().cycle()) {
+        for (found, style) in test.filters.iter().zip(STYLES.iter().cycle()) {
             let errors = errors(found, mesh);
             let places: Vec<[f64; 2]> = test
                 .levels
@@ -632,19 +575,17 @@ pub fn plot(test: &GradientTest) -> Canvas {
                 .map(|(&n, &e)| [x.place(n as f64), y.place(visible(e))])
                 .collect();
             if places.len() > 1 {
-                canvas.line(&places, 1.4, *color, dashes);
+                canvas.line(&places, 1.4, style.color, style.dashes);
             }
             for ((at, n), e) in places.iter().zip(&test.levels).zip(&errors) {
                 let hint = format!("{}: {n} boxes a side, error {e:.2e}", found.name);
-                canvas.shape(symbol.corners(*at, 5.0), WHITE, *color, hint);
+                canvas.symbol(*at, 5.0, style, WHITE, &hint);
             }
         }
     }
-    for (k, (found, (symbol, color, dashes))) in test.filters.iter().zip(STYLES.iter().cycle()).enumerate() {
+    for (k, (found, style)) in test.filters.iter().zip(STYLES.iter().cycle()).enumerate() {
         let at = [ACROSS[0][0] + 300.0 * (k % 3) as f64, 700.0 + 24.0 * (k / 3) as f64];
-        canvas.line(&[[at[0], at[1]], [at[0] + 34.0, at[1]]], 1.4, *color, dashes);
-        canvas.shape(symbol.corners([at[0] + 17.0, at[1]], 5.0), WHITE, *color, found.name.clone());
-        canvas.text([at[0] + 44.0, at[1]], &shown(&found.name, 36), Size::Small, Anchor::Start, BLACK);
+        canvas.entry(at, style, true, &shown(&found.name, 36));
     }
     canvas
 }
@@ -654,8 +595,7 @@ const LEAST: f64 = 1e-14;
 
 fn frame(canvas: &mut Canvas, name: &str, [x, y]: [&Axis; 2], [left, top, right, bottom]: [f64; 4]) {
     canvas.plane([x, y], [left, top, right, bottom]);
-    canvas.text([left, top - 14.0], &format!("{name} grid"), Size::Small, Anchor::Start, BLACK);
-    canvas.text([right, top - 14.0], "relative error, rms", Size::Small, Anchor::End, BLACK);
-    let middle = [0.5 * (left + right), bottom + 34.0];
-    canvas.text(middle, "boxes along a side", Size::Small, Anchor::Middle, BLACK);
+    canvas.text([left, top - 14.0], &format!("{name} grid"), Anchor::Start);
+    canvas.text([right, top - 14.0], "relative error, rms", Anchor::End);
+    canvas.text([0.5 * (left + right), bottom + 34.0], "boxes along a side", Anchor::Middle);
 }

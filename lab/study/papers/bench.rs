@@ -80,12 +80,7 @@ impl Section {
     }
 
     /// Pictures side by side, over their backgrounds.
-    pub(super) fn figure(
-        &mut self,
-        name: &str,
-        caption: &str,
-        pictures: &[(&Picture, [f64; 3])],
-    ) -> Result<()> {
+    pub(super) fn figure(&mut self, name: &str, caption: &str, pictures: &[Panel<'_>]) -> Result<()> {
         let png = encode::png(&beside(pictures), [1.0; 3], None)?;
         let name = format!("{}_{name}.png", self.paper.name());
         self.text += &format!("\n![{caption}]({FOLDER}/{name})\n\n{caption}\n");
@@ -94,11 +89,14 @@ impl Section {
     }
 }
 
+/// A picture with the background that it is shown over, linear RGB.
+pub(super) type Panel<'a> = (&'a Picture, [f64; 3]);
+
 /// Pixels between two pictures.
 const GAP: usize = 6;
 
 /// Pictures in a row, white between them.
-fn beside(pictures: &[(&Picture, [f64; 3])]) -> Picture {
+fn beside(pictures: &[Panel<'_>]) -> Picture {
     let height = pictures.iter().map(|(picture, _)| picture.height).max().unwrap_or(0);
     let width = pictures.iter().map(|(picture, _)| picture.width + GAP).sum::<usize>().saturating_sub(GAP);
     let mut row = Picture { width, height, rgba: vec![[1.0; 4]; width * height] };
@@ -198,6 +196,7 @@ pub(super) struct Bench<'a> {
 #[derive(Debug, Clone)]
 pub(super) struct TimedRender {
     pub picture: Picture,
+    background: [f64; 3],
     /// Median milliseconds of a picture, without what serves further ones.
     pub ms: f64,
     /// Milliseconds of that: tables.
@@ -229,7 +228,9 @@ impl Bench<'_> {
     pub fn shot(&self, scene: &Scene, integrator: Integrator) -> Result<TimedRender> {
         let (picture, cost) = self.measured(&scene.subject, integrator)?;
         let errors = work::errors(&picture, &scene.reference);
-        Ok(TimedRender { picture, ms: cost.frame.median_ms, set_up_ms: cost.set_up.median_ms, errors })
+        let (background, ms, set_up_ms) =
+            (scene.subject.background, cost.frame.median_ms, cost.set_up.median_ms);
+        Ok(TimedRender { picture, background, ms, set_up_ms, errors })
     }
 
     /// Draws a scene on the CPU without a reference.
@@ -274,6 +275,10 @@ impl Bench<'_> {
 }
 
 impl TimedRender {
+    pub fn panel(&self) -> Panel<'_> {
+        (&self.picture, self.background)
+    }
+
     pub fn row(&self, names: &[&str]) -> Vec<String> {
         names.iter().map(|name| name.to_string()).chain(self.cells()).collect()
     }

@@ -48,11 +48,10 @@ fn figure_1(bench: &Bench, section: &mut Section) -> Result<()> {
     let tabled = shot(TABLED)?;
     let [three, one] = [shot(riemann(3))?, shot(riemann(1))?];
     let (count, equal) = bench.in_equal_time(&scene, exact.ms, riemann)?;
-    let background = scene.subject.background;
     section.figure(
         "figure_1",
         "Figure 1: analytic (left), three samples a segment (middle), one (right)",
-        &[(&exact.picture, background), (&three.picture, background), (&one.picture, background)],
+        &[exact.panel(), three.panel(), one.panel()],
     )?;
     let rows = [
         exact.row(&["closed forms", "analytic, 128 slices"]),
@@ -116,7 +115,6 @@ fn first(subject: &Subject, count: usize) -> Subject {
     look.widgets.truncate(count);
     let mut subject = subject.clone();
     subject.scene.transfer_function = Arc::new(look);
-    subject.needs_order = subject.scene.needs_order();
     subject
 }
 
@@ -129,16 +127,15 @@ fn figure_6(bench: &Bench, section: &mut Section) -> Result<()> {
     let four = shot(riemann(4))?;
     let exact = shot(Integrator::ANALYTIC)?;
     let (count, equal) = bench.in_equal_time(&scene, exact.ms, riemann)?;
-    let background = scene.subject.background;
     section.figure(
         "figure_6",
         "Figure 6: one sample a segment (A), `tabulated` (B), four samples (C)",
-        &[(&one.picture, background), (&tabled.picture, background), (&four.picture, background)],
+        &[one.panel(), tabled.panel(), four.panel()],
     )?;
     let caption = format!(
         "In equal time, or one where even that takes longer: closed forms (left), samples a segment: {count} (right)"
     );
-    section.figure("equal_time", &caption, &[(&exact.picture, background), (&equal.picture, background)])?;
+    section.figure("equal_time", &caption, &[exact.panel(), equal.panel()])?;
     let rows = [
         one.row(&["1 sample a segment", "A: Riemann sum, 270 slices"]),
         tabled.row(&["`tabulated`", "B: analytic, 270 slices"]),

@@ -22,11 +22,10 @@ pub(super) fn section(bench: &Bench) -> Result<Section> {
     ];
     let shots = ways.iter().map(|way| bench.shot(&scene, way.1)).collect::<Result<Vec<_>>>()?;
     section.part("Figure 1.1");
-    let background = scene.subject.background;
     section.figure(
         "figure_1_1",
         "Figure 1.1: left (a) the transfer function at the vertices alone, right (b) clipped at its control points",
-        &[(&shots[0].picture, background), (&shots[1].picture, background)],
+        &[shots[0].panel(), shots[1].panel()],
     )?;
     let rows: Vec<_> = ways.iter().zip(&shots).map(|((what, _), shot)| shot.row(&[what])).collect();
     section.table(&["printed", "here: ms", "rms error", "largest error", "pixels over 1/255"], &rows);

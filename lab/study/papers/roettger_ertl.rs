@@ -337,11 +337,10 @@ fn cylinder(bench: &Bench, section: &mut Section) -> Result<()> {
     }
     let difference = "largest difference from the table of 64³";
     section.table(&["512 × 384", "frames a second", "rms error", "largest error", difference], &rows);
-    let background = scene.subject.background;
     section.figure(
         "figure_11",
         "Figure 11: cut at the control points (left), from the table of 64³ (right)",
-        &[(&exact.picture, background), (&table.picture, background)],
+        &[exact.panel(), table.panel()],
     )?;
     section.say(&format!(
         "{cells} tetrahedra; 2,560 in the paper. \"In order to reconstruct the original table exactly, the number of planes must be four times \

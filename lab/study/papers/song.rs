@@ -54,7 +54,6 @@ fn table_1(bench: &Bench, section: &mut Section) -> Result<()> {
         subject.scene.camera.size = [512; 2];
         let mut one = subject.clone();
         one.scene.transfer_function = Arc::new(ramp(&subject));
-        one.needs_order = one.scene.needs_order();
         let ms = |subject, integrator| Ok(bench.measured(subject, integrator)?.1.frame.median_ms);
         let found: [Result<f64>; 3] =
             [ms(&one, Integrator::ANALYTIC), ms(&subject, Integrator::ANALYTIC), ms(&subject, APPROXIMATE)];
@@ -189,20 +188,14 @@ fn figures(bench: &Bench, section: &mut Section) -> Result<()> {
         let ten = bench.shot(&scene, APPROXIMATE)?;
         let with = |count| segments(count, DEFAULT_SIDE);
         let (count, equal) = bench.in_equal_time(&scene, closed.ms, with)?;
-        let background = scene.subject.background;
         if file == "song_gaussian.toml" {
-            let pair = [(&closed.picture, background), (&ten.picture, background)];
-            section.figure(
-                "figure_7",
-                "Figure 7: closed form (left), ten samples a segment (right)",
-                &pair,
-            )?;
+            let caption = "Figure 7: closed form (left), ten samples a segment (right)";
+            section.figure("figure_7", caption, &[closed.panel(), ten.panel()])?;
         } else {
-            let pair = [(&closed.picture, background), (&equal.picture, background)];
             let caption = format!(
                 "In equal time, or one where even that takes longer: closed form (left), samples a segment: {count} (right)"
             );
-            section.figure("equal_time", &caption, &pair)?;
+            section.figure("equal_time", &caption, &[closed.panel(), equal.panel()])?;
         }
         for (way, shot) in [
             ("closed form".into(), &closed),

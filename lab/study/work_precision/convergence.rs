@@ -233,6 +233,10 @@ fn with_gradient(volume: &Arc<Volume>, progress: &dyn Progress) -> Result<Arc<Vo
 }
 
 /// The volume on the refined grid: everything linear between the coarse points, or s, ∇s and g from a source.
+///
+/// With e the edge from a to b, the cubic through both values and slopes has at its middle the value
+/// (s_a + s_b)/2 + e·(∇s_a − ∇s_b)/8 and along e the slope 3 (s_b − s_a)/2 − e·(∇s_a + ∇s_b)/4; across it the mean of both
+/// slopes is taken.
 fn refined(volume: &Volume, source: Option<&Source>) -> Result<Volume> {
     let mut refined = refine(&volume.grid)?;
     for (name, array) in &volume.grid.point_arrays {
@@ -245,54 +249,32 @@ fn refined(volume: &Volume, source: Option<&Source>) -> Result<Volume> {
         let array = Array { component_count: count, values };
         refined.grid.point_arrays.insert(name.clone(), Arc::new(array));
     }
-    let halfway = |values: &[f64]| refined.values(values, |[a, b]| 0.5 * (values[a] + values[b]));
-    let (scalar, gradient, gradient_magnitude);
-    match (source, &volume.gradient) {
-        (Some(source), Some(slopes)) => {
-            let values = between(volume, slopes, &refined, source);
-            let magnitude = |g: &SharedSlice<f64>| {
-                let coarse = g.len();
-                g.iter().copied().chain(values[coarse..].iter().map(|(_, slope)| slope.length())).collect()
-            };
-            gradient_magnitude = volume.gradient_magnitude.as_ref().map(magnitude);
-            scalar = values.iter().map(|value| value.0).collect();
-            gradient = Some(SharedSlice::from(values.iter().map(|value| value.1).collect::<Vec<_>>()));
-        }
-        _ => {
-            scalar = halfway(&volume.scalar);
-            gradient_magnitude = volume.gradient_magnitude.as_ref().map(|g| halfway(g).into());
-            let middle = |slopes: &[DVec3]| refined.values(slopes, |[a, b]| 0.5 * (slopes[a] + slopes[b]));
-            gradient = volume.gradient.as_ref().map(|slopes| middle(slopes).into());
-        }
-    }
+    let Volume { grid, scalar, gradient, gradient_magnitude } = volume;
+    let at = |p: usize| {
+        let slope = gradient.as_ref().map_or(DVec3::ZERO, |slopes| slopes[p]);
+        (scalar[p], slope, gradient_magnitude.as_ref().map_or(0.0, |g| g[p]))
+    };
+    let values = refined.values(at, |a, b| {
+        let ((s_a, slope_a, g_a), (s_b, slope_b, g_b)) = (at(a), at(b));
+        let (mean, slope) = (0.5 * (s_a + s_b), 0.5 * (slope_a + slope_b));
+        let edge = grid.points[b] - grid.points[a];
+        let (value, slope) = match source {
+            None => return (mean, slope, 0.5 * (g_a + g_b)),
+            Some(Source::Function(function)) => function(grid.points[a] + 0.5 * edge),
+            Some(Source::Gradients) => {
+                let along = 1.5 * (s_b - s_a) - 0.5 * edge.dot(slope);
+                let square = edge.length_squared();
+                let turn = if square > 0.0 { (along - edge.dot(slope)) / square } else { 0.0 };
+                (mean + edge.dot(slope_a - slope_b) / 8.0, slope + edge * turn)
+            }
+        };
+        (value, slope, slope.length())
+    });
     Ok(Volume {
+        scalar: values.iter().map(|value| value.0).collect(),
+        gradient: gradient.as_ref().map(|_| values.iter().map(|value| value.1).collect()),
+        gradient_magnitude: gradient_magnitude.as_ref().map(|_| values.iter().map(|value| value.2).collect()),
         grid: Arc::new(refined.grid),
-        scalar: SharedSlice::from(scalar),
-        gradient,
-        gradient_magnitude,
-    })
-}
-
-/// s and ∇s at every point of the refined grid.
-///
-/// With e the edge from a to b, the cubic through both values and slopes has at its middle the value
-/// (s_a + s_b)/2 + e·(∇s_a − ∇s_b)/8 and along e the slope 3 (s_b − s_a)/2 − e·(∇s_a + ∇s_b)/4; across it the mean of both
-/// slopes is taken.
-fn between(volume: &Volume, slopes: &[DVec3], refined: &RefinedGrid, source: &Source) -> Vec<(f64, DVec3)> {
-    let points = &volume.grid.points;
-    let s = &volume.scalar;
-    let coarse: Vec<(f64, DVec3)> = s.iter().copied().zip(slopes.iter().copied()).collect();
-    refined.values(&coarse, |[a, b]| {
-        if let Source::Function(function) = source {
-            return function(points[a] + 0.5 * (points[b] - points[a]));
-        }
-        let edge = points[b] - points[a];
-        let value = 0.5 * (s[a] + s[b]) + edge.dot(slopes[a] - slopes[b]) / 8.0;
-        let mean = 0.5 * (slopes[a] + slopes[b]);
-        let along = 1.5 * (s[b] - s[a]) - 0.5 * edge.dot(mean);
-        let square = edge.length_squared();
-        let slope = if square > 0.0 { mean + edge * ((along - edge.dot(mean)) / square) } else { mean };
-        (value, slope)
     })
 }
 
@@ -306,15 +288,16 @@ struct RefinedGrid {
 }
 
 impl RefinedGrid {
-    /// Values at the points of the refined grid: those of the coarse points, and what `middle` makes of the two ends of
+    /// Values at the points of the refined grid: those `at` the coarse points, and what `middle` makes of the two ends of
     /// each edge.
-    fn values<T: Copy + Send + Sync>(
+    fn values<T: Send>(
         &self,
-        coarse: &[T],
-        middle: impl Fn([usize; 2]) -> T + Sync + Send,
+        at: impl Fn(usize) -> T + Sync + Send,
+        middle: impl Fn(usize, usize) -> T + Sync + Send,
     ) -> Vec<T> {
-        let further = self.ends.par_iter().map(|ends| middle(ends.map(|p| p as usize)));
-        coarse.par_iter().copied().chain(further).collect()
+        let count = self.grid.points.len() - self.ends.len();
+        let further = self.ends.par_iter().map(|[a, b]| middle(*a as usize, *b as usize));
+        (0..count).into_par_iter().map(at).chain(further).collect()
     }
 }
 
@@ -476,7 +459,7 @@ mod tests {
         let field = |p: &DVec3| 1.0 + 2.0 * p.x - p.y + 0.5 * p.z;
         let values: Vec<f64> = coarse.points.iter().map(field).collect();
         let refined = refine(&coarse).unwrap();
-        let values = refined.values(&values, |[a, b]| 0.5 * (values[a] + values[b]));
+        let values = refined.values(|p| values[p], |a, b| 0.5 * (values[a] + values[b]));
         for (point, value) in refined.grid.points.iter().zip(values) {
             assert!((field(point) - value).abs() < 1e-14);
         }

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use voltet_core::picture::Picture;
 use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::{Error, Result};
-use voltet_introspect::{clear_caches, compositor_operations, multiply_adds_per_second};
+use voltet_introspect::{clear_caches, multiply_adds_per_second};
 use voltet_io::memory;
 use voltet_nodes::drawing::{ENGINES, NATIVE, is_asked_by};
 use voltet_optics::engine::{Engine, EngineInfo, PreparedVolume, RenderOptions, RenderOutput, Stage};
@@ -204,9 +204,6 @@ pub struct Cost {
     pub evaluations: Option<u64>,
     /// Segments of these that the engine left to 64 bits.
     pub segments_exact: u64,
-    /// Floating-point operations of a device's compositor in a frame, counted in the shader's text with every loop run
-    /// once; `None` where they are not known.
-    pub operations: Option<u64>,
     /// Largest resident memory of the process meanwhile; `None` where the system does not tell.
     pub peak_memory_bytes: Option<u64>,
 }
@@ -267,7 +264,6 @@ pub(super) fn measure(
         taken.push(first);
     }
     let peak_memory_bytes = memory::peak().filter(|_| fresh);
-    let operations = compositor_operations(volume.as_ref(), &scene, &manner, &counts)?;
     let whole = spread(taken.iter().map(|frame| frame.seconds).collect());
     let (set_up, frame) = match stage(&taken, Stage::SetUp) {
         Some(set_up) => {
@@ -294,7 +290,6 @@ pub(super) fn measure(
         segments: counts.segments,
         evaluations: counts.evaluations,
         segments_exact: counts.segments_exact.unwrap_or(0),
-        operations,
         peak_memory_bytes,
     };
     Ok((picture, cost))

@@ -6,8 +6,8 @@ use crate::work_precision::canvas::escaped;
 use crate::work_precision::measure::Times;
 use crate::work_precision::settings::overlap_name;
 use crate::work_precision::{
-    Benches, Convergence, Measure, Refused, RenderConfig, RendererNode, RendererVariant, Row, Study,
-    StudyOptions, Subject, plot, reference, refuse_too_fine, study,
+    Benches, Convergence, Refused, RenderConfig, RendererNode, RendererVariant, Row, Study, StudyOptions,
+    Subject, plot, reference, refuse_too_fine, study,
 };
 use serde_json::{Value, json as object};
 use std::fmt::Write;
@@ -363,15 +363,10 @@ pub fn page(study: &Study, title: &str, plot: &str, reference: &[u8]) -> String 
 /// Recommendation for the allowed error, in a sentence.
 pub fn recommendation(study: &Study) -> Option<String> {
     let (bound, measure) = (study.wish.max_error?, study.wish.measure);
-    let name = match measure {
-        Measure::Maximum => "the largest error",
-        Measure::RootMeanSquare => "the root-mean-square error",
-        Measure::Percentile => "the 99.9 percentile of the error",
-        Measure::Flip => "the mean of FLIP",
-    };
+    let name = measure.words();
     Some(match study.recommended.map(|i| &study.rows[i]) {
         Some(row) => format!(
-            "Cheapest with {name} at most {bound}: {} ({} ms a picture{}, error {:.1e}).",
+            "Cheapest with the {name} at most {bound}: {} ({} ms a picture{}, error {:.1e}).",
             row.setting.label(),
             milliseconds(row.cost.picture.median_ms),
             match row.setting.variant.engine.on_device {
@@ -382,7 +377,7 @@ pub fn recommendation(study: &Study) -> Option<String> {
         ),
         None => {
             let least = study.rows.iter().map(|row| row.error(measure)).fold(f64::INFINITY, f64::min);
-            format!("No setting measured keeps {name} at most {bound}; the least is {least:.1e}.")
+            format!("No setting measured keeps the {name} at most {bound}; the least is {least:.1e}.")
         }
     })
 }
@@ -460,7 +455,7 @@ pub fn written(folder: &Path) -> Vec<PathBuf> {
 const DIFFERENCES: &str = "differences";
 
 /// Files beside the page.
-const FILES: [&str; 6] = ["study.html", "study.csv", "study.json", "plot.svg", "plot.png", "reference.png"];
+const FILES: [&str; 5] = ["study.html", "study.csv", "study.json", "plot.svg", "reference.png"];
 
 /// Measures the scene of a node and writes: the study and its files, none where nothing was measured or no folder is given.
 /// `cache`: the folder that keeps reference pictures.
@@ -493,15 +488,13 @@ pub fn write(study: &Study, title: &str, folder: &Path) -> Result<Vec<PathBuf>> 
         let what = format!("the folder '{}' cannot be made", differences.display());
         Error::run(what).got(error).expected("--output with a folder that can be written to")
     })?;
-    let canvas = plot::plot(study, title);
-    let plot_svg = canvas.svg();
+    let plot_svg = plot::plot(study, title).svg();
     let reference_png = encode::png(&study.reference.picture, study.subject.background, None)?;
     let contents = [
         page(study, title, &plot_svg, &reference_png).into_bytes(),
         csv(study).into_bytes(),
         format!("{:#}\n", json(study, title)).into_bytes(),
         plot_svg.into_bytes(),
-        encode::png(&canvas.picture(), [1.0; 3], None)?,
         reference_png,
     ];
     let mut outputs: Vec<(PathBuf, Vec<u8>)> =

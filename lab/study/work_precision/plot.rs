@@ -1,6 +1,6 @@
 //! The work-precision plot: error over time, both in powers of ten, the Pareto front marked.
 
-use super::canvas::{Anchor, Axis, BLACK, Canvas, Color, Mark, Size, Symbol, WHITE, shown};
+use super::canvas::{Anchor, Axis, BLACK, CHARACTER, CIRCLE, Canvas, Color, STYLES, Style, WHITE, shown};
 use super::settings::Numbers;
 use super::{RendererVariant, Row, Study};
 use voltet_integrators::{DEFAULT_OVERSAMPLING, DEFAULT_PLANES, DEFAULT_SIDE};
@@ -11,34 +11,14 @@ use voltet_reference::REFERENCE;
 
 const SIZE: [f64; 2] = [960.0, 600.0];
 
+/// Grey of the Pareto front.
+const FRONT: Color = [205, 205, 205];
+
 /// Left, top, right, bottom of the plane within the axes.
 const PLANE: [f64; 4] = [84.0, 46.0, 716.0, 540.0];
 
-const GREY: Color = [110, 110, 110];
-
 /// Errors are drawn no lower than this: less is below what 32-bit numbers near 1 can tell apart.
 const MIN_ERROR: f64 = 1e-8;
-
-/// Style of an integrator's points. Symbols and dashes tell them apart without colour; the colours (Okabe and Ito 2008)
-/// differ for the colour-blind too.
-struct Style {
-    symbol: Symbol,
-    color: Color,
-    dashes: &'static [f64],
-}
-
-/// In the order of the integrators; those beyond begin again.
-const STYLES: [Style; 9] = [
-    Style { symbol: Symbol::Circle, color: [0, 0, 0], dashes: &[] },
-    Style { symbol: Symbol::Diamond, color: [0, 114, 178], dashes: &[] },
-    Style { symbol: Symbol::TriangleUp, color: [213, 94, 0], dashes: &[7.0, 3.0] },
-    Style { symbol: Symbol::TriangleDown, color: [0, 158, 115], dashes: &[2.0, 2.5] },
-    Style { symbol: Symbol::Plus, color: [86, 180, 233], dashes: &[10.0, 3.0, 2.0, 3.0] },
-    Style { symbol: Symbol::Cross, color: [190, 140, 0], dashes: &[4.0, 4.0] },
-    Style { symbol: Symbol::Star, color: [150, 60, 60], dashes: &[] },
-    Style { symbol: Symbol::Bar, color: [90, 90, 160], dashes: &[6.0, 2.0] },
-    Style { symbol: Symbol::Square, color: [204, 121, 167], dashes: &[] },
-];
 
 /// Every kind with its style and its rows. The referee's, with which the others are compared, has no rows.
 fn kinds(study: &Study) -> impl Iterator<Item = (Integrator, &'static Style, Vec<&Row>)> {
@@ -66,12 +46,12 @@ pub fn plot(study: &Study, title: &str) -> Canvas {
         true => "time of a picture, set-up included on the CPU, not on the device (ms)",
         false => "time of a picture, set-up included (ms)",
     };
-    axes(&mut canvas, [&x, &y], title, [time_label, measure.label()]);
+    axes(&mut canvas, [&x, &y], title, [time_label, &measure.label()]);
     if let Some(bound) = bound {
         let height = y.place(bound);
         canvas.line(&[[left, height], [right, height]], 1.2, BLACK, &[3.0, 3.0]);
         let text = format!("error allowed: {bound}");
-        canvas.text([right - 6.0, height - 9.0], &text, Size::Small, Anchor::End, BLACK);
+        canvas.text([right - 6.0, height - 9.0], &text, Anchor::End);
     }
     front(&mut canvas, study, &at);
     for (_, style, rows) in kinds(study) {
@@ -87,13 +67,12 @@ pub fn plot(study: &Study, title: &str) -> Canvas {
             let fill = if row.on_front { style.color } else { WHITE };
             let hint =
                 format!("{}: {:.3} ms, error {:.2e}", row.setting.label(), time(row), row.error(measure));
-            let corners = style.symbol.corners(at(row), radius);
-            canvas.shape(corners, fill, style.color, hint);
+            canvas.symbol(at(row), radius, style, fill, &hint);
             around(&mut canvas, style, row.setting.variant, at(row), radius);
         }
     }
     if let Some(row) = study.recommended.map(|i| &study.rows[i]) {
-        canvas.ring(Symbol::Circle.corners(at(row), 11.0), 1.8, BLACK);
+        canvas.ring(at(row), 11.0, CIRCLE, 1.8, BLACK);
     }
     labels(&mut canvas, study, &at);
     legend(&mut canvas, study);
@@ -116,7 +95,7 @@ fn further(variant: RendererVariant) -> f64 {
 /// Outlines that distinguish the variants' symbols without colour: each has an outline more than the one before.
 fn around(canvas: &mut Canvas, style: &Style, variant: RendererVariant, at: [f64; 2], radius: f64) {
     for outline in 1..=variant.number() {
-        canvas.ring(style.symbol.corners(at, radius + OUTLINE * outline as f64), 1.0, style.color);
+        canvas.ring(at, radius + OUTLINE * outline as f64, style.symbol, 1.0, style.color);
     }
 }
 
@@ -141,17 +120,9 @@ fn is_swept(integrator: &Integrator) -> bool {
 fn axes(canvas: &mut Canvas, [x, y]: [&Axis; 2], title: &str, [time, error]: [&str; 2]) {
     let [left, top, right, bottom] = PLANE;
     canvas.plane([x, y], PLANE);
-    canvas.text([left, 22.0], &shown(title, 72), Size::Large, Anchor::Start, BLACK);
-    let middle = [0.5 * (left + right), bottom + 40.0];
-    canvas.text(middle, time, Size::Small, Anchor::Middle, BLACK);
-    canvas.marks.push(Mark::Text {
-        at: [18.0, 0.5 * (top + bottom)],
-        text: error.into(),
-        size: Size::Small,
-        anchor: Anchor::Middle,
-        upward: true,
-        color: BLACK,
-    });
+    canvas.heading([left, 22.0], &shown(title, 72));
+    canvas.text([0.5 * (left + right), bottom + 40.0], time, Anchor::Middle);
+    canvas.upward_text([18.0, 0.5 * (top + bottom)], error);
 }
 
 /// A broad grey line in steps: what is to the right of it and above is beaten.
@@ -166,7 +137,7 @@ fn front(canvas: &mut Canvas, study: &Study, at: &dyn Fn(&Row) -> [f64; 2]) {
         steps.push(place);
     }
     if steps.len() > 1 {
-        canvas.line(&steps, 7.0, [205, 205, 205], &[]);
+        canvas.line(&steps, 7.0, FRONT, &[]);
     }
 }
 
@@ -209,7 +180,7 @@ fn labels(canvas: &mut Canvas, study: &Study, at: &dyn Fn(&Row) -> [f64; 2]) {
         let (text, [x, y]) = (short(row), at(row));
         // Beside the ring around the recommended one.
         let gap = if study.recommended == Some(i) { 15.0 } else { 9.0 + further(row.setting.variant) };
-        let (width, half) = (Size::SMALL[0] * text.len() as f64, 0.5 * Size::SMALL[1]);
+        let (width, half) = (CHARACTER[0] * text.chars().count() as f64, 0.5 * CHARACTER[1]);
         let boxes = [
             [x + gap, y - half, x + gap + width, y + half],
             [x - gap - width, y - half, x - gap, y + half],
@@ -223,11 +194,9 @@ fn labels(canvas: &mut Canvas, study: &Study, at: &dyn Fn(&Row) -> [f64; 2]) {
         if let Some(place) = boxes.into_iter().find(free) {
             taken.push(place);
             // Lines behind a label make it hard to read.
-            let [x0, y0, x1, y1] = [place[0] - 1.0, place[1] + 1.0, place[2] + 1.0, place[3] - 1.0];
-            let corners = vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
-            canvas.shape(corners, WHITE, WHITE, String::new());
-            let middle = [place[0], 0.5 * (place[1] + place[3])];
-            canvas.text(middle, &text, Size::Small, Anchor::Start, BLACK);
+            let [left, top, right, bottom] = place;
+            canvas.rectangle([left - 1.0, top + 1.0, right + 1.0, bottom - 1.0], Some(WHITE), WHITE, "");
+            canvas.text([left, 0.5 * (top + bottom)], &text, Anchor::Start);
         }
     }
 }
@@ -235,39 +204,32 @@ fn labels(canvas: &mut Canvas, study: &Study, at: &dyn Fn(&Row) -> [f64; 2]) {
 fn legend(canvas: &mut Canvas, study: &Study) {
     let x = PLANE[2] + 14.0;
     let mut y = PLANE[1] + 8.0;
-    let symbol = |canvas: &mut Canvas, y: f64, symbol: Symbol, fill, outline, text: &str| {
-        canvas.shape(symbol.corners([x + 14.0, y], 5.0), fill, outline, String::new());
-        canvas.text([x + 34.0, y], text, Size::Small, Anchor::Start, BLACK);
-    };
     for (kind, style, rows) in kinds(study) {
         if !rows.is_empty() {
-            if is_swept(&kind) {
-                canvas.line(&[[x, y], [x + 28.0, y]], 1.4, style.color, style.dashes);
-            }
-            symbol(canvas, y, style.symbol, WHITE, style.color, kind.name());
+            canvas.entry([x, y], style, is_swept(&kind), kind.name());
             y += 20.0;
         }
     }
+    let plain = &STYLES[0];
     let variants = variants(study);
     for variant in variants.iter().filter(|_| variants != [RendererVariant::NATIVE]) {
         y += 6.0;
-        let style = &STYLES[0];
-        symbol(canvas, y, style.symbol, WHITE, BLACK, &format!("on {}", variant.label()));
-        around(canvas, style, *variant, [x + 14.0, y], 5.0);
+        canvas.entry([x, y], plain, false, &format!("on {}", variant.label()));
+        around(canvas, plain, *variant, [x + 14.0, y], 5.0);
         y += 20.0;
     }
     y += 8.0;
-    canvas.line(&[[x, y], [x + 28.0, y]], 7.0, [205, 205, 205], &[]);
-    symbol(canvas, y, Symbol::Circle, BLACK, BLACK, "Pareto front (filled)");
+    canvas.line(&[[x, y], [x + 28.0, y]], 7.0, FRONT, &[]);
+    canvas.entry([x, y], plain, false, "Pareto front (filled)");
+    canvas.symbol([x + 14.0, y], 5.0, plain, BLACK, "");
     if study.recommended.is_some() {
         y += 22.0;
-        canvas.ring(Symbol::Circle.corners([x + 14.0, y], 9.0), 1.8, BLACK);
-        canvas.text([x + 34.0, y], "recommended", Size::Small, Anchor::Start, BLACK);
+        canvas.ring([x + 14.0, y], 9.0, CIRCLE, 1.8, BLACK);
+        canvas.text([x + 34.0, y], "recommended", Anchor::Start);
     }
-    for (k, line) in
-        ["Numbers: tolerance,", "pieces, samples or", "side of the table"].into_iter().enumerate()
-    {
-        canvas.text([x, y + 30.0 + 14.0 * k as f64], line, Size::Small, Anchor::Start, GREY);
+    for line in ["Numbers: tolerance,", "pieces, samples or", "side of the table"] {
+        y += 14.0;
+        canvas.text([x, y + 16.0], line, Anchor::Start);
     }
 }
 
@@ -284,12 +246,5 @@ mod tests {
         // One value, or none, makes an axis too.
         assert!(Axis::over([7.0].into_iter(), 0.0, 1.0).ticks().iter().any(|tick| tick.1.is_some()));
         assert!(Axis::over([].into_iter(), 0.0, 1.0).ticks().iter().any(|tick| tick.1.is_some()));
-    }
-
-    #[test]
-    fn what_is_studied_is_told_apart_without_colour() {
-        for (k, style) in STYLES.iter().enumerate() {
-            assert!(STYLES[..k].iter().all(|other| other.symbol != style.symbol), "{:?}", style.symbol);
-        }
     }
 }

@@ -44,15 +44,19 @@ impl Measure {
         Measure::NAMES[self as usize].1
     }
 
-    pub fn label(self) -> &'static str {
-        match self {
-            Measure::Maximum => "largest error of premultiplied linear RGBA (1 = full scale)",
-            Measure::RootMeanSquare => "root-mean-square error of premultiplied linear RGBA (1 = full scale)",
-            Measure::Percentile => {
-                "99.9 percentile of the error of premultiplied linear RGBA (1 = full scale)"
-            }
-            Measure::Flip => "mean FLIP difference (0 = equal, 1 = largest)",
-        }
+    /// Its name within a sentence.
+    pub fn words(self) -> &'static str {
+        ["largest error", "root-mean-square error", "99.9 percentile of the error", "mean of FLIP"]
+            [self as usize]
+    }
+
+    /// Label of an axis.
+    pub fn label(self) -> String {
+        let scale = match self {
+            Measure::Flip => "(0 = equal, 1 = largest)",
+            _ => "of premultiplied linear RGBA (1 = full scale)",
+        };
+        format!("{} {scale}", self.words())
     }
 }
 
@@ -249,7 +253,6 @@ pub struct Subject {
     pub order_node: Option<String>,
     /// The scene; integrator, overlap and order are those of the file.
     pub scene: Scene,
-    pub needs_order: bool,
     pub asked: SubjectRequest,
     /// One integrator of each kind that the pipeline may name, with default settings, in the order of registration.
     pub integrators: Vec<Integrator>,
@@ -304,7 +307,6 @@ impl Subject {
         Ok(Subject {
             node: node.name.clone(),
             order_node,
-            needs_order: scene.needs_order(),
             integrators: kinds(node.parameters.variants(INTEGRATOR))
                 .into_iter()
                 .map(Integrator::new)
@@ -499,7 +501,7 @@ fn sweep(kind: &Integrator) -> Vec<Integrator> {
 /// The centroid order too for the integrators without an error of their own, so that the order's shows, and alone where the
 /// variant does not make the exact one.
 fn orders(subject: &Subject, integrator: &Integrator, variant: RendererVariant) -> Vec<VisibilityOrder> {
-    if !subject.needs_order {
+    if !subject.scene.needs_order() {
         return vec![VisibilityOrder::Exact];
     }
     if subject.order_node.is_none() {
@@ -534,7 +536,7 @@ impl RenderConfig {
     pub fn scene(&self, subject: &Subject) -> Scene {
         let shading = Shading { integrator: self.integrator, overlap: self.overlap, ..subject.scene.shading };
         // Exact is no order where none is needed: the same picture without the work.
-        let order = if subject.needs_order { self.order } else { VisibilityOrder::Exact };
+        let order = if subject.scene.needs_order() { self.order } else { VisibilityOrder::Exact };
         Scene { shading, order, ..subject.scene.clone() }
     }
 

@@ -147,7 +147,8 @@ fn check_words(
 ) {
     let from_table = shader_key.method.is_table_of_lengths();
     let adaptive = shader_key.method == Method::Adaptive;
-    let named = |name: &str| matches!(shader_key.method, Method::Registered(text) if text.name() == name);
+    let named =
+        |name: &str| matches!(shader_key.method, Method::Registered(text) if text.schema().name == name);
     let samples = named("riemann") || named("segments");
     for (kind, (name, words)) in WORDS.iter().enumerate() {
         for word in *words {

@@ -1,6 +1,6 @@
 //! `voltet gradient-test`: how right a gradient filter is and what it costs, beside others.
 
-use super::shared::{DONE, FAILED, Outcome, Outputs, plot_file, show, with_bar};
+use super::shared::{DONE, FAILED, Outcome, Outputs, show, with_bar};
 use super::study::option;
 use crate::cli::arguments;
 use crate::core::{Error, Result};
@@ -23,14 +23,14 @@ pub fn gradient_test(arguments: &arguments::GradientTest, registry: &Registry) -
     let options = [("--html", &arguments.html), ("--json", &arguments.json), ("--plot", &arguments.plot)];
     let outputs = Outputs::check(options, None)?;
     let found = with_bar(arguments.quiet, |_, progress| measure(&methods, &wish, progress))?;
-    let content = |option: &str, path: &_| match option {
-        "--html" => Ok(page(&found, &plot(&found).svg()).into_bytes()),
+    let content = |option: &str| match option {
+        "--html" => Ok(page(&found, &plot(&found).svg())),
         "--json" => {
             let object = serde_json::to_string_pretty(&found);
             let object = object.map_err(|error| Error::run(error.to_string()))?;
-            Ok(format!("{object}\n").into_bytes())
+            Ok(format!("{object}\n"))
         }
-        _ => plot_file(path, || plot(&found).picture(), || plot(&found).svg()),
+        _ => Ok(plot(&found).svg()),
     };
     let table = if arguments.quiet { String::new() } else { text(&found) };
     outputs.write(content, &table)?;

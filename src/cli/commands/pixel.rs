@@ -1,6 +1,6 @@
 //! `voltet pixel`: what one pixel is made of, cell by cell along its ray.
 
-use super::shared::{DONE, Outcome, Outputs, open_file, plot_file, with_bar};
+use super::shared::{DONE, Outcome, Outputs, open_file, with_bar};
 use crate::cli::arguments;
 use crate::graph::Registry;
 use voltet_study::pixel::{csv, json, pixel as trace, plot, text};
@@ -15,10 +15,12 @@ pub fn pixel(arguments: &arguments::Pixel, registry: &Registry) -> Outcome {
         trace(&document.graph, node, place, arguments.sample, &mut session, (bar, progress))
     });
     let found = found.map_err(|error| document.failure(error))?;
-    let content = |option: &str, path: &_| match option {
-        "--csv" => Ok(csv(&found).into_bytes()),
-        "--json" => Ok(format!("{:#}\n", json(&found)).into_bytes()),
-        _ => plot_file(path, || plot(&found).picture(), || plot(&found).svg()),
+    let content = |option: &str| {
+        Ok(match option {
+            "--csv" => csv(&found),
+            "--json" => format!("{:#}\n", json(&found)),
+            _ => plot(&found).svg(),
+        })
     };
     outputs.write(content, &text(&found, arguments.all))?;
     Ok(DONE)

@@ -3,12 +3,10 @@
 use crate::cli::arguments::{DataOptions, File};
 use crate::cli::present::{self, Bar, Level, print, say};
 use crate::core::error::ErrorKind;
-use crate::core::picture::Picture;
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
 use crate::document::{self, LocatedError};
 use crate::graph::{NodeProgress, ParameterValue, Registry};
-use crate::io::encode;
 use crate::io::formats::{ArraySummary, Association, FileArray};
 use crate::nodes::files;
 use crate::{Document, Source};
@@ -118,7 +116,7 @@ impl<'a> Outputs<'a> {
         document.map_or(Ok(()), Document::refuse_missing_data)?;
         for (option, path) in &outputs.0 {
             if *option == "--plot" {
-                is_png(path)?;
+                refuse_other_plots(path)?;
             }
         }
         outputs.0.iter().try_for_each(|(_, path)| files::refuse_unwritable(path))?;
@@ -126,37 +124,23 @@ impl<'a> Outputs<'a> {
     }
 
     /// Writes the files, and shows a text for people.
-    pub fn write(&self, content: impl Fn(&str, &Path) -> Result<Vec<u8>>, text: &str) -> Result<()> {
+    pub fn write(&self, content: impl Fn(&str) -> Result<String>, text: &str) -> Result<()> {
         for (option, path) in &self.0 {
-            files::write_whole(path, &content(option, path)?)?;
+            files::write_whole(path, content(option)?.as_bytes())?;
         }
         tell(text, self.0.iter().any(|(_, path)| files::is_standard_output(path)))
     }
 }
 
-/// A plot in the format that its path ends in.
-pub(super) fn plot_file(
-    path: &Path,
-    picture: impl FnOnce() -> Picture,
-    svg: impl FnOnce() -> String,
-) -> Result<Vec<u8>> {
-    match is_png(path)? {
-        true => encode::png(&picture(), [1.0; 3], None),
-        false => Ok(svg().into_bytes()),
+/// Refuses a path of a plot that does not end in .svg.
+fn refuse_other_plots(path: &Path) -> Result<()> {
+    let is_svg = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg"));
+    if is_svg || path.extension().is_none() && files::is_stream(&path.to_string_lossy()) {
+        return Ok(());
     }
-}
-
-/// True if a plot is written as PNG, false for SVG.
-fn is_png(path: &Path) -> Result<bool> {
-    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-    match ending.as_deref() {
-        Some("png") => Ok(true),
-        Some("svg") => Ok(false),
-        None if files::is_stream(&path.to_string_lossy()) => Ok(false),
-        _ => Err(Error::usage("the format of the plot is not known")
-            .got(format!("--plot {}", path.display()))
-            .expected("a path that ends in .svg or .png")),
-    }
+    Err(Error::usage("the format of the plot is not known")
+        .got(format!("--plot {}", path.display()))
+        .expected("a path that ends in .svg"))
 }
 
 /// An array, as parameters of a reader name it.

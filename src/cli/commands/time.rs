@@ -49,8 +49,8 @@ fn wish(arguments: &arguments::Time) -> Result<StudyOptions> {
 
 const HEAD: &str =
     "| node | size | engine | order | frame, median ms | fastest to slowest | in flight, ms | cull | sort | project | \
-composite | GFLOP/s there | set-up, ms | segments | 10⁶ segments/s |
-| --- | --- | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |";
+composite | set-up, ms | segments | 10⁶ segments/s |
+| --- | --- | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |";
 
 /// Prints the table of one file.
 fn measure(arguments: &arguments::Time, wish: &StudyOptions, document: &Document, bar: &Bar) -> Result<()> {
@@ -110,7 +110,7 @@ fn rows(
             let line = match benches.measure(&subject, &setting, &wish.frames, &watch) {
                 Ok((_, cost)) => row(&subject, &setting, &cost),
                 Err(error) if bar.cancelled() => return Err(error),
-                Err(error) => format!("{}{error} {}", head(&subject, &setting), "|".repeat(11)),
+                Err(error) => format!("{}{error} {}", head(&subject, &setting), "|".repeat(10)),
             };
             if !print(&(line + "\n"))? {
                 return Ok(false);
@@ -145,20 +145,18 @@ fn head(subject: &Subject, setting: &RenderConfig) -> String {
 fn row(subject: &Subject, setting: &RenderConfig, cost: &Cost) -> String {
     let stage = |times: Option<Times>| times.map_or(String::new(), |times| format!("{:.2}", times.median_ms));
     let Times { median_ms, fastest_ms, slowest_ms } = cost.frame;
-    let rate_there = |(count, times): (u64, Times)| format!("{:.0}", count as f64 / times.median_ms * 1e-6);
     let in_flight = cost.in_flight_ms.map_or(String::new(), |ms| format!("{ms:.2}"));
     // Blending hardware does not count segments.
     let count = cost.segments.map(|count| count.to_string()).unwrap_or_default();
     let rate =
         cost.segments.map(|count| format!("{:.0}", count as f64 / median_ms * 1e-3)).unwrap_or_default();
     format!(
-        "{}**{median_ms:.2}** | {fastest_ms:.2} to {slowest_ms:.2} | {in_flight} | {} | {} | {} | {} | {} | {:.1} | {count} | {rate} |",
+        "{}**{median_ms:.2}** | {fastest_ms:.2} to {slowest_ms:.2} | {in_flight} | {} | {} | {} | {} | {:.1} | {count} | {rate} |",
         head(subject, setting),
         stage(cost.cull),
         stage(cost.sort),
         stage(cost.project),
         stage(cost.composite),
-        cost.operations.zip(cost.composite).map(rate_there).unwrap_or_default(),
         cost.set_up.median_ms,
     )
 }

@@ -2,12 +2,9 @@
 
 use crate::drawing::{device, draw, draw_tiles, try_draw};
 use std::sync::Arc;
-use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
-use voltet_gpu::{Device, FrameOutput, GpuEngine, Renderer};
-use voltet_introspect::compositor_operations;
+use voltet_gpu::{Device, FrameOutput, Renderer};
 use voltet_optics::WidgetBlend;
-use voltet_optics::engine::{Engine, RenderOptions};
 use voltet_optics::shading::{Shading, VisibilityOrder};
 use voltet_reference::REFERENCE;
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
@@ -197,22 +194,5 @@ fn opaque_tiles_stop_early() {
         assert_eq!(drawn.counts.tiles_stopped, Some(6), "{order:?}");
         assert!(drawn.counts.cells_hidden > Some(0) && drawn.counts.segments < thin.counts.segments);
         within(&dense.name, &drawn.picture, &referee(&dense), ORDINARY);
-    }
-}
-
-/// Four planes, eight weights and two Gaussians are a hundred operations at least, and fewer than five thousand.
-#[test]
-fn operations_of_the_compositor_are_counted() {
-    let Some(device) = device() else { return };
-    for order in [VisibilityOrder::Exact, VisibilityOrder::Centroid] {
-        let scene = scene(overlapping()).drawn_by(&SHADING, order);
-        let volume = GpuEngine::new(device.clone()).prepare(&scene.volume).expect("fits");
-        let drawn = volume.draw(&scene, &RenderOptions::default(), &NoProgress).expect("draws");
-        let segments = drawn.counts.segments.expect("tiles count");
-        let counted =
-            compositor_operations(volume.as_ref(), &scene, &RenderOptions::default(), &drawn.counts);
-        let counted = counted.expect("is WGSL").expect("tiles count");
-        println!("{counted} operations in {segments} segments");
-        assert!((100 * segments..5000 * segments).contains(&counted), "{counted} in {segments}");
     }
 }

@@ -88,6 +88,21 @@ impl Rng {
         }
     }
 
+    /// Boxes along the axes.
+    pub(super) fn counts(&mut self) -> [usize; 3] {
+        [1 + self.pick(4), 1 + self.pick(4), 1 + self.pick(4)]
+    }
+
+    /// An axis, of either sense.
+    pub(super) fn axis(&mut self) -> DVec3 {
+        DVec3::AXES[self.pick(3)] * if self.chance(0.5) { 1.0 } else { -1.0 }
+    }
+
+    /// Light from anywhere.
+    pub(super) fn light(&mut self) -> Light {
+        Light { direction: self.direction(), ambient: 0.3, diffuse: 0.7 }
+    }
+
     /// Linear RGB, some of it above 1.
     pub(super) fn color(&mut self) -> [f64; 3] {
         self.place(0.0, 1.2).to_array()
@@ -126,7 +141,7 @@ fn volume(
 /// In the unit cube.
 pub(super) fn grid(rng: &mut Rng) -> Grid {
     let unit = [DVec3::ZERO, DVec3::ONE];
-    let counts = [1 + rng.pick(4), 1 + rng.pick(4), 1 + rng.pick(4)];
+    let counts = rng.counts();
     let jitter = if rng.chance(0.7) { rng.between(0.0, 0.25) } else { 0.0 };
     let cube = || box_of_tetrahedra(counts, unit, jitter);
     match rng.pick(8) {
@@ -146,11 +161,7 @@ pub(super) fn grid(rng: &mut Rng) -> Grid {
         // Holes, and pieces that do not touch.
         1 => {
             let share = rng.between(0.3, 0.9);
-            let whole = cube();
-            let mut cells = whole.tetrahedra.to_vec();
-            cells.retain(|_| rng.chance(share));
-            let cells = if cells.is_empty() { whole.tetrahedra.to_vec() } else { cells };
-            Grid { tetrahedra: cells.into(), ..whole }
+            thinned(rng, cube(), share)
         }
         // A layer of slivers across one axis.
         2 => {
@@ -179,13 +190,24 @@ pub(super) fn grid(rng: &mut Rng) -> Grid {
         // Few cells at random places, which may overlap.
         5 => {
             let count = 1 + rng.pick(3);
-            let points: Vec<DVec3> = (0..4 * count).map(|_| rng.place(0.0, 1.0)).collect();
-            let cells =
-                (0..count as u32).map(|k| [4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3]).collect::<Vec<_>>();
-            Grid { points: points.into(), tetrahedra: cells.into(), ..Grid::default() }
+            loose_cells(rng, count)
         }
         _ => cube(),
     }
+}
+
+/// A grid with about this share of its cells, or all where that leaves none.
+pub(super) fn thinned(rng: &mut Rng, whole: Grid, share: f64) -> Grid {
+    let mut cells = whole.tetrahedra.to_vec();
+    cells.retain(|_| rng.chance(share));
+    if cells.is_empty() { whole } else { Grid { tetrahedra: cells.into(), ..whole } }
+}
+
+/// Cells at random places, which may overlap.
+pub(super) fn loose_cells(rng: &mut Rng, count: usize) -> Grid {
+    let points = (0..4 * count).map(|_| rng.place(0.0, 1.0)).collect();
+    let tetrahedra = (0..count as u32).map(|k| [0, 1, 2, 3].map(|c| 4 * k + c)).collect();
+    Grid { points, tetrahedra, ..Grid::default() }
 }
 
 /// The grid where it stands in the world: scaled, stretched, far from the origin.
@@ -362,7 +384,7 @@ fn shading(rng: &mut Rng) -> Shading {
         integrator: Integrator::ANALYTIC,
         overlap: if rng.chance(0.15) { WidgetBlend::Mix } else { WidgetBlend::Exact },
         silhouette: rng.chance(0.15).then(|| rng.between(0.5, 6.0)),
-        light: rng.chance(0.15).then(|| Light { direction: rng.direction(), ambient: 0.3, diffuse: 0.7 }),
+        light: rng.chance(0.15).then(|| rng.light()),
     }
 }
 
@@ -370,7 +392,7 @@ fn shading(rng: &mut Rng) -> Shading {
 fn camera(rng: &mut Rng, [low, high]: [DVec3; 2]) -> Camera {
     let (centre, radius) = (low.midpoint(high), 0.5 * low.distance(high));
     let towards = match rng.chance(0.25) {
-        true => DVec3::AXES[rng.pick(3)] * if rng.chance(0.5) { 1.0 } else { -1.0 },
+        true => rng.axis(),
         false => rng.direction(),
     };
     let target = match rng.chance(0.3) {
@@ -389,14 +411,18 @@ fn camera(rng: &mut Rng, [low, high]: [DVec3; 2]) -> Camera {
         }
     };
     let eye = target - distance.max(1e-3 * radius) * towards;
-    let up = if towards.z.abs() > 0.9 { DVec3::Y } else { DVec3::Z };
     Camera {
         eye,
         target,
-        up,
+        up: up(towards),
         projection,
         near: if rng.chance(0.2) { distance * rng.between(0.2, 1.1) } else { 0.0 },
         size: [8 + rng.pick(24) as u32, 8 + rng.pick(24) as u32],
         samples: if rng.chance(0.1) { 2 + rng.pick(3) as u32 } else { 1 },
     }
+}
+
+/// A direction upward in pictures of this direction of view.
+pub(super) fn up(towards: DVec3) -> DVec3 {
+    if towards.z.abs() > 0.9 { DVec3::Y } else { DVec3::Z }
 }

@@ -32,7 +32,7 @@ use voltet_core::{Error, Result, SharedSlice};
 use voltet_introspect::clear_caches;
 use voltet_optics::engine::Compositor;
 use voltet_optics::scene::Scene;
-use voltet_optics::trace::{Ray, TracedRay};
+use voltet_optics::trace::Ray;
 use voltet_reference as reference;
 
 /// Ratio of an explained error to the largest change that was found: only eight neighbours of a scene are looked at.
@@ -47,10 +47,7 @@ pub enum Position {
 
 impl Position {
     pub fn name(self) -> &'static str {
-        match self {
-            Position::General => "general",
-            Position::Special => "special",
-        }
+        ["general", "special"][self as usize]
     }
 }
 
@@ -251,13 +248,9 @@ fn nudged(scene: &Scene, by: f64, progress: &dyn Progress) -> Vec<Picture> {
         let seen = |number: u32| -> Result<[f32; 4]> {
             progress.check_cancelled()?;
             let rays = tracer.rays([number % width, number / width]);
-            let mut sum = [0.0; 4];
-            for ray in &rays {
-                let moved = Ray { x: ray.x + by * x * pixel, y: ray.y + by * y * pixel, ..*ray };
-                let TracedRay { color: [r, g, b], opacity, .. } = tracer.trace(&moved)?;
-                sum.iter_mut().zip([r, g, b, opacity]).for_each(|(sum, channel)| *sum += channel);
-            }
-            Ok(sum.map(|channel| (channel / rays.len() as f64) as f32))
+            let moved = |ray: &Ray| Ray { x: ray.x + by * x * pixel, y: ray.y + by * y * pixel, ..*ray };
+            let moved: Vec<Ray> = rays.iter().map(moved).collect();
+            Ok(tracer.pixel(&moved)?.map(|channel| channel as f32))
         };
         let rgba = (0..width * height).into_par_iter().map(seen).collect::<Result<_>>()?;
         Ok(Picture { rgba, ..Picture::transparent(width as usize, height as usize) })

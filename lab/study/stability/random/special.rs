@@ -1,7 +1,7 @@
 //! Random scenes in special positions, which those of general position hardly ever meet: rays along faces and edges, an eye on a
 //! vertex, thin layers, near planes far away, values whose offset takes most digits.
 
-use super::general::{self, Axis, Rng};
+use super::general::{self, Axis, Rng, up};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::sync::Arc;
@@ -13,7 +13,6 @@ use voltet_core::grid::{CellSet, Cells, Grid, Options, RawGrid, build};
 use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Widget};
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::Light;
 
 const KINDS: [fn(&mut Rng) -> Result<Scene>; 10] = [
     along_an_axis,
@@ -45,19 +44,6 @@ fn with_look(scene: Scene, change: impl FnOnce(&mut TransferFunction)) -> Scene 
     let mut look = (*scene.transfer_function).clone();
     change(&mut look);
     Scene { transfer_function: Arc::new(look), ..scene }
-}
-
-fn counts(rng: &mut Rng) -> [usize; 3] {
-    [1 + rng.pick(4), 1 + rng.pick(4), 1 + rng.pick(4)]
-}
-
-/// An axis, of either sense.
-fn axis(rng: &mut Rng) -> DVec3 {
-    DVec3::AXES[rng.pick(3)] * if rng.chance(0.5) { 1.0 } else { -1.0 }
-}
-
-fn up(towards: DVec3) -> DVec3 {
-    if towards.z.abs() > 0.9 { DVec3::Y } else { DVec3::Z }
 }
 
 fn perspective(rng: &mut Rng, eye: DVec3, towards: DVec3, fov_y: f64) -> Camera {
@@ -118,19 +104,13 @@ fn mixed_cells(rng: &mut Rng, [nx, ny, nz]: [usize; 3]) -> Result<Grid> {
 
 /// From a vertex, or from the middle of an edge, of a lattice with holes, along an axis: whole rows of rays lie in faces.
 fn along_an_axis(rng: &mut Rng) -> Result<Scene> {
-    let counts = counts(rng);
+    let counts = rng.counts();
     let grid = match rng.chance(0.5) {
         true => mixed_cells(rng, counts)?,
-        false => {
-            let whole = box_of_tetrahedra(counts, UNIT, 0.0);
-            let mut cells = whole.tetrahedra.to_vec();
-            cells.retain(|_| rng.chance(0.7));
-            let cells = if cells.is_empty() { whole.tetrahedra.to_vec() } else { cells };
-            Grid { tetrahedra: cells.into(), ..whole }
-        }
+        false => general::thinned(rng, box_of_tetrahedra(counts, UNIT, 0.0), 0.7),
     };
     let scalar = general::field(rng, &grid);
-    let towards = axis(rng);
+    let towards = rng.axis();
     let place = |rng: &mut Rng| {
         let step = |n: usize, rng: &mut Rng| (rng.pick(2 * n + 5) as f64 - 2.0) / (2 * n) as f64;
         DVec3::new(step(counts[0], rng), step(counts[1], rng), step(counts[2], rng))
@@ -143,10 +123,8 @@ fn along_an_axis(rng: &mut Rng) -> Result<Scene> {
 
 /// Cells that overlap, through an angle of a degree and less.
 fn through_a_keyhole(rng: &mut Rng) -> Result<Scene> {
-    let count = 2 + rng.pick(4) as u32;
-    let points: Vec<DVec3> = (0..4 * count).map(|_| rng.place(0.0, 1.0)).collect();
-    let cells: Vec<[u32; 4]> = (0..count).map(|k| [0, 1, 2, 3].map(|c| 4 * k + c)).collect();
-    let grid = Grid { points: points.into(), tetrahedra: cells.into(), ..Grid::default() };
+    let count = 2 + rng.pick(4);
+    let grid = general::loose_cells(rng, count);
     let scalar = general::field(rng, &grid);
     let towards = rng.direction();
     let eye = DVec3::splat(0.5) - rng.power(-1.0, 2.0) * towards;
@@ -183,7 +161,7 @@ fn delaunay(rng: &mut Rng) -> Grid {
 /// A linear field over Delaunay's cells, in parallel projection, with regions and a silhouette.
 fn delaunay_in_parallel(rng: &mut Rng) -> Result<Scene> {
     let grid = delaunay(rng);
-    let along = if rng.chance(0.3) { axis(rng) } else { rng.direction() };
+    let along = if rng.chance(0.3) { rng.axis() } else { rng.direction() };
     let scalar = sample(&grid, |p| along.dot(p));
     let mut scene = scene_of(rng, grid, scalar)?;
     let s = Axis::new(&scene.volume.scalar);
@@ -204,7 +182,7 @@ fn delaunay_in_parallel(rng: &mut Rng) -> Result<Scene> {
 
 /// A slightly uneven lattice with values, points or both near 1e8 that vary by 1e-2, lit.
 fn lit_at_an_offset(rng: &mut Rng) -> Result<Scene> {
-    let (counts, jitter) = (counts(rng), rng.power(-12.0, -1.0));
+    let (counts, jitter) = (rng.counts(), rng.power(-12.0, -1.0));
     let grid = box_of_tetrahedra(counts, UNIT, jitter);
     let offset = if rng.chance(0.7) { 1e8 } else { 0.0 };
     let along = 4.0 * rng.direction();
@@ -212,8 +190,7 @@ fn lit_at_an_offset(rng: &mut Rng) -> Result<Scene> {
     let far = if rng.chance(0.3) { rng.power(3.0, 8.0) * rng.direction() } else { DVec3::ZERO };
     let grid = Grid { points: sample(&grid, |p| p + far).into(), ..grid };
     let mut scene = scene_of(rng, grid, scalar)?;
-    let lit = rng.chance(0.7).then(|| Light { direction: rng.direction(), ambient: 0.3, diffuse: 0.7 });
-    scene.shading.light = lit;
+    scene.shading.light = rng.chance(0.7).then(|| rng.light());
     Ok(scene)
 }
 
@@ -245,12 +222,12 @@ fn graded_with_steps(rng: &mut Rng) -> Result<Scene> {
 
 /// A constant field with a region, at the widest angle, from a vertex.
 fn constant_from_a_vertex(rng: &mut Rng) -> Result<Scene> {
-    let (counts, jitter) = (counts(rng), [0.0, 0.2][rng.pick(2)]);
+    let (counts, jitter) = (rng.counts(), [0.0, 0.2][rng.pick(2)]);
     let grid = box_of_tetrahedra(counts, UNIT, jitter);
     let value = [1.0, 0.0, 1e8, rng.between(-1.0, 1.0)][rng.pick(4)];
     let scalar = vec![value; grid.points.len()];
     let eye = grid.points[rng.pick(grid.points.len())];
-    let towards = if rng.chance(0.5) { axis(rng) } else { rng.direction() };
+    let towards = if rng.chance(0.5) { rng.axis() } else { rng.direction() };
     let fov_y = [170.0, rng.between(140.0, 178.0)][rng.pick(2)];
     let camera = perspective(rng, eye, towards, fov_y);
     let scene = with_look(scene_of(rng, grid, scalar)?, |look| {
@@ -268,7 +245,7 @@ fn constant_from_a_vertex(rng: &mut Rng) -> Result<Scene> {
 
 /// A lattice squeezed across an axis.
 fn thin(rng: &mut Rng, jitter: f64) -> (Grid, usize, f64) {
-    let (counts, across, thickness) = (counts(rng), rng.pick(3), rng.power(-6.0, -1.0));
+    let (counts, across, thickness) = (rng.counts(), rng.pick(3), rng.power(-6.0, -1.0));
     let grid = box_of_tetrahedra(counts, UNIT, jitter);
     let mut points = grid.points.to_vec();
     points.iter_mut().for_each(|p| p[across] = 0.5 + thickness * (p[across] - 0.5));
@@ -318,11 +295,11 @@ fn grazing(rng: &mut Rng) -> Result<Scene> {
 
 /// From far away, cut by a near plane.
 fn cut_far_away(rng: &mut Rng) -> Result<Scene> {
-    let (counts, jitter) = (counts(rng), [0.0, 0.2][rng.pick(2)]);
+    let (counts, jitter) = (rng.counts(), [0.0, 0.2][rng.pick(2)]);
     let grid = box_of_tetrahedra(counts, UNIT, jitter);
     let scalar = general::field(rng, &grid);
     let [low, high] = bounds(&grid.points).unwrap_or_default();
-    let towards = if rng.chance(0.25) { axis(rng) } else { rng.direction() };
+    let towards = if rng.chance(0.25) { rng.axis() } else { rng.direction() };
     let distance = rng.power(1.0, 6.0);
     let eye = low.midpoint(high) - distance * towards;
     let fov_y = (rng.between(0.5, 2.0) / distance).to_degrees();
