@@ -132,38 +132,7 @@ pub struct Shading {
     pub light: Option<Light>,
 }
 
-impl Default for Shading {
-    /// Closed forms, without silhouettes and light.
-    fn default() -> Self {
-        let (integrator, overlap) = (Integrator::ANALYTIC, WidgetBlend::Exact);
-        Shading { integrator, overlap, silhouette: None, light: None }
-    }
-}
-
 impl Shading {
-    /// Checks every number.
-    ///
-    /// # Errors
-    /// - a number that is out of range or not finite, a light without direction.
-    pub fn check(&self) -> Result<()> {
-        self.integrator.check()?;
-        let not_negative = |what: &str, value: f64| match value.is_finite() && value >= 0.0 {
-            true => Ok(()),
-            false => Err(Error::usage(format!("{what} is out of range"))
-                .got(value)
-                .expected("a number of at least 0")),
-        };
-        self.silhouette.map_or(Ok(()), |exponent| not_negative("the silhouette exponent", exponent))?;
-        let Some(light) = self.light else { return Ok(()) };
-        not_negative("the ambient light", light.ambient)?;
-        not_negative("the diffuse light", light.diffuse)?;
-        if !light.direction.is_finite() || light.direction == glam::DVec3::ZERO {
-            let error = Error::usage("the light has no direction").got(light.direction);
-            return Err(error.expected("a finite vector that is not zero"));
-        }
-        Ok(())
-    }
-
     /// The one colour of all that is seen, if there is one: then a pixel's colour is that times its opacity, and no order
     /// is needed. `None` under the constant-emitter, where several colours are drawn, and where light falls at an angle.
     pub fn one_color(&self, transfer_function: &TransferFunction) -> Option<[f64; 3]> {

@@ -1,7 +1,7 @@
 //! Scenes: a volume (a grid with the scalar that is drawn, and its gradient where a picture needs it) with its transfer function, camera
 //! and shading.
 
-pub use voltet_optics::shading::{Integrator, Light, Shading};
+pub use shading::{Integrator, Light};
 
 use super::camera::Camera;
 use super::grid::Grid;
@@ -16,7 +16,53 @@ use voltet_core::{Error, Result};
 use voltet_cpu::needs_gradient;
 use voltet_optics::integrators::can_serve;
 use voltet_optics::scene::Scene as CompiledScene;
-use voltet_optics::shading::VisibilityOrder;
+use voltet_optics::shading::{Shading as CompiledShading, VisibilityOrder};
+use voltet_optics::{WidgetBlend, shading};
+
+/// Integration and lighting of ray segments.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Shading {
+    /// The integrator. Default: closed forms.
+    pub integrator: Integrator,
+    /// Combination of widgets that overlap along a ray.
+    pub blend: WidgetBlend,
+    /// Silhouette exponent, 0 or more (Song et al. 2009, section 6.2).
+    pub silhouette: Option<f64>,
+    /// Diffuse light.
+    pub light: Option<Light>,
+}
+
+impl Default for Shading {
+    fn default() -> Self {
+        let (integrator, blend) = (Integrator::ANALYTIC, WidgetBlend::Exact);
+        Shading { integrator, blend, silhouette: None, light: None }
+    }
+}
+
+impl Shading {
+    /// Checks every number.
+    fn compiled(&self) -> Result<CompiledShading> {
+        let Shading { integrator, blend, silhouette, light } = *self;
+        integrator.check()?;
+        let not_negative = |what: &str, value: f64| match value.is_finite() && value >= 0.0 {
+            true => Ok(()),
+            false => Err(Error::usage(format!("{what} is out of range"))
+                .got(value)
+                .expected("a number of at least 0")),
+        };
+        silhouette.map_or(Ok(()), |exponent| not_negative("the silhouette exponent", exponent))?;
+        if let Some(light) = light {
+            not_negative("the ambient light", light.ambient)?;
+            not_negative("the diffuse light", light.diffuse)?;
+            if !light.direction.is_finite() || light.direction == DVec3::ZERO {
+                let error = Error::usage("the light has no direction").got(light.direction);
+                return Err(error.expected("a finite vector that is not zero"));
+            }
+        }
+        Ok(CompiledShading { integrator, overlap: blend, silhouette, light })
+    }
+}
 
 /// Everything that a picture shows. Cheap to clone; scenes of one volume share it.
 #[derive(Debug, Clone)]
@@ -73,8 +119,7 @@ impl Scene {
     /// - those of the gradient filter, and cancellation.
     pub(super) fn compiled(&self, progress: &dyn Progress) -> Result<CompiledScene> {
         let camera = self.camera.place()?;
-        let shading = self.shading;
-        shading.check()?;
+        let shading = self.shading.compiled()?;
         let points = self.volume.built(false, false, progress)?.grid.points.clone();
         let transfer_function = Arc::new(self.transfer_function.scaled(&points)?);
         can_serve(&shading.integrator, &transfer_function)?;
