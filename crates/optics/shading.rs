@@ -132,6 +132,14 @@ pub struct Shading {
     pub light: Option<Light>,
 }
 
+impl Default for Shading {
+    /// Closed forms, without silhouettes and light.
+    fn default() -> Self {
+        let (integrator, overlap) = (Integrator::ANALYTIC, WidgetBlend::Exact);
+        Shading { integrator, overlap, silhouette: None, light: None }
+    }
+}
+
 impl Shading {
     /// The one colour of all that is seen, if there is one: then a pixel's colour is that times its opacity, and no order
     /// is needed. `None` under the constant-emitter, where several colours are drawn, and where light falls at an angle.
