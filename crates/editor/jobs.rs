@@ -30,8 +30,9 @@ struct JobObserver {
 }
 
 impl Observer for JobObserver {
-    fn progress(&self, _node: &str, stage: &str, fraction: f64) {
-        *self.progress.lock().unwrap_or_else(PoisonError::into_inner) = (stage.to_string(), fraction);
+    fn progress(&self, node: &str, stage: &str, fraction: f64) {
+        let stage = if node.is_empty() { stage.to_string() } else { format!("{node}: {stage}") };
+        *self.progress.lock().unwrap_or_else(PoisonError::into_inner) = (stage, fraction);
         self.ctx.request_repaint();
     }
 

@@ -8,9 +8,8 @@ use eframe::egui::{Context, Grid, ProgressBar, RichText, ScrollArea, Ui, Window}
 use std::path::PathBuf;
 use std::sync::Arc;
 use voltet_core::error::ErrorKind;
-use voltet_core::progress::Progress;
 use voltet_core::{Result, with_commas};
-use voltet_graph::{NodeProgress, Observer, RunReport};
+use voltet_graph::{Observer, RunReport};
 
 /// Request for a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +51,7 @@ pub struct StudiedRow {
 }
 
 /// Makes a study; called on a thread of its own. Errors: those of `voltet study`; a stop.
-pub type Study = Arc<dyn Fn(&StudyRequest, &dyn Progress) -> Result<Studied> + Send + Sync>;
+pub type Study = Arc<dyn Fn(&StudyRequest, &dyn Observer) -> Result<Studied> + Send + Sync>;
 
 #[derive(Default)]
 pub(crate) struct StudyPanel {
@@ -133,8 +132,7 @@ impl StudyPanel {
 
     pub fn begin(&mut self, of: StudyRequest, ctx: &Context) {
         let Some(make) = self.make.clone() else { return };
-        let work = move |observer: &dyn Observer| make(&of, &NodeProgress { observer, node: "" });
-        match Job::start("study", ctx, work) {
+        match Job::start("study", ctx, move |observer| make(&of, observer)) {
             Ok(made) => (self.made, self.found) = (Some(made), None),
             Err(error) => self.found = Some(Err(error.to_string())),
         }

@@ -4,27 +4,16 @@ use eframe::egui::{Color32, Context, Painter, Pos2, Rgba, Shape, Stroke, Theme, 
 use voltet_graph::PortType;
 
 pub(crate) fn apply(ctx: &Context) {
-    ctx.set_visuals_of(
-        Theme::Dark,
-        Visuals {
-            panel_fill: Color32::from_gray(30),
-            window_fill: Color32::from_gray(36),
-            extreme_bg_color: Color32::from_gray(18),
-            override_text_color: Some(Color32::from_gray(210)),
-            ..Visuals::dark()
-        },
-    );
-    ctx.set_visuals_of(
-        Theme::Light,
-        Visuals {
-            panel_fill: Color32::from_gray(243),
-            window_fill: Color32::from_gray(250),
-            extreme_bg_color: Color32::WHITE,
-            override_text_color: Some(Color32::from_gray(30)),
-            ..Visuals::light()
-        },
-    );
-    for theme in [Theme::Dark, Theme::Light] {
+    for (theme, visuals, grays) in [
+        (Theme::Dark, Visuals::dark(), [30, 36, 18, 210]),
+        (Theme::Light, Visuals::light(), [243, 250, 255, 30]),
+    ] {
+        let [panel_fill, window_fill, extreme_bg_color, text] = grays.map(Color32::from_gray);
+        let override_text_color = Some(text);
+        ctx.set_visuals_of(
+            theme,
+            Visuals { panel_fill, window_fill, extreme_bg_color, override_text_color, ..visuals },
+        );
         ctx.style_mut_of(theme, |style| {
             // Labels are dragged with what they stand on.
             style.interaction.selectable_labels = false;

@@ -104,12 +104,8 @@ impl GraphView {
                     self.begin_wire(scene, port);
                 }
             }
-            NodeResponse::ConnectEventEnded { .. }
-            | NodeResponse::CreatedNode(_)
-            | NodeResponse::DeleteNodeUi(_)
-            | NodeResponse::DeleteNodeFull { .. }
-            | NodeResponse::DisconnectEvent { .. }
-            | NodeResponse::User(_) => {}
+            // Wires end, and nodes are made and deleted, by this module's own hand.
+            _ => {}
         }
     }
 

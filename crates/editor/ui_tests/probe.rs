@@ -4,8 +4,7 @@ use super::transfer::with_distribution;
 use super::*;
 use crate::scene::Command;
 use crate::study::{Studied, StudyRequest};
-use voltet_core::progress::Progress;
-use voltet_graph::LocatedValue;
+use voltet_graph::{LocatedValue, Observer};
 
 fn last_widget(hand: &Hand) -> Vec<voltet_graph::Field> {
     let nodes = &hand.editor.document().pipeline().nodes;
@@ -125,11 +124,13 @@ impl Entry for voltet_graph::ParameterValue {
 #[test]
 fn a_study_runs_beside_the_window_and_can_be_stopped() {
     let mut hand = Hand::new(TEXT);
-    hand.editor.panels.study.make = Some(Arc::new(|of: &StudyRequest, progress: &dyn Progress| {
+    hand.editor.panels.study.make = Some(Arc::new(|of: &StudyRequest, observer: &dyn Observer| {
         assert!(of.text.contains("wavelet") && of.node.as_deref() == Some("picture"));
         for i in 0..2000 {
-            progress.report("settings", f64::from(i) / 2000.0);
-            progress.check_cancelled()?;
+            observer.progress("", "settings", f64::from(i) / 2000.0);
+            if observer.cancelled() {
+                return Err(Error::cancelled());
+            }
             std::thread::sleep(Duration::from_millis(10));
         }
         Ok(Studied { rows: Vec::new(), notes: Vec::new(), folder: None })
@@ -149,7 +150,7 @@ fn a_study_runs_beside_the_window_and_can_be_stopped() {
     until(&mut hand, "it does not stop", |hand| hand.editor.panels.study.found.as_ref().is_some());
     assert!(begun.elapsed() < Duration::from_secs(15));
     assert_eq!(hand.editor.panels.study.found.as_ref().unwrap().as_ref().unwrap_err(), "stopped");
-    hand.editor.panels.study.make = Some(Arc::new(|_: &StudyRequest, _: &dyn Progress| panic!("a mistake")));
+    hand.editor.panels.study.make = Some(Arc::new(|_: &StudyRequest, _: &dyn Observer| panic!("a mistake")));
     hand.editor.panels.study.begin(of, &hand.ctx.clone());
     until(&mut hand, "no end", |hand| hand.editor.panels.study.found.as_ref().is_some());
     assert!(

@@ -47,17 +47,19 @@ impl DistributionQuery {
 
     /// Exact within every cell. Along *g* it reaches as far as nearly all of the volume does: a few slivers have gradients of
     /// many times that. Where there is no gradient, *g* is 0.
-    fn find(&self, volume: &Volume, progress: &dyn Progress) -> Result<Distribution> {
-        let [x, y] = [values_of(volume, &self.axes[0])?, values_of(volume, &self.axes[1])?];
+    fn find(&self, call: &RunContext) -> Result<Distribution> {
+        let (volume, progress) = (call.volume("volume")?, call.progress());
+        let [x, y] = [values_of(&volume, &self.axes[0])?, values_of(&volume, &self.axes[1])?];
         let grid = &volume.grid;
         let mut axes = [Axis::over(&x, BINS), Axis::over(&y, BINS)];
         for axis in (0..2).filter(|axis| self.axes[*axis] == ArrayRef::Named("g")) {
             axes[axis] = of_nearly_all(grid, if axis == 0 { &x } else { &y }, progress)?;
         }
         let histogram = histogram(grid, [&x, &y], axes, progress)?;
+        let (quantities, shown) = (self.quantities(), axes.map(|axis| [axis.low, axis.high]));
         let known = match self.of_series {
-            true => DataScales::default(),
-            false => DataScales::find(&self.quantities(), &ends(axes), progress, |look| look(volume))?,
+            true => series_scales(call, quantities, shown, volume.gradient_magnitude.is_some())?,
+            false => DataScales::find(&quantities, shown, progress, |look| look(&volume))?,
         };
         Ok(Distribution { histogram, known })
     }
@@ -88,16 +90,7 @@ impl Query for DistributionQuery {
     const WAITS: bool = true;
 
     fn answer(&self, run: &mut QueryRun) -> Result<Arc<Distribution>> {
-        let quantities = self.quantities();
-        self.source.feed(run, &arrays(&quantities), &[], |call| {
-            let volume = call.volume("volume")?;
-            let mut found = self.find(&volume, call.progress())?;
-            if self.of_series {
-                let (gradient, shown) = (volume.gradient_magnitude.is_some(), ends(found.histogram.axes));
-                found.known = series_scales(call, quantities, shown, gradient)?;
-            }
-            Ok(Arc::new(found))
-        })
+        self.source.feed(run, &arrays(&self.quantities()), &[], |call| self.find(call)).map(Arc::new)
     }
 }
 
@@ -183,7 +176,7 @@ impl DataScales {
     /// within them. `quantities`: those of the plane's axes first; `shown`: the ends of these axes.
     fn find(
         quantities: &[ArrayRef],
-        shown: &[f64],
+        shown: [[f64; 2]; 2],
         progress: &dyn Progress,
         each: impl Fn(&mut dyn FnMut(&Volume) -> Result<()>) -> Result<()>,
     ) -> Result<DataScales> {
@@ -196,8 +189,8 @@ impl DataScales {
             }
             Ok(())
         })?;
-        for (quantity, shown) in quantities.iter().zip(shown.chunks_exact(2)) {
-            let spread = Spread::new([shown[0], shown[1]], known.ranges[quantity]);
+        for (quantity, shown) in quantities.iter().zip(shown) {
+            let spread = Spread::new(shown, known.ranges[quantity]);
             known.spreads.insert(quantity.clone(), spread);
         }
         each(&mut |volume| {
@@ -209,10 +202,6 @@ impl DataScales {
         known.spreads.values_mut().for_each(|spread| *spread = std::mem::take(spread).finished());
         Ok(known)
     }
-}
-
-fn ends(axes: [Axis; 2]) -> Vec<f64> {
-    axes.into_iter().flat_map(|axis| [axis.low, axis.high]).collect()
 }
 
 impl DataStatistics for DataScales {
@@ -239,25 +228,25 @@ fn values_of<'a>(volume: &'a Volume, quantity: &ArrayRef) -> Result<Cow<'a, [f64
 }
 
 /// Statistics of the series, by the quantities and axes that they were computed for.
-type SeriesCache = Mutex<Vec<((Vec<ArrayRef>, Vec<u64>), DataScales)>>;
+type SeriesCache = Mutex<Vec<((Vec<ArrayRef>, [[u64; 2]; 2]), DataScales)>>;
 
 /// Scales of all steps of a series, one at a time, as the transfer function looks at them. `quantities`: those of the plane's axes
 /// first; `shown`: the ends of these axes.
 fn series_scales(
     call: &RunContext,
     quantities: Vec<ArrayRef>,
-    shown: Vec<f64>,
+    shown: [[f64; 2]; 2],
     gradient_magnitude: bool,
 ) -> Result<DataScales> {
     let mut demand = Demand { gradient_magnitude, ..Demand::default() };
     demand.arrays.named.extend(arrays(&quantities));
     let kept: Arc<SeriesCache> = call.keep_over_steps("volume", &demand, || Ok(SeriesCache::default()))?;
     let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
-    let bits = shown.iter().map(|x| x.to_bits()).collect();
+    let bits = shown.map(|ends| ends.map(f64::to_bits));
     if let Some((_, known)) = kept.iter().find(|((of, at), _)| (of, at) == (&quantities, &bits)) {
         return Ok(known.clone());
     }
-    let known = DataScales::find(&quantities, &shown, call.progress(), |look| {
+    let known = DataScales::find(&quantities, shown, call.progress(), |look| {
         call.each_step("volume", &demand, &mut |_, value| match value.volume() {
             Some(volume) => look(&*volume?),
             None => Ok(()),

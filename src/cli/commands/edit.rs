@@ -6,7 +6,7 @@ use crate::cli::arguments::{Edit, Start};
 use crate::core::Result;
 use crate::core::progress::Progress;
 use crate::document;
-use crate::graph::{Observer, Registry};
+use crate::graph::{NodeProgress, Observer, Registry};
 use crate::{Document, Source};
 use std::path::Path;
 use std::sync::Arc;
@@ -15,14 +15,14 @@ use voltet_study::work_precision::{self as study, StudyOptions};
 
 pub fn edit(arguments: &Edit, registry: &Registry) -> Outcome {
     let (own, of_start) = (registry.clone(), registry.clone());
-    let study_of = Arc::new(move |of: &StudyRequest, progress: &dyn Progress| studied(of, &own, progress));
+    let study_of = Arc::new(move |of: &StudyRequest, observer: &dyn Observer| studied(of, &own, observer));
     let start = move |path: &Path, at: &Path| pipeline_for(path, at, &of_start);
     voltet_editor::run(arguments.file.as_deref(), registry, Arc::new(start), study_of)?;
     Ok(DONE)
 }
 
 /// `voltet study` without options, of a pipeline that need not be saved.
-fn studied(of: &StudyRequest, registry: &Registry, progress: &dyn Progress) -> Result<Studied> {
+fn studied(of: &StudyRequest, registry: &Registry, observer: &dyn Observer) -> Result<Studied> {
     let document = Document::from_text(&of.path, of.text.clone(), &[], registry)?;
     document.refuse_missing_data()?;
     let folder = measured::beside(&of.path);
@@ -30,7 +30,7 @@ fn studied(of: &StudyRequest, registry: &Registry, progress: &dyn Progress) -> R
     let outputs: Vec<_> = outputs.iter().map(|path| ("the study", path.as_path())).collect();
     document::refuse_conflicts([&document], false, &outputs).map_err(|failure| failure.error)?;
     measured::refuse_unwritable(&folder)?;
-    let followed = (&Gathering(progress) as &dyn Observer, progress);
+    let followed: (_, &dyn Progress) = (observer, &NodeProgress { observer, node: "" });
     let node = of.node.as_deref();
     let folders = [folder.as_path(), &study::cache_folder()];
     let (found, written) = measured::make(&document, node, StudyOptions::default(), folders, followed)?;
@@ -53,23 +53,6 @@ fn studied(of: &StudyRequest, registry: &Registry, progress: &dyn Progress) -> R
         notes.push(format!("stopped: {} of {} settings are measured", rows.len(), found.setting_count));
     }
     Ok(Studied { rows, notes, folder: (!written.is_empty()).then_some(folder) })
-}
-
-/// Follows the run of what feeds the picture.
-struct Gathering<'a>(&'a dyn Progress);
-
-impl Observer for Gathering<'_> {
-    fn progress(&self, node: &str, stage: &str, fraction: f64) {
-        self.0.report(&format!("{node}: {stage}"), fraction);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.0.cancelled()
-    }
-
-    fn memory_left(&self) -> Option<u64> {
-        self.0.memory_left()
-    }
 }
 
 /// The text of a pipeline for a file that is none: what a picture carries, or what is found for data. `at`: where it would be
