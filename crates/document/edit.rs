@@ -7,7 +7,7 @@ use crate::view::{Annotation, AnnotationId, NodeView, View, position_value};
 use std::sync::Arc;
 use voltet_core::{Error, Result, counted};
 use voltet_graph::pipeline::{EDITOR, ParsedPipeline, Pipeline};
-use voltet_graph::{Field, LocatedValue, NodeEntry, ParameterValue, find_setting, suggest};
+use voltet_graph::{Field, LocatedValue, NodeEntry, ParameterValue, find_setting};
 
 /// One edit. A path leads from a node's table to a part of its parameters: `"widgets.0.centre".into()`. Numbers of entries count
 /// from 0; a source is `node` or `node.port`.
@@ -170,11 +170,7 @@ impl EditContext<'_> {
     }
 
     fn node(&self, name: &str) -> Result<&NodeEntry> {
-        let nodes = &self.survey.pipeline.nodes;
-        nodes.iter().find(|node| node.name == name).ok_or_else(|| {
-            let known = suggest(name, nodes.iter().map(|node| node.name.as_str()));
-            Error::usage(format!("there is no node '{name}'")).expected(known)
-        })
+        links::node(&self.survey.pipeline.nodes, name)
     }
 
     fn parameter(&self, node: &str, path: &Path) -> Result<Path> {

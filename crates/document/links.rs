@@ -1,7 +1,16 @@
 //! Wires as pipeline files state them: `"node"` or `"node.port"`, one or a list.
 
 use std::collections::BTreeSet;
-use voltet_graph::{Field, LinkEntry, LocatedValue, NodeEntry, ParameterValue};
+use voltet_core::{Error, Result};
+use voltet_graph::{Field, LinkEntry, LocatedValue, NodeEntry, ParameterValue, suggest};
+
+/// The node of a name. Errors: there is none.
+pub(crate) fn node<'a>(nodes: &'a [NodeEntry], name: &str) -> Result<&'a NodeEntry> {
+    nodes.iter().find(|node| node.name == name).ok_or_else(|| {
+        let known = suggest(name, nodes.iter().map(|node| node.name.as_str()));
+        Error::usage(format!("there is no node '{name}'")).expected(known)
+    })
+}
 
 /// The node that a source names, and its output where it names one: a whole text that is a node's name means that node.
 pub fn source<'a>(text: &'a str, nodes: &[NodeEntry]) -> (&'a str, Option<&'a str>) {

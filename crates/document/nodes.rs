@@ -7,7 +7,7 @@ use crate::{Document, links};
 use std::collections::BTreeSet;
 use voltet_core::{Error, Result};
 use voltet_graph::pipeline::Pipeline;
-use voltet_graph::{Node, NodeEntry, Port, PortType, Registry, suggest};
+use voltet_graph::{Node, NodeEntry, Port, PortType, Registry};
 
 /// A kind of node types, for a menu, in the order in which data runs through them; told from the ports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -262,11 +262,7 @@ impl Document {
     /// Adds copies of nodes beside them, as one step, and gives their names. Wires from nodes that are not copied feed the copies,
     /// too.
     pub fn duplicate(&mut self, names: &[String]) -> Result<Vec<String>> {
-        let nodes = &self.pipeline().nodes;
-        if let Some(strange) = names.iter().find(|name| !nodes.iter().any(|node| node.name == **name)) {
-            let known = suggest(strange, nodes.iter().map(|node| node.name.as_str()));
-            return Err(Error::usage(format!("there is no node '{strange}'")).expected(known));
-        }
+        names.iter().try_for_each(|name| links::node(&self.pipeline().nodes, name).map(drop))?;
         let copied = Document::from_text(self.copy(names), None);
         let places: Vec<[f64; 2]> =
             copied.pipeline().nodes.iter().map(|node| self.position(&node.name).map(|x| x + ASIDE)).collect();

@@ -31,8 +31,8 @@ impl Term {
     ) -> Result<()> {
         match &self.shape {
             ReadyProfile::Uniform => {}
-            ReadyProfile::Gaussian { .. } => gaussian(along, cutoff, cuts)?,
-            ReadyProfile::Triangular { .. } => triangular(along, cutoff, cuts),
+            ReadyProfile::Gaussian(_) => gaussian(along, cutoff, cuts)?,
+            ReadyProfile::Triangular(..) => triangular(along, cutoff, cuts),
             ReadyProfile::Bands(wave) => bands(wave, along[0], cutoff, cuts)?,
             ReadyProfile::Linear { points, peak } => linear(points, along[0], cutoff.map(|c| c * peak), cuts),
             ReadyProfile::Table(texels) => texels.features(along, cutoff, cuts),

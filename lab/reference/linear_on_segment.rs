@@ -226,6 +226,16 @@ impl LinearOnSegment {
         along
     }
 
+    /// Like [`LinearOnSegment::new`], of factors that are doubles.
+    pub(crate) fn exact(
+        front: &[f64],
+        back: &[f64],
+        parts: impl Iterator<Item = (usize, f64, f64)>,
+    ) -> LinearOnSegment {
+        let wide = |(column, factor, origin): (usize, f64, f64)| (column, Wide::from(factor), origin);
+        LinearOnSegment::new(front, back, parts.map(wide))
+    }
+
     pub(crate) fn rounded(
         front: &[f64],
         back: &[f64],

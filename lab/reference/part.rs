@@ -60,7 +60,7 @@ impl Term {
                 numbers.extend([1.0, 1.0]);
                 (Kind::Linear, true, above(1.0))
             }
-            ReadyProfile::Gaussian { .. } => {
+            ReadyProfile::Gaussian(_) => {
                 numbers.extend((0..from.len()).flat_map(ends));
                 let square = |at: &dyn Fn([f64; 2]) -> f64| -> f64 {
                     (0..from.len()).map(|k| at(ends(k)).powi(2)).sum()
@@ -69,7 +69,7 @@ impl Term {
                 let nearest = square(&|e| e[0]).min(square(&|e| e[1])).sqrt();
                 (Kind::Gaussian, nearest < NOTHING + 2.0, square(&middle) < reach)
             }
-            ReadyProfile::Triangular { .. } => {
+            ReadyProfile::Triangular(..) => {
                 let count = from.len() - 1;
                 let width = ends(count);
                 if middle(width) <= 0.0 {

@@ -24,21 +24,24 @@ impl Side {
 }
 
 /// The half planes of a rectangle; infinite limits give none.
-fn sides_of_rectangle(limits: [[f64; 2]; 2]) -> Vec<Side> {
+fn sides_of_rectangle(region: &Region) -> Vec<Side> {
     let side = |axis: usize, limit: f64, sign: f64| {
         let mut side = Side { origin: [0.0; 2], normal: [Wide::ZERO; 2] };
         (side.origin[axis], side.normal[axis]) = (limit, Wide::from(sign));
         limit.is_finite().then_some(side)
     };
-    let axes = limits.into_iter().enumerate();
-    axes.flat_map(|(axis, [low, high])| [side(axis, low, 1.0), side(axis, high, -1.0)]).flatten().collect()
+    let both = |axis: usize| {
+        let [low, high] = region.limits(axis);
+        [side(axis, low, 1.0), side(axis, high, -1.0)]
+    };
+    (0..2).flat_map(both).flatten().collect()
 }
 
 /// The half planes of a region. Rectangles may have infinite limits, which give none.
 fn sides_of(region: &Region) -> Vec<Side> {
     let corners = &region.corners;
-    if let Some(limits) = rectangle(corners) {
-        return sides_of_rectangle(limits);
+    if region.is_rectangle() {
+        return sides_of_rectangle(region);
     }
     let twice_area: f64 = (1..corners.len() - 1)
         .map(|k| {
@@ -57,15 +60,6 @@ fn sides_of(region: &Region) -> Vec<Side> {
         (a != b).then_some(Side { origin: a, normal })
     };
     (0..corners.len()).filter_map(edge).collect()
-}
-
-/// [[s_low, s_high], [g_low, g_high]] when the corners are those of a rectangle along the axes.
-fn rectangle(corners: &[[f64; 2]]) -> Option<[[f64; 2]; 2]> {
-    let [a, b, c, d] = corners else { return None };
-    let along_first = a[1] == b[1] && b[0] == c[0] && c[1] == d[1] && d[0] == a[0];
-    let along_second = a[0] == b[0] && b[1] == c[1] && c[0] == d[0] && d[1] == a[1];
-    (along_first || along_second)
-        .then(|| [[a[0].min(c[0]), a[0].max(c[0])], [a[1].min(c[1]), a[1].max(c[1])]])
 }
 
 /// A path that stays within so many widths of a Gaussian's centre is known to 1e-14 of a width in doubles.
@@ -88,19 +82,9 @@ pub(crate) struct Term {
 pub(crate) enum ReadyProfile {
     Uniform,
     /// Coordinates: K (v − v0).
-    Gaussian {
-        columns: Vec<usize>,
-        centre: Vec<f64>,
-        matrix: Vec<Vec<f64>>,
-    },
-    /// Coordinates: K (v − v0), and the width that they are shares of.
-    Triangular {
-        columns: Vec<usize>,
-        centre: Vec<f64>,
-        matrix: Vec<Vec<f64>>,
-        /// Its column and what that is multiplied by.
-        width: (usize, f64),
-    },
+    Gaussian(Widths),
+    /// Coordinates: K (v − v0), and the width that they are shares of: its column and what that is multiplied by.
+    Triangular(Widths, (usize, f64)),
     /// Coordinate: φ.
     Bands(Bands),
     /// Coordinate: s.
@@ -110,6 +94,22 @@ pub(crate) enum ReadyProfile {
     },
     /// Coordinates: s, g.
     Table(Texels),
+}
+
+/// K and v0, over these columns of a value.
+pub(crate) struct Widths {
+    columns: Vec<usize>,
+    centre: Vec<f64>,
+    matrix: Vec<Vec<f64>>,
+}
+
+impl Widths {
+    /// The column, factor and origin of each part of K (v − v0), coordinate by coordinate.
+    fn coordinates(&self) -> impl Iterator<Item = impl Iterator<Item = (usize, f64, f64)> + Clone> {
+        let Widths { columns, centre, matrix } = self;
+        let part = |((factor, column), origin): ((&f64, &usize), &f64)| (*column, *factor, *origin);
+        matrix.iter().map(move |row| row.iter().zip(columns).zip(centre).map(part))
+    }
 }
 
 /// A triangle or sine wave; peaks at φ = n + ½.
@@ -147,35 +147,31 @@ impl Term {
         let column = |name: &String| {
             2 + fields.iter().position(|field| field == name).expect("the fields are those of all widgets")
         };
-        let columns = |own: &[String]| own.iter().map(column).collect();
+        let widths = |own: &[String], centre: &[f64], matrix: &[Vec<f64>]| {
+            let columns = own.iter().map(column).collect();
+            Widths { columns, centre: centre.to_vec(), matrix: matrix.to_vec() }
+        };
         let properties = widget.profile.properties();
         let regions = widget.region.iter().chain(&properties.range);
         let sides = regions.flat_map(sides_of).collect();
         let mut extinction = widget.extinction;
         let shape = match &widget.profile {
             Profile::Uniform => ReadyProfile::Uniform,
-            Profile::Gaussian { centre, matrix } => ReadyProfile::Gaussian {
+            Profile::Gaussian { centre, matrix } => ReadyProfile::Gaussian(Widths {
                 columns: vec![0, 1],
                 centre: centre.to_vec(),
-                matrix: matrix.iter().map(|row| row.to_vec()).collect(),
-            },
-            Profile::GaussianNd { fields, centre, matrix } => ReadyProfile::Gaussian {
-                columns: columns(fields),
-                centre: centre.clone(),
-                matrix: matrix.clone(),
-            },
-            Profile::TriangularGaussian { centre, sigma } => ReadyProfile::Triangular {
-                columns: vec![0],
-                centre: vec![*centre],
-                matrix: vec![vec![1.0]],
-                width: (1, *sigma),
-            },
-            Profile::TriangularGaussianNd { fields, magnitude, centre, matrix } => ReadyProfile::Triangular {
-                columns: columns(fields),
-                centre: centre.clone(),
-                matrix: matrix.clone(),
-                width: (column(magnitude), 1.0),
-            },
+                matrix: matrix.map(Vec::from).to_vec(),
+            }),
+            Profile::GaussianNd { fields, centre, matrix } => {
+                ReadyProfile::Gaussian(widths(fields, centre, matrix))
+            }
+            Profile::TriangularGaussian { centre, sigma } => {
+                let own = Widths { columns: vec![0], centre: vec![*centre], matrix: vec![vec![1.0]] };
+                ReadyProfile::Triangular(own, (1, *sigma))
+            }
+            Profile::TriangularGaussianNd { fields, magnitude, centre, matrix } => {
+                ReadyProfile::Triangular(widths(fields, centre, matrix), (column(magnitude), 1.0))
+            }
             Profile::TriangleWave(wave) => ReadyProfile::Bands(Bands::new(wave, false)),
             Profile::SineWave(wave) => ReadyProfile::Bands(Bands::new(wave, true)),
             Profile::PiecewiseLinear { points } => {
@@ -223,24 +219,15 @@ impl Term {
     pub(crate) fn coordinates(&self, front: &[f64], back: &[f64], out: &mut Vec<LinearOnSegment>) {
         match &self.shape {
             ReadyProfile::Uniform => {}
-            ReadyProfile::Gaussian { columns, centre, matrix } => out.extend(matrix.iter().map(|row| {
-                let parts =
-                    || row.iter().zip(columns).zip(centre).map(|((k, column), v0)| (*column, *k, *v0));
-                let along = LinearOnSegment::rounded(front, back, parts());
+            ReadyProfile::Gaussian(widths) => out.extend(widths.coordinates().map(|parts| {
+                let along = LinearOnSegment::rounded(front, back, parts.clone());
                 let farthest = along.front.abs().value().max(along.back.abs().value());
-                if farthest < ROUNDED_WIDTHS {
-                    return along;
-                }
-                LinearOnSegment::new(front, back, parts().map(|(column, k, v0)| (column, Wide::from(k), v0)))
+                if farthest < ROUNDED_WIDTHS { along } else { LinearOnSegment::exact(front, back, parts) }
             })),
-            ReadyProfile::Triangular { columns, centre, matrix, width: (column, factor) } => {
-                out.extend(matrix.iter().map(|row| {
-                    let parts = row.iter().zip(columns).zip(centre);
-                    let parts = parts.map(|((k, column), v0)| (*column, Wide::from(*k), *v0));
-                    LinearOnSegment::new(front, back, parts)
-                }));
-                let width = [(*column, Wide::from(*factor), 0.0)].into_iter();
-                out.push(LinearOnSegment::new(front, back, width));
+            ReadyProfile::Triangular(widths, (column, factor)) => {
+                let exact = |parts| LinearOnSegment::exact(front, back, parts);
+                out.extend(widths.coordinates().map(exact));
+                out.push(LinearOnSegment::exact(front, back, [(*column, *factor, 0.0)].into_iter()));
             }
             ReadyProfile::Bands(bands) => {
                 let parts = (0..2).map(|axis| (axis, bands.slope[axis], bands.origin[axis]));

@@ -25,6 +25,14 @@ impl Region {
         Region { corners: vec![[s[0], g[0]], [s[1], g[0]], [s[1], g[1]], [s[0], g[1]]] }
     }
 
+    /// True if it is a rectangle along the axes.
+    pub fn is_rectangle(&self) -> bool {
+        let [a, b, c, d] = *self.corners else { return false };
+        let along_s = a[1] == b[1] && b[0] == c[0] && c[1] == d[1] && d[0] == a[0];
+        let along_g = a[0] == b[0] && b[1] == c[1] && c[0] == d[0] && d[1] == a[1];
+        along_s || along_g
+    }
+
     /// False for a strip that is limited in s only.
     pub fn depends_on_g(&self) -> bool {
         self.corners.iter().any(|c| c[1].is_finite())
@@ -104,7 +112,9 @@ impl Convex {
         if corners.iter().flatten().any(|c| c.is_nan()) {
             return Err(Error::usage("a region's corner is not a number").expected("finite corners [s, g]"));
         }
-        if let Some([low, high]) = rectangle(corners) {
+        if region.is_rectangle() {
+            let limits = [0, 1].map(|axis| region.limits(axis));
+            let [low, high] = [0, 1].map(|end| limits.map(|axis| axis[end]));
             return match low[0] < high[0] && low[1] < high[1] {
                 true => Ok(Convex::Rectangle { low, high }),
                 false => Err(without_area()),
@@ -191,16 +201,6 @@ fn goes_once_around(corners: &[[f64; 2]]) -> bool {
         .zip(edges.iter().cycle().skip(1))
         .map(|(a, b)| difference_of_products(a[0], b[1], a[1], b[0]).atan2(a[0] * b[0] + a[1] * b[1]));
     (turns.sum::<f64>().abs() / std::f64::consts::TAU).round() == 1.0
-}
-
-/// The region as an axis-parallel rectangle, if it is one.
-fn rectangle(corners: &[[f64; 2]]) -> Option<[[f64; 2]; 2]> {
-    let &[a, b, c, d] = corners else { return None };
-    let along_s = a[1] == b[1] && b[0] == c[0] && c[1] == d[1] && d[0] == a[0];
-    let along_g = a[0] == b[0] && b[1] == c[1] && c[0] == d[0] && d[1] == a[1];
-    let low = [a[0].min(c[0]), a[1].min(c[1])];
-    let high = [a[0].max(c[0]), a[1].max(c[1])];
-    (along_s || along_g).then_some([low, high])
 }
 
 fn without_area() -> Error {

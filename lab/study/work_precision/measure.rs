@@ -14,7 +14,9 @@ use voltet_core::{Error, Result};
 use voltet_introspect::{clear_caches, multiply_adds_per_second};
 use voltet_io::memory;
 use voltet_nodes::drawing::{ENGINES, NATIVE, is_asked_by};
-use voltet_optics::engine::{Engine, EngineInfo, PreparedVolume, RenderOptions, RenderOutput, Stage};
+use voltet_optics::engine::{
+    Engine, EngineInfo, PreparedVolume, RenderOptions, RenderOutput, Stage, StageTiming,
+};
 use voltet_optics::scene::Scene;
 
 /// Engines to measure on.
@@ -265,10 +267,12 @@ pub(super) fn measure(
     }
     let peak_memory_bytes = memory::peak().filter(|_| fresh);
     let whole = spread(taken.iter().map(|frame| frame.seconds).collect());
-    let (set_up, frame) = match stage(&taken, Stage::SetUp) {
+    let stage = |stage: Stage| timed(&taken, |part| part.stage == stage);
+    let (set_up, frame) = match stage(Stage::SetUp) {
         Some(set_up) => {
-            let rest =
-                |frame: &TimedPicture| frame.seconds - seconds_of(&frame.drawn, Stage::SetUp).unwrap_or(0.0);
+            let rest = |frame: &TimedPicture| {
+                frame.seconds - seconds_of(&frame.drawn, |part| part.stage == Stage::SetUp).unwrap_or(0.0)
+            };
             (set_up, spread(taken.iter().map(rest).collect()))
         }
         None => {
@@ -281,10 +285,10 @@ pub(super) fn measure(
         picture: whole,
         set_up,
         frame,
-        cull: stage(&taken, Stage::Cull),
-        sort: stage(&taken, Stage::Sort),
-        project: stage(&taken, Stage::Project),
-        composite: stage(&taken, Stage::Composite),
+        cull: stage(Stage::Cull),
+        sort: stage(Stage::Sort),
+        project: stage(Stage::Project),
+        composite: stage(Stage::Composite),
         in_flight_ms,
         passes: passes(&taken),
         segments: counts.segments,
@@ -320,32 +324,26 @@ fn in_flight(
     Ok(1e3 * begun.elapsed().as_secs_f64() / count.max(1) as f64)
 }
 
-/// Seconds of a stage in one frame; `None` where nothing timed it.
-fn seconds_of(drawn: &RenderOutput, stage: Stage) -> Option<f64> {
-    let parts: Vec<f64> =
-        drawn.stages.iter().filter(|part| part.stage == stage).map(|part| part.seconds).collect();
+/// Seconds of the parts of one frame that count, together; `None` where nothing timed them.
+fn seconds_of(drawn: &RenderOutput, counts: impl Fn(&StageTiming) -> bool) -> Option<f64> {
+    let parts: Vec<f64> = drawn.stages.iter().filter(|part| counts(part)).map(|part| part.seconds).collect();
     (!parts.is_empty()).then(|| parts.iter().sum())
 }
 
-/// Times of a stage over all frames; `None` where it was not timed in each.
-fn stage(taken: &[TimedPicture], stage: Stage) -> Option<Times> {
-    taken.iter().map(|frame| seconds_of(&frame.drawn, stage)).collect::<Option<Vec<f64>>>().map(spread)
+/// Times of such parts over all frames; `None` where they were not timed in each.
+fn timed(taken: &[TimedPicture], counts: impl Fn(&StageTiming) -> bool) -> Option<Times> {
+    taken.iter().map(|frame| seconds_of(&frame.drawn, &counts)).collect::<Option<Vec<f64>>>().map(spread)
 }
 
 fn passes(taken: &[TimedPicture]) -> Vec<Pass> {
-    let mut passes: Vec<Pass> = Vec::new();
+    let mut names: Vec<&'static str> = Vec::new();
     for name in taken.iter().flat_map(|frame| &frame.drawn.stages).filter_map(|part| part.pass) {
-        let of = |frame: &TimedPicture| {
-            let found = frame.drawn.stages.iter().find(|part| part.pass == Some(name));
-            found.map(|part| part.seconds)
-        };
-        if !passes.iter().any(|known| known.name == name)
-            && let Some(seconds) = taken.iter().map(of).collect::<Option<Vec<f64>>>()
-        {
-            passes.push(Pass { name, times: spread(seconds) });
+        if !names.contains(&name) {
+            names.push(name);
         }
     }
-    passes
+    let pass = |name| Some(Pass { name, times: timed(taken, |part| part.pass == Some(name))? });
+    names.into_iter().filter_map(pass).collect()
 }
 
 /// Median and ends of seconds, at least one of them, in milliseconds.
