@@ -8,21 +8,8 @@ const COMPARED: usize = 64;
 /// Edit distance with transpositions of neighbours (optimal string alignment), in characters, of names in any case. Only their
 /// first characters count where they are long, since files make names of any length.
 pub fn edit_distance(a: &str, b: &str) -> usize {
-    let [a, b] = [a, b].map(|name| name.to_lowercase().chars().take(COMPARED).collect::<Vec<char>>());
-    let mut before_last: Vec<usize> = Vec::new();
-    let mut last: Vec<usize> = (0..=b.len()).collect();
-    for i in 1..=a.len() {
-        let mut row = vec![i; b.len() + 1];
-        for j in 1..=b.len() {
-            let change = usize::from(a[i - 1] != b[j - 1]);
-            row[j] = (last[j] + 1).min(row[j - 1] + 1).min(last[j - 1] + change);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                row[j] = row[j].min(before_last[j - 2] + 1);
-            }
-        }
-        before_last = std::mem::replace(&mut last, row);
-    }
-    last[b.len()]
+    let [a, b] = [a, b].map(|name| name.to_lowercase().chars().take(COMPARED).collect::<String>());
+    strsim::osa_distance(&a, &b)
 }
 
 /// The candidate nearest to `name`, if any is near enough to be what was meant: at most a third of the longer
