@@ -22,7 +22,7 @@ pub use kinds::{Kind, Spans};
 pub use parameters::{Parameters, SceneHead, check_32_bits};
 pub use passes::{
     Access, FramePass, GRID_GROUP, GridArray, Layout, PartedArray, Parts, PlacementRecord, RoundRecord,
-    RunRecord, ViewRecord, cells_read, multiply_adds,
+    RunRecord, ViewRecord, cells_read,
 };
 pub use resources::{
     Buffer, Contents, Pass, Places, Resources, TEXEL_BYTES, TableScene, WgslTable, WgslTableExtension, images,

@@ -346,12 +346,6 @@ impl FramePass {
     }
 }
 
-/// The pass that measures a device's multiply-adds: its text, and how many each of its workgroups does.
-pub fn multiply_adds() -> (Shader, u64) {
-    // 64 invocations, 1,024 rounds, 8 chains of 4 lanes.
-    (compose_pieces("", &["measured/multiply_adds"]), 64 * 1024 * 8 * 4)
-}
-
 /// `View` of `passes/view.wgsl`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]

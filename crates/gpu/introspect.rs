@@ -1,4 +1,4 @@
-//! Measurements of a device, and single ray segments through the composed shaders, for comparison with exact values. No part of the
+//! Device of an engine, and single ray segments through the composed shaders, for comparison with exact values. No part of the
 //! public interface: it changes with the engine.
 
 use crate::device::pipelines::{Binding, Bound, Program, in_order};
@@ -6,7 +6,6 @@ use crate::device::{Device, Timing};
 use crate::engine::GpuEngine;
 use std::any::Any;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
 use voltet_optics::engine::{Engine, Stage};
@@ -14,58 +13,12 @@ use voltet_optics::integrators::Extent;
 use voltet_optics::shading::{Integrator, Shading};
 use voltet_optics::{Contribution, Segment, WidgetBlend};
 use voltet_shaders::segment_list::{CONTRIBUTION, axes, constants, contributions, holds, row};
-use voltet_shaders::{
-    CompositorProgram, Parameters, Resources, Shader, ShaderKey, compose, compose_pieces, multiply_adds,
-};
+use voltet_shaders::{CompositorProgram, Parameters, Resources, Shader, ShaderKey, compose, compose_pieces};
 use wgpu::BufferUsages;
 
 /// Device of an engine, if it is this crate's.
 pub fn device_of(engine: &dyn Engine) -> Option<&Arc<Device>> {
     (engine as &dyn Any).downcast_ref().map(|GpuEngine { device, .. }| device)
-}
-
-/// A measurement's shortest time: a thousand times what submitting and waiting take.
-const LONG_ENOUGH: Duration = Duration::from_millis(50);
-
-/// Number of tries of each measurement, of which the best counts: other work on the device only slows it down.
-const TRIES: usize = 3;
-
-impl Device {
-    /// 32-bit multiply-adds a second, measured: chains in registers that wait for nothing but themselves.
-    ///
-    /// Errors: a lost device.
-    pub fn multiply_adds_per_second(&self) -> Result<f64> {
-        let (shader, of_workgroup) = multiply_adds();
-        let sums = self.storage("the sums", (2 + 64) * 16)?;
-        // Sums stay near 1: no number that a device might treat apart.
-        let start = [[0.5f32; 4], [0.5; 4]];
-        self.guarded("the sums", || self.queue.write_buffer(&sums, 0, bytemuck::bytes_of(&start)))?;
-        let mut pass = self.pass(&Program {
-            name: ("multiply_adds", Stage::Composite),
-            shader: &shader,
-            constants: vec![],
-            groups: [&in_order([(Bound::Write, &sums)]), &[], &[]],
-            workgroups: [1; 3],
-        })?;
-        let mut run = |workgroups: u32| -> Result<Duration> {
-            let begin = Instant::now();
-            pass.workgroups[0] = workgroups;
-            self.submit("the multiply-adds", |encoder| pass.run(encoder, &mut Timing::default()))?;
-            self.wait("the multiply-adds", None)?;
-            Ok(begin.elapsed())
-        };
-        run(1)?;
-        let most = self.limits.max_compute_workgroups_per_dimension;
-        let mut workgroups = 64.min(most);
-        while run(workgroups)? < LONG_ENOUGH && workgroups < most {
-            workgroups = workgroups.saturating_mul(2).min(most);
-        }
-        let mut best = f64::INFINITY;
-        for _ in 0..TRIES {
-            best = best.min(run(workgroups)?.as_secs_f64());
-        }
-        Ok(workgroups as f64 * of_workgroup as f64 / best)
-    }
 }
 
 /// Segments that one dispatch composites: a software driver ends loops after 65,535 rounds in all.

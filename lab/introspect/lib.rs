@@ -54,17 +54,6 @@ pub fn clear_caches(#[cfg_attr(not(feature = "gpu"), expect(unused))] engine: &d
     }
 }
 
-/// Rate of 32-bit multiply-adds of a device (1/s), measured; `None` of other engines. Errors: a lost device.
-pub fn multiply_adds_per_second(
-    #[cfg_attr(not(feature = "gpu"), expect(unused))] engine: &dyn Engine,
-) -> Result<Option<f64>> {
-    #[cfg(feature = "gpu")]
-    if let Some(device) = device_of(engine) {
-        return device.multiply_adds_per_second().map(Some);
-    }
-    Ok(None)
-}
-
 /// CPU engine on one lane set; each segment is a scene of its own.
 #[derive(Debug, Clone)]
 pub struct LaneEvaluator {

@@ -79,8 +79,7 @@ pub enum Command {
     /// Draw pipelines' scenes again and again with a camera that turns, and print how long a frame takes on each engine.
     ///
     /// The integrator, light and overlaps are those of the file; where the scene needs an order, the exact and the centroid
-    /// order are measured. Nothing is written but the table (Markdown) on the standard output. Above the rows of a
-    /// device stands the rate of multiply-adds that it reaches at most, measured.
+    /// order are measured. Nothing is written but the table (Markdown) on the standard output.
     Time(Time),
     /// Make the tables and figures of the papers anew that the program follows: what is printed beside what is found here.
     ///

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use voltet_core::picture::Picture;
 use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::{Error, Result};
-use voltet_introspect::{clear_caches, multiply_adds_per_second};
+use voltet_introspect::clear_caches;
 use voltet_io::memory;
 use voltet_nodes::drawing::{ENGINES, NATIVE, is_asked_by};
 use voltet_optics::engine::{
@@ -81,15 +81,6 @@ impl Benches {
             is_software: bench.engine.is_software(),
         };
         on_device.map(adapter).collect()
-    }
-
-    /// Each device's name and its 32-bit multiply-adds a second, measured. Errors: a lost device.
-    pub fn multiply_adds_per_second(&self) -> Result<Vec<(String, f64)>> {
-        let rate = |bench: &Bench| {
-            let rate = multiply_adds_per_second(bench.engine.as_ref()).transpose()?;
-            Some(rate.map(|rate| (bench.engine.adapter(), rate)))
-        };
-        self.benches.iter().filter_map(rate).collect()
     }
 
     /// Configurations to measure, engine by engine.

@@ -71,7 +71,8 @@ fn measure(arguments: &arguments::Time, wish: &StudyOptions, document: &Document
             let cells = counted(subject.scene.volume.grid.tetrahedra.len(), "tetrahedron");
             let mut head = format!("\n{title}: {cells}\n");
             head.extend(benches.left_out.iter().map(|what| format!("\nnot measured: {what}\n")));
-            head += &devices(&benches)?;
+            let devices = benches.adapters(&subject, wish);
+            head.extend(devices.iter().map(|device| format!("\ndevice: {}\n", device.name)));
             print(&format!("{head}\n{HEAD}\n"))?;
         }
         if !rows(arguments, wish, subject, &mut benches, bar)? {
@@ -79,18 +80,6 @@ fn measure(arguments: &arguments::Time, wish: &StudyOptions, document: &Document
         }
     }
     Ok(())
-}
-
-/// Names of the measured devices, with their highest rates.
-fn devices(benches: &Benches) -> Result<String> {
-    let line = |(name, rate): (_, f64)| {
-        let rate = 1e-9 * rate;
-        format!(
-            "\ndevice: {name}; measured: {rate:.0}·10⁹ 32-bit multiply-adds/s, {:.0} GFLOP/s\n",
-            2.0 * rate
-        )
-    };
-    Ok(benches.multiply_adds_per_second()?.into_iter().map(line).collect())
 }
 
 /// Prints the rows of one node that draws; false if the output was closed. Errors: cancellation; other errors stand in their row.

@@ -160,15 +160,6 @@ fn all_mixed() {
     within("all mixed", &drawn.picture, &referee(&scene), 2e-2);
 }
 
-/// Ten million a second is less than any device does, 1e15 more.
-#[test]
-fn multiply_adds_are_counted() {
-    let Some(device) = device() else { return };
-    let rate = device.multiply_adds_per_second().expect("runs");
-    println!("{}: {rate:.3e} multiply-adds a second", device.name);
-    assert!((1e7..1e15).contains(&rate), "{rate:e}");
-}
-
 /// Tiles whose pixels are opaque look at no further cell, whatever the order; the picture is the referee's all the same.
 #[test]
 fn opaque_tiles_stop_early() {
