@@ -27,7 +27,7 @@ pub enum LaneSet {
     Avx512,
     /// 8 lanes: AVX2 and FMA (and the bit operations that came with them).
     Avx2,
-    /// 4 lanes that every processor has: SSE2 on x86-64, NEON on AArch64, arrays elsewhere.
+    /// Lanes that every processor has: 4 of SSE2 on x86-64, 8 of NEON on AArch64, arrays of 4 elsewhere.
     Portable,
 }
 

@@ -1,7 +1,7 @@
 //! voltet-simd: vector lanes, and what is written in them: the 32-bit formulas ([`optics`]) and a sorting network ([`sort`]).
 //!
-//! Vector lanes are the few operations the kernels are written in, over 16 (AVX-512), 8 (AVX2 + FMA) or 4 lanes, which
-//! every processor has: SSE2 on x86-64, NEON on AArch64, arrays elsewhere.
+//! Vector lanes are the few operations the kernels are written in, over 16 (AVX-512) or 8 lanes (AVX2 + FMA), or those that
+//! every processor has: 4 of SSE2 on x86-64, 8 of NEON on AArch64, arrays of 4 elsewhere.
 //!
 //! A kernel is one generic function over [`Lanes`], marked `#[inline(always)]`; [`dispatch()`] runs it inside a
 //! function that carries the processor features, chosen once at run time. The implementations agree lane

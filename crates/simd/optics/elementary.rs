@@ -252,7 +252,7 @@ mod tests {
         let below_root_2 = |k: u32| 1.4 + 0.014 * (f64::from(k) + 0.5) / f64::from(COUNT);
         let error = |x: f64| {
             let x = x as f32;
-            let mut found = [0.0; 4];
+            let mut found = [0.0; Portable::WIDTH];
             ln::<Portable>(<Portable as Lanes>::F::splat(x)).store(&mut found);
             f64::from(found[0]) - f64::from(x).ln()
         };

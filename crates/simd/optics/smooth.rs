@@ -229,7 +229,7 @@ pub(super) mod tests {
     }
 
     pub(in crate::optics) fn lane(x: F) -> f64 {
-        let mut lanes = [0f32; 4];
+        let mut lanes = [0f32; P::WIDTH];
         x.store(&mut lanes);
         f64::from(lanes[0])
     }
