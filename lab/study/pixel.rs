@@ -48,6 +48,8 @@ pub struct Pixel {
     pub background: [f64; 3],
     /// Reason why the ray shows nothing, where it does.
     pub nothing: Option<String>,
+    /// Warnings of the nodes that feed the one that draws.
+    pub warnings: Vec<String>,
 }
 
 #[derive(Debug, Clone)]
@@ -130,6 +132,7 @@ pub fn pixel(
         referee,
         drawn,
         nothing,
+        warnings: subject.warnings,
     })
 }
 

@@ -379,7 +379,7 @@ impl Pipeline {
             })?;
             let shown =
                 (pixel::json(&found).to_string(), pixel::text(&found, all), pixel::plot(&found).svg());
-            Ok((shown, Vec::new()))
+            Ok((shown, found.warnings))
         })
     }
 
@@ -409,7 +409,7 @@ impl Pipeline {
             if study.stopped() && observer.cancelled() {
                 return Err(Error::cancelled());
             }
-            Ok(((json(&study, &title).to_string(), study.reference.picture), Vec::new()))
+            Ok(((json(&study, &title).to_string(), study.reference.picture), study.subject.warnings))
         })?;
         Ok((text, handed_over(py, reference)?))
     }

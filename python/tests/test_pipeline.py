@@ -224,7 +224,14 @@ def test_warnings_of_reports_are_warnings_of_python(cube):
     some = voltet.scene(voltet.Grid(**cube), size=(8, 8), engine="cpu")
     some.add("seen", "histogram", volume="gradient")
     ends = np.full((8, 8), np.inf)
-    entries = (lambda: some.render("picture"), lambda: some.volume("gradient"), lambda: some.figures("seen"), lambda: some.render_until(ends))
+    entries = (
+        lambda: some.render("picture"),
+        lambda: some.volume("gradient"),
+        lambda: some.figures("seen"),
+        lambda: some.render_until(ends),
+        lambda: some.pixel(4, 4),
+        lambda: some.study(only=["analytic"], frames=1, patience=0.1),
+    )
     for entry in entries:
         with pytest.warns(voltet.VoltetWarning, match="finite"):
             entry()

@@ -59,8 +59,8 @@ fn title(error: &Error, is_pointed: bool) -> String {
 }
 
 /// Warnings, a line each, but for the first `shown` of them: those of the graph are shown with their location before the run.
-pub fn warnings(report: &RunReport, shown: usize) -> String {
-    report.warnings.iter().skip(shown).map(|warning| format!("warning: {}\n", name(warning))).collect()
+pub fn warnings(all: &[String], shown: usize) -> String {
+    all.iter().skip(shown).map(|warning| format!("warning: {}\n", name(warning))).collect()
 }
 
 /// Findings, and a line for the written files.

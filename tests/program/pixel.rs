@@ -27,6 +27,19 @@ fn said<'a>(found: &'a Value, name: &str) -> &'a Value {
     found["integrators"].as_array().unwrap().iter().find(|said| said["integrator"] == name).unwrap()
 }
 
+/// What is said of a run is said of what measures its picture, too.
+#[test]
+fn warnings_of_what_feeds_the_picture_are_shown() {
+    let folder = Folder::new();
+    for command in
+        [&["pixel", "slab.toml", "4", "3"][..], &["time", "slab.toml", "--frames", "1", "--engine", "cpu"]]
+    {
+        let ran = folder.voltet(&[command, &["--set", "look.widgets=[]"]].concat()).ok();
+        let said = ran.stderr.matches("warning: look: the transfer function has no widgets").count();
+        assert_eq!(said, 1, "{}: {}", ran.command, ran.stderr);
+    }
+}
+
 #[test]
 fn a_pixel_of_the_slab_is_its_cells_added_up() {
     let folder = Folder::new();

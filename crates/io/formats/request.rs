@@ -262,11 +262,13 @@ pub(super) fn scalar(
 pub(super) fn array(piece: &Piece, wanted: &str, association: Option<Association>) -> Result<ArraySelection> {
     let all = names(piece, association);
     let find = |name: &str| all.iter().find(|entry| entry.0 == name).copied();
-    let (name, own, suffix) = match (find(wanted), wanted.rsplit_once(':')) {
-        (Some((name, own)), _) => (name, own, None),
-        (None, Some((stem, suffix))) if let Some((name, own)) = find(stem) => (name, own, Some(suffix)),
-        _ => return Err(unknown(piece, wanted, association, &all)),
+    let whole = find(wanted).map(|(name, own)| (name, own, None));
+    let part = || {
+        let (stem, suffix) = wanted.rsplit_once(':')?;
+        find(stem).map(|(name, own)| (name, own, Some(suffix)))
     };
+    let found = whole.or_else(part);
+    let (name, own, suffix) = found.ok_or_else(|| unknown(piece, wanted, association, &all))?;
     let mut same = piece.arrays_of(own).filter(|array| array.stored.name == name);
     let chosen = same.next();
     let component_count = chosen.map_or(1, |array| array.stored.component_count);

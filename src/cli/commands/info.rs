@@ -274,7 +274,7 @@ fn pipeline_info(arguments: &Info, registry: &Registry) -> Outcome {
     let graph = graph(&document, registry)?;
     let report = with_bar(false, |bar, _| crate::nodes::session().run(&graph, bar));
     let report = report.map_err(|error| document.failure(error))?;
-    present::say(&present::warnings(&report, graph.warnings.len()));
+    present::say(&present::warnings(&report.warnings, graph.warnings.len()));
     print(&present::findings(&report))?;
     Ok(DONE)
 }

@@ -2,6 +2,7 @@
 
 use super::shared::{DONE, Outcome, Outputs, open_file, with_bar};
 use crate::cli::arguments;
+use crate::cli::present::{say, warnings};
 use crate::graph::Registry;
 use voltet_study::pixel::{csv, json, pixel as trace, plot, text};
 
@@ -15,6 +16,7 @@ pub fn pixel(arguments: &arguments::Pixel, registry: &Registry) -> Outcome {
         trace(&document.graph, node, place, arguments.sample, &mut session, (bar, progress))
     });
     let found = found.map_err(|error| document.failure(error))?;
+    say(&warnings(&found.warnings, document.graph.warnings.len()));
     let content = |option: &str| {
         Ok(match option {
             "--csv" => csv(&found),

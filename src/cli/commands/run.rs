@@ -47,7 +47,7 @@ pub fn run(arguments: &Run, registry: &Registry) -> Outcome {
         match outcome {
             Ok((report, exhaustive)) => {
                 if !arguments.quiet {
-                    say(&warnings(&report, document.graph.warnings.len()));
+                    say(&warnings(&report.warnings, document.graph.warnings.len()));
                     let mut text = summary(&report);
                     text.extend(exhaustive.iter().map(ExhaustiveComparison::to_text));
                     tell(&text, streams)?;

@@ -3,7 +3,7 @@
 use super::shared::{DONE, FAILED, Outcome, open_file, show, with_bar};
 use crate::Document;
 use crate::cli::arguments;
-use crate::cli::present::print;
+use crate::cli::present::{print, say, warnings};
 use crate::core::progress::Progress;
 use crate::core::{Error, Result, counted};
 use crate::document;
@@ -54,6 +54,7 @@ pub fn study(arguments: &arguments::Study, registry: &Registry) -> Outcome {
     });
     let (study, written) = made.map_err(|error| document.failure(error))?;
     if !arguments.quiet {
+        say(&warnings(&study.subject.warnings, document.graph.warnings.len()));
         print(&summary(&study, &written, &folder))?;
     }
     conclude(arguments, &document, registry, &study).map_err(|error| document.failure(error))

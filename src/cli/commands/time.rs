@@ -4,7 +4,7 @@ use super::shared::{DONE, Outcome, open_all, show, warn};
 use super::study::option;
 use crate::Document;
 use crate::cli::arguments;
-use crate::cli::present::{Bar, print};
+use crate::cli::present::{Bar, print, say, warnings};
 use crate::core::progress::CancelOnly;
 use crate::core::{Error, Result, counted};
 use crate::graph::{NodeProgress, Observer, Registry};
@@ -68,6 +68,7 @@ fn measure(arguments: &arguments::Time, wish: &StudyOptions, document: &Document
         let mut benches = Benches::open(&subject, wish)?;
         bar.clear();
         if number == 0 {
+            say(&warnings(&subject.warnings, document.graph.warnings.len()));
             let cells = counted(subject.scene.volume.grid.tetrahedra.len(), "tetrahedron");
             let mut head = format!("\n{title}: {cells}\n");
             head.extend(benches.left_out.iter().map(|what| format!("\nnot measured: {what}\n")));
