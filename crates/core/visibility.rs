@@ -1,6 +1,6 @@
 //! Visibility order of whole cells, by their centroids: an approximation.
 //!
-//! An exact order of whole cells need not exist: cells may hide each other in a cycle. Compositors make it pixel by pixel.
+//! An exact order of whole cells need not exist: cells may hide each other in a cycle. The exact order is made by compositors, pixel by pixel.
 
 use crate::Result;
 use crate::camera::{Camera, Projection};
@@ -10,7 +10,10 @@ use rayon::prelude::*;
 /// The cells in the order of the distance of their centroids from the eye (perspective) or of their centroids'
 /// depth (parallel rays), nearest first; cells at equal distance stay in the order given.
 ///
-/// `tetrahedra` and `points` as in [`crate::grid::Grid`]; `cells` are numbers of tetrahedra.
+/// `tetrahedra` and `points` as in [`crate::grid::Grid`]; `cells` are indices of `tetrahedra`.
+///
+/// # Errors
+/// - a camera without a direction.
 pub fn centroid_order(
     points: &[DVec3],
     tetrahedra: &[[u32; 4]],
@@ -20,7 +23,7 @@ pub fn centroid_order(
     let forward = camera.frame()?.forward;
     let perspective = matches!(camera.projection, Projection::Perspective { .. });
     let distance = |cell: u32| {
-        // Four times the centroid, relative to the eye: an offset of the coordinates costs no digits.
+        // Four times the centroid, relative to the eye, so that coordinates far from the origin lose no digits.
         let sum: DVec3 = tetrahedra[cell as usize].iter().map(|&p| points[p as usize] - camera.eye).sum();
         if perspective { sum.length() } else { sum.dot(forward) }
     };
@@ -76,7 +79,7 @@ mod tests {
         assert_eq!(order(&places, PERSPECTIVE), [1, 0]);
     }
 
-    /// More of them than an insertion sort takes.
+    /// Enough cells that the sort does not end as an insertion sort.
     #[test]
     fn cells_at_one_distance_stay_in_the_order_given() {
         let places: Vec<DVec3> = (0..4000).map(|k| DVec3::X * f64::from(k % 3)).collect();

@@ -110,7 +110,7 @@ impl PreparedVolume for NativeVolume {
             true => None,
             false => Some(VolumeCache::new(volume)?),
         };
-        if manner.passing
+        if manner.preview
             && prepared.is_none()
             && other_volume.is_none()
             && let Some(segments) = self.cached_segments(scene, manner, &mut timer, progress)?
@@ -206,7 +206,7 @@ impl NativeVolume {
         timer.end(Stage::SetUp);
         let (picture, counts) = renderer.draw(None, Some(segments), progress)?;
         timer.end(Stage::Composite);
-        let mut drawn = RenderOutput { is_passing: true, ..RenderOutput::new(picture, timer.stages) };
+        let mut drawn = RenderOutput { is_preview: true, ..RenderOutput::new(picture, timer.stages) };
         let why = "the segments of this view were kept when its widgets changed";
         drawn.notes.record_skipped("culling, projecting and sorting", why, None);
         counts.count(&mut drawn.counts);

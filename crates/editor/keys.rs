@@ -82,7 +82,7 @@ const COMMANDS: &[Binding] = {
     ]
 };
 
-/// Actions of the mouse, for the help sheet.
+/// Actions of the mouse, and keys over the widgets, for the help sheet.
 const MOUSE: &[(&str, &[(&str, &str)])] = &[
     (
         "Picture",
@@ -308,16 +308,16 @@ impl GestureTracker {
     }
 }
 
-/// Events that wait. A button pressed and the pointer moved on within one slow frame: what is taken hold of lies where it was
-/// pressed, as is what is let go of. egui looks at a frame's last place alone, so what follows a button waits for the next frame.
+/// Queue of input events, of which each frame gets those up to the first button event. egui looks at the last position of a frame alone:
+/// in a slow frame, in which a button goes down and the pointer moves on, it would take hold of what lies elsewhere.
 #[derive(Default)]
 pub(crate) struct InputQueue {
     waiting: Vec<Event>,
 }
 
 impl InputQueue {
-    /// Leaves of a frame's events, after those that waited, those up to the first press, or those before a release: what is dragged
-    /// is brought there first. Whether some wait now, for a frame that is to follow at once.
+    /// Leaves the queued events and those of the frame up to the first press, or up to before a release where the pointer moved, so that
+    /// a drag is carried out first; the rest waits. Returns true if some wait, for a frame that is to follow at once.
     pub fn cut(&mut self, input: &mut RawInput) -> bool {
         let mut events = std::mem::take(&mut self.waiting);
         events.append(&mut input.events);
@@ -371,10 +371,10 @@ mod tests {
             modifiers: Modifiers::NONE,
         };
         let moved = |x: f32| Event::PointerMoved(pos2(x, 0.0));
-        let mut presses = InputQueue::default();
+        let mut queue = InputQueue::default();
         let mut frame = |events: Vec<Event>| {
             let mut input = RawInput { events, ..RawInput::default() };
-            let waits = presses.cut(&mut input);
+            let waits = queue.cut(&mut input);
             (input.events, waits)
         };
         let all = vec![moved(1.0), button(1.0, true), moved(2.0), button(2.0, false), moved(3.0)];

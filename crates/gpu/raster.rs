@@ -17,7 +17,7 @@ use wgpu::{
     DownlevelFlags, ShaderStages, TextureFormat,
 };
 
-/// As what cells are drawn.
+/// Primitive that a cell is drawn as.
 #[derive(Debug, PartialEq)]
 pub(crate) struct CellPrimitive {
     /// Entry points for vertices and for pixels.
@@ -59,7 +59,7 @@ const RUNS_AT_A_TIME: u32 = 64;
 pub(crate) struct RasterBuffers {
     sort: SortBuffers,
     draws: GrowingBuffer,
-    /// With the form and the run's length that they are for.
+    /// With the primitive and the run's length that they are for.
     indices: Option<((&'static CellPrimitive, u32), Buffer)>,
     canvas: Canvas,
     /// The corners of a run's triangles.
@@ -68,10 +68,10 @@ pub(crate) struct RasterBuffers {
     pub run_length: Option<u32>,
 }
 
-/// Form that is drawn.
+/// Inputs of [`Raster::new`].
 pub(crate) struct Blending<'a> {
     pub shader: &'a Shader,
-    pub form: &'static CellPrimitive,
+    pub primitive: &'static CellPrimitive,
     pub target: Target,
     pub sorted: bool,
     /// The window, in tiles.
@@ -104,11 +104,12 @@ pub(crate) struct Raster {
 impl Raster {
     /// Makes what is missing of the buffers, and binds it.
     pub fn new(blending: &Blending, kept: &mut RasterBuffers, binder: &Binder) -> Result<Raster> {
-        let &Blending { shader, form, ref target, sorted, window, scalar, scene, in_grid, pixels } = blending;
+        let &Blending { shader, primitive, ref target, sorted, window, scalar, scene, in_grid, pixels } =
+            blending;
         let (device, cell_count) = (&binder.grid.device, binder.grid.cell_count);
         // A run's corners stand in one binding.
         let fit = (device.most_bytes() / RunRecord::CELL_BYTES).max(1);
-        let most = if form == TRIANGLES { fit.try_into().unwrap_or(u32::MAX) } else { u32::MAX };
+        let most = if primitive == TRIANGLES { fit.try_into().unwrap_or(u32::MAX) } else { u32::MAX };
         let run_length = kept.run_length.unwrap_or(RUN_LENGTH).min(most);
         let run_count = cell_count.div_ceil(run_length);
         let rounds = if sorted { ROUNDS } else { 1 };
@@ -119,17 +120,17 @@ impl Raster {
         let mut steps = list.steps;
         let most = device.limits.max_compute_workgroups_per_dimension;
         // The vertices of triangles are those of a run, others count through the list.
-        let vertices = if form == OUTLINES { form.vertices } else { 0 };
+        let vertices = if primitive == OUTLINES { primitive.vertices } else { 0 };
         let constants = vec![
             ("run_length", f64::from(run_length)),
-            ("cell_indices", 3.0 * form.triangles.len() as f64),
+            ("cell_indices", 3.0 * primitive.triangles.len() as f64),
             ("cell_vertices", f64::from(vertices)),
         ];
         let own = [&draws, &list.digit_counts];
         steps.push(binder.step(FramePass::Runs, folded(run_count, most), constants, &own, scalar)?);
         let mut split = Vec::new();
         // What vertices are read from.
-        let drawn = if form == OUTLINES {
+        let drawn = if primitive == OUTLINES {
             list.sorted.clone()
         } else {
             let run_cells = run_length.min(cell_count);
@@ -149,7 +150,7 @@ impl Raster {
         let canvas = kept.canvas.texture(device, size, target.format)?;
         let own = in_order([(Bound::Uniform, binder.view), (Bound::Read, &drawn)]);
         let groups = [scene, &own, in_grid];
-        let pipeline = device.drawing(shader, form.entry_points, target, &groups)?;
+        let pipeline = device.drawing(shader, primitive.entry_points, target, &groups)?;
         let groups = device.bind(&groups, |number| pipeline.get_bind_group_layout(number));
 
         let mut own = in_order([(Bound::Uniform, binder.view)]);
@@ -165,11 +166,11 @@ impl Raster {
         Ok(Raster {
             sort: steps,
             split,
-            name: form.entry_points[1],
+            name: primitive.entry_points[1],
             pipeline,
             groups,
             canvas,
-            indices: kept.indices(device, form, run_length.min(cell_count))?,
+            indices: kept.indices(device, primitive, run_length.min(cell_count))?,
             draws,
             run_count,
             take,
@@ -232,12 +233,17 @@ impl Raster {
 }
 
 impl RasterBuffers {
-    fn indices(&mut self, device: &Device, form: &'static CellPrimitive, run_length: u32) -> Result<Buffer> {
-        let key = (form, run_length);
+    fn indices(
+        &mut self,
+        device: &Device,
+        primitive: &'static CellPrimitive,
+        run_length: u32,
+    ) -> Result<Buffer> {
+        let key = (primitive, run_length);
         if let Some((_, known)) = self.indices.as_ref().filter(|(known, _)| *known == key) {
             return Ok(known.clone());
         }
-        let indices = form.indices(run_length);
+        let indices = primitive.indices(run_length);
         let usage = BufferUsages::INDEX | BufferUsages::COPY_DST;
         let made = device.buffer("the indices of a run", 4 * indices.len() as u64, usage)?;
         device.guarded("the indices of a run", || {
@@ -356,7 +362,7 @@ impl Device {
     }
 }
 
-/// A texture to draw into, kept while it is large enough.
+/// A texture to draw into, kept while size and format stay the same.
 #[derive(Default)]
 pub(crate) struct Canvas {
     made: Option<wgpu::Texture>,

@@ -6,8 +6,8 @@ mod feeding;
 mod given;
 mod methods;
 mod optional_inputs;
-mod passing;
 mod places;
+mod preview;
 
 use super::*;
 use crate::pipeline::Pipeline;

@@ -103,8 +103,8 @@ pub struct RenderOptions {
     /// True to do all work, needed or not, for comparison; the picture is the same.
     pub exhaustive: bool,
     /// True if other pictures of the same view follow at once, with other widgets: the engine may cache the view's segments, and the picture
-    /// may differ by rounding, some 1e-5, from one that is drawn by itself ([`RenderOutput::is_passing`]).
-    pub passing: bool,
+    /// may differ by rounding, some 1e-5, from one that is drawn by itself ([`RenderOutput::is_preview`]).
+    pub preview: bool,
 }
 
 /// An engine that is open: what it runs on is there. `Any`: a crate that knows an engine's own type finds it again.
@@ -240,7 +240,7 @@ pub struct RenderOutput {
     pub stages: Vec<StageTiming>,
     /// True if it was drawn from cached segments of the view ([`crate::engine::RenderOptions::passing`]): by itself it would differ by
     /// rounding.
-    pub is_passing: bool,
+    pub is_preview: bool,
     /// Further diagnostics: counts of this engine alone, skipped work, warnings.
     pub notes: Diagnostics,
 }
@@ -252,7 +252,7 @@ impl RenderOutput {
             picture,
             counts: RenderStats::default(),
             stages,
-            is_passing: false,
+            is_preview: false,
             notes: Diagnostics::default(),
         }
     }

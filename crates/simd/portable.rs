@@ -7,11 +7,11 @@ use super::operations::{
 use wide::f32x4;
 #[cfg(not(target_arch = "aarch64"))]
 use wide::{f32x4 as F, f64x2 as D, u32x4 as U};
-// Two vectors at a time: one meets each branch of a kernel twice as often, and takes a tenth more instructions a segment.
+// Vectors of four would run through each kernel twice as often, which takes a tenth more instructions a segment.
 #[cfg(target_arch = "aarch64")]
 use wide::{f32x8 as F, f64x4 as D, u32x8 as U};
 
-/// Vectors of four.
+/// Number of vectors of four floats in one [`F`].
 const VECTORS: usize = size_of::<F>() / size_of::<f32x4>();
 
 const WIDTH: usize = 4 * VECTORS;
@@ -32,11 +32,11 @@ macro_rules! operations {
 #[inline(always)]
 fn gathered<T: Copy>(values: &[T], index: U) -> [T; WIDTH] {
     let places = inside::<Portable>(index, values.len()).to_array();
-    // SAFETY: every index lies inside the slice.
+    // SAFETY: `inside` refuses indices beyond the slice.
     array!(|i| unsafe { *values.get_unchecked(places[i] as usize) })
 }
 
-/// Four floats of each lane, part by part.
+/// Four floats of each lane, transposed to four vectors.
 #[inline(always)]
 fn parts(fours: [[f32; 4]; WIDTH]) -> [F; 4] {
     let turned: [[f32x4; 4]; VECTORS] =
@@ -63,14 +63,14 @@ impl Float for F {
             let vectors: [[f32x4; VECTORS]; 4] = array!(|c| bytemuck::cast(parts[c]));
             let turned: [[f32x4; 4]; VECTORS] = array!(|v| f32x4::transpose(array!(|c| vectors[c][v])));
             for (place, four) in places.into_iter().zip(turned.as_flattened()) {
-                // SAFETY: every index lies inside the slice.
+                // SAFETY: `inside` refuses indices beyond the slice.
                 let value = unsafe { values.get_unchecked_mut(place as usize) };
                 value[n] = four.to_array();
             }
         }
     }
 
-    // The processor's, as the trait says; those of other processors differ for NaN.
+    // `minps` and `maxps`, which give the second operand for NaN as the trait asks; elsewhere the trait's own form does.
     #[cfg(target_arch = "x86_64")]
     operations! {
         fn min(self, other: F) -> F = self.fast_min(other);
@@ -83,7 +83,7 @@ impl Float for F {
         fn mul_add(self, b: F, c: F) -> F = self.mul_add(b, c);
         fn abs(self) -> F = self.abs();
         fn sqrt(self) -> F = self.sqrt();
-        // The sign of what is rounded to 0.
+        // With the sign that a result of 0 had before.
         fn round(self) -> F = self.round_ties_even() | (self & F::splat(-0.0));
         fn lt(self, other: F) -> F = self.simd_lt(other);
         fn le(self, other: F) -> F = self.simd_le(other);

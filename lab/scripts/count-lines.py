@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""Counts lines of production Rust, comments and blank lines among them: of the product, and of the laboratory.
+"""Counts lines of Rust without tests, comments and blank lines among them: of the published crates, and of lab/.
+
+Run it at the root of the repository.
 
 What `#[cfg(test)]` marks is left out, and with it the files of such modules; so are `tests.rs`, folders named `tests`, `benches`,
 `examples` and `conformance`, and lab/testing, which is there for tests alone.
@@ -9,7 +11,7 @@ import re
 import subprocess
 from pathlib import Path, PurePath
 
-APART = {"tests", "tests.rs", "benches", "examples", "conformance", "conformance.rs"}
+EXCLUDED = {"tests", "tests.rs", "benches", "examples", "conformance", "conformance.rs"}
 
 
 def production_lines(file: str, of_tests: set[str]) -> int:
@@ -43,7 +45,7 @@ def main() -> None:
     counts = {file: production_lines(file, of_tests) for file in files}
     totals = {"product": 0, "lab": 0}
     for file, count in counts.items():
-        is_test = APART.intersection(PurePath(file).parts) or file.startswith("lab/testing/")
+        is_test = EXCLUDED.intersection(PurePath(file).parts) or file.startswith("lab/testing/")
         is_test = is_test or any(file == one or (one.endswith("/") and file.startswith(one)) for one in of_tests)
         if not is_test:
             totals["lab" if file.startswith("lab/") else "product"] += count

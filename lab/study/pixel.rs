@@ -21,6 +21,7 @@ use voltet_optics::trace::{CellCrossing, Ray, SegmentIntegral, Tracer, Walk};
 use voltet_optics::{Contribution, Segment};
 use voltet_reference::{REFERENCE, tracer, widget_depths};
 
+/// A pixel and the parts that it is made of.
 #[derive(Debug, Clone)]
 pub struct Pixel {
     pub node: String,
@@ -35,7 +36,7 @@ pub struct Pixel {
     pub walk: Walk,
     /// Optical depth of each widget by itself, for each cell of the ray.
     pub depths: Vec<Vec<f64>>,
-    /// For each of its steps the file's own cell, and what that is.
+    /// For each step of `walk` the cell of the file, and its type.
     pub cells: Vec<(usize, String)>,
     pub widgets: Vec<&'static str>,
     /// Names of the values at a cell's ends: s, g, further fields.
@@ -81,7 +82,7 @@ impl Pixel {
     }
 }
 
-/// The node that draws, traced.
+/// Traces a pixel of the node that draws.
 ///
 /// `node`: which one, where the pipeline has several; `sample`: which ray of the pixel. Errors: a place outside the picture, no
 /// such ray; what goes wrong with the pipeline.
@@ -203,7 +204,7 @@ fn point_count(grid: &Grid, tetrahedron: usize) -> usize {
 /// Entries a side of tables of three dimensions, where the pipeline does not say: such a table is built in a second.
 const CUBE_SIDE: usize = 64;
 
-/// All of them, in their order. Those that the pipeline does not draw with have the numbers that it would have by default.
+/// The pixel by each of the integrators. Those that the pipeline does not draw with have their default numbers.
 fn all_integrators(
     scene: &Scene,
     integrators: &[Integrator],
@@ -251,13 +252,13 @@ impl SegmentIntegral for Integrated {
     }
 }
 
-/// Smallest value that shows in 8 bits.
-const HALF_STEP: f64 = 0.5 / 255.0;
+/// Smallest linear value that shows in 8 bits of sRGB, which is 12.92 times as steep there.
+const MIN_SHOWN: f64 = 0.5 / 255.0 / 12.92;
 
 /// A sentence for a ray without opacity and colour that show; `None` for others.
 fn why_invisible(tracer: &Tracer, ray: &Ray, walk: &Walk, scene: &Scene) -> Option<String> {
     let most = walk.seen.color.iter().copied().fold(walk.seen.opacity, f64::max);
-    if most >= HALF_STEP {
+    if most >= MIN_SHOWN {
         return None;
     }
     if walk.steps.is_empty() {
@@ -283,7 +284,7 @@ fn why_invisible(tracer: &Tracer, ray: &Ray, walk: &Walk, scene: &Scene) -> Opti
         () if scene.transfer_function.widgets.is_empty() => {
             format!("{met}; the transfer function has no widgets")
         }
-        () if depth < HALF_STEP && most > 0.0 => {
+        () if depth < MIN_SHOWN && most > 0.0 => {
             format!("{met}, where the widgets hardly absorb: an optical depth of {depth:.3e} in all")
         }
         () if depth > 0.0 => format!("{met}; silhouettes take most of its optical depth of {depth:.3e}"),
@@ -400,7 +401,7 @@ fn own_color(step: &CellCrossing) -> String {
     if opacity > 0.0 { hex(srgb(step.part.color.map(|c| c / opacity))) } else { String::new() }
 }
 
-/// The pixel by all who can say it.
+/// The pixel by the reference, as drawn, and by each integrator.
 fn sums(pixel: &Pixel) -> String {
     let row = |name: String, rgba: [f64; 4], of: Option<f64>| {
         let mut row = vec![name];
@@ -434,7 +435,7 @@ pub(super) fn srgb(linear: [f64; 3]) -> [u8; 3] {
     linear.map(|c| (srgb_from_linear(c.clamp(0.0, 1.0) as f32) * 255.0).round() as u8)
 }
 
-/// A number in six characters or so.
+/// A number with five digits.
 pub(super) fn number(x: f64) -> String {
     let size = x.abs();
     match () {

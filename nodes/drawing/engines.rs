@@ -24,8 +24,7 @@ const GPU: EngineInfo = EngineInfo::absent(
     "this build has no GPU engine",
 );
 
-/// The engines. The first draws every scene; `auto` asks those behind it first, the last before all others, but for those that
-/// are taken by name only.
+/// The engines. The first draws every scene; `auto` tries them from the last to the first, but for those that are taken by name only.
 pub const ENGINES: &[EngineInfo] = &[voltet_cpu::ENGINE, GPU];
 
 /// The engine that draws every scene, whatever machine this is.
@@ -186,7 +185,7 @@ pub fn draw(call: &mut RunContext, scene: &Scene, wanted: &str) -> Result<Pictur
 }
 
 /// Draws on one engine, on the adapter that the node's parameters name, or the fastest. `port`: the input that the scene's volume
-/// came by; `hardware`: programs that stand in for devices will not do unless they are named.
+/// came by; `hardware`: refuses devices that are programs on the CPU, unless they are named.
 pub(crate) fn draw_on(
     call: &mut RunContext,
     scene: &Scene,
@@ -204,12 +203,12 @@ pub(crate) fn draw_on(
     })?;
     let volumes = call.keep(call.revision(port)?, || Ok(PreparedVolumes::default()))?;
     let volume = stage(call, declared, "upload", |_| volumes.prepare(declared, &engine, scene))?;
-    let (exhaustive, passing) = (call.exhaustive(), call.allows_preview());
+    let (exhaustive, preview) = (call.exhaustive(), call.allows_preview());
     let asked = word(COMPOSITOR.name).and_then(Compositor::named);
     let compositing = asked.filter(|asked| declared.compositing.contains(asked));
-    let manner = RenderOptions { compositing, exhaustive, passing };
+    let manner = RenderOptions { compositing, exhaustive, preview };
     let drawn = stage(call, declared, "draw", |progress| volume.draw(scene, &manner, progress))?;
-    if drawn.is_passing {
+    if drawn.is_preview {
         call.mark_preview();
     }
     let stages = drawn.stages.iter().map(|part| match declared.on_device {
@@ -235,7 +234,7 @@ pub(crate) fn draw_on(
     Ok(drawn.picture)
 }
 
-/// A part of the work that only a device has.
+/// A part of the work, which is a stage of its own, with its time, where a device draws.
 fn stage<T>(
     call: &mut RunContext,
     declared: &EngineInfo,

@@ -34,13 +34,13 @@ pub struct Pipeline {
     last: Option<RunReport>,
 }
 
-/// Nodes of a pipeline that options and texts change, with the texts that errors point at.
+/// Nodes of a pipeline, which may be changed, with the texts that errors point at.
 #[derive(Clone, Default)]
 pub struct PipelineText {
     nodes: Nodes,
     folder: PathBuf,
-    /// Its text, and the name of it in errors.
     text: String,
+    /// Name of the text in errors.
     path: PathBuf,
     /// True once the nodes are others than the text states.
     is_changed: bool,
@@ -292,7 +292,7 @@ impl Pipeline {
             Some(grid) => self.grids.insert(name.clone(), in_memory_grid::grid(grid.clone())),
             None => self.grids.remove(&name),
         };
-        // The lender of the former one gets its memory back.
+        // The owner of the former one's arrays gets them back.
         self.session.forget();
         Ok(name)
     }
@@ -399,7 +399,7 @@ impl Pipeline {
         values.into_iter().next().ok_or_else(|| Error::run("the node gave nothing").at_node(node))
     }
 
-    /// Passes the graph of a node's picture, or of the whole pipeline, and the session that holds its inputs, to `work`.
+    /// Passes the graph of a node's picture, or of the whole pipeline, and the session, to `work`.
     pub fn with_graph<T>(
         &mut self,
         node: Option<&str>,
@@ -447,7 +447,7 @@ impl Pipeline {
             let mut wires = entries.iter().flat_map(|entry| entry.inputs.iter().flat_map(links::sources));
             wires.any(|text| links::source(text, &entries).0 == name)
         };
-        // Widgets that are made of no data have no findings.
+        // A transfer function without inputs says nothing about data.
         let has_inputs = |name: &String| self.node_type(name).is_some_and(|node| !node.inputs.is_empty());
         let mut fed = Vec::new();
         for (port, port_type) in [("image", PortType::Image), ("widgets", PortType::TransferFunction)] {

@@ -267,7 +267,7 @@ impl Renderer {
         let options = engine::RenderOptions {
             compositing,
             exhaustive: options.exhaustive,
-            passing: options.interactive,
+            preview: options.interactive,
         };
         let output = volume.draw(scene, &options, progress)?;
         Ok(RenderOutput::new(scene, info.name, opened.adapter(), output))
@@ -303,7 +303,7 @@ impl RenderOutput {
             timings: output.stages,
             engine,
             adapter,
-            is_preview: output.is_passing,
+            is_preview: output.is_preview,
         }
     }
 }

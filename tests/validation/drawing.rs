@@ -104,7 +104,7 @@ fn kept(scene: &NamedScene, shading: &Shading) -> Picture {
             order: VisibilityOrder::Exact,
         };
         prepared
-            .draw(&scene, &RenderOptions { passing: true, ..RenderOptions::default() }, &NoProgress)
+            .draw(&scene, &RenderOptions { preview: true, ..RenderOptions::default() }, &NoProgress)
             .expect("draws")
             .picture
     };

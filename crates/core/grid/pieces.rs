@@ -58,7 +58,7 @@ pub fn join(mut pieces: Vec<RawGrid>) -> Result<RawGrid> {
     let degrees = of_all_cells(&pieces, |piece| piece.degrees.as_ref(), [0; 3]);
     let cells = join_cells(&mut pieces, &starts, &numbers);
     if let Some(ghost) = &mut ghost {
-        mark_owned(&cells, ghost, count);
+        mark_spare_ghosts(&cells, ghost, count);
     }
     let positions = pieces.iter_mut().map(|piece| std::mem::take(&mut piece.points));
     let mut joined = RawGrid::new(scatter(positions, 1, &targets, count), cells);
@@ -122,7 +122,7 @@ impl PiecePoints<'_> {
                         return true;
                     }
                     (of_piece, seen) = if piece == of_piece { (piece, seen + 1) } else { (piece, 0) };
-                    // Points of one piece stay apart: its second is the second of others.
+                    // Points of one piece stay apart: its second is one with the second of another piece.
                     match firsts.get(seen) {
                         Some(&first) => same[point as usize] = first,
                         None => firsts.push(point),
@@ -134,7 +134,7 @@ impl PiecePoints<'_> {
         same
     }
 
-    /// Keys of points that may be shared, with their piece and their number.
+    /// Keys of all points, of their blocks and global ids.
     fn ids(&self) -> Vec<Keyed> {
         let mut keyed = Vec::with_capacity(self.starts[self.pieces.len()]);
         for (index, piece) in self.pieces.iter().enumerate() {
@@ -169,7 +169,7 @@ impl PiecePoints<'_> {
         keyed
     }
 
-    /// A key of the position and the values of a point, by which points without ids are told apart. Its upper 24 bits are the
+    /// A hash of the position and the values of a point, by which points without ids are found again. Its upper 24 bits are the
     /// position on a lattice over the box of all points: sorted points are then near each other in memory, too.
     fn key(&self, piece: usize, point: usize, [low, high]: [DVec3; 2]) -> u64 {
         let at = self.pieces[piece].points[point];
@@ -382,7 +382,7 @@ pub fn into_set(cells: Cells, structured: u8) -> CellSet {
 }
 
 /// Marks the ghost cells whose original is there, and all but the first of ghosts of one cell.
-fn mark_owned(cells: &Cells, ghost: &mut [u8], point_count: usize) {
+fn mark_spare_ghosts(cells: &Cells, ghost: &mut [u8], point_count: usize) {
     let mut of_ghosts = vec![false; point_count];
     let ghosts = (0..ghost.len()).filter(|&cell| is_ghost(ghost[cell]));
     ghosts.flat_map(|cell| corners(cells, cell)).for_each(|&p| of_ghosts[p as usize] = true);

@@ -45,7 +45,7 @@ pub struct WorkerOutput {
     pub(crate) answered: u64,
     /// True if something newer than the picture is being drawn.
     pub is_busy: bool,
-    /// Seconds of the last full picture, and of the last that was coarse or drawn in passing.
+    /// Seconds of the last full picture, and of the last coarse one or preview.
     pub(crate) seconds: [Option<f64>; 2],
     /// The last full run's report, without its pictures.
     pub(crate) report: Option<Arc<RunReport>>,

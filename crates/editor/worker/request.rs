@@ -371,7 +371,7 @@ pub struct Pixels {
     /// Side of a pixel in pixels of the full picture; 1 for the full picture.
     pub divisor: u32,
     /// True if it is a preview from the engine's cache, which differs from the full picture by rounding.
-    pub is_passing: bool,
+    pub is_preview: bool,
     /// The number of the request that it was drawn for.
     pub number: u64,
     /// The node whose picture it is.
@@ -392,12 +392,12 @@ impl Pixels {
             })
             .collect();
         let (rgba, node) = (Arc::new(rgba), wanted.node.clone());
-        Pixels { picture, rgba, divisor, is_passing: false, number, node }
+        Pixels { picture, rgba, divisor, is_preview: false, number, node }
     }
 
     /// True if it is the picture that a run of the document gives.
     pub fn is_full(&self) -> bool {
-        self.divisor == 1 && !self.is_passing
+        self.divisor == 1 && !self.is_preview
     }
 
     /// Width and height.

@@ -105,14 +105,14 @@ fn at_last_the_picture_is_that_of_a_run_bit_for_bit() {
         while drawn().is_none() {
             std::thread::sleep(Duration::from_millis(1));
         }
-        passed += u32::from(drawn().is_some_and(|pixels| pixels.is_passing));
+        passed += u32::from(drawn().is_some_and(|pixels| pixels.is_preview));
         // Sometimes the hand rests.
         if step % 8 == 7 {
             settle(&worker);
             assert!(drawn().is_some_and(|pixels| pixels.is_full()));
         }
     }
-    assert!(passed > 0, "no picture was drawn in passing");
+    assert!(passed > 0, "no picture was a preview");
     let shown = worker.shown(|shown| shown.pixels.clone().unwrap());
     let graph = Graph::build(&nodes, &voltet_nodes::registry().unwrap(), folder.path().into()).unwrap();
     let report = voltet_nodes::session().run(&graph, &NoObserver).unwrap();

@@ -82,7 +82,7 @@ impl WorkerState<'_> {
     }
 
     /// One run, with so many pixels less along each side; `patience`: how long it goes on while a hand moves, for one that may be
-    /// a passing one. Returns true if its picture is the full one.
+    /// a preview. Returns true if its picture is the full one.
     fn pass(
         &mut self,
         number: u64,
@@ -103,8 +103,8 @@ impl WorkerState<'_> {
         let seconds = start.elapsed().as_secs_f64();
         let drew_alone = report.nodes.iter().all(|node| node.reused || wanted.is_cheap(&node.name));
         let drawn = Pixels::new(wanted.picture_of(&report)?, wanted, divisor, number);
-        let pixels = Pixels { is_passing: report.is_passing, ..drawn };
-        match report.is_passing {
+        let pixels = Pixels { is_preview: report.is_preview, ..drawn };
+        match report.is_preview {
             _ if !drew_alone => {}
             true => self.pace.learn_of_kept(pixels.count(), seconds),
             false => self.pace.learn(divisor, pixels.count(), seconds),

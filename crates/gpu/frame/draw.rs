@@ -13,8 +13,8 @@ use voltet_core::progress::Progress;
 use voltet_optics::engine::RenderOptions;
 use voltet_optics::scene::Scene;
 
-/// Draws a scene of the volume that `renderer` was made from, by tiles where the compositor that is asked for does not make the
-/// scene's order.
+/// Draws a scene of the volume that `renderer` was made from; by tiles where the compositor that is asked for cannot make the scene's
+/// order.
 ///
 /// Errors: what the device has no shader for, cannot hold in 32 bits, or has more parts than it binds; memory; a lost device; a
 /// stopped run.
@@ -34,7 +34,7 @@ const IN_FLIGHT: usize = 4;
 pub enum SubmittedFrame {
     /// In flight.
     InFlight(Box<PendingFrame>),
-    /// Drawn at once: it comes in parts, or enough are in flight.
+    /// Drawn already: it takes several submissions, or all slots are taken.
     Finished(Box<FrameOutput>),
 }
 
@@ -50,7 +50,7 @@ pub struct PendingFrame {
 /// Readback slot of a frame in flight.
 struct FrameSlot {
     renderer: Arc<Renderer>,
-    returning: Option<ReadbackBuffers>,
+    readback: Option<ReadbackBuffers>,
 }
 
 impl FrameSlot {
@@ -61,25 +61,25 @@ impl FrameSlot {
             return None;
         }
         buffers.in_flight += 1;
-        let returning = Some(buffers.idle_readbacks.pop().unwrap_or_default());
-        Some(FrameSlot { renderer: renderer.clone(), returning })
+        let readback = Some(buffers.idle_readbacks.pop().unwrap_or_default());
+        Some(FrameSlot { renderer: renderer.clone(), readback })
     }
 
     /// Frees the slot of a finished frame; the next one reuses its buffers.
     fn finish(mut self) {
-        let returning = self.returning.take();
-        self.renderer.buffers().idle_readbacks.extend(returning);
+        let readback = self.readback.take();
+        self.renderer.buffers().idle_readbacks.extend(readback);
     }
 }
 
 impl Drop for FrameSlot {
-    // The buffers of a frame that nobody took may still be on their way: others are made.
+    // The buffers of a frame that nobody took may still be mapped, so they are not used again.
     fn drop(&mut self) {
         self.renderer.buffers().in_flight -= 1;
     }
 }
 
-/// Submits a frame; see [`draw`]. Errors: those of [`draw`].
+/// Submits a frame, or draws it now where it takes several submissions or all slots are taken. Errors: those of [`draw`].
 pub fn begin(
     renderer: &Arc<Renderer>,
     scene: &Scene,
@@ -89,7 +89,7 @@ pub fn begin(
     progress.check_cancelled()?;
     if let Some(mut slot) = FrameSlot::take(renderer) {
         let inputs = inputs(renderer, scene, options)?;
-        if let Some(submitted) = inputs.submit(slot.returning.get_or_insert_default())? {
+        if let Some(submitted) = inputs.submit(slot.readback.get_or_insert_default())? {
             let (pending, scene, options) = (inputs.pending, scene.clone(), *options);
             let frame = PendingFrame { scene, options, pending, submitted, slot };
             return Ok(SubmittedFrame::InFlight(Box::new(frame)));
@@ -130,7 +130,7 @@ mod tests {
     use voltet_testing::pictures::grids::{cube, smooth};
     use voltet_testing::pictures::looks::{outside, overlapping};
 
-    /// A device that is lost in between is an error for each of the frames, whatever becomes of them, and for the next one.
+    /// Frames that a lost device had not sent back before are errors that say so, and so is the next one.
     #[test]
     fn a_lost_device_is_an_error() {
         let device = match Device::open(std::env::var("VOLTET_ADAPTER").ok().as_deref(), false) {

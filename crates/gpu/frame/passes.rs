@@ -127,10 +127,10 @@ impl<'a> Passes<'a> {
             read.push((binding, Bound::Read, tables.named(&name)?.as_entire_binding()));
         }
         let in_grid = binder.bindings(cells_read(sizes.stride as usize), scalar);
-        let last = if let Some((form, blend)) = blended {
+        let last = if let Some((primitive, blend)) = blended {
             let blending = Blending {
                 shader: &frame.compositor,
-                form,
+                primitive,
                 target: Target::new(blend, frame.shader_key.depths_add_up(), device.blends_32_bits),
                 sorted: frame.sorted,
                 window,

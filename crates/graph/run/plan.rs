@@ -55,7 +55,7 @@ pub(super) struct Done {
     /// Seconds that the former run took, where its outputs were used.
     pub(super) reused: Option<f64>,
     /// True if the outputs are of a preview ([`crate::RunContext::mark_preview`]), or made from such.
-    pub(super) is_passing: bool,
+    pub(super) is_preview: bool,
 }
 
 /// All that can be requested of a node: an order, of a grid every array and its cells, and where a volume is made of a grid,
@@ -187,14 +187,14 @@ pub struct RunReport {
     /// Seconds of the whole run.
     pub seconds: f64,
     /// True for a preview: the same run by itself would give other outputs by rounding ([`crate::Session::run_preview`]).
-    pub is_passing: bool,
+    pub is_preview: bool,
 }
 
 impl RunReport {
     /// Adds a node that ran, or whose former outputs were used.
     pub(super) fn add(&mut self, name: &str, node_type: &str, done: &Done) {
-        let Done { notes, seconds, reused, outputs, is_passing } = done;
-        self.is_passing |= is_passing;
+        let Done { notes, seconds, reused, outputs, is_preview } = done;
+        self.is_preview |= is_preview;
         let pictures = outputs.iter().filter_map(|(value, _)| match value {
             Value::Image(picture) => Some((name.to_string(), picture.clone())),
             _ => None,

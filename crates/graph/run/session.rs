@@ -1,4 +1,4 @@
-//! Sessions run graphs: the two passes, the cache between runs, progress and stopping.
+//! Sessions run graphs: the demand pass from the sinks up, then the nodes from the sources down, with a cache between runs.
 
 use super::cache::{Cache, Entry, Store, files_of, stamped};
 use super::node_run::{NodeRun, origins, upstream};
@@ -25,15 +25,15 @@ pub struct Session {
     /// True if a user will move the widgets from run to run.
     widgets_move: bool,
     /// True while outputs may be of a preview.
-    may_pass: bool,
+    allows_preview: bool,
 }
 
 impl Session {
     /// A session without former runs. `file_stamp` finds the state of the files that parameters name.
     pub fn new(file_stamp: FileStamp) -> Self {
         let (cache, store) = (Cache::default(), Store::default());
-        let (exhaustive, widgets_move, may_pass) = (false, false, false);
-        Session { cache, store, last_revision: 0, file_stamp, exhaustive, widgets_move, may_pass }
+        let (exhaustive, widgets_move, allows_preview) = (false, false, false);
+        Session { cache, store, last_revision: 0, file_stamp, exhaustive, widgets_move, allows_preview }
     }
 
     /// Makes it the session of an editor, where a user will move the widgets: values that depend on data alone are computed at all points at once, so
@@ -108,9 +108,9 @@ impl Session {
     /// Like [`Session::run`], for one of many runs that follow each other while a user moves something: nodes may keep what
     /// serves the next, and what they give may differ by rounding from what a run by itself gives. No later run takes it.
     pub fn run_preview(&mut self, graph: &Graph, observer: &dyn Observer) -> Result<RunReport> {
-        self.may_pass = !self.exhaustive;
+        self.allows_preview = !self.exhaustive;
         let report = self.run(graph, observer);
-        self.may_pass = false;
+        self.allows_preview = false;
         report
     }
 
@@ -221,17 +221,17 @@ impl Session {
         if let Some(entry) = former.filter(|_| !self.exhaustive) {
             return Ok(Done { seconds: 0.0, reused: Some(entry.done.seconds), ..entry.done.clone() });
         }
-        // Who is asked for the gradient in other places than before will be so again: now everywhere.
+        // A gradient that is asked for in other places than before will be so again: it is asked for everywhere.
         let elsewhere = |former: &Demand| former.everywhere().covers(demand);
         let moves = self.cache.find(node, &revisions, elsewhere, &files, &graph.stated).is_some();
         let demand = &if moves { demand.everywhere() } else { demand.clone() };
         let (store, file_stamp) = (&self.store, self.file_stamp);
         let run = NodeRun { graph, place: i, done, store, file_stamp, observer };
-        let mut call = run.context(&node.parameters, demand, inputs, (self.exhaustive, self.may_pass));
+        let mut call = run.context(&node.parameters, demand, inputs, (self.exhaustive, self.allows_preview));
         let values = node.run(&mut call)?;
         let notes = std::mem::take(&mut call.notes);
-        let of_passing = |edge: &Edge| done[edge.node].as_ref().is_some_and(|done| done.is_passing);
-        let is_passing = call.is_preview.get() || node.inputs.iter().any(of_passing);
+        let is_of_preview = |edge: &Edge| done[edge.node].as_ref().is_some_and(|done| done.is_preview);
+        let is_preview = call.is_preview.get() || node.inputs.iter().any(is_of_preview);
         let carried = call.reads_pipeline.get().then(|| graph.stated.clone());
         let declared = node.node.outputs.iter().map(|port| port.port_type);
         if !values.iter().map(Value::port_type).eq(declared) {
@@ -240,8 +240,8 @@ impl Session {
         let outputs: Vec<(Value, Revision)> =
             values.into_iter().map(|value| (value, self.next_revision())).collect();
         let seconds = start.elapsed().as_secs_f64();
-        let done = Done { outputs, notes, seconds, reused: None, is_passing };
-        if !is_passing {
+        let done = Done { outputs, notes, seconds, reused: None, is_preview };
+        if !is_preview {
             self.cache.add(Entry {
                 node: node.node,
                 parameters: node.parameters.clone(),

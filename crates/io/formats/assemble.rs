@@ -19,7 +19,7 @@ const HIDDEN_CELL: u8 = 32;
 /// Point flag that leaves out the cells of a point (vtkDataSetAttributes::HIDDENPOINT).
 const HIDDEN_POINT: u64 = 2;
 
-/// Reads and builds.
+/// Reads what is requested and builds the grid.
 pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Progress) -> Result<Grid> {
     let meter = Meter::new(progress, dataset.file_bytes);
     let pieces: Vec<&Piece> =
@@ -37,6 +37,7 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
 
     let choices = choices(dataset, request)?;
     let left = unread(dataset, &choices)?;
+    // For comparison: what is not read otherwise is decoded and dropped.
     if request.every_array {
         for array in pieces.iter().flat_map(|piece| &piece.arrays) {
             if left.arrays.contains(&array.stored.name) {
@@ -72,7 +73,7 @@ fn of_each<P: Send, T: Send>(pieces: Vec<P>, work: impl Fn(P) -> Result<T> + Syn
     pieces.into_par_iter().map(work).collect::<Vec<_>>().into_iter().collect()
 }
 
-/// Name of the array that numbers the points of all pieces; `None` where there is one piece, or a piece lacks it.
+/// Name of the array that numbers the points of all pieces; `None` where there is one piece, where pieces are blocks, or where one lacks it.
 pub(super) fn global_ids(dataset: &Dataset) -> Option<&str> {
     let in_all = |name: &&str| {
         dataset.pieces.iter().filter(|piece| piece.point_count > 0).all(|piece| {
@@ -83,7 +84,7 @@ pub(super) fn global_ids(dataset: &Dataset) -> Option<&str> {
     names.filter(|_| dataset.pieces.len() > 1 && !dataset.has_blocks).find(in_all)
 }
 
-/// True if an array is read: it is chosen, or a part of every grid.
+/// True if an array is read: it is chosen, or says which cells are ghosts or of which degree.
 fn is_read(choices: &[ArraySelection], name: &str, association: Association) -> bool {
     choices.iter().any(|choice| choice.association == association && choice.name == name)
         || [GHOST_TYPE, GHOST_LEVELS, DEGREES].contains(&name)
@@ -179,7 +180,7 @@ struct PieceRequest<'a> {
 }
 
 fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter: &Meter) -> Result<RawGrid> {
-    // The values first: their bytes are there to be counted, those of a uniform grid's points are not.
+    // The values first, for progress: they are bytes of the file, the points of a uniform grid are not.
     let columns = wanted.choices.iter().map(|choice| column(piece, choice, meter));
     let mut columns = wanted.choices.iter().zip(columns.collect::<Result<Vec<_>>>()?);
     let ghost = ghosts(piece, &cells, meter)?;

@@ -6,7 +6,7 @@
 //! weights give z and every point quantity. The signs of the triangle's three edge functions are exact, and a
 //! sign of zero is resolved by moving the ray by an infinitesimal (ε, ε²) (Edelsbrunner & Mücke, "Simulation of
 //! simplicity", 1990). Both are the same for all cells, so a ray in a shared face, edge or point is given to
-//! exactly one of the cells around it, a cell is left where it was entered or not hit at all, and no volume
+//! exactly one of the cells around it, a ray that enters a cell also leaves it, and no volume
 //! threshold is needed.
 
 pub mod tiles;
@@ -116,7 +116,7 @@ pub trait SegmentIntegral: Send + Sync {
     }
 }
 
-/// Closed forms; widgets that overlap in their order.
+/// Closed forms; overlapping widgets in their order ([`WidgetBlend::Exact`]).
 impl SegmentIntegral for CompiledTransferFunction {
     fn integrate(&self, length: f64, front: &[f64], back: &[f64]) -> Result<Contribution> {
         let segment = Segment {
@@ -372,23 +372,24 @@ impl<'a> Tracer<'a> {
         mut each: impl FnMut(&Crossing, f64, &Contribution),
     ) -> Result<TracedRay> {
         let mut seen = TracedRay { segments: crossings.len() as u64, ..TracedRay::default() };
-        let mut light = 1.0;
+        let mut transmittance = 1.0;
         // The brightest that any part of the ray could be.
         let farthest = crossings.iter().map(|crossing| crossing.depth[1]).fold(0.0, f64::max);
         let nearest = crossings.iter().map(|crossing| crossing.depth[0]).fold(farthest, f64::min);
         let lit = self.light.map_or(1.0, |light| light.ambient + light.diffuse);
         let brightest = lit * self.integral.max_color((farthest - nearest) * ray.stretch() * self.unit);
         for crossing in crossings {
-            if light == 0.0 || light * brightest.max(1.0) < DARK {
+            if transmittance == 0.0 || transmittance * brightest.max(1.0) < DARK {
                 break;
             }
             let part = self.contribution(ray, crossing)?;
-            each(crossing, light, &part);
+            each(crossing, transmittance, &part);
             for (total, color) in seen.color.iter_mut().zip(part.color) {
-                *total += light * color;
+                *total += transmittance * color;
             }
-            seen.opacity += light * part.opacity;
-            light *= if self.silhouette.is_some() { 1.0 - part.opacity } else { (-part.optical_depth).exp() };
+            seen.opacity += transmittance * part.opacity;
+            transmittance *=
+                if self.silhouette.is_some() { 1.0 - part.opacity } else { (-part.optical_depth).exp() };
         }
         Ok(seen)
     }
@@ -506,7 +507,7 @@ impl Tracer<'_> {
         places.iter().map(|place| self.ray(f64::from(x) + place[0], f64::from(y) + place[1])).collect()
     }
 
-    /// The crossings of a ray before the near plane, which cuts them away.
+    /// Number of cells on a ray that the near plane cuts away.
     pub fn cut_away(&self, ray: &Ray) -> usize {
         let whole = |cell| cross(ray, cell, &self.corners(cell), 0.0).is_some();
         let is_cut = |&cell: &u32| whole(cell) && self.crossing(ray, cell).is_none();
@@ -596,7 +597,7 @@ mod tests {
         }
     }
 
-    /// One cell and its mirror image behind the eye: a line has two sides, a ray one.
+    /// A cell behind the eye is not hit, one around it from the eye on: a line has two sides, a ray one.
     #[test]
     fn nothing_behind_the_eye() {
         let behind = UNIT.map(|p| [p[0] - 0.2, p[1] - 0.2, p[2] - 5.0]);

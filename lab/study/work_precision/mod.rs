@@ -16,7 +16,7 @@ pub use convergence::{Convergence, Level, Refinement, Source, refinement, refuse
 pub(crate) use errors::pixel_errors;
 pub use errors::{Errors, errors};
 pub use measure::{Adapter, Benches, Cost, Pass, Times};
-pub use output::{apply, json, measure, recommendation, text, write, written};
+pub use output::{apply, files_to_overwrite, json, measure, recommendation, text, write};
 pub use reference::{Reference, cache_folder, reference};
 pub use run::{Refused, Row, Study, study};
 pub(crate) use settings::Numbers;

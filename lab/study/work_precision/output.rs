@@ -21,7 +21,7 @@ use voltet_nodes::files;
 use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::Integrator;
 
-/// Milliseconds, with three digits that tell something.
+/// Milliseconds, with three digits and two decimals at most.
 pub(super) fn milliseconds(ms: f64) -> String {
     match ms {
         ms if ms < 10.0 => format!("{ms:.2}"),
@@ -113,7 +113,7 @@ pub(super) fn engine_lines(study: &Study) -> Vec<String> {
             ""
         };
         lines.push(format!(
-            "{}: {}{software}; total is a frame with grid, pipelines and tables in place, set-up is made once",
+            "{}: {}{software}; a picture is one with grid, pipelines and tables in place, set-up is made once",
             adapter.engine.name, adapter.name
         ));
     }
@@ -446,7 +446,7 @@ pub(crate) fn figure(html: &mut String, png: &[u8], caption: &str) {
 const MEANINGS: &str = include_str!("meanings.html");
 
 /// The files of every study in `folder`, and the difference pictures of former ones, which it may write anew.
-pub fn written(folder: &Path) -> Vec<PathBuf> {
+pub fn files_to_overwrite(folder: &Path) -> Vec<PathBuf> {
     let former = std::fs::read_dir(folder.join(DIFFERENCES)).into_iter().flatten().flatten();
     FILES.iter().map(|name| folder.join(name)).chain(former.map(|entry| entry.path())).collect()
 }

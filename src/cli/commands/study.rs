@@ -40,7 +40,7 @@ pub fn study(arguments: &arguments::Study, registry: &Registry) -> Outcome {
             .into());
     }
     let folder = arguments.output.clone().unwrap_or_else(|| beside(&document.path));
-    let outputs = study::written(&folder);
+    let outputs = study::files_to_overwrite(&folder);
     let outputs: Vec<_> = outputs.iter().map(|path| ("--output", path.as_path())).collect();
     document::refuse_conflicts([&document], false, &outputs)?;
     refuse_unwritable(&folder)?;

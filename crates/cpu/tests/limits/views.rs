@@ -66,14 +66,14 @@ fn drawn(prepared: &dyn PreparedVolume, scene: &Scene) -> RenderOutput {
 
 fn passing(prepared: &dyn PreparedVolume, scene: &Scene) -> RenderOutput {
     prepared
-        .draw(scene, &RenderOptions { passing: true, ..RenderOptions::default() }, &NoProgress)
+        .draw(scene, &RenderOptions { preview: true, ..RenderOptions::default() }, &NoProgress)
         .expect("draws")
 }
 
 /// Whether it was drawn from what was kept.
 fn is_kept(drawn: &RenderOutput) -> bool {
     let left_out = drawn.notes.skipped.iter().any(|left| left.what == "culling, projecting and sorting");
-    assert_eq!(left_out, drawn.is_passing);
+    assert_eq!(left_out, drawn.is_preview);
     left_out
 }
 
@@ -217,7 +217,7 @@ fn what_was_kept_is_left_where_it_does_not_serve() {
     assert!(is_kept_of(&wide(0.6), camera), "and back");
 }
 
-/// What was kept serves passing pictures alone: any other has the same bits whatever was drawn before.
+/// Cached segments serve previews alone: any other has the same bits whatever was drawn before.
 #[test]
 fn a_picture_that_stays_is_that_of_the_cells() {
     let (volume, camera) = (bivariate(), cameras()[0]);

@@ -1,4 +1,4 @@
-//! Scenes drawn by lot (grids, fields, transfer functions, cameras), by every engine, held against the 64-bit referee.
+//! Random scenes (grids, fields, transfer functions, cameras), by every engine, held against the 64-bit referee.
 //!
 //! Some scenes have no picture that 32 bits, or the data's own rounding, determine: a ray within a face, a widget a
 //! millionth as wide as a cell's range. A pixel beyond its bound is *explained* where the referee itself changes by half as much
@@ -35,7 +35,7 @@ use voltet_optics::scene::Scene;
 use voltet_optics::trace::Ray;
 use voltet_reference as reference;
 
-/// Ratio of an explained error to the largest change that was found: only eight neighbours of a scene are looked at.
+/// Ratio of an explained error to the largest change that was found: only some neighbours of a scene are looked at.
 const LIKE: f64 = 2.0;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -228,7 +228,7 @@ fn changes_of_cells(scene: &Scene, cells: &[[u32; 4]], by: f64, progress: &dyn P
     sum
 }
 
-/// By how much each pixel changes at most from picture to picture.
+/// The largest change of each pixel from the exact picture.
 fn largest(pictures: &[Picture], exact: &Picture) -> Vec<f64> {
     let mut most = vec![0.0_f64; exact.rgba.len()];
     for picture in pictures {
@@ -237,7 +237,7 @@ fn largest(pictures: &[Picture], exact: &Picture) -> Vec<f64> {
     most
 }
 
-/// The scene with its rays moved by so many pixels.
+/// Pictures of the scene with its rays moved by so many pixels, in 16 directions.
 fn nudged(scene: &Scene, by: f64, progress: &dyn Progress) -> Vec<Picture> {
     // A ray along an edge borders on as many cells as meet there, each within an angle of its own.
     let steps = (0..16).map(|k| (f64::from(k) * PI / 8.0).sin_cos());

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Draws a passing picture where it may, but not of tolerance 0.
+/// Draws a preview where it may, but not of tolerance 0.
 const PASSES: Node = Node {
     name: "passes",
     run: &|call| {
@@ -14,7 +14,7 @@ const PASSES: Node = Node {
     ..DRAW
 };
 
-fn passing(tolerance: f64) -> Graph {
+fn preview(tolerance: f64) -> Graph {
     let text = SCENE.replace("type = \"draw\"", &format!("type = \"passes\"\ntolerance = {tolerance:.1}"));
     let mut registry = registry();
     registry.add(&PASSES).unwrap();
@@ -23,30 +23,30 @@ fn passing(tolerance: f64) -> Graph {
 
 #[test]
 fn what_passed_and_what_was_made_of_it_serve_no_later_run() {
-    let (mut session, graph) = (session(), passing(0.5));
-    assert!(session.run_preview(&graph, &NoObserver).unwrap().is_passing);
+    let (mut session, graph) = (session(), preview(0.5));
+    assert!(session.run_preview(&graph, &NoObserver).unwrap().is_preview);
     runs();
     // Once more, and at last by itself.
-    assert!(session.run_preview(&graph, &NoObserver).unwrap().is_passing);
+    assert!(session.run_preview(&graph, &NoObserver).unwrap().is_preview);
     assert_eq!(runs(), [("draw", 1), ("write", 1)]);
-    assert!(!session.run(&graph, &NoObserver).unwrap().is_passing);
+    assert!(!session.run(&graph, &NoObserver).unwrap().is_preview);
     assert_eq!(runs(), [("draw", 1), ("write", 1)]);
-    // What stays serves a passing run, too.
-    assert!(!session.run_preview(&graph, &NoObserver).unwrap().is_passing);
+    // What stays serves a preview, too.
+    assert!(!session.run_preview(&graph, &NoObserver).unwrap().is_preview);
     assert_eq!(runs(), []);
 }
 
 #[test]
 fn what_did_not_pass_in_a_passing_run_serves() {
-    let (mut session, graph) = (session(), passing(0.0));
-    assert!(!session.run_preview(&graph, &NoObserver).unwrap().is_passing);
+    let (mut session, graph) = (session(), preview(0.0));
+    assert!(!session.run_preview(&graph, &NoObserver).unwrap().is_preview);
     runs();
-    assert!(!session.run(&graph, &NoObserver).unwrap().is_passing);
+    assert!(!session.run(&graph, &NoObserver).unwrap().is_preview);
     assert_eq!(runs(), []);
 }
 
 #[test]
 fn nothing_passes_where_nothing_is_left_out() {
     let mut session = session().exhaustive();
-    assert!(!session.run_preview(&passing(0.5), &NoObserver).unwrap().is_passing);
+    assert!(!session.run_preview(&preview(0.5), &NoObserver).unwrap().is_preview);
 }
