@@ -32,7 +32,7 @@ macro_rules! operations {
 #[inline(always)]
 fn gathered<T: Copy>(values: &[T], index: U) -> [T; WIDTH] {
     let places = inside::<Portable>(index, values.len()).to_array();
-    // SAFETY: `inside` refuses indices beyond the slice.
+    // SAFETY: `inside` makes an index past the end the last one, and refuses an empty slice.
     array!(|i| unsafe { *values.get_unchecked(places[i] as usize) })
 }
 
@@ -63,7 +63,7 @@ impl Float for F {
             let vectors: [[f32x4; VECTORS]; 4] = array!(|c| bytemuck::cast(parts[c]));
             let turned: [[f32x4; 4]; VECTORS] = array!(|v| f32x4::transpose(array!(|c| vectors[c][v])));
             for (place, four) in places.into_iter().zip(turned.as_flattened()) {
-                // SAFETY: `inside` refuses indices beyond the slice.
+                // SAFETY: `inside` makes an index past the end the last one, and refuses an empty slice.
                 let value = unsafe { values.get_unchecked_mut(place as usize) };
                 value[n] = four.to_array();
             }

@@ -63,12 +63,16 @@ fn measure(arguments: &arguments::Time, wish: &StudyOptions, document: &Document
     }
     let title = document.pipeline.title.clone().unwrap_or_else(|| document.path.display().to_string());
     let mut session = crate::nodes::session();
+    let mut said: Vec<String> = document.graph.warnings.iter().map(Error::to_string).collect();
     for (number, node) in nodes.iter().enumerate() {
         let subject = Subject::gather(&document.graph, Some(node), false, &mut session, bar)?;
         let mut benches = Benches::open(&subject, wish)?;
         bar.clear();
+        // Nodes that are fed alike have the same warnings.
+        let new: Vec<String> = subject.warnings.iter().filter(|new| !said.contains(new)).cloned().collect();
+        say(&warnings(&new, 0));
+        said.extend(new);
         if number == 0 {
-            say(&warnings(&subject.warnings, document.graph.warnings.len()));
             let cells = counted(subject.scene.volume.grid.tetrahedra.len(), "tetrahedron");
             let mut head = format!("\n{title}: {cells}\n");
             head.extend(benches.left_out.iter().map(|what| format!("\nnot measured: {what}\n")));
