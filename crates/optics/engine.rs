@@ -238,7 +238,7 @@ pub struct RenderOutput {
     pub counts: RenderStats,
     /// Times of the stages, in the order of work; empty if they are not measured.
     pub stages: Vec<StageTiming>,
-    /// True if it was drawn from cached segments of the view ([`crate::engine::RenderOptions::passing`]): by itself it would differ by
+    /// True if it was drawn from cached segments of the view ([`crate::engine::RenderOptions::preview`]): by itself it would differ by
     /// rounding.
     pub is_preview: bool,
     /// Further diagnostics: counts of this engine alone, skipped work, warnings.

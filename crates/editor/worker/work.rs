@@ -328,7 +328,7 @@ const FIRST_TIME_LIMIT: f64 = 0.2;
 /// pictures: as many pixels as are drawn in a time that the user does not notice.
 ///
 /// While widgets change and the view does not, the engine draws from its cache of the view
-/// ([`voltet_optics::engine::RenderOptions::passing`]). It caches pictures of one size alone, so that another size costs some slow
+/// ([`voltet_optics::engine::RenderOptions::preview`]). It caches pictures of one size alone, so that another size costs some slow
 /// pictures first.
 #[derive(Debug, Default)]
 struct FrameTimeModel {

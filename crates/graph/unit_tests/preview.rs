@@ -37,7 +37,7 @@ fn what_passed_and_what_was_made_of_it_serve_no_later_run() {
 }
 
 #[test]
-fn what_did_not_pass_in_a_passing_run_serves() {
+fn what_did_not_change_since_a_preview_serves() {
     let (mut session, graph) = (session(), preview(0.0));
     assert!(!session.run_preview(&graph, &NoObserver).unwrap().is_preview);
     runs();
@@ -46,7 +46,7 @@ fn what_did_not_pass_in_a_passing_run_serves() {
 }
 
 #[test]
-fn nothing_passes_where_nothing_is_left_out() {
+fn no_run_is_a_preview_where_nothing_is_left_out() {
     let mut session = session().exhaustive();
     assert!(!session.run_preview(&preview(0.5), &NoObserver).unwrap().is_preview);
 }

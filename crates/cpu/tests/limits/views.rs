@@ -64,7 +64,7 @@ fn drawn(prepared: &dyn PreparedVolume, scene: &Scene) -> RenderOutput {
     prepared.draw(scene, &RenderOptions::default(), &NoProgress).expect("draws")
 }
 
-fn passing(prepared: &dyn PreparedVolume, scene: &Scene) -> RenderOutput {
+fn preview_of(prepared: &dyn PreparedVolume, scene: &Scene) -> RenderOutput {
     prepared
         .draw(scene, &RenderOptions { preview: true, ..RenderOptions::default() }, &NoProgress)
         .expect("draws")
@@ -90,7 +90,7 @@ fn kept_segments_give_the_picture_of_the_cells() {
         let mut served = 0;
         for look in looks().into_iter().chain(looks()) {
             let scene = scene(volume.clone(), look, camera);
-            let kept = passing(&*changing, &scene);
+            let kept = preview_of(&*changing, &scene);
             let fresh = drawn(&*prepared(&volume), &scene);
             assert!(!is_kept(&fresh));
             served += u32::from(is_kept(&kept));
@@ -121,7 +121,7 @@ fn narrow_widgets_beside_wide_ones_are_served_as_far_as_32_bits_hold_them() {
             let narrow = Widget { profile: Profile::Gaussian { centre, matrix }, ..narrow };
             let wide = gaussian([0.5, 0.4], 0.4, [0.9, 0.5, 0.2], 0.3);
             let scene = scene(volume.clone(), look(vec![narrow, wide]), camera);
-            let (kept, fresh) = (passing(&*changing, &scene), drawn(&*prepared(&volume), &scene));
+            let (kept, fresh) = (preview_of(&*changing, &scene), drawn(&*prepared(&volume), &scene));
             worst = worst.max(largest_difference(&kept.picture, &fresh.picture));
             served |= is_kept(&kept);
         }
@@ -150,7 +150,7 @@ fn regions_that_end_on_plateaus_are_those_of_the_cells() {
                 uniform([middle, high], 1.0, [0.1, 0.9, 0.3]),
             ]);
             let scene = scene(volume.clone(), look, camera);
-            let (kept, fresh) = (passing(&*changing, &scene), drawn(&*prepared(&volume), &scene));
+            let (kept, fresh) = (preview_of(&*changing, &scene), drawn(&*prepared(&volume), &scene));
             served += u32::from(is_kept(&kept));
             let difference = largest_difference(&kept.picture, &fresh.picture);
             assert!(difference < 2e-5, "{difference:e} from {low}");
@@ -174,7 +174,7 @@ fn integrators_are_served_by_what_was_kept() {
             for look in looks {
                 let shading = Shading { integrator, ..SHADING };
                 let scene = Scene { shading, ..scene(volume.clone(), look.clone(), camera) };
-                let kept = passing(&*changing, &scene);
+                let kept = preview_of(&*changing, &scene);
                 let fresh = drawn(&*prepared(&volume), &scene);
                 let difference = largest_difference(&kept.picture, &fresh.picture);
                 assert!(difference < 5e-6, "{difference:e} by {integrator:?}");
@@ -196,7 +196,7 @@ fn what_was_kept_is_left_where_it_does_not_serve() {
     let dense = look(vec![gaussian([0.3, 0.4], 0.2, [0.9, 0.5, 0.2], 300.0)]);
     let changing = prepared(&volume);
     let is_kept_of = |look: &TransferFunction, camera| {
-        is_kept(&passing(&*changing, &scene(volume.clone(), look.clone(), camera)))
+        is_kept(&preview_of(&*changing, &scene(volume.clone(), look.clone(), camera)))
     };
     assert!(!is_kept_of(&wide(0.3), camera), "at first");
     assert!(!is_kept_of(&wide(0.3), camera), "the same again");
@@ -211,7 +211,7 @@ fn what_was_kept_is_left_where_it_does_not_serve() {
     assert!(!is_kept_of(&wide(0.6), cameras()[1]), "another view");
     assert!(is_kept_of(&wide(0.6), camera), "the view before");
     // Kept anew, for more.
-    let of_dense = passing(&*changing, &scene(volume.clone(), dense, camera));
+    let of_dense = preview_of(&*changing, &scene(volume.clone(), dense, camera));
     let is_anew = of_dense.stages.iter().any(|timed| timed.stage == Stage::Project && timed.seconds > 0.0);
     assert!(is_kept(&of_dense) && is_anew, "a hundred times as dense");
     assert!(is_kept_of(&wide(0.6), camera), "and back");
@@ -224,7 +224,7 @@ fn a_picture_that_stays_is_that_of_the_cells() {
     let (changing, mut kept) = (prepared(&volume), 0);
     for look in looks() {
         let scene = scene(volume.clone(), look, camera);
-        kept += u32::from(is_kept(&passing(&*changing, &scene)));
+        kept += u32::from(is_kept(&preview_of(&*changing, &scene)));
         let [now, fresh] = [&changing, &prepared(&volume)].map(|prepared| drawn(&**prepared, &scene));
         assert!(!is_kept(&now) && now.picture.rgba == fresh.picture.rgba, "{:?}", scene.transfer_function);
     }
