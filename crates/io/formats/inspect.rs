@@ -104,7 +104,7 @@ pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Su
     for (index, piece) in dataset.pieces.iter().enumerate() {
         summary.point_count = summary.point_count.saturating_add(piece.point_count);
         summary.cell_count = summary.cell_count.saturating_add(piece.cell_count);
-        let mut raw = RawGrid::new(SharedSlice::default(), Cells::Tetrahedra(Vec::new()));
+        let mut raw = RawGrid::new(SharedSlice::default(), Cells::Tetrahedra(SharedSlice::default()));
         if piece.cell_count > 0 {
             raw.cells = cells::load(piece, &meter)?;
             raw.ghost = assemble::ghosts(piece, &raw.cells, &meter)?;
