@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 use voltet_document::{Document, Gesture};
-use voltet_graph::{NodeEntry, Registry, RunReport};
+use voltet_graph::{Registry, RunReport};
 
 /// Makes the text of a pipeline for a file that is none, such as data; the second path is where it would be saved.
 pub type Start = Arc<dyn Fn(&Path, &Path) -> Result<String> + Send + Sync>;
@@ -156,8 +156,7 @@ impl Editor {
         let look = nodes.iter().find(|node| node.node_type.text() == Some("transfer-function"));
         self.selection = look.iter().map(|node| node.name.clone()).collect();
         let registry = &self.registry;
-        let node = |entry: &NodeEntry| entry.node_type.text().and_then(|name| registry.find(name).ok());
-        self.document.lay_out(&|entry| crate::graph::usual_size(node(entry)));
+        self.document.lay_out(&|entry| crate::graph::usual_size(registry.node_type(entry)));
     }
 
     /// Drops from the selection what is gone, and finds a picture to show where there is none.

@@ -17,7 +17,7 @@ use voltet_document::links;
 use voltet_graph::pipeline::{Pipeline as Nodes, locate, parameters};
 use voltet_graph::{
     Demand, Graph, LocatedValue, NoObserver, Node, NodeEntry, NodeOverride, Observer, ParameterValue, Port,
-    PortType, Registry, ResolvedPipeline, RunReport, Session, SourceSpan, Value, suggest,
+    PortType, Registry, ResolvedPipeline, RunReport, Session, SourceSpan, Value, unknown_node,
 };
 use voltet_io::encode::Source;
 use voltet_io::provenance::{run_report, whole_report};
@@ -481,7 +481,7 @@ impl Pipeline {
 
     fn node_type(&self, name: &str) -> Option<&'static Node> {
         let entry = self.source.nodes.nodes.iter().find(|entry| entry.name == name)?;
-        self.registry.find(entry.node_type.text()?).ok()
+        self.registry.node_type(entry)
     }
 
     fn graph(&self, mut entries: Vec<NodeEntry>) -> Result<Graph> {
@@ -508,10 +508,8 @@ impl PipelineText {
     fn node(&mut self, name: &str) -> Result<&mut NodeEntry> {
         let names: Vec<String> = self.nodes.nodes.iter().map(|node| node.name.clone()).collect();
         self.is_changed = true;
-        self.nodes.nodes.iter_mut().find(|node| node.name == name).ok_or_else(|| {
-            let error = Error::usage(format!("there is no node '{name}'"));
-            error.expected(suggest(name, names.iter().map(String::as_str)))
-        })
+        let unknown = || unknown_node(name, names.iter().map(String::as_str));
+        self.nodes.nodes.iter_mut().find(|node| node.name == name).ok_or_else(unknown)
     }
 
     /// A text that states the nodes, for reports.
