@@ -203,24 +203,24 @@ impl Grid {
     ///
     /// # Errors
     /// - a number out of range.
-    pub fn subdivision(mut self, pieces: u32) -> Result<Grid> {
+    pub fn subdivision(self, pieces: u32) -> Result<Grid> {
         if !(1..=64).contains(&pieces) {
             let error = Error::usage("the subdivision of curved cells is out of range").got(pieces);
             return Err(error.expected("a whole number from 1 to 64"));
         }
-        match &mut self.source {
-            Source::Arrays(_, options) => options.subdivision = pieces,
-            Source::File(_, request) => request.subdivision = pieces,
-            Source::Built(_) => {}
-        }
-        Ok(self)
+        Ok(self.with_options(|options| options.subdivision = pieces))
     }
 
     /// Keeps cell data constant within each cell.
-    pub fn constant_cell_data(mut self) -> Grid {
+    pub fn constant_cell_data(self) -> Grid {
+        self.with_options(|options| options.cell_values = CellValues::Constant)
+    }
+
+    /// Changes how it is built; a grid that is built stays as it is.
+    fn with_options(mut self, change: impl FnOnce(&mut Options)) -> Grid {
         match &mut self.source {
-            Source::Arrays(_, options) => options.cell_values = CellValues::Constant,
-            Source::File(_, request) => request.cell_values = CellValues::Constant,
+            Source::Arrays(_, options) => change(options),
+            Source::File(_, request) => change(&mut request.options),
             Source::Built(_) => {}
         }
         self

@@ -63,9 +63,7 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     } else {
         (parts.origin.arrays_unread, parts.origin.values_unread) = (left.arrays, left.value_count);
     }
-    let &Request { subdivision, cell_values, keep_cells, .. } = request;
-    let options = grid::Options { subdivision, cell_values, keep_cells };
-    grid::build(parts, &options, progress)
+    grid::build(parts, &request.options, progress)
 }
 
 /// Work on pieces, side by side. Errors: that of the first piece that has one.
