@@ -374,8 +374,10 @@ mod tests {
             let refused = draw(1, number, Position::Special).0.expect_err("too dense").to_string();
             assert!(refused.contains("flat cell") && refused.contains("\"cpu\""), "{number}: {refused}");
         }
+        // Beside the layers a constant field whose value is the edge of a region.
+        let mended = [(22, 197, Position::General), (24, 425, Position::Special)];
         let layers = [406, 696, 1186].map(|number| (1, number, Position::Special));
-        for (seed, number, position) in layers.into_iter().chain([(22, 197, Position::General)]) {
+        for (seed, number, position) in layers.into_iter().chain(mended) {
             let (drawn, scene) = draw(seed, number, position);
             let exact = reference::draw(&scene, &NoProgress).expect("drawn");
             let drawn = drawn.expect("held");
