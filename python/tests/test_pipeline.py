@@ -50,7 +50,7 @@ def test_functions_of_nodes_state_what_files_do(cube):
     import inspect
 
     assert list(inspect.signature(nodes.camera).parameters)[:2] == ["pipeline", "node"]
-    assert inspect.signature(nodes.camera).parameters["eye"].default is inspect.Parameter.empty
+    assert inspect.signature(nodes.reader).parameters["path"].default is inspect.Parameter.empty
 
 
 def test_mistakes_are_refused_where_they_are_made(slab):

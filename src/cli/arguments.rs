@@ -161,6 +161,14 @@ impl Info {
 pub struct Run {
     #[command(flatten)]
     pub files: Files,
+    /// Size of the picture in pixels: short for --set of the camera's size.
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
+    pub size: Option<[u32; 2]>,
+    /// File of the picture, relative to the working folder: short for --set of the image-writer's path.
+    ///
+    /// As all paths on the command line but those of --set. Those in a pipeline file, and of --set, are relative to that file.
+    #[arg(long, short, value_name = "PATH")]
+    pub output: Option<PathBuf>,
     /// Do everything that could be done, needed or not, and say how much longer that takes.
     ///
     /// Runs each file once to warm up, then in turn twice as usual and twice reading every array, computing the gradient and
