@@ -5,10 +5,12 @@ mod colors;
 mod exr;
 mod format;
 mod png;
+mod read;
 
 pub use colors::{linear_from_srgb, srgb_from_linear, srgb8, viridis};
 pub use format::{EncodePicture, PictureFormat};
 pub use png::png;
+pub use read::{read_image, read_picture};
 
 use crate::formats::is_data;
 use crate::provenance::{PIPELINE, PROVENANCE, Provenance};
