@@ -160,7 +160,7 @@ fn an_image_is_saved_by_its_ending() -> Result<()> {
     let transfer_function = TransferFunction::ramp(Colormap::Viridis, volume.range(), 3.0);
     let image = Renderer::on(Engine::Cpu)?.render(&scene(volume, transfer_function, view))?;
     let folder = tempfile::tempdir().unwrap();
-    let [png, exr, other] = ["a.png", "a.EXR", "a.jpg"].map(|name| folder.path().join(name));
+    let [png, exr, other] = ["a.png", "a.EXR", "a.gif"].map(|name| folder.path().join(name));
     image.save(&png)?;
     image.save(&exr)?;
     let read = image::open(&png).unwrap().into_rgb8();

@@ -173,7 +173,7 @@ def test_pictures_show_themselves(slab, tmp_path):
     rgba.save(tmp_path / "a.exr")
     assert (tmp_path / "a.exr").read_bytes()[:4] == b"\x76\x2f\x31\x01"
     with pytest.raises(voltet.UsageError, match="png or .exr"):
-        rgba.save(tmp_path / "a.jpg")
+        rgba.save(tmp_path / "a.gif")
     result = slab.run()
     assert "<img" in result._repr_html_() and "cpu" in result._repr_html_()
     assert "<table" in slab._repr_html_() and "renderer" in slab._repr_html_()

@@ -65,8 +65,8 @@ pub enum Command {
     Pixel(Pixel),
     /// Compare two pictures: the largest and mean difference, and the one that a person sees.
     ///
-    /// Differences are of premultiplied linear RGBA, from PNG (sRGB) as from EXR, 1 being full scale; a pixel's is the largest of its
-    /// channels. Where a picture has no opacity both are compared over the background. FLIP (Andersson et al. 2020) is the mean
+    /// Differences are of premultiplied linear RGBA, from files of sRGB as from EXR, 1 being full scale; a pixel's is the largest of its
+    /// channels. Where a picture has no alpha both are compared over the background. FLIP (Andersson et al. 2020) is the mean
     /// over all pixels, 0 to 1, of what is seen over the background where the pictures alternate.
     #[command(
         after_help = "Exit codes: 0 within the limit, 1 beyond it, 2 the command or a picture is wrong."

@@ -48,11 +48,11 @@ fn differences_are_those_of_the_formula() {
 #[test]
 fn files_of_integers_differ_from_floats_by_their_rounding() {
     let folder = slabs(&["1.exr", "1.png"]);
-    // A picture without opacity lies over black, so that opacity counts nothing: half a step of sRGB at its steepest place here, where
+    // A picture without alpha lies over black, so that opacity counts nothing: half a step of sRGB at its steepest place here, where
     // 255 steps of code are 2.3 of linear light.
     let ran = folder.voltet(&["diff", "1.exr", "1.png", "--limit", "1/255"]).ok();
     assert!(
-        ran.stdout.contains("linear RGB over the background, since a picture has no opacity"),
+        ran.stdout.contains("linear RGB over the background, since a picture has no alpha"),
         "{}",
         ran.stdout
     );
@@ -84,4 +84,28 @@ fn the_difference_is_drawn_and_what_cannot_be_compared_is_refused() {
     }
     let ran = folder.voltet(&["diff", "1.exr", "2.exr", "--limit", "1/0"]);
     assert!(ran.code == 2 && ran.stderr.contains("a fraction such as 1/255"), "{}", ran.stderr);
+}
+
+/// With alpha the file is the picture, over every background.
+#[test]
+fn files_with_alpha_hold_the_opacity_and_say_what_they_do_not_hold() {
+    let folder = slabs(&["1.exr"]);
+    for (file, bits, limit) in
+        [("a.png", 8, "3/255"), ("a.png", 16, "3/65535"), ("a.tif", 16, "3/65535"), ("a.webp", 8, "3/255")]
+    {
+        let bits = format!("file.bits={bits}");
+        let set = ["--set", "file.alpha=true", "--set", &bits, "--output", file];
+        let ran = folder.voltet(&[&["run", "slab.toml"], &set[..]].concat()).ok();
+        assert_eq!(ran.stderr.contains("holds no texts"), file != "a.png", "{}", ran.stderr);
+        let ran = folder.voltet(&["diff", "1.exr", file, "--limit", limit]).ok();
+        assert!(ran.stdout.contains("premultiplied linear RGBA"), "{}", ran.stdout);
+    }
+    let ran = folder.voltet(&["run", "slab.toml", "--set", "file.alpha=true", "--output", "a.jpg"]).ok();
+    for what in ["jpeg holds no alpha: the picture lies over the background", "jpeg holds no texts"] {
+        assert!(ran.stderr.contains(what), "{}", ran.stderr);
+    }
+    folder
+        .voltet(&["run", "slab.toml", "--set", "file.bits=12"])
+        .fails(2, &["no format has so many bits: found 12"]);
+    folder.voltet(&["run", "a.jpg"]).fails(2, &["the picture carries no pipeline"]);
 }

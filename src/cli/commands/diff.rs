@@ -4,7 +4,7 @@ use super::shared::{DONE, FAILED, Outcome};
 use crate::cli::arguments::Diff;
 use crate::cli::present::{name, print, say};
 use crate::core::{Error, counted};
-use crate::io::encode::{format_by_ending, read_picture};
+use crate::io::encode::{SampleForm, format_by_ending, read_picture};
 use crate::nodes::files::{Use, collision, refuse_unwritable, write_whole};
 use voltet_study::work_precision::{PreparedPicture, difference, errors};
 
@@ -19,21 +19,21 @@ pub fn diff(arguments: &Diff) -> Outcome {
         }
         refuse_unwritable(output)?;
     }
-    let ((one, one_has_opacity), (other, other_has_opacity)) = (read_picture(a)?, read_picture(b)?);
+    let ((one, one_has_alpha), (other, other_has_alpha)) = (read_picture(a)?, read_picture(b)?);
     if [one.width, one.height] != [other.width, other.height] {
         let sizes = format!("{} × {} and {} × {} pixels", one.width, one.height, other.width, other.height);
         let error = Error::usage("the pictures have different sizes").got(sizes);
         return Err(error.expected("two pictures of one size").in_file(b).into());
     }
-    // What has no opacity lies over a background already.
-    let has_opacity = one_has_opacity && other_has_opacity;
+    // What has no alpha lies over a background already.
+    let has_alpha = one_has_alpha && other_has_alpha;
     let (one, other) =
-        if has_opacity { (one, other) } else { (one.over(*background), other.over(*background)) };
+        if has_alpha { (one, other) } else { (one.over(*background), other.over(*background)) };
     let found = errors(&one, &other);
     let flip = PreparedPicture::new(&one, *background).difference(&PreparedPicture::new(&other, *background));
-    let space = match has_opacity {
+    let space = match has_alpha {
         true => "premultiplied linear RGBA",
-        false => "linear RGB over the background, since a picture has no opacity",
+        false => "linear RGB over the background, since a picture has no alpha",
     };
     let size = format!("{} × {} pixels", one.width, one.height);
     let [shown_a, shown_b] = [a, b].map(|path| name(&path.to_string_lossy()).to_string());
@@ -48,7 +48,9 @@ pub fn diff(arguments: &Diff) -> Outcome {
     let over = counted(found.pixels_over_step, "pixel");
     text += &format!("FLIP, mean      {flip:.3e}\n{over} over 1 / 255\n");
     if let (Some(output), Some(format)) = (output, format) {
-        write_whole(output, &(format.encode)(&difference(&one, &other), [0.0; 3], None)?)?;
+        let picture = difference(&one, &other);
+        let (file, _) = format.file(&picture, SampleForm::over([0.0; 3]), None)?;
+        write_whole(output, &file)?;
     }
     print(&text)?;
     match limit {
