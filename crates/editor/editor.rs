@@ -12,7 +12,6 @@ use crate::section::SectionPanel;
 use crate::study::{StudyPanel, show_costs};
 use crate::theme;
 use crate::transfer::TransferPanel;
-use crate::view::View;
 use crate::worker::{
     Estimate, NodeState, PixelProbe, RenderRequest, VolumeSource, Worker, WorkerOutput, size_of,
 };
@@ -176,7 +175,7 @@ impl Editor {
     }
 
     pub(crate) fn scene(&self) -> Scene<'_> {
-        let camera = self.camera();
+        let (camera, view) = (self.camera(), self.view());
         self.worker.shown(|shown| {
             let distribution = shown.distribution.answer();
             let is_newest =
@@ -207,7 +206,7 @@ impl Editor {
                 arrays: &self.arrays,
                 selection: &self.selection,
                 shown_node: self.shown_node.as_deref(),
-                view: camera.and_then(View::from_camera),
+                view,
                 picture_size: camera.and_then(size_of),
                 seconds: pixels.as_ref().and_then(|pixels| shown.seconds[usize::from(!pixels.is_full())]),
                 pixels,

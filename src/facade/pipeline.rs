@@ -21,7 +21,7 @@ use voltet_graph::{
 };
 use voltet_io::encode::Source;
 use voltet_io::provenance::{run_report, whole_report};
-use voltet_nodes::in_memory_grid;
+use voltet_nodes::{VIEW_PARAMETERS, in_memory_grid};
 
 /// A pipeline that a program changes and renders. Values of nodes that a change does not concern are kept between renders.
 pub struct Pipeline {
@@ -199,7 +199,7 @@ impl Pipeline {
             Projection::Orthographic { height } => (None, Some(ParameterValue::Number(height))),
         };
         let size = camera.size.into_iter().map(|side| ParameterValue::Integer(side.into())).collect();
-        let values = vec![
+        let mut values = vec![
             ("eye", Some(camera.eye.to_array().into_iter().collect())),
             ("target", Some(camera.target.to_array().into_iter().collect())),
             ("up", Some(camera.up.to_array().into_iter().collect())),
@@ -209,6 +209,7 @@ impl Pipeline {
             ("fov_y", fov_y),
             ("height", height),
         ];
+        values.extend(VIEW_PARAMETERS.map(|name| (name, None)));
         self.set_parameters(&name, values)
     }
 

@@ -5,6 +5,7 @@ mod bad_data;
 mod bad_pipelines;
 mod collisions;
 mod commands;
+mod diff;
 #[cfg(feature = "gpu")]
 mod engines;
 mod exhaustive;
