@@ -35,7 +35,7 @@ pub const NODE: Node = Node {
         },
         Parameter {
             name: "background",
-            parameter_type: ParameterType::Numbers(Some(3), Range::within(0.0, 1.0)),
+            parameter_type: ParameterType::Color(Range::within(0.0, 1.0)),
             unit: "linear RGB",
             default: DefaultValue::Numbers(&[0.0, 0.0, 0.0]),
             help: "the colour behind the picture, in formats without opacity",
@@ -59,7 +59,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let picture = call.image("image")?;
     let path = call.path("path")?;
     let carried = carried(call, &path)?;
-    let background = call.parameters.vector("background")?;
+    let background = call.parameters.color("background")?;
     let encoded = (format(call.parameters)?.encode)(&picture, background, carried.as_ref())?;
     files::write(call, &encoded)?;
     Ok(Vec::new())

@@ -87,7 +87,7 @@ impl Colormap {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColorCurve(Vec<(f64, [f64; 3])>);
 
-/// How far a curve may be from what it was sampled from, in sRGB: with rounding less than one step of 8 bits.
+/// Largest distance of a curve from what it was sampled from, in sRGB: with rounding less than one step of 8 bits.
 const TOLERANCE: f64 = 0.75 / 255.0;
 
 /// Samples of a map that is not linear in linear RGB.
@@ -151,7 +151,7 @@ impl ColorCurve {
         self
     }
 
-    /// So many bands of equal width, two or more, with the curve's colours from its first to its last.
+    /// Curve of so many bands of equal width, two or more, with the curve's colours from its first to its last.
     pub fn stepped(&self, count: usize) -> ColorCurve {
         let band = |k: usize| {
             let color = self.at(k as f64 / (count - 1).max(1) as f64);

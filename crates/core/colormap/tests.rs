@@ -33,10 +33,6 @@ fn each_map_is_within_one_step_of_its_256_colours() {
     }
 }
 
-/// Ends of Moreland's cool to warm map, as ParaView's "Cool to Warm" has them.
-const COOL_WARM: [(f64, [f64; 3]); 2] =
-    [(-3.0, [0.231373, 0.298039, 0.752941]), (5.0, [0.705882, 0.0156863, 0.14902])];
-
 /// Colours of `vtkColorTransferFunction` (VTK 9.2) between two points, in 255ths of sRGB.
 #[test]
 fn the_way_between_two_points_is_that_of_vtk() {
