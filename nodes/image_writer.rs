@@ -35,7 +35,7 @@ pub const NODE: Node = Node {
         },
         Parameter {
             name: "background",
-            parameter_type: ParameterType::Numbers(Some(3), Range::within(0.0, 1.0)),
+            parameter_type: ParameterType::Color(Range::within(0.0, 1.0)),
             unit: "linear RGB",
             default: DefaultValue::Numbers(&[0.0, 0.0, 0.0]),
             help: "the colour behind the picture, in files without alpha",
@@ -101,7 +101,7 @@ fn form(p: &Parameters) -> Result<SampleForm> {
         16 => 16,
         other => return Err(p.error("bits", "no format has so many bits").got(other).expected("8 or 16")),
     };
-    Ok(SampleForm { alpha: p.flag("alpha")?, background: p.vector("background")?, bits })
+    Ok(SampleForm { alpha: p.flag("alpha")?, background: p.color("background")?, bits })
 }
 
 fn format(parameters: &Parameters) -> Result<&'static PictureFormat> {

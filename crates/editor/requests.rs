@@ -272,5 +272,5 @@ fn background(nodes: &[NodeEntry], node: &str) -> [f64; 3] {
             })
     };
     let stated = nodes.iter().find(writes).and_then(|writer| writer.setting("background"));
-    stated.and_then(|stated| stated.array()).unwrap_or([0.0; 3])
+    stated.and_then(|stated| stated.color()).unwrap_or([0.0; 3])
 }

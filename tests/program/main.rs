@@ -4,6 +4,7 @@
 mod bad_data;
 mod bad_pipelines;
 mod collisions;
+mod colormap;
 mod commands;
 mod diff;
 #[cfg(feature = "gpu")]
